@@ -11,7 +11,7 @@
 namespace lamplock {
 namespace {
 
-/// The group that may read and write the node; empty if that is root's, or none.
+/// The group that may read and write the node; empty if that is root's, or there is none.
 std::string group_with_access(const std::filesystem::path& node) {
   struct stat status {};
   constexpr mode_t both = S_IRGRP | S_IWGRP;
@@ -21,7 +21,7 @@ std::string group_with_access(const std::filesystem::path& node) {
   return found == nullptr ? "" : found->gr_name;
 }
 
-/// Chips of lines: installing the rules gives them to nobody.
+/// Chips of lines: the installed rules grant no access to them by default.
 bool is_line_chip(const std::filesystem::path& node) {
   return node.filename().string().starts_with("gpiochip");
 }
@@ -34,8 +34,9 @@ std::string access_remedy(const std::filesystem::path& node) {
   if (const std::string group = group_with_access(node); !group.empty())
     return fmt::format("join its group: sudo adduser $USER {}, then log in again", group);
   if (is_line_chip(node))
-    return "take the rule for lines into use that stands in 60-lamplock.rules as a comment, or "
-           "run it as root";
+    return "enable the rule for lines that is a comment in 60-lamplock.rules, or run the program "
+           "as "
+           "root";
   return "install 60-lamplock.rules (cmake --install, or the Debian package), then plug in again";
 }
 
@@ -44,7 +45,7 @@ AccessProblem access_problem(const std::filesystem::path& node) {
   const int failure = errno;
   if (failure == ENOENT)
     return {fmt::format("there is no {}", node.string()),
-            "in a container give it the /dev of the computer, otherwise plug in again"};
+            "in a container give access to the computer's /dev, otherwise plug in again"};
   if (!is_denied(failure))
     return {fmt::format("{} cannot be used ({})", node.string(), std::strerror(failure)),
             "plug in again"};

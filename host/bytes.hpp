@@ -9,7 +9,7 @@
 
 namespace lamplock {
 
-/// The number that begins at `bytes`.
+/// Reads the number at `bytes`.
 template <class Value>
 Value load(const char* bytes, std::endian order = std::endian::little) {
   std::array<char, sizeof(Value)> raw{};

@@ -1,4 +1,4 @@
-// The host's one error type: what a user reads when something is wrong.
+// The host's error type: the message for the user about a failure.
 #pragma once
 
 #include <stdexcept>
@@ -17,7 +17,7 @@ enum class Exit : int {
   terminated = 143  ///< by SIGTERM, as a shell reports it
 };
 
-/// An error shown as one printable line `error: WHERE: WHAT; REMEDY`, whatever its parts contain
+/// An error shown as one printable line `error: WHERE: WHAT; REMEDY`, for any contents of its parts
 /// (printable.hpp).
 class Error : public std::runtime_error {
  public:

@@ -1,4 +1,4 @@
-// Whole files in and out, with the errors a user understands. Called by all readers and writers.
+// Reads and writes whole files, with errors for the user. Called by all readers and writers.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@ namespace lamplock {
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what,
                          const std::string& remedy);
 
-/// Throws Error (bad_input) if there is no such file or it is a folder or a device.
+/// Throws Error (bad_input) if the file does not exist or is a folder or a device.
 void check_is_file(const std::filesystem::path& path);
 
 /// All bytes of a file. Throws Error (bad_input) if it is missing, no file, unreadable or empty.

@@ -10,13 +10,14 @@
 namespace lamplock {
 namespace {
 
-/// A character, and how many bytes it has; no bytes: it is not valid UTF-8.
+/// A character and its number of bytes; 0 bytes if it is not valid UTF-8.
 struct Character {
   std::uint32_t code = 0;
   std::size_t bytes = 0;
 };
 
-/// RFC 3629: sequences by their first byte, the smallest code of each length; no surrogates.
+/// Decodes by RFC 3629: sequences by their first byte, the smallest code of each length; no
+/// surrogates.
 Character first_of(std::string_view text) {
   struct Form {
     std::uint8_t mask, mark;
@@ -41,8 +42,8 @@ Character first_of(std::string_view text) {
   return {};
 }
 
-/// Controls (C0, DEL, C1), separators of lines, marks of direction, the byte order mark and what is
-/// no character: Unicode 15, chapter 23.
+/// False for controls (C0, DEL, C1), separators of lines, marks of direction, the byte order mark
+/// and non-characters: Unicode 15, chapter 23.
 bool is_harmless(std::uint32_t code) {
   struct Range {
     std::uint32_t first, last;

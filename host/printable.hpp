@@ -1,8 +1,8 @@
-// Text of others made fit for a terminal: what files, names and boards contain may be anything, and
-// a terminal obeys control characters.
+// Makes foreign text safe for a terminal: files, names and boards may contain any bytes, and a
+// terminal executes control characters.
 //
 // In:  any bytes. Out: one line of valid UTF-8 without control characters.
-// Who: every error (error.hpp), and who else shows text of others.
+// Who: every error (error.hpp), and all other code that shows foreign text.
 #pragma once
 
 #include <string>

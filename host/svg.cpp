@@ -8,7 +8,7 @@
 namespace lamplock::svg {
 namespace {
 
-/// Bytes of the character that begins at `i`; 0 where no character of UTF-8 does (RFC 3629).
+/// Bytes of the character that begins at `i`; 0 if it is not valid UTF-8 (RFC 3629).
 std::size_t character_length(const std::string& text, std::size_t i) {
   const auto byte = [&text](std::size_t at) {
     return at < text.size() ? static_cast<unsigned char>(text[at]) : 0u;
@@ -21,7 +21,7 @@ std::size_t character_length(const std::string& text, std::size_t i) {
                                                             : 0;
   for (std::size_t k = 1; k < length; ++k)
     if ((byte(i + k) & 0xc0) != 0x80) return 0;
-  // Longer than needed, half of a pair, above the last character.
+  // Overlong sequences, surrogates, codes above the last character.
   const unsigned second = byte(i + 1);
   if ((lead == 0xe0 && second < 0xa0) || (lead == 0xed && second > 0x9f) ||
       (lead == 0xf0 && second < 0x90) || (lead == 0xf4 && second > 0x8f))

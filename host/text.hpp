@@ -1,5 +1,5 @@
-// Text taken apart: lines, blanks, numbers, read the same way whatever the locale. Called by all
-// who read files of text or what a board says.
+// Parses text: lines, blanks, numbers, independent of the locale. Called by all readers of text
+// files and of a board's lines.
 #pragma once
 
 #include <charconv>
@@ -9,16 +9,16 @@
 
 namespace lamplock {
 
-/// Without the mark that some editors put before UTF-8.
+/// The text without the mark that some editors put before UTF-8.
 std::string_view without_byte_order_mark(std::string_view text);
 
-/// Takes the next line off the front, without its end; CR, LF and both are one.
+/// Removes and returns the next line, without its end: CR, LF or both.
 std::string_view take_line(std::string_view& text);
 
-/// Without spaces and tabs at both ends.
+/// The text without spaces and tabs at both ends.
 std::string_view trimmed(std::string_view text);
 
-/// The whole text as a number; nothing if it is not one or does not fit.
+/// The whole text as a number; empty if it is not one or does not fit.
 template <class Number>
 std::optional<Number> number_of(std::string_view text) {
   Number number{};

@@ -1,8 +1,8 @@
-// TOML files: read whole, with errors at file and line. Called by the readers of profiles and of
+// Reads TOML files, with errors at file and line. Called by the readers of profiles and of
 // descriptions.
 #pragma once
 
-// toml++ as a library with exceptions; every file that includes it has to say the same.
+// toml++ as a library with exceptions; every file that includes it must define the same.
 #define TOML_EXCEPTIONS 1
 #include <toml++/toml.h>
 
@@ -14,7 +14,7 @@ namespace lamplock {
 /// "FILE:LINE", for errors: refuse() of host/file.hpp.
 std::string toml_location(const std::filesystem::path& file, const toml::source_region& source);
 
-/// Throws Error(bad_input): a file that cannot be read, at its line what is no TOML.
+/// Throws Error(bad_input): a file that cannot be read, or invalid TOML, with its line.
 toml::table read_toml(const std::filesystem::path& file);
 
 }  // namespace lamplock

@@ -1,11 +1,11 @@
-// Settings in their units, and the factors between the units people use and those of the settings.
+// Settings in their units, and factors between common units and those of the settings.
 #pragma once
 
 #include "shared/settings_table.hpp"
 
 namespace lamplock {
 
-/// Settings are kept in thousandths of their unit.
+/// Settings are stored in thousandths of their unit.
 inline constexpr double milli_per_unit = 1000.0;
 inline constexpr double mm_s2_per_m_s2 = 1000.0;
 inline constexpr double mm_min_per_m_s = 60'000.0;

@@ -1,4 +1,4 @@
-// LAMPLOCK_VERSION is defined for this file alone, so that a new version compiles no other.
+// LAMPLOCK_VERSION is defined for this file only, so that a new version recompiles no other file.
 #include "host/version.hpp"
 
 namespace lamplock {

@@ -3,7 +3,7 @@
 
 namespace lamplock {
 
-/// "0.1.0", as project() of CMakeLists.txt has it.
+/// "0.1.0", from project() of CMakeLists.txt.
 const char* version();
 
 }  // namespace lamplock

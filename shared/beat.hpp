@@ -8,7 +8,7 @@
 
 namespace lamplock {
 
-/// Shrinking of the tick that limits have to allow for, Q16: 65536 = none.
+/// Shrinking of the tick that limits must allow for, Q16: 65536 = none.
 inline constexpr std::uint32_t full_tick_q16 = 65536;
 
 /// Ticks in a beat of the nominal lamp frequency, rounded.

@@ -1,4 +1,4 @@
-// What became of a beat: every lamp period of a job is counted under exactly one of these.
+// The use of a beat: every lamp period of a job is counted under exactly one of these.
 //
 // The shot scheduler counts them, STATUS carries the counts, the report prints them by name.
 #pragma once
@@ -13,11 +13,11 @@ namespace lamplock {
 /// Why a beat had its shot, or had none. The values are part of the wire format: never renumber.
 enum class BeatReason : std::uint8_t {
   fired = 0,              ///< a shot at its point
-  no_point_due = 1,       ///< nothing to fire here: a pass, a dwell, or nothing planned
+  no_point_due = 1,       ///< no shot here: a pass, a dwell, or no plan
   moving = 2,             ///< the next point cannot be reached on this beat
-  outside_tolerance = 3,  ///< the edge came while the machine was too far from the point
+  outside_tolerance = 3,  ///< at the edge the machine was too far from the point
   no_edge = 4,            ///< the lamp did not flash
-  returning = 5,          ///< on the way back to a point that was missed
+  returning = 5,          ///< the machine returns to a point that was missed
   not_locked = 6,         ///< the beat clock does not follow the lamp
   hold = 7,
   door = 8,

@@ -1,4 +1,4 @@
-// Fixed-point helpers of the firmware: products, quotients and roots that say how they round.
+// Fixed-point helpers of the firmware: products, quotients and roots with documented rounding.
 //
 // The Q format is part of every name: speed_q62 is a speed with 62 fractional bits. Planner
 // intervals are rounded inwards.
@@ -15,7 +15,7 @@ namespace lamplock {
 
 inline constexpr std::int64_t one_q32 = std::int64_t{1} << 32;
 inline constexpr std::int64_t one_q62 = std::int64_t{1} << 62;
-/// Middle of a step in a Q64 fraction: where every axis stands at an integer point.
+/// Middle of a step in a Q64 fraction: the position of every axis at an integer point.
 inline constexpr std::uint64_t half_step_q64 = std::uint64_t{1} << 63;
 
 /// Product of two Q32 numbers, rounded down.
@@ -75,7 +75,7 @@ constexpr std::uint32_t isqrt(std::uint64_t x) {
   return detail::root_of_normalised(x << shift) >> (shift / 2);
 }
 
-/// No more than the root of x, at most one less than isqrt(), and quicker.
+/// At most the root of x and at most one less than isqrt(); faster.
 constexpr std::uint32_t nearly_isqrt(std::uint64_t x) {
   if (x == 0) return 0;
   const int shift = std::countl_zero(x) & ~1;
@@ -110,7 +110,7 @@ constexpr std::int64_t portable_times_short(std::int64_t x, std::uint32_t n) {
   return static_cast<std::int64_t>(std::uint64_t{high} << 32 | (p1 << 16 | (p0 & 0xffffu)));
 }
 
-/// The same, the quicker way.
+/// The same, faster.
 constexpr std::int64_t times_short(std::int64_t x, std::uint32_t n) {
 #ifdef __SIZEOF_INT128__
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(x) * n);

@@ -1,8 +1,9 @@
-// Error numbers of the text side: number, short name, text. One definition for firmware and host.
+// Error numbers of the text protocol: number, short name, text. One definition for firmware and
+// host.
 //
 // The numbers are those of grbl 1.1 ("error:N"), and of grblHAL where grbl has none, because
-// senders show their own texts for them. The firmware sends numbers alone; the texts are for the
-// host and for documentation, and cost the image nothing while it does not name the table.
+// senders show their own texts for them. The firmware sends only numbers; the texts are for the
+// host and for documentation, and are not in the image as long as it does not use the table.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,7 @@
 
 namespace lamplock {
 
-/// What is wrong with a line. The values go over the wire: never renumber.
+/// Errors of a line. The values are sent over the wire: never renumber.
 enum class GcodeError : std::uint8_t {
   none = 0,
   letter_expected = 1,
@@ -71,9 +72,9 @@ struct GcodeErrorRow {
 /// In order of their numbers.
 inline constexpr GcodeErrorRow gcode_errors[] = {
     GcodeErrorRow{GcodeError::letter_expected, "letter_expected",
-                  "a word begins with a letter, and this is none"},
+                  "a word must begin with a letter"},
     GcodeErrorRow{GcodeError::bad_number, "bad_number",
-                  "the number behind the letter is missing, malformed or too large"},
+                  "the number after the letter is missing, malformed or too large"},
     GcodeErrorRow{GcodeError::unknown_command, "unknown_command", "no such $ command"},
     GcodeErrorRow{GcodeError::negative_value, "negative_value", "the value must not be negative"},
     GcodeErrorRow{GcodeError::homing_disabled, "homing_disabled", "homing is switched off ($22)"},
@@ -82,11 +83,11 @@ inline constexpr GcodeErrorRow gcode_errors[] = {
                   "stored values could not be read and have been set to defaults"},
     GcodeErrorRow{GcodeError::not_idle, "not_idle", "only possible while the machine is idle"},
     GcodeErrorRow{GcodeError::locked, "locked",
-                  "locked by an alarm, a jog or an error before ($981)"},
+                  "locked by an alarm, a jog or an earlier error ($981)"},
     GcodeErrorRow{GcodeError::homing_needed, "homing_needed", "soft limits need homing ($22)"},
     GcodeErrorRow{GcodeError::line_too_long, "line_too_long", "the line is too long"},
     GcodeErrorRow{GcodeError::step_rate_too_high, "step_rate_too_high",
-                  "the setting asks for more steps a second than the board can make"},
+                  "the setting requires more steps per second than the board can make"},
     GcodeErrorRow{GcodeError::door_open, "door_open", "the safety door is open"},
     GcodeErrorRow{GcodeError::text_too_long, "text_too_long",
                   "the start-up line or the build text is too long"},
@@ -94,7 +95,8 @@ inline constexpr GcodeErrorRow gcode_errors[] = {
                   "the jog would leave the travel of the machine"},
     GcodeErrorRow{GcodeError::bad_jog_word, "bad_jog_word", "a jog cannot have this word"},
     GcodeErrorRow{GcodeError::laser_needs_pwm, "laser_needs_pwm", "laser mode needs a PWM output"},
-    GcodeErrorRow{GcodeError::was_reset, "was_reset", "a reset came before the line was executed"},
+    GcodeErrorRow{GcodeError::was_reset, "was_reset",
+                  "a reset occurred before the line was executed"},
     GcodeErrorRow{GcodeError::not_positive, "not_positive", "the value must be above zero"},
     GcodeErrorRow{GcodeError::unsupported, "unsupported", "this command or word is not supported"},
     GcodeErrorRow{GcodeError::modal_conflict, "modal_conflict",
@@ -102,16 +104,16 @@ inline constexpr GcodeErrorRow gcode_errors[] = {
     GcodeErrorRow{GcodeError::no_feed, "no_feed", "the feed is zero or has not been set"},
     GcodeErrorRow{GcodeError::not_integer, "not_integer", "the value must be a whole number"},
     GcodeErrorRow{GcodeError::axis_conflict, "axis_conflict",
-                  "two commands of the line want the same words"},
+                  "two commands of the line use the same words"},
     GcodeErrorRow{GcodeError::word_repeated, "word_repeated", "the word occurs twice"},
     GcodeErrorRow{GcodeError::no_axis_words, "no_axis_words", "the command needs axis words"},
     GcodeErrorRow{GcodeError::bad_line_number, "bad_line_number", "the line number is too large"},
     GcodeErrorRow{GcodeError::value_missing, "value_missing",
                   "the command needs a word that is missing"},
     GcodeErrorRow{GcodeError::no_such_system, "no_such_system",
-                  "there is no coordinate system of this number"},
+                  "no coordinate system has this number"},
     GcodeErrorRow{GcodeError::machine_move_needs_line, "machine_move_needs_line",
-                  "G53 needs G0 or G1 in force"},
+                  "G53 requires G0 or G1 to be active"},
     GcodeErrorRow{GcodeError::axis_words_unused, "axis_words_unused",
                   "no command of the line uses this axis word"},
     GcodeErrorRow{GcodeError::no_axis_in_plane, "no_axis_in_plane",
@@ -124,7 +126,7 @@ inline constexpr GcodeErrorRow gcode_errors[] = {
     GcodeErrorRow{GcodeError::words_unused, "words_unused",
                   "no command of the line uses this word"},
     GcodeErrorRow{GcodeError::tool_length_axis, "tool_length_axis",
-                  "G43.1 takes an axis word of the tool axis and no other"},
+                  "G43.1 requires an axis word of the tool axis and no other"},
     GcodeErrorRow{GcodeError::tool_too_large, "tool_too_large", "the tool number is too large"},
     GcodeErrorRow{GcodeError::out_of_range, "out_of_range", "the value is outside its range"},
     GcodeErrorRow{GcodeError::tool_change_pending, "tool_change_pending",

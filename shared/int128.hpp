@@ -1,6 +1,6 @@
-// A signed 128-bit integer with just what planner and stepper need.
+// A signed 128-bit integer with the operations that planner and stepper need.
 //
-// The Cortex-M0+ has no 128-bit type, and both boards have to agree to the bit, so the same code
+// The Cortex-M0+ has no 128-bit type, and both boards must give identical results, so the same code
 // runs everywhere. Positions are Q64 (steps with a 64-bit fraction), speeds and accelerations Q62;
 // their products with tick counts need the width.
 #pragma once
@@ -10,8 +10,8 @@
 
 namespace lamplock {
 
-/// Exact product of two 32-bit numbers from four products of halves: for machines that multiply 32
-/// by 32 bits to 32 only and would call a function for more.
+/// Exact product of two 32-bit numbers from four products of halves: for machines that only
+/// multiply 32 by 32 bits to 32 and would call a function for more.
 constexpr std::uint64_t portable_wide_product(std::uint32_t a, std::uint32_t b) {
   const std::uint32_t a0 = a & 0xffffu, a1 = a >> 16, b0 = b & 0xffffu, b1 = b >> 16;
   const std::uint32_t low = a0 * b0;
@@ -21,7 +21,7 @@ constexpr std::uint64_t portable_wide_product(std::uint32_t a, std::uint32_t b) 
   return std::uint64_t{high} << 32 | (mid2 << 16 | (low & 0xffffu));
 }
 
-/// Exact product of two 32-bit numbers, the quicker way.
+/// Exact product of two 32-bit numbers, faster.
 constexpr std::uint64_t wide_product(std::uint32_t a, std::uint32_t b) {
 #ifdef __SIZEOF_INT128__
   return std::uint64_t{a} * b;
@@ -30,7 +30,7 @@ constexpr std::uint64_t wide_product(std::uint32_t a, std::uint32_t b) {
 #endif
 }
 
-/// a n for n below 2^16, modulo 2^64: three products of 32 bits, where a general one calls a
+/// a n for n below 2^16, modulo 2^64: three products of 32 bits, where a general product calls a
 /// function.
 constexpr std::int64_t short_product(std::int64_t a, std::uint32_t n) {
   const auto low = static_cast<std::uint32_t>(a), high = static_cast<std::uint32_t>(a >> 32);
@@ -65,12 +65,12 @@ class Int128 {
     const std::uint64_t p0 = (std::uint64_t{(low >> 16) * n} << 16) + (low & 0xffffu) * n;
     const std::uint64_t p1 =
         (std::uint64_t{(high >> 16) * n} << 16) + (high & 0xffffu) * n + (p0 >> 32);
-    // Of a negative number 2^64 n too much.
+    // A negative number adds 2^64 n too much.
     const std::uint64_t top = (p1 >> 32) - (a < 0 ? n : 0);
     return {top, p1 << 32 | static_cast<std::uint32_t>(p0)};
   }
 
-  /// a n, exact; quick for n below 2^16, as ticks of a way mostly are.
+  /// a n, exact; fast for n below 2^16, as ticks of a way usually are.
   static constexpr Int128 times(std::int64_t a, std::uint32_t n) {
     return n >> 16 == 0 ? short_product(a, n) : product(a, n);
   }
@@ -112,8 +112,7 @@ class Int128 {
     return ~unsigned_quotient(~*this, divisor);  // floor(x / d) = -floor((-x - 1) / d) - 1
   }
 
-  /// Product of two unsigned numbers from 32-bit pieces: what a machine without a wide multiplier
-  /// computes.
+  /// Product of two unsigned numbers from 32-bit pieces, for machines without a wide multiplier.
   static constexpr Int128 portable_product(std::uint64_t a, std::uint64_t b) {
     const auto a0 = static_cast<std::uint32_t>(a), a1 = static_cast<std::uint32_t>(a >> 32);
     const auto b0 = static_cast<std::uint32_t>(b), b1 = static_cast<std::uint32_t>(b >> 32);
@@ -125,7 +124,7 @@ class Int128 {
     return {portable_wide_product(a1, b1) + (mid1 >> 32) + (mid2 >> 32), (mid2 << 32) | low32};
   }
 
-  /// The value as 64-bit integer; the caller knows that it fits.
+  /// The value as 64-bit integer; it must fit.
   constexpr std::int64_t to_int64() const { return static_cast<std::int64_t>(lo_); }
 
  private:

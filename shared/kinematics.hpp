@@ -1,23 +1,23 @@
 // Kinematics: which motors move which axes. One definition for firmware, simulator and host.
 //
 // In:  the settings $965 and $966.
-// Out: places of motors from those of axes, and back.
-// Who: the tick generator, which alone makes motors' runs out of axes'; whoever reads places back
-//      from motors (the controller: dead stops, contacts); the drives of the simulated world, which
-//      turn motors into loads; traces of what was put out.
+// Out: positions of motors from those of axes, and back.
+// Who: the tick generator, the only place that converts runs of axes to runs of motors; code that
+//      reads positions back from motors (the controller: dead stops, contacts); the drives of the
+//      simulated world, which move loads by motors; traces of the output.
 //
-// Planning, braking, limits, homing and reports are all in axes. As a rule motor and axis are the
-// same. Where they are not, two axes share two motors, a pair:
+// Planning, braking, limits, homing and reports all use axes. Usually a motor is the motor of one
+// axis. Otherwise two axes share two motors, a pair:
 //
 //   CoreXY   motor X = X + Y, motor Y = X - Y
-//   ganged   one motor of the axis G is its own, the other one is that of A: A = G + racking. What
-//            is planned as axis A is the racking alone: 0, but while homing squares the gantry.
+//   ganged   one motor of the axis G is its own, the other one is that of A: A = G + racking. The
+//            plan of axis A is only the racking: 0, except while homing squares the gantry.
 //
-// An axis at rest stands in the middle of a step, half a step above its lower edge. The sum of two
+// An axis at rest is in the middle of a step, half a step above its lower edge. The sum of two
 // halves would be an edge, so motors of a pair have an offset of half a step: then they, too, rest
-// in the middle. At rest both motors of a CoreXY have even places or both have odd ones. Stopped
-// dead they may have one of each; then X and Y stand on edges of their steps, and whatever moves
-// them next begins there.
+// in the middle. At rest the positions of both motors of a CoreXY are even or both are odd. After a
+// dead stop one may be even and the other odd; then X and Y are on edges of their steps, and the
+// next motion begins there.
 #pragma once
 
 #include <array>
@@ -37,24 +37,24 @@ struct AxisPair {
 
   constexpr int motor(bool of_second) const { return of_second ? second : first; }
 
-  /// Of places less their offsets, rates, accelerations: what the first motor makes of both axes.
+  /// First motor from both axes; for positions less their offsets, rates, accelerations.
   template <class T>
   constexpr T first_motor(const T& u, const T& v) const {
     return kind == Kind::core ? u + v : u;
   }
-  /// The same of the second.
+  /// The same for the second motor.
   template <class T>
   constexpr T second_motor(const T& u, const T& v) const {
     return kind == Kind::core ? u - v : u + v;
   }
 };
 
-/// Of one machine.
+/// The kinematics of one machine.
 class Kinematics {
  public:
-  /// Every axis has its motor.
+  /// Every axis has its own motor.
   constexpr Kinematics() = default;
-  /// As the settings have it; what contradicts itself is none (broken_kinematics()).
+  /// From the settings; contradictory settings count as none (broken_kinematics()).
   explicit constexpr Kinematics(const settings::Values& values) {
     using settings::Id;
     const int axes = values.whole(Id::axes);
@@ -65,7 +65,7 @@ class Kinematics {
     ganged_ = static_cast<std::int8_t>(ganged);
   }
 
-  /// The motor that a ganged axis has besides its own.
+  /// The second motor of a ganged axis.
   static constexpr std::uint8_t gang_motor = max_axes - 1;
 
   constexpr std::span<const AxisPair> pairs() const { return {pairs_.data(), count_}; }
@@ -76,7 +76,7 @@ class Kinematics {
   constexpr int ganged_axis() const { return ganged_; }
   constexpr bool in_pair(int axis) const { return (paired_ >> axis & 1u) != 0; }
 
-  /// Of an axis at rest.
+  /// Positions of the motors for axes at rest.
   constexpr StepPosition motors_of(const StepPosition& axes) const {
     StepPosition motors = axes;
     for (const AxisPair& pair : pairs()) {
@@ -85,8 +85,8 @@ class Kinematics {
     }
     return motors;
   }
-  /// Where the loads are that motors move: X, Y and Z, and each side of a gantry by itself, as its
-  /// switch sees it. On an edge, the step above it.
+  /// Positions of the loads that motors move: X, Y and Z, and each side of a gantry separately, as
+  /// seen by its switch. On an edge, the step above it.
   constexpr StepPosition loads_of(const StepPosition& motors) const {
     StepPosition loads = motors;
     if (!core_xy()) return loads;
@@ -94,7 +94,7 @@ class Kinematics {
     loads[1] = (motors[0] - motors[1] + 1) >> 1;
     return loads;
   }
-  /// The motors that put loads there.
+  /// Positions of the motors for these loads.
   constexpr StepPosition motors_of_loads(const StepPosition& loads) const {
     StepPosition motors = loads;
     if (!core_xy()) return motors;
@@ -119,25 +119,25 @@ class Kinematics {
 };
 
 /// The limit switch of a gantry's second side is at the input of A; on a machine without Z at that
-/// of Z, for boards have three such inputs rather than four.
+/// of Z, because boards have three such inputs rather than four.
 constexpr bool second_switch_at_z(const Kinematics& kinematics, const settings::Values& values) {
   return kinematics.ganged_axis() >= 0 && values.whole(settings::Id::axes) == 2;
 }
 
-/// The settings as they are where this kinematics is in force: it changes at a start alone.
+/// Changes the settings to the active kinematics: it changes only at a start.
 constexpr void put_in_force(const Kinematics& kinematics, settings::Values& values) {
   using settings::Id;
   values.set_milli(Id::kinematics, kinematics.core_xy() ? 1000 : 0);
   values.set_milli(Id::ganged_axis, (kinematics.ganged_axis() + 1) * 1000);
 }
 
-/// Number of the setting that does not go with the kinematics that is asked for; 0 = none.
+/// Number of the setting that contradicts the requested kinematics; 0 = none.
 constexpr std::uint16_t broken_kinematics(const settings::Values& values) {
   using settings::Id;
   const bool core = values.milli(Id::kinematics) != 0;
   const int axes = values.whole(Id::axes), ganged = values.whole(Id::ganged_axis) - 1;
   if (core && axes < 2) return settings::number(Id::kinematics);
-  // Both motors turn for either axis: a step of one is a step of the other.
+  // Both motors turn for each axis: their steps per mm must be equal.
   if (core && values.milli(Id::steps_per_mm_x) != values.milli(Id::steps_per_mm_y))
     return settings::number(Id::steps_per_mm_y);
   if (ganged < 0) return 0;

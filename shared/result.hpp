@@ -5,7 +5,7 @@
 
 namespace lamplock {
 
-/// Why something was refused. The values are part of the wire format: never renumber.
+/// The reason of a refusal. The values are part of the wire format: never renumber.
 enum class Result : std::uint8_t {
   ok = 0,
   bad_frame = 1,           ///< malformed payload (length, unknown record or frame type)
@@ -17,7 +17,7 @@ enum class Result : std::uint8_t {
   out_of_bounds = 8,       ///< target outside the work space
   bad_version = 9,         ///< other protocol version
   settings_mismatch = 10,  ///< job was made for other settings
-  unreachable = 11,        ///< limits leave no way to reach the target
+  unreachable = 11,        ///< limits make it impossible to reach the target
   unsupported = 12,        ///< known but not available on this board or in this version
   door_open = 13,          ///< safety door or e-stop is active
 };

@@ -1,10 +1,10 @@
 // The one table of settings: numbers, names, units, ranges, defaults, descriptions.
 //
-// Firmware, host, documentation and tests read this table and nothing else. Numbers are those of
-// grbl 1.1 where grbl has the setting, our own ones start at 900, in blocks: 900 beat, 920 laser
-// protection, 940 work space, 960 axes, 980 link, 990 board, 1050 pulses, 1070 drives, 1080 more of
-// axes. Values are kept in thousandths of the unit (`milli`) as 32-bit integers: exact, printable
-// with three decimals, no floating point.
+// Firmware, host, documentation and tests use only this table. Numbers are those of grbl 1.1 where
+// grbl has the setting, others start at 900, in blocks: 900 beat, 920 laser protection, 940 work
+// space, 960 axes, 980 link, 990 board, 1050 pulses, 1070 drives, 1080 more of axes. Values are
+// stored in thousandths of the unit (`milli`) as 32-bit integers: exact, printable with three
+// decimals, no floating point.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace lamplock::settings {
 
-/// Index of a setting in the table; per-axis settings stand in four consecutive rows X Y Z A.
+/// Index of a setting in the table; per-axis settings have four consecutive rows X Y Z A.
 enum class Id : std::uint8_t {
   step_pulse,
   idle_delay,
@@ -141,7 +141,7 @@ struct Row {
 /// Lamp mode ($900).
 enum class LampMode : std::uint8_t { free_beat = 0, slave = 1, master = 2 };
 
-/// What the two wires of an axis mean ($1051..1054).
+/// Signals of the two wires of an axis ($1051..1054).
 enum class PulseMode : std::uint8_t {
   step_dir = 0,
   cw_ccw = 1,  ///< a pulse on the wire of STEP is a step up, on that of DIR a step down
@@ -152,65 +152,65 @@ enum class PulseMode : std::uint8_t {
 inline constexpr std::array<Row, setting_count> table{{
     {0, "step_pulse", "us", 400, 900, 500, false, "width of a step pulse, within a tick of 1 us"},
     {1, "idle_delay", "ms", 0, 255'000, 255'000, true,
-     "how long after the last motion the drives of $37 are released; 255 = never"},
+     "time after the last motion until the drives of $37 are released; 255 = never"},
     {2, "step_invert", "0..15", 0, 15'000, 0, true,
      "axes whose STEP (CW, A) is active low, added up: 1 X, 2 Y, 4 Z, 8 A; from the next start on"},
     {3, "direction_invert", "0..15", 0, 15'000, 0, true,
-     "axes whose DIR (CCW, B) is turned round, added up as in $2; with DIR or B the axis runs the "
+     "axes whose DIR (CCW, B) is inverted, added up as in $2; with DIR or B the axis runs the "
      "other way; from the next start on"},
     {4, "enable_invert", "on/off", 0, 1'000, 0, true,
      "DRIVES ENABLE is active high (needs a pull-down outside); from the next start on"},
     {5, "limit_invert", "0..15", 0, 15'000, 0, true,
      "limit switches that close when they engage instead of opening, added up: 1 X, 2 Y, 4 Z, 8 A; "
-     "all of one circuit follow X"},
+     "limits in one circuit use X"},
     {6, "probe_invert", "on/off", 0, 1'000, 0, true,
      "the probe opens its circuit when it touches instead of closing it"},
     {10, "report_mask", "0..3", 0, 3'000, 3'000, true,
-     "what a status report says, added up: 1 position of the machine, else of the work; 2 room for "
+     "contents of a status report, added up: 1 machine position, else work position; 2 room for "
      "lines"},
     {11, "junction_deviation", "mm", 0, 10'000, 10, false,
-     "how far from a corner of a program the circle passes that sets the speed through it"},
+     "maximum distance from a corner of a program to the circle that sets its speed"},
     {12, "arc_tolerance", "mm", 1, 1'000, 2, false,
-     "how far the straight pieces of a curve may lie beside it"},
+     "maximum distance of the straight pieces of a curve from the curve"},
     {13, "report_inches", "on/off", 0, 1'000, 0, true, "reports in inches"},
     {20, "soft_limits", "on/off", 0, 1'000, 1'000, true, "refuse targets outside the work space"},
     {21, "hard_limits", "on/off", 0, 1'000, 1'000, true, "stop when a limit switch engages"},
     {22, "homing", "on/off", 0, 1'000, 0, true,
-     "$H finds the limit switches; after power-up the machine is locked until it has, or $X"},
+     "$H finds the limit switches; after power-up the machine is locked until $H or $X"},
     {23, "homing_direction", "0..15", 0, 15'000, 0, true,
      "axes whose switch is at the lower end of the work space, added up: 1 X, 2 Y, 4 Z, 8 A"},
     {24, "homing_feed", "mm/min", 1'000, 600'000'000, 25'000, false,
      "speed at which a switch is located"},
     {25, "homing_seek", "mm/min", 1'000, 600'000'000, 500'000, false,
-     "speed at which a switch is looked for, and of pulling off"},
+     "speed of the search for a switch, and of pulling off"},
     {26, "homing_debounce", "ms", 0, 10'000'000, 250'000, true,
-     "how long after pulling off a switch must have let go"},
+     "time after pulling off within which a switch must have released"},
     {27, "homing_pull_off", "mm", 10, 100'000, 1'000, false,
-     "how far the machine stands from a switch after homing"},
+     "distance of the machine from a switch after homing"},
     {30, "highest_speed", "S", 1'000, 1'000'000'000, 1'000'000, true,
-     "S word that is full speed of the spindle or full power of the laser"},
+     "S word for full speed of the spindle or full power of the laser"},
     {32, "laser_mode", "on/off", 0, 1'000, 0, true,
      "the spindle is a laser: its power changes with the motion, off in rapids and at rest"},
     {37, "idle_release", "0..15", 0, 15'000, 15'000, true,
-     "axes whose drives are released at rest ($1), added up: 1 X, 2 Y, 4 Z, 8 A; those of one wire "
-     "together"},
+     "axes whose drives are released at rest ($1), added up: 1 X, 2 Y, 4 Z, 8 A; drives on one "
+     "wire together"},
     {41, "parking", "on/off", 0, 1'000, 0, true,
-     "behind an open door Z goes up, and comes back before the program goes on"},
+     "while the door is open Z is raised; it returns before the program continues"},
     {43, "homing_passes", "count", 1'000, 20'000, 1'000, true,
-     "how often a switch is located; the last time counts"},
+     "number of times a switch is located; the last result counts"},
     {44, "homing_phase_1", "0..15", 0, 15'000, 4'000, true,
      "axes that home first, together, added up: 1 X, 2 Y, 4 Z, 8 A"},
     {45, "homing_phase_2", "0..15", 0, 15'000, 3'000, true, "axes that home next"},
     {46, "homing_phase_3", "0..15", 0, 15'000, 8'000, true, "axes that home after these"},
     {47, "homing_phase_4", "0..15", 0, 15'000, 0, true, "axes that home last"},
     {56, "parking_pull_out", "mm", 0, 100'000, 5'000, false,
-     "how far Z goes up slowly before it leaves"},
+     "distance of the slow rise of Z before the fast move"},
     {57, "parking_slow", "mm/min", 1'000, 600'000'000, 100'000, false,
-     "speed of going up, and of coming down to the work"},
+     "speed of the slow rise, and of lowering Z to the work"},
     {58, "parking_target", "mm", -1'000'000, 1'000'000, 45'000, false,
-     "where Z parks, in machine coordinates; where it is higher already it stays"},
+     "parking height of Z, in machine coordinates; a higher Z does not move"},
     {59, "parking_fast", "mm/min", 1'000, 600'000'000, 500'000, false,
-     "speed of leaving, and back"},
+     "speed of the move to the parking height and back"},
     {100, "steps_per_mm_x", "step/mm", 1, 50'000'000, 200'000, false, "resolution of X"},
     {101, "steps_per_mm_y", "step/mm", 1, 50'000'000, 200'000, false, "resolution of Y"},
     {102, "steps_per_mm_z", "step/mm", 1, 50'000'000, 200'000, false, "resolution of Z"},
@@ -232,26 +232,27 @@ inline constexpr std::array<Row, setting_count> table{{
     {132, "travel_z", "mm", 100, 2'000'000, 100'000, false, "length of the work space in Z"},
     {133, "travel_a", "mm", 100, 2'000'000, 100'000, false, "length of the work space in A"},
     {900, "lamp_mode", "0..2", 0, 2'000, 1'000, true,
-     "0 no lamp (free beat), 1 slave (the lamp free-runs, we follow LAMP SYNC), 2 master (we "
-     "trigger the lamp)"},
+     "0 no lamp (free beat), 1 slave (the lamp free-runs, the controller follows LAMP SYNC), 2 "
+     "master (the controller triggers the lamp)"},
     {901, "lamp_frequency", "Hz", 1'000, 5'000'000, 100'000, false, "nominal lamp frequency"},
     {902, "q_switch_delay", "us", 2'220, 500'000, 5'000, false,
-     "LAMP SYNC to Q-switch at the pins, at most; the contract of the laser is at most 20 us"},
+     "maximum time from LAMP SYNC to Q-switch at the pins; the laser requires at most 20 us"},
     {903, "q_switch_width", "us", 1'000, 1'000'000, 150'000, false,
-     "width of the Q-switch pulse; the laser wants more than 100 us"},
+     "width of the Q-switch pulse; the laser requires more than 100 us"},
     {904, "shot_tolerance", "um", 0, 1'000'000, 0, false,
-     "how far from its point a shot may be; 0 = the larger of half a step and 5 um"},
+     "maximum distance of a shot from its point; 0 = the larger of half a step and 5 um"},
     {905, "lock_range", "%", 100, 10'000, 3'000, false,
-     "how far the lamp period may be from nominal"},
+     "maximum deviation of the lamp period from nominal"},
     {906, "slew_limit", "%", 10, 5'000, 200, false,
-     "how far a tick may be stretched or shrunk against the tracked period while moving"},
-    {907, "lock_edges", "count", 2'000, 16'000, 8'000, true, "edges in a row that make a lock"},
+     "maximum change of a tick against the tracked period while moving"},
+    {907, "lock_edges", "count", 2'000, 16'000, 8'000, true,
+     "edges in a row that establish the lock"},
     {908, "lamp_jitter", "us", 100, 1'000'000, 20'000, false,
      "largest jitter of a lamp edge to expect; with lamp_drift it sets the gains of the beat "
      "clock"},
     {909, "lamp_drift", "%/s", 1, 10'000, 300, false, "largest drift of the lamp period to expect"},
     {910, "period_tolerance", "%", 0, 10'000, 0, false,
-     "how far we may move the lamp period from nominal when we trigger the lamp"},
+     "maximum change of the lamp period from nominal by the controller as master"},
     {920, "lamp_warm_up", "count", 0, 100'000'000, 0, true, "flashes before the first shot"},
     {921, "max_shot_rate", "Hz", 1'000, 10'000'000, 5'000'000, false, "highest rate of shots"},
     {922, "lamp_energy", "J", 0, 100'000, 0, false, "energy of a flash; 0 = not known"},
@@ -265,20 +266,20 @@ inline constexpr std::array<Row, setting_count> table{{
     {927, "shot_check", "0..2", 0, 2'000, 0, true,
      "photosensor of the channel: 0 ignored, 1 shots not seen are counted, 2 they are repeated"},
     {928, "shot_repeats", "count", 0, 100'000, 2'000, true,
-     "how often a shot that was not seen is repeated before the job is held"},
+     "number of times a shot that was not seen is repeated before the job is held"},
     {929, "sensor_time", "us", 10'000, 10'000'000, 200'000, false,
-     "how long after the Q-switch the photosensor may answer"},
+     "time after the Q-switch within which the photosensor may answer"},
     {930, "attenuator_settle", "ms", 0, 10'000'000, 0, false,
      "time the attenuator takes to reach another value"},
     {931, "laser_lead", "us", -1'000'000, 1'000'000, 0, false,
-     "how much sooner a continuous laser is switched than the machine is there; below 0: later"},
+     "time by which a continuous laser is switched before the machine arrives; negative: after"},
     {932, "pulses_per_mm", "1/mm", 0, 1'000'000, 0, false,
-     "pulses of a continuous laser per millimetre of its way; 0 = it shines all the time (M127)"},
+     "pulses of a continuous laser per millimetre of path; 0 = it shines continuously (M127)"},
     {933, "pulse_length", "us", 1'000, 1'000'000'000, 1'500'000, false,
-     "how long each of these pulses is (M128)"},
+     "length of each of these pulses (M128)"},
     // GLASS: lamps of 1 to 200 Hz, Ep <= 20 J.
     {934, "max_lamp_frequency", "Hz", 1'000, 5'000'000, 200'000, false,
-     "highest frequency that we may trigger the lamp with; jobs cannot change it"},
+     "highest frequency at which the controller may trigger the lamp; jobs cannot change it"},
     {935, "max_lamp_energy", "J", 0, 100'000, 20'000, false,
      "largest lamp_energy; jobs cannot change it"},
     {940, "min_corner_x", "mm", -1'000'000, 1'000'000, -50'000, false,
@@ -291,30 +292,30 @@ inline constexpr std::array<Row, setting_count> table{{
      "lowest A of the work space"},
     {960, "axes", "count", 1'000, 4'000, 3'000, true, "number of axes"},
     {961, "speed_jump_x", "mm/s", 0, 1'000'000, 0, false,
-     "how far the speed of X may jump at a corner of a path"},
+     "maximum jump of the speed of X at a corner of a path"},
     {962, "speed_jump_y", "mm/s", 0, 1'000'000, 0, false,
-     "how far the speed of Y may jump at a corner of a path"},
+     "maximum jump of the speed of Y at a corner of a path"},
     {963, "speed_jump_z", "mm/s", 0, 1'000'000, 0, false,
-     "how far the speed of Z may jump at a corner of a path"},
+     "maximum jump of the speed of Z at a corner of a path"},
     {964, "speed_jump_a", "mm/s", 0, 1'000'000, 0, false,
-     "how far the speed of A may jump at a corner of a path"},
+     "maximum jump of the speed of A at a corner of a path"},
     {965, "kinematics", "0..1", 0, 1'000, 0, true,
-     "0 Cartesian, 1 CoreXY (motor X makes X + Y, motor Y makes X - Y); from the next start on"},
+     "0 Cartesian, 1 CoreXY (motor X turns by X + Y, motor Y by X - Y); from the next start on"},
     {966, "ganged_axis", "0..3", 0, 3'000, 0, true,
      "axis whose second motor is that of A: 0 none, 1 X, 2 Y, 3 Z; from the next start on"},
     {980, "dead_man", "ms", 0, 60'000'000, 2'000'000, false,
      "silence of the host in a job before a controlled stop; 0 = never"},
     {981, "stop_at_error", "on/off", 0, 1'000, 0, true,
-     "after an error in a line of a program take no further ones until $X or a reset"},
+     "after an error in a line of a program, refuse further lines until $X or a reset"},
     {982, "program_dead_man", "ms", 0, 60'000'000, 0, false,
-     "silence of the host in a program before it is held; 0 = never. For senders that ask for the "
+     "silence of the host in a program before it is held; 0 = never. For senders that poll the "
      "status"},
     {983, "jog_lease", "ms", 0, 60'000'000, 0, false,
-     "time after the last $J or frame at which a jog ends; 0 = it goes to its target"},
+     "time after the last $J or frame at which a jog ends; 0 = it runs to its target"},
     {984, "run_on", "on/off", 0, 1'000, 0, true,
-     "a program that was received up to its M2 or M30 goes on without its host"},
+     "a program that was received up to its M2 or M30 continues without its host"},
     {990, "pin_map", "0..2", 0, 2'000, 0, true,
-     "what the pins of the board are for, from its next start on: 0 glass, 1 cut (fourth axis, "
+     "assignment of the pins of the board, from its next start on: 0 glass, 1 cut (fourth axis, "
      "UART, a limit switch for each axis), 2 cut with outputs and an input of programs instead of "
      "the UART"},
     {1051, "pulse_mode_x", "0..2", 0, 2'000, 0, true,
@@ -325,20 +326,19 @@ inline constexpr std::array<Row, setting_count> table{{
      "pulses of Z: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
     {1054, "pulse_mode_a", "0..2", 0, 2'000, 0, true,
      "pulses of A: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
-    {1071, "drive_lag_x", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
-    {1072, "drive_lag_y", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
-    {1073, "drive_lag_z", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
-    {1074, "drive_lag_a", "us", 0, 5'000'000, 0, false, "how late the drive follows its steps"},
+    {1071, "drive_lag_x", "us", 0, 5'000'000, 0, false, "lag of the drive after its steps"},
+    {1072, "drive_lag_y", "us", 0, 5'000'000, 0, false, "lag of the drive after its steps"},
+    {1073, "drive_lag_z", "us", 0, 5'000'000, 0, false, "lag of the drive after its steps"},
+    {1074, "drive_lag_a", "us", 0, 5'000'000, 0, false, "lag of the drive after its steps"},
     {1075, "direction_setup", "us", 200, 50'000, 500, false,
-     "least time from a change of DIR to the next step; with hold, from a step to one the other "
-     "way; "
-     "from the next start on"},
+     "minimum time from a change of DIR to the next step; with hold, from a step to one in the "
+     "other direction; from the next start on"},
     {1076, "direction_hold", "us", 200, 50'000, 500, false,
-     "least time from a step to a change of DIR; from the next start on"},
-    {1081, "jerk_x", "m/s3", 0, 100'000'000, 0, false, "highest jerk of X; 0 = any"},
-    {1082, "jerk_y", "m/s3", 0, 100'000'000, 0, false, "highest jerk of Y; 0 = any"},
-    {1083, "jerk_z", "m/s3", 0, 100'000'000, 0, false, "highest jerk of Z; 0 = any"},
-    {1084, "jerk_a", "m/s3", 0, 100'000'000, 0, false, "highest jerk of A; 0 = any"},
+     "minimum time from a step to a change of DIR; from the next start on"},
+    {1081, "jerk_x", "m/s3", 0, 100'000'000, 0, false, "highest jerk of X; 0 = no limit"},
+    {1082, "jerk_y", "m/s3", 0, 100'000'000, 0, false, "highest jerk of Y; 0 = no limit"},
+    {1083, "jerk_z", "m/s3", 0, 100'000'000, 0, false, "highest jerk of Z; 0 = no limit"},
+    {1084, "jerk_a", "m/s3", 0, 100'000'000, 0, false, "highest jerk of A; 0 = no limit"},
 }};
 
 /// Row of a setting, texts and all.
@@ -443,8 +443,7 @@ class Values {
     milli_[static_cast<std::size_t>(id)] = value;
   }
 
-  /// FNV-1a (Fowler, Noll, Vo) over numbers and values of jobs: tells whether one was made for
-  /// these.
+  /// FNV-1a (Fowler, Noll, Vo) over numbers and values of jobs: identifies the settings of a job.
   constexpr std::uint32_t hash() const {
     std::uint32_t h = 2166136261u;
     for (std::size_t i = 0; i < setting_count; ++i) {

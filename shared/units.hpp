@@ -11,20 +11,20 @@
 
 namespace lamplock {
 
-/// Most axes a machine can have: X Y Z A.
+/// Maximum number of axes of a machine: X Y Z A.
 inline constexpr int max_axes = 4;
 inline constexpr std::string_view axis_letters = "XYZA";
 
 /// Nominal length of a tick.
 inline constexpr std::uint32_t tick_ns = 1000;
 inline constexpr std::uint32_t ticks_per_second = 1'000'000'000u / tick_ns;
-/// No tick is shorter than this, however the lamp pulls at the lattice: its period may be 10 % off
-/// nominal ($905, $910), a tick 5 % off that ($906).
+/// No tick is shorter than this, however the lamp's beat stretches the lattice: its period may be
+/// 10 % off nominal ($905, $910), a tick 5 % off that ($906).
 inline constexpr std::uint32_t shortest_tick_ns = tick_ns * 3 / 4;
 
 inline constexpr std::int64_t um_per_inch = 25'400;
 
-/// System clock of the reference board; times that cross the board interface are counted in it.
+/// System clock of the reference board; the unit of times that cross the board interface.
 inline constexpr std::uint32_t clock_hz = 125'000'000;
 inline constexpr std::uint32_t clocks_per_tick = clock_hz / ticks_per_second;
 inline constexpr std::uint32_t clocks_per_us = clock_hz / 1'000'000;

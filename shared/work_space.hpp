@@ -28,11 +28,11 @@ constexpr std::int32_t steps_from_milli(std::int64_t milli_mm, std::int32_t mill
   return static_cast<std::int32_t>((micro_steps + half) / 1'000'000);
 }
 
-/// Beyond this no position is taken even where soft limits are off: displacements stay in 32 bits.
+/// Positions beyond this are refused even without soft limits: displacements stay in 32 bits.
 inline constexpr std::int32_t most_steps = 1 << 29;
 
-/// The work space that the settings describe, or all there is where soft limits are off; axes the
-/// machine does not have stay at 0.
+/// The work space from the settings, or the maximum without soft limits; axes that the machine
+/// lacks stay at 0.
 constexpr StepLimits work_space(const settings::Values& values) {
   using settings::Id;
   StepLimits limits;

@@ -1,6 +1,6 @@
-// A simulated board with the world on its pins, whichever board it is.
+// A simulated board of any kind with the world on its pins.
 //
-// In:  bytes of the host; time, as far as whoever holds the board lets it pass.
+// In:  bytes of the host; time, as far as the owner of the board lets it pass.
 // Out: bytes to the host; pins and world, to trace and to judge.
 // Who: transports of the host, `lamplock sim`, tests. One virtual call per slice of time or piece
 //      of data, none inside.
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "shared/kinematics.hpp"
-#include "sim/time.hpp"
+#include "sim/world/time.hpp"
 
 namespace lamplock::sim {
 
@@ -32,7 +32,7 @@ class Board {
  public:
   virtual ~Board() = default;
 
-  /// As users name it: "virtual", "chip".
+  /// Name for users: "virtual", "chip".
   virtual std::string_view name() const = 0;
 
   /// Bytes from the host; returns how many were taken.
@@ -40,11 +40,12 @@ class Board {
   /// Bytes to the host; returns how many.
   virtual std::size_t read(std::span<std::uint8_t> bytes) = 0;
   virtual bool has_output() const = 0;
-  /// The cable is pulled and plugged in again: what is under way in it is lost, and the board sees
-  /// a new connection.
+  /// Unplugs the cable and plugs it in again: data in it are lost, and the board sees a new
+  /// connection.
   virtual void reconnect() = 0;
 
-  /// A program of the host has the port open, as from the start; on USB the board sees DTR.
+  /// A program of the host opens or closes the port (open from the start); on USB the board sees
+  /// DTR.
   virtual void set_host_present(bool present) = 0;
 
   virtual void run_until(Picoseconds until) = 0;

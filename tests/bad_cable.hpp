@@ -15,20 +15,20 @@
 
 namespace lamplock::test {
 
-/// What goes wrong, each per byte.
+/// Faults, each as a probability per byte.
 struct Faults {
   double drop = 0;
   double flip = 0;
   double duplicate = 0;
   double replay = 0;          ///< per piece written: the whole piece arrives twice
   double stray_realtime = 0;  ///< towards the machine only
-  bool resets = true;         ///< 0x18 may come of them, which ends a job of rows
+  bool resets = true;         ///< 0x18 may result, which ends a job of rows
   int cuts = 0;               ///< over the first `cut_span`
   std::chrono::microseconds cut_span{1'000'000};
   std::chrono::microseconds delay{300};
 };
 
-/// Transport with faults; who derives from it is the machine at the other end.
+/// Transport with faults; a derived class is the machine at the other end.
 class BadCable : public link::Transport {
  public:
   using Time = std::chrono::microseconds;
@@ -71,18 +71,18 @@ class BadCable : public link::Transport {
   }
 
   bool silent = false;     ///< nothing arrives at the machine
-  bool unplugged = false;  ///< and nobody plugs it in again
+  bool unplugged = false;  ///< the cable stays unplugged
   int cuts_made() const { return cuts_made_; }
   int faults_made() const { return faults_made_ + cuts_made_; }
 
  protected:
-  /// Takes what has arrived.
+  /// Accepts bytes that have arrived.
   virtual void machine_receive(std::span<const std::uint8_t> bytes) = 0;
-  /// Sees that the connection is a new one.
+  /// Called when the connection is a new one.
   virtual void machine_reconnected() = 0;
-  /// Works until now().
+  /// Runs the machine until now().
   virtual void machine_run() = 0;
-  /// Gives what it has to say; returns how many bytes.
+  /// Writes the machine's output; returns the number of bytes.
   virtual std::size_t machine_transmit(std::span<std::uint8_t> bytes) = 0;
 
  private:

@@ -1,4 +1,4 @@
-// Damaged files: what every reader must read or refuse in one line, and never do more.
+// Damaged files: every reader must read them or refuse them in one line.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,8 +11,7 @@
 
 namespace lamplock::test {
 
-/// The bytes with one to three of them changed to some out of `bites`; every fourth time the end is
-/// cut off too.
+/// Replaces one to three of the bytes by some of `bites`; every fourth time truncates them too.
 inline std::string damaged(std::string bytes, std::string_view bites, std::mt19937_64& random) {
   for (auto changes = random() % 3 + 1; changes > 0; --changes) {
     bytes[random() % bytes.size()] = bites[random() % bites.size()];
@@ -21,7 +20,7 @@ inline std::string damaged(std::string bytes, std::string_view bites, std::mt199
   return bytes;
 }
 
-/// Calls what reads a file and judges what it has read. It may throw Error (bad input) of one line.
+/// Calls `call`, which reads a file and checks it; it may throw Error (bad input) of one line.
 template <class Call>
 void expect_read_or_refused(Call&& call) {
   try {

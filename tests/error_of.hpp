@@ -1,4 +1,4 @@
-// What bad input is answered with: one line, the right exit status.
+// Checks the error for bad input: one line, the right exit status.
 #pragma once
 
 #include <gtest/gtest.h>

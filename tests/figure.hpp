@@ -1,15 +1,15 @@
-// Figures that documents state: each is measured by a test, which prints it.
+// Figures stated in documents: each is measured by a test, which prints it.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
 
-#include "sim/time.hpp"
+#include "sim/world/time.hpp"
 
 namespace lamplock::test {
 
-/// Prints a time that was measured, and expects it within two bounds, milliseconds.
+/// Prints a measured time and expects it within two bounds, milliseconds.
 inline void expect_figure(const char* what, sim::Picoseconds measured, double min_ms,
                           double max_ms) {
   const double ms = static_cast<double>(measured) / static_cast<double>(sim::ps_per_ms);

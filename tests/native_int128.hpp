@@ -1,4 +1,4 @@
-// The compiler's own 128-bit integer: the second opinion on ours.
+// The compiler's own 128-bit integer: an independent reference for ours.
 #pragma once
 
 #include <cstdint>

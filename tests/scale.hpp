@@ -1,4 +1,4 @@
-// How large random tests are: LAMPLOCK_TEST_SCALE scales every count (toolchain/test: 0.5, under
+// Size of random tests: LAMPLOCK_TEST_SCALE scales every count (toolchain/test: 0.5, under
 // sanitizers 0.1; with --full 20 and 2).
 #pragma once
 
@@ -7,8 +7,7 @@
 
 namespace lamplock::test {
 
-/// `count` times the scale of this run, at least `min`: the number of cases that rounds take in
-/// turn.
+/// `count` times the scale of this run, at least `min`: the number of cases in alternating rounds.
 inline int scaled(int count, int min = 1) {
   const char* text = std::getenv("LAMPLOCK_TEST_SCALE");
   const double scale = text != nullptr ? std::atof(text) : 1.0;

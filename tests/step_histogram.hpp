@@ -1,4 +1,4 @@
-// Walks through space whose steps are as long as those of a real engraved object
+// Random walks whose step lengths are those of a real engraved object
 // (host/bench/glass_tables.hpp).
 #pragma once
 
@@ -9,19 +9,19 @@
 #include <random>
 
 #include "host/bench/glass_tables.hpp"
-#include "host/points/point.hpp"
+#include "host/geometry/point.hpp"
 
 namespace lamplock::test {
 
 /// `count` points from the origin on, steps in random directions, inside +-`half_size_mm`.
-inline points::PointCloud histogram_walk(std::size_t count, std::uint64_t seed,
-                                         double half_size_mm = 45) {
+inline geometry::PointCloud histogram_walk(std::size_t count, std::uint64_t seed,
+                                           double half_size_mm = 45) {
   std::mt19937_64 random(seed);
   std::normal_distribution<> normal;
   std::array<double, bench::glass_step_lengths.size()> shares{};
   for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = bench::glass_step_lengths[i].fraction;
   std::discrete_distribution<std::size_t> pick(shares.begin(), shares.end());
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   std::array<double, 3> at{};
   for (std::size_t i = 0; i < count; ++i) {
     const double length_mm = bench::glass_step_lengths[pick(random)].step_um / 1000;

@@ -1,4 +1,4 @@
-// Files that vanish with the test that wrote them.
+// Files that are removed with the test that wrote them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace lamplock::test {
 
-/// A folder of its own for each test, removed with it.
+/// A separate folder for each test, removed with it.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -28,7 +28,7 @@ class TemporaryFolder {
 
   std::filesystem::path file(const std::string& name) const { return path_ / name; }
   std::filesystem::path write(const std::string& name, const std::string& bytes) const {
-    // A new file: some file systems wait for the disk when an old one is cut and written again.
+    // A new file: some file systems wait for the disk if an old one is truncated and rewritten.
     std::filesystem::remove(file(name));
     std::ofstream(file(name), std::ios::binary) << bytes;
     return file(name);

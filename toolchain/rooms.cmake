@@ -5,13 +5,13 @@
 #          [PUBLIC target...] [PRIVATE target...])
 #   NAME       target; the library is lamplock_NAME
 #   FOLDERS    below the current folder; all .cpp files in them and below; a new file needs no entry
-#   EXCEPT     leaves out the paths that match
+#   EXCEPT     omits the paths that match
 #   OPTIMIZE   1 (default), 2 or 3, in the configuration Release. 3 is for code whose speed users
 #              notice: it doubles the time to compile a file. Under the sanitizers, whose checks
 #              take long to optimise, such rooms have level 2, the others 0
 #   BATCH      files that are compiled as one unit, since most of the time goes into their common
 #              headers; 1: each file by itself. So names in anonymous namespaces of a room differ
-#   ALONE      leaves the paths that match out of batches: files that name registers, and hot
+#   ALONE      keeps the paths that match out of batches: files that name registers, and hot
 #              ones, into which the compiler inlines less when they are part of a large unit
 #   FAST       files that match are compiled alone with level 3
 #   PUBLIC     rooms and libraries that its headers include, PRIVATE: those that only its sources do
@@ -43,7 +43,7 @@ function(add_room name)
       set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     endif()
   endforeach()
-  # Libraries of others assert on bad input, which has an error of its own here.
+  # Third-party libraries assert on bad input, for which lamplock has its own errors.
   target_compile_definitions(lamplock_${name} PRIVATE $<$<CONFIG:Release>:NDEBUG>)
   if(ROOM_OPTIMIZE)
     target_compile_options(lamplock_${name} PRIVATE

@@ -1,18 +1,18 @@
-// The beam path: which shutter is open, what the attenuator is set to, and whether a shot may pass.
+// The beam path: the open shutter, the value of the attenuator, and whether a shot may pass.
 //
-// In:  what the next shots need (main loop, as they are planned; beat interrupt, as each is handed
-//      out), whether any shot is permitted, the present clock.
-// Out: one open shutter at most, the value of the attenuator, and when they stand.
+// In:  the needs of the next shots (main loop, as they are planned; beat interrupt, as each is
+//      handed out), whether any shot is permitted, the present clock.
+// Out: at most one open shutter, the value of the attenuator, and when both are settled.
 // Level: configure, update, cut, prepare: main loop, beat interrupt masked. take: beat interrupt.
 //
-//   closed --prepare--> closing of the one before --close time--> opening --open time--> ready
-//      ^                                                                                   |
-//      +---- no shot permitted (hold, door, alarm, not locked, no job), no shot for 1 s ---+
+//   closed --prepare--> closing of the last one --close time--> opening --open time--> ready
+//      ^                                                                                  |
+//      +---- no shot permitted (hold, door, alarm, not locked, no job), no shot for 1 s --+
 //
 // A shutter that needs time is changed at rest only: the job runner ends a run of points where
-// needs_rest() says so, and starts the next one when prepare() says that the beam is ready. What
-// takes no time changes in take(), with the right to the next shot, after the shot before. Two
-// shutters are never open together: one opens when the other has had its time to close.
+// needs_rest() is true, and starts the next one when prepare() returns that the beam is ready.
+// Values that need no time change in take(), with the token of the next shot, after the previous
+// shot. Two shutters are never open together: one opens after the other has had its time to close.
 #pragma once
 
 #include <cstdint>
@@ -22,17 +22,17 @@
 
 namespace lamplock::lamp {
 
-/// What a shot goes through.
+/// Settings of the beam for a shot.
 struct Beam {
   std::uint8_t channel = 0;  ///< 0..3
-  std::uint16_t energy = 0;  ///< of the attenuator, 65535 = full; 0 = as it stands
+  std::uint16_t energy = 0;  ///< of the attenuator, 65535 = full; 0 = keep the current value
 };
 
 /// One per controller.
 class BeamPath {
  public:
   static constexpr std::uint8_t no_channel = 0xff;
-  /// Without a shot the shutter closes after this.
+  /// Without a shot the shutter closes after this time.
   static constexpr std::uint64_t idle_clocks = std::uint64_t{clock_hz};
 
   void configure(const settings::Values& values) {
@@ -46,25 +46,25 @@ class BeamPath {
     settle_clocks_ = clocks(Id::attenuator_settle);
     ready_ = false;
   }
-  /// The attenuator's value of the job before is nobody's any more.
+  /// The attenuator's value of the last job no longer applies.
   void begin_job() {
     energy_ = 0;
     ready_ = false;
   }
 
-  /// At least every millisecond or so; `in_use`: the machine moves or a shot is planned.
+  /// To be called about every millisecond; `in_use`: the machine moves or a shot is planned.
   void update(bool in_use, std::uint64_t clock) {
     now_ = clock;
     if (in_use) used_ = clock;
     if (cut_ || now_ - used_ > idle_clocks) close();
     cut_ = false;
   }
-  /// No shot is permitted: everything off, from now on.
+  /// No shot is permitted: everything off immediately.
   void cut() {
     ready_ = false;
     cut_ = true;
   }
-  /// To be called until it returns true, at rest and with no shot planned: the beam is ready.
+  /// To be called until it returns true (the beam is ready), at rest and with no shot planned.
   bool prepare(const Beam& beam) {
     used_ = now_;
     if (channel_ != beam.channel) close_shutter();
@@ -81,18 +81,18 @@ class BeamPath {
     ready_ = now_ >= ready_at_;
     return ready_;
   }
-  /// The beam need not be prepared anew for this.
+  /// The beam is ready for this without prepare().
   bool stands_for(const Beam& beam) const {
     return (ready_ || at_once()) && !needs_rest({channel_, attenuator_}, beam);
   }
-  /// Between two points the machine has to wait for shutter or attenuator.
+  /// The machine must wait for shutter or attenuator between two points.
   bool needs_rest(const Beam& from, const Beam& to) const {
     const bool other_channel = from.channel != to.channel && (open_clocks_ | close_clocks_) != 0;
     const bool other_energy = to.energy != 0 && from.energy != to.energy && settle_clocks_ != 0;
     return other_channel || other_energy;
   }
 
-  /// The right to a shot through `beam` is asked for; false if the beam is not ready for it.
+  /// Prepares for the token of a shot through `beam`; false if the beam is not ready for it.
   bool take(const Beam& beam) {
     if (!stands_for(beam)) return false;
     channel_ = beam.channel;
@@ -128,13 +128,13 @@ class BeamPath {
   std::uint64_t open_clocks_ = 0, close_clocks_ = 0, settle_clocks_ = 0;
   std::uint64_t now_ = 0;
   std::uint64_t used_ = 0;       ///< when a shot was last planned or prepared for
-  std::uint64_t closed_at_ = 0;  ///< when the last shutter to close has closed
+  std::uint64_t closed_at_ = 0;  ///< when the last closing shutter has closed
   std::uint64_t ready_at_ = 0;
-  std::uint8_t channel_ = no_channel;  ///< whose shutter is open or opening
-  std::uint16_t attenuator_ = 0;       ///< put out
-  std::uint16_t energy_ = 0;           ///< last asked for in this job
+  std::uint8_t channel_ = no_channel;  ///< of the open or opening shutter
+  std::uint16_t attenuator_ = 0;       ///< current output
+  std::uint16_t energy_ = 0;           ///< last value of this job
   bool ready_ = false;
-  bool cut_ = false;  ///< off at the pins; closes at the next update(), which knows the time
+  bool cut_ = false;  ///< off at the pins; closes at the next update(), which has the time
 };
 
 }  // namespace lamplock::lamp

@@ -15,27 +15,27 @@ using settings::Id;
 using settings::LampMode;
 
 constexpr std::int64_t nominal_tick_q32 = std::int64_t{clocks_per_tick} << 32;
-/// How far a tick may be stretched while nothing moves: a quarter.
+/// Maximum stretch of a tick while nothing moves: a quarter.
 constexpr int rest_slew_bits = 2;
-/// Edges that fit no beat since the last good beat, or beats without an edge, until the lock counts
-/// as lost.
+/// Edges without a beat since the last good beat, or beats without an edge, after which the lock is
+/// lost.
 constexpr std::uint32_t strays_to_loss = 6;
 constexpr std::uint32_t missed_to_loss = 32;
-/// Strays a period apart that are the lamp after a jump.
+/// Strays a period apart that mean a jump of the lamp.
 constexpr std::uint32_t strays_to_jump = 3;
-/// Beats in a row with none or several edges that make another frequency.
+/// Beats in a row with none or several edges that mean another frequency.
 constexpr std::uint32_t odd_beats_to_loss = 8;
-/// Edges in a row off to the same side, by more than jitter and drift explain, that make a jump.
+/// Edges in a row off to the same side, by more than jitter and drift explain, that mean a jump.
 constexpr std::int32_t far_off_to_jump = 3;
 /// Tracking index: below the first one the gains round to nothing, above the second the tracker
 /// follows the last two edges anyway.
 constexpr std::int64_t least_index_q16 = 16;
 constexpr std::int64_t most_index_q16 = 16 * 65536;
-/// What is left out of account in the distance of an edge from its prediction.
+/// Neglected part of the distance of an edge from its prediction.
 constexpr std::int64_t gate_slack_q16 = std::int64_t{2 * clocks_per_us} << 16;
-/// How far the shot may be from the lattice tick because ticks of the delay are longer: 1 us.
+/// Maximum error of the shot against the lattice tick because ticks of the delay are longer: 1 us.
 constexpr std::int64_t most_delay_error_q16 = std::int64_t{clocks_per_us} << 16;
-/// The planner looks this many beats ahead when it asks for the shortest tick.
+/// Look-ahead of the planner, beats, for the shortest tick.
 constexpr std::int64_t planned_beats = 32;
 /// The lattice has settled when it is within this and half a jitter of the lamp.
 constexpr std::int64_t settled_q16 = std::int64_t{clocks_per_us} << 16;
@@ -59,7 +59,7 @@ constexpr std::array<LineGains, line_table_size> line_table = [] {
   return table;
 }();
 
-/// 1/n, so that an interrupt need not divide.
+/// 1/n, so that an interrupt does not divide.
 constexpr std::array<std::int32_t, missed_to_loss + 2> inverse_q16 = [] {
   std::array<std::int32_t, missed_to_loss + 2> table{};
   for (int n = 1; n < static_cast<int>(table.size()); ++n)
@@ -93,8 +93,8 @@ inline std::int64_t share_q16(std::int64_t x, std::int32_t gain_q16) {
   return (x >> 16) * gain_q16 + low_share;
 }
 
-/// Clocks of a run of ticks, Q16; there may be so many that a quarter more still fits 32 bits: a
-/// tick is shorter than 160 clocks. Two products of 32 bits.
+/// Clocks of a run of ticks, Q16; limited so that a quarter more still fits 32 bits: a tick is
+/// shorter than 160 clocks. Two products of 32 bits.
 constexpr std::uint32_t most_run_ticks = 256;
 inline std::uint32_t run_q16(std::int64_t tick_q32, std::uint32_t ticks) {
   const auto tick_q16 = static_cast<std::uint32_t>(tick_q32 >> 16);
@@ -129,7 +129,7 @@ void BeatClock::configure(const settings::Values& values) {
   length_.reset(nominal_tick_q32);
   tick_q32_ = nominal_tick_q32;
   period_q16_ = nominal_q16_;
-  // Ticks go on without a gap; a new beat starts here.
+  // Ticks continue without a gap; a new beat starts here.
   ++beat_;
   origin_beat_ = beat_;
   origin_tick_ = tick_;
@@ -186,7 +186,7 @@ void BeatClock::set_gates(const settings::Values& values) {
   drift_q32_ = mul_div(values.milli(Id::lamp_drift), one_q32,
                        100 * static_cast<std::uint32_t>(values.milli(Id::lamp_frequency)));
   // The period grows by c a beat; the tracker follows when it corrects as much: gain * error = c.
-  // A line through two edges is off by c, and again when the drift turns.
+  // A line through two edges is off by c, and again when the drift reverses.
   const std::int64_t change_q16 = mul_q32(nominal_q16_, drift_q32_);
   const std::int64_t steady_error_q16 =
       mul_div(change_q16, 65536, static_cast<std::uint32_t>(steady_.period_q16));
@@ -206,11 +206,11 @@ EdgeInfo BeatClock::edge(std::uint64_t clock) {
 }
 
 EdgeInfo BeatClock::nearest_beat(ClockQ16 clock_q16) {
-  // Our own trigger: the edge belongs to the beat whose lattice tick it announces.
+  // A trigger of ours: the edge belongs to the beat of the lattice tick that follows it.
   const std::int64_t beat_q16 = std::int64_t{beat_ticks_} * (nominal_tick_q32 >> 16);
   const std::uint32_t left = beat_ticks_ - tick_in_beat_;
   const ClockQ16 shot_q16 = clock_q16 + static_cast<ClockQ16>(delay_q16_);
-  // The next beat to get a time, if the present one keeps its length, and from there back.
+  // The next beat without a time, if the present one keeps its length, and from there backwards.
   const std::int64_t rest_q16 = (length_.at(tick_) * left) >> 16;
   std::uint64_t beat = beat_ + 1;
   std::int64_t off_q16 = difference(shot_q16, clock_q16_ + static_cast<ClockQ16>(rest_q16));
@@ -237,7 +237,7 @@ EdgeInfo BeatClock::nearest_beat(ClockQ16 clock_q16) {
   return info;
 }
 
-/// As after so many edges of a line.
+/// Sets the gains after this number of edges of a line.
 void BeatClock::set_line(std::uint32_t edges) {
   line_edges_ = edges;
   line_ = edges < 2 ? Gains{65536, 65536}
@@ -257,7 +257,7 @@ void BeatClock::next_gains() {
     set_line(line_edges_ + 1);
     return;
   }
-  // They only fall: below the steady ones they have done their part.
+  // The gains only fall: below the steady ones they are no longer used.
   if (line_.phase_q16 <= steady_.phase_q16 && line_.period_q16 <= steady_.period_q16) return;
   // With g = 4/n the next one is 4/(n+1) = g - g^2/4 + ..., and 6/n^2 = 3 g^2 / 8.
   const std::int32_t square_q16 = (line_.phase_q16 * line_.phase_q16) >> 16;
@@ -265,9 +265,9 @@ void BeatClock::next_gains() {
   choose_gains();
 }
 
-/// How far from its prediction an edge may be. The weights of the past edges in a prediction add
-/// up to at most 3 (the line through two), those of the period per beat to less than 1/2 from the
-/// fifth edge on; the edge itself adds its own jitter.
+/// Maximum distance of an edge from its prediction. The weights of the past edges in a prediction
+/// add up to at most 3 (the line through two), those of the period per beat to less than 1/2 from
+/// the fifth edge on; the edge itself adds its own jitter.
 std::int64_t BeatClock::gate_q16(std::uint32_t missed) const {
   const std::int64_t beats = std::int64_t{missed} + 1;
   return 4 * jitter_q16_ + beats * jitter_q16_ / 2 + beats * beats * innovation_q16_ +
@@ -313,7 +313,7 @@ EdgeInfo BeatClock::acquire(ClockQ16 now) {
         lock();
       return flash;
     }
-    // Once an edge in the middle of a beat is a fault, twice it is another rhythm.
+    // One edge in the middle of a beat is a fault, two are another rhythm.
     if (error < 0 && (interval < quarter || !crowded_)) {
       crowded_ = crowded_ || interval >= quarter;
       ++spurious_;
@@ -337,7 +337,7 @@ void BeatClock::lock() {
   tick_q32_ = tick_of_period_q32(period_q16_);
   predicted_beat_ = beat_;
   aim();
-  // Number the beats such that the lattice has the shortest way to go.
+  // Number the beats so that the lattice needs the smallest correction.
   std::int64_t error = lattice_error_q16();
   for (; error > period_q16_ / 2; error -= period_q16_) ++predicted_beat_;
   for (; error < -period_q16_ / 2 && predicted_beat_ > 0; error += period_q16_) --predicted_beat_;
@@ -363,7 +363,7 @@ EdgeInfo BeatClock::track(ClockQ16 now) {
     error -= period_q16_;
     ++info.missed;
   }
-  // Never more than a quarter beat, and a lamp a little worse than its settings is forgiven.
+  // At most a quarter beat; a lamp slightly worse than its settings is tolerated.
   const std::int64_t expected = info.missed == 0 ? gate_q16_ : gate_q16(info.missed);
   std::int64_t gate = expected;
   if (gate < period_q16_ >> 5) gate = period_q16_ >> 5;
@@ -374,7 +374,7 @@ EdgeInfo BeatClock::track(ClockQ16 now) {
   predicted_beat_ = info.beat + 1;
   stray_rhythm_ = 0;
   ++odd_beats_;
-  // One edge in one beat, as it should be.
+  // One edge in one beat, the normal case.
   if (!crowded_ && info.missed == 0) strays_in_a_row_ = odd_beats_ = 0;
   crowded_ = false;
   follow_jump(now, error, info.missed, expected);
@@ -407,8 +407,8 @@ EdgeInfo BeatClock::stray(ClockQ16 now, std::int64_t error) {
   return {};
 }
 
-/// Edges that stay off to one side are a jump inside the gate: a new line through the last three.
-/// `gate` is that of so many missed beats.
+/// Handles edges that stay off to one side, a jump inside the gate: a new line through the last
+/// three. `gate` is that for `missed` beats.
 void BeatClock::follow_jump(ClockQ16 now, std::int64_t error, std::uint32_t missed,
                             std::int64_t gate) {
   if (missed != 0 || abs64(error) <= gate)
@@ -425,7 +425,7 @@ void BeatClock::follow_jump(ClockQ16 now, std::int64_t error, std::uint32_t miss
       return;
     }
   }
-  // An outlier, say a second edge just before the next first one, must not throw the tracker off.
+  // An outlier, such as a second edge just before the next first one, must not disturb the tracker.
   next_gains();
   follow(clamped(error, -gate, gate), missed);
   edge_before_q16_ = last_edge_q16_;
@@ -438,7 +438,7 @@ void BeatClock::follow(std::int64_t error, std::uint32_t missed) {
     predicted_q16_ += static_cast<ClockQ16>(share_q16(error, gains_.phase_q16) + period_q16_);
     return;
   }
-  // Over a gap of several beats an error of the period adds up, one of the phase does not.
+  // Over a gap of several beats an error of the period accumulates, one of the phase does not.
   const auto beats = static_cast<std::int32_t>(missed) + 1;
   std::int32_t phase_q16 = gains_.phase_q16 * beats;
   if (phase_q16 > 65536) phase_q16 = 65536;
@@ -468,12 +468,12 @@ bool BeatClock::settled() const {
   return locked_ && abs64(lattice_error_q16()) < settled_q16 + jitter_q16_ / 2;
 }
 
-/// Length of a run of ticks out of 2^fold that follow each other, bent towards the lamp.
+/// Length of a run of ticks, one of 2^fold in a row, corrected towards the lamp.
 std::uint32_t BeatClock::steered(std::uint32_t length, std::uint32_t ticks, int fold) {
   const bool moving = tick_ < motion_end_tick_;
   if (mode_ == LampMode::slave && locked_) {
     std::int64_t all = lattice_error_q16();
-    // A lattice that could not follow shows the beat before or after that of the lamp some day.
+    // A lattice that cannot follow would eventually be a beat off the lamp.
     if (tick_in_beat_ == 0 &&
         (beat_ > predicted_beat_ + missed_to_loss || (on_lamp_ && abs64(all) > period_q16_ >> 2)))
       lose();
@@ -488,14 +488,14 @@ std::uint32_t BeatClock::steered(std::uint32_t length, std::uint32_t ticks, int 
         moving ? static_cast<std::uint32_t>(wide_product(length, slew_q32_) >> 32)
                : length >> rest_slew_bits);
     length += static_cast<std::uint32_t>(error < -most ? -most : error > most ? most : error);
-    // Never more than a quarter off nominal, however far the lamp is: boards rely on that.
+    // At most a quarter off nominal, however far the lamp is: boards rely on that.
     const std::uint32_t low = nominal_tick_q16 / 4 * 3 * ticks;
     const std::uint32_t high = nominal_tick_q16 / 4 * 5 * ticks;
     if (length < low) length = low;
     if (length > high) length = high;
   }
   if (!moving) return length;
-  // Rather a lattice that lags than motion above its limits.
+  // The lattice lags rather than motion exceeding its limits.
   const std::uint32_t least = run_q16(least_.most(tick_, tick_ + ticks + lead_ticks_), ticks);
   return length < least ? least : length;
 }
@@ -503,7 +503,7 @@ std::uint32_t BeatClock::steered(std::uint32_t length, std::uint32_t ticks, int 
 TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
   const std::uint32_t left = beat_ticks_ - tick_in_beat_;
   std::uint32_t run = max_ticks < left ? max_ticks : left;
-  // Longer than any board asks for: runs that are all alike.
+  // Longer than boards request: all runs equal.
   int fold = 0;
   for (; run > most_run_ticks; run >>= 1) ++fold;
   TickSpan span;
@@ -534,8 +534,8 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
 std::uint32_t BeatClock::shortest_tick_q16() const {
   if (mode_ != LampMode::slave) return full_tick_q16;
   const std::int64_t tick = tick_q32_ < nominal_tick_q32 ? tick_q32_ : nominal_tick_q32;
-  // What the lamp may gain until the plan has been run, at least another slew; but the period
-  // stays inside its range.
+  // The change of the lamp until the plan has been run, at least another slew; but the period stays
+  // inside its range.
   constexpr std::int64_t all_q32 = 0xffffffff;
   const auto drift_q32 =
       static_cast<std::uint32_t>(clamped(planned_beats * drift_q32_, slew_q32_, all_q32));

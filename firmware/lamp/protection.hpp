@@ -1,8 +1,8 @@
-// The protection of the laser, as far as settings alone can break it.
+// The protection of the laser against settings that would damage it.
 //
-// In:  the values a job or the user asks for.
-// Out: the number of the setting that the laser does not bear; 0 if all is well.
-// Who: the controller, before it takes settings over (main loop).
+// In:  the values of a job or of the user.
+// Out: the number of a setting that violates a limit of the laser; 0 if there is none.
+// Who: the controller, before it applies settings (main loop).
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@
 
 namespace lamplock::lamp {
 
-/// What becomes of the answers of the photosensors ($927).
+/// Use of the answers of the photosensors ($927).
 enum class ShotCheck : std::uint8_t { ignore = 0, count = 1, repeat = 2 };
 
 constexpr ShotCheck shot_check(const settings::Values& values) {
   return static_cast<ShotCheck>(values.whole(settings::Id::shot_check));
 }
 
-/// A shot has to be judged before the next one is handed to the board: lengths of ticks are given
-/// out up to 930 us ahead, and a board looks at its photosensors every 250 us at least.
+/// A shot must be judged before the next one is handed to the board: lengths of ticks are handed
+/// out up to 930 us ahead, and a board reads its photosensors at least every 250 us.
 inline constexpr std::int64_t judgement_lead_ns = 1'250'000;
 
-/// By how many thousandths of a per cent a beat may be shorter than nominal.
+/// Thousandths of a per cent by which a beat may be shorter than nominal.
 constexpr std::int32_t beat_range_milli(const settings::Values& values) {
   switch (static_cast<settings::LampMode>(values.whole(settings::Id::lamp_mode))) {
     case settings::LampMode::slave:
@@ -36,17 +36,17 @@ constexpr std::int32_t beat_range_milli(const settings::Values& values) {
   }
 }
 
-/// We trigger the lamp.
+/// The controller triggers the lamp.
 constexpr bool is_master(const settings::Values& values) {
   return values.whole(settings::Id::lamp_mode) == static_cast<int>(settings::LampMode::master);
 }
 
-/// By how many thousandths of a per cent our triggers may come faster than nominal.
+/// Thousandths of a per cent by which our triggers may be faster than nominal.
 constexpr std::int64_t faster_milli_percent(const settings::Values& values) {
   return is_master(values) ? values.milli(settings::Id::period_tolerance) : 0;
 }
 
-/// A lamp that we trigger flashes no faster than it may ($934).
+/// A triggered lamp flashes at most at its permitted frequency ($934).
 constexpr bool lamp_frequency_holds(const settings::Values& values) {
   using settings::Id;
   if (!is_master(values)) return true;
@@ -55,8 +55,8 @@ constexpr bool lamp_frequency_holds(const settings::Values& values) {
          values.milli(Id::max_lamp_frequency) * whole;
 }
 
-/// The energy of a flash is within its limit ($935), and known where we trigger the lamp: its mean
-/// power could not be limited else.
+/// The energy of a flash is within its limit ($935), and known where we trigger the lamp: otherwise
+/// its mean power could not be limited.
 constexpr bool lamp_energy_holds(const settings::Values& values) {
   using settings::Id;
   const std::int32_t energy = values.milli(Id::lamp_energy);
@@ -79,7 +79,7 @@ constexpr bool lamp_power_holds(const settings::Values& values) {
   return lamp_frequency_holds(values) && lamp_energy_holds(values) && lamp_power_holds(values);
 }
 
-/// The photosensor has answered in time for what its answer is to decide.
+/// The photosensor answers in time for the decision that depends on it.
 constexpr bool sensor_time_holds(const settings::Values& values) {
   using settings::Id;
   const ShotCheck check = shot_check(values);
@@ -91,7 +91,7 @@ constexpr bool sensor_time_holds(const settings::Values& values) {
   return answer_ns + (check == ShotCheck::repeat ? judgement_lead_ns : 0) < beat_ns;
 }
 
-/// Number of a setting that breaks a protection; 0 if there is none.
+/// Number of a setting that violates a protection; 0 if there is none.
 constexpr std::uint16_t broken_protection(const settings::Values& values) {
   using settings::Id;
   if (!lamp_frequency_holds(values)) return settings::number(Id::lamp_frequency);

@@ -1,14 +1,14 @@
-// From the setting of the delay to the clocks that the fire stage counts.
+// Converts the setting of the delay to the clocks that the fire stage counts.
 //
-// In:  $902 in thousandths of a microsecond. Out: clocks from the clock at which the board sees the
-//      rising edge of LAMP SYNC to the one at which the Q-switch rises.
+// In:  $902 in thousandths of a microsecond. Out: clocks from the clock at which the board detects
+//      the rising edge of LAMP SYNC to the one at which the Q-switch rises.
 // Who: controller, beat clock; whenever settings change.
 //
 // $902 is an upper bound, measured at the pins: a laser that must be fired within 20 us is fired
-// within 20.000 us. So clocks are rounded down, and two are taken off:
+// within 20.000 us. So clocks are rounded down, and two are subtracted:
 //
-//   LAMP SYNC  __/~~~~~~~~~~~~~      comes anywhere between two clocks
-//   clock      |   |   |   |   |     seen at the next one: up to one clock later
+//   LAMP SYNC  __/~~~~~~~~~~~~~      rises anywhere between two clocks
+//   clock      |   |   |   |   |     detected at the next one: up to one clock later
 //   Q-SWITCH   _______________/~     both pads delay by some ns, the crystal is off by some 10 ppm:
 //                                    less than another clock of 8 ns
 #pragma once

@@ -55,7 +55,7 @@ void ShotScheduler::begin_job(const ShotRules& rules) {
 
 bool ShotScheduler::commit(const stepper::Segment& s, std::uint64_t first_beat,
                            std::uint64_t last_beat) {
-  // A plan that was kept for its token alone, now spent or withdrawn, gives way.
+  // A plan that was kept only for its token, now spent or withdrawn, is replaced.
   while (end_ != begin_ && at(end_ - 1).last_beat >= first_beat) end_ = end_ - 1;
   if (free() == 0) return false;
   Plan& p = at(end_);
@@ -75,7 +75,7 @@ bool ShotScheduler::commit(const stepper::Segment& s, std::uint64_t first_beat,
 
 void ShotScheduler::cancel_after(std::uint64_t beat) {
   // A token that the board holds may still fire on an early edge: its plan stays until it is spent
-  // or withdrawn, else that shot would be nobody's and its point fired again.
+  // or withdrawn, otherwise that shot would have no plan and its point would be fired again.
   while (end_ != begin_ && at(end_ - 1).last_beat > beat) {
     const Plan& last = at(end_ - 1);
     if (token_out_ && last.issued && last.last_beat == token_beat_) break;
@@ -111,10 +111,10 @@ bool ShotScheduler::untaken(std::uint32_t i, PointOutcome& out) const {
   return true;
 }
 
-void ShotScheduler::report(std::uint32_t point, Outcome outcome) {
+void ShotScheduler::report(std::uint32_t point, ShotResult outcome) {
   outcomes_[outcome_end_ % capacity] = {point, outcome};
   outcome_end_ = outcome_end_ + 1;
-  if (outcome == Outcome::missed) blocked_ = true;
+  if (outcome == ShotResult::missed) blocked_ = true;
 }
 
 void ShotScheduler::shot_fired(const Plan& plan) {
@@ -125,7 +125,7 @@ void ShotScheduler::shot_fired(const Plan& plan) {
     if (to_repeat_ && plan.point == failed_point_) ++checks_.repeats;
     check_ = {true, plan.channel, plan.point, edge_clock_ + rules_.answer_clocks};
   }
-  if (rules_.check != ShotCheck::repeat) report(plan.point, Outcome::fired);
+  if (rules_.check != ShotCheck::repeat) report(plan.point, ShotResult::fired);
 }
 
 void ShotScheduler::judge_shot(bool made) {
@@ -139,7 +139,7 @@ void ShotScheduler::judge_shot(bool made) {
     failed_ = true;
     failures_ = 0;
   }
-  report(check_.point, made ? Outcome::fired : Outcome::missed);
+  report(check_.point, made ? ShotResult::fired : ShotResult::missed);
 }
 
 void ShotScheduler::photosensors(std::uint8_t answered, std::uint64_t clock) {
@@ -151,7 +151,7 @@ void ShotScheduler::photosensors(std::uint8_t answered, std::uint64_t clock) {
 }
 
 void ShotScheduler::end_check() {
-  if (check_pending()) report(check_.point, Outcome::fired);
+  if (check_pending()) report(check_.point, ShotResult::fired);
   check_.pending = false;
 }
 
@@ -167,10 +167,10 @@ void ShotScheduler::pass(const Plan& plan, bool fired) {
     if (fired)
       shot_fired(plan);
     else
-      report(plan.point, Outcome::missed);
+      report(plan.point, ShotResult::missed);
   } else {
     if (fired) ++stray_shots_;
-    if (plan.ends_point) report(plan.point, Outcome::passed);
+    if (plan.ends_point) report(plan.point, ShotResult::passed);
   }
 }
 
@@ -180,13 +180,13 @@ bool ShotScheduler::next_token(FireToken& token, const BeatClock& clock,
   for (std::uint32_t i = begin_; i != end_; ++i) {
     Plan& p = at(i);
     if (!p.shot || p.issued) continue;
-    if (p.last_beat > clock.next_beat() + 1) return false;  // as below, quicker
+    if (p.last_beat > clock.next_beat() + 1) return false;  // as below, faster
     const std::uint64_t tick = clock.tick_of_beat(p.last_beat);
     // Too late: the beat passes, edge() reports the miss.
     if (tick + p.half_window_ticks <= present_tick && present_tick > tick) return false;
-    // Its way may not have begun yet and still be planned anew: a token that is out cannot follow.
+    // Its way may not have begun and may still be replanned: a token that is out cannot be changed.
     if (tick >= clock.next_tick() + clock.beat_ticks()) return false;
-    // Not yet: the beat passes, and so does the point, which is returned to.
+    // Too early: the beat passes, and so does the point; the machine returns to it.
     if (too_soon(p.last_beat) || !beam_.take({p.channel, p.energy})) return false;
     p.issued = true;
     token_out_ = true;
@@ -207,13 +207,13 @@ void ShotScheduler::token_expired() {
     Plan& p = at(i);
     if (!p.shot || p.last_beat != token_beat_) continue;
     p.shot = p.ends_point = false;
-    report(p.point, Outcome::missed);
+    report(p.point, ShotResult::missed);
   }
 }
 
 BeatReason ShotScheduler::judge(std::uint64_t beat, bool fired) {
-  // Beats that passed without an edge: a shot that was due there is missed. But while its token is
-  // out it is not decided: the hardware may fire on an edge that the beat clock takes for a stray.
+  // Beats that passed without an edge: a shot that was due there is missed. While its token is out
+  // it is undecided: the hardware may fire on an edge that the beat clock takes for a stray.
   while (begin_ != end_ && at(begin_).last_beat < beat && !is_open(at(begin_))) {
     pass(at(begin_), false);
     begin_ = begin_ + 1;
@@ -228,7 +228,7 @@ BeatReason ShotScheduler::judge(std::uint64_t beat, bool fired) {
   if (p.last_beat < beat) return permitted_ ? BeatReason::returning : idle_reason_;
   if (p.last_beat != beat) {
     if (!permitted_) return idle_reason_;
-    // The way may take as long: no shot would have been permitted here anyhow.
+    // The move may take as long: no shot would have been permitted here in any case.
     return p.reason == BeatReason::moving && too_soon(beat) ? BeatReason::protection : p.reason;
   }
   if (!fired && is_open(p))
@@ -247,8 +247,8 @@ void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent, std
   edge_clock_ = clock;
   const bool was_out = token_out_;
   if (token_spent || fired) token_out_ = false;
-  // Flashes count while the clock looks for the rhythm; no beat numbers them yet. So do those that
-  // it took for strays, unless they were counted when one of them fired.
+  // Flashes count while the clock searches for the rhythm, before beats have numbers. So do those
+  // that it took for strays, unless they were counted when one of them fired.
   if (info.unlocked && !fired) {
     const std::uint32_t before = info.missed > stray_beats_ ? info.missed - stray_beats_ : 0;
     ledger_.count(permitted_ ? BeatReason::not_locked : idle_reason_, before + 1);
@@ -261,11 +261,11 @@ void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent, std
     count(info.beat, fired);
     if (was_out && token_spent && !fired && info.beat < token_beat_) issue_again();
   } else if (fired && token_beat_ < counted_end_) {
-    // The same when an earlier edge was taken for that of its beat: counted, but not as a shot.
+    // The same if an earlier edge was taken for that of its beat: counted, but not as a shot.
     ledger_.take_back(token_beat_reason_);
     ledger_.count(judge(token_beat_, true), 1);
   } else if (fired) {
-    // The lattice was right and the beat clock was not: the shot is a fact.
+    // The lattice was right and the beat clock was not: the shot was fired.
     if (counted_end_ != 0 && token_beat_ > counted_end_) {
       const auto open = static_cast<std::uint32_t>(token_beat_ - counted_end_);
       count_missed(open);
@@ -278,7 +278,7 @@ void ShotScheduler::edge(const EdgeInfo& info, bool fired, bool token_spent, std
   }
 }
 
-/// An edge before that of its beat has taken the token.
+/// An edge before that of its beat has spent the token.
 void ShotScheduler::issue_again() {
   for (std::uint32_t i = begin_; i != end_; ++i)
     if (at(i).shot && at(i).last_beat == token_beat_) at(i).issued = false;

@@ -1,26 +1,26 @@
-// The shot scheduler: the only code that may fire.
+// The shot scheduler: only this code may fire.
 //
-// In:  from the main loop, which beats belong to which point (commit); from the beat interrupt,
-//      every edge and whether the hardware fired on it.
+// In:  from the main loop, the beats of each point (commit); from the beat interrupt, every edge
+//      and whether the hardware fired on it.
 // Out: tokens, each the right to one shot on one beat; outcomes for the main loop; one counter per
 //      beat.
 // Level: commit, cancel, outcome: main loop. edge, next_token, token_expired, photosensors: beat
-// interrupt.
+//      interrupt.
 //
 // A shot needs all of: a token (issued here, one at a time), the arm bit of the lattice (true by
 // construction where the machine is in position), the edge itself. The hardware decides on the
 // edge; code that is late can only lose a shot, never misplace one. A point that was not fired
-// blocks every later shot until the main loop has planned the way back to it, so that points are
-// fired in order. A point whose token is out is decided by what the board says of the token (spent
-// or withdrawn), never by its beat having passed: FIRE may take it on an edge that the beat clock
-// does not count. There is no other token before.
+// blocks every later shot until the main loop has planned the return to it, so that points are
+// fired in order. A point whose token is out is decided by what the board reports about the token
+// (spent or withdrawn), never because its beat has passed: FIRE may spend it on an edge that the
+// beat clock does not count. No other token is issued before.
 //
-// The board asks for a token after each edge and at least every 250 us, and says as often which
+// The board requests a token after each edge and at least every 250 us, and reports as often which
 // photosensors have answered.
 //
-// A shot whose photosensor says nothing in time was not made. Where such shots are repeated the
+// A shot whose photosensor does not answer in time was not made. Where such shots are repeated the
 // outcome waits for the sensor, and so does the next token; a shot not made is a miss like any
-// other, until the same point has failed too often: then the main loop is asked to hold.
+// other, until the same point has failed too often: then the main loop must hold.
 //
 //  life of a token:   a beat       half a beat before its lattice tick     arm window closes
 //                      | may be taken | may be loaded .................... | withdrawn
@@ -40,39 +40,39 @@ namespace lamplock::lamp {
 /// The right to one shot.
 struct FireToken {
   std::uint64_t beat = 0;
-  std::uint64_t not_before_tick = 0;  ///< load into the hardware from here on
-  std::uint64_t expires_tick = 0;     ///< withdraw here if no edge came
+  std::uint64_t not_before_tick = 0;  ///< load into the hardware from this tick on
+  std::uint64_t expires_tick = 0;     ///< withdraw at this tick if there was no edge
   std::uint8_t channel = 0;
   std::uint16_t energy = 0;
 };
 
-/// What became of a point on its beat.
-enum class Outcome : std::uint8_t { fired, passed, missed };
+/// ShotResult of a point on its beat.
+enum class ShotResult : std::uint8_t { fired, passed, missed };
 struct PointOutcome {
   std::uint32_t point = 0;
-  Outcome outcome = Outcome::missed;
+  ShotResult outcome = ShotResult::missed;
 };
 
-/// What the laser asks of the shots of a job.
+/// Rules of the laser for the shots of a job.
 struct ShotRules {
-  std::uint32_t least_beats = 1;  ///< from one shot to the next
+  std::uint32_t least_beats = 1;  ///< minimum from one shot to the next
   ShotCheck check = ShotCheck::ignore;
   std::uint32_t answer_clocks = 0;  ///< LAMP SYNC to the end of the sensor's time
   std::uint32_t repeats = 0;        ///< of a shot not made, before the job is held
 };
 
-/// What the photosensors have said in a job.
+/// Results of the photosensors in a job.
 struct CheckCounts {
   std::uint32_t made = 0, not_made = 0;
   std::uint32_t repeats = 0;  ///< shots at a point whose last shot was not made
 };
 
-/// Counters of beats; those after the last shot are kept apart until the next one.
+/// Counters of beats; those after the last shot are kept separately until the next one.
 class BeatLedger {
  public:
   void reset();
   void count(BeatReason reason, std::uint32_t beats);
-  /// A beat since the last shot that was counted so turns out otherwise.
+  /// The reason of a beat since the last shot was wrong: uncounts it.
   void take_back(BeatReason reason);
 
   std::uint32_t shots() const { return shots_; }
@@ -93,58 +93,58 @@ class ShotScheduler {
   static constexpr std::uint32_t capacity = 128;
 
   // Main loop.
-  /// Other rules in the middle of a job, at rest and with nothing undecided: another beat.
+  /// Changes the rules within a job, at rest and with no undecided shot: another beat.
   void change_rules(const ShotRules& rules) { rules_ = rules, has_shot_ = false; }
-  /// Forgets everything planned and counted; no shot of an earlier job can follow.
+  /// Drops all plans and counts; a shot of an earlier job is impossible afterwards.
   [[gnu::cold]] void begin_job(const ShotRules& rules = {});
   /// A segment was committed that covers beats first..last (the last one may carry its shot).
   bool commit(const stepper::Segment& segment, std::uint64_t first_beat, std::uint64_t last_beat);
   std::uint32_t free() const { return capacity - (end_ - begin_); }
-  /// Forgets what is planned after `beat`, but not a shot whose token is out.
+  /// Drops plans after `beat`, but not a shot whose token is out.
   void cancel_after(std::uint64_t beat);
-  /// After a miss: what is still planned moves on without shots, `reason` for its beats; shots
-  /// are allowed again from the next commit on.
+  /// After a miss: the remaining plans move on without shots, `reason` for their beats; shots are
+  /// permitted again from the next commit on.
   void restart(BeatReason reason);
-  /// Firing permitted or not; when not, beats count with `reason`.
+  /// Permits firing or not; if not, beats count with `reason`.
   void permit(bool firing, BeatReason reason) {
     permitted_ = firing, idle_reason_ = reason;
-    // A shot that the hardware has decided passes first: it is too late to take it back.
+    // A shot that the hardware has decided passes first: it cannot be withdrawn.
     if (!firing && !token_out_) beam_.cut();
   }
   bool permitted() const { return permitted_; }
-  /// A shot or the end of a point is planned that no edge, or no photosensor, has judged yet.
+  /// A planned shot or end of a point was not yet judged by an edge, or by a photosensor.
   bool point_pending() const;
-  /// Nobody waits for the photosensor any more: the last shot counts as fired.
+  /// Stops waiting for the photosensor: the last shot counts as fired.
   void end_check();
-  /// True once after a point has failed too often; `point`: which.
+  /// True once after a point, `point`, has failed too often.
   bool take_failed(std::uint32_t& point);
   BeamPath& beam() { return beam_; }
   const BeamPath& beam() const { return beam_; }
   const CheckCounts& checks() const { return checks_; }
-  /// The board holds a token, or has fired on one and not yet said so.
+  /// The board holds a token, or has fired on one and not yet reported it.
   bool token_out() const { return token_out_; }
-  /// photosensors() wants to know what they say and when.
+  /// photosensors() needs the answers and their time.
   bool wants_answer() const { return check_.pending; }
-  /// A shot was fired that waits for its photosensor to be done.
+  /// A fired shot waits for the answer of its photosensor.
   bool check_pending() const { return check_.pending && rules_.check == ShotCheck::repeat; }
-  /// A shot may still be counted, or sent back.
+  /// A shot may still be counted, or withdrawn.
   bool undecided() const { return token_out_ || check_pending(); }
-  /// Takes the oldest outcome.
+  /// Removes the oldest outcome.
   bool outcome(PointOutcome& out);
-  /// Outcome `i` of those not taken yet; false if there are no more. Also beat interrupt.
+  /// ShotResult `i` of those not removed yet; false if there are no more. Also beat interrupt.
   bool untaken(std::uint32_t i, PointOutcome& out) const;
   const BeatLedger& ledger() const { return ledger_; }
   /// Shots that the hardware reported on a beat that had none planned; must stay 0.
   std::uint32_t stray_shots() const { return stray_shots_; }
 
   // Beat interrupt.
-  /// The next right to fire, at most a beat ahead of what has a time; false if there is none now.
-  /// `present_tick` may be a little behind: a token that comes too late expires.
+  /// The next token, at most a beat ahead of the ticks with a time; false if there is none now.
+  /// `present_tick` may be slightly late: a token that is too late expires.
   bool next_token(FireToken& token, const BeatClock& clock, std::uint64_t present_tick);
   /// The token was withdrawn without an edge.
   void token_expired();
-  /// An edge that the beat clock has judged; `fired` and `token_spent` as the hardware says: it
-  /// takes a loaded token on every edge, a stray one too; `clock` is that of the edge.
+  /// An edge that the beat clock has judged; `fired` and `token_spent` from the hardware, which
+  /// spends a loaded token on every edge, a stray one too; `clock` is that of the edge.
   void edge(const EdgeInfo& info, bool fired, bool token_spent, std::uint64_t clock = 0);
   /// Photosensors (bits, by channel) that have answered since the last call, made at `clock`.
   void photosensors(std::uint8_t answered, std::uint64_t clock);
@@ -170,14 +170,14 @@ class ShotScheduler {
   bool too_soon(std::uint64_t beat) const {
     return has_shot_ && beat - last_shot_beat_ < rules_.least_beats;
   }
-  /// The right to this shot is with the board: neither spent nor withdrawn, as far as is known.
+  /// The board holds the token of this shot: neither spent nor withdrawn, as far as reported.
   bool is_open(const Plan& plan) const {
     return token_out_ && plan.issued && plan.last_beat == token_beat_;
   }
   void issue_again();
   void shot_fired(const Plan& plan);
   void judge_shot(bool made);
-  void report(std::uint32_t point, Outcome outcome);
+  void report(std::uint32_t point, ShotResult outcome);
   void pass(const Plan& plan, bool fired);
   BeatReason judge(std::uint64_t beat, bool fired);
   void count_missed(std::uint32_t beats);
@@ -191,7 +191,8 @@ class ShotScheduler {
   bool blocked_ = false;  ///< a point was missed and the main loop has not yet planned the return
   bool token_out_ = false;
   std::uint64_t token_beat_ = 0;
-  BeatReason token_beat_reason_ = BeatReason::no_edge;  ///< how that beat was counted so far
+  /// reason under which that beat was counted
+  BeatReason token_beat_reason_ = BeatReason::no_edge;
   std::uint64_t expired_beat_ = ~std::uint64_t{0};
   std::uint64_t counted_end_ = 0;  ///< beats before this one have been counted; 0 = none yet
   std::uint32_t stray_beats_ = 0;  ///< counted because a stray edge fired, since the last good one
@@ -205,10 +206,10 @@ class ShotScheduler {
   std::uint64_t edge_clock_ = 0;  ///< of the edge being judged
   Check check_;
   CheckCounts checks_;
-  std::uint32_t failures_ = 0;  ///< of failed_point_, one after the other
+  std::uint32_t failures_ = 0;  ///< of failed_point_, in a row
   std::uint32_t failed_point_ = 0;
   bool to_repeat_ = false;  ///< its last shot was not made
-  bool failed_ = false;     ///< too often, and the main loop was not told
+  bool failed_ = false;     ///< too often, not yet reported to the main loop
 };
 
 }  // namespace lamplock::lamp

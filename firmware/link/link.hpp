@@ -1,15 +1,15 @@
-// The firmware's end of the wire: bytes in, commands out to the machine, answers back
+// The firmware's end of the wire: receives bytes, passes commands to the machine, sends answers
 // (docs/wire-format.md).
 //
 // In:  received bytes in pieces of any size (`receive`), and the machine through the `LinkSink`
-//      concept: what arrived is handed to it at once, in order.
+//      concept: what was received is passed to it at once, in order.
 // Out: bytes to send (`transmit`): text of the machine (`send_text`) and STATUS/REFUSED frames.
-// Who: the controller owns one Link; the board hands it bytes and takes bytes through the
-//      controller. All of it at main-loop level; estimated, not measured: 50 cycles a byte.
+// Who: the controller owns one Link; the board passes bytes in and reads bytes through the
+//      controller. All at main-loop level; estimated, not measured: 50 cycles a byte.
 //
-// Guarantees: DATA reaches the machine once each and in order, whatever the wire does; a line or a
-// frame that is not whole never reaches it; an answer is sent whole or later, never half; real-time
-// bytes are seen wherever they stand.
+// Guarantees: DATA reaches the machine exactly once and in order, whatever errors the wire has;
+// incomplete lines and frames never reach it; an answer is sent whole or later, never in part;
+// real-time bytes are recognised everywhere in the stream.
 #pragma once
 
 #include <array>
@@ -28,19 +28,19 @@
 
 namespace lamplock::link {
 
-/// What the link needs of the machine.
-///   on_realtime(byte)       any of the real-time list; unknown ones are to be ignored
-///   on_line(text)           a line without its end, blank ones too; wants exactly one answer
-///   on_line_too_long()      a line that was too long or spoilt; wants an error as answer
-///   on_begin(header)        a new session: everything of the last job is void
-///   on_data(records)        the next records: all of them are taken, or none
+/// Interface of the machine for the link.
+///   on_realtime(byte)       any of the real-time list; must ignore unknown ones
+///   on_line(text)           a line without its end, blank ones too; must send exactly one answer
+///   on_line_too_long()      a line that was too long or damaged; must answer with an error
+///   on_begin(header)        a new session: all data of the last job is void
+///   on_data(records)        the next records: all of them are accepted, or none
 ///                           (Result::no_space: not yet; any other result: never)
 ///   on_end(total)           the last point has been sent; `total` as in the header
-///   on_command(request)     hold, resume, stop or another speed, of the host's user
+///   on_command(request)     hold, resume, stop or another speed, from the host's user
 ///   refused_value()         after a result other than ok: setting number, index of the point or
 ///                           value of the command
-///   standing()              what a STATUS comes for by itself; asked at every poll
-///   fill_status(status)     everything in Status that the link does not know itself
+///   standing()              values whose change causes a STATUS; called at every poll
+///   fill_status(status)     all members of Status that the link does not know
 template <class Sink>
 concept LinkSink = requires(Sink& sink, const Sink& reader, std::uint8_t byte,
                             std::string_view line, const wire::JobHeader& header,
@@ -54,14 +54,14 @@ concept LinkSink = requires(Sink& sink, const Sink& reader, std::uint8_t byte,
   { sink.on_end(total) } -> std::same_as<Result>;
   { sink.on_command(request) } -> std::same_as<Result>;
   { reader.refused_value() } -> std::convertible_to<std::uint32_t>;
-  { reader.standing() } -> std::same_as<wire::Standing>;
+  { reader.standing() } -> std::same_as<wire::StatusSummary>;
   reader.fill_status(status);
 };
 
 /// Receiver, sessions, acknowledgements, transmit ring.
 class Link {
  public:
-  /// Takes received bytes and hands what they mean to the machine.
+  /// Parses received bytes and passes their contents to the machine.
   template <LinkSink Sink>
   void receive(std::span<const std::uint8_t> bytes, Sink& sink) {
     Events<Sink> events{*this, sink};
@@ -70,34 +70,32 @@ class Link {
   }
 
   /// Sends a STATUS that is due: one that did not fit before, or because space has become free or
-  /// the machine's state has changed. To be called about once a millisecond or more often.
+  /// the machine's state has changed. To be called at least once a millisecond.
   template <LinkSink Sink>
   void poll(Sink& sink) {
     if (frames_spoken_ && sink.standing().is_news(told_)) status_due_ = true;
     if (status_due_) send_status(sink);
   }
 
-  /// The bytes that follow come from another host, or from the same one after a break: half a line
-  /// or frame of before is never finished by them. Session, counts and answers not yet sent stay:
-  /// a job goes on over it. Cheap; not from within receive().
+  /// The following bytes are from another host, or from the same one after a break: an incomplete
+  /// line or frame is dropped. Session, counts and unsent answers are kept: a job continues. Cheap;
+  /// not from within receive().
   void new_connection() {
     parser_.reset();
     frames_spoken_ = false;
   }
-  /// Drops a line or frame that has not ended: a reset has discarded the rest of it.
+  /// Drops an incomplete line or frame: a reset has discarded the rest of it.
   void drop_input() { parser_.reset(); }
 
-  /// Takes bytes to send; returns how many were written to `out`.
+  /// Removes bytes to send; returns how many were written to `out`.
   std::size_t transmit(std::span<std::uint8_t> out) { return ring_.pop(out); }
-  /// Bytes that can be sent at once.
   std::size_t room() const { return ring_.room(); }
-  /// Characters of a line that has not ended.
+  /// Characters of an incomplete line.
   std::size_t line_size() const { return parser_.line_size(); }
-  /// Bytes waiting to be sent.
   std::size_t transmit_size() const { return ring_.size(); }
 
-  /// Queues text, which may be a piece of a line: no frame comes between the pieces. False, and
-  /// counted, if it does not fit whole.
+  /// Queues text, which may be a piece of a line: no frame is inserted between the pieces. False,
+  /// and counted, if it does not fit whole.
   bool send_text(std::string_view text) {
     if (text.empty()) return true;
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
@@ -106,12 +104,12 @@ class Link {
     return true;
   }
 
-  /// Tells the host that a point taken earlier cannot be done after all.
+  /// Reports to the host that a point accepted earlier cannot be reached.
   void refuse_point(Result result, std::uint32_t point) {
     refuse({wire::FrameType::data, session_, 0}, result, point);
   }
 
-  /// True if a frame of any kind has come since the last call: the host of a job lives.
+  /// True if a frame of any type was received since the last call: the host of a job lives.
   bool take_frame_seen() {
     const bool seen = frame_seen_;
     frame_seen_ = false;
@@ -119,12 +117,12 @@ class Link {
   }
   /// Session of the last job begun; 0 = none.
   std::uint32_t session() const { return session_; }
-  /// Forgets the job: its frames are refused from now on, and the host learns that it is lost.
+  /// Drops the job: its frames are refused from now on, which informs the host.
   void forget_session() { session_ = 0; }
   const wire::LinkCounters& counters() const { return counters_; }
 
  private:
-  /// Hands the parser's findings on.
+  /// Passes the results of the parser on.
   template <class Sink>
   struct Events {
     Link& link;
@@ -187,7 +185,7 @@ class Link {
     last_command_ = 0;
   }
 
-  /// DATA and END: only the next one is taken.
+  /// DATA and END: only the next one is accepted.
   template <class Sink>
   void handle_numbered(const wire::FrameHeader& frame, std::span<const std::uint8_t> payload,
                        Sink& sink) {
@@ -229,7 +227,8 @@ class Link {
     if (result != Result::ok) refuse(frame, result, sink.refused_value());
   }
 
-  /// Says that a frame cannot be obeyed. If it does not fit now, the host will ask again.
+  /// Reports that a frame is refused. If the answer does not fit now, the host will repeat its
+  /// frame.
   void refuse(const wire::FrameHeader& frame, Result result, std::uint32_t value) {
     std::array<std::uint8_t, wire::frame_header_size + wire::refused_size> content;
     wire::ByteWriter out(content);
@@ -272,23 +271,23 @@ class Link {
   }
 
   static constexpr std::uint32_t first_number = 1;
-  /// Longest frame of ours, every byte escaped.
+  /// Longest frame that the firmware sends, every byte escaped.
   static constexpr std::size_t max_answer =
       2 * (wire::frame_header_size + wire::status_size + wire::crc_size) + 2;
 
   wire::StreamParser<wire::End::device> parser_;
   TransmitRing ring_;
   wire::LinkCounters counters_;
-  wire::Standing told_;  ///< by the last STATUS sent
+  wire::StatusSummary told_;  ///< in the last STATUS sent
   std::uint32_t session_ = 0;
   std::uint32_t next_number_ = first_number;
   std::uint32_t last_command_ = 0;
   std::uint32_t echo_ = 0;
   std::uint32_t status_number_ = 0;
-  bool frames_spoken_ = false;  ///< the last thing the host said was a frame
+  bool frames_spoken_ = false;  ///< the last input of the host was a frame
   bool frame_seen_ = false;
   bool status_due_ = false;
-  bool line_open_ = false;  ///< the text sent last has not ended its line
+  bool line_open_ = false;  ///< the last text sent has not ended its line
 };
 
 }  // namespace lamplock::link

@@ -1,6 +1,6 @@
-// Bytes waiting to be sent: whatever goes in goes in whole or not at all.
+// Bytes waiting to be sent; each push is stored whole or not at all.
 //
-// In:  lines and frames from the link. Out: the board takes bytes as its port wants them.
+// In:  lines and frames from the link. Out: bytes for the board, as its port accepts them.
 // Level: main loop on both sides; no allocation.
 #pragma once
 
@@ -12,7 +12,6 @@
 
 namespace lamplock::link {
 
-/// Ring of bytes.
 class TransmitRing {
  public:
   static constexpr std::size_t capacity = 4096;
@@ -28,7 +27,7 @@ class TransmitRing {
     return true;
   }
 
-  /// Takes up to `out.size()` bytes; returns how many.
+  /// Removes up to `out.size()` bytes; returns how many.
   std::size_t pop(std::span<std::uint8_t> out) {
     const std::size_t count = std::min(out.size(), size());
     for (std::size_t i = 0; i < count; ++i) out[i] = bytes_[out_++ % capacity];

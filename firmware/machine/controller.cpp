@@ -9,10 +9,10 @@ using settings::Id;
 using wire::HoldReason;
 using wire::MachineState;
 
-/// The lamp trigger is high for this long: well above the 2 us a lamp may ask for.
+/// High time of the lamp trigger: well above the 2 us that a lamp may require.
 constexpr std::uint32_t trigger_ticks = 20;
 
-/// Nothing differs that the beat clock is made of.
+/// All settings of the beat clock are equal.
 bool same_beat(const settings::Values& a, const settings::Values& b) {
   for (auto id = static_cast<int>(Id::lamp_mode); id <= static_cast<int>(Id::period_tolerance);
        ++id)
@@ -38,13 +38,13 @@ Controller::Controller(const settings::Values& stored, const InterruptMask& mask
   send_banner();
   if (!ganged) say("No second motor: $966 needs a board with outputs for A");
   if (stored.whole(Id::homing) == 0) return;
-  // Where the machine is nobody knows until it is homed.
+  // The position is unknown until the machine is homed.
   state_ = MachineState::alarm;
   alarm_ = alarm_homing_wanted;
   say("'$H'|'$X' to unlock");
 }
 
-/// From the start on. False if a second motor is wanted for which there is no output.
+/// Active from the start on. False if a second motor is required but has no output.
 bool Controller::use_kinematics() {
   settings::Values values = stored_;
   const Kinematics wanted(values);
@@ -55,7 +55,7 @@ bool Controller::use_kinematics() {
 }
 
 void Controller::use_settings(const settings::Values& values) {
-  // The clock starts anew, and has to lock again, only if it has to.
+  // The clock restarts, and must lock again, only if its settings changed.
   const bool other_beat = !same_beat(values, values_);
   values_ = values;
   put_in_force(motion_.generator().kinematics(), values_);
@@ -70,13 +70,13 @@ void Controller::end_overrides() {
   const bool over = state_ == MachineState::idle || state_ == MachineState::alarm ||
                     state_ == MachineState::estop;
   if (!overridden_ || !over || !runner_.at_rest() || shots_.undecided()) return;
-  if (!runner_.plan_at_home()) return;  // it reads the settings
+  if (!runner_.plan_at_home()) return;  // planning reads the settings
   overridden_ = false;
   use_settings(stored_);
 }
 
 FireTiming Controller::fire_timing() const {
-  // In 32 bits, for it is asked in every round of the main loop.
+  // In 32 bits, because it is called in every round of the main loop.
   constexpr std::uint32_t most_milli = settings::range(Id::q_switch_width).max_milli;
   static_assert(settings::range(Id::q_switch_delay).max_milli <= most_milli &&
                 most_milli <= (0xffffffff - 500) / clocks_per_us);
@@ -89,11 +89,11 @@ FireTiming Controller::fire_timing() const {
 
 void Controller::set_trigger() {
   const FireTiming timing = fire_timing();
-  // The shot is decided earlier than it is fired: the arm window moves by the difference.
+  // The shot is decided earlier than it is fired: the arm window is shifted by the difference.
   const std::uint32_t lead = timing.delay_clocks - fire_decision_clocks;
   runner_.generator().set_arm_lead((lead + clocks_per_tick / 2) / clocks_per_tick);
   stepper::TriggerPattern trigger;
-  // Settings that were stored before there was a limit may break it.
+  // Settings that were stored before the limit existed may violate it.
   if (clock_.mode() != settings::LampMode::slave && lamp::lamp_bears(values_)) {
     trigger.period_ticks = clock_.beat_ticks();
     const std::uint32_t trigger_lead =
@@ -101,7 +101,7 @@ void Controller::set_trigger() {
     trigger.width_ticks = trigger_ticks;
     const std::uint64_t head = runner_.generator().tick() + trigger_lead;
     trigger.first_tick = clock_.tick_of_beat(clock_.beat_at_or_after(head)) - trigger_lead;
-    // No flash sooner after the last one of the old beat than the new beat allows.
+    // The interval after the last flash of the old beat is at least that of the new beat.
     const std::uint64_t last = runner_.generator().last_trigger();
     while (last != 0 && trigger.first_tick < last + trigger.period_ticks)
       trigger.first_tick += trigger.period_ticks;
@@ -175,36 +175,36 @@ bool Controller::prepare(std::uint64_t clock) {
 }
 
 bool Controller::commit() {
-  // A hold or an alarm since prepare() has made the plan worthless.
+  // A hold or an alarm since prepare() has invalidated the plan.
   const bool wanted = moving_ && !runner_.underrun();
   const Committed committed = wanted ? runner_.commit() : Committed::nothing;
-  if (committed == Committed::no_way) refuse_way();
-  // A stop is over when the machine stands and the last shot that was decided has been counted.
+  if (committed == Committed::no_way) reject_unreachable();
+  // A stop is over when the machine is at rest and the last decided shot has been counted.
   const bool stopping =
       !job_ && !program_.begun() &&
       (state_ == MachineState::run || state_ == MachineState::hold || state_ == MachineState::door);
   if (stopping && runner_.at_rest() && !shots_.undecided()) {
-    // The edge may have come since prepare(): who sees idle shall see every shot.
+    // The edge may have occurred since prepare(): with state idle every shot must be visible.
     runner_.read_outcomes();
     state_ = MachineState::idle;
   }
   if (state_ == MachineState::run && wire_job() && runner_.complete() && runner_.at_rest())
     state_ = MachineState::idle;
   end_overrides();
-  if (board_.parts == Parts::straight) program_.stage();
-  // A job has waited before it began to move.
+  if (board_.parts == HandoutMode::straight) program_.stage();
+  // A job may have waited for prepare() before it began to move.
   const bool lines = drives_.ready(now_) && program_.commit();
   settle_program();
   return committed == Committed::part || lines;
 }
 
-/// There is no way to the next point.
-void Controller::refuse_way() {
+/// The next point cannot be reached.
+void Controller::reject_unreachable() {
   if (wire_job()) {
     link_.refuse_point(Result::unreachable, runner_.failed_point());
     return stop();
   }
-  // From where the machine comes to rest there may be one.
+  // It may be reachable from where the machine stops.
   if (motion_.at_rest()) raise_alarm(alarm_soft_limit);
 }
 
@@ -247,10 +247,10 @@ void Controller::check_dead_man() {
   if (now_ - since > static_cast<std::uint64_t>(limit_us) * clocks_per_us) hold_without_host();
 }
 
-// Constants, for the compiler would count their characters at run time.
+// Constants, because the compiler would count their characters at run time.
 constexpr std::string_view held_without_host = "Host lost: program held";
 constexpr std::string_view no_lamp = "No lamp: LAMP SYNC is missing or not at $901";
-/// Beats without a lock until the host hears of it, as many as the lock bears without an edge.
+/// Beats without a lock until the host is informed, as many as the lock tolerates without an edge.
 constexpr std::uint32_t beats_without_lamp = 32;
 
 void Controller::lose_host() {
@@ -258,7 +258,7 @@ void Controller::lose_host() {
   if (state_ == MachineState::run) hold_without_host();
 }
 
-/// Something moves or shines that the host could not stop.
+/// Motion or light that the host could not stop.
 void Controller::hold_without_host() {
   if (!jogging_ && !framed_job()) {
     if (values_.whole(Id::run_on) != 0 && reader_.ends_itself()) return;
@@ -281,8 +281,8 @@ void Controller::check_lamp() {
   if (!no_lamp_said_ && (lost || now_ - no_lamp_since_ >= limit)) miss_lamp();
 }
 
-/// Without the lamp a job waits, dark. As slave it continues when the lamp is back. As master,
-/// where the lamp does not answer our triggers, it is held until the user resumes it.
+/// Without the lamp a job waits, dark. As slave it continues when the lamp is back. As master, if
+/// the lamp does not respond to the triggers, it is held until the user resumes it.
 void Controller::miss_lamp() {
   no_lamp_said_ = true;
   say(no_lamp);
@@ -290,7 +290,7 @@ void Controller::miss_lamp() {
 }
 
 bool Controller::host_lives() const {
-  // Where the dead man is off, a host still asks for a status several times a second.
+  // Even with the dead man off a host requests the status several times a second.
   constexpr std::int32_t without_dead_man_us = 2'000'000;
   const std::int32_t set_us = values_.milli(Id::dead_man);
   const auto limit_us = static_cast<std::uint64_t>(set_us != 0 ? set_us : without_dead_man_us);
@@ -303,7 +303,7 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
   const InputSet bit = set_of(input);
   inputs_ = static_cast<InputSet>(active ? inputs_ | bit : inputs_ & ~unsigned{bit});
   if (!parking_.holds_machine() && guard_.see(input, active, kinematics.loads_of(at)))
-    program_.break_off(true);
+    program_.abort_move(true);
   input_wait_.see(input, active);
   switch (input) {
     case Input::estop:
@@ -318,7 +318,7 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
       if (active) {
         open_door();
       } else if ((job_ || rows_.runs()) && state_ == MachineState::door) {
-        state_ = MachineState::hold;  // a closed door waits for somebody to say go on
+        state_ = MachineState::hold;  // after the door is closed the job waits for a resume
         hold_reason_ = HoldReason::host;
       }
       break;
@@ -326,7 +326,7 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
     case Input::aux:
       break;
     default:
-      // Homing wants them to engage; in an alarm nothing moves, and a contact may bounce.
+      // Homing makes them engage; in an alarm nothing moves, and a contact may bounce.
       if (active && state_ != MachineState::home && state_ != MachineState::alarm &&
           state_ != MachineState::estop && values_.whole(Id::hard_limits) != 0)
         raise_alarm(alarm_hard_limit);
@@ -336,29 +336,30 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
 
 void Controller::stopped_at(const StepPosition& motors) {
   shots_.end_check();
-  runner_.read_outcomes();  // of a shot that the board has found when it stopped
+  runner_.read_outcomes();  // a shot that the board has found when it stopped
   runner_.halt();
   program_.halt();
-  reader_.lose_position();
+  reader_.invalidate_position();
   runner_.generator().set_motors(motors);
-  forget_racking();
+  clear_racking();
 }
 
 void Controller::raise_alarm(std::uint8_t number) {
   shots_.permit(false, BeatReason::alarm);
   shots_.beam().cut();
   shots_.end_check();
-  if (job_) runner_.read_outcomes();  // whoever asks now, where to go on, shall know every shot
+  // every shot must be visible when a host queries where to continue
+  if (job_) runner_.read_outcomes();
   runner_.halt();
   program_.halt();
   end_program();
-  reader_.lose_position();
+  reader_.invalidate_position();
   jogging_ = check_ = false;
   moving_ = false;
   outputs_off();
   next_beat_milli_hz_ = 0;
   stopping_ = false;
-  // While the e-stop is pressed no other alarm may make the machine look as if `$X` could free it.
+  // During an e-stop no other alarm may suggest that `$X` could clear it.
   state_ = estop_ ? MachineState::estop : MachineState::alarm;
   alarm_ = estop_ ? alarm_estop : number;
   hold_reason_ = HoldReason::none;
@@ -374,7 +375,7 @@ void Controller::raise_alarm(std::uint8_t number) {
 
 void Controller::unlock() {
   if (state_ != MachineState::alarm) return;
-  // The position is not what it was: the job cannot simply go on.
+  // The position has changed: the job cannot simply continue.
   stop();
   link_.forget_session();
   state_ = MachineState::idle;
@@ -385,18 +386,19 @@ void Controller::hold(HoldReason reason) {
   // A hold by the host replaces every other reason; a typed hold replaces that of a silent host.
   const bool typed = reason == HoldReason::realtime && hold_reason_ == HoldReason::dead_man;
   if (state_ == MachineState::hold && (reason == HoldReason::host || typed)) hold_reason_ = reason;
-  // At rest as well: what comes then is held.
+  // Also at rest: new motion is held.
   const bool rests = state_ == MachineState::idle && program_.begun() && !check_ && !asleep_;
-  if (state_ == MachineState::home) return break_off_homing(alarm_homing_reset);
+  if (state_ == MachineState::home) return fail_homing(alarm_homing_reset);
   if (parking_.holds_machine()) {
     parking_.stay_here();
-    return program_.break_off_aside();
+    return program_.abort_detour();
   }
   if ((state_ != MachineState::run && !rests) || stopping_) return;
   if (jogging_) return cancel_jog();
   program_.hold();
   shots_.permit(false, BeatReason::hold);
-  runner_.read_outcomes();  // who asks now, where to go on, shall not be told too low a number
+  // otherwise a host that queries where to continue would get too low a number
+  runner_.read_outcomes();
   if (moving_) runner_.brake();
   moving_ = false;
   state_ = MachineState::hold;
@@ -423,7 +425,7 @@ void Controller::resume() {
 
 void Controller::stop() {
   shots_.permit(false, BeatReason::no_point_due);
-  // Shots fired since the last poll count: the next job goes on behind them.
+  // Shots fired since the last poll count: the next job continues after them.
   if (job_) runner_.read_outcomes();
   if (moving_) runner_.brake();
   moving_ = false;
@@ -433,23 +435,23 @@ void Controller::stop() {
   hold_reason_ = HoldReason::none;
 }
 
-/// COMMAND stop: whatever moves the machine ends.
+/// COMMAND stop: ends all motion.
 void Controller::stop_activity() {
-  if (homing_.active()) return break_off_homing(alarm_homing_reset);
+  if (homing_.active()) return fail_homing(alarm_homing_reset);
   if (jogging_) return cancel_jog();
-  // A job of rows that comes to rest is no program: a second stop is the first one again.
+  // A job of rows that is stopping is no program: a second stop repeats the first.
   if (framed_job() || rows_.active() || (!program_.begun() && !beat_locked())) return stop();
   stop_program();
 }
 
-// A constant, for the compiler would count its characters at run time.
-constexpr std::string_view stopped_by_host = "Stopped by the host: '$X' or reset to go on";
+// A constant, because the compiler would count its characters at run time.
+constexpr std::string_view stopped_by_host = "Stopped by the host: '$X' or reset to continue";
 
-/// Comes to rest on its path, dark. Lines that wait are answered by an error and not run.
+/// Stops on the path, dark. Lines that wait are answered with an error and not run.
 void Controller::stop_program() {
   refuse_lines(Refusal::until_unlocked, stopped_by_host);
   guard_.drop();
-  if (parking_.holds_machine()) program_.break_off_aside();
+  if (parking_.holds_machine()) program_.abort_detour();
   parking_.end();
   drop_open_line();
   shots_.permit(false, BeatReason::no_point_due);
@@ -463,11 +465,11 @@ void Controller::stop_program() {
   hold_reason_ = HoldReason::none;
 }
 
-/// The machine is at rest.
+/// Called at rest.
 void Controller::finish_stop() {
   stopping_ = false;
   end_program();
-  reader_.lose_position();
+  reader_.invalidate_position();
   use_overrides();
   state_ = MachineState::idle;
 }
@@ -505,7 +507,7 @@ Result Controller::on_command(const wire::CommandRequest& request) {
     case wire::Command::lamp_frequency:
       break;
     case wire::Command::job_speed:
-      if (request.value == 0 || request.value > highest_job_speed) return Result::bad_value;
+      if (request.value == 0 || request.value > wire::max_job_speed) return Result::bad_value;
       if (rows_.runs()) return set_speed_of_rows(request.value);
       runner_.set_job_speed(request.value);
       break;

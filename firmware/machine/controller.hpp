@@ -1,34 +1,34 @@
 // The controller: the whole firmware core as one plain object.
 //
-// The board calls the core; the core never calls the board. All state is inside, so that many can
-// live in one process. What each function needs of the board:
+// The board calls the core; the core never calls the board. All state is inside, so that several
+// can live in one process. Calls by the board:
 //
-//   function            called from           at least every    what for
-//   receive_realtime    main loop             before receive    commands of one byte, which do not
-//                                                               wait for the lines before them
+//   function            called from           at least every    purpose
+//   receive_realtime    main loop             before receive    commands of one byte, which bypass
+//                                                               the lines before them
 //   receive, transmit   main loop             1 ms              bytes of the host
-//   receive_room        main loop             before receive    how many may be handed over
+//   receive_room        main loop             before receive    maximum size of the next receive
 //   lose_lines          main loop             on a loss         bytes of the host are missing
-//   see_host            main loop             1 ms              the host is there, or has gone
+//   see_host            main loop             1 ms              the host is present, or not
 //   new_connection      main loop             on change         before the first bytes of another
-//                                                               host, or of one that was away
-//   look_ahead          main loop             before prepare    what prepare need not do masked
-//   prepare             main loop             1 ms              state; true: something to plan
-//   plan                main loop, or         when so told      a slice of planning, up to 10 ms,
+//                                                               host, or of one that was absent
+//   look_ahead          main loop             before prepare    unmasked part of prepare
+//   prepare             main loop             1 ms              state; true: a plan is due
+//   plan                main loop, or         when due          a slice of planning, up to 10 ms,
 //                       another core alone                      of a path with jerk 20 ms
-//   stage               main loop             before commit     what commit need not do masked
-//   commit              main loop             after prepare     motion handed out
+//   stage               main loop             before commit     unmasked part of commit
+//   commit              main loop             after prepare     hands motion out
 //   part_waits          main loop             after commit      stage and commit again at once
 //   tell                main loop             1 ms              lines, answers
-//   input_changed       main loop             on change         switches (inputs.hpp), and where
-//                                                               the machine was then, which guarded
-//                                                               moves want; at power-up for each
-//                                                               active one
-//   lattice_stopped,    main loop             on an e-stop, or  where the axes stand
+//   input_changed       main loop             on change         switches (inputs.hpp), and the
+//                                                               position at the change for guarded
+//                                                               moves; at power-up for each active
+//                                                               input
+//   lattice_stopped,    main loop             on an e-stop, or  the position of the axes
 //   stopped_at                                when ticks end
-//   take_settings,      main loop             before prepare    what is to be stored
+//   take_settings,      main loop             before prepare    data to be stored
 //   take_kept
-//   set_kept            once                  first of all      what was stored
+//   set_kept            once                  before all else   stored data
 //   loader_requested    main loop             1 ms              restart into the boot loader
 //   fill                fill interrupt        2 ms ahead        steps and lattice bits
 //   next_span           timing interrupt      up to 1 ms ahead  lengths of ticks
@@ -38,19 +38,19 @@
 //   token_expired       beat interrupt        at its tick       the token was withdrawn
 //   photosensors        beat interrupt        250 us            which have answered
 //   play_changes        beat interrupt        100 us            outputs of programs
-//   outputs,            anywhere              after each call   what may be on
+//   outputs,            anywhere              after each call   outputs that may be on
 //   switched_outputs
 //
 // The main loop shares data with the beat and fill interrupts. The board masks them round
 // prepare(), commit(), input_changed() and stopped_at(), each some 0.2 ms at most; receive() masks
-// them itself where it has to (InterruptMask), since most of its time goes into data of its own;
-// plan() may be interrupted for as long as it takes, and does its
-// work slice by slice: between two of them the main loop goes round. A board with two cores has the
-// other one do that, whenever plan_waits(), and its main loop never: all else belongs to that.
-// What both may touch, and when, is in job_runner.hpp and hand_over.hpp.
+// them itself where necessary (InterruptMask), since most of its time uses unshared data; plan()
+// may be interrupted at any time, and works slice by slice: the main loop runs between two of them.
+// On a board with two cores the other core plans whenever plan_waits(), and the main loop never
+// does: all other calls are the main loop's. job_runner.hpp and work_exchange.hpp list the data
+// that both may use, and when.
 //
-// Safety: outputs().fire_enable is false whenever there is any doubt; a board must take firing away
-// within one call of seeing it, and the hardware on e-stop by itself.
+// Safety: outputs().fire_enable is false in all doubtful states; a board must disable firing within
+// one call of a change, and the hardware must do so by itself on an e-stop.
 #pragma once
 
 #include <cstddef>
@@ -61,89 +61,88 @@
 #include "firmware/lamp/beat_clock.hpp"
 #include "firmware/lamp/shot_scheduler.hpp"
 #include "firmware/link/link.hpp"
-#include "firmware/machine/drive_rest.hpp"
-#include "firmware/machine/guard.hpp"
-#include "firmware/machine/homing.hpp"
-#include "firmware/machine/input_wait.hpp"
-#include "firmware/machine/inputs.hpp"
+#include "firmware/machine/activities/homing.hpp"
+#include "firmware/machine/activities/parking.hpp"
+#include "firmware/machine/activities/program_reader.hpp"
+#include "firmware/machine/activities/row_job.hpp"
+#include "firmware/machine/console/persistent_state.hpp"
+#include "firmware/machine/console/program_text.hpp"
+#include "firmware/machine/console/status_report.hpp"
+#include "firmware/machine/inputs/input_wait.hpp"
+#include "firmware/machine/inputs/inputs.hpp"
+#include "firmware/machine/inputs/move_guard.hpp"
 #include "firmware/machine/interrupt_mask.hpp"
-#include "firmware/machine/job_runner.hpp"
-#include "firmware/machine/kept_program.hpp"
-#include "firmware/machine/parking.hpp"
-#include "firmware/machine/program_outputs.hpp"
-#include "firmware/machine/program_reader.hpp"
-#include "firmware/machine/program_runner.hpp"
-#include "firmware/machine/program_text.hpp"
-#include "firmware/machine/row_job.hpp"
-#include "firmware/machine/status_report.hpp"
-#include "firmware/machine/text.hpp"
+#include "firmware/machine/outputs/idle_release.hpp"
+#include "firmware/machine/outputs/program_outputs.hpp"
+#include "firmware/machine/runners/job_runner.hpp"
+#include "firmware/machine/runners/program_runner.hpp"
 #include "firmware/program/pulse_decoder.hpp"
 #include "shared/gcode_errors.hpp"
 #include "shared/settings_table.hpp"
+#include "shared/text_line.hpp"
 #include "shared/wire/status.hpp"
 #include "shared/work_space.hpp"
 
 namespace lamplock::machine {
 
-/// What the board has, and how it works.
+/// Capabilities of the board.
 struct BoardFeatures {
-  int axes = max_axes;          ///< it has outputs for; jobs with more are refused
-  std::uint8_t channels = 0xf;  ///< a bit for each beam channel that it has a shutter for
+  int axes = max_axes;          ///< with outputs; jobs with more are refused
+  std::uint8_t channels = 0xf;  ///< a bit for each beam channel with a shutter
   InputSet inputs = all_inputs & ~set_of(Input::limit_chain) & ~set_of(Input::aux);
   std::uint8_t outputs = 0;      ///< a bit for each that programs may switch
   std::uint8_t second_wire = 0;  ///< a bit for each axis whose drive has the second enable
-  /// How it takes motion; Parts::staged with stage() before each commit().
-  Parts parts = Parts::straight;
+  /// How it accepts motion; HandoutMode::staged with stage() before each commit().
+  HandoutMode parts = HandoutMode::straight;
 };
 
-/// What may be on.
+/// Outputs that may be on.
 struct Outputs {
   bool fire_enable = false;
   bool drives_enable = false;
   std::uint8_t shutters = 0;     ///< bit 0 = first channel; 1 = open; never two at a time
   std::uint16_t attenuator = 0;  ///< 65535 = full
-  /// A continuous laser may shine where the lattice has its gate open; LASER PWM is its power then,
-  /// not the attenuator.
+  /// A continuous laser may shine while the gate bit of the lattice is set; LASER PWM is its power
+  /// then, not the attenuator.
   bool laser_enable = false;
 };
 
-/// What programs switch, and the second enable: of boards that have such pins.
+/// Outputs switched by programs, and the second enable: for boards that have such pins.
 struct SwitchedOutputs {
   bool z_enable = false;
   bool air = false;
   std::uint16_t aux = 0;  ///< 65535 = on
 };
 
-/// How long lines of programs are refused.
+/// Until when lines of programs are refused.
 enum class Refusal : std::uint8_t {
   none,
   until_unlocked,  ///< after an error ($981): to the next `$X` or reset
   until_reset      ///< lines were lost
 };
 
-/// How the board's fire stage has to work, from the settings.
+/// Timing of the board's fire stage, from the settings.
 struct FireTiming {
   std::uint32_t delay_clocks = 0;  ///< LAMP SYNC to Q-switch (lamp/shot_delay.hpp)
   std::uint32_t width_clocks = 0;  ///< of the Q-switch pulse
   bool own_edges = false;          ///< free beat: the trigger output is the LAMP SYNC
 };
 
-/// How far a job is: what has to survive a crash. How many flashes of that point have been fired
+/// Progress of a job that must survive a restart. The number of flashes already fired at that point
 /// does not.
-struct JobMark {
-  /// Programs have no sessions, and hosts do not draw this one.
+struct ResumePoint {
+  /// Programs have no sessions, and hosts never choose this one.
   static constexpr std::uint32_t of_program = 0xffffffff;
 
-  std::uint32_t session = 0;  ///< 0 = nothing has moved, or nothing but what has ended
+  std::uint32_t session = 0;  ///< 0 = no motion, or only motion that has ended
   std::uint32_t first_unfired = 0;
-  bool shot_out = false;  ///< the board may have fired that point by now
+  bool shot_out = false;  ///< the board may have fired that point
 };
 
-/// Clocks from the edge to the decision whether to fire: runt filter (2 us) and latency of the
-/// fire stage. Worked out for the PIO of the RP2040; the virtual board does the same.
+/// Clocks from the edge to the decision whether to fire: runt filter (2 us) and latency of the fire
+/// stage. Calculated for the PIO of the RP2040; the virtual board does the same.
 inline constexpr std::uint32_t fire_decision_clocks = 269;
 
-/// The core.
 class Controller {
  public:
   [[gnu::cold]] explicit Controller(const settings::Values& stored = settings::Values{},
@@ -153,107 +152,107 @@ class Controller {
   Controller& operator=(const Controller&) = delete;
 
   // Main loop.
-  /// Bytes that can be taken now: of lines no more than may wait. At least this much is there for
-  /// frames in a job.
+  /// Bytes that can be received now: for lines at most the room of the queue. At least this much is
+  /// available for frames in a job.
   std::size_t receive_room() const;
-  /// `before_jog_cancel`: they were sent before an end of jogs (0x85) that has been received, and
+  /// `before_jog_cancel`: the bytes were sent before an end of jogs (0x85) that has been received;
   /// jogs among them are void.
   void receive(std::span<const std::uint8_t> bytes, bool before_jog_cancel = false);
-  /// A command of one byte, taken out of the stream where it arrived. Unknown ones are ignored.
+  /// A command of one byte, removed from the stream where it arrived. Unknown ones are ignored.
   void receive_realtime(std::uint8_t byte) {
     last_byte_ = now_;
     on_realtime(byte);
   }
-  /// Bytes of the host are missing: a line may have vanished without a trace. What was received
-  /// goes to its end; no line of a program is begun before a reset.
+  /// Bytes of the host are missing: a line may be lost without a trace. Received lines run to their
+  /// end; no line of a program begins before a reset.
   [[gnu::cold]] void lose_lines();
-  /// Reports whether the host can stop the machine: `present` is false when its cable is out, its
-  /// computer sleeps, or its program has closed the port. What it moves is held then.
+  /// Whether the host can stop the machine: `present` is false if its cable is out, its computer
+  /// sleeps, or its program has closed the port. Its motion is held then.
   void see_host(bool present) {
     if (present == host_present_) return;
     host_present_ = present;
     if (!present) lose_host();
   }
-  /// What comes from here on has nothing to do with what came before: half a line or frame is
-  /// dropped, a job goes on. Touches nothing that is shared with interrupts.
+  /// Bytes from here on are unrelated to earlier ones: half a line or frame is dropped, a job
+  /// continues. Uses no data that is shared with interrupts.
   [[gnu::cold]] void new_connection() {
     link_.new_connection();
     status_line_due_ = false;
     if (refusal_ == Refusal::until_reset && !job_unfinished()) refusal_ = Refusal::none;
   }
   std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
-  /// Not masked, directly before prepare(): makes that short.
+  /// Not masked, directly before prepare(): shortens it.
   void look_ahead() {
     if (job_ && moving_) runner_.look_ahead();
   }
   bool prepare(std::uint64_t clock);
-  /// Not masked, before commit() (Parts::staged): makes that short.
+  /// Not masked, before commit() (HandoutMode::staged): shortens it.
   void stage() {
     if (moving_) runner_.stage();
     program_.stage();
   }
-  /// True if something was handed out.
+  /// True if motion was handed out.
   bool commit();
-  /// There is room for another part of the plan at once: stage() and commit() again. None is
-  /// wanted in a hold or an alarm, nor where one is due.
+  /// There is room for another part of the plan now: call stage() and commit() again. False in a
+  /// hold or an alarm, and where one is due.
   bool part_waits() const { return moving_ && !runner_.underrun() && runner_.part_waits(); }
-  /// Not masked: goes on with the lines of a program, and makes a STATUS that is due, which masks
-  /// for its machine's part.
+  /// Not masked: continues the lines of a program, and makes a STATUS that is due, masking only to
+  /// read the machine's part.
   void tell() {
     if (parking_.stage() != Parking::Stage::off) work_parking();
     if (lines_due()) work_lines();
     if (status_line_due_) send_status_line();
     link_.poll(*this);
   }
-  /// `at`: where the motors were, as far as steps had been put out, when the pin changed; needed
-  /// while wants_places().
+  /// `at`: the position of the motors, from the steps put out, when the pin changed; needed while
+  /// wants_places().
   [[gnu::cold]] void input_changed(Input input, bool active, const StepPosition& at = {});
-  /// A guarded move is under way.
+  /// A guarded move is in progress.
   bool wants_places() const { return guard_.watches(); }
-  /// What moves may be broken off by a switch or a key: the less is filled ahead the better.
-  bool may_break_off() const { return guard_.watches() || jogging_; }
-  /// The board starts after a crash in the middle of a job: nobody knows where the axes stand.
+  /// A switch or a key may interrupt the motion: the less is filled ahead the better.
+  bool may_abort_move() const { return guard_.watches() || jogging_; }
+  /// The board restarts after a crash during a job: the position of the axes is unknown.
   void start_in_alarm() { raise_alarm(alarm_position_lost); }
-  /// The board's ticks have run out: motion, if there was any, has stopped in mid-stride. To be
-  /// followed by stopped_at().
+  /// The board's ticks have run out: motion, if there was any, has stopped dead. Must be followed
+  /// by stopped_at().
   void lattice_stopped() {
     if (!runner_.at_rest()) raise_alarm(alarm_position_lost);
   }
-  /// The board has thrown away what it was given ahead (e-stop): where the motors really stand.
+  /// The board has discarded the ticks it had (e-stop): the actual position of the motors.
   [[gnu::cold]] void stopped_at(const StepPosition& motors);
 
-  /// The user has changed settings: true once, with what has to be stored before the answer is
+  /// The user has changed settings: true once, with the values to be stored before the answer is
   /// transmitted. Until the next prepare() the machine is at rest, even if a job has just begun.
   bool take_settings(settings::Values& values);
   bool settings_due() const { return store_due_; }
-  /// The same of what programs leave behind; null if there is nothing to be stored. Valid until a
-  /// line is looked at.
-  const KeptProgram* take_kept() {
+  /// The same for the data that programs keep; null if there is none to store. Valid until the next
+  /// line is read.
+  const PersistentState* take_kept() {
     const bool due = kept_due_ || reader_.kept().parameters.changed != 0;
     return due ? changed_kept() : nullptr;
   }
-  /// Once, before anything else: what was kept when the power went.
-  void set_kept(const KeptProgram& kept);
-  /// The lamp runs at another frequency from now on, in the middle of a job: the machine brakes to
-  /// rest, follows the new beat and goes on with the first point not fired; the frequency is
-  /// forgotten at the end of the job. Errors: no_job; locked; bad_value, with the number of the
-  /// setting that does not go with it in refused_value(): nothing is changed then.
+  /// Once, before anything else: the data kept over power-off.
+  void set_kept(const PersistentState& kept);
+  /// The lamp changes its frequency during a job: the machine brakes to rest, follows the new beat
+  /// and continues with the first point not fired; the frequency is dropped at the end of the job.
+  /// Errors: no_job; locked; bad_value, with the number of the conflicting setting in
+  /// refused_value(): then nothing has changed.
   [[gnu::cold]] Result change_beat(std::uint32_t milli_hz);
 
-  /// The user wants the boot loader of the board; the machine is at rest and stays so.
+  /// The user has requested the boot loader of the board; the machine is at rest and stays so.
   bool loader_requested() const { return loader_requested_; }
-  /// Tells whoever listens: "[MSG:text]".
+  /// Sends "[MSG:text]" to the host.
   void say(std::string_view text);
 
   // Main loop, or another core that does nothing else.
-  /// True if there is more to do: to be called again, with other work in between.
+  /// True if there is more to do: call it again, with other work in between.
   bool plan() { return planning_.plan(values_, stored_); }
-  /// There is one to be made, and nobody is at it.
-  bool plan_waits() const { return planning_.hand_over().waits(); }
-  /// Something that was planned can be handed out, which should not wait.
+  /// A plan is due, and no slice runs.
+  bool plan_waits() const { return planning_.work_exchange().waits(); }
+  /// Planned motion can be handed out and should not wait.
   bool batch_waits() const { return program_.batch_waits() || part_waits(); }
-  /// Somebody plans, or ought to: a board with two cores sees to it that this ends.
-  bool planning() const { return planning_.hand_over().busy(); }
+  /// A plan is being made or due: a board with two cores must ensure that this ends.
+  bool planning() const { return planning_.work_exchange().busy(); }
 
   // Interrupts of the board.
   void fill(stepper::TickBlock& block, std::uint32_t max_ticks) {
@@ -264,7 +263,7 @@ class Controller {
     motion_.generator().fill_axes(ticks, board);
   }
   lamp::TickSpan next_span(std::uint32_t max_ticks) { return clock_.next_span(max_ticks); }
-  /// An edge longer than a runt; `token_spent` if a loaded token was taken by it.
+  /// An edge longer than a runt; `token_spent` if it has spent a loaded token.
   void lamp_edge(std::uint64_t clock, bool fired, bool token_spent) {
     shots_.edge(clock_.edge(clock), fired, token_spent, clock);
   }
@@ -274,8 +273,8 @@ class Controller {
     shots_.photosensors(answered, clock);
   }
   /// Exact as of the last lamp_edge(). Beat interrupt, or main loop with it masked.
-  JobMark job_mark() {
-    if (program_.begun() || beat_locked()) return {JobMark::of_program, 0, false};
+  ResumePoint job_mark() {
+    if (program_.begun() || beat_locked()) return {ResumePoint::of_program, 0, false};
     if (!wire_job()) return {};
     return {link_.session(), runner_.first_unfired(), shots_.undecided()};
   }
@@ -283,11 +282,11 @@ class Controller {
     return shots_.next_token(token, clock_, present_tick);
   }
   void token_expired() { shots_.token_expired(); }
-  /// The lattice has come to this tick (lower half of its number): outputs() of programs.
+  /// The lattice has reached this tick (lower half of its number): outputs() of programs.
   void play_changes(std::uint32_t tick) { program_outputs_.play(tick); }
-  /// play_changes() will be wanted.
+  /// play_changes() will be needed.
   bool changes_wait() const { return program_outputs_.changes_wait(); }
-  /// At which tick; false if none is known.
+  /// The tick of the next change; false if none is known.
   bool next_change(std::uint32_t& tick) const { return program_outputs_.next_due(tick); }
 
   Outputs outputs() const {
@@ -295,7 +294,7 @@ class Controller {
     outputs.drives_enable = drives_.on(0) && drives_may_be_on();
     if (!drives_.all_on()) return outputs;
     outputs.fire_enable = shots_.permitted();
-    // These outlast the permission by the shot that the hardware has decided, not in an alarm.
+    // These outlast the permission by a shot that the hardware has decided, except in an alarm.
     if (state_ == wire::MachineState::alarm || state_ == wire::MachineState::estop) return outputs;
     outputs.shutters = shots_.beam().shutters();
     outputs.attenuator = shots_.beam().attenuator();
@@ -311,9 +310,9 @@ class Controller {
   /// Without the overrides of a job.
   const settings::Values& stored() const { return stored_; }
   wire::MachineState state() const { return state_; }
-  /// A job is under way, in hold or behind an open door too, or still coming to rest: one host has
-  /// begun it, and no other may speak into it. An alarm ends that: nothing moves, and whoever
-  /// unlocks ends the job.
+  /// A job is in progress, also in hold, with an open door, or still stopping: one host has begun
+  /// it, and other hosts are ignored. An alarm ends that: nothing moves, and unlocking ends the
+  /// job.
   bool job_unfinished() const {
     return state_ == wire::MachineState::run || state_ == wire::MachineState::hold ||
            state_ == wire::MachineState::door;
@@ -324,7 +323,7 @@ class Controller {
   const ProgramRunner& program() const { return program_; }
   const ProgramReader& reader() const { return reader_; }
 
-  // What the link asks (LinkSink); not for boards.
+  // Calls of the link (LinkSink); not for boards.
   void on_realtime(std::uint8_t byte);
   void on_line(std::string_view line);
   void on_line_too_long();
@@ -333,16 +332,17 @@ class Controller {
   [[gnu::cold]] Result on_end(std::uint32_t total);
   [[gnu::cold]] Result on_command(const wire::CommandRequest& request);
   std::uint32_t refused_value() const { return refused_value_; }
-  /// What interrupts change of it, the lamp's lock, is read at once: not masked.
-  wire::Standing standing() const {
-    wire::Standing standing{state_, hold_reason_, alarm_, clock_.locked(), runner_.queue().free()};
+  /// The only part changed by interrupts, the lamp's lock, is a single read: not masked.
+  wire::StatusSummary standing() const {
+    wire::StatusSummary standing{state_, hold_reason_, alarm_, clock_.locked(),
+                                 runner_.queue().free()};
     if (rows_.active()) add_rows(standing);
     return standing;
   }
   void fill_status(wire::Status& status) const;
 
  private:
-  // Alarm numbers of grbl 1.1; 10 as grblHAL has it.
+  // Alarm numbers of grbl 1.1; 10 as in grblHAL.
   static constexpr std::uint8_t alarm_hard_limit = 1;
   static constexpr std::uint8_t alarm_soft_limit = 2;
   static constexpr std::uint8_t alarm_position_lost = 3;  ///< "reset while in motion"
@@ -354,10 +354,10 @@ class Controller {
   static constexpr std::uint8_t alarm_homing_not_found = 9;  ///< a switch
   static constexpr std::uint8_t alarm_estop = 10;
   static constexpr std::uint8_t alarm_homing_wanted = 11;
-  static constexpr std::uint8_t alarm_homing_not_squared = 15;  ///< as grblHAL has it
-  /// Room that is left for answers: without it lines wait.
+  static constexpr std::uint8_t alarm_homing_not_squared = 15;  ///< as in grblHAL
+  /// Room reserved for answers: without it lines wait.
   static constexpr std::size_t answer_room = 128;
-  /// Lines leave so much besides, so that a host that reads no answers still gets one status.
+  /// Lines leave this much in addition, so that a host that reads no answers still gets one status.
   static constexpr std::size_t status_room = TextLine::capacity;
 
   lamp::ShotRules shot_rules(const settings::Values& values) const;
@@ -392,7 +392,7 @@ class Controller {
   /// The host of a job has sent a frame within the time of the dead man.
   bool host_lives() const;
   // Lines and programs (controller_program.cpp).
-  /// The laser of a program, on its way and while it comes to rest there; a door ends it at once.
+  /// The laser of a program, in motion and while it stops; a door ends it at once.
   bool laser_may_shine() const {
     return program_.begun() && !reset_due_ && !stopping_ && !jogging_ && !door_open_ &&
            rows_.may_shine() &&
@@ -405,15 +405,15 @@ class Controller {
   bool beat_locked() const { return reader_.lock() != program::BeatLock::off; }
   /// A job of points that came in frames.
   bool wire_job() const { return job_ && !beat_locked(); }
-  /// The same, or one of rows.
+  /// A job of points or of rows that came in frames.
   bool framed_job() const { return wire_job() || rows_.runs(); }
-  /// Looked at in every round of the main loop.
+  /// Called in every round of the main loop.
   bool lines_due() const {
     return reader_.line_open() || reader_.lines_wait() || start_up_next_ < start_up_lines ||
            homing_.active();
   }
   void work_lines();
-  void go_or_wait();
+  void start_or_hold_at_door();
   bool finish_line();
   void drop_open_line();
   [[gnu::cold]] void pause();
@@ -436,7 +436,7 @@ class Controller {
   void begin_points(program::BeatLock lock);
   bool change_over(program::BeatLock lock);
   void configure_reader();
-  [[gnu::cold]] void refuse_way();
+  [[gnu::cold]] void reject_unreachable();
   void end_program();
   void settle_program();
   void settle_points();
@@ -458,7 +458,7 @@ class Controller {
   void stop_rows();
   Result set_speed_of_rows(std::uint32_t percent);
   void settle_rows();
-  [[gnu::cold]] void add_rows(wire::Standing& standing) const;
+  [[gnu::cold]] void add_rows(wire::StatusSummary& standing) const;
   // Doors and parking (controller_parking.cpp).
   void open_door();
   void begin_parking();
@@ -468,11 +468,11 @@ class Controller {
   GcodeError begin_homing(std::string_view axes);
   void work_homing();
   void go_homing();
-  void break_off_homing(std::uint8_t alarm);
+  void fail_homing(std::uint8_t alarm);
   void end_homing();
   void drop_homing();
   StepPosition steps_at_rest() const;
-  [[gnu::cold]] void forget_racking();
+  [[gnu::cold]] void clear_racking();
   bool work_probe();
   void begin_probe();
   bool end_probe();
@@ -484,7 +484,7 @@ class Controller {
   void answer_system_command(std::string_view line);
   GcodeError system_command(std::string_view line);
   GcodeError command_at_rest(std::string_view line);
-  const KeptProgram* changed_kept();
+  const PersistentState* changed_kept();
   bool tell(std::string_view command);
   void tell_version();
   void tell_offsets(int first, int end);
@@ -518,40 +518,41 @@ class Controller {
   ProgramOutputs program_outputs_{motion_.changes()};
   ProgramReader reader_{program_, runner_, program_outputs_};
   InputWait input_wait_;
-  DriveRest drives_;
+  IdleRelease drives_;
   program::PulseDecoder decoder_;
   StepLimits work_space_;
   StatusReporter reporter_;
   InputSet inputs_ = 0;  ///< active
   Parking parking_;
-  Guard guard_;
+  MoveGuard guard_;
   Homing homing_;
   ProbeResult probe_;
 
   wire::MachineState state_ = wire::MachineState::idle;
   wire::HoldReason hold_reason_ = wire::HoldReason::none;
   std::uint8_t alarm_ = 0;
-  bool job_ = false;  ///< one of points, or a row of them of a program, begun and not ended
+  bool job_ = false;  ///< of points, or a row of them of a program, begun and not ended
   bool dry_ = false;
   bool jogging_ = false;
-  Refusal refusal_ = Refusal::none;    ///< of lines of programs
-  bool host_present_ = true;           ///< as the board sees it
-  bool status_line_due_ = false;       ///< a host has asked with `?`
-  bool before_jog_cancel_ = false;     ///< of the bytes that are being received
-  std::uint32_t lines_at_cancel_ = 0;  ///< waited when a jog was cancelled: no jogs any more
-  bool check_ = false;                 ///< programs are read and not run
-  bool kept_due_ = false;              ///< texts or places have changed
-  bool own_line_ = false;              ///< a start-up line is under way: nobody waits for an answer
-  std::uint8_t start_up_next_ = 0;     ///< start-up line to be run
-  std::uint8_t new_start_up_ = start_up_lines;  ///< to be kept when it has run; that = none
+  Refusal refusal_ = Refusal::none;  ///< of lines of programs
+  bool host_present_ = true;         ///< from the board
+  bool status_line_due_ = false;     ///< requested by `?`
+  bool before_jog_cancel_ = false;   ///< for the bytes that are being received
+  /// that waited when a jog was cancelled: their jogs are void
+  std::uint32_t lines_at_cancel_ = 0;
+  bool check_ = false;                          ///< programs are read and not run
+  bool kept_due_ = false;                       ///< texts or places have changed
+  bool own_line_ = false;                       ///< a start-up line is open: no answer is expected
+  std::uint8_t start_up_next_ = 0;              ///< start-up line to be run
+  std::uint8_t new_start_up_ = start_up_lines;  ///< to be kept after it has run; this value = none
   KeptText new_start_up_text_;
   bool asleep_ = false;          ///< drives off until a reset
-  bool reset_due_ = false;       ///< when the machine has come to rest
-  bool moved_at_reset_ = false;  ///< which it had not when that was asked for
-  bool stopping_ = false;        ///< a program comes to rest for good, dark
+  bool reset_due_ = false;       ///< due when the machine has stopped
+  bool moved_at_reset_ = false;  ///< it was moving at the request
+  bool stopping_ = false;        ///< a program stops for good, dark
   Overrides overrides_;
   bool moving_ = false;                  ///< motion was permitted at the last prepare()
-  std::int32_t next_beat_milli_hz_ = 0;  ///< lamp frequency to be taken at rest; 0 = none
+  std::int32_t next_beat_milli_hz_ = 0;  ///< lamp frequency to be applied at rest; 0 = none
   bool store_due_ = false;
   bool loader_requested_ = false;
   bool door_open_ = false;
@@ -563,11 +564,11 @@ class Controller {
   std::uint64_t last_byte_ = 0;      ///< the same after a byte of any kind
   std::uint64_t last_jog_ = 0;       ///< the same after a line $J
   std::uint64_t no_lamp_since_ = 0;  ///< clock since which a job waits for the lamp
-  bool no_lamp_said_ = false;        ///< the host has the message about that
+  bool no_lamp_said_ = false;        ///< the host has got the message about that
   bool lamp_was_locked_ = false;     ///< at the last prepare()
 };
 
-/// The whole core fits the RP2040 with room to spare.
+/// The whole core fits the RP2040 with a large margin.
 static_assert(sizeof(Controller) < 160 * 1024);
 
 }  // namespace lamplock::machine

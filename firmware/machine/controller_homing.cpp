@@ -1,4 +1,4 @@
-// Homing: who asks for it, the moves that it wants, how it ends.
+// Homing: its commands, its moves, its end.
 #include "firmware/machine/controller.hpp"
 
 namespace lamplock::machine {
@@ -9,7 +9,7 @@ using wire::MachineState;
 
 constexpr AxisSet every_axis = (1u << max_axes) - 1;
 
-/// The settings of a machine whose axis A is what the sides of a gantry are apart.
+/// The settings of a machine whose axis A is the racking of a gantry.
 settings::Values with_racking(const settings::Values& own, int ganged_axis) {
   settings::Values values = own;
   values.set_milli(Id::axes, max_axes * 1000);
@@ -21,7 +21,7 @@ settings::Values with_racking(const settings::Values& own, int ganged_axis) {
 
 }  // namespace
 
-/// "$H", "$HX". Answered when it has ended.
+/// "$H", "$HX". Answered when homing has ended.
 GcodeError Controller::begin_homing(std::string_view axes) {
   AxisSet wanted = every_axis;
   if (!axes.empty()) {
@@ -41,7 +41,7 @@ GcodeError Controller::begin_homing(std::string_view axes) {
     inputs = static_cast<InputSet>(inputs | set_of(Input::limit_a));
   if (!homing_.begin(stored_, inputs, wanted, ganged)) return GcodeError::homing_disabled;
   if (ganged >= 0 && (wanted >> ganged & 1u) != 0 && homing_.squared_axis() < 0)
-    say("Not squared: no limit switch of A");
+    say("Not squared: A has no limit switch");
   reader_.end_lock();
   const Masked masked(mask_);
   if (state_ == MachineState::alarm) unlock();
@@ -51,7 +51,7 @@ GcodeError Controller::begin_homing(std::string_view axes) {
   return GcodeError::none;
 }
 
-/// Goes on where the machine stands.
+/// Continues when the machine is at rest.
 void Controller::work_homing() {
   if (!program_.idle() || !motion_.at_rest()) return;
   if (homing_.alarm() != 0) {
@@ -73,18 +73,18 @@ void Controller::work_homing() {
     case Homing::Next::done:
       return end_homing();
     case Homing::Next::still_engaged:
-      return break_off_homing(alarm_homing_engaged);
+      return fail_homing(alarm_homing_engaged);
     case Homing::Next::switch_not_found:
-      return break_off_homing(alarm_homing_not_found);
+      return fail_homing(alarm_homing_not_found);
     case Homing::Next::gantry_not_squared:
-      return break_off_homing(alarm_homing_not_squared);
+      return fail_homing(alarm_homing_not_squared);
   }
 }
 
 void Controller::go_homing() {
   const int squared = homing_.squared_axis();
   if (!begin_lines(squared < 0 ? values_ : with_racking(values_, squared)))
-    return break_off_homing(alarm_homing_not_found);
+    return fail_homing(alarm_homing_not_found);
   motion::LineTarget line;
   line.steps = homing_.move().target;
   line.feed_um_min = homing_.move().feed_um_min;
@@ -93,11 +93,11 @@ void Controller::go_homing() {
   program_.take(line);
 }
 
-/// It ends with an alarm, as soon as the machine stands.
-void Controller::break_off_homing(std::uint8_t alarm) {
+/// Homing ends with an alarm when the machine is at rest.
+void Controller::fail_homing(std::uint8_t alarm) {
   guard_.drop();
   homing_.give_up(alarm);
-  program_.break_off(true);
+  program_.abort_move(true);
 }
 
 void Controller::end_homing() {
@@ -106,7 +106,7 @@ void Controller::end_homing() {
   homing_.end();
   use_overrides();
   end_program();
-  reader_.lose_position();
+  reader_.invalidate_position();
   state_ = MachineState::idle;
   if (homing_.of_machine()) start_up_next_ = 0;
   answer(GcodeError::none);
@@ -119,19 +119,19 @@ StepPosition Controller::steps_at_rest() const {
   return steps;
 }
 
-/// However the sides of a gantry stand, nothing but homing moves one against the other.
-void Controller::forget_racking() {
+/// Whatever the racking, only homing moves the sides of a gantry against each other.
+void Controller::clear_racking() {
   if (motion_.generator().kinematics().ganged_axis() < 0) return;
   StepPosition steps = steps_at_rest();
   steps[Kinematics::gang_motor] = 0;
   motion_.generator().set_position(steps);
 }
 
-/// An alarm has come. Behind a reset nobody waits for an answer.
+/// An alarm was raised. After a reset no answer is expected.
 void Controller::drop_homing() {
   if (!homing_.active()) return;
   homing_.end();
-  forget_racking();
+  clear_racking();
   if (!reset_due_) answer(GcodeError::locked);
 }
 

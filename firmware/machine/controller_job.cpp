@@ -1,4 +1,4 @@
-// How a job begins: its settings against those of the machine, and what follows from them.
+// The begin of a job: its settings against those of the machine, and the consequences.
 #include "firmware/machine/controller.hpp"
 
 namespace lamplock::machine {
@@ -8,9 +8,9 @@ using settings::Id;
 using wire::HoldReason;
 using wire::MachineState;
 
-/// The firmware's settings are the truth for what the machine is, for its limits and protections:
-/// true if a job asks for another machine or for more than the machine's own setting allows. With
-/// other steps/mm every limit would mean another length.
+/// The firmware's settings define the machine, its limits and protections: true if a job needs
+/// another machine or more than the machine's own setting allows. With other steps/mm every limit
+/// would mean another length.
 bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
   switch (id) {
     case Id::step_pulse:
@@ -62,16 +62,16 @@ bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
   }
 }
 
-/// The work space of a job lies inside the machine's own.
-bool inside_work_space(const settings::Values& job, const settings::Values& own, int axis) {
-  const auto low = [axis](const settings::Values& v) { return v.milli(Id::min_corner_x, axis); };
-  const auto high = [&](const settings::Values& v) { return low(v) + v.milli(Id::travel_x, axis); };
+/// The work space of a job must be inside the machine's own.
+bool inside_work_space(const settings::Values& job, const settings::Values& own, int a) {
+  const auto low = [a](const settings::Values& v) { return v.milli(Id::min_corner_x, a); };
+  const auto high = [&](const settings::Values& v) { return low(v) + v.milli(Id::travel_x, a); };
   return low(job) >= low(own) && high(job) <= high(own);
 }
 
 /// Number of the setting by which a job would use the lamp in a way that the machine does not; 0 =
-/// none. Free beats pulse LAMP TRIGGER too: on a machine with a lamp a job may have them to move
-/// only, no faster than the lamp may flash.
+/// none. Free beats pulse LAMP TRIGGER too: on a machine with a lamp a job may use them only to
+/// move, at most at the permitted frequency of the lamp.
 std::uint16_t misused_lamp(const wire::JobHeader& header, const settings::Values& job,
                            const settings::Values& own) {
   using settings::LampMode;
@@ -88,13 +88,13 @@ std::uint16_t misused_lamp(const wire::JobHeader& header, const settings::Values
   return too_fast ? settings::number(Id::lamp_frequency) : 0;
 }
 
-/// What two axes that share motors may go together, in hundredths of a step a tick: half of it
-/// each. A tick that follows the lamp ($905, $910, $906) is up to a sixth longer than it should be,
-/// and a motor cannot have more than a step in it.
+/// Maximum sum of the speeds of two axes that share motors, in hundredths of a step per tick: half
+/// of it each. A tick that follows the lamp ($905, $910, $906) is up to a sixth too long, and a
+/// motor can make only one step in it.
 constexpr std::int64_t most_together_percent = 80;
 
-/// Number of the setting that motors shared by axes cannot have, as they are or are to be; 0 =
-/// none.
+/// Number of the setting that shared motors do not permit, in the present or the requested
+/// kinematics; 0 = none.
 std::uint16_t broken_motors(const settings::Values& values, const motion::Limits& limits,
                             const Kinematics& in_force) {
   if (const std::uint16_t setting = broken_kinematics(values); setting != 0) return setting;
@@ -164,8 +164,8 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   if (door_open_) return Result::door_open;
   if (!runner_.at_rest() || job_unfinished() || check_ || asleep_) return Result::busy;
   if (program_unfinished() || reader_.lines_wait() || start_up_waits()) return Result::busy;
-  if (homing_.active()) return Result::busy;  // between two of its moves nothing else is under way
-  if (shots_.undecided()) return Result::busy;  // a shot of the last job may still come
+  if (homing_.active()) return Result::busy;    // also between two of its moves
+  if (shots_.undecided()) return Result::busy;  // a shot of the last job may still be fired
   settings::Values values;
   if (const Result r = job_settings(header, values); r != Result::ok) return r;
   const bool of_rows = header.mode == wire::mode_rows;
@@ -176,7 +176,7 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   const lamp::ShotRules rules = shot_rules(values);
   RunOptions options;
   end_program();
-  reader_.lose_position();
+  reader_.invalidate_position();
   planning_.recall();
   {
     const Masked masked(mask_);
@@ -191,7 +191,7 @@ Result Controller::on_begin(const wire::JobHeader& header) {
     const Result r = begin_rows(header, values, options.shortest_tick_q16);
     if (r != Result::ok) return r;
   } else {
-    options.mode = static_cast<motion::JoinMode>(header.mode);
+    options.mode = static_cast<wire::JoinMode>(header.mode);
     options.dry = header.dry;
     options.points_total = header.points_total;
     options.least_beats = static_cast<std::int32_t>(rules.least_beats);

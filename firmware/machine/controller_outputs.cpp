@@ -5,22 +5,21 @@ namespace lamplock::machine {
 
 using wire::MachineState;
 
-/// Everything that programs have switched, the laser as well, and what they wanted to: no light
-/// before it is asked for again. Beat and fill masked.
+/// Switches off all outputs of programs, the laser as well, and drops pending changes: no light
+/// before it is requested again. Beat and fill masked.
 void Controller::outputs_off() {
   program_outputs_.all_off();
   reader_.switch_off();
   input_wait_.end();
 }
 
-/// Nothing is known that would move the machine. In a hold drives stay on: the program goes on from
-/// there.
+/// No motion is known. In a hold drives stay on: the program continues from there.
 bool Controller::drives_may_rest() const {
   return (state_ == MachineState::idle || state_ == MachineState::alarm) && motion_.at_rest() &&
          program_.drained();
 }
 
-/// M66, the machine stands. True if the program goes on.
+/// M66, at rest. True if the program continues.
 bool Controller::work_input_wait() {
   using State = InputWait::State;
   const program::IoRequest& wanted = reader_.wait();

@@ -1,6 +1,6 @@
-// Probing (G38.2 to G38.5): a guarded move of a program, and what is told of it.
+// Probing (G38.2 to G38.5): a guarded move of a program, and its report.
 #include "firmware/machine/controller.hpp"
-#include "firmware/machine/program_motion.hpp"
+#include "firmware/machine/runners/program_motion.hpp"
 
 namespace lamplock::machine {
 namespace {
@@ -9,7 +9,7 @@ using settings::Id;
 
 }  // namespace
 
-/// The machine stands, before the move or behind it; true if the program goes on.
+/// At rest before or after the move; true if the program continues.
 bool Controller::work_probe() {
   if (reader_.probing()) return end_probe();
   begin_probe();

@@ -1,6 +1,6 @@
-// Programs: lines in their turn, jogs, and who runs the moves.
+// Programs: the order of lines, jogs, and the choice of the runner.
+#include "firmware/machine/console/program_text.hpp"
 #include "firmware/machine/controller.hpp"
-#include "firmware/machine/program_text.hpp"
 
 namespace lamplock::machine {
 namespace {
@@ -8,16 +8,16 @@ namespace {
 using wire::HoldReason;
 using wire::MachineState;
 
-/// Lines of a program, in one round of the main loop: it has other things to do.
+/// Maximum lines of a program in one round of the main loop, which has other work.
 constexpr int max_lines_at_once = 4;
 /// Room for a list, which is an answer to "$"; without it lines wait.
 constexpr std::size_t list_room = 2048;
-/// In the queue, instead of a line that was too long or spoilt.
+/// In the queue, for a line that was too long or damaged.
 constexpr std::string_view lost_line = "\x01";
 
-// Constants, for the compiler would count their characters at run time.
-constexpr std::string_view stopped_at_error = "Stopped at an error: '$X' or reset to go on";
-constexpr std::string_view bytes_lost = "Bytes were lost: reset to go on";
+// Constants, because the compiler would count their characters at run time.
+constexpr std::string_view stopped_at_error = "Stopped at an error: '$X' or reset to continue";
+constexpr std::string_view bytes_lost = "Bytes were lost: reset to continue";
 
 }  // namespace
 
@@ -40,8 +40,8 @@ void Controller::on_line_too_long() { on_line(lost_line); }
   for (int i = 0; i < max_lines_at_once && !homing_.active(); ++i) {
     if (reader_.line_open() && !finish_line()) break;
     if (reset_due_ || stopping_ || program_.cancelling() || program_.batch_waits()) break;
-    // Behind a cancelled jog, until the machine stands where the next line begins.
-    if (reader_.astray() && !program_.idle() && !rows_.active()) break;
+    // After a cancelled jog, until the machine is at rest at the start of the next line.
+    if (reader_.off_target() && !program_.idle() && !rows_.active()) break;
     if (run_start_up_line()) continue;
     if (start_up_next_ < start_up_lines && start_up_waits()) break;
     if (!reader_.lines_wait()) break;
@@ -54,11 +54,12 @@ void Controller::on_line_too_long() { on_line(lost_line); }
   if (!reader_.lines_wait()) lines_at_cancel_ = 0;
   const bool points = beat_locked() && runner_.queue().size() != 0;
   const bool busy = reader_.line_open() || !program_.drained() || points;
-  if (state_ == MachineState::idle && busy && !check_) go_or_wait();
+  if (state_ == MachineState::idle && busy && !check_) start_or_hold_at_door();
 }
 
-/// A program begins. Behind an open door it waits, as if that had been opened on its way.
-void Controller::go_or_wait() {
+/// A program begins. With the door open it waits, as if the door had been opened during the
+/// program.
+void Controller::start_or_hold_at_door() {
   state_ = MachineState::run;
   if (!door_open_) return;
   state_ = MachineState::door;
@@ -66,7 +67,7 @@ void Controller::go_or_wait() {
   say("Check Door");
 }
 
-/// Goes on with the line under way; false if it waits for something.
+/// Continues the open line; false if it waits.
 [[gnu::hot]] bool Controller::finish_line() {
   using Step = ProgramReader::Step;
   for (;;) {
@@ -109,7 +110,7 @@ void Controller::go_or_wait() {
   }
 }
 
-/// M2 and M30: nothing that the program has switched stays on.
+/// M2 and M30: switches off everything that the program has switched.
 void Controller::tell_end() {
   say("Pgm End");
   end_overrides_of_program();
@@ -117,7 +118,7 @@ void Controller::tell_end() {
   outputs_off();
 }
 
-/// The program goes on when somebody says so.
+/// The program waits for a resume.
 void Controller::pause() {
   if (reader_.changes_tool()) say_tool();
   const Masked masked(mask_);
@@ -125,14 +126,14 @@ void Controller::pause() {
   hold_reason_ = door_open_ ? HoldReason::none : HoldReason::realtime;
 }
 
-/// Which one is to be put in.
+/// Reports the tool to be inserted.
 void Controller::say_tool() {
   TextLine text;
   text.add("Tool ").add(std::int64_t{reader_.interpreter().modal().tool});
   say(text.view());
 }
 
-/// After an alarm: the line under way will not be run to its end.
+/// After an alarm: the open line is not completed.
 void Controller::drop_open_line() {
   if (reader_.drop_line() && !own_line_) answer(GcodeError::locked);
   own_line_ = false;
@@ -159,8 +160,8 @@ void Controller::drop_open_line() {
   if (line.front() != '$') stop_after(error);
 }
 
-/// A line of a program was refused: as the user wishes no other is taken then, what was taken goes
-/// to its end.
+/// A line of a program was refused: with $981 no other is accepted; accepted lines run to their
+/// end.
 void Controller::stop_after(GcodeError error) {
   const bool of_line = error != GcodeError::none && error != GcodeError::locked &&
                        error != GcodeError::not_idle && error != GcodeError::door_open;
@@ -168,13 +169,13 @@ void Controller::stop_after(GcodeError error) {
   refuse_lines(Refusal::until_unlocked, stopped_at_error);
 }
 
-/// Frames that are lost come again.
+/// Lost frames are repeated.
 void Controller::lose_lines() {
   if (framed_job() && job_unfinished()) return;
   refuse_lines(Refusal::until_reset, bytes_lost);
 }
 
-/// No further line of a program is begun; what was taken goes to its end.
+/// No further line of a program begins; accepted lines run to their end.
 void Controller::refuse_lines(Refusal until, std::string_view reason) {
   if (refusal_ >= until) return;
   refusal_ = until;
@@ -183,7 +184,7 @@ void Controller::refuse_lines(Refusal until, std::string_view reason) {
   say(reason);
 }
 
-/// A program may run, but for the planner: in a job, an alarm or asleep it may not.
+/// A program may run, once the planner is ready: not in a job, in an alarm or asleep.
 [[gnu::hot]] bool Controller::start_program() {
   if (rows_.active()) return false;
   if (program_.begun()) {
@@ -198,34 +199,34 @@ void Controller::refuse_lines(Refusal until, std::string_view reason) {
   return true;
 }
 
-/// Where the motors have the tool: what was broken off ends beside their steps.
+/// Sets the position from the motors: interrupted motion ends beside their steps.
 void Controller::find_position() {
-  if (!reader_.astray()) return;
+  if (!reader_.off_target()) return;
   stepper::MotionState at = motion_.generator().state();
   stepper::snap_to_motors(motion_.generator().kinematics(), at);
   reader_.find_position(at, values_);
 }
 
-/// At rest, no shot undecided: interrupts change nothing then of what this looks at.
+/// At rest, no shot undecided: interrupts then change none of the data used here.
 bool Controller::begin_lines(const settings::Values& values) {
   planning_.recall();
   job_ = false;
   std::uint32_t tick_q16 = 0;
   {
     const Masked masked(mask_);
-    runner_.read_outcomes();  // what is left of a job shall not send the machine back
+    runner_.read_outcomes();  // the rest of a job must not move the machine back
     tick_q16 = runner_.shortest_tick_q16();
   }
   return program_.begin(values, tick_q16) == Result::ok;
 }
 
-/// The same with points on the beat: as a job, but for their number. The host of an earlier job has
-/// lost it.
+/// The same for points on the beat: like a job, except for their number. The host of an earlier job
+/// has lost it.
 void Controller::begin_points(program::BeatLock lock) {
   planning_.recall();
   const lamp::ShotRules rules = shot_rules(values_);
   RunOptions options;
-  options.mode = lock == program::BeatLock::free ? motion::JoinMode::free : motion::JoinMode::path;
+  options.mode = lock == program::BeatLock::free ? wire::JoinMode::free : wire::JoinMode::path;
   options.of_program = true;
   options.points_total = JobRunner::open_end;
   options.least_beats = static_cast<std::int32_t>(rules.least_beats);
@@ -244,9 +245,8 @@ void Controller::begin_points(program::BeatLock lock) {
   job_ = true;
 }
 
-/// The next move is one for points on the beat, and how they are joined, or for lines. False while
-/// that has to wait: planners share their memory, so the machine has to stand, and every shot has
-/// to be judged.
+/// Changes to points on the beat, with their mode, or to lines. False while that must wait:
+/// planners share their memory, so the machine must be at rest, and every shot judged.
 bool Controller::change_over(program::BeatLock lock) {
   if (state_ != MachineState::idle && state_ != MachineState::run) return false;
   if (!motion_.at_rest() || shots_.undecided() || reset_due_) return false;
@@ -260,7 +260,7 @@ bool Controller::change_over(program::BeatLock lock) {
   return true;
 }
 
-/// Beat lock can be had if the laser of the stored settings may fire at all.
+/// Beat lock is available if the laser of the stored settings may fire at all.
 void Controller::configure_reader() {
   std::uint16_t setting = 0;
   const bool sound = check_settings(stored_, setting) == Result::ok;
@@ -278,12 +278,12 @@ void Controller::configure_reader() {
 }
 
 GcodeError Controller::begin_jog(std::string_view line) {
-  // Sent before they were cancelled, or before their host went.
+  // Sent before the jogs were cancelled, or before the host was lost.
   if (lines_at_cancel_ != 0 || !host_present_) return GcodeError::none;
   if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_)
     return GcodeError::locked;
   if (door_open_) return GcodeError::door_open;
-  // Idle may be told of a moment ago: a line of a program has been taken since.
+  // The state idle may be old: a line of a program may have been accepted since.
   const bool free = state_ == MachineState::idle && program_.drained() && !check_;
   const bool goes_on = jogging_ && (state_ == MachineState::run || state_ == MachineState::idle);
   if ((!free && !goes_on) || !start_program()) return GcodeError::not_idle;
@@ -295,7 +295,7 @@ GcodeError Controller::begin_jog(std::string_view line) {
   return GcodeError::none;
 }
 
-/// Nothing is under way, or nothing of it goes on.
+/// No line is left, or none continues.
 void Controller::end_program() {
   program_.end();
   rows_.end();
@@ -306,7 +306,7 @@ void Controller::end_program() {
 
 // Called with beat and fill interrupts masked, as all of commit() is.
 [[gnu::hot]] void Controller::settle_program() {
-  if (reset_due_ && homing_.active()) return;  // that ends first, with its alarm
+  if (reset_due_ && homing_.active()) return;  // homing ends first, with its alarm
   if (beat_locked()) return settle_points();
   if (reset_due_) {
     if (motion_.at_rest() && !shots_.undecided()) finish_reset();
@@ -327,7 +327,7 @@ void Controller::settle_points() {
   if (reset_due_) return finish_reset();
   if (stopping_) return finish_stop();
   if (reader_.line_open() || state_ != MachineState::run) return;
-  // The edge may have come since prepare(): who sees idle shall see every shot.
+  // The edge may have occurred since prepare(): with state idle every shot must be visible.
   runner_.read_outcomes();
   if (runner_.drained()) state_ = MachineState::idle;
 }

@@ -27,9 +27,8 @@ void Controller::end_overrides_of_program() {
   use_overrides();
 }
 
-/// As in grbl a jog, homing and a probe have the feed that they ask for (jog.c, limits.c and
-/// gcode.c of grbl 1.1h: PL_COND_FLAG_NO_FEED_OVERRIDE). Before and behind each of them the machine
-/// stands.
+/// As in grbl a jog, homing and a probe run at their own feed rate (jog.c, limits.c and gcode.c of
+/// grbl 1.1h: PL_COND_FLAG_NO_FEED_OVERRIDE). Before and after each of them the machine is at rest.
 void Controller::use_overrides() {
   const bool own_feed = jogging_ || homing_.active() || reader_.probing();
   program_.set_overrides(own_feed ? full_percent : overrides_.feed, overrides_.rapid,
@@ -40,17 +39,16 @@ void Controller::use_overrides() {
 void Controller::cancel_jog() {
   lines_at_cancel_ = reader_.lines();
   if (reader_.drop_line()) answer(GcodeError::none);
-  program_.break_off();
-  reader_.lose_position();
+  program_.abort_move();
+  reader_.invalidate_position();
 }
 
-/// 0x18. Throws away what was typed and what is left of a program; what still moves comes to rest
-/// on its path first.
+/// 0x18. Discards typed lines and the rest of a program; motion first stops on its path.
 void Controller::reset() {
   link_.drop_input();
   if (framed_job() && job_unfinished()) return reset_job();
   guard_.drop();
-  if (parking_.holds_machine()) program_.break_off_aside();
+  if (parking_.holds_machine()) program_.abort_detour();
   parking_.end();
   const bool moves = !motion_.at_rest();
   reader_.clear();
@@ -58,14 +56,14 @@ void Controller::reset() {
   shots_.permit(false, idle_reason());
   outputs_off();
   reset_due_ = true;
-  if (homing_.active()) return break_off_homing(alarm_homing_reset);
-  // Of a job that was stopped nothing is left but to come to rest.
+  if (homing_.active()) return fail_homing(alarm_homing_reset);
+  // A stopped job only has to come to rest.
   if ((!program_.begun() && !beat_locked()) || rows_.active() || !moves) return settle_program();
   if (beat_locked()) {
     if (moving_) runner_.brake();
     moving_ = false;
   } else if (jogging_) {
-    program_.break_off();
+    program_.abort_move();
   } else {
     program_.resume();
     program_.cancel();
@@ -74,9 +72,9 @@ void Controller::reset() {
   moved_at_reset_ = true;
 }
 
-/// A job is dark at once. A job of points is held; its host stops it, or resumes it where the byte
-/// may have been noise (--auto-resume). A job of rows ends, and so does a job without a host; the
-/// board still knows where it can continue.
+/// A job is dark at once. A job of points is held; its host stops it, or resumes it if the byte may
+/// have been noise (--auto-resume). A job of rows ends, and so does a job without a host; the board
+/// still knows where it can continue.
 void Controller::reset_job() {
   refusal_ = Refusal::none;
   const bool held = state_ == MachineState::hold;
@@ -90,7 +88,7 @@ void Controller::reset_job() {
   say("Job ended by a reset");
 }
 
-/// The machine is at rest.
+/// Called at rest.
 void Controller::finish_reset() {
   const bool lost = moved_at_reset_ || asleep_;
   reset_due_ = moved_at_reset_ = asleep_ = jogging_ = check_ = stopping_ = false;
@@ -131,7 +129,7 @@ void Controller::override_byte(std::uint8_t byte) {
   use_overrides();
 }
 
-/// Flood and mist by hand, where grbl lets them be switched; false if it is another byte.
+/// Switches flood and mist manually in the states where grbl does; false for any other byte.
 bool Controller::toggle_coolant(std::uint8_t byte) {
   if (byte != byte_flood && byte != byte_mist) return false;
   const bool may =
@@ -162,7 +160,7 @@ void Controller::on_realtime(std::uint8_t byte) {
       hold(HoldReason::realtime);
       break;
     case wire::byte_resume:
-      // A job goes on under the eyes of its host, which ends holds of its own by a frame.
+      // A job continues under the control of its host, which ends its own holds by a frame.
       if (!framed_job() || (hold_reason_ != HoldReason::host && host_lives()))
         resume();
       else if (!host_lives() && state_ != MachineState::run)

@@ -1,17 +1,17 @@
-// Jobs of rows of pixels: how they begin and end, and what the host is told.
+// Jobs of rows of pixels: begin, end, and reports to the host.
 #include "firmware/machine/controller.hpp"
 
 namespace lamplock::machine {
 
 using wire::MachineState;
 
-/// As begin_lines(); what was under way has ended.
+/// As begin_lines(); the previous motion has ended.
 Result Controller::begin_rows(const wire::JobHeader& header, const settings::Values& values,
                               std::uint32_t tick_q16) {
   job_ = false;
   {
     const Masked masked(mask_);
-    runner_.read_outcomes();  // what is left of a job shall not send the machine back
+    runner_.read_outcomes();  // the rest of a job must not move the machine back
   }
   if (const Result r = program_.begin(values, tick_q16); r != Result::ok) return r;
   StepPosition at{};
@@ -24,7 +24,7 @@ Result Controller::begin_rows(const wire::JobHeader& header, const settings::Val
 }
 
 Result Controller::take_rows(std::span<const std::uint8_t> records) {
-  // Why they are not taken STATUS tells.
+  // STATUS contains the reason of the refusal.
   if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::no_space;
   const Result r = rows_.take(records, work_space_);
   refused_value_ = rows_.refused_index();
@@ -36,14 +36,14 @@ Result Controller::end_rows(std::uint32_t total) {
   return rows_.runs() ? Result::bad_value : Result::no_job;
 }
 
-/// Comes to rest on its way, dark from here on.
+/// Stops on the path, dark from here on.
 void Controller::stop_rows() {
   rows_.stop();
   program_.resume();
   program_.cancel();
 }
 
-/// A feed override, in force with the next batch.
+/// A feed override, effective with the next batch.
 Result Controller::set_speed_of_rows(std::uint32_t percent) {
   constexpr std::uint32_t least_override = 10;
   overrides_.feed = static_cast<std::uint8_t>(percent < least_override ? least_override : percent);
@@ -51,17 +51,17 @@ Result Controller::set_speed_of_rows(std::uint32_t percent) {
   return Result::ok;
 }
 
-/// The machine stands, and no line comes any more.
+/// At rest, and no more lines will follow.
 void Controller::settle_rows() {
   if (!rows_.over() || program_.cancelling()) return;
-  // Held at its very end: the host has to let it go.
+  // Held at its very end: the host must resume.
   if (rows_.runs() && state_ != MachineState::run) return;
   end_program();
   end_overrides_of_program();
   state_ = MachineState::idle;
 }
 
-void Controller::add_rows(wire::Standing& standing) const {
+void Controller::add_rows(wire::StatusSummary& standing) const {
   const program::RowRoom room = rows_.room();
   standing.free_points = room.lines;
   standing.free_runs = room.runs;

@@ -1,6 +1,6 @@
 // Start-up lines ($N): kept, and run after power-up and a reset.
+#include "firmware/machine/console/program_text.hpp"
 #include "firmware/machine/controller.hpp"
-#include "firmware/machine/program_text.hpp"
 
 namespace lamplock::machine {
 
@@ -22,21 +22,21 @@ GcodeError Controller::keep_start_up_line(std::string_view line) {
   return GcodeError::none;
 }
 
-/// The line under way is one: it has run.
+/// The line that has run is a new start-up line.
 void Controller::keep_new_start_up_line() {
   reader_.kept().start_up[new_start_up_] = new_start_up_text_;
   new_start_up_ = start_up_lines;
   kept_due_ = true;
 }
 
-/// One is still to be run: nobody else comes in between.
+/// A start-up line waits: other lines must wait for it.
 bool Controller::start_up_waits() const {
   for (std::size_t i = start_up_next_; i < start_up_lines; ++i)
     if (!reader_.kept().start_up[i].view().empty()) return true;
   return false;
 }
 
-/// After power-up and a reset; false if there is none left, or none may run.
+/// After power-up and a reset; false if no line is left, or none may run.
 [[gnu::hot]] bool Controller::run_start_up_line() {
   if (start_up_next_ >= start_up_lines || reader_.line_open()) return false;
   if (state_ == MachineState::alarm || state_ == MachineState::estop)

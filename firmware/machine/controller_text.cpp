@@ -1,8 +1,8 @@
-// What the machine says as text, and what it is told by lines that begin with "$".
+// Text reports of the machine, and lines that begin with "$".
+#include "firmware/machine/console/program_text.hpp"
 #include "firmware/machine/controller.hpp"
-#include "firmware/machine/program_motion.hpp"
-#include "firmware/machine/program_text.hpp"
-#include "firmware/machine/settings_text.hpp"
+#include "firmware/machine/runners/program_motion.hpp"
+#include "shared/settings_text.hpp"
 
 namespace lamplock::machine {
 namespace {
@@ -13,7 +13,7 @@ using wire::MachineState;
 constexpr std::string_view ok_line = "ok\r\n";
 constexpr std::string_view version_begin = "[VER:1.1h.20261122:", product = "lamplock";
 
-/// Where the machine is and how fast it moves along its path.
+/// Position of the machine and speed along its path.
 void report_motion(ReportedStatus& status, const stepper::MotionState& motion,
                    const settings::Values& values) {
   std::uint64_t squares = 0;
@@ -40,7 +40,7 @@ std::uint16_t active_pins(InputSet active) {
   return static_cast<std::uint16_t>(pins);
 }
 
-/// What the program has set.
+/// Modal values of the program.
 void report_program(ReportedStatus& status, const program::Interpreter& interpreter) {
   const program::Modal& modal = interpreter.modal();
   status.work_offset_e7 = interpreter.work_offset_e7();
@@ -70,13 +70,13 @@ void Controller::tell_version() {
 void Controller::answer_system_command(std::string_view line) {
   if (line.starts_with("$H") && line.size() <= 3) {
     const GcodeError error = begin_homing(line.substr(2));
-    if (error != GcodeError::none) answer(error);  // else when it is done
+    if (error != GcodeError::none) answer(error);  // otherwise answered when done
     return;
   }
   answer(system_command(line));
 }
 
-/// What every state allows; the rest wants a machine at rest.
+/// Commands for every state; the others need a machine at rest.
 GcodeError Controller::system_command(std::string_view line) {
   if (tell(line)) return GcodeError::none;
   if (line == "$X") {
@@ -84,7 +84,7 @@ GcodeError Controller::system_command(std::string_view line) {
     end_refusal();
     if (state_ != MachineState::alarm) return end_orphan();
     if (door_open_) return GcodeError::door_open;
-    reader_.end_lock();  // no shot before it is asked for again
+    reader_.end_lock();  // no shot before it is requested again
     say("Caution: Unlocked");
     const Masked masked(mask_);
     unlock();
@@ -104,7 +104,7 @@ GcodeError Controller::end_orphan() {
   return GcodeError::none;
 }
 
-/// Commands that only ask for something.
+/// Commands that only request a report.
 bool Controller::tell(std::string_view command) {
   TextLine line;
   if (command == "$$")
@@ -173,8 +173,8 @@ GcodeError Controller::command_at_rest(std::string_view line) {
   return GcodeError::none;
 }
 
-/// Under the e-stop too: there a board without wires is, and a machine that is made safe first. The
-/// loader has every output off.
+/// Also during an e-stop: the state of a board without wires, and of a machine made safe first. All
+/// outputs are off in the loader.
 GcodeError Controller::request_loader() {
   if (!may_be_changed() && !(state_ == MachineState::estop && nothing_is_under_way()))
     return GcodeError::not_idle;
@@ -191,7 +191,7 @@ bool Controller::may_be_changed() const {
 }
 
 GcodeError Controller::change_setting(std::string_view line) {
-  const SettingLine asked = read_setting(line);
+  const settings::SettingLine asked = settings::read_setting(line);
   if (asked.error != GcodeError::none) return asked.error;
   if (!may_be_changed()) return GcodeError::not_idle;
   settings::Values values = stored_;
@@ -202,14 +202,14 @@ GcodeError Controller::change_setting(std::string_view line) {
   return GcodeError::none;
 }
 
-/// Settings that the user has changed, at rest.
+/// Applies settings that the user has changed, at rest.
 void Controller::take_over(const settings::Values& values) {
   end_program();
   planning_.recall();
   stored_ = values;
   store_due_ = true;
   configure_reader();
-  reader_.lose_position();  // steps per mm may be others
+  reader_.invalidate_position();  // steps per mm may have changed
   const Masked masked(mask_);
   use_settings(stored_);
 }
@@ -225,7 +225,7 @@ void Controller::restore_everything() {
   restore_defaults();
 }
 
-const KeptProgram* Controller::changed_kept() {
+const PersistentState* Controller::changed_kept() {
   constexpr unsigned shift = 1u << static_cast<int>(program::ParameterRow::shift);
   program::Parameters& parameters = reader_.kept().parameters;
   if ((parameters.changed & ~shift) != 0) kept_due_ = true;  // all but the shift are kept
@@ -236,12 +236,12 @@ const KeptProgram* Controller::changed_kept() {
   return &reader_.kept();
 }
 
-void Controller::set_kept(const KeptProgram& kept) { reader_.restore(kept); }
+void Controller::set_kept(const PersistentState& kept) { reader_.restore(kept); }
 
 void Controller::list_settings() {
   for (std::size_t i = 0; i < settings::setting_count; ++i) {
     TextLine line;
-    write_setting(line, static_cast<Id>(i), stored_);
+    settings::write_setting(line, static_cast<Id>(i), stored_);
     link_.send_text(line.view());
   }
 }
@@ -310,7 +310,7 @@ ReportedStatus Controller::reported_status() const {
   return status;
 }
 
-/// Waits until there is room for it: a host that reads no answers gets its status later.
+/// Waits for room: a host that reads no answers gets its status later.
 void Controller::send_status_line() {
   if (link_.room() < status_room) return;
   TextLine line;
@@ -333,7 +333,7 @@ void Controller::add_beats(TextLine& line) const {
 
 void Controller::fill_status(wire::Status& status) const {
   const Masked masked(mask_);
-  static_cast<wire::Standing&>(status) = standing();
+  static_cast<wire::StatusSummary&>(status) = standing();
   status.received = runner_.queue().end();
   status.first_unfired = runner_.queue().begin();
   status.shots = shots_.ledger().shots();

@@ -1,7 +1,7 @@
-// How the main loop keeps beat and fill interrupts away from data it shares with them.
+// Masks the beat and fill interrupts while the main loop uses data that it shares with them.
 //
 // In:  two registers of the board's interrupt controller, and its bits: a write to one disables, a
-//      write to the other enables. A board without interrupts gives none.
+//      write to the other enables. A board without interrupts has none.
 // Out: stretches of some microseconds in which those interrupts wait; the e-stop's never does.
 // Level: main loop; not nested.
 #pragma once
@@ -23,7 +23,7 @@ class Masked {
   explicit Masked(const InterruptMask& mask) : mask_(mask) {
     if (mask_.disable == nullptr) return;
     *mask_.disable = mask_.bits;
-    // By then the write has taken effect and what was being taken has been taken.
+    // After this the write has taken effect, and an interrupt already accepted has run.
 #ifdef __arm__
     asm volatile("dsb\n isb" ::: "memory");
 #else

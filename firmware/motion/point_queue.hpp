@@ -1,17 +1,17 @@
-// The queue of targets: what the host has sent and the laser has not yet fired.
+// The queue of targets: those that the host has sent and the laser has not yet fired.
 //
 // In:  the decoder pushes targets in job order (main loop).
-// Out: the planner reads ahead of the machine; a target leaves only when it is done, so that a
-//      missed flash, a hold or a lost link can always go back to it. Targets are done in order: a
-//      missed one blocks every later shot (shot_scheduler.hpp). One with several flashes is done
-//      with the last of them.
-// Level: main loop; the outcomes of shots reach it through the job runner. No allocation.
+// Out: the planner reads ahead of the machine; a target leaves only when it is done, so that the
+//      machine can always return to it after a missed flash, a hold or a lost link. Targets are
+//      done in order: a missed one blocks every later shot (shot_scheduler.hpp). One with several
+//      flashes is done with the last of them.
+// Level: main loop; outcomes of shots arrive through the job runner. No allocation.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
-#include "firmware/motion/target.hpp"
+#include "shared/wire/target.hpp"
 
 namespace lamplock::motion {
 
@@ -31,7 +31,7 @@ class PointQueue {
   std::uint32_t free() const { return capacity - size(); }
 
   /// Adds a target; false if full.
-  bool push(const Target& target) {
+  bool push(const wire::Target& target) {
     if (free() == 0) return false;
     slots_[end_ % capacity] = target;
     ++end_;
@@ -39,7 +39,7 @@ class PointQueue {
   }
 
   /// Target `index`, begin() <= index < end().
-  const Target& at(std::uint32_t index) const { return slots_[index % capacity]; }
+  const wire::Target& at(std::uint32_t index) const { return slots_[index % capacity]; }
 
   /// Flashes still to come at target `index`; one without shots has one passage instead.
   std::uint32_t left(std::uint32_t index) const {
@@ -47,8 +47,8 @@ class PointQueue {
     return (shots == 0 ? 1 : shots) - (index == begin_ ? done_ : 0);
   }
 
-  /// Takes one flash off the first target, which leaves with its last one. Any other target has
-  /// been done before: nothing happens.
+  /// Counts one flash of the first target, which leaves with its last one. No effect for any other
+  /// target: it was done before.
   void mark_done(std::uint32_t index) {
     if (index != begin_ || begin_ == end_) return;
     if (left(index) > 1) {
@@ -60,7 +60,7 @@ class PointQueue {
   }
 
  private:
-  std::array<Target, capacity> slots_{};
+  std::array<wire::Target, capacity> slots_{};
   std::uint32_t begin_ = 0;
   std::uint32_t end_ = 0;
   std::uint32_t done_ = 0;  ///< flashes of the first target that have been fired

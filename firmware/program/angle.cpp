@@ -31,7 +31,7 @@ constexpr std::int64_t series_q62(std::int64_t x_q62, bool sine) {
 
 constexpr std::int64_t rounded_to_q48(std::int64_t v_q62) { return (v_q62 + (1 << 13)) >> 14; }
 
-/// Sines of a quarter turn in 64 places; cosines are the same the other way round.
+/// Sines of a quarter turn in 64 places; cosines are the same reversed.
 constexpr std::array<std::int64_t, quarter + 1> sine_table_q48 = [] {
   std::array<std::int64_t, quarter + 1> table{};
   for (int i = 0; i <= quarter / 2; ++i) {
@@ -83,7 +83,7 @@ std::int64_t combined_q48(std::int64_t a_q48, std::int64_t b_q48, const SmallAng
   return a_q48 + ((beside_q60 + (1 << 11)) >> 12);
 }
 
-/// Sine and cosine in the first quarter, and a little outside.
+/// Sine and cosine in the first quarter, and slightly outside.
 SineCosine in_quarter(std::uint32_t place, std::int64_t beside_q48) {
   const SineCosine at = at_place(place);
   const SmallAngle small = small_angle(beside_q48);
@@ -91,7 +91,7 @@ SineCosine in_quarter(std::uint32_t place, std::int64_t beside_q48) {
           combined_q48(at.cosine_q48, -at.sine_q48, small)};
 }
 
-/// Both at once so far to the left or right that the larger is from 2^53 to 2^54.
+/// Both shifted by the same number of bits so that the larger is from 2^53 to 2^54.
 struct Pair {
   std::int64_t x, y;
 };
@@ -104,7 +104,7 @@ Pair normalised(Int128 x, Int128 y) {
   return {(x << -right).to_int64(), (y << -right).to_int64()};
 }
 
-/// The table place nearest to a vector with 0 <= y <= x, or its neighbour when both are about as
+/// The table place nearest to a vector with 0 <= y <= x, or its neighbour if both are about as
 /// near: atan t = t (pi/4 + 0.273 (1 - t)) to within 0.004 rad.
 std::uint32_t near_place(Pair v) {
   constexpr std::uint32_t highest_bit = 1u << 14;  // it is set; a reader sees no division by 0

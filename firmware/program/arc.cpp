@@ -9,16 +9,16 @@
 namespace lamplock::program {
 namespace {
 
-/// What a piece may be.
+/// Limits of a piece.
 constexpr std::int64_t least_tolerance_e7 = 50;
 constexpr std::int64_t largest_piece_q48 = turn_q48 / 4;
 constexpr int most_pieces_bits = 30;
 
-/// Vectors are turned with this many more bits, so that a point is rounded once; they have 2^47 on
-/// each axis at most, and 2^55 is what times_q48() takes.
+/// Vectors are turned with this many additional bits, so that a point is rounded once; they have at
+/// most 2^47 on each axis, and times_q48() accepts 2^55.
 constexpr int fine_bits = 7;
 
-/// Two radii: what programs with rounded numbers have more between start and end.
+/// Two radii: maximum excess between start and end in programs with rounded numbers.
 constexpr std::int64_t rounding_e7 = 20;
 
 /// grbl 1.1, error 33.
@@ -26,10 +26,10 @@ constexpr std::int64_t radii_alike_e7 = one_e7 / 200;
 constexpr std::int64_t radii_apart_e7 = one_e7 / 2;
 constexpr std::int64_t radius_share = 1000;
 
-/// Radii that differ by no more than their rounding.
+/// Radii that differ only by rounding.
 constexpr std::int64_t round_e7 = 2;
 
-/// Parts of a spiral that are looked at for its length.
+/// Parts of a spiral that are sampled for its length.
 constexpr int length_parts = 16;
 
 struct Vector {
@@ -68,34 +68,35 @@ bool is_arc(const ArcRequest& request) {
          sane(request.centre, request.plane);
 }
 
-/// The angle run through, further turns included; always above 0.
+/// The total angle, further turns included; always above 0.
 std::int64_t sweep_of(const Ends& ends, const ArcRequest& request) {
   const Int128 along = dot(ends.start, ends.end), across = cross(ends.start, ends.end);
   const bool same_direction = across == Int128{} && !along.negative();
   std::int64_t angle = turn_q48;
   if (!same_direction) {
     angle = angle_of(along, request.clockwise ? -across : across);
-    // What rounding made nothing or a full turn is neither.
+    // Rounding must not give no turn or a full turn.
     angle = std::clamp<std::int64_t>(angle, 1, turn_q48 - 1);
   }
   const std::uint32_t turns = request.turns > 1 ? std::min(request.turns - 1, most_turns) : 0;
   return angle + turns * turn_q48;
 }
 
-/// 2 r' of a spiral: twice the change of the radius in each radian; no less.
+/// 2 r' of a spiral: twice the change of the radius per radian; at least that.
 std::int64_t twice_slope(std::int64_t change, std::int64_t sweep_q48) {
-  // A shorter one leaves its chord by no more than a quarter of the sweep times the change: 1 e7.
+  // A shorter sweep deviates from its chord by at most a quarter of the sweep times the change: 1
+  // e7.
   if (sweep_q48 < turn_q48 >> 20) return 0;
   // 2^49 change / sweep / 2 pi, with 32 bits of the sweep.
   const int shift = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(sweep_q48))) - 32;
   const auto divisor =
       static_cast<std::uint32_t>(shift < 0 ? sweep_q48 << -shift : sweep_q48 >> shift);
-  constexpr std::int64_t most_change = std::int64_t{1} << 40;  // the result has 61 bits at most
+  constexpr std::int64_t most_change = std::int64_t{1} << 40;  // the result has at most 61 bits
   const Int128 dividend = Int128(std::min(change, most_change)) << (49 - shift);
   return times_q62(dividend.divided_by(divisor).to_int64(), turns_of_radian_q62) + 1;
 }
 
-/// The largest angle of which the chord keeps the tolerance, on a circle.
+/// The largest angle whose chord keeps the tolerance, on a circle.
 std::int64_t largest_angle(std::int64_t radius, std::int64_t tolerance) {
   if (tolerance >= radius) return largest_piece_q48;
   constexpr int more_bits = 15;  // 2^15 2^47 and (2^30 2^47 2^48) fit
@@ -120,13 +121,13 @@ std::uint32_t pieces_of(const Ends& ends, std::int64_t sweep_q48, std::int64_t t
   return static_cast<std::uint32_t>((sweep_q48 + piece - 1) / piece);
 }
 
-/// How long all of it would be if it were like place `part` of the spiral.
+/// The length if the whole spiral were like its place `part`.
 std::int64_t length_like(const Ends& ends, std::int64_t sweep_q48, int part) {
   const std::int64_t change = ends.end_radius - ends.start_radius;
   const std::int64_t radius_parts = ends.start_radius * length_parts + change * part;
   // That times sweep times 2 pi, in eighths: 2^-48 2^-4 2^3.
   const Int128 eighths = Int128::product(radius_parts, sweep_q48) >> 49;
-  // Only ten thousand turns of a radius beyond the machine are longer.
+  // Only ten thousand turns of a radius beyond the machine exceed this.
   const std::int64_t most = std::min(eighths, Int128(one_q62)).to_int64();
   return length_of(times_q62(most, radians_of_eighth_q62), change);
 }
@@ -155,12 +156,12 @@ bool centre_of_radius(const Place& start, const Place& end, const CurvePlane& pl
   const std::int64_t reach = two_radii + rounding_e7;
   if (square == Int128{} || two_radii == 0 || Int128::product(reach, reach) < square) return false;
 
-  // Twice the distance of the centre from the middle between start and end, which is 0 where the
-  // points are as far apart as they can be.
+  // Twice the distance of the centre from the middle between start and end; 0 where the points are
+  // at the maximum distance.
   const Int128 rest = Int128::product(two_radii, two_radii) - square;
   const std::int64_t twice_aside_q6 =
       64 * static_cast<std::int64_t>(rest.negative() ? 0 : wide_root(rest));
-  // The direction of the way, however short it is.
+  // The direction from start to end, however short the distance.
   const auto longest = static_cast<std::uint64_t>(abs64(way.x) | abs64(way.y));
   const int shift = std::max(0, 47 - static_cast<int>(std::bit_width(longest)));
   const Vector longer = {way.x * (std::int64_t{1} << shift), way.y * (std::int64_t{1} << shift)};
@@ -169,7 +170,7 @@ bool centre_of_radius(const Place& start, const Place& end, const CurvePlane& pl
     const std::int64_t cosine_q48 = quotient_q48(static_cast<std::uint64_t>(abs64(v)), length);
     return times_q48(v < 0 ? -twice_aside_q6 : twice_aside_q6, cosine_q48);
   };
-  // To the left of the way: anticlockwise and less than half a turn, or neither.
+  // To the left of that direction: anticlockwise and less than half a turn, or neither.
   const std::int64_t side = clockwise == (radius_e7 < 0) ? 1 : -1;
   const auto halved = [](std::int64_t v_q6) { return (v_q6 + 64) >> 7; };
   centre = start;
@@ -199,7 +200,7 @@ Division Arc::begin(const ArcRequest& request, std::int64_t other_way_e7) {
   const std::uint32_t pieces = pieces_of(ends, sweep, request.tolerance_e7);
   const std::int64_t turn = request.clockwise ? -sweep : sweep;
   angle_q48_.begin(0, turn, pieces);
-  // The end turned back to the start: the start but for its length.
+  // The end turned back to the start: it differs from the start only by its length.
   const Vector start = finely(ends.start), back = turned(finely(ends.end), -turn);
   first_.begin(start.x, back.x, pieces);
   second_.begin(start.y, back.y, pieces);

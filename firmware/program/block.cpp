@@ -8,7 +8,7 @@ namespace {
 struct Code {
   std::uint16_t code;
   Group group;
-  AxisUse use = AxisUse::nobody;
+  AxisUse use = AxisUse::none;
 };
 
 /// G codes times ten, in order.
@@ -101,7 +101,7 @@ const Code* find(const Code (&table)[size], std::uint32_t code) {
   return low < size && table[low].code == code ? &table[low] : nullptr;
 }
 
-/// G code times ten; more than largest_code if it is none.
+/// G code times ten; more than largest_code if there is no such code.
 std::uint32_t tenfold(const Word& word) {
   constexpr std::uint32_t none = largest_code + 1;
   if (word.mantissa < 0 || word.mantissa > std::int64_t{largest_code} * one_million) return none;
@@ -114,7 +114,7 @@ std::uint32_t tenfold(const Word& word) {
   return mantissa;
 }
 
-/// Axis of a letter; -1 if it names none.
+/// Axis of a letter; -1 if there is none.
 constexpr int axis_of(char letter) {
   if (letter == 'A') return 3;
   return letter >= 'X' ? letter - 'X' : -1;
@@ -141,7 +141,7 @@ constexpr bool may_jog(const Code& code) {
   }
 }
 
-/// The S word was the first number of a list: the reader goes on behind that.
+/// The S word was the first number of a list: the reader continues after it.
 Fault Block::add_powers(std::string_view line, const Word& word, WordReader& reader) {
   line.remove_prefix(word.column);
   PowerList list(line);
@@ -183,8 +183,8 @@ Fault Block::add_m(const Word& word) {
 [[gnu::hot]] Fault Block::add_code(Group group, std::uint16_t code, AxisUse use,
                                    std::uint16_t column) {
   if (has(group)) return {GcodeError::modal_conflict, column};
-  if (use != AxisUse::nobody) {
-    if (axis_use_ != AxisUse::nobody) return {GcodeError::axis_conflict, column};
+  if (use != AxisUse::none) {
+    if (axis_use_ != AxisUse::none) return {GcodeError::axis_conflict, column};
     axis_use_ = use;
   }
   groups_ |= 1u << static_cast<int>(group);

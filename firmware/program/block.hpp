@@ -1,24 +1,24 @@
 // A block: the words of one line, sorted into commands and values.
 //
 // In:  a line.
-// Out: the code of each modal group that the line has, the value words by letter, and who wants the
-//      axis words. What a word is wrong by itself, or beside another, is found here (unknown codes,
-//      groups, repeated words, signs); what commands make of the values is not.
+// Out: the code of each modal group in the line, the value words by letter, and the command that
+//      uses the axis words. Errors of a word by itself or together with another (unknown codes,
+//      groups, repeated words, signs) are found here; errors of values within a command are not.
 //
-// Whoever uses a value word takes it; what nobody has taken at the end is an error, and what two
-// commands want as well.
+// Commands take the value words that they use; an unused word is an error, and so is one that two
+// commands use.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <string_view>
 
-#include "firmware/program/words.hpp"
+#include "shared/gcode_words.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::program {
 
-/// Modal groups (NIST, section 3.4, table 4), and ours.
+/// Modal groups (NIST, section 3.4, table 4), and those of lamplock.
 enum class Group : std::uint8_t {
   once,  ///< group 0: G4 G10 G28 G30 G53 G92
   motion,
@@ -45,12 +45,12 @@ enum class Group : std::uint8_t {
   count
 };
 
-/// Which command of the line gets its axis words.
-enum class AxisUse : std::uint8_t { nobody, motion, data, tool_length, rotation };
+/// The command of the line that uses its axis words.
+enum class AxisUse : std::uint8_t { none, motion, data, tool_length, rotation };
 
 class Block {
  public:
-  /// Sorts the words of a line for a machine of so many axes. A jog has fewer commands and words.
+  /// Sorts the words of a line for a machine of `axes` axes. A jog has fewer commands and words.
   Fault read(std::string_view line, int axes, bool jog = false);
 
   bool has(Group group) const { return (groups_ >> static_cast<int>(group) & 1u) != 0; }
@@ -70,14 +70,15 @@ class Block {
 
   bool has(char letter) const { return (words_ & bit(letter)) != 0; }
   const Word& word(char letter) const { return values_[slot(letter)]; }
-  /// Marks a word as used; false if somebody has used it already.
+  /// Marks a word as used; false if it is used already.
   bool take(char letter);
-  /// Column of the first word that nobody has taken; 0 if there is none.
+  /// Column of the first unused word; 0 if there is none.
   std::uint16_t first_unused() const;
 
-  /// Pieces that the S word divides the move into, with a power each; 0 where it is one number.
+  /// Number of pieces into which the S word divides the move, with a power each; 0 if it is one
+  /// number.
   std::uint32_t pieces() const { return pieces_; }
-  /// Their powers, for a PowerList, and the last one.
+  /// Their powers, for a PowerList; below, the last one.
   std::string_view powers() const { return powers_; }
   std::uint32_t last_power_milli() const { return last_power_milli_; }
 
@@ -110,7 +111,7 @@ class Block {
   std::uint32_t groups_ = 0;
   std::uint32_t words_ = 0, unused_ = 0;  ///< a bit for each slot
   std::uint32_t axes_ = 0;
-  AxisUse axis_use_ = AxisUse::nobody;
+  AxisUse axis_use_ = AxisUse::none;
   std::uint32_t pieces_ = 0, last_power_milli_ = 0;
   std::string_view powers_;
   std::array<std::uint16_t, groups> codes_;

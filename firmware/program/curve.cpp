@@ -11,7 +11,7 @@ constexpr std::size_t rotary_axis = 3;  // A, in no plane
 
 template <class Shape, class Request>
 void Curve::begin(Kind kind, Shape& shape, const Request& request) {
-  shape = Shape{};  // begins its life in the union
+  shape = Shape{};  // begins its lifetime in the union
   kind_ = kind;
   plane_ = request.plane;
   end_ = request.end;

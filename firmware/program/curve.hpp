@@ -1,7 +1,7 @@
-// Curves become straight pieces: one interface for all kinds.
+// Divides curves into straight pieces: one interface for all kinds.
 //
-// In:  a request of the interpreter: what kind of curve, its points in machine coordinates, and how
-//      far a straight piece may lie beside it.
+// In:  a request of the interpreter: the kind of curve, its points in machine coordinates, and the
+//      maximum distance of a straight piece from it.
 // Out: the ends of the pieces, one at a time, as the planner has room for them; the last one is
 //      exactly the programmed end.
 // Who: the interpreter, main loop; budgets are in arc.hpp and spline.hpp.
@@ -9,13 +9,13 @@
 // The axes outside the plane move evenly from piece to piece. The length counts all axes, also a
 // rotary one by its degrees, as the planner's lines do.
 //
-// A further kind of curve is one file (a header and its source), say conic.hpp:
+// A further kind of curve is one file (a header and its source), for example conic.hpp:
 //   * a request, which must have `start`, `end` and `plane`;
 //   * a class without initial values (it lives in a union) with
 //       Division begin(const ConicRequest&, std::int64_t other_way_e7);
 //       PlanePoint next(std::uint32_t pieces);
-//     begin() gets the way of the axes outside the plane, for the length, and returns from 1 to
-//     2^31 - 1 pieces; next() is called for every piece but the last;
+//     begin() gets the distance of the axes outside the plane, for the length, and returns from 1
+//     to 2^31 - 1 pieces; next() is called for every piece but the last;
 // and here: a line in `Kind`, in the union, in next(), and a begin_conic() of one line.
 #pragma once
 
@@ -27,24 +27,23 @@
 
 namespace lamplock::program {
 
-/// One curve at a time; a new one replaces what is left of the one before. Coordinates of all axes
-/// must be within 7 km (shape.hpp); in the plane, what is beyond becomes a straight line.
+/// One curve at a time; a new one replaces the rest of the last one. Coordinates of all axes must
+/// be within 7 km (shape.hpp); in the plane, a curve beyond becomes a straight line.
 class Curve {
  public:
   Curve() : arc{} {}
 
   void begin_arc(const ArcRequest& request);
   void begin_spline(const SplineRequest& request);
-  /// Forgets what is left.
+  /// Drops the rest of the curve.
   void stop() { left_ = 0; }
 
   /// Whether there is a piece left.
   bool active() const { return left_ != 0; }
-  /// End of the next straight piece; false when the last one has been given.
+  /// End of the next straight piece; false if there are no more.
   bool next(Place& end);
-  /// Of the whole curve, within 0.1 %.
+  /// Length of the whole curve, within 0.1 %.
   std::int64_t length_e7() const { return length_e7_; }
-  /// How many straight pieces in all.
   std::uint32_t pieces() const { return pieces_; }
 
  private:
@@ -58,7 +57,7 @@ class Curve {
     Arc arc;
     Spline spline;
   };
-  EvenWalk normal_{}, rotary_{};
+  IntegerDivider normal_{}, rotary_{};
   Place end_{};
   std::int64_t length_e7_ = 0;
   std::uint32_t pieces_ = 0, left_ = 0;

@@ -34,7 +34,7 @@ bool DrillCycle::cross(CycleMove& move) {
 bool DrillCycle::cut(CycleMove& move) {
   const bool pecks =
       request_.kind == Motion::drill_peck || request_.kind == Motion::drill_chip_break;
-  // Deeper than the last peck, not than the last level: what is cut is what a peck takes away.
+  // Compares with the last peck, not the last level: a peck is what is cut.
   if (pecks && last_depth_e7_ - request_.depth_e7 > request_.peck_e7) {
     last_depth_e7_ -= request_.peck_e7;
     phase_ = Phase::clear;

@@ -1,14 +1,14 @@
 // Canned cycles: drilling, with a dwell, in pecks, breaking chips (G81, G82, G83, G73).
 //
-// In:  a hole, how often it is repeated and how far apart, the levels along the axis of the tool.
+// In:  a hole, its repetitions and their distance, the levels along the axis of the tool.
 // Out: the moves, one at a time.
-// Called by the interpreter, main loop; a move costs some hundred cycles.
+// Who: the interpreter, main loop; a move costs some hundred cycles.
 //
 // The moves are those of "The NIST RS274/NGC Interpreter - Version 3", section 3.5.16: up to the
 // retract level if below it, then for each hole: across, down to the retract level, the cut, and
 // back to the retract level (G99) or to where the series began (G98). G83 and G73 are LinuxCNC's:
-// after each peck G83 leaves the hole and comes back to a clearance above the last depth, G73 goes
-// up by the clearance only. Moves of no length are left out, but a hole is always cut.
+// after each peck G83 leaves the hole and returns to a clearance above the last depth, G73 only
+// rises by the clearance. Moves of no length are left out, but a hole is always cut.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +21,10 @@ namespace lamplock::program {
 /// Places are programmed ones, 10^-7 mm; levels are places along the axis `normal`.
 struct CycleRequest {
   Place start;                        ///< where the tool is
-  Place first;                        ///< over the first hole; its level means nothing
+  Place first;                        ///< over the first hole; its level is ignored
   Place step;                         ///< from hole to hole; zero along the normal
   std::int64_t retract_e7, depth_e7;  ///< retract_e7 >= depth_e7
-  std::int64_t end_e7;                ///< level behind each hole
+  std::int64_t end_e7;                ///< level after each hole
   std::int64_t peck_e7;               ///< above 0 in G83 and G73
   std::int64_t clearance_e7;          ///< above the last peck
   std::uint32_t holes;                ///< at least 1
@@ -49,7 +49,7 @@ class DrillCycle {
  private:
   enum class Phase : std::uint8_t { rise, cross, approach, cut, clear, enter, dwell, leave, done };
 
-  /// Goes on by one phase; whether that makes a move.
+  /// Advances by one phase; returns whether it makes a move.
   bool advance(CycleMove& move);
   bool cross(CycleMove& move);
   bool cut(CycleMove& move);

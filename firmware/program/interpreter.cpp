@@ -39,7 +39,7 @@ Fault Interpreter::jog(std::string_view line) {
   if (plan_.pieces != 0) begin_pieces(statement.powers());
 }
 
-/// The line will be gone when its pieces are asked for.
+/// Copies the powers: the line no longer exists when its pieces are made.
 void Interpreter::begin_pieces(std::string_view powers) {
   std::copy(powers.begin(), powers.end(), power_text_.begin());
   powers_ = PowerList({power_text_.data(), powers.size()});
@@ -156,10 +156,10 @@ bool Interpreter::give_dwell(Action& action) {
   return true;
 }
 
-/// The state behind the line before is still there, and with it where the line begins.
+/// The previous state is still there, and contains the start of the line.
 [[gnu::hot]] bool Interpreter::give_piece(Action& action) {
   PowerRun run;
-  powers_.next(run);  // which has been looked through
+  powers_.next(run);  // checked before
   pieces_ += run.pieces;
   fill_move(action, false);
   action.speed_milli = run.speed_milli;
@@ -242,7 +242,7 @@ bool Interpreter::give_stop(Action& action) {
 
 // --- state ------------------------------------------------------------------------------------
 
-/// As grbl: groups 1 to 5, 7 and 12 and spindle and coolant are set back; units, distance of
+/// As in grbl: groups 1 to 5, 7 and 12 and spindle and coolant are reset; units, distance of
 /// centres, tool length, retract level, path mode and the words F S T are not.
 void Interpreter::end_program() {
   Modal& modal = state_->modal;
@@ -276,7 +276,7 @@ void Interpreter::restore_saved() {
   saved_ = {};
 }
 
-/// The settings alone switch them on if they have some; said to be on, they are as said.
+/// Without M126 pulses are on only if the settings have a rate; with it, at the current rate.
 std::uint32_t Interpreter::pulses_milli() const {
   const Pulses& pulses = state_->modal.pulses;
   if (!options_.laser || pulses.on == Pulses::Switch::off) return 0;

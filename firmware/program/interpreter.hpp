@@ -1,33 +1,31 @@
-// The interpreter of G-code: lines become actions.
+// The interpreter of G-code: converts lines to actions.
 //
-// In:  lines, one at a time (firmware/link puts them together and takes real-time bytes out).
-// Out: for each line either an error with its column, and nothing has changed, or the actions that
-//      the line asks for: run() checks the line and puts it into force, next() then gives its
-//      actions one at a time. Nothing is queued: pieces of curves and moves of cycles are made when
-//      they are asked for.
-// Who: the machine, at main-loop level, one line when the actions of the line before are taken.
-// Budget: at 5000 lines/s a core of 125 MHz has 25 000 cycles a line; a plain move takes about a
-//      fifth of that. Divisions of 64 bits are made only where decimals are lost or a mode asks
-//      for them (G93, G95, M30).
+// In:  lines, one at a time (firmware/link assembles them and removes real-time bytes).
+// Out: for each line either an error with its column and no change, or the actions of the line:
+//      run() checks the line and makes it effective, next() then returns its actions one at a time.
+//      There is no queue: pieces of curves and moves of cycles are made on demand.
+// Who: the machine, at main-loop level, one line when the actions of the previous one have been
+//      taken. Budget: at 5000 lines/s a core of 125 MHz has 25 000 cycles a line; a plain move
+//      takes about a fifth of that. Divisions of 64 bits are made only where decimals are lost or a
+//      mode requires them (G93, G95, M30).
 //
-// Language: RS274/NGC as grbl 1.1 has it; splines, rotation, canned cycles, saved state and so on
-// as LinuxCNC has them ("G-code Reference", "M-code Reference"); M130, M131 are ours. All axes are
-// lengths: A follows G20 like X Y Z. What is decided here and not there:
-//   * G68 turns round a centre that stays where it is on the machine, by R degrees counted from no
-//     rotation, in the plane that was in force; without X and Y round the place where the machine
-//     stands. G53, G28 and G30 know nothing of it. The end of a program ends it.
-//   * M70 to M73 take place before everything else in their line; there is one saved state. It does
-//     not hold the motion mode and the tool. There being no subroutines, M73 restores at the end
-//     of the program: not spindle, coolant and beat lock, which stay off.
-//   * M126 to M128 hold until the end of the program or a reset; then the settings do.
+// Language: RS274/NGC as in grbl 1.1; splines, rotation, canned cycles, saved state and so on as in
+// LinuxCNC ("G-code Reference", "M-code Reference"); M130, M131 are extensions. All axes are
+// lengths: A follows G20 like X Y Z. Decisions that differ or are open there:
+//   * G68 rotates round a centre that is constant on the machine, by R degrees counted from no
+//     rotation, in the active plane; without X and Y round the present position. G53, G28 and G30
+//     ignore it. The end of a program ends it.
+//   * M70 to M73 act before all other words of their line; there is one saved state. It does not
+//     include the motion mode and the tool. As there are no subroutines, M73 restores at the end of
+//     the program: except spindle, coolant and beat lock, which stay off.
+//   * M126 to M128 hold until the end of the program or a reset; then the settings apply.
 //   * M1 pauses like M0. M2 and M30 are the same.
-//   * G92 and G43.1 are out of force after a reset; G92.3 brings the stored shift back.
-//   * S with a list of powers divides a G1 into as many pieces (power_list.hpp); the last one
-//   stays.
+//   * G92 and G43.1 are inactive after a reset; G92.3 activates the stored shift again.
+//   * S with a list of powers divides a G1 into as many pieces (power_list.hpp); the last stays.
 //   * Cycles: R, Z, Q and P stay until another cycle begins; A moves together with X and Y.
 //
-// Position: the interpreter knows where the program is, which the machine reaches later. After
-// homing, a probe, a jog that was broken off and the like the machine tells by set_position().
+// Position: the interpreter has the position of the program, which the machine reaches later. After
+// homing, a probe, an interrupted jog and the like the machine calls set_position().
 #pragma once
 
 #include <array>
@@ -36,13 +34,13 @@
 
 #include "firmware/program/action.hpp"
 #include "firmware/program/curve.hpp"
+#include "firmware/program/curve_timing.hpp"
 #include "firmware/program/cycles.hpp"
 #include "firmware/program/modal.hpp"
 #include "firmware/program/parameters.hpp"
 #include "firmware/program/power_list.hpp"
 #include "firmware/program/statement.hpp"
-#include "firmware/program/time_share.hpp"
-#include "firmware/program/words.hpp"
+#include "shared/gcode_words.hpp"
 
 namespace lamplock::program {
 
@@ -54,48 +52,47 @@ class Interpreter {
   Interpreter(const Interpreter&) = delete;
   Interpreter& operator=(const Interpreter&) = delete;
 
-  /// Checks a line and puts it into force; only while not busy(). With an error nothing at all has
+  /// Checks a line and makes it effective; only while not busy(). After an error nothing has
   /// changed. The column counts from 1.
   Fault run(std::string_view line);
-  /// The same with what stands behind "$J=", which the column counts from: a move with a feed of
-  /// its own, in G94, spindle and beat lock off; the modal state stays as it is.
+  /// The same for the text after "$J=", from which the column counts: a move with its own feed
+  /// rate, in G94, spindle and beat lock off; the modal state does not change.
   Fault jog(std::string_view line);
-  /// The next action of the line; false when there is none left. M2 and M30 set the modal state
-  /// back when their action is given.
+  /// The next action of the line; false if there are no more. The action of M2 and M30 also resets
+  /// the modal state.
   bool next(Action& action);
-  /// Whether next() has something left.
+  /// next() has more actions.
   bool busy() const { return plan_.stages != 0; }
 
-  /// The user switches flood or mist by hand; the program goes on from there.
+  /// The user switches flood or mist manually; the program continues with that.
   void toggle_flood() { state_->modal.flood = !state_->modal.flood; }
   void toggle_mist() { state_->modal.mist = !state_->modal.mist; }
 
-  /// Spindle and coolant are off, whoever has seen to that.
+  /// Spindle and coolant were switched off.
   void switch_off() {
     state_->modal.flood = state_->modal.mist = false;
     state_->modal.spindle = Spindle::off;
   }
 
-  /// After power-up and soft reset: modal state as it is by default, nothing left to do. Position
-  /// and parameters stay.
+  /// After power-up and soft reset: default modal state, no actions left. Position and parameters
+  /// are kept.
   void reset();
-  /// The machine is here and nothing is left to do.
+  /// Sets the position of the machine; no actions may be left.
   void set_position(const Place& machine_e7);
-  /// The machine is here; what is left of the line goes on from there.
+  /// Sets the position of the machine; the rest of the line continues from there.
   void stand_at(const Place& machine_e7);
 
   const Modal& modal() const { return state_->modal; }
-  /// What is in force of the pulses, by the program or the settings; 0 a millimetre: none.
+  /// Active pulses, from the program or the settings; 0 per millimetre: none.
   std::uint32_t pulses_milli() const;
   std::uint32_t pulse_ns() const;
   const State& state() const { return *state_; }
   const Saved& saved() const { return saved_; }
-  /// The end of the program so far, in machine coordinates.
+  /// Present end of the program, in machine coordinates.
   const Place& machine_e7() const { return state_->machine_e7; }
   /// The same without rotation.
   const Place& programmed_e7() const { return state_->programmed_e7; }
-  /// What a program's coordinates are off machine coordinates (grbl's WCO); a rotation comes on
-  /// top.
+  /// Work coordinates minus machine coordinates (grbl's WCO), before rotation.
   Place work_offset_e7() const;
 
  private:
@@ -110,7 +107,7 @@ class Interpreter {
   bool give_move(Stage stage, Action& action);
   bool give_piece(Action& action);
   bool one_row() const { return options_.rows && !pulses(); }
-  /// Quick where there are none.
+  /// Fast if there are none.
   bool pulses() const {
     const Pulses::Switch on = state_->modal.pulses.on;
     if (on == Pulses::Switch::as_set ? options_.pulses_milli == 0 : on == Pulses::Switch::off)
@@ -127,15 +124,15 @@ class Interpreter {
 
   std::array<State, 2> states_;
   State* state_ = &states_[0];
-  State* next_ = &states_[1];  ///< room for the one behind the next line
+  State* next_ = &states_[1];  ///< for the state after the next line
   Saved saved_;
   Plan plan_{};
   Curve curve_;
-  TimeShare share_;
+  CurveTiming share_;
   DrillCycle cycle_;
   std::array<char, PowerList::most_characters> power_text_;  ///< of the pieces of a line
   PowerList powers_;
-  std::uint32_t pieces_ = 0;  ///< given
+  std::uint32_t pieces_ = 0;  ///< already returned
   Parameters& parameters_;
   const Options& options_;
 };

@@ -1,4 +1,4 @@
-// What stays in force from line to line, and what a line may change.
+// State that persists from line to line, and that a line may change.
 //
 // Values of enumerations are the numbers of their G codes times ten, so that a report of the state
 // ($G) can print them; 10 is G1, 385 is G38.5.
@@ -19,7 +19,7 @@ enum class Motion : std::uint16_t {
   arc_counterclockwise = 30,
   spline = 50,
   parabola = 51,
-  probe_toward = 382,  ///< an error if nothing is met
+  probe_toward = 382,  ///< an error without contact
   probe_toward_quiet = 383,
   probe_away = 384,
   probe_away_quiet = 385,
@@ -46,7 +46,7 @@ enum class PathMode : std::uint16_t { exact = 610, stop = 611, blend = 640 };
 /// Coordinate systems G54 .. G59, G59.1 .. G59.3.
 inline constexpr int coordinate_systems = 9;
 
-/// Pulses of a continuous laser: M126, M127, M128. What was not said is as the settings have it.
+/// Pulses of a continuous laser: M126, M127, M128. Without a word the settings apply.
 struct Pulses {
   static constexpr std::uint32_t as_set = 0xffffffff;
   enum class Switch : std::uint8_t { as_set, off, on };
@@ -56,7 +56,7 @@ struct Pulses {
   friend bool operator==(const Pulses&, const Pulses&) = default;
 };
 
-/// The modal state. What it says by default is what it is after power-up and reset.
+/// The modal state. Its defaults are the state after power-up and reset.
 struct Modal {
   Motion motion = Motion::rapid;
   FeedMode feed_mode = FeedMode::per_minute;
@@ -66,8 +66,8 @@ struct Modal {
   bool relative = false;          ///< G91
   bool centres_absolute = false;  ///< G90.1
   bool retract_to_r = false;      ///< G99
-  bool shifted = false;           ///< the offset of G92 is in force
-  bool tool_length = false;       ///< the offset of G43.1 is in force
+  bool shifted = false;           ///< the offset of G92 is active
+  bool tool_length = false;       ///< the offset of G43.1 is active
   bool mist = false;              ///< M7
   bool flood = false;             ///< M8
   std::uint8_t system = 0;        ///< 0 is G54
@@ -82,29 +82,29 @@ struct Modal {
   friend bool operator==(const Modal&, const Modal&) = default;
 };
 
-/// What canned cycles keep while the same one goes on ("sticky" numbers, NIST, section 3.5.16), in
-/// 10^-7 mm as programmed: places or distances, as G90 and G91 say.
+/// Words of canned cycles that are kept while the same cycle repeats ("sticky" numbers, NIST,
+/// section 3.5.16), in 10^-7 mm as programmed: places or distances, according to G90 and G91.
 struct CycleWords {
   std::int64_t retract_e7 = 0, depth_e7 = 0, peck_e7 = 0;
   std::int64_t initial_e7 = 0;  ///< where the series of cycles began, for G98
   std::uint32_t dwell_us = 0;
   bool has_retract = false, has_depth = false, has_peck = false, has_dwell = false;
-  bool series = false;  ///< the move before was a cycle as well
+  bool series = false;  ///< the previous move was a cycle as well
   friend bool operator==(const CycleWords&, const CycleWords&) = default;
 };
 
-/// The end of a spline, which the next one goes on from if it does not say otherwise.
+/// The end of a spline, which the next one continues by default.
 struct SplineEnd {
   std::int64_t first_e7 = 0, second_e7 = 0;  ///< from its end to its second control point
   bool known = false;
   friend bool operator==(const SplineEnd&, const SplineEnd&) = default;
 };
 
-/// Everything that a line can change, but for the parameters.
+/// Everything that a line can change, except for the parameters.
 struct State {
   Modal modal;
-  Place programmed_e7{};  ///< where the program is: machine coordinates before rotation
-  Place machine_e7{};     ///< the same place, rotated: where the machine goes
+  Place programmed_e7{};  ///< position of the program: machine coordinates before rotation
+  Place machine_e7{};     ///< the same place, rotated: the target of the machine
   CycleWords cycle;
   SplineEnd spline;
   friend bool operator==(const State&, const State&) = default;

@@ -1,7 +1,7 @@
 // Offsets and places that outlive a program: the owner of the interpreter stores them.
 //
-// All in machine coordinates or differences of them, 10^-7 mm. Whoever changes them from outside
-// does so while the interpreter is not busy; it reads them anew in every line.
+// All in machine coordinates or differences of them, 10^-7 mm. They may be changed from outside
+// while the interpreter is not busy; it reads them in every line.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ enum class ParameterRow : std::uint8_t { home_g28 = 9, home_g30, shift, tool_len
 struct Parameters {
   std::array<Place, coordinate_systems> systems_e7{};  ///< origins of G54 .. G59.3
   Place home_g28_e7{}, home_g30_e7{};
-  Place shift_e7{};                 ///< G92; in force where Modal::shifted says so
+  Place shift_e7{};                 ///< G92; active if Modal::shifted
   std::int64_t tool_length_e7 = 0;  ///< G43.1, along Z; 0 after G49
   std::uint16_t changed = 0;  ///< a bit for each row that a line has changed; the owner clears
 };

@@ -10,7 +10,7 @@ namespace lamplock::program {
   return pieces > most_pieces ? GcodeError::out_of_range : GcodeError::none;
 }
 
-/// One value of the list; nothing behind the last.
+/// One value of the list; none after the last.
 [[gnu::hot]] GcodeError PowerList::entry(PowerRun& run) {
   run = {};
   if (ended_) return GcodeError::none;

@@ -1,25 +1,25 @@
 // The powers of a line of pixels: a list of S words in one, S10:20*5:0.
 //
-// In:  what stands behind the letter S: values between colons, each with a star and how often it
-//      comes, if that is more than once.
-// Out: runs of pieces with one power, neighbours that are alike put together.
-// Who: the block that reads a line looks through all of it, the interpreter takes a run at a time
-//      as moves are wanted; about 90 cycles a character.
+// In:  the text after the letter S: values between colons, each with a star and its number of
+//      repetitions, if more than one.
+// Out: runs of pieces with one power; equal neighbours are joined.
+// Who: the block parses the whole list, the interpreter takes a run at a time as moves are needed;
+//      about 90 cycles a character.
 //
-// The colons are those of Smoothieware and what follows it ("clusters", which LightBurn sends and
-// which its author explains: one move with the powers of its pixels spares the planner the rest);
-// the star is ours, so that hundreds of pixels fit into a line.
+// The colons are those of Smoothieware and its successors ("clusters", which LightBurn sends and
+// whose author explains: one move with the powers of its pixels relieves the planner); the star is
+// an extension, so that hundreds of pixels fit into a line.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
 
-#include "firmware/program/words.hpp"
+#include "shared/gcode_words.hpp"
 
 namespace lamplock::program {
 
-/// Pieces of a line, one after the other, all of the same length; 0 of them behind the last.
+/// Pieces of a line, in sequence, all of the same length; 0 of them after the last.
 struct PowerRun {
   std::uint32_t speed_milli = 0;
   std::uint32_t pieces = 0;
@@ -27,9 +27,9 @@ struct PowerRun {
 
 class PowerList {
  public:
-  /// In one line.
+  /// Maximum per line.
   static constexpr std::uint32_t most_pieces = 0xffff;
-  /// No line of the link is longer (shared/wire/framing.hpp).
+  /// Maximum length of a line of the link (shared/wire/framing.hpp).
   static constexpr std::size_t most_characters = 256;
 
   PowerList() : PowerList(std::string_view{}) {}
@@ -37,7 +37,7 @@ class PowerList {
   /// The next run. Errors: bad_number, negative_value, speed_out_of_range, and of a repetition
   /// not_integer, not_positive, out_of_range.
   GcodeError next(PowerRun& run);
-  /// Characters of the list; behind its last run.
+  /// Characters of the list, after its last run.
   std::uint16_t size() const { return reader_.place(); }
 
  private:

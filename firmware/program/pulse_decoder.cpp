@@ -11,7 +11,7 @@ bool inside(const StepPosition& steps, const StepLimits& limits, int axes) {
   return true;
 }
 
-motion::Target to_target(const wire::Record& record, const StepPosition& before) {
+wire::Target to_target(const wire::Record& record, const StepPosition& before) {
   const bool dwell = record.shots == 0 && record.beats != 0 && record.steps == before;
   return {record.steps, record.beats, record.shots, record.channel, record.energy, dwell};
 }
@@ -44,7 +44,7 @@ Result PulseDecoder::decode(std::span<const std::uint8_t> records, motion::Point
   if (index - queue.end() > queue.free()) return Result::no_space;
   StepPosition before = state_.steps;
   return wire::walk_records(records, axes_, state_, [&](const wire::Record& record) {
-    const motion::Target target = to_target(record, before);
+    const wire::Target target = to_target(record, before);
     before = record.steps;
     return queue.push(target) ? Result::ok : Result::no_space;
   });

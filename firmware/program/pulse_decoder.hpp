@@ -1,10 +1,9 @@
-// Records of the pulse stream become targets (docs/wire-format.md, section 4).
+// Converts records of the pulse stream to targets (docs/wire-format.md, section 4).
 //
-// In:  the payload of one DATA frame at a time, in order (the link sees to that).
+// In:  the payload of one DATA frame at a time, in order (the link ensures that).
 // Out: targets in the point queue: all of a frame, or none.
-// Who: the controller's on_data, at main-loop level; an estimated 100 cycles a target.
-//      Each target is looked at twice, because every frame is checked to its end before its first
-//      target is pushed.
+// Who: the controller's on_data, at main-loop level; an estimated 100 cycles a target. Each target
+//      is parsed twice, because a whole frame is checked before its first target is pushed.
 #pragma once
 
 #include <cstdint>
@@ -22,18 +21,17 @@ namespace lamplock::program {
 class PulseDecoder {
  public:
   /// Starts a job: deltas count from the header's origin, indices from its first index. `channels`:
-  /// a bit for each that may fire.
+  /// a bit for each channel that may fire.
   void begin(const wire::JobHeader& header, std::uint8_t channels = all_channels);
 
   /// Decodes one payload into the queue, whose end() must be the index of the payload's first
-  /// target. Results: ok; no_space (ask again later); bad_frame (malformed); bad_value (channel,
-  /// shots, or more points than the header announced); out_of_bounds (outside `limits`, or beyond
-  /// 32 bits); unsupported (a channel that may not fire). With any but ok neither queue nor decoder
-  /// has changed.
+  /// target. Results: ok; no_space (retry later); bad_frame (malformed); bad_value (channel, shots,
+  /// or more points than the header announced); out_of_bounds (outside `limits`, or beyond 32
+  /// bits); unsupported (a channel that may not fire). Unless ok, queue and decoder are unchanged.
   Result decode(std::span<const std::uint8_t> records, motion::PointQueue& queue,
                 const StepLimits& limits);
 
-  /// Index in the job of the target that the last refusal is about.
+  /// Index in the job of the last refused target.
   std::uint32_t refused_index() const { return refused_index_; }
 
  private:

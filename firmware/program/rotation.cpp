@@ -13,8 +13,8 @@ std::int64_t mul_q62(std::int64_t a, std::int64_t b) {
   return (Int128::product(a, b) >> 62).to_int64();
 }
 
-/// Power series of sine (from term 1) or cosine (from term 0) at x of at most pi/4: behind
-/// x^19 / 19! terms are below 2^-66.
+/// Power series of sine (from term 1) or cosine (from term 0) at x of at most pi/4: terms after
+/// x^19 / 19! are below 2^-66.
 std::int64_t series_q62(std::int64_t term_q62, std::uint32_t n, std::int64_t square_q62) {
   std::int64_t sum = 0;
   for (; term_q62 != 0 && n < 22; n += 2) {
@@ -51,7 +51,7 @@ SineCosineQ62 of_angle(std::int64_t angle_e7) {
   return s;
 }
 
-/// (a b + c d) / 2^62 to the nearest.
+/// (a b + c d) / 2^62, rounded to nearest.
 std::int64_t sum_of_products(std::int64_t a, std::int64_t b_q62, std::int64_t c,
                              std::int64_t d_q62) {
   const Int128 sum = Int128::product(a, b_q62) + Int128::product(c, d_q62);

@@ -1,10 +1,10 @@
 // Rotation of a program in a plane (G68): exact at right angles, far below a step elsewhere.
 //
-// Programs are interpreted as if there were no rotation; places are rotated when they leave. So
-// what was programmed stays exact, and only an end is rounded, to 10^-7 mm. Sine and cosine have 62
-// fractional bits: 4 m from the centre their error moves nothing by 10^-14 m.
+// Programs are interpreted without rotation; places are rotated on output. So programmed values
+// stay exact, and only an end is rounded, to 10^-7 mm. Sine and cosine have 62 fractional bits: 4 m
+// from the centre their error is below 10^-14 m.
 //
-// The centre is kept in machine coordinates: it stays where it was when offsets change later.
+// The centre is stored in machine coordinates: it does not move when offsets change later.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +24,9 @@ class Rotation {
   bool active() const { return active_; }
   /// 10^-7 degrees, as programmed.
   std::int64_t angle_e7() const { return angle_e7_; }
-  /// Where a programmed place is on the machine.
+  /// Position on the machine of a programmed place.
   Place turned(const Place& place) const { return active_ ? turn(place, sine_q62_) : place; }
-  /// The programmed place of a place on the machine; turned() of it is off by 10^-7 mm at most.
+  /// The programmed place of a position on the machine; turned() of it is off by 10^-7 mm at most.
   Place turned_back(const Place& place) const { return active_ ? turn(place, -sine_q62_) : place; }
 
   friend bool operator==(const Rotation&, const Rotation&) = default;

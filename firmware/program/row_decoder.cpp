@@ -3,11 +3,11 @@
 namespace lamplock::program {
 namespace {
 
-/// What a payload holds.
+/// Contents of a payload.
 struct RowCount {
   std::uint32_t lines = 0;
-  std::uint32_t places = 0;  ///< of its runs, with headers
-  bool open = false;         ///< the line that comes has runs already
+  std::uint32_t places = 0;  ///< for its runs, with headers
+  bool open = false;         ///< the next line has runs already
 
   void add_run() {
     places += open ? 1 : 2;
@@ -46,7 +46,7 @@ Result RowDecoder::check(std::span<const std::uint8_t> records, RowRoom room,
       [&](const wire::RowLine& line) {
         if (index_ + count.lines >= lines_total_) return Result::bad_value;
         if (count.lines == wire::most_lines_a_frame) return Result::bad_value;
-        // The first line may begin elsewhere than where another has ended.
+        // The first line may begin elsewhere than at the end of another.
         const bool well = within_travel(line.steps, limits, axes_) &&
                           (!line.light || within_travel(before, limits, axes_));
         if (!well) return Result::out_of_bounds;

@@ -1,8 +1,8 @@
-// What all kinds of curves have in common: a plane, even division, and what a shape answers.
+// Common parts of all kinds of curves: a plane, even division, and the interface of a shape.
 //
 // A curve is a shape in a plane; the other axes move evenly along with it. A shape (arc.hpp,
-// spline.hpp) says into how many pieces it must be divided and gives the ends of the pieces in its
-// plane, one after the other; curve.hpp does the rest. Called by the interpreter, main loop.
+// spline.hpp) returns the number of pieces into which it must be divided and then the ends of the
+// pieces in its plane, in sequence; curve.hpp does the rest. Called by the interpreter, main loop.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct CurvePlane {
   std::uint8_t first, second, normal;
 };
 
-/// What a shape makes of a request.
+/// Result of begin() of a shape.
 struct Division {
   std::uint32_t pieces;    ///< at least 1
   std::int64_t length_e7;  ///< of the whole curve
@@ -28,20 +28,20 @@ struct PlanePoint {
   std::int64_t first_e7, second_e7;
 };
 
-/// Coordinates and tolerances larger than this (7 km) are none.
+/// Coordinates and tolerances above this (7 km) are invalid.
 inline constexpr std::int64_t most_coordinate_e7 = std::int64_t{1} << 46;
 
 constexpr bool sane(std::int64_t coordinate_e7) {
   return abs64(coordinate_e7) <= most_coordinate_e7;
 }
-/// Whether both axes of the plane are.
+/// Both axes of the plane are valid.
 constexpr bool sane(const Place& place, const CurvePlane& plane) {
   return sane(place[plane.first]) && sane(place[plane.second]);
 }
 
-/// From one number to another, less than 2^63 apart, in n equal steps, n < 2^31: after i steps it
-/// stands at from + i (to - from) / n, rounded to nearest, however many steps there are.
-class EvenWalk {
+/// From one number to another, less than 2^63 apart, in n equal steps, n < 2^31: after i steps the
+/// value is from + i (to - from) / n, rounded to nearest, independent of the number of steps.
+class IntegerDivider {
  public:
   void begin(std::int64_t from, std::int64_t to, std::uint32_t steps) {
     const std::int64_t way = to - from;

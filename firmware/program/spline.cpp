@@ -13,8 +13,8 @@ bool is_spline(const SplineRequest& request) {
          sane(request.second_control, request.plane) && sane(request.end, request.plane);
 }
 
-/// Coefficients have so many more bits, so that a point is rounded once. None of them, nor of the
-/// sums on the way, is above 12 2^46 without, and 2^55 is what times_q48() takes.
+/// Coefficients have this many additional bits, so that a point is rounded once. Without them no
+/// coefficient or intermediate sum is above 12 2^46, and times_q48() accepts 2^55.
 constexpr int spline_fine_bits = 4;
 constexpr std::int64_t fine = 1 << spline_fine_bits;
 

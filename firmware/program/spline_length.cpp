@@ -8,9 +8,9 @@ namespace {
 /// 2^13 per edge on each of three axes: the chord is below 3 sqrt(3) 2^13, its square below 2^31.
 constexpr int edge_bits = 13;
 constexpr int most_depth = 7;
-/// Chord and polygon are close when they differ by less than a 512th of the polygon; a part is too
-/// short to matter when they differ by less than a 4096th of the whole. Tried on 3000 curves: the
-/// length is off by 0.07 % at most.
+/// Chord and polygon are close when they differ by less than a 512th of the polygon; a part is
+/// negligible when they differ by less than a 4096th of the whole. Tried on 3000 curves: the
+/// maximum error of the length is 0.07 %.
 constexpr int close_bits = 9, short_bits = 12;
 
 /// Root of a number, within 1 and 2^-16 of itself: eight bits from a table, doubled by Newton.
@@ -46,7 +46,8 @@ std::uint32_t norm(std::int32_t x, std::int32_t y, std::int32_t z) {
   return short_root(static_cast<std::uint32_t>(x * x + y * y + z * z));
 }
 
-/// Between which lengths a cubic lies. The third axis moves evenly: all its edges are z.
+/// Lower and upper bound of the length of a cubic. The third axis moves evenly: all its edges are
+/// z.
 struct Bounds {
   std::uint32_t chord, polygon;
 };
@@ -79,11 +80,11 @@ std::uint32_t scaled_length(const Edges& x, const Edges& y, std::int32_t z) {
 
 std::int32_t shortened(std::int64_t v, int shift) {
   if (shift <= 0) return static_cast<std::int32_t>(v * (std::int64_t{1} << -shift));
-  // Rounded; one more than 13 bits can hold does no harm.
+  // Rounded; a result one above 13 bits does no harm.
   return static_cast<std::int32_t>(((v >> (shift - 1)) + 1) >> 1);
 }
 
-/// The same with all their bits.
+/// The same with full precision.
 struct LongEdges {
   std::int64_t first, middle, last;
 

@@ -1,12 +1,12 @@
-// How long a cubic spline is, within 0.1 %.
+// The length of a cubic spline, within 0.1 %.
 //
-// A Bezier curve is no shorter than its chord and no longer than its control polygon, and the mean
-// of the two is much nearer than either where they are close. Where they are not the curve is
-// halved; a cusp is halved until it is too short to matter. No stack: parts are known by their
-// depth and number, and the control polygon of any part follows from that of the whole.
+// A Bezier curve is at least as long as its chord and at most as long as its control polygon, and
+// the mean of the two is a much better estimate where they are close. Elsewhere the curve is
+// halved; a cusp is halved until its parts are negligible. No stack: a part is identified by its
+// depth and number, and its control polygon follows from that of the whole.
 //
-// 0.1 % needs few bits, so all of it is 32-bit arithmetic: edges of 13 bits, and no product that
-// the Cortex-M0+ has no instruction for. Called when a spline begins; 17 parts on average and 50
+// 0.1 % needs few bits, so all of it is 32-bit arithmetic: edges of 13 bits, and only products for
+// which the Cortex-M0+ has an instruction. Called when a spline begins; 17 parts on average and 50
 // at most, each 36 short products and 4 roots of 32 bits, some 550 cycles.
 #pragma once
 

@@ -48,7 +48,7 @@ bool Statement::fail_axes(GcodeError error, std::uint32_t axes) {
   return fail(error, block_.axis_column(axes));
 }
 
-/// Takes a word that the line has.
+/// Marks a word of the line as used.
 bool Statement::take(char letter) {
   return block_.take(letter) || fail_at(letter, GcodeError::axis_conflict);
 }
@@ -74,7 +74,7 @@ bool Statement::seconds(char letter, std::uint32_t& us) {
   return unsigned_value(letter, scaled(block_.word(letter), 1, 6), GcodeError::out_of_range, us);
 }
 
-/// Takes a word whose value must fit into 32 bits.
+/// Uses a word whose value must fit into 32 bits.
 [[gnu::hot]] bool Statement::unsigned_value(char letter, std::int64_t value, GcodeError too_large,
                                             std::uint32_t& number) {
   if (!take(letter)) return false;
@@ -127,7 +127,7 @@ void Statement::turn(const Rotation& rotation) {
   return true;
 }
 
-/// Codes that only set something.
+/// Codes that only set a mode.
 [[gnu::hot]] bool Statement::codes() {
   Modal& modal = after_.modal;
   if (block_.has(Group::units)) modal.inches = block_.code(Group::units) == 200;
@@ -183,7 +183,7 @@ bool Statement::inverse_time() {
   return true;
 }
 
-/// A list of powers is that of a laser along a line at a speed.
+/// A list of powers is for a laser along a line at a speed.
 [[gnu::hot]] bool Statement::pixels() {
   if (block_.pieces() == 0) return true;
   const Modal& modal = after_.modal;
@@ -203,13 +203,13 @@ bool Statement::inverse_time() {
   return true;
 }
 
-/// Nothing else has an E word.
+/// Without M62 to M68 the line must not have an E word.
 [[gnu::hot]] bool Statement::no_io() {
   return !block_.has('E') || fail_at('E', GcodeError::unsupported);
 }
 
-/// The spindle stands while the tool is changed, and behind it, unless the line says otherwise
-/// (NIST, section 3.6.3).
+/// The spindle is off during the tool change, and after it, unless the line sets it (NIST, section
+/// 3.6.3).
 [[gnu::hot]] bool Statement::tool_change() {
   if (!block_.has(Group::tool_change)) return true;
   plan_.add(Stage::tool_change);
@@ -237,10 +237,10 @@ bool Statement::inverse_time() {
   return true;
 }
 
-/// Whether the line moves and its moves carry the S word.
+/// Whether the line moves and its moves have the S word.
 bool Statement::move_is_asked() const {
   const AxisUse use = block_.axis_use();
-  return block_.axes() != 0 && (use == AxisUse::motion || use == AxisUse::nobody);
+  return block_.axes() != 0 && (use == AxisUse::motion || use == AxisUse::none);
 }
 
 [[gnu::hot]] bool Statement::coolant() {
@@ -281,7 +281,7 @@ bool Statement::pulses_on() {
   return true;
 }
 
-/// Pulses a millimetre, or an inch.
+/// Pulses per millimetre, or per inch.
 bool Statement::pulse_rate() {
   const std::int64_t milli = scaled(block_.word('P'), 1, 3);
   constexpr std::int64_t tenths_mm_per_inch = 254;
@@ -374,7 +374,7 @@ bool Statement::pulse_length() {
   return true;
 }
 
-/// What is done once and belongs to no mode: table 8, line 19.
+/// Commands that act once and are not modal: table 8, line 19.
 [[gnu::hot]] bool Statement::data() {
   switch (block_.code(Group::once)) {
     case 100:
@@ -415,7 +415,7 @@ bool Statement::set_system() {
   if (!integer('L', kind) || !integer('P', number)) return false;
   if (kind != 2 && kind != 20) return fail_at('L', GcodeError::unsupported);
   if (number > coordinate_systems) return fail_at('P', GcodeError::no_such_system);
-  // Rotation of a coordinate system, which LinuxCNC has.
+  // Rotation of a coordinate system, which LinuxCNC supports.
   if (block_.has('R')) return fail_at('R', GcodeError::unsupported);
   const std::uint32_t row = number == 0 ? after_.modal.system : number - 1;
   changes_.place = parameters_.systems_e7[row];
@@ -435,7 +435,7 @@ bool Statement::set_system() {
 
 bool Statement::shift() {
   if (block_.axes() == 0) return fail(GcodeError::no_axis_words, block_.column(Group::once));
-  // What is not named keeps the shift in force.
+  // Axes without a word keep the active shift.
   Place place = after_.modal.shifted ? parameters_.shift_e7 : Place{};
   for (int i = 0; i < options_.axes; ++i) {
     if ((block_.axes() >> i & 1u) == 0) continue;

@@ -1,19 +1,17 @@
-// A statement: what one line means, checked to its end, with nothing done yet.
+// A statement: the meaning of one line, checked completely before it has any effect.
 //
 // In:  a line, the state of the interpreter, parameters and options.
-// Out: the state behind the line, changes of parameters, and the plan: what has to be done for it.
-//      Or what is wrong, and nothing has changed: the interpreter takes over a statement as a whole
-//      or not at all.
+// Out: the state after the line, changes of parameters, and the plan: the actions of the line. Or
+//      an error and no change: the interpreter applies a statement as a whole or not at all.
 //
-// Things are looked at in the order in which RS274/NGC executes them ("The NIST RS274/NGC
-// Interpreter
-// - Version 3", table 8), so that of several errors the same one is told whatever the order of the
-// words. Units, plane and distance mode count for the whole line, as in grbl. Saving and restoring
+// Words are checked in the order in which RS274/NGC executes them ("The NIST RS274/NGC Interpreter
+// - Version 3", table 8), so that of several errors the same one is reported for every order of the
+// words. Units, plane and distance mode apply to the whole line, as in grbl. Saving and restoring
 // the modal state (M70 to M73) come before everything else.
 //
-// Which error, where LinuxCNC, grbl and NIST differ: as grbl 1.1 (../shared has the list of
-// numbers), but two commands of one group are always error 21. Every error names a word of the
-// line; what is missing is told of the command that misses it.
+// Where LinuxCNC, grbl and NIST report different errors: as in grbl 1.1 (../shared has the list of
+// numbers), but two commands of one group are always error 21. Every error refers to a word of the
+// line; a missing word to the command that needs it.
 #pragma once
 
 #include <array>
@@ -24,35 +22,35 @@
 #include "firmware/program/cycles.hpp"
 #include "firmware/program/modal.hpp"
 #include "firmware/program/parameters.hpp"
-#include "firmware/program/words.hpp"
+#include "shared/gcode_words.hpp"
 
 namespace lamplock::program {
 
-/// What the machine and its settings say.
+/// Values from the machine and its settings.
 struct Options {
   int axes = 3;                            ///< X Y Z A from the front; words of others are error 20
   std::int64_t arc_tolerance_e7 = 20'000;  ///< 10^-7 mm, above 0 ($12; 0.002 mm as in grbl)
   std::int64_t clearance_e7 = 2'540'000;   ///< of G73 and G83; LinuxCNC's 0.01 in
   std::uint32_t blend_um = 0;              ///< of a G64 without P
-  bool laser = false;                      ///< $32: speed words travel with the moves
-  bool probe = false;                      ///< there is one: G38.2 to G38.5 are known
-  std::uint8_t outputs = 0;                ///< a bit for each that M62 to M65 and M67, M68 know
-  std::uint8_t inputs = 0;                 ///< the same of M66
-  bool beat_lock = true;                   ///< the machine can: M130 is known
-  bool rows = false;                       ///< the machine takes a row of pixels as one move
-  std::uint32_t pulses_milli = 0;          ///< pulses a millimetre where M127 says nothing
-  std::uint32_t pulse_ns = 0;              ///< how long they are ($932, $933)
+  bool laser = false;                      ///< $32: speed words are part of the moves
+  bool probe = false;                      ///< the board has one: G38.2 to G38.5 are supported
+  std::uint8_t outputs = 0;                ///< a bit for each that M62 to M65 and M67, M68 support
+  std::uint8_t inputs = 0;                 ///< the same for M66
+  bool beat_lock = true;                   ///< the machine supports it: M130 is known
+  bool rows = false;                       ///< the machine accepts a row of pixels as one move
+  std::uint32_t pulses_milli = 0;          ///< pulses per millimetre without M127
+  std::uint32_t pulse_ns = 0;              ///< their length ($932, $933)
 };
 
-/// Largest values of words, as grbl 1.1 has them.
+/// Maximum values of words, as in grbl 1.1.
 inline constexpr std::uint32_t most_line_number = 10'000'000;
 inline constexpr std::uint32_t most_tool = 255;
-/// Pulses of a laser: a thousand a millimetre, from a microsecond to a second each.
+/// Pulses of a laser: up to a thousand per millimetre, from a microsecond to a second each.
 inline constexpr std::uint32_t most_pulses_milli = 1'000'000;
 inline constexpr std::uint32_t least_pulse_ns = 1'000, most_pulse_ns = 1'000'000'000;
 /// Repetitions of a cycle.
 inline constexpr std::uint32_t most_repeats = 9999;
-/// Centres of arcs and control points lie within +-1 km of the machine's zero.
+/// Centres of arcs and control points must be within +-1 km of the machine's zero.
 inline constexpr std::int64_t most_centre_e7 = 100 * most_position_e7;
 
 /// Modal state saved by M70 or M73.
@@ -63,7 +61,7 @@ struct Saved {
   friend bool operator==(const Saved&, const Saved&) = default;
 };
 
-/// What a line asks for, in the order of doing it.
+/// Stages of a line, in their order.
 enum class Stage : std::uint8_t {
   output,
   wait_input,
@@ -72,7 +70,7 @@ enum class Stage : std::uint8_t {
   coolant,
   beat_lock,
   dwell,
-  via,   ///< G28, G30: the place on the way
+  via,   ///< G28, G30: the intermediate place
   home,  ///< and the end, in machine coordinates
   move,  ///< one straight move, a probe too
   curve,
@@ -88,20 +86,20 @@ struct Plan {
   std::uint32_t dwell_us = 0;
   std::uint32_t wait_us = 0;  ///< of M66
   std::uint32_t turns = 0;    ///< P of an arc
-  std::uint32_t pieces = 0;   ///< of a line of pixels; 0 where it is one
+  std::uint32_t pieces = 0;   ///< of a line of pixels; 0 if it is not divided
   Motion motion = Motion::rapid;
   std::uint16_t stop = 0;   ///< M code
   bool in_machine = false;  ///< the end of the move is in machine coordinates
   bool exact_stop = false;
   bool jog = false;
   IoRequest io;  ///< set where a stage needs it
-  // Places are not set where no stage needs them.
+  // Places are only set where a stage needs them.
   Place start;  ///< of a curve, programmed
-  /// On the way of G28; the centre of an arc; both control points of a spline. Programmed.
+  /// Intermediate place of G28; the centre of an arc; both control points of a spline. Programmed.
   std::array<Place, 2> points;
 
   void add(Stage stage) { stages |= 1u << static_cast<int>(stage); }
-  /// Forgets everything but places.
+  /// Clears everything but places.
   void clear() {
     stages = line = feed_um_min = time_us = dwell_us = turns = pieces = 0;
     motion = Motion::rapid;
@@ -111,10 +109,10 @@ struct Plan {
   bool has(Stage stage) const { return (stages >> static_cast<int>(stage) & 1u) != 0; }
 };
 
-/// What a line changes in the parameters.
+/// Changes of the parameters by a line.
 struct Changes {
   std::uint16_t rows = 0;  ///< as Parameters::changed
-  Place place;             ///< of the one row that is no tool length
+  Place place;             ///< of the row that is no tool length
   std::int64_t tool_length_e7 = 0;
 
   bool has(ParameterRow row) const { return (rows >> static_cast<int>(row) & 1u) != 0; }
@@ -132,17 +130,17 @@ constexpr PlaneAxes axes_of(Plane plane) {
 
 class Statement {
  public:
-  /// The state behind the line and the plan are made in place; behind an error the plan has no
-  /// stage and that state is worth nothing.
+  /// The state after the line and the plan are made in place; after an error the plan has no stage
+  /// and that state is undefined.
   Statement(const Options& options, const Parameters& parameters, const Saved& saved,
             const State& before, State& after, Plan& plan)
       : plan_(plan), options_(options), parameters_(parameters), saved_(saved), after_(after) {
     after_ = before;
   }
 
-  /// Reads a line and finds out what it means.
+  /// Reads and checks a line.
   Fault check(std::string_view line);
-  /// The same with what stands behind "$J=". Modal state stays as it is.
+  /// The same for the text after "$J=". The modal state does not change.
   Fault check_jog(std::string_view line);
 
   const State& after() const { return after_; }
@@ -157,7 +155,7 @@ class Statement {
  private:
   void read(std::string_view line, bool jog);
 
-  // Every step is false after an error, which is then in fault_.
+  // Every step returns false after an error, which is then in fault_.
   bool fail(GcodeError error, std::uint16_t column);
   bool fail_at(char letter, GcodeError error);
   bool fail_axes(GcodeError error, std::uint32_t axes);
@@ -237,7 +235,7 @@ class Statement {
   std::int64_t axis_e7(int axis) const;
   std::int64_t offset_e7(int axis) const;
 
-  // What is used most is in front, within the reach of short instructions.
+  // The most used members are first, within reach of short instructions.
   Fault fault_;
   Plan& plan_;
   const Options& options_;

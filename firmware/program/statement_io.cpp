@@ -4,9 +4,9 @@
 namespace lamplock::program {
 namespace {
 
-/// Q of an analogue output is a percentage: 10^-7 % to 65535 = all.
+/// Q of an analogue output is a percentage: 10^-7 % to 65535 = full.
 constexpr std::int64_t full_e7 = 100 * one_e7;
-/// Of all maps of pins.
+/// Maximum of all maps of pins.
 constexpr std::uint32_t most_outputs = 1, most_inputs = 2;
 constexpr std::uint32_t last_event = static_cast<std::uint32_t>(InputEvent::off);
 
@@ -26,7 +26,7 @@ bool Statement::io() {
   }
 }
 
-/// Which one a P or E word says; `known`: what this board has of them.
+/// Number in a P or E word; `known`: those that this board has.
 bool Statement::port(char letter, std::uint8_t known, std::uint32_t most) {
   const std::uint16_t column = block_.column(Group::io);
   if (known == 0) return fail(GcodeError::unsupported, column);

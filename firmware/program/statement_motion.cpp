@@ -21,7 +21,7 @@ constexpr std::int64_t two_thirds(std::int64_t e7) { return (2 * e7 + (e7 < 0 ? 
 
 // --- ends -------------------------------------------------------------------------------------
 
-/// Column for what is wrong with the motion as such.
+/// Column for errors of the motion as a whole.
 std::uint16_t Statement::motion_column() const {
   return block_.has(Group::motion) ? block_.column(Group::motion)
                                    : block_.axis_column(block_.axes());
@@ -31,7 +31,7 @@ bool Statement::fail_motion(GcodeError error) { return fail(error, motion_column
 
 bool Statement::needed(char letter) { return needed(letter, motion_column()); }
 
-/// Where the axis words lead.
+/// Target of the axis words.
 [[gnu::hot]] bool Statement::target(Place& place, bool in_machine) {
   place = in_machine ? after_.machine_e7 : after_.programmed_e7;
   for (int i = 0; i < options_.axes; ++i) {
@@ -46,7 +46,7 @@ bool Statement::needed(char letter) { return needed(letter, motion_column()); }
   return true;
 }
 
-/// The line ends at a programmed place, each axis of which is inside the range.
+/// Ends the line at a programmed place; checks that each axis is inside the range.
 [[gnu::hot]] bool Statement::end_at(const Place& programmed) {
   after_.programmed_e7 = programmed;
   after_.cycle.series = false;
@@ -65,7 +65,7 @@ bool Statement::all_inside(const Place& place, std::uint16_t column) {
   return true;
 }
 
-/// The line ends at a place in machine coordinates, inside the range.
+/// Ends the line at a place in machine coordinates, inside the range.
 bool Statement::end_at_machine(const Place& machine) {
   end_at(after_.modal.rotation.turned_back(machine));
   fault_ = {};  // a home at the edge may be rounded out of the range
@@ -98,7 +98,7 @@ bool Statement::at_home() {
   if (machine_move && motion != Motion::rapid && motion != Motion::line)
     return fail(GcodeError::machine_move_needs_line, block_.column(Group::once));
   const AxisUse use = block_.axis_use();
-  if (use != AxisUse::motion && (use != AxisUse::nobody || block_.axes() == 0)) return true;
+  if (use != AxisUse::motion && (use != AxisUse::none || block_.axes() == 0)) return true;
   if (motion == Motion::none)
     return block_.axes() == 0 || fail_axes(GcodeError::axis_words_unused, block_.axes());
   return motion == Motion::rapid ? move() : cut_move();
@@ -107,7 +107,7 @@ bool Statement::at_home() {
 /// A straight move, if there are axis words.
 [[gnu::hot]] bool Statement::move() { return block_.axes() == 0 || straight(); }
 
-/// A move that needs a feed.
+/// A move that needs a feed rate.
 [[gnu::hot]] bool Statement::cut_move() {
   const Motion motion = after_.modal.motion;
   if (!feed_in_force()) return false;
@@ -200,7 +200,7 @@ bool Statement::arc_of_centre(const Place& end) {
   }
   if (column == 0 || (after_.modal.centres_absolute && !complete))
     return fail_motion(GcodeError::no_offset_in_plane);
-  block_.take(centre_letters[plane.normal]);  // as grbl: means nothing, is no error
+  block_.take(centre_letters[plane.normal]);  // as in grbl: ignored without an error
   const ArcRequest request{plan_.start,
                            end,
                            centre,
@@ -233,7 +233,7 @@ bool Statement::spline() {
   return true;
 }
 
-/// The first control point; without I and J the spline goes on as the one before ended.
+/// The first control point; without I and J the spline continues the previous one.
 bool Statement::spline_start(Place& control) {
   control = plan_.start;
   std::int64_t first = -after_.spline.first_e7, second = -after_.spline.second_e7;
@@ -263,7 +263,7 @@ bool Statement::parabola() {
   if (control[0] == 0 && control[1] == 0) return fail_motion(GcodeError::no_offset_in_plane);
   Place end;
   if (!target(end, false)) return false;
-  // The same curve as a cubic: its control points are two thirds of the way to the one of this.
+  // The same curve as a cubic: its control points are at two thirds of the distance to this one's.
   plan_.points[0] = plan_.start;
   plan_.points[1] = end;
   for (const std::size_t axis : {0u, 1u}) {
@@ -289,7 +289,7 @@ bool Statement::drill() {
   return drill_values() && drill_levels() && target(first, false) && drill_holes(first);
 }
 
-/// Numbers that stay until the cycle is another one.
+/// Words that are kept until the cycle changes.
 bool Statement::drill_values() {
   CycleWords& words = after_.cycle;
   const Motion kind = plan_.motion;

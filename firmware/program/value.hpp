@@ -1,6 +1,6 @@
 // Programmed values: exact decimals.
 //
-// Everything a program says is kept in whole multiples of 10^-7 of its unit ("e7": mm, degree,
+// All values of a program are stored in whole multiples of 10^-7 of their unit ("e7": mm, degree,
 // second, rev/min). Seven decimals of a millimetre and six of an inch are exact, so absolute and
 // relative programs end at the same place however long they are. Steps are rounded once, by the
 // machine.
@@ -15,7 +15,7 @@ namespace lamplock::program {
 inline constexpr std::int64_t one_e7 = 10'000'000;
 /// An inch, by its definition of 25.4 mm.
 inline constexpr std::int64_t inch_e7 = 254'000'000;
-/// Positions lie within +-10 m: squares of distances fit twice into 128 bits.
+/// Positions are within +-10 m: squares of distances fit twice into 128 bits.
 inline constexpr std::int64_t most_position_e7 = 10'000 * one_e7;
 
 /// A position or a distance of all axes, X Y Z A, 10^-7 mm.

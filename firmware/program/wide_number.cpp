@@ -14,7 +14,7 @@ std::int64_t times_q62(std::int64_t a, std::int64_t b_q62) {
 }
 
 std::int64_t times_q48(std::int64_t a, std::int64_t b_q48) {
-  // Both in parts of 24 bits. The product of the lower ones is left out: less than 1.
+  // Both in parts of 24 bits. The product of the lower ones is omitted: less than 1.
   const auto u = static_cast<std::uint64_t>(a < 0 ? -a : a);
   const auto v = static_cast<std::uint64_t>(b_q48 < 0 ? -b_q48 : b_q48);
   constexpr std::uint32_t mask = (1u << 24) - 1;
@@ -44,7 +44,7 @@ std::uint64_t wide_root(Int128 x) {
   const auto high = static_cast<std::uint64_t>(n.hi());
   // Half of the digits, then the other half by one step of Newton's iteration, which is too large
   // by less than one: e^2 / (2 root) for e < 2^32.
-  const std::uint32_t first = isqrt(high) | 1u << 31;            // which is set
+  const std::uint32_t first = isqrt(high) | 1u << 31;            // this bit is set
   const std::uint64_t rest = high - wide_product(first, first);  // at most 2 first
   const std::uint64_t second = (rest << 31 | n.lo() >> 33) / first;
   std::uint64_t root = (std::uint64_t{first} << 32) + (second >> 32 != 0 ? 0xffffffffu : second);

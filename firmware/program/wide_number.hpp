@@ -1,8 +1,8 @@
-// Products, quotients and roots that are wider than 64 bits on the way.
+// Products, quotients and roots with intermediate results above 64 bits.
 //
-// Positions have 38 bits and fractions 62, so nearly everything that curves compute has about 100.
-// Quotients, roots and exact products only when a curve begins; for each of its pieces there is
-// times_q48(), three products of 32 x 32 bits.
+// Positions have 38 bits and fractions 62, so nearly all numbers of curves have about 100.
+// Quotients, roots and exact products are computed only when a curve begins; each of its pieces
+// uses times_q48(), three products of 32 x 32 bits.
 #pragma once
 
 #include <cstdint>

@@ -1,25 +1,23 @@
-// A log of records in a few sectors of flash: of what was written last, the newest survives power
-// cuts.
+// A log of records in a few sectors of flash: the newest written record survives power cuts.
 //
-// In:  a flash by three functions (`SettingsFlash`), a buffer of whole pages, what the records hold
-//      (`RecordFormat`), items to keep.
-// Out: the items kept last; how many records had to be rejected.
-// Who: a store (store.hpp), which knows what the items mean. Several logs may share one buffer: it
-//      is in use only within begin() .. save(), and from load() until its items were taken.
+// In:  a flash by three functions (`SettingsFlash`), a buffer of whole pages, the format of the
+//      records (`RecordFormat`), items to keep.
+// Out: the items kept last; the number of rejected records.
+// Who: a store (store.hpp), which interprets the items. Several logs may share one buffer: it is in
+//      use only within begin() .. save(), and from load() until its items have been read.
 //
-// Records are whole pages, one behind the other, each with a sequence number and a CRC; the valid
-// record with the highest number counts. A change appends a record; when a sector is full the log
-// goes on at the begin of the next one, which is erased right before. Sectors take turns, so that
-// wear is even, and the record that counts never stands in the sector being erased.
+// Records are whole pages, in sequence, each with a sequence number and a CRC; the valid record
+// with the highest number counts. A change appends a record; when a sector is full the log
+// continues at the start of the next one, which is erased right before. Sectors take turns, so that
+// wear is even, and the record that counts is never in the sector being erased.
 //
 //   sector 0            sector 1            sector 2            sector 3
 //   | 17 | 18 | ...     | 33 | 34 |blank..  | 1 | 2 | ...       | 9 | ...
 //                               ^ next
 //
 // Power may fail at any moment. A torn record has a wrong CRC: the old one counts. A page that is
-// not blank is never written to, and a sector is never written to whose erase may not have come to
-// its end: an erase is always the first half of the write that needs it, and is done again if no
-// valid record came of it.
+// not blank is never written, nor is a sector whose erase may be incomplete: an erase is always the
+// first half of the write that needs it, and is repeated if no valid record resulted.
 //
 //   offset  size
 //   0       4      magic
@@ -43,13 +41,13 @@
 
 namespace lamplock::settings {
 
-/// Unit of programming and of erasing: what every serial NOR flash has.
+/// Unit of programming and of erasing, the same for every serial NOR flash.
 inline constexpr std::uint32_t flash_page = 256;
 inline constexpr std::uint32_t flash_sector = 4096;
 inline constexpr std::uint8_t flash_blank = 0xff;
 
-/// What a log needs of a flash. Offsets count from the begin of its area.
-///   sectors                  how many there are, at least 2
+/// Flash interface of a log. Offsets count from the start of its area.
+///   sectors                  number of sectors, at least 2
 ///   read(offset, bytes)      any offset and size
 ///   erase(offset)            one sector: every byte becomes 0xff
 ///   program(offset, page)    one page: bits go from 1 to 0
@@ -62,18 +60,18 @@ concept SettingsFlash = requires(Flash& flash, std::uint32_t offset, std::span<s
   flash.program(offset, page);
 };
 
-/// What the records of a log hold.
+/// Contents of the records of a log.
 struct RecordFormat {
   std::uint32_t magic = 0;
   std::uint32_t item = 1;  ///< bytes of an item
-  std::uint32_t most = 0;  ///< items: a record of a later version may be longer than ours can get
+  std::uint32_t most = 0;  ///< items: a record of a later version may be longer than ours
 
   static constexpr std::uint32_t head = 12, tail = 4;
   constexpr std::uint32_t bytes_of(std::uint32_t count) const { return head + count * item + tail; }
   constexpr std::uint32_t pages_of(std::uint32_t count) const {
     return (bytes_of(count) + flash_page - 1) / flash_page;
   }
-  /// Bytes of buffer that the longest record takes: whole pages, not more than a sector.
+  /// Buffer size for the longest record: whole pages, at most a sector.
   constexpr std::uint32_t buffer_size() const { return pages_of(most) * flash_page; }
 };
 
@@ -81,16 +79,16 @@ struct RecordFormat {
 template <SettingsFlash Flash>
 class RecordLog {
  public:
-  /// The buffer has at least format.buffer_size() bytes; what is referred to outlives the log.
+  /// The buffer has at least format.buffer_size() bytes; all arguments must outlive the log.
   RecordLog(Flash& flash, std::span<std::uint8_t> buffer, const RecordFormat& format)
       : flash_(flash), record_(buffer), format_(format) {}
 
-  /// Looks through the whole area; true if something was kept: items() has it then.
+  /// Searches the whole area; true if a record was found: items() returns its items then.
   bool load() {
     newest_ = next_ = valid_ = rejected_ = 0;
     for (std::uint32_t offset = 0; offset < size; offset += look_at(offset)) {
     }
-    // A torn record may read well one day: no later one has its number.
+    // A torn record may become readable: its number is not used again.
     used_ = newest_ + rejected_;
     if (newest_ == 0) return false;
     read_record(newest_offset_);
@@ -102,21 +100,20 @@ class RecordLog {
     return record_.subspan(RecordFormat::head, count_of_record() * format_.item);
   }
 
-  /// Where the items of the next record are to be put.
+  /// The place for the items of the next record.
   std::span<std::uint8_t> begin() {
     std::fill(record_.begin(), record_.end(), flash_blank);
     return record_.subspan(RecordFormat::head, format_.most * format_.item);
   }
-  /// Keeps so many items, put there since begin(); false if the flash did not take them: then the
-  /// old ones still count. load() must have been called before. Nothing is written if they are
-  /// those kept last.
+  /// Keeps `count` items, stored since begin(); false if writing failed: then the old ones still
+  /// count. load() must have been called before. Nothing is written if they equal those kept last.
   bool save(std::uint32_t count) {
     put(8, static_cast<std::uint16_t>(count));
     put(10, static_cast<std::uint16_t>(~count));
     if (newest_ != 0 && same_as_newest(count)) return true;
     finish(count);
     const std::uint32_t pages = format_.pages_of(count);
-    // If it does not read back, the next page may be better, and then the next sector.
+    // If it cannot be read back, try the next page, and then the next sector.
     for (std::uint32_t attempt = 0; attempt < most_attempts && make_room(pages); ++attempt) {
       const std::uint32_t offset = next_;
       for (std::uint32_t i = 0; i < pages; ++i) program(offset, i);
@@ -133,14 +130,14 @@ class RecordLog {
   std::uint32_t sequence() const { return newest_; }
   /// Records that load() has found.
   std::uint32_t valid() const { return valid_; }
-  /// Pages that hold something else.
+  /// Pages without a valid record.
   std::uint32_t rejected() const { return rejected_; }
 
  private:
   static constexpr std::uint32_t size = Flash::sectors * flash_sector;
   static constexpr std::uint32_t pages_a_sector = flash_sector / flash_page;
   static constexpr std::uint32_t most_attempts = Flash::sectors * pages_a_sector;
-  /// Bytes that are looked at in one go.
+  /// Bytes that are compared at once.
   static constexpr std::uint32_t piece = 64;
 
   template <std::integral T>
@@ -156,7 +153,7 @@ class RecordLog {
   std::uint32_t count_of_record() const { return get<std::uint16_t>(8); }
   std::uint32_t sequence_of_record() const { return get<std::uint32_t>(4); }
 
-  /// Reads what may be a record into the buffer; false if it is none.
+  /// Reads a possible record into the buffer; false if it is not valid.
   bool read_record(std::uint32_t offset) {
     constexpr std::uint32_t head = RecordFormat::head;
     flash_.read(offset, record_.first(head));
@@ -172,7 +169,7 @@ class RecordLog {
     return wire::crc32(record_.first(end)) == get<std::uint32_t>(end);
   }
 
-  /// Judges the page at an offset; returns how far to go on.
+  /// Classifies the page at an offset; returns the distance to the next.
   std::uint32_t look_at(std::uint32_t offset) {
     if (!read_record(offset)) {
       if (!blank(offset)) ++rejected_;
@@ -196,16 +193,16 @@ class RecordLog {
     return true;
   }
 
-  /// Room is behind the newest record, and behind the last page of its sector that is not blank: a
-  /// torn write may have left something there. Expects the record in the buffer.
+  /// Room is after the newest record, and after the last page of its sector that is not blank,
+  /// which a torn write may have left. The record must be in the buffer.
   void find_room() {
     const std::uint32_t least = newest_offset_ + format_.pages_of(count_of_record()) * flash_page;
     next_ = newest_offset_ - newest_offset_ % flash_sector + flash_sector;
     while (next_ > least && blank(next_ - flash_page)) next_ -= flash_page;
   }
 
-  /// Makes next_ the place of a record of so many pages; erases the next sector if this one has no
-  /// room. False if that would be the sector of the record that counts.
+  /// Sets next_ to the place of a record of `pages` pages; erases the next sector if this one has
+  /// no room. False if that would be the sector of the record that counts.
   bool make_room(std::uint32_t pages) {
     const std::uint32_t left = (size - next_) % flash_sector;
     if (left >= pages * flash_page) return true;
@@ -221,7 +218,7 @@ class RecordLog {
                                                    &record_[page * flash_page], flash_page));
   }
 
-  /// The buffer from `from` to `to` is what stands behind an offset.
+  /// The buffer from `from` to `to` equals the flash at the offset.
   bool same(std::uint32_t offset, std::uint32_t from, std::uint32_t to) {
     std::array<std::uint8_t, piece> part;
     for (std::uint32_t at = from; at < to; at += piece) {
@@ -239,7 +236,7 @@ class RecordLog {
     return same(newest_offset_, 8, format_.bytes_of(count) - RecordFormat::tail);
   }
 
-  /// Makes a whole record of the items in the buffer, with the next number.
+  /// Completes the record of the items in the buffer, with the next number.
   void finish(std::uint32_t count) {
     put(0, format_.magic);
     put(4, ++used_);
@@ -252,9 +249,9 @@ class RecordLog {
   const RecordFormat& format_;
   std::uint32_t valid_ = 0, rejected_ = 0;
   std::uint32_t newest_ = 0;         ///< sequence number of the record that counts, 0 = none
-  std::uint32_t newest_offset_ = 0;  ///< where it stands
-  std::uint32_t used_ = 0;           ///< highest sequence number that any record may have
-  std::uint32_t next_ = 0;           ///< where the next one goes; at a sector's begin: erase first
+  std::uint32_t newest_offset_ = 0;  ///< its offset
+  std::uint32_t used_ = 0;           ///< highest sequence number of any record
+  std::uint32_t next_ = 0;  ///< offset of the next record; at the start of a sector: erase first
 };
 
 }  // namespace lamplock::settings

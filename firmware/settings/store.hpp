@@ -1,16 +1,16 @@
 // Stores: values that survive power cuts, in a few sectors of flash.
 //
 // In:  a flash by three functions (`SettingsFlash`), values to keep.
-// Out: the values kept last, or the defaults; how many records had to be rejected.
+// Out: the values kept last, or the defaults; the number of rejected records.
 // Who: the board, from its main loop and only at rest: a write may erase a sector, 45-400 ms.
 //
-// A store is a log of records (record_log.hpp, which says how it survives) and a type that says
-// what is in one: which values, how they become items and back. The settings have one, which is
-// here; what a program leaves behind has one of its own (machine/kept_program.hpp), on sectors of
-// its own: so neither can take the other's newest record with it.
+// A store is a log of records (record_log.hpp, which describes how it survives) and a type that
+// defines their contents: the values and their conversion to items and back. The settings' type is
+// here; the data that a program keeps have their own (machine/console/persistent_state.hpp), on
+// separate sectors: so a failure of one cannot destroy the newest record of the other.
 //
-// A record of the settings holds those that differ from their defaults, by number: settings that a
-// later version adds or drops do no harm. An item is 6 bytes, setting number and value in
+// A record of the settings contains those that differ from their defaults, by number: settings that
+// a later version adds or drops do no harm. An item is 6 bytes, setting number and value in
 // thousandths.
 #pragma once
 
@@ -27,18 +27,18 @@
 
 namespace lamplock::settings {
 
-/// What reading a store found.
+/// Result of reading a store.
 struct StoreCounters {
   std::uint32_t valid = 0;           ///< records
-  std::uint32_t rejected = 0;        ///< pages that hold something else
-  std::uint32_t unknown_values = 0;  ///< of the record that counts: no such value, or its range
+  std::uint32_t rejected = 0;        ///< pages without a valid record
+  std::uint32_t unknown_values = 0;  ///< of the record that counts: unknown or out of range
 };
 
-/// What the records of a store hold.
-///   Value                the values; made without arguments it has the defaults
+/// Contents of the records of a store.
+///   Value                the values; default-constructed it has the defaults
 ///   format               see RecordFormat
-///   put(value, items)    writes the items of a value; returns how many
-///   take(value, items)   changes a value by items; returns how many are unknown or out of range
+///   put(value, items)    writes the items of a value; returns their number
+///   take(value, items)   applies items; returns how many are unknown or out of range
 template <class Record>
 concept StoredRecord = requires(typename Record::Value& value, std::span<std::uint8_t> out,
                                 std::span<const std::uint8_t> in) {
@@ -58,7 +58,7 @@ class RecordStore {
   /// Both must outlive the store; the buffer has at least buffer_size bytes.
   RecordStore(Flash& flash, std::span<std::uint8_t> buffer) : log_(flash, buffer, Record::format) {}
 
-  /// Looks through the whole area; what was kept last, or the defaults.
+  /// Searches the whole area; returns the value kept last, or the defaults.
   void load(Value& value) {
     value = Value{};
     unknown_ = log_.load() ? Record::take(value, log_.items()) : 0;
@@ -69,11 +69,11 @@ class RecordStore {
     return value;
   }
 
-  /// Keeps a value; false if the flash did not take it: then the old one still counts. load() must
-  /// have been called before. Nothing is written if the value is that kept last.
+  /// Keeps a value; false if writing failed: then the old one still counts. load() must have been
+  /// called before. Nothing is written if the value equals the one kept last.
   bool save(const Value& value) { return log_.save(Record::put(value, log_.begin())); }
 
-  /// Nothing was saved, ever.
+  /// No value was ever saved.
   bool empty() const { return log_.sequence() == 0; }
   /// Number of the record that counts; 0 = none.
   std::uint32_t sequence() const { return log_.sequence(); }
@@ -114,12 +114,12 @@ struct SettingsRecord {
   }
 };
 
-/// A buffer as a base: it is there before what uses it.
+/// A buffer as a base class, so that it is constructed before its user.
 struct SettingsBuffer {
   std::array<std::uint8_t, SettingsRecord::format.buffer_size()> bytes{};
 };
 
-/// The store of the settings with a buffer of its own.
+/// The store of the settings with its own buffer.
 template <SettingsFlash Flash>
 class Store : private SettingsBuffer, public RecordStore<Flash, SettingsRecord> {
  public:

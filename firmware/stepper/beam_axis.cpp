@@ -8,9 +8,9 @@ namespace lamplock::stepper {
 namespace {
 
 constexpr std::uint32_t forever = 0xffffffffu;
-/// Edges are taken together that follow each other faster.
+/// Edges that follow each other faster are handled together.
 constexpr std::uint32_t least_cell_ticks = 32;
-/// The longest run that is looked through at once: squares of its ticks fit.
+/// The longest run that is searched at once: the squares of its ticks fit.
 constexpr std::uint32_t most_ticks = 0x1fff;
 
 constexpr int place_bits = 48;
@@ -64,7 +64,7 @@ void BeamAxis::enter_pulses() {
   place_q48_ = std::uint64_t{beam.place} << (place_bits - pulse_place_bits);
   power_ = beam.power;
   const auto edges = static_cast<std::uint8_t>(place_q48_ >> place_bits);
-  // An edge that a rounding has taken from the segment before.
+  // A rounding moved this edge here from the previous segment.
   const bool missed = static_cast<std::uint8_t>(edges - edges_) == 1;
   if (segment_->beam_begins) {
     edges_ = edges;
@@ -76,7 +76,7 @@ void BeamAxis::enter_pulses() {
   }
 }
 
-/// From steps of the axis to cells, times 2^-14; rounded towards zero.
+/// Converts steps of the axis to cells, times 2^-14; rounded towards zero.
 std::int64_t BeamAxis::in_cells_q48(std::int64_t steps_q62) const {
   constexpr int mantissa_bits = 24;
   const std::uint32_t ratio = segment_->beam.ratio;
@@ -93,7 +93,7 @@ std::int64_t BeamAxis::in_cells_q48(std::int64_t steps_q62) const {
   return negative ? -cells : cells;
 }
 
-/// The next stretch of constant acceleration; false behind the last.
+/// The next stretch of constant acceleration; false after the last.
 bool BeamAxis::next_piece() {
   const AxisProfile& p = segment_->axis[index(segment_->beam_axis)];
   for (;; ++phase_) {
@@ -128,15 +128,15 @@ bool BeamAxis::next_piece() {
   return false;
 }
 
-/// n r + n (n - 1) / 2 a, n no more than most_ticks.
+/// n r + n (n - 1) / 2 a, n at most most_ticks.
 std::int64_t BeamAxis::way_q48(std::uint32_t n) const {
   if (n == 0) return 0;
   const std::int64_t way = times_short(rate_q48_, n);
   return accel_q48_ == 0 ? way : way + times_short(times_short(accel_q48_, n), n - 1) / 2;
 }
 
-/// Ticks after which so much is passed, for the first time; it is within `most` of them. Bit by
-/// bit: over 2^k ticks from rate r the way is r 2^k + a (4^k - 2^k) / 2, and r grows by a 2^k.
+/// The first tick count after which this distance is covered; it is at most `most`. Bit by bit:
+/// over 2^k ticks from rate r the distance is r 2^k + a (4^k - 2^k) / 2, and r grows by a 2^k.
 std::uint32_t BeamAxis::ticks_to_q48(std::int64_t way_q48, std::uint32_t most) const {
   int k = static_cast<int>(std::bit_width(most)) - 1;
   std::int64_t rates = rate_q48_ * (std::int64_t{1} << k);
@@ -157,7 +157,7 @@ std::uint32_t BeamAxis::ticks_to_q48(std::int64_t way_q48, std::uint32_t most) c
   }
 }
 
-/// How many ticks nothing changes from here on, and whether an edge ends that.
+/// Finds for how many ticks nothing changes, and whether an edge ends them.
 void BeamAxis::find_edge() {
   const std::uint32_t most = piece_left_ < most_ticks ? piece_left_ : most_ticks;
   const auto to_edge = static_cast<std::int64_t>(one_q48 - (place_q48_ & fraction_mask));
@@ -165,7 +165,7 @@ void BeamAxis::find_edge() {
   span_ = edge_ ? ticks_to_q48(to_edge, most) : most;
   if (edge_ && since_edge_ + span_ < least_cell_ticks) {
     span_ = least_cell_ticks - since_edge_;
-    if (span_ > most) span_ = most, edge_ = false;  // it counts with the next one
+    if (span_ > most) span_ = most, edge_ = false;  // the edge is handled with the next one
   }
   left_ = span_;
 }
@@ -191,7 +191,7 @@ void BeamAxis::pass_edge() {
   const auto number = static_cast<std::uint32_t>(place_q48_ >> place_bits);
   if (kind_ != BeamKind::pulses) return seek(number);
   const auto edges = static_cast<std::uint8_t>(number);
-  // Not again one that the segment before has passed.
+  // An edge that the previous segment has passed begins no second pulse.
   if (static_cast<std::int8_t>(edges - edges_) > 0) begin_pulse();
   edges_ = edges;
 }
@@ -201,7 +201,7 @@ void BeamAxis::begin_pulse() {
   pulse_left_ = pulse_ticks_;
 }
 
-/// To the run that a cell is in; never back. Behind the last cell its power goes on.
+/// Advances to the run that contains a cell, never back. After the last cell its power continues.
 void BeamAxis::seek(std::uint32_t cell) {
   const std::uint32_t wanted = cell < cells_ ? cell : cells_ - 1;
   if (wanted < run_end_) return;
@@ -216,8 +216,8 @@ void BeamAxis::seek(std::uint32_t cell) {
   power_ = static_cast<std::uint16_t>(power < full_power ? power : full_power);
 }
 
-/// In M4 power is P r C for the rate r and the ticks C that a cell takes at the feed: it changes as
-/// evenly as the speed does.
+/// In M4 power is P r C, with the rate r and the C ticks that a cell takes at the feed rate: it
+/// changes as evenly as the speed does.
 PowerStretch BeamAxis::stretch() const {
   const std::uint32_t left = left_;
   if (kind_ != BeamKind::pixels_by_speed) return {std::uint32_t{power_} << 16, 0, left};
@@ -230,12 +230,12 @@ PowerStretch BeamAxis::stretch() const {
   const std::uint64_t power_q16 =
       shifted(std::uint64_t{scaled} * (static_cast<std::uint64_t>(rate_q48) >> 16), right - 16);
   if (power_q16 >= full_q16) return {static_cast<std::uint32_t>(full_q16), 0, left};
-  // A product of no more than 63 bits, however steep.
+  // A product of at most 63 bits, however steep the slope is.
   const auto accel_q48 = static_cast<std::uint64_t>(abs64(accel_q48_));
   const int dropped = accel_q48 >> 35 != 0 ? 16 : 0;
   auto slope_q16 = static_cast<std::int64_t>(
       shifted(std::uint64_t{scaled} * (accel_q48 >> dropped), right - dropped));
-  // Less than a least bit too bright where it falls: in the last tick it may be nothing, not below.
+  // A falling power is less than one bit too high: it may reach 0 in the last tick, but not less.
   if (accel_q48_ < 0 && slope_q16 != 0) slope_q16 = 1 - slope_q16;
   const std::int64_t end =
       static_cast<std::int64_t>(power_q16) + slope_q16 * (std::int64_t{left} - 1);

@@ -1,17 +1,17 @@
 // Changes of outputs that wait for a tick of the motion (M62, M63, M67).
 //
-// In:  changes in the order of the program (main loop); the line that begins with them carries a
-//      mark: up to which of them; segments of the line carry it on (Segment::changes).
+// In:  changes in the order of the program (main loop). The line that begins with them carries a
+//      mark, the last of these changes; the segments of the line copy it (Segment::changes).
 // Out: each change with the tick at which the lattice enters that line.
-// Who: push(), mark(), clear() main loop, clear() with beat and fill masked; grant() the fill
-//      interrupt, ahead of time, when the lattice enters a segment; front_due(), pop() the board's
-//      beat interrupt, which may come in the middle of a grant().
+// Who: push(), mark(), clear(): main loop, clear() with beat and fill masked. grant(): fill
+//      interrupt, ahead of time, when the lattice enters a segment. front(), pop(): beat interrupt
+//      of the board, which may interrupt a grant().
 //
 //   applied_ | granted: their tick is known | granted_ ... wait for their line ... | end_
 //
-// A mark names a place in this queue and no number of changes. So every segment of a line may carry
-// it, lines that are planned twice or never reached do no harm, and a mark from before clear() is
-// behind everything.
+// A mark is a place in this queue, not a number of changes. So every segment of a line may carry
+// it, lines that are planned twice or never reached do no harm, and a mark from before clear()
+// refers to nothing.
 #pragma once
 
 #include <array>
@@ -36,7 +36,7 @@ class ChangeQueue {
     changes_[load(end_) % capacity].level = level;
     store(end_, load(end_) + 1);
   }
-  /// For the line that begins behind what was pushed; 0 = nothing waits for one.
+  /// For the line that begins after what was pushed; 0 = no change waits for a line.
   std::uint8_t mark() const {
     const std::uint32_t end = load(end_);
     return load(granted_) == end ? std::uint8_t{0} : static_cast<std::uint8_t>(is_mark | end);
@@ -48,7 +48,7 @@ class ChangeQueue {
   }
 
   // Fill interrupt.
-  /// What waits up to there is due at `tick`.
+  /// The changes up to this mark are due at `tick`.
   void grant(std::uint8_t mark, std::uint64_t tick) {
     const std::uint32_t granted = load(granted_), count = (mark - granted) & places;
     if (mark == 0 || count > load(end_) - granted) return;
@@ -58,7 +58,7 @@ class ChangeQueue {
   }
 
   // Beat interrupt.
-  /// The tick of some change is known.
+  /// The tick of at least one change is known.
   bool waits() const { return load(applied_) != load(granted_); }
   /// The next one, if waits().
   const OutputChange& front() const { return changes_[load(applied_) % capacity]; }
@@ -77,8 +77,8 @@ class ChangeQueue {
 
   std::array<OutputChange, capacity> changes_{};
   std::uint32_t end_ = 0;      ///< written by the main loop
-  std::uint32_t granted_ = 0;  ///< by fill
-  std::uint32_t applied_ = 0;  ///< by beat
+  std::uint32_t granted_ = 0;  ///< written by the fill interrupt
+  std::uint32_t applied_ = 0;  ///< written by the beat interrupt
 };
 
 }  // namespace lamplock::stepper

@@ -5,7 +5,7 @@ namespace {
 
 constexpr Int128 half_step = middle_of_step(0);
 
-/// Of two numbers that are both even or both odd; their sum may not fit.
+/// Mean of two numbers that are both even or both odd; their sum may not fit.
 constexpr std::int64_t mean(std::int64_t a, std::int64_t b) {
   return (a >> 1) + (b >> 1) + (a & 1);
 }

@@ -1,17 +1,17 @@
-// Powers of the cells of rows: what a continuous laser shines with, cell by cell.
+// Powers of the cells of rows: the power of a continuous laser, cell by cell.
 //
 // In:  runs of cells of one power, list by list; a line of a program has one list.
-// Out: the same, for whoever runs that line. A list is known by the place of its header.
+// Out: the same, for the code that runs that line. A list is identified by the place of its header.
 // Who: the main loop writes (begin_list() to end_list(), forget()); the planner, maybe another
-// core,
-//      asks for cells() before anything of the line is handed out; the fill interrupt reads and
-//      releases. Every index has one writer, but for forget(), which is for when nothing runs.
+//      core, calls cells() before any motion of the line is handed out; the fill interrupt reads
+//      and releases. Every index has one writer, except in forget(), which needs the machine at
+//      rest.
 //
 //   released | list that is run | lists that wait | list being written
 //            begin_             ^ header, runs    end_              written_
 //
-// A run is coded as on the wire (shared/wire/runs.hpp). 1024 runs are 100 mm of grey pixels of
-// 0.1 mm, four times the way that 300 mm/s need to come to rest at 2 m/s2.
+// A run is coded as on the wire (shared/wire/runs.hpp). 1024 runs are 100 mm of grey pixels of 0.1
+// mm, four times the distance that 300 mm/s need to stop at 2 m/s2.
 #pragma once
 
 #include <array>
@@ -26,8 +26,8 @@ class PowerTable {
   static constexpr std::uint32_t capacity = 1024;
 
   // Main loop.
-  /// So many cells more of this power, 65535 = full, behind the list being written, which begins
-  /// where there is none; false if there is no room now.
+  /// Appends this many cells of one power, 65535 = full, to the list being written, or begins a
+  /// list; false if there is no room now.
   bool add(std::uint16_t power, std::uint32_t cells) {
     if (header() + wire::runs_of(cells) > free()) return false;
     while (cells != 0) {
@@ -37,7 +37,7 @@ class PowerTable {
     }
     return true;
   }
-  /// As add() for a run as it came; there must be room for it, and for a header.
+  /// As add() for a run as it was received; there must be room for it, and for a header.
   void put(std::uint16_t run) {
     if (header() != 0) cells_ = 0, ++written_;
     cells_ += wire::run_cells(run);
@@ -45,32 +45,32 @@ class PowerTable {
   }
   /// Places for runs, and for the header of each list.
   std::uint32_t free() const { return capacity - (written_ - load(begin_)); }
-  /// The list is complete; where it begins.
+  /// Completes the list; returns where it begins.
   std::uint16_t end_list() {
     const std::uint32_t header = end_;
     at(header) = static_cast<std::uint16_t>(cells_);
     end_ = written_;
     return static_cast<std::uint16_t>(header);
   }
-  /// The list being written will not be wanted.
+  /// Drops the list being written.
   void drop_list() { written_ = end_; }
-  /// Nothing is run nor will be: lists that are complete are not wanted.
+  /// Drops the complete lists; nothing must run them, now or later.
   void forget() { store(begin_, end_); }
 
-  // Whoever plans, and the fill interrupt.
+  // The planner, and the fill interrupt.
   /// Cells of a list.
   std::uint32_t cells(std::uint16_t list) const { return slots_[list % capacity]; }
 
   // The fill interrupt.
   std::uint16_t run(std::uint16_t place) const { return slots_[place % capacity]; }
-  /// What lies before this place is not read any more.
+  /// Runs before this place are no longer read.
   void release(std::uint16_t before) {
     const auto ahead = static_cast<std::uint16_t>(before - static_cast<std::uint16_t>(begin_));
     if (ahead <= capacity) store(begin_, begin_ + ahead);
   }
 
  private:
-  /// Places that the next run needs besides its own.
+  /// Additional places that the next run needs.
   std::uint32_t header() const { return written_ == end_ ? 1 : 0; }
 
   static void store(std::uint32_t& word, std::uint32_t value) {

@@ -35,7 +35,7 @@ std::int64_t straight_ramp_q62(std::int64_t accel_q62, std::uint32_t n, std::uin
   if (!next_ramp_stair(accel_q62, n, ramp, i, stair)) return 0;
   const Ramp shape = ramp_of(n, ramp);
   if (i == shape.stairs() || stair.ticks == 0) return stair.accel_q62;
-  // Half a stair below or above it at its ends, as high as it in its middle.
+  // The stair differs from the ramp by half a stair at its ends and by nothing in its middle.
   const std::int64_t half = accel_q62 >> (shape.log_stairs + 1);
   const std::int64_t from_middle = std::int64_t{stair.ticks} - 2 * std::int64_t{ticks_left};
   const std::int64_t climbed = mul_div(half, from_middle, stair.ticks);

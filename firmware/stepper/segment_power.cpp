@@ -5,14 +5,14 @@ namespace {
 
 constexpr int none = -1;
 
-/// The first one that moves, or none.
+/// The first axis that moves, or none.
 int moving_axis(const Segment& segment) {
   for (int a = 0; a < max_axes; ++a)
-    if (!segment.axis[index(a)].stands()) return a;
+    if (!segment.axis[index(a)].is_at_rest()) return a;
   return none;
 }
 
-/// From one power to another in so many ticks, rounded towards zero.
+/// Slope from one power to another over `ticks`, rounded towards zero.
 std::uint32_t slope_q16(std::uint32_t from, std::uint32_t to, std::uint32_t ticks) {
   if (ticks == 0) return 0;
   return to < from ? 0 - ((from - to) << 16) / ticks : ((to - from) << 16) / ticks;

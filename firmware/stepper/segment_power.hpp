@@ -2,16 +2,16 @@
 //
 // In:  power at the start, in between and at the end of a segment, 65535 = full; it changes evenly
 //      over lead and tail. Out: its value at every tick.
-// Who: set_power() for whoever makes the segment (main loop, or the core that plans): two 32-bit
-//      divisions. The rest for the tick generator (fill interrupt): power_axis() once a segment,
-//      power_from() once a power cell, a product.
+// Who: set_power(): the maker of the segment (main loop, or the core that plans), two 32-bit
+//      divisions. The rest: the tick generator (fill interrupt), power_axis() once a segment,
+//      power_from() once a power cell, one product.
 //
 // Lead, cruise and tail are those of the first axis that moves; on a line all axes that move have
-// the same. Where no axis moves nothing shines: a beam that stands burns.
+// the same. The laser is dark where no axis moves, because a beam at rest burns.
 //
 // Slopes are rounded towards zero, so that power never leaves the range between its ends: it is
-// counted modulo 2^32 and would come round. What is missing at the end of a phase is less than a
-// least bit for each 2^16 ticks of it.
+// counted modulo 2^32 and would wrap. The deficit at the end of a phase is less than one bit for
+// each 2^16 ticks of it.
 #pragma once
 
 #include <cstdint>
@@ -25,23 +25,23 @@ struct PowerPoints {
   std::uint16_t start = 0, cruise = 0, end = 0;
 };
 
-/// Writes power into a segment whose axes and ticks are there already, and which has no shot. With
-/// no power at all it stays as it is.
+/// Writes power into a segment whose axes and ticks are already set, and which has no shot. If all
+/// powers are 0, the segment does not change.
 void set_power(Segment& segment, const PowerPoints& power);
 
 /// Some axis moves.
 bool moves(const Segment& segment);
 
-/// The axis whose phases the power of a segment follows; none, below zero, if it does not shine.
+/// The axis whose phases the power of a segment follows; negative if it does not shine.
 int power_axis(const Segment& segment);
 
 /// Ticks over which power changes evenly.
 struct PowerStretch {
-  std::uint32_t power_q16 = 0;  ///< where the first one begins, with a fraction of 16 bits
+  std::uint32_t power_q16 = 0;  ///< at the first tick, with a fraction of 16 bits
   std::uint32_t slope_q16 = 0;  ///< per tick, modulo 2^32
   std::uint32_t ticks = 0;
 };
-/// What begins at tick `at` of a segment that shines; `phases` are those of its power_axis().
+/// The stretch at tick `at` of a segment that shines; `phases` are those of its power_axis().
 PowerStretch power_from(const SegmentPower& power, const AxisProfile& phases, std::uint32_t at);
 
 }  // namespace lamplock::stepper

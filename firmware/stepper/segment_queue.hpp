@@ -1,9 +1,9 @@
 // The ring of segments between planner and tick generator.
 //
-// One writer (main loop) and one reader (fill interrupt); indices are single words and only ever
-// grow, so neither side needs a lock. But the writer may take back what the reader has not begun;
-// it must do so with the fill interrupt masked (a few instructions). It may also write segments
-// behind the end beforehand: nobody sees them before they are published.
+// One writer (main loop) and one reader (fill interrupt); indices are single words that never
+// decrease, so neither side needs a lock. The writer may also take back what the reader has not
+// begun, with the fill interrupt masked (a few instructions). It may write segments after the end
+// beforehand: the reader does not see them before they are published.
 //
 //   released | begun, still read | not begun: front() ...
 //            kept_               begun()                 end
@@ -25,12 +25,13 @@ class SegmentQueue {
   std::uint32_t size() const { return end_ - begun_; }
   std::uint32_t free() const { return capacity - (end_ - kept_); }
   bool empty() const { return begun_ == end_; }
-  /// Nothing that has begun is read any more.
+  /// The reader has released all segments that have begun.
   bool released() const { return kept_ == begun_; }
 
-  /// The place `ahead` behind the end, to be written to; nobody sees it before publish().
+  /// The place `ahead` places after the end, to be written; the reader does not see it before
+  /// publish().
   Segment& stage(std::uint32_t ahead = 0) { return at(end_ + ahead); }
-  /// The segment staged at the end is one of the queue.
+  /// Appends the segment staged at the end.
   void publish() { end_ = end_ + 1; }
   void push(const Segment& s) {
     stage() = s;
@@ -39,15 +40,15 @@ class SegmentQueue {
   const Segment& front() const { return at(begun_); }
   /// The front begins; it stays until it is released.
   void begin_front() { begun_ = begun_ + 1; }
-  /// Index of the front; those before it have begun.
+  /// Index of the front; segments before it have begun.
   std::uint32_t begun() const { return begun_; }
   const Segment& at(std::uint32_t i) const { return slots_[i % capacity]; }
   Segment& at(std::uint32_t i) { return slots_[i % capacity]; }
-  /// What has begun before this index is not read any more.
+  /// Segments before this index are no longer read.
   void release(std::uint32_t before) { kept_ = before; }
-  /// Takes back the last `count` segments, all of which the reader has not begun.
+  /// Removes the last `count` segments; the reader must not have begun them.
   void take_back(std::uint32_t count) { end_ = end_ - count; }
-  /// Takes back every segment that has not begun.
+  /// Removes every segment that has not begun.
   void clear() { end_ = begun_; }
 
  private:

@@ -3,10 +3,10 @@
 // In:  filled by the tick generator (fill interrupt). Out: read by the board, in the same call.
 //
 // In every block each axis has constant acceleration and does not change direction, and the lattice
-// bits are constant; the power of a continuous laser changes evenly. A board that jumps from step
-// to step by the closed form takes blocks; one that expands ticks (`phase += rate, rate += accel`,
-// the carry is a step) takes the same runs of each axis by itself (TickGenerator::fill_axes()).
-// Both give the same steps at the same ticks, to the bit.
+// bits are constant; the power of a continuous laser changes evenly. A board that calculates the
+// tick of each step by the closed form uses blocks; one that expands ticks (`phase += rate, rate +=
+// accel`, the carry is a step) uses the same runs of each axis separately
+// (TickGenerator::fill_axes()). Both give exactly the same steps at the same ticks.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +23,8 @@ enum LatticeBit : std::uint8_t {
   gate_bit = 4,     ///< a continuous laser may shine
 };
 
-/// Where the power of a continuous laser changes evenly it is told in cells of so many ticks, less
-/// than a step at 60 thousand steps a second. Its gate keeps every tick.
+/// Where the power of a continuous laser changes evenly, it is updated once per cell of this many
+/// ticks, less than a step at 60 thousand steps a second. Its gate is exact to the tick.
 inline constexpr std::uint32_t power_cell_ticks = 16;
 
 /// One axis, or motor, in a block. Rate is added before the step is taken: tick j adds rate + j *
@@ -34,8 +34,8 @@ struct AxisRun {
   std::int64_t rate_q62 = 0;   ///< added by the first tick; never changes sign inside a block
   std::int64_t accel_q62 = 0;  ///< added to the rate after every tick
 
-  constexpr bool stands() const { return rate_q62 == 0 && accel_q62 == 0; }
-  /// The way that it goes.
+  constexpr bool is_at_rest() const { return rate_q62 == 0 && accel_q62 == 0; }
+  /// Its direction.
   constexpr bool backwards() const { return rate_q62 < 0 || (rate_q62 == 0 && accel_q62 < 0); }
   constexpr std::int32_t step() const { return static_cast<std::int32_t>(position_q64.hi()); }
   /// Position after n ticks, exact: n times the mean of first and last rate, whose sum is below two
@@ -58,7 +58,7 @@ struct AxisRun {
   }
 };
 
-/// From a fraction of 16 bits; it is never above 65535 as a whole.
+/// Rounds a power with a fraction of 16 bits; it is at most 65535 as a whole.
 constexpr std::uint16_t rounded_power(std::uint32_t power_q16) {
   return static_cast<std::uint16_t>((power_q16 + 0x8000u) >> 16);
 }
@@ -73,7 +73,7 @@ struct TickBlock {
   std::uint32_t power_slope_q16 = 0;  ///< per tick, modulo 2^32
   PerAxis<AxisRun> axis{};            ///< of motors
 
-  /// Power of its tick n, 65535 = full.
+  /// Power of tick n of the block, 65535 = full.
   constexpr std::uint16_t power(std::uint32_t n) const {
     return rounded_power(power_q16 + power_slope_q16 * n);
   }

@@ -13,7 +13,7 @@ void forget_shot(Segment& segment) {
 
 TickGenerator::TickGenerator(SegmentQueue& queue, ChangeQueue* changes)
     : queue_(queue), changes_(changes) {
-  for (Run& r : runs_) stand(r);
+  for (Run& r : runs_) set_rest(r);
   set_position({});
 }
 
@@ -80,7 +80,7 @@ std::int64_t TickGenerator::acceleration_q62(const Run& r, int a) const {
   const PhaseView phase = phase_of(queue_.at(r.at.segment).axis[index(a)], r.phase);
   if (phase.ramp == 0) return r.run.accel_q62;
   return straight_ramp_q62(phase.accel_q62, phase.ticks, phase.ramp, r.stair - 1u,
-                           r.left + r.behind);
+                           r.left + r.next_run);
 }
 
 [[gnu::noinline]] void TickGenerator::run_on(AxisRun& run, std::uint32_t ticks) {
@@ -90,16 +90,16 @@ std::int64_t TickGenerator::acceleration_q62(const Run& r, int a) const {
 
 void TickGenerator::go_on(Run& r, int a, std::uint32_t ticks) const {
   if (r.at.left == 0) return;
-  if (!r.run.stands()) run_on(r.run, ticks);
+  if (!r.run.is_at_rest()) run_on(r.run, ticks);
   r.at.left -= ticks;
   r.left -= ticks;
   if (r.left != 0) return;
   if (r.at.left != 0) return next_piece(r, a);
   ++r.at.segment;
-  stand(r);
+  set_rest(r);
 }
 
-/// What fill() will do with an axis until it is where the longest lead is.
+/// Advances a copy of an axis as fill() will, up to the tick of the longest lead.
 void TickGenerator::run_to_head(Run& r, int a) const {
   std::uint64_t tick = tick_ + r.at.lead;
   for (;;) {
@@ -110,7 +110,7 @@ void TickGenerator::run_to_head(Run& r, int a) const {
   }
 }
 
-/// The head, at `tick`, goes on to the next segment.
+/// At `tick` the head enters the next segment.
 void TickGenerator::begin_segment(std::uint64_t tick) {
   if (running_ && left_ == 0) {
     const bool follows = !queue_.empty() && queue_.front().start_tick == tick;
@@ -118,7 +118,7 @@ void TickGenerator::begin_segment(std::uint64_t tick) {
     running_ = false;
   }
   if (running_ || queue_.empty() || queue_.front().start_tick > tick) return;
-  // Run late, it would arm its shots where the machine is not.
+  // A late segment would arm its shots at wrong positions.
   if (queue_.front().start_tick < tick) {
     underrun_ = true;
   } else {
@@ -128,7 +128,7 @@ void TickGenerator::begin_segment(std::uint64_t tick) {
   }
 }
 
-/// All that begin while the head passes these ticks.
+/// Begins all segments that start while the head passes these ticks.
 void TickGenerator::begin_segments(std::uint32_t ticks) {
   for (std::uint64_t tick = head(); ticks != 0;) {
     begin_segment(tick);
@@ -144,7 +144,7 @@ void TickGenerator::begin_segments(std::uint32_t ticks) {
   }
 }
 
-/// True if a segment begins at `tick`. A brake may have cut it to nothing.
+/// True if a segment begins at `tick`. A brake may have cut a segment to no ticks.
 bool TickGenerator::enter(Reader& reader, std::uint64_t tick) const {
   for (; reader.segment != queue_.begun(); ++reader.segment) {
     const Segment& s = queue_.at(reader.segment);
@@ -155,15 +155,15 @@ bool TickGenerator::enter(Reader& reader, std::uint64_t tick) const {
   return false;
 }
 
-/// An axis goes into the segment that begins at `tick`, or waits for the next: how many ticks of
-/// the same it has before it.
+/// An axis enters the segment that begins at `tick`, or waits for it. Returns for how many ticks
+/// its motion does not change.
 std::uint32_t TickGenerator::wait(Run& r, int a, std::uint64_t tick, std::uint32_t ticks) const {
   if (r.at.left == 0 && enter(r.at, tick)) {
     const AxisProfile& p = queue_.at(r.at.segment).axis[index(a)];
     r.run.rate_q62 = p.speed_q62;
     r.run.accel_q62 = 0;
-    r.behind = 0;
-    if (p.stands()) {
+    r.next_run = 0;
+    if (p.is_at_rest()) {
       r.left = r.at.left;
     } else {
       begin_phase(r, p, 0);
@@ -173,7 +173,8 @@ std::uint32_t TickGenerator::wait(Run& r, int a, std::uint64_t tick, std::uint32
   return limit_by(r.at, tick, ticks);
 }
 
-/// How many of these ticks, the first one being `tick` of its own, the axis goes on as it does.
+/// For how many of these ticks, the first one being `tick` of this axis, its motion does not
+/// change.
 std::uint32_t TickGenerator::run_ticks(Run& r, int a, std::uint64_t tick,
                                        std::uint32_t ticks) const {
   if (r.at.left == 0 && r.at.segment == queue_.begun()) return ticks;
@@ -185,7 +186,7 @@ std::uint32_t TickGenerator::run_ticks(Run& r, int a, std::uint64_t tick,
   return motor_run(pair, runs_[pair.first].run, runs_[pair.second].run, second);
 }
 
-/// As run_ticks(), of two axes that share motors.
+/// As run_ticks(), for two axes that share motors.
 std::uint32_t TickGenerator::pair_ticks(const AxisPair& pair, std::uint64_t tick,
                                         std::uint32_t ticks) {
   for (const bool second : {false, true}) {
@@ -240,7 +241,7 @@ void TickGenerator::replace(const Segment& segment) {
     cut.ticks -= left_;
     forget_shot(cut);
     for (Run& r : runs_) {
-      if (shorten(r.at, left_)) stand(r);
+      if (shorten(r.at, left_)) set_rest(r);
       if (r.at.left != 0 && r.left > r.at.left) r.left = r.at.left;
     }
     shorten(lattice_, left_);
@@ -258,7 +259,7 @@ void TickGenerator::halt() {
   queue_.clear();
   const auto leave = [this](Reader& reader) { reader.segment = queue_.begun(), reader.left = 0; };
   for (Run& r : runs_) {
-    stand(r);
+    set_rest(r);
     leave(r.at);
   }
   leave(lattice_);
@@ -267,7 +268,7 @@ void TickGenerator::halt() {
   queue_.release(queue_.begun());
 }
 
-void TickGenerator::stand(Run& r) {
+void TickGenerator::set_rest(Run& r) {
   r.run.rate_q62 = r.run.accel_q62 = 0;
   r.left = no_end;
 }
@@ -278,7 +279,7 @@ TickGenerator::PhaseView TickGenerator::phase_of(const AxisProfile& p, std::uint
   return {p.tail_accel_q62, p.tail_ticks, p.tail_turn_ticks, p.tail_ramp};
 }
 
-/// The first phase from this one on that takes time.
+/// The first phase, from this one on, that is not empty.
 TickGenerator::PhaseView TickGenerator::begin_phase(Run& r, const AxisProfile& p,
                                                     std::uint32_t phase) {
   if (phase == 0 && p.lead_ticks == 0) phase = 1;
@@ -290,7 +291,7 @@ TickGenerator::PhaseView TickGenerator::begin_phase(Run& r, const AxisProfile& p
   return view;
 }
 
-/// Takes the next stair of the phase that a run is in; false if there is none.
+/// Starts the next stair of the phase that a run is in; false if there is none.
 bool TickGenerator::next_stair(Run& r, const PhaseView& phase) {
   if (phase.ticks == 0 || (phase.ramp == 0 && r.stair != 0)) return false;
   Stair stair;
@@ -301,10 +302,10 @@ bool TickGenerator::next_stair(Run& r, const PhaseView& phase) {
     r.run.rate_q62 += stair.accel_q62 / 2 - r.run.accel_q62 / 2;
     r.run.accel_q62 = stair.accel_q62;
     r.left = stair.ticks;
-    r.behind = 0;
+    r.next_run = 0;
     if (r.to_turn != 0 && r.to_turn < stair.ticks) {
       r.left = r.to_turn;
-      r.behind = stair.ticks - r.to_turn;
+      r.next_run = stair.ticks - r.to_turn;
     }
     r.to_turn = r.to_turn > stair.ticks ? r.to_turn - stair.ticks : 0;
     return true;
@@ -312,16 +313,17 @@ bool TickGenerator::next_stair(Run& r, const PhaseView& phase) {
   return false;
 }
 
-/// Pieces: every stair of lead, cruise and tail, the one in which the axis turns in two.
+/// Pieces are the stairs of lead, cruise and tail; a stair in which the axis reverses is two
+/// pieces.
 void TickGenerator::next_piece(Run& r, const AxisProfile& p) {
-  if (r.behind != 0) {
-    r.left = r.behind;
-    r.behind = 0;
+  if (r.next_run != 0) {
+    r.left = r.next_run;
+    r.next_run = 0;
     return;
   }
   PhaseView view = phase_of(p, r.phase);
   while (!next_stair(r, view)) {
-    if (r.phase + 1u >= phases) return stand(r);
+    if (r.phase + 1u >= phases) return set_rest(r);
     view = begin_phase(r, p, r.phase + 1u);
   }
 }
@@ -337,7 +339,7 @@ std::uint32_t TickGenerator::limit_to(std::uint64_t change, std::uint64_t tick,
   return change > tick && change - tick < ticks ? static_cast<std::uint32_t>(change - tick) : ticks;
 }
 
-/// Up to the end of the segment that a reader at `tick` is in, or to the beginning of the next.
+/// Up to the end of the segment that a reader at `tick` is in, or to the start of the next.
 std::uint32_t TickGenerator::limit_by(const Reader& reader, std::uint64_t tick,
                                       std::uint32_t ticks) const {
   if (reader.left != 0) return reader.left < ticks ? reader.left : ticks;
@@ -370,7 +372,7 @@ void TickGenerator::pass(Reader& reader, std::uint32_t ticks) {
   if (reader.left == 0) ++reader.segment;
 }
 
-/// The lattice bits have come to `tick`, over the last n ticks.
+/// The lattice bits have advanced by n ticks to `tick`.
 void TickGenerator::advance_bits(std::uint64_t tick, std::uint32_t ticks) {
   pass(lattice_, ticks);
   if (beam_.active()) beam_.pass(ticks);
@@ -381,11 +383,11 @@ void TickGenerator::advance_bits(std::uint64_t tick, std::uint32_t ticks) {
 }
 
 void TickGenerator::release() {
-  // The end of the segment at the head is asked for until the next one begins.
+  // The end of the segment at the head is needed until the next one begins.
   const bool at_end = running_ && lattice_.segment == queue_.begun();
   const std::uint32_t passed = lattice_.segment - (at_end ? 1 : 0);
-  const bool behind = static_cast<std::int32_t>(laser_.segment - passed) < 0;
-  queue_.release(behind ? laser_.segment : passed);
+  const bool laser_last = static_cast<std::int32_t>(laser_.segment - passed) < 0;
+  queue_.release(laser_last ? laser_.segment : passed);
 }
 
 void TickGenerator::advance(std::uint32_t ticks) {
@@ -397,7 +399,7 @@ void TickGenerator::advance(std::uint32_t ticks) {
   release();
 }
 
-/// Up to where every axis goes on as it does, and the windows of the present segment hold.
+/// Up to where the motion of an axis or the windows of the present segment change.
 std::uint32_t TickGenerator::limit_by_motion(std::uint32_t ticks) {
   begin_segment(head());
   if (running_ && left_ < ticks) ticks = left_;
@@ -412,8 +414,8 @@ std::uint32_t TickGenerator::limit_by_motion(std::uint32_t ticks) {
   return limit_by_laser(tick_, limit_by(lattice_, tick_, ticks));
 }
 
-/// The laser goes into the segment that begins for it at `tick` of the lattice: how many of these
-/// ticks it stays in what it is in.
+/// The laser enters the segment that begins for it at `tick` of the lattice. Returns for how many
+/// of these ticks it stays in its segment.
 std::uint32_t TickGenerator::limit_by_laser(std::uint64_t tick, std::uint32_t ticks) {
   if (tick < laser_lag_ticks_) return limit_to(laser_lag_ticks_, tick, ticks);
   const std::uint64_t at = tick + laser_.lead - laser_lag_ticks_;
@@ -422,7 +424,7 @@ std::uint32_t TickGenerator::limit_by_laser(std::uint64_t tick, std::uint32_t ti
   return beam_.active() ? beam_.limit(n) : n;
 }
 
-/// The laser goes into the segment that begins at `tick` of its own, if there is one.
+/// The laser enters the segment that begins at its own `tick`, if there is one.
 void TickGenerator::enter_laser(std::uint64_t tick) {
   if (!enter(laser_, tick)) return beam_.leave();
   const Segment& segment = queue_.at(laser_.segment);
@@ -438,7 +440,7 @@ PowerStretch TickGenerator::power_stretch(std::uint32_t tick) const {
                     at - static_cast<std::uint32_t>(s.start_tick));
 }
 
-/// Up to where the power begins to change in another way.
+/// Up to where the slope of the power changes.
 std::uint32_t TickGenerator::limit_by_power(std::uint32_t ticks) const {
   if (!shines()) return ticks;
   const std::uint32_t left = power_stretch(static_cast<std::uint32_t>(tick_)).ticks;

@@ -2,31 +2,30 @@
 //
 // In:  segments (SegmentQueue).
 // Out: ticks, ahead of time, as runs of constant acceleration: in blocks that end where any axis or
-//      lattice bit changes (fill), or every axis by itself (fill_axes), where an axis costs nothing
-//      for what the others do; when there is no segment, ticks of standing still. The gate of a
-//      continuous laser is one of the lattice bits, high in the segments that have power, to the
-//      tick, and nowhere else; its power goes with it.
-// Called by the fill interrupt of the board (lowest of the motion interrupts) whenever its output
-// wants more; budget: no division, some twenty 32-bit products per run.
+//      lattice bit changes (fill), or for each axis separately (fill_axes), so that an axis costs
+//      nothing for changes of the others. Without a segment: ticks without motion. The gate of a
+//      continuous laser is a lattice bit, high exactly in the ticks of segments that have power.
+// Who: the fill interrupt of the board (lowest of the motion interrupts), when its output needs
+//      ticks. Budget: no division, some twenty 32-bit products per run.
 //
-// Each axis distributes its steps over the ticks by its own accumulator; nothing ties a minor axis
-// to a major one. Remainders stay in the 64-bit fraction and are carried from block to block and
-// from segment to segment for as long as the machine is powered.
+// Each axis distributes its steps over the ticks by its own accumulator; a minor axis does not
+// depend on a major one. Remainders stay in the 64-bit fraction and are carried from block to block
+// and from segment to segment for as long as the machine is powered.
 //
-// A drive follows its steps late. So each axis reads the segments a lead of its own ahead of the
-// lattice, the lag of its drive: what its drive does at tick t of the lattice is what was planned
-// for t. The axis with the longest lead begins segments, the lattice, whose bits have none,
-// releases them; in between they stay in the queue. Planning and braking deal with the head, the
-// tick up to which the longest lead has read: where that axis is, all will be.
+// A drive follows its steps with a lag. So each axis reads the segments earlier than the lattice by
+// a lead, the lag of its drive: at tick t of the lattice its drive does what was planned for t. The
+// axis with the longest lead begins segments; the lattice, whose bits have no lead, releases them;
+// in between they stay in the queue. Planning and braking start at the head, the tick up to which
+// the longest lead has read: all axes will reach that state.
 //
-// Where two axes share two motors (CoreXY, a ganged axis: shared/kinematics.hpp), what goes out are
-// the runs of the motors, made here and nowhere else; such axes have the same lead. Everything
-// else, and whoever asks, deals with axes.
+// Where two axes share two motors (CoreXY, a ganged axis: shared/kinematics.hpp), the output is the
+// runs of the motors, which are made only here; such axes have the same lead. All other code, and
+// all callers, use axes.
 //
-// A continuous laser is a reader, too: one that answers late has a lead, one that is sooner than
-// the beam is where the axes are has a lag, and then it releases the segments. It is dark where the
-// lattice stands, whatever it reads. What goes by cells of a line has an axis of its own
-// (beam_axis.hpp), whose edges are lattice bits like the gate.
+// A continuous laser is a reader, too. A laser that responds late has a lead; one that responds
+// before the axes have arrived has a lag, and then it releases the segments. It is dark while the
+// lattice is at rest, whatever it reads. Cells of a line have a separate axis (beam_axis.hpp),
+// whose edges are lattice bits like the gate.
 //
 //   ticks:   released | read by axes with a lead ... | may be replanned
 //                     tick()                         head() = tick() + longest lead
@@ -53,18 +52,18 @@ struct TriggerPattern {
 /// Runs segments. All times are ticks of the lattice.
 class TickGenerator {
  public:
-  /// `changes`: outputs that follow the lattice, if there are any.
+  /// `changes`: outputs that change at ticks of the lattice, or null.
   [[gnu::cold]] explicit TickGenerator(SegmentQueue& queue, ChangeQueue* changes = nullptr);
 
-  /// Which motors move which axes; before anything has moved.
+  /// Which motors move which axes; to be set before the first motion.
   [[gnu::cold]] void set_kinematics(const Kinematics& kinematics) { kinematics_ = kinematics; }
   const Kinematics& kinematics() const { return kinematics_; }
 
-  /// How many ticks each axis is ahead of the lattice, the same for those of a pair, and the laser,
-  /// or behind it; only while nothing moves at all.
+  /// Ticks that each axis is ahead of the lattice, the same for both axes of a pair, and those of
+  /// the laser, negative for a lag; only while nothing moves.
   [[gnu::cold]] void set_leads(const PerAxis<std::uint32_t>& ticks, std::int32_t laser_ticks = 0);
 
-  /// How the arm window is shifted: the shot is decided `ticks` before it is fired.
+  /// Shifts the arm window: the shot is decided `ticks` before it is fired.
   void set_arm_lead(std::uint32_t ticks) { arm_lead_ticks_ = ticks; }
   void set_trigger(const TriggerPattern& pattern) {
     trigger_ = pattern;
@@ -75,18 +74,18 @@ class TickGenerator {
   BeamAxis& beam() { return beam_; }
   const BeamAxis& beam() const { return beam_; }
 
-  /// Where the last pulse of the lamp trigger that was filled has started; 0 if there was none.
+  /// Start of the last lamp trigger pulse that was filled; 0 = none.
   std::uint64_t last_trigger() const { return last_trigger_; }
 
   /// Next block, at most `max_ticks` long.
   void fill(TickBlock& block, std::uint32_t max_ticks);
-  /// The next `ticks` ticks, fewer than 2^16, of every motor by itself and of the lattice bits. The
-  /// board is told, for each of them from the first tick to the last:
-  ///   put_still(motor, ticks)       and then set_step(motor, step) where the motor is behind
-  ///   put_axis(motor, run, ticks)   the last one
+  /// The next `ticks` ticks, fewer than 2^16, of every motor separately and of the lattice bits.
+  /// Calls of the board, for each of them from the first tick to the last:
+  ///   put_still(motor, ticks)       then set_step(motor, step) with the motor's last position
+  ///   put_axis(motor, run, ticks)
   ///   put_bits(bits, ticks)
-  ///   put_power(power, ticks)       of a continuous laser; where it changes evenly no more than a
-  ///                                 power cell: that in the middle of these ticks
+  ///   put_power(power, ticks)       of a continuous laser; where it changes evenly at most a power
+  ///                                 cell, with the power in the middle of these ticks
   template <class Board>
   void fill_axes(std::uint32_t ticks, Board& board);
 
@@ -96,47 +95,47 @@ class TickGenerator {
   std::uint64_t head() const { return tick_ + lead_; }
   /// Ticks that the axis with the longest lead is ahead.
   std::uint32_t lead() const { return lead_; }
-  /// State of all axes at the head (main loop: runs ahead of what was filled).
+  /// State of all axes at the head (main loop: it is ahead of what was filled).
   MotionState state() const;
-  /// Accelerations there, of ramps the straight ones that their stairs stand for.
+  /// Accelerations at the head; in ramps those of the straight ramp that the stairs approximate.
   PerAxis<std::int64_t> accelerations_q62() const;
-  /// True if a segment is being run at the head.
+  /// True if the head is in a segment.
   bool running() const { return running_; }
-  /// Motion has ended with speed, or a segment came after its time: a fault, until halt().
+  /// Motion has ended with speed, or a segment was late: a fault, until halt().
   bool underrun() const { return underrun_; }
-  /// The segment being run at the head; valid while running().
+  /// The segment at the head; valid while running().
   const Segment& segment() const { return queue_.at(queue_.begun() - 1); }
 
-  /// Replaces what is being run from the head on (brake). The segment starts at state(), the queue
-  /// holds nothing that has not begun. Fill interrupt masked.
+  /// Replaces the motion from the head on (brake). The segment starts at state(); all segments of
+  /// the queue must have begun. Fill interrupt masked.
   [[gnu::cold]] void replace(const Segment& segment);
-  /// The shot at the end of what is being run at the head is not armed. Fill interrupt masked.
+  /// Disarms the shot at the end of the segment at the head. Fill interrupt masked.
   [[gnu::cold]] void take_back_shot();
   /// Stops dead where the machine is (e-stop): speed is lost, position kept, the queue emptied.
   [[gnu::cold]] void halt();
   /// Sets the position of every axis; at rest only (power-up, after a dead stop).
   [[gnu::cold]] void set_position(const StepPosition& steps);
-  /// The same by the places of the motors.
+  /// The same, given the positions of the motors.
   [[gnu::cold]] void set_motors(const StepPosition& motors);
-  /// At rest: every axis goes to the middle of the step where it stands, those of a pair to where
-  /// the steps of their motors have them, which is no motion.
+  /// At rest: moves every axis to the middle of its step, the axes of a pair to the steps of their
+  /// motors; this is no motion.
   [[gnu::cold]] void settle();
 
  private:
-  /// Where somebody is in the segments that have begun.
+  /// Position of one reader in the segments that have begun.
   struct Reader {
     std::uint32_t lead = 0;     ///< ticks ahead of the lattice
-    std::uint32_t segment = 0;  ///< index of the one it is in, or else of the next
+    std::uint32_t segment = 0;  ///< index of its segment, or of the next one if it is in none
     std::uint32_t left = 0;     ///< ticks left in it; 0 = in none
   };
   struct Run {
     AxisRun run;
     Reader at;
-    std::uint32_t left = 0;     ///< ticks left in this piece
-    std::uint32_t behind = 0;   ///< ticks of the same stair behind it, where the axis has turned
-    std::uint32_t to_turn = 0;  ///< ticks of the phase until then; 0 = no more
-    std::uint16_t phase = 0;    ///< lead, cruise, tail, and that is all
-    std::uint16_t stair = 0;    ///< which comes next
+    std::uint32_t left = 0;      ///< ticks left in this piece
+    std::uint32_t next_run = 0;  ///< ticks of the same stair after the axis has reversed
+    std::uint32_t to_turn = 0;   ///< ticks of the phase until then; 0 = it does not reverse
+    std::uint16_t phase = 0;     ///< lead, cruise, tail; then there is no more
+    std::uint16_t stair = 0;     ///< next one
   };
   struct PhaseView {
     std::int64_t accel_q62;
@@ -168,11 +167,11 @@ class TickGenerator {
   [[gnu::noinline]] void fill_power(std::uint32_t tick, std::uint32_t ticks, Board& board) const;
   template <class Board>
   static void put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board);
-  /// The laser is in a segment with power, and the lattice in one that moves.
+  /// The laser is in a segment with power, and the lattice is in a segment that moves.
   bool shines() const {
     return laser_.left != 0 && power_axis_ >= 0 && lattice_.left != 0 && moves_ && beam_.lit();
   }
-  /// What that begins with at a tick of the lattice, lower half of its number.
+  /// Power at a tick of the lattice (lower half of its number) and how it changes from there.
   PowerStretch power_stretch(std::uint32_t tick) const;
   std::uint32_t run_ticks(Run& run, int axis, std::uint64_t tick, std::uint32_t ticks) const;
   bool enter(Reader& reader, std::uint64_t tick) const;
@@ -186,7 +185,7 @@ class TickGenerator {
   void run_to_head(Run& run, int axis) const;
   std::int64_t acceleration_q62(const Run& run, int axis) const;
   bool shorten(Reader& reader, std::uint32_t ticks) const;
-  static void stand(Run& run);
+  static void set_rest(Run& run);
   void enter_lattice();
   void enter_laser(std::uint64_t tick);
   void open_window();
@@ -207,24 +206,25 @@ class TickGenerator {
   SegmentQueue& queue_;
   ChangeQueue* const changes_;
   std::uint64_t tick_ = 0;
-  std::uint32_t lead_ = 0;  ///< of the axis with the longest
+  std::uint32_t lead_ = 0;  ///< the longest of all axes
   bool running_ = false;
   bool underrun_ = false;
-  bool moves_ = false;           ///< the segment that the lattice is in
-  std::int8_t power_axis_ = -1;  ///< of the one that the laser is in
+  bool moves_ = false;           ///< in the segment of the lattice
+  std::int8_t power_axis_ = -1;  ///< of the segment of the laser
   std::uint32_t left_ = 0;       ///< ticks left in the segment at the head
   PerAxis<Run> runs_{};
   Kinematics kinematics_;
   Reader lattice_;  ///< bits have no lead
   Reader laser_;
-  std::uint32_t laser_lag_ticks_ = 0;  ///< or a lead
+  std::uint32_t laser_lag_ticks_ = 0;  ///< 0 if it has a lead
   BeamAxis beam_;                      ///< of the segment that the laser is in
   Window window_, old_window_;
-  std::uint64_t cut_tick_ = 0;  ///< where the last brake began: no window from before goes on there
+  /// where the last brake began: no earlier window continues after it
+  std::uint64_t cut_tick_ = 0;
   std::uint32_t arm_lead_ticks_ = 0;
   TriggerPattern trigger_;
   std::uint64_t trigger_on_ = 0;    ///< tick of the next or present trigger pulse
-  std::uint64_t last_trigger_ = 0;  ///< and of the last that has begun
+  std::uint64_t last_trigger_ = 0;  ///< tick of the last one that has begun
 };
 
 template <class Board>
@@ -246,7 +246,7 @@ void TickGenerator::fill_axis(int a, std::uint32_t ticks, Board& board) {
   std::uint32_t still = 0;
   while (ticks != 0) {
     const std::uint32_t n = run_ticks(r, a, tick, ticks);
-    if (r.run.stands()) {
+    if (r.run.is_at_rest()) {
       still += n;
     } else {
       if (still != 0) board.put_still(a, still);
@@ -286,7 +286,7 @@ void TickGenerator::fill_pair(const AxisPair& pair, std::uint32_t ticks, Board& 
 
 template <class Board>
 void TickGenerator::put_motor(int motor, AxisRun run, std::uint32_t ticks, Board& board) {
-  if (run.stands()) return board.put_still(motor, ticks);
+  if (run.is_at_rest()) return board.put_still(motor, ticks);
   const std::uint32_t n = ticks_one_way(run, ticks);
   board.put_axis(motor, run, n);
   if (n == ticks) return;

@@ -15,7 +15,7 @@ constexpr double width = 860, height = 520, chart_left = 70, chart_right = 20, c
                  chart_bottom = 60;
 constexpr double lowest_beats = 0.95;
 
-/// Where numbers come to stand: a / f^2 on a logarithmic scale, beats on a linear one.
+/// Converts numbers to positions: a / f^2 on a logarithmic scale, beats on a linear one.
 struct Scale {
   double least_um, most_um, most_beats;
 

@@ -1,4 +1,4 @@
-// `lamplock bench`: what planning gains, measured against the source documents and the optimum.
+// `lamplock bench`: gain of planning, compared with the source documents and the optimum.
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -9,15 +9,14 @@
 #include "host/cli/console.hpp"
 #include "host/cli/program.hpp"
 #include "host/cli/progress.hpp"
-#include "host/cli/staged_file.hpp"
 #include "host/cli/validators.hpp"
 #include "host/file.hpp"
+#include "host/file/staged_file.hpp"
 #include "host/version.hpp"
 
 namespace lamplock::bench {
 namespace {
 
-using cli::check_target;
 using cli::Command;
 using cli::Console;
 using cli::file_name;
@@ -25,8 +24,7 @@ using cli::Json;
 using cli::number_from;
 using cli::number_in;
 using cli::one_of;
-using cli::Progress;
-using cli::write_whole;
+using cli::ProgressBar;
 
 struct Options {
   std::vector<std::string> rows{};
@@ -35,18 +33,18 @@ struct Options {
   std::string chart{};
   bool json = false;
 
-  /// Limits of jerk are for those who set one, orders for those who change them: only if named.
-  bool wants(const std::string& part) const {
+  /// Tables of jerk limits and of orders are made only if named: few users need them.
+  bool needs(const std::string& part) const {
     const bool asked_for = part == "jerk" || part == "orders" || part == "angles";
     return (rows.empty() && !asked_for) || std::find(rows.begin(), rows.end(), part) != rows.end();
   }
 };
 
-/// Points of everything that is to be planned.
+/// Number of all points to plan.
 std::size_t work(const Options& options, const BenchReport& report) {
   std::size_t points = 0;
   const auto add = [&](const char* part, std::size_t rows, int each) {
-    if (options.wants(part)) points += rows * static_cast<std::size_t>(each);
+    if (options.needs(part)) points += rows * static_cast<std::size_t>(each);
   };
   add("measured", glass_start_stop_times.size(), report.measured_points);
   add("walks", graded_walks.size(), report.walk_points);
@@ -60,13 +58,13 @@ std::size_t work(const Options& options, const BenchReport& report) {
 }
 
 void measure_orders(const Options& options, BenchReport& report, const PointsPlanned& planned) {
-  if (options.wants("orders")) {
+  if (options.needs("orders")) {
     const std::vector<OrderCloud> clouds = order_clouds(report.order_points);
     for (const Machine& machine : order_machines)
       for (const OrderCloud& cloud : clouds)
         report.orders.push_back(order_figures(cloud, machine, planned));
   }
-  if (options.wants("angles")) {
+  if (options.needs("angles")) {
     const OrderCloud cloud = angle_cloud(report.order_points);
     for (const SortingAngle& row : measured_angles)
       report.angles.push_back(sorting_angle(row, cloud, planned));
@@ -79,29 +77,29 @@ BenchReport measure(const Options& options) {
   report.measured_points = options.points.value_or(glass_points);
   report.walk_points = options.points.value_or(graded_points);
   report.order_points = options.points.value_or(glass_points);
-  Progress progress("points planned", work(options, report));
+  ProgressBar progress("points planned", work(options, report));
   std::size_t done = 0;
   const auto planned = [&](std::size_t points) { progress.update(done += points); };
-  if (options.wants("measured")) {
+  if (options.needs("measured")) {
     for (const StartStopTime& row : glass_start_stop_times) {
       MeasuredFigures figures{row, start_stop_on_one_axis(row), {}};
       figures.walk = walk_figures(figures.machine(), report.measured_points, options.seed, planned);
       report.measured.push_back(figures);
     }
   }
-  if (options.wants("walks"))
+  if (options.needs("walks"))
     for (const Machine& machine : graded_walks)
       report.walks.push_back(
           {machine, walk_figures(machine, report.walk_points, options.seed, planned)});
-  if (options.wants("example"))
+  if (options.needs("example"))
     for (const PulseCourse& row : pulse_courses)
       report.courses.push_back({row.name, course_figures(row, pulse_draws, options.seed, planned)});
-  if (options.wants("jerk"))
+  if (options.needs("jerk"))
     for (const Machine& machine : jerk_machines)
       report.jerks.push_back(
           {machine,
-           jerk_beats(machine, motion::JoinMode::free, report.walk_points, options.seed, planned),
-           jerk_beats(machine, motion::JoinMode::path, report.walk_points, options.seed, planned)});
+           jerk_beats(machine, wire::JoinMode::free, report.walk_points, options.seed, planned),
+           jerk_beats(machine, wire::JoinMode::path, report.walk_points, options.seed, planned)});
   measure_orders(options, report, planned);
   return report;
 }
@@ -200,8 +198,8 @@ Exit run_bench(const Options& options) {
     check_target(options.chart);
     if (lower_extension(options.chart) != ".svg")
       throw Error(Exit::bad_input, options.chart, "charts are written as SVG",
-                  "name it something.svg");
-    if (!options.wants("measured"))
+                  "give a name with the extension .svg");
+    if (!options.needs("measured"))
       throw Error(Exit::bad_input, "--chart", "the chart shows the measured rows",
                   "add measured to --rows");
   }
@@ -223,22 +221,24 @@ void add_bench(Command& program) {
       "  lamplock bench --rows walks --points 2000 --seed 7 --json\n"
       "  lamplock bench --rows example,jerk\n"
       "  lamplock bench --rows orders,angles\n\n"
-      "Nothing is simulated: the planner of the firmware plans each stream of points as the\n"
-      "machine does, and a search finds the fewest beats that any plan needs. Rows of the example\n"
+      "The planner of the firmware plans each stream of points like on the machine, without a\n"
+      "simulation, and a search finds the fewest beats that any plan needs. Rows of the example\n"
       "are means over " +
       std::to_string(pulse_draws) + " draws of their random distances.");
   const auto options = std::make_shared<Options>();
-  app.add_option(
-         "--rows", &options->rows,
-         "Only these tables: measured, walks, example (default: these three), jerk, orders, angles")
+  app.add_option("--rows", &options->rows,
+                 "Tables to print: measured, walks, example, jerk, orders, angles; default: "
+                 "measured,walks,example")
       .check(one_of({"measured", "walks", "example", "jerk", "orders", "angles"}))
       .comma_separated()
       .value_name("TABLE,...");
-  app.add_option("--points", &options->points,
-                 "Points of each walk, 10 to 10000000 (default: as many as the source has)")
+  app.add_option(
+         "--points", &options->points,
+         "Number of points of each walk, 10 to 10000000; default: as many as the source has")
       .check(number_in({10, 10'000'000}))
       .value_name("N");
-  app.add_option("--seed", &options->seed, "Seed of what is drawn: same seed, same points")
+  app.add_option("--seed", &options->seed,
+                 "Seed of the random points; the same seed gives the same points")
       .check(number_from(0, true))
       .show_default()
       .value_name("S");

@@ -1,5 +1,5 @@
-// `lamplock bench`: what planning gains, measured against the source documents and the optimum; a
-// program of its own, lamplock-bench.
+// `lamplock bench`: gain of planning, compared with the source documents and the optimum; a program
+// of its own, lamplock-bench.
 #pragma once
 
 #include "host/cli/command_line.hpp"

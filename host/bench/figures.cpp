@@ -12,13 +12,13 @@
 namespace lamplock::bench {
 namespace {
 
-/// Of walks: a machine of 1 m/s cannot have many more, one step a microsecond being the fastest.
+/// Resolution for walks: at 1 m/s not many more are possible with at most one step a microsecond.
 constexpr double bench_steps_per_mm = 500;
-/// Steps of 1 um, in which the lengths of the histogram are given.
+/// Steps of 1 um, the unit of lengths in the histogram.
 constexpr double fine_steps_per_mm = 1000;
 
-double beats_per_point(const motion::Limits& limits, const std::vector<motion::Target>& targets,
-                       motion::JoinMode mode) {
+double beats_per_point(const motion::Limits& limits, const std::vector<wire::Target>& targets,
+                       wire::JoinMode mode) {
   const auto planner = std::make_unique<motion::Planner>();
   StreamOptions options;
   options.mode = mode;
@@ -28,7 +28,7 @@ double beats_per_point(const motion::Limits& limits, const std::vector<motion::T
   return static_cast<double>(plan.total_beats()) / static_cast<double>(targets.size());
 }
 
-/// Mean of each column; there must be one row at least.
+/// Mean of each column; there must be at least one row.
 Figures mean(const std::vector<Figures>& rows) {
   const auto of = [&rows](auto value) {
     double sum = 0;
@@ -46,7 +46,7 @@ Figures mean(const std::vector<Figures>& rows) {
   return figures;
 }
 
-/// True if the time of a step is a whole number of beats but for rounding.
+/// True if the time of a step is a whole number of beats, within rounding.
 bool ends_on_a_beat(const StartStopTime& row, double way_m) {
   const double a = row.accel_m_s2, v = row.speed_m_s;
   const double time_s = std::sqrt(way_m * a) <= v ? 2 * std::sqrt(way_m / a) : way_m / v + v / a;
@@ -56,15 +56,15 @@ bool ends_on_a_beat(const StartStopTime& row, double way_m) {
 
 }  // namespace
 
-Figures figures_of(const motion::Limits& limits, const std::vector<motion::Target>& targets,
+Figures figures_of(const motion::Limits& limits, const std::vector<wire::Target>& targets,
                    const PointsPlanned& planned) {
-  using motion::JoinMode;
+  using wire::JoinMode;
   const std::size_t count = targets.size();
-  // Three plans and the search, each counted as a third of the points but the shortest.
-  std::size_t told = 0;
+  // Three plans and the search, each counted as a third of the points except the shortest.
+  std::size_t reported = 0;
   const auto tell = [&](std::size_t done) {
-    if (planned) planned(done - told);
-    told = done;
+    if (planned) planned(done - reported);
+    reported = done;
   };
   Figures figures;
   figures.start_stop = beats_per_point(limits, targets, JoinMode::start_stop);
@@ -85,10 +85,10 @@ double measured_beats(const StartStopTime& row) { return row.lamp_hz * row.time_
 double start_stop_beats(const StartStopTime& row, double step_um) {
   const motion::Limits limits =
       limits_of(machine_settings(row.lamp_hz, row.accel_m_s2, row.speed_m_s, 1, fine_steps_per_mm));
-  motion::Target target;
+  wire::Target target;
   target.steps[0] =
       static_cast<std::int32_t>(step_um) - (ends_on_a_beat(row, step_um * 1e-6) ? 1 : 0);
-  return beats_per_point(limits, {target}, motion::JoinMode::start_stop);
+  return beats_per_point(limits, {target}, wire::JoinMode::start_stop);
 }
 
 double start_stop_on_one_axis(const StartStopTime& row) {
@@ -107,11 +107,11 @@ Figures walk_figures(const Machine& machine, int points, std::uint64_t seed,
   return figures_of(limits, histogram_walk(points, axes, bench_steps_per_mm, seed), planned);
 }
 
-JerkBeats jerk_beats(const Machine& machine, motion::JoinMode mode, int points, std::uint64_t seed,
+JerkBeats jerk_beats(const Machine& machine, wire::JoinMode mode, int points, std::uint64_t seed,
                      const PointsPlanned& planned) {
   constexpr int axes = 2;
   const auto walk =
-      mode == motion::JoinMode::path
+      mode == wire::JoinMode::path
           ? course(Course::straight, std::min(points, pulse_points), bench_steps_per_mm, seed)
           : histogram_walk(points, axes, bench_steps_per_mm, seed);
   JerkBeats beats{};

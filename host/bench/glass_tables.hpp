@@ -1,11 +1,11 @@
-// Measured productivity of start-stop motion and the step lengths that explain it.
+// Measured productivity of start-stop motion, and fitted step lengths.
 //
 // Source: "Mechatroniczne pozycjonowanie wiązki lasera impulsowego w urządzeniach do formowania
 // obiektów trójwymiarowych w szkle" (Mechatronic positioning of a pulsed laser beam in devices
 // forming three-dimensional objects in glass), Białystok University of Technology: 53 measured
 // times of one object of 16 179 points. The histogram of step lengths was fitted to these rows
-// (lengths along one axis); it is not that of the real object. The tables as published are
-// tests/data/*.csv; a test holds these here against them.
+// (lengths along one axis); it is not that of the real object. The published tables are
+// tests/data/*.csv; a test compares these with them.
 #pragma once
 
 #include <array>

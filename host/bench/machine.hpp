@@ -1,14 +1,14 @@
-// Machines whose axes are all alike, for benchmarks and tests of planning.
+// Machines with equal axes, for benchmarks and tests of planning.
 //
-// In:  lamp, acceleration, speed. Out: settings, and the planner's limits made of them.
+// In:  lamp, acceleration, speed. Out: settings, and the planner's limits for them.
 // Who: `lamplock bench`, the tests.
 #pragma once
 
-#include "firmware/motion/limits.hpp"
+#include "firmware/motion/profile/limits.hpp"
 
 namespace lamplock::bench {
 
-/// Settings of such a machine; the work space is as large as the table of settings allows.
+/// Settings of such a machine, with the largest work space that the table of settings allows.
 settings::Values machine_settings(double lamp_hz, double accel_m_s2, double speed_m_s, int axes,
                                   double steps_per_mm);
 

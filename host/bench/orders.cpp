@@ -18,13 +18,13 @@
 namespace lamplock::bench {
 namespace {
 
-using points::Point;
-using points::PointCloud;
+using geometry::Point;
+using geometry::PointCloud;
 using std::numbers::pi;
 
-/// A lens of 43 mm allows points as close as this ("Mechatronic positioning ... in glass").
+/// Minimum distance of points for a lens of 43 mm ("Mechatronic positioning ... in glass").
 constexpr double spacing_mm = 0.09;
-/// Dense for a picture of tones in a solid.
+/// Distance for a picture of tones in a solid.
 constexpr double sparse_mm = 0.35;
 constexpr double order_steps_per_mm = 500;
 
@@ -34,10 +34,10 @@ double uniform(Random& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
 }
 
-/// Points thrown at random, without those that come too close to an earlier one.
+/// Random points, without those too close to an earlier one.
 PointCloud thrown(int points, double distance_mm, std::uint64_t seed,
                   const std::function<Point(Random&)>& throw_one) {
-  // Ever fewer fit: with so many throws a point half of what would fit has been reached.
+  // Ever fewer fit: this many throws per point give half of the saturated number.
   constexpr int throws_a_point = 20;
   Random random(seed);
   PointCloud cloud;
@@ -45,7 +45,7 @@ PointCloud thrown(int points, double distance_mm, std::uint64_t seed,
   return points::weld(std::move(cloud), distance_mm).points;
 }
 
-/// Part of a surface that discs, or of a volume that balls, of the points' distance cover then.
+/// Fraction of a surface that discs, or of a volume that balls, of the points' distance then cover.
 constexpr double covered_area = 0.48, covered_volume = 0.27;
 
 PointCloud on_a_sphere(int points) {
@@ -57,7 +57,7 @@ PointCloud on_a_sphere(int points) {
   });
 }
 
-/// Standing: layers in its middle consist of two parts.
+/// An upright torus: layers in its middle have two parts.
 PointCloud on_a_torus(int points) {
   constexpr double slender = 10.0 / 3;  // ring radius over tube radius
   const double tube = spacing_mm * std::sqrt(points / (16 * covered_area * pi * slender));
@@ -91,7 +91,7 @@ PointCloud lattice(int points) {
   return cloud;
 }
 
-// Of the example at this size: points of a slicing times the square of their spacing.
+// The example at this size: number of points of a slicing times the square of their spacing.
 constexpr double example_mm = 20, example_area_mm2 = 1304;
 
 OrderCloud sliced_example(int points, double size_mm) {
@@ -101,14 +101,14 @@ OrderCloud sliced_example(int points, double size_mm) {
                         {.layer_mm = between_mm, .vertex_mm = between_mm})};
 }
 
-std::vector<motion::Target> targets_of(const PointCloud& order) {
-  std::vector<motion::Target> targets;
+std::vector<wire::Target> targets_of(const PointCloud& order) {
+  std::vector<wire::Target> targets;
   targets.reserve(order.size());
   const auto steps = [](double mm) {
     return static_cast<std::int32_t>(std::lround(mm * order_steps_per_mm));
   };
   for (const Point& p : order) {
-    motion::Target target;
+    wire::Target target;
     target.steps[0] = steps(p.x - order[0].x);
     target.steps[1] = steps(p.y - order[0].y);
     target.steps[2] = steps(p.z - order[0].z);
@@ -140,7 +140,7 @@ order::Motion motion_of(const Machine& machine) {
   return {{accel, accel, accel}, {speed, speed, speed}, 1 / machine.lamp_hz};
 }
 
-double beats_of_order(const Machine& machine, const PointCloud& order, motion::JoinMode mode) {
+double beats_of_order(const Machine& machine, const PointCloud& order, wire::JoinMode mode) {
   if (order.empty()) return 0;
   const motion::Limits limits = limits_of(machine_settings(
       machine.lamp_hz, machine.accel_m_s2, machine.speed_m_s, 3, order_steps_per_mm));
@@ -173,7 +173,7 @@ SortingAngle sorting_angle(const SortingAngle& measured, const OrderCloud& cloud
   options.half_angle_deg = 0;
   const PointCloud ordered = order::order(cloud.points, order::Ordering::cone, options);
   SortingAngle row = measured;
-  row.start_stop = beats_of_order(angle_machine, ordered, motion::JoinMode::start_stop);
+  row.start_stop = beats_of_order(angle_machine, ordered, wire::JoinMode::start_stop);
   row.free = beats_of_order(angle_machine, ordered);
   if (planned) planned(cloud.points.size());
   return row;

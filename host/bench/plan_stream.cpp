@@ -6,16 +6,14 @@
 namespace lamplock::bench {
 namespace {
 
-using motion::window_points;
-
 /// Cuts one stream into windows.
 class Stream {
  public:
-  Stream(const motion::Limits& limits, const std::vector<motion::Target>& targets,
+  Stream(const motion::Limits& limits, const std::vector<wire::Target>& targets,
          const StreamOptions& options)
       : targets_(targets),
         total_(static_cast<std::uint32_t>(targets.size())),
-        ahead_(std::max(options.queued_at_once, window_points + motion::run_horizon)),
+        ahead_(std::max(options.queued_at_once, window_points + run_horizon)),
         queue_(std::make_unique<motion::PointQueue>()) {
     queue_->reset(0);
     request_.queue = queue_.get();
@@ -45,7 +43,7 @@ class Stream {
     for (std::uint32_t i = 0; i < request_.count; ++i) request_.points[i] = next_ + i;
     request_.follows = next_ != 0;
     request_.rest_at_end = next_ + request_.count == total_;
-    request_.known_end = std::min(next_ + request_.count + motion::run_horizon, total_);
+    request_.known_end = std::min(next_ + request_.count + run_horizon, total_);
   }
 
   void take(const motion::Planner& planner) {
@@ -58,7 +56,7 @@ class Stream {
     request_.start = planner.segment(count - 1).end;
   }
 
-  const std::vector<motion::Target>& targets_;
+  const std::vector<wire::Target>& targets_;
   std::uint32_t total_, ahead_;
   std::uint32_t next_ = 0;  ///< first point not committed
   std::unique_ptr<motion::PointQueue> queue_;
@@ -74,7 +72,7 @@ stepper::MotionState rest_at_zero() {
   return state;
 }
 
-StreamPlan plan_stream(const motion::Limits& limits, const std::vector<motion::Target>& targets,
+StreamPlan plan_stream(const motion::Limits& limits, const std::vector<wire::Target>& targets,
                        const StreamOptions& options, motion::Planner& planner,
                        const WindowObserver& observe) {
   return Stream(limits, targets, options).run(planner, observe);

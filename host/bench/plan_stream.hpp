@@ -1,8 +1,8 @@
-// A whole stream of points planned by the firmware's planner, as the machine does it.
+// Plans a whole stream of points with the firmware's planner, like the machine.
 //
 // In:  limits, mode, all points. Out: every segment and the beats of each.
-// Who: `lamplock bench`, the tests of planner and stepper. This is the one place outside the
-//      firmware that knows how the machine cuts a stream into windows (job_runner.hpp).
+// Who: `lamplock bench`, the tests of planner and stepper. Outside the firmware, only this file
+//      cuts a stream into windows like the machine (job_runner.hpp).
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 #include <functional>
 #include <vector>
 
-#include "firmware/motion/planner.hpp"
+#include "firmware/motion/free/planner.hpp"
 
 namespace lamplock::bench {
 
@@ -27,21 +27,21 @@ struct StreamPlan {
   }
 };
 
-/// Sees every window: the planner after planning it, and what it was asked.
+/// Called with every window: the planner after planning it, and its request.
 using WindowObserver = std::function<void(const motion::Planner&, const motion::PlanRequest&)>;
 
-/// How a stream is planned.
+/// Options of the planning.
 struct StreamOptions {
-  motion::JoinMode mode = motion::JoinMode::free;
-  std::uint32_t queued_at_once = motion::PointQueue::capacity;  ///< how far the queue is filled
+  wire::JoinMode mode = wire::JoinMode::free;
+  std::uint32_t queued_at_once = motion::PointQueue::capacity;  ///< points in the queue
 };
 
 /// Rest at the machine's zero, on lattice tick 0.
 stepper::MotionState rest_at_zero();
 
-/// Plans a stream that starts at rest at the machine's zero. Result: unreachable, with what was
-/// planned before.
-StreamPlan plan_stream(const motion::Limits& limits, const std::vector<motion::Target>& targets,
+/// Plans a stream that starts at rest at the machine's zero. The result may be unreachable, with
+/// the plan up to that point.
+StreamPlan plan_stream(const motion::Limits& limits, const std::vector<wire::Target>& targets,
                        const StreamOptions& options, motion::Planner& planner,
                        const WindowObserver& observe = {});
 

@@ -7,7 +7,7 @@
 namespace lamplock::bench {
 namespace {
 
-/// Sequences longer than this are searched as streams: what a lower bound misses adds up.
+/// Longer sequences are searched as streams, because errors of lower bounds add up.
 constexpr std::size_t longest_sequence = 40;
 /// Labels kept by the search for an upper bound.
 constexpr std::size_t beam_width = 8;
@@ -21,13 +21,13 @@ struct Label {
   SpeedBox box{};
 };
 
-/// Speed at the start that just makes the way in time when speeding up all along.
+/// Minimum start speed for the displacement in time, with constant acceleration.
 double least_start(double way, double beats, double limit) {
   const double v = way / beats - beats / 2;
   return v + beats <= limit ? v : limit - std::sqrt(2 * std::max(0.0, limit * beats - way));
 }
 
-/// Highest speed at the end from speed `v` at the start.
+/// Maximum end speed from start speed `v`.
 double highest_end(double v, double way, double beats, double limit) {
   const double u = -beats + std::sqrt(std::max(0.0, 2 * beats * beats + 4 * (way - v * beats)));
   if (v - (beats - u) / 2 >= -limit) return std::min(limit, v + u);
@@ -50,7 +50,7 @@ bool extend(const ReferenceProblem& problem, std::size_t i, const SpeedBox& from
   return true;
 }
 
-/// No fewer beats at full speed.
+/// Lower bound of beats, at full speed.
 int least_beats(const ReferenceProblem& problem, std::size_t i) {
   double least = 1;
   for (std::size_t a = 0; a < problem.axes; ++a)
@@ -58,7 +58,7 @@ int least_beats(const ReferenceProblem& problem, std::size_t i) {
   return static_cast<int>(least);
 }
 
-/// Labels of one point, by rising beats; none dominates another.
+/// Labels of one point, by ascending beats; none dominates another.
 class Labels {
  public:
   explicit Labels(std::size_t axes) : axes_(axes) {}
@@ -66,7 +66,7 @@ class Labels {
   const std::vector<Label>& all() const { return labels_; }
   void clear() { labels_.clear(); }
 
-  /// True if the box is contained in one that took no more beats. Later ones are larger: tried
+  /// True if the box is contained in one with no more beats. Later ones are larger and are tried
   /// first.
   bool dominated(const SpeedBox& box) const {
     return std::any_of(labels_.rbegin(), labels_.rend(),
@@ -93,7 +93,7 @@ class Loops {
   explicit Loops(const ReferenceProblem& problem) : problem_(problem) {}
 
   bool started() const { return started_; }
-  /// True if looped for all the beats since then, it has every speed.
+  /// True if the label, looped for all beats since then, contains every speed.
   bool everything() const { return everything_; }
   const SpeedBox& box() const { return box_; }
 
@@ -121,19 +121,20 @@ class Loops {
   bool started_ = false, everything_ = false;
 };
 
-/// Per point and beats left: the hull of speeds from which they can be enough.
+/// Per point and number of remaining beats: the hull of speeds from which they may be enough.
 class BeatsLeft {
  public:
   /// For totals up to `most`; `earliest` is a lower bound of the beats to each point. Hulls are
-  /// made for every `spacing`th number of beats; the next one serves those before it, which it
-  /// holds.
+  /// computed for every `spacing`th number of beats; the next one contains those before it and is
+  /// used for them.
   BeatsLeft(const ReferenceProblem& problem, int most, const std::vector<int>& earliest,
             int spacing);
 
-  /// No fewer beats from point i to the end, whatever the speed; more than `most` if too many.
+  /// Lower bound of the beats from point i to the end, for any speed; more than `most` if too many.
   int least(std::size_t i) const { return points_[i].least; }
 
-  /// Cuts a box at point i to what can be enough with `left` beats; false if nothing remains.
+  /// Cuts a box at point i to the speeds for which `left` beats may be enough; false if it is
+  /// empty.
   bool cut(std::size_t i, int left, SpeedBox& box) const {
     const Point& point = points_[i];
     if (left < point.least) return false;
@@ -148,7 +149,7 @@ class BeatsLeft {
  private:
   struct Point {
     int least = 0, first = 0;    ///< lower bound; beats of the first hull
-    std::vector<SpeedBox> hull;  ///< each holds those before it; none if not within `most`
+    std::vector<SpeedBox> hull;  ///< each contains those before it; none if not within `most`
 
     const SpeedBox& at(int left, int spacing) const {
       const int later = left <= first ? 0 : (left - first + spacing - 1) / spacing;
@@ -168,7 +169,7 @@ void include(std::size_t axes, const SpeedBox& more, SpeedBox& box) {
     box[a] = {std::min(box[a].lo, more[a].lo), std::max(box[a].hi, more[a].hi)};
 }
 
-/// A hull that rounding has not made too narrow where there is but one way.
+/// Widens a hull, so that rounding does not make it too narrow if there is only one plan.
 SpeedBox widened(SpeedBox box) {
   constexpr double rounding = 1e-9;
   for (SpeedRange& side : box) {
@@ -221,8 +222,8 @@ BeatsLeft::BeatsLeft(const ReferenceProblem& problem, int most, const std::vecto
   }
 }
 
-/// Lower bounds of the beats to each point: at full speed, then by coarse hulls of the same way
-/// backwards, since time can be reversed.
+/// Lower bounds of the beats to each point: at full speed, then by coarse hulls of the reversed
+/// sequence, because time can be reversed.
 std::vector<int> earliest_beats(const ReferenceProblem& problem, int most) {
   const std::size_t n = problem.way.size();
   ReferenceProblem back = problem;
@@ -241,8 +242,8 @@ void count(ReferenceResult& result, const std::vector<Label>& labels) {
   result.most_labels = std::max(result.most_labels, labels.size());
 }
 
-/// A plan that is good but need not be the best: an upper bound. At each point the labels with the
-/// fewest beats to rest there are kept.
+/// A good plan, maybe not the best: an upper bound. At each point the labels with the fewest beats
+/// to rest there are kept.
 long beam_search(const ReferenceProblem& problem) {
   struct Ranked {
     Label label;
@@ -259,7 +260,7 @@ long beam_search(const ReferenceProblem& problem) {
         Ranked to;
         if (!extend(problem, i, from.label.box, k, to.label.box)) continue;
         to.label.beats = from.label.beats + k;
-        double loop = 0;  // beats to rest at this same point, about
+        double loop = 0;  // approximate beats to rest at this point
         for (std::size_t a = 0; a < problem.axes; ++a) {
           const SpeedRange& side = to.label.box[a];
           loop = std::max(loop, std::max(side.lo, -side.hi));

@@ -1,21 +1,22 @@
-// The exact optimum of free planning in double precision: what the fixed-point planner is graded
-// by.
+// The exact optimum of free planning in double precision, the reference for the fixed-point
+// planner.
 //
 // In:  a sequence of displacements, rest to rest. Out: the fewest beats that any plan needs.
 // Who: `lamplock bench` (column "optimum") and the tests.
 //
-// A label is (beats so far, box of speed intervals). Axes couple only through the common beats, so
-// propagating intervals is exact. What is dropped is dropped by proof:
+// A label is (beats so far, box of speed intervals). Axes are coupled only by the common beats, so
+// propagating intervals is exact. Labels are dropped only by proof:
 //
 // * dominated: another label has no more beats and contains the box, or contains it after a loop.
 //   From (beats b, box B) a machine may leave the point and be back s beats later; B looped for s
-//   beats is reach(B, way 0, s beats), and what goes on from there also goes on from B directly. So
-//   labels end where the first one that contains rest, looped, has every speed.
+//   beats is reach(B, way 0, s beats), and every continuation from there is also one from B. So
+//   labels end when the first one that contains rest, looped, contains every speed.
 // * too late: short sequences are searched for a total of U beats, U rising from a lower bound
 //   until there is a plan. Backwards from the end, the hull per axis over every way to spend n
-//   beats holds all speeds from which n beats can be enough; labels are cut to it.
+//   beats contains all speeds from which n beats can be enough; labels are cut to it.
 //
-// No beam, no guess, no look at the work space. Memory: the labels of two neighbouring points.
+// The search is exact, without beam or heuristics; it ignores the work space. Memory: the labels of
+// two neighbouring points.
 #pragma once
 
 #include <array>
@@ -34,7 +35,7 @@ struct SpeedRange {
 using SpeedBox = std::array<SpeedRange, max_axes>;
 
 /// Speeds at the end of a displacement `way` in `beats`, |v| <= limit; false if there are none.
-/// Read backwards it gives the speeds at the start for those at the end: time can be reversed.
+/// Used backwards it gives the speeds at the start for those at the end: time can be reversed.
 bool reach(const SpeedRange& from, double way, double beats, double limit, SpeedRange& to);
 
 /// A sequence to plan, rest to rest: displacements in units of A beat^2, limits in units of A beat.
@@ -44,7 +45,7 @@ struct ReferenceProblem {
   std::array<double, max_axes> limit{};
 };
 
-/// What the search found and what it took.
+/// Result and cost of the search.
 struct ReferenceResult {
   long beats = 0;               ///< the optimum
   std::size_t labels = 0;       ///< labels kept, all points together
@@ -52,21 +53,21 @@ struct ReferenceResult {
   std::size_t segments_tried = 0;
 };
 
-/// Told the number of points that are done, now and then.
+/// Called now and then with the number of points done.
 using PointsDone = std::function<void(std::size_t)>;
 
 /// Fewest beats in total. Any length: short sequences at any lamp, streams where a step takes few
 /// beats (time grows with the square of the beats that reach full speed).
 ReferenceResult fewest_beats(const ReferenceProblem& problem, const PointsDone& done = {});
 
-/// The two searches it chooses from; they agree wherever both end.
+/// The two searches from which it chooses; they agree if both end.
 ReferenceResult fewest_beats_of_sequence(const ReferenceProblem& problem);
 ReferenceResult fewest_beats_of_stream(const ReferenceProblem& problem,
                                        const PointsDone& done = {});
 
 /// Beats of one displacement from rest to rest.
 int rest_to_rest(const ReferenceProblem& problem, std::size_t i);
-/// The same for all of them: what start-stop takes.
+/// The same for all displacements: the beats of start-stop.
 long start_stop_beats(const ReferenceProblem& problem);
 
 }  // namespace lamplock::bench

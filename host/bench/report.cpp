@@ -26,8 +26,8 @@ std::string measured_table(const BenchReport& report) {
       "  ours        start-stop of this planner, the object's step lengths along one axis\n"
       "  on a walk   {} of the same step lengths in random directions in a plane, seed {}: each\n"
       "              axis has its own limits, so that start-stop is less than along one axis\n"
-      "  optimum     exact: no plan needs fewer; gap: what free takes more than that\n"
-      "  saved       time of free less than start-stop on the same walk\n\n"
+      "  optimum     exact: no plan needs fewer; gap: beats of free above the optimum\n"
+      "  saved       time that free saves against start-stop on the same walk\n\n"
       "lamp  speed  accel                           | on a walk\n"
       "  Hz    m/s   m/s2  measured   ours   off %  | {}\n",
       report.measured.size(), glass_points, report.measured_points, report.seed, column_heads);

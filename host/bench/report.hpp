@@ -1,4 +1,4 @@
-// The tables of `lamplock bench` as text for people, and a chart.
+// The tables of `lamplock bench` as text, and a chart.
 //
 // In:  figures. Out: aligned plain ASCII; an SVG picture. Who: `lamplock bench`.
 #pragma once
@@ -12,7 +12,7 @@
 
 namespace lamplock::bench {
 
-/// A row of the measurements: ours beside it, and a walk with the same step lengths.
+/// A measured row with the result of this planner, and a walk with the same step lengths.
 struct MeasuredFigures {
   StartStopTime row;
   double start_stop = 0;  ///< ours, one axis
@@ -41,7 +41,7 @@ struct JerkFigures {
   JerkBeats path{};  ///< the row
 };
 
-/// Everything that was asked for; a part that was not is empty.
+/// The requested parts; other parts are empty.
 struct BenchReport {
   std::uint64_t seed = 0;
   int measured_points = 0;  ///< of the walk beside each measured row
@@ -55,7 +55,7 @@ struct BenchReport {
   std::vector<SortingAngle> angles;
 };
 
-/// Tables with a few lines that say how each column was obtained.
+/// Tables with a few lines that explain each column.
 std::string tables(const BenchReport& report);
 
 /// Beats per point against a/f^2: measured, start-stop, free, optimum. Needs measured rows.

@@ -14,8 +14,8 @@ namespace {
 
 using Place = std::array<double, max_axes>;
 
-motion::Target target_at(const Place& at_mm, double steps_per_mm) {
-  motion::Target target;
+wire::Target target_at(const Place& at_mm, double steps_per_mm) {
+  wire::Target target;
   for (std::size_t a = 0; a < max_axes; ++a)
     target.steps[a] = static_cast<std::int32_t>(std::lround(at_mm[a] * steps_per_mm));
   return target;
@@ -24,7 +24,7 @@ motion::Target target_at(const Place& at_mm, double steps_per_mm) {
 /// Distances between points of the thesis, mm.
 constexpr double least_spacing_mm = 0.1, most_spacing_mm = 0.15;
 
-/// Direction in which a course with corners reaches a point.
+/// Direction of a course with corners before a point.
 double direction(Course shape, int point) {
   const bool even_leg = point / corner_every % 2 == 0;
   if (shape == Course::stairs) return even_leg ? 0 : std::numbers::pi / 2;
@@ -50,8 +50,8 @@ std::vector<int> step_counts(int total) {
   return counts;
 }
 
-std::vector<motion::Target> histogram_walk(int points, int axes, double steps_per_mm,
-                                           std::uint64_t seed) {
+std::vector<wire::Target> histogram_walk(int points, int axes, double steps_per_mm,
+                                         std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<double> lengths_mm;
   const std::vector<int> counts = step_counts(points);
@@ -60,7 +60,7 @@ std::vector<motion::Target> histogram_walk(int points, int axes, double steps_pe
                       glass_step_lengths[i].step_um * 1e-3);
   std::shuffle(lengths_mm.begin(), lengths_mm.end(), random);
   std::normal_distribution<double> normal;
-  std::vector<motion::Target> targets;
+  std::vector<wire::Target> targets;
   Place at{};
   for (const double length : lengths_mm) {
     Place way{};
@@ -75,13 +75,13 @@ std::vector<motion::Target> histogram_walk(int points, int axes, double steps_pe
   return targets;
 }
 
-std::vector<motion::Target> course(Course shape, int points, double steps_per_mm,
-                                   std::uint64_t seed) {
+std::vector<wire::Target> course(Course shape, int points, double steps_per_mm,
+                                 std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> spacing(least_spacing_mm, most_spacing_mm);
   const double mean_mm = (least_spacing_mm + most_spacing_mm) / 2;
   const double radius_mm = points * mean_mm / (2 * std::numbers::pi);
-  std::vector<motion::Target> targets;
+  std::vector<wire::Target> targets;
   Place at{};
   double way_mm = 0;
   for (int i = 0; i < points; ++i) {
@@ -101,7 +101,7 @@ std::vector<motion::Target> course(Course shape, int points, double steps_per_mm
 }
 
 ReferenceProblem problem_of(const motion::Limits& limits,
-                            const std::vector<motion::Target>& targets) {
+                            const std::vector<wire::Target>& targets) {
   ReferenceProblem problem;
   problem.axes = static_cast<std::size_t>(limits.axes);
   problem.way.resize(targets.size());

@@ -6,15 +6,15 @@
 
 #include <string_view>
 
-#include "sim/chip/hex.hpp"
-#include "sim/chip/script/moment.hpp"
+#include "sim/chip/fabric/hex.hpp"
+#include "sim/chip/script/script_time.hpp"
 
 namespace lamplock::chip_tool {
 namespace {
 
 namespace chip = sim::chip;
 
-/// "die + 0x4": the function at an address and the place in it; empty if there is none.
+/// "die + 0x4": the function at an address and the offset in it; empty if there is none.
 std::string symbol_at(const ChipRun& run, std::uint32_t address) {
   if (address == 0) return {};
   // Return addresses have the Thumb bit.

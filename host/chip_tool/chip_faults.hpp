@@ -1,4 +1,4 @@
-// What the program on the chip has died of, for people and for programs.
+// Faults of the program on the chip, for the user and as JSON.
 //
 // In:  a run that has ended. Out: text, JSON. Who: the summary and the exit status of
 // `lamplock chip`.

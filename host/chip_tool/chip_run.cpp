@@ -3,23 +3,20 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "host/cli/boards.hpp"
-#include "host/cli/endpoints.hpp"
-#include "host/cli/outputs.hpp"
-#include "host/cli/simulator_error.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/file/output_files.hpp"
+#include "host/run/endpoints.hpp"
+#include "host/run/simulated_boards.hpp"
+#include "host/run/simulator_error.hpp"
 #include "sim/chip/script/parser.hpp"
 
 namespace lamplock::chip_tool {
 namespace {
 
-using cli::check_distinct;
-using cli::check_target;
-using cli::open_tcp;
-using cli::read_image;
-using cli::refuse;
-using cli::write_whole;
+using run::open_tcp;
+using run::read_image;
+using run::refuse;
 
 namespace chip = sim::chip;
 
@@ -89,7 +86,7 @@ bool ChipRun::advance(chip::Cycle target, const std::function<bool()>& give_up) 
 bool ChipRun::run_until(sim::Picoseconds until, const std::function<bool()>& give_up) {
   bool goes_on = true;
   chip::Cycle reached = 0;
-  // A change of the clock moves the cycle that a time means.
+  // A change of the clock changes the cycle of a given time.
   for (chip::Cycle target = chip_.wheel().cycle_at(until); goes_on && target > chip_.wheel().now();
        target = chip_.wheel().cycle_at(until)) {
     goes_on = advance(target, give_up);

@@ -1,11 +1,12 @@
-// One image on one simulated chip, with everything that can be connected to it.
+// Runs one image on one simulated chip, with all devices that can be connected to it.
 //
-// In:  an image, what is wanted of it; time.
-// Out: the run: its pads, ports, profile, and how its script stands.
-// Who: `lamplock chip`, which asks for slices of time and shows what came of them.
+// In:  an image, options of the run; time.
+// Out: the run: its pads, ports, profile, and the state of its script.
+// Who: `lamplock chip`, which runs slices of time and shows the results.
 //
-// Time 0 is power-up. A PC is at the USB from the start; an image without USB never notices. With a
-// debugger the cores stand in front of their first instruction until it lets them go.
+// Time 0 is power-up. A PC is connected to the USB from the start; it has no effect on an image
+// without USB. With a debugger the cores are halted before their first instruction until it
+// continues them.
 #pragma once
 
 #include <array>
@@ -15,7 +16,7 @@
 #include <optional>
 #include <string>
 
-#include "host/cli/staged_file.hpp"
+#include "host/file/staged_file.hpp"
 #include "sim/chip/chip.hpp"
 #include "sim/chip/gdb/server.hpp"
 #include "sim/chip/image/image.hpp"
@@ -31,7 +32,7 @@
 
 namespace lamplock::chip_tool {
 
-/// What is wanted of a run; empty: not.
+/// Options of a run; empty: not used.
 struct ChipRunOptions {
   std::string image{}, script{}, vcd{}, profile{};
   std::string gdb{};  ///< [HOST:]PORT, 0 any free one
@@ -57,15 +58,14 @@ class ChipRun {
   ChipRun(const ChipRun&) = delete;
   ChipRun& operator=(const ChipRun&) = delete;
 
-  /// Where a debugger finds the chip, HOST:PORT; empty without one.
+  /// Address of the chip for a debugger, HOST:PORT; empty without one.
   std::string debugger_address() const { return door_ ? door_->address() : std::string(); }
-  /// Runs to a simulated time, and the instructions in progress to their ends; with a debugger as
-  /// it wants, and `give_up` is asked while it halts the chip. False: the debugger or give_up has
-  /// ended the run.
+  /// Runs to a simulated time, and the instructions in progress to their ends. A debugger may halt
+  /// the chip; `give_up` is called meanwhile. False: the debugger or give_up has ended the run.
   bool run_until(sim::Picoseconds until, const std::function<bool()>& give_up);
-  /// The first cycle at the time it has been run to, whatever its instructions have done beyond.
+  /// The time up to which the chip has run; its last instructions may end later.
   sim::Picoseconds now() const { return reached_; }
-  /// Puts the trace and the profile in their places. Throws Error(bad_input).
+  /// Writes the trace and the profile to their files. Throws Error(bad_input).
   void finish();
 
   const sim::chip::FunctionTable& functions() const { return functions_; }
@@ -81,20 +81,20 @@ class ChipRun {
   const sim::chip::PadCounter& pads() const { return pads_; }
   /// Null without a script.
   const sim::chip::script::Runner* script() const { return runner_.get(); }
-  /// What profiles know of a core; null without one.
+  /// The profile of a core; null without one.
   const sim::chip::Profile* profile(std::size_t core) const {
     return profiles_[core] ? &profiles_[core]->table : nullptr;
   }
 
  private:
-  /// A file that takes text while the chip runs.
+  /// A file that is written while the chip runs.
   struct Trace {
     Trace(const std::string& name, sim::chip::Chip& chip);
-    cli::StagedFile file;
+    StagedFile file;
     std::ofstream stream;
     sim::chip::PadTrace writer;
   };
-  /// Both views of where a core's cycles go.
+  /// Both views of the use of a core's cycles.
   struct CoreProfile {
     CoreProfile(sim::chip::Core& core, const sim::chip::Image& image);
     sim::chip::ShadowStack stack;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/chip_tool/chip_faults.hpp"
-#include "sim/chip/script/moment.hpp"
+#include "sim/chip/script/script_time.hpp"
 
 namespace lamplock::chip_tool {
 namespace {
@@ -29,7 +29,7 @@ double ratio(ChipRun& run, double wall_seconds) {
   return wall_seconds > 0 ? sim::seconds(run.now()) / wall_seconds : 0;
 }
 
-/// What the USB has to complain about, from both ends of the cable.
+/// Violations of the USB protocol, from both ends of the cable.
 std::vector<std::string> usb_violations(ChipRun& run) {
   const auto& device = run.chip().usb().violations();
   const auto& host = run.usb_host().violations();
@@ -79,13 +79,13 @@ std::string end_text(const RunResult& result) {
     case RunEnd::terminated:
       return "SIGTERM";
     case RunEnd::debugger:
-      return "the debugger has ended the run";
+      return "ended by the debugger";
   }
   return {};
 }
 
 chip::script::Failure open_step(const ChipRun& run, const RunResult& result) {
-  // Where a limit has ended the run, the last instructions may have gone beyond it.
+  // If a limit has ended the run, the last instructions may have ended after it.
   return run.script()->standing(std::min(run.now(), result.limit));
 }
 

@@ -17,11 +17,11 @@
 #include "host/chip_tool/command_chip.hpp"
 #include "host/cli/command_line.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/endpoints.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/program.hpp"
-#include "host/cli/simulator_error.hpp"
 #include "host/cli/validators.hpp"
+#include "host/run/endpoints.hpp"
+#include "host/run/simulator_error.hpp"
 #include "sim/chip/script/parser.hpp"
 
 namespace lamplock::chip_tool {
@@ -30,25 +30,25 @@ namespace {
 using cli::Command;
 using cli::Console;
 using cli::Interrupt;
-using cli::most_unsent;
 using cli::one_of;
-using cli::open_pty;
-using cli::refuse;
+using run::max_unsent;
+using run::open_pty;
+using run::refuse;
 
 using WallClock = std::chrono::steady_clock;
 using sim::Picoseconds;
 using sim::chip::script::Port;
 
-/// Ports and Ctrl-C are looked at this often, simulated time.
+/// Interval for ports and Ctrl-C, simulated time.
 constexpr Picoseconds slice = 100 * sim::ps_per_us;
-/// So much ahead of the wall clock, a run with terminals waits.
+/// A run with terminals that is further ahead of the wall clock waits.
 constexpr Picoseconds tolerated_lead = sim::ps_per_ms;
-/// A script without --until is over by then, or has failed.
+/// A script without --until must end by then.
 constexpr Picoseconds default_script_limit = 60 * sim::ps_per_s;
 /// Costliest functions shown per core.
 constexpr std::size_t profile_lines = 20;
 constexpr std::size_t mib = 1024 * 1024;
-/// What --pty, --uart and --uart1 mean without a name of one's own.
+/// The value of --pty, --uart and --uart1 without a name.
 constexpr const char* unnamed = "pty";
 
 struct Options {
@@ -70,7 +70,7 @@ class Terminal {
     const std::size_t count = endpoint_->read(bytes);
     if (count > 0) ports.send(port_, {reinterpret_cast<const char*>(bytes.data()), count});
     const std::string said = ports.take(port_);
-    if (unsent_.size() < most_unsent) unsent_ += said;
+    if (unsent_.size() < max_unsent) unsent_ += said;
     const auto* const first = reinterpret_cast<const std::uint8_t*>(unsent_.data());
     unsent_.erase(0, endpoint_->write({first, unsent_.size()}));
   }
@@ -81,7 +81,7 @@ class Terminal {
   std::string unsent_;
 };
 
-/// Where the bytes of the chip's ports go.
+/// Terminals for the bytes of the chip's ports.
 class Terminals {
  public:
   Terminals(const Options& options, Console& console) : console_(console) {
@@ -112,8 +112,8 @@ class Terminals {
   std::vector<std::unique_ptr<Terminal>> terminals_;
 };
 
-/// A run with terminals keeps to the wall clock where it can; a run that has fallen behind does not
-/// hurry afterwards.
+/// Keeps a run with terminals at the pace of the wall clock if possible; a run that is late does
+/// not catch up later.
 class Pace {
  public:
   void wait(Picoseconds simulated) {
@@ -131,7 +131,7 @@ class Pace {
   WallClock::time_point start_ = WallClock::now();
 };
 
-/// When a run ends at the latest, and what has set that limit.
+/// Latest end of a run, and the source of that limit.
 RunResult limit_of(const Options& options) {
   if (options.until.empty() && !options.run.script.empty())
     return {RunEnd::default_limit, default_script_limit, 0};
@@ -157,7 +157,7 @@ RunEnd run_to_end(ChipRun& run, Terminals& terminals, const RunResult& limit,
   Pace pace;
   while (run.now() < limit.limit && !script_done()) {
     if (interrupted()) return stopped();
-    // On a grid of slices, however far the one before has gone beyond its end.
+    // On a grid of slices: the one before may have ended late.
     const Picoseconds next = (run.now() / slice + 1) * slice;
     if (!run.run_until(std::min(limit.limit, next), interrupted)) return stopped();
     terminals.exchange(run.ports());
@@ -182,7 +182,7 @@ using sim::chip::script::Failure;
                           word_of(fault.kind)));
 }
 
-/// A fault comes before an expectation that failed later: it is the likely reason.
+/// A fault has priority over an expectation that failed later: it is the likely cause.
 Exit conclude(const ChipRun& run, const std::string& script, const RunResult& result) {
   if (result.end == RunEnd::terminated) return Exit::terminated;
   const auto* const runner = run.script();
@@ -190,12 +190,12 @@ Exit conclude(const ChipRun& run, const std::string& script, const RunResult& re
       runner != nullptr ? runner->failure() : std::optional<Failure>();
   const sim::chip::Fault* const fault = run.fatal_fault();
   if (fault != nullptr && (!failure || fault->at <= failure->at)) image_failed(run, *fault);
-  if (failure) expectation_failed(script, *failure, "look at the trace (--vcd FILE)");
+  if (failure) expectation_failed(script, *failure, "examine the trace (--vcd FILE)");
   if (runner == nullptr || runner->done()) return Exit::done;
   if (result.end == RunEnd::interrupt || result.end == RunEnd::debugger) return Exit::interrupted;
   Failure open = open_step(run, result);
   open.seen += " (" + end_text(result) + ')';
-  expectation_failed(script, open, "look at the trace (--vcd FILE) or give a later --until");
+  expectation_failed(script, open, "examine the trace (--vcd FILE) or give a later --until");
 }
 
 Exit run_image(const Options& options) {
@@ -235,35 +235,37 @@ void add_chip(Command& program) {
   const auto options = std::make_shared<Options>();
   app.add_option("IMAGE", &options->run.image, "ELF, UF2 or BIN file").required();
   app.add_option("--until", &options->until,
-                 "End at this simulated time, such as 2.5s or 10ms; default: the end of the "
-                 "script, at most 60s, or without a script Ctrl-C")
+                 "Stop at this simulated time, such as 2.5s or 10ms; default: the end of the "
+                 "script, at most 60s; without a script: Ctrl-C")
       .value_name("TIME");
   app.add_option("--script", &options->run.script,
-                 "Drive pins and ports, and expect things of them (docs/chip-script.md)")
+                 "Script that drives pins and ports and checks them (docs/chip-script.md)")
       .value_name("FILE");
-  app.add_option("--vcd", &options->run.vcd, "Trace of all pins, for GTKWave").value_name("FILE");
+  app.add_option("--vcd", &options->run.vcd, "Write a trace of all pins (VCD, for GTKWave)")
+      .value_name("FILE");
   app.add_option("--profile", &options->run.profile,
-                 "Cycles by function and interrupt, as folded stacks for flame graphs; a table on "
-                 "the terminal")
+                 "Write cycles by function and interrupt as folded stacks for flame graphs, and "
+                 "print a table")
       .value_name("FILE");
   app.add_option("--pty", &options->pty,
-                 "Serial port of the image's USB as a pseudo-terminal; --pty=LINK makes a link to "
-                 "it; keeps to the wall clock")
+                 "Open a pseudo-terminal for the USB serial port of the image and run in real "
+                 "time; --pty=LINK creates a link to the pseudo-terminal")
       .bare(unnamed);
   app.add_option("--uart", &options->uart0,
-                 "UART0: - shows what it sends, pty makes a pseudo-terminal, any other name a "
-                 "link to one")
+                 "UART0: - prints its output; pty opens a pseudo-terminal; any other name also "
+                 "creates a link of that name to the pseudo-terminal")
       .value_name("-|pty|LINK");
-  app.add_option("--uart1", &options->uart1, "The same for UART1; both can be shown")
+  app.add_option("--uart1", &options->uart1,
+                 "Same as --uart for UART1; the output of both can be printed")
       .value_name("-|pty|LINK");
   app.add_option("--gdb", &options->run.gdb,
-                 "Wait for gdb on this port of 127.0.0.1 (0: any free one), or on HOST:PORT, with "
+                 "Wait for gdb on this port of 127.0.0.1 (0: any free port), or on HOST:PORT, with "
                  "both cores halted at reset")
       .value_name("PORT");
   app.add_option("--freq", &options->freq, "Print the frequencies of clocks and pins at the end");
-  app.add_option("--step-every-clock", &options->run.step_every_clock,
-                 "Run PIO and DMA in every single clock instead of skipping those in which nothing "
-                 "happens: slower, the same trace");
+  app.add_option(
+      "--step-every-clock", &options->run.step_every_clock,
+      "Run PIO and DMA in every clock cycle instead of skipping idle cycles; slower, same trace");
   const auto flash_mib = std::make_shared<std::size_t>(options->run.flash_size / mib);
   app.add_option("--flash-size", flash_mib.get(), "Size of the flash in MiB")
       .check(one_of({"1", "2", "4", "8", "16"}))

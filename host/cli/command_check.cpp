@@ -1,16 +1,13 @@
 // `lamplock check`: what a program of G-code does, without a machine.
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/options.hpp"
-#include "host/cli/staged_file.hpp"
-#include "host/file.hpp"
-#include "host/program/path_picture.hpp"
-#include "host/program/program_run.hpp"
+#include "host/cli/machine_options.hpp"
+#include "host/cli/validators.hpp"
+#include "host/run/check_program.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::cli {
@@ -18,13 +15,7 @@ namespace {
 
 using program_run::Problem;
 using program_run::ProgramRun;
-
-struct CheckOptions {
-  std::string input{}, picture{};
-  MachineOptions machine{};
-  std::size_t most_problems = 20;
-  bool json = false;
-};
+using run::CheckOptions;
 
 /// Hours, minutes, seconds.
 std::string time_text(double seconds) {
@@ -48,7 +39,7 @@ void say_result(Console& console, const ProgramRun& run) {
     console.say("{}         {:.3f} to {:.3f} mm", axis_letters[index(a)], run.bounds.low[index(a)],
                 run.bounds.high[index(a)]);
   if (run.locked != 0) console.say("shots     {} on the beat", run.beats.shots);
-  if (run.pauses != 0) console.say("pauses    {}, whose time is not counted", run.pauses);
+  if (run.pauses != 0) console.say("pauses    {}, not included in the time", run.pauses);
 }
 
 Json document(const CheckOptions& options, const ProgramRun& run) {
@@ -68,58 +59,47 @@ Json document(const CheckOptions& options, const ProgramRun& run) {
           {"ended", run.ended},     {"problems", problems}};
 }
 
-Exit check_program(const CheckOptions& options) {
+Exit check(const CheckOptions& options) {
   Console console(options.json);
-  const job::Profile profile = options.machine.profile();
-  if (!options.picture.empty()) {
-    if (lower_extension(options.picture) != ".svg")
-      throw Error(Exit::bad_input, options.picture, "pictures of a path are written as SVG",
-                  "name it something.svg");
-    check_target(options.picture);
-  }
-  const std::string text = read_file(options.input);
-  const ProgramRun run = program_run::run_program(text, profile.settings, options.most_problems);
+  const ProgramRun run = run::check_program(options);
   for (const Problem& p : run.problems) console.line(problem_text(options.input, p));
   say_result(console, run);
-  if (!options.picture.empty()) {
-    write_whole(options.picture, [&](const std::filesystem::path& path) {
-      write_file(path, program_run::path_svg(
-                           run, std::filesystem::path(options.input).filename().string()));
-    });
-    console.say("picture   {}", options.picture);
-  }
+  if (!options.picture.empty()) console.say("picture   {}", options.picture);
   console.document(document(options, run));
   if (run.problems.empty()) return Exit::done;
-  const bool more = run.problems.size() >= options.most_problems;
+  const bool more = run.problems.size() >= options.max_problems;
   throw Error(Exit::bad_input, options.input,
-              fmt::format("{}{} wrong", run.problems.size(),
-                          more                       ? " or more lines are"
-                          : run.problems.size() == 1 ? " line is"
-                                                     : " lines are"),
-              "the list above says where and why");
+              fmt::format("{}{}", run.problems.size(),
+                          more ? " lines are wrong, the maximum of --most: the check stopped there"
+                          : run.problems.size() == 1 ? " line is wrong"
+                                                     : " lines are wrong"),
+              "correct the lines listed above");
 }
 
 }  // namespace
 
 void add_check(Command& program) {
   Command& app = program.add_command(
-      "check", "Read a program of G-code: errors, time, bounds, a picture of its path");
+      "check", "Check a G-code program: report errors, time and bounds, and draw its path");
   app.footer(
-      "Runs the interpreter and the planner of the firmware; the time is that of the machine.\n"
-      "Example:\n  lamplock check part.ngc --machine machine.toml --picture part.svg");
+      "The interpreter and the planner of the firmware run the program, so the machine takes the\n"
+      "time that is reported.\n"
+      "Example:\n"
+      "  lamplock check part.ngc --machine machine.toml --picture part.svg");
   const auto options = std::make_shared<CheckOptions>();
-  app.add_option("PROGRAM", &options->input, "G-code").required().value_name("FILE");
-  options->machine.add_machine(app);
-  app.add_option("--picture", &options->picture, "Picture (SVG) of the path, with power in colour")
+  app.add_option("PROGRAM", &options->input, "G-code program").required().value_name("FILE");
+  add_machine(app, options->machine);
+  app.add_option("--picture", &options->picture,
+                 "Write a picture (SVG) of the path, coloured by laser power")
       .check(file_name())
       .value_name("FILE");
-  app.add_option("--most", &options->most_problems,
-                 "Give up after so many wrong lines, 1 to 1000000")
+  app.add_option("--most", &options->max_problems,
+                 "Stop after this number of wrong lines, 1 to 1000000")
       .check(number_in({1, 1'000'000}))
       .value_name("N")
       .show_default();
   app.add_json(options->json);
-  app.action([options] { return check_program(*options); });
+  app.action([options] { return check(*options); });
 }
 
 }  // namespace lamplock::cli

@@ -5,8 +5,8 @@
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/report_folder.hpp"
 #include "host/report/summary.hpp"
+#include "host/run/report_folder.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -18,7 +18,8 @@ struct CompareOptions {
 
 Exit compare(const CompareOptions& options) {
   Console console(options.json);
-  const report::Report first = read_report(options.first), second = read_report(options.second);
+  const report::Report first = run::read_report(options.first),
+                       second = run::read_report(options.second);
   console.text(report::summary(first, second));
   const auto beats = [](const report::Report& r) { return static_cast<double>(r.beats); };
   Json ratio = nullptr;
@@ -38,8 +39,10 @@ void add_compare(Command& program) {
       "  lamplock engrave model.stl --mode free --report free\n  lamplock compare stop free");
   const auto options = std::make_shared<CompareOptions>();
   app.add_option("FIRST", &options->first, "Folder of a report").required().value_name("DIR");
-  app.add_option("SECOND", &options->second, "Folder of another").required().value_name("DIR");
-  app.add_json(options->json, "Print both and the ratio as JSON on stdout");
+  app.add_option("SECOND", &options->second, "Folder of another report")
+      .required()
+      .value_name("DIR");
+  app.add_json(options->json, "Print both reports and the ratio of beats as JSON on stdout");
   app.action([options] { return compare(*options); });
 }
 

@@ -5,13 +5,13 @@
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/device_list.hpp"
+#include "host/run/device_list.hpp"
 #include "host/usb/libusb_bus.hpp"
 
 namespace lamplock::cli {
 namespace {
 
-Json as_json(const DeviceRow& row) {
+Json as_json(const run::DeviceRow& row) {
   const auto text = [](const std::string& value) { return value.empty() ? Json() : Json(value); };
   return {{"kind", row.kind},
           {"name", row.name},
@@ -22,7 +22,7 @@ Json as_json(const DeviceRow& row) {
           {"problem", text(row.problem)}};
 }
 
-void say(Console& console, const DeviceRow& row) {
+void say(Console& console, const run::DeviceRow& row) {
   const auto shown = [](const std::string& value) { return value.empty() ? "-" : value; };
   console.say("{:<12} {:<26} {:<18} {:<8} {:<15} {}", row.kind, row.name, shown(row.serial),
               shown(row.place), shown(row.node), row.use.empty() ? "not usable yet" : row.use);
@@ -32,9 +32,9 @@ void say(Console& console, const DeviceRow& row) {
 Exit list(bool json) {
   Console console(json);
   usb::LibusbBus bus;
-  const std::vector<DeviceRow> rows = list_devices(bus);
+  const std::vector<run::DeviceRow> rows = run::list_devices(bus);
   Json document = Json::array();
-  for (const DeviceRow& row : rows) {
+  for (const run::DeviceRow& row : rows) {
     if (!json) say(console, row);
     document.push_back(as_json(row));
   }
@@ -47,12 +47,14 @@ Exit list(bool json) {
 
 void add_devices(Command& program) {
   Command& app = program.add_command(
-      "devices", "Boards, boot loaders, pendants and GPIO chips of this computer");
+      "devices", "List boards, boot loaders, pendants and GPIO chips of this computer");
   app.footer(
-      "What may not be used is told with what helps: docs/devices.md.\n"
-      "Example:\n  lamplock devices\n  lamplock devices --json");
+      "The list shows a remedy for each device that cannot be used (docs/devices.md).\n"
+      "Example:\n"
+      "  lamplock devices\n"
+      "  lamplock devices --json");
   const auto json = std::make_shared<bool>(false);
-  app.add_json(*json, "Print them as JSON on stdout");
+  app.add_json(*json, "Print the list as JSON on stdout");
   app.action([json] { return list(*json); });
 }
 

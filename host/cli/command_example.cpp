@@ -4,7 +4,7 @@
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/staged_file.hpp"
+#include "host/file/staged_file.hpp"
 #include "host/model/example.hpp"
 
 namespace lamplock::cli {

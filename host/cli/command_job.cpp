@@ -1,17 +1,18 @@
 // `lamplock job`: a job file, made or shown.
+#include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/engraving.hpp"
-#include "host/cli/job_points.hpp"
-#include "host/cli/mode_name.hpp"
-#include "host/cli/outputs.hpp"
-#include "host/cli/prepare.hpp"
-#include "host/cli/staged_file.hpp"
+#include "host/cli/documents.hpp"
+#include "host/cli/engraving_options.hpp"
 #include "host/job/job_file.hpp"
+#include "host/run/bounds_text.hpp"
+#include "host/run/job_points.hpp"
+#include "host/run/mode_name.hpp"
+#include "host/run/prepare_job.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::cli {
@@ -25,12 +26,12 @@ struct JobOptions {
 
 /// What is in a job, as text and as JSON.
 void describe(const job::Job& job, const std::string& file, Console& console) {
-  const points::Bounds box = points::bounds(points_of(job));
-  console.say("{}: {} {}s, {}{}", file, job.size(), job.item(), mode_name(job.header.mode),
+  const geometry::Bounds box = geometry::bounds(run::points_of(job));
+  console.say("{}: {} {}s, {}{}", file, job.size(), job.item(), run::mode_name(job.header.mode),
               job.header.dry ? ", dry" : "");
   const std::size_t pauses = job.is_rows() ? 0 : job.size() - job.points_before(job.size());
   if (pauses > 0) console.say("  {} of them pauses", pauses);
-  console.say("  inside {}", bounds_text(box));
+  console.say("  inside {}", run::bounds_text(box));
   console.say("  made for settings {:08x}, which it states:", job.settings.hash());
   Json overrides = Json::object();
   for (const wire::Override& item : job.header.used_overrides()) {
@@ -41,7 +42,7 @@ void describe(const job::Job& job, const std::string& file, Console& console) {
   }
   console.document({{"file", file},
                     {fmt::format("{}s", job.item()), job.size()},
-                    {"mode", mode_name(job.header.mode)},
+                    {"mode", run::mode_name(job.header.mode)},
                     {"dry", job.header.dry},
                     {"axes", job.header.axes},
                     {"settings_hash", job.settings.hash()},
@@ -51,7 +52,8 @@ void describe(const job::Job& job, const std::string& file, Console& console) {
 
 /// What is shown is made already.
 void check_show(const JobOptions& options) {
-  const std::string why = "is for making a job, not for showing one", remedy = "leave it out";
+  const std::string why = "is used only to make a job, not to show a job file",
+                    remedy = "leave it out";
   options.engraving.refuse_options(why, remedy);
   const auto refuse_if = [&](bool given, const char* option) {
     if (given) throw Error(Exit::bad_input, option, why, remedy);
@@ -73,15 +75,10 @@ Exit make_or_show(const JobOptions& options) {
     return Exit::done;
   }
   if (options.output.empty())
-    throw Error(Exit::bad_input, "lamplock job", "where to write is missing", "give -o FILE.llj");
-  check_target(options.output);
-  options.engraving.check_save();
-  check_distinct({{"-o", options.output}, {"--save", options.engraving.save_file()}},
-                 options.engraving.input);
-  const Work work = make_work(options.engraving, options.dry, console);
-  write_whole(options.output, [&work](const auto& path) { job::write_job_file(path, work.job); });
-  console.phase("written", options.output);
-  if (options.json) describe(work.job, options.output, console);
+    throw Error(Exit::bad_input, "lamplock job", "no output file is given", "give -o FILE.llj");
+  const job::Job job =
+      run::make_job_file(options.engraving.request(), options.dry, options.output, console);
+  if (options.json) describe(job, options.output, console);
   return Exit::done;
 }
 
@@ -96,8 +93,9 @@ void add_job(Command& program) {
   options->engraving.add(app, false);
   options->engraving.add_save(app);
   app.add_option("-o,--output", &options->output, "Job file to write").value_name("FILE.llj");
-  app.add_option("--show", &options->show, "Show what is in a job file").value_name("FILE.llj");
-  app.add_option("--dry", &options->dry, "A job that moves and never fires");
+  app.add_option("--show", &options->show, "Show the contents of a job file")
+      .value_name("FILE.llj");
+  app.add_option("--dry", &options->dry, "Make a job that moves without firing");
   app.add_json(options->json);
   app.action([options] { return make_or_show(*options); });
 }

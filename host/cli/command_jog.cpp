@@ -1,19 +1,23 @@
 // `lamplock jog`: move a machine by hand, with keys or a pendant.
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "host/cli/board_options.hpp"
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/guarded_board.hpp"
-#include "host/cli/jog_session.hpp"
+#include "host/cli/jog_screen.hpp"
+#include "host/cli/machine_options.hpp"
+#include "host/cli/validators.hpp"
 #include "host/pendant/read_key_map.hpp"
+#include "host/run/jog_session.hpp"
 
 namespace lamplock::cli {
 namespace {
 
-struct JogOptions : BoardChoice {
+struct JogOptions : run::BoardChoice {
   std::string pendant = "auto";
   std::optional<std::string> mode;
   std::optional<double> feed_mm_min, step_mm;
@@ -22,8 +26,8 @@ struct JogOptions : BoardChoice {
 /// In the order of pendant::Mode.
 constexpr std::array mode_names{"step", "continuous", "feed"};
 
-JogChoice choice_of(const JogOptions& options) {
-  JogChoice choice;
+run::JogChoice choice_of(const JogOptions& options) {
+  run::JogChoice choice;
   choice.pendant = options.pendant;
   choice.map = options.machine.machine.empty() ? pendant::default_key_map()
                                                : pendant::read_key_map(options.machine.machine);
@@ -41,7 +45,7 @@ JogChoice choice_of(const JogOptions& options) {
   return choice;
 }
 
-Json document_of(const JogSession& session) {
+Json document_of(const run::JogSession& session) {
   const pendant::Jogger& jogger = session.jogger();
   const pendant::MachineNow& machine = jogger.machine();
   return {{"pendant", session.pendant_name()},  {"state", machine.status.state},
@@ -52,9 +56,10 @@ Json document_of(const JogSession& session) {
 
 Exit jog(const JogOptions& options) {
   Console console(options.board.json);
-  const JogChoice choice = choice_of(options);
-  GuardedBoard board(options);
-  JogSession session(board, choice, console);
+  const run::JogChoice choice = choice_of(options);
+  run::SupervisedBoard board(options);
+  JogScreen screen(console);
+  run::JogSession session(board, choice, console, screen);
   session.run();
   console.document(document_of(session));
   return session.interrupted() ? Exit::interrupted : Exit::done;
@@ -67,20 +72,23 @@ std::vector<std::string> pendant_names() {
 }
 
 void add_options(Command& app, const std::shared_ptr<JogOptions>& options) {
-  app.add_option("--pendant", &options->pendant, "auto: the first that is plugged in")
+  app.add_option("--pendant", &options->pendant,
+                 "auto: the first pendant that is connected; none: keys only")
       .check(one_of(pendant_names()))
       .value_name("auto|none|hb04|whb04b|shuttlexpress|shuttlepro")
       .show_default();
   app.add_option("--mode", &options->mode,
-                 "What the wheel does at first; held keys go on in continuous. Without it: step "
-                 "with a pendant, else continuous")
+                 "Mode of wheel and keys at the start; continuous: the machine moves while a key "
+                 "is held; default: step with a pendant, otherwise continuous")
       .check(one_of({mode_names.begin(), mode_names.end()}))
       .value_name("step|continuous|feed");
   constexpr double least = 0.001, greatest_step_mm = 100, greatest_feed = 1e6;
-  app.add_option("--feed", &options->feed_mm_min, "Feed of jogs; 3000 without it and [pendant]")
+  app.add_option("--feed", &options->feed_mm_min,
+                 "Feed rate of jogs; default: feed rate in [pendant] of the machine profile, "
+                 "otherwise 3000")
       .check(number_in({least, greatest_feed}))
       .value_name("MM_MIN");
-  app.add_option("--step", &options->step_mm, "Length of a step at first; 0.1 without it")
+  app.add_option("--step", &options->step_mm, "Step length at the start; default: 0.1")
       .check(number_in({least, greatest_step_mm}))
       .value_name("MM");
   app.add_json(options->board.json);
@@ -91,17 +99,20 @@ void add_options(Command& app, const std::shared_ptr<JogOptions>& options) {
 void add_jog(Command& program) {
   Command& app = program.add_command("jog", "Move the machine by hand, with keys or a USB pendant");
   app.footer(
-      "Keys: arrows X and Y, PgUp and PgDn Z, comma and point A: a step; held they go on.\n"
-      "+ - length of the step, m mode, x y z a choose an axis, 0 its zero is here, g go to zero,\n"
-      "h home, u unlock, ! hold, ~ go on, Ctrl-X reset, space or Esc stop, q leave.\n"
-      "Whatever ends, the hand, the pendant, this program or the cable, a jog at a speed stops\n"
-      "behind it; without this program or the cable a step, a way to a place, homing and the line\n"
-      "of a macro come to their end.\n"
-      "Keys, pendants and macros are in the table [pendant] of --machine: docs/pendants.md.\n"
-      "Example:\n  lamplock jog --board /dev/ttyACM0 --step 0.01\n"
+      "Keys that move: arrows (X and Y), PgUp and PgDn (Z), comma and full stop (A). A key "
+      "pressed\n"
+      "once moves one step; in the mode continuous a held key moves until it is released.\n"
+      "Other keys: + - step length, m mode, x y z a select an axis, 0 set its zero here,\n"
+      "g go to zero, h home, u unlock, ! hold, ~ resume, Ctrl-X reset, space or Esc stop, q quit.\n"
+      "If a key, the pendant, the program or the cable fails, continuous jogging stops; a single\n"
+      "move, homing or the current line of a macro is completed.\n"
+      "The table [pendant] of --machine defines keys, pendants and macros (docs/pendants.md).\n"
+      "Example:\n"
+      "  lamplock jog --board /dev/ttyACM0 --step 0.01\n"
       "  lamplock jog --board virtual --pendant none");
   const auto options = std::make_shared<JogOptions>();
-  options->add(app);
+  add_board_choice(app, options->board);
+  add_machine(app, options->machine);
   add_options(app, options);
   app.action([options] {
     options->board.profile = options->machine.machine;

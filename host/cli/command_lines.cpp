@@ -93,7 +93,7 @@ Exit show(const LinesOptions& options) {
   Json chips = Json::array();
   for (const gpio::ChipInfo& chip : lines->chips()) chips.push_back(chip_json(chip, console));
   if (chips.empty())
-    console.say("this computer has no lines that Linux knows of ({})", gpio::library_version());
+    console.say("this computer has no GPIO lines known to Linux ({})", gpio::library_version());
   console.document({{"library", gpio::library_version()}, {"chips", chips}});
   return Exit::done;
 }
@@ -110,10 +110,12 @@ Exit pull(const LinesOptions& options, Pull what, const char* done) {
 }
 
 void add_file(Command& app, LinesOptions& options) {
-  app.add_option("--lines", &options.file, "Which line does what (TOML), see examples/lines.toml")
+  app.add_option("--lines", &options.file,
+                 "File (TOML) that assigns functions to GPIO lines; see examples/lines.toml")
       .environment("LAMPLOCK_LINES")
       .value_name("FILE");
-  app.add_option("--machine", &options.profile, "Without --lines: machine profile with [lines]")
+  app.add_option("--machine", &options.profile,
+                 "Machine profile with a table [lines]; used without --lines")
       .value_name("FILE");
 }
 
@@ -124,7 +126,7 @@ void add_pull(Command& app, const std::shared_ptr<LinesOptions>& options, const 
   command.action([options, what, done, name = std::string(name)] {
     if (options->file.empty() && options->profile.empty())
       throw Error(Exit::bad_input, "lamplock lines " + name,
-                  "no line is named for the board's pins",
+                  "no GPIO line is assigned to the board's pins",
                   "give --lines, or --machine with [lines]");
     return pull(*options, what, done);
   });
@@ -134,23 +136,25 @@ void add_pull(Command& app, const std::shared_ptr<LinesOptions>& options, const 
 
 void add_lines(Command& program) {
   Command& app = program.add_command(
-      "lines", "Lines of this computer (GPIO): list them, show what is wired, reset the board");
+      "lines", "List the GPIO lines of this computer, show the wired inputs, reset the board");
   app.footer(
-      "With --lines it shows what the inputs of that file say now; outputs are left alone,\n"
-      "only looked for.\n"
-      "reset and loader pull the board's pins at once: see that no job runs.\n"
-      "Example:\n  lamplock lines\n"
+      "With --lines, the command shows the current state of the inputs in that file; it checks "
+      "that\n"
+      "the outputs exist but does not switch them.\n"
+      "reset and loader act on the board's pins at once: make sure that no job runs.\n"
+      "Example:\n"
+      "  lamplock lines\n"
       "  lamplock lines --lines examples/lines.toml\n"
       "  lamplock lines reset --lines examples/lines.toml");
   const auto options = std::make_shared<LinesOptions>();
   add_file(app, *options);
   app.add_json(options->json);
   app.action([options] { return show(*options); });
-  add_pull(app, options, "reset", "Reset the board: pulse its RUN pin", gpio::reset_board,
+  add_pull(app, options, "reset", "Reset the board by a pulse on its RUN pin", gpio::reset_board,
            "the board was reset");
   add_pull(app, options, "loader",
-           "Reset the board into its boot loader: RUN while BOOTSEL is pressed", gpio::enter_loader,
-           "the board was reset into its boot loader");
+           "Reset the board into its boot loader: pulse RUN while BOOTSEL is low",
+           gpio::enter_loader, "the board was reset into its boot loader");
 }
 
 }  // namespace lamplock::cli

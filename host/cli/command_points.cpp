@@ -5,11 +5,9 @@
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/engraving.hpp"
-#include "host/cli/machine_options.hpp"
-#include "host/cli/outputs.hpp"
-#include "host/cli/point_file.hpp"
-#include "host/cli/prepare.hpp"
+#include "host/cli/documents.hpp"
+#include "host/cli/engraving_options.hpp"
+#include "host/run/make_points.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -22,24 +20,16 @@ struct PointsOptions {
 
 Exit make_points(const PointsOptions& options) {
   Console console(options.json);
-  check_point_file(options.output);
-  options.engraving.check_save();
-  check_distinct({{"-o", options.output}, {"--save", options.engraving.save_file()}});
-  const glass::Description description = options.engraving.description();
-  const job::Profile profile = profile_of(description.machine);
-  const glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
-  const Cloud cloud = make_cloud(description, volume, console);
-  write_point_file(options.output, cloud.points);
-  console.phase("written", options.output);
-  options.engraving.save(description, console);
-  console.document({{"input", options.engraving.input},
+  const run::JobRequest request = options.engraving.request();
+  const run::Cloud cloud = run::make_points(request, options.output, console);
+  console.document({{"input", request.input},
                     {"kind", cloud.kind},
                     {"output", options.output},
                     {"points", cloud.points.size()},
                     {"welded", cloud.welded},
                     {"rejected", cloud.rejected},
                     {"spacing", spacing_json(cloud.spacing)},
-                    {"bounds", bounds_json(points::bounds(cloud.points))},
+                    {"bounds", bounds_json(geometry::bounds(cloud.points))},
                     {"warnings", cloud.warnings}});
   return Exit::done;
 }
@@ -48,8 +38,7 @@ Exit make_points(const PointsOptions& options) {
 
 void add_points(Command& program) {
   Command& app = program.add_command(
-      "points",
-      "Turn a mesh, drawing or bitmap into points, or a description into all of its points");
+      "points", "Convert a mesh, drawing, bitmap or job description to a point list");
   app.footer(
       "Example:\n  lamplock points model.stl --size 40 --spacing 0.3 -o points.xyz\n"
       "  lamplock points model.stl --block 50,50,80 --lens f43 --transform \"rotate z 30\" \\\n"

@@ -1,85 +1,131 @@
 // `lamplock send`: a job file, or a program of G-code, to a machine.
 #include <memory>
-#include <utility>
+#include <nlohmann/json.hpp>
 
+#include "host/cli/board_options.hpp"
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/job_board.hpp"
-#include "host/cli/job_points.hpp"
-#include "host/cli/kept_progress.hpp"
-#include "host/cli/report_job.hpp"
-#include "host/cli/run_job.hpp"
-#include "host/cli/run_program.hpp"
-#include "host/cli/run_rows.hpp"
-#include "host/job/job_file.hpp"
+#include "host/cli/finish_job.hpp"
+#include "host/cli/machine_options.hpp"
+#include "host/run/mode_name.hpp"
+#include "host/run/report_job.hpp"
+#include "host/run/run_program.hpp"
+#include "host/run/send_job.hpp"
 
 namespace lamplock::cli {
 namespace {
 
 struct SendOptions {
   std::string file;
-  BoardOptions board;
-  ProgramOptions program;
+  run::BoardOptions board;
+  run::ProgramOptions program;
 };
 
-/// A job says itself which machine it is for; of a profile it needs the computer's lines alone.
-void check_job_options(const ProgramOptions& program) {
+Json rows_json(const run::SentJob& sent, const std::string& board) {
+  const run::PreparedJob& prepared = sent.prepared;
+  const link::JobResult& result = sent.outcome.result;
+  return {{"job", prepared.input},
+          {"board", board},
+          {"mode", run::mode_name(prepared.job.header.mode)},
+          {"end", end_name(sent.outcome)},
+          {"lines", prepared.job.size()},
+          {"first_unfired", result.status.first_unfired},
+          {"may_have_fired", result.rest.from},
+          {"seconds", std::chrono::duration<double>(result.elapsed).count()},
+          {"planned_seconds", sent.planned_s},
+          {"starvations", result.status.starvations},
+          {"resent", result.resent},
+          {"bad_frames", result.bad_frames + result.status.link.bad_frames},
+          {"reconnects", result.reconnects}};
+}
+
+Json program_json(const run::ProgramOutcome& outcome) {
+  const link::LineResult& result = outcome.result;
+  Json errors = Json::array();
+  for (const link::LineError& e : result.errors)
+    errors.push_back({{"line", e.line}, {"error", e.error}, {"text", link::error_text(e.error)}});
+  const auto or_null = [](bool there, auto value) { return there ? Json(value) : Json(nullptr); };
+  return {
+      {"program", outcome.file},
+      {"end", run::end_name(result.end)},
+      {"lines", outcome.lines},
+      {"answered", result.answered},
+      {"last_line", or_null(result.last_line != 0, result.last_line)},
+      {"errors", errors},
+      {"alarm", or_null(result.alarm != 0, result.alarm)},
+      {"seconds", std::chrono::duration<double>(result.elapsed).count()},
+      {"planned_seconds", or_null(outcome.planned_s.has_value(), outcome.planned_s.value_or(0))},
+      {"state", result.status.state},
+      {"position", result.status.position},
+      {"of_work", result.status.of_work},
+      {"work_offset", result.status.work_offset}};
+}
+
+/// A job contains its machine; of a profile only the lines of the computer are used.
+void check_job_options(const run::ProgramOptions& program) {
   if (program.go_on)
     throw Error(Exit::bad_input, "--go-on", "is for programs of G-code, not for jobs",
                 "leave it out");
-  if (!program.machine.machine.empty()) program.machine.profile();  // a broken one guards nothing
+  if (!program.machine.machine.empty()) program.machine.profile();  // a broken one is an error
+}
+
+Exit send_program(const SendOptions& options, Console& console) {
+  const run::ProgramOutcome outcome =
+      run::run_program(options.file, options.board, options.program, console);
+  console.document(program_json(outcome));
+  return run::judge_program(outcome, options.board.board, console);
+}
+
+Exit send_job(const SendOptions& options, Console& console) {
+  check_job_options(options.program);
+  run::BoardOptions board = options.board;
+  const run::SentJob sent = run::send_job(options.file, board, console);
+  if (!sent.prepared.job.is_rows()) return finish_job(sent.outcome, board, console);
+  console.document(rows_json(sent, board.board));
+  return run::judge_end(sent.outcome, board, sent.prepared.job.item(), console);
 }
 
 Exit send_file(const SendOptions& options) {
-  if (is_program(options.file)) return send_program(options.file, options.board, options.program);
-  check_job_options(options.program);
   Console console(options.board.json);
-  options.board.check(options.file);
-  auto port = open_job_port(options.board);
-  Work work{options.file, {}, job::read_job_file(options.file), {}};
-  work.job.header.dry = work.job.header.dry || options.board.dry;
-  if (!work.job.is_rows()) work.points = points_of(work.job);
-  BoardOptions board = options.board;
-  const auto kept = keep_progress(work, board, port.get(), console);
-  if (work.job.is_rows()) return send_rows(work, board, std::move(port), console, kept.get());
-  take_off_fired(work, board);
-  console.phase("job",
-                fmt::format("{}: {} points, {}{}", options.file, work.points.size(),
-                            mode_name(work.job.header.mode), work.job.header.dry ? ", dry" : ""));
-  const Outcome outcome = run_job(work, board, std::move(port), console, kept.get());
-  return report_job(outcome, board, console);
+  return run::is_program(options.file) ? send_program(options, console)
+                                       : send_job(options, console);
 }
 
 }  // namespace
 
 void add_send(Command& program) {
   Command& app = program.add_command(
-      "send", "Send a job or a program of G-code to a machine and see it through");
+      "send", "Send a job or a G-code program to a machine and follow it to its end");
   app.footer(
-      "Programs (.gcode .nc .ngc .gc .tap .cnc) stop at their first error. While one runs: Ctrl-C\n"
-      "holds the machine and resets it once it stands; in a terminal ! and Enter holds, Enter\n"
-      "alone goes on, and + - or = and Enter changes the feed. Of the --machine of a job only its\n"
-      "lines of the computer are used.\n"
-      "The progress of a job is kept in FILE.progress until it is done. --resume continues after\n"
-      "any end, also a power loss, and fires no point twice: it leaves out the points that may\n"
-      "have been fired and writes them to FILE.progress.doubtful-A-B.xyz; --from A fires them.\n"
-      "Example:\n  lamplock send model.llj --board /dev/ttyACM0\n"
-      "  lamplock send model.llj --board /dev/ttyACM0 --from 5120     # go on after a stop\n"
+      "Programs (.gcode .nc .ngc .gc .tap .cnc) stop at their first error. While a program runs,\n"
+      "Ctrl-C holds the machine and resets it when it is at rest. In a terminal, ! and Enter "
+      "holds;\n"
+      "Enter alone resumes. + or - and Enter changes the feed override by 10 %; = and Enter sets "
+      "it\n"
+      "to 100 %.\n"
+      "For jobs, lamplock reads only the table [lines] (GPIO) of --machine.\n"
+      "The progress of a job is kept in FILE.progress until the job is done. --resume continues\n"
+      "after any end, also a power loss, and fires no point twice: points that may have been "
+      "fired\n"
+      "are skipped and written to FILE.progress.doubtful-A-B.xyz; --from A fires these points.\n"
+      "Example:\n"
+      "  lamplock send model.llj --board /dev/ttyACM0\n"
+      "  lamplock send model.llj --board /dev/ttyACM0 --from 5120     # continue after a stop\n"
       "  lamplock send model.llj --board /dev/ttyACM0 --resume        # after any other end\n"
       "  lamplock send part.ngc --board /dev/ttyACM0\n"
       "  lamplock send part.ngc --board /dev/ttyUSB0 --baud 115200 --from 310 --dry");
   const auto options = std::make_shared<SendOptions>();
-  app.add_option("FILE", &options->file, "Job file (.llj) of points or rows, or G-code")
+  app.add_option("FILE", &options->file, "Job file (.llj) of points or rows, or G-code program")
       .required()
       .value_name("FILE");
-  options->board.add_board(app);
-  options->board.add_job(app);
-  options->board.add_resume(app);
+  add_board(app, options->board);
+  add_job_run(app, options->board);
+  add_resume(app, options->board);
   app.add_option("--go-on", &options->program.go_on,
-                 "Programs: go on after lines that were refused")
+                 "Programs: continue after lines that the board refused")
       .group("Board");
-  options->program.machine.add_machine(app);
+  add_machine(app, options->program.machine);
   app.action([options] {
     options->board.profile = options->program.machine.machine;
     return send_file(*options);

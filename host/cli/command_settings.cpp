@@ -2,15 +2,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/cli/board_link.hpp"
+#include "host/cli/board_options.hpp"
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
-#include "host/cli/options.hpp"
-#include "host/cli/settings_file.hpp"
-#include "host/cli/staged_file.hpp"
-#include "host/file.hpp"
-#include "host/link/board_settings.hpp"
+#include "host/cli/machine_options.hpp"
+#include "host/file/staged_file.hpp"
+#include "host/run/board_settings.hpp"
+#include "host/run/settings_file.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -20,27 +19,15 @@ using link::Change;
 using settings::Id;
 
 struct SettingsOptions {
-  BoardOptions board;
-  MachineOptions machine;
+  run::BoardOptions board;
+  run::MachineOptions machine;
   std::string name, file;
   std::vector<std::string> changes;
 };
 
-/// A board that has answered, and what it keeps.
-class Board {
- public:
-  explicit Board(const SettingsOptions& options)
-      : link_(options.board, options.machine.profile().settings) {
-    link::greet(link_.port());
-    settings_ = link::read_settings(link_.port());
-  }
-  const BoardSettings& settings() const { return settings_; }
-  link::LinePort& port() { return link_.port(); }
-
- private:
-  BoardLink link_;
-  BoardSettings settings_;
-};
+run::SettingsSession open(const SettingsOptions& options) {
+  return {options.board, options.machine};
+}
 
 std::string default_text(Id id) { return link::value_text(id, settings::row(id).default_milli); }
 
@@ -68,7 +55,7 @@ void say_setting(Console& console, std::uint32_t number, const std::string& text
 
 Exit list(const SettingsOptions& options) {
   Console console(options.board.json);
-  const Board board(options);
+  const run::SettingsSession board = open(options);
   Json document = Json::array();
   if (!console.json())
     console.say("{:>6}  {:<20} {:>12}  {:<8} {:>12}", "number", "name", "value", "unit", "default");
@@ -86,11 +73,11 @@ Exit get(const SettingsOptions& options) {
   if (!number)
     throw Error(Exit::bad_input, options.name, "there is no such setting",
                 "lamplock settings list shows their names and numbers");
-  const Board board(options);
+  const run::SettingsSession board = open(options);
   const auto found = board.settings().texts.find(*number);
   if (found == board.settings().texts.end())
     throw Error(Exit::bad_input, link::setting_name(*number), "the board has no such setting",
-                "lamplock settings list shows those that it has");
+                "lamplock settings list shows the settings of the board");
   if (console.json())
     console.document(as_json(*number, found->second, link::find_setting(*number)));
   else
@@ -98,12 +85,12 @@ Exit get(const SettingsOptions& options) {
   return Exit::done;
 }
 
-/// Makes what differs so; tells what it was and what it is.
+/// Changes the settings that differ, and lists them.
 Exit bring_to(const SettingsOptions& options, const std::vector<Change>& wanted) {
   Console console(options.board.json);
-  Board board(options);
-  const std::vector<Change> changes = link::differing(board.settings(), wanted);
-  const BoardSettings after = link::change_settings(board.port(), board.settings(), changes);
+  run::SettingsSession board = open(options);
+  BoardSettings after;
+  const std::vector<Change> changes = board.bring_to(wanted, after);
   Json document = Json::array();
   for (const Change& change : changes) {
     const Id id = link::find_setting(change.number);
@@ -115,36 +102,27 @@ Exit bring_to(const SettingsOptions& options, const std::vector<Change>& wanted)
   }
   if (changes.empty()) console.line("nothing differs");
   if (options.board.is_simulated() && !changes.empty())
-    console.line("a simulated board forgets this now");
+    console.line("simulated board: changes are not kept");
   console.document(document);
   return Exit::done;
 }
 
 Exit set(const SettingsOptions& options) {
-  std::vector<Change> wanted;
-  for (const std::string& text : options.changes) {
-    wanted.push_back(link::parse_change(text, text));
-    for (std::size_t i = 0; i + 1 < wanted.size(); ++i)
-      if (wanted[i].number == wanted.back().number)
-        throw Error(Exit::bad_input, text, "the setting is given twice", "give it once");
-  }
-  return bring_to(options, wanted);
+  return bring_to(options, run::parse_changes(options.changes));
 }
 
 Exit backup(const SettingsOptions& options) {
   Console console(options.board.json);
   check_target(options.file);
-  const Board board(options);
-  write_whole(options.file, [&](const std::filesystem::path& path) {
-    write_file(path, backup_text(board.settings(), is_toml(options.file)));
-  });
+  const run::SettingsSession board = open(options);
+  run::write_backup(board.settings(), options.file);
   console.say("{} settings in {}", board.settings().texts.size(), options.file);
   console.document({{"file", options.file}, {"settings", board.settings().texts.size()}});
   return Exit::done;
 }
 
 Exit restore(const SettingsOptions& options) {
-  return bring_to(options, read_settings_file(options.file));
+  return bring_to(options, run::read_settings_file(options.file));
 }
 
 /// Adds one of the things to do, with the options of the board.
@@ -153,9 +131,9 @@ Command& add(Command& app, const std::shared_ptr<SettingsOptions>& options, cons
              Exit (*run)(const SettingsOptions&)) {
   Command& sub = app.add_command(name, what);
   sub.footer("Example:\n  lamplock settings " + example);
-  options->board.add_choice(sub);
+  add_board_choice(sub, options->board);
   sub.add_json(options->board.json);
-  options->machine.add_machine(sub);
+  add_machine(sub, options->machine);
   sub.action([options, run] { return run(*options); });
   return sub;
 }
@@ -163,34 +141,35 @@ Command& add(Command& app, const std::shared_ptr<SettingsOptions>& options, cons
 }  // namespace
 
 void add_settings(Command& program) {
-  Command& app =
-      program.add_command("settings", "The settings of a board: list, get, set, backup, restore");
+  Command& app = program.add_command(
+      "settings", "List, show, change, back up or restore the settings of a board");
   app.footer(
-      "Settings go by number or by name (docs/settings.md). A simulated board starts with those "
-      "of\n"
-      "--machine and forgets changes when the command ends.\n"
-      "Example:\n  lamplock settings list --board /dev/ttyACM0\n"
+      "A setting is named by its number or its name (docs/settings.md). A simulated board starts\n"
+      "with the settings of --machine and forgets changes when the command ends.\n"
+      "Example:\n"
+      "  lamplock settings list --board /dev/ttyACM0\n"
       "  lamplock settings set acceleration_x=500 120=500 --board /dev/ttyACM0\n"
       "  lamplock settings backup board.toml --board /dev/ttyACM0");
   const auto options = std::make_shared<SettingsOptions>();
-  add(app, options, "list", "All settings; a star where one is not the default",
+  add(app, options, "list", "List all settings; * marks a value that differs from its default",
       "list --board /dev/ttyACM0", list);
-  add(app, options, "get", "One setting", "get lamp_frequency --board /dev/ttyACM0", get)
-      .add_option("SETTING", &options->name, "Number or name")
+  add(app, options, "get", "Show one setting", "get lamp_frequency --board /dev/ttyACM0", get)
+      .add_option("SETTING", &options->name, "Number or name of the setting")
       .required();
-  add(app, options, "set", "Changes settings, all or none: checked, sent, read back",
+  add(app, options, "set",
+      "Change settings, all or none; the values are checked, sent and read back",
       "set lamp_frequency=50 travel_x=300 --board /dev/ttyACM0", set)
       .add_option("CHANGE", &options->changes, "NAME=VALUE or NUMBER=VALUE")
       .required();
   add(app, options, "backup",
-      "Writes all settings to a file: TOML (.toml), else lines of $NUMBER=VALUE",
+      "Write all settings to a file: TOML (.toml), otherwise lines $NUMBER=VALUE",
       "backup board.toml --board /dev/ttyACM0", backup)
       .add_option("FILE", &options->file, "File to write")
       .required();
   add(app, options, "restore",
-      "Brings settings back from a file; writes what differs, and says what that is",
+      "Restore settings from a file: write the settings that differ and list them",
       "restore board.toml --board /dev/ttyACM0", restore)
-      .add_option("FILE", &options->file, "File of backup, or a machine profile")
+      .add_option("FILE", &options->file, "Backup file or machine profile")
       .required();
 }
 

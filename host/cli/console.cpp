@@ -1,7 +1,16 @@
 #include "host/cli/console.hpp"
 
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
 
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "host/cli/interrupt.hpp"
+#include "host/cli/keyboard.hpp"
+#include "host/cli/progress.hpp"
 #include "host/printable.hpp"
 
 namespace lamplock::cli {
@@ -20,6 +29,29 @@ void Console::phase(const std::string& name, const std::string& what) {
   const std::chrono::duration<double> taken = Clock::now() - phase_start_;
   say("{:<8} {} ({:.2f} s)", name, what, taken.count());
   restart_clock();
+}
+
+void Console::notice(const std::string& text) {
+  fmt::print(stderr, "{}\n", printable(text));
+  std::fflush(stderr);
+}
+
+std::unique_ptr<run::Progress> Console::progress(std::string title, std::size_t total,
+                                                 std::size_t first) {
+  return std::make_unique<ProgressBar>(std::move(title), total, first);
+}
+
+std::unique_ptr<run::Interrupts> Console::interrupts() { return std::make_unique<Interrupt>(); }
+
+std::unique_ptr<run::LineInput> Console::line_input() { return std::make_unique<Keyboard>(); }
+
+bool Console::can_ask() const { return ::isatty(STDIN_FILENO) == 1; }
+
+bool Console::confirms(const std::string& question) {
+  fmt::print(stderr, "{}", question);
+  std::fflush(stderr);
+  std::string answer;
+  return std::getline(std::cin, answer) && answer == "yes";
 }
 
 void Console::document(const Json& json) {

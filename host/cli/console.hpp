@@ -1,10 +1,8 @@
-// Text for people, apart from data for programs.
+// The terminal as the frontend of the use cases: text for people, and JSON for programs.
 //
-// In:  lines and phases with their time. Out: stdout, or stderr when stdout carries JSON.
-// Who: every command.
+// In:  lines and phases with their time. Out: stdout, or stderr when stdout carries JSON; progress,
+//      notices and questions on stderr. Who: every command.
 #pragma once
-
-#include <fmt/core.h>
 
 #include <chrono>
 #include <cstdio>
@@ -12,30 +10,29 @@
 #include <utility>
 
 #include "host/cli/json.hpp"
+#include "host/run/frontend.hpp"
 
 namespace lamplock::cli {
 
 /// The two streams of one command.
-class Console {
+class Console : public run::Frontend {
  public:
   /// `json`: stdout is for one JSON document.
   explicit Console(bool json) : json_(json), out_(json ? stderr : stdout) {}
 
   bool json() const { return json_; }
 
-  template <class... Args>
-  void say(fmt::format_string<Args...> format, Args&&... args) {
-    line(fmt::format(format, std::forward<Args>(args)...));
-  }
-  /// Prints one line, printable whatever is in it, and a line end.
-  void line(const std::string& text);
-  /// Prints text as it is.
-  void text(const std::string& text);
-
-  /// Ends a phase that began at the end of the phase before: its name, what came of it, its time.
-  void phase(const std::string& name, const std::string& what);
-  /// The next phase begins now.
-  void restart_clock() { phase_start_ = Clock::now(); }
+  void line(const std::string& text) override;
+  void text(const std::string& text) override;
+  void notice(const std::string& text) override;
+  void phase(const std::string& name, const std::string& what) override;
+  void restart_clock() override { phase_start_ = Clock::now(); }
+  std::unique_ptr<run::Progress> progress(std::string title, std::size_t total,
+                                          std::size_t first) override;
+  std::unique_ptr<run::Interrupts> interrupts() override;
+  std::unique_ptr<run::LineInput> line_input() override;
+  bool can_ask() const override;
+  bool confirms(const std::string& question) override;
 
   /// Prints the JSON document if one is wanted.
   void document(const Json& json);

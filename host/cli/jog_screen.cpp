@@ -1,6 +1,9 @@
 #include "host/cli/jog_screen.hpp"
 
 #include "host/cli/console.hpp"
+#include "host/cli/keyboard.hpp"
+#include "host/cli/raw_terminal.hpp"
+#include "shared/units.hpp"
 
 #include <unistd.h>
 
@@ -68,5 +71,9 @@ void JogScreen::note(const std::string& text) {
   if (!terminal_) return console_.line(text);
   console_.text(fmt::format("{}{}\n{}", clear_line, text, drawn_));
 }
+
+bool JogScreen::has_keyboard() const { return Keyboard::at_terminal(); }
+
+std::unique_ptr<run::JogKeys> JogScreen::open_keys() { return std::make_unique<RawTerminal>(); }
 
 }  // namespace lamplock::cli

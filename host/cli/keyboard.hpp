@@ -1,24 +1,27 @@
-// Lines that somebody types while something runs.
+// Lines that the user types while something runs.
 //
-// In:  stdin. Out: whole lines, without waiting longer than told. Who: steering, the console.
+// In:  stdin. Out: whole lines, after at most the given wait. Who: the console, for use cases.
 #pragma once
 
 #include <chrono>
 #include <string>
 #include <vector>
 
+#include "host/run/frontend.hpp"
+
 namespace lamplock::cli {
 
 /// Reads stdin piece by piece.
-class Keyboard {
+class Keyboard : public run::LineInput {
  public:
   /// All lines that have come, up to 64 KB, without their ends. Waits at most this time for the
   /// first one. The rest of an input that has ended without a line end is a line.
-  std::vector<std::string> lines(std::chrono::milliseconds wait);
-  /// Nothing will come any more.
-  bool ended() const { return ended_; }
+  std::vector<std::string> lines(std::chrono::milliseconds wait) override;
+  /// No further line will come.
+  bool ended() const override { return ended_; }
+  bool is_typed() const override { return at_terminal(); }
 
-  /// Somebody sits there, and this program has the keyboard.
+  /// Stdin is a terminal, and this program is in its foreground.
   static bool at_terminal();
 
  private:

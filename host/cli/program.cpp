@@ -18,7 +18,7 @@ std::unique_ptr<Command> make_own_commands() {
   program->footer(
       "Example:\n  lamplock example model.stl\n"
       "  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n\n"
-      "Each command explains itself: lamplock engrave --help");
+      "Each command has its own help: lamplock engrave --help");
   add_example(*program);
   add_estimate(*program);
   add_engrave(*program);
@@ -51,12 +51,13 @@ std::unique_ptr<Command> make_program() {
 
 Command& add_chip_command(Command& program) {
   return program.add_command("chip",
-                             "Runs any image for the RP2040 in the chip simulator, cycle by cycle");
+                             "Run any image for the RP2040 in the chip simulator, cycle by cycle");
 }
 
 Command& add_bench_command(Command& program) {
-  return program.add_command(
-      "bench", "Plans the measured rows and walks of the sources, beside the exact optimum");
+  return program.add_command("bench",
+                             "Benchmark the planner: plan points from published measurements and "
+                             "compare with the optimum");
 }
 
 }  // namespace lamplock::cli

@@ -50,16 +50,16 @@ std::string left_text(double seconds, std::time_t now) {
   return fmt::format(", {} left, ends {}", clock_text(seconds), ends);
 }
 
-Progress::Progress(std::string title, std::size_t total, std::size_t first)
+ProgressBar::ProgressBar(std::string title, std::size_t total, std::size_t first)
     : title_(std::move(title)),
       total_(total),
       first_(first),
       terminal_(::isatty(STDERR_FILENO) == 1),
       next_line_percent_((percent(first, total) / line_every_percent + 1) * line_every_percent) {}
 
-Progress::~Progress() { clear(); }
+ProgressBar::~ProgressBar() { clear(); }
 
-void Progress::update(std::size_t done) {
+void ProgressBar::update(std::size_t done) {
   if (terminal_) {
     const auto now = Clock::now();
     if (now - drawn_at_ < redraw_interval) return;
@@ -73,12 +73,12 @@ void Progress::update(std::size_t done) {
   fmt::print(stderr, "{}: {} %, {} of {}{}\n", title_, now, done, total_, left(done));
 }
 
-void Progress::note(const std::string& line) {
+void ProgressBar::note(const std::string& line) {
   clear();
   fmt::print(stderr, "{}\n", printable(line));
 }
 
-std::string Progress::left(std::size_t done) const {
+std::string ProgressBar::left(std::size_t done) const {
   if (left_s_) return left_text(*left_s_, std::time(nullptr));
   if (done <= first_ || done >= total_) return "";
   const std::chrono::duration<double> taken = Clock::now() - start_;
@@ -86,7 +86,7 @@ std::string Progress::left(std::size_t done) const {
   return left_text(pace * static_cast<double>(total_ - done), std::time(nullptr));
 }
 
-void Progress::draw(std::size_t done) {
+void ProgressBar::draw(std::size_t done) {
   const std::size_t filled = percent(done, total_) * bar_width / 100;
   fmt::print(stderr, "{}{} [{:#<{}}{:-<{}}] {:3} %, {} of {}{}", clear_line, title_, "", filled, "",
              bar_width - filled, percent(done, total_), done, total_, left(done));
@@ -94,7 +94,7 @@ void Progress::draw(std::size_t done) {
   drawn_ = true;
 }
 
-void Progress::clear() {
+void ProgressBar::clear() {
   if (!drawn_) return;
   std::fputs(clear_line, stderr);  // never throws: a destructor calls this
   std::fflush(stderr);

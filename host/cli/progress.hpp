@@ -1,7 +1,7 @@
-// How far something is, on stderr: a bar with the time left on a terminal, otherwise a line every
-// ten per cent, unless it is over in no time.
+// Progress on stderr: a bar with the time left on a terminal, otherwise a line every ten per cent,
+// at most two a second.
 //
-// In:  how much is done, as often as one likes. Out: text. Who: ordering, jobs, programs.
+// In:  how much is done, as often as the caller wishes. Out: text. Who: the console, for use cases.
 #pragma once
 
 #include <chrono>
@@ -10,28 +10,28 @@
 #include <optional>
 #include <string>
 
+#include "host/run/frontend.hpp"
+
 namespace lamplock::cli {
 
 /// ", 3:12 left, ends 15:42": the end, by the clock of this place, of what takes a minute and more.
 std::string left_text(double seconds, std::time_t now);
 
 /// Progress of one thing.
-class Progress {
+class ProgressBar : public run::Progress {
  public:
-  /// `title` says what is going on; `first` was done before.
-  Progress(std::string title, std::size_t total, std::size_t first = 0);
+  /// `title` names the activity; `first` were done before.
+  ProgressBar(std::string title, std::size_t total, std::size_t first = 0);
   /// Removes the bar.
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
+  ~ProgressBar() override;
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
 
-  void update(std::size_t done);
-  /// What is left is known better than by the pace so far.
-  void set_left(std::optional<double> seconds) { left_s_ = seconds; }
+  void update(std::size_t done) override;
+  void set_left(std::optional<double> seconds) override { left_s_ = seconds; }
   /// Prints a line that stays, above the bar.
-  void note(const std::string& line);
-  /// Time in which nothing could go on, not to be counted in the pace.
-  void pause_ended(std::chrono::steady_clock::duration pause) { start_ += pause; }
+  void note(const std::string& line) override;
+  void pause_ended(std::chrono::steady_clock::duration pause) override { start_ += pause; }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -2,9 +2,9 @@
 //
 // In:  stdin. Out: its bytes at once, without an echo. Who: `lamplock jog`.
 //
-// The terminal is as it was before when this ends, by an exception too. Ctrl-C and Ctrl-Z are keys
-// meanwhile: nobody shall stop this program while it moves a machine. A terminal that hangs up is
-// an end of the input, not of the program. A pipe is read in the same way.
+// The destructor restores the terminal, also after an exception. Ctrl-C and Ctrl-Z are keys
+// meanwhile, for they must not stop the program while it moves a machine. A terminal that hangs up
+// ends the input, not the program. A pipe is read in the same way.
 #pragma once
 
 #include <termios.h>
@@ -12,20 +12,22 @@
 #include <optional>
 #include <string>
 
+#include "host/run/jog_session.hpp"
+
 namespace lamplock::cli {
 
 /// Stdin; one at a time.
-class RawTerminal {
+class RawTerminal : public run::JogKeys {
  public:
   RawTerminal();
-  ~RawTerminal();
+  ~RawTerminal() override;
   RawTerminal(const RawTerminal&) = delete;
   RawTerminal& operator=(const RawTerminal&) = delete;
 
-  /// What has come; never waits.
-  std::string read();
-  /// Nothing will come any more.
-  bool ended() const { return ended_; }
+  /// The bytes that have come; never waits.
+  std::string read() override;
+  /// No further byte will come.
+  bool ended() const override { return ended_; }
 
  private:
   std::optional<termios> before_;

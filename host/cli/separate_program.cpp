@@ -4,14 +4,14 @@
 #include <unistd.h>
 
 #include "host/cli/command_line.hpp"
-#include "host/cli/image_path.hpp"
+#include "host/run/image_path.hpp"
 
 namespace lamplock::cli {
 
 void run_separate_program(const Command& command, const std::vector<std::string>& arguments) {
   const std::string& name = command.separate_program();
   const std::string where = "lamplock " + command.name();
-  std::string file = file_of_program(name);
+  std::string file = run::file_of_program(name);
   if (file.empty())
     throw Error(Exit::bad_input, where, fmt::format("there is no {} beside lamplock", name),
                 fmt::format("build it with cmake --build build --target {}", name));

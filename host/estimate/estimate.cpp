@@ -19,7 +19,7 @@ namespace {
 
 using settings::Id;
 
-/// Progress is told after so many points.
+/// Points between two reports of progress.
 constexpr std::size_t points_per_news = 4096;
 
 sim::WorldConfig world_of(const settings::Values& values) {
@@ -28,7 +28,7 @@ sim::WorldConfig world_of(const settings::Values& values) {
   return world;
 }
 
-/// The job on the virtual board, as far as it is run.
+/// A run of the job, or of its begin, on the virtual board.
 class Trial {
  public:
   Trial(const job::Job& job, const EstimateOptions& options)
@@ -36,8 +36,8 @@ class Trial {
         transport_(board_),
         sender_(transport_, job, sending(options)) {}
 
-  /// Until it has fired and said so, or to its end. False if it has ended, which it does where
-  /// nothing is to be fired.
+  /// Runs until the first shot was reported, or to the end. False if the job has ended, because it
+  /// fires no shot.
   bool run_to_first_shot() {
     while (sender_.status().shots == 0)
       if (!sender_.step()) return false;
@@ -51,10 +51,10 @@ class Trial {
   const wire::Status& status() const { return sender_.status(); }
   const sim::Shots& shots() const { return board_.world().laser().shots(); }
 
-  Standing standing() const {
+  StartState standing() const {
     const machine::JobRunner& runner = board_.controller().runner();
-    Standing standing{runner.shortest_tick_q16(), full_tick_q16};
-    // As the runner says: axes with different leads never stand at the same tick.
+    StartState standing{runner.shortest_tick_q16(), full_tick_q16};
+    // As in the runner: axes with different leads never reach the same tick.
     if (runner.generator().lead() == 0)
       standing.longest_tick_q16 = board_.controller().clock().longest_tick_q16();
     return standing;
@@ -75,7 +75,7 @@ class Trial {
   link::JobSender sender_;
 };
 
-/// Fewest beats from one shot to the next, as the highest shot rate permits.
+/// Minimum beats from one shot to the next at the maximum shot rate.
 std::int32_t least_beats(const settings::Values& values) {
   const std::int64_t rate = values.milli(Id::max_shot_rate);
   return static_cast<std::int32_t>((values.milli(Id::lamp_frequency) + rate - 1) / rate);
@@ -88,7 +88,7 @@ class BeatCount {
       : least_beats_(least_beats), estimate_(estimate) {}
 
   void add(const Way& way) {
-    // Beats on which no shot would have been permitted anyhow.
+    // Beats in which the shot rate permits no shot.
     const std::int64_t kept_back = fired_ ? least_beats_ - 1 - since_shot_ : 0;
     const auto between = static_cast<std::uint32_t>(way.beats - 1);
     const auto kept = static_cast<std::uint32_t>(std::clamp<std::int64_t>(kept_back, 0, between));
@@ -105,7 +105,7 @@ class BeatCount {
     estimate_.beats = ledger_.beats();
     estimate_.beats_by_reason = ledger_.by_reason();
     const double beat_s = 1 / in_units(values, Id::lamp_frequency);
-    // A lamp that runs freely keeps its own time; else beats are whole ticks.
+    // A free-running lamp has its own period; otherwise beats are whole ticks.
     const bool slave = values.whole(Id::lamp_mode) == static_cast<int>(settings::LampMode::slave);
     const auto beats = static_cast<double>(estimate_.beats);
     const auto ticks = static_cast<double>(ticks_at_shot_q16_) / full_tick_q16;
@@ -131,7 +131,7 @@ class BeatCount {
   std::uint64_t ticks_q16_ = 0, ticks_at_shot_q16_ = 0;
 };
 
-void add_plan(const job::Job& job, const EstimateOptions& options, const Standing& standing,
+void add_plan(const job::Job& job, const EstimateOptions& options, const StartState& standing,
               Estimate& estimate) {
   const std::int32_t least = least_beats(job.settings);
   BeatCount count(least, estimate);
@@ -145,7 +145,7 @@ void add_plan(const job::Job& job, const EstimateOptions& options, const Standin
   count.finish(job.settings);
 }
 
-/// The numbers of a run that has come to its end.
+/// Adds the numbers of a completed run.
 void add_run(const job::Job& job, const Trial& trial, Estimate& estimate) {
   const wire::Status& status = trial.status();
   estimate.shots = status.shots;
@@ -160,8 +160,9 @@ void add_run(const job::Job& job, const Trial& trial, Estimate& estimate) {
 
 void check(const job::Job& job, const EstimateOptions& options) {
   if (job.is_rows())
-    throw Error(Exit::bad_input, "estimate", "this is a job of rows, not of points",
-                "lamplock raster tells the time of rows");
+    throw Error(Exit::bad_input, "INPUT",
+                "is a raster job (rows); estimate reads jobs of points only",
+                "lamplock raster prints the time when it makes the job");
   if (options.first < job.targets.size()) return;
   throw Error(Exit::bad_input, fmt::format("--from {}", options.first),
               fmt::format("the job has {} points", job.targets.size()),

@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "firmware/machine/next_window.hpp"
-#include "firmware/machine/window_plan.hpp"
+#include "firmware/machine/runners/next_window.hpp"
+#include "firmware/machine/runners/window_plan.hpp"
 #include "firmware/program/pulse_decoder.hpp"
 #include "host/error.hpp"
 #include "shared/wire/framing.hpp"
@@ -14,7 +14,7 @@
 namespace lamplock::estimate {
 namespace {
 
-/// The job runner's part in a job without faults: one window after the other.
+/// The job runner's work in a job without faults: one window after the other.
 class WindowStream {
  public:
   WindowStream(const job::Job& job, const PlanOptions& options)
@@ -24,7 +24,7 @@ class WindowStream {
         encoder_(job, options.first),
         limits_(work_space(job.settings)) {
     decoder_.begin(job::header_from(job, options.first));
-    run_.mode = static_cast<motion::JoinMode>(job.header.mode);
+    run_.mode = static_cast<wire::JoinMode>(job.header.mode);
     run_.points_total = static_cast<std::uint32_t>(job.targets.size());
     run_.least_beats = options.least_beats;
     queue_.reset(static_cast<std::uint32_t>(options.first));
@@ -42,31 +42,31 @@ class WindowStream {
   }
 
  private:
-  /// Records there and back: what a target is, the machine reads out of them.
+  /// Encodes and decodes records, so that targets are those that the machine reads.
   void receive() {
     while (encoder_.index() < job_.targets.size() && queue_.free() != 0) {
       const auto payload = encoder_.next(wire::max_payload, queue_.free());
       if (decoder_.decode(payload, queue_, limits_) == Result::ok) continue;
       throw Error(Exit::bad_input, fmt::format("point {}", decoder_.refused_index()),
-                  "is refused by the machine", "look at its place, channel and shots");
+                  "is refused by the machine", "check its position, channel and shots");
     }
   }
 
   void make_plan() {
-    window_.look({start_.at_rest(), astray_, options_.job_speed < machine::full_job_speed});
+    window_.look({start_.at_rest(), off_target_, options_.job_speed < wire::full_job_speed});
     motion::PlanRequest& request = plan_.request();
     request.queue = &queue_;
     request.mode = run_.mode;
     request.least_beats = run_.least_beats;
     request.start = start_;
-    request.follows = !astray_;
+    request.follows = !off_target_;
     plan_.start(pace_, options_.standing.longest_tick_q16);
     while (plan_.advance(job_.settings, job_.settings)) {
     }
     if (plan_.found()) return;
-    // In the words of the sender.
+    // The same message as in the sender.
     throw Error(Exit::bad_input, fmt::format("point {}", request.points[plan_.failed()]),
-                "cannot be reached inside the machine's limits",
+                "cannot be reached within the machine's limits",
                 "check speed, acceleration and beats");
   }
 
@@ -78,13 +78,13 @@ class WindowStream {
            static_cast<std::uint32_t>(segment.ticks), plan_.tick_length_q16()});
     }
     const machine::Place next = window_.place_after(0, count);
-    // Targets leave the queue with their last flash; of the next one some may be on their way.
+    // Targets leave the queue with their last flash; some flashes of the next one may be planned.
     while (queue_.begin() != next.point) queue_.mark_done(queue_.begin());
     window_.go_on_at(next);
     start_ = plan_.segment(count - 1).end;
     if (start_.at_rest())
       for (stepper::AxisState& axis : start_.axis) axis.speed_q62 = 0;
-    astray_ = false;
+    off_target_ = false;
   }
 
   const job::Job& job_;
@@ -94,12 +94,12 @@ class WindowStream {
   program::PulseDecoder decoder_;
   StepLimits limits_;
   motion::PointQueue queue_;
-  lamp::BeamPath beam_;  ///< takes no time: nothing was configured
+  lamp::BeamPath beam_;  ///< not configured: takes no time
   machine::RunOptions run_;
   machine::WindowPlan plan_;
   machine::NextWindow window_{queue_, beam_, run_, plan_.request()};
   motion::MotionState start_;
-  bool astray_ = true;
+  bool off_target_ = true;
 };
 
 }  // namespace
@@ -113,7 +113,7 @@ bool waits_for_beam(const job::Job& job) {
   path.configure(job.settings);
   lamp::Beam last;
   bool first = true;
-  for (const motion::Target& target : job.targets) {
+  for (const wire::Target& target : job.targets) {
     if (target.shots == 0) continue;
     const lamp::Beam beam{target.channel, target.energy};
     if (!first && path.needs_rest(last, beam)) return true;

@@ -1,14 +1,14 @@
-// A whole job of points planned by the firmware's planner, without a machine.
+// Plans a whole job of points with the firmware's planner, without a machine.
 //
-// In:  a job, how the machine stood when it was begun (its ticks), from which point on.
-// Out: every way of the plan, in order: which point, how many beats, whether it ends with a shot.
+// In:  a job, the state of the machine at its begin (its ticks), the first point.
+// Out: every move of the plan, in order: its point, its beats, whether it ends with a shot.
 // Who: the estimate (estimate.hpp). Budget: a million points of a cloud in 10 s.
 //
 // Windows are cut and planned by the same classes as on the machine (machine/next_window.hpp,
-// machine/window_plan.hpp), fed as the job runner feeds them when no point is missed, no hold comes
-// and the host is never late. A plan depends on the points alone then, so this one is the one that
-// the machine will make. Nothing here knows what time it is: a machine that has to stand for
-// shutter or attenuator between two points is not planned here.
+// machine/window_plan.hpp), with the input that they get from the job runner when no point is
+// missed, no hold occurs and the host is never late. The plan then depends on the points only and
+// is the same as the machine's. It has no clock: jobs in which the machine waits for shutter or
+// attenuator between two points cannot be planned here.
 #pragma once
 
 #include <cstddef>
@@ -20,13 +20,13 @@
 
 namespace lamplock::estimate {
 
-/// How the machine stands when it makes its first plan.
-struct Standing {
-  std::uint32_t shortest_tick_q16 = full_tick_q16;  ///< to expect, over the nominal one
-  std::uint32_t longest_tick_q16 = full_tick_q16;   ///< that may be planned for
+/// State of the machine when it makes its first plan.
+struct StartState {
+  std::uint32_t shortest_tick_q16 = full_tick_q16;  ///< expected, over the nominal one
+  std::uint32_t longest_tick_q16 = full_tick_q16;   ///< allowed in a plan
 };
 
-/// One way of a plan: from the point before, or for another flash at the same one.
+/// One move of a plan: from the point before, or for another flash at the same one.
 struct Way {
   std::uint32_t point = 0;                 ///< index in the job
   std::int32_t beats = 0;                  ///< at least 1
@@ -35,22 +35,22 @@ struct Way {
   std::uint32_t tick_q16 = full_tick_q16;  ///< length of these ticks over the nominal one
 };
 
-/// What a job is planned with.
+/// Options of a plan.
 struct PlanOptions {
-  Standing standing;
+  StartState standing;
   std::size_t first = 0;          ///< point to begin with
   std::uint32_t job_speed = 100;  ///< percent
   std::int32_t least_beats = 1;   ///< between two shots
 };
 
-/// Sees every way of a plan.
+/// Called with every move of a plan.
 using SeeWay = std::function<void(const Way&)>;
 
 /// Plans a job of points from its first point to its last. Throws Error(bad_input) for a point
 /// that the machine cannot reach.
 void plan_job(const job::Job& job, const PlanOptions& options, const SeeWay& see);
 
-/// True if the machine has to stand for shutter or attenuator somewhere between two points.
+/// True if the machine must wait for shutter or attenuator between any two points.
 bool waits_for_beam(const job::Job& job);
 
 }  // namespace lamplock::estimate

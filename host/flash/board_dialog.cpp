@@ -17,11 +17,11 @@ namespace {
 using Time = std::chrono::microseconds;
 
 constexpr Time slice{5'000}, again{500'000}, patience{3'000'000};
-/// Once the host of a job over the pulse stream has died, the port is heard after 10 s
+/// After the host of a job over the pulse stream has died, the board reads its port after 10 s
 /// (firmware/boards/rp2040/usb/listener.hpp, job_lease_us).
 constexpr Time patience_with_jobs{12'000'000};
 
-/// Lines until one is taken; false after `time`, or when the connection breaks.
+/// Reads lines until `take` accepts one; false after `time`, or when the connection breaks.
 bool listen(link::LinePort& port, Time time, const std::function<bool(const std::string&)>& take) {
   link::Transport& transport = port.transport();
   const Time end = transport.now() + time;
@@ -36,24 +36,24 @@ bool listen(link::LinePort& port, Time time, const std::function<bool(const std:
   return false;
 }
 
-/// By the real-time byte alone.
+/// Asks with the real-time byte only.
 link::BoardStatus ask_status(link::LinePort& port, const std::string& where, Time time) {
   link::BoardStatus status;
   const Time end = port.transport().now() + time;
   while (port.transport().now() < end && port.transport().connected()) {
     port.send_realtime(link::realtime::status);
-    const bool told = listen(port, again, [&](const std::string& line) {
+    const bool reported = listen(port, again, [&](const std::string& line) {
       const auto found = link::parse_status(line);
       if (found) status = *found;
       return found.has_value();
     });
-    if (told) return status;
+    if (reported) return status;
   }
   if (!port.transport().connected())
-    throw Error(Exit::job_failed, where, "its port has gone while it was asked",
+    throw Error(Exit::job_failed, where, "its port disappeared before it answered",
                 "plug it in again, then flash");
   throw Error(Exit::no_device, where, "does not answer",
-              "end other programs that use it (over its pulse stream a job may run), then flash");
+              "end other programs that use it (a job may run over its pulse stream), then flash");
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ std::string version_at_rest(link::Transport& transport, const std::string& where
       ask_status(port, where, asked == Asked::to_be_sure ? patience_with_jobs : patience);
   // As the firmware judges `$BOOT`: machine/controller_text.cpp.
   if (!status.is("Idle") && !status.is("Alarm"))
-    throw Error(Exit::job_failed, where, fmt::format("is not at rest ({})", status.state),
+    throw Error(Exit::job_failed, where, fmt::format("is not idle ({})", status.state),
                 "end the job, then flash");
   return link::greet(port).identity.version;
 }
@@ -80,9 +80,9 @@ void enter_boot_loader(link::Transport& transport, const std::string& where) {
   });
   if (error != 0)
     throw Error(Exit::job_failed, where,
-                fmt::format("does not leave for its boot loader ({})", link::error_text(error)),
-                "end what it does, then flash");
-  // Gone before its answer has come: that is an answer too.
+                fmt::format("refuses to enter its boot loader ({})", link::error_text(error)),
+                "end its job, then flash");
+  // A board that disconnects before its answer has arrived has obeyed.
   if (!answered && transport.connected())
     throw Error(Exit::no_device, where, "does not answer $BOOT",
                 "end other programs that use its port, then flash");

@@ -17,7 +17,7 @@ std::unique_ptr<link::Transport> SystemPorts::open(const usb::DeviceInfo& board)
   const std::string port = name(board);
   if (port.empty())
     throw Error(Exit::no_device, name_of(board), "the system has made no serial port for it",
-                "check that the kernel has cdc_acm");
+                "check that the kernel has the driver cdc_acm");
   if (const AccessProblem problem = access_problem(port))
     throw Error(Exit::no_device, port, problem.what, problem.remedy);
   return std::make_unique<link::SerialTransport>(port);

@@ -15,7 +15,7 @@ namespace lamplock::flash {
 class BoardPorts {
  public:
   virtual ~BoardPorts() = default;
-  /// Empty while no driver has made one.
+  /// Empty until a driver has made one.
   virtual std::string name(const usb::DeviceInfo& board) = 0;
   /// Throws Error(no_device), with the remedy, if there is none or it may not be opened.
   virtual std::unique_ptr<link::Transport> open(const usb::DeviceInfo& board) = 0;
@@ -33,7 +33,7 @@ class SystemPorts final : public BoardPorts {
   usb::Sysfs sysfs_;
 };
 
-/// Without drivers: the endpoints of the bus itself, which must outlive the ports.
+/// Ports without drivers: endpoints of the bus itself, which must outlive the ports.
 class DirectPorts final : public BoardPorts {
  public:
   explicit DirectPorts(usb::Bus& bus) : bus_(bus) {}

@@ -19,12 +19,12 @@ using std::chrono::milliseconds;
 
 constexpr const char* info_file = "INFO_UF2.TXT";
 constexpr const char* copy_name = "LAMPLOCK.UF2";  // a name of FAT without extensions
-/// The line of the RP2040's loader; that of an RP2350 has another name.
+/// The line of the RP2040's loader; the RP2350's loader has another name.
 constexpr std::string_view board_line = "Board-ID: RPI-RP2";
 /// The ROM writes some 100 KB in a second.
 constexpr milliseconds restart_time{20'000}, look_again{100};
 
-/// Folders in a folder; nothing if it may not be read.
+/// Folders in a folder; none if it may not be read.
 std::vector<fs::path> folders_in(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code failure, ignored;
@@ -37,7 +37,7 @@ std::vector<fs::path> folders_in(const fs::path& folder) {
 
 std::error_code last_error() { return {errno, std::generic_category()}; }
 
-/// Errors of a drive that has left.
+/// Errors of a drive that has disappeared.
 bool may_be_restart(const std::error_code& error) {
   return error.value() == EIO || error.value() == ENODEV || error.value() == ENXIO ||
          error.value() == ENOENT;
@@ -107,9 +107,9 @@ std::error_code copy_to_drive(const fs::path& folder, std::string_view uf2,
   while (is_loader_drive(folder) && !actions.board_is_back()) {
     if (actions.now() >= end)
       throw Error(Exit::job_failed, folder.string(),
-                  failure ? "the copy broke off: " + failure.message()
-                          : "the board has the file and does not restart",
-                  "plug it in again with BOOTSEL held, then flash again");
+                  failure ? "the copy failed: " + failure.message()
+                          : "the file was copied but the board did not restart",
+                  "unplug the board, hold BOOTSEL while plugging it in, then flash again");
     actions.sleep(look_again);
   }
   return failure;

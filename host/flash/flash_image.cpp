@@ -12,7 +12,7 @@
 namespace lamplock::flash {
 namespace {
 
-/// The settings begin there.
+/// Begin of the settings.
 constexpr std::uint32_t limit = flash_base + boards::settings_offset;
 static_assert(limit % sector_size == 0);
 
@@ -25,8 +25,8 @@ void check_place(const Part& part, const std::string& where) {
   if (part.address < flash_base || part.address >= limit ||
       part.bytes.size() > limit - part.address)
     refuse(where,
-           fmt::format("{} bytes for 0x{:08x} are not inside 0x{:08x} to 0x{:08x}, the room for "
-                       "images: behind it are the settings",
+           fmt::format("{} bytes for 0x{:08x} are not inside 0x{:08x} to 0x{:08x}, the area for "
+                       "images before the settings",
                        part.bytes.size(), part.address, flash_base, limit - 1),
            "build the image of lamplock again");
 }
@@ -43,18 +43,18 @@ std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
   return word;
 }
 
-/// The ROM starts what has the CRC of its first 252 bytes behind them.
+/// The ROM starts boot code of 252 bytes if its CRC follows it.
 void check_boot_code(const FlashImage& image, const std::string& where) {
   constexpr std::size_t code_size = 252;
   const char* const remedy = "give an image that starts by itself, such as lamplock-rp2040.uf2";
   if (image.sectors.empty() || image.sectors.front().address != flash_base)
-    refuse(where, "has nothing for the begin of the flash, where the chip starts", remedy);
+    refuse(where, "has no code at the begin of the flash, where the chip starts", remedy);
   const std::span<const std::uint8_t> bytes = image.sectors.front().bytes;
   if (boards::boot2_crc32(bytes.first(code_size)) != word_at(bytes, code_size))
     refuse(where, "has boot code with a wrong checksum: the chip would not start it", remedy);
 }
 
-/// From the begin of the flash on, what is not given erased.
+/// Contents of the flash from its begin; bytes that are not in the image are erased.
 std::vector<std::uint8_t> contents(const FlashImage& image) {
   const std::size_t last = image.sectors.back().address - flash_base;
   std::vector<std::uint8_t> bytes(last + sector_size, erased);
@@ -64,7 +64,7 @@ std::vector<std::uint8_t> contents(const FlashImage& image) {
   return bytes;
 }
 
-/// The CRC is the last word that is not erased; or, once in 2^32 images, the erased one behind it.
+/// The CRC is the last word that is not erased; or, once in 2^32 images, the erased word after it.
 bool ends_with_its_crc(std::span<const std::uint8_t> bytes) {
   constexpr std::uint32_t erased_word = 0xffff'ffff;
   std::size_t end = bytes.size();
@@ -76,7 +76,7 @@ bool ends_with_its_crc(std::span<const std::uint8_t> bytes) {
   return is_crc(end - 4) || is_crc(end);
 }
 
-/// The loader in an image of lamplock enters it only if its CRC is right; the image before it would
+/// The loader in an image of lamplock starts it only with a correct CRC; the previous image would
 /// be lost by then.
 void check_own_crc(const FlashImage& image, const std::string& where) {
   const std::vector<std::uint8_t> bytes = contents(image);

@@ -68,8 +68,8 @@ std::vector<const Sector*> Flasher::differing() {
   return found;
 }
 
-/// The ROM acknowledges an erase whatever became of it. While the boot code stands no other sector
-/// may be touched.
+/// The ROM acknowledges an erase even if it failed. While the boot code is intact no other sector
+/// may be changed.
 void Flasher::check_erased(std::uint32_t address) {
   std::array<std::uint8_t, sector_size> found{};
   loader_.read(address, found);
@@ -79,10 +79,10 @@ void Flasher::check_erased(std::uint32_t address) {
   const auto offset = static_cast<std::uint32_t>(left - found.begin());
   throw PicobootError(
       Exit::job_failed,
-      fmt::format("the sector at 0x{:08x} was erased and 0x{:02x} read back at 0x{:08x}: nothing "
-                  "has been written",
+      fmt::format("the sector at 0x{:08x} was erased but 0x{:02x} was read back at 0x{:08x}; no "
+                  "byte has been written",
                   address, *left, address + offset),
-      "flash again; if it stays so the flash chip is protected or worn out");
+      "flash again; if the error remains, the flash chip is protected or worn out");
 }
 
 void Flasher::write(const Sector& sector) {
@@ -99,7 +99,7 @@ void Flasher::write_boot_sector() {
   verify(sector, 0, pages);
 }
 
-/// Runs of pages that are not blank, in one command each: erased flash has those that are.
+/// Writes runs of pages that are not blank, in one command each; blank pages are erased already.
 void Flasher::write_pages(const Sector& sector, std::size_t first, std::size_t end) {
   for (std::size_t page = first; page < end;) {
     std::size_t run_end = page;
@@ -122,10 +122,10 @@ void Flasher::verify(const Sector& sector, std::size_t first, std::size_t end) {
   const auto offset = static_cast<std::uint32_t>(differs.first - found.begin());
   throw PicobootError(
       Exit::job_failed,
-      fmt::format("0x{:02x} was written to 0x{:08x} and 0x{:02x} read back: the board stays in its "
-                  "boot loader",
+      fmt::format("0x{:02x} was written to 0x{:08x} but 0x{:02x} was read back; the board stays in "
+                  "its boot loader",
                   *differs.second, address + offset, *differs.first),
-      "flash again; if it stays so the flash chip is worn out");
+      "flash again; if the error remains, the flash chip is worn out");
 }
 
 }  // namespace lamplock::flash

@@ -1,13 +1,13 @@
-// An image into the flash of a board in its boot loader, so that no moment leaves half an image
-// that starts.
+// Writes an image to the flash of a board in its boot loader, so that an incomplete image can never
+// start.
 //
-// In:  a session with the loader, an image. Out: the flash holds it, read back and compared.
+// In:  a session with the loader, an image. Out: the image in flash, read back and compared.
 // Who: Update.
 //
 // Only sectors that differ are written. The sector of the second-stage boot code is erased, and
-// read back, before the first and written behind the last of them, its page with the code last of
-// all, when everything else has been read back: until then the ROM finds no code to start and comes
-// up in its loader (RP2040 datasheet, 2.8.1). What was cut off is repeated from there.
+// read back, before the others and written after them, its page with the code last of all, after
+// all other bytes have been read back: until then the ROM finds no code to start and enters its
+// loader (RP2040 datasheet, 2.8.1). After an interruption flashing is repeated from there.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@
 
 namespace lamplock::flash {
 
-/// How far it is; sectors, counted within a step.
+/// Progress; sectors, counted within a step.
 struct FlashProgress {
   enum class Step : std::uint8_t { reading, writing };
   Step step = Step::reading;
@@ -28,7 +28,7 @@ struct FlashProgress {
 };
 using OnFlashProgress = std::function<void(const FlashProgress&)>;
 
-/// What was to be done; both in sectors.
+/// Result, in sectors.
 struct FlashResult {
   std::size_t sectors = 0;  ///< of the image
   std::size_t written = 0;  ///< of these, those that differed; the boot sector with any other
@@ -40,7 +40,8 @@ class Flasher {
   /// All must outlive the flasher.
   Flasher(Picoboot& loader, const FlashImage& image, OnFlashProgress on_progress);
 
-  /// Does it; does not restart the board. Throws PicobootError; also if what is read back differs.
+  /// Writes the image; does not restart the board. Throws PicobootError, also if bytes read back
+  /// differ.
   FlashResult run();
 
  private:

@@ -22,7 +22,7 @@ constexpr std::uint8_t interface_reset = 0x41, get_command_status = 0x42;
 /// GET_STATUS of an endpoint (USB 2.0, 9.4.5).
 constexpr std::uint8_t from_endpoint = 0x82, get_status = 0;
 
-/// A loader that still erases for a program before answers when that is done: at most a block.
+/// A loader that still erases for an earlier program answers after at most one block.
 constexpr milliseconds answer_time{3'000};
 /// W25Q16JV data sheet: a sector takes 400 ms at most, a page 3 ms.
 constexpr milliseconds sector_erase_time{400}, page_program_time{3};
@@ -40,7 +40,7 @@ std::uint32_t get(std::span<const std::uint8_t> bytes, std::size_t at) {
   return value;
 }
 
-/// What a status means, and what helps.
+/// Meaning of a status, and its remedy.
 struct Meaning {
   const char *what, *remedy;
 };
@@ -48,21 +48,21 @@ constexpr const char* own_fault = "please report it, with the version of lamploc
 constexpr std::array<Meaning, 18> meanings = {{
     {"broke off without a reason", replug},
     {"does not know this command", "check with lamplock devices that it is an RP2040"},
-    {"takes another number of argument bytes", own_fault},
-    {"takes another length of data", own_fault},
+    {"expects another number of argument bytes", own_fault},
+    {"expects another length of data", own_fault},
     {"has no such address", "check that its flash is large enough for the image"},
-    {"wants addresses and lengths of whole pages or sectors", own_fault},
-    {"is being written by somebody else", "stop copying to the drive RPI-RP2, then flash again"},
+    {"requires addresses and lengths of whole pages or sectors", own_fault},
+    {"is being written by another program", "stop copying to the drive RPI-RP2, then flash again"},
     {"is restarting already", "wait until the board is back, then flash again"},
     {"failed in the flash chip", replug},
     {"cannot do this in its present state", replug},
     {"does not permit it", "check whether this part of its flash is protected"},
-    {"takes no such argument", own_fault},
+    {"does not accept the argument", own_fault},
     {"has too small a buffer", own_fault},
-    {"misses what has to come before", replug},
+    {"requires an earlier command", replug},
     {"found data that were changed meanwhile", replug},
-    {"found data that it cannot use", replug},
-    {"did not find what was asked for", own_fault},
+    {"found invalid data", replug},
+    {"did not find the requested item", own_fault},
     {"cannot make this change", "check whether this part of its flash is protected"},
 }};
 
@@ -77,7 +77,7 @@ enum class Picoboot::Command : std::uint8_t {
   read = 0x84  // bit 7: data come from the loader
 };
 
-/// A command to be sent, and how an error names it.
+/// A command to be sent, with its name for errors.
 struct Picoboot::Order {
   Command command{};
   std::string name{};
@@ -102,7 +102,8 @@ Picoboot::Picoboot(usb::Device& device, const usb::DeviceInfo& info) : device_(d
   recover();
 }
 
-/// Vendor specific, with two bulk endpoints: number 1 beside the drive, or the only one.
+/// Finds the vendor-specific interface with two bulk endpoints: number 1 beside the drive, or the
+/// only one.
 void Picoboot::find_interface(const usb::DeviceInfo& info) {
   using Kind = usb::Endpoint::Kind;
   for (const usb::Interface& interface : info.interfaces) {
@@ -159,7 +160,7 @@ void Picoboot::reboot(milliseconds delay) {
   send(order);
   std::array<std::uint8_t, packet_size> packet{};
   const usb::Transfer answer = device_.bulk_in(in_, packet, answer_time);
-  // It may have gone before its answer was fetched.
+  // The device may leave the bus before its answer was read.
   if (answer.end != TransferEnd::gone) check(answer, 0, order);
 }
 
@@ -182,7 +183,7 @@ void Picoboot::run(const Order& order, milliseconds patience) {
   take_empty(patience, order);
 }
 
-/// The end of a command whose data went out, or that has none.
+/// Ends a command without data, or with data to the loader.
 void Picoboot::take_empty(milliseconds patience, const Order& order) {
   std::array<std::uint8_t, packet_size> packet{};
   check(device_.bulk_in(in_, packet, patience), 0, order);
@@ -194,7 +195,7 @@ void Picoboot::check(const usb::Transfer& transfer, std::size_t size, const Orde
   recover();
   throw PicobootError(
       Exit::job_failed,
-      fmt::format("{}: {} bytes came through, not {}", order.name, transfer.size, size),
+      fmt::format("{}: {} bytes were transferred, not {}", order.name, transfer.size, size),
       "check the cable, then flash again");
 }
 
@@ -214,8 +215,9 @@ void Picoboot::fail(const usb::Transfer& transfer, const Order& order) {
   }
 }
 
-/// The ROM takes the last data of a write before it judges them: it then refuses by halting the OUT
-/// endpoint, at which nobody looks any more, and the packet that would end the command never comes.
+/// The ROM receives the last data of a write before it checks them: it then refuses by halting the
+/// OUT endpoint, which this session no longer reads, and never sends the packet that ends the
+/// command.
 void Picoboot::fail_unanswered(const Order& order) {
   const std::optional<Status> answer = status();
   if (answer && answer->token == token_ && answer->code != PicobootStatus::ok)
@@ -230,10 +232,9 @@ void Picoboot::fail_refused(const Order& order, const std::optional<Status>& ans
                         replug);
   const auto code = static_cast<std::uint32_t>(answer->code);
   if (code >= meanings.size())
-    throw PicobootError(
-        Exit::job_failed,
-        fmt::format("{}: refused with status {}, which is not known", order.name, code), replug,
-        answer->code);
+    throw PicobootError(Exit::job_failed,
+                        fmt::format("{}: refused with the unknown status {}", order.name, code),
+                        replug, answer->code);
   const Meaning& meaning = meanings[code];
   throw PicobootError(Exit::job_failed,
                       fmt::format("{}: it {} (status {})", order.name, meaning.what, code),
@@ -250,8 +251,8 @@ std::optional<Picoboot::Status> Picoboot::status() {
   return Status{get(bytes, 0), static_cast<PicobootStatus>(get(bytes, 4))};
 }
 
-/// Only what is halted is to be cleared: clearing puts the sequence of packets back to its begin at
-/// both ends, which not every device does for an endpoint that is not halted.
+/// Only a halted endpoint may be cleared: clearing resets the packet sequence at both ends, which
+/// not every device does for an endpoint that is not halted.
 bool Picoboot::halted(std::uint8_t endpoint) {
   std::array<std::uint8_t, 2> bytes{};
   const usb::Transfer answer =
@@ -259,7 +260,7 @@ bool Picoboot::halted(std::uint8_t endpoint) {
   return answer.done() && answer.size == bytes.size() && (bytes[0] & 1u) != 0;
 }
 
-/// What fails here fails again at the next command, which tells it.
+/// A failure here is not reported: the next command fails too and reports it.
 void Picoboot::recover() {
   for (const std::uint8_t endpoint : {in_, out_})
     if (halted(endpoint)) device_.clear_halt(endpoint);

@@ -1,16 +1,16 @@
-// PICOBOOT: what the boot loader in the ROM of the RP2040 understands over USB.
+// PICOBOOT, the USB protocol of the boot loader in the ROM of the RP2040.
 //
-// In:  commands for flash, memory, restart. Out: bytes read; an Error that says what the loader
-//      or the cable has against it.
+// In:  commands for flash, memory, restart. Out: bytes read; an Error with the reason of a refusal
+//      or of a failed transfer.
 // Who: Flasher.
 // Protocol: RP2040 datasheet, 2.8.5 (commands 2.8.5.4, requests and status 2.8.5.5); status codes
-// above 8 are those that the loader of the RP2350 has (datasheet, 5.6.5).
+// above 8 are those of the RP2350's loader (datasheet, 5.6.5).
 //
 // A command is 32 bytes, its data follow in their direction, an empty packet the other way ends it.
-// How the ROM refuses (raspberrypi/pico-bootrom-rp2040, usb_boot_device.c): a command that it does
-// not understand halts both endpoints; data that it cannot move, that of their direction. A command
-// without data is acknowledged whatever became of it: who erases reads back. The status is asked
-// for before the interface is reset, which forgets it.
+// Refusals (raspberrypi/pico-bootrom-rp2040, usb_boot_device.c): an unknown command halts both
+// endpoints; data that cannot be transferred halt the endpoint of their direction. A command
+// without data is acknowledged even if it failed, so that an erase must be read back. The status
+// must be read before the interface is reset, which clears it.
 #pragma once
 
 #include <chrono>
@@ -46,7 +46,7 @@ enum class PicobootStatus : std::uint32_t {
   unsupported_modification
 };
 
-/// A command that did not end well; with its status if the loader told one.
+/// A command that failed; with its status if the loader reported one.
 class PicobootError : public Error {
  public:
   PicobootError(Exit exit, const std::string& what, const std::string& remedy,
@@ -61,22 +61,22 @@ class PicobootError : public Error {
 /// One session with a loader. Every function throws PicobootError.
 class Picoboot {
  public:
-  /// Takes the interface, and ends whatever a program before has left half done. `device` must
+  /// Claims the interface, and ends an unfinished command of an earlier program. `device` must
   /// outlive this.
   Picoboot(usb::Device& device, const usb::DeviceInfo& info);
   Picoboot(const Picoboot&) = delete;
   Picoboot& operator=(const Picoboot&) = delete;
 
-  /// Nobody else writes: the drive RPI-RP2 refuses meanwhile.
+  /// Prevents writes by other programs: the drive RPI-RP2 refuses them meanwhile.
   void take_exclusive_access();
   /// Makes flash ready for the commands that follow.
   void exit_xip();
-  /// Whole sectors. That the loader acknowledges it does not say that it was done.
+  /// Erases whole sectors. The loader's acknowledgement does not mean that it succeeded.
   void erase(std::uint32_t address, std::uint32_t size);
-  /// From the begin of a page on; into erased flash.
+  /// Writes erased flash, from the begin of a page on.
   void write(std::uint32_t address, std::span<const std::uint8_t> bytes);
   void read(std::uint32_t address, std::span<std::uint8_t> bytes);
-  /// Starts what is in flash, after `delay`; the device then leaves.
+  /// Starts the program in flash after `delay`; the device then leaves the bus.
   void reboot(std::chrono::milliseconds delay);
 
  private:

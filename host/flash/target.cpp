@@ -50,10 +50,10 @@ DeviceInfo find_target(usb::Bus& bus, const std::string& serial) {
                 serial.empty() ? "choose one with --serial" : "unplug all but one");
   if (!there.empty())
     throw Error(Exit::no_device, "--serial " + serial,
-                "no board has this serial number; there is " + list_of(there),
+                "no board has this serial number; connected: " + list_of(there),
                 "give one of these, or leave --serial out");
   throw Error(Exit::no_device, "flash", "no board is plugged in",
-              "plug it in, one without a program with BOOTSEL held; lamplock devices shows it");
+              "plug it in, a board without a program with BOOTSEL held; lamplock devices lists it");
 }
 
 std::optional<DeviceInfo> find_at(usb::Bus& bus, Kind kind, const std::string& place) {

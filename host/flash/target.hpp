@@ -1,4 +1,4 @@
-// Which device on the bus is to be flashed.
+// Selects the device on the bus to be flashed.
 //
 // In:  a bus, perhaps a serial number. Out: one board or boot loader, or an Error that lists them.
 // Who: Update.
@@ -13,14 +13,14 @@
 
 namespace lamplock::flash {
 
-/// "lamplock board 0123 (USB 1-4.2)", as errors and lists name it.
+/// "lamplock board 0123 (USB 1-4.2)", for errors and lists.
 std::string name_of(const usb::DeviceInfo& device);
 
 /// Boards that run lamplock, and boot loaders.
 std::vector<usb::DeviceInfo> flashable(usb::Bus& bus);
 
 /// The only board or loader, or that with this serial number. Throws Error: no_device if there is
-/// none, bad_input if there are several to choose from.
+/// none, bad_input if there are several.
 usb::DeviceInfo find_target(usb::Bus& bus, const std::string& serial);
 
 /// The device of a kind at a place, if it is there now.

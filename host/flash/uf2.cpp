@@ -12,13 +12,13 @@ namespace {
 constexpr std::uint32_t first_magic = 0x0a32'4655, second_magic = 0x9e5d'5157,
                         last_magic = 0x0ab1'6f30;
 constexpr std::size_t payload_at = 32, last_magic_at = 508;
-/// A family stands where a file size else would; a checksum or tags follow the payload, which the
-/// ROM passes over.
+/// Flags: the field of the file size holds a family; a checksum or tags, which the ROM ignores,
+/// follow the payload.
 constexpr std::uint32_t has_family = 0x2000, has_checksum = 0x4000, has_tags = 0x8000;
-/// Of a serial flash with addresses of 24 bits.
+/// End of a serial flash with addresses of 24 bits.
 constexpr std::uint32_t flash_limit = flash_base + (16u << 20);
 
-/// One block, its fields not judged yet.
+/// One block with unchecked fields.
 struct Block {
   explicit Block(std::string_view bytes)
       : begins(load<std::uint32_t>(bytes.data()) == first_magic &&
@@ -36,7 +36,7 @@ struct Block {
   std::string_view payload;
 };
 
-/// Reads blocks one after the other and remembers what it has seen.
+/// Reads blocks in order and remembers their numbers and addresses.
 class Reader {
  public:
   Reader(std::size_t blocks, const std::string& where) : blocks_(blocks), where_(where) {}
@@ -80,8 +80,8 @@ class Reader {
       fail(Uf2Fault::address, fmt::format("is for 0x{:08x}, which is not flash", block.address),
            "give an image that runs from flash");
     if (!places_.insert(block.address).second)
-      fail(Uf2Fault::repeated_place, fmt::format("is for 0x{:08x} like one before", block.address),
-           damaged);
+      fail(Uf2Fault::repeated_place,
+           fmt::format("is for 0x{:08x} like an earlier block", block.address), damaged);
   }
 
   void check_sequence(const Block& block) {
@@ -91,7 +91,8 @@ class Reader {
     if (block.number >= blocks_)
       fail(Uf2Fault::number, fmt::format("has number {} of {}", block.number, blocks_), damaged);
     if (!numbers_.insert(block.number).second)
-      fail(Uf2Fault::repeated, fmt::format("has number {} like one before", block.number), damaged);
+      fail(Uf2Fault::repeated, fmt::format("has number {} like an earlier block", block.number),
+           damaged);
   }
 
   std::size_t blocks_;

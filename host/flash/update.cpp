@@ -18,18 +18,18 @@ using std::chrono::milliseconds;
 using usb::DeviceInfo;
 using usb::Kind;
 
-/// From `$BOOT` or the restart to a device that a slow hub has enumerated.
+/// From `$BOOT` or the restart to the device's enumeration at a slow hub.
 constexpr milliseconds enumeration_time{15'000};
-/// What the system does then: permissions by rules, the driver of the port, mounting.
+/// For the system after that: permissions by rules, the driver of the port, mounting.
 constexpr milliseconds settling_time{5'000};
 constexpr milliseconds poll_interval{50};
-/// The answer to the order comes before the restart.
+/// The board answers the command before it restarts.
 constexpr milliseconds restart_delay{100};
 
 constexpr const char* take_in_hand =
-    "plug it in again; if it does not come up, with BOOTSEL held, then lamplock flash again";
+    "plug it in again; if it does not start, hold BOOTSEL while plugging in and flash again";
 
-/// Calls `look` until it gives something; nothing after `time`.
+/// Calls `look` until it returns a result; gives up after `time`.
 template <class Look>
 auto poll(usb::Bus& bus, milliseconds time, Look&& look) -> decltype(look()) {
   const milliseconds end = bus.now() + time;
@@ -76,15 +76,15 @@ UpdateReport Update::run_on_drive(const std::filesystem::path& drive) {
     ask_version();
   } else {
     refuse_broken_copy(drive.string());
-    report_.version_problem = "the drive has gone, and no new board is seen on the bus";
+    report_.version_problem = "the drive has disappeared, and no new board is on the bus";
   }
   return report_;
 }
 
 // --- from the running board to its loader ---
 
-/// What is to be flashed. A dead board is on no bus, and its lines bring it back; not where a
-/// number is asked for: every loader has the same one (docs/devices.md).
+/// The device to be flashed. A board that does not appear on the bus is reset by lines, unless a
+/// serial number is given: all loaders have the same one (docs/devices.md).
 DeviceInfo Update::find(const std::string& serial) {
   if (!site_.pull_loader_lines || !serial.empty() || !flashable(site_.bus).empty())
     return find_target(site_.bus, serial);
@@ -99,11 +99,11 @@ DeviceInfo Update::find(const std::string& serial) {
 void Update::stop_board(const DeviceInfo& board) {
   const std::string name = name_of(board);
   check_way(board);
-  // Kept, so that no job begins meanwhile.
+  // The stream is kept, so that no job can begin meanwhile.
   const std::unique_ptr<usb::Device> stream = take_stream(board);
   const auto transport = site_.ports.open(board);
-  // Without its stream nobody can tell whether a job runs over that: it is silent here then. And of
-  // several boards the lines may be another's.
+  // Without permission for its stream a silent board may run a job over it. And with several boards
+  // the lines may belong to another one.
   const bool may_pull =
       site_.pull_loader_lines && board.problem.empty() && flashable(site_.bus).size() == 1;
   try {
@@ -112,7 +112,7 @@ void Update::stop_board(const DeviceInfo& board) {
     step("board", fmt::format("{}, version {}", name, report_.version_before));
     enter_boot_loader(*transport, name);
   } catch (const Error& error) {
-    // One that is at work or refuses has said so; one whose port has gone may be at work.
+    // A board that runs a job or refuses has said so; one whose port has disappeared may run a job.
     if (!may_pull || error.exit() != Exit::no_device || !transport->connected()) throw;
     pull_loader_lines(name + " does not answer");
   }
@@ -123,7 +123,7 @@ void Update::pull_loader_lines(const std::string& why) const {
   step("lines", why + ": the board was reset into its boot loader");
 }
 
-/// Whoever may not use the board may not use its loader either, and needs the drive.
+/// Without permission for the board there is none for its loader either; the drive is needed.
 void Update::check_way(const DeviceInfo& board) {
   if (board.problem.empty()) return;
   check_other_loaders(board);
@@ -136,14 +136,14 @@ void Update::check_way(const DeviceInfo& board) {
                 "nothing was sent to the board: it runs as before");
 }
 
-/// Throws Error(job_failed) if another program has it. Without access to USB nobody can tell.
+/// Throws Error(job_failed) if another program uses the stream. Null without permission for USB.
 std::unique_ptr<usb::Device> Update::take_stream(const DeviceInfo& board) {
   const auto stream = link::stream_interface(board);
   if (!board.problem.empty() || !stream) return nullptr;
   std::unique_ptr<usb::Device> device = site_.bus.open(board);
   const usb::TransferEnd end = device->claim(stream->number);
   if (end == usb::TransferEnd::gone)
-    throw Error(Exit::no_device, name_of(board), "has gone", "plug it in again, then flash");
+    throw Error(Exit::no_device, name_of(board), "was unplugged", "plug it in again, then flash");
   if (end != usb::TransferEnd::done)
     throw Error(Exit::job_failed, name_of(board),
                 "another program uses it over its pulse stream (a job may run)",
@@ -155,12 +155,12 @@ DeviceInfo Update::wait_for_loader(const std::string& place) {
   const auto look = [&] { return find_at(site_.bus, Kind::boot_loader, place); };
   const auto loader = poll(site_.bus, enumeration_time, look);
   if (!loader)
-    throw Error(Exit::no_device, "boot loader",
-                fmt::format("did not come up at USB {} within {} s", place,
-                            enumeration_time.count() / 1'000),
-                take_in_hand);
+    throw Error(
+        Exit::no_device, "boot loader",
+        fmt::format("did not start at USB {} within {} s", place, enumeration_time.count() / 1'000),
+        take_in_hand);
   if (loader->problem.empty()) return *loader;
-  // The system's rules may give the permission in a moment.
+  // The system's rules may grant the permission in a moment.
   const auto permitted = poll(site_.bus, settling_time, [&] {
     auto now = look();
     return now && now->problem.empty() ? now : std::nullopt;
@@ -184,11 +184,11 @@ void Update::check_other_loaders(const DeviceInfo& device) {
   for (const DeviceInfo& other : site_.bus.devices())
     if (other.place != device.place && usb::known_device(other).kind == Kind::boot_loader)
       throw Error(Exit::bad_input, name_of(device),
-                  "its drive cannot be told from that of " + name_of(other),
+                  "its drive cannot be distinguished from that of " + name_of(other),
                   also_to_know("unplug the other one, or choose the drive with --drive"));
 }
 
-/// A remedy, and where a board that ran its firmware before has been left.
+/// A remedy, with the state of a board that ran its firmware before.
 std::string Update::also_to_know(const std::string& remedy) const {
   if (report_.version_before.empty()) return remedy;
   return remedy +
@@ -220,7 +220,7 @@ void Update::flash_over_drive(const std::filesystem::path& drive) {
   copy_doubt_ = copy_to_drive(drive, write_uf2(image_), actions);
   report_.drive = drive;
   step("copy", fmt::format("{} bytes to {}{}", image_.size, drive.string(),
-                           copy_doubt_ ? "" : ", taken by the board"));
+                           copy_doubt_ ? "" : ", accepted by the board"));
 }
 
 // --- the board with the new firmware ---
@@ -249,26 +249,26 @@ void Update::wait_for_board(const std::string& place) {
   });
   if (!board || came_back_as_loader) refuse_broken_copy("board");
   if (came_back_as_loader)
-    throw Error(Exit::job_failed, "board", "has the image and does not start it",
-                "check that the image is one for this board, then flash again");
+    throw Error(Exit::job_failed, "board", "has the image but does not start it",
+                "check that the image is for this board, then flash again");
   if (!board)
     throw Error(Exit::job_failed, "board",
-                fmt::format("has the image and was not seen again at USB {} as lamplock", place),
+                fmt::format("has the image but did not start lamplock at USB {}", place),
                 take_in_hand);
   report_.board = *board;
 }
 
-/// The board does not run, and its copy may not have come to its end.
+/// The board does not run, and its copy may be incomplete.
 void Update::refuse_broken_copy(const std::string& where) const {
   if (!copy_doubt_) return;
   throw Error(Exit::job_failed, where,
-              fmt::format("the copy broke off or the board restarted in the last write ({}), and "
-                          "the board is not seen with lamplock",
+              fmt::format("the copy broke off or the board restarted during the last write ({}), "
+                          "and lamplock did not start",
                           copy_doubt_.message()),
               take_in_hand);
 }
 
-/// The port is made, and opened to users, some time after the device has come.
+/// The system makes the port, and permits its use, some time after the device has appeared.
 void Update::ask_version() {
   const auto version_now = poll(site_.bus, settling_time, [&]() -> std::optional<std::string> {
     try {

@@ -1,15 +1,15 @@
-// A board gets another firmware: from the running board, or its boot loader, to the board that
-// runs the new one.
+// Updates the firmware of a board: from the running board, or its boot loader, to the board that
+// runs the new firmware.
 //
-// In:  a bus, ports, an image; which board. Out: what was written and which version answers, or an
-//      Error that says where the board is left.
+// In:  a bus, ports, an image; the board. Out: a report of the flash and of the running version, or
+//      an Error that says in which state the board is.
 // Who: `lamplock flash`.
 //
-// A board with a job is left alone, and so is one whose pulse stream another program has: while a
-// job runs over that, the board does not answer at its serial port. One that is silent for longer
-// than such a job lasts without its host, or not even on the bus, may be reset into its loader by
-// lines of the computer, if it cannot be another one than is meant. (A job over UART0 is not seen.)
-// Where the loader may not be used over USB the image is copied to its drive, if that is mounted.
+// A board with a job is left alone, and so is one whose pulse stream another program uses: during a
+// job over the stream the board does not answer at its serial port. A board that is silent for
+// longer than such a job lasts without its host, or not on the bus, may be reset into its loader by
+// lines of the computer, if no other board can be meant. (A job over UART0 is not detected.)
+// Without permission to use the loader over USB the image is copied to its drive, if mounted.
 #pragma once
 
 #include <filesystem>
@@ -30,9 +30,9 @@
 
 namespace lamplock::flash {
 
-/// What was done.
+/// Result of an update.
 struct UpdateReport {
-  usb::DeviceInfo board{};             ///< as it runs now; without place if it was not seen
+  usb::DeviceInfo board{};             ///< as it runs now; without place if it was not found
   std::string version_before{};        ///< empty: it was in its boot loader
   std::string version{};               ///< empty: see version_problem
   std::string version_problem{};       ///< why the new version was not read; one line
@@ -40,25 +40,24 @@ struct UpdateReport {
   std::optional<FlashResult> flash{};  ///< over USB
   std::optional<std::filesystem::path> drive{};  ///< or by a copy
 
-  /// The new firmware has told its version; or nothing is seen of the board, behind a drive that
-  /// was given.
+  /// The new firmware has reported its version; or the board of a given drive was not found.
   bool confirmed() const { return version_problem.empty() || board.place.empty(); }
 };
 
-/// Told meanwhile: a step that is done, and what came of it; how far the flash is.
+/// Callbacks: a completed step with its result; progress of the flash.
 struct UpdateEvents {
   std::function<void(const std::string& step, const std::string& what)> on_step{};
   OnFlashProgress on_progress{};
 };
 
-/// What it works on. All must outlive the update.
+/// Bus, ports and drives. All must outlive the update.
 struct UpdateSite {
   usb::Bus& bus;
   BoardPorts& ports;
   std::vector<std::filesystem::path> drive_roots{};  ///< where drives are mounted
   WriteFile write_file = write_through;              ///< to one of them
-  /// Resets the board into its loader by its pins, which ends whatever it does; empty: not wired.
-  /// Throws Error.
+  /// Resets the board into its loader by its pins, which ends any job; empty: not wired. Throws
+  /// Error.
   std::function<void()> pull_loader_lines{};
 };
 
@@ -67,9 +66,9 @@ class Update {
  public:
   Update(UpdateSite site, const FlashImage& image, UpdateEvents events);
 
-  /// The board with this serial number, or the only one. Throws Error.
+  /// Updates the board with this serial number, or the only one. Throws Error.
   UpdateReport run(const std::string& serial);
-  /// What is behind a mounted drive. Throws Error.
+  /// Updates the board of a mounted drive. Throws Error.
   UpdateReport run_on_drive(const std::filesystem::path& drive);
 
  private:
@@ -91,7 +90,7 @@ class Update {
   std::optional<usb::DeviceInfo> new_board();
   void step(const std::string& name, const std::string& what) const;
 
-  std::error_code copy_doubt_{};  ///< of the copy to a drive: perhaps the restart
+  std::error_code copy_doubt_{};  ///< error of the copy to a drive, perhaps due to the restart
   UpdateSite site_;
   const FlashImage& image_;
   UpdateEvents events_;

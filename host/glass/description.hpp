@@ -1,12 +1,12 @@
-// The description of a job: everything that decides what is engraved where, and how, in one TOML
-// file, so that a job can be repeated to the byte (examples/block.toml is a commented one).
+// The description of a job: all parameters of the job in one TOML file, so that the job can be
+// reproduced exactly (examples/block.toml has comments).
 //
-//   [machine]   the profile and what is different for this job     [order]   in which order
-//   [glass]     block, material, lens                              [pause]   against heat
-//   [[object]]  one file each: its method, place and size          [output]  what is fired
+//   [machine]   the profile and changes of it for this job         [order]   the order of points
+//   [glass]     block, material, lens                              [pause]   pauses against heat
+//   [[object]]  one file each: its method, position and size       [output]  flashes, energy
 //
-// Every key is a parameter (parameters.hpp) and an option of the command line too; there the
-// description has one object.
+// Every key is a parameter (parameters.hpp) and an option of the command line too; on the command
+// line the description has one object.
 //
 // In:  a file (description_file.hpp), or the options of a command line. Out: a Description.
 // Who: `points`, `engrave`, `job`, `frame`, `estimate`.
@@ -18,11 +18,10 @@
 
 #include "host/glass/block.hpp"
 #include "host/glass/parameters.hpp"
-#include "host/order/order.hpp"
 
 namespace lamplock::glass {
 
-/// Which machine, and what is to be different for this job.
+/// The machine, and changes for this job.
 struct MachineChoice {
   std::string profile{};  ///< file; empty: the default machine
   std::optional<double> lamp_hz{}, accel_m_s2{}, speed_m_s{};
@@ -30,7 +29,7 @@ struct MachineChoice {
   std::string mode = "free";
 };
 
-/// What is engraved into.
+/// The glass.
 struct GlassChoice {
   std::optional<std::string> material{}, lens{};
   std::optional<double> index{};
@@ -38,7 +37,7 @@ struct GlassChoice {
   double margin_mm = default_margin_mm;
 };
 
-/// One file and how it becomes points. Lengths in mm, angles in degrees.
+/// One file and the parameters that make points of it. Lengths in mm, angles in degrees.
 struct Object {
   std::string file{};
   std::string up = "z";
@@ -69,13 +68,13 @@ struct Object {
   double face_density = 1, depth_density = 1;
 };
 
-/// In which order points are fired.
+/// The firing order of points.
 struct OrderChoice {
   std::optional<std::string> name{};
-  double half_angle_deg = order::default_half_angle_deg;
+  double half_angle_deg = 20;  ///< of the cone of the beam; as host/order/cone.hpp
   std::optional<double> layer_mm{};
-  /// K+ and K- of the cone rule.
-  double cone_up = order::OrderOptions{}.cone.up, cone_down = order::OrderOptions{}.cone.down;
+  /// K+ and K- of the cone rule, as host/order/order.hpp.
+  double cone_up = 0.577, cone_down = 0.577;
 };
 
 /// Pauses against heat.
@@ -84,7 +83,7 @@ struct PauseChoice {
   int beats = 500;
 };
 
-/// What is fired at each point.
+/// The shots at each point.
 struct OutputChoice {
   int flashes = 1, channel = 0, energy = 0;
 };
@@ -98,7 +97,7 @@ struct Description {
   OutputChoice output{};
 };
 
-/// The parameters of each section, with places in what is given; that must outlive them.
+/// The parameters of each section, with references into the section, which must outlive them.
 std::vector<Parameter> parameters(MachineChoice& machine);
 std::vector<Parameter> parameters(GlassChoice& glass);
 std::vector<Parameter> parameters(Object& object);  ///< `file` first

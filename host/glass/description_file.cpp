@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view object_section = "object";
 
-/// Names of keys, for who has mistaken one.
+/// Names of keys, for the remedy of an error.
 std::string keys_of(const std::vector<Parameter>& parameters) {
   std::vector<std::string> keys;
   keys.reserve(parameters.size());
@@ -28,7 +28,7 @@ std::string keys_of(const std::vector<Parameter>& parameters) {
   return fmt::format("{}", fmt::join(keys, ", "));
 }
 
-/// Takes values for one parameter out of the file.
+/// Reads the value of one parameter from the file.
 class ValueReader {
  public:
   ValueReader(const Parameter& parameter, const toml::node& node, const fs::path& file)
@@ -55,7 +55,7 @@ class ValueReader {
     const auto* value = node.as_string();
     if (value == nullptr) refuse("must be a text", "write it in quotes");
     if (const std::string wrong = refusal(parameter_, value->get()); !wrong.empty())
-      refuse("cannot be that", wrong);
+      refuse("is not valid", wrong);
     if (!parameter_.is_file || value->get().empty()) return value->get();
     return (file_.parent_path() / value->get()).lexically_normal().string();
   }
@@ -63,7 +63,7 @@ class ValueReader {
   void take(double& value) const { value = number(node_); }
   void take(std::optional<double>& value) const { value = number(node_); }
   void take(int& value) const {
-    if (!node_.is_integer()) refuse("must be a whole number", "write digits alone");
+    if (!node_.is_integer()) refuse("must be a whole number", "write digits only");
     value = static_cast<int>(number(node_));
   }
   void take(bool& value) const {
@@ -95,7 +95,7 @@ class ValueReader {
   const fs::path& file_;
 };
 
-/// Reads one section: all its keys, none twice, no other.
+/// Reads one section: each of its keys at most once, no others.
 void read_section(const toml::table& table, std::string_view name,
                   const std::vector<Parameter>& known, const fs::path& file) {
   for (const auto& [key, node] : table) {
@@ -118,13 +118,12 @@ void read_objects(const toml::node& node, Description& description, const fs::pa
     Object object;
     read_section(*one.as_table(), "[[object]]", parameters(object), file);
     if (object.file.empty())
-      refuse(toml_location(file, one.source()), "an object without a file",
-             "write file = \"NAME\"");
+      refuse(toml_location(file, one.source()), "an object has no file", "write file = \"NAME\"");
     description.objects.push_back(std::move(object));
   }
 }
 
-/// The section's place in the description, by its name; none if it is unknown.
+/// The parameters of a section, by its name; empty if the name is unknown.
 std::optional<std::vector<Parameter>> section_named(Description& d, std::string_view name) {
   if (name == "machine") return parameters(d.machine);
   if (name == "glass") return parameters(d.glass);
@@ -140,7 +139,7 @@ std::string quoted(const std::string& text) {
   return out.str();
 }
 
-/// What reads back as the same number: the shortest digits.
+/// The shortest digits that read back as the same number.
 std::string text_of(double value) { return fmt::format("{}", value); }
 std::string text_of(int value) { return fmt::format("{}", value); }
 std::string text_of(bool value) { return value ? "true" : "false"; }
@@ -161,14 +160,14 @@ std::string value_text(const Parameter& parameter) {
   return std::visit([](const auto* place) { return text_of(*place); }, parameter.place);
 }
 
-/// A file's name from the folder of the description.
+/// A file's name relative to the folder of the description.
 std::string file_text(const std::string& file, const fs::path& folder) {
   const fs::path from_there = fs::absolute(file).lexically_normal().lexically_relative(
       fs::absolute(folder).lexically_normal());
   return quoted(from_there.empty() ? fs::absolute(file).string() : from_there.string());
 }
 
-/// The lines of a section that are not as by default.
+/// The lines of a section whose values are not the defaults.
 template <class Section>
 std::string section_text(std::string_view heading, Section section, const fs::path& folder) {
   Section untouched;
@@ -204,7 +203,7 @@ Description read_description(const fs::path& file) {
     read_section(*node.as_table(), fmt::format("[{}]", name), *section, file);
   }
   if (description.objects.empty())
-    refuse(file, "there is no object", "write [[object]] and file = \"NAME\"");
+    refuse(file, "it has no object", "write [[object]] and file = \"NAME\"");
   return description;
 }
 

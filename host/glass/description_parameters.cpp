@@ -1,4 +1,4 @@
-// What can be said in each section of a description (declared in description.hpp).
+// The parameters of each section of a description (declared in description.hpp).
 #include <limits>
 
 #include "host/error.hpp"
@@ -6,7 +6,7 @@
 #include "host/glass/lens.hpp"
 #include "host/glass/material.hpp"
 #include "host/glass/transformation.hpp"
-#include "host/glass/unused.hpp"
+#include "host/glass/unused_parameters.hpp"
 #include "host/units.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/records.hpp"
@@ -24,21 +24,21 @@ constexpr double most_energy = std::numeric_limits<std::uint16_t>::max();  ///< 
 constexpr double lightest_grey = 255, most_layers = 10'000, most_shells = 255;
 constexpr double steepest_deg = 89.9;
 
-/// The range of a setting, in a unit of so many of its own.
+/// The range of a setting, in a unit that is `own_units` of its own units.
 Range range_of(Id id, double own_units) {
   const settings::Row& row = settings::row(id);
   return {row.min_milli / milli_per_unit / own_units, row.max_milli / milli_per_unit / own_units,
           true};
 }
 
-/// What is wrong with the words of a transformation.
+/// Empty, or the error in the words of a transformation.
 std::string transformation_refusal(const std::string& words) {
   try {
     check_transformation(words, "");
     return "";
   } catch (const Error&) {
     return "'" + words +
-           "' is none of: move X Y Z, rotate AXIS DEG, scale F, mirror AXIS, centre, fit";
+           "' is not one of: move X Y Z, rotate AXIS DEG, scale F, mirror AXIS, centre, fit";
   }
 }
 
@@ -46,7 +46,7 @@ std::string transformation_refusal(const std::string& words) {
 Names layered() { return {"slice", way_of_drawings, way_of_bitmaps}; }
 /// All methods of meshes.
 Names methods() { return {default_method, "slice", "faces", "rays", "solid"}; }
-/// All but lists, which stay as they are.
+/// All but point lists, whose points are not changed.
 Names shaped() {
   Names names = methods();
   names.insert(names.end(), {way_of_drawings, way_of_bitmaps});
@@ -66,12 +66,12 @@ Names orders(const Names& names) {
   return ways;
 }
 
-/// A parameter that only these use.
+/// A parameter that only these ways use.
 Parameter of(Names ways, Parameter parameter) {
   parameter.used_by = std::move(ways);
   return parameter;
 }
-/// A parameter that does nothing as long as nothing is said of another one.
+/// A parameter without effect while another one has its default.
 Parameter with(const char* key, Parameter parameter) {
   parameter.needs = key;
   return parameter;
@@ -92,10 +92,10 @@ std::vector<Parameter> model_parameters(Object& o) {
        {},
        nullptr,
        true},
-      of(shaped(),
-         {"size", "--size", &o.size_mm,
-          "Longest side of the object; without it meshes and drawings are in mm and bitmaps 50 mm",
-          "MM", positive}),
+      of(shaped(), {"size", "--size", &o.size_mm,
+                    "Length of the longest side; default: size in the file for meshes and "
+                    "drawings, 50 mm for bitmaps",
+                    "MM", positive}),
       of(methods(), {"up",
                      "--up",
                      &o.up,
@@ -106,9 +106,8 @@ std::vector<Parameter> model_parameters(Object& o) {
       {"transform",
        "--transform",
        &o.transform,
-       "Transformation in words, several in their order: \"move X Y Z\", \"rotate AXIS DEG\" about "
-       "x, "
-       "y, z or three numbers, \"scale F\", \"mirror AXIS\", \"centre\", \"fit\"",
+       "Transformations, applied in order: \"move X Y Z\", \"rotate AXIS DEG\" about x, y, z or an "
+       "axis of three numbers, \"scale F\", \"mirror AXIS\", \"centre\", \"fit\"",
        "WORDS",
        {},
        {},
@@ -122,66 +121,67 @@ std::vector<Parameter> method_parameters(Object& o) {
          {"method",
           "--method",
           &o.method,
-          "Meshes: blue-noise (even at random, the default), slice (contours of layers), faces "
+          "Meshes: blue-noise (random and even, the default), slice (contours of layers), faces "
           "(filled triangles), rays (parallel rays), solid (the inside)",
           "",
           {},
           methods()}),
+      of(shaped(), {"spacing", "--spacing", &o.spacing_mm,
+                    "Distance between neighbouring points; default: spacing of the lens, 0.1 mm "
+                    "without a lens",
+                    "MM", positive}),
+      of(layered(), {"layer", "--layer", &o.layer_mm,
+                     "Slices, drawings, bitmaps: distance between layers; default: the spacing",
+                     "MM", positive}),
+      of(shaped(), {"weld", "--weld", &o.weld_mm,
+                    "Merge points closer than this; default: 0.9 x spacing for slice, rays, "
+                    "drawings and bitmaps; the other methods keep the spacing themselves",
+                    "MM", not_negative}),
       of(shaped(),
-         {"spacing", "--spacing", &o.spacing_mm,
-          "Distance of neighbouring points; without it that of the lens, or 0.1", "MM", positive}),
-      of(layered(),
-         {"layer", "--layer", &o.layer_mm,
-          "Distance of layers: slices, drawings, bitmaps; without it the spacing", "MM", positive}),
-      of(shaped(),
-         {"weld", "--weld", &o.weld_mm,
-          "Points closer than this become one; without it 0.9 x spacing where a method does not "
-          "itself keep the spacing",
-          "MM", not_negative}),
-      of(shaped(), {"seed",
-                    "--point-seed",
-                    &o.seed,
-                    "Another seed, other points of what is random",
-                    "N",
-                    {0, most_int, true}}),
+         {"seed", "--point-seed", &o.seed, "Seed of the random points", "N", {0, most_int, true}}),
   };
 }
 
 std::vector<Parameter> mesh_parameters(Object& o) {
   return {
       of({"slice"},
-         {"axis", "--axis", &o.axis, "Slices: axis that the planes face", "", {}, {"x", "y", "z"}}),
+         {"axis", "--axis", &o.axis, "Slices: axis normal to the planes", "", {}, {"x", "y", "z"}}),
       of({"slice", "rays"},
          {"turn", "--turn", &o.turn_deg,
-          "Slices, rays: the planes or rays turned about x, then y, then z", "DEG,DEG,DEG"}),
-      of({"slice"}, {"first", "--first", &o.first_mm,
-                     "Slices: first plane, from the lowest place on", "MM", not_negative}),
-      of({"slice"}, {"last", "--last", &o.last_mm,
-                     "Slices: no plane closer than this to the highest place", "MM", not_negative}),
-      of({"slice", way_of_drawings},
-         {"twist", "--twist", &o.twist_mm,
-          "Slices, drawings: each layer starts so much further along", "MM"}),
-      of({"slice", way_of_drawings},
-         {"end_points", "--end-points", &o.end_points,
-          "Open contours and curves get a point at each end; by default curves do"}),
+          "Slices, rays: rotation of the planes or rays about x, then y, then z", "DEG,DEG,DEG"}),
+      of({"slice"},
+         {"first", "--first", &o.first_mm,
+          "Slices: height of the first plane above the lowest point; default: half a layer", "MM",
+          not_negative}),
+      of({"slice"},
+         {"last", "--last", &o.last_mm,
+          "Slices: minimum distance from the last plane to the highest point; default: 0", "MM",
+          not_negative}),
+      of({"slice", way_of_drawings}, {"twist", "--twist", &o.twist_mm,
+                                      "Slices, drawings: offset of the start point along each "
+                                      "closed curve, added in each layer",
+                                      "MM"}),
+      of({"slice", way_of_drawings}, {"end_points", "--end-points", &o.end_points,
+                                      "Slices, drawings: place a point at both ends of open "
+                                      "contours and curves; default: drawings only"}),
       of({"rays"}, {"direction",
                     "--direction",
                     &o.direction,
-                    "Rays: their direction",
+                    "Rays: direction of the rays",
                     "",
                     {},
                     {"x", "y", "z"}}),
       of({"faces"}, {"smallest", "--smallest", &o.smallest_mm,
-                     "Faces: triangles without a side of this length are left out; 0: the spacing",
+                     "Faces: skip triangles whose sides are all shorter than this; 0: the spacing",
                      "MM", not_negative}),
-      of({"solid"},
-         {"light_depth", "--light-depth", &o.light_depth_mm,
-          "Solid: each such thickness of points above thins a place to 1/e; 0: dense everywhere",
-          "MM", not_negative}),
+      of({"solid"}, {"light_depth", "--light-depth", &o.light_depth_mm,
+                     "Solid: thickness of the solid above a point at which the density falls to "
+                     "1/e; 0: constant density",
+                     "MM", not_negative}),
       with("light_depth", of({"solid"}, {"light_lowest",
                                          "--light-lowest",
                                          &o.light_lowest,
-                                         "Solid: density is never less, 0..1",
+                                         "Solid: minimum density, 0..1",
                                          "SHARE",
                                          {0, 1, false}})),
   };
@@ -192,11 +192,11 @@ std::vector<Parameter> picture_parameters(Object& o) {
       of({way_of_bitmaps}, {"threshold",
                             "--threshold",
                             &o.threshold,
-                            "Bitmaps: grey values below this are points, 0..255",
+                            "Bitmaps: grey values below this become points, 0..255",
                             "GREY",
                             {0, lightest_grey, true}}),
       of(toned(), {"invert", "--invert", &o.invert,
-                   "Light instead of dark becomes points; meshes: the reverse"}),
+                   "Bitmaps: light instead of dark becomes points; meshes: dark instead of light"}),
       of({way_of_drawings, way_of_bitmaps}, {"layers",
                                              "--layers",
                                              &o.layers,
@@ -206,40 +206,40 @@ std::vector<Parameter> picture_parameters(Object& o) {
       of({way_of_bitmaps}, {"plane",
                             "--plane",
                             &o.plane,
-                            "Bitmaps: plane that the picture stands in",
+                            "Bitmaps: plane of the picture",
                             "",
                             {},
                             {"xy", "xz", "yz"}}),
-      of(toned(),
-         {"tone", "--tone", &o.tone,
-          "Density by grey value of a bitmap, or by colour or texture of a mesh (blue noise)"}),
+      of(toned(), {"tone", "--tone", &o.tone,
+                   "Vary the density by the grey value of a bitmap, or by the colour or texture of "
+                   "a mesh (blue noise)"}),
       with("tone", of(toned(), {"gamma", "--gamma", &o.gamma,
-                                "Tone: density is brightness to this power", "N", positive})),
+                                "Tone: exponent from brightness to density", "N", positive})),
       with("tone", of(toned(), {"tone_lowest", "--tone-lowest", &o.tone_lowest,
-                                "Tone: density of the darkest, 0..1", "SHARE", share})),
+                                "Tone: density of the darkest parts, 0..1", "SHARE", share})),
       with("tone", of(toned(), {"tone_highest", "--tone-highest", &o.tone_highest,
-                                "Tone: density of the brightest, 0..1", "SHARE", share})),
+                                "Tone: density of the brightest parts, 0..1", "SHARE", share})),
   };
 }
 
 std::vector<Parameter> depth_parameters(Object& o) {
   return {
-      of(skins(),
-         {"shells",
-          "--shells",
-          &o.shells,
-          "Neighbours are spread over so many shells, one inside the other, against cracks; "
-          "1: none",
-          "N",
-          {1, most_shells, true}}),
-      with("shells", of(skins(), {"shell", "--shell", &o.shell_mm,
-                                  "Distance of shells; without it the spacing", "MM", positive})),
-      of(shaped(),
-         {"face_density", "--face-density", &o.face_density,
-          "Share of points kept next to the entry face, because deep ones look weaker, 0..1",
-          "SHARE", share}),
+      of(skins(), {"shells",
+                   "--shells",
+                   &o.shells,
+                   "Number of shells (parallel surfaces) among which neighbouring points are "
+                   "distributed, to avoid cracks; 1: off",
+                   "N",
+                   {1, most_shells, true}}),
+      with("shells",
+           of(skins(), {"shell", "--shell", &o.shell_mm,
+                        "Distance between shells; default: the spacing", "MM", positive})),
+      of(shaped(), {"face_density", "--face-density", &o.face_density,
+                    "Fraction of points kept near the face where the beam enters, 0..1; less than "
+                    "1 balances the weaker look of deep points",
+                    "SHARE", share}),
       of(shaped(), {"depth_density", "--depth-density", &o.depth_density,
-                    "Share of points kept at the bottom of the block, 0..1", "SHARE", share}),
+                    "Fraction of points kept at the bottom of the block, 0..1", "SHARE", share}),
   };
 }
 
@@ -250,7 +250,7 @@ std::vector<Parameter> parameters(MachineChoice& m) {
       {"profile",
        "--machine",
        &m.profile,
-       "Machine profile (TOML); without it the default machine",
+       "Machine profile (TOML); default: built-in settings",
        "FILE",
        {},
        {},
@@ -259,8 +259,8 @@ std::vector<Parameter> parameters(MachineChoice& m) {
       {"mode",
        "--mode",
        &m.mode,
-       "free: pass every point in motion; path: the same on straight lines; start-stop: rest at "
-       "every point",
+       "free: fire while moving, each axis moves freely between points; path: fire while moving on "
+       "straight lines; start-stop: stop at every point",
        "",
        {},
        {"free", "path", "start-stop"}},
@@ -268,13 +268,14 @@ std::vector<Parameter> parameters(MachineChoice& m) {
       {"lamp_mode",
        "--lamp-mode",
        &m.lamp_mode,
-       "slave: the lamp runs freely, we follow; master: we trigger it; none: free beat",
+       "slave: follow a free-running lamp; master: trigger the lamp; none: the board generates the "
+       "beat itself, without a lamp",
        "",
        {},
        {"slave", "master", "none"}},
-      {"accel", "--accel", &m.accel_m_s2, "Highest acceleration of every axis", "M_S2",
+      {"accel", "--accel", &m.accel_m_s2, "Maximum acceleration of every axis", "M_S2",
        range_of(Id::acceleration_x, mm_s2_per_m_s2)},
-      {"speed", "--speed", &m.speed_m_s, "Highest speed of every axis", "M_S",
+      {"speed", "--speed", &m.speed_m_s, "Maximum speed of every axis", "M_S",
        range_of(Id::max_rate_x, mm_min_per_m_s)},
   };
 }
@@ -284,27 +285,29 @@ std::vector<Parameter> parameters(GlassChoice& g) {
       {"material",
        "--material",
        &g.material,
-       "What the glass is, for its refraction; without it coordinates are those of the stage",
+       "Material of the glass, defines its refractive index; default: none, no refraction",
        "",
        {},
        material_names()},
       {"index",
        "--index",
        &g.index,
-       "Refractive index, instead of a material",
+       "Refractive index, used instead of a material",
        "N",
        {1, highest_index, true}},
       {"block", "--block", &g.block_mm,
-       "Size of the block; objects must lie inside it. Without it there is the work space alone",
+       "Size of the block; objects must lie inside it; default: no block, objects must lie in the "
+       "work space",
        "MM,MM,MM", positive},
       with("block", {"at", "--block-at", &g.block_at_mm,
-                     "Middle of the block; without it that of the work space", "MM,MM,MM"}),
+                     "Centre of the block; default: centre of the work space", "MM,MM,MM"}),
       with("block", {"margin", "--margin", &g.margin_mm,
-                     "Stays free inside the faces of the block, 3 to 5 mm", "MM", not_negative}),
+                     "Minimum distance of points from the faces of the block, usually 3 to 5 mm",
+                     "MM", not_negative}),
       {"lens",
        "--lens",
        &g.lens,
-       "Focal length 43 or 70 mm: spacing 0.09 or 0.13 mm unless --spacing says",
+       "Lens of focal length 43 or 70 mm; sets the default spacing to 0.09 or 0.13 mm",
        "",
        {},
        lens_names()},
@@ -325,10 +328,10 @@ std::vector<Parameter> parameters(OrderChoice& o) {
       {"by",
        "--order",
        &o.name,
-       "best: fewest beats; layers: lowest first, short way in each; serpentine: back and forth; "
-       "nearest: nearest of the layer; cone: cheapest by way and height; given: as they come. "
-       "Default: given "
-       "for point lists, else best",
+       "best: fewest beats; layers: lowest layer first, a short path in each; serpentine: back and "
+       "forth in each layer; nearest: nearest point of the layer; cone: point with the lowest cost "
+       "of distance and height; given: order of the file; default: given for point lists, "
+       "otherwise best",
        "",
        {},
        {"best", "layers", "serpentine", "nearest", "cone", "given"}},
@@ -336,16 +339,23 @@ std::vector<Parameter> parameters(OrderChoice& o) {
          {"half_angle",
           "--half-angle",
           &o.half_angle_deg,
-          "Half angle of the shadow under a point, in which none is fired later; 0: no shadow",
+          "Half angle of the cone below a point; points inside the cone are fired before that "
+          "point; 0: no such rule",
           "DEG",
           {0, steepest_deg, true}}),
-      of(orders({"cone"}), {"cone_up", "--cone-up", &o.cone_up,
-                            "Cone rule: cost of going up, a way sideways of so much", "MM_MM"}),
       of(orders({"cone"}),
-         {"cone_down", "--cone-down", &o.cone_down, "Cone rule: gain of going down", "MM_MM"}),
+         {"cone_up", "--cone-up", &o.cone_up,
+          "Cone order: 1 mm upward counts as this many mm sideways when the next point is chosen",
+          "MM_MM"}),
+      of(orders({"cone"}),
+         {"cone_down", "--cone-down", &o.cone_down,
+          "Cone order: 1 mm downward reduces the cost of a point by this many mm sideways",
+          "MM_MM"}),
       of(orders({"layers", "serpentine", "nearest"}),
          {"layer", "--order-layer", &o.layer_mm,
-          "Thickness of a layer of the order; without it that of the points", "MM", positive}),
+          "Layer thickness used to sort the points; default: layer distance of the points, 0.1 mm "
+          "for point lists",
+          "MM", positive}),
   };
 }
 
@@ -354,13 +364,13 @@ std::vector<Parameter> parameters(PauseChoice& p) {
       {"every",
        "--pause-every",
        &p.every_points,
-       "A pause against heat after so many points; 0: none",
+       "Pause after this number of points to let the glass cool; 0: no pauses",
        "N",
        {0, most_int, true}},
       with("every", {"beats",
                      "--pause-beats",
                      &p.beats,
-                     "Length of a pause",
+                     "Duration of a pause",
                      "BEATS",
                      {1, most_beats, true}}),
   };
@@ -371,14 +381,14 @@ std::vector<Parameter> parameters(OutputChoice& o) {
       {"flashes",
        "--flashes",
        &o.flashes,
-       "Flashes at each point, one after the other",
+       "Number of flashes at each point",
        "N",
        {1, most_flashes, true}},
       {"channel", "--channel", &o.channel, "Beam channel", "N", {0, wire::highest_channel, true}},
       {"energy",
        "--energy",
        &o.energy,
-       "Energy or attenuator value; 0: as the machine stands",
+       "Energy or attenuator value; 0: keep the machine's current value",
        "N",
        {0, most_energy, true}},
   };

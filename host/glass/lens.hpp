@@ -1,7 +1,7 @@
-// The lens: how close defects may lie.
+// The lens, which limits the spacing of defects.
 //
-// In:  a name. Out: focal length and the distance of points that is recommended for it, which
-//      becomes the default of the spacing. Who: descriptions of jobs.
+// In:  a name. Out: focal length and recommended distance of points, which becomes the default of
+//      the spacing. Who: descriptions of jobs.
 #pragma once
 
 #include <span>
@@ -11,16 +11,16 @@
 
 namespace lamplock::glass {
 
-/// A focusing lens and what it does in glass.
+/// A focusing lens.
 struct Lens {
   std::string_view name;
   double focal_mm;
-  double spacing_mm;  ///< points closer than this run into each other
+  double spacing_mm;  ///< points closer than this merge
 };
 
 /// All lenses with a name.
 std::span<const Lens> lenses();
-/// Their names, to choose from.
+/// Their names.
 std::vector<std::string> lens_names();
 /// A lens by its name. Throws Error(bad_input) for an unknown one.
 const Lens& lens_named(const std::string& name);

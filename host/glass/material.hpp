@@ -1,6 +1,6 @@
-// What is engraved: kinds of glass and their refractive index.
+// Kinds of glass and their refractive index.
 //
-// In:  a name or an index of one's own. Out: the index. Who: descriptions of jobs.
+// In:  a name or an index. Out: the index. Who: descriptions of jobs.
 #pragma once
 
 #include <span>
@@ -10,20 +10,20 @@
 
 namespace lamplock::glass {
 
-/// A glass. The index is that of the helium d line, 587.6 nm; at the 532 nm of a doubled Nd:YAG it
-/// is greater by about 0.003, which is 0.1 mm in a depth of 50 mm.
+/// A glass. The index is that of the helium d line, 587.6 nm; at the 532 nm of a frequency-doubled
+/// Nd:YAG it is greater by about 0.003, which is 0.1 mm in a depth of 50 mm.
 struct Material {
   std::string_view name;
   double index;
   std::string_view about;
 };
 
-/// The highest refractive index that is believed; diamond has 2.4.
+/// The maximum refractive index that is accepted; diamond has 2.4.
 inline constexpr double highest_index = 4;
 
 /// All materials with a name.
 std::span<const Material> materials();
-/// Their names, to choose from.
+/// Their names.
 std::vector<std::string> material_names();
 /// The index of a material by its name. Throws Error(bad_input) for an unknown one.
 double index_of(const std::string& material);

@@ -1,8 +1,8 @@
-// Parameters: the one list of what can be said about a job, for description files and command lines
-// alike. Whatever has a key has an option and the other way round, with one range and one text.
+// Parameters: one list for description files and command lines. Each parameter has a key and an
+// option, with the same range and text.
 //
-// In:  the fields of a description (description.hpp). Out: for each its key, its option, what
-//      values it takes and what it is for, and the place of its value.
+// In:  the fields of a description (description.hpp). Out: for each its key, its option, its
+//      allowed values, its help text and a reference to its value.
 // Who: the reader and the writer of descriptions, the options of the command line.
 #pragma once
 
@@ -18,18 +18,18 @@ namespace lamplock::glass {
 /// Three numbers, X first.
 using Triple = std::array<double, 3>;
 
-/// Where the value of a parameter is kept. Optional ones have a default that depends on others.
+/// Reference to the value of a parameter. The default of an optional one depends on others.
 using Place =
     std::variant<double*, std::optional<double>*, int*, bool*, std::optional<bool>*, std::string*,
                  std::optional<std::string>*, std::optional<Triple>*, std::vector<std::string>*>;
 
-/// Which numbers a parameter takes; each of three, if there are three.
+/// Allowed numbers of a parameter; for each of three, if there are three.
 struct Range {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
   bool low_included = true;
 
-  /// Empty, or what is wrong with a number: "-1 is not at least 0".
+  /// Empty, or the error of a number: "-1 is not at least 0".
   std::string refusal(double value) const;
 };
 inline constexpr Range any_number{};
@@ -37,7 +37,7 @@ inline constexpr Range positive{0, std::numeric_limits<double>::infinity(), fals
 inline constexpr Range not_negative{0, std::numeric_limits<double>::infinity(), true};
 inline constexpr Range share{0, 1, true};
 
-/// Empty, or what is wrong with a text.
+/// Empty, or the error of a text.
 using TextCheck = std::string (*)(const std::string&);
 
 /// One parameter.
@@ -46,20 +46,20 @@ struct Parameter {
   std::string option;  ///< on the command line, with its dashes
   Place place;
   std::string about;                 ///< for the help
-  std::string unit{};                ///< or kind of value, as the help has it: MM
+  std::string unit{};                ///< or kind of value, for the help: MM
   Range range = any_number;          ///< of numbers
-  std::vector<std::string> names{};  ///< of texts: those that are allowed; none: any
+  std::vector<std::string> names{};  ///< of texts: allowed values; empty: any
   TextCheck check = nullptr;         ///< of texts
-  bool is_file = false;              ///< a path, from the folder of the description
-  /// What it is for: ways from a file to points, or orders, by name; none: for all.
+  bool is_file = false;              ///< a path, relative to the folder of the description
+  /// Methods, kinds of files or orders that use it, by name; empty: all.
   std::vector<std::string> used_by{};
-  std::string needs{};  ///< key of the one in its section without which it does nothing
+  std::string needs{};  ///< key of the parameter in its section that must be set too
 };
 
-/// Empty, or what is wrong with a text for this parameter.
+/// Empty, or the error of a text for this parameter.
 std::string refusal(const Parameter& parameter, const std::string& text);
 
-/// True if one parameter of two sections of a kind has the same value in both.
+/// True if a parameter has the same value in two sections of one kind.
 bool same_value(const Parameter& parameter, const Parameter& other);
 
 }  // namespace lamplock::glass

@@ -16,13 +16,13 @@
 namespace lamplock::glass {
 namespace {
 
-using model::Affine;
-using points::Bounds;
-using points::Point;
+using geometry::Affine;
+using geometry::Bounds;
+using geometry::Point;
 
 enum class Kind { map, centre, fit };
 
-/// One transformation, read. A map is about the origin until it is known where the middle is.
+/// One parsed transformation. A map is about the origin until the middle is known.
 struct Step {
   Kind kind = Kind::map;
   Affine map{};
@@ -39,7 +39,7 @@ std::vector<std::string_view> words_of(std::string_view text) {
   return words;
 }
 
-/// All words as finite numbers; nothing if one is none.
+/// All words as finite numbers; empty if one is no finite number.
 std::optional<std::vector<double>> numbers_of(std::span<const std::string_view> words) {
   std::vector<double> numbers;
   for (const std::string_view word : words) {
@@ -78,20 +78,20 @@ std::optional<Step> scaling(std::span<const std::string_view> words) {
   const auto positive = [](double factor) { return factor > 0; };
   if (!std::all_of(numbers->begin(), numbers->end(), positive)) return std::nullopt;
   const std::vector<double>& f = *numbers;
-  return Step{Kind::map, model::scaled(f.front(), f[f.size() / 2], f.back()), true};
+  return Step{Kind::map, geometry::scaled(f.front(), f[f.size() / 2], f.back()), true};
 }
 
 std::optional<Step> mirroring(std::span<const std::string_view> words) {
   if (words.size() != 1) return std::nullopt;
   const auto axis = axis_named(words[0]);
   if (!axis) return std::nullopt;
-  return Step{Kind::map, model::scaled(1 - 2 * axis->x, 1 - 2 * axis->y, 1 - 2 * axis->z), true};
+  return Step{Kind::map, geometry::scaled(1 - 2 * axis->x, 1 - 2 * axis->y, 1 - 2 * axis->z), true};
 }
 
 std::optional<Step> moving(std::span<const std::string_view> words) {
   const auto numbers = numbers_of(words);
   if (!numbers || words.size() != 3) return std::nullopt;
-  return Step{Kind::map, model::moved((*numbers)[0], (*numbers)[1], (*numbers)[2]), false};
+  return Step{Kind::map, geometry::moved((*numbers)[0], (*numbers)[1], (*numbers)[2]), false};
 }
 
 std::optional<Step> parse(std::string_view text) {
@@ -110,13 +110,13 @@ std::optional<Step> parse(std::string_view text) {
 Step read_step(const std::string& words, const std::string& where) {
   const std::optional<Step> step = parse(words);
   if (step) return *step;
-  throw Error(Exit::bad_input, where, fmt::format("'{}' is no transformation", words),
+  throw Error(Exit::bad_input, where, fmt::format("'{}' is not a transformation", words),
               "write move X Y Z, rotate AXIS DEG, scale F, mirror AXIS, centre or fit");
 }
 
 Affine centring(const Bounds& box, const Point& middle) {
   const Point at = box.centre();
-  return model::moved(middle.x - at.x, middle.y - at.y, middle.z - at.z);
+  return geometry::moved(middle.x - at.x, middle.y - at.y, middle.z - at.z);
 }
 
 Affine fitting(const Bounds& box, const Bounds& room, const std::string& where) {
@@ -124,7 +124,7 @@ Affine fitting(const Bounds& box, const Bounds& room, const std::string& where) 
   if (!(factor > 0) || !std::isfinite(factor))
     throw Error(Exit::bad_input, where, "has no extent and cannot be fitted",
                 "give a model of more than one point");
-  return model::about(model::scaled(factor, factor, factor), room.centre()) *
+  return model::about(geometry::scaled(factor, factor, factor), room.centre()) *
          centring(box, room.centre());
 }
 

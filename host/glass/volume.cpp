@@ -8,8 +8,8 @@
 namespace lamplock::glass {
 namespace {
 
-using points::Bounds;
-using points::Point;
+using geometry::Bounds;
+using geometry::Point;
 
 Point point_of(const Triple& three) { return {three[0], three[1], three[2]}; }
 
@@ -36,7 +36,8 @@ Point Volume::middle() const { return block ? block->middle_mm : centre; }
 Volume volume_of(const GlassChoice& glass, const Bounds& work_space,
                  const std::optional<Point>& centre) {
   if (glass.block_at_mm && !glass.block_mm)
-    throw Error(Exit::bad_input, "block", "has a place and no size", "give its size, or neither");
+    throw Error(Exit::bad_input, "block", "has a position but no size",
+                "give its size too, or neither");
   Volume volume;
   volume.refraction = {chosen_index(glass), work_space.high.z};
   if (glass.block_mm) {
@@ -50,7 +51,7 @@ Volume volume_of(const GlassChoice& glass, const Bounds& work_space,
   volume.centre = centre.value_or(volume.reach.centre());
   const Bounds room = volume.room();
   if (room.low.x > room.high.x || room.low.y > room.high.y || room.low.z > room.high.z)
-    throw Error(Exit::bad_input, "block", "the machine reaches nothing of it",
+    throw Error(Exit::bad_input, "block", "lies outside the machine's travel",
                 "check its size and middle, and travel and min_corner of the machine");
   return volume;
 }

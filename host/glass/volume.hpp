@@ -1,39 +1,38 @@
-// Where points may be: inside the block less its margin, and where the machine's focus can go.
+// The volume for points: inside the margin of the block and the travel of the machine's focus.
 //
-// In:  what is said about the glass, the work space of the machine. Out: the refraction, and boxes
+// In:  the parameters of the glass, the work space of the machine. Out: the refraction, and boxes
 //      in glass coordinates. Who: the placement of objects, the check of their points, making jobs.
 //
-// The block lies in the middle of the work space unless it is told where. Its top is the entry
-// face; without a block that is the top of the work space.
+// By default the block lies in the middle of the work space. Its top is the entry face; without a
+// block that is the top of the work space.
 #pragma once
 
 #include <optional>
 
+#include "host/geometry/bounds.hpp"
 #include "host/glass/block.hpp"
 #include "host/glass/description.hpp"
 #include "host/glass/refraction.hpp"
-#include "host/points/bounds.hpp"
 
 namespace lamplock::glass {
 
-/// The place for a job. Coordinates of the glass, mm.
+/// The volume for a job. Coordinates of the glass, mm.
 struct Volume {
   std::optional<Block> block{};
   Refraction refraction{};
-  points::Bounds reach{};  ///< of the focus: the work space, seen through the glass
-  points::Point centre{};  ///< of what has no other place
+  geometry::Bounds reach{};  ///< travel of the focus: the work space after refraction
+  geometry::Point centre{};  ///< middle of objects without a position, if there is no block
 
-  /// Where points may be.
-  points::Bounds room() const;
-  /// Of the block, or of the work space: what objects are turned and mirrored about.
-  points::Point middle() const;
+  /// The box for points.
+  geometry::Bounds room() const;
+  /// Middle of the block, or of the work space: objects are rotated and mirrored about it.
+  geometry::Point middle() const;
 };
 
-/// `centre`: where the block lies that is not told where, and objects without a block; by default
-/// the middle of the work space. Throws Error(bad_input): a material and an index, an index below
-/// 1, a block that is none, a block of which the machine reaches nothing, a place of a block that
-/// is not there.
-Volume volume_of(const GlassChoice& glass, const points::Bounds& work_space,
-                 const std::optional<points::Point>& centre = std::nullopt);
+/// `centre`: default middle of the block, and of objects without a block; by default the middle of
+/// the work space. Throws Error(bad_input): a material and an index, an index below 1, an invalid
+/// block, a block outside the machine's travel, a position without a block.
+Volume volume_of(const GlassChoice& glass, const geometry::Bounds& work_space,
+                 const std::optional<geometry::Point>& centre = std::nullopt);
 
 }  // namespace lamplock::glass

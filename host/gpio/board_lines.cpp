@@ -8,12 +8,12 @@
 #include <utility>
 
 #include "host/error.hpp"
-#include "host/gpio/later_signals.hpp"
+#include "host/gpio/blocked_signals.hpp"
 
 namespace lamplock::gpio {
 namespace {
 
-/// A pin of the board that is pulled down; let go with the object, whatever happens.
+/// A pin of the board that is pulled low; released with the object.
 class Pulled {
  public:
   Pulled(Lines& lines, const LineRequest& wanted)
@@ -22,11 +22,11 @@ class Pulled {
   Pulled(const Pulled&) = delete;
   Pulled& operator=(const Pulled&) = delete;
 
-  /// Throws Error(no_device) if the line is gone: nobody knows what the board has seen.
+  /// Throws Error(no_device) if the line was lost: the pulse at the board is unknown then.
   void let_go() {
     if (!output_->set(false))
-      throw Error(Exit::no_device, place_, "the line was lost in the middle of a reset",
-                  "plug its chip in again and repeat it");
+      throw Error(Exit::no_device, place_, "the line was lost during a reset",
+                  "plug its chip in again and repeat the command");
   }
 
  private:
@@ -60,7 +60,7 @@ void expect_loader_lines(const LineTable& table) {
 }
 
 void enter_loader(Lines& lines, const LineTable& table, const Sleep& sleep) {
-  expect_loader_lines(table);  // before anything is pulled
+  expect_loader_lines(table);  // before the first pin is pulled
   const LaterSignals signals_wait;
   Pulled bootsel(lines, wired(table.bootsel, "bootsel", "BOOTSEL"));
   pulse_run(lines, table, sleep);

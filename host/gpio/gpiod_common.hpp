@@ -1,7 +1,7 @@
-// What libgpiod 1.x and 2.x have in common: how a chip is opened, and what we call things.
+// Common code for libgpiod 1.x and 2.x: opens chips, finds lines, names users.
 //
-// In:  files of chips, names of lines. Out: open chips; texts. Who: gpiod_v1.cpp and gpiod_v2.cpp,
-//      of which a build has one.
+// In:  files of chips, names of lines. Out: open chips; texts. Who: gpiod_v1.cpp or gpiod_v2.cpp; a
+//      build has one of them.
 #pragma once
 
 #include <gpiod.h>
@@ -16,9 +16,9 @@
 
 namespace lamplock::gpio {
 
-/// Whom others see that a line is used by.
+/// User of a line as other programs see it.
 inline constexpr const char* consumer = "lamplock";
-/// Changes that the kernel keeps for a line (drivers/gpio/gpiolib-cdev.c).
+/// Events that the kernel queues for a line (drivers/gpio/gpiolib-cdev.c).
 inline constexpr unsigned kept_events = 16;
 
 struct CloseChip {
@@ -26,10 +26,10 @@ struct CloseChip {
 };
 using Chip = std::unique_ptr<gpiod_chip, CloseChip>;
 
-/// Nothing if it may not be opened: errno says why.
+/// Null if the chip cannot be opened, with errno.
 inline Chip open_chip(const std::string& file) { return Chip(::gpiod_chip_open(file.c_str())); }
 
-/// What `find` gives of the first chip on which it gives something. Throws no_line_error().
+/// Result of `find` on the first chip where it finds the line. Throws no_line_error().
 template <class Find>
 auto find_on_chips(const std::string& name, const Find& find) {
   std::string closed;
@@ -46,13 +46,13 @@ auto find_on_chips(const std::string& name, const Find& find) {
 
 inline std::string text_of(const char* text) { return text == nullptr ? "" : text; }
 
-/// Who has a line. Drivers of the kernel may have no name.
+/// The user of a line. Drivers of the kernel may have no name.
 inline std::string user_of(const char* name, bool used) {
   const std::string user = text_of(name);
   return used && user.empty() ? "kernel" : user;
 }
 
-/// All chips, as `info_of` tells of one by its file.
+/// All chips, each described by `info_of` from its file.
 template <class InfoOf>
 std::vector<ChipInfo> all_chips(const InfoOf& info_of) {
   std::vector<ChipInfo> all;

@@ -12,7 +12,7 @@
 namespace lamplock::gpio {
 namespace {
 
-/// A line and the chip that it belongs to, which is closed behind it.
+/// A line and its chip, which is closed after the line is released.
 struct Line {
   Chip chip;
   gpiod_line* line = nullptr;
@@ -47,7 +47,7 @@ int bias_flag(Bias bias) {
   return 0;
 }
 
-/// Asks for a line that was found. False, with errno, if that is refused.
+/// Requests a line that was found. False, with errno, if that is refused.
 bool request(const Line& found, const LineRequest& wanted, int type, bool active) {
   int flags = wanted.active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0;
   if (type == GPIOD_LINE_REQUEST_DIRECTION_OUTPUT) {
@@ -69,7 +69,7 @@ class WatchedInput final : public Input {
     if (gone_ || !has_edges_ || ::gpiod_line_event_wait(line_.line, &no_wait) <= 0) return false;
     std::array<gpiod_line_event, kept_events> read;
     const int count = ::gpiod_line_event_read_multiple(line_.line, read.data(), kept_events);
-    // What can be waited for and not be read is a chip that was unplugged.
+    // The wait succeeds and the read fails if the chip was unplugged.
     if (count < 0) gone_ = true;
     return count > 0;
   }

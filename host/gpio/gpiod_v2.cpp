@@ -1,5 +1,5 @@
 // libgpiod 2.0 and later (Debian 13). A test compiles and links it with Debian 13's library
-// (tests/gpiod_v2); at chips of a kernel it has not run.
+// (tests/gpiod_v2); it has not been run with chips of a kernel.
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -12,7 +12,7 @@
 namespace lamplock::gpio {
 namespace {
 
-/// Frees what the library has made, by the function for it.
+/// Frees an object of the library by its function.
 template <auto free>
 struct Free {
   template <class Thing>
@@ -37,7 +37,7 @@ struct Found {
   unsigned number = 0;
 };
 
-/// A line that was asked for: it does not need its chip any more.
+/// A requested line: it no longer needs its chip.
 struct Line {
   Request request;
   unsigned number = 0;
@@ -98,7 +98,7 @@ Settings output_settings(const LineRequest& wanted, bool active) {
   return settings;
 }
 
-/// Asks for a line that was found. Nothing, with errno, if that is refused.
+/// Requests a line that was found. Null, with errno, if that is refused.
 Request request(const Found& found, const Settings& settings) {
   const LineConfig lines(::gpiod_line_config_new());
   const RequestConfig who(::gpiod_request_config_new());
@@ -123,7 +123,7 @@ class WatchedInput final : public Input {
       return false;
     const int count =
         ::gpiod_line_request_read_edge_events(line_.request.get(), buffer_.get(), kept_events);
-    // What can be waited for and not be read is a chip that was unplugged.
+    // The wait succeeds and the read fails if the chip was unplugged.
     if (count < 0) gone_ = true;
     return count > 0;
   }

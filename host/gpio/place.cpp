@@ -24,12 +24,12 @@ constexpr const char* chip_prefix = "gpiochip";
 
 Place parse_place(const std::string& text) {
   if (text.empty())
-    throw Error(Exit::bad_input, "line", "has no place",
-                "give its name, or its chip and number as in gpiochip0:17");
+    throw Error(Exit::bad_input, "GPIO line", "the name is empty",
+                "give a name such as GPIO17, or chip and number such as gpiochip0:17");
   const auto colon = text.rfind(':');
   const auto number =
       colon == std::string::npos ? std::nullopt : number_of<unsigned>(text.substr(colon + 1));
-  // Names of lines may have colons of their own.
+  // Names of lines may contain colons.
   if (!number || colon == 0) return {.name = text};
   const std::string chip = text.substr(0, colon);
   const bool is_file = chip.find('/') != std::string::npos;
@@ -54,25 +54,26 @@ std::vector<std::string> chip_files(const std::string& folder) {
 }
 
 std::string chip_problem(const std::string& chip, int error) {
-  if (is_denied(error)) return fmt::format("may not be opened; {}", access_remedy(chip));
-  return fmt::format("cannot be opened ({}); see what chips `lamplock lines` lists",
+  if (is_denied(error)) return fmt::format("no permission to open it; {}", access_remedy(chip));
+  return fmt::format("cannot be opened ({}); `lamplock lines` lists the chips",
                      std::strerror(error));
 }
 
 Error chip_error(const std::string& chip, int error) {
-  if (is_denied(error)) return {Exit::no_device, chip, "may not be opened", access_remedy(chip)};
+  if (is_denied(error))
+    return {Exit::no_device, chip, "no permission to open it", access_remedy(chip)};
   return {Exit::no_device, chip,
           error == ENOENT ? "there is no such chip"
                           : fmt::format("cannot be opened ({})", std::strerror(error)),
-          "see what chips `lamplock lines` lists"};
+          "use a chip that `lamplock lines` lists"};
 }
 
 Error no_line_error(const std::string& place, const std::string& closed_chip) {
   if (!closed_chip.empty())
-    return {Exit::no_device, place, "is no line of the chips that may be opened",
+    return {Exit::no_device, place, "is not a line of the chips that may be opened",
             access_remedy(closed_chip)};
   return {Exit::bad_input, place, "there is no such line",
-          "see what lines `lamplock lines` lists, or give chip and number as in gpiochip0:17"};
+          "use a line that `lamplock lines` lists, or chip and number as in gpiochip0:17"};
 }
 
 bool has_no_edges(int error) { return error == ENXIO || error == ENODEV; }
@@ -81,15 +82,15 @@ Error request_error(const std::string& place, int error) {
   switch (error) {
     case EBUSY:
       return {Exit::no_device, place, "is used by another program or driver",
-              "see by whom with `lamplock lines`"};
+              "`lamplock lines` shows which; end it or use another line"};
     case EINVAL:
     case ENOTSUP:
     case ENXIO:
-      return {Exit::bad_input, place, "its chip cannot do what is asked",
+      return {Exit::bad_input, place, "its chip refuses the requested bias or direction",
               "try another bias, or another line"};
     default:
       return {Exit::no_device, place, fmt::format("cannot be used ({})", std::strerror(error)),
-              "see that its chip is there with `lamplock lines`"};
+              "check with `lamplock lines` that its chip is connected"};
   }
 }
 
@@ -105,7 +106,7 @@ void check_free(const std::vector<ChipInfo>& chips, const std::string& text) {
       if (place.name.empty() ? line.number != place.number : line.name != place.name) continue;
       if (line.user.empty()) return;
       throw Error(Exit::no_device, text, fmt::format("is used by {}", line.user),
-                  "give another line, or end what uses it");
+                  "use another line, or end that program or driver");
     }
   }
   if (!place.chip.empty() && !has_chip) throw chip_error(place.chip, ENOENT);

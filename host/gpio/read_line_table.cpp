@@ -14,14 +14,14 @@
 namespace lamplock::gpio {
 namespace {
 
-/// Contacts bounce for some milliseconds; nobody wants to wait for longer than this.
+/// Contacts bounce for some milliseconds; a longer debounce time would only delay the user.
 constexpr std::int64_t longest_debounce_ms = 1'000;
-/// A beat has to be slower than the rounds of a job (20 ms at most) and still stop soon.
+/// A beat must be longer than the rounds of a job (20 ms at most), and short for a fast stop.
 constexpr std::int64_t shortest_beat_ms = 20, longest_beat_ms = 1'000;
 
 enum class Way : std::uint8_t { input, output, open_drain };
 
-/// A table of the file and what it is about.
+/// A table of the file and its role.
 struct Role {
   const char* name;
   std::optional<LineRequest> LineTable::*line;
@@ -47,7 +47,7 @@ constexpr std::array biases{NamedBias{"as-is", Bias::as_is}, NamedBias{"none", B
   throw Error(Exit::bad_input, where, what, remedy);
 }
 
-/// One file while it is read.
+/// Reader of one file.
 class Reader {
  public:
   explicit Reader(std::filesystem::path file) : file_(std::move(file)) {}
@@ -56,7 +56,7 @@ class Reader {
     for (const auto& [key, node] : root) read_key(key, node);
     check_distinct();
     if (table_.interlock_beat.count() != 0 && !table_.interlock)
-      fail(file_.string(), "'interlock_beat_ms' without a line for it", "add [interlock]");
+      fail(file_.string(), "'interlock_beat_ms' has no interlock line", "add [interlock]");
     return table_;
   }
 
@@ -97,9 +97,9 @@ class Reader {
       fail(where, fmt::format("'{}' must be a table", role.name),
            fmt::format("write [{}] and below it line = \"...\"", role.name));
     LineRequest wanted;
-    // As on the board: a contact that is closed to ground when all is well.
+    // As on the board: a contact that is closed to ground in the safe state.
     if (role.way == Way::input) wanted.bias = Bias::pull_up;
-    // The pins RUN and BOOTSEL are pulled up on the board, and others may pull them down too.
+    // RUN and BOOTSEL have pull-ups on the board, and other circuits may pull them down too.
     if (role.way == Way::open_drain) {
       wanted.drive = Drive::open_drain;
       wanted.active_low = true;
@@ -145,7 +145,7 @@ class Reader {
     fail(where, fmt::format("unknown bias '{}'", name), "use pull-up, pull-down, none or as-is");
   }
 
-  /// A name and a number may still be the same line: then the system refuses the second request.
+  /// A name and a number may still mean the same line: the system refuses the second request then.
   void check_distinct() const {
     for (const Role& a : roles)
       for (const Role& b : roles) {

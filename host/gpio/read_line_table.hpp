@@ -1,4 +1,4 @@
-// Reads which lines of the computer do what: the file that `--lines` names, or [lines] of a machine
+// Reads the roles of the computer's lines: the file that `--lines` names, or [lines] of a machine
 // profile.
 //
 // In:  a TOML file (examples/lines.toml). Out: a LineTable.
@@ -12,15 +12,15 @@
 
 namespace lamplock::gpio {
 
-/// Takes the text of such a file apart; `file` names it in errors. Throws Error(bad_input) with
-/// file, line, key and what it may be; two roles on one line, too.
+/// Parses the text of such a file; `file` names it in errors. Throws Error(bad_input) with file,
+/// line, key and allowed values; also if two roles have the same line.
 LineTable parse_line_table(std::string_view text, const std::filesystem::path& file);
 
 /// Reads a file. Throws as parse_line_table().
 LineTable read_line_table(const std::filesystem::path& file);
 
-/// What a machine profile says under `lines`: [lines.estop] and so on; no lines if it says nothing.
-/// Throws as parse_line_table().
+/// Reads [lines.estop] and so on from a machine profile; empty if it has none. Throws as
+/// parse_line_table().
 LineTable read_machine_lines(const std::filesystem::path& profile);
 
 }  // namespace lamplock::gpio

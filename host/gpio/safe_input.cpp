@@ -6,8 +6,8 @@ namespace lamplock::gpio {
 
 void SafeInput::look(Time now) {
   if (lost_) return;
-  // Edges first: a pulse that ends between the two calls has left its own. Any edge will do: one to
-  // the quiet level says that it was not quiet before.
+  // Edges first: a pulse that ends between the two calls leaves edges for the next look. An edge to
+  // the safe level counts too: the level was active before it.
   const bool moved = input_->moved();
   const std::optional<bool> level = input_->active();
   lost_ = !level;

@@ -1,11 +1,10 @@
-// An input that protects: a contact that has to be closed, its bouncing left out.
+// A safety input: a contact that must be closed, debounced.
 //
-// In:  a line, the time. Out: whether all is well. Who: the guard.
+// In:  a line, the time. Out: whether the input is well. Who: the guard.
 //
-// The two directions are not alike. One look at the active level, or one edge since the last look,
-// and the input has tripped at once; it is released when it was quiet for the debounce time. Chips
-// without edges have the looks only: what is shorter than the time between two of them may be
-// missed. A line that cannot be read any more is not well, for good.
+// The input trips at once, by one read of the active level or one edge since the last read; it is
+// released after the debounce time without either. On chips without edges a pulse shorter than the
+// time between two reads may be missed. A line that can no longer be read is never well again.
 #pragma once
 
 #include <chrono>
@@ -22,17 +21,17 @@ class SafeInput {
  public:
   using Time = std::chrono::microseconds;
 
-  /// Not well until it has been looked at for the debounce time.
+  /// Not well until look() was called for the debounce time.
   SafeInput(std::unique_ptr<Input> input, std::string place, Time debounce)
       : input_(std::move(input)), place_(std::move(place)), debounce_(debounce) {}
 
-  /// To be called all the while. `now`: any clock that does not go back.
+  /// Call it in every round. `now`: any monotonic clock.
   void look(Time now);
 
   bool well() const { return well_; }
-  /// The chip is gone.
+  /// The chip is unplugged.
   bool lost() const { return lost_; }
-  /// As it was asked for, for texts.
+  /// The place of the request, for texts.
   const std::string& place() const { return place_; }
 
  private:

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "host/error.hpp"
-#include "host/job/rounder.hpp"
+#include "host/job/step_rounder.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::job {
@@ -16,7 +16,7 @@ namespace {
 
 using settings::Id;
 
-/// Settings that decide where a step is: without them the targets have no meaning.
+/// Settings that define the position of a step: without them the targets have no meaning.
 constexpr std::array geometry{Id::steps_per_mm_x, Id::travel_x, Id::min_corner_x};
 
 void add_override(wire::JobHeader& header, Id id, const settings::Values& values) {
@@ -32,24 +32,26 @@ void require_size(std::size_t targets) {
   throw Error(Exit::bad_input, "job", "too many points", "split the job");
 }
 
-void check(const points::PointCloud& points, const JobOptions& options) {
-  if (points.empty()) throw Error(Exit::bad_input, "job", "there are no points", "check the input");
+void check(const geometry::PointCloud& points, const JobOptions& options) {
+  if (points.empty())
+    throw Error(Exit::bad_input, "job", "there are no points",
+                "check the model, the method and the spacing");
   require_size(points.size());
   if (options.shots == 0 || options.channel > wire::highest_channel)
-    throw Error(Exit::bad_input, "job", "shots or channel out of range",
-                "shots are 1..255, channels 0..3");
+    throw Error(Exit::bad_input, "job", "the number of flashes or the channel is out of range",
+                "use 1..255 flashes and channel 0..3");
   if (options.pause_every != 0 && options.pause_beats == 0)
-    throw Error(Exit::bad_input, "job", "pauses of no beats", "give 1..65535 beats");
+    throw Error(Exit::bad_input, "job", "a pause has 0 beats", "give 1..65535 beats");
 }
 
-/// Stands where `target` is.
-motion::Target pause_at(const motion::Target& target, std::uint16_t beats) {
+/// A pause at the position of `target`.
+wire::Target pause_at(const wire::Target& target, std::uint16_t beats) {
   return {target.steps, beats, 0, 0, 0};
 }
 
-/// The firmware stands for 8192 beats at most, and 2147 s (motion/reach.hpp); a longer pause is
+/// A pause of the firmware lasts at most 8192 beats, and 2147 s (motion/reach.hpp); a longer one is
 /// made of several.
-void add_pause(std::vector<motion::Target>& targets, std::uint16_t beats) {
+void add_pause(std::vector<wire::Target>& targets, std::uint16_t beats) {
   constexpr std::uint16_t longest = 2000;
   for (std::uint16_t left = beats; left != 0;) {
     const std::uint16_t part = std::min(left, longest);
@@ -58,25 +60,25 @@ void add_pause(std::vector<motion::Target>& targets, std::uint16_t beats) {
   }
 }
 
-/// Each point as a target, with the pauses between them.
-std::vector<motion::Target> targets_of(const points::PointCloud& points, const Profile& profile,
-                                       const JobOptions& options) {
+/// Converts points to targets, with the pauses between them.
+std::vector<wire::Target> targets_of(const geometry::PointCloud& points, const Profile& profile,
+                                     const JobOptions& options) {
   const std::size_t every = options.pause_every;
-  std::vector<motion::Target> targets;
+  std::vector<wire::Target> targets;
   targets.reserve(points.size() + (every != 0 ? points.size() / every : 0));
   const Rounder rounder(profile.settings);
   std::size_t outside = 0, first_outside = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (every != 0 && i != 0 && i % every == 0) add_pause(targets, options.pause_beats);
-    motion::Target target{{}, 0, options.shots, options.channel, options.energy};
+    wire::Target target{{}, 0, options.shots, options.channel, options.energy};
     if (!rounder.round(options.refraction.stage(points[i]), target.steps) && outside++ == 0)
       first_outside = i;
     targets.push_back(target);
   }
   if (outside == 0) return targets;
-  const points::Point& point = points[first_outside];
+  const geometry::Point& point = points[first_outside];
   throw Error(Exit::bad_input, fmt::format("point {}", first_outside),
-              fmt::format("({:g}, {:g}, {:g}) mm is outside the work space, as {} of {} points",
+              fmt::format("({:g}, {:g}, {:g}) mm is outside the work space, as are {} of {} points",
                           point.x, point.y, point.z, outside, points.size()),
               fmt::format("keep to {}", describe_work_space(profile.settings)));
 }
@@ -105,7 +107,7 @@ wire::JobHeader make_header(const Profile& profile, const JobOptions& options,
 }
 
 bool Job::is_pause(std::size_t target) const {
-  const motion::Target& t = targets[target];
+  const wire::Target& t = targets[target];
   return t.shots == 0 && t.beats != 0 && target > 0 && t.steps == targets[target - 1].steps;
 }
 
@@ -115,7 +117,8 @@ std::size_t Job::points_before(std::size_t target) const {
   return count;
 }
 
-Job make_job(const points::PointCloud& points, const Profile& profile, const JobOptions& options) {
+Job make_job(const geometry::PointCloud& points, const Profile& profile,
+             const JobOptions& options) {
   check(points, options);
   Job job;
   job.settings = profile.settings;
@@ -164,12 +167,12 @@ std::vector<std::uint8_t> RecordEncoder::next(std::size_t max_bytes, std::size_t
   wire::ByteWriter out(payload);
   for (std::size_t count = 0; count < max_points && index_ < job_->targets.size(); ++count) {
     if (out.room() < wire::max_record_size) break;
-    const motion::Target& t = job_->targets[index_];
+    const wire::Target& t = job_->targets[index_];
     if (!wire::put_record(out, state_, {t.steps, t.beats, t.shots, t.channel, t.energy},
                           job_->header.axes))
       throw Error(Exit::bad_input, fmt::format("point {}", index_),
                   "is too far from the one before, or uses an axis the machine lacks",
-                  "keep inside the work space");
+                  "move the points into the work space");
     ++index_;
   }
   payload.resize(out.size());

@@ -1,10 +1,10 @@
-// A job: what the firmware is to do, in steps.
+// A job: the targets or lines for the firmware, in steps.
 //
 // In:  a cloud of points [mm] in the order to engrave, in coordinates of the glass, a machine
 //      profile, options. Jobs of rows of pixels are made by host/raster.
 // Out: the header and the targets or lines; RecordEncoder cuts them into payloads for DATA frames,
-//      from any of them on.
-// Who: the command line makes jobs, the sender and the job file carry them.
+//      beginning at any of them.
+// Who: the command line makes jobs, the sender and the job file transport them.
 #pragma once
 
 #include <cstddef>
@@ -13,66 +13,67 @@
 #include <string>
 #include <vector>
 
-#include "firmware/motion/target.hpp"
+#include "host/geometry/point.hpp"
 #include "host/glass/refraction.hpp"
 #include "host/job/profile.hpp"
 #include "host/job/rows.hpp"
-#include "host/points/point.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/job_header.hpp"
 #include "shared/wire/records.hpp"
+#include "shared/wire/target.hpp"
 
 namespace lamplock::job {
 
-/// How points become a job.
+/// Options for making a job of points.
 struct JobOptions {
-  motion::JoinMode mode = motion::JoinMode::free;
+  wire::JoinMode mode = wire::JoinMode::free;
   bool dry = false;             ///< move, never fire
   std::uint8_t shots = 1;       ///< flashes at each point
   std::uint8_t channel = 0;     ///< beam channel 0..3
-  std::uint16_t energy = 0;     ///< 0 = as the machine stands
-  bool check_settings = false;  ///< let the machine refuse if any other setting differs
-  /// Against heat: stand for `pause_beats` after every `pause_every` points. 0: never.
+  std::uint16_t energy = 0;     ///< 0 = keep the machine's current value
+  bool check_settings = false;  ///< the machine refuses the job if any other setting differs
+  /// Against heat: pause for `pause_beats` after every `pause_every` points. 0: never.
   std::size_t pause_every = 0;
   std::uint16_t pause_beats = 0;
   glass::Refraction refraction{};  ///< of the glass that the points are in
 };
 
-/// Header, and targets or rows. The header's first_index is 0; the sender starts elsewhere on
-/// request. Targets are in coordinates of the stage. A pause is a target too: wherever targets are
-/// counted, by the machine and by who goes on with a job, pauses are counted with the points.
+/// Header, and targets or rows. The header's first_index is 0; the sender can start at another one.
+/// Targets are in coordinates of the stage. A pause is a target too: the machine and `--from` count
+/// pauses with the points.
 struct Job {
   wire::JobHeader header;
-  std::vector<motion::Target> targets;
+  std::vector<wire::Target> targets;
   Rows rows;
-  settings::Values settings;       ///< the job was made for these
-  glass::Refraction refraction{};  ///< from the stage back into the glass
+  settings::Values settings;       ///< the settings that the job was made for
+  glass::Refraction refraction{};  ///< converts positions of the stage to the glass
 
   /// Rows of pixels instead of points.
   bool is_rows() const { return header.mode == wire::mode_rows; }
   /// Targets or lines.
   std::size_t size() const { return is_rows() ? rows.lines.size() : targets.size(); }
-  /// One of them, as users read it.
+  /// The word for one of them in messages.
   const char* item() const { return is_rows() ? "line" : "point"; }
-  /// The target only stands where the one before it is, for some beats.
+  /// The target is a pause: some beats at the position of the target before it.
   bool is_pause(std::size_t target) const;
-  /// Points among the targets before this one.
+  /// Number of points among the targets before this one.
   std::size_t points_before(std::size_t target) const;
 };
 
 /// Makes a job: each coordinate is rounded to the nearest step of its axis. Throws
-/// Error(bad_input) if there is no point or any is outside the work space (or not finite): how
-/// many, and index and coordinates of the first; for pauses that are too many.
-Job make_job(const points::PointCloud& points, const Profile& profile, const JobOptions& options);
+/// Error(bad_input) if there is no point, if there are too many pauses, or if points are outside
+/// the work space (or not finite), with their number and index and coordinates of the first.
+Job make_job(const geometry::PointCloud& points, const Profile& profile, const JobOptions& options);
 
-/// The header of a job of so many targets: what the profile states, and the geometry, as overrides.
+/// The header of a job with this number of targets: the settings that the profile states, and the
+/// geometry, are overrides.
 wire::JobHeader make_header(const Profile& profile, const JobOptions& options, std::size_t targets);
 
 /// Header for sending from target `first` on (first <= number of targets).
 wire::JobHeader header_from(const Job& job, std::size_t first);
 
-/// Settings the header's overrides make of `base`. Throws Error(bad_input), at `where`, for a
-/// number that is not in the table or a value out of range.
+/// Applies the header's overrides to `base`. Throws Error(bad_input), at `where`, for a number that
+/// is not in the table or a value out of range.
 settings::Values apply_overrides(const settings::Values& base, const wire::JobHeader& header,
                                  const std::string& where = "job");
 
@@ -90,7 +91,7 @@ class RecordEncoder {
 
   /// Index after the last target or line encoded.
   std::size_t index() const { return index_; }
-  /// Places of the board's table of runs that all payloads so far take.
+  /// Entries of the board's run table that all payloads so far need.
   std::uint64_t places() const { return rows_ ? rows_->places() : 0; }
 
  private:

@@ -17,7 +17,7 @@ namespace lamplock::job {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> magic{'L', 'L', 'J', 0x1A, '\r', '\n', 0x00, 0xB5};
-/// Files that know nothing of glass are of version 1, those with its refraction of version 2.
+/// Files without glass are version 1, those with its refraction version 2.
 constexpr std::uint16_t plain_version = 1, glass_version = 2;
 constexpr std::size_t glass_bytes = 2 * sizeof(double);
 constexpr std::size_t payload_bytes = 1 << 16;
@@ -35,7 +35,7 @@ std::vector<std::uint8_t> encode_records(const Job& job) {
   return stream;
 }
 
-/// What stands between the version and the checksum of a file.
+/// Data between the version and the checksum of a file.
 struct Contents {
   std::uint16_t version;
   std::span<const std::uint8_t> bytes;
@@ -73,9 +73,9 @@ glass::Refraction take_glass(wire::ByteReader& in, const std::string& name) {
   return refraction;
 }
 
-std::vector<motion::Target> decode_targets(std::span<const std::uint8_t> stream,
-                                           const wire::JobHeader& header, const std::string& name) {
-  std::vector<motion::Target> targets;
+std::vector<wire::Target> decode_targets(std::span<const std::uint8_t> stream,
+                                         const wire::JobHeader& header, const std::string& name) {
+  std::vector<wire::Target> targets;
   wire::RecordState state;
   state.steps = header.origin_steps;
   const Result result = wire::walk_records(stream, header.axes, state, [&](const auto& record) {
@@ -147,16 +147,16 @@ Job decode_job_file(std::span<const std::uint8_t> bytes, const std::string& name
   if (result != Result::ok || job.header.first_index != 0) fail(name, "has a malformed header");
   wire::ByteReader rest(in.rest().subspan(header_size));
   const auto stream_size = rest.take<std::uint32_t>();
-  const std::size_t behind = contents.version == glass_version ? glass_bytes : 0;
-  if (!rest.ok() || rest.left() != stream_size + behind) fail(name, "is malformed");
+  const std::size_t tail_size = contents.version == glass_version ? glass_bytes : 0;
+  if (!rest.ok() || rest.left() != stream_size + tail_size) fail(name, "is malformed");
   const auto stream = rest.rest().first(stream_size);
-  if (behind != 0) {
+  if (tail_size != 0) {
     wire::ByteReader tail(rest.rest().subspan(stream_size));
     job.refraction = take_glass(tail, name);
   }
   job.settings = apply_overrides(settings::Values{}, job.header, name);
   if (job.settings.hash() != job.header.settings_hash)
-    fail(name, "was made with other settings than this program knows");
+    fail(name, "was made with a settings table that this program does not have");
   if (job.is_rows())
     job.rows = decode_rows(stream, job.header, name);
   else

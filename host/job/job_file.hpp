@@ -13,7 +13,7 @@ namespace lamplock::job {
 /// The bytes of a job file. The settings hash in its header is that of job.settings.
 std::vector<std::uint8_t> encode_job_file(const Job& job);
 
-/// A job from the bytes of a file; `name` stands in errors. Throws Error(bad_input) if they are
+/// A job from the bytes of a file; `name` is for errors. Throws Error(bad_input) if they are
 /// truncated, corrupt, of another version, or made with another settings table.
 Job decode_job_file(std::span<const std::uint8_t> bytes, const std::string& name);
 

@@ -15,7 +15,7 @@ namespace {
 using settings::Id;
 using settings::Row;
 
-/// A value in thousandths as a person writes it: no trailing zeros.
+/// Formats a value in thousandths without trailing zeros.
 std::string format_milli(std::int32_t milli) {
   const std::string text = fmt::format("{:.3f}", milli / milli_per_unit);
   const auto last = text.find_last_not_of('0');
@@ -39,11 +39,11 @@ void state_setting(Profile& profile, Id id, double value, const std::string& whe
   if (!fits || !profile.settings.set_milli(id, static_cast<std::int32_t>(milli)))
     throw Error(Exit::bad_input, where, fmt::format("{} = {} is out of range", row.name, value),
                 range_of(row));
-  // For many settings 0 is none, or no limit: not what a small number means.
+  // For many settings 0 means none, or no limit; a small number must not become 0.
   if (value != 0 && milli == 0)
     throw Error(Exit::bad_input, where,
-                fmt::format("{} = {} cannot be told from 0", row.name, value),
-                "settings are kept to 0.001; give 0 or more than that");
+                fmt::format("{} = {} would be rounded to 0", row.name, value),
+                "settings have a resolution of 0.001; give 0 or at least that");
   profile.stated.set(static_cast<std::size_t>(id));
 }
 

@@ -1,8 +1,8 @@
-// The machine profile: which machine a job is made for.
+// The machine profile: describes the machine that a job is made for.
 //
 // In:  a profile (read_profile.hpp), options of the command line.
-// Out: values for the settings table, and which of them were stated: these, and the geometry the
-//      points were rounded with, travel with the job as overrides that end with it.
+// Out: values for the settings table, and the set of those stated: these, and the geometry that the
+//      points were rounded with, are part of the job as overrides that end with it.
 // Who: the command line, job building, the virtual board.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace lamplock::job {
 struct Profile {
   std::string name = "default";
   settings::Values settings;
-  /// Settings the user has stated; the others are the machine's own business.
+  /// Settings that the user has stated; the machine keeps its own values of the others.
   std::bitset<settings::setting_count> stated;
 };
 
@@ -29,7 +29,7 @@ Profile default_profile();
 /// thrown when the value is out of range.
 void state_setting(Profile& profile, settings::Id id, double value, const std::string& where);
 
-/// Overrides of the command line, every axis alike.
+/// Overrides of the command line, the same for every axis.
 void set_lamp_hz(Profile& profile, double hz);
 void set_acceleration(Profile& profile, double m_s2);
 void set_speed(Profile& profile, double m_s);

@@ -31,7 +31,7 @@ std::uint32_t check_of(std::string_view text) {
   return wire::crc32({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-/// Takes a word and the space after it from the text.
+/// Removes and returns a word of the text, with the space after it.
 std::string_view take_word(std::string_view& text) {
   const std::string_view word = text.substr(0, text.find(' '));
   text.remove_prefix(std::min(text.size(), word.size() + 1));
@@ -50,7 +50,7 @@ std::string without_check(const ProgressRecord& record) {
                      record.may_have_fired);
 }
 
-/// The record of a line; nothing if the line is damaged or no record.
+/// The record of a line; empty if the line is damaged or no record.
 std::optional<ProgressRecord> parse(std::string_view line) {
   const auto found = std::find(names.begin(), names.end(), take_word(line));
   if (found == names.end()) return std::nullopt;
@@ -66,7 +66,7 @@ std::optional<ProgressRecord> parse(std::string_view line) {
   return record;
 }
 
-/// A line that is torn off is about nothing that was handed to the board, a whole one is.
+/// A complete line may concern points that were sent to the board; an incomplete one does not.
 bool has_whole_line(std::string_view text) {
   for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n')) {
     if (end != 0 && text.front() != '#') return true;
@@ -90,7 +90,7 @@ void sync_folder(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return;
-  ::fsync(descriptor);  // some file systems cannot, and need not
+  ::fsync(descriptor);  // fails on some file systems, which do not need it
   ::close(descriptor);
 }
 
@@ -142,8 +142,9 @@ JournalContents ProgressJournal::read() const {
   const std::string text = read_file(file_);
   const JournalContents contents = contents_of(text);
   if (contents.empty() && has_whole_line(text))
-    throw Error(Exit::bad_input, file_.string(), "is damaged, no record of it can be read",
-                "look at what has been fired, then continue with --from, or give --discard");
+    throw Error(Exit::bad_input, file_.string(), "is damaged: it has no readable record",
+                "find the first point that was not fired (last message, or the glass) and continue "
+                "with --from N, or give up this run with --discard");
   return contents;
 }
 
@@ -165,14 +166,14 @@ void ProgressJournal::remove() {
   if (error) fail("cannot be removed");
 }
 
-/// The end of a torn line must not become the beginning of ours.
+/// Ends an incomplete last line, so that the next record begins a line of its own.
 void ProgressJournal::open(int flags) {
   descriptor_ = ::open(file_.c_str(), flags | O_CLOEXEC, for_all_to_read);
   if (descriptor_ < 0) fail("cannot be opened");
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     close();
     throw Error(Exit::job_failed, file_.string(), "another program runs this job",
-                "wait for its end, or end it");
+                "wait for its end, or end that program");
   }
   const off_t size = ::lseek(descriptor_, 0, SEEK_END);
   if (size <= 0) {
@@ -193,7 +194,7 @@ void ProgressJournal::close() {
 void ProgressJournal::fail(const char* what) const {
   const std::string reason = std::generic_category().message(errno);
   throw Error(Exit::job_failed, file_.string(), fmt::format("{} ({})", what, reason),
-              "check folder and free space, or keep the progress elsewhere with --progress FILE");
+              "check folder and free space, or choose another file with --progress FILE");
 }
 
 }  // namespace lamplock::job

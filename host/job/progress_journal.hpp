@@ -1,12 +1,12 @@
-// The journal of a job: the file from which the job goes on after host or board have lost power.
+// The journal of a job: a file with which the job can continue after host or board have lost power.
 //
-// In:  how far the job is, each time before more of it is handed to the board.
-// Out: the file; what it says of the last run of the job.
+// In:  the progress of the job, each time before more points are sent to the board.
+// Out: the file; its information about the last run of the job.
 // Who: link::KeptJob.
 //
-// A record is a line of text with a check sum, and is on the disk before append() returns. So a
-// line that is torn or damaged at the end is about points that have not been handed to the board:
-// it is ignored.
+// A record is a line of text with a checksum, and is on the disk before append() returns. So an
+// incomplete or damaged line at the end concerns points that have not been sent to the board: it
+// is ignored.
 //
 //   # kind session job first_unfired flashes may_have_fired check
 //   begun 5eed0001 9f3c11aa 0 0 0 4d1f0a32
@@ -25,9 +25,9 @@ namespace lamplock::job {
 
 struct Job;
 
-/// What a record says that a run of a job has done.
+/// State of a run in a record.
 enum class Progress : std::uint8_t {
-  begun,  ///< the board is about to be offered the job; first_unfired and flashes: where it begins
+  begun,    ///< the job will be offered to the board; first_unfired and flashes: where it begins
   running,  ///< the record is a lower and an upper bound until the next one
   ended     ///< the board was at rest when it reported
 };
@@ -38,31 +38,31 @@ struct ProgressRecord {
   std::uint32_t job = 0;             ///< hash_of() the job
   std::uint32_t first_unfired = 0;   ///< all points, or lines, before it are fired
   std::uint32_t flashes = 0;         ///< of that point that are fired
-  std::uint32_t may_have_fired = 0;  ///< no point from here on was handed to the board
+  std::uint32_t may_have_fired = 0;  ///< no point from here on was sent to the board
   friend bool operator==(const ProgressRecord&, const ProgressRecord&) = default;
 };
 
-/// One run: how it began, and the last that is known of it.
+/// One run: its first and its last record.
 struct KeptRun {
   ProgressRecord begun, last;
   friend bool operator==(const KeptRun&, const KeptRun&) = default;
 };
 
-/// What a journal says.
+/// Contents of a journal.
 struct JournalContents {
-  std::optional<KeptRun> run;             ///< the last one that the board has taken
-  std::optional<ProgressRecord> offered;  ///< one begun after it, which the board may have taken
+  std::optional<KeptRun> run;             ///< the last run that the board has accepted
+  std::optional<ProgressRecord> offered;  ///< a later one that the board may have accepted
   bool empty() const { return !run && !offered; }
   friend bool operator==(const JournalContents&, const JournalContents&) = default;
 };
 
-/// Tells jobs apart: CRC-32 of the header and of all records.
+/// Identifies a job: CRC-32 of the header and of all records.
 std::uint32_t hash_of(const Job& job);
 
 /// A record as its line, with the line end.
 std::string progress_line(const ProgressRecord& record);
 
-/// What the text of a journal says.
+/// Parses the text of a journal.
 JournalContents contents_of(std::string_view text);
 
 /// One journal. Nothing is created before the first append().
@@ -74,15 +74,15 @@ class ProgressJournal {
   ProgressJournal& operator=(const ProgressJournal&) = delete;
 
   const std::filesystem::path& file() const { return file_; }
-  /// What the file says; nothing if it is not there or has no record yet. Throws Error(bad_input)
-  /// if it cannot be read, or if all of its records are damaged.
+  /// Reads the file; empty if it does not exist or has no record yet. Throws Error(bad_input) if it
+  /// cannot be read, or if all of its records are damaged.
   JournalContents read() const;
-  /// Keeps other programs from this journal until it is closed, if there is one; append() does so
-  /// too. Throws Error(job_failed) if another program has it.
+  /// Locks this journal, if it exists, against other programs until it is closed; append() does so
+  /// too. Throws Error(job_failed) if another program has locked it.
   void lock();
   /// Writes a record; it is on the disk afterwards. Throws Error(job_failed) if that fails.
   void append(const ProgressRecord& record);
-  /// The job is done. Throws Error(job_failed) if the file cannot be removed.
+  /// Removes the journal of a completed job. Throws Error(job_failed) if that fails.
   void remove();
 
  private:

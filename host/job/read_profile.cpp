@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "host/file.hpp"
-#include "host/gpio/read_line_table.hpp"
 #include "host/toml_file.hpp"
 
 namespace lamplock::job {
@@ -42,7 +41,7 @@ void read_axes(Profile& profile, Id x_row, std::string_view key, const toml::nod
 
 void read_key(Profile& profile, std::string_view key, const toml::node& node,
               const std::string& where) {
-  // No settings: host/pendant/read_key_map.hpp and host/gpio/read_line_table.hpp read them.
+  // Not settings: host/pendant/read_key_map.hpp and host/gpio/read_line_table.hpp read these.
   if (key == "pendant" || key == "lines") return;
   if (key == "name") {
     const auto text = node.value<std::string>();
@@ -64,7 +63,6 @@ Profile read_profile(const std::filesystem::path& file) {
   const toml::table table = read_toml(file);
   Profile profile;
   profile.name = file.stem().string();
-  if (table.contains("lines")) gpio::read_machine_lines(file);  // refuses what is wrong in it
   for (const auto& [key, node] : table)
     read_key(profile, key.str(), node, toml_location(file, key.source()));
   return profile;

@@ -32,13 +32,13 @@ std::vector<std::uint8_t> RowEncoder::next(std::size_t max_bytes, std::size_t ma
     ++index_;
     done_runs_ = 0;
   }
-  // An empty payload means the end: a line that never fits must not look like it.
+  // An empty payload means the end, so a line that never fits must throw.
   if (out.size() == 0 && index_ < rows_->lines.size()) refuse_line();
   payload.resize(out.size());
   return payload;
 }
 
-/// What is left of the runs of the line; false if not all of them fit.
+/// Writes the remaining runs of the line; false if not all of them fit.
 bool RowEncoder::put_runs(wire::ByteWriter& out) {
   const Line& line = rows_->lines[index_];
   while (done_runs_ < line.runs) {
@@ -51,9 +51,10 @@ bool RowEncoder::put_runs(wire::ByteWriter& out) {
 }
 
 void RowEncoder::refuse_line() const {
-  throw Error(Exit::bad_input, fmt::format("line {}", index_),
-              "goes nowhere or too far, has too many cells, or uses an axis the machine lacks",
-              "make the job again");
+  throw Error(Exit::bad_input, fmt::format("row line {}", index_),
+              "the line has zero length, is too long, has too many pixels, or uses an axis that "
+              "the machine does not have",
+              "make the rows again with lamplock raster and this machine's profile");
 }
 
 }  // namespace lamplock::job

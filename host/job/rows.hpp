@@ -1,11 +1,12 @@
 // Rows of pixels for a continuous laser: the lines of a job and the runs of cells on them.
 //
-// In:  lines in the order to run them; cells as they lie on the wire (shared/wire/runs.hpp).
-// Out: payloads for DATA frames, from any line on; how many places of the board's table they take.
-// Who: host/raster makes rows, Job has them, RecordEncoder cuts them, the sender counts places.
+// In:  lines in the order to run them; cells in wire format (shared/wire/runs.hpp).
+// Out: payloads for DATA frames, beginning at any line; the number of entries of the board's run
+//      table that they need.
+// Who: host/raster makes rows, Job has them, RecordEncoder cuts them, the sender counts entries.
 //
-//   line        rapid | light | light | rapid | light ...     places of the board's table:
-//   runs              [ ---- ][ ---- ]        [ ---- ]        one a run and one a line with light
+//   line        rapid | light | light | rapid | light ...     entries of the board's run table:
+//   runs              [ ---- ][ ---- ]        [ ---- ]        one per run and per line with light
 #pragma once
 
 #include <cstddef>
@@ -17,7 +18,7 @@
 
 namespace lamplock::job {
 
-/// A line, and which of the runs lie on it: none on a rapid.
+/// A line and its runs: none on a rapid.
 struct Line {
   wire::RowLine to;
   std::size_t first_run = 0;
@@ -36,9 +37,10 @@ struct Rows {
   friend bool operator==(const Rows&, const Rows&) = default;
 };
 
-/// Makes rows so that they can be gone on with at line `from`, which is burnt from its beginning,
-/// and says at which line to start: in the middle of a row one before, which becomes dark, so that
-/// the machine comes in motion. A board goes to where its first line begins by itself, dark.
+/// Changes rows so that they can continue at line `from`, which is engraved from its beginning, and
+/// returns the line to start at: in the middle of a row this is one line earlier, which becomes
+/// dark and brings the machine to its speed. A board moves to the begin of its first line by
+/// itself, dark.
 std::size_t go_on_at(Rows& rows, std::size_t from);
 
 /// Cuts lines and runs into payloads, each to be decoded after the one before. The cells of a line
@@ -49,12 +51,13 @@ class RowEncoder {
   RowEncoder(const Rows& rows, std::size_t first, const StepPosition& origin, int axes);
 
   /// The next payload: at most `max_bytes` bytes (at least wire::max_row_line_size) and `max_lines`
-  /// lines; empty at the end of the rows. Throws Error(bad_input) for a line that no record can be.
+  /// lines; empty at the end of the rows. Throws Error(bad_input) for a line that no record can
+  /// represent.
   std::vector<std::uint8_t> next(std::size_t max_bytes, std::size_t max_lines);
 
   /// Index after the last line encoded.
   std::size_t index() const { return index_; }
-  /// Places of the board's table that all payloads so far take.
+  /// Entries of the board's run table that all payloads so far need.
   std::uint64_t places() const { return places_; }
 
  private:

@@ -6,10 +6,10 @@
 #include <limits>
 #include <utility>
 
-#include "firmware/machine/settings_text.hpp"
 #include "host/error.hpp"
 #include "host/text.hpp"
 #include "host/units.hpp"
+#include "shared/settings_text.hpp"
 
 namespace lamplock::link {
 namespace {
@@ -31,29 +31,31 @@ std::string command(std::uint32_t number, std::string_view value) {
               "write digits with up to three decimals");
 }
 
-/// A value for a setting that only the board knows: printable, nothing that the board takes for a
-/// command.
+/// Checks the value of a setting that the table does not have: printable, without bytes that are
+/// commands to a board.
 void check_unknown(std::uint32_t number, std::string_view value, const std::string& where) {
   const bool plain = !value.empty() && std::all_of(value.begin(), value.end(), [](char c) {
     return c >= ' ' && c < 0x7F && !wire::is_realtime(static_cast<std::uint8_t>(c));
   });
   if (!plain)
-    throw Error(Exit::bad_input, where, fmt::format("${} = '{}' is not a value", number, value),
-                "write what $$ of the board shows");
+    throw Error(Exit::bad_input, where,
+                fmt::format("'{1}' is not a valid value for ${0}", number, value),
+                "use the form that $$ shows");
 }
 
-/// The same value, however it is written.
+/// Compares values, not their spelling.
 bool has_value(const BoardSettings& board, const Change& change) {
   const std::string& text = board.texts.at(change.number);
-  const machine::SettingLine ours = machine::read_setting(command(change.number, change.text));
-  const machine::SettingLine theirs = machine::read_setting(command(change.number, text));
+  const settings::SettingLine ours = settings::read_setting(command(change.number, change.text));
+  const settings::SettingLine theirs = settings::read_setting(command(change.number, text));
   if (ours.error == GcodeError::none && theirs.error == GcodeError::none)
     return ours.milli == theirs.milli;
   const auto one = number_of<double>(text), other = number_of<double>(change.text);
   return one && other ? *one == *other : text == change.text;
 }
 
-/// Sends changes until all are taken or none of those left is; gives these and their last error.
+/// Sends changes, and refused ones again, until none is left or all of the rest are refused.
+/// Returns the refused ones with their last error.
 std::vector<std::pair<Change, int>> send_changes(LinePort& port, std::vector<Change> changes,
                                                  std::vector<Change>& taken) {
   for (;;) {
@@ -77,7 +79,7 @@ bool take_setting(std::string_view line, BoardSettings& settings) {
   const auto number = number_of<std::uint32_t>(line.substr(1, equals - 1));
   if (!number) return false;
   settings.texts[*number] = line.substr(equals + 1);
-  const machine::SettingLine row = machine::read_setting(line);
+  const settings::SettingLine row = settings::read_setting(line);
   if (row.error == GcodeError::none && settings.values.set_milli(row.id, row.milli))
     settings.known.set(static_cast<std::size_t>(row.id));
   return true;
@@ -120,7 +122,7 @@ std::string value_text(Id id, std::int32_t milli) {
 Change parse_change(std::string_view text, const std::string& where) {
   const auto equals = text.find('=');
   if (equals == std::string_view::npos)
-    throw Error(Exit::bad_input, where, fmt::format("'{}' changes nothing", text),
+    throw Error(Exit::bad_input, where, fmt::format("'{}' has no value", text),
                 "write NAME=VALUE or NUMBER=VALUE");
   const std::string_view name = trimmed(text.substr(0, equals));
   const std::string_view value = trimmed(text.substr(equals + 1));
@@ -133,7 +135,7 @@ Change parse_change(std::string_view text, const std::string& where) {
     check_unknown(*number, value, where);
     return {*number, std::string(value)};
   }
-  const machine::SettingLine line = machine::read_setting(command(*number, value));
+  const settings::SettingLine line = settings::read_setting(command(*number, value));
   if (line.error != GcodeError::none) refuse_value(settings::row(id), value, where, line.error);
   return {*number, value_text(id, line.milli)};
 }
@@ -162,13 +164,13 @@ BoardSettings change_settings(LinePort& port, const BoardSettings& before,
     throw Error(Exit::job_failed, setting_name(change.number),
                 fmt::format("the board refuses {}: {}; {}", change.text, error_text(error),
                             restored ? "nothing was changed" : "some settings were changed"),
-                "see that the value goes with the other settings");
+                "choose a value that fits the other settings");
   }
   BoardSettings after = read_settings(port);
   for (const Change& change : changes)
     if (!after.texts.contains(change.number) || !has_value(after, change))
       throw Error(Exit::job_failed, setting_name(change.number),
-                  fmt::format("was set to {} and is not", change.text),
+                  fmt::format("was set to {} but has another value", change.text),
                   "list the settings and try again");
   return after;
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr std::array<std::string_view, 18> alarm_texts{
     "",
     "a limit switch engaged, the position is lost",
-    "the target lies outside the work space",
+    "the target is outside the work space",
     "reset while moving, the position is lost",
     "the probe was already in its final state",
     "the probe found nothing",
@@ -32,7 +32,7 @@ constexpr std::array<std::string_view, 18> alarm_texts{
     "a drive reports a fault",
 };
 
-/// Takes what stands before the next separator off the front.
+/// Removes and returns the text before the next separator.
 std::string_view take_part(std::string_view& text, char separator) {
   const auto end = text.find(separator);
   const std::string_view part = text.substr(0, end);

@@ -1,8 +1,8 @@
 // Frames over a transport: the host's mirror of firmware/link.
 //
 // In:  frames to send; bytes from the transport.
-// Out: STATUS, REFUSED and lines of text in the order they came. Broken frames are counted only.
-// Who: the sender, and whoever wants to ask a machine how it is.
+// Out: received STATUS, REFUSED and lines of text in order. Corrupt frames are only counted.
+// Who: the sender; code that asks a machine for its status.
 #pragma once
 
 #include <cstddef>
@@ -22,13 +22,13 @@
 
 namespace lamplock::link {
 
-/// REFUSED with the number of the frame it is about.
+/// REFUSED with the number of the refused frame.
 struct RefusedFrame {
   std::uint32_t number = 0;
   wire::Refused refused;
 };
 
-/// What the firmware says.
+/// A message of the firmware.
 using Message = std::variant<wire::Status, RefusedFrame, std::string>;
 
 /// Codes and decodes frames over one transport.
@@ -36,7 +36,7 @@ class Connection {
  public:
   explicit Connection(Transport& transport) : transport_(transport) {}
 
-  /// A frame as it goes on the wire, to be sent now or again later.
+  /// Encodes a frame for the wire, to be sent once or again.
   static std::vector<std::uint8_t> encode(const wire::FrameHeader& header,
                                           std::span<const std::uint8_t> payload);
   /// Queues a frame, flush() sends it.
@@ -54,14 +54,13 @@ class Connection {
   /// Bytes queued and not yet taken by the transport.
   std::size_t backlog() const { return out_.size(); }
 
-  /// The next message that has come in, if any.
+  /// The next received message, if any.
   std::optional<Message> receive();
 
-  /// Makes a new connection; what was under way in either direction is dropped. False if there is
-  /// none to be had now.
+  /// Makes a new connection and drops all bytes in both directions. False if that fails for now.
   bool reconnect();
 
-  /// Frames from the firmware that came in broken.
+  /// Corrupt frames from the firmware.
   std::uint64_t bad_frames() const { return bad_frames_; }
 
   // Events of the parser.

@@ -6,7 +6,7 @@
 
 namespace lamplock::link {
 
-bool stands(wire::MachineState state) {
+bool is_at_rest(wire::MachineState state) {
   using wire::MachineState;
   return state == MachineState::idle || state == MachineState::alarm ||
          state == MachineState::estop;
@@ -26,8 +26,8 @@ Continuation after_restart(const job::Job& job, const RestartMark& mark) {
   return {first, 0, in_doubt ? first + 1 : first, true};
 }
 
-std::uint32_t flashes_of(std::span<const motion::Target> targets, std::size_t from,
-                         std::size_t next, std::uint64_t shots) {
+std::uint32_t flashes_of(std::span<const wire::Target> targets, std::size_t from, std::size_t next,
+                         std::uint64_t shots) {
   if (next >= targets.size() || targets[next].shots == 0) return 0;
   std::uint64_t done = 0;
   for (std::size_t i = from; i < next; ++i) done += targets[i].shots;
@@ -49,8 +49,8 @@ std::string doubt_text(const Continuation& rest, const std::string& item) {
 }
 
 std::string go_on_text(const Continuation& rest, const std::string& item, bool is_kept) {
-  if (!rest.settled && is_kept) return "go on with --resume, which asks the machine";
-  const std::string text = "go on with " + go_on_options(rest);
+  if (!rest.settled && is_kept) return "continue with --resume, which asks the machine";
+  const std::string text = "continue with " + go_on_options(rest);
   return rest.in_doubt() ? fmt::format("{} ({})", text, doubt_text(rest, item)) : text;
 }
 

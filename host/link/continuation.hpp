@@ -1,6 +1,6 @@
-// Where a job goes on after an end before its end, and which of its points are in doubt.
+// Where a job that ended early continues, and which of its points may or may not have been fired.
 //
-// In:  what the board has told last, what was handed to it, the mark of a restart.
+// In:  the last report of the board, the items sent to it, the mark of a restart.
 // Out: the options with which no point is fired more often than ordered.
 // Who: JobSender for its errors, KeptJob, the command line.
 //
@@ -13,10 +13,10 @@
 #include <span>
 #include <string>
 
-#include "firmware/motion/target.hpp"
 #include "host/job/job.hpp"
 #include "host/link/restart_mark.hpp"
 #include "shared/wire/status.hpp"
+#include "shared/wire/target.hpp"
 
 namespace lamplock::link {
 
@@ -24,28 +24,28 @@ namespace lamplock::link {
 struct Continuation {
   std::size_t first = 0;      ///< all items before it are done, as often as ordered
   std::uint32_t flashes = 0;  ///< of that point that were fired; 0 if it is in doubt
-  std::size_t from = 0;       ///< from here on nothing was done; first <= from
+  std::size_t from = 0;       ///< no item from here on was done; first <= from
   /// The board was at rest when it reported, or has marked its restart. Otherwise `first` is a
-  /// lower bound, and the board may know more.
+  /// lower bound, and the board may have a later number.
   bool settled = false;
 
   bool in_doubt() const { return from > first; }
 };
 
-/// The board is at rest: no job is unfinished, or an alarm has ended it. Out of these states only
-/// another job or the user at the machine leads to motion.
-bool stands(wire::MachineState state);
+/// The board is at rest: no job is unfinished, or an alarm has ended it. From these states only
+/// another job or the user at the machine can start motion.
+bool is_at_rest(wire::MachineState state);
 
-/// The board is at rest and has reported the first item not done. A line of pixels in which
-/// it has come to rest is burnt in part.
+/// The board is at rest and has reported the first item not done. A line of pixels in which the
+/// machine has stopped is engraved in part.
 Continuation at_rest(const job::Job& job, std::size_t first, std::uint32_t flashes);
 
-/// The board has restarted by itself. It does not know how many flashes of the point were fired.
+/// The board has restarted by itself. The number of flashes fired at the point is unknown.
 Continuation after_restart(const job::Job& job, const RestartMark& mark);
 
 /// Flashes of point `next` among `shots` that begin at point `from` of the targets.
-std::uint32_t flashes_of(std::span<const motion::Target> targets, std::size_t from,
-                         std::size_t next, std::uint64_t shots);
+std::uint32_t flashes_of(std::span<const wire::Target> targets, std::size_t from, std::size_t next,
+                         std::uint64_t shots);
 
 /// "--from 12 --fired 3"
 std::string go_on_options(const Continuation& rest);
@@ -53,8 +53,8 @@ std::string go_on_options(const Continuation& rest);
 /// "points 503 to 686 may have been fired"; empty if none is in doubt.
 std::string doubt_text(const Continuation& rest, const std::string& item);
 
-/// "go on with --from 687 (points 503 to 686 may have been fired)". `is_kept`: the progress of the
-/// job is in a journal, with which the board can be asked.
+/// "continue with --from 687 (points 503 to 686 may have been fired)". `is_kept`: the journal has
+/// the progress of the job, so that --resume can ask the board.
 std::string go_on_text(const Continuation& rest, const std::string& item, bool is_kept);
 
 }  // namespace lamplock::link

@@ -26,7 +26,7 @@ std::size_t DescriptorTransport::read(std::span<std::uint8_t> bytes) {
   if (!connected_ || bytes.empty()) return 0;
   const ssize_t count = ::read(descriptor(), bytes.data(), bytes.size());
   if (count > 0) return static_cast<std::size_t>(count);
-  // Nothing there is an error (EAGAIN); 0 is the end of the connection.
+  // read() reports missing data as an error (EAGAIN), the end of the connection as 0.
   if (count == 0 || !try_later(errno)) connected_ = false;
   return 0;
 }

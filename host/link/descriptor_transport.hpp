@@ -1,4 +1,4 @@
-// What serial ports and TCP connections share: a non-blocking file descriptor and wall time.
+// Common part of serial ports and TCP connections: a non-blocking file descriptor and wall time.
 #pragma once
 
 #include <chrono>
@@ -21,10 +21,10 @@ class DescriptorTransport : public Transport {
   bool reconnect() override;
 
  protected:
-  /// Opens the connection; false if it is not to be had now.
+  /// Opens the connection; false if that fails for now.
   virtual bool open() = 0;
   virtual void close() = 0;
-  /// The open descriptor; only asked while connected.
+  /// The open descriptor; called only while connected.
   virtual int descriptor() = 0;
 
   void set_connected(bool connected) { connected_ = connected; }

@@ -15,14 +15,14 @@ using Time = std::chrono::microseconds;
 
 /// Waiting is cut into slices of this length.
 constexpr Time slice{5'000};
-/// When `$I` was sent more than once, the board may still be answering: until it is quiet so long.
+/// Silence after which all answers have arrived when `$I` was sent more than once.
 constexpr Time quiet{300'000};
-/// grbl's receive buffer, for boards that do not tell.
+/// grbl's receive buffer, for boards that do not report theirs.
 constexpr std::size_t usual_window_bytes = 127;
 
 double seconds(Time time) { return std::chrono::duration<double>(time).count(); }
 
-/// The next line, waited for until `until`.
+/// The next line; empty if none arrives before `until`.
 std::optional<std::string> receive_until(LinePort& port, Time until) {
   for (;;) {
     port.flush();
@@ -34,7 +34,7 @@ std::optional<std::string> receive_until(LinePort& port, Time until) {
   }
 }
 
-/// One greeting: what has come of it so far.
+/// One greeting and the answers received so far.
 class Asked {
  public:
   Asked(LinePort& port, const Patience& patience) : port_(port), patience_(patience) {}
@@ -68,7 +68,7 @@ class Asked {
     heard_ = true;
     if (auto status = parse_status(line)) status_ = std::move(status);
     take_identity(line, identity_);
-    // An ok before the version belongs to somebody else's line.
+    // An ok before the version answers a line of another program.
     if (parse_answer(line) && !identity_.version.empty()) answered_ = true;
   }
 
@@ -80,7 +80,7 @@ class Asked {
   Greeting result() const {
     Greeting greeting{identity_, *status_, identity_.window_bytes};
     if (greeting.window_bytes == 0) greeting.window_bytes = usual_window_bytes;
-    // grblHAL tells the size of its buffer by $I, which holds a byte less.
+    // grblHAL's $I reports the size of its buffer, which holds one byte less.
     if (status_->rests() && status_->free_bytes && *status_->free_bytes > 0)
       greeting.window_bytes = std::min(greeting.window_bytes, *status_->free_bytes);
     return greeting;
@@ -92,10 +92,9 @@ class Asked {
       throw Error(Exit::no_device, "machine", fmt::format("does not answer within {:g} s", s),
                   "check power, cable and the name of the port");
     if (identity_.version.empty())
-      throw Error(
-          Exit::no_device, "machine",
-          fmt::format("talks, but tells no version ([VER:]) within {:g} s", s),
-          "check that it is a board of lamplock or grbl and that nothing else uses the port");
+      throw Error(Exit::no_device, "machine",
+                  fmt::format("answers but reports no version ([VER:]) within {:g} s", s),
+                  "check that it runs lamplock or grbl and that no other program uses the port");
     throw Error(Exit::no_device, "machine", "does not report its status", "reset it and try again");
   }
 
@@ -107,7 +106,7 @@ class Asked {
   int asked_ = 0;
 };
 
-/// Said at any time, no part of an answer.
+/// A line that a board may send at any time and that is no part of an answer.
 bool is_aside(const std::string& line) {
   return line.starts_with("[MSG:") || line.front() == '<' || is_banner(line);
 }

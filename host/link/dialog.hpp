@@ -1,6 +1,6 @@
 // Questions to a board, one at a time, each with its answer.
 //
-// In:  a line. Out: the lines that came back, and how the answer ended.
+// In:  a line. Out: the lines of the answer, and its ok or error.
 // Who: settings; senders and the console, before they begin. Waits, by the transport's clock.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace lamplock::link {
 
-/// How patient it is.
+/// Time-outs.
 struct Patience {
   std::chrono::microseconds again{1'000'000};    ///< until `$I` is sent again
   std::chrono::microseconds give_up{4'000'000};  ///< without an answer
@@ -23,22 +23,22 @@ struct Patience {
 struct Greeting {
   BoardIdentity identity;
   BoardStatus status;
-  /// Bytes that may be under way: what `$I` says, or less if the idle board has less.
+  /// Bytes that may be under way: as `$I` reports, or less if the idle board has less free.
   std::size_t window_bytes = 0;
 };
 
-/// Asks a board what it is (`$I`) and how it is (`?`). What it says meanwhile goes to nobody.
-/// Throws Error(no_device) if no version line comes.
+/// Asks a board for its version (`$I`) and its status (`?`); other lines from it are ignored.
+/// Throws Error(no_device) if it sends no version line or no status.
 Greeting greet(LinePort& port, const Patience& patience = {});
 
-/// What came back for a line.
+/// The answer to a line.
 struct Answer {
   std::vector<std::string> lines;
   int error = 0;  ///< 0 = ok
 };
 
-/// Sends a line and waits for its answer; status reports and messages in between are left out.
-/// Throws Error(no_device) if none comes, or the connection breaks.
+/// Sends a line and waits for its answer; status reports and messages in between are ignored.
+/// Throws Error(no_device) if no answer arrives, or the connection breaks.
 Answer ask(LinePort& port, const std::string& line, const Patience& patience = {});
 
 /// Throws Error(no_device) if the transport is known to be cut.

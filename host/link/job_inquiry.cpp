@@ -17,8 +17,8 @@ namespace {
 using Time = std::chrono::microseconds;
 
 constexpr Time answer_timeout{3'000'000};  ///< until an answer
-constexpr Time ask_again{250'000};         ///< when a question or its answer may be lost
-constexpr Time look_interval{5'000};       ///< of waiting
+constexpr Time ask_again{250'000};         ///< until a question or its answer counts as lost
+constexpr Time look_interval{5'000};       ///< between two reads
 constexpr Time stop_timeout{10'000'000};   ///< for the board to come to rest
 constexpr std::uint32_t no_session = 0;
 
@@ -34,7 +34,7 @@ wire::Status JobInquiry::end_job(std::span<const std::uint32_t> sessions) {
     const wire::Status status = ask();
     const bool is_ours =
         std::find(sessions.begin(), sessions.end(), status.session) != sessions.end();
-    if (!is_ours || stands(status.state)) return status;
+    if (!is_ours || is_at_rest(status.state)) return status;
     if (number == 0) number = status.last_command + 1;
     if (status.last_command >= number && transport_.now() < give_up) continue;
     if (transport_.now() >= give_up)
@@ -64,7 +64,7 @@ std::optional<wire::Status> JobInquiry::wait_for_answer(Time until) {
   return std::nullopt;
 }
 
-/// The answer to the last question, if it has come.
+/// The answer to the last question, if received.
 std::optional<wire::Status> JobInquiry::receive() {
   while (const auto message = connection_.receive()) {
     if (const auto* text = std::get_if<std::string>(&*message))
@@ -73,9 +73,9 @@ std::optional<wire::Status> JobInquiry::receive() {
     if (status == nullptr) continue;
     if (status->version != wire::protocol_version)
       throw Error(Exit::no_device, "machine",
-                  fmt::format("its firmware speaks protocol version {}, this program {}",
+                  fmt::format("its firmware has protocol version {}, this program version {}",
                               status->version, wire::protocol_version),
-                  "install firmware and program of one release");
+                  "install the firmware and the program of the same release");
     if (status->echo == tag_) return *status;
   }
   return std::nullopt;

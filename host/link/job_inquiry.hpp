@@ -1,7 +1,7 @@
-// Asks a board, before a job is begun, what has become of an earlier one, and ends that one.
+// Asks a board, before a job is begun, for the progress of an earlier one, and ends that one.
 //
 // In:  a transport. Out: the status of the board at rest; the mark of a restart.
-// Who: KeptJob. Frames alone: no line is sent.
+// Who: KeptJob. Only frames are used: no line is sent.
 #pragma once
 
 #include <chrono>
@@ -25,7 +25,7 @@ class JobInquiry {
   /// Asks for the status; a job of one of these sessions that is unfinished is stopped first.
   /// Throws Error: no_device (no answer, another version), job_failed (the board does not stop).
   wire::Status end_job(std::span<const std::uint32_t> sessions);
-  /// What the board has said of a restart, if anything; known after end_job().
+  /// The board's message about a restart, if any; valid after end_job().
   const std::optional<RestartMark>& restart_mark() const { return mark_; }
 
  private:

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "firmware/motion/plan_request.hpp"
 #include "host/error.hpp"
 #include "host/link/job_inquiry.hpp"
 #include "host/units.hpp"
+#include "shared/look_ahead.hpp"
 
 namespace lamplock::link {
 
@@ -14,12 +14,12 @@ using job::Progress;
 
 namespace {
 
-/// A board whose host is silent holds after the time of the dead man (2 s): more points than it
-/// fires until then are of no use to it, and after a power loss all of them are in doubt.
+/// A board holds when its host is silent for the dead-man time (2 s). It cannot fire more points
+/// than that without the host, and after a power loss all points sent are in doubt.
 constexpr double ahead_s = 2.5;
-/// The least for which the planner never has to wait: the window in motion, the one after it, the
-/// one being planned, a frame under way, and how far it looks along rows of points.
-constexpr std::size_t min_points_ahead = 4 * motion::window_points + motion::run_horizon;
+/// Points with which the planner never starves: the window in motion, the one after it, the one
+/// being planned, a frame under way, and the look-ahead along rows of points.
+constexpr std::size_t min_points_ahead = 4 * window_points + run_horizon;
 
 }  // namespace
 
@@ -43,14 +43,14 @@ void KeptJob::require_ended() const {
 job::JournalContents KeptJob::read() const {
   const job::JournalContents contents = journal_.read();
   if (contents.empty())
-    throw Error(Exit::bad_input, file().string(), "keeps no run to continue",
+    throw Error(Exit::bad_input, file().string(), "contains no run to continue",
                 "begin the job without --resume");
   const bool is_ours = contents.run ? contents.run->last.job == hash_
                                     : contents.offered && contents.offered->job == hash_;
   const bool offers_ours = contents.offered && contents.offered->job == hash_;
   if (!is_ours && !offers_ours)
-    throw Error(Exit::bad_input, file().string(), "keeps the run of another job",
-                "give the options that the run had, or give it up with --discard");
+    throw Error(Exit::bad_input, file().string(), "contains the run of another job",
+                "give the options of that run, or discard it with --discard");
   return contents;
 }
 
@@ -62,22 +62,23 @@ Continuation KeptJob::find(Transport& port) {
   if (run) sessions.push_back(run->last.session);
   JobInquiry inquiry(port);
   const wire::Status status = inquiry.end_job(sessions);
-  // A run that was offered counts if the board knows it, or if there is no other.
+  // A run that was offered counts if the board reports its session, or if there is no other run.
   const bool is_taken = offered && status.session == offered->session;
   const job::KeptRun last = is_taken || !run ? job::KeptRun{*offered, *offered} : *run;
   if (last.last.job != hash_)
     throw Error(Exit::bad_input, file().string(), "the board has begun another job after this one",
-                "look at what it has fired, then continue with --from, or give --discard");
+                "find the first point that was not fired (last message, or the glass) and continue "
+                "with --from N, or give up this run with --discard");
   const Continuation rest = rest_of(last, status, inquiry.restart_mark());
-  // What the board has told is lost as soon as it takes another job. It is no end: until the rest
-  // of the job is begun, the job is not to be begun anew.
+  // The board loses this status as soon as it accepts another job, so it is recorded, as running:
+  // until the rest of the job is begun, the job must not start from its beginning.
   session_ = last.last.session;
   append(Progress::running, rest);
   session_ = 0;
   return rest;
 }
 
-/// The rest is settled: nothing else can be asked.
+/// The rest is settled: no other source can be asked.
 Continuation KeptJob::rest_of(const job::KeptRun& run, const wire::Status& status,
                               const std::optional<RestartMark>& mark) const {
   if (status.session == run.last.session) return told_by_board(run, status);

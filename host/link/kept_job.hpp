@@ -1,13 +1,13 @@
-// A job whose progress is kept in a journal, so that it goes on after any end.
+// A job whose progress is stored in a journal, so that it can continue after any interruption.
 //
-// In:  the job as it was made, the journal, a board to ask; how far the sender is.
-// Out: where to go on; records of the journal.
+// In:  the job as it was made, the journal, a board to ask; the progress of the sender.
+// Out: where the job continues; records of the journal.
 // Who: the commands that run jobs of points and of rows on a real board.
 //
 //   require_ended() or find() -> begin_at() -> keep(options of a JobSender) -> finish(its result)
 //
-// The board is asked first: if it still knows the session of the last run, or has marked its
-// restart in it, its number is exact. Otherwise the journal bounds what may have been fired.
+// The board is asked first: if it still has the session of the last run, or has marked a restart
+// during it, its number is exact. Otherwise the journal bounds the points that may have been fired.
 #pragma once
 
 #include <cstdint>
@@ -25,23 +25,23 @@ namespace lamplock::link {
 /// One job and its journal.
 class KeptJob {
  public:
-  /// The job must outlive this and be as it was made: what a run changes in it comes later.
+  /// The job must outlive this object. It must be as it was made, without later changes by a run.
   KeptJob(const std::filesystem::path& journal, const job::Job& job);
 
-  /// Throws Error(job_failed) if the last run of this job has no known end: begun anew, the job
-  /// would fire points twice.
+  /// Throws Error(job_failed) if the last run of this job has no known end: a new start would fire
+  /// points twice.
   void require_ended() const;
-  /// Returns where to continue the last run, and records it; what is left of the run on the board
-  /// is stopped. Throws Error: bad_input (no run, another job), and as JobInquiry::end_job().
+  /// Returns where to continue the last run, and records it; stops this run if the board still
+  /// executes it. Throws Error: bad_input (no run, another job), and as JobInquiry::end_job().
   Continuation find(Transport& port);
   /// The next run begins at this item, `fired` flashes of which were fired before.
   void begin_at(std::size_t from, std::uint32_t fired) {
     from_ = static_cast<std::uint32_t>(from);
     fired_ = fired;
   }
-  /// From now on the sender with these options writes its progress.
+  /// Makes a sender with these options record its progress.
   void keep(SenderOptions& options);
-  /// Writes how the run has ended. The journal of a job that is done is removed.
+  /// Records the end of the run. The journal of a completed job is removed.
   void finish(const JobResult& result);
 
   const std::filesystem::path& file() const { return journal_.file(); }
@@ -57,7 +57,7 @@ class KeptJob {
   job::ProgressJournal journal_;
   const job::Job& job_;
   std::uint32_t hash_;
-  std::uint32_t session_ = 0;  ///< of the run that is being kept; 0 = not offered yet
+  std::uint32_t session_ = 0;  ///< of the recorded run; 0 = not offered to the board yet
   std::uint32_t from_ = 0, fired_ = 0;
 };
 

@@ -41,15 +41,15 @@ constexpr std::array words{Word{"?", realtime::status},
                            Word{":power -10", realtime::power_minus_10}};
 
 constexpr Time longest_wait{20'000};
-/// While an answer is awaited the board is asked whether it still lives.
+/// Interval of status requests during the wait for an answer; any reply shows that the board lives.
 constexpr Time alive_interval{1'000'000};
 constexpr Time silence_limit{5'000'000};
-/// How often it is asked whether the machine is at rest.
+/// Interval of status requests until the machine is at rest.
 constexpr Time rest_interval{100'000};
-/// A report or a banner that does not come in this time is not waited for.
+/// Time-out for a report or a banner; after it the queue continues.
 constexpr Time sign_timeout{2'000'000};
 
-/// Without blanks at the ends, and with one between words.
+/// Removes blanks at the ends and leaves one between words.
 std::string squeezed(std::string_view text) {
   std::string result;
   for (const char c : text) {
@@ -72,7 +72,7 @@ std::optional<std::uint8_t> realtime_word(std::string_view typed) {
   for (const Word& known : words)
     if (known.name == word) return known.byte;
   if (word.starts_with(':'))
-    throw Error(Exit::bad_input, word, "no such word", "there are " + realtime_words());
+    throw Error(Exit::bad_input, word, "unknown word", "there are " + realtime_words());
   return std::nullopt;
 }
 
@@ -117,7 +117,7 @@ void LineConsole::take(const std::string& line) {
       show_(line);
     }
     if (status->waits()) send_word_behind_pause();
-    at_rest_ = rest_asked_at_ && done() && status->stands();
+    at_rest_ = rest_asked_at_ && done() && status->is_at_rest();
     return;
   }
   if (const auto error = parse_answer(line)) {
@@ -126,7 +126,7 @@ void LineConsole::take(const std::string& line) {
     return fail(error_text(*error));
   }
   if (const auto alarm = parse_alarm(line)) return fail(alarm_text(*alarm));
-  // A board that has begun anew answers nothing that was sent before.
+  // After a restart the board does not answer lines that were sent before.
   if (is_banner(line) && waiting_ == Waiting::banner) waiting_ = Waiting::nothing;
   show_(line);
 }
@@ -146,8 +146,8 @@ void LineConsole::send_next() {
   waiting_ = Waiting::answer;
 }
 
-/// The machine waits for somebody, and so does the line that is not answered: a pause of the
-/// program. What the script says next may be what they wait for.
+/// The machine waits for a resume and has not answered the current line, a pause of the program.
+/// The next word of the script may be that resume.
 void LineConsole::send_word_behind_pause() {
   if (!in_order_ || waiting_ != Waiting::answer || queue_.empty()) return;
   const auto byte = realtime_word(queue_.front().text);
@@ -163,7 +163,7 @@ void LineConsole::send_byte(std::uint8_t byte) {
     ++reports_asked_;
     if (in_order_ && waiting_ == Waiting::nothing) waiting_ = Waiting::status;
   } else if (byte == realtime::reset) {
-    // Whatever was under way will not be answered.
+    // A line without answer will not be answered any more.
     if (!in_order_) queue_.clear();
     held_ = false;
     port_.drop_lines();
@@ -173,7 +173,7 @@ void LineConsole::send_byte(std::uint8_t byte) {
   }
 }
 
-/// A board at rest may ignore a hold, and then the lines behind it would move the machine.
+/// A board at rest may ignore a hold, so that the lines after it would move the machine.
 void LineConsole::hold_queue(std::uint8_t byte) {
   if (byte == realtime::resume) held_ = false;
   if (byte == realtime::jog_cancel)

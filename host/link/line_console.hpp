@@ -1,14 +1,14 @@
-// A conversation with a board: lines as somebody types them, and words for real-time bytes.
+// A console for a board: typed lines, and words for real-time bytes.
 //
-// In:  typed lines; what the board says. Out: lines to the board, one at a time, each when the one
-//      before has been answered; everything the board says, to be shown.
-// Who: `lamplock console`. No port of its own, no terminal: tests talk to it as well.
+// In:  typed lines; lines from the board. Out: lines to the board, each sent after the answer to
+//      the one before; all lines from the board, to be shown.
+// Who: `lamplock console`. It uses a port of the caller and no terminal, so that tests can use it.
 //
-// Typed by hand, real-time words go out at once, before the lines that were typed earlier and wait
-// for their turn. A hold also stops these lines until a resume, a jog cancel discards the jogs
-// among them, and a reset discards them all. In order, as a script wants it, each word waits for
-// its turn, and the first error or alarm ends the conversation; but while the machine pauses in the
-// middle of a line, words behind it go out, or it would wait for ever.
+// Interactive: real-time words are sent at once, before queued lines. A hold also stops the queue
+// until a resume, a jog cancel discards the jogs in it, and a reset discards all of it. In order,
+// for scripts: words wait in the queue like lines, and the first error or alarm ends the
+// conversation; but while the machine pauses within a line, the word after this line is sent, or
+// the machine would wait for ever.
 #pragma once
 
 #include <chrono>
@@ -23,16 +23,16 @@
 
 namespace lamplock::link {
 
-/// The byte of a real-time word: `?` `!` `~`, or `:hold`, `:feed +10` and so on; nothing if it is
-/// none. Throws Error(bad_input) for an unknown word that begins with a colon.
+/// The byte of a real-time word: `?` `!` `~`, or `:hold`, `:feed +10` and so on; empty for other
+/// text. Throws Error(bad_input) for an unknown word that begins with a colon.
 std::optional<std::uint8_t> realtime_word(std::string_view typed);
 /// All words, for a help text.
 std::string realtime_words();
 
-/// How a conversation went wrong.
+/// The error or alarm that ended a conversation.
 struct ConsoleFailure {
-  std::size_t line = 0;  ///< the typed one it is about, from 1
-  std::string text;      ///< what the board said, with its meaning
+  std::size_t line = 0;  ///< number of the typed line, from 1
+  std::string text;      ///< error or alarm of the board, with its meaning
 };
 
 /// One conversation; the port must outlive it.
@@ -44,19 +44,19 @@ class LineConsole {
 
   /// Takes a typed line. Throws Error(bad_input) as realtime_word() and line_to_send().
   void type(const std::string& line);
-  /// One round: reads, shows, sends, waits a little. Throws Error(no_device): the board is gone or
-  /// does not answer.
+  /// One round: reads, shows, sends, waits a little. Throws Error(no_device) if the board is
+  /// disconnected or does not answer.
   void step();
   /// Typed lines that have not been sent.
   std::size_t queued() const { return queue_.size(); }
   /// Everything typed has been sent and answered.
   bool done() const;
-  /// Nothing more will be typed: step() asks for the status until the machine is at rest. A board
-  /// whose port is closed while it moves holds.
+  /// No more lines follow: step() asks for the status until the machine is at rest. A board whose
+  /// port is closed during motion goes into feed hold.
   void end_input() { input_ended_ = true; }
-  /// The board has reported that it is at rest, or has not answered the question.
+  /// The board has reported that it is at rest, or has not answered.
   bool at_rest() const { return at_rest_; }
-  /// The first error or alarm; with in_order nothing is sent behind it.
+  /// The first error or alarm; with in_order no line is sent after it.
   const std::optional<ConsoleFailure>& failure() const { return failure_; }
 
  private:
@@ -83,8 +83,8 @@ class LineConsole {
   Typed current_{0, ""};
   std::size_t typed_ = 0;
   Waiting waiting_ = Waiting::nothing;
-  bool held_ = false;      ///< by hand: the queue waits for a resume or a reset
-  int reports_asked_ = 0;  ///< by the user; others are ours, and not shown
+  bool held_ = false;      ///< interactive: the queue waits for a resume or a reset
+  int reports_asked_ = 0;  ///< by the user; other reports are not shown
   Time sent_at_{}, heard_at_{}, asked_at_{};
   std::optional<ConsoleFailure> failure_;
   bool input_ended_ = false;

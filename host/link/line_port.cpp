@@ -32,7 +32,7 @@ std::size_t LinePort::drop_unbegun_lines() {
   return static_cast<std::size_t>(dropped);
 }
 
-/// False if something is left.
+/// False if bytes are left.
 bool LinePort::flush_urgent() {
   if (urgent_.empty()) return true;
   const std::size_t taken = transport_.write(urgent_);

@@ -1,11 +1,11 @@
-// Lines of text and real-time bytes over a transport: the side of the wire that grbl has too.
+// Lines of text and real-time bytes over a transport: the part of the protocol that grbl has too.
 //
 // In:  lines and real-time bytes to send; bytes from the transport.
-// Out: lines of text in the order they came, blank ones left out. Frames are skipped.
-// Who: everything that talks to a board by lines: programs, settings, the console.
+// Out: received lines of text in order, blank ones left out. Frames are skipped.
+// Who: all code that talks to a board by lines: programs, settings, the console.
 //
-// Real-time bytes overtake lines that the transport has not taken yet: a hold must not wait behind
-// a program.
+// Real-time bytes overtake lines that the transport has not taken yet: a program must not delay a
+// hold.
 #pragma once
 
 #include <cstddef>
@@ -56,17 +56,17 @@ class LinePort {
   void send_realtime(std::uint8_t byte) { urgent_.push_back(byte); }
   /// Writes as much as the transport takes now.
   void flush();
-  /// Forgets lines that the transport has not taken; half a line may have gone.
+  /// Drops lines that the transport has not taken; half a line may have been sent.
   void drop_lines();
-  /// Forgets lines of which nothing has gone yet; how many. The rest of one that has begun still
-  /// goes: cut short it might be taken for another line.
+  /// Drops lines of which no byte was sent; returns their number. The rest of a line that was sent
+  /// in part is still sent: cut short it might mean another command.
   std::size_t drop_unbegun_lines();
   /// Bytes queued and not yet taken by the transport.
   std::size_t backlog() const { return lines_.size() + urgent_.size(); }
-  /// A line has begun to go and has not gone as a whole.
+  /// A line was sent in part.
   bool inside_line() const { return inside_line_; }
 
-  /// The next line that has come in, if any.
+  /// The next received line, if any.
   std::optional<std::string> receive();
 
   Transport& transport() { return transport_; }
@@ -87,7 +87,7 @@ class LinePort {
   wire::StreamParser<wire::End::host> parser_;
   std::deque<std::string> received_;
   std::vector<std::uint8_t> lines_, urgent_;
-  bool inside_line_ = false;  ///< the first of lines_ has begun to go
+  bool inside_line_ = false;  ///< the first of lines_ was sent in part
 };
 
 }  // namespace lamplock::link

@@ -14,16 +14,16 @@ using Time = std::chrono::microseconds;
 
 constexpr Time max_line_wait{20'000};
 constexpr Time shortest_wait{1'000};
-/// Reports in a row that make an end: an idle one may come between an ok and the motion.
+/// Idle reports in a row at the end: one may come between an ok and the motion of its line.
 constexpr int idle_reports_at_end = 2;
 constexpr double us_per_s = 1e6;
-/// Words that some program has for something else than a dwell do not make anybody wait for days.
+/// Limit for P words that are not dwell times, which could make the sender wait for days.
 constexpr double longest_dwell_us = 3'600 * us_per_s;
 
-/// What a line takes in the board's buffer: its end, too.
+/// Bytes of a line in the board's buffer, with its end.
 std::size_t size_of(const std::string& text) { return text.size() + 1; }
 
-/// Changes the board's memory or state: nothing else is sent until it is answered.
+/// The line changes the board's memory or state: no other line is sent until it is answered.
 bool goes_alone(const std::string& text) { return text.starts_with('$'); }
 
 }  // namespace
@@ -58,7 +58,7 @@ void LineSender::begin() {
   status_ = greeting_.status;
   if (status_.is("Alarm"))
     throw Error(Exit::job_failed, "machine", "is in alarm",
-                "see what stopped it, then unlock it with $X or home it with $H");
+                "find the cause, then unlock it with $X or home it with $H");
   if (!status_.rests())
     throw Error(Exit::job_failed, "machine", "is busy: " + status_.state,
                 "wait until it is idle, or reset it");
@@ -75,7 +75,7 @@ void LineSender::check_lengths() const {
       throw Error(Exit::bad_input, fmt::format("line {}", line.number),
                   fmt::format("has {} characters, the board's buffer {}", size_of(line.text),
                               greeting_.window_bytes),
-                  "make it shorter");
+                  "shorten the line");
 }
 
 void LineSender::receive() {
@@ -105,7 +105,7 @@ void LineSender::take_status(BoardStatus status) {
 }
 
 void LineSender::take_answer(int error) {
-  if (answered_ == sent_) return;  // of nobody's line
+  if (answered_ == sent_) return;  // an answer to another program
   bytes_under_way_ -= size_of(lines_[answered_].text);
   ++answered_;
   asked_before_ = asked_;
@@ -114,7 +114,7 @@ void LineSender::take_answer(int error) {
   if (error != 0) take_error(error);
 }
 
-/// What follows an error until the board has stopped is its consequence, and not told.
+/// Errors between the first one and the stop are its consequences and not reported.
 void LineSender::take_error(int error) {
   if (phase_ == Phase::stopping) return;
   errors_.push_back({lines_[answered_ - 1].number, error});
@@ -166,7 +166,7 @@ void LineSender::check_end() {
   if (answered_ == lines_.size() && idle_reports_ >= idle_reports_at_end) end(LineEnd::done);
 }
 
-/// A board that rests while answers are missing has lost them, or never had the lines.
+/// An idle board with missing answers has lost them, or never received the lines.
 void LineSender::check_answers() {
   const bool idle_short = status_.rests() && answered_ < sent_;
   const Time now = port_.transport().now();
@@ -202,7 +202,7 @@ void LineSender::stop() {
 void LineSender::break_off() {
   stop();
   if (phase_ != Phase::stopping) return;
-  // As if it stood: what is repeated from here on is the reset.
+  // As at rest: from here on the reset is repeated.
   held_ = reset_ = true;
   port_.send_realtime(realtime::reset);
 }
@@ -221,13 +221,13 @@ std::size_t LineSender::next_line() const {
   return answered_ < lines_.size() ? lines_[answered_].number : 0;
 }
 
-/// Some boards answer the line of a pause before it, some after it.
+/// Some boards answer the line of a pause before the pause, some after it.
 bool LineSender::at_pause() const {
   const bool next = answered_ < sent_ && is_pause(lines_[answered_].text);
   return next || (answered_ > 0 && is_pause(lines_[answered_ - 1].text));
 }
 
-/// From here on only one thing matters: that the machine stands.
+/// Begins to stop the machine.
 void LineSender::begin_stop(LineEnd how, std::exception_ptr error) {
   phase_ = Phase::stopping;
   stop_end_ = how;
@@ -241,12 +241,12 @@ void LineSender::begin_stop(LineEnd how, std::exception_ptr error) {
   if (!status_open_) asked_at_ = now - options_.status_interval;  // ask at once
 }
 
-/// Holds until the machine stands, then resets until it says that it has begun anew.
+/// Repeats the hold until the machine is at rest, then the reset until it reports a restart.
 void LineSender::insist_on_stop() {
   const Time now = port_.transport().now();
   if (status_.is("Alarm") && fresh()) return finish_stop();
   if (now >= stop_by_) throw_not_stopped();
-  if (!held_ && status_.stands() && fresh()) {
+  if (!held_ && status_.is_at_rest() && fresh()) {
     held_ = true;
     urged_at_ = now - options_.repeat;
   }

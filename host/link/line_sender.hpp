@@ -1,19 +1,19 @@
-// Sends a program of G-code line by line and sees it through until the machine rests.
+// Sends a program of G-code line by line and monitors it until the machine is at rest.
 //
-// In:  the lines of a program, a port, the wishes of the user (hold, resume, stop, real-time
-// bytes). Out: lines and real-time bytes; progress; at the end how it went. Who: the command line.
-// Not thread-safe.
+// In:  the lines of a program, a port, the requests of the user (hold, resume, stop, real-time
+// bytes). Out: lines and real-time bytes; progress; the result. Who: the command line. Not
+// thread-safe.
 //
 // Characters are counted ("Grbl v1.1 Interface", streaming protocol): a line is sent when it fits
-// into what is left of the board's receive buffer, and leaves it with its ok or error. So the
+// into the free part of the board's receive buffer, and leaves it with its ok or error. So the
 // buffer never overflows, and the board always has the next lines.
 //
-// The end of a program is two status reports in a row, asked for after the last answer, that say
-// Idle: an ok alone means that a line was understood, not that it was run.
+// A program has ended when two status reports in a row, requested after the last answer, say Idle:
+// an ok alone means that the board has parsed a line, not that it has executed it.
 //
-// Whatever ends a program early - the user, an error, a fault of our own - the board is held (`!`)
-// and reset (0x18) once it stands, which drops the lines in its buffers without losing its
-// position. Only when it has begun anew, or is in alarm, the sender is at its end.
+// When a program ends early - by the user, an error, a fault of the host - the sender holds the
+// board (`!`) and resets it (0x18) at rest, which drops the lines in its buffers without losing its
+// position. The sender ends only after the board has restarted, or is in alarm.
 #pragma once
 
 #include <chrono>
@@ -32,29 +32,29 @@
 
 namespace lamplock::link {
 
-/// How patient the sender is. All times are times of the transport.
+/// Time-outs of the sender. All times are times of the transport.
 struct LineOptions {
   Patience greeting;
   std::chrono::microseconds status_interval{200'000};   ///< between `?`
   std::chrono::microseconds status_timeout{1'000'000};  ///< until a `?` counts as lost
   std::chrono::microseconds silence_limit{5'000'000};   ///< until the connection counts as cut
-  std::chrono::microseconds repeat{500'000};            ///< between `!` or resets not obeyed
-  std::chrono::microseconds stop_timeout{15'000'000};   ///< until a machine has to stand
-  /// An idle board with answers missing: they are lost after this and what the lines may dwell.
+  std::chrono::microseconds repeat{500'000};            ///< between `!` or resets without effect
+  std::chrono::microseconds stop_timeout{15'000'000};   ///< until the machine must be at rest
+  /// Missing answers of an idle board count as lost after this and the dwell times of the lines.
   std::chrono::microseconds answer_timeout{10'000'000};
-  bool go_on = false;                               ///< after errors
+  bool go_on = false;                               ///< continue after errors
   std::function<void(const std::string&)> on_text;  ///< messages of the board
 };
 
 /// How a program ended.
 enum class LineEnd : std::uint8_t {
-  done,        ///< everything run; with go_on there may have been errors
+  done,        ///< every line executed; with go_on there may have been errors
   error,       ///< at the first error
   stopped,     ///< by the user
   alarm,       ///< the board has stopped by itself
-  lost,        ///< no connection any more
-  unanswered,  ///< the board rests, and answers to lines never came
-  restarted,   ///< the board has forgotten the program: its power, or somebody's reset
+  lost,        ///< the connection is lost
+  unanswered,  ///< the board is idle, and answers to lines are missing
+  restarted,   ///< the board has lost the program by a power loss or a reset
 };
 
 /// A line that the board refused.
@@ -70,7 +70,7 @@ struct LineResult {
   std::size_t answered = 0;   ///< lines
   std::size_t last_line = 0;  ///< number in the file of the last line answered; 0 = none
   std::vector<LineError> errors;
-  int alarm = 0;       ///< 0 = not told
+  int alarm = 0;       ///< 0 = not reported
   BoardStatus status;  ///< last one received
   std::chrono::microseconds elapsed{0};
 };
@@ -82,29 +82,29 @@ class LineSender {
   LineSender(LinePort& port, std::vector<ProgramLine> lines, LineOptions options = {});
 
   /// One round: read, answer, send, wait a little. False once the program has ended. Throws Error:
-  /// no_device (no answer), job_failed (busy, in alarm, not heard to stand after a stop), bad_input
+  /// no_device (no answer), job_failed (busy, in alarm, no report of rest after a stop), bad_input
   /// (a line does not fit into the board's buffer).
   bool step();
 
-  /// Something else has gone wrong while the program was looked after: steps go on until the
-  /// machine stands, then step() throws `error`. Thrown at once if there is nothing to stop.
+  /// Stops the program because of an error in the caller: steps continue until the machine is at
+  /// rest, then step() throws `error`. Throws it at once if no program runs.
   void fail(std::exception_ptr error);
 
-  /// Wishes of the user.
+  /// Requests of the user.
   void hold();
   void resume();
   void stop();
-  /// Resets the board at once, without a hold before it: dark before it brakes, and what moved has
-  /// lost its place. Ends as a stop.
+  /// Resets the board at once, without a hold before: the laser is off before the axes brake, and
+  /// axes in motion lose their position. Ends as a stop.
   void break_off();
-  /// An override or another real-time byte, as it is.
+  /// Sends an override or another real-time byte unchanged.
   void realtime(std::uint8_t byte) { port_.send_realtime(byte); }
 
   /// The board waits for resume(): a pause of the program, a hold, a door.
   bool waits() const;
-  /// Number in the file of the line that is answered next; 0 behind the last one.
+  /// Number in the file of the line that is answered next; 0 after the last one.
   std::size_t next_line() const;
-  /// It waits, or is about to, because of M0 or M1.
+  /// The board waits, or will wait next, because of M0 or M1.
   bool at_pause() const;
 
   std::size_t lines() const { return lines_.size(); }
@@ -123,7 +123,7 @@ class LineSender {
   void begin();
   void check_lengths() const;
 
-  // What comes in.
+  // Received lines.
   void receive();
   void take(const std::string& line);
   void take_status(BoardStatus status);
@@ -133,7 +133,7 @@ class LineSender {
   void take_alarm(int number);
   void take_banner();
 
-  // What goes out.
+  // Sent lines.
   void poll();
   void fill_window();
   bool fits(const std::string& text) const;
@@ -161,13 +161,13 @@ class LineSender {
   std::vector<LineError> errors_;
 
   BoardStatus status_;
-  bool status_open_ = false;        ///< a `?` is not answered yet
+  bool status_open_ = false;        ///< the last `?` is not answered yet
   Time asked_at_{};                 ///< when the last `?` was sent
   std::uint64_t asked_ = 0;         ///< how many `?` were sent
-  std::uint64_t status_of_ = 0;     ///< which of them status_ answers
-  std::uint64_t asked_before_ = 0;  ///< of them before the last answer or wish: their news is old
-  std::uint64_t asked_held_ = 0;    ///< of them before the last `~`: they do not know of it
-  Time idle_since_{};               ///< idle with answers missing
+  std::uint64_t status_of_ = 0;     ///< number of the `?` that status_ answers
+  std::uint64_t asked_before_ = 0;  ///< `?` before the last answer or request: outdated
+  std::uint64_t asked_held_ = 0;    ///< `?` before the last `~`: outdated after a resume
+  Time idle_since_{};               ///< the board is idle with answers missing since then
   bool idle_short_ = false;
   int idle_reports_ = 0;
   Time heard_at_{};
@@ -177,7 +177,7 @@ class LineSender {
   LineEnd stop_end_ = LineEnd::stopped;
   std::exception_ptr stop_error_;
   Time stop_by_{}, urged_at_{};
-  bool held_ = false;   ///< while stopping: a report asked for after `!` says that it stands
+  bool held_ = false;   ///< while stopping: a report requested after `!` says that it is at rest
   bool reset_ = false;  ///< while stopping: 0x18 has been sent
   int alarm_ = 0;
 };

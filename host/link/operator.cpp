@@ -18,17 +18,17 @@
 namespace lamplock::link {
 namespace {
 
-/// Places are told with three decimals; a step may lie between them.
+/// Positions are reported with three decimals; a step may lie between them.
 constexpr double same_place_mm = 0.01;
 /// A dwell is answered when everything before it has been done.
 constexpr const char* wait_for_rest = "G4 P0";
 constexpr const char* home_line = "$H";
 
 using Time = std::chrono::microseconds;
-/// A byte that is to stop the machine may be lost; braking takes its time.
+/// A hold or reset byte may be lost and is repeated; longest_stop includes braking.
 constexpr Time look_again{1'000}, repeat_stop{50'000}, longest_stop{5'000'000};
 
-/// Numbers of "[G54:1.000,2.000,0.000]"; nothing if the line is another one.
+/// Numbers of "[G54:1.000,2.000,0.000]"; empty if the line is another one.
 std::optional<std::vector<double>> parse_place(std::string_view line, std::string_view name) {
   if (!line.starts_with('[') || !line.ends_with(']')) return std::nullopt;
   line = line.substr(1, line.size() - 2);
@@ -37,22 +37,22 @@ std::optional<std::vector<double>> parse_place(std::string_view line, std::strin
   const char *at = line.data() + name.size() + 1, *end = line.data() + line.size();
   for (;;) {
     double value = 0;
-    const auto [behind, error] = std::from_chars(at, end, value);
+    const auto [rest, error] = std::from_chars(at, end, value);
     if (error != std::errc{}) return std::nullopt;
     place.push_back(value);
-    if (behind == end || *behind != ',') return place;
-    at = behind + 1;
+    if (rest == end || *rest != ',') return place;
+    at = rest + 1;
   }
 }
 
 std::vector<double> place_in(const Answer& answer, std::string_view name) {
   for (const std::string& line : answer.lines)
     if (auto place = parse_place(line, name)) return *place;
-  throw Error(Exit::job_failed, "machine", fmt::format("does not tell its place {}", name),
-              "check that its firmware knows $#");
+  throw Error(Exit::job_failed, "machine", fmt::format("does not report position {}", name),
+              "check that its firmware supports $#");
 }
 
-/// Where the machine stands, whatever $10 makes it report.
+/// The machine position, from a report of machine or work position ($10).
 std::vector<double> machine_place(const BoardStatus& status) {
   std::vector<double> place = status.position;
   if (status.of_work) {
@@ -76,13 +76,13 @@ bool is_shifted(const Answer& answer) {
   return false;
 }
 
-/// Places in inches would be taken for mm, and the machine would go elsewhere.
+/// Positions in inches would be read as mm, and the machine would move to wrong positions.
 void require_mm(LinePort& port) {
   constexpr std::uint32_t report_inches = 13;  // $13, grbl 1.1
   const BoardSettings kept = read_settings(port);
   const auto found = kept.texts.find(report_inches);
   if (found == kept.texts.end() || found->second == "0") return;
-  throw Error(Exit::job_failed, "machine", "tells its places in inches", "set $13=0");
+  throw Error(Exit::job_failed, "machine", "reports positions in inches", "set $13=0");
 }
 
 bool same(const std::vector<double>& a, const std::vector<double>& b) {
@@ -102,7 +102,7 @@ std::string teaching_line(const Places& places, const std::string& axes) {
   for (const char letter : axes) {
     if (axis_letters.substr(0, count).find(letter) == std::string_view::npos)
       throw Error(Exit::bad_input, fmt::format("--axes {}", axes),
-                  fmt::format("'{}' is no axis of the machine", letter),
+                  fmt::format("the machine has no axis '{}'", letter),
                   fmt::format("use letters of {}", axis_letters.substr(0, count)));
     if (line.find(letter, line.find('P')) != std::string::npos)
       throw Error(Exit::bad_input, fmt::format("--axes {}", axes), "names an axis twice",
@@ -112,8 +112,8 @@ std::string teaching_line(const Places& places, const std::string& axes) {
   return line;
 }
 
-/// Goes somewhere, dark; the place that is left is kept unless it is one of the two that are gone
-/// to.
+/// Moves with the laser off by the line `there`. Stores the current position as G30 unless it is
+/// zero or the sample position.
 std::vector<std::string> leave_for(const std::string& there, const Places& places) {
   std::vector<std::string> lines{"M5"};
   if (!same(places.machine, places.zero) && !same(places.machine, places.sample))
@@ -123,34 +123,34 @@ std::vector<std::string> leave_for(const std::string& there, const Places& place
   return lines;
 }
 
-/// Looks for `time`; true if the last report that came meanwhile says that the machine stands.
+/// Reads reports for `time`; true if the last one says that the machine is at rest.
 bool seen_standing(LinePort& port, Time time) {
-  bool stands = false;
+  bool at_rest = false;
   const Time end = port.transport().now() + time;
   while (port.transport().now() < end) {
     port.flush();
     while (const auto line = port.receive()) {
       const auto status = parse_status(*line);
-      if (status) stands = status->stands();
+      if (status) at_rest = status->is_at_rest();
     }
     port.transport().wait(look_again);
   }
-  return stands;
+  return at_rest;
 }
 
-/// Holds the machine, or resets it where it homes, which obeys no hold; until it says that it
-/// stands. Throws Error(job_failed) if it does not.
+/// Holds the machine until it reports that it is at rest, or resets it while it homes, because
+/// homing ignores a hold. Throws Error(job_failed) if it does not stop.
 void stop(LinePort& port, bool homes) {
   port.drop_unbegun_lines();
   const Time end = port.transport().now() + longest_stop;
-  bool stood = false;
+  bool was_at_rest = false;
   while (port.transport().now() < end) {
-    if (!stood) port.send_realtime(homes ? realtime::reset : realtime::hold);
+    if (!was_at_rest) port.send_realtime(homes ? realtime::reset : realtime::hold);
     port.send_realtime(realtime::status);
-    const bool stands = seen_standing(port, repeat_stop);
-    // The first report may have been on its way before.
-    if (stands && stood) return;
-    stood = stands;
+    const bool at_rest = seen_standing(port, repeat_stop);
+    // The board may have sent the first report before it read the byte.
+    if (at_rest && was_at_rest) return;
+    was_at_rest = at_rest;
   }
   throw Error(Exit::job_failed, "machine", "could not be stopped; it may still move",
               "press its emergency stop");
@@ -165,8 +165,8 @@ Places ask_places(LinePort& port) {
   const Answer answer = ask(port, "$#");
   if (answer.error != 0)
     throw Error(Exit::job_failed, "machine",
-                fmt::format("does not tell its places: {}", error_text(answer.error)),
-                "wait until it rests");
+                fmt::format("does not report its stored positions: {}", error_text(answer.error)),
+                "wait until it is idle");
   places.zero = place_in(answer, "G54");
   places.sample = place_in(answer, "G28");
   places.left = place_in(answer, "G30");
@@ -176,7 +176,7 @@ Places ask_places(LinePort& port) {
 
 void require_unshifted(const Places& places) {
   if (places.shifted)
-    throw Error(Exit::job_failed, "machine", "G92 or a tool length shifts its coordinates",
+    throw Error(Exit::job_failed, "machine", "G92 or a tool length offset shifts its coordinates",
                 "send G92.1 and G49 first");
 }
 
@@ -206,9 +206,9 @@ void require_ready(LinePort& port, Operation operation) {
   if (status.rests() || (operation == Operation::home && status.is("Alarm"))) return;
   const bool alarm = status.is("Alarm");
   throw Error(Exit::job_failed, "machine",
-              alarm ? "is in alarm" : fmt::format("is not at rest: {}", status.state),
-              alarm ? "look what it is, then lamplock operate home"
-                    : "wait until it rests, or end what it does");
+              alarm ? "is in alarm" : fmt::format("is not idle: {}", status.state),
+              alarm ? "find the cause, then run lamplock operate home"
+                    : "wait until it is idle, or stop it");
 }
 
 void run_lines(LinePort& port, const std::vector<std::string>& lines,
@@ -221,14 +221,14 @@ void run_lines(LinePort& port, const std::vector<std::string>& lines,
     const bool homes = std::find(lines.begin(), lines.end(), home_line) != lines.end();
     stop(port, homes);
     if (homes)
-      throw Error(Exit::interrupted, "machine", "was reset while it homed", "home it again");
-    throw Error(Exit::interrupted, "machine", "holds",
-                "go on with ~ or end it with :reset in lamplock console");
+      throw Error(Exit::interrupted, "machine", "was reset during homing", "home it again");
+    throw Error(Exit::interrupted, "machine", "is in feed hold",
+                "in lamplock console, ~ resumes and :reset ends the motion");
   }
   if (!talk.failure()) return;
   const std::string& line = lines[talk.failure()->line - 1];
   throw Error(Exit::job_failed, "machine", fmt::format("'{}': {}", line, talk.failure()->text),
-              "nothing behind it was sent");
+              "later lines were not sent");
 }
 
 }  // namespace lamplock::link

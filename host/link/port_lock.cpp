@@ -17,10 +17,11 @@
 namespace lamplock::link {
 namespace {
 
-/// Numbers of the driver of the far ends of pseudo-terminals (Linux, admin-guide/devices.txt).
+/// Major numbers of the slave ends of pseudo-terminals (Linux, admin-guide/devices.txt).
 constexpr unsigned first_pty_driver = 136, last_pty_driver = 143;
 
-/// The flag of TIOCEXCL outlives a program that dies there, since the near end stays open.
+/// On a pseudo-terminal TIOCEXCL would outlive a program that dies, because the master end stays
+/// open.
 bool is_pseudo_terminal(int descriptor) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return false;
@@ -28,7 +29,7 @@ bool is_pseudo_terminal(int descriptor) {
   return driver >= first_pty_driver && driver <= last_pty_driver;
 }
 
-/// Another process that has the device open, by the links of /proc (proc(5)).
+/// Finds another process that has the device open, by the links of /proc (proc(5)).
 std::string user_of(const std::string& port) {
   namespace fs = std::filesystem;
   std::error_code error;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr unsigned char del = 0x7F;
 
-/// As the firmware reads comments: a bracket that is not closed makes the rest of the line one.
+/// As in the firmware, a bracket that is not closed makes the rest of the line a comment.
 std::string without_comments(std::string_view line) {
   std::string result;
   while (!line.empty()) {
@@ -36,12 +36,12 @@ void check(const std::string& line, const std::string& where) {
     if (wire::is_realtime(byte) || byte >= 0x80 || byte == del || (byte < ' ' && byte != '\t'))
       throw Error(
           Exit::bad_input, where,
-          fmt::format("the byte 0x{:02X} outside of a comment is a command to the board", byte),
-          "take it out; is this a program of G-code?");
+          fmt::format("the byte 0x{:02X} outside of a comment is a real-time command", byte),
+          "remove it, and check that the file is a G-code program");
   }
 }
 
-/// The number behind a letter, white space between allowed.
+/// The number after a letter, with optional white space between them.
 std::optional<double> number_at(std::string_view text) {
   text = trimmed(text);
   double value = 0;

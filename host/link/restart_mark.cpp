@@ -6,7 +6,7 @@
 namespace lamplock::link {
 namespace {
 
-/// Takes `text` away; false if the line does not begin with it.
+/// Removes `text`; false if the line does not begin with it.
 bool take(std::string_view& line, std::string_view text) {
   if (!line.starts_with(text)) return false;
   line.remove_prefix(text.size());

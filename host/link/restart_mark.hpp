@@ -1,6 +1,6 @@
-// What a board says of the job in which it has crashed (firmware/boards/rp2040/last_run.hpp).
-//
-// In:  lines of text from the board. Out: the job and how far it was. Who: JobSender, JobInquiry.
+// Parses a board's message about the job during which it crashed
+// (firmware/boards/rp2040/storage/restart_record.hpp).
+// In:  lines of text from the board. Out: the job and its progress. Who: JobSender, JobInquiry.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace lamplock::link {
 
-/// A watchdog or a fault has restarted the board in this job.
+/// A watchdog or a fault has restarted the board during this job.
 struct RestartMark {
   std::uint32_t session = 0;
   std::uint32_t first_unfired = 0;
-  bool may_have_fired = false;  ///< that point: the shot was given out
+  bool may_have_fired = false;  ///< the shot at that point was already commanded
 };
 
 /// The mark in "[MSG:Started by watchdog, job 7 first point not fired 12, which may have been]".

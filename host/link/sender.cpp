@@ -7,34 +7,34 @@
 #include <random>
 #include <utility>
 
-#include "firmware/motion/target.hpp"
 #include "host/error.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/job_header.hpp"
+#include "shared/wire/target.hpp"
 
 namespace lamplock::link {
 namespace {
 
 using std::chrono::microseconds;
 
-/// Points in one DATA frame at most: an acknowledgement every few dozen points keeps space and
-/// progress fresh, and the header of a frame costs a quarter of a byte per point.
+/// Points in one DATA frame at most: an acknowledgement every few dozen points keeps free space
+/// and progress up to date, and the header of a frame costs a quarter of a byte per point.
 constexpr std::size_t most_points_per_frame = 64;
-/// Bytes handed to the transport ahead: more would only delay a hold.
+/// Bytes queued in the transport: more would only delay a hold.
 constexpr std::size_t most_backlog = 2 * wire::max_frame;
-/// Bytes of frames on their way and not acknowledged. A port keeps 4 KiB between two looks of a
-/// machine that plans meanwhile (firmware/boards/rp2040/usb/usb_serial.hpp); the rest is for
-/// questions and commands, of some 40 bytes at most, which would wait behind more.
+/// Bytes of frames sent and not acknowledged. A port buffers 4 KiB between two reads of a firmware
+/// that plans meanwhile (firmware/boards/rp2040/usb/usb_serial.hpp); the rest is for queries and
+/// commands, of some 40 bytes at most, which more frames would delay.
 constexpr std::size_t most_on_the_way = 4096 - 512;
 constexpr microseconds reconnect_interval{200'000};
-/// How long the machine may take to come to rest after the last shot or a stop.
+/// Time until the machine must be at rest after the last shot or a stop.
 constexpr microseconds rest_timeout{10'000'000};
-/// Rounds in which the machine may refuse points for a passing reason before the job fails.
+/// Refusals of points for a temporary reason before the job fails.
 constexpr int most_soft_refusals = 20;
 constexpr microseconds max_frame_wait{10'000};
 constexpr microseconds min_frame_wait{500};
 constexpr std::int64_t us_per_ms = 1'000;
-/// Progress without new points is told this often: a record on a disk takes some 10 ms.
+/// Progress without new points is reported this often: a record on a disk takes some 10 ms.
 constexpr microseconds progress_interval{500'000};
 
 std::uint32_t choose_session(std::uint32_t wanted) {
@@ -50,7 +50,7 @@ const job::Job& check_first(const job::Job& job, std::size_t first) {
               fmt::format("the job has {} {}s", job.size(), job.item()));
 }
 
-/// A wish of the machine that passes by itself or shows in STATUS.
+/// A temporary reason, or one that STATUS shows too.
 bool is_soft(Result result) {
   return result == Result::no_job || result == Result::busy || result == Result::locked ||
          result == Result::door_open;
@@ -58,7 +58,7 @@ bool is_soft(Result result) {
 
 std::string describe_setting(std::uint32_t number) {
   const auto id = settings::find_number(static_cast<std::uint16_t>(number));
-  if (number == 0 || id == settings::Id::count) return "a value";
+  if (number == 0 || id == settings::Id::count) return "the job header";
   return fmt::format("${} ({})", number, settings::row(id).name);
 }
 
@@ -72,7 +72,7 @@ JobSender::JobSender(Transport& transport, const job::Job& job, SenderOptions op
       encoder_(job, options_.first_index),
       session_(choose_session(options_.session)),
       handed_over_(options_.first_index + options_.run_up_lines),
-      // Tags start anywhere, so that an answer to somebody else is not taken for one to us.
+      // Tags start at random, so that an answer to another program is not taken for one to us.
       tag_(session_ & 0x7FFFFFFFu),
       job_speed_(options_.job_speed) {
   const std::int64_t dead_man_ms = job.settings.whole(settings::Id::dead_man);
@@ -124,14 +124,15 @@ void JobSender::advance() {
   transport_.wait(pause_length());
 }
 
-/// Lines of the run-up were done in an earlier run, whatever the machine tells of them.
+/// Lines of the run-up were done in an earlier run, even if the machine counts them as not done.
 void JobSender::keep(const wire::Status& status) {
   const std::uint32_t done = job_status_.first_unfired;
   job_status_ = status;
   job_status_.first_unfired = std::max(done, status.first_unfired);
 }
 
-/// The machine counts shots, and which point is done; what is over was fired at the next one.
+/// The machine reports its count of shots and the first point not done. Shots beyond those of the
+/// points before it were fired at this point.
 std::uint32_t JobSender::flashes_fired() const {
   if (job_.header.dry) return 0;
   const std::size_t next = job_status_.first_unfired;
@@ -139,11 +140,12 @@ std::uint32_t JobSender::flashes_fired() const {
   return before + flashes_of(job_.targets, options_.first_index, next, job_status_.shots);
 }
 
-/// A dry run fires nothing: it goes on wherever it is thought to be.
+/// A dry run fires nothing: it may continue at the last known point.
 Continuation JobSender::rest() const {
   const std::size_t first = job_status_.first_unfired;
   if (handed_over_ <= first) return {first, flashes_fired(), first, true};
-  if (job_.header.dry || stands(job_status_.state)) return at_rest(job_, first, flashes_fired());
+  if (job_.header.dry || is_at_rest(job_status_.state))
+    return at_rest(job_, first, flashes_fired());
   if (mark_) return after_restart(job_, *mark_);
   return {first, 0, std::max(first, handed_over_), false};
 }
@@ -173,9 +175,9 @@ void JobSender::handle(const wire::Status& status) {
   if (phase_ == Phase::stopping && status.version != wire::protocol_version) return;
   if (status.version != wire::protocol_version)
     throw Error(Exit::no_device, "machine",
-                fmt::format("its firmware speaks protocol version {}, this program {}",
+                fmt::format("its firmware has protocol version {}, this program version {}",
                             status.version, wire::protocol_version),
-                "install firmware and program of one release");
+                "install the firmware and the program of the same release");
   const bool answers = take_barrier(status);
   if (!synced_ && !answers) return;
   if (synced_ && status.number <= status_.number) return;
@@ -204,7 +206,7 @@ void JobSender::handle(const wire::Status& status) {
   acknowledge(status);
 }
 
-/// Takes the answer to one of our questions; what it proves lost will be written again.
+/// True if the status answers one of our QUERYs. Frames that it proves lost are retransmitted.
 bool JobSender::take_barrier(const wire::Status& status) {
   const auto found = std::find_if(barriers_.begin(), barriers_.end(), [&](const Barrier& barrier) {
     return barrier.tag == status.echo;
@@ -219,7 +221,7 @@ bool JobSender::take_barrier(const wire::Status& status) {
   return true;
 }
 
-/// Forgets the frames that the machine has.
+/// Drops the frames that the machine has acknowledged.
 void JobSender::acknowledge(const wire::Status& status) {
   while (!frames_.empty() && frames_.front().number < status.next_number) {
     places_ = frames_.front().end_places;
@@ -240,17 +242,17 @@ void JobSender::handle(const RefusedFrame& frame) {
       refused.type == wire::FrameType::data || refused.type == wire::FrameType::end;
   if (!numbered || phase_ != Phase::stream) return;
   if (is_soft(refused.result) && ++soft_refusals_ < most_soft_refusals) return;
-  // Thrown once the machine stands: only then is it known where to go on.
+  // Thrown once the machine is at rest: only then it is known where the job can continue.
   stop_refusal_ = frame;
   begin_stop(JobEnd::stopped);
 }
 
-/// Throws what a refusal means to the user.
+/// Throws the refusal as an error for the user.
 void JobSender::refuse_job(const RefusedFrame& frame) const {
   const wire::Refused& refused = frame.refused;
   const bool of_point = refused.type != wire::FrameType::begin;
   const std::string where = of_point ? fmt::format("{} {}", job_.item(), refused.value) : "machine";
-  // In mid-job nobody shall begin anew: points would be fired twice.
+  // After a refusal in mid-job the remedy must not be a new start: it would fire points twice.
   const std::string go_on = advice();
   const std::string then = of_point ? ", then " + go_on : "";
   switch (refused.result) {
@@ -258,12 +260,12 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
       if (status_.session != 0 && status_.session != session_)
         throw Error(
             Exit::job_failed, where,
-            fmt::format("holds an unfinished job of another program (session {:08x}, first "
-                        "{} not done {})",
+            fmt::format("holds an unfinished job of another program (session {:08x}, {} {} is the "
+                        "first not done)",
                         status_.session, job_.item(), status_.first_unfired),
-            "finish it there, go on with it by --resume, or give it up with --discard" + then);
+            "finish it there, continue it with --resume, or discard it with --discard" + then);
       throw Error(Exit::job_failed, where, "another job is running",
-                  "wait for it or stop it" + then);
+                  "wait until that job ends, or stop it" + then);
     case Result::no_job:
       throw Error(Exit::job_failed, where, "the job was ended by the machine",
                   of_point ? go_on : "start it again");
@@ -271,11 +273,11 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
       throw Error(Exit::job_failed, where, "is locked after an alarm",
                   "unlock or home it first" + then);
     case Result::door_open:
-      throw Error(Exit::job_failed, where, "door open or e-stop pressed",
+      throw Error(Exit::job_failed, where, "the door is open or the e-stop is pressed",
                   "close the door, release the e-stop" + then);
     case Result::bad_version:
-      throw Error(Exit::no_device, where, "its firmware speaks another protocol version",
-                  "install firmware and program of one release");
+      throw Error(Exit::no_device, where, "its firmware has another protocol version",
+                  "install the firmware and the program of the same release");
     case Result::settings_mismatch:
       throw Error(Exit::bad_input, where, "the job was made for other settings",
                   "make the job again with this machine's profile" + then);
@@ -283,25 +285,26 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
       throw Error(Exit::bad_input, where, "is outside the machine's work space",
                   "check travel and corner in the machine profile" + then);
     case Result::unreachable:
-      throw Error(Exit::bad_input, where, "cannot be reached inside the machine's limits",
+      throw Error(Exit::bad_input, where, "cannot be reached within the machine's limits",
                   "check speed, acceleration and beats" + then);
     case Result::bad_value:
-      throw Error(
-          Exit::bad_input, where,
-          fmt::format("refuses {}", of_point ? "the record" : describe_setting(refused.value)),
-          "keep to the machine's own settings, which it lists after $$" + then);
+      throw Error(Exit::bad_input, where,
+                  fmt::format("{} has a value that the machine does not allow",
+                              of_point ? "its record" : describe_setting(refused.value)),
+                  "use the machine's own settings, which $$ lists" + then);
     case Result::unsupported:
       throw Error(Exit::bad_input, where,
-                  "wants what the machine does not have or has switched off",
+                  "the job uses a channel or axis that the machine lacks or has disabled",
                   "check the channel ($924) and the axes" + then);
     default:
       throw Error(Exit::bad_input, where,
                   fmt::format("refuses the job (result {})", static_cast<int>(refused.result)),
-                  "check that program and firmware are of one release" + then);
+                  "install the firmware and the program of the same release" + then);
   }
 }
 
-/// The machine does nothing and we have not told it to: what it has said of the reason is lost.
+/// The machine has ended the job without a command of the host; its message about the reason was
+/// lost.
 void JobSender::throw_ended() const {
   refuse_job({0, {wire::FrameType::end, Result::no_job, job_status_.first_unfired}});
 }
@@ -327,7 +330,7 @@ void JobSender::keep_connected() {
   cut_ = false;
   ++reconnects_;
   synced_ = false;
-  // Only the machine knows what it has: write nothing before it has said so.
+  // Which frames the machine has is unknown: write nothing before its next STATUS.
   barriers_.clear();
   cursor_ = 0;
   heard_at_ = now;
@@ -341,7 +344,7 @@ void JobSender::throw_no_answer() const {
   throw Error(Exit::no_device, "machine", what, "check port, power and firmware");
 }
 
-/// Asks how the machine stands: behind a burst, when it is time, or again when no answer came.
+/// Sends a QUERY after a burst, at the status interval, and again when no answer came.
 void JobSender::ask() {
   if (cut_) return;
   const Time now = transport_.now();
@@ -372,18 +375,18 @@ void JobSender::begin() {
   begin_at_ = now;
 }
 
-/// Stops the job of a host that has gone; BEGIN is sent again until the machine is free.
+/// Stops the unfinished job of another session; BEGIN is repeated until the machine accepts it.
 void JobSender::take_over() {
   const Time now = transport_.now();
   if (!taking_over_) finish_by_ = now + rest_timeout;
   taking_over_ = true;
   if (now > *finish_by_)
-    throw Error(Exit::job_failed, "machine", "another job does not end", "reset the machine");
+    throw Error(Exit::job_failed, "machine", "the other job does not stop", "reset the machine");
   const std::array payload{static_cast<std::uint8_t>(wire::Command::stop)};
   connection_.send({wire::FrameType::command, status_.session, status_.last_command + 1}, payload);
 }
 
-/// Brings the machine to what the user wishes.
+/// Sends the commands that the user's requests need.
 void JobSender::steer() {
   if (wish_ == Wish::stop) return begin_stop(JobEnd::stopped);
   if (cut_ || !synced_) return;
@@ -396,7 +399,7 @@ void JobSender::steer() {
     return;
   if (!taken) return send_command();
   const bool held = status_.state == wire::MachineState::hold;
-  // A hold for another reason might end without us: ours does not.
+  // A hold for another reason may end without a command of the host; a hold by the host does not.
   const bool firmly_held = held && status_.hold_reason == wire::HoldReason::host;
   if (wish_ == Wish::hold && !firmly_held && (held || status_.state == wire::MachineState::run))
     return command(wire::Command::hold);
@@ -405,11 +408,11 @@ void JobSender::steer() {
     return command(wire::Command::job_speed, machine_job_speed_);
   }
   if (wish_ != Wish::run) return;
-  // A wish to go on is not kept for a later hold.
+  // A request to resume does not apply to a later hold.
   if (status_.state == wire::MachineState::run) resume_asked_.store(false);
-  // A hold that our own silence has caused is resumed. Every other hold is ended by the user: one
-  // for a shot that was not made, one by a typed byte, and that of a door, which leaves a firm hold
-  // when it closes.
+  // A hold caused by the host's own silence is resumed. Every other hold is ended by the user: one
+  // for a missed shot, one by a typed byte, and that of a door, which leaves a firm hold when it
+  // closes.
   const bool door = status_.state == wire::MachineState::door;
   const bool by_byte = status_.hold_reason == wire::HoldReason::realtime ||
                        status_.hold_reason == wire::HoldReason::reset;
@@ -439,10 +442,10 @@ void JobSender::send_command() {
   command_at_ = transport_.now();
 }
 
-/// Writes frames as far as window and the machine's space go.
+/// Writes frames as far as the window and the machine's free space allow.
 void JobSender::stream() {
   if (phase_ != Phase::stream || cut_ || !synced_) return;
-  // Nothing moves before the machine knows how fast.
+  // No motion before the machine has the job speed.
   const bool speed_known = job_speed_ == machine_job_speed_ && command_taken();
   if (written_ == 0 && !speed_known) return;
   while (connection_.backlog() < most_backlog) {
@@ -458,7 +461,7 @@ void JobSender::stream() {
   }
 }
 
-/// The machine can take it, with all that it has not acknowledged before it.
+/// The machine has room for the frame and for all frames before it that it has not acknowledged.
 bool JobSender::has_room(const Frame& frame) const {
   std::size_t on_the_way = frame.bytes.size();
   for (std::size_t i = 0; i < cursor_; ++i) on_the_way += frames_[i].bytes.size();
@@ -503,7 +506,7 @@ void JobSender::tell_progress(std::size_t may_have_fired) {
   options_.on_progress(progress_);
 }
 
-/// The lower bound follows what is fired, also when all points are handed over.
+/// Keeps the lower bound up to date, also after all points were sent.
 void JobSender::tell_progress_in_time() {
   const bool is_behind = job_status_.first_unfired > progress_.first_unfired;
   if (progress_.session != 0 && is_behind && transport_.now() - progress_at_ >= progress_interval)
@@ -543,8 +546,7 @@ void JobSender::fail(std::exception_ptr error) {
   if (!stop_error_) stop_error_ = std::move(error);
 }
 
-/// From here on only one thing matters: that the machine stands. Then the job ends in this way, or
-/// `error` is thrown.
+/// Stops the machine. At rest the job ends with `how`, or `error` is thrown.
 void JobSender::begin_stop(JobEnd how, std::exception_ptr error) {
   phase_ = Phase::stopping;
   stop_end_ = how;
@@ -553,15 +555,15 @@ void JobSender::begin_stop(JobEnd how, std::exception_ptr error) {
   command(wire::Command::stop);
 }
 
-/// A stop that nobody has acknowledged is sent again: the machine executes it once.
+/// Repeats a stop that was not acknowledged: the machine executes it once.
 void JobSender::insist_on_stop() {
   const Time now = transport_.now();
-  if (stands(status_.state) || status_.session != session_) return finish_stop();
+  if (is_at_rest(status_.state) || status_.session != session_) return finish_stop();
   if (now >= stop_by_) throw_not_stopped();
   if (!cut_ && !command_taken() && now - command_at_ >= options_.reply_timeout) send_command();
 }
 
-/// Why the machine has no job of this session any more: without a restart another one has come.
+/// Why the machine no longer has a job of this session: without a restart, another job replaced it.
 JobEnd JobSender::end_of_forgotten() const {
   return status_.session == 0 || mark_ ? JobEnd::restarted : JobEnd::replaced;
 }
@@ -577,7 +579,7 @@ void JobSender::finish_stop() {
   throw_reason();
 }
 
-/// Throws why the job ended early, if by an error.
+/// Throws the error that ended the job early, if any.
 void JobSender::throw_reason() const {
   if (stop_refusal_) refuse_job(*stop_refusal_);
   if (stop_error_) std::rethrow_exception(stop_error_);
@@ -586,7 +588,7 @@ void JobSender::throw_reason() const {
                 advice());
 }
 
-/// The first error stays to be read.
+/// Throws an error that contains the first one, if any.
 void JobSender::throw_not_stopped() {
   end(stop_end_);
   const std::string where = "machine", what = "could not be stopped, it may still move and fire",

@@ -1,15 +1,15 @@
-// Sends a job and sees it through to its last shot (docs/wire-format.md, section 2).
+// Sends a job and monitors it until its last shot (docs/wire-format.md, section 2).
 //
-// In:  a job of points or rows, a transport, the wishes of the user (pause, resume, stop, job
-// speed). Out: frames; progress; at the end how it went. Who: the command line. Not thread-safe but
-// for the wishes, which may come from a signal handler.
+// In:  a job of points or rows, a transport, the requests of the user (pause, resume, stop, job
+// speed). Out: frames; progress; the result of the job. Who: the command line. Not thread-safe,
+// except that a signal handler may make requests.
 //
-// The sender never guesses what the machine has: what STATUS says is what it has. A QUERY behind
-// each burst tells for certain which frames were lost; they are sent again, no others.
+// The sender never guesses which frames the machine has: it relies on STATUS alone. A QUERY after
+// each burst shows for certain which frames were lost; only these are retransmitted.
 //
-// Whatever ends a running job early - the user, a refusal, an error of our own - the machine is
-// told to stop, again and again, until its STATUS says that it stands. Only then is the reason
-// told; if no such STATUS comes in time, the error says that too.
+// When a running job ends early - by the user, a refusal, an error of the host - the sender repeats
+// the stop command until STATUS reports that the machine is at rest. Only then it reports the
+// reason; if no such STATUS arrives in time, the error says that too.
 #pragma once
 
 #include <atomic>
@@ -28,63 +28,60 @@
 #include "host/link/continuation.hpp"
 #include "host/link/restart_mark.hpp"
 #include "host/link/transport.hpp"
+#include "shared/wire/job_header.hpp"
 #include "shared/wire/status.hpp"
 
 namespace lamplock::link {
 
-/// Job speed, percent of the speed the job was made for.
-inline constexpr std::uint32_t full_job_speed = 100;
-inline constexpr std::uint32_t highest_job_speed = 140;
-
-/// How far a job is, as a journal has to keep it.
+/// Progress of a job, as a journal stores it.
 struct JobProgress {
   std::uint32_t session = 0;
   std::uint32_t first_unfired = 0;   ///< all points, or lines, before it are fired
-  std::uint32_t may_have_fired = 0;  ///< none from here on is handed to the machine before the next
-                                     ///< progress
+  std::uint32_t may_have_fired = 0;  ///< points from here on are sent after the next report only
 };
 
-/// How patient the sender is, and where it starts. All times are times of the transport.
+/// Time-outs of the sender, and where it starts. All times are times of the transport.
 struct SenderOptions {
   std::chrono::microseconds hello_timeout{3'000'000};  ///< until the first answer
-  std::chrono::microseconds reply_timeout{250'000};    ///< until a question is asked again
+  std::chrono::microseconds reply_timeout{250'000};    ///< until a QUERY is repeated
   std::chrono::microseconds silence_limit{2'000'000};  ///< until the connection counts as cut
   std::chrono::microseconds give_up{60'000'000};       ///< without connection until the end
-  std::chrono::microseconds status_interval{100'000};  ///< between questions when all is well
+  std::chrono::microseconds status_interval{100'000};  ///< between QUERYs without losses
   std::size_t window_frames = 16;                      ///< frames sent and not acknowledged
   std::size_t points_ahead = ~std::size_t{0};          ///< at most, sent and not yet fired
-  std::size_t first_index = 0;                         ///< go on with a job at this point or line
+  std::size_t first_index = 0;                         ///< start at this point or line of the job
   std::size_t run_up_lines = 0;   ///< the first lines are dark and were done in an earlier run
-  std::uint32_t first_fired = 0;  ///< flashes of it fired before, not among those of the job
+  std::uint32_t first_fired = 0;  ///< flashes of the first point fired in earlier runs
   std::uint32_t session = 0;      ///< 0 = choose at random
-  std::uint32_t job_speed = full_job_speed;  ///< percent, before anything moves
-  bool take_over = false;                    ///< give up what is left of another session
-  /// Go on after `!`, 0x84 and 0x18 that are not ours: noise of a serial line may be one of them.
+  std::uint32_t job_speed = wire::full_job_speed;  ///< percent, set before the first motion
+  bool take_over = false;  ///< discard the unfinished job of another session
+  /// Resume after `!`, 0x84 and 0x18 that this program did not send: noise of a serial line may be
+  /// read as one of them.
   bool auto_resume = false;
   std::function<void(const std::string&)> on_text;  ///< lines of text from the machine
-  /// Called before the job is offered to the machine, before points are handed to it, and at most
-  /// twice a second while it fires. An exception stops the job.
+  /// Called before BEGIN is sent, before points are sent, and at most twice a second while the
+  /// machine fires. An exception stops the job.
   std::function<void(const JobProgress&)> on_progress;
 };
 
 /// How a job ended.
 enum class JobEnd : std::uint8_t {
   done,       ///< every point fired
-  stopped,    ///< by the user, here
-  alarm,      ///< status.state and status.alarm tell which; e-stop too
-  lost,       ///< no connection any more
-  restarted,  ///< the machine has forgotten the job: its power or watchdog
+  stopped,    ///< by the user of this program
+  alarm,      ///< alarm or e-stop, see status.state and status.alarm
+  lost,       ///< the connection is lost
+  restarted,  ///< the machine has lost the job by a power loss or a watchdog reset
   replaced,   ///< the machine has a job of another program
 };
 
 /// Result of a job that was begun.
 struct JobResult {
   JobEnd end = JobEnd::done;
-  wire::Status status;  ///< last one of this job; what another session or a restart shows is not
+  wire::Status status;              ///< last one of this session, before any restart
   std::uint32_t flashes_fired = 0;  ///< of the point status.first_unfired
-  Continuation rest;                ///< where to go on
-  std::uint64_t resent = 0;         ///< frames sent again
-  std::uint64_t bad_frames = 0;     ///< frames from the machine that came in broken
+  Continuation rest;                ///< where a next run continues
+  std::uint64_t resent = 0;         ///< frames retransmitted
+  std::uint64_t bad_frames = 0;     ///< corrupt frames from the machine
   std::uint64_t reconnects = 0;
   std::chrono::microseconds elapsed{0};
 };
@@ -97,34 +94,34 @@ class JobSender {
   JobSender(Transport& transport, const job::Job& job, SenderOptions options = {});
 
   /// Runs the job to its end. Throws Error: no_device (no answer, other version), bad_input (the
-  /// machine refuses the job or a point), job_failed (busy, locked, door open, ended by itself, or
-  /// stopped by the user and not heard to stand).
+  /// machine refuses the job or a point), job_failed (busy, locked, door open, ended by the
+  /// machine, or stopped by the user without a report that the machine is at rest).
   JobResult run();
 
   /// One round: read, answer, send, wait a little. False once the job has ended. Throws as run().
   bool step();
 
-  /// Something else has gone wrong while the job was looked after: steps go on until the machine
-  /// stands, then step() throws `error`. Thrown at once if there is nothing to stop.
+  /// Stops the job because of an error in the caller: steps continue until the machine is at rest,
+  /// then step() throws `error`. Throws it at once if no job runs.
   void fail(std::exception_ptr error);
 
-  /// Wishes of the user; safe in a signal handler.
+  /// Requests of the user; safe in a signal handler.
   void pause() noexcept { wish_.store(Wish::hold); }
   void resume() noexcept {
     resume_asked_.store(true);
     wish_.store(Wish::run);
   }
   void stop() noexcept { wish_.store(Wish::stop); }
-  /// 1..highest_job_speed percent, now and until changed.
+  /// 1 to max_job_speed percent, from now on.
   void set_job_speed(std::uint32_t percent) noexcept { job_speed_.store(percent); }
   std::uint32_t job_speed() const noexcept { return job_speed_.load(); }
 
   /// All points, or lines, before this index are done.
   std::size_t points_fired() const { return job_status_.first_unfired; }
   JobResult result() const;
-  /// The last one received, whatever session it is of.
+  /// The last one received, of any session.
   const wire::Status& status() const { return status_; }
-  /// The last one of this job; of no session before the machine has taken the job.
+  /// The last one of this job; session 0 until the machine has accepted the job.
   const wire::Status& job_status() const { return job_status_; }
   std::uint32_t session() const { return session_; }
   bool auto_resume() const { return options_.auto_resume; }
@@ -135,14 +132,14 @@ class JobSender {
   enum class Wish : std::uint8_t { run, hold, stop };
   static_assert(std::atomic<Wish>::is_always_lock_free);
 
-  /// A frame on its way: DATA or END.
+  /// A frame sent or to be sent: DATA or END.
   struct Frame {
     std::uint32_t number;
     std::size_t end_index;            ///< after its last point or line
-    std::uint64_t end_places;         ///< of the table of runs, with all frames before
-    std::vector<std::uint8_t> bytes;  ///< as it goes on the wire
+    std::uint64_t end_places;         ///< entries of the run table used up to its end
+    std::vector<std::uint8_t> bytes;  ///< encoded for the wire
   };
-  /// A QUERY on its way and the number of the DATA frame that would have followed it.
+  /// A QUERY without answer, and the number of the DATA frame after it.
   struct Barrier {
     std::uint32_t tag;
     std::uint32_t number;
@@ -150,7 +147,7 @@ class JobSender {
 
   void advance();
 
-  // What comes in.
+  // Received messages.
   void receive();
   void handle(const wire::Status& status);
   void handle(const RefusedFrame& frame);
@@ -164,7 +161,7 @@ class JobSender {
   bool take_barrier(const wire::Status& status);
   void acknowledge(const wire::Status& status);
 
-  // What goes out.
+  // Sent frames.
   void keep_connected();
   [[noreturn]] void throw_no_answer() const;
   void ask();
@@ -201,22 +198,22 @@ class JobSender {
   job::RecordEncoder encoder_;
   std::uint32_t session_;
   Phase phase_ = Phase::hello;
-  JobEnd end_ = JobEnd::lost;  ///< until it has ended otherwise
+  JobEnd end_ = JobEnd::lost;
   wire::Status status_;
   wire::Status job_status_;  ///< last one of our session
   std::optional<RestartMark> mark_;
-  bool synced_ = false;  ///< a question asked over this connection was answered
+  bool synced_ = false;  ///< a QUERY over this connection was answered
   std::string text_seen_;
 
   std::deque<Frame> frames_;   ///< built and not acknowledged
-  std::uint64_t places_ = 0;   ///< of the table of runs, of all that are acknowledged
-  std::size_t cursor_ = 0;     ///< next of them to write
+  std::uint64_t places_ = 0;   ///< entries of the run table used by acknowledged frames
+  std::size_t cursor_ = 0;     ///< next of frames_ to write
   std::uint32_t built_ = 0;    ///< number of the last frame built
   std::uint32_t written_ = 0;  ///< highest number ever written
   bool end_built_ = false;
   std::size_t frame_points_ = 1;
-  std::size_t handed_over_;  ///< behind the last point or line ever written
-  JobProgress progress_;     ///< told last
+  std::size_t handed_over_;  ///< end of the points or lines ever written
+  JobProgress progress_;     ///< reported last
   Time progress_at_{};
 
   std::deque<Barrier> barriers_;
@@ -225,7 +222,7 @@ class JobSender {
   Time heard_at_{};
   Time started_at_{};
   Time begin_at_{};
-  Time lost_at_{};  ///< since when there is no connection
+  Time lost_at_{};  ///< the connection is lost since then
   bool cut_ = false;
   Time reconnect_at_{};
   bool begin_sent_ = false;
@@ -234,18 +231,18 @@ class JobSender {
   std::atomic<Wish> wish_{Wish::run};
   std::atomic<bool> resume_asked_{false};
   std::atomic<std::uint32_t> job_speed_;
-  std::uint32_t machine_job_speed_ = full_job_speed;  ///< as commanded last
+  std::uint32_t machine_job_speed_ = wire::full_job_speed;  ///< last command
   wire::CommandRequest command_;
   std::uint32_t command_number_ = 0;
   Time command_at_{};
-  std::optional<Time> finish_by_;  ///< all done but the machine still moves
+  std::optional<Time> finish_by_;  ///< deadline for rest after the last shot
   int soft_refusals_ = 0;
 
-  JobEnd stop_end_ = JobEnd::stopped;         ///< what the job ends with once the machine stands
-  std::exception_ptr stop_error_;             ///< what is thrown then,
-  bool was_reset_ = false;                    ///< by a byte that is not ours
-  std::optional<RefusedFrame> stop_refusal_;  ///< or this, with what the machine says then
-  Time stop_by_{};                            ///< until when it has to stand
+  JobEnd stop_end_ = JobEnd::stopped;         ///< end of the job once the machine is at rest
+  std::exception_ptr stop_error_;             ///< thrown at rest
+  bool was_reset_ = false;                    ///< by a byte that this program did not send
+  std::optional<RefusedFrame> stop_refusal_;  ///< thrown at rest as an error
+  Time stop_by_{};                            ///< deadline for rest
 
   Time elapsed_{};
   std::uint64_t resent_ = 0;

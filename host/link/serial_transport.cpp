@@ -30,8 +30,8 @@ struct SerialTransport::Port {
 
 namespace {
 
-/// Whether closing the port drops DTR. Some boards take that for a reset; ours sees by it that its
-/// host has gone, also one that was killed.
+/// Whether closing the port drops DTR. Some boards reset then; a lamplock board detects by it that
+/// its host has ended, even if it was killed.
 void set_hang_up(int descriptor, bool hang_up) {
   termios settings{};
   if (::tcgetattr(descriptor, &settings) != 0) return;
@@ -41,8 +41,8 @@ void set_hang_up(int descriptor, bool hang_up) {
   ::tcsetattr(descriptor, TCSANOW, &settings);
 }
 
-/// Asks the driver not to collect bytes for milliseconds; USB and pseudo-terminals know nothing
-/// of it and need not.
+/// Asks the driver not to collect bytes for milliseconds; USB and pseudo-terminals neither support
+/// nor need this.
 void ask_low_latency(int descriptor) {
   serial_struct driver{};
   if (::ioctl(descriptor, TIOCGSERIAL, &driver) != 0) return;
@@ -60,7 +60,8 @@ SerialTransport::SerialTransport(std::string port, unsigned baud)
   }
   if (!port_->lock.user().empty())
     throw Error(Exit::no_device, port_->name,
-                "another program uses the port (" + port_->lock.user() + ")", "end that first");
+                "another program uses the port (" + port_->lock.user() + ")",
+                "end that program first");
   throw Error(
       Exit::no_device, port_->name, "cannot open the port (" + port_->failure.message() + ")",
       is_denied(port_->failure.value()) ? access_remedy(port_->name) : "check cable and name");
@@ -91,7 +92,7 @@ bool SerialTransport::open() {
   set_hang_up(fd, usb::manufacturer_of_port(port_->name) == usb::board_manufacturer);
   ask_low_latency(fd);
   port_->lock.refuse_others();
-  // What came in before belongs to whoever had the port before.
+  // Bytes received earlier belong to an earlier program.
   ::tcflush(fd, TCIFLUSH);
   return true;
 }

@@ -1,7 +1,7 @@
 // A transport to a simulated board in the same process, in lock step with the host.
 //
-// Waiting runs the board: simulated time passes only while the host waits, so that a job runs as
-// fast as the machine can compute and always the same way.
+// wait() runs the board: simulated time passes only while the host waits, so that a job runs as
+// fast as the computer allows and is reproducible.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace lamplock::link {
 
-/// Session of jobs on simulated boards: a random one would make frames a byte longer or shorter,
-/// and the start of a job a beat.
+/// Session of jobs on simulated boards: a random one would change the length of frames by a byte,
+/// and the start of a job by a beat.
 inline constexpr std::uint32_t simulated_session = 1;
 
 /// The board must outlive the transport.

@@ -25,7 +25,7 @@ struct TcpTransport::Connection {
 
 namespace {
 
-/// A host that does not answer must not hold the program for the system's minutes.
+/// The system's own time-out for a host that does not answer is minutes.
 constexpr std::chrono::seconds connect_timeout{5};
 
 /// Connects within the time-out.

@@ -11,8 +11,8 @@ namespace lamplock::link {
 /// Connects to HOST:PORT, with TCP_NODELAY.
 class TcpTransport : public DescriptorTransport {
  public:
-  /// Throws Error(no_device) if there is no connection to be had, Error(bad_input) if `address` is
-  /// not HOST:PORT (IPv6 hosts in brackets).
+  /// Throws Error(no_device) if the connection fails, Error(bad_input) if `address` is not
+  /// HOST:PORT (IPv6 hosts in brackets).
   explicit TcpTransport(const std::string& address);
   ~TcpTransport() override;
   TcpTransport(const TcpTransport&) = delete;

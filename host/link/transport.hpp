@@ -1,8 +1,8 @@
-// A way to and from the firmware: serial port, TCP, or a board in the same process.
+// A connection to the firmware: serial port, TCP, or a board in the same process.
 //
-// In/out: bytes, never waiting. The sender owns the pace: it writes, reads, and waits for as long
-// as the transport lets it. Time is the transport's: wall time on real ports, simulated time on a
-// simulated board, so that time-outs mean the same on both.
+// In/out: bytes, without blocking. The caller sets the pace: it writes, reads, and calls wait().
+// Time is the transport's: wall time on real ports, simulated time on a simulated board, so that
+// time-outs are the same on both.
 #pragma once
 
 #include <chrono>
@@ -17,23 +17,23 @@ class Transport {
  public:
   virtual ~Transport() = default;
 
-  /// Writes as much as goes now; returns how many bytes were taken. 0 if the connection is cut.
+  /// Writes as many bytes as possible now; returns their number, 0 if the connection is cut.
   virtual std::size_t write(std::span<const std::uint8_t> bytes) = 0;
 
-  /// Reads what is there; returns how many bytes.
+  /// Reads the received bytes; returns their number.
   virtual std::size_t read(std::span<std::uint8_t> bytes) = 0;
 
-  /// Waits until there is something to read, or `time` has passed. A simulated board runs for so
-  /// long, and may stop earlier when it has sent something.
+  /// Waits until bytes were received, or `time` has passed. A simulated board runs for this time,
+  /// or stops earlier when it has sent bytes.
   virtual void wait(std::chrono::microseconds time) = 0;
 
-  /// Time since some fixed moment; never goes back.
+  /// Time since a fixed moment; monotonic.
   virtual std::chrono::microseconds now() const = 0;
 
   /// False once the connection is known to be cut.
   virtual bool connected() const { return true; }
 
-  /// Drops what is left of the connection and tries once to make a new one; true if there is one.
+  /// Closes the connection and tries once to make a new one; true if that succeeds.
   virtual bool reconnect() = 0;
 };
 

@@ -12,7 +12,7 @@ constexpr std::uint8_t class_request_to_interface = 0x21, set_control_line_state
 constexpr std::uint16_t dtr = 1;
 constexpr std::chrono::milliseconds control_time{1'000};
 
-/// The interface of a class; throws if there is none.
+/// The interface of a class; throws if the device has none.
 const usb::Interface& interface_of(const usb::DeviceInfo& info, std::uint8_t class_code) {
   const auto found =
       std::find_if(info.interfaces.begin(), info.interfaces.end(),

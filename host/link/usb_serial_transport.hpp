@@ -1,5 +1,5 @@
-// The serial port of a board, spoken to as the driver of a system would: for a bus whose devices no
-// driver takes, which is the simulated one.
+// Drives the serial port of a board as an operating system's driver would: for the simulated bus,
+// whose devices have no driver.
 //
 // In/out: bytes over the bulk endpoints of the CDC function (CDC 1.2; PSTN 1.2, 6.3.12).
 // Who: flashing a simulated chip. On a real bus the kernel has these interfaces: SerialTransport.

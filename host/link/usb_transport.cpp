@@ -14,9 +14,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Bytes that a board has left come within a frame or two of 1 ms.
+/// Bytes for an earlier program arrive within a frame or two of 1 ms.
 constexpr milliseconds leftover_wait{5};
-/// More than a board holds: ring of 2 KiB, buffers of the core and of the endpoint.
+/// More than a board buffers: ring of 2 KiB, buffers of the core and of the endpoint.
 constexpr std::size_t most_leftovers = 16384;
 
 std::string name_of(const usb::DeviceInfo& board) {
@@ -61,14 +61,14 @@ usb::DeviceInfo find_board(usb::Bus& bus, const std::string& serial) {
                 "plug it in, or flash it: lamplock flash");
   if (serial.empty() && boards.size() > 1)
     throw Error(Exit::bad_input, "USB",
-                fmt::format("there are {} boards: {}", boards.size(), serials_of(boards)),
+                fmt::format("{} boards are connected: {}", boards.size(), serials_of(boards)),
                 "choose one: --board usb:SERIAL");
   const auto found = std::find_if(boards.begin(), boards.end(), [&](const usb::DeviceInfo& board) {
     return serial.empty() || board.serial == serial;
   });
   if (found == boards.end())
     throw Error(Exit::no_device, "USB", fmt::format("there is no board {}", serial),
-                fmt::format("there are: {}", serials_of(boards)));
+                fmt::format("use one of these: {}", serials_of(boards)));
   return *found;
 }
 
@@ -83,14 +83,14 @@ void UsbTransport::open(const usb::DeviceInfo& board) {
   const std::optional<StreamInterface> interface = stream_interface(board);
   if (!interface)
     throw Error(Exit::no_device, name_of(board), "its firmware has no pulse stream interface",
-                "flash it anew (lamplock flash), or use its serial port");
+                "flash it again (lamplock flash), or use its serial port");
   device_ = bus_->open(board);
   if (const usb::TransferEnd end = device_->claim(interface->number);
       end != usb::TransferEnd::done) {
     device_.reset();
     if (end == usb::TransferEnd::gone)
-      throw Error(Exit::no_device, name_of(board), "has gone", "plug it in again");
-    throw Error(Exit::no_device, name_of(board), "another program has its pulse stream interface",
+      throw Error(Exit::no_device, name_of(board), "was unplugged", "plug it in again");
+    throw Error(Exit::no_device, name_of(board), "another program uses its pulse stream interface",
                 "close that program, or use the serial port");
   }
   stream_ = device_->stream(interface->out, interface->in);
@@ -112,7 +112,7 @@ std::size_t UsbTransport::write(std::span<const std::uint8_t> bytes) {
 }
 
 std::size_t UsbTransport::read(std::span<std::uint8_t> bytes) {
-  return stream_ ? stream_->read(bytes) : 0;  // also what came before it was gone
+  return stream_ ? stream_->read(bytes) : 0;  // also bytes received before it was unplugged
 }
 
 void UsbTransport::wait(std::chrono::microseconds time) {

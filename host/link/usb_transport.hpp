@@ -1,11 +1,11 @@
 // The pulse stream's own interface of a board: two bulk endpoints on USB, no driver between.
 //
-// In/out: bytes, the same as over the serial port (docs/wire-format.md). Who: whoever has opened a
+// In/out: bytes, the same as over the serial port (docs/wire-format.md). Who: commands that open a
 // board by name (host/cli).
 //
-// A board is known by its serial number: plugged in again, at whatever place, it is the same one
-// and a job goes on. Bytes that the board has left from a program before are thrown away when the
-// interface is opened, as SerialTransport does.
+// A board is identified by its serial number: after it was plugged in again, at any USB port, its
+// job continues. Bytes for an earlier program are discarded when the interface is opened, as in
+// SerialTransport.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@
 
 namespace lamplock::link {
 
-/// Where a board's pulse stream is.
+/// USB interface of a board's pulse stream.
 struct StreamInterface {
   std::uint8_t number = 0;
   std::uint8_t out = 0, in = 0;  ///< addresses of its endpoints
@@ -32,14 +32,14 @@ std::optional<StreamInterface> stream_interface(const usb::DeviceInfo& device);
 std::vector<usb::DeviceInfo> find_boards(usb::Bus& bus);
 
 /// The board with this serial number; the only one, if none is given. Throws Error: no_device if
-/// there is none, bad_input if there are several to choose from, with their numbers.
+/// there is none, bad_input with the serial numbers if there are several.
 usb::DeviceInfo find_board(usb::Bus& bus, const std::string& serial);
 
 /// One board's pulse stream.
 class UsbTransport final : public Transport {
  public:
-  /// `board`: as find_board() gives it. Throws Error(no_device), with the remedy, if its interface
-  /// may not be opened, another program has it, or there is none.
+  /// `board`: from find_board(). Throws Error(no_device), with the remedy, if its interface may not
+  /// be opened, is in use by another program, or does not exist.
   UsbTransport(std::shared_ptr<usb::Bus> bus, const usb::DeviceInfo& board);
   ~UsbTransport() override;
   UsbTransport(const UsbTransport&) = delete;
@@ -57,9 +57,9 @@ class UsbTransport final : public Transport {
   void drain();
 
   std::shared_ptr<usb::Bus> bus_;
-  std::string serial_;  ///< which board it is
+  std::string serial_;  ///< of the board
   std::unique_ptr<usb::Device> device_;
-  std::unique_ptr<usb::Stream> stream_;  ///< of device_, gone before it
+  std::unique_ptr<usb::Stream> stream_;  ///< of device_, destroyed before it
 };
 
 }  // namespace lamplock::link

@@ -9,7 +9,7 @@
 namespace lamplock::manual {
 namespace {
 
-/// Parts of an argument: alternatives, and what follows each other.
+/// Parts of an argument: alternatives and sequences.
 std::vector<std::string> parts_of(const cli::Option& option) {
   std::vector<std::string> parts(1);
   for (const char c : argument_of(option))

@@ -1,7 +1,7 @@
-// The command line as its manual sees it: commands, options, what an option takes.
+// The command line for its manual: commands, options, arguments of options.
 //
-// In:  a command. Out: what is to be described, in the order in which it was added; what is hidden
-//      (an empty group) left out.
+// In:  a command. Out: its options and arguments, in the order in which they were added, without
+//      hidden ones (with an empty group).
 // Who: man pages and completions.
 #pragma once
 
@@ -21,8 +21,8 @@ std::vector<const cli::Option*> positionals_of(const cli::Command& command);
 /// "FILE", "free|path|start-stop"; empty for flags.
 std::string argument_of(const cli::Option& option);
 
-/// Words that an option takes as they are: "free", "path", "start-stop" of "free|path|start-stop".
-/// What is written in capitals stands for something else.
+/// Literal words of an option: "free", "path", "start-stop" of "free|path|start-stop". Words in
+/// capitals are placeholders.
 std::vector<std::string> words_of(const cli::Option& option);
 
 /// A part of its argument is the name of a file or folder.

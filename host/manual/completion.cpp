@@ -22,7 +22,7 @@ void visit(const cli::Command& app, const std::string& path, const Visit& what) 
     visit(inner, path.empty() ? inner.name() : path + " " + inner.name(), what);
 }
 
-/// All that may stand next in a command.
+/// All words that may be next in a command.
 std::vector<std::string> next_words(const cli::Command& app) {
   std::vector<std::string> words;
   for (const cli::Command& inner : app.commands()) words.push_back(inner.name());
@@ -31,7 +31,7 @@ std::vector<std::string> next_words(const cli::Command& app) {
   return words;
 }
 
-/// A word that is no option may stand in it: a file, most often.
+/// The command has arguments that are no options, usually files.
 bool takes_names(const cli::Command& app) { return !positionals_of(app).empty(); }
 
 /// The lines of bash that complete the argument of an option.
@@ -74,7 +74,7 @@ std::string bash_completion(const cli::Command& program) {
          "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
          "  local command='' words='' names='' i\n"
          "  COMPREPLY=()\n"
-         // Bash takes the sign for a word of its own: --board = usb.
+         // Bash splits words at the sign: --board = usb.
          "  if [[ $word == = ]]; then word=''\n"
          "  elif [[ $before == = ]]; then before=${COMP_WORDS[COMP_CWORD - 2]}\n"
          "  fi\n"
@@ -98,7 +98,7 @@ std::string bash_completion(const cli::Command& program) {
 
 namespace {
 
-/// In single quotes of fish.
+/// Text in single quotes of fish.
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) {
@@ -108,7 +108,7 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
-/// When a completion belongs to a command: its words have been typed, none of its own commands.
+/// Condition for a command: its words have been typed, but none of its own commands.
 std::string fish_condition(const cli::Command& app, const std::string& path) {
   if (path.empty()) return "__fish_use_subcommand";
   std::string condition;

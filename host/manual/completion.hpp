@@ -1,8 +1,7 @@
-// Completion for shells from the command line itself.
+// Completion for shells, generated from the command line.
 //
-// In:  the commands of the program. Out: scripts for bash and fish. They know commands, options,
-// the words that
-//      options take, and where a file or a port belongs.
+// In:  the commands of the program. Out: scripts for bash and fish, with commands, options,
+//      their words, files and ports.
 // Who: lamplock_manual, while the program is built.
 #pragma once
 
@@ -12,10 +11,10 @@
 
 namespace lamplock::manual {
 
-/// To be put where bash-completion looks, under the name of the program.
+/// For the folder of bash-completion, as a file with the name of the program.
 std::string bash_completion(const cli::Command& program);
 
-/// To be put into fish's vendor_completions.d as lamplock.fish.
+/// For fish's vendor_completions.d, as lamplock.fish.
 std::string fish_completion(const cli::Command& program);
 
 }  // namespace lamplock::manual

@@ -16,7 +16,7 @@
 
 int main(int argc, char** argv) {
   if (argc != 3) {
-    std::fputs("error: lamplock_manual: two arguments are wanted; give FOLDER and DATE\n", stderr);
+    std::fputs("error: lamplock_manual: needs two arguments; give FOLDER and DATE\n", stderr);
     return static_cast<int>(lamplock::Exit::bad_input);
   }
   try {

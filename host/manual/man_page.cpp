@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t longest_line = 78;
 
-/// Text as it shall stand there: nothing in it is an escape, and every dash is one that is typed.
+/// Escapes text: it has no escapes of roff, and its dashes are those of the keyboard.
 std::string escaped(std::string_view text) {
   std::string result;
   for (const char c : text) {
@@ -25,7 +25,7 @@ std::string escaped(std::string_view text) {
     else
       result += c;
   }
-  // At the beginning of a line these would be requests.
+  // At the beginning of a line these characters would be requests.
   if (result.starts_with('.') || result.starts_with('\'')) result.insert(0, "\\&");
   return result;
 }
@@ -39,12 +39,12 @@ std::string upper(std::string text) {
   return text;
 }
 
-/// One page while it is written.
+/// Writer of one page.
 class Writer {
  public:
   void request(std::string_view line) { (text_ += line) += '\n'; }
   void section(std::string_view name) { request(fmt::format(".SH {}", upper(std::string(name)))); }
-  /// Words, broken into lines of the source.
+  /// Writes words, broken into lines of the source.
   void words(std::string_view text) {
     std::string line;
     while (!text.empty()) {
@@ -57,7 +57,7 @@ class Writer {
     }
     flush(line);
   }
-  /// A line that is shown as it is.
+  /// Writes a line unchanged.
   void line(std::string_view text) { request(escaped(text)); }
   std::string take() { return std::move(text_); }
 
@@ -69,8 +69,8 @@ class Writer {
   std::string text_;
 };
 
-/// A footer as sections: paragraphs under NOTES, lines that begin with blanks as they are, examples
-/// under EXAMPLES.
+/// Writes a footer as sections: paragraphs under NOTES, lines that begin with blanks unchanged,
+/// examples under EXAMPLES.
 class FooterWriter {
  public:
   explicit FooterWriter(Writer& page) : page_(page) {}
@@ -126,7 +126,7 @@ class FooterWriter {
     has_section_ = true;
     is_first_ = true;
   }
-  /// A block behind another one of its section.
+  /// A block after another one of its section.
   void begin_block() {
     if (!has_section_) begin_section("notes");
     if (!is_first_) page_.request(".PP");
@@ -155,17 +155,16 @@ void write_option(Writer& page, const cli::Option& option) {
   if (!what.empty() && what.back() != '.') what += '.';
   const std::string& variable = option.environment();
   if (option.is_required())
-    what +=
-        variable.empty()
-            ? " Has to be given."
-            : fmt::format(" Has to be given, here or in the environment variable {}.", variable);
+    what += variable.empty()
+                ? " Required."
+                : fmt::format(" Required, here or in the environment variable {}.", variable);
   if (!option.default_text().empty()) what += fmt::format(" Default: {}.", option.default_text());
   if (!variable.empty() && !option.is_required())
-    what += fmt::format(" Without it, what the environment variable {} says.", variable);
+    what += fmt::format(" Without it, the environment variable {} gives the value.", variable);
   page.words(what);
 }
 
-/// Options by their groups; those of no group of their own come under `title`.
+/// Options by their groups; those without a group are under `title`.
 void write_options(Writer& page, const cli::Command& app, const std::string& title) {
   std::vector<std::string> groups;
   const auto options = options_of(app);
@@ -210,7 +209,7 @@ void write_head(Writer& page, const std::string& name, const Edition& edition,
   page.request(escaped(name) + " \\- " + escaped(what));
 }
 
-/// Commands of a command stand on its page, with their own options.
+/// Commands of a command are on its page, with their own options.
 void write_inner_command(Writer& page, const cli::Command& app, const std::string& path) {
   page.section(path);
   page.words(app.description() + ".");

@@ -1,4 +1,4 @@
-// Manual pages from the command line itself: what --help says, in the form of man(7).
+// Manual pages, generated from the command line: the contents of --help, in the form of man(7).
 //
 // In:  the commands of the program. Out: lamplock.1 with an overview, and a page for each command.
 // Who: lamplock_manual, while the program is built.
@@ -11,7 +11,7 @@
 
 namespace lamplock::manual {
 
-/// What stands in the margins of pages.
+/// Text in the margins of pages.
 struct Edition {
   std::string version{};  ///< of the program
   std::string date{};     ///< "2026-11-23"

@@ -4,17 +4,17 @@
 #include <array>
 #include <cmath>
 
+#include "host/geometry/limits.hpp"
+#include "host/geometry/vector.hpp"
 #include "host/model/spline.hpp"
-#include "host/points/limits.hpp"
-#include "host/points/vector.hpp"
 
 namespace lamplock::model {
 namespace {
 
-using points::Point;
+using geometry::Point;
 
-// Halves that agree to this, and to as much of their length, are good: far below a step of any
-// stage, even summed over a million pieces. Far from the origin rounding alone makes more.
+// Tolerance for the sum of halves against the whole, absolute and relative: far below a step of any
+// stage, even summed over a million pieces. Far from the origin rounding alone exceeds it.
 constexpr double agree_mm = 1e-10, agree_part = 1e-12, rounding_part = 1e-14;
 // 2^-40 of a piece of 10^9 mm is a micrometre: at cusps, where halves agree late.
 constexpr int deepest = 40;
@@ -39,7 +39,7 @@ double quadrature(const Piece& piece, const Range& range) {
   return std::abs(half) * sum;
 }
 
-/// How well the quadratures of a piece can agree, mm.
+/// Best possible agreement of the quadratures of a piece, mm.
 double agreement(const Piece& piece) {
   const auto* spline = std::get_if<Spline>(&piece);
   if (spline == nullptr) return agree_mm;
@@ -73,16 +73,16 @@ void ArcLength::add_smooth(std::size_t index, const Range& range, double length,
   const Piece& piece = path_.pieces[index];
   const double middle = range.from + (range.to - range.from) / 2;
   const Range first{range.from, middle}, second{middle, range.to};
-  const double before = quadrature(piece, first), behind = quadrature(piece, second);
-  const double halves = before + behind;
+  const double before = quadrature(piece, first), after = quadrature(piece, second);
+  const double halves = before + after;
   if (depth == 0 || std::abs(halves - length) <= agree_mm_ + agree_part * halves) {
-    points::require_count(static_cast<double>(stretches_.size()), "curve");
+    geometry::require_count(static_cast<double>(stretches_.size()), "curve");
     stretches_.push_back({index, range, total_, halves});
     total_ += halves;
     return;
   }
   add_smooth(index, first, before, depth - 1);
-  add_smooth(index, second, behind, depth - 1);
+  add_smooth(index, second, after, depth - 1);
 }
 
 Point ArcLength::at(double s) {
@@ -90,10 +90,10 @@ Point ArcLength::at(double s) {
   if (s <= 0) return start_of(path_);
   if (s < stretches_[last_].begins_at) last_ = 0;
   if (last_ + 1 < stretches_.size() && stretches_[last_ + 1].begins_at <= s) {
-    const auto behind =
+    const auto after =
         std::upper_bound(stretches_.begin() + static_cast<std::ptrdiff_t>(last_), stretches_.end(),
                          s, [](double at, const Stretch& next) { return at < next.begins_at; });
-    last_ = static_cast<std::size_t>(behind - stretches_.begin()) - 1;
+    last_ = static_cast<std::size_t>(after - stretches_.begin()) - 1;
   }
   const Stretch& stretch = stretches_[last_];
   return motion_at(path_.pieces[stretch.piece], parameter_at(stretch, s - stretch.begins_at)).at;
@@ -103,9 +103,9 @@ double ArcLength::parameter_at(const Stretch& stretch, double along) const {
   const Piece& piece = path_.pieces[stretch.piece];
   const auto [from, to] = stretch.range;
   if (!(stretch.length > 0)) return from;
-  double low = 0, high = 1;  // parts of the stretch's range that the solution lies between
+  double low = 0, high = 1;  // bounds of the solution, in the stretch's range
   double part = std::clamp(along / stretch.length, 0.0, 1.0);
-  constexpr int most_steps = 60;  // halving alone ends in 53
+  constexpr int most_steps = 60;  // pure bisection ends after 53
   for (int step = 0; step < most_steps; ++step) {
     const double t = from + part * (to - from);
     const double excess = quadrature(piece, {from, t}) - along;

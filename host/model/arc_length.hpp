@@ -1,11 +1,11 @@
-// Arc length along a path, exactly: where is the point that lies s mm from the start?
+// Exact arc length along a path: finds the point at s mm from the start.
 //
 // In:  a path. Out: its length, points by their distance along it.
 // Who: divide(); cutting.
 //
 // The speed is integrated by Gauss-Legendre quadrature over pieces halved until both halves agree
-// with the whole, at once for lines and circles, whose speed is constant; the integral is inverted
-// by Newton's method held inside the piece. No polyline stands in for the curve.
+// with the whole (at once for lines and circles, whose speed is constant); the integral is inverted
+// by Newton's method limited to the piece. The curve is not replaced by a polyline.
 #pragma once
 
 #include <cstddef>
@@ -17,16 +17,15 @@ namespace lamplock::model {
 
 class ArcLength {
  public:
-  /// Keeps a reference to `path`, which has to stay. Time and memory grow with the pieces and how
-  /// bent they are. Throws Error (bad_input) if the path is too bent to be measured (too many
-  /// pieces).
+  /// Keeps a reference to `path`, which must outlive this. Time and memory grow with the pieces and
+  /// their curvature. Throws Error (bad_input) if the path is too complex (too many pieces).
   explicit ArcLength(const Path& path);
 
   /// mm.
   double total() const { return total_; }
   /// The point `s` mm from the start, 0 .. total(); beyond, the end. A search among the pieces
   /// and a few evaluations of the curve.
-  points::Point at(double s);
+  geometry::Point at(double s);
 
  private:
   /// A stretch of one piece over which the speed is smooth.
@@ -41,7 +40,7 @@ class ArcLength {
 
   const Path& path_;
   std::vector<Stretch> stretches_;
-  double agree_mm_ = 0;  ///< of the piece that is being added
+  double agree_mm_ = 0;  ///< tolerance for the piece that is being added
   double total_ = 0;
   std::size_t last_ = 0;
 };

@@ -6,10 +6,10 @@
 namespace lamplock::model {
 namespace {
 
-/// The pixel under a place, 0..1. Rows of a bitmap go downwards.
+/// The pixel at a place, 0..1. Rows of a bitmap go downwards.
 double pixel_at(const Bitmap& picture, double u, double v) {
   if (picture.width <= 0 || picture.height <= 0) return 1;
-  // A place that is no number is as good as any other.
+  // NaN counts as 0.
   const auto pixel = [](double place, int count) {
     const double part = std::isfinite(place) ? place - std::floor(place) : 0.0;
     return std::min(static_cast<std::size_t>(part * count), static_cast<std::size_t>(count - 1));

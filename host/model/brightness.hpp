@@ -1,5 +1,5 @@
-// Brightness of a surface: colours of vertices and textures, as far as engraving needs them. Comes
-// in: what the mesh reader found in the file. Goes out: how bright a place of a triangle is. Called
+// Brightness of a surface: colours of vertices and textures, as far as engraving needs them. In:
+// colours and textures from the mesh reader. Out: the brightness at a place of a triangle. Called
 // by the discretisers that make bright places denser (points/tone.hpp).
 #pragma once
 
@@ -18,8 +18,8 @@ struct TexturePlace {
   float u = 0, v = 0;
 };
 
-/// Brightness is luma: 0 black, 1 white. Where there is a texture too, both are multiplied. The two
-/// lists of triangles have the length of the mesh's, or none if there is nothing of that kind.
+/// Brightness is luma: 0 black, 1 white. If there is a texture too, both are multiplied. The two
+/// lists have one entry per triangle, or are empty if the file has no such data.
 struct Brightness {
   static constexpr std::uint32_t no_texture = std::numeric_limits<std::uint32_t>::max();
   struct Textured {
@@ -31,8 +31,8 @@ struct Brightness {
   std::vector<Textured> textured;             // of each triangle
   std::vector<Bitmap> textures;
 
-  /// At weights `b` of the second and `c` of the third corner of a triangle (the first has the
-  /// rest). Between corners linear, of a texture the pixel that the place lies in.
+  /// Brightness at weights `b` of the second and `c` of the third corner of a triangle (the first
+  /// has the rest). Linear between corners; of a texture the pixel at the place.
   double at(std::size_t triangle, double b, double c) const;
 };
 

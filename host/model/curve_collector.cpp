@@ -6,17 +6,17 @@
 #include <utility>
 
 #include "host/file.hpp"
-#include "host/points/limits.hpp"
+#include "host/geometry/limits.hpp"
 
 namespace lamplock::model {
 namespace {
 
-using points::Point;
+using geometry::Point;
 
-// Beyond, a double keeps too few digits for the part of a turn that counts.
+// For larger angles a double has too few digits for the fraction of a turn.
 constexpr double greatest_radians = 1e6;
 
-/// Written so that what is not a number is not within.
+/// Written so that NaN is not within.
 bool is_within_reach(const Point& p) {
   return std::abs(p.x) <= farthest_mm && std::abs(p.y) <= farthest_mm &&
          std::abs(p.z) <= farthest_mm;
@@ -45,7 +45,7 @@ struct IsWithinReach {
       "repair the drawing or check its unit");
 }
 
-/// What a piece costs: splines by their poles.
+/// Cost of a path in pieces; splines count by their poles.
 std::size_t cost_of(const Path& path) {
   std::size_t cost = 0;
   for (const Piece& piece : path.pieces) {
@@ -57,7 +57,7 @@ std::size_t cost_of(const Path& path) {
 
 }  // namespace
 
-void CurveCollector::add(Path path, const Affine& map, const std::string& layer,
+void CurveCollector::add(Path path, const geometry::Affine& map, const std::string& layer,
                          const Place& place) {
   if (path.pieces.empty()) return leave_out("curve without length");
   spend(cost_of(path), place);
@@ -70,12 +70,12 @@ void CurveCollector::add(Path path, const Affine& map, const std::string& layer,
   curves_.paths.push_back(std::move(path));
 }
 
-void CurveCollector::add(const Point& point, const Affine& map, const Place& place) {
-  // The identity, left out, keeps even the sign of zeros: point lists come back as they were.
-  const Point placed = map == Affine{} ? point : map(point);
+void CurveCollector::add(const Point& point, const geometry::Affine& map, const Place& place) {
+  // Without applying the identity even signs of zeros are kept: point lists are read back exactly.
+  const Point placed = map == geometry::Affine{} ? point : map(point);
   if (!is_within_reach(placed)) refuse_far(place);
-  if (curves_.points.size() == points::most_points)
-    place.refuse(fmt::format("more than {} points", points::most_points), "divide the drawing");
+  if (curves_.points.size() == geometry::max_points)
+    place.refuse(fmt::format("more than {} points", geometry::max_points), "divide the drawing");
   curves_.points.push_back(placed);
 }
 

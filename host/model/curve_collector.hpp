@@ -1,5 +1,5 @@
-// Where the readers of curves put what they find: placed, checked and counted, so that no file,
-// however it nests its blocks, ends in exhausted memory or in numbers without digits.
+// Collects the curves that the readers find: places, checks and counts them, so that no file can
+// exhaust the memory by nested blocks or lose the precision of its numbers.
 //
 // In:  paths and points in the file's units with the map to mm. Out: Curves.
 // Who: read_dxf(), read_svg().
@@ -10,7 +10,7 @@
 #include <map>
 #include <string>
 
-#include "host/model/affine.hpp"
+#include "host/geometry/affine.hpp"
 #include "host/model/curves.hpp"
 #include "host/model/place.hpp"
 
@@ -19,12 +19,12 @@ namespace lamplock::model {
 class CurveCollector {
  public:
   /// Both throw Error (bad_input) for coordinates that are not finite or beyond farthest_mm, and
-  /// for more than there may be. A path without pieces is left out; one that returns to its start
-  /// is closed.
-  void add(Path path, const Affine& map, const std::string& layer, const Place& place);
-  void add(const points::Point& point, const Affine& map, const Place& place);
+  /// for more pieces or points than allowed. A path without pieces is left out; one that returns to
+  /// its start is closed.
+  void add(Path path, const geometry::Affine& map, const std::string& layer, const Place& place);
+  void add(const geometry::Point& point, const geometry::Affine& map, const Place& place);
 
-  /// Counts what costs time but may draw nothing: copies of blocks. Throws as add().
+  /// Counts copies of blocks, which cost time even if they draw nothing. Throws as add().
   void spend(std::size_t pieces, const Place& place);
   void leave_out(const std::string& name, std::size_t count = 1);
 
@@ -39,7 +39,7 @@ class CurveCollector {
   std::size_t spent_ = 0;
 };
 
-/// Appends a line if it goes anywhere.
-void append_line(Path& path, const points::Point& from, const points::Point& to);
+/// Appends a line unless its length is 0.
+void append_line(Path& path, const geometry::Point& from, const geometry::Point& to);
 
 }  // namespace lamplock::model

@@ -6,16 +6,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/geometry/limits.hpp"
+#include "host/geometry/vector.hpp"
 #include "host/model/spline.hpp"
-#include "host/points/limits.hpp"
-#include "host/points/vector.hpp"
 
 namespace lamplock::model {
 namespace {
 
-using points::Bounds;
-using points::Point;
-using points::PointCloud;
+using geometry::Bounds;
+using geometry::Point;
+using geometry::PointCloud;
 
 template <class... Calls>
 struct Overloaded : Calls... {
@@ -41,7 +41,7 @@ Motion arc_motion(const Arc& arc, double t) {
           {c * v.x - s * u.x, c * v.y - s * u.y, c * v.z - s * u.z}};
 }
 
-/// From the segment p q.
+/// Distance from the segment p q.
 double distance_to_chord(const Point& at, const Point& p, const Point& q) {
   const Point chord{q.x - p.x, q.y - p.y, q.z - p.z}, to{at.x - p.x, at.y - p.y, at.z - p.z};
   const double square = chord.x * chord.x + chord.y * chord.y + chord.z * chord.z;
@@ -58,15 +58,15 @@ class Flattener {
 
   void append(const Line& line) { vertices_.push_back(line.to); }
 
-  /// A circle's chord of angle h is off by r (1 - cos(h / 2)); the arc is an affine image of a
-  /// circle, which stretches by |u|, |v| taken together at most.
+  /// The error of a circle's chord of angle h is r (1 - cos(h / 2)); the arc is an affine image of
+  /// a circle, which stretches by at most |u| and |v| together.
   void append(const Arc& arc) {
     const double radius = std::hypot(norm(arc.u), norm(arc.v));
     const double sweep = std::abs(arc.end - arc.start);
     // 1 - cos(h / 2) = 2 sin^2(h / 4), which keeps its digits for large radii
     const double step = 4 * std::asin(std::sqrt(std::min(1.0, tolerance_ / radius / 2)));
     const double chords = std::max(1.0, std::ceil(sweep / std::min(step, std::numbers::pi / 2)));
-    points::require_count(static_cast<double>(vertices_.size()) + chords, "curve");
+    geometry::require_count(static_cast<double>(vertices_.size()) + chords, "curve");
     const auto count = static_cast<std::size_t>(chords);
     for (std::size_t i = 1; i <= count; ++i) {
       const double part = static_cast<double>(i) / chords;
@@ -77,7 +77,7 @@ class Flattener {
   void append(const Spline& spline) {
     const std::vector<double> breaks = breaks_of(spline);
     for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-      // As many parts as the piece can have bends.
+      // As many parts as the piece can have inflections.
       const double width = (breaks[i + 1] - breaks[i]) / spline.degree;
       for (int part = 0; part < spline.degree; ++part) {
         const double from = breaks[i] + part * width;
@@ -104,7 +104,7 @@ class Flattener {
       vertices_.push_back(q);
       return;
     }
-    points::require_count(static_cast<double>(vertices_.size()), "curve");
+    geometry::require_count(static_cast<double>(vertices_.size()), "curve");
     const double half = range.from + (range.to - range.from) / 2;
     halve(spline, {range.from, half}, p, middle, depth - 1);
     halve(spline, {half, range.to}, middle, q, depth - 1);
@@ -114,7 +114,7 @@ class Flattener {
   PointCloud& vertices_;
 };
 
-/// Where one coordinate m + cos t * u + sin t * v turns back, and the ends.
+/// Adds the extrema of the coordinates m + cos t * u + sin t * v, and the ends.
 void stretch_over(const Arc& arc, PointCloud& cloud) {
   using std::numbers::pi;
   const auto [low, high] = std::minmax(arc.start, arc.end);
@@ -174,7 +174,7 @@ std::string left_out_text(const Curves& curves) {
   return text;
 }
 
-Piece transformed(Piece piece, const Affine& map) {
+Piece transformed(Piece piece, const geometry::Affine& map) {
   std::visit(Overloaded{[&](Line& line) {
                           line = {map(line.from), map(line.to)};
                         },
@@ -190,7 +190,7 @@ Piece transformed(Piece piece, const Affine& map) {
   return piece;
 }
 
-Curves transformed(Curves curves, const Affine& map) {
+Curves transformed(Curves curves, const geometry::Affine& map) {
   for (Path& path : curves.paths) {
     for (Piece& piece : path.pieces) piece = transformed(std::move(piece), map);
   }
@@ -199,7 +199,7 @@ Curves transformed(Curves curves, const Affine& map) {
 }
 
 PointCloud flattened(const Path& path, double tolerance_mm) {
-  points::require_positive(tolerance_mm, "curve", "tolerance");
+  geometry::require_positive(tolerance_mm, "curve", "tolerance");
   PointCloud vertices{start_of(path)};
   Flattener flattener(tolerance_mm, vertices);
   for (const Piece& piece : path.pieces) {
@@ -211,12 +211,12 @@ PointCloud flattened(const Path& path, double tolerance_mm) {
 
 Bounds bounds(const Curves& curves) {
   PointCloud corners;
-  Bounds box = points::bounds(curves.points);
+  Bounds box = geometry::bounds(curves.points);
   bool any = !curves.points.empty();
   const auto join = [&] {
     if (corners.empty()) return;
     if (any) corners.insert(corners.end(), {box.low, box.high});
-    box = points::bounds(corners);
+    box = geometry::bounds(corners);
     any = true;
     corners.clear();
   };

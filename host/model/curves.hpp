@@ -1,12 +1,12 @@
-// Drawn curves: what DXF and SVG files hold and divide() takes. Arcs and splines are kept as what
-// they are, so that points lie on the curve itself at exact arc length, and a cutter gets its arcs.
+// Drawn curves of DXF and SVG files for divide(). Arcs and splines are stored exactly, so that
+// points are on the curve itself at exact arc length, and a cutter gets arcs.
 //
-// In:  pieces from the readers. Out: the same placed elsewhere, polylines, the box.
+// In:  pieces from the readers. Out: mapped pieces, polylines, the bounding box.
 // Who: read_dxf(), read_svg(), divide(), the command line.
 //
-// A path is a chain of pieces, each beginning where the one before ended. Every kind of piece stays
-// of its kind under affine maps: an arc is held by two conjugate radii, so that circles may become
-// ellipses, and a spline by its poles.
+// A path is a chain of pieces, each beginning at the end of the one before. Every kind of piece is
+// closed under affine maps: an arc has two conjugate radii, so that circles may become ellipses,
+// and a spline its poles.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +16,20 @@
 #include <variant>
 #include <vector>
 
-#include "host/model/affine.hpp"
-#include "host/points/bounds.hpp"
-#include "host/points/point.hpp"
+#include "host/geometry/affine.hpp"
+#include "host/geometry/bounds.hpp"
+#include "host/geometry/point.hpp"
 
 namespace lamplock::model {
 
 struct Line {
-  points::Point from, to;
+  geometry::Point from, to;
 };
 
-/// centre + cos t * u + sin t * v for t from `start` to `end` (radians, either way round). A circle
-/// if u and v are square to each other and of one length, an ellipse otherwise.
+/// centre + cos t * u + sin t * v for t from `start` to `end` (radians, in either direction). A
+/// circle if u and v are perpendicular and of equal length, otherwise an ellipse.
 struct Arc {
-  points::Point centre, u, v;
+  geometry::Point centre, u, v;
   double start = 0, end = 0;
 };
 
@@ -37,9 +37,9 @@ struct Arc {
 /// knots[poles.size()]. Bezier curves are those with knots 0..0 1..1.
 struct Spline {
   int degree = 3;
-  std::vector<double> knots;  ///< poles.size() + degree + 1, never falling
-  std::vector<points::Point> poles;
-  std::vector<double> weights;  ///< one a pole and positive; empty: all equal
+  std::vector<double> knots;  ///< poles.size() + degree + 1, not decreasing
+  std::vector<geometry::Point> poles;
+  std::vector<double> weights;  ///< one per pole, positive; empty: all equal
 };
 
 using Piece = std::variant<Line, Arc, Spline>;
@@ -54,19 +54,19 @@ struct Path {
 struct Curves {
   std::vector<std::string> layers;  ///< names, in the order of first use
   std::vector<Path> paths;          ///< in the order of the file
-  points::PointCloud points;        ///< single points (DXF POINT)
-  /// What the reader found and could not use, by its name in the file ("TEXT", "image", ...).
+  geometry::PointCloud points;      ///< single points (DXF POINT)
+  /// Count of entities that were not read, by their name in the file ("TEXT", "image", ...).
   std::map<std::string, std::size_t> left_out;
 };
 
-/// How far a polyline or an end may be off: a tenth of the repeatability of the positioners in
-/// "Mechatronic positioning of a pulsed laser beam in devices forming 3-D objects in glass".
+/// Tolerance of polylines and ends: a tenth of the repeatability of the positioners in "Mechatronic
+/// positioning of a pulsed laser beam in devices forming 3-D objects in glass".
 inline constexpr double flat_mm = 0.001;
 
-/// The most pieces and points of one drawing, copies of blocks included.
+/// Maximum number of pieces and points of one drawing, copies of blocks included.
 inline constexpr std::size_t most_pieces = 2'000'000;
 
-/// Coordinates up to here (mm) still resolve far less than flat_mm.
+/// Up to this coordinate (mm) the resolution is far finer than flat_mm.
 inline constexpr double farthest_mm = 1e9;
 
 /// The range of a piece's parameter: 0..1 for lines, radians for arcs, knots for splines.
@@ -77,28 +77,29 @@ Range range_of(const Piece& piece);
 
 /// Position and its derivative by the parameter.
 struct Motion {
-  points::Point at, speed;
+  geometry::Point at, speed;
 };
 Motion motion_at(const Piece& piece, double parameter);
 
-points::Point start_of(const Path& path);
-points::Point end_of(const Path& path);
-/// Whether it ends within flat_mm of where it begins, as closed curves do whatever their file says.
+geometry::Point start_of(const Path& path);
+geometry::Point end_of(const Path& path);
+/// True if the path ends within flat_mm of its begin: such a path is closed even if the file does
+/// not mark it.
 bool returns_to_start(const Path& path);
 
-/// What was left out as a user reads it: "2 HATCH, 3 TEXT"; empty if nothing.
+/// Text about entities left out: "2 HATCH, 3 TEXT"; empty if there are none.
 std::string left_out_text(const Curves& curves);
 
-/// Everything in its new place; exact for every affine map.
-Piece transformed(Piece piece, const Affine& map);
-Curves transformed(Curves curves, const Affine& map);
+/// Applies a map; exact for every affine map.
+Piece transformed(Piece piece, const geometry::Affine& map);
+Curves transformed(Curves curves, const geometry::Affine& map);
 
 /// Vertices of a polyline that is nowhere further than `tolerance_mm` from the path; a closed path
-/// ends in its first vertex. Splines are judged by samples. Throws Error (bad_input) if it needs
-/// more vertices than points are allowed.
-points::PointCloud flattened(const Path& path, double tolerance_mm = flat_mm);
+/// ends in its first vertex. For splines the distance is sampled. Throws Error (bad_input) if it
+/// needs more vertices than points are allowed.
+geometry::PointCloud flattened(const Path& path, double tolerance_mm = flat_mm);
 
-/// The box round all paths, to flat_mm, and points; all zero if there is nothing.
-points::Bounds bounds(const Curves& curves);
+/// The bounding box of all paths, to flat_mm, and points; all zero if there are none.
+geometry::Bounds bounds(const Curves& curves);
 
 }  // namespace lamplock::model

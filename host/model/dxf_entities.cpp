@@ -7,18 +7,18 @@
 #include <numbers>
 #include <utility>
 
+#include "host/geometry/vector.hpp"
 #include "host/model/curve_collector.hpp"
 #include "host/model/spline.hpp"
-#include "host/points/vector.hpp"
 
 namespace lamplock::model {
 namespace {
 
-using points::Point;
-using points::radians_per_degree;
+using geometry::Point;
+using geometry::radians_per_degree;
 using std::numbers::pi;
 
-// Flatter arcs are off their chord by less than a billionth of it.
+// Flatter arcs deviate from their chord by less than a billionth of its length.
 constexpr double least_bulge = 1e-9;
 
 [[noreturn]] void refuse_entity(const DxfGroups& dxf, const DxfEntity& entity,
@@ -26,7 +26,7 @@ constexpr double least_bulge = 1e-9;
   dxf.place_of(entity.kind).refuse(what, "repair the drawing");
 }
 
-/// The direction an entity's plane faces.
+/// The normal of an entity's plane.
 Point extrusion_of(const DxfGroups& dxf, const DxfEntity& entity) {
   const Point normal = dxf.point(entity, 210, {0, 0, 1});
   const double length = norm(normal);
@@ -34,9 +34,9 @@ Point extrusion_of(const DxfGroups& dxf, const DxfEntity& entity) {
   return times(normal, 1 / length);
 }
 
-/// From an entity's own coordinates to the world's, by the "arbitrary axis algorithm" of the DXF
-/// Reference.
-Affine world_of(const Point& normal) {
+/// The map from an entity's own coordinates to the world's, by the "arbitrary axis algorithm" of
+/// the DXF Reference.
+geometry::Affine world_of(const Point& normal) {
   constexpr double near_z = 1.0 / 64;
   const bool along_z = std::abs(normal.x) < near_z && std::abs(normal.y) < near_z;
   const Point across = cross(along_z ? Point{0, 1, 0} : Point{0, 0, 1}, normal);
@@ -44,13 +44,14 @@ Affine world_of(const Point& normal) {
   return {x, cross(normal, x), normal, {}};
 }
 
-Piece in_world(Piece piece, const Affine& world) {
-  return world == Affine{} ? std::move(piece) : transformed(std::move(piece), world);
+Piece in_world(Piece piece, const geometry::Affine& world) {
+  return world == geometry::Affine{} ? std::move(piece) : transformed(std::move(piece), world);
 }
 
-/// From p to q in a plane of constant z; the bulge is the tangent of a quarter of the angle,
-/// positive for counter-clockwise.
-void append_bulged(Path& path, const Point& p, const Point& q, double bulge, const Affine& world) {
+/// Appends the arc from p to q in a plane of constant z; the bulge is the tangent of a quarter of
+/// the angle, positive for counter-clockwise.
+void append_bulged(Path& path, const Point& p, const Point& q, double bulge,
+                   const geometry::Affine& world) {
   if (p == q) return;
   if (std::abs(bulge) < least_bulge) {
     path.pieces.push_back(in_world(Line{p, q}, world));
@@ -70,7 +71,7 @@ struct Vertex {
   double bulge = 0;
 };
 
-Path path_through(const std::vector<Vertex>& vertices, bool closed, const Affine& world) {
+Path path_through(const std::vector<Vertex>& vertices, bool closed, const geometry::Affine& world) {
   Path path;
   for (std::size_t i = 0; i + 1 < vertices.size(); ++i) {
     append_bulged(path, vertices[i].at, vertices[i + 1].at, vertices[i].bulge, world);
@@ -83,7 +84,7 @@ Path path_through(const std::vector<Vertex>& vertices, bool closed, const Affine
 }
 
 Path line_of(const DxfGroups& dxf, const DxfEntity& entity) {
-  // Kept even if it goes nowhere: a dot somebody drew.
+  // Kept even without length: it may be a dot.
   return {{Line{dxf.point(entity, 10), dxf.point(entity, 11)}}};
 }
 
@@ -110,7 +111,7 @@ Path arc_of(const DxfGroups& dxf, const DxfEntity& entity, bool whole) {
   if (!whole) {
     const double start = dxf.number(entity, 50), sweep = dxf.number(entity, 51) - start;
     const double part = sweep - 360 * std::floor(sweep / 360);
-    constexpr double least_deg = 1e-9;  // below, it is a whole turn that was rounded
+    constexpr double least_deg = 1e-9;  // a smaller angle is a rounded full turn
     arc.start = start * radians_per_degree;
     arc.end = arc.start + (part < least_deg ? 360 : part) * radians_per_degree;
   }
@@ -121,11 +122,11 @@ Path ellipse_of(const DxfGroups& dxf, const DxfEntity& entity) {
   const Point major = dxf.point(entity, 11);
   const double ratio = dxf.number(entity, 40, 1);
   if (!(norm(major) > 0) || !(ratio > 0))
-    refuse_entity(dxf, entity, fmt::format("an ellipse without extent (ratio {})", ratio));
+    refuse_entity(dxf, entity, fmt::format("the ellipse has no extent (ratio {})", ratio));
   const Point minor = times(cross(extrusion_of(dxf, entity), major), ratio);
   Arc arc{dxf.point(entity, 10), major, minor, dxf.number(entity, 41),
           dxf.number(entity, 42, 2 * pi)};
-  constexpr double whole = 2 * pi - 1e-9;  // files round the full turn
+  constexpr double whole = 2 * pi - 1e-9;  // files contain rounded full turns
   const bool closed = std::abs(arc.end - arc.start) >= whole;
   if (closed)
     arc.end = arc.start + 2 * pi;
@@ -187,17 +188,17 @@ Path dxf_polyline(const DxfGroups& dxf, const DxfEntity& polyline,
     corners.push_back(corner);
   }
   return path_through(corners, (flags & closed) != 0,
-                      flat ? world_of(extrusion_of(dxf, polyline)) : Affine{});
+                      flat ? world_of(extrusion_of(dxf, polyline)) : geometry::Affine{});
 }
 
 DxfInsert dxf_insert(const DxfGroups& dxf, const DxfEntity& insert) {
   DxfInsert copies;
   copies.block = dxf.text(insert, 2);
   const Point at = dxf.point(insert, 10);
-  copies.frame = world_of(extrusion_of(dxf, insert)) * moved(at.x, at.y, at.z) *
-                 turned_about_z(dxf.number(insert, 50));
-  copies.scale =
-      scaled(dxf.number(insert, 41, 1), dxf.number(insert, 42, 1), dxf.number(insert, 43, 1));
+  copies.frame = world_of(extrusion_of(dxf, insert)) * geometry::moved(at.x, at.y, at.z) *
+                 geometry::turned_about_z(dxf.number(insert, 50));
+  copies.scale = geometry::scaled(dxf.number(insert, 41, 1), dxf.number(insert, 42, 1),
+                                  dxf.number(insert, 43, 1));
   copies.columns = std::max(1, dxf.integer(insert, 70, 1));
   copies.rows = std::max(1, dxf.integer(insert, 71, 1));
   copies.column = dxf.number(insert, 44);

@@ -14,11 +14,11 @@
 
 namespace lamplock::model {
 
-/// The curve of a LINE, LWPOLYLINE, ARC, CIRCLE, ELLIPSE or SPLINE; nothing for any other kind and
-/// for splines without poles. Throws Error (bad_input) for numbers that make no curve.
+/// The curve of a LINE, LWPOLYLINE, ARC, CIRCLE, ELLIPSE or SPLINE; empty for any other kind and
+/// for splines without poles. Throws Error (bad_input) for numbers that define no curve.
 std::optional<Path> dxf_path(const DxfGroups& dxf, const DxfEntity& entity);
 
-/// Whether a POLYLINE is a surface, a mesh of vertices.
+/// True if a POLYLINE is a surface, a mesh of vertices.
 bool is_dxf_surface(const DxfGroups& dxf, const DxfEntity& polyline);
 /// The curve of a POLYLINE with its VERTEX entities.
 Path dxf_polyline(const DxfGroups& dxf, const DxfEntity& polyline,
@@ -28,7 +28,7 @@ Path dxf_polyline(const DxfGroups& dxf, const DxfEntity& polyline,
 /// frame * moved(c * column, r * row) * scale * moved(-base).
 struct DxfInsert {
   std::string block;
-  Affine frame, scale;
+  geometry::Affine frame, scale;
   int columns = 1, rows = 1;
   double column = 0, row = 0;
 };

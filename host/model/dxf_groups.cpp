@@ -21,7 +21,7 @@ const DxfGroup* last_of(const DxfEntity& entity, int code) {
   return nullptr;
 }
 
-/// Without blanks; what is blank keeps its place in the text.
+/// The line without blanks at both ends; a blank line gives an empty part of the text.
 std::string_view content_of(std::string_view line) {
   const std::string_view content = trimmed(line);
   return content.empty() ? line.substr(0, 0) : content;
@@ -30,9 +30,9 @@ std::string_view content_of(std::string_view line) {
 std::string_view without_mark(const std::filesystem::path& file, std::string_view bytes) {
   if (bytes.starts_with("AutoCAD Binary DXF"))
     refuse(file, "it is a binary DXF", "save it as a text DXF (ASCII)");
-  // "AC1032" and its like: version of a DWG.
+  // "AC1032" and similar: version of a DWG.
   if (bytes.starts_with("AC1") && bytes.substr(0, 32).find('\0') != std::string_view::npos)
-    refuse(file, "it is a DWG under the name of a DXF", "save it as a text DXF (ASCII)");
+    refuse(file, "it is a DWG file with the name of a DXF", "save it as a text DXF (ASCII)");
   return without_byte_order_mark(bytes);
 }
 
@@ -56,8 +56,8 @@ DxfGroup DxfGroups::next() {
     }
     const std::string_view code = content_of(*code_line);
     const auto number = to_integer(code);
-    if (!number || *number < -5 || *number > 1071) {  // the codes there are
-      place_of(code).refuse(fmt::format("'{:.20}' is no group code", code),
+    if (!number || *number < -5 || *number > 1071) {  // the range of codes
+      place_of(code).refuse(fmt::format("'{:.20}' is not a group code", code),
                             std::string(export_again));
     }
     if (*number != comment) return {static_cast<int>(*number), content_of(*value_line)};
@@ -76,7 +76,7 @@ void DxfGroups::next_entity(DxfEntity& entity) {
   const DxfGroup first = next();
   if (first.code != 0) {
     place_of(first.value)
-        .refuse(fmt::format("group {} where an entity should begin", first.code),
+        .refuse(fmt::format("group {} is not the begin of an entity", first.code),
                 std::string(export_again));
   }
   entity.kind = first.value;
@@ -126,8 +126,8 @@ std::string_view DxfGroups::text(const DxfEntity& entity, int code,
   return group != nullptr ? group->value : otherwise;
 }
 
-points::Point DxfGroups::point(const DxfEntity& entity, int x,
-                               const points::Point& otherwise) const {
+geometry::Point DxfGroups::point(const DxfEntity& entity, int x,
+                                 const geometry::Point& otherwise) const {
   return {number(entity, x, otherwise.x), number(entity, x + 10, otherwise.y),
           number(entity, x + 20, otherwise.z)};
 }

@@ -18,26 +18,27 @@ using std::numbers::pi;
 // Shape, chosen by eye. Angles are along the spiral, 0 at the aperture, negative inwards.
 constexpr double growth_per_turn = 3.0;
 constexpr double apex = -2.9 * 2 * pi;
-constexpr double chamber = -0.36 * 2 * pi;  // the open chamber reaches this far back
+constexpr double chamber = -0.36 * 2 * pi;  // inner end of the open chamber
 constexpr double septum_distance = 0.36;    // from septum to septum
-constexpr double septum_depth = 0.42;       // how far a septum bulges inwards
+constexpr double septum_depth = 0.42;       // inward bulge of a septum
 constexpr double septum_thickness = 0.012;
 constexpr int septa = 22;
 constexpr double wall = 0.93;  // inner radius of the open chamber against the outer one
 constexpr double ribs_per_turn = 30, rib_height = 0.03;
 constexpr double longest_side_mm = 60;
-// Whorls touch if the tube's radius is (g - 1)/(g + 1) of the spiral's; a little less parts them.
+// Whorls touch if the tube's radius is (g - 1)/(g + 1) of the spiral's; a little less separates
+// them.
 constexpr double tube_radius = 0.985 * (growth_per_turn - 1) / (growth_per_turn + 1);
 constexpr double tube_width = 1.12;  // across the plane of the spiral
 constexpr double tilt = -0.5;        // turns the aperture to the upper right
 
-/// A place on a surface: along the spiral and away from the tube's middle (1: outer wall).
+/// A place on a surface: angle along the spiral, distance from the tube's middle (1: outer wall).
 struct Profile {
   double angle, radius;
 };
 
 /// The surface point at `around` (0: away from the spiral's axis).
-points::Point tube_point(const Profile& place, double around) {
+geometry::Point tube_point(const Profile& place, double around) {
   const double spiral = std::pow(growth_per_turn, place.angle / (2 * pi));
   const double outside = 0.5 + 0.5 * std::cos(around);  // ribs fade where whorls meet
   const double rib = rib_height * outside * place.radius * place.radius *
@@ -122,10 +123,10 @@ void write_stl(const std::filesystem::path& path, const Mesh& mesh) {
   bytes.replace(0, 13, "lamplock, mm ");
   append(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const auto& triangle : mesh.triangles) {
-    // Normals may be left zero: readers take them from the order of the corners.
+    // Normals may be zero: readers compute them from the order of the corners.
     for (int axis = 0; axis < 3; ++axis) append(bytes, 0.0f);
     for (const std::uint32_t corner : triangle) {
-      const points::Point& p = mesh.vertices[corner];
+      const geometry::Point& p = mesh.vertices[corner];
       for (const double coordinate : {p.x, p.y, p.z}) append(bytes, static_cast<float>(coordinate));
     }
     bytes.append(2, '\0');

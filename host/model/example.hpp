@@ -1,6 +1,5 @@
-// The example: a nautilus, ribbed outside, with its chambers inside, so that glass shows both.
-// Comes in: nothing. Goes out: a closed mesh. Called by the command line for demonstration and
-// benchmarks.
+// The example: a nautilus, ribbed outside, with chambers inside, both visible in glass. Out: a
+// closed mesh. Called by the command line for demonstration and benchmarks.
 //
 // Shell and septa are surfaces round a tube that follows a logarithmic spiral (D'Arcy Thompson, "On
 // Growth and Form", 1917, chapter XI): all of it grows by the same factor with each turn.

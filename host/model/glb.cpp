@@ -20,7 +20,8 @@ namespace {
 using nlohmann::json;
 using std::filesystem::path;
 
-/// Of nodes, and of lists in the description; more would overflow the stack of the mesh library.
+/// Maximum depth of nodes, and of lists in the description; deeper ones would overflow the stack of
+/// the mesh library.
 constexpr int most_depth = 100;
 
 constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
@@ -29,7 +30,7 @@ constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
   refuse(file, what, "the file is cut off or damaged: export it again");
 }
 
-/// The next chunk, cut off `rest`; empty at the end of the file.
+/// Removes the next chunk from `rest`; empty at the end of the file.
 std::string_view next_chunk(const path& file, std::string_view& rest, std::string_view type) {
   if (rest.empty()) return {};
   if (rest.size() < chunk_header_bytes) refuse_glb(file, "a chunk is cut off");
@@ -41,7 +42,7 @@ std::string_view next_chunk(const path& file, std::string_view& rest, std::strin
   return chunk;
 }
 
-/// A count or an offset; 0 if it is not there.
+/// A count or an offset; 0 if it is missing.
 std::uint64_t number_of(const json& object, const char* key) {
   const auto found = object.find(key);
   return found == object.end() ? 0 : found->get<std::uint64_t>();
@@ -71,14 +72,14 @@ class Checker {
 
   void check() const {
     for (const json& buffer : list("buffers")) {
-      require(!buffer.contains("uri"), "numbers in another file");
-      require(number_of(buffer, "byteLength") <= buffer_bytes_, "less numbers than promised");
+      require(!buffer.contains("uri"), "its numbers are in another file");
+      require(number_of(buffer, "byteLength") <= buffer_bytes_, "fewer numbers than announced");
     }
     require(list("buffers").size() <= 1, "more than one buffer");
     for (const json& view : list("bufferViews")) {
-      require(number_of(view, "buffer") < list("buffers").size(), "a view of no buffer");
+      require(number_of(view, "buffer") < list("buffers").size(), "a view without a buffer");
       require(fits(number_of(view, "byteOffset"), number_of(view, "byteLength"), buffer_bytes_),
-              "a view beyond the buffer");
+              "a view reaches beyond the buffer");
     }
     std::size_t index = 0;
     for (const json& accessor : list("accessors")) check_accessor(accessor, index++);
@@ -90,7 +91,7 @@ class Checker {
     static const json none = json::array();
     const auto found = document_.find(key);
     if (found == document_.end()) return none;
-    require(found->is_array(), fmt::format("'{}' is no list", key));
+    require(found->is_array(), fmt::format("'{}' is not a list", key));
     return *found;
   }
 
@@ -98,7 +99,7 @@ class Checker {
     return offset <= room && length <= room - offset;
   }
 
-  /// Nodes stand in trees that are not too deep for the library, which walks them by recursion.
+  /// Nodes must be trees that are not too deep for the library, which walks them by recursion.
   void check_nodes() const {
     const json& nodes = list("nodes");
     constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
@@ -108,14 +109,14 @@ class Checker {
       if (children == nodes[i].end()) continue;
       for (const json& child : *children) {
         const auto c = child.get<std::size_t>();
-        require(c < nodes.size() && parents[c] == none, "nodes that are no trees");
+        require(c < nodes.size() && parents[c] == none, "nodes that do not form trees");
         parents[c] = i;
       }
     }
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       int depth = 0;
       for (std::size_t at = i; parents[at] != none; at = parents[at])
-        require(++depth < most_depth, "nodes that stand too deep in each other");
+        require(++depth < most_depth, "nodes that are nested too deeply");
     }
   }
 
@@ -130,11 +131,11 @@ class Checker {
     const std::uint64_t count = number_of(accessor, "count");
     require_here(accessor.contains("bufferView"), "has no numbers");
     const std::uint64_t view = number_of(accessor, "bufferView");
-    require_here(view < list("bufferViews").size(), "is of no view");
+    require_here(view < list("bufferViews").size(), "has no such view");
     const json& of = list("bufferViews")[view];
     const std::uint64_t room = number_of(of, "byteLength");
     const std::uint64_t stride = std::max(number_of(of, "byteStride"), bytes);
-    // A count beyond the room must not overflow the product.
+    // A count larger than the space must not overflow the product.
     require_here(count <= room && fits(number_of(accessor, "byteOffset"),
                                        count == 0 ? 0 : (count - 1) * stride + bytes, room),
                  "is beyond its view");
@@ -154,9 +155,9 @@ class Checker {
 }  // namespace
 
 void check_glb(const path& file, std::string_view bytes) {
-  if (bytes.size() < header_bytes || !bytes.starts_with("glTF")) refuse_glb(file, "no GLB");
+  if (bytes.size() < header_bytes || !bytes.starts_with("glTF")) refuse_glb(file, "is not a GLB");
   if (load<std::uint32_t>(bytes.data() + 4) != 2) {
-    refuse(file, "a GLB of another version than 2", "export it as glTF 2.0");
+    refuse(file, "is not a GLB of version 2", "export it as glTF 2.0");
   }
   const std::size_t length = load<std::uint32_t>(bytes.data() + 8);
   if (length < header_bytes || length > bytes.size()) refuse_glb(file, "the file is cut off");

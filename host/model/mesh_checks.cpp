@@ -19,7 +19,7 @@ using std::filesystem::path;
 // corners of three 32-bit floats and 16 bits of attributes, all little-endian.
 constexpr std::size_t stl_count_offset = 80, stl_data_offset = 84, stl_triangle_bytes = 50;
 
-/// Triangles that a binary STL promises.
+/// The triangle count in a binary STL.
 std::size_t stl_count(std::string_view bytes) {
   return load<std::uint32_t>(bytes.data() + stl_count_offset);
 }
@@ -32,13 +32,13 @@ std::size_t stl_count(std::string_view bytes) {
 std::size_t check_binary_stl(const path& file, std::string_view bytes) {
   if (bytes.size() < stl_data_offset) {
     refuse(file, fmt::format("{} bytes are too few for an STL", bytes.size()),
-           "the file is cut off or no STL: export it again");
+           "the file is cut off or not an STL: export it again");
   }
   const std::size_t count = stl_count(bytes);
   const std::size_t present = (bytes.size() - stl_data_offset) / stl_triangle_bytes;
   if (present < count) {
-    refuse(file, fmt::format("{} triangles promised, {} in the file", count, present),
-           "the file is cut off or no STL: export it again");
+    refuse(file, fmt::format("{} triangles announced, {} in the file", count, present),
+           "the file is cut off or not an STL: export it again");
   }
   for (std::size_t corner = 0; corner < 3 * count; ++corner) {
     // 12 bytes: the normal, then each corner.
@@ -49,14 +49,14 @@ std::size_t check_binary_stl(const path& file, std::string_view bytes) {
   return stl_data_offset + count * stl_triangle_bytes;
 }
 
-std::optional<points::Point> read_vertex(std::string_view text) {
+std::optional<geometry::Point> read_vertex(std::string_view text) {
   const auto x = to_double(next_field(text)), y = to_double(next_field(text)),
              z = to_double(next_field(text));
   if (!x || !y || !z) return std::nullopt;
-  return points::Point{*x, *y, *z};
+  return geometry::Point{*x, *y, *z};
 }
 
-/// Follows the words of an ASCII STL. Only what may not be left out is demanded.
+/// Checks the words of an ASCII STL. Only mandatory words are required.
 class AsciiStl {
  public:
   explicit AsciiStl(const path& file) : file_(file) {}
@@ -101,7 +101,7 @@ class AsciiStl {
   std::size_t number_ = 0, vertices_ = 0;
 };
 
-/// Checks the lines of an OBJ as they come; negative indices count back from the last vertex.
+/// Checks the lines of an OBJ in order; negative indices count back from the last vertex.
 class Obj {
  public:
   explicit Obj(const path& file) : file_(file) {}
@@ -131,7 +131,7 @@ class Obj {
          field = next_field(text)) {
       const auto index = to_integer(field.substr(0, field.find('/')));
       if (!index || *index == 0 || *index < -static_cast<long long>(vertices_)) {
-        damaged(fmt::format("'{:.20}' is no vertex of {}", field, vertices_));
+        damaged(fmt::format("'{:.20}' is not a vertex from 1 to {}", field, vertices_));
       }
       if (*index > 0 && static_cast<std::size_t>(*index) > highest_) {
         highest_ = static_cast<std::size_t>(*index);
@@ -150,14 +150,14 @@ class Obj {
 
 }  // namespace
 
-void require_finite(const path& file, std::size_t index, const points::Point& vertex) {
-  if (points::is_finite(vertex)) return;
+void require_finite(const path& file, std::size_t index, const geometry::Point& vertex) {
+  if (geometry::is_finite(vertex)) return;
   refuse(file, fmt::format("vertex {} is ({}, {}, {})", index, vertex.x, vertex.y, vertex.z),
          "repair the model");
 }
 
 std::size_t check_stl(const path& file, std::string_view bytes) {
-  // Binary files may begin with "solid" too: there the count decides, as in the mesh library.
+  // Binary files may begin with "solid" too: then the count decides, as in the mesh library.
   const bool counted = bytes.size() >= stl_data_offset &&
                        bytes.size() == stl_data_offset + stl_triangle_bytes * stl_count(bytes);
   const std::size_t begin = bytes.find_first_not_of(" \t\r\n");

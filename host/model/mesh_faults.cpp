@@ -7,12 +7,12 @@
 #include <cstdint>
 #include <span>
 
-#include "host/points/vector.hpp"
+#include "host/geometry/vector.hpp"
 
 namespace lamplock::model {
 namespace {
 
-using points::Point;
+using geometry::Point;
 
 /// One use of an edge by a triangle.
 struct EdgeUse {
@@ -62,7 +62,7 @@ std::vector<EdgeUse> sorted_edges(const Mesh& mesh) {
   return uses;
 }
 
-/// All uses of one edge.
+/// Checks all uses of one edge.
 void judge_edge(const Mesh& mesh, std::span<const EdgeUse> uses, MeshFaults& faults) {
   const EdgeUse& first = uses.front();
   MeshFault* fault = nullptr;
@@ -99,7 +99,7 @@ void judge_triangles(const Mesh& mesh, MeshFaults& faults) {
     const auto& [j, k, l] = mesh.triangles[i];
     const Point &a = mesh.vertices[j], &b = mesh.vertices[k], &c = mesh.vertices[l];
     if (is_flat(a, b, c)) note(faults.flat_triangles, i, a, a);
-    // From a vertex, not from the origin: that may be far away.
+    // Relative to a vertex: the origin may be far away.
     const Point& origin = mesh.vertices.front();
     volume += volume_under(difference(a, origin), difference(b, origin), difference(c, origin));
   }
@@ -127,7 +127,7 @@ MeshFaults find_faults(const Mesh& mesh) {
   MeshFaults faults;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Point& vertex = mesh.vertices[i];
-    if (!points::is_finite(vertex)) note(faults.not_finite_vertices, i, vertex, vertex);
+    if (!geometry::is_finite(vertex)) note(faults.not_finite_vertices, i, vertex, vertex);
   }
   faults.closed = !mesh.triangles.empty();
   judge_edges(mesh, faults);
@@ -150,7 +150,7 @@ std::vector<std::string> warnings(const MeshFaults& faults) {
       fmt::format("{} triangles without area, the first is {} at {}", faults.flat_triangles.count,
                   faults.flat_triangles.triangle, text_of(faults.flat_triangles.from)));
   say(faults.not_finite_vertices,
-      fmt::format("{} vertices that are no place, the first is {} at {}",
+      fmt::format("{} vertices that are not finite, the first is {} at {}",
                   faults.not_finite_vertices.count, faults.not_finite_vertices.triangle,
                   text_of(faults.not_finite_vertices.from)));
   say(faults.missing_vertices,

@@ -1,6 +1,6 @@
-// What is wrong with a mesh that can be read all the same. Comes in: a mesh. Goes out: counts, the
-// first fault of each kind by index and coordinates, and lines to warn with. Called by the command
-// line behind the reader, and by fill_solid(), which needs a closed body.
+// Faults of a mesh that can nevertheless be read. In: a mesh. Out: counts, the first fault of each
+// kind by index and coordinates, and lines of warning. Called by the command line after the reader,
+// and by fill_solid(), which needs a closed body.
 //
 // Linear but for one sort of the edges.
 #pragma once
@@ -13,11 +13,11 @@
 
 namespace lamplock::model {
 
-/// Faults of one kind; the rest tells where the first of them is (in the order of triangles).
+/// Faults of one kind: their count, and the place of the first one (in the order of triangles).
 struct MeshFault {
   std::size_t count = 0;
   std::size_t triangle = 0;  // index from 0
-  points::Point from, to;    // the edge; for a vertex or a triangle `from` alone
+  geometry::Point from, to;  // the edge; for a vertex or a triangle `from` alone
 };
 
 struct MeshFaults {
@@ -38,7 +38,7 @@ struct MeshFaults {
 /// Never throws for a broken mesh.
 MeshFaults find_faults(const Mesh& mesh);
 
-/// One line for each kind of fault: how many, where the first one is, what it means.
+/// One line for each kind of fault: its count, the place of the first one, its meaning.
 std::vector<std::string> warnings(const MeshFaults& faults);
 
 }  // namespace lamplock::model

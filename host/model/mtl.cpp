@@ -13,8 +13,8 @@ namespace {
 
 using std::filesystem::path;
 
-/// The file name behind the options of a map: -o, -s and -t have one to three numbers, -mm two,
-/// all others one word.
+/// The file name after the options of a map: -o, -s and -t have one to three numbers, -mm two, all
+/// others one word.
 std::string_view picture_name(std::string_view text) {
   text = trimmed(text);
   while (text.starts_with('-')) {

@@ -1,7 +1,6 @@
-// Materials of an OBJ (Wavefront, "Advanced Visualizer Manual", appendix B), as far as brightness
-// needs them: which picture a material has. Comes in: the text of an OBJ. Goes out: pictures by
-// name of material. Called by read_mesh(); the mesh library does not read materials, because
-// damaged ones make it crash.
+// Pictures of the materials of an OBJ (Wavefront, "Advanced Visualizer Manual", appendix B), for
+// brightness. In: the text of an OBJ. Out: pictures by name of material. Called by read_mesh(); the
+// mesh library is not used for materials, because damaged ones make it crash.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// A place in a text file, for errors. Comes in: file, text and an offset into it. Goes out: an
-// Error that names file and line. Called by the readers of curves.
+// A place in a text file, for errors. In: file, text and an offset into it. Out: an Error that
+// names file and line. Called by the readers of curves.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace lamplock::model {
 
-/// Cheap to make; the line is counted when it is asked for.
+/// Cheap to construct; lines are counted only on request.
 struct Place {
   const std::filesystem::path& file;
   std::string_view text;

@@ -73,7 +73,7 @@ std::optional<PlyProperty> parse_property(std::string_view rest) {
   return property;
 }
 
-/// The values behind the header, one after the other, whatever the format.
+/// The values after the header in order, in any format.
 class Values {
  public:
   Values(std::string_view data, PlyFormat format)
@@ -81,7 +81,7 @@ class Values {
         ascii_(format == PlyFormat::ascii),
         order_(format == PlyFormat::big_endian ? std::endian::big : std::endian::little) {}
 
-  /// Nothing at the end of the data or of the line, or if the text is not a number.
+  /// Empty at the end of the data or of the line, or if the text is not a number.
   std::optional<double> next(PlyType type) {
     if (ascii_) return next_in_line();
     const std::size_t size = size_of(type);
@@ -109,7 +109,7 @@ class Values {
     return std::nullopt;
   }
 
-  /// Text: goes on to the next line with something in it. False if numbers are left in this one.
+  /// Text: moves to the next line that is not blank. False if numbers are left in this one.
   bool end_element() {
     if (!ascii_) return true;
     skip_blanks();
@@ -153,7 +153,7 @@ class Values {
   std::endian order_;
 };
 
-/// Walks through all elements of one file.
+/// Reads all elements of one file.
 class Reader {
  public:
   Reader(const path& file, std::string_view bytes, const PlyHeader& header)
@@ -162,8 +162,8 @@ class Reader {
         values_(bytes.substr(header.data_offset), header.format),
         vertex_count_(header.count("vertex")) {}
 
-  points::PointCloud read() {
-    points::PointCloud vertices;
+  geometry::PointCloud read() {
+    geometry::PointCloud vertices;
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex") {
         read_vertices(element, vertices);
@@ -179,7 +179,7 @@ class Reader {
     const auto number = values_.next(type);
     if (!number) {
       refuse(file_,
-             fmt::format("the header promises {} elements '{}', the data end or are unreadable in "
+             fmt::format("the header announces {} elements '{}', the data end or are unreadable in "
                          "number {}",
                          element.count, element.name, index),
              "the file is cut off or damaged: export it again");
@@ -190,12 +190,12 @@ class Reader {
   void end_element(const PlyElement& element, std::size_t index) {
     if (values_.end_element()) return;
     refuse(file_,
-           fmt::format("element '{}' {} has more or fewer numbers in its line than promised",
+           fmt::format("element '{}' {} has more or fewer numbers in its line than announced",
                        element.name, index),
            "the file is damaged: export it again");
   }
 
-  void read_vertices(const PlyElement& element, points::PointCloud& vertices) {
+  void read_vertices(const PlyElement& element, geometry::PointCloud& vertices) {
     std::array<std::size_t, 3> column{};
     constexpr std::array<std::string_view, 3> names{"x", "y", "z"};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -220,7 +220,7 @@ class Reader {
         }
       }
       end_element(element, i);
-      const points::Point point{row[column[0]], row[column[1]], row[column[2]]};
+      const geometry::Point point{row[column[0]], row[column[1]], row[column[2]]};
       require_finite(file_, i, point);
       vertices.push_back(point);
     }
@@ -260,7 +260,7 @@ class Reader {
 
   void check_face(const PlyElement& element, std::size_t index, const PlyProperty& list) {
     const std::size_t corners = list_size(element, index, list);
-    // The mesh library ends the program at such a face.
+    // The mesh library terminates the program at such a face.
     if (corners == 0)
       refuse(file_, fmt::format("face {} has no corners", index), "repair the model");
     for (std::size_t n = corners; n > 0; --n) {
@@ -307,13 +307,13 @@ PlyHeader read_ply_header(const path& file, std::string_view bytes) {
       const auto count = to_integer(next_field(rest));
       // An element takes a byte at least, so a greater count is damage and must not take memory.
       if (name.empty() || !count || *count < 0 || static_cast<std::size_t>(*count) > bytes.size()) {
-        refuse_header(file, lines.number(), "an element without a possible count");
+        refuse_header(file, lines.number(), "an element without a valid count");
       }
       header.elements.push_back({std::string(name), static_cast<std::size_t>(*count), {}});
     } else if (keyword == "property") {
       const auto property = parse_property(rest);
       if (!property || header.elements.empty()) {
-        refuse_header(file, lines.number(), "a property that cannot be understood");
+        refuse_header(file, lines.number(), "a property that cannot be read");
       }
       header.elements.back().properties.push_back(*property);
     } else if (keyword == "end_header") {
@@ -329,8 +329,8 @@ PlyHeader read_ply_header(const path& file, std::string_view bytes) {
   refuse_header(file, lines.number(), "the file ends before end_header");
 }
 
-points::PointCloud read_ply_vertices(const path& file, std::string_view bytes,
-                                     const PlyHeader& header) {
+geometry::PointCloud read_ply_vertices(const path& file, std::string_view bytes,
+                                       const PlyHeader& header) {
   return Reader(file, bytes, header).read();
 }
 

@@ -1,8 +1,8 @@
 // The PLY format (Greg Turk, "The PLY Polygon File Format", Stanford, 1994), as far as points and
-// the soundness of a file need it. Comes in: the bytes of a file. Goes out: the header, or the
-// vertices in full precision after every element has been checked to be there. Called by the
-// readers of point lists and meshes: a mesh is handed to the mesh library only after this check,
-// because the library fills up truncated files in silence.
+// the check of a file need it. In: the bytes of a file. Out: the header, or the vertices in full
+// precision after a check that every element is present. Called by the readers of point lists and
+// meshes: a mesh is passed to the mesh library only after this check, because the library silently
+// completes truncated files.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/points/point.hpp"
+#include "host/geometry/point.hpp"
 
 namespace lamplock::model {
 
@@ -34,19 +34,19 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
-  std::size_t data_offset = 0;  // of the first byte behind end_header
+  std::size_t data_offset = 0;  // of the first byte after end_header
 
   /// Elements of that name in the file, 0 if there is no such element.
   std::size_t count(std::string_view name) const;
 };
 
-/// Throws Error (bad_input, naming `path`) for a header that is broken or cut off.
+/// Throws Error (bad_input, naming `path`) for a header that is damaged or cut off.
 PlyHeader read_ply_header(const std::filesystem::path& path, std::string_view bytes);
 
-/// Reads every element and gives the vertices. Throws Error (bad_input, naming `path`) if elements
-/// are missing, a vertex is not finite (named by index from 0), there is no x, y or z, or a face
-/// names a vertex that does not exist.
-points::PointCloud read_ply_vertices(const std::filesystem::path& path, std::string_view bytes,
-                                     const PlyHeader& header);
+/// Reads every element and returns the vertices. Throws Error (bad_input, naming `path`) if
+/// elements are missing, a vertex is not finite (named by index from 0), x, y or z is missing, or a
+/// face names a vertex that does not exist.
+geometry::PointCloud read_ply_vertices(const std::filesystem::path& path, std::string_view bytes,
+                                       const PlyHeader& header);
 
 }  // namespace lamplock::model

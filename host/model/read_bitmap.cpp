@@ -15,7 +15,7 @@
 namespace lamplock::model {
 namespace {
 
-// Far above what a glass block can show, and low enough for memory (4 bytes a pixel).
+// Far more than a glass block can show, and few enough for the memory (4 bytes a pixel).
 constexpr long long most_pixels = 100'000'000;
 
 std::uint32_t u32_at(const std::string& bytes, std::size_t offset,
@@ -23,9 +23,9 @@ std::uint32_t u32_at(const std::string& bytes, std::size_t offset,
   return load<std::uint32_t>(bytes.data() + offset, order);
 }
 
-/// The image library fills up a BMP that is cut off, so its size is checked first: file header of
-/// 14 bytes with the offset of the pixels at 10, then the bits a pixel at 28 (24); rows are padded
-/// to 4.
+/// The image library silently completes a truncated BMP, so its size is checked first: file header
+/// of 14 bytes with the offset of the pixels at 10, then the bits a pixel at 28 (24); rows are
+/// padded to 4.
 void require_whole_bmp(const std::filesystem::path& file, const std::string& bytes, int width,
                        int height) {
   constexpr std::size_t shortest = 30, header_size_offset = 14;
@@ -39,8 +39,8 @@ void require_whole_bmp(const std::filesystem::path& file, const std::string& byt
   if (bytes.size() < need) refuse(file, "the image is cut off", "export it again");
 }
 
-/// Nor does it miss the end of a PNG (that of a JPEG it does): 8 bytes, then chunks of length
-/// (big-endian), type, data and check sum up to the chunk IEND.
+/// The library does not detect a missing end of a PNG either (of a JPEG it does): 8 bytes, then
+/// chunks of length (big-endian), type, data and checksum up to the chunk IEND.
 void require_whole_png(const std::filesystem::path& file, const std::string& bytes) {
   constexpr std::size_t signature = 8, around_data = 12;
   if (bytes.compare(1, 3, "PNG") != 0) return;
@@ -69,7 +69,7 @@ Bitmap decode_bitmap(const std::filesystem::path& path, const std::string& bytes
     refuse(path, "the image is too large", "give an image of at most 100 million pixels");
   }
   if (!bytes.starts_with("\x89PNG") && !bytes.starts_with("BM") && !bytes.starts_with("\xFF\xD8"))
-    refuse(path, "no PNG, BMP or JPEG", "give a PNG, BMP or JPEG");
+    refuse(path, "is not a PNG, BMP or JPEG", "give a PNG, BMP or JPEG");
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int length = static_cast<int>(bytes.size());
   Bitmap bitmap;
@@ -78,10 +78,10 @@ Bitmap decode_bitmap(const std::filesystem::path& path, const std::string& bytes
     refuse(path, fmt::format("the image is damaged ({})", stbi_failure_reason()),
            "export it again");
   }
-  // BMP rows from the top are told by a negative height.
+  // A negative height marks a BMP whose rows begin at the top.
   const long long height = std::abs(static_cast<long long>(bitmap.height));
   if (bitmap.width <= 0 || height == 0 || bitmap.width * height > most_pixels) {
-    refuse(path, fmt::format("{} x {} pixels", bitmap.width, height),
+    refuse(path, fmt::format("has {} x {} pixels", bitmap.width, height),
            "give an image of at most 100 million pixels");
   }
   bitmap.height = static_cast<int>(height);

@@ -11,9 +11,9 @@
 
 namespace lamplock::model {
 
-/// Colours become their luma, transparent pixels are laid over white; a turn that a camera noted
-/// (EXIF) is not made. Throws Error(bad_input) for a file that is missing, damaged, truncated, of
-/// another format or larger than 100 million pixels.
+/// Colours become their luma, transparent pixels are laid over white; a rotation by EXIF is not
+/// applied. Throws Error(bad_input) for a file that is missing, damaged, truncated, of another
+/// format or larger than 100 million pixels.
 Bitmap read_bitmap(const std::filesystem::path& path);
 
 /// The same for a picture inside another file; `path` names it in errors.

@@ -20,12 +20,12 @@
 namespace lamplock::model {
 namespace {
 
-using points::Point;
+using geometry::Point;
 
-// Blocks in blocks; drawings have a handful.
+// Nested blocks; drawings have a handful of levels.
 constexpr std::size_t deepest_block = 64;
 
-/// Something drawn, with what an error has to name.
+/// A drawn item, with its name for errors.
 struct Item {
   std::variant<Path, Point, DxfInsert> what;
   std::string layer;
@@ -47,8 +47,8 @@ std::string key(std::string_view name) {
   return lower;
 }
 
-/// mm in a unit of $INSUNITS by its number (DXF Reference, HEADER section); 0 for those no drawing
-/// of a workpiece has, light years among them.
+/// mm in a unit of $INSUNITS by its number (DXF Reference, HEADER section); 0 for units that no
+/// drawing of a workpiece has, such as light years.
 double mm_in_unit(int unit) {
   constexpr double inch = 25.4, survey_foot = 1'200'000.0 / 3937;
   constexpr std::array<double, 25> mm{1,
@@ -127,10 +127,9 @@ class DxfReader {
       const double mm = mm_in_unit(dxf_.integer(group));
       if (mm == 0)
         dxf_.place_of(group.value)
-            .refuse(
-                fmt::format("$INSUNITS is {:.20}, no unit of length for a workpiece", group.value),
-                "set the drawing's unit to mm");
-      unit_ = scaled(mm, mm, mm);
+            .refuse(fmt::format("$INSUNITS is {:.20}, not a usable unit of length", group.value),
+                    "set the drawing's unit to mm");
+      unit_ = geometry::scaled(mm, mm, mm);
     }
   }
 
@@ -161,7 +160,7 @@ class DxfReader {
     }
   }
 
-  /// Appends what entity_ is, with the entities that belong to it.
+  /// Appends entity_, with the entities that belong to it.
   void read_item(Block& block) {
     constexpr int on_paper = 67, is_invisible = 60;
     Item item{{}, std::string(dxf_.text(entity_, 8, "0")), dxf_.place_of(entity_.kind)};
@@ -200,8 +199,8 @@ class DxfReader {
     return true;
   }
 
-  /// What is on layer 0 of a block takes the layer that the block is on.
-  void draw(const Block& block, const Affine& map, const std::string& layer_of_block) {
+  /// Items on layer 0 of a block get the layer of the block.
+  void draw(const Block& block, const geometry::Affine& map, const std::string& layer_of_block) {
     for (const auto& [name, count] : block.left_out) curves_.leave_out(name, count);
     for (const Item& item : block.items) {
       const std::string& layer = item.layer == "0" ? layer_of_block : item.layer;
@@ -217,7 +216,7 @@ class DxfReader {
     }
   }
 
-  void draw_copies(const DxfInsert& insert, const Affine& map, const std::string& layer,
+  void draw_copies(const DxfInsert& insert, const geometry::Affine& map, const std::string& layer,
                    const Place& place) {
     const auto found = blocks_.find(key(insert.block));
     if (found == blocks_.end())
@@ -227,14 +226,15 @@ class DxfReader {
       place.refuse(fmt::format("the block '{:.40}' contains itself", insert.block),
                    "repair the drawing");
     if (open_blocks_.size() == deepest_block)
-      place.refuse(fmt::format("blocks in blocks, deeper than {}", deepest_block),
+      place.refuse(fmt::format("blocks are nested deeper than {}", deepest_block),
                    "explode some blocks");
     open_blocks_.push_back(&block);
-    const Affine from_base = insert.scale * moved(-block.base.x, -block.base.y, -block.base.z);
+    const geometry::Affine from_base =
+        insert.scale * geometry::moved(-block.base.x, -block.base.y, -block.base.z);
     for (int row = 0; row < insert.rows; ++row) {
       for (int column = 0; column < insert.columns; ++column) {
         curves_.spend(1, place);
-        const Affine cell = moved(column * insert.column, row * insert.row, 0);
+        const geometry::Affine cell = geometry::moved(column * insert.column, row * insert.row, 0);
         draw(block, map * insert.frame * cell * from_base, layer);
       }
     }
@@ -244,7 +244,7 @@ class DxfReader {
   const std::filesystem::path& file_;
   DxfGroups dxf_;
   DxfEntity entity_;
-  Affine unit_;
+  geometry::Affine unit_;
   std::set<std::string> hidden_layers_;
   std::map<std::string, Block> blocks_;
   std::vector<const Block*> open_blocks_;

@@ -1,12 +1,12 @@
 // Drawings in the text form of DXF (Autodesk, "DXF Reference"), release 12 and later.
 //
 // In:  a file. Out: its curves and points in mm.
-// Who: the command line; read_point_list() for files of nothing but points.
+// Who: the command line; read_point_list() for files of points only.
 //
-// Read are LINE, LWPOLYLINE and POLYLINE with their bulges, ARC, CIRCLE, ELLIPSE, SPLINE, POINT and
-// INSERT of blocks, turned, scaled and in arrays; $INSUNITS says the unit, none means mm. Left out
-// and counted: every other entity, what is on layers that are off or frozen ("hidden"), what is on
-// paper ("paper space"), splines without poles.
+// It reads LINE, LWPOLYLINE and POLYLINE with their bulges, ARC, CIRCLE, ELLIPSE, SPLINE, POINT and
+// INSERT of blocks, turned, scaled and in arrays; $INSUNITS gives the unit, none means mm. Left out
+// and counted: all other entities, those on layers that are off or frozen ("hidden") or on paper
+// ("paper space"), splines without poles.
 #pragma once
 
 #include <filesystem>
@@ -15,9 +15,9 @@
 
 namespace lamplock::model {
 
-/// Throws Error (bad_input) naming the file, and the line where there is one: missing or empty
-/// file, binary DXF or DWG, cut off, not a number, not finite or beyond farthest_mm, a spline that
-/// is none, a block that contains itself or does not exist, more than most_pieces, nothing to draw.
+/// Throws Error (bad_input) naming the file, and the line if possible: missing or empty file,
+/// binary DXF or DWG, cut off, not a number, not finite or beyond farthest_mm, an invalid spline, a
+/// block that contains itself or does not exist, more than most_pieces, nothing to draw.
 Curves read_dxf(const std::filesystem::path& path);
 
 }  // namespace lamplock::model

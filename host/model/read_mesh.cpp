@@ -25,7 +25,7 @@ namespace {
 
 using std::filesystem::path;
 
-/// Gives the number of bytes the library may read.
+/// Returns the number of bytes that the library may read.
 std::size_t check(const path& file, const std::string& bytes) {
   const std::string extension = lower_extension(file);
   if (extension == ".stl") return check_stl(file, bytes);
@@ -38,13 +38,13 @@ std::size_t check(const path& file, const std::string& bytes) {
   } else if (extension == ".3mf") {
     check_3mf(file);
   } else {
-    refuse(file, fmt::format("'{}' is no mesh format", extension),
+    refuse(file, fmt::format("'{}' is not a mesh format", extension),
            "give STL, OBJ, PLY, GLB or 3MF");
   }
   return bytes.size();
 }
 
-/// Takes the triangles of all nodes, three corners each.
+/// Collects the triangles of all nodes, three corners each.
 class Collector {
  public:
   Collector(const aiScene& scene, const path& file, std::map<std::string, std::string> pictures)
@@ -52,7 +52,7 @@ class Collector {
     add_node(*scene.mRootNode, aiMatrix4x4());
   }
 
-  const std::vector<points::Point>& corners() const { return corners_; }
+  const std::vector<geometry::Point>& corners() const { return corners_; }
   SceneBrightness& brightness() { return brightness_; }
 
  private:
@@ -88,26 +88,26 @@ class Collector {
   const aiScene& scene_;
   const path& file_;
   SceneBrightness brightness_;
-  std::vector<points::Point> corners_;
+  std::vector<geometry::Point> corners_;
 };
 
-void require_finite_corners(const path& file, const std::vector<points::Point>& corners) {
+void require_finite_corners(const path& file, const std::vector<geometry::Point>& corners) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const points::Point& p = corners[i];
-    if (points::is_finite(p)) continue;
+    const geometry::Point& p = corners[i];
+    if (geometry::is_finite(p)) continue;
     refuse(file,
            fmt::format("corner {} of triangle {} is ({}, {}, {})", i % 3, i / 3, p.x, p.y, p.z),
            "repair the model");
   }
 }
 
-/// Corners of equal position become one vertex, numbered in order of first use. `kept`: which
-/// triangles stay.
-Mesh merge_corners(const std::vector<points::Point>& corners, std::vector<std::uint32_t>& kept) {
+/// Corners of equal position become one vertex, numbered in order of first use. `kept`: the
+/// remaining triangles.
+Mesh merge_corners(const std::vector<geometry::Point>& corners, std::vector<std::uint32_t>& kept) {
   std::vector<std::uint32_t> by_position(corners.size());
   std::iota(by_position.begin(), by_position.end(), 0u);
   std::sort(by_position.begin(), by_position.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const points::Point &p = corners[a], &q = corners[b];
+    const geometry::Point &p = corners[a], &q = corners[b];
     return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
   });
   std::vector<std::uint32_t> first(corners.size());  // the first corner at the same position
@@ -152,7 +152,7 @@ Mesh read_mesh(const path& file) {
     refuse(file, "the mesh library refuses it: " + reason, "export the file again");
   }
   Collector collector(*scene, file, std::move(pictures));
-  const std::vector<points::Point>& corners = collector.corners();
+  const std::vector<geometry::Point>& corners = collector.corners();
   if (corners.size() > std::numeric_limits<std::uint32_t>::max()) {
     refuse(file, fmt::format("{} triangles are too many", corners.size() / 3), "reduce the mesh");
   }

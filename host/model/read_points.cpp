@@ -24,15 +24,15 @@ using std::filesystem::path;
 
 [[noreturn]] void refuse_line(const path& file, std::size_t line, const std::string& what) {
   refuse(file, fmt::format("line {}: {}", line, what),
-         "give a point a line: x y z in mm, # for comments");
+         "write one point per line: x y z in mm, # for comments");
 }
 
 /// Which fields of a line are the coordinates, and what separates fields.
 struct Columns {
   std::array<std::size_t, 3> of_axis{0, 1, 2};
-  char separator = ' ';     ///< blanks and commas, or a character that alone separates
-  std::size_t count = 0;    ///< a line has exactly so many, 0: at least those of the axes
-  bool all_numbers = true;  ///< also those that are not used
+  char separator = ' ';     ///< ' ' means blanks and commas, otherwise the only separator
+  std::size_t count = 0;    ///< exact number in a line, 0: at least those of the axes
+  bool all_numbers = true;  ///< unused columns are numbers too
 
   std::size_t least() const { return std::max({of_axis[0], of_axis[1], of_axis[2]}) + 1; }
 };
@@ -66,7 +66,7 @@ std::string axis_name(std::string_view field) {
   return name.ends_with("_mm") ? name.substr(0, name.size() - 3) : name;
 }
 
-/// The columns that a line of names gives.
+/// The columns by a line of names.
 Columns named_columns(const path& file, std::size_t line, std::string_view names) {
   constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
   Columns columns;
@@ -80,14 +80,14 @@ Columns named_columns(const path& file, std::size_t line, std::string_view names
       return axis_name(field) == axes[axis];
     });
     if (found == fields.end())
-      refuse_line(file, line, fmt::format("names of columns without '{}'", axes[axis]));
+      refuse_line(file, line, fmt::format("the names of columns lack '{}'", axes[axis]));
     columns.of_axis[axis] = static_cast<std::size_t>(found - fields.begin());
   }
   return columns;
 }
 
-points::Point parse_point(const path& file, std::size_t line, std::string_view text,
-                          const Columns& columns) {
+geometry::Point parse_point(const path& file, std::size_t line, std::string_view text,
+                            const Columns& columns) {
   const std::vector<std::string_view> fields = fields_of(text, columns.separator);
   std::array<double, 3> coordinates{};
   for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -104,13 +104,13 @@ points::Point parse_point(const path& file, std::size_t line, std::string_view t
   if (fields.size() < wanted || (columns.count > 0 && fields.size() > wanted)) {
     refuse_line(file, line,
                 columns.all_numbers && columns.count == 0
-                    ? fmt::format("{} of 3 coordinates", fields.size())
-                    : fmt::format("{} of {} columns", fields.size(), wanted));
+                    ? fmt::format("has {} of 3 coordinates", fields.size())
+                    : fmt::format("has {} of {} columns", fields.size(), wanted));
   }
   return {coordinates[0], coordinates[1], coordinates[2]};
 }
 
-/// Whether a line has names of columns: words, not numbers.
+/// True if a line has names of columns: words, not numbers.
 bool is_names(std::string_view content) {
   const std::size_t first = content.find_first_not_of(" \t\",;");
   if (first == std::string_view::npos) return false;
@@ -120,13 +120,13 @@ bool is_names(std::string_view content) {
   return is_letter && !to_double(next_field(rest));  // nan is a number
 }
 
-points::PointCloud read_text(const path& file, const std::string& bytes, Columns columns) {
-  // Where semicolons separate, a comma is somebody's decimal point: an error, not a separator.
+geometry::PointCloud read_text(const path& file, const std::string& bytes, Columns columns) {
+  // In a file with semicolons a comma is a decimal point: an error, not a separator.
   const char extra_separator = bytes.find(';') == std::string::npos ? ',' : ';';
   std::string spaced = bytes;
   std::replace(spaced.begin(), spaced.end(), extra_separator, ' ');
   const std::string_view text = bytes;
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   Lines lines(without_byte_order_mark(text));
   bool names_may_follow = columns.count == 0;
   while (const auto line = lines.next()) {
@@ -147,17 +147,16 @@ points::PointCloud read_text(const path& file, const std::string& bytes, Columns
   return cloud;
 }
 
-points::PointCloud read_dxf_points(const path& file) {
+geometry::PointCloud read_dxf_points(const path& file) {
   Curves drawing = read_dxf(file);
-  if (!drawing.paths.empty())
-    refuse(file, "it has curves beside its points", "use it as a drawing");
+  if (!drawing.paths.empty()) refuse(file, "it has curves besides points", "use it as a drawing");
   if (!drawing.left_out.empty())
-    refuse(file, fmt::format("it has other things beside its points: {}", left_out_text(drawing)),
+    refuse(file, fmt::format("it has other entities besides points: {}", left_out_text(drawing)),
            "export the points alone");
   return std::move(drawing.points);
 }
 
-points::PointCloud read_ply(const path& file, const std::string& bytes) {
+geometry::PointCloud read_ply(const path& file, const std::string& bytes) {
   const PlyHeader header = read_ply_header(file, bytes);
   if (header.count("face") > 0) {
     refuse(file, "it has faces and is a mesh, not a point list", "use it as a mesh");
@@ -167,12 +166,12 @@ points::PointCloud read_ply(const path& file, const std::string& bytes) {
 
 }  // namespace
 
-points::PointCloud read_point_list(const path& file) {
+geometry::PointCloud read_point_list(const path& file) {
   const std::string extension = lower_extension(file);
-  points::PointCloud cloud = extension == ".dxf"   ? read_dxf_points(file)
-                             : extension == ".ply" ? read_ply(file, read_file(file))
-                             : extension == ".cad" ? read_text(file, read_file(file), cad_columns)
-                                                   : read_text(file, read_file(file), {});
+  geometry::PointCloud cloud = extension == ".dxf"   ? read_dxf_points(file)
+                               : extension == ".ply" ? read_ply(file, read_file(file))
+                               : extension == ".cad" ? read_text(file, read_file(file), cad_columns)
+                                                     : read_text(file, read_file(file), {});
   if (cloud.empty()) refuse(file, "it has no points", "give at least one point");
   return cloud;
 }

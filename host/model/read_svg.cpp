@@ -21,16 +21,16 @@ namespace {
 
 using pugi::xml_node;
 
-// Groups in groups, uses of uses; drawings have a dozen.
+// Nested groups and uses; drawings have a dozen levels.
 constexpr int deepest_group = 200;
 constexpr double mm_per_px = 25.4 / 96;
 
-/// What an element inherits.
+/// Inherited properties of an element.
 struct Context {
-  Affine map;             ///< to mm
-  SvgBox port;            ///< what percentages are of, in the element's units
-  std::string layer{};    ///< name, empty outside of all
-  bool is_named = false;  ///< the layer has been given a name by Inkscape
+  geometry::Affine map;   ///< to mm
+  SvgBox port;            ///< reference of percentages, in the element's units
+  std::string layer{};    ///< name, empty outside of layers
+  bool is_named = false;  ///< the layer has a name by Inkscape
   int depth = 0;
 };
 
@@ -44,7 +44,7 @@ bool draws_nothing(std::string_view name) {
          name.find(':') != std::string_view::npos;  // of editors
 }
 
-/// Without the prefix that some programs give all elements of SVG.
+/// The name without the prefix that some programs give all elements of SVG.
 std::string_view local_name(const xml_node& node) {
   const std::string_view name = node.name();
   return name.starts_with("svg:") ? name.substr(4) : name;
@@ -72,11 +72,11 @@ class SvgReader {
         bytes_.data(), bytes_.size(), pugi::parse_default, pugi::encoding_utf8);
     if (!result) {
       Place{file_, bytes_, static_cast<std::size_t>(result.offset)}.refuse(
-          fmt::format("no sound XML ({})", result.description()), "export the drawing again");
+          fmt::format("not valid XML ({})", result.description()), "export the drawing again");
     }
     const xml_node root = document.document_element();
     if (local_name(root) != "svg")
-      place_of(root).refuse(fmt::format("the document is no svg but '{:.40}'", root.name()),
+      place_of(root).refuse(fmt::format("the document is '{:.40}', not svg", root.name()),
                             "give an SVG drawing");
     number_ids(root, 0);
     draw_root(root);
@@ -91,33 +91,33 @@ class SvgReader {
 
   void number_ids(const xml_node& node, int depth) {
     if (depth > deepest_group)
-      place_of(node).refuse(fmt::format("groups in groups, deeper than {}", deepest_group),
+      place_of(node).refuse(fmt::format("groups are nested deeper than {}", deepest_group),
                             "ungroup some");
     const char* id = node.attribute("id").value();
     if (*id != '\0') by_id_.try_emplace(id, node);
     for (const xml_node& child : node.children()) number_ids(child, depth + 1);
   }
 
-  /// Goes over to the units of the node's viewBox, if it has one, shown in `port`.
+  /// Changes to the units of the node's viewBox, if it has one, fitted into `port`.
   void enter_view(const xml_node& node, const SvgBox& port, Context& context) const {
     context.port = port;
     const char* text = node.attribute("viewBox").value();
     if (*text == '\0') {
-      context.map = context.map * moved(port.x, port.y, 0);
+      context.map = context.map * geometry::moved(port.x, port.y, 0);
       return;
     }
     const std::vector<double> view = svg_numbers(text, place_of(node));
     if (view.size() != 4 || !(view[2] > 0) || !(view[3] > 0))
-      place_of(node).refuse(fmt::format("the viewBox '{:.40}' is none", text),
+      place_of(node).refuse(fmt::format("the viewBox '{:.40}' is not valid", text),
                             "repair the drawing");
     context.port = {view[0], view[1], view[2], view[3]};
     context.map =
         context.map * svg_fit(context.port, port, node.attribute("preserveAspectRatio").value());
   }
 
-  /// The page: its size in px, its lower left corner in the origin, y upwards.
+  /// Draws the page: its size in px, its lower left corner in the origin, y upwards.
   void draw_root(const xml_node& root) {
-    // Without a size the page is as large as the view, and so are percentages.
+    // Without a size the page, the reference of percentages, has the size of the view.
     const std::vector<double> view = svg_numbers(root.attribute("viewBox").value(), place_of(root));
     const bool has_view = view.size() == 4;
     const SvgBox whole{0, 0, has_view ? view[2] : 0, has_view ? view[3] : 0};
@@ -126,9 +126,11 @@ class SvgReader {
                       svg_length_of(root, "height", whole.height, whole.height, place)};
     const bool is_empty = has_view && (page.width == 0 || page.height == 0);
     if (page.width < 0 || page.height < 0 || is_empty)
-      place.refuse(fmt::format("a page of {} x {}", page.width, page.height), "repair the drawing");
+      place.refuse(fmt::format("the page has the size {} x {}", page.width, page.height),
+                   "repair the drawing");
     Context context;
-    context.map = moved(0, page.height * mm_per_px, 0) * scaled(mm_per_px, -mm_per_px, 1);
+    context.map =
+        geometry::moved(0, page.height * mm_per_px, 0) * geometry::scaled(mm_per_px, -mm_per_px, 1);
     enter_view(root, page, context);
     if (is_hidden(root)) return curves_.leave_out("hidden");
     draw_children(root, context);
@@ -147,7 +149,7 @@ class SvgReader {
     const Place place = place_of(node);
     curves_.spend(1, place);
     if (++context.depth > deepest_group)
-      place.refuse(fmt::format("groups in groups, deeper than {}", deepest_group), "ungroup some");
+      place.refuse(fmt::format("groups are nested deeper than {}", deepest_group), "ungroup some");
     context.map = context.map * svg_transform(node.attribute("transform").value(), place);
     if (name == "g" || name == "a" || name == "switch") {
       enter_layer(node, context);
@@ -190,14 +192,14 @@ class SvgReader {
     if (!target.starts_with('#')) return curves_.leave_out("use of another file");
     const auto found = by_id_.find(std::string(target.substr(1)));
     if (found == by_id_.end())
-      place_of(node).refuse(fmt::format("there is nothing named '{:.40}'", target.substr(1)),
+      place_of(node).refuse(fmt::format("there is no element '{:.40}'", target.substr(1)),
                             "repair the drawing");
     const xml_node used = found->second;
     if (std::find(open_uses_.begin(), open_uses_.end(), used) != open_uses_.end())
       place_of(node).refuse(fmt::format("'{:.40}' uses itself", target.substr(1)),
                             "repair the drawing");
     const SvgBox at = svg_box_of(node, context.port, place_of(node));
-    context.map = context.map * moved(at.x, at.y, 0);
+    context.map = context.map * geometry::moved(at.x, at.y, 0);
     open_uses_.push_back(used);
     if (local_name(used) == "symbol" || local_name(used) == "svg") {
       draw_view(used, with_default_size({0, 0, at.width, at.height}, context.port), context);

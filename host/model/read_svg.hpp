@@ -4,10 +4,10 @@
 //      in the origin.
 // Who: the command line.
 //
-// Read are path, rect, circle, ellipse, line, polyline and polygon in groups, nested svg, symbols
-// and use, with all transforms, view boxes and units (96 px an inch, as CSS has it). How a shape is
-// painted does not matter. A path's layer is that of Inkscape, otherwise the outermost group by its
-// id. Left out and counted: text, images and whatever else is drawn; what has display:none
+// It reads path, rect, circle, ellipse, line, polyline and polygon in groups, nested svg, symbols
+// and use, with all transforms, view boxes and units (96 px an inch, as in CSS). The paint of a
+// shape does not matter. A path's layer is that of Inkscape, otherwise the outermost group by its
+// id. Left out and counted: text, images and other drawn elements; those with display:none
 // ("hidden").
 #pragma once
 
@@ -17,9 +17,9 @@
 
 namespace lamplock::model {
 
-/// Throws Error (bad_input) naming the file and the line: missing or empty file, XML or path data
-/// that cannot be understood, not finite or beyond farthest_mm, a use that contains itself or
-/// names nothing, groups too deep, more than most_pieces, nothing to draw.
+/// Throws Error (bad_input) naming the file and the line: missing or empty file, invalid XML or
+/// path data, not finite or beyond farthest_mm, a use that contains itself or names no element,
+/// groups nested too deeply, more than most_pieces, nothing to draw.
 Curves read_svg(const std::filesystem::path& path);
 
 }  // namespace lamplock::model

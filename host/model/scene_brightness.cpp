@@ -16,7 +16,7 @@ SceneBrightness::SceneBrightness(const aiScene& scene, const std::filesystem::pa
     : scene_(scene),
       file_(file),
       pictures_(std::move(pictures)),
-      // "glTF 2.0 Specification", 3.7.2.1: COLOR_0 is linear; the other formats do not say.
+      // "glTF 2.0 Specification", 3.7.2.1: COLOR_0 is linear; the other formats do not specify it.
       linear_(lower_extension(file) == ".glb"),
       textures_(scene.mNumMaterials) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
@@ -28,7 +28,7 @@ SceneBrightness::SceneBrightness(const aiScene& scene, const std::filesystem::pa
 }
 
 void SceneBrightness::add(const aiMesh& mesh, const aiFace& triangle) {
-  if (!wanted_) return;  // most meshes: no memory for nothing
+  if (!wanted_) return;  // most meshes need no memory for it
   std::array<float, 3> lights{1, 1, 1};
   Brightness::Textured textured;
   textured.texture = texture_of(mesh.mMaterialIndex);
@@ -48,7 +48,7 @@ std::optional<Brightness> SceneBrightness::take(std::span<const std::uint32_t> k
   if (!coloured_) all_.corners.clear();
   if (all_.textures.empty()) all_.textured.clear();
   if (all_.corners.empty() && all_.textured.empty()) return std::nullopt;
-  // `kept` ascends, so each triangle moves to a place that is done with.
+  // `kept` ascends, so each triangle moves to a place that was already read.
   for (std::size_t i = 0; i < kept.size(); ++i) {
     if (!all_.corners.empty()) all_.corners[i] = all_.corners[kept[i]];
     if (!all_.textured.empty()) all_.textured[i] = all_.textured[kept[i]];
@@ -61,7 +61,7 @@ std::optional<Brightness> SceneBrightness::take(std::span<const std::uint32_t> k
 /// Rec. ITU-R BT.601, as for pictures (bitmap.cpp).
 float SceneBrightness::luma(const aiColor4D& colour) const {
   const float value = 0.299F * colour.r + 0.587F * colour.g + 0.114F * colour.b;
-  const float clamped = value > 0 ? std::min(value, 1.0F) : 0.0F;  // a value that is no number: 0
+  const float clamped = value > 0 ? std::min(value, 1.0F) : 0.0F;  // NaN gives 0
   constexpr float display_gamma = 2.2F;
   return linear_ ? std::pow(clamped, 1 / display_gamma) : clamped;
 }
@@ -107,8 +107,9 @@ Bitmap SceneBrightness::picture(const std::string& name) const {
     std::replace(beside.begin(), beside.end(), '\\', '/');
     return read_bitmap(file_.parent_path() / beside);
   }
-  // The library gives a packed picture as a height of 0 and its bytes as the width.
-  if (inside->mHeight != 0) refuse(file_, "a picture inside is not packed", "use PNG or JPEG");
+  // The library marks a compressed picture by a height of 0; its width is the number of bytes.
+  if (inside->mHeight != 0)
+    refuse(file_, "an embedded picture is not compressed", "use PNG or JPEG");
   const char* data = reinterpret_cast<const char*>(inside->pcData);
   return decode_bitmap(file_, std::string(data, inside->mWidth));
 }

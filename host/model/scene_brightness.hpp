@@ -1,6 +1,6 @@
-// Brightness out of a scene of the mesh library: colours of vertices and pictures that materials
-// name. Comes in: the scene, triangle by triangle as the reader takes them. Goes out: what a Mesh
-// carries of it. Called by read_mesh().
+// Reads brightness from a scene of the mesh library: colours of vertices and pictures of materials.
+// In: the scene, triangle by triangle in the order of the reader. Out: the brightness for a Mesh.
+// Called by read_mesh().
 #pragma once
 
 #include <assimp/scene.h>
@@ -19,20 +19,20 @@ namespace lamplock::model {
 
 class SceneBrightness {
  public:
-  /// `file` is where pictures are looked for beside, and what errors name; `pictures` are those of
-  /// materials by name that the scene does not know of. Scene and file outlive this.
+  /// `file`: pictures are searched in its folder, and errors name it; `pictures`: those of
+  /// materials by name that the scene does not contain. Scene and file must outlive this.
   SceneBrightness(const aiScene& scene, const std::filesystem::path& file,
                   std::map<std::string, std::string> pictures);
 
-  /// The next triangle; its indices exist in `mesh`.
+  /// Adds the next triangle; its indices must exist in `mesh`.
   void add(const aiMesh& mesh, const aiFace& triangle);
 
-  /// Of those triangles, by their number from 0, that the mesh has in the end. Nothing if the file
-  /// has neither colours nor pictures.
+  /// Brightness of the remaining triangles, by their number from 0. Empty if the file has neither
+  /// colours nor pictures.
   std::optional<Brightness> take(std::span<const std::uint32_t> kept);
 
-  /// Pictures that are missing or cannot be read, each with the reason: there the surface counts
-  /// as white.
+  /// Pictures that are missing or cannot be read, each with the reason; their surface counts as
+  /// white.
   const std::vector<std::string>& unread() const { return unread_; }
 
  private:
@@ -44,7 +44,7 @@ class SceneBrightness {
   const aiScene& scene_;
   const std::filesystem::path& file_;
   std::map<std::string, std::string> pictures_;
-  bool linear_ = false;  // colours of vertices are light, not values of a picture
+  bool linear_ = false;  // colours of vertices are linear light, not sRGB values
   bool wanted_ = false;  // any mesh has brightness
   bool coloured_ = false;
   Brightness all_;

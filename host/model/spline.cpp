@@ -9,9 +9,9 @@
 namespace lamplock::model {
 namespace {
 
-using points::Point;
+using geometry::Point;
 
-// Beyond these a double has no digits left for the curve.
+// Outside this range a double has too few digits for the curve.
 constexpr double least_range = 1e-12, greatest_range = 1e12;
 constexpr double greatest_weight_ratio = 1e9;
 // Knots closer than this part of the range differ by rounding.
@@ -33,7 +33,7 @@ Weighted weighted_pole(const Spline& spline, std::size_t i) {
   return {p.x * w, p.y * w, p.z * w, w};
 }
 
-/// knots[result] <= t < knots[result + 1], a stretch that has a length.
+/// The index of the non-empty knot span of t: knots[result] <= t < knots[result + 1].
 std::size_t stretch_at(const Spline& spline, double t) {
   const std::vector<double>& knots = spline.knots;
   const auto degree = static_cast<std::ptrdiff_t>(spline.degree);
@@ -59,7 +59,7 @@ std::string fault_of_weights(const Spline& spline) {
 
 std::string fault_of(Spline& spline) {
   if (spline.degree < 1 || spline.degree > highest_degree)
-    return fmt::format("a spline has degree {}, possible are 1 to {}", spline.degree,
+    return fmt::format("a spline has degree {}, only 1 to {} are possible", spline.degree,
                        highest_degree);
   const auto degree = static_cast<std::size_t>(spline.degree);
   std::vector<double>& knots = spline.knots;
@@ -68,7 +68,7 @@ std::string fault_of(Spline& spline) {
                        spline.poles.size());
   const double range = knots[spline.poles.size()] - knots[degree];
   if (!(range >= least_range && range <= greatest_range))
-    return fmt::format("the knots of a spline reach over {}", range);
+    return fmt::format("the knots of a spline have the range {}", range);
   for (std::size_t i = 1; i < knots.size(); ++i) {
     if (knots[i] < knots[i - 1] - same_knot * range)
       return fmt::format("the knots of a spline fall from {} to {}", knots[i - 1], knots[i]);
@@ -90,7 +90,7 @@ Motion spline_motion(const Spline& spline, double parameter) {
       d[i] = mix(d[i - 1], d[i], (t - low) / (high - low));
     }
   }
-  // The last level is a straight line, and so is its derivative known.
+  // The last level is a straight line, which gives the derivative.
   const double width = knots[k + 1] - knots[k], rate = spline.degree / width;
   const Weighted a = d[degree - 1], b = d[degree];
   const Weighted p = mix(a, b, (t - knots[k]) / width);

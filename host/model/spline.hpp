@@ -1,8 +1,8 @@
-// B-splines, rational or not: soundness and evaluation (Piegl and Tiller, "The NURBS Book", 1997;
-// de Boor's algorithm).
+// B-splines, rational or not: check and evaluation (Piegl and Tiller, "The NURBS Book", 1997; de
+// Boor's algorithm).
 //
-// In:  a spline. Out: what is wrong with it; position and derivative.
-// Who: the readers of curves before they keep one; motion_at(), arc length and flattening.
+// In:  a spline. Out: its fault; position and derivative.
+// Who: the readers of curves before they store one; motion_at(), arc length and flattening.
 #pragma once
 
 #include <string>
@@ -15,17 +15,17 @@ namespace lamplock::model {
 /// CAD programs write 1 to 5, some formats allow this much.
 inline constexpr int highest_degree = 25;
 
-/// What is wrong with the spline, nothing if it can be evaluated. Knots that differ by rounding
-/// alone are made equal.
+/// The fault of the spline, empty if it can be evaluated. Knots that differ only by rounding are
+/// made equal.
 std::string fault_of(Spline& spline);
 
-/// Position and derivative; outside the range of the spline those of its ends.
+/// Position and derivative; outside the range of the spline those at its ends.
 Motion spline_motion(const Spline& spline, double parameter);
 
-/// The parameters between which the spline is one smooth piece, ends included, rising.
+/// The ascending parameters, ends included, between which the spline is one smooth piece.
 std::vector<double> breaks_of(const Spline& spline);
 
 /// The Bezier curve of these poles, at least two, from 0 to 1.
-Spline bezier(std::vector<points::Point> poles);
+Spline bezier(std::vector<geometry::Point> poles);
 
 }  // namespace lamplock::model

@@ -15,12 +15,12 @@
 namespace lamplock::model {
 namespace {
 
-using points::Point;
+using geometry::Point;
 using std::numbers::pi;
 
 Point sum(const Point& p, const Point& q) { return {p.x + q.x, p.y + q.y, 0}; }
 
-/// What `at` is mirrored at `middle`.
+/// Point reflection of `at` in `middle`.
 Point mirrored(const Point& at, const Point& middle) {
   return {2 * middle.x - at.x, 2 * middle.y - at.y, 0};
 }
@@ -30,12 +30,12 @@ struct ArcShape {
   bool large, sweep;
 };
 
-/// From end points to the centre (appendix F.6.5), radii too small scaled up (F.6.6).
+/// Converts end points to the centre (appendix F.6.5); scales up radii that are too small (F.6.6).
 Arc arc_between(const Point& from, const Point& to, const ArcShape& shape) {
-  const Affine turn = turned_about_z(shape.turn_deg);
+  const geometry::Affine turn = geometry::turned_about_z(shape.turn_deg);
   double rx = std::abs(shape.x_radius), ry = std::abs(shape.y_radius);
   const Point half =
-      turned_back(turn).turn({(from.x - to.x) / 2, (from.y - to.y) / 2, 0});  // x1', y1'
+      geometry::turned_back(turn).turn({(from.x - to.x) / 2, (from.y - to.y) / 2, 0});  // x1', y1'
   const double excess = std::hypot(half.x / rx, half.y / ry);
   if (excess > 1) {
     rx *= excess;
@@ -57,7 +57,7 @@ Arc arc_between(const Point& from, const Point& to, const ArcShape& shape) {
           start + sweep};
 }
 
-/// A pen that follows the commands.
+/// A pen that executes the commands.
 class Pen {
  public:
   Pen(std::string_view data, const Place& place) : scanner_(data, place) {}
@@ -72,10 +72,11 @@ class Pen {
         continue;
       }
       if (std::string_view("MLHVCSQTA").find(kind) == std::string_view::npos)
-        scanner_.place().refuse(fmt::format("path data with the command '{}'", shown(command)),
-                                "export the drawing again");
+        scanner_.place().refuse(
+            fmt::format("the path data have the unknown command '{}'", shown(command)),
+            "export the drawing again");
       if (kind != 'M' && !begun_)
-        scanner_.place().refuse("path data that do not begin with M", "export the drawing again");
+        scanner_.place().refuse("the path data do not begin with M", "export the drawing again");
       follow(kind, relative);
     }
     finish();
@@ -83,25 +84,25 @@ class Pen {
   }
 
  private:
-  /// A character as it may stand in a line of text.
+  /// A character in a form that may be printed in a line of text.
   static std::string shown(char c) {
     return c > ' ' && c <= '~' ? std::string(1, c)
                                : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
   }
 
-  /// One command, as often as arguments follow.
+  /// Executes one command for each set of its arguments.
   void follow(char kind, bool relative) {
     do {
       origin_ = relative ? at_ : Point{};
       step(kind);
       if (kind == 'M') kind = 'L';  // further pairs are lines
       if (path_.pieces.size() > most_pieces)
-        scanner_.place().refuse("a path with too many pieces", "simplify the drawing");
+        scanner_.place().refuse("a path has too many pieces", "simplify the drawing");
     } while (scanner_.begins_number());
   }
 
   void step(char kind) {
-    Point control = at_;  // that the next S or T mirrors
+    Point control = at_;  // reflected by the next S or T
     if (kind == 'M') {
       move_to(next_point());
       control = at_;
@@ -150,7 +151,7 @@ class Pen {
     at_ = to;
   }
 
-  /// Draws and gives the last control point.
+  /// Draws and returns the last control point.
   Point bezier_to(char kind) {
     const bool cubic = kind == 'C' || kind == 'S';
     const bool after_like = cubic ? last_ == 'C' || last_ == 'S' : last_ == 'Q' || last_ == 'T';
@@ -172,7 +173,7 @@ class Pen {
 
   void close() {
     if (!begun_)
-      scanner_.place().refuse("path data that do not begin with M", "export the drawing again");
+      scanner_.place().refuse("the path data do not begin with M", "export the drawing again");
     append_line(path_, at_, begin_);
     path_.closed = true;
     finish();

@@ -1,6 +1,6 @@
 // Path data of SVG (W3C, "Scalable Vector Graphics (SVG) 1.1", chapter 8 and appendix F.6).
 //
-// In:  the text of a `d` attribute. Out: one path a subpath, in the units of the text; arcs stay
+// In:  the text of a `d` attribute. Out: one path per subpath, in the units of the text; arcs stay
 //      arcs, Bezier curves become splines.
 // Who: read_svg().
 #pragma once
@@ -13,8 +13,8 @@
 
 namespace lamplock::model {
 
-/// Subpaths that draw nothing are left out. Throws Error (bad_input) naming file and line for data
-/// that cannot be understood, or more than most_pieces.
+/// Subpaths that draw nothing are left out. Throws Error (bad_input) naming file and line for
+/// invalid data, or more than most_pieces.
 std::vector<Path> svg_path(std::string_view data, const Place& place);
 
 }  // namespace lamplock::model

@@ -13,11 +13,11 @@
 namespace lamplock::model {
 namespace {
 
-using points::Point;
+using geometry::Point;
 using Paths = std::vector<Path>;
 using std::numbers::pi;
 
-/// Counter-clockwise where y points up.
+/// Counter-clockwise if y points up.
 Arc ellipse(const Point& centre, double x_radius, double y_radius) {
   return {centre, {x_radius, 0, 0}, {0, y_radius, 0}, 0, 2 * pi};
 }
@@ -28,12 +28,12 @@ Paths round_shape(const pugi::xml_node& node, bool is_circle, const SvgBox& port
     return svg_length_of(node, name, whole, 0, place);
   };
   const Point centre{value("cx", port.width), value("cy", port.height), 0};
-  // A percentage of a radius is one of the diagonal over the root of 2.
+  // A percentage of a radius refers to the diagonal over the root of 2.
   const double across = std::hypot(port.width, port.height) / std::numbers::sqrt2;
   const double rx = is_circle ? value("r", across) : value("rx", port.width);
   const double ry = is_circle ? rx : value("ry", port.height);
   if (rx < 0 || ry < 0)
-    place.refuse(fmt::format("radii of {} and {}", rx, ry), "repair the drawing");
+    place.refuse(fmt::format("the radii {} and {} are not allowed", rx, ry), "repair the drawing");
   if (rx == 0 || ry == 0) return {};
   return {{{ellipse(centre, rx, ry)}, true}};
 }
@@ -41,7 +41,8 @@ Paths round_shape(const pugi::xml_node& node, bool is_circle, const SvgBox& port
 Paths polyline(const pugi::xml_node& node, bool closed, const Place& place) {
   const std::vector<double> numbers = svg_numbers(node.attribute("points").value(), place);
   if (numbers.size() % 2 != 0)
-    place.refuse(fmt::format("{} coordinates of points", numbers.size()), "repair the drawing");
+    place.refuse(fmt::format("the points have {} coordinates, an odd number", numbers.size()),
+                 "repair the drawing");
   Path path;
   path.closed = closed;
   const std::size_t count = numbers.size() / 2;
@@ -52,8 +53,8 @@ Paths polyline(const pugi::xml_node& node, bool closed, const Place& place) {
   return {path};
 }
 
-/// The two radii of a rectangle's corners: each is the other one if it is missing, and half a side
-/// at most.
+/// The two radii of a rectangle's corners: a missing one equals the other; each is at most half a
+/// side.
 Point corner_of(const pugi::xml_node& node, const SvgBox& box, const SvgBox& port,
                 const Place& place) {
   constexpr double missing = -1;
@@ -65,13 +66,13 @@ Point corner_of(const pugi::xml_node& node, const SvgBox& box, const SvgBox& por
   return {std::min(rx, box.width / 2), std::min(ry, box.height / 2), 0};
 }
 
-/// From the upper left, as SVG draws it; corners are quarters of ellipses.
+/// Begins at the upper left, as in SVG; corners are quarters of ellipses.
 Paths rectangle(const pugi::xml_node& node, const SvgBox& port, const Place& place) {
   const SvgBox box = svg_box_of(node, port, place);
   if (box.width == 0 || box.height == 0) return {};
   const Point cut = corner_of(node, box, port, place);
   const double left = box.x, right = box.x + box.width, top = box.y, bottom = box.y + box.height;
-  // Of the sides in turn: start, end, and the middle of the corner behind it.
+  // For each side: start, end, and the centre of the corner after it.
   struct Side {
     Point from, to, corner;
   };
@@ -115,7 +116,8 @@ SvgBox svg_box_of(const pugi::xml_node& node, const SvgBox& port, const Place& p
                    svg_length_of(node, "width", port.width, 0, place),
                    svg_length_of(node, "height", port.height, 0, place)};
   if (box.width < 0 || box.height < 0)
-    place.refuse(fmt::format("a size of {} x {}", box.width, box.height), "repair the drawing");
+    place.refuse(fmt::format("the size {} x {} is not allowed", box.width, box.height),
+                 "repair the drawing");
   return box;
 }
 

@@ -1,7 +1,7 @@
 // The basic shapes of SVG as curves (W3C, "Scalable Vector Graphics (SVG) 1.1", chapter 9; radii of
 // rectangles as in SVG 2).
 //
-// In:  an element with the size of what percentages are of. Out: its paths in its own units.
+// In:  an element with the reference size of percentages. Out: its paths in its own units.
 // Who: read_svg().
 #pragma once
 
@@ -20,13 +20,12 @@ namespace lamplock::model {
 double svg_length_of(const pugi::xml_node& node, const char* name, double whole_px,
                      double otherwise, const Place& place);
 
-/// The rectangle of attributes x, y, width and height inside `port`; 0 for those that are missing.
+/// The rectangle of attributes x, y, width and height inside `port`; 0 for missing ones.
 /// Throws Error (bad_input) for negative sizes.
 SvgBox svg_box_of(const pugi::xml_node& node, const SvgBox& port, const Place& place);
 
-/// The paths of path, rect, circle, ellipse, line, polyline and polygon; nothing for any other
-/// element, which `name` says. Shapes without extent have no path. Throws Error (bad_input) naming
-/// the place.
+/// The paths of path, rect, circle, ellipse, line, polyline and polygon, by `name`; empty for any
+/// other element. Shapes without extent have no path. Throws Error (bad_input) naming the place.
 std::optional<std::vector<Path>> svg_shape(const pugi::xml_node& node, std::string_view name,
                                            const SvgBox& port, const Place& place);
 

@@ -17,7 +17,7 @@ constexpr std::string_view blanks = " \t\r\n\f";
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Arguments of one transform of this name: least and most.
+/// A transform by name, with the minimum and maximum number of its arguments.
 struct Transform {
   std::string_view name;
   std::size_t least, most;
@@ -29,16 +29,17 @@ constexpr std::array<Transform, 6> transforms{{{"matrix", 6, 6},
                                                {"skewX", 1, 1},
                                                {"skewY", 1, 1}}};
 
-Affine map_of(std::string_view name, const std::vector<double>& a) {
+geometry::Affine map_of(std::string_view name, const std::vector<double>& a) {
   const auto second = [&](double otherwise) { return a.size() > 1 ? a[1] : otherwise; };
   const auto tangent = [&] { return std::tan(a[0] * std::numbers::pi / 180); };
   if (name == "matrix") return {{a[0], a[1], 0}, {a[2], a[3], 0}, {0, 0, 1}, {a[4], a[5], 0}};
-  if (name == "translate") return moved(a[0], second(0), 0);
-  if (name == "scale") return scaled(a[0], second(a[0]), 1);
+  if (name == "translate") return geometry::moved(a[0], second(0), 0);
+  if (name == "scale") return geometry::scaled(a[0], second(a[0]), 1);
   if (name == "skewX") return {{1, 0, 0}, {tangent(), 1, 0}, {0, 0, 1}, {}};
   if (name == "skewY") return {{1, tangent(), 0}, {0, 1, 0}, {0, 0, 1}, {}};
-  const Affine turn = turned_about_z(a[0]);
-  return a.size() == 3 ? moved(a[1], a[2], 0) * turn * moved(-a[1], -a[2], 0) : turn;
+  const geometry::Affine turn = geometry::turned_about_z(a[0]);
+  return a.size() == 3 ? geometry::moved(a[1], a[2], 0) * turn * geometry::moved(-a[1], -a[2], 0)
+                       : turn;
 }
 
 }  // namespace
@@ -134,18 +135,18 @@ double svg_length(std::string_view text, double whole_px, const Place& place) {
   for (const Unit& known : units) {
     if (known.name == unit) return value * known.px;
   }
-  place.refuse(fmt::format("a length in the unit '{:.20}'", unit), "use mm or px");
+  place.refuse(fmt::format("a length has the unsupported unit '{:.20}'", unit), "use mm or px");
 }
 
-Affine svg_transform(std::string_view text, const Place& place) {
-  Affine map;
+geometry::Affine svg_transform(std::string_view text, const Place& place) {
+  geometry::Affine map;
   SvgScanner scanner(text, place);
   while (!scanner.at_end()) {
     const std::string_view name = scanner.word();
     const auto known = std::find_if(transforms.begin(), transforms.end(),
                                     [&](const Transform& t) { return t.name == name; });
     if (known == transforms.end() || scanner.take() != '(')
-      place.refuse(fmt::format("a transform that is none: '{:.40}'", text),
+      place.refuse(fmt::format("the transform is not valid: '{:.40}'", text),
                    "export the drawing again");
     std::vector<double> arguments;
     while (scanner.begins_number() && arguments.size() < known->most)
@@ -160,7 +161,7 @@ Affine svg_transform(std::string_view text, const Place& place) {
   return map;
 }
 
-Affine svg_fit(const SvgBox& view, const SvgBox& port, std::string_view aspect) {
+geometry::Affine svg_fit(const SvgBox& view, const SvgBox& port, std::string_view aspect) {
   double x_scale = port.width / view.width, y_scale = port.height / view.height;
   const auto has = [&](std::string_view word) {
     return aspect.find(word) != std::string_view::npos;
@@ -171,9 +172,9 @@ Affine svg_fit(const SvgBox& view, const SvgBox& port, std::string_view aspect) 
     left = has("xMin") ? 0 : has("xMax") ? 1 : 0.5;
     top = has("YMin") ? 0 : has("YMax") ? 1 : 0.5;
   }
-  return moved(port.x + left * (port.width - view.width * x_scale),
-               port.y + top * (port.height - view.height * y_scale), 0) *
-         scaled(x_scale, y_scale, 1) * moved(-view.x, -view.y, 0);
+  return geometry::moved(port.x + left * (port.width - view.width * x_scale),
+                         port.y + top * (port.height - view.height * y_scale), 0) *
+         geometry::scaled(x_scale, y_scale, 1) * geometry::moved(-view.x, -view.y, 0);
 }
 
 }  // namespace lamplock::model

@@ -9,13 +9,13 @@
 #include <string_view>
 #include <vector>
 
-#include "host/model/affine.hpp"
+#include "host/geometry/affine.hpp"
 #include "host/model/place.hpp"
 
 namespace lamplock::model {
 
-/// Takes numbers off the front of a text: separated by blanks, commas or nothing but their signs
-/// and points ("1-2.5.5" is three).
+/// Reads numbers from the front of a text: separated by blanks, commas or only by their signs and
+/// points ("1-2.5.5" is three).
 class SvgScanner {
  public:
   SvgScanner(std::string_view text, const Place& place) : rest_(text), place_(place) {}
@@ -25,12 +25,12 @@ class SvgScanner {
   bool at_end();
   /// Throws Error (bad_input) if there is no finite number.
   double number();
-  /// One digit, 0 or 1, which needs no separator behind it.
+  /// One digit, 0 or 1, which needs no separator after it.
   bool flag();
   bool begins_number();
-  /// The next character that is no blank, taken; 0 at the end.
+  /// Reads the next character that is no blank; 0 at the end.
   char take();
-  /// Takes letters; empty if there are none.
+  /// Reads letters; empty if there are none.
   std::string_view word();
   std::string_view rest() const { return rest_; }
   const Place& place() const { return place_; }
@@ -42,22 +42,22 @@ class SvgScanner {
   Place place_;
 };
 
-/// All numbers of a text. Throws Error (bad_input) if there is anything else.
+/// All numbers of a text. Throws Error (bad_input) if it contains other text.
 std::vector<double> svg_numbers(std::string_view text, const Place& place);
 
-/// A length in px (96 an inch); a percentage is one of `whole_px`. Throws Error (bad_input) for
-/// units of fonts and what is no length.
+/// A length in px (96 an inch); a percentage refers to `whole_px`. Throws Error (bad_input) for
+/// units of fonts and other text.
 double svg_length(std::string_view text, double whole_px, const Place& place);
 
 /// The map of a transform attribute. Throws Error (bad_input).
-Affine svg_transform(std::string_view text, const Place& place);
+geometry::Affine svg_transform(std::string_view text, const Place& place);
 
 /// A rectangle of the page or the user's own units.
 struct SvgBox {
   double x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Fits `view` into `port` as preserveAspectRatio says; empty: centred and whole.
-Affine svg_fit(const SvgBox& view, const SvgBox& port, std::string_view aspect);
+/// Fits `view` into `port` by preserveAspectRatio; empty: centred and whole.
+geometry::Affine svg_fit(const SvgBox& view, const SvgBox& port, std::string_view aspect);
 
 }  // namespace lamplock::model

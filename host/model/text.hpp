@@ -1,5 +1,5 @@
-// Lines, fields and numbers of text formats (OBJ, ASCII STL and PLY, point lists), read the same
-// way whatever the locale. Called by the readers.
+// Lines, fields and numbers of text formats (OBJ, ASCII STL and PLY, point lists), independent of
+// the locale. Called by the readers.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace lamplock::model {
 
-/// Cuts the next line, without its line end (LF or CRLF), off `text`.
+/// Removes the next line, without its line end (LF or CRLF), from `text`.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
-  /// The next line, or nothing at the end of the text.
+  /// The next line; empty at the end of the text.
   std::optional<std::string_view> next();
-  /// Number of the line that next() gave last, from 1.
+  /// Number of the line that next() returned last, from 1.
   std::size_t number() const { return number_; }
 
  private:
@@ -22,15 +22,15 @@ class Lines {
   std::size_t number_ = 0;
 };
 
-/// Cuts the next field, separated by white space (line ends included), off `text`; empty at the
+/// Removes the next field, separated by white space (line ends included), from `text`; empty at the
 /// end.
 std::string_view next_field(std::string_view& text);
 
-/// The whole field as a number (`nan` and `inf` are numbers); nothing if it is not one or does not
+/// The whole field as a number (`nan` and `inf` are numbers); empty if it is not one or does not
 /// fit a double.
 std::optional<double> to_double(std::string_view field);
 
-/// The whole field as an integer; nothing if it is not one.
+/// The whole field as an integer; empty if it is not one.
 std::optional<long long> to_integer(std::string_view field);
 
 }  // namespace lamplock::model

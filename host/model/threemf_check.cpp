@@ -32,11 +32,11 @@ constexpr const char* damaged = "the file is cut off or damaged: export it again
 /// four, a vertex too.
 constexpr std::ptrdiff_t most_marks = 30'000'000;
 
-/// The XML of a part, read as the mesh library reads it. `text` must outlive the call only.
+/// Reads the XML of a part with the parser of the mesh library. `text` must outlive the call only.
 void read_xml(const path& file, const std::string& name, const std::string& text,
               pugi::xml_document& document) {
   if (text.find('\0') != std::string::npos)
-    refuse(file, fmt::format("part '{}' is no text in UTF-8", name), damaged);
+    refuse(file, fmt::format("part '{}' is not valid UTF-8", name), damaged);
   const auto marks =
       std::count(text.begin(), text.end(), '<') + std::count(text.begin(), text.end(), '=');
   if (marks > most_marks)
@@ -44,7 +44,8 @@ void read_xml(const path& file, const std::string& name, const std::string& text
            "reduce the mesh, or export it as binary STL");
   const pugi::xml_parse_result result = document.load_string(text.c_str(), pugi::parse_full);
   if (!result)
-    refuse(file, fmt::format("part '{}' is no sound XML: {}", name, result.description()), damaged);
+    refuse(file, fmt::format("part '{}' is not valid XML: {}", name, result.description()),
+           damaged);
 }
 
 /// The part with the model ("Open Packaging Conventions", ECMA-376 part 2, chapter 9.3).
@@ -65,7 +66,7 @@ std::string model_part(const path& file, const ZipArchive& archive) {
   return part;
 }
 
-/// What ids stand for.
+/// Kinds of resources with ids.
 enum class Kind { object, colours, other };
 
 struct Resource {
@@ -73,7 +74,7 @@ struct Resource {
   int values = 0;  ///< of colours
 };
 
-/// What an error speaks of; made text of only then, because triangles are many.
+/// The subject of an error; converted to text only for an error, because there are many triangles.
 struct Named {
   std::string_view what;
   std::int64_t number = -1;
@@ -87,7 +88,7 @@ struct Named {
   }
 };
 
-/// One model part.
+/// Check of one model part.
 class ModelCheck {
  public:
   ModelCheck(const path& file, xml_node model) : file_(file), model_(model) {}
@@ -106,7 +107,8 @@ class ModelCheck {
 
   xml_node only_child(xml_node node, const char* name, const Named& of) const {
     const xml_node child = node.child(name);
-    if (!child || child.next_sibling(name)) fail(of, fmt::format("has not one <{}>", name));
+    if (!child || child.next_sibling(name))
+      fail(of, fmt::format("must have exactly one <{}>", name));
     return child;
   }
 
@@ -136,7 +138,7 @@ class ModelCheck {
     if (name == "m:texture2dgroup") return {Kind::colours, count(node, "m:tex2coord")};
     if (name != "m:colorgroup") return {Kind::other, 0};
     Resource colours{Kind::colours, 0};
-    // Mesh libraries count only the ones that they understand.
+    // Mesh libraries count only colours that they can parse.
     for (const xml_node colour : node.children("m:color")) {
       const std::string_view text = colour.attribute("color").as_string();
       constexpr std::size_t rgb = 7, rgba = 9;  // with the #
@@ -198,13 +200,13 @@ class ModelCheck {
     }
   }
 
-  /// One that is finite in the single precision of the mesh library, too.
+  /// A number that is finite in the single precision of the mesh library, too.
   static bool is_number(std::string_view text) {
     const auto value = to_double(text);
     return value && std::abs(*value) <= std::numeric_limits<float>::max();
   }
 
-  /// Colours that a node chooses out of a resource.
+  /// Checks the colours that a node selects from a resource.
   void check_colours(xml_node node, std::initializer_list<const char*> choices,
                      const Named& of) const {
     if (!node.attribute("pid")) return;
@@ -221,7 +223,7 @@ class ModelCheck {
   /// The object that an item or a component places.
   int placed_id(xml_node node, const Named& of) const {
     if (node.attribute("p:path"))
-      refuse(file_, of.text() + " stands in another part of the file",
+      refuse(file_, of.text() + " is in another part of the file",
              "export it without the production extension, or as STL");
     if (const pugi::xml_attribute transform = node.attribute("transform"))
       check_transform(transform.as_string(), of);
@@ -260,7 +262,7 @@ void check_3mf(const path& file) {
   pugi::xml_document document;
   read_xml(file, part, archive.unpacked(part), document);
   const xml_node model = document.child("model");
-  if (!model) refuse(file, fmt::format("part '{}' is no model", part), damaged);
+  if (!model) refuse(file, fmt::format("part '{}' is not a model", part), damaged);
   ModelCheck(file, model).check();
 }
 

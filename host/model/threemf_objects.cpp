@@ -12,14 +12,14 @@ namespace {
 
 using std::filesystem::path;
 
-/// As for GLB: more would overflow the stack of the mesh library.
+/// As for GLB: deeper ones would overflow the stack of the mesh library.
 constexpr int max_object_depth = 100;
-/// The mesh library takes more than a kilobyte for each.
+/// The mesh library needs more than a kilobyte for each.
 constexpr std::uint64_t most_objects = 100'000;
 /// 72 bytes each: 1.4 GB.
 constexpr std::uint64_t most_triangles = 20'000'000;
 
-/// An object with all that is in it.
+/// Size of an object with all objects inside.
 struct Whole {
   int depth = 0;
   std::uint64_t objects = 1, triangles = 0;
@@ -51,12 +51,11 @@ class Placed {
   const ThreemfObject& at(int id) const {
     const auto found = objects_.find(id);
     if (found == objects_.end())
-      refuse(file_, fmt::format("there is no object {}, which is to be placed", id),
-             "repair the model");
+      refuse(file_, fmt::format("object {} is placed but does not exist", id), "repair the model");
     return found->second;
   }
 
-  /// Both numbers stay so small that they cannot overflow.
+  /// Both numbers are limited, so that they cannot overflow.
   void add_to(Whole& sum, const Whole& one) const {
     sum.depth = std::max(sum.depth, one.depth + 1);
     sum.objects += one.objects;
@@ -70,13 +69,14 @@ class Placed {
 
   void require_depth(int id, int depth) const {
     if (depth > max_object_depth)
-      refuse(file_, fmt::format("object {} stands in others, deeper than {}", id, max_object_depth),
+      refuse(file_,
+             fmt::format("object {} is nested in others, deeper than {}", id, max_object_depth),
              "join some of them");
   }
 
   const path& file_;
   const ThreemfObjects& objects_;
-  std::map<int, std::optional<Whole>> wholes_;  // nothing: it is being added up
+  std::map<int, std::optional<Whole>> wholes_;  // empty: its sum is being computed
   Whole all_{0, 0, 0};
 };
 

@@ -1,8 +1,7 @@
-// Which objects of a 3MF file stand in which, and what comes of it. Comes in: objects by their ids,
-// each with the ids of those inside it. Goes out: how much the placed objects are, or an Error that
-// names the object that contains itself, stands too deep or is copied too often. Called by the
-// check of 3MF files (threemf_check.hpp), because the mesh library follows the ids by recursion and
-// copies whatever it is told to.
+// Checks the nesting of objects in a 3MF file. In: objects by their ids, each with the ids of those
+// inside. Out: an Error that names an object that contains itself, is nested too deeply or is
+// copied too often. Called by the check of 3MF files (threemf_check.hpp), because the mesh library
+// follows the ids by recursion and makes all copies.
 #pragma once
 
 #include <cstdint>
@@ -19,9 +18,9 @@ struct ThreemfObject {
 };
 using ThreemfObjects = std::map<int, ThreemfObject>;
 
-/// `items`: ids of the objects that are built. Throws Error (bad_input, naming `file`): an id of no
-/// object, an object inside itself, deeper than 100, more than 100 000 placed objects or 20 million
-/// placed triangles. Time linear.
+/// `items`: ids of the objects that are built. Throws Error (bad_input, naming `file`): an unknown
+/// id, an object inside itself, nesting deeper than 100, more than 100 000 placed objects or 20
+/// million placed triangles. Time linear.
 void check_placed(const std::filesystem::path& file, const ThreemfObjects& objects,
                   const std::vector<int>& items);
 

@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "host/error.hpp"
-#include "host/points/vector.hpp"
+#include "host/geometry/vector.hpp"
 
 namespace lamplock::model {
 namespace {
 
-using points::Point;
-using points::radians_per_degree;
+using geometry::Point;
+using geometry::radians_per_degree;
 
-/// What belongs to the corners of triangles follows them.
+/// Exchanges two corners of every triangle, with the data of these corners.
 void exchange_corners(Mesh& mesh) {
   for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   if (!mesh.brightness) return;
@@ -26,10 +26,10 @@ void exchange_corners(Mesh& mesh) {
 
 }  // namespace
 
-Affine turned_about(const Point& axis, double degrees) {
-  if (axis.y == 0 && axis.z == 0) return turned_about_x(axis.x < 0 ? -degrees : degrees);
-  if (axis.x == 0 && axis.z == 0) return turned_about_y(axis.y < 0 ? -degrees : degrees);
-  if (axis.x == 0 && axis.y == 0) return turned_about_z(axis.z < 0 ? -degrees : degrees);
+geometry::Affine turned_about(const Point& axis, double degrees) {
+  if (axis.y == 0 && axis.z == 0) return geometry::turned_about_x(axis.x < 0 ? -degrees : degrees);
+  if (axis.x == 0 && axis.z == 0) return geometry::turned_about_y(axis.y < 0 ? -degrees : degrees);
+  if (axis.x == 0 && axis.y == 0) return geometry::turned_about_z(axis.z < 0 ? -degrees : degrees);
   const Point u = times(axis, 1 / std::hypot(axis.x, axis.y, axis.z));
   const double sine = std::sin(degrees * radians_per_degree);
   const double cosine = std::cos(degrees * radians_per_degree);
@@ -42,25 +42,26 @@ Affine turned_about(const Point& axis, double degrees) {
   return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), {}};
 }
 
-Affine about(const Affine& map, const Point& pivot) {
-  return moved(pivot.x, pivot.y, pivot.z) * map * moved(-pivot.x, -pivot.y, -pivot.z);
+geometry::Affine about(const geometry::Affine& map, const Point& pivot) {
+  return geometry::moved(pivot.x, pivot.y, pivot.z) * map *
+         geometry::moved(-pivot.x, -pivot.y, -pivot.z);
 }
 
-double determinant(const Affine& map) { return dot(map.x, cross(map.y, map.z)); }
+double determinant(const geometry::Affine& map) { return dot(map.x, cross(map.y, map.z)); }
 
-std::optional<Affine> inverse(const Affine& map) {
+std::optional<geometry::Affine> inverse(const geometry::Affine& map) {
   const double volume = determinant(map);
   if (volume == 0 || !std::isfinite(volume)) return std::nullopt;
   // Rows of the inverse matrix are cross products of the columns of the matrix.
   const Point a = times(cross(map.y, map.z), 1 / volume);
   const Point b = times(cross(map.z, map.x), 1 / volume);
   const Point c = times(cross(map.x, map.y), 1 / volume);
-  Affine back{{a.x, b.x, c.x}, {a.y, b.y, c.y}, {a.z, b.z, c.z}, {}};
+  geometry::Affine back{{a.x, b.x, c.x}, {a.y, b.y, c.y}, {a.z, b.z, c.z}, {}};
   back.offset = times(back.turn(map.offset), -1);
   return back;
 }
 
-Affine centring_and_scaling(const Bounds& box, double longest_side_mm) {
+geometry::Affine centring_and_scaling(const Bounds& box, double longest_side_mm) {
   if (!(longest_side_mm > 0) || !std::isfinite(longest_side_mm)) {
     throw Error(Exit::bad_input, "size", fmt::format("{} mm", longest_side_mm),
                 "give the longest side in mm, greater than 0");
@@ -72,25 +73,25 @@ Affine centring_and_scaling(const Bounds& box, double longest_side_mm) {
   }
   const double scale = longest_side_mm / side;
   const Point centre = box.centre();
-  return scaled(scale, scale, scale) * moved(-centre.x, -centre.y, -centre.z);
+  return geometry::scaled(scale, scale, scale) * geometry::moved(-centre.x, -centre.y, -centre.z);
 }
 
 Mesh centred_and_scaled(Mesh mesh, double longest_side_mm) {
-  const Affine map = centring_and_scaling(bounds(mesh.vertices), longest_side_mm);
+  const geometry::Affine map = centring_and_scaling(bounds(mesh.vertices), longest_side_mm);
   return transformed(std::move(mesh), map);
 }
 
-Affine y_up_to_z_up() { return {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}, {}}; }
+geometry::Affine y_up_to_z_up() { return {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}, {}}; }
 
 Mesh y_up_to_z_up(Mesh mesh) { return transformed(std::move(mesh), y_up_to_z_up()); }
 
-Mesh transformed(Mesh mesh, const Affine& map) {
+Mesh transformed(Mesh mesh, const geometry::Affine& map) {
   for (Point& vertex : mesh.vertices) vertex = map(vertex);
   if (determinant(map) < 0) exchange_corners(mesh);
   return mesh;
 }
 
-points::PointCloud transformed(points::PointCloud cloud, const Affine& map) {
+geometry::PointCloud transformed(geometry::PointCloud cloud, const geometry::Affine& map) {
   for (Point& point : cloud) point = map(point);
   return cloud;
 }

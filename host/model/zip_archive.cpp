@@ -13,15 +13,15 @@
 namespace lamplock::model {
 namespace {
 
-/// The mesh library has no room for longer names.
+/// The mesh library's buffer is too small for longer names.
 constexpr std::size_t most_name_bytes = 255;
-/// Text of models is packed to a tenth, at most to a thirtieth where numbers are all alike; zeros
-/// to a thousandth. Small parts may be what they like.
+/// Text of models is compressed to a tenth, with equal numbers at most to a thirtieth; zeros to a
+/// thousandth. Small parts are not limited.
 constexpr std::uint64_t most_packed = 200, small_bytes = 1u << 20;
 
 constexpr const char* damaged_archive = "the file is cut off or damaged: export it again";
 
-/// Names that the mesh library would make others of.
+/// False for names that the mesh library would change.
 bool is_plain(std::string_view name) {
   return !name.starts_with('.') && !name.starts_with('/') &&
          name.find('\\') == std::string_view::npos && name.find("/..") == std::string_view::npos &&
@@ -34,7 +34,7 @@ void ZipArchive::Close::operator()(void* archive) const { unzClose(archive); }
 
 ZipArchive::ZipArchive(const std::filesystem::path& file)
     : file_(file), archive_(unzOpen64(file.c_str())) {
-  if (!archive_) refuse(file_, "no ZIP archive, which a 3MF is", damaged_archive);
+  if (!archive_) refuse(file_, "not a ZIP archive, as a 3MF must be", damaged_archive);
   read_directory();
 }
 
@@ -49,7 +49,7 @@ void ZipArchive::read_directory() {
                                 nullptr, 0) != UNZ_OK)
       break;
     if (info.size_filename > most_name_bytes)
-      refuse(file_, fmt::format("a part with a name of {} letters", info.size_filename),
+      refuse(file_, fmt::format("a part has a name of {} letters", info.size_filename),
              "export it with shorter names");
     const ZipPart part{
         {name.data(), info.size_filename}, info.uncompressed_size, info.compressed_size};
@@ -70,8 +70,8 @@ void ZipArchive::read_directory() {
 
 void ZipArchive::check(const ZipPart& part) const {
   if (!is_plain(part.name))
-    refuse(file_, fmt::format("a part with the name '{}'", part.name), "export it again");
-  // Written so that no sum overflows, whatever the directory says.
+    refuse(file_, fmt::format("a part has the unsafe name '{}'", part.name), "export it again");
+  // Written so that no sum overflows for any values in the directory.
   if (part.bytes > most_unpacked_bytes)
     refuse(file_,
            fmt::format("part '{}' unpacks to {} MB, more than {}", part.name, part.bytes >> 20,

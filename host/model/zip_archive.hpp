@@ -1,9 +1,8 @@
-// ZIP archives, as far as 3MF files are ones. Comes in: a file. Goes out: its parts by name, and
-// the bytes of a part, when it is sure that they do not fill the memory. Called by the check of
-// 3MF files (threemf_check.hpp).
+// ZIP archives of 3MF files. In: a file. Out: its parts by name, and the bytes of a part after a
+// check that they do not fill the memory. Called by the check of 3MF files (threemf_check.hpp).
 //
-// Archives are read with minizip, as the mesh library reads them: so nothing that was checked here
-// can look different there.
+// Archives are read with minizip, like in the mesh library, so that it reads the same data that
+// were checked here.
 #pragma once
 
 #include <cstdint>
@@ -14,21 +13,21 @@
 
 namespace lamplock::model {
 
-/// All parts of an archive together, bytes: a mesh of about three million triangles, which the
-/// mesh library needs 2 GB for.
+/// Maximum bytes of all parts of an archive: a mesh of about three million triangles, for which the
+/// mesh library needs 2 GB.
 inline constexpr std::uint64_t most_unpacked_bytes = 256u << 20;
 
 /// A file in an archive.
 struct ZipPart {
   std::string name;
-  std::uint64_t bytes = 0, packed_bytes = 0;  ///< as the directory says
+  std::uint64_t bytes = 0, packed_bytes = 0;  ///< by the directory
 };
 
 class ZipArchive {
  public:
   /// Reads the directory. Throws Error (bad_input, naming `file`): no archive, cut off, names that
-  /// stand twice or that two programs could read differently, more bytes than above, a part that is
-  /// nothing but repetition.
+  /// occur twice or that two programs could read differently, more bytes than above, a part with an
+  /// impossible compression ratio.
   explicit ZipArchive(const std::filesystem::path& file);
 
   /// The bytes of a part. Throws Error (bad_input) if there is none of that name, if it is

@@ -8,43 +8,43 @@
 #include <span>
 #include <vector>
 
+#include "host/geometry/random.hpp"
 #include "host/order/cone.hpp"
 #include "host/order/cost.hpp"
 #include "host/order/layers.hpp"
 #include "host/order/local_search.hpp"
 #include "host/order/permute.hpp"
-#include "host/points/random.hpp"
 
 namespace lamplock::order {
 namespace {
 
-using points::Point;
+using geometry::Point;
 using Node = std::uint32_t;
 using Place = std::int32_t;  // in a stretch
 
-// Numbers tried on the torus of docs/ordering.md at 100 Hz and 2 m/s2; its other clouds, and some
-// of other sizes and shapes, were only looked at afterwards.
+// Values tuned on the torus of docs/ordering.md at 100 Hz and 2 m/s2; its other clouds, and clouds
+// of other sizes and shapes, were used as a check only.
 
 // Points of a stretch.
 constexpr std::size_t stretch_points = 4000;
-// The second pass takes stretches that begin in the middle of those of the first.
+// Stretches of the second pass begin in the middle of those of the first.
 constexpr std::size_t passes = 2;
-// Points on either side of a change that are planned anew, as in the local search; as many at the
-// ends of a stretch stay where they are.
+// Points on either side of a change that are planned again, as in the local search; as many at the
+// ends of a stretch keep their places.
 constexpr Place window = 6;
-// The longest piece that is turned round: 50 leaves 0.4 % more beats, 1000 save none.
+// The longest piece that is reversed: 50 leaves 0.4 % more beats, 1000 saves none.
 constexpr Place longest_turned = 300;
-// The longest pieces that are moved elsewhere, how many moves are of such, and how far they go.
+// Maximum lengths of long and short moved pieces, maximum distance; share of moves of long pieces.
 constexpr Place longest_moved = 100, short_moved = 3, longest_way = 1000;
 constexpr double long_share = 0.3;
 // Exchanges that are tried for each node in a round.
 constexpr int tries = 4;
-// The temperature at the beginning and at the end, beats: what an exchange may waste.
+// The temperature at the beginning and at the end, in beats that an exchange may waste.
 constexpr double hot = 0.15, cold = 0.05;
-// What the cost of a tour counts beside a beat of the model, and by how much worse it may get.
+// Weight of the cost of a tour against a beat of the model, and the maximum rise of the cost.
 constexpr double cost_weight = 0.3, most_loss = 1.5;
 
-/// Places first .. first + count - 1 of the path, maybe gone backwards.
+/// Places first .. first + count - 1 of the path, maybe reversed.
 struct AnnealedPiece {
   Place first = 0, count = 0;
   bool turned = false;
@@ -53,7 +53,7 @@ struct AnnealedPiece {
 };
 using AnnealedPieces = std::array<AnnealedPiece, 2>;
 
-/// Two pieces that follow each other, and what is to stand in their place. The second may be empty.
+/// Two consecutive pieces, and the pieces that replace them. The second may be empty.
 struct Exchange {
   AnnealedPieces now{}, then{};
   Place first = 0, end = 0;  // of both
@@ -78,7 +78,7 @@ class Stretch {
     std::iota(place_.begin(), place_.end(), 0);
   }
 
-  /// The numbers of the points in the best order that was found.
+  /// The numbers of the points in the best order found.
   Indices run() {
     Indices best = path_;
     long fewest = find_wasted();
@@ -89,7 +89,7 @@ class Stretch {
       for (const Node node : wasted_) {
         for (int i = 0; i < tries; ++i) try_one(node);
       }
-      // A round costs time even if nothing was worth asking.
+      // A round costs time even if it never asks the model.
       constexpr std::size_t nodes_an_ask = 8;
       left -= std::min(left, std::max(asked_, wasted_.size() / nodes_an_ask + 1));
       const long beats = find_wasted();
@@ -123,7 +123,7 @@ class Stretch {
     return sum;
   }
 
-  /// Brings a node beside one of its neighbours.
+  /// Tries to place a node beside one of its neighbours.
   void try_one(Node a) {
     const auto near = neighbours_.of(a);
     const Place p = place_[a],
@@ -138,23 +138,24 @@ class Stretch {
     }
   }
 
-  /// Turns the piece between two places round (2-opt).
+  /// Considers reversing the piece between two places (2-opt).
   void turn(Place first, Place last) {
     const Place count = last - first + 1;
     if (count < 2 || count > longest_turned) return;
     consider({{{{first, count, false}, {}}}, {{{first, count, true}, {}}}, first, last + 1});
   }
 
-  /// Moves a piece that begins or ends at p so that its node at p stands beside that at q.
+  /// Considers moving a piece that begins or ends at p so that its node at p follows or precedes
+  /// the node at q.
   void move(Place p, Place q) {
     const bool is_long = random_.uniform() < long_share;
     const Place most = is_long ? longest_moved : short_moved;
     const Place count = 1 + random_below(static_cast<std::size_t>(most));
-    const bool ahead = random_below(2) == 1, behind_q = random_below(2) == 1;
+    const bool ahead = random_below(2) == 1, after_q = random_below(2) == 1;
     const Place first = ahead ? p : p - count + 1, end = first + count;
-    const Place gap = behind_q ? q + 1 : q;  // the piece goes before this place
+    const Place gap = after_q ? q + 1 : q;  // the piece goes before this place
     if (gap >= first && gap <= end) return;
-    const AnnealedPiece piece{first, count, false}, moved{first, count, ahead != behind_q};
+    const AnnealedPiece piece{first, count, false}, moved{first, count, ahead != after_q};
     const AnnealedPiece way =
         gap > end ? AnnealedPiece{end, gap - end} : AnnealedPiece{gap, first - gap};
     if (way.count > longest_way) return;
@@ -176,7 +177,7 @@ class Stretch {
     if (keeps_rule(exchange)) carry_out(exchange);
   }
 
-  /// Looks at all pairs of points of which the second would come first.
+  /// Checks all pairs of points whose order would be reversed.
   bool keeps_rule(const Exchange& exchange) const {
     for (const AnnealedPiece& piece : exchange.then) {
       if (!piece.turned) continue;
@@ -189,7 +190,7 @@ class Stretch {
     return true;
   }
 
-  /// Whether a defect there shadows a point of the piece.
+  /// True if a defect at place `upper` shadows a point of the piece.
   bool shadows_any(Place upper, const AnnealedPiece& piece) const {
     const Point& apex = at(upper);
     for (Place i = piece.first; i < piece.first + piece.count; ++i)
@@ -208,8 +209,8 @@ class Stretch {
     }
   }
 
-  /// Visits the points of pieces and `around` so many on either side, with how many were visited
-  /// before that follow each other: the middles of long pieces are left out.
+  /// Visits the points of pieces and `around` points on either side, each with the number of
+  /// consecutive points visited before it: the middles of long pieces are left out.
   template <class Visit>
   void walk(const Exchange& exchange, const AnnealedPieces& pieces, Place around,
             Visit&& visit) const {
@@ -266,10 +267,10 @@ class Stretch {
   Indices path_;  // nodes by their places, and the other way round
   std::vector<Place> place_;
   std::vector<Node> wasted_, changed_;
-  points::Random random_;
+  geometry::Random random_;
 };
 
-/// Where the stretches of a pass begin; none is shorter than half of the others.
+/// Begins of the stretches of a pass; none is shorter than half of the others.
 Starts stretches(std::size_t points, std::size_t pass) {
   Starts starts{0};
   constexpr std::size_t half = stretch_points / 2;
@@ -279,15 +280,15 @@ Starts stretches(std::size_t points, std::size_t pass) {
   return starts;
 }
 
-/// How far a way has come that is gone point by point.
+/// State of the model at a point of a path.
 struct Ride {
   PlanState state{};
   long beats = 0;
 };
 
-/// A stretch was planned from any speed to any other, with some points on either side that stay.
-/// The speeds that it is really come into and left with may make the whole order longer all the
-/// same: such stretches become again what they were `before`.
+/// A stretch was planned from any speed to any other, with some fixed points on either side. With
+/// the real speeds at its begin and end the whole order may still take more beats: such stretches
+/// are restored from `before`.
 void take_back_waste(std::span<const Point> before, std::span<Point> order, const Starts& starts,
                      const BeatModel& model) {
   const auto go = [&model](Ride& ride, std::span<const Point> path, std::size_t to) {
@@ -303,7 +304,7 @@ void take_back_waste(std::span<const Point> before, std::span<Point> order, cons
       go(was, before, i);
     }
     const Ride was_there = was, now_there = now;
-    // What is behind is the same until its own turn.
+    // The later stretches are unchanged so far.
     for (; i < before.size() && was.state != now.state; ++i) {
       go(now, before, i);
       go(was, before, i);
@@ -319,11 +320,12 @@ void take_back_waste(std::span<const Point> before, std::span<Point> order, cons
 
 }  // namespace
 
-void anneal(points::PointCloud& order, const BeatModel& model, double tangent, double asked_a_point,
-            unsigned threads, const std::function<void(std::size_t)>& progress) {
+void anneal(geometry::PointCloud& order, const BeatModel& model, double tangent,
+            double asked_a_point, unsigned threads,
+            const std::function<void(std::size_t)>& progress) {
   constexpr std::size_t fewest_points = 5 * window;
   for (std::size_t pass = 0; pass < passes; ++pass) {
-    const points::PointCloud before = order;
+    const geometry::PointCloud before = order;
     const Starts starts = stretches(order.size(), pass);
     const auto work = [&](std::span<Point> path) {
       if (path.size() < fewest_points) return;

@@ -3,24 +3,24 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/points/limits.hpp"
+#include "host/geometry/limits.hpp"
 
 namespace lamplock::order {
 namespace {
 
-// Of one step: weeks at 100 Hz. Keeps what is not finite out of conversions.
+// Limit for one step: weeks at 100 Hz. Keeps infinite values out of conversions.
 constexpr int most_beats = 100'000'000;
 
 // Units of one axis: acceleration limit 1, time in beats; `limit` is that of the speed.
 
-/// The least start speed from which a way can be gone in time; |way| <= limit * time.
+/// The minimum start speed for a displacement `way` in `time`; |way| <= limit * time.
 double least_start(double way, double time, double limit) {
   const double speed = way / time - time / 2;
   if (speed + time <= limit) return speed;
   return limit - std::sqrt(std::max(0.0, 2 * (limit * time - way)));
 }
 
-/// The highest end speed of a way that starts with `speed`: first as slow as will do, then at full
+/// The maximum end speed of a displacement that starts with `speed`: first slow, then at full
 /// acceleration.
 double highest_end(double speed, double way, double time, double limit) {
   const double gain = -time + std::sqrt(std::max(0.0, 2 * time * time + 4 * (way - speed * time)));
@@ -51,14 +51,14 @@ double width(const SpeedBox& box) {
 }  // namespace
 
 BeatModel::BeatModel(const Motion& motion) {
-  points::require_positive(motion.beat_s, "order", "the beat in seconds");
+  geometry::require_positive(motion.beat_s, "order", "the beat in seconds");
   for (std::size_t a = 0; a < 3; ++a) {
-    points::require_positive(motion.accel_mm_s2[a], "order", "the acceleration of an axis");
-    points::require_positive(motion.speed_mm_s[a], "order", "the speed of an axis");
+    geometry::require_positive(motion.accel_mm_s2[a], "order", "the acceleration of an axis");
+    geometry::require_positive(motion.speed_mm_s[a], "order", "the speed of an axis");
     unit_mm_[a] = motion.accel_mm_s2[a] * motion.beat_s * motion.beat_s;
     per_mm_[a] = 1 / unit_mm_[a];
     limit_[a] = motion.speed_mm_s[a] * motion.beat_s * per_mm_[a];
-    points::require_positive(per_mm_[a], "order", "acceleration times beat squared");
+    geometry::require_positive(per_mm_[a], "order", "acceleration times beat squared");
   }
 }
 
@@ -91,12 +91,12 @@ int BeatModel::least_beats(const SpeedBox& speeds, const Way& way) const {
   return static_cast<int>(std::min(std::ceil(least * (1 - rounding)), double{most_beats}));
 }
 
-/// The fewest beats from `first` on in which the way can be gone, and the speeds behind it.
+/// The minimum number of beats, at least `first`, for the displacement, and the speeds after it.
 int BeatModel::feasible_beats(const SpeedBox& speeds, const Way& way, int first,
                               SpeedBox& to) const {
   if (reach(speeds, way, first, to)) return first;
   const int least = std::max(first + 1, least_beats(speeds, way));
-  // From any speed an axis can stop and come back. Long ways need not be known to the beat.
+  // From any speed an axis can stop and return. Long times need not be exact to the beat.
   constexpr int exact_up_to = 32;
   int beats = least;
   for (; beats < most_beats; beats += std::max(1, beats / exact_up_to)) {
@@ -106,12 +106,13 @@ int BeatModel::feasible_beats(const SpeedBox& speeds, const Way& way, int first,
   return beats;
 }
 
-int BeatModel::step(PlanState& state, const points::Point& from, const points::Point& to) const {
+int BeatModel::step(PlanState& state, const geometry::Point& from,
+                    const geometry::Point& to) const {
   const Way way{(to.x - from.x) * per_mm_[0], (to.y - from.y) * per_mm_[1],
                 (to.z - from.z) * per_mm_[2]};
   SpeedBox least, late;
   const int beats = feasible_beats(state.least, way, 1, least);
-  // A beat more: spent here, or spent before.
+  // Plans with one more beat: spent in this step, or before it.
   const bool here = reach(state.least, way, beats + 1, late);
   if (state.has_late) {
     SpeedBox before;
@@ -131,7 +132,7 @@ int BeatModel::step(PlanState& state, const points::Point& from, const points::P
   return beats;
 }
 
-long BeatModel::beats(std::span<const points::Point> order) const {
+long BeatModel::beats(std::span<const geometry::Point> order) const {
   PlanState state;
   long sum = 0;
   for (std::size_t i = 1; i < order.size(); ++i) sum += step(state, order[i - 1], order[i]);

@@ -9,8 +9,8 @@
 namespace lamplock::order {
 namespace {
 
-using points::Bounds;
-using points::Point;
+using geometry::Bounds;
+using geometry::Point;
 
 struct Cone {
   Point from;
@@ -32,17 +32,17 @@ struct Cone {
 template <class Metric>
 std::vector<std::uint32_t> cheapest_first(std::span<const Point> points, Metric metric,
                                           double tangent, const Ordered& ordered) {
-  constexpr std::size_t told_every = 4096;
+  constexpr std::size_t report_interval = 4096;
   RestTree rest(points);
   std::vector<std::uint32_t> fired;
   fired.reserve(points.size());
-  std::size_t told = 0;
+  std::size_t reported = 0;
   while (!rest.empty()) {
     fire(rest, points, rest.cheapest(metric), tangent, fired);
     metric.from = points[fired.back()];
-    if (!ordered || fired.size() - told < told_every) continue;
-    told = fired.size();
-    ordered(told);
+    if (!ordered || fired.size() - reported < report_interval) continue;
+    reported = fired.size();
+    ordered(reported);
   }
   return fired;
 }

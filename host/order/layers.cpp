@@ -12,10 +12,10 @@
 namespace lamplock::order {
 namespace {
 
-using points::Point;
-using points::PointCloud;
+using geometry::Point;
+using geometry::PointCloud;
 
-// Planes of a discretiser that lie on the boundary of layers must not be parted by rounding.
+// Rounding must not divide planes of a discretiser on the boundary of layers.
 constexpr double rounding = 1e-6;
 
 bool lower(const Point& p, const Point& q) { return p.z < q.z; }
@@ -41,7 +41,7 @@ Starts starts_where(std::size_t points, const auto& begins) {
 }  // namespace
 
 double usual_spacing_mm(const PointCloud& cloud) {
-  constexpr std::size_t most_asked = 20'000;  // in a row, so that their neighbours are there too
+  constexpr std::size_t most_asked = 20'000;  // consecutive, so that their neighbours are included
   const std::size_t count = std::min(cloud.size(), most_asked);
   const std::size_t first = (cloud.size() - count) / 2;
   const std::span<const Point> part = std::span(cloud).subspan(first, count);
@@ -77,7 +77,7 @@ Starts sort_into_fitting_layers(PointCloud& cloud, double tangent) {
   const double cosine = 1 / std::sqrt(1 + tangent * tangent);
   const double layer_mm = usual_spacing_mm(cloud) * cosine;
   const double height = cloud.back().z - cloud.front().z;
-  // Points in the same place say nothing about a thickness: then as in a solid lattice.
+  // Coincident points give no thickness: the fallback is that of a solid lattice.
   const double fallback = height / std::cbrt(static_cast<double>(cloud.size()));
   return sort_into_layers(cloud, layer_mm > height * 1e-9 ? layer_mm : fallback);
 }
@@ -97,7 +97,7 @@ void for_each_layer(PointCloud& cloud, const Starts& starts, unsigned threads,
         if (report && progress) progress(done);
       }
     } catch (...) {
-      next = layers;  // the others finish the layer they are in
+      next = layers;  // the other threads finish their layers
       const std::scoped_lock lock(failing);
       if (!failed) failed = std::current_exception();
     }

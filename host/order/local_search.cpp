@@ -9,32 +9,34 @@ namespace lamplock::order {
 namespace {
 
 using Node = std::uint32_t;
-using Slot = std::int64_t;  // in the tour, taken modulo its length
+using Slot = std::int64_t;  // in the tour, modulo its length
 
-// The longest piece of the tour that one exchange may turn round: bounds the time of an exchange.
+// The longest piece of the tour that one exchange may reverse: bounds the time of an exchange.
 constexpr Slot longest_piece = 1000;
-// The longest piece that is moved elsewhere (Or-opt).
+// The longest piece that is moved (Or-opt).
 constexpr Slot max_moved = 3;
 // Gains below this are rounding, and would let exchanges undo each other.
 constexpr double least_gain = 1e-9;
 
-// Of the search judged by the planner's model.
-// Points on either side of a changed edge that are planned anew; further away a change is not felt.
+// For the search by the planner's model:
+// Points on either side of a changed edge that are planned again; a change has no effect further
+// on.
 constexpr Slot search_window = 6;
-// An exchange that the cost finds worse by more than this is not worth asking the model.
+// The model is not asked about an exchange whose cost is worse by more than this.
 constexpr double max_search_loss = 1.5;
-// What the cost counts beside a beat of the model: it knows better what helps the next exchange.
+// Weight of the cost against a beat of the model: the cost predicts better which exchanges are
+// possible next.
 constexpr double search_cost_weight = 0.1;
-// The least that must be saved, beats.
+// The minimum saving, beats.
 constexpr double least_saving = 1e-3;
-// Windows are no exact measure of the whole, so exchanges might go round in circles.
+// Windows measure the whole tour only roughly, so exchanges might repeat for ever.
 constexpr std::size_t most_rounds = 30;
 
 class LocalSearch {
  public:
-  /// An open tour is a closed one with one more node to and from which every way is free.
-  LocalSearch(std::span<const points::Point> points, const Neighbours& neighbours, Closing closing,
-              const TourCost& cost, std::vector<Node>& tour)
+  /// An open tour is a closed one with one more node whose edges cost nothing.
+  LocalSearch(std::span<const geometry::Point> points, const Neighbours& neighbours,
+              Closing closing, const TourCost& cost, std::vector<Node>& tour)
       : points_(points),
         cost_(cost),
         neighbours_(neighbours),
@@ -53,7 +55,7 @@ class LocalSearch {
     cut_at_free_node();
   }
 
-  /// The same where beats are wasted, judged by the model.
+  /// The same where beats are wasted, by the model.
   void run_judged(const BeatModel& model, std::size_t most_asked) {
     judge_ = &model;
     asks_left_ = most_asked;
@@ -115,8 +117,7 @@ class LocalSearch {
     }
   }
 
-  /// A piece of the tour in a new place: nodes counted from the place and in the direction of an
-  /// exchange.
+  /// A piece of the tour: nodes counted from the place and in the direction of an exchange.
   struct Piece {
     Slot first = 0, count = 0;
     bool turned = false;
@@ -146,23 +147,23 @@ class LocalSearch {
     return sum;
   }
 
-  /// Whether an exchange that saves `gain` of the cost is to be made: the pieces `now` of the tour,
-  /// which end before node `end`, would follow each other as `then`.
+  /// Decides on an exchange that saves `gain` of the cost: the consecutive pieces `first` and
+  /// `second`, which end before node `end`, become `moved_first` and `moved_second`.
   bool accepts(double gain, Slot from, Slot step, Slot end, const Piece& first, const Piece& second,
                const Piece& moved_first, const Piece& moved_second) {
     if (judge_ == nullptr) return gain >= least_gain;
     if (gain < -max_search_loss || exhausted()) return false;
     --asks_left_;
     const Slot around = std::min(search_window, (size_ - end) / 2);
-    const Piece ahead{-around, around}, behind{end, around};
-    const int saved = beats(from, step, {ahead, first, second, behind}) -
-                      beats(from, step, {ahead, moved_first, moved_second, behind});
+    const Piece before{-around, around}, after{end, around};
+    const int saved = beats(from, step, {before, first, second, after}) -
+                      beats(from, step, {before, moved_first, moved_second, after});
     return saved + search_cost_weight * gain >= least_saving;
   }
 
   bool exhausted() const { return judge_ != nullptr && asks_left_ == 0; }
 
-  /// By how much an exchange may seem worse before it is left out unasked.
+  /// Rise of the cost above which an exchange is rejected without the model.
   double loss() const { return judge_ != nullptr ? max_search_loss : 0; }
 
   bool try_node(Node a) {
@@ -170,7 +171,7 @@ class LocalSearch {
       const Slot p = place_[a];
       const double now = joint(at(p - step), a, at(p + step), at(p + 2 * step));
       for (const Node c : neighbours_.of(a)) {
-        if (edge(a, c) >= now + loss()) break;  // the new edge alone costs more than what goes
+        if (edge(a, c) >= now + loss()) break;  // the new edge alone costs more than is saved
         if (try_two_opt(p, place_[c], step, now)) return true;
       }
     }
@@ -190,11 +191,11 @@ class LocalSearch {
     const Node before_c = at(q - step), after_d = at(q + 2 * step);
     const double gain = now_p + joint(before_c, c, d, after_d) - joint(before_a, a, c, before_c) -
                         joint(after_b, b, d, after_d);
-    const Slot turned = wrap((q - p) * step);  // nodes behind p, up to q
+    const Slot turned = wrap((q - p) * step);  // nodes after p, up to q
     if (!accepts(gain, wrap(p + step), step, turned, {0, turned}, {}, {0, turned, true}, {}))
       return false;
     Slot first = step > 0 ? wrap(p + 1) : q, last = step > 0 ? q : wrap(p - 1);
-    if (piece(first, last) > size_ / 2) {  // the rest of the circle turned round is the same tour
+    if (piece(first, last) > size_ / 2) {  // reversing the rest of the circle gives the same tour
       std::swap(first, last);
       first = wrap(first + 1);
       last = wrap(last - 1);
@@ -213,7 +214,7 @@ class LocalSearch {
     const Node before_u = at(p - 2 * step), after_w = at(p + step * (length + 1));
     const Node second = length > 1 ? at(p + step) : w;
     const Node last_but_one = length > 1 ? at(p + step * (length - 2)) : u;
-    // All edges and turns that touch the piece from outside; a single node turns only once.
+    // All edges and turns between the piece and the rest; a single node has only one turn.
     double now = joint(before_u, u, a, second) + joint(last_but_one, end, w, after_w);
     if (length == 1) now -= turn(u, a, w);
     const double freed = now - joint(before_u, u, w, after_w);
@@ -241,17 +242,17 @@ class LocalSearch {
     return false;
   }
 
-  /// Carries out a move if the gap that the piece jumps over is short enough.
+  /// Makes a move if the gap that the piece jumps over is short enough.
   bool move(Slot p, Slot length, Slot step, Slot q, Slot side) {
     const Slot first = step > 0 ? p : wrap(p - length + 1), last = wrap(first + length - 1);
     const Slot low = side > 0 ? q : wrap(q - 1);  // the piece goes between low and low + 1
-    const Slot ahead = wrap(low - last), behind = wrap(first - low - 1);
-    if (std::min(ahead, behind) > longest_piece) return false;
+    const Slot forward = wrap(low - last), backward = wrap(first - low - 1);
+    if (std::min(forward, backward) > longest_piece) return false;
     const bool turned = step != side;
-    if (ahead <= behind) {
-      reverse(first, low);  // piece, gap -> gap reversed... and both are put right again
-      reverse(first, wrap(first + ahead - 1));
-      if (!turned) reverse(wrap(first + ahead), low);
+    if (forward <= backward) {
+      reverse(first, low);  // swaps piece and gap, both reversed; each is then reversed again
+      reverse(first, wrap(first + forward - 1));
+      if (!turned) reverse(wrap(first + forward), low);
     } else {
       const Slot begin = wrap(low + 1);
       reverse(begin, last);
@@ -261,7 +262,7 @@ class LocalSearch {
     return true;
   }
 
-  /// Nodes from place `first` on to place `last`, round the end if need be.
+  /// Number of nodes from place `first` to place `last`, across the end if necessary.
   Slot piece(Slot first, Slot last) const { return wrap(last - first) + 1; }
 
   void reverse(Slot first, Slot last) {
@@ -281,7 +282,7 @@ class LocalSearch {
     tour_.erase(tour_.begin());
   }
 
-  std::span<const points::Point> points_;
+  std::span<const geometry::Point> points_;
   const TourCost cost_;
   const Neighbours& neighbours_;
   Node free_node_;
@@ -296,14 +297,14 @@ class LocalSearch {
 
 }  // namespace
 
-void improve(std::span<const points::Point> points, const Neighbours& neighbours, Closing closing,
+void improve(std::span<const geometry::Point> points, const Neighbours& neighbours, Closing closing,
              const TourCost& cost, std::vector<std::uint32_t>& tour) {
   constexpr std::size_t too_few_to_improve = 5;
   if (points.size() < too_few_to_improve) return;
   LocalSearch(points, neighbours, closing, cost, tour).run();
 }
 
-void save_beats(std::span<const points::Point> points, const Neighbours& neighbours,
+void save_beats(std::span<const geometry::Point> points, const Neighbours& neighbours,
                 Closing closing, const BeatModel& model, std::size_t most_asked,
                 std::vector<std::uint32_t>& tour) {
   if (points.size() < 2 * static_cast<std::size_t>(search_window)) return;

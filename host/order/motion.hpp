@@ -1,5 +1,5 @@
-// What the machine can do, as far as an order has to know it. Comes in: limits of the three axes
-// and the beat. Called by whoever orders; the default is the default machine profile.
+// Limits of the machine that an order depends on: those of the three axes, and the beat. Used by
+// all orderings; the default is the default machine profile.
 #pragma once
 
 #include <array>

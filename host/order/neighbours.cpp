@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <array>
 
+#include "host/geometry/kd_tree.hpp"
 #include "host/order/local_search.hpp"
-#include "host/points/kd_tree.hpp"
 
 namespace lamplock::order {
 namespace {
@@ -11,11 +11,11 @@ constexpr std::size_t most_neighbours = 10;
 
 }  // namespace
 
-Neighbours find_neighbours(std::span<const points::Point> points, std::size_t count) {
+Neighbours find_neighbours(std::span<const geometry::Point> points, std::size_t count) {
   Neighbours neighbours;
   neighbours.per_point = std::min({most_neighbours, count, points.empty() ? 0 : points.size() - 1});
   neighbours.list.reserve(points.size() * neighbours.per_point);
-  const auto tree = points::kd_tree_of(points);
+  const auto tree = geometry::kd_tree_of(points);
   std::array<std::uint32_t, most_neighbours + 1> index{};
   std::array<double, most_neighbours + 1> squared{};
   for (std::uint32_t i = 0; i < points.size(); ++i) {

@@ -10,30 +10,29 @@
 #include <vector>
 
 #include "host/error.hpp"
+#include "host/geometry/limits.hpp"
 #include "host/order/anneal.hpp"
+#include "host/order/clusters.hpp"
 #include "host/order/cost.hpp"
-#include "host/order/cut.hpp"
+#include "host/order/layer_joins.hpp"
 #include "host/order/layers.hpp"
-#include "host/order/parts.hpp"
+#include "host/order/open_tour.hpp"
 #include "host/order/permute.hpp"
-#include "host/order/pieces.hpp"
 #include "host/order/serpentine.hpp"
 #include "host/order/shadow.hpp"
 #include "host/order/tour.hpp"
-#include "host/points/limits.hpp"
 
 namespace lamplock::order {
 namespace {
 
-using points::Point;
-using points::PointCloud;
+using geometry::Point;
+using geometry::PointCloud;
 
-/// Puts a layer so that it goes on well after what is fired before it, or from where the machine
-/// stands if that is nothing.
+/// Fits a layer to the points fired before it, or to the position of the machine if there are none.
 using Fit =
     std::function<void(std::span<Point> layer, std::span<const Point> before, const Point& from)>;
 
-/// Goes strips from the end that is nearer.
+/// Begins strips at the nearer end.
 void turn_to(std::span<Point> strips, std::span<const Point> before, const Point& from) {
   const Point& last = before.empty() ? from : before.back();
   if (distance(last, strips.back()) < distance(last, strips.front()))
@@ -46,14 +45,14 @@ Fit cut_by(const TourCost& cost) {
   };
 }
 
-/// How often `best` may ask the model for a point: what a million points can have within 20 s on
-/// two cores beside the annealing; small clouds more, as often as helps.
+/// Evaluations of the model per point for `best`: for a million points those possible within 20 s
+/// on two cores beside the annealing; for small clouds more, up to the useful maximum.
 std::size_t asked_a_point(std::size_t points) {
   constexpr std::size_t asked_in_all = 2'000'000, fewest = 2, most = 200;
   return std::clamp<std::size_t>(asked_in_all / points, fewest, most);
 }
 
-/// The same for the annealing of the whole order, which asks slower and saves more.
+/// The same for the annealing of the whole order, whose evaluations are slower and save more.
 double annealed_a_point(std::size_t points) {
   constexpr double asked_in_all = 560e3, fewest = 0.35, most = 40;
   return std::clamp(asked_in_all / static_cast<double>(points), fewest, most);
@@ -97,14 +96,14 @@ class Run {
   void nearest() {
     const Starts starts = sort_into_layers(cloud_, options_.layer_mm);
     Point from = options_.start;
-    const auto told = tell(0, 1);
+    const auto report = tell(0, 1);
     for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
       const std::span<Point> layer =
           std::span(cloud_).subspan(starts[i], starts[i + 1] - starts[i]);
       permute(layer, nearest_first(layer, from, tangent_,
-                                   [&](std::size_t done) { told(starts[i] + done); }));
+                                   [&](std::size_t done) { report(starts[i] + done); }));
       from = layer.back();
-      told(starts[i + 1]);
+      report(starts[i + 1]);
     }
   }
 
@@ -114,8 +113,8 @@ class Run {
   }
 
  private:
-  /// Arranges each layer, lets each go on where the one below ended, and mends what breaks the rule
-  /// inside it. `end` is the progress behind it.
+  /// Arranges each layer, fits each to the end of the one below, and repairs violations of the
+  /// shadow rule inside it. `end` is the progress after it.
   void by_layers(const Starts& starts, const LayerWork& arrange_layer, const Fit& fit, double end) {
     constexpr double arranged_part = 0.95;
     for_each_layer(cloud_, starts, options_.threads, arrange_layer, tell(0, arranged_part * end));
@@ -129,7 +128,7 @@ class Run {
         tell(arranged_part * end, end));
   }
 
-  /// Told points done, tells progress from `first` to `last`.
+  /// A function that converts points done to progress from `first` to `last` and reports it.
   std::function<void(std::size_t)> tell(double first, double last) const {
     return [this, first, last](std::size_t done) {
       if (!options_.progress) return;
@@ -144,8 +143,8 @@ class Run {
 };
 
 void check(const PointCloud& cloud, const OrderOptions& options) {
-  points::require_count(static_cast<double>(cloud.size()), "order");
-  points::require_positive(options.layer_mm, "order", "layer thickness");
+  geometry::require_count(static_cast<double>(cloud.size()), "order");
+  geometry::require_positive(options.layer_mm, "order", "layer thickness");
   cone_tangent(options.half_angle_deg);
   require_coordinates(cloud);
   for (const double weight : {options.cone.up, options.cone.down}) {

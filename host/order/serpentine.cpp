@@ -5,12 +5,12 @@
 #include <tuple>
 #include <vector>
 
-#include "host/points/bounds.hpp"
+#include "host/geometry/bounds.hpp"
 
 namespace lamplock::order {
 namespace {
 
-using points::Point;
+using geometry::Point;
 using Coordinate = double Point::*;
 
 /// A point and the strip it lies in.
@@ -27,7 +27,7 @@ std::size_t distinct(std::span<const Point> layer, Coordinate coordinate) {
   return static_cast<std::size_t>(std::unique(values.begin(), values.end()) - values.begin());
 }
 
-/// Whether rows of equal `across` hold several points each.
+/// True if rows of equal `across` have several points each.
 bool has_rows(std::span<const Point> layer, Coordinate across) {
   constexpr std::size_t fewest_in_a_row = 4;
   return layer.size() >= fewest_in_a_row * distinct(layer, across);
@@ -36,7 +36,7 @@ bool has_rows(std::span<const Point> layer, Coordinate across) {
 }  // namespace
 
 std::vector<std::uint32_t> to_and_fro(std::span<const Point> layer) {
-  const points::Bounds box = points::bounds(layer);
+  const geometry::Bounds box = geometry::bounds(layer);
   const double width = box.high.x - box.low.x, depth = box.high.y - box.low.y;
   const bool along_x = width >= depth;
   const Coordinate along = along_x ? &Point::x : &Point::y,

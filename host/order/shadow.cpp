@@ -6,7 +6,7 @@
 
 namespace lamplock::order {
 
-using points::Point;
+using geometry::Point;
 
 std::optional<Shadowed> first_shadowed(std::span<const Point> order, double half_angle_deg) {
   require_coordinates(order);

@@ -5,17 +5,17 @@
 #include <numeric>
 #include <tuple>
 
+#include "host/geometry/bounds.hpp"
 #include "host/order/cost.hpp"
 #include "host/order/greedy.hpp"
 #include "host/order/local_search.hpp"
 #include "host/order/serpentine.hpp"
-#include "host/points/bounds.hpp"
 
 namespace lamplock::order {
 namespace {
 
 using Indices = std::vector<std::uint32_t>;
-using Points = std::span<const points::Point>;
+using Points = std::span<const geometry::Point>;
 
 // Bits per coordinate of the space-filling curve: finer than any point distance.
 constexpr unsigned curve_bits = 20;
@@ -50,9 +50,9 @@ std::uint64_t moore(std::uint32_t x, std::uint32_t y) {
   return quarter << (2 * bits) | place;
 }
 
-/// Indices round the closed curve; equal points follow each other.
+/// Indices along the closed curve; equal points are consecutive.
 Indices along_curve(Points layer) {
-  const points::Bounds box = points::bounds(layer);
+  const geometry::Bounds box = geometry::bounds(layer);
   const double side = std::max(box.high.x - box.low.x, box.high.y - box.low.y);
   const double scale = side > 0 ? ((1u << curve_bits) - 1) / side : 0;
   std::vector<std::uint64_t> place(layer.size());
@@ -63,7 +63,7 @@ Indices along_curve(Points layer) {
   Indices order(layer.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const points::Point &p = layer[a], &q = layer[b];
+    const geometry::Point &p = layer[a], &q = layer[b];
     return std::tie(place[a], p.x, p.y, p.z, a) < std::tie(place[b], q.x, q.y, q.z, b);
   });
   return order;
@@ -74,13 +74,13 @@ std::size_t distinct(std::vector<double> values) {
   return static_cast<std::size_t>(std::unique(values.begin(), values.end()) - values.begin());
 }
 
-/// Whether the points fill a good part of a lattice parallel to x and y.
+/// True if the points fill a large part of a lattice parallel to x and y.
 bool is_lattice(Points nodes) {
   constexpr std::size_t fewest_points = 16;
   constexpr double least_part = 0.2;  // below, rows are mostly gaps
   if (nodes.size() < fewest_points) return false;
   std::vector<double> x, y;
-  for (const points::Point& node : nodes) {
+  for (const geometry::Point& node : nodes) {
     x.push_back(node.x);
     y.push_back(node.y);
   }
@@ -90,7 +90,7 @@ bool is_lattice(Points nodes) {
 }
 
 /// Rows of equal `major`, to and fro along `minor`.
-Indices along_rows(Points nodes, double points::Point::*major, double points::Point::*minor) {
+Indices along_rows(Points nodes, double geometry::Point::*major, double geometry::Point::*minor) {
   Indices order(nodes.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -108,13 +108,13 @@ Indices along_rows(Points nodes, double points::Point::*major, double points::Po
   return order;
 }
 
-/// Cost of the closed tour without its longest edge, where it will be cut as a rule.
+/// Cost of the closed tour without its longest edge, where it will usually be cut.
 double cost(Points nodes, const TourCost& by, const Indices& tour) {
   double sum = 0, longest = 0;
   const std::size_t n = tour.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const points::Point &p = nodes[tour[i]], &q = nodes[tour[(i + 1) % n]],
-                        &r = nodes[tour[(i + 2) % n]];
+    const geometry::Point &p = nodes[tour[i]], &q = nodes[tour[(i + 1) % n]],
+                          &r = nodes[tour[(i + 2) % n]];
     const double length = by.edge(p, q);
     sum += length + by.turn(p, q, r);
     longest = std::max(longest, length + by.turn(p, q, r));
@@ -122,28 +122,28 @@ double cost(Points nodes, const TourCost& by, const Indices& tour) {
   return sum - longest;
 }
 
-/// An order of the points of a layer, for the search to begin with.
+/// The initial order of the points of a layer for the search.
 Indices numbered(std::size_t count) {
   Indices order(count);
   std::iota(order.begin(), order.end(), 0u);
   return order;
 }
 
-/// The improved tours of points that all differ and follow the curve.
+/// Improved tours of points that all differ and are sorted along the curve.
 std::vector<Indices> even_tours(Points nodes, const Neighbours& neighbours, const TourCost& by) {
   std::vector<Indices> tours{numbered(nodes.size())};
   improve(nodes, neighbours, Closing::closed, by, tours.back());
   if (!is_lattice(nodes)) return tours;
   for (const bool along_x : {true, false}) {
-    tours.push_back(along_x ? along_rows(nodes, &points::Point::y, &points::Point::x)
-                            : along_rows(nodes, &points::Point::x, &points::Point::y));
+    tours.push_back(along_x ? along_rows(nodes, &geometry::Point::y, &geometry::Point::x)
+                            : along_rows(nodes, &geometry::Point::x, &geometry::Point::y));
     improve(nodes, neighbours, Closing::open, by, tours.back());
   }
   return tours;
 }
 
-/// The same from two more starts: to the nearest, which follows contours, and to and fro. These
-/// starts themselves are in it, too.
+/// The same from two more starts: nearest first, which follows contours, and serpentine. The result
+/// also contains these starts.
 std::vector<Indices> beat_tours(Points nodes, const Neighbours& neighbours, const TourCost& by) {
   std::vector<Indices> tours = even_tours(nodes, neighbours, by);
   for (const Indices& start : {nearest_first(nodes, nodes.front(), 0), to_and_fro(nodes)}) {
@@ -154,8 +154,8 @@ std::vector<Indices> beat_tours(Points nodes, const Neighbours& neighbours, cons
   return tours;
 }
 
-/// Beats of a closed tour by the model, without those wasted on its longest step, where it will be
-/// cut as a rule.
+/// Beats of a closed tour by the model, without those wasted on its longest step, where it will
+/// usually be cut.
 double beats(Points nodes, const BeatModel& model, const Indices& tour) {
   PlanState state = model.any_speed();
   double sum = 0;
@@ -168,8 +168,8 @@ double beats(Points nodes, const BeatModel& model, const Indices& tour) {
   return sum - (longest - 1);
 }
 
-/// Rotates a closed tour so that its longest edge is the closing one. Open, if that is a jump, as
-/// between the first and the last row of a lattice: it will be cut there.
+/// Rotates a closed tour so that its longest edge is the closing one. Returns open if this edge is
+/// a jump, as between the first and the last row of a lattice: the tour will be cut there.
 Closing open_at_jump(Points nodes, Indices& tour) {
   constexpr double mean_steps_of_a_jump = 4;
   const std::size_t n = tour.size();
@@ -188,10 +188,10 @@ Closing open_at_jump(Points nodes, Indices& tour) {
   return longest > mean_steps_of_a_jump * mean ? Closing::open : Closing::closed;
 }
 
-/// Points that differ, along the curve, and where those of each stand there.
+/// The distinct points along the curve, and for each the begin of its equal points there.
 struct Nodes {
   Indices curve, first;
-  std::vector<points::Point> points;
+  std::vector<geometry::Point> points;
 
   explicit Nodes(Points layer) : curve(along_curve(layer)) {
     for (std::uint32_t i = 0; i < curve.size(); ++i) {
@@ -201,7 +201,7 @@ struct Nodes {
     }
     first.push_back(static_cast<std::uint32_t>(curve.size()));
   }
-  /// A tour of the nodes as one of the layer: equal points follow each other.
+  /// Converts a tour of the nodes to one of the layer: equal points are consecutive.
   Indices of_layer(const Indices& tour) const {
     Indices all;
     all.reserve(curve.size());
@@ -238,7 +238,7 @@ Indices beat_tour(Points layer, const BeatModel& model, std::size_t asked_a_poin
   const Nodes nodes(layer);
   const TourCost by(model);
   const Neighbours neighbours = find_neighbours(nodes.points, few_beats_neighbours);
-  // What the model finds equal the cost decides; its weight is that of a tie.
+  // Among tours of equal beats the cost decides; its weight is small.
   constexpr double tie = 1e-3;
   Indices best = cheapest(beat_tours(nodes.points, neighbours, by), [&](const Indices& tour) {
     return beats(nodes.points, model, tour) + tie * cost(nodes.points, by, tour);

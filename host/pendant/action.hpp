@@ -1,4 +1,4 @@
-// What a key may do, by name.
+// Actions of keys, by name.
 //
 // In:  names in a key map. Out: actions. Who: the key map, the jogger, the documentation's test.
 #pragma once
@@ -58,7 +58,7 @@ enum class Action : std::uint8_t {
   count
 };
 
-/// A name and what it does, for people.
+/// An action with its name and a description for the user.
 struct ActionRow {
   Action action;
   std::string_view name, about;
@@ -68,7 +68,7 @@ struct ActionRow {
 std::span<const ActionRow> action_rows();
 /// "go-to-zero".
 std::string_view action_name(Action action);
-/// Nothing if there is no such action.
+/// Empty if there is no such action.
 std::optional<Action> action_named(std::string_view name);
 
 }  // namespace lamplock::pendant

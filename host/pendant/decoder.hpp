@@ -1,8 +1,8 @@
-// One pendant's language: its reports to events, a display to its reports.
+// A pendant's protocol: converts its reports to events, and display contents to its reports.
 //
-// In:  input reports as the HID layer gives them. Out: events; feature reports for its display.
-// Who: `lamplock jog`. Pure: no device, no clock. Reports of another size or with another id say
-//      nothing: noise must not move a machine.
+// In:  input reports from the HID layer. Out: events; feature reports for its display.
+// Who: `lamplock jog`. Pure: no device, no clock. Reports of another size or with another id are
+//      ignored: noise must not move a machine.
 #pragma once
 
 #include <cstdint>
@@ -16,19 +16,19 @@
 
 namespace lamplock::pendant {
 
-/// Keeps what is needed to see changes: one object per pendant that is plugged in.
+/// Keeps the last report to detect changes: one object per connected pendant.
 class Decoder {
  public:
   virtual ~Decoder() = default;
-  /// What has changed with this report.
+  /// The changes in this report.
   virtual Events take(std::span<const std::uint8_t> report) = 0;
-  /// Reports that make the pendant show this; none if it has no display.
+  /// Feature reports that show this; none if the pendant has no display.
   virtual std::vector<FeatureReport> display(const Display&) const { return {}; }
   /// True if it has a switch of axes; without one, keys choose the axis of its wheel.
   virtual bool has_switch() const { return true; }
 };
 
-/// What USB does not tell about a pendant.
+/// Properties of a pendant that USB does not report.
 struct Variant {
   int hb04_keys = 0;  ///< 16 or 18; 0: not known
 };

@@ -1,4 +1,4 @@
-// What a pendant's display shows, and how displays of XHC write numbers.
+// Contents of a pendant's display, and the number format of XHC displays.
 //
 // In:  values. Out: bytes of feature reports. Who: the jogger fills it in, decoders of pendants
 //      with a display encode it.
@@ -14,10 +14,10 @@
 
 namespace lamplock::pendant {
 
-/// What turning the wheel does.
+/// Function of the wheel.
 enum class Mode : std::uint8_t { step, continuous, feed };
 
-/// Everything that a display may show.
+/// All values that a display may show.
 struct Display {
   PerAxis<double> work_mm{}, machine_mm{};
   Selector selector = Selector::off;
@@ -25,7 +25,7 @@ struct Display {
   double step_mm = 0;
   int feed_percent = 100, power_percent = 100;
   int feed_mm_min = 0, power = 0;  ///< as reported
-  bool alarm = false;              ///< nothing moves until somebody unlocks or resets
+  bool alarm = false;              ///< locked until $X or a reset
 
   bool operator==(const Display&) const = default;
 };
@@ -37,16 +37,16 @@ using FeatureReport = std::array<std::uint8_t, 8>;
 /// one filled with zeros (LinuxCNC, xhc-hb04 and xhc-whb04b-6).
 class XhcFrame {
  public:
-  /// Its two fixed bytes and a seed; what the seed is for nobody knows: the checksums that it
-  /// takes part in are not used.
+  /// Two fixed bytes and a seed. The purpose of the seed is unknown: the checksums that it enters
+  /// are not used.
   explicit XhcFrame(std::uint8_t seed) : bytes_{0xfe, 0xfd, seed} {}
 
   void byte(std::uint8_t value) { bytes_.push_back(value); }
-  /// Cut off at 0 and 65535.
+  /// Appends a value, limited to 0..65535.
   void word(long value);
-  /// Whole part, then four decimals with the sign in bit 15. Beyond +-65535.9999: that.
+  /// Appends the whole part, then four decimals with the sign in bit 15; limited to +-65535.9999.
   void number(double value);
-  /// The reports of it.
+  /// The frame as feature reports.
   std::vector<FeatureReport> reports() const;
 
  private:

@@ -8,7 +8,7 @@
 namespace lamplock::pendant {
 
 struct DisplayWriter::Shared {
-  std::unique_ptr<HidDevice> device;  ///< the thread's alone
+  std::unique_ptr<HidDevice> device;  ///< used by the thread only
   std::mutex mutex{};
   std::condition_variable changed{};
   std::vector<FeatureReport> next{};
@@ -32,7 +32,7 @@ struct DisplayWriter::Shared {
 DisplayWriter::DisplayWriter(std::unique_ptr<HidDevice> device)
     : shared_(std::make_shared<Shared>()) {
   shared_->device = std::move(device);
-  // Nobody waits for its end, which a device that hangs may put off.
+  // Detached: a device that hangs may delay the end of the thread.
   std::thread([shared = shared_] { shared->write_until_ended(); }).detach();
 }
 

@@ -1,11 +1,10 @@
-// Reports to a pendant's display, written beside the loop that moves the machine.
+// Writes reports to a pendant's display in a thread of its own.
 //
 // In:  the reports of a display, newest last. Out: feature reports to the device.
-// Who: a pendant; nothing here waits for the device.
+// Who: a pendant; no call waits for the device.
 //
-// A feature report is a control transfer, for which the kernel waits up to 5 s at a device that
-// hangs. In that time somebody may press stop: so a thread of its own writes, through an own
-// handle.
+// A feature report is a control transfer, for which the kernel waits up to 5 s if the device hangs.
+// The stop key must work during that time, so the thread has its own handle of the device.
 #pragma once
 
 #include <memory>
@@ -19,19 +18,19 @@ namespace lamplock::pendant {
 class DisplayWriter {
  public:
   explicit DisplayWriter(std::unique_ptr<HidDevice> device);
-  /// A batch that has begun is written to its end; what waits behind it is not.
+  /// A batch that has begun is written to its end; the next one is dropped.
   ~DisplayWriter();
   DisplayWriter(const DisplayWriter&) = delete;
   DisplayWriter& operator=(const DisplayWriter&) = delete;
 
-  /// Writes these, in order. What a display does not take is not tried again.
+  /// Writes these, in order. A failed report is not repeated.
   void write(std::vector<FeatureReport> reports);
-  /// Everything has been written.
+  /// All reports have been written.
   bool idle() const;
 
  private:
   struct Shared;
-  std::shared_ptr<Shared> shared_;  ///< the thread's too: it may outlive this inside a transfer
+  std::shared_ptr<Shared> shared_;  ///< with the thread, which may outlive this in a transfer
 };
 
 }  // namespace lamplock::pendant

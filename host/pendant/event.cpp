@@ -7,7 +7,7 @@ namespace {
 
 constexpr auto key_count = static_cast<std::size_t>(Key::count);
 
-/// In the order of Key; a key that cannot be named has none.
+/// In the order of Key; empty for keys that a key map cannot name.
 constexpr std::array<std::string_view, key_count> names{
     "none",      "",           "stop",       "reset",       "start",     "home",      "zero",
     "zero-x",    "zero-y",     "zero-z",     "go-to-zero",  "safe-z",    "half",      "half-x",

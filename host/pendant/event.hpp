@@ -1,6 +1,6 @@
-// What somebody does at a pendant, whichever it is: keys, the switch of axes, the wheel.
+// User actions at a pendant of any model: keys, the axis switch, the wheel.
 //
-// In:  nothing. Out: types that all decoders speak, and the names of the keys.
+// Out: the event types of all decoders, and the names of the keys.
 // Who: decoders of pendants make events, the jogger acts on them, the key map names keys.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace lamplock::pendant {
 
-/// A key by what is printed on it. Pendants without print have buttons.
+/// A key by its print. Keys without print are buttons.
 enum class Key : std::uint8_t {
   none,
   ambiguous,  ///< one of several, depending on the model
@@ -45,38 +45,38 @@ enum class Key : std::uint8_t {
   count
 };
 
-/// As a key map calls it: "go-to-zero", "macro-3", "button-12".
+/// The name in a key map: "go-to-zero", "macro-3", "button-12".
 std::string_view key_name(Key key);
-/// Nothing if there is no such key.
+/// Empty if there is no such key.
 std::optional<Key> key_named(std::string_view name);
 /// The `number`th key of a row that begins with `first`, from 1: macro_1, button_1.
 constexpr Key key_of_row(Key first, int number) {
   return static_cast<Key>(static_cast<int>(first) + number - 1);
 }
 
-/// Where the switch of axes stands; feed and power turn the wheel into a knob for overrides.
+/// Position of the axis switch; at feed and power the wheel is a knob for overrides.
 enum class Selector : std::uint8_t { off, x, y, z, a, b, c, feed, power };
 
-/// The switch of steps and speeds: what it says in both modes.
+/// Position of the switch of steps and speeds: its values in both modes.
 struct Rate {
-  double step_mm = 0;  ///< 0: none, the wheel must not move anything
+  double step_mm = 0;  ///< 0: none, the wheel must not move an axis
   int percent = 0;     ///< of the feed; 0: none
-  bool lead = false;   ///< its last place, where the wheel is a knob for the feed override
+  bool lead = false;   ///< its last position, where the wheel is a knob for the feed override
 
   bool operator==(const Rate&) const = default;
 };
 
-/// One thing that has happened.
+/// One event.
 struct Event {
   enum class Kind : std::uint8_t {
     key_down,  ///< `key`
     key_up,    ///< `key`
-    selector,  ///< `selector`: where it stands now
-    rate,      ///< `rate`: where its switch stands now
+    selector,  ///< `selector`: its new position
+    rate,      ///< `rate`: its new position
     wheel,     ///< `count` clicks, clockwise positive
-    spring,    ///< `count`: -7..7, how far the ring is turned; 0 let go
+    spring,    ///< `count`: -7..7, new position of the spring ring; 0 = released
     asleep,    ///< the pendant has switched itself off
-    awake      ///< it is back
+    awake      ///< the pendant has switched itself on again
   };
   Kind kind{};
   Key key = Key::none;

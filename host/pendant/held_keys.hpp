@@ -1,8 +1,8 @@
-// Which keys of a pendant are held: from codes in each report to keys that go down and up.
+// Held keys of a pendant: converts the codes in each report to events for keys that go down and up.
 //
-// In:  the codes of a report; which key a code is now. Out: events.
-// Who: decoders. A key that goes up is the one that went down, whatever its code would be by then:
-//      with a second row behind Fn it may be another.
+// In:  the codes of a report; the present key of a code. Out: events.
+// Who: decoders. A key that goes up is the one that went down, even if its code has another meaning
+//      by then: Fn selects a second function.
 #pragma once
 
 #include <algorithm>
@@ -36,7 +36,7 @@ class HeldKeys {
       events.push_back(key_event(Event::Kind::key_down, key));
     }
   }
-  /// All go up.
+  /// Releases all keys.
   void release(Events& events) {
     take(
         {}, [](std::uint8_t) { return Key::none; }, events);

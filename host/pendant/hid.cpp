@@ -22,7 +22,7 @@ class HidapiDevice final : public HidDevice {
 
   std::size_t read(std::span<std::uint8_t> report, std::chrono::milliseconds wait) override {
     if (!handle_) return 0;
-    // A signal during the wait counts as the loss of the device: rather once too often.
+    // A signal during the wait counts as the loss of the device, which is safe.
     const int count = ::hid_read_timeout(handle_.get(), report.data(), report.size(),
                                          static_cast<int>(wait.count()));
     if (count < 0) handle_.reset();
@@ -48,7 +48,7 @@ std::vector<HidInfo> list_pendants() {
   ::hid_free_enumeration(all);
   std::sort(found.begin(), found.end(),
             [](const HidInfo& a, const HidInfo& b) { return a.path < b.path; });
-  // A node is listed once for each use that its descriptor names.
+  // hidapi lists a node once for each usage in its descriptor.
   found.erase(std::unique(found.begin(), found.end(),
                           [](const HidInfo& a, const HidInfo& b) { return a.path == b.path; }),
               found.end());
@@ -57,7 +57,7 @@ std::vector<HidInfo> list_pendants() {
 
 std::unique_ptr<HidDevice> open_pendant(const HidInfo& info) {
   const std::string where = fmt::format("{} at {}", info.id->name, info.path);
-  // hidapi does not tell why it cannot open a node.
+  // hidapi does not report why it cannot open a node.
   if (const AccessProblem problem = access_problem(info.path))
     throw Error(Exit::no_device, where, problem.what, problem.remedy);
   Handle handle(::hid_open_path(info.path.c_str()));

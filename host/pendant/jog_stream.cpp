@@ -18,14 +18,14 @@ using settings::Id;
 
 constexpr double s_per_min = 60;
 
-/// Way sent ahead of the machine at a speed, and the length of an increment, as times: enough for a
-/// round of the loop and of the cable (16 ms behind slow adapters), and for planning.
+/// Distance sent ahead of the machine, and length of an increment, as times at the jog speed:
+/// enough for a round of the loop and of the cable (16 ms with slow adapters), and for planning.
 constexpr Time lead = 60ms, increment = 10ms;
-/// Steps are taken that far ahead.
+/// Steps are accepted that far ahead.
 constexpr Time step_lead = 250ms;
-/// Increments on their way to the board.
+/// Increments without answer.
 constexpr std::size_t most_unanswered = 8;
-/// What a report of the place may be old.
+/// Maximum age of a reported position.
 constexpr double report_age_s = 0.15;
 /// The last digit of a line.
 constexpr double resolution_mm = 0.001;
@@ -53,8 +53,8 @@ JogLimits jog_limits(const settings::Values& values) {
   return limits;
 }
 
-/// Along the path, so that no axis is asked for more than it can: the board would take longer than
-/// we think.
+/// The feed along the path is limited so that no axis exceeds its rate: the board would slow down,
+/// and the time sent ahead would be wrong.
 double JogStream::highest_feed(const Direction& direction, double feed_mm_min) const {
   int axes = 0;
   double feed = std::numeric_limits<double>::max();
@@ -131,7 +131,7 @@ void JogStream::take(const Answered& answer) {
   if (answer.error == 0) return;
   ++counts_.refused;
   for (std::size_t a = 0; a < way.size(); ++a) sent_mm_[a] -= way[a];
-  // At the end of the travel: what was taken before is inside, and comes to its end.
+  // At the end of the travel the increments accepted before are inside and are completed.
   constexpr auto end_of_travel = static_cast<int>(GcodeError::jog_out_of_travel);
   if (answer.error == end_of_travel)
     wanted_.reset();
@@ -149,20 +149,20 @@ void JogStream::poll() {
 }
 
 void JogStream::keep_stopping() {
-  // A line that was half out when the first cancel went is a jog again when it is out.
+  // A line that was sent in part before the first cancel begins a jog when its rest arrives.
   const bool line_is_out = cancel_again_ && !talk_.inside_line();
   if (!line_is_out && talk_.now() - cancelled_at_ < cancel_interval) return;
   if (line_is_out) cancel_again_ = false;
   send_cancel();
 }
 
-/// The machine stands when everything has been answered, and reports behind that say so.
+/// The machine is at rest when all lines are answered and later reports say so.
 void JogStream::look_whether_it_stands() {
   const MachineNow& machine = talk_.machine();
   if (talk_.unanswered(LineKind::jog) == 0) unanswered_.clear();
   if (!unanswered_.empty() || (wanted_ && !stopping_) || cancel_again_) return;
   if (machine.reports < reports_then_ + sure_reports) return;
-  // Whatever was thought: it moves, and shall be stopped.
+  // A machine that reports a jog moves, and must be stopped.
   moves_ = machine.status.is("Jog");
   if (moves_) return;
   stopping_ = goes_ = false;
@@ -174,7 +174,7 @@ void JogStream::feed() {
   const Run run = *wanted_;
   if (moves_ && under_way_ != run.direction) {
     stop();
-    wanted_ = run;  // goes on when it stands
+    wanted_ = run;  // continues after the stop
     return;
   }
   const Time now = talk_.now();
@@ -182,19 +182,19 @@ void JogStream::feed() {
   Time duration = now + lead + increment - begin;
   if (duration < increment || talk_.unanswered(LineKind::jog) >= most_unanswered) return;
   if (moves_ && too_far_ahead()) return;
-  // A long pause of this program is not made up for.
+  // The motion missed in a long pause of this program is not sent later.
   duration = std::min(duration, lead + increment);
   int axes = 0;
   for (const int sign : run.direction) axes += std::abs(sign);
   Way way{};
   for (std::size_t a = 0; a < way.size(); ++a)
     way[a] = run.direction[a] * run.speed_mm_s * seconds(duration) / std::sqrt(axes);
-  if (length(way) < resolution_mm) return;  // slower than that waits for more
+  if (length(way) < resolution_mm) return;  // accumulates to one step of the resolution
   under_way_ = run.direction;
   send(way, run.speed_mm_s * s_per_min, duration);
 }
 
-/// The machine is slower than we think: it is another one than its settings say, or busy.
+/// The machine is slower than its settings say, or busy.
 bool JogStream::too_far_ahead() const {
   const std::vector<double>& place = talk_.machine().status.position;
   if (place.size() != stood_at_mm_.size()) return true;

@@ -15,22 +15,21 @@ namespace {
 using namespace std::chrono_literals;
 namespace realtime = link::realtime;
 
-/// A wheel that has not turned for so long is let go.
+/// A wheel without a click for this time counts as released.
 constexpr Time wheel_silence = 250ms;
-/// A ring with a spring tells changes alone: nobody knows a hand that holds it still from a
-/// receiver that has died in its socket. A hand that holds on for longer moves it a little and goes
-/// on.
+/// A spring ring reports changes only: a ring that is held still cannot be distinguished from a
+/// dead receiver. To move for longer, the user moves the ring a little.
 constexpr Time longest_spring = 30s;
 constexpr double most_of_spring = 7;
 constexpr double percent = 0.01;
-/// What ends commands is sent again while they go on.
+/// Interval of stop bytes until the commands have ended.
 constexpr Time ending_interval = 50ms;
-/// What was told is not told again before it has not come up for so long.
+/// A note is repeated only after its cause was absent for this time.
 constexpr Time note_interval = 2s;
-/// A click of the wheel as a knob is 1 %; a hasty turn is cut off.
+/// A click of the wheel as a knob is 1 %; a fast turn is limited.
 constexpr int most_knob_clicks = 10;
 
-/// Cut off at what a display can show; a board may say anything.
+/// Limits a number to the range of displays; a board may report any value.
 int shown_number(double value) {
   constexpr double most = 65535;
   return std::isfinite(value) ? static_cast<int>(std::clamp(value, 0.0, most)) : 0;
@@ -55,7 +54,7 @@ void Jogger::take(const Event& event) {
   switch (event.kind) {
     case Event::Kind::key_down:
       if (event.key == Key::ambiguous)
-        return note("this key differs between models: state hb04_keys = 16 or 18 in [pendant]");
+        return note("this key differs between models: set hb04_keys = 16 or 18 in [pendant]");
       if (const auto bound = map_.keys.find(event.key); bound != map_.keys.end())
         act(bound->second, "");
       return;
@@ -75,7 +74,7 @@ void Jogger::take(const Event& event) {
     case Event::Kind::spring:
       return turn_spring(event.count);
     case Event::Kind::asleep:
-      let_go();
+      stop_motion();
       return note("the pendant is asleep");
     case Event::Kind::awake:
       return note("the pendant is awake");
@@ -84,16 +83,16 @@ void Jogger::take(const Event& event) {
 
 void Jogger::press(const std::string& key) {
   const auto bound = map_.keyboard.find(key);
-  // Any other key, too, says that the one before is not held any more.
+  // Any other key, even an unused one, shows that the key before was released.
   if (bound == map_.keyboard.end()) return stream_.stop();
   act(bound->second, key);
 }
 
-void Jogger::let_go() {
+void Jogger::stop_motion() {
   stream_.stop();
   if (!commands_ && !homes()) return;
   macro_.clear();
-  talk_.drop_lines();  // what was queued in this round
+  talk_.drop_lines();  // those queued in this round
   ending_ = true;
   reports_at_ending_ = machine().reports;
   end_commands();
@@ -160,7 +159,7 @@ Display Jogger::display() const {
 
 std::vector<std::string> Jogger::take_notes() { return std::exchange(notes_, {}); }
 
-/// The same again and again is told once.
+/// A repeated note is shown once.
 void Jogger::note(const std::string& text) {
   const Time now = talk_.now();
   const bool again = text == last_note_ && now - noted_at_ < note_interval;
@@ -172,7 +171,7 @@ void Jogger::note(const std::string& text) {
 
 // --- the wheel --------------------------------------------------------------------------------
 
-/// The axis that is chosen, if the machine has it; -1 for none.
+/// The selected axis, if the machine has it; -1 for none.
 int Jogger::axis() const {
   const int axis = static_cast<int>(selector_) - static_cast<int>(Selector::x);
   return axis >= 0 && axis < std::min(stream_.limits().axes, max_axes) ? axis : -1;
@@ -185,7 +184,7 @@ double Jogger::wheel_feed_mm_min() const {
 }
 
 void Jogger::move_wheel(int clicks) {
-  if (has_switch_ && switch_ != selector_) return note("turn the switch of axes first");
+  if (has_switch_ && switch_ != selector_) return note("turn the axis switch first");
   const bool knob = mode_ == Mode::feed || selector_ == Selector::feed || rate_.lead;
   if (selector_ == Selector::off) return;
   if (selector_ == Selector::power)
@@ -198,7 +197,7 @@ void Jogger::move_wheel(int clicks) {
 
 void Jogger::turn_spring(int place) {
   if (place == 0) return stream_.stop();
-  if (axis() < 0) return note("choose an axis first");
+  if (axis() < 0) return note("select an axis first");
   jog_on(axis(), place > 0 ? 1 : -1, map_.feed_mm_min * std::abs(place) / most_of_spring,
          talk_.now() + longest_spring);
 }
@@ -237,7 +236,7 @@ void Jogger::change_step(int by, bool round) {
 void Jogger::act(const Binding& binding, const std::string& key) {
   const Action action = binding.action;
   if (!binding.macro && jog_key(action, key)) return;
-  // Another key of a keyboard: the one before is let go.
+  // Another key of a keyboard: the key before was released.
   if (!key.empty() && stream_.runs()) stream_.stop();
   if (binding.macro) return begin_macro(*binding.macro);
   if (!act_on_axes(action)) act(action);
@@ -286,13 +285,13 @@ void Jogger::act(Action action) {
       return set_mode(Mode::feed);
     case Action::quit:
       quit_ = true;
-      return let_go();
+      return stop_motion();
     default:
       return;
   }
 }
 
-/// What is about axes and places; false if it is something else.
+/// Actions for axes and positions; false for other actions.
 bool Jogger::act_on_axes(Action action) {
   switch (action) {
     case Action::home:
@@ -305,7 +304,7 @@ bool Jogger::act_on_axes(Action action) {
       if (map_.safe_z_mm)
         go_somewhere(fmt::format("G53G90G21Z{:.3f}", *map_.safe_z_mm));
       else
-        note("where it is safe is not known: state safe_z in [pendant]");
+        note("the safe height of Z is unknown: set safe_z in [pendant]");
       return true;
     case Action::next_axis:
       choose(selector_of((axis() + 1) % std::min(stream_.limits().axes, max_axes)));
@@ -325,7 +324,7 @@ bool Jogger::act_on_axes(Action action) {
   return true;
 }
 
-/// A key that moves an axis; false if it is another one. Keys of a pendant do not repeat: a step.
+/// Keys that move an axis; false for other keys. Keys of a pendant do not repeat: they make steps.
 bool Jogger::jog_key(Action action, const std::string& key) {
   if (action < Action::jog_x_plus || action > Action::jog_a_minus) return false;
   const int number = static_cast<int>(action) - static_cast<int>(Action::jog_x_plus);
@@ -343,7 +342,7 @@ bool Jogger::jog_key(Action action, const std::string& key) {
 
 void Jogger::go_somewhere(const std::string& words) {
   if (!may_jog()) return;
-  if (stream_.moves()) return note("wait until it stands");
+  if (stream_.moves()) return note("wait until the machine is at rest");
   stream_.go(words, map_.feed_mm_min);
 }
 
@@ -354,26 +353,25 @@ void Jogger::set_zero(Action action) {
   for (int a = 0; a < std::min(stream_.limits().axes, max_axes); ++a)
     if (action == Action::zero_all || a == one)
       words += fmt::format(" {}0", axis_letters[index(a)]);
-  if (words.empty()) return note("choose an axis first");
-  // G54, as `lamplock operate zero` teaches it.
+  if (words.empty()) return note("select an axis first");
+  // G54, as in `lamplock operate zero`.
   if (may_command()) send("G10 L20 P1" + words);
 }
 
-/// The machine homes, or will when it reads what was sent.
+/// The machine homes, or will home by a line that was sent.
 bool Jogger::homes() const { return machine().status.is("Home") || talk_.homing_unanswered(); }
 
 void Jogger::end_commands() {
   ended_at_ = talk_.now();
-  // Nothing else ends homing (grbl 1.1), and where the machine is nobody knows before it is done.
+  // Only a reset ends homing (grbl 1.1), and before the end of homing the position is unknown.
   if (homes()) return reset();
-  // A macro moves by jogs or otherwise; start-up lines run behind homing.
+  // A macro may move by jogs or by programs; start-up lines run after homing.
   if (!macro_runs_ && !machine().status.is("Run")) return;
   talk_.send_byte(realtime::jog_cancel);
   talk_.send_byte(realtime::hold);
 }
 
-/// A line that was half out may have begun behind the byte that should have ended it, and a byte
-/// may be lost.
+/// Repeats the stop: a line that was sent in part may begin after the byte, and a byte may be lost.
 void Jogger::keep_ending() {
   if (!ending_) return;
   const bool held =
@@ -385,7 +383,7 @@ void Jogger::keep_ending() {
 void Jogger::stop() {
   const link::BoardStatus& status = machine().status;
   const bool ours = commands_;
-  let_go();
+  stop_motion();
   if (status.is("Jog") && !stream_.moves()) talk_.send_byte(realtime::jog_cancel);
   if (status.is("Run") && !ours) talk_.send_byte(realtime::hold);
 }
@@ -397,7 +395,7 @@ void Jogger::start_or_pause() {
   talk_.send_byte(status.is("Run") ? realtime::hold : realtime::resume);
 }
 
-/// What was sent counts as under way until reports say that the machine stands.
+/// Commands count as under way until reports say that the machine is at rest.
 void Jogger::reset() {
   macro_.clear();
   macro_runs_ = false;
@@ -413,10 +411,10 @@ void Jogger::reset() {
 
 void Jogger::begin_macro(std::size_t number) {
   const Macro& macro = map_.macros[number];
-  if (macro_runs_) return note(fmt::format("the macro {} still runs", macro_name_));
+  if (macro_runs_) return note(fmt::format("wait for the end of macro {}", macro_name_));
   if (!may_command()) return;
   macro_.assign(macro.lines.begin(), macro.lines.end());
-  // M3 and M4 outlive whoever was here before.
+  // M3 or M4 of an earlier program may still be in force.
   if (!macro.laser) macro_.push_front("M5");
   macro_name_ = macro.name;
   commands_ = macro_runs_ = true;
@@ -428,13 +426,13 @@ void Jogger::continue_macro() {
   macro_.pop_front();
 }
 
-/// What was sent is done when everything is answered and reports behind that say that the machine
-/// rests, or is in alarm.
+/// Commands are completed when all lines are answered and later reports say that the machine is
+/// idle, or in alarm.
 void Jogger::settle_commands() {
   if (!commands_ || !macro_.empty() || talk_.unanswered(LineKind::command) != 0) return;
   const link::BoardStatus& status = machine().status;
   if (machine().reports < reports_then_ + sure_reports) return;
-  if (status.stands() && !status.waits()) commands_ = macro_runs_ = false;
+  if (status.is_at_rest() && !status.waits()) commands_ = macro_runs_ = false;
 }
 
 void Jogger::send(const std::string& line) {
@@ -443,15 +441,15 @@ void Jogger::send(const std::string& line) {
   commands_ = true;
 }
 
-// --- what may be ------------------------------------------------------------------------------
+// --- conditions -------------------------------------------------------------------------------
 
-/// As grbl: jogs are for machines that are idle or jog.
+/// As in grbl, a jog may begin in the states Idle and Jog only.
 bool Jogger::may_jog() {
   const link::BoardStatus& status = machine().status;
   if (commands_) return false;
   if (status.is("Idle") || status.is("Jog")) return true;
   if (!status.state.empty())
-    note(fmt::format("the machine does not jog in state {}{}", status.state,
+    note(fmt::format("the machine cannot jog in state {}{}", status.state,
                      status.is("Alarm") ? ": home or unlock it" : ""));
   return false;
 }

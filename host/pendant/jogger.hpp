@@ -1,16 +1,16 @@
-// Moving a machine by hand: what is done at a pendant or a keyboard, to jogs and commands.
+// Manual motion: converts user actions at a pendant or a keyboard to jogs and commands.
 //
-// In:  events of a pendant, keys of a terminal, and that one of them has gone. Out: through the jog
-//      stream and the talk, lines and real-time bytes; what a display shows; notes for people.
-// Who: `lamplock jog`, in a loop that comes round every few ms. No device, no terminal, no clock of
-//      its own: tests use it with a simulated board.
+// In:  events of a pendant, keys of a terminal, the loss of either. Out: through the jog stream and
+//      the talk, lines and real-time bytes; contents of a display; notes for the user.
+// Who: `lamplock jog`, in a loop with a period of a few ms. No device, no terminal, no clock of its
+//      own, so that tests can use it with a simulated board.
 //
 // Modes: in `step` a click of the wheel or a key is a step. In `continuous` the machine moves at
-// the feed while the wheel turns (250 ms without a click end it) or a key repeats, and a ring with
-// a spring gives a part of the feed while it is turned. In `feed` the wheel turns the feed
-// override. Whatever ends what somebody does ends the jog: the switch turned to another axis,
-// another mode, sleep, loss. A jog begins when the machine is idle, and nothing but macros sends
-// other G-code than zero; none of it lights a laser.
+// the feed while the wheel turns (until 250 ms without a click) or a key repeats, and a spring ring
+// sets a fraction of the feed while it is turned. In `feed` the wheel changes the feed override.
+// The end of the user's action ends the jog: another axis or mode selected, sleep or loss of the
+// pendant. A jog begins only when the machine is idle. Except in macros, setting zero is the only
+// G-code sent, and no line turns on the laser.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "host/pendant/board_talk.hpp"
+#include "host/pendant/board_dialog.hpp"
 #include "host/pendant/display.hpp"
 #include "host/pendant/event.hpp"
 #include "host/pendant/jog_stream.hpp"
@@ -32,24 +32,25 @@ class Jogger {
   /// The port must outlive it. `map` is kept.
   Jogger(link::LinePort& port, const JogLimits& limits, KeyMap map);
 
-  /// A pendant is used from now on; with a switch of axes its wheel obeys that alone.
+  /// A pendant is used from now on; with an axis switch, only the switch selects its wheel's axis.
   void use_pendant(bool has_switch);
-  /// Something has happened at a pendant.
+  /// An event of a pendant.
   void take(const Event& event);
   /// A key of a terminal was pressed, or repeats.
   void press(const std::string& key);
-  /// Whoever moves the machine has gone, or wants to: everything that moves because of us ends.
-  /// Jogs are cancelled, homing is reset, what else moves is held; until reports say that it
-  /// stands.
-  void let_go();
-  /// One round: hears the board, sends what is due. Throws Error(no_device) as BoardTalk::poll().
+  /// The user, a pendant or the terminal has left: ends all motion that this object has started.
+  /// Cancels jogs, resets during homing, holds other motion, until reports say that the machine is
+  /// at rest.
+  void stop_motion();
+  /// One round: reads from the board, sends due lines. Throws Error(no_device) as
+  /// BoardDialog::poll().
   void poll();
 
-  /// Starts with this step of the map's, the nearest one; with this mode.
+  /// Selects the nearest step of the map.
   void choose_step(double step_mm);
   void set_mode(Mode mode);
 
-  /// Nothing moves because of us, and nothing waits to be sent.
+  /// No motion of this object is under way, and no line waits to be sent.
   bool rests() const;
   bool wants_to_quit() const { return quit_; }
   const MachineNow& machine() const { return talk_.machine(); }
@@ -89,26 +90,26 @@ class Jogger {
   double step_mm() const;
   void note(const std::string& text);
 
-  BoardTalk talk_;
+  BoardDialog talk_;
   JogStream stream_;
   KeyMap map_;
   KeyRepeat repeat_;
-  Selector selector_ = Selector::off;  ///< chosen last, by switch or key
-  Selector switch_ = Selector::off;    ///< where that of the pendant stands
+  Selector selector_ = Selector::off;  ///< selected last, by switch or key
+  Selector switch_ = Selector::off;    ///< position of the pendant's axis switch
   bool has_switch_ = false;
   Rate rate_{};
   bool has_rate_ = false;  ///< the pendant has a switch of steps and speeds
   Mode mode_ = Mode::step;
-  std::size_t step_ = 0;  ///< of the map's
+  std::size_t step_ = 0;  ///< index in map_.steps_mm
   std::deque<std::string> macro_;
   std::string macro_name_;
-  bool commands_ = false;  ///< lines other than jogs were sent, and are not done
+  bool commands_ = false;  ///< lines other than jogs were sent and are not completed
   bool macro_runs_ = false, quit_ = false;
-  std::size_t reports_then_ = 0;  ///< when the last of them was sent or answered
-  bool ending_ = false;           ///< they shall not go on
-  Time ended_at_{};               ///< when the board was told last
+  std::size_t reports_then_ = 0;  ///< count of reports when the last one was sent or answered
+  bool ending_ = false;           ///< the commands are being stopped
+  Time ended_at_{};               ///< when the board was last sent a stop
   std::size_t reports_at_ending_ = 0;
-  std::size_t restarts_ = 0;  ///< of the board, that have been seen
+  std::size_t restarts_ = 0;  ///< of the board, already handled
   std::vector<std::string> notes_;
   std::string last_note_;
   Time noted_at_{};

@@ -1,4 +1,4 @@
-// What the keys of pendants and of the keyboard do.
+// Actions of the keys of pendants and of the keyboard.
 //
 // In:  nothing, or a profile (read_key_map.hpp). Out: actions by key, macros, steps, feed.
 // Who: `lamplock jog`.
@@ -30,10 +30,10 @@ struct KeyMap {
   std::vector<double> steps_mm{0.001, 0.01, 0.1, 1};  ///< ascending
   double feed_mm_min = 3000;                          ///< of jogs
   std::optional<double> safe_z_mm;                    ///< machine coordinate
-  int hb04_keys = 0;                                  ///< 16 or 18; 0: not told
+  int hb04_keys = 0;                                  ///< 16 or 18; 0: unknown
 };
 
-/// Keys do what is printed on them; nothing is bound to spindle and macro keys.
+/// Keys have the function of their print; spindle and macro keys have none.
 KeyMap default_key_map();
 
 }  // namespace lamplock::pendant

@@ -21,7 +21,7 @@ KeyRepeat::Press KeyRepeat::press(const std::string& key, Time now) {
     interval_ = Time(0);
     return {};
   }
-  // Terminals far away send several at a time: the interval shrinks slowly.
+  // Remote terminals send several at a time, so the interval shrinks slowly.
   interval_ = std::max(gap, interval_ * 3 / 4);
   return {true, now + std::clamp<Time>(interval_ * 5 / 2, shortest_trust, longest_trust)};
 }

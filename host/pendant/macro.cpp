@@ -6,17 +6,17 @@
 #include <array>
 #include <cctype>
 
-#include "firmware/program/words.hpp"
 #include "host/error.hpp"
 #include "host/link/program_lines.hpp"
+#include "shared/gcode_words.hpp"
 
 namespace lamplock::pendant {
 namespace {
 
-/// Of a line to grbl 1.1 that is taken everywhere; its end is not counted.
+/// Length of a line, without its end, that every version of grbl 1.1 accepts.
 constexpr std::size_t longest_line = 78;
 
-/// M codes that neither light nor fire nor switch anything but air (docs/gcode.md).
+/// M codes that neither turn on or fire a laser nor switch outputs other than air (docs/gcode.md).
 constexpr std::array dark_codes{0, 1, 2, 5, 7, 8, 9, 30, 60};
 
 bool is_dark(const program::Word& word) {
@@ -45,19 +45,19 @@ std::string macro_line(std::string_view line, bool laser, const std::string& whe
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   if (text.size() > longest_line)
     throw Error(Exit::bad_input, where, "a line is too long for a board",
-                fmt::format("make it {} characters or shorter", longest_line));
+                fmt::format("shorten it to {} characters", longest_line));
   if (upper.starts_with('$')) {
     const bool known =
         upper.starts_with("$J=") || upper == "$X" || (upper.starts_with("$H") && upper.size() <= 3);
     if (!known)
-      throw Error(Exit::bad_input, where, fmt::format("'{}' is nothing for a key", text),
-                  "of $ lines a macro may have $H, $X and $J=");
+      throw Error(Exit::bad_input, where, fmt::format("'{}' is not valid in a macro", text),
+                  "use $H, $X or $J=");
     return text;
   }
   if (const std::string word = laser_word(text); !laser && !word.empty())
     throw Error(Exit::bad_input, where,
-                fmt::format("'{}': {} may light a laser or switch an output", text, word),
-                "leave it out, or write laser = true beside the lines");
+                fmt::format("'{}': {} may turn on a laser or switch an output", text, word),
+                "leave it out, or add laser = true to the macro");
   return text;
 }
 

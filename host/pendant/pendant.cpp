@@ -9,7 +9,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Time display_interval = 100ms;
-/// More than a pendant sends in a round; one that sends without end must not hold the loop.
+/// More than a pendant sends in a round; endless reports must not block the loop.
 constexpr int most_reports = 16;
 
 }  // namespace

@@ -1,13 +1,13 @@
-// A pendant that is plugged in: its device and its language together.
+// A connected pendant: its device and its decoder.
 //
-// In:  an open device; what its display shall show. Out: events, in order; its loss.
-// Who: `lamplock jog`. Never waits, for a display least of all (display_writer.hpp).
+// In:  an open device; the contents of its display. Out: events, in order; its loss.
+// Who: `lamplock jog`. Never blocks; a thread writes the display (display_writer.hpp).
 #pragma once
 
 #include <memory>
 #include <optional>
 
-#include "host/pendant/board_talk.hpp"
+#include "host/pendant/board_dialog.hpp"
 #include "host/pendant/decoder.hpp"
 #include "host/pendant/display_writer.hpp"
 #include "host/pendant/hid.hpp"
@@ -16,17 +16,17 @@ namespace lamplock::pendant {
 
 class Pendant {
  public:
-  /// `device` is read; `display`, the same one opened once more, is written to.
+  /// Reads `device`; writes `display`, a second handle of the same device.
   Pendant(const PendantId& id, std::unique_ptr<HidDevice> device,
           std::unique_ptr<HidDevice> display, const Variant& variant)
       : device_(std::move(device)),
         decoder_(make_decoder(id.kind, variant)),
         writer_(std::move(display)) {}
 
-  /// What has happened since the last call.
+  /// The events since the last call.
   Events poll();
-  /// Shows this, if it has changed, ten times a second at most and when the display has what it was
-  /// shown before; `now` is any clock's.
+  /// Shows this, if it has changed, ten times a second at most and after the previous contents were
+  /// written; `now` may be of any clock.
   void show(const Display& display, Time now);
   bool gone() const { return device_->gone(); }
   bool has_switch() const { return decoder_->has_switch(); }
@@ -39,7 +39,7 @@ class Pendant {
   DisplayWriter writer_;
 };
 
-/// Those that may be used: all, or those of this option ("hb04"), in the order of list_pendants().
+/// Pendants to use: all, or those of this option ("hb04"), in the order of list_pendants().
 std::vector<HidInfo> find_pendants(const std::string& option);
 
 }  // namespace lamplock::pendant

@@ -1,7 +1,5 @@
-// Pendants that this program knows, by their USB vendor and product.
-//
-// In:  nothing. Out: one table. Who: `lamplock jog`, which opens them; `lamplock devices`, which
-//      lists them.
+// Known pendants, by their USB vendor and product. One table for `lamplock jog`, which opens them,
+// and `lamplock devices`, which lists them.
 #pragma once
 
 #include <array>
@@ -9,15 +7,15 @@
 
 namespace lamplock::pendant {
 
-/// How a pendant talks.
+/// Protocol of a pendant.
 enum class Kind : std::uint8_t { hb04, whb04b, shuttle_xpress, shuttle_pro };
 
 /// One model.
 struct PendantId {
   std::uint16_t vendor, product;
   Kind kind;
-  const char* option;  ///< as `lamplock jog --pendant` calls it
-  const char* name;    ///< for people
+  const char* option;  ///< value of `lamplock jog --pendant`
+  const char* name;    ///< for the user
 };
 
 /// Numbers of the LinuxCNC drivers xhc-hb04, xhc-whb04b-6 and shuttle.

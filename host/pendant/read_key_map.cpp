@@ -24,7 +24,7 @@ class Reader {
   explicit Reader(const std::filesystem::path& file) : file_(file) {}
 
   KeyMap read(const toml::table& table) {
-    // Keys may be bound to macros, wherever those stand.
+    // Macros come first: keys may be bound to macros that follow later in the file.
     if (const toml::node* node = table.get("macros")) each(*node, "macros", &Reader::read_macro);
     for (const auto& [key, node] : table) read_key(key, node);
     return map_;
@@ -52,10 +52,11 @@ class Reader {
     } else if (name == "hb04_keys") {
       map_.hb04_keys = static_cast<int>(any_number(key, node));
       if (map_.hb04_keys != 16 && map_.hb04_keys != 18)
-        fail(key.source(), "'hb04_keys' is neither 16 nor 18", "count the keys of the pendant");
+        fail(key.source(), "'hb04_keys' is neither 16 nor 18",
+             "write the number of keys of the pendant");
     } else {
       fail(key.source(), fmt::format("unknown key '{}' in [pendant]", printable(name)),
-           "there are keys, keyboard, macros, steps, feed, safe_z, hb04_keys");
+           "use keys, keyboard, macros, steps, feed, safe_z or hb04_keys");
     }
   }
 
@@ -71,7 +72,7 @@ class Reader {
     const auto known = key_named(key.str());
     if (!known)
       fail(key.source(), fmt::format("no pendant has a key '{}'", printable(key.str())),
-           "use the names of docs/pendants.md, as safe-z, macro-1, button-1");
+           "use a name from docs/pendants.md, such as safe-z, macro-1, button-1");
     map_.keys[*known] = binding(key, node);
   }
 
@@ -79,7 +80,7 @@ class Reader {
     const std::string name(key.str());
     if (!is_keyboard_name(name))
       fail(key.source(), fmt::format("a keyboard has no key '{}'", printable(name)),
-           "use one character, or a name of docs/pendants.md, as page-up, f1, ctrl-x");
+           "use one character, or a name from docs/pendants.md, such as page-up, f1, ctrl-x");
     map_.keyboard[name] = binding(key, node);
   }
 
@@ -99,7 +100,7 @@ class Reader {
     Macro macro{std::string(key.str()), {}, false};
     if (action_named(macro.name))
       fail(key.source(), fmt::format("'{}' is the name of an action", macro.name),
-           "call the macro otherwise");
+           "choose another name for the macro");
     if (lines == nullptr || lines->empty() || lines->size() > max_macro_lines)
       fail(key.source(), fmt::format("macro '{}' needs lines", macro.name),
            "write lines = [\"G91 G38.2 Z-20 F100\"]");
@@ -107,8 +108,8 @@ class Reader {
       if (name == "laser" && value.is_boolean())
         macro.laser = *value.value<bool>();
       else if (name != "lines")
-        fail(name.source(), fmt::format("'{}' is nothing of a macro", name.str()),
-             "a macro has lines, and laser = true or false");
+        fail(name.source(), fmt::format("a macro has no key '{}'", name.str()),
+             "use lines, and laser = true or false");
     macro.lines.reserve(lines->size());
     for (const toml::node& line : *lines) {
       const auto text = line.value<std::string>();
@@ -137,13 +138,13 @@ class Reader {
            "write it without quotes");
     return *value;
   }
-  /// Above 0, and what a line of G-code can say.
+  /// A number above 0 that a line of G-code can express.
   double number(const toml::key& key, const toml::node& node, double greatest) const {
     constexpr double least = 0.001;
     const double value = any_number(key, node);
     if (value < least || value > greatest)
       fail(node.source(), fmt::format("'{}' = {} is out of range", key.str(), value),
-           fmt::format("it is {}..{:.0f}", least, greatest));
+           fmt::format("use {}..{:.0f}", least, greatest));
     return value;
   }
 

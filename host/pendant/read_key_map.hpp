@@ -1,7 +1,7 @@
-// Reads what the keys of pendants and of the keyboard do: the table [pendant] of a machine profile.
+// Reads the actions of keys of pendants and the keyboard: the table [pendant] of a machine profile.
 //
-// In:  a TOML file (docs/pendants.md, examples/pendant.toml). Out: a KeyMap; what the file does not
-//      state is as default_key_map() says.
+// In:  a TOML file (docs/pendants.md, examples/pendant.toml). Out: a KeyMap; keys that the file
+//      does not state are those of default_key_map().
 // Who: `lamplock jog`.
 #pragma once
 

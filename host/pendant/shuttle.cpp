@@ -21,7 +21,7 @@ Events Shuttle::take(std::span<const std::uint8_t> report) {
   Events events;
   if (report.size() != report_size) return events;
   const auto spring = static_cast<std::int8_t>(report[0]);
-  // The ring cannot be there: it is not believed to be anywhere.
+  // The ring cannot reach this position: the value counts as released.
   const int place = std::abs(int{spring}) > farthest ? 0 : spring;
   const auto buttons = static_cast<std::uint16_t>(report[3] | report[4] << 8);
   for (int bit = 0; bit < 16; ++bit) {
@@ -33,7 +33,7 @@ Events Shuttle::take(std::span<const std::uint8_t> report) {
   buttons_ = buttons;
   if (place != spring_) events.push_back(count_event(Event::Kind::spring, place));
   spring_ = place;
-  // The nearest way round.
+  // The shorter direction of the wrapping counter.
   const int clicks = dial_ ? static_cast<std::int8_t>(report[1] - *dial_) : 0;
   dial_ = report[1];
   if (clicks != 0) events.push_back(count_event(Event::Kind::wheel, clicks));

@@ -1,11 +1,11 @@
 // Contour's ShuttleXpress and ShuttlePRO v2: a dial inside a ring with a spring, 5 or 15 buttons.
 //
-// In:  input reports of five bytes, without an id: place of the ring -7..7, a counter of the dial
-//      that wraps, one that is not used, buttons in 16 bits, little endian. Out: events.
-// Who: make_decoder(). Facts: LinuxCNC's driver shuttle.
+// In:  input reports of five bytes, without an id: position of the ring -7..7, a counter of the
+//      dial that wraps, an unused byte, buttons in 16 bits, little endian. Out: events.
+// Who: make_decoder(). Source: LinuxCNC's driver shuttle.
 //
-// The counter starts anywhere: the first report only tells where. There is no switch of axes; the
-// key map has buttons that choose one.
+// The counter starts at any value: the first report gives no event for it. There is no axis switch;
+// the key map has buttons that select the axis.
 #pragma once
 
 #include <optional>

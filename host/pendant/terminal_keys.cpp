@@ -9,11 +9,11 @@ namespace lamplock::pendant {
 namespace {
 
 constexpr char escape = 0x1b;
-/// A sequence that goes on for longer is noise.
+/// A longer sequence is noise.
 constexpr std::size_t longest_sequence = 16;
 
 struct Sequence {
-  std::string_view bytes;  ///< behind the escape
+  std::string_view bytes;  ///< after the escape
   std::string_view name;
 };
 constexpr std::array sequences{
@@ -40,7 +40,7 @@ constexpr std::array controls{Control{' ', "space"},      Control{'\r', "enter"}
 
 constexpr bool is_printable(char c) { return c > ' ' && c < 0x7f; }
 
-/// The key of one byte; empty if it is none.
+/// The key of one byte; empty if the byte is no key.
 std::string key_of(char byte) {
   for (const Control& control : controls)
     if (control.byte == byte) return std::string(control.name);
@@ -51,7 +51,7 @@ std::string key_of(char byte) {
   return "";
 }
 
-/// Length of the sequence behind an escape; 0 if more is to come.
+/// Length of the sequence after an escape; 0 if it is incomplete.
 std::size_t sequence_length(std::string_view bytes) {
   if (bytes.empty()) return 0;
   if (bytes[0] == 'O') return bytes.size() < 2 ? 0 : 2;
@@ -89,7 +89,7 @@ std::vector<std::string> TerminalKeys::pause() {
   return keys;
 }
 
-/// False if there is nothing, or only the beginning of something.
+/// False if no bytes are pending, or only the beginning of a sequence.
 bool TerminalKeys::take_one(std::vector<std::string>& keys) {
   if (pending_.empty()) return false;
   if (pending_[0] != escape) {
@@ -97,23 +97,23 @@ bool TerminalKeys::take_one(std::vector<std::string>& keys) {
     pending_.erase(0, 1);
     return true;
   }
-  const std::string_view behind = std::string_view(pending_).substr(1);
+  const std::string_view rest = std::string_view(pending_).substr(1);
   // Escape twice: the first one was the key.
-  if (behind.starts_with(escape)) {
+  if (rest.starts_with(escape)) {
     keys.emplace_back("escape");
     pending_.erase(0, 1);
     return true;
   }
-  const std::size_t length = sequence_length(behind);
+  const std::size_t length = sequence_length(rest);
   if (length == 0) return false;
-  // Alt and a key look like escape and that key: a wish to stop must not be missed.
+  // Alt with a key looks like escape and that key: an escape to stop must not be missed.
   if (length == 1) {
     keys.emplace_back("escape");
     pending_.erase(0, 1);
     return true;
   }
   for (const Sequence& known : sequences)
-    if (known.bytes == behind.substr(0, length)) keys.emplace_back(known.name);
+    if (known.bytes == rest.substr(0, length)) keys.emplace_back(known.name);
   pending_.erase(0, 1 + length);
   return true;
 }

@@ -1,11 +1,11 @@
-// Keys that somebody presses in a terminal, out of the bytes that it sends for them.
+// Decodes the bytes that a terminal sends for keys.
 //
 // In:  bytes, in pieces of any size. Out: names of keys, one for each press or repeat.
-// Who: `lamplock jog`. Facts: ECMA-48 (CSI), and what xterm, VT220 and the Linux console send for
-//      cursor, editing and function keys; with a modifier (";5") a key is not that key.
+// Who: `lamplock jog`. Sources: ECMA-48 (CSI); the sequences of xterm, VT220 and the Linux console
+//      for cursor, editing and function keys. A key with a modifier (";5") is not reported.
 //
-// A terminal tells no key that is let go. An escape that nothing follows is the key Escape: whoever
-// reads says when enough time has passed.
+// A terminal does not report the release of a key. An escape without further bytes is the key
+// Escape: the caller signals by pause() that enough time has passed.
 #pragma once
 
 #include <string>
@@ -21,9 +21,9 @@ bool is_keyboard_name(std::string_view name);
 /// The decoder of one terminal.
 class TerminalKeys {
  public:
-  /// Keys that these bytes complete. Sequences that are not known give none.
+  /// Keys that these bytes complete. Unknown sequences give none.
   std::vector<std::string> take(std::string_view bytes);
-  /// No byte has come for a while: what is begun is not gone on with.
+  /// No byte has arrived for a while: ends an incomplete sequence.
   std::vector<std::string> pause();
   /// Waits for the rest of a sequence, or for pause().
   bool inside() const { return !pending_.empty(); }

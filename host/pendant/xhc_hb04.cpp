@@ -9,10 +9,10 @@ namespace {
 
 constexpr std::size_t hb04_report_size = 6;
 constexpr std::uint8_t hb04_report_id = 4;
-/// The day of the month in the maker's program; LinuxCNC sends this.
+/// The day of the month in the manufacturer's program; LinuxCNC sends this value.
 constexpr std::uint8_t seed = 0x0c;
 
-constexpr std::uint8_t stop_code = 0x16, reset_code = 0x17;  ///< there is no 16 on that of 16 keys
+constexpr std::uint8_t stop_code = 0x16, reset_code = 0x17;  ///< the model with 16 keys has no 0x16
 constexpr int few_keys = 16, many_keys = 18;
 
 constexpr Key macro(int number) { return key_of_row(Key::macro_1, number); }
@@ -28,7 +28,7 @@ constexpr Layout layout_18{Key::none, Key::go_to_zero, Key::start,   Key::rewind
                            macro(1),  macro(2),        Key::spindle, Key::step,   Key::mode,
                            macro(6),  macro(7)};
 
-/// What is no place of the switch counts as off.
+/// Unknown codes count as off.
 Selector selector_of(std::uint8_t code) {
   switch (code) {
     case 0x11:
@@ -48,7 +48,7 @@ Selector selector_of(std::uint8_t code) {
   }
 }
 
-/// Number that makes the display show a step; 0 for steps that it cannot show.
+/// Display code of a step; 0 for steps that the display cannot show.
 std::uint8_t step_symbol(double step_mm) {
   constexpr std::array thousandths{0l, 1l, 5l, 10l, 20l, 30l, 40l, 50l, 100l, 500l, 1000l};
   const auto found = std::find(thousandths.begin(), thousandths.end(), std::lround(step_mm * 1000));
@@ -101,7 +101,7 @@ Key XhcHb04::key_of(std::uint8_t code) const {
 
 std::vector<FeatureReport> XhcHb04::display(const Display& shown) const {
   XhcFrame frame(seed);
-  // Three lines each: A takes the line of X.
+  // Three lines for work and for machine coordinates: A uses the line of X.
   const std::size_t first = shown.selector == Selector::a ? 3 : 0;
   for (const PerAxis<double>* place : {&shown.work_mm, &shown.machine_mm})
     for (const std::size_t axis : {first, std::size_t{1}, std::size_t{2}})

@@ -11,7 +11,7 @@ constexpr std::uint8_t whb04b_report_id = 4;
 constexpr std::uint8_t whb04b_seed = 0xfe;
 constexpr std::uint8_t function_code = 0x0c;
 
-/// What is printed on a key, and what stands behind Fn. Stop and reset are so with Fn as well.
+/// Functions of a key, without and with Fn. Stop and reset are the same with Fn.
 struct KeyPrint {
   Key plain, with_function;
 };
@@ -42,7 +42,7 @@ Selector whb04b_selector(std::uint8_t code) {
   return code >= first && place < axes.size() ? axes[place] : Selector::off;
 }
 
-/// A place of the switch that is not known is none: the wheel moves nothing then.
+/// An unknown switch position has no step: the wheel moves no axis then.
 Rate rate_of(std::uint8_t code) {
   switch (code) {
     case 0x0d:
@@ -53,7 +53,7 @@ Rate rate_of(std::uint8_t code) {
       return {0.1, 10};
     case 0x10:
       return {1, 30};
-    // No step is printed at the next two; the display shows 1.
+    // The next two positions have no step in their print; the display shows 1.
     case 0x1a:
       return {1, 60};
     case 0x1b:
@@ -129,7 +129,7 @@ void XhcWhb04b::fall_asleep(Events& events) {
 std::vector<FeatureReport> XhcWhb04b::display(const Display& shown) const {
   XhcFrame frame(whb04b_seed);
   frame.byte(display_flags(shown));
-  // Three lines: X Y Z, or those from A on, of which we have one.
+  // Three lines: X Y Z, or A B C, of which the machine has A only.
   const bool second = shown.selector == Selector::a || shown.selector == Selector::b ||
                       shown.selector == Selector::c;
   for (std::size_t line = 0; line < 3; ++line) {

@@ -1,16 +1,15 @@
-// The pendants XHC WHB04B-4 and WHB04B-6: wireless, 16 keys with a second row behind Fn, switches
-// of axes and of speeds, a wheel, a display of three coordinates.
+// The pendants XHC WHB04B-4 and WHB04B-6: wireless, 16 keys with second functions by Fn, an axis
+// switch, a speed switch, a wheel, a display of three coordinates.
 //
-// In:  input reports of eight bytes: id 4, a random byte, two key codes, switch of speeds, switch
-// of
-//      axes, clicks of the wheel, check sum. Out: events; three feature reports for a display.
-// Who: make_decoder(). Facts: LinuxCNC's driver xhc-whb04b-6 and the notes on the protocol in it.
+// In:  input reports of eight bytes: id 4, a random byte, two key codes, speed switch, axis switch,
+//      clicks of the wheel, checksum. Out: events; three feature reports for a display.
+// Who: make_decoder(). Source: LinuxCNC's driver xhc-whb04b-6 and its notes on the protocol.
 //
-// The check sum follows no rule that is known for reports with keys: it is not looked at. Before
-// the pendant goes to sleep it sends a report whose fields are all zero, and one more, which means
-// nothing and is dropped. It does not tell its switches when it wakes: until one moves the axis is
-// unknown, and nothing moves. The last place of the switch of speeds, "lead", is 1c on some, 9b on
-// others (LinuxCNC issue 3485).
+// The rule of the checksum is unknown for reports with keys: it is not checked. Before the pendant
+// goes to sleep it sends a report whose fields are all zero, and another one without meaning, which
+// is dropped. It does not report its switches when it wakes: until one is turned, the axis is
+// unknown and no axis moves. The last position of the speed switch, "lead", is 1c on some models,
+// 9b on others (LinuxCNC issue 3485).
 #pragma once
 
 #include <optional>

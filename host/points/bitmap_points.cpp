@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "host/error.hpp"
-#include "host/points/limits.hpp"
-#include "host/points/random.hpp"
+#include "host/geometry/limits.hpp"
+#include "host/geometry/random.hpp"
 
 namespace lamplock::points {
 namespace {
 
-/// Sums of all pixels above and left of a corner, so that the mean of a square costs four reads.
+/// Sums of all pixels above and left of a corner, so that the mean of a square needs four reads.
 class PixelSums {
  public:
   explicit PixelSums(const model::Bitmap& bitmap)
@@ -39,7 +39,7 @@ class PixelSums {
   std::vector<std::uint64_t> sums_;
 };
 
-/// Grid points along one side of the picture and the pixels each of them stands for.
+/// Grid points along one side of the picture, each with its pixels.
 struct Side {
   Side(int pixels, double length_mm, double spacing_mm)
       : count(std::max(1.0, std::floor(length_mm / spacing_mm + 1e-9))),
@@ -51,9 +51,9 @@ struct Side {
 
   double position(std::size_t i) const { return first_mm + static_cast<double>(i) * spacing; }
 
-  /// First pixel of grid point i's square and the one behind its last; at least one pixel.
+  /// Begin and end of the pixels in grid point i's square; at least one pixel.
   std::pair<std::size_t, std::size_t> pixels(std::size_t i) const {
-    // Edges of squares that meet edges of pixels must not slip to the next pixel by rounding.
+    // Rounding must not move an edge of a square from an edge of a pixel into the next pixel.
     constexpr double rounding = 1e-6;
     const double low = (position(i) - spacing / 2 + half_mm) / pixel_mm + rounding;
     const double high = (position(i) + spacing / 2 + half_mm) / pixel_mm - rounding;
@@ -70,15 +70,15 @@ struct Side {
 };
 
 void require_valid(const model::Bitmap& bitmap, const BitmapOptions& options) {
-  require_positive(options.size_mm, "bitmap", "size");
-  require_positive(options.spacing_mm, "bitmap", "spacing");
-  require_positive(options.layers, "bitmap", "number of layers");
+  geometry::require_positive(options.size_mm, "bitmap", "size");
+  geometry::require_positive(options.spacing_mm, "bitmap", "spacing");
+  geometry::require_positive(options.layers, "bitmap", "number of layers");
   constexpr int most_layers = 10'000;  // a metre at 0.1 mm
   if (options.layers > most_layers) {
     throw Error(Exit::bad_input, "bitmap", fmt::format("{} layers", options.layers),
                 fmt::format("give at most {}", most_layers));
   }
-  if (options.layers > 1) require_positive(options.layer_mm, "bitmap", "layer distance");
+  if (options.layers > 1) geometry::require_positive(options.layer_mm, "bitmap", "layer distance");
   if (options.threshold < 0 || options.threshold > 255) {
     throw Error(Exit::bad_input, "bitmap", fmt::format("threshold {}", options.threshold),
                 "give 0 to 255");
@@ -89,7 +89,7 @@ void require_valid(const model::Bitmap& bitmap, const BitmapOptions& options) {
   }
 }
 
-/// The picture as its grid points see it, row by row from the lowest.
+/// The picture sampled at grid points, row by row from the lowest.
 class Grid {
  public:
   Grid(const model::Bitmap& bitmap, const BitmapOptions& options)
@@ -98,12 +98,12 @@ class Grid {
         up_(bitmap.height, bitmap.height * scale_, options.spacing_mm),
         sums_(bitmap),
         pixel_rows_(static_cast<std::size_t>(bitmap.height)) {
-    require_count(across_.count * up_.count, "bitmap");
+    geometry::require_count(across_.count * up_.count, "bitmap");
   }
 
   std::size_t columns() const { return Side::to_index(across_.count); }
   std::size_t rows() const { return Side::to_index(up_.count); }
-  Point place(std::size_t i, std::size_t j) const {
+  geometry::Point place(std::size_t i, std::size_t j) const {
     return {across_.position(i), up_.position(j), 0};
   }
 
@@ -122,8 +122,8 @@ class Grid {
 };
 
 /// The points of one layer at z = 0.
-PointCloud threshold_layer(const Grid& grid, const BitmapOptions& options) {
-  PointCloud cloud;
+geometry::PointCloud threshold_layer(const Grid& grid, const BitmapOptions& options) {
+  geometry::PointCloud cloud;
   for (std::size_t j = 0; j < grid.rows(); ++j) {
     for (std::size_t i = 0; i < grid.columns(); ++i) {
       const bool dark = grid.grey(i, j) < options.threshold;
@@ -149,13 +149,13 @@ std::vector<float> densities(const Grid& grid, const BitmapOptions& options) {
 
 /// Error diffusion, every other row backwards, with weights and threshold moved at random.
 class Dither {
-  /// Less leaves half grey a chequerboard, more makes greys grainy.
+  /// With less, medium grey becomes a chequerboard; with more, greys become grainy.
   static constexpr double threshold_noise = 0.6;
 
  public:
-  Dither(std::size_t columns, Random random)
+  Dither(std::size_t columns, geometry::Random random)
       : random_(random), here_(columns + 2, 0), ahead_(columns + 2, 0) {
-    for (double& error : here_) error = random_.uniform() - 0.5;  // layers begin differently
+    for (double& error : here_) error = random_.uniform() - 0.5;  // differs from layer to layer
   }
 
   /// Calls `point(i)` for every point of the next row, in the order of i or against it.
@@ -177,8 +177,8 @@ class Dither {
   }
 
  private:
-  /// 7/16 to the next, 3/16, 5/16 and 1/16 to the row ahead: two pairs, in each of which a random
-  /// part of the smaller weight changes places.
+  /// 7/16 to the next point, 3/16, 5/16 and 1/16 to the next row: two pairs, in each of which a
+  /// random part of the smaller weight is exchanged.
   void spread(std::size_t at, double error) {
     const double large = (random_.uniform() - 0.5) * 5 / 16, small = (random_.uniform() - 0.5) / 16;
     const std::size_t next = backwards_ ? at - 1 : at + 1, last = backwards_ ? at + 1 : at - 1;
@@ -188,13 +188,14 @@ class Dither {
     ahead_[next] += error * (1.0 / 16 - small);
   }
 
-  Random random_;
+  geometry::Random random_;
   std::vector<double> here_, ahead_;  // errors; one more at each end
   bool backwards_ = false;
 };
 
-PointCloud tone_layer(const Grid& grid, const std::vector<float>& wanted, Random random) {
-  PointCloud cloud;
+geometry::PointCloud tone_layer(const Grid& grid, const std::vector<float>& wanted,
+                                geometry::Random random) {
+  geometry::PointCloud cloud;
   Dither dither(grid.columns(), random);
   for (std::size_t j = 0; j < grid.rows(); ++j) {
     const std::size_t first = j * grid.columns(), begin = cloud.size();
@@ -206,8 +207,8 @@ PointCloud tone_layer(const Grid& grid, const std::vector<float>& wanted, Random
   return cloud;
 }
 
-/// From the picture's own axes (right, up, layer).
-Point in_plane(const Point& point, double layer_mm, Plane plane) {
+/// Converts coordinates along the picture's own axes (right, up, layer).
+geometry::Point in_plane(const geometry::Point& point, double layer_mm, Plane plane) {
   switch (plane) {
     case Plane::xz:
       return {point.x, layer_mm, point.y};
@@ -221,19 +222,21 @@ Point in_plane(const Point& point, double layer_mm, Plane plane) {
 
 }  // namespace
 
-PointCloud bitmap_points(const model::Bitmap& bitmap, const BitmapOptions& options) {
+geometry::PointCloud bitmap_points(const model::Bitmap& bitmap, const BitmapOptions& options) {
   require_valid(bitmap, options);
   const Grid grid(bitmap, options);
   const std::vector<float> wanted = options.tone ? densities(grid, options) : std::vector<float>{};
-  PointCloud layer = options.tone ? PointCloud{} : threshold_layer(grid, options);
-  const Random seeds(options.seed);
-  PointCloud cloud;
+  geometry::PointCloud layer =
+      options.tone ? geometry::PointCloud{} : threshold_layer(grid, options);
+  const geometry::Random seeds(options.seed);
+  geometry::PointCloud cloud;
   for (int k = 0; k < options.layers; ++k) {
     if (options.tone)
-      layer = tone_layer(grid, wanted, Random(seeds.fork(static_cast<unsigned>(k))));
-    require_count(static_cast<double>(cloud.size() + layer.size()), "bitmap");
+      layer = tone_layer(grid, wanted, geometry::Random(seeds.fork(static_cast<unsigned>(k))));
+    geometry::require_count(static_cast<double>(cloud.size() + layer.size()), "bitmap");
     const double depth = (k - (options.layers - 1) / 2.0) * options.layer_mm;
-    for (const Point& point : layer) cloud.push_back(in_plane(point, depth, options.plane));
+    for (const geometry::Point& point : layer)
+      cloud.push_back(in_plane(point, depth, options.plane));
   }
   return cloud;
 }

@@ -1,7 +1,7 @@
 // Bitmap to points ("Mechatronic positioning of a pulsed laser beam in devices forming 3-D objects
 // in glass": threshold, inversion, vertex distance, number of layers, layer distance, plane,
-// density of points from grey). Comes in: grey values. Goes out: points on a square grid in
-// parallel planes, row by row from the lowest. Called by the command line.
+// density of points from grey). In: grey values. Out: points on a square grid in parallel planes,
+// row by row from the lowest. Called by the command line.
 //
 // Density from grey: the error of each grid point is spread over its neighbours (Floyd and
 // Steinberg, "An Adaptive Algorithm for Spatial Greyscale", 1976) with weights and threshold moved
@@ -12,13 +12,13 @@
 #include <cstdint>
 #include <optional>
 
+#include "host/geometry/point.hpp"
 #include "host/model/bitmap.hpp"
-#include "host/points/point.hpp"
 #include "host/points/tone.hpp"
 
 namespace lamplock::points {
 
-/// Where the picture stands; its left and bottom lie towards the lower coordinates.
+/// Plane of the picture; its left and bottom are at the lower coordinates.
 enum class Plane {
   xy,  // top +y, layers along z
   xz,  // top +z, layers along y
@@ -28,20 +28,21 @@ enum class Plane {
 struct BitmapOptions {
   double size_mm = 50;      // longest side of the picture
   double spacing_mm = 0.1;  // of the points
-  int threshold = 128;      // 0..255: darker than this is a point
+  int threshold = 128;      // 0..255: pixels darker than this become points
   bool invert = false;      // light pixels become points instead
   int layers = 1;
   double layer_mm = 0.1;  // from layer to layer
   Plane plane = Plane::xy;
-  /// Instead of the threshold: the share of grid points that are points. The curve is given the
-  /// picture's negative, because dark is a point; with `invert` the picture itself.
+  /// Instead of the threshold: the share of grid points that become points. The input of the curve
+  /// is the picture's negative, because dark pixels become points; with `invert` the picture
+  /// itself.
   std::optional<ToneCurve> tone{};
   std::uint64_t seed = 1;  // of the dither
 };
 
-/// Centred on the origin in all axes. A grid point stands for the mean of the pixels of its square,
-/// or for the pixel it lies in if that is larger. Throws Error (bad_input) for options out of range
-/// or too many points.
-PointCloud bitmap_points(const model::Bitmap& bitmap, const BitmapOptions& options);
+/// Centred on the origin in all axes. The value of a grid point is the mean of the pixels in its
+/// square, or its pixel if that is larger. Throws Error (bad_input) for options out of range or too
+/// many points.
+geometry::PointCloud bitmap_points(const model::Bitmap& bitmap, const BitmapOptions& options);
 
 }  // namespace lamplock::points

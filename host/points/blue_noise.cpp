@@ -6,30 +6,30 @@
 #include <span>
 #include <vector>
 
-#include "host/points/bounds.hpp"
-#include "host/points/dart_blocks.hpp"
+#include "host/geometry/bounds.hpp"
+#include "host/geometry/limits.hpp"
+#include "host/geometry/random.hpp"
+#include "host/geometry/vector.hpp"
 #include "host/points/dart_gaps.hpp"
-#include "host/points/limits.hpp"
-#include "host/points/random.hpp"
+#include "host/points/poisson_blocks.hpp"
 #include "host/points/surface_blocks.hpp"
-#include "host/points/vector.hpp"
 
 namespace lamplock::points {
 namespace {
 
-/// Points per square distance of a surface that takes no more (random sequential adsorption of
-/// discs covers 0.547 of a plane: Feder, "Random Sequential Adsorption", 1980; a disc has half the
-/// distance as its radius).
+/// Points per square distance on a saturated surface (random sequential adsorption of discs covers
+/// 0.547 of a plane: Feder, "Random Sequential Adsorption", 1980; the radius of a disc is half the
+/// distance).
 constexpr double saturated = 0.547 / (3.14159265358979 / 4);
 
-/// Darts per square distance, round after round. Blocks of a round are done one after the other;
-/// short rounds at first keep a block from being full while those round it are still empty.
+/// Darts per square distance in each round. Blocks of a round are processed one after the other;
+/// short first rounds prevent full blocks next to empty ones.
 constexpr std::array<double, 4> rounds{0.25, 0.5, 1, 2};
 
-/// Pieces longer than this part of the distance are hardly ever covered by one point.
+/// Pieces longer than this fraction of the distance are hardly ever covered by one point.
 constexpr double longest_piece = 0.75;
-/// Pieces shorter than this are given up: a place of one is at most so much further than the
-/// distance from a point.
+/// Shorter pieces are dropped: their places are further than the distance from a point by at most
+/// this.
 constexpr double shortest_piece = 1.0 / 32;
 
 struct TrianglePiece {
@@ -40,11 +40,11 @@ struct TrianglePiece {
   bool is_covered(const BlockDarts& block) const { return block.is_covered(corners, radius_mm); }
 };
 
-Point between(const Point& p, const Point& q) {
+geometry::Point between(const geometry::Point& p, const geometry::Point& q) {
   return {(p.x + q.x) / 2, (p.y + q.y) / 2, (p.z + q.z) / 2};
 }
 
-/// The side from corner i to i + 1 that is longest, and its length.
+/// Index i of the longest side, from corner i to i + 1, and its length.
 std::pair<std::size_t, double> longest_side(const Corners& corners) {
   std::size_t longest = 0;
   double square = 0;
@@ -60,24 +60,24 @@ std::pair<std::size_t, double> longest_side(const Corners& corners) {
 
 /// The two halves of a triangle, cut at its longest side.
 std::array<Corners, 2> halves(const Corners& corners, std::size_t longest) {
-  const Point& a = corners[longest];
-  const Point& b = corners[(longest + 1) % 3];
-  const Point& c = corners[(longest + 2) % 3];
-  const Point middle = between(a, b);
+  const geometry::Point& a = corners[longest];
+  const geometry::Point& b = corners[(longest + 1) % 3];
+  const geometry::Point& c = corners[(longest + 2) % 3];
+  const geometry::Point middle = between(a, b);
   return {Corners{a, middle, c}, Corners{middle, b, c}};
 }
 
-Point random_place(const Corners& corners, Random& random) {
+geometry::Point random_place(const Corners& corners, geometry::Random& random) {
   double b = random.uniform(), c = random.uniform();
   if (b + c > 1) {
     b = 1 - b;
     c = 1 - c;
   }
-  const auto at = [&](double Point::*axis) {
+  const auto at = [&](double geometry::Point::*axis) {
     const double from = corners[0].*axis;
     return from + b * (corners[1].*axis - from) + c * (corners[2].*axis - from);
   };
-  return {at(&Point::x), at(&Point::y), at(&Point::z)};
+  return {at(&geometry::Point::x), at(&geometry::Point::y), at(&geometry::Point::z)};
 }
 
 /// Surface, distance and density.
@@ -88,14 +88,15 @@ class Surface {
     if (options.tone && mesh.brightness) tone_ = options.tone;
   }
 
-  Dart dart_at(const Point& place, std::uint32_t triangle, Random& random) const {
+  Dart dart_at(const geometry::Point& place, std::uint32_t triangle,
+               geometry::Random& random) const {
     if (!tone_) return {place, distance_, true};
     const double density = density_at(place, triangle);
     const double part = density * most_radius_distances * most_radius_distances;
     return {place, radius_for(density), part >= 1 || random.uniform() < part};
   }
 
-  std::optional<Dart> dart_in(const TrianglePiece& piece, Random& random) const {
+  std::optional<Dart> dart_in(const TrianglePiece& piece, geometry::Random& random) const {
     return dart_at(random_place(piece.corners, random), piece.triangle, random);
   }
 
@@ -112,7 +113,7 @@ class Surface {
   TrianglePiece piece_of(const Corners& corners, std::uint32_t triangle) const {
     if (!tone_) return {corners, triangle, distance_};
     double radius = most_radius_distances * distance_;
-    for (const Point& corner : corners) {
+    for (const geometry::Point& corner : corners) {
       radius = std::min(radius, radius_for(density_at(corner, triangle)));
     }
     return {corners, triangle, radius};
@@ -125,7 +126,7 @@ class Surface {
     return distance_ / std::max(std::sqrt(density), 1 / most_radius_distances);
   }
 
-  double density_at(const Point& place, std::uint32_t triangle) const {
+  double density_at(const geometry::Point& place, std::uint32_t triangle) const {
     const Corners corners = corners_of(mesh_, triangle);
     const double all = area_of(corners);
     const double b = area_of({corners[0], place, corners[2]}) / all;
@@ -145,7 +146,7 @@ struct BlockSurface {
   std::vector<double> areas;             // of all pieces up to each
 
   BlockSurface(const model::Mesh& mesh, std::span<const std::uint32_t> in_block,
-               const Bounds& box) {
+               const geometry::Bounds& box) {
     double area = 0;
     for (const std::uint32_t triangle : in_block) {
       cut_to_box(corners_of(mesh, triangle), box, pieces);
@@ -158,10 +159,10 @@ struct BlockSurface {
 };
 
 void throw_darts(BlockDarts& block, const BlockSurface& part, const Surface& surface,
-                 double per_mm2, Random& random) {
+                 double per_mm2, geometry::Random& random) {
   if (part.pieces.empty()) return;
   const double area = part.areas.back();
-  // A fraction of a dart is one with that probability.
+  // A fraction of a dart is the probability of one more.
   const auto count = static_cast<std::size_t>(area * per_mm2 + random.uniform());
   for (std::size_t i = 0; i < count; ++i) {
     const auto found =
@@ -177,7 +178,7 @@ void throw_darts(BlockDarts& block, const BlockSurface& part, const Surface& sur
 void gather_open(const BlockDarts& block, const Surface& surface, const TrianglePiece& piece,
                  double longest_mm, std::vector<TrianglePiece>& open) {
   const auto [longest, length] = longest_side(piece.corners);
-  // Larger ones are hardly ever covered: not worth the search.
+  // Larger pieces are hardly ever covered: the search would not pay.
   if (length < 2 * longest_mm && piece.is_covered(block)) return;
   if (length <= longest_mm) {
     open.push_back(piece);
@@ -189,7 +190,7 @@ void gather_open(const BlockDarts& block, const Surface& surface, const Triangle
 }
 
 void fill_block(BlockDarts& block, const BlockSurface& part, const Surface& surface,
-                double distance_mm, Random& random) {
+                double distance_mm, geometry::Random& random) {
   std::vector<TrianglePiece> open;
   for (std::size_t i = 0; i < part.pieces.size(); ++i) {
     gather_open(block, surface, surface.piece_of(part.pieces[i], part.triangles[i]),
@@ -206,21 +207,21 @@ double area_of_mesh(const model::Mesh& mesh) {
 
 }  // namespace
 
-PointCloud blue_noise(const model::Mesh& mesh, const BlueNoiseOptions& options) {
-  require_positive(options.distance_mm, "blue noise", "distance");
+geometry::PointCloud blue_noise(const model::Mesh& mesh, const BlueNoiseOptions& options) {
+  geometry::require_positive(options.distance_mm, "blue noise", "distance");
   if (options.tone) require_valid(*options.tone, "blue noise");
   require_sound(mesh, "blue noise");
   const double distance_mm = options.distance_mm;
   const BlockGrid grid =
       grid_over(bounds(mesh.vertices), block_distances * distance_mm, "blue noise");
-  require_count(saturated * area_of_mesh(mesh) / distance_mm / distance_mm, "blue noise");
+  geometry::require_count(saturated * area_of_mesh(mesh) / distance_mm / distance_mm, "blue noise");
   const SurfaceBlocks blocks = surface_blocks(mesh, grid, "blue noise");
   const Surface surface(mesh, options);
-  const Random seeds(options.seed);
+  const geometry::Random seeds(options.seed);
   DartBlocks darts(grid, blocks.blocks, distance_mm);
   for (std::size_t round = 0; round <= rounds.size(); ++round) {
     darts.for_each(options.threads, [&](std::size_t block, BlockDarts& in_block) {
-      Random random(seeds.fork(block * (rounds.size() + 1) + round));
+      geometry::Random random(seeds.fork(block * (rounds.size() + 1) + round));
       const BlockSurface part(mesh, blocks.of(block), darts.box(block));
       if (round < rounds.size()) {
         throw_darts(in_block, part, surface, rounds[round] / (distance_mm * distance_mm), random);

@@ -6,23 +6,23 @@
 
 namespace lamplock::points {
 
-void check_bounds(std::span<const Point> cloud, const Bounds& room, const std::string& where,
-                  const std::string& place) {
+void check_bounds(std::span<const geometry::Point> cloud, const geometry::Bounds& room,
+                  const std::string& where, const std::string& place) {
   std::size_t bad = 0, first = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     // contains() is false for NaN, so one test serves both.
-    if (room.contains(cloud[i]) && is_finite(cloud[i])) continue;
+    if (room.contains(cloud[i]) && geometry::is_finite(cloud[i])) continue;
     if (bad++ == 0) first = i;
   }
   if (bad == 0) return;
-  const Point& point = cloud[first];
-  const Point &low = room.low, &high = room.high;
+  const geometry::Point& point = cloud[first];
+  const geometry::Point &low = room.low, &high = room.high;
   throw Error(
       Exit::bad_input, where,
       fmt::format("{} of {} points {}, the first is point {} at ({:.6g}, {:.6g}, {:.6g}) mm", bad,
                   cloud.size(),
-                  is_finite(point) ? "lie outside " + place : "are unusable or outside", first,
-                  point.x, point.y, point.z),
+                  geometry::is_finite(point) ? "lie outside " + place : "are not finite or outside",
+                  first, point.x, point.y, point.z),
       fmt::format("make the object fit x {:g}..{:g}, y {:g}..{:g}, z {:g}..{:g} mm", low.x, high.x,
                   low.y, high.y, low.z, high.z));
 }

@@ -1,18 +1,18 @@
-// The last gate before a cloud becomes a job. Comes in: a cloud and where it may be. Goes out:
-// nothing, or one error. Called before ordering and before anything moves.
+// The last check before a cloud becomes a job. In: a cloud and its allowed box. Out: nothing, or
+// one error. Called before ordering and before any motion.
 #pragma once
 
 #include <span>
 #include <string>
 
-#include "host/points/bounds.hpp"
+#include "host/geometry/bounds.hpp"
 
 namespace lamplock::points {
 
 /// Throws Error (bad_input) unless every point is finite and inside `room`; the error names index
-/// (from 0) and coordinates of the first bad point and how many there are. `where` names the input,
-/// as a rule the file, `place` what the room is.
-void check_bounds(std::span<const Point> cloud, const Bounds& room, const std::string& where,
-                  const std::string& place = "the work space");
+/// (from 0) and coordinates of the first bad point and the number of bad ones. `where` names the
+/// input, usually the file, `place` the room.
+void check_bounds(std::span<const geometry::Point> cloud, const geometry::Bounds& room,
+                  const std::string& where, const std::string& place = "the work space");
 
 }  // namespace lamplock::points

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "host/points/limits.hpp"
+#include "host/geometry/limits.hpp"
 #include "host/points/mesh_edges.hpp"
 
 namespace lamplock::points {
@@ -17,18 +17,18 @@ constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 /// The cut of one triangle: from edge to edge.
 struct Cut {
   std::array<std::uint32_t, 2> edge;
-  std::array<Point, 2> at;
+  std::array<geometry::Point, 2> at;
 };
 
-/// Both triangles of an edge must get the same point, so the lower vertex number comes first.
-Point on_edge(const model::Mesh& mesh, std::uint32_t a, std::uint32_t b, double z) {
-  const Point& p = mesh.vertices[std::min(a, b)];
-  const Point& q = mesh.vertices[std::max(a, b)];
+/// Both triangles of an edge must get the same point, so the lower vertex number is first.
+geometry::Point on_edge(const model::Mesh& mesh, std::uint32_t a, std::uint32_t b, double z) {
+  const geometry::Point& p = mesh.vertices[std::min(a, b)];
+  const geometry::Point& q = mesh.vertices[std::max(a, b)];
   const double t = (z - p.z) / (q.z - p.z);
   return {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), z};
 }
 
-/// Which triangles each plane cuts: triangles of plane k are list[start[k]] .. list[start[k+1]-1].
+/// Triangles that each plane cuts: those of plane k are list[start[k]] .. list[start[k+1]-1].
 struct Crossings {
   std::vector<std::size_t> start;
   std::vector<std::uint32_t> list;
@@ -46,8 +46,8 @@ Crossings find_crossings(const model::Mesh& mesh, const std::vector<std::size_t>
     const auto [low, high] = range(triangle);
     total += static_cast<double>(high - low);
   }
-  // A cut takes four bytes here, a sixth of a point; a fine mesh has more cuts than points.
-  require_count(total / 4, "slice");
+  // A cut needs four bytes, a sixth of a point; a fine mesh has more cuts than points.
+  geometry::require_count(total / 4, "slice");
   for (const auto& triangle : mesh.triangles) {
     const auto [low, high] = range(triangle);
     for (std::size_t k = low; k < high; ++k) ++crossings.start[k + 1];
@@ -62,8 +62,8 @@ Crossings find_crossings(const model::Mesh& mesh, const std::vector<std::size_t>
   return crossings;
 }
 
-/// Chains the cuts of one plane after the other; its tables are as large as the mesh has edges and
-/// are cleaned after every plane by what was used.
+/// Chains the cuts of one plane after the other; its tables have an entry per edge of the mesh, and
+/// only used entries are reset after every plane.
 class Chainer {
  public:
   explicit Chainer(std::size_t edges) : head_(edges, none) {}
@@ -100,9 +100,9 @@ class Chainer {
     return contour;
   }
 
-  /// Appends cuts from `edge` on until nothing follows; true when `goal` was reached.
+  /// Appends cuts from `edge` on until none follows; true when `goal` was reached.
   bool extend(const std::vector<Cut>& cuts, std::uint32_t edge, std::uint32_t goal,
-              std::vector<Point>& vertices) {
+              std::vector<geometry::Point>& vertices) {
     while (edge != goal) {
       std::uint32_t end = head_[edge];
       while (end != none && used_[end / 2]) end = next_[end];

@@ -1,6 +1,6 @@
-// The gaps that random darts leave: pieces that no single dart covers are hit in random order, and
-// what is still open is cut smaller until it is too small to matter. Called by blue_noise() with
-// triangles and by fill_solid() with cubes.
+// Fills the gaps between random darts: pieces that no single dart covers get a dart each in random
+// order, and pieces that are still open are divided until they are small enough. Called by
+// blue_noise() with triangles and by fill_solid() with cubes.
 #pragma once
 
 #include <algorithm>
@@ -9,22 +9,23 @@
 #include <utility>
 #include <vector>
 
-#include "host/points/dart_blocks.hpp"
-#include "host/points/random.hpp"
+#include "host/geometry/random.hpp"
+#include "host/points/poisson_blocks.hpp"
 
 namespace lamplock::points {
 
 /// A Piece has measure() (area or volume) and is_covered(block). A Body gives
-///   std::optional<Dart> dart_in(const Piece&, Random&)   nothing where the body is not,
+///   std::optional<Dart> dart_in(const Piece&, Random&)   empty outside the body,
 ///   void split(const Piece&, std::vector<Piece>&)        adds nothing if the piece is too small.
 template <class Piece, class Body>
-void fill_gaps(BlockDarts& block, std::vector<Piece> pieces, Random& random, const Body& body) {
+void fill_gaps(BlockDarts& block, std::vector<Piece> pieces, geometry::Random& random,
+               const Body& body) {
   std::vector<Piece> smaller;
   std::vector<std::pair<double, std::uint32_t>> turns;
   while (!pieces.empty()) {
     turns.clear();
     for (const Piece& piece : pieces) {
-      // First arrivals of darts that fall everywhere alike: the larger a piece, the sooner.
+      // Random times of the first of uniformly distributed darts: earlier for larger pieces.
       turns.emplace_back(-std::log(1 - random.uniform()) / piece.measure(),
                          static_cast<std::uint32_t>(turns.size()));
     }

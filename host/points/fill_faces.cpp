@@ -6,35 +6,35 @@
 #include <cstdint>
 #include <numbers>
 
-#include "host/points/limits.hpp"
+#include "host/geometry/limits.hpp"
+#include "host/geometry/vector.hpp"
 #include "host/points/surface_blocks.hpp"
-#include "host/points/vector.hpp"
 #include "host/points/weld.hpp"
 
 namespace lamplock::points {
 namespace {
 
-/// Neighbours of the arrangement are this much further apart than asked for, so that rounding does
-/// not let weld() take them for too close.
+/// Neighbours of the arrangement are this much further apart than the wanted distance, so that
+/// weld() does not remove them by rounding.
 constexpr double face_rounding = 1e-9;
 
-/// A triangle on its longest side: the side goes from `origin` along the unit vector `along`, the
-/// third corner lies `foot` along it and `height` away in direction `away`.
+/// A triangle on its longest side: the side begins at `origin` in the direction of the unit vector
+/// `along`, the third corner is at distance `foot` along it and `height` in direction `away`.
 struct Frame {
-  Point origin, along, away;
+  geometry::Point origin, along, away;
   double length = 0, foot = 0, height = 0;
 };
 
-/// The side begins at the vertex of the lower index and, of equal ones, the side of the lowest
-/// vertices is taken: so two triangles with a common longest side get the same points on it.
+/// The side begins at the vertex of the lower index; among equal sides that of the lowest vertices
+/// is used: so two triangles with a common longest side get the same points on it.
 Frame frame_of(const model::Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
   std::array<std::uint32_t, 3> order = triangle;
   std::sort(order.begin(), order.end());
   constexpr std::array<std::array<std::size_t, 3>, 3> sides{{{0, 1, 2}, {0, 2, 1}, {1, 2, 0}}};
   Frame frame;
-  Point third;
+  geometry::Point third;
   for (const auto& [from, to, other] : sides) {
-    const Point way = difference(mesh.vertices[order[to]], mesh.vertices[order[from]]);
+    const geometry::Point way = difference(mesh.vertices[order[to]], mesh.vertices[order[from]]);
     const double length = std::sqrt(dot(way, way));
     if (length <= frame.length) continue;
     frame.origin = mesh.vertices[order[from]];
@@ -43,7 +43,7 @@ Frame frame_of(const model::Mesh& mesh, const std::array<std::uint32_t, 3>& tria
     third = difference(mesh.vertices[order[other]], frame.origin);
   }
   frame.foot = dot(third, frame.along);
-  const Point up = difference(
+  const geometry::Point up = difference(
       third, {frame.foot * frame.along.x, frame.foot * frame.along.y, frame.foot * frame.along.z});
   frame.height = std::sqrt(dot(up, up));
   if (frame.height > 0) {
@@ -52,13 +52,13 @@ Frame frame_of(const model::Mesh& mesh, const std::array<std::uint32_t, 3>& tria
   return frame;
 }
 
-/// Rows from the longest side to the third corner; every other one is moved by half a step.
-void fill(const Frame& frame, double distance_mm, PointCloud& cloud) {
+/// Fills rows from the longest side to the third corner; every other one is shifted by half a step.
+void fill(const Frame& frame, double distance_mm, geometry::PointCloud& cloud) {
   const double step = distance_mm * (1 + face_rounding);
   const double row_mm = step * std::numbers::sqrt3 / 2;
   const double rows = std::floor(frame.height / row_mm + face_rounding) + 1;
   const double about = frame.length * frame.height / 2 / (step * row_mm);
-  require_count(static_cast<double>(cloud.size()) + std::max(about, rows), "faces");
+  geometry::require_count(static_cast<double>(cloud.size()) + std::max(about, rows), "faces");
   for (std::int64_t row = 0; row < static_cast<std::int64_t>(rows); ++row) {
     const double away = static_cast<double>(row) * row_mm;
     const double up = std::min(away / frame.height, 1.0);
@@ -66,13 +66,13 @@ void fill(const Frame& frame, double distance_mm, PointCloud& cloud) {
     const double offset = row % 2 == 0 ? 0 : step / 2;
     const double first = std::ceil((from - offset) / step - face_rounding);
     const double count = std::floor((to - offset) / step + face_rounding) - first + 1;
-    require_count(static_cast<double>(cloud.size()) + count, "faces");
+    geometry::require_count(static_cast<double>(cloud.size()) + count, "faces");
     for (std::int64_t i = 0; i < static_cast<std::int64_t>(count); ++i) {
       const double along = offset + (first + static_cast<double>(i)) * step;
-      const auto at = [&](double Point::*axis) {
+      const auto at = [&](double geometry::Point::*axis) {
         return frame.origin.*axis + along * frame.along.*axis + away * frame.away.*axis;
       };
-      cloud.push_back({at(&Point::x), at(&Point::y), at(&Point::z)});
+      cloud.push_back({at(&geometry::Point::x), at(&geometry::Point::y), at(&geometry::Point::z)});
     }
   }
 }
@@ -80,15 +80,15 @@ void fill(const Frame& frame, double distance_mm, PointCloud& cloud) {
 }  // namespace
 
 FaceFill fill_faces(const model::Mesh& mesh, const FaceFillOptions& options) {
-  require_positive(options.distance_mm, "faces", "distance");
+  geometry::require_positive(options.distance_mm, "faces", "distance");
   if (options.smallest_side_mm != 0) {
-    require_positive(options.smallest_side_mm, "faces", "smallest side");
+    geometry::require_positive(options.smallest_side_mm, "faces", "smallest side");
   }
   require_sound(mesh, "faces");
   const double smallest =
       options.smallest_side_mm > 0 ? options.smallest_side_mm : options.distance_mm;
   FaceFill result;
-  PointCloud cloud;
+  geometry::PointCloud cloud;
   for (const auto& triangle : mesh.triangles) {
     const Frame frame = frame_of(mesh, triangle);
     if (!(frame.length >= smallest) || !(frame.height > 0)) {

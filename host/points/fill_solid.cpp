@@ -10,40 +10,40 @@
 #include <vector>
 
 #include "host/error.hpp"
+#include "host/geometry/bounds.hpp"
+#include "host/geometry/limits.hpp"
+#include "host/geometry/random.hpp"
 #include "host/model/mesh_faults.hpp"
-#include "host/points/bounds.hpp"
-#include "host/points/dart_blocks.hpp"
 #include "host/points/dart_gaps.hpp"
 #include "host/points/inside.hpp"
-#include "host/points/limits.hpp"
-#include "host/points/random.hpp"
+#include "host/points/poisson_blocks.hpp"
 #include "host/points/surface_blocks.hpp"
 
 namespace lamplock::points {
 namespace {
 
-/// Points per cubic distance of a body that takes no more (random sequential adsorption of balls
-/// fills 0.384 of space: Torquato, Uche and Stillinger, "Random sequential addition of hard spheres
-/// in high Euclidean dimensions", 2006; a ball has half the distance as its radius).
+/// Points per cubic distance in a saturated body (random sequential adsorption of balls fills 0.384
+/// of space: Torquato, Uche and Stillinger, "Random sequential addition of hard spheres in high
+/// Euclidean dimensions", 2006; the radius of a ball is half the distance).
 constexpr double saturated_solid = 0.384 / (3.14159265358979 / 6);
 
-/// Darts per cubic distance, round after round (see blue_noise.cpp).
+/// Darts per cubic distance in each round (see blue_noise.cpp).
 constexpr std::array<double, 4> solid_rounds{0.25, 0.5, 1, 2};
 
-/// Cubes smaller than this part of the distance are given up. Half of it would give 2 % more points
-/// in three times the time.
+/// Cubes smaller than this fraction of the distance are dropped. Half of it would give 2 % more
+/// points in three times the time.
 constexpr double smallest_cube = 1.0 / 4;
 
 constexpr int cells_in_a_row = 16;  // cells of a distance in a block of block_distances
 
 /// Corner i of a cube: bit 0 is the higher x, bit 1 the higher y, bit 2 the higher z.
-Point corner_of(const Point& low, double side, std::size_t i) {
+geometry::Point corner_of(const geometry::Point& low, double side, std::size_t i) {
   return {low.x + ((i & 1) != 0 ? side : 0), low.y + ((i & 2) != 0 ? side : 0),
           low.z + ((i & 4) != 0 ? side : 0)};
 }
 
 struct CubePiece {
-  Point low;
+  geometry::Point low;
   double side_mm = 0;
   bool at_surface = false;
   double radius_mm = 0;
@@ -55,11 +55,11 @@ struct CubePiece {
 
 /// A cube of one distance.
 struct Cell {
-  Point low;
+  geometry::Point low;
   bool at_surface = false;
 };
 
-Point centre_of(const Point& low, double side) {
+geometry::Point centre_of(const geometry::Point& low, double side) {
   return {low.x + side / 2, low.y + side / 2, low.z + side / 2};
 }
 
@@ -72,7 +72,7 @@ class Body {
         cells_(surface_blocks(mesh, grid_over(bounds(mesh.vertices), options.distance_mm, "solid"),
                               "solid")) {}
 
-  bool contains(const Point& place) const { return inside_.contains(place); }
+  bool contains(const geometry::Point& place) const { return inside_.contains(place); }
 
   /// The part of the body in a block, in cells.
   std::vector<Cell> cells_of(const BlockIndex& block) const {
@@ -88,10 +88,10 @@ class Body {
   }
 
   /// A random dart in a cube, if that place is inside.
-  std::optional<Dart> dart_in(const Point& low, double side, bool at_surface,
-                              Random& random) const {
-    const Point place{low.x + side * random.uniform(), low.y + side * random.uniform(),
-                      low.z + side * random.uniform()};
+  std::optional<Dart> dart_in(const geometry::Point& low, double side, bool at_surface,
+                              geometry::Random& random) const {
+    const geometry::Point place{low.x + side * random.uniform(), low.y + side * random.uniform(),
+                                low.z + side * random.uniform()};
     if (at_surface && !contains(place)) return std::nullopt;
     const double radius = radius_at(place);
     const double most = most_radius_distances * options_.distance_mm;
@@ -99,11 +99,11 @@ class Body {
     return Dart{place, most, random.uniform() < std::pow(most / radius, 3)};
   }
 
-  std::optional<Dart> dart_in(const CubePiece& piece, Random& random) const {
+  std::optional<Dart> dart_in(const CubePiece& piece, geometry::Random& random) const {
     return dart_in(piece.low, piece.side_mm, piece.at_surface, random);
   }
 
-  CubePiece piece_of(const Point& low, double side, bool at_surface) const {
+  CubePiece piece_of(const geometry::Point& low, double side, bool at_surface) const {
     CubePiece piece{low, side, at_surface, options_.distance_mm};
     const double most = most_radius_distances * options_.distance_mm;
     if (options_.light_depth_mm > 0) {
@@ -122,14 +122,14 @@ class Body {
   }
 
  private:
-  /// Cells in a row upwards. Only the surface parts inside and outside, so between two cells of the
-  /// surface one is looked at for all.
+  /// Adds cells of a column. Only the surface separates inside and outside, so one test is enough
+  /// for all cells between two cells of the surface.
   void add_column(const BlockIndex& first, std::vector<Cell>& found) const {
     auto surface = std::lower_bound(cells_.blocks.begin(), cells_.blocks.end(), first);
     std::optional<bool> inside;
     BlockIndex cell = first;
     for (; cell.z < first.z + cells_in_a_row; ++cell.z) {
-      const Point low = cells_.grid.box(cell).low;
+      const geometry::Point low = cells_.grid.box(cell).low;
       const bool at_surface = surface != cells_.blocks.end() && *surface == cell;
       if (at_surface) {
         ++surface;
@@ -141,7 +141,7 @@ class Body {
     }
   }
 
-  double radius_at(const Point& place) const {
+  double radius_at(const geometry::Point& place) const {
     if (options_.light_depth_mm <= 0) return options_.distance_mm;
     const double light = std::exp(-inside_.filled_above_mm(place) / options_.light_depth_mm);
     return options_.distance_mm / std::cbrt(std::max(light, options_.lowest_density));
@@ -153,7 +153,7 @@ class Body {
 };
 
 void require_valid(const model::Mesh& mesh, const SolidOptions& options) {
-  require_positive(options.distance_mm, "solid", "distance");
+  geometry::require_positive(options.distance_mm, "solid", "distance");
   if (!(options.light_depth_mm >= 0) || !std::isfinite(options.light_depth_mm)) {
     throw Error(Exit::bad_input, "solid", fmt::format("light depth {} mm", options.light_depth_mm),
                 "give 0 or a positive depth");
@@ -171,13 +171,13 @@ void require_valid(const model::Mesh& mesh, const SolidOptions& options) {
               "repair the model or fill its surface");
 }
 
-/// Six times the volume of the pyramids between the triangles and a corner of the box, up to sign.
+/// Volume as the sum of the pyramids between the triangles and a corner of the box.
 double volume_of(const model::Mesh& mesh) {
-  const Point from = bounds(mesh.vertices).low;
+  const geometry::Point from = bounds(mesh.vertices).low;
   double volume = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     auto [a, b, c] = corners_of(mesh, i);
-    for (Point* p : {&a, &b, &c}) *p = {p->x - from.x, p->y - from.y, p->z - from.z};
+    for (geometry::Point* p : {&a, &b, &c}) *p = {p->x - from.x, p->y - from.y, p->z - from.z};
     volume += a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) +
               a.z * (b.x * c.y - b.y * c.x);
   }
@@ -189,7 +189,7 @@ std::vector<BlockIndex> blocks_of(const model::Mesh& mesh, const BlockGrid& grid
                                   const Body& body) {
   const SurfaceBlocks surface = surface_blocks(mesh, grid, "solid");
   const BlockIndex last = grid.of(bounds(mesh.vertices).high);
-  require_count((last.x + 1.0) * (last.y + 1.0) * (last.z + 1.0), "solid");
+  geometry::require_count((last.x + 1.0) * (last.y + 1.0) * (last.z + 1.0), "solid");
   std::vector<BlockIndex> blocks;
   for (BlockIndex i; i.x <= last.x; ++i.x) {
     for (i.y = 0; i.y <= last.y; ++i.y) {
@@ -205,7 +205,7 @@ std::vector<BlockIndex> blocks_of(const model::Mesh& mesh, const BlockGrid& grid
 }
 
 void throw_darts(BlockDarts& block, std::span<const Cell> cells, const Body& body,
-                 double distance_mm, double per_cell, Random& random) {
+                 double distance_mm, double per_cell, geometry::Random& random) {
   if (cells.empty()) return;
   const auto size = static_cast<double>(cells.size());
   const auto count = static_cast<std::size_t>(size * per_cell + random.uniform());
@@ -217,7 +217,7 @@ void throw_darts(BlockDarts& block, std::span<const Cell> cells, const Body& bod
 }
 
 void fill_block(BlockDarts& block, std::span<const Cell> cells, const Body& body,
-                double distance_mm, Random& random) {
+                double distance_mm, geometry::Random& random) {
   std::vector<CubePiece> open, parts;
   for (const Cell& cell : cells) {
     parts.clear();
@@ -231,21 +231,21 @@ void fill_block(BlockDarts& block, std::span<const Cell> cells, const Body& body
 
 }  // namespace
 
-PointCloud fill_solid(const model::Mesh& mesh, const SolidOptions& options) {
+geometry::PointCloud fill_solid(const model::Mesh& mesh, const SolidOptions& options) {
   require_valid(mesh, options);
   if (mesh.triangles.empty()) return {};
   const double distance_mm = options.distance_mm;
   const BlockGrid grid = grid_over(bounds(mesh.vertices), block_distances * distance_mm, "solid");
   const double thinnest = options.light_depth_mm > 0 ? options.lowest_density : 1;
-  require_count(
+  geometry::require_count(
       thinnest * saturated_solid * volume_of(mesh) / distance_mm / distance_mm / distance_mm,
       "solid");
   const Body body(mesh, options);
   DartBlocks darts(grid, blocks_of(mesh, grid, body), distance_mm);
-  const Random seeds(options.seed);
+  const geometry::Random seeds(options.seed);
   for (std::size_t round = 0; round <= solid_rounds.size(); ++round) {
     darts.for_each(options.threads, [&](std::size_t block, BlockDarts& in_block) {
-      Random random(seeds.fork(block * (solid_rounds.size() + 1) + round));
+      geometry::Random random(seeds.fork(block * (solid_rounds.size() + 1) + round));
       const std::vector<Cell> cells = body.cells_of(darts.index(block));
       if (round < solid_rounds.size()) {
         throw_darts(in_block, cells, body, distance_mm, solid_rounds[round], random);
@@ -253,7 +253,7 @@ PointCloud fill_solid(const model::Mesh& mesh, const SolidOptions& options) {
         fill_block(in_block, cells, body, distance_mm, random);
       }
     });
-    require_count(static_cast<double>(darts.count()), "solid");
+    geometry::require_count(static_cast<double>(darts.count()), "solid");
   }
   return darts.take();
 }

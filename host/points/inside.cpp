@@ -7,28 +7,30 @@
 namespace lamplock::points {
 namespace {
 
-/// Whether (x, y) is to the left of the edge seen from above. The edge is always gone from the
-/// vertex of the lower index, so that both triangles at it get the same answer. A place on the edge
-/// counts as one a little further in x, and much less in y: so it lies in one triangle only, at
-/// vertices too.
-bool is_left(const model::Mesh& mesh, std::uint32_t from, std::uint32_t to, const Point& place) {
+/// True if (x, y) is to the left of the edge seen from above. The edge always begins at the vertex
+/// of the lower index, so that both triangles at it get the same answer. A place on the edge counts
+/// as shifted by a little in x, and by much less in y: so it lies in one triangle only, at vertices
+/// too.
+bool is_left(const model::Mesh& mesh, std::uint32_t from, std::uint32_t to,
+             const geometry::Point& place) {
   const bool turned = from > to;
-  const Point& p = mesh.vertices[turned ? to : from];
-  const Point& q = mesh.vertices[turned ? from : to];
+  const geometry::Point& p = mesh.vertices[turned ? to : from];
+  const geometry::Point& q = mesh.vertices[turned ? from : to];
   const double side = (q.x - p.x) * (place.y - p.y) - (q.y - p.y) * (place.x - p.x);
   const bool left = side != 0 ? side > 0 : q.y < p.y || (q.y == p.y && q.x > p.x);
   return left != turned;
 }
 
-/// z at which the vertical line through `place` crosses the triangle, if it does.
+/// z where the vertical line through `place` crosses the triangle; empty if it does not.
 std::optional<double> crossing_z(const model::Mesh& mesh,
-                                 const std::array<std::uint32_t, 3>& triangle, const Point& place) {
+                                 const std::array<std::uint32_t, 3>& triangle,
+                                 const geometry::Point& place) {
   const auto [i, j, k] = triangle;
   const bool left = is_left(mesh, i, j, place);
   if (is_left(mesh, j, k, place) != left || is_left(mesh, k, i, place) != left) {
     return std::nullopt;
   }
-  const Point &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k];
+  const geometry::Point &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k];
   const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
   if (area == 0) return std::nullopt;
   const double u = ((place.x - a.x) * (c.y - a.y) - (place.y - a.y) * (c.x - a.x)) / area;
@@ -59,7 +61,7 @@ Inside::Inside(const model::Mesh& mesh) : mesh_(mesh), box_(bounds(mesh.vertices
   }
 }
 
-/// As many columns as there are triangles, fewer if large triangles would then be listed too often.
+/// As many columns as triangles, fewer if large triangles would be listed too often.
 void Inside::choose_columns() {
   constexpr double most_in_a_row = 2048, most_entries_per_triangle = 16;
   const double wide = std::max(box_.high.x - box_.low.x, box_.high.y - box_.low.y);
@@ -85,7 +87,7 @@ std::size_t Inside::column_rank(double coordinate, double from) const {
 
 Inside::Columns Inside::columns_of(std::size_t triangle) const {
   const auto& [i, j, k] = mesh_.triangles[triangle];
-  const Point &a = mesh_.vertices[i], &b = mesh_.vertices[j], &c = mesh_.vertices[k];
+  const geometry::Point &a = mesh_.vertices[i], &b = mesh_.vertices[j], &c = mesh_.vertices[k];
   const auto [x_low, x_high] = std::minmax({a.x, b.x, c.x});
   const auto [y_low, y_high] = std::minmax({a.y, b.y, c.y});
   return {column_rank(x_low, box_.low.x), column_rank(x_high, box_.low.x),
@@ -93,7 +95,7 @@ Inside::Columns Inside::columns_of(std::size_t triangle) const {
 }
 
 template <class Hit>
-void Inside::for_each_crossing(const Point& place, const Hit& hit) const {
+void Inside::for_each_crossing(const geometry::Point& place, const Hit& hit) const {
   const std::size_t column =
       column_rank(place.y, box_.low.y) * side_ + column_rank(place.x, box_.low.x);
   for (std::size_t i = first_[column]; i < first_[column + 1]; ++i) {
@@ -101,13 +103,13 @@ void Inside::for_each_crossing(const Point& place, const Hit& hit) const {
   }
 }
 
-bool Inside::contains(const Point& place) const {
+bool Inside::contains(const geometry::Point& place) const {
   bool inside = false;
   for_each_crossing(place, [&](double z) { inside = inside != (z > place.z); });
   return inside;
 }
 
-double Inside::filled_above_mm(const Point& place) const {
+double Inside::filled_above_mm(const geometry::Point& place) const {
   std::vector<double> above;
   for_each_crossing(place, [&](double z) {
     if (z > place.z) above.push_back(z);

@@ -1,5 +1,5 @@
-// The edges of a mesh, numbered. Comes in: triangles. Goes out: a number for every undirected edge.
-// Called by slice() to chain cuts of neighbouring triangles.
+// The edges of a mesh, numbered. In: triangles. Out: a number for every undirected edge. Called by
+// slice() to chain cuts of neighbouring triangles.
 #pragma once
 
 #include <array>

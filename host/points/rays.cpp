@@ -5,14 +5,14 @@
 #include <cmath>
 #include <cstdint>
 
-#include "host/points/bounds.hpp"
-#include "host/points/limits.hpp"
+#include "host/geometry/bounds.hpp"
+#include "host/geometry/limits.hpp"
 
 namespace lamplock::points {
 namespace {
 
 /// A mesh coordinate by axis number.
-double coordinate(const Point& point, std::size_t axis) {
+double coordinate(const geometry::Point& point, std::size_t axis) {
   return axis == 0 ? point.x : axis == 1 ? point.y : point.z;
 }
 
@@ -23,10 +23,10 @@ struct Rank {
 };
 
 Rank rank_for(double low, double high, double pitch) {
-  // More rays in a row than this could not keep edge products in 64 bits.
+  // With more rays in a row, edge products would not fit into 64 bits.
   constexpr double most_rays = 1 << 20;
   const double count = std::max(1.0, std::floor((high - low) / pitch));
-  require_count(count * static_cast<double>(most_points) / most_rays, "rays");
+  geometry::require_count(count * static_cast<double>(geometry::max_points) / most_rays, "rays");
   return {low + (high - low - (count - 1) * pitch) / 2, static_cast<std::int64_t>(count)};
 }
 
@@ -39,7 +39,7 @@ struct LatticePoint {
   double depth = 0;
 };
 
-/// Side of the edge from p to q on which (u, v) lies: positive to the left.
+/// Side of (u, v) at the edge from p to q: positive to the left.
 std::int64_t edge_side(const LatticePoint& p, const LatticePoint& q, std::int64_t u,
                        std::int64_t v) {
   return (q.u - p.u) * (v - p.v) - (q.v - p.v) * (u - p.u);
@@ -53,7 +53,7 @@ class RayGrid {
         depth_axis_(static_cast<std::size_t>(options.direction)),
         u_axis_((depth_axis_ + 1) % 3),
         v_axis_((depth_axis_ + 2) % 3) {
-    const Bounds box = bounds(mesh.vertices);
+    const geometry::Bounds box = bounds(mesh.vertices);
     u_ = rank_for(coordinate(box.low, u_axis_), coordinate(box.high, u_axis_), pitch_);
     v_ = rank_for(coordinate(box.low, v_axis_), coordinate(box.high, v_axis_), pitch_);
     // Lattice coordinates stay below 2^29: differences below 2^30, edge products below 2^61.
@@ -62,7 +62,8 @@ class RayGrid {
     cell_ = std::int64_t{1} << shift_;
   }
 
-  void add(const Point& a, const Point& b, const Point& c, PointCloud& cloud) const {
+  void add(const geometry::Point& a, const geometry::Point& b, const geometry::Point& c,
+           geometry::PointCloud& cloud) const {
     std::array<LatticePoint, 3> t{lattice(a), lattice(b), lattice(c)};
     const std::int64_t area = edge_side(t[0], t[1], t[2].u, t[2].v);
     if (area == 0) return;
@@ -74,7 +75,7 @@ class RayGrid {
   }
 
  private:
-  LatticePoint lattice(const Point& point) const {
+  LatticePoint lattice(const geometry::Point& point) const {
     const auto scale = static_cast<double>(cell_) / pitch_;
     return {std::llround((coordinate(point, u_axis_) - u_.first) * scale),
             std::llround((coordinate(point, v_axis_) - v_.first) * scale),
@@ -83,7 +84,7 @@ class RayGrid {
 
   /// Narrows the rays first..last of a row to those inside the edge p -> q of a counter-clockwise
   /// triangle. A ray on the edge belongs to it if the edge is a left or a top one (top-left rule:
-  /// the ray is thought a little to the right and, less, downwards).
+  /// the ray counts as shifted a little to the right and, by less, downwards).
   void clip(const LatticePoint& p, const LatticePoint& q, std::int64_t v, std::int64_t& first,
             std::int64_t& last) const {
     const std::int64_t du = q.u - p.u, dv = q.v - p.v;
@@ -97,12 +98,14 @@ class RayGrid {
     }
   }
 
-  void add_row(const std::array<LatticePoint, 3>& t, std::int64_t row, PointCloud& cloud) const {
+  void add_row(const std::array<LatticePoint, 3>& t, std::int64_t row,
+               geometry::PointCloud& cloud) const {
     const std::int64_t v = row * cell_;
     std::int64_t first = 0, last = u_.count - 1;
     for (std::size_t i = 0; i < 3 && first <= last; ++i) clip(t[i], t[(i + 1) % 3], v, first, last);
     if (first > last) return;
-    require_count(static_cast<double>(cloud.size()) + static_cast<double>(last - first), "rays");
+    geometry::require_count(static_cast<double>(cloud.size()) + static_cast<double>(last - first),
+                            "rays");
     const auto area = static_cast<double>(edge_side(t[0], t[1], t[2].u, t[2].v));
     for (std::int64_t column = first; column <= last; ++column) {
       const std::int64_t u = column * cell_;
@@ -114,7 +117,7 @@ class RayGrid {
     }
   }
 
-  Point point(std::int64_t column, std::int64_t row, double depth) const {
+  geometry::Point point(std::int64_t column, std::int64_t row, double depth) const {
     std::array<double, 3> position{};
     position[u_axis_] = u_.first + static_cast<double>(column) * pitch_;
     position[v_axis_] = v_.first + static_cast<double>(row) * pitch_;
@@ -131,9 +134,9 @@ class RayGrid {
 
 }  // namespace
 
-PointCloud rays(const model::Mesh& mesh, const RayOptions& options) {
-  require_positive(options.pitch_mm, "rays", "pitch");
-  PointCloud cloud;
+geometry::PointCloud rays(const model::Mesh& mesh, const RayOptions& options) {
+  geometry::require_positive(options.pitch_mm, "rays", "pitch");
+  geometry::PointCloud cloud;
   if (mesh.triangles.empty()) return cloud;
   const RayGrid grid(mesh, options);
   for (const auto& triangle : mesh.triangles) {

@@ -10,9 +10,9 @@
 #include <optional>
 
 #include "host/error.hpp"
-#include "host/points/limits.hpp"
-#include "host/points/random.hpp"
-#include "host/points/vector.hpp"
+#include "host/geometry/limits.hpp"
+#include "host/geometry/random.hpp"
+#include "host/geometry/vector.hpp"
 
 namespace lamplock::points {
 namespace {
@@ -31,17 +31,17 @@ class Placed {
         heads_(std::bit_ceil(std::max<std::size_t>(most, 2)), no_shell),
         next_(most, no_shell) {}
 
-  void add(const PointCloud& points) {
+  void add(const geometry::PointCloud& points) {
     const auto index = static_cast<std::uint32_t>(points.size() - 1);
-    const Point& point = points.back();
+    const geometry::Point& point = points.back();
     std::uint32_t& head = heads_[bucket(cell(point.x), cell(point.y), cell(point.z))];
     next_[index] = head;
     head = index;
   }
 
-  /// Calls `visit(index)` at least once for every point within the reach, and for others.
+  /// Calls `visit(index)` at least once for every point within the reach, and for some others.
   template <class Visit>
-  void for_each_near(const Point& place, const Visit& visit) const {
+  void for_each_near(const geometry::Point& place, const Visit& visit) const {
     // Cells are two reaches wide, so a ball touches at most two per axis.
     const std::array<double, 2> x = cells_round(place.x), y = cells_round(place.y),
                                 z = cells_round(place.z);
@@ -64,7 +64,7 @@ class Placed {
     // + 0.0 makes -0 and 0 one cell.
     std::uint64_t hash = 0;
     for (const double rank : {x, y, z}) {
-      hash = Random(hash ^ std::bit_cast<std::uint64_t>(rank + 0.0)).next();
+      hash = geometry::Random(hash ^ std::bit_cast<std::uint64_t>(rank + 0.0)).next();
     }
     return static_cast<std::size_t>(hash) & (heads_.size() - 1);
   }
@@ -84,13 +84,13 @@ class Spreader {
     result_.shell.reserve(count);
   }
 
-  void place(const Point& point, const Point& inward) {
+  void place(const geometry::Point& point, const geometry::Point& inward) {
     std::optional<std::size_t> best;
     double best_apart = 0;
     for (std::size_t shell = 0; shell < members_.size(); ++shell) {
       const double apart = apart_on(shell, moved(point, inward, shell));
       if (apart == 0) continue;
-      // The emptier shell where neighbours do not decide.
+      // If neighbours do not decide, the shell with fewer points is better.
       const bool better =
           !best || apart > best_apart || (apart == best_apart && members_[shell] < members_[*best]);
       if (!better) continue;
@@ -110,14 +110,15 @@ class Spreader {
   Shells take() { return std::move(result_); }
 
  private:
-  Point moved(const Point& point, const Point& inward, std::size_t shell) const {
+  geometry::Point moved(const geometry::Point& point, const geometry::Point& inward,
+                        std::size_t shell) const {
     const double depth = static_cast<double>(shell) * options_.shell_mm;
     return {point.x + depth * inward.x, point.y + depth * inward.y, point.z + depth * inward.z};
   }
 
   /// Square of the distance to the nearest point on that shell, at most that of the reach; 0 if
   /// any point is closer than the smallest distance.
-  double apart_on(std::size_t shell, const Point& place) const {
+  double apart_on(std::size_t shell, const geometry::Point& place) const {
     const double least = options_.distance_mm * options_.distance_mm;
     double apart = reach_ * reach_;
     bool free = true;
@@ -136,55 +137,60 @@ class Spreader {
   Shells result_;
 };
 
-void require_valid(std::span<const Point> cloud, std::span<const Point> inward,
+void require_valid(std::span<const geometry::Point> cloud, std::span<const geometry::Point> inward,
                    const ShellOptions& options) {
-  require_positive(options.distance_mm, "shells", "distance");
+  geometry::require_positive(options.distance_mm, "shells", "distance");
   if (options.shells < 1 || options.shells > std::numeric_limits<std::uint8_t>::max()) {
     throw Error(Exit::bad_input, "shells", fmt::format("{} shells", options.shells),
                 "give 1 to 255");
   }
-  if (options.shells > 1) require_positive(options.shell_mm, "shells", "distance of shells");
-  require_count(static_cast<double>(cloud.size()), "shells");
+  if (options.shells > 1)
+    geometry::require_positive(options.shell_mm, "shells", "distance of shells");
+  geometry::require_count(static_cast<double>(cloud.size()), "shells");
   if (!inward.empty() && inward.size() != cloud.size()) {
     throw Error(Exit::bad_input, "shells",
-                fmt::format("{} ways inwards for {} points", inward.size(), cloud.size()),
+                fmt::format("{} inward directions for {} points", inward.size(), cloud.size()),
                 "give one for each point");
   }
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (is_finite(cloud[i]) && (inward.empty() || is_finite(inward[i]))) continue;
-    throw Error(Exit::bad_input, "shells",
-                fmt::format("point {} is ({}, {}, {})", i, cloud[i].x, cloud[i].y, cloud[i].z),
-                "repair the points");
+    if (geometry::is_finite(cloud[i]) && (inward.empty() || geometry::is_finite(inward[i])))
+      continue;
+    throw Error(
+        Exit::bad_input, "shells",
+        fmt::format(
+            "point {} has a coordinate or an inward direction that is not finite: ({}, {}, {})", i,
+            cloud[i].x, cloud[i].y, cloud[i].z),
+        "correct the model or the point list");
   }
 }
 
 }  // namespace
 
-Shells spread_over_shells(std::span<const Point> cloud, std::span<const Point> inward,
-                          const ShellOptions& options) {
+Shells spread_over_shells(std::span<const geometry::Point> cloud,
+                          std::span<const geometry::Point> inward, const ShellOptions& options) {
   require_valid(cloud, inward, options);
   Spreader spreader(cloud.size(), options);
-  constexpr Point down{0, 0, -1};
+  constexpr geometry::Point down{0, 0, -1};
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     spreader.place(cloud[i], inward.empty() ? down : inward[i]);
   }
   return spreader.take();
 }
 
-PointCloud compensate_depth(PointCloud cloud, const DepthOptions& options) {
-  require_positive(options.full_depth_mm, "depth", "full depth");
+geometry::PointCloud compensate_depth(geometry::PointCloud cloud, const DepthOptions& options) {
+  geometry::require_positive(options.full_depth_mm, "depth", "full depth");
   for (const double density : {options.density_at_face, options.density_at_depth}) {
     if (density >= 0 && density <= 1) continue;
     throw Error(Exit::bad_input, "depth", fmt::format("density {}", density), "give 0 to 1");
   }
-  const Random seeds(options.seed);
+  const geometry::Random seeds(options.seed);
   std::size_t count = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const double depth =
         std::clamp((options.entry_z_mm - cloud[i].z) / options.full_depth_mm, 0.0, 1.0);
     const double density =
         options.density_at_face + depth * (options.density_at_depth - options.density_at_face);
-    if (Random(seeds.fork(i)).uniform() < density) cloud[count++] = cloud[i];
+    if (geometry::Random(seeds.fork(i)).uniform() < density) cloud[count++] = cloud[i];
   }
   cloud.resize(count);
   return cloud;

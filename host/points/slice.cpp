@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "host/error.hpp"
-#include "host/model/affine.hpp"
-#include "host/points/bounds.hpp"
+#include "host/geometry/affine.hpp"
+#include "host/geometry/bounds.hpp"
+#include "host/geometry/limits.hpp"
 #include "host/points/contours.hpp"
-#include "host/points/limits.hpp"
 #include "host/points/spread.hpp"
 
 namespace lamplock::points {
@@ -27,8 +27,8 @@ void require_finite(double value, const std::string& name) {
 }
 
 void check(const SliceOptions& options) {
-  require_positive(options.layer_mm, "slice", "layer distance");
-  require_positive(options.vertex_mm, "slice", "vertex distance");
+  geometry::require_positive(options.layer_mm, "slice", "layer distance");
+  geometry::require_positive(options.vertex_mm, "slice", "vertex distance");
   require_finite(options.twist_mm, "twist");
   require_finite(options.first_mm.value_or(0), "first plane");
   require_finite(options.last_mm.value_or(0), "last plane");
@@ -39,71 +39,72 @@ void check(const SliceOptions& options) {
   require_finite(options.frame.turn_z_deg, "angle about z");
   if ((options.first_mm && options.first_offset_mm) ||
       (options.last_mm && options.last_offset_mm)) {
-    throw Error(Exit::bad_input, "slice", "a plane is given by its place and by its offset",
+    throw Error(Exit::bad_input, "slice", "a plane is given by position and by offset",
                 "give one of them");
   }
 }
 
-/// From the frame of slicing, where planes have constant z, to that of the mesh.
-model::Affine map_of(const SliceFrame& frame) {
-  constexpr Point x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
-  const model::Affine axes = frame.axis == Axis::x   ? model::Affine{y, z, x, {}}
-                             : frame.axis == Axis::y ? model::Affine{z, x, y, {}}
-                                                     : model::Affine{};
-  return model::turned_about_z(frame.turn_z_deg) * model::turned_about_y(frame.turn_y_deg) *
-         model::turned_about_x(frame.turn_x_deg) * axes;
+/// The map from the frame of slicing, where planes have constant z, to that of the mesh.
+geometry::Affine map_of(const SliceFrame& frame) {
+  constexpr geometry::Point x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  const geometry::Affine axes = frame.axis == geometry::Axis::x   ? geometry::Affine{y, z, x, {}}
+                                : frame.axis == geometry::Axis::y ? geometry::Affine{z, x, y, {}}
+                                                                  : geometry::Affine{};
+  return geometry::turned_about_z(frame.turn_z_deg) * geometry::turned_about_y(frame.turn_y_deg) *
+         geometry::turned_about_x(frame.turn_x_deg) * axes;
 }
 
-/// The mesh in the frame of slicing: `mesh` itself if that is its own, else `turned`.
-const model::Mesh& in_frame(const model::Mesh& mesh, const model::Affine& frame,
+/// The mesh in the frame of slicing: `mesh` itself if the frames are equal, otherwise `turned`.
+const model::Mesh& in_frame(const model::Mesh& mesh, const geometry::Affine& frame,
                             model::Mesh& turned) {
-  if (frame == model::Affine{}) return mesh;
-  const model::Affine into = model::turned_back(frame);
+  if (frame == geometry::Affine{}) return mesh;
+  const geometry::Affine into = geometry::turned_back(frame);
   turned = mesh;
-  for (Point& vertex : turned.vertices) vertex = into(vertex);
+  for (geometry::Point& vertex : turned.vertices) vertex = into(vertex);
   return turned;
 }
 
 Planes planes_for(const model::Mesh& mesh, const SliceOptions& options) {
-  const Bounds box = bounds(mesh.vertices);
+  const geometry::Bounds box = bounds(mesh.vertices);
   const double low =
       options.first_mm.value_or(box.low.z + options.first_offset_mm.value_or(options.layer_mm / 2));
   const double high = options.last_mm.value_or(box.high.z - options.last_offset_mm.value_or(0));
   Planes planes;
   planes.distance = options.layer_mm;
   planes.first = low;
-  // A last plane that is missed by rounding alone belongs to the range.
+  // A last plane outside the range by rounding only belongs to it.
   const double count = std::floor((high - low) / options.layer_mm + 1e-9) + 1;
-  require_count(count, "slice");
+  geometry::require_count(count, "slice");
   planes.count = count > 0 ? static_cast<std::size_t>(count) : 0;
   return planes;
 }
 
 /// Twice the area inside, positive for counter-clockwise.
-double doubled_area(std::span<const Point> v) {
+double doubled_area(std::span<const geometry::Point> v) {
   double sum = 0;
   for (std::size_t i = 0; i < v.size(); ++i) {
-    const Point &p = v[i], &q = v[(i + 1) % v.size()];
+    const geometry::Point &p = v[i], &q = v[(i + 1) % v.size()];
     sum += (p.x - v[0].x) * (q.y - v[0].y) - (q.x - v[0].x) * (p.y - v[0].y);
   }
   return sum;
 }
 
-/// Counter-clockwise from the vertex of largest x, whatever triangle the chain began with.
-std::vector<Point> normalised(const Contour& contour) {
-  std::vector<Point> v = contour.vertices;
+/// The contour counter-clockwise from the vertex of largest x, for any first triangle of the chain.
+std::vector<geometry::Point> normalised(const Contour& contour) {
+  std::vector<geometry::Point> v = contour.vertices;
   if (!contour.closed) return v;
   if (doubled_area(v) < 0) std::reverse(v.begin(), v.end());
-  const auto first = std::max_element(v.begin(), v.end(), [](const Point& p, const Point& q) {
-    return p.x < q.x || (p.x == q.x && p.y < q.y);
-  });
+  const auto first =
+      std::max_element(v.begin(), v.end(), [](const geometry::Point& p, const geometry::Point& q) {
+        return p.x < q.x || (p.x == q.x && p.y < q.y);
+      });
   std::rotate(v.begin(), first, v.end());
   v.push_back(v.front());
   return v;
 }
 
 /// Arc length from the first vertex to each.
-std::vector<double> arc_lengths(std::span<const Point> v) {
+std::vector<double> arc_lengths(std::span<const geometry::Point> v) {
   std::vector<double> length(v.size(), 0);
   for (std::size_t i = 1; i < v.size(); ++i) {
     length[i] = length[i - 1] + std::hypot(v[i].x - v[i - 1].x, v[i].y - v[i - 1].y);
@@ -111,23 +112,23 @@ std::vector<double> arc_lengths(std::span<const Point> v) {
   return length;
 }
 
-/// Appends the points of `spread`, which must rise along the polyline.
-void sample(std::span<const Point> v, std::span<const double> length, const Spread& spread,
-            PointCloud& cloud) {
+/// Appends the points of `spread`, which must ascend along the polyline.
+void sample(std::span<const geometry::Point> v, std::span<const double> length,
+            const Spread& spread, geometry::PointCloud& cloud) {
   std::size_t piece = 0;
   for (std::size_t i = 0; i < spread.count; ++i) {
     const double s = spread.first_mm + static_cast<double>(i) * spread.distance_mm;
     while (piece + 2 < v.size() && length[piece + 1] < s) ++piece;
     const double span = length[piece + 1] - length[piece];
     const double t = span > 0 ? std::clamp((s - length[piece]) / span, 0.0, 1.0) : 0;
-    const Point &p = v[piece], &q = v[piece + 1];
+    const geometry::Point &p = v[piece], &q = v[piece + 1];
     cloud.push_back({p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.z});
   }
 }
 
 void sample_contour(const Contour& contour, double twist, const SliceOptions& options,
-                    PointCloud& cloud) {
-  const std::vector<Point> v = normalised(contour);
+                    geometry::PointCloud& cloud) {
+  const std::vector<geometry::Point> v = normalised(contour);
   const std::vector<double> length = arc_lengths(v);
   const Spread spread =
       spread_along(length.back(), {options.vertex_mm, contour.closed, twist, options.end_points},
@@ -136,20 +137,21 @@ void sample_contour(const Contour& contour, double twist, const SliceOptions& op
 }
 
 /// Twice a triangle's area as a vector along its normal.
-Point doubled_area_vector(const model::Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-  const Point &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]],
-              &c = mesh.vertices[triangle[2]];
-  const Point p{b.x - a.x, b.y - a.y, b.z - a.z}, q{c.x - a.x, c.y - a.y, c.z - a.z};
+geometry::Point doubled_area_vector(const model::Mesh& mesh,
+                                    const std::array<std::uint32_t, 3>& triangle) {
+  const geometry::Point &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]],
+                        &c = mesh.vertices[triangle[2]];
+  const geometry::Point p{b.x - a.x, b.y - a.y, b.z - a.z}, q{c.x - a.x, c.y - a.y, c.z - a.z};
   return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
 }
 
 }  // namespace
 
-PointCloud slice(const model::Mesh& mesh, const SliceOptions& options) {
+geometry::PointCloud slice(const model::Mesh& mesh, const SliceOptions& options) {
   check(options);
-  PointCloud cloud;
+  geometry::PointCloud cloud;
   if (mesh.triangles.empty()) return cloud;
-  const model::Affine frame = map_of(options.frame);
+  const geometry::Affine frame = map_of(options.frame);
   model::Mesh turned;
   const model::Mesh& framed = in_frame(mesh, frame, turned);
   for_each_plane(framed, planes_for(framed, options),
@@ -160,7 +162,7 @@ PointCloud slice(const model::Mesh& mesh, const SliceOptions& options) {
                    }
                  });
   if (&framed == &mesh) return cloud;
-  for (Point& point : cloud) point = frame(point);
+  for (geometry::Point& point : cloud) point = frame(point);
   return cloud;
 }
 
@@ -178,7 +180,7 @@ LostFaces lost_faces(const model::Mesh& mesh, const SliceOptions& options, doubl
   const double least_cosine = std::cos(within_deg * std::numbers::pi / 180);
   double whole = 0;
   for (const auto& triangle : framed.triangles) {
-    const Point normal = doubled_area_vector(framed, triangle);
+    const geometry::Point normal = doubled_area_vector(framed, triangle);
     const double doubled = std::hypot(normal.x, normal.y, normal.z);
     whole += doubled / 2;
     // Rounding must not hide a face that is parallel to the planes.

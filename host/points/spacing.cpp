@@ -10,39 +10,43 @@
 #include <tuple>
 
 #include "host/error.hpp"
-#include "host/points/kd_tree.hpp"
-#include "host/points/limits.hpp"
-#include "host/points/parallel.hpp"
+#include "host/geometry/kd_tree.hpp"
+#include "host/geometry/limits.hpp"
+#include "host/geometry/parallel.hpp"
 
 namespace lamplock::points {
 namespace {
 
 constexpr std::size_t bins = 60;
-constexpr double bins_to_means = 3;  // what the histogram goes to
+constexpr double bins_to_means = 3;  // range of the histogram
 
-/// The position nearest to one.
+/// The nearest other position.
 struct Nearest {
   double distance = 0;
   std::uint32_t position = 0;
 };
 
-void require_usable(std::span<const Point> cloud) {
-  require_count(static_cast<double>(cloud.size()), "spacing");
+void require_usable(std::span<const geometry::Point> cloud) {
+  geometry::require_count(static_cast<double>(cloud.size()), "spacing");
   constexpr double largest = 1e100;  // squares of larger ones overflow
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const auto& [x, y, z] = cloud[i];
     if (std::abs(x) < largest && std::abs(y) < largest && std::abs(z) < largest) continue;
-    throw Error(Exit::bad_input, "spacing", fmt::format("point {} is ({}, {}, {})", i, x, y, z),
-                "repair the points");
+    throw Error(
+        Exit::bad_input, "spacing",
+        fmt::format("point {} has a coordinate that is not finite or too large: ({}, {}, {})", i, x,
+                    y, z),
+        "correct the point list");
   }
 }
 
-/// Indices of the points at different positions; counts and notes the others.
-std::vector<std::uint32_t> distinct_positions(std::span<const Point> cloud, SpacingReport& report) {
+/// Indices of the points at different positions; counts and records the others.
+std::vector<std::uint32_t> distinct_positions(std::span<const geometry::Point> cloud,
+                                              SpacingReport& report) {
   std::vector<std::uint32_t> order(cloud.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::uint32_t>(i);
   std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
-    const Point &p = cloud[i], &q = cloud[j];
+    const geometry::Point &p = cloud[i], &q = cloud[j];
     return std::tie(p.x, p.y, p.z, i) < std::tie(q.x, q.y, q.z, j);
   });
   std::vector<std::uint32_t> distinct;
@@ -61,16 +65,18 @@ std::vector<std::uint32_t> distinct_positions(std::span<const Point> cloud, Spac
   return distinct;
 }
 
-std::vector<Nearest> find_nearest(std::span<const Point> cloud,
+std::vector<Nearest> find_nearest(std::span<const geometry::Point> cloud,
                                   std::span<const std::uint32_t> positions) {
-  const auto position = [&](std::size_t i) -> const Point& { return cloud[positions[i]]; };
-  const KdTree tree(positions.size(), position);
+  const auto position = [&](std::size_t i) -> const geometry::Point& {
+    return cloud[positions[i]];
+  };
+  const geometry::KdTree tree(positions.size(), position);
   std::vector<Nearest> nearest(positions.size());
-  for_each_index(positions.size(), 0, [&](std::size_t i) {
+  geometry::for_each_index(positions.size(), 0, [&](std::size_t i) {
     std::array<std::uint32_t, 2> index{};
     std::array<double, 2> squared{};
     tree.nearest(position(i), index.size(), index, squared);
-    // One of the two is the position itself, unless others are so near that squares are 0.
+    // One of the two is the position itself, unless others are so near that the squares are 0.
     const std::size_t other = index[0] == i ? 1 : 0;
     nearest[i] = {std::sqrt(squared[other]), index[other]};
   });
@@ -93,7 +99,7 @@ void fill_histogram(std::span<const Nearest> nearest, SpacingReport& report) {
 
 }  // namespace
 
-SpacingReport spacing_of(std::span<const Point> cloud) {
+SpacingReport spacing_of(std::span<const geometry::Point> cloud) {
   require_usable(cloud);
   SpacingReport report;
   report.points = cloud.size();

@@ -1,5 +1,5 @@
-// Equal distances along a line that has a length: how many points, and where the first is. Called
-// by slice() for contours and divide() for curves.
+// Equal distances along a line: number of points, and position of the first. Called by slice() for
+// contours and divide() for curves.
 #pragma once
 
 #include <cstddef>
@@ -14,14 +14,14 @@ struct Spread {
 
 struct SpreadOptions {
   double wanted_mm = 0.1;   ///< greater than 0
-  bool closed = false;      ///< the end is the start, and gets no point of its own
-  double twist_mm = 0;      ///< closed: how far along the first point is, modulo the distance
+  bool closed = false;      ///< the end is the start and gets no second point
+  double twist_mm = 0;      ///< closed: position of the first point, modulo the distance
   bool end_points = false;  ///< open: points at both ends, otherwise half a distance from them
 };
 
-/// The least distance that divides `length_mm` evenly and is not below the wanted one; a line
-/// shorter than that counts as one distance. Throws Error (bad_input, from `where`) if there would
-/// be too many points beside the `so_far` there are.
+/// The minimum distance that divides `length_mm` evenly and is not below the wanted one; a shorter
+/// line counts as one distance. Throws Error (bad_input, from `where`) if there would be too many
+/// points together with the existing `so_far`.
 Spread spread_along(double length_mm, const SpreadOptions& options, std::size_t so_far,
                     const char* where);
 

@@ -7,45 +7,47 @@
 #include <tuple>
 
 #include "host/error.hpp"
-#include "host/points/limits.hpp"
+#include "host/geometry/limits.hpp"
 
 namespace lamplock::points {
 namespace {
 
-constexpr std::array<double Point::*, 3> axes{&Point::x, &Point::y, &Point::z};
+constexpr std::array<double geometry::Point::*, 3> axes{&geometry::Point::x, &geometry::Point::y,
+                                                        &geometry::Point::z};
 constexpr std::array<std::int32_t BlockIndex::*, 3> ranks{&BlockIndex::x, &BlockIndex::y,
                                                           &BlockIndex::z};
 
-/// A convex polygon. A triangle cut by the six planes of a box has nine corners at most; rounding
-/// may add one now and then, and what comes on top of the room for that is left out.
+/// A convex polygon. A triangle cut by the six planes of a box has at most nine corners; rounding
+/// may add some, for which there is room, and even more are dropped.
 struct Polygon {
-  std::array<Point, 16> corners;
+  std::array<geometry::Point, 16> corners;
   std::size_t count = 0;
 
   explicit Polygon(const Corners& triangle) : corners{}, count(3) {
     std::copy(triangle.begin(), triangle.end(), corners.begin());
   }
   Polygon() : corners{} {}
-  void add(const Point& corner) {
+  void add(const geometry::Point& corner) {
     if (count < corners.size()) corners[count++] = corner;
   }
-  std::span<const Point> all() const { return std::span(corners).first(count); }
+  std::span<const geometry::Point> all() const { return std::span(corners).first(count); }
 };
 
-/// Where the edge crosses the plane; on the plane exactly.
-Point crossing(const Point& p, const Point& q, double Point::*axis, double plane) {
+/// The point where the edge crosses the plane; exactly on the plane.
+geometry::Point crossing(const geometry::Point& p, const geometry::Point& q,
+                         double geometry::Point::*axis, double plane) {
   const double t = (plane - p.*axis) / (q.*axis - p.*axis);
-  Point cut{p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.z + t * (q.z - p.z)};
+  geometry::Point cut{p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.z + t * (q.z - p.z)};
   cut.*axis = plane;
   return cut;
 }
 
 /// The part on one side of a plane, its border included.
-Polygon clipped(const Polygon& polygon, double Point::*axis, double plane, bool above) {
+Polygon clipped(const Polygon& polygon, double geometry::Point::*axis, double plane, bool above) {
   Polygon part;
   for (std::size_t i = 0; i < polygon.count; ++i) {
-    const Point& p = polygon.corners[i];
-    const Point& q = polygon.corners[(i + 1) % polygon.count];
+    const geometry::Point& p = polygon.corners[i];
+    const geometry::Point& q = polygon.corners[(i + 1) % polygon.count];
     const double from = above ? p.*axis - plane : plane - p.*axis;
     const double to = above ? q.*axis - plane : plane - q.*axis;
     if (from >= 0) part.add(p);
@@ -67,14 +69,14 @@ class BlockSpreader {
 
   void add(std::uint32_t triangle, const Corners& corners) {
     triangle_ = triangle;
-    const Bounds box = bounds(corners);
+    const geometry::Bounds box = bounds(corners);
     halve(Polygon(corners), grid_.of(box.low), grid_.of(box.high));
   }
 
   std::vector<Entry>& entries() { return entries_; }
 
  private:
-  /// `low` to `high`: the blocks that the polygon may lie in.
+  /// `low` to `high`: the blocks in which the polygon may lie.
   void halve(const Polygon& polygon, const BlockIndex& low, const BlockIndex& high) {
     std::size_t longest = 0;
     for (std::size_t i = 1; i < 3; ++i) {
@@ -82,7 +84,7 @@ class BlockSpreader {
     }
     const auto rank = ranks[longest];
     if (high.*rank == low.*rank) {
-      require_count(static_cast<double>(entries_.size()), where_);
+      geometry::require_count(static_cast<double>(entries_.size()), where_);
       entries_.push_back({low, triangle_});
       return;
     }
@@ -92,12 +94,12 @@ class BlockSpreader {
     BlockIndex below = high, above = low;
     below.*rank = middle - 1;
     above.*rank = middle;
-    const auto is_under = [&](const Point& corner) { return corner.*axis < plane; };
+    const auto is_under = [&](const geometry::Point& corner) { return corner.*axis < plane; };
     const auto all = polygon.all();
     if (std::none_of(all.begin(), all.end(), is_under)) {
       halve(polygon, above, high);
     } else if (std::all_of(all.begin(), all.end(),
-                           [&](const Point& corner) { return corner.*axis <= plane; })) {
+                           [&](const geometry::Point& corner) { return corner.*axis <= plane; })) {
       halve(polygon, low, below);
     } else {
       halve(clipped(polygon, axis, plane, false), low, below);
@@ -113,8 +115,8 @@ class BlockSpreader {
 
 }  // namespace
 
-BlockIndex BlockGrid::of(const Point& point) const {
-  // A quotient rounds otherwise than the planes of box(), and both have to agree.
+BlockIndex BlockGrid::of(const geometry::Point& point) const {
+  // A quotient rounds differently from the planes of box(), but both must agree.
   const auto rank = [this](double coordinate, double from) {
     double k = std::floor((coordinate - from) / side_mm);
     while (from + k * side_mm > coordinate) --k;
@@ -124,29 +126,29 @@ BlockIndex BlockGrid::of(const Point& point) const {
   return {rank(point.x, origin.x), rank(point.y, origin.y), rank(point.z, origin.z)};
 }
 
-Bounds BlockGrid::box(const BlockIndex& block) const {
+geometry::Bounds BlockGrid::box(const BlockIndex& block) const {
   return {
       {origin.x + block.x * side_mm, origin.y + block.y * side_mm, origin.z + block.z * side_mm},
       {origin.x + (block.x + 1) * side_mm, origin.y + (block.y + 1) * side_mm,
        origin.z + (block.z + 1) * side_mm}};
 }
 
-BlockGrid grid_over(const Bounds& box, double side_mm, const std::string& where) {
+BlockGrid grid_over(const geometry::Bounds& box, double side_mm, const std::string& where) {
   constexpr double most_in_a_row = 1 << 20;
   if (!(box.longest_side() / side_mm < most_in_a_row)) {
     throw Error(
         Exit::bad_input, where,
         fmt::format("a size of {:.3g} mm is too large for this spacing", box.longest_side()),
-        "use a greater spacing or a smaller size");
+        "use a larger spacing or a smaller size");
   }
-  // Far out there are no numbers left between neighbouring points.
+  // Far from the origin neighbouring points have the same coordinates.
   constexpr double most_sides_away = 1e9;
   double furthest = 0;
-  for (const Point& corner : {box.low, box.high})
+  for (const geometry::Point& corner : {box.low, box.high})
     furthest = std::max({furthest, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
   if (!(furthest / side_mm < most_sides_away)) {
     throw Error(Exit::bad_input, where,
-                fmt::format("a place {:.3g} mm from the origin is too far away", furthest),
+                fmt::format("a point {:.3g} mm from the origin is too far away", furthest),
                 "move it nearer");
   }
   return {box.low, side_mm};
@@ -174,12 +176,14 @@ SurfaceBlocks surface_blocks(const model::Mesh& mesh, const BlockGrid& grid,
   return result;
 }
 
-void cut_to_box(const Corners& triangle, const Bounds& box, std::vector<Corners>& pieces) {
+void cut_to_box(const Corners& triangle, const geometry::Bounds& box,
+                std::vector<Corners>& pieces) {
   Polygon polygon(triangle);
   for (const auto axis : axes) {
     const auto all = polygon.all();
     const auto [low, high] = std::minmax_element(
-        all.begin(), all.end(), [&](const Point& p, const Point& q) { return p.*axis < q.*axis; });
+        all.begin(), all.end(),
+        [&](const geometry::Point& p, const geometry::Point& q) { return p.*axis < q.*axis; });
     if (low == all.end()) return;
     const bool cut_low = *low.*axis<box.low.*axis, cut_high = *high.*axis> box.high.*axis;
     if (cut_low) polygon = clipped(polygon, axis, box.low.*axis, true);
@@ -193,16 +197,19 @@ void cut_to_box(const Corners& triangle, const Bounds& box, std::vector<Corners>
 
 void require_sound(const model::Mesh& mesh, const std::string& where) {
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const Point& p = mesh.vertices[i];
-    if (is_finite(p)) continue;
-    throw Error(Exit::bad_input, where, fmt::format("vertex {} is ({}, {}, {})", i, p.x, p.y, p.z),
+    const geometry::Point& p = mesh.vertices[i];
+    if (geometry::is_finite(p)) continue;
+    throw Error(Exit::bad_input, where,
+                fmt::format("vertex {} has a coordinate that is not finite: ({}, {}, {})", i, p.x,
+                            p.y, p.z),
                 "repair the model");
   }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (const std::uint32_t corner : mesh.triangles[i]) {
       if (corner < mesh.vertices.size()) continue;
       throw Error(Exit::bad_input, where,
-                  fmt::format("triangle {} names vertex {} of {}", i, corner, mesh.vertices.size()),
+                  fmt::format("triangle {} refers to vertex {}, but the model has {} vertices", i,
+                              corner, mesh.vertices.size()),
                   "repair the model");
     }
   }
@@ -215,8 +222,8 @@ Corners corners_of(const model::Mesh& mesh, std::size_t triangle) {
 
 double area_of(const Corners& triangle) {
   const auto& [a, b, c] = triangle;
-  const Point u{b.x - a.x, b.y - a.y, b.z - a.z}, v{c.x - a.x, c.y - a.y, c.z - a.z};
-  const Point n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+  const geometry::Point u{b.x - a.x, b.y - a.y, b.z - a.z}, v{c.x - a.x, c.y - a.y, c.z - a.z};
+  const geometry::Point n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
   return std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z) / 2;
 }
 

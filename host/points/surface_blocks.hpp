@@ -1,11 +1,11 @@
-// A mesh cut into cubic blocks of space. Comes in: a mesh in mm and the side of a block. Goes out:
-// which triangles have surface in which block, and those pieces of surface. Called by the
-// discretisers that work block by block and by the search for the nearest triangle.
+// Cuts a mesh into cubic blocks of space. In: a mesh in mm and the side of a block. Out: the
+// triangles with surface in each block, and these pieces of surface. Called by the discretisers
+// that work block by block and by the search for the nearest triangle.
 //
-// A triangle that lies in several blocks is halved by planes between blocks until each part lies in
-// one; a part in a plane between two blocks belongs to the upper one. So the pieces of all blocks
-// are the whole surface, once. Time and memory grow with triangles and with blocks that have
-// surface, not with the space between.
+// A triangle in several blocks is divided by planes between blocks until each part lies in one; a
+// part in a plane between two blocks belongs to the upper one. So the pieces of all blocks cover
+// the whole surface once. Time and memory grow with triangles and with blocks that have surface,
+// not with the space between.
 #pragma once
 
 #include <array>
@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
+#include "host/geometry/bounds.hpp"
+#include "host/geometry/point.hpp"
 #include "host/model/mesh.hpp"
-#include "host/points/bounds.hpp"
-#include "host/points/point.hpp"
 
 namespace lamplock::points {
 
@@ -29,20 +29,20 @@ struct BlockIndex {
 };
 
 struct BlockGrid {
-  Point origin;
+  geometry::Point origin;
   double side_mm = 1;
 
-  BlockIndex of(const Point& point) const;
-  Bounds box(const BlockIndex& block) const;
+  BlockIndex of(const geometry::Point& point) const;
+  geometry::Bounds box(const BlockIndex& block) const;
 };
 
 /// A grid over `box`. Throws Error (bad_input) if there would be more than 2^20 blocks in a row.
-BlockGrid grid_over(const Bounds& box, double side_mm, const std::string& where);
+BlockGrid grid_over(const geometry::Bounds& box, double side_mm, const std::string& where);
 
 struct SurfaceBlocks {
   BlockGrid grid;
   std::vector<BlockIndex> blocks;  // in order
-  /// Those of block i are triangles[first[i]] up to before triangles[first[i + 1]].
+  /// Those of block i are triangles[first[i]] .. triangles[first[i + 1] - 1].
   std::vector<std::size_t> first;
   std::vector<std::uint32_t> triangles;
 
@@ -56,12 +56,12 @@ struct SurfaceBlocks {
 SurfaceBlocks surface_blocks(const model::Mesh& mesh, const BlockGrid& grid,
                              const std::string& where);
 
-using Corners = std::array<Point, 3>;
+using Corners = std::array<geometry::Point, 3>;
 
 /// Adds the part of a triangle inside `box`, cut into triangles, to `pieces`.
-void cut_to_box(const Corners& triangle, const Bounds& box, std::vector<Corners>& pieces);
+void cut_to_box(const Corners& triangle, const geometry::Bounds& box, std::vector<Corners>& pieces);
 
-/// Throws Error (bad_input) that names the first vertex which is not finite or does not exist.
+/// Throws Error (bad_input) that names the first vertex that is not finite or does not exist.
 void require_sound(const model::Mesh& mesh, const std::string& where);
 
 Corners corners_of(const model::Mesh& mesh, std::size_t triangle);

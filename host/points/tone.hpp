@@ -1,7 +1,7 @@
-// From brightness to density. Points in glass scatter light, so more points are brighter; how many
-// make a place look as bright as the picture says is a power of the picture's value (1.8 is what
-// engraving shops use). Comes in: brightness of a pixel or of a place of a surface. Goes out: the
-// share of the densest filling. Called by the discretisers.
+// Converts brightness to density. Points in glass scatter light, so more points are brighter; the
+// density for the brightness of a picture is a power of the picture's value (engraving shops use
+// 1.8). In: brightness of a pixel or of a place of a surface. Out: the fraction of the densest
+// filling. Called by the discretisers.
 #pragma once
 
 #include <string>

@@ -20,12 +20,12 @@ constexpr std::uint32_t no_point = std::numeric_limits<std::uint32_t>::max();
 /// one bucket only cost a few more comparisons of distance, never a wrong answer.
 class KeptPoints {
  public:
-  KeptPoints(std::size_t most_points, double min_distance)
+  KeptPoints(std::size_t point_count, double min_distance)
       : distance_(min_distance),
-        heads_(std::bit_ceil(std::max<std::size_t>(most_points, 2)), no_point),
-        next_(most_points, no_point) {}
+        heads_(std::bit_ceil(std::max<std::size_t>(point_count, 2)), no_point),
+        next_(point_count, no_point) {}
 
-  bool is_near(const PointCloud& kept, const Point& point) const {
+  bool is_near(const geometry::PointCloud& kept, const geometry::Point& point) const {
     const Cell low = cell_of({point.x - distance_, point.y - distance_, point.z - distance_});
     const Cell high = cell_of({point.x + distance_, point.y + distance_, point.z + distance_});
     // Cells are two distances wide, so a ball of one distance touches at most two per axis.
@@ -43,7 +43,7 @@ class KeptPoints {
     return false;
   }
 
-  void add(std::uint32_t index, const Point& point) {
+  void add(std::uint32_t index, const geometry::Point& point) {
     std::uint32_t& head = heads_[bucket(cell_of(point))];
     next_[index] = head;
     head = index;
@@ -52,12 +52,12 @@ class KeptPoints {
  private:
   using Cell = std::array<std::int64_t, 3>;
 
-  Cell cell_of(const Point& point) const {
+  Cell cell_of(const geometry::Point& point) const {
     return {cell_index(point.x), cell_index(point.y), cell_index(point.z)};
   }
 
   std::int64_t cell_index(double coordinate) const {
-    // Far outside any machine, but a conversion must not overflow.
+    // Far outside any machine; prevents overflow of the conversion.
     constexpr double limit = 9e18;
     return static_cast<std::int64_t>(
         std::clamp(std::floor(coordinate / (2 * distance_)), -limit, limit));
@@ -72,7 +72,8 @@ class KeptPoints {
     return static_cast<std::size_t>(hash) & (heads_.size() - 1);
   }
 
-  bool bucket_has_near(const PointCloud& kept, const Cell& cell, const Point& point) const {
+  bool bucket_has_near(const geometry::PointCloud& kept, const Cell& cell,
+                       const geometry::Point& point) const {
     for (std::uint32_t i = heads_[bucket(cell)]; i != no_point; i = next_[i]) {
       const double dx = kept[i].x - point.x, dy = kept[i].y - point.y, dz = kept[i].z - point.z;
       if (dx * dx + dy * dy + dz * dz < distance_ * distance_) return true;
@@ -86,7 +87,7 @@ class KeptPoints {
 
 }  // namespace
 
-WeldResult weld(PointCloud cloud, double min_distance_mm, std::size_t always_kept) {
+WeldResult weld(geometry::PointCloud cloud, double min_distance_mm, std::size_t always_kept) {
   if (!(min_distance_mm >= 0) || !std::isfinite(min_distance_mm)) {
     throw Error(Exit::bad_input, "weld", fmt::format("distance {} mm", min_distance_mm),
                 "give 0 or a positive distance");
@@ -94,13 +95,13 @@ WeldResult weld(PointCloud cloud, double min_distance_mm, std::size_t always_kep
   if (min_distance_mm == 0) return {std::move(cloud), 0};
   if (cloud.size() >= no_point) {
     throw Error(Exit::bad_input, "weld", fmt::format("{} points", cloud.size()),
-                "use a greater spacing");
+                "use a larger spacing");
   }
   KeptPoints grid(cloud.size(), min_distance_mm);
   WeldResult result;
   // The kept points move to the front of the same cloud: no second copy in memory.
   std::size_t count = 0, taken = 0;
-  for (const Point& point : cloud) {
+  for (const geometry::Point& point : cloud) {
     if (taken++ >= always_kept && grid.is_near(cloud, point)) continue;
     grid.add(static_cast<std::uint32_t>(count), point);
     cloud[count++] = point;

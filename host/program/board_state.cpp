@@ -21,17 +21,17 @@ constexpr std::size_t z_axis = 2;
 
 constexpr std::array<std::string_view, program::coordinate_systems> system_names{
     "G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"};
-/// Every grbl has these; G59.1 to G59.3 not.
+/// Every grbl has these, but not G59.1 to G59.3.
 constexpr std::size_t needed_systems = 6;
 
 constexpr std::array<std::string_view, 11> power_up_modes{"G0", "G54", "G17", "G21", "G90", "G94",
                                                           "M5", "M9",  "T0",  "F0",  "S0"};
 /// Modes whose numbers `$G` does not report: rotation, scaling, diameters, points on the beat.
 constexpr std::array<std::string_view, 4> partly_reported{"G68", "G51", "G7", "M130"};
-/// Words that put nothing into force here: `$#` reports the tool length; stops and tool changes.
+/// Words without effect here: tool length, which `$#` reports; stops and tool changes.
 constexpr std::array<std::string_view, 8> passed_over{"G43.1", "G49", "M0", "M1",
                                                       "M2",    "M30", "M6", "M60"};
-/// Motion modes that last; the others need words that the board does not report.
+/// Modal motion modes that need words that the board does not report.
 constexpr std::array<std::string_view, 13> cycles{"G5",    "G5.1", "G38.2", "G38.3", "G38.4",
                                                   "G38.5", "G73",  "G80",   "G81",   "G82",
                                                   "G83",   "G76",  "G33"};
@@ -55,7 +55,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   return parts;
 }
 
-/// What stands between "[NAME:" and "]"; nothing if there is no such line.
+/// The text between "[NAME:" and "]"; empty if there is no such line.
 std::optional<std::string_view> value_of(const std::vector<std::string>& lines,
                                          std::string_view name) {
   const std::string begin = fmt::format("[{}:", name);
@@ -98,8 +98,8 @@ bool take_offsets(const std::vector<std::string>& lines, bool inches,
          take_tool_length(lines, inches, parameters.tool_length_e7);
 }
 
-/// A line after which the motion mode is that of the board. G1 needs a feed and an arc its words:
-/// a full circle ends where it begins.
+/// A line that sets the motion mode of the board. G1 needs a feed and an arc its words: the line is
+/// a full circle, which ends at its begin.
 std::string motion_line(const std::vector<std::string_view>& words) {
   if (has(words, "G0")) return "G0";
   if (has(words, "G1")) return "G94 G1 F1000";
@@ -109,7 +109,7 @@ std::string motion_line(const std::vector<std::string_view>& words) {
 }
 
 std::vector<std::string> lines_of(const std::vector<std::string_view>& words, bool inches) {
-  // A change of the feed mode forgets the feed of the motion line.
+  // A change of the feed mode clears the feed of the motion line.
   std::vector<std::string> lines{"G21 G90 G91.1 G17", motion_line(words), "G93", "G94", "G90"};
   const bool inverse_time = has(words, "G93"), per_turn = has(words, "G95");
   if (inverse_time) lines.emplace_back("G93");
@@ -125,7 +125,7 @@ std::vector<std::string> lines_of(const std::vector<std::string_view>& words, bo
       lines.emplace_back(word);
     }
   }
-  // `$#` reports the shift of G92 that is in force.
+  // `$#` reports the active shift of G92.
   lines.emplace_back("G92.3");
   return lines;
 }
@@ -189,7 +189,7 @@ void begin_with(const BoardState& state, program::Interpreter& interpreter,
   parameters = state.parameters;
   interpreter.reset();
   for (const std::string& line : state.modes) {
-    interpreter.run(line);  // boards of another firmware report words that ours does not know
+    interpreter.run(line);  // boards of another firmware report words unknown to this interpreter
     for (program::Action action; interpreter.next(action);) {
     }
   }

@@ -1,7 +1,7 @@
-// What a board has in force before the first line of a program.
+// The state of a board before the first line of a program.
 //
 // In:  a board at rest: its status (`?`), its answers to `$#` and `$G`.
-// Out: position, offsets and modal state, for an interpreter that begins with them.
+// Out: position, offsets and modal state, the initial state of an interpreter.
 // Who: `lamplock send`, which checks a program before it sends it.
 //
 // The board reports lengths with three decimals of a millimetre (four of an inch), the feed in
@@ -23,22 +23,22 @@ namespace lamplock::program_run {
 struct BoardState {
   program::Place machine_e7{};
   program::Parameters parameters;  ///< G54 to G59.3, G28, G30, G92, tool length
-  std::vector<std::string> modes;  ///< lines that put the modal state into force
+  std::vector<std::string> modes;  ///< lines that set the modal state
   program::Place work_offset_e7{};
   bool as_after_power_up = false;  ///< at machine zero, without offsets, modal state by default
 };
 
-/// Takes the answers to `$#` and `$G` apart; `inches`: setting 13. Nothing if something is missing,
-/// or a mode is in force of which the board does not report everything (G68, M130).
+/// Parses the answers to `$#` and `$G`; `inches`: setting 13. Empty if a part is missing, or a mode
+/// is active that the board reports incompletely (G68, M130).
 std::optional<BoardState> parse_state(const link::BoardStatus& status,
                                       const std::vector<std::string>& offsets,
                                       const std::vector<std::string>& modes, bool inches);
 
-/// Asks a board whose status is `status`. Nothing if it is not at rest or does not answer.
+/// Asks a board whose status is `status`. Empty if it is not at rest or does not answer.
 std::optional<BoardState> read_state(link::LinePort& port, const link::BoardStatus& status,
                                      bool inches);
 
-/// Puts the state into an interpreter and its parameters.
+/// Sets the state of an interpreter and its parameters.
 void begin_with(const BoardState& state, program::Interpreter& interpreter,
                 program::Parameters& parameters);
 

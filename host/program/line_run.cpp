@@ -4,28 +4,28 @@
 
 #include <algorithm>
 
-#include "firmware/machine/program_horizon.hpp"
+#include "firmware/machine/runners/program_horizon.hpp"
 #include "host/error.hpp"
 
 namespace lamplock::program_run {
 namespace {
 
-/// Limits are those of ticks of their nominal length; which beat they are made for does not matter.
+/// Limits are those of ticks of nominal length; the beat does not matter for them.
 constexpr std::uint32_t some_beat_ticks = ticks_per_second / 100;
-/// A board that takes all that the cable brings, USB at full speed: 19 packets of 64 bytes in a
-/// millisecond, looked at four times in it; and the ticks that it has filled.
+/// A board that accepts the full rate of the cable, USB at full speed: 19 packets of 64 bytes in a
+/// millisecond, read four times in it; and the ticks that it has filled.
 constexpr std::uint64_t round_ticks = ticks_per_second / 4000;
 constexpr std::size_t bytes_per_round = 19 * 64 / 4;
 constexpr std::uint64_t filled_ticks = 9 * round_ticks;
 constexpr std::uint32_t us_per_tick = 1'000'000 / ticks_per_second;
 
-/// For a machine that cannot be.
+/// The error for impossible settings.
 Error no_motion(const settings::Values& values) {
   motion::Limits limits;
   std::uint16_t setting = 0;
   motion::make_limits(values, some_beat_ticks, full_tick_q16, limits, setting);
-  return {Exit::bad_input, fmt::format("${}", setting), "no motion is possible with it",
-          "change the profile of the machine"};
+  return {Exit::bad_input, fmt::format("${}", setting), "no motion is possible with its value",
+          "change it in the machine profile"};
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ void LineRun::dwell(std::uint32_t us) {
   now_ += us / us_per_tick;
 }
 
-/// Of the main loop: see ProgramRunner::wants_batch() and start_tick().
+/// One round of the main loop: see ProgramRunner::wants_batch() and start_tick().
 void LineRun::round() {
   now_ += round_ticks;
   const std::uint64_t head = now_ + filled_ticks;

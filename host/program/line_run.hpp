@@ -1,8 +1,8 @@
-// Lines on their way through the firmware's line planner as the board feeds it (line_work.hpp): how
-// many it knows of when it plans a batch is what a plan depends on beside the lines themselves.
+// Runs lines through the firmware's line planner as the board feeds it (line_work.hpp): a plan
+// depends on the lines and on their number in the queue when a batch is planned.
 //
-// In:  lines, and how many bytes of the cable they were; dwells. It starts at machine zero, at
-// rest. Out: the ticks that the machine is in motion, to the tick. Who: programs of G-code
+// In:  lines with their number of bytes on the cable; dwells. It starts at machine zero, at rest.
+// Out: the ticks in which the machine is in motion, exactly. Who: programs of G-code
 // (program_run.hpp), rows of pixels (host/raster).
 #pragma once
 
@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "firmware/machine/line_work.hpp"
+#include "firmware/machine/runners/line_work.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
 
@@ -22,22 +22,22 @@ class LineRun {
   /// Throws Error(bad_input) for a machine that cannot move.
   explicit LineRun(const settings::Values& values);
 
-  /// So many bytes come over the cable.
+  /// This number of bytes arrives over the cable.
   void receive(std::size_t bytes);
   void take(const motion::LineTarget& line);
-  /// Lets the machine come to rest.
+  /// Runs until the machine is at rest.
   void finish();
   void dwell(std::uint32_t us);
-  /// In motion.
+  /// Ticks in motion.
   std::uint64_t ticks() const { return ticks_; }
 
  private:
   void round();
 
-  /// What the laser does along a line does not change how it is run.
+  /// The laser power along a line does not change its motion.
   const stepper::PowerTable no_powers_;
   std::unique_ptr<machine::LineWork> work_ = std::make_unique<machine::LineWork>();
-  std::size_t bytes_ = 0;  ///< that have come in this round
+  std::size_t bytes_ = 0;  ///< received in this round
   std::uint64_t now_ = 0, end_ = 0, ticks_ = 0;
 };
 

@@ -16,7 +16,7 @@ using settings::Id;
 using sim::Picoseconds;
 using sim::Pin;
 
-/// When the machine has moved or fired first and last.
+/// Records the first and the last time of motion or shots.
 class Busy final : public sim::PinListener {
  public:
   explicit Busy(sim::PinBus& bus) {
@@ -38,16 +38,16 @@ class Busy final : public sim::PinListener {
   bool any_ = false;
 };
 
-/// A machine that has been on for a while, and follows its lamp.
+/// Runs the machine until it is warm and follows its lamp.
 void warm_up(sim::VirtualBoard& board, const settings::Values& values) {
   const auto beat = static_cast<Picoseconds>(1e12 / in_units(values, Id::lamp_frequency));
-  // Some more than make a lock, for the lattice to come to the lamp.
+  // More than a lock needs, so that the lattice reaches the lamp.
   const Picoseconds most = 4 * values.whole(Id::lock_edges) * beat;
   while (!board.controller().clock().settled() && board.now() < most)
     board.run_until(board.now() + beat);
 }
 
-/// The same machine with STEP and DIR, not inverted: time does not depend on how pulses look.
+/// The same machine with STEP and DIR, not inverted: time does not depend on the form of pulses.
 settings::Values plain_pulses(settings::Values values) {
   for (int axis = 0; axis < max_axes; ++axis)
     values.set_milli(settings::for_axis(Id::pulse_mode_x, axis), 0);
@@ -67,8 +67,8 @@ LockedRun run_locked(std::string_view text, const settings::Values& values) {
   while (sender.step())
     if (sender.waits()) sender.resume();
   if (sender.result().end != link::LineEnd::done)
-    throw Error(Exit::job_failed, "program", "does not come to its end on the simulated board",
-                "run it by `lamplock send` with --board virtual to see why");
+    throw Error(Exit::job_failed, "program", "does not reach its end on the simulated board",
+                "run it with `lamplock send --board virtual` to find the cause");
   return busy.run();
 }
 

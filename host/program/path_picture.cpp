@@ -14,12 +14,12 @@ namespace {
 // All lengths are pixels.
 constexpr double view = 720, left = 70, top = 44, right = 120, below = 50;
 constexpr double bar_gap = 24, bar_width = 16, tick_length = 5;
-/// Ends of pieces that are closer are one.
+/// Ends of pieces that are closer are merged.
 constexpr double least_way = 0.15;
 constexpr int shades = 32;
 constexpr double most_ticks = 8;
 
-/// Light yellow over orange to dark purple, by power: three stops, straight between them.
+/// Light yellow over orange to dark purple, by power: three stops, linear between them.
 struct Colour {
   double red, green, blue;
 };
@@ -61,7 +61,7 @@ class View {
   double x_, y_, half_mm_, scale_;
 };
 
-/// Paths of one look, written as one element.
+/// Paths of one style, written as one element.
 class Stroke {
  public:
   void add(const View& v, const Piece& piece) {

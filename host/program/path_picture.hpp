@@ -3,8 +3,8 @@
 // In:  a run of a program, a title. Out: text of an SVG file; some 20 bytes a piece.
 // Who: `lamplock check --picture`.
 //
-// Rapids are thin and dashed. Powers are told apart in 32 shades, from light to dark: of a laser
-// nothing is drawn darker than what it burns most with. Pieces too short to be seen are left out.
+// Rapids are thin and dashed. Powers have 32 shades, from light to dark; the darkest is the
+// program's maximum power. Pieces too short to be visible are left out.
 #pragma once
 
 #include <string>

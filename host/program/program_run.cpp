@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "firmware/machine/input_wait.hpp"
-#include "firmware/machine/program_motion.hpp"
-#include "firmware/machine/program_reader.hpp"
+#include "firmware/machine/activities/program_reader.hpp"
+#include "firmware/machine/inputs/input_wait.hpp"
+#include "firmware/machine/runners/program_motion.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "host/program/line_run.hpp"
 #include "host/text.hpp"
@@ -23,8 +23,8 @@ using program::ActionKind;
 using settings::Id;
 
 constexpr double e7 = static_cast<double>(program::one_e7);
-/// A board reports position and offsets in thousandths of a millimetre: their sum may be off by so
-/// much, 10^-7 mm.
+/// A board reports position and offsets in thousandths of a millimetre: error of their sum, 10^-7
+/// mm.
 constexpr std::int64_t report_tolerance_e7 = 20'000;
 
 /// The machine: its lines, and its position.
@@ -37,7 +37,7 @@ class Machine {
 
   ProgramRun& result() { return run_; }
 
-  /// The machine is at the place that a board reports.
+  /// Starts at the position that a board reports.
   void begin_at(const program::Place& place_e7) {
     tolerance_e7_ = report_tolerance_e7;
     for (std::size_t a = 0; a < at_.size(); ++a) at_[a] = static_cast<double>(place_e7[a]) / e7;
@@ -51,13 +51,13 @@ class Machine {
     lines_.finish();
     ticks_before_ = lines_.ticks();
   }
-  /// Motion outside of the work space is counted and is no problem.
+  /// Motion outside of the work space is only counted, not reported as a problem.
   void pass_outside() { passes_outside_ = true; }
 
-  /// A line of the text comes over the cable.
+  /// A line of the text arrives over the cable.
   void receive(std::size_t bytes) { lines_.receive(bytes); }
 
-  /// Does what the interpreter says; false at the end of the program.
+  /// Executes an action of the interpreter; false at the end of the program.
   bool take(const Action& action, std::size_t line) {
     switch (action.kind) {
       case ActionKind::move:
@@ -138,7 +138,7 @@ class Machine {
                      low + values_.milli(Id::travel_x, axis) / 1e3)});
   }
 
-  /// A move, or each run of equal pixels of one.
+  /// Records a move, or each run of equal pixels of one.
   void note_row(const Action& move) {
     double all = 0, passed = 0;
     for (const Action& run : row_) all += run.pixels;
@@ -182,9 +182,9 @@ class Machine {
   LineRun lines_;
   PerAxis<double> at_{};
   std::int64_t tolerance_e7_ = 0;
-  std::uint64_t ticks_before_ = 0;  ///< of the way to where the program begins
+  std::uint64_t ticks_before_ = 0;  ///< of the move to the program's begin
   bool passes_outside_ = false;
-  std::vector<Action> row_;  ///< of pixels, but for the last ones
+  std::vector<Action> row_;  ///< of pixels, without the last ones
   ProgramRun run_;
 };
 
@@ -194,7 +194,7 @@ std::string text_of(GcodeError error) {
   return "unknown";
 }
 
-/// Of the board that the settings are for.
+/// The ports of the board with these settings.
 machine::ProgramPorts ports_of(const settings::Values& values) {
   const auto map = static_cast<boards::PinMap>(values.whole(Id::pin_map));
   const bool has_input = boards::find_gpio(map, boards::Role::aux_in).has_value();
@@ -203,8 +203,8 @@ machine::ProgramPorts ports_of(const settings::Values& values) {
                                   (has_input ? machine::set_of(machine::Input::aux) : 0u))};
 }
 
-/// A board reports its position in steps, the program may be up to half a step beside it. An arc
-/// that is the first motion may fit from there only.
+/// A board reports its position in steps; the program's position may differ by up to half a step.
+/// An arc as the first motion may be valid from there only.
 program::Fault run_beside(program::Interpreter& interpreter, std::string_view line,
                           const program::Place& start_e7, const settings::Values& values) {
   constexpr std::int64_t half_e7 = program::one_e7 * 1000 / 2, report_e7 = program::one_e7 / 2000;
@@ -223,9 +223,9 @@ program::Fault run_beside(program::Interpreter& interpreter, std::string_view li
   return fault;
 }
 
-/// A program on its way through the interpreter: of a file alone, or as a board will run it.
+/// Runs a program through the interpreter: of a file, or as a board will run it.
 ProgramRun run_lines(std::string_view text, const settings::Values& values,
-                     std::size_t most_problems, const OnBoard* board) {
+                     std::size_t max_problems, const OnBoard* board) {
   const std::string_view whole = text;
   program::Parameters parameters;
   const program::Options options = machine::program_options(values, true, ports_of(values));
@@ -263,7 +263,7 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     Action action;
     while (more && interpreter.next(action))
       more = machine.take(action, number) || board != nullptr;
-    if (run.problems.size() >= most_problems) break;
+    if (run.problems.size() >= max_problems) break;
   }
   machine.finish();
   const bool as_after_power_up = state == nullptr || state->as_after_power_up;
@@ -280,8 +280,8 @@ double ProgramRun::seconds() const {
 }
 
 ProgramRun run_program(std::string_view text, const settings::Values& values,
-                       std::size_t most_problems) {
-  return run_lines(text, values, most_problems, nullptr);
+                       std::size_t max_problems) {
+  return run_lines(text, values, max_problems, nullptr);
 }
 
 ProgramRun run_on_board(std::string_view text, const settings::Values& values,

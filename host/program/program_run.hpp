@@ -1,15 +1,15 @@
-// A program of G-code, run to its end without a machine: the firmware's interpreter and planner,
-// fed in batches as the board feeds it (line_work.hpp), by a sender whose lines never run out.
+// Runs a G-code program to its end without a machine, with the firmware's interpreter and planner,
+// fed in batches like on the board (line_work.hpp), by a sender without starvation.
 //
 // In:  the text of a program, the settings of a machine. It starts at machine zero, at rest.
-// Out: what is wrong with it, by line and column; the time that the machine will take, to the
-//      tick but for what it needs to begin anew after a dwell or pause; ways, bounds, and the path
-//      for a picture. A program with points on the beat takes what the virtual board takes.
+// Out: errors by line and column; the exact time of the machine in ticks, without the restart after
+//      a dwell or pause; distances, bounds, and the path for a picture. The time of a program with
+//      points on the beat is that of the virtual board.
 // Who: `lamplock check`; `lamplock send` before it sends; tests.
 //
-// Lines that begin with `$` are for the board and say nothing of the program: they are passed over.
-// A line that is wrong is left out, as the machine would with $-setting "go on after an error"; the
-// time is then that of the rest. A pause (M0) takes no time.
+// Lines that begin with `$` are commands to the board, not part of the program: they are skipped. A
+// line with an error is skipped, as on a machine set to continue after errors; the time is that of
+// the other lines. A pause (M0) takes no time.
 #pragma once
 
 #include <cstddef>
@@ -26,22 +26,22 @@
 
 namespace lamplock::program_run {
 
-/// Something wrong with a line.
+/// An error in a line.
 struct Problem {
   std::size_t line = 0;  ///< from 1
   unsigned column = 0;   ///< from 1
-  int error = 0;         ///< number as the machine says it
-  std::string text;      ///< what that number means
+  int error = 0;         ///< the machine's error number
+  std::string text;      ///< meaning of the number
 };
 
 /// A straight piece of the path, mm in machine coordinates.
 struct Piece {
   PerAxis<double> from{}, to{};
-  double power = 0;  ///< of the laser or spindle: 0..1 of the highest S
+  double power = 0;  ///< of the laser or spindle: 0..1 of the maximum S
   bool rapid = false;
 };
 
-/// Lowest and highest place on each axis.
+/// Lowest and highest position of each axis.
 struct Bounds {
   PerAxis<double> low{}, high{};
 };
@@ -51,33 +51,33 @@ struct ProgramRun {
   std::size_t moves = 0;  ///< straight pieces of curves counted each
   double feed_mm = 0, rapid_mm = 0;
   std::uint64_t ticks = 0;     ///< in motion
-  std::uint64_t dwell_us = 0;  ///< standing by G4 and cycles
+  std::uint64_t dwell_us = 0;  ///< dwells by G4 and cycles
   std::size_t pauses = 0;      ///< M0 and M1
   std::size_t locked = 0;      ///< moves that are locked to the beat (M130)
-  std::size_t outside = 0;     ///< moves to places outside of the work space that are no problems
-  LockedRun beats;             ///< of all of it, if there are such
+  std::size_t outside = 0;     ///< moves out of the work space that are not reported as problems
+  LockedRun beats;             ///< of the whole program, if it has locked moves
   bool ended = false;          ///< by M2 or M30
   int axes = 3;
-  Bounds bounds;  ///< of all moves, where it starts included
+  Bounds bounds;  ///< of all moves, with the start
   std::vector<Problem> problems;
   std::vector<Piece> pieces;
 
   double seconds() const;
 };
 
-/// Runs it. `most_problems`: gives up when so many lines were wrong.
+/// Runs a program; stops after `max_problems` lines with errors.
 ProgramRun run_program(std::string_view text, const settings::Values& values,
-                       std::size_t most_problems);
+                       std::size_t max_problems);
 
-/// A board that a program is about to be sent to.
+/// The board to which a program will be sent.
 struct OnBoard {
-  std::optional<BoardState> state;  ///< nothing: not known, the run begins at machine zero
-  bool space_known = false;         ///< the settings of its work space are its own
+  std::optional<BoardState> state;  ///< empty: unknown, the run begins at machine zero
+  bool space_known = false;         ///< the work space is by the board's own settings
 };
 
-/// Runs all lines, those after M2 and M30 too: the board does so. Motion outside of the work space
-/// is a problem only if the state and the work space are known. Gives up at the first problem.
-/// Without the time (`beats`) of points on the beat for a board that is not as after power-up.
+/// Runs all lines, also those after M2 and M30, like the board. Motion outside of the work space is
+/// a problem only if the state and the work space are known. Stops at the first problem. The time
+/// (`beats`) of points on the beat is computed only for a board in its state after power-up.
 ProgramRun run_on_board(std::string_view text, const settings::Values& values,
                         const OnBoard& board);
 

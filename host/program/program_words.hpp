@@ -1,6 +1,6 @@
-// The words of a line of G-code, for code that changes a program without running it.
+// Words of a G-code line, for code that changes a program without running it.
 //
-// In:  a line without comments (host/link/program_lines.hpp). Out: its words, as they are written.
+// In:  a line without comments (host/link/program_lines.hpp). Out: its words, unchanged.
 // Who: without_laser(), start_at().
 #pragma once
 
@@ -14,10 +14,10 @@
 namespace lamplock::program_run {
 
 struct ProgramWord {
-  char letter = 0;        ///< a capital one
-  std::string_view text;  ///< all of it, up to the next word: a list of powers is one word
+  char letter = 0;        ///< upper case
+  std::string_view text;  ///< with its letter, up to the next word: a list of powers is one word
 
-  /// Its number; nothing if it has none, or more than one.
+  /// Its number; empty if it has none, or more than one.
   std::optional<double> number() const { return number_of<double>(trimmed(text.substr(1))); }
   bool is(char of, double value) const { return letter == of && number() == value; }
 };

@@ -20,13 +20,13 @@ namespace {
 using settings::Id;
 using sim::Picoseconds;
 
-/// How board and drives talk: as those of the paper.
+/// The pulse mode between board and drives, as in the paper.
 constexpr auto pulse_mode = settings::PulseMode::cw_ccw;
 constexpr double ps_per_second = 1e12;
-/// What a drive takes by pulses, whatever its motor could do.
+/// Maximum pulse rate of a drive, independent of its motor.
 constexpr double most_pulses_per_s = 500'000;
 
-/// Where an axis of the tick generator is at a tick, steps; a step is shown half of it ahead.
+/// Position of an axis of the tick generator at a tick, steps; a step appears half a step ahead.
 double planned_steps(const stepper::TickBlock& block, std::size_t axis, double ticks) {
   const auto whole = static_cast<std::uint32_t>(ticks);
   const Int128 at =
@@ -34,7 +34,7 @@ double planned_steps(const stepper::TickBlock& block, std::size_t axis, double t
   return static_cast<double>(at.hi()) + std::ldexp(static_cast<double>(at.lo()), -64) - 0.5;
 }
 
-/// Where the program is, at equal times from the first motion on.
+/// Samples the program's position at equal times from the first motion on.
 class PlanSampler final : public sim::TickListener {
  public:
   explicit PlanSampler(const ServoMachine& machine)
@@ -74,7 +74,7 @@ class PlanSampler final : public sim::TickListener {
   std::vector<Sample> samples_;
 };
 
-/// Sends it and sees it through.
+/// Sends the program and waits for its end.
 void run_program_on(sim::VirtualBoard& board, std::string_view text, const std::string& name) {
   link::SimulatedTransport transport(board);
   link::LinePort port(transport);
@@ -87,8 +87,8 @@ void run_program_on(sim::VirtualBoard& board, std::string_view text, const std::
                 fmt::format("error:{} of the board", result.errors[0].error),
                 "`lamplock check` says what is wrong, and where");
   if (result.end != link::LineEnd::done)
-    throw Error(Exit::job_failed, name, "does not come to its end on the simulated board",
-                "run it by `lamplock send` with --board virtual to see why");
+    throw Error(Exit::job_failed, name, "does not reach its end on the simulated board",
+                "run it with `lamplock send --board virtual` to find the cause");
 }
 
 }  // namespace
@@ -145,8 +145,8 @@ ServoRun run_on_servos(std::string_view text, const ServoMachine& machine,
 PlanePoint centre_of(const PlanePoint& from, const PlanePoint& to, double radius) {
   const double x = to[0] - from[0], y = to[1] - from[1], chord = std::hypot(x, y);
   if (chord == 0 || chord > 2 * radius)
-    throw Error(Exit::bad_input, fmt::format("radius {:g}", radius), "leads to no such end",
-                "half the way between the ends is the least");
+    throw Error(Exit::bad_input, fmt::format("radius {:g}", radius), "is too small for these ends",
+                "use at least half the distance between the ends");
   const double beside = std::sqrt(radius * radius - chord * chord / 4);
   return {(from[0] + to[0]) / 2 + beside * y / chord, (from[1] + to[1]) / 2 - beside * x / chord};
 }

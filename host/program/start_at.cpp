@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "firmware/machine/program_reader.hpp"
+#include "firmware/machine/activities/program_reader.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "host/error.hpp"
 #include "host/link/board_text.hpp"
@@ -21,14 +21,14 @@ using program::PathMode;
 using program::Plane;
 using program::Spindle;
 
-/// Codes whose effect the preamble can put into force, or that have none on what comes later.
+/// Codes whose effect the preamble can reproduce, or that have no effect on later lines.
 constexpr std::array known_g{0.,   1.,   2.,   3.,  4.,   5.,  5.1, 9.,  17., 18.,
                              19.,  20.,  21.,  40., 54.,  55., 56., 57., 58., 59.,
                              59.1, 59.2, 59.3, 61., 61.1, 64., 73., 80., 81., 82.,
                              83.,  90.,  90.1, 91., 91.1, 93., 94., 95., 98., 99.};
 constexpr std::array known_m{0., 1., 3., 4., 5., 6., 7., 8., 9., 60.};
 
-/// The lines that are left out: what they leave in force, and which axes they have placed.
+/// The skipped lines: their modal state, and the axes whose position they define.
 class Skipped {
  public:
   Skipped(const settings::Values& values, const std::string& file,
@@ -49,13 +49,13 @@ class Skipped {
     for (const ProgramWord& word : words) note_axis(line, word);
   }
 
-  /// Motions that need more than their code, at the first line that is run.
+  /// Refuses motions of the first line that need more than their code.
   void require_motion(const link::ProgramLine& first) const {
     const Motion motion = interpreter_.modal().motion;
     if (motion == Motion::rapid || motion == Motion::line || motion == Motion::none) return;
     for (const ProgramWord& word : words_of(first.text))
       if (word.is('G', 0) || word.is('G', 1) || word.is('G', 2) || word.is('G', 3)) return;
-    refuse(first.number, "goes on with a curve or cycle of the lines before",
+    refuse(first.number, "continues a curve or cycle of the lines before",
            "begin at a line with G0, G1, G2 or G3");
   }
 
@@ -69,7 +69,7 @@ class Skipped {
   }
 
  private:
-  /// The preamble names places as the program has written them, so that the board adds its offsets.
+  /// The preamble has positions as in the program, so that the board adds its offsets.
   static BoardState in_work_coordinates(BoardState state) {
     for (std::size_t a = 0; a < state.machine_e7.size(); ++a)
       state.machine_e7[a] -= state.work_offset_e7[a];
@@ -104,12 +104,12 @@ class Skipped {
     if (axis == std::string_view::npos || placed_[axis]) return;
     if (interpreter_.modal().relative)
       refuse(line.number,
-             fmt::format("moves {} by a distance, from a place that is not known", word.letter),
+             fmt::format("moves {} by a distance, from an unknown position", word.letter),
              "begin at this line or before it");
     placed_[axis] = true;
   }
 
-  /// In millimetres; offsets are the board's, so these are those that the program has written.
+  /// Positions in millimetres as in the program; the board adds its offsets.
   std::string place_of(std::string_view axes) const {
     std::string text;
     for (const char letter : axes) {
@@ -122,7 +122,7 @@ class Skipped {
     return text;
   }
 
-  /// Words that every grbl knows, and others where the program has used them.
+  /// Words that every grbl supports, and others if the program has used them.
   std::string codes() const {
     const program::Modal& modal = interpreter_.modal();
     std::string text = fmt::format(" G{}", static_cast<int>(modal.plane) / 10);
@@ -135,7 +135,7 @@ class Skipped {
     return text;
   }
 
-  /// After the approach, for they change what its words mean.
+  /// Added after the approach, because they change the meaning of its words.
   void add_modes(std::vector<std::string>& lines) const {
     const program::Modal& modal = interpreter_.modal();
     constexpr double um_per_mm = 1e3, nm_per_mm = 1e6;
@@ -154,7 +154,7 @@ class Skipped {
     if (modal.flood) lines.emplace_back("M8");
   }
 
-  /// The last line: a laser with constant power shines as soon as it is switched on.
+  /// The last line, because a laser with constant power is on as soon as it is switched on.
   void add_spindle(std::vector<std::string>& lines) const {
     const program::Modal& modal = interpreter_.modal();
     constexpr double milli = 1e3;
@@ -183,8 +183,8 @@ std::vector<link::ProgramLine> start_at(const std::vector<link::ProgramLine>& li
                                   [first](const auto& line) { return line.number >= first; });
   if (begin == lines.end())
     throw Error(Exit::bad_input, fmt::format("--from {}", first),
-                fmt::format("{} has no line to run there", file),
-                "give the number of a line of it");
+                fmt::format("{} has no line at or after this number", file),
+                "give the number of one of its lines");
   if (begin == lines.begin()) return lines;
   Skipped skipped(values, file, state);
   std::for_each(lines.begin(), begin, [&](const link::ProgramLine& line) { skipped.pass(line); });

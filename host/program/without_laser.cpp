@@ -14,7 +14,7 @@ bool switches_on(const ProgramWord& word) {
   return word.letter == 'S' || word.is('M', 3) || word.is('M', 4);
 }
 
-/// What may release energy and cannot be left out: lines after it are made for it.
+/// Words that may release energy and cannot be removed, because later lines depend on them.
 bool needs_laser(const ProgramWord& word) {
   constexpr double first_output = 62, last_output = 68, beat_lock = 130;
   if (word.letter != 'M') return false;
@@ -25,7 +25,7 @@ bool needs_laser(const ProgramWord& word) {
 [[noreturn]] void refuse(const std::string& file, std::size_t line, std::string_view word) {
   throw Error(Exit::bad_input, fmt::format("{}:{}", file, line),
               fmt::format("--dry cannot leave '{}' out", word),
-              "take the line out, or run the program with --board virtual");
+              "remove the line, or run the program with --board virtual");
 }
 
 std::string dark_line(const link::ProgramLine& line, const std::string& file) {

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double white = 255, full_power = 65'535;
 
-/// Calls `take(source, share)` for the sources that destination `i` of `to` covers; the shares add
-/// up to 1.
+/// Calls `take(source, share)` for the sources that destination `i` of `to` covers; the sum of the
+/// shares is 1.
 template <class Take>
 void for_covered(std::size_t i, std::size_t to, std::size_t from, const Take& take) {
   if (from == to) return take(i, 1.0);
@@ -71,7 +71,7 @@ Pixels make_pixels(const model::Bitmap& bitmap, std::size_t columns, std::size_t
       double mean = 0;
       for_covered(column, columns, grey.size(),
                   [&](std::size_t source, double share) { mean += share * grey[source]; });
-      // Means of white must not be a little less than white.
+      // Rounding must not make the mean of white pixels darker than white.
       constexpr double rounding = 1e-9;
       const double near = std::round(mean);
       pixels.power[row * columns + column] =

@@ -1,8 +1,8 @@
-// A picture as powers of a continuous laser.
+// Converts a picture to powers of a continuous laser.
 //
-// In:  grey values, how many pixels to burn, what black and the lightest grey are worth.
-// Out: one power a pixel. White stays dark.
-// Who: `lamplock raster`, before rows are made of it.
+// In:  grey values, the number of pixels to engrave, the powers of black and of the lightest grey.
+// Out: one power per pixel; 0 for white.
+// Who: `lamplock raster`, before it makes rows.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace lamplock::raster {
 
-/// Powers, 65535 = full: those of the 2048 that rows can have (shared/wire/runs.hpp). The lowest
-/// row comes first, each from the left.
+/// Powers, 65535 = full, from the 2048 values that rows can have (shared/wire/runs.hpp). The lowest
+/// row is first, each from the left.
 struct Pixels {
   std::size_t columns = 0, rows = 0;
   std::vector<std::uint16_t> power;
@@ -26,16 +26,16 @@ struct Pixels {
 
 /// From grey to power, which is linear: 0..1 of full power.
 struct PowerRange {
-  double lightest = 0;  ///< what greys come to that are nearly white
+  double lightest = 0;  ///< power of nearly white greys
   double black = 1;
-  bool invert = false;  ///< black stays dark instead
+  bool invert = false;  ///< power 0 for black instead of white
 };
 
-/// The power next to `power` (0..1) that a run can have.
+/// The power nearest to `power` (0..1) that a run can have.
 std::uint16_t power_of_run(double power);
 
-/// The whole picture in so many columns and rows: each pixel is the mean of what it covers. Throws
-/// Error(bad_input) for powers out of range or no pixels.
+/// The whole picture with this number of columns and rows: each pixel is the mean of its area.
+/// Throws Error(bad_input) for powers out of range or no pixels.
 Pixels make_pixels(const model::Bitmap& bitmap, std::size_t columns, std::size_t rows,
                    const PowerRange& range);
 

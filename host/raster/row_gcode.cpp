@@ -18,10 +18,10 @@ namespace {
 using settings::Id;
 
 constexpr double max_s_word = 65'535;
-/// A number of G-code has no more decimals (docs/gcode.md).
+/// Maximum decimals of a G-code number (docs/gcode.md).
 constexpr int most_decimals = 7;
 
-/// Without zeros that say nothing.
+/// A number without trailing zeros.
 std::string number(double value, int decimals) {
   std::string text = fmt::format("{:.{}f}", value, decimals);
   if (decimals == 0) return text;
@@ -61,7 +61,7 @@ class Writer {
     return text;
   }
 
-  /// The shortest S word that is this power to the board.
+  /// The shortest S word that the board reads as this power.
   const std::string& s_word(std::uint16_t run) {
     std::string& word = words_[run >> wire::run_code_bits];
     for (int decimals = 0; word.empty(); ++decimals) {
@@ -81,7 +81,7 @@ class Writer {
     for (const std::uint16_t run : runs) cells += wire::run_cells(run);
     return cells;
   }
-  /// Takes neighbours of one power off the front; how many cells they have.
+  /// Removes the first runs of one power; returns their number of cells.
   static std::uint32_t take_stretch(Runs& runs) {
     const int power = runs.front() >> wire::run_code_bits;
     std::uint32_t cells = 0;
@@ -89,7 +89,7 @@ class Writer {
       cells += wire::run_cells(runs.front());
     return cells;
   }
-  /// The move to where this part of a row ends. Rows lie along X.
+  /// The move to the end of this part of a row. Rows are parallel to X.
   void add_move(const job::Line& line, double part) {
     const double to = at_[0] + part * (static_cast<double>(line.to.steps[0]) - at_[0]);
     text_ += fmt::format("G1 X{}", number(mm(to, 0), most_decimals));
@@ -109,7 +109,7 @@ class Writer {
     }
   }
 
-  /// A line of text for as many cells as fit, and so on.
+  /// Lines of text with as many cells as fit into each.
   void add_lists(const job::Line& line) {
     Runs runs = job_.rows.runs_of(line);
     const std::uint32_t all = cells_of(runs);

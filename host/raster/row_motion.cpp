@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "firmware/motion/limits.hpp"
-#include "firmware/motion/line_rise.hpp"
+#include "firmware/motion/line/rise.hpp"
+#include "firmware/motion/profile/limits.hpp"
 #include "host/error.hpp"
 #include "host/program/line_run.hpp"
 #include "host/units.hpp"
@@ -13,30 +13,30 @@
 namespace lamplock::raster {
 namespace {
 
-using motion::LineReal;
+using motion::UFloat;
 using settings::Id;
 
-/// Lines know no beat; limits of ticks are made for one.
+/// Lines have no beat, but limits in ticks are made for one.
 constexpr std::uint32_t some_beat_ticks = ticks_per_second / 100;
 constexpr double s_per_min = 60;
-/// Bits behind the point of ticks.
+/// Fraction bits of ticks.
 constexpr int tick_bits = 20;
 
 motion::LineRise rise_of(const settings::Values& values) {
   motion::Limits limits;
   std::uint16_t setting = 0;
   if (motion::make_limits(values, some_beat_ticks, full_tick_q16, limits, setting) != Result::ok)
-    throw Error(Exit::bad_input, fmt::format("${}", setting), "no motion is possible with it",
-                "change the profile of the machine");
+    throw Error(Exit::bad_input, fmt::format("${}", setting),
+                "no motion is possible with its value", "change it in the machine profile");
   return motion::make_rise(limits);
 }
 
-/// With the machine's limit of jerk, for a change of speed that takes so long without.
+/// Time of a change of speed with the machine's jerk limit, from its time without the limit.
 double change_s(const motion::LineRise& rise, double steady_s) {
   if (rise.none()) return steady_s;
   const double ticks = std::ldexp(steady_s * ticks_per_second, tick_bits);
-  const LineReal change =
-      rise.change_ticks(LineReal(static_cast<std::uint64_t>(std::llround(ticks)), -tick_bits));
+  const UFloat change =
+      rise.change_ticks(UFloat(static_cast<std::uint64_t>(std::llround(ticks)), -tick_bits));
   return std::ldexp(static_cast<double>(change.fixed(tick_bits)), -tick_bits) / ticks_per_second;
 }
 

@@ -1,7 +1,7 @@
-// How a machine runs rows: the way that it needs to their feed, and the time that they take.
+// Motion of rows: the distance to reach their feed, and their duration.
 //
-// In:  settings, a feed; a job of rows. Out: a way, a time, as the firmware's line planner has
-// them. Who: `lamplock raster` and `send`.
+// In:  settings, a feed; a job of rows. Out: a distance, a time, by the firmware's line planner.
+// Who: `lamplock raster` and `send`.
 #pragma once
 
 #include "host/job/job.hpp"
@@ -9,11 +9,11 @@
 
 namespace lamplock::raster {
 
-/// Way along X from rest to a feed. Throws Error(bad_input) for a machine that cannot move.
+/// Distance along X from rest to a feed. Throws Error(bad_input) for a machine that cannot move.
 double run_up_mm(const settings::Values& values, double feed_mm_min);
 
-/// How long a job takes from machine zero on, planned to the tick by the firmware's planner. That
-/// the board's table of runs holds it up is left out.
+/// Duration of a job that begins at machine zero, planned to the tick by the firmware's planner.
+/// Delays by a full run table of the board are not included.
 double seconds_of(const job::Job& job);
 
 }  // namespace lamplock::raster

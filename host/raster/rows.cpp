@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "host/error.hpp"
-#include "host/job/rounder.hpp"
+#include "host/job/step_rounder.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::raster {
@@ -19,11 +19,11 @@ namespace {
 
 using settings::Id;
 
-/// The board plans with whole lines alone: sixteen of them fit into its table of 1024 places, with
-/// their headers, so that little of what it holds is a line that is not complete.
+/// The board plans only complete lines: sixteen of them fit into its run table of 1024 entries,
+/// with their headers, so that an incomplete line uses little of the table.
 constexpr std::size_t runs_a_line = 63;
 static_assert(runs_a_line <= wire::most_runs_a_line);
-/// Part of a pixel that is rounding.
+/// Rounding tolerance, in pixels.
 constexpr double rounding = 1e-9;
 
 [[noreturn]] void fail(const std::string& where, const std::string& what,
@@ -31,7 +31,7 @@ constexpr double rounding = 1e-9;
   throw Error(Exit::bad_input, where, what, remedy);
 }
 
-/// Rows of one picture, one after the other.
+/// Makes the rows of one picture.
 class RowMaker {
  public:
   RowMaker(const Pixels& pixels, const RowOptions& options, const settings::Values& values)
@@ -51,7 +51,7 @@ class RowMaker {
   }
 
  private:
-  /// False if it is blank.
+  /// False if the row is blank.
   bool add_row(std::size_t row, bool backwards) {
     const auto power = std::span(pixels_.power).subspan(row * pixels_.columns, pixels_.columns);
     const auto lit = [](std::uint16_t p) { return p != 0; };
@@ -72,7 +72,7 @@ class RowMaker {
     return true;
   }
 
-  /// Neighbours of one power together.
+  /// Joins neighbours of one power.
   template <class Iterator>
   void add_pixels(Iterator begin, Iterator end) {
     while (begin != end) {
@@ -96,7 +96,7 @@ class RowMaker {
     }
   }
 
-  /// The line of the cells so far, up to the edge behind them.
+  /// Ends the line of the cells so far, at the edge after them.
   void end_line() {
     if (runs_ == 0) return;
     rows_.lines.push_back({{place(), true, feed_milli_}, rows_.runs.size() - runs_, runs_});
@@ -104,19 +104,19 @@ class RowMaker {
     cells_ = 0;
   }
 
-  /// Where the edge lies, in the middle of the row.
+  /// Position of the edge, in the middle of the row.
   StepPosition place() const {
     const double pitch = options_.pitch_mm;
-    const points::Point& corner = options_.corner;
-    const points::Point mm{corner.x + static_cast<double>(edge_) * pitch,
-                           corner.y + (static_cast<double>(row_) + 0.5) * pitch, corner.z};
+    const geometry::Point& corner = options_.corner;
+    const geometry::Point mm{corner.x + static_cast<double>(edge_) * pitch,
+                             corner.y + (static_cast<double>(row_) + 0.5) * pitch, corner.z};
     StepPosition steps{};
     if (rounder_.round(mm, steps)) return steps;
     fail("rows",
          fmt::format("with an overscan of {:g} mm they reach ({:g}, {:g}, {:g}) mm, outside the "
                      "work space",
                      overscan_ * pitch, mm.x, mm.y, mm.z),
-         fmt::format("keep to {}, or take a lower feed", job::describe_work_space(values_)));
+         fmt::format("keep to {}, or use a lower feed", job::describe_work_space(values_)));
   }
 
   const Pixels& pixels_;
@@ -128,7 +128,7 @@ class RowMaker {
   job::Rows rows_;
   std::size_t row_ = 0;
   int way_ = 1;            ///< 1 to the right, -1 to the left
-  std::int64_t edge_ = 0;  ///< behind the cells so far, in pixels from the left
+  std::int64_t edge_ = 0;  ///< after the cells so far, in pixels from the left
   std::size_t runs_ = 0;   ///< of the line that is being made
   std::uint32_t cells_ = 0;
 };
@@ -137,7 +137,7 @@ void check(const RowOptions& options, const settings::Values& values) {
   const double fastest = in_units(values, Id::max_rate_x);
   if (!(options.feed_mm_min >= 1 / milli_per_unit && options.feed_mm_min <= fastest))
     fail("feed", fmt::format("{:g} mm/min", options.feed_mm_min),
-         fmt::format("the machine's highest speed along X is {:g} mm/min", fastest));
+         fmt::format("the machine's maximum speed along X is {:g} mm/min", fastest));
   if (!(options.overscan_mm >= 0 && options.overscan_mm <= in_units(values, Id::travel_x)))
     fail("overscan", fmt::format("{:g} mm", options.overscan_mm),
          fmt::format("the travel of X is {:g} mm", in_units(values, Id::travel_x)));
@@ -159,7 +159,7 @@ job::Job make_rows(const Pixels& pixels, const RowOptions& options, const job::P
   job.settings = profile.settings;
   job.rows = RowMaker(pixels, options, job.settings).make();
   if (job.rows.lines.empty())
-    fail("picture", "nothing of it is burnt", "give a darker one, or try --invert");
+    fail("picture", "no pixel has any power", "use a darker picture, or try --invert");
   if (job.rows.lines.size() > std::numeric_limits<std::uint32_t>::max())
     fail("picture", "too many lines", "split it");
   job::JobOptions header;

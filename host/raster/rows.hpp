@@ -1,35 +1,35 @@
-// Pixels to rows: which lines the machine runs, with which cells on them.
+// Converts pixels to rows: lines of the machine with their cells.
 //
 //        overscan   pixels   overscan
 //   row 2  |--------######----------|>      one way or back and forth, from the lowest row up
 //   row 1 <|--------------####------|       blank rows and margins are left out
 //   row 0  |-----##########---------|>
 //
-// In:  powers of pixels, where they lie, feed and overscan; a machine profile.
-// Out: a job of rows. Each row is one line or several in a row, cut where the board's table of runs
-//      wants it; overscan and gaps are dark cells of them, so that the feed never changes.
+// In:  powers and positions of pixels, feed and overscan; a machine profile.
+// Out: a job of rows. Each row is one line or several consecutive ones, cut to suit the board's run
+//      table; overscan and gaps are dark cells of them, so that the feed never changes.
 // Who: `lamplock raster`.
 #pragma once
 
+#include "host/geometry/point.hpp"
 #include "host/job/job.hpp"
-#include "host/points/point.hpp"
 #include "host/raster/pixels.hpp"
 
 namespace lamplock::raster {
 
-/// How pixels are burnt.
+/// Options for engraving pixels.
 struct RowOptions {
-  points::Point corner{};  ///< lower left one of the picture, machine coordinates
-  double pitch_mm = 0.1;   ///< of pixels, and of rows
+  geometry::Point corner{};  ///< lower left one of the picture, machine coordinates
+  double pitch_mm = 0.1;     ///< of pixels, and of rows
   double feed_mm_min = 0;
-  double overscan_mm = 0;  ///< dark way before and behind a row: run_up_mm(); whole pixels are made
+  double overscan_mm = 0;  ///< dark distance before and after a row: run_up_mm(); whole pixels
   bool one_way = false;    ///< all rows to the right
-  bool dry = false;        ///< move, never shine
+  bool dry = false;        ///< move with the laser off
 };
 
-/// Makes a job. Edges of pixels lie within half a step of their place, and on the step where the
-/// pitch is whole steps. Throws Error(bad_input) for pixels finer than a step, a feed beyond the
-/// machine's, a picture without light, or rows outside the work space.
+/// Makes a job. Edges of pixels are within half a step of their position, and exact if the pitch is
+/// a whole number of steps. Throws Error(bad_input) for pixels finer than a step, a feed above the
+/// machine's maximum, a picture without power, or rows outside the work space.
 job::Job make_rows(const Pixels& pixels, const RowOptions& options, const job::Profile& profile);
 
 }  // namespace lamplock::raster

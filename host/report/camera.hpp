@@ -67,7 +67,7 @@ class Camera {
     return {x0_ + focal_ * dot(d, right_) / depth, y0_ - focal_ * dot(d, up_) / depth, depth};
   }
 
-  /// Direction of the ray through a place of the picture; its length is 1.
+  /// Unit vector of the ray through a position of the picture.
   Vec ray(float x, float y) const {
     return normalized(forward_ + right_ * ((x - x0_) / focal_) + up_ * ((y0_ - y) / focal_));
   }

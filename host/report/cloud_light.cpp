@@ -20,14 +20,14 @@ constexpr int largest_radius = 12;
 /// Share of light that the polished bottom of the block reflects.
 constexpr float bottom_reflection = 0.07f;
 
-/// True if the mirror image of a point below the bottom of the block is seen in that bottom.
+/// True if the mirror image of a point below the bottom of the block is visible in that bottom.
 bool seen_in_bottom(Vec mirrored, const Box& block, Vec eye) {
   const float t = (block.low.z - eye.z) / (mirrored.z - eye.z);
   const Vec p = eye + (mirrored - eye) * t;
   return p.x > block.low.x && p.x < block.high.x && p.y > block.low.y && p.y < block.high.y;
 }
 
-/// Share of the picture that the cloud covers, in pixels, on a coarse grid.
+/// Area of the picture that the cloud covers, in pixels, by a coarse grid.
 float covered_pixels(const std::vector<Camera::Projected>& places, int width, int height) {
   constexpr int cell = 8;
   const int columns = (width + cell - 1) / cell, rows = (height + cell - 1) / cell;
@@ -67,8 +67,7 @@ void add_sprite(Image& image, const Camera::Projected& place, float sigma, Vec l
   }
 }
 
-/// Brightness that the brighter part of the cloud has: the value that `share` of the lit pixels
-/// stay below.
+/// Brightness of the brighter part of the cloud: `share` of the lit pixels are darker than this.
 float percentile_brightness(const Image& image, float share) {
   std::vector<float> values;
   for (const Vec& pixel : image.pixels)

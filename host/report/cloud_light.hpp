@@ -1,7 +1,6 @@
-// The light of the engraved points: sprites added up, exposed, with a little bloom.
+// The light of the engraved points: a sum of sprites, exposed, with a little bloom.
 //
-// In:  points, the block they stand in, the camera. Out: light to add to the scene. Who:
-// picture.cpp.
+// In:  points, their block, the camera. Out: light to add to the scene. Who: picture.cpp.
 #pragma once
 
 #include <vector>
@@ -11,7 +10,7 @@
 
 namespace lamplock::report {
 
-/// Light of the cloud alone, exposed so that its bright parts come near 1.
+/// Light of the cloud alone, exposed so that its bright parts are near 1.
 Image cloud_light(const std::vector<Vec>& points, const Box& block, const Camera& camera, int width,
                   int height);
 

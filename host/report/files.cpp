@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where a shot lies in the glass: in the input's coordinates.
-points::Point position_mm(const sim::Shot& shot, const PerAxis<double>& steps_per_mm,
-                          const glass::Refraction& refraction) {
+/// Position of a shot in the glass, in the input's coordinates.
+geometry::Point position_mm(const sim::Shot& shot, const PerAxis<double>& steps_per_mm,
+                            const glass::Refraction& refraction) {
   return refraction.glass({shot.steps[0] / steps_per_mm[0], shot.steps[1] / steps_per_mm[1],
                            shot.steps[2] / steps_per_mm[2]});
 }
@@ -32,7 +32,7 @@ void write_ply(const JobRun& run, const fs::path& path) {
       "property uint beat\nproperty uchar channel\nend_header\n",
       run.shots.size());
   for (const sim::Shot& shot : run.shots) {
-    const points::Point p = position_mm(shot, run.steps_per_mm, run.refraction);
+    const geometry::Point p = position_mm(shot, run.steps_per_mm, run.refraction);
     for (const double coordinate : {p.x, p.y, p.z}) append(data, static_cast<float>(coordinate));
     append(data, static_cast<std::uint32_t>(shot.beat));
     data.push_back(static_cast<char>(shot.channel));
@@ -40,9 +40,9 @@ void write_ply(const JobRun& run, const fs::path& path) {
   write_file(path, data);
 }
 
-points::PointCloud engraved(const JobRun& run) {
+geometry::PointCloud engraved(const JobRun& run) {
   if (!run.shots_known) return run.points;
-  points::PointCloud cloud(run.shots.size());
+  geometry::PointCloud cloud(run.shots.size());
   std::transform(run.shots.begin(), run.shots.end(), cloud.begin(), [&run](const sim::Shot& shot) {
     return position_mm(shot, run.steps_per_mm, run.refraction);
   });
@@ -52,7 +52,7 @@ points::PointCloud engraved(const JobRun& run) {
 constexpr const char* shot_columns = "index,channel,beat,time_us,x_mm,y_mm,z_mm";
 
 /// The columns of a shot, without the end of its line.
-void append_shot(const sim::Shot& shot, const points::Point& p, std::string& text) {
+void append_shot(const sim::Shot& shot, const geometry::Point& p, std::string& text) {
   // Shortest decimals that read back as the same number; time to the picosecond.
   fmt::format_to(std::back_inserter(text), "{},{},{},{}.{:06},{},{},{}", shot.index, shot.channel,
                  shot.beat, shot.at / sim::ps_per_us, shot.at % sim::ps_per_us, p.x, p.y, p.z);
@@ -85,7 +85,7 @@ void write_shots_csv(const JobRun& run, const fs::path& path) {
 void write_report(const Report& report, const JobRun& run, const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) refuse(folder, "cannot be made (" + error.message() + ")", "choose another folder");
+  if (error) refuse(folder, "cannot be created (" + error.message() + ")", "choose another folder");
   write_file(folder / "report.json", to_json(report));
   write_page(report, run, folder / "report.html");
   if (run.shots_known) {

@@ -23,7 +23,7 @@ struct Crossing {
 float component(Vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 float square(float x) { return x * x; }
 
-/// Where a ray enters and leaves a box (slab method).
+/// Entry and exit of a ray through a box (slab method).
 std::optional<Crossing> cross_box(const Box& box, Vec from, Vec direction) {
   Crossing c{{-1e30f, 0}, {1e30f, 0}};
   for (int axis = 0; axis < 3; ++axis) {
@@ -53,7 +53,7 @@ class Stage {
         camera_(camera),
         scale_(std::max({block.size().x, block.size().y, block.size().z})) {}
 
-  /// Light along a ray; `u`, `v` is the place on the picture, -1..1.
+  /// Light along a ray; `u`, `v` is the position on the picture, -1..1.
   Vec light(Vec direction, float u, float v) const {
     const Vec eye = camera_.eye();
     const auto plinth = cross_box(plinth_, eye, direction);
@@ -108,7 +108,7 @@ class Stage {
     return std::exp(-square(nearest / width));
   }
 
-  /// How much of the plinth's light reaches a height inside the block, 1 at the bottom.
+  /// Share of the plinth's light at a height inside the block, 1 at the bottom.
   float lit(float z) const {
     return 0.25f + 0.75f * std::exp(-(z - block_.low.z) / (0.45f * scale_));
   }
@@ -127,7 +127,7 @@ class Stage {
            haze * (strength * (0.10f + 0.9f * fresnel + 0.30f * sheen));
   }
 
-  /// Light of the plinth scattered along the way through the glass, exact for an exponential.
+  /// Light of the plinth scattered along the path through the glass, exact for an exponential.
   float fog(Vec from, Vec to) const {
     const float height = 0.30f * scale_;
     const float a = (from.z - block_.low.z) / height, b = (to.z - block_.low.z) / height;
@@ -141,7 +141,7 @@ class Stage {
   Vec through_glass(const Crossing& c, Vec direction, Vec behind) const {
     const Vec in = camera_.eye() + direction * c.in.t, out = camera_.eye() + direction * c.out.t;
     const Vec tint{0.86f, 0.90f, 0.93f};
-    // Through the bottom one looks into the lamp.
+    // Through the bottom the lamp is visible.
     const bool bottom = c.out.axis == 2 && direction.z < 0;
     Vec result = bottom ? glow * bottom_light(out) : behind * tint;
     result += face(out, c.out, direction, 0.45f) + glow * (0.042f * fog(in, out));

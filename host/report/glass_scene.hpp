@@ -1,4 +1,4 @@
-// The stage of the picture: a block of glass on a lit plinth in a dark room, by ray casting.
+// The scene of the picture: a block of glass on a lit plinth in a dark room, by ray casting.
 //
 // In:  the block, the camera. Out: light of every pixel without the cloud. Who: picture.cpp.
 // The numbers are a matter of taste, not of physics; light is linear, 1 = white.
@@ -9,7 +9,7 @@
 
 namespace lamplock::report {
 
-/// The plinth that goes with a block.
+/// The plinth for a block.
 Box plinth_under(const Box& block);
 
 /// Paints block, plinth, floor and background.

@@ -10,10 +10,10 @@
 namespace lamplock::report {
 namespace {
 
-/// How many points not yet fired a wrong shot is compared with, from each place it may belong to.
+/// Number of open points with which a wrong shot is compared, from each of two starts.
 constexpr std::uint32_t window = 16;
 
-/// Points by the cubic cell of the lattice they lie in, to find who lies near a position.
+/// Points by their cubic cell of a lattice, to find points near a position.
 class CellIndex {
  public:
   CellIndex(const std::vector<WantedSteps>& wanted, double cell_steps) : cell_(cell_steps) {
@@ -47,7 +47,7 @@ class CellIndex {
       cell[a] = static_cast<std::int64_t>(std::floor(at[a] / cell_));
     return cell;
   }
-  /// 21 bits an axis: cells that collide are far apart and the caller measures distances anyway.
+  /// 21 bits per axis: cells that collide are far apart, and the caller measures distances anyway.
   static std::uint64_t key(const Cell& cell) {
     constexpr std::uint64_t mask = (1u << 21) - 1;
     std::uint64_t result = 0;
@@ -64,7 +64,7 @@ class CellIndex {
   std::vector<Entry> entries_;
 };
 
-/// Points that still wait for shots, with "first open point from here" in nearly constant time.
+/// Open points, which still need shots; finds the first one from an index in nearly constant time.
 class OpenPoints {
  public:
   OpenPoints(std::size_t count, const std::vector<std::uint16_t>& ordered)
@@ -92,7 +92,7 @@ class OpenPoints {
  private:
   void close(std::uint32_t point) { next_[point] = point + 1; }
   std::vector<std::uint16_t> left_;
-  std::vector<std::uint32_t> next_;  ///< itself while open; one more for the end
+  std::vector<std::uint32_t> next_;  ///< its own index while open; one more for the end
 };
 
 class Matcher {
@@ -127,7 +127,7 @@ class Matcher {
   static std::vector<WantedSteps> all_wanted(const JobRun& run) {
     std::vector<WantedSteps> wanted(run.points.size());
     std::transform(run.points.begin(), run.points.end(), wanted.begin(),
-                   [&run](const points::Point& p) {
+                   [&run](const geometry::Point& p) {
                      return wanted_steps(run.refraction.stage(p), run.steps_per_mm);
                    });
     return wanted;
@@ -154,7 +154,7 @@ class Matcher {
     return near != no_point ? near : nearest_of_all(steps);
   }
 
-  /// Open points first, then the nearest, then the earliest.
+  /// Prefers open points, then the nearest, then the earliest.
   std::uint32_t nearest_within_reach(const StepPosition& steps) const {
     const WantedSteps at{static_cast<double>(steps[0]), static_cast<double>(steps[1]),
                          static_cast<double>(steps[2])};
@@ -194,7 +194,7 @@ class Matcher {
     return best;
   }
 
-  /// Every point has been fired: a shot too many anyway, so its time does not matter.
+  /// Used when every point has been fired: the shot is surplus, so the order does not matter.
   std::uint32_t nearest_of_all(const StepPosition& steps) const {
     const auto nearest = std::min_element(wanted_.begin(), wanted_.end(),
                                           [&](const WantedSteps& a, const WantedSteps& b) {
@@ -213,7 +213,7 @@ class Matcher {
 
 }  // namespace
 
-WantedSteps wanted_steps(const points::Point& point, const PerAxis<double>& steps_per_mm) {
+WantedSteps wanted_steps(const geometry::Point& point, const PerAxis<double>& steps_per_mm) {
   return {point.x * steps_per_mm[0], point.y * steps_per_mm[1], point.z * steps_per_mm[2]};
 }
 

@@ -1,4 +1,4 @@
-// Which point did each shot hit? The rules stand in report.hpp.
+// Finds the point of each shot, by the rules in report.hpp.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace lamplock::report {
 
-/// No point.
+/// Index for no point.
 inline constexpr std::uint32_t no_point = UINT32_MAX;
 
 /// Result of matching shots to points.
@@ -19,10 +19,10 @@ struct Matching {
   std::uint64_t doubled = 0;                 ///< shots beyond those ordered
 };
 
-/// Wanted position of a point of the stage in steps, not rounded, in the axes that points have.
+/// Wanted position of a point of the stage in steps, not rounded, in the axes of points.
 inline constexpr std::size_t point_axes = 3;
 using WantedSteps = std::array<double, point_axes>;
-WantedSteps wanted_steps(const points::Point& point, const PerAxis<double>& steps_per_mm);
+WantedSteps wanted_steps(const geometry::Point& point, const PerAxis<double>& steps_per_mm);
 
 /// Largest distance over the axes between a position and a wanted one, in steps.
 double error_steps(const StepPosition& steps, const WantedSteps& wanted);

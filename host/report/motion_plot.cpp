@@ -21,11 +21,11 @@ constexpr double name_x = 13, limit_x = 27, view_name_gap = 56;
 constexpr double digit_width = 7;
 /// Vertices closer to the line than this are left out.
 constexpr double tolerance = 0.12;
-/// Ticks that change by less are all alike: the clock is counted in whole cycles.
+/// Smaller changes of ticks are not drawn: the clock is counted in whole cycles.
 constexpr double seen_tick_spread = 5e-4;
-/// Narrower beats have no ring if they have no shot, and no dots on the curves if they have.
+/// Narrower beats get neither a ring without a shot nor dots on the curves with one.
 constexpr double least_ring_width = 4;
-/// A limit is drawn if the curve comes so near to it.
+/// A limit is drawn if the curve reaches this part of it.
 constexpr double near_limit = 0.4;
 
 constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7"};
@@ -51,7 +51,7 @@ double distance_to_line(const Pixel& p, const Pixel& a, const Pixel& b) {
   return std::fabs(dy * (p.x - a.x) - dx * (p.y - a.y)) / length;
 }
 
-/// Leaves out what nobody can see (Douglas and Peucker).
+/// Removes points without a visible effect on the curve (Douglas and Peucker).
 std::vector<Pixel> simplified(const std::vector<Pixel>& points) {
   if (points.size() < 3) return points;
   std::vector<bool> kept(points.size());
@@ -110,7 +110,7 @@ struct Scale {
   }
 };
 
-/// Where everything stands.
+/// The layout of the picture.
 class Drawing {
  public:
   Drawing(const MotionSeries& series, const std::string& title) : series_(series) {
@@ -135,7 +135,7 @@ class Drawing {
            body_ + "</svg>\n";
   }
 
-  /// What a panel shows of an axis: its curve, its limit (0 = none).
+  /// Contents of a panel for an axis: its curve, its limit (0 = none).
   struct Shown {
     const AxisSeries& axis;
     const Curve& curve;
@@ -166,7 +166,7 @@ class Drawing {
     scales_.push_back(scale);
     y_ += height + plot_gap;
   }
-  /// Shots on the curves of the panel just drawn.
+  /// Draws shots on the curves of the last panel.
   void shots_on_curves(double height) {
     if (beat_width() < least_ring_width) return;
     const double top = y_ - plot_gap - height;
@@ -229,12 +229,12 @@ class Drawing {
   bool plane_ = false;
   double right_ = 0, y_ = 0;
   int panels_ = 0;
-  bool limits_ = false, dots_ = false, rings_ = false, crosses_ = false;  ///< what has been drawn
+  bool limits_ = false, dots_ = false, rings_ = false, crosses_ = false;  ///< drawn so far
   std::vector<Scale> scales_;
   std::string body_;
 };
 
-/// What has been drawn, and what it means.
+/// The legend of the symbols that were drawn.
 void Drawing::legend() {
   constexpr double dash = 22, mark = 12, y = legend_y - 4;
   double at = plot_left;
@@ -317,7 +317,7 @@ void Drawing::frame(double height, const std::string& name, const Scale& scale) 
       plot_left, y_, right_ - plot_left, height, frame_colour);
   body_ += names + turned_text(name_x, y_ + height / 2, name);
   if (panels_ == 1 && series_.axes.empty())
-    body_ += text_at((plot_left + right_) / 2, y_ + 20, "middle", "nothing moves in these beats");
+    body_ += text_at((plot_left + right_) / 2, y_ + 20, "middle", "no axis moves in these beats");
 }
 
 void Drawing::limits(double height, const Scale& scale, const std::vector<Shown>& shown) {
@@ -351,7 +351,7 @@ void Drawing::beat_numbers(double bottom) {
                    fmt::format("beats of {:.4g} ms", series_.beat_ms));
 }
 
-/// The way in the plane, as seen from above.
+/// The path in the plane, seen from above.
 void Drawing::view() {
   const Curve &xs = series_.axes[0].position_mm, &ys = series_.axes[1].position_mm;
   std::vector<Pixel> way;

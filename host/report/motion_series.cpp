@@ -17,10 +17,10 @@ using sim::MotionTrace;
 using sim::Picoseconds;
 
 constexpr double mm_per_m = 1000;
-/// Parabolas are cut into pieces no longer than this, in beats and of the window.
+/// Number of pieces of a parabola as long as the window.
 constexpr double most_parts = 600;
 
-/// From ticks and times to beats.
+/// Converts ticks and times to beats.
 class Beats {
  public:
   Beats(const MotionTrace& trace, double beat_ticks)
@@ -28,7 +28,7 @@ class Beats {
         zero_(static_cast<double>(trace.zero().value_or(0))),
         beat_ticks_(beat_ticks) {}
 
-  /// Beat of a tick; ticks before the first beat and behind the last are as long as nominal ones.
+  /// Beat of a tick; ticks before the first beat and after the last have the nominal length.
   double of_tick(std::uint64_t tick) const {
     const std::size_t i = before(tick);
     const double ahead = static_cast<double>(static_cast<std::int64_t>(tick - beats_[i].tick));
@@ -48,10 +48,10 @@ class Beats {
 
  private:
   std::size_t before(std::uint64_t tick) const {
-    const auto behind = std::upper_bound(
+    const auto after = std::upper_bound(
         beats_.begin(), beats_.end(), tick,
         [](std::uint64_t t, const sim::TracedBeat& beat) { return t < beat.tick; });
-    return behind == beats_.begin() ? 0 : static_cast<std::size_t>(behind - beats_.begin()) - 1;
+    return after == beats_.begin() ? 0 : static_cast<std::size_t>(after - beats_.begin()) - 1;
   }
 
   const std::vector<sim::TracedBeat>& beats_;
@@ -80,7 +80,7 @@ class AxisWriter {
     const stepper::AxisRun& run = piece.axis[axis_];
     const std::uint64_t end = piece.end_tick();
     const double from = beats_.of_tick(piece.first_tick), to = beats_.of_tick(end);
-    // The rate that a tick adds is the speed in its middle.
+    // The rate that a tick adds is the speed in the middle of the tick.
     const double rate = std::ldexp(static_cast<double>(run.rate_q62), -62);
     const double accel = std::ldexp(static_cast<double>(run.accel_q62), -62);
     const double v0 = rate - accel / 2, v1 = v0 + accel * piece.ticks;
@@ -90,7 +90,7 @@ class AxisWriter {
     series_.speed_m_s.push_back({to, v1 * to_m / last_s});
     series_.accel_m_s2.push_back({from, accel * to_m / (first_s * first_s)});
     series_.accel_m_s2.push_back({to, accel * to_m / (last_s * last_s)});
-    // Where an axis stands it stands in the middle of a step.
+    // The reported position of an axis is the middle of a step.
     const double start = steps_of(run.position_q64) - 0.5;
     const int parts = static_cast<int>(std::max(1.0, std::ceil((to - from) / part_beats_)));
     for (int i = 0; i <= parts; ++i) {
@@ -109,7 +109,7 @@ class AxisWriter {
   AxisSeries series_;
 };
 
-/// Where a piece was at a tick, mm.
+/// Position of a piece at a tick, mm.
 PerAxis<double> position_at(const MotionPiece& piece, std::uint64_t tick,
                             const settings::Values& values) {
   PerAxis<double> position{};
@@ -157,13 +157,13 @@ void add_beats(MotionSeries& series, const MotionTrace& trace, const Beats& beat
   for (std::size_t i = 0; i < trace.beats().size(); ++i) {
     const double beat = beats.of_index(i);
     if (beat < series.from || beat > series.to) continue;
-    // The lattice is ahead of time: these have not come when the run ended.
+    // The lattice is made ahead of time: these beats are after the end of the run.
     if (series.lamp && i > last_flash) break;
     series.beats.push_back({beat, flashed[i], fired[i], 1e6 * beats.tick_s_of(i)});
   }
 }
 
-/// Shots lie on the lattice tick of their beat.
+/// Shots are drawn at the lattice tick of their beat.
 void add_shots(MotionSeries& series, const MotionTrace& trace,
                const std::vector<MotionPiece>& pieces, const Beats& beats,
                const settings::Values& values) {
@@ -201,7 +201,7 @@ MotionSeries motion_series(const MotionTrace& trace, const settings::Values& val
       if (beats.of_tick(piece.end_tick()) > from && beats.of_tick(piece.first_tick) < to)
         pieces.push_back(piece);
   }
-  // What stands behind the last motion is not worth a picture, unless it is to go on.
+  // A rest after the last motion is not drawn, unless the motion was to continue.
   const auto over = [](const MotionPiece& p) { return !p.moves() && !waits(p.state); };
   while (!pieces.empty() && over(pieces.back())) pieces.pop_back();
   MotionSeries series;

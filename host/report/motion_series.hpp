@@ -1,12 +1,12 @@
-// A traced run in the units of people, ready to be drawn: over beats, each axis in mm, m/s, m/s2.
+// A traced run in common units for drawing: over beats, each axis in mm, m/s, m/s2.
 //
 // In:  the trace of a virtual board (its ticks), the settings of the job.
-// Out: per axis that moves position, speed and acceleration at the ends of every stretch of
+// Out: for each axis that moves, position, speed and acceleration at the ends of every stretch of
 //      constant acceleration, and its limits; beats with and without flash, shots, holds.
-// Who: motion_plot.hpp; tests, which hold the numbers against the limits.
+// Who: motion_plot.hpp; tests, which compare the numbers with the limits.
 //
-// Nothing is measured or smoothed: the numbers are the rates that the tick generator added. Speeds
-// are in real time: a beat whose ticks were stretched to follow the lamp is slower by as much.
+// The numbers are the rates of the tick generator, without measurement or smoothing. Speeds are in
+// real time: a beat whose ticks were stretched to follow the lamp is slower by this factor.
 // Between vertices speed is linear, acceleration constant, position a parabola, which is cut into
 // pieces for drawing.
 #pragma once
@@ -44,13 +44,13 @@ struct BeatMark {
   double tick_us = 0;  ///< mean length of its ticks
 };
 
-/// A shot and where the drives were.
+/// A shot and the position of the drives.
 struct ShotMark {
   double beat = 0;
   PerAxis<double> position_mm{};
 };
 
-/// The machine did not run its job.
+/// An interval in which the machine did not run its job.
 struct StateBand {
   double from = 0, to = 0;
   std::string name;
@@ -60,7 +60,7 @@ struct StateBand {
 struct MotionSeries {
   double from = 0, to = 0;       ///< whole beats
   double beat_ms = 0;            ///< nominal
-  bool lamp = false;             ///< it has flashed at all
+  bool lamp = false;             ///< the lamp has flashed at least once
   std::vector<AxisSeries> axes;  ///< those that move
   std::vector<BeatMark> beats;
   std::vector<ShotMark> shots;
@@ -70,13 +70,13 @@ struct MotionSeries {
   double tick_spread() const;
 };
 
-/// How much of the window a picture is about.
+/// Part of the window that a picture shows.
 enum class Fit {
   window,  ///< all of it, so that several pictures have one scale
   motion   ///< from the first motion in it to the last
 };
 
-/// Where nothing has moved there are no axes.
+/// Without motion the series has no axes.
 MotionSeries motion_series(const sim::MotionTrace& trace, const settings::Values& values,
                            const sim::BeatWindow& window, Fit fit);
 

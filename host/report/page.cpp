@@ -21,21 +21,21 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t most_beats_told = 254;
-/// Places of the job of which the time is told; between them the page goes straight.
+/// Places of the job with a time; between them the page interpolates.
 constexpr std::size_t clock_places = 256;
 
-/// A box round all points that have a place.
+/// The bounding box of all finite points.
 struct CloudBox {
   std::array<double, 3> low{}, size{};
 };
 
-std::array<double, 3> coordinates(const points::Point& p) { return {p.x, p.y, p.z}; }
+std::array<double, 3> coordinates(const geometry::Point& p) { return {p.x, p.y, p.z}; }
 
-CloudBox box_round(const points::PointCloud& cloud) {
+CloudBox box_round(const geometry::PointCloud& cloud) {
   CloudBox box;
   bool first = true;
   std::array<double, 3> high{};
-  for (const points::Point& point : cloud) {
+  for (const geometry::Point& point : cloud) {
     if (!is_finite(point)) continue;
     const auto at = coordinates(point);
     for (std::size_t a = 0; a < 3; ++a) {
@@ -48,7 +48,7 @@ CloudBox box_round(const points::PointCloud& cloud) {
   return box;
 }
 
-/// A coordinate as a share of the box.
+/// A coordinate as a fraction of the box.
 std::uint16_t share(double value, double low, double size) {
   constexpr double whole = 65535;
   if (!(size > 0) || !std::isfinite(value)) return 32768;
@@ -56,7 +56,7 @@ std::uint16_t share(double value, double low, double size) {
       std::lround(std::clamp((value - low) / size, 0.0, 1.0) * whole));
 }
 
-/// Beats of the way to a point; the first one is where the count begins.
+/// Beats from the point before; 0 for the first point.
 std::uint8_t beats_to(const PointBeats& beats, std::size_t point) {
   if (!beats.known || point == 0) return 0;
   const std::uint32_t from = beats.beat[point - 1], to = beats.beat[point];
@@ -64,7 +64,7 @@ std::uint8_t beats_to(const PointBeats& beats, std::size_t point) {
                     : static_cast<std::uint8_t>(std::min(to - from, most_beats_told));
 }
 
-/// Every n-th point is shown; instead of it one of the next n that was missed.
+/// Every n-th point is shown, or one of the next n that was missed.
 std::size_t stride_of(const JobRun& run) {
   return (run.points.size() + most_points_shown - 1) / most_points_shown;
 }
@@ -98,7 +98,7 @@ std::string cloud_bytes(const JobRun& run, const PointBeats& beats, const CloudB
   return bytes;
 }
 
-/// RFC 4648, appended.
+/// Appends base64 by RFC 4648.
 void append_base64(std::string_view bytes, std::string& text) {
   constexpr std::string_view digits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -117,8 +117,8 @@ Json histogram_json(const Histogram& histogram) {
           {"least", histogram.least}, {"median", histogram.median}, {"values", histogram.values}};
 }
 
-/// Beats at places evenly spread over the points, for a clock: when all up to there were fired.
-/// That of the point alone would go back behind one that was fired late.
+/// Beats at places evenly spread over the points, for a clock: the beat when all points up to there
+/// were fired. The beats of single points are not monotonic after a point that was fired late.
 Json clock_json(const PointBeats& beats) {
   Json places = Json::array();
   if (!beats.known || beats.beat.empty()) return places;
@@ -143,7 +143,7 @@ Json settings_table() {
   return rows;
 }
 
-/// What was said of the points, and what went wrong in the run.
+/// Warnings about the points, and about faults in the run.
 std::vector<std::string> warnings_of(const Report& report, const JobRun& run) {
   std::vector<std::string> warnings = run.warnings;
   const auto warn = [&warnings](std::uint64_t count, const char* what) {
@@ -154,10 +154,10 @@ std::vector<std::string> warnings_of(const Report& report, const JobRun& run) {
     return found == report.beats_by_reason.end() ? 0 : found->second;
   };
   warn(report.missed.value_or(0), "points were not fired");
-  warn(report.doubled.value_or(0), "shots were too many");
-  warn(report.checks.not_made, "shots were not seen by their photosensor");
-  warn(beats("starved"), "beats were lost because points came too late from the computer");
-  warn(beats("outside_tolerance"), "flashes came while the machine was not at its point");
+  warn(report.doubled.value_or(0), "shots were fired in addition to those ordered");
+  warn(report.checks.not_made, "shots were not detected by their photosensor");
+  warn(beats("starved"), "beats were lost because the computer sent points too late");
+  warn(beats("outside_tolerance"), "flashes occurred while the machine was not at its point");
   warn(beats("no_edge"), "flashes of the lamp were missing");
   return warnings;
 }
@@ -185,7 +185,7 @@ Json page_json(const Report& report, const JobRun& run, const PointBeats& beats,
           {"utilisation", {{"beats_per_bin", use.beats_per_bin}, {"share", use.share}}}};
 }
 
-/// JSON that can stand inside a script element: nothing in it ends one.
+/// JSON for a script element: it contains no text that ends one.
 std::string in_script(const Json& json) {
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string safe;

@@ -4,27 +4,27 @@
 #include <array>
 #include <cmath>
 
-#include "host/points/kd_tree.hpp"
+#include "host/geometry/kd_tree.hpp"
 #include "host/report/matching.hpp"
 #include "host/report/shot_beats.hpp"
 
 namespace lamplock::report {
 namespace {
 
-/// Bins that a chart of a phone's width still shows apart.
+/// Number of bins that a chart of a phone's width can show.
 constexpr std::size_t spacing_bins = 48, utilisation_bins = 160;
-/// Ways of so many beats and more share a bin.
+/// The last bin has all moves with this number of beats or more.
 constexpr std::size_t beat_bins = 33;
-/// Distances beyond this share of them lie in the last bin.
+/// Distances beyond this quantile are in the last bin.
 constexpr double shown_share = 0.99;
-/// Finer than any laser's spot; what differs by less is rounding.
+/// Finer than any laser's spot; smaller differences are rounding.
 constexpr double least_bin_mm = 1e-4;
 
 std::uint32_t shots_ordered(const JobRun& run, std::size_t point) {
   return run.shots_ordered.empty() ? 1 : run.shots_ordered[point];
 }
 
-/// Shots as foreseen: each belongs to the point that is next.
+/// Predicted shots: each belongs to the next point.
 void take_foreseen(const JobRun& run, PointBeats& result) {
   result.shots = run.foreseen_beats;
   std::size_t shot = 0;
@@ -36,7 +36,7 @@ void take_foreseen(const JobRun& run, PointBeats& result) {
   }
 }
 
-/// Shots as they were fired.
+/// Recorded shots.
 void take_fired(const JobRun& run, PointBeats& result) {
   result.shots = beats_from_first(run.shots, run.settings);
   const Matching matching = match_shots(run);
@@ -75,18 +75,19 @@ PointBeats point_beats(const JobRun& run) {
   return result;
 }
 
-Histogram spacing_histogram(const points::PointCloud& cloud, std::size_t most) {
+Histogram spacing_histogram(const geometry::PointCloud& cloud, std::size_t most) {
   Histogram result;
-  if (cloud.size() < 2 || most == 0 || !std::all_of(cloud.begin(), cloud.end(), points::is_finite))
+  if (cloud.size() < 2 || most == 0 ||
+      !std::all_of(cloud.begin(), cloud.end(), geometry::is_finite))
     return result;
-  const auto tree = points::kd_tree_of(cloud);
+  const auto tree = geometry::kd_tree_of(cloud);
   const std::size_t stride = (cloud.size() + most - 1) / most;
   std::vector<double> distances;
   distances.reserve(cloud.size() / stride + 1);
   for (std::size_t i = 0; i < cloud.size(); i += stride) {
     std::array<std::uint32_t, 2> index{};
     std::array<double, 2> squared{};
-    // The nearest of all is the point itself.
+    // The nearest point is the point itself.
     tree.nearest(cloud[i], index.size(), index, squared);
     distances.push_back(std::sqrt(squared[1]));
   }
@@ -94,10 +95,10 @@ Histogram spacing_histogram(const points::PointCloud& cloud, std::size_t most) {
   result.least = *std::min_element(distances.begin(), distances.end());
   result.median = quantile(distances, 0.5);
   const double shown = quantile(distances, shown_share);
-  // Distances that are nearly alike are shown apart.
+  // Distances that are nearly equal need a finer scale.
   if (2 * result.least > shown) result.from = result.least;
   const double width = (shown - result.from) / (spacing_bins - 1);
-  // All the same: any width will do.
+  // If all distances are equal any width is possible.
   result.bin = width > least_bin_mm ? width : least_bin_mm;
   result.counts.resize(spacing_bins);
   for (const double distance : distances) {
@@ -116,7 +117,7 @@ Histogram beats_histogram(const PointBeats& beats) {
   all.reserve(beats.beat.size() - 1);
   for (std::size_t i = 1; i < beats.beat.size(); ++i) {
     const std::uint32_t from = beats.beat[i - 1], to = beats.beat[i];
-    // Missed, or fired before its predecessor, which was missed.
+    // The point was missed, or fired before its predecessor, which was missed at first.
     if (to < from || beats.missed[i] != 0) continue;
     all.push_back(to - from);
     ++result.counts[std::min<std::size_t>(to - from, beat_bins - 1)];

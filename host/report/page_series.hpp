@@ -1,7 +1,7 @@
-// What the page of a job draws: where each point stands in time, how shots spread over the job, how
-// near points are to each other.
+// Data for the charts of a job's page: the beat of each point, shots over the job, distances of
+// points.
 //
-// In:  the run of a job, or one that is foreseen. Out: numbers per point, and histograms.
+// In:  the run of a job, or a predicted one. Out: numbers per point, and histograms.
 // Who: page.cpp. Budget: a million points in 2 s, memory linear.
 #pragma once
 
@@ -14,11 +14,11 @@
 
 namespace lamplock::report {
 
-/// Of every point, in order of firing.
+/// Values of every point, in firing order.
 struct PointBeats {
-  bool known = false;               ///< somebody saw the shots, or foresees them; else all is empty
-  std::vector<std::uint32_t> beat;  ///< of its last shot, from the first of the job; as the point
-                                    ///< before if it had none
+  bool known = false;  ///< the shots were recorded or predicted; otherwise the lists are empty
+  std::vector<std::uint32_t> beat;  ///< of its last shot, from the first of the job; without a shot
+                                    ///< that of the point before
   std::vector<std::uint8_t> missed;  ///< 1: fired less often than ordered
   std::vector<std::uint32_t> shots;  ///< beat of every shot
 };
@@ -26,20 +26,19 @@ struct PointBeats {
 /// Works out the beats of points and shots.
 PointBeats point_beats(const JobRun& run);
 
-/// How many values lie in bins of equal width.
+/// Number of values in bins of equal width.
 struct Histogram {
-  double from = 0;                    ///< where the first bin begins
-  double bin = 0;                     ///< width; 0: there is nothing to count
-  std::vector<std::uint64_t> counts;  ///< the last bin takes all larger values too
+  double from = 0;                    ///< begin of the first bin
+  double bin = 0;                     ///< width; 0: no values
+  std::vector<std::uint64_t> counts;  ///< the last bin has all larger values too
   double least = 0, median = 0;
   std::size_t values = 0;
 };
 
-/// Distances of points to their nearest neighbours, mm. Of more than `most` points only so many,
-/// evenly chosen, are looked up (among all).
-Histogram spacing_histogram(const points::PointCloud& cloud, std::size_t most = 1'000'000);
+/// Distances of points to their nearest neighbours, mm, of at most `most` points, evenly chosen.
+Histogram spacing_histogram(const geometry::PointCloud& cloud, std::size_t most = 1'000'000);
 
-/// Beats from each point to the next: bin n counts the ways of n beats.
+/// Beats from each point to the next: bin n counts the moves of n beats.
 Histogram beats_histogram(const PointBeats& beats);
 
 /// Shots per beat over the course of a job.

@@ -19,30 +19,30 @@ namespace {
 constexpr float margin = 0.1f;
 constexpr unsigned threads = 2;
 
-/// Points moved so that their middle is the origin: floats then resolve them wherever they lie.
+/// Points moved so that their middle is the origin: so floats have enough resolution.
 struct CentredCloud {
   std::vector<Vec> points;
   Vec half;  ///< half the size
 };
 
-CentredCloud centred(const points::PointCloud& cloud) {
+CentredCloud centred(const geometry::PointCloud& cloud) {
   constexpr double far = std::numeric_limits<double>::max();
-  points::Point low{far, far, far}, high{-far, -far, -far};
-  for (const points::Point& p : cloud) {
+  geometry::Point low{far, far, far}, high{-far, -far, -far};
+  for (const geometry::Point& p : cloud) {
     if (!is_finite(p)) continue;
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
   CentredCloud result;
   if (low.x > high.x) return result;
-  const points::Point middle{low.x / 2 + high.x / 2, low.y / 2 + high.y / 2,
-                             low.z / 2 + high.z / 2};
-  const auto relative = [&middle](const points::Point& p) {
+  const geometry::Point middle{low.x / 2 + high.x / 2, low.y / 2 + high.y / 2,
+                               low.z / 2 + high.z / 2};
+  const auto relative = [&middle](const geometry::Point& p) {
     return Vec{static_cast<float>(p.x - middle.x), static_cast<float>(p.y - middle.y),
                static_cast<float>(p.z - middle.z)};
   };
   result.points.reserve(cloud.size());
-  for (const points::Point& p : cloud)
+  for (const geometry::Point& p : cloud)
     if (is_finite(p)) result.points.push_back(relative(p));
   result.half = relative(high);
   return result;
@@ -64,7 +64,7 @@ float relative_height(const Box& block) {
   return size.z / std::max(size.x, size.y);
 }
 
-/// From slightly above; the flatter the block lies, the more from above, so that it is seen.
+/// Slightly from above; the flatter the block, the more from above, so that it is visible.
 float natural_elevation(const Box& block) {
   return std::clamp(66 - 60 * relative_height(block), 14.0f, 52.0f);
 }
@@ -78,7 +78,7 @@ std::uint8_t to_srgb(float linear, float noise) {
   return static_cast<std::uint8_t>(std::clamp(255 * s + noise, 0.0f, 255.0f));
 }
 
-/// 0..1, the same for the same pixel: dark gradients would show bands without it (integer hash).
+/// 0..1, a hash of the pixel: without it dark gradients would show bands.
 float dither(std::uint32_t x) {
   x ^= x >> 16;
   x *= 0x7feb352du;
@@ -88,7 +88,7 @@ float dither(std::uint32_t x) {
   return static_cast<float>(x >> 8) * 0x1p-24f;
 }
 
-/// Leaves what is dark and rolls the light above `knee` off towards 1.
+/// Keeps dark values and compresses values above `knee` towards 1.
 float soft_clip(float v) {
   constexpr float knee = 0.7f;
   return v <= knee ? v : knee + (1 - knee) * (1 - std::exp(-(v - knee) / (1 - knee)));
@@ -123,7 +123,7 @@ void write_png(const std::filesystem::path& path, const std::vector<std::uint8_t
 
 }  // namespace
 
-void write_cloud_picture(const std::filesystem::path& path, const points::PointCloud& cloud,
+void write_cloud_picture(const std::filesystem::path& path, const geometry::PointCloud& cloud,
                          const PictureSize& size) {
   const CentredCloud centred_cloud = centred(cloud);
   const Box block = block_round(centred_cloud);

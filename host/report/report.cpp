@@ -15,7 +15,7 @@ namespace {
 
 void check(const JobRun& run) {
   const auto contradiction = [](const std::string& what) {
-    throw Error(Exit::job_failed, "report", what, "the run is recorded wrongly, run it again");
+    throw Error(Exit::job_failed, "report", what, "the record of the run is wrong, run it again");
   };
   if (!run.lattice_steps.empty() && run.lattice_steps.size() != run.shots.size())
     contradiction(fmt::format("{} lattice positions for {} shots", run.lattice_steps.size(),
@@ -41,7 +41,7 @@ std::optional<double> largest_error(const JobRun& run, const Matching& matching,
   return largest;
 }
 
-/// Points that want a shot: none of a dry run.
+/// Number of points with shots: 0 for a dry run.
 std::uint64_t points_to_fire(const JobRun& run) {
   if (run.shots_ordered.empty()) return run.points.size();
   return run.points.size() - static_cast<std::uint64_t>(
@@ -60,7 +60,7 @@ void judge_shots(const JobRun& run, Report& report) {
         largest_error(run, matching, [&run](std::size_t i) { return run.lattice_steps[i]; });
 }
 
-/// What a point and a second cost, by what was fired: a job may have been stopped.
+/// Ratios per point and per second, by the points that were fired: a job may have been stopped.
 void add_ratios(Report& report) {
   const auto ratio = [](double a, double b) { return b > 0 ? a / b : 0.0; };
   const auto fired = static_cast<double>(report.points_fired);
@@ -157,7 +157,7 @@ std::string to_json(const Report& report) {
         {"reconnects", report.link.reconnects}}},
       {"settings", settings_json(report.settings)},
   };
-  // A file name need not be valid UTF-8; it must not cost the report.
+  // A file name that is not valid UTF-8 must not prevent the report.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

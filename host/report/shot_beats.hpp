@@ -1,6 +1,6 @@
-// On which beat each shot fell, counted from the first one.
+// The beat of each shot, counted from the first one.
 //
-// In:  shots as the laser recorded them, the settings they were fired under. Out: a beat each.
+// In:  shots recorded by the laser, the settings of the job. Out: the beat of each shot.
 // Who: the report's page, the estimate.
 #pragma once
 
@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "shared/settings_table.hpp"
-#include "sim/trace/shots.hpp"
+#include "sim/world/shots.hpp"
 
 namespace lamplock::report {
 
-/// Beats from the first shot, which has 0, in the order of `shots`. Where the lamp gives the beat,
-/// or is given it, they are numbers of flashes; on a free beat they come from the times.
+/// Beats from the first shot, which has 0, in the order of `shots`. With a lamp, as master or
+/// slave, they are numbers of flashes; with a free beat they are computed from the times.
 std::vector<std::uint32_t> beats_from_first(const sim::Shots& shots,
                                             const settings::Values& settings);
 

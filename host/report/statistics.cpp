@@ -15,7 +15,7 @@
 namespace lamplock::report {
 namespace {
 
-/// A field as CSV wants it.
+/// A field in CSV syntax.
 std::string field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -36,7 +36,7 @@ struct Column {
   std::string (*value)(const Report&);
 };
 
-/// Date and end stand before these.
+/// The columns after date and end.
 constexpr std::array columns{
     Column{"input", [](const Report& r) { return field(r.input); }},
     Column{"mode", [](const Report& r) { return r.mode; }},
@@ -56,9 +56,9 @@ constexpr std::array columns{
     Column{"points_fired", [](const Report& r) { return fmt::to_string(r.points_fired); }},
 };
 
-/// Of the first files that there were.
+/// Number of columns in the first version of these files.
 constexpr std::size_t least_columns = 2 + 15;
-/// A line of names is never longer.
+/// Maximum length of the line of names.
 constexpr std::size_t longest_names = 1 << 16;
 
 std::vector<std::string> names() {
@@ -78,21 +78,21 @@ std::string line_of(const std::vector<std::string>& fields) {
   return fmt::format("{}\n", fmt::join(fields, ","));
 }
 
-/// What is there of a file: nothing, or the columns of its names and how it ends.
+/// State of an existing file: the columns of its names, and its last line.
 struct Begun {
   std::size_t columns = 0;  ///< 0: there is no line of names yet
   bool line_open = false;   ///< its last line has no end
 };
 
 [[noreturn]] void refuse_other(const std::filesystem::path& file) {
-  refuse(file, "is no file of statistics: it does not begin with their names",
+  refuse(file, "is not a statistics file: it does not begin with the names of its columns",
          "choose another file with --statistics");
 }
 
 /// Reads the line of names. Throws Error.
 Begun begun_file(const std::filesystem::path& file) {
   std::error_code ignored;
-  // A device or a pipe is not there to be read.
+  // A device or a pipe is not read.
   if (!std::filesystem::is_regular_file(file, ignored)) return {};
   if (std::filesystem::file_size(file, ignored) == 0) return {};
   std::ifstream in(file, std::ios::binary);
@@ -100,7 +100,7 @@ Begun begun_file(const std::filesystem::path& file) {
   in.read(line.data(), static_cast<std::streamsize>(line.size()));
   line.resize(static_cast<std::size_t>(in.gcount()));
   line.resize(std::min(line.size(), line.find('\n')));
-  if (line.ends_with('\r')) line.pop_back();  // some other program has written it anew
+  if (line.ends_with('\r')) line.pop_back();  // rewritten by another program
   Begun begun;
   const std::vector<std::string> known = names();
   std::istringstream fields(line);
@@ -138,7 +138,7 @@ void append_statistics(const std::filesystem::path& file, const Report& report,
   else
     fields.resize(begun.columns);
   text += line_of(fields);
-  // In one piece: several machines may share a file.
+  // One write: several machines may share a file.
   std::ofstream out(file, std::ios::app | std::ios::binary);
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
   out.flush();

@@ -1,11 +1,11 @@
-// A file with a line for every job: what a shop keeps.
+// The statistics file of a workshop, with a line for every job.
 //
 // In:  the report of a job, how it ended, when. Out: a line of CSV (RFC 4180) at the end of a file,
 //      and a line of names before the first one. Who: the commands that run jobs.
 //
-// Columns are only ever added at the end: a file that was begun by an older program goes on with
-// its own line of names and the columns that it has. Of a newer program's file what is not known
-// here stays empty. Any other file is left alone.
+// New versions add columns at the end only: a file begun by an older version keeps its line of
+// names and its columns. In a newer version's file unknown columns stay empty. Any other file is
+// refused.
 #pragma once
 
 #include <chrono>
@@ -23,10 +23,10 @@ std::string date_text(std::chrono::system_clock::time_point when);
 std::string statistics_names();
 std::string statistics_line(const Report& report, const std::string& end, const std::string& date);
 
-/// Throws lamplock::Error (bad_input) if the file is there and was not begun as one of these.
+/// Throws lamplock::Error (bad_input) if the file exists and is not a statistics file.
 void check_statistics(const std::filesystem::path& file);
 
-/// Adds a job to the file, which is made if there is none. Throws lamplock::Error if it cannot be
+/// Appends a job to the file, which is created if necessary. Throws lamplock::Error if it cannot be
 /// written, or as check_statistics().
 void append_statistics(const std::filesystem::path& file, const Report& report,
                        const std::string& end, std::chrono::system_clock::time_point when);

@@ -16,7 +16,7 @@ using Formatter = std::string (*)(const Report&);
 struct Line {
   const char* label;
   Formatter value;
-  bool foreseen = true;  ///< an estimate has it too
+  bool foreseen = true;  ///< also in an estimate
 };
 
 /// 1234567 -> "1 234 567".
@@ -65,7 +65,7 @@ constexpr std::array result_lines{
 
 using Row = std::vector<std::string>;
 
-/// Rows as columns of equal width: the first to the left, the others to the right.
+/// Aligns columns: the first to the left, the others to the right.
 std::string aligned(const std::vector<Row>& rows) {
   std::vector<std::size_t> widths;
   for (const Row& row : rows) {

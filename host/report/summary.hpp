@@ -13,7 +13,7 @@ namespace lamplock::report {
 /// Table of one report; unknown values are shown as "unknown".
 std::string summary(const Report& report);
 
-/// The same of a job that is foreseen: without what only a run can tell.
+/// The same for an estimate: without the values that only a run has.
 std::string estimate_summary(const Report& report);
 
 /// Two reports side by side, each headed by its mode, and the ratio of their beats (second to

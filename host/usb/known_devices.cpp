@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "firmware/boards/rp2040/usb/descriptors.hpp"
+#include "shared/boards/usb_ids.hpp"
 
 namespace lamplock::usb {
 namespace {
@@ -13,7 +13,7 @@ struct Row {
   KnownDevice device;
 };
 
-/// RP2040 datasheet, 2.8.5.1; numbers of pendants as their makers' devices show them.
+/// Sources: RP2040 datasheet, 2.8.5.1; for pendants the numbers that the devices report.
 constexpr std::array<Row, 5> rows = {{
     {0x2e8a, 0x0003, {Kind::boot_loader, "RP2040 boot loader"}},
     {0x10ce, 0xeb70, {Kind::pendant, "XHC HB04"}},
@@ -25,7 +25,7 @@ constexpr std::array<Row, 5> rows = {{
 }  // namespace
 
 KnownDevice known_device(const DeviceInfo& device) {
-  if (device.vendor == rp2040::usb::vendor_id && device.product == rp2040::usb::product_id &&
+  if (device.vendor == boards::usb_vendor_id && device.product == boards::usb_product_id &&
       device.manufacturer == board_manufacturer)
     return {Kind::board, "lamplock board"};
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) {

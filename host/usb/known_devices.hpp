@@ -1,6 +1,6 @@
-// Which USB devices lamplock knows, by their numbers and texts.
+// USB devices known to lamplock, by their numbers and texts.
 //
-// In:  descriptors. Out: what kind of device it is and its usual name.
+// In:  descriptors. Out: the kind of the device and its usual name.
 // Who: flashing, lists of devices.
 #pragma once
 
@@ -22,10 +22,11 @@ struct KnownDevice {
   std::string_view name{};
 };
 
-/// The text by which a board of ours is known.
+/// The manufacturer's text of a lamplock board.
 inline constexpr std::string_view board_manufacturer = "lamplock";
 
-/// A board is one by its manufacturer's text too: its numbers are free for anybody's tests.
+/// A board is identified by its manufacturer's text too, because its numbers are free for tests by
+/// any maker.
 KnownDevice known_device(const DeviceInfo& device);
 
 }  // namespace lamplock::usb

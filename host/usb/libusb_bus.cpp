@@ -18,7 +18,7 @@ namespace {
 using Milliseconds = std::chrono::milliseconds;
 using Context = std::shared_ptr<libusb_context>;
 
-/// 0 would be for ever.
+/// For libusb 0 means no time-out.
 unsigned timeout(Milliseconds time) {
   return static_cast<unsigned>(
       std::clamp<std::int64_t>(time.count(), 1, std::numeric_limits<int>::max()));
@@ -40,7 +40,7 @@ TransferEnd end_of(int result) {
   }
 }
 
-/// An open handle. libusb takes no const data to send, but does not write there.
+/// An open handle. libusb accepts no const data to send, but does not change them.
 class LibusbDevice final : public Device {
  public:
   LibusbDevice(Context context, libusb_device_handle* handle)
@@ -93,9 +93,9 @@ class LibusbDevice final : public Device {
   std::vector<std::uint8_t> claimed_;
 };
 
-/// "1-4.2", as the kernel names it; root hubs are "usb1".
+/// "1-4.2", the kernel's name; root hubs are "usb1".
 std::string place_of(libusb_device* device) {
-  constexpr int most_ports = 7;  // USB 3.2, 10.16.2.8: five hubs in series, and one to spare
+  constexpr int most_ports = 7;  // USB 3.2, 10.16.2.8: five hubs in series, and margin
   std::array<std::uint8_t, most_ports> ports{};
   const int count = libusb_get_port_numbers(device, ports.data(), most_ports);
   const unsigned bus = libusb_get_bus_number(device);
@@ -105,7 +105,7 @@ std::string place_of(libusb_device* device) {
   return place;
 }
 
-/// The node that Linux makes for a device.
+/// The device's node on Linux.
 std::string node_of(libusb_device* device) {
   return fmt::format("/dev/bus/usb/{:03}/{:03}", libusb_get_bus_number(device),
                      libusb_get_device_address(device));
@@ -139,7 +139,7 @@ std::vector<Interface> interfaces_of(libusb_device* device) {
   return interfaces;
 }
 
-/// The devices of this moment, given back at the end.
+/// The list of the present devices, freed at the end.
 class DeviceList {
  public:
   explicit DeviceList(libusb_context* context) {
@@ -164,7 +164,7 @@ class DeviceList {
 [[noreturn]] void fail_open(const DeviceInfo& info, const AccessProblem& problem) {
   const std::string where = fmt::format("USB device {}", info.place);
   if (problem) throw Error(Exit::no_device, where, problem.what, problem.remedy);
-  throw Error(Exit::no_device, where, "is not there any more", "plug it in again");
+  throw Error(Exit::no_device, where, "was unplugged", "plug it in again");
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 // The USB devices of this computer, by libusb-1.0.
 //
-// In:  requests. Out: descriptors, bytes, what became of transfers.
-// Who: commands that use a device; they see usb::Bus alone.
+// In:  requests. Out: descriptors, bytes, results of transfers.
+// Who: commands that use a device, through usb::Bus.
 //
-// Polite: a device is opened only when asked for (texts come from /sys), no driver is taken off an
-// interface, nothing is reset. Where there is no USB, as in many containers, there are no devices.
+// A device is opened only on request (texts come from /sys), no driver is detached from an
+// interface, no device is reset. Without USB, as in many containers, the list of devices is empty.
 #pragma once
 
 #include <libusb-1.0/libusb.h>
@@ -29,7 +29,7 @@ class LibusbBus final : public Bus {
   std::chrono::milliseconds now() override;
 
  private:
-  /// Null without USB. Devices keep it too: they may outlive the bus.
+  /// Null without USB. Devices share it: they may outlive the bus.
   std::shared_ptr<libusb_context> context_;
   Sysfs sysfs_;
 };

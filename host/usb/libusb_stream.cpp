@@ -10,18 +10,18 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Whole packets of 64 bytes. One transfer holds an answer of a board (some 250 bytes); four of
-/// them bridge some milliseconds at full speed (1.2 MB/s) in which nobody looks.
+/// them last for some milliseconds at full speed (1.2 MB/s) during which the program does not read.
 constexpr std::size_t in_size = 1024;
 constexpr std::size_t in_count = 4;
-/// 4 KiB on their way: 4 ms at full speed.
+/// 4 KiB under way: 4 ms at full speed.
 constexpr std::size_t out_size = 1024;
 constexpr std::size_t out_count = 4;
-/// Received and not read: then the device has to wait.
+/// Bytes received and not read, after which the device must wait.
 constexpr std::size_t most_received = std::size_t{1} << 16;
-/// Cancelled transfers come back at once, unless the kernel is in trouble.
+/// The kernel returns cancelled transfers at once, unless it has a fault.
 constexpr std::chrono::seconds longest_end{2};
-/// What was taken still leaves, a last hold or reset among it: a board takes it within ms, unless
-/// the computer is busy.
+/// Accepted bytes are still sent, for they may end with a hold or reset: a board receives them
+/// within ms, unless the computer is busy.
 constexpr std::chrono::milliseconds longest_farewell{500};
 
 timeval to_timeval(std::chrono::microseconds time) {
@@ -54,7 +54,7 @@ class LibusbStream final : public Stream {
     const Clock::time_point end = Clock::now() + longest_end;
     while (any_busy() && Clock::now() < end) handle_events(std::chrono::milliseconds(10));
     const auto release = [](Slot& slot) {
-      // One that has not come back still belongs to the kernel: better lost than freed.
+      // A transfer that was not returned still belongs to the kernel: it is leaked, not freed.
       if (slot.busy) {
         slot.transfer->user_data = nullptr;
         static_cast<void>(slot.bytes.release());
@@ -132,7 +132,7 @@ class LibusbStream final : public Stream {
     return slot.busy;
   }
 
-  /// In the order in which they were given away, which is that of the bytes.
+  /// Submits transfers in their order, which is that of the bytes.
   void ask_again() {
     for (Slot& slot : in_)
       if (!slot.busy && alive_ && received_.size() < most_received) submit(slot, in_size);
@@ -152,10 +152,10 @@ class LibusbStream final : public Stream {
     if (slot == nullptr) return;
     slot->busy = false;
     slot->owner->judge(*transfer);
-    // What the kernel has taken back by itself is done to libusb.
+    // libusb reports a transfer that the kernel has cancelled as completed.
     if (transfer->actual_length < transfer->length) slot->owner->alive_ = false;
   }
-  /// Whatever is not done is the end: gone, stalled, failed.
+  /// Any failure ends the stream: unplugged, stalled, failed.
   void judge(const libusb_transfer& transfer) {
     if (transfer.status != LIBUSB_TRANSFER_COMPLETED) alive_ = false;
   }

@@ -26,7 +26,7 @@ std::uint16_t half(std::span<const std::uint8_t> bytes, std::size_t at) {
 std::uint8_t low(std::size_t value) { return static_cast<std::uint8_t>(value & 0xff); }
 std::uint8_t high(std::size_t value) { return static_cast<std::uint8_t>(value >> 8 & 0xff); }
 
-/// Interfaces of a configuration descriptor, alternate settings left out (USB 2.0, 9.6).
+/// Interfaces of a configuration descriptor without alternate settings (USB 2.0, 9.6).
 std::vector<Interface> interfaces_of(std::span<const std::uint8_t> bytes) {
   constexpr std::size_t interface_size = 9, endpoint_size = 7;
   std::vector<Interface> found;
@@ -44,7 +44,7 @@ std::vector<Interface> interfaces_of(std::span<const std::uint8_t> bytes) {
   return found;
 }
 
-/// The device while it stays: whatever comes back after a restart is another one.
+/// The device until it restarts: after a restart it is another one.
 class SimulatedDevice final : public Device {
  public:
   explicit SimulatedDevice(VendorHost& host) : host_(host), departures_(host.departures()) {}
@@ -78,7 +78,7 @@ class SimulatedDevice final : public Device {
   std::uint64_t departures_;
 };
 
-/// Endpoints' numbers are without their direction on the wire.
+/// On the wire an endpoint's number has no direction bit.
 std::uint8_t number_of(std::uint8_t endpoint) {
   return static_cast<std::uint8_t>(endpoint & ~direction_in);
 }
@@ -112,7 +112,7 @@ Transfer SimulatedDevice::bulk_in(std::uint8_t endpoint, std::span<std::uint8_t>
   return {end_of(moved.end), size};
 }
 
-/// One transfer at a time: a simulated bus is not kept busy, it waits for nobody.
+/// One transfer at a time: a simulated bus does not run while the host computes.
 class SimulatedStream final : public Stream {
  public:
   SimulatedStream(SimulatedDevice& device, std::uint8_t out, std::uint8_t in)
@@ -168,7 +168,7 @@ SimulatedUsb::SimulatedUsb(sim::chip::Chip& chip)
 SimulatedUsb::SimulatedUsb(sim::chip::Chip& chip, Run run)
     : chip_(chip), host_(chip.wheel(), chip.usb(), std::move(run)) {}
 
-/// A string descriptor, other than ASCII as '?'; empty if there is none.
+/// A string descriptor, with '?' for characters other than ASCII; empty if there is none.
 std::string SimulatedUsb::text(std::uint8_t index) {
   if (index == 0) return "";
   constexpr std::uint8_t get_descriptor = 6, us_english_low = 0x09, us_english_high = 0x04;
@@ -183,7 +183,7 @@ std::string SimulatedUsb::text(std::uint8_t index) {
   return text;
 }
 
-/// Enumerates what is plugged in; false if nothing is.
+/// Enumerates the device; false if none is plugged in.
 bool SimulatedUsb::attach() {
   constexpr std::size_t device_size = 18;
   if (device_ && host_.departures() == departures_ && host_.connected()) return true;
@@ -212,7 +212,7 @@ std::vector<DeviceInfo> SimulatedUsb::devices() {
 
 std::unique_ptr<Device> SimulatedUsb::open(const DeviceInfo& device) {
   if (!attach() || device.vendor != device_->vendor || device.product != device_->product)
-    throw Error(Exit::no_device, "simulated USB", "the device is not there any more",
+    throw Error(Exit::no_device, "simulated USB", "the device was unplugged",
                 "wait until it is back");
   return std::make_unique<SimulatedDevice>(host_);
 }

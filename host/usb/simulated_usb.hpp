@@ -1,6 +1,6 @@
-// The USB of a simulated chip, as a program on the computer at the other end of the cable has it.
+// The USB of a simulated chip, as seen by a program on the computer at the other end of the cable.
 //
-// In:  requests. Out: what the chip's own boot loader or program answers, in simulated time.
+// In:  requests. Out: answers of the chip's own boot loader or program, in simulated time.
 // Who: `flash --board chip`, tests of flashing.
 #pragma once
 
@@ -14,18 +14,18 @@
 
 namespace lamplock::usb {
 
-/// A bus with the chip and nothing else. The chip, which must outlive the bus and is powered on by
-/// whoever owns it, runs while somebody waits here. A stream moves single transfers.
+/// A bus with the chip only. The chip must outlive the bus; its owner powers it on, and it runs
+/// during calls of the bus. A stream makes single transfers.
 class SimulatedUsb final : public Bus {
  public:
   /// Runs the chip to a cycle.
   using Run = std::function<void(sim::chip::Cycle)>;
 
-  /// Where the chip is plugged in.
+  /// Place of the chip on the bus.
   static constexpr const char* place = "1-1";
 
   explicit SimulatedUsb(sim::chip::Chip& chip);
-  /// `run` may do something to the chip on its way.
+  /// `run` may also change the chip.
   SimulatedUsb(sim::chip::Chip& chip, Run run);
 
   std::vector<DeviceInfo> devices() override;
@@ -40,7 +40,7 @@ class SimulatedUsb final : public Bus {
   sim::chip::Chip& chip_;
   sim::chip::VendorHost host_;
   std::optional<DeviceInfo> device_;  ///< enumerated
-  std::uint64_t departures_ = 0;      ///< before it was
+  std::uint64_t departures_ = 0;      ///< count at its enumeration
 };
 
 }  // namespace lamplock::usb

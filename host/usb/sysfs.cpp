@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is in a folder; nothing if it is none or has just gone.
+/// Entries of a folder; none if it does not exist.
 std::vector<fs::path> entries(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code failure;
@@ -52,7 +52,7 @@ fs::path device_node(const fs::path& name) {
 }
 
 std::string manufacturer_of_port(const std::string& port, const fs::path& root) {
-  // The interface, above which is the device.
+  // The interface; its parent is the device.
   const fs::path interface = root / device_node(port).filename() / "device";
   return first_line(interface / ".." / "manufacturer");
 }

@@ -1,7 +1,7 @@
-// What Linux says of USB devices in /sys without any permission: texts, serial ports, HID nodes.
-//
+// Reads properties of USB devices from /sys, which needs no permission: texts, serial ports, HID
+// nodes.
 // In:  the place of a device, "1-4.2". Out: text of an attribute, paths in /dev.
-// Who: libusb_bus, lists of devices, whoever looks for the serial port of a board.
+// Who: libusb_bus, lists of devices, the search for the serial port of a board.
 // Layout: Documentation/ABI/testing/sysfs-bus-usb of the kernel.
 #pragma once
 
@@ -11,13 +11,13 @@
 
 namespace lamplock::usb {
 
-/// Where the kernel shows USB devices by place.
+/// The kernel's folder of USB devices by place.
 inline constexpr const char* sysfs_devices = "/sys/bus/usb/devices";
 
-/// Where it shows serial ports by name.
+/// Its folder of serial ports by name.
 inline constexpr const char* sysfs_ports = "/sys/class/tty";
 
-/// The device node that a name means, which may be a link ("/dev/serial/by-id/...").
+/// The device node of a name, which may be a link ("/dev/serial/by-id/...").
 std::filesystem::path device_node(const std::filesystem::path& name);
 
 /// The manufacturer's text of the device with this serial port, "/dev/ttyACM0" or a link to it;
@@ -32,7 +32,7 @@ class Sysfs {
 
   /// Such as "serial"; empty if there is none.
   std::string text(const std::string& place, const std::string& attribute) const;
-  /// "/dev/ttyACM0" and the like, by name; none while no driver has made one.
+  /// "/dev/ttyACM0" and the like, by name; none until a driver has made one.
   std::vector<std::string> serial_ports(const std::string& place) const;
   /// "/dev/hidraw0" and the like, by name.
   std::vector<std::string> hid_nodes(const std::string& place) const;

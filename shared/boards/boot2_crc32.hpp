@@ -1,9 +1,9 @@
 // The checksum of an RP2040's second-stage boot code (RP2040 datasheet, 2.8.1.3.1), which its ROM
-// wants behind the first 252 bytes of the flash: CRC-32 with polynomial 0x04c11db7, most
-// significant bit first, start value all ones, nothing inverted at the end.
+// expects after the first 252 bytes of the flash: CRC-32 with polynomial 0x04c11db7, most
+// significant bit first, start value all ones, not inverted at the end.
 //
 // In:  those bytes. Out: the checksum. Who: readers of image files, the simulated ROM.
-// Not that of frames and files, wire/crc32.hpp; toolchain/image has it once more, in Python.
+// Frames and files use another CRC, wire/crc32.hpp; toolchain/image has this one in Python too.
 #pragma once
 
 #include <cstdint>

@@ -1,18 +1,17 @@
-// Which pin of a Raspberry Pi Pico does what: the one table for firmware, simulator and wiring
+// The role of each pin of a Raspberry Pi Pico: the one table for firmware, simulator and wiring
 // page.
 //
 // In:  nothing.
 // Out: three maps, glass (engraving inside glass), cut (cutting, plotting) and cut_io (the same
-// with
-//      an output and an input of programs instead of the UART), from one list of roles.
-// Who: the image (every driver asks for its role), the chip simulator (connects the pads to its
+//      with an output and an input of programs instead of the UART), from one list of roles.
+// Who: the image (drivers look up their roles), the chip simulator (connects the pads to its
 //      world), the documentation of the wiring.
 //
 // Rules, checked at compile time: a pin has one role in a map; an output that can release energy
 // has the same pin in every map, so that a wrong map never fires; STEP and DIR of an axis are
-// neighbours; the lattice bits are one row, as a PIO state machine wants them; GPIO 15 carries
-// nothing that matters (the work-around for USB erratum E5 borrows it) and GPIO 23, 24 and 29
-// belong to the Pico itself.
+// neighbours; the lattice bits are in a row, as a PIO state machine requires; GPIO 15 has no
+// essential role (the work-around for USB erratum E5 borrows it) and GPIO 23, 24 and 29 belong to
+// the Pico itself.
 #pragma once
 
 #include <array>
@@ -23,7 +22,7 @@
 
 namespace lamplock::boards {
 
-/// What a pin is for.
+/// Function of a pin.
 enum class Role : std::uint8_t {
   step_x,
   dir_x,
@@ -44,7 +43,7 @@ enum class Role : std::uint8_t {
   estop,      ///< in: normally closed to ground, high = pressed or wire broken
   door,       ///< in: normally closed to ground, high = open or wire broken
   probe,      ///< in
-  tick_line,  ///< the tick lattice itself; on a Pico the LED
+  tick_line,  ///< the tick lattice; on a Pico the LED
   limits,     ///< in: all limit switches in one chain, normally closed
   limit_x,
   limit_y,
@@ -61,8 +60,8 @@ enum class Role : std::uint8_t {
   uart_rx,
   uart_direction,
   air,       ///< out: air or mist (M7, M8)
-  aux_out,   ///< out: of programs (M62 to M65, M67, M68)
-  aux_in,    ///< in: of programs (M66); closed to ground = on
+  aux_out,   ///< out: for programs (M62 to M65, M67, M68)
+  aux_in,    ///< in: for programs (M66); closed to ground = on
   z_enable,  ///< out, as drives_enable: the drives of Z and A
   count
 };
@@ -79,14 +78,14 @@ struct PinUse {
   std::string_view name;
 };
 
-/// The maps, numbered as the setting `pin_map` ($990) has it.
+/// The maps, numbered as in the setting `pin_map` ($990).
 enum class PinMap : std::uint8_t { glass = 0, cut = 1, cut_io = 2 };
 inline constexpr std::array all_maps{PinMap::glass, PinMap::cut, PinMap::cut_io};
 
 namespace detail {
 using enum Direction;
 
-/// What every map has.
+/// Pins of every map.
 inline constexpr std::array common{
     PinUse{Role::step_x, 0, output, false, "X STEP"},
     PinUse{Role::dir_x, 1, output, false, "X DIR"},
@@ -118,7 +117,7 @@ inline constexpr std::array glass_only{
     PinUse{Role::photosensor_3, 27, input, false, "PHOTOSENSOR 3"},
     PinUse{Role::photosensor_4, 28, input, false, "PHOTOSENSOR 4"},
 };
-/// What both maps for cutting have.
+/// Pins of both maps for cutting.
 inline constexpr std::array cut_common{
     PinUse{Role::step_a, 6, output, false, "A STEP"},
     PinUse{Role::dir_a, 7, output, false, "A DIR"},
@@ -169,11 +168,11 @@ constexpr std::optional<std::uint8_t> find_gpio(PinMap map, Role role) {
 }
 
 namespace detail {
-/// Not defined: a call of it ends compilation and names the reason.
+/// Not defined: a call ends compilation and its name is the reason.
 void this_role_is_not_in_every_map();
 }  // namespace detail
 
-/// Pin of a role that every map has, at compile time; any other role does not compile.
+/// Pin of a role that every map has, at compile time; other roles do not compile.
 consteval std::uint8_t gpio(Role role) {
   for (const PinUse& use : detail::common)
     if (use.role == role) return use.gpio;
@@ -181,18 +180,18 @@ consteval std::uint8_t gpio(Role role) {
   return 0;
 }
 
-/// How many axes a map has pins for.
+/// Number of axes that a map has pins for.
 constexpr int axes(PinMap map) { return find_gpio(map, Role::step_a) ? 4 : 3; }
 
-/// A bit for each beam channel that a map has a shutter for; without any the one beam is always
-/// open.
+/// A bit for each beam channel that a map has a shutter for; without shutters the one beam is
+/// always open.
 constexpr std::uint8_t channels(PinMap map) { return find_gpio(map, Role::shutter_1) ? 0xf : 1; }
 
 /// Outputs that programs may switch.
 constexpr std::uint8_t program_outputs(PinMap map) { return find_gpio(map, Role::aux_out) ? 1 : 0; }
 
-/// Axes whose drives have an enable of their own, Z ENABLE, a bit for each: Z, which may hang, and
-/// A. DRIVES ENABLE is that of all others.
+/// Axes whose drives have a separate enable, Z ENABLE, a bit for each: Z, which may be vertical,
+/// and A. All others use DRIVES ENABLE.
 constexpr std::uint8_t axes_of_z_enable(PinMap map) {
   return find_gpio(map, Role::z_enable) ? 0b1100 : 0;
 }

@@ -1,4 +1,4 @@
-// The second link of a Raspberry Pi Pico, a UART: what both ends of the cable agree on.
+// The second link of a Raspberry Pi Pico, a UART: settings of both ends of the cable.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,8 @@
-// Numbers to bytes and back, little endian, byte by byte: no struct is ever laid over a buffer.
+// Converts numbers to bytes and back, little endian, byte by byte: no struct is ever overlaid on a
+// buffer.
 //
-// Both ends use these for every payload. Neither runs off its buffer: a writer that is full and a
-// reader that is empty remember it, so that one question at the end is enough.
+// Both ends use these for every payload. Neither exceeds its buffer: a writer that is full and a
+// reader that is empty store the error, so that one check at the end is enough.
 #pragma once
 
 #include <concepts>
@@ -43,12 +44,12 @@ class ByteWriter {
   bool ok_ = true;
 };
 
-/// Takes numbers from a buffer.
+/// Reads numbers from a buffer.
 class ByteReader {
  public:
   explicit constexpr ByteReader(std::span<const std::uint8_t> in) : in_(in) {}
 
-  /// Takes a number; 0 if there are too few bytes left.
+  /// Reads a number; 0 if there are too few bytes left.
   template <std::integral T>
   constexpr T take() {
     if (left() < sizeof(T)) {
@@ -63,11 +64,11 @@ class ByteReader {
                       static_cast<std::make_unsigned_t<T>>(in_[at_++]) << (8 * i)));
     return static_cast<T>(value);
   }
-  /// Everything not taken yet.
+  /// All bytes not read yet.
   constexpr std::span<const std::uint8_t> rest() const { return in_.subspan(at_); }
   constexpr std::size_t left() const { return in_.size() - at_; }
-  constexpr bool ok() const { return ok_; }  ///< nothing was taken that was not there
-  /// Everything was there and nothing is left.
+  constexpr bool ok() const { return ok_; }  ///< no read exceeded the buffer
+  /// All reads succeeded and no byte is left.
   constexpr bool exhausted() const { return ok_ && left() == 0; }
 
  private:

@@ -1,4 +1,4 @@
-// CRC-32 of IEEE 802.3, as frames and job files use it.
+// CRC-32 of IEEE 802.3, for frames and job files.
 //
 // Sixteen entries, four bits a step: 64 bytes of table instead of 1 KB, for an estimated 25 cycles
 // a byte: about 1 % of the board at 10 000 points per second.

@@ -1,10 +1,10 @@
 // Lines, frames and real-time bytes in one stream of bytes (docs/wire-format.md, section 1).
 //
-// In:  bytes as they come from the port, in pieces of any size.
-// Out: calls to `Events`: real-time bytes, whole frames with a good CRC, whole lines, and what
-//      went wrong. Nothing broken is ever delivered.
-// The firmware's receiver and the host's are the same class; only the firmware takes real-time
-// bytes out of text. Level: main loop; the CRC is computed at the end of a frame, in one go.
+// In:  bytes from the port, in pieces of any size.
+// Out: calls of `Events`: real-time bytes, whole frames with a good CRC, whole lines, and errors.
+//      Damaged data is never delivered.
+// The firmware and the host use the same class to receive; only the firmware takes real-time bytes
+// out of text. Level: main loop; the CRC is computed at the end of a frame, at once.
 #pragma once
 
 #include <array>
@@ -33,13 +33,13 @@ inline constexpr std::size_t max_frame = 2 * max_content + 2;
 /// Longest line without its end [characters].
 inline constexpr std::size_t max_line = 256;
 
-/// Commands of one byte: those of grbl 1.1 and grblHAL, with their whole block kept free.
+/// Commands of one byte: those of grbl 1.1 and grblHAL, with their whole block reserved.
 constexpr bool is_realtime(std::uint8_t byte) {
   return byte == 0x18 || byte == '?' || byte == '!' || byte == '~' ||
          (byte >= 0x80 && byte <= 0xAF);
 }
 
-/// Bytes that cannot stand for themselves inside a frame.
+/// Bytes that must be escaped inside a frame.
 constexpr bool must_escape(std::uint8_t byte) {
   return is_realtime(byte) || byte == frame_start || byte == frame_end || byte == escape ||
          byte == '\r' || byte == '\n' || byte == xon || byte == xoff;
@@ -66,20 +66,21 @@ constexpr std::size_t encode_frame(std::span<const std::uint8_t> content,
   return writer.ok() ? writer.size() : 0;
 }
 
-/// Letters, digits and what stands between them in numbers: means nothing but itself in a line.
+/// Letters, digits and the characters between them in numbers: they have no other meaning in a
+/// line.
 constexpr bool is_plain(std::uint8_t byte) {
   return (byte >= '-' && byte <= '9') || (byte >= 'A' && byte <= 'Z');
 }
 
-/// Which end of the wire is receiving.
+/// The receiving end of the wire.
 enum class End { device, host };
 
-/// Takes a stream of bytes apart. `Events` has
+/// Parses a stream of bytes. `Events` has
 ///   void on_realtime(std::uint8_t)                      (device end only)
 ///   void on_frame(std::span<const std::uint8_t>)        content without CRC, valid in the call
 ///   void on_bad_frame()                                 CRC, length or stuffing was wrong
 ///   void on_line(std::string_view)                      without its end, valid in the call
-///   void on_lost_line()                                 a line ended that cannot be had whole
+///   void on_lost_line()                                 a line ended that was damaged or too long
 /// No byte may be pushed from within an event.
 template <End end>
 class StreamParser {
@@ -111,8 +112,8 @@ class StreamParser {
     after_cr_ = byte == '\r';
   }
 
-  /// Forgets what has not ended: the other end of the wire is a new one, or its user has said so.
-  /// May be called from within on_realtime().
+  /// Drops incomplete data: the other end of the wire is a new one, or its user has reset it. May
+  /// be called from within on_realtime().
   void reset() {
     begin(State::line);
     after_cr_ = false;
@@ -152,7 +153,7 @@ class StreamParser {
       if (!good) return events.on_bad_frame();
       return events.on_frame(std::span<const std::uint8_t>(buffer_).first(size - crc_size));
     }
-    // Left over are the real-time block (host end) and flow control: noise from outside the frame.
+    // The rest are the real-time block (host end) and flow control: noise from outside the frame.
     if (byte != escape && must_escape(byte)) return;
     if (byte == escape) {
       spoilt_ = spoilt_ || escaped_;
@@ -174,7 +175,7 @@ class StreamParser {
     append(byte, max_line);
   }
 
-  /// Appends to a line what is plain, nearly all of a program; returns where that ends.
+  /// Appends plain bytes to a line, nearly all of a program; returns where they end.
   const std::uint8_t* append_plain(const std::uint8_t* at, const std::uint8_t* stop) {
     std::size_t size = size_;
     const std::size_t limit = spoilt_ ? size : max_line;
@@ -206,7 +207,7 @@ class StreamParser {
   std::array<std::uint8_t, max_content> buffer_{};
   std::size_t size_ = 0;
   State state_ = State::line;
-  bool spoilt_ = false;   ///< too long or damaged: drop up to its end
+  bool spoilt_ = false;   ///< too long or damaged: dropped up to its end
   bool escaped_ = false;  ///< the last byte of the frame was the escape
   bool after_cr_ = false;
 };

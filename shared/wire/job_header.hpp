@@ -1,4 +1,4 @@
-// What the firmware must know before the first point: payload of BEGIN, head of a job file
+// Data that the firmware needs before the first point: payload of BEGIN, head of a job file
 // (docs/wire-format.md, section 3).
 #pragma once
 
@@ -14,21 +14,25 @@
 
 namespace lamplock::wire {
 
-/// Enough for every setting of the table that a job may override.
+/// Enough for all settings of the table that a job may override.
 inline constexpr std::size_t max_overrides = 77;
 
-/// A setting that holds for this job only.
+/// Speed of a job, percent of the speed that it was made for.
+inline constexpr std::uint32_t full_job_speed = 100;
+inline constexpr std::uint32_t max_job_speed = 140;
+
+/// A setting that applies to this job only.
 struct Override {
   std::uint16_t number = 0;
   std::int32_t value_milli = 0;
   friend constexpr bool operator==(const Override&, const Override&) = default;
 };
 
-/// Header of a job. `session` travels in the frame header, the rest in the payload.
+/// Header of a job. `session` is sent in the frame header, the rest in the payload.
 struct JobHeader {
   std::uint32_t session = 0;
   std::uint8_t axes = 3;
-  std::uint8_t mode = 0;  ///< value of motion::JoinMode, or mode_rows
+  std::uint8_t mode = 0;  ///< value of JoinMode, or mode_rows
   bool dry = false;       ///< move, never fire
   std::uint32_t points_total = 0;
   std::uint32_t first_index = 0;    ///< index of the first point that will be sent
@@ -70,10 +74,10 @@ constexpr void write_job_header(ByteWriter& out, const JobHeader& header) {
   }
 }
 
-/// Reads and checks a payload. Everything but the session is set, on ok only.
+/// Reads and checks a payload. Sets all members but the session, only if ok.
 constexpr Result read_job_header(std::span<const std::uint8_t> payload, JobHeader& header) {
   ByteReader in(payload);
-  // The version comes first, in all versions: without it nothing else has a meaning.
+  // The version is first in all versions: it defines the rest.
   const auto version = in.take<std::uint16_t>();
   if (!in.ok()) return Result::bad_frame;
   if (version != protocol_version) return Result::bad_version;

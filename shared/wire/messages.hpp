@@ -11,7 +11,7 @@
 
 namespace lamplock::wire {
 
-/// Raised whenever the two ends would misunderstand each other.
+/// Increased with every change that the other end would misinterpret.
 inline constexpr std::uint16_t protocol_version = 3;
 
 /// First byte of a frame's content.
@@ -25,7 +25,7 @@ enum class FrameType : std::uint8_t {
   refused = 0x61,
 };
 
-/// What the host's user wants of a running job. Acts at once, out of turn.
+/// Command of the host's user for a running job. Acts at once, out of sequence.
 enum class Command : std::uint8_t {
   hold = 1,
   resume = 2,
@@ -77,7 +77,7 @@ constexpr void write_header(ByteWriter& out, const FrameHeader& header) {
   out.put(header.number);
 }
 
-/// Takes the header; the reader's ok() tells whether it was there. The type may be unknown.
+/// Reads the header; the reader's ok() is false if it was incomplete. The type may be unknown.
 constexpr FrameHeader read_header(ByteReader& in) {
   FrameHeader header;
   header.type = static_cast<FrameType>(in.take<std::uint8_t>());

@@ -1,12 +1,12 @@
-// Commands of one byte on their way from the place where they arrive to the machine.
+// Passes commands of one byte from the place where they are received to the machine.
 //
-// In:  real-time bytes, where the board takes bytes from its port: an interrupt, or a simulator.
+// In:  real-time bytes, where the board reads its port: an interrupt, or a simulator.
 // Out: the same bytes, in order, to the main loop. So a stop never waits until lines have room.
 // One writer and one reader; each index has one writer. No masking.
 //
-// A host may send them faster than the main loop takes them. A command that says nothing new (the
-// same one again, a further `?`) is left out; when the inbox is full, others are dropped, and a
-// command that stops takes the place of the newest one, unless that stops more.
+// A host may send them faster than the main loop handles them. A redundant command (the same one
+// again, a further `?`) is dropped; when the inbox is full, others are dropped, and a command that
+// stops replaces the newest one, unless that stops more.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace lamplock::wire {
 
-// Commands of grbl 1.1 that stop, and the question for the status.
+// Commands of grbl 1.1 that stop, and the status request.
 inline constexpr std::uint8_t byte_status = '?';
 inline constexpr std::uint8_t byte_hold = '!';
 inline constexpr std::uint8_t byte_resume = '~';
@@ -24,7 +24,7 @@ inline constexpr std::uint8_t byte_reset = 0x18;
 inline constexpr std::uint8_t byte_door = 0x84;
 inline constexpr std::uint8_t byte_jog_cancel = 0x85;
 
-/// How much of the machine's work a command ends; 0 = it brings nothing to rest.
+/// How much of the machine's work a command ends; 0 = it stops nothing.
 constexpr int stop_rank(std::uint8_t byte) {
   switch (byte) {
     case byte_reset:
@@ -50,7 +50,7 @@ class RealtimeInbox {
  public:
   static constexpr std::uint32_t capacity = 32;
 
-  /// Where bytes arrive. `byte` is a real-time byte.
+  /// Called where bytes are received. `byte` is a real-time byte.
   void push(std::uint8_t byte) {
     if (byte == byte_status) {
       status_asked_ = true;
@@ -71,8 +71,8 @@ class RealtimeInbox {
   /// A command waits.
   bool waits() const { return begin_ != end_ || status_asked_; }
 
-  /// Main loop: takes the oldest command; false if there is none. A question for the status comes
-  /// after the others, so that the answer shows what they have done.
+  /// Main loop: removes the oldest command; false if there is none. A status request is last, so
+  /// that the answer shows the effect of the others.
   bool pop(std::uint8_t& byte) {
     const std::uint32_t begin = begin_;
     if (begin != end_) {

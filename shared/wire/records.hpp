@@ -1,7 +1,7 @@
 // The pulse stream: targets as records of step deltas (docs/wire-format.md, section 4).
 //
 // The host writes records with `put_record`; the firmware's decoder and the reader of job files
-// take them apart with `walk_records`. Both carry a `RecordState` from record to record.
+// parse them with `walk_records`. Both pass a `RecordState` from record to record.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +15,8 @@
 
 namespace lamplock::wire {
 
-/// One target as the pulse stream carries it; the meaning of the fields is that of
-/// motion::Target. A target without shots has no channel and no energy.
+/// One target in the pulse stream; the fields have the meaning of motion::Target. A target without
+/// shots has no channel and no energy.
 struct Record {
   StepPosition steps{};
   std::uint16_t beats = 0;
@@ -26,7 +26,7 @@ struct Record {
   friend constexpr bool operator==(const Record&, const Record&) = default;
 };
 
-/// What a record refers to: the target before it and the values that hold until changed.
+/// The state that a record refers to: the previous target and the values that hold until changed.
 struct RecordState {
   StepPosition steps{};
   std::uint16_t beats = 0;
@@ -47,7 +47,7 @@ inline constexpr std::uint8_t highest_channel = 3;
 /// Longest coding of one target: shots 5, beats 3, head 2, four deltas of 4 [bytes].
 inline constexpr std::size_t max_record_size = 5 + 3 + 2 + 4 * max_axes;
 
-/// Delta from `from` to `to`; false if 32 bits cannot hold it.
+/// Delta from `from` to `to`; false if it exceeds 32 bits.
 constexpr bool step_delta(std::int32_t from, std::int32_t to, std::int32_t& delta) {
   const std::int64_t wide = static_cast<std::int64_t>(to) - from;
   if (wide < std::numeric_limits<std::int32_t>::min() ||
@@ -93,7 +93,7 @@ constexpr std::int32_t take_delta(ByteReader& in, std::uint8_t code) {
   }
 }
 
-/// Size codes of a record with deltas, axis by axis; false if the head is malformed.
+/// Reads the size codes of a record with deltas, axis by axis; false if the head is malformed.
 constexpr bool take_codes(ByteReader& in, std::uint8_t head, int axes,
                           PerAxis<std::uint8_t>& codes) {
   for (std::size_t i = 0; i < 3; ++i) codes[i] = static_cast<std::uint8_t>(head >> (2 * i) & 3);
@@ -105,14 +105,14 @@ constexpr bool take_codes(ByteReader& in, std::uint8_t head, int axes,
   return (fourth & ~3) == fourth_axis_mark;
 }
 
-/// Takes the deltas of one target; `at`, the one before, becomes it on ok only.
+/// Reads the deltas of one target; `at`, the previous one, is updated only if ok.
 constexpr Result take_position(ByteReader& in, std::uint8_t head, int axes, StepPosition& at) {
   PerAxis<std::uint8_t> codes{};
   if (!take_codes(in, head, axes, codes)) return Result::bad_frame;
   StepPosition steps = at;
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const std::int32_t delta = take_delta(in, codes[i]);
-    // Wide, because a hostile delta may leave 32 bits: a position that wrapped would be inside.
+    // Wide, because a hostile delta may exceed 32 bits: a wrapped position could be inside.
     const std::int64_t wide = static_cast<std::int64_t>(steps[i]) + delta;
     steps[i] = static_cast<std::int32_t>(wide);
     if (steps[i] != wide) return Result::out_of_bounds;
@@ -143,7 +143,7 @@ constexpr void put_position(ByteWriter& out, std::uint8_t kind, const StepPositi
   for (const std::int32_t delta : deltas) put_delta(out, delta);
 }
 
-/// Takes the values of a record that changes the state.
+/// Reads the values of a record that changes the state.
 constexpr Result take_shots(ByteReader& in, RecordState& state) {
   state.channel = in.take<std::uint8_t>();
   state.shots = in.take<std::uint8_t>();
@@ -154,8 +154,8 @@ constexpr Result take_shots(ByteReader& in, RecordState& state) {
 
 }  // namespace detail
 
-/// Appends one target and updates the state. False, and nothing written or changed, if it is too
-/// far from the target before, has a fourth axis the machine lacks, or does not fit the writer.
+/// Appends one target and updates the state. False, without a change, if it is too far from the
+/// previous target, has a fourth axis that the machine lacks, or does not fit the writer.
 constexpr bool put_record(ByteWriter& out, RecordState& state, const Record& record, int axes) {
   StepPosition deltas{};
   if (!detail::deltas_between(state.steps, record.steps, axes, deltas)) return false;
@@ -186,8 +186,8 @@ constexpr bool put_record(ByteWriter& out, RecordState& state, const Record& rec
   return true;
 }
 
-/// Takes records apart: calls `Result emit(const Record&)` for every target and stops at the first
-/// result that is not ok. `state` has then been changed up to there: work on a copy.
+/// Parses records: calls `Result emit(const Record&)` for every target and stops at the first
+/// result that is not ok. `state` has then changed up to there: use a copy.
 template <class Emit>
 constexpr Result walk_records(std::span<const std::uint8_t> bytes, int axes, RecordState& state,
                               Emit&& emit) {

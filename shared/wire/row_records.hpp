@@ -1,9 +1,9 @@
 // The pulse stream of rows of pixels: lines, and the runs of their cells (docs/wire-format.md,
 // section 4).
 //
-// The host writes runs with `put_runs` and the line that they lie on with `put_row_line`; the
-// firmware's decoder and the reader of job files take both apart with `walk_row_records`. All carry
-// a `RowState` from record to record.
+// The host writes runs with `put_runs` and their line with `put_row_line`; the firmware's decoder
+// and the reader of job files parse both with `walk_row_records`. All pass a `RowState` from record
+// to record.
 //
 //   feed   runs runs | line with light   line without   runs | line with light
 //          its cells, evenly along it    a rapid
@@ -22,19 +22,19 @@
 
 namespace lamplock::wire {
 
-/// Where a line ends, and how it gets there.
+/// End of a line, and how the machine moves there.
 struct RowLine {
   StepPosition steps{};
-  bool light = false;            ///< with the runs since the line before; else a rapid
-  std::uint32_t feed_milli = 0;  ///< thousandths of mm/min, of lines with light
+  bool light = false;            ///< with the runs since the previous line; else a rapid
+  std::uint32_t feed_milli = 0;  ///< thousandths of mm/min, for lines with light
   friend constexpr bool operator==(const RowLine&, const RowLine&) = default;
 };
 
-/// What a record refers to.
+/// The state that a record refers to.
 struct RowState {
-  StepPosition steps{};          ///< of the line before
-  std::uint32_t feed_milli = 0;  ///< that holds; 0 = none yet
-  std::uint32_t runs = 0;        ///< since the line before
+  StepPosition steps{};          ///< of the previous line
+  std::uint32_t feed_milli = 0;  ///< current; 0 = none yet
+  std::uint32_t runs = 0;        ///< since the previous line
   std::uint32_t cells = 0;       ///< of these
 };
 
@@ -48,12 +48,12 @@ inline constexpr std::size_t most_lines_a_frame = 16;
 
 /// Longest coding of one line: feed 5, head 2, four deltas of 4 [bytes].
 inline constexpr std::size_t max_row_line_size = 5 + 2 + 4 * max_axes;
-/// A record of runs but for these: head, count.
+/// Size of a record of runs without its runs: head, count.
 inline constexpr std::size_t runs_record_size = 2;
 
-/// Appends one line and updates the state. False, and nothing written or changed, if it goes too
-/// far or by an axis the machine lacks, if it has light without runs or feed or goes nowhere, or
-/// runs without light, or does not fit the writer.
+/// Appends one line and updates the state. False, without a change, if it is too long or needs an
+/// axis that the machine lacks, if it has light without runs, feed rate or length, or runs without
+/// light, or does not fit the writer.
 constexpr bool put_row_line(ByteWriter& out, RowState& state, const RowLine& line, int axes) {
   StepPosition deltas{};
   if (!detail::deltas_between(state.steps, line.steps, axes, deltas)) return false;
@@ -71,8 +71,8 @@ constexpr bool put_row_line(ByteWriter& out, RowState& state, const RowLine& lin
   return true;
 }
 
-/// Appends the first of these runs, and says how many: as many as fit the writer, one record, and
-/// the line.
+/// Appends the first of these runs, and returns their number: as many as fit the writer, one
+/// record, and the line.
 constexpr std::size_t put_runs(ByteWriter& out, RowState& state,
                                std::span<const std::uint16_t> runs) {
   if (out.room() < runs_record_size) return 0;
@@ -125,9 +125,9 @@ constexpr Result take_row_line(ByteReader& in, std::uint8_t head, int axes, RowS
 
 }  // namespace detail
 
-/// Takes records apart: calls `Result emit_run(std::uint16_t)` for every run, and then `Result
-/// emit_line(const RowLine&)` for the line they lie on, and stops at the first result that is not
-/// ok. `state` has then been changed up to there: work on a copy.
+/// Parses records: calls `Result emit_run(std::uint16_t)` for every run, and then `Result
+/// emit_line(const RowLine&)` for their line, and stops at the first result that is not ok. `state`
+/// has then changed up to there: use a copy.
 template <class EmitLine, class EmitRun>
 constexpr Result walk_row_records(std::span<const std::uint8_t> bytes, int axes, RowState& state,
                                   EmitLine&& emit_line, EmitRun&& emit_run) {

@@ -1,4 +1,4 @@
-// How the machine and the link stand: payload of STATUS (docs/wire-format.md, section 5).
+// State of the machine and the link: payload of STATUS (docs/wire-format.md, section 5).
 #pragma once
 
 #include <cstddef>
@@ -14,18 +14,18 @@ namespace lamplock::wire {
 /// State of the machine. The values are part of the wire format: never renumber.
 enum class MachineState : std::uint8_t { idle = 0, run, hold, alarm, door, estop, home };
 
-/// Who asked for a hold. The host resumes by itself what its own silence has caused.
+/// The cause of a hold. The host only resumes a hold that its own silence has caused.
 enum class HoldReason : std::uint8_t {
   none = 0,
   host,      ///< COMMAND hold, or a door that was opened and has been closed
   realtime,  ///< `!` or 0x84
   dead_man,  ///< the host was silent for too long
   reset,     ///< 0x18 during a job, which its host stops
-  not_made,  ///< the photosensor has not seen a shot, nor its repeats
+  not_made,  ///< the photosensor has not detected a shot, nor its repeats
   lamp       ///< the lamp does not answer our triggers
 };
 
-/// What went wrong on the wire, counted since power-up.
+/// Errors on the wire, counted since power-up.
 struct LinkCounters {
   std::uint32_t bad_frames = 0;    ///< CRC, length or stuffing
   std::uint32_t duplicates = 0;    ///< DATA or END already accepted
@@ -35,39 +35,39 @@ struct LinkCounters {
   friend constexpr bool operator==(const LinkCounters&, const LinkCounters&) = default;
 };
 
-/// A STATUS comes by itself when this many points, or in a job of rows this many lines or runs,
-/// have become free since the last one.
+/// The board sends a STATUS unasked when this many points, or in a job of rows this many lines or
+/// runs, have become free since the last one.
 inline constexpr std::uint32_t free_points_step = 128, free_lines_step = 8, free_runs_step = 128;
 
-/// What the host learns without asking for it.
-struct Standing {
+/// State that the host gets without a request.
+struct StatusSummary {
   MachineState state = MachineState::idle;
   HoldReason hold_reason = HoldReason::none;
   std::uint8_t alarm = 0;  ///< alarm number of grbl, 0 = none
   bool lamp_locked = false;
   std::uint32_t free_points = 0;  ///< or lines, in a job of rows
   std::uint32_t free_runs = 0;    ///< of pixels, in a job of rows
-  bool rows = false;              ///< it is one; not told
-  friend constexpr bool operator==(const Standing&, const Standing&) = default;
+  bool rows = false;              ///< it is one; not sent
+  friend constexpr bool operator==(const StatusSummary&, const StatusSummary&) = default;
 
-  /// True if the host, which was told `told`, has to learn this.
-  constexpr bool is_news(const Standing& told) const {
+  /// True if the host, last informed by `sent`, must be informed of this.
+  constexpr bool is_news(const StatusSummary& sent) const {
     const std::uint32_t step = rows ? free_lines_step : free_points_step;
-    return free_points >= told.free_points + step || free_runs >= told.free_runs + free_runs_step ||
-           state != told.state || hold_reason != told.hold_reason || alarm != told.alarm ||
-           lamp_locked != told.lamp_locked;
+    return free_points >= sent.free_points + step || free_runs >= sent.free_runs + free_runs_step ||
+           state != sent.state || hold_reason != sent.hold_reason || alarm != sent.alarm ||
+           lamp_locked != sent.lamp_locked;
   }
 };
 
-/// Everything the host may ask. The machine fills in what it knows (`fill_status`), the link the
-/// fields marked [link].
-struct Status : Standing {
+/// All that the host may request. The machine sets its members (`fill_status`), the link the fields
+/// marked [link].
+struct Status : StatusSummary {
   std::uint16_t version = protocol_version;  ///< [link]
-  std::uint32_t session = 0;                 ///< [link] travels in the frame header
+  std::uint32_t session = 0;                 ///< [link] sent in the frame header
   std::uint32_t number = 0;                  ///< [link] running count, in the frame header
   std::uint32_t next_number = 0;             ///< [link] next DATA or END expected
   std::uint32_t echo = 0;                    ///< [link] number of the last QUERY
-  std::uint32_t last_command = 0;            ///< [link] number of the last COMMAND taken
+  std::uint32_t last_command = 0;            ///< [link] number of the last COMMAND accepted
   std::uint32_t received = 0;                ///< index after the last point accepted
   std::uint32_t first_unfired = 0;           ///< index of the first point not fired
   std::uint32_t shots = 0;
@@ -76,7 +76,7 @@ struct Status : Standing {
   std::uint32_t starvations = 0;
   BeatsByReason beats_by_reason{};  ///< their sum is `beats`
   BeatsByReason beats_outside{};    ///< those before the first shot and after the last
-  std::uint32_t shots_made = 0;     ///< seen by their photosensor
+  std::uint32_t shots_made = 0;     ///< detected by their photosensor
   std::uint32_t shots_not_made = 0;
   std::uint32_t repeats = 0;  ///< shots at a point whose last shot was not made
   LinkCounters link;          ///< [link]

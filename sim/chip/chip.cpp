@@ -4,7 +4,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "sim/chip/hex.hpp"
+#include "sim/chip/fabric/hex.hpp"
 #include "sim/chip/rom/rom_on_core.hpp"
 
 namespace lamplock::sim::chip {
@@ -18,8 +18,8 @@ constexpr std::uint32_t pio0_base = 0x5020'0000;
 constexpr std::uint32_t pio1_base = 0x5030'0000;
 constexpr std::uint32_t flash_base = 0x1000'0000, flash_limit = 0x1100'0000;
 constexpr std::uint32_t rom_vectors = 0;
-/// A run goes on for so many cycles so that none of the cores is in the middle of an instruction:
-/// two loops of multiple accesses may never both be between two.
+/// Maximum further cycles of a run until no core is in the middle of an instruction: two loops of
+/// multiple accesses may never both be between two.
 constexpr Cycle patience = 1000;
 
 }  // namespace
@@ -123,7 +123,7 @@ void Chip::attach_core(int id) {
     cores_[1 - i].send_event();
     cores_[i].request_stop();
   };
-  // While one core runs on, what it notices may wake the other one.
+  // While one core runs alone, a line change that it notices may wake the other one.
   core.on_lines_changed = [this, i](Cycle when) {
     Core& other = cores_[1 - i];
     if (held_[1 - i]) return;
@@ -141,7 +141,7 @@ void Chip::attach_core(int id) {
   };
 }
 
-// The core that ran alone goes no further ahead of the one that it has woken.
+// The core that ran alone must not advance further ahead of the one that it has woken.
 void Chip::wait_for_woken(std::size_t woken) {
   cores_[1 - woken].wait_for(&cores_[woken]);
   cores_[1 - woken].request_stop();
@@ -165,8 +165,7 @@ void Chip::attach_gates() {
   };
 }
 
-// Both cores sleep deeply, one that is held in reset included, and the DMA has nothing to do
-// (2.11.2).
+// Both cores sleep deeply, counting one that is held in reset, and the DMA is idle (2.11.2).
 void Chip::fall_asleep() {
   may_sleep_ = false;
   const Core* last = nullptr;
@@ -176,7 +175,7 @@ void Chip::fall_asleep() {
     if (last == nullptr || last->cycle() < cores_[i].cycle()) last = &cores_[i];
   }
   if (asleep_ || last == nullptr || !pio_dma_.dma().idle()) return;
-  // What is due until then may wake one.
+  // An event before then may wake a core.
   const Cycle at = std::max(last->cycle(), wheel_.now());
   for (std::size_t i = 0; i < cores_.size(); ++i) {
     if (held_[i]) continue;
@@ -200,8 +199,8 @@ void Chip::clocks_changed() {
   ticks_moved();
 }
 
-// The reference of SysTick (RP2040 datasheet, 2.4.8). Where a tick is no whole number of cycles of
-// clk_sys, SysTick counts the nearest.
+// The reference of SysTick (RP2040 datasheet, 2.4.8). Where a tick is not a whole number of cycles
+// of clk_sys, SysTick counts the nearest.
 void Chip::ticks_moved() {
   constexpr std::uint64_t many = 1000;
   const TickGenerator& ticks = system_.ticks;
@@ -269,15 +268,15 @@ void Chip::run_until(Cycle until) {
       if (wheel_.now() >= until) return;
       continue;
     }
-    // Nothing moves the wheel while cores run from memory.
+    // The wheel does not move while cores run from memory.
     const Cycle reached = std::min(held_[0] ? never_cycle : cores_[0].cycle(),
                                    held_[1] ? never_cycle : cores_[1].cycle());
     if (reached >= until && (between_instructions() || reached - until >= patience)) {
-      // The core that is behind notices first what happens, as it does while both run.
-      const std::size_t first = behind();
+      // The core with the lower cycle notices events first, as it does while both run.
+      const std::size_t first = earlier_core();
       for (const std::size_t i : {first, 1 - first})
         if (!held_[i]) cores_[i].run_events(reached);
-      // As far as any event can have been run within their last instructions.
+      // No further than any event that may have run within their last instructions.
       wheel_.advance_to(reached);
       return;
     }
@@ -300,7 +299,7 @@ Core* Chip::lone() {
   return nullptr;
 }
 
-std::size_t Chip::behind() const { return cores_[0].cycle() <= cores_[1].cycle() ? 0 : 1; }
+std::size_t Chip::earlier_core() const { return cores_[0].cycle() <= cores_[1].cycle() ? 0 : 1; }
 
 void Chip::run_both(Cycle until) {
   if (Core* core = lone()) {
@@ -320,7 +319,7 @@ void Chip::run_alone(Core& core, Cycle until) {
   runs_alone_ = nullptr;
 }
 
-// The core that sleeps is where the other one is, who first takes note of what is due.
+// Moves a sleeping core to the time of the other one, which handles due events first.
 void Chip::bring_along(std::size_t sleeper) {
   if (!held_[sleeper] && !cores_[sleeper].idle()) return;
   Core& core = cores_[1 - sleeper];
@@ -329,18 +328,18 @@ void Chip::bring_along(std::size_t sleeper) {
   if (!held_[sleeper]) cores_[sleeper].idle_to(core.cycle());
 }
 
-// What run_both() does, one step at a time.
+// One step of run_both(), with the watcher.
 bool Chip::watched_step(Cycle until) {
   const Core* alone = lone();
   bus_.set_two_cores(alone == nullptr);
-  const std::size_t i = alone != nullptr ? static_cast<std::size_t>(alone->id()) : behind();
+  const std::size_t i = alone != nullptr ? static_cast<std::size_t>(alone->id()) : earlier_core();
   Core& core = cores_[i];
   if (alone == nullptr) core.wait_for(&cores_[1 - i]);
   bool goes_on = true;
   if (core.idle()) {
     const Cycle before = core.cycle();
     core.idle_to(until);
-    if (core.cycle() == before && core.idle()) core.step();  // takes note of request_stop()
+    if (core.cycle() == before && core.idle()) core.step();  // handles request_stop()
   } else if (core.cycle() < until) {
     core.run_events(core.cycle());
     if (core.owes())

@@ -1,12 +1,12 @@
-// The simulated RP2040 as a whole: cores, memories, every block, wired as the datasheet has it.
+// The simulated RP2040 as a whole: cores, memories, every block, wired as in the datasheet.
 //
 // In:  an image in its flash; power, time; levels on its pins (Gpio), a host on its USB cable.
 // Out: levels on its pins, packets, what its UARTs send; reports of what is not modelled.
 // Who: a board (chip_board/), tests. Deterministic: the same calls give the same run to the cycle.
 //
-// The one who is behind makes the next step: cores instruction by instruction, everything else when
-// the wheel says so or when it is looked at. A reset of the chip (watchdog, SYSRESETREQ, power)
-// takes place between two instructions.
+// The core with the lower cycle makes the next step: cores run instruction by instruction, all
+// other blocks when the wheel has them due or when they are accessed. A reset of the chip
+// (watchdog, SYSRESETREQ, power) takes place between two instructions.
 #pragma once
 
 #include <array>
@@ -15,20 +15,20 @@
 #include <string>
 #include <vector>
 
-#include "sim/chip/bus.hpp"
 #include "sim/chip/cpu/core.hpp"
 #include "sim/chip/cpu/fault.hpp"
+#include "sim/chip/fabric/bus.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
+#include "sim/chip/fabric/timing.hpp"
 #include "sim/chip/flash/flash_chip.hpp"
 #include "sim/chip/flash/xip.hpp"
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/image/image.hpp"
-#include "sim/chip/irq_lines.hpp"
 #include "sim/chip/pio_dma_clock.hpp"
 #include "sim/chip/rom/boot_rom.hpp"
 #include "sim/chip/sio/sio.hpp"
 #include "sim/chip/system.hpp"
-#include "sim/chip/time_wheel.hpp"
-#include "sim/chip/timing.hpp"
 #include "sim/chip/usb/usb_controller.hpp"
 #include "sim/chip/usb/usb_pins.hpp"
 
@@ -39,15 +39,15 @@ struct ChipOptions {
   FlashTiming flash_timing{};
   std::size_t flash_size = FlashChip::default_size;
   UsbErrata usb_errata{};
-  std::uint64_t seed = 1;                          ///< of what a power cut leaves in the flash
+  std::uint64_t seed = 1;                          ///< of the flash contents after a power cut
   unsigned rom_version = BootRom::latest_version;  ///< 1 in stepping B0, 2 in B1, 3 in B2
 };
 
-/// Asked before each step of a core (an instruction, an exception entry), see Chip::watch_steps().
+/// Called before each step of a core (an instruction, an exception entry), see Chip::watch_steps().
 class StepWatcher {
  public:
   virtual ~StepWatcher() = default;
-  /// False: the core stays where it is and run_until() returns.
+  /// Returns false to keep the core where it is; run_until() then returns.
   virtual bool before_step(Core& core) = 0;
 };
 
@@ -61,24 +61,25 @@ class Chip final : private ClockListener, private TickListener {
   /// Puts an image into the flash (and SRAM, if it says so); before power_on(). Throws
   /// std::runtime_error, beginning with `where`, if a part does not fit.
   void load(const Image& image, const std::string& where);
-  /// Power comes: both cores start in the ROM.
+  /// Applies power: both cores start in the ROM.
   void power_on() { system_.reset(ChipReset::power_on); }
 
-  // Everything starts anew, in the middle of whatever happens.
-  /// Power fails for a moment: flash keeps what it has, SRAM is filled with noise.
+  // The chip starts again from any state.
+  /// Short failure of all power: the flash keeps its contents, SRAM is filled with noise.
   void power_cut();
-  /// The core's supply alone fails for a moment: SRAM is filled with noise; the flash, which has
-  /// its own, goes on with what it does. Nothing if the firmware has switched the detector off.
+  /// Short failure of the core's supply: SRAM is filled with noise; the flash has its own supply
+  /// and continues. No effect if the firmware has switched the detector off.
   void brown_out();
-  /// The RUN pin goes low for a moment: SRAM is kept, the flash goes on.
+  /// Short low pulse on the RUN pin: SRAM is kept, the flash continues.
   void run_pin() { system_.reset(ChipReset::run_pin); }
 
-  /// Runs until both cores have reached `until` and are between two instructions; now() is where
-  /// the one that is behind stands.
+  /// Runs until both cores have reached `until` and are between two instructions; now() is the
+  /// lower of their cycles.
   void run_until(Cycle until);
-  /// While there is a watcher the cores go step by step: slower, but the same run. null: none.
+  /// With a watcher the cores run step by step: slower, but the same run. null: none.
   void watch_steps(StepWatcher* watcher) { watcher_ = watcher; }
-  /// From inside a step of a core that was requested to stop: run_until() returns after it.
+  /// Called inside a step of a core that was requested to stop: run_until() returns after that
+  /// step.
   void halt() { halted_ = true; }
   Cycle now() const { return wheel_.now(); }
   Picoseconds time() const { return wheel_.time(); }
@@ -94,9 +95,9 @@ class Chip final : private ClockListener, private TickListener {
   UsbController& usb() { return usb_; }
   PioDmaClock& pio_dma() { return pio_dma_; }
 
-  /// What was touched and is not modelled, each once, in order.
+  /// Accesses that are not modelled, each once, in order.
   const std::vector<std::string>& not_modelled() const { return not_modelled_; }
-  /// What the program has died of, in order: of each kind the first on each core.
+  /// Fatal faults of the program, in order: of each kind the first on each core.
   const std::vector<Fault>& faults() const { return faults_; }
   /// Resets by the watchdog since the chip was made.
   std::uint32_t watchdog_resets() const { return watchdog_resets_; }
@@ -117,7 +118,7 @@ class Chip final : private ClockListener, private TickListener {
   void wake_up(Cycle at);
   bool between_instructions() const;
   Core* lone();
-  std::size_t behind() const;
+  std::size_t earlier_core() const;
   void run_both(Cycle until);
   void run_alone(Core& core, Cycle until);
   bool watched_step(Cycle until);
@@ -150,7 +151,7 @@ class Chip final : private ClockListener, private TickListener {
   StepWatcher* watcher_ = nullptr;
   bool halted_ = false;
   bool asleep_ = false;     ///< SLEEP_EN decides about the clocks
-  bool may_sleep_ = false;  ///< a core has fallen asleep, or the DMA has come to rest
+  bool may_sleep_ = false;  ///< a core has fallen asleep, or the DMA has become idle
 };
 
 }  // namespace lamplock::sim::chip

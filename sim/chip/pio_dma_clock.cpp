@@ -49,8 +49,8 @@ Cycle PioDmaClock::next_due() const {
 
 void PioDmaClock::tell_wheel() { wheel_.set(slot_, next_due()); }
 
-// Run by the wheel, clocks are its time: what the DMA writes to a block happens then, and may make
-// that block due before `to`.
+// Run by the wheel, clocks are its time: what the DMA writes to a block takes effect then, and may
+// make that block due before `to`.
 void PioDmaClock::through(Cycle to, bool by_wheel) {
   if (running_) return;
   running_ = true;
@@ -110,8 +110,8 @@ void PioDmaClock::catch_up(Cycle at) {
   tell_wheel();
 }
 
-/// Levels that change in cycle `at` are what the first flip-flop takes over at its end, however
-/// far the blocks have been run.
+/// The first flip-flop takes over levels that change in cycle `at` at the end of that cycle,
+/// however far the blocks have been run.
 void PioDmaClock::inputs_changed(Cycle at) {
   if (!running_) {
     through(at);

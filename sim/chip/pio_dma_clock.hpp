@@ -1,30 +1,30 @@
-// The clock that PIO0, PIO1 and the DMA have in common with the cores.
+// The clock that PIO0, PIO1 and the DMA share with the cores.
 //
-// In:  time from the wheel; accesses to their registers (which bring them up to the present first);
+// In:  time from the wheel; accesses to their registers (which first bring them up to the present);
 //      changes of the pins; DREQs of other blocks.
 // Out: pins, interrupt lines, bus accesses of the DMA, in the right cycle and order.
 //
 // In each clock: levels that the PIO latches took in the clock before appear on the pads; both
-// blocks run their machines; the DMA does one write and one read. What the DMA or a core writes in
-// a clock the machines see in the next; what machines push in a clock can be read at its end.
-// Clocks in which nobody is due are skipped.
+// blocks run their machines; the DMA does one write and one read. Machines see in the next clock
+// what the DMA or a core writes in this one; what machines push can be read at the end of the
+// clock. Clocks in which no part is due are skipped.
 //
 // So an instruction that executes in cycle c changes its pad in cycle c + 1 (the output latch), and
 // a pin that changes in cycle e is seen by the instruction that executes in cycle e + 3
-// (input_history.hpp): from an edge at one machine's pin to the edge at the pin of another that
-// waits for it are 5 cycles (wait 3 after the edge, OUT 4, pad 5).
+// (input_history.hpp). From an edge at one machine's pin to the edge that another machine puts out
+// after waiting for it are 5 cycles (wait 3 after the edge, OUT 4, pad 5).
 #pragma once
 
 #include <array>
 #include <cstdint>
 
-#include "sim/chip/bus.hpp"
-#include "sim/chip/clock_owner.hpp"
 #include "sim/chip/dma/dma.hpp"
-#include "sim/chip/dreq_lines.hpp"
+#include "sim/chip/fabric/bus.hpp"
+#include "sim/chip/fabric/clock_owner.hpp"
+#include "sim/chip/fabric/dreq_lines.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/pio/pio_block.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -47,7 +47,7 @@ class PioDmaClock final : private Timed,
 
   /// Runs every clock of every machine instead of sleeping. Slow; the trace is the same.
   void set_step_every_clock(bool on);
-  /// The clock of PIO0 or PIO1, or of the DMA stops or goes on.
+  /// The clock of PIO0 or PIO1, or of the DMA stops or starts.
   void set_pio_clock(std::size_t block, bool runs);
   void set_dma_clock(bool runs);
 

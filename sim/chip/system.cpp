@@ -64,7 +64,7 @@ void System::attach_stages(Sio& sio) {
   });
 }
 
-// Blocks with a clock of their own go on without that of their registers (assumed).
+// Blocks with a clock of their own keep running without that of their registers (assumed).
 void System::attach_gates() {
   const auto attach = [this](ClockGate gate, auto& block) {
     clocks.on_gate(gate, [&block](bool runs) { block.set_clock(runs); });

@@ -9,11 +9,12 @@
 #include <functional>
 
 #include "sim/chip/analog/adc.hpp"
-#include "sim/chip/bus.hpp"
-#include "sim/chip/dreq_lines.hpp"
+#include "sim/chip/fabric/bus.hpp"
+#include "sim/chip/fabric/dreq_lines.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/gpio/function_pins.hpp"
 #include "sim/chip/gpio/gpio.hpp"
-#include "sim/chip/irq_lines.hpp"
 #include "sim/chip/serial/i2c.hpp"
 #include "sim/chip/serial/spi.hpp"
 #include "sim/chip/serial/uart.hpp"
@@ -28,12 +29,11 @@
 #include "sim/chip/system/tick_generator.hpp"
 #include "sim/chip/system/timer.hpp"
 #include "sim/chip/system/watchdog.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
-/// All of them. What else hangs on the reset tree (PIO, DMA, USB, cores, XIP) the chip attaches:
-/// `bus.map(base, system.resets.attach(ResetBit::pio0, pio0))`,
+/// All system blocks. The chip attaches the other parts of the reset tree (PIO, DMA, USB, cores,
+/// XIP): `bus.map(base, system.resets.attach(ResetBit::pio0, pio0))`,
 /// `system.psm.attach(PsmBit::proc0, [](bool held) {...})`.
 class System {
  public:
@@ -50,8 +50,8 @@ class System {
   void map(Bus& bus, Gpio& gpio);
   /// Lets the blocks with FIFOs request transfers of the DMA.
   void connect(DreqLines& lines);
-  /// All causes alike: everything, the watchdog with its scratch registers included. All stages of
-  /// `psm` are held and released.
+  /// All causes alike: resets everything, the watchdog with its scratch registers included. All
+  /// stages of `psm` are held and released.
   void reset(ChipReset cause);
 
   Xosc xosc;

@@ -14,7 +14,7 @@ using boards::Role;
 constexpr unsigned sync_gpio = boards::gpio(Role::lamp_sync);
 constexpr unsigned q_switch_gpio = boards::gpio(Role::q_switch);
 constexpr unsigned tick_gpio = boards::gpio(Role::tick_line);
-/// What the image fills its stacks with (firmware/boards/rp2040/stack.hpp).
+/// The pattern that the image fills its stacks with (firmware/boards/rp2040/base/stack.hpp).
 constexpr std::uint32_t stack_paint = 0x5aa55aa5;
 constexpr std::uint32_t sram_base = 0x2000'0000;
 constexpr std::uint32_t ram_total = 256 * 1024;
@@ -32,7 +32,7 @@ std::uint32_t stack_used(const std::span<std::uint8_t> stack) {
   return static_cast<std::uint32_t>(stack.size() - clean);
 }
 
-/// What the image uses an interrupt for (firmware/boards/rp2040/interrupts.hpp).
+/// The image's use of an interrupt (firmware/boards/rp2040/base/interrupts.hpp).
 std::string purpose(const std::string& name) {
   constexpr std::array<std::array<const char*, 2>, 5> purposes{{{"IO_BANK0", "e-stop"},
                                                                 {"TIMER_1", "beat"},

@@ -1,11 +1,11 @@
 // Timing of a board as its pins show it, to the cycle: shots, steps, every pin's edges.
 //
-// In:  edges of the pads, what both cores do, the memory of their stacks.
+// In:  edges of the pads, calls of both cores, the memory of their stacks.
 // Out: the numbers of the timing table. Listens from construction on; costs some ns an edge.
 //
-// Shot phase: Q-SWITCH rise less LAMP SYNC rise less the set delay. Step error: how far an edge
-// that is a step (of STEP; of CW or CCW; of A or B) is from the place after the tick line's rise
-// where the first one was; on a board that keeps to its lattice it is always 0.
+// Shot phase: Q-SWITCH rise less LAMP SYNC rise less the set delay. Step error: deviation of a step
+// edge (of STEP; of CW or CCW; of A or B) from the position, after the tick line's rise, of the
+// first such edge; on a board that keeps to its lattice it is always 0.
 #pragma once
 
 #include <array>
@@ -28,11 +28,11 @@ struct PinEdges {
   Picoseconds shortest_low = never;
 };
 
-/// What was measured.
+/// Results of the measurement.
 struct TimingTable {
   std::uint64_t shots = 0;
   double phase_mean_ns = 0, phase_p999_ns = 0,
-         phase_worst_ns = 0;  ///< of the magnitude but for the mean
+         phase_worst_ns = 0;  ///< of the magnitude, except the mean
   std::uint64_t steps = 0;
   double step_error_worst_ns = 0;
   double cycle_ns = 8;
@@ -44,7 +44,7 @@ struct TimingTable {
   std::vector<Interrupt> interrupts;
   double interrupt_load = 0;  ///< of all interrupts, nested ones once
   double masked_longest_us = 0;
-  double planner_load = 0;  ///< time core 1 is awake; the one core plans if it never is
+  double planner_load = 0;  ///< time core 1 is awake; 0 if core 0 plans
   struct Stack {
     std::uint32_t used = 0, size = 0;
   };
@@ -61,9 +61,9 @@ class BoardTiming final : private chip::PadListener {
   BoardTiming(const BoardTiming&) = delete;
   BoardTiming& operator=(const BoardTiming&) = delete;
 
-  /// With the delay from LAMP SYNC to Q-SWITCH that was set.
+  /// Computes the table for the set delay from LAMP SYNC to Q-SWITCH.
   TimingTable table(Picoseconds delay) const;
-  /// What core 0 did with its time.
+  /// Profile of core 0.
   const chip::Profile& profile() const { return profile_; }
   /// The same of both cores.
   std::string profile_text() const { return profile_.text() + "\n" + profile1_.text(); }
@@ -92,7 +92,7 @@ class BoardTiming final : private chip::PadListener {
   std::int64_t step_error_worst_ = 0;  ///< cycles
 };
 
-/// As lines for people.
+/// The table as text.
 std::string timing_text(const TimingTable& table);
 
 }  // namespace lamplock::sim

@@ -151,12 +151,12 @@ void ChipBoard::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   const Picoseconds before = world_->next_event();
   if (outputs_[gpio]->pin == Pin::q_switch) bus_.set_attenuator(attenuator(time));
   bus_.set(outputs_[gpio]->pin, level != outputs_[gpio]->inverted, time);
-  // A lamp that was triggered has edges to come.
+  // A triggered lamp has future edges.
   if (world_->next_event() != before) plan();
 }
 
-/// A rise is the begin of a period: what is high before it falls are whole ones at full power and a
-/// part of one, whose period counts whole.
+/// A rise begins a period: the high time before a fall consists of whole periods at full power and
+/// a part of one, which counts as a whole period.
 void ChipBoard::measure_pwm(bool level, Picoseconds at) {
   settle_pwm(at);
   pwm_.level = level;
@@ -171,7 +171,7 @@ void ChipBoard::measure_pwm(bool level, Picoseconds at) {
   pwm_.ends += pwm_period;
 }
 
-/// What is known without another edge: full power, and none behind the last period.
+/// Applies what is known without another edge: full power, and none after the last period.
 void ChipBoard::settle_pwm(Picoseconds at) {
   if (pwm_.level) {
     if (at - pwm_.rose >= pwm_period) put_power(65'535, pwm_.rose);

@@ -2,13 +2,12 @@
 // a host.
 //
 // In:  an image, settings for its flash, a world. Out: the same facade as the virtual board's.
-// The pins are those of the map (shared/boards/pico_pins.hpp); the world outside of them is the
-// electronics that docs/wiring.md draws: switches normally closed to ground, drives enabled by a
-// low level, or by a high one where the settings say so; what drives take for active low has a
-// pull-up.
+// The pins are those of the map (shared/boards/pico_pins.hpp). Outside of them are the electronics
+// that docs/wiring.md draws: switches normally closed to ground; drives enabled by a low level, or
+// by a high one if set so; active-low inputs of drives have a pull-up.
 //
 // Time: the chip's wheel runs everything; the world's events are parts of it, so that a lamp edge
-// reaches the pad in its very cycle. Real time 0 is power-up; boot and enumeration take some 0.2 s.
+// reaches the pad in its exact cycle. Time 0 is power-up; boot and enumeration take some 0.2 s.
 #pragma once
 
 #include <cstdint>
@@ -37,8 +36,8 @@ class ChipBoard final : public Board,
                         private chip::PadListener,
                         private chip::Timed {
  public:
-  /// Loads the image, keeps `stored` in the flash as the board itself would, and powers up.
-  /// Throws std::runtime_error if the image cannot be used.
+  /// Loads the image, stores `stored` in the flash as the board itself would, and powers up. Throws
+  /// std::runtime_error if the image cannot be used.
   ChipBoard(const chip::Image& image, const settings::Values& stored, const WorldConfig& world,
             const ChipBoardOptions& options = {});
   ~ChipBoard() override;
@@ -49,8 +48,7 @@ class ChipBoard final : public Board,
   bool run_until_found(Picoseconds limit);
 
   std::string_view name() const override { return "chip"; }
-  /// What the host talks over from now on: the serial port at first. What it does not talk over it
-  /// does not have open.
+  /// Interface that the host uses from now on, at first the serial port; the other one is closed.
   void talk_over(chip::UsbFunction function);
 
   std::size_t write(std::span<const std::uint8_t> bytes) override {
@@ -67,13 +65,13 @@ class ChipBoard final : public Board,
   const World& world() const override { return *world_; }
   const std::vector<LatticeShot>& lattice_shots() const override { return lattice_shots_; }
 
-  /// As the stored settings have it.
+  /// Pin map of the stored settings.
   boards::PinMap map() const { return map_; }
   chip::Chip& chip() { return chip_; }
   chip::UsbHost& usb_host() { return host_; }
-  /// Power fails for a moment; the world goes on.
+  /// Short power failure; the world continues.
   void power_cut() { chip_.power_cut(); }
-  /// What the settings area of the flash holds, as the next start would read it.
+  /// Contents of the settings area of the flash, as the next start would read it.
   settings::Values stored_settings();
 
  private:
@@ -102,15 +100,15 @@ class ChipBoard final : public Board,
     bool pulled_up = false;  ///< outside: high while the board does not drive it
   };
   std::array<std::optional<Pad>, chip::gpio_count> outputs_{};
-  /// The filter behind LASER PWM.
+  /// The filter after LASER PWM.
   struct Pwm {
     bool level = false;
     Picoseconds rose = 0;
     Picoseconds ends = 0;     ///< the period that it fell in
-    std::uint16_t power = 0;  ///< told last
+    std::uint16_t power = 0;  ///< last reported
   };
   Pwm pwm_;
-  std::vector<LatticeShot> lattice_shots_;  ///< stays empty: pins do not tell lattice ticks
+  std::vector<LatticeShot> lattice_shots_;  ///< stays empty: pins do not show lattice ticks
 };
 
 }  // namespace lamplock::sim

@@ -1,7 +1,7 @@
-// Where a simulated board's bytes go in and out: the far end of the host's port.
+// The far end of the host's port: transfers the bytes of a simulated board.
 //
-// The board's driver asks now and then whether the host has sent something and offers what the
-// board sends; nothing here ever waits, and a host that comes and goes is nothing unusual.
+// The board's driver polls it for bytes of the host and offers the board's bytes; no call waits,
+// and a host may open and close the port at any time.
 #pragma once
 
 #include <cstddef>
@@ -16,17 +16,17 @@ class ByteEndpoint {
  public:
   virtual ~ByteEndpoint() = default;
 
-  /// Reads what the host has sent; 0 if nothing, or nobody is there.
+  /// Reads what the host has sent; 0 if nothing, or if no host has the port open.
   virtual std::size_t read(std::span<std::uint8_t> bytes) = 0;
 
-  /// Writes what goes now; returns how many bytes were taken. Bytes taken while nobody is there may
-  /// be lost, as on a cable that ends nowhere.
+  /// Writes without waiting; returns how many bytes were taken. Without a host, bytes taken may be
+  /// lost, as on an unconnected cable.
   virtual std::size_t write(std::span<const std::uint8_t> bytes) = 0;
 
-  /// A host has the port open.
+  /// True if a host has the port open.
   virtual bool host_present() { return true; }
 
-  /// What the host has to open.
+  /// The address that the host has to open.
   virtual std::string address() const = 0;
 };
 

@@ -20,7 +20,7 @@ namespace {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-/// Raw: no echo, no line editing, no signals, every byte as it is.
+/// Raw: no echo, no line editing, no signals, every byte unchanged.
 void make_raw(int descriptor) {
   termios settings{};
   if (::tcgetattr(descriptor, &settings) != 0) fail("pseudo-terminal");
@@ -43,7 +43,7 @@ PtyEndpoint::PtyEndpoint(std::filesystem::path link) {
       ::ptsname_r(descriptor_, name.data(), name.size()) != 0)
     fail("pseudo-terminal");
   name_ = name.data();
-  // With the host's side open once in this process, the terminal survives the host closing it.
+  // With the host's side open in this process, the terminal survives the host's closing it.
   keep_open_ = ::open(name_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (keep_open_ < 0) fail(name_);
   make_raw(keep_open_);

@@ -25,8 +25,8 @@ class PtyEndpoint : public ByteEndpoint {
 
  private:
   int descriptor_ = -1;
-  int keep_open_ = -1;  ///< our own hold on the host's side
-  int watch_ = -1;      ///< tells when others open and close that
+  int keep_open_ = -1;  ///< keeps the host's side open
+  int watch_ = -1;      ///< reports when others open and close that side
   int open_count_ = 0;  ///< how many have it open
   std::string name_;
   std::filesystem::path link_;

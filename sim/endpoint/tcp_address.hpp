@@ -12,7 +12,7 @@ struct TcpAddress {
   std::string port;
 };
 
-/// Splits HOST:PORT or [IPV6]:PORT at the last colon; nothing if a half is missing.
+/// Splits HOST:PORT or [IPV6]:PORT at the last colon; empty if a half is missing.
 std::optional<TcpAddress> parse_tcp_address(const std::string& text);
 
 }  // namespace lamplock::sim

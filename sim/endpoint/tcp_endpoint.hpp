@@ -8,12 +8,12 @@
 
 namespace lamplock::sim {
 
-/// Listens on HOST:PORT. A host that connects while another one is there takes its place: the old
-/// one may be a connection that died without a word.
+/// Listens on HOST:PORT. A host that connects replaces an earlier one, whose connection may have
+/// died without notice.
 class TcpEndpoint : public ByteEndpoint {
  public:
-  /// Port 0 lets the system choose; address() tells. Throws std::system_error if the address
-  /// cannot be used, std::invalid_argument if it is not HOST:PORT.
+  /// With port 0 the system chooses one; address() returns it. Throws std::system_error if the
+  /// address cannot be used, std::invalid_argument if it is not HOST:PORT.
   explicit TcpEndpoint(const std::string& address);
   ~TcpEndpoint() override;
   TcpEndpoint(const TcpEndpoint&) = delete;

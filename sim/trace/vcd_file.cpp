@@ -6,8 +6,8 @@
 namespace lamplock::sim {
 namespace {
 
-/// Changes older than this against the newest are written without being told: no board delivers
-/// slices of time as long as this.
+/// Changes older than this, relative to the newest one, are written without a flush(): slices of
+/// time of boards are shorter.
 constexpr Picoseconds reorder_window = 100 * ps_per_ms;
 constexpr std::size_t first_flush_size = 65'536;
 

@@ -30,7 +30,7 @@ class VcdFile {
   VcdFile& operator=(const VcdFile&) = delete;
 
   void change(std::size_t signal, bool level, Picoseconds at);
-  /// No change before `up_to` will come any more: writes all of those.
+  /// No change before `up_to` will come any more: writes all earlier ones.
   void flush(Picoseconds up_to);
   /// Writes the rest and, if later than the last change, the end of time `end`.
   void finish(Picoseconds end);

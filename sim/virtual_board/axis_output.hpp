@@ -1,10 +1,10 @@
 // The two wires of an axis, as a board drives them.
 //
 // In:  blocks of ticks with the steps of the axis by closed form (StepCursor), the time of a tick.
-// Out: levels on the bus: STEP and DIR, CW and CCW, or A and B, inverted or not; a pulse is as wide
-//      as the board's settings say. Around a reversal the guard of the firmware decides, tick by
+// Out: levels on the bus: STEP and DIR, CW and CCW, or A and B, inverted or not; the pulse width is
+//      that of the board's settings. Around a reversal the guard of the firmware decides, tick by
 //      tick, when DIR changes and which steps wait (stepper/reversal_guard.hpp).
-// Who: VirtualBoard, for every run of ticks it puts out. Costs a comparison while nothing turns.
+// Who: VirtualBoard, for every run of ticks it puts out. Costs a comparison while no axis reverses.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,9 @@
 
 namespace lamplock::sim {
 
-/// One axis.
 class AxisOutput {
  public:
-  /// At power-up: the wires go to their levels at rest.
+  /// At power-up: sets the wires to their levels at rest.
   void start(PinBus& bus, int axis, const stepper::PulseOutput& output) {
     bus_ = &bus;
     axis_ = axis;
@@ -41,14 +40,14 @@ class AxisOutput {
       step(time_of(last_step_), pulse);
     }
   }
-  /// Steps that the motion has made and the guard has not put out yet.
+  /// Steps of the motion that the guard has not put out yet.
   std::int32_t owed() const { return guard_.owed(); }
-  /// The ticks end: what is owed is not put out.
+  /// The ticks end: steps not put out are dropped.
   void stop() { guard_.begin(guard_.back()); }
 
  private:
   bool passes(const stepper::TickBlock& block, const stepper::AxisRun& run) const {
-    if (!block.moving || run.stands()) return guard_.settled();
+    if (!block.moving || run.is_at_rest()) return guard_.settled();
     return guard_.passes(run.backwards());
   }
 
@@ -100,7 +99,7 @@ class AxisOutput {
   int axis_ = 0;
   stepper::AxisPulses pulses_;
   stepper::ReversalGuard guard_;
-  std::uint64_t last_step_ = 0;  ///< tick of it; none before tick 1 (power-up stands)
+  std::uint64_t last_step_ = 0;  ///< tick of it; none before tick 1
   std::uint32_t place_ = 0;      ///< steps put out, modulo 2^32
 };
 

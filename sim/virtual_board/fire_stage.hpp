@@ -1,11 +1,11 @@
-// The fire stage: what the PIO of a real board does between LAMP SYNC and Q-switch.
+// The fire stage: models what the PIO of a real board does between LAMP SYNC and Q-switch.
 //
 // In:  edges of LAMP SYNC, the level of the arm bit, at most one token.
 // Out: Q-switch pulses; one verdict per accepted edge.
 // It works like the hardware: a rising edge that stays high for the runt filter is accepted; one
-// decision is made a fixed number of clocks after the edge, armed and with a token or not; a shot
-// starts exactly `delay` after the edge. While a pulse lasts the stage sees no edges. A shot counts
-// once its pulse has begun: an e-stop between decision and pulse takes it back.
+// decision is made a fixed number of clocks after the edge: armed or not, with or without a token;
+// a shot starts exactly `delay` after the edge. During a pulse the stage sees no edges. A shot
+// counts once its pulse has begun: an e-stop between decision and pulse cancels it.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,7 @@ class FireStage {
   /// LAMP SYNC changed.
   void sync_changed(bool level, Picoseconds at) {
     if (!level) {
-      // The filter wants the level to last: shorter is a runt.
+      // The filter requires the level to last: a shorter one is a runt.
       if (decision_ != never && at - edge_ <= filter) decision_ = never;
       return;
     }
@@ -43,11 +43,11 @@ class FireStage {
     decision_ = (clock + machine::fire_decision_clocks) * ps_per_clock;
   }
 
-  /// Time of the next thing it does; `never` if nothing.
+  /// Time of its next action; `never` if none.
   Picoseconds next_event() const { return std::min({decision_, rise_, fall_}); }
   bool decision_due(Picoseconds now) const { return decision_ <= now; }
 
-  /// Makes the decision that is due.
+  /// Makes a due decision.
   Verdict decide(bool armed, bool token) {
     const Picoseconds clock = edge_ / ps_per_clock;
     decision_ = never;
@@ -74,7 +74,7 @@ class FireStage {
     return begins;
   }
 
-  /// Firing is taken away: what has not started does not start, what lasts ends.
+  /// Withdraws firing: a pulse that has not started does not start, one in progress ends.
   void disarm(PinBus& bus, Picoseconds now) {
     rise_ = never;
     if (fall_ == never) return;

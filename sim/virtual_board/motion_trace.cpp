@@ -9,7 +9,7 @@ namespace {
 
 /// Position_after() counts in 32 bits.
 constexpr std::uint64_t longest_piece = std::uint64_t{1} << 30;
-/// What is wanted of the beat behind the window too.
+/// Beats kept after the window.
 constexpr std::int64_t beats_behind = 2;
 
 MotionPiece piece_of(const PlayedTicks& played, wire::MachineState state,
@@ -30,15 +30,15 @@ MotionPiece piece_of(const PlayedTicks& played, wire::MachineState state,
   return piece;
 }
 
-/// True if `next` only goes on with what `piece` does.
+/// True if `next` continues the motion of `piece` without a change.
 bool goes_on(const MotionPiece& piece, const MotionPiece& next) {
   if (next.first_tick != piece.end_tick() || next.state != piece.state) return false;
   if (std::uint64_t{piece.ticks} + next.ticks > longest_piece) return false;
   for (std::size_t a = 0; a < piece.axis.size(); ++a) {
-    const stepper::AxisRun &run = piece.axis[a], &behind = next.axis[a];
-    if (behind.accel_q62 != run.accel_q62) return false;
+    const stepper::AxisRun &run = piece.axis[a], &next_run = next.axis[a];
+    if (next_run.accel_q62 != run.accel_q62) return false;
     const std::int64_t rate = run.rate_q62 + run.accel_q62 * std::int64_t{piece.ticks};
-    if (behind.rate_q62 != rate) return false;
+    if (next_run.rate_q62 != rate) return false;
   }
   return true;
 }
@@ -59,10 +59,10 @@ MotionTrace::MotionTrace(VirtualBoard& board, const BeatWindow& window, Zero zer
 }
 
 std::size_t MotionTrace::nearest_beat(Picoseconds at) const {
-  const auto behind =
+  const auto not_before =
       std::lower_bound(beats_.begin(), beats_.end(), at,
                        [](const TracedBeat& beat, Picoseconds time) { return beat.at < time; });
-  const auto i = static_cast<std::size_t>(behind - beats_.begin());
+  const auto i = static_cast<std::size_t>(not_before - beats_.begin());
   if (i == 0) return 0;
   if (i == beats_.size() || at - beats_[i - 1].at < beats_[i].at - at) return i - 1;
   return i;
@@ -86,7 +86,7 @@ void MotionTrace::beat_begins(std::uint64_t tick, Picoseconds at) {
   beats_.push_back({tick, at});
   if (!zero_) return;
   const auto beat = static_cast<std::int64_t>(beats_.size() - 1 - *zero_);
-  // The pieces of a beat come behind its beginning, so those that are there lie before it.
+  // The pieces of a beat are added after its start, so all present pieces lie before it.
   if (beat <= window_.from) pieces_.clear();
   complete_ = beat > window_.to + beats_behind;
 }

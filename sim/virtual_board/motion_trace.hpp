@@ -1,12 +1,12 @@
-// What the axes of a virtual board were told to do, exactly: every stretch of constant acceleration
+// The exact commanded motion of a virtual board's axes: every stretch of constant acceleration
 // between two ticks, every beat, every shot.
 //
 // In:  the board's ticks (tick_listener.hpp) and pins. Out: pieces, beats and shots in order of
 // time. Who: pictures of motion (host/report/motion_series.hpp), tests.
 //
-// Beats are counted from the first shot, or, where nothing is to be fired, from the beat in which
-// motion begins. What lies outside the window of beats is not kept, so a job of any length can be
-// traced; what comes before beat 0 is the way to the first point.
+// Beats are counted from the first shot or, where nothing is fired, from the beat in which motion
+// begins. Only the window of beats is kept, so a job of any length can be traced; motion before
+// beat 0 leads to the first point.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ class VirtualBoard;
 struct MotionPiece {
   std::uint64_t first_tick = 0;
   std::uint32_t ticks = 0;
-  wire::MachineState state = wire::MachineState::idle;  ///< when it was put out
+  wire::MachineState state = wire::MachineState::idle;  ///< of the board at that time
   PerAxis<stepper::AxisRun> axis{};                     ///< from its first tick on
 
   std::uint64_t end_tick() const { return first_tick + ticks; }
@@ -43,13 +43,13 @@ struct BeatWindow {
   std::int64_t from = 0, to = 0;
 };
 
-/// Traces a board from now on.
+/// Traces a board from construction on.
 class MotionTrace final : private TickListener, private PinListener {
  public:
-  /// What begins a trace: its beat 0.
+  /// Event at which a trace begins: its beat 0.
   enum class Zero { first_shot, first_motion };
 
-  /// The board must not be run after the trace has gone.
+  /// The board must not run after the trace has been destroyed.
   MotionTrace(VirtualBoard& board, const BeatWindow& window, Zero zero);
   MotionTrace(const MotionTrace&) = delete;
   MotionTrace& operator=(const MotionTrace&) = delete;
@@ -57,9 +57,9 @@ class MotionTrace final : private TickListener, private PinListener {
   /// From the first motion on; no gap in ticks between them.
   const std::vector<MotionPiece>& pieces() const { return pieces_; }
   const std::vector<TracedBeat>& beats() const { return beats_; }
-  /// Index in beats() of beat 0; nothing if it did not come.
+  /// Index in beats() of beat 0; empty if it has not come.
   std::optional<std::size_t> zero() const { return zero_; }
-  /// When pulses of the Q-switch and those of LAMP SYNC began, runts left out.
+  /// Start times of Q-switch pulses, and of LAMP SYNC pulses without runts.
   const std::vector<Picoseconds>& shots() const { return shots_; }
   const std::vector<Picoseconds>& flashes() const { return flashes_; }
   /// The beat whose lattice tick is nearest; there must be beats.

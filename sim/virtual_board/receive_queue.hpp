@@ -1,6 +1,6 @@
-// Bytes of the host that wait for the virtual board's main loop, in the way of the real board's
-// ring (firmware/boards/rp2040/usb/byte_rings.hpp): commands of one byte are taken out where they
-// arrive, a reset discards what came before it, and the end of jogs leaves a mark.
+// Bytes of the host that wait for the virtual board's main loop, as in the real board's ring
+// (firmware/boards/rp2040/base/byte_rings.hpp): commands of one byte are removed where they arrive,
+// a reset discards earlier bytes, and the end of jogs leaves a mark.
 #pragma once
 
 #include <algorithm>
@@ -36,7 +36,8 @@ class ReceiveQueue {
 
   /// Takes the oldest command of one byte; false if there is none.
   bool pop_realtime(std::uint8_t& byte) { return inbox_.pop(byte); }
-  /// Takes other bytes; returns how many. Never from before and after the end of jogs at once.
+  /// Takes other bytes; returns how many. Bytes before and after the end of jogs come in separate
+  /// calls.
   std::size_t pop(std::span<std::uint8_t> out) {
     before_jog_cancel_ = to_jog_cancel_ != 0;
     const std::size_t waiting = before_jog_cancel_ ? to_jog_cancel_ : waiting_.size();

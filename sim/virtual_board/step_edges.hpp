@@ -32,10 +32,10 @@ class StepCursor {
     advance();
   }
 
-  /// Tick of the block that takes the next step; none if there is no further one.
+  /// Tick of the block that takes the next step; none if there are no more steps.
   std::uint32_t tick() const { return tick_; }
   bool backwards() const { return !up_; }
-  /// Goes on to the next step.
+  /// Advances to the next step.
   void next() { advance(); }
 
  private:
@@ -50,8 +50,8 @@ class StepCursor {
       return;
     }
     step_ += up_ ? 1 : -1;
-    // Way from the start of the block to the edge of the step, and the time it takes; floating
-    // point only guesses, the exact position decides.
+    // Travel from the start of the block to the edge of the step, and its time; floating point
+    // gives only an estimate, the exact position decides.
     const Int128 edge = Int128(up_ ? step_ : step_ + 1) << 64;
     const Int128 way = up_ ? edge - run_->position_q64 : run_->position_q64 - edge;
     const double d = static_cast<double>(way.hi()) +

@@ -1,8 +1,8 @@
-// The tick line: which tick begins when.
+// The tick line: the start time of each tick.
 //
 // In:  spans of ticks with their length in clocks, from the beat clock.
 // Out: time of a tick, tick at a time. The clocks of a span are spread evenly over its ticks, so
-//      that their sum is exact, as the hardware does it.
+//      that their sum is exact, as in the hardware.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace lamplock::sim {
 class TickLine {
  public:
   void push(const lamp::TickSpan& span) { spans_.push_back(span); }
-  /// Forgets spans that end at or before `tick`.
+  /// Drops spans that end at or before `tick`.
   void drop_before(std::uint64_t tick) {
     while (spans_.size() > 1 && spans_.front().first_tick + spans_.front().ticks <= tick)
       spans_.pop_front();

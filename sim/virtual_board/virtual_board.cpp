@@ -8,13 +8,13 @@
 namespace lamplock::sim {
 namespace {
 
-/// The main loop comes round this often.
+/// Period of the main loop.
 constexpr Picoseconds service_period = 250 * ps_per_us;
-/// Lengths of ticks and steps are handed out this far ahead.
+/// Tick lengths and steps are computed this far ahead.
 constexpr Picoseconds timing_lead = 300 * ps_per_us;
 constexpr std::uint32_t motion_lead_ticks = 2000;
 constexpr std::uint32_t span_ticks = 256;
-/// The longest block: few of them are quick, but what is filled no longer hears of a hold.
+/// Maximum block length. Long blocks save time, but a hold no longer affects what is filled.
 constexpr std::uint32_t block_ticks = 1u << 12;
 /// Full-speed USB: 19 packets of 64 bytes in a frame of 1 ms; a quarter of it per service.
 constexpr std::size_t bytes_per_service = 19 * 64 / 4;
@@ -23,7 +23,7 @@ constexpr std::size_t host_buffer = 65'536;
 /// Blocks kept after they were played, to look back from a late edge to its lattice tick.
 constexpr std::size_t remembered_blocks = 64;
 
-/// Pins of switches, and what they are for.
+/// Pins of switches and their inputs.
 struct InputPin {
   Pin pin;
   machine::Input input;
@@ -48,8 +48,8 @@ machine::BoardFeatures features_of(const settings::Values& stored) {
   return features;
 }
 
-/// The tick that begins a lag before another one. A lattice that lags behind the lamp has given no
-/// time to the tick of a shot yet: from there on ticks are as long as the last that has one.
+/// The tick that begins a lag before another one. If the lattice lags the lamp, the tick of a shot
+/// has no time yet: from there on ticks are assumed as long as the last one that has a time.
 std::uint64_t tick_before(const TickLine& line, std::uint64_t tick, Picoseconds lag) {
   const std::uint64_t end = line.end_tick();
   if (tick <= end) return line.first_tick_from(line.time_of(tick) - lag);
@@ -64,7 +64,7 @@ std::uint64_t tick_before(const TickLine& line, std::uint64_t tick, Picoseconds 
 }  // namespace
 
 VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& world,
-                           const machine::KeptProgram& kept)
+                           const machine::PersistentState& kept)
     : stored_(stored),
       kept_(kept),
       world_(std::make_unique<World>(world, bus_)),
@@ -132,7 +132,7 @@ void VirtualBoard::pin_changed(Pin pin, bool level, Picoseconds at) {
   check_outputs();
 }
 
-/// Tells the core if it does not know yet: a change, or another polarity in the settings.
+/// Reports an input to the core after a change of its level or of its polarity in the settings.
 void VirtualBoard::tell_input(Pin pin) {
   using machine::Input;
   const auto* found = std::find_if(input_pins.begin(), input_pins.end(),
@@ -149,7 +149,7 @@ void VirtualBoard::tell_input(Pin pin) {
     stop_dead();
 }
 
-/// Of the motors, as far as steps have been put out.
+/// Position of the motors: steps put out so far.
 StepPosition VirtualBoard::present_position() const {
   StepPosition steps{};
   if (!blocks_.empty()) steps = position_at_tick(std::max(played_, blocks_.front().first_tick));
@@ -193,7 +193,7 @@ void VirtualBoard::put_switched_outputs() {
   bus_.set(Pin::enable_z, outputs.z_enable, now_);
 }
 
-/// Steps that may work a switch come in short slices.
+/// Steps that may operate a switch are put out in short slices.
 Picoseconds VirtualBoard::next_look() const {
   const Picoseconds look = world_->next_look(now_);
   if (look == never) return never;
@@ -243,7 +243,7 @@ void VirtualBoard::main_loop() {
   const std::size_t received = from_host_.pop(room);
   if (received != 0) controller_->receive(room.first(received), from_host_.before_jog_cancel());
   controller_->take_settings(stored_);
-  if (const machine::KeptProgram* kept = controller_->take_kept()) kept_ = *kept;
+  if (const machine::PersistentState* kept = controller_->take_kept()) kept_ = *kept;
   controller_->prepare(static_cast<std::uint64_t>(now_ / ps_per_clock));
   if (controller_->plan_waits()) {
     while (controller_->plan()) {
@@ -267,10 +267,10 @@ void VirtualBoard::main_loop() {
 void VirtualBoard::feed_lattice() {
   while (ticks_.end_time() < now_ + timing_lead) next_span();
   while (filled_ < ticks_.end_tick() + motion_lead_ticks) {
-    // While it stands no more than has to be: what begins next would wait for it. Nor if what runs
-    // would go on so long that a real board had been told to stop.
+    // At rest, fill no more ticks than needed, because the next motion waits for their end; the
+    // same for motion that a real board would have been commanded to stop by then.
     const bool runs = controller_->runner().generator().running();
-    const bool ends_anytime = controller_->may_break_off();
+    const bool ends_anytime = controller_->may_abort_move();
     const auto missing =
         static_cast<std::uint32_t>(ticks_.end_tick() + motion_lead_ticks - filled_);
     stepper::TickBlock block;
@@ -314,7 +314,7 @@ void VirtualBoard::play(Picoseconds until) {
   }
 }
 
-/// What nobody can ask for any more.
+/// Drops ticks that are older than any look-back.
 void VirtualBoard::forget() {
   // A tick is not shorter than three quarters of a microsecond.
   const auto lag_ticks = static_cast<std::uint64_t>(longest_lag_ / (ps_per_us * 3 / 4));
@@ -341,10 +341,10 @@ void VirtualBoard::play_block(const stepper::TickBlock& block, std::uint64_t to_
   played_ = to_tick;
 }
 
-/// Up to a tick of the block.
+/// Puts out the block's laser power up to a tick.
 void VirtualBoard::play_power(const stepper::TickBlock& block, std::uint64_t to_tick) {
   if ((block.bits & stepper::gate_bit) == 0) return;
-  // In cells from where its change begins on, as fill_axes() tells it.
+  // In power cells from the start of a change on, as fill_axes() counts them.
   constexpr std::uint64_t cell = stepper::power_cell_ticks;
   const std::uint64_t end = block.first_tick + block.ticks;
   for (std::uint64_t tick = played_; tick < to_tick;) {
@@ -366,7 +366,7 @@ void VirtualBoard::tell_ticks(const stepper::TickBlock& block, std::uint64_t to_
 
 void VirtualBoard::apply_bits(std::uint8_t bits, Picoseconds at) {
   bits_ = bits;
-  // The laser first: whoever sees the other pins change looks at all outputs, as of now.
+  // The laser first: listeners to the other pins read all outputs when one of them changes.
   put_gate(at);
   if ((bits & stepper::gate_bit) == 0 && power_ != 0) {
     power_ = 0;
@@ -384,7 +384,7 @@ void VirtualBoard::put_power(Picoseconds at) {
   bus_.set_power(laser_enabled_ ? power_ : controller_->outputs().attenuator, at);
 }
 
-/// Of the motors.
+/// Position of the motors.
 StepPosition VirtualBoard::position_at_tick(std::uint64_t tick) const {
   StepPosition steps{};
   for (const auto* blocks : {&recent_blocks_, &blocks_}) {
@@ -399,7 +399,7 @@ StepPosition VirtualBoard::position_at_tick(std::uint64_t tick) const {
   return steps;
 }
 
-/// The loads at a tick of the lattice: as far as the steps were that lie a lag earlier.
+/// The loads at a tick of the lattice: they follow the steps a lag later.
 StepPosition VirtualBoard::load_at_tick(std::uint64_t tick) const {
   StepPosition steps = position_at_tick(tick);
   for (int axis = 0; axis < max_axes; ++axis) {
@@ -441,7 +441,7 @@ void VirtualBoard::take_token() {
 
 void VirtualBoard::apply_beam() {
   const machine::Outputs outputs = controller_->outputs();
-  // Closing first: no two are open together.
+  // Close shutters first, so that no two are open together.
   for (const bool level : {false, true})
     for (int channel = 0; channel < beam_channels; ++channel)
       if ((outputs.shutters >> channel & 1) == (level ? 1 : 0))
@@ -468,7 +468,7 @@ void VirtualBoard::check_outputs() {
 }
 
 void VirtualBoard::stop_dead() {
-  // The tick line stops: what was filled is lost, the steps put out so far are what counts.
+  // The tick line stops: filled ticks are lost; the steps put out so far are the position.
   fire_.disarm(bus_, now_);
   report_shot(false);
   const StepPosition steps = present_position();

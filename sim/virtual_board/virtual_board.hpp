@@ -2,14 +2,14 @@
 //
 // In:  bytes of the host, a world (lamp, drives, switches).
 // Out: bytes to the host, pins, time. Deterministic: no threads, no wall clock.
-// It drives the Controller exactly as a real board does: steps are filled 2 ms ahead, lengths of
-// ticks 0.3 ms ahead, the main loop runs every quarter millisecond, and firing is done by a model
-// of the hardware. Steps come by closed form, never tick by tick.
+// It drives the Controller exactly as a real board does: steps are filled 2 ms ahead, tick lengths
+// 0.3 ms ahead, the main loop runs every 250 us, and a model of the hardware fires. Steps are
+// computed in closed form, not tick by tick.
 //
-// A continuous laser: its gate opens and shuts on the ticks of the lattice, as on a real board;
-// its power is put out where a power cell or a block begins, and is that of the last tick of the
-// cell in the block. A real board puts out the same powers of the same cells, in
-// raster of its own: up to 100 us earlier or later.
+// A continuous laser: its gate opens and shuts on the ticks of the lattice, as on a real board. Its
+// power changes where a power cell or a block begins, and is that of the last tick of the cell in
+// the block. A real board puts out the same powers of the same cells in its own raster, up to 100
+// us earlier or later.
 #pragma once
 
 #include <cstdint>
@@ -33,9 +33,9 @@ namespace lamplock::sim {
 /// One board in its world.
 class VirtualBoard final : public Board, private PinListener {
  public:
-  /// With settings, and what programs have left behind, as a board finds them after power-up.
+  /// With settings, and the state that programs have stored, as a board finds them after power-up.
   VirtualBoard(const settings::Values& stored, const WorldConfig& world,
-               const machine::KeptProgram& kept = {});
+               const machine::PersistentState& kept = {});
   ~VirtualBoard() override;
   VirtualBoard(const VirtualBoard&) = delete;
   VirtualBoard& operator=(const VirtualBoard&) = delete;
@@ -55,16 +55,16 @@ class VirtualBoard final : public Board, private PinListener {
   World& world() override { return *world_; }
   const World& world() const override { return *world_; }
   const std::vector<LatticeShot>& lattice_shots() const override { return lattice_shots_; }
-  /// How long the main loop of the board is away to plan one window; 0 unless a slow processor is
-  /// to be imitated. Interrupts go on meanwhile.
+  /// Time that the main loop needs to plan one window; 0 unless a slow processor is imitated.
+  /// Interrupts continue meanwhile.
   void set_planning_time(Picoseconds time) { planning_time_ = time; }
-  /// The continuous laser may shine as if the core said so: for tests that have no program.
+  /// Enables the continuous laser as the core would: for tests without a program.
   void enable_laser(bool on) { laser_enabled_by_hand_ = on; }
-  /// Tells one listener about ticks from now on; it must live as long as the board runs.
+  /// Reports ticks to one listener from now on; it must live as long as the board runs.
   void listen(TickListener& listener) { listener_ = &listener; }
-  /// What the board would start with after power-up.
+  /// Settings that the board would start with after power-up.
   const settings::Values& stored_settings() const { return stored_; }
-  const machine::KeptProgram& kept_program() const { return kept_; }
+  const machine::PersistentState& kept_state() const { return kept_; }
   const machine::Controller& controller() const { return *controller_; }
   machine::Controller& controller() { return *controller_; }
 
@@ -102,8 +102,8 @@ class VirtualBoard final : public Board, private PinListener {
   StepPosition load_at_tick(std::uint64_t tick) const;
 
   settings::Values stored_;
-  machine::KeptProgram kept_;
-  machine::InputSet told_inputs_ = 0;  ///< that the core knows to be active
+  machine::PersistentState kept_;
+  machine::InputSet told_inputs_ = 0;  ///< active, as reported to the core
   PinBus bus_;
   std::unique_ptr<World> world_;
   std::unique_ptr<machine::Controller> controller_;
@@ -128,7 +128,7 @@ class VirtualBoard final : public Board, private PinListener {
   Picoseconds now_ = 0;
   Picoseconds next_service_ = 0;
   Picoseconds planning_time_ = 0;
-  Picoseconds planned_at_ = never;  ///< while the main loop plans: when it has done so
+  Picoseconds planned_at_ = never;  ///< while the main loop plans: time of the end
   ReceiveQueue from_host_;
   std::deque<std::uint8_t> to_host_;
   std::vector<LatticeShot> lattice_shots_;

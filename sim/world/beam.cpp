@@ -8,10 +8,10 @@ namespace {
 /// The last of `list` at or before a time; the end if there is none.
 template <class List>
 auto last_before(const List& list, Picoseconds at) {
-  const auto behind =
+  const auto later =
       std::upper_bound(list.begin(), list.end(), at,
                        [](Picoseconds time, const auto& each) { return time < each.at; });
-  return behind == list.begin() ? list.end() : behind - 1;
+  return later == list.begin() ? list.end() : later - 1;
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 // The continuous laser: when it shines, and with what power.
 //
-// In:  LASER GATE, LASER PWM behind its low-pass. It shines while the gate is open and there is
-//      power, as docs/wiring.md has it (the two are ANDed).
-// Out: every change of either, and what follows from them: power at any time, energy.
+// In:  LASER GATE, LASER PWM after its low-pass. The laser shines while the gate is open and there
+//      is power, as in docs/wiring.md (the two are ANDed).
+// Out: every change of either; power at any time, and energy.
 // Who: the bus. Gate and power come in order of time each, but not with each other (a duty is
-//      measured afterwards), so that what is asked for is put together when it is asked for.
+//      measured afterwards), so they are combined only when they are read.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace lamplock::sim {
 
-/// From this time on, until the next one.
+/// State from this time on, until the next change.
 struct BeamChange {
   Picoseconds at = 0;
   bool gate = false;
-  std::uint16_t power = 0;  ///< 65535 = full; what LASER PWM says, gate or not
+  std::uint16_t power = 0;  ///< 65535 = full; of LASER PWM, even with the gate closed
 
   bool shines() const { return gate && power != 0; }
-  /// Of the light.
+  /// Power of the light.
   std::uint16_t light() const { return gate ? power : std::uint16_t{0}; }
   friend bool operator==(const BeamChange&, const BeamChange&) = default;
 };
@@ -33,16 +33,15 @@ class Beam final : private PinListener, private PowerListener {
   Beam(const Beam&) = delete;
   Beam& operator=(const Beam&) = delete;
 
-  /// Everything that has happened, in order of time, from its first opening of the gate on. Made
-  /// anew with each call.
+  /// All changes in order of time, from the first opening of the gate on. Computed in each call.
   std::vector<BeamChange> changes() const;
-  /// Just after whatever changed at `at`.
+  /// State after all changes at `at`.
   BeamChange at(Picoseconds at) const;
-  /// Full power for so many seconds, over [from, to].
+  /// Energy over [from, to], in seconds at full power.
   double energy(Picoseconds from, Picoseconds to) const;
   /// Light at any time in [from, to).
   bool shone(Picoseconds from, Picoseconds to) const;
-  /// How often the gate has opened.
+  /// Number of times that the gate has opened.
   std::size_t openings() const { return openings_; }
 
  private:

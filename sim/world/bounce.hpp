@@ -1,10 +1,10 @@
-// How a contact bounces: it makes or breaks at once, then rattles for a while.
+// How a contact bounces: it makes or breaks at once, then bounces for a while.
 //
 // In:  the moment of a change.
-// Out: the times at which the contact changes once more, an even number of them, within the set
-//      time: it ends as it began.
-// Who: switches, at each change. Every contact draws from a generator of its own, the same amount
-//      for every change, so that each run and each contact bounces as it did before.
+// Out: the times of further changes, an even number of them within the set time, so that the
+//      contact ends in its new state.
+// Who: switches, at each change. Every contact has its own generator and draws the same amount for
+//      every change, so that bounces are repeatable for each run and each contact.
 #pragma once
 
 #include <algorithm>
@@ -13,12 +13,12 @@
 #include <cstdint>
 #include <span>
 
-#include "sim/time.hpp"
 #include "sim/world/random.hpp"
+#include "sim/world/time.hpp"
 
 namespace lamplock::sim {
 
-/// For how long, at most; 0 = a contact that does not bounce.
+/// Maximum duration; 0 = a contact that does not bounce.
 struct BounceConfig {
   double make_us = 0;
   double break_us = 0;

@@ -41,7 +41,7 @@ Drives::Drives(const DriveConfig& config, PinBus& bus)
   }
 }
 
-/// At power-up drives are on by the time the first step comes.
+/// At power-up drives are on before the first step comes.
 void Drives::power(Pin pin, bool on, Picoseconds at) {
   for (Axis& axis : axes_) {
     const bool on_z = (axes_of_enable_z_ >> axis.number & 1u) != 0;
@@ -68,7 +68,7 @@ void Drives::special_changed(Axis& axis, std::size_t wire, bool level, Picosecon
   axis.last_change[wire] = at;
 }
 
-/// A motor has gone one step that way.
+/// A motor has made a step in direction `way`.
 void Drives::tell(const Axis& axis, std::int32_t way, Picoseconds at) const {
   const StepPosition now = motors();
   StepPosition before = now;
@@ -96,10 +96,11 @@ void Drives::pulse_changed(Axis& axis, std::size_t wire, bool active, Picosecond
   move(axis, wire == 0 ? 1 : -1, at);
 }
 
-/// A is the first wire. Up is 00, 10, 11, 01 (A B): A changes to what B is not, or B to what A is.
+/// A is the first wire. Up is 00, 10, 11, 01 (A B): A changes to the inverse of B, or B to the
+/// value of A.
 void Drives::quadrature_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at) {
   const std::size_t other = 1 - wire;
-  // A decoder samples: of two edges in one sample it cannot tell which came first.
+  // A decoder samples: it cannot decide the order of two edges in one sample.
   if (at - axis.last_change[other] < quadrature_gap_) ++axis.faults.quadrature_jumps;
   if (at - axis.last_change[wire] < min_pulse_) ++axis.faults.short_pulses;
   const bool differ = active != axis.active[other];

@@ -1,19 +1,19 @@
-// The motor drives: integrate pulses into positions and complain as real drives would (silently).
+// The motor drives: integrate pulses into positions and count pulses that a real drive would lose.
 //
 // In:  the two wires of each of four axes, as the axis is set: STEP and DIR (a rising edge of STEP
 //      moves one step, DIR high is negative), CW and CCW (a rising edge of CW is a step up, of CCW
 //      a step down), or A and B in quadrature (every edge is a step; up while A leads).
 //      The changes of one axis come in order of time; axes may come one after the other.
-// Out: the place of the loads that the motors move (shared/kinematics.hpp: X and Y of a CoreXY,
-//      each side of a gantry with two motors by itself), now or at a time not long ago; each step,
-//      told to who wants to know; and counts of pulses that a real drive would have lost: too
-//      short, too fast, DIR changed too close to STEP, both CW and CCW high, quadrature that jumps
-//      by two, steps while its enable is low (once that has been high: before, it is taken not to
-//      be wired).
+// Out: the position of the loads that the motors move (shared/kinematics.hpp: X and Y of a CoreXY,
+//      each side of a gantry with two motors by itself), now or at a recent time; each step,
+//      reported to listeners; and counts of pulses that a real drive would have lost without
+//      notice: too short, too fast, DIR changed too close to STEP, both CW and CCW high, quadrature
+//      that jumps by two, steps while its enable is low (an enable that has never been high is
+//      taken as not wired).
 // The load follows the steps late, by a pure delay of its axis: servo, filter or closed loop.
-// A drive is a motor; loads are X, Y, Z and A, which is the second side of a gantry. One that is
-// not square at power-up has a start of A that differs from that of its axis.
-// Places: steps from the machine's own zero, which switches refer to. At power-up the load stands
+// A drive is a motor; loads are X, Y, Z and A, which is the second side of a gantry. A gantry that
+// is not square at power-up has a start of A that differs from that of its axis.
+// Positions are steps from the machine's own zero, which switches refer to. At power-up the load is
 // where the configuration says; a controller that has not homed counts from there.
 // Who: the bus calls pin_changed() for every edge; no allocation, a few nanoseconds.
 #pragma once
@@ -30,33 +30,33 @@
 
 namespace lamplock::sim {
 
-/// What the two wires of an axis mean.
+/// Meaning of the two wires of an axis.
 enum class PulseMode : std::uint8_t {
   step_dir,    ///< STEP, DIR
   cw_ccw,      ///< CW on the wire of STEP, CCW on that of DIR
   quadrature,  ///< A on the wire of STEP, B on that of DIR
 };
 
-/// What the drives can follow.
+/// Limits of the drives.
 struct DriveConfig {
   double min_pulse_ns = 400;   ///< a pulse (quadrature: any level of one wire)
   double min_period_ns = 900;  ///< step to step
   double dir_setup_ns = 200;   ///< DIR stable before the rising edge of STEP; CW low before
                                ///< the rising edge of CCW and the other way round
   double dir_hold_ns = 0;      ///< DIR stable after the rising edge of STEP
-  double wake_ms = 0;          ///< a drive takes steps so long after its enable
+  double wake_ms = 0;          ///< time from enable until a drive takes steps
   /// Axes whose enable is Pin::enable_z, a bit for each.
   unsigned axes_of_enable_z = 0;
   double quadrature_gap_ns = 100;     ///< edges of A and B closer than this count as one jump
   PerAxis<double> lag_us{};           ///< STEP to movement of the load
-  PerAxis<PulseMode> mode{};          ///< what the wires mean
+  PerAxis<PulseMode> mode{};          ///< meaning of the wires
   PerAxis<bool> first_active_low{};   ///< STEP, CW or A is inverted
   PerAxis<bool> second_active_low{};  ///< DIR, CCW or B is inverted
   Kinematics kinematics{};            ///< which motors move which loads
-  StepPosition start{};               ///< where the loads stand at power-up
+  StepPosition start{};               ///< position of the loads at power-up
 };
 
-/// Pulses outside what a drive can follow. They are counted as steps all the same.
+/// Pulses outside the limits of a drive. They are counted as steps all the same.
 struct DriveFaults {
   std::uint64_t short_pulses = 0;
   std::uint64_t fast_steps = 0;
@@ -72,13 +72,13 @@ struct DriveFaults {
   friend bool operator==(const DriveFaults&, const DriveFaults&) = default;
 };
 
-/// Somebody connected to the load of an axis: a switch, an encoder.
+/// Receives the steps of one axis, for a switch or an encoder on its load.
 class LoadListener {
  public:
   virtual ~LoadListener() = default;
-  /// Called for each step when its pulse comes; the load will be, or was, at `place` from `at` on.
-  /// In order of time for each motor, and so for each axis that has one of its own; with a lag `at`
-  /// lies ahead of the pulse.
+  /// Called for each step when its pulse comes; the load is at `place` from `at` on. In order of
+  /// time for each motor, and so for each axis that has its own motor; with a lag `at` is later
+  /// than the pulse.
   virtual void load_moves(int axis, std::int32_t place, Picoseconds at) = 0;
 };
 
@@ -92,8 +92,8 @@ class Drives final : public PinListener {
   /// Where all pulses so far take the loads.
   StepPosition position() const;
 
-  /// Load just after everything that has moved it up to and including `at`. Reaches back
-  /// `remembered_steps` steps per axis; further back it gives the oldest position it knows.
+  /// Position of the loads after all their motion up to and including `at`. Reaches back
+  /// `remembered_steps` steps per axis; before that it returns the oldest position kept.
   StepPosition position_at(Picoseconds at) const;
 
   /// Where all pulses so far take the motors, in steps.
@@ -101,16 +101,16 @@ class Drives final : public PinListener {
 
   const DriveFaults& faults(int axis) const { return axes_[index(axis)].faults; }
   std::uint64_t total_faults() const;
-  /// How late the load of an axis follows.
+  /// Delay between step and load of an axis.
   Picoseconds lag(int axis) const { return axes_[index(axis)].lag; }
   /// Shortest time between two steps that a drive follows.
   Picoseconds min_period() const { return min_period_; }
 
-  /// Tells about the steps of one axis from now on; the listener must live as long as the drives.
+  /// Reports the steps of one axis from now on; the listener must live as long as the drives.
   void listen(int axis, LoadListener& listener) {
     axes_[index(axis)].listeners.push_back(&listener);
     axes_[index(axis)].heard = true;
-    // Either of two motors moves either of their loads.
+    // Either of the two motors moves both loads.
     if (kinematics_.core_xy() && axis < 2) axes_[0].heard = axes_[1].heard = true;
   }
 

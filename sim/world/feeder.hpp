@@ -1,10 +1,11 @@
-// A feeder: a conveyor that brings sheets and takes them away, and a sensor that sees one.
+// A feeder: a conveyor that brings and removes sheets, and a sensor that detects one.
 //
 // In:  AUX OUT: high = the conveyor runs.
 // Out: AUX IN: closed to ground (low) while a sheet covers the sensor; open, as a broken wire,
-// high. Sheets lie one behind the other: when the conveyor has run over a gap the next one covers
-// the sensor, and when it has run on for a sheet that leaves it. Who: World asks for next_event()
-// and calls advance(); a comparison when nothing is due.
+//      high.
+// Sheets lie in a row: when the conveyor has run over a gap the next one covers the sensor, and
+// after a further sheet length it leaves the sensor.
+// Who: World calls next_event() and advance(); a comparison when nothing is due.
 #pragma once
 
 #include <algorithm>
@@ -14,9 +15,9 @@
 namespace lamplock::sim {
 
 struct FeederConfig {
-  Picoseconds gap = 200 * ps_per_ms;    ///< that the conveyor runs until a sheet covers the sensor
-  Picoseconds sheet = 150 * ps_per_ms;  ///< and until it leaves it
-  Picoseconds broken_from = never;      ///< the sensor's wire, for good
+  Picoseconds gap = 200 * ps_per_ms;    ///< conveyor's run until a sheet covers the sensor
+  Picoseconds sheet = 150 * ps_per_ms;  ///< and until the sheet leaves it
+  Picoseconds broken_from = never;      ///< the sensor's wire, permanently
 };
 
 /// Must live as long as the bus is driven.
@@ -51,7 +52,7 @@ class Feeder final : public PinListener {
 
  private:
   bool covered() const { return place_ >= config_.gap; }
-  /// Way to the next edge of a sheet, in time.
+  /// Run to the next edge of a sheet, in time.
   Picoseconds left() const {
     return (covered() ? config_.gap + config_.sheet : config_.gap) - place_;
   }

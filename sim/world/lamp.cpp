@@ -13,7 +13,7 @@ constexpr double runt_min_us = 0.2;
 constexpr double runt_max_us = 1.9;
 constexpr double echo_min_us = 3;
 constexpr double echo_max_us = 200;
-/// Shortest low time between two pulses, so that each stays a pulse of its own: a first pulse cut
+/// Minimum low time between two pulses, so that each remains a pulse of its own: a first pulse cut
 /// short by its echo is still at least 2.5 us wide, a valid LAMP SYNC.
 constexpr Picoseconds shortest_gap = 500 * ps_per_ns;
 
@@ -25,7 +25,7 @@ bool is_probability(double p) { return p >= 0 && p <= 1; }
 
 void check(const LampConfig& c) {
   const double period_us = 1e6 / c.frequency_hz;
-  // More than an hour or less than 10 us between flashes is no flash lamp.
+  // A lamp with more than an hour or less than 10 us between flashes is not a flash lamp.
   if (!(period_us >= 10 && period_us <= 3.6e9))
     throw std::invalid_argument("lamp frequency out of range");
   if (!(c.pulse_us > 2 && c.pulse_us <= period_us / 4))

@@ -5,14 +5,14 @@
 //      picoseconds with the remainder carried, so that it is as exact after hours as at the start;
 //      jitter moves each edge about that phase and never accumulates. A triggered lamp raises
 //      LAMP SYNC at the very time of the trigger, from inside the call that raised the trigger.
-// Who: World asks for next_event() and calls advance(); both are a comparison when nothing is due.
+// Who: World calls next_event() and advance(); both are a comparison when nothing is due.
 //
 // Counting: a flash is light. A drop-out is a period without light, a runt is noise on the wire,
 // and the second edge of a doubled flash is an echo on the wire: none of them is a flash, so a
 // doubled flash counts once. Flashes are numbered from 1; that number is the beat of a shot.
 //
 // All randomness comes from one generator; every period draws the same amount, so that switching
-// one fault on leaves the others where they were.
+// one fault on does not change the others.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@
 
 namespace lamplock::sim {
 
-/// What the lamp does; probabilities are per period, 0..1.
+/// Configuration of the lamp; probabilities are per period, 0..1.
 struct LampConfig {
   double frequency_hz = 100;    ///< nominal; in triggered mode only sets where runts may fall
   double jitter_us = 0;         ///< every edge uniformly +- this about its ideal phase
@@ -69,8 +69,8 @@ class Lamp final : public PinListener {
     Picoseconds at = 0;
   };
 
-  /// Latest flash at or before `at`; knows the last few flashes only, enough for listeners whose
-  /// board delivers its changes in slices of time shorter than a few periods.
+  /// Latest flash at or before `at`; remembers only the last few flashes, enough for listeners
+  /// whose board delivers its changes in slices of time shorter than a few periods.
   Flash flash_before(Picoseconds at) const;
 
   /// Trigger input.

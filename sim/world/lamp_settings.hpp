@@ -1,7 +1,7 @@
-// The lamp that a machine's settings are made for.
+// The lamp that matches a machine's settings.
 //
 // In:  the settings. Out: a lamp of that frequency, without a fault, which waits for its trigger
-//      where the machine gives one. Who: simulated boards of the command line and of `check`.
+//      where the machine sends one. Who: simulated boards of the command line and of `check`.
 #pragma once
 
 #include "shared/settings_table.hpp"

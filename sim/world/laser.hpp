@@ -1,8 +1,7 @@
 // The pulsed laser: records every release of its Q-switch and judges its timing.
 //
-// In:  Q-SWITCH; shutters and attenuator, flashes from the lamp and positions from the drives, both
-// asked for the time of
-//      the shot. The laser emits at the start of the pulse.
+// In:  Q-SWITCH; shutters and attenuator, flashes from the lamp and positions from the drives, all
+//      at the time of the shot. The laser emits at the start of the pulse.
 // Out: one Shot per pulse, in order, and counts of pulses that its signals do not allow: Q-SWITCH
 //      has to start at most 20 us after LAMP SYNC and to be wider than 100 us ("Mechatroniczne
 //      pozycjonowanie wiazki lasera impulsowego...", table of controller signals).
@@ -13,10 +12,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "sim/trace/shots.hpp"
 #include "sim/world/drives.hpp"
 #include "sim/world/lamp.hpp"
 #include "sim/world/pins.hpp"
+#include "sim/world/shots.hpp"
 #include "sim/world/shutters.hpp"
 
 namespace lamplock::sim {
@@ -39,7 +38,7 @@ class Laser final : public PinListener {
   std::uint64_t late_pulses() const { return late_; }
   /// Pulses before the first flash.
   std::uint64_t unlit_pulses() const { return unlit_; }
-  /// Pulses that found no shutter wholly open, or one of another channel not wholly closed.
+  /// Pulses while no shutter was fully open, or one of another channel not fully closed.
   std::uint64_t stray_pulses() const { return stray_; }
 
   /// All changes up to `complete_to` have been delivered: positions of shots before it are final.

@@ -1,10 +1,10 @@
-// The limit switches that a machine's settings are made for.
+// The limit switches that match a machine's settings.
 //
 // In:  the settings. Out: for a machine that homes ($22), a switch for each axis at the end of its
-//      work space that $23 says, as $5 wants it, and one for the second side of a gantry; the
-//      machine starts at its zero. None else: looking
-//      for switches costs a simulated board some of its speed.
-// Who: simulated boards of the command line that people talk to.
+//      work space that $23 selects, with the polarity of $5, and one for the second side of a
+//      gantry; the machine starts at its zero. No others, because switches slow a simulated board
+//      down.
+// Who: simulated boards of the command line that users operate.
 #pragma once
 
 #include <vector>

@@ -1,10 +1,10 @@
-// The photosensors of the beam channels: each sees whether a shot has made its defect.
+// The photosensors of the beam channels: each detects whether a shot has made its defect.
 //
 // In:  Q-SWITCH; the channel that the light goes through.
 // Out: PHOTOSENSOR 1..4: a pulse (wider than 10 us, "Mechatroniczne pozycjonowanie wiazki lasera
-//      impulsowego...", table of controller signals) some time after a shot that was made; faults:
-//      a defect that is not made, a sensor that sees nothing, a line that is stuck high.
-// Who: World asks for next_event() and calls advance(); a comparison when nothing is due.
+//      impulsowego...", table of controller signals) some time after a shot that made its defect;
+//      faults: a defect that is not made, a sensor that detects nothing, a line that is stuck high.
+// Who: World calls next_event() and advance(); a comparison when nothing is due.
 #pragma once
 
 #include <algorithm>
@@ -21,12 +21,12 @@ struct PhotosensorConfig {
   Picoseconds answer = 20 * ps_per_us;  ///< after the start of the Q-switch pulse
   Picoseconds width = 15 * ps_per_us;   ///< of the answer
   double failure = 0;                   ///< probability that a shot makes no defect
-  bool blind = false;                   ///< sees nothing
+  bool blind = false;                   ///< detects nothing
   bool stuck_high = false;
   std::uint64_t seed = 1;
 };
 
-/// All of them; must live as long as the bus is driven.
+/// All photosensors; must live as long as the bus is driven.
 class Photosensors final : public PinListener {
  public:
   Photosensors(const PhotosensorConfig& config, PinBus& bus, const Shutters& shutters)
@@ -51,7 +51,7 @@ class Photosensors final : public PinListener {
     }
   }
 
-  /// Of each shot, in order: has it made its defect?
+  /// For each shot, in order: whether it has made its defect.
   const std::vector<bool>& made() const { return made_; }
 
   void pin_changed(Pin /*pin*/, bool level, Picoseconds at) override {

@@ -1,7 +1,7 @@
 // The wires between a simulated board and the simulated world.
 //
-// The world knows pins and times, nothing of the firmware: the same lamp, drives and switches
-// serve the virtual board and the chip simulator, and traces listen to the same wires.
+// The world knows pins and times but not the firmware: the same lamp, drives and switches serve the
+// virtual board and the chip simulator, and traces listen to the same wires.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/time.hpp"
+#include "sim/world/time.hpp"
 
 namespace lamplock::sim {
 
@@ -65,7 +65,7 @@ constexpr Pin photosensor_pin(int channel) {
   return static_cast<Pin>(static_cast<int>(Pin::photosensor_1) + channel);
 }
 
-/// Somebody connected to the wires.
+/// Receives changes of wires.
 class PinListener {
  public:
   virtual ~PinListener() = default;
@@ -73,7 +73,7 @@ class PinListener {
   virtual void pin_changed(Pin pin, bool level, Picoseconds at) = 0;
 };
 
-/// Somebody who looks at LASER PWM behind its low-pass.
+/// Receives changes of LASER PWM after its low-pass.
 class PowerListener {
  public:
   virtual ~PowerListener() = default;
@@ -81,8 +81,8 @@ class PowerListener {
   virtual void power_changed(std::uint16_t power, Picoseconds at) = 0;
 };
 
-/// Levels of all wires and who listens to which. One wire is analogue: LASER PWM, the attenuator of
-/// a pulsed laser or the power of a continuous one.
+/// Levels and listeners of all wires. One wire is analogue: LASER PWM, the attenuator of a pulsed
+/// laser or the power of a continuous one.
 class PinBus {
  public:
   bool level(Pin pin) const { return levels_[index(pin)]; }
@@ -109,8 +109,8 @@ class PinBus {
     set(Pin::aux_out, value != 0, at);
   }
 
-  /// LASER PWM as a continuous laser sees it: its changes are told with their time, which may
-  /// be somewhat before that of the pins, since a duty is known when its period is over.
+  /// LASER PWM as a continuous laser sees it: its changes carry their time, which may be slightly
+  /// before that of the pins, since a duty is known when its period is over.
   void listen_to_power(PowerListener& listener) { power_listeners_.push_back(&listener); }
   void set_power(std::uint16_t power, Picoseconds at) {
     if (power == power_) return;

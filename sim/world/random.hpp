@@ -1,9 +1,9 @@
 // Random numbers of the simulators.
 //
 // In:  a seed. Out: the numbers of std::mt19937_64, whose output the C++ standard fixes, so that
-//      every platform draws the same. It can be given to a distribution of the library.
+//      every platform draws the same. Works as the generator of the library's distributions.
 // Who: lamp, contacts, photosensors, flash: a few draws for each of their changes. The engine is
-//      out of sight since <random> is long and nearly every file of the project includes the world.
+//      hidden because <random> is long and nearly every file of the project includes the world.
 #pragma once
 
 #include <cstdint>

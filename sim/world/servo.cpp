@@ -12,7 +12,7 @@ struct Motion {
   double way, rate;
 };
 
-/// T e' + e = 0; the rate is not free.
+/// T e' + e = 0; the error determines the rate.
 Motion first_order(double way, double t, double time_constant) {
   const double left = way * std::exp(-t / time_constant);
   return {left, -left / time_constant};
@@ -41,7 +41,8 @@ Motion second_order(Motion begin, double t, double w, double damping) {
 
 void check(const ServoConfig& c) {
   if (!(c.steps_per_rev > 0 && c.counts_per_rev > 0 && c.mm_per_rev > 0))
-    throw std::invalid_argument("steps, counts and way of a servo's revolution must be positive");
+    throw std::invalid_argument(
+        "steps, counts and travel per revolution of a servo must be positive");
   if (!(c.time_constant_ms > 0 && c.time_constant_ms < 1e6))
     throw std::invalid_argument("time constant of a servo out of range");
   if (c.order != 1 && c.order != 2)
@@ -72,7 +73,7 @@ const Servo::State& Servo::state_before(Picoseconds at) const {
   return next == states_.begin() ? states_.front() : *std::prev(next);
 }
 
-/// The same command, later.
+/// The state at a later time under the same command.
 Servo::State Servo::after(const State& state, Picoseconds at) const {
   const double t = seconds(std::max<Picoseconds>(0, at - state.at));
   const double time_constant = config_.time_constant_ms / 1000;

@@ -1,8 +1,8 @@
-// The shutters of the beam channels: they take their time to open and to close.
+// The shutters of the beam channels, with the time that they need to open and to close.
 //
 // In:  SHUTTER 1..4, high = open.
-// Out: which channel a shot goes through, and whether the way of the light is clear.
-// Who: the bus; laser and photosensors ask at the time of a shot.
+// Out: the channel of a shot, and whether the light path is clear.
+// Who: the bus; laser and photosensors read it at the time of a shot.
 #pragma once
 
 #include <array>
@@ -12,13 +12,13 @@
 
 namespace lamplock::sim {
 
-/// How long a shutter moves.
+/// Times of a shutter's motion.
 struct ShutterConfig {
   Picoseconds open = 0;
   Picoseconds close = 0;
 };
 
-/// All of them; must live as long as the bus is driven.
+/// All shutters; must live as long as the bus is driven.
 class Shutters final : public PinListener {
  public:
   Shutters(const ShutterConfig& config, PinBus& bus) : config_(config), bus_(bus) {
@@ -29,13 +29,13 @@ class Shutters final : public PinListener {
   Shutters(const Shutters&) = delete;
   Shutters& operator=(const Shutters&) = delete;
 
-  /// First channel that is told to be open; 0 if there is none.
+  /// First channel whose shutter is commanded open; 0 if there is none.
   std::uint8_t channel() const {
     for (int c = 0; c < beam_channels; ++c)
       if (bus_.level(shutter_pin(c))) return static_cast<std::uint8_t>(c);
     return 0;
   }
-  /// Exactly one shutter is open, wholly, and all others are closed, wholly.
+  /// Exactly one shutter is fully open, and all others are fully closed.
   bool clear(Picoseconds at) const {
     int open = 0;
     for (int c = 0; c < beam_channels; ++c) {

@@ -7,7 +7,7 @@
 namespace lamplock::sim {
 namespace {
 
-/// For drives that follow whatever comes.
+/// For drives without a minimum period.
 constexpr Picoseconds shortest_look = 100 * ps_per_ns;
 
 bool is_bounce(double us) { return us >= 0 && us <= 1e6; }
@@ -25,7 +25,7 @@ bool worked_by_hand(const ContactConfig& contact) {
                      [](const StepRange& range) { return range.everywhere(); });
 }
 
-/// Steps until the place crosses an end of the range, at least 1; many if it has none.
+/// Steps until the position crosses an end of the range, at least 1; many if it has no end.
 std::int64_t steps_to_edge(const StepRange& range, std::int32_t outside, std::int32_t place) {
   constexpr std::int64_t far = std::numeric_limits<std::int32_t>::max();
   const auto to = [place](std::int64_t below, std::int64_t above) {
@@ -81,7 +81,7 @@ void Switches::add(const WireConfig& config) {
     if (at > 0 && at != never) push({.at = at});
 }
 
-/// Of the wire that is being added.
+/// Adds a contact to the wire that is being added.
 void Switches::add_contact(const ContactConfig& config, bool normally_closed) {
   check(config);
   Contact contact{.config = config,
@@ -146,7 +146,7 @@ bool Switches::engaged(Pin pin) const {
   });
 }
 
-/// All that happens at one time happens together: two axes that step at once.
+/// Events at one time are applied together: two axes may step at once.
 void Switches::advance(Picoseconds to) {
   while (next_event() <= to) {
     const Picoseconds at = next_event();
@@ -184,7 +184,7 @@ bool Switches::is_engaged(const Contact& contact) {
   });
 }
 
-/// A contact that was engaged or let go changes at once and bounces afterwards.
+/// A contact that was engaged or released changes at once and bounces afterwards.
 void Switches::settle(std::size_t number, Picoseconds at) {
   Contact& contact = contacts_[number];
   const bool engaged = is_engaged(contact);

@@ -1,15 +1,16 @@
-// Switches that the machine works itself: limit and home switches, probes; also such that a hand
-// works, if they are to bounce or to break.
+// Switches that the machine works itself: limit and home switches, probes; also those worked by
+// hand, if they bounce or break.
 //
-// In:  each step of the drives; what a hand does; when a wire breaks.
+// In:  each step of the drives; actions of a hand; the times at which wires break.
 // Out: the wires' levels, each change at its exact time: that of the step that took the load over
-//      the place, and the lag of the drive. A contact rattles for a while then (bounce.hpp).
+//      the switching point, plus the lag of the drive. A contact then bounces for a while
+//      (bounce.hpp).
 // A wire is one input of the board, with a pull-up, and contacts to ground: normally closed ones in
 // series (docs/wiring.md: high = engaged or a broken wire), or normally open ones in parallel (a
 // probe: low = touches).
-// Who: the drives call load_moves() for each step of an axis that a contact looks at; World asks
-//      next_event() and calls advance(). A board that puts out steps in slices, axis after axis,
-//      ends its slice at next_look(), so that it sees a change within a step of its cause.
+// Who: the drives call load_moves() for each step of an axis that a contact depends on; World calls
+//      next_event() and advance(). A board that puts out steps in slices, axis after axis, ends its
+//      slice at next_look(), so that it sees a change within a step of its cause.
 #pragma once
 
 #include <cstdint>
@@ -24,12 +25,12 @@
 
 namespace lamplock::sim {
 
-/// Places of an axis in steps, both ends included.
+/// A range of positions of an axis in steps, both ends included.
 struct StepRange {
   std::int32_t low = std::numeric_limits<std::int32_t>::min();
   std::int32_t high = std::numeric_limits<std::int32_t>::max();
   bool everywhere() const { return *this == StepRange{}; }
-  /// Inside, or so far outside.
+  /// Inside the range, or at most `outside` steps outside.
   bool holds(std::int32_t place, std::int32_t outside = 0) const {
     return std::int64_t{place} >= std::int64_t{low} - outside &&
            std::int64_t{place} <= std::int64_t{high} + outside;
@@ -38,15 +39,15 @@ struct StepRange {
 };
 
 /// One contact. It is engaged while the load of every axis is within its range: a limit switch
-/// looks at one axis, a probe at Z alone (a plane) or at several (the top of a box). With no range
-/// at all a hand works it.
+/// depends on one axis, a probe on Z alone (a plane) or on several (the top of a box). A contact
+/// without a range is worked by hand.
 struct ContactConfig {
   PerAxis<StepRange> place{};
-  std::int32_t hysteresis_steps = 0;  ///< let go only so far outside
+  std::int32_t hysteresis_steps = 0;  ///< released only this far outside
   BounceConfig bounce{};
-  Picoseconds bridged_from = never;  ///< short across it: it conducts, whatever happens
+  Picoseconds bridged_from = never;  ///< shorted: it always conducts from then on
 
-  /// Engages from a place on upwards, or downwards.
+  /// Engages from a position on upwards, or downwards.
   static ContactConfig above(int axis, std::int32_t from, std::int32_t hysteresis_steps = 0);
   static ContactConfig below(int axis, std::int32_t from, std::int32_t hysteresis_steps = 0);
 };
@@ -56,15 +57,15 @@ struct WireConfig {
   Pin pin = Pin::limit_x;
   std::vector<ContactConfig> contacts;
   bool normally_closed = true;       ///< else open, in parallel
-  Picoseconds broken_from = never;   ///< open circuit for good
-  Picoseconds shorted_from = never;  ///< connected to ground for good, unless broken
+  Picoseconds broken_from = never;   ///< permanently open circuit
+  Picoseconds shorted_from = never;  ///< permanently connected to ground, unless broken
 };
 
-/// All of them; must live as long as the drives.
+/// All switches; must live as long as the drives.
 class Switches final : public LoadListener {
  public:
-  /// Throws std::invalid_argument if a wire has no contact, shares its pin, or a number is no
-  /// number of a switch. Levels that are not those of rest are made at time 0.
+  /// Throws std::invalid_argument if a wire has no contact, shares its pin, or a number is out of
+  /// its range. Levels that differ from those at rest are set at time 0.
   Switches(const std::vector<WireConfig>& wires, PinBus& bus, Drives& drives);
   Switches(const Switches&) = delete;
   Switches& operator=(const Switches&) = delete;
@@ -73,21 +74,21 @@ class Switches final : public LoadListener {
   Picoseconds next_event() const { return events_.empty() ? never : events_.top().at; }
   void advance(Picoseconds to);
 
-  /// Until then no step that comes after `now` can reach a contact, except the last one before it.
+  /// Until then no step after `now` can reach a contact, except the last one before it.
   Picoseconds next_look(Picoseconds now) const;
 
-  /// A hand works the contacts of a wire that have no place.
+  /// Works by hand the contacts of a wire that have no range.
   void work_by_hand(Pin pin, bool engaged, Picoseconds at);
   void break_wire(Pin pin, Picoseconds at);
   void short_wire(Pin pin, Picoseconds at);
 
-  /// As it is pressed, without bouncing and broken wires.
+  /// True if pressed, ignoring bounces and broken wires.
   bool engaged(Pin pin) const;
 
   void load_moves(int axis, std::int32_t place, Picoseconds at) override;
 
  private:
-  /// Is an axis within its range, is it within the range and the hysteresis?
+  /// Whether an axis is within its range, and whether it is within the range plus hysteresis.
   struct Nearness {
     bool inside = true;
     bool near = true;
@@ -103,7 +104,7 @@ class Switches final : public LoadListener {
     PerAxis<Nearness> now{};
     bool engaged = false;
     bool conducts = false;
-    std::uint32_t burst = 0;  ///< of bounces; what is left of an older one is not made
+    std::uint32_t burst = 0;  ///< of bounces; the rest of an older one is dropped
   };
   struct Wire {
     WireConfig config;

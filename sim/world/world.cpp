@@ -3,8 +3,7 @@
 namespace lamplock::sim {
 namespace {
 
-/// Wires that are active low have a pull-up at the drive: nothing is active before a board drives
-/// them.
+/// Active-low wires have a pull-up at the drive: none is active before a board drives it.
 PinBus& pulled_up(PinBus& bus, const DriveConfig& drives) {
   for (int axis = 0; axis < max_axes; ++axis) {
     if (drives.first_active_low[index(axis)]) bus.set(step_pin(axis), true, 0);

@@ -1,12 +1,13 @@
 // Everything outside the controller: lamp, laser, drives and the switches of the machine.
 //
-// In:  the wires that a board drives; a schedule of what people and limits do to the switches.
-// Out: the wires that the world drives, each change at its exact time; what was moved and fired.
-//      Switches that the machine works itself change with the step that took its load there.
-// Who: a board's loop. It asks next_event(), runs itself no further than that, and calls
+// In:  the wires that a board drives; a schedule of changes that people and limits make to
+//      switches.
+// Out: the wires that the world drives, each change at its exact time; motion and shots. Switches
+//      that the machine itself works change with the step that took its load there.
+// Who: a board's loop. It calls next_event(), runs itself no further than that, and calls
 //      advance(), a million times per simulated minute: two comparisons when nothing is due.
 //
-// Order: advance(to) means that the board has delivered all its changes up to the `to` of the
+// Order: when advance(to) is called, the board has delivered all its changes up to the `to` of the
 // advance() before; within such a slice its pins may come in any order between axes.
 #pragma once
 
@@ -34,7 +35,7 @@ struct WorldConfig {
   DriveConfig drives{};
   ShutterConfig shutters{};
   PhotosensorConfig photosensors{};
-  std::optional<FeederConfig> feeder{};          ///< without one AUX IN is open
+  std::optional<FeederConfig> feeder{};          ///< without it AUX IN is open
   std::vector<WireConfig> switches{};            ///< limits, probe; none: inputs at rest
   PerAxis<std::optional<ServoConfig>> servos{};  ///< axes with an encoder on the load
 };
@@ -42,20 +43,20 @@ struct WorldConfig {
 /// The world on one bus; must live as long as the bus is driven.
 class World {
  public:
-  /// Throws std::invalid_argument if the numbers make no lamp, switch or servo.
+  /// Throws std::invalid_argument if the numbers do not describe a lamp, switch or servo.
   World(const WorldConfig& config, PinBus& bus);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// Time of the next change the world will make; `never` if none is known.
+  /// Time of the next change by the world; `never` if none is known.
   Picoseconds next_event() const {
     const Picoseconds event = std::min(
         {lamp_.next_event(), next_scheduled_, photosensors_.next_event(), switches_.next_event()});
     return feeder_ ? std::min(event, feeder_->next_event()) : event;
   }
 
-  /// A board that delivers its steps in slices of time ends a slice here at the latest, so that no
-  /// step comes after one that has worked a switch before the board has seen it.
+  /// Latest end of the board's next slice of steps, so that no step follows one that has worked a
+  /// switch before the board has seen the switch.
   Picoseconds next_look(Picoseconds now) const {
     return has_switches_ ? switches_.next_look(now) : never;
   }
@@ -67,9 +68,9 @@ class World {
     now_ = std::max(now_, to);
   }
 
-  /// Sets a switch (e-stop, door, limit or any other input) at a time; one that has passed already
-  /// is made at the next advance(). Changes at the same time keep the order of the calls. Not for
-  /// the pins of `WorldConfig::switches`: those are for switches().
+  /// Sets a switch (e-stop, door, limit or any other input) at a time; a time that has passed means
+  /// the next advance(). Changes at the same time keep the order of the calls. Pins of
+  /// `WorldConfig::switches` are changed by switches() instead.
   void schedule(Pin pin, bool level, Picoseconds at);
 
   const Lamp& lamp() const { return lamp_; }
@@ -81,16 +82,16 @@ class World {
   /// Null if there is none.
   const Feeder* feeder() const { return feeder_ ? &*feeder_ : nullptr; }
   const Switches& switches() const { return switches_; }
-  /// To press one by hand, to break a wire.
+  /// Switches, to press one by hand or to break a wire.
   Switches& switches() { return switches_; }
-  /// Of an axis; null if it has none.
+  /// Servo of an axis; null if it has none.
   const Servo* servo(int axis) const {
     const std::optional<Servo>& servo = servos_[index(axis)];
     return servo ? &*servo : nullptr;
   }
 
  private:
-  /// One change of a switch that was told beforehand.
+  /// One scheduled change of a switch.
   struct Change {
     Picoseconds at;
     std::uint64_t order;

@@ -1,5 +1,5 @@
-// The planner against what the source documents measured and claim, and against the exact optimum
-// on long streams.
+// The planner against the measurements and claims of the source documents, and against the exact
+// optimum on long streams.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace lamplock::bench {
 namespace {
 
-/// Numbers of a table as published, without its heading.
+/// Numbers of a published table, without its heading.
 std::vector<std::vector<double>> read_table(const std::string& name) {
   std::ifstream file(std::string(LAMPLOCK_ROOT "/tests/data/") + name);
   std::vector<std::vector<double>> rows;
@@ -62,7 +62,7 @@ TEST(Golden, StartStopReproducesTheMeasuredTimes) {
   std::cout << "measured start-stop times: worst row " << 100 * worst << " %\n";
 }
 
-/// Rows that differ in what `same` ignores.
+/// Pairs of rows that `same` considers equal.
 template <class Same>
 std::vector<std::pair<StartStopTime, StartStopTime>> pairs(Same same) {
   std::vector<std::pair<StartStopTime, StartStopTime>> found;
@@ -83,12 +83,12 @@ TEST(Golden, BeatsDependOnAccelerationOverFrequencySquaredAlone) {
   EXPECT_EQ(two_lamps.size(), 2u);
   for (const auto& [a, b] : two_lamps) {
     EXPECT_LT(apart(measured_beats(a), measured_beats(b)), 0.01);
-    // Also each measured row from ours at the other lamp, but for the few steps of the histogram
-    // that run at full speed: these know the speed as well.
+    // Each measured row also equals ours at the other lamp, except for the few steps of the
+    // histogram that run at full speed: these depend on the speed too.
     EXPECT_LT(apart(start_stop_on_one_axis(a), measured_beats(b)), 0.015);
     EXPECT_LT(apart(start_stop_on_one_axis(b), measured_beats(a)), 0.015);
   }
-  // With the speed scaled alike, every row of one lamp is one of the other.
+  // With the speed scaled in the same way, every row of one lamp is one of the other.
   for (StartStopTime row : glass_start_stop_times) {
     const double slow = start_stop_on_one_axis(row);
     row.lamp_hz *= 2;
@@ -98,8 +98,7 @@ TEST(Golden, BeatsDependOnAccelerationOverFrequencySquaredAlone) {
   }
 }
 
-/// Beats of one step from rest to rest, at the exact time of the profile or one that is longer by a
-/// share.
+/// Beats of one step from rest to rest, at the profile's exact time or a time longer by `share`.
 double exact_beats(const StartStopTime& row, double step_um, double share = 0) {
   const double way = step_um * 1e-6, a = row.accel_m_s2, v = row.speed_m_s;
   const double time = way * a <= v * v ? 2 * std::sqrt(way / a) : way / v + v / a;
@@ -108,9 +107,9 @@ double exact_beats(const StartStopTime& row, double step_um, double share = 0) {
 
 TEST(Golden, BetweenTheLampsOnlyStepsAtFullSpeedDiffer) {
   // At equal a/f^2 the beats of a step are equal unless it runs at full speed: in twice the lamp
-  // periods the same speed goes no further. So the law of the source cannot hold exactly on a
-  // machine whose speed stays, and what our start-stop differs by is what the exact profile differs
-  // by.
+  // periods the same speed covers no more distance. So the law of the source cannot hold exactly on
+  // a machine whose speed stays, and our start-stop differs by the same amount as the exact
+  // profile.
   const std::vector<int> counts = step_counts(glass_points);
   int above = 0;
   for (const StartStopTime& slow : glass_start_stop_times) {
@@ -133,8 +132,8 @@ TEST(Golden, BetweenTheLampsOnlyStepsAtFullSpeedDiffer) {
       more += counts[i] * (other - one);
       if (step_um < 5000) most_of_a_bin = std::max(most_of_a_bin, counts[i] * (other - one));
     }
-    // Within 1 %, where no bin of the histogram stands for a hundredth of the points and has a time
-    // just at a whole beat: 1000 um at 50 Hz and 2.5 m/s2 take 2.00 beats, at the other lamp 2.05.
+    // Within 1 %, unless a bin of the histogram has a hundredth of the points and a time close to a
+    // whole beat: 1000 um at 50 Hz and 2.5 m/s2 take 2.00 beats, at the other lamp 2.05.
     EXPECT_LT(more - most_of_a_bin, 0.01 * at_slow) << slow.accel_m_s2 << " m/s2";
     EXPECT_LT(more, 0.0165 * at_slow) << slow.accel_m_s2 << " m/s2";
     above += more > 0.01 * at_slow ? 1 : 0;
@@ -170,8 +169,8 @@ TEST(Golden, FreePlanningStaysAtTheOptimumOnLongWalks) {
 
 TEST(Golden, TheLowerTheJerkTheMoreBeats) {
   const Machine machine{200, 10, 1};
-  const JerkBeats beats = jerk_beats(machine, motion::JoinMode::free, 400, 3);
-  EXPECT_DOUBLE_EQ(beats[0], walk_figures(machine, 400, 3).free) << "no limit is no limit";
+  const JerkBeats beats = jerk_beats(machine, wire::JoinMode::free, 400, 3);
+  EXPECT_DOUBLE_EQ(beats[0], walk_figures(machine, 400, 3).free) << "zero must mean no limit";
   for (std::size_t i = 1; i < beats.size(); ++i) EXPECT_GT(beats[i], beats[i - 1] * 0.99) << i;
   EXPECT_GT(beats.back(), 3 * beats.front());
   // Half the jerk is the same motion in 2^(1/3) of the time, where speeds do not matter.
@@ -180,23 +179,23 @@ TEST(Golden, TheLowerTheJerkTheMoreBeats) {
 
 TEST(Golden, PathsTakeMoreBeatsTooAndHardlyMoreWhereTheJerkIsHigh) {
   for (const Machine& machine : jerk_machines) {
-    const JerkBeats beats = jerk_beats(machine, motion::JoinMode::path, 400, 3);
+    const JerkBeats beats = jerk_beats(machine, wire::JoinMode::path, 400, 3);
     EXPECT_LT(beats[1], 1.01 * beats[0]) << machine.lamp_hz << " Hz";
-    // At 4 kHz a row takes tens of beats a point, and four labels find what they find.
+    // At 4 kHz a row takes tens of beats per point, and a search with four labels is less exact.
     const double least = machine.lamp_hz > 1000 ? 0.75 : 0.97;
     for (std::size_t i = 1; i < beats.size(); ++i)
       EXPECT_GT(beats[i], beats[i - 1] * least) << machine.lamp_hz << " Hz, " << jerk_limits[i];
   }
 }
 
-/// What path mode takes on the courses of the thesis, beats a point, on the average of many draws.
+/// Beats per point of path mode on the courses of the thesis, as the mean of many draws.
 const std::map<std::string, double> path_beats{
-    // Two beats more than points: to get going and to stop.
+    // Two beats more than points: one to start and one to stop.
     {"straight", 1.00167},
     {"circle", 1.0055},
-    // Every 15 points two lines of two beats each, those at the corner, but for the ends.
+    // Every 15 points two lines of two beats each, at the corner, except at the ends.
     {"right angle every 15 points, full stop", 1 + 160.0 / 1200},
-    // The same two lines where they are longer than the 0.1125 mm that one beat goes from 0.75
+    // The same two lines where they are longer than the 0.1125 mm that one beat covers from 0.75
     // mm/s: three in four.
     {"right angle every 15 points, jump of 0.75 mm/s", 1.1},
     {"turning back by 120 degrees every 15 points", 1.1145}};
@@ -214,14 +213,14 @@ TEST(Golden, TheExampleOfTheThesisTakesFortyPerCentLessTimeAndMore) {
     EXPECT_LE(f.free, f.optimum * 1.001);
     EXPECT_GE(f.free, f.optimum);
     EXPECT_GE(f.saved_percent(), 40);
-    // Where it turns back nobody can do better than 1.06.
+    // On a course that turns back the optimum is 1.06.
     if (row.shape != Course::zigzag) {
       EXPECT_LE(f.free, 1.02);
     }
   }
 }
 
-TEST(Golden, TheExampleIsAMeanOfDrawsThatNoOtherSeedHas) {
+TEST(Golden, TheExampleIsAMeanOfDistinctDraws) {
   const PulseCourse& row = pulse_courses[4];  // stops whatever the settings, turns back
   const motion::Limits limits = limits_of(machine_settings(
       pulse_machine.lamp_hz, pulse_machine.accel_m_s2, pulse_machine.speed_m_s, 2, 500));

@@ -1,4 +1,4 @@
-// The exact reference planner against trying everything, and its two searches against each other.
+// The exact reference planner against exhaustive search, and its two searches against each other.
 #include "host/bench/reference_planner.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace lamplock::bench {
 namespace {
 
-/// Fewest beats by every combination of beats up to `most` a segment.
+/// Fewest beats among all combinations of at most `most` beats per segment.
 class BruteForce {
  public:
   BruteForce(const ReferenceProblem& problem, int most) : problem_(problem), most_(most) {}
@@ -46,7 +46,7 @@ class BruteForce {
   long best_ = 0;
 };
 
-/// Ways up to `longest` beats^2 on some axes, directions uniform or correlated.
+/// Moves up to `longest` beats^2 on some axes, directions uniform or correlated.
 ReferenceProblem random_problem(std::mt19937_64& random, std::size_t points, double longest) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> normal;
@@ -70,7 +70,7 @@ ReferenceProblem random_problem(std::mt19937_64& random, std::size_t points, dou
   return problem;
 }
 
-TEST(ReferencePlanner, FindsWhatTryingEverythingFinds) {
+TEST(ReferencePlanner, EqualsExhaustiveSearch) {
   std::mt19937_64 random(51);
   long optimum = 0, start_stop = 0;
   for (int i = 0; i < test::scaled(1'000); ++i) {
@@ -88,7 +88,7 @@ TEST(ReferencePlanner, FindsWhatTryingEverythingFinds) {
 }
 
 TEST(ReferencePlanner, BothSearchesAgree) {
-  // More points than can be tried; the two searches drop labels for unlike reasons.
+  // Too many points for exhaustive search; the two searches drop labels for different reasons.
   std::mt19937_64 random(52);
   for (int i = 0; i < test::scaled(600); ++i) {
     const std::size_t points = 10 + random() % 25;
@@ -98,8 +98,8 @@ TEST(ReferencePlanner, BothSearchesAgree) {
   }
 }
 
-TEST(ReferencePlanner, BothSearchesAgreeWhereThereIsButOneWay) {
-  // Even rows: every bound is met exactly, and rounding must not cut off the way.
+TEST(ReferencePlanner, BothSearchesAgreeOnASingleSolution) {
+  // Regular rows: every bound is met exactly, and rounding must not remove the solution.
   std::mt19937_64 random(54);
   for (int i = 0; i < test::scaled(300); ++i) {
     ReferenceProblem problem;
@@ -127,7 +127,7 @@ TEST(ReferencePlanner, TimeCanBeReversed) {
 }
 
 TEST(ReferencePlanner, KnowsClosedForms) {
-  // One step takes 2 sqrt(d/A); an even row is run through at one point a beat, but for its ends.
+  // One step takes 2 sqrt(d/A); a regular row takes one beat per point, except at its ends.
   ReferenceProblem step;
   step.limit.fill(1000);
   step.way = {{100}};

@@ -1,5 +1,5 @@
-// The virtual board against the clock: the measured object of 16 179 points at 100 Hz and 2 m/s2,
-// sent over the link. Goal: 300 times real time without traces; aim: 1000.
+// The virtual board against wall-clock time: the measured object of 16 179 points at 100 Hz and 2
+// m/s2, sent over the link. Goal: 300 times real time without traces, ideally 1000.
 #include <benchmark/benchmark.h>
 
 #include <optional>
@@ -15,7 +15,7 @@
 namespace lamplock {
 namespace {
 
-/// Takes text and counts it.
+/// Counts the characters written to it.
 class CountingBuffer final : public std::streambuf {
  public:
   double bytes() const { return bytes_; }
@@ -34,7 +34,7 @@ class CountingBuffer final : public std::streambuf {
 
 enum class Trace { none, vcd };
 
-void board(benchmark::State& state, motion::JoinMode mode, Trace trace) {
+void board(benchmark::State& state, wire::JoinMode mode, Trace trace) {
   constexpr double lamp_hz = 100, accel_m_s2 = 2;
   job::Profile profile = job::default_profile();
   job::set_lamp_hz(profile, lamp_hz);
@@ -44,7 +44,7 @@ void board(benchmark::State& state, motion::JoinMode mode, Trace trace) {
   const job::Job job = job::make_job(
       test::histogram_walk(static_cast<std::size_t>(bench::glass_points), 1), profile, options);
   double simulated_s = 0, beats = 0, vcd_bytes = 0;
-  // NOLINTNEXTLINE(clang-analyzer-deadcode.DeadStores): the loop is the library's
+  // NOLINTNEXTLINE(clang-analyzer-deadcode.DeadStores): the library requires this loop
   for (auto _ : state) {
     sim::WorldConfig world;
     world.lamp.frequency_hz = lamp_hz;
@@ -65,16 +65,16 @@ void board(benchmark::State& state, motion::JoinMode mode, Trace trace) {
   state.counters["beats_per_point"] = beats / static_cast<double>(job.targets.size());
   if (trace == Trace::vcd) state.counters["vcd_MB"] = vcd_bytes / 1e6;
 }
-BENCHMARK_CAPTURE(board, free, motion::JoinMode::free, Trace::none)
+BENCHMARK_CAPTURE(board, free, wire::JoinMode::free, Trace::none)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(board, start_stop, motion::JoinMode::start_stop, Trace::none)
+BENCHMARK_CAPTURE(board, start_stop, wire::JoinMode::start_stop, Trace::none)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(board, free_vcd, motion::JoinMode::free, Trace::vcd)
+BENCHMARK_CAPTURE(board, free_vcd, wire::JoinMode::free, Trace::vcd)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(board, start_stop_vcd, motion::JoinMode::start_stop, Trace::vcd)
+BENCHMARK_CAPTURE(board, start_stop_vcd, wire::JoinMode::start_stop, Trace::vcd)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 

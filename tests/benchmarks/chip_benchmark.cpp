@@ -1,5 +1,5 @@
-// The simulated RP2040 with our image against the clock: idle on USB, and engraving. Goal: real
-// time, 125 million cycles a second.
+// The simulated RP2040 with our image against wall-clock time: idle on USB, and engraving. Goal:
+// real time, 125 million cycles per second.
 #include <benchmark/benchmark.h>
 
 #include "host/link/sender.hpp"
@@ -19,7 +19,7 @@ job::Profile profile() {
   return result;
 }
 
-/// Counts what passes on a board while the clock of the benchmark runs.
+/// Counts a board's cycles and simulated time while the benchmark's clock runs.
 class Meter {
  public:
   void start(sim::ChipBoard& board) {
@@ -41,7 +41,7 @@ class Meter {
   double simulated_s_ = 0, cycles_ = 0;
 };
 
-/// Runs `what` on boards that a host has just found.
+/// Runs `what` on boards that a host has just detected.
 template <typename What>
 void on_board(benchmark::State& state, What what) {
   const sim::chip::Image image = sim::chip::load_image(LAMPLOCK_IMAGE);
@@ -76,7 +76,8 @@ void chip_job(benchmark::State& state) {
   on_board(state, [&](sim::ChipBoard& board) {
     link::SimulatedTransport transport(board);
     link::JobSender sender(transport, job);
-    const sim::Picoseconds limit = board.now() + 10 * sim::ps_per_s;  // some ten times as needed
+    const sim::Picoseconds limit =
+        board.now() + 10 * sim::ps_per_s;  // about ten times the needed time
     while (sender.step() && board.now() < limit) continue;
     const link::JobResult result = sender.result();
     if (result.status.shots != job.targets.size()) state.SkipWithError("points were not fired");

@@ -1,4 +1,4 @@
-// Drawings: a million points along curves, a drawing of a hundred thousand splines read.
+// Drawings: a million points along curves, and reading a drawing of a hundred thousand splines.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// A job of a million points estimated, and shown on a page. Goals: 10 s, 1 GB; a page of 15 MB.
+// Estimating a job of a million points, and its page. Goals: 10 s, 1 GB; a page of 15 MB.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
@@ -12,12 +12,12 @@ namespace lamplock {
 namespace {
 
 /// A surface in layers, as engraved: rows of points about 0.1 mm apart.
-points::PointCloud surface(std::size_t count) {
+geometry::PointCloud surface(std::size_t count) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> jitter(-0.02, 0.02);
   constexpr double pitch_mm = 0.1, half_mm = 25;
   const auto row = static_cast<std::size_t>(2 * half_mm / pitch_mm);
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   cloud.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t line = i / row, column = line % 2 == 0 ? i % row : row - 1 - i % row;
@@ -28,7 +28,7 @@ points::PointCloud surface(std::size_t count) {
   return cloud;
 }
 
-job::Job job_of(const points::PointCloud& cloud, double lamp_hz, double accel_m_s2) {
+job::Job job_of(const geometry::PointCloud& cloud, double lamp_hz, double accel_m_s2) {
   job::Profile profile = job::default_profile();
   job::set_lamp_hz(profile, lamp_hz);
   job::set_acceleration(profile, accel_m_s2);

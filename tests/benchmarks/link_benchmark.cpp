@@ -1,6 +1,6 @@
-// What the link of the flash image carries, over the serial port and over the pulse stream: bytes
-// of frames that the firmware has parsed, and points of a job at a 4 kHz lamp. Numbers of the table
-// in docs/testing.md, in simulated time.
+// Throughput of the flash image's link, over the serial port and over the pulse stream: bytes of
+// frames that the firmware has parsed, and points of a job at a 4 kHz lamp. Numbers of the table in
+// docs/testing.md, in simulated time.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -24,7 +24,7 @@ job::Profile profile() {
   return result;
 }
 
-/// A board that a host has just found and talks to over the function of the benchmark's argument.
+/// A board that a host has just detected, with the USB function of the benchmark's argument.
 struct Desk {
   explicit Desk(const benchmark::State& state) : image(sim::chip::load_image(LAMPLOCK_IMAGE)) {
     sim::WorldConfig world;
@@ -39,7 +39,7 @@ struct Desk {
   bool found = false;
 };
 
-/// The STATUS that answers a QUERY with this tag, asked for until it comes; nothing in a second.
+/// Repeats a QUERY until its STATUS arrives and returns it; an empty one after a second.
 wire::Status ask(sim::ChipBoard& board, link::Connection& connection, std::uint32_t tag) {
   wire::Status last;
   for (int i = 0; i < 1000 && last.echo != tag; ++i) {
@@ -52,8 +52,8 @@ wire::Status ask(sim::ChipBoard& board, link::Connection& connection, std::uint3
   return last;
 }
 
-/// DATA frames of a job that nobody has begun: parsed whole, checked, counted and not taken. No
-/// more of them are under way than the board holds, as a sender counts.
+/// DATA frames of a job that has not begun: parsed whole, checked, counted and refused. As a sender
+/// does, it never has more frames under way than the board holds.
 void link_bytes(benchmark::State& state) {
   constexpr std::size_t payload_size = 400;
   // Type, session, number, CRC, STX and ETX; zeros need no escape.
@@ -88,7 +88,7 @@ BENCHMARK(link_bytes)->Arg(0)->Arg(1)->Iterations(1)->Unit(benchmark::kMilliseco
 
 /// A row of points on every beat.
 void link_points(benchmark::State& state) {
-  points::PointCloud row;
+  geometry::PointCloud row;
   for (int i = 0; i < 1400; ++i) row.push_back({-28 + 0.04 * i, 0, 0});
   const job::Job job = job::make_job(row, profile(), {});
   double rate = 0;

@@ -1,4 +1,4 @@
-// Orders of about a million points. Goal: 20 s and 1 GB on two cores; a proof in 2 s.
+// Ordering of about a million points. Goal: 20 s and 1 GB on two cores; a proof in 2 s.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
@@ -14,9 +14,9 @@
 namespace lamplock {
 namespace {
 
+using geometry::Point;
+using geometry::PointCloud;
 using order::Ordering;
-using points::Point;
-using points::PointCloud;
 
 constexpr double spacing_mm = 0.1;
 
@@ -82,7 +82,7 @@ void count(benchmark::State& state, std::size_t number) {
   state.counters["peak_MB"] = static_cast<double>(usage.ru_maxrss) / 1024;  // given in KiB
 }
 
-/// Where beats are scarce.
+/// Options for a machine on which beats are scarce.
 order::OrderOptions options() {
   order::OrderOptions options;
   options.layer_mm = 0.9 * spacing_mm;

@@ -21,7 +21,7 @@ constexpr double pitch_mm = 0.088;    // a million hits on the example
 constexpr double spacing_mm = 0.107;  // a million points on its contours
 constexpr double weld_mm = 0.09;      // the lens of f = 43 mm
 
-points::PointCloud ray_points() { return points::rays(model::example_model(), {pitch_mm}); }
+geometry::PointCloud ray_points() { return points::rays(model::example_model(), {pitch_mm}); }
 
 void count(benchmark::State& state, std::size_t number) {
   state.counters["points"] = static_cast<double>(number);
@@ -76,7 +76,7 @@ BENCHMARK(fill_solid)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 void shells(benchmark::State& state) {
   const model::Mesh mesh = model::example_model();
-  const points::PointCloud cloud = points::blue_noise(mesh, {.distance_mm = 0.1});
+  const geometry::PointCloud cloud = points::blue_noise(mesh, {.distance_mm = 0.1});
   for (auto _ : state) {
     const auto inward = points::inward_ways(mesh, cloud, 0.01);
     benchmark::DoNotOptimize(points::spread_over_shells(cloud, inward, {}));
@@ -100,13 +100,13 @@ void mesh_faults(benchmark::State& state) {
 BENCHMARK(mesh_faults)->Unit(benchmark::kMillisecond);
 
 void weld(benchmark::State& state) {
-  const points::PointCloud cloud = ray_points();
+  const geometry::PointCloud cloud = ray_points();
   for (auto _ : state) benchmark::DoNotOptimize(points::weld(cloud, weld_mm));
   count(state, cloud.size());
 }
 BENCHMARK(weld)->Unit(benchmark::kMillisecond);
 
-/// Everything; argument: thickness of a layer in um (the last: all points in one layer).
+/// All stages; argument: thickness of a layer in um (the last: all points in one layer).
 void mesh_to_ordered_points(benchmark::State& state) {
   std::size_t number = 0;
   for (auto _ : state) {

@@ -1,16 +1,15 @@
-// Lines of G-code per second of the simulated chip, beside what others do: parsed, planned and run,
-// streamed over USB by a sender that always has another line. The rate is in the chip's own time at
-// 125 MHz, so it is the same on every machine.
+// Lines of G-code per second of the simulated chip, compared with other firmware: parsed, planned
+// and run, streamed over USB by a sender that always has another line. The rate is in the chip's
+// own time at 125 MHz, so it is the same on every machine.
 //
-// Lines are 20 um long, on a spiral of some 20 mm, so a feed of 100 mm/s asks for 5000 of them a
-// second, but for what rounding to steps adds to their length: 1 % at 200 steps/mm, 3.5 % at 80.
-// Counters:
+// Lines are 20 um long, on a spiral of some 20 mm, so a feed of 100 mm/s needs 5000 lines per
+// second; rounding to steps lengthens the lines by 1 % at 200 steps/mm, 3.5 % at 80. Counters:
 //   lines_per_s      once all queues are full
-//   of_feed          of what the feed asks for, as long as they are in steps: 1 = the board keeps
-//   up core0, core1     share of the time that the core is awake x_...            times the rate of
-//   others
-// A board that is asked for more than it can do stops again and again, and may do less than it can:
-// the highest rate of these rows is what it can.
+//   of_feed          fraction of the feed's rate, by lengths in steps: 1 = the board keeps up
+//   core0, core1     fraction of the time that the core is awake
+//   x_...            multiples of other firmware's rate
+// An overloaded board stops repeatedly and may be slower than it can be: the highest rate of these
+// rows is its capacity.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -26,13 +25,13 @@
 namespace lamplock {
 namespace {
 
-/// Text lines per second of others.
-constexpr double grbl_avr = 500;         // says its author
-constexpr double cortex_m3_port = 1500;  // says a fork of grbl
-constexpr double baud_115200 = 1047;     // what a link of that speed carries, by arithmetic
+/// Text lines per second of other firmware.
+constexpr double grbl_avr = 500;         // according to its author
+constexpr double cortex_m3_port = 1500;  // according to a fork of grbl
+constexpr double baud_115200 = 1047;     // calculated capacity of a link of that speed
 
 constexpr double line_mm = 0.02, radius_mm = 20;
-/// Until all queues are full: window, lines on their way, ring of the planner.
+/// Lines until all queues are full: window, lines in transit, ring of the planner.
 constexpr std::size_t warm_up_lines = 500;
 constexpr std::size_t measured_lines = 1500;
 
@@ -59,11 +58,11 @@ std::string short_lines(std::size_t count, double feed_mm_s) {
   return text;
 }
 
-/// What a stream took of the chip.
+/// Results of a stream.
 struct Rate {
   double lines_per_s = 0;
   double core0 = 0, core1 = 0;  ///< share of time awake
-  bool complete = false;        ///< every line was taken and run
+  bool complete = false;        ///< every line was accepted and run
 };
 
 double share(const test::SleepWatch& core) {
@@ -71,7 +70,7 @@ double share(const test::SleepWatch& core) {
   return awake / (awake + static_cast<double>(core.asleep()));
 }
 
-/// Where a line ends, as it is written.
+/// End of a line as programmed.
 std::array<std::int32_t, 2> end_of(std::size_t line, double steps_per_mm) {
   const auto steps = [steps_per_mm](double mm) {
     return static_cast<std::int32_t>(std::lround(std::round(mm * 1000) / 1000 * steps_per_mm));
@@ -97,7 +96,8 @@ bool at_end_of(std::size_t lines, const sim::ChipBoard& board, double steps_per_
 
 Rate measure(sim::ChipBoard& board, double feed_mm_s, double steps_per_mm) {
   constexpr std::size_t lines = warm_up_lines + measured_lines;
-  const sim::Picoseconds end = board.now() + 60 * sim::ps_per_s;  // some fifty times as needed
+  const sim::Picoseconds end =
+      board.now() + 60 * sim::ps_per_s;  // about fifty times the needed time
   Rate rate;
   test::ProgramSender sender(board);
   sender.give(short_lines(lines, feed_mm_s));

@@ -1,14 +1,14 @@
-// Pixels per second of the simulated chip, beside what others do: a row of grey pixels, each of
-// another power than its neighbours, or in runs of one to four alike as in line art, streamed over
-// USB by a sender that always has another line.
+// Pixels per second of the simulated chip, compared with other firmware: a row of grey pixels, each
+// with another power than its neighbours, or in equal runs of one to four as in line art, streamed
+// over USB by a sender that always has another line.
 // The rate is in the chip's own time at 125 MHz, so it is the same on every machine.
 //
 // A run is a line of its own, as senders for grbl write them, one value in a list of powers
-// (docs/gcode.md), or two bytes in a job of rows (docs/wire-format.md). Counters:
+// (docs/gcode.md), or two bytes in a row job (docs/wire-format.md). Counters:
 //   pixels_per_s     over the middle of the row
-//   of_feed          of what the feed asks for: 1 = the board keeps up
-//   core0, core1     share of the time that the core is awake
-//   x_...            times the rate of others, 0.1 mm a pixel
+//   of_feed          fraction of the feed's rate: 1 = the board keeps up
+//   core0, core1     fraction of the time that the core is awake
+//   x_...            multiples of other firmware's rate, 0.1 mm per pixel
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -30,14 +30,14 @@
 namespace lamplock {
 namespace {
 
-/// Pixels per second of others, their own images in emulation, a line a pixel.
+/// Pixels per second of other firmware, its own images in emulation, a line per pixel.
 constexpr double grbl_avr = 343, grblhal_rp2040 = 2339;
 
 constexpr int row_pixels = 2000;
-/// Where the rate is measured: behind the way to full speed, before the way to a stop.
+/// Part of the row in which the rate is measured: after acceleration, before braking.
 constexpr double measured_from = 0.3, measured_to = 0.8;
 constexpr std::size_t longest_list = 240;  // of 256 characters
-/// Of a job of rows: the planner knows whole lines alone, and the table has 1024 places.
+/// For a row job: the planner needs whole lines, and the table has 1024 places.
 constexpr std::size_t runs_a_line = 48;
 
 /// 10 m/s2, 1 m/s, no lamp, 200 steps/mm.
@@ -55,7 +55,7 @@ settings::Values machine() {
 /// How a row is sent.
 enum class Form { lines, lists, frames };
 
-/// So many pixels alike, and their power in thousandths.
+/// A number of equal pixels, and their power in thousandths.
 struct Run {
   int pixels = 0;
   unsigned power = 0;
@@ -86,7 +86,7 @@ std::string row(double pixel_mm, double feed_mm_s, bool lists, unsigned longest_
   return text;
 }
 
-/// The same for a job of rows.
+/// The row as lines of a row job.
 std::vector<test::PixelLine> row_lines(double pixel_mm, double feed_mm_s, unsigned longest_run) {
   std::vector<test::PixelLine> lines;
   test::PixelLine line;
@@ -120,7 +120,7 @@ class RowSender {
     if (form_ == Form::frames) return frames_.step(std::chrono::microseconds(100));
     text_.step();
   }
-  /// True if all was taken and run.
+  /// True if everything was accepted and run.
   bool run_until_idle(sim::Board& board, sim::Picoseconds end) {
     if (form_ != Form::frames)
       return text_.run_until_answered(end) && text_.errors() == 0 && text_.run_until_idle(end);

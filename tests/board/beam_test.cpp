@@ -1,5 +1,5 @@
-// Channels, shutters, attenuator, photosensors: a shot goes through the one shutter that is open,
-// with the energy of its point, and a shot that was not made is made again.
+// Channels, shutters, attenuator, photosensors: a shot passes the only open shutter with the energy
+// of its point, and a failed shot is repeated.
 #include <gmock/gmock.h>
 
 #include "tests/board/board_cable.hpp"
@@ -9,7 +9,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Two shutters that are told to be open at a time, and for how long each was not.
+/// Detects two shutters commanded open at the same time, and measures closed times.
 class ShutterMonitor final : public sim::PinListener {
  public:
   explicit ShutterMonitor(sim::PinBus& bus) : bus_(bus) {
@@ -30,7 +30,7 @@ class ShutterMonitor final : public sim::PinListener {
   int openings_ = 0;
 };
 
-/// A machine with shutters as slow as its settings say.
+/// A machine whose shutters take the times of its settings.
 class BeamRig : public testing::Test {
  protected:
   void set_up(std::uint64_t seed) {
@@ -51,12 +51,12 @@ class BeamRig : public testing::Test {
     set(Id::shutter_close, close_ms);
     world_.shutters = {open_ms * ps_per_ms, close_ms * ps_per_ms};
   }
-  /// Runs of points through one channel and energy each, with passes in between.
+  /// Groups of points share a channel and an energy, with passing points between.
   void make_job(std::size_t points, double change, double pass = 0) {
     job_ = job::make_job(histogram_walk(points, random_()), profile_, {});
     std::uint8_t channel = 0;
     std::uint16_t energy = 0;
-    for (motion::Target& target : job_.targets) {
+    for (wire::Target& target : job_.targets) {
       if (chance(change)) channel = static_cast<std::uint8_t>(random_() % sim::beam_channels);
       if (chance(change)) energy = static_cast<std::uint16_t>(random_());
       target.channel = channel;
@@ -78,7 +78,7 @@ class BeamRig : public testing::Test {
     start();
     return finish(*sender_);
   }
-  /// To the end of the job; a test that would run for ever fails instead.
+  /// Runs to the end of the job; a test that would never end fails.
   link::JobResult finish(link::JobSender& sender) {
     const sim::Picoseconds end = rig_->board.now() + 300 * ps_per_s;
     while (sender.step()) {
@@ -90,7 +90,7 @@ class BeamRig : public testing::Test {
   }
   bool chance(double p) { return static_cast<double>(random_() >> 11) * 0x1p-53 < p; }
 
-  /// Every shot in its turn, through its channel, with its energy; one more for each not made.
+  /// Shots are in order, through their channel, with their energy; each failed shot adds one.
   void expect_shots() const {
     const auto& made = rig_->board.world().photosensors().made();
     const sim::Shots& shots = rig_->shots();
@@ -103,7 +103,7 @@ class BeamRig : public testing::Test {
     skip_passes();
     for (std::size_t i = 0; i < shots.size(); ++i) {
       ASSERT_LT(point, job_.targets.size());
-      const motion::Target& target = job_.targets[point];
+      const wire::Target& target = job_.targets[point];
       if (target.energy != 0) energy = target.energy;
       ASSERT_EQ(rig_->board.lattice_shots()[i].steps, target.steps) << "shot " << i;
       ASSERT_EQ(shots[i].channel, target.channel) << "shot " << i << " point " << point;
@@ -125,7 +125,7 @@ class BeamRig : public testing::Test {
     return static_cast<std::uint32_t>(std::count(made.begin(), made.end(), false));
   }
 
-  std::string said_;  ///< by the machine
+  std::string said_;  ///< text from the machine
   std::mt19937_64 random_;
   job::Profile profile_;
   sim::WorldConfig world_;
@@ -149,7 +149,7 @@ TEST_F(BeamRig, EveryShotGoesThroughItsShutter) {
     ASSERT_NO_FATAL_FAILURE(expect_shots());
     expect_sound(*rig_, profile_.settings);
     expect_ledger(*rig_, result.status);
-    // No flash is missed for the sake of a shutter.
+    // A shutter never causes a missed flash.
     if (seed % 3 == 0) {
       EXPECT_EQ(rig_->board.controller().runner().misses(), 0u);
     }
@@ -158,14 +158,14 @@ TEST_F(BeamRig, EveryShotGoesThroughItsShutter) {
   }
 }
 
-/// Without changes, and without shutters that need time, everything is as it was: to the step.
+/// Shutters that need no time and are never changed alter nothing: the steps are the same.
 TEST_F(BeamRig, ShuttersThatNeedNoTimeCostNone) {
   set_up(0);
   make_job(200, 0);
   ASSERT_EQ(run().end, link::JobEnd::done);
   const std::unique_ptr<Rig> plain = std::move(rig_);
   const job::Job same = job_;
-  for (motion::Target& target : job_.targets) {
+  for (wire::Target& target : job_.targets) {
     target.channel = static_cast<std::uint8_t>(random_() % sim::beam_channels);
     target.energy = static_cast<std::uint16_t>(random_() | 1);
   }
@@ -174,10 +174,10 @@ TEST_F(BeamRig, ShuttersThatNeedNoTimeCostNone) {
   ASSERT_EQ(plain->shots().size(), rig_->shots().size());
   for (std::size_t i = 0; i < plain->shots().size(); ++i)
     EXPECT_EQ(plain->shots()[i].at, rig_->shots()[i].at);
-  // Shutters that need time and are never changed cost their opening, once.
+  // Slow shutters that are never changed cost their opening time once.
   job_ = same;
   slow_shutters(100, 100);
-  for (motion::Target& target : job_.targets) target.channel = 2;
+  for (wire::Target& target : job_.targets) target.channel = 2;
   ASSERT_EQ(run().end, link::JobEnd::done);
   EXPECT_EQ(shutters_->openings(), 1);
   const auto length = [](const Rig& rig) { return rig.shots().back().at - rig.shots()[0].at; };
@@ -200,7 +200,7 @@ TEST_F(BeamRig, AChangeTakesTheTimeOfTheShuttersAndNoMore) {
     const auto ms = (rig_->shots()[20].at - rig_->shots()[19].at) / ps_per_ms;
     const int wait = std::max(open + close, settle);
     EXPECT_GE(ms, wait);
-    // The way to the point, the margins at a start, the beat.
+    // The move to the point, the margins at a start, the beat.
     EXPECT_LE(ms, wait + 70);
     EXPECT_GE(beats_of(rig_->status(), BeatReason::protection),
               static_cast<unsigned>(wait / 10 - 1));
@@ -208,9 +208,9 @@ TEST_F(BeamRig, AChangeTakesTheTimeOfTheShuttersAndNoMore) {
   }
 }
 
-/// More points than the queue holds: a run that ends at a change is planned as soon as that is
-/// seen.
-TEST_F(BeamRig, ChangesInALongJobStarveNobody) {
+/// More points than the queue holds: a run that ends at a change is planned as soon as the change
+/// is known.
+TEST_F(BeamRig, ChangesInALongJobCauseNoStarvation) {
   set_up(0);
   slow_shutters(5, 5);
   make_job(1800, 0);
@@ -221,7 +221,7 @@ TEST_F(BeamRig, ChangesInALongJobStarveNobody) {
   ASSERT_NO_FATAL_FAILURE(expect_shots());
   EXPECT_EQ(result.status.starvations, 0u);
   EXPECT_EQ(shutters_->openings(), 24);
-  // Twice 5 ms and what a start costs.
+  // Twice 5 ms and the time of a start.
   EXPECT_LE(beats_of(result.status, BeatReason::protection), 24 * 4u);
 }
 
@@ -244,7 +244,7 @@ TEST_F(BeamRig, ClosesInHoldAndDoorAndOpensInTimeAgain) {
       cable_->at(at + ps_per_ms, [this] {
         if (rig_->state() != MachineState::run) expect_closed();
       });
-      // At once, while the shutter is still closing, or later.
+      // Resumes while the shutter is still closing, or later.
       cable_->at(at + (door ? 60 : 2) * ps_per_ms, [this] { sender_->resume(); });
     }
     const link::JobResult result = finish(*sender_);
@@ -261,7 +261,7 @@ TEST_F(BeamRig, ClosesAtTheEStopAndWhenNoPointsCome) {
   start();
   while (rig_->shots().size() < 40 && sender_->step()) {
   }
-  // The host has gone; its points run out, the dead man is off.
+  // The host is gone, its points run out, and the dead man's timeout is off.
   EXPECT_TRUE(rig_->board.bus().level(sim::Pin::shutter_1));
   rig_->board.world().schedule(sim::Pin::estop, true, rig_->board.now() + ps_per_ms);
   rig_->run(ps_per_ms + 10 * ps_per_us);
@@ -314,7 +314,7 @@ TEST_F(BeamRig, RepeatsSurviveHoldsAndStops) {
     set_up(static_cast<std::uint64_t>(seed));
     world_.photosensors.failure = 0.2;
     world_.photosensors.seed = random_();
-    world_.photosensors.answer = 3 * ps_per_ms;  // time for everything to happen before it
+    world_.photosensors.answer = 3 * ps_per_ms;  // long enough for any event before the answer
     set(Id::shot_check, 2);
     set(Id::sensor_time, 5'000);
     set(Id::shot_repeats, 20);
@@ -360,7 +360,7 @@ TEST_F(BeamRig, ASensorThatSeesNothingHoldsTheJob) {
     EXPECT_EQ(rig_->shots().size(), 4u);
     EXPECT_EQ(rig_->status().first_unfired, 0u);
     expect_closed();
-    cable_->type("~");  // somebody has looked
+    cable_->type("~");  // the user resumes
     while (rig_->board.now() < 6 * ps_per_s && sender_->step()) {
     }
     EXPECT_EQ(rig_->state(), MachineState::hold);
@@ -369,7 +369,7 @@ TEST_F(BeamRig, ASensorThatSeesNothingHoldsTheJob) {
   }
 }
 
-TEST_F(BeamRig, AnAnswerThatComesTooLateIsNone) {
+TEST_F(BeamRig, ALateAnswerIsIgnored) {
   for (const int answer_us : {190, 210}) {
     set_up(0);
     world_.photosensors.answer = answer_us * ps_per_us;
@@ -382,7 +382,7 @@ TEST_F(BeamRig, AnAnswerThatComesTooLateIsNone) {
   }
 }
 
-/// Another channel's sensor is no proof.
+/// Another channel's sensor does not confirm the shot.
 TEST(BeamPath, TheSensorOfTheChannelCounts) {
   lamp::ShotScheduler shots;
   lamp::BeatClock clock;
@@ -408,7 +408,7 @@ TEST(BeamPath, TheSensorOfTheChannelCounts) {
   EXPECT_TRUE(shots.point_pending());
   shots.photosensors(4, 5600);
   ASSERT_TRUE(shots.outcome(outcome));
-  EXPECT_EQ(outcome.outcome, lamp::Outcome::fired);
+  EXPECT_EQ(outcome.outcome, lamp::ShotResult::fired);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Programs with M130: every end of a feed move is one shot at its place and on a beat, in order,
-// whatever comes between; none in rapids, without the lock, or after what ends it.
+// Programs with M130: every end of a feed move fires one shot at its place, on a beat and in order,
+// whatever happens between; no shot in rapids, without the lock, or after an abort.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -28,7 +28,7 @@ StepPosition steps_at(double x, double y, double z = 0) {
   return {steps(x), steps(y), steps(z)};
 }
 
-/// Locked and unlocked parts by turns, inside a cube of 20 mm; knows what is to be fired.
+/// Alternates locked and unlocked parts inside a cube of 20 mm; knows the shots to be fired.
 class LockedProgram {
  public:
   explicit LockedProgram(std::uint64_t seed) : random_(seed) { text_ = "G21 G90 F12000\n"; }
@@ -90,13 +90,13 @@ class BeatLock : public testing::Test {
     host_ = std::make_unique<ProgramHost>(*rig_);
     random_.seed(seed);
   }
-  /// The first of them have been fired, each once and in order, and nothing else.
+  /// The first of these shots (with `all`: every shot) were fired once and in order, and no other.
   void expect_fired(const std::vector<StepPosition>& wanted, bool all = true) {
     expect_places(wanted, all);
     expect_good_pulses();
   }
-  /// The same, and every axis has kept its limits: lines go round corners with a speed, points of a
-  /// path do not.
+  /// As expect_fired(), and every axis kept its limits: unlike points of a path, lines pass corners
+  /// at a speed above zero.
   void expect_fired_within_limits(const std::vector<StepPosition>& wanted, bool all = true) {
     expect_places(wanted, all);
     expect_sound(*rig_, profile_.settings);
@@ -120,7 +120,7 @@ class BeatLock : public testing::Test {
     EXPECT_EQ(rig_->board.controller().shots().stray_shots(), 0u);
     EXPECT_FALSE(rig_->board.controller().runner().underrun());
   }
-  /// Streams what is left while `disturb` is called now and then.
+  /// Streams `text` and calls `disturb` now and then.
   template <class Disturb>
   void stream(const std::string& text, Disturb disturb) {
     std::size_t sent = 0, lines = 0, known = 0;
@@ -146,7 +146,7 @@ class BeatLock : public testing::Test {
     rig_->board.world().schedule(sim::Pin::door, open, rig_->board.now());
   }
   StepPosition stood() {
-    host_->run_ms(5);  // what is filled is put out
+    host_->run_ms(5);  // until the ticks handed out are over
     return rig_->board.world().drives().position();
   }
   /// From the first step to the last step or shot.
@@ -161,9 +161,9 @@ class BeatLock : public testing::Test {
     for (const auto& fire : rig_->monitor.fires()) last = std::max(last, fire.rise);
     return sim::seconds(last - first);
   }
-  /// From now on nothing fires any more, and after a while nothing moves.
+  /// From now on nothing fires, and after a while nothing moves.
   void expect_quiet() {
-    host_->run_ms(1);  // until it is seen, and a shot that the hardware had decided is over
+    host_->run_ms(1);  // until the event is detected and a shot that the hardware has begun is over
     const std::size_t shots = rig_->shots().size();
     host_->run_ms(300);
     EXPECT_EQ(rig_->shots().size(), shots);
@@ -194,14 +194,14 @@ TEST_F(BeatLock, FiresOnceAtEveryEndOfAFeedMoveAndNowhereElse) {
   }
 }
 
-/// Each part may begin a beat earlier or later, and end so: what is known of the lines behind a
-/// point when it is planned depends on when they came.
-TEST_F(BeatLock, TakesTheTimeThatCheckSays) {
+/// Each part may begin and end a beat earlier or later: how many lines after a point are known when
+/// it is planned depends on when they arrived.
+TEST_F(BeatLock, TakesTheTimeThatCheckPredicts) {
   constexpr int parts = 6;
   for (int seed = 0; seed < scaled(18); ++seed) {
     SCOPED_TRACE(seed);
     start(static_cast<std::uint64_t>(seed));
-    if (jitter_ || seed % 6 == 0) continue;  // check knows of a lamp without a fault
+    if (jitter_ || seed % 6 == 0) continue;  // check assumes a lamp without faults
     const LockedProgram program = LockedProgram(static_cast<std::uint64_t>(seed)).parts(parts);
     const auto plan = program_run::run_program(program.text(), profile_.settings, 1);
     ASSERT_TRUE(plan.problems.empty());
@@ -213,8 +213,8 @@ TEST_F(BeatLock, TakesTheTimeThatCheckSays) {
   }
 }
 
-/// More points than can wait, and fewer than make a window: without M131 or an end, too.
-TEST_F(BeatLock, RunsWhatWasTakenThoughNobodySaysThatItIsAll) {
+/// More points than the board can hold, fewer than a window; also without M131 or a program end.
+TEST_F(BeatLock, RunsAcceptedPointsWithoutAnEndMark) {
   for (const int count : {1, 5, 35, 36, 37, 300, 1500}) {
     for (const bool free : {false, true}) {
       SCOPED_TRACE(testing::Message() << count << (free ? " free" : " path"));
@@ -224,7 +224,7 @@ TEST_F(BeatLock, RunsWhatWasTakenThoughNobodySaysThatItIsAll) {
       ASSERT_NO_FATAL_FAILURE(expect_fired_within_limits(program.shots()));
       EXPECT_EQ(stood(), program.end());
       EXPECT_THAT(host_->status(), StartsWith("<Idle|"));
-      // And goes on as if nothing had been.
+      // The program then continues as usual.
       const std::size_t before = rig_->shots().size();
       ASSERT_TRUE(host_->stream("G1 X1 F6000\nX2\nM131\nX3\n"));
       EXPECT_EQ(rig_->shots().size(), before + 2);
@@ -253,7 +253,7 @@ TEST_F(BeatLock, HoldsAndDoorsCostTimeAndNoPoint) {
         ++held;
         EXPECT_FALSE(rig_->board.controller().outputs().fire_enable);
         if (door) {
-          host_->send("~");  // not while it is open
+          host_->send("~");  // no effect while the door is open
           host_->run_ms(2);
           EXPECT_EQ(rig_->state(), MachineState::door);
         }
@@ -263,7 +263,7 @@ TEST_F(BeatLock, HoldsAndDoorsCostTimeAndNoPoint) {
       host_->send("~");
     });
     EXPECT_GT(held, 0);
-    // A door that is open while the machine is idle refuses lines; that ends the comparison.
+    // While the machine is idle, an open door refuses lines; then there is nothing to compare.
     if (std::count(host_->answers().begin(), host_->answers().end(), "ok") !=
         static_cast<std::ptrdiff_t>(host_->answers().size()))
       continue;
@@ -272,7 +272,7 @@ TEST_F(BeatLock, HoldsAndDoorsCostTimeAndNoPoint) {
   }
 }
 
-/// What was fired is a beginning of what was to be fired; afterwards there is no lock.
+/// The shots fired are the first of the program's shots; after the reset the lock is off.
 TEST_F(BeatLock, AResetDropsTheRest) {
   for (int seed = 0; seed < scaled(18); ++seed) {
     SCOPED_TRACE(seed);
@@ -294,15 +294,15 @@ TEST_F(BeatLock, AResetDropsTheRest) {
     host_->send("$X\n");
     host_->run_ms(2);
     EXPECT_THAT(host_->ask("G90 G1 X1 Y1 Z1 F6000\nG0 X0\n"), Each("ok"));
-    ASSERT_TRUE(host_->stand());
+    ASSERT_TRUE(host_->wait_for_rest());
     EXPECT_EQ(stood(), steps_at(0, 1, 1));
     EXPECT_EQ(rig_->shots().size(), shots);
   }
 }
 
-/// Bytes of all kinds, lines, doors at random moments, on a board that is slow now and then: what
-/// is fired is an end of a feed move in a locked line, fired no more often than it was asked for;
-/// limits hold; after a reset a plain program runs and fires nothing.
+/// Random bytes, lines and door events on a board that is slow now and then: every shot is at an
+/// end of a feed move in a locked line, at most as often as programmed; limits hold; after a reset
+/// a plain program runs and fires nothing.
 TEST_F(BeatLock, KeepsToItsPointsWhateverHappens) {
   constexpr std::string_view bytes = "!~?\x84\x85\x90\x91\x92\x93\x94\x95\x96\x97\x99\xa0\xa1";
   const std::vector<std::string> lines{"M130 P0", "M130 P1", "M131", "M2",     "G4 P0.02",
@@ -315,7 +315,7 @@ TEST_F(BeatLock, KeepsToItsPointsWhateverHappens) {
     if (seed % 4 == 1) rig_->board.set_planning_time(3 * ps_per_ms);
     std::vector<StepPosition> asked;
     std::size_t lines_sent = 0;
-    // Never more than the board has room for: it may be held for long.
+    // At most as many lines as the board has room for: it may be held for long.
     const auto send_line = [&](const std::string& line) {
       if (lines_sent >= host_->answers().size() + 15) return false;
       host_->send(line + "\n");
@@ -330,7 +330,7 @@ TEST_F(BeatLock, KeepsToItsPointsWhateverHappens) {
       if (now_and_then(5)) host_->send("~");
       if (now_and_then(200)) {
         host_->send(reset_byte);
-        host_->run_ms(5);  // what waited is gone, and gets no answer
+        host_->run_ms(5);  // waiting lines are dropped and get no answer
         lines_sent = host_->answers().size();
       }
       if (now_and_then(50)) open_door(now_and_then(4));
@@ -351,7 +351,7 @@ TEST_F(BeatLock, KeepsToItsPointsWhateverHappens) {
     host_->run_ms(1500);
     const auto& shots = rig_->board.lattice_shots();
     ASSERT_EQ(shots.size(), rig_->shots().size());
-    // In order, each from behind the one before: none twice, none elsewhere.
+    // Each shot is found after the one before: in order, none twice, none elsewhere.
     auto from = asked.begin();
     for (std::size_t i = 0; i < shots.size(); ++i) {
       from = std::find(from, asked.end(), shots[i].steps);
@@ -384,7 +384,7 @@ TEST_F(BeatLock, AnEmergencyStopFiresNothingMore) {
     EXPECT_EQ(rig_->state(), MachineState::estop);
     expect_quiet();
     EXPECT_EQ(rig_->shots().size(), shots);
-    // It may cut a pulse short.
+    // The e-stop may cut a pulse short.
     ASSERT_NO_FATAL_FAILURE(expect_places(program.shots(), false));
     EXPECT_EQ(host_->position(), stood());
     rig_->board.world().schedule(sim::Pin::estop, false, rig_->board.now());
@@ -393,13 +393,13 @@ TEST_F(BeatLock, AnEmergencyStopFiresNothingMore) {
     EXPECT_THAT(host_->ask("$X\n"), Contains("ok"));
     EXPECT_THAT(host_->ask("$G\n"), Not(Contains(HasSubstr("M130"))));
     EXPECT_THAT(host_->ask("G90 G1 X1 Y1 Z1 F6000\n"), Each("ok"));
-    ASSERT_TRUE(host_->stand());
+    ASSERT_TRUE(host_->wait_for_rest());
     EXPECT_EQ(stood(), steps_at(1, 1, 1));
     EXPECT_EQ(rig_->shots().size(), shots);
   }
 }
 
-/// A lamp that is not there yet, or that warms up: the machine waits for it and loses no point.
+/// If the lamp is still off or warms up, the machine waits for it and loses no point.
 TEST_F(BeatLock, WaitsForTheLamp) {
   profile_ = lamp_profile(100);
   profile_.settings.set_milli(Id::lamp_warm_up, 50'000);
@@ -410,13 +410,13 @@ TEST_F(BeatLock, WaitsForTheLamp) {
   host_->run_ms(1400);
   EXPECT_THAT(host_->status(), StartsWith("<Run|"));
   EXPECT_TRUE(rig_->shots().empty());
-  ASSERT_TRUE(host_->stand());
+  ASSERT_TRUE(host_->wait_for_rest());
   ASSERT_NO_FATAL_FAILURE(expect_fired(program.shots()));
 }
 
-TEST_F(BeatLock, IsNotToBeHadWhereTheLaserMayNotFire) {
+TEST_F(BeatLock, IsRefusedWhereTheLaserMayNotFire) {
   start(2);
-  // The lamp would have more power than it bears.
+  // The lamp's power would exceed its maximum.
   EXPECT_THAT(host_->ask("M130 P0\n"), ElementsAre("ok"));
   EXPECT_THAT(host_->ask("$922=100\n"), ElementsAre("error:52"));
   job::Profile profile = lamp_profile(500, settings::LampMode::free_beat);
@@ -424,11 +424,11 @@ TEST_F(BeatLock, IsNotToBeHadWhereTheLaserMayNotFire) {
   Rig rig(profile);
   ProgramHost host(rig);
   EXPECT_THAT(host.ask("M130 P0\nG1 X1 F600\n"), ElementsAre("error:20", "ok"));
-  ASSERT_TRUE(host.stand());
+  ASSERT_TRUE(host.wait_for_rest());
   EXPECT_TRUE(rig.shots().empty());
 }
 
-TEST_F(BeatLock, FiresThroughTheFirstChannelThatMay) {
+TEST_F(BeatLock, FiresThroughTheFirstUsableChannel) {
   start(2);
   EXPECT_THAT(host_->ask("$924=12\nM130 P0\n"), ElementsAre("ok", "ok"));
   ASSERT_TRUE(host_->stream("G1 X1 F6000\nG1 X2\n"));
@@ -436,7 +436,7 @@ TEST_F(BeatLock, FiresThroughTheFirstChannelThatMay) {
   EXPECT_EQ(rig_->shots()[0].channel, 2);
 }
 
-/// Half of it takes twice the beats, from the next window on.
+/// Half the feed override takes twice the beats, from the next window on.
 TEST_F(BeatLock, FollowsTheFeedOverride) {
   std::vector<std::int64_t> beats;
   for (const int lower : {0, 5}) {
@@ -460,7 +460,7 @@ TEST_F(BeatLock, LeavesJobsInFramesAlone) {
     host_->send("M130 P1\nG90 G1 X5 Y1 F3000\nX6\n");
     host_->run_ms(20);
     EXPECT_ANY_THROW(run_job(*rig_, job));
-    ASSERT_TRUE(host_->stand());
+    ASSERT_TRUE(host_->wait_for_rest());
     EXPECT_EQ(rig_->shots().size(), before + 2);
     link::SenderOptions options;
     options.session = 100 + round;
@@ -468,7 +468,7 @@ TEST_F(BeatLock, LeavesJobsInFramesAlone) {
     EXPECT_EQ(rig_->shots().size(), before + 5);
     // The lock is still on.
     EXPECT_THAT(host_->ask("G91 G1 X-0.5 F600\n"), Contains("ok"));
-    ASSERT_TRUE(host_->stand());
+    ASSERT_TRUE(host_->wait_for_rest());
     EXPECT_EQ(stood(), steps_at(2.5, 2));
     EXPECT_EQ(rig_->shots().size(), before + 6);
   }
@@ -492,7 +492,7 @@ TEST_F(BeatLock, JogsBetweenPointsAreNoShots) {
   EXPECT_EQ(rig_->shots().size(), 2u);
 }
 
-/// A hold in a dwell: what comes next is of the other kind and waits too.
+/// A hold in a dwell: the next line is of the other kind and waits too.
 TEST_F(BeatLock, HoldsBetweenPointsAndLines) {
   for (const bool first_points : {true, false}) {
     start(2);
@@ -505,14 +505,14 @@ TEST_F(BeatLock, HoldsBetweenPointsAndLines) {
     EXPECT_THAT(host_->status(), StartsWith("<Hold:0|"));
     EXPECT_EQ(stood(), steps_at(1, 0));
     host_->send("~");
-    ASSERT_TRUE(host_->stand());
+    ASSERT_TRUE(host_->wait_for_rest());
     EXPECT_EQ(stood(), steps_at(5, 0));
     EXPECT_EQ(rig_->shots().size(), 1u);
   }
 }
 
-/// An open door while the machine is idle: what is asked for waits for a closed one and a word.
-TEST_F(BeatLock, WaitsBehindAnOpenDoor) {
+/// At an open door a command to the idle machine waits until the door is closed and `~` is sent.
+TEST_F(BeatLock, WaitsWhileTheDoorIsOpen) {
   start(2);
   EXPECT_THAT(host_->ask("M130 P0\n"), ElementsAre("ok"));
   open_door(true);
@@ -525,7 +525,7 @@ TEST_F(BeatLock, WaitsBehindAnOpenDoor) {
   EXPECT_TRUE(rig_->monitor.nothing_happened());
   host_->send("~");
   host_->run_ms(5);
-  ASSERT_TRUE(host_->stand());
+  ASSERT_TRUE(host_->wait_for_rest());
   EXPECT_EQ(rig_->shots().size(), 1u);
 }
 

@@ -8,7 +8,7 @@
 namespace lamplock::test {
 namespace {
 
-/// A job with one kind of trouble; the reasons that were counted, all flashes accounted for.
+/// A job with one kind of trouble and its counted reasons, which account for all flashes.
 class Reasons : public testing::Test {
  protected:
   void set(Id id, double value) { job::state_setting(profile_, id, value, "test"); }
@@ -23,7 +23,7 @@ class Reasons : public testing::Test {
     options_of_sender.session = 1;
     sender_ = std::make_unique<link::JobSender>(*cable_, job_, options_of_sender);
   }
-  /// To the end of the job; drop-outs are counted too, as no_edge.
+  /// Runs to the end of the job; drop-outs are counted too, as no_edge.
   void run(bool flashes_known = true) {
     std::int64_t before = -1;
     bool more = true;
@@ -31,7 +31,7 @@ class Reasons : public testing::Test {
       more = sender_->step();
       if (before < 0 && rig_->state() != MachineState::idle) before = periods();
     }
-    // The edges of the last beats are told when they are judged.
+    // The edges of the last beats are reported when they are judged.
     rig_->run(3 * ps_per_ms);
     const wire::Status status = rig_->status();
     std::int64_t counted = 0;
@@ -40,7 +40,7 @@ class Reasons : public testing::Test {
       counted += beats;
       if (beats != 0) seen_.insert(std::string(name(static_cast<BeatReason>(i))));
     }
-    // BEGIN came some time before the state was looked at.
+    // BEGIN arrived some time before the state was read.
     if (flashes_known) {
       EXPECT_LE(std::abs(counted - (periods() - before)), 1);
     }
@@ -59,7 +59,7 @@ class Reasons : public testing::Test {
   std::set<std::string> seen_;
 };
 
-TEST_F(Reasons, OfAJobAsItShouldBe) {
+TEST_F(Reasons, OfAJobWithoutTrouble) {
   begin();
   rig_->run(200 * ps_per_ms);  // until the clock is locked
   run();
@@ -71,7 +71,7 @@ TEST_F(Reasons, WarmUpAndNotLocked) {
   set(Id::lamp_warm_up, 60);
   begin();
   run();
-  // The lamp locks in less than the warm-up takes.
+  // The lamp locks before the warm-up ends.
   expect_seen({BeatReason::fired, BeatReason::warm_up});
   EXPECT_GE(rig_->status().beats_outside[static_cast<std::size_t>(BeatReason::warm_up)], 40u);
   seen_.clear();
@@ -98,7 +98,7 @@ TEST_F(Reasons, ProtectionByTheRateOfShots) {
   begin();
   run();
   expect_seen({BeatReason::fired, BeatReason::protection});
-  // Three beats and a bit: the fourth may fire.
+  // The limit is slightly above three beats, so the fourth may fire.
   const auto& shots = rig_->shots();
   for (std::size_t i = 1; i < shots.size(); ++i) EXPECT_GE(shots[i].beat - shots[i - 1].beat, 4);
   EXPECT_GE(beats_of(rig_->status(), BeatReason::protection), 3 * (shots.size() - 1) - 10);
@@ -120,7 +120,7 @@ TEST_F(Reasons, AnUnkindLamp) {
   lamp.jitter_us = 100;
   lamp.dropout = 0.03;
   begin(lamp);
-  // Drop-outs while the clock looks for the rhythm have no beat to be counted on.
+  // Drop-outs while the clock searches for the rhythm have no beat to be counted on.
   run(false);
   expect_seen({BeatReason::fired, BeatReason::no_edge, BeatReason::outside_tolerance,
                BeatReason::returning});
@@ -133,7 +133,7 @@ TEST_F(Reasons, Alarm) {
   run();
   rig_->run(ps_per_s);
   EXPECT_GE(rig_->status().beats_outside[static_cast<std::size_t>(BeatReason::alarm)], 90u);
-  // The job is over: nobody counts in it any more after $X, and the line says so too.
+  // The job is over: after $X its counters are fixed, and the status line shows the same.
   expect_seen({BeatReason::fired});
 }
 

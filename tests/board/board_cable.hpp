@@ -1,4 +1,4 @@
-// A cable, good or bad, with a board at its end, and things that happen at given times.
+// A good or bad cable to a board, with actions at given times.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@ class BoardCable final : public BadCable {
   void at(sim::Picoseconds at, std::function<void()> action) {
     actions_.emplace(at, std::move(action));
   }
-  /// Bytes that come to the board from nowhere.
+  /// Sends bytes to the board past the cable.
   void type(std::string_view text) {
     rig_.board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }

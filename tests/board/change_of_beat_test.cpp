@@ -1,4 +1,4 @@
-// The operator turns the lamp to another frequency in the middle of a job.
+// The operator changes the lamp's frequency in the middle of a job.
 #include <functional>
 
 #include "tests/board/scripted_lamp.hpp"
@@ -8,7 +8,7 @@ namespace {
 
 using settings::LampMode;
 
-/// A cable that does something at a time.
+/// A cable that runs an action at a given time.
 class TimedTransport final : public link::Transport {
  public:
   TimedTransport(sim::VirtualBoard& board, sim::Picoseconds at, std::function<void()> action)
@@ -41,28 +41,30 @@ link::JobResult run_with(Rig& rig, const job::Job& job, sim::Picoseconds at,
   return link::JobSender(transport, job, sending).run();
 }
 
-/// Of a lamp that we trigger: whole ticks.
+/// Period of a lamp that the board triggers: whole ticks.
 sim::Picoseconds period_of(double hz) { return std::llround(1e6 / hz) * ps_per_us; }
 
-TEST(ChangeOfBeat, EveryPointIsFiredOnceWheneverTheLampIsTurned) {
+TEST(ChangeOfBeat, EveryPointIsFiredOnceWheneverTheFrequencyChanges) {
   std::mt19937_64 random(91);
   for (int seed = 0; seed < scaled(16); ++seed) {
     const double other = std::array{50.0, 200.0, 80.0, 1000.0}[static_cast<std::size_t>(seed % 4)];
     const job::Profile profile = lamp_profile(100);
     const job::Job job = job_for(histogram_walk(400, static_cast<std::uint64_t>(seed)), profile,
                                  both_modes[seed / 4 % 2]);
-    // The machine may be told before or after the lamp turns.
-    const auto told = static_cast<sim::Picoseconds>(random() % 3'000) * ps_per_ms + ps_per_ms * 200;
-    const auto turned = told + (static_cast<sim::Picoseconds>(random() % 600) - 200) * ps_per_ms;
+    // The machine may get the command before or after the lamp changes.
+    const auto command_at =
+        static_cast<sim::Picoseconds>(random() % 3'000) * ps_per_ms + ps_per_ms * 200;
+    const auto lamp_at =
+        command_at + (static_cast<sim::Picoseconds>(random() % 600) - 200) * ps_per_ms;
     SCOPED_TRACE(testing::Message()
-                 << "seed " << seed << ", to " << other << " Hz, told at " << told / ps_per_ms
-                 << " ms, turned at " << turned / ps_per_ms << " ms");
+                 << "seed " << seed << ", to " << other << " Hz, command at "
+                 << command_at / ps_per_ms << " ms, lamp at " << lamp_at / ps_per_ms << " ms");
     LampScript script;
-    script.flash(period_of(100), turned).flash(period_of(other), 30 * ps_per_s);
+    script.flash(period_of(100), lamp_at).flash(period_of(other), 30 * ps_per_s);
     Rig rig(profile.settings, dark_world());
     script.connect(rig.board);
     Result answer = Result::busy;
-    const link::JobResult result = run_with(rig, job, told, [&] {
+    const link::JobResult result = run_with(rig, job, command_at, [&] {
       answer = rig.board.controller().change_beat(static_cast<std::uint32_t>(other * 1000));
     });
     ASSERT_EQ(answer, Result::ok);
@@ -73,11 +75,11 @@ TEST(ChangeOfBeat, EveryPointIsFiredOnceWheneverTheLampIsTurned) {
     EXPECT_EQ(rig.board.controller().shots().stray_shots(), 0u);
     const auto& reasons = result.status.beats_by_reason;
     EXPECT_EQ(std::accumulate(reasons.begin(), reasons.end(), 0u), result.status.beats);
-    // Back at work when the lamp has been recognised.
-    const sim::Picoseconds both = std::max(told, turned);
+    // The machine fires again when it has recognised the lamp.
+    const sim::Picoseconds both = std::max(command_at, lamp_at);
     const sim::Picoseconds slower = period_of(std::min(100.0, other));
     EXPECT_GT(rig.monitor.fired(both, both + 40 * slower), 0u);
-    // The frequency was the job's.
+    // The changed frequency applied to this job only.
     rig.run(200 * ps_per_ms);
     EXPECT_EQ(rig.board.controller().values().milli(Id::lamp_frequency), 100'000);
     EXPECT_EQ(rig.board.controller().clock().beat_ticks(), 10'000u);
@@ -93,16 +95,16 @@ TEST(ChangeOfBeat, WeTriggerTheLampAtTheNewFrequency) {
     const job::Job job =
         job::make_job(histogram_walk(300, static_cast<std::uint64_t>(seed)), profile, {});
     Rig rig(profile);
-    const sim::Picoseconds told = (300 + 137 * seed % 2000) * ps_per_ms;
+    const sim::Picoseconds command_at = (300 + 137 * seed % 2000) * ps_per_ms;
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", to " << other << " Hz");
-    const link::JobResult result = run_with(rig, job, told, [&] {
+    const link::JobResult result = run_with(rig, job, command_at, [&] {
       ASSERT_EQ(rig.board.controller().change_beat(static_cast<std::uint32_t>(other * 1000)),
                 Result::ok);
     });
     ASSERT_EQ(result.end, link::JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
     expect_sound(rig, profile.settings);
-    // The old period up to the change, the new one after it, and never less than that between.
+    // The period is the old one up to the change, then the new one, and never below the smaller.
     bool changed = false;
     const auto& edges = rig.monitor.edges();
     for (std::size_t i = 1; i < edges.size() && edges[i] <= rig.monitor.fires().back().edge; ++i) {
@@ -139,7 +141,7 @@ TEST(ChangeOfBeat, InAHoldAndTwiceInARow) {
   expect_sound(rig, profile.settings);
 }
 
-TEST(ChangeOfBeat, WhatDoesNotGoIsRefusedWithItsSetting) {
+TEST(ChangeOfBeat, ImpossibleFrequenciesAreRefusedWithTheirSetting) {
   job::Profile profile = lamp_profile(100);
   job::state_setting(profile, Id::q_switch_width, 400, "test");
   const job::Job job = job::make_job(histogram_walk(200, 5), profile, {});
@@ -162,9 +164,8 @@ TEST(ChangeOfBeat, WhatDoesNotGoIsRefusedWithItsSetting) {
   EXPECT_EQ(rig.board.controller().runner().misses(), 0u);
 }
 
-/// LAMP SYNC to Q-switch is at most the setting, and less by four clocks at most, whatever the
-/// setting.
-TEST(QSwitchDelay, ComesOutAsItIsSetInTenthsOfAMicrosecond) {
+/// The delay from LAMP SYNC to the Q-switch is at most the setting and at most four clocks less.
+TEST(QSwitchDelay, IsAccurateToATenthOfAMicrosecond) {
   std::mt19937_64 random(92);
   for (int i = 0; i < scaled(24); ++i) {
     const double fixed[] = {2.22, 7.3, 20, 2.3, 499.9, 500};

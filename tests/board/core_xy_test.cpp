@@ -1,5 +1,5 @@
-// A CoreXY on the virtual board: whatever the motors do together, tool, switches and reports are in
-// X and Y. Its programs are judged in program_golden_test.cpp and program_limits_test.cpp, too.
+// A CoreXY on the virtual board: tool, switches and reports are in X and Y, whatever the motors do
+// together. program_golden_test.cpp and program_limits_test.cpp check its programs too.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -29,7 +29,7 @@ job::Profile core_xy(job::Profile profile) {
 }
 job::Profile plain_core_xy() { return core_xy(lamp_profile(100, settings::LampMode::free_beat)); }
 
-/// Wherever axes stand, in the middle of their steps or not, motors are on the steps of their sums.
+/// The motors are at the sum and difference of the axes' steps, even between whole steps.
 void expect_motors_at_axes(const Rig& rig) {
   const stepper::TickGenerator& generator = rig.board.controller().runner().generator();
   const stepper::MotionState at = generator.state();
@@ -44,7 +44,7 @@ void expect_motors_at_axes(const Rig& rig) {
   EXPECT_EQ(rig.board.world().drives().motors(), motors);
 }
 
-/// To the step of either motor: a place of X and Y is the same for two of them.
+/// Compares motor steps, because two motor positions round to the same place in X and Y.
 void expect_motors_at(const Rig& rig, const StepPosition& axes) {
   const Kinematics& kinematics = rig.board.controller().runner().generator().kinematics();
   EXPECT_EQ(rig.board.world().drives().motors(), kinematics.motors_of(axes));
@@ -61,7 +61,7 @@ std::array<double, 2> reported_xy(ProgramHost& host) {
   return xy;
 }
 
-/// Half of the sum and of the difference of what the motors have turned, to the last digit.
+/// The report has half the sum and half the difference of the motors' turns, to the last digit.
 void expect_reported_at_motors(const Rig& rig, ProgramHost& host) {
   constexpr double steps_per_mm = 200, last_digit_mm = 0.001;
   const StepPosition motors = rig.board.world().drives().motors();
@@ -76,7 +76,7 @@ std::string random_move(std::mt19937_64& random) {
                      mm(), mm());
 }
 
-/// Along X both motors go the same way, along Y they go opposite ones.
+/// Along X both motors turn the same way, along Y they turn opposite ways.
 TEST(CoreXy, MotorsMakeTheSumAndTheDifference) {
   const job::Profile profile = plain_core_xy();
   Rig rig(profile);
@@ -91,8 +91,8 @@ TEST(CoreXy, MotorsMakeTheSumAndTheDifference) {
   expect_motors("G1 X-1 Y-2 Z3 F1000\n", {-600, 200, 600, 0});
 }
 
-/// The same program on both machines: motors' steps come at the ticks of a sum and a difference.
-TEST(CoreXy, StandsWhereACartesianMachineDoes) {
+/// The same program on both machines: each motor steps at the ticks of the sum or the difference.
+TEST(CoreXy, ReachesThePositionsOfACartesianMachine) {
   std::mt19937_64 random(1);
   for (int program = 0; program < scaled(20); ++program) {
     const job::Profile profile = plain_core_xy();
@@ -117,7 +117,7 @@ TEST(CoreXy, StandsWhereACartesianMachineDoes) {
   }
 }
 
-/// Points on the beat, in every way that they can be joined.
+/// Points on the beat, in every join mode.
 TEST(CoreXy, ShootsEveryPointAtItsPlace) {
   for (const JoinMode mode : {JoinMode::free, JoinMode::start_stop, JoinMode::path}) {
     const job::Profile profile = core_xy(lamp_profile());
@@ -130,7 +130,7 @@ TEST(CoreXy, ShootsEveryPointAtItsPlace) {
   }
 }
 
-/// The slower drive of the two decides: loads are at their places all the same.
+/// The lag of the slower drive applies to both; loads are at their places all the same.
 TEST(CoreXy, LagsOfBothDrivesAreThoseOfTheSlower) {
   job::Profile profile = core_xy(lamp_profile());
   set_lag(profile, {700, 400, 100});
@@ -142,8 +142,8 @@ TEST(CoreXy, LagsOfBothDrivesAreThoseOfTheSlower) {
   ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
 }
 
-/// Stopped dead anywhere: motors keep their steps, and the next program ends at its place.
-TEST(CoreXy, KnowsWhereItIsAfterADeadStop) {
+/// After an immediate stop motors keep their steps, and the next program ends at its place.
+TEST(CoreXy, KeepsItsPositionAfterAnImmediateStop) {
   std::mt19937_64 random(2);
   int odd = 0;
   for (int round = 0; round < scaled(30); ++round) {
@@ -173,7 +173,7 @@ TEST(CoreXy, KnowsWhereItIsAfterADeadStop) {
   EXPECT_GT(odd, 0);
 }
 
-/// And so does a job of points that begins there.
+/// The same for a job of points that begins between steps.
 TEST(CoreXy, JobsBeginBetweenSteps) {
   std::mt19937_64 random(3);
   int odd = 0;
@@ -200,7 +200,7 @@ TEST(CoreXy, JobsBeginBetweenSteps) {
   EXPECT_GT(odd, 0);
 }
 
-/// Held and reset on the way, as often as you like: never a step lost.
+/// Holds and resets on the way, many times: no step is lost.
 TEST(CoreXy, HoldsAndResetsLoseNothing) {
   std::mt19937_64 random(4);
   for (int round = 0; round < scaled(12); ++round) {
@@ -215,7 +215,7 @@ TEST(CoreXy, HoldsAndResetsLoseNothing) {
       host.send(random() % 2 == 0 ? "~" : "\x18");
       host.run_ms(2000);
       host.ask("$X\n");  // after a reset in motion
-      ASSERT_TRUE(host.stand());
+      ASSERT_TRUE(host.wait_for_rest());
       host.run_ms(5);
       expect_motors_at_axes(rig);
     }
@@ -226,8 +226,8 @@ TEST(CoreXy, HoldsAndResetsLoseNothing) {
   }
 }
 
-/// However a motion is broken off, what is reported is where the motors have the tool, which may be
-/// between two steps of X and Y; and the next line goes on from there.
+/// After any abort the report gives the motors' tool position, which may be between two steps of X
+/// and Y; the next line continues from there.
 TEST(CoreXy, ReportsHalfStepsAfterAnAbort) {
   std::mt19937_64 random(7);
   int odd = 0;
@@ -250,7 +250,7 @@ TEST(CoreXy, ReportsHalfStepsAfterAnAbort) {
       if (held) host.send("\x18");
       host.run_ms(100);
       host.ask("$X\n");
-      ASSERT_TRUE(host.stand());
+      ASSERT_TRUE(host.wait_for_rest());
       host.run_ms(5);
       expect_reported_at_motors(rig, host);
       const StepPosition motors = rig.board.world().drives().motors();
@@ -274,23 +274,23 @@ TEST(CoreXy, JogsAreCancelled) {
         fmt::format("$J=G91 X{:.3f} Y{:.3f} F6000\n", 8 * std::cos(angle), 8 * std::sin(angle)));
     host.run_ms(static_cast<double>(random() % 80));
     host.send(std::uint8_t{0x85});
-    ASSERT_TRUE(host.stand());
+    ASSERT_TRUE(host.wait_for_rest());
     host.run_ms(5);
     expect_motors_at_axes(rig);
     host.ask("$J=G90 X0 Y0 F6000\n", 3);
-    ASSERT_TRUE(host.stand());
+    ASSERT_TRUE(host.wait_for_rest());
   }
   host.run_ms(5);
   EXPECT_EQ(rig.board.world().drives().motors(), StepPosition{});
 }
 
-/// Machine coordinates less those of the load, from where the switch of an axis is.
+/// Difference of machine and load coordinates, from the place of the axis's switch.
 std::int32_t offset_of(const SwitchPlan& plan, int axis) {
   const bool below = (plan.lower_ends >> axis & 1u) != 0;
   return (below ? -end_steps : end_steps) - plan.switches[index(axis)];
 }
 
-/// Either axis alone turns both motors; switches are those of X and Y.
+/// Either axis alone turns both motors; the switches belong to X and Y.
 TEST(CoreXy, HomesByAxes) {
   std::mt19937_64 random(6);
   const auto pick = [&random](int from, int to) {
@@ -345,7 +345,7 @@ TEST(CoreXy, AHardLimitStopsBothMotors) {
     EXPECT_NEAR(m.host.position()[index(a)], stood[index(a)] + offset_of({}, a), 1);
 }
 
-/// What is told is where the tool was when it touched, on a slanting way.
+/// The probe reports the tool's place at the moment of contact, on a slanting path.
 TEST(CoreXy, ProbesAtItsPlace) {
   sim::WireConfig probe{.pin = sim::Pin::probe,
                         .contacts = {sim::ContactConfig::above(0, 1234)},
@@ -355,14 +355,14 @@ TEST(CoreXy, ProbesAtItsPlace) {
   EXPECT_THAT(said, Contains("ok"));
   EXPECT_THAT(said, Contains(StartsWith("[PRB:6.17")));
   EXPECT_THAT(said, Contains(HasSubstr(",3.0")));
-  ASSERT_TRUE(m.host.stand());
+  ASSERT_TRUE(m.host.wait_for_rest());
   m.host.run_ms(5);
   expect_motors_at_axes(m.rig);
   ASSERT_THAT(m.host.ask("G0 X0 Y0\nG4 P0\n", 3), ElementsAre("ok", "ok"));
   EXPECT_EQ(m.loads(), StepPosition{});
 }
 
-/// Steps of one direction keep their distance from those of the other.
+/// Steps in opposite directions keep the drive's minimum interval.
 TEST(CoreXy, DrivesHaveTheirTimesWhereMotorsTurn) {
   job::Profile profile = core_xy(lamp_profile());
   PerAxis<settings::PulseMode> modes{};
@@ -377,13 +377,13 @@ TEST(CoreXy, DrivesHaveTheirTimesWhereMotorsTurn) {
   EXPECT_GT(log.reversals(0).size(), static_cast<std::size_t>(scaled(100)) / 10);
 }
 
-/// From the next start on; what cannot be is refused.
+/// CoreXY takes effect at the next start; combinations that are impossible are refused.
 TEST(CoreXy, SettingsThatDoNotGoTogetherAreRefused) {
   Rig rig(plain_core_xy());
   ProgramHost host(rig);
   EXPECT_THAT(host.ask("$101=150\n$966=1\n$966=2\n$111=240000\n"), Each(StartsWith("error:")));
   EXPECT_THAT(host.ask("$966=3\n$111=60000\n$965=0\n"), Each("ok"));
-  // Until then it is what it was.
+  // Until then the machine is Cartesian.
   ASSERT_TRUE(host.stream("G0 X1\n"));
   host.run_ms(5);
   EXPECT_EQ(rig.board.world().drives().motors(), (StepPosition{200, 200, 0, 0}));

@@ -1,4 +1,4 @@
-// The same job gives the same steps and shots: twice, however the host talks, whoever is beside.
+// The same job gives the same steps and shots: repeated, over any link, beside other boards.
 #include "tests/board/board_cable.hpp"
 
 namespace lamplock::test {
@@ -11,7 +11,7 @@ job::Job some_job(const job::Profile& profile, std::uint64_t seed, JoinMode mode
   return job_for(histogram_walk(500, seed), profile, mode);
 }
 
-/// Everything that came out on the pins.
+/// All output pins had the same edges.
 bool same_pins(const PinMonitor& a, const PinMonitor& b) {
   for (int axis = 0; axis < max_axes; ++axis) {
     const auto same = [](const PinMonitor::Step& x, const PinMonitor::Step& y) {
@@ -48,7 +48,7 @@ std::vector<std::int64_t> beats_from_first(const Rig& rig) {
 
 TEST(Determinism, ThePlanDoesNotDependOnHowTheHostTalks) {
   for (const JoinMode mode : both_modes) {
-    const job::Profile profile = lamp_profile(50);  // slow enough for a host that repeats itself
+    const job::Profile profile = lamp_profile(50);  // slow enough for a host that retransmits
     const job::Job job = some_job(profile, 2, mode);
     Rig plain(profile);
     ASSERT_EQ(run_job(plain, job).end, link::JobEnd::done);
@@ -58,7 +58,7 @@ TEST(Determinism, ThePlanDoesNotDependOnHowTheHostTalks) {
       options.window_frames = 1 + static_cast<std::size_t>(variant % 5);
       options.status_interval = std::chrono::milliseconds(20 + 30 * (variant % 7));
       Rig rig(profile);
-      // Lost bytes; a flipped one might be a hold.
+      // Bytes are lost but not flipped: a flipped byte could be a hold.
       BoardCable cable(rig, {.drop = 2e-4, .delay = std::chrono::milliseconds(variant % 11)},
                        static_cast<std::uint64_t>(variant));
       const link::JobResult result = link::JobSender(cable, job, options).run();

@@ -1,4 +1,4 @@
-// Drives that follow their steps late: with their lags set, all loads are at the point at the shot.
+// Drives that lag after their steps: with their lags set, all loads are on the point at the shot.
 #include "host/error.hpp"
 #include "tests/board/rig.hpp"
 
@@ -10,7 +10,7 @@ using settings::LampMode;
 constexpr JoinMode all_modes[] = {JoinMode::free, JoinMode::path, JoinMode::start_stop};
 constexpr std::uint16_t x_lag_number = 1071;
 
-/// How far a load was from its point at a shot, at most, in steps over all axes.
+/// Largest distance of a load from its point at a shot, in steps over all axes.
 std::int32_t worst_error(const Rig& rig, const job::Job& job) {
   std::int32_t worst = 0;
   for (std::size_t i = 0; i < rig.shots().size(); ++i)
@@ -46,29 +46,29 @@ TEST(DriveLag, LoadsAreAtTheirPointAtEveryShot) {
     }
 }
 
-TEST(DriveLag, NotSetTheLoadsAreBehindByTheirSpeedTimesTheLag) {
+TEST(DriveLag, WithoutASettingLoadsLagByTheirSpeedTimesTheLag) {
   for (const JoinMode mode : {JoinMode::free, JoinMode::path}) {
     const job::Profile profile = lamp_profile(1000, LampMode::slave, 10);
     sim::WorldConfig world = world_for(profile);
     constexpr double lag_s = 900e-6;
     world.drives.lag_us = {0, 0, lag_s * 1e6, 0};
-    points::PointCloud row;
+    geometry::PointCloud row;
     for (int i = 0; i < 200; ++i) row.push_back({0, 0, 0.1 * i - 10});
     const job::Job job = job_for(row, profile, mode);
     Rig rig(profile.settings, world);
     ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
     ASSERT_EQ(rig.shots().size(), row.size());
-    double behind = 0, expected = 0;
+    double late = 0, expected = 0;
     for (std::size_t i = 1; i < row.size(); ++i) {
       const sim::Shot& shot = rig.shots()[i];
       EXPECT_EQ(shot.steps[0], job.targets[i].steps[0]);
       EXPECT_EQ(shot.steps[1], job.targets[i].steps[1]);
-      behind = std::max<double>(behind, job.targets[i].steps[2] - shot.steps[2]);
+      late = std::max<double>(late, job.targets[i].steps[2] - shot.steps[2]);
       const double way = job.targets[i].steps[2] - job.targets[i - 1].steps[2];
       expected = std::max(expected, way / sim::seconds(shot.at - rig.shots()[i - 1].at) * lag_s);
     }
     EXPECT_GT(expected, 5);
-    EXPECT_NEAR(behind, expected, 2);
+    EXPECT_NEAR(late, expected, 2);
   }
 }
 
@@ -109,20 +109,20 @@ TEST(DriveLag, ALampOffItsNominalFrequencyMakesTheTicksLongerNotTheLag) {
   for (const double off : {0.975, 1.025}) {
     job::Profile profile = lamp_profile(1000, LampMode::slave, 10);
     set_lag(profile, {5000, 0, 2500});
-    points::PointCloud row;
+    geometry::PointCloud row;
     for (int i = 0; i < 200; ++i) row.push_back({0.1 * i - 10, 0.1 * i - 10, 10 - 0.1 * i});
     const job::Job job = job_for(row, profile, JoinMode::free);
     sim::WorldConfig world = world_for(profile);
     world.lamp.frequency_hz *= off;
     Rig rig(profile.settings, world);
     ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
-    // 2.5 % of 5 ms at some ten steps a millisecond would be a step and more.
+    // An error of 2.5 % of 5 ms at some ten steps per millisecond would exceed a step.
     EXPECT_EQ(worst_error(rig, job), 0) << off;
     ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
   }
 }
 
-TEST(DriveLag, MoreThanTheLongestIsRefusedByItsNumber) {
+TEST(DriveLag, MoreThanTheMaximumIsRefusedByItsNumber) {
   settings::Values values;
   EXPECT_TRUE(values.set_milli(Id::drive_lag_x, 5'000'000));
   EXPECT_FALSE(values.set_milli(Id::drive_lag_x, 5'000'001));

@@ -1,13 +1,13 @@
-// Random programs for the virtual board, and where they end in exact rational numbers.
+// Random programs for the virtual board, and their ends in exact rational numbers.
 //
-// In:  a seed. Out: lines that are valid one after the other and stay near the middle of a work
-//      space of 2 m, and what the exact interpreter (tests/program/exact_interpreter.hpp) says of
-//      them.
-// Who: program_exact_test.cpp.
+// In:  a seed. Out: lines that are valid in sequence and stay near the middle of a work area of 2
+// m,
+//      and the result of the exact interpreter (tests/program/exact_interpreter.hpp).
+// Used by program_exact_test.cpp.
 //
-// The exact interpreter knows no rotation. A rotated stretch of a program is turned by whole right
-// angles, which is exact: while it lasts the interpreter is where the program thinks it is, and it
-// is taken there, and back, by moves in machine coordinates of its own.
+// The exact interpreter has no rotation. A rotated stretch of a program is turned by whole right
+// angles, which is exact: during it the interpreter is at the program's unrotated place. Moves in
+// machine coordinates take the interpreter there and back.
 #pragma once
 
 #include <fmt/format.h>
@@ -56,7 +56,7 @@ class ExactProgram {
     }
   }
 
-  /// Where the machine is, mm.
+  /// Position of the machine, mm.
   const Exact::Point& position() const { return exact_.position(); }
 
  private:
@@ -69,7 +69,7 @@ class ExactProgram {
     return line + "\n";
   }
 
-  /// Six decimals, which are exact in both units; at most 8 mm or a third of an inch.
+  /// A number with six decimals, exact in both units; at most 8 mm or a third of an inch.
   std::string number() {
     const std::int64_t most = inches_ ? 333'333 : 8'000'000;
     const std::int64_t n = static_cast<std::int64_t>(random_() % static_cast<unsigned>(2 * most));
@@ -98,7 +98,7 @@ class ExactProgram {
     return run(modes + one_of({" G0", " G1"}) + " F9000" + axes());
   }
 
-  /// R above the bottom; holes not far apart.
+  /// A cycle with R above the bottom and holes close together.
   std::string cycle() {
     const std::string plane = one_of({"G17", "G18", "G19"});
     const char normal = plane == "G17" ? 'Z' : plane == "G18" ? 'Y' : 'X';
@@ -111,7 +111,7 @@ class ExactProgram {
     return text;
   }
 
-  /// A whole one now and then. Plane: XY, ZX, YZ.
+  /// A half circle, now and then a whole one. Plane: XY, ZX, YZ.
   std::string half_circle(unsigned plane) {
     const char* first = plane == 0 ? "XI" : plane == 1 ? "ZK" : "YJ";
     const char normal = plane == 0 ? 'Z' : plane == 1 ? 'Y' : 'X';
@@ -125,7 +125,7 @@ class ExactProgram {
     return text;
   }
 
-  /// Decimal of a place; all of them are whole multiples of 10^-7 mm.
+  /// Decimal text of a coordinate; all are whole multiples of 10^-7 mm.
   static std::string text_of(const Rational& mm) {
     const Rational scaled_mm = mm * 10'000'000;
     const auto e7 = boost::multiprecision::numerator(scaled_mm).convert_to<std::int64_t>();
@@ -133,7 +133,7 @@ class ExactProgram {
     return fmt::format("{}{}.{:07}", e7 < 0 ? "-" : "", magnitude / 10'000'000,
                        magnitude % 10'000'000);
   }
-  /// Takes the exact interpreter to where it would be turned by so many right angles.
+  /// Moves the exact interpreter to its place after a turn by this number of right angles.
   void turn(const std::array<Rational, 2>& centre, unsigned right_angles) {
     Rational x = exact_.position()[0] - centre[0], y = exact_.position()[1] - centre[1];
     for (unsigned i = 0; i < right_angles; ++i) {
@@ -144,7 +144,7 @@ class ExactProgram {
     exact_.run("G21 G53 G0 X" + text_of(centre[0] + x) + " Y" + text_of(centre[1] + y));
   }
 
-  /// A stretch round the place where the machine stands first.
+  /// A stretch that is rotated about the machine's place at its begin.
   std::string rotated() {
     const unsigned quarters = 1 + pick(3);
     const std::array<Rational, 2> centre{exact_.position()[0], exact_.position()[1]};

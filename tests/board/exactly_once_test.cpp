@@ -19,7 +19,7 @@ class ExactlyOnce : public testing::TestWithParam<std::tuple<Case, JoinMode>> {}
 
 TEST_P(ExactlyOnce, EveryPointInsideTheLimits) {
   const auto& [c, mode] = GetParam();
-  // The beat clock follows a wandering lamp a few microseconds behind.
+  // The beat clock lags a wandering lamp by a few microseconds.
   const bool jitter = c.lamp.jitter_us != 0 || c.lamp.wander != 0;
   for (int seed = 0; seed < scaled(1) + 1; ++seed) {
     const auto number = static_cast<std::uint64_t>(seed);
@@ -38,7 +38,7 @@ TEST_P(ExactlyOnce, EveryPointInsideTheLimits) {
     EXPECT_EQ(result.status.starvations, 0u);
     EXPECT_EQ(rig.board.controller().clock().lock_losses(), 0u);
     const auto outside = beats_of(result.status, BeatReason::outside_tolerance);
-    // Without jitter every edge that comes is in its place.
+    // Without jitter every edge is in its place.
     if (!jitter) {
       EXPECT_EQ(outside, 0u);
     }
@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(
              (std::get<1>(tested.param) == JoinMode::free ? "Free" : "StartStop");
     });
 
-/// Coarse steps: half a step is the tolerance, nothing is left over for rounding.
+/// Coarse steps: the tolerance is half a step, without a margin for rounding.
 TEST(ShotTolerance, HoldsAtTheRealEdgeWithoutRoomToSpare) {
   for (const auto& [per_mm, tolerance_um] :
        {std::pair{50.0, 0.0}, {200.0, 12.5}, {200.0, 2.5}, {1000.0, 5.5}}) {
@@ -110,7 +110,7 @@ TEST(ShotTolerance, HoldsAtTheRealEdgeWithoutRoomToSpare) {
   }
 }
 
-/// Edges far off at speed have to be refused, and their beats named.
+/// Edges far off at speed must be refused and their beats reported as missed.
 TEST(ShotTolerance, EdgesOutsideAreMissedBeats) {
   job::Profile profile = lamp_profile(200, LampMode::slave, 10);
   job::state_setting(profile, Id::lamp_jitter, 300, "test");
@@ -123,7 +123,7 @@ TEST(ShotTolerance, EdgesOutsideAreMissedBeats) {
 }
 
 TEST(ExactlyOnceCount, RuntsAreNotBeats) {
-  // Ten runts per hundred periods, and the machine notices none: not even as a stray edge.
+  // Ten runts per hundred periods must not be counted, not even as stray edges.
   const job::Profile profile = lamp_profile();
   const job::Job job = job::make_job(histogram_walk(400, 7), profile, {});
   Rig plain(profile), runts(profile, {.runt = 0.5, .seed = 9});

@@ -1,4 +1,4 @@
-// Stops are heard however much a host has sent before them, whether it reads the answers or not.
+// Stops work however much a host has sent before them, whether or not it reads the answers.
 #include <gmock/gmock.h>
 
 #include <string>
@@ -8,9 +8,9 @@
 namespace lamplock::test::flood_test {
 namespace {
 
-/// The board looks at its bytes this often, and hands its laser's state to the pad.
+/// Period in which the board polls its bytes and writes the laser's state to the pad.
 constexpr sim::Picoseconds dark_within = ps_per_ms;
-/// Braking from 50 mm/s at 2 m/s2, what is handed out ahead, and a round of the main loop.
+/// Braking from 50 mm/s at 2 m/s2, ticks handed out ahead, and a round of the main loop.
 constexpr sim::Picoseconds at_rest_within = (25 + 30) * ps_per_ms;
 
 struct Flood {
@@ -25,7 +25,7 @@ class Flooded : public testing::TestWithParam<Flood> {
     profile.settings.set_milli(Id::laser_mode, 1000);
     return profile;
   }
-  /// At 50 mm/s on the first line, which lasts 0.8 s; the rest waits, slow lines of `kind`.
+  /// Reaches 50 mm/s on the first line, which lasts 0.8 s; slow lines of `kind` wait after it.
   void run_into(std::string_view first, std::string_view kind) {
     host_.send(first);
     std::string flood;
@@ -45,7 +45,7 @@ class Flooded : public testing::TestWithParam<Flood> {
       rig_.run(time);
   }
   sim::Picoseconds now() const { return rig_.board.now(); }
-  /// The byte, and that the machine comes to rest and stays there.
+  /// Sends the byte; the machine must come to rest and stay there.
   void stop_by(char byte) {
     stopped_ = now();
     write(std::string(1, byte));
@@ -73,11 +73,11 @@ TEST_P(Flooded, AResetDarkensStopsAndDiscards) {
   host_.ask("$X\n");
   const StepPosition at = host_.position();
   EXPECT_THAT(host_.ask("G91 G1 X1 F600\n"), testing::ElementsAre("ok"));
-  EXPECT_TRUE(host_.stand(1));
+  EXPECT_TRUE(host_.wait_for_rest(1));
   EXPECT_EQ(host_.position()[0] - at[0], 200);
 }
 
-TEST_P(Flooded, AHoldHoldsAndGoesOn) {
+TEST_P(Flooded, AHoldHoldsAndResumes) {
   ASSERT_NO_FATAL_FAILURE(run_into(program, slow_lines));
   stop_by('!');
   EXPECT_EQ(rig_.state(), MachineState::hold);
@@ -93,21 +93,21 @@ TEST_P(Flooded, ADoorByteOpensTheDoor) {
   EXPECT_EQ(rig_.state(), MachineState::door);
 }
 
-TEST_P(Flooded, JogsEndAndThoseThatWaitAreVoid) {
+TEST_P(Flooded, JogsEndAndWaitingJogsAreDropped) {
   ASSERT_NO_FATAL_FAILURE(run_into("$J=X40 F3000\n", "$J=G91 X0.1 F60\n"));
   stop_by('\x85');
   EXPECT_EQ(rig_.state(), MachineState::idle);
-  // Each jog has its answer, and one that is sent now is run.
+  // Each jog is answered, and a jog that is sent now runs.
   const auto jogs = 1 + (GetParam().bytes + 15) / 16;
   for (int i = 0; i < 100'000 && host_.answers().size() < jogs; ++i) host_.run_ms(1);
   EXPECT_EQ(host_.answers().size(), jogs);
   const StepPosition at = host_.position();
   EXPECT_THAT(host_.ask("$J=G91 X1 F600\n"), testing::ElementsAre("ok"));
-  EXPECT_TRUE(host_.stand(1));
+  EXPECT_TRUE(host_.wait_for_rest(1));
   EXPECT_EQ(host_.position()[0] - at[0], 200);
 }
 
-TEST_P(Flooded, AStatusHasItsPlace) {
+TEST_P(Flooded, AStatusIsAnswered) {
   ASSERT_NO_FATAL_FAILURE(run_into(program, slow_lines));
   write("?");
   pass(5 * ps_per_ms);

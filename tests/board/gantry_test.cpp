@@ -1,6 +1,5 @@
-// A gantry with a motor on either side, on the virtual board: both follow, and homing squares it,
-// however skewed it stands, whichever switch comes first, however contacts bounce; what it does
-// where a wire is broken or bridged.
+// A gantry with a motor on either side, on the virtual board: both follow; homing squares it from
+// any skew, whichever switch engages first and however contacts bounce; broken or bridged wires.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -18,7 +17,7 @@ using testing::HasSubstr;
 
 constexpr int side = Kinematics::gang_motor;
 constexpr std::int32_t end_steps = 50 * 200, pull_off_steps = 200;
-/// One side alone goes 5 % of 100 mm.
+/// One side may move alone by 5 % of 100 mm.
 constexpr std::int32_t bend_steps = 5 * 200;
 
 job::Profile ganged(job::Profile profile, int axis) {
@@ -26,7 +25,7 @@ job::Profile ganged(job::Profile profile, int axis) {
   return profile;
 }
 
-/// A gantry that homes: its switches, and how far they are from each other where it is square.
+/// A gantry with its switches and their distance from each other where the gantry is square.
 struct Gantry {
   int axis = 1;
   std::int32_t skew_steps = 0;  ///< of the second side, at power-up
@@ -55,7 +54,7 @@ MachineWithSwitches machine_of(const Gantry& gantry) {
   return MachineWithSwitches(gantry.profile(), gantry.skewed(), {gantry.second_switch()});
 }
 
-/// Both sides stand where their switches say, and the machine knows it.
+/// Both sides are where their switches place them, and the machine reports it.
 void expect_squared(const MachineWithSwitches& m, const Gantry& gantry) {
   const bool below = (gantry.plan.lower_ends >> gantry.axis & 1u) != 0;
   const std::int32_t wanted =
@@ -91,7 +90,7 @@ TEST(Gantry, BothMotorsStepTogether) {
   }
 }
 
-/// Jobs of points, too; their reports know of three axes.
+/// Jobs of points; their reports have three axes.
 TEST(Gantry, ShootsEveryPointAtItsPlace) {
   const job::Profile profile = ganged(lamp_profile(), 0);
   const job::Job job = job_for(wild_points(40, 3), profile, JoinMode::free);
@@ -126,7 +125,7 @@ TEST(Gantry, IsSquaredByTheInputOfZ) {
 }
 
 /// Whichever side is ahead, as far as 2 mm, and wherever the switches are.
-TEST(Gantry, IsSquaredHoweverItStands) {
+TEST(Gantry, IsSquaredFromAnySkew) {
   std::mt19937_64 random(11);
   const auto pick = [&random](int from, int to) {
     return std::uniform_int_distribution<>(from, to)(random);
@@ -145,7 +144,7 @@ TEST(Gantry, IsSquaredHoweverItStands) {
     }
     SCOPED_TRACE(fmt::format("round {} axis {} skew {}", round, gantry.axis, gantry.skew_steps));
     MachineWithSwitches m = machine_of(gantry);
-    // One side may stand on its switch by more than it pulls off: then it says so.
+    // If a side starts on its switch by more than the pull-off, homing may fail with ALARM:8.
     const auto said = m.home();
     const std::int32_t on = std::abs(gantry.skew_steps) + 50 + plan.hysteresis_steps;
     if (on > pull_off_steps && testing::Value(said, Contains("ALARM:8"))) continue;
@@ -155,16 +154,16 @@ TEST(Gantry, IsSquaredHoweverItStands) {
   }
 }
 
-/// On the way to the switches the first that meets its own waits for the other.
-TEST(Gantry, TheSideThatIsThereWaits) {
+/// On the way to the switches, the side that reaches its switch first waits for the other.
+TEST(Gantry, TheFirstSideWaits) {
   for (const std::int32_t skew : {-300, 300}) {
     const Gantry gantry{.skew_steps = skew};
     MachineWithSwitches m = machine_of(gantry);
     m.host.send("$HY\n");
-    const int ahead = skew > 0 ? side : 1, behind = skew > 0 ? 1 : side;
+    const int ahead = skew > 0 ? side : 1, second = skew > 0 ? 1 : side;
     ASSERT_TRUE(m.wait_for([&] { return m.switches().engaged(sim::limit_pin(ahead)); }));
-    ASSERT_TRUE(m.wait_for([&] { return m.switches().engaged(sim::limit_pin(behind)); }));
-    // It has braked and not gone on: 100 mm/s at 2 m/s2.
+    ASSERT_TRUE(m.wait_for([&] { return m.switches().engaged(sim::limit_pin(second)); }));
+    // It has braked and stayed at rest: 100 mm/s at 2 m/s2.
     EXPECT_LT(m.loads()[index(ahead)], gantry.plan.switches[1] + 500 + 100 + 10);
     ASSERT_TRUE(m.wait_for([&] { return !m.host.answers().empty(); }));
     EXPECT_THAT(m.host.answers(), ElementsAre("ok"));
@@ -172,7 +171,7 @@ TEST(Gantry, TheSideThatIsThereWaits) {
   }
 }
 
-/// A wire that is broken reads as a switch that is engaged: both sides pull off, nothing is bent.
+/// A broken wire reads as an engaged switch: both sides pull off, nothing is bent.
 TEST(Gantry, ABrokenWireBendsNothing) {
   for (const int broken : {1, side}) {
     const Gantry gantry;
@@ -185,7 +184,7 @@ TEST(Gantry, ABrokenWireBendsNothing) {
   }
 }
 
-/// A wire that breaks on the way is a switch that is met there: the other side follows so far.
+/// A wire that breaks on the way acts as a switch there: the other side follows up to the limit.
 TEST(Gantry, AWireThatBreaksOnTheWayBendsItNoFurther) {
   const Gantry gantry;
   MachineWithSwitches m = machine_of(gantry);
@@ -198,7 +197,7 @@ TEST(Gantry, AWireThatBreaksOnTheWayBendsItNoFurther) {
   EXPECT_EQ(m.loads()[1] - m.loads()[index(side)], bend_steps);
 }
 
-/// The same where a contact never opens.
+/// The same with a contact that never opens.
 TEST(Gantry, ABridgedContactBendsItNoFurther) {
   for (const int bridged : {1, side}) {
     const Gantry gantry;
@@ -213,10 +212,10 @@ TEST(Gantry, ABridgedContactBendsItNoFurther) {
   }
 }
 
-/// Nothing else moves while one side goes alone: what it may still go is not counted anew.
+/// Other axes are at rest while one side moves alone, and its remaining distance is not reset.
 TEST(Gantry, OtherAxesWaitForTheSecondSide) {
   Gantry gantry;
-  gantry.plan.switches[0] = gantry.plan.switches[1] + 800;  // behind where it brakes
+  gantry.plan.switches[0] = gantry.plan.switches[1] + 800;  // beyond its braking distance
   sim::WireConfig second = gantry.second_switch();
   second.contacts[0].bridged_from = 0;
   MachineWithSwitches m(gantry.profile(), gantry.skewed(), {second});
@@ -225,7 +224,7 @@ TEST(Gantry, OtherAxesWaitForTheSecondSide) {
   EXPECT_FALSE(m.switches().engaged(sim::Pin::limit_x));
 }
 
-/// Door, reset and e-stop while one side goes alone: it stands.
+/// Door, reset and e-stop while one side moves alone stop it.
 TEST(Gantry, IsStoppedAtAnyMoment) {
   std::mt19937_64 random(5);
   for (int round = 0; round < scaled(18); ++round) {
@@ -249,7 +248,7 @@ TEST(Gantry, IsStoppedAtAnyMoment) {
   }
 }
 
-/// A board without an input for the second switch homes by the first, and says so.
+/// A board without an input for the second switch homes by the first and reports that.
 TEST(Gantry, WithoutASecondSwitchItFollows) {
   const settings::Values values = ganged(homing_profile(), 1).settings;
   machine::BoardFeatures board;
@@ -268,12 +267,12 @@ TEST(Gantry, WithoutASecondSwitchItFollows) {
   controller.commit();
   controller.tell();
   listen();
-  EXPECT_THAT(said, HasSubstr("[MSG:Not squared: no limit switch of A]"));
+  EXPECT_THAT(said, HasSubstr("[MSG:Not squared: A has no limit switch]"));
   EXPECT_EQ(controller.state(), MachineState::home);
 }
 
-/// And one without outputs for the second motor has none.
-TEST(Gantry, WithoutASecondMotorItSaysSo) {
+/// A board without outputs for the second motor drives only the first and reports that.
+TEST(Gantry, WithoutASecondMotorItReportsThat) {
   const settings::Values values =
       ganged(lamp_profile(100, settings::LampMode::free_beat), 1).settings;
   machine::BoardFeatures board;

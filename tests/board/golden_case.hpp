@@ -1,8 +1,7 @@
-// Golden runs of programs, as tests/board/program_golden/README.txt has them: text to cases.
+// Reads golden runs of programs in the format of tests/board/program_golden/README.txt.
 //
-// In:  the text of a file. Out: its cases, in order; a line that is not understood throws, with its
-//      number.
-// Who: program_golden_test.cpp.
+// In:  the text of a file. Out: its cases, in order; an invalid line throws with its line number.
+// Used by program_golden_test.cpp.
 #pragma once
 
 #include <array>
@@ -16,13 +15,13 @@ namespace lamplock::test {
 
 using MmPoint = std::array<double, 3>;
 
-/// A line to be sent and what it is answered with; or, without text, a pause that is ended.
+/// A line to send and its answer; without text, the end of a pause.
 struct GoldenLine {
   std::string text, answer;
   bool resume = false;
 };
 
-/// A piece of the way.
+/// A piece of the path.
 struct GoldenWay {
   enum class Kind { line, arc, pass, end };
   Kind kind = Kind::line;
@@ -30,11 +29,11 @@ struct GoldenWay {
   std::array<std::size_t, 2> plane{0, 1};  ///< of an arc: first and second axis
   std::array<double, 2> centre{};
   int sense = 1;                  ///< 1 counterclockwise
-  int turns = 1;                  ///< begun
+  int turns = 1;                  ///< turns begun
   std::array<double, 2> light{};  ///< lowest and highest
 };
 
-/// A wire that the board changes, and where X is then; or one that the world sets, and when.
+/// A change of a wire by the board, with the position of X, or by the world, with its time.
 struct GoldenEdge {
   std::string wire;
   double level = 0;
@@ -115,10 +114,10 @@ class GoldenReader {
 
   static bool take_line(GoldenCase& now, bool lengthened, const std::string& rest) {
     GoldenLine line{rest, "ok", false};
-    const std::size_t behind = rest.rfind(" = ");
-    if (behind != std::string::npos) {
-      line.text = rest.substr(0, behind);
-      line.answer = rest.substr(behind + 3);
+    const std::size_t answer_at = rest.rfind(" = ");
+    if (answer_at != std::string::npos) {
+      line.text = rest.substr(0, answer_at);
+      line.answer = rest.substr(answer_at + 3);
     }
     if (lengthened) {
       std::istringstream words(line.text);

@@ -1,4 +1,4 @@
-// The core on a board as short as can be, driven call by call.
+// The core on a minimal board, driven call by call.
 #pragma once
 
 #include <deque>
@@ -16,30 +16,34 @@ inline constexpr std::uint64_t pass_ticks = 250;
 inline constexpr std::uint64_t timing_lead_ticks = 300;
 inline constexpr std::uint64_t fill_lead_ticks = 2000;
 
-/// Points in a row that jumps from side to side: every point at a place of its own.
+/// Points in a row that jumps from side to side: all places differ.
 inline job::Job jumping_row(int points, std::uint64_t seed) {
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   std::mt19937_64 random(seed);
   for (int i = 0; i < points; ++i)
     cloud.push_back({i * 0.05, static_cast<double>(random() % 100) * 0.005, 0});
-  return job::make_job(cloud, lamp_profile(200, settings::LampMode::master), {});
+  job::Profile profile = lamp_profile(200, settings::LampMode::master);
+  profile.settings.set_milli(settings::Id::dead_man, 0);  // HandBoard receives no frames
+  return job::make_job(cloud, profile, {});
 }
 
-/// A board as short as can be, for a lamp that we trigger (ticks of nominal length). The edge of a
-/// beat comes in one of the gaps between the calls of a pass.
+/// A minimal board for a lamp that it triggers (ticks of nominal length). The edge of a beat occurs
+/// in one of the gaps between the calls of a pass.
 class HandBoard {
   const job::Job& job_;
   std::mt19937_64 random_;
   const std::uint64_t stop_tick_ = 200'000 + random_() % 300'000;
-  const bool stages_ = random_() % 2 == 0;  ///< as a board that masks interrupts for short
+  const bool stages_ = random_() % 2 == 0;  ///< as a board that masks interrupts briefly
 
  public:
   HandBoard(const job::Job& job, std::uint64_t seed) : job_(job), random_(seed) {}
 
   machine::Controller core{
-      job_.settings, {}, {.parts = stages_ ? machine::Parts::staged : machine::Parts::straight}};
-  bool plans_itself = true;                ///< if not, somebody else calls plan()
-  std::function<void()> while_parts_wait;  ///< between two of them
+      job_.settings,
+      {},
+      {.parts = stages_ ? machine::HandoutMode::staged : machine::HandoutMode::straight}};
+  bool plans_itself = true;                ///< if false, another thread calls plan()
+  std::function<void()> while_parts_wait;  ///< called between two parts
   std::vector<std::uint32_t> fired;        ///< how often each point was fired
 
   void begin(std::uint32_t first) {
@@ -48,7 +52,7 @@ class HandBoard {
     while (encoder.index() != job_.targets.size())
       ASSERT_EQ(core.on_data(encoder.next(1024, 100)), Result::ok);
   }
-  /// One pass of the main loop; `order` is what the host says in it.
+  /// One pass of the main loop; `order` sends the host's command in it.
   template <class Order>
   void pass(Order&& order) {
     now_ += pass_ticks;
@@ -77,14 +81,14 @@ class HandBoard {
     return status;
   }
   bool stop_due() const { return now_ >= stop_tick_; }
-  /// The next pass is one with an edge.
+  /// The next pass has an edge.
   bool edge_ahead() const { return core.clock().tick_of_beat(beat_) <= now_ + pass_ticks; }
   std::uint32_t shots() const {
     return std::accumulate(fired.begin(), fired.end(), std::uint32_t{0});
   }
-  /// The beat interrupt: the edge of the beat that is due, and whether it fired.
+  /// The beat interrupt: reports the edge of the due beat and whether it fired.
   void interrupt() {
-    // Beats have other numbers after a change of frequency.
+    // A change of frequency renumbers the beats.
     if (beat_ticks_ != core.clock().beat_ticks()) {
       beat_ticks_ = core.clock().beat_ticks();
       beat_ = core.clock().beat_at_or_after(now_);
@@ -116,7 +120,7 @@ class HandBoard {
       if (!stages_) return;
     }
   }
-  /// The point that the machine stands at is the one that was fired.
+  /// Checks that the machine is at the point that was fired.
   void count(std::uint64_t tick) {
     fired.resize(job_.targets.size());
     for (const stepper::TickBlock& b : blocks_) {

@@ -1,6 +1,5 @@
-// Homing on the virtual board: where the machine thinks it is afterwards, against where the loads
-// are; switches that bounce, are engaged from the start, never let go or are not there; what stops
-// it.
+// Homing on the virtual board: the machine's position afterwards against the loads' positions;
+// switches that bounce, are engaged from the start, never open or are missing; and interruptions.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -20,7 +19,7 @@ using testing::StartsWith;
 constexpr std::int32_t end_steps = 50 * 200, pull_off_steps = 200;
 constexpr std::uint8_t reset_byte = 0x18;
 
-/// Machine coordinates less those of the load: from where the switch of an axis is.
+/// Difference of machine and load coordinates, from the place of the axis's switch.
 std::int32_t offset_of(const SwitchPlan& plan, int axis) {
   const bool below = (plan.lower_ends >> axis & 1u) != 0;
   return (below ? -end_steps : end_steps) - plan.switches[index(axis)];
@@ -37,7 +36,7 @@ void expect_homed(const MachineWithSwitches& m, const SwitchPlan& plan, unsigned
   }
 }
 
-TEST(Homing, FindsTheSwitchesAndKnowsWhereTheMachineIs) {
+TEST(Homing, FindsTheSwitchesAndThePosition) {
   const SwitchPlan plan{.start = {300, -2000, 5000, 0}};
   MachineWithSwitches m(homing_profile(), plan);
   EXPECT_THAT(m.host.status(), StartsWith("<Alarm|"));
@@ -56,7 +55,7 @@ TEST(Homing, ReportsItselfAndTheSwitches) {
   EXPECT_THAT(m.host.status(), StartsWith("<Home|"));
   ASSERT_TRUE(m.wait_for([&] { return m.switches().engaged(sim::Pin::limit_z); }));
   EXPECT_THAT(m.host.status(), HasSubstr("|Pn:Z"));
-  m.host.send("G1 X0 F600\n");  // waits, as every line
+  m.host.send("G1 X0 F600\n");  // waits for homing, as every line does
   ASSERT_TRUE(m.wait_for([&] { return m.host.answers().size() == 2; }));
   EXPECT_THAT(m.host.answers(), ElementsAre("ok", "ok"));
 }
@@ -83,7 +82,7 @@ TEST(Homing, OneAxisAlone) {
   EXPECT_THAT(m.host.ask("$HQ\n$HA\n"), ElementsAre("error:3", "error:5"));
 }
 
-TEST(Homing, IsRefusedWhereThereIsNone) {
+TEST(Homing, IsRefusedWithoutHomingSwitches) {
   job::Profile profile = homing_profile();
   profile.settings.set_milli(Id::homing, 0);
   MachineWithSwitches m(profile, {});
@@ -91,7 +90,7 @@ TEST(Homing, IsRefusedWhereThereIsNone) {
   EXPECT_THAT(m.host.status(), StartsWith("<Idle|"));
 }
 
-/// Wherever it stands, whichever ends the switches are at, however they bounce: within a step.
+/// From any position, with switches at either end and any bounce, the error is at most a step.
 TEST(Homing, AnywhereWithBouncingSwitches) {
   std::mt19937_64 random(7);
   const auto pick = [&random](int from, int to) {
@@ -119,9 +118,9 @@ TEST(Homing, AnywhereWithBouncingSwitches) {
   }
 }
 
-/// The switch is passed by no more than braking and what is on its way: it is not run into. A feed
-/// override is for programs.
-TEST(Homing, BrakesBehindTheSwitch) {
+/// The switch is passed by at most the braking distance and the motion handed out, so the machine
+/// does not hit it. A feed override applies to programs only.
+TEST(Homing, BrakesAfterTheSwitch) {
   constexpr std::uint8_t feed_plus_10 = 0x91, feed_minus_10 = 0x92;
   for (const auto& [byte, times] :
        {std::pair{feed_plus_10, 0}, {feed_plus_10, 10}, {feed_minus_10, 5}}) {
@@ -134,14 +133,14 @@ TEST(Homing, BrakesBehindTheSwitch) {
       highest = std::max(highest, m.loads()[0]);
       return !m.host.answers().empty();
     }));
-    // 100 mm/s at 2 m/s2 brakes in 2.5 mm; 5 ms of it before.
+    // From 100 mm/s at 2 m/s2: 5 ms until it reacts, then 2.5 mm to brake.
     EXPECT_GT(highest, plan.switches[0] + 450) << times;
     EXPECT_LT(highest, plan.switches[0] + 500 + 100 + 10) << times;
   }
 }
 
-/// A job of points is refused at every moment of it, also while the machine stands and waits.
-TEST(Homing, NoJobComesInBetween) {
+/// A job of points is refused at every moment of homing, also while the machine rests and waits.
+TEST(Homing, NoJobStartsDuringHoming) {
   const job::Profile profile = homing_profile();
   const job::Job job = job_for({{0, 0, 0}}, profile, JoinMode::free);
   MachineWithSwitches m(profile, {});
@@ -166,12 +165,12 @@ TEST(HomingFaults, NoSwitchWithinReach) {
   EXPECT_THAT(m.host.ask("$X\nG0 X1\n"), Contains("ok").Times(2));
 }
 
-TEST(HomingFaults, AWireThatIsBrokenNeverLetsGo) {
+TEST(HomingFaults, ABrokenWireNeverOpens) {
   MachineWithSwitches m(homing_profile(), {});
   m.switches().break_wire(sim::Pin::limit_x, m.rig.board.now());
   m.host.run_ms(1);
   EXPECT_THAT(m.host.ask("$HX\n", 10), ElementsAre("ALARM:8", "error:9"));
-  EXPECT_EQ(m.loads()[0], -200);  // it has pulled off once
+  EXPECT_EQ(m.loads()[0], -200);  // one pull-off
 }
 
 TEST(HomingFaults, AContactThatIsBridgedIsNotFound) {
@@ -198,7 +197,7 @@ TEST(HomingFaults, DoorResetAndEstopAtAnyMoment) {
     const char* alarms[] = {"ALARM:7", "ALARM:6", "ALARM:10"};
     EXPECT_THAT(m.host.said(), Contains(alarms[what]));
     if (what == 1)
-      EXPECT_THAT(m.host.answers(), IsEmpty());  // a reset is answered by its banner
+      EXPECT_THAT(m.host.answers(), IsEmpty());  // the answer to a reset is its banner
     else
       EXPECT_THAT(m.host.answers(), ElementsAre("error:9"));
     const StepPosition stood = m.loads();
@@ -214,9 +213,9 @@ std::size_t steps_made(const Rig& rig) {
   return steps;
 }
 
-/// As grbl has it: the alarm, then the banner, once the machine stands. What waits is gone, the
-/// line that is half there too, and nobody answers it; homing anew works.
-TEST(HomingFaults, AResetDropsWhatWaitsAndIsToldOfOnce) {
+/// As in grbl: the alarm, then the banner, once the machine is at rest. Waiting lines and an
+/// incomplete line are dropped without an answer; homing again works.
+TEST(HomingFaults, AResetDropsWaitingLinesAndIsReportedOnce) {
   std::mt19937_64 random(17);
   job::Profile profile = homing_profile();
   profile.settings.set_milli(Id::laser_mode, 1000);
@@ -228,7 +227,7 @@ TEST(HomingFaults, AResetDropsWhatWaitsAndIsToldOfOnce) {
     m.host.send(random() % 3 == 0 ? "$HY\n" : "$H\n");
     m.host.send("M3 S1000\nG1 X20 F6000\n$100=160\nM8\nG0 X-");
     m.host.run(static_cast<sim::Picoseconds>(random() % 2'500'000) * ps_per_us);
-    if (!m.host.answers().empty()) continue;  // it was over by then
+    if (!m.host.answers().empty()) continue;  // homing had ended
     ++resets;
     const std::size_t before = steps_made(m.rig);
     m.host.send(reset_byte);
@@ -247,7 +246,8 @@ TEST(HomingFaults, AResetDropsWhatWaitsAndIsToldOfOnce) {
     EXPECT_THAT(m.host.ask("$X\n"), ElementsAre("[MSG:Caution: Unlocked]", "ok"));
     EXPECT_THAT(m.host.status(), StartsWith("<Idle|"));
     EXPECT_EQ(m.loads(), stood);
-    // Behind a switch by more than a pull-off it is ALARM:8, and nearer than before.
+    // Beyond a switch by more than a pull-off, homing fails with ALARM:8 but ends nearer than
+    // before.
     const int most = 4;
     for (int i = 0; i < most && m.home().back() != "ok"; ++i) {
     }
@@ -257,11 +257,11 @@ TEST(HomingFaults, AResetDropsWhatWaitsAndIsToldOfOnce) {
               profile.settings.milli(Id::steps_per_mm_x));
   }
   EXPECT_GT(while_moving, 0);
-  EXPECT_TRUE(resets > while_moving || scaled(40) < 40) << "never while it waited";
+  EXPECT_TRUE(resets > while_moving || scaled(40) < 40) << "no reset while homing rested";
 }
 
-/// The e-stop, or a door, comes while it still brakes: one alarm, and the banner all the same.
-TEST(HomingFaults, AnEStopBehindAResetIsToldOfAndTheResetToo) {
+/// An e-stop or a door while it still brakes from a reset: one alarm, and the banner all the same.
+TEST(HomingFaults, AnEStopAfterAResetIsReportedAndTheResetToo) {
   std::mt19937_64 random(19);
   for (int round = 0; round < scaled(12); ++round) {
     SCOPED_TRACE(fmt::format("round {}", round));
@@ -290,7 +290,7 @@ TEST(HomingFaults, AnEngagedSwitchIsAnAlarmAgainAfterHoming) {
   ASSERT_THAT(m.home(), ElementsAre("ok"));
   EXPECT_THAT(m.host.ask("$20=0\nG0 X60\n", 3), Contains("ok").Times(2));
   ASSERT_TRUE(m.wait_for([&] { return m.host.has_said("ALARM:1"); }));
-  EXPECT_NEAR(m.loads()[0], 12'000, 2);  // stopped dead
+  EXPECT_NEAR(m.loads()[0], 12'000, 2);  // stopped at once
 }
 
 }  // namespace

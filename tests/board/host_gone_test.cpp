@@ -1,5 +1,5 @@
-// A host that has gone cannot stop its machine: what it moves is held, dark, within braking and
-// 30 ms. What was silent too long is as good as gone, as the settings say.
+// When the host is gone, it cannot stop its machine: motion is held, dark, within braking time and
+// 30 ms. A host that was silent for longer than its setting counts as gone.
 #include <gmock/gmock.h>
 
 #include <string>
@@ -9,7 +9,7 @@
 namespace lamplock::test::host_gone_test {
 namespace {
 
-/// Braking from 50 mm/s at 2 m/s2, what is handed out ahead, and a round of the main loop.
+/// Braking from 50 mm/s at 2 m/s2, ticks handed out ahead, and a round of the main loop.
 constexpr sim::Picoseconds at_rest_within = (25 + 30) * ps_per_ms;
 
 class HostGone : public testing::Test {
@@ -45,7 +45,7 @@ class HostGone : public testing::Test {
 
 constexpr std::string_view long_program = "M3 S500\nG1 X40 F3000\nX0\n";
 
-TEST_F(HostGone, AProgramIsHeldAndGoesOnWhenTheUserSaysSo) {
+TEST_F(HostGone, AProgramIsHeldUntilTheUserResumesIt) {
   host_->send(long_program);
   host_->run_ms(300);
   ASSERT_TRUE(moves());
@@ -57,11 +57,11 @@ TEST_F(HostGone, AProgramIsHeldAndGoesOnWhenTheUserSaysSo) {
   EXPECT_TRUE(host_->has_said("[MSG:Host lost: program held]"));
   EXPECT_EQ(rig_->state(), MachineState::hold);
   host_->send("~");
-  EXPECT_TRUE(host_->stand(5));
+  EXPECT_TRUE(host_->wait_for_rest(5));
   EXPECT_EQ(host_->position()[0], 0);
 }
 
-TEST_F(HostGone, AProgramThatWasReceivedWholeMayRunOn) {
+TEST_F(HostGone, ACompletelyReceivedProgramMayContinue) {
   set(Id::run_on, 1);
   const std::pair<std::string, bool> ends[] = {
       {"", false},           {"M5\n", false},  {"G4 P0 (M2)\n", false},
@@ -91,13 +91,13 @@ TEST_F(HostGone, AJogEnds) {
 
 TEST_F(HostGone, AMachineAtRestStaysAsItIs) {
   host_->send("G1 X1 F3000\n");
-  ASSERT_TRUE(host_->stand());
+  ASSERT_TRUE(host_->wait_for_rest());
   leave();
   rig_->run(ps_per_s);
   EXPECT_EQ(rig_->state(), MachineState::idle);
   rig_->board.set_host_present(true);
   host_->ask("G1 X0\n");
-  EXPECT_TRUE(host_->stand(1));
+  EXPECT_TRUE(host_->wait_for_rest(1));
   EXPECT_EQ(host_->position()[0], 0);
 }
 
@@ -113,17 +113,17 @@ TEST_F(HostGone, PointsAreNotFiredAnyMore) {
   EXPECT_EQ(rig_->monitor.fired(left_ + 2 * ps_per_ms, now()), 0u);
   rig_->board.set_host_present(true);
   host_->send("~");
-  EXPECT_TRUE(host_->stand(5));
+  EXPECT_TRUE(host_->wait_for_rest(5));
   EXPECT_EQ(rig_->shots().size(), 60u);
 }
 
-TEST_F(HostGone, ASilentSenderOfAProgramIsHeldWhereThatIsSet) {
+TEST_F(HostGone, ASilentSendersProgramIsHeldIfSet) {
   set(Id::program_dead_man, 500);
   set_up();
   host_->send("M3 S500\nG1 X40 F600\n");
   for (int i = 0; i < 8; ++i) {
     host_->run_ms(200);
-    EXPECT_THAT(host_->status(), testing::StartsWith("<Run")) << "it asks";
+    EXPECT_THAT(host_->status(), testing::StartsWith("<Run")) << "the host polls";
   }
   left_ = now() + 500 * ps_per_ms;
   rig_->run(400 * ps_per_ms);
@@ -141,7 +141,7 @@ TEST_F(HostGone, AJogEndsWithItsLease) {
   left_ = now() + 60 * ps_per_ms;
   expect_rest();
   EXPECT_EQ(rig_->state(), MachineState::idle);
-  // One that is renewed goes on.
+  // A renewed jog continues.
   for (int i = 0; i < 20; ++i) {
     host_->send("$J=G91 X-0.5 F600\n");
     host_->run_ms(45);

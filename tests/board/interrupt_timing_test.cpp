@@ -1,6 +1,6 @@
-// The core with its interrupts at the worst places: an edge of the lamp that comes between two
-// calls of the main loop, whichever two, is told to whoever asks next. The virtual board has no
-// such moments; a board with real interrupts has them in every pass.
+// The core with interrupts at the worst places: a lamp edge between any two calls of the main loop
+// must be visible to the next call. The virtual board has no such moments; a board with real
+// interrupts has them in every pass.
 #include "tests/board/hand_board.hpp"
 
 namespace lamplock::test {
@@ -8,7 +8,7 @@ namespace {
 
 constexpr int job_points = 40;
 
-/// Boards one after the other, each with a job of its own that has begun.
+/// Runs boards one after the other, each with a job that has begun.
 class InterruptTiming : public testing::Test {
  protected:
   using Body = std::function<void(HandBoard&)>;
@@ -21,7 +21,7 @@ class InterruptTiming : public testing::Test {
       ASSERT_NO_FATAL_FAILURE(body(board));
     }
   }
-  /// Passes for as long as the job runs.
+  /// Calls `pass` while the job runs.
   template <class Pass>
   static void run_job(HandBoard& board, Pass&& pass) {
     for (int i = 0; i < 40'000 && board.core.state() == MachineState::run; ++i) pass();
@@ -32,10 +32,10 @@ class InterruptTiming : public testing::Test {
   std::uint64_t seed_ = 0;
 };
 
-TEST_F(InterruptTiming, IdleAfterAStopKnowsEveryShot) {
+TEST_F(InterruptTiming, IdleAfterAStopHasEveryShot) {
   int unfinished = 0;
   on_boards(scaled(300), [&](HandBoard& board) {
-    // Half of the stops in a pass that has an edge.
+    // Half of the stops occur in a pass with an edge.
     while (!board.stop_due() || (seed_ % 2 == 0 && !board.edge_ahead())) board.pass();
     board.pass([&] { board.core.on_command({wire::Command::stop}); });
     while (board.core.state() != MachineState::idle) board.pass();
@@ -50,14 +50,14 @@ TEST_F(InterruptTiming, IdleAfterAStopKnowsEveryShot) {
   EXPECT_GT(unfinished, 0);
 }
 
-/// The flash that is on its way when the machine brakes counts, although it is put back among the
-/// points to come, and the next window is looked for before it is judged.
+/// The flash in progress when the machine brakes counts, although its point returns to the queue
+/// and the next window is searched before the flash is judged.
 TEST_F(InterruptTiming, AHoldThatEndsAtOnceFiresNoPointTwice) {
   int held = 0;
   on_boards(scaled(100), [&](HandBoard& board) {
     std::mt19937_64 random(seed_);
     run_job(board, [&] {
-      // The ticks before the edge have been filled, and no more.
+      // Exactly the ticks before the edge have been handed out.
       const bool hold = board.shots() % 4 == 3 && board.edge_ahead() && random() % 2 == 0;
       held += hold ? 1 : 0;
       board.pass([&] {
@@ -71,9 +71,9 @@ TEST_F(InterruptTiming, AHoldThatEndsAtOnceFiresNoPointTwice) {
   EXPECT_GT(held, 0);
 }
 
-/// A start moves on by whole beats where planning has outlasted its margin: all of the plan does,
-/// whether it has been staged or not.
-TEST_F(InterruptTiming, APlanThatComesLateStartsLaterAsAWhole) {
+/// If planning exceeds its margin, the start is delayed by whole beats, for the whole plan, staged
+/// or not.
+TEST_F(InterruptTiming, ALatePlanStartsLaterAsAWhole) {
   on_boards(scaled(20), [&](HandBoard& board) {
     board.plans_itself = false;
     run_job(board, [&] {
@@ -88,8 +88,8 @@ TEST_F(InterruptTiming, APlanThatComesLateStartsLaterAsAWhole) {
   });
 }
 
-/// What a board notes for the case that it crashes: every shot, read by the main loop or not.
-TEST_F(InterruptTiming, TheMarkOfAJobKnowsEveryShotAtOnce) {
+/// The mark that a board stores for a crash has every shot, read by the main loop or not.
+TEST_F(InterruptTiming, TheMarkOfAJobHasEveryShotAtOnce) {
   on_boards(4, [&](HandBoard& board) {
     for (int i = 0; i < 40'000 && board.shots() < job_points; ++i) {
       board.pass();
@@ -100,7 +100,7 @@ TEST_F(InterruptTiming, TheMarkOfAJobKnowsEveryShotAtOnce) {
   });
 }
 
-TEST_F(InterruptTiming, ADeadStopTellsTheShotThatTheBoardHasFound) {
+TEST_F(InterruptTiming, AnImmediateStopReportsTheShotThatTheBoardFound) {
   int found = 0;
   on_boards(scaled(100), [&](HandBoard& board) {
     while (!board.stop_due() || !board.edge_ahead()) board.pass();
@@ -116,8 +116,8 @@ TEST_F(InterruptTiming, ADeadStopTellsTheShotThatTheBoardHasFound) {
   EXPECT_GT(found, 0);
 }
 
-/// A fault while parts of a plan wait to be handed out: none of them is, nobody waits for that, and
-/// the next pass is that of an alarm.
+/// A fault while parts of a plan wait to be handed out: no part is handed out, no call waits for
+/// them, and the next pass raises the alarm.
 class FaultBetweenParts : public InterruptTiming {
  protected:
   void at_each(const Body& fault) {
@@ -130,8 +130,8 @@ class FaultBetweenParts : public InterruptTiming {
         fault(board);
         EXPECT_FALSE(board.core.part_waits());
       };
-      // Between parts of the first plan, for all of which there is room; or in motion, where the
-      // next plan is there and waits for it.
+      // Between parts of the first plan, which all have room, or in motion while the next plan
+      // waits for room.
       const bool at_start = seed_ % 2 == 0;
       if (at_start) board.while_parts_wait = breaks;
       for (int i = 0; i < 40'000 && !broken; ++i) {
@@ -164,8 +164,8 @@ TEST_F(FaultBetweenParts, TheBoardsTicksHaveRunOut) {
   });
 }
 
-/// The core sees to it that motion never ends with speed, so it has to be made to: axes that are
-/// suddenly much further ahead come too late for what is queued.
+/// The core never ends motion at speed, so the test forces it: axes that are suddenly much further
+/// ahead are too late for the queued segments.
 TEST_F(FaultBetweenParts, MotionEndsWithSpeed) {
   at_each([](HandBoard& board) {
     const machine::JobRunner& runner = board.core.runner();

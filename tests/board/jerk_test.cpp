@@ -1,4 +1,4 @@
-// Limits of jerk on the whole board: jobs, holds at any moment, what is refused.
+// Jerk limits on the whole board: jobs, holds at any moment, refused values.
 #include <gmock/gmock.h>
 
 #include "host/error.hpp"
@@ -33,7 +33,7 @@ TEST(Jerk, JobsAreDoneInsideTheWorkSpace) {
     }
 }
 
-TEST(Jerk, HoldsAtAnyMomentStopInsideAndGoOn) {
+TEST(Jerk, HoldsAtAnyMomentStopInsideAndResume) {
   for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(12)); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed + 900);
@@ -56,7 +56,7 @@ TEST(Jerk, HoldsAtAnyMomentStopInsideAndGoOn) {
   }
 }
 
-/// What the host says to a job that the machine refuses; "taken" if it does not.
+/// The host's error for a job that the machine refuses; "taken" if it accepts the job.
 std::string refusal(Rig& rig, const job::Job& job) {
   try {
     run_job(rig, job);
@@ -68,7 +68,7 @@ std::string refusal(Rig& rig, const job::Job& job) {
 
 TEST(Jerk, LooserLimitsAreRefusedWithTheSetting) {
   const job::Profile profile = jerk_profile(100);
-  const points::PointCloud points = wild_points(10, 1);
+  const geometry::PointCloud points = wild_points(10, 1);
   for (const double asked : {0.0, 100.5}) {
     job::Profile looser = profile;
     job::state_setting(looser, Id::jerk_y, asked, "test");
@@ -76,7 +76,7 @@ TEST(Jerk, LooserLimitsAreRefusedWithTheSetting) {
     EXPECT_THAT(refusal(rig, job::make_job(points, looser, {})), HasSubstr("$1082"));
     EXPECT_TRUE(rig.monitor.nothing_happened());
   }
-  // A machine without a limit of its own takes any.
+  // A machine without its own limit accepts any.
   Rig rig(lamp_profile());
   EXPECT_EQ(refusal(rig, job::make_job(points, profile, {})), "taken");
 }

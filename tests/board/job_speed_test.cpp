@@ -1,8 +1,8 @@
-// Job speed, holds and a host that delivers in bursts, in jobs of everything: fired as often as
+// Job speed, holds and bursts of a host in jobs with points, moves and dwells: every shot as
 // ordered, in order, inside the limits, at the wanted speed.
 #include <algorithm>
 
-#include "firmware/machine/job_runner.hpp"
+#include "firmware/machine/runners/job_runner.hpp"
 #include "tests/board/mixed_job.hpp"
 
 namespace lamplock::test {
@@ -37,7 +37,7 @@ TEST(JobSpeed, LimitsHoldAtEverySpeedFromTheStart) {
   }
 }
 
-/// The job's limits are half of the machine's: 140 % is more than the job's and not above its own.
+/// The job's limits are half the machine's: 140 % exceeds the job's limits but not the machine's.
 TEST(JobSpeed, FasterThanTheJobButNotThanTheMachine) {
   const auto beats_at = [](double own_accel, std::uint32_t percent) {
     job::Profile profile = lamp_profile(200, settings::LampMode::slave, 2);
@@ -61,7 +61,7 @@ TEST(JobSpeed, FasterThanTheJobButNotThanTheMachine) {
   EXPECT_GT(beats_at(10, 70), normal);
 }
 
-/// Way in `beats` at s % is that in beats x 100 / s at 100 %: rest to rest, to rounding.
+/// Moves that take `beats` at s % equal moves of beats x 100 / s at 100 %: rest to rest, rounded.
 TEST(JobSpeed, HalfTheSpeedIsTwiceTheBeats) {
   const job::Profile profile = lamp_profile(1000);
   const job::Job job = job_for(histogram_walk(100, 5), profile, JoinMode::start_stop);
@@ -76,11 +76,11 @@ TEST(JobSpeed, HalfTheSpeedIsTwiceTheBeats) {
   EXPECT_NEAR(beats[2] / beats[0], 4, 0.2);
 }
 
-/// A way too long for the slowest speeds is run, not refused.
+/// A move too long for the slowest speeds is run, not refused.
 TEST(JobSpeed, TheSlowestSpeedStillArrives) {
   const job::Profile profile = lamp_profile(4000);
-  points::PointCloud cloud;
-  for (int i = 0; i < 120; ++i)  // far ways among short ones
+  geometry::PointCloud cloud;
+  for (int i = 0; i < 120; ++i)  // long moves among short ones
     cloud.push_back({i / 50 % 2 == 0 ? 0.0 : 50.0, i * 0.005, i * -0.01});
   const job::Job job = job::make_job(cloud, profile, {});
   Rig rig(profile);
@@ -91,14 +91,14 @@ TEST(JobSpeed, TheSlowestSpeedStillArrives) {
   expect_sound(rig, profile.settings);
 }
 
-/// Braking from a fast plan after the speed was turned down: no further out than planned.
-TEST(JobSpeed, TurnedDownAndHeldAtTheEdgeOfTheWorkSpace) {
+/// Braking from a fast plan after the speed was reduced leads no further out than planned.
+TEST(JobSpeed, ReducedAndHeldAtTheEdgeOfTheWorkArea) {
   for (int seed = 0; seed < scaled(8); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const auto number = static_cast<std::uint64_t>(seed);
     std::mt19937_64 random(number);
     const job::Profile profile = lamp_profile(100, settings::LampMode::slave, 2);
-    points::PointCloud cloud;
+    geometry::PointCloud cloud;
     for (int i = 0; i < 20; ++i) cloud.push_back({i % 2 == 0 ? -50.0 : 50.0, -50.0 + i, 0});
     const job::Job job = job::make_job(cloud, profile, {});
     Rig rig(profile);
@@ -120,15 +120,15 @@ TEST(JobSpeed, TurnedDownAndHeldAtTheEdgeOfTheWorkSpace) {
   }
 }
 
-/// What is committed runs on, what follows keeps the new limits; no flash is lost by it.
-TEST(JobSpeed, TakesEffectBehindWhatIsCommitted) {
+/// Committed motion runs as planned; later motion keeps the new limits; no flash is lost.
+TEST(JobSpeed, TakesEffectAfterCommittedMotion) {
   for (int seed = 0; seed < scaled(20); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const auto number = static_cast<std::uint64_t>(seed);
     const job::Profile profile = lamp_profile(seed % 2 == 0 ? 100 : 500);
     job::Job job = job_for(histogram_walk(200, number), profile, both_modes[seed / 2 % 2]);
-    constexpr std::size_t stands = 150;  // its third flash finds the machine at rest
-    job.targets[stands].shots = 6;
+    constexpr std::size_t resting = 150;  // its third flash finds the machine at rest
+    job.targets[resting].shots = 6;
     Rig rig(profile);
     BoardCable cable(rig);
     link::JobSender sender(cable, job, session(1));
@@ -141,18 +141,18 @@ TEST(JobSpeed, TakesEffectBehindWhatIsCommitted) {
     ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
     expect_sound(rig, profile.settings);
     EXPECT_EQ(rig.board.controller().runner().misses(), 0u);
-    // What the queue of segments holds is committed; a window more may need the old limits.
-    ASSERT_LT(before + stepper::SegmentQueue::capacity + motion::window_points, stands);
-    EXPECT_EQ(rig.monitor.violation(slowed(profile, percent), rig.shots()[stands + 2].at), "");
+    // The segments in the queue are committed; one window more may need the old limits.
+    ASSERT_LT(before + stepper::SegmentQueue::capacity + window_points, resting);
+    EXPECT_EQ(rig.monitor.violation(slowed(profile, percent), rig.shots()[resting + 2].at), "");
     EXPECT_NE(rig.monitor.violation(slowed(profile, percent), 0, rig.shots()[before].at), "");
   }
 }
 
-/// In a straight row no state fits slower limits: the row is broken off once.
+/// In a straight row no state meets the slower limits: the motion is interrupted once.
 TEST(JobSpeed, SlowsDownWhereTheMachineNeverSlowsByItself) {
   job::Profile profile = lamp_profile(200, settings::LampMode::slave, 10);
   job::set_speed(profile, 0.06);
-  points::PointCloud row;
+  geometry::PointCloud row;
   for (int i = 0; i < 390; ++i) row.push_back({-49 + 0.25 * i, 0, 0});
   const job::Job job = job::make_job(row, profile, {});
   Rig rig(profile);
@@ -168,7 +168,7 @@ TEST(JobSpeed, SlowsDownWhereTheMachineNeverSlowsByItself) {
     return rig.shots()[to].beat - rig.shots()[from].beat;
   };
   EXPECT_EQ(beats(30, 60), 30);
-  const std::size_t slow = 60 + stepper::SegmentQueue::capacity + 2 * motion::window_points;
+  const std::size_t slow = 60 + stepper::SegmentQueue::capacity + 2 * window_points;
   EXPECT_GE(beats(slow, 389), static_cast<std::int64_t>(389 - slow) * 8 / 5);
   EXPECT_EQ(rig.monitor.violation(slowed(profile, 50), 0, rig.shots()[60].at).empty(), false);
 }
@@ -189,7 +189,7 @@ TEST(HoldAndResume, EveryPointAsOrderedAndNoShotInBetween) {
     rig.board.set_planning_time(seed % 5 * 4 * ps_per_ms);
     BoardCable cable(rig);
     link::JobSender sender(cable, job, session(1));
-    // When the machine was in hold for certain.
+    // Times at which the machine was certainly in hold.
     std::vector<std::pair<sim::Picoseconds, sim::Picoseconds>> held;
     for (sim::Picoseconds at = 110 * ps_per_ms + pick(0, 50 * ps_per_ms); at < 4 * ps_per_s;) {
       const sim::Picoseconds from = at, to = from + 12 * ps_per_ms + pick(0, 60 * ps_per_ms);
@@ -198,7 +198,7 @@ TEST(HoldAndResume, EveryPointAsOrderedAndNoShotInBetween) {
         if (rig.state() == MachineState::hold) held.emplace_back(from + 10 * ps_per_ms, to);
       });
       cable.at(to, [&sender] { sender.resume(); });
-      // Too short for the sender: resumed by a byte, before, while and after coming to rest.
+      // Too short for the sender: a byte resumes before, during and after coming to rest.
       const sim::Picoseconds again = to + 20 * ps_per_ms + pick(0, 50 * ps_per_ms);
       cable.at(again, [&cable] { cable.type("!"); });
       cable.at(again + pick(0, 5 * ps_per_ms), [&cable] { cable.type("~"); });
@@ -215,7 +215,7 @@ TEST(HoldAndResume, EveryPointAsOrderedAndNoShotInBetween) {
   EXPECT_GT(holds, scaled(150) * 3);
 }
 
-/// A host that delivers whenever it likes: the machine stops in time, and goes on by itself.
+/// The host delivers at random times: the machine stops in time and resumes by itself.
 TEST(Starvation, BurstsOfPointsCostBeatsAndNothingElse) {
   std::uint32_t starved = 0;
   for (int seed = 0; seed < std::max(8, scaled(20)); ++seed) {
@@ -231,7 +231,7 @@ TEST(Starvation, BurstsOfPointsCostBeatsAndNothingElse) {
     link::JobSender sender(cable, job, session(1));
     bool more = true;
     while (more) {
-      // A few steps, and then the host is away.
+      // A few steps of the sender, then a pause.
       for (auto steps = random() % 4; more && steps-- > 0;) more = sender.step();
       rig.run(std::uniform_int_distribution<sim::Picoseconds>(0, 400 * ps_per_ms)(random));
     }

@@ -1,4 +1,4 @@
-// Jogging on the virtual board as hands do it: keys that repeat, keys that are let go, several
+// Jogging on the virtual board by hand: keys that repeat, keys that are released, several
 // directions in a row.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -17,21 +17,21 @@ using testing::StartsWith;
 
 constexpr double steps_per_mm = 200, accel_mm_s2 = 2000;
 constexpr std::uint8_t jog_cancel = 0x85;
-/// Of a key.
+/// Repeat period of a key.
 constexpr double repeat_ms = 1000.0 / 30;
-/// From the end of a key to the begin of braking, at most.
+/// From a key's release to the begin of braking, at most.
 constexpr double reaction_s = 0.020;
 
 class Jog : public testing::Test {
  protected:
   Jog() { host_.run_ms(5); }
   double x_mm() const { return rig_.board.world().drives().position()[0] / steps_per_mm; }
-  /// Every jog begun has come to its end.
+  /// Waits until every jog has ended.
   void wait_until_it_stands() {
     host_.run_ms(2);
-    EXPECT_TRUE(host_.stand());
+    EXPECT_TRUE(host_.wait_for_rest());
   }
-  /// Holds a key for so long; each repeat asks for somewhat more than is used up until the next.
+  /// Holds a key for `repeats`; each repeat requests slightly more than the motion until the next.
   template <class Each>
   void hold_key(double mm_s, int repeats, Each&& every_ms) {
     for (int i = 0; i < repeats; ++i) {
@@ -51,7 +51,7 @@ class Jog : public testing::Test {
 
 TEST_F(Jog, AKeyThatRepeatsMovesSmoothly) {
   for (const double mm_s : {5.0, 20.0, 50.0}) {
-    // The way of the last 20 ms, once it has had time to get up to speed.
+    // Speed over the last 20 ms, after acceleration.
     std::vector<double> places;
     const double from = x_mm();
     hold_key(mm_s, 20, [&](double) { places.push_back(x_mm() - from); });
@@ -68,7 +68,7 @@ TEST_F(Jog, AKeyThatRepeatsMovesSmoothly) {
   EXPECT_THAT(host_.answers(), Each("ok"));
 }
 
-TEST_F(Jog, LettingGoStopsAtOnce) {
+TEST_F(Jog, ReleaseStopsAtOnce) {
   std::mt19937_64 random(9);
   for (int round = 0; round < scaled(60); ++round) {
     const double mm_s = 1 + static_cast<double>(random() % 99);
@@ -110,9 +110,9 @@ TEST_F(Jog, AnotherKeyAtOnce) {
   EXPECT_EQ(rig_.board.world().drives().position(), StepPosition{});
 }
 
-/// As in grbl: whoever moves by hand gets the feed that was asked for, whatever a program was
-/// slowed down to; the program is as before.
-TEST_F(Jog, TheFeedOverrideIsForPrograms) {
+/// As in grbl: a jog has the requested feed rate, whatever the override of a program; the override
+/// of the program is unchanged.
+TEST_F(Jog, IgnoresTheFeedOverrideOfPrograms) {
   constexpr std::uint8_t minus_10 = 0x92, plus_10 = 0x91;
   const auto change = [this](std::uint8_t byte, int times) {
     for (int i = 0; i < times; ++i) host_.send(byte);
@@ -127,7 +127,7 @@ TEST_F(Jog, TheFeedOverrideIsForPrograms) {
   change(minus_10, 10);
   wait_until_it_stands();
   EXPECT_EQ(x_mm(), 40);
-  // One that is cancelled, too.
+  // A cancelled jog too.
   host_.ask("$J=G90X-40F3000\n");
   host_.run_ms(100);
   host_.send(jog_cancel);
@@ -138,11 +138,11 @@ TEST_F(Jog, TheFeedOverrideIsForPrograms) {
   host_.send(std::uint8_t{0x90});
   host_.run_ms(100);
   EXPECT_THAT(host_.status(), HasSubstr("|FS:3000,"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
 }
 
-/// As in grbl: nothing moves while a tool is changed, whoever asks; behind that the machine is not
-/// idle at once.
+/// As in grbl: no jog moves while a tool is changed; after the change the machine is not idle at
+/// once.
 TEST_F(Jog, NoneWhileAToolIsChanged) {
   host_.send("G1 X1 F6000\nT3 M6\n$J=G91 X5 F600\nG1 X3\n");
   host_.run_ms(500);

@@ -1,4 +1,5 @@
-// Lamps that stop or change their mind, hosts that cannot keep up: the job costs time, no point.
+// Lamps that stop or change frequency, hosts that are too slow: the job takes longer, no point is
+// lost.
 #include "tests/board/board_cable.hpp"
 #include "tests/board/scripted_lamp.hpp"
 
@@ -7,7 +8,7 @@ namespace {
 
 constexpr sim::Picoseconds period = 10 * ps_per_ms;
 
-/// A job under a scripted lamp; shots are judged by the script's own edges.
+/// A job with a scripted lamp; shots are judged by the script's edges.
 class ScriptedLamp : public testing::Test {
  protected:
   void run(const LampScript& script, int seed, JoinMode mode) {
@@ -39,7 +40,7 @@ class ScriptedLamp : public testing::Test {
     });
   }
 
-  /// Flashes that the way to a point takes from rest to rest.
+  /// Flashes during the move to a point from rest to rest.
   double flashes_of_way(std::size_t point, sim::Picoseconds flash) const {
     double longest_s = 0;
     for (int axis = 0; axis < job_.header.axes; ++axis) {
@@ -66,15 +67,15 @@ TEST_F(ScriptedLamp, StopsForASecond) {
   for (int seed = 0; seed < scaled(12); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     LampScript script;
-    // Comes back at any phase.
+    // The lamp returns at any phase.
     script.flash(period, (900 + 37 * (seed % 60)) * ps_per_ms)
         .dark(ps_per_s + (seed % 500) * 1'234'567 * sim::ps_per_ns)
         .flash(period, 20 * ps_per_s);
     ASSERT_NO_FATAL_FAILURE(run(script, seed, both_modes[seed % 2]));
     EXPECT_EQ(rig_->board.controller().clock().lock_losses(), 1u);
     EXPECT_GT(beats_of(result_.status, BeatReason::not_locked), 0u);
-    // Beats are the lamp's periods: no edge is left out, besides those that the clock missed
-    // before it gave up.
+    // Beats are the lamp's periods: every edge counts, except those that the clock missed before it
+    // lost the lock.
     EXPECT_EQ(result_.status.beats - beats_of(result_.status, BeatReason::no_edge),
               edges_between_shots());
   }
@@ -111,7 +112,7 @@ TEST_F(ScriptedLamp, JumpsInFrequency) {
 }
 
 TEST_F(ScriptedLamp, JumpsAtAnyMomentAndIsFollowedWithinSixteenFlashes) {
-  // Inside the lock range, from one end of it to the other.
+  // Frequencies inside the lock range, from one end to the other.
   std::mt19937_64 random(61);
   const auto any = [&random](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -131,8 +132,8 @@ TEST_F(ScriptedLamp, JumpsAtAnyMomentAndIsFollowedWithinSixteenFlashes) {
     const auto at = std::find_if(fires.begin(), fires.end(), [&](const PinMonitor::Fire& fire) {
       return fire.edge > jump + 20 * period;
     });
-    // Back at work when it has locked, come to rest and gone on; few ways take more than 16 flashes
-    // themselves.
+    // The machine fires again after it has locked, come to rest and resumed; few moves take more
+    // than 16 flashes themselves.
     ASSERT_NE(at, fires.end());
     const double way = flashes_of_way(static_cast<std::size_t>(at - fires.begin()), second);
     EXPECT_LT(at->edge, jump + (20 + std::max(16, static_cast<int>(way))) * period);
@@ -140,7 +141,7 @@ TEST_F(ScriptedLamp, JumpsAtAnyMomentAndIsFollowedWithinSixteenFlashes) {
 }
 
 TEST_F(ScriptedLamp, RunsAtAFrequencyOutsideTheRangeForAWhile) {
-  // No shot and no motion there, whatever the frequency; the job goes on when the lamp is back.
+  // No shot and no motion at that frequency; the job resumes when the lamp is back.
   const double ratios[] = {0.9, 0.95, 1.05, 1.1, 0.5, 2, 1.5, 3, 1.0 / 3};
   for (int seed = 0; seed < scaled(9); ++seed) {
     const double ratio = ratios[seed % 9];
@@ -152,7 +153,7 @@ TEST_F(ScriptedLamp, RunsAtAFrequencyOutsideTheRangeForAWhile) {
         .flash(static_cast<sim::Picoseconds>(static_cast<double>(period) * ratio), away)
         .flash(period, 20 * ps_per_s);
     ASSERT_NO_FATAL_FAILURE(run(script, seed, both_modes[seed % 2]));
-    // Some flashes pass until the clock has seen that it is no fault of a moment.
+    // The clock needs some flashes to detect a permanent change.
     const sim::Picoseconds noticed =
         leaves +
         25 * std::max(period, static_cast<sim::Picoseconds>(static_cast<double>(period) * ratio));
@@ -164,13 +165,13 @@ TEST_F(ScriptedLamp, RunsAtAFrequencyOutsideTheRangeForAWhile) {
   }
 }
 
-/// A cable to a host that falls asleep.
+/// A cable to a host that pauses.
 class SleepyTransport final : public link::Transport {
  public:
   SleepyTransport(sim::VirtualBoard& board, std::chrono::milliseconds nap)
       : inner_(board), nap_(nap) {}
   std::size_t write(std::span<const std::uint8_t> bytes) override {
-    // A dozen points, then sleep.
+    // A dozen points, then a pause.
     const std::size_t taken = inner_.write(bytes.first(std::min<std::size_t>(bytes.size(), 100)));
     if (taken > 80) inner_.wait(nap_);
     return taken;

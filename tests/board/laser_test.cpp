@@ -1,5 +1,5 @@
 // The continuous laser on the virtual board: light in segments that have power, at their ticks, and
-// only while it is enabled. The segments are made by hand.
+// only while it is enabled. The test builds the segments itself.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ using sim::Picoseconds;
 using sim::ps_per_ms;
 using sim::ps_per_us;
 
-/// When ticks are put out.
+/// Times at which ticks are output.
 class TickTimes final : public sim::TickListener {
  public:
   void ticks_played(const sim::PlayedTicks& ticks) override {
@@ -24,7 +24,7 @@ class TickTimes final : public sim::TickListener {
   }
   void beat_begins(std::uint64_t /*tick*/, Picoseconds /*at*/) override {}
   std::uint64_t tick = 0;
-  Picoseconds at = 0;  ///< when that tick begins
+  Picoseconds at = 0;  ///< begin of that tick
 };
 
 class LaserBoard : public testing::Test {
@@ -36,9 +36,9 @@ class LaserBoard : public testing::Test {
     board_.listen(start_);
     board_.run_until(50 * ps_per_ms);
   }
-  /// Up to a tenth of a step a tick, and to rest; shines all the way.
+  /// Accelerates to a tenth of a step per tick and brakes to rest, with light all the way.
   void move() {
-    // The runner has no way in for segments of others yet.
+    // The runner has no interface for foreign segments yet.
     auto& runner = const_cast<machine::JobRunner&>(board_.controller().runner());
     stepper::Segment s;
     s.end = runner.generator().state();
@@ -57,7 +57,7 @@ class LaserBoard : public testing::Test {
     start_.tick = s.start_tick;
     runner.generator().replace(s);
   }
-  /// Until it begins.
+  /// Runs until the motion begins.
   void move_and_start() {
     move();
     while (start_.at == 0 && board_.now() < 200 * ps_per_ms)
@@ -79,12 +79,12 @@ TEST_F(LaserBoard, ShinesAtTheTicksAndWithThePowerOfTheSegment) {
   ASSERT_NE(start_.at, 0);
   EXPECT_NE(board_.world().drives().position()[0], 0);
   EXPECT_EQ(beam().openings(), 1u);
-  // A tick is a microsecond but for what the lamp has it slewed.
+  // A tick is a microsecond, apart from the slewing by the lamp.
   const Picoseconds first = beam().changes().front().at;
   EXPECT_NEAR(static_cast<double>(first - start_.at), 0, 20e3);
   EXPECT_FALSE(beam().shone(0, start_.at - ps_per_us));
   EXPECT_FALSE(beam().shone(time_of(lead + cruise + tail + 20), board_.now()));
-  // Up to the end of its cell.
+  // The power lasts to the end of its cell.
   const auto expect_power = [this](std::uint32_t at, double now, double then) {
     const double is = beam().at(time_of(at)).light();
     EXPECT_GE(is, std::min(now, then) - 70) << at;
@@ -113,12 +113,12 @@ TEST_F(LaserBoard, IsDarkWhileItIsNotEnabled) {
   EXPECT_FALSE(beam().shone(0, time_of(4000)));
   EXPECT_TRUE(beam().shone(time_of(4300), time_of(4301)));
   EXPECT_TRUE(beam().shone(time_of(7999), time_of(8000)));
-  // The main loop's next round.
+  // It is dark after the main loop's next round.
   EXPECT_FALSE(beam().shone(time_of(8300), board_.now()));
   EXPECT_EQ(beam().at(board_.now()).power, 0);
 }
 
-TEST_F(LaserBoard, AnEStopPutsItOutAtOnceAndForGood) {
+TEST_F(LaserBoard, AnEStopTurnsItOffAtOnceAndForGood) {
   board_.enable_laser(true);
   move_and_start();
   const Picoseconds pressed = time_of(7000) + ps_per_us / 3;

@@ -1,6 +1,6 @@
-// Batches of a program that come too late, while a laser shines with a list of powers: the machine
-// brakes, maybe beside its path, and goes back to where it left it. Wherever it goes it is dark or
-// has the light of that place, and no cell is left out.
+// Batches of a program that are too late while a laser burns a list of powers: the machine brakes,
+// possibly beside its path, and returns to where it left it. On the way it is dark or has the light
+// of that place, and no cell is left out.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,18 +15,18 @@ namespace {
 
 using sim::Picoseconds;
 
-/// In steps of X and Y.
+/// A place in steps of X and Y.
 struct Spot {
   double x = 0, y = 0;
 };
 
-/// A line of a program with a power for each cell, thousandths; none: a rapid.
+/// A program line with a power for each cell, thousandths; without powers it is a rapid.
 struct CellLine {
   Spot from, to;
   std::vector<int> powers;
 
   double length() const { return std::hypot(to.x - from.x, to.y - from.y); }
-  /// Of a place beside it: how far along, how far away.
+  /// A place relative to the line: distance along it and distance from it.
   Spot seen_from(const Spot& at) const {
     const double ux = (to.x - from.x) / length(), uy = (to.y - from.y) / length();
     const double dx = at.x - from.x, dy = at.y - from.y;
@@ -34,7 +34,7 @@ struct CellLine {
   }
 };
 
-/// Lines in zigzag: ever further in Y, so that none crosses another.
+/// Lines in zigzag with increasing Y, so that none crosses another.
 class Zigzag {
  public:
   static constexpr double steps_per_mm = 200;
@@ -52,7 +52,7 @@ class Zigzag {
       at.x += at.x > 0 ? -way : way;
       at.y += pick(0, 2) == 0 ? pick(40, 100) : pick(100, 1000);
       line.to = at;
-      const int most = static_cast<int>(line.length() / 8);  // of at least so many steps
+      const int most = static_cast<int>(line.length() / 8);  // cells have at least 8 steps
       const int kind = pick(0, 7);                           // a rapid, one power, a list
       const int cells = kind == 0 ? 0 : kind == 1 ? 1 : pick(2, std::min(most, 80));
       while (static_cast<int>(line.powers.size()) < cells)
@@ -81,13 +81,13 @@ class Zigzag {
     return text + "M5\nM2\n";
   }
 
-  /// What light did there, from the pins alone.
+  /// Light on the lines, from the pins only.
   struct Judgement {
-    long lit = 0, wrong = 0;  ///< places between two steps
+    long lit = 0, wrong = 0;  ///< intervals between two steps
     double first_wrong_s = 0;
-    long cells = 0, missing = 0;  ///< with power; those that were nowhere lit in their middle
+    long cells = 0, missing = 0;  ///< cells with power; cells without light in their middle
   };
-  /// The laser answers `lead` later than it is told.
+  /// The laser answers `lead` after its command.
   Judgement judge(const PinMonitor& monitor, const sim::Beam& beam, Picoseconds lead) const {
     Judgement result;
     std::vector<std::vector<bool>> done;
@@ -136,7 +136,7 @@ class Zigzag {
     if (change != light.begin()) --change;
     for (; change != light.end() && change->at < to; ++change) {
       const int now = change->light();
-      // Gate and power of one change need not come in the same microsecond.
+      // Gate and power of one change may occur in different microseconds.
       const auto next = change + 1;
       const Picoseconds end = next == light.end() ? to : std::min(to, next->at);
       if (now == 0 || end - std::max(from, change->at) < 2 * sim::ps_per_us) continue;
@@ -205,7 +205,7 @@ TEST(LateBatches, LightIsThatOfItsPlaceOrNone) {
     EXPECT_GT(light.lit, 1000);
     EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
   }
-  EXPECT_GT(late, scaled(8) < 8 ? 0u : 10u) << "none was";
+  EXPECT_GT(late, scaled(8) < 8 ? 0u : 10u) << "no batch was late";
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ TEST_P(BadCableToBoard, EveryPointIsFiredOnce) {
     faults += cable.faults_made();
   }
   if (GetParam().faults.delay < std::chrono::milliseconds(10)) {
-    EXPECT_GT(faults, 2 * scaled(6)) << "too good a cable";
+    EXPECT_GT(faults, 2 * scaled(6)) << "too few faults";
   }
 }
 
@@ -58,8 +58,8 @@ INSTANTIATE_TEST_SUITE_P(
                            .cut_span = whole_job}}),
     [](const auto& named) { return named.param.name; });
 
-TEST(CutForGood, TheMachineHoldsAndTheJobGoesOnWhereItWas) {
-  // The program dies with the cable; another one goes on at the first point not fired.
+TEST(CutForGood, TheMachineHoldsAndTheJobContinuesWhereItWas) {
+  // The host program ends with the cable; another one continues at the first point not fired.
   for (int seed = 0; seed < scaled(20); ++seed) {
     const auto number = static_cast<std::uint64_t>(seed);
     const job::Profile profile = lamp_profile(200, settings::LampMode::slave, 10);

@@ -1,5 +1,6 @@
-// Hold, door, stop, e-stop, limit switches and a silent host at random moments of a job: rest
-// inside the limits, no shot while held, every point once at the end.
+// Hold, door, stop, e-stop, limit switches and a silent host at random moments of a job: the
+// machine rests inside the limits, fires no shot while held, and has fired every point once at the
+// end.
 #include <algorithm>
 
 #include "host/error.hpp"
@@ -9,9 +10,9 @@ namespace lamplock::test::machine_states_test {
 namespace {
 
 constexpr std::size_t job_points = 60;
-/// The board looks at its inputs and bytes this often.
+/// The board polls its inputs and bytes this often.
 constexpr sim::Picoseconds notice = 600 * ps_per_us;
-/// Braking from the highest speed that 2 m/s2 reach inside 100 mm, sqrt(2 x 0.1) m/s, plus what is
+/// Braking from the highest speed that 2 m/s2 reach inside 100 mm, sqrt(2 x 0.1) m/s, plus ticks
 /// handed out ahead.
 constexpr sim::Picoseconds to_rest = 230 * ps_per_ms;
 
@@ -23,7 +24,8 @@ class Disturbed : public testing::Test {
     random_.seed(number);
     profile_ = lamp_profile();
     const bool jitter = seed % 4 >= 2;
-    // A lag is turned into ticks at rest; a lamp that wanders after that makes long ones wrong.
+    // A lag is converted to ticks at rest; if the lamp's frequency wanders later, long lags are
+    // wrong.
     if (seed % 5 == 4) set_lag(profile_, {150, 0, jitter ? 300.0 : 4000.0});
     if (seed % 5 == 2) set_lag(profile_, {0, jitter ? 200.0 : 900.0, 100});
     job_ = job_for(seed % 3 == 0 ? wild_points(20, number) : histogram_walk(job_points, number),
@@ -40,7 +42,7 @@ class Disturbed : public testing::Test {
     options.session = number;
     return options;
   }
-  /// A moment of the job, to the picosecond.
+  /// A random moment of the job, to the picosecond.
   sim::Picoseconds moment() {
     return std::uniform_int_distribution<sim::Picoseconds>(110 * ps_per_ms,
                                                            800 * ps_per_ms)(random_);
@@ -57,12 +59,12 @@ class Disturbed : public testing::Test {
     ASSERT_NO_FATAL_FAILURE(expect_each_once(*rig_, job_, jitter_));
     expect_sound(*rig_, profile_.settings);
   }
-  /// From `from` on, until `to`: nothing fired, and after a while nothing moved.
+  /// Between `from` and `to` nothing was fired, and after a while nothing moved.
   void expect_quiet(sim::Picoseconds from, sim::Picoseconds to) {
     EXPECT_EQ(rig_->monitor.fired(from + notice, to), 0u);
     EXPECT_FALSE(rig_->monitor.stepped(from + to_rest, to));
   }
-  /// The STOP of the running session, at this very moment.
+  /// Sends the STOP of the running session now.
   void send_stop() {
     constexpr std::uint32_t later_than_all = 1'000'000;
     std::array<std::uint8_t, wire::frame_header_size + 1> content;
@@ -73,7 +75,7 @@ class Disturbed : public testing::Test {
     const std::size_t size = wire::encode_frame(out.written(), frame);
     rig_->board.write(std::span<const std::uint8_t>(frame).first(size));
   }
-  /// A new program finishes what is left.
+  /// A new host process finishes the rest of the job.
   void go_on(std::uint32_t session_number) {
     const wire::Status status = rig_->status();
     ASSERT_EQ(status.first_unfired, rig_->shots().size());
@@ -118,7 +120,7 @@ TEST_F(Disturbed, HoldsAndResumesInQuickSuccession) {
   for (int seed = 0; seed < scaled(40); ++seed) {
     set_up(seed);
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    // Resumed before, while and after the machine has come to rest.
+    // Resumes come before, during and after the machine's coming to rest.
     for (sim::Picoseconds at = moment(); at < 1000 * ps_per_ms; at += 5 * ps_per_ms) {
       cable_->at(at, [&] { cable_->type("!"); });
       cable_->at(at += up_to(60 * ps_per_ms), [&] { cable_->type("~"); });
@@ -128,12 +130,12 @@ TEST_F(Disturbed, HoldsAndResumesInQuickSuccession) {
   }
 }
 
-TEST_F(Disturbed, HoldAndResumeInOneBreath) {
-  // Both before the shots that were handed out ahead have come: they must not be planned again.
+TEST_F(Disturbed, HoldFollowedByAnImmediateResume) {
+  // Both arrive before the shots that were handed out ahead: those must not be planned again.
   for (int seed = 0; seed < scaled(25); ++seed) {
     set_up(seed);
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    // Rare enough to let the machine come to its points.
+    // Rare enough for the machine to reach its points.
     const auto pause = [this] { return 20 * ps_per_ms + up_to(60 * ps_per_ms); };
     for (sim::Picoseconds at = moment(); at < 2000 * ps_per_ms; at += pause()) {
       if (seed % 2 == 0) {
@@ -147,8 +149,8 @@ TEST_F(Disturbed, HoldAndResumeInOneBreath) {
   }
 }
 
-TEST_F(Disturbed, HoldsWhileSomeAxesAreBehindTheOthers) {
-  // Beats much shorter than the lag: holds before some axes have come to the brake before.
+TEST_F(Disturbed, HoldsWhileSomeAxesLagTheOthers) {
+  // Beats much shorter than the lag: a hold occurs before some axes have reached the last brake.
   for (int seed = 0; seed < scaled(30); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     set_up(seed);
@@ -214,15 +216,15 @@ TEST_F(Disturbed, DoorOpensAndCloses) {
     cable_->at(open - 1, [&] { running = rig_->state() == MachineState::run; });
     cable_->at(close - 1, [&] {
       EXPECT_TRUE(!running || rig_->state() == MachineState::door);
-      cable_->type("~");  // an open door stays a reason to stand
+      cable_->type("~");  // an open door still holds the machine
     });
     run_sender_until(close - ps_per_us);
-    // A shot that has been decided is fired, at most a delay later; no other.
+    // A decided shot is fired, at most one delay later; no other shot is.
     EXPECT_EQ(rig_->monitor.fired(open + 20 * ps_per_us, rig_->board.now()), 0u);
     if (close - open > to_rest) {
       EXPECT_FALSE(rig_->monitor.stepped(open + to_rest, rig_->board.now()));
     }
-    // A closed door is no reason to go on: the host, still sending, leaves that to its user.
+    // Closing the door does not resume: the host, still sending, leaves that to its user.
     run_sender_until(close + 500 * ps_per_ms);
     if (running) {
       EXPECT_EQ(rig_->state(), MachineState::hold);
@@ -233,7 +235,7 @@ TEST_F(Disturbed, DoorOpensAndCloses) {
   }
 }
 
-TEST_F(Disturbed, StopAndGoOnAtTheFirstPointNotFired) {
+TEST_F(Disturbed, StopAndContinueAtTheFirstPointNotFired) {
   int stopped = 0;
   for (int seed = 0; seed < scaled(80); ++seed) {
     set_up(seed);
@@ -252,8 +254,8 @@ TEST_F(Disturbed, StopAndGoOnAtTheFirstPointNotFired) {
   EXPECT_GT(stopped, scaled(80) / 2);
 }
 
-/// Idle means at rest: who sees it may change settings, or leave.
-TEST_F(Disturbed, AStoppedMachineIsIdleOnceItStands) {
+/// Idle means at rest: a host that sees it may change settings or disconnect.
+TEST_F(Disturbed, AStoppedMachineIsIdleOnceItRests) {
   int braking = 0;
   for (int seed = 0; seed < scaled(40); ++seed) {
     set_up(seed);
@@ -272,10 +274,10 @@ TEST_F(Disturbed, AStoppedMachineIsIdleOnceItStands) {
   EXPECT_GT(braking, scaled(40));
 }
 
-/// Stopped between the decision to fire and the pulse, which counts nevertheless.
+/// A shot counts if the stop comes between the decision to fire and the pulse.
 TEST_F(Disturbed, StopWhileAShotIsDecidedButNotBegun) {
   int late = 0;
-  // Never fewer: not every edge has a shot.
+  // At least 20 runs, because not every edge has a shot.
   for (int seed = 0; seed < std::max(20, scaled(20)); ++seed) {
     set_up(4 * seed);  // a lamp without jitter: edges every 10 ms
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -301,7 +303,7 @@ TEST_F(Disturbed, StopWhileAShotIsDecidedButNotBegun) {
   EXPECT_GT(late, 0);
 }
 
-/// A dead stop at `at`: pins, laser, alarm; then unlock and finish the job.
+/// An immediate stop at `at`: checks pins, laser and alarm; then unlocks and finishes the job.
 class DeadStop : public Disturbed {
  protected:
   void stop_and_go_on(sim::Pin pin, sim::Picoseconds at, bool at_once) {
@@ -358,7 +360,7 @@ TEST_F(DeadStop, LimitSwitch) {
   }
 }
 
-/// Nothing frees a machine whose e-stop is pressed.
+/// No command unlocks a machine while its e-stop is pressed.
 TEST_F(DeadStop, AnotherAlarmDoesNotHideTheEStop) {
   set_up(0);
   sim::World& world = rig_->board.world();
@@ -376,7 +378,7 @@ TEST_F(DeadStop, AnotherAlarmDoesNotHideTheEStop) {
   EXPECT_EQ(rig_->shots().size(), shots);
 }
 
-/// `$X` at any moment: pressed, bouncing, released only for a moment.
+/// `$X` at any moment: the e-stop is pressed, bounces, or is released only briefly.
 TEST_F(DeadStop, NoUnlockWhileTheEStopIsPressed) {
   for (int seed = 0; seed < scaled(60); ++seed) {
     set_up(seed);
@@ -402,14 +404,14 @@ TEST_F(DeadStop, NoUnlockWhileTheEStopIsPressed) {
       ASSERT_FALSE(pressed && rig_->board.bus().level(sim::Pin::enable));
     }
     rig_->run(400 * ps_per_ms);
-    // Nothing moved or fired from the first edge on, `$X` in the gaps or not.
+    // Nothing moved or fired after the first edge, even with `$X` in the gaps.
     EXPECT_FALSE(rig_->monitor.stepped(at + 10 * ps_per_us, rig_->board.now()));
     EXPECT_EQ(rig_->monitor.fired(at, rig_->board.now()), 0u);
     EXPECT_EQ(rig_->status().first_unfired, rig_->shots().size());
   }
 }
 
-TEST_F(DeadStop, UnlockIsRefusedAloudWhileTheEStopIsPressed) {
+TEST_F(DeadStop, UnlockIsRefusedWithAMessageWhileTheEStopIsPressed) {
   set_up(0);
   rig_->board.world().schedule(sim::Pin::estop, true, ps_per_ms);
   rig_->run(2 * ps_per_ms);
@@ -453,7 +455,7 @@ TEST_F(Disturbed, SilentHostHoldsTheMachine) {
     EXPECT_EQ(rig_->state(), MachineState::hold);
     EXPECT_EQ(rig_->status().hold_reason, wire::HoldReason::dead_man);
     expect_quiet(silent_from + 305 * ps_per_ms, rig_->board.now());
-    // Not before its time either: the points went on being fired.
+    // Not before its time either: points were still fired.
     EXPECT_GT(rig_->monitor.fired(silent_from, silent_from + 300 * ps_per_ms), 0u);
     ASSERT_NO_FATAL_FAILURE(finish());
   }

@@ -1,4 +1,4 @@
-// A machine that works its own limit switches and probe, and a host that has homed it or not.
+// A machine whose motion operates its limit switches and probe, and a host that can home it.
 #pragma once
 
 #include <memory>
@@ -7,11 +7,11 @@
 
 namespace lamplock::test {
 
-/// Where switches are, in steps of the loads, and how they behave.
+/// Places of switches, in steps of the loads, and their behaviour.
 struct SwitchPlan {
-  StepPosition start{};  ///< where the loads stand at power-up
+  StepPosition start{};  ///< position of the loads at power-up
   StepPosition switches{12'000, 12'000, 12'000, 12'000};
-  unsigned lower_ends = 0;  ///< a bit for each axis: the switch is below
+  unsigned lower_ends = 0;  ///< one bit per axis: its switch is at the lower end
   std::int32_t hysteresis_steps = 20;
   sim::BounceConfig bounce{};
 };
@@ -25,8 +25,7 @@ inline sim::WireConfig limit_switch(int axis, const SwitchPlan& plan) {
   return {.pin = sim::limit_pin(axis), .contacts = {contact}};
 }
 
-/// No lamp; homing on, at speeds that tests can wait for; travel of 100 mm round the origin, 200
-/// steps/mm.
+/// No lamp; homing is on, fast enough for tests; travel of 100 mm around the origin, 200 steps/mm.
 inline job::Profile homing_profile() {
   job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
   settings::Values& s = profile.settings;
@@ -43,13 +42,13 @@ class MachineWithSwitches {
                       std::vector<sim::WireConfig> more = {})
       : rig(profile.settings, world_with(profile, plan, std::move(more))), host(rig) {}
 
-  /// All that it says to "$H", until it stands or gives up.
+  /// All lines in answer to "$H", until it is answered or the time is over.
   std::vector<std::string> home(std::string_view command = "$H\n", double seconds = 60) {
     return host.ask(command, seconds);
   }
   StepPosition loads() const { return rig.board.world().drives().position(); }
   sim::Switches& switches() { return rig.board.world().switches(); }
-  /// Until something is so, at most a minute.
+  /// Runs until `is()` is true, at most for a minute; returns whether it is.
   template <class Is>
   bool wait_for(Is&& is) {
     for (int i = 0; i < 240'000 && !is(); ++i) host.run(ps_per_ms / 4);

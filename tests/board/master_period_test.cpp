@@ -1,4 +1,4 @@
-// A lamp that we trigger: its period moves inside the tolerance when that saves a beat.
+// A lamp that the board triggers: its period varies inside the tolerance when that saves a beat.
 #include <algorithm>
 
 #include "tests/board/rig.hpp"
@@ -14,7 +14,7 @@ job::Profile master_profile(double hz, double tolerance_percent, double accel_m_
   return profile;
 }
 
-/// From the first step to the last shot: the way to the first point belongs to what is planned.
+/// Time from the first step to the last shot, including the move to the first point.
 double seconds(const Rig& rig) {
   sim::Picoseconds first = sim::never;
   for (int axis = 0; axis < 3; ++axis)
@@ -29,7 +29,7 @@ struct Outcome {
   bool stretched = false;
 };
 
-void run(const job::Profile& profile, const points::PointCloud& cloud, JoinMode mode,
+void run(const job::Profile& profile, const geometry::PointCloud& cloud, JoinMode mode,
          Outcome& outcome) {
   const job::Job job = job_for(cloud, profile, mode);
   Rig rig(profile);
@@ -42,11 +42,11 @@ void run(const job::Profile& profile, const points::PointCloud& cloud, JoinMode 
   const auto& edges = rig.monitor.edges();
   for (std::size_t i = 1; i < edges.size(); ++i) {
     const auto gap = static_cast<double>(edges[i] - edges[i - 1]);
-    // Where the length changes, the delay has ticks of one length and the beat of the other: 1 us.
+    // At a change the delay has ticks of one length and the beat ticks of the other: 1 us.
     ASSERT_LE(std::fabs(gap / nominal - 1), tolerance + 1.1e6 / nominal) << "edge " << i;
     outcome.stretched = outcome.stretched || gap > nominal * 1.001;
   }
-  // The shot is where it belongs in real time, too: within 1 us of the lattice tick.
+  // The shot is also right in real time: within 1 us of its lattice tick.
   for (const PinMonitor::Fire& fire : rig.monitor.fires())
     ASSERT_LE(std::abs(fire.rise - fire.edge -
                        profile.settings.milli(Id::q_switch_delay) * sim::ps_per_ns),
@@ -55,7 +55,7 @@ void run(const job::Profile& profile, const points::PointCloud& cloud, JoinMode 
   outcome.beats = result.status.beats;
 }
 
-/// A cable through which somebody holds and resumes at random moments.
+/// A cable that holds and resumes at random moments.
 class HoldingTransport final : public link::Transport {
  public:
   HoldingTransport(sim::VirtualBoard& board, std::uint64_t seed)
@@ -85,9 +85,9 @@ class HoldingTransport final : public link::Transport {
 };
 
 /// Steps that take 1.02 beats from rest to rest at 100 Hz and 4 m/s2: A T^2 / 4.
-points::PointCloud just_too_far(std::size_t count) {
+geometry::PointCloud just_too_far(std::size_t count) {
   const double mm = 4000 * 0.0102 * 0.0102 / 4;
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   for (std::size_t i = 0; i < count; ++i)
     cloud.push_back({i % 2 == 0 ? 0 : mm, 0.005 * static_cast<double>(i % 7), 0});
   return cloud;
@@ -118,7 +118,7 @@ TEST(MasterPeriod, NeverTakesLongerOnRandomWalks) {
     Outcome nominal, longer;
     ASSERT_NO_FATAL_FAILURE(run(master_profile(hz, 0), cloud, mode, nominal));
     ASSERT_NO_FATAL_FAILURE(run(master_profile(hz, tolerance), cloud, mode, longer));
-    // When the first step of a start comes depends on how fast it is.
+    // The time of a start's first step depends on its acceleration.
     EXPECT_LE(longer.seconds, nominal.seconds + 1e-4);
     if (longer.stretched) ++stretched;
   }
@@ -134,7 +134,7 @@ TEST(MasterPeriod, HoldsAndDropOutsStayInsideTheLimits) {
     Rig rig(profile, {.dropout = 0.03, .seed = static_cast<std::uint64_t>(seed) + 1});
     link::SenderOptions sending;
     sending.session = 1;
-    // Brakes at any moment, in longer ticks too.
+    // Holds occur at any moment, in longer ticks too.
     const link::JobResult result = [&] {
       HoldingTransport holding(rig.board, random());
       return link::JobSender(holding, job, sending).run();

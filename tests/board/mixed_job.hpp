@@ -1,11 +1,11 @@
-// Jobs of everything: several flashes at a point, moves without a shot, dwells; and their judge.
+// Jobs with several flashes at a point, moves without a shot, and dwells; and their checks.
 #pragma once
 
 #include "tests/board/board_cable.hpp"
 
 namespace lamplock::test {
 
-/// A walk in which about every third target is something else than a point with one shot.
+/// A walk in which about every third target is not a point with one shot.
 inline job::Job mixed_job(const job::Profile& profile, std::size_t points, std::uint64_t seed,
                           JoinMode mode) {
   job::Job job = job_for(histogram_walk(points, seed), profile, mode);
@@ -13,8 +13,8 @@ inline job::Job mixed_job(const job::Profile& profile, std::size_t points, std::
   const auto pick = [&random](int from, int to) {
     return std::uniform_int_distribution<>(from, to)(random);
   };
-  std::vector<motion::Target> targets;
-  for (motion::Target target : job.targets) {
+  std::vector<wire::Target> targets;
+  for (wire::Target target : job.targets) {
     const int kind = pick(0, 11);
     if (kind == 0) target.shots = 0;
     if (kind == 1 || kind == 2) target.shots = static_cast<std::uint8_t>(pick(2, 5));
@@ -38,7 +38,7 @@ inline std::vector<std::size_t> ordered_shots(const job::Job& job) {
   return order;
 }
 
-/// Every point fired exactly as often as ordered, in order, at its place.
+/// Every point was fired exactly as often as ordered, in order, at its place.
 inline void expect_as_ordered(const Rig& rig, const job::Job& job) {
   const std::vector<std::size_t> order = ordered_shots(job);
   ASSERT_EQ(rig.shots().size(), order.size());
@@ -52,14 +52,14 @@ inline void expect_as_ordered(const Rig& rig, const job::Job& job) {
 inline void expect_dwells(const Rig& rig, const job::Job& job, double hz) {
   const auto beat = static_cast<sim::Picoseconds>(1e12 / hz);
   std::size_t shot = 0;
-  for (const motion::Target& target : job.targets) {
+  for (const wire::Target& target : job.targets) {
     shot += target.shots;
     const bool dwell = target.shots == 0 && target.beats != 0;
     if (!dwell || shot == 0) continue;
     const sim::Picoseconds from = rig.shots()[shot - 1].at + 20 * ps_per_us;
     const sim::Picoseconds to = from + target.beats * beat - 100 * ps_per_us;
-    ASSERT_FALSE(rig.monitor.stepped(from, to)) << "dwell behind shot " << shot - 1;
-    ASSERT_EQ(rig.monitor.fired(from, to), 0u) << "dwell behind shot " << shot - 1;
+    ASSERT_FALSE(rig.monitor.stepped(from, to)) << "dwell after shot " << shot - 1;
+    ASSERT_EQ(rig.monitor.fired(from, to), 0u) << "dwell after shot " << shot - 1;
   }
 }
 

@@ -1,5 +1,5 @@
-// The next window: what was found is never that of another place.
-#include "firmware/machine/next_window.hpp"
+// The next window is never that of another place.
+#include "firmware/machine/runners/next_window.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace lamplock::machine {
 namespace {
 
-/// A job in its queue, and whoever looks for windows in it.
+/// A job in its queue and the search for its next window.
 struct Looking {
   motion::PointQueue queue;
   lamp::BeamPath beam;
@@ -20,14 +20,14 @@ struct Looking {
   NextWindow window{queue, beam, options, request};
 };
 
-motion::Target random_target(std::mt19937_64& random) {
-  motion::Target target;
+wire::Target random_target(std::mt19937_64& random) {
+  wire::Target target;
   target.shots = static_cast<std::uint8_t>(random() % 4 == 0 ? random() % 6 : 1);
   target.beats = static_cast<std::uint16_t>(random() % 5);
   return target;
 }
 
-/// What somebody finds who has never looked before.
+/// The result equals that of a fresh search at the same place.
 void expect_as_fresh(const Looking& it, const Departure& departure) {
   motion::PlanRequest request;
   NextWindow fresh(it.queue, it.beam, it.options, request);
@@ -45,9 +45,9 @@ void expect_as_fresh(const Looking& it, const Departure& departure) {
   }
 }
 
-/// However handing out goes on: shots fired, those of a brake too, which were put back, ways handed
-/// out, a return to what was missed.
-TEST(NextWindow, IsThatOfThePlaceWhereHandingOutGoesOn) {
+/// However handing out continues: after shots (also during a brake, which returns points), after
+/// moves handed out, after a return to missed points.
+TEST(NextWindow, IsThatOfThePlaceWhereHandingOutContinues) {
   std::mt19937_64 random(1);
   for (int job = 0; job < test::scaled(50); ++job) {
     SCOPED_TRACE(job);
@@ -85,8 +85,8 @@ TEST(NextWindow, IsThatOfThePlaceWhereHandingOutGoesOn) {
   }
 }
 
-/// Looked for once: what comes in meanwhile is for the next time.
-TEST(NextWindow, IsLookedForOnceUntilItIsForgotten) {
+/// The search runs once; points that arrive later count in the next search.
+TEST(NextWindow, IsSearchedOnceUntilForgotten) {
   Looking it;
   it.options.points_total = 2;
   it.queue.push({});

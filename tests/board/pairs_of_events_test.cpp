@@ -1,7 +1,6 @@
-// Two or three events close together, in the midst of whatever the machine does: a key while it
-// brakes from another one, a reset behind a hold of a probe, a door on the way back from a door.
-// However they follow each other, every axis keeps its limits, and a reset, an unlock and a jog
-// later the machine does what the jog says and nothing else, in the dark.
+// Two or three events close together during any activity: a key while it brakes for another key, a
+// reset after a hold of a probe, a door on the way back from parking. In any order, every axis
+// keeps its limits; after a reset, an unlock and a jog the machine makes only the jog, in the dark.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -17,7 +16,7 @@ enum class Machine { plain, jerk, core_xy, gantry };
 
 constexpr int side = Kinematics::gang_motor;
 
-/// What it is doing, lines that take seconds.
+/// Activities of the machine that take seconds.
 constexpr std::array<std::string_view, 5> activities{
     "M3 S1000\nG1 X20 Y5 Z-1 F3000\nG2 X20 Y-5 J-5 I0\nG1 X0 Y0 Z0\nG4 P0.1\nG1 X9\n",
     "$J=G91 X40 Y10 F6000\n$J=G91 X5 F6000\n",
@@ -29,7 +28,7 @@ class Events {
  public:
   Events(std::uint64_t seed, Machine kind) : random_(seed), profile_(profile_of(kind)) {
     SwitchPlan plan;
-    plan.switches = {7000, 7000, 7000, 7000};  // inside of the work space
+    plan.switches = {7000, 7000, 7000, 7000};  // inside the work area
     plan.bounce = {.make_us = 300, .break_us = 300};
     std::vector<sim::WireConfig> more;
     if (kind == Machine::gantry) {
@@ -72,7 +71,7 @@ class Events {
     if (kind == Machine::gantry) s.set_milli(Id::ganged_axis, 2000);
     return profile;
   }
-  /// Both sides of a gantry; homing goes wherever its switches are.
+  /// Limits for both sides of a gantry; homing may go to its switches.
   settings::Values judged(Machine kind) const {
     settings::Values values = profile_.settings;
     if (activity_ == homing) values.set_milli(Id::soft_limits, 0);
@@ -100,7 +99,7 @@ class Events {
     set(sim::Pin::door, false);
     set(sim::Pin::probe, false);
     machine_->host.run_ms(1);
-    machine_->host.run_ms(300);  // a reset before has said so
+    machine_->host.run_ms(300);  // until an earlier reset has been answered
     const std::size_t before = banners();
     machine_->host.send(std::uint8_t{0x18});
     reset_ = machine_->rig.board.now();
@@ -115,7 +114,7 @@ class Events {
         std::count_if(said.begin(), said.end(),
                       [](const std::string& line) { return line.starts_with("Grbl"); }));
   }
-  /// Where X, Y and Z are, in half steps: the motors of a CoreXY may have the tool between two.
+  /// X, Y and Z in half steps: the motors of a CoreXY may hold the tool between two steps.
   StepPosition half_steps() const {
     const StepPosition motors = machine_->rig.board.world().drives().motors();
     if (profile_.settings.whole(Id::kinematics) == 0)
@@ -130,13 +129,13 @@ class Events {
     ASSERT_THAT(m.host.ask("$J=G91 G21 X-0.5 F600\n", 2), testing::ElementsAre("ok")) << told_;
     m.host.run_ms(300);
     const StepPosition after = half_steps();
-    // From half a step the way is to a whole one.
+    // A move from a half step ends on a whole one.
     EXPECT_NEAR(after[0], before[0] - 2 * 100, std::abs(before[0] % 2)) << told_;
     EXPECT_NEAR(after[1], before[1], std::abs(before[1] % 2)) << told_;
     EXPECT_EQ(after[2], before[2]) << told_;
     EXPECT_EQ(m.loads()[side], side_before) << told_;
     ASSERT_THAT(m.host.ask("G90 G1 Y0 F6000\n", 2), testing::ElementsAre("ok")) << told_;
-    set(sim::Pin::probe, true);  // nobody watches it any more
+    set(sim::Pin::probe, true);  // no longer watched
     m.host.run_ms(2000);
     EXPECT_EQ(m.host.position()[1], 0) << told_;
     EXPECT_FALSE(m.rig.board.world().beam().shone(reset_ + ps_per_ms, m.rig.board.now())) << told_;
@@ -153,7 +152,7 @@ class Events {
 
 class PairsOfEvents : public testing::TestWithParam<Machine> {};
 
-TEST_P(PairsOfEvents, LimitsAreKeptAndNothingIsLeftBehind) {
+TEST_P(PairsOfEvents, LimitsAreKeptAndNoStateRemains) {
   for (int i = 0; i < scaled(150); ++i) {
     SCOPED_TRACE(fmt::format("round {}", i));
     const auto seed = static_cast<std::uint64_t>(i) * 4 + static_cast<std::uint64_t>(GetParam());
@@ -166,7 +165,7 @@ INSTANTIATE_TEST_SUITE_P(OfAMachine, PairsOfEvents,
                          testing::Values(Machine::plain, Machine::jerk, Machine::core_xy,
                                          Machine::gantry));
 
-// The same by name.
+// The same events, one test each.
 
 job::Profile laser_profile() {
   job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
@@ -202,7 +201,7 @@ TEST(Events, AResetWhileAJogBrakesStartsNothing) {
   }
 }
 
-TEST(Events, AResetBehindAHeldProbeEndsItsWatch) {
+TEST(Events, AResetAfterAHeldProbeEndsItsWatch) {
   MachineWithSwitches m = machine_with_plate(laser_profile());
   m.host.send("G38.2 Z-10 F600\n");
   m.host.run_ms(100);
@@ -221,8 +220,8 @@ TEST(Events, AResetBehindAHeldProbeEndsItsWatch) {
   EXPECT_EQ(lowest, -1200);
 }
 
-/// Parking lifts the tool off the plate, which is no end of the probe.
-TEST(Events, ADoorInAProbeParksAndProbesOn) {
+/// Parking lifts the tool off the plate, which does not end the probe.
+TEST(Events, ADoorDuringAProbeParksAndThenTheProbeResumes) {
   job::Profile profile = laser_profile();
   profile.settings.set_milli(Id::parking, 1000);
   profile.settings.set_milli(Id::parking_fast, 6'000'000);
@@ -238,7 +237,7 @@ TEST(Events, ADoorInAProbeParksAndProbesOn) {
   m.rig.board.world().schedule(sim::Pin::door, false, m.rig.board.now());
   m.host.run_ms(1);
   m.host.send("~");
-  ASSERT_TRUE(m.host.stand());
+  ASSERT_TRUE(m.host.wait_for_rest());
   EXPECT_THAT(m.host.said(), testing::Contains("[PRB:0.000,0.000,-2.995:1]"));
   EXPECT_NEAR(m.loads()[2], -599, 20);
 }
@@ -264,8 +263,8 @@ TEST(Events, AnAlarmLeavesNoLight) {
   }
 }
 
-/// However a gantry stands when its squaring is broken off: sides stay as they are.
-TEST(Events, AGantryIsNotUnbentByTheNextMove) {
+/// When squaring is aborted, the two sides of a gantry keep their offset.
+TEST(Events, TheNextMoveKeepsAGantrysSkew) {
   for (const std::uint8_t last : {std::uint8_t{0x18}, std::uint8_t{0}}) {
     job::Profile profile = homing_profile();
     profile.settings.set_milli(Id::ganged_axis, 2000);
@@ -292,8 +291,8 @@ TEST(Events, AGantryIsNotUnbentByTheNextMove) {
   }
 }
 
-/// Also where both have waited until there was room for answers.
-TEST(Events, ALineBehindHomingWaitsForIt) {
+/// Also if both have waited for room for answers.
+TEST(Events, ALineAfterHomingWaitsForIt) {
   MachineWithSwitches m(homing_profile(), {});
   m.host.ask("$X\nG0 X1\nG4 P0\n", 5);
   ASSERT_THAT(m.host.ask("$$\n$$\n$$\n$H\nG90 G0 X0\nG4 P0\n", 60),
@@ -301,7 +300,7 @@ TEST(Events, ALineBehindHomingWaitsForIt) {
   EXPECT_THAT(m.host.status(), testing::HasSubstr("|MPos:0.000,49.000,49.000|"));
 }
 
-TEST(Events, OutputsThatNoMotionTakesAlongDoNotHoldTheProgramUp) {
+TEST(Events, OutputsWithoutMotionDoNotBlockTheProgram) {
   job::Profile profile = laser_profile();
   profile.settings.set_milli(Id::pin_map, 2000);
   Rig rig(profile);

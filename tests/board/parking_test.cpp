@@ -1,5 +1,5 @@
-// Parking behind an open door: Z goes up and comes back, in the dark, and the program ends where it
-// would have ended; a door that opens again, a reset, an e-stop on the way.
+// Parking at an open door: Z rises and returns in the dark, and the program ends at its place; a
+// second opening, a reset or an e-stop on the way.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -77,13 +77,13 @@ TEST_F(Parking, GoesUpAndComesBack) {
   EXPECT_FALSE(rig_->board.world().beam().shone(opened, rig_->board.now()));
   EXPECT_EQ(loads()[0], parked[0]);
   EXPECT_LT(loads()[2], 0);
-  ASSERT_TRUE(host_->stand());
+  ASSERT_TRUE(host_->wait_for_rest());
   EXPECT_EQ(loads(), (StepPosition{20 * steps_per_mm, 0, -3 * steps_per_mm, 0}));
   EXPECT_THAT(host_->answers(), Each("ok"));
   EXPECT_EQ(judge_->fault(), "");
 }
 
-/// It stays where it is higher already; and without $41.
+/// Z stays if it is already higher, or without $41.
 TEST_F(Parking, OnlyUp) {
   host_->ask("G0 Z40\n", 5);
   host_->send("G1 X20 F1200\n");
@@ -100,8 +100,8 @@ TEST_F(Parking, OnlyUp) {
   EXPECT_EQ(loads()[2], 0);
 }
 
-/// Opened and closed at random moments, with and without a limit of jerk: limits are kept, no light
-/// leaves with the door open or the tool up, and the program ends as it should.
+/// The door opens and closes at random moments, with and without a jerk limit: limits are kept, the
+/// laser is dark with the door open or the tool up, and the program ends at its place.
 TEST_F(Parking, DoorsAtRandomMoments) {
   std::mt19937_64 random(6);
   const auto ms = [&random](double most) {
@@ -124,12 +124,12 @@ TEST_F(Parking, DoorsAtRandomMoments) {
       host_->send("~");
       host_->run_ms(ms(900));
     }
-    // A door may have opened on the way back.
+    // The door may have opened on the way back.
     for (int i = 0; i < 20 && host_->answers().size() < 5; ++i) {
       host_->send("~");
       host_->run_ms(1000);
     }
-    ASSERT_TRUE(host_->stand());
+    ASSERT_TRUE(host_->wait_for_rest());
     EXPECT_EQ(loads(), (StepPosition{0, 0, 1, 0}));
     EXPECT_THAT(host_->answers(), Each("ok"));
     EXPECT_EQ(judge_->fault(), "");
@@ -137,9 +137,9 @@ TEST_F(Parking, DoorsAtRandomMoments) {
   }
 }
 
-/// With a limit of jerk a brake that begins while Z speeds up is longer than the one that was
-/// planned: broken off at any moment, Z does not leave its work space.
-TEST_F(Parking, BrokenOffAnywhereItStaysInsideTheWorkSpace) {
+/// With a jerk limit, braking while Z accelerates takes longer than the planned braking: aborted at
+/// any moment, Z stays in its work area.
+TEST_F(Parking, AbortedAnywhereItStaysInsideTheWorkArea) {
   std::mt19937_64 random(8);
   const auto ms = [&random](double most) {
     return std::uniform_real_distribution<>(0, most)(random);
@@ -170,8 +170,8 @@ TEST_F(Parking, BrokenOffAnywhereItStaysInsideTheWorkSpace) {
   }
 }
 
-/// Opened, closed, called back and opened again while the program still brakes: it comes to rest on
-/// its path, and parks once.
+/// The door opens, closes and, after a resume, opens again while the program still brakes: it comes
+/// to rest on its path and parks once.
 TEST_F(Parking, ADoorThatOpensAgainWhileTheProgramBrakes) {
   for (int round = 0; round < 12; ++round) {
     SCOPED_TRACE(fmt::format("round {}", round));
@@ -189,7 +189,7 @@ TEST_F(Parking, ADoorThatOpensAgainWhileTheProgramBrakes) {
     EXPECT_NEAR(loads()[0], 2 * loads()[1], 1);
     set_door(false);
     host_->send("~");
-    ASSERT_TRUE(host_->stand());
+    ASSERT_TRUE(host_->wait_for_rest());
     EXPECT_EQ(loads(), (StepPosition{}));
     EXPECT_EQ(rig_->board.controller().program().starvations(), 0u);
     EXPECT_EQ(judge_->fault(), "");

@@ -5,9 +5,9 @@ namespace lamplock::test {
 namespace {
 
 /// Outline of a rounded square: dense points on lines and arcs, one sharp corner.
-points::PointCloud outline(std::size_t count, double spacing_mm) {
+geometry::PointCloud outline(std::size_t count, double spacing_mm) {
   constexpr double side = 8, radius = 2;
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   double x = 0, y = 0, heading = 0, way = 0;
   for (std::size_t i = 0; i < count; ++i) {
     cloud.push_back({x, y, 0});
@@ -31,7 +31,7 @@ job::Profile path_profile(double hz, settings::LampMode mode, double accel_m_s2,
   return profile;
 }
 
-/// Steps of the machine against the straight lines between its shots: the largest distance.
+/// Largest distance of the machine's steps from the straight lines between its shots.
 double farthest_from_lines(const Rig& rig, const job::Job& job) {
   const auto& fires = rig.monitor.fires();
   double farthest = 0;
@@ -73,7 +73,7 @@ TEST(PathJob, EachPointOnceOnItsLineWithoutStopping) {
   ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job, false, result));
   EXPECT_EQ(result.status.starvations, 0u);
   EXPECT_LE(result.status.beats, 400 + 20);
-  // Counted steps are the true position rounded down, so that the line is seen half a step off.
+  // Counted steps are the true position rounded down, so the line appears half a step off.
   EXPECT_LE(farthest_from_lines(rig, job), 1.5);
 }
 

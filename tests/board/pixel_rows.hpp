@@ -1,8 +1,7 @@
-// Rows of a raster as a job of rows, and the light they must have got: so much a cell, whatever the
-// speed was.
+// Rows of a raster as a row job, and the light that each cell must get, independent of speed.
 //
-// In:  a raster (raster.hpp); the light and the steps of a board afterwards.
-// Out: lines with their runs; cells that got their light, and what fell elsewhere.
+// In:  a raster (raster.hpp); after the run the light and the steps of a board.
+// Out: lines with their runs; cells that got their light, and light elsewhere.
 #pragma once
 
 #include <cmath>
@@ -16,12 +15,12 @@
 
 namespace lamplock::test {
 
-/// Power in proportion to the speed is right to about a count of LASER PWM.
+/// Power proportional to speed is accurate to about one count of LASER PWM.
 inline constexpr int flicker = 40;
 inline constexpr std::uint32_t raster_feed_milli = 60'000u * Raster::speed_mm_s;
 
-/// Rows as lines of no more than so many runs, their run-up and way out with them as dark cells,
-/// and a rapid from each to the next.
+/// Rows as lines with at most `most_runs` runs, with run-up and run-out as dark cells, and a rapid
+/// between rows.
 class PixelLines {
  public:
   explicit PixelLines(const Raster& raster, std::size_t most_runs = wire::most_runs_a_line)
@@ -32,10 +31,10 @@ class PixelLines {
       add_cells(0, Raster::run_up_pixels);
       const std::vector<int> pixels = raster.passed(row_);
       for (std::size_t i = 0; i < pixels.size();) {
-        std::size_t behind = i;
-        while (behind < pixels.size() && pixels[behind] == pixels[i]) ++behind;
-        add_cells(pixels[i], static_cast<int>(behind - i));
-        i = behind;
+        std::size_t end_of_run = i;
+        while (end_of_run < pixels.size() && pixels[end_of_run] == pixels[i]) ++end_of_run;
+        add_cells(pixels[i], static_cast<int>(end_of_run - i));
+        i = end_of_run;
       }
       add_cells(0, Raster::run_up_pixels);
       end_line();
@@ -75,7 +74,7 @@ class PixelLines {
   int at_ = 0, way_ = 1;
 };
 
-/// Light up to a time, in seconds of full power.
+/// Light up to a given time, in seconds of full power.
 class LightSum {
  public:
   explicit LightSum(const sim::Beam& beam) : changes_(beam.changes()) {
@@ -102,14 +101,14 @@ class LightSum {
   std::vector<double> sums_;
 };
 
-/// What became of the cells of a raster.
+/// Result for the cells of a raster.
 struct CellLight {
-  int right = 0;            ///< that got theirs
-  int dark = 0, twice = 0;  ///< too little or too much
-  double elsewhere = 0;     ///< light beside all of them, of what all want
+  int right = 0;            ///< cells with the right light
+  int dark = 0, twice = 0;  ///< cells with too little or too much
+  double elsewhere = 0;     ///< light outside all cells, as a part of their total
 };
 
-/// Light by where the machine was: row, step of X.
+/// Light by the machine's position: row and step of X.
 class LightMap {
  public:
   LightMap(const Raster& raster, const PinMonitor& monitor, const sim::Beam& beam)
@@ -140,14 +139,13 @@ class LightMap {
   double elsewhere_ = 0;
 };
 
-/// M4's light: a cell gets as much as at the feed, however fast it was passed. Rows before `from`
-/// are not looked at.
+/// In M4 a cell gets the light of the feed rate at any speed. Rows before `from` are ignored.
 inline CellLight cell_light(const Raster& raster, const PinMonitor& monitor, const sim::Beam& beam,
                             std::size_t from = 0) {
   constexpr double step_s = 0.1 / Raster::steps_per_pixel / Raster::speed_mm_s;
-  // Beside an edge light may be the neighbour's.
+  // Near an edge the light may belong to the neighbour.
   constexpr int margin = 2;
-  // A change of light is a tick beside its place; about a rest it is dark for a step or two.
+  // A change of light is up to a tick off its place; near a rest it is dark for a step or two.
   constexpr double tolerance_s = 2.5 * step_s;
   const LightMap map(raster, monitor, beam);
   CellLight result;

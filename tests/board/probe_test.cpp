@@ -1,5 +1,5 @@
-// Probing with G38.2 to G38.5 on the virtual board: what is reported against where the contact is,
-// what the program does afterwards, contacts that are closed before, never made, or bounce.
+// Probing with G38.2 to G38.5 on the virtual board: the reported place against the contact's place,
+// the program after the probe, contacts that are closed before, never made, or bounce.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -39,17 +39,17 @@ struct Probing {
   MachineWithSwitches m;
 };
 
-TEST(Probe, TellsWhereItTouched) {
+TEST(Probe, ReportsWhereItTouched) {
   Probing p;
   EXPECT_THAT(p.ask("G38.2 Z-10 F600\n"), ElementsAre("[PRB:0.000,0.000,-3.000:1]", "ok"));
   EXPECT_THAT(p.ask("$#\n"), Contains("[PRB:0.000,0.000,-3.000:1]"));
-  // 10 mm/s brakes in 25 um, and 5 ms of it come before.
+  // At 10 mm/s: 5 ms until it reacts, then 25 um to brake.
   EXPECT_GT(p.m.loads()[2], -3 * steps_per_mm - 20);
   EXPECT_LT(p.m.loads()[2], -3 * steps_per_mm);
 }
 
-/// The program goes on from where the machine stands, not from where the probe was sent.
-TEST(Probe, ProgramsGoOnFromThere) {
+/// The program continues from where the machine stopped, not from the probe's target.
+TEST(Probe, ProgramsContinueFromThere) {
   Probing p;
   EXPECT_THAT(p.ask("G38.2 Z-10 F600\nG10 L20 P1 Z0\nG0 Z5\nG91 G0 X1\nG90 G1 X0 Z0 F600\nG4 P0\n"),
               Contains("ok").Times(6));
@@ -67,9 +67,9 @@ TEST(Probe, AwayFromTheContact) {
   EXPECT_THAT(p.ask("G38.3 Z-10\n"), ElementsAre("[PRB:0.000,0.000,-3.000:1]", "ok"));
 }
 
-/// As in grbl: what a probe tells depends on its speed, and that is the one that was asked for. The
-/// program behind it obeys.
-TEST(Probe, TheFeedOverrideIsNotForIt) {
+/// As in grbl: a probe's result depends on its speed, so it runs at the programmed feed rate. The
+/// program after it obeys the override.
+TEST(Probe, IgnoresTheFeedOverride) {
   Probing p;
   const auto fastest = [&p](std::string_view lines) {
     double highest = 0;
@@ -117,7 +117,7 @@ TEST(Probe, WithoutOneTheCircuitIsOpen) {
               ElementsAre("[PRB:0.000,0.000,-1.000:0]", "ALARM:5", "error:9"));
 }
 
-/// A probe that opens its circuit when it touches ($6): a broken wire stops it.
+/// A probe that opens its circuit on contact ($6): a broken wire stops it.
 TEST(Probe, NormallyClosed) {
   sim::WireConfig wire = plate(-3 * steps_per_mm);
   wire.normally_closed = true;
@@ -142,7 +142,7 @@ TEST(Probe, CheckModeAndOutside) {
   EXPECT_EQ(p.m.loads()[2], 0);
 }
 
-/// A hold in the middle does not end it, a contact while it comes to rest does.
+/// A hold does not end a probe; a contact while the machine brakes does.
 TEST(Probe, HoldsAndResumes) {
   std::mt19937_64 random(5);
   for (int round = 0; round < scaled(20); ++round) {
@@ -158,11 +158,11 @@ TEST(Probe, HoldsAndResumes) {
     ASSERT_TRUE(p.m.wait_for([&] { return !p.m.host.answers().empty(); }));
     EXPECT_THAT(p.m.host.said(), Contains("[PRB:0.000,0.000,-3.000:1]"));
     EXPECT_THAT(p.m.host.answers(), ElementsAre("ok"));
-    EXPECT_TRUE(p.m.host.stand());
+    EXPECT_TRUE(p.m.host.wait_for_rest());
   }
 }
 
-/// At any feed, however the contact bounces: the place is that of the first touch, to a step.
+/// At any feed rate and with any contact bounce the place is that of the first contact, to a step.
 TEST(Probe, IsExactAtAnyFeed) {
   std::mt19937_64 random(11);
   const auto pick = [&random](int from, int to) {
@@ -180,8 +180,8 @@ TEST(Probe, IsExactAtAnyFeed) {
     SCOPED_TRACE(fmt::format("z {} feed {}", z, feed));
     ASSERT_THAT(said, Contains(StartsWith("[PRB:0.000,0.000,")));
     const std::string& report = said[said.size() - 2];
-    const double told = std::stod(report.substr(report.rfind(',') + 1));
-    EXPECT_NEAR(told, z / 200.0, 0.0051);
+    const double reported = std::stod(report.substr(report.rfind(',') + 1));
+    EXPECT_NEAR(reported, z / 200.0, 0.0051);
   }
 }
 

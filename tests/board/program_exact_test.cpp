@@ -18,7 +18,7 @@ std::int32_t steps_of(const ExactProgram::Rational& mm, std::int32_t milli_steps
   return (over < 0 ? cpp_int(-magnitude) : magnitude).convert_to<std::int32_t>();
 }
 
-/// A large work space, resolutions that round differently on each axis.
+/// A large work area and resolutions that round differently on each axis.
 job::Profile wide_profile() {
   job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
   constexpr std::array<double, 3> steps_per_mm{200, 157.483, 333.333};
@@ -49,7 +49,7 @@ TEST(ProgramExact, EndsWhereExactNumbersEnd) {
       all += text;
       ASSERT_TRUE(host.stream(text)) << all;
       ASSERT_THAT(host.answers(), testing::Each("ok")) << all;
-      host.run_ms(5);  // what is filled is put out
+      host.run_ms(5);  // until the ticks handed out are over
       const StepPosition at = rig.board.world().drives().position();
       if (at != before) ++moved;
       before = at;
@@ -69,7 +69,7 @@ TEST(ProgramExact, EndsWhereExactNumbersEnd) {
   EXPECT_GT(moved, static_cast<std::size_t>(scaled(25)) * 5);
 }
 
-/// Points on the beat and lines by turns.
+/// Points on the beat and lines alternate.
 TEST(ProgramExact, EndsThereWithAndWithoutBeatLock) {
   job::Profile profile = wide_profile();
   job::set_lamp_hz(profile, 1000);
@@ -90,7 +90,7 @@ TEST(ProgramExact, EndsThereWithAndWithoutBeatLock) {
       const std::size_t before = rig.shots().size();
       ASSERT_TRUE(host.stream(text)) << all;
       ASSERT_THAT(host.answers(), testing::Each("ok")) << all;
-      host.run_ms(5);  // what is filled is put out
+      host.run_ms(5);  // until the ticks handed out are over
       EXPECT_TRUE(part % 3 != 0 || rig.shots().size() == before);
       shots += rig.shots().size() - before;
       for (int axis = 0; axis < 3; ++axis)

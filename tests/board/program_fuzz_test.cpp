@@ -1,13 +1,12 @@
-// Anything at all at the cable of a virtual board: random bytes, spoilt lines, real-time bytes,
-// settings. It never crashes, never leaves the work space, never fires; it never shines before it
-// was told to (M3, M4), nor while it stands, nor behind an open door; it answers every line once,
-// and it still answers at the end.
+// Arbitrary input at the cable of a virtual board: random bytes, corrupted lines, real-time bytes,
+// settings. The board never crashes, leaves the work area or fires; it is dark before M3 or M4, at
+// rest and while the door is open; it answers every line once and still answers at the end.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <random>
 
-#include "firmware/motion/limits.hpp"
+#include "firmware/motion/profile/limits.hpp"
 #include "tests/board/wire_host.hpp"
 
 namespace lamplock::test {
@@ -30,7 +29,7 @@ class QuietPins final : private sim::PinListener {
   bool quiet_ = true;
 };
 
-/// When any axis moves, by the ticks that are put out.
+/// Times at which any axis moves, from the ticks that are output.
 class MotionTimes final : public sim::TickListener {
  public:
   explicit MotionTimes(sim::VirtualBoard& board) { board.listen(*this); }
@@ -38,7 +37,7 @@ class MotionTimes final : public sim::TickListener {
     const auto& axes = played.block.axis;
     const bool moves =
         played.block.moving &&
-        std::any_of(axes.begin(), axes.end(), [](const auto& run) { return !run.stands(); });
+        std::any_of(axes.begin(), axes.end(), [](const auto& run) { return !run.is_at_rest(); });
     if (!moves) return;
     if (times_.empty() || times_.back().end < played.start)
       times_.push_back({played.start, played.end});
@@ -47,7 +46,7 @@ class MotionTimes final : public sim::TickListener {
   }
   void beat_begins(std::uint64_t /*tick*/, sim::Picoseconds /*at*/) override {}
 
-  /// Light while nothing moves, for longer than a tick at the turn of an axis takes.
+  /// Light at rest, for longer than the tick in which an axis turns.
   bool shone_at_rest(const sim::Beam& beam, sim::Picoseconds now) const {
     constexpr sim::Picoseconds turn = 5 * ps_per_us;
     sim::Picoseconds rest = 0;
@@ -65,7 +64,7 @@ class MotionTimes final : public sim::TickListener {
   std::vector<Time> times_;
 };
 
-/// M words that switch a laser; what others do has tests of its own.
+/// True if the line has an M word that does not switch a laser; other tests cover those.
 bool has_other_m_words(std::string_view line) {
   for (std::size_t at = line.find_first_of("Mm"); at != std::string_view::npos;
        at = line.find_first_of("Mm", at + 1))
@@ -73,14 +72,14 @@ bool has_other_m_words(std::string_view line) {
   return false;
 }
 
-/// The most that a dwell may ask for, seconds; 0 if there is none.
+/// Longest dwell of the line, seconds; 0 if it has none.
 double dwell_s(std::string line) {
   std::erase(line, ' ');
   const std::size_t at = line.find_first_of("Pp");
   return at == std::string::npos ? 0 : std::strtod(line.c_str() + at + 1, nullptr);
 }
 
-/// Before the laser was ever asked for, and from then on.
+/// Before and after the first command for the laser.
 enum class Light { not_asked_for, asked_for };
 
 std::string random_line(Random& random, Light light) {
@@ -132,7 +131,7 @@ std::string random_line(Random& random, Light light) {
         line.insert(at, line.substr(at, random() % 8));
     }
   }
-  // No reset or hold by accident here, and no loader.
+  // No accidental reset, hold or loader.
   std::erase_if(line, [](char c) { return c == '!' || c == '?' || c == '~'; });
   const bool m_word = line.find_first_of("Mm") != std::string::npos;
   if (m_word && (light == Light::not_asked_for || has_other_m_words(line))) line = "M5";
@@ -154,7 +153,7 @@ class Fuzz : public testing::Test {
       for (const PinMonitor::Step& step : rig.monitor.steps(a))
         ASSERT_TRUE(space.contains(a, step.position));
   }
-  /// Reset, unlocked, asked.
+  /// After a reset and an unlock the board answers.
   static void expect_answers(Rig& rig, WireHost& host) {
     host.send_byte('\n');
     host.run_ms(50);
@@ -171,9 +170,9 @@ class Fuzz : public testing::Test {
     EXPECT_EQ(texts.back(), "ok");
     EXPECT_NE(host.status(), "");
   }
-  /// In which every axis comes to rest, by its settings, in moves of no more than 0.1 mm or a step,
-  /// even with no more acceleration than jerk gives at once: the same part of it on every axis, as
-  /// lines have it (line_rise.hpp).
+  /// Longest time in which an axis comes to rest by its settings, in moves of at most 0.1 mm or a
+  /// step and with only the acceleration that jerk permits at once: the same fraction of it on
+  /// every axis, as for lines (line/rise.hpp).
   static double longest_stop_s(const settings::Values& values) {
     constexpr double at_once_s = motion::flat_rise_ticks * 1e-6;
     double share = 1;
@@ -216,8 +215,8 @@ TEST_F(Fuzz, RandomBytes) {
   }
 }
 
-/// Valid lines, changed a little: one answer each, whatever they are.
-TEST_F(Fuzz, SpoiltLines) {
+/// Valid lines with small changes: one answer each, whatever they are.
+TEST_F(Fuzz, CorruptedLines) {
   use_laser();
   std::size_t openings = 0;
   for (int i = 0; i < scaled(6); ++i) {
@@ -245,11 +244,11 @@ TEST_F(Fuzz, SpoiltLines) {
     ASSERT_NO_FATAL_FAILURE(expect_inside(rig));
     expect_answers(rig, host);
   }
-  EXPECT_TRUE(openings != 0 || scaled(6) < 6) << "a few alone may all stay dark";
+  EXPECT_TRUE(openings != 0 || scaled(6) < 6) << "no run had light";
 }
 
-/// Lines with real-time bytes between and inside of them. A reset throws lines away, so no more
-/// answers than lines.
+/// Lines with real-time bytes between and inside them. A reset drops lines, so there are at most as
+/// many answers as lines.
 TEST_F(Fuzz, RealTimeBytesAnywhere) {
   use_laser();
   std::size_t openings = 0;
@@ -294,10 +293,10 @@ TEST_F(Fuzz, RealTimeBytesAnywhere) {
     ASSERT_NO_FATAL_FAILURE(expect_inside(rig));
     expect_answers(rig, host);
   }
-  EXPECT_TRUE(openings != 0 || scaled(6) < 6) << "a few alone may all stay dark";
+  EXPECT_TRUE(openings != 0 || scaled(6) < 6) << "no run had light";
 }
 
-/// Whatever settings are accepted: a program afterwards runs or is refused.
+/// After any accepted settings a program runs or is refused.
 TEST_F(Fuzz, SettingsOfAnyValue) {
   for (int i = 0; i < scaled(8); ++i) {
     Random random(static_cast<std::uint64_t>(i) + 400);

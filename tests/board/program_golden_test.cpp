@@ -1,6 +1,6 @@
-// Golden runs: programs on the virtual board against answers, ways, times and light that were
+// Golden runs: programs on the virtual board against answers, paths, times and light that were
 // worked out by hand (tests/board/program_golden). Every code and every error of docs/gcode.md that
-// a line of a program can cause has a case.
+// a program line can cause has a case.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -48,7 +48,7 @@ job::Profile profile_of(const GoldenCase& golden, Id machine, int value) {
   return profile;
 }
 
-/// What the outputs of programs do, and where X is then.
+/// Changes of the programs' outputs and the position of X at each.
 class OutputRecord final : private sim::PinListener {
  public:
   explicit OutputRecord(sim::VirtualBoard& board) : board_(board) {
@@ -90,8 +90,8 @@ class GoldenRun {
                            sim::MotionTrace::Zero::first_motion);
     StepRecord record(rig_.board);
     send();
-    EXPECT_TRUE(host_.stand());
-    host_.run_ms(10);  // what is filled is put out
+    EXPECT_TRUE(host_.wait_for_rest());
+    host_.run_ms(10);  // until the ticks handed out are over
     places_ = record.places();
     expect_answers();
     expect_ways();
@@ -120,10 +120,10 @@ class GoldenRun {
       }
       host_.send(text);
       text.clear();
-      // The pause itself is answered when it is over.
+      // The pause is answered at its end.
       run_until([&] { return rig_.state() == MachineState::hold; });
       EXPECT_EQ(host_.answers().size(), answers - 1);
-      host_.run_ms(5);  // what is filled is put out
+      host_.run_ms(5);  // until the ticks handed out are over
       const StepPosition stood = rig_.board.world().drives().position();
       host_.run_ms(20);
       EXPECT_EQ(rig_.state(), MachineState::hold);
@@ -153,7 +153,7 @@ class GoldenRun {
       ASSERT_EQ(follower.follow(way), "") << what;
       if (case_.looks_at_light) expect_light(way, follower, what);
     }
-    EXPECT_TRUE(follower.at_end()) << "goes on from " << follower.text_of(follower.last());
+    EXPECT_TRUE(follower.at_end()) << "motion continues from " << follower.text_of(follower.last());
   }
 
   void expect_light(const GoldenWay& way, const WayFollower& follower,
@@ -162,10 +162,10 @@ class GoldenRun {
     const std::vector<sim::BeamChange> changes = rig_.board.world().beam().changes();
     double least = 1, most = 0;
     for (std::size_t i = follower.first() + quarter; i + quarter < follower.last(); ++i) {
-      const auto behind = std::upper_bound(
+      const auto next = std::upper_bound(
           changes.begin(), changes.end(), places_[i].at,
           [](sim::Picoseconds at, const sim::BeamChange& change) { return at < change.at; });
-      const double light = behind == changes.begin() ? 0 : std::prev(behind)->light() / 65535.0;
+      const double light = next == changes.begin() ? 0 : std::prev(next)->light() / 65535.0;
       least = std::min(least, light);
       most = std::max(most, light);
     }
@@ -187,7 +187,7 @@ class GoldenRun {
     }
   }
 
-  /// Each at its place to the step, on a beat of its own.
+  /// Each shot is at its place to the step, on a beat of its own.
   void expect_shots() const {
     const auto& shots = rig_.board.lattice_shots();
     ASSERT_EQ(shots.size(), case_.shots.size());
@@ -230,7 +230,7 @@ TEST(ProgramGolden, RunsAsWorkedOut) {
   }
 }
 
-/// The same ways, times and light with motors that make X + Y and X - Y.
+/// The same paths, times and light with motors that make X + Y and X - Y.
 TEST(ProgramGolden, RunsAsWorkedOutOnACoreXy) {
   for (const GoldenCase& golden : all_cases()) {
     SCOPED_TRACE(fmt::format("case {}", golden.name));
@@ -238,7 +238,7 @@ TEST(ProgramGolden, RunsAsWorkedOutOnACoreXy) {
   }
 }
 
-/// First cells of the rows of a table.
+/// First cells of the rows of the table under this heading.
 std::vector<std::string> first_cells(const std::string& heading) {
   const std::string page = read_repository_file("docs/gcode.md");
   const std::size_t from = page.find(fmt::format("\n## {}\n", heading));
@@ -251,18 +251,18 @@ std::vector<std::string> first_cells(const std::string& heading) {
   return cells;
 }
 
-/// Errors that no line of a program can cause here, and why.
+/// Errors that no program line can cause here, with their cause.
 const std::set<std::string> not_of_lines{
     "error:5",   // $H
     "error:6",   // settings
     "error:7",   // settings, at the start
-    "error:8",   // $ commands; lines only in a job or while the beat is not decided
+    "error:8",   // $ commands; program lines only in a job or while the beat is undecided
     "error:10",  // settings
     "error:12",  // settings
     "error:13",  // $ commands
     "error:14",  // $N, $I
     "error:17",  // settings
-    "error:18",  // a reset comes in between
+    "error:18",  // a reset meanwhile
     "error:40",  // there is no tool change
     "error:45",  // homing
     "error:46",  // homing
@@ -277,7 +277,7 @@ TEST(ProgramGolden, HasACaseForEveryCodeAndEveryError) {
     for (const std::string& what : golden.covers) {
       covered.insert(what);
       const bool error = what.starts_with("error:");
-      // A code may stand before another word, but not before a digit or a point.
+      // A code may precede another word, but not a digit or a point.
       const std::regex code(fmt::format("(^|[^A-Z]){}($|[^0-9.])", what));
       const bool there =
           std::any_of(golden.lines.begin(), golden.lines.end(), [&](const GoldenLine& line) {

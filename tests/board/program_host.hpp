@@ -1,5 +1,5 @@
-// A sender of programs at the cable of a virtual board: counts characters as senders do, and keeps
-// what the board says.
+// A sender of programs at the cable of a virtual board: counts characters as senders do and stores
+// the board's lines.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ class ProgramHost {
     said_.clear();
   }
 
-  /// Bytes as they are, at once.
+  /// Sends these bytes at once.
   void send(std::string_view text) {
     while (!text.empty()) {
       const std::size_t n =
@@ -33,14 +33,14 @@ class ProgramHost {
   }
   void send(std::uint8_t byte) { send(std::string_view(reinterpret_cast<const char*>(&byte), 1)); }
 
-  /// Lets the board run, and listens.
+  /// Runs the board and receives its lines.
   void run(sim::Picoseconds time) {
     rig_.run(time);
     listen();
   }
   void run_ms(double ms) { run(static_cast<sim::Picoseconds>(ms * 1e9)); }
 
-  /// What it says to some lines, until all are answered or time is over.
+  /// Sends lines; returns the board's lines until all are answered or the time is over.
   std::vector<std::string> ask(std::string_view text, double seconds = 1) {
     const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
     const std::size_t before = answers_.size(), heard = said_.size();
@@ -50,8 +50,8 @@ class ProgramHost {
     return {said_.begin() + static_cast<std::ptrdiff_t>(heard), said_.end()};
   }
 
-  /// Streams a program, never with more than the window of the board under way, until all is
-  /// answered; then until the machine stands. False if that took longer.
+  /// Streams a program with at most the board's window under way until all lines are answered and
+  /// the machine is at rest. False if that took longer.
   bool stream(std::string_view text, double seconds = 100) {
     std::deque<std::size_t> under_way;
     std::size_t bytes = 0, answered = answers_.size();
@@ -69,13 +69,13 @@ class ProgramHost {
         bytes += size;
         under_way.push_back(size);
       }
-      if (text.empty() && under_way.empty()) return stand(seconds);
+      if (text.empty() && under_way.empty()) return wait_for_rest(seconds);
       run_ms(0.5);
     }
     return false;
   }
-  /// Until it stands, with nothing left to do.
-  bool stand(double seconds = 100) {
+  /// Runs until the machine is at rest with nothing left to do; false if that took longer.
+  bool wait_for_rest(double seconds = 100) {
     const auto end = rig_.board.now() + static_cast<sim::Picoseconds>(seconds * 1e12);
     while (rig_.board.now() < end) {
       if (rig_.state() == MachineState::idle && rig_.board.controller().program().idle())
@@ -85,9 +85,9 @@ class ProgramHost {
     return false;
   }
 
-  /// "ok" and "error:N", in order.
+  /// Answers "ok" and "error:N", in order.
   const std::vector<std::string>& answers() const { return answers_; }
-  /// Every line, status reports too.
+  /// Every line of the board, including status reports.
   const std::vector<std::string>& said() const { return said_; }
   bool has_said(std::string_view line) const {
     return std::find(said_.begin(), said_.end(), line) != said_.end();
@@ -118,7 +118,7 @@ class ProgramHost {
     }
   }
   void take(char c) {
-    // Frames of a job that runs as well.
+    // The stream also has frames of a running job.
     constexpr char begin = 0x02, end = 0x03;
     if (c == begin || c == end) in_frame_ = c == begin;
     if (c == '\r' || c == end || in_frame_) return;

@@ -1,5 +1,5 @@
 // Random programs on the virtual board, with overrides, holds and resumes at random moments: limits
-// of every axis at every tick, where they end, how long they take.
+// of every axis at every tick, end positions and durations.
 #include <fmt/format.h>
 
 #include <random>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double steps_per_mm = 200;
 
-/// A program of some kind, inside of a cube of 40 mm; ends at a place it tells.
+/// A program of one kind, inside a cube of 40 mm, with its end position.
 struct RandomProgram {
   std::string text;
   std::array<double, 3> end{};
@@ -67,7 +67,7 @@ class Writer {
       c = milli(near ? std::clamp(c + between(-0.3, 0.3), -20.0, 20.0) : between(-20, 20));
     go(one_of(4) ? "G94 G0" : "G94 G1", fmt::format(" F{:.0f}", between(200, 20'000)));
   }
-  /// A half or full circle about a centre beside the place where it begins.
+  /// A half or full circle around a centre beside its begin.
   void arc() {
     const double angle = between(0, 6.28), radius = between(0.5, 8);
     const double i = milli(radius * std::cos(angle)), j = milli(radius * std::sin(angle));
@@ -89,7 +89,7 @@ class Writer {
       go("G94 G1", feed);
     }
   }
-  /// F is one over minutes.
+  /// F is an inverse time, 1/min.
   void timed() {
     for (double& c : program_.end) c = milli(std::clamp(c + between(-5, 5), -20.0, 20.0));
     go("G93 G1", fmt::format(" F{:.2f}", 1 / between(0.001, 0.02)));
@@ -117,7 +117,7 @@ job::Profile machine_of(std::mt19937_64& random, bool jerk, bool core_xy = false
   return profile;
 }
 
-/// Timed lines on a machine with limits of jerk are left out: not all of them are planned in time.
+/// With jerk limits timed lines are left out: not all of them are planned in time.
 bool has_times(Kind kind) { return kind == Kind::timed || kind == Kind::mixed; }
 
 StepPosition steps_at(const std::array<double, 3>& mm) {
@@ -134,13 +134,13 @@ StepPosition motors_at(const job::Profile& profile, const RandomProgram& program
 constexpr std::array kinds{Kind::lines, Kind::arcs,  Kind::dense,
                            Kind::stops, Kind::timed, Kind::mixed};
 
-/// Axes and their limits are the same, whatever the motors make of them.
+/// Axes and their limits are the same for both kinematics.
 class ProgramLimits : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Kinematics, ProgramLimits, testing::Bool(), [](const auto& test) {
   return std::string(test.param ? "CoreXy" : "Cartesian");
 });
 
-TEST_P(ProgramLimits, UndisturbedInTheTimeThatCheckSays) {
+TEST_P(ProgramLimits, UndisturbedInTheTimeThatCheckPredicts) {
   std::mt19937_64 random(1);
   for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "program " << i);
@@ -159,14 +159,14 @@ TEST_P(ProgramLimits, UndisturbedInTheTimeThatCheckSays) {
     EXPECT_EQ(host.position(), steps_at(program.end)) << program.text;
     EXPECT_EQ(rig.board.world().drives().motors(), motors_at(profile, program)) << program.text;
     EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
-    // The board plans the same segments, so it is a matter of ticks.
+    // The board plans the same segments, so times differ only by ticks.
     EXPECT_NEAR(judge.moved_s(), plan.seconds(), 2e-6) << program.text;
     EXPECT_EQ(rig.board.controller().program().starvations(), 0u);
     EXPECT_FALSE(rig.board.controller().runner().generator().underrun());
   }
 }
 
-/// Along circles the acceleration across the path counts too; over 20 ms corners do not.
+/// On circles the acceleration across the path counts too; over 20 ms corners do not.
 TEST(ProgramLimitsOfAxes, CirclesKeepTheAccelerationOfTheirAxes) {
   std::mt19937_64 random(2);
   for (int i = 0; i < scaled(6); ++i) {
@@ -203,7 +203,7 @@ TEST_P(ProgramLimits, DisturbedAtAnyMoment) {
     std::size_t sent = 0;
     std::string script;
     for (int round = 0; round < 4000 && host.answers().size() < lines; ++round) {
-      // A line at a time, some ahead: never more than the window.
+      // One line at a time, some ahead: never more than the window.
       while (!rest.empty() && sent < host.answers().size() + 12) {
         const std::size_t size = rest.find('\n') + 1;
         host.send(rest.substr(0, size));
@@ -220,7 +220,7 @@ TEST_P(ProgramLimits, DisturbedAtAnyMoment) {
     EXPECT_EQ(host.answers().size(), lines);
     for (int round = 0; round < 2000; ++round) {
       host.send("~");
-      if (host.stand(0.05)) break;
+      if (host.wait_for_rest(0.05)) break;
     }
     host.run_ms(5);
     EXPECT_EQ(judge.fault(), "") << script << "\n" << program.text;
@@ -232,7 +232,7 @@ TEST_P(ProgramLimits, DisturbedAtAnyMoment) {
   }
 }
 
-/// A dwell begins when the machine stands and takes as long as was written.
+/// A dwell begins at rest and takes its programmed time.
 TEST(ProgramLimitsOfAxes, DwellsAsLongAsProgrammed) {
   std::mt19937_64 random(4);
   for (int i = 0; i < scaled(8); ++i) {
@@ -247,7 +247,7 @@ TEST(ProgramLimitsOfAxes, DwellsAsLongAsProgrammed) {
     ASSERT_TRUE(host.stream(text));
     host.run_ms(5);
     EXPECT_EQ(judge.fault(), "");
-    // What lies between: the dwell, and what it takes to begin again.
+    // The time at rest is the dwell and the time to begin the next motion.
     const double stood = judge.moved_s() - static_cast<double>(judge.moving_ticks()) * 1e-6;
     EXPECT_GE(stood, seconds - 1e-4);
     EXPECT_LE(stood, seconds + 0.010);

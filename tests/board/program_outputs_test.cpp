@@ -1,5 +1,5 @@
-// Outputs and inputs of programs on the virtual board: each change at the tick where its line
-// begins, waits for an input, and what is off when.
+// Outputs and inputs of programs on the virtual board: each output changes at the tick where its
+// line begins, programs wait for inputs, and outputs go off when a program ends.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -44,11 +44,11 @@ class EdgeLog final : public sim::PinListener {
   Rig& rig_;
 };
 
-/// When Y begins to move, to the tick.
+/// The tick at which Y begins to move.
 class BeginOfY final : public sim::TickListener {
  public:
   void ticks_played(const sim::PlayedTicks& ticks) override {
-    const bool moves = ticks.block.moving && !ticks.block.axis[1].stands();
+    const bool moves = ticks.block.moving && !ticks.block.axis[1].is_at_rest();
     if (moves && !moved_) begins.push_back(ticks.start);
     moved_ = moves;
   }
@@ -66,7 +66,7 @@ job::Profile profile_with(boards::PinMap map) {
   return profile;
 }
 
-/// A board with outputs, a host, the wires.
+/// A board with outputs, its host and its wires.
 struct Machine {
   explicit Machine(const job::Profile& profile, const sim::WorldConfig& world)
       : rig(profile.settings, world) {
@@ -101,7 +101,7 @@ struct Machine {
 
 // --- coolant ----------------------------------------------------------------------------------
 
-TEST(Coolant, ChangesWhereTheProgramSaysAndNotWhenItIsRead) {
+TEST(Coolant, ChangesAtItsLineAndNotWhenItIsRead) {
   Machine m;
   ASSERT_TRUE(m.host.stream("G1 X5 F600\nM8\nG1 X10\nM9\nG1 X15\nM7\nG1 X20\nM2\n"));
   std::vector<std::int32_t> places;
@@ -130,7 +130,7 @@ TEST(Coolant, IsSwitchedByHandAtOnce) {
   EXPECT_FALSE(m.air());
 }
 
-TEST(Coolant, IsOffBehindAnOpenDoorAndOnAgainWithTheProgram) {
+TEST(Coolant, IsOffWhileTheDoorIsOpenAndOnAgainWithTheProgram) {
   Machine m;
   m.host.send("M8\nG1 X40 F600\n");
   m.host.run_ms(300);
@@ -159,7 +159,7 @@ TEST(ProgramOutputs, ChangeAtTheTickThatTheirLineBeginsWith) {
   EXPECT_EQ(edges.size(), 2u);
 }
 
-TEST(ProgramOutputs, GoWithTheMotionHoweverItIsPlanned) {
+TEST(ProgramOutputs, ChangeWithTheMotionHoweverItIsPlanned) {
   std::mt19937_64 random(8);
   const auto pick = [&random](int from, int to) {
     return std::uniform_int_distribution<>(from, to)(random);
@@ -196,12 +196,12 @@ TEST(ProgramOutputs, WaitForMotionAndTheLastOneCounts) {
   Machine m;
   m.ask_ok("M62 P0\nM63 P0\nM62 P0\nG4 P0.1\n");
   EXPECT_FALSE(m.aux());
-  ASSERT_TRUE(m.host.stand());
+  ASSERT_TRUE(m.host.wait_for_rest());
   m.ask_ok("$J=G91 X1 F3000\n");
-  ASSERT_TRUE(m.host.stand());
-  EXPECT_FALSE(m.aux());  // a jog is no motion of the program
+  ASSERT_TRUE(m.host.wait_for_rest());
+  EXPECT_FALSE(m.aux());  // a jog is not part of the program
   m.ask_ok("G0 X2\n");
-  ASSERT_TRUE(m.host.stand());
+  ASSERT_TRUE(m.host.wait_for_rest());
   EXPECT_TRUE(m.aux());
   EXPECT_EQ(m.aux_edges.edges.size(), 1u);
 }
@@ -225,7 +225,7 @@ TEST(ProgramOutputs, AreAnalogueOrDigitalAsTheyWereUsedLast) {
   m.ask_ok("M67 E0 Q50.5\n");
   EXPECT_EQ(level(), (full + 2) / 4);
   m.ask_ok("G0 X1\n");
-  ASSERT_TRUE(m.host.stand());
+  ASSERT_TRUE(m.host.wait_for_rest());
   EXPECT_EQ(level(), std::lround(full * 0.505));
   m.ask_ok("M64 P0\n");
   EXPECT_EQ(level(), full);
@@ -233,7 +233,7 @@ TEST(ProgramOutputs, AreAnalogueOrDigitalAsTheyWereUsedLast) {
   EXPECT_EQ(level(), 0);
 }
 
-TEST(ProgramOutputs, ComeNoSoonerForAHoldBeforeThem) {
+TEST(ProgramOutputs, ChangeNoSoonerAfterAHold) {
   Machine m;
   m.host.send("G1 X10 F1200\nM62 P0\nG1 X20\n");
   m.host.run_ms(200);
@@ -241,12 +241,12 @@ TEST(ProgramOutputs, ComeNoSoonerForAHoldBeforeThem) {
   m.host.run_ms(2000);
   EXPECT_FALSE(m.aux());
   m.host.send("~");
-  ASSERT_TRUE(m.host.stand());
+  ASSERT_TRUE(m.host.wait_for_rest());
   ASSERT_EQ(m.aux_edges.edges.size(), 1u);
   EXPECT_LE(std::abs(m.aux_edges.edges[0].x - 10 * steps_per_mm), 1);
 }
 
-TEST(ProgramOutputs, StayInAHoldAPauseAndBehindADoor) {
+TEST(ProgramOutputs, StayInAHoldInAPauseAndWhileTheDoorIsOpen) {
   Machine m;
   m.ask_ok("M64 P0\n");
   m.host.send("G1 X10 F1200\nM0\nG1 X20\n");
@@ -262,8 +262,8 @@ TEST(ProgramOutputs, StayInAHoldAPauseAndBehindADoor) {
   EXPECT_TRUE(m.aux());
 }
 
-/// What ends a program, or its right to switch anything.
-TEST(ProgramOutputs, AreAllOffBehindTheEnd) {
+/// After anything that ends a program.
+TEST(ProgramOutputs, AreAllOffAfterTheEnd) {
   const std::vector<std::pair<std::string, std::function<void(Machine&)>>> ends{
       {"M2", [](Machine& m) { m.ask_ok("M2\n"); }},
       {"M30", [](Machine& m) { m.ask_ok("M30\n"); }},
@@ -285,8 +285,8 @@ TEST(ProgramOutputs, AreAllOffBehindTheEnd) {
     EXPECT_FALSE(m.air());
     if (name == "M2" || name == "M30") {
       m.ask_ok("G0 X2\n");
-      ASSERT_TRUE(m.host.stand());
-      EXPECT_FALSE(m.aux()) << "what waited is forgotten";
+      ASSERT_TRUE(m.host.wait_for_rest());
+      EXPECT_FALSE(m.aux()) << "the waiting change must be dropped";
     }
   }
 }
@@ -305,7 +305,7 @@ TEST(ProgramOutputs, AreKnownInTheMapThatHasThem) {
 
 // --- inputs -----------------------------------------------------------------------------------
 
-TEST(ProgramInputs, AreWaitedForWhenTheMachineStands) {
+TEST(ProgramInputs, AreWaitedForAtRest) {
   struct Case {
     std::string words;
     bool before, then;  ///< the pin: low = on
@@ -324,7 +324,7 @@ TEST(ProgramInputs, AreWaitedForWhenTheMachineStands) {
     EXPECT_EQ(m.host.position()[0], 5 * steps_per_mm);
     EXPECT_EQ(m.host.answers().size(), 1u);
     m.set(Pin::aux_in, c.then);
-    ASSERT_TRUE(m.host.stand());
+    ASSERT_TRUE(m.host.wait_for_rest());
     EXPECT_TRUE(m.host.has_said(c.said));
     EXPECT_EQ(m.host.position()[0], 10 * steps_per_mm);
     EXPECT_THAT(m.host.answers(), ElementsAre("ok", "ok", "ok"));
@@ -351,7 +351,7 @@ TEST(ProgramInputs, StopTheProgramWhenTimeIsOver) {
   EXPECT_EQ(m.host.position()[0], 5 * steps_per_mm);
   EXPECT_FALSE(m.rig.board.world().beam().at(m.rig.board.now()).shines());
   m.host.send("~");
-  ASSERT_TRUE(m.host.stand());
+  ASSERT_TRUE(m.host.wait_for_rest());
   EXPECT_EQ(m.host.position()[0], 10 * steps_per_mm);
 }
 
@@ -393,7 +393,7 @@ TEST(MaterialFeed, CutsOneSheetAfterTheOther) {
   EXPECT_THAT(m.host.answers(), Each("ok"));
   EXPECT_EQ(m.aux_edges.edges.size(), 12u);
   EXPECT_EQ(world.drives().position()[0], -5 * steps_per_mm);
-  // It takes the sheet away on the machine's way home, from its begin on.
+  // The feeder removes the sheet on the machine's way home, from the beginning of that way.
   for (std::size_t i = 2; i < 12; i += 4) EXPECT_EQ(m.aux_edges.edges[i].x, 0);
 }
 
@@ -405,7 +405,7 @@ TEST(MaterialFeed, StopsDarkWhenTheSensorsWireBreaks) {
   EXPECT_TRUE(m.host.has_said("[MSG:Input 0 not met: off]"));
   EXPECT_EQ(m.host.position()[0], 0);
   EXPECT_FALSE(m.rig.board.world().beam().shone(0, m.rig.board.now()));
-  EXPECT_TRUE(m.aux()) << "nobody has told it to stop";
+  EXPECT_TRUE(m.aux()) << "the feeder has not been switched off";
   m.host.send(reset_byte);
   m.host.run_ms(5);
   EXPECT_FALSE(m.aux());
@@ -436,7 +436,7 @@ TEST(DrivesAtRest, AreReleasedAfterTheirTimeIfAllOfTheirWireMayBe) {
     const job::Profile profile = with_rest(200, c.axes, c.map);
     Machine m(profile, world_for(profile));
     m.ask_ok("G0 X1 Z1\n");
-    ASSERT_TRUE(m.host.stand());
+    ASSERT_TRUE(m.host.wait_for_rest());
     m.host.run_ms(180);
     EXPECT_TRUE(m.is_high(Pin::enable));
     m.host.run_ms(40);
@@ -446,7 +446,7 @@ TEST(DrivesAtRest, AreReleasedAfterTheirTimeIfAllOfTheirWireMayBe) {
     }
     m.ask_ok("G0 X0\n");
     EXPECT_TRUE(m.is_high(Pin::enable));
-    ASSERT_TRUE(m.host.stand());
+    ASSERT_TRUE(m.host.wait_for_rest());
     EXPECT_EQ(m.rig.board.world().drives().total_faults(), 0u);
     EXPECT_EQ(m.rig.board.world().drives().position()[0], 0);
   }
@@ -480,7 +480,7 @@ TEST(DrivesAtRest, HoldBeforeAJobOfPoints) {
   EXPECT_FALSE(rig.board.bus().level(Pin::enable));
 }
 
-/// Whatever the machine is told, no step comes while its drive is released or has just come back.
+/// Whatever the commands, no step occurs while its drive is released or has just been enabled.
 TEST(DrivesAtRest, TakeNoStepAtRandomMoments) {
   std::mt19937_64 random(5);
   const auto pick = [&random](int from, int to) {

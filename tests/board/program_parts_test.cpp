@@ -1,5 +1,4 @@
-// Programs that begin in their middle (--from) and that never shine (--dry), against the whole
-// ones.
+// Programs that begin in their middle (--from) or are dry (--dry), against whole programs.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -37,7 +36,7 @@ std::vector<Piece> pieces_of(const std::string& text) {
   return run.pieces;
 }
 
-/// Every axis is placed in the first line; then units, distances, planes, feeds, power by chance.
+/// The first line places every axis; units, distances, planes, feeds and power follow at random.
 std::string random_program(std::mt19937_64& random, int lines) {
   const auto mm = [&random] { return static_cast<double>(random() % 2000) / 1000 - 1; };
   std::string text = "G21 G90 G0 X0 Y0 Z0\nG1 F600 S100\n";
@@ -59,7 +58,7 @@ std::string random_program(std::mt19937_64& random, int lines) {
         text += random() % 2 == 0 ? "G0\n" : "G1\n";
         break;
       default:
-        // Small, for inches and distances that add up.
+        // Small values, because of inches and incremental distances.
         text += fmt::format("X{:.3f} Y{:.3f} Z{:.3f}\n", 0.2 * mm(), 0.2 * mm(), 0.2 * mm());
     }
   }
@@ -67,7 +66,7 @@ std::string random_program(std::mt19937_64& random, int lines) {
 }
 
 void expect_same(const std::vector<Piece>& all, const std::vector<Piece>& part) {
-  // The whole of the rest is the end of the program.
+  // The part's pieces equal those at the end of the whole program.
   ASSERT_GE(all.size(), part.size());
   for (std::size_t i = 0; i < part.size(); ++i) {
     const Piece &wanted = all[all.size() - part.size() + i], &made = part[i];
@@ -89,14 +88,14 @@ TEST(ProgramParts, BeginInTheMiddleAsIfTheyHadRunFromTheBeginning) {
     const auto pieces = pieces_of(text_of(part));
     const auto rest =
         std::find_if(pieces.begin(), pieces.end(), [](const Piece& piece) { return !piece.rapid; });
-    // The approach is dark, and shorter than all that was left out needs not be.
+    // The approach is dark; it need not be shorter than the omitted part.
     for (auto piece = pieces.begin(); piece != rest; ++piece) EXPECT_EQ(piece->power, 0);
     ASSERT_NO_FATAL_FAILURE(
         expect_same(pieces_of(text_of(lines)), std::vector<Piece>(rest, pieces.end())));
   }
 }
 
-TEST(ProgramParts, RefuseToLeaveOutWhatCannotBePutIntoForce) {
+TEST(ProgramParts, RefuseToOmitWhatCannotBeReplaced) {
   const auto refusal = [](const std::string& text, std::size_t first) {
     return error_of([&] {
       program_run::start_at(link::program_lines(text, "part.ngc"), first, laser_settings(),
@@ -112,7 +111,7 @@ TEST(ProgramParts, RefuseToLeaveOutWhatCannotBePutIntoForce) {
   EXPECT_THAT(refusal("G0 X0 Y0\nG1 X1\nX0\n", 3), HasSubstr("part.ngc:2"));  // no feed
 }
 
-TEST(ProgramParts, NeverShineWhenTheyAreDry) {
+TEST(ProgramParts, AreDarkWhenTheyAreDry) {
   std::mt19937_64 random(9);
   for (int round = 0; round < scaled(100); ++round) {
     const auto lines =

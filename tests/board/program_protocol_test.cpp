@@ -1,6 +1,6 @@
-// Transcripts of senders with the virtual board: windows, polls, ends of lines, long lines, "$"
-// between lines, pauses, resets, floods of text. Every line is answered once and in order, and
-// every line that the board says is one of grbl's.
+// Transcripts of senders with the virtual board: windows, polls, line ends, long lines, "$" between
+// lines, pauses, resets, floods of text. Every line is answered once and in order, and every line
+// that the board sends is in grbl's format.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -36,7 +36,7 @@ class Protocol : public testing::Test {
   WireHost host_{rig_};
 };
 
-/// Lines that move and lines that do not, some wrong; what each is answered with.
+/// Lines with and without motion, some of them wrong, and the expected answers.
 struct Transcript {
   std::vector<std::string> lines, answers;
 };
@@ -74,7 +74,7 @@ Transcript mixed_transcript(int count) {
   return script;
 }
 
-/// Bytes that the last report says are free; -1 if it does not.
+/// Free bytes in the last report; -1 if the report has no such field.
 long free_bytes(const std::string& report) {
   const std::size_t at = report.find("|Bf:");
   if (at == std::string::npos) return -1;
@@ -105,7 +105,7 @@ TEST_F(Protocol, EverySenderGetsEveryAnswerOnceAndInOrder) {
       EXPECT_TRUE(std::regex_match(host.last_report(), pattern)) << host.last_report();
     }));
     EXPECT_EQ(host.answers(), script.answers);
-    ASSERT_TRUE(host.stand());
+    ASSERT_TRUE(host.wait_for_rest());
     host.run_ms(20);
     EXPECT_EQ(host.answers().size(), script.answers.size());
     EXPECT_EQ(host.fault(), "");
@@ -115,7 +115,7 @@ TEST_F(Protocol, EverySenderGetsEveryAnswerOnceAndInOrder) {
   }
 }
 
-/// Asked 200 times a second the board answers each one; none is lost while lists are told.
+/// The board answers each of 200 queries per second; none is lost while it prints lists.
 TEST_F(Protocol, EveryQuestionMarkIsAnswered) {
   host_.send("G1 X20 F3000\n");
   for (int i = 0; i < 200; ++i) {
@@ -128,8 +128,8 @@ TEST_F(Protocol, EveryQuestionMarkIsAnswered) {
   EXPECT_THAT(host_.answers(), AllOf(SizeIs(6), Each("ok")));
 }
 
-/// What a report promises is true: whole lines that wait take their place, and so much more is
-/// taken at once.
+/// The reported room is real: whole lines that wait are subtracted, and that many bytes are
+/// accepted at once.
 TEST_F(Protocol, ReportsTheRoomThatThereIs) {
   EXPECT_EQ(free_bytes(host_.status()), static_cast<long>(queue_bytes));
   host_.send("G4 P0.2\n");
@@ -150,8 +150,8 @@ TEST_F(Protocol, ReportsTheRoomThatThereIs) {
   EXPECT_THAT(host_.answers(), Each("ok"));
 }
 
-/// What a report says is free, and what a sender has under way but for the line that is being done,
-/// are never more than the window. Nothing is on the cable meanwhile.
+/// The reported free bytes plus the sender's unanswered bytes, without the line in progress, never
+/// exceed the window. The cable is empty meanwhile.
 TEST_F(Protocol, NeverPromisesMoreThanItsWindow) {
   std::string text;
   std::deque<std::size_t> sizes;
@@ -180,7 +180,7 @@ TEST_F(Protocol, NeverPromisesMoreThanItsWindow) {
 TEST_F(Protocol, EveryEndOfALineIsOne) {
   host_.send("G91\rG1X1F6000\r\nG1X1\nG1X1\n\rG1X1\r\n\r\n\n\n");
   ASSERT_TRUE(host_.wait_for(9));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   host_.run_ms(20);
   // LF CR is two ends, CR LF is one.
   EXPECT_THAT(host_.answers(), AllOf(SizeIs(9), Each("ok")));
@@ -195,12 +195,12 @@ TEST_F(Protocol, TakesLinesOf256CharactersAndNoLonger) {
   host_.send(padded("G1X16", 3000));
   host_.send("G1X32\n");
   ASSERT_TRUE(host_.wait_for(6));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_THAT(host_.answers(), ElementsAre("ok", "error:11", "ok", "error:11", "error:11", "ok"));
   EXPECT_EQ(step_x(), 37 * 200);
 }
 
-/// UGS and others encode bytes above 127 in UTF-8: 0xC2 stands before them.
+/// UGS and other senders encode bytes above 127 in UTF-8, with 0xC2 in front.
 TEST_F(Protocol, Utf8BeforeOverridesDoesNoHarm) {
   host_.send("G1 X10\xC2\x91\xC2\x91 Y2 F3000\n");
   host_.run_ms(5);
@@ -209,12 +209,12 @@ TEST_F(Protocol, Utf8BeforeOverridesDoesNoHarm) {
   EXPECT_THAT(host_.status(), HasSubstr("|Ov:119,50,110"));
   host_.send("\xC2\x90\xC2\x95\xC2\x99");
   EXPECT_THAT(host_.status(), HasSubstr("|Ov:100,100,100"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_THAT(host_.answers(), ElementsAre("ok"));
   EXPECT_EQ(host_.position(), (StepPosition{2000, 400, 0, 0}));
 }
 
-TEST_F(Protocol, TellsItsWindowBeforeItStreams) {
+TEST_F(Protocol, ReportsItsWindowBeforeItStreams) {
   EXPECT_THAT(host_.ask("$I\n"), ElementsAre(MatchesRegex("\\[VER:1\\.1h\\.[0-9]{8}:.*\\]"),
                                              MatchesRegex("\\[OPT:[A-Z0]*,[0-9]+,1024\\]"), "ok"));
   EXPECT_THAT(host_.ask("$\n"), ElementsAre(StartsWith("[HLP:"), "ok"));
@@ -225,7 +225,7 @@ TEST_F(Protocol, SystemCommandsBetweenLinesOfAProgram) {
   ASSERT_TRUE(host_.wait_for(12, 3));
   EXPECT_THAT(host_.answers(), ElementsAre("ok", "ok", "ok", "error:8", "ok", "ok", "ok", "error:8",
                                            "ok", "error:8", "error:8", "ok"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_EQ(step_x(), 0);
   EXPECT_EQ(rig_.board.controller().values().milli(Id::max_rate_x),
             profile_.settings.milli(Id::max_rate_x));
@@ -240,15 +240,15 @@ TEST_F(Protocol, PausesAreLeftByAStartByte) {
   host_.run_ms(500);
   EXPECT_THAT(host_.answers(), SizeIs(3));
   EXPECT_THAT(host_.status(), StartsWith("<Hold:0|MPos:2.000,"));
-  host_.send_byte(0x81);  // as grblHAL: no harm, if not known
+  host_.send_byte(0x81);  // grblHAL's byte: ignored if unknown
   host_.send("~");
-  ASSERT_TRUE(host_.stand(2));
+  ASSERT_TRUE(host_.wait_for_rest(2));
   EXPECT_THAT(host_.answers(), AllOf(SizeIs(5), Each("ok")));
   EXPECT_EQ(step_x(), 600);
 }
 
-/// A sender has filled the window to its last byte; what it says now must be heard.
-TEST_F(Protocol, HearsRealTimeBytesWithAFullWindow) {
+/// Real-time bytes work while a sender has filled the window to its last byte.
+TEST_F(Protocol, HandlesRealTimeBytesWithAFullWindow) {
   host_.send("M0\n");
   host_.run_ms(20);
   for (std::size_t i = 0; i < queue_bytes / 8; ++i) host_.send("G1X1F60\n");
@@ -271,13 +271,13 @@ TEST_F(Protocol, CheckModeAnswersAsARunWould) {
   EXPECT_THAT(host_.ask("$C\n"), Contains("[MSG:Disabled]"));
   EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
   EXPECT_EQ(host_.count(Said::banner), 2u);
-  // Modes are those of a reset, and the position is where the machine stands.
+  // Modes are those after a reset, and the position is that of the machine.
   EXPECT_THAT(host_.ask("G91 G1 X1 F6000\n"), ElementsAre("ok"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_EQ(step_x(), 200);
 }
 
-/// A jog wheel: many short ones, then let go.
+/// A jog wheel: many short jogs, then a cancel.
 TEST_F(Protocol, JogsAreRepeatedAndCancelled) {
   for (int round = 0; round < 5; ++round) {
     const std::size_t before = host_.answers().size();
@@ -288,7 +288,7 @@ TEST_F(Protocol, JogsAreRepeatedAndCancelled) {
     EXPECT_THAT(host_.status(), StartsWith("<Jog|"));
     host_.send_byte(0x85);
     ASSERT_TRUE(host_.wait_for(before + 12));
-    ASSERT_TRUE(host_.stand(1));
+    ASSERT_TRUE(host_.wait_for_rest(1));
     host_.run_ms(10);
     EXPECT_EQ(host_.answers().size(), before + 12);
     EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
@@ -297,14 +297,14 @@ TEST_F(Protocol, JogsAreRepeatedAndCancelled) {
     EXPECT_EQ(step_x(), stood);
   }
   EXPECT_THAT(host_.answers(), Each("ok"));
-  // A program goes on from where that left the machine; its modes are its own.
+  // A program continues from where the jog ended, with its own modes.
   const std::int32_t stood = step_x();
   EXPECT_THAT(host_.ask("$G\nG91 G1 X1 F600\n"), Contains(HasSubstr("G21 G90")));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_EQ(step_x(), stood + 200);
 }
 
-TEST_F(Protocol, HoldAndResetKeepThePlaceAndSayTheBannerOnce) {
+TEST_F(Protocol, HoldAndResetKeepThePositionAndSendTheBannerOnce) {
   host_.send("G1 X40 F6000\nG1 X0\nG1 X40\n");
   host_.run_ms(150);
   host_.send("!");
@@ -318,13 +318,13 @@ TEST_F(Protocol, HoldAndResetKeepThePlaceAndSayTheBannerOnce) {
   EXPECT_THAT(host_.status(), AllOf(StartsWith("<Idle|"), HasSubstr("|WCO:")));
   const std::size_t before = host_.answers().size();
   EXPECT_THAT(host_.ask("G1 X0 F6000\n"), ElementsAre("ok"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_EQ(host_.answers().size(), before + 1);
   EXPECT_EQ(step_x(), 0);
 }
 
-/// Half a line that was typed before a reset is not the beginning of the next one.
-TEST_F(Protocol, AResetForgetsHalfALine) {
+/// An incomplete line before a reset is not the beginning of the next line.
+TEST_F(Protocol, AResetDropsAnIncompleteLine) {
   host_.send("G1 X1");
   host_.send_byte(0x18);
   host_.run_ms(10);
@@ -346,7 +346,7 @@ TEST_F(Protocol, StartUpLinesRunAfterAReset) {
   EXPECT_THAT(host_.ask("$G\n"), Contains(HasSubstr("G91")));
 }
 
-/// Lists are long, and the ring that they go through is not: no answer is lost, no line torn.
+/// Lists are longer than the ring that they pass through: no answer is lost, no line is torn.
 TEST_F(Protocol, NothingIsLostInAFloodOfLists) {
   std::string text;
   for (int i = 0; i < 30; ++i) text += i % 2 == 0 ? "$$\n" : "$#\n";
@@ -363,7 +363,7 @@ TEST_F(Protocol, NothingIsLostInAFloodOfLists) {
   EXPECT_EQ(host_.count(Said::setting) - settings_before, 15 * settings::setting_count);
 }
 
-/// A line-by-line sender that polls as the lists come: messages lie between lines.
+/// A line-by-line sender polls while it reads lists: messages lie between lines.
 TEST_F(Protocol, MessagesLieBetweenLines) {
   for (int i = 0; i < 20; ++i) {
     host_.send("$$\n??M30\n?");
@@ -372,7 +372,7 @@ TEST_F(Protocol, MessagesLieBetweenLines) {
     ASSERT_TRUE(host_.wait_for(static_cast<std::size_t>(3 * i + 3)));
   }
   host_.run_ms(20);
-  // Questions that come together are one.
+  // Queries that arrive together get one answer.
   EXPECT_GE(host_.reports(), 40u);
   EXPECT_LE(host_.reports(), 100u);
   EXPECT_EQ(host_.answers().size(), 60u);

@@ -1,6 +1,6 @@
-// E-stop, limit switches, door and reset in the middle of programs, jogs, dwells, pauses and at
-// rest: light and motion end, the state is right, every line is answered once, and what the user
-// says afterwards is heard.
+// E-stop, limit switches, door and reset during programs, jogs, dwells and pauses and at rest:
+// light and motion end, the state is right, every line is answered once, and later commands are
+// obeyed.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -54,7 +54,7 @@ class ProgramSafety : public testing::Test {
     const std::string report = host_->status();
     return report.substr(1, report.find('|') - 1);
   }
-  /// For so long nothing moves and no light leaves.
+  /// For `ms` nothing moves and the laser is dark.
   void expect_quiet(double ms) {
     const StepPosition stood = host_->position();
     const sim::Picoseconds from = rig_->board.now();
@@ -71,7 +71,7 @@ class ProgramSafety : public testing::Test {
     host_->send(fmt::format("G21 G91 G94 G1 X{} F3000\n", way));
     ASSERT_TRUE(host_->wait_for(answers + 1));
     EXPECT_EQ(host_->answers().back(), "ok");
-    EXPECT_TRUE(host_->stand(2));
+    EXPECT_TRUE(host_->wait_for_rest(2));
     EXPECT_EQ(x(), before[0] + way * steps_per_mm);
     host_->run_ms(20);
     EXPECT_EQ(host_->answers().size(), answers + 1);
@@ -92,7 +92,7 @@ std::string many(std::string_view line, int count) {
   return text;
 }
 
-/// What may be under way when something happens.
+/// Programs and jogs that are interrupted.
 std::vector<std::string> scripts() {
   return {"M3 S1000\nG1 X40 F1200\n",
           "M3 S1000\nG1 X40 F600\nM0\nG1 X0\n",
@@ -146,7 +146,7 @@ TEST_P(ProgramAlarm, EndsEverythingAndAnswersEveryLine) {
   }
 }
 
-/// The one that waits for the planner is answered as locked: it will not be run.
+/// The line that waits for the planner is answered with the lock's error because it never runs.
 TEST_P(ProgramAlarm, NoLineIsAnsweredAsRunThatIsNot) {
   host_->send("G1 X40 F600\nM0\n");
   host_->run_ms(100);
@@ -156,12 +156,12 @@ TEST_P(ProgramAlarm, NoLineIsAnsweredAsRunThatIsNot) {
   EXPECT_THAT(host_->answers(), ElementsAre("ok", "error:9"));
 }
 
-TEST_P(ProgramAlarm, ComesWhileAResetBrakes) {
+TEST_P(ProgramAlarm, OccursWhileAResetBrakes) {
   host_->send("G1 X40 F6000\nG1 X0\n");
   host_->run_ms(150);
   host_->send_byte(reset_byte);
   host_->run_ms(10);
-  ASSERT_EQ(host_->count(Said::banner), 1u) << "it brakes";
+  ASSERT_EQ(host_->count(Said::banner), 1u) << "still braking";
   set(GetParam(), true);
   expect_quiet(50);
   EXPECT_EQ(host_->count(Said::banner), 2u);
@@ -179,8 +179,8 @@ TEST_P(ProgramAlarm, ComesWhileAResetBrakes) {
 INSTANTIATE_TEST_SUITE_P(Inputs, ProgramAlarm,
                          testing::Values(sim::Pin::estop, sim::Pin::limit_x, sim::Pin::limit_z));
 
-/// Opened before a program or a jog begins.
-TEST_F(ProgramSafety, NothingBeginsBehindAnOpenDoor) {
+/// The door is opened before a program begins.
+TEST_F(ProgramSafety, NothingBeginsWhileTheDoorIsOpen) {
   for (const char* script :
        {"M3 S1000\nG1 X40 F1200\n", "G0 X40\n", "G4 P0.2\nM3 S500\nG1 X40 F1200\n",
         "G2 X40 Y0 I20 F1200 M4 S1000\n"}) {
@@ -198,7 +198,7 @@ TEST_F(ProgramSafety, NothingBeginsBehindAnOpenDoor) {
     EXPECT_EQ(state(), "Door:0");
     host_->send("~");
     ASSERT_TRUE(host_->wait_for(lines_in(script)));
-    EXPECT_TRUE(host_->stand(5));
+    EXPECT_TRUE(host_->wait_for_rest(5));
     EXPECT_THAT(host_->answers(), AllOf(SizeIs(lines_in(script)), Each("ok")));
     EXPECT_EQ(x(), 40 * steps_per_mm);
     EXPECT_EQ(state(), "Idle");
@@ -206,18 +206,18 @@ TEST_F(ProgramSafety, NothingBeginsBehindAnOpenDoor) {
   }
 }
 
-TEST_F(ProgramSafety, NoJogBehindAnOpenDoor) {
+TEST_F(ProgramSafety, NoJogWhileTheDoorIsOpen) {
   set(sim::Pin::door, true);
   EXPECT_THAT(host_->ask("$J=G91 X5 F1200\n"), ElementsAre("error:13"));
   expect_quiet(50);
   EXPECT_EQ(state(), "Idle");
   set(sim::Pin::door, false);
   EXPECT_THAT(host_->ask("$J=G91 X5 F1200\n"), ElementsAre("ok"));
-  ASSERT_TRUE(host_->stand(2));
+  ASSERT_TRUE(host_->wait_for_rest(2));
   EXPECT_EQ(x(), 5 * steps_per_mm);
 }
 
-TEST_F(ProgramSafety, NoUnlockBehindAnOpenDoor) {
+TEST_F(ProgramSafety, NoUnlockWhileTheDoorIsOpen) {
   host_->send("M3 S1000\nG1 X40 F1200\n");
   host_->run_ms(200);
   set(sim::Pin::limit_x, true);
@@ -233,8 +233,8 @@ TEST_F(ProgramSafety, NoUnlockBehindAnOpenDoor) {
   EXPECT_THAT(host_->ask("$X\n"), ElementsAre("ok"));
 }
 
-/// Opened and closed at random moments; `~` while it is open does nothing.
-TEST_F(ProgramSafety, AProgramGoesOnBehindADoorThatWasClosed) {
+/// The door opens and closes at random moments; `~` does nothing while it is open.
+TEST_F(ProgramSafety, AProgramResumesAfterTheDoorIsClosed) {
   std::mt19937 random(11);
   const std::string script =
       "G21 G90 M3 S800\nG1 X10 F3000\nG4 P0.1\nG1 X20\nG3 X20 Y20 J10 I0\nM4\nG1 X0\nM5\nG0 X0 Y0\n"
@@ -264,7 +264,7 @@ TEST_F(ProgramSafety, AProgramGoesOnBehindADoorThatWasClosed) {
       host_->send("~");
     }
     ASSERT_TRUE(host_->wait_for(lines_in(script), 20));
-    ASSERT_TRUE(host_->stand(5));
+    ASSERT_TRUE(host_->wait_for_rest(5));
     EXPECT_THAT(host_->answers(), AllOf(SizeIs(lines_in(script)), Each("ok")));
     EXPECT_EQ(host_->position(), (StepPosition{3 * steps_per_mm, 0, 0, 0}));
     EXPECT_EQ(state(), "Idle");
@@ -272,7 +272,7 @@ TEST_F(ProgramSafety, AProgramGoesOnBehindADoorThatWasClosed) {
   }
 }
 
-/// A pause and a dwell do not end, and do not hide the door, while it is open.
+/// While the door is open, a pause and a dwell do not end, and the report shows the door.
 TEST_F(ProgramSafety, ADoorInADwellAndInAPause) {
   host_->send("G1 X1 F6000\nG4 P0.2\nM0\nG1 X2\n");
   host_->run_ms(150);
@@ -294,9 +294,9 @@ TEST_F(ProgramSafety, ADoorInADwellAndInAPause) {
   expect_quiet(50);
   host_->send("~");
   ASSERT_TRUE(host_->wait_for(4));
-  ASSERT_TRUE(host_->stand(2));
+  ASSERT_TRUE(host_->wait_for_rest(2));
   EXPECT_EQ(x(), 2 * steps_per_mm);
-  // The pause is what begins.
+  // M0 at an open door.
   set(sim::Pin::door, true);
   host_->send("M0\n");
   host_->run_ms(20);
@@ -309,7 +309,7 @@ TEST_F(ProgramSafety, ADoorInADwellAndInAPause) {
   EXPECT_EQ(state(), "Idle");
 }
 
-/// A pause that a held dwell is followed by is a pause still.
+/// A pause after a dwell that was held is still a pause.
 TEST_F(ProgramSafety, AHoldDoesNotSkipAPause) {
   host_->send("G4 P0.1\nM0\nG1 X1 F600\n");
   host_->run_ms(50);
@@ -322,7 +322,7 @@ TEST_F(ProgramSafety, AHoldDoesNotSkipAPause) {
   EXPECT_THAT(host_->answers(), SizeIs(1));
   host_->send("~");
   ASSERT_TRUE(host_->wait_for(3));
-  ASSERT_TRUE(host_->stand(2));
+  ASSERT_TRUE(host_->wait_for_rest(2));
   EXPECT_EQ(x(), steps_per_mm);
 }
 
@@ -343,12 +343,12 @@ TEST_F(ProgramSafety, ADoorCancelsAJog) {
     set(sim::Pin::door, false);
     expect_quiet(50);
     EXPECT_THAT(host_->ask("$J=G91 X5 F1200\n"), ElementsAre("ok"));
-    ASSERT_TRUE(host_->stand(2));
+    ASSERT_TRUE(host_->wait_for_rest(2));
     EXPECT_EQ(x(), stood + 5 * steps_per_mm);
   }
 }
 
-/// The reset is finished where the machine comes to rest, door or not.
+/// The reset ends where the machine comes to rest, whether or not the door is open.
 TEST_F(ProgramSafety, ADoorWhileAResetBrakes) {
   host_->send("M3 S1000\nG1 X40 F6000\nG1 X0\n");
   host_->run_ms(150);
@@ -364,7 +364,7 @@ TEST_F(ProgramSafety, ADoorWhileAResetBrakes) {
   expect_obeys();
 }
 
-TEST_F(ProgramSafety, AResetBehindAnOpenDoorLeavesNothing) {
+TEST_F(ProgramSafety, AResetAtAnOpenDoorLeavesNothing) {
   host_->send("G1 X40 F6000\nG1 X0\n");
   host_->run_ms(150);
   set(sim::Pin::door, true);
@@ -379,22 +379,22 @@ TEST_F(ProgramSafety, AResetBehindAnOpenDoorLeavesNothing) {
   expect_obeys();
 }
 
-/// A cancel and the next jog in one write: that one begins where the machine has come to rest.
-TEST_F(ProgramSafety, AJogBehindACancelBeginsWhereTheMachineStands) {
+/// A cancel and the next jog in one write: the jog begins where the machine has come to rest.
+TEST_F(ProgramSafety, AJogAfterACancelBeginsWhereTheMachineStopped) {
   host_->send("$J=G91 X45 F3000\n");
   host_->run_ms(400);
   const std::int32_t at_cancel = x();
   host_->send("\x85$J=G91 X-5 F3000\n");
   ASSERT_TRUE(host_->wait_for(2));
-  ASSERT_TRUE(host_->stand(3));
+  ASSERT_TRUE(host_->wait_for_rest(3));
   EXPECT_THAT(host_->answers(), AllOf(SizeIs(2), Each("ok")));
-  // Braking from 50 mm/s at 2 m/s2, and what is handed out: some millimetres.
+  // Braking from 50 mm/s at 2 m/s2 and the ticks handed out: some millimetres.
   EXPECT_GT(x(), at_cancel - 5 * steps_per_mm);
   EXPECT_LT(x(), at_cancel);
   expect_obeys();
 }
 
-/// Those that waited at the cancel are dropped, those sent later are not.
+/// Jogs that were waiting at the cancel are dropped; jogs sent later run.
 TEST_F(ProgramSafety, JogsSentAfterACancelAreNew) {
   const std::string jogs = many("$J=G91X.1F60\n", 240);
   std::size_t sent = 0;
@@ -406,17 +406,17 @@ TEST_F(ProgramSafety, JogsSentAfterACancelAreNew) {
   const std::int32_t at_cancel = x();
   host_->send("\x85$J=G91 Y5 F3000\n");
   ASSERT_TRUE(host_->wait_for(241, 5));
-  ASSERT_TRUE(host_->stand(3));
+  ASSERT_TRUE(host_->wait_for_rest(3));
   EXPECT_THAT(host_->answers(), AllOf(SizeIs(241), Each("ok")));
   EXPECT_EQ(host_->position()[1], 5 * steps_per_mm);
   EXPECT_NEAR(x(), at_cancel, steps_per_mm);
 }
 
-/// A start-up line that leaves the work space: an alarm, no answer that nobody asked for, and the
-/// next line has its own.
+/// A start-up line that leaves the work area raises an alarm; it has no answer of its own, and the
+/// next line is answered once.
 TEST_F(ProgramSafety, AStartUpLineOutsideCostsNoAnswer) {
   EXPECT_THAT(host_->ask("$N0=G0 X40\n"), Contains("ok"));
-  ASSERT_TRUE(host_->stand(5));
+  ASSERT_TRUE(host_->wait_for_rest(5));
   EXPECT_THAT(host_->ask("G10 L2 P1 X30\n"), Contains("ok"));
   const std::size_t answers = host_->answers().size();
   host_->send_byte(reset_byte);
@@ -444,20 +444,20 @@ TEST_F(ProgramSafety, AStartUpLineIsKeptOnceItHasRun) {
   host_->run_ms(50);
   EXPECT_THAT(host_->ask("$N\n"), AllOf(Contains("$N0=G21"), Contains("$N1=")));
   EXPECT_THAT(host_->ask("$N1=G4 P0.1\n$N\n"), ElementsAre("ok", "$N0=G21", "$N1=G4 P0.1", "ok"));
-  ASSERT_TRUE(host_->stand());
+  ASSERT_TRUE(host_->wait_for_rest());
   EXPECT_THAT(host_->ask("$N1=\n$N\n"), ElementsAre("ok", "$N0=G21", "$N1=", "ok"));
 }
 
-/// Start-up lines come before what the host says, however long they take; no job slips in between.
+/// Start-up lines run before the host's lines, however long they take; no job starts in between.
 TEST_F(ProgramSafety, StartUpLinesComeFirst) {
   EXPECT_THAT(host_->ask("$N0=G4 P0.2\n"), ElementsAre("ok"));
-  ASSERT_TRUE(host_->stand());
+  ASSERT_TRUE(host_->wait_for_rest());
   EXPECT_THAT(host_->ask("$N1=G91 G0 X1\n"), ElementsAre("ok"));
-  ASSERT_TRUE(host_->stand());
+  ASSERT_TRUE(host_->wait_for_rest());
   const std::size_t heard = host_->said().size();
   host_->send("\x18G1 X5 F600\n");
   ASSERT_TRUE(host_->wait_for(3, 2));
-  ASSERT_TRUE(host_->stand(5));
+  ASSERT_TRUE(host_->wait_for_rest(5));
   EXPECT_THAT(host_->texts_from(heard),
               ElementsAre("Grbl 1.1h ['$' for help]", ">G4 P0.2:ok", ">G91 G0 X1:ok", "ok"));
   EXPECT_EQ(x(), 7 * steps_per_mm);
@@ -468,7 +468,7 @@ TEST_F(ProgramSafety, StartUpLinesComeFirst) {
   EXPECT_EQ(x(), 8 * steps_per_mm);
 }
 
-/// The report of a reset waits for rest; the banner too.
+/// The answers to a reset and the banner wait for rest.
 TEST_F(ProgramSafety, AResetWhileAStoppedJobBrakes) {
   for (int i = 0; i < 30; ++i) {
     SCOPED_TRACE(testing::Message() << "run " << i);
@@ -499,8 +499,8 @@ TEST_F(ProgramSafety, AResetWhileAStoppedJobBrakes) {
   set_up();
 }
 
-/// A hold is one at rest too: what is sent then is held.
-TEST_F(ProgramSafety, AHoldAtRestHoldsWhatComes) {
+/// A hold at rest is a hold too: moves sent after it are held.
+TEST_F(ProgramSafety, AHoldAtRestHoldsLaterMoves) {
   host_->ask("G90 G21\n");
   host_->send("!");
   host_->run_ms(5);
@@ -510,10 +510,10 @@ TEST_F(ProgramSafety, AHoldAtRestHoldsWhatComes) {
   EXPECT_EQ(state(), "Hold:0");
   host_->send("~");
   ASSERT_TRUE(host_->wait_for(4));
-  ASSERT_TRUE(host_->stand(2));
+  ASSERT_TRUE(host_->wait_for_rest(2));
   EXPECT_EQ(x(), 5 * steps_per_mm);
   EXPECT_EQ(state(), "Idle");
-  // A pause that comes in a hold is one behind it.
+  // A pause that is reached in a hold follows the hold.
   host_->send("!");
   host_->run_ms(5);
   host_->send("M0\n");
@@ -528,7 +528,7 @@ TEST_F(ProgramSafety, AHoldAtRestHoldsWhatComes) {
   EXPECT_EQ(state(), "Idle");
 }
 
-/// A host that asks and asks and does not read loses reports, no answers.
+/// If a host polls without reading, reports are lost but answers are not.
 TEST_F(ProgramSafety, ReportsLeaveRoomForAnswers) {
   const int runs = 200;
   for (int i = 0; i < runs; ++i) {
@@ -543,7 +543,7 @@ TEST_F(ProgramSafety, ReportsLeaveRoomForAnswers) {
   EXPECT_EQ(host_->count(Said::message), runs / 2u);
 }
 
-/// Both have waited behind a cancel: the program is not under way yet when the jog is read.
+/// Program and jog wait for a cancelled jog: the program has not begun when the jog is read.
 TEST_F(ProgramSafety, NoJogIntoAProgram) {
   host_->send("$J=G91 X-40 F3000\n");
   host_->run_ms(20);
@@ -553,17 +553,17 @@ TEST_F(ProgramSafety, NoJogIntoAProgram) {
   EXPECT_TRUE(shines());
   ASSERT_TRUE(host_->wait_for(5));
   EXPECT_THAT(host_->answers(), ElementsAre("ok", "ok", "ok", "error:8", "ok"));
-  ASSERT_TRUE(host_->stand(2));
+  ASSERT_TRUE(host_->wait_for_rest(2));
   EXPECT_EQ(x(), 5 * steps_per_mm);
-  // Jogs in one packet are all taken.
+  // All jogs of one packet are accepted.
   host_->send("$J=G91 X1 F600\n$J=G91 X1 F600\nG1 X0\n");
   ASSERT_TRUE(host_->wait_for(8));
-  ASSERT_TRUE(host_->stand(2));
+  ASSERT_TRUE(host_->wait_for_rest(2));
   EXPECT_EQ(x(), 7 * steps_per_mm);
   EXPECT_EQ(host_->answers().back(), "error:9");
 }
 
-TEST_F(ProgramSafety, SaysThatThereIsNoHoming) {
+TEST_F(ProgramSafety, ReportsThatThereIsNoHoming) {
   EXPECT_THAT(host_->ask("$H\n$HX\n$HELP\n"), ElementsAre("error:5", "error:5", "error:3"));
 }
 

@@ -25,11 +25,11 @@ struct StairMachine {
     return profile;
   }
 };
-/// 512 pulses on 78 mm, as two AC servo drives of a Polish paper have it; and stages of today.
+/// 512 pulses on 78 mm, as two AC servo drives in a Polish paper; and present-day stages.
 constexpr StairMachine coarse{{6.564, 6.564, 13.128}};
 constexpr StairMachine fine{{200, 157.483, 333.333}};
 
-/// Speeds of the tests; what an axis goes in the tick that a pulse is rounded to.
+/// The highest speed of the tests; limits an axis's motion in the tick to which a pulse is rounded.
 constexpr double fastest_mm_s = 100;
 /// Places are rounded to 1/256 step and kept 1/32 step from where a pulse is due.
 constexpr double epsilon = 1.0 / 32 + 1.0 / 512;
@@ -107,7 +107,7 @@ void expect_staircases(const StairMachine& machine, bool arcs, int programs) {
           writer.line();
         if (writer.pick(8) == 0) writer.stop();
       }
-      // Between two parts the machine stands, on a fraction of a step.
+      // Between two parts the machine rests on a fraction of a step.
       ASSERT_TRUE(host.stream(writer.take_text()));
       host.run_ms(20);
     }
@@ -123,8 +123,7 @@ TEST(ProgramStaircase, LinesOnAFineMachine) { expect_staircases(fine, false, sca
 TEST(ProgramStaircase, ArcsOnACoarseMachine) { expect_staircases(coarse, true, scaled(20)); }
 TEST(ProgramStaircase, ArcsOnAFineMachine) { expect_staircases(fine, true, scaled(4)); }
 
-/// The two trajectories of the paper: a line, and an arc the short way round on either side of its
-/// chord.
+/// The two trajectories of the paper: a line, and the shorter arc on either side of its chord.
 TEST(ProgramStaircase, TwoTrajectoriesOfTwoServoDrives) {
   const job::Profile profile = coarse.profile();
   constexpr double radius = 150;
@@ -154,8 +153,8 @@ TEST(ProgramStaircase, TwoTrajectoriesOfTwoServoDrives) {
   }
 }
 
-/// Points on the beat stand in the middle of steps; lines before and after them do not.
-TEST(ProgramStaircase, WhoeverComesNextStartsInTheMiddleOfAStep) {
+/// Points on the beat lie in the middle of steps; lines before and after them do not.
+TEST(ProgramStaircase, TheNextMoveStartsInTheMiddleOfAStep) {
   Rig rig(coarse.profile());
   ProgramHost host(rig);
   const auto off_middle = [&] {

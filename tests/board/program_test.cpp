@@ -1,5 +1,5 @@
-// Programs of G-code on the virtual board: answers, where they end, how long they take, holds,
-// overrides, jogs, resets, the end of the work space.
+// G-code programs on the virtual board: answers, end positions, durations, holds, overrides, jogs,
+// resets and the limits of the work area.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -41,7 +41,7 @@ class Program : public testing::Test {
   std::size_t shots_ = 0;
 };
 
-TEST_F(Program, RunsToItsEndInTheTimeThatCheckSays) {
+TEST_F(Program, RunsToItsEndInTheTimeThatCheckPredicts) {
   const std::string program =
       "G21 G90\nG0 X10 Y5\nG1 X20 F3000\nG2 X30 Y15 I0 J10\nG1 Z-2 F600\nG91 G1 X-3.5 Y0.25\n"
       "G90 G0 X0 Y0 Z0\n";
@@ -57,10 +57,10 @@ TEST_F(Program, RunsToItsEndInTheTimeThatCheckSays) {
   EXPECT_EQ(rig_.board.controller().program().starvations(), 0u);
 }
 
-TEST_F(Program, AnswersEveryLineOnceAndGoesOnAfterAnError) {
+TEST_F(Program, AnswersEveryLineOnceAndContinuesAfterAnError) {
   EXPECT_THAT(host_.ask("G1 X1\n\nG41 D1\nG1 X1 F600\nG99999\n(a comment)\n"),
               ElementsAre("error:22", "ok", "error:20", "ok", "error:20", "ok"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_EQ(host_.position(), at_mm(1, 0));
 }
 
@@ -77,9 +77,9 @@ TEST_F(Program, DwellsPausesAndEnds) {
   EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
 }
 
-/// "Hold", "Idle" and the answer to a dwell are said when the last step is out, not when it is
-/// planned: what a user does then finds the machine where it stays.
-TEST_F(Program, WhatWaitsForARestWaitsForTheLastStep) {
+/// "Hold", "Idle" and the answer to a dwell are sent after the last step is out, not when it is
+/// planned: a user who reacts finds the machine at its final position.
+TEST_F(Program, WaitingForRestIncludesTheLastStep) {
   const StepPosition target = at_mm(1, 0), back = at_mm(0, 0);
   const auto steps = [this] { return rig_.board.world().drives().position(); };
   const auto run_until = [this](auto&& said) {
@@ -115,7 +115,7 @@ TEST_F(Program, HoldsAtAnyMomentAndEndsWhereItShould) {
     host.run_ms(100);
     EXPECT_EQ(host.position(), stood);
     host.send("~");
-    ASSERT_TRUE(host.stand());
+    ASSERT_TRUE(host.wait_for_rest());
     EXPECT_EQ(host.position(), at_mm(0, 0));
     EXPECT_EQ(rig.board.controller().program().starvations(), 0u);
   }
@@ -132,7 +132,7 @@ TEST_F(Program, OverridesAreInForceWithin50Milliseconds) {
   host_.run_ms(70);
   EXPECT_THAT(host_.status(), HasSubstr("|FS:3000,"));
   host_.run_ms(20);
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_EQ(host_.position(), at_mm(45, 0));
 }
 
@@ -141,7 +141,7 @@ TEST_F(Program, JogsAndCancels) {
   host_.run_ms(50);
   EXPECT_THAT(host_.status(), StartsWith("<Jog|"));
   EXPECT_THAT(host_.ask("G1 X1 F100\n"), ElementsAre("error:9"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_EQ(host_.position(), at_mm(5, 0));
   EXPECT_THAT(host_.ask("$J=X200 F1200\n"), ElementsAre("error:15"));
   EXPECT_THAT(host_.ask("$J=X40 F6000\n"), ElementsAre("ok"));
@@ -152,9 +152,9 @@ TEST_F(Program, JogsAndCancels) {
   const StepPosition stopped = host_.position();
   EXPECT_GT(stopped[0], at_mm(5, 0)[0]);
   EXPECT_LT(stopped[0], at_mm(30, 0)[0]);
-  // The program goes on from where the machine is.
+  // The program continues from where the machine is.
   EXPECT_THAT(host_.ask("G91 G1 Y1 F600\n"), ElementsAre("ok"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_EQ(host_.position(), (StepPosition{stopped[0], 200, 0, 0}));
 }
 
@@ -169,7 +169,7 @@ TEST_F(Program, ResetInMotionStopsOnThePathAndLocks) {
   const StepPosition stopped = host_.position();
   EXPECT_NEAR(stopped[0], 2 * stopped[1], 2);
   EXPECT_THAT(host_.ask("G1 X1\n$X\nG1 X0 Y0 F600\n"), Contains("error:9"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_EQ(host_.position(), at_mm(0, 0));
 }
 
@@ -183,11 +183,11 @@ TEST_F(Program, ResetInAHoldKeepsThePosition) {
   EXPECT_FALSE(host_.has_said("ALARM:3"));
   EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
   EXPECT_THAT(host_.ask("G1 X0 F3000\n"), ElementsAre("ok"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_EQ(host_.position(), at_mm(0, 0));
 }
 
-TEST_F(Program, LeavesNotTheWorkSpace) {
+TEST_F(Program, NeverLeavesTheWorkArea) {
   host_.send("G1 X10 F6000\nG1 X60\nG1 X0\n");
   host_.run_ms(1000);
   EXPECT_THAT(host_.answers(), ElementsAre("ok", "error:33", "error:9"));
@@ -212,8 +212,8 @@ TEST_F(Program, ChecksWithoutMoving) {
   EXPECT_EQ(host_.position(), at_mm(0, 0));
 }
 
-/// M4: power as the speed, nothing in rapids and where the machine stands.
-TEST_F(Program, ShinesAlongItsMovesAsFastAsTheyAre) {
+/// M4: power is proportional to speed; no light in rapids and at rest.
+TEST_F(Program, ScalesPowerWithSpeed) {
   EXPECT_THAT(host_.ask("$32=1\n"), ElementsAre("ok"));
   host_.send("M4 S500\nG0 X5\nG1 X25 F3000\nG0 X30\nM3 S250\nG1 X35 F600\nG4 P0.1\nM5\n");
   const auto begin = rig_.board.now();
@@ -224,7 +224,7 @@ TEST_F(Program, ShinesAlongItsMovesAsFastAsTheyAre) {
     const double mm = host_.position()[0] / steps_per_mm;
     const double power = beam.light() / 65535.0;
     highest = std::max(highest, power);
-    // The position is what is filled, some milliseconds ahead.
+    // This is the position of the ticks handed out, some milliseconds ahead of the motion.
     const bool cuts = (mm > 6 && mm < 25) || (mm > 31 && mm < 35);
     const bool rests = mm < 4.9 || (mm > 25.5 && mm < 29.9);
     EXPECT_TRUE(!rests || power == 0) << power << " at " << mm;
@@ -252,21 +252,21 @@ TEST_F(Program, TheLaserIsOffWhenTheDoorOpens) {
   EXPECT_THAT(host_.status(), StartsWith("<Door:1|"));
 }
 
-TEST_F(Program, TellsItsState) {
+TEST_F(Program, ReportsItsState) {
   EXPECT_THAT(host_.ask("$G\n"), ElementsAre("[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]", "ok"));
   EXPECT_THAT(host_.ask("G10 L2 P1 X1 Y2\nG91 G20\n$#\n"), Contains("[G54:1.000,2.000,0.000]"));
   EXPECT_THAT(host_.ask("$G\n"), Contains(HasSubstr("G20 G91")));
   EXPECT_THAT(host_.status(), StartsWith("<Idle|"));
   EXPECT_THAT(host_.ask("$N0=G21 G90\n$N\n"), ElementsAre("ok", "$N0=G21 G90", "$N1=", "ok"));
   host_.run_ms(2);
-  // A board that starts with what this one kept.
+  // A board that starts with the state that this board stored.
   sim::VirtualBoard next(rig_.board.stored_settings(), world_for(profile_),
-                         rig_.board.kept_program());
+                         rig_.board.kept_state());
   next.run_until(5 * ps_per_ms);
   EXPECT_EQ(next.controller().reader().kept().parameters.systems_e7[0][1], 20'000'000);
 }
 
-/// The tool is still there when the power comes back.
+/// The tool is still mounted when the power returns.
 TEST_F(Program, TheToolLengthOutlivesResetAndPowerCut) {
   host_.ask("G21 G90 G43.1 Z2.5\nG0 Z1\n");
   host_.run_ms(200);
@@ -277,7 +277,7 @@ TEST_F(Program, TheToolLengthOutlivesResetAndPowerCut) {
   EXPECT_THAT(host_.ask("$#\n"), Contains("[TLO:2.500]"));
   const auto tool_length_after = [&] {
     sim::VirtualBoard next(rig_.board.stored_settings(), world_for(profile_),
-                           rig_.board.kept_program());
+                           rig_.board.kept_state());
     next.run_until(5 * ps_per_ms);
     return next.controller().reader().interpreter().work_offset_e7()[2];
   };
@@ -287,14 +287,14 @@ TEST_F(Program, TheToolLengthOutlivesResetAndPowerCut) {
   EXPECT_EQ(tool_length_after(), 0);
 }
 
-/// One after the other, each from where the other has left the machine.
+/// Programs and jobs alternate; each begins where the other has left the machine.
 TEST_F(Program, AndJobsTakeTurns) {
   const job::Job job = job::make_job({{1, 0, 0}, {1, 2, 0}, {3, 2, 0}}, profile_, {});
   for (const double x : {5.0, -7.0}) {
     host_.send(fmt::format("G90 G1 X{} Y1 F3000\n", x));
     host_.run_ms(20);
     EXPECT_ANY_THROW(run_job(rig_, job));
-    ASSERT_TRUE(host_.stand());
+    ASSERT_TRUE(host_.wait_for_rest());
     EXPECT_EQ(host_.position(), at_mm(x, 1));
     const std::size_t before = rig_.shots().size();
     link::SenderOptions options;
@@ -302,7 +302,7 @@ TEST_F(Program, AndJobsTakeTurns) {
     EXPECT_EQ(run_job(rig_, job, options).end, link::JobEnd::done);
     EXPECT_EQ(rig_.shots().size(), before + 3);
     EXPECT_THAT(host_.ask("G91 G1 X-0.5 F600\n"), Contains("ok"));
-    ASSERT_TRUE(host_.stand());
+    ASSERT_TRUE(host_.wait_for_rest());
     EXPECT_EQ(host_.position(), at_mm(2.5, 2));
   }
   shots_ = 6;

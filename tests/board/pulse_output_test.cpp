@@ -1,5 +1,5 @@
-// Drives of every kind on the virtual board: they lose nothing, the steps come at the same ticks
-// whatever the wires mean, and a dead stop knows where it was.
+// Drives of every kind on the virtual board: they lose no step, the steps occur at the same ticks
+// in every pulse mode, and the position is known after an immediate stop.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -19,7 +19,7 @@ using sim::Picoseconds;
 
 constexpr PerAxis<PulseMode> all_step_dir{};
 
-/// Times from 200 ns to 20 us, short ones as often as long ones.
+/// Times from 200 ns to 20 us, evenly distributed on a logarithmic scale.
 std::int32_t random_ns(std::mt19937_64& random) {
   const double exponent = std::uniform_real_distribution<>(0, 2)(random);
   return static_cast<std::int32_t>(200 * std::pow(10.0, exponent));
@@ -46,7 +46,7 @@ void expect_same_steps(const StepLog& one, const StepLog& other) {
     }
 }
 
-/// A board with drives that read what it puts out.
+/// A board with a log of the steps that drives read from its outputs.
 struct LoggedRig : Rig {
   explicit LoggedRig(const job::Profile& profile)
       : Rig(profile), log(profile.settings, board.bus()) {}
@@ -64,7 +64,7 @@ void run_points(LoggedRig& rig, const job::Job& job) {
   rig.expect_drives_followed();
 }
 
-/// Point clouds: at every shot the machine stands on its point, guard or not.
+/// Point clouds: at every shot the machine is on its point, with or without a guard time.
 TEST(PulseModes, JobsStepAtTheSameTicksInEveryModeAndLoseNothing) {
   std::mt19937_64 random(1);
   std::size_t reversals = 0;
@@ -92,7 +92,7 @@ job::Profile jumping_profile(double lamp_hz, settings::LampMode lamp) {
   return profile;
 }
 
-/// Steps that come later than they would with the shortest times.
+/// Number of steps that are later than with the shortest times.
 std::size_t late_steps(const StepLog& log, const StepLog& quick) {
   std::size_t late = 0;
   for (std::size_t a = 0; a < log.steps().size(); ++a)
@@ -101,8 +101,8 @@ std::size_t late_steps(const StepLog& log, const StepLog& quick) {
   return late;
 }
 
-/// Turning on the point at speed: steps wait for their drives, and the machine stands on its point
-/// at the beat all the same.
+/// Turns on a point at speed: steps wait for their drives, and the machine is still on its point at
+/// the beat.
 TEST(PulseModes, PathsThatTurnAtSpeedHitTheirPointsAndLoseNothing) {
   std::mt19937_64 random(4);
   std::size_t late = 0;
@@ -122,7 +122,7 @@ TEST(PulseModes, PathsThatTurnAtSpeedHitTheirPointsAndLoseNothing) {
   EXPECT_GT(late, static_cast<std::size_t>(scaled(10)) * 20);
 }
 
-/// Back and forth on all axes, fast and slow, some steps long.
+/// Random moves back and forth on all axes, fast and slow, some steps long.
 std::string zigzag(std::mt19937_64& random, int lines) {
   std::string text = "G21 G91 G1\n";
   const auto pick = [&random](double from, double to) {
@@ -162,15 +162,15 @@ TEST(PulseModes, ProgramsStepAtTheSameTicksInEveryModeAndLoseNothing) {
   EXPECT_GT(reversals, static_cast<std::size_t>(scaled(12)) * 50);
 }
 
-/// Where an axis had got to, by its steps.
+/// The position of an axis at this time.
 std::int32_t place_at(const std::vector<PinMonitor::Step>& steps, Picoseconds at) {
   const auto next = std::partition_point(
       steps.begin(), steps.end(), [at](const PinMonitor::Step& step) { return step.at <= at; });
   return next == steps.begin() ? 0 : std::prev(next)->position;
 }
 
-/// While steps are owed, too: those count that were put out, and the levels go on from there.
-TEST(PulseModes, ADeadStopKnowsWhereTheDrivesAre) {
+/// Also while steps are delayed: only steps that were output count, and levels continue from there.
+TEST(PulseModes, AnImmediateStopKeepsTheDrivesPositions) {
   std::mt19937_64 random(3);
   job::Profile profile = jumping_profile(1000, settings::LampMode::slave);
   LoggedRig quick(profile);
@@ -182,7 +182,7 @@ TEST(PulseModes, ADeadStopKnowsWhereTheDrivesAre) {
   for (int run = 0; run < scaled(60); ++run) {
     set_random_pulses(profile.settings, random);
     LoggedRig rig(profile);
-    // Soon behind a step that would come back and has to wait, or before it.
+    // Shortly before or after a step in the other direction, which has to wait.
     const Picoseconds stop = reversals[random() % reversals.size()] +
                              (static_cast<Picoseconds>(random() % 60) - 20) * sim::ps_per_us +
                              sim::ps_per_us / 2;

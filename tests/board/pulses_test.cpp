@@ -1,5 +1,5 @@
-// Pulses per distance on the virtual board: where on the way each begins, over ends of lines,
-// ramps, corners and holds; how long they are; when it is dark.
+// Pulses per distance on the virtual board: the place where each begins, across line ends, ramps,
+// corners and holds; their length; and where the laser is dark.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ std::vector<Pulse> pulses_of(const sim::Beam& beam) {
   return pulses;
 }
 
-/// How far an axis has gone by a time, forth and back, steps.
+/// Distance that an axis has moved up to a time, both directions added, steps.
 double way_at(const std::vector<PinMonitor::Step>& steps, sim::Picoseconds at) {
   const auto next = std::partition_point(
       steps.begin(), steps.end(), [at](const PinMonitor::Step& step) { return step.at <= at; });
@@ -42,7 +42,7 @@ double way_at(const std::vector<PinMonitor::Step>& steps, sim::Picoseconds at) {
   return done + part - 0.5;
 }
 
-/// Lines along X, one behind the other, there and back.
+/// Lines along X, one after the other, forwards and backwards.
 struct Way {
   std::string program;
   double mm = 0;
@@ -67,12 +67,12 @@ Way some_way(std::mt19937_64& random, const char* feeds) {
   return way;
 }
 
-/// Every pulse is where the way is half a distance and whole ones: within a step, as steps are
-/// where the place is half a step further.
+/// Every pulse begins at half a distance plus a whole number of distances, within a step: a step
+/// occurs half a step before its place.
 void expect_pulses(const std::vector<Pulse>& pulses, const std::vector<PinMonitor::Step>& steps,
                    double way_mm, double per_mm) {
   const auto count = static_cast<std::size_t>(std::floor(way_mm * per_mm + 0.5));
-  // One at the very end may be over before it has begun.
+  // A pulse at the very end may be too short to appear.
   ASSERT_GE(pulses.size() + 1, count);
   ASSERT_LE(pulses.size(), count);
   for (std::size_t i = 0; i < pulses.size(); ++i) {
@@ -96,7 +96,7 @@ TEST(PulsesPerDistance, AreEvenlySpacedAlongTheWay) {
     host.run_ms(20);
     const auto pulses = pulses_of(rig.board.world().beam());
     ASSERT_NO_FATAL_FAILURE(expect_pulses(pulses, rig.monitor.steps(0), way.mm, per_mm)) << i;
-    // The last may be cut at the end.
+    // The last pulse may be cut at the end.
     for (std::size_t k = 0; k + 1 < pulses.size(); ++k)
       ASSERT_EQ(pulses[k].ends - pulses[k].at, 40 * ps_per_us);
     EXPECT_EQ(rig.board.controller().program().starvations(), 0u);
@@ -132,8 +132,8 @@ TEST(PulsesPerDistance, HoldsAndOverridesChangeNothing) {
   }
 }
 
-/// A circle of short chords: between pulses lies the same angle.
-TEST(PulsesPerDistance, GoOnOverTheChordsOfAnArc) {
+/// A circle of short chords: the angle between pulses is constant.
+TEST(PulsesPerDistance, ContinueOverTheChordsOfAnArc) {
   Rig rig(raster_machine());
   ProgramHost host(rig);
   constexpr double radius = 5, per_mm = 2;
@@ -155,9 +155,9 @@ TEST(PulsesPerDistance, GoOnOverTheChordsOfAnArc) {
   }
 }
 
-/// Rapids have none, and the first one behind them comes after half a distance; dark lines count,
-/// those without pulses shine all along.
-TEST(PulsesPerDistance, BeginAnewBehindARapid) {
+/// Rapids have no pulses, and the first pulse after a rapid follows after half a distance; dark
+/// lines count; lines without pulse mode have continuous light.
+TEST(PulsesPerDistance, RestartAfterARapid) {
   Rig rig(raster_machine());
   ProgramHost host(rig);
   ASSERT_TRUE(
@@ -170,11 +170,11 @@ TEST(PulsesPerDistance, BeginAnewBehindARapid) {
   ASSERT_EQ(pulses.size(), std::size(wanted));
   for (std::size_t i = 0; i < pulses.size(); ++i)
     EXPECT_NEAR(way_at(rig.monitor.steps(0), pulses[i].at) * mm_per_step, wanted[i], mm_per_step);
-  // The last is no pulse.
+  // The last light is continuous.
   EXPECT_GT(pulses.back().ends - pulses.back().at, 19 * ps_per_ms);
 }
 
-/// Longer than the way between them takes they are one light.
+/// Pulses longer than the time between them merge into one light.
 TEST(PulsesPerDistance, ThatOverlapAreOneLight) {
   Rig rig(raster_machine());
   ProgramHost host(rig);
@@ -182,7 +182,7 @@ TEST(PulsesPerDistance, ThatOverlapAreOneLight) {
       host.stream("G21 G90 M3 S500 F6000\nM126 P1\nM127 P10\nM128 P1500\nG1 X10\nM5\nM2\n"));
   host.run_ms(20);
   const auto pulses = pulses_of(rig.board.world().beam());
-  // Where it is slow, at the ends, they are apart.
+  // At the ends, where the machine is slow, they are separate.
   const auto longest = std::max_element(
       pulses.begin(), pulses.end(), [](auto& a, auto& b) { return a.ends - a.at < b.ends - b.at; });
   EXPECT_GT(longest->ends - longest->at, 60 * ps_per_ms);
@@ -190,7 +190,7 @@ TEST(PulsesPerDistance, ThatOverlapAreOneLight) {
   EXPECT_GT(rig.board.controller().runner().generator().beam().merged(), 60u);
 }
 
-/// By the settings alone.
+/// Pulses by the settings only.
 TEST(PulsesPerDistance, AreAsTheSettingsSay) {
   job::Profile machine = raster_machine();
   job::state_setting(machine, settings::Id::pulses_per_mm, 2, "test");
@@ -204,7 +204,7 @@ TEST(PulsesPerDistance, AreAsTheSettingsSay) {
   for (const Pulse& pulse : pulses) EXPECT_EQ(pulse.ends - pulse.at, 55 * ps_per_us);
 }
 
-/// Off at once, whatever is left of a pulse.
+/// The light goes off at once, even during a pulse.
 TEST(PulsesPerDistance, EndWithADoorAResetAndAnEStop) {
   for (int kind = 0; kind < 3; ++kind) {
     Rig rig(raster_machine());

@@ -1,6 +1,6 @@
-// A job of G-code with a laser, and at a random moment of it a hold, a door, a reset, a limit
-// switch or the e-stop: how the machine stops, when the light ends, whether it knows where it is,
-// what its outputs are left as, and what becomes of the rest.
+// A G-code job with a laser and, at a random moment, a hold, a door, a reset, a limit switch or the
+// e-stop: how the machine stops, when the light ends, whether the position is known, the state of
+// the outputs, and whether the rest of the job runs.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -16,13 +16,13 @@ namespace {
 using testing::Each;
 
 constexpr unsigned reset_byte = 0x18;
-/// From an order to the begin of braking: a batch and what is handed out and filled ahead
-/// (firmware/machine/program_runner.hpp).
+/// From a command to the begin of braking: a batch and the ticks handed out ahead
+/// (firmware/machine/runners/program_runner.hpp).
 constexpr double reaction_ms = 40;
 
 enum class What { hold, door, reset, limit, estop };
 
-/// Where a program ends, and what it leaves switched on.
+/// A program's end position and the outputs that it leaves switched on.
 struct ProgramEnd {
   StepPosition place{};
   bool aux = false, air = false;
@@ -50,7 +50,7 @@ std::string random_program(std::mt19937_64& random, ProgramEnd& end) {
     else
       text += fmt::format("G1 X{} Y{} F{}\n", x, y, pick(12, 60) * 100);
   }
-  const int x = pick(0, 1) * 80 - 40, y = pick(-30, 30);  // another place than before
+  const int x = pick(0, 1) * 80 - 40, y = pick(-30, 30);  // far from the place before
   end.place = {x * 200, y * 200, 0, 0};
   return text + fmt::format("G1 X{} Y{}\n", x, y);
 }
@@ -72,7 +72,6 @@ class Moment {
     host_->send(program_);
     host_->run_ms(std::uniform_real_distribution<>(0, 3000)(random_));
     ran_ = rig_->state() == MachineState::run;
-    was_at_ = loads();
     ASSERT_EQ(judge_->fault(), "");
     make();
     if (what_ == What::limit || what_ == What::estop) return stops_dead();
@@ -97,14 +96,14 @@ class Moment {
     return !rig_->board.world().beam().shone(at_ + static_cast<sim::Picoseconds>(ms * 1e9), now());
   }
   bool is_high(sim::Pin pin) const { return rig_->board.bus().level(pin); }
-  /// From 0.5 ms behind it on.
+  /// All outputs are off from 0.5 ms after the event on.
   void expect_all_off() const {
     EXPECT_FALSE(is_high(sim::Pin::aux_out));
     EXPECT_FALSE(is_high(sim::Pin::air));
   }
-  /// Within the time that its speed wants, and it stays there; the board knows where.
+  /// The machine comes to rest within the braking time, stays there and knows its position.
   void expect_rest() {
-    // 1 m/s at most, 2 m/s2.
+    // At most 1 m/s, braking at 2 m/s2.
     host_->run_ms(reaction_ms + 500);
     const StepPosition stood = loads();
     host_->run_ms(50);
@@ -126,15 +125,18 @@ class Moment {
     EXPECT_EQ(rig_->board.bus().level(sim::Pin::enable), what_ == What::limit);
     EXPECT_EQ(host_->answers().size(), lines_);
   }
-  /// It says that the position is lost, as grbl does, if it moved.
+  /// As in grbl, it reports a lost position if it breaks off a motion. The end of a motion that is
+  /// in the ticks already, 3 ms ahead at most, is not broken off.
   void comes_to_rest_and_forgets() {
     EXPECT_TRUE(dark_since(0.3));
     expect_all_off();
+    host_->run_ms(3);
+    const StepPosition end_of_ticks = loads();
     expect_rest();
     expect_all_off();
     EXPECT_TRUE(dark_since(0.3));
     const bool lost = host_->heard("ALARM:3");
-    EXPECT_TRUE(lost || loads() == was_at_);
+    EXPECT_TRUE(lost || loads() == end_of_ticks);
     EXPECT_EQ(rig_->state(), lost ? MachineState::alarm : MachineState::idle);
   }
   void comes_to_rest_and_goes_on() {
@@ -143,7 +145,7 @@ class Moment {
       EXPECT_TRUE(dark_since(0.001));
     }
     expect_rest();
-    // What is fed and sucked stays; air does not blow behind an open door.
+    // Feeder and extraction stay on; air is off while the door is open.
     const bool aux = is_high(sim::Pin::aux_out);
     host_->run_ms(100);
     EXPECT_EQ(is_high(sim::Pin::aux_out), aux);
@@ -160,7 +162,7 @@ class Moment {
     }
     host_->send("~");
     ASSERT_TRUE(host_->wait_for(lines_, 30));
-    ASSERT_TRUE(host_->stand(30));
+    ASSERT_TRUE(host_->wait_for_rest(30));
     EXPECT_THAT(host_->answers(), Each("ok"));
     EXPECT_EQ(loads(), end_.place);
     EXPECT_EQ(is_high(sim::Pin::aux_out), end_.aux);
@@ -177,8 +179,7 @@ class Moment {
   std::string program_;
   std::size_t lines_ = 0;
   ProgramEnd end_;
-  bool ran_ = false;  ///< when it came
-  StepPosition was_at_{};
+  bool ran_ = false;  ///< when the event occurred
   sim::Picoseconds at_ = 0;
 };
 

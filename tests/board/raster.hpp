@@ -1,9 +1,9 @@
-// Raster engraving: pictures of pixels, programs that engrave them, and where their light was.
+// Raster engraving: pictures of pixels, programs that engrave them, and checks of their light.
 //
-// In:  a seed; the light and the steps of a board afterwards.
-// Out: G-code in rows of both directions with a run-up on both sides; how many pixels were lit as
-//      wanted, and how far from its place light changed.
-// Who: tests of both boards. It knows pins and settings alone.
+// In:  a seed; after the run the light and the steps of a board.
+// Out: G-code in rows of both directions with a run-up on both sides; the number of pixels lit as
+//      wanted, and the distance of light changes from their place.
+// Used by tests of both boards. Depends on pins and settings only.
 #pragma once
 
 #include <fmt/format.h>
@@ -45,10 +45,10 @@ class Raster {
  public:
   static constexpr int steps_per_pixel = 20;  ///< 0.1 mm
   static constexpr int speed_mm_s = 300;
-  /// 22.5 mm are needed.
+  /// At least 22.5 mm.
   static constexpr int run_up_pixels = 250;
 
-  /// Runs of one to `longest_run` pixels alike, dark ones and lit ones.
+  /// Runs of one to `longest_run` equal pixels, dark ones and lit ones.
   Raster(std::uint64_t seed, int rows, int columns, int longest_run) : columns_(columns) {
     std::mt19937_64 random(seed);
     for (int row = 0; row < rows; ++row) {
@@ -67,18 +67,18 @@ class Raster {
   int columns() const { return columns_; }
   std::size_t rows() const { return rows_.size(); }
   bool backwards(std::size_t row) const { return row % 2 != 0; }
-  /// Thousandths of full power, in the order of passing them.
+  /// Powers in thousandths of full power, in the order in which the row is passed.
   std::vector<int> passed(std::size_t row) const {
     std::vector<int> pixels = rows_[row];
     if (backwards(row)) std::reverse(pixels.begin(), pixels.end());
     return pixels;
   }
-  /// Where the i-th pixel that is passed begins, in pixels.
+  /// Begin of the i-th passed pixel, in pixels.
   int edge(std::size_t row, int i) const { return backwards(row) ? columns_ - i : i; }
   static std::uint16_t light_of(int power) {
     return static_cast<std::uint16_t>((power * 65'535 + 500) / 1000);
   }
-  /// A line for each run, or lists of powers; every other row backwards.
+  /// One line per run, or lists of powers; every other row backwards.
   std::string program(bool lists = false) const {
     std::string text =
         fmt::format("G21 G90 G0 X{} Y0\nM3 S0 F{}\n", mm(-run_up_pixels), 60 * speed_mm_s);
@@ -86,15 +86,15 @@ class Raster {
     return text + "M5\nM2\n";
   }
 
-  /// How a board did it.
+  /// Result of a board.
   struct Judgement {
-    int lit_as_wanted = 0;      ///< pixels, dark ones too
-    double largest_shift = 0;   ///< of a change of light from the edge of a pixel, steps
-    double slowest_mm_s = 1e9;  ///< over a row
+    int lit_as_wanted = 0;      ///< pixels, including dark ones
+    double largest_shift = 0;   ///< from a pixel's edge to its light change, steps
+    double slowest_mm_s = 1e9;  ///< mean of the slowest row
     int changes = 0;
   };
-  /// X and Y as the monitor of the bus saw them. The laser answers `lead` later than it is told;
-  /// changes by no more than `rounding` are none.
+  /// Judges X and Y of the bus monitor. The laser answers `lead` after its command; changes by at
+  /// most `rounding` are ignored.
   Judgement judge(const PinMonitor& monitor, const sim::Beam& beam, sim::Picoseconds lead = 0,
                   int rounding = 0) const {
     Judgement result;
@@ -115,7 +115,7 @@ class Raster {
   }
 
  private:
-  /// When each step of a row was made, the first edge of its first pixel in front.
+  /// The time of each step of a row, beginning with the first edge of its first pixel.
   struct Way {
     std::vector<sim::Picoseconds> times;
     bool backwards = false;
@@ -164,7 +164,7 @@ class Raster {
     way.backwards = backwards(row);
     const int sign = way.backwards ? -1 : 1, first = edge(row, 0) * steps_per_pixel;
     const int steps = columns_ * steps_per_pixel;
-    // The row before may have passed here: only steps in its direction count.
+    // The row before may have passed here; only steps in this row's direction count.
     for (; from < x.size() && static_cast<int>(way.times.size()) <= steps; ++from) {
       const int here = x[from].position;
       const bool forwards = from == 0 || x[from - 1].position < here;
@@ -181,7 +181,7 @@ class Raster {
   void judge_row(std::size_t row, const Way& way, const std::vector<sim::BeamChange>& light,
                  sim::Picoseconds lead, int least_change, Judgement& result) const {
     const std::vector<int> pixels = passed(row);
-    const auto told = [lead](sim::Picoseconds at) { return at - lead; };
+    const auto commanded = [lead](sim::Picoseconds at) { return at - lead; };
     const auto after = [&light](sim::Picoseconds at) {
       return std::partition_point(light.begin(), light.end(),
                                   [at](const sim::BeamChange& c) { return c.at <= at; });
@@ -190,17 +190,17 @@ class Raster {
       const auto next = after(at);
       return next == light.begin() ? 0 : int{(next - 1)->light()};
     };
-    // Changes of light, each against the nearest edge between pixels that differ.
-    int before = light_at(told(way.times.front()));
-    for (auto c = after(told(way.times[1])); c != light.end() && c->at < told(way.times.back());
-         ++c) {
+    // Compares each change of light with the nearest edge between pixels that differ.
+    int before = light_at(commanded(way.times.front()));
+    for (auto c = after(commanded(way.times[1]));
+         c != light.end() && c->at < commanded(way.times.back()); ++c) {
       const int now = c->light();
       if (std::abs(now - before) <= least_change) continue;
       before = now;
       ++result.changes;
       result.largest_shift = std::max(result.largest_shift, shift_of(way, pixels, c->at + lead));
     }
-    // A duty has 2000 counts, each 33 of 65535; in M4 it follows a speed that is right to 0.04 %.
+    // A duty has 2000 counts, each 33 of 65535; in M4 it follows the speed within 0.04 %.
     constexpr int rounding = 60;
     for (int i = 0; i < columns_; ++i) {
       const int wanted = light_of(pixels[static_cast<std::size_t>(i)]);
@@ -209,20 +209,20 @@ class Raster {
         const std::size_t step =
             static_cast<std::size_t>(i) * steps_per_pixel + static_cast<std::size_t>(s);
         good = good && (near_stop(way, step) ||
-                        std::abs(light_at(told(way.times[step])) - wanted) <= rounding);
+                        std::abs(light_at(commanded(way.times[step])) - wanted) <= rounding);
       }
       if (good) ++result.lit_as_wanted;
     }
   }
 
-  /// The machine is held within a step of this one, slower than 2.5 mm/s, and it is dark there.
+  /// The machine is held within one step of this step, slower than 2.5 mm/s and dark.
   static bool near_stop(const Way& way, std::size_t step) {
     for (std::size_t i = std::max<std::size_t>(step, 2) - 1; i <= step + 2; ++i)
       if (i < way.times.size() && way.times[i] - way.times[i - 1] > 2 * sim::ps_per_ms) return true;
     return false;
   }
 
-  /// In steps. Edges lie in the middle of a step: where its place is half a step further.
+  /// Shift in steps. A pixel's edge is half a step after its step, in the middle between two steps.
   double shift_of(const Way& way, const std::vector<int>& pixels, sim::Picoseconds at) const {
     const auto next = std::upper_bound(way.times.begin(), way.times.end(), at);
     if (next == way.times.begin() || next == way.times.end()) return 0;
@@ -245,8 +245,7 @@ class Raster {
   std::vector<std::vector<int>> rows_;
 };
 
-/// In runs of a larger size there are more rows and no longer ones: they have to fit the work
-/// space.
+/// A larger test scale adds rows, not columns: rows must fit the work area.
 inline Raster sized_raster(std::uint64_t seed, int columns, int longest_run) {
   return {seed, std::max(2, scaled(2)), std::min(columns, scaled(columns)), longest_run};
 }

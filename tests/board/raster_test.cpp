@@ -37,7 +37,7 @@ TEST(Raster, OfListsOfPowersIsTheSame) {
     expect_engraved(Raster(static_cast<std::uint64_t>(i + 20), 4, 200, 4), 0, true);
 }
 
-/// Every pixel another power: a row of them is one line of the planner, however many they are.
+/// Every pixel has another power: a row is one line of the planner, whatever its length.
 TEST(Raster, OfGreyPixelsKeepsItsSpeed) {
   for (int i = 0; i < scaled(4); ++i)
     expect_engraved(Raster(static_cast<std::uint64_t>(i + 40), 3, 700, 1), 0, true);
@@ -51,8 +51,8 @@ TEST(Raster, OfGreyPixelsIsTheSameWithALeadOfTheLaser) {
   }
 }
 
-/// Held at random moments, and at another feed behind that: no pixel is lost, none is shifted.
-TEST(Raster, GoesOnInThePixelWhereItWasHeld) {
+/// Held at random moments and resumed at another feed rate: no pixel is lost or shifted.
+TEST(Raster, ResumesInThePixelWhereItWasHeld) {
   for (int i = 0; i < scaled(6); ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i));
     const double lead_us = i % 2 == 0 ? 0 : static_cast<double>(random() % 2001) - 1000;
@@ -86,7 +86,7 @@ TEST(Raster, GoesOnInThePixelWhereItWasHeld) {
   }
 }
 
-/// The pattern by which the lead is found: eight bars a row.
+/// The pattern that measures the lead: eight bars per row.
 TEST(Raster, TheExampleForTheLeadDrawsItsBars) {
   Rig rig(raster_machine());
   ProgramHost host(rig);
@@ -98,7 +98,7 @@ TEST(Raster, TheExampleForTheLeadDrawsItsBars) {
     at = text.find('\n', at);
   EXPECT_EQ(rows, 24u);
   EXPECT_EQ(rig.board.world().beam().openings(), 8 * rows);
-  // Those to the left shine where those to the right do.
+  // Rows to the left have light where rows to the right have it.
   std::set<long> begins, ends;
   const auto& x = rig.monitor.steps(0);
   bool shone = false;
@@ -115,8 +115,8 @@ TEST(Raster, TheExampleForTheLeadDrawsItsBars) {
   for (const long place : ends) EXPECT_EQ(place % 1000, 40) << place;
 }
 
-/// A laser that answers late, or one that is too soon for its drives. Runs are a little longer
-/// here: a line each, of which 128 are known ahead, they have to make up the way to rest.
+/// A laser that answers late, or too early for its drives. Runs are slightly longer here: each is a
+/// line, and the 128 lines known ahead must cover the braking distance.
 TEST(Raster, LightChangesAtTheEdgesOfPixelsWithALeadOfTheLaser) {
   for (int i = 0; i < scaled(4); ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i));

@@ -1,5 +1,5 @@
-// Jobs that end at random moments, and are gone on with as the program says: no point is fired more
-// often than ordered, none is left out but those that are listed as doubtful.
+// Jobs that end at random moments and are continued as the program advises: no point is fired more
+// often than ordered, and only points that are listed as doubtful are left out.
 #include <gmock/gmock.h>
 
 #include <fmt/format.h>
@@ -22,14 +22,14 @@ using link::Continuation;
 using link::JobEnd;
 using sim::Picoseconds;
 
-/// A board at a cable: both may go, and the board may come back as one that knows nothing.
+/// A board and its cable: the cable may be pulled, and the board may restart without any state.
 class Bench final : public link::Transport {
  public:
   explicit Bench(const job::Profile& profile)
       : rig(std::make_unique<Rig>(profile)), profile_(profile) {}
 
   std::size_t write(std::span<const std::uint8_t> bytes) override {
-    if (killed) return bytes.size();  // a program that is no more has sent nothing
+    if (killed) return bytes.size();  // a killed program sends nothing
     return connected_ ? rig->board.write(bytes) : 0;
   }
   std::size_t read(std::span<std::uint8_t> bytes) override {
@@ -52,7 +52,7 @@ class Bench final : public link::Transport {
 
   Picoseconds clock() const { return before_ + rig->board.now(); }
   void run(Picoseconds time) { run_to(clock() + time); }
-  /// Once, at this time of the clock.
+  /// Calls `event` once, at this time of clock().
   void at(Picoseconds time, std::function<void()> event) {
     event_at_ = time;
     event_ = std::move(event);
@@ -62,7 +62,7 @@ class Bench final : public link::Transport {
     unplugged = true;
     connected_ = false;
   }
-  /// The board loses its power, or is reset by its watchdog; `gone` sees it before.
+  /// The board loses its power or is reset by its watchdog; `gone` is called just before.
   void restart(Picoseconds outage, const std::function<void()>& gone) {
     gone();
     before_ += rig->board.now() + outage;
@@ -75,7 +75,7 @@ class Bench final : public link::Transport {
 
   std::unique_ptr<Rig> rig;
   bool unplugged = false;
-  bool killed = false;  ///< the program
+  bool killed = false;  ///< the host program
 
  private:
   void run_to(Picoseconds until) {
@@ -88,35 +88,35 @@ class Bench final : public link::Transport {
   }
 
   const job::Profile& profile_;
-  Picoseconds before_ = 0;  ///< of earlier boards
+  Picoseconds before_ = 0;  ///< run time of earlier boards
   bool connected_ = true;
   Picoseconds event_at_ = 0;
   std::function<void()> event_;
 };
 
-/// A job and what has come of its items.
+/// A job and how much of each item is done.
 class Workpiece {
  public:
   virtual ~Workpiece() = default;
-  /// A run begins on this board.
+  /// A run of the job begins on this board.
   virtual void begin(const Rig& rig, std::size_t from, std::uint32_t fired) = 0;
-  /// The board is about to vanish, or the job is over.
+  /// Counts what this board has done; called before the board is replaced or after the job.
   virtual void see(const Rig& rig) = 0;
-  /// How much of item `i` was done, of how much.
+  /// The amount of item `i` that was done, and its full amount.
   virtual std::pair<double, double> done(std::size_t i) const = 0;
 
   job::Profile profile;
   job::Job job;
 };
 
-/// Points of one to three flashes, ways without.
+/// Points of one to three flashes, and moves without flashes.
 class Points final : public Workpiece {
  public:
   explicit Points(std::uint64_t seed) {
     std::mt19937_64 random(seed);
     profile = lamp_profile(200, settings::LampMode::slave, 10);
     job = job_for(histogram_walk(100 + random() % 700, seed), profile, both_modes[seed % 2]);
-    for (motion::Target& target : job.targets)
+    for (wire::Target& target : job.targets)
       if (random() % 4 == 0) target.shots = static_cast<std::uint8_t>(random() % 4);
     job.targets.back().shots = 1;
     fired_.resize(job.size());
@@ -154,7 +154,7 @@ class Points final : public Workpiece {
   std::uint32_t flashes_ = 0;
 };
 
-/// Rows of two lines of pixels each, one after the other in motion.
+/// Rows of two lines of pixels each, which run in one motion.
 class Rows final : public Workpiece {
  public:
   explicit Rows(std::uint64_t seed) {
@@ -169,7 +169,7 @@ class Rows final : public Workpiece {
     light_s_.resize(job.size());
   }
   void begin(const Rig&, std::size_t, std::uint32_t) override {}
-  /// Light is found by the line on which the machine was.
+  /// Assigns light to the line on which the machine was.
   void see(const Rig& rig) override {
     const std::vector<sim::BeamChange> light = rig.board.world().beam().changes();
     const auto &x = rig.monitor.steps(0), &y = rig.monitor.steps(1);
@@ -192,7 +192,7 @@ class Rows final : public Workpiece {
     for (const std::uint16_t run : job.rows.runs_of(job.rows.lines[i]))
       wanted_s += wire::run_power(run) / 65'535.0 * wire::run_cells(run) * cell_s;
     if (wanted_s == 0) return {light_s_[i] == 0 ? 0 : 1, 0};
-    // In full lines, to a twentieth.
+    // In lines, rounded to a twentieth.
     return {std::round(light_s_[i] / wanted_s * 20) / 20, 1};
   }
 
@@ -208,7 +208,7 @@ class Rows final : public Workpiece {
     for (int line = 1; line <= 2; ++line) {
       const std::size_t first = job.rows.runs.size();
       for (int cell = 0; cell < cells; ++cell) {
-        // Dark where the machine gains its speed and loses it; the borders between lines too.
+        // Dark where the machine accelerates and brakes, and at the borders between lines.
         const bool dark = cell < 4 || cell >= cells - 4;
         const auto power = static_cast<std::uint16_t>(dark ? 0 : 10'000 + random() % 50'000);
         job.rows.runs.push_back(wire::longest_run(power, 1));
@@ -243,14 +243,14 @@ enum class End {
   count
 };
 
-/// What is done next: options of the command line.
+/// Options of the command line for the next run.
 struct Options {
   bool resume = false;
   std::size_t from = 0;
   std::uint32_t fired = 0;
 };
 
-/// The options in what the program tells.
+/// The options that the program's message advises.
 Options follow(const std::string& text) {
   Options options;
   const auto number = [&text](const std::string& name) {
@@ -265,13 +265,13 @@ Options follow(const std::string& text) {
   return options;
 }
 
-/// One job from its beginning to its end, with ends in between.
+/// One job from beginning to end, with interruptions.
 class Story {
  public:
   Story(Workpiece& piece, const std::filesystem::path& journal, std::uint64_t seed)
       : piece_(piece), journal_(journal), random_(seed), bench_(piece.profile) {}
 
-  /// Ends the job so often; counts what ended it.
+  /// Runs the job with `ends` interruptions and counts them by kind.
   void run(int ends, std::map<End, int>& seen) {
     Options next;
     for (int i = 0; !over_ && i < 50; ++i) {
@@ -280,7 +280,7 @@ class Story {
       if (testing::Test::HasFatalFailure()) return;
       if (!over_ && end != End::none) ++seen[end];
     }
-    ASSERT_TRUE(over_) << "the advice leads nowhere" << log_;
+    ASSERT_TRUE(over_) << "the advice did not finish the job" << log_;
     EXPECT_NE(is_done_, std::filesystem::exists(journal_));
     bench_.run(ps_per_s);
     piece_.see(*bench_.rig);
@@ -294,16 +294,16 @@ class Story {
   }
   void gone() { piece_.see(*bench_.rig); }
 
-  /// `send` with these options, until it ends; what it advises to do next.
+  /// Runs `send` with these options to its end; returns the options that it advises.
   Options run_once(const Options& options, End end) {
     options_ = options;
     bench_.killed = bench_.unplugged = false;
     link::KeptJob kept(journal_, piece_.job);
     Continuation rest{options.from, options.fired, options.from, true};
     if (options.resume) {
-      EXPECT_EQ(begins_anew(kept), ended_) << "begun anew only after a known end";
+      EXPECT_EQ(begins_anew(kept), ended_) << "a new start is allowed only after a known end";
       rest = kept.find(bench_);
-      ended_ = false;  // until the rest is done, the job is not to be begun anew
+      ended_ = false;  // until the rest is done, a new start is refused
       told_ = {};
       for (std::size_t i = rest.first; i < rest.from; ++i) doubtful_.insert(i);
       if (known_exactly_) {
@@ -333,7 +333,7 @@ class Story {
     }
   }
 
-  /// The line or point that the advice has left out, and listed.
+  /// Records the lines or points that the advice left out and listed as doubtful.
   void note_doubt(const Continuation& rest) {
     for (std::size_t i = told_.first; i < rest.from && told_.in_doubt(); ++i) doubtful_.insert(i);
     told_ = {};
@@ -373,13 +373,13 @@ class Story {
     return ended(kept, sender.result(), advice);
   }
 
-  /// Nothing is told any more; whether the board has begun the journal knows.
+  /// The killed program advises nothing; the journal shows whether the board had begun the run.
   Options killed() {
     bench_.run(up_to(4 * ps_per_s));
     bench_.killed = false;
     if (power_follows_) bench_.restart(up_to(ps_per_s), [this] { gone(); });
     const auto contents = job::ProgressJournal(journal_).read();
-    // What is known of a run that the board has not taken is what is known of the one before.
+    // If the board has not accepted a run, the journal still describes the run before it.
     const bool is_taken = contents.run && contents.run->last.session == session_;
     known_exactly_ = (known_exactly_ || is_taken) && !power_follows_ && !restarted_;
     ended_ = !contents.run || contents.run->last.progress == job::Progress::ended;
@@ -394,7 +394,7 @@ class Story {
     over_ = is_done_ = advice.empty() && result.end == JobEnd::done;
     if (over_) return {};
     if (advice.empty()) advice = link::go_on_text(result.rest, piece_.job.item(), true);
-    // A job that was refused before it began is begun again as it was, once the reason is gone.
+    // A job that was refused before it began restarts with the same options once the cause is gone.
     if (advice.find("--from ") == std::string::npos &&
         advice.find("--resume") == std::string::npos) {
       known_exactly_ = known_exactly_ && !restarted_;
@@ -405,17 +405,17 @@ class Story {
     known_exactly_ = !restarted_ && (ended_ || result.end == JobEnd::lost);
     bench_.run(up_to(2 * ps_per_s));
     Options next = follow(advice);
-    // After any end the journal knows as much as what was told.
+    // After any end the journal gives the same place as the message.
     if (next.resume || random_() % 2 == 0) return {true, 0, 0};
     return next;
   }
 
-  /// Lets the end come at a random moment.
+  /// Schedules the interruption at a random moment.
   void prepare(End end, link::JobSender& sender) {
     power_follows_ = end == End::killed_then_power;
     restarted_ = false;
     if (end == End::none) return;
-    // Soon too: in a point or line that was begun in the run before.
+    // Some are early: in a point or line that the run before had begun.
     const Picoseconds at = bench_.clock() + up_to((random_() % 3 == 0 ? 200 : 2000) * ps_per_ms);
     bench_.at(at, [this, end, &sender] { come(end, sender); });
   }
@@ -431,7 +431,7 @@ class Story {
         bench_.killed = true;
         return;
       case End::power:
-        bench_.killed = random_() % 2 == 0;  // by the same loss
+        bench_.killed = random_() % 2 == 0;  // by the same power failure
         restarted_ = true;
         return bench_.restart(up_to(4 * ps_per_s), [this] { gone(); });
       case End::watchdog:
@@ -450,16 +450,16 @@ class Story {
     }
   }
 
-  /// As firmware/boards/rp2040/last_run.cpp says it.
+  /// The message is that of firmware/boards/rp2040/storage/restart_record.cpp.
   void restart_with_mark() {
     restarted_ = true;
-    const machine::JobMark mark = bench_.rig->board.controller().job_mark();
-    // The hardware fires by itself what it was given.
+    const machine::ResumePoint mark = bench_.rig->board.controller().job_mark();
+    // The hardware fires a shot that it has by itself.
     constexpr Picoseconds ticks_run_out = 900 * ps_per_us;
     if (mark.shot_out) bench_.run(up_to(ticks_run_out));
     bench_.restart(150 * ps_per_ms, [this] { gone(); });
     std::string text = "Started by watchdog";
-    if (mark.session == machine::JobMark::of_program)
+    if (mark.session == machine::ResumePoint::of_program)
       text += ", programs had run";
     else if (mark.session != 0)
       text += ", job " + std::to_string(mark.session) + " first point not fired " +
@@ -485,10 +485,10 @@ class Story {
   std::filesystem::path journal_;
   std::mt19937_64 random_;
   Bench bench_;
-  std::string log_;  ///< what has happened
+  std::string log_;  ///< the events so far
   std::set<std::size_t> doubtful_;
   Continuation told_;
-  Options options_;  ///< of the run under way
+  Options options_;  ///< of the current run
   std::uint32_t session_ = 0x5eed;
   bool over_ = false;
   bool is_done_ = false;  ///< over, and its end was seen
@@ -497,7 +497,7 @@ class Story {
   bool power_follows_ = false, restarted_ = false;
 };
 
-/// `jobs` of them, each ended three times.
+/// Runs `jobs` jobs, each with three interruptions.
 template <class Piece>
 void run_stories(int jobs) {
   const TemporaryFolder folder;

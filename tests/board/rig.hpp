@@ -1,4 +1,4 @@
-// A machine on the table: board, world and monitor, jobs for it, and what has to hold afterwards.
+// A test machine: board, world and monitor, jobs for it, and checks that must hold afterwards.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,11 +22,11 @@
 
 namespace lamplock::test {
 
-using motion::JoinMode;
 using settings::Id;
 using sim::ps_per_ms;
 using sim::ps_per_s;
 using sim::ps_per_us;
+using wire::JoinMode;
 using wire::MachineState;
 
 inline constexpr JoinMode both_modes[] = {JoinMode::free, JoinMode::start_stop};
@@ -40,14 +40,14 @@ inline job::Profile lamp_profile(double hz = 100,
   job::set_acceleration(profile, accel_m_s2);
   profile.settings.set_milli(Id::lamp_mode, static_cast<int>(mode) * 1000);
   if (mode == settings::LampMode::master) {
-    profile.settings.set_milli(Id::lamp_energy, 100);  // it has to be known
+    profile.settings.set_milli(Id::lamp_energy, 100);  // must be known
     const std::int32_t milli_hz = profile.settings.milli(Id::lamp_frequency);
     profile.settings.set_milli(Id::max_lamp_frequency, std::max(200'000, 11 * (milli_hz / 10)));
   }
   return profile;
 }
 
-/// The world that such a machine is made for.
+/// The world that matches this machine.
 inline sim::WorldConfig world_for(const job::Profile& profile, sim::LampConfig lamp = {}) {
   lamp.frequency_hz = profile.settings.milli(Id::lamp_frequency) / 1000.0;
   lamp.triggered = profile.settings.whole(Id::lamp_mode) != 1;
@@ -60,7 +60,7 @@ inline sim::WorldConfig world_for(const job::Profile& profile, sim::LampConfig l
   return world;
 }
 
-/// Drives that follow so late, X first, and a machine that knows it.
+/// Sets the drives' lags, X first.
 inline void set_lag(job::Profile& profile, std::initializer_list<double> lag_us) {
   Id id = Id::drive_lag_x;
   for (const double us : lag_us) {
@@ -69,16 +69,16 @@ inline void set_lag(job::Profile& profile, std::initializer_list<double> lag_us)
   }
 }
 
-/// Points that ask a lot: long ways through the whole work space, its very corners, the same point
-/// again, single steps.
-inline points::PointCloud wild_points(std::size_t count, std::uint64_t seed) {
+/// Demanding points: long moves through the whole work area, its corners, repeated points, single
+/// steps.
+inline geometry::PointCloud wild_points(std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto pick = [&random](int from, int to) {
     return std::uniform_int_distribution<>(from, to)(random);
   };
-  points::PointCloud cloud{{0, 0, 0}};
+  geometry::PointCloud cloud{{0, 0, 0}};
   while (cloud.size() < count) {
-    points::Point p = cloud.back();
+    geometry::Point p = cloud.back();
     const auto change = [&](double& v) {
       switch (pick(0, 9)) {
         case 0:
@@ -99,8 +99,8 @@ inline points::PointCloud wild_points(std::size_t count, std::uint64_t seed) {
   return cloud;
 }
 
-/// A job whose points are joined so.
-inline job::Job job_for(const points::PointCloud& points, const job::Profile& profile,
+/// A job with this join mode.
+inline job::Job job_for(const geometry::PointCloud& points, const job::Profile& profile,
                         JoinMode mode) {
   job::JobOptions options;
   options.mode = mode;
@@ -135,8 +135,8 @@ inline link::JobResult run_job(Rig& rig, const job::Job& job, link::SenderOption
   return link::JobSender(transport, job, options).run();
 }
 
-/// How far the counted steps may be from the wanted one at a shot: the true position is within the
-/// tolerance of the middle of the wanted step, the count is the true position rounded down.
+/// Permitted deviation of the counted steps at a shot: the true position is within the tolerance of
+/// the middle of the wanted step, and the count is the true position rounded down.
 struct ShotReach {
   std::int32_t low, high;
 };
@@ -148,8 +148,8 @@ inline ShotReach shot_reach(const settings::Values& values, int axis) {
           static_cast<std::int32_t>(std::ceil(0.5 + tolerance)) - 1};
 }
 
-/// Every point fired once, in order, at its place; nothing else fired. `jitter`: the lamp's edges
-/// move, so that shots may be off by the tolerance.
+/// Every point was fired once, in order, at its place, and nothing else. `jitter`: the lamp's edges
+/// move, so shots may be off by the tolerance.
 inline void expect_each_once(const Rig& rig, const job::Job& job, bool jitter) {
   const sim::Shots& shots = rig.shots();
   ASSERT_EQ(shots.size(), job.targets.size());
@@ -170,7 +170,7 @@ inline void expect_each_once(const Rig& rig, const job::Job& job, bool jitter) {
   }
 }
 
-/// What holds after every run, whatever happened: limits, and only good pulses in the lamp's light.
+/// Holds after every run, whatever happened: limits, and only good pulses in the lamp's light.
 inline void expect_sound(const Rig& rig, const settings::Values& values) {
   EXPECT_EQ(rig.monitor.violation(values), "");
   EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
@@ -182,7 +182,7 @@ inline void expect_sound(const Rig& rig, const settings::Values& values) {
   EXPECT_FALSE(rig.board.controller().runner().underrun());
 }
 
-/// The ledger against the lamp's own count of its periods.
+/// Compares the ledger with the lamp's own count of periods.
 inline void expect_ledger(const Rig& rig, const wire::Status& status) {
   const auto& fires = rig.monitor.fires();
   ASSERT_FALSE(fires.empty());
@@ -196,7 +196,7 @@ inline void expect_ledger(const Rig& rig, const wire::Status& status) {
   EXPECT_EQ(reasons[static_cast<std::size_t>(BeatReason::no_edge)], periods - flashes);
 }
 
-/// Runs a job to its end, after which all of this has to hold.
+/// Runs a job to its end and makes all these checks.
 inline void run_to_the_end(Rig& rig, const job::Job& job, bool jitter, link::JobResult& result) {
   result = run_job(rig, job);
   ASSERT_EQ(result.end, link::JobEnd::done);

@@ -1,8 +1,8 @@
-// A sender of rows of pixels, and what their light must have been.
+// A sender of row jobs.
 //
 // In:  lines with the runs of their cells; any transport.
-// Out: frames, sent again where they were lost; what the machine says.
-// Who: tests of both boards. It knows the wire alone, and takes no more than STATUS permits.
+// Out: frames, sent again after a loss; the machine's messages.
+// Used by tests of both boards. Depends on the wire only, and sends no more than STATUS permits.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@
 
 namespace lamplock::test {
 
-/// A line, and the cells on it.
+/// A line and its cells.
 struct PixelLine {
   wire::RowLine line;
   std::vector<std::uint16_t> runs;
@@ -32,11 +32,11 @@ struct PixelLine {
 
 struct RowFrame {
   std::vector<std::uint8_t> payload;
-  std::uint32_t lines = 0;   ///< behind it, of the whole job
-  std::uint32_t places = 0;  ///< of runs and headers, up to its end
+  std::uint32_t lines = 0;   ///< of the whole job up to its end
+  std::uint32_t places = 0;  ///< for runs and headers up to its end
 };
 
-/// The frames of lines from `first` on, which begins at the header's origin.
+/// The frames of the lines from the header's first index, which begins at its origin.
 inline std::vector<RowFrame> row_frames(const std::vector<PixelLine>& lines,
                                         const wire::JobHeader& header,
                                         std::size_t most_bytes = wire::max_payload) {
@@ -92,7 +92,7 @@ class RowHost {
     frames_ = row_frames(lines, header_, most_bytes);
   }
 
-  /// One round: listens, sends what there is room for, lets time pass.
+  /// One round: receives, sends what the board has room for, and lets time pass.
   void step(std::chrono::microseconds time = std::chrono::microseconds(500)) {
     if (!transport_.connected() && !connection_.reconnect()) return transport_.wait(time);
     while (const auto message = connection_.receive()) {
@@ -114,7 +114,7 @@ class RowHost {
     connection_.flush();
     transport_.wait(time);
   }
-  /// Until all is burnt and told so; false if it takes longer.
+  /// Runs until the board reports all lines as run; false if it takes longer.
   bool run(double seconds) {
     const auto end = transport_.now() + std::chrono::microseconds(std::llround(seconds * 1e6));
     while (!done() && transport_.now() < end && !refused_) step();
@@ -125,7 +125,7 @@ class RowHost {
            status_.state == wire::MachineState::idle;
   }
 
-  /// Sent again until it is taken; the last one counts.
+  /// Repeats the command until the board accepts it; a later command replaces it.
   void command(wire::Command what, std::uint32_t value = 0) {
     if (command_taken()) ++command_number_;
     command_ = {what, value};
@@ -137,9 +137,9 @@ class RowHost {
   const std::optional<wire::Refused>& refused() const { return refused_; }
   const std::vector<std::string>& texts() const { return texts_; }
   std::uint64_t resent() const { return resent_; }
-  /// No frames are sent meanwhile.
+  /// While on, no frames are sent.
   void starve(bool on) { starving_ = on; }
-  /// Goes on after a hold that it has not asked for.
+  /// By default the host resumes after holds that it did not request; this ends that.
   void do_not_resume() { resumes_ = false; }
 
  private:
@@ -150,7 +150,7 @@ class RowHost {
     if (status.number <= status_.number && status_.number != 0) return;
     status_ = status;
     if (status.session != session_) return;
-    // What came before the last question and is not there was lost.
+    // Frames sent before the last query and not received were lost.
     if (status.echo == tag_ && status.next_number <= asked_behind_) {
       if (sent_ > status.next_number - 1) resent_ += sent_ - (status.next_number - 1);
       sent_ = status.next_number - 1;
@@ -224,7 +224,7 @@ class RowHost {
   wire::CommandRequest command_;
   std::uint32_t command_number_ = 0;
   bool starving_ = false, resumes_ = true;
-  bool sent_since_ = false;  ///< frames, since the last question
+  bool sent_since_ = false;  ///< frames since the last query
 };
 
 }  // namespace lamplock::test

@@ -1,5 +1,5 @@
-// Jobs of rows on the virtual board: the light of each cell, once, whatever the cable and the user
-// do; dark at once where it has to be.
+// Row jobs on the virtual board: each cell gets its light once despite cable faults and commands of
+// the user; the laser is dark at once where it must be.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -48,7 +48,7 @@ struct RowRig {
     EXPECT_FALSE(rig.board.bus().level(sim::Pin::laser_gate));
   }
 
-  /// The machine was where a line ends.
+  /// The machine has been at the end of this line.
   bool has_reached(std::uint32_t line) const {
     const StepPosition& end = lines[line].line.steps;
     const auto &x = rig.monitor.steps(0), &y = rig.monitor.steps(1);
@@ -73,7 +73,7 @@ struct RowRig {
   RowHost host;
 };
 
-/// What the laser does, change by change.
+/// The laser's power after each change.
 std::vector<std::uint16_t> powers_of(const sim::Beam& beam) {
   std::vector<std::uint16_t> powers;
   for (const sim::BeamChange& change : beam.changes())
@@ -107,7 +107,7 @@ TEST(Rows, ShineAsListsOfPowersDo) {
   }
 }
 
-/// 3000 runs a second, in lines of any length that the board can take.
+/// 3000 runs per second, in lines of any length that the board accepts.
 TEST(Rows, OfGreyPixelsKeepTheirSpeed) {
   for (int i = 0; i < scaled(3); ++i) {
     const std::size_t most_runs[] = {wire::most_runs_a_line, 300, 100};
@@ -124,8 +124,8 @@ TEST(Rows, OfGreyPixelsKeepTheirSpeed) {
   }
 }
 
-/// Where the table of powers is the bottle-neck lines come one by one, as fast as they are burnt. A
-/// machine that planned each of them as it came would rest between them for ever.
+/// Where the table of powers is the bottleneck, lines arrive one at a time, as fast as they are
+/// burnt. A machine that planned each line on arrival would rest after each.
 TEST(Rows, InShortLinesDoNotRestBetweenThem) {
   job::Profile machine = raster_machine();
   job::set_acceleration(machine, 10);
@@ -143,7 +143,7 @@ TEST(Rows, InShortLinesDoNotRestBetweenThem) {
     ASSERT_TRUE(host.run(5));
     const auto& x = rig.monitor.steps(0);
     ASSERT_EQ(x.size(), static_cast<std::size_t>(lines_in_all * cells * steps_per_cell));
-    // From the fourth line on to the last but three.
+    // Without the first four and the last four lines.
     const std::size_t from = 4 * cells * steps_per_cell, to = x.size() - from;
     const double mm = 0.005 * static_cast<double>(to - from);
     EXPECT_GT(mm / sim::seconds(x[to].at - x[from].at), 0.9 * Raster::speed_mm_s) << most_bytes;
@@ -175,8 +175,8 @@ TEST(Rows, AreBurntOnceWhateverTheCableDoes) {
   }
 }
 
-/// Held at random moments, by the host or by a byte, at another speed behind that.
-TEST(Rows, GoOnInTheCellWhereTheyWereHeld) {
+/// Held at random moments by the host or by a real-time byte, and resumed at another speed.
+TEST(Rows, ResumeInTheCellWhereTheyWereHeld) {
   for (int i = 0; i < scaled(6); ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i));
     RowRig rows(Raster(static_cast<std::uint64_t>(i + 50), 4, 300, i % 2 == 0 ? 1 : 5));
@@ -195,7 +195,7 @@ TEST(Rows, GoOnInTheCellWhereTheyWereHeld) {
       } else {
         rows.cable.type(random() % 2 == 0 ? "!" : "\x84");
       }
-      // Above that there would have to be more than full power.
+      // A faster job would need more than full power.
       const auto percent = static_cast<std::uint32_t>(20 + random() % 81);
       rows.host.command(wire::Command::job_speed, percent);
     }
@@ -206,7 +206,7 @@ TEST(Rows, GoOnInTheCellWhereTheyWereHeld) {
   }
 }
 
-/// A feed override, behind what was handed out.
+/// The job speed acts as a feed override, after the ticks that are already handed out.
 TEST(Rows, RunAtTheSpeedOfTheirJob) {
   RowRig rows(Raster(20, 3, 200, 3));
   rows.host.command(wire::Command::job_speed, 50);
@@ -215,7 +215,7 @@ TEST(Rows, RunAtTheSpeedOfTheirJob) {
   const Raster::Judgement judgement =
       rows.raster.judge(rows.rig.monitor, rows.rig.board.world().beam(), 0, flicker);
   EXPECT_NEAR(judgement.slowest_mm_s, Raster::speed_mm_s / 2.0, 1);
-  // It ends with the job.
+  // The override ends with the job.
   ProgramHost by_hand(rows.rig);
   std::string status;
   for (int i = 0; i < 30 && status.find("|Ov:") == std::string::npos; ++i)
@@ -223,8 +223,8 @@ TEST(Rows, RunAtTheSpeedOfTheirJob) {
   EXPECT_NE(status.find("|Ov:100,100,100"), std::string::npos) << status;
 }
 
-/// A host that is slow, or silent for a while: the machine waits, dark, and goes on.
-TEST(Rows, WaitForWhatComesLate) {
+/// While the host is slow or silent, the machine waits in the dark; then it continues.
+TEST(Rows, WaitForLateLines) {
   for (int i = 0; i < scaled(4); ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i));
     RowRig rows(Raster(static_cast<std::uint64_t>(i + 60), 12, 300, 1),
@@ -233,7 +233,7 @@ TEST(Rows, WaitForWhatComesLate) {
     for (int k = 0; !rows.host.done() && k < 100; ++k) {
       const bool starve = k % 2 != 0;
       rows.host.starve(starve);
-      // What is there lasts two seconds.
+      // The lines on the board last two seconds.
       for (auto n = (starve ? 3000 : 200) + random() % 2000; n != 0; --n) rows.host.step();
       const bool starved = rows.rig.board.controller().program().idle();
       if (!starved || rows.rig.status().received == rows.lines.size()) continue;
@@ -247,8 +247,8 @@ TEST(Rows, WaitForWhatComesLate) {
   }
 }
 
-/// Nobody speaks to the machine any more: held, at rest and dark.
-TEST(Rows, AreHeldByTheDeadMan) {
+/// When the host falls silent, the dead man's timeout holds the machine: at rest and dark.
+TEST(Rows, AreHeldByTheDeadManTimeout) {
   RowRig rows(Raster(3, 40, 300, 5));
   job::state_setting(rows.machine, Id::dead_man, 300, "test");
   Rig rig(rows.machine);
@@ -272,7 +272,7 @@ struct Ending {
   MachineState state;
 };
 
-/// Stopped at random moments: dark from there on, and what is told to be done is.
+/// After a stop at a random moment the laser stays dark, and lines reported as run have been run.
 TEST(Rows, AreDarkAtOnceWhenTheyAreEnded) {
   const Ending endings[] = {
       {"stop", [](RowRig& rows) { rows.host.command(wire::Command::stop); }, 3 * ps_per_ms,
@@ -295,7 +295,7 @@ TEST(Rows, AreDarkAtOnceWhenTheyAreEnded) {
     rows.host.do_not_resume();
     for (auto k = 400 + random() % 2400; k != 0; --k) rows.host.step();
     ASSERT_EQ(rows.rig.state(), MachineState::run);
-    // The next line has just been told to be run, which must not be too soon.
+    // The first line not run has just been reported; the report must not be too early.
     const std::uint32_t line = rows.rig.status().first_unfired;
     if (i % 2 == 0) {
       while (rows.rig.status().first_unfired == line)
@@ -317,7 +317,7 @@ TEST(Rows, AreDarkAtOnceWhenTheyAreEnded) {
   }
 }
 
-/// A second stop while the first one brakes ends nothing else: the next job has its light.
+/// A second stop while the machine still brakes for the first one does not affect the next job.
 TEST(Rows, AreStoppedTwiceAndTheNextJobShines) {
   const auto light = [](RowRig& rows) {
     return rows.rig.board.world().beam().energy(0, rows.rig.board.now());
@@ -340,12 +340,12 @@ TEST(Rows, AreStoppedTwiceAndTheNextJobShines) {
   EXPECT_NEAR(light(rows) - before, light(whole), 0.01 * light(whole));
 }
 
-/// Another job goes on at the line that was told: those before it were burnt, once.
-TEST(Rows, GoOnAtTheFirstLineNotRun) {
+/// Another job continues at the reported line; the lines before it were burnt once.
+TEST(Rows, ContinueAtTheFirstLineNotRun) {
   for (int i = 0; i < scaled(12); ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i));
     SCOPED_TRACE(i);
-    // A row is a line or two.
+    // A row is one line or two.
     RowRig rows(Raster(static_cast<std::uint64_t>(i + 90), 10, 200, 3),
                 {.most_runs = i % 2 == 0 ? wire::most_runs_a_line : 70});
     rows.host.do_not_resume();
@@ -354,18 +354,19 @@ TEST(Rows, GoOnAtTheFirstLineNotRun) {
     for (int k = 0; k < 800; ++k) rows.host.step();
     if (i % 3 != 0) {
       ASSERT_EQ(rows.host.status().state, MachineState::hold);
-      ASSERT_FALSE(rows.has_reached(rows.host.status().first_unfired)) << "it is done";
+      ASSERT_FALSE(rows.has_reached(rows.host.status().first_unfired))
+          << "the line was reported as not run";
     }
     rows.host.command(wire::Command::stop);
     for (int k = 0; k < 800; ++k) rows.host.step();
-    const wire::Status told = rows.host.status();
-    ASSERT_EQ(told.state, MachineState::idle);
-    ASSERT_GT(told.first_unfired, 2u);
-    ASSERT_LT(told.first_unfired, rows.lines.size());
-    // Where a line was burnt in part it is burnt from its beginning; elsewhere nothing is.
+    const wire::Status reported = rows.host.status();
+    ASSERT_EQ(reported.state, MachineState::idle);
+    ASSERT_GT(reported.first_unfired, 2u);
+    ASSERT_LT(reported.first_unfired, rows.lines.size());
+    // A line that was burnt in part is burnt again from its beginning; no other line is.
     wire::JobHeader header = row_header(rows.machine);
-    header.first_index = told.first_unfired;
-    header.origin_steps = rows.lines[told.first_unfired - 1].line.steps;
+    header.first_index = reported.first_unfired;
+    header.origin_steps = rows.lines[reported.first_unfired - 1].line.steps;
     RowHost next(rows.cable, rows.lines, header, 78);
     ASSERT_TRUE(next.run(60));
     EXPECT_EQ(next.status().first_unfired, rows.lines.size());
@@ -376,24 +377,24 @@ TEST(Rows, GoOnAtTheFirstLineNotRun) {
     EXPECT_LE(light.twice, rows.raster.columns());
     EXPECT_LT(std::abs(light.elsewhere), 1e-3);
     const std::int32_t row = header.origin_steps[1] / Raster::steps_per_pixel;
-    const CellLight behind =
+    const CellLight rows_after =
         cell_light(rows.raster, rows.rig.monitor, rows.rig.board.world().beam(),
                    static_cast<std::size_t>(row) + 1);
-    EXPECT_EQ(behind.twice, 0);
+    EXPECT_EQ(rows_after.twice, 0);
   }
 }
 
-/// What is done is never told too early, and soon enough.
-TEST(Rows, TellHowFarTheyAre) {
+/// A line is reported as run never before it is, and soon after.
+TEST(Rows, ReportTheirProgress) {
   RowRig rows(Raster(7, 6, 200, 3), {.most_runs = 40});
-  std::uint32_t told = 0;
+  std::uint32_t reported = 0;
   while (!rows.host.done() && rows.rig.board.now() < 60 * ps_per_s) {
     rows.host.step();
     const std::uint32_t first = rows.rig.status().first_unfired;
-    ASSERT_GE(first, told);
+    ASSERT_GE(first, reported);
     ASSERT_LE(first, rows.lines.size());
-    if (first > told && first < rows.lines.size()) {
-      // The machine is on this line, or has just left the one before.
+    if (first > reported && first < rows.lines.size()) {
+      // The machine is on this line or has just left the line before.
       const StepPosition& from = rows.lines[first - 1].line.steps;
       const StepPosition& to = rows.lines[first].line.steps;
       const auto at = [&](int axis) {
@@ -407,31 +408,31 @@ TEST(Rows, TellHowFarTheyAre) {
         EXPECT_LE(at(axis), std::max(from[a], to[a]) + slack);
       }
     }
-    told = first;
+    reported = first;
   }
-  EXPECT_EQ(told, rows.lines.size());
+  EXPECT_EQ(reported, rows.lines.size());
 }
 
-/// The first line has light, and the machine is elsewhere: there first, dark.
+/// If the machine is not at the origin of a first line with light, it moves there in the dark.
 TEST(Rows, BeginAtTheOriginOfTheirFirstLine) {
   RowRig rows(Raster(8, 2, 100, 3));
   ProgramHost by_hand(rows.rig);
   by_hand.ask("G21 G90 G0 X-30 Y20\n");
-  ASSERT_TRUE(by_hand.stand());
+  ASSERT_TRUE(by_hand.wait_for_rest());
   wire::JobHeader header = row_header(rows.machine);
   header.origin_steps = rows.lines[0].line.steps;
   header.first_index = 1;
   RowHost host(rows.cable, rows.lines, header);
   ASSERT_TRUE(host.run(30));
   rows.expect_burnt();
-  // And programs know where the machine is.
+  // A program then starts from the machine's position.
   by_hand.ask("G0 X0\n");
-  ASSERT_TRUE(by_hand.stand());
+  ASSERT_TRUE(by_hand.wait_for_rest());
   EXPECT_EQ(by_hand.position()[0], 0);
   EXPECT_EQ(by_hand.position()[1], rows.lines.back().line.steps[1]);
 }
 
-TEST(Rows, OfADryJobAreTheSameWayInTheDark) {
+TEST(Rows, OfADryJobMakeTheSameStepsInTheDark) {
   const Raster raster(9, 3, 200, 3);
   RowRig lit(raster), dark(raster);
   ASSERT_TRUE(lit.host.run(30));
@@ -445,7 +446,7 @@ TEST(Rows, OfADryJobAreTheSameWayInTheDark) {
   for (std::size_t i = 0; i < x.size(); ++i) ASSERT_EQ(x[i].position, y[i].position);
 }
 
-/// BEGIN, or the first frame, is refused.
+/// Sends BEGIN and the first frame; returns the result that refuses one of them, or ok.
 Result refusal(const job::Profile& machine, const std::vector<std::uint8_t>& records,
                std::uint32_t* value = nullptr, std::uint32_t total = 100) {
   Rig rig(machine);
@@ -465,7 +466,7 @@ Result refusal(const job::Profile& machine, const std::vector<std::uint8_t>& rec
   return result;
 }
 
-TEST(Rows, ThatCannotBeAreRefusedWhole) {
+TEST(Rows, ThatAreInvalidAreRefusedWhole) {
   job::Profile machine = raster_machine();
   const std::vector<std::uint8_t> good{0xC3, 0, 0, 0, 1, 0xC4, 1, 0xE0, 0xFF, 0x01, 100};
   const auto and_then = [&good](std::vector<std::uint8_t> bytes) {
@@ -491,7 +492,7 @@ TEST(Rows, ThatCannotBeAreRefusedWhole) {
   EXPECT_EQ(value, settings::number(Id::laser_mode));
 }
 
-/// More than there is room for is not taken, whatever STATUS told; it is when there is room.
+/// A frame without room is refused, whatever STATUS reported, and accepted once there is room.
 TEST(Rows, AreNotTakenWithoutRoom) {
   Rig rig(raster_machine());
   rig.run(ps_per_ms);
@@ -511,7 +512,7 @@ TEST(Rows, AreNotTakenWithoutRoom) {
   }
   const std::uint32_t free_points = rig.status().free_points;
   EXPECT_EQ(core.on_data(frame), Result::no_space);
-  // Of 19 places each line wants one for itself.
+  // Each of the two lines needs one of the 19 places for itself.
   const auto two_lines = [](std::uint8_t runs) {
     std::vector<std::uint8_t> bytes;
     for (int i = 0; i < 2; ++i) {
@@ -528,7 +529,7 @@ TEST(Rows, AreNotTakenWithoutRoom) {
   EXPECT_EQ(rig.status().free_runs, 1024u);
   EXPECT_EQ(rig.status().first_unfired, 5u);
   EXPECT_EQ(core.on_data(frame), Result::ok);
-  // Lines without light need no runs, but room they need.
+  // Lines without light need no runs, but they need room.
   std::vector<std::uint8_t> rapids;
   for (std::size_t i = 0; i < wire::most_lines_a_frame; ++i)
     rapids.insert(rapids.end(), {0x41, static_cast<std::uint8_t>(i % 2 == 0 ? 1 : 255)});
@@ -537,8 +538,8 @@ TEST(Rows, AreNotTakenWithoutRoom) {
   EXPECT_LT(rig.status().free_points, wire::most_lines_a_frame);
 }
 
-/// Spoilt frames whose check sum was right: whole or not at all, nothing beyond the work space, and
-/// a stop ends what came of it.
+/// Corrupted frames with a correct checksum are accepted whole or not at all and never lead out of
+/// the work area; a stop ends the job.
 TEST(Rows, OfGarbageAreTakenWholeOrNotAtAll) {
   int taken = 0;
   for (int i = 0; i < scaled(40); ++i) {
@@ -582,7 +583,7 @@ TEST(Rows, OfGarbageAreTakenWholeOrNotAtAll) {
   EXPECT_GT(taken, scaled(40));
 }
 
-/// Lines of text meanwhile: programs are refused, questions answered; nothing changes the job.
+/// Lines of text during a row job: programs are refused, queries answered; the job is unaffected.
 TEST(Rows, TakeNoProgramsMeanwhile) {
   RowRig rows(Raster(4, 4, 200, 3));
   for (int k = 0; k < 500; ++k) rows.host.step();
@@ -597,7 +598,7 @@ TEST(Rows, TakeNoProgramsMeanwhile) {
   rows.expect_burnt();
 }
 
-/// No shots, and a lamp's frequency is nothing to change; with a lamp the lattice follows it.
+/// A row job fires no shots and refuses a change of the lamp's frequency, even with a lamp.
 TEST(Rows, FireNoShotsBesideALamp) {
   const Raster raster(5, 3, 200, 3);
   job::Profile machine = raster_machine();

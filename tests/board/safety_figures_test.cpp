@@ -1,5 +1,5 @@
-// Times that docs/safety.md states, measured at the pins of the virtual board and printed. What
-// only the flash image can show is measured in tests/chip_board; the page lists both.
+// Times that docs/safety.md states, measured at the pins of the virtual board and printed.
+// tests/chip_board measures those that need the flash image; the page lists both.
 #include <gmock/gmock.h>
 
 #include <random>
@@ -15,7 +15,7 @@ namespace {
 
 using sim::Picoseconds;
 
-/// Keeps when one pin changed last.
+/// Stores the time of a pin's last change.
 class LastChange final : public sim::PinListener {
  public:
   LastChange(sim::PinBus& bus, sim::Pin pin) { bus.listen(pin, *this); }
@@ -34,7 +34,7 @@ job::Profile burning_profile() {
   return profile;
 }
 
-/// When it became dark for good.
+/// The time from which the laser stayed dark.
 Picoseconds dark_since(const Rig& rig) {
   Picoseconds at = 0;
   for (const sim::BeamChange& change : rig.board.world().beam().changes())
@@ -42,7 +42,7 @@ Picoseconds dark_since(const Rig& rig) {
   return at;
 }
 
-/// Something happens while the laser burns: how long it shines on, at most, of some moments.
+/// The longest light after an event while the laser burns, over several moments.
 template <class Happens>
 Picoseconds longest_light(Happens&& happens) {
   std::mt19937_64 random(1);
@@ -82,18 +82,18 @@ TEST(SafetyFigures, DrivesHoldBeforeTheyStep) {
   const LastChange enable(rig.board.bus(), sim::Pin::enable);
   ProgramHost host(rig);
   host.ask("G1 X1 F3000\n");
-  ASSERT_TRUE(host.stand());
+  ASSERT_TRUE(host.wait_for_rest());
   host.run_ms(200);
-  ASSERT_FALSE(rig.board.bus().level(sim::Pin::enable)) << "they were not released";
+  ASSERT_FALSE(rig.board.bus().level(sim::Pin::enable)) << "the drives were not released";
   const std::size_t before = rig.monitor.steps(0).size();
   host.ask("G1 X2\n");
-  ASSERT_TRUE(host.stand());
+  ASSERT_TRUE(host.wait_for_rest());
   ASSERT_GT(rig.monitor.steps(0).size(), before);
   expect_figure("first step after the drives are enabled",
                 rig.monitor.steps(0)[before].at - enable.rose(), 200, 210);
 }
 
-/// Of a job whose host is silent and has no dead man: the machine waits for points.
+/// A job whose host is silent and has no dead man's timeout: the machine waits for points.
 TEST(SafetyFigures, AShutterClosesWhereItIsNotUsed) {
   job::Profile profile = lamp_profile();
   job::state_setting(profile, Id::dead_man, 0, "test");
@@ -121,11 +121,11 @@ TEST(SafetyFigures, ASilentHostIsNoticed) {
   const Picoseconds silent = rig.board.now();
   while (rig.state() == MachineState::run && rig.board.now() < silent + 5 * ps_per_s)
     rig.run(ps_per_ms);
-  // Its last frame was up to a request for the status ago.
+  // Its last frame was sent up to one status period ago.
   expect_figure("hold after the last call of a host", rig.board.now() - silent, 1800, 2001);
 }
 
-/// Until it is said that there is no lamp.
+/// Time until the machine reports a missing lamp.
 Picoseconds no_lamp_after(settings::LampMode mode) {
   sim::LampConfig dark;
   dark.on_after_s = 100;

@@ -1,4 +1,4 @@
-// Nothing moves and nothing fires that should not.
+// The machine never moves or fires without a valid job or program.
 #include <gmock/gmock.h>
 
 #include <regex>
@@ -12,19 +12,19 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A frame whose check sum is right and whose content is random.
+/// A frame with a correct checksum and random content.
 std::vector<std::uint8_t> random_frame(std::mt19937_64& random) {
   std::uniform_int_distribution<> byte(0, 255), length(0, 60);
   std::vector<std::uint8_t> content(static_cast<std::size_t>(length(random)));
   for (std::uint8_t& b : content) b = static_cast<std::uint8_t>(byte(random));
-  // Types that exist, most of the time, so that what they carry is looked at.
+  // Mostly types that exist, so that their content is parsed.
   if (!content.empty()) content[0] = static_cast<std::uint8_t>(0x40 + byte(random) % 5);
   std::vector<std::uint8_t> frame(2 * (content.size() + wire::crc_size) + 2);
   frame.resize(wire::encode_frame(content, frame));
   return frame;
 }
 
-/// The line that has not ended yet, of all that came in so far (docs/wire-format.md).
+/// The incomplete line at the end of all bytes so far (docs/wire-format.md).
 class OpenLine {
  public:
   void add(std::uint8_t byte) {
@@ -40,10 +40,10 @@ class OpenLine {
       text_ += static_cast<char>(byte);
     }
   }
-  /// It is made of words and comments as a line of a program is, or is a "$" command.
+  /// The line consists of words and comments as a program line does, or is a "$" command.
   bool says_something() const {
     static const std::regex command(R"(\s*\$\s*[A-Za-z0-9].*)");
-    static const std::regex comment(R"(\([^)]*\)?|;.*|[\s/%])");  // and what counts as nothing
+    static const std::regex comment(R"(\([^)]*\)?|;.*|[\s/%])");  // and ignored characters
     static const std::regex words(R"(([A-Za-z][-+]*[0-9.][-+.0-9]*)+)");
     const bool lost = std::any_of(text_.begin(), text_.end(),
                                   [](char c) { return (c < ' ' && c != '\t') || c == '\x7F'; });
@@ -73,9 +73,8 @@ std::vector<std::uint8_t> random_piece(std::mt19937_64& random, Garbage kind) {
   return piece;
 }
 
-/// Types bytes that no job and no program is made of. Of some thousand random lines one is "Z9",
-/// which is a program: a machine that obeys is not at fault. Such a line gets a control
-/// character, which none may have.
+/// Sends bytes that are not a job or a program. One in some thousand random lines is valid, such as
+/// "Z9", and may move the machine. Such a line gets a control character, which no valid line has.
 void type_garbage(Rig& rig, std::uint64_t seed, int pieces, Garbage kind) {
   std::mt19937_64 random(seed);
   OpenLine line;
@@ -99,7 +98,7 @@ void type_garbage(Rig& rig, std::uint64_t seed, int pieces, Garbage kind) {
     while (rig.board.read(answer) != 0) {
     }
   }
-  EXPECT_LE(spoilt, 2 + lines / 200) << "most lines are garbage as they come";
+  EXPECT_LE(spoilt, 2 + lines / 200) << "most lines must be invalid unchanged";
 }
 
 TEST(Safety, GarbageNeverMovesNorFires) {
@@ -110,12 +109,12 @@ TEST(Safety, GarbageNeverMovesNorFires) {
     SCOPED_TRACE(testing::Message() << "seed " << ++seed);
     type_garbage(rig, seed, scaled(4000), kind);
     EXPECT_TRUE(rig.monitor.nothing_happened());
-    // A '!' somewhere in it holds the machine, which a reset ends; nothing else has come of it.
+    // A '!' among the bytes holds the machine, and a reset ends that; no other effect is permitted.
     EXPECT_TRUE(rig.state() == MachineState::idle || rig.state() == MachineState::hold);
     rig.board.write(std::array<std::uint8_t, 2>{0x18, '\n'});
     rig.run(ps_per_ms);
     EXPECT_EQ(rig.state(), MachineState::idle);
-    // And a job runs as if nothing had been.
+    // A job then runs as usual.
     const job::Job job = job::make_job(histogram_walk(50, 1), profile, {});
     ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, true));
@@ -151,7 +150,7 @@ TEST(Safety, ADryJobPassesEveryPointAndFiresNowhere) {
     EXPECT_EQ(result.status.first_unfired, job.targets.size());
     EXPECT_TRUE(rig.monitor.fires().empty());
     expect_sound(rig, profile.settings);
-    // The same way at the same beats as when it fires: compare with the wet job's steps.
+    // The motion has the same beats as a firing job: compare with that job's steps.
     job::JobOptions wet_options = options;
     wet_options.dry = false;
     Rig wet(profile);
@@ -166,7 +165,7 @@ TEST(Safety, ADryJobPassesEveryPointAndFiresNowhere) {
   }
 }
 
-/// What a machine answers to a job it must not run.
+/// The machine's answer to a job that it must refuse; "taken" if it accepts it.
 std::string refusal(Rig& rig, const job::Job& job) {
   std::string text = "taken";
   try {
@@ -189,12 +188,12 @@ TEST(Safety, SettingsBeyondTheMachineAreRefusedByNumber) {
       Rig rig(machine);
       EXPECT_THAT(refusal(rig, job::make_job(histogram_walk(20, 1), asked, {})),
                   HasSubstr(std::string("$") + std::to_string(settings::row(row).number)));
-      EXPECT_EQ(rig.board.controller().values(), machine.settings) << "kept what it refused";
+      EXPECT_EQ(rig.board.controller().values(), machine.settings) << "stored a refused value";
     }
   }
 }
 
-TEST(Safety, ProtectionsCannotBeLoosenedByAJob) {
+TEST(Safety, AJobCannotWeakenProtections) {
   job::Profile machine = lamp_profile();
   machine.settings.set_milli(Id::lamp_warm_up, 5'000);
   machine.settings.set_milli(Id::max_shot_rate, 150'000);
@@ -222,15 +221,15 @@ TEST(Safety, ProtectionsCannotBeLoosenedByAJob) {
   }
 }
 
-/// What a lamp may be triggered with is the machine's: a job may neither make us its master, nor
-/// trigger it faster, nor with another energy than the machine knows.
-TEST(Safety, TheLampIsNotTriggeredInAnotherWayByAJob) {
+/// The machine defines how a lamp may be triggered: a job cannot make the board its master, trigger
+/// it faster, or use another energy than the machine's.
+TEST(Safety, AJobCannotChangeHowTheLampIsTriggered) {
   using settings::LampMode;
   struct Case {
     LampMode machine, job;
     double job_hz;
     bool dry;
-    const char* refused;  ///< empty: it is run
+    const char* refused;  ///< empty if the job runs
   };
   const Case cases[] = {
       {LampMode::slave, LampMode::master, 100, false, "$900"},
@@ -269,7 +268,7 @@ TEST(Safety, ALampIsNotTriggeredBeyondItsLimits) {
   ProgramHost host(rig);
   const auto refused = testing::ElementsAre("error:52");
   const auto taken = testing::ElementsAre("ok");
-  EXPECT_THAT(host.ask("$900=2\n"), refused) << "the energy of a flash is not known";
+  EXPECT_THAT(host.ask("$900=2\n"), refused) << "the energy of a flash is unknown";
   EXPECT_THAT(host.ask("$922=20.001\n"), refused);
   EXPECT_THAT(host.ask("$923=100000\n"), refused);
   EXPECT_THAT(host.ask("$922=4\n"), taken);
@@ -282,7 +281,7 @@ TEST(Safety, ALampIsNotTriggeredBeyondItsLimits) {
   EXPECT_THAT(host.ask("$935=3\n"), refused) << "a flash has 4 J";
 }
 
-TEST(Safety, AJobThatIsTooMuchForTheLaserIsRefused) {
+TEST(Safety, AJobBeyondTheLasersLimitsIsRefused) {
   const job::Profile machine = lamp_profile();
   job::Profile asked = machine;
   job::state_setting(asked, Id::lamp_energy, 10.001, "test");  // at 100 Hz
@@ -342,7 +341,7 @@ TEST(Safety, OverridesEndWithTheJob) {
     ASSERT_EQ(run_job(rig, job, options).end, link::JobEnd::done);
     rig.run(10 * ps_per_ms);
     EXPECT_EQ(rig.board.controller().values(), machine.settings);
-    // The machine's own lamp is the beat again, and nobody triggers it.
+    // The machine's own lamp gives the beat again, and the board does not trigger it.
     const int in_the_job = trigger.count();
     EXPECT_GT(in_the_job, 20 * static_cast<int>(session));
     rig.run(300 * ps_per_ms);
@@ -352,7 +351,7 @@ TEST(Safety, OverridesEndWithTheJob) {
   }
 }
 
-TEST(Safety, AJobCannotChangeWhatTheMachineIs) {
+TEST(Safety, AJobCannotChangeSettingsOfTheMachine) {
   const job::Profile machine = lamp_profile();
   const std::pair<Id, std::int32_t> other[] = {{Id::steps_per_mm_x, 400'000},
                                                {Id::steps_per_mm_y, 199'999},
@@ -372,16 +371,16 @@ TEST(Safety, AJobCannotChangeWhatTheMachineIs) {
     ASSERT_TRUE(asked.settings.set_milli(id, value));
     asked.stated.set(static_cast<std::size_t>(id));
     Rig rig(machine);
-    // $0 cannot be named: 0 says that a refusal is not about a setting.
+    // $0 cannot be reported: 0 means that a refusal is not about a setting.
     const std::string name = std::string("$") + std::to_string(settings::row(id).number);
     EXPECT_THAT(refusal(rig, job::make_job({{1, 1, 0}, {2, 1, 0}}, asked, {})),
-                HasSubstr("machine: refuses " + (id == Id::step_pulse ? "a value" : name)));
+                HasSubstr("machine: " + (id == Id::step_pulse ? "the job header" : name)));
     EXPECT_TRUE(rig.monitor.nothing_happened());
-    EXPECT_EQ(rig.board.controller().values(), machine.settings) << "kept what it refused";
+    EXPECT_EQ(rig.board.controller().values(), machine.settings) << "stored a refused value";
   }
 }
 
-TEST(Safety, AJobMayAskForLessAndItEndsWithTheJob) {
+TEST(Safety, AJobMayLowerLimitsUntilItEnds) {
   const job::Profile machine = lamp_profile();
   job::Profile slower = machine;
   job::set_speed(slower, 0.005);
@@ -401,12 +400,12 @@ TEST(Safety, AJobMayAskForLessAndItEndsWithTheJob) {
 
 TEST(Safety, JobsForAnotherMachineAreRefused) {
   const job::Profile machine = lamp_profile();
-  const points::PointCloud points = histogram_walk(20, 1);
+  const geometry::PointCloud points = histogram_walk(20, 1);
   {
     job::Job job = job::make_job(points, machine, {});
     job.header.override_count = 0;
     job.header.axes = 2;
-    for (motion::Target& target : job.targets) target.steps[2] = 0;
+    for (wire::Target& target : job.targets) target.steps[2] = 0;
     Rig rig(machine);
     EXPECT_THAT(refusal(rig, job), HasSubstr("$960"));
   }
@@ -419,7 +418,7 @@ TEST(Safety, JobsForAnotherMachineAreRefused) {
     EXPECT_THAT(refusal(rig, job), HasSubstr("other settings"));
   }
   {
-    // A corner may not be taken faster than the machine's own setting allows.
+    // A corner's speed is limited by the machine's own setting.
     job::Profile faster = machine;
     job::state_setting(faster, Id::speed_jump_y, 0.5, "test");
     Rig rig(machine);
@@ -429,7 +428,7 @@ TEST(Safety, JobsForAnotherMachineAreRefused) {
     job::Job job = job::make_job(points, machine, {});
     job.header.overrides[job.header.override_count++] = {9999, 1};
     Rig rig(machine);
-    EXPECT_THAT(refusal(rig, job), HasSubstr("machine: refuses"));
+    EXPECT_THAT(refusal(rig, job), HasSubstr("the machine does not allow"));
   }
 }
 
@@ -442,11 +441,11 @@ TEST(Safety, PointsOutsideTheWorkSpaceAreRefusedByTheFirmwareToo) {
   }
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-50.005, 50.005}) {
-      points::PointCloud points(10, {1, 1, 1});
+      geometry::PointCloud points(10, {1, 1, 1});
       double& v = axis == 0 ? points[7].x : axis == 1 ? points[7].y : points[7].z;
       v = side;
       job::Job job = job::make_job(points, larger, {});
-      job.header.override_count = 0;  // the machine's own space is what counts
+      job.header.override_count = 0;  // the machine's own work area applies
       Rig rig(machine);
       EXPECT_THAT(refusal(rig, job), testing::StartsWith("error: point 7: is outside"));
     }

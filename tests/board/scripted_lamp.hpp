@@ -1,4 +1,4 @@
-// A lamp that flashes when a test says so: stops, jumps of the period.
+// A lamp that flashes as a test specifies: stops, jumps of the period.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace lamplock::test {
 
-/// Edges of LAMP SYNC that a lamp gives which a test has written down.
+/// Edges of LAMP SYNC from a lamp that follows a script.
 class LampScript {
  public:
   /// The lamp flashes with this period for that long.
@@ -20,7 +20,7 @@ class LampScript {
     now_ += time;
     return *this;
   }
-  /// Connects it to a board whose own lamp does not flash.
+  /// Connects the script to a board whose own lamp does not flash.
   void connect(sim::VirtualBoard& board) const {
     constexpr sim::Picoseconds width = 20 * ps_per_us;
     for (const sim::Picoseconds edge : edges_) {

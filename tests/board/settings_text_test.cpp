@@ -1,5 +1,4 @@
-// Settings by text: what is asked for is listed, kept over a restart, and refused when it cannot
-// be.
+// Settings as text: changes are listed, kept over a restart, and refused when invalid.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -16,7 +15,7 @@ using testing::HasSubstr;
 struct Terminal {
   explicit Terminal(Rig& board) : rig(board) { answer(""); }
 
-  /// Everything the machine says to a line.
+  /// The machine's complete answer to a line.
   std::string answer(const std::string& line) {
     const std::string typed = line + "\n";
     rig.board.write({reinterpret_cast<const std::uint8_t*>(typed.data()), typed.size()});
@@ -49,13 +48,13 @@ TEST(SettingsText, EverySettingIsListedAndReadsBack) {
 TEST(SettingsText, RandomValuesAreKeptOverARestart) {
   std::mt19937_64 random(5);
   settings::Values wanted = lamp_profile().settings;
-  wanted.set_milli(Id::hard_limits, 0);  // an alarm as soon as $5 makes a switch one that engages
+  wanted.set_milli(Id::hard_limits, 0);  // else an alarm as soon as $5 makes a switch engaged
   for (int round = 0; round < scaled(20); ++round) {
     Rig rig(wanted, world_for(lamp_profile()));
     Terminal user(rig);
     for (int i = 0; i < 30; ++i) {
       const auto id = static_cast<Id>(random() % settings::setting_count);
-      // What motors that axes share can have is another test's (core_xy_test.cpp).
+      // core_xy_test.cpp tests the settings of motors that axes share.
       if (id == Id::hard_limits || id == Id::kinematics || id == Id::ganged_axis) continue;
       const settings::Row& row = settings::row(id);
       std::int32_t value =
@@ -77,7 +76,7 @@ TEST(SettingsText, RandomValuesAreKeptOverARestart) {
   }
 }
 
-TEST(SettingsText, WhatTheLaserDoesNotBearIsRefused) {
+TEST(SettingsText, ValuesBeyondTheLasersLimitsAreRefused) {
   Rig rig(lamp_profile(50));
   Terminal user(rig);
   EXPECT_EQ(user.answer("$922=20"), "ok\r\n");  // 20 J at 50 Hz: 1000 W
@@ -87,23 +86,23 @@ TEST(SettingsText, WhatTheLaserDoesNotBearIsRefused) {
   EXPECT_EQ(user.answer("$922=20.001"), "error:52\r\n");
   EXPECT_EQ(user.answer("$923=999.999"), "error:52\r\n");
   EXPECT_EQ(user.answer("$910=1"), "ok\r\n");
-  EXPECT_EQ(user.answer("$900=2"), "error:52\r\n");  // ours to trigger, up to 1 % faster
+  EXPECT_EQ(user.answer("$900=2"), "error:52\r\n");  // triggered by the board, up to 1 % faster
   EXPECT_EQ(user.answer("$922=19.8"), "ok\r\n");
   EXPECT_EQ(user.answer("$900=2"), "ok\r\n");
-  EXPECT_EQ(user.answer("$922=0"), "error:52\r\n");  // it has to be known to trigger the lamp
+  EXPECT_EQ(user.answer("$922=0"), "error:52\r\n");  // triggering needs a known energy
   EXPECT_EQ(user.answer("$900=1"), "ok\r\n");
   EXPECT_EQ(user.answer("$922=0"), "ok\r\n");
   EXPECT_EQ(user.answer("$901=200"), "ok\r\n");
-  EXPECT_EQ(user.answer("$929=4995"), "ok\r\n");  // nobody asks the sensors
+  EXPECT_EQ(user.answer("$929=4995"), "ok\r\n");  // the sensors are not used
   EXPECT_EQ(user.answer("$927=1"), "error:52\r\n");
   EXPECT_EQ(user.answer("$929=200"), "ok\r\n");
   EXPECT_EQ(user.answer("$927=2"), "ok\r\n");
-  EXPECT_EQ(user.answer("$901=1000"), "error:52\r\n");  // too fast to know before the next shot
+  EXPECT_EQ(user.answer("$901=1000"), "error:52\r\n");  // the sensors answer after the next shot
   EXPECT_EQ(user.answer("$927=1"), "ok\r\n");
   EXPECT_EQ(user.answer("$901=1000"), "ok\r\n");
 }
 
-TEST(SettingsText, HalfALineIsNotFinishedByANewConnectionNorBehindAReset) {
+TEST(SettingsText, AnIncompleteLineEndsWithItsConnectionAndAtAReset) {
   Rig rig(lamp_profile());
   Terminal user(rig);
   const auto type = [&rig](std::string_view text) {
@@ -117,20 +116,20 @@ TEST(SettingsText, HalfALineIsNotFinishedByANewConnectionNorBehindAReset) {
   EXPECT_THAT(user.answer("\x18"
                           "0"),
               AllOf(HasSubstr("Grbl 1.1"), EndsWith("error:1\r\n")));
-  // A frame that was begun would swallow the line.
+  // An incomplete frame would swallow the line.
   type(
       "\x02"
       "abc");
   rig.board.reconnect();
   EXPECT_THAT(user.answer("$I"), EndsWith("ok\r\n"));
   EXPECT_EQ(rig.board.stored_settings(), lamp_profile().settings);
-  // Unbroken, the two halves are a line.
+  // Without an interruption the two halves make one line.
   type("$110=6");
   EXPECT_EQ(user.answer("0"), "ok\r\n");
   EXPECT_EQ(rig.board.stored_settings().whole(Id::max_rate_x), 60);
 }
 
-TEST(SettingsText, WhatIsNoSettingIsRefusedByNumber) {
+TEST(SettingsText, UnknownSettingsAreRefusedByNumber) {
   Rig rig(lamp_profile());
   Terminal user(rig);
   for (const char* line : {"$q", "$=1", "$901", "$901x=1", "$902345=1", "$99999999999=1", "$7=1"})
@@ -140,7 +139,7 @@ TEST(SettingsText, WhatIsNoSettingIsRefusedByNumber) {
     EXPECT_EQ(user.answer(line), "error:2\r\n") << line;
   for (const char* line : {"$901=0.999", "$901=5000.001", "$901=-100", "$960=2.5", "$900=3"})
     EXPECT_EQ(user.answer(line), "error:52\r\n") << line;
-  EXPECT_EQ(user.answer("$111=599999"), "error:52\r\n");  // more than a step a tick
+  EXPECT_EQ(user.answer("$111=599999"), "error:52\r\n");  // more than one step per tick
   EXPECT_EQ(rig.board.stored_settings(), lamp_profile().settings);
 }
 
@@ -180,7 +179,7 @@ TEST(SettingsText, NothingIsChangedWhileTheMachineIsBusy) {
   expect_each_once(rig, job, false);
 }
 
-TEST(SettingsText, DefaultsComeBack) {
+TEST(SettingsText, DefaultsAreRestored) {
   Rig rig(lamp_profile(50));
   Terminal user(rig);
   EXPECT_EQ(user.answer("$RST=$"), "[MSG:Restoring defaults]\r\nok\r\n");
@@ -197,14 +196,14 @@ TEST(SettingsText, TheLoaderIsEnteredAtRestAndEndsEverything) {
   EXPECT_TRUE(rig.monitor.nothing_happened());
 }
 
-TEST(SettingsText, TheLoaderIsEnteredUnderTheEStopToo) {
+TEST(SettingsText, TheLoaderIsEnteredAtAnEStopToo) {
   const job::Profile profile = lamp_profile();
   Rig rig(profile);
   Terminal user(rig);
   rig.board.world().schedule(sim::Pin::estop, true, rig.board.now() + ps_per_ms);
   rig.board.run_until(rig.board.now() + 100 * ps_per_ms);
   ASSERT_EQ(rig.board.controller().state(), MachineState::estop);
-  EXPECT_THAT(user.answer("$901=50"), HasSubstr("error:8\r\n")) << "and nothing else";
+  EXPECT_THAT(user.answer("$901=50"), HasSubstr("error:8\r\n")) << "any other command is refused";
   EXPECT_EQ(user.answer("$BOOT"), "ok\r\n");
   EXPECT_TRUE(rig.board.controller().loader_requested());
   EXPECT_TRUE(rig.monitor.nothing_happened());

@@ -1,4 +1,4 @@
-// Several flashes at one point, dwells, fixed beats: fired as often as ordered, whatever happens.
+// Several flashes at one point, dwells, fixed beats: every point is fired as often as ordered.
 #include "host/error.hpp"
 #include "tests/board/mixed_job.hpp"
 
@@ -20,16 +20,16 @@ TEST(SeveralShots, FiredAsOftenAsOrdered) {
     ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
     expect_sound(rig, profile.settings);
     expect_ledger(rig, result.status);
-    // On the way back from a missed flash the machine comes to a dwell as to any other place.
+    // The return after a missed flash treats a dwell as any other place.
     if (dropouts) continue;
     EXPECT_EQ(rig.board.controller().runner().misses(), 0u);
     ASSERT_NO_FATAL_FAILURE(expect_dwells(rig, job, hz));
   }
 }
 
-/// One point, more flashes than a window holds: a flash on every beat, and not a step in between
-/// but for the first and last ones.
-TEST(SeveralShots, AtRestOneOnEveryBeat) {
+/// One point with more flashes than a window holds: a flash on every beat, and steps only before
+/// the first and after the last.
+TEST(SeveralShots, FireOnEveryBeatAtRest) {
   const job::Profile profile = lamp_profile();
   job::JobOptions options;
   options.shots = 255;
@@ -42,7 +42,7 @@ TEST(SeveralShots, AtRestOneOnEveryBeat) {
   EXPECT_FALSE(rig.monitor.stepped(rig.shots()[2].at, rig.shots()[252].at));
 }
 
-/// The highest shot rate holds for the flashes of one point too.
+/// The maximum shot rate applies to the flashes of one point too.
 TEST(SeveralShots, NoFasterThanTheHighestRate) {
   job::Profile profile = lamp_profile();
   job::state_setting(profile, Id::max_shot_rate, 34, "test");  // every third beat
@@ -57,14 +57,14 @@ TEST(SeveralShots, NoFasterThanTheHighestRate) {
 }
 
 /// A dwell costs exactly its beats.
-TEST(Dwell, OneBeatMoreIsOneBeatMore) {
+TEST(Dwell, CostsExactlyItsBeats) {
   const job::Profile profile = lamp_profile();
   for (const JoinMode mode : both_modes) {
     std::vector<std::uint32_t> beats;
     for (const unsigned dwell : {1u, 2u, 7u, 300u}) {
       job::Job job = job_for(histogram_walk(40, 6), profile, mode);
       for (const std::ptrdiff_t place : {8, 17, 30}) {
-        motion::Target target = job.targets[static_cast<std::size_t>(place) - 1];
+        wire::Target target = job.targets[static_cast<std::size_t>(place) - 1];
         target.shots = 0;
         target.beats = static_cast<std::uint16_t>(dwell);
         job.targets.insert(job.targets.begin() + place, target);
@@ -81,8 +81,8 @@ TEST(Dwell, OneBeatMoreIsOneBeatMore) {
   }
 }
 
-/// A dwell that is the first target of a resumed job is gone to first.
-TEST(Dwell, IsGoneToFirst) {
+/// If a dwell is the first target of a resumed job, the machine moves there first.
+TEST(Dwell, BeginsAfterTheMoveToItsPlace) {
   const job::Profile profile = lamp_profile();
   job::Job job = job::make_job({{0, 0, 0}, {5, 5, 5}, {5, 5, 5}, {5, 6, 5}}, profile, {});
   job.targets[2].shots = 0;
@@ -94,7 +94,7 @@ TEST(Dwell, IsGoneToFirst) {
   ASSERT_EQ(result.end, link::JobEnd::done);
   ASSERT_EQ(rig.shots().size(), 1u);
   expect_sound(rig, profile.settings);
-  // X stands from the end of the way there on, while Y waits.
+  // X is at rest from the end of that move on, while Y waits.
   const sim::Picoseconds there = rig.monitor.steps(0).back().at;
   const auto& y = rig.monitor.steps(1);
   const auto next = std::find_if(y.begin(), y.end(), [&](const auto& s) { return s.at > there; });
@@ -105,7 +105,7 @@ TEST(Dwell, IsGoneToFirst) {
   EXPECT_NEAR(static_cast<double>(next->at - from), 200e9, 12e9);
 }
 
-/// Fixed beats that no limits allow: the index of the point, whatever comes before it.
+/// Fixed beats that limits do not permit: the error has the point's index, whatever precedes it.
 TEST(FixedBeats, TooFewNameThePoint) {
   for (const std::uint32_t wrong : {1u, 7u, 8u, 20u, 39u}) {
     SCOPED_TRACE(testing::Message() << "point " << wrong);
@@ -122,7 +122,7 @@ TEST(FixedBeats, TooFewNameThePoint) {
     link::JobSender sender(transport, job, sending);
     try {
       sender.run();
-      FAIL() << "it went there";
+      FAIL() << "the machine moved to the point";
     } catch (const Error& error) {
       const std::string text = error.what();
       EXPECT_EQ(text.find("error: point " + std::to_string(wrong) + ": "), 0u) << text;
@@ -132,26 +132,26 @@ TEST(FixedBeats, TooFewNameThePoint) {
     expect_sound(rig, profile.settings);
     rig.run(500 * ps_per_ms);
     EXPECT_EQ(rig.state(), MachineState::idle);
-    // Another job does the rest, and not one flash more.
+    // Another job fires exactly the rest.
     job.targets[wrong].beats = 0;
     job::Job rest = job;
     link::SenderOptions again;
     again.session = 2;
     again.first_index = rig.status().first_unfired;
-    motion::Target& next = rest.targets[again.first_index];
+    wire::Target& next = rest.targets[again.first_index];
     next.shots = static_cast<std::uint8_t>(next.shots - sender.result().flashes_fired);
     EXPECT_EQ(run_job(rig, rest, again).end, link::JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
   }
 }
 
-/// A job that is gone on with does not come from the target before.
-TEST(FixedBeats, HoldNotFromAnywhereElse) {
+/// A continued job does not start from the target before.
+TEST(FixedBeats, DoNotApplyFromAnotherPlace) {
   const job::Profile profile = lamp_profile();
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   for (int i = 0; i < 30; ++i) cloud.push_back({30 + 0.1 * i, 30, -30});
   job::Job job = job_for(cloud, profile, JoinMode::start_stop);
-  for (motion::Target& target : job.targets) target.beats = 2;
+  for (wire::Target& target : job.targets) target.beats = 2;
   Rig rig(profile);
   link::SenderOptions sending;
   sending.first_index = 10;
@@ -162,14 +162,14 @@ TEST(FixedBeats, HoldNotFromAnywhereElse) {
   expect_sound(rig, profile.settings);
 }
 
-/// After a hold the machine does not come from the target before: fixed beats do not bind it.
-TEST(FixedBeats, HoldOnlyOnTheWayFromTheTargetBefore) {
+/// After a hold the machine does not start from the target before, so fixed beats do not apply.
+TEST(FixedBeats, ApplyOnlyFromTheTargetBefore) {
   for (int seed = 0; seed < scaled(30); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const job::Profile profile = lamp_profile(100, settings::LampMode::slave, 10);
     job::Job job = job_for(histogram_walk(60, static_cast<std::uint64_t>(seed)), profile,
                            both_modes[seed % 2]);
-    // 16 mm, from rest to rest in 8 beats of 10 ms, is the most.
+    // The maximum is 16 mm, from rest to rest in 8 beats of 10 ms.
     constexpr int far_steps = 3000;
     for (std::size_t i = 1; i < job.targets.size(); ++i) {
       bool far = false;

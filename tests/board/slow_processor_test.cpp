@@ -1,4 +1,4 @@
-// A processor that takes long to plan: slower jobs, and nothing worse.
+// A processor that plans slowly: jobs take longer and are otherwise the same.
 #include <algorithm>
 
 #include "tests/board/board_cable.hpp"
@@ -19,7 +19,7 @@ TEST(SlowProcessor, LatePlansCostBeatsAndNothingElse) {
         lamp_profile(hz, settings::LampMode::slave, seed % 2 == 0 ? 2 : 10);
     const job::Job job =
         job_for(histogram_walk(250, seed), profile, both_modes[seed % 5 == 0 ? 1 : 0]);
-    // Missed flashes too: the way back is planned while the machine goes on.
+    // Missed flashes too: the way back is planned while the machine still moves.
     Rig rig(profile, {.dropout = seed % 4 == 0 ? 0.05 : 0.0, .seed = seed});
     rig.board.set_planning_time(
         std::uniform_int_distribution<sim::Picoseconds>(500 * ps_per_us, 400 * ps_per_ms)(random));
@@ -52,8 +52,8 @@ TEST(SlowProcessor, APlanInTimeIsThePlanOfAFastOne) {
     ASSERT_EQ(shots[1][i].beat - shots[0][i].beat, start) << i;
 }
 
-/// Planning that takes a little longer than the motion planned: about as long, not twice as long as
-/// where every window was waited for.
+/// Planning that takes slightly longer than the planned motion: the job takes about the planning
+/// time, not twice that, as it would if the machine waited for every window.
 TEST(SlowProcessor, KeepsUpAsWellAsItCan) {
   const job::Profile profile = lamp_profile();
   const std::size_t points = 1200;

@@ -1,9 +1,9 @@
-// Whether the places that drives passed are a staircase along a path: at every pulse every axis is
-// near the ideal place at one parameter of the path, and the parameter never goes back.
+// Checks that the places passed are a staircase along a path: at every pulse each axis is near the
+// ideal place at one parameter of the path, and the parameter never decreases.
 //
-// In:  places (step_path.hpp), a path of straight pieces in steps with fractions; how far beside it
-//      an axis may be. Out: what is wrong, as text.
-// Who: tests of programs. The rule is a search for a parameter, so it knows nothing of speeds.
+// In:  places (step_path.hpp), a path of straight pieces in steps with fractions, the permitted
+//      deviation of an axis. Out: deviations, as text.
+// Used by tests of programs. The check searches for a parameter, so it is independent of speeds.
 #pragma once
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ namespace lamplock::test {
 
 using StepPoint = std::array<double, 3>;
 
-/// A path as a program asks for it, in steps: exact ends, arcs as dense chords.
+/// A path as programmed, in steps: exact ends, arcs as dense chords.
 class IdealPath {
  public:
   explicit IdealPath(const StepPoint& steps_per_mm) : steps_per_mm_(steps_per_mm), points_(1) {}
@@ -32,7 +32,7 @@ class IdealPath {
     for (std::size_t a = 0; a < 3; ++a) p[a] = to_mm[a] * steps_per_mm_[a];
     points_.push_back(p);
   }
-  /// In X and Y about a centre, so far round it (positive: to the left).
+  /// An arc in X and Y about a centre, with this sweep (positive: counterclockwise).
   void arc(const MmPoint& to_mm, const MmPoint& centre_mm, double sweep) {
     const MmPoint from = at_mm_;
     const double radius = std::hypot(from[0] - centre_mm[0], from[1] - centre_mm[1]);
@@ -55,14 +55,14 @@ class IdealPath {
   std::vector<StepPoint> points_;
 };
 
-/// Follows a path from its beginning. Where the machine may be on the path at a place is a set, for
-/// a path may come back: of every piece it is one stretch.
+/// Follows a path from its beginning. A path may return to a place, so the possible positions on
+/// the path are a set: one stretch per piece.
 class StaircaseFollower {
  public:
   StaircaseFollower(const IdealPath& path, const StepPoint& bound)
       : path_(path.points()), bound_(bound) {}
 
-  /// What is wrong, or nothing.
+  /// Returns the deviation, or an empty text.
   std::string follow(const std::vector<PassedPlace>& places) {
     reached_ = {{0, 0, 0}};
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -75,7 +75,7 @@ class StaircaseFollower {
     }
     for (std::size_t a = 0; a < 3; ++a)
       if (places.back().steps[a] != std::round(path_.back()[a]))
-        return fmt::format("axis {} stands at {}, not at {}", a, places.back().steps[a],
+        return fmt::format("axis {} is at {}, not at {}", a, places.back().steps[a],
                            path_.back()[a]);
     go_on(places.back().steps, places.back().steps);
     const bool ends = !reached_.empty() && reached_.back().piece + 2 == path_.size() &&
@@ -90,7 +90,7 @@ class StaircaseFollower {
     double from, to;
   };
 
-  /// Where on a piece all axes are near a place; nowhere if it ends before it begins.
+  /// The stretch of a piece on which all axes are near a place; empty if it ends before it begins.
   Stretch near(std::size_t piece, const Steps& place) const {
     Stretch stretch{piece, 0, 1};
     for (std::size_t a = 0; a < 3; ++a) {
@@ -105,11 +105,11 @@ class StaircaseFollower {
     }
     return stretch;
   }
-  /// On along the path as far as `from` is near, and from there what is near `to`.
+  /// Follows the path as far as it is near `from`, and from there as far as it is near `to`.
   void go_on(const Steps& from, const Steps& to) {
     std::vector<Stretch> next;
     std::size_t known = 0;
-    bool comes = false;  // from the piece before
+    bool comes = false;  // reached from the piece before
     for (std::size_t piece = reached_.front().piece; piece + 1 < path_.size(); ++piece) {
       const bool has = known < reached_.size() && reached_[known].piece == piece;
       if (!has && !comes && known == reached_.size()) break;

@@ -1,5 +1,4 @@
-// The status line of a machine at work: state, position, speed, switches, as grbl's senders read
-// them.
+// The status line of a working machine in grbl's format: state, position, speed, switches.
 #include <gmock/gmock.h>
 
 #include "tests/board/board_cable.hpp"
@@ -14,7 +13,7 @@ using testing::StartsWith;
 
 class StatusLine : public testing::Test {
  protected:
-  /// What the board says to a '?' or a line, frames between it left out.
+  /// The board's answer to a '?' or a line, without frames.
   std::string ask(const std::string& text = "?") {
     rig_.board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
     rig_.run(ps_per_ms);
@@ -29,7 +28,7 @@ class StatusLine : public testing::Test {
     const std::size_t at = line.find(field);
     return at == std::string::npos ? -1 : std::stod(line.substr(at + field.size()));
   }
-  /// Runs a job; at each of some times one question.
+  /// Runs a job and asks one question at each given time.
   void run_job(const std::map<double, std::function<void()>>& questions) {
     job_ = job::make_job(histogram_walk(150, 5), profile_, {});
     BoardCable cable(rig_);
@@ -73,7 +72,7 @@ TEST_F(StatusLine, InAJob) {
   EXPECT_LT(fastest, 12'000);
 }
 
-TEST_F(StatusLine, InAHoldAndBehindTheDoor) {
+TEST_F(StatusLine, InAHoldAndAtAnOpenDoor) {
   std::vector<std::string> states;
   std::string line;
   const auto note = [this, &states, &line] {
@@ -108,10 +107,10 @@ TEST_F(StatusLine, InAHoldAndBehindTheDoor) {
                                            "<Door:1", "<Hold:0"));
 }
 
-TEST_F(StatusLine, TellsWhereTheMachineIs) {
+TEST_F(StatusLine, ReportsThePosition) {
   run_job({});
   const std::string line = ask();
-  const motion::Target& last = job_.targets.back();
+  const wire::Target& last = job_.targets.back();
   std::size_t at = line.find("MPos:") + 5;
   for (int a = 0; a < 3; ++a) {
     std::size_t used = 0;

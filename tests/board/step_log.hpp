@@ -1,8 +1,9 @@
 // The steps of a machine as its drives read them, in any pulse mode.
 //
-// In:  the two wires of each motor, the settings that say what they mean. Out: every step with its
-//      time, in order for each motor.
-// Who: tests that compare modes, and boards with each other.
+// In:  the two wires of each motor, the settings that define them. Out: every step with its time,
+// in
+//      order for each motor.
+// Used by tests that compare modes or boards.
 #pragma once
 
 #include <vector>
@@ -12,7 +13,7 @@
 
 namespace lamplock::test {
 
-/// Drives of its own on the bus, from construction on, without a lag; must outlive the bus's use.
+/// Own drives on the bus, from construction on, without a lag; must outlive the bus's use.
 class StepLog final : private sim::LoadListener {
  public:
   StepLog(const settings::Values& values, sim::PinBus& bus) : drives_(motors_of(values), bus) {
@@ -27,7 +28,7 @@ class StepLog final : private sim::LoadListener {
     for (const auto& axis : steps_) sum += axis.size();
     return sum;
   }
-  /// Times of all steps that go back where the one before went forth, or the other way round.
+  /// Times of all steps in the opposite direction of the step before.
   std::vector<sim::Picoseconds> reversals(int axis) const {
     std::vector<sim::Picoseconds> times;
     const auto& all = steps_[index(axis)];
@@ -37,7 +38,7 @@ class StepLog final : private sim::LoadListener {
   }
 
  private:
-  /// Whatever they move.
+  /// The drives, whatever axes they move.
   static sim::DriveConfig motors_of(const settings::Values& values) {
     sim::DriveConfig drives = sim::drives_of(values);
     drives.kinematics = {};
@@ -51,7 +52,7 @@ class StepLog final : private sim::LoadListener {
   PerAxis<std::vector<PinMonitor::Step>> steps_;
 };
 
-/// As the settings table has it.
+/// Sets the pulses as in the settings table.
 inline void set_pulses(settings::Values& values, const PerAxis<settings::PulseMode>& modes,
                        int step_invert, int direction_invert, std::int32_t setup_ns,
                        std::int32_t hold_ns) {

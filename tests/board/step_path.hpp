@@ -1,9 +1,8 @@
-// The places that the drives of a board passed, step by step, and whether they are those of a way
-// that was wanted.
+// The places that a board's drives passed, step by step, and a check against wanted paths.
 //
-// In:  STEP and DIR of X Y Z, from the bus; ways (golden_case.hpp).
-// Out: places in steps with their times; what is wrong with them, as text.
-// Who: tests of programs. It knows pins alone, nothing of the firmware.
+// In:  STEP and DIR of X Y Z, from the bus; paths (golden_case.hpp).
+// Out: places in steps with their times; deviations, as text.
+// Used by tests of programs. Depends on pins only, not on the firmware.
 #pragma once
 
 #include <fmt/format.h>
@@ -21,10 +20,10 @@ namespace lamplock::test {
 
 struct PassedPlace {
   sim::Picoseconds at = 0;
-  std::array<double, 3> steps{};  ///< halves of them where two motors move an axis
+  std::array<double, 3> steps{};  ///< multiples of 1/2 where two motors move an axis
 };
 
-/// Records from now on; the board must not run after it has gone.
+/// Records from construction; the board must not run after its destruction.
 class StepRecord final : private sim::PinListener {
  public:
   explicit StepRecord(sim::VirtualBoard& board)
@@ -37,14 +36,14 @@ class StepRecord final : private sim::PinListener {
   StepRecord(const StepRecord&) = delete;
   StepRecord& operator=(const StepRecord&) = delete;
 
-  /// From where the machine stood.
+  /// All places, beginning with that at construction.
   std::vector<PassedPlace> places() const {
     std::vector<Edge> edges = edges_;
     std::stable_sort(edges.begin(), edges.end(),
                      [](const Edge& a, const Edge& b) { return a.at < b.at; });
     std::vector<PassedPlace> places(1);
     for (const Edge& edge : edges) {
-      // Edges of one moment are one place.
+      // Edges at the same time are one place.
       if (places.size() == 1 || places.back().at != edge.at) places.push_back(places.back());
       places.back().at = edge.at;
       move(places.back(), edge);
@@ -65,7 +64,7 @@ class StepRecord final : private sim::PinListener {
     else if (level)
       edges_.push_back({at, line / 2, direction_[line / 2]});
   }
-  /// Both motors of a CoreXY turn for either axis.
+  /// In a CoreXY both motors turn for either axis.
   void move(PassedPlace& place, const Edge& edge) const {
     if (!core_xy_ || edge.axis > 1) {
       place.steps[edge.axis] += edge.direction;
@@ -80,17 +79,17 @@ class StepRecord final : private sim::PinListener {
   std::array<int, 3> direction_{1, 1, 1};
 };
 
-/// Follows the ways of a case along the places that were passed.
+/// Compares the paths of a case with the places passed.
 class WayFollower {
  public:
   static constexpr double steps_per_mm = 200;
   static constexpr double line_tolerance = 1.01, arc_tolerance = 2;  ///< steps
-  /// Of the sweep of an arc that may be missing where its end is looked for, radians.
+  /// Part of an arc's sweep that may be missing where its end is searched, radians.
   static constexpr double sweep_tolerance = 0.1;
 
   explicit WayFollower(const std::vector<PassedPlace>& places) : places_(places) {}
 
-  /// Goes on along one; what is wrong, or nothing.
+  /// Follows the next path; returns the deviation, or an empty text.
   std::string follow(const GoldenWay& way) {
     first_ = at_;
     MmPoint to{};
@@ -102,7 +101,7 @@ class WayFollower {
     from_ = to;
     return wrong;
   }
-  /// The places of the last one, first and last.
+  /// The first and last place of the last path.
   std::size_t first() const { return first_; }
   std::size_t last() const { return at_; }
   bool at_end() const { return at_ + 1 == places_.size(); }

@@ -1,5 +1,5 @@
-// $981: after an error in a line of a program no further line is taken until the user says so; and
-// the bytes that switch flood and mist by hand.
+// $981: after an error in a program line the board accepts no further line until `~` or a reset;
+// also the bytes that switch flood and mist by hand.
 #include <gmock/gmock.h>
 
 #include "tests/board/program_host.hpp"
@@ -19,7 +19,7 @@ constexpr std::uint8_t reset_byte = 0x18, flood_byte = 0xa0, mist_byte = 0xa1;
 class ErrorsInPrograms : public testing::Test {
  protected:
   std::int32_t x() {
-    host_.run_ms(5);  // what is filled is put out
+    host_.run_ms(5);  // until the ticks handed out are over
     return rig_.board.world().drives().position()[0];
   }
 
@@ -34,10 +34,10 @@ TEST_F(ErrorsInPrograms, AreNoReasonToStopByDefault) {
   EXPECT_EQ(x(), 600);
 }
 
-TEST_F(ErrorsInPrograms, StopTheStreamIfTheUserWishes) {
+TEST_F(ErrorsInPrograms, StopTheStreamIfSet) {
   EXPECT_THAT(host_.ask("$981=1\n"), ElementsAre("ok"));
   ASSERT_TRUE(host_.stream("G1 X1 F6000\nX2\nG1 X3 Q1\nG1 X4\n$G\n\nM3 S5\n"));
-  // What was taken goes to its end; what is no line of a program is answered as ever.
+  // Accepted lines run to their end; input other than program lines is answered as usual.
   EXPECT_THAT(host_.answers(),
               ElementsAre("ok", "ok", "ok", "error:36", "error:9", "ok", "ok", "error:9"));
   EXPECT_THAT(host_.said(), Contains(StartsWith("[MSG:Stopped at an error")));
@@ -47,9 +47,9 @@ TEST_F(ErrorsInPrograms, StopTheStreamIfTheUserWishes) {
   EXPECT_THAT(host_.ask("$X\n"), ElementsAre("ok"));
   ASSERT_TRUE(host_.stream("G0 X0\n"));
   EXPECT_EQ(x(), 0);
-  // The next error stops again; a reset of a machine at rest clears that too.
+  // The next error stops again; a reset of a machine at rest clears that state too.
   EXPECT_THAT(host_.ask("G1\nG0 X1\n"), ElementsAre("ok", "ok"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_THAT(host_.ask("G99999\nG0 X2\n"), Contains("error:9"));
   host_.send(reset_byte);
   host_.run_ms(5);
@@ -70,24 +70,24 @@ TEST_F(ErrorsInPrograms, LeaveTheLaserOff) {
   EXPECT_FALSE(beam.shone(from, rig_.board.now()));
 }
 
-/// A line that is too long is a line of a program that was lost.
+/// A line that is too long counts as a lost program line.
 TEST_F(ErrorsInPrograms, CountLinesThatAreTooLong) {
   EXPECT_THAT(host_.ask("$981=1\n"), ElementsAre("ok"));
   EXPECT_THAT(host_.ask("G0 X1" + std::string(300, ' ') + "Y1\nG0 X2\n"),
               ElementsAre("error:11", HasSubstr("Stopped"), "error:9"));
 }
 
-/// Errors of commands, jogs and check mode are nobody's stream.
+/// Errors of commands, jogs and check mode do not stop a stream.
 TEST_F(ErrorsInPrograms, AreNotThoseOfCommands) {
   EXPECT_THAT(host_.ask("$981=1\n"), ElementsAre("ok"));
   EXPECT_THAT(host_.ask("$Q\n$981=7\n$J=X1\n$N0=G99999\n$N0=\nG0 X1\n"), Contains("ok"));
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   EXPECT_EQ(x(), 200);
   EXPECT_THAT(host_.ask("$C\nG99999\nG0 X1\n"),
               ElementsAre("[MSG:Enabled]", "ok", testing::_, "ok"));
 }
 
-TEST_F(ErrorsInPrograms, StopPointsOnTheBeatBehindThoseTaken) {
+TEST_F(ErrorsInPrograms, StopPointsOnTheBeatAfterAcceptedOnes) {
   EXPECT_THAT(host_.ask("$981=1\n"), ElementsAre("ok"));
   ASSERT_TRUE(host_.stream("M130 P0\nG1 X1 F6000\nX2\nX3 Q1\nX4\n"));
   EXPECT_EQ(rig_.shots().size(), 2u);
@@ -107,7 +107,7 @@ TEST_F(ErrorsInPrograms, CoolantIsSwitchedByHand) {
   EXPECT_THAT(status, HasSubstr("|A:M"));
   EXPECT_THAT(host_.ask("M9\n$G\n"), Contains(HasSubstr(" M9 ")));
   EXPECT_THAT(host_.status(), Not(HasSubstr("|A:")));
-  // In motion and in a hold too, not in an alarm, which has switched both off.
+  // By hand in motion and in a hold too, but not in an alarm, which switched both off.
   host_.send("G1 X20 F1200\n");
   host_.run_ms(50);
   host_.send(mist_byte);
@@ -116,7 +116,7 @@ TEST_F(ErrorsInPrograms, CoolantIsSwitchedByHand) {
   host_.send(flood_byte);
   EXPECT_THAT(host_.status(), HasSubstr("|A:FM"));
   host_.send("~");
-  ASSERT_TRUE(host_.stand());
+  ASSERT_TRUE(host_.wait_for_rest());
   rig_.board.world().schedule(sim::Pin::estop, true, rig_.board.now());
   host_.run_ms(2);
   host_.send(flood_byte);

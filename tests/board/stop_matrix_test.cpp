@@ -1,5 +1,5 @@
-// Every stop in everything that the machine can do, behind any number of lines that wait: what has
-// to rest rests, what shines is dark, and the state is the one that docs/safety.md prints.
+// Every stop during every activity, with any number of waiting lines: motion stops, the laser is
+// dark, and the state is that of the table in docs/safety.md.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -20,7 +20,7 @@ constexpr std::uint8_t reset_byte = 0x18, door_byte = 0x84, jog_cancel_byte = 0x
 
 /// The machine of this test moves at 50 mm/s at most and brakes at 2 m/s2.
 constexpr sim::Picoseconds braking = 25 * ps_per_ms;
-/// What is handed out ahead, and a round of the main loop.
+/// Ticks handed out ahead, and a round of the main loop.
 constexpr sim::Picoseconds reaction = 30 * ps_per_ms;
 constexpr sim::Picoseconds dark_at_once = ps_per_ms;
 
@@ -51,12 +51,12 @@ link::SenderOptions of_session(std::uint32_t session) {
   return options;
 }
 
-/// A machine in the midst of something, with the host of a job where that is one.
+/// A machine during an activity, with the host of a job if the activity has one.
 struct Bench {
   explicit Bench(bool parking)
       : profile(matrix_profile(parking)), machine(profile, {}, {probe_at(9'000)}) {
     machine.host.ask("$X\n");
-    // So that the board has a session, of which COMMAND frames are.
+    // COMMAND frames need a session; this job opens one.
     job::JobOptions dry;
     dry.dry = true;
     run_job(machine.rig, job::make_job({{0, 0, 0}}, profile, dry), of_session(session));
@@ -69,7 +69,7 @@ struct Bench {
     while (now() < end && host_step) work_host();
     if (now() < end) machine.rig.run(end - now());
   }
-  /// A host ends by an error where it was not it that stopped the job.
+  /// A host whose job another stop has ended throws.
   void work_host() {
     try {
       if (!host_step()) host_step = nullptr;
@@ -92,7 +92,7 @@ struct Bench {
   job::Profile profile;
   MachineWithSwitches machine;
   std::uint32_t session = 5;
-  std::function<bool()> host_step{};  ///< of the host of a job
+  std::function<bool()> host_step{};  ///< one step of the job's host
   std::shared_ptr<void> host{};
 };
 
@@ -148,10 +148,10 @@ std::string short_lines() {
 struct Activity {
   const char* name;
   std::function<void(Bench&)> begin;
-  int ms = 300;          ///< after which the stop comes
-  bool parking = false;  ///< is set up
-  bool framed = false;   ///< a job of frames, or nothing: no lines wait
-  bool jogs = false;     ///< lines that wait are jogs
+  int ms = 300;          ///< time until the stop
+  bool parking = false;  ///< parking is set
+  bool framed = false;   ///< a job of frames or no activity: no waiting lines
+  bool jogs = false;     ///< waiting lines are jogs
 };
 
 const std::vector<Activity>& activities() {
@@ -205,7 +205,7 @@ struct Stop {
   const char* name;
   std::function<void(Bench&)> make;
   bool dark_at_once = false;  ///< else the light may last while the machine brakes
-  bool framed = false;        ///< a frame, which waits behind the lines before it
+  bool framed = false;        ///< a frame, which waits for the lines before it
 };
 
 const std::vector<Stop>& stops() {
@@ -239,7 +239,7 @@ struct Flood {
 constexpr std::array floods{Flood{0, true},     Flood{1000, true},      Flood{9000, true},
                             Flood{9000, false}, Flood{1'000'000, true}, Flood{1'000'000, false}};
 
-/// What came of a stop, of all floods the longest.
+/// Result of a stop; times are the longest of all numbers of waiting lines.
 struct Cell {
   std::string state;
   sim::Picoseconds rest = 0, dark = 0;
@@ -308,7 +308,7 @@ void measure(const Activity& activity, const Stop& stop, const Flood& flood, Cel
   cell.shots += bench.machine.rig.monitor.fired(stopped + 2 * ps_per_ms, end);
 }
 
-/// What the machine has to be afterwards. "-": the stop means nothing there.
+/// Required state after the stop. "-": the stop has no meaning there.
 using Row = std::map<std::string, std::string>;
 const std::map<std::string, Row>& wanted() {
   static const Row program{{"0x18", "alarm 3"}, {"!", "hold"},    {"0x84", "door"},
@@ -369,7 +369,7 @@ const std::map<std::string, Row>& wanted() {
       {"dwell", with(program, {{"0x18", "idle"}})},
       {"M0", with(program, {{"0x18", "idle"}, {"0x85", "hold"}})},
       {"M6", with(program, {{"0x18", "idle"}, {"0x85", "hold"}})},
-      // A program of points ends the session of the job before.
+      // A program with points ends the session of the job before.
       {"beat lock", with(program, {{"stop", "-"}, {"hold", "-"}})},
       {"points", with(program, {{"0x18", "idle"}, {"0x84", "hold"}})},
       {"rows", with(program, {{"0x18", "idle"}, {"0x84", "hold"}})},
@@ -388,10 +388,10 @@ std::string printed(const Cell& cell, bool stops_something) {
   return fmt::format("{}, {}", cell.state, ms(cell.rest));
 }
 
-/// The cell of a row, judged; as the table shows it.
+/// Runs and judges one cell; returns its text in the table.
 std::string tried(const Activity& activity, const Stop& stop, const std::string& state) {
   const bool stops = state != "-";
-  // Frames wait behind lines, and lines are none of a job.
+  // Frames wait for lines, and a job has no lines.
   const bool floods_too = stops && !stop.framed && !activity.framed;
   Cell cell;
   for (const Flood& flood : floods) {
@@ -409,7 +409,7 @@ std::string tried(const Activity& activity, const Stop& stop, const std::string&
   return printed(cell, stops);
 }
 
-TEST(StopMatrix, EveryStopIsHeardInEveryState) {
+TEST(StopMatrix, EveryStopWorksInEveryState) {
   std::string table = "| state |", line = "|---|";
   for (const Stop& stop : stops()) {
     table += fmt::format(" {} |", stop.name);

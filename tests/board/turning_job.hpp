@@ -1,7 +1,7 @@
-// A machine that turns at full speed, and a job in which it does: steps one way and back lie closer
-// together than drives like.
+// A machine that turns at full speed, and a job in which steps in opposite directions are closer
+// together than drives permit.
 //
-// Who: tests of pulse modes and reversals, on both boards.
+// Used by tests of pulse modes and reversals, on both boards.
 #pragma once
 
 #include <random>
@@ -10,7 +10,7 @@
 
 namespace lamplock::test {
 
-/// Speeds may jump by more than the machine has; 1000 steps/mm, at most 400 000 steps/s.
+/// Permits speed jumps above the machine's top speed; 1000 steps/mm, at most 400 000 steps/s.
 inline void let_speed_jump(job::Profile& profile) {
   using settings::Id;
   for (int axis = 0; axis < 3; ++axis) {
@@ -26,15 +26,15 @@ inline void let_speed_jump(job::Profile& profile) {
   }
 }
 
-/// Back and forth between 150 points; with a lamp of 1 kHz some 100 steps a millisecond.
+/// Back and forth between 150 points; with a lamp of 1 kHz some 100 steps per millisecond.
 inline job::Job turning_job(const job::Profile& profile, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<> width(0.02, 0.12);
-  points::PointCloud points{{0, 0, 0}};
+  geometry::PointCloud points{{0, 0, 0}};
   for (int i = 0, way = 1; i < 150; ++i, way = -way)
     points.push_back({way * width(random), way * width(random) / 2, way * width(random) / 10});
   job::JobOptions options;
-  options.mode = motion::JoinMode::path;
+  options.mode = wire::JoinMode::path;
   return job::make_job(points, profile, options);
 }
 

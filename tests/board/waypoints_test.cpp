@@ -12,14 +12,15 @@ TEST(Waypoints, PointsWithoutAShotCostNoFlash) {
     std::mt19937_64 random(seed);
     std::vector<StepPosition> wanted;
     for (std::size_t i = 0, left = 0; i < job.targets.size(); ++i, left -= left != 0 ? 1 : 0) {
-      if (left == 0 && random() % 12 == 0) left = 1 + random() % 20;  // a way of several points
+      if (left == 0 && random() % 12 == 0)
+        left = 1 + random() % 20;  // several points without a shot
       if (left != 0)
         job.targets[i].shots = 0;
       else
         wanted.push_back(job.targets[i].steps);
     }
     Rig rig(profile);
-    // Plans come while the last one is being run.
+    // Plans are ready while the last one still runs.
     rig.board.set_planning_time((1 + static_cast<sim::Picoseconds>(seed) % 4 * 10) * ps_per_ms);
     ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
     ASSERT_EQ(rig.shots().size(), wanted.size());

@@ -1,8 +1,8 @@
-// A host at the cable of a virtual board that hears every byte: what the lines are, in which order
-// they came, and whether each is one that a sender of grbl understands.
+// A host at the cable of a virtual board that checks every byte: the kinds of lines, their order,
+// and whether a grbl sender would understand each.
 //
-// In:  bytes for the board, time. Out: the lines it said, by kind. Anything that is no line of the
-// protocol, or does not end in CR LF, is kept as a fault.
+// In:  bytes for the board, time. Out: the board's lines, by kind. Anything that is not a line of
+//      the protocol or does not end in CR LF is stored as a fault.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ struct SaidLine {
   std::string text;
 };
 
-/// What a line of the board is, by the documents of grbl.
+/// Kind of a line from the board, by grbl's documentation.
 inline Said kind_of(const std::string& line) {
   static const std::regex answer("ok|error:[0-9]+"), alarm("ALARM:[0-9]+"),
       report("<[a-zA-Z:0-9]+[|]+.*>"), setting("\\$(N[01]|[0-9]+)=.*"),
@@ -46,7 +46,7 @@ inline Said kind_of(const std::string& line) {
   return Said::nonsense;
 }
 
-/// As many pieces as make so many seconds.
+/// Number of steps of `step_ms` in `seconds`.
 inline int rounds(double seconds, double step_ms) {
   return static_cast<int>(std::ceil(seconds * 1000 / step_ms));
 }
@@ -61,7 +61,7 @@ class WireHost {
       if (!text.empty()) run_ms(1);
     }
   }
-  /// As much as the cable takes now.
+  /// Sends as many bytes as the cable accepts now; returns their number.
   std::size_t send_some(std::string_view text) {
     return rig_.board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
@@ -73,13 +73,13 @@ class WireHost {
     rig_.run(static_cast<sim::Picoseconds>(ms * 1e9));
     listen();
   }
-  /// True if so many answers came in time.
+  /// True if this number of answers arrives in time.
   bool wait_for(std::size_t answers, double seconds = 1) {
     const auto limit = rounds(seconds, 0.5);
     for (int i = 0; i < limit && answers_.size() < answers; ++i) run_ms(0.5);
     return answers_.size() >= answers;
   }
-  /// Sends lines and waits until each is answered; what was said meanwhile.
+  /// Sends lines and waits until each is answered; returns the lines received meanwhile.
   std::vector<std::string> ask(std::string_view text, double seconds = 1) {
     const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
     const std::size_t heard = said_.size(), before = answers_.size();
@@ -99,7 +99,7 @@ class WireHost {
     for (int i = 0; i < 200 && reports_ == before; ++i) run_ms(0.5);
     return reports_ == before ? "" : last_report_;
   }
-  bool stand(double seconds = 100) {
+  bool wait_for_rest(double seconds = 100) {
     for (int i = 0; i < rounds(seconds, 0.5); ++i) {
       if (rig_.state() == MachineState::idle && rig_.board.controller().program().idle())
         return true;
@@ -120,7 +120,7 @@ class WireHost {
     return std::any_of(said_.begin(), said_.end(),
                        [text](const SaidLine& line) { return line.text == text; });
   }
-  /// The first thing that was not as the protocol has it, or nothing.
+  /// The first violation of the protocol, or empty.
   const std::string& fault() const { return fault_; }
 
   StepPosition position() const {
@@ -138,8 +138,8 @@ class WireHost {
     }
   }
   void take(char c) {
-    if (after_cr_ && c != '\n') note("CR without LF behind " + line_);
-    if (c == '\n' && !after_cr_) note("LF without CR behind " + line_);
+    if (after_cr_ && c != '\n') note("CR without LF after " + line_);
+    if (c == '\n' && !after_cr_) note("LF without CR after " + line_);
     after_cr_ = c == '\r';
     if (c == '\r') return;
     if (c != '\n') {
@@ -175,8 +175,8 @@ struct Streaming {
   std::string_view end = "\n";
 };
 
-/// Streams lines and asks for the state meanwhile. False if it took longer than `seconds`. After
-/// each step `look(bytes under way)` is called.
+/// Streams lines and polls the state meanwhile. False if it took longer than `seconds`. Calls
+/// `look(bytes under way)` after each step.
 template <class Look>
 bool stream_polled(WireHost& host, const std::vector<std::string>& lines, const Streaming& how,
                    double seconds, Look look) {

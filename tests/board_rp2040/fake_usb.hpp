@@ -1,9 +1,8 @@
-// A USB controller in memory and a host to talk to it: what UsbSerial is tested against.
+// A USB controller in memory and its host, for tests of UsbSerial.
 //
-// The controller does what the RP2040 datasheet says of transactions in device mode (4.1.2.6):
-// stalls behind their gate, buffer halves in turn, AVAILABLE and FULL, data sequence, BUFF_STATUS
-// set again while the other buffer is done as well. The host keeps toggles as USB 2.0, 8.6 has
-// them.
+// The controller follows the RP2040 datasheet on transactions in device mode (4.1.2.6): stalls
+// behind their gate, buffer halves in turn, AVAILABLE and FULL, data sequence, BUFF_STATUS set
+// again while the other buffer is done as well. The host keeps toggles as in USB 2.0, 8.6.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -29,7 +28,7 @@ class FakeUsb {
  public:
   struct Lock {};
 
-  // What UsbSerial calls.
+  // Functions that UsbSerial calls.
 
   void start() {
     std::memset(static_cast<void*>(&memory_), 0, sizeof(memory_));
@@ -54,7 +53,7 @@ class FakeUsb {
   }
   std::uint32_t done() const { return done_[0] | done_[1]; }
   void clear_done(std::uint32_t bits) {
-    // The first of two finished buffers only: the bit comes again for the second.
+    // Reports only the first of two finished buffers: the bit is set again for the second.
     for (std::uint32_t bit = 1; bit != 0; bit <<= 1) {
       if ((bits & bit) == 0) continue;
       if ((done_[0] & bit) != 0) {
@@ -77,7 +76,7 @@ class FakeUsb {
   }
   void release_line() { held = false; }
 
-  // What the bus does.
+  // Transactions of the bus.
 
   void bus_reset() { sie_status |= rp2040::usb_field::status_reset; }
   void start_of_frame() { events_ |= rp2040::usb_field::int_sof; }
@@ -128,7 +127,7 @@ class FakeUsb {
     const unsigned half = turn(endpoint, false, halves);
     const std::uint32_t value = halves[half];
     if ((value & buffer_available) == 0 || (value & buffer_full) != 0) return Handshake::nak;
-    if (((value & buffer_data1) != 0) != data1) {  // seen before: acknowledged and thrown away
+    if (((value & buffer_data1) != 0) != data1) {  // a repetition: acknowledged and dropped
       sie_status |= 1u << 31;
       ++sequence_errors;
       return Handshake::ack;
@@ -213,7 +212,7 @@ class UsbHost {
 
   UsbHost() { serial.start(); }
 
-  /// Lets the device answer its interrupts until there are none.
+  /// Runs the device's interrupt handler until no interrupt is pending.
   void serve() {
     for (int i = 0; i < 20; ++i) {
       if (usb.interrupts() == 0 && !usb.pended) return;
@@ -227,7 +226,7 @@ class UsbHost {
     usb.bus_reset();
     serve();
   }
-  /// Time passes up to the given moment of the next frame.
+  /// Advances time to this offset in the next frame.
   void frame(std::uint32_t offset_us = 0) {
     usb.now_us = usb.now_us / 1000 * 1000 + 1000;
     usb.start_of_frame();
@@ -244,7 +243,7 @@ class UsbHost {
             low(index), high(index), low(length), high(length)};
   }
 
-  /// A whole control transfer as USB 2.0, 8.5.3 has it.
+  /// A whole control transfer as in USB 2.0, 8.5.3.
   Result control(std::uint8_t type, std::uint8_t request, std::uint16_t value, std::uint16_t index,
                  std::uint16_t length, const Bytes& out = {}) {
     usb.setup(packet(type, request, value, index, length));
@@ -304,7 +303,7 @@ class UsbHost {
 
   FakeUsb usb;
   rp2040::BasicUsbSerial<FakeUsb> serial{usb};
-  Bytes commands;  ///< of one byte, that were read beside other bytes
+  Bytes commands;  ///< one-byte commands read beside other bytes
   /// Of bulk transfers: 2, the serial port; 3, the pulse stream.
   std::uint8_t endpoint = 2;
 
@@ -333,14 +332,14 @@ class UsbHost {
   std::array<bool, 16> toggle_in_{};
 };
 
-/// Letters, from the n-th one on.
+/// `size` letters, beginning with the `first`.
 inline Bytes numbered(std::size_t size, unsigned first = 0) {
   Bytes out(size);
   for (std::size_t i = 0; i < size; ++i) out[i] = static_cast<std::uint8_t>('A' + (first + i) % 26);
   return out;
 }
 
-/// What the device has received.
+/// All bytes that the device has received.
 inline Bytes read_all(UsbHost& host, std::size_t piece = 64) {
   Bytes out;
   Bytes buffer(piece);

@@ -1,12 +1,12 @@
-// Tokens and stamps: who holds the token, and which edge a result belongs to.
+// Tokens and stamps: whether the token is loaded, and which edge a result belongs to.
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <random>
 #include <vector>
 
-#include "firmware/boards/rp2040/fire/stamp_reader.hpp"
 #include "firmware/boards/rp2040/fire/token_keeper.hpp"
+#include "firmware/boards/rp2040/lattice/stamp_reader.hpp"
 #include "shared/units.hpp"
 #include "tests/scale.hpp"
 
@@ -28,7 +28,7 @@ TEST(TokenKeeper, IsLoadedOnlyInItsTimeAndOnlyIfPermitted) {
   EXPECT_EQ(keeper.next(149, true), Action::nothing);
   EXPECT_EQ(keeper.next(149, false), Action::withdraw);
   EXPECT_EQ(keeper.next(150, true), Action::withdraw);
-  // An edge was faster than the withdrawal.
+  // An edge came before the withdrawal.
   EXPECT_TRUE(keeper.result(true));
   EXPECT_FALSE(keeper.is_out());
 }
@@ -43,7 +43,7 @@ TEST(TokenKeeper, AnEdgeWithoutATokenSpendsNone) {
   EXPECT_TRUE(keeper.is_loaded());
 }
 
-/// STAMP as its program runs: clock by clock, path by path.
+/// STAMP, clock by clock and path by path as in its program.
 class StampMachine {
  public:
   StampMachine(std::uint64_t start, StampRing& ring) : clock_(start), ring_(ring) {}
@@ -117,11 +117,11 @@ TEST(StampReader, FindsTheAcceptedEdgeBetweenRuntsWithinAClock) {
   }
 }
 
-TEST(StampReader, CountsOnWhenItsCounterWraps) {
+TEST(StampReader, ContinuesWhenItsCounterWraps) {
   auto ring = std::make_unique<StampRing>();
   StampReader reader(*ring);
   reader.begin(0);
-  // 2^33 clocks and a bit: the counter has wrapped once.
+  // Slightly more than 2^33 clocks: the counter has wrapped once.
   const std::uint64_t edge = (std::uint64_t{1} << 33) + 1000 + pio::synchroniser_clocks % 2;
   ring->words[0] = ~static_cast<std::uint32_t>((edge + pio::synchroniser_clocks) / 2);
   std::uint64_t found = 0;

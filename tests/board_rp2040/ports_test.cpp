@@ -1,4 +1,4 @@
-// The two links as one: whose bytes come through, and where a new connection begins.
+// The two links as one: which port's bytes are accepted, and where a new connection begins.
 #include "firmware/boards/rp2040/ports.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace lamplock::test {
 namespace {
 
-/// A port that says what it is told to.
+/// A port with given properties.
 struct FakePort {
   FakePort() = default;
   explicit FakePort(unsigned /*gpio*/) {}
@@ -60,7 +60,7 @@ struct Desk {
   rp2040::BasicPorts<FakePort, FakePort> ports{0};
   bool is_new = false;
 
-  /// What one pass of the main loop hears.
+  /// Bytes accepted in one pass of the main loop.
   std::string hear(bool tied = false) {
     std::array<std::uint8_t, 64> bytes;
     const std::size_t n = ports.read(bytes, tied);
@@ -77,7 +77,7 @@ struct Desk {
   }
 };
 
-TEST(Ports, TheFirstBytesOfTheOtherOneAreANewConnection) {
+TEST(Ports, TheFirstBytesOfTheOtherPortAreANewConnection) {
   Desk desk;
   EXPECT_EQ(desk.hear_usb("$110=6"), "$110=6");
   EXPECT_FALSE(desk.is_new);
@@ -89,7 +89,7 @@ TEST(Ports, TheFirstBytesOfTheOtherOneAreANewConnection) {
   EXPECT_TRUE(desk.is_new);
 }
 
-TEST(Ports, CommandsOfOneByteAreHeardAsLinesAre) {
+TEST(Ports, OneByteCommandsAreAcceptedAsLinesAre) {
   Desk desk;
   std::uint8_t byte = 0;
   desk.hear_usb("G1X1\n");
@@ -97,7 +97,7 @@ TEST(Ports, CommandsOfOneByteAreHeardAsLinesAre) {
   ASSERT_TRUE(desk.ports.read_realtime(byte, true));
   EXPECT_EQ(byte, '!');
   EXPECT_FALSE(desk.ports.take_new_connection());
-  // In a job the other port is not heard, and what it said does not come later.
+  // During a job the other port is ignored, and its bytes are not delivered later.
   desk.ports.uart().commands = "\x18";
   EXPECT_FALSE(desk.ports.read_realtime(byte, true));
   EXPECT_FALSE(desk.ports.read_realtime(byte, false));
@@ -106,7 +106,7 @@ TEST(Ports, CommandsOfOneByteAreHeardAsLinesAre) {
   EXPECT_TRUE(desk.ports.take_new_connection());
 }
 
-TEST(Ports, LossesCountWhileTheirPortIsHeard) {
+TEST(Ports, LossesCountWhileTheirPortIsActive) {
   Desk desk;
   desk.hear_usb("G1X1\n");
   desk.ports.uart().lost = true;  // noise on an open line
@@ -118,12 +118,12 @@ TEST(Ports, LossesCountWhileTheirPortIsHeard) {
   EXPECT_FALSE(desk.ports.take_loss());
 }
 
-TEST(Ports, TheHostThatIsHeardIsThereOrNot) {
+TEST(Ports, OnlyTheActiveHostCountsAsPresent) {
   Desk desk;
   EXPECT_TRUE(desk.ports.host_present());
   desk.ports.usb().here = false;
   EXPECT_FALSE(desk.ports.host_present());
-  // Of a host at the UART nothing is known.
+  // The presence of a host at the UART is unknown.
   desk.hear_uart("G1X1\n");
   EXPECT_TRUE(desk.ports.host_present());
 }
@@ -141,7 +141,7 @@ TEST(Ports, ABreakOfUsbIsANewConnectionEvenBeforeItsFirstBytes) {
   EXPECT_TRUE(desk.is_new);
 }
 
-TEST(Ports, ABreakOfUsbIsNothingToTheHostAtTheUart) {
+TEST(Ports, ABreakOfUsbDoesNotAffectTheHostAtTheUart) {
   Desk desk;
   desk.hear_uart("$11");
   ++desk.ports.usb().now;
@@ -149,7 +149,7 @@ TEST(Ports, ABreakOfUsbIsNothingToTheHostAtTheUart) {
   EXPECT_FALSE(desk.is_new);
 }
 
-TEST(Ports, LastBytesOfAConnectionThatEndsMeanwhileAreVoid) {
+TEST(Ports, LastBytesOfAnEndedConnectionAreDropped) {
   Desk desk;
   desk.ports.usb().breaks_in_read = true;
   EXPECT_EQ(desk.hear_usb("$110=6"), "");
@@ -157,7 +157,7 @@ TEST(Ports, LastBytesOfAConnectionThatEndsMeanwhileAreVoid) {
   EXPECT_TRUE(desk.is_new);
 }
 
-TEST(Ports, TiedTheOtherOneIsNotHeardNorAnswered) {
+TEST(Ports, WhenTiedTheOtherPortIsIgnored) {
   Desk desk;
   desk.hear_usb("?");
   EXPECT_EQ(desk.hear_uart("!", true), "");
@@ -166,11 +166,11 @@ TEST(Ports, TiedTheOtherOneIsNotHeardNorAnswered) {
   EXPECT_EQ(desk.ports.usb().sent, "x");
   EXPECT_EQ(desk.ports.uart().sent, "");
   EXPECT_EQ(desk.hear_usb("~", true), "~");
-  // What was said meanwhile is not heard later.
+  // Bytes sent meanwhile are not delivered later.
   EXPECT_EQ(desk.hear(), "");
 }
 
-TEST(Ports, UsbLearnsWhetherAJobIsUnfinished) {
+TEST(Ports, UsbIsInformedOfAnUnfinishedJob) {
   Desk desk;
   desk.hear(true);
   EXPECT_TRUE(desk.ports.usb().tied);

@@ -1,5 +1,5 @@
-// The programs, run clock by clock in the simulator's PIO blocks (an independent reading of the
-// datasheet): every number that programs.hpp promises.
+// The programs, run clock by clock in the simulator's PIO blocks (an independent implementation of
+// the datasheet): every number that programs.hpp states.
 #include "firmware/boards/rp2040/pio/programs.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "firmware/boards/rp2040/fire/stamp_reader.hpp"
+#include "firmware/boards/rp2040/lattice/stamp_reader.hpp"
 #include "firmware/boards/rp2040/lattice/step_kernel.hpp"
 #include "firmware/boards/rp2040/lattice/tick_words.hpp"
 #include "sim/chip/pio/pio_block.hpp"
@@ -22,7 +22,7 @@ using sim::chip::Cycle;
 
 constexpr unsigned step = 0, dir = 1, sync = 8, q_switch = 9, bits = 10, arm = 12;
 
-/// One PIO block, its pins connected to themselves and to whoever drives them from outside.
+/// One PIO block with its pins fed back; a test may drive them from outside.
 class Rig final : public sim::chip::ClockOwner {
  public:
   Rig()
@@ -146,7 +146,7 @@ TEST(Programs, TicksHaveTheLengthsOfTheirWordsWithinAndBetweenWords) {
 
 TEST(Programs, StepsDirectionAndBitsChangeOnTheSameClock) {
   Lattice l;
-  // Tick by tick DIR, STEP.
+  // DIR and STEP of each tick.
   l.rig.put(Lattice::axis_sm, 0b00'01'11'11'00'10u << 20);
   l.rig.put(Lattice::axis_sm, 0);
   l.rig.put(Lattice::bits_sm, 0x01450000u);
@@ -204,7 +204,7 @@ TEST(Programs, LevelsInQuadratureStayUntilTheNextStep) {
   EXPECT_EQ(l.rig.edges[dir], (std::vector<Cycle>{at(1), at(3), at(5)}));
 }
 
-TEST(Programs, WhenTheCreditsEndAllLatticeBitsGoLow) {
+TEST(Programs, AllLatticeBitsGoLowWhenTheCreditsEnd) {
   Lattice l;
   l.rig.put(Lattice::axis_sm, 0x55555555u);
   l.rig.put(Lattice::axis_sm, 0x55555555u);
@@ -218,7 +218,7 @@ TEST(Programs, WhenTheCreditsEndAllLatticeBitsGoLow) {
   }
   EXPECT_EQ(l.rig.edges[step].size(), 10u);
   EXPECT_FALSE(l.rig.pad(step));
-  // For good: what comes late would not be where its clock is.
+  // For good: late words would not match the clock.
   l.rig.put(Lattice::tick_sm, tick_word(2, 69));
   l.rig.run(3000);
   EXPECT_EQ(l.rig.edges[step].size(), 10u);
@@ -289,7 +289,7 @@ TEST(Programs, ArmingAndDisarmingAtAnyClockGivesOneWholePulseOrNone) {
       const auto& q = f.rig.edges[q_switch];
       ASSERT_TRUE(f.rig.has(Fire::sm));
       const std::uint32_t result = f.rig.get(Fire::sm);
-      // The instruction that looks sees the pad of synchroniser_clocks before.
+      // The sampling instruction sees the pad as it was synchroniser_clocks before.
       const bool late = 60 + shift > 100 + fire_decision_clock - synchroniser_clocks;
       const bool shot = arming ? !late : late;
       ASSERT_EQ(q.size(), shot ? 2u : 0u) << shift;
@@ -316,9 +316,10 @@ TEST(Programs, ATokenAtAnyClockIsSpentOnceOrKept) {
     ASSERT_TRUE(f.rig.has(Fire::sm));
     const std::uint32_t result = f.rig.get(Fire::sm);
     const bool shot = result == fired_result;
-    ASSERT_TRUE(shot || result == 0) << "no third way";
+    ASSERT_TRUE(shot || result == 0) << "neither a shot nor a kept token";
     ASSERT_EQ(f.rig.edges[q_switch].size(), shot ? 2u : 0u);
-    ASSERT_EQ(f.rig.read(0xc) >> (8 * Fire::sm) & 15, shot ? 0u : 1u) << "spent or still there";
+    ASSERT_EQ(f.rig.read(0xc) >> (8 * Fire::sm) & 15, shot ? 0u : 1u)
+        << "the token must be spent or kept";
   }
 }
 

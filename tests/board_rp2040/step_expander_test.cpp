@@ -1,5 +1,5 @@
-// The expander against the closed form that the virtual board steps by, with the guard of reversals
-// asked in every tick; its words as drives of each kind read them.
+// The expander against the virtual board's closed form of steps, with the guard of reversals
+// applied in every tick; its words as drives of each kind read them.
 #include "firmware/boards/rp2040/lattice/step_expander.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ struct Tick {
   bool step = false, backwards = false;
 };
 
-/// What an axis puts out, tick by tick.
+/// Output of an axis, tick by tick.
 class Reference {
  public:
   Reference(const stepper::DirectionTimes& times, std::int32_t step) : put_{step} {
@@ -46,7 +46,7 @@ class Reference {
     }
   }
   const Tick& tick(std::size_t i) const { return ticks_[i]; }
-  /// Steps put out before tick i.
+  /// Steps output before tick i.
   std::int32_t put(std::size_t i) const { return put_[i]; }
   std::size_t late() const { return late_; }
 
@@ -57,7 +57,7 @@ class Reference {
   std::size_t late_ = 0;
 };
 
-/// A drive that reads what AXIS puts out at the beginning of each tick.
+/// A drive that reads the output of AXIS at the beginning of each tick.
 class PinReader {
  public:
   explicit PinReader(settings::PulseMode mode) : mode_(mode) {}
@@ -133,7 +133,7 @@ class Blocks {
     const auto to = static_cast<std::int64_t>(random_() >> (2 + random_() % 40));
     r.rate_q62 = from;
     r.accel_q62 = kind == 1 ? 0 : (to - from) / static_cast<std::int64_t>(ticks) & ~1ll;
-    // From or to a standstill.
+    // A ramp from or to rest.
     if (kind == 2)
       r.rate_q62 = r.accel_q62 / 2, r.accel_q62 = r.accel_q62 < 0 ? -r.accel_q62 : r.accel_q62,
       r.rate_q62 = r.accel_q62 / 2;
@@ -147,13 +147,13 @@ class Blocks {
   PerAxis<Int128> position_{};
 };
 
-/// A block in pieces: each axis cut anywhere, by itself.
+/// Writes a block in pieces: each axis is cut at its own random places.
 void put(StepExpander& expander, const TickBlock& block, std::mt19937_64& random) {
   for (int a = 0; a < max_axes; ++a) {
     AxisRun run = block.axis[index(a)];
     for (std::uint32_t left = block.ticks; left != 0;) {
       const auto n = static_cast<std::uint32_t>(random() % 4 == 0 ? 1 + random() % left : left);
-      if (run.stands())
+      if (run.is_at_rest())
         expander.put_still(a, n);
       else
         expander.put_axis(a, run, n);
@@ -178,7 +178,7 @@ std::uint32_t nibble_in_ring(const LatticeRings& rings, std::uint64_t place) {
   return rings.bits[at / ticks_per_bits_word] >> (28 - 4 * (at % ticks_per_bits_word)) & 15;
 }
 
-TEST(StepExpander, StepsAtTheTicksOfTheClosedFormBehindTheGuard) {
+TEST(StepExpander, StepsAtTheTicksOfTheClosedFormWithTheGuard) {
   std::size_t late = 0;
   for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(test::scaled(60)); ++seed) {
     auto rings = std::make_unique<LatticeRings>();
@@ -219,10 +219,11 @@ TEST(StepExpander, StepsAtTheTicksOfTheClosedFormBehindTheGuard) {
     ASSERT_GT(read, 500u);
     for (const Reference& axis : wanted) late += axis.late();
   }
-  EXPECT_GT(late, static_cast<std::size_t>(test::scaled(60)) * 10) << "the guard had to do";
+  EXPECT_GT(late, static_cast<std::size_t>(test::scaled(60)) * 10)
+      << "the guard delayed too few steps";
 }
 
-TEST(StepExpander, KnowsWhereTheAxesStandAtAnyTickStillInTheRings) {
+TEST(StepExpander, ReturnsThePositionsAtAnyTickStillInTheRings) {
   std::mt19937_64 random(5);
   for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(test::scaled(30)); ++seed) {
     auto rings = std::make_unique<LatticeRings>();
@@ -230,7 +231,7 @@ TEST(StepExpander, KnowsWhereTheAxesStandAtAnyTickStillInTheRings) {
     StepExpander expander(*rings, *power);
     Blocks blocks(seed);
     const stepper::PulseOutput output = random_output(random);
-    // Where the random blocks begin.
+    // Begins of the random blocks.
     std::vector<Reference> put_out = references(output, {-150, -50, 50, 150});
     expander.configure(output);
     expander.begin(0, 0, {});
@@ -249,8 +250,8 @@ TEST(StepExpander, KnowsWhereTheAxesStandAtAnyTickStillInTheRings) {
   }
 }
 
-/// Levels in quadrature, and DIR, go on from where they were when the ticks were stopped.
-TEST(StepExpander, GoesOnWithTheLevelsOfThePins) {
+/// Quadrature levels and DIR continue from their state when the ticks were stopped.
+TEST(StepExpander, ContinuesWithTheLevelsOfThePins) {
   std::mt19937_64 random(11);
   for (int run = 0; run < test::scaled(60); ++run) {
     auto rings = std::make_unique<LatticeRings>();
@@ -280,7 +281,7 @@ TEST(StepExpander, GoesOnWithTheLevelsOfThePins) {
   }
 }
 
-TEST(StepExpander, StandsUntilTheFirstRunAfterARestart) {
+TEST(StepExpander, IsAtRestUntilTheFirstRunAfterARestart) {
   auto rings = std::make_unique<LatticeRings>();
   auto power = std::make_unique<PowerRing>();
   for (auto& ring : rings->steps) ring.fill(~0u);
@@ -294,7 +295,7 @@ TEST(StepExpander, StandsUntilTheFirstRunAfterARestart) {
   for (std::uint64_t i = 0; i < 32; ++i) EXPECT_EQ(nibble_in_ring(*rings, i), 0u);
 }
 
-TEST(StepExpander, HasNoRoomForTicksNotYetPutOut) {
+TEST(StepExpander, HasNoRoomForTicksNotYetOutput) {
   auto rings = std::make_unique<LatticeRings>();
   auto power = std::make_unique<PowerRing>();
   StepExpander expander(*rings, *power);
@@ -313,9 +314,9 @@ TEST(StepExpander, PutsEachLatticeBitOnItsPin) {
   EXPECT_EQ(lattice_nibble(stepper::trigger_bit | stepper::gate_bit | stepper::arm_bit), 7u);
 }
 
-/// A pulse ends, and few ticks later light begins that is stronger or weaker, at any place in the
-/// cell: what shines is nowhere brighter than what is wanted within half a cell.
-TEST(StepExpander, NeitherOfTwoLightsInACellIsBrighterThanItShouldBe) {
+/// A pulse ends, and few ticks later stronger or weaker light begins, at any place in the cell: the
+/// light is nowhere stronger than the commanded light within half a cell.
+TEST(StepExpander, TwoLightsInACellNeverExceedTheirPowers) {
   constexpr std::uint32_t cell = stepper::power_cell_ticks;
   constexpr std::uint16_t powers[] = {10'000, 50'000};
   for (std::uint32_t end = 1; end < cell; ++end) {
@@ -344,7 +345,7 @@ TEST(StepExpander, NeitherOfTwoLightsInACellIsBrighterThanItShouldBe) {
   }
 }
 
-/// Written ahead so that it is in force in the ticks of its cell (laser_pwm.hpp).
+/// Power is written ahead so that it applies in the ticks of its cell (laser_pwm.hpp).
 TEST(StepExpander, CountsThePowerInTheMiddleOfEveryCell) {
   constexpr std::uint32_t cell = stepper::power_cell_ticks;
   std::mt19937_64 random(7);
@@ -353,26 +354,26 @@ TEST(StepExpander, CountsThePowerInTheMiddleOfEveryCell) {
     auto power = std::make_unique<PowerRing>();
     power->counts.fill(77);
     StepExpander expander(*rings, *power);
-    // Over the end of 32 bits, too. Cells begin with the first tick, whatever its number.
+    // Also over the wrap of 32 bits. Cells begin with the first tick, whatever its number.
     const std::uint64_t first = (1ull << 32) - 20'000 + random() % 20'000;
     const std::uint32_t still = static_cast<std::uint32_t>(random() % 40);
     expander.begin(first, first + still, {});
-    std::vector<std::uint16_t> told(still, 0);
-    while (told.size() < 30'000) {
+    std::vector<std::uint16_t> commanded(still, 0);
+    while (commanded.size() < 30'000) {
       const unsigned most = random() % 4 == 0 ? 500 : random() % 2 == 0 ? 40 : 5;
       const auto n = static_cast<std::uint32_t>(1 + random() % most);
       const auto p = static_cast<std::uint16_t>(random() % 3 == 0 ? 0 : 200 + random() % 65'000);
       expander.put_power(p, n);
-      told.insert(told.end(), n, p);
+      commanded.insert(commanded.end(), n, p);
       // As far back as the ring reaches.
-      const std::size_t whole = told.size() / cell;
+      const std::size_t whole = commanded.size() / cell;
       for (std::size_t c = whole > 200 ? whole - 200 : 0; c < whole; c += 1 + random() % 3) {
-        // The last one up to the middle, or else the first one behind it; a weaker one behind
+        // The last power up to the middle, or else the first one after it; a weaker power after
         // darkness.
         std::uint32_t want = 0;
         for (std::uint32_t t = 0; t < cell; ++t) {
-          const std::uint16_t shone = told[c * cell + t];
-          const bool weaker = t != 0 && told[c * cell + t - 1] == 0 && shone < want;
+          const std::uint16_t shone = commanded[c * cell + t];
+          const bool weaker = t != 0 && commanded[c * cell + t - 1] == 0 && shone < want;
           if (shone != 0 && (t <= cell / 2 || want == 0 || weaker)) want = shone;
         }
         ASSERT_EQ(power->counts[(c + power_ahead_cells) % power_ring_cells],

@@ -1,5 +1,5 @@
-// Lengths of ticks: the words of TICK, run as the state machine runs them, give the clocks of the
-// virtual board's tick line.
+// Lengths of ticks: the words of TICK, run as by the state machine, give the clocks of the virtual
+// board's tick line.
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ constexpr std::uint32_t high = 63;
 
 std::uint32_t lower(std::uint64_t x) { return static_cast<std::uint32_t>(x); }
 
-/// Clocks between rises, as TICK makes them.
+/// Clocks between TICK's rises.
 std::vector<std::uint32_t> lengths_of(std::uint32_t word) {
   const std::uint32_t low = (word >> 16) + pio::tick_low_overhead;
   return std::vector<std::uint32_t>((word & 0xffff) + 1, low + high);
@@ -39,7 +39,7 @@ TEST(TickWords, EveryTickBeginsAtTheClockOfTheVirtualBoard) {
     const lamp::TickSpan span = random_span(random, tick, clock);
     std::vector<std::uint32_t> lengths;
     make_tick_words(span, high, [&lengths](std::uint32_t word) {
-      ASSERT_NE(word >> 16, 0u) << "reads as no word";
+      ASSERT_NE(word >> 16, 0u) << "would not count as a word";
       for (const std::uint32_t length : lengths_of(word)) lengths.push_back(length);
     });
     ASSERT_EQ(lengths.size(), span.ticks);
@@ -77,7 +77,7 @@ TEST(TickFeed, NeverGivesATickALengthWhoseStepsAreNotFilled) {
   const std::uint32_t words = feed.words();
   feed.feed(lower(feed.end_clock() + 1), 100'000, next_span);
   EXPECT_TRUE(feed.starved());
-  // TICK has read past them: words that follow would count as ticks that never begin.
+  // TICK has read past them: later words would count as ticks that never begin.
   EXPECT_EQ(feed.words(), words);
   EXPECT_EQ(feed.end_tick(), end);
   EXPECT_EQ(feed.ticks_begun(feed.words(), 0), end + 1);  // its beginning ends the last one
@@ -113,7 +113,7 @@ TEST(TickFeed, FindsTicksAndClocksAgain) {
 }
 
 TEST(TickFeed, FollowsTheTicksThatHaveBegun) {
-  // Over the wrap of the lower halves, looked at every now and then.
+  // Over the wrap of the lower halves, with a poll now and then.
   std::mt19937_64 random(5);
   auto ring = std::make_unique<TickRing>();
   TickFeed feed(*ring);
@@ -132,8 +132,8 @@ TEST(TickFeed, FollowsTheTicksThatHaveBegun) {
     feed.feed(lower(now), lower(feed.end_tick() + 100'000), next_span,
               1 + static_cast<std::uint32_t>(n) % 3);
     const std::uint64_t at = feed.tick_at(now);
-    const std::uint32_t behind = lower(at) - feed.tick_before(lower(now));
-    ASSERT_LT(behind, feed_span_ticks);
+    const std::uint32_t lag = lower(at) - feed.tick_before(lower(now));
+    ASSERT_LT(lag, feed_span_ticks);
     now += random() % 12'000;
     if (now + read_ahead_clocks > feed.end_clock()) now = feed.end_clock() - read_ahead_clocks;
   }

@@ -33,7 +33,7 @@ struct FakeUart {
   void clear_interrupts(std::uint32_t) {}
   void pend() { pended = true; }
 
-  /// A byte comes on the line.
+  /// A byte arrives on the line.
   void receive(std::uint32_t data) {
     if (received.size() < 32) {
       received.push_back(data | (overrun ? field::data_overrun : 0u));
@@ -75,7 +75,7 @@ TEST(Uart, BytesArriveOnceAndInOrder) {
   std::vector<std::uint8_t> in, at_device, out, at_host;
   for (int round = 0; round < scaled(20000); ++round) {
     for (std::uint64_t i = random() % 12; i > 0 && uart.received.size() < 32; --i) {
-      // Commands of one byte have a way of their own.
+      // One-byte commands have a separate path.
       auto byte = static_cast<std::uint8_t>(random());
       while (wire::is_realtime(byte)) byte = static_cast<std::uint8_t>(random());
       in.push_back(byte);

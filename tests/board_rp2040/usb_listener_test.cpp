@@ -1,5 +1,5 @@
-// Which of two USB functions is heard: by its rules, and by what comes out when two programs speak
-// at once.
+// Which of two USB functions is active: by its rules, and by the accepted bytes when two programs
+// send at once.
 #include "firmware/boards/rp2040/usb/listener.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ constexpr Function stream = Function::stream;
 /// A listener and its clock.
 struct Ear {
   explicit Ear(std::uint32_t start_us = 0) : now_us(start_us) { listener.reset(now_us); }
-  /// A packet that ends a line.
+  /// Receives a packet that ends a line.
   Verdict hear(Function from, bool tied = false) { return say(from, "?\n", tied); }
   Verdict say(Function from, std::string_view text, bool tied = false) {
     std::array<std::uint32_t, 16> words{};
@@ -41,7 +41,7 @@ struct Ear {
   std::uint32_t now_us;
 };
 
-TEST(UsbListener, WhoIsFirstIsHeard) {
+TEST(UsbListener, TheFirstSenderIsActive) {
   Ear ear;
   EXPECT_EQ(ear.listener.heard(), serial);
   EXPECT_EQ(ear.hear(stream), Verdict::take_over);
@@ -61,11 +61,11 @@ TEST(UsbListener, TheSerialPortWaitsForASecondOfSilence) {
     EXPECT_EQ(ear.hear(stream), Verdict::take);
     ear.pass(1'000'000);
     EXPECT_EQ(ear.hear(serial), Verdict::take_over);
-    EXPECT_EQ(ear.hear(stream), Verdict::take_over) << "the stream is never made to wait";
+    EXPECT_EQ(ear.hear(stream), Verdict::take_over) << "the stream must never wait";
   }
 }
 
-TEST(UsbListener, AJobsHostIsHeardUntilItHasBeenSilentForTenSeconds) {
+TEST(UsbListener, AJobsHostIsActiveUntilItHasBeenSilentForTenSeconds) {
   for (const Function host : {serial, stream}) {
     Ear ear;
     ear.hear(host);
@@ -78,12 +78,12 @@ TEST(UsbListener, AJobsHostIsHeardUntilItHasBeenSilentForTenSeconds) {
     EXPECT_EQ(ear.hear(other(host), true), Verdict::drop);
     ear.pass(1);
     EXPECT_EQ(ear.hear(other(host), true), Verdict::take_over);
-    EXPECT_EQ(ear.hear(host, true), Verdict::take_over) << "it is its job";
+    EXPECT_EQ(ear.hear(host, true), Verdict::take_over) << "the job belongs to this host";
     EXPECT_EQ(ear.hear(other(host), true), Verdict::drop);
   }
 }
 
-TEST(UsbListener, ACablePluggedInAgainInAJobIsItsHosts) {
+TEST(UsbListener, ACableReconnectedInAJobBelongsToItsHost) {
   for (const Function host : {serial, stream}) {
     Ear ear;
     ear.hear(host);
@@ -96,7 +96,7 @@ TEST(UsbListener, ACablePluggedInAgainInAJobIsItsHosts) {
   }
 }
 
-TEST(UsbListener, WhatBeganInDroppedBytesIsMarked) {
+TEST(UsbListener, LinesThatBeganInDroppedBytesAreMarked) {
   struct Case {
     std::string_view dropped;
     Verdict then;
@@ -105,7 +105,7 @@ TEST(UsbListener, WhatBeganInDroppedBytesIsMarked) {
        {Case{"G1X", Verdict::take_over_broken}, Case{"$I\n", Verdict::take_over},
         Case{"\r", Verdict::take_over}, Case{"?", Verdict::take_over},
         Case{"G1X?", Verdict::take_over_broken}, Case{"\x02\x45\x03", Verdict::take_over},
-        // A real-time byte or flow control behind a line or frame belongs to neither.
+        // A real-time byte or flow control after a line or frame belongs to neither.
         Case{"$I\n?", Verdict::take_over}, Case{"$I\r~\x18\x80", Verdict::take_over},
         Case{"\x02\x45\x03?", Verdict::take_over}, Case{"$I\n\x11", Verdict::take_over},
         Case{"\x13", Verdict::take_over}, Case{"?!~?", Verdict::take_over},
@@ -115,18 +115,18 @@ TEST(UsbListener, WhatBeganInDroppedBytesIsMarked) {
     Ear ear;
     ear.hear(stream);
     ASSERT_EQ(ear.say(serial, one.dropped), Verdict::drop);
-    ear.say(serial, "?");  // says nothing of the line around it
+    ear.say(serial, "?");  // does not affect the line around it
     ear.pass(1'000'000);
     EXPECT_EQ(ear.hear(serial), one.then) << one.dropped;
     EXPECT_EQ(ear.hear(serial), Verdict::take);
   }
-  // What was begun while it was heard is finished by nothing.
+  // A line begun while a function was active is never completed later.
   Ear turns;
   ASSERT_EQ(turns.say(serial, "$110=6"), Verdict::take);
   ASSERT_EQ(turns.hear(stream), Verdict::take_over);
   turns.pass(1'000'000);
   EXPECT_EQ(turns.say(serial, "0\n"), Verdict::take_over_broken);
-  // The port that answers go to is marked as well, if it was not heard.
+  // The port that gets the answers is marked as well, if it was not active.
   Ear ear;
   ear.hear(stream);
   ear.listener.reset(ear.now_us);
@@ -137,7 +137,7 @@ TEST(UsbListener, WhatBeganInDroppedBytesIsMarked) {
 
 Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
 
-/// The text that the device has received, over whichever function, commands of one byte at its end.
+/// The text that the device has received over either function, with one-byte commands at its end.
 std::string heard(UsbHost& host) {
   const Bytes bytes = read_all(host);
   std::string text(bytes.begin(), bytes.end());
@@ -153,14 +153,14 @@ Handshake say(UsbHost& host, std::uint8_t endpoint, std::string_view text) {
   return host.bulk_out(bytes_of(text));
 }
 
-/// What the device has to say on an endpoint.
+/// The device's output on an endpoint.
 std::string ask(UsbHost& host, std::uint8_t endpoint) {
   host.endpoint = endpoint;
   const Bytes bytes = host.bulk_in().data;
   return {bytes.begin(), bytes.end()};
 }
 
-TEST(UsbFunctionsTogether, AnswersGoToWhoIsHeard) {
+TEST(UsbFunctionsTogether, AnswersGoToTheActiveFunction) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
   const std::uint32_t start = host.serial.generation();
@@ -180,19 +180,19 @@ TEST(UsbFunctionsTogether, AnswersGoToWhoIsHeard) {
   EXPECT_EQ(ask(host, 3), "two");
 }
 
-TEST(UsbFunctionsTogether, HalfALineAndHalfAnAnswerEndWithTheirConnection) {
+TEST(UsbFunctionsTogether, IncompleteLinesAndAnswersEndWithTheirConnection) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
   say(host, 2, "$110=6");
   host.serial.write(bytes_of("answer to the serial port"));
   say(host, 3, "0\n");
-  EXPECT_EQ(heard(host), "0\n") << "and the generation tells that it is no end of a line";
+  EXPECT_EQ(heard(host), "0\n") << "the generation shows that it is not the end of a line";
   host.serve();
   EXPECT_EQ(ask(host, 3), "");
 }
 
-// A sender polls in the packet of its line: when it is heard again, its next line is whole.
-TEST(UsbFunctionsTogether, TheFirstLineOfWhoIsHeardAnewIsWhole) {
+// A sender polls in the packet of its line: when it is active again, its next line is whole.
+TEST(UsbFunctionsTogether, TheFirstLineAfterASwitchIsWhole) {
   for (const std::string_view before : {"$I\n?", "?$I\n~?", "\x02\x45\x03?"}) {
     for (const bool was_heard : {false, true}) {
       UsbHost host;
@@ -208,8 +208,8 @@ TEST(UsbFunctionsTogether, TheFirstLineOfWhoIsHeardAnewIsWhole) {
   }
 }
 
-// The core looks at the generation, then reads; in between the interrupt may bring a new host.
-TEST(UsbFunctionsTogether, TheFirstReadOfANewConnectionGivesNothing) {
+// The core reads the generation, then the bytes; the interrupt may bring a new host in between.
+TEST(UsbFunctionsTogether, TheFirstReadOfANewConnectionIsEmpty) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
   say(host, 2, "$I\n");
@@ -222,7 +222,7 @@ TEST(UsbFunctionsTogether, TheFirstReadOfANewConnectionGivesNothing) {
   EXPECT_EQ(host.serial.read(bytes), 8u);
 }
 
-TEST(UsbFunctionsTogether, TheUnheardOneNeverWaitsAndNeverComesLater) {
+TEST(UsbFunctionsTogether, TheInactiveFunctionNeverWaitsAndIsNeverReadLater) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
   host.serial.set_tied(false);
@@ -240,9 +240,8 @@ TEST(UsbFunctionsTogether, TheUnheardOneNeverWaitsAndNeverComesLater) {
   EXPECT_EQ(heard(host), "more");
 }
 
-/// Two programs send lines of their own at random, with pauses, in any mixture of packets: what
-/// comes through between two new connections is lines of one of them, whole but for the first and
-/// last.
+/// Two programs send their own lines at random, with pauses, in any mixture of packets: the bytes
+/// between two new connections are lines of one program, whole except for the first and last.
 TEST(UsbFunctionsTogether, NoLineIsEverMadeOfTwo) {
   std::mt19937_64 random(18);
   UsbHost host;

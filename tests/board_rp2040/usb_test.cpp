@@ -1,5 +1,5 @@
 // USB serial port: requests by golden bytes of USB 2.0 (chapter 9), CDC 1.2 and PSTN 1.2; the pipes
-// by what must never happen to bytes.
+// by faults that must never happen to bytes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -90,7 +90,7 @@ TEST(UsbControl, WindowsAndMacAskDifferently) {
 }
 
 // Specification of Microsoft OS 2.0 descriptors, tables 4 and 10 to 14; byte by byte.
-TEST(UsbControl, TellsWindowsOfWinUsb) {
+TEST(UsbControl, ReportsWinUsbToWindows) {
   UsbHost host;
   host.reset();
   const Bytes bos = {5,    15,   33,   0,    1,                                   // header
@@ -124,7 +124,7 @@ TEST(UsbControl, TellsWindowsOfWinUsb) {
   }
 }
 
-// What Windows has learned of a version must stay true of it.
+// Windows stores the properties of a version, so a version must not change.
 TEST(UsbControl, ChangedDescriptorsHaveANewVersion) {
   UsbHost host;
   host.reset();
@@ -142,7 +142,7 @@ TEST(UsbControl, ChangedDescriptorsHaveANewVersion) {
   add(host.control(0xC0, 0x4D, 0, 7, 4096).data);
   EXPECT_EQ(version, 0x0011);
   EXPECT_EQ(sum, 10'939'475'691'639'477'757u)
-      << "raise device_version, then state both numbers here";
+      << "raise device_version, then write both numbers here";
 }
 
 TEST(UsbControl, AddressTakesEffectAfterTheStatusStage) {
@@ -160,7 +160,7 @@ TEST(UsbControl, AddressTakesEffectAfterTheStatusStage) {
   EXPECT_EQ(host.usb.address, 0);
 }
 
-/// One request and what it gets; `data` of those that answer.
+/// One request and its expected result; `data` of the requests that are answered.
 struct Case {
   std::uint8_t type, request;
   std::uint16_t value, index, length;
@@ -239,7 +239,7 @@ TEST(UsbControl, EveryRequestInEveryState) {
       {0x20, 0x22, 3, 0, 0, false, false},       // to the device
       {0x40, 0, 0, 0, 0, false, false},          // vendor
       {0xC0, 0x20, 0, 4, 16, false, false},
-      {0xC0, 0x4D, 0, 8, 178, false, false},  // SET_ALT_ENUMERATION, which we do not announce
+      {0xC0, 0x4D, 0, 8, 178, false, false},  // SET_ALT_ENUMERATION, not announced
       {0xC0, 0x4D, 1, 7, 178, false, false},
       {0xC1, 0x4D, 0, 7, 178, false, false},
       {0x40, 0x4D, 0, 7, 0, false, false},
@@ -284,8 +284,8 @@ TEST(UsbControl, LengthsAndEmptyPackets) {
   EXPECT_EQ(host.control(to_host, 6, 0x0100, 0, 0).handshake, Handshake::ack);
 }
 
-// None of our descriptors is a multiple of 64 bytes, so the rule is tested on the pipe itself.
-TEST(UsbControl, AnEmptyPacketEndsWholePacketsThatAreLessThanAsked) {
+// No descriptor is a multiple of 64 bytes, so the rule is tested on the pipe itself.
+TEST(UsbControl, AnEmptyPacketEndsWholePacketsShorterThanRequested) {
   struct Requests {
     Bytes reply;
     rp2040::usb::Reaction setup(const rp2040::usb::SetupPacket&) const {
@@ -333,7 +333,7 @@ TEST(UsbControl, HostMayEndTheDataStageEarly) {
   EXPECT_EQ(host.control(to_host, 6, 0x0100, 0, 18).data.size(), 18u);
 }
 
-TEST(UsbControl, LineCodingIsKeptAndNothingElseHappens) {
+TEST(UsbControl, LineCodingIsStoredWithoutOtherEffects) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
   const Bytes coding = {0xB0, 0x04, 0, 0, 0, 0, 8};  // 1200 baud
@@ -357,7 +357,7 @@ TEST(UsbControl, LineCodingIsKeptAndNothingElseHappens) {
   EXPECT_EQ(host.control(class_in, 0x21, 0, 0, 7).data, coding);
 }
 
-/// Open, closed, asleep: whether a program of the host is there.
+/// Presence of a host program while the port is open, closed or asleep.
 TEST(UsbControl, AHostIsPresentUntilItClosesThePort) {
   UsbHost host;
   EXPECT_FALSE(host.serial.present());
@@ -381,12 +381,12 @@ TEST(UsbControl, AHostIsPresentUntilItClosesThePort) {
 
 class UsbFunctions : public testing::TestWithParam<std::uint8_t> {
  protected:
-  /// A host that talks over one of them.
+  /// A host that uses one of the functions.
   UsbFunctions() { host_.endpoint = GetParam(); }
-  /// Its OUT and IN endpoint.
+  /// The OUT and IN endpoint of the function.
   std::uint8_t out() const { return GetParam(); }
   std::uint8_t in() const { return 0x80 | GetParam(); }
-  /// Who speaks is answered.
+  /// Sends a line so that this function becomes active.
   void speak() {
     ASSERT_EQ(host_.bulk_out(numbered(1)), Handshake::ack);
     ASSERT_EQ(read_all(host_), numbered(1));
@@ -476,7 +476,7 @@ TEST(UsbControl, AnUnusedConnectionMayBeRestarted) {
   EXPECT_EQ(host.serial.counters().resynchronised, 0u);
 }
 
-TEST(UsbControl, GarbageNeverWedgesIt) {
+TEST(UsbControl, GarbageNeverBlocksIt) {
   std::mt19937_64 random(20260);
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
@@ -491,7 +491,7 @@ TEST(UsbControl, GarbageNeverWedgesIt) {
     }
     host.usb.setup(setup);
     if (random() % 8 != 0) host.serve();
-    // Some random tokens, as a host that has lost its way.
+    // Some random tokens, as from a faulty host.
     for (std::uint64_t i = random() % 4; i > 0; --i) {
       Bytes data(random() % 65);
       bool data1 = random() % 2 == 0;
@@ -529,7 +529,7 @@ TEST_P(UsbFunctions, BytesArriveOnceAndInOrder) {
     const auto in_size = static_cast<std::size_t>(random() % 3 == 0 ? 64 : random() % 65);
     if (host_.serial.available() + in_size < 3000) {
       const Bytes packet = numbered(in_size, static_cast<unsigned>(random() % 26));
-      // The device may not have looked since the last one: there are two buffers.
+      // The device may not have polled since the last packet: there are two buffers.
       const Handshake answer = host_.bulk_out(packet, random() % 3 != 0);
       if (answer == Handshake::ack)
         to_device.insert(to_device.end(), packet.begin(), packet.end());
@@ -587,7 +587,7 @@ TEST_P(UsbFunctions, AnEmptyPacketFollowsWholeOnes) {
   }
 }
 
-TEST(UsbBulk, TwoPacketsAreTakenWithoutTheDevice) {
+TEST(UsbBulk, TwoPacketsAreAcceptedWithoutTheDevice) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
   for (unsigned i = 0; i < 40; ++i) {
@@ -599,7 +599,7 @@ TEST(UsbBulk, TwoPacketsAreTakenWithoutTheDevice) {
   }
 }
 
-/// The ring is full, and a packet waits in the first buffer.
+/// Fills the ring; a packet waits in the first buffer.
 void fill(UsbHost& host, Bytes& sent) {
   Bytes line = numbered(63);
   line.push_back('\n');
@@ -612,7 +612,7 @@ void fill(UsbHost& host, Bytes& sent) {
   }
 }
 
-/// Reads as the main loop does, which has the interrupt look again.
+/// Reads as the main loop does, which makes the interrupt poll again.
 Bytes read_on(UsbHost& host) {
   Bytes got;
   for (Bytes piece = read_all(host); !piece.empty(); piece = read_all(host)) {
@@ -639,8 +639,8 @@ TEST(UsbBulk, AFullRingMakesTheHostWaitAndLosesNothing) {
   EXPECT_EQ(read_all(host), numbered(10));
 }
 
-TEST(UsbBulk, AStopIsHeardWhileItsPacketWaits) {
-  // Fills all but the last buffer, which the stop comes in.
+TEST(UsbBulk, AStopActsWhileItsPacketWaits) {
+  // Fills all but the last buffer, in which the stop arrives.
   for (const std::string text : {"!", "G1X1\n!G1X2\n", "\x84", "G1X1\n\x85"}) {
     UsbHost host;
     ASSERT_TRUE(host.enumerate());
@@ -661,15 +661,15 @@ TEST(UsbBulk, AStopIsHeardWhileItsPacketWaits) {
     ASSERT_EQ(host.bulk_out(Bytes(text.begin(), text.end())), Handshake::ack);
     ASSERT_TRUE(host.serial.read_realtime(byte)) << text;
     EXPECT_NE(text.find(static_cast<char>(byte)), std::string::npos);
-    EXPECT_FALSE(host.serial.read_realtime(byte)) << "heard once";
+    EXPECT_FALSE(host.serial.read_realtime(byte)) << "the byte must be read only once";
     const Bytes rest = read_on(host);
     EXPECT_EQ(std::count_if(rest.begin(), rest.end(), wire::is_realtime), 0);
     EXPECT_FALSE(host.serial.read_realtime(byte));
   }
 }
 
-/// Other interrupts come between the looks at the two buffers.
-TEST(UsbBulk, APacketThatComesMeanwhileIsLookedAtBeforeItIsTaken) {
+/// Other interrupts occur between the checks of the two buffers.
+TEST(UsbBulk, APacketThatArrivesMeanwhileIsScannedBeforeItIsRead) {
   FakeUsb usb;
   rp2040::usb::BulkOut<FakeUsb> out(usb, rp2040::usb::serial_out_place);
   out.start();
@@ -691,7 +691,7 @@ TEST(UsbBulk, APacketThatComesMeanwhileIsLookedAtBeforeItIsTaken) {
   EXPECT_EQ(taker.events, "look5 take5 look7 take7 ");
 }
 
-TEST(UsbBulk, AResetDiscardsWhatCameBeforeIt) {
+TEST(UsbBulk, AResetDropsEarlierBytes) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
   for (const bool full : {false, true}) {
@@ -718,7 +718,7 @@ TEST(UsbBulk, AResetDiscardsWhatCameBeforeIt) {
   }
 }
 
-TEST(UsbBulk, NothingIsHandedOverLateInAFrame) {
+TEST(UsbBulk, NoBufferIsArmedLateInAFrame) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
   for (std::uint32_t offset = 0; offset < 1000; offset += 7) {
@@ -751,7 +751,7 @@ TEST(UsbBulk, ANewConnectionStartsEmpty) {
     EXPECT_EQ(host.serial.available(), 0u);
     EXPECT_EQ(host.serial.room(), host.serial.send_capacity);
     EXPECT_EQ(host.bulk_in().handshake, Handshake::nak);
-    // Leave it in the middle of something.
+    // Leaves a transfer unfinished.
     for (std::uint64_t i = random() % 5; i > 0; --i) {
       host.bulk_out(numbered(1 + random() % 64), random() % 2 == 0);
       host.serial.write(numbered(random() % 200));
@@ -798,7 +798,7 @@ TEST(UsbSuspend, ComesAndGoes) {
 TEST(UsbErrata, OldChipsAreHelpedOutOfAReset) {
   UsbHost host;
   host.usb.old_chip = true;
-  host.usb.sie_status &= ~(3u << 2);  // SE0: the reset goes on
+  host.usb.sie_status &= ~(3u << 2);  // SE0: the reset continues
   host.reset();
   host.serial.poll();
   EXPECT_FALSE(host.usb.held);
@@ -830,7 +830,7 @@ TEST(UsbRings, ReceiveKeepsEveryByteAtEveryPosition) {
     const auto size = static_cast<std::uint32_t>(1 + random() % 64);
     if (expected.size() + size <= 256 - 8) {
       std::array<std::uint32_t, 16> words{};
-      // Plain ones, and such with real-time bytes.
+      // Plain bytes, and some with real-time bytes.
       const std::uint32_t mask = random() % 2 == 0 ? 0xffffffffu : 0x17171717u;
       for (auto& word : words) word = static_cast<std::uint32_t>(random()) & mask;
       ring.take_realtime(words.data(), size);
@@ -902,7 +902,7 @@ TEST(UsbRings, OverflowMarksTheGapAndDropsNoCommand) {
   EXPECT_EQ(out[1], 'A');
 }
 
-/// In whatever pieces it comes and is read, each byte is known to be from before or after 0x85.
+/// However it is received and read in pieces, each byte is known to be before or after 0x85.
 TEST(UsbRings, TheEndOfJogsLeavesAMark) {
   std::mt19937_64 random(6);
   for (int round = 0; round < scaled(500); ++round) {
@@ -919,7 +919,7 @@ TEST(UsbRings, TheEndOfJogsLeavesAMark) {
       packets.push_back(text.substr(at, 1 + random() % 64));
       at += packets.back().size();
     }
-    // All of them are looked at before any byte is read.
+    // All packets are scanned before any byte is read.
     for (const std::string& packet : packets) {
       std::array<std::uint32_t, 16> words{};
       for (std::size_t i = 0; i < packet.size(); ++i)

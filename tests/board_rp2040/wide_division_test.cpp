@@ -1,5 +1,5 @@
-// The board's 64-bit division against the PC's, its 32-bit divider replaced by the PC's.
-#include "firmware/boards/rp2040/wide_division.hpp"
+// The board's 64-bit division against the PC's; the PC's replaces the 32-bit divider.
+#include "firmware/boards/rp2040/base/wide_division.hpp"
 
 #include <gtest/gtest.h>
 

@@ -32,7 +32,7 @@ class AdcTest : public ::testing::Test {
     adc_.write(cs, enable);
     align();
   }
-  /// To a cycle in which edges of clk_adc and clk_sys coincide: one each microsecond.
+  /// Advances to a cycle in which edges of clk_adc and clk_sys coincide: one each microsecond.
   void align() { rig_.wheel.advance_to(origin_ + (rig_.wheel.now() - origin_ + 125) / 125 * 125); }
   std::uint32_t convert(std::uint32_t number) {
     adc_.write(cs, enable | sensor | input(number) | once);
@@ -40,7 +40,7 @@ class AdcTest : public ::testing::Test {
     return adc_.read(result);
   }
   bool line() const { return rig_.line(Irq::adc_fifo); }
-  /// Cycles until the interrupt comes, from now.
+  /// Cycles from now until the interrupt.
   Cycle until_line(Cycle most) {
     const Cycle from = rig_.wheel.now();
     while (!line() && rig_.wheel.now() < from + most) rig_.pass(1);
@@ -162,7 +162,7 @@ TEST_F(AdcTest, RoundRobinTakesEachInputInTurn) {
   EXPECT_EQ(adc_.read(fifo), code(2.1));
 }
 
-TEST_F(AdcTest, AnErrorGoesWithItsSample) {
+TEST_F(AdcTest, AnErrorIsStoredWithItsSample) {
   adc_.set_input(0, 1.65);
   adc_.write(fcs, fifo_on | fifo_error | fifo_shift);
   adc_.fail_next_conversion();
@@ -172,14 +172,14 @@ TEST_F(AdcTest, AnErrorGoesWithItsSample) {
   EXPECT_EQ(adc_.read(cs) & (error | error_sticky), error_sticky);
   EXPECT_EQ(adc_.read(fifo), 0x8080u) << "shifted, but for the error bit";
   EXPECT_EQ(adc_.read(fifo), 0x80u);
-  // Through the set alias another bit leaves the sticky one alone; written itself it clears.
+  // A write of another bit through the set alias keeps the sticky bit; written itself, it clears.
   rig_.store(base + 0x2000 + cs, sensor);
   EXPECT_NE(adc_.read(cs) & error_sticky, 0u);
   rig_.store(base + 0x2000 + cs, error_sticky);
   EXPECT_EQ(adc_.read(cs) & error_sticky, 0u);
 }
 
-TEST_F(AdcTest, TheDmaTakesEachSampleAsItComes) {
+TEST_F(AdcTest, TheDmaTransfersEachSampleAtOnce) {
   adc_.set_input(0, 0.5);
   adc_.write(fcs, fifo_on | fifo_dreq | threshold(1));
   rig_.start_dma(0, base + fifo, rig_.ram, 6, 1, false, true, Dreq::adc);
@@ -199,7 +199,7 @@ TEST_F(AdcTest, TheDmaTakesEachSampleAsItComes) {
   EXPECT_EQ(adc_.read(fcs) & fifo_over, 0u);
 }
 
-TEST_F(AdcTest, StandsStillWithItsClockAndStopsWhenDisabled) {
+TEST_F(AdcTest, StopsWithItsClockAndWhenDisabled) {
   adc_.write(cs, enable | once);
   rig_.system.clocks.write(0x60, 0);
   rig_.pass(10 * conversion);
@@ -214,8 +214,8 @@ TEST_F(AdcTest, StandsStillWithItsClockAndStopsWhenDisabled) {
   EXPECT_EQ(adc_.read(fcs), fifo_empty);
 }
 
-// Conversions that nobody sees are skipped: looking often must not change anything.
-TEST_F(AdcTest, LookingDoesNotChangeWhatIsSeen) {
+// The simulator skips unobserved conversions: frequent reads must not change the result.
+TEST_F(AdcTest, ReadsDoNotChangeTheResult) {
   std::mt19937_64 random(11);
   for (int round = 0; round < test::scaled(40); ++round) {
     rigs::DmaSystemRig other;

@@ -106,7 +106,7 @@ TEST(Assembler, LabelsResolveForwardsAndMoveWithTheProgram) {
   EXPECT_EQ(p.code[2], 0x20a2 | 0x02 << 8);
 }
 
-TEST(Assembler, TheProgramsAreWhatTheirEssaysSay) {
+TEST(Assembler, TheProgramsMatchTheirDescriptions) {
   // wait 1 gpio 25 [1]; out pins,2; wait 0 gpio 25; set pins,0
   const std::array<std::uint16_t, 4> axis{0x2199, 0x6002, 0x2019, 0xe000};
   ASSERT_EQ(axis_program.size, axis.size());
@@ -115,7 +115,7 @@ TEST(Assembler, TheProgramsAreWhatTheirEssaysSay) {
   const std::array<std::uint16_t, 3> bits{0x2199, 0x6004, 0x2019};
   ASSERT_EQ(bits_program.size, bits.size());
   for (std::size_t i = 0; i < bits.size(); ++i) EXPECT_EQ(bits_program.code[i], bits[i]) << i;
-  // The rise of the tick line is `mov y, isr side 1`; the last jump waits as long as a fetch.
+  // The tick line rises at `mov y, isr side 1`; the last jump waits as long as a fetch.
   const Program& tick = tick_program.program;
   EXPECT_EQ(tick.code[tick_program.high - 1u], 0xa046 | 0x10 << 8);
   EXPECT_EQ(tick.code[tick.size - 2u], 0x0040 | tick_program.next | 0x01 << 8);

@@ -5,14 +5,14 @@
 #include <map>
 #include <vector>
 
-#include "sim/chip/bus.hpp"
+#include "sim/chip/fabric/bus.hpp"
 
 namespace lamplock::test::bus_test {
 namespace {
 
 using namespace sim::chip;  // NOLINT(google-build-using-namespace)
 
-/// Registers that remember.
+/// Registers that store what is written.
 class Block final : public Peripheral {
  public:
   std::string_view name() const override { return "BLOCK"; }
@@ -93,7 +93,7 @@ TEST_F(BusTest, WithoutFlashAReadFaultsAndIsReported) {
   EXPECT_EQ(reports_.size(), 1u);
 }
 
-TEST_F(BusTest, MemoryIsThereWhileItIsMapped) {
+TEST_F(BusTest, MemoryAnswersWhileItIsMapped) {
   std::vector<std::uint8_t> memory(16 * 1024);
   EXPECT_TRUE(faults(0x1500'1234));
   bus_.map_memory(0x1500'0000, memory, true);
@@ -152,18 +152,18 @@ TEST_F(BusTest, SioIsForCoresAndEachHasItsOwn) {
   EXPECT_TRUE(write(0xd000'1010, 1).fault);  // no aliases
 }
 
-TEST_F(BusTest, BlocksThatAreNotThereAreReportedOrFault) {
+TEST_F(BusTest, MissingBlocksAreReportedOrFault) {
   EXPECT_EQ(read(0x4003'c00c), 0u);
   ASSERT_EQ(reports_.size(), 1u);
   EXPECT_EQ(reports_[0], "SPI0 read at 0x4003c00c");
   EXPECT_FALSE(write(0x4004'4002, 1, Width::byte).fault);
   EXPECT_EQ(reports_[1], "I2C0 written at 0x40044000");
-  for (const std::uint32_t nobody : {0x4006'8000u, 0x4007'0000u, 0x4100'0000u, 0x5005'0000u,
-                                     0x5000'4000u, 0x5100'0000u, 0x3000'0000u, 0x6000'0000u})
-    EXPECT_TRUE(faults(nobody)) << std::hex << nobody;
+  for (const std::uint32_t unmapped : {0x4006'8000u, 0x4007'0000u, 0x4100'0000u, 0x5005'0000u,
+                                       0x5000'4000u, 0x5100'0000u, 0x3000'0000u, 0x6000'0000u})
+    EXPECT_TRUE(faults(unmapped)) << std::hex << unmapped;
 }
 
-TEST_F(BusTest, TimeIsBroughtUpForCoresOnly) {
+TEST_F(BusTest, TimeIsUpdatedForCoresOnly) {
   Block block;
   bus_.map(0x5000'0000, block);
   bus_.read(0x5000'0000, Width::word, Master::dma, 100);

@@ -1,5 +1,5 @@
-// Where the cycles of a core go, as folded stacks and as a table; cycles from the Cortex-M0+ TRM,
-// 3.3.
+// The cycles of a core by function, as folded stacks and as a table; cycles from the Cortex-M0+
+// TRM, 3.3.
 #include "sim/chip/profile/call_stacks.hpp"
 
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ TEST(CallStacks, NameFunctionsWithoutSymbolsByTheirAddress) {
             "core0;0x20000000;0x20000010;0x20000020 3\n");
 }
 
-TEST(CallStacks, PutInterruptsOnWhatTheyInterrupt) {
+TEST(CallStacks, PutInterruptsOnTheInterruptedFunction) {
   CoreRig rig;
   put_program(rig);
   ShadowStack calls(rig.core, symbols);
@@ -89,7 +89,7 @@ struct Views {
       if (each.name == name) return each;
     return {};
   }
-  /// Each cycle is somebody's, or sleep.
+  /// Each cycle belongs to a function or to sleep.
   void expect_sums() const {
     Cycle all = table.asleep();
     for (const ProfileEntry& each : table.functions()) all += each.total;

@@ -1,4 +1,4 @@
-// The chip as a whole: what depends on how its blocks are wired to each other.
+// The chip as a whole: behaviour that depends on the wiring between its blocks.
 #include "sim/chip/chip.hpp"
 
 #include <gmock/gmock.h>
@@ -74,7 +74,7 @@ TEST_F(ChipTest, StartsWithNothingToReport) {
   EXPECT_THAT(chip_.not_modelled(), testing::IsEmpty());
 }
 
-TEST_F(ChipTest, ALookAtAnyRegisterReportsNothingAndAReadDoes) {
+TEST_F(ChipTest, APeekAtAnyRegisterReportsNothingAndAReadDoes) {
   std::vector<std::uint32_t> blocks{0x1400'0000, 0x1800'0000, 0xd000'0000};
   for (std::uint32_t i = 0; i < 28; ++i) blocks.push_back(0x4000'0000 + 0x4000 * i);
   for (const std::uint32_t i : {0x00u, 0x11u, 0x20u, 0x30u, 0x40u})
@@ -103,7 +103,7 @@ TEST_F(ChipTest, AWriteWhereThereIsNoRegisterIsReported) {
                                                          "PADS_QSPI: no register at this offset"));
 }
 
-// An alias looks at the register before it writes.
+// A write through an alias reads the register first.
 TEST_F(ChipTest, AWriteThroughAnAliasIsReportedOnce) {
   write(resets, 0);
   write(0x5020'0200 + set_alias, 1);
@@ -112,7 +112,7 @@ TEST_F(ChipTest, AWriteThroughAnAliasIsReportedOnce) {
               testing::ElementsAre("PIO0: write of offset 512", "DMA: write of offset 3072"));
 }
 
-TEST_F(ChipTest, TellsWhatResetIt) {
+TEST_F(ChipTest, ReportsItsResetCause) {
   EXPECT_EQ(read(chip_reset), had_por);
   EXPECT_EQ(read(reason), 0u);
 
@@ -133,7 +133,7 @@ TEST_F(ChipTest, TellsWhatResetIt) {
   EXPECT_EQ(read(scratch0), 0u);
   EXPECT_EQ(read(in_sram), 0x1234'5678u);
 
-  // By its counter this time: 100 counts, two a tick, ticks of 12 cycles of the ring oscillator.
+  // A reset by the counter: 100 counts, two per tick, ticks of 12 cycles of the ring oscillator.
   write(watchdog + 0x2c, 1u << 9 | 12);
   write(watchdog + 0x4, 100);
   write(watchdog + set_alias, 1u << 30);
@@ -163,7 +163,7 @@ TEST_F(ChipTest, TellsWhatResetIt) {
   EXPECT_EQ(read(brown_out_detector), 0x91u);
 }
 
-TEST_F(ChipTest, StartsAnewAfterEachReset) {
+TEST_F(ChipTest, RestartsAfterEachReset) {
   run(10 * ps_per_ms);
   for (const auto reset : {&Chip::power_cut, &Chip::brown_out, &Chip::run_pin}) {
     (chip_.*reset)();
@@ -192,7 +192,7 @@ TEST_F(ChipTest, OnlyAPowerCutStopsTheFlash) {
 TEST_F(ChipTest, TheWatchdogResetsExecutionInPlaceIfSelected) {
   // Stages after XIP alone, or those before it as well (2.13.1).
   for (const std::uint32_t selected : {0x1'e000u, 0x1'fffcu}) {
-    write(xip_ctrl, 2);  // cache off: its memory shows
+    write(xip_ctrl, 2);  // cache off: its memory is readable
     write(cache_memory, 5);
     write(ssi_enable, 1);
     write(psm_wdsel, selected);
@@ -204,12 +204,12 @@ TEST_F(ChipTest, TheWatchdogResetsExecutionInPlaceIfSelected) {
   }
 }
 
-TEST_F(ChipTest, UsbWantsClkUsb) {
+TEST_F(ChipTest, UsbNeedsClkUsb) {
   pull_up();
   EXPECT_THAT(chip_.usb().violations(), testing::ElementsAre(testing::HasSubstr("clk_usb at 0")));
 }
 
-TEST_F(ChipTest, UsbIsContentWith48MHz) {
+TEST_F(ChipTest, UsbAccepts48MHz) {
   write(resets + clear_alias, reset_usbctrl | 1u << 13);  // and PLL_USB
   write(0x4002'400c, 1);                                  // XOSC: STARTUP, CTRL
   write(0x4002'4000, 0xfabaa0);

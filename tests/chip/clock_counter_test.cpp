@@ -19,7 +19,7 @@ TEST(ClockCounter, SpellsShorterThanACycleAddUp) {
   EXPECT_EQ(counter.cycles(1000 * ps_per_s), 250u);
 }
 
-// Against the sum of all spells, exactly; a cycle is counted at its time and not before.
+// Equals the sum of all spells exactly; a cycle is counted at its time and not before.
 TEST(ClockCounter, CountsWithoutDriftWhateverTheFrequencyDoes) {
   constexpr std::array<std::uint64_t, 5> frequencies{0, 46'875, 6'500'000, 48'000'000, 12'000'001};
   std::mt19937_64 random(1);
@@ -51,7 +51,7 @@ TEST(ClockCounter, CountsWithoutDriftWhateverTheFrequencyDoes) {
   }
 }
 
-TEST(ClockCounter, WhatIsOutOfSightNeverComes) {
+TEST(ClockCounter, UnreachableCyclesNeverCome) {
   ClockCounter counter;
   counter.set_frequency(1, 0);
   EXPECT_EQ(counter.time_of(86'400), 86'400 * ps_per_s);

@@ -1,5 +1,5 @@
 // Clocks that WAKE_EN stops (RP2040 datasheet, 2.15.3.5): a block keeps its state, time does not
-// pass for it, and it goes on where it was. What each block does with its clock is in its own test.
+// pass for it, and it continues from there. Each block's own test covers its use of the clock.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,12 +20,12 @@ constexpr Cycle still = 12'345;  ///< how long clocks are stopped, of the 125 MH
 
 using Edge = std::pair<unsigned, Cycle>;
 
-/// What a run saw of the pins.
+/// A system that records the pins of a run.
 struct Gated : PadListener, rigs::DmaSystemRig {
   Gated() {
     gpio.listen(*this);
     bus.map(pio0, fabric.pio0());
-    // PIO and DMA are the chip's to connect.
+    // In a chip, the chip connects PIO and DMA.
     system.clocks.on_gate(ClockGate::sys_pio0,
                           [this](bool runs) { fabric.set_pio_clock(0, runs); });
     system.clocks.on_gate(ClockGate::sys_dma, [this](bool runs) { fabric.set_dma_clock(runs); });
@@ -57,8 +57,8 @@ struct Gated : PadListener, rigs::DmaSystemRig {
   std::vector<Edge> edges;
 };
 
-/// The edges of a run that stopped after `after` cycles as if it had not. What the PIO latched in
-/// its last clock shows in the next.
+/// Converts the edges of a run that stopped after `after` cycles to those of a run without the
+/// stop. State latched by the PIO in its last clock appears in its next clock.
 std::vector<Edge> without_stop(std::vector<Edge> edges, Cycle after) {
   for (Edge& edge : edges)
     if (edge.second > after + 1) {
@@ -68,7 +68,7 @@ std::vector<Edge> without_stop(std::vector<Edge> edges, Cycle after) {
   return edges;
 }
 
-/// Runs the same with and without a stop at several moments.
+/// Runs with and without a stop at several moments and compares.
 template <class Setup>
 void expect_stands_still(ClockGate gate, Cycle length, std::size_t least_edges, Setup setup) {
   Gated whole;
@@ -86,7 +86,7 @@ void expect_stands_still(ClockGate gate, Cycle length, std::size_t least_edges, 
   }
 }
 
-TEST(ClockGates, PwmStandsStill) {
+TEST(ClockGates, PwmStops) {
   expect_stands_still(ClockGate::sys_pwm, 2'000, 20, [](Gated& rig) {
     rig.select(2, 4);
     rig.store(pwm + 0x18, 1u << 4 | 5);  // slice 1: divided by 1 5/16
@@ -96,7 +96,7 @@ TEST(ClockGates, PwmStandsStill) {
   });
 }
 
-TEST(ClockGates, PioStandsStill) {
+TEST(ClockGates, PioStops) {
   for (const bool every_clock : {false, true})
     expect_stands_still(ClockGate::sys_pio0, 2'000, 20, [every_clock](Gated& rig) {
       rig.fabric.set_step_every_clock(every_clock);
@@ -114,8 +114,8 @@ TEST(ClockGates, PioStandsStill) {
     });
 }
 
-// A bit is 8 x 16 cycles; the line stays where it is, in the middle of a bit as well.
-TEST(ClockGates, UartStandsStill) {
+// A bit is 8 x 16 cycles; the line keeps its level, also in the middle of a bit.
+TEST(ClockGates, UartStops) {
   expect_stands_still(ClockGate::peri_uart0, 4'000, 15, [](Gated& rig) {
     rig.select(0, 2);
     rig.store(uart0 + 0x24, 8);
@@ -125,8 +125,8 @@ TEST(ClockGates, UartStandsStill) {
   });
 }
 
-// The receiver takes a byte that stood still as long as it did itself.
-TEST(ClockGates, UartReceivesWhereItWas) {
+// The receiver accepts a byte if the line stopped for the same time as the receiver.
+TEST(ClockGates, UartContinuesToReceive) {
   Gated rig;
   rig.store(uart0 + 0x24, 8);
   rig.store(uart0 + 0x2c, 0x70);
@@ -162,7 +162,7 @@ TEST(ClockGates, AByteForTheUartWaitsForItsClock) {
   EXPECT_EQ(uart.read(0), 0x5au);
 }
 
-TEST(ClockGates, SpiStandsStill) {
+TEST(ClockGates, SpiStops) {
   expect_stands_still(ClockGate::peri_spi0, 1'500, 40, [](Gated& rig) {
     rig.select(2, 1);
     rig.select(3, 1);
@@ -174,7 +174,7 @@ TEST(ClockGates, SpiStandsStill) {
   });
 }
 
-TEST(ClockGates, TimerStandsStill) {
+TEST(ClockGates, TimerStops) {
   Gated rig;
   const std::uint32_t from = rig.load(timer + 0x28);
   rig.store(timer + 0x38, 1);
@@ -191,7 +191,7 @@ TEST(ClockGates, TimerStandsStill) {
   EXPECT_TRUE(rig.line(Irq::timer_0));
 }
 
-TEST(ClockGates, WatchdogStandsStill) {
+TEST(ClockGates, WatchdogStops) {
   Gated rig;
   rig.store(watchdog + 4, 2 * 100);  // erratum E1: 100 us
   rig.store(watchdog, 1u << 30);
@@ -207,7 +207,7 @@ TEST(ClockGates, WatchdogStandsStill) {
 }
 
 // 96 cycles of clk_adc at 48 MHz: 2 us.
-TEST(ClockGates, AdcStandsStill) {
+TEST(ClockGates, AdcStops) {
   Gated rig;
   rig.start_adc_and_rtc_clocks();
   rig.reports.clear();
@@ -223,7 +223,7 @@ TEST(ClockGates, AdcStandsStill) {
   EXPECT_EQ(rig.load(adc) & 1u << 8, 1u << 8);
 }
 
-TEST(ClockGates, RtcStandsStill) {
+TEST(ClockGates, RtcStops) {
   Gated rig;
   rig.start_adc_and_rtc_clocks();
   rig.store(rtc, 46'875 - 1);
@@ -242,7 +242,7 @@ TEST(ClockGates, RtcStandsStill) {
 }
 
 // A word a clock (2.5).
-TEST(ClockGates, DmaStandsStill) {
+TEST(ClockGates, DmaStops) {
   constexpr std::uint32_t words = 1'000, count = 8;
   const auto busy_for = [](Cycle stop_after) {
     Gated rig;
@@ -276,7 +276,7 @@ TEST(ClockGates, RegistersWithoutAClockDoNotAnswer) {
   EXPECT_EQ(rig.load(pwm + 0x10), 77u);
 }
 
-// Edges that come while there is no clock are not seen; the level is, afterwards.
+// Edges without a clock are missed; the level is seen when the clock is back.
 TEST(ClockGates, PwmCountsNoEdgesWithoutAClock) {
   Gated rig;
   rig.select(1, 4);

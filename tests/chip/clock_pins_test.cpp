@@ -42,7 +42,7 @@ class ClockPinsTest : public ::testing::Test, public PadListener {
       return report.find(text) != std::string::npos;
     });
   }
-  /// FC0 as the frequency in 1/32 kHz.
+  /// Result of FC0: the frequency in 1/32 kHz.
   std::uint32_t count(std::uint32_t source, std::uint32_t interval) {
     clocks_.write(fc0_reference, 12'000);
     clocks_.write(fc0_interval, interval);
@@ -73,7 +73,7 @@ TEST_F(ClockPinsTest, OutputsAreOnTheirPins) {
   EXPECT_TRUE(rig_.reports.empty());
 }
 
-// 12 MHz / 12 000 = 1 kHz: 125 000 cycles of clk_sys, however long.
+// 12 MHz / 12 000 = 1 kHz: always 125 000 cycles of clk_sys.
 TEST_F(ClockPinsTest, OutputOfAnotherSourceDoesNotDrift) {
   connect(21);
   const Cycle t = rig_.wheel.now();
@@ -105,7 +105,7 @@ TEST_F(ClockPinsTest, FasterThanHalfOfTheSystemClockIsReported) {
 }
 
 // Half of clk_sys follows clk_sys down and up again; half of 125 MHz is more than half of 12 MHz.
-TEST_F(ClockPinsTest, AnOutputMadeOfTheSystemClockIsNeverTooFastBecauseThatChanges) {
+TEST_F(ClockPinsTest, AnOutputFromTheSystemClockIsNeverTooFastAfterAChange) {
   connect(21);
   output(0, clk_sys, 2u << 8);
   clocks_.write(sys_control, 0);  // clk_ref
@@ -175,7 +175,7 @@ TEST_F(ClockPinsTest, ResuscitationForcesTheReference) {
   EXPECT_EQ(rig_.wheel.time() - before, 10 * ps_per_us) << "120 cycles";
   EXPECT_TRUE(rig_.line(Irq::clocks));
   EXPECT_EQ(clocks_.read(ints), 1u);
-  // What a handler does: clk_sys to clk_ref, then CLEAR.
+  // As a handler does: clk_sys to clk_ref, then CLEAR.
   clocks_.write(sys_control, 0);
   rig_.pass(10);
   clocks_.write(resus_control, 1u << 8 | 1u << 16 | 120);
@@ -194,7 +194,7 @@ TEST_F(ClockPinsTest, ResuscitationCanBeForced) {
   EXPECT_EQ(rig_.wheel.frequency(), 125'000'000u);
 }
 
-// Only the clock of a block in use is worth a word.
+// A stopped clock is reported only for a block in use.
 TEST_F(ClockPinsTest, StoppedClocksOfBlocksInUseAreNamed) {
   clocks_.write(wake_0, ~(1u << 12));  // clk_sys_pio0, held in reset
   EXPECT_TRUE(rig_.reports.empty());
@@ -225,8 +225,8 @@ TEST_F(ClockPinsTest, RingOscillatorFollowsStagesAndDrive) {
   EXPECT_EQ(ring.hz(), 10'400'000u);
 }
 
-// 2.13.1: a stage's reset is released by the stage before it being done.
-TEST_F(ClockPinsTest, AStageTakesThoseAfterItAlong) {
+// 2.13.1: a stage's reset is released when the stage before it is done.
+TEST_F(ClockPinsTest, AStageAlsoResetsLaterStages) {
   std::string calls;
   const auto note = [&calls](char stage) {
     return [&calls, stage](bool held) {
@@ -240,7 +240,7 @@ TEST_F(ClockPinsTest, AStageTakesThoseAfterItAlong) {
   psm.attach(PsmBit::sio, note('s'));
   psm.attach(PsmBit::proc0, note('0'));
   psm.attach(PsmBit::proc1, note('1'));
-  psm.write(0x4, 1u << 16);  // FRCE_OFF PROC1: that one alone
+  psm.write(0x4, 1u << 16);  // FRCE_OFF PROC1: only that core
   EXPECT_EQ(calls, "-1");
   EXPECT_EQ(psm.read(0xc), 0x0ffffu);
   psm.write(0x4, 0);

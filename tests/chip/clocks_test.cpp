@@ -53,7 +53,7 @@ TEST_F(ClocksTest, UsualStartGives125MHz) {
   EXPECT_TRUE(rig_.reports.empty()) << rig_.reports.front();
 }
 
-TEST_F(ClocksTest, MultiplexerChangesOverWithoutGlitchAfterAWhile) {
+TEST_F(ClocksTest, MultiplexerSwitchesWithoutGlitchAfterADelay) {
   rig_.start_clocks();
   system().clocks.write(0x3c, 0);
   EXPECT_EQ(system().clocks.read(0x44), 2u);
@@ -63,7 +63,7 @@ TEST_F(ClocksTest, MultiplexerChangesOverWithoutGlitchAfterAWhile) {
   EXPECT_EQ(rig_.wheel.frequency(), 12'000'000u);
 }
 
-TEST_F(ClocksTest, MultiplexerStaysWhereItIsIfTheNewSourceStandsStill) {
+TEST_F(ClocksTest, MultiplexerKeepsItsSourceIfTheNewOneIsStopped) {
   system().clocks.write(0x3c, 1);  // PLL_SYS is off
   rig_.pass(100);
   EXPECT_EQ(system().clocks.read(0x44), 1u);

@@ -38,8 +38,8 @@ TEST_F(ContentionTest, TheLoserOfAClashWaitsACycle) {
   EXPECT_EQ(bus_.arbiter().contested(BusPort::sram4), 1u);
 }
 
-// 2.6.2: banks 0 to 3 by the word, 4 and 5 for themselves; 0x21000000: bank by bank.
-TEST_F(ContentionTest, BanksAreApart) {
+// 2.6.2: banks 0 to 3 striped by word, 4 and 5 separate; 0x21000000: bank by bank.
+TEST_F(ContentionTest, BanksAreIndependent) {
   Cycle at = 100;
   const auto clash = [&](std::uint32_t a, std::uint32_t b) {
     at += 10;
@@ -57,7 +57,8 @@ TEST_F(ContentionTest, BanksAreApart) {
   EXPECT_EQ(clash(0x0000'0100, bank4), 0u);
 }
 
-// 2.1.3: a read of APB has three cycles of data phase, a write four; the bridge does one at a time.
+// 2.1.3: a read of APB has three cycles of data phase, a write four; the bridge serves one at a
+// time.
 TEST_F(ContentionTest, TheBridgeIsBusyForTheWholeAccess) {
   EXPECT_EQ(wait(Master::core0, 0x4005'4000, 100), 2u);
   EXPECT_EQ(wait(Master::core1, 0x4001'4000, 100), 3u + 2u);
@@ -66,7 +67,7 @@ TEST_F(ContentionTest, TheBridgeIsBusyForTheWholeAccess) {
   EXPECT_EQ(wait(Master::core0, 0x5020'0000, 300), 0u);
   EXPECT_EQ(wait(Master::core1, 0x5030'0000, 300), 1u) << "AHB-Lite peripherals share a port";
   EXPECT_EQ(wait(Master::core0, 0xd000'0000, 400) + wait(Master::core1, 0xd000'0000, 400), 0u)
-      << "each core has its own way to SIO";
+      << "each core has its own port to SIO";
 }
 
 // 2.1.1.1: round-robin between equals, high priority first.
@@ -101,7 +102,7 @@ TEST_F(ContentionTest, AMasterAloneNeverWaits) {
   EXPECT_EQ(wait(Master::core1, bank4, 100), 0u);
 }
 
-/// Two cores in step.
+/// Two cores that run in step.
 struct Pair {
   Pair() {
     for (Core* core : {&core0, &core1}) {
@@ -124,7 +125,7 @@ struct Pair {
       (first ? core0 : core1).step();
       --left[first ? 0 : 1];
     }
-    // What is owed is given back with the next step.
+    // Owed cycles are subtracted with the next step.
     return {core0.cycle() - from + bus.arbiter().take_owed(Requester::core0),
             core1.cycle() - from + bus.arbiter().take_owed(Requester::core1)};
   }
@@ -136,10 +137,10 @@ struct Pair {
   Core core1{1, bus, wheel, irqs, timing, {}};
 };
 
-// 100 loads of two cycles each from one bank, code elsewhere: after one clash the cores are a cycle
-// apart and never meet again. Measured so on silicon by others (rp2040-experiments, bus_behavior,
-// experiment 5): 200 and 201 cycles, one contested access.
-TEST(TwoCoresInStep, ClashOnceAndAreApartThen) {
+// 100 loads of two cycles each from one bank, code elsewhere: after one clash the cores are one
+// cycle apart and never clash again. Others measured this on silicon (rp2040-experiments,
+// bus_behavior, experiment 5): 200 and 201 cycles, one contested access.
+TEST(TwoCoresInStep, ClashOnceAndNeverAgain) {
   Pair pair;
   pair.code(bank4, 0x6801, 100);  // ldr r1, [r0]
   pair.code(bank5, 0x6801, 100);
@@ -158,8 +159,8 @@ TEST(TwoCoresInStep, FetchTheSameCodeATurnApart) {
   EXPECT_EQ(pair.bus.arbiter().contested(BusPort::sram4), 1u);
 }
 
-// Eight words of a frame (ARMv6-M ARM, B1.5.6), a cycle each: who comes with the first waits for
-// all.
+// Eight words of a frame (ARMv6-M ARM, B1.5.6), a cycle each: a master that requests during the
+// first waits for all.
 TEST(TwoCoresInStep, AFrameTakesItsPortForEightCycles) {
   Pair pair;
   pair.code(bank5, 0xdf00, 1);  // svc 0
@@ -190,7 +191,7 @@ TEST(Arbiter, HighPriorityGoesBetweenTheWordsOfAList) {
     EXPECT_EQ(arbiter.request(BusPort::sram4, Requester::core0, at, 1), 0u);
   EXPECT_EQ(arbiter.request(BusPort::sram4, Requester::core1, 101, 1), 0u);
   EXPECT_EQ(arbiter.take_owed(Requester::core0), 1u);
-  // An access of the bridge that has begun goes on to its end.
+  // An access that the bridge has begun is completed.
   EXPECT_EQ(arbiter.request(BusPort::apb, Requester::core0, 200, 3), 0u);
   EXPECT_EQ(arbiter.request(BusPort::apb, Requester::core1, 201, 3), 2u);
   EXPECT_EQ(arbiter.take_owed(Requester::core0), 0u);
@@ -203,7 +204,7 @@ constexpr std::uint32_t control_word = 2u << 2 | 1u;  // words, enabled, one add
 constexpr std::uint32_t contested_sram4 = 6;          // 2.1.5, PERFSEL0
 constexpr unsigned load_count = 200;
 
-/// Core 0 in bank 5 with loads from bank 4 before it and a loop behind them; core 1 sleeps in ROM.
+/// Core 0 in bank 5: loads from bank 4, then a loop; core 1 sleeps in ROM.
 struct LoneCore {
   LoneCore() {
     chip.power_on();
@@ -241,15 +242,15 @@ struct LoneCore {
   Chip chip;
 };
 
-TEST(DmaAndALoneCore, NothingToWaitForWithoutADma) {
+TEST(DmaAndALoneCore, NeverWaitsWithoutADma) {
   LoneCore rig;
   EXPECT_EQ(rig.loads(), 2 * load_count);
   EXPECT_EQ(rig.contested(), 0u);
 }
 
-// The core asks in every second cycle, the DMA in each: by turns the core is always the one that
-// waited longer, and the DMA has the other half of the cycles.
-TEST(DmaAndALoneCore, AStreamTakesTurnsWithTheCore) {
+// The core requests in every second cycle, the DMA in each: in round-robin the core always waited
+// longer and goes first, and the DMA has the other half of the cycles.
+TEST(DmaAndALoneCore, AStreamAlternatesWithTheCore) {
   LoneCore rig;
   rig.start_dma(bank4, 0x2000'0000, 10'000, treq_permanent);
   const std::uint32_t before = rig.read(dma_base + 8);
@@ -258,8 +259,8 @@ TEST(DmaAndALoneCore, AStreamTakesTurnsWithTheCore) {
   EXPECT_NEAR(rig.contested(), load_count, 4);
 }
 
-// Without priority of the core, a stream with priority leaves it no cycle until its end.
-TEST(DmaAndALoneCore, AStreamWithPriorityHoldsUpTheCore) {
+// A stream with priority leaves a core without priority no cycle until its end.
+TEST(DmaAndALoneCore, AStreamWithPriorityBlocksTheCore) {
   for (const std::uint32_t core : {0u, high_core0}) {
     LoneCore rig;
     rig.write(busctrl_base, high_dma_read | core);
@@ -272,15 +273,15 @@ TEST(DmaAndALoneCore, AStreamWithPriorityHoldsUpTheCore) {
   }
 }
 
-// A transfer every five cycles goes before the core, whose last access is not as long ago: two
-// loads and a cycle of waiting every five. Every six cycles the core, a cycle later after the first
-// clash, is out of step for good.
-TEST(DmaAndALoneCore, PacedTransfersCostACycleWhereTheyMeet) {
+// A transfer every five cycles precedes the core, whose last access is more recent: two loads and
+// one wait cycle every five cycles. With a transfer every six cycles, the core is a cycle later
+// after the first clash and never clashes again.
+TEST(DmaAndALoneCore, PacedTransfersCostACycleAtEachClash) {
   for (const std::uint32_t period : {5u, 6u}) {
     LoneCore rig;
     rig.write(dma_base + 0x420, 1u << 16 | period);  // TIMER0
     rig.start_dma(bank4, 0x2000'0000, 10'000, treq_timer0);
-    rig.loads();  // so that both have had the port
+    rig.loads();  // so that both have used the port
     const std::uint32_t before = rig.contested();
     const Cycle cycles = rig.loads();
     if (period == 5)
@@ -291,8 +292,8 @@ TEST(DmaAndALoneCore, PacedTransfersCostACycleWhereTheyMeet) {
   }
 }
 
-// Code without branches is a word every two cycles, as the loads above.
-TEST(DmaAndALoneCore, FetchesMeetTransfersToo) {
+// Code without branches fetches a word every two cycles, as the loads above.
+TEST(DmaAndALoneCore, FetchesClashWithTransfersToo) {
   constexpr std::uint32_t nops = 400;
   LoneCore rig;
   for (std::uint32_t i = 0; i <= nops; ++i) rig.put(bank4 + 2 * i, i == nops ? 0xe7fe : 0xbf00);
@@ -303,7 +304,7 @@ TEST(DmaAndALoneCore, FetchesMeetTransfersToo) {
   EXPECT_NEAR(static_cast<double>(rig.run(bank4, bank4 + 2 * nops)), nops * 5.0 / 4.0, 1.0);
 }
 
-TEST(DmaAndALoneCore, PriorityOfTheCoreSparesItTheWaiting) {
+TEST(DmaAndALoneCore, PriorityOfTheCoreAvoidsWaiting) {
   LoneCore rig;
   rig.write(busctrl_base, high_core0);
   rig.write(dma_base + 0x420, 1u << 16 | 5u);
@@ -313,7 +314,7 @@ TEST(DmaAndALoneCore, PriorityOfTheCoreSparesItTheWaiting) {
   EXPECT_GT(rig.contested(), 30u);
 }
 
-/// How a run can be looked at.
+/// How the simulator runs.
 enum class Way : std::uint8_t { plain, watched, every_clock, slices };
 
 /// The cycles in which a core jumps.
@@ -328,7 +329,7 @@ struct Jumps final : CoreListener {
   std::vector<Cycle> cycles;
 };
 
-/// Loops of one core or two beside two paced channels, all over SRAM, at random.
+/// Random loops of one core or two and two paced channels, all over SRAM.
 struct Meeting : LoneCore {
   explicit Meeting(unsigned seed) : random(seed) {
     write(busctrl_base, any(0x1'0000) & 0x1111u);
@@ -361,7 +362,7 @@ struct Meeting : LoneCore {
   std::mt19937 random;
 };
 
-/// Cycles of the rounds of core 0, of core 1.
+/// Cycles of the rounds of core 0 and core 1.
 using Rounds = std::array<std::vector<Cycle>, 2>;
 
 Rounds rounds(Way way, unsigned seed) {
@@ -377,12 +378,12 @@ Rounds rounds(Way way, unsigned seed) {
   const Cycle end = rig.chip.now() + 5000;
   while (rig.chip.now() < end)
     rig.chip.run_until(way == Way::slices ? std::min(end, rig.chip.now() + 1 + rig.any(9)) : end);
-  // A run may end an instruction later than another.
+  // Runs may end one instruction apart.
   for (Jumps& each : jumps) std::erase_if(each.cycles, [end](Cycle at) { return at >= end - 10; });
   return {jumps[0].cycles, jumps[1].cycles};
 }
 
-TEST(CoresAndDma, MeetInTheSameCyclesHoweverTheyAreRun) {
+TEST(CoresAndDma, ClashInTheSameCyclesInEveryWayOfRunning) {
   unsigned two = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
     const Rounds plain = rounds(Way::plain, seed);
@@ -395,7 +396,7 @@ TEST(CoresAndDma, MeetInTheSameCyclesHoweverTheyAreRun) {
   EXPECT_GT(two, 10u);
 }
 
-// A read that another master goes before has its word a clock later, and so is its write.
+// A read that yields to another master has its word a clock later, and so does its write.
 TEST(DmaAndALoneCore, AReadThatWaitsEndsItsTransferLater) {
   const auto clocks = [](std::uint32_t code, Cycle offset) {
     LoneCore rig;
@@ -414,8 +415,8 @@ TEST(DmaAndALoneCore, AReadThatWaitsEndsItsTransferLater) {
   EXPECT_EQ(clocks(bank4, 0) + clocks(bank4, 1), 2 * alone + 1);
 }
 
-// 2.1.1: reads and writes of the DMA are two masters. One access a clock at the one port of a bank:
-// a copy inside it takes two clocks a word, one from bank to bank one clock.
+// 2.1.1: reads and writes of the DMA are two masters. A bank's port has one access per clock: a
+// copy inside a bank takes two clocks per word, a copy between banks one clock.
 TEST(DmaAlone, ReadsAndWritesMeetInOneBank) {
   const auto clocks = [](std::uint32_t to, std::uint32_t count) {
     LoneCore rig;
@@ -429,7 +430,7 @@ TEST(DmaAlone, ReadsAndWritesMeetInOneBank) {
   EXPECT_EQ(clocks(0x2000'0000, 200) - clocks(0x2000'0000, 100), 100u);
 }
 
-TEST(PerformanceCounter, GoesOnWithAnotherEventAndIsClearedByAnyWrite) {
+TEST(PerformanceCounter, ContinuesWithAnotherEventAndIsClearedByAnyWrite) {
   LoneCore rig;
   rig.start_dma(bank4, 0x2000'0000, 10'000, treq_permanent);
   rig.loads();

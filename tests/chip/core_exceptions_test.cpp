@@ -83,7 +83,7 @@ TEST_F(CoreExceptions, FrameIsAlignedToEightBytesAndPutBack) {
   }
 }
 
-TEST_F(CoreExceptions, ProcessStackIsUsedAndComesBack) {
+TEST_F(CoreExceptions, ProcessStackIsUsedAndRestored) {
   core_.set_psp(CoreRig::data + 0x200);
   run_at(CoreRig::code, {0xf381, 0x8814, 0xbf00});  // msr control, r1
   core_.set_reg(1, 2);
@@ -161,7 +161,7 @@ TEST_F(CoreExceptions, LateArrivalTakesThePlaceOfTheFirst) {
   }
 }
 
-TEST_F(CoreExceptions, WhatComesDuringTheReturnIsChained) {
+TEST_F(CoreExceptions, AnExceptionDuringTheReturnIsChained) {
   rig_.poke(iser, 3);
   raise(0);
   core_.step();
@@ -302,9 +302,9 @@ TEST_F(CoreExceptions, EveryFaultIsAHardFaultThatNamesTheInstruction) {
       {"strh unaligned", {0x8004}, data + 3, 0},
       {"ldm unaligned", {0xc810}, data + 2, 0},
       {"stm unaligned", {0xc010}, data + 1, 0},
-      {"ldr nobody", {0x6804}, 0x3000'0000, 0},
-      {"str nobody", {0x6004}, 0x2004'2000, 0},
-      {"ldrb nobody", {0x7804}, 0x5800'0000, 0},
+      {"ldr unmapped", {0x6804}, 0x3000'0000, 0},
+      {"str unmapped", {0x6004}, 0x2004'2000, 0},
+      {"ldrb unmapped", {0x7804}, 0x5800'0000, 0},
       {"ldr vendor space", {0x6804}, 0xe010'0000, 0},
       {"ldrh system register", {0x8804}, 0xe000'ed00, 0},
       {"strb system register", {0x7004}, 0xe000'e100, 0},
@@ -333,13 +333,13 @@ TEST_F(CoreExceptions, EveryFaultIsAHardFaultThatNamesTheInstruction) {
   }
 }
 
-TEST_F(CoreExceptions, BranchesToBadPlacesFaultThere) {
+TEST_F(CoreExceptions, BranchesToInvalidAddressesFaultThere) {
   struct Case {
     std::uint32_t target, pc, t;
   };
   for (const unsigned branch : {0x4700u, 0x4780u})                              // bx r0, blx r0
     for (const Case& c : {Case{CoreRig::code + 0x40, CoreRig::code + 0x40, 0},  // ARM state
-                          Case{0x3000'0001, 0x3000'0000, 1},                    // nobody
+                          Case{0x3000'0001, 0x3000'0000, 1},                    // unmapped
                           Case{0x5020'0001, 0x5020'0000, 1},                    // execute-never
                           Case{0xffff'fff9, 0xffff'fff8, 1}}) {                 // not in a handler
       rig_.restart();
@@ -556,7 +556,7 @@ TEST_F(CoreExceptions, SystickCountsAndInterruptsEachReloadPlusOne) {
   EXPECT_EQ(rig_.peek(syst_csr) & (1u << 16), 0u);
 }
 
-// The count worked out when somebody looks against a counter that is clocked.
+// Compares the count that is calculated on demand with a clocked counter.
 TEST_F(CoreExceptions, SystickIsACounter) {
   std::uint32_t model = 0;
   const std::uint32_t reload = 6;
@@ -633,8 +633,8 @@ TEST_F(CoreExceptions, RunUntilStopsOnRequest) {
   EXPECT_GE(core_.cycle(), 10'000u);
 }
 
-// A run goes from event to event without looking; what an instruction itself does it must see.
-TEST_F(CoreExceptions, WhatAnInstructionPendsOrLetsThroughComesBeforeTheNextInARun) {
+// A run proceeds from event to event, but it must see the effects of each instruction.
+TEST_F(CoreExceptions, ExceptionsThatAnInstructionPendsOrUnmasksPrecedeTheNextInARun) {
   core_.set_reg(0, ispr);
   core_.set_reg(1, 1);
   rig_.poke(iser, 1);

@@ -1,10 +1,10 @@
 // The instruction set of the core against Unicorn's Cortex-M0 (QEMU's decoder): registers, flags
 // and memory after random programs, and after each of the 65 536 halfwords.
 //
-// Unicorn judges faults as the larger profiles do in places; which halfwords fault is therefore
-// held against a list from the ARMv6-M Architecture Reference Manual (A5.2), and where Unicorn is
-// more permissive is listed by class. The same programs run as they step, to the cycle, with an
-// interrupt anywhere.
+// Unicorn's faults partly follow the larger profiles. The faulting halfwords are therefore compared
+// with a list from the ARMv6-M Architecture Reference Manual (A5.2); cases where Unicorn is more
+// permissive are listed by class. The same programs are also run, not stepped, with an interrupt at
+// any cycle.
 #include <gtest/gtest.h>
 #include <unicorn/unicorn.h>
 
@@ -81,7 +81,7 @@ class Reference {
   uc_err run(std::uint32_t from, std::uint32_t until, std::size_t count = 0) {
     return uc_emu_start(engine_, from | 1u, until, 0, count);
   }
-  /// Unicorn looks for the end of a run while it translates, not in what it has translated.
+  /// Unicorn checks for the end of a run during translation, so old translations must be discarded.
   void forget(std::uint32_t address, std::uint32_t size) {
     check(uc_ctl_remove_cache(engine_, std::uint64_t{address}, std::uint64_t{address + size}));
   }
@@ -119,7 +119,7 @@ std::string text(const State& state) {
   return out;
 }
 
-/// What a program leaves behind.
+/// Result of a program.
 struct Outcome {
   State state;
   std::uint32_t pc;
@@ -138,8 +138,8 @@ bool in_data(std::uint32_t address, std::uint32_t size) {
   return address - CoreRig::data <= data_size - size;
 }
 
-/// Makes programs by running them: each instruction is chosen so that it does not fault where the
-/// core stands, and a wrong core shows at the end.
+/// Creates programs while running them: each instruction is chosen so that it does not fault in the
+/// core's present state; a wrong core shows at the end.
 class Programs {
  public:
   explicit Programs(std::uint64_t seed) : random_(seed) {
@@ -149,7 +149,7 @@ class Programs {
         reference.code[block + i] = static_cast<std::uint8_t>(random_());
   }
 
-  /// One program on both. False, with a listing, if they differ.
+  /// Runs one program on both. False, with a listing, if they differ.
   testing::AssertionResult run_one() {
     begin_ = CoreRig::code + block_;
     reference.forget(begin_, program_size);
@@ -201,8 +201,8 @@ class Programs {
             {data.begin(), data.end()}};
   }
 
-  /// The program once more for some cycles, with a pulse on an interrupt line after `pulse` of
-  /// them.
+  /// Runs the program again for some cycles, with a pulse on an interrupt line after `pulse`
+  /// cycles.
   Outcome again(const State& start, const std::vector<std::uint8_t>& data, sim::chip::Cycle cycles,
                 sim::chip::Cycle pulse, bool by_steps) {
     constexpr std::uint32_t iser = 0xe000'e100;
@@ -282,7 +282,7 @@ class Programs {
     execute(instruction);
   }
 
-  // Branches, and what needs a state of its own.
+  // Branches and instructions that need a special state.
   void special() {
     const std::uint32_t pc = rig.core.reg(15);
     switch (pick(9)) {
@@ -332,7 +332,7 @@ class Programs {
   }
   std::uint32_t r(std::uint32_t number) const { return rig.core.reg(number & 15); }
 
-  // By the formats of the manual (A5.2); registers 5..7 mostly keep their pointers.
+  // Follows the formats of the manual (A5.2); registers 5..7 mostly keep their pointers.
   bool admissible(std::uint32_t i) {
     const std::uint32_t d = i & 7, n = i >> 3 & 7, m = i >> 6 & 7, top = i >> 8 & 7;
     const std::uint32_t imm5 = i >> 6 & 31, imm8 = i & 255, pc = r(15);
@@ -410,9 +410,9 @@ class Programs {
   std::array<std::uint32_t, 256> histogram_{};
 };
 
-// Unicorn 2.0 crashes once the code that it has translated fills its gigabyte, in a run of 20
-// million instructions: none runs that long.
-TEST(CoreInstructions, RandomProgramsAsUnicornRunsThem) {
+// Unicorn 2.0 crashes when its translated code fills a gigabyte, in a run of 20 million
+// instructions; no run is that long.
+TEST(CoreInstructions, RandomProgramsEqualUnicorn) {
   constexpr std::uint64_t most_of_one_machine = 2'000'000;
   const auto wanted = static_cast<std::uint64_t>(scaled(1'000'000));
   std::array<std::uint64_t, 256> seen{};
@@ -424,7 +424,7 @@ TEST(CoreInstructions, RandomProgramsAsUnicornRunsThem) {
     executed += programs.executed();
     for (std::size_t top = 0; top < seen.size(); ++top) seen[top] += programs.histogram()[top];
   }
-  // Every instruction was among them, often.
+  // Every instruction occurred often.
   if (wanted < 500'000) return;
   for (unsigned top = 0; top < 0xd0; ++top) {
     if (top == 0x47 || (top >= 0xb0 && top < 0xc0)) continue;
@@ -445,7 +445,7 @@ bool matches(std::uint32_t halfword, std::string_view bits) {
   return true;
 }
 
-/// What is undefined in ARMv6-M, or unpredictable and a fault here (ARMv6-M ARM, A5.2, A6.7).
+/// Undefined in ARMv6-M, or unpredictable and a fault here (ARMv6-M ARM, A5.2, A6.7).
 constexpr std::array<Class, 29> faulting = {{
     {"0100010011111111", "ADD PC, PC"},
     {"01000111xxxxx1xx", "BX, BLX: should be zero"},
@@ -489,7 +489,7 @@ std::string_view fault_by_manual(std::uint32_t halfword) {
   return {};
 }
 
-/// Registers with which the loads and stores of a halfword meet data.
+/// Registers with which a halfword's loads and stores access data.
 State state_for(std::uint32_t i, std::mt19937_64& random) {
   State state{};
   for (std::size_t k = 0; k < 15; ++k) state[k] = static_cast<std::uint32_t>(random());
@@ -511,7 +511,7 @@ State state_for(std::uint32_t i, std::mt19937_64& random) {
   return state;
 }
 
-TEST(CoreInstructions, EveryHalfwordAsUnicornOrTheManualHasIt) {
+TEST(CoreInstructions, EveryHalfwordEqualsUnicornOrTheManual) {
   CoreRig rig;
   Reference reference;
   std::mt19937_64 random(7);
@@ -527,7 +527,7 @@ TEST(CoreInstructions, EveryHalfwordAsUnicornOrTheManualHasIt) {
     const auto ours_data = rig.bus.memory_at(CoreRig::data);
     for (std::size_t k = 0; k < data_size; k += 8) {
       std::uint64_t bits = random();
-      // What POP {PC} finds: somewhere in the code, Thumb.
+      // POP {PC} reads a Thumb address inside the code.
       if ((i >> 8) == 0xbd) bits = 0x2000'0101'2000'0101u + (bits & 0x0000'3ffc'0000'3ffcu);
       std::memcpy(&reference.data[k], &bits, sizeof bits);
     }
@@ -537,7 +537,7 @@ TEST(CoreInstructions, EveryHalfwordAsUnicornOrTheManualHasIt) {
     if ((i >> 8) == 0x47) state[i >> 3 & 15] = 0x2000'0001 + (state[0] & 0xfffc);
     if ((i & 0xff87) == 0x4487 && (i & 0x78) != 0x68) state[i >> 3 & 15] = 2 * (i & 0xff);
     if ((i & 0xff87) == 0x4687 && (i & 0x78) != 0x68) state[i >> 3 & 15] = at ^ 0x100;
-    // Bits 1..0 of SP read as zero here; Unicorn keeps what was moved there.
+    // Bits 1..0 of SP read as zero here; Unicorn keeps the value moved to them.
     if ((i & 0xff87) == 0x4685 && (i >> 3 & 15) < 13) state[i >> 3 & 15] &= ~3u;
     if ((i & 0xff87) == 0x4485 && (i >> 3 & 15) < 13) state[i >> 3 & 15] &= ~3u;
     if (i == 0x4675 || i == 0x46f5 || i == 0x44f5) state[14] &= ~3u;
@@ -553,7 +553,7 @@ TEST(CoreInstructions, EveryHalfwordAsUnicornOrTheManualHasIt) {
     ASSERT_EQ(faulted, !manual.empty()) << std::hex << i << " " << manual;
     reference.forget(at, 4);
     reference.set(start);
-    // Unicorn counts an instruction late at the end of a block: a branch ends at its target.
+    // At the end of a block Unicorn counts one instruction late: a branch ends at its target.
     const bool branched = rig.core.reg(15) != at + 2;
     if (branched) reference.forget(rig.core.reg(15), 2);
     const uc_err error = faulted ? reference.run(at, at + 0x4000, 1)
@@ -576,8 +576,9 @@ TEST(CoreInstructions, EveryHalfwordAsUnicornOrTheManualHasIt) {
         << std::hex << i;
     ++compared;
   }
-  // What Unicorn, with the decoder of the larger profiles, lets pass: all of it was held against
-  // the manual above. And what it does not run: ADD PC, SP leaves its memory, YIELD ends its run.
+  // Halfwords that Unicorn accepts with the decoder of the larger profiles; the checks above
+  // compare all of them with the manual. Unicorn does not run ADD PC, SP (leaves its memory) and
+  // YIELD (ends its run).
   const std::set<std::string> known = {"32 bits, not in ARMv6-M",
                                        "BX, BLX: should be zero",
                                        "CBZ",
@@ -592,7 +593,7 @@ TEST(CoreInstructions, EveryHalfwordAsUnicornOrTheManualHasIt) {
   EXPECT_GT(compared, 56'000);
 }
 
-TEST(CoreInstructions, ShiftsByEveryAmountAsUnicornDoesThem) {
+TEST(CoreInstructions, ShiftsByEveryAmountEqualUnicorn) {
   CoreRig rig;
   Reference reference;
   std::mt19937_64 random(5);

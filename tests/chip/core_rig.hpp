@@ -1,4 +1,4 @@
-// One core with memory and nothing else, for tests.
+// One core with memory only, for tests.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "sim/chip/bus.hpp"
 #include "sim/chip/cpu/core.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/time_wheel.hpp"
-#include "sim/chip/timing.hpp"
+#include "sim/chip/fabric/bus.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
+#include "sim/chip/fabric/timing.hpp"
 #include "tests/chip/put_code.hpp"
 
 namespace lamplock::test {
@@ -65,7 +65,7 @@ struct CoreRig {
     restart();
   }
 
-  /// From reset, with the vectors in place.
+  /// Restarts from reset, with the vectors in place.
   void restart() {
     core.reset(vectors);
     core.set_vtor(vectors);

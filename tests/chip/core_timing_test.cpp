@@ -84,8 +84,8 @@ TEST(CoreTiming, EveryInstructionClassAsTheManual) {
   }
 }
 
-// A read has 3 cycles of data phase on APB, a write 4 (RP2040 datasheet, 2.1.3), which take the
-// place of the one that a load or store has without wait states.
+// On APB a read has 3 cycles of data phase and a write 4 (RP2040 datasheet, 2.1.3), instead of the
+// single cycle of an access without wait states.
 TEST(CoreTiming, ApbCostsWhatTheBridgeAdds) {
   CoreRig rig;
   const auto cost = [&](unsigned half) {
@@ -119,7 +119,7 @@ TEST(CoreTiming, WaitStatesOfTheBusAreAdded) {
   EXPECT_EQ(cost(0xe000'ed00, 0x6804), 2u);                // the core's own registers
 }
 
-/// Keeps entries, calls and branches.
+/// Records entries, calls and branches.
 class Entries final : public CoreListener {
  public:
   struct Entry {
@@ -147,7 +147,7 @@ class Entries final : public CoreListener {
   std::vector<Jump> jumps;
 };
 
-/// Runs a program over and over; raises line 0 at `when` and returns the cycles from there to the
+/// Runs a program repeatedly; raises line 0 at `when` and returns the cycles from there to the
 /// handler's first instruction.
 Cycle latency(const std::vector<unsigned>& code, Cycle delay) {
   CoreRig rig;
@@ -182,7 +182,7 @@ TEST(CoreTiming, InterruptLatencyIs15AtMost) {
       EXPECT_EQ(latency(program, delay), 15u) << std::hex << program[0] << " " << delay;
 }
 
-// Without abandoning, a long PUSH would hold the interrupt back; after the handler it starts anew.
+// Otherwise a long PUSH would delay the interrupt; after the handler the access restarts.
 TEST(CoreTiming, MultipleAccessIsAbandonedAndRestarted) {
   CoreRig rig;
   prepare(rig);
@@ -210,7 +210,7 @@ TEST(CoreTiming, MultipleAccessIsAbandonedAndRestarted) {
   EXPECT_EQ(rig.core.reg(15), CoreRig::code + 0x102);
 }
 
-TEST(CoreTiming, ReturnAndTailChainCostWhatTimingSays) {
+TEST(CoreTiming, ReturnAndTailChainCostTheirTiming) {
   Timing timing;
   timing.exception_return = 11;
   timing.tail_chain = 6;
@@ -236,7 +236,7 @@ TEST(CoreTiming, ReturnAndTailChainCostWhatTimingSays) {
   EXPECT_EQ(rig.core.reg(14), 0xffff'fff9u);
 }
 
-TEST(CoreTiming, AListenerHearsEveryCallAndBranchOfARun) {
+TEST(CoreTiming, AListenerGetsEveryCallAndBranchOfARun) {
   CoreRig rig;
   Entries heard;
   rig.core.listen(&heard);

@@ -1,14 +1,14 @@
-// The system blocks with a bus and the DMA: what tests of DREQs need beyond SystemRig.
+// The system blocks with a bus and the DMA, for tests of DREQs; extends SystemRig.
 //
-// In:  nothing; out: blocks released from reset, reached through the bus at their addresses.
-// Who: the tests of ADC, SPI and I2C.
+// In:  nothing; out: blocks released from reset, accessible through the bus at their addresses.
+// Used by the tests of ADC, SPI and I2C.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
 #include <vector>
 
-#include "sim/chip/bus.hpp"
+#include "sim/chip/fabric/bus.hpp"
 #include "sim/chip/pio_dma_clock.hpp"
 #include "tests/chip/system_rig.hpp"
 
@@ -35,7 +35,7 @@ struct DmaSystemRig : SystemRig {
   std::uint32_t load(std::uint32_t address) {
     return bus.read(address, Width::word, Master::core0, wheel.now()).value;
   }
-  /// clk_usb's PLL at 48 MHz; clk_adc from it, clk_rtc 46 875 Hz from it.
+  /// Starts clk_usb's PLL at 48 MHz, clk_adc from it, and clk_rtc from it at 46 875 Hz.
   void start_adc_and_rtc_clocks() {
     system.pll_usb.write(0x8, 100);
     system.pll_usb.write(0xc, 5u << 16 | 5u << 12);

@@ -29,7 +29,7 @@ struct Control {
 
 struct DmaTest : testing::Test {
   Rig rig;
-  /// Sets a channel up; starts it.
+  /// Sets a channel up and starts it.
   void start(unsigned channel, std::uint32_t from, std::uint32_t to, std::uint32_t count,
              const Control& control) {
     prepare(channel, from, to, count, control);
@@ -71,7 +71,7 @@ TEST_F(DmaTest, OneTransferAClockAfterTheStart) {
   EXPECT_EQ(rig.dma_look(ch(0, 0x00)), ram + 40);
   EXPECT_EQ(rig.dma_look(ch(0, 0x04)), ram + 0x100 + 40);
   EXPECT_EQ(rig.dma_look(ch(0, 0x804 - 0x000)), 10u);  // DBG_TCR
-  // Triggered again it goes on from there, as often.
+  // Triggered again it continues from there with the same count.
   rig.dma(multi, 1);
   EXPECT_EQ(rig.dma_look(ch(0, 0x08)), 10u);
 }
@@ -103,7 +103,7 @@ TEST_F(DmaTest, RingWrapsTheSideItIsSelectedFor) {
 
 TEST_F(DmaTest, EveryLayoutTriggersByItsLastRegister) {
   fill(0, 4);
-  // The four registers in their places; the last one starts the channel.
+  // The four registers in the order of the layout; the last one starts the channel.
   struct Layout {
     std::uint32_t read, write, count, control, last;
   };
@@ -129,7 +129,7 @@ TEST_F(DmaTest, EveryLayoutTriggersByItsLastRegister) {
 }
 
 TEST_F(DmaTest, ChainStartsTheNextAndControlBlocksWork) {
-  // Channel 0 writes (count, read) pairs into channel 1's layout 3 and is chained back to: a
+  // Channel 0 writes (count, read) pairs into channel 1's layout 3, which chains back to it: a
   // gather.
   fill(0x400, 32);
   const std::uint32_t blocks[] = {2, ram + 0x400, 3, ram + 0x440, 0, 0};
@@ -142,7 +142,7 @@ TEST_F(DmaTest, ChainStartsTheNextAndControlBlocksWork) {
   EXPECT_FALSE(busy(1));
   const std::uint32_t wanted[] = {0, 1, 16, 17, 18};
   for (unsigned i = 0; i < 5; ++i) EXPECT_EQ(word(0x800 + 4 * i), 0x1000'0000u + wanted[i]);
-  EXPECT_EQ(rig.dma_look(intr_dma), 3u);  // 0 at its ends; 1 quiet, but for the null trigger
+  EXPECT_EQ(rig.dma_look(intr_dma), 3u);  // 0 at each end; 1 only at the null trigger
 }
 
 TEST_F(DmaTest, DisabledIgnoresTriggersAndPausesWhileBusy) {
@@ -208,8 +208,8 @@ TEST_F(DmaTest, InterruptRegisters) {
   EXPECT_EQ(rig.dma_look(n_channels), 12u);
 }
 
-// A set alias on INTS acknowledges what was written, not everything that is pending.
-TEST_F(DmaTest, AliasesClearOnlyWhatTheyNameInInterruptRegisters) {
+// A set alias on INTS acknowledges only the written bits, not all pending ones.
+TEST_F(DmaTest, AliasesClearOnlyTheWrittenBitsOfInterruptRegisters) {
   rig.dma(inte0, 3);
   for (const unsigned channel : {0u, 1u}) start(channel, ram, ram + 0x100, 1, {.chain = channel});
   rig.run(10);
@@ -262,7 +262,7 @@ TEST_F(DmaTest, LevelOfAnotherBlockGivesThatManyTransfers) {
   EXPECT_EQ(rig.dma_look(ch(0, 0x08)), 999u);
 }
 
-TEST_F(DmaTest, HighPriorityHasItsTurnBeforeEachOther) {
+TEST_F(DmaTest, HighPriorityPrecedesEachOtherChannel) {
   // Reads from bank 0, writes to bank 1 (2.6.2): they do not meet.
   for (unsigned i = 0; i < 4; ++i)
     prepare(i, ram, ram + 0x104 + 16 * i, 100'000,
@@ -385,7 +385,7 @@ TEST(DmaProperty, DeliversExactlyOnceUnderRandomStalls) {
       ASSERT_EQ(rig.read(ram + 0x2000 + 4 * i), i * 0x9e37'79b9u);
     }
     for (unsigned block = 0; block < 2; ++block)
-      EXPECT_EQ(rig.look(fdebug, block) & 0x00ff'ff00u, 0u);  // nothing over, nothing under
+      EXPECT_EQ(rig.look(fdebug, block) & 0x00ff'ff00u, 0u);  // no overflow, no underflow
   }
 }
 

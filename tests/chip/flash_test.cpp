@@ -1,5 +1,5 @@
 // The flash chip against the rules of its datasheet, power cuts, and the serial interface that
-// clocks it.
+// drives it.
 #include "sim/chip/flash/flash_chip.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/chip/bus.hpp"
+#include "sim/chip/fabric/bus.hpp"
 #include "sim/chip/flash/ssi.hpp"
 #include "sim/chip/flash/xip.hpp"
 #include "tests/chip/random_bytes.hpp"
@@ -21,7 +21,7 @@ namespace {
 
 using test::random_bytes;
 
-/// A flash chip and its host, wire by wire.
+/// A flash chip and a host that drives each wire.
 struct Bench {
   explicit Bench(std::uint64_t seed = 1)
       : flash(
@@ -53,7 +53,7 @@ struct Bench {
     command(with_address(0x02, address, data));
   }
   std::uint8_t at(std::uint32_t address) { return command(with_address(0x03, address), 1)[0]; }
-  /// Clocks a number through on `lanes` lines, with the others high.
+  /// Clocks out a number on `lanes` lines, with the others high.
   void put(std::uint32_t value, unsigned bits, unsigned lanes) {
     const unsigned mask = (1u << lanes) - 1u;
     for (unsigned done = 0; done < bits; done += lanes)
@@ -73,7 +73,7 @@ struct Bench {
   Picoseconds now = ps_per_ms;
 };
 
-TEST(FlashChip, TellsWhoItIs) {
+TEST(FlashChip, ReportsItsIdentity) {
   Bench b;
   EXPECT_EQ(b.command({0x9f}, 3), (std::vector<std::uint8_t>{0xef, 0x40, 0x15}));
   EXPECT_EQ(b.command({0x90, 0, 0, 0}, 2), (std::vector<std::uint8_t>{0xef, 0x14}));
@@ -99,7 +99,7 @@ TEST(FlashChip, ProgrammingOnlyClearsBitsAndWrapsInItsPage) {
     const auto address = static_cast<std::uint32_t>(random() % model.size());
     const auto data = random_bytes(random, 1 + random() % 300);
     b.program(address, data);
-    // Of more than a page the last 256 bytes count: each replaces the one 256 before.
+    // Of more than a page only the last 256 bytes count: each byte replaces the one 256 before.
     std::vector<int> page(256, -1);
     for (std::size_t k = 0; k < data.size(); ++k) page[(address + k) % 256] = data[k];
     for (std::size_t k = 0; k < 256; ++k)
@@ -137,7 +137,7 @@ TEST(FlashChip, NeedsAWriteEnableEachTime) {
   EXPECT_EQ(b.flash.counts().pages_programmed, 1u);
 }
 
-TEST(FlashChip, IsBusyAsLongAsItsDatasheetSays) {
+TEST(FlashChip, IsBusyForTheTimeOfItsDatasheet) {
   Bench b;
   struct Case {
     std::uint8_t code;
@@ -216,7 +216,7 @@ TEST(FlashChip, ReadsOnOneTwoAndFourLines) {
     EXPECT_EQ(read(0xbb, 2, true, 0, 2, address), want);
     EXPECT_TRUE(b.flash.continuous_read());
     EXPECT_EQ(read(0, 2, true, 0, 2, address), want);
-    // Ones on IO0 while the others are pulled up end the continuous mode.
+    // Ones on IO0, with the other lines pulled up, end the continuous mode.
     b.command({0xff, 0xff});
     EXPECT_FALSE(b.flash.continuous_read());
     EXPECT_EQ(read(0xeb, 4, true, 4, 4, address), want);
@@ -251,7 +251,7 @@ TEST(FlashChip, StatusPowerDownAndReset) {
   b.command({0x99});
   b.wait();
   EXPECT_EQ(b.status(), 0);
-  // A protected chip does not change, and the approximation is told.
+  // A protected chip does not change, and the approximation is reported.
   b.enable();
   b.command({0x01, 0x1c});
   b.wait();
@@ -261,7 +261,7 @@ TEST(FlashChip, StatusPowerDownAndReset) {
   EXPECT_EQ(b.reports.size(), 1u);
 }
 
-TEST(FlashChip, AResetWhileBusyIsTold) {
+TEST(FlashChip, AResetWhileBusyIsReported) {
   Bench b;
   b.program(0, {0});
   b.command({0x99});
@@ -295,7 +295,7 @@ TEST(FlashChip, PowerCutAtAThousandMoments) {
     for (std::size_t k = 0; k < old.size(); ++k) {
       const std::uint8_t now = b.flash.storage()[k];
       if (k < 4096 || k >= 4096 + size) {
-        ASSERT_EQ(now, old[k]) << "outside of what was changed";
+        ASSERT_EQ(now, old[k]) << "outside the changed range";
         continue;
       }
       const std::uint8_t wanted =
@@ -311,7 +311,7 @@ TEST(FlashChip, PowerCutAtAThousandMoments) {
       ASSERT_TRUE(done);
     }
     ++(done ? finished : same ? untouched : torn);
-    // The chip goes on working.
+    // The chip still works.
     b.enable();
     b.command(Bench::with_address(0x20, 4096));
     b.wait();
@@ -334,7 +334,7 @@ TEST(FlashChip, APowerCutIsRepeatableBySeed) {
   EXPECT_NE(run(5), run(6));
 }
 
-/// The interface, its registers by name.
+/// The interface with named registers.
 struct Wired {
   Wired()
       : bus(wheel, timing, note),
@@ -361,7 +361,7 @@ struct Wired {
     write(ssi + 0x10, 1);
     write(ssi + 0x08, 1);
   }
-  /// Bytes there and back, as direct users of the SSI do it.
+  /// Transfers bytes in both directions, as direct users of the SSI do.
   std::vector<std::uint8_t> transfer(const std::vector<std::uint8_t>& out) {
     for (const std::uint8_t byte : out) write(ssi + 0x60, byte);
     while ((read(ssi + 0x28) & 5) != 4) {
@@ -370,7 +370,7 @@ struct Wired {
     while (read(ssi + 0x24) != 0) in.push_back(static_cast<std::uint8_t>(read(ssi + 0x60)));
     return in;
   }
-  /// Past the cache, which answers for the flash while that is in command mode.
+  /// Reads past the cache, which answers instead of the flash in command mode.
   bool readable(std::uint32_t address) {
     if ((address >> 24) == 0x10) address |= 0x0300'0000;
     return !bus.read(address, Width::word, Master::core0, now).fault;
@@ -451,7 +451,7 @@ TEST(Xip, SerialReadsMapTheFlashAndCommandModeUnmapsIt) {
   EXPECT_EQ(w.read(0x1000'0004), 0xffff'77ffu);
   EXPECT_EQ(w.read(0x1320'0004), 0xffff'77ffu) << "aliases and repeats";
   EXPECT_EQ(w.xip.ssi().line_fill_cycles(), (8u + 24 + 64) * 4);
-  // An erase keeps the reads off until it is done, then they work again by themselves.
+  // Reads fail during an erase and work again after it.
   w.serial(2);
   w.transfer({0x06});
   w.transfer({0x20, 0, 0, 0});
@@ -482,7 +482,7 @@ TEST(Xip, QuadContinuousReadNeedsTheFlashToBeInIt) {
   constexpr std::uint32_t continuous = 0xa0u << 24 | quad_address | 2u;
   setup(continuous);
   EXPECT_FALSE(w.readable(0x1000'0000)) << "the flash waits for a command";
-  // One read with the command puts it there, as the usual boot2 does.
+  // One read with the command enters the mode, as the usual boot2 does.
   setup(quad_address | 2u << 8 | 1u);
   w.write(Wired::ssi + 0x60, 0xeb);
   w.write(Wired::ssi + 0x60, 0xa0);
@@ -499,7 +499,7 @@ TEST(Xip, QuadContinuousReadNeedsTheFlashToBeInIt) {
   EXPECT_TRUE(w.readable(0x1000'0000));
 }
 
-TEST(Xip, CacheMemoryShowsWhileTheCacheIsOff) {
+TEST(Xip, CacheMemoryIsReadableWhileTheCacheIsOff) {
   Wired w;
   EXPECT_FALSE(w.readable(0x1500'0000));
   w.write(0x1400'3000, 1);
@@ -511,7 +511,7 @@ TEST(Xip, CacheMemoryShowsWhileTheCacheIsOff) {
   EXPECT_EQ(w.read(0x1400'0008), 3u) << "flush ready, stream empty";
 }
 
-TEST(Xip, RegistersThatAreNotThereAreTold) {
+TEST(Xip, MissingRegistersAreReported) {
   Wired w;
   for (const std::uint32_t address :
        {Wired::ssi + 0x2c, Wired::ssi + 0xfc, 0x1400'0020u, 0x4002'001cu}) {
@@ -527,7 +527,7 @@ TEST(Xip, RegistersThatAreNotThereAreTold) {
 
 TEST(XipCache, HoldsTwoLinesOfASet) {
   XipCache cache;
-  // As XipMemory does it.
+  // As in XipMemory.
   const auto access = [&cache](std::uint32_t offset) {
     const bool hit = cache.find(offset) != nullptr;
     cache.count(hit);

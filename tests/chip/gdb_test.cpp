@@ -1,4 +1,4 @@
-// The debugger's protocol, and what a debugger may and may not do to the chip.
+// The debugger's protocol, and the permitted effects of a debugger on the chip.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -67,7 +67,7 @@ TEST(GdbPackets, DamagedOnesAreRefusedAndLostOnesSentAgain) {
   EXPECT_EQ(packets.take_output(), "$OK#9a");
 }
 
-TEST(GdbPackets, EscapesGoBothWays) {
+TEST(GdbPackets, EscapesWorkInBothDirections) {
   Packets packets;
   packets.receive(bytes_of(framed("X0,3:}\x03}\x04}]")));
   EXPECT_EQ(packets.next()->payload, "X0,3:#$}");
@@ -82,7 +82,7 @@ TEST(GdbPackets, AcknowledgementsEndAndBeginAgainWithTheNextDebugger) {
   Packets packets;
   packets.send("OK");
   packets.stop_acknowledging();
-  packets.receive(bytes_of("+"));  // of that OK
+  packets.receive(bytes_of("+"));  // acknowledges that OK
   packets.receive(bytes_of(framed("?")));
   EXPECT_EQ(packets.take_output(), "$OK#9a");
   packets.receive(bytes_of("+" + framed("?")));
@@ -107,7 +107,7 @@ constexpr std::uint32_t stack = 0x2004'1000;
 constexpr std::uint32_t main0 = 0x2000'0000, loop0 = main0 + 0x0e, store0 = main0 + 0x12,
                         call_work = main0 + 0x14, work = main0 + 0x1a, work_store = main0 + 0x1c,
                         work_return = main0 + 0x1e;
-// Its handler logs what SysTick's counter stands at, which tells late by how many cycles it is.
+// Its handler logs SysTick's counter, which shows by how many cycles the handler is late.
 constexpr std::uint32_t handler = main0 + 0x100;
 // Code of core 1: counts by three.
 constexpr std::uint32_t main1 = main0 + 0x200, loop1 = main1 + 2, store1 = main1 + 6;
@@ -118,7 +118,7 @@ std::uint32_t word(Chip& chip, std::uint32_t address) {
   return value;
 }
 
-/// Both cores in front of their programs, out of the ROM.
+/// Takes both cores out of the ROM to the begin of their programs.
 void start(Chip& chip) {
   put(chip, main0,
       {0x4c07,          // ldr r4, =data
@@ -173,7 +173,7 @@ void start(Chip& chip) {
   chip.core(1).reset(vectors + 0x100);
 }
 
-/// A debugger that speaks packets.
+/// A debugger that sends packets.
 struct Debugger {
   explicit Debugger(void (*program)(Chip&) = start) {
     program(chip);
@@ -192,7 +192,7 @@ struct Debugger {
     EXPECT_EQ(output.substr(first), framed(output.substr(first + 1, last - first - 1)));
     return output.substr(first + 1, last - first - 1);
   }
-  /// Lets the chip go and waits until it stops.
+  /// Runs the chip and waits until it stops.
   std::string go(std::string_view packet) {
     EXPECT_EQ(ask(packet), "none");
     for (int i = 0; i < 1000 && stub.running(); ++i) stub.run(chip.now() + 1000);
@@ -282,7 +282,7 @@ TEST(GdbStub, MemoryIsReadAndWrittenInAnySize) {
   EXPECT_EQ(gdb.ask("X20020103,2:}]#x"), "none");  // '#' ends the packet: damaged
   EXPECT_EQ(gdb.ask("X20020103,2:}]}\x03"), "OK");
   EXPECT_EQ(gdb.ask("m20020103,2"), "7d23");
-  // The end of SRAM, and nothing behind it.
+  // The last bytes of SRAM, and none after them.
   EXPECT_EQ(gdb.ask("m20041ffe,4"), gdb.ask("m20041ffe,2"));
   EXPECT_THAT(gdb.ask("m20042000,4"), StartsWith("E"));
   EXPECT_THAT(gdb.ask("M20042000,1:00"), StartsWith("E"));
@@ -316,7 +316,7 @@ TEST(GdbStub, FlashIsProgrammed) {
   EXPECT_THAT(gdb.ask("vFlashWrite:101fffff:ab"), StartsWith("E"));
 }
 
-TEST(GdbStub, BreaksInFrontOfAnInstruction) {
+TEST(GdbStub, BreaksBeforeAnInstruction) {
   Debugger gdb;
   EXPECT_EQ(gdb.ask("Z0,20000012,2"), "OK");
   const std::string reply = gdb.go("vCont;c");
@@ -326,7 +326,7 @@ TEST(GdbStub, BreaksInFrontOfAnInstruction) {
   EXPECT_EQ(gdb.pc(), store0);
   EXPECT_EQ(word(gdb.chip, counter0), 0u);
   EXPECT_EQ(gdb.ask("?"), reply);
-  // A debugger takes it away, steps, and puts it back.
+  // A debugger removes it, steps, and sets it again.
   for (std::uint32_t round = 1; round < 100; ++round) {
     gdb.ask("z0,20000012,2");
     EXPECT_THAT(gdb.go("vCont;s:1"), HasSubstr(pc_in_reply(call_work)));
@@ -361,7 +361,7 @@ TEST(GdbStub, StepsFollowTheProgramAndNotItsInterrupts) {
       EXPECT_THAT(gdb.go("vCont;s:1;c"), HasSubstr("thread:1;"));
     }
   EXPECT_GT(word(gdb.chip, ticks), 0u);
-  // Time is one: the other core went on.
+  // Both cores share one time: the other core has run too.
   EXPECT_GT(word(gdb.chip, counter1), 0u);
   // Steps of the other core.
   gdb.ask("Hg2");
@@ -396,13 +396,13 @@ TEST(GdbStub, WatchesReadsAndWritesOfAByte) {
         WatchCase{"Z4,20020004,1", ""}, WatchCase{"Z4,20020006,2", ""}}) {
     Debugger gdb;
     EXPECT_EQ(gdb.ask(packet), "OK");
-    gdb.ask("Z0,2000001e,2");  // behind the store
+    gdb.ask("Z0,2000001e,2");  // after the store
     const std::string reply = gdb.go("vCont;c");
     if (*reason != 0) {
       EXPECT_THAT(reply, HasSubstr(reason)) << packet;
       EXPECT_EQ(gdb.pc(), work_store) << packet;
       EXPECT_EQ(gdb.chip.bus().memory_at(byte_of_work)[0], 0) << packet;
-      // On from there without taking it away.
+      // Continues from there without removing it.
       EXPECT_THAT(gdb.go("vCont;c"), HasSubstr("swbreak")) << packet;
     }
     EXPECT_EQ(gdb.pc(), work_return) << packet;
@@ -422,7 +422,7 @@ TEST(GdbStub, WatchesReadsStacksAndLiterals) {
   EXPECT_EQ(stops_at("Z3,20040ff8,4"), work_return);   // POP of r4
   EXPECT_EQ(stops_at("Z3,20000118,4"), handler);       // literal
   EXPECT_EQ(stops_at("Z3,e000e018,4"), handler + 10);  // SYST_CVR, inside the core
-  // The frame of an exception lies below what the function has pushed; eight words.
+  // The frame of an exception lies below the function's pushed registers; eight words.
   Debugger gdb;
   gdb.ask("Z2,20040fd8,4");
   gdb.go("c");
@@ -436,7 +436,7 @@ TEST(GdbStub, WatchesTheOtherCore) {
   EXPECT_EQ(gdb.pc(1), store1);
 }
 
-// Nobody's instruction: DMA, or a function of the ROM.
+// A write by no instruction: DMA, or a function of the ROM.
 class Behind final : public Timed {
  public:
   Behind(Chip& chip, Cycle when) : chip_(chip), slot_(chip.wheel().add(*this)) {
@@ -452,7 +452,7 @@ class Behind final : public Timed {
   TimeWheel::Slot slot_;
 };
 
-TEST(GdbStub, WatchesWhatIsWrittenByNoInstruction) {
+TEST(GdbStub, WatchesWritesWithoutAnInstruction) {
   Debugger gdb;
   const Cycle when = gdb.chip.now() + 5000;
   const Behind behind(gdb.chip, when);
@@ -462,7 +462,7 @@ TEST(GdbStub, WatchesWhatIsWrittenByNoInstruction) {
   EXPECT_LT(gdb.chip.now(), when + 20);
 }
 
-TEST(GdbStub, CtrlCStopsAndTimeStandsStill) {
+TEST(GdbStub, CtrlCStopsAndTimeStops) {
   Debugger gdb;
   EXPECT_EQ(gdb.ask("vCont;c"), "none");
   gdb.stub.run(gdb.chip.now() + 5000);
@@ -473,7 +473,7 @@ TEST(GdbStub, CtrlCStopsAndTimeStandsStill) {
   const std::string time = gdb.ask("qRcmd," + to_hex(std::string_view("time")));
   EXPECT_THAT(*from_hex(time), HasSubstr("clk_sys 6500000 Hz"));
   EXPECT_EQ(gdb.ask("qRcmd," + to_hex(std::string_view("time"))), time);
-  gdb.stub.receive(bytes_of("\x03"));  // stands already
+  gdb.stub.receive(bytes_of("\x03"));  // already stopped
   EXPECT_EQ(gdb.answer(), "none");
 }
 
@@ -506,7 +506,7 @@ TEST(GdbStub, KillEndsIt) {
   EXPECT_TRUE(gdb.stub.killed());
 }
 
-TEST(GdbStub, AnswersEveryPacketHoweverWrong) {
+TEST(GdbStub, AnswersEveryPacketEvenInvalidOnes) {
   std::mt19937_64 random(7);
   constexpr std::string_view letters = "gGpPmMXZzHTvqQcsCSD?!,;:=-#0123456789abcdef";
   const std::array<std::string, 12> heads{"m",
@@ -538,7 +538,7 @@ TEST(GdbStub, AnswersEveryPacketHoweverWrong) {
   }
 }
 
-// --- A look changes nothing ----------------------------------------------------------------------
+// --- Inspection changes nothing ------------------------------------------------------------------
 
 struct State {
   std::vector<std::uint8_t> memory;
@@ -560,7 +560,7 @@ State state_of(Chip& chip) {
   return state;
 }
 
-/// Debugs at random up to a cycle: breakpoints, watchpoints, steps, looks, interruptions.
+/// Debugs at random up to a cycle: breakpoints, watchpoints, steps, reads, interruptions.
 void debug_at_random(Debugger& gdb, Cycle end, std::mt19937_64& random) {
   constexpr std::array actions{"Z0,20000012,2",
                                "z0,20000012,2",
@@ -586,7 +586,7 @@ void debug_at_random(Debugger& gdb, Cycle end, std::mt19937_64& random) {
   constexpr std::array clears{"z0,20000012,2", "z1,20000100,2", "z0,20000204,2"};
   while (gdb.chip.now() < end) {
     gdb.ask(actions[random() % actions.size()]);
-    // Past a breakpoint as a debugger does it: away with all, step, all back (or some).
+    // Passes a breakpoint as a debugger does: removes all, steps, sets all (or some) again.
     if (random() % 2 == 0)
       for (const char* clear : clears) gdb.ask(clear);
     gdb.ask(moves[random() % moves.size()]);
@@ -599,7 +599,7 @@ void debug_at_random(Debugger& gdb, Cycle end, std::mt19937_64& random) {
   gdb.stub.run(end);
 }
 
-TEST(GdbStub, ADebuggerThatOnlyLooksChangesNothing) {
+TEST(GdbStub, ADebuggerThatOnlyReadsChangesNothing) {
   constexpr Cycle end = 30'000;
   Chip alone;
   start(alone);
@@ -616,7 +616,7 @@ TEST(GdbStub, ADebuggerThatOnlyLooksChangesNothing) {
 }
 
 /// Core 0 counts and sends every 256th number to core 1, which sleeps and is woken by SIO_IRQ_PROC1
-/// (RP2040 datasheet, 2.3.1.4); its handler logs how far core 0 has got.
+/// (RP2040 datasheet, 2.3.1.4); its handler logs core 0's count.
 void start_with_sleeper(Chip& chip) {
   put(chip, main0,
       {0x4c04,    // ldr r4, =data
@@ -673,7 +673,7 @@ TEST(GdbStub, ASleeperWakesInTheSameCycleWatchedOrNot) {
   alone.run_until(end);
   const State expected = state_of(alone);
   ASSERT_GT(word(alone, ticks), 40u);
-  // Entry 15 cycles, two loads; a round of core 0 takes 8.
+  // The entry takes 15 cycles, then two loads; a round of core 0 takes 8.
   for (std::uint32_t i = 1; i < 40; ++i) {
     EXPECT_GE(word(alone, log_of_ticks + 4 * i), 256 * i);
     EXPECT_LE(word(alone, log_of_ticks + 4 * i), 256 * i + 4);
@@ -710,8 +710,8 @@ void start_with_bkpt(Chip& chip) {
   chip.core(0).set_reg(1, 0);
 }
 
-// ARMv6-M ARM, C1.6.1: halting debug takes BKPT, the core stands in front of it.
-TEST(GdbBkpt, StopsInFrontOfItAndGoesOnBehindIt) {
+// ARMv6-M ARM, C1.6.1: halting debug handles BKPT, and the core stops before it.
+TEST(GdbBkpt, StopsBeforeItAndContinuesAfterIt) {
   for (const bool watched : {false, true}) {
     Debugger gdb(start_with_bkpt);
     if (watched) {
@@ -739,7 +739,7 @@ TEST(GdbBkpt, IsSteppedOver) {
   EXPECT_EQ(gdb.chip.core(0).reg(0), 2u);
 }
 
-TEST(GdbBkpt, WhereTheDebuggerHasMovedTheCoreNothingIsLeftOut) {
+TEST(GdbBkpt, NoInstructionIsSkippedAfterTheDebuggerMovedTheCore) {
   Debugger gdb(start_with_bkpt);
   gdb.go("c");
   gdb.chip.core(0).set_reg(15, main0);
@@ -764,7 +764,7 @@ TEST(GdbBkpt, IsAHardFaultWithoutADebugger) {
 
 // --- The server ----------------------------------------------------------------------------------
 
-/// A connection with a script: what it has written appears when the other side has answered.
+/// A connection with a script: each text is sent after the other side has answered the one before.
 class Script final : public ByteEndpoint {
  public:
   explicit Script(std::vector<std::string> packets) : packets_(std::move(packets)) {}
@@ -775,7 +775,7 @@ class Script final : public ByteEndpoint {
     std::copy(line.begin(), line.end(), bytes.begin());
     return line.size();
   }
-  /// Takes a byte at a time, as a connection may.
+  /// Accepts one byte at a time, as a connection may.
   std::size_t write(std::span<const std::uint8_t> bytes) override {
     if (bytes.empty()) {
       waits_ = false;
@@ -808,8 +808,8 @@ TEST(GdbServer, RunsWithoutADebugger) {
   Chip chip, other;
   start(chip);
   start(other);
-  Script nobody({});
-  Server server(chip, nobody, Start::running);
+  Script no_debugger({});
+  Server server(chip, no_debugger, Start::running);
   EXPECT_TRUE(server.run_until(300'000));
   other.run_until(300'000);
   EXPECT_TRUE(state_of(chip) == state_of(other));

@@ -123,7 +123,7 @@ TEST_F(GpioTest, DrivingAgainstTheOutsideIsReportedOnce) {
   EXPECT_FALSE(level(6));
 }
 
-// As an open-drain bus: whoever pulls low, all are low; else the pull-up of one is that of all.
+// An open-drain bus: if one pin pulls low, all are low; otherwise one pull-up raises all.
 TEST_F(GpioTest, JoinedPinsHaveOneLevel) {
   for (const unsigned gpio : {2u, 3u}) io(control(gpio), 5);
   pad(2, 0x5a);  // pull-up; the others have none
@@ -168,11 +168,11 @@ TEST_F(GpioTest, EdgeInterruptComesThroughTheSynchroniserToItsCoreOnly) {
   EXPECT_EQ(gpio_.io_bank().read(0xf0 + 4) >> 16 & 15u, 0x5u);
 }
 
-TEST_F(GpioTest, EdgesOfPinsNobodyWaitsForAreLatchedToo) {
+TEST_F(GpioTest, EdgesOfPinsWithoutAnInterruptAreLatchedToo) {
   gpio_.set_external(0, External::high, 10);
   gpio_.set_external(0, External::low, 11);
   wheel_.advance_to(12);
-  EXPECT_EQ(gpio_.io_bank().read(0xf0) & 15u, 0xau) << "rise seen, fall still on its way";
+  EXPECT_EQ(gpio_.io_bank().read(0xf0) & 15u, 0xau) << "rise seen, fall still in the synchroniser";
   wheel_.advance_to(13);
   EXPECT_EQ(gpio_.io_bank().read(0xf0) & 15u, 0xdu);
   io(0x130, 4);  // PROC1_INTE0: GPIO0 edge low
@@ -211,7 +211,7 @@ TEST_F(GpioTest, InterruptInputOverrideInverts) {
   EXPECT_TRUE(line(0));
 }
 
-TEST_F(GpioTest, InputsOfThePastAreKeptForSynchronisers) {
+TEST_F(GpioTest, PastInputsAreStoredForSynchronisers) {
   gpio_.set_external(0, External::high, 10);
   gpio_.set_external(1, External::high, 11);
   gpio_.set_external(0, External::low, 12);
@@ -222,7 +222,7 @@ TEST_F(GpioTest, InputsOfThePastAreKeptForSynchronisers) {
   EXPECT_EQ(gpio_.inputs_at(50), 2u);
 }
 
-/// A source that runs behind and drives when it is asked.
+/// A source that lags and drives its pin only when it is updated.
 struct Late : InputListener {
   explicit Late(Gpio& pins) : gpio(pins) {}
   void inputs_changed(Cycle) override {}
@@ -233,7 +233,7 @@ struct Late : InputListener {
   Cycle due = 50;
 };
 
-TEST_F(GpioTest, SourcesAreBroughtUpToDateBeforeTheirPinsAreReconnected) {
+TEST_F(GpioTest, SourcesAreUpdatedBeforeTheirPinsAreReconnected) {
   io(control(0), 6);
   gpio_.drive(PinFunction::pio0, 0, 1, 0);
   Late late(gpio_);
@@ -247,7 +247,7 @@ TEST_F(GpioTest, SourcesAreBroughtUpToDateBeforeTheirPinsAreReconnected) {
   EXPECT_EQ(watcher.changes[1], std::make_tuple(0u, false, Cycle{60}));
 }
 
-TEST_F(GpioTest, ALookAtARegisterShowsThePresent) {
+TEST_F(GpioTest, APeekAtARegisterShowsThePresent) {
   io(control(0), 6);
   gpio_.drive(PinFunction::pio0, 0, 1, 0);
   Late late(gpio_);

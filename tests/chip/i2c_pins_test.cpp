@@ -19,7 +19,7 @@ constexpr std::uint32_t con = 0x00, tar = 0x04, data_cmd = 0x10, fs_hcnt = 0x1c,
 constexpr std::uint32_t do_read = 1u << 8, do_stop = 1u << 9, do_restart = 1u << 10;
 constexpr unsigned sda = 4, scl = 5;
 
-/// A device that sees nothing but the two wires.
+/// A device that uses only the two wires.
 class PinDevice : public PadListener {
  public:
   explicit PinDevice(Gpio& gpio) : gpio_(gpio) { gpio_.listen(*this); }
@@ -45,7 +45,7 @@ class PinDevice : public PadListener {
     seen.push_back(-1);
     active_ = true;
     sends_ = false;
-    count_ = -1;  // the clock goes down first
+    count_ = -1;  // the clock falls first
     byte_ = 0;
   }
   void stop() {
@@ -124,7 +124,7 @@ TEST_F(I2cPinsTest, WriteAndItsWaveform) {
   EXPECT_TRUE(pad(scl));
   rig_.pass(30 * bit);
   EXPECT_EQ(device_.seen, (std::vector<int>{-1, 0x84, 0x35, -2}));
-  // SCL: down after the hold of START, eighteen clocks, up for the STOP.
+  // SCL falls after the hold of START, has eighteen clocks, and rises for the STOP.
   ASSERT_EQ(device_.edges.size(), 2u * 19);
   for (Cycle n = 0; n < 19; ++n) {
     EXPECT_EQ(device_.edges[2 * n], std::make_pair(false, t + high + n * bit));
@@ -146,7 +146,7 @@ TEST_F(I2cPinsTest, ReadsWithRestart) {
   EXPECT_EQ(i2c_.read(data_cmd) & 0xffu, 0xa7u);
 }
 
-TEST_F(I2cPinsTest, NobodyAcknowledges) {
+TEST_F(I2cPinsTest, NoDeviceAcknowledges) {
   device_.address = 0x17;
   i2c_.write(data_cmd, 0x35 | do_stop);
   rig_.pass(30 * bit);
@@ -158,7 +158,7 @@ TEST_F(I2cPinsTest, NobodyAcknowledges) {
   EXPECT_EQ(i2c_.read(abort_source) & 0xfffu, 0u);
 }
 
-// 4.3.9: a low SCL is waited for; the high time begins when it is released.
+// 4.3.9: the master waits while SCL is low; the high time begins when it is released.
 TEST_F(I2cPinsTest, ClockIsStretched) {
   device_.stretches = true;
   const Cycle t = rig_.wheel.now();
@@ -189,7 +189,7 @@ TEST_F(I2cPinsTest, WaitsUntilTheBusIsFree) {
   EXPECT_EQ(device_.seen, (std::vector<int>{-1, 0x84, 0x35, -2}));
 }
 
-// IC_SDA_HOLD: SDA changes so many cycles after SCL falls.
+// IC_SDA_HOLD: SDA changes this number of cycles after SCL falls.
 TEST_F(I2cPinsTest, DataHoldTime) {
   const Cycle t = rig_.wheel.now();
   i2c_.write(data_cmd, 0x35 | do_stop);  // address 0x42: the first bit is 1

@@ -56,7 +56,7 @@ class I2cSlaveTest : public ::testing::Test {
   bool raw(std::uint32_t bits) { return (raw() & bits) != 0; }
   void command(std::uint32_t word) { master_.write(data_cmd, word); }
   void pass_bits(Cycle bits) { rig_.pass(bits * bit); }
-  /// All that the slave has received.
+  /// All bytes that the slave has received.
   std::vector<std::uint32_t> received() {
     std::vector<std::uint32_t> words;
     while (slave_.read(rxflr) != 0) words.push_back(slave_.read(data_cmd));
@@ -77,7 +77,7 @@ class I2cSlaveTest : public ::testing::Test {
 };
 
 // FIRST_DATA_BYTE marks the byte after the address.
-TEST_F(I2cSlaveTest, TakesWhatTheMasterWrites) {
+TEST_F(I2cSlaveTest, ReceivesTheMastersBytes) {
   command(0x35);
   command(0xca);
   command(0x01 | do_stop);
@@ -94,8 +94,8 @@ TEST_F(I2cSlaveTest, TakesWhatTheMasterWrites) {
   EXPECT_TRUE(rig_.reports.empty());
 }
 
-// The byte is there with the fall of SCL after its ninth clock: START's hold and two bytes.
-TEST_F(I2cSlaveTest, AByteIsThereAfterItsNinthClock) {
+// The byte arrives with the fall of SCL after its ninth clock: START's hold and two bytes.
+TEST_F(I2cSlaveTest, AByteArrivesAfterItsNinthClock) {
   command(0x35 | do_stop);
   rig_.pass(high + 18 * bit - 1);
   EXPECT_EQ(slave_.read(rxflr), 0u);
@@ -128,9 +128,9 @@ TEST_F(I2cSlaveTest, StopOfOthersCanBeIgnored) {
   EXPECT_TRUE(raw(stop_seen));
 }
 
-// 4.3.10.1.2: SCL is held low until a byte is there, and it is on SDA for IC_SDA_SETUP - 1 before
-// SCL is let go.
-TEST_F(I2cSlaveTest, StretchesTheClockUntilTheByteIsThere) {
+// 4.3.10.1.2: SCL is held low until a byte is available; the byte is on SDA for IC_SDA_SETUP - 1
+// before SCL is released.
+TEST_F(I2cSlaveTest, StretchesTheClockUntilTheByteIsAvailable) {
   slave_.write(enable, 0);
   slave_.write(sda_setup, 21);
   slave_.write(enable, 1);
@@ -160,8 +160,8 @@ TEST_F(I2cSlaveTest, StretchesTheClockUntilTheByteIsThere) {
   EXPECT_TRUE(pad(4) && pad(5));
 }
 
-// 4.3.10.1.4: what is in the FIFO goes on without RD_REQ.
-TEST_F(I2cSlaveTest, BytesThatAreThereFollowWithoutAPause) {
+// 4.3.10.1.4: bytes in the FIFO are sent without RD_REQ.
+TEST_F(I2cSlaveTest, AvailableBytesFollowWithoutAPause) {
   command(do_read);
   command(do_read);
   command(do_read | do_stop);
@@ -170,12 +170,12 @@ TEST_F(I2cSlaveTest, BytesThatAreThereFollowWithoutAPause) {
   for (const std::uint32_t byte : {0x11u, 0x80u, 0xffu}) slave_.write(data_cmd, byte);
   pass_bits(28);
   EXPECT_EQ(master_received(), (std::vector<std::uint32_t>{0x11, 0x80, 0xff}));
-  EXPECT_FALSE(raw(rd_req)) << "asked for the first one only";
+  EXPECT_FALSE(raw(rd_req)) << "requested for the first byte only";
   EXPECT_TRUE(raw(rx_done));
   EXPECT_EQ(slave_aborted(), 0u);
 }
 
-TEST_F(I2cSlaveTest, AsksAgainForEachByteThatIsMissing) {
+TEST_F(I2cSlaveTest, RequestsEachMissingByte) {
   for (int n = 0; n < 3; ++n) command(do_read | (n == 2 ? do_stop : 0u));
   for (std::uint32_t n = 0; n < 3; ++n) {
     pass_bits(20);
@@ -186,8 +186,8 @@ TEST_F(I2cSlaveTest, AsksAgainForEachByteThatIsMissing) {
   EXPECT_EQ(master_received(), (std::vector<std::uint32_t>{0xa0, 0xa1, 0xa2}));
 }
 
-// ABRT_SLVFLUSH_TXFIFO: old data are flushed when the master begins to read, and no byte is taken
-// until IC_CLR_TX_ABRT is read.
+// ABRT_SLVFLUSH_TXFIFO: old data are flushed when the master begins to read, and no byte is
+// accepted until IC_CLR_TX_ABRT is read.
 TEST_F(I2cSlaveTest, OldBytesAreFlushed) {
   slave_.write(data_cmd, 0x77);
   slave_.write(data_cmd, 0x78);
@@ -204,7 +204,7 @@ TEST_F(I2cSlaveTest, OldBytesAreFlushed) {
   EXPECT_EQ(master_received(), (std::vector<std::uint32_t>{0x12}));
 }
 
-TEST_F(I2cSlaveTest, BytesThatTheMasterDoesNotWantAreFlushed) {
+TEST_F(I2cSlaveTest, BytesThatTheMasterDoesNotReadAreFlushed) {
   command(do_read | do_stop);
   pass_bits(20);
   for (const std::uint32_t byte : {1u, 2u, 3u}) slave_.write(data_cmd, byte);
@@ -215,8 +215,8 @@ TEST_F(I2cSlaveTest, BytesThatTheMasterDoesNotWantAreFlushed) {
   EXPECT_EQ(slave_.read(txflr), 0u);
 }
 
-// ABRT_SLVRD_INTX: a read command is no answer.
-TEST_F(I2cSlaveTest, AReadCommandIsNoAnswer) {
+// ABRT_SLVRD_INTX: a read command is not an answer.
+TEST_F(I2cSlaveTest, AReadCommandIsNotAnAnswer) {
   command(do_read | do_stop);
   pass_bits(20);
   slave_.write(data_cmd, do_read);
@@ -256,7 +256,7 @@ TEST_F(I2cSlaveTest, GeneralCall) {
   EXPECT_EQ(received(), (std::vector<std::uint32_t>{0x06 | first_byte}));
   EXPECT_EQ(master_aborted(), 0u);
 
-  // Its own address is not in it.
+  // The slave's own address does not count as a general call.
   slave_.read(clr_stop);
   set_up(slave_, as_slave | stop_if_addressed);
   EXPECT_FALSE(raw(gen_call)) << "disabling clears it";
@@ -274,7 +274,7 @@ TEST_F(I2cSlaveTest, GeneralCall) {
   EXPECT_EQ(master_aborted(), 1u << 4) << "ABRT_GCALL_NOACK";
 }
 
-// IC_SLV_DATA_NACK_ONLY: the address is acknowledged, the data are not, nor are they kept.
+// IC_SLV_DATA_NACK_ONLY: the address is acknowledged; data are neither acknowledged nor stored.
 TEST_F(I2cSlaveTest, RefusesData) {
   slave_.write(enable, 0);
   slave_.write(nack_only, 1);
@@ -300,7 +300,7 @@ TEST_F(I2cSlaveTest, OverrunsWithoutRoom) {
   EXPECT_EQ(master_aborted(), 0u);
 }
 
-// RX_FIFO_FULL_HLD_CTRL: the bus is held instead.
+// RX_FIFO_FULL_HLD_CTRL: the slave holds the bus instead.
 TEST_F(I2cSlaveTest, HoldsTheBusWithoutRoom) {
   set_up(slave_, as_slave | rx_hold);
   for (std::uint32_t n = 0; n < 15; ++n) command(n);
@@ -373,7 +373,7 @@ TEST_F(I2cSlaveTest, DisabledWhileBusy) {
   EXPECT_EQ(slave_.read(enable_status), 0u);
 }
 
-// IC_SDA_HOLD: SDA follows SCL down after it, seven cycles as a slave at the least.
+// IC_SDA_HOLD: SDA falls this time after SCL, for a slave at least seven cycles.
 TEST_F(I2cSlaveTest, AcknowledgeFollowsAfterTheHoldTime) {
   for (const auto& [hold, expected] : {std::pair{60u, 60u}, std::pair{1u, 7u}}) {
     slave_.write(enable, 0);
@@ -381,7 +381,7 @@ TEST_F(I2cSlaveTest, AcknowledgeFollowsAfterTheHoldTime) {
     slave_.write(enable, 1);
     master_.write(enable, 0);
     master_.write(tar, mine);
-    master_.write(sda_hold, 1);  // lets go of SDA at once
+    master_.write(sda_hold, 1);  // releases SDA at once
     master_.write(enable, 1);
     command(do_read | do_stop);  // the eighth bit is 1
     rig_.pass(high + 8 * bit + expected - 1);
@@ -423,7 +423,7 @@ TEST_F(I2cSlaveTest, ReceivesByDma) {
     EXPECT_EQ(rig_.load(rigs::DmaSystemRig::ram + n / 4 * 4) >> n % 4 * 8 & 0xffu, n * 3);
 }
 
-/// A master made of the two pins alone: it can send what I2C0 would not.
+/// A master that drives only the two pins: it can send sequences that I2C0 cannot.
 class PinMaster {
  public:
   explicit PinMaster(rigs::DmaSystemRig& rig) : rig_(rig) {}
@@ -438,12 +438,12 @@ class PinMaster {
     put(scl, true);
     put(sda, true);
   }
-  /// Whether it is acknowledged.
+  /// Sends a byte; returns whether it is acknowledged.
   bool write(std::uint32_t byte) {
     for (unsigned bit = 8; bit-- > 0;) clock((byte >> bit & 1u) != 0);
     return !clock(true);
   }
-  /// Not acknowledged: the last one.
+  /// Reads the last byte, without acknowledging it.
   std::uint32_t read() {
     std::uint32_t byte = 0;
     for (int bit = 0; bit < 8; ++bit) byte = byte << 1 | (clock(true) ? 1u : 0u);
@@ -467,9 +467,9 @@ class PinMaster {
   rigs::DmaSystemRig& rig_;
 };
 
-// 4.3.6.2: a RESTART for reading repeats the first byte of ten bits; it is for whom all ten bits
-// have addressed since, and for nobody after another address.
-TEST_F(I2cSlaveTest, TenBitsAreKnownUntilAnotherAddress) {
+// 4.3.6.2: a RESTART for reading repeats the first byte of ten bits. It selects the slave that all
+// ten bits have addressed before, and no slave after another address.
+TEST_F(I2cSlaveTest, TenBitsStaySelectedUntilAnotherAddress) {
   PinMaster pins(rig_);
   set_up(slave_, as_slave | slave_ten_bits, 0x2a5);
   pins.start();
@@ -485,7 +485,7 @@ TEST_F(I2cSlaveTest, TenBitsAreKnownUntilAnotherAddress) {
     EXPECT_EQ(pins.read(), byte);
   }
   pins.start();
-  EXPECT_FALSE(pins.write(0xf2)) << "bits 9 and 8 of another one";
+  EXPECT_FALSE(pins.write(0xf2)) << "bits 9 and 8 of another address";
   pins.start();
   EXPECT_FALSE(pins.write(0xf5));
   pins.start();

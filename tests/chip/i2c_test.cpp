@@ -27,7 +27,7 @@ constexpr std::uint32_t con_base = 0x65, ten_bits = 16, restart_on = 32, tx_empt
                         rx_hold = 512;
 constexpr std::uint32_t base = 0x4004'4000;
 
-/// Notes what happens to it, with times; acknowledges so many bytes.
+/// Records its events with times; acknowledges a given number of bytes.
 class Recorder : public I2cDevice {
  public:
   bool addressed(bool for_reading, Cycle at) override {
@@ -60,7 +60,7 @@ class I2cTest : public ::testing::Test {
   I2cTest() {
     i2c_.connect(device_, 0x42);
     i2c_.write(intr_mask, 0);
-    // 100 kHz as drivers ask for it: 3/5 and 2/5 of 1250 cycles.
+    // 100 kHz with the counts of drivers: 3/5 and 2/5 of 1250 cycles.
     i2c_.write(fs_hcnt, 750);
     i2c_.write(fs_lcnt, 500);
     i2c_.write(spklen, 31);
@@ -75,7 +75,7 @@ class I2cTest : public ::testing::Test {
   bool line() const { return rig_.line(Irq::i2c0); }
   void command(std::uint32_t word) { i2c_.write(data_cmd, word); }
   bool raw(std::uint32_t bit) { return (i2c_.read(raw_intr) & bit) != 0; }
-  /// Cycles since a time of all that the device has noted.
+  /// Cycles from `from` to each recorded event.
   std::vector<Cycle> since(Cycle from) const {
     std::vector<Cycle> result;
     for (const Cycle at : device_.times) result.push_back(at - from);
@@ -123,7 +123,7 @@ TEST_F(I2cTest, TheBusStaysFreeBetweenTransfers) {
   EXPECT_EQ(since(from)[3], second + high + byte);
 }
 
-TEST_F(I2cTest, StandardSpeedHasCountsOfItsOwnAndLowestValues) {
+TEST_F(I2cTest, StandardSpeedHasItsOwnCountsAndMinima) {
   i2c_.write(ss_hcnt, 600);
   EXPECT_EQ(i2c_.read(ss_hcnt), 0x28u) << "only while disabled";
   i2c_.write(enable, 0);
@@ -135,10 +135,10 @@ TEST_F(I2cTest, StandardSpeedHasCountsOfItsOwnAndLowestValues) {
   EXPECT_EQ(i2c_.high_cycles(), 600u + 1 + 7);
   EXPECT_EQ(i2c_.low_cycles(), 9u);
   i2c_.write(con, 0x67);
-  EXPECT_EQ(i2c_.read(con), 0x65u) << "no high speed: fast";
+  EXPECT_EQ(i2c_.read(con), 0x65u) << "no high-speed mode: fast mode";
 }
 
-TEST_F(I2cTest, ReadsComeWithAMarkOnTheFirst) {
+TEST_F(I2cTest, ReadsMarkTheFirstByte) {
   i2c_.write(rx_tl, 1);
   i2c_.write(intr_mask, rx_full);
   for (int n = 0; n < 3; ++n) command(do_read | (n == 2 ? do_stop : 0u));
@@ -159,7 +159,7 @@ TEST_F(I2cTest, ReadsComeWithAMarkOnTheFirst) {
   EXPECT_TRUE(raw(rx_under));
 }
 
-TEST_F(I2cTest, ATurnIsARestartAndARestartCanBeAskedFor) {
+TEST_F(I2cTest, ADirectionChangeIsARestartAndARestartCanBeRequested) {
   const Cycle from = rig_.wheel.now();
   command(5);
   command(do_read);
@@ -169,7 +169,7 @@ TEST_F(I2cTest, ATurnIsARestartAndARestartCanBeAskedFor) {
   const Cycle restart = low + low + high;
   EXPECT_EQ(since(from)[2], high + 2 * byte + restart + byte);
   EXPECT_EQ(since(from)[4], high + 4 * byte + 2 * restart + byte);
-  // Without RESTART a STOP and a START stand in.
+  // With RESTART disabled, a STOP and a START replace it.
   open(0x42, con_base & ~restart_on);
   device_.log.clear();
   command(5);
@@ -189,7 +189,7 @@ TEST_F(I2cTest, AnEmptyFifoHoldsTheBus) {
   rig_.pass(5 * byte);
   EXPECT_EQ(device_.log, "write 1 2 stop");
   EXPECT_EQ(since(from)[2], byte);
-  // Held over a change of IC_TAR: the next transfer begins with a RESTART.
+  // The bus is held over a change of IC_TAR: the next transfer begins with a RESTART.
   device_.log.clear();
   command(3);
   rig_.pass(5 * byte);
@@ -199,7 +199,7 @@ TEST_F(I2cTest, AnEmptyFifoHoldsTheBus) {
   EXPECT_EQ(device_.log, "write 3 read ? stop");
 }
 
-TEST_F(I2cTest, NobodyAtTheAddressAborts) {
+TEST_F(I2cTest, AMissingDeviceAborts) {
   open(0x43);
   i2c_.write(intr_mask, tx_abort);
   for (std::uint32_t n = 0; n < 3; ++n) command(n);
@@ -286,7 +286,7 @@ TEST_F(I2cTest, TenBitAddresses) {
   rig_.pass(20 * byte);
   EXPECT_EQ(far.log, "read ? stop");
   EXPECT_EQ(far.times[0] - again, high + 2 * byte + restart + byte);
-  // The same high bits, then others; nobody has them.
+  // The same high bits, then different ones; no device has this address.
   open(0x243, con_base | ten_bits);
   command(1);
   rig_.pass(20 * byte);
@@ -296,7 +296,7 @@ TEST_F(I2cTest, TenBitAddresses) {
   command(1);
   rig_.pass(20 * byte);
   EXPECT_EQ(i2c_.read(abort_source) & 0x1ffffu, 1u << 1);  // ABRT_10ADDR1_NOACK
-  EXPECT_EQ(device_.log, "") << "its 7-bit neighbour hears nothing";
+  EXPECT_EQ(device_.log, "") << "the device with the 7-bit address is not addressed";
 }
 
 TEST_F(I2cTest, FullFifosOverflowOrHoldTheBus) {
@@ -355,7 +355,7 @@ TEST_F(I2cTest, DisablingEndsTheTransferWithItsByte) {
   EXPECT_EQ(device_.log, "write 0 stop");
   EXPECT_EQ(i2c_.read(enable_status), 0u);
   EXPECT_EQ(i2c_.read(raw_intr) & (tx_empty | activity), 0u);
-  // An abort asked for in a transfer ends it with its byte, too.
+  // An abort requested during a transfer ends it with its byte, too.
   open(0x42);
   rig_.pass(byte);
   for (std::uint32_t n = 0; n < 4; ++n) command(n);
@@ -378,7 +378,7 @@ TEST_F(I2cTest, TheDmaFeedsCommands) {
   EXPECT_FALSE(rig_.dma_busy(3));
   EXPECT_EQ(device_.times.size(), 42u);
   EXPECT_EQ(device_.times[40] - device_.times[0], 40 * byte) << "never held";
-  // And takes what is read.
+  // It also transfers the received bytes.
   open(0x42);
   i2c_.write(dma_cr, 1);
   device_.next = 1;
@@ -406,7 +406,7 @@ TEST_F(I2cTest, GapsBetweenRegistersAreReported) {
   EXPECT_EQ(i2c_.read(comp_parameters), 0u);
 }
 
-TEST_F(I2cTest, ResetAndWhatIsNotModelled) {
+TEST_F(I2cTest, ResetAndUnmodelledFeatures) {
   rig_.reports.clear();
   open(0x42, 0x25);
   EXPECT_EQ(rig_.reports.size(), 1u) << "master and slave at once";

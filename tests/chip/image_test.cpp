@@ -138,7 +138,7 @@ TEST(Elf, IsLoadedByPhysicalAddressWithItsSymbols) {
   EXPECT_EQ(image.find("nothing"), nullptr);
 }
 
-TEST(Elf, SaysWhatIsWrong) {
+TEST(Elf, ReportsErrors) {
   const auto with = [](std::size_t at, std::uint32_t value, int bytes = 4) {
     Bytes file = elf_file();
     put(file, at, value, bytes);
@@ -153,7 +153,7 @@ TEST(Elf, SaysWhatIsWrong) {
   EXPECT_NE(with(440 + 24, 9).find("symbol table"), std::string::npos);
   EXPECT_NE(with(480 + 20, 0x7fff'ffff).find("names"), std::string::npos);
   const std::string text = with(44, 0, 2);
-  EXPECT_EQ(text, "a.elf: nothing in it to load; give an ELF file built for the RP2040");
+  EXPECT_EQ(text, "a.elf: contains nothing to load; give an ELF file built for the RP2040");
 }
 
 TEST(Uf2, IsReadInAnyOrder) {
@@ -165,14 +165,14 @@ TEST(Uf2, IsReadInAnyOrder) {
     EXPECT_EQ(image.parts[i].address, 0x1000'0000u + 256 * i);
     EXPECT_EQ(image.parts[i].bytes[3], i + 3);
   }
-  // Blocks for another chip go along with ours, as the ROM passes over them.
+  // Blocks for another chip are ignored, as in the ROM.
   Bytes both = uf2_file(1, 0xe48b'ff57);
   const Bytes ours = uf2_file(2);
   both.insert(both.end(), ours.begin(), ours.end());
   EXPECT_EQ(parse_uf2(both, "a.uf2").parts.size(), 2u);
 }
 
-TEST(Uf2, SaysWhatIsWrong) {
+TEST(Uf2, ReportsErrors) {
   const auto with = [](std::size_t at, std::uint32_t value) {
     Bytes file = uf2_file(4);
     put(file, at, value);
@@ -205,7 +205,7 @@ TEST(Images, DamageNeverCrashes) {
     Bytes file = is_elf ? elf : uf2;
     const std::uint64_t flips = 1 + random() % 8;
     for (std::uint64_t k = 0; k < flips; ++k) {
-      // Half of them where the structure is.
+      // Half of the changes hit the headers.
       const std::size_t at = random() % (random() % 2 == 0 ? std::size_t{160} : file.size());
       if (random() % 4 == 0)
         file[at] = static_cast<std::uint8_t>(random());
@@ -226,7 +226,7 @@ TEST(Images, DamageNeverCrashes) {
   EXPECT_GT(refused, test::scaled(20'000) / 10);
 }
 
-TEST(Images, AreFoundOutAndPlaced) {
+TEST(Images, AreDetectedAndPlaced) {
   const std::string folder = testing::TempDir();
   const auto file = [&](const std::string& name, const Bytes& bytes) {
     std::ofstream stream(folder + name, std::ios::binary);

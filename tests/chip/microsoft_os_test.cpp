@@ -1,4 +1,5 @@
-// What a device tells Windows, as the simulated PC reads it: a right set, and every defect of one.
+// A device's Microsoft OS descriptors, as the simulated PC reads them: a valid set, and every
+// defect.
 #include "sim/chip/usb_host/microsoft_os.hpp"
 
 #include <gmock/gmock.h>
@@ -13,7 +14,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// With the examples of the specification for a BOS descriptor and a composite device.
+/// The specification's examples of a BOS descriptor and a composite device.
 Bytes bos() {
   return {5,    15,   33,   0,    1,    28,   16,   5,    0,    0xDF, 0x60,
           0xDD, 0xD8, 0x89, 0x45, 0xC7, 0x4C, 0x9C, 0xD2, 0x65, 0x9D, 0x9E,
@@ -36,7 +37,7 @@ Bytes set() {
 
 constexpr MicrosoftCapability capability{0x20, 178};
 
-TEST(MicrosoftOs, ARightSetIsUnderstood) {
+TEST(MicrosoftOs, AValidSetIsUnderstood) {
   Violations violations;
   EXPECT_EQ(parse_bos_head(Bytes{5, 15, 33, 0, 1}, violations), 33);
   const auto found = parse_bos(bos(), violations);
@@ -50,8 +51,8 @@ TEST(MicrosoftOs, ARightSetIsUnderstood) {
   EXPECT_THAT(violations, testing::IsEmpty());
 }
 
-TEST(MicrosoftOs, ABosDescriptorMayHaveOtherThings) {
-  // The extension of USB 2.0 (USB 3.2, table 9-13) in front.
+TEST(MicrosoftOs, ABosDescriptorMayHaveOtherCapabilities) {
+  // The USB 2.0 extension (USB 3.2, table 9-13) comes first.
   Bytes bytes = bos();
   const Bytes extension = {7, 16, 2, 0, 0, 0, 0};
   bytes.insert(bytes.begin() + 5, extension.begin(), extension.end());
@@ -74,7 +75,7 @@ TEST(MicrosoftOs, DefectsAreNamed) {
   };
   for (const Defect& defect :
        {Defect{"wTotalLength is wrong", 2, 34}, Defect{"bNumDeviceCaps is wrong", 4, 2},
-        Defect{"wrong length", 5, 29}, Defect{"something else than a capability", 6, 5},
+        Defect{"wrong length", 5, 29}, Defect{"not a capability", 6, 5},
         Defect{"platform capability is wrong", 8, 1}, Defect{"Windows is not 8.1", 28, 0x0a}}) {
     Violations violations;
     Bytes bytes = bos();
@@ -83,14 +84,14 @@ TEST(MicrosoftOs, DefectsAreNamed) {
     expect_named(violations, defect);
   }
   for (const Defect& defect :
-       {Defect{"no set header", 0, 8}, Defect{"wTotalLength is 177", 8, 177},
+       {Defect{"does not begin with a set header", 0, 8}, Defect{"wTotalLength is 177", 8, 177},
         Defect{"not counted from 0", 14, 1}, Defect{"configuration subset does not", 16, 160},
         Defect{"function subset does not", 24, 168}, Defect{"has no function subset", 20, 1},
         Defect{"compatible ID is not 20", 26, 21}, Defect{"part at 26 has length 2", 26, 2},
-        Defect{"part of type 9", 28, 9}, Defect{"no list of strings", 50, 1},
+        Defect{"part of type 9", 28, 9}, Defect{"not a list of strings", 50, 1},
         Defect{"name of a property does not fit", 52, 200}, Defect{"property is unknown", 54, 'd'},
         Defect{"data is wrong", 96, 78}, Defect{"GUID is not like", 98, '('},
-        Defect{"does not end twice", 174, 'x'}}) {
+        Defect{"does not end with two zeros", 174, 'x'}}) {
     Violations violations;
     Bytes bytes = set();
     bytes.at(defect.at) = defect.value;
@@ -102,7 +103,7 @@ TEST(MicrosoftOs, DefectsAreNamed) {
   EXPECT_THAT(violations, testing::Contains(testing::HasSubstr("no header")));
 }
 
-TEST(MicrosoftOs, NoBytesAreTooStrange) {
+TEST(MicrosoftOs, RandomBytesAreParsedSafely) {
   std::mt19937_64 random(18);
   for (int i = 0; i < test::scaled(20000); ++i) {
     Bytes bytes = i % 2 == 0 ? bos() : set();

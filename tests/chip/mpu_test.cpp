@@ -1,5 +1,5 @@
-// The MPU of a core against the ARMv6-M Architecture Reference Manual, B3.5: what regions permit,
-// which one decides, and where the unit does not apply.
+// The MPU of a core against the ARMv6-M Architecture Reference Manual, B3.5: permissions of
+// regions, which region decides, and accesses that the unit does not check.
 #include <gtest/gtest.h>
 
 #include "tests/chip/core_rig.hpp"
@@ -29,7 +29,7 @@ class MpuTest : public testing::Test {
     permit_the_rig();
   }
   void permit_the_rig() {
-    set(7, CoreRig::handlers & ~0xffffu, region(16, 3));  // handlers, vectors, stack: anybody
+    set(7, CoreRig::handlers & ~0xffffu, region(16, 3));  // handlers, vectors, stack: any mode
     set(6, CoreRig::stack - 0x100, region(8, 3));
     set(5, CoreRig::vectors, region(13, 3));
     set(0, code, region(8, 3));
@@ -100,7 +100,7 @@ TEST_F(MpuTest, PermissionsOfPrivilegedAndUnprivilegedCode) {
   }
 }
 
-TEST_F(MpuTest, WithoutARegionOnlyTheBackgroundHelpsAndOnlyThePrivileged) {
+TEST_F(MpuTest, WithoutARegionOnlyPrivilegedCodeHasTheBackground) {
   EXPECT_TRUE(loads(false)) << "off";
   rig_.core.set_control(0);
   enable(on);
@@ -110,7 +110,7 @@ TEST_F(MpuTest, WithoutARegionOnlyTheBackgroundHelpsAndOnlyThePrivileged) {
   EXPECT_FALSE(loads(false));
 }
 
-TEST_F(MpuTest, TheHighestRegionDecidesAndPartsMayBeLeftOut) {
+TEST_F(MpuTest, TheHighestRegionDecidesAndPartsMayBeDisabled) {
   enable(on);
   set(1, CoreRig::data, region(12, 3));
   set(2, CoreRig::data, region(11, 6, 1u << (8 + 2)));  // parts of 256 bytes, not the third
@@ -119,7 +119,7 @@ TEST_F(MpuTest, TheHighestRegionDecidesAndPartsMayBeLeftOut) {
   EXPECT_TRUE(stores(true, CoreRig::data + 0x200));
   EXPECT_TRUE(stores(true, CoreRig::data + 0x2fc));
   EXPECT_FALSE(stores(true, CoreRig::data + 0x300));
-  EXPECT_TRUE(stores(true, CoreRig::data + 0x800)) << "beyond it, the larger one";
+  EXPECT_TRUE(stores(true, CoreRig::data + 0x800)) << "the larger region beyond it";
 }
 
 TEST_F(MpuTest, FetchesMustBePermittedToo) {
@@ -131,7 +131,7 @@ TEST_F(MpuTest, FetchesMustBePermittedToo) {
   EXPECT_TRUE(loads(true, code));
   EXPECT_FALSE(loads(false, code));
   rig_.core.set_control(0);
-  // A guard behind code that runs into it.
+  // A guard after code that runs into it.
   set(0, code, region(8, 3));
   set(1, code + 0x100, region(8, 0));
   rig_.put(code + 0xfe, {0xbf00, 0xbf00});
@@ -141,7 +141,7 @@ TEST_F(MpuTest, FetchesMustBePermittedToo) {
 }
 
 // B3.5.1: in HardFault the unit is off unless HFNMIENA is set; vectors are always read.
-TEST_F(MpuTest, HandlersOfFaultsAreFree) {
+TEST_F(MpuTest, HandlersOfFaultsAreNotChecked) {
   rig_.put(CoreRig::handler_of(hard_fault), {store_r0, 0xbf00});
   set(5, CoreRig::vectors, 0);
   enable(on);
@@ -183,16 +183,16 @@ TEST_F(MpuTest, AStackGuardStopsAnOverflow) {
   EXPECT_TRUE(core.locked_up() || core.exception() == hard_fault);
 }
 
-TEST_F(MpuTest, ThePrivatePeripheralsAreNotItsBusiness) {
+TEST_F(MpuTest, ThePrivatePeripheralsAreNotChecked) {
   enable(on);
   EXPECT_TRUE(loads(true, 0xe000'ed00));
   EXPECT_FALSE(loads(false, 0xe000'ed00)) << "for privileged code only, with or without it";
 }
 
-TEST_F(MpuTest, EveryAccessOfARunIsAskedFor) {
+TEST_F(MpuTest, EveryAccessOfARunIsChecked) {
   Core& core = rig_.core;
   constexpr unsigned nop = 0xbf00;
-  // str, ldr; stm, ldm r0!, {r1, r2}; push, pop {r1, r2}: the second one of a word that is fetched
+  // str, ldr; stm, ldm r0!, {r1, r2}; push, pop {r1, r2}: the second instruction of a fetched word
   for (const unsigned access : {0x6001u, 0x6801u, 0xc006u, 0xc806u, 0xb406u, 0xbc06u})
     for (const bool permitted : {true, false}) {
       SCOPED_TRACE(testing::Message() << std::hex << access << " permitted " << permitted);

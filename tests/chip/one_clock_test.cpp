@@ -1,5 +1,6 @@
-// CPU, PIO, DMA and pins of a whole chip go by one clock: what emulators get wrong that run each of
-// them for itself. Images of 252 bytes on the ring oscillator; edges on pins, in cycles of clk_sys.
+// CPU, PIO, DMA and pins of a whole chip share one clock; emulators that run each of them
+// separately get this wrong. Images of 252 bytes on the ring oscillator; edges on pins, in cycles
+// of clk_sys.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -69,10 +70,10 @@ std::vector<std::uint16_t> toggle(bool slow) {
   return code;
 }
 
-// A state machine that copies gpio2 to gpio3: MOV PINS, PINS in every clock. From pad to pad are
-// two flip-flops (3.5.6.3), the register before the machine, the instruction, the register behind
-// it: 4 clocks, each time, however the CPU's edges fall (docs/chip-timing.md).
-TEST(OneClock, APioFollowsThePinOfTheCpuByTheSameClocksEachTime) {
+// A state machine copies gpio2 to gpio3: MOV PINS, PINS in every clock. From pad to pad there are
+// two flip-flops (3.5.6.3), the register before the machine, the instruction, and the register
+// after it: always 4 clocks, whatever the phase of the CPU's edges (docs/chip-timing.md).
+TEST(OneClock, APioFollowsThePinOfTheCpuAfterAConstantTime) {
   for (const bool slow : {false, true}) {
     ImageRun run(tiny_image(toggle(slow), {leave_reset,
                                            leave_reset_too,
@@ -94,9 +95,9 @@ TEST(OneClock, APioFollowsThePinOfTheCpuByTheSameClocksEachTime) {
   }
 }
 
-// The DMA moves a word a clock at most (2.5): 200 words take 200 clocks and its start, during which
-// the CPU goes on; then a second channel, chained, tells so by the override of gpio3 (2.19.6.1).
-TEST(OneClock, TheDmaTakesItsTimeBesideTheCpu) {
+// The DMA moves at most one word per clock (2.5): 200 words take 200 clocks and the start, while
+// the CPU runs; then a second, chained channel signals the end by the override of gpio3 (2.19.6.1).
+TEST(OneClock, TheDmaTakesItsClocksWhileTheCpuRuns) {
   constexpr std::uint32_t words = 200;
   const std::uint32_t increments = 1u << 4 | 1u << 5, size = 2u << 2, unpaced = 0x3fu << 15;
   ImageRun run(
@@ -124,7 +125,7 @@ TEST(OneClock, TheDmaTakesItsTimeBesideTheCpu) {
   std::size_t meanwhile = 0;
   for (const Cycle at : cpu)
     if (at > cpu[0] && at < done[0]) ++meanwhile;
-  EXPECT_GT(meanwhile, words / 3 - 20) << "the CPU goes on";
+  EXPECT_GT(meanwhile, words / 3 - 20) << "the CPU must run meanwhile";
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-// Sleeping machines, instructions that run at once and machines stepped in every clock leave the
-// same trace: random programs, random traffic from pins, cores and DMA, clocks that stop.
+// The simulator's sleeping machines and instructions run ahead leave the same trace as machines
+// stepped in every clock: random programs, random traffic from pins, cores and DMA, clocks that
+// stop.
 #include <algorithm>
 #include <ostream>
 #include <random>
@@ -57,7 +58,7 @@ Word random_instruction(Random& random, bool calm) {
   }
 }
 
-// Programs that count and poll, which sleep in loops.
+// Programs that count and poll; their machines sleep in loops.
 void counting_program(Random& random, std::vector<Word>& words, unsigned at) {
   words[at] = mov(x, osr, below(random, 2));
   words[at + 1] = jmp(x_dec, at + 1, below(random, 4));
@@ -205,7 +206,7 @@ std::vector<Action> random_script(std::uint64_t seed) {
   return script;
 }
 
-/// A value that somebody saw: where (0: interrupt lines, 1: contention), when.
+/// An observed value: address (0: interrupt lines, 1: contention) and time.
 struct Seen {
   Cycle at = 0;
   std::uint32_t address = 0, value = 0;
@@ -272,7 +273,7 @@ Trace play(const std::vector<Action>& script, std::uint64_t seed, bool every_clo
         for (const std::uint32_t offset : {fstat, fdebug, flevel, irq, padout, padoe})
           look(pio_base[block] + offset);
   }
-  // STATUS of the pins, and the edges that nobody has waited for.
+  // STATUS of the pins, and latched edges without an interrupt.
   for (unsigned i = 0; i < 16; ++i) look(0x4001'4000 + 8 * i);
   for (unsigned word = 0; word < 2; ++word) look(0x4001'40f0 + 4 * word);
   for (unsigned channel = 0; channel < 12; ++channel)

@@ -9,13 +9,13 @@
 #include <tuple>
 #include <vector>
 
-#include "sim/chip/bus.hpp"
+#include "sim/chip/fabric/bus.hpp"
 #include "sim/chip/gpio/gpio.hpp"
 #include "sim/chip/pio_dma_clock.hpp"
 
 namespace lamplock::test::pio {
 
-using namespace lamplock::sim::chip;  // NOLINT: the tests speak of nothing else
+using namespace lamplock::sim::chip;  // NOLINT: the tests use no other names
 
 inline constexpr std::uint32_t pio_base[2] = {0x5020'0000, 0x5030'0000};
 inline constexpr std::uint32_t dma_base = 0x5000'0000;

@@ -6,7 +6,7 @@ namespace {
 
 using Longs = std::vector<long>;
 
-// Machine 0 runs `program`; SET writes pin 0. What its pin does, from the first instruction on.
+// Machine 0 runs `program`; SET writes pin 0. Records the pin from the first instruction on.
 struct OneMachine {
   explicit OneMachine(const std::vector<Word>& program, std::uint32_t shift = both_right,
                       std::uint32_t exec_bits = 0)
@@ -16,7 +16,7 @@ struct OneMachine {
     rig.connect(0, 8);
     rig.machine(0, program, pin_map, 0, 0, shift, exec_bits);
   }
-  /// Starts it; edges and times are relative to the cycle of the first instruction.
+  /// Starts the machine; edges and times are relative to the cycle of the first instruction.
   void start() { first = rig.start(1); }
   Longs edges(unsigned number = 0) const { return rig.edges_of(number, first); }
   void run_to(long cycle) { rig.run_to(first + static_cast<Cycle>(cycle)); }
@@ -32,7 +32,7 @@ TEST(PioTiming, OutputAppearsInTheCycleAfterTheInstruction) {
   EXPECT_EQ(m.edges(), (Longs{1, 2, 8, 9, 15, 16}));
 }
 
-// Cycles that each kind of instruction takes when it does not stall: pin up, it, pin down.
+// Cycles of each kind of instruction without a stall: pin up, the instruction, pin down.
 TEST(PioTiming, EveryInstructionTakesOneCycleAndItsDelay) {
   const std::vector<Word> instructions = {jmp(always, 2),
                                           jmp(not_x, 2),
@@ -120,8 +120,9 @@ TEST(PioTiming, PulseOfOneCycleIsSeen) {
   EXPECT_EQ(m.edges(), (Longs{105}));
 }
 
-// The example of a maker of the chip (raspberrypi/pico-feedback, issue 280): IN PINS all through
-// the memory, side-set 1 in its first half; how much later the machine reads what it wrote.
+// The example of a developer of the chip (raspberrypi/pico-feedback, issue 280): IN PINS in the
+// whole memory, side-set 1 in its first half; measures how much later the machine reads its own
+// output.
 TEST(PioTiming, MachineSeesItsOwnOutputAfterFourCyclesOrTwo) {
   for (const bool bypassed : {false, true}) {
     std::vector<Word> program;
@@ -134,7 +135,7 @@ TEST(PioTiming, MachineSeesItsOwnOutputAfterFourCyclesOrTwo) {
   }
 }
 
-// A machine that inverts its own pin: others measured 16.67 MHz of a Pico at 133 MHz.
+// A machine inverts its own pin: others measured 16.67 MHz on a Pico at 133 MHz.
 TEST(PioTiming, RingOscillatorHasAPeriodOfEight) {
   OneMachine m({mov(pins, pins, 1)}, Pins{.out_base = 0, .out_count = 1}, both_right, 0);
   m.start();
@@ -153,7 +154,7 @@ TEST(PioTiming, BypassSavesTheFlipFlops) {
 }
 
 TEST(PioTiming, FractionalDividerSpreadsByFirstOrderDelta) {
-  // 2.25: periods of 2 2 2 3; toggling pin.
+  // A divider of 2.25: periods of 2 2 2 3; a toggling pin.
   OneMachine m({set(pins, 1), set(pins, 0)});
   m.rig.pio(clkdiv, 2u << 16 | 64u << 8);
   m.start();
@@ -183,7 +184,7 @@ TEST(PioTiming, DividersRestartTogether) {
   EXPECT_EQ(rig.edges_of(0, first), rig.edges_of(1, first));
 }
 
-TEST(PioTiming, CountingLoopsTakeWhatTheyCount) {
+TEST(PioTiming, CountingLoopsTakeTheirCount) {
   for (const unsigned count : {0u, 1u, 5u, 31u})
     for (const unsigned delay : {0u, 3u}) {
       OneMachine m(
@@ -213,7 +214,7 @@ TEST(PioTiming, DecrementHappensWhetherItJumpsOrNot) {
 // ---------------------------------------------------------------------------------------------
 // FIFOs and shift registers
 
-TEST(PioFifo, PullStallsUntilAWordComes) {
+TEST(PioFifo, PullStallsUntilAWordArrives) {
   OneMachine m({pull(), set(pins, 1), jmp(always, 2)});
   m.start();
   m.run_to(50);
@@ -223,7 +224,7 @@ TEST(PioFifo, PullStallsUntilAWordComes) {
   EXPECT_EQ(m.edges(), (Longs{53}));
 }
 
-TEST(PioFifo, StallFlagsComeBackWhileTheStallLasts) {
+TEST(PioFifo, StallFlagsAreSetAgainWhileTheStallLasts) {
   OneMachine m({pull(), jmp(always, 1)});
   m.start();
   m.run_to(50);
@@ -274,20 +275,20 @@ TEST(PioFifo, AutopullKeepsFullRate) {
 }
 
 TEST(PioFifo, AutopullFillsInTheBackground) {
-  // While something else executes the OSR fills, so the OUT does not lose a cycle.
+  // The OSR fills while other instructions execute, so the OUT does not lose a cycle.
   OneMachine m({nop(3), out(pins, 32), set(y, 1)}, Pins{.out_base = 0, .out_count = 1},
                both_right | 1u << 17, 0);
   m.start();
   m.run_to(2);  // in the delay of the first instruction
   m.rig.pio(txf, 1);
   m.run_to(3);
-  EXPECT_EQ(m.rig.look(flevel), 0u);  // taken in cycle 3, a tick of the delay
+  EXPECT_EQ(m.rig.look(flevel), 0u);  // pulled in cycle 3, a tick of the delay
   m.run_to(20);
   EXPECT_EQ(m.edges(), (Longs{5}));  // OUT in cycle 4
 }
 
 TEST(PioFifo, AutopullThresholdAndPullAsFence) {
-  // Threshold 8: one OUT of 8 bits a word. PULL does nothing while there is data.
+  // Threshold 8: one OUT of 8 bits per word. PULL has no effect while there is data.
   OneMachine m({pull(), out(x, 8), mov(isr, x), push(), jmp(always, 0)},
                both_right | 1u << 17 | 8u << 25);
   for (const std::uint32_t word : {0x11u, 0x22u, 0x33u}) m.rig.pio(txf, word);
@@ -437,7 +438,7 @@ TEST(PioPins, GroupsWrapAfterThirtyOne) {
   for (const unsigned gpio : {29u, 1u}) EXPECT_EQ(rig.edges_of(gpio, first), Longs{});
 }
 
-TEST(PioPins, StickyAssertsAgainAndInlineEnableTakesItBack) {
+TEST(PioPins, StickyAssertsAgainAndInlineEnableReleases) {
   // Machine 1 is sticky and higher: machine 0 cannot change the pin until the enable bit is 0.
   Rig rig;
   rig.connect(0, 1);
@@ -449,7 +450,7 @@ TEST(PioPins, StickyAssertsAgainAndInlineEnableTakesItBack) {
   rig.run(1);
   const Cycle first = rig.start(3);
   rig.run(60);
-  // OUT in 1 (0 fills the OSR); nop to 22; OUT in 23 lets go; machine 0 writes in 24.
+  // OUT in 1 (0 fills the OSR); nop to 22; OUT in 23 releases; machine 0 writes in 24.
   EXPECT_EQ(rig.edges_of(0, first), (Longs{2, 25}));
 }
 
@@ -535,7 +536,7 @@ TEST(PioExec, StalledForcedInstructionIsLatched) {
   EXPECT_NE(m.rig.look(execctrl) >> 31, 0u);
   m.start();
   m.run_to(10);
-  EXPECT_TRUE(m.edges().empty());  // the program waits behind it
+  EXPECT_TRUE(m.edges().empty());  // the program waits for it
   m.rig.pio(txf, 0);               // pull in 11, SET in 12
   m.run_to(12);
   EXPECT_EQ(m.rig.look(execctrl) >> 31, 0u);
@@ -543,7 +544,7 @@ TEST(PioExec, StalledForcedInstructionIsLatched) {
   EXPECT_EQ(m.edges(), (Longs{13}));
 }
 
-TEST(PioExec, RestartClearsWhatTheDatasheetLists) {
+TEST(PioExec, RestartClearsTheStateListedInTheDatasheet) {
   OneMachine m({set(x, 3), in(x, 8), out(y, 4), irq_set(1, true, 31), jmp(always, 4)});
   m.start();
   m.run_to(20);
@@ -584,8 +585,8 @@ TEST(PioRegisters, ResetValues) {
   EXPECT_EQ(rig.told.size(), 1u);
 }
 
-// In a loop that is slept through, and ahead of time in instructions that nobody notices.
-TEST(PioRegisters, ALookShowsThePresentAddress) {
+// In a loop in which the machine sleeps, and in instructions run ahead without visible effects.
+TEST(PioRegisters, APeekShowsThePresentAddress) {
   const std::vector<Word> program{set(x, 31),       nop(2), set(y, 3),   jmp(y_dec, 3),
                                   jmp(x_dec, 4, 1), nop(),  set(pins, 1)};
   Rig asleep;
@@ -614,8 +615,8 @@ TEST(PioRegisters, AtomicAliasesWork) {
   EXPECT_EQ(rig.look(pinctrl), 0x0400'001eu);
 }
 
-// Of flags that a written 1 clears an alias names those it clears.
-TEST(PioRegisters, AliasesClearOnlyTheFlagsTheyName) {
+// For flags that a written 1 clears, an alias clears the written bits.
+TEST(PioRegisters, AliasesClearOnlyTheWrittenFlags) {
   Rig rig;
   rig.pio(irq_force, 0x0f);
   rig.pio(irq + 0x2000, 0x01);
@@ -632,7 +633,7 @@ TEST(PioRegisters, AliasesClearOnlyTheFlagsTheyName) {
 // Kernels of the scheme for ticks and lamp
 
 // TICK: words of (count - 1, low time): OUT count, OUT low; low, then high for 56 - overhead.
-// low + 56 clocks a tick, 2 more for a word.
+// low + 56 clocks per tick, 2 more per word.
 std::vector<Word> tick_kernel() {
   return {
       out(x, 8),         // ticks of the word - 1

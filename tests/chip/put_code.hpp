@@ -1,12 +1,12 @@
-// Code and data put straight into the memory of a simulated chip, in no time.
+// Writes code and data directly to the memory of a simulated chip, in no simulated time.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
 
-#include "sim/chip/bus.hpp"
 #include "sim/chip/chip.hpp"
+#include "sim/chip/fabric/bus.hpp"
 
 namespace lamplock::test {
 

@@ -1,4 +1,4 @@
-// Wraps of the PWM as requests to the DMA, and what the modes of a slice count (RP2040 datasheet,
+// Wraps of the PWM as requests to the DMA, and counting in the modes of a slice (RP2040 datasheet,
 // 4.5.2 and 2.5.3.1).
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ class PwmDmaTest : public ::testing::Test, public PadListener {
   std::vector<std::pair<bool, Cycle>> edges_;
 };
 
-// A table of duties, one for each period: CC is taken over at the next wrap.
+// A table of duties, one for each period: a new CC applies from the next wrap.
 TEST_F(PwmDmaTest, EachWrapTakesTheNextDuty) {
   put({20, 30, 40, 50});
   connect(6);
@@ -76,10 +76,10 @@ TEST_F(PwmDmaTest, WrapsBeforeTheChannelAreNotCounted) {
   EXPECT_TRUE(rig_.dma_busy(0));
   rig_.pass(100);
   EXPECT_FALSE(rig_.dma_busy(0));
-  EXPECT_GT(rig_.wheel.next(), rig_.wheel.now() + 100'000) << "and none is due afterwards";
+  EXPECT_GT(rig_.wheel.next(), rig_.wheel.now() + 100'000) << "no event is due afterwards";
 }
 
-// 4.5.2.5: the divider works on what is counted: 3.5 edges a count.
+// 4.5.2.5: the divider divides the counted events: 3.5 edges per count.
 TEST_F(PwmDmaTest, EdgesAreDivided) {
   connect(7);  // slice 3, channel B
   write(3, div, 3 << 4 | 8);
@@ -109,7 +109,7 @@ TEST_F(PwmDmaTest, EdgesWrap) {
   EXPECT_FALSE(rig_.dma_busy(0));
 }
 
-// In these modes pin B is an input, and A is still an output: high until the CCth edge.
+// In these modes pin B is an input; A is still an output, high until the CCth edge.
 TEST_F(PwmDmaTest, ChannelAComparesTheCountOfEdges) {
   connect(6);
   connect(7);
@@ -121,7 +121,7 @@ TEST_F(PwmDmaTest, ChannelAComparesTheCountOfEdges) {
   ASSERT_EQ(edges_.size(), 2u);
   EXPECT_FALSE(edges_[0].first);
   EXPECT_EQ(edges_[1].second - edges_[0].second, 3u * 6);
-  EXPECT_TRUE(rig_.reports.empty()) << "nobody else drives pin 7";
+  EXPECT_TRUE(rig_.reports.empty()) << "no other source drives pin 7";
 }
 
 // 4.5.2.6: period (TOP + 1) x 2 x DIV; one wrap, at the bottom, in each.
@@ -139,7 +139,7 @@ TEST_F(PwmDmaTest, PhaseCorrectPeriodAndWrap) {
   }
 }
 
-// Set and clear aliases reach the bits that a one clears.
+// Set and clear aliases access the bits that a one clears.
 TEST_F(PwmDmaTest, InterruptIsClearedThroughAnAlias) {
   write(0, top, 9);
   write(1, top, 9);

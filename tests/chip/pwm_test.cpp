@@ -47,7 +47,7 @@ TEST_F(PwmTest, PeriodIsTopPlusOneAndDutyIsCompare) {
   write(at(6, 0), 1);
   rig_.wheel.advance_to(1000 + 299);
   using List = std::vector<std::pair<bool, Cycle>>;
-  // The output is high from the moment CC is above the stopped counter.
+  // The output is high as soon as CC is above the stopped counter.
   EXPECT_EQ(
       edges_.list,
       (List{{true, 0}, {false, 1030}, {true, 1100}, {false, 1130}, {true, 1200}, {false, 1230}}));
@@ -65,7 +65,7 @@ TEST_F(PwmTest, ZeroIsNeverAndTopPlusOneAlwaysHigh) {
   EXPECT_TRUE(edges_.list[0].first);
 }
 
-TEST_F(PwmTest, CompareAndTopAreTakenOverAtTheWrap) {
+TEST_F(PwmTest, CompareAndTopApplyFromTheWrap) {
   connect(0);
   write(at(0, 0x10), 99);
   write(at(0, 0xc), 50);
@@ -119,7 +119,7 @@ TEST_F(PwmTest, WrapInterrupt) {
   write(at(4, 0x10), 99);
   write(at(4, 0), 1);
   rig_.pass(250);
-  EXPECT_EQ(read(0xa4), 1u << 4) << "seen without anybody waiting";
+  EXPECT_EQ(read(0xa4), 1u << 4) << "latched without an enabled interrupt";
   write(0xa4, 1u << 4);
   write(0xa8, 1u << 4);
   rig_.pass(49);
@@ -219,7 +219,7 @@ TEST_F(PwmTest, LazyCounterAgreesWithEveryClock) {
       for (std::uint64_t clock = 0; clock < clocks; ++clock) {
         stepped.advance(1);
         if (clock + 1 < event) {
-          ASSERT_EQ(stepped.outputs(), before) << "no event foretold";
+          ASSERT_EQ(stepped.outputs(), before) << "the event was not predicted";
         }
       }
       lazy.advance(clocks);

@@ -1,5 +1,5 @@
 // The floating-point tables of the boot ROM: the functions against the host's arithmetic over many
-// operands, and a core that finds and calls them as images do (RP2040 datasheet, 2.8.3.2).
+// operands, and a core that looks them up and calls them as images do (RP2040 datasheet, 2.8.3.2).
 #include "sim/chip/rom/soft_float.hpp"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ double twice(Function function, double a, double b = 0) {
   return std::bit_cast<double>(joined(call(function, Precision::float64, registers(a, b))));
 }
 
-/// What the datasheet wants of operands and results: no denormals, no NaNs.
+/// The datasheet's conditions for operands and results: no denormals, no NaNs.
 template <class Real>
 Real clean(Real value) {
   if (std::isnan(value)) return std::copysign(std::numeric_limits<Real>::infinity(), value);
@@ -89,7 +89,7 @@ TEST(SoftFloat, BasicOperationsAreRoundedOnce) {
   for (int i = 0; i < test::scaled(200'000); ++i) {
     const float x = operands.one(), y = operands.one();
     const float a = clean(x), b = clean(y);
-    // 53 bits of intermediate result are more than twice 24 and two: rounding twice does no harm.
+    // 53 bits of intermediate result are more than twice 24 and two, so rounding twice is exact.
     const auto check = [&](Function function, double exact) {
       if (std::isnan(exact)) return;
       const float wanted = clean(static_cast<float>(exact));
@@ -118,7 +118,7 @@ TEST(SoftFloat, DoublesToo) {
     check(Function::multiply, a * b);
     check(Function::divide, a / b);
     check(Function::square_root, std::sqrt(a));
-    // A quotient is right when what it leaves is less than half its last place.
+    // A quotient is right when its remainder is less than half its last place.
     const double q = twice(Function::divide, x, y);
     if (!std::isnormal(q) || std::abs(q) < 1e-200 || std::abs(q) > 1e200 || std::abs(b) < 1e-50 ||
         std::abs(b) > 1e50)
@@ -128,7 +128,7 @@ TEST(SoftFloat, DoublesToo) {
   }
 }
 
-TEST(SoftFloat, InfinitiesStandForNaNs) {  // 2.8.3.2.1
+TEST(SoftFloat, InfinitiesReplaceNaNs) {  // 2.8.3.2.1
   const float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(single(Function::add, nan, 1), inf_f);
   EXPECT_EQ(single(Function::add, -nan, 1), -inf_f);
@@ -168,7 +168,7 @@ TEST(SoftFloat, Compares) {
   }
 }
 
-/// Of the real number value x 2^places: rounded down and clamped. 64 bits of mantissa are exact.
+/// The real number value x 2^places, rounded down and clamped. 64 bits of mantissa are exact.
 template <class Integer, class Real>
 Integer rounded_down(Real value, int places) {
   using Limits = std::numeric_limits<Integer>;
@@ -302,7 +302,7 @@ TEST(SoftFloat, ScientificFunctionsAreWithinOneUnit) {  // 2.8.3.2.1
 
 // --- on a core ---
 
-/// A chip whose core 0 is led by hand.
+/// A chip whose core 0 the test controls.
 class RomFloat : public testing::Test {
  protected:
   static constexpr std::uint32_t code = 0x2000'0000;
@@ -320,7 +320,7 @@ class RomFloat : public testing::Test {
     for (int i = 0; i < 100'000 && chip_.core(0).reg(15) != stop; ++i) chip_.core(0).step();
     ASSERT_EQ(chip_.core(0).reg(15), stop);
   }
-  /// As pico-sdk's rom_data_lookup(): the half-words at 0x16 and 0x18.
+  /// As pico-sdk's rom_data_lookup(), with the half-words at 0x16 and 0x18.
   std::uint32_t data_lookup(std::string_view letters) {
     // MOVS r3, #0x14; LDRH r0, [r3, #2]; LDRH r3, [r3, #4]; BLX r3; B .
     put(code, {0x2314, 0x8858, 0x889b, 0x4798, 0xe7fe});
@@ -376,7 +376,7 @@ TEST_F(RomFloat, FunctionsAreFoundThroughTheDataTable) {
   EXPECT_EQ(run(word(table_f + 0x1c), {bits(-2.5f)})[0], static_cast<std::uint32_t>(-3));
   EXPECT_EQ(joined(run(word(table_f + 0x7c), {bits(0.5f)})), bits(0.5));
   EXPECT_EQ(joined(run(word(table_d + 0x0c), registers(1, 3))), bits(1.0 / 3));
-  // What pico-sdk's sincosf and sincos rely on.
+  // pico-sdk's sincosf and sincos rely on this.
   const Registers both = run(word(table_f + 0x40), {bits(1.0f)});
   EXPECT_EQ(both[1], run(word(table_f + 0x3c), {bits(1.0f)})[0]);
   const Registers pair = run(word(table_d + 0x48), registers(1));
@@ -391,7 +391,7 @@ TEST_F(RomFloat, DivisionLeavesTracesInTheDividerAsTheSdkExpects) {
   chip_.bus().write(dividend, 1234, Width::word, Master::core0, core.cycle());
   const std::uint32_t table = data_lookup("SF");
   run(word(table + 0x00), {bits(1.0f), bits(3.0f)});
-  EXPECT_EQ(word(dividend), 1234u) << "addition leaves it alone";
+  EXPECT_EQ(word(dividend), 1234u) << "addition must not use the divider";
   run(word(table + 0x0c), {bits(1.0f), bits(3.0f)});
   EXPECT_NE(word(dividend), 1234u) << "pico-sdk saves it around __aeabi_fdiv for this";
 }
@@ -405,14 +405,14 @@ TEST_F(RomFloat, AngleBeyondTheRangeIsReported) {
   EXPECT_NE(chip_.not_modelled()[0].find("float function of an angle"), std::string::npos);
 }
 
-TEST_F(RomFloat, AnInterruptInTheMiddleComesSoonAndChangesNothing) {
+TEST_F(RomFloat, AnInterruptDuringAFunctionHasLowLatencyAndNoEffect) {
   Core& core = chip_.core(0);
   const std::uint32_t table = data_lookup("SD");
   const std::uint32_t tangent = word(table + 0x44);
   const Registers wanted = run(tangent, registers(0.7));
   const std::uint32_t handler = 0x2000'0201;
   std::memcpy(chip_.bus().memory_at(0x2000'0140).data(), &handler, 4);
-  // The handler spoils what it may: MOVS r0..r3, #0; BX LR.
+  // The handler overwrites the permitted registers: MOVS r0..r3, #0; BX LR.
   put(0x2000'0200, {0x2000, 0x2100, 0x2200, 0x2300, 0x4770});
   core.set_vtor(0x2000'0100);
   put(0x2000'0300, {0x6001, 0xe7fe});  // STR r1, [r0]: NVIC_ISER

@@ -1,5 +1,5 @@
 // The boot ROM executed by a core: tables, functions, flash operations, the start of the chip; and
-// the profile of what such a core does.
+// the profile of such a core.
 #include "sim/chip/rom/boot_rom.hpp"
 
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "shared/boards/boot2_crc32.hpp"
-#include "sim/chip/bus.hpp"
 #include "sim/chip/cpu/core.hpp"
+#include "sim/chip/fabric/bus.hpp"
 #include "sim/chip/flash/flash_chip.hpp"
 #include "sim/chip/flash/xip.hpp"
 #include "sim/chip/profile/profile.hpp"
@@ -28,7 +28,7 @@
 namespace lamplock::sim::chip::rom_test {
 namespace {
 
-/// Registers that keep what is written; RESETS answers that everything is done.
+/// Registers that store what is written; RESETS answers that everything is done.
 struct PlainBlock final : Peripheral {
   explicit PlainBlock(bool is_done = false) : done(is_done) {}
   std::string_view name() const override { return "PLAIN"; }
@@ -64,7 +64,7 @@ struct Mailbox final : Peripheral {
   std::deque<std::uint32_t> in, out;
 };
 
-/// As much of a chip as the ROM touches.
+/// The parts of a chip that the ROM uses.
 struct Chip {
   explicit Chip(int id = 0, std::uint64_t seed = 1)
       : bus(wheel, timing, note),
@@ -99,7 +99,7 @@ struct Chip {
     }
     return false;
   }
-  /// Calls a function from code in SRAM; what it returns, and its cycles without the BLX.
+  /// Calls a function from code in SRAM; returns its result and its cycles without the BLX.
   std::uint32_t call(std::uint32_t function, const std::vector<std::uint32_t>& arguments,
                      Cycle limit = 100'000'000) {
     core.reset(0);
@@ -119,7 +119,7 @@ struct Chip {
                      Cycle limit = 100'000'000) {
     return call(rom.function(code[0], code[1]), arguments, limit);
   }
-  /// The way to write to the flash: what RP2040 datasheet 2.8.3.1.3 asks for.
+  /// Prepares writes to the flash, as in RP2040 datasheet 2.8.3.1.3.
   void command_mode() {
     call("IF", {});
     call("EX", {});
@@ -150,7 +150,7 @@ struct Chip {
   Cycle cycles = 0;
 };
 
-TEST(BootRom, HasItsMagicAndTablesWhereTheDatasheetSays) {
+TEST(BootRom, HasItsMagicAndTablesAtTheDatasheetsPlaces) {
   Chip chip;
   const std::span<const std::uint8_t> rom = chip.bus.rom();
   EXPECT_EQ(rom[0x10], 'M');
@@ -184,7 +184,8 @@ TEST(BootRom, LooksFunctionsUpForThumbCode) {
   for (const char* code : {"P3", "WV", "RP", "IF"})
     EXPECT_EQ(lookup(code), chip.rom.function(code[0], code[1]));
   EXPECT_TRUE(chip.reports.empty());
-  EXPECT_EQ(lookup("FS"), 0u) << "where the floating-point code begins: it is no Thumb code here";
+  EXPECT_EQ(lookup("FS"), 0u)
+      << "the begin of the floating-point code, which is not Thumb code here";
   EXPECT_TRUE(chip.reports.contains("ROM function or data 'FS'"));
 }
 
@@ -230,7 +231,7 @@ TEST(BootRom, FillsAndCopies) {
     }
     ASSERT_TRUE(std::equal(model.begin(), model.end(), memory.begin()));
   }
-  // A bad pointer is a HardFault, not a crash.
+  // A bad pointer causes a HardFault in the simulated core, not a crash of the simulator.
   chip.core.reset(0);
   chip.put(0x2000'0000, {0x47b8, 0xe7fe});
   chip.core.set_reg(0, 0x3000'0000);
@@ -368,12 +369,12 @@ TEST(Boot, ABadChecksumEndsInTheUsbLoaderAfterHalfASecond) {
     EXPECT_GT(seconds, 0.4);
     EXPECT_LT(seconds, 0.7);
     EXPECT_TRUE(chip.reports.contains(
-        "ROM USB boot loader: mass storage (UF2) is left out, PICOBOOT only"));
+        "ROM USB boot loader: mass storage (UF2) is not modelled, PICOBOOT only"));
   }
 }
 
 TEST(Boot, FindsBoot2OnceTheFlashIsNoLongerBusy) {
-  // A watchdog reset in the middle of an erase: the flash goes on with it.
+  // A watchdog reset during an erase: the flash completes the erase.
   Chip chip;
   chip.give_boot2({0xe7fe});
   chip.flash.select(0);
@@ -399,7 +400,7 @@ TEST(Boot, TheButtonHoldsTheUsbLoader) {
   EXPECT_TRUE(chip.run_to(BootRom::boot2_address));
 }
 
-TEST(Boot, TakesTheWatchdogsVectorOnceAndOnlyIfItMatches) {
+TEST(Boot, UsesTheWatchdogsVectorOnceAndOnlyIfItMatches) {
   const auto start = [](std::uint32_t magic, std::uint32_t check, Chip& chip) {
     chip.give_boot2({0xe7fe});
     chip.put(0x2000'0400, {0x4770});  // BX LR: back to the ordinary start
@@ -449,7 +450,7 @@ TEST(Boot, TheRescueFlagHalts) {
   EXPECT_TRUE(chip.core.sleeping());
 }
 
-TEST(Boot, ResetToUsbBootGoesByWayOfTheWatchdog) {
+TEST(Boot, ResetToUsbBootUsesTheWatchdog) {
   Chip chip;
   chip.core.reset(0);
   chip.put(0x2000'0000, {0x47b8, 0xe7fe});
@@ -464,7 +465,7 @@ TEST(Boot, ResetToUsbBootGoesByWayOfTheWatchdog) {
   EXPECT_EQ(chip.watchdog.words[0] >> 30 & 1u, 1u) << "enabled";
   EXPECT_EQ(chip.watchdog.words[4], 10'000u);
   EXPECT_EQ(chip.psm.words[8], 0x1'fffcu);
-  // What the watchdog then does.
+  // The restart by the watchdog.
   chip.start();
   for (int i = 0; i < 20; ++i) chip.core.step();
   EXPECT_EQ(chip.rom.state(), RomState::bootsel);
@@ -483,7 +484,7 @@ TEST(Boot, CoreOneWaitsForItsLaunch) {
   ASSERT_EQ(chip.mailbox.out, (std::deque<std::uint32_t>{0}));
   chip.put(0x2000'0600, {0xe7fe});
   chip.mailbox.out.clear();
-  // As the usual launch code sends it; a wrong word on the way begins again.
+  // As the usual launch code does; a wrong word restarts the sequence.
   const auto exchange = [&](std::uint32_t word) {
     chip.mailbox.in.push_back(word);
     run();
@@ -588,7 +589,7 @@ TEST(Profile, CountsFunctionsInterruptsAndStack) {
     EXPECT_NE(text.find("work"), std::string::npos);
     EXPECT_NE(text.find("TIMER_0"), std::string::npos);
   }
-  chip.core.step();  // nobody listens any more
+  chip.core.step();  // without a listener
   EXPECT_THROW(StackGauge("x", chip.bus, 0x3000'0000, 0x3000'0100), std::invalid_argument);
 }
 

@@ -1,5 +1,5 @@
-// The boot ROM's USB loader on a whole chip, with a host that speaks PICOBOOT to it (RP2040
-// datasheet, 2.8.5): from a chip without a program to one that runs what the host has written.
+// The boot ROM's USB loader on a whole chip, with a host that sends PICOBOOT commands (RP2040
+// datasheet, 2.8.5): from a chip without a program to a chip that runs the host's program.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,11 +24,11 @@ using picoboot::Status;
 using End = VendorHost::End;
 
 constexpr std::uint32_t flash = 0x1000'0000, sram = 0x2000'0000;
-/// For what does not come.
+/// Waiting time for events that must not occur.
 constexpr Picoseconds silence = 50 * ps_per_ms;
 constexpr std::uint8_t to_interface = 0x41, from_interface = 0xc1;
 
-/// A flashing program's end of the protocol.
+/// The flashing program's side of the protocol.
 class RomUsb : public testing::Test {
  protected:
   RomUsb() { chip_.power_on(); }
@@ -59,7 +59,7 @@ class RomUsb : public testing::Test {
     for (std::size_t i = 0; i < arguments.size(); ++i) put(16 + 4 * i, arguments[i]);
     return host_.bulk_out(UsbLoader::out_endpoint, packet);
   }
-  /// A command without data; what its empty IN packet became.
+  /// Sends a command without data; returns the result of its empty IN packet.
   End order(Command command, const std::vector<std::uint32_t>& arguments, int size = -1) {
     const VendorHost::Transfer sent = send(command, arguments, 0, size);
     if (!sent.done()) return sent.end;
@@ -98,13 +98,13 @@ class RomUsb : public testing::Test {
     };
     return {word(0), static_cast<Status>(word(4)), answer.data[8], answer.data[9]};
   }
-  /// What a host does after a stall.
+  /// Recovers as a host does after a stall.
   void recover() {
     EXPECT_TRUE(host_.clear_halt(0x80 | UsbLoader::in_endpoint));
     EXPECT_TRUE(host_.clear_halt(UsbLoader::out_endpoint));
     EXPECT_TRUE(host_.control({to_interface, 0x41, 0, 0, 0, 0, 0, 0}).done());
   }
-  /// The status of the last command; then the next one works.
+  /// Checks the status of the last command; the next command must work.
   void told(Status why) {
     const CommandStatus found = status();
     EXPECT_EQ(found.code, why) << static_cast<int>(found.command);
@@ -113,7 +113,7 @@ class RomUsb : public testing::Test {
     recover();
     EXPECT_EQ(order(Command::exclusive_access, {0}, 1), End::done) << "works again";
   }
-  /// A packet that is no command halts both endpoints.
+  /// An invalid command halts both endpoints.
   void refused(Command command, const std::vector<std::uint32_t>& arguments, Status why,
                std::uint32_t transfer = 0, int size = -1) {
     send(command, arguments, transfer, size);
@@ -121,7 +121,7 @@ class RomUsb : public testing::Test {
     EXPECT_EQ(host_.bulk_out(UsbLoader::out_endpoint, {}).end, End::stalled);
     told(why);
   }
-  /// Data that cannot be read halt IN alone.
+  /// Unreadable data halt only IN.
   void read_refused(std::uint32_t address, std::uint32_t size, Status why) {
     ASSERT_TRUE(send(Command::read, {address, size}, size).done());
     host_.set_timeout(silence);
@@ -129,8 +129,8 @@ class RomUsb : public testing::Test {
     EXPECT_EQ(host_.bulk_out(UsbLoader::out_endpoint, {}).end, End::timed_out);
     told(why);
   }
-  /// Those that cannot be written OUT alone, after 256 bytes: with the last of them all has been
-  /// taken, and the end does not come.
+  /// Unwritable data halt only OUT, after 256 bytes: with the last 256 bytes all data are accepted,
+  /// and the end is missing.
   void write_refused(std::uint32_t address, std::uint32_t size, bool by_the_last, Status why) {
     ASSERT_TRUE(send(Command::write, {address, size}, size).done());
     EXPECT_EQ(host_.bulk_out(UsbLoader::out_endpoint, noise(size)).end,
@@ -180,7 +180,7 @@ TEST_F(RomUsb, EnumeratesAsTheDatasheetSays) {  // 2.8.5.1 to 2.8.5.3
   EXPECT_EQ(configuration[9 + 5], 0xff) << "vendor specific";
   EXPECT_EQ(configuration[9 + 6] | configuration[9 + 7], 0);
   EXPECT_EQ(configuration[9 + 4], 2) << "two bulk endpoints";
-  // Strings, and a request that nobody knows.
+  // Strings, and an unknown request.
   const VendorHost::Transfer name = host_.control({0x80, 6, 2, 3, 9, 4, 255, 0});
   EXPECT_EQ(name.data.size(), 2u + 2 * 8);
   EXPECT_EQ(host_.control({0x80, 6, 9, 3, 9, 4, 255, 0}).end, End::stalled);
@@ -188,7 +188,7 @@ TEST_F(RomUsb, EnumeratesAsTheDatasheetSays) {  // 2.8.5.1 to 2.8.5.3
   EXPECT_TRUE(chip_.usb().violations().empty());
   ASSERT_EQ(chip_.not_modelled().size(), 1u);
   EXPECT_EQ(chip_.not_modelled()[0],
-            "ROM USB boot loader: mass storage (UF2) is left out, PICOBOOT only");
+            "ROM USB boot loader: mass storage (UF2) is not modelled, PICOBOOT only");
 }
 
 TEST_F(RomUsb, WritesAndReadsMemory) {
@@ -199,7 +199,7 @@ TEST_F(RomUsb, WritesAndReadsMemory) {
     EXPECT_EQ(read(sram + 0x40 + size, size), data) << size;
     EXPECT_EQ(status().code, Status::ok);
   }
-  // All of SRAM is the host's: the loader's stack and buffers are in the controller's memory.
+  // The host may write all of SRAM: the loader's stack and buffers are in the controller's memory.
   const Bytes all = noise(264 * 1024);
   ASSERT_EQ(write(sram, all), End::done);
   EXPECT_EQ(read(sram, 264 * 1024), all);
@@ -225,13 +225,13 @@ TEST_F(RomUsb, ErasesProgramsAndReadsFlash) {
   Bytes wanted = before;
   std::fill_n(wanted.begin() + 0x8000, 0x2000, std::uint8_t{0xff});
   std::copy(data.begin(), data.end(), wanted.begin() + 0x8100);
-  // 2.8.5.4.5: the last page is filled up with zeros.
+  // 2.8.5.4.5: the last page is padded with zeros.
   std::fill_n(wanted.begin() + 0x8100 + 1000, 24, std::uint8_t{0});
   EXPECT_TRUE(std::equal(wanted.begin(), wanted.end(), storage.begin()));
 
   EXPECT_EQ(read(flash + 0x8000, 700),
             Bytes(wanted.begin() + 0x8000, wanted.begin() + 0x8000 + 700));
-  // A block of 64 KiB goes at once.
+  // A block of 64 KiB is erased at once.
   const Picoseconds block = now();
   ASSERT_EQ(order(Command::flash_erase, {flash + 0x1'0000, 0x1'0000}), End::done);
   EXPECT_LE(now() - block, 155 * ps_per_ms);
@@ -251,7 +251,7 @@ TEST_F(RomUsb, StatusIsReadWhileTheFlashIsBusy) {
   EXPECT_EQ(busy.token, token_);
   EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::done);
   EXPECT_EQ(status().in_progress, 0);
-  // Reset of the interface in the middle of one: the next command waits for the flash.
+  // After a reset of the interface during an erase the next command waits for the flash.
   ASSERT_TRUE(send(Command::flash_erase, {flash, 0x1000}, 0).done());
   EXPECT_TRUE(host_.control({to_interface, 0x41, 0, 0, 0, 0, 0, 0}).done());
   EXPECT_EQ(status().token, 0u);
@@ -275,10 +275,10 @@ TEST_F(RomUsb, RefusesWithTheStatusThatFits) {
     write_refused(0x4000'0000, size, by_the_last, Status::invalid_address);
     write_refused(flash + 1, size, by_the_last, Status::bad_alignment);
   }
-  // At the end of a region: what fits is moved.
+  // At the end of a region the part that fits is transferred.
   read_refused(sram + 264 * 1024 - 256, 257, Status::invalid_address);
   write_refused(sram + 264 * 1024 - 256, 257, true, Status::invalid_address);
-  // What has no data is acknowledged.
+  // A command without data is acknowledged.
   chip_.flash().storage()[0] = 0x55;
   for (const auto& [address, size] :
        {std::pair{flash + 256, 4096u}, {flash, 100u}, {sram, 4096u}}) {
@@ -290,7 +290,7 @@ TEST_F(RomUsb, RefusesWithTheStatusThatFits) {
   EXPECT_EQ(order(Command::vectorize_flash, {sram + 1}), End::done);
   EXPECT_EQ(order(Command::vectorize_flash, {flash}), End::done);
   EXPECT_EQ(status().code, Status::ok);
-  // A wrong magic number, and a packet that is no command.
+  // A wrong magic number, and an invalid command.
   send(Command::exit_xip, {}, 0, 0, 0x431f'd10c);
   EXPECT_EQ(host_.bulk_in(UsbLoader::in_endpoint, 64).end, End::stalled);
   recover();
@@ -393,7 +393,7 @@ TEST(RomUsbOrdinaryHost, FindsADeviceWithoutASerialPort) {
   EXPECT_EQ(host.device_info().product, UsbLoader::product);
   EXPECT_FALSE(host.port().found());
   EXPECT_FALSE(host.enumerated());
-  // In each of its attempts the same four things that a serial port has, and nothing else.
+  // Each attempt reports the same four missing properties of a serial port, and no others.
   const std::set<std::string> texts(host.violations().begin(), host.violations().end());
   EXPECT_EQ(texts.size(), 4u + 1);
   EXPECT_EQ(host.violations().back(), "enumeration failed: no serial port");
@@ -421,7 +421,7 @@ TEST_F(RomUsb, ResetToUsbBootTakesItsTwoMasks) {  // 2.8.3.1.4
   while (chip_.rom().state() == RomState::running && now() < called + 100 * ps_per_ms)
     run(ps_per_ms / 10);
   EXPECT_NEAR(static_cast<double>(now() - called) / ps_per_ms, 5, 0.3)
-      << "half of the 10 ms it asks for, by erratum E1";
+      << "half of the requested 10 ms, by erratum E1";
   run(30 * ps_per_ms);
   ASSERT_EQ(chip_.rom().state(), RomState::bootsel);
   ASSERT_TRUE(host_.enumerate());

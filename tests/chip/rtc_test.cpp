@@ -32,7 +32,7 @@ class RtcTest : public ::testing::Test {
     rig_.start_adc_and_rtc_clocks();
     rtc_.write(clkdiv, 46'874);
   }
-  /// As drivers do it; returns when RTC_ACTIVE has come.
+  /// Starts as drivers do; returns when RTC_ACTIVE is set.
   void start(std::uint32_t day, std::uint32_t time, std::uint32_t extra = 0) {
     rtc_.write(control, extra);
     while ((rtc_.read(control) & active) != 0) rig_.pass(10);
@@ -69,10 +69,10 @@ TEST_F(RtcTest, ASecondTakesClkdivTicks) {
   EXPECT_EQ(rtc_.read(rtc_0), time_of_day(4, 7, 8, 10));
   rig_.pass(3'590 * second);
   EXPECT_EQ(rtc_.read(rtc_0), time_of_day(4, 8, 8, 0));
-  EXPECT_EQ(rig_.wheel.next(), never_cycle) << "no events while nobody waits";
+  EXPECT_EQ(rig_.wheel.next(), never_cycle) << "no events without an alarm";
 }
 
-TEST_F(RtcTest, TheDateIsTakenWithTheTimeOfDay) {
+TEST_F(RtcTest, TheDateIsLoadedWithTheTimeOfDay) {
   start(date(2021, 12, 31), time_of_day(5, 23, 59, 59));
   EXPECT_EQ(rtc_.read(rtc_0), time_of_day(5, 23, 59, 59));
   rig_.pass(second);
@@ -92,7 +92,7 @@ TEST_F(RtcTest, YearsThatFourDividesAreLeapYearsUnlessForced) {
   EXPECT_EQ(rtc_.read(rtc_1), date(2100, 3, 1));
 }
 
-// Against the calendar of the standard library, over midnights of random days.
+// Compares with the calendar of the standard library, over midnights of random days.
 TEST(RtcTime, CountsTheCalendar) {
   using namespace std::chrono;
   std::mt19937_64 random(3);
@@ -166,7 +166,7 @@ TEST_F(RtcTest, TheAlarmComparesEachFieldThatIsEnabled) {
   }
 }
 
-TEST_F(RtcTest, StandsStillWithoutItsClock) {
+TEST_F(RtcTest, StopsWithoutItsClock) {
   start(date(2021, 5, 6), time_of_day(4, 7, 8, 9));
   rig_.system.clocks.write(0x6c, 0);
   rig_.pass(10 * second);
@@ -179,7 +179,7 @@ TEST_F(RtcTest, StandsStillWithoutItsClock) {
 }
 
 // 2.2.4: base addresses; 2.14: each block has a bit of RESETS.
-TEST_F(RtcTest, BlocksAreWhereTheDatasheetHasThem) {
+TEST_F(RtcTest, BlocksAreAtTheDatasheetsAddresses) {
   rig_.reports.clear();
   rig_.store(0x4005'c000 + setup_0, date(2021, 5, 6));
   EXPECT_EQ(rtc_.read(setup_0), date(2021, 5, 6));

@@ -1,4 +1,4 @@
-// Scripts: what they say, and what they do on a chip with a tiny program.
+// Scripts: parsing, and running on a chip with a tiny program.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -95,7 +95,7 @@ TEST(ScriptParser, KeepsLinesAndTexts) {
   EXPECT_FALSE(script[1].meanwhile);
 }
 
-TEST(ScriptParser, RefusesWithWhatIsPossible) {
+TEST(ScriptParser, RefusesWithTheValidChoices) {
   const auto refused = [](const std::string& line, const std::string& what) {
     try {
       parse("at 1ms\n" + line, "t");
@@ -114,7 +114,7 @@ TEST(ScriptParser, RefusesWithWhatIsPossible) {
   refused("set gpio30 1V", "gpio0 to gpio29");
   refused("set gpio26 1W", "give high or low");
   refused("set temperature 27", "degrees such as 27C");
-  refused("set gpio8 1 2", "'2' has no place here");
+  refused("set gpio8 1 2", "'2' is not expected here");
   refused("at 5cycles", "since power-up");
   refused("after -5us", "'-5us' is not a time");
   refused("after 5", "'5' is not a time");
@@ -142,7 +142,7 @@ TEST(ScriptParser, RefusesWithWhatIsPossible) {
   refused("meanwhile set gpio8 1", "write expect after meanwhile");
 }
 
-TEST(ScriptParser, AnyLineIsTakenOrRefusedInOneLine) {
+TEST(ScriptParser, AnyLineIsAcceptedOrRefusedInOneLine) {
   const std::vector<std::string> words{
       "at",     "after", "set",       "gpio8", "gpio99", "1",        "high",      "expect",
       "within", "5us",   "of",        "rise",  "edges",  "3..4",     "in",        "\"a\\n\"",
@@ -171,7 +171,7 @@ TEST(ScriptTimes, AreShownWithAllDigits) {
 
 // --- runner
 
-/// The ROM has started the image by then (a check of the boot code takes some 4 ms).
+/// The ROM has started the image by then (its check of the boot code takes some 4 ms).
 const std::string booted = "at 20ms\n";
 constexpr Picoseconds slice = 100 * ps_per_us;
 
@@ -203,7 +203,7 @@ std::string pins(const std::string& text) {
   return Rig(lamplock::test::pin_image(), booted + text).outcome();
 }
 
-// gpio9 follows through 2 flip-flops, up to 5 cycles to the next look, 2 from LDR to STR.
+// gpio9 follows after 2 flip-flops, up to 5 cycles to the next poll, 2 from LDR to STR.
 TEST(ScriptRunner, MeasuresAReaction) {
   EXPECT_EQ(pins("set gpio8 1\nexpect gpio9 rise within 3cycles..10cycles of gpio8 rise\n"
                  "set gpio8 0\nexpect gpio9 fall within 450ns..1540ns of gpio8 fall"),
@@ -231,7 +231,7 @@ TEST(ScriptRunner, JudgesEveryPulseOfATrain) {
             "not done: line 3");
 }
 
-TEST(ScriptRunner, LooksBackToACauseBeforeTheScriptsTime) {
+TEST(ScriptRunner, FindsACauseBeforeTheScriptsTime) {
   EXPECT_EQ(pins("set gpio8 1\nafter 50us\n"
                  "expect gpio9 rise within 3cycles..10cycles of gpio8 rise"),
             "");
@@ -262,7 +262,7 @@ TEST(ScriptRunner, WindowsEndWithTheirLastCycle) {
 }
 
 TEST(ScriptRunner, WaitsAndCountsFromTheEdge) {
-  // Two periods after a rise there is a rise, whenever the script found the first one.
+  // A rise follows two periods after any rise.
   EXPECT_EQ(pins("wait gpio25 rise within 1ms\nafter 129cycles\n"
                  "wait gpio25 rise within 1cycles\nafter 20us\nexpect gpio25 high"),
             "");
@@ -288,7 +288,7 @@ TEST(ScriptRunner, ATimeThatHasPassedIsAnError) {
   EXPECT_THAT(pins("after 5ms\nat 22ms"), HasSubstr("3: the script's time is 25 ms already"));
 }
 
-TEST(ScriptRunner, TalksToUarts) {
+TEST(ScriptRunner, SendsToAndReceivesFromUarts) {
   const auto uart = [](const std::string& text) {
     return Rig(lamplock::test::uart_image(), booted + text).outcome();
   };
@@ -296,15 +296,15 @@ TEST(ScriptRunner, TalksToUarts) {
                  "expect uart0 \"c\\r\\n\" within 1ms"),
             "");
   EXPECT_EQ(uart("uart0 send \"abc\\x01\"\nexpect uart0 \"x\" within 1ms"), R"(3: "abc\x01")");
-  // A bit takes 48 cycles, 7.385 us. A byte is there in the middle of its stop bit, after 9.5 of
-  // them, and sent after 10: 144.0 us. The program looks every 12 cycles or so.
+  // A bit takes 48 cycles, 7.385 us. A byte arrives in the middle of its stop bit, after 9.5 bits,
+  // and is sent after 10 bits: 144.0 us. The program polls about every 12 cycles.
   EXPECT_EQ(uart("uart0 send \"a\"\nexpect uart0 \"a\" within 150us"), "");
   EXPECT_THAT(uart("uart0 send \"a\"\nexpect uart0 \"a\" within 143us"),
               testing::AnyOf(HasSubstr("nothing"), HasSubstr("it came")));
   EXPECT_EQ(uart("wait usb within 1ms"), "2: no serial port on the USB");
 }
 
-/// What a script sees is the same whoever else looks, and each time.
+/// A script's result is the same with other observers, and each time.
 TEST(ScriptRunner, IsDeterministic) {
   const auto failure = [](bool every_clock) {
     Rig rig(lamplock::test::pin_image(),

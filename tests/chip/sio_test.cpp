@@ -57,7 +57,7 @@ TEST_F(SioTest, InputsArriveTwoCyclesLateUnlessBypassed) {
   EXPECT_EQ(read(0, 8), 2u);
 }
 
-/// A source that runs behind and drives when it is asked.
+/// A source that lags and drives its pin only when it is updated.
 struct Late : InputListener {
   explicit Late(Gpio& pins) : gpio(pins) {}
   void inputs_changed(Cycle) override {}
@@ -67,7 +67,7 @@ struct Late : InputListener {
   Gpio& gpio;
 };
 
-TEST_F(SioTest, ALookAtTheInputsShowsThePresent) {
+TEST_F(SioTest, APeekAtTheInputsShowsThePresent) {
   rig_.gpio.io_bank().write(4, 6);
   Late late(rig_.gpio);
   rig_.gpio.listen(late);

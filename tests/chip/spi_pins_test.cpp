@@ -16,7 +16,7 @@ constexpr std::uint32_t spo = 1u << 6, sph = 1u << 7;
 constexpr std::uint32_t enable = 2, slave = 4, output_off = 8, rx_not_empty = 4;
 
 using Edge = std::pair<bool, Cycle>;
-/// Pads as they move, and wires between them.
+/// Records the pads, and has wires between them.
 struct Board : PadListener {
   explicit Board(Gpio& pins) : gpio(pins) { gpio.listen(*this); }
   void pad_changed(unsigned pin, bool level, Cycle at) override {
@@ -65,8 +65,8 @@ class SpiPinsTest : public ::testing::Test {
   Board board_{rig_.gpio};
 };
 
-// 4.4.3.10: TX half a bit after CSn, SCK up after another half; captured at rising edges; CSn up a
-// bit after the last.
+// 4.4.3.10: TX half a bit after CSn, SCK rises another half later; captured at rising edges; CSn
+// rises a bit after the last.
 TEST_F(SpiPinsTest, WaveformWithPolarityZeroPhaseZero) {
   connect_master();
   EXPECT_TRUE(pad(1));
@@ -90,7 +90,7 @@ TEST_F(SpiPinsTest, WaveformWithPolarityZeroPhaseZero) {
                                                  {false, at(7)}}));
 }
 
-// 4.4.3.11: SCK up with the first bit, captured at falling edges; words without a gap, CSn low.
+// 4.4.3.11: SCK rises with the first bit, captured at falling edges; no gap between words, CSn low.
 TEST_F(SpiPinsTest, WaveformWithPhaseOne) {
   configure(one_, sph, enable, 4);
   connect_master();
@@ -114,7 +114,7 @@ TEST_F(SpiPinsTest, WaveformWithPhaseOne) {
                                                  {false, at(7)}}));
 }
 
-// 4.4.3.12, 4.4.3.13: SPO turns SCK round; with SPH 0 CSn is high between words.
+// 4.4.3.12, 4.4.3.13: SPO inverts SCK; with SPH 0 CSn is high between words.
 TEST_F(SpiPinsTest, PolarityOneAndChipSelectBetweenWords) {
   configure(one_, spo, enable, 4);
   connect_master();
@@ -138,7 +138,7 @@ TEST_F(SpiPinsTest, NothingIsDueOnceTheFrameIsOver) {
   EXPECT_GT(rig_.wheel.next(), rig_.wheel.now() + 1'000'000'000);
 }
 
-TEST_F(SpiPinsTest, RxIsTakenFromThePin) {
+TEST_F(SpiPinsTest, RxIsReadFromThePin) {
   connect_master();
   board_.wire(3, 0, rig_.wheel.now());  // MOSI to MISO
   one_.write(dr, 0xc5);
@@ -169,7 +169,7 @@ TEST_F(SpiPinsTest, TwoBlocksTalkInAllModes) {
     }
 }
 
-// More than its FIFO holds is answered with zeroes; by itself a slave sends nothing.
+// Beyond its FIFO a slave answers with zeroes; it never sends by itself.
 TEST_F(SpiPinsTest, SlaveAnswersFromItsFifo) {
   connect_master();
   configure(two_, 0, enable | slave);

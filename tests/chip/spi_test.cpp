@@ -58,7 +58,7 @@ TEST_F(SpiTest, WordsFollowEachOtherWithPhaseOne) {
 }
 
 TEST_F(SpiTest, BusyUntilTheChipSelectIsHighAgain) {
-  // 4.4.3.11: high one SCK period after the last bit was captured.
+  // 4.4.3.11: CSn rises one SCK period after the capture of the last bit.
   spi_.write(dr, 1);
   rig_.pass(9 * bit - 1);
   EXPECT_EQ(spi_.read(sr), tx_empty | tx_not_full | rx_not_empty | busy);
@@ -77,11 +77,11 @@ TEST_F(SpiTest, PhaseZeroLiftsTheChipSelectBetweenWords) {
   EXPECT_EQ(sent_[1].second, from + 16 * bit + bit * Spi::gap_half_bits / 2);
 }
 
-TEST_F(SpiTest, SizesRatesAndAClockOfItsOwn) {
+TEST_F(SpiTest, SizesRatesAndItsOwnClock) {
   rig_.start_adc_and_rtc_clocks();
   rig_.system.clocks.write(0x48, 1u << 11 | 2u << 5);  // clk_peri: PLL_USB, 48 MHz
   spi_.write(cr0, 4u << 8 | phase_1 | size(16));
-  spi_.write(cpsr, 3);  // the lowest bit is not kept
+  spi_.write(cpsr, 3);  // the lowest bit is not stored
   EXPECT_EQ(spi_.read(cpsr), 2u);
   const Cycle from = rig_.wheel.now();
   for (std::uint32_t n = 0; n < 6; ++n) spi_.write(dr, 0xbeef);
@@ -120,7 +120,7 @@ TEST_F(SpiTest, TheReceiverInterruptsAtHalfByTimeoutAndByOverrun) {
   rig_.pass(8 * bit);
   for (std::uint32_t n = 0; n < 4; ++n) spi_.read(dr);
   EXPECT_FALSE(line());
-  rig_.pass(32 * bit - 1);  // of idle line, without a reading
+  rig_.pass(32 * bit - 1);  // with an idle line and no read
   EXPECT_FALSE(line());
   rig_.pass(1);
   EXPECT_EQ(spi_.read(mis), timeout);
@@ -130,7 +130,7 @@ TEST_F(SpiTest, TheReceiverInterruptsAtHalfByTimeoutAndByOverrun) {
   rig_.pass(8 * 8 * bit);
   EXPECT_NE(spi_.read(sr) & rx_full, 0u);
   EXPECT_EQ(spi_.read(ris) & overrun, overrun);
-  EXPECT_EQ(spi_.read(dr), 0xfbu) << "the one from before; the ninth is lost";
+  EXPECT_EQ(spi_.read(dr), 0xfbu) << "the word before; the ninth is lost";
   spi_.write(icr, overrun);
   EXPECT_EQ(spi_.read(ris) & overrun, 0u);
 }
@@ -146,7 +146,7 @@ TEST_F(SpiTest, LoopBackDisablingAndReset) {
   EXPECT_TRUE(sent_.empty());
   rig_.pass(bit);
   spi_.write(dr, 0x34);
-  spi_.write(cr1, loop_back);  // the word under way is finished
+  spi_.write(cr1, loop_back);  // the word in progress is finished
   rig_.pass(8 * bit);
   EXPECT_EQ(spi_.read(dr), 0x34u);
   spi_.reset();

@@ -1,19 +1,19 @@
-// What tests of the system blocks need: a wheel, pins, interrupt lines, all blocks, and a note of
-// what was reported as not modelled.
+// A rig for tests of the system blocks: a wheel, pins, interrupt lines, all blocks, and a record of
+// reports about unmodelled features.
 //
-// In:  nothing; out: the parts, as the chip wires them, without cores and bus.
-// Who: the tests of the system blocks.
+// In:  nothing; out: the parts, wired as in the chip, without cores and bus.
+// Used by the tests of the system blocks.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/gpio/gpio.hpp"
-#include "sim/chip/irq_lines.hpp"
 #include "sim/chip/sio/sio.hpp"
 #include "sim/chip/system.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip::rigs {
 

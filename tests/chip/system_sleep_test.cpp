@@ -1,5 +1,5 @@
 // The sleep of the whole chip (RP2040 datasheet, 2.11.2, 2.15.3.5): while both cores sleep deeply
-// and the DMA has nothing to do, SLEEP_EN says which clocks run; a core that wakes gives them back.
+// and the DMA is idle, SLEEP_EN selects the running clocks; a core that wakes restores them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ constexpr std::uint32_t code = 0x2004'0000, stack = 0x2004'2000;
 constexpr std::uint32_t scr = 0xe000'ed10, iser = 0xe000'e100, sleep_deep = 4;
 constexpr std::uint32_t sleep_timer = 1u << 5, sleep_rtc = 1u << 21;
 
-/// Looks at nothing: the chip goes step by step.
+/// Observes nothing, but makes the chip run step by step.
 class Onlooker final : public StepWatcher {
  public:
   bool before_step(Core&) override { return true; }
@@ -50,7 +50,7 @@ struct Sleeper : PadListener, CoreListener {
   std::uint32_t get(std::uint32_t address) {
     return chip.bus().read(address, Width::word, Master::core0, chip.now()).value;
   }
-  /// Core 0 lets an interrupt through to wake it, without a handler, and sleeps.
+  /// Core 0 enables an interrupt that wakes it without a handler, and sleeps.
   void sleep(std::uint32_t scr_value, unsigned irq) {
     test::put(chip, code,
               {0xb672,    // cpsid i
@@ -106,12 +106,12 @@ TEST(SystemSleep, StopsClocksUntilACoreWakes) {
   ASSERT_EQ(rig.woke_at.size(), 1u);
   const Cycle slept = rig.slept_at.back(), woke = rig.woke_at.back();
   EXPECT_GT(woke - slept, 5000u);
-  // The cycle of WFI itself is two long.
+  // WFI itself takes two cycles.
   EXPECT_EQ(rig.edges_between(slept + 2, woke), 0u);
   EXPECT_GE(rig.edges_between(slept - 10, slept + 1), 2u) << "a period";
   EXPECT_GT(rig.edges_between(woke, woke + 100), 15u);
   EXPECT_EQ(rig.get(enabled0), 0xffff'ffffu);
-  // The counter goes on where it was: of ten cycles, those asleep do not count.
+  // The counter continues where it was: the cycles asleep do not count.
   const auto last = std::lower_bound(rig.edges.begin(), rig.edges.end(), woke);
   EXPECT_EQ((*last - woke) + (slept + 2 - *(last - 1)), 5u);
 }
@@ -127,7 +127,7 @@ TEST(SystemSleep, NeedsSleepdeep) {
   EXPECT_GE(rig.edges_between(slept, woke), (woke - slept) / 5 - 1);
 }
 
-// A channel that a timer paces: 100 transfers, 100 cycles each.
+// A timer paces the channel: 100 transfers, 100 cycles each.
 TEST(SystemSleep, WaitsForTheDma) {
   Sleeper rig;
   rig.put(sleep_en0, 0);
@@ -147,7 +147,7 @@ TEST(SystemSleep, WaitsForTheDma) {
   EXPECT_GT(woke, end + 1000);
 }
 
-// As the SDK's sleep does it: clk_rtc alone, 46 875 Hz from the crystal, and its alarm.
+// As in the SDK's sleep: only clk_rtc, 46 875 Hz from the crystal, and its alarm.
 TEST(SystemSleep, TheRtcWakes) {
   Sleeper rig;
   rig.put(xosc + 0xc, 1);
@@ -197,7 +197,7 @@ TEST(SystemSleep, IsTheSameStepByStep) {
   EXPECT_TRUE(run(false, 7 * ps_per_us) == whole);
 }
 
-// A reset of the chip gives the clocks back.
+// A reset of the chip restores the clocks.
 TEST(SystemSleep, AResetEndsIt) {
   Sleeper rig;
   rig.put(sleep_en0, 0);

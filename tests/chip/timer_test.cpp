@@ -15,7 +15,7 @@ class TimerTest : public ::testing::Test {
   TimerTest() { rig_.start_clocks(); }
   std::uint32_t read(std::uint32_t offset) { return rig_.system.timer.read(offset); }
   void write(std::uint32_t offset, std::uint32_t value) { rig_.system.timer.write(offset, value); }
-  /// Goes to the first cycle of the microsecond `time`.
+  /// Advances to the first cycle of the microsecond `time`.
   void go_to(std::uint64_t time) {
     while (rig_.system.timer.time() < time) rig_.pass(1);
   }
@@ -108,7 +108,7 @@ TEST_F(TimerTest, ForcedInterruptAndItsRegisters) {
   EXPECT_EQ(read(0x2c), 7u);
 }
 
-TEST_F(TimerTest, TimeIsTheSameWhateverClkSysDoes) {
+TEST_F(TimerTest, TimeIsIndependentOfClkSys) {
   go_to(100);
   const Picoseconds start = rig_.wheel.time();
   std::mt19937_64 random(3);
@@ -127,7 +127,7 @@ TEST_F(TimerTest, TimeIsTheSameWhateverClkSysDoes) {
     }
     ASSERT_EQ(rig_.system.timer.time(), now + ahead);
     const Picoseconds real = rig_.wheel.time() - start;
-    // clk_sys of at least 17.8 MHz: the cycle in which it is seen is at most 56 ns late.
+    // clk_sys is at least 17.8 MHz: the cycle in which the time is read is at most 56 ns late.
     ASSERT_NEAR(static_cast<double>(real) / 1e6, static_cast<double>(now + ahead) - 100.0, 0.06);
   }
 }
@@ -148,7 +148,7 @@ TEST_F(TimerTest, HeldInResetTimeDoesNotPass) {
   EXPECT_NEAR(gate.read(0x28), 10, 1);
 }
 
-TEST_F(TimerTest, NoTickNoTime) {
+TEST_F(TimerTest, TimeStopsWithoutTicks) {
   rig_.system.watchdog.write(0x2c, 12);
   const std::uint32_t before = read(0x28);
   rig_.pass(125'000);

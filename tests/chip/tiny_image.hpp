@@ -15,13 +15,13 @@
 
 namespace lamplock::test {
 
-/// A register and what is stored to it first.
+/// A register and its initial value.
 using Store = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Where the ROM runs it.
+/// Address at which the ROM runs the image.
 inline constexpr std::uint32_t tiny_base = 0x2004'1f00;
 
-/// The code from offset 0 on, with its checksum.
+/// An image with the code from offset 0 on and its checksum.
 inline std::vector<std::uint8_t> boot_image(const std::vector<std::uint16_t>& code) {
   std::vector<std::uint8_t> image(256, 0);
   std::memcpy(image.data(), code.data(), 2 * code.size());
@@ -30,7 +30,7 @@ inline std::vector<std::uint8_t> boot_image(const std::vector<std::uint16_t>& co
   return image;
 }
 
-/// Does the stores, then runs `then`: an even number of halfwords, which begin at offset 12.
+/// Makes the stores, then runs `then`: an even number of halfwords, which begin at offset 12.
 inline std::vector<std::uint8_t> tiny_image(const std::vector<std::uint16_t>& then,
                                             const std::vector<Store>& stores) {
   const auto table = 12 + 2 * then.size();
@@ -54,8 +54,8 @@ inline std::vector<std::uint8_t> tiny_image(const std::vector<std::uint16_t>& th
 /// Out of reset (2.14.3): IO_BANK0, PADS_BANK0, PWM, UART0, UART1.
 inline constexpr Store leave_reset{0x4000'f000, 1u << 5 | 1u << 8 | 1u << 14 | 1u << 22 | 1u << 23};
 
-/// gpio9 follows gpio8, looked at every 5 cycles (LDR and STR to SIO 1 each, LSLS 1, B 2); gpio25
-/// is PWM with a period of 65 cycles, 10 us, high for 32 of them (4.5.2).
+/// gpio9 follows gpio8, polled every 5 cycles (LDR and STR to SIO 1 each, LSLS 1, B 2); gpio25 is
+/// PWM with a period of 65 cycles, 10 us, high for 32 of them (4.5.2).
 inline std::vector<std::uint8_t> pin_image() {
   return tiny_image(
       {
@@ -76,7 +76,7 @@ inline std::vector<std::uint8_t> pin_image() {
        {0x4005'0050, 1}});
 }
 
-/// UART0, or UART1, sends back what it gets, 10 bits of 3 x 16 cycles a byte (4.2.3.1.1).
+/// UART0 or UART1 echoes its input, 10 bits of 3 x 16 cycles per byte (4.2.3.1.1).
 inline std::vector<std::uint8_t> uart_image(bool second = false) {
   const std::uint16_t base_high = 0x4003, base_low = second ? 0x8000 : 0x4000;
   const std::uint32_t uart = std::uint32_t{base_high} << 16 | base_low;
@@ -100,7 +100,7 @@ inline std::vector<std::uint8_t> uart_image(bool second = false) {
        {uart + 0x30, 0x301}});   // CR
 }
 
-/// The same as a UF2 file of one block (UF2 file format specification).
+/// The image as a UF2 file of one block (UF2 file format specification).
 inline std::string uf2_file(const std::vector<std::uint8_t>& image) {
   std::array<std::uint32_t, 128> block{};
   block = {0x0a32'4655, 0x9e5d'5157, 0x2000, 0x1000'0000, 256, 0, 1, 0xe48b'ff56};
@@ -115,7 +115,7 @@ struct TinySymbol {
   std::uint32_t offset = 0, size = 0;
 };
 
-/// The same as an ELF file with symbols (ELF specification, figures 1-3 ff.).
+/// The image as an ELF file with symbols (ELF specification, figures 1-3 ff.).
 inline std::string elf_file(const std::vector<std::uint8_t>& image,
                             const std::vector<TinySymbol>& symbols) {
   constexpr std::uint32_t flash = 0x1000'0000, image_at = 84;

@@ -1,4 +1,4 @@
-// Both cores of a chip: who runs when, and that one which sleeps wakes in its cycle.
+// Both cores of a chip: their order of running, and a sleeping core wakes in its cycle.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ constexpr std::uint32_t sleep_code = 0x2004'0000, handler = 0x2004'0100, vectors
                         loop_code = 0x2000'0000, marks = 0x2004'0800, other_stack = 0x2004'2000;
 constexpr std::uint32_t syst_csr = 0xe000'e010;
 
-/// Enters code as the ROM would, both cores in the same cycle.
+/// Starts code as the ROM would, both cores in the same cycle.
 class Start {
  public:
   explicit Start(Chip& chip) : chip_(chip) {
@@ -35,14 +35,14 @@ class Start {
     for (const std::uint32_t value : registers) core.set_reg(number++, value);
     core.set_reg(13, other_stack - 0x100 * static_cast<unsigned>(id));
     core.set_reg(15, pc);
-    core.send_event();  // out of whatever it waits in
+    core.send_event();  // ends any wait of the core
   }
 
  private:
   Chip& chip_;
 };
 
-/// Counts the cycles at which handlers begin.
+/// Records the cycles at which handlers begin.
 class Entries final : public CoreListener {
  public:
   void exception_entered(int core, unsigned number, Cycle /*since*/, Cycle at) override {
@@ -59,8 +59,9 @@ class Entries final : public CoreListener {
 };
 
 // ARMv6-M ARM, B3.3: with SYST_RVR n the count reaches 0 every n + 1 cycles. A core in WFI wakes
-// then and enters its handler 15 cycles later (Cortex-M0+ TRM, 3.6.1), whatever the other one does.
-TEST(TwoCores, OnesOwnSysTickWakesItInItsCycle) {
+// then and enters its handler 15 cycles later (Cortex-M0+ TRM, 3.6.1), whatever the other core
+// does.
+TEST(TwoCores, ACoresSysTickWakesItInItsCycle) {
   constexpr Cycle period = 5000;
   for (const int sleeper : {0, 1}) {
     Chip chip;
@@ -87,7 +88,7 @@ TEST(TwoCores, OnesOwnSysTickWakesItInItsCycle) {
   }
 }
 
-/// Looks at nothing and lets everything pass: the chip goes step by step.
+/// Observes nothing and permits everything, but makes the chip run step by step.
 class Onlooker final : public StepWatcher {
  public:
   bool before_step(Core& /*core*/) override { return true; }
@@ -103,7 +104,7 @@ class Edges final : public PadListener {
   std::vector<Cycle> cycles;
 };
 
-/// What core 0 shows on its pin, a store and a branch for each edge, while core 1 keeps entering a
+/// Edges of core 0's pin, with a store and a branch for each edge, while core 1 keeps entering a
 /// handler and moves lists of words, from memories that core 0 does not use.
 std::vector<Cycle> edges_beside_a_busy_core(Cycle period, bool every_clock, bool watched,
                                             Cycle slice) {
@@ -136,9 +137,9 @@ std::vector<Cycle> edges_beside_a_busy_core(Cycle period, bool every_clock, bool
   return edges.cycles;
 }
 
-// Nothing that a core does in several cycles takes time ahead of the other one: neither an
-// exception nor a multiple access of core 1 moves an edge of core 0.
-TEST(TwoCores, NoneTakesTimeAheadOfTheOther) {
+// No operation of several cycles on one core runs ahead of the other: neither an exception nor a
+// multiple access of core 1 moves an edge of core 0.
+TEST(TwoCores, NeitherRunsAheadOfTheOther) {
   constexpr Cycle whole = 1'000'000;
   for (Cycle period = 60; period < 60 + static_cast<Cycle>(scaled(12)); ++period) {
     SCOPED_TRACE(period);
@@ -152,8 +153,8 @@ TEST(TwoCores, NoneTakesTimeAheadOfTheOther) {
   }
 }
 
-/// Where both cores are some time after the watchdog has reset them in the middle of a loop, or in
-/// the ROM.
+/// Places of both cores some time after a reset by the watchdog, in the middle of a loop or in the
+/// ROM.
 std::array<std::uint32_t, 2> places_after_a_reset(Cycle begun, bool loop) {
   constexpr std::uint32_t watchdog = 0x4005'8000, ticks = watchdog + 0x2c, load = watchdog + 4,
                           select = 0x4001'0008, enable = 1u << 30;
@@ -174,19 +175,20 @@ std::array<std::uint32_t, 2> places_after_a_reset(Cycle begun, bool loop) {
   return {chip.core(0).reg(15), chip.core(1).reg(15)};
 }
 
-// RP2040 datasheet, 2.13.2: the watchdog's reset takes the processors as well. None goes on,
-// whatever both are doing, waiting for each other at a memory included.
+// RP2040 datasheet, 2.13.2: the watchdog's reset includes the processors. Neither core continues,
+// whatever both are doing, including waiting for each other at a memory.
 TEST(TwoCores, AResetByTheWatchdogEndsBoth) {
   const std::array<std::uint32_t, 2> in_rom = places_after_a_reset(0, false);
-  constexpr Cycle before_it = 1000;  // it comes 1190 cycles after it was set
+  constexpr Cycle before_it = 1000;  // the reset comes 1190 cycles after its set-up
   for (int i = 0; i < scaled(60); ++i) {
     const Cycle begun = static_cast<Cycle>(i) * 7 % before_it;
     EXPECT_EQ(places_after_a_reset(begun, true), in_rom) << begun;
   }
 }
 
-// A core may run on without the other one only where nobody can tell: random programs that share
-// words, wake each other and sleep give the same run step by step, and however time is cut.
+// The simulator may run a core ahead of the other only where the effect is invisible: random
+// programs that share words, wake each other and sleep give the same run step by step and in any
+// time slices.
 TEST(TwoCores, RunAsTheyDoStepByStep) {
   std::mt19937_64 random(1);
   const std::vector<unsigned> instructions = {
@@ -241,7 +243,7 @@ TEST(TwoCores, RunAsTheyDoStepByStep) {
       results.push_back(state);
     }
     ASSERT_EQ(results[0], results[1]) << round;
-    // Where time is cut a sleeping core may stand elsewhere; what the cores have done is the same.
+    // With other slices a sleeping core may be at another place; the work of the cores is the same.
     results[0][0] = results[2][0] = 0;
     results[0][17] = results[2][17] = 0;
     ASSERT_EQ(results[0], results[2]) << round;

@@ -60,7 +60,7 @@ class UartPinsTest : public ::testing::Test {
   void outside(unsigned gpio, bool level) {
     rig_.gpio.set_external(gpio, level ? External::high : External::low, rig_.wheel.now());
   }
-  /// Puts levels on a pin, each for so many half bits.
+  /// Drives levels on a pin, each for a number of half bits.
   void play(unsigned gpio, const std::vector<std::pair<bool, unsigned>>& levels) {
     const Cycle start = rig_.wheel.now();
     unsigned halves = 0;
@@ -110,7 +110,7 @@ TEST_F(UartPinsTest, NothingIsDueWhileTheLineIsIdle) {
   EXPECT_GT(rig_.wheel.next(), rig_.wheel.now() + 1'000'000'000);
 }
 
-// Parity: even makes the number of ones even; two stop bits before the next frame.
+// Even parity makes the number of ones even; two stop bits precede the next frame.
 TEST_F(UartPinsTest, ParityAndStopBitsOnTheWire) {
   connect(28);                                            // UART0 TX again
   one_.write(lcr_h, 0x50 | 1u << 1 | 1u << 2 | 1u << 3);  // 7 bits, even, two stop bits, FIFOs
@@ -127,7 +127,7 @@ TEST_F(UartPinsTest, ParityAndStopBitsOnTheWire) {
                                                   {true, t + 12 * bit}}));
 }
 
-// A rate that is no whole number of cycles: edges do not drift.
+// With a fractional number of cycles per bit, edges do not drift.
 TEST_F(UartPinsTest, FractionalRateDoesNotDrift) {
   connect(0);
   one_.write(ibrd, 1);
@@ -157,7 +157,7 @@ TEST_F(UartPinsTest, ConnectedInTheMiddleOfAFrame) {
   EXPECT_EQ(edges_.by_pin[0], (std::vector<Edge>{{true, t + 9 * bit}}));
 }
 
-// PL011: samples at the eighth Baud16 of each bit; the character is there with its stop bit.
+// PL011: samples at the eighth Baud16 of each bit; the character arrives with its stop bit.
 TEST_F(UartPinsTest, TwoUartsTalkOverAWire) {
   connect(0);  // UART0 TX
   Wire wire(rig_.gpio, 0, 5);
@@ -176,8 +176,8 @@ TEST_F(UartPinsTest, TwoUartsTalkOverAWire) {
   EXPECT_EQ(two_.read(ris) & 0x780u, 0u);
 }
 
-// "The byte interface gives the same times": one byte by each way.
-TEST_F(UartPinsTest, BytesArriveWhenThoseFromThePinDo) {
+// The byte interface has the same times: one byte by each interface.
+TEST_F(UartPinsTest, BytesArriveAtTheTimesOfThePin) {
   outside(1, true);
   connect(1);
   const Cycle t = rig_.wheel.now();
@@ -199,7 +199,7 @@ TEST_F(UartPinsTest, BytesArriveWhenThoseFromThePinDo) {
   EXPECT_EQ(two_.read(dr), 0x5au);
 }
 
-// A low of less than half a bit is no start bit (PL011: "false start bit is detected").
+// A low of less than half a bit is not a start bit (PL011: "false start bit is detected").
 TEST_F(UartPinsTest, FalseStartBitIsIgnored) {
   outside(1, true);
   connect(1);
@@ -218,7 +218,7 @@ TEST_F(UartPinsTest, FramingParityAndBreakErrors) {
   EXPECT_EQ(one_.read(ris) >> 7 & 0xfu, 1u);
   EXPECT_EQ(one_.read(dr), 0xffu | framing);
   EXPECT_EQ(one_.read(rsr), 1u);
-  EXPECT_TRUE(empty(one_)) << "the rest of the low is no start bit";
+  EXPECT_TRUE(empty(one_)) << "the rest of the low is not a start bit";
   one_.write(icr, 0x7ff);
   one_.write(rsr, 0);
   // Odd parity (PEN, EPS 0) of 0x00 is 1: a 0 is wrong.
@@ -252,7 +252,7 @@ TEST_F(UartPinsTest, BreakIsSentBetweenFrames) {
   EXPECT_EQ(two_.read(dr), a_break | framing);
 }
 
-// The sample of the stop bit lies 9.5 bits from the start: half a bit in ten is too much.
+// The stop bit is sampled 9.5 bits from the start: half a bit in ten is too much.
 TEST_F(UartPinsTest, ToleranceOfTheRate) {
   connect(0);
   Wire wire(rig_.gpio, 0, 5);
@@ -263,7 +263,7 @@ TEST_F(UartPinsTest, ToleranceOfTheRate) {
     one_.write(ibrd, divisor >> 6);
     one_.write(fbrd, divisor & 63u);
     one_.write(lcr_h, 0x70);
-    one_.write(dr, 0x00);  // a slow last data bit is taken for the stop bit
+    one_.write(dr, 0x00);  // a slow last data bit is read as the stop bit
     rig_.pass(30 * bit);
     EXPECT_EQ(two_.read(dr) == 0x00u, good) << percent;
     while (!empty(two_)) two_.read(dr);
@@ -300,7 +300,7 @@ TEST_F(UartPinsTest, FlowControl) {
   rig_.pass(bit);
   outside(6, true);
   rig_.pass(30 * bit);
-  ASSERT_EQ(sent.list.size(), 1u) << "the frame under way is finished";
+  ASSERT_EQ(sent.list.size(), 1u) << "the frame in progress is finished";
   EXPECT_EQ(sent.list[0], std::make_pair(1, t + 10 * bit));
   EXPECT_NE(two_.read(ris) & 2u, 0u);
 }
@@ -315,7 +315,7 @@ TEST_F(UartPinsTest, LoopBackKeepsThePinsHigh) {
   EXPECT_EQ(one_.read(dr), 0x42u);
 }
 
-// 2.5.3: the DMA keeps the transmit FIFO full and takes what arrives.
+// 2.5.3: the DMA keeps the transmit FIFO full and transfers received bytes.
 TEST_F(UartPinsTest, Dma) {
   connect(0);
   Wire wire(rig_.gpio, 0, 5);
@@ -336,7 +336,7 @@ TEST_F(UartPinsTest, Dma) {
 }
 
 // A state machine sends 8N1 with 8 of its clocks a bit; they run at clk_sys / 125.
-TEST_F(UartPinsTest, HearsAPioProgram) {
+TEST_F(UartPinsTest, ReceivesFromAPioProgram) {
   PioBlock& pio = rig_.fabric.pio0();
   const std::array<std::uint32_t, 6> program{
       0x80a0,  // pull block

@@ -107,7 +107,7 @@ TEST_F(UartTest, TransmitFifoHoldsThirtyTwoAndInterruptsAtHalf) {
 TEST_F(UartTest, ReceiveInterruptsAtItsLevelAndByTimeout) {
   uart_.write(0x38, irq_rx | irq_timeout);
   for (int n = 0; n < 18; ++n) uart_.send_to_chip(static_cast<std::uint8_t>(n));
-  // The sixteenth is there in the middle of its stop bit, 9.5 bits from its start.
+  // The sixteenth arrives in the middle of its stop bit, 9.5 bits from its start.
   const Cycle start = rig_.wheel.now();
   rig_.wheel.advance_to(start + 15 * frame + 9 * bit + bit / 2);
   EXPECT_FALSE(rig_.line(Irq::uart0));
@@ -127,7 +127,7 @@ TEST_F(UartTest, ReceiveInterruptsAtItsLevelAndByTimeout) {
   EXPECT_NE(uart_.read(0x18) & 1u << 4, 0u);
 }
 
-TEST_F(UartTest, OverrunLosesBytesAndSaysSo) {
+TEST_F(UartTest, OverrunLosesBytesAndIsReported) {
   for (int n = 0; n < 34; ++n) uart_.send_to_chip(static_cast<std::uint8_t>(n));
   rig_.pass(40 * frame);
   EXPECT_NE(uart_.read(0x3c) & 1u << 10, 0u);

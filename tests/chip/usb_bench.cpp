@@ -68,7 +68,7 @@ void FakeCdc::interrupt() {
     ++resumes;
     bench_.write(reg::sie_status, st::resume);
   }
-  // Buffers before the setup packet: they belong to the transfer before it.
+  // Handles buffers before the setup packet: they belong to the previous transfer.
   if ((status & in::buff_status) != 0) {
     const std::uint32_t done = bench_.read(reg::buff_status);
     for (std::uint32_t index = 0; index < 32; ++index)
@@ -108,7 +108,7 @@ void FakeCdc::setup() {
   } else if (packet[0] == 0x21 && packet[1] == 0x22) {
     dtr = (packet[2] & 1) != 0;
     answer({}, 0);
-  } else if (packet[0] == 0x40 && packet[1] == 0x7e) {  // takes its time: never answered
+  } else if (packet[0] == 0x40 && packet[1] == 0x7e) {  // never answered
   } else {
     standard(packet);
   }
@@ -155,7 +155,7 @@ void FakeCdc::send_ep0() {
   std::copy_n(ep0_data_.begin() + static_cast<std::ptrdiff_t>(ep0_sent_), size,
               bench_.dpram.begin() + 0x100);
   ep0_sent_ += size;
-  // The host may go on to the status stage although its last ACK was lost.
+  // The host may enter the status stage although its last ACK was lost.
   if (ep0_in_ && ep0_sent_ == ep0_data_.size()) accept_status();
   const std::uint32_t fields = bc::full | (ep0_data1_ ? bc::pid : 0u);
   ep0_data1_ = !ep0_data1_;
@@ -212,7 +212,7 @@ void FakeCdc::configure() {
 }
 
 void FakeCdc::reset_pipe(Pipe& pipe) {
-  // Buffers that the controller holds are taken back first.
+  // First aborts the buffers that the controller holds.
   bench_.write(reg::ep_abort, 1u << pipe.index);
   bench_.write(reg::ep_abort_done, 1u << pipe.index);
   bench_.store(UsbBench::control_word(pipe.index), 0);

@@ -1,5 +1,5 @@
 // A small CDC serial device that drives the USB controller through its registers as a driver does,
-// and the bench on which it runs: wheel, interrupt lines, DPRAM, controller.
+// and its bench: wheel, interrupt lines, DPRAM, controller.
 #pragma once
 
 #include <array>
@@ -52,7 +52,7 @@ struct UsbBench {
   static std::uint32_t control_word(std::uint32_t index, std::uint32_t buffer = 0) {
     return 0x80 + 4 * index + 2 * buffer;
   }
-  /// As the datasheet wants it: fields first, AVAILABLE a cycle of clk_usb later.
+  /// As the datasheet requires: fields first, AVAILABLE a cycle of clk_usb later.
   void arm(std::uint32_t index, std::uint32_t buffer, std::uint32_t fields) {
     store_half(control_word(index, buffer), fields);
     wheel.advance_to(wheel.now() + 3);
@@ -63,7 +63,7 @@ struct UsbBench {
   bool interrupt() const { return (irq.levels() & 1u << static_cast<unsigned>(Irq::usbctrl)) != 0; }
 };
 
-/// What the device is and how it does things.
+/// Properties and behaviour of the device.
 struct FakeOptions {
   bool doubled = false;
   bool zero_length = true;  ///< ends full transfers

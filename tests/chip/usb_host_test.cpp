@@ -109,7 +109,7 @@ TEST(UsbHost, EchoesEveryByteOnceOverABadCable) {
   std::uint64_t repeated = 0;
   for (int seed = 0; seed < test::scaled(10); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
-    // RP2040-E15 off: its trigger, a broken-off packet, is among the faults.
+    // RP2040-E15 is off: its trigger, a truncated packet, is among the faults.
     UsbErrata errata;
     errata.e15_broken_packet_hangs = false;
     Desk desk({.doubled = seed % 2 == 0, .room = 64 + random() % 1000}, {}, errata);
@@ -155,7 +155,7 @@ TEST(UsbHost, ControlTransfersSurviveABadCable) {
 TEST(UsbHost, DoubleBuffersFillTheFrame) {
   Desk desk({.doubled = true, .zero_length = true, .room = 1u << 20, .echo = false});
   ASSERT_TRUE(desk.connect());
-  // OUT only competes with NAKed IN polls: 19 packets less what the polls take.
+  // OUT only competes with NAKed IN polls: 19 packets minus the time of the polls.
   const Bytes bytes(4096, 0x55);
   for (int i = 0; i < 100; ++i) {
     EXPECT_GT(desk.host.write(bytes), 0u);
@@ -195,7 +195,7 @@ TEST(UsbHost, ReportsHowLongADeviceRefusedData) {
 
 TEST(UsbHost, BuffersAreBounded) {
   Desk desk;
-  EXPECT_EQ(desk.host.write(Bytes(10)), 0u) << "nobody is there yet";
+  EXPECT_EQ(desk.host.write(Bytes(10)), 0u) << "no device yet";
   ASSERT_TRUE(desk.connect());
   EXPECT_EQ(desk.host.write(Bytes(5000)), 4096u);
   EXPECT_EQ(desk.host.write(Bytes(1)), 0u);
@@ -213,7 +213,7 @@ TEST(UsbHost, MissingZeroLengthPacketHoldsDataBack) {
   EXPECT_EQ(desk.read_all().size(), 65u);
 }
 
-TEST(UsbHost, StallIsClearedAndGoesOn) {
+TEST(UsbHost, StallIsClearedAndTransfersContinue) {
   for (const bool in : {false, true}) {
     Desk desk({.doubled = in});
     ASSERT_TRUE(desk.connect());
@@ -288,7 +288,7 @@ TEST(UsbHost, SuspendsAndResumes) {
   desk.run(40 * ps_per_ms);
   EXPECT_EQ(desk.device.resumes, 1);
   EXPECT_EQ(desk.device.suspends, before + 1);
-  EXPECT_EQ(desk.read_all(), Bytes(1000, 4)) << "nothing is lost or doubled by sleep";
+  EXPECT_EQ(desk.read_all(), Bytes(1000, 4)) << "sleep must not lose or double bytes";
 
   desk.host.suspend();
   desk.run(10 * ps_per_ms);
@@ -367,7 +367,7 @@ TEST(UsbHost, DefectsOfDescriptorsAreNamed) {
   };
   const std::vector<Defect> defects = {
       {"bLength is not 18", true, 0, 17},
-      {"bcdUSB is no version", true, 2, 0x07},
+      {"bcdUSB is not a known version", true, 2, 0x07},
       {"class is not 00", true, 4, 0x03},
       {"interface association without class", true, 4, 0x02},
       {"bNumConfigurations is 0", true, 17, 0},
@@ -408,14 +408,14 @@ TEST(UsbHost, DefectsOfDescriptorsAreNamed) {
   EXPECT_NE(longer.host.violations().front().find("wTotalLength is 76"), std::string::npos);
 }
 
-TEST(UsbHost, E15StrikesBuffersThatAreArmedLate) {
+TEST(UsbHost, E15AffectsBuffersThatAreArmedLate) {
   for (const bool avoid : {false, true}) {
     std::mt19937_64 random(8);
     Desk desk({.zero_length = true, .avoid_e15 = avoid});
     ASSERT_TRUE(desk.connect());
     Picoseconds frame_start = 0;
     std::uint64_t frames = 0;
-    // A hub that cuts packets in the last 200 us of a frame.
+    // A hub truncates packets in the last 200 us of a frame.
     desk.host.set_saboteur([&](usb::Transaction& t) {
       if (desk.host.statistics().frames != frames) {
         frames = desk.host.statistics().frames;
@@ -440,7 +440,7 @@ TEST(UsbHost, E15StrikesBuffersThatAreArmedLate) {
       desk.run(ps_per_ms);
       EXPECT_FALSE(desk.bench.controller.hung());
       desk.host.set_saboteur({});
-      EXPECT_TRUE(desk.connect()) << "a reset of the controller heals it";
+      EXPECT_TRUE(desk.connect()) << "a reset of the controller must end it";
     }
   }
 }

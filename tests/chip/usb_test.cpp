@@ -18,7 +18,7 @@ namespace in = usb::interrupt;
 namespace reg = usb::reg;
 namespace st = usb::sie_status;
 
-/// Somebody at the other end of the cable who does single things.
+/// The other end of the cable, for single transactions.
 struct Wire : UsbBench, usb::HostEnd {
   explicit Wire(UsbErrata errata = {}) : UsbBench(errata), engine(wheel, controller) {
     controller.connect(this, now());
@@ -28,7 +28,7 @@ struct Wire : UsbBench, usb::HostEnd {
   void remote_wakeup(Picoseconds) override { ++wakeups; }
 
   void wait(Picoseconds duration) { wheel.advance_to(wheel.cycle_at(now() + duration)); }
-  /// Driver's part: pull-up; host's part: reset.
+  /// The driver enables the pull-up; the host resets.
   void attach() {
     write(reg::usb_muxing, 1);
     write(reg::usb_pwr, 4 | 8);
@@ -88,7 +88,7 @@ struct Wire : UsbBench, usb::HostEnd {
 
 const Bytes get_descriptor = {0x80, 6, 0, 1, 0, 0, 18, 0};
 
-TEST(UsbController, PullsUpOnlyWhenEverythingIsInPlace) {
+TEST(UsbController, PullsUpOnlyWhenEverythingIsConfigured) {
   const auto set = [](Wire& wire, unsigned parts) {
     if ((parts & 1) != 0) wire.write(reg::usb_muxing, 1);
     if ((parts & 2) != 0) wire.write(reg::usb_pwr, 12);
@@ -125,7 +125,7 @@ TEST(UsbController, PullsUpOnlyWhenEverythingIsInPlace) {
 TEST(UsbController, HostModeIsRefusedByName) {
   Wire wire;
   for (std::uint32_t offset = 0; offset < 0xa0; offset += 4) wire.write(offset, 0);
-  EXPECT_TRUE(wire.unknown.empty()) << "zeros ask for nothing";
+  EXPECT_TRUE(wire.unknown.empty()) << "zeros request nothing";
   wire.write(reg::main_ctrl, 3);
   EXPECT_TRUE(wire.unknown.contains("USBCTRL_REGS host mode"));
   const std::vector<std::pair<std::uint32_t, std::uint32_t>> more = {
@@ -186,7 +186,7 @@ TEST(UsbController, SetupIsAlwaysAccepted) {
   EXPECT_EQ(wire.read(reg::ep_stall_arm), 0u);
   EXPECT_NE(wire.read(reg::sie_status) & st::setup_rec, 0u);
   EXPECT_NE(wire.read(reg::intr) & in::setup_req, 0u);
-  EXPECT_EQ(wire.ask(0).answer, Pid::nak) << "the bit in the word alone stalls no longer";
+  EXPECT_EQ(wire.ask(0).answer, Pid::nak) << "the bit in the word no longer stalls by itself";
   wire.write(reg::sie_status, st::setup_rec);
   EXPECT_EQ(wire.read(reg::intr) & in::setup_req, 0u);
 
@@ -196,7 +196,7 @@ TEST(UsbController, SetupIsAlwaysAccepted) {
   EXPECT_NE(wire.read(reg::sie_status) & st::crc_error, 0u);
   EXPECT_FALSE(wire.setup({1, 2, 3}).answer);
   EXPECT_EQ(wire.read(reg::sie_status) & st::setup_rec, 0u);
-  // A buffer of a transfer that the host has given up stays armed.
+  // A buffer of a transfer that the host has abandoned stays armed.
   wire.arm(0, 0, bc::full | bc::pid | 5);
   EXPECT_EQ(wire.setup(get_descriptor).answer, Pid::ack);
   EXPECT_EQ(wire.ask(0).answer, Pid::data1);
@@ -228,7 +228,7 @@ TEST(UsbController, InPacket) {
   for (std::uint32_t i = 0; i < 64; ++i) wire.dpram[0x400 + i] = static_cast<std::uint8_t>(i);
   wire.arm(Wire::ep3_in, 0, bc::full | bc::pid | bc::last | 10);
 
-  // The host hears garbage, then its ACK is lost: the packet stays.
+  // The host receives garbage, then its ACK is lost: the packet stays.
   EXPECT_FALSE(wire.ask(3, Fault::crc).answer);
   EXPECT_NE(wire.read(reg::sie_status) & st::rx_timeout, 0u);
   EXPECT_EQ(wire.ask(3, Fault::none, Fault::lost).answer, Pid::data1);
@@ -249,7 +249,7 @@ TEST(UsbController, InPacket) {
   wire.write(reg::buff_status, 1u << Wire::ep3_in);
   EXPECT_FALSE(wire.interrupt());
   EXPECT_EQ(wire.ask(3).answer, Pid::nak);
-  // FULL without AVAILABLE, and AVAILABLE without FULL, are nothing to send.
+  // FULL without AVAILABLE, or AVAILABLE without FULL, sends nothing.
   wire.store_half(UsbBench::control_word(Wire::ep3_in), bc::full | 3);
   EXPECT_EQ(wire.ask(3).answer, Pid::nak);
   wire.arm(Wire::ep3_in, 0, 3);
@@ -274,7 +274,7 @@ TEST(UsbController, OutPacket) {
   wire.write(reg::buff_status, 1u << Wire::ep3_out);
   wire.write(reg::sie_status, 0xffffffff);
 
-  // The host repeats: no room yet, then acknowledged and dropped.
+  // The host retransmits: no room yet, then acknowledged and dropped.
   EXPECT_EQ(wire.give(3, bytes).answer, Pid::nak);
   wire.arm(Wire::ep3_out, 0, bc::pid | 64);
   wire.dpram[0x500] = 0x77;
@@ -282,12 +282,12 @@ TEST(UsbController, OutPacket) {
   EXPECT_NE(wire.read(reg::sie_status) & st::data_seq_error, 0u);
   EXPECT_EQ(wire.dpram[0x500], 0x77);
   EXPECT_EQ(wire.read(reg::buff_status), 0u);
-  EXPECT_EQ(wire.give(3, {}, true).answer, Pid::ack) << "an empty packet is one";
+  EXPECT_EQ(wire.give(3, {}, true).answer, Pid::ack) << "an empty packet is a packet";
   EXPECT_EQ(wire.load_half(UsbBench::control_word(Wire::ep3_out)), bc::full | bc::pid);
 
   wire.write(reg::buff_status, 1u << Wire::ep3_out);
   wire.arm(Wire::ep3_out, 0, bc::full | 64);
-  EXPECT_EQ(wire.give(3, bytes).answer, Pid::nak) << "a full buffer takes nothing";
+  EXPECT_EQ(wire.give(3, bytes).answer, Pid::nak) << "a full buffer accepts nothing";
   wire.store_half(UsbBench::control_word(Wire::ep3_out), bc::stall);
   EXPECT_EQ(wire.give(3, bytes).answer, Pid::stall);
   EXPECT_TRUE(wire.controller.violations().empty());
@@ -316,7 +316,7 @@ TEST(UsbController, DoubleBuffersPingPong) {
   wire.write(reg::buff_status, bit);
   EXPECT_EQ(wire.read(reg::buff_status), 0u);
 
-  // One through buffer 0: the select stands at 1, where nothing is armed.
+  // One packet through buffer 0: the select is then 1, where no buffer is armed.
   wire.arm(Wire::ep3_out, 0, 64);
   EXPECT_EQ(wire.give(3, {3}).answer, Pid::ack);
   wire.write(reg::buff_status, bit);
@@ -392,7 +392,7 @@ TEST(UsbController, AbortTakesABufferBack) {
     wire.write(reg::ep_abort, 0);
     EXPECT_EQ(wire.ask(3).answer, e2 ? Pid::nak : Pid::data0);
   }
-  // In the middle of a transaction it waits for the end.
+  // During a transaction the abort waits for its end.
   Wire wire;
   wire.attach();
   wire.open_ep3();
@@ -477,7 +477,7 @@ TEST(UsbController, AvailableTogetherWithItsFieldsIsReported) {
   wire.arm(Wire::ep3_in, 0, bc::full | 4);
   wire.arm(Wire::ep3_in, 1, bc::full | bc::pid | 4);
   EXPECT_TRUE(wire.controller.violations().empty());
-  // Handing back what has not changed is safe.
+  // A write of the same fields is safe.
   wire.store_half(UsbBench::control_word(Wire::ep3_in), bc::full | 4);
   wire.wait(ps_per_us);
   wire.store_half(UsbBench::control_word(Wire::ep3_in), bc::full | bc::available | 4);
@@ -491,7 +491,7 @@ TEST(UsbController, AvailableTogetherWithItsFieldsIsReported) {
   EXPECT_EQ(wire.controller.violations().size(), 2u) << "16 ns are less than a cycle";
   wire.wheel.set_frequency(48'000'000);
   wire.store_half(UsbBench::control_word(9), bc::available | 64);
-  EXPECT_EQ(wire.controller.violations().size(), 2u) << "same clock: no rule";
+  EXPECT_EQ(wire.controller.violations().size(), 2u) << "the rule does not apply at the same clock";
 }
 
 TEST(UsbController, NeedsItsClock) {
@@ -511,8 +511,8 @@ TEST(UsbController, WriteClearBitsAreDeclared) {
   EXPECT_EQ(wire.controller.write_clear_bits(reg::inte), 0u);
 }
 
-/// Any mixture of packets, faults and arming against the rules of USB 2.0, 8.6: each side counts
-/// what it believes to be through, and both agree.
+/// Any mixture of packets, faults and arming, against the rules of USB 2.0, 8.6: each side counts
+/// the packets that it believes delivered, and both agree.
 TEST(UsbController, TogglesKeepBothEndsInStep) {
   for (int seed = 0; seed < test::scaled(20); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
@@ -573,7 +573,7 @@ TEST(UsbController, TogglesKeepBothEndsInStep) {
       }
     }
     ASSERT_GT(sent.size(), 100u);
-    // The last one may be in and its ACK lost.
+    // The last packet may have arrived with its ACK lost.
     if (received.size() == sent.size() + 1) received.pop_back();
     EXPECT_EQ(received, sent) << seed;
     ASSERT_GT(collected.size(), 100u);

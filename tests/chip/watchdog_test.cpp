@@ -28,7 +28,7 @@ class WatchdogTest : public ::testing::Test {
 
 TEST_F(WatchdogTest, CountsTwicePerTick) {
   rig_.system.psm.write(8, all_but_oscillators);
-  // Align to a tick.
+  // Aligns to a tick.
   const std::uint64_t tick = rig_.system.ticks.ticks() + 1;
   while (rig_.system.ticks.ticks() < tick) rig_.pass(1);
   write(0x4, 2000);
@@ -45,7 +45,7 @@ TEST_F(WatchdogTest, CountsTwicePerTick) {
   EXPECT_EQ(held_, 1) << "fires once";
 }
 
-TEST_F(WatchdogTest, LoadingKeepsItQuiet) {
+TEST_F(WatchdogTest, LoadingPreventsAReset) {
   rig_.system.psm.write(8, all_but_oscillators);
   write(0x4, 200);
   write(0x0, enable);
@@ -58,7 +58,7 @@ TEST_F(WatchdogTest, LoadingKeepsItQuiet) {
   EXPECT_EQ(held_, 1);
 }
 
-TEST_F(WatchdogTest, NotEnabledItWaits) {
+TEST_F(WatchdogTest, DisabledItWaits) {
   write(0x4, 20);
   rig_.pass(125 * 1000);
   EXPECT_EQ(read(0), 0x07000000u | 20u);
@@ -99,7 +99,7 @@ TEST_F(WatchdogTest, SelectedStagesAreResetScratchIsKept) {
   EXPECT_TRUE(rig_.reports.empty()) << rig_.reports.front();
 }
 
-TEST_F(WatchdogTest, SubsystemsAloneAreResetByTheSelectionOfResets) {
+TEST_F(WatchdogTest, OnlySubsystemsAreResetByTheSelectionOfResets) {
   Peripheral& io = rig_.system.resets.attach(ResetBit::io_bank0, rig_.gpio.io_bank());
   rig_.system.resets.write(0, 0);
   io.write(4, 5);
@@ -110,7 +110,7 @@ TEST_F(WatchdogTest, SubsystemsAloneAreResetByTheSelectionOfResets) {
   EXPECT_EQ(rig_.system.resets.read(0), 1u << 5);
 }
 
-TEST_F(WatchdogTest, PowerUpClearsScratchAndTellsWhy) {
+TEST_F(WatchdogTest, PowerUpClearsScratchAndReportsItsReason) {
   write(0xc, 5);
   write(0x0, 1u << 31);
   rig_.system.reset(ChipReset::run_pin);

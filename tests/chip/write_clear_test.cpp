@@ -1,5 +1,5 @@
-// Bits that a written 1 clears, through the atomic aliases (RP2040 datasheet, 2.1.2): what is
-// written clears, whichever alias it takes, and nothing else does.
+// Bits that a written 1 clears, through the atomic aliases (RP2040 datasheet, 2.1.2): exactly the
+// written bits are cleared, whichever alias is used.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -26,7 +26,7 @@ struct WriteClear : testing::TestWithParam<std::uint32_t>, rigs::DmaSystemRig {
   }
 };
 
-TEST_P(WriteClear, AnAlarmAlone) {
+TEST_P(WriteClear, OnlyOneAlarm) {
   arm_all(3);
   pass_time(5 * ps_per_us);
   ASSERT_EQ(load(timer_intr), 0xfu);
@@ -38,7 +38,7 @@ TEST_P(WriteClear, AnAlarmAlone) {
   EXPECT_EQ(load(timer_intr), 0x8u);
 }
 
-TEST_P(WriteClear, DisarmsAnAlarmAlone) {
+TEST_P(WriteClear, DisarmsOnlyOneAlarm) {
   arm_all(1000);
   clear(timer_armed, 1u << 1);
   EXPECT_EQ(load(timer_armed), 0xdu);

@@ -1,9 +1,9 @@
-// Flash, SSI and cache on a bus: what tests of execution in place need.
+// Flash, SSI and cache on a bus, for tests of execution in place.
 //
-// In:  nothing; out: the SSI set as the usual second-stage boot leaves it: quad, continuous, so
+// In:  nothing; out: the SSI configured as by the usual second-stage boot: quad, continuous, so
 //      that a line takes 8 clocks of address and mode, 4 of wait, 16 of data (W25Q16JV, fast read
 //      quad I/O), each `divider` cycles of clk_sys (RP2040 datasheet, 4.10.4).
-// Who: the tests of the cache and of streaming.
+// Used by the tests of the cache and of streaming.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 
 namespace lamplock::test {
 
-using namespace sim::chip;  // NOLINT: the tests speak of nothing else
+using namespace sim::chip;  // NOLINT: the tests use no other names
 
 inline constexpr std::uint32_t ssi = 0x1800'0000, control = 0x1400'0000, cache_sram = 0x1500'0000;
 inline constexpr std::uint32_t flush = control + 4, stat = control + 8, ctr_hit = control + 0xc,
@@ -32,7 +32,7 @@ class XipTest : public testing::Test {
     wheel_.set_frequency(125'000'000);
     for (std::size_t i = 0; i < flash_.storage().size(); ++i)
       flash_.storage()[i] = static_cast<std::uint8_t>(i * 7 + (i >> 8));
-    at_ = 2000;  // the flush that a reset begins is over
+    at_ = 2000;  // after the flush that a reset begins
     set_divider(2);
   }
   void put(std::uint32_t address, std::uint32_t value) {
@@ -74,7 +74,7 @@ class XipTest : public testing::Test {
     }
     setup(divider, 0xa0u << 24 | quad_address | 2u);
   }
-  /// Wait states of a read; the access is over when the next one begins.
+  /// Wait states of a read; the access ends before the next one begins.
   std::uint32_t wait(std::uint32_t address, Master master = Master::core0) {
     const Access access = bus_.read(address, Width::word, master, at_);
     EXPECT_FALSE(access.fault) << std::hex << address;

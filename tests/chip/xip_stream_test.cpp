@@ -2,8 +2,8 @@
 // A word takes 8 clocks of address and mode, 4 of wait and 8 of data, each `divider` cycles.
 #include <vector>
 
+#include "sim/chip/fabric/irq_lines.hpp"
 #include "sim/chip/gpio/gpio.hpp"
-#include "sim/chip/irq_lines.hpp"
 #include "sim/chip/pio_dma_clock.hpp"
 #include "tests/chip/xip_rig.hpp"
 
@@ -23,7 +23,7 @@ class XipStreamTest : public XipTest {
     return bus_.read(address, Width::word, Master::core0, at).value;
   }
   std::uint32_t flags(Cycle at) { return read_at(stat, at) & (empty | full); }
-  /// Begins a stream; the cycle in which it begins.
+  /// Begins a stream; returns the cycle of its begin.
   Cycle stream(std::uint32_t address, std::uint32_t words) {
     put(stream_addr, address);
     const Cycle begun = at_;
@@ -42,12 +42,12 @@ TEST_F(XipStreamTest, WordsTakeTheirTransferAndWaitForRoom) {
     const Cycle t = stream(0x102, 5);
     EXPECT_EQ(flags(t + word - 1), empty);
     EXPECT_EQ(flags(t + word), 0u);
-    EXPECT_EQ(read_at(stream_addr, t + word), 0x104u) << "the low bits are none";
+    EXPECT_EQ(read_at(stream_addr, t + word), 0x104u) << "the low bits are zero";
     EXPECT_EQ(read_at(stream_ctr, t + word), 4u);
     EXPECT_EQ(flags(t + 2 * word - 1), 0u);
     EXPECT_EQ(flags(t + 2 * word), full) << "two entries";
     EXPECT_EQ(read_at(stream_ctr, t + 10 * word), 3u);
-    // Room: the next one begins.
+    // With room again, the next word begins.
     EXPECT_EQ(read_at(stream_fifo, t + 10 * word), flash_word(0x100));
     EXPECT_EQ(flags(t + 11 * word - 1), 0u);
     EXPECT_EQ(flags(t + 11 * word), full);
@@ -66,14 +66,14 @@ TEST_F(XipStreamTest, AMissGoesFirstAndAWordWaitsForTheCooldown) {
   wait(cached + 0x100);
   at_ += 1000;
   const Cycle t = stream(0x4000, 100);
-  EXPECT_EQ(miss(cached + 0x100, t + 5), 0u) << "a hit waits for nobody";
-  EXPECT_EQ(miss(cached + 0x200, t + 10), word - 10 + line) << "for the word under way";
+  EXPECT_EQ(miss(cached + 0x100, t + 5), 0u) << "a hit never waits";
+  EXPECT_EQ(miss(cached + 0x200, t + 10), word - 10 + line) << "waits for the word in progress";
   const Cycle resumed = t + word + line + cooldown;
   EXPECT_EQ(flags(resumed + word - 1), 0u);
   EXPECT_EQ(flags(resumed + word), full);
 }
 
-TEST_F(XipStreamTest, OfBothInOneCycleTheMissBegins) {
+TEST_F(XipStreamTest, AMissInTheSameCycleBeginsFirst) {
   constexpr Cycle word = 2 * word_clocks, line = 2 * line_clocks;
   const Cycle t = stream(0x4000, 100);
   EXPECT_EQ(miss(cached + 0x200, t), line);
@@ -118,7 +118,7 @@ TEST_F(XipStreamTest, WaitsWhileTheFlashCannotBeRead) {
   EXPECT_EQ(read_at(stream_fifo, t + 2000), flash_word(0x4000));
 }
 
-/// The same with a DMA.
+/// Streaming with a DMA.
 class XipDmaTest : public XipStreamTest {
  protected:
   static constexpr std::uint32_t dma = 0x5000'0000, ram = 0x2000'0000;
@@ -146,7 +146,7 @@ class XipDmaTest : public XipStreamTest {
   PioDmaClock fabric_{wheel_, bus_, gpio_, irqs_, timing_, note_};
 };
 
-TEST_F(XipDmaTest, TheDmaTakesEachWordAsItComes) {
+TEST_F(XipDmaTest, TheDmaTransfersEachWordAtOnce) {
   constexpr std::uint32_t words = 64;
   constexpr Cycle word = 2 * word_clocks;
   start(auxiliary, ram, words, 2, false, true, Dreq::xip_stream);
@@ -158,7 +158,7 @@ TEST_F(XipDmaTest, TheDmaTakesEachWordAsItComes) {
   EXPECT_TRUE(reports_.empty());
 }
 
-// 2.6.3.3: the auxiliary slave keeps the DMA from stalls of others at the port of the flash.
+// 2.6.3.3: through the auxiliary slave the DMA avoids stalls of other masters at the flash's port.
 TEST_F(XipDmaTest, TheAuxiliarySlaveDoesNotWaitForAMiss) {
   constexpr Cycle line = 2 * line_clocks;
   const Cycle t = stream(0x8000, 2) + 1000;
@@ -167,7 +167,7 @@ TEST_F(XipDmaTest, TheAuxiliarySlaveDoesNotWaitForAMiss) {
   EXPECT_EQ(bus_.read(stream_fifo, Width::word, Master::dma, t + 10).wait, line + 1 - 10);
 }
 
-// As the SDK's users read a block: the SSI sends what CTRLR1 asks for, the DMA empties its FIFO.
+// As users of the SDK read a block: the SSI sends the number of CTRLR1, the DMA empties its FIFO.
 TEST_F(XipDmaTest, TheDmaEmptiesTheSsi) {
   constexpr std::uint32_t words = 64;
   constexpr Cycle frame = 2 * 8;

@@ -1,12 +1,12 @@
-// Flash through the cache of execution in place (RP2040 datasheet, 2.6.3), by the accesses that
-// masters make and by code that runs there.
+// Flash through the cache of execution in place (RP2040 datasheet, 2.6.3): accesses of masters, and
+// code that runs there.
 #include "tests/chip/xip_rig.hpp"
 
 #include <initializer_list>
 #include <vector>
 
 #include "sim/chip/cpu/core.hpp"
-#include "sim/chip/irq_lines.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
 
 namespace lamplock::test::xip_test {
 namespace {
@@ -33,22 +33,22 @@ TEST_F(XipTest, NarrowReadsTakeTheirBytes) {
   EXPECT_EQ(half.value, flash_word(cached + 0x104) >> 16);
 }
 
-TEST_F(XipTest, AFlashIgnoresTheAddressBitsThatItDoesNotHave) {
+TEST_F(XipTest, AFlashIgnoresAddressBitsBeyondItsSize) {
   for (const std::uint32_t high : {0x0020'0000u, 0x0060'0000u, 0x00e0'0000u}) wait(cached + high);
 }
 
-// 2.6.3.1: what the four aliases do.
+// 2.6.3.1: the four aliases.
 TEST_F(XipTest, AliasesLookUpAndAllocateAsTheyAreNamed) {
   constexpr std::uint32_t miss = 2 * line_clocks;
   EXPECT_EQ(wait(no_allocate), miss);
-  EXPECT_EQ(wait(no_allocate), miss) << "not put into the cache";
+  EXPECT_EQ(wait(no_allocate), miss) << "not stored in the cache";
   EXPECT_EQ(wait(cached), miss);
-  EXPECT_EQ(wait(no_allocate), 0u) << "but found there";
+  EXPECT_EQ(wait(no_allocate), 0u) << "but a hit there";
   EXPECT_EQ(wait(bypass), miss);
   EXPECT_EQ(wait(no_cache), miss);
   EXPECT_EQ(wait(no_cache + 0x40), miss);
   EXPECT_EQ(wait(no_cache + 0x40), miss);
-  EXPECT_EQ(wait(cached + 0x40), 0u) << "put into the cache";
+  EXPECT_EQ(wait(cached + 0x40), 0u) << "stored in the cache";
   EXPECT_EQ(wait(bypass + 0x80), miss);
   EXPECT_EQ(wait(cached + 0x80), miss);
 }
@@ -97,8 +97,7 @@ TEST_F(XipTest, CountersCountAccessesAndHits) {
   EXPECT_TRUE(reports_.empty());
 }
 
-// 2.6.3.2: the tags are cleared one set after the other, 1024 of them, and who reads the flash
-// waits.
+// 2.6.3.2: the tags are cleared one set after the other, 1024 of them; reads of the flash wait.
 TEST_F(XipTest, AFlushTakesACycleForEachSet) {
   wait(cached);
   put(flush, 1);
@@ -184,7 +183,7 @@ TEST_F(CodeInFlash, WaitsForEachLineOnce) {
   for (int round = 0; round < 3; ++round) EXPECT_EQ(line(8), 7u + 2u) << "as from SRAM";
 }
 
-TEST_F(CodeInFlash, IsFetchedAWordAtATime) {
+TEST_F(CodeInFlash, IsFetchedOneWordAtATime) {
   code(0x1000, {0xbf00, 0xbf00, 0xbf00, 0xbf00, 0xbf00, 0xbf00});
   start(cached + 0x1000);
   put(ctr_acc, 0);

@@ -1,5 +1,5 @@
-// Shutters, attenuator and photosensors on the real image: the shots of the virtual board, and
-// nothing open once the e-stop is pressed.
+// Shutters, attenuator and photosensors on the real image: the shots equal those of the virtual
+// board, and every shutter is closed once the e-stop is pressed.
 #include "host/link/simulated_transport.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 #include "tests/chip_board/chip_rig.hpp"
@@ -7,7 +7,7 @@
 namespace lamplock::test {
 namespace {
 
-/// Two channels with shutters that need time, sensors that miss shots, an energy for each run.
+/// Two channels with slow shutters, sensors that miss shots, an energy for each run.
 struct BeamJob {
   BeamJob() {
     const auto set = [this](Id id, double value) {
@@ -21,7 +21,7 @@ struct BeamJob {
     world = chip_world(profile);
     world.shutters = {12 * ps_per_ms, 8 * ps_per_ms};
     world.photosensors.failure = 0.25;
-    // As short as a sensor may be, and read at most 100 us later.
+    // The shortest permitted sensor pulse; the board reads it at most 100 us later.
     world.photosensors.answer = 2 * ps_per_us;
     world.photosensors.width = 10 * ps_per_us;
     job = job::make_job(chip_points(static_cast<std::size_t>(std::max(24, scaled(40))), 3), profile,
@@ -37,8 +37,8 @@ struct BeamJob {
   job::Job job;
 };
 
-/// LASER PWM has 2000 counts a period: rounded to the nearest, measured in whole 65535ths of what
-/// is set in 65536ths.
+/// LASER PWM has 2000 counts per period; rounding to the nearest, in units of 1/65535 for settings
+/// in units of 1/65536.
 constexpr double energy_rounding = 65536.0 / 2000 / 2 + 1 + 1;
 
 TEST(ChipBeam, ChannelsEnergiesAndRepeatsAreThoseOfTheVirtualBoard) {

@@ -1,5 +1,5 @@
-// What the interrupts cost over a job with a busy link and an e-stop behind it, against the budgets
-// their headers state.
+// Run time of the interrupts during a job with a busy link and a final e-stop, against the budgets
+// in their headers.
 #include "sim/chip_board/board_timing.hpp"
 #include "tests/chip_board/chip_rig.hpp"
 #include "tests/chip_board/sleep_watch.hpp"
@@ -34,9 +34,9 @@ TEST_P(BeatBudgets, OverAJobWithABusyLink) {
   std::printf("%s", sim::timing_text(timing.table(delay)).c_str());
   rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_us);
   rig.run(5 * ps_per_ms);
-  // Nothing is masked for longer than 1 us: that is what the e-stop waits at most.
+  // Interrupts are masked for at most 1 us, which is the longest wait of the e-stop.
   EXPECT_LE(measured.longest_masked(), cycles_per_us);
-  // real_time.hpp; what nests in them is counted too.
+  // From real_time.hpp; nested interrupts are included.
   const std::map<std::string, double> budget_us{
       {"IO_BANK0", 1.25}, {"TIMER_1", 40}, {"PIO0_0", 45}};
   const std::string fill = "exception 42";  // 16 + 26
@@ -62,8 +62,8 @@ INSTANTIATE_TEST_SUITE_P(Lamps, BeatBudgets, testing::Values(100, 1000, 4000),
                            return std::to_string(param_info.param) + "Hz";
                          });
 
-// With nothing to do the processor sleeps most of the time, and looks around with each interrupt of
-// the beat: each comes 100 us after the end of the one before.
+// When idle the processor sleeps most of the time and wakes with each interrupt of the beat: each
+// interrupt comes 100 us after the end of the one before.
 TEST(Budgets, TheMainLoopSleepsBetweenInterrupts) {
   ChipRig rig(chip_profile());
   ASSERT_NO_FATAL_FAILURE(rig.boot());
@@ -72,7 +72,7 @@ TEST(Budgets, TheMainLoopSleepsBetweenInterrupts) {
   const sim::chip::Cycle from = rig.board.chip().now();
   rig.run(100 * ps_per_ms);
   const sim::chip::Cycle all = rig.board.chip().now() - from;
-  // Some eight interrupts a millisecond end a sleep, less those that come together.
+  // Some eight interrupts per millisecond end a sleep, fewer if they coincide.
   EXPECT_GT(sleeps.count(), 700);
   EXPECT_GT(sleeps.asleep(), all / 2);
 }

@@ -1,5 +1,6 @@
-// What each of the board's ways over USB must bear: garbage, and a cable that is pulled and plugged
-// in again in jobs. How it is pulled, and what is said meanwhile, is the test's.
+// Troubles that each USB function of the board must survive: garbage, and a cable that is pulled
+// and plugged in again during jobs. Each test defines how it is pulled and which bytes are sent
+// meanwhile.
 #pragma once
 
 #include <functional>
@@ -14,7 +15,7 @@ inline void fill_with_noise(std::span<std::uint8_t> bytes, std::mt19937_64& rand
   for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
 }
 
-/// Garbage has done nothing, and the board still listens.
+/// Garbage had no effect, and the board still answers.
 inline void expect_garbage_did_nothing(ChipRig& rig) {
   EXPECT_TRUE(rig.monitor.nothing_happened());
   EXPECT_FALSE(rig.energy.any_high_within(0, rig.now()));
@@ -28,22 +29,22 @@ inline void expect_garbage_did_nothing(ChipRig& rig) {
     rig.listen();
   }
   rig.run(50 * ps_per_ms);
-  rig.answer("$I");  // ends whatever line or frame the garbage has begun
+  rig.answer("$I");  // ends an incomplete line or frame of the garbage
   EXPECT_THAT(rig.answer("$I"), testing::HasSubstr("[VER:"));
 }
 
 /// How a cable is pulled in a job.
 struct CableCuts {
   std::uint64_t seed = 0;
-  std::size_t first_after_shots = 0;    ///< no cut before so many were fired; 0: from the begin on
+  std::size_t first_after_shots = 0;    ///< no cut before this many shots; 0: from the begin on
   std::function<void(int cut)> pull{};  ///< numbers of cuts count from 0 over all jobs
   std::function<void()> plug{};
   Picoseconds longest_wait = 0;  ///< to the first cut
-  /// Adds what else happens when the cable is back, at `back`.
+  /// Adds further actions after the cable is back, at `back`.
   std::function<void(ChipCable& cable, Picoseconds back)> beside{};
 };
 
-/// Jobs with three cuts each at random moments: each is done, every point fired once.
+/// Runs jobs with three cuts each at random moments: each job ends, every point is fired once.
 inline void run_jobs_with_cuts(ChipRig& rig, const job::Profile& profile, const CableCuts& cuts) {
   std::mt19937_64 random(cuts.seed);
   const auto up_to = [&random](Picoseconds most) {

@@ -1,5 +1,5 @@
-// A machine on the table whose board is the real flash image on the simulated chip: board, world,
-// monitors of its pins, and a user at its USB cable.
+// A test machine whose board is the real flash image on the simulated chip: board, world, monitors
+// of its pins, and a user at its USB cable.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -41,7 +41,7 @@ inline const sim::chip::Image& flash_image() {
   return image;
 }
 
-/// A lamp fast enough that a job of some points is over soon.
+/// A fast lamp, so that short jobs end soon.
 inline job::Profile chip_profile(double lamp_hz = 500) {
   job::Profile profile = job::default_profile();
   job::set_lamp_hz(profile, lamp_hz);
@@ -67,13 +67,13 @@ inline sim::ChipBoardOptions quick_host() {
   return options;
 }
 
-/// Small steps, as a fast lamp wants them.
-inline points::PointCloud chip_points(std::size_t count, std::uint64_t seed) {
+/// Points at small distances, for a fast lamp.
+inline geometry::PointCloud chip_points(std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<> step(-0.05, 0.05);
-  points::PointCloud cloud{{0, 0, 0}};
+  geometry::PointCloud cloud{{0, 0, 0}};
   while (cloud.size() < count) {
-    points::Point p = cloud.back();
+    geometry::Point p = cloud.back();
     p.x += step(random), p.y += step(random), p.z += step(random);
     cloud.push_back(p);
   }
@@ -127,7 +127,7 @@ class EnergyPads final : public sim::chip::PadListener {
   std::vector<Edge> edges_;
 };
 
-/// Board with everything that watches it.
+/// The board with its monitors.
 struct ChipRig {
   explicit ChipRig(const job::Profile& machine = chip_profile())
       : ChipRig(machine.settings, chip_world(machine)) {}
@@ -139,13 +139,13 @@ struct ChipRig {
   sim::ChipBoard board;
   PinMonitor monitor;
   EnergyPads energy;
-  /// What the machine has said so far.
+  /// Text from the machine so far.
   std::string heard;
 
   sim::chip::Core& core() { return board.chip().core(0); }
   Picoseconds now() const { return board.now(); }
   void run(Picoseconds time) { board.run_until(now() + time); }
-  /// Runs until the serial port is there, banner and messages of the start included.
+  /// Runs until the serial port exists and has sent the banner and the messages of the start.
   void boot() {
     ASSERT_TRUE(board.run_until_found(1000 * ps_per_ms));
     run(10 * ps_per_ms);
@@ -156,11 +156,11 @@ struct ChipRig {
     while (const std::size_t n = board.read(bytes))
       heard.append(reinterpret_cast<const char*>(bytes.data()), n);
   }
-  /// Returns how many characters the buffers of the PC have taken.
+  /// Returns the number of characters that the PC's buffers accepted.
   std::size_t type(std::string_view text) {
     return board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
-  /// Everything the machine says to a line, up to its ok or error.
+  /// The machine's answer to a line, up to its ok or error.
   std::string answer(std::string_view line, Picoseconds limit = 600 * ps_per_ms) {
     listen();
     const std::size_t begin = heard.size();
@@ -208,7 +208,7 @@ struct ChipRig {
     }
     return place;
   }
-  /// The same in steps.
+  /// The reported position in steps.
   StepPosition reported_position(const settings::Values& values) {
     const std::array<double, max_axes> place = reported_mm(values);
     StepPosition steps{};
@@ -217,7 +217,7 @@ struct ChipRig {
           place[static_cast<std::size_t>(axis)] * values.milli(Id::steps_per_mm_x, axis) / 1000.0));
     return steps;
   }
-  /// When any axis stepped last.
+  /// Time of the last step of any axis.
   Picoseconds last_step() const {
     Picoseconds last = 0;
     for (int axis = 0; axis < 3; ++axis)
@@ -235,7 +235,7 @@ struct ChipRig {
 /// Whether the second core is in the middle of a plan.
 inline bool plans(ChipRig& rig) { return !rig.board.chip().core(1).idle(); }
 
-/// It is at work on one, not only awake: what it has called on is part of the planner.
+/// The second core plans and is not only awake: its program counter is in a planner's function.
 inline bool in_a_slice(ChipRig& rig) {
   static const sim::chip::FunctionTable functions(flash_image().symbols);
   const std::size_t at = functions.find(rig.board.chip().core(1).reg(15));
@@ -243,18 +243,18 @@ inline bool in_a_slice(ChipRig& rig) {
          functions[at].name.find("lamplock::motion::") != std::string::npos;
 }
 
-/// Until it is; false if none begins in a second. The host sends nothing meanwhile.
+/// Runs into a plan; false if none begins within a second. The host sends nothing meanwhile.
 inline bool run_into_a_plan(ChipRig& rig) {
   for (int i = 0; i < 100'000 && !in_a_slice(rig); ++i) rig.run(10 * ps_per_us);
   return in_a_slice(rig);
 }
 
-/// Tests of a machine that has just been switched on, with moments drawn at random.
+/// Tests of a machine after power-up, with random moments.
 class BootedRig : public testing::Test {
  protected:
   explicit BootedRig(std::uint64_t seed) : random_(seed) {}
   void SetUp() override { boot_anew(); }
-  /// Another one like it.
+  /// Boots a new machine of the same kind.
   void boot_anew() {
     rig_.emplace(profile_);
     rig_->boot();
@@ -271,9 +271,9 @@ class BootedRig : public testing::Test {
   std::optional<ChipRig> rig_;
 };
 
-/// A job that would let a continuous laser shine all the time: the gate's bit in all lattice words
-/// that were filled, put there by hand, and its pad let go, which nothing takes back while nobody
-/// enables or disables the laser.
+/// Opens the gate of a continuous laser as a job would: sets the gate's bit in all filled lattice
+/// words and releases its pad. The firmware does not undo this until it enables or disables the
+/// laser.
 inline void open_gate(ChipRig& rig) {
   constexpr std::uint32_t bits_ring_channel = 0x5000'0100;  // DMA CH4_READ_ADDR
   constexpr std::uint32_t ring_bytes = 2048, gate_of_8_ticks = 0x2222'2222;
@@ -293,7 +293,7 @@ inline void open_gate(ChipRig& rig) {
             Width::word, Master::core0, now);
 }
 
-/// The cable between a sender and the board, with things that happen at given times.
+/// The cable between a sender and the board, with actions at given times.
 class ChipCable final : public link::Transport {
  public:
   explicit ChipCable(ChipRig& rig) : rig_(rig) {}
@@ -317,7 +317,7 @@ class ChipCable final : public link::Transport {
 
   /// Calls `action` when the board's clock shows `at`.
   void at(Picoseconds at, std::function<void()> action) { actions_.emplace(at, std::move(action)); }
-  /// Runs the board, and what is due.
+  /// Runs the board and the actions that are due.
   void run_until(Picoseconds until) {
     while (!actions_.empty() && actions_.begin()->first <= until) {
       rig_.board.run_until(actions_.begin()->first);
@@ -333,24 +333,24 @@ class ChipCable final : public link::Transport {
   std::multimap<Picoseconds, std::function<void()>> actions_;
 };
 
-/// A job on a rig, from the outside.
+/// A job on a rig, sent by a host.
 struct RunningJob {
   RunningJob(ChipRig& machine, const job::Job& what, std::uint32_t session, std::size_t first = 0)
       : rig(machine), job(what), cable(machine), sender(cable, job, options(session, first)) {}
   static link::SenderOptions options(std::uint32_t session, std::size_t first) {
     link::SenderOptions options;
-    options.auto_resume = true;  // tests type stops as noise would
+    options.auto_resume = true;  // tests send stops as noise would
     options.session = session;
     options.first_index = first;
     options.reply_timeout = std::chrono::milliseconds(30);
     options.status_interval = std::chrono::milliseconds(20);
     return options;
   }
-  /// More than a job here takes: its points at several beats of the slowest lamp.
+  /// Longer than any job here: its points at several beats of the slowest lamp.
   Picoseconds limit() const {
     return 3 * ps_per_s + static_cast<Picoseconds>(job.targets.size()) * 60 * ps_per_ms;
   }
-  /// Until `shots` more were fired; false if the job has ended before, or does not get on.
+  /// Runs until `shots` more were fired; false if the job ends before or stalls.
   bool run_until_fired(std::size_t shots) {
     const std::size_t wanted = rig.shots().size() + shots;
     const Picoseconds end = rig.now() + limit();
@@ -358,7 +358,7 @@ struct RunningJob {
       if (rig.now() > end || !sender.step()) return false;
     return true;
   }
-  /// To its end; fails the test if there is none.
+  /// Runs to the end of the job; fails the test if it does not end.
   link::JobEnd finish() {
     const Picoseconds end = rig.now() + limit();
     while (sender.step())
@@ -368,7 +368,7 @@ struct RunningJob {
       }
     return sender.result().end;
   }
-  /// Until a moment, to the picosecond; false if the job has ended before.
+  /// Runs until a moment, to the picosecond; false if the job ends before.
   bool run_until(Picoseconds moment) {
     bool there = false;
     cable.at(moment, [&there] { there = true; });
@@ -385,7 +385,7 @@ struct RunningJob {
 };
 
 /// The points from the first one on were fired once, in order, each at its place, as far as the job
-/// has come. Steps are counted as they leave: a point may lie right at one.
+/// has come. Steps are counted when they are output, and a point may lie exactly at a step.
 inline void expect_fired_so_far(const ChipRig& rig, const job::Job& job, std::size_t first_shot = 0,
                                 std::size_t first_point = 0) {
   const sim::Shots& shots = rig.shots();
@@ -396,7 +396,7 @@ inline void expect_fired_so_far(const ChipRig& rig, const job::Job& job, std::si
           << "shot " << i << " axis " << axis;
 }
 
-/// The same, and all of them.
+/// As expect_fired_so_far(), and every point was fired.
 inline void expect_fired(const ChipRig& rig, const job::Job& job, std::size_t first_shot = 0,
                          std::size_t first_point = 0) {
   ASSERT_EQ(rig.shots().size() - first_shot, job.targets.size() - first_point);
@@ -422,7 +422,7 @@ inline std::vector<Step> steps_of(const PinMonitor& monitor, Picoseconds latency
   return steps;
 }
 
-/// What the simulator itself has to complain about.
+/// The simulator itself has found no violations.
 inline void expect_no_violations(ChipRig& rig) {
   EXPECT_THAT(rig.board.chip().usb().violations(), testing::IsEmpty());
   EXPECT_THAT(rig.board.usb_host().violations(), testing::IsEmpty());

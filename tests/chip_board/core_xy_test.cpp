@@ -1,6 +1,6 @@
-// A CoreXY on the chip: jobs of points, where motors turn at any tick of theirs, and dead stops,
-// after which both motors are read back from the rings. Its programs are compared with the virtual
-// board in program_ticks_test.cpp, its homing is in homing_test.cpp.
+// A CoreXY on the chip: jobs of points, where motors may turn at any of their ticks, and immediate
+// stops, after which the positions of both motors are read from the rings. program_ticks_test.cpp
+// compares its programs with the virtual board, homing_test.cpp has its homing.
 #include <random>
 
 #include "tests/chip_board/chip_rig.hpp"
@@ -32,8 +32,8 @@ TEST(ChipCoreXy, ShootsEveryPointAtItsPlace) {
   }
 }
 
-/// Where motors stand between two steps of X and Y, and where they do not.
-TEST(ChipCoreXy, KnowsWhereItIsAfterADeadStop) {
+/// Stops with the motors at whole steps of X and Y and between them.
+TEST(ChipCoreXy, KeepsItsPositionAfterAnImmediateStop) {
   const job::Profile profile = core_xy();
   std::mt19937_64 random(7);
   int odd = 0;

@@ -1,4 +1,4 @@
-// The pin map cut: a fourth axis, a limit switch for each axis, a second link by UART.
+// The pin map "cut": a fourth axis, a limit switch for each axis, a second link by UART.
 #include <deque>
 
 #include "tests/chip_board/chip_rig.hpp"
@@ -44,7 +44,7 @@ class SerialCable final : public link::Transport, private sim::chip::ByteLine {
   void type(std::string_view text) {
     write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
-  /// What has come since the last call.
+  /// Text received since the last call.
   std::string heard() {
     std::string text(heard_.begin(), heard_.end());
     heard_.clear();
@@ -126,7 +126,7 @@ TEST(CutMap, AJobByUart) {
   expect_no_violations(rig);
 }
 
-TEST(CutMap, WhoSpeaksIsAnsweredAndTheOtherLinkNotInAJob) {
+TEST(CutMap, EachLinkIsAnsweredExceptTheOtherLinkDuringAJob) {
   const job::Profile profile = cut_profile(3);
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
@@ -146,7 +146,7 @@ TEST(CutMap, WhoSpeaksIsAnsweredAndTheOtherLinkNotInAJob) {
   EXPECT_EQ(cable.heard(), "");
 }
 
-TEST(CutMap, NoiseOnTheOtherLinkDoesNotReachAJobInHoldOrBehindTheDoor) {
+TEST(CutMap, NoiseOnTheOtherLinkDoesNotReachAJobInAHoldOrAtADoor) {
   const job::Profile profile = cut_profile(3);
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
@@ -174,7 +174,7 @@ TEST(CutMap, NoiseOnTheOtherLinkDoesNotReachAJobInHoldOrBehindTheDoor) {
   EXPECT_EQ(rig.monitor.violation(profile.settings), "");
 }
 
-TEST(CutMap, HalfALineIsNotFinishedByTheOtherLink) {
+TEST(CutMap, AnIncompleteLineIsNotCompletedByTheOtherLink) {
   const job::Profile profile = cut_profile(3);
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());

@@ -1,5 +1,5 @@
-// The DMA of the image never reads flash: while settings are written the flash cannot be read, and
-// motion goes on.
+// The DMA of the image never reads flash: flash cannot be read while settings are written, and
+// motion continues then.
 #include "tests/chip_board/chip_rig.hpp"
 
 namespace lamplock::test {
@@ -11,7 +11,7 @@ constexpr std::uint32_t dma_base = 0x5000'0000, channel_stride = 0x40, control =
 constexpr unsigned dma_channels = 12;
 constexpr std::uint32_t flash_begin = 0x1000'0000, flash_end = 0x1400'0000;
 
-/// Channels that are enabled; fails the test for one whose source is in flash.
+/// Number of enabled channels; fails the test for each channel whose source is in flash.
 unsigned expect_no_flash_source(ChipRig& rig) {
   using sim::chip::Master;
   using sim::chip::Width;
@@ -40,7 +40,7 @@ TEST(DmaSources, AreNeverInFlash) {
   const job::Job job =
       job::make_job(chip_points(static_cast<std::size_t>(scaled(10)), 4), profile, {});
   RunningJob running(rig, job, 1);
-  // AXIS of three axes, BITS, its power, TICK, STAMP and the channel that starts them again.
+  // AXIS of three axes, BITS, its power, TICK, STAMP and the channel that restarts them.
   constexpr unsigned channels_in_use = 8;
   unsigned most = expect_no_flash_source(rig);
   while (running.sender.step() && !testing::Test::HasFailure())

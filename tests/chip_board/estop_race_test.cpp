@@ -1,4 +1,4 @@
-// The e-stop at the moments that hurt: while the firmware is busy with what the e-stop stops.
+// The e-stop at the worst moments: while the firmware works on what the e-stop stops.
 #include "tests/chip_board/chip_rig.hpp"
 
 namespace lamplock::test {
@@ -13,7 +13,7 @@ void press(ChipRig& rig, Picoseconds at) {
   rig.board.world().schedule(sim::Pin::estop, false, at + 100 * ps_per_us);
 }
 
-/// FIRE says what became of an edge 2.2 us after it; what it says is read a little later.
+/// FIRE reports the result of an edge 2.2 us after it; the firmware reads it slightly later.
 TEST(EmergencyStop, BetweenAResultOfTheFireStageAndItsReader) {
   ChipRig rig;
   ASSERT_NO_FATAL_FAILURE(rig.boot());

@@ -27,7 +27,7 @@ class Stops : public testing::Test {
 
 TEST_F(Stops, EmergencyStopAtRandomMoments) {
   const job::Profile profile = chip_profile();
-  // Steps of X leave earlier: the position counts those that have.
+  // Steps of X are output earlier: the position counts the steps that were output.
   job::Profile lagging = profile;
   job::state_setting(lagging, Id::drive_lag_x, 2300, "test");
   ChipRig rig(profile);
@@ -48,7 +48,7 @@ TEST_F(Stops, EmergencyStopAtRandomMoments) {
       rig.run(up_to(100 * ps_per_us));
     }
     const Picoseconds pressed = rig.now() + ps_per_us;
-    // A press may be as short as a bounce.
+    // Some presses are as short as a bounce.
     const Picoseconds released =
         pressed + (round % 4 == 0 ? 2 * ps_per_us : 10 * ps_per_ms + up_to(10 * ps_per_ms));
     rig.board.world().schedule(sim::Pin::estop, true, pressed);
@@ -66,7 +66,7 @@ TEST_F(Stops, EmergencyStopAtRandomMoments) {
     for (const unsigned gpio :
          {EnergyPads::q_switch, EnergyPads::gate, EnergyPads::arm, EnergyPads::pwm})
       EXPECT_FALSE(rig.energy.high_within(gpio, pressed + contract, rig.now())) << "pad " << gpio;
-    // The sender learns of it, and where to go on; the machine knows where it stands.
+    // The sender gets the alarm and the place for continuing; the machine knows its position.
     EXPECT_EQ(running.finish(), link::JobEnd::alarm);
     EXPECT_EQ(running.sender.result().status.first_unfired, rig.shots().size() - fired);
     rig.run(40 * ps_per_ms);
@@ -86,7 +86,7 @@ TEST_F(Stops, EmergencyStopAtRandomMoments) {
   expect_no_violations(rig);
 }
 
-TEST(EmergencyStopAtRest, IsLeftWhenItsContactHasBeenQuiet) {
+TEST(EmergencyStopAtRest, EndsWhenItsContactHasBeenQuiet) {
   ChipRig rig;
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   rig.board.world().schedule(sim::Pin::estop, true, rig.now());
@@ -98,11 +98,11 @@ TEST(EmergencyStopAtRest, IsLeftWhenItsContactHasBeenQuiet) {
   expect_figure("unlocked after the release of the e-stop", rig.now() - released, 20, 25);
 }
 
-/// The door is looked at by the main loop, which may be away to plan a window; wires of the
-/// interlock chain take the laser away before.
+/// The main loop polls the door and may be busy planning a window; the wires of the interlock chain
+/// switch the laser off earlier.
 TEST_F(Stops, DoorOpensAndClosesAtRandomMoments) {
   constexpr Picoseconds notice = 60 * ps_per_ms;
-  /// Braking from what a tenth of a metre allows, and what is handed out ahead.
+  /// Braking from the highest speed within a tenth of a metre, plus ticks handed out ahead.
   constexpr Picoseconds to_rest = 250 * ps_per_ms;
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);

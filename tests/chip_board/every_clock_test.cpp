@@ -1,5 +1,5 @@
-// An engraving is the same whether clocks of PIO and DMA in which nothing happens are skipped or
-// not: every edge of every pad, and where it ends.
+// An engraving is the same whether or not the simulator skips idle clocks of PIO and DMA: every
+// edge of every pad, and the end.
 #include <tuple>
 
 #include "tests/chip_board/chip_rig.hpp"
@@ -26,7 +26,7 @@ Engraving engrave(bool every_clock) {
   const job::Profile profile = chip_profile(250);
   ChipRig rig(profile);
   rig.boot();
-  // From here on: the boot is held against the same by the program's own tests.
+  // From here on; the program's own tests compare the boot.
   rig.board.chip().pio_dma().set_step_every_clock(every_clock);
   AllEdges edges;
   rig.board.chip().gpio().listen(edges);
@@ -35,7 +35,7 @@ Engraving engrave(bool every_clock) {
   RunningJob running(rig, job, 7);
   EXPECT_EQ(running.finish(), link::JobEnd::done);
   rig.board.chip().gpio().catch_up(rig.board.chip().now());
-  // Pads need not be told in order of time.
+  // Edges of different pads may be reported out of order.
   std::stable_sort(edges.edges.begin(), edges.edges.end());
   return {edges.edges,
           rig.now(),

@@ -1,5 +1,5 @@
-// The flash image under more lines than it has room for: each is run once, in order, and a stop is
-// heard when it arrives, however many lines wait before it.
+// The flash image with more lines than it has room for: each runs once, in order, and a stop acts
+// when it arrives, however many lines wait before it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ job::Profile quick_profile() {
   return profile;
 }
 
-/// Places of X where it turned, in steps, and the last one.
+/// Positions at which X reversed, in steps, and the last position.
 std::vector<std::int32_t> turns(const PinMonitor& monitor) {
   std::vector<std::int32_t> places;
   const auto& steps = monitor.steps(0);
@@ -49,7 +49,7 @@ TEST(ChipFlood, EachLineIsAnsweredAndRunOnceAndInOrder) {
   std::vector<std::int32_t> wanted;
   std::string text = "G1 F6000\n";
   for (std::size_t i = 0; i < lines; ++i) {
-    // Forth and back, never to the same place twice in a row.
+    // Forth and back, never twice in a row to the same place.
     wanted.push_back(static_cast<std::int32_t>(i % 2 == 0 ? 12 + random() % 10 : random() % 10));
     text += fmt::format("X{:.4f} (a remark makes lines longer than they are slow)\n",
                         wanted.back() / per_mm);
@@ -65,14 +65,14 @@ TEST(ChipFlood, EachLineIsAnsweredAndRunOnceAndInOrder) {
   }
   EXPECT_EQ(answers(rig.heard, "ok\r\n"), lines + 1);
   EXPECT_EQ(answers(rig.heard, "error"), 0u);
-  rig.run(ps_per_s);  // what the planner knows
+  rig.run(ps_per_s);  // until all planned motion is over
   EXPECT_THAT(turns(rig.monitor), testing::ElementsAreArray(wanted));
-  EXPECT_GT(rig.board.usb_host().statistics().out_naks, 0u) << "it had to wait";
+  EXPECT_GT(rig.board.usb_host().statistics().out_naks, 0u) << "the host never had to wait";
   expect_no_violations(rig);
 }
 
-/// Begins something, and sends slow lines after it until the queue of lines and the ring are full,
-/// and where there are enough of them both buffers of the endpoint.
+/// Begins an activity and sends slow lines after it until the queue of lines, the ring and, with
+/// enough lines, both buffers of the endpoint are full.
 void flood(ChipRig& rig, std::string_view begin, std::string_view slow, std::size_t bytes) {
   rig.type(std::string(begin));
   rig.run(50 * ps_per_ms);
@@ -85,9 +85,9 @@ void flood(ChipRig& rig, std::string_view begin, std::string_view slow, std::siz
 }
 constexpr std::string_view burn = "M3 S500\nG1 X10 F3000\n", slow_line = "G1 X0.01 F10\n";
 
-/// Braking from 50 mm/s at 10 m/s2, what is handed out ahead, and a packet.
+/// Braking from 50 mm/s at 10 m/s2, ticks handed out ahead, and a packet.
 constexpr Picoseconds at_rest_within = (5 + 30 + 1) * ps_per_ms;
-/// A packet, and 1 ms.
+/// The time of a packet, and 1 ms.
 constexpr Picoseconds dark_within = 2 * ps_per_ms;
 
 struct ChipStop {
@@ -97,7 +97,7 @@ struct ChipStop {
   bool dark_at_once;
 };
 
-TEST(ChipFlood, StopsAreHeardWhenTheyArrive) {
+TEST(ChipFlood, StopsActWhenTheyArrive) {
   const auto typed = [](char byte) {
     return [byte](ChipRig& rig) { rig.type(std::string(1, byte)); };
   };
@@ -129,8 +129,8 @@ TEST(ChipFlood, StopsAreHeardWhenTheyArrive) {
   }
 }
 
-/// Also where answers are not read and the buffers of the PC fill up.
-TEST(ChipFlood, AResetIsHeardInEveryState) {
+/// Also if answers are not read and the buffers of the PC fill up.
+TEST(ChipFlood, AResetWorksInEveryState) {
   struct Activity {
     const char* name;
     const char* lines;
@@ -168,7 +168,7 @@ TEST(ChipFlood, AResetIsHeardInEveryState) {
   }
 }
 
-TEST(ChipFlood, AResetDiscardsWhatWaits) {
+TEST(ChipFlood, AResetDropsWaitingLines) {
   ChipRig rig(quick_profile());
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   flood(rig, burn, "G91 G1 X1 F10\n", 4000);
@@ -183,8 +183,8 @@ TEST(ChipFlood, AResetDiscardsWhatWaits) {
   expect_no_violations(rig);
 }
 
-/// A byte waits in the buffers of the PC once those of the board are full. A port that is closed
-/// does not.
+/// A byte waits in the PC's buffers once the board's buffers are full. Closing the port takes
+/// effect at once.
 TEST(ChipFlood, AFullCableIsStoppedByClosingThePort) {
   ChipRig rig(quick_profile());
   ASSERT_NO_FATAL_FAILURE(rig.boot());
@@ -197,8 +197,8 @@ TEST(ChipFlood, AFullCableIsStoppedByClosingThePort) {
   EXPECT_FALSE(rig.energy.any_high_within(closed + at_rest_within, rig.now()));
 }
 
-/// Its port closed, asleep, its cable out: the host cannot stop the machine any more.
-TEST(ChipHostGone, WhatItMovedIsHeldAndDark) {
+/// With a closed port, asleep, or without its cable, the host cannot stop the machine any more.
+TEST(ChipHostGone, ItsMotionIsHeldAndDark) {
   using sim::chip::UsbHost;
   struct Way {
     const char* name;
@@ -210,7 +210,7 @@ TEST(ChipHostGone, WhatItMovedIsHeldAndDark) {
        [](UsbHost& host) { host.set_dtr(true); }},
       {"asleep", [](UsbHost& host) { host.suspend(); }, [](UsbHost& host) { host.resume(); }},
       {"unplugged", [](UsbHost& host) { host.unplug(); }, [](UsbHost& host) { host.plug(); }}};
-  // Three milliseconds of silence on the bus are a suspend; then as any hold.
+  // Three milliseconds of silence on the bus mean suspend; the rest is as for any hold.
   constexpr Picoseconds held_within = 3 * ps_per_ms + at_rest_within;
   for (const Way& way : ways) {
     SCOPED_TRACE(way.name);

@@ -1,5 +1,5 @@
-// Steps at 250 kHz on four axes at once, locked to a lamp: the fastest thing the board is made for;
-// in every pulse mode, with the defaults of set-up and hold.
+// Steps at 250 kHz on four axes at once, locked to a lamp: the maximum rate of the board, in every
+// pulse mode, with the default set-up and hold times.
 #include <fmt/format.h>
 
 #include "sim/chip_board/board_timing.hpp"
@@ -12,8 +12,8 @@ namespace {
 constexpr std::int32_t fast_steps_s = 250'000;
 constexpr int axes = 4;
 
-/// 1250 steps/mm at 200 mm/s, a map with four axes. What the lamp may gain while a plan is run is
-/// kept below the limit (1 to 3 %): a little more is allowed.
+/// 1250 steps/mm at 200 mm/s, a map with four axes. The plan stays below the limit by what the lamp
+/// may gain meanwhile (1 to 3 %), so the limit is set slightly higher.
 job::Profile fast_profile(double lamp_hz) {
   job::Profile profile = chip_profile(lamp_hz);
   settings::Values& values = profile.settings;
@@ -30,10 +30,10 @@ job::Profile fast_profile(double lamp_hz) {
   return profile;
 }
 
-/// Long straight ways of all axes, there and back; between two shots many beats.
+/// Long straight moves of all axes, there and back; many beats between two shots.
 job::Job fast_job(const job::Profile& profile) {
   const std::array<int, 6> places_mm{-25, 25, -20, 22, -25, 0};
-  points::PointCloud points;
+  geometry::PointCloud points;
   for (const int mm : places_mm) points.push_back({1.0 * mm, -1.0 * mm, 1.0 * mm});
   job::Job job = job::make_job(points, profile, {});
   for (std::size_t i = 0; i < places_mm.size(); ++i)
@@ -42,7 +42,7 @@ job::Job fast_job(const job::Profile& profile) {
   return job;
 }
 
-/// Steps a second of an axis over the `window` in which it made most of them.
+/// Highest step rate of an axis over a `window`, steps/s.
 double fastest_rate(const std::vector<PinMonitor::Step>& steps, Picoseconds window) {
   std::size_t most = 0;
   for (std::size_t first = 0, last = 0; last < steps.size(); ++last) {
@@ -82,7 +82,7 @@ TEST_P(FourAxes, StepAt250KilohertzAtOnceWhileLocked) {
     const auto place = static_cast<std::size_t>(axis);
     const auto& steps = log.steps()[place];
     EXPECT_GE(fastest_rate(steps, stretch), fast_steps_s) << axis;
-    // Not one lost or doubled: it stands where the last shot was.
+    // No step is lost or doubled: the axis is at the place of the last shot.
     ASSERT_FALSE(steps.empty());
     EXPECT_EQ(steps.back().position, job.targets.back().steps[place]) << axis;
     for (std::size_t i = 0; i < rig.shots().size(); ++i)
@@ -91,7 +91,7 @@ TEST_P(FourAxes, StepAt250KilohertzAtOnceWhileLocked) {
   const sim::TimingTable table =
       timing.table(profile.settings.milli(Id::q_switch_delay) * ps_per_us / 1000);
   std::printf("%s", sim::timing_text(table).c_str());
-  // Two clocks before the delay that was set, all of them (lamp/shot_delay.hpp).
+  // Every shot is two clocks earlier than the set delay (lamp/shot_delay.hpp).
   EXPECT_EQ(table.phase_worst_ns, 2 * 8);
   EXPECT_EQ(table.phase_mean_ns, -2 * 8);
   EXPECT_EQ(table.step_error_worst_ns, 0);

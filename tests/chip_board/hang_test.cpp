@@ -1,5 +1,5 @@
-// The CPU hangs, faults or loses its power at random moments of a job: what it drives ends by
-// itself, the reason is told after the restart, and nothing happens before a new job.
+// The CPU hangs, faults or loses power at random moments of a job: its outputs end by themselves,
+// the reason is reported after the restart, and nothing happens before a new job.
 #include "tests/chip_board/chip_rig.hpp"
 #include "tests/figure.hpp"
 
@@ -10,17 +10,17 @@ using sim::chip::Master;
 using sim::chip::Width;
 using testing::HasSubstr;
 
-/// Memory that is not used: the stack of core 1 never comes so deep.
+/// Unused memory: the stack of core 1 never reaches it.
 constexpr std::uint32_t spare = 0x2004'0000;
 constexpr Picoseconds contract = ps_per_ms;
 
-/// Ways to lose a CPU.
+/// Kinds of CPU failure.
 enum class End : std::uint8_t {
   spins_deaf,    ///< a loop with interrupts off
   spins_in_isr,  ///< a loop at the level of the interrupt that feeds the ticks
   undefined,     ///< an instruction that does not exist
-  bad_load,      ///< a load where nobody answers
-  bad_jump,      ///< a jump to nowhere
+  bad_load,      ///< a load from an address without a device
+  bad_jump,      ///< a jump to an address without code
   locked_up,     ///< a fault with no stack left
   count
 };
@@ -33,9 +33,9 @@ class Loss : public BootedRig {
     rig().board.chip().bus().write(address, instruction, Width::half, Master::core0,
                                    rig().core().cycle());
   }
-  /// When this returns the CPU is gone. A fault comes only when what was put under it is reached: a
-  /// core that sleeps, or is about to be interrupted, serves the interrupt first, and all that it
-  /// notes there is noted.
+  /// Returns after the CPU has failed. A fault occurs only when the core reaches the instruction
+  /// put under it: a core that sleeps or is about to be interrupted serves the interrupt first, and
+  /// its records are stored.
   void lose(End end, int id = 0) {
     sim::chip::Core& core = rig().board.chip().core(id);
     constexpr std::uint16_t loop = 0xe7fe, undefined = 0xde00, load_r0 = 0x6800;
@@ -49,28 +49,28 @@ class Loss : public BootedRig {
     core.set_reg(15, end == End::bad_jump || end == End::locked_up ? nowhere : spare);
     if (is_fault(end)) run_until_in(core, hard_fault);
   }
-  /// Up to the entry of an exception.
+  /// Runs up to the entry of an exception.
   void run_until_in(const sim::chip::Core& core, unsigned exception) {
     sim::chip::Chip& chip = rig().board.chip();
     for (int i = 0; i < 200'000 && core.exception() != exception; ++i)
       chip.run_until(chip.now() + 1);
     EXPECT_EQ(core.exception(), exception);
   }
-  /// Until the watchdog has restarted the chip, as it did once; a plan may take a second.
+  /// Runs until the watchdog has restarted the chip once; a plan may take a second.
   void restart() {
     const Picoseconds lost = rig().now();
     for (int i = 0; i < 1200 && rig().board.chip().watchdog_resets() == 0; ++i)
       rig().run(ps_per_ms);
     restarted_after_ = std::max(restarted_after_, rig().now() - lost);
-    rig().run(30 * ps_per_ms);  // the host sees it go
+    rig().run(30 * ps_per_ms);  // the host detects the disconnect
     ASSERT_NO_FATAL_FAILURE(rig().boot());
     rig().run(20 * ps_per_ms);
     rig().listen();
     EXPECT_EQ(rig().board.chip().watchdog_resets(), 1u);
   }
-  Picoseconds restarted_after_ = 0;  ///< the longest, of a call of restart()
+  Picoseconds restarted_after_ = 0;  ///< the longest of all calls of restart()
 
-  /// What is said then of a job; `may_have_been`: the shot was given out.
+  /// The message about a job; `may_have_been`: its shot was handed to the hardware.
   static std::string told(std::uint32_t session, std::size_t first_unfired, bool may_have_been) {
     return "job " + std::to_string(session) + " first point not fired " +
            std::to_string(first_unfired) + (may_have_been ? ", which may have been]" : "]");
@@ -115,8 +115,8 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
     ASSERT_NO_FATAL_FAILURE(restart());
     EXPECT_THAT(rig().heard, HasSubstr(is_fault(end) ? "[MSG:Started by fault, pc 0x"
                                                      : "[MSG:Started by watchdog"));
-    // A shot that was given out the hardware may fire after the processor has gone, and one that it
-    // has fired may not have been noted.
+    // The hardware may fire a shot that it has after the processor has failed, and a fired shot may
+    // be missing in the record.
     if (shots > shots_before)
       EXPECT_THAT(rig().heard, HasSubstr(told(session, shots - 1, true)));
     else
@@ -127,7 +127,7 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
     EXPECT_THAT(rig().status(), HasSubstr("<Alarm"));
     EXPECT_EQ(rig().board.world().drives().position(), steps_at_loss);
     EXPECT_EQ(rig().shots().size(), shots);
-    // The rest of the job, by a program that asks first.
+    // The rest of the job, by a host that unlocks first.
     RunningJob locked(rig(), job, session + 1, shots);
     EXPECT_ANY_THROW(locked.sender.run());
     EXPECT_EQ(rig().answer("$X"), "[MSG:Caution: Unlocked]\r\nok\r\n");
@@ -135,14 +135,14 @@ TEST_F(Loss, OfTheProcessorAtRandomMoments) {
   }
   expect_figure("last step after the loss of the processor", longest, 0, 0.93);
   expect_figure("energy outputs low after the entry of a fault", dark_after, 0, 0.001);
-  // The 60 ms before it is waited for are of this test.
+  // The test itself adds 60 ms before it waits.
   expect_figure("restart after the loss", restarted_after_ + 60 * ps_per_ms, 60, 110);
 }
 
-/// The processor goes shortly before the shot of the next beat: the hardware fires it, and the
-/// record says that this may be.
-TEST_F(Loss, WithAShotGivenOut) {
-  points::PointCloud cloud;
+/// The processor fails shortly before the shot of the next beat: the hardware fires it, and the
+/// record says that it may have been fired.
+TEST_F(Loss, WithAShotInTheHardware) {
+  geometry::PointCloud cloud;
   for (int i = 0; i < 60; ++i) cloud.push_back({0.005 * i, 0, 0});
   RunningJob running(rig(), job::make_job(cloud, profile_, {}), 1);
   ASSERT_TRUE(running.run_until_fired(8));
@@ -164,7 +164,7 @@ TEST_F(Loss, WithAShotGivenOut) {
   EXPECT_THAT(rig().heard, HasSubstr(told(1, shots, true)));
 }
 
-/// Nobody waits for it but the watchdog: the e-stop does not.
+/// Only the watchdog waits for the second core; the e-stop does not.
 TEST_F(Loss, OfTheSecondCoreInAPlan) {
   const End ends[] = {End::spins_deaf, End::undefined, End::locked_up, End::bad_load,
                       End::bad_jump};
@@ -206,7 +206,7 @@ TEST_F(Loss, OfTheSecondCoreInAPlan) {
   }
 }
 
-/// With nothing to plan nobody misses it; with the next plan the watchdog does.
+/// Without a plan its failure has no effect; with the next plan the watchdog restarts the chip.
 TEST_F(Loss, OfTheSecondCoreAtRest) {
   lose(End::spins_deaf, 1);
   rig().run(300 * ps_per_ms);
@@ -220,7 +220,7 @@ TEST_F(Loss, OfTheSecondCoreAtRest) {
   EXPECT_EQ(rig().shots().size(), 0u);
 }
 
-/// In a hold none is given out, and the record knows it.
+/// In a hold no shot is in the hardware, and the record says so.
 TEST_F(Loss, InAHold) {
   RunningJob running(rig(), job::make_job(chip_points(60, random_()), profile_, {}), 1);
   ASSERT_TRUE(running.run_until_fired(8));
@@ -235,14 +235,14 @@ TEST_F(Loss, InAHold) {
   EXPECT_THAT(rig().heard, HasSubstr(told(1, shots, false)));
 }
 
-/// Nobody knows where the machine is, in motion and behind it: what comes next is refused.
-TEST_F(Loss, InAProgramAndBehindIt) {
-  for (const bool behind : {false, true}) {
-    SCOPED_TRACE(behind);
+/// The position is unknown after a failure during or after a program: the next command is refused.
+TEST_F(Loss, InAProgramAndAfterIt) {
+  for (const bool after_it : {false, true}) {
+    SCOPED_TRACE(after_it);
     boot_anew();
     rig().type("G1 X20 F6000\n");
-    rig().run((behind ? 500 : 60) * ps_per_ms);
-    ASSERT_THAT(rig().status(), HasSubstr(behind ? "<Idle" : "<Run"));
+    rig().run((after_it ? 500 : 60) * ps_per_ms);
+    ASSERT_THAT(rig().status(), HasSubstr(after_it ? "<Idle" : "<Run"));
     lose(End::spins_deaf);
     ASSERT_NO_FATAL_FAILURE(restart());
     EXPECT_THAT(rig().status(), HasSubstr("<Alarm"));
@@ -250,7 +250,7 @@ TEST_F(Loss, InAProgramAndBehindIt) {
   }
 }
 
-/// The record of the job is three stores; a reset between them leaves it unreadable.
+/// The record of a job takes three stores; a reset between them makes it unreadable.
 TEST_F(Loss, WithARecordHalfWritten) {
   RunningJob running(rig(), job::make_job(chip_points(60, random_()), profile_, {}), 1);
   ASSERT_TRUE(running.run_until_fired(3));
@@ -263,11 +263,11 @@ TEST_F(Loss, WithARecordHalfWritten) {
   EXPECT_THAT(rig().status(), HasSubstr("<Alarm"));
 }
 
-/// Slices of plans must not keep a machine alive whose e-stop has gone.
+/// Slices of plans must not feed the watchdog of a machine whose e-stop interrupt has failed.
 TEST_F(Loss, OfTheStopInterruptWhilePlanning) {
   RunningJob running(rig(), job::make_job(chip_points(2000, random_()), profile_, {}), 1);
   ASSERT_TRUE(running.run_until_fired(5));
-  // A store to NVIC_ICER, made by the processor itself.
+  // The processor itself makes a store to NVIC_ICER.
   sim::chip::Core& core = rig().core();
   for (int i = 0; i < 100'000 && core.idle(); ++i)
     rig().board.chip().run_until(rig().board.chip().now() + 20);
@@ -295,7 +295,7 @@ TEST_F(Loss, OfTheStopInterruptWhilePlanning) {
   EXPECT_EQ(rig().board.chip().watchdog_resets(), 1u);
 }
 
-/// Of all power and of the core's alone in turn; the chip calls both power-on.
+/// All power and the core's power fail in turn; the chip reports both as power-on.
 TEST_F(Loss, OfPowerInAJob) {
   for (int round = 0; round < scaled(4); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);

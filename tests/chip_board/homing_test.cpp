@@ -1,5 +1,5 @@
-// Homing, probing and jogs on the chip: where the switches of the machine are is found to a step,
-// with one input for each axis or one for all, bouncing.
+// Homing, probing and jogs on the chip: switch places are found to a step, with one input for each
+// axis or one for all, bouncing.
 #include <fmt/format.h>
 
 #include <random>
@@ -43,15 +43,15 @@ sim::WorldConfig world_with(const job::Profile& profile, const StepPosition& pla
 }
 
 void expect_homed(ChipRig& rig, const settings::Values& values, const StepPosition& places) {
-  const StepPosition told = rig.reported_position(values);
+  const StepPosition reported = rig.reported_position(values);
   const StepPosition loads = rig.board.world().drives().position();
   for (int axis = 0; axis < 3; ++axis)
-    EXPECT_LE(std::abs(told[index(axis)] - loads[index(axis)] - (end_steps - places[index(axis)])),
-              1)
+    EXPECT_LE(
+        std::abs(reported[index(axis)] - loads[index(axis)] - (end_steps - places[index(axis)])), 1)
         << "axis " << axis;
 }
 
-/// From power-up to "ok", with switches there.
+/// From power-up to "ok", with switches at these places.
 void expect_homes(const job::Profile& profile, const StepPosition& places) {
   ChipRig rig(profile.settings, world_with(profile, places));
   ASSERT_NO_FATAL_FAILURE(rig.boot());
@@ -63,7 +63,7 @@ void expect_homes(const job::Profile& profile, const StepPosition& places) {
 
 class ChipHomingPulses : public testing::TestWithParam<int> {};
 
-/// Whatever the pulses: the place is looked up in what has been put out.
+/// In any pulse mode the place is found in the ticks that were output.
 TEST_P(ChipHomingPulses, OneSwitchForEachAxis) {
   job::Profile profile = homing_profile(true);
   for (int axis = 0; axis < 3; ++axis)
@@ -75,14 +75,14 @@ INSTANTIATE_TEST_SUITE_P(ChipHoming, ChipHomingPulses, testing::Values(0, 1, 2))
 
 TEST(ChipHoming, OneCircuitForAll) { expect_homes(homing_profile(false), {300, 600, 400, 0}); }
 
-/// Both motors turn for either axis; places of contacts are read back from both.
+/// Both motors turn for either axis; contact places are read from both.
 TEST(ChipHoming, OnACoreXy) {
   job::Profile profile = homing_profile(true);
   profile.settings.set_milli(Id::kinematics, 1000);
   expect_homes(profile, {700, 400, 500, 0});
 }
 
-/// Two motors of Y, no Z: the switch of the second side is at the input of Z. Either side ahead.
+/// Two motors of Y, no Z: the second side's switch uses the input of Z. Either side may be ahead.
 TEST(ChipHoming, SquaresAGantry) {
   constexpr int side = Kinematics::gang_motor;
   constexpr std::int32_t place = 600;
@@ -110,7 +110,7 @@ TEST(ChipHoming, SquaresAGantry) {
   }
 }
 
-/// At 400 mm/s on two axes at once nearly every word in the rings has steps: looking back takes
+/// At 400 mm/s on two axes at once nearly every word in the rings has steps: searching them takes
 /// long, and ticks must not run out meanwhile.
 TEST(ChipHoming, FindsASwitchAtFullSpeed) {
   job::Profile profile = homing_profile(true);
@@ -118,7 +118,7 @@ TEST(ChipHoming, FindsASwitchAtFullSpeed) {
   expect_homes(profile, {8000, 8100, 4000, 0});
 }
 
-TEST(ChipHoming, ABrokenWireNeverLetsGo) {
+TEST(ChipHoming, ABrokenWireNeverOpens) {
   const job::Profile profile = homing_profile(true);
   sim::WorldConfig world = world_with(profile, {300, 300, 300, 0});
   world.switches[2].broken_from = 0;
@@ -127,7 +127,7 @@ TEST(ChipHoming, ABrokenWireNeverLetsGo) {
   EXPECT_THAT(rig.answer("$HZ", 3000 * ps_per_ms), HasSubstr("ALARM:8\r\nerror:9\r\n"));
 }
 
-TEST(ChipProbe, TellsWhereItTouched) {
+TEST(ChipProbe, ReportsWhereItTouched) {
   job::Profile profile = homing_profile(true);
   profile.settings.set_milli(Id::homing, 0);
   std::mt19937_64 random(2);
@@ -141,19 +141,19 @@ TEST(ChipProbe, TellsWhereItTouched) {
         {.pin = sim::Pin::probe, .contacts = {contact}, .normally_closed = false});
     ChipRig rig(profile.settings, world);
     ASSERT_NO_FATAL_FAILURE(rig.boot());
-    // 2000 steps/s: within the 100 us in which it is looked at, which may miss the first rattles.
+    // 2000 steps/s: exact within the polling period of 100 us, which may miss the first bounces.
     const double most_steps = 1.1 + rattles_us * 2000 / 1e6;
     const std::string said = rig.answer("G38.2 Z-5 F600", 3000 * ps_per_ms);
     const std::size_t at = said.find("[PRB:0.000,0.000,");
     ASSERT_NE(at, std::string::npos) << said;
     EXPECT_THAT(said, HasSubstr(":1]\r\nok\r\n"));
     EXPECT_NEAR(std::stod(said.substr(at + 17)) * steps_per_mm, z, most_steps);
-    // 10 mm/s at 4 m/s2, 8 ms of it before that.
+    // Braking from 10 mm/s at 4 m/s2, after 8 ms of reaction.
     EXPECT_GT(rig.board.world().drives().position()[2], z - 3 - 16 - most_steps);
   }
 }
 
-TEST(ChipJog, LettingGoStopsAtOnce) {
+TEST(ChipJog, ReleaseStopsAtOnce) {
   job::Profile profile = homing_profile(true);
   profile.settings.set_milli(Id::homing, 0);
   ChipRig rig(profile);

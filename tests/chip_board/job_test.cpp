@@ -9,17 +9,16 @@ namespace lamplock::test {
 namespace {
 
 struct Case {
-  motion::JoinMode mode;
+  wire::JoinMode mode;
   bool lag = false;
   double jerk_m_s3 = 0;
 };
 
 TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
-  for (const Case& c :
-       {Case{motion::JoinMode::free}, Case{motion::JoinMode::start_stop},
-        Case{motion::JoinMode::free, true}, Case{motion::JoinMode::free, false, 500},
-        Case{motion::JoinMode::free, true, 500}, Case{motion::JoinMode::path},
-        Case{motion::JoinMode::path, false, 500}}) {
+  for (const Case& c : {Case{wire::JoinMode::free}, Case{wire::JoinMode::start_stop},
+                        Case{wire::JoinMode::free, true}, Case{wire::JoinMode::free, false, 500},
+                        Case{wire::JoinMode::free, true, 500}, Case{wire::JoinMode::path},
+                        Case{wire::JoinMode::path, false, 500}}) {
     SCOPED_TRACE(testing::Message() << "lag " << c.lag << " jerk " << c.jerk_m_s3);
     job::Profile profile = chip_profile(250);
     if (c.lag) {
@@ -58,10 +57,10 @@ TEST(ChipJob, StepsAndShotsAreThoseOfTheVirtualBoard) {
   }
 }
 
-/// The contract of the laser is 20 us: what a user who asks for 20 gets at the pins is never more,
-/// wherever between two clocks the edge comes.
-TEST(ChipJob, TheQSwitchComesAtTheDelayThatWasSetAtTheLatest) {
-  job::Profile profile = chip_profile(333);  // its edges come at every part of a clock
+/// The laser's contract is 20 us: a delay set to 20 us is never longer at the pins, wherever the
+/// edge lies between two clocks.
+TEST(ChipJob, TheQSwitchIsNeverLaterThanItsSetDelay) {
+  job::Profile profile = chip_profile(333);  // its edges occur at every phase of a clock
   constexpr double contract_us = 20;
   constexpr Picoseconds contract = 20 * ps_per_us, clock = 8 * sim::ps_per_ns;
   job::state_setting(profile, Id::q_switch_delay, contract_us, "test");
@@ -88,7 +87,7 @@ TEST_P(LongJob, KeepsTheLatticeAndTheShotsWithABusyLink) {
   job::Profile profile = chip_profile(GetParam().lamp_hz);
   job::set_acceleration(profile, GetParam().accel_m_s2);
   job::state_setting(profile, Id::q_switch_delay, GetParam().delay_us, "test");
-  // More than any buffer holds. From 2000 on a longer job shows nothing new.
+  // More than any buffer holds. More than 2000 points test nothing new.
   const auto points = static_cast<std::size_t>(std::min(scaled(300), 2000));
   const job::Job job = job::make_job(histogram_walk(points, 3), profile, {});
   ChipRig rig(profile);
@@ -100,7 +99,7 @@ TEST_P(LongJob, KeepsTheLatticeAndTheShotsWithABusyLink) {
   std::size_t junk = 0;
   for (bool more = true; more; more = running.sender.step()) {
     ASSERT_LT(rig.now(), limit) << rig.shots().size() << " shots";
-    // Between the frames somebody asks for the status and types what nobody understands.
+    // Status queries and invalid lines arrive between the frames.
     if (rig.board.usb_host().unsent() != 0) continue;
     rig.type(random() % 4 == 0 ? std::string(random() % 200, 'j') + "\n" : "?");
     ++junk;
@@ -112,7 +111,8 @@ TEST_P(LongJob, KeepsTheLatticeAndTheShotsWithABusyLink) {
   const sim::TimingTable table =
       timing.table(profile.settings.milli(Id::q_switch_delay) * ps_per_us / 1000);
   std::printf("%s", sim::timing_text(table).c_str());
-  // Two clocks are taken off the setting, and a part of one is rounded off (lamp/shot_delay.hpp).
+  // Two clocks are subtracted from the setting, and a fraction is rounded off
+  // (lamp/shot_delay.hpp).
   EXPECT_LE(table.phase_worst_ns, 3 * cycle_ns);
   EXPECT_LE(table.step_error_worst_ns, cycle_ns);
   for (const sim::TimingTable::Stack& stack : table.stacks) {

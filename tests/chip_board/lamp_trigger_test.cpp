@@ -1,5 +1,5 @@
 // A lamp that the machine triggers: every edge of its LAMP SYNC reaches the pad in its cycle,
-// however long the slices are in which the board runs.
+// however long the simulator's slices are.
 #include "tests/chip_board/chip_rig.hpp"
 
 namespace lamplock::test {
@@ -22,7 +22,7 @@ TEST(ChipLampTrigger, EchoEndsInItsCycle) {
     std::vector<std::pair<bool, Picoseconds>> edges;
   } sync(rig.board.chip());
   rig.board.bus().listen(sim::Pin::lamp_sync, sync);
-  // A job keeps the beat running; only then the lamp is triggered.
+  // The lamp is triggered only while a job keeps the beat running.
   const job::Job job = job::make_job(chip_points(20, 5), profile, {});
   RunningJob running(rig, job, 1);
   ASSERT_TRUE(running.run_until_fired(5));

@@ -1,4 +1,4 @@
-// The USB cable: garbage moves nothing, pulled and plugged in a job it costs only time; the boot
+// The USB cable: garbage moves nothing, pulling and plugging in a job costs only time, and the boot
 // loader starts at rest only.
 #include "tests/chip_board/cable_trouble.hpp"
 #include "tests/figure.hpp"
@@ -46,7 +46,7 @@ TEST(ChipLink, PulledAndPluggedInAJobAtRandomMoments) {
   run_jobs_with_cuts(rig, profile, cuts);
 }
 
-TEST(ChipLink, HalfALineIsNotFinishedByANewConnection) {
+TEST(ChipLink, AnIncompleteLineIsNotCompletedByANewConnection) {
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
@@ -83,7 +83,7 @@ TEST(ChipLink, TheBootLoaderStartsAtRestWithEverythingOff) {
   expect_figure("boot loader after $BOOT", rig.now() - asked, 0, 60);
   EXPECT_EQ(rig.energy.levels(), 0u);
   const Picoseconds there = rig.now();
-  rig.run(200 * ps_per_ms);  // longer than the watchdog waits
+  rig.run(200 * ps_per_ms);  // longer than the watchdog's period
   EXPECT_EQ(rig.board.chip().rom().state(), sim::chip::RomState::bootsel);
   EXPECT_FALSE(rig.energy.any_high_within(there, rig.now()));
   EXPECT_FALSE(rig.step_high());

@@ -1,5 +1,5 @@
-// Power fails at random moments while settings are written: the next start finds the old set or
-// the new one, never none.
+// Power fails at random moments while settings are written: the next start finds the old set or the
+// new one.
 #include <fmt/format.h>
 
 #include "tests/chip_board/chip_rig.hpp"
@@ -7,7 +7,7 @@
 namespace lamplock::test {
 namespace {
 
-/// Settings as `$$` lists them; nothing if the list is not whole.
+/// Settings as `$$` lists them; empty if the list is incomplete.
 std::optional<settings::Values> listed(ChipRig& rig) {
   const std::string list = rig.answer("$$");
   settings::Values values;
@@ -30,7 +30,7 @@ class PowerCut : public testing::Test {
     return std::uniform_int_distribution<Picoseconds>(0, most)(random_);
   }
   bool one_in(int n) { return std::uniform_int_distribution<>(1, n)(random_) == 1; }
-  /// Another value for one of some settings, as a line to type.
+  /// A line that changes one of some settings.
   std::string change(settings::Values& values) {
     constexpr Id ids[] = {Id::lamp_frequency, Id::travel_x, Id::acceleration_y, Id::dead_man,
                           Id::q_switch_delay};
@@ -54,7 +54,7 @@ TEST_F(PowerCut, WhileSettingsAreWritten) {
   const int cuts = scaled(25, 25);
   for (int cut = 0; cut < cuts; ++cut) {
     SCOPED_TRACE(testing::Message() << "cut " << cut);
-    // Some whole writes before, so that all places of all sectors have their turn.
+    // Complete writes before it, so that all places of all sectors are used.
     for (auto writes = random_() % 5; writes > 0; --writes) {
       const std::string line = change(old);
       ASSERT_EQ(rig.answer(line), "ok\r\n") << line;
@@ -65,9 +65,9 @@ TEST_F(PowerCut, WhileSettingsAreWritten) {
     rig.type(line + "\n");
     sim::chip::FlashChip& flash = rig.board.chip().flash();
     if (one_in(4)) {
-      rig.run(up_to(3 * ps_per_ms));  // before, in the middle, after
+      rig.run(up_to(3 * ps_per_ms));  // before, during or after the write
     } else {
-      // In the middle of whatever the flash does, or right after.
+      // During a flash operation, or right after it.
       const Picoseconds limit = rig.now() + 5 * ps_per_ms;
       while (!flash.busy(rig.now()) && rig.now() < limit) rig.run(10 * ps_per_us);
       rig.run(up_to(std::max<Picoseconds>(0, (flash.busy_until() - rig.now()) * 11 / 10)));

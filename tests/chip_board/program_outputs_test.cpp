@@ -1,5 +1,5 @@
-// Outputs and inputs of programs on the chip: how near to the tick outputs change, what an e-stop
-// leaves of them, waits for an input, drives at rest.
+// Outputs and inputs of programs on the chip: distance of output changes from their tick, outputs
+// after an e-stop, waits for an input, drives at rest.
 #include <fmt/format.h>
 
 #include "tests/chip_board/chip_rig.hpp"
@@ -58,7 +58,7 @@ class ChipOutputs : public testing::Test {
   WireLog aux_, air_, gate_;
 };
 
-/// A Z that hangs would sag.
+/// A hanging Z would fall if its drive were released.
 TEST_F(ChipOutputs, ALimitSwitchStopsTheMachineAndDrivesHoldOn) {
   ASSERT_TRUE(level(Pin::enable_z) && level(Pin::enable));
   const WireLog z(rig_, Pin::enable_z), drives(rig_, Pin::enable);
@@ -76,13 +76,13 @@ TEST_F(ChipOutputs, ALimitSwitchStopsTheMachineAndDrivesHoldOn) {
   EXPECT_TRUE(drives.edges.empty());
 }
 
-/// LASER GATE opens and shuts with the very tick that a line begins with.
+/// LASER GATE opens and closes exactly at the tick at which a line begins.
 TEST_F(ChipOutputs, ChangeWithin100MicrosecondsOfTheTick) {
   ProgramSender sender(rig_.board);
   std::string text = "G91 M3 S0 F3000\nG1 X1\n";
   const int lines = scaled(60);
   std::mt19937 random(2);
-  // To and fro: however many there are, they stay in the work space.
+  // Back and forth: any number of lines stays in the work area.
   for (int i = 0; i < lines; ++i)
     text += fmt::format(
         "M6{} P0\nG1 X{:.2f} S{}\n", i % 2 == 0 ? 2 : 3,
@@ -101,7 +101,7 @@ TEST_F(ChipOutputs, ChangeWithin100MicrosecondsOfTheTick) {
     latest = std::max(latest, late);
     soonest = std::min(soonest, late);
   }
-  std::cout << fmt::format("outputs change {:.1f} to {:.1f} us behind their tick\n",
+  std::cout << fmt::format("outputs change {:.1f} to {:.1f} us after their tick\n",
                            static_cast<double>(soonest) / ps_per_us,
                            static_cast<double>(latest) / ps_per_us);
   EXPECT_GE(soonest, -2 * ps_per_us);
@@ -148,7 +148,7 @@ TEST_F(ChipOutputs, HaveTheirDutyAsPwm) {
   EXPECT_NEAR(static_cast<double>(high) / static_cast<double>(end - begin), 0.3, 0.003);
 }
 
-/// Wherever in its period that is; the main loop takes a millisecond.
+/// The e-stop comes anywhere in the PWM period; the main loop takes a millisecond.
 TEST_F(ChipOutputs, AreOffWithTheEstopAsPwm) {
   std::mt19937 random(4);
   for (int i = 0; i < scaled(12); ++i) {
@@ -179,7 +179,7 @@ TEST_F(ChipOutputs, WaitForTheInput) {
   EXPECT_TRUE(level(Pin::air));
   set(Pin::aux_in, false);
   EXPECT_TRUE(run_until(Pin::air, false, 5 * ps_per_ms));
-  rig_.run(5 * ps_per_ms);  // what it says travels by USB
+  rig_.run(5 * ps_per_ms);  // until the text has arrived by USB
   rig_.listen();
   EXPECT_THAT(rig_.heard, HasSubstr("[MSG:Input 0 on]"));
   set(Pin::aux_in, true);

@@ -1,5 +1,5 @@
-// A sender of programs at the cable of any simulated board: counts characters as senders do, goes
-// on after an error, keeps what the board says.
+// A sender of programs at the cable of any simulated board: counts characters as senders do,
+// continues after an error, stores the board's text.
 #pragma once
 
 #include <algorithm>
@@ -19,9 +19,9 @@ class ProgramSender {
  public:
   explicit ProgramSender(sim::Board& board) : board_(board) {}
 
-  /// To be sent, whole lines, behind what was given before.
+  /// Appends whole lines to the text to be sent.
   void give(std::string_view text) { text_.append(text); }
-  /// Sends what there is room for, lets the board run, listens.
+  /// Sends what the board has room for, runs the board, and receives.
   void step(sim::Picoseconds time = 100 * sim::ps_per_us) {
     while (next_ < text_.size()) {
       const std::size_t size = text_.find('\n', next_) + 1 - next_;
@@ -35,14 +35,14 @@ class ProgramSender {
     listen();
   }
   bool all_sent() const { return next_ == text_.size(); }
-  /// And answered.
+  /// True if everything is sent and answered.
   bool answered() const { return all_sent() && under_way_.empty(); }
-  /// Until it is; false if it is not by `end`.
+  /// Runs until everything is answered; false if it is not by `end`.
   bool run_until_answered(sim::Picoseconds end) {
     while (!answered() && board_.now() < end) step();
     return answered();
   }
-  /// Until the machine stands, with nothing left to do; false if it does not by `end`.
+  /// Runs until the machine is at rest with nothing left to do; false if it is not by `end`.
   bool run_until_idle(sim::Picoseconds end) {
     while (board_.now() < end) {
       type("?");
@@ -53,15 +53,15 @@ class ProgramSender {
     return false;
   }
 
-  /// "ok" and "error:N", in order.
+  /// Answers "ok" and "error:N", in order.
   const std::vector<std::string>& answers() const { return answers_; }
-  /// When they came.
+  /// Their arrival times.
   const std::vector<sim::Picoseconds>& answer_times() const { return answer_times_; }
   std::size_t errors() const {
     return answers_.size() -
            static_cast<std::size_t>(std::count(answers_.begin(), answers_.end(), "ok"));
   }
-  /// Everything.
+  /// All text from the board.
   const std::string& heard() const { return heard_; }
 
   static constexpr std::size_t window = 1024;
@@ -88,7 +88,7 @@ class ProgramSender {
 
   sim::Board& board_;
   std::string text_, heard_;
-  std::size_t next_ = 0, read_ = 0;  ///< not sent; not understood
+  std::size_t next_ = 0, read_ = 0;  ///< first byte not sent, first byte not parsed
   std::deque<std::size_t> under_way_;
   std::size_t bytes_under_way_ = 0;
   std::vector<std::string> answers_;

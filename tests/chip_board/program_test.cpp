@@ -1,5 +1,5 @@
-// Programs of G-code on the chip: lines per second, and that they end where and when they do on the
-// virtual board.
+// G-code programs on the chip: lines per second; end positions and times equal those of the virtual
+// board.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ std::string spiral(std::size_t lines, double mm, double feed_mm_min) {
   return text;
 }
 
-/// Until the machine stands again; no line is refused.
+/// Runs until the machine is at rest again; no line is refused.
 void run(ProgramSender& sender, std::string_view text, Picoseconds end) {
   sender.give(text);
   EXPECT_TRUE(sender.run_until_answered(end));
@@ -46,8 +46,8 @@ void run(ProgramSender& sender, std::string_view text, Picoseconds end) {
   EXPECT_TRUE(sender.run_until_idle(end));
 }
 
-/// 50 um at 100 mm/s are 2000 lines a second: the machine is as fast as that only if the lines are
-/// parsed and planned so fast.
+/// 50 um at 100 mm/s are 2000 lines per second: the machine reaches the speed only if lines are
+/// parsed and planned at that rate.
 TEST(ChipProgram, RunsTwoThousandLinesASecond) {
   const job::Profile profile = program_profile();
   const auto lines = static_cast<std::size_t>(scaled(1000));
@@ -69,7 +69,7 @@ TEST(ChipProgram, RunsTwoThousandLinesASecond) {
   EXPECT_LE(seconds, 1.05 * plan.seconds() + 0.02);
 }
 
-/// Ends where the virtual board ends, as soon.
+/// Ends at the place and time of the virtual board.
 TEST(ChipProgram, EndsWhereAndWhenTheVirtualBoardDoes) {
   const job::Profile profile = program_profile();
   const std::string text =
@@ -87,8 +87,8 @@ TEST(ChipProgram, EndsWhereAndWhenTheVirtualBoardDoes) {
   EXPECT_THAT(sender.heard(), HasSubstr("[MSG:Pgm End]"));
 }
 
-/// How far from the spiral of spiral(), in lines of 20 um, the machine has been at most, mm. The
-/// radius falls by 1e-4 mm a line, in which the angle grows by 0.02 mm / radius: exponentially.
+/// Largest distance of the machine from the spiral of spiral() in lines of 20 um, mm. The radius
+/// falls by 1e-4 mm per line, in which the angle grows by 0.02 mm / radius: exponentially.
 double way_off(const ChipRig& rig, double steps_per_mm) {
   std::map<Picoseconds, std::pair<int, std::int32_t>> steps;
   for (int axis : {0, 1})
@@ -99,7 +99,7 @@ double way_off(const ChipRig& rig, double steps_per_mm) {
   bool begun = false;
   for (const auto& [time, step] : steps) {
     at[static_cast<std::size_t>(step.first)] = step.second / steps_per_mm;
-    begun = begun || step.first == 1;  // before there is the way to its beginning
+    begun = begun || step.first == 1;  // the move to the beginning comes first
     if (!begun) continue;
     angle += std::remainder(std::atan2(at[1], at[0]) - angle, 2 * std::numbers::pi);
     off = std::max(off, std::abs(std::hypot(at[0], at[1]) - 20 * std::exp(-angle * 1e-4 / 0.02)));
@@ -124,10 +124,10 @@ TEST(ChipProgram, RunsFiveThousandLinesASecond) {
   EXPECT_LE(seconds, 1.03 * plan.seconds() + 0.02);
 }
 
-/// Far more lines a second than it can read: the machine slows down, brakes wherever the next batch
-/// is late, also while that is being handed out, goes on from where it stands, and stays on its
+/// Far more lines per second than the board can read: the machine slows down, brakes where the next
+/// batch is late, also while that batch is handed out, resumes from its place, and stays on its
 /// path.
-TEST(ChipProgram, KeepsItsPathHoweverFastItIsAsked) {
+TEST(ChipProgram, KeepsItsPathAtAnyRequestedSpeed) {
   const job::Profile profile = program_profile();
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
@@ -136,15 +136,15 @@ TEST(ChipProgram, KeepsItsPathHoweverFastItIsAsked) {
   const auto lines = static_cast<std::size_t>(scaled(2000, 2000));
   const Picoseconds begin = rig.now();
   run(sender, spiral(lines, 0.02, 30'000), begin + 60 * ps_per_s);
-  // Two steps of 5 um, and what the junction deviation and chords make.
+  // Two steps of 5 um, and the deviation at junctions and chords.
   EXPECT_LE(way_off(rig, 200), 0.025);
   EXPECT_GE(static_cast<double>(lines) / sim::seconds(rig.now() - begin), 3500);
   EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
 }
 
-/// Where motors are made of two axes the board reads fewer lines, and not fewer still when asked
-/// for more of them.
-TEST(ChipProgram, ACoreXyIsNoSlowerForBeingAskedTooMuch) {
+/// With motors that combine two axes the board reads fewer lines per second, but not even fewer
+/// when more are requested.
+TEST(ChipProgram, ACoreXyIsNotSlowerAtExcessiveSpeeds) {
   job::Profile profile = program_profile();
   profile.settings.set_milli(Id::kinematics, 1000);
   std::vector<double> rates;
@@ -162,7 +162,7 @@ TEST(ChipProgram, ACoreXyIsNoSlowerForBeingAskedTooMuch) {
   for (const double rate : rates) EXPECT_GE(rate, 0.9 * rates.front());
 }
 
-TEST(ChipProgram, EndsWhereItShouldThoughLinesAreLate) {
+TEST(ChipProgram, EndsAtItsPlaceThoughLinesAreLate) {
   const job::Profile profile = program_profile();
   for (const double feed_mm_s : {80, 100, 250}) {
     SCOPED_TRACE(feed_mm_s);
@@ -195,8 +195,8 @@ TEST(ChipProgram, HoldsAndResets) {
   EXPECT_THAT(rig.heard, HasSubstr("ALARM:3"));
 }
 
-/// Points on the beat, by path and freely, with lines before, between and behind: the same shots as
-/// on the virtual board.
+/// Points on the beat, in path mode and free, with lines before, between and after them: the same
+/// shots as on the virtual board.
 TEST(ChipProgram, FiresPointsOnTheBeatAsTheVirtualBoardDoes) {
   const job::Profile profile = chip_profile();
   std::string text = "G21 G90\nG0 X1\nM130 P0\nF6000\n";

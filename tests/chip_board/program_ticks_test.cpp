@@ -1,15 +1,14 @@
 // A program on the chip and on the virtual board: the same steps at the same ticks, and the same
 // light.
 //
-// Both plan a line when it comes to be planned, with the lines behind it that are known by then. A
-// planner that is not starved knows more of them than it needs, so what it plans does not depend on
-// when they came. Where a program begins, there is but its first line: this one begins with a long
-// way, as programs do.
+// Both plan a line with the later lines that are known at that time. A planner that is not starved
+// knows more lines than it needs, so its plans do not depend on their arrival. At the begin of a
+// program only the first line is known, so this program begins with a long move, as programs do.
 //
-// A file of programs is compared by
+// To compare a file with programs:
 //   LAMPLOCK_PROGRAM=part.ngc LAMPLOCK_PROGRAM_SECONDS=20
 //   test_chip_board --gtest_filter='*Ticks*Cartesian' in its environment,
-// which takes some times as long as the chip needs.
+// which takes several times as long as the program on the chip.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -25,7 +24,7 @@
 namespace lamplock::test {
 namespace {
 
-/// A laser cutter as many are, with room for large parts, and no lamp.
+/// A common laser cutter with a large work area and no lamp.
 job::Profile laser_cutter() {
   job::Profile profile = chip_profile();
   job::set_acceleration(profile, 2);
@@ -52,7 +51,7 @@ std::string wave(int lines, double x, double y) {
   return text;
 }
 
-/// Pixels with a power each, in one line.
+/// Pixels with individual powers, in one line.
 std::string row(int pixels, double x, double pixel_mm) {
   std::string text = fmt::format("G1 X{:.3f} S", x + pixels * pixel_mm);
   for (int i = 0; i < pixels; ++i)
@@ -75,11 +74,11 @@ std::string mixed_program() {
 
 struct Program {
   std::string text = mixed_program();
-  double seconds = 100;    ///< of it
-  std::size_t dwells = 1;  ///< in them; those of a file are not known
+  double seconds = 100;    ///< of the program to compare
+  std::size_t dwells = 1;  ///< in the program; unknown for a file
 };
 
-/// The one that the environment names, or ours.
+/// The program that the environment names, or the built-in one.
 Program program_to_compare() {
   Program program;
   if (const char* file = std::getenv("LAMPLOCK_PROGRAM")) {
@@ -98,7 +97,7 @@ struct ProgramRun {
   bool ended = false;
 };
 
-/// To its end, or for so long from its first step on, and a bit.
+/// Runs to the end, or for the given time from the first step and a little longer.
 ProgramRun run(sim::Board& board, const PinMonitor& monitor, const Program& program) {
   constexpr sim::Picoseconds start = 10 * ps_per_s, more = ps_per_s / 2;
   const auto length = static_cast<Picoseconds>(program.seconds * 1e12);
@@ -115,7 +114,7 @@ ProgramRun run(sim::Board& board, const PinMonitor& monitor, const Program& prog
   return result;
 }
 
-/// As far as both have come.
+/// Compares the answers that both have given.
 void expect_same_answers(const std::vector<std::string>& ours,
                          const std::vector<std::string>& theirs) {
   const std::size_t count = std::min(ours.size(), theirs.size());
@@ -145,7 +144,7 @@ void print(const TraceComparison& steps, const LightComparison& light) {
                            light.other_energy());
 }
 
-/// Which motors move which axes.
+/// Assignment of motors to axes.
 struct Motors {
   std::string name;
   Id id;
@@ -161,7 +160,7 @@ INSTANTIATE_TEST_SUITE_P(Motors, ProgramTicks,
 TEST_P(ProgramTicks, AndLightAreThoseOfTheVirtualBoard) {
   const Program program = program_to_compare();
   job::Profile profile = laser_cutter();
-  profile.settings.set_milli(Id::pin_map, 1000);  // the second motor of an axis is that of A
+  profile.settings.set_milli(Id::pin_map, 1000);  // A's motor is the second motor of an axis
   profile.settings.set_milli(GetParam().id, GetParam().value * 1000);
   sim::VirtualBoard board(profile.settings, chip_world(profile));
   const PinMonitor monitor(board.bus(), board.world().lamp());
@@ -174,7 +173,7 @@ TEST_P(ProgramTicks, AndLightAreThoseOfTheVirtualBoard) {
     ours.trace.cut(ours.trace.first_step() + static_cast<Picoseconds>(program.seconds * 1e12));
   expect_same_answers(ours.answers, theirs.answers);
   const TraceComparison steps(ours.trace, theirs.trace, ours.ended);
-  // A cell has the power in its middle.
+  // A cell has the power of its middle.
   constexpr Picoseconds raster = 9 * ps_per_us;
   const LightComparison light(ours.trace, theirs.trace, steps, raster);
   print(steps, light);

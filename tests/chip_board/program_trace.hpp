@@ -1,9 +1,9 @@
-// What a program did at the pins of a board, and how far two boards agree about it: every step of
+// Traces of a program at the pins of a board and their comparison between two boards: every step of
 // every axis, the gate and the power of the continuous laser.
 //
-// Two boards begin to move at different times, and so they do after each rest (a dwell, a change of
-// the spindle): when their main loops come round. Between two rests one plan runs, so there one
-// offset holds for everything. It is found at the first step of such a stretch.
+// Two boards begin to move at different times at the start and after each rest (a dwell, a change
+// of the spindle), because their main loops differ in phase. Between two rests one plan runs, so
+// one offset applies to everything. It is measured at the first step of such a stretch.
 #pragma once
 
 #include <algorithm>
@@ -20,11 +20,11 @@
 
 namespace lamplock::test {
 
-/// Of one board.
+/// Trace of one board.
 struct ProgramTrace {
   PerAxis<std::vector<PinMonitor::Step>> steps;
   std::vector<sim::BeamChange> light;
-  sim::Picoseconds end = 0;  ///< what happened later is not known
+  sim::Picoseconds end = 0;  ///< later events are unknown
 
   std::size_t total() const {
     std::size_t sum = 0;
@@ -37,7 +37,7 @@ struct ProgramTrace {
       if (!axis.empty()) first = std::min(first, axis.front().at);
     return first;
   }
-  /// Forgets what happened after `at`.
+  /// Drops events after `at`.
   void cut(sim::Picoseconds at) {
     for (auto& axis : steps)
       axis.erase(std::partition_point(axis.begin(), axis.end(),
@@ -59,19 +59,19 @@ inline ProgramTrace trace_of(const PinMonitor& monitor, const sim::Beam& beam,
   return trace;
 }
 
-/// A time without a rest, by the steps of one board.
+/// A stretch of time without a rest, by the steps of one board.
 struct Stretch {
-  sim::Picoseconds first = 0, last = 0;  ///< steps
-  sim::Picoseconds offset = 0;           ///< the other board is so much later
+  sim::Picoseconds first = 0, last = 0;  ///< times of its first and last step
+  sim::Picoseconds offset = 0;           ///< the other board's delay
 };
 
 /// Two traces, step by step.
 class TraceComparison {
  public:
-  /// Nobody steps for so long: a rest.
+  /// Minimum time without steps that counts as a rest.
   static constexpr sim::Picoseconds least_rest = 15 * sim::ps_per_ms;
 
-  /// `to_the_end`: of the program, both of them; else the other one may go on.
+  /// `to_the_end`: both traces reach the end of the program; else the other one may be longer.
   TraceComparison(const ProgramTrace& one, const ProgramTrace& other, bool to_the_end)
       : one_(one), other_(other), to_the_end_(to_the_end) {
     find_stretches();
@@ -80,16 +80,16 @@ class TraceComparison {
   }
 
   const std::vector<Stretch>& stretches() const { return stretches_; }
-  /// Steps and edges of the gate that both have, in the same order.
+  /// Number of steps and gate edges that both have, in the same order.
   std::size_t steps() const { return steps_; }
   std::size_t gate_edges() const { return gate_edges_; }
-  /// Largest difference of their times, the offset of the stretch left out.
+  /// Largest difference of their times, without the stretch's offset.
   sim::Picoseconds largest_step_error() const { return step_error_; }
   sim::Picoseconds largest_gate_error() const { return gate_error_; }
-  /// The first step or edge that only one of them has, or that goes elsewhere; or nothing.
+  /// The first step or edge that only one trace has or that differs; or empty.
   const std::string& difference() const { return difference_; }
 
-  /// The other board's time at a time of the first one's.
+  /// Converts a time of the first board to the other board's time.
   sim::Picoseconds in_other(sim::Picoseconds at, bool of_the_stretch_to_come) const {
     return at + stretch_of(at, of_the_stretch_to_come).offset;
   }
@@ -109,13 +109,13 @@ class TraceComparison {
     for (const Place& place : places) {
       if (stretches_.empty() || place.at - stretches_.back().last > least_rest) {
         const auto& theirs = other_.steps[place.axis];
-        if (place.index >= theirs.size()) break;  // told by compare_axis()
+        if (place.index >= theirs.size()) break;  // reported by compare_axis()
         stretches_.push_back({place.at, place.at, theirs[place.index].at - place.at});
       }
       stretches_.back().last = place.at;
     }
   }
-  /// The one that has begun last, or the one that begins next.
+  /// The last stretch that has begun by `at`, or the next one.
   const Stretch& stretch_of(sim::Picoseconds at, bool to_come) const {
     static const Stretch none;
     if (stretches_.empty()) return none;
@@ -162,7 +162,7 @@ class TraceComparison {
     }
     return edges;
   }
-  /// It may open before the first step of a stretch, and shut behind its last.
+  /// The gate may open before the first step of a stretch and close after its last.
   void compare_gate() {
     const std::vector<Edge> ours = gate_of(one_), theirs = gate_of(other_);
     gate_edges_ = std::min(ours.size(), theirs.size());
@@ -183,8 +183,8 @@ class TraceComparison {
   std::string difference_;
 };
 
-/// The light of two traces whose steps agree. Power is put out in rasters of their own, so what the
-/// other one has at a time is held against all that the first has within `raster` of it.
+/// The light of two traces whose steps agree. Each board outputs power in its own raster, so the
+/// other's power at a time is compared with the first's powers within `raster` of that time.
 class LightComparison {
  public:
   LightComparison(const ProgramTrace& one, const ProgramTrace& other, const TraceComparison& times,
@@ -197,11 +197,11 @@ class LightComparison {
     other_energy_ = energy(other, times.in_other(one.end, false));
   }
 
-  /// Times at which both shine.
+  /// Number of samples at which both have light.
   std::size_t samples() const { return samples_; }
-  /// How far power lies outside, at most; of 65535.
+  /// Largest power outside the permitted range; of 65535.
   int largest_error() const { return error_; }
-  /// Full power for so many seconds.
+  /// Energy as seconds of full power.
   double energy() const { return energy_; }
   double other_energy() const { return other_energy_; }
 

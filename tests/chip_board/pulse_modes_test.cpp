@@ -1,5 +1,5 @@
 // The flash image with drives of every kind: no pulse that a drive would lose, the same steps at
-// the same ticks as on the virtual board, and an e-stop that keeps the place.
+// the same ticks as on the virtual board, and an e-stop that keeps the position.
 #include <fmt/format.h>
 
 #include <random>
@@ -43,7 +43,7 @@ class PulseModes : public testing::TestWithParam<Pulses> {
   }
 };
 
-/// A long way first, as program_ticks_test.cpp has it; then back and forth.
+/// A long move first, as in program_ticks_test.cpp; then back and forth.
 std::string zigzag(unsigned seed, int lines) {
   std::mt19937_64 random(seed);
   const auto pick = [&random](double from, double to) {
@@ -68,7 +68,7 @@ ProgramRun run(sim::Board& board, const StepLog& log, const std::string& text) {
   const Picoseconds end = board.now() + 20 * ps_per_s;
   ProgramRun result;
   result.ended = sender.run_until_answered(end) && sender.run_until_idle(end);
-  board.run_until(board.now() + 5 * ps_per_ms);  // what is filled is put out
+  board.run_until(board.now() + 5 * ps_per_ms);  // until the ticks handed out are over
   EXPECT_EQ(sender.errors(), 0u) << sender.heard();
   result.trace.steps = log.steps();
   result.trace.end = board.now();
@@ -77,7 +77,7 @@ ProgramRun run(sim::Board& board, const StepLog& log, const std::string& text) {
 
 TEST_P(PulseModes, StepAsOnTheVirtualBoardAndKeepTheDrivesTimes) {
   job::Profile machine = profile(GetParam());
-  // Without a lamp, whose lock would pull at the ticks of each board in its own way.
+  // Without a lamp, whose lock would adjust the ticks of each board differently.
   job::state_setting(machine, Id::lamp_mode, 0, "test");
   const std::string text = zigzag(1, scaled(60));
   sim::VirtualBoard board(machine.settings, chip_world(machine));
@@ -86,7 +86,7 @@ TEST_P(PulseModes, StepAsOnTheVirtualBoardAndKeepTheDrivesTimes) {
   ChipRig rig(machine);
   const StepLog their_log(machine.settings, rig.board.bus());
   ASSERT_NO_FATAL_FAILURE(rig.boot());
-  EXPECT_EQ(their_log.total(), 0u) << "the start makes no step";
+  EXPECT_EQ(their_log.total(), 0u) << "the start must not make a step";
   const ProgramRun theirs = run(rig.board, their_log, text);
   ASSERT_TRUE(ours.ended && theirs.ended);
   const TraceComparison steps(ours.trace, theirs.trace, true);
@@ -115,7 +115,7 @@ TEST_P(PulseModes, JobsHitTheirPointsAndAnEmergencyStopKeepsThePlace) {
     for (std::size_t i = before; i < rig.shots().size(); ++i)
       for (std::size_t axis = 0; axis < 3; ++axis)
         EXPECT_EQ(rig.shots()[i].steps[axis], running.job.targets[i - before].steps[axis]) << i;
-    // It turns at the beats: soon behind one.
+    // Motion reverses at the beats: the e-stop comes soon after one.
     const Picoseconds pressed = rig.shots().at(rig.shots().size() - 1).at + 3 * ps_per_ms +
                                 static_cast<Picoseconds>(random() % 60) * ps_per_us;
     ASSERT_GT(pressed, rig.now());
@@ -133,7 +133,7 @@ TEST_P(PulseModes, JobsHitTheirPointsAndAnEmergencyStopKeepsThePlace) {
   expect_no_violations(rig);
 }
 
-/// Low while the board does not drive it: with a pull-down that is off.
+/// Low while the board does not drive the pad: with a pull-down that is off.
 TEST(DrivesEnable, IsActiveHighIfTheSettingsSaySo) {
   constexpr unsigned pad = boards::gpio(boards::Role::drives_enable);
   for (const bool active_high : {false, true}) {
@@ -146,7 +146,7 @@ TEST(DrivesEnable, IsActiveHighIfTheSettingsSaySo) {
     EXPECT_TRUE(rig.board.bus().level(sim::Pin::enable));
     EXPECT_EQ(rig.answer(active_high ? "$4=0" : "$4=1"), "ok\r\n");
     rig.run(20 * ps_per_ms);
-    EXPECT_EQ(level(), active_high) << "in force from the next start on";
+    EXPECT_EQ(level(), active_high) << "must apply from the next start on";
     rig.board.world().schedule(sim::Pin::estop, true, rig.now());
     rig.run(20 * ps_per_ms);
     EXPECT_EQ(level(), !active_high);

@@ -1,5 +1,5 @@
-// The pulse stream's own interface on USB: a job over it is the same as over the serial port,
-// whatever the serial port says meanwhile; the dead man, the cable and what Windows asks.
+// The pulse stream's own USB interface: a job over it is the same as over the serial port, whatever
+// arrives at the serial port; the dead man's timeout, the cable and the requests of Windows.
 #include <algorithm>
 
 #include "tests/chip_board/cable_trouble.hpp"
@@ -11,14 +11,14 @@ using sim::chip::UsbFunction;
 using testing::HasSubstr;
 using testing::Not;
 
-/// A booted rig that talks over one of the functions.
+/// A booted rig that uses one of the functions.
 struct FunctionRig : ChipRig {
   FunctionRig(const job::Profile& profile, UsbFunction function) : ChipRig(profile) {
     boot();
     board.talk_over(function);
   }
   sim::chip::UsbHost& host() { return board.usb_host(); }
-  /// Beside what the rig talks over.
+  /// Opens both functions, whichever the rig uses.
   void open_both() {
     host().open_serial(true);
     host().claim_vendor(true);
@@ -33,7 +33,7 @@ struct FunctionRig : ChipRig {
   }
 };
 
-/// What a job has done: every shot's place and beat from the first one on, every step.
+/// Results of a job: every shot's place and beat from the first one on, every step.
 struct Deeds {
   std::vector<std::tuple<std::int64_t, StepPosition>> shots;
   std::vector<Step> steps;
@@ -49,8 +49,8 @@ Deeds deeds_of(const ChipRig& rig) {
   return deeds;
 }
 
-/// Things that programs say which are not meant for a machine at work: polls, resets, a service
-/// that looks for modems, a line of a program, half a line.
+/// Text from programs that is not meant for a working machine: polls, resets, a service that probes
+/// for modems, a program line, an incomplete line.
 std::string chatter(std::mt19937_64& random) {
   static const std::array<std::string, 8> words{"?",         "!",       "\x18",      "~",
                                                 "AT+GCAP\r", "G1 X5\n", "\x7e\x78~", "$110="};
@@ -74,7 +74,7 @@ TEST(ChipPulseStream, AJobIsTheSameOverBothFunctions) {
   EXPECT_TRUE(deeds[0] == deeds[1]);
 }
 
-// And the other way round: what is said over the stream's interface, to a job over the serial port.
+// Vice versa: text over the stream's interface during a job over the serial port.
 TEST(ChipPulseStream, ChatterOverTheOtherFunctionDisturbsNoJob) {
   const job::Profile profile = chip_profile(1000);
   const job::Job job =
@@ -104,8 +104,8 @@ TEST(ChipPulseStream, ChatterOverTheOtherFunctionDisturbsNoJob) {
   }
 }
 
-// From its first line on, though it polls in the packet of a line, as senders do.
-TEST(ChipPulseStream, TheSerialPortIsHeardAgainASecondAfterTheStream) {
+// Its first line is answered, even with a poll in the packet of the line, as senders do it.
+TEST(ChipPulseStream, TheSerialPortIsAnsweredASecondAfterTheStream) {
   FunctionRig rig(chip_profile(), UsbFunction::vendor);
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
   rig.open_both();
@@ -121,7 +121,7 @@ TEST(ChipPulseStream, TheSerialPortIsHeardAgainASecondAfterTheStream) {
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:")) << "the stream is never refused at rest";
 }
 
-// Somebody looks what has been plugged in, before the job's host is back, and goes on so.
+// Another program keeps querying the new device, beginning before the job's host is back.
 TEST(ChipPulseStream, PulledAndPluggedInAJobAtRandomMoments) {
   const job::Profile profile = chip_profile();
   FunctionRig rig(profile, UsbFunction::vendor);
@@ -138,7 +138,7 @@ TEST(ChipPulseStream, PulledAndPluggedInAJobAtRandomMoments) {
   run_jobs_with_cuts(rig, profile, cuts);
 }
 
-TEST(ChipPulseStream, ASilentHostIsADeadManAndTheSerialPortCanAskLater) {
+TEST(ChipPulseStream, ASilentHostTriggersTheDeadMansTimeoutAndTheSerialPortWorksLater) {
   job::Profile profile = chip_profile();
   profile.settings.set_milli(Id::dead_man, 200'000);  // ms
   FunctionRig rig(profile, UsbFunction::vendor);
@@ -146,10 +146,10 @@ TEST(ChipPulseStream, ASilentHostIsADeadManAndTheSerialPortCanAskLater) {
   const job::Job job = job::make_job(chip_points(100, 3), profile, {});
   RunningJob running(rig, job, 1);
   ASSERT_TRUE(running.run_until_fired(10));
-  // The program hangs. It has the interface, and nobody reads.
+  // The host program hangs; it has the interface open and does not read.
   const Picoseconds silent = rig.now();
   const Picoseconds limit = profile.settings.milli(Id::dead_man) * ps_per_us;
-  // The machine brakes; then it is held.
+  // The machine brakes and is held.
   rig.run(limit + 100 * ps_per_ms);
   const std::size_t fired = rig.shots().size();
   rig.say_beside("?", UsbFunction::serial);
@@ -161,7 +161,7 @@ TEST(ChipPulseStream, ASilentHostIsADeadManAndTheSerialPortCanAskLater) {
   EXPECT_THAT(rig.heard_beside(UsbFunction::serial), HasSubstr("<Hold"));
   EXPECT_EQ(rig.shots().size(), fired);
   EXPECT_LT(fired, job.targets.size());
-  // The program wakes up and has its job back.
+  // The host program continues its job.
   EXPECT_EQ(running.finish(), link::JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job));
   expect_no_violations(rig);
@@ -190,7 +190,7 @@ TEST(ChipPulseStream, ABadCableCostsTimeOnly) {
     RunningJob running(rig, job, 1);
     ASSERT_EQ(running.finish(), link::JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job));
-    EXPECT_EQ(running.sender.result().resent, 0u) << "USB itself repeats";
+    EXPECT_EQ(running.sender.result().resent, 0u) << "USB itself must retransmit";
     EXPECT_GT(faults, 20);
     repeated += rig.host().statistics().repeated;
     expect_no_violations(rig);

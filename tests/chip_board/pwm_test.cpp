@@ -1,6 +1,6 @@
-// LASER PWM as the world sees it behind its low-pass: power is the part of the time in which the
-// pin is high, told with the time from which on it holds. The duties are put into the chip's PWM by
-// hand; the pin is watched beside it.
+// LASER PWM after its low-pass: power is the fraction of the time in which the pin is high,
+// reported with the time from which it applies. The test writes duties to the chip's PWM itself and
+// monitors the pin.
 #include <random>
 
 #include "tests/chip_board/chip_rig.hpp"
@@ -12,7 +12,7 @@ constexpr std::uint32_t period_counts = 2000;  // laser_pwm.hpp
 constexpr Picoseconds clock = 8 * sim::ps_per_ns;
 constexpr Picoseconds period = period_counts * clock;
 
-/// How long the pin has been high.
+/// Total time with the pin high.
 class HighTime final : public sim::chip::PadListener {
  public:
   explicit HighTime(sim::chip::Chip& chip) : chip_(chip) { chip.gpio().listen(*this); }
@@ -28,7 +28,7 @@ class HighTime final : public sim::chip::PadListener {
   }
   Picoseconds up_to(Picoseconds now) const { return level_ ? sum_ + now - edge_ : sum_; }
   bool level() const { return level_; }
-  /// The latest.
+  /// The latest edge.
   Picoseconds edge() const { return edge_; }
 
  private:
@@ -37,7 +37,7 @@ class HighTime final : public sim::chip::PadListener {
   bool level_ = false;
 };
 
-/// What was told.
+/// The reported powers.
 class PowerLog final : public sim::PowerListener {
  public:
   struct Change {
@@ -58,7 +58,7 @@ class PowerLog final : public sim::PowerListener {
   std::uint16_t power() const {
     return changes_.empty() ? std::uint16_t{0} : changes_.back().power;
   }
-  /// Time at full power that would give the same energy.
+  /// Time at full power with the same energy.
   double energy_ps(Picoseconds end) const {
     double sum = 0;
     for (std::size_t i = 0; i < changes_.size(); ++i) {
@@ -78,7 +78,7 @@ class LaserPwm : public testing::Test {
     ASSERT_NO_FATAL_FAILURE(rig_.boot());
     ASSERT_EQ(log_.power(), 0);
   }
-  /// Counts high of each period from the next one on.
+  /// Sets the high counts per period, from the next period on.
   void put(std::uint32_t counts) {
     constexpr std::uint32_t slice = EnergyPads::pwm / 2 % 8, channel = EnergyPads::pwm % 2;
     constexpr std::uint32_t compare = 0x4005'000c + 0x14 * slice;  // PWM CHn_CC
@@ -88,7 +88,7 @@ class LaserPwm : public testing::Test {
   static std::uint16_t power_of(std::uint32_t counts) {
     return static_cast<std::uint16_t>(counts * 65'535 / period_counts);
   }
-  /// Until a duty that was put is the one at the pin, and known.
+  /// Runs until the last duty is at the pin and reported.
   void settle() { rig_.run(3 * period); }
 
   ChipRig rig_;
@@ -104,14 +104,14 @@ TEST_F(LaserPwm, PowerIsTheDuty) {
   }
 }
 
-TEST_F(LaserPwm, OffIsToldFromTheEndOfTheLastPeriodAndFullFromItsBegin) {
+TEST_F(LaserPwm, OffIsReportedFromTheEndOfTheLastPeriodAndFullFromItsBegin) {
   put(700);
   settle();
   const std::size_t before = log_.changes().size();
   put(0);
   settle();
   ASSERT_EQ(log_.changes().size(), before + 1);
-  // The last pulse, 700 counts long, fell; the period it belongs to counts whole.
+  // The last pulse, 700 counts long, has ended; its period counts as a whole.
   EXPECT_EQ(log_.changes().back().at, pin_.edge() + period - 700 * clock);
   put(period_counts);
   settle();
@@ -125,7 +125,7 @@ TEST_F(LaserPwm, OffIsToldFromTheEndOfTheLastPeriodAndFullFromItsBegin) {
   EXPECT_EQ(log_.changes().back().at, pin_.edge());
 }
 
-/// As a program that follows the speed has it, and pulses of a period or none at all.
+/// Duties of a program that follows the speed, and pulses of one period or none.
 TEST_F(LaserPwm, EnergyIsTheTimeThatThePinIsHigh) {
   std::mt19937_64 random(1);
   const auto pick = [&random](std::uint32_t least, std::uint32_t most) {

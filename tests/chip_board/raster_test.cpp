@@ -12,7 +12,7 @@
 namespace lamplock::test::raster_test {
 namespace {
 
-/// On a board that has been booted.
+/// Engraves on a booted board.
 void expect_engraved(ChipRig& rig, const Raster& raster, double lead_us, bool lists) {
   ProgramSender sender(rig.board);
   sender.give(raster.program(lists));
@@ -45,14 +45,14 @@ TEST(ChipRaster, OfListsOfPowersWithALeadOfTheLaserIsTheSame) {
   expect_engraved(rig, sized_raster(2, 200, 4), 180, true);
 }
 
-/// Every pixel another power, at the full speed.
+/// Every pixel has another power, at full speed.
 TEST(ChipRaster, OfGreyPixelsKeepsItsSpeed) {
   ChipRig rig(raster_machine());
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   expect_engraved(rig, sized_raster(3, 400, 1), 0, true);
 }
 
-/// An e-stop in the light starts the lattice anew, at any tick, and LASER PWM with it.
+/// An e-stop with light on restarts the lattice, at any tick, and LASER PWM with it.
 TEST(ChipRaster, IsInItsPlaceAfterAnEStop) {
   std::mt19937_64 random(1);
   for (int i = 0; i < scaled(2); ++i) {
@@ -70,7 +70,7 @@ TEST(ChipRaster, IsInItsPlaceAfterAnEStop) {
   }
 }
 
-/// M4: over a ramp of 20 ms each period of LASER PWM has the power of the speed in it.
+/// M4: over a ramp of 20 ms each period of LASER PWM has the power of its speed.
 TEST(ChipRaster, PowerInProportionFollowsTheSpeedInEachPeriod) {
   constexpr double accel_mm_s2 = 20'000, feed_mm_s = 400;
   constexpr Picoseconds period = 16 * ps_per_us;
@@ -90,7 +90,7 @@ TEST(ChipRaster, PowerInProportionFollowsTheSpeedInEachPeriod) {
   for (std::size_t i = 1; i < light.size() && light[i].at < ramp_end; ++i)
     if (light[i].power > light[i - 1].power) ++changes;
   EXPECT_GT(changes, 0.95 * 20 * ps_per_ms / period);
-  // Speed by forty steps is that in the middle of their time; the tick rounds both ends.
+  // The speed from forty steps is that in the middle of their time; both ends are rounded to ticks.
   constexpr std::size_t steps = 40;
   constexpr double mm = steps * 0.005;
   double worst = 0;
@@ -98,7 +98,7 @@ TEST(ChipRaster, PowerInProportionFollowsTheSpeedInEachPeriod) {
     const double seconds = static_cast<double>(x[i + steps].at - x[i].at) * 1e-12;
     const Picoseconds middle = (x[i].at + x[i + steps].at) / 2;
     const double speed = mm / seconds, tick = speed * 1e-6 / seconds;
-    // Where the ramp begins or ends inside, it is the mean of more than a period.
+    // An interval with an end of the ramp is the mean of more than a period.
     if (speed < 0.1 * feed_mm_s || std::abs(feed_mm_s - speed) < accel_mm_s2 * seconds) continue;
     const double power = beam.at(middle).light() * feed_mm_s / 65'535;
     worst = std::max(worst, std::abs(power - speed) - tick);

@@ -1,4 +1,4 @@
-// Jobs of rows on the chip: steps and light of the virtual board, at the speed of grey pixels.
+// Row jobs on the chip: steps and light equal the virtual board's, at the speed of grey pixels.
 #include <fmt/format.h>
 
 #include <iostream>
@@ -12,7 +12,7 @@
 namespace lamplock::test {
 namespace {
 
-/// Sends rows to a board; what its pins did.
+/// Sends rows to a board; returns the trace of its pins.
 ProgramTrace burn(sim::Board& board, const PinMonitor& monitor, const Raster& raster) {
   link::SimulatedTransport transport(board);
   wire::JobHeader header;
@@ -38,7 +38,7 @@ TEST(ChipRows, AndLightAreThoseOfTheVirtualBoard) {
   EXPECT_GT(steps.steps(), 10'000u);
   EXPECT_EQ(steps.largest_step_error(), 0);
   EXPECT_EQ(steps.largest_gate_error(), 0);
-  // A cell of LASER PWM has the power in its middle; a duty has 2000 counts.
+  // A cell of LASER PWM has the power of its middle; a duty has 2000 counts.
   const LightComparison light(ours, chips, steps, 9 * ps_per_us);
   EXPECT_GT(light.samples(), 1000u);
   EXPECT_LE(light.largest_error(), 66);

@@ -1,5 +1,5 @@
-// The second core plans: with it and without it the job is the same, and whatever happens on the
-// first one while it does so loses no point.
+// The second core plans: the job is the same with and without it, and events on the first core
+// during planning lose no point.
 #include "tests/chip_board/chip_rig.hpp"
 #include "tests/chip_board/sleep_watch.hpp"
 
@@ -14,7 +14,7 @@ using testing::Not;
 constexpr std::uint32_t sram = 0x2000'0000;
 constexpr const char* alone = "[MSG:Core 1 does not answer: core 0 plans]";
 
-/// A chip that has but one core, as other simulators do, from the end of the loader on.
+/// A chip with only one core, as in other simulators, from the end of the loader on.
 void hold_second_core(ChipRig& rig) {
   constexpr std::uint32_t psm_frce_off = 0x4001'0004, proc1 = 1u << 16;
   for (int i = 0; i < 10'000 && rig.core().reg(15) < sram; ++i) rig.run(100 * ps_per_us);
@@ -55,7 +55,7 @@ TEST(SecondCore, WithItAndWithoutTheJobIsTheSame) {
 class WhileItPlans : public BootedRig {
  protected:
   WhileItPlans() : BootedRig(21) {}
-  /// Somewhere into a plan, one of which has to begin: if none does, the job is over by then.
+  /// Runs into a plan, which must begin: if none does, the job is over.
   void run_somewhere_into_a_plan() {
     ASSERT_TRUE(run_into_a_plan(rig()));
     rig().run(up_to(2 * ps_per_ms));
@@ -67,7 +67,7 @@ class WhileItPlans : public BootedRig {
 TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
   std::uint32_t session = 0;
   Picoseconds judged_from = 0;
-  // More than are planned ahead: with 80 the last plan is made when a handful has been fired.
+  // More points than are planned ahead: with 80 the last plan is made after a few shots.
   constexpr std::size_t points = 150;
   for (int round = 0; round < scaled(5, 5); ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
@@ -86,7 +86,7 @@ TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
       } else if (what == 2) {
         running.sender.stop();
       } else if (what == 3) {
-        // Pressed, the machine stops dead: what lies on either side is judged.
+        // An e-stop stops the machine at once: the times before and after it are judged.
         EXPECT_EQ(rig().monitor.violation(profile_.settings, judged_from, rig().now()), "");
         judged_from = rig().now() + 10 * ps_per_ms;
         rig().board.world().schedule(sim::Pin::estop, true, rig().now() + ps_per_us);
@@ -105,14 +105,14 @@ TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
       }
       EXPECT_EQ(end, what == 2 ? link::JobEnd::stopped : link::JobEnd::alarm);
     }
-    // Settings are written to flash, and a new job begun, perhaps before the slice is over.
+    // Settings are written to flash and a new job begins, perhaps before the slice is over.
     if (round % 5 == 3) {
       rig().run(65 * ps_per_ms);
       EXPECT_EQ(rig().answer("$X"), "[MSG:Caution: Unlocked]\r\nok\r\n");
     }
     for (const char* line : {"$929=250", "$929=200"}) EXPECT_EQ(rig().answer(line), "ok\r\n");
     const std::size_t fired = rig().shots().size() - before;
-    if (round % 5 == 3) continue;  // where it stands is not where the job was
+    if (round % 5 == 3) continue;  // its position differs from the job's
     RunningJob rest(rig(), job, ++session, fired);
     EXPECT_EQ(rest.finish(), link::JobEnd::done);
     expect_fired(rig(), job, before);
@@ -123,7 +123,7 @@ TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
   expect_no_violations(rig());
 }
 
-/// A debugger restarts core 0 alone. Core 1, which still runs what is overwritten, must be stopped.
+/// A debugger restarts only core 0. Core 1, which still runs code that is overwritten, must stop.
 TEST_F(WhileItPlans, TheFirstCoreAloneIsRestarted) {
   {
     RunningJob running(rig(), job::make_job(chip_points(200, random_()), profile_, {}), 1);

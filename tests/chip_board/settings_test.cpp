@@ -1,4 +1,4 @@
-// Settings are written at rest only, whatever a host sends behind them without waiting.
+// Settings are written at rest only, whatever a host sends after them without waiting.
 #include "tests/chip_board/chip_rig.hpp"
 
 namespace lamplock::test {
@@ -22,11 +22,11 @@ TEST(Settings, NoneAreWrittenWhileTheMachineMoves) {
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
-  rig.run(100 * ps_per_ms);  // the lamp is followed
+  rig.run(100 * ps_per_ms);  // until the clock follows the lamp
   sim::chip::FlashChip& flash = rig.board.chip().flash();
   const job::Job job = job::make_job(chip_points(3, 1), profile, {});
   int erased = 0;
-  // A sector takes sixteen records: in one of the rounds the second has to wait for an erase.
+  // A sector holds sixteen records: in one of the rounds the second record waits for an erase.
   for (std::uint32_t round = 1; round <= 9; ++round) {
     SCOPED_TRACE(testing::Message() << "round " << round);
     const std::size_t shots = rig.shots().size();
@@ -34,7 +34,7 @@ TEST(Settings, NoneAreWrittenWhileTheMachineMoves) {
     const Picoseconds limit = rig.now() + 5 * ps_per_ms;
     while (!flash.busy(rig.now()) && rig.now() < limit) rig.run(10 * ps_per_us);
     ASSERT_TRUE(flash.busy(rig.now()));
-    // While the board is away: all of it is there when it comes back.
+    // The job arrives during the write: all of it is there when the board returns.
     rig.type("$21=1\n");
     send_job(rig, job, round);
     const Picoseconds end = rig.now() + 120 * ps_per_ms;

@@ -1,11 +1,11 @@
-// Watches a core sleep, and whether an interrupt ever takes it.
+// Measures a core's sleep and counts its interrupts.
 #pragma once
 
 #include "sim/chip/cpu/core.hpp"
 
 namespace lamplock::test {
 
-/// From construction on; the core's only listener as long as it lives.
+/// Watches from construction on; must be the core's only listener.
 class SleepWatch final : public sim::chip::CoreListener {
  public:
   explicit SleepWatch(sim::chip::Core& core) : core_(core) { core.listen(this); }
@@ -13,12 +13,12 @@ class SleepWatch final : public sim::chip::CoreListener {
   SleepWatch(const SleepWatch&) = delete;
   SleepWatch& operator=(const SleepWatch&) = delete;
 
-  /// How often it has fallen asleep.
+  /// Number of sleeps.
   int count() const { return count_; }
   /// Cycles asleep, the present sleep included, and awake.
   sim::chip::Cycle asleep() const { return asleep_ + (sleeping_ ? core_.cycle() - since_ : 0); }
   sim::chip::Cycle awake() const { return core_.cycle() - begin_ - asleep(); }
-  /// Exceptions that were entered.
+  /// Number of exceptions entered.
   int interrupts() const { return interrupts_; }
 
  private:

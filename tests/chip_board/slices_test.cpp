@@ -1,5 +1,5 @@
-// Slices of planning: none is long, in no mode and however often a window is planned again. Who
-// waits for one waits that long, and the watchdog has to be told of each.
+// Slices of planning are short in every mode, however often a window is replanned. A caller may
+// wait for a slice that long, and the watchdog must be fed in each.
 #include <algorithm>
 #include <cmath>
 
@@ -9,10 +9,10 @@
 namespace lamplock::test {
 namespace {
 
-using motion::JoinMode;
 using settings::for_axis;
+using wire::JoinMode;
 
-/// Measures them on core 1, which nothing interrupts.
+/// Measures slices on core 1, which has no interrupts.
 class SliceWatch final : private sim::chip::StackView {
  public:
   explicit SliceWatch(ChipRig& rig)
@@ -46,9 +46,9 @@ class SliceWatch final : private sim::chip::StackView {
   sim::chip::Cycle total_ = 0, longest_ = 0;
 };
 
-/// Runs a job to its end. `longest_ms`: what the headers say (controller.hpp).
+/// Runs a job to its end. `longest_ms`: the limit in the headers (controller.hpp).
 void expect_short_slices(const job::Profile& profile, JoinMode mode,
-                         const points::PointCloud& cloud, double longest_ms) {
+                         const geometry::PointCloud& cloud, double longest_ms) {
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(rig.boot());
   const SliceWatch slices(rig);
@@ -77,7 +77,7 @@ TEST(Slices, OfAllModesAreShort) {
   }
 }
 
-/// Where jerk is limited the search of a path asks more of each point; jobs of both are looked at.
+/// With jerk limits the search of a path takes longer per point; both modes are tested.
 TEST(Slices, WithLimitsOfJerkAreShort) {
   for (const JoinMode mode : {JoinMode::path, JoinMode::free})
     for (const double jerk_m_s3 : {2000.0, 100.0}) {
@@ -93,16 +93,16 @@ TEST(Slices, WithLimitsOfJerkAreShort) {
 }
 
 /// Corners from which an axis cannot stop inside become full stops, one after the other, and each
-/// time the window is planned anew: in one slice that outlasted the watchdog.
+/// replans the window: in one slice that exceeded the watchdog's period.
 TEST(Slices, OfAPathAlongTheEndsOfTheWorkSpaceAreShort) {
   job::Profile profile = chip_profile(1000);
   job::set_acceleration(profile, 10);
   job::set_speed(profile, 1);
-  const points::PointCloud cloud = chip_points(40, 7);
+  const geometry::PointCloud cloud = chip_points(40, 7);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto of = [axis](const points::Point& p) { return std::array{p.x, p.y, p.z}[axis]; };
+    const auto of = [axis](const geometry::Point& p) { return std::array{p.x, p.y, p.z}[axis]; };
     double low = 0, high = 0;
-    for (const points::Point& p : cloud) low = std::min(low, of(p)), high = std::max(high, of(p));
+    for (const geometry::Point& p : cloud) low = std::min(low, of(p)), high = std::max(high, of(p));
     const auto a = static_cast<int>(axis);
     const double corner = std::floor(low * 1000) / 1000 - 0.02;
     job::state_setting(profile, for_axis(Id::speed_jump_x, a), 1000, "test");

@@ -1,4 +1,4 @@
-// Points per second at kilohertz lamps: planned on core 1, streamed over USB meanwhile.
+// Points per second at kilohertz lamps, planned on core 1 while streamed over USB.
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +21,7 @@ job::Profile quick_profile(double lamp_hz) {
   return profile;
 }
 
-/// Most shots on beats one behind the other.
+/// Largest number of shots on consecutive beats.
 std::size_t longest_run(const sim::Shots& shots) {
   std::size_t longest = 0;
   for (std::size_t i = 0, run = 0; i < shots.size(); ++i) {
@@ -35,7 +35,7 @@ double beats_of(const sim::Shots& shots) {
   return static_cast<double>(shots.back().beat - shots.front().beat);
 }
 
-/// On the virtual board, where planning takes no time.
+/// Beats on the virtual board, where planning takes no time.
 double virtual_beats(const job::Profile& profile, const job::Job& job) {
   sim::VirtualBoard board(profile.settings, chip_world(profile));
   link::SimulatedTransport transport(board);
@@ -44,8 +44,8 @@ double virtual_beats(const job::Profile& profile, const job::Job& job) {
   return beats_of(board.world().laser().shots());
 }
 
-/// Runs a job; how much of it is left to the caller to judge. Flooded: somebody asks for the status
-/// and types what nobody understands as quickly as the board takes it.
+/// Runs a job; the caller judges its speed. With `flooded`, status queries and invalid lines arrive
+/// as fast as the board accepts them.
 void run(ChipRig& rig, const job::Job& job, bool flooded = false) {
   const sim::BoardTiming timing(rig.board, flash_image());
   ASSERT_NO_FATAL_FAILURE(rig.boot());
@@ -65,9 +65,9 @@ void run(ChipRig& rig, const job::Job& job, bool flooded = false) {
   if (flooded) std::cout << junk << " requests and lines of junk\n";
 }
 
-/// Even rows there and back, 40 um apart along x.
+/// Regular rows there and back, points 40 um apart along x.
 job::Job rows(const job::Profile& profile, std::size_t count, std::size_t points) {
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   for (std::size_t row = 0; row < count; ++row)
     for (std::size_t i = 0; i < points; ++i) {
       const std::size_t at = row % 2 == 0 ? i : points - 1 - i;
@@ -76,13 +76,13 @@ job::Job rows(const job::Profile& profile, std::size_t count, std::size_t points
   return job::make_job(cloud, profile, {});
 }
 
-/// Steps of a random length in random directions.
+/// Moves of random length in random directions.
 job::Job uneven_cloud(const job::Profile& profile, std::size_t points, double shortest_mm,
                       double longest_mm) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> part(0, 1);
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   std::array<double, 3> at{};
   for (std::size_t i = 0; i < points; ++i) {
     const double length = shortest_mm * std::pow(longest_mm / shortest_mm, part(random));
@@ -94,8 +94,8 @@ job::Job uneven_cloud(const job::Profile& profile, std::size_t points, double sh
   return job::make_job(cloud, profile, {});
 }
 
-/// The queue holds fewer points than a row has. At the end of the last one nobody knows of a row
-/// that would pay for its speed.
+/// The queue holds fewer points than a row has. At the end of the last row there is no further row
+/// that would use its speed.
 TEST(Throughput, ARowIsFiredAtEveryBeatOf4Kilohertz) {
   const job::Profile profile = quick_profile(4000);
   const std::size_t points = 1400;
@@ -117,8 +117,8 @@ TEST(Throughput, RowsFollowEachOtherWithABusyLink) {
   EXPECT_LE(beats, 1.1 * least);
 }
 
-/// Rows with a step of noise across and along, at accelerations that make steps dense: the fill
-/// interrupt has to keep up, or the ticks run out.
+/// Rows with a step of noise across and along, at accelerations that give a high step rate: the
+/// fill interrupt must keep up, or the ticks run out.
 TEST(Throughput, NoisyRowsOverloadNothing) {
   struct Machine {
     double lamp_hz, steps_per_mm;
@@ -133,7 +133,7 @@ TEST(Throughput, NoisyRowsOverloadNothing) {
                          "test");
     std::mt19937_64 random(5);
     const auto noise = [&] { return static_cast<double>(random() % 3) / steps_per_mm; };
-    points::PointCloud cloud;
+    geometry::PointCloud cloud;
     for (int i = 0; i < 400; ++i) {
       const double along = 32 / lamp_hz * i + noise(), y = noise(), z = noise();
       cloud.push_back({along, y, z});
@@ -160,8 +160,8 @@ TEST(Throughput, NoisyRowsOverloadNothing) {
   }
 }
 
-/// 1500 points a second, uneven ones.
-TEST(Throughput, UnevenCloudsAreNotWaitedFor) {
+/// 1500 irregular points per second.
+TEST(Throughput, IrregularCloudsCostNoWaiting) {
   job::Profile profile = quick_profile(5000);
   job::set_acceleration(profile, 20);
   const job::Job job = uneven_cloud(profile, 400, 0.001, 0.008);

@@ -1,6 +1,6 @@
-// ADC at 48 MHz: twice what all inputs have, on UART0; free-running, an interrupt each result
-// toggles GPIO 2; then every 480 cycles of clk_adc (GPIO 3); then one conversion by hand, timed by
-// GPIO 4, and round robin.
+// ADC at 48 MHz: prints all inputs twice on UART0; free-running, the interrupt of each result
+// toggles GPIO 2; then every 480 cycles of clk_adc (GPIO 3); then one conversion on request, timed
+// by GPIO 4, and round robin.
 #include "tests/chip_images/rp2040.hpp"
 
 using namespace image;

@@ -1,6 +1,6 @@
-// Clocks: what FC0 counts at 125 MHz; then the same loop at 48, 200 and 125 MHz, on GPIO 2, 3, 4,
-// an edge every 4 cycles; FC0 and TIMER after each. GPIO 21 gives clk_sys / 10 out. Results on
-// UART0 at last, when clk_peri is what it was.
+// Clocks: FC0's counts at 125 MHz; then the same loop at 48, 200 and 125 MHz, on GPIO 2, 3, 4, an
+// edge every 4 cycles; FC0 and TIMER after each. GPIO 21 outputs clk_sys / 10. Results on UART0 at
+// the end, when clk_peri has its first frequency again.
 #include "tests/chip_images/rp2040.hpp"
 
 using namespace image;

@@ -8,7 +8,7 @@ namespace {
 constexpr Word udividend = sio_base + 0x60, sdividend = sio_base + 0x68, quotient = sio_base + 0x70,
                remainder = sio_base + 0x74, csr = sio_base + 0x78;
 
-/// The divisor's register is behind the dividend's.
+/// The divisor's register follows the dividend's.
 void divide(Word dividend_register, Word dividend, Word divisor) {
   reg(dividend_register) = dividend;
   reg(dividend_register + 4) = divisor;
@@ -18,7 +18,7 @@ void divide(Word dividend_register, Word dividend, Word divisor) {
   print_hex(rest);
 }
 
-/// READY in the first, second and sixth cycle behind the store of the divisor, from bit 0 on; then
+/// READY in the first, second and sixth cycle after the store of the divisor, from bit 0 on; then
 /// in the eleventh.
 void show_ready() {
   Word first = 0, second = 0, sixth = 0, last = 0;

@@ -1,6 +1,6 @@
-// DMA. A pacing timer has GPIO 2 high and low by its overrides, out of a ring of two words; GPIO 3
-// is high while 1000 words, then 2000 words are copied; channels chained to each other say "first
-// second third" on UART0; the sniffer's results and what a ring on the writing side leaves follow.
+// DMA. A paced channel sets GPIO 2 high and low by its overrides, from a ring of two words; GPIO 3
+// is high while 1000 words, then 2000 words are copied; chained channels send "first second third"
+// on UART0; the results of the sniffer and of a ring on the writing side follow.
 #include "tests/chip_images/dma.hpp"
 
 using namespace image;
@@ -10,7 +10,7 @@ namespace {
 constexpr Word irq_dma0 = 11;
 constexpr Word inte0 = dma_base + 0x404, ints0 = dma_base + 0x40c, timer0_xy = dma_base + 0x420,
                sniff_control = dma_base + 0x434, sniff_data = dma_base + 0x438;
-/// In SRAM 4, where nobody else reads (2.6.2).
+/// In SRAM 4, which no other master reads (2.6.2).
 constexpr Word lonely = 0x2004'0000;
 
 // GPIO2_CTRL: OUTOVER low, high (2.19.6.1).
@@ -32,8 +32,8 @@ Word sniff(Word seed, Word calculation, Word output = 0) {
   return reg(sniff_data);
 }
 
-/// GPIO 3 is high from the store that starts the copy to the interrupt at its end. The core sleeps:
-/// it takes no cycle of the bus.
+/// GPIO 3 is high from the store that starts the copy to the interrupt at its end. The core sleeps
+/// and uses no bus cycle.
 void copy(Word words) {
   dma_reg(1, 0) = lonely;
   dma_reg(1, 4) = address(copied);

@@ -23,7 +23,7 @@ inline Word address(const volatile void* of) {
   return static_cast<Word>(reinterpret_cast<std::uintptr_t>(of));
 }
 
-/// Starts it, unless `control` lacks channel::enable.
+/// Starts a channel, unless `control` lacks channel::enable.
 inline void start_dma(unsigned number, Word from, Word to, Word count, Word control) {
   dma_reg(number, 0) = from;
   dma_reg(number, 4) = to;

@@ -1,9 +1,9 @@
-// Flash as memory. GPIO 2: high for a store (1) and a load from flash that nobody has read before,
-// for the same again, for two loads past the cache, for one after a flush. GPIO 3: a loop that runs
-// in flash.
+// Flash as memory. GPIO 2: high for a store (1) and a load from flash that is not in the cache, for the
+// same load again, for two loads past the cache, for a load after a flush. GPIO 3: a loop that runs in
+// flash.
 #include "tests/chip_images/start.inc"
 
-  .equ CACHED, 0x10080000        // erased, behind the image
+  .equ CACHED, 0x10080000        // erased, after the image
   .equ UNCACHED, 0x13080000
   .equ XIP_FLUSH, 0x14000004
 

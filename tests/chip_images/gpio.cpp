@@ -1,4 +1,4 @@
-// Pins: overrides on the way out, in and to the interrupt, edge latches and levels, pulls, the two
+// Pins: overrides of output, input and interrupt, edge latches and levels, pulls, the two
 // flip-flops before SIO. GPIO 2 follows GPIO 8 by software; GPIO 3 is the handler's; results on
 // UART0.
 #include "tests/chip_images/rp2040.hpp"
@@ -107,7 +107,7 @@ int main() {
   }
   print("irq");
   print_hex(seen);
-  // Inverted on the way to the interrupt: its fall is a rise.
+  // Inverted for the interrupt: a fall is a rise.
   seen = 0;
   pin_control(8) = static_cast<Word>(Function::sio) | 1u << 28;
   settle();
@@ -132,7 +132,7 @@ int main() {
   print("\n");
   reg(intf1) = 0;
 
-  // The polling loop that ends all this: from GPIO 8 to GPIO 2.
+  // The final polling loop copies GPIO 8 to GPIO 2.
   asm volatile(
       ".syntax unified\n"
       "1: ldr r0, [%[sio], #4]\n"  // 1

@@ -1,6 +1,6 @@
 // I2C0 as the master and I2C1 as a slave on one bus, which the script wires (GPIO 4 to 6, 5 to 7).
-// The slave is a memory of eight bytes, served by its interrupt: the first byte that is written is
-// the place. It takes 50 us for each byte that is read (GPIO 8). Results on UART0.
+// The slave is a memory of eight bytes, served by its interrupt: the first byte written is the
+// address. It takes 50 us for each byte read (GPIO 8). Results on UART0.
 #include "tests/chip_images/rp2040.hpp"
 
 using namespace image;
@@ -45,7 +45,7 @@ void to(Word target) {
   master(enable) = 1;
 }
 
-/// Until the STOP.
+/// Waits for the STOP.
 void finish() {
   while ((master(state) & sending_done) == 0 || (master(state) & master_active) != 0) {
   }

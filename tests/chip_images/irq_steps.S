@@ -1,5 +1,5 @@
-// One interrupt that polls an input and makes steps on three pins, as fast as it can: TIMER keeps
-// its request up (INTF), so that each return chains to the next entry.
+// One interrupt that polls an input and makes steps on three pins, as fast as it can: TIMER holds
+// its request (INTF), so that each return chains to the next entry.
 //
 // GPIO 2, 3, 4: steps of X, Y, Z at 1/2, 1/4, 3/4 of the rate of the interrupt. GPIO 5 rises at the
 // start of each handler. GPIO 8 high: no steps any more; the main program then toggles GPIO 6,

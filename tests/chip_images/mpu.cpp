@@ -1,7 +1,6 @@
-// Memory protection unit: a region that forbids writing, one that forbids execution, one that
-// forbids all but privileged code; sub-regions, and which of two regions decides. The handler of
-// the fault raises GPIO 3; the stores and loads in question lie between edges of GPIO 2. Results on
-// UART0.
+// Memory protection unit: a region that forbids writes, one that forbids execution, one that
+// permits only privileged code; sub-regions, and which of two regions decides. The fault handler
+// raises GPIO 3; the stores and loads under test lie between edges of GPIO 2. Results on UART0.
 #include "tests/chip_images/rp2040.hpp"
 
 using namespace image;
@@ -31,7 +30,7 @@ Word address(const volatile void* of) {
 
 void set_region(Word number, Word base, Word attributes) {
   reg(mpu_number) = number;
-  reg(mpu_attributes) = 0;  // the one that is chosen: off while its base changes
+  reg(mpu_attributes) = 0;  // the selected region: off while its base changes
   reg(mpu_base) = base | valid | number;
   reg(mpu_attributes) = attributes;
   asm volatile("dsb; isb" ::: "memory");
@@ -85,7 +84,7 @@ extern const char guarded_store[];
       "bx lr\n");
 }
 
-/// What the fault left on the stack; where to go on.
+/// Records the fault's frame on the stack and sets the place to continue.
 void note_fault(Word* frame) {
   faults = faults + 1;
   fault_pc = frame[6];

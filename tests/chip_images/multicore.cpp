@@ -1,7 +1,7 @@
 // Both cores: core 1 is started by the protocol of the ROM; both count under a spin lock; both
-// claim one in the same cycle, and a cycle apart; the FIFO is filled until it overflows and counted
-// out; core 1 answers by its interrupt. Core 1 toggles GPIO 3 while core 0 sleeps. Results on
-// UART0.
+// claim one in the same cycle, and a cycle apart; the FIFO is filled until it overflows, then
+// emptied and counted; core 1 answers by its interrupt. Core 1 toggles GPIO 3 while core 0 sleeps.
+// Results on UART0.
 #include "tests/chip_images/rp2040.hpp"
 
 using namespace image;
@@ -46,8 +46,8 @@ void count() {
   }
 }
 
-/// Sleeps until the alarm comes, then claims lock 2 after `later` cycles. The code is written to
-/// `place`, in a bank of its own, so that the cores do not wait for each other's fetches.
+/// Sleeps until the alarm, then claims lock 2 after `later` cycles. The code is written to `place`,
+/// in its own bank, so that the cores do not wait for each other's fetches.
 Word claim_after_alarm(Word place, Word later) {
   constexpr std::uint16_t wfi = 0xbf30, nop = 0xbf00, load = 0x6800 /* ldr r0, [r0] */,
                           leave = 0x4770 /* bx lr */;
@@ -69,7 +69,7 @@ Word claim_after_alarm(Word place, Word later) {
   return claimed;
 }
 
-/// What core 0 and core 1 get of lock 2 when they ask so many cycles after the same moment.
+/// Results of core 0 and core 1 when they claim lock 2 this many cycles after the same moment.
 void contest(Word later0, Word later1) {
   push(later1);
   reg(timer_base + 0x10) = now_us() + 30;  // ALARM0
@@ -98,7 +98,8 @@ void contest(Word later0, Word later1) {
   __builtin_unreachable();
 }
 
-/// The ROM's protocol (2.8.2): what core 1 does not answer begins anew. Returns the words sent.
+/// The ROM's protocol (2.8.2): a word that core 1 does not answer restarts it. Returns the words
+/// sent.
 Word launch(Word vectors, Word stack, Word entry) {
   const Word words[] = {0, 0, 1, vectors, stack, entry};
   Word sent = 0;

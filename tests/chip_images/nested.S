@@ -1,7 +1,7 @@
 // Interrupts of two priorities, pended by software and by SysTick: preemption, tail-chaining, late
-// arrival. Each handler shows itself by a pin: GPIO 3 low priority (IRQ 26), GPIO 4 low priority
-// (IRQ 27), GPIO 5 high priority (IRQ 28), GPIO 6 high priority (SysTick). GPIO 2 is the main
-// program's; it is high while r4 to r7 go in.
+// arrival. Each handler has a pin: GPIO 3 low priority (IRQ 26), GPIO 4 low priority (IRQ 27), GPIO 5
+// high priority (IRQ 28), GPIO 6 high priority (SysTick). GPIO 2 is the main program's; it is high
+// during the stores of r4 to r7.
 #include "tests/chip_images/start.inc"
 
   .equ SYST_RVR, 4
@@ -21,7 +21,7 @@
   str r3, [r2]
   .endm
 
-// Low: pends the other low one and the high one while it runs, if r7 says so.
+// Low: pends the other low one and the high one while it runs, if r7 is set.
   function irq26
   rise 3
   cmp r7, #0                     // 1
@@ -49,8 +49,8 @@
   bx lr
   .ltorg
 
-// SysTick counts from now on and comes in `cycles` cycles: written to, it is 0; it takes the reload
-// value in the next cycle and asks for its interrupt when it reaches 0.
+// SysTick counts from now on and interrupts in `cycles` cycles: a write clears it; it loads the reload
+// value in the next cycle and requests its interrupt when it reaches 0.
   .macro systick_in cycles
   ldr r2, =SYST_CSR
   ldr r3, =\cycles - 1
@@ -97,7 +97,7 @@
   ldr r4, =SIO
   movs r5, #1 << 2
 
-  round 1, 0    // 1: one interrupt alone
+  round 1, 0    // 1: a single interrupt
   round 1, 1    // 2: it pends an equal and a higher one
   round 3, 0    // 3: two at once
   // 4: a low one, and SysTick while its registers are being saved.

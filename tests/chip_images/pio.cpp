@@ -1,6 +1,6 @@
 // PIO. Block 0: machine 0 a square wave by side-set (GPIO 2), machine 1 one with a fractional
 // divider (GPIO 3), machines 2 and 3 from a pin to a pin (8 to 4; 9 to 5, past the synchroniser).
-// Block 1: machines 0 and 1 hand a flag back and forth (GPIO 6, 7), machine 2 turns words round
+// Block 1: machines 0 and 1 exchange a flag (GPIO 6, 7), machine 2 reverses the bytes of words
 // between two DMA channels (the result on UART0), machine 3 shifts a pattern from DMA to GPIO 10.
 // GPIO 11 rises when all run. At the end the program toggles it, and machine 2 of block 1 follows
 // it with GPIO 12.
@@ -30,7 +30,7 @@ constexpr Word side_base(Word gpio) { return gpio << 10 | 1u << 29; }
 constexpr Word in_base(Word gpio) { return gpio << 15; }
 constexpr Word autopush = 1 << 16, autopull = 1 << 17, out_right = 1 << 19;
 
-/// A state machine from `first` to `last`, around and around.
+/// A state machine that wraps from `last` to `first`.
 struct Machine {
   Word block, number;
   Register& at(Word offset) const { return reg(block + 0xc8 + 0x18 * number + offset); }
@@ -42,7 +42,7 @@ struct Machine {
     at(0x14) = pins;
     at(0x10) = jump(first);
   }
-  /// The pin that it sets becomes an output.
+  /// Makes the pin that the machine sets an output.
   void drive(unsigned gpio, Function function) const {
     const Word pins = at(0x14);
     at(0x14) = set_base(gpio);

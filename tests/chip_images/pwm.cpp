@@ -1,7 +1,7 @@
-// PWM. Slice 1 (GPIO 2, 3): plain; slice 2 (GPIO 4): phase-correct; slice 3 (GPIO 6): divider with
-// a fraction; slice 4 (GPIO 8, input 9): counts rising edges; slice 5: wraps, its interrupt toggles
-// GPIO 10; slice 7 (GPIO 14, input 15): counts while its input is high. GPIO 7 rises when all
-// run. Later slice 1 gets other compare levels: they come into force when it wraps.
+// PWM. Slice 1 (GPIO 2, 3): plain; slice 2 (GPIO 4): phase-correct; slice 3 (GPIO 6): fractional
+// divider; slice 4 (GPIO 8, input 9): counts rising edges; slice 5: wraps, its interrupt toggles
+// GPIO 10; slice 7 (GPIO 14, input 15): counts while its input is high. GPIO 7 rises when all run.
+// Later slice 1 gets other compare levels, which apply from its next wrap.
 #include "tests/chip_images/rp2040.hpp"
 
 using namespace image;
@@ -48,7 +48,7 @@ int main() {
   const Word begin = now_us();
   while (now_us() - begin < 1000) {
   }
-  // 20 cycles after a wrap at the earliest, a long way before the next.
+  // At least 20 cycles after a wrap, long before the next.
   while (reg(pwm_base + 0x14 + 8) < 20 || reg(pwm_base + 0x14 + 8) > 40) {
   }
   reg(pwm_base + 0x14 + 0x0c) = 100u << 16 | 70;

@@ -7,7 +7,7 @@ namespace {
 
 // RP2040 datasheet, 2.8.3: magic number and version, tables and lookup by half-words.
 Word half(Word address) {
-  Word value = 0;  // in assembly: the compiler takes nothing to be at such an address
+  Word value = 0;  // in assembly: the compiler treats such an address as invalid
   asm volatile("ldrh %0, [%1]" : "=l"(value) : "l"(address));
   return value;
 }

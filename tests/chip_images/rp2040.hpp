@@ -1,8 +1,9 @@
-// What the small images need to know of the RP2040: addresses, and how to say something.
+// RP2040 addresses and output functions for the small images.
 //
-// In:  nothing. Out: registers by address; pins, UART0. Who: the images of this folder.
-// Its own, so that the images do not inherit mistakes of the board's register headers. The numbers
-// are those of the RP2040 datasheet; each image names the sections it is about.
+// In:  nothing. Out: registers by address; pins, UART0. Used by the images of this folder. This
+//      header is separate so that the images do not inherit mistakes of the board's register
+//      headers. The numbers are those of the RP2040 datasheet; each image names the sections it
+//      tests.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +41,7 @@ inline constexpr Word adc = 1u << 0, busctrl = 1u << 1, dma = 1u << 2, i2c0 = 1u
                       uart0 = 1u << 22, usbctrl = 1u << 24;
 }  // namespace block
 
-/// Out of reset, and ready.
+/// Releases blocks from reset and waits until they are ready.
 inline void release(Word blocks) {
   clear_bits(resets_base, blocks);
   while ((reg(resets_base + 8) & blocks) != blocks) {
@@ -90,7 +91,7 @@ inline void put(char byte) {
 inline void print(const char* text) {
   while (*text != '\0') put(*text++);
 }
-/// Until the line has it all.
+/// Waits until everything has been sent.
 inline void flush() {
   while ((read(uart0_base + 0x18) & 1u << 3) != 0) {  // FR: BUSY
   }
@@ -101,7 +102,7 @@ inline void print_hex(Word value) {
   for (int shift = 28; shift >= 0; shift -= 4) put("0123456789abcdef"[value >> shift & 15]);
 }
 
-/// What follows is done at 125 MHz from the crystal, ticks of 1 us, pins and timer out of reset.
+/// Starts at 125 MHz from the crystal, ticks of 1 us, with pins and timer out of reset.
 inline void start() { release(block::io_bank0 | block::pads_bank0 | block::timer); }
 
 inline Word now_us() { return reg(timer_base + 0x28); }  // TIMERAWL (4.6.5)

@@ -1,6 +1,6 @@
-// SPI0 looped back in itself, seen on its pins: 8 words of 16 bits at 12.5 MHz (GPIO 2 is high
-// while it is busy), its FIFOs and flags, 1000 bytes by two DMA channels (GPIO 3). I2C0 without
-// anybody on the bus: a byte that nobody acknowledges (GPIO 6). Results on UART0.
+// SPI0 in loop-back, visible on its pins: 8 words of 16 bits at 12.5 MHz (GPIO 2 is high while it
+// is busy), its FIFOs and flags, 1000 bytes by two DMA channels (GPIO 3). I2C0 without a device on
+// the bus: a byte without an acknowledge (GPIO 6). Results on UART0.
 #include "tests/chip_images/dma.hpp"
 
 using namespace image;

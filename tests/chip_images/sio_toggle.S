@@ -1,10 +1,9 @@
-// A loop that toggles a pin, and single instructions between two edges of a pin: what they cost can
-// be read off the pin. GPIO 2: the instructions, in the order of sio_toggle.script; GPIO 3: the
-// loop.
+// A loop that toggles a pin, and single instructions between two edges of a pin, which show their
+// cycles. GPIO 2: the instructions, in the order of sio_toggle.script; GPIO 3: the loop.
 #include "tests/chip_images/start.inc"
 
-// High for 1 cycle (the store of the rising edge) plus what the instructions cost. r4 is SIO, r5
-// the pin; r6 is a place in SRAM, r7 a register on the APB or on the AHB-Lite.
+// High for 1 cycle (the store of the rising edge) plus the cycles of the instructions. r4 is SIO, r5
+// the pin; r6 is an address in SRAM, r7 a register on the APB or on the AHB-Lite.
   .macro between instructions
   str r5, [r4, #GPIO_SET]
   \instructions

@@ -1,8 +1,8 @@
 // Start of every small image, in SRAM: vector table, variables, main().
 //
-// Second-stage boot, clocks (125 MHz from the crystal) and the copy to SRAM are the loader's of the
-// board. An image defines the handlers it needs by their names, irq0 to irq31, systick, pend_sv,
-// svc, nmi and hard_fault; any other exception ends in `unexpected`, with which everything stops.
+// The board's loader provides second-stage boot, clocks (125 MHz from the crystal) and the copy to
+// SRAM. An image defines the handlers it needs by their names, irq0 to irq31, systick, pend_sv, svc,
+// nmi and hard_fault; any other exception ends in `unexpected`, where the image stops.
 #include "tests/chip_images/start.inc"
 
   function unexpected

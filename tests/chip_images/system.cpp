@@ -1,6 +1,6 @@
-// What the chip says of itself, and the small blocks around it: SYSINFO, TBMAN,
-// VREG_AND_CHIP_RESET, PSM, SYSCFG (synchronisers, NMI), ROSC, the frequency counter behind
-// dividers, BUSCTRL with its counters, counters of the XIP cache. Results on UART0.
+// Identification of the chip, and small blocks: SYSINFO, TBMAN, VREG_AND_CHIP_RESET, PSM, SYSCFG
+// (synchronisers, NMI), ROSC, the frequency counter after dividers, BUSCTRL with its counters,
+// counters of the XIP cache. Results on UART0.
 #include "tests/chip_images/dma.hpp"
 
 using namespace image;
@@ -32,8 +32,8 @@ void show_power_stages() {
   print_hex(reg(done));
 }
 
-/// Answers `count` pulses at GPIO 8 on GPIO 2: a look every 1 + 1 + 2 cycles, and from the one that
-/// sees it 1 + 1 + 1 to the store.
+/// Answers `count` pulses at GPIO 8 on GPIO 2: polls every 1 + 1 + 2 cycles, and stores 1 + 1 + 1
+/// cycles after the poll that sees the pulse.
 [[gnu::noinline]] void answer(Word count) {
   asm volatile(
       ".syntax unified\n"
@@ -149,8 +149,8 @@ void show_ring() {
   print_hex(reg(status) & shown);
 }
 
-/// A DMA of 1000 words from SRAM4 to SRAM5, a word a clock, in which the core loads 64 times from
-/// SRAM4: GPIO 3 is high while the DMA works, GPIO 4 from before the first to behind the last load.
+/// A DMA of 1000 words from SRAM4 to SRAM5, a word per clock, while the core loads 64 times from
+/// SRAM4: GPIO 3 is high while the DMA works, GPIO 4 from before the first to after the last load.
 /// Returns PERFCTR0.
 [[gnu::noinline]] Word contend() {
   constexpr Word control =

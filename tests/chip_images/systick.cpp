@@ -1,5 +1,5 @@
 // SysTick: from the processor's clock GPIO 2 every 12500 cycles; then, after GPIO 4 has risen, from
-// the tick of 1 us GPIO 3 every 100 us. Counter, COUNTFLAG, CALIB on UART0 at last.
+// the tick of 1 us GPIO 3 every 100 us. Counter, COUNTFLAG, CALIB on UART0 at the end.
 #include "tests/chip_images/rp2040.hpp"
 
 using namespace image;

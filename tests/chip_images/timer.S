@@ -1,8 +1,8 @@
 // The four alarms of TIMER. GPIO 2 to 5: alarms 0 to 3, a pulse each time; alarms 0 to 2 set
 // themselves again 50, 100 and 150 us later, alarm 3 does not; alarm 0 does so 3 cycles later each
-// time, so anywhere in a microsecond. GPIO 6 rises when TIMERAWL is read
-// as T, alarm 0 is set to T + 10 us, alarm 1 to T + 20, alarm 2 to T + 21, alarm 3 to T + 43; the
-// offsets differ by more than a handler takes whatever the rounds.
+// time, so at every phase of a microsecond. GPIO 6 rises when TIMERAWL is read as T, alarm 0 is set to
+// T + 10 us, alarm 1 to T + 20, alarm 2 to T + 21, alarm 3 to T + 43; in every round the offsets differ
+// by more than the time of a handler.
 #include "tests/chip_images/start.inc"
 
   .equ ALARM0, 0x10
@@ -22,7 +22,7 @@
   str r1, [r0, #INTR]
   .if \number == 0
   movs r0, #63
-  adds r5, #1                    // r5 is the handler's own
+  adds r5, #1                    // only the handler uses r5
   ands r5, r0
   adds r2, r5, #1
 9: subs r2, #1                   // 3 each turn: 1 to 64

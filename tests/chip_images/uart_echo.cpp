@@ -1,6 +1,6 @@
-// UART0 at 1 Mbaud: an interrupt for each byte that comes, or for the time-out; it sends the same
-// byte back. GPIO 2 is high in the handler, GPIO 3 rises when the image is ready. After "!" the
-// FIFOs are on.
+// UART0 at 1 Mbaud: an interrupt for each received byte, or for the time-out, sends the same byte
+// back. GPIO 2 is high in the handler, GPIO 3 rises when the image is ready. After "!" the FIFOs
+// are on.
 #include "tests/chip_images/rp2040.hpp"
 
 using namespace image;

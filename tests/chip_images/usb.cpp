@@ -1,10 +1,9 @@
-// A USB serial port with nothing but the controller's registers and DPRAM: enumeration, a bulk pair
-// with two buffers each way. Lines that come are kept until a short packet ends them, then go back
+// A USB serial port with only the controller's registers and DPRAM: enumeration, a bulk pair with
+// two buffers each way. Received lines are stored until a short packet ends them, then sent back
 // with upper and lower case swapped.
 //
-// GPIO 2 moves with each start of frame, GPIO 3 with each buffer that has come, GPIO 4 with each
-// that has gone. GPIO 5: pulled up; GPIO 6: bus reset; GPIO 7: configured. What the registers
-// showed, on UART0.
+// GPIO 2 toggles with each start of frame, GPIO 3 with each received buffer, GPIO 4 with each
+// buffer sent. GPIO 5: pulled up; GPIO 6: bus reset; GPIO 7: configured. Register values on UART0.
 #include "tests/chip_images/rp2040.hpp"
 
 using namespace image;
@@ -65,7 +64,7 @@ volatile std::uint16_t& control_of(Pipe pipe, Word buffer = 0) {
   return half(0x80 + 4 * pipe + 2 * buffer);
 }
 
-/// AVAILABLE a cycle of clk_usb after what goes with it (4.1.2.5.1): 12 of clk_sys are more.
+/// AVAILABLE a cycle of clk_usb after its fields (4.1.2.5.1): 12 of clk_sys are more.
 void arm(Pipe pipe, Word buffer, Word control) {
   control_of(pipe, buffer) = static_cast<std::uint16_t>(control);
   asm volatile("nop; nop; nop; nop; nop; nop; nop; nop; nop; nop; nop; nop" ::: "memory");
@@ -140,7 +139,7 @@ void take_setup() {
     case 0x21a1:  // GET_LINE_CODING
       return give(line_coding, sizeof line_coding, length);
     case 0x2221:  // SET_CONTROL_LINE_STATE
-    case 0x2220:  // the same to the device: rp2040js asks so
+    case 0x2220:  // the same to the device: rp2040js requests it so
       return acknowledge();
     default:
       return refuse();
@@ -170,7 +169,7 @@ void control_taken() {
 
 // The bulk pair.
 Byte text[512];
-volatile Word come, gone, ready;  // bytes; `ready` of them are to go back
+volatile Word come, gone, ready;  // bytes; `ready` of them are to be sent back
 Word next_in;
 struct Seen {
   volatile Word order, count;
@@ -183,7 +182,7 @@ void note(Seen& seen, Word buffer, std::uint16_t control) {
   seen.count = seen.count + 1;
 }
 
-/// Fills the buffer whose turn it is.
+/// Fills the next buffer.
 void send_more() {
   if (gone == ready) return;
   const Word count = ready - gone < packet ? ready - gone : packet;
@@ -213,7 +212,7 @@ void buffer_sent(Word buffer) {
   send_more();
 }
 
-/// One buffer of a pipe: its bit comes again if the other one is done too.
+/// Returns one done buffer of a pipe: its bit is set again if the other one is done too.
 bool take_done(Pipe pipe, Word& buffer) {
   const Word bit = 1u << pipe;
   if ((reg(buffer_status) & bit) == 0) return false;
@@ -249,7 +248,7 @@ void start_usb() {
   release(block::usbctrl);
   for (Word i = 0; i < 0x1000; i += 4) reg(dpram + i) = 0;
   reg(muxing) = 1u << 0 | 1u << 3;  // TO_PHY, SOFTCON
-  reg(power) = 1u << 2 | 1u << 3;   // VBUS_DETECT, and that it is to be so
+  reg(power) = 1u << 2 | 1u << 3;   // VBUS_DETECT and its override enable
   reg(main_control) = 1;            // CONTROLLER_EN
   reg(int_enable) = int_buffer | int_reset | int_setup | int_frame;
   enable_irq(irq_usb);

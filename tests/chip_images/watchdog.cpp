@@ -1,6 +1,6 @@
-// WATCHDOG. First life: GPIO 2 rises, no feeding, the reset comes 10 ms later. Second: fed for 20
-// ms, then forced by TRIGGER, scratch registers kept. Third: told to start at an address in SRAM;
-// there GPIO 3 rises.
+// WATCHDOG. First start: GPIO 2 rises, no feeding, the reset comes 10 ms later. Second: fed for 20
+// ms, then forced by TRIGGER, scratch registers kept. Third: starts at an address in SRAM; there
+// GPIO 3 rises.
 #include "tests/chip_images/rp2040.hpp"
 
 using namespace image;
@@ -14,7 +14,7 @@ inline Register& scratch(unsigned number) { return reg(watchdog_base + 0x0c + 4 
 
 alignas(8) Word stack[64];
 
-/// What is reset: everything but the oscillators (PSM_WDSEL, 2.13.5).
+/// Selects everything except the oscillators for reset (PSM_WDSEL, 2.13.5).
 void choose() { reg(psm_base + 8) = 0x1'fffc; }
 
 [[noreturn]] void resumed() {

@@ -1,5 +1,4 @@
-// `lamplock check`: programs are run without a machine; what is wrong is told
-// by line and column.
+// `lamplock check`: programs are run without a machine; errors are reported by line and column.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -25,15 +24,14 @@ nlohmann::json check(const std::string& file, const std::vector<std::string>& op
   return nlohmann::json::parse(done.out);
 }
 
-TEST(Check, TellsTimeWayAndBounds) {
+TEST(Check, ReportsTimeLengthAndBounds) {
   const Folder folder;
-  // 30 mm at 600 mm/min with 4 m/s2: 3 s and a speed of 10 mm/s to be reached
-  // twice.
+  // 30 mm at 600 mm/min with 4 m/s2: 3 s, and the ramps from and to rest at 10 mm/s.
   const std::string file =
       folder.write("a.ngc", "G21 G90 G61.1\nG1 X30 F600\nG0 Y-20\nM30\nG1 X0\n");
   const nlohmann::json seen = check(file);
   const double rapid = 2 * std::sqrt(0.02 / 4);
-  // A little speed and acceleration is kept back for rounding.
+  // The planner reserves a little speed and acceleration for rounding.
   const double least = 3 + 0.0025 + rapid;
   EXPECT_GE(seen["time_s"].get<double>(), least);
   EXPECT_LE(seen["time_s"].get<double>(), least * 1.0005);
@@ -52,7 +50,7 @@ TEST(Check, DwellsArePartOfTheTime) {
               1.75, 1e-9);
 }
 
-TEST(Check, PointsOnTheBeatAreTaken) {
+TEST(Check, PointsOnTheBeatAreAccepted) {
   const Folder folder;
   const nlohmann::json seen =
       check(folder.write("a.ngc", "M130 P0\nG1 X10 F6000\nM130 P1\nG1 Y5\nM131\nG0 X0\nM2\n"));
@@ -61,8 +59,8 @@ TEST(Check, PointsOnTheBeatAreTaken) {
   EXPECT_EQ(seen["ended"], true);
 }
 
-/// 20 points 0.5 mm apart at 50 mm/s and 100 Hz: a beat each, behind a way, the change over at rest
-/// and a run-up.
+/// 20 points 0.5 mm apart at 50 mm/s and 100 Hz: a beat each, after a move, the change at rest and
+/// a run-up.
 TEST(Check, ARowOnTheBeatTakesItsBeats) {
   const Folder folder;
   std::string text = "F3000\nG0 X0.5\nM130 P0\n";
@@ -84,7 +82,7 @@ TEST(Check, ArcsAreRoundAndAsLongAsTheyShouldBe) {
   EXPECT_NEAR(seen["high_mm"][1].get<double>(), 10, 0.003);
 }
 
-TEST(Check, WhatIsWrongIsToldByLineColumnAndNumber) {
+TEST(Check, ErrorsAreReportedByLineColumnAndNumber) {
   const Folder folder;
   const std::string file = folder.write("a.ngc", "G1 X1 F100\nG1 X#1\nG41\nG1 Y2\nG1 X1 X2\n");
   const Finished done = run({"check", file});
@@ -93,12 +91,13 @@ TEST(Check, WhatIsWrongIsToldByLineColumnAndNumber) {
   EXPECT_THAT(done.out, HasSubstr(file + ":3:1: error:20 "));
   EXPECT_THAT(done.out, HasSubstr(file + ":5:7: error:25 "));
   EXPECT_THAT(done.err, MatchesRegex("error: [^\n]*a.ngc: 3 lines are wrong; [^\n]+\n"));
-  // The rest is done.
+  // Lines without errors are run.
   EXPECT_THAT(done.out, HasSubstr("Y         0.000 to 2.000 mm"));
-  EXPECT_THAT(run({"check", file, "--most", "2"}).err, HasSubstr("2 or more lines are wrong"));
+  EXPECT_THAT(run({"check", file, "--most", "2"}).err,
+              HasSubstr("2 lines are wrong, the maximum of --most"));
 }
 
-TEST(Check, WhatEditorsAndSendersAddIsNoPartOfTheProgram) {
+TEST(Check, AdditionsOfEditorsAndSendersAreIgnored) {
   const Folder folder;
   const nlohmann::json plain = check(folder.write("a.ngc", "G1 X10 F600\n"));
   for (const char* before : {"\xEF\xBB\xBF", "$X\n", "%\n"}) {
@@ -134,7 +133,7 @@ TEST(Check, DrawsThePathWithPowerInColour) {
   EXPECT_THAT(drawn, HasSubstr("stroke-dasharray=\"4 3\""));  // rapids
   const std::string half = drawn.substr(drawn.find("stroke-dasharray"));
   EXPECT_THAT(half,
-              Not(HasSubstr("stroke=\"#f5c85a\"")));  // nothing without power but rapids
+              Not(HasSubstr("stroke=\"#f5c85a\"")));  // only rapids have no power
 }
 
 TEST(Check, BadRequestsAreRefused) {

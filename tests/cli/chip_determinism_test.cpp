@@ -1,6 +1,6 @@
-// Runs of the flash image in `lamplock chip` are the same to the byte: twice, with and without
+// Runs of the flash image in `lamplock chip` are the same to the byte: repeated, with and without
 // traces and profiles, and with PIO and DMA run in every clock, as are runs of the small images.
-// With a debugger: tests/gdb/session.
+// tests/gdb/session tests runs with a debugger.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -23,19 +23,19 @@ constexpr const char* busy_script =
     "expect gpio25 frequency 1MHz +-0.1% in 1ms\n"
     "end\n";
 
-/// Without USB, whose host takes its time, for runs that are slow: boot, the lamp, steps of time.
+/// Without USB, whose host is slow, for slow runs: boot, the lamp, steps of time.
 constexpr const char* short_script =
     "at 160ms pulse gpio8 10us every 1ms times 10\n"
     "at 170ms\n"
     "expect gpio25 frequency 1MHz +-0.1% in 1ms\n"
     "end\n";
 
-/// What a run leaves behind.
+/// Output of a run.
 struct Left {
   std::string summary, said, vcd, profile;
 };
 
-/// Ends tried of one image.
+/// Number of end times tried for one image.
 constexpr int test_ends = 16;
 
 class ChipDeterminism : public testing::Test {
@@ -44,7 +44,7 @@ class ChipDeterminism : public testing::Test {
   Left left(const std::string& script, const std::vector<std::string>& more) {
     return left(LAMPLOCK_UF2, script, more);
   }
-  /// No script: empty.
+  /// Runs the image; an empty `script` means none.
   Left left(const std::string& image, const std::string& script,
             const std::vector<std::string>& more) {
     std::vector<std::string> all{"chip", image, "--json"};
@@ -53,7 +53,7 @@ class ChipDeterminism : public testing::Test {
     const Finished done = run(all);
     EXPECT_EQ(done.status, 0) << done.err;
     Left result;
-    // The first line tells how long it took.
+    // The first line has the wall-clock time.
     result.said = done.err.substr(std::min(done.err.size(), done.err.find('\n')));
     nlohmann::json summary = nlohmann::json::parse(done.out);
     summary.erase("wall");
@@ -76,13 +76,13 @@ class ChipDeterminism : public testing::Test {
   const std::vector<std::string> profile_{"--profile", folder_ / "profile.txt"};
 };
 
-/// For messages: no megabytes of VCD.
+/// Compares without printing megabytes of VCD.
 void expect_same(const std::string& one, const std::string& two, const char* what) {
   EXPECT_FALSE(one.empty()) << what;
   EXPECT_TRUE(one == two) << what << ": " << one.size() << " and " << two.size() << " bytes";
 }
 
-TEST_F(ChipDeterminism, two_runs_of_the_firmware_are_the_same_whatever_looks_on) {
+TEST_F(ChipDeterminism, two_runs_of_the_firmware_are_the_same_with_any_trace) {
   const Left traced = left(vcd_);
   expect_same(traced.vcd, left(vcd_).vcd, "two traces");
   std::vector<std::string> both = vcd_;
@@ -102,7 +102,7 @@ TEST_F(ChipDeterminism, skipping_clocks_changes_nothing) {
   EXPECT_EQ(sleeping.summary, stepping.summary);
 }
 
-/// The small images with their scripts: a subject of the chip each.
+/// The small images with their scripts: each tests one part of the chip.
 class ChipImages : public ChipDeterminism {
  protected:
   static std::vector<std::filesystem::path> scripts() {
@@ -135,8 +135,8 @@ TEST_F(ChipImages, SteppingEveryClockLeavesTheSameFiles) {
   }
 }
 
-// What its script has no say in: the end, anywhere.
-TEST_F(ChipImages, EndInTheSameCycleWhereverThatIs) {
+// Runs without a script end at any given time.
+TEST_F(ChipImages, EndInTheSameCycleAtAnyEndTime) {
   for (int i = 0; i < test_ends; ++i) {
     const std::string until = std::to_string(10'600'000 + 937 * i) + "ns";
     const std::filesystem::path image = std::filesystem::path(LAMPLOCK_CHIP_IMAGES) / "nested.uf2";

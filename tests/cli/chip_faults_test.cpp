@@ -1,4 +1,4 @@
-// `lamplock chip` with programs that die: one image for each way to die.
+// `lamplock chip` with programs that fault: one image for each kind of fault.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -43,7 +43,7 @@ std::string die_with(std::uint16_t instruction, std::uint32_t literal) {
                       static_cast<std::uint16_t>(literal >> 16)});
 }
 
-/// What a fault must be; `lr` empty: anything.
+/// Expected properties of a fault; an empty `lr` accepts any.
 struct Expected {
   std::string kind, title, cause, pc, symbol, lr, lr_symbol;
   int core = 0;
@@ -64,7 +64,7 @@ Expected with_cause(Expected expected, const std::string& cause) {
 
 class ChipFaults : public testing::Test {
  protected:
-  /// Runs the image without a script: status 1, and `expected` are the faults, in order.
+  /// Runs the image without a script: status 1, and the faults are `expected`, in order.
   void expect_death(const std::string& file, const std::vector<Expected>& expected) {
     const std::string image = folder_.write("image.elf", file);
     const Finished dead = run({"chip", image, "--until", "30ms", "--json"});
@@ -85,7 +85,7 @@ class ChipFaults : public testing::Test {
   static std::string place(const std::string& address, const std::string& symbol) {
     return symbol.empty() ? address : address + " (" + symbol + ")";
   }
-  /// The part of a line about a fault that has no time.
+  /// The part of a fault's line without the time.
   static std::string text_of(const nlohmann::json& fault, const Expected& expected) {
     return expected.title + " on core " + std::to_string(expected.core) + ", " + expected.cause +
            ", pc " + place(expected.pc, expected.symbol) + ", lr " +
@@ -109,7 +109,7 @@ class ChipFaults : public testing::Test {
     EXPECT_LT(fault["at_ps"], 30'000'000'000);
     EXPECT_THAT(summary, HasSubstr("fault     " + text_of(fault, expected)));
   }
-  /// A script that permits all of them passes; one that permits all but the last does not.
+  /// A script that permits all faults passes; a script that permits all but the last fails.
   void expect_allowed(const std::string& image, const std::vector<Expected>& expected) {
     std::string script;
     for (const Expected& each : expected) {
@@ -164,7 +164,7 @@ TEST_F(ChipFaults, BranchToAnEvenAddress) {
   expect_death(die_with(0x4700, tiny_base + 0x24), {expected});  // bx r0
 }
 
-TEST_F(ChipFaults, BranchToWhereThereIsNoCode) {
+TEST_F(ChipFaults, BranchToAnAddressWithoutCode) {
   Expected expected = with_cause(from_die, "fetch from 0x40000000 failed");
   expected.pc = "0x40000000";
   expected.symbol = "";
@@ -250,8 +250,8 @@ TEST_F(ChipFaults, WatchdogThatIsForced) {
                         "start + 0x8", "0x00000000", ""}});
 }
 
-// Core 0 starts core 1 by the words of the datasheet, 2.8.2, and lives on; entry 3 of the vector
-// table of core 1 is code, an even number.
+// Core 0 starts core 1 by the words of the datasheet, 2.8.2, and keeps running; entry 3 of the
+// vector table of core 1 is code, an even number.
 TEST_F(ChipFaults, CoreOneDiesWhileCoreZeroLives) {
   const Code code{
       0x200d,                                          // 00: movs r0, #13
@@ -289,7 +289,7 @@ TEST_F(ChipFaults, CoreOneDiesWhileCoreZeroLives) {
                         "0x08526d02", "", "0xfffffff9", "", 1}});
 }
 
-TEST_F(ChipFaults, AProgramThatLivesHasNone) {
+TEST_F(ChipFaults, AProgramThatKeepsRunningHasNoFault) {
   const Folder folder;
   const std::string image =
       folder.write("alive.elf", elf_file(boot_image({0xe7fe}), {{"live", 0, 2}}));
@@ -299,7 +299,7 @@ TEST_F(ChipFaults, AProgramThatLivesHasNone) {
   EXPECT_THAT(alive.err, Not(HasSubstr("fault")));
 }
 
-TEST_F(ChipFaults, AFaultIsTheReasonForWhatTheScriptMisses) {
+TEST_F(ChipFaults, AFaultIsReportedAsTheReasonForAFailedScript) {
   const Folder folder;
   const std::string image = folder.write("dead.elf", start_calls({0xde00, 0xe7fe}));
   const std::string late = folder.write("late.script", "at 20ms\nexpect gpio9 high\n");

@@ -23,7 +23,7 @@ using testing::Not;
 
 std::string bytes(const std::vector<std::uint8_t>& image) { return {image.begin(), image.end()}; }
 
-/// All that a run prints, but for the wall clock.
+/// Everything that a run prints, without the wall-clock time.
 nlohmann::json summary(const Finished& run) {
   nlohmann::json json = nlohmann::json::parse(run.out);
   json.erase("wall");
@@ -70,7 +70,7 @@ TEST(Chip, ends_with_its_script) {
   EXPECT_EQ(summary(passed)["script"]["passed"], true);
 }
 
-TEST(Chip, tells_in_one_line_what_was_not_as_expected) {
+TEST(Chip, reports_in_one_line_what_was_not_as_expected) {
   const Folder folder;
   const std::string image = folder.write("pins.bin", bytes(pin_image()));
   const std::string script =
@@ -93,11 +93,11 @@ TEST(Chip, a_script_that_is_not_over_in_time_has_not_passed) {
   const Finished failed = run({"chip", image, "--script", script, "--until", "25ms"});
   EXPECT_EQ(failed.status, 1);
   EXPECT_THAT(failed.err,
-              HasSubstr(":1: expected gpio9 rise within 1s, seen: not over yet (--until "
+              HasSubstr(":1: expected gpio9 rise within 1s, seen: not complete yet (--until "
                         "25 ms reached), at 25 ms; "));
 }
 
-// The first steps of the ROM take longer than 5 ms: what it is in the middle of does not count.
+// The ROM's first steps take longer than 5 ms: the program in progress does not matter.
 TEST(Chip, the_limit_is_named_and_is_the_time_of_the_failure) {
   const Folder folder;
   const std::string image = folder.write("pins.bin", bytes(pin_image()));
@@ -118,8 +118,9 @@ TEST(Chip, a_script_without_until_has_a_limit) {
   const std::string script = folder.write("t.script", "at 100s\nend\n");
   const Finished failed = run({"chip", image, "--script", script, "--json"});
   EXPECT_EQ(failed.status, 1);
-  EXPECT_THAT(failed.err, HasSubstr(":1: expected at 100 s, seen: not over yet (default limit of a "
-                                    "script reached, 60 s), at 60 s; "));
+  EXPECT_THAT(failed.err,
+              HasSubstr(":1: expected at 100 s, seen: not complete yet (default limit of a "
+                        "script reached, 60 s), at 60 s; "));
   EXPECT_EQ(summary(failed)["ended"], "default_limit");
 }
 
@@ -140,7 +141,7 @@ TEST(Chip, sigterm_ends_it_with_a_summary_and_status_143) {
   }
 }
 
-TEST(Chip, wrong_use_is_told_with_status_2) {
+TEST(Chip, wrong_use_ends_with_status_2) {
   const Folder folder;
   const std::string image = folder.write("pins.bin", bytes(pin_image()));
   const auto refused = [&](const std::vector<std::string>& arguments, const std::string& what) {
@@ -169,7 +170,7 @@ TEST(Chip, wrong_use_is_told_with_status_2) {
   refused({image, "--until", "1ms", "--flash-size", "3"}, "--flash-size");
 }
 
-TEST(Chip, a_terminal_or_port_that_cannot_be_opened_is_told_with_status_3) {
+TEST(Chip, a_terminal_or_port_that_cannot_be_opened_ends_with_status_3) {
   const Folder folder;
   const std::string image = folder.write("pins.bin", bytes(pin_image()));
   const Running first({"chip", image, "--gdb", "0"});
@@ -250,7 +251,7 @@ TEST(Chip, has_its_uart_on_a_terminal) {
   ASSERT_TRUE(running.wait_for("UART0 is " + port));
   const int terminal = ::open(port.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
   ASSERT_GE(terminal, 0);
-  // The image listens as soon as the ROM has started it; before that bytes are lost.
+  // The image reads as soon as the ROM has started it; earlier bytes are lost.
   std::string heard;
   std::array<char, 64> bytes{};
   for (int i = 0; i < 1000 && heard.find('!') == std::string::npos; ++i) {

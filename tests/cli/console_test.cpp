@@ -23,7 +23,7 @@ std::string pasted_moves(int count) {
   return text;
 }
 
-/// A board behind a port, and a console to it.
+/// A board at a port and a console connected to it.
 struct ConsoleToPort {
   ConsoleToPort() : terminal({"console", "--board", address()}) {}
 
@@ -72,7 +72,7 @@ TEST(ConsoleCommand, in_a_terminal) {
   EXPECT_EQ(terminal.finish().status, 0);
 }
 
-/// The terminal stores 4 KB of them, and gives them line by line.
+/// The terminal buffers 4 KB of lines and delivers them one at a time.
 TEST(ConsoleCommand, a_hold_overtakes_pasted_lines) {
   ConsoleToPort console;
   InTerminal& terminal = console.terminal;
@@ -91,10 +91,10 @@ TEST(ConsoleCommand, a_hold_overtakes_pasted_lines) {
   terminal.type("\x04");
   const Finished left = terminal.finish();
   EXPECT_EQ(left.status, 0);
-  EXPECT_THAT(left.out, Not(HasSubstr("not sent"))) << "a reset discards them";
+  EXPECT_THAT(left.out, Not(HasSubstr("not sent"))) << "a reset discards the lines";
 }
 
-TEST(ConsoleCommand, a_hold_pasted_behind_lines_stops_them) {
+TEST(ConsoleCommand, a_hold_pasted_after_lines_stops_them) {
   ConsoleToPort console;
   InTerminal& terminal = console.terminal;
   terminal.type("?\n");
@@ -121,7 +121,7 @@ TEST(ConsoleCommand, ctrl_c_overtakes_pasted_lines) {
   EXPECT_LT(Clock::now() - start, 1s);
 }
 
-TEST(ConsoleCommand, tells_how_many_pasted_lines_were_not_sent) {
+TEST(ConsoleCommand, reports_how_many_pasted_lines_were_not_sent) {
   InTerminal terminal({"console", "--board", "virtual"});
   terminal.type("?\n");
   ASSERT_TRUE(terminal.wait_for("<Idle|"));
@@ -131,7 +131,7 @@ TEST(ConsoleCommand, tells_how_many_pasted_lines_were_not_sent) {
   EXPECT_THAT(left.out, HasSubstr("typed lines that were not sent: "));
 }
 
-/// A simulated machine that homes has switches where its settings say.
+/// A simulated machine that homes has its switches at the places of its settings.
 TEST(ConsoleCommand, homes_the_simulated_machine) {
   const Folder folder;
   const std::string machine =

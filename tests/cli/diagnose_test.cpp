@@ -1,4 +1,4 @@
-// `lamplock diagnose`: a table, JSON and a picture of what servo drives made of a program.
+// `lamplock diagnose`: a table, JSON and a picture of the response of servo drives to a program.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -48,7 +48,7 @@ TEST(Diagnose, RunsAProgramOnOtherDrives) {
     EXPECT_NEAR(row["axes"][1]["measured_end_mm"].get<double>(), 10, 1e-3);
     return row["axes"][0]["max_positive_mm"].get<double>();
   };
-  // 20 mm/s, twice the time constant late.
+  // At 20 mm/s the lag is twice the time constant.
   EXPECT_NEAR(most("2"), 0.08, 0.004);
   EXPECT_NEAR(most("10"), 0.4, 0.02);
 }

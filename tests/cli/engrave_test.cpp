@@ -18,7 +18,7 @@ using testing::HasSubstr;
 /// Half a step of the default machine (200 steps/mm).
 constexpr double half_step_mm = 0.0025;
 
-/// Runs, expects success, gives the JSON document on stdout.
+/// Every point was fired once.
 void expect_each_once(const Json& report) {
   EXPECT_EQ(report["shots"], report["points"]);
   EXPECT_EQ(report["missed"], 0);
@@ -27,8 +27,8 @@ void expect_each_once(const Json& report) {
   EXPECT_EQ(report["first_unfired"], report["points"]);
 }
 
-void expect_exactly(const std::vector<points::Point>& shots,
-                    const std::vector<points::Point>& wanted) {
+void expect_exactly(const std::vector<geometry::Point>& shots,
+                    const std::vector<geometry::Point>& wanted) {
   ASSERT_EQ(shots.size(), wanted.size());
   for (std::size_t i = 0; i < shots.size(); ++i) {
     EXPECT_NEAR(shots[i].x, wanted[i].x, half_step_mm + 1e-9) << i;
@@ -43,10 +43,10 @@ TEST(Engrave, mesh) {
   const Json report = run_json(
       {"engrave", mesh, "--size", "6", "--spacing", "0.3", "--report", folder / "out/report"});
   expect_each_once(report);
-  // Blue noise: 0.7 points an area of spacing^2; the octahedron has sqrt(3) size^2.
+  // Blue noise has 0.7 points per area of spacing^2; the octahedron has sqrt(3) size^2.
   EXPECT_NEAR(report["points"].get<double>(), 0.7 * std::sqrt(3) * 36 / 0.09, 50);
   EXPECT_LE(report["largest_error_steps"], 0.5);
-  for (const points::Point& p : read_shots(folder / "out/report/shots.csv"))
+  for (const geometry::Point& p : read_shots(folder / "out/report/shots.csv"))
     EXPECT_NEAR(std::abs(p.x) + std::abs(p.y) + std::abs(p.z), 3, 0.01);  // on the surface
   EXPECT_EQ(Folder::files(folder.path() / "out"), std::vector<std::string>{"report"});
   EXPECT_EQ(Folder::files(folder.path() / "out/report"),
@@ -78,7 +78,7 @@ TEST(Engrave, bitmap) {
                                 "2", "--layer", "0.5", "--shots", folder / "shots.csv"});
   expect_each_once(report);
   EXPECT_NEAR(report["points"].get<double>(), 2 * M_PI / 4 * 20 * 20, 50);
-  for (const points::Point& p : read_shots(folder / "shots.csv")) {
+  for (const geometry::Point& p : read_shots(folder / "shots.csv")) {
     EXPECT_LT(std::hypot(p.x, p.y), 2);
     EXPECT_EQ(std::abs(p.z), 0.25);
   }
@@ -86,8 +86,8 @@ TEST(Engrave, bitmap) {
 
 TEST(Engrave, point_list_exactly_as_given) {
   const Folder folder;
-  std::vector<points::Point> points = walk(300, 7);
-  points[100] = points[99];  // not welded either
+  std::vector<geometry::Point> points = walk(300, 7);
+  points[100] = points[99];  // must not be welded
   const std::string list = folder.write("p.xyz", xyz(points));
   for (const char* mode : {"free", "path", "start-stop"}) {
     expect_each_once(run_json(
@@ -109,7 +109,7 @@ TEST(Engrave, point_list_by_layers_only_on_request) {
 
 TEST(Engrave, the_rest_of_a_job) {
   const Folder folder;
-  const std::vector<points::Point> points = walk(200, 3);
+  const std::vector<geometry::Point> points = walk(200, 3);
   const std::string list = folder.write("p.xyz", xyz(points));
   const Json report = run_json({"engrave", list, "--from", "150", "--shots", folder / "shots.csv"});
   EXPECT_EQ(report["points"], 50);
@@ -120,10 +120,10 @@ TEST(Engrave, the_rest_of_a_job) {
 
 TEST(Engrave, several_flashes_at_each_point) {
   const Folder folder;
-  const std::vector<points::Point> points = walk(60, 3);
+  const std::vector<geometry::Point> points = walk(60, 3);
   const std::string list = folder.write("p.xyz", xyz(points));
-  std::vector<points::Point> thrice;
-  for (const points::Point& p : points) thrice.insert(thrice.end(), 3, p);
+  std::vector<geometry::Point> thrice;
+  for (const geometry::Point& p : points) thrice.insert(thrice.end(), 3, p);
   const Json report =
       run_json({"engrave", list, "--flashes", "3", "--shots", folder / "shots.csv"});
   EXPECT_EQ(report["points"], 60);
@@ -131,7 +131,7 @@ TEST(Engrave, several_flashes_at_each_point) {
   EXPECT_EQ(report["missed"], 0);
   EXPECT_EQ(report["doubled"], 0);
   expect_exactly(read_shots(folder / "shots.csv"), thrice);
-  // The same as a job file; the rest of it, one flash of point 20 fired before.
+  // The same as a job file, and the rest of it after one flash of point 20.
   const std::string job = folder / "job.llj";
   ASSERT_EQ(run({"job", list, "--flashes", "3", "-o", job}).status, 0);
   const Json rest =
@@ -144,7 +144,7 @@ TEST(Engrave, several_flashes_at_each_point) {
 
 TEST(Engrave, job_speed_costs_beats_and_nothing_else) {
   const Folder folder;
-  const std::vector<points::Point> points = walk(100, 3);
+  const std::vector<geometry::Point> points = walk(100, 3);
   const std::string list = folder.write("p.xyz", xyz(points));
   std::vector<int> beats;
   for (const char* speed : {"100", "50", "20"}) {
@@ -200,7 +200,7 @@ TEST(Engrave, faults_of_the_lamp_cost_beats_never_points) {
   EXPECT_NE(other["beats_by_reason"], faulty["beats_by_reason"]);
 }
 
-TEST(Engrave, drives_that_follow_late_and_are_not_known_to) {
+TEST(Engrave, drives_whose_lag_is_not_set) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", xyz(walk(100, 3)));
   EXPECT_LE(run_json({"engrave", list})["largest_error_steps"], 0.5);
@@ -223,7 +223,7 @@ TEST(Engrave, a_profile_moves_the_middle) {
       "m.toml", "min_corner = [0, 0, 0]\ntravel = [20, 20, 10]\nsteps_per_mm = [400, 400, 400]\n");
   expect_each_once(run_json({"engrave", mesh, "--size", "4", "--spacing", "0.5", "--machine",
                              profile, "--shots", folder / "shots.csv"}));
-  for (const points::Point& p : read_shots(folder / "shots.csv"))
+  for (const geometry::Point& p : read_shots(folder / "shots.csv"))
     EXPECT_NEAR(std::abs(p.x - 10) + std::abs(p.y - 10) + std::abs(p.z - 5), 2, 0.01);
 }
 

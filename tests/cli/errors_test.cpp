@@ -18,7 +18,7 @@ void expect_refused(const Folder& folder, const std::vector<std::string>& argume
   EXPECT_EQ(folder.files(), before);
 }
 
-/// The same by every command that takes an input.
+/// The same for every command that reads an input.
 void expect_input_refused(const Folder& folder, const std::string& input,
                           const std::string& names) {
   expect_refused(folder, {"engrave", input, "--report", folder / "report"}, names);
@@ -70,13 +70,13 @@ TEST(Errors, points_outside_the_work_space) {
   expect_input_refused(folder, folder.write("far.xyz", "0 0 0\n0 0 51\n"), "far.xyz");
 }
 
-TEST(Errors, points_that_are_no_numbers) {
+TEST(Errors, points_that_are_not_numbers) {
   const Folder folder;
   expect_input_refused(folder, folder.write("bad.xyz", "0 0 0\n0 nan 1\n"), "bad.xyz");
   expect_input_refused(folder, folder.write("word.xyz", "0 0 zero\n"), "word.xyz");
 }
 
-TEST(Errors, too_large_an_object_is_told_the_size_that_fits) {
+TEST(Errors, an_object_that_is_too_large_gets_the_size_that_fits) {
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
   expect_refused(folder, {"engrave", mesh, "--size", "120"}, "--size 100");
@@ -99,7 +99,7 @@ TEST(Errors, options_out_of_range) {
   expect_refused(folder, {"engrave", mesh, "--flashes", "3", "--fired", "3"}, "--fired 3");
 }
 
-TEST(Errors, results_that_cannot_be_written_are_told_first) {
+TEST(Errors, results_that_cannot_be_written_are_reported_first) {
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
   expect_refused(folder, {"points", mesh, "-o", folder / "none/out.xyz"}, "none/out.xyz");
@@ -137,7 +137,7 @@ TEST(Errors, broken_job_files) {
   }
 }
 
-TEST(Errors, reports_that_are_none) {
+TEST(Errors, invalid_reports) {
   const Folder folder;
   folder.write("report.json", "{\"version\": 3}");
   const std::string here = folder.path().string();

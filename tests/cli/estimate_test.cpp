@@ -1,12 +1,12 @@
-// `lamplock estimate` against `lamplock engrave`, the page, the file of statistics.
+// `lamplock estimate` against `lamplock engrave`, its page, and the statistics file.
 #include <gmock/gmock.h>
 
 #include <ctime>
 #include <nlohmann/json.hpp>
 
-#include "host/cli/foresight.hpp"
 #include "host/cli/progress.hpp"
 #include "host/job/profile.hpp"
+#include "host/run/remaining_time.hpp"
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/cli/run_json.hpp"
@@ -17,16 +17,15 @@ namespace {
 using testing::EndsWith;
 using testing::HasSubstr;
 
-/// Runs, expects success, gives the JSON document on stdout.
-/// What an estimate tells is what the run has told.
-void expect_equal(const Json& told, const Json& run) {
+/// An estimate must equal the report of the run.
+void expect_equal(const Json& estimated, const Json& run) {
   for (const char* key : {"points", "shots", "beats", "beats_before", "beats_per_point",
                           "utilisation", "beats_by_reason", "settings", "mode", "lamp_hz"})
-    EXPECT_EQ(told[key], run[key]) << key;
-  EXPECT_NEAR(told["time_s"].get<double>(), run["time_s"].get<double>(), 1e-6);
+    EXPECT_EQ(estimated[key], run[key]) << key;
+  EXPECT_NEAR(estimated["time_s"].get<double>(), run["time_s"].get<double>(), 1e-6);
 }
 
-TEST(EstimateCommand, tells_what_the_run_tells) {
+TEST(EstimateCommand, equals_the_report_of_the_run) {
   const Folder folder;
   const std::string points = folder.write("p.xyz", xyz(walk(700, 3)));
   const std::string machine = folder.write("m.toml", "lamp_energy = 1\n");
@@ -41,9 +40,9 @@ TEST(EstimateCommand, tells_what_the_run_tells) {
   for (const auto& more : options) {
     std::vector<std::string> arguments{"estimate", points, "--order", "given"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    const Json told = run_json(arguments);
+    const Json estimated = run_json(arguments);
     arguments[0] = "engrave";
-    expect_equal(told, run_json(arguments));
+    expect_equal(estimated, run_json(arguments));
   }
 }
 
@@ -55,14 +54,15 @@ TEST(EstimateCommand, of_a_job_file) {
   expect_equal(run_json({"estimate", job}), run_json({"send", job}));
 }
 
-TEST(EstimateCommand, says_it_in_words_and_writes_a_page) {
+TEST(EstimateCommand, prints_text_and_writes_a_page) {
   const Folder folder;
   const std::string points = folder.write("p.xyz", xyz(walk(50, 5)));
-  const Finished told = run({"estimate", points, "--page", folder / "p.html"});
-  EXPECT_EQ(told.status, 0) << told.err;
-  for (const char* word : {"points", "utilisation", "machine time", "begun now it ends on"})
-    EXPECT_THAT(told.out, HasSubstr(word));
-  EXPECT_THAT(told.out, Not(HasSubstr("missed")));
+  const Finished estimated = run({"estimate", points, "--page", folder / "p.html"});
+  EXPECT_EQ(estimated.status, 0) << estimated.err;
+  for (const char* word :
+       {"points", "utilisation", "machine time", "if the job starts now, it ends on"})
+    EXPECT_THAT(estimated.out, HasSubstr(word));
+  EXPECT_THAT(estimated.out, Not(HasSubstr("missed")));
   EXPECT_THAT(read(folder / "p.html"), testing::StartsWith("<!doctype html>"));
   EXPECT_EQ(folder.files(), (std::vector<std::string>{"p.html", "p.xyz"}));
 }
@@ -83,7 +83,7 @@ TEST(EstimateCommand, refuses_in_one_line) {
 }
 
 TEST(EstimateCommand, takes_an_origin_as_engrave_does) {
-  // A work space beside the origin: objects lie in its middle, or round the origin.
+  // A work area away from the origin: objects lie in its middle, or around the origin.
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
   const std::string profile = folder.write("m.toml", "min_corner = [-3, -3, -10]\n");
@@ -100,7 +100,7 @@ TEST(EstimateCommand, takes_an_origin_as_engrave_does) {
   }
 }
 
-TEST(EstimateCommand, of_a_job_file_takes_nothing_that_makes_one) {
+TEST(EstimateCommand, of_a_job_file_refuses_options_that_make_one) {
   const Folder folder;
   const std::string points = folder.write("p.xyz", xyz(walk(20, 4)));
   const std::string job = folder / "p.llj";
@@ -137,13 +137,13 @@ TEST(Statistics, a_line_for_every_job) {
   const std::string points = folder.write("p.xyz", xyz(walk(40, 7)));
   const std::string file = folder / "jobs.csv";
   for (int i = 0; i < 2; ++i) ASSERT_EQ(run({"engrave", points, "--statistics", file}).status, 0);
-  const auto told = lines(read(file));
-  ASSERT_EQ(told.size(), 3u);
-  EXPECT_THAT(told[0], testing::StartsWith("date,end,input,"));
-  for (const int i : {1, 2}) EXPECT_THAT(told[static_cast<std::size_t>(i)], HasSubstr(",done,"));
+  const auto rows = lines(read(file));
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_THAT(rows[0], testing::StartsWith("date,end,input,"));
+  for (const int i : {1, 2}) EXPECT_THAT(rows[static_cast<std::size_t>(i)], HasSubstr(",done,"));
 }
 
-TEST(Statistics, spares_the_files_of_others) {
+TEST(Statistics, keeps_foreign_files) {
   const Folder folder;
   const std::string points = folder.write("p.xyz", xyz(walk(40, 7)));
   const std::string notes = folder.write("notes.csv", "when,what\n");
@@ -158,7 +158,7 @@ TEST(Statistics, spares_the_files_of_others) {
   EXPECT_EQ(folder.files(), (std::vector<std::string>{"notes.csv", "p.xyz"}));
 }
 
-TEST(Statistics, nowhere_to_write_is_told_before_the_job) {
+TEST(Statistics, an_unwritable_file_is_reported_before_the_job) {
   const Folder folder;
   const std::string points = folder.write("p.xyz", xyz(walk(40, 7)));
   const Finished finished =
@@ -167,32 +167,32 @@ TEST(Statistics, nowhere_to_write_is_told_before_the_job) {
   EXPECT_EQ(folder.files(), std::vector<std::string>{"p.xyz"});
 }
 
-TEST(Foresight, is_of_the_machine_that_runs_the_job) {
+TEST(RemainingTime, is_of_the_machine_that_runs_the_job) {
   job::Profile at_home = job::default_profile();
   const job::Job job = job::make_job(walk(300, 9), at_home, {});
-  // A machine that is slower, and told so; the profile at home says nothing of it.
+  // The machine reports that it is slower; the local profile does not mention that.
   link::BoardSettings machine;
   for (const std::string& line : {std::string("$120=500.000"), std::string("$121=500.000"),
                                   std::string("$122=500.000"), std::string("$901=40.000")})
     ASSERT_TRUE(link::take_setting(line, machine)) << line;
   job::Job on_machine = job;
-  on_machine.settings = settings_in_job(job, machine);
+  on_machine.settings = run::settings_in_job(job, machine);
   EXPECT_EQ(on_machine.settings.milli(settings::Id::acceleration_x), 500'000);
   EXPECT_EQ(on_machine.settings.milli(settings::Id::max_rate_x),
             job.settings.milli(settings::Id::max_rate_x));
-  const double slow_s = *Foresight(on_machine, 0, 100).left_s(0);
+  const double slow_s = *run::RemainingTime(on_machine, 0, 100).left_s(0);
   job::set_acceleration(at_home, 0.5);
   job::set_lamp_hz(at_home, 40);
   const job::Job stated = job::make_job(walk(300, 9), at_home, {});
-  EXPECT_NEAR(slow_s, *Foresight(stated, 0, 100).left_s(0), 1e-9);
-  EXPECT_GT(slow_s, 1.5 * *Foresight(job, 0, 100).left_s(0));
-  // What the job states holds on any machine.
-  EXPECT_EQ(settings_in_job(stated, machine).milli(settings::Id::lamp_frequency), 40'000);
+  EXPECT_NEAR(slow_s, *run::RemainingTime(stated, 0, 100).left_s(0), 1e-9);
+  EXPECT_GT(slow_s, 1.5 * *run::RemainingTime(job, 0, 100).left_s(0));
+  // Settings stated by the job apply on any machine.
+  EXPECT_EQ(run::settings_in_job(stated, machine).milli(settings::Id::lamp_frequency), 40'000);
   machine.values.set_milli(settings::Id::lamp_frequency, 200'000);
-  EXPECT_EQ(settings_in_job(stated, machine).milli(settings::Id::lamp_frequency), 40'000);
+  EXPECT_EQ(run::settings_in_job(stated, machine).milli(settings::Id::lamp_frequency), 40'000);
 }
 
-TEST(ProgressText, tells_the_end_of_what_takes_long) {
+TEST(ProgressText, reports_the_end_of_long_jobs) {
   ::setenv("TZ", "UTC", 1);
   ::tzset();
   constexpr std::time_t now = 1'774'690'200;  // 2026-03-28 09:30

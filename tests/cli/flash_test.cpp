@@ -1,5 +1,5 @@
-// `flash` and `devices` as a user runs them. Nothing here may reach a board that happens to be
-// plugged in: the chip is simulated, serial numbers are none.
+// `flash` and `devices` as a user runs them. These tests must not reach a board that happens to be
+// plugged in: the chip is simulated, and the serial numbers do not exist.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -16,7 +16,7 @@ using testing::MatchesRegex;
 
 constexpr const char* no_serial = "no board has this";
 
-TEST(FlashCommand, ExplainsItself) {
+TEST(FlashCommand, HasAHelpText) {
   for (const char* command : {"flash", "devices"}) {
     const Finished help = run({command, "--help"});
     EXPECT_EQ(help.status, 0);
@@ -26,13 +26,13 @@ TEST(FlashCommand, ExplainsItself) {
   EXPECT_THAT(run({"flash", "--help"}).out, HasSubstr("--board usb|chip=usb "));
 }
 
-/// An image that would start, as it stands in the flash.
+/// A valid image, with the bytes that the flash has.
 std::string flash_begin() {
   const auto bytes = flash::test::noise_image(4'096, 1).sectors.front().bytes;
   return {bytes.begin(), bytes.end()};
 }
 
-TEST(FlashCommand, ImagesAreRefusedBeforeAnyBoardIsLookedFor) {
+TEST(FlashCommand, ImagesAreRefusedBeforeTheSearchForBoards) {
   const Folder folder;
   const std::string good = flash::write_uf2(flash::test::noise_image(9'000, 1));
   const std::vector<std::pair<std::string, std::string>> all = {
@@ -67,8 +67,8 @@ TEST(FlashCommand, NoBoardIsStatus3AndWrongUsageStatus2) {
   EXPECT_EQ(run({"flash", image, "--board", "virtual"}).status, 2);
 }
 
-/// The file is read before anything else happens.
-TEST(FlashCommand, LinesAreThoseOfThePinsOrRefused) {
+/// The file is read first.
+TEST(FlashCommand, LinesAreValidPinsOrRefused) {
   const Folder folder;
   const std::string image =
       folder.write("good.uf2", flash::write_uf2(flash::test::noise_image(9'000, 1)));
@@ -82,7 +82,7 @@ TEST(FlashCommand, LinesAreThoseOfThePinsOrRefused) {
   EXPECT_EQ(run({"flash", image, "--lines", half, "--drive", "x"}).status, 2);
   const std::string both =
       folder.write("both.toml", "[run]\nline = \"GPIO24\"\n[bootsel]\nline = \"GPIO25\"\n");
-  // A number is named: no line is pulled for another board.
+  // With a serial number no line is driven for another board.
   EXPECT_EQ(run({"flash", image, "--serial", no_serial, "--lines", both}).status, 3);
 }
 

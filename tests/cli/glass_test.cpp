@@ -21,7 +21,7 @@ using testing::Contains;
 using testing::HasSubstr;
 
 constexpr double index_of_k9 = 1.5168;
-/// Of the default machine, 200 steps/mm; less than a rounded half.
+/// Half a step of the default machine (200 steps/mm), plus rounding.
 constexpr double rounded_half_step_mm = 0.0025 + 1e-9;
 
 std::vector<std::string> joined(std::vector<std::string> words,
@@ -42,7 +42,7 @@ void expect_glass_refused(const Folder& folder, const std::vector<std::string>& 
 
 TEST(Glass, ShotsAreInTheGlassAndTheStageIsNot) {
   const Folder folder;
-  const std::vector<points::Point> points = walk(150, 5);
+  const std::vector<geometry::Point> points = walk(150, 5);
   const std::string list = folder.write("p.xyz", xyz(points));
   const std::vector<std::string> glass{list, "--material", "k9", "--block", "20,20,30"};
   const Json report = run_json(joined({"engrave", "--shots", folder / "shots.csv"}, glass));
@@ -55,13 +55,13 @@ TEST(Glass, ShotsAreInTheGlassAndTheStageIsNot) {
     EXPECT_NEAR(shots[i].x, points[i].x, rounded_half_step_mm);
     EXPECT_NEAR(shots[i].z, points[i].z, rounded_half_step_mm * index_of_k9);
   }
-  // The entry face is at 15 mm; the stage goes less far under it.
+  // The entry face is at 15 mm; the stage moves less far below it.
   ASSERT_EQ(run(joined({"job", "-o", folder / "j.llj"}, glass)).status, 0);
   const job::Job job = job::read_job_file(folder / "j.llj");
   for (std::size_t i = 0; i < points.size(); ++i)
     EXPECT_NEAR(job.targets[i].steps[2] / 200.0, 15 + (points[i].z - 15) / index_of_k9,
                 rounded_half_step_mm);
-  // A job file knows its glass.
+  // A job file has its glass.
   run_json({"send", folder / "j.llj", "--shots", folder / "sent.csv"});
   EXPECT_EQ(read(folder / "sent.csv"), read(folder / "shots.csv"));
 }
@@ -78,14 +78,14 @@ TEST(Glass, BlocksKeepTheirMargin) {
   expect_glass_refused(
       folder, {"points", mesh, "--size", "15", "--block", "20,20,20", "-o", folder / "o.xyz"},
       {"--size 14"});
-  // A move out of the block.
+  // The object is moved out of the block.
   expect_glass_refused(folder,
                        {"points", mesh, "--size", "10", "--block", "20,20,20", "--transform",
                         "move 4 0 0", "-o", folder / "o.xyz"},
                        {"lie outside the block"});
 }
 
-TEST(Glass, ThatCannotBe) {
+TEST(Glass, ThatIsImpossible) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", "0 0 0\n");
   const auto refused = [&](const std::vector<std::string>& options, const std::string& names) {
@@ -101,11 +101,11 @@ TEST(Glass, ThatCannotBe) {
   refused({"--material", "k9", "--index", "1.5"}, "both");
   refused({"--material", "butter"}, "--material");
   refused({"--lens", "f50"}, "--lens");
-  refused({"--block", "20,20,20", "--block-at", "500,0,0"}, "reaches nothing");
+  refused({"--block", "20,20,20", "--block-at", "500,0,0"}, "outside the machine's travel");
   refused({"--transform", "turn z 3"}, "--transform");
 }
 
-TEST(Glass, LensesWantTheirSpacing) {
+TEST(Glass, LensesNeedTheirSpacing) {
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
   const auto smallest = [&](const char* lens) {
@@ -120,7 +120,7 @@ TEST(Glass, LensesWantTheirSpacing) {
   EXPECT_THAT(run({"engrave", close, "--lens", "f70"}).out, HasSubstr("points 1 and 2 are 0.1 mm"));
 }
 
-TEST(Glass, DuplicatesAreToldOfAndEngraved) {
+TEST(Glass, DuplicatesAreReportedAndEngraved) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", "0 0 0\n1 0 0\n0 0 0\n2 0 0\n0 0 0\n");
   const Json made = run_json({"points", list, "-o", folder / "o.xyz"});
@@ -132,7 +132,7 @@ TEST(Glass, DuplicatesAreToldOfAndEngraved) {
 
 TEST(Pauses, CostTheirBeatsAndNoPoint) {
   const Folder folder;
-  const std::vector<points::Point> points = walk(100, 3);
+  const std::vector<geometry::Point> points = walk(100, 3);
   const std::string list = folder.write("p.xyz", xyz(points));
   const auto beats = [&](const char* length) {
     const Json report = run_json({"engrave", list, "--pause-every", "30", "--pause-beats", length,
@@ -151,9 +151,9 @@ TEST(Pauses, CostTheirBeatsAndNoPoint) {
   expect_glass_refused(folder, {"engrave", list, "--pause-every", "-1"}, {"--pause-every"});
 }
 
-TEST(Pauses, AJobGoesOnFromAnyPlace) {
+TEST(Pauses, AJobContinuesFromAnyPlace) {
   const Folder folder;
-  const std::vector<points::Point> points = walk(25, 3);
+  const std::vector<geometry::Point> points = walk(25, 3);
   const std::string list = folder.write("p.xyz", xyz(points));
   // Targets: ten points, a pause, ten points, a pause, five points.
   for (const int from : {0, 1, 9, 10, 11, 20, 21, 22, 26}) {
@@ -171,7 +171,7 @@ TEST(Pauses, AJobGoesOnFromAnyPlace) {
   }
 }
 
-TEST(Description, IsWhatTheOptionsSaid) {
+TEST(Description, EqualsTheOptions) {
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
   const std::vector<std::string> options{
@@ -205,7 +205,7 @@ TEST(Description, IsEstimatedToTheBeat) {
     EXPECT_EQ(foreseen[key], report[key]) << key;
 }
 
-TEST(Description, OfTheExamplesIsOne) {
+TEST(Description, OfTheExamplesIsValid) {
   namespace fs = std::filesystem;
   const Folder folder;
   for (const char* file : {"block.toml", "badge.svg", "machine.toml"})
@@ -216,7 +216,7 @@ TEST(Description, OfTheExamplesIsOne) {
   EXPECT_EQ(made["warnings"], Json::array());
 }
 
-TEST(Description, WantsNoOptionsThatItHasKeysFor) {
+TEST(Description, RefusesOptionsThatItHasKeysFor) {
   const Folder folder;
   folder.write("p.xyz", "0 0 0\n1 0 0\n");
   const std::string toml = folder.write("job.toml", "[[object]]\nfile = \"p.xyz\"\n");
@@ -248,10 +248,11 @@ TEST(Description, SeveralObjectsInOneBlock) {
   const Json made = run_json({"points", toml, "-o", folder / "o.xyz"});
   EXPECT_EQ(made["kind"], "several");
   const auto cloud = model::read_point_list(folder / "o.xyz");
-  // Point lists as they are, however close; all others keep apart from them and from each other.
-  EXPECT_EQ(cloud[0], (points::Point{0, 0, 1}));
-  EXPECT_EQ(cloud[1], (points::Point{0, 0, 1.01}));
-  EXPECT_EQ(cloud[2], (points::Point{2, 2, 2}));
+  // geometry::Point lists keep their points, however close; other objects keep a distance from all
+  // points.
+  EXPECT_EQ(cloud[0], (geometry::Point{0, 0, 1}));
+  EXPECT_EQ(cloud[1], (geometry::Point{0, 0, 1.01}));
+  EXPECT_EQ(cloud[2], (geometry::Point{2, 2, 2}));
   EXPECT_GT(cloud.size(), 300u);
   for (std::size_t i = 3; i < cloud.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
@@ -274,7 +275,7 @@ TEST_P(Methods, KeepTheirDistanceAndEngrave) {
   EXPECT_GT(made["points"], 200);
   EXPECT_GE(made["spacing"]["smallest_mm"].get<double>(), 0.36 - 1e-9);
   EXPECT_EQ(made["spacing"]["duplicates"], 0);
-  for (const points::Point& p : model::read_point_list(folder / "o.xyz"))
+  for (const geometry::Point& p : model::read_point_list(folder / "o.xyz"))
     EXPECT_LT(std::abs(p.x) + std::abs(p.y) + std::abs(p.z), 3 + 1e-5);
   const Json report = run_json(joined({"engrave"}, how));
   EXPECT_EQ(report["shots"], made["points"]);
@@ -318,7 +319,7 @@ TEST(Methods, OfDrawings) {
   EXPECT_EQ(made["kind"], "curves");
   EXPECT_EQ(made["points"], 3 * static_cast<int>(2 * M_PI * 8 / 0.5));
   EXPECT_THAT(made["warnings"].dump(), HasSubstr("text"));
-  for (const points::Point& p : model::read_point_list(folder / "o.dxf"))
+  for (const geometry::Point& p : model::read_point_list(folder / "o.dxf"))
     EXPECT_NEAR(std::hypot(p.x, p.y), 8, 1e-6);
   EXPECT_EQ(run_json({"engrave", svg, "--spacing", "0.5"})["missed"], 0);
 }
@@ -329,7 +330,7 @@ std::string box_obj() {
          "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 }
 
-TEST(Warnings, OfFacesThatSlicesDoNotSee) {
+TEST(Warnings, OfFacesThatSlicesMiss) {
   const Folder folder;
   const std::string box = folder.write("b.obj", box_obj());
   const auto warnings = [&](const std::vector<std::string>& options) {
@@ -356,7 +357,7 @@ TEST(Warnings, OfMeshesWithHoles) {
                        {"open"});
 }
 
-TEST(Warnings, OfOptionsThatTheMethodDoesNotKnow) {
+TEST(Warnings, OfOptionsThatTheMethodIgnores) {
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
   const std::string list = folder.write("p.xyz", "0 0 0\n1 0 0\n");
@@ -382,7 +383,7 @@ TEST(Warnings, OfOptionsThatTheMethodDoesNotKnow) {
   EXPECT_THAT(ordered.out, HasSubstr("--layer does nothing with order best"));
 }
 
-TEST(Warnings, StayOutOfGoodWork) {
+TEST(Warnings, AreAbsentFromValidJobs) {
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
   for (const char* method : {"blue-noise", "slice", "faces", "rays", "solid"}) {
@@ -399,12 +400,12 @@ TEST(Shells, SpreadNeighboursInwards) {
                               "--shell", "0.2", "-o", folder / "o.xyz"});
   EXPECT_GE(made["spacing"]["smallest_mm"].get<double>(), 0.4 - 1e-9);
   std::size_t inside = 0;
-  for (const points::Point& p : model::read_point_list(folder / "o.xyz"))
+  for (const geometry::Point& p : model::read_point_list(folder / "o.xyz"))
     if (std::abs(p.x) + std::abs(p.y) + std::abs(p.z) < 3 - 0.1) ++inside;
   EXPECT_GT(inside, made["points"].get<std::size_t>() / 3);
 }
 
-TEST(Depth, ThinsWhatIsNearTheFace) {
+TEST(Depth, ThinsPointsNearTheFace) {
   const Folder folder;
   const std::string mesh = folder.write("m.stl", octahedron_stl());
   const auto count = [&](const std::vector<std::string>& more) {

@@ -1,5 +1,5 @@
-// Where a program finds the files that came with it: in a build, installed, through links.
-#include "host/cli/image_path.hpp"
+// Where a program finds its files: in a build, installed, through links.
+#include "host/run/image_path.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "host/error.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace lamplock::cli::image_path_test {
+namespace lamplock::run::image_path_test {
 namespace {
 
 using lamplock::test::TemporaryFolder;
@@ -43,7 +43,7 @@ TEST(ImagePath, AnInstalledProgramFindsThemInShareThroughLinksToo) {
   EXPECT_EQ(file_of_program_at(link, uf2_image_name), image);
 }
 
-TEST(ImagePath, FoldersAreNoFilesAndAnUnknownProgramHasNone) {
+TEST(ImagePath, FoldersAreNotFilesAndAnUnknownProgramHasNone) {
   const TemporaryFolder folder;
   const fs::path program = make_file(folder.file("bin/lamplock"));
   fs::create_directories(folder.file("bin") / elf_image_name);
@@ -52,10 +52,10 @@ TEST(ImagePath, FoldersAreNoFilesAndAnUnknownProgramHasNone) {
   EXPECT_EQ(file_of_program_at(folder.file("none"), elf_image_name), "");
 }
 
-TEST(ImagePath, TheGivenFileIsTakenAsItIs) {
+TEST(ImagePath, TheGivenFileIsUsedUnchanged) {
   EXPECT_EQ(image_path("mine.elf", elf_image_name, "--image"), "mine.elf");
   EXPECT_THROW(image_path("", "no-such-image.uf2", "--image"), Error);
 }
 
 }  // namespace
-}  // namespace lamplock::cli::image_path_test
+}  // namespace lamplock::run::image_path_test

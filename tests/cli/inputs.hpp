@@ -1,4 +1,4 @@
-// Small inputs of each kind, made in the test.
+// Generates small inputs of each kind.
 #pragma once
 
 #include <fmt/format.h>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/points/point.hpp"
+#include "host/geometry/point.hpp"
 
 namespace lamplock::cli::test {
 
@@ -20,7 +20,7 @@ inline std::string octahedron_stl() {
       for (const int z : {1, -1}) {
         text += "facet normal 0 0 0\nouter loop\n";
         text += fmt::format("vertex {} 0 0\n", x);
-        // Outward whatever the octant.
+        // The normal points outward in every octant.
         const std::string second = fmt::format("vertex 0 {} 0\n", y);
         const std::string third = fmt::format("vertex 0 0 {}\n", z);
         text += x * y * z > 0 ? second + third : third + second;
@@ -50,11 +50,11 @@ inline std::string disc_bmp(int size) {
   return bytes;
 }
 
-/// A walk through a cube of 4 mm, in coordinates no step falls on.
-inline std::vector<points::Point> walk(int count, std::uint64_t seed, double stride_mm = 0.2) {
+/// A walk through a cube of 4 mm, at coordinates between steps.
+inline std::vector<geometry::Point> walk(int count, std::uint64_t seed, double stride_mm = 0.2) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> stride(-stride_mm, stride_mm);
-  std::vector<points::Point> points;
+  std::vector<geometry::Point> points;
   std::array<double, 3> at{};
   for (int i = 0; i < count; ++i) {
     for (double& x : at) {
@@ -66,9 +66,9 @@ inline std::vector<points::Point> walk(int count, std::uint64_t seed, double str
   return points;
 }
 
-inline std::string xyz(const std::vector<points::Point>& points) {
+inline std::string xyz(const std::vector<geometry::Point>& points) {
   std::string text;
-  for (const points::Point& p : points) text += fmt::format("{} {} {}\n", p.x, p.y, p.z);
+  for (const geometry::Point& p : points) text += fmt::format("{} {} {}\n", p.x, p.y, p.z);
   return text;
 }
 

@@ -34,7 +34,7 @@ TEST(JogCommand, moves_by_keys_in_a_terminal) {
   EXPECT_EQ(terminal.finish().status, 0);
 }
 
-/// A machine of another process, which goes on when the program under test is gone.
+/// A machine in another process, which keeps running when the program under test ends.
 class MovingMachine {
  public:
   MovingMachine() { listening = sim_.wait_for("listening"); }
@@ -43,7 +43,7 @@ class MovingMachine {
   std::vector<std::string> slow_step() const {
     return {"jog", "--board", port_, "--pendant", "none", "--step", "20", "--feed", "60"};
   }
-  /// What the machine says to somebody else who asks.
+  /// The machine's status, read by another program.
   std::string status() const {
     const int port = ::open(port_.c_str(), O_RDWR | O_NOCTTY);
     termios modes{};
@@ -52,7 +52,7 @@ class MovingMachine {
     ::tcsetattr(port, TCSANOW, &modes);
     pollfd watched{port, POLLIN, 0};
     char byte = 0;
-    // A program that was killed has left the answer to its last question.
+    // A killed program has left the answer to its last query unread.
     constexpr int quiet_ms = 50;
     while (::poll(&watched, 1, quiet_ms) > 0 && ::read(port, &byte, 1) == 1) continue;
     EXPECT_EQ(::write(port, "?", 1), 1);
@@ -78,7 +78,7 @@ class MovingMachine {
   Running sim_{{"sim", "--pty", port_}};
 };
 
-/// Unlike those that a terminal begins with, so that "as before" says something.
+/// Terminal modes that differ from the defaults, so that the comparison is meaningful.
 termios unusual_modes() {
   InTerminal other({"--version"});
   termios modes = other.modes();
@@ -98,8 +98,8 @@ void expect_same_modes(const termios& now, const termios& before) {
   EXPECT_THAT(now.c_cc, testing::ElementsAreArray(before.c_cc));
 }
 
-/// Whatever ends the hand ends the motion; the terminal is as it was, if there still is one.
-TEST(JogAtItsEnd, the_machine_stands_and_the_terminal_is_as_before) {
+/// Any end of the program ends the motion; the terminal, if it still exists, has its modes again.
+TEST(JogAtItsEnd, the_machine_rests_and_the_terminal_is_restored) {
   const termios before = unusual_modes();
   struct End {
     const char* name;
@@ -131,15 +131,15 @@ TEST(JogAtItsEnd, the_machine_stands_and_the_terminal_is_as_before) {
     EXPECT_EQ(jog.finish().status, end.status);
     if (std::string(end.name) != "hangup") expect_same_modes(jog.modes(), before);
     EXPECT_THAT(machine.status(), HasSubstr("<Idle|"));
-    const double stands = machine.x();
-    EXPECT_GE(stands, 0);
-    EXPECT_LT(stands, 20);
+    const double at_rest = machine.x();
+    EXPECT_GE(at_rest, 0);
+    EXPECT_LT(at_rest, 20);
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    EXPECT_EQ(machine.x(), stands);
+    EXPECT_EQ(machine.x(), at_rest);
   }
 }
 
-/// The board sees the port closed.
+/// The board detects the closed port.
 TEST(JogAtItsEnd, a_program_that_is_killed_ends_its_step) {
   const MovingMachine machine;
   ASSERT_TRUE(machine.listening);
@@ -166,17 +166,17 @@ TEST(JogCommand, every_way_out_ends_it) {
   }
 }
 
-TEST(JogCommand, from_a_pipe_ends_with_it_and_tells_in_json) {
+TEST(JogCommand, from_a_pipe_ends_with_it_and_prints_json) {
   const Finished done = run({"jog", "--board", "virtual", "--pendant", "none", "--json"}, "+x");
   ASSERT_EQ(done.status, 0) << done.err;
-  const auto told = nlohmann::json::parse(done.out);
-  EXPECT_EQ(told["state"], "Idle");
-  EXPECT_EQ(told["machine_mm"].size(), 3u);
-  EXPECT_EQ(told["lines"], 0);
-  EXPECT_EQ(told["pendant"], "");
+  const auto report = nlohmann::json::parse(done.out);
+  EXPECT_EQ(report["state"], "Idle");
+  EXPECT_EQ(report["machine_mm"].size(), 3u);
+  EXPECT_EQ(report["lines"], 0);
+  EXPECT_EQ(report["pendant"], "");
 }
 
-/// The whole program at a pendant that umockdev makes.
+/// The whole program with a pendant that umockdev simulates.
 TEST(JogCommand, ends_when_its_pendant_is_unplugged) {
   using namespace std::chrono_literals;
   pendant::HidBench bench("10CE", "EB70");
@@ -195,10 +195,10 @@ TEST(JogCommand, ends_when_its_pendant_is_unplugged) {
   EXPECT_THAT(done.out, HasSubstr("| Jog | continuous | X |"));
   EXPECT_THAT(done.out, HasSubstr("XHC HB04 has gone: stopped"));
   EXPECT_THAT(done.err, HasSubstr("error: XHC HB04: has gone; the machine was stopped"));
-  EXPECT_FALSE(bench.shown().empty()) << "its display shows the place";
+  EXPECT_FALSE(bench.shown().empty()) << "no position on its display";
 }
 
-TEST(JogCommand, refuses_what_cannot_be) {
+TEST(JogCommand, refuses_impossible_options) {
   EXPECT_EQ(run({"jog", "--board", "/dev/no-such-port"}).status, 3);
   EXPECT_EQ(run({"jog", "--pendant", "mouse"}).status, 2);
   EXPECT_EQ(run({"jog", "--step", "0"}).status, 2);
@@ -211,7 +211,7 @@ TEST(JogCommand, refuses_what_cannot_be) {
       folder.write("m.toml", "[pendant.macros.on]\nlines = [\"M3 S100\"]\n");
   const Finished light = run({"jog", "--machine", machine});
   EXPECT_EQ(light.status, 2);
-  EXPECT_THAT(light.err, HasSubstr("m.toml:2: 'M3 S100': M3 may light a laser"));
+  EXPECT_THAT(light.err, HasSubstr("m.toml:2: 'M3 S100': M3 may turn on a laser"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// `--lines` and [lines] of a profile: what is used, what is refused, on a computer without lines.
+// `--lines` and [lines] of a profile on a computer without lines: which file is used or refused.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ TEST(Lines, a_profile_may_name_them) {
   const Finished shown = run({"lines", "--machine", profile});
   EXPECT_EQ(shown.status, 3);
   EXPECT_THAT(shown.err, HasSubstr("gpiochip4095"));
-  // --lines comes before the profile.
+  // --lines overrides the profile.
   const std::string none = folder.write("none.toml", "debounce_ms = 5\n");
   EXPECT_EQ(run({"lines", "--machine", profile, "--lines", none}).status, 0);
   const std::string wrong = folder.write("w.toml", "[lines.stop]\nline = 'a'\n");
@@ -41,8 +41,8 @@ TEST(Lines, a_profile_may_name_them) {
   EXPECT_EQ(run({"engrave", model, "--machine", profile, "--yes"}).status, 0) << "simulated";
 }
 
-/// A command that forgot them would run beside an e-stop that nobody reads.
-TEST(Lines, every_command_of_a_real_board_takes_those_of_its_profile) {
+/// A command without the lines would ignore an e-stop on them.
+TEST(Lines, every_command_of_a_real_board_uses_the_lines_of_its_profile) {
   const Folder folder;
   const std::string port = folder / "port";
   test::Running sim({"sim", "--pty", port});
@@ -66,7 +66,7 @@ TEST(Lines, every_command_of_a_real_board_takes_those_of_its_profile) {
   }
 }
 
-TEST(Lines, every_line_of_the_file_is_looked_for) {
+TEST(Lines, every_line_of_the_file_is_opened) {
   const Folder folder;
   for (const char* role : {"estop", "interlock", "run"}) {
     const std::string file =

@@ -1,5 +1,5 @@
-// Whatever files and values the program is given, what it says of them is one printable line with a
-// remedy, and it ends by itself.
+// For any file or value, the program's error message is one printable line with a remedy, and the
+// program ends by itself.
 #include <gmock/gmock.h>
 #include <sys/wait.h>
 
@@ -21,7 +21,7 @@ namespace {
 using lamplock::test::scaled;
 using Arguments = std::vector<std::string>;
 
-/// A command that reads a file, "@", of these kinds, and writes another one, "=".
+/// A command that reads a file "@" of these kinds and writes a file "=".
 struct Reader {
   Arguments words;
   std::vector<std::string> extensions;
@@ -51,11 +51,11 @@ std::vector<Reader> readers() {
           {{"jog", "--machine", "@"}, {"toml"}}};
 }
 
-/// What every reader must refuse: none of these is a file of any kind.
+/// Random bytes that are not a file of any kind; every reader must refuse them.
 std::string random_bytes(std::mt19937_64& random) {
   std::string bytes(60 + random() % 300, '\0');
   for (char& byte : bytes) byte = static_cast<char>(random());
-  return bytes + "\n\xff\x01\n";  // no text of any kind, should the rest be one
+  return bytes + "\n\xff\x01\n";  // not a text, even if the rest is one
 }
 std::string utf_16(std::string_view text) {
   std::string bytes = "\xff\xfe";
@@ -78,7 +78,7 @@ std::string broken_text(std::mt19937_64& random) {
       return text + std::string(trouble[random() % trouble.size()]) + "\n";
   }
 }
-/// The beginning of a file that is right, of kinds that are wrong without their end.
+/// The beginning of a valid file, of kinds that are invalid without their end.
 std::string truncated(std::mt19937_64& random, const std::string& extension) {
   const std::string whole = extension == "bmp"   ? disc_bmp(20)
                             : extension == "stl" ? octahedron_stl()
@@ -99,7 +99,7 @@ std::string content(std::mt19937_64& random, const std::string& extension) {
   }
 }
 
-/// What a shell can hand over: no NUL.
+/// A value that a shell can pass, that is, without NUL.
 std::string wrong_value(std::mt19937_64& random) {
   static constexpr std::array<std::string_view, 9> values{
       "nan",  "-1e308",      "", "\x1b[31m7", "12mm", "\xff\xfe", "99999999999999999999",
@@ -113,7 +113,7 @@ std::string shown(const Arguments& words) {
   return text;
 }
 
-/// Without its last end of line; all lines are printable.
+/// All lines must be printable.
 void expect_printable(const std::string& text) {
   for (const std::string& line : lines(text)) {
     std::string tabs = line;
@@ -132,7 +132,7 @@ void expect_refusal(const Arguments& words) {
   expect_printable(refused.out);
 }
 
-/// A folder with two inputs that are right.
+/// A folder with two valid inputs.
 class Messages : public testing::Test {
  protected:
   Messages() {
@@ -157,7 +157,7 @@ TEST_F(Messages, OfBrokenFilesAreOnePrintableLineWithARemedy) {
   for (int i = 0; i < scaled(240, static_cast<int>(all.size())); ++i) {
     const Reader& reader = all[static_cast<std::size_t>(i) % all.size()];
     const std::string& extension = reader.extensions[random_() % reader.extensions.size()];
-    // Names are text of others, too.
+    // File names are foreign text too.
     const std::string name = random_() % 4 == 0 ? "a\x1b[7mb." : "input.";
     const std::string file = folder_.write(name + extension, content(random_, extension));
     expect_refusal(filled(reader.words, file));
@@ -205,7 +205,7 @@ TEST_F(Messages, OutputThatCannotBeWrittenIsAnError) {
   EXPECT_EQ(status_in_shell("{} >/dev/full 2>" + err, "settings list --board virtual"), 1);
   EXPECT_THAT(read(err), testing::MatchesRegex("error: standard output: [^\n]+; [^\n]+\n"));
   EXPECT_EQ(status_in_shell("{} >/dev/full 2>" + err, "--help"), 1);
-  // A reader that has gone, of messages too.
+  // A reader that has closed the pipe, also for messages.
   const std::string status = folder_ / "status";
   status_in_shell("{ {}; echo $? >" + status + "; } 2>&1 | true",
                   "engrave " + ball + " --spacing 0.4 --dry");
@@ -224,7 +224,7 @@ TEST(Printable, KeepsTextAndShowsTheRest) {
                       "31m"),
             "\\u{009b}31m");
   EXPECT_EQ(printable("\xe2\x80\xae"), "\\u{202e}");
-  // Too long a form, a surrogate, a sequence that is cut.
+  // An overlong form, a surrogate, a truncated sequence.
   EXPECT_EQ(printable("\xc0\xaf"), "\\xc0\\xaf");
   EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");
   EXPECT_EQ(printable("\xe2\x80"), "\\xe2\\x80");

@@ -1,4 +1,4 @@
-// What an operator does between jobs: `lamplock operate`, with a simulation at the end of a port.
+// Actions between jobs: `lamplock operate` with a simulated machine at a port.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -17,7 +17,7 @@ using testing::MatchesRegex;
 
 using Place = std::vector<double>;
 
-/// A machine that is asked one thing after the other.
+/// A machine that gets one command after the other.
 class Operate : public testing::Test {
  protected:
   Operate() : sim_({"sim", "--pty", port_, "--shots", folder_ / "shots.csv"}) {}
@@ -29,7 +29,7 @@ class Operate : public testing::Test {
     arguments.insert(arguments.end(), {"--board", port_, "--json"});
     return run(arguments);
   }
-  /// Where things are behind it.
+  /// The places that the command prints.
   json places(const std::vector<std::string>& arguments) const {
     const Finished done = operate(arguments);
     EXPECT_EQ(done.status, 0) << done.err;
@@ -60,7 +60,7 @@ TEST_F(Operate, teaches_zero_and_goes_there) {
   EXPECT_EQ(shots(), 0u);
 }
 
-/// Homing obeys no hold: only a reset keeps an axis from a switch that does not come.
+/// Homing ignores holds: only a reset stops an axis whose switch does not engage.
 TEST_F(Operate, stops_when_it_is_interrupted_homing_too) {
   go("$22=1\n$25=60");
   Running homing({"operate", "home", "--board", port_, "--json"});
@@ -68,7 +68,7 @@ TEST_F(Operate, stops_when_it_is_interrupted_homing_too) {
   homing.interrupt();
   const Finished ended = homing.finish();
   EXPECT_EQ(ended.status, 130);
-  EXPECT_THAT(ended.err, HasSubstr("reset while it homed"));
+  EXPECT_THAT(ended.err, HasSubstr("reset during homing"));
   EXPECT_THAT(run({"console", "--board", port_}, "?\n").out, HasSubstr("<Alarm|"));
 }
 
@@ -88,22 +88,22 @@ TEST_F(Operate, points_are_engraved_at_the_taught_zero) {
   EXPECT_EQ(sim_.finish().status, 0);
   const auto shots = read_shots(folder_ / "shots.csv");
   ASSERT_EQ(shots.size(), 2u);
-  EXPECT_EQ(shots[0], (points::Point{6, -4, -4}));
-  EXPECT_EQ(shots[1], (points::Point{6.5, -4, -4}));
+  EXPECT_EQ(shots[0], (geometry::Point{6, -4, -4}));
+  EXPECT_EQ(shots[1], (geometry::Point{6.5, -4, -4}));
 }
 
-TEST_F(Operate, changes_the_glass_and_comes_back_to_where_it_was) {
+TEST_F(Operate, changes_the_glass_and_returns_to_its_place) {
   go("G0 X20 Y12 Z-7");
   EXPECT_EQ(places({"sample", "--teach"})["sample_mm"], (Place{20, 12, -7}));
   go("G0 X6 Y8");
   EXPECT_EQ(places({"sample"})["machine_mm"], (Place{20, 12, -7}));
-  // Zero on the way does not make it forget.
+  // A move to zero keeps the stored place.
   EXPECT_EQ(places({"init"})["machine_mm"], (Place{0, 0, 0}));
   EXPECT_EQ(places({"restore"})["machine_mm"], (Place{6, 8, -7}));
   EXPECT_EQ(shots(), 0u);
 }
 
-TEST_F(Operate, fires_test_flashes_where_it_stands_when_permitted) {
+TEST_F(Operate, fires_test_flashes_at_its_place_when_permitted) {
   go("G0 X6 Y8 Z-1");
   const Finished refused = operate({"pulse", "--flashes", "3"});
   EXPECT_EQ(refused.status, 2);
@@ -120,8 +120,8 @@ TEST_F(Operate, fires_test_flashes_where_it_stands_when_permitted) {
     EXPECT_THAT(rows[i], MatchesRegex("[0-9],1,[0-9]+,[0-9.]+,6,8,-1"));
 }
 
-/// Taken for mm, places in inches would move it; with G92 zero would be taught elsewhere.
-TEST_F(Operate, goes_nowhere_by_places_that_mean_another_place) {
+/// Places in inches read as mm would move it; with G92, zero would be taught elsewhere.
+TEST_F(Operate, does_not_move_to_misread_places) {
   go("G0 X9 Y2 Z-3");
   go("G92 X0");
   for (const char* what : {"zero", "init"}) {
@@ -142,7 +142,7 @@ TEST_F(Operate, goes_nowhere_by_places_that_mean_another_place) {
   EXPECT_EQ(shots(), 0u);
 }
 
-TEST_F(Operate, meshes_lie_round_the_taught_zero) {
+TEST_F(Operate, meshes_lie_around_the_taught_zero) {
   go("G0 X20 Y-10 Z5");
   (void)places({"zero"});
   const std::string model = folder_ / "m.stl";
@@ -173,7 +173,7 @@ TEST(OperateFourAxes, a_test_flash_moves_no_axis) {
   EXPECT_EQ(json::parse(status.out)["machine_mm"], (Place{10, 0, 0, 20}));
 }
 
-TEST_F(Operate, a_job_that_cannot_end_is_not_begun) {
+TEST_F(Operate, a_job_that_cannot_end_does_not_begin) {
   std::string list;
   for (int i = 0; i < 600; ++i) list += std::to_string(i % 10 * 0.01) + " 0 0\n";
   list += "45 45 45\n";
@@ -190,7 +190,7 @@ TEST_F(Operate, refuses_what_it_cannot_do_in_one_line) {
     EXPECT_THAT(failed.err, MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+\n"));
     EXPECT_THAT(failed.err, HasSubstr(what));
   };
-  expect(operate({"zero", "--axes", "XQ"}), 2, "'Q' is no axis");
+  expect(operate({"zero", "--axes", "XQ"}), 2, "no axis 'Q'");
   expect(operate({"zero", "--axes", "XYX"}), 2, "twice");
   expect(operate({"home"}), 1, "homing is switched off");
   expect(operate({"pulse", "--channel", "5"}), 2, "--channel");
@@ -207,7 +207,7 @@ TEST_F(Operate, is_refused_in_an_alarm_and_while_something_runs) {
   (void)program.finish();
   const Finished busy = operate({"init"});
   EXPECT_EQ(busy.status, 1);
-  EXPECT_THAT(busy.err, HasSubstr("not at rest: Hold"));
+  EXPECT_THAT(busy.err, HasSubstr("is not idle: Hold"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The pictures of docs/planning.md: shown, small, and made by the commands under them.
+// The pictures of docs/planning.md are shown, small, and made by the commands under them.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// A picture of the page: the command under it.
+/// A picture of the page and the command under it.
 struct Picture {
   std::string name;
   std::vector<std::string> arguments;
@@ -60,7 +60,7 @@ TEST(Pictures, OfThePageAreMadeByTheCommandsUnderThem) {
                                                         : word);
     const Finished done = run(arguments);
     ASSERT_EQ(done.status, 0) << done.err;
-    // A planner that has learnt something draws other curves, but of the same job.
+    // An improved planner draws other curves, but of the same job.
     EXPECT_EQ(title_of(read(folder / "new.svg")), title_of(kept));
   }
 }

@@ -89,9 +89,9 @@ TEST(HoldAt, APointThatTheJobDoesNotPassIsRefused) {
   EXPECT_THAT(run({"engrave", zero, "--hold-at", "1"}).err, HasSubstr("leave it out"));
 }
 
-TEST(HoldAt, ItIsSaidIfTheJobWasOverBefore) {
+TEST(HoldAt, AJobThatEndedBeforeTheHoldIsReported) {
   const Folder folder;
-  // A point a millisecond: what the machine says comes later than the last of them.
+  // At a point per millisecond the machine's report arrives after the last point.
   const std::string points = folder.write("a.xyz", xyz(walk(100, 3, 0.005)));
   int not_held = 0;
   for (const char* last : {"97", "98", "99"}) {
@@ -104,7 +104,7 @@ TEST(HoldAt, ItIsSaidIfTheJobWasOverBefore) {
   EXPECT_GT(not_held, 0);
 }
 
-TEST(HoldAt, BrakesGoesOnAndFiresEveryPointOnce) {
+TEST(HoldAt, BrakesResumesAndFiresEveryPointOnce) {
   const Folder folder;
   const std::string points = folder.write("a.xyz", xyz(walk(100, 4)));
   const Finished done =
@@ -112,7 +112,7 @@ TEST(HoldAt, BrakesGoesOnAndFiresEveryPointOnce) {
   ASSERT_EQ(done.status, 0) << done.err;
   EXPECT_THAT(done.out, HasSubstr("\"missed\": 0"));
   EXPECT_THAT(done.out, HasSubstr("\"doubled\": 0"));
-  // A second at 100 Hz, and the beats it takes to get going.
+  // A second at 100 Hz, and the beats of the restart.
   const auto at = done.out.find("\"hold\": ");
   ASSERT_NE(at, std::string::npos);
   EXPECT_NEAR(std::stoi(done.out.substr(at + 8)), 100, 15);

@@ -1,4 +1,4 @@
-// Jobs over real ports: pseudo-terminals and TCP, with `lamplock sim` or something worse behind.
+// Jobs over real ports: pseudo-terminals and TCP, to `lamplock sim` or to faulty peers.
 #include <gmock/gmock.h>
 
 #include <array>
@@ -20,7 +20,7 @@ namespace {
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
-/// Answers every QUERY with a STATUS of a protocol version of the future.
+/// Answers every QUERY with a STATUS of a future protocol version.
 class FutureMachine {
  public:
   explicit FutureMachine(sim::ByteEndpoint& port) : port_(port), thread_([this] { serve(); }) {}
@@ -39,7 +39,7 @@ class FutureMachine {
     wire::ByteWriter out(answer);
     wire::write_header(out, {wire::FrameType::status, asked.session, ++number_});
     out.put(static_cast<std::uint16_t>(wire::protocol_version + 1));
-    out.put(std::uint32_t{0x12345678});  // a layout that nobody here knows
+    out.put(std::uint32_t{0x12345678});  // an unknown layout
     std::array<std::uint8_t, wire::max_frame> frame{};
     const std::size_t size = wire::encode_frame(out.written(), frame);
     port_.write(std::span(frame).first(size));
@@ -71,12 +71,12 @@ void expect_no_device(const std::string& port, const std::string& what) {
   EXPECT_THAT(failed.err, HasSubstr(what));
 }
 
-TEST(Port, that_is_not_there) {
+TEST(Port, that_does_not_exist) {
   const Folder folder;
   expect_no_device(folder / "none", "cannot open");
 }
 
-TEST(Port, that_nobody_listens_on) {
+TEST(Port, that_has_no_listener) {
   std::string address;
   { address = sim::TcpEndpoint("127.0.0.1:0").address(); }
   expect_no_device(address, "no connection");
@@ -114,7 +114,7 @@ TEST(Port, fires_nothing_without_permission) {
   EXPECT_FALSE(std::filesystem::exists(folder / "port"));
 }
 
-/// The address that a simulation with --tcp tells.
+/// The address that a simulation with --tcp prints.
 std::string tcp_address(const Running& sim) {
   const std::string text = sim.out(), intro = "listening on ";
   const auto at = text.rfind(intro + "127");
@@ -172,7 +172,7 @@ TEST(Port, another_job_speed_from_the_keyboard) {
   EXPECT_EQ(read_shots(folder / "shots.csv").size(), points.size());
 }
 
-TEST(Port, held_by_its_user_while_it_is_held_for_a_second) {
+TEST(Port, held_by_its_user_during_a_hold_of_a_second) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", xyz(walk(600, 4, 0.05)));
   Running sim({"sim", "--tcp", "127.0.0.1:0", "--lamp", "200"});
@@ -186,15 +186,15 @@ TEST(Port, held_by_its_user_while_it_is_held_for_a_second) {
   engrave.type("\x03");
   const Finished stopped = engrave.finish();
   EXPECT_EQ(stopped.status, 130);
-  const std::string told = "first point not fired is ";
-  const auto at = stopped.out.find(told);
+  const std::string intro = "first point not fired is ";
+  const auto at = stopped.out.find(intro);
   ASSERT_NE(at, std::string::npos) << stopped.out;
-  EXPECT_LT(std::stoi(stopped.out.substr(at + told.size())), 100) << "it went on by itself";
+  EXPECT_LT(std::stoi(stopped.out.substr(at + intro.size())), 100) << "it resumed by itself";
   sim.interrupt();
   EXPECT_EQ(sim.finish().status, 0);
 }
 
-TEST(Port, interrupted_held_stopped_and_gone_on_with) {
+TEST(Port, interrupted_held_stopped_and_continued) {
   const Folder folder;
   const auto points = walk(400, 4, 0.05);
   const std::string list = folder.write("p.xyz", xyz(points));
@@ -224,7 +224,7 @@ TEST(Port, interrupted_held_stopped_and_gone_on_with) {
   for (std::size_t i = 0; i < shots.size(); ++i) EXPECT_NEAR(shots[i].x, points[i].x, 0.0026) << i;
 }
 
-TEST(Simulation, ports_that_cannot_be) {
+TEST(Simulation, impossible_ports) {
   const Folder folder;
   folder.write("file", "precious");
   const Finished pty = run({"sim", "--pty", folder / "file", "--seconds", "0.1"});

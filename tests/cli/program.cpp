@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A command line as execv() wants it.
+/// A command line in the format of execv().
 struct Words {
   explicit Words(const std::vector<std::string>& arguments) {
     texts.insert(texts.end(), arguments.begin(), arguments.end());
@@ -139,7 +139,7 @@ InTerminal::~InTerminal() {
   ::close(terminal_);
 }
 
-/// False once the program has closed its end.
+/// Returns false after the program has closed its end.
 bool InTerminal::read_more(int wait_ms) {
   pollfd watched{terminal_, POLLIN, 0};
   if (::poll(&watched, 1, wait_ms) <= 0) return true;

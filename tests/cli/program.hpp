@@ -1,7 +1,7 @@
 // Runs the real program, as a shell would.
 //
-// In:  arguments. Out: exit status and what it printed. A program in the background can be asked
-// and interrupted; nothing is left running when a test ends.
+// In:  arguments. Out: exit status and output. A program in the background can be queried and
+//      interrupted; no program is left running when a test ends.
 #pragma once
 
 #include <sys/types.h>
@@ -13,7 +13,7 @@
 
 namespace lamplock::cli::test {
 
-/// A folder of its own for a test; it goes with the test.
+/// A temporary folder, removed at the end of the test.
 class Folder {
  public:
   Folder();
@@ -25,7 +25,7 @@ class Folder {
   /// Names of the files in a folder, sorted.
   static std::vector<std::string> files(const std::filesystem::path& folder);
   std::vector<std::string> files() const { return files(path_); }
-  /// Writes a file and gives its path.
+  /// Writes a file and returns its path.
   std::string write(const std::string& name, const std::string& bytes) const;
 
  private:
@@ -49,7 +49,7 @@ class Running {
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;
 
-  /// Waits until it has printed this, to stdout or stderr; false after some seconds.
+  /// Waits until the program has printed this to stdout or stderr; false after some seconds.
   bool wait_for(const std::string& text) const;
   std::string out() const { return read(folder_ / "out"); }
   std::string err() const { return read(folder_ / "err"); }
@@ -62,25 +62,25 @@ class Running {
   pid_t process_ = -1;
 };
 
-/// A run in a terminal of its own: stdin, stdout and stderr.
+/// A run in its own terminal: stdin, stdout and stderr.
 class InTerminal {
  public:
   explicit InTerminal(const std::vector<std::string>& arguments);
-  /// In one with these modes.
+  /// Runs in a terminal with these modes.
   InTerminal(const std::vector<std::string>& arguments, const termios& modes);
   ~InTerminal();
   InTerminal(const InTerminal&) = delete;
   InTerminal& operator=(const InTerminal&) = delete;
 
-  /// Waits until it has shown this, after what was waited for before; false after some seconds.
+  /// Waits until this appears after the last text waited for; false after some seconds.
   bool wait_for(const std::string& text);
   void type(const std::string& text) const;
   void send_signal(int signal) const;
-  /// The window is closed, the line is cut: the terminal is gone.
+  /// Closes the terminal, as a closed window or a cut line does.
   void hang_up();
-  /// The modes of the terminal, as the program has set or left them.
+  /// The modes that the program has set or left.
   termios modes() const;
-  /// Waits for its end; what it has shown is in `out`.
+  /// Waits for the end of the program; its output is in `out`.
   Finished finish();
 
  private:
@@ -93,7 +93,7 @@ class InTerminal {
   std::size_t seen_ = 0;
 };
 
-/// Runs to the end.
+/// Runs the program to its end.
 Finished run(const std::vector<std::string>& arguments, const std::string& input = "");
 
 }  // namespace lamplock::cli::test

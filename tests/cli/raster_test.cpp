@@ -1,4 +1,4 @@
-// `lamplock raster`: from a picture to rows, as a job and as G-code; what it refuses; its job sent.
+// `lamplock raster`: from a picture to rows, as a job and as G-code; refusals; sending its job.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -14,7 +14,7 @@ using Arguments = std::vector<std::string>;
 
 const std::string laser = LAMPLOCK_ROOT "/examples/laser.toml";
 
-/// Room for 20 mm at 100 mm/s.
+/// Options for 20 mm at 100 mm/s.
 Arguments raster(const std::string& picture, const Arguments& more) {
   Arguments all{"raster", picture, "--machine", laser, "--width-mm", "20", "--feed", "6000"};
   all.insert(all.end(), more.begin(), more.end());
@@ -36,7 +36,7 @@ TEST(Raster, makes_a_job_and_the_same_as_gcode) {
   EXPECT_EQ(document["lines"], 80);
   EXPECT_EQ(document["output"]["bytes"], read(job).size());
   EXPECT_EQ(document["gcode"]["bytes"], read(text).size());
-  EXPECT_EQ(read(text).find_first_of("*:"), std::string::npos) << "words that grbl does not know";
+  EXPECT_EQ(read(text).find_first_of("*:"), std::string::npos) << "words that grbl lacks";
   const Finished shown = run({"job", "--show", job, "--json"});
   ASSERT_EQ(shown.status, 0) << shown.err;
   const auto show = nlohmann::json::parse(shown.out);
@@ -68,11 +68,11 @@ TEST(Raster, options_do_what_they_say) {
   const auto moved = document({"--origin", "-40,-30,-2", "--overscan-mm", "0"});
   EXPECT_EQ(moved["bounds"]["low_mm"], (nlohmann::json{-40.0, -29.75, -2.0}));
   EXPECT_EQ(moved["bounds"]["high_mm"], (nlohmann::json{-20.0, -10.25, -2.0}));
-  // Eight rows through the middle of the disc have no corners beside it.
+  // Eight rows through the middle of the disc do not reach beyond it.
   EXPECT_EQ(document({"--invert"})["lines"], 64);
 }
 
-TEST(Raster, what_it_refuses) {
+TEST(Raster, refuses_invalid_options) {
   const Folder folder;
   const std::string picture = disc(folder), out = folder / "a.llj";
   const auto refused = [&](const Arguments& arguments) {

@@ -1,4 +1,4 @@
-// Jobs whose program is killed or whose board loses its power, gone on with as the program says.
+// Jobs whose program is killed or whose board loses its power, continued as the program advises.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -53,14 +53,14 @@ TEST_F(Resumed, AfterItsProgramWasKilled) {
   killed.send_signal(SIGKILL);
   killed.finish();
   ASSERT_TRUE(std::filesystem::exists(journal_));
-  const Finished anew = run(engrave());
-  EXPECT_EQ(anew.status, 1);
-  EXPECT_THAT(anew.err, HasSubstr("no known end"));
-  EXPECT_THAT(anew.err, HasSubstr("--resume"));
+  const Finished repeated = run(engrave());
+  EXPECT_EQ(repeated.status, 1);
+  EXPECT_THAT(repeated.err, HasSubstr("no known end"));
+  EXPECT_THAT(repeated.err, HasSubstr("--resume"));
   const Finished other = run(engrave({"--from", "1"}));
   EXPECT_EQ(other.status, 1);
   EXPECT_THAT(other.err, HasSubstr("holds an unfinished job"));
-  // Options that the run did not have, and a resume that was not permitted, change nothing.
+  // Options that differ from the run's, and a resume without permission, change nothing.
   EXPECT_EQ(run(engrave({"--flashes", "2"})).status, 1);
   std::vector<std::string> unasked = engrave({"--resume"});
   unasked.erase(std::find(unasked.begin(), unasked.end(), "--yes"));
@@ -79,7 +79,7 @@ TEST_F(Resumed, AfterItsProgramWasKilled) {
 
 TEST_F(Resumed, AfterItsBoardHasLostItsPower) {
   start_board("first.csv");
-  // The program has no more points on the board than it fires until it holds without a host.
+  // The board never has more points than it fires before it holds without a host.
   Running running(engrave());
   ASSERT_TRUE(running.wait_for("engraving: "));
   std::this_thread::sleep_for(std::chrono::milliseconds(1000));
@@ -103,17 +103,18 @@ TEST_F(Resumed, AfterItsBoardHasLostItsPower) {
   EXPECT_GT(shots("second.csv"), 50u);
 }
 
-TEST_F(Resumed, OnlyWhatWasBegunAndIsTheSameJob) {
+TEST_F(Resumed, OnlyTheSameJobThatWasBegun) {
   start_board("shots.csv");
   const Finished nothing = run(engrave({"--resume"}));
   EXPECT_EQ(nothing.status, 2);
-  EXPECT_THAT(nothing.err, HasSubstr("keeps no run"));
+  EXPECT_THAT(nothing.err, HasSubstr("contains no run"));
   folder_.write("p.xyz.progress", "# torn\nbegun 0000");
   EXPECT_EQ(run(engrave({"--resume"})).status, 2);
   for (const std::vector<std::string>& wrong :
        {std::vector<std::string>{"--resume", "--from", "3"}, {"--resume", "--dry"}})
     EXPECT_EQ(run(engrave(wrong)).status, 2);
-  EXPECT_EQ(run({"engrave", list_, "--resume"}).status, 2) << "a simulated board in the program";
+  EXPECT_EQ(run({"engrave", list_, "--resume"}).status, 2)
+      << "a board simulated in the program cannot resume";
   stop_board();
 }
 

@@ -13,7 +13,7 @@ namespace lamplock::cli::test {
 
 using Json = nlohmann::json;
 
-/// What the command prints with --json; expects that it succeeds.
+/// The command's output with --json; expects that it succeeds.
 inline Json run_json(std::vector<std::string> arguments) {
   arguments.emplace_back("--json");
   const Finished finished = run(arguments);

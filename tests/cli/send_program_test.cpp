@@ -1,4 +1,4 @@
-// `lamplock send` with programs of G-code, to a model of grbl behind a TCP port.
+// `lamplock send` with G-code programs, to a model of grbl at a TCP port.
 #include <gmock/gmock.h>
 
 #include <array>
@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 using lamplock::test::GrblModel;
 using testing::HasSubstr;
 
-/// The model at the pace of the wall clock. Its state is to be looked at after stop() only.
+/// The model at the pace of the wall clock. Its state may be read after stop() only.
 class Served {
  public:
   explicit Served(std::unique_ptr<GrblModel> model = std::make_unique<GrblModel>())
@@ -32,7 +32,7 @@ class Served {
     if (thread_.joinable()) thread_.join();
     return *model_;
   }
-  /// The cable is pulled.
+  /// Pulls the cable.
   void cut() {
     stop();
     port_.reset();
@@ -63,7 +63,7 @@ std::string many_moves(int count) {
   return text;
 }
 
-TEST(SendProgram, sends_it_and_tells) {
+TEST(SendProgram, sends_it_and_reports) {
   const Folder folder;
   const std::string file = folder.write("a.ngc", "%\n(a?)\nG21\nG1 X1 ; one!\n\nM30\n%\n");
   Served board;
@@ -92,7 +92,7 @@ TEST(SendProgram, the_time_is_planned_from_what_is_sent) {
   EXPECT_NEAR(document["planned_seconds"].get<double>(), 1, 0.01);
 }
 
-TEST(SendProgram, a_dry_one_moves_and_has_no_word_of_the_laser) {
+TEST(SendProgram, a_dry_program_moves_without_laser_words) {
   const Folder folder;
   const std::string file = folder.write("a.ngc", "G21 M4 S500\nG1 X1 F100 S3\nM3\nX2\nM30\n");
   Served board;
@@ -120,11 +120,11 @@ TEST(SendProgram, jobs_are_refused_by_the_name_of_a_grbl_board) {
   Served board;
   const Finished refused = run({"engrave", points, "--board", board.address(), "--yes"});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("this is a grbl board"));
-  EXPECT_THAT(refused.err, HasSubstr("use lamplock send FILE.ngc"));
+  EXPECT_THAT(refused.err, HasSubstr("the board runs grbl"));
+  EXPECT_THAT(refused.err, HasSubstr("send a G-code program: lamplock send FILE.ngc"));
 }
 
-TEST(SendProgram, a_board_that_is_written_wrong_is_told_the_nearest_name) {
+TEST(SendProgram, a_misspelt_board_gets_the_nearest_name) {
   const Folder folder;
   const std::string file = folder.write("a.ngc", "G21\n");
   const Finished refused = run({"send", file, "--board", "virtal"});
@@ -134,7 +134,7 @@ TEST(SendProgram, a_board_that_is_written_wrong_is_told_the_nearest_name) {
   EXPECT_THAT(refused.err, HasSubstr("serial port"));
 }
 
-TEST(SendProgram, tells_the_line_of_an_error) {
+TEST(SendProgram, reports_the_line_of_an_error) {
   const Folder folder;
   const std::string file = folder.write("a.nc", "G21\n\nG1 X2\n" + many_moves(100));
   auto model = std::make_unique<GrblModel>();
@@ -148,7 +148,7 @@ TEST(SendProgram, tells_the_line_of_an_error) {
   EXPECT_EQ(board.stop().resets, 1);
 }
 
-TEST(SendProgram, goes_on_after_errors_if_told) {
+TEST(SendProgram, continues_after_errors_if_requested) {
   const Folder folder;
   const std::string file = folder.write("a.nc", "G21\nbad\nG1 X1\nbad\nM30\n");
   auto model = std::make_unique<GrblModel>();
@@ -162,7 +162,7 @@ TEST(SendProgram, goes_on_after_errors_if_told) {
   EXPECT_EQ(board.stop().lines.size(), 5u);
 }
 
-TEST(SendProgram, an_alarm_is_told) {
+TEST(SendProgram, an_alarm_is_reported) {
   const Folder folder;
   const std::string file = folder.write("a.nc", "G21\nG1 X2\n");
   auto model = std::make_unique<GrblModel>();
@@ -195,7 +195,7 @@ TEST(SendProgram, a_pause_waits_for_its_user) {
   const std::string file = folder.write("a.tap", "G1 X1\nM0\nG1 X2\n");
   Served board;
   InTerminal sending({"send", file, "--board", board.address(), "--yes"});
-  ASSERT_TRUE(sending.wait_for("the program pauses (M0), before line 2; Enter goes on"));
+  ASSERT_TRUE(sending.wait_for("the program pauses (M0), before line 2; Enter resumes"));
   sending.type("\n");
   ASSERT_TRUE(sending.wait_for("resuming"));
   const Finished done = sending.finish();
@@ -244,7 +244,7 @@ TEST(SendProgram, what_cannot_be_sent) {
   EXPECT_THAT(refused({folder.write("a.llj", "x"), "--go-on"}), HasSubstr("--go-on: is for prog"));
 }
 
-/// The firmware on a simulated board at a port, which keeps its state from program to program.
+/// The firmware on a simulated board at a port; the board keeps its state between programs.
 class SendToBoard : public testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(board_.wait_for("Ctrl-C")); }
@@ -323,7 +323,7 @@ TEST(SendProgram, lines_for_the_board_are_refused_beforehand) {
   EXPECT_THAT(sent.err, HasSubstr("d.ngc:2: error:3 "));
 }
 
-TEST(SendProgram, a_board_that_does_not_tell_its_state_judges_its_work_space) {
+TEST(SendProgram, a_board_without_a_state_report_checks_its_work_area) {
   const Folder folder;
   std::string text;
   for (int i = 0; i < 1500; ++i) text += "G0 X60\n";

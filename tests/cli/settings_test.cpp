@@ -1,4 +1,4 @@
-// `lamplock settings` on the virtual board and over a port, where changes stay.
+// `lamplock settings` on the virtual board and over a port, where changes persist.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -54,7 +54,7 @@ TEST(Settings, sets_several_or_none) {
   EXPECT_EQ(run(settings({"set", "120=1", "acceleration_x=2"})).status, 2);
 }
 
-TEST(Settings, come_back_from_files) {
+TEST(Settings, are_restored_from_files) {
   const Folder folder;
   const std::string machine =
       folder.write("m.toml", "travel = [300, 200, 100]\nlamp_mode = 2\nlamp_energy = 1\n");
@@ -73,10 +73,10 @@ TEST(Settings, come_back_from_files) {
   }
   EXPECT_EQ(
       run({"check", folder.write("a.ngc", "G0 X140\n"), "--machine", folder / "b.toml"}).status, 0)
-      << "a backup is a machine profile";
+      << "a backup must be a machine profile";
 }
 
-TEST(Settings, wrong_files_are_told_by_line) {
+TEST(Settings, wrong_files_are_reported_by_line) {
   const Folder folder;
   const auto restore = [&](const char* name, const char* text) {
     const Finished ended = run(settings({"restore", folder.write(name, text)}));
@@ -92,7 +92,7 @@ TEST(Settings, wrong_files_are_told_by_line) {
   EXPECT_THAT(restore("e.txt", "$100=200\n$31=0\n"), HasSubstr("$31: the board has no such"));
 }
 
-TEST(Settings, stay_on_a_board_behind_a_port) {
+TEST(Settings, persist_on_a_board_at_a_port) {
   const Folder folder;
   const Running sim({"sim", "--pty", folder / "port"});
   ASSERT_TRUE(sim.wait_for("Ctrl-C"));

@@ -1,4 +1,4 @@
-// Jobs that end early: what was fired is reported, by the numbers with which they go on.
+// Jobs that end early: fired points are reported with the numbers for continuing.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -13,8 +13,8 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Points a step apart, then one so far that the slow machine is refused its way to it; that is
-/// found out once the machine is on its way.
+/// Points a step apart, then a point so far that the slow machine is refused the move to it; the
+/// refusal comes after the machine has begun to move.
 struct Refused {
   static constexpr int near = 100;
   Refused() {
@@ -27,7 +27,7 @@ struct Refused {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments);
   }
-  /// The number behind --from in what was told.
+  /// The number after --from in the error message.
   static int go_on_at(const Finished& refused) {
     const auto at = refused.err.find("--from ");
     EXPECT_NE(at, std::string::npos) << refused.err;
@@ -46,14 +46,14 @@ TEST(StoppedJobs, ARefusalInMidJobIsReported) {
   const int fired = Refused::go_on_at(refused);
   EXPECT_GT(fired, 0);
   EXPECT_LT(fired, Refused::near);
-  const Json told = Json::parse(refused.out, nullptr, false);
-  EXPECT_EQ(told["end"], "failed");
-  EXPECT_EQ(told["points"], Refused::near + 1);
-  EXPECT_EQ(told["points_fired"], fired);
-  EXPECT_EQ(told["shots"], fired);
-  EXPECT_EQ(told["first_unfired"], fired);
-  EXPECT_EQ(told["missed"], Refused::near + 1 - fired);
-  EXPECT_DOUBLE_EQ(told["beats_per_point"], told["beats"].get<double>() / fired);
+  const Json report = Json::parse(refused.out, nullptr, false);
+  EXPECT_EQ(report["end"], "failed");
+  EXPECT_EQ(report["points"], Refused::near + 1);
+  EXPECT_EQ(report["points_fired"], fired);
+  EXPECT_EQ(report["shots"], fired);
+  EXPECT_EQ(report["first_unfired"], fired);
+  EXPECT_EQ(report["missed"], Refused::near + 1 - fired);
+  EXPECT_DOUBLE_EQ(report["beats_per_point"], report["beats"].get<double>() / fired);
   EXPECT_EQ(Json::parse(read(job.folder / "report/report.json"))["points_fired"], fired);
   EXPECT_EQ(read_shots(job.folder / "report/shots.csv").size(), static_cast<std::size_t>(fired));
   EXPECT_EQ(read_shots(job.folder / "s.csv").size(), static_cast<std::size_t>(fired));
@@ -81,9 +81,9 @@ TEST(StoppedJobs, NumbersCountPausesEverywhere) {
       job.engrave({"--pause-every", "5", "--pause-beats", "3", "--report", job.folder / "report"});
   EXPECT_EQ(refused.status, 1);
   const int next = Refused::go_on_at(refused);
-  const Json told = Json::parse(refused.out, nullptr, false);
-  const int fired = told["points_fired"];
-  EXPECT_EQ(told["first_unfired"], next);
+  const Json report = Json::parse(refused.out, nullptr, false);
+  const int fired = report["points_fired"];
+  EXPECT_EQ(report["first_unfired"], next);
   // Five points, a pause, five points, a pause...
   EXPECT_EQ(next, fired + fired / 5 - (fired % 5 == 0 && next % 6 == 5 ? 1 : 0));
   const auto shots = lines(read(job.folder / "report/shots.csv"));
@@ -101,7 +101,7 @@ TEST(StoppedJobs, NumbersCountPausesEverywhere) {
   EXPECT_THAT(read(job.folder / "rest/report.html"), HasSubstr(fmt::format("\"first\":{},", next)));
 }
 
-TEST(StoppedJobs, ALampThatNobodyCanFollow) {
+TEST(StoppedJobs, ALampThatTheClockCannotFollow) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", xyz(walk(20, 3)));
   const std::string machine = folder.write("m.toml", "lamp_energy = 1\n");
@@ -117,7 +117,7 @@ TEST(StoppedJobs, ALampThatNobodyCanFollow) {
     EXPECT_THAT(gave_up.err, HasSubstr("error: simulated lamp: "));
     EXPECT_THAT(gave_up.err, HasSubstr("--wander"));
   }
-  // A lamp that is lost now and then, long pauses and long ways are waited for.
+  // The program waits for a lamp that is lost now and then, for long pauses and for long moves.
   const std::string far = folder.write("far.xyz", "0 0 0\n1.4 0 0\n");
   for (const auto& arguments : std::vector<std::vector<std::string>>{
            {"engrave", list, "--wander", "12"},

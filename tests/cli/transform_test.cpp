@@ -1,5 +1,5 @@
-// Where points of a small list lie after transformations, point by point: turned the right way
-// round, mirrored once, in their order.
+// Places of a small point list after transformations: rotated in the right direction, mirrored
+// once, in their order.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 namespace lamplock::cli::test {
 namespace {
 
-using points::Point;
-using points::PointCloud;
+using geometry::Point;
+using geometry::PointCloud;
 
 /// A corner whose three legs have three lengths: no turn of it is a mirror image.
 const PointCloud corner{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
@@ -59,8 +59,8 @@ TEST_P(Transforms, PutEveryPointWhereTheyShould) {
   EXPECT_EQ(handedness(made) < 0, mirrors % 2 == 1);
 }
 
-// Worked out by hand: right-handed axes, turns against the clock seen from the tip of the axis,
-// round the middle of the work space, which is the origin of the default machine.
+// Worked out by hand: right-handed axes, turns counterclockwise seen from the tip of the axis,
+// around the middle of the work area, which is the origin of the default machine.
 INSTANTIATE_TEST_SUITE_P(
     golden, Transforms,
     testing::Values(
@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 TEST(Transforms, OfDrawingsKeepTheirSide) {
-  // An L of three corners: its long leg up, its foot to the right of it.
+  // An L of three corners: its long leg points up, its foot to the right.
   const Folder folder;
   const std::string svg =
       folder.write("l.svg",
@@ -117,7 +117,7 @@ TEST(Transforms, OfDrawingsKeepTheirSide) {
                                 return std::hypot(p.x - end.x, p.y - end.y, p.z - end.z) < 1e-6;
                               }))
           << c.words << " " << end.x << " " << end.y;
-    // The long leg has most points, and they are where it is.
+    // The long leg has most of the points.
     const auto on_leg = std::count_if(made.begin(), made.end(), [&c](const Point& p) {
       const Point &a = c.wanted[0], &b = c.wanted[1];
       return std::hypot(p.x - a.x, p.y - a.y) + std::hypot(p.x - b.x, p.y - b.y) < 8 + 1e-6;

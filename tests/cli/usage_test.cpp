@@ -1,4 +1,4 @@
-// What the program says when asked, and when asked wrongly.
+// Help texts, and errors of wrong usage.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -12,7 +12,7 @@ using testing::HasSubstr;
 
 class CommandHelp : public testing::TestWithParam<std::string> {};
 
-TEST_P(CommandHelp, explains_itself_with_an_example) {
+TEST_P(CommandHelp, has_a_help_text_with_an_example) {
   const Finished help = run({GetParam(), "--help"});
   EXPECT_EQ(help.status, 0);
   EXPECT_EQ(help.err, "");
@@ -42,7 +42,7 @@ TEST(Usage, version_is_one_line) {
   EXPECT_EQ(finished.out, fmt::format("lamplock {}\n", version()));
 }
 
-/// Arguments that cannot be understood, and a word the error must have.
+/// Invalid arguments, and a word that the error must have.
 struct Wrong {
   std::vector<std::string> arguments;
   std::string names;

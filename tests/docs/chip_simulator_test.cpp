@@ -1,4 +1,4 @@
-// docs/chip-simulator.md names tests and images that exist.
+// Tests and images named in docs/chip-simulator.md must exist.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

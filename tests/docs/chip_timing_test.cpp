@@ -1,4 +1,4 @@
-// docs/chip-timing.md has every assumed number of the chip simulator's parameters.
+// docs/chip-timing.md lists every assumed value of the chip simulator's parameters.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 TEST(ChipTiming, ThePageHasEveryParameter) {
   const std::string page = test::read_repository_file("docs/chip-timing.md");
-  const std::string parameters = test::read_repository_file("sim/chip/timing.hpp");
+  const std::string parameters = test::read_repository_file("sim/chip/fabric/timing.hpp");
   const std::regex member("std::uint32_t (\\w+) =");
   int count = 0;
   for (std::sregex_iterator it(parameters.begin(), parameters.end(), member), end; it != end;

@@ -1,4 +1,4 @@
-// docs/glass.md says what can be said in a description, key by key.
+// docs/glass.md documents every key of a description.
 #include "host/glass/description.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ std::string default_text(double value) { return fmt::format("{}", value); }
 std::string default_text(int value) { return fmt::format("{}", value); }
 std::string default_text(bool value) { return value ? "true" : "false"; }
 std::string default_text(const std::string& value) { return value; }
-/// It depends on others; the text says how.
+/// The default of a parameter that depends on others, as text.
 template <class Value>
 std::string default_text(const Value&) {
   return "";

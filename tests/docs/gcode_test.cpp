@@ -1,5 +1,4 @@
-// docs/gcode.md lists the codes that the interpreter knows, all of them and no others, and its
-// errors.
+// docs/gcode.md lists exactly the codes that the interpreter supports, and its errors.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +20,7 @@ std::string section(const std::string& heading) {
   return page.substr(from, page.find("\n## ", from + 1) - from);
 }
 
-/// Every G and M code up to a number, which is refused as unknown or is not.
+/// Every supported G and M code up to a number.
 std::set<std::string> known_codes() {
   Parameters parameters;
   Options options;
@@ -30,7 +29,7 @@ std::set<std::string> known_codes() {
   std::set<std::string> known;
   const auto try_code = [&](const std::string& code) {
     Interpreter interpreter(parameters, options);
-    EXPECT_FALSE(interpreter.run("M70"));  // or there is nothing to be restored
+    EXPECT_FALSE(interpreter.run("M70"));  // saves the state that M72 restores
     if (interpreter.run(code).error != GcodeError::unsupported) known.insert(code);
   };
   for (int tenth = 0; tenth < 2000; ++tenth)
@@ -40,7 +39,7 @@ std::set<std::string> known_codes() {
   return known;
 }
 
-TEST(GcodePage, ListsTheCodesThatAreKnown) {
+TEST(GcodePage, ListsTheSupportedCodes) {
   std::set<std::string> listed;
   const std::string text = section("Codes");
   // The first cell of each row.

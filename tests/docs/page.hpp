@@ -1,4 +1,4 @@
-// Files of the repository, for tests that hold a page against the code it speaks of.
+// Files of the repository, for tests that compare a page with the code.
 #pragma once
 
 #include <fstream>
@@ -7,7 +7,7 @@
 
 namespace lamplock::test {
 
-/// Text of a file, named from the root of the repository; empty if it is not there.
+/// Text of a file, named from the root of the repository; empty if it does not exist.
 inline std::string read_repository_file(const std::string& path) {
   std::ifstream file(LAMPLOCK_ROOT "/" + path);
   std::ostringstream text;

@@ -1,4 +1,4 @@
-// docs/safety.md names a test for each of its figures; there is one of that name.
+// docs/safety.md names an existing test for each of its figures.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace lamplock::test {
 namespace {
 
-/// All sources of tests, one after the other.
+/// All sources of tests, concatenated.
 std::string sources_of_tests() {
   namespace fs = std::filesystem;
   std::ostringstream text;

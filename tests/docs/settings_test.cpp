@@ -1,4 +1,4 @@
-// docs/settings.md says what the table of settings says, row by row.
+// docs/settings.md equals the table of settings, row by row.
 #include "shared/settings_table.hpp"
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 namespace lamplock::settings {
 namespace {
 
-/// As the machine prints it.
+/// A value as printed by the machine.
 std::string number(std::int32_t milli, bool whole) {
   return whole ? fmt::format("{}", milli / 1000) : fmt::format("{:.3f}", milli / 1000.0);
 }

@@ -1,5 +1,4 @@
-// The rules of udev name the identifiers that the firmware and the devices have; so does
-// docs/install.md.
+// The udev rules and docs/install.md name the same USB identifiers as the firmware and the devices.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +11,7 @@
 #include "host/file.hpp"
 #include "host/pendant/pendant_ids.hpp"
 #include "host/usb/known_devices.hpp"
+#include "shared/boards/usb_ids.hpp"
 
 namespace lamplock {
 namespace {
@@ -20,18 +20,18 @@ using testing::HasSubstr;
 
 std::string rules() { return read_file(LAMPLOCK_ROOT "/toolchain/udev/60-lamplock.rules"); }
 
-TEST(UdevRules, NameTheBoardAsItNamesItself) {
-  const std::string vendor = fmt::format("{:04x}", rp2040::usb::vendor_id);
-  const std::string product = fmt::format("{:04x}", rp2040::usb::product_id);
+TEST(UdevRules, NameTheBoardByItsProductName) {
+  const std::string vendor = fmt::format("{:04x}", boards::usb_vendor_id);
+  const std::string product = fmt::format("{:04x}", boards::usb_product_id);
   EXPECT_THAT(rules(), HasSubstr(fmt::format(R"(ATTR{{idVendor}}=="{}", ATTR{{idProduct}}=="{}")",
                                              vendor, product)));
   EXPECT_THAT(rules(), HasSubstr(fmt::format(R"(ATTRS{{idVendor}}=="{}", ATTRS{{idProduct}}=="{}")",
                                              vendor, product)));
-  // The string descriptor is UTF-16 behind two bytes.
+  // The string descriptor is UTF-16 after a header of two bytes.
   std::string name;
   const auto& descriptor = rp2040::usb::product_descriptor;
   for (std::size_t i = 2; i < descriptor.size(); i += 2) name += static_cast<char>(descriptor[i]);
-  EXPECT_TRUE(name.starts_with("lamplock")) << "the rules say product==\"lamplock*\"";
+  EXPECT_TRUE(name.starts_with("lamplock")) << "the rules match product==\"lamplock*\"";
 }
 
 /// "10ce:eb70"
@@ -46,7 +46,7 @@ std::set<std::string> pendants() {
   return all;
 }
 
-/// The boot loader of an RP2040 (datasheet, 2.8.5.1), as the program knows it.
+/// The boot loader of an RP2040 (datasheet, 2.8.5.1), as defined in the program.
 std::string loader() {
   constexpr std::uint16_t vendor = 0x2e8a, product = 0x0003;
   usb::DeviceInfo device;
@@ -56,7 +56,7 @@ std::string loader() {
   return identifier(vendor, product);
 }
 
-/// The rules themselves: no comments.
+/// The lines of the rules without comments.
 std::vector<std::string> rule_lines() {
   std::vector<std::string> all;
   std::istringstream text(rules());
@@ -65,7 +65,7 @@ std::vector<std::string> rule_lines() {
   return all;
 }
 
-/// Identifiers that the rules give somebody the nodes of a subsystem for.
+/// Identifiers of a subsystem to whose nodes the rules grant access.
 std::set<std::string> given(const std::string& subsystem) {
   static const std::regex numbers(
       R"re(\{idVendor\}=="([0-9a-f]{4})", ATTRS?\{idProduct\}=="([0-9a-f|]+)")re");
@@ -84,13 +84,13 @@ std::set<std::string> given(const std::string& subsystem) {
 }
 
 TEST(UdevRules, NameTheBoardTheLoaderAndEveryPendantAndNothingElse) {
-  const std::string board = identifier(rp2040::usb::vendor_id, rp2040::usb::product_id);
+  const std::string board = identifier(boards::usb_vendor_id, boards::usb_product_id);
   EXPECT_EQ(given("usb"), (std::set<std::string>{board, loader()}));
   EXPECT_EQ(given("tty"), (std::set<std::string>{board}));
   EXPECT_EQ(given("hidraw"), pendants());
 }
 
-TEST(UdevRules, GiveNobodyTheLinesOfTheComputer) {
+TEST(UdevRules, GrantNoAccessToGpioLines) {
   for (const std::string& line : rule_lines()) {
     EXPECT_EQ(line.find("gpio"), std::string::npos) << line;
   }
@@ -98,16 +98,16 @@ TEST(UdevRules, GiveNobodyTheLinesOfTheComputer) {
 
 TEST(UdevRules, TheTableOfTheDocumentHasTheSameIdentifiers) {
   std::set<std::string> expected = pendants();
-  expected.insert(identifier(rp2040::usb::vendor_id, rp2040::usb::product_id));
+  expected.insert(identifier(boards::usb_vendor_id, boards::usb_product_id));
   expected.insert(loader());
   static const std::regex number("[0-9a-f]{4}:[0-9a-f]{4}");
-  std::set<std::string> told;
+  std::set<std::string> listed;
   std::istringstream page(read_file(LAMPLOCK_ROOT "/docs/install.md"));
   for (std::string line; std::getline(page, line);)
     if (line.starts_with('|')) {
-      told.insert(std::sregex_token_iterator(line.begin(), line.end(), number), {});
+      listed.insert(std::sregex_token_iterator(line.begin(), line.end(), number), {});
     }
-  EXPECT_EQ(told, expected);
+  EXPECT_EQ(listed, expected);
 }
 
 /// Every rule is one line of matches and assignments, each with a known operator.
@@ -116,7 +116,7 @@ TEST(UdevRules, AreLinesThatUdevUnderstands) {
   std::size_t from = 0, count = 0;
   while (from < text.size()) {
     const std::size_t end = text.find('\n', from);
-    ASSERT_NE(end, std::string::npos) << "the last line has an end";
+    ASSERT_NE(end, std::string::npos) << "no newline at the end of the file";
     const std::string line = text.substr(from, end - from);
     from = end + 1;
     if (line.empty() || line.starts_with('#')) continue;

@@ -1,4 +1,4 @@
-// docs/wiring.md says what the table of pins says: pin by pin, for every map.
+// docs/wiring.md equals the table of pins, pin by pin, for every map.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "firmware/boards/rp2040/base/watchdog.hpp"
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
-#include "firmware/boards/rp2040/watchdog.hpp"
 #include "host/text.hpp"
 #include "shared/boards/pico_pins.hpp"
 #include "shared/units.hpp"
@@ -19,7 +19,7 @@ namespace {
 
 using Row = std::vector<std::string>;
 
-/// Rows of the first table behind a heading, without its two head lines.
+/// Rows of the first table after a heading, without its two head lines.
 std::vector<Row> table_of(const std::string& page, const std::string& heading) {
   const std::size_t begin = page.find("\n## " + heading);
   if (begin == std::string::npos) return {};
@@ -39,11 +39,11 @@ std::vector<Row> table_of(const std::string& page, const std::string& heading) {
   return rows;
 }
 
-/// Pins of the Pico's two rows of contacts (Raspberry Pi Pico Datasheet, 2.1); 0 = on no contact.
+/// Pins of the Pico's two rows of contacts (Raspberry Pi Pico Datasheet, 2.1); 0 = not connected.
 constexpr std::array<int, 30> contacts{1,  2,  4,  5,  6,  7,  9,  10, 11, 12, 14, 15, 16, 17, 19,
                                        20, 21, 22, 24, 25, 26, 27, 29, 0,  0,  0,  31, 32, 34, 0};
 
-/// Level at rest: a released switch is closed to ground; what idles high is named.
+/// Level at rest: a released switch is closed to ground; signals that idle high are named.
 std::string off_level(const PinUse& use) {
   switch (use.role) {
     case Role::drives_enable:
@@ -65,7 +65,7 @@ std::string name_of(PinMap map) {
 
 class WiringMap : public testing::TestWithParam<PinMap> {};
 
-TEST_P(WiringMap, ThePageHasEveryPinAsTheTableHasIt) {
+TEST_P(WiringMap, ThePageHasEveryPinOfTheTable) {
   const std::string heading = "Pin map " + name_of(GetParam()) + ":";
   const std::vector<Row> rows = table_of(test::read_repository_file("docs/wiring.md"), heading);
   const PinTable& table = pins(GetParam());
@@ -92,13 +92,13 @@ std::vector<int> numbers_of(const std::string& cell) {
   return numbers;
 }
 
-/// Ground among the contacts of the Pico (Raspberry Pi Pico Datasheet, 2.1).
+/// True for the ground contacts of the Pico (Raspberry Pi Pico Datasheet, 2.1).
 bool is_ground(int contact) {
   constexpr std::array<int, 7> grounds{3, 8, 13, 18, 23, 28, 38};
   return std::find(grounds.begin(), grounds.end(), contact) != grounds.end();
 }
 
-TEST(Readme, ItsWiringIsThatOfTheMapOfANewBoard) {
+TEST(Readme, ItsWiringEqualsTheMapOfANewBoard) {
   const std::vector<Row> rows =
       table_of(test::read_repository_file("README.md"), "From board to first job");
   ASSERT_EQ(rows.size(), 8u);
@@ -124,10 +124,10 @@ TEST(Readme, ItsWiringIsThatOfTheMapOfANewBoard) {
   EXPECT_EQ(grounds, 1u);
 }
 
-/// The checks of a first job must be those of the board, not of the virtual one.
-TEST(Readme, StepsOfAFirstJobNameTheBoard) {
+/// The checks of a first job must use the real board, not the virtual one.
+TEST(Readme, StepsOfAFirstJobUseTheRealBoard) {
   const std::string page = test::read_repository_file("README.md");
-  const std::size_t begin = page.find("4. **Tell it the machine.**");
+  const std::size_t begin = page.find("4. **Set the machine up.**");
   const std::string steps = page.substr(begin, page.find("\n## ", begin) - begin);
   std::size_t commands = 0;
   for (std::size_t at = steps.find("`lamplock "); at != std::string::npos;

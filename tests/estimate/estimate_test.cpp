@@ -1,4 +1,5 @@
-// An estimate against the run: the same job on the virtual board with an ideal lamp, to the beat.
+// Compares an estimate with the run of the same job on the virtual board with an ideal lamp; beat
+// counts must be equal.
 #include "host/estimate/estimate.hpp"
 
 #include <fmt/format.h>
@@ -21,7 +22,6 @@ namespace {
 using settings::Id;
 using settings::LampMode;
 
-/// What the run of a job says.
 struct Outcome {
   wire::Status status;
   sim::Shots shots;
@@ -43,7 +43,7 @@ Outcome run(const job::Job& job, const EstimateOptions& options = {}) {
   return {result.status, board.world().laser().shots()};
 }
 
-/// Random machines and jobs. Every kind of machine comes with every kind of job.
+/// Makes random machines and jobs in all combinations.
 class Maker {
  public:
   explicit Maker(std::uint64_t seed) : random_(seed) {}
@@ -51,8 +51,8 @@ class Maker {
   job::Job make(int points) {
     const job::Profile profile = machine();
     job::JobOptions options;
-    options.mode = pick({motion::JoinMode::free, motion::JoinMode::free, motion::JoinMode::path,
-                         motion::JoinMode::start_stop});
+    options.mode = pick({wire::JoinMode::free, wire::JoinMode::free, wire::JoinMode::path,
+                         wire::JoinMode::start_stop});
     options.shots = static_cast<std::uint8_t>(pick({1, 1, 1, 2, 5}));
     job::Job job = job::make_job(cloud(points), profile, options);
     spoil(job);
@@ -93,12 +93,12 @@ class Maker {
         set(settings::for_axis(Id::jerk_x, axis), between(100, 1000));
     return profile;
   }
-  /// A walk, sometimes in rows, sometimes with far jumps.
-  points::PointCloud cloud(int count) {
+  /// A random walk, sometimes in rows, sometimes with long jumps.
+  geometry::PointCloud cloud(int count) {
     const double stride = between(0.02, 0.6);
     const bool rows = one_in(4);
-    points::PointCloud cloud;
-    points::Point at;
+    geometry::PointCloud cloud;
+    geometry::Point at;
     for (int i = 0; i < count; ++i) {
       if (rows)
         at.x += stride;
@@ -111,12 +111,12 @@ class Maker {
     }
     return cloud;
   }
-  /// Pauses, passes without a shot, points of several flashes, several beams.
+  /// Adds pauses, points without a shot, points of several flashes, several beams.
   void spoil(job::Job& job) {
     const bool pauses = one_in(3), passes = one_in(4), flashes = one_in(4);
     const bool beams = one_in(6);
     for (std::size_t i = 1; i < job.targets.size(); ++i) {
-      motion::Target& target = job.targets[i];
+      wire::Target& target = job.targets[i];
       if (pauses && one_in(40)) {
         target = job.targets[i - 1];
         target.shots = 0;
@@ -133,7 +133,7 @@ class Maker {
   std::mt19937_64 random_;
 };
 
-/// What `call` is refused with; "" if it is not.
+/// The error text of `call`; "" if it succeeds.
 template <class Call>
 std::string refusal_of(Call&& call) {
   try {
@@ -146,24 +146,24 @@ std::string refusal_of(Call&& call) {
 
 void expect_same(const job::Job& job, const EstimateOptions& options, const std::string& what) {
   SCOPED_TRACE(what);
-  Estimate told;
+  Estimate estimate;
   Outcome real;
   const std::string refused = refusal_of([&] { real = run(job, options); });
-  EXPECT_EQ(refusal_of([&] { told = estimate_job(job, options); }), refused);
+  EXPECT_EQ(refusal_of([&] { estimate = estimate_job(job, options); }), refused);
   if (!refused.empty()) return;
-  EXPECT_EQ(told.shots, real.status.shots);
-  EXPECT_EQ(told.beats, real.status.beats);
-  EXPECT_EQ(told.beats_before, real.status.beats_before);
-  EXPECT_EQ(told.beats_by_reason, real.status.beats_by_reason);
-  ASSERT_EQ(told.shots, real.shots.size());
+  EXPECT_EQ(estimate.shots, real.status.shots);
+  EXPECT_EQ(estimate.beats, real.status.beats);
+  EXPECT_EQ(estimate.beats_before, real.status.beats_before);
+  EXPECT_EQ(estimate.beats_by_reason, real.status.beats_by_reason);
+  ASSERT_EQ(estimate.shots, real.shots.size());
   if (real.shots.empty()) return;
   const double time_s = sim::seconds(real.shots.back().at - real.shots.front().at) +
                         1 / in_units(job.settings, Id::lamp_frequency);
-  EXPECT_NEAR(told.time_s, time_s, 1e-4 + 1e-6 * time_s);
-  EXPECT_EQ(told.beat_of_shot, report::beats_from_first(real.shots, job.settings));
+  EXPECT_NEAR(estimate.time_s, time_s, 1e-4 + 1e-6 * time_s);
+  EXPECT_EQ(estimate.beat_of_shot, report::beats_from_first(real.shots, job.settings));
 }
 
-TEST(Estimate, is_the_run_to_the_beat) {
+TEST(Estimate, equals_the_run_to_the_beat) {
   const int jobs = test::scaled(40);
   for (int i = 0; i < jobs; ++i) {
     Maker maker(static_cast<std::uint64_t>(i));
@@ -181,20 +181,20 @@ TEST(Estimate, is_the_run_to_the_beat) {
   }
 }
 
-/// Points a line apart that the default machine reaches on every beat.
+/// Points on a line, so close that the default machine reaches one on every beat.
 job::Job line(int points) {
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   for (int i = 0; i < points; ++i) cloud.push_back({0.05 * i, 0, 0});
   return job::make_job(cloud, job::default_profile(), {});
 }
 
-/// Rows so dense that whether to run up to them depends on points far ahead.
+/// Rows so dense that the need for a run-up depends on points far ahead.
 TEST(Estimate, looks_as_far_ahead_as_the_machine) {
   job::Profile profile = job::default_profile();
   job::set_lamp_hz(profile, 4000);
   job::set_acceleration(profile, 10);
   for (const int length : {20, 60, 120, 250, 400}) {
-    points::PointCloud cloud;
+    geometry::PointCloud cloud;
     for (int row = 0; row < 4; ++row) {
       cloud.push_back({-15, 2.0 * row + 1, 0});
       const int middle = length / 2;
@@ -206,39 +206,39 @@ TEST(Estimate, looks_as_far_ahead_as_the_machine) {
 }
 
 TEST(Estimate, of_one_point) {
-  const Estimate told = estimate_job(line(1));
-  EXPECT_EQ(told.shots, 1u);
-  EXPECT_EQ(told.beats, 1u);
-  EXPECT_NEAR(told.time_s, 0.01, 1e-9);
-  EXPECT_EQ(told.beat_of_shot, std::vector<std::uint32_t>{0});
+  const Estimate estimate = estimate_job(line(1));
+  EXPECT_EQ(estimate.shots, 1u);
+  EXPECT_EQ(estimate.beats, 1u);
+  EXPECT_NEAR(estimate.time_s, 0.01, 1e-9);
+  EXPECT_EQ(estimate.beat_of_shot, std::vector<std::uint32_t>{0});
 }
 
 TEST(Estimate, of_a_job_that_fires_nothing) {
   job::Job job = line(20);
-  for (motion::Target& target : job.targets) target.shots = 0;
-  const Estimate told = estimate_job(job);
+  for (wire::Target& target : job.targets) target.shots = 0;
+  const Estimate estimate = estimate_job(job);
   const Outcome real = run(job);
-  EXPECT_EQ(told.shots, 0u);
-  EXPECT_EQ(told.beats, 0u);
-  EXPECT_EQ(told.time_s, 0);
-  EXPECT_EQ(told.beats_before, real.status.beats_before);
+  EXPECT_EQ(estimate.shots, 0u);
+  EXPECT_EQ(estimate.beats, 0u);
+  EXPECT_EQ(estimate.time_s, 0);
+  EXPECT_EQ(estimate.beats_before, real.status.beats_before);
 }
 
 TEST(Estimate, pauses_are_counted_in_beats) {
   job::Job job = line(100);
   const std::uint64_t without = estimate_job(job).beats;
-  motion::Target pause = job.targets[49];
+  wire::Target pause = job.targets[49];
   pause.shots = 0;
   pause.beats = 250;
   job.targets.insert(job.targets.begin() + 50, pause);
   job.header.points_total = static_cast<std::uint32_t>(job.targets.size());
-  // The way to the pause ends at rest, the way from it begins there.
+  // The machine comes to rest for the pause and starts from rest after it.
   const std::uint64_t with = estimate_job(job).beats;
   EXPECT_GE(with, without + 250);
   EXPECT_LE(with, without + 260);
 }
 
-TEST(Estimate, tells_how_far_it_is) {
+TEST(Estimate, reports_its_progress) {
   const job::Job job = line(400);
   std::size_t last = 0;
   EstimateOptions options;
@@ -250,7 +250,7 @@ TEST(Estimate, tells_how_far_it_is) {
   EXPECT_LE(last, job.size());
 }
 
-TEST(Estimate, refuses_what_it_cannot_run) {
+TEST(Estimate, refuses_jobs_it_cannot_run) {
   EstimateOptions options;
   options.first = 5;
   const std::string beyond = refusal_of([&] { estimate_job(line(5), options); });

@@ -46,7 +46,7 @@ class LoaderDevice final : public usb::Device {
   LoaderModel model_;
 };
 
-/// The pulse stream of a board that runs: nothing but who has it.
+/// The pulse stream of a running board: only its ownership is modelled.
 class StreamDevice final : public usb::Device {
  public:
   explicit StreamDevice(BoardModel& board) : board_(board) {}
@@ -75,7 +75,7 @@ class StreamDevice final : public usb::Device {
   BoardModel& board_;
 };
 
-/// What the firmware answers.
+/// The firmware's answers.
 class BoardTransport final : public link::Transport {
  public:
   BoardTransport(BusModel& bus, BoardModel& board) : bus_(bus), board_(board) {}
@@ -114,7 +114,7 @@ class BoardTransport final : public link::Transport {
   void take(const std::string& line) {
     board_.heard.push_back(line);
     if (line == "$I" && board_.tells_version) {
-      // The version of an image: its last byte of boot code.
+      // The version of an image is the last byte of its boot code.
       say("[VER:1." + std::to_string(board_.flash.bytes[251]) + ":]");
       say("ok");
     }
@@ -144,7 +144,7 @@ void BusModel::restart(BoardModel& board, bool into_loader) {
 
 namespace {
 
-/// The blocks of a file, if all that they announce are there.
+/// The blocks of a file, if it is complete.
 std::optional<std::vector<Part>> whole_uf2(const std::filesystem::path& file) {
   try {
     return read_uf2(read_file(file), "copy");
@@ -153,8 +153,8 @@ std::optional<std::vector<Part>> whole_uf2(const std::filesystem::path& file) {
   }
 }
 
-/// The ROM takes a file that was copied to the drive, and restarts: the drive vanishes. It waits
-/// for the rest of one that has broken off.
+/// The ROM accepts a file copied to the drive and restarts, so the drive disappears. It waits for
+/// the rest of an incomplete one.
 bool take_copy(BoardModel& board) {
   const std::filesystem::path file = board.drive / "LAMPLOCK.UF2";
   if (board.drive.empty() || !std::filesystem::exists(file)) return false;

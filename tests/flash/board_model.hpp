@@ -1,8 +1,8 @@
-// A board on a bus, from its firmware to its boot loader and back, in time that only waiting moves.
+// A board on a bus, from its firmware to its boot loader and back, in time that passes only while
+// the program waits.
 //
-// In:  what the program asks of bus and port. Out: a board that runs lamplock while its flash
-// starts,
-//      a loader while it does not, or after `$BOOT`.
+// In:  the program's calls to bus and port. Out: a board that runs lamplock if its flash starts, a
+//      loader otherwise or after `$BOOT`.
 // Who: tests of whole updates.
 #pragma once
 
@@ -18,28 +18,27 @@
 
 namespace lamplock::flash::test {
 
-/// One board and its flash.
 struct BoardModel {
   std::string place = "1-4", serial = "A1";
   FlashModel flash{};
-  LoaderFaults faults{};                    ///< of its loader
-  std::string status = "Idle";              ///< what it answers to '?'; empty: nothing
-  std::chrono::milliseconds heard_from{0};  ///< it answers nothing before
+  LoaderFaults faults{};                    ///< faults of its loader
+  std::string status = "Idle";              ///< its answer to '?'; empty: no answer
+  std::chrono::milliseconds heard_from{0};  ///< no answer before this time
   std::chrono::milliseconds port_goes_at = std::chrono::milliseconds::max();
-  int boot_error = 0;             ///< its answer to `$BOOT`; 0: goes
-  std::string problem{};          ///< the board may not be opened
-  std::string loader_problem{};   ///< the loader may not be opened
+  int boot_error = 0;             ///< its answer to `$BOOT`; 0: enters the loader
+  std::string problem{};          ///< error of opening the board
+  std::string loader_problem{};   ///< error of opening the loader
   bool stream_taken = false;      ///< another program has its pulse stream
-  bool stream_held = false;       ///< the program that flashes has it
-  bool sent_with_stream = false;  ///< it had it when it sent the board to its loader
+  bool stream_held = false;       ///< the program under test has it
+  bool sent_with_stream = false;  ///< the program had it when it sent `$BOOT`
   bool tells_version = true;
-  bool firmware_starts = true;  ///< otherwise the image finds itself broken and enters the loader
+  bool firmware_starts = true;  ///< false: the image detects damage and enters the loader
 
   std::filesystem::path drive{};  ///< where the loader's drive is mounted; empty: nowhere
 
   bool in_loader = false;
-  std::chrono::milliseconds back_at{0};  ///< not on the bus before
-  std::vector<std::string> heard{};      ///< lines and real-time bytes
+  std::chrono::milliseconds back_at{0};  ///< not on the bus before this time
+  std::vector<std::string> heard{};      ///< received lines and real-time bytes
 
   bool runs() const { return !in_loader && firmware_starts && starts(flash.bytes); }
 };
@@ -61,7 +60,6 @@ class BusModel final : public usb::Bus {
   std::chrono::milliseconds now_{0};
 };
 
-/// The ports of its boards.
 class PortsModel final : public BoardPorts {
  public:
   explicit PortsModel(BusModel& bus) : bus_(bus) {}

@@ -1,5 +1,5 @@
-// Flashing at the other end: the boot ROM's loader of the chip simulator, written from the
-// datasheet by itself, with simulated flash, power and time.
+// Flashing to the boot ROM's loader of the chip simulator, which was written independently from the
+// datasheet, with simulated flash, power and time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,8 @@ using sim::chip::RomState;
 using std::chrono::milliseconds;
 using usb::SimulatedUsb;
 
-/// From power to a loader that has looked for a program (datasheet, 2.8.1.3), on the bus.
+/// Time from power-up until the loader has searched for a program (datasheet, 2.8.1.3) and is on
+/// the bus.
 constexpr milliseconds loader_time{700};
 
 std::span<const std::uint8_t> contents(Chip& chip) { return chip.flash().storage(); }
@@ -36,7 +37,7 @@ void put(Chip& chip, const FlashImage& image) {
               chip.flash().storage().begin() + (sector.address - flash_base));
 }
 
-/// The first device on the bus, which must be a loader, gets an image.
+/// Flashes an image to the first device on the bus, which must be a loader.
 FlashResult flash_loader(SimulatedUsb& bus, const FlashImage& image) {
   const auto devices = bus.devices();
   if (devices.empty()) throw Error(Exit::no_device, "test", "no loader", "look");
@@ -45,7 +46,7 @@ FlashResult flash_loader(SimulatedUsb& bus, const FlashImage& image) {
   return Flasher(loader, image, {}).run();
 }
 
-/// Makes a second sector differ from the old image, and the boot sector.
+/// An image whose boot sector and second sector differ from the old image.
 FlashImage small_image(std::uint64_t seed) { return test::noise_image(2 * sector_size, seed); }
 
 #ifdef LAMPLOCK_UF2
@@ -65,7 +66,7 @@ TEST(ChipFlash, EmptyChipGetsTheFirmwareAndRunsIt) {
   EXPECT_FALSE(report.version.empty()) << report.version_problem;
   EXPECT_TRUE(chip.usb().violations().empty());
 
-  // It runs: now by `$BOOT`, and nothing differs any more.
+  // The firmware runs: now enter the loader by `$BOOT`; nothing differs.
   const UpdateReport again = Update({bus, ports, {}}, image, {}).run(report.board.serial);
   EXPECT_EQ(again.version_before, report.version);
   EXPECT_EQ(again.version, report.version);
@@ -74,12 +75,12 @@ TEST(ChipFlash, EmptyChipGetsTheFirmwareAndRunsIt) {
 }
 #endif
 
-/// One attempt whose power fails after a time, and what is in the flash then.
+/// An attempt with a power failure, and the resulting flash.
 struct Cut {
   bool starts = false, is_old = false, is_new = false, in_loader = false;
 };
 
-/// Power fails at `at` of the chip's time. The run of the chip is cut exactly there.
+/// Power fails at `at` of the chip's time. The run of the chip ends exactly there.
 Cut cut_off(const FlashImage& old, const FlashImage& image, sim::Picoseconds at,
             std::uint64_t seed) {
   sim::chip::ChipOptions options;
@@ -105,7 +106,7 @@ Cut cut_off(const FlashImage& old, const FlashImage& image, sim::Picoseconds at,
   Cut cut{test::starts(contents(chip)), test::holds(contents(chip), old),
           test::holds(contents(chip), image), false};
   if (cut.starts) return cut;
-  // What does not start waits for the next attempt, which succeeds.
+  // An image that does not start waits for the next attempt, which succeeds.
   bus.sleep(loader_time);
   cut.in_loader = chip.rom().state() == RomState::bootsel;
   flash_loader(bus, image);
@@ -114,13 +115,13 @@ Cut cut_off(const FlashImage& old, const FlashImage& image, sim::Picoseconds at,
   return cut;
 }
 
-TEST(ChipFlash, AfterAPowerCutAtAnyMomentNoHalfImageStarts) {
+TEST(ChipFlash, AfterAPowerCutAtAnyTimeNoPartialImageStarts) {
   const FlashImage old = small_image(1), image = small_image(2);
   std::mt19937_64 random(5);
   int starts = 0, in_loader = 0;
   const int cuts = lamplock::test::scaled(50);
   for (int i = 0; i < cuts; ++i) {
-    // Enumeration takes 130 ms, the whole of it some 320 ms.
+    // Enumeration takes 130 ms, everything about 320 ms.
     const auto at = static_cast<sim::Picoseconds>(830 + random() % 330) * sim::ps_per_ms +
                     static_cast<sim::Picoseconds>(random() % sim::ps_per_ms);
     const Cut cut = cut_off(old, image, at, random());
@@ -135,7 +136,7 @@ TEST(ChipFlash, AfterAPowerCutAtAnyMomentNoHalfImageStarts) {
   }
 }
 
-TEST(ChipFlash, RefusalsOfTheRomComeThrough) {
+TEST(ChipFlash, RefusalsOfTheRomAreReported) {
   Chip chip;
   chip.power_on();
   SimulatedUsb bus(chip);
@@ -163,12 +164,12 @@ TEST(ChipFlash, RefusalsOfTheRomComeThrough) {
               PicobootStatus::invalid_address);
     EXPECT_NO_THROW(loader.erase(flash_base + 1, sector_size));
     EXPECT_NO_THROW(loader.read(flash_base, bytes));
-    EXPECT_EQ(bytes, std::vector<std::uint8_t>(size, erased)) << "nothing has been written";
+    EXPECT_EQ(bytes, std::vector<std::uint8_t>(size, erased)) << "the flash must be unchanged";
   }
   EXPECT_TRUE(chip.usb().violations().empty());
 }
 
-TEST(ChipFlash, DeviceOfARestartIsAnotherOne) {
+TEST(ChipFlash, ARestartedDeviceIsANewOne) {
   Chip chip;
   chip.power_on();
   SimulatedUsb bus(chip);

@@ -1,4 +1,4 @@
-// The drive of the boot loader, as folders.
+// The drive of the boot loader, simulated by folders.
 #include "host/flash/drive.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ class DriveTest : public testing::Test {
     folder_.write(name + "/INFO_UF2.TXT", text);
     return folder_.file(name);
   }
-  /// Time passes by sleeping; `write` as given.
+  /// Time advances by sleeping; `write` as given.
   DriveActions actions(std::error_code (*write)(const fs::path&, std::string_view)) {
     DriveActions made;
     made.write = write;
@@ -44,7 +44,6 @@ class DriveTest : public testing::Test {
     made.board_is_back = [this] { return now_ >= back_at_; };
     return made;
   }
-  /// What a copy that must fail says.
   std::string refused(Exit exit, const fs::path& folder, const DriveActions& with) {
     try {
       static_cast<void>(copy_to_drive(folder, "uf2", with));
@@ -89,12 +88,12 @@ TEST_F(DriveTest, CopyIsDoneWhenTheDriveHasGone) {
 TEST_F(DriveTest, RestartInTheMiddleOfTheLastWriteIsSuccess) {
   const fs::path to = drive("media/RPI-RP2");
   leaves_at_ = milliseconds(300);
-  // A cable pulled in mid-copy looks alike: who waits for the board is told.
+  // A cable pulled during the copy looks the same; the caller that waits for the board is notified.
   EXPECT_EQ(copy_to_drive(to, "uf2", actions([](const fs::path&, std::string_view) {
                             return std::error_code(EIO, std::generic_category());
                           })),
             std::errc::io_error);
-  // Mounted by hand it may still seem to be there.
+  // A drive that was mounted by hand may still appear to be present.
   const fs::path stale = drive("mnt/RPI-RP2");
   now_ = milliseconds(0);
   back_at_ = milliseconds(2'000);
@@ -105,14 +104,14 @@ TEST_F(DriveTest, RestartInTheMiddleOfTheLastWriteIsSuccess) {
   EXPECT_GE(now_, back_at_);
 }
 
-TEST_F(DriveTest, WhatStaysIsAnError) {
+TEST_F(DriveTest, ADriveThatStaysIsAnError) {
   const fs::path to = drive("media/RPI-RP2");
-  EXPECT_NE(refused(Exit::job_failed, to, actions(write_through)).find("does not restart"),
+  EXPECT_NE(refused(Exit::job_failed, to, actions(write_through)).find("did not restart"),
             std::string::npos);
   const auto broken = [](const fs::path&, std::string_view) {
     return std::error_code(EIO, std::generic_category());
   };
-  EXPECT_NE(refused(Exit::job_failed, to, actions(broken)).find("broke off"), std::string::npos);
+  EXPECT_NE(refused(Exit::job_failed, to, actions(broken)).find("copy failed"), std::string::npos);
   const auto full = [](const fs::path&, std::string_view) {
     return std::error_code(EROFS, std::generic_category());
   };
@@ -123,15 +122,15 @@ TEST_F(DriveTest, WhatStaysIsAnError) {
             std::string::npos);
 }
 
-TEST(WriteThrough, TellsWhatTheSystemSays) {
+TEST(WriteThrough, ReturnsTheSystemsError) {
   EXPECT_EQ(write_through("/dev/full", "uf2").value(), ENOSPC);
   EXPECT_EQ(write_through("/nowhere/at/all", "uf2").value(), ENOENT);
   const lamplock::test::TemporaryFolder folder;
   EXPECT_EQ(write_through(folder.file(""), "uf2").value(), EISDIR);
 }
 
-/// No file grows beyond so many bytes meanwhile; the write across the limit is a short one
-/// (setrlimit(2), write(2)).
+/// Limits the size of files meanwhile; the write across the limit is a short one (setrlimit(2),
+/// write(2)).
 class FileLimit {
  public:
   explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -151,7 +150,7 @@ class FileLimit {
   void (*handler_)(int);
 };
 
-TEST(WriteThrough, AShortWriteIsNotTakenForAll) {
+TEST(WriteThrough, AShortWriteIsAnError) {
   const lamplock::test::TemporaryFolder folder;
   std::error_code failure;
   {

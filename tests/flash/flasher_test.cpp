@@ -1,5 +1,5 @@
-// The order of erasing and writing: whatever cuts in, no half image starts, and the next attempt
-// succeeds.
+// The order of erasing and writing: after any interruption no partial image starts, and the next
+// attempt succeeds.
 #include "host/flash/flasher.hpp"
 
 #include <gtest/gtest.h>
@@ -20,10 +20,11 @@ using test::LoaderFaults;
 using test::LoaderModel;
 using test::RefusedAt;
 
-/// One session with a loader that behaves as it should, or not.
-FlashResult flash_with(LoaderModel& device, const FlashImage& image, OnFlashProgress told = {}) {
+/// One session with a loader model, which may have faults.
+FlashResult flash_with(LoaderModel& device, const FlashImage& image,
+                       OnFlashProgress on_progress = {}) {
   Picoboot loader(device, LoaderModel::info(true));
-  return Flasher(loader, image, std::move(told)).run();
+  return Flasher(loader, image, std::move(on_progress)).run();
 }
 
 FlashResult flash_into(FlashModel& flash, const FlashImage& image) {
@@ -31,7 +32,7 @@ FlashResult flash_into(FlashModel& flash, const FlashImage& image) {
   return flash_with(device, image);
 }
 
-/// An image that has some of the sectors of another one.
+/// An image that shares some sectors with `image`.
 FlashImage changed(FlashImage image, std::mt19937_64& random) {
   for (Sector& sector : image.sectors)
     if (random() % 2 == 0)
@@ -40,23 +41,24 @@ FlashImage changed(FlashImage image, std::mt19937_64& random) {
   return image;
 }
 
-TEST(Flasher, EmptyFlashHoldsTheImage) {
+TEST(Flasher, EmptyFlashGetsTheImage) {
   FlashModel flash;
   const FlashImage image = test::noise_image(50'000, 1);
-  std::vector<FlashProgress> told;
+  std::vector<FlashProgress> reports;
   LoaderModel device(flash);
-  const FlashResult result =
-      flash_with(device, image, [&](const FlashProgress& progress) { told.push_back(progress); });
+  const FlashResult result = flash_with(
+      device, image, [&](const FlashProgress& progress) { reports.push_back(progress); });
   EXPECT_EQ(result.sectors, 13u);
   EXPECT_EQ(result.written, 13u);
   EXPECT_TRUE(test::holds(flash.bytes, image));
   EXPECT_TRUE(test::starts(flash.bytes));
   EXPECT_TRUE(device.exclusive());
-  ASSERT_FALSE(told.empty());
-  EXPECT_EQ(told.back().step, FlashProgress::Step::writing);
-  EXPECT_EQ(told.back().done, told.back().total);
-  for (std::size_t i = 1; i < told.size(); ++i) {
-    EXPECT_TRUE(told[i].step != told[i - 1].step || told[i].done > told[i - 1].done) << i;
+  ASSERT_FALSE(reports.empty());
+  EXPECT_EQ(reports.back().step, FlashProgress::Step::writing);
+  EXPECT_EQ(reports.back().done, reports.back().total);
+  for (std::size_t i = 1; i < reports.size(); ++i) {
+    EXPECT_TRUE(reports[i].step != reports[i - 1].step || reports[i].done > reports[i - 1].done)
+        << i;
   }
 }
 
@@ -74,7 +76,7 @@ TEST(Flasher, BootSectorIsErasedFirstAndItsCodeWrittenLast) {
   EXPECT_EQ(flash.programmed_pages.back(), 0u);
 }
 
-TEST(Flasher, WritesWhatDiffersAndNothingElse) {
+TEST(Flasher, WritesOnlySectorsThatDiffer) {
   std::mt19937_64 random(7);
   for (int i = 0; i < lamplock::test::scaled(50); ++i) {
     FlashModel flash;
@@ -98,18 +100,18 @@ TEST(Flasher, WritesWhatDiffersAndNothingElse) {
     const bool boot_too = image.sectors[0].bytes != old.sectors[0].bytes;
     EXPECT_EQ(result.written, differing == 0 ? 0 : differing + (boot_too ? 0 : 1));
     EXPECT_TRUE(test::holds(flash.bytes, image));
-    // Settings and all else stay.
+    // The settings and all other sectors are unchanged.
     const auto end = static_cast<std::ptrdiff_t>(image.sectors.size() * sector_size);
     EXPECT_TRUE(
         std::equal(flash.bytes.begin() + end, flash.bytes.end(), before.bytes.begin() + end));
-    // Once more changes nothing.
+    // A second run changes nothing.
     flash.erased_sectors.clear();
     EXPECT_EQ(flash_into(flash, image).written, 0u);
     EXPECT_TRUE(flash.erased_sectors.empty());
   }
 }
 
-TEST(Flasher, AfterACutAnywhereNoHalfImageStarts) {
+TEST(Flasher, AfterACutAtAnyByteNoPartialImageStarts) {
   std::mt19937_64 random(99);
   int old_stayed = 0, in_loader = 0, new_there = 0;
   for (int i = 0; i < lamplock::test::scaled(400); ++i) {
@@ -129,7 +131,7 @@ TEST(Flasher, AfterACutAnywhereNoHalfImageStarts) {
     }
     const bool is_old = test::holds(flash.bytes, old), is_new = test::holds(flash.bytes, image);
     if (test::starts(flash.bytes)) {
-      ASSERT_TRUE(is_old || is_new) << "a half image starts";
+      ASSERT_TRUE(is_old || is_new) << "a partial image starts";
     }
     old_stayed += is_old && !is_new ? 1 : 0;
     new_there += is_new ? 1 : 0;
@@ -144,7 +146,7 @@ TEST(Flasher, AfterACutAnywhereNoHalfImageStarts) {
   }
 }
 
-TEST(Flasher, AfterACutAtAnyStepNoHalfImageStarts) {
+TEST(Flasher, AfterACutAtAnyStepNoPartialImageStarts) {
   const FlashImage old = test::noise_image(7'000, 11), image = test::noise_image(7'500, 12);
   FlashModel before;
   flash_into(before, old);
@@ -164,7 +166,7 @@ TEST(Flasher, AfterACutAtAnyStepNoHalfImageStarts) {
     old_starts += is_old ? 1 : 0;
     new_starts += is_new ? 1 : 0;
     ASSERT_TRUE(is_old || is_new || !test::starts(flash.bytes))
-        << "a half image starts: " << cut_at;
+        << "a partial image starts: " << cut_at;
     flash_into(flash, image);
     ASSERT_TRUE(test::holds(flash.bytes, image)) << cut_at;
   }
@@ -173,7 +175,7 @@ TEST(Flasher, AfterACutAtAnyStepNoHalfImageStarts) {
   EXPECT_GT(new_starts, 0u);
 }
 
-TEST(Flasher, WornFlashIsToldAndDoesNotStart) {
+TEST(Flasher, WornFlashIsReportedAndDoesNotStart) {
   const FlashImage image = test::noise_image(20'000, 4);
   for (const std::uint32_t at : {300u, 5'000u, 19'000u}) {
     FlashModel flash;
@@ -186,13 +188,13 @@ TEST(Flasher, WornFlashIsToldAndDoesNotStart) {
     } catch (const PicobootError& error) {
       const std::string text = error.what();
       EXPECT_EQ(error.exit(), Exit::job_failed);
-      EXPECT_NE(text.find("0x00 read back"), std::string::npos) << text;
+      EXPECT_NE(text.find("0x00 was read back"), std::string::npos) << text;
     }
     EXPECT_FALSE(test::starts(flash.bytes));
   }
 }
 
-TEST(Flasher, AnEraseThatDoesNothingLeavesTheOldImageWhole) {
+TEST(Flasher, AnEraseWithoutEffectKeepsTheOldImage) {
   std::mt19937_64 random(8);
   const FlashImage old = test::noise_image(20'000, 1), image = changed(old, random);
   FlashModel flash;
@@ -211,21 +213,21 @@ TEST(Flasher, AnEraseThatDoesNothingLeavesTheOldImageWhole) {
   EXPECT_TRUE(test::starts(flash.bytes));
 }
 
-/// One command refused, in a flash that holds another image.
+/// Makes the loader refuse one command while the flash contains another image.
 void refuse_one(const FlashModel& before, const FlashImage& old, const FlashImage& image,
                 const LoaderFaults& faults) {
   FlashModel flash = before;
   LoaderModel device(flash, faults);
-  bool told = false;
+  bool failed = false;
   try {
     flash_with(device, image);
   } catch (const PicobootError& error) {
-    told = true;
+    failed = true;
     EXPECT_EQ(error.exit(), Exit::job_failed);
   }
   const bool is_new = test::holds(flash.bytes, image);
-  // Without data, what is acknowledged and not done is seen by what is read back.
-  EXPECT_TRUE(told || (faults.refused_at != RefusedAt::packet && is_new));
+  // An acknowledged command without data that had no effect is found by reading back.
+  EXPECT_TRUE(failed || (faults.refused_at != RefusedAt::packet && is_new));
   if (test::starts(flash.bytes)) {
     EXPECT_TRUE(is_new || test::holds(flash.bytes, old));
   }
@@ -234,7 +236,7 @@ void refuse_one(const FlashModel& before, const FlashImage& old, const FlashImag
   EXPECT_TRUE(test::holds(flash.bytes, image));
 }
 
-TEST(Flasher, ARefusalAnywhereLeavesTheLoader) {
+TEST(Flasher, AfterAnyRefusalTheLoaderKeepsRunning) {
   const FlashImage old = test::noise_image(10'000, 5), image = test::noise_image(10'000, 6);
   FlashModel before;
   flash_into(before, old);

@@ -1,4 +1,4 @@
-// Images that an RP2040 would start, made in the test.
+// Images with valid boot code for an RP2040, generated in tests.
 #pragma once
 
 #include <algorithm>
@@ -14,20 +14,20 @@
 
 namespace lamplock::flash::test {
 
-/// Writes the checksum behind the boot code at the begin of these bytes.
+/// Writes the checksum after the boot code at the beginning of these bytes.
 inline void stamp(std::span<std::uint8_t> flash) {
   const std::uint32_t crc = boards::boot2_crc32(flash.first(252));
   for (std::size_t i = 0; i < 4; ++i) flash[252 + i] = static_cast<std::uint8_t>(crc >> 8 * i);
 }
 
-/// True if the ROM would start what stands at the begin of a flash.
+/// True if the ROM would start the contents of a flash.
 inline bool starts(std::span<const std::uint8_t> flash) {
   std::vector<std::uint8_t> code(flash.begin(), flash.begin() + 256);
   stamp(code);
   return std::equal(code.begin(), code.end(), flash.begin());
 }
 
-/// Noise of so many bytes at the begin of the flash, with boot code that starts.
+/// An image of `size` random bytes at the beginning of the flash, with valid boot code.
 inline FlashImage noise_image(std::size_t size, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   Part part{flash_base, std::vector<std::uint8_t>(std::max<std::size_t>(size, page_size))};
@@ -36,7 +36,7 @@ inline FlashImage noise_image(std::size_t size, std::uint64_t seed) {
   return make_flash_image({std::move(part)}, "test");
 }
 
-/// The bytes of an image with lamplock's mark and CRC; `size` is one of whole words.
+/// The bytes of an image with lamplock's mark and CRC; `size` is a multiple of a word.
 inline std::vector<std::uint8_t> lamplock_bytes(std::size_t size, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<std::uint8_t> bytes(size);
@@ -49,7 +49,7 @@ inline std::vector<std::uint8_t> lamplock_bytes(std::size_t size, std::uint64_t 
   return bytes;
 }
 
-/// What the image leaves in the flash, sector by sector.
+/// True if the flash contains the image in every sector.
 inline bool holds(std::span<const std::uint8_t> flash, const FlashImage& image) {
   return std::all_of(image.sectors.begin(), image.sectors.end(), [&](const Sector& sector) {
     return std::equal(sector.bytes.begin(), sector.bytes.end(),

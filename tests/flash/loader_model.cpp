@@ -10,7 +10,7 @@ using usb::TransferEnd;
 
 constexpr std::uint32_t base = 0x1000'0000, page_bytes = 256, sector_bytes = 4096;
 constexpr std::size_t packet = 64;
-constexpr std::uint32_t flash_end = 0x2000'0000;  // as the ROM has it
+constexpr std::uint32_t flash_end = 0x2000'0000;  // as in the ROM
 constexpr std::uint32_t bad_command = 1, bad_length = 2, bad_transfer = 3, bad_address = 4,
                         bad_alignment = 5;
 
@@ -40,7 +40,7 @@ usb::DeviceInfo LoaderModel::info(bool with_drive) {
   return info;
 }
 
-/// One packet or flash operation; false from the cut on.
+/// Counts a packet or flash operation; false from the cut on.
 bool LoaderModel::step() {
   if (!gone_ && steps_++ == faults_.cut_at) gone_ = true;
   return !gone_;
@@ -156,7 +156,7 @@ Transfer LoaderModel::bulk_in(std::uint8_t endpoint, std::span<std::uint8_t> byt
 
 void LoaderModel::begin(std::span<const std::uint8_t> bytes) {
   const std::size_t number = commands_++;
-  // Not even the status is another one then.
+  // Even the status is the usual one then.
   if (bytes.size() != 32 || word(bytes, 0) != 0x431f'd10b) return refuse(status_);
   token_ = word(bytes, 4);
   command_ = bytes[8];
@@ -171,7 +171,7 @@ void LoaderModel::begin(std::span<const std::uint8_t> bytes) {
   execute();
 }
 
-/// What the packet alone says.
+/// Checks the packet alone.
 std::uint32_t LoaderModel::judge() const {
   const bool moves = command_ == 5 || command_ == 0x84;
   const std::uint32_t wanted = moves || command_ == 3 ? 8
@@ -184,7 +184,7 @@ std::uint32_t LoaderModel::judge() const {
   return command_ != 2 && transfer_ != (moves ? arguments_[1] : 0) ? bad_transfer : 0;
 }
 
-/// What the ROM says to the 256 bytes that follow so many. There is flash alone.
+/// The ROM's check of the 256 bytes after the first `done`. Only flash exists.
 std::uint32_t LoaderModel::judge_data(std::uint32_t done) const {
   const bool first = done == 0, last = transfer_ - done <= page_bytes;
   if (refused_ && (faults_.refused_at == RefusedAt::first_data ? first : last))
@@ -207,7 +207,7 @@ void LoaderModel::execute() {
   if (command_ == 3) erase();
 }
 
-/// Of the data a page has come, or the rest.
+/// Called when a page of data, or the rest, has arrived.
 void LoaderModel::take_page() {
   const auto size = static_cast<std::uint32_t>(page_.size());
   if (const std::uint32_t status = judge_data(transfer_ - left_ - size); status != 0)
@@ -219,7 +219,7 @@ void LoaderModel::take_page() {
   if (left_ == 0) state_ = State::end_in;
 }
 
-/// Address bits that the flash has not are passed over.
+/// The flash ignores address bits that it does not have.
 std::size_t LoaderModel::place() const { return (address_ - base) % FlashModel::size; }
 
 void LoaderModel::erase() {
@@ -234,15 +234,15 @@ void LoaderModel::erase() {
       std::fill_n(begin, sector_bytes, std::uint8_t{0xff});
       continue;
     }
-    // A cut leaves anything.
+    // A cut leaves arbitrary contents.
     std::generate_n(begin, sector_bytes, [&] { return static_cast<std::uint8_t>(random_()); });
     return;
   }
 }
 
-/// With the page that has come; or, at a cut, with some of its bits.
+/// Programs the page that has arrived; at a cut, only some of its bits.
 void LoaderModel::program(std::span<const std::uint8_t> page) {
-  // Without XIP left first the flash does not listen.
+  // Unless XIP is left first, the flash ignores commands.
   if (!xip_left_) return;
   const bool cut = page.empty();
   const auto offset = static_cast<std::uint32_t>(place());

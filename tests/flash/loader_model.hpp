@@ -1,12 +1,12 @@
-// A boot loader as the RP2040 datasheet describes it (2.8.5), fast, with faults at any place: a cut
-// of the power, refusals, silence, worn flash. It refuses as the ROM's source does (pico-bootrom-
-// rp2040, usb_boot_device.c and async_task.c): a command that is none halts both endpoints; data,
-// 256 bytes of which are judged at a time, halt that of their direction; what becomes of a command
-// without data is not told.
+// A boot loader according to the RP2040 datasheet (2.8.5), fast, with faults at any place: power
+// cuts, refusals, silence, worn flash. It refuses like the ROM's source (pico-bootrom-rp2040,
+// usb_boot_device.c and async_task.c): an invalid command halts both endpoints; invalid data,
+// judged in pieces of 256 bytes, halt that of their direction; the result of a command without data
+// is not reported.
 //
-// In:  transfers. Out: what a board would do to them; the flash that is left.
-// Who: tests of PICOBOOT, of the flasher, of whole updates. The loader of the chip simulator, which
-// others wrote and which takes simulated time, is the other one (chip_flash_test).
+// In:  transfers. Out: a board's answers to them; the resulting flash.
+// Who: tests of PICOBOOT, of the flasher, of whole updates. chip_flash_test uses the loader of the
+// chip simulator instead, which was written independently and takes simulated time.
 #pragma once
 
 #include <array>
@@ -32,22 +32,22 @@ struct FlashModel {
 
 inline constexpr std::size_t never = std::numeric_limits<std::size_t>::max();
 
-/// Where a command is refused. One without data is, by its data, acknowledged and not done.
+/// Where a command is refused. A command without data is acknowledged but not executed.
 enum class RefusedAt : std::uint8_t { packet, first_data, last_data };
 
-/// What goes wrong, counted from the begin of the session.
+/// Faults, counted from the beginning of the session.
 struct LoaderFaults {
-  std::size_t cut_at = never;  ///< packets and flash operations
+  std::size_t cut_at = never;  ///< in packets and flash operations
   std::size_t refused_command = never;
   RefusedAt refused_at = RefusedAt::packet;
   std::uint32_t status = 0;            ///< of the refusal
-  bool status_fails = false;           ///< its reason cannot be read
-  std::size_t silent_command = never;  ///< its end never comes
-  bool erases_nothing = false;         ///< but acknowledges every erase
+  bool status_fails = false;           ///< the reason of the refusal cannot be read
+  std::size_t silent_command = never;  ///< it never ends
+  bool erases_nothing = false;         ///< an erase has no effect but is acknowledged
   bool claimed_by_other = false;
 };
 
-/// The loader, as one open device. The flash outlives it.
+/// The loader, as one open device. The flash must outlive it.
 class LoaderModel final : public usb::Device {
  public:
   static constexpr std::uint8_t out = 0x03, in = 0x84;
@@ -55,7 +55,7 @@ class LoaderModel final : public usb::Device {
   explicit LoaderModel(FlashModel& flash, LoaderFaults faults = {}, std::uint64_t seed = 1)
       : flash_(flash), faults_(faults), random_(seed) {}
 
-  /// As the ROM has it: mass storage first, or PICOBOOT alone.
+  /// Interfaces as in the ROM: mass storage first, or PICOBOOT alone.
   static usb::DeviceInfo info(bool with_drive);
 
   usb::TransferEnd claim(std::uint8_t interface_number) override;
@@ -74,13 +74,13 @@ class LoaderModel final : public usb::Device {
   bool exclusive() const { return exclusive_; }
   bool rebooted() const { return rebooted_; }
   bool gone() const { return gone_; }
-  /// A halt is left.
+  /// True if an endpoint is halted.
   bool halted() const { return !halted_.empty(); }
-  /// Some were when the interface was reset last: they are to be cleared one by one before.
+  /// True if one was halted at the latest interface reset: halts must be cleared one by one before.
   bool halted_at_reset() const { return halted_at_reset_; }
 
  private:
-  /// `dropped`: neither takes nor gives, until the OUT endpoint or the interface is reset.
+  /// `dropped`: neither reads nor sends until the OUT endpoint or the interface is reset.
   enum class State : std::uint8_t { command, data_out, data_in, end_in, end_out, dropped };
   bool step();
   void begin(std::span<const std::uint8_t> packet);

@@ -1,5 +1,5 @@
-// The host's side of PICOBOOT against a model of the loader: each refusal has its own line, and the
-// session goes on after it.
+// The host's side of PICOBOOT with a model of the loader: each refusal has its own message, and the
+// session continues after it.
 #include "host/flash/picoboot.hpp"
 
 #include <gtest/gtest.h>
@@ -33,13 +33,13 @@ PicobootError error_of(Call&& call) {
   return {Exit::done, "", ""};
 }
 
-TEST(Picoboot, FindsItsInterfaceBesideTheDriveOrAlone) {
+TEST(Picoboot, FindsItsInterfaceWithOrWithoutTheDrive) {
   for (const bool with_drive : {true, false}) {
     FlashModel flash;
     flash.bytes[3] = 77;
     LoaderModel device(flash);
     Picoboot loader(device, LoaderModel::info(with_drive));
-    EXPECT_EQ(device.resets(), 1u) << "what was left half done is dropped";
+    EXPECT_EQ(device.resets(), 1u) << "the interface must be reset once";
     loader.exit_xip();
     Bytes bytes(4);
     loader.read(flash_base, bytes);
@@ -76,7 +76,7 @@ TEST(Picoboot, ErasesWritesAndReads) {
   EXPECT_TRUE(device.rebooted());
 }
 
-/// Where a command is refused, and what an error calls it then.
+/// A refused command and its name in the error.
 struct Refusal {
   std::string name;
   RefusedAt at;
@@ -97,7 +97,7 @@ std::vector<Refusal> refusals() {
           {"write at 0x10001000", RefusedAt::last_data, write}};
 }
 
-TEST(Picoboot, EveryStatusHasALineOfItsOwn) {
+TEST(Picoboot, EveryStatusHasItsOwnMessage) {
   for (const Refusal& refusal : refusals()) {
     std::set<std::string> lines;
     for (std::uint32_t status = 1; status <= 17; ++status) {
@@ -112,17 +112,17 @@ TEST(Picoboot, EveryStatusHasALineOfItsOwn) {
       EXPECT_NE(text.find(refusal.name), std::string::npos) << text;
       EXPECT_NE(text.find("; "), std::string::npos) << text;
       EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-      // Without its number it is still another one.
+      // Without the status number the messages must still differ.
       EXPECT_TRUE(lines.insert(text.substr(0, text.find("(status"))).second) << text;
-      // The session goes on.
+      // The session continues.
       EXPECT_FALSE(device.halted());
-      EXPECT_FALSE(device.halted_at_reset()) << "halts are cleared before";
+      EXPECT_FALSE(device.halted_at_reset()) << "halts must be cleared before a reset";
       EXPECT_NO_THROW(refusal.command(loader)) << text;
     }
   }
 }
 
-TEST(Picoboot, AHaltWithoutAStatusIsTold) {
+TEST(Picoboot, AHaltWithoutAStatusIsReported) {
   FlashModel flash;
   LoaderModel device(flash, {.refused_command = 0, .status = 0});
   Picoboot loader(device, LoaderModel::info(true));
@@ -132,7 +132,7 @@ TEST(Picoboot, AHaltWithoutAStatusIsTold) {
   EXPECT_NO_THROW(loader.exit_xip());
 }
 
-TEST(Picoboot, UnknownAndMissingReasonsAreTold) {
+TEST(Picoboot, UnknownAndMissingReasonsAreReported) {
   for (const bool fails : {false, true}) {
     FlashModel flash;
     LoaderModel device(flash, {.refused_command = 0, .status = 4711, .status_fails = fails});
@@ -144,12 +144,12 @@ TEST(Picoboot, UnknownAndMissingReasonsAreTold) {
   }
 }
 
-TEST(Picoboot, RealRefusalsComeThrough) {
+TEST(Picoboot, RealRefusalsAreReported) {
   FlashModel flash;
   LoaderModel device(flash);
   Picoboot loader(device, LoaderModel::info(true));
   loader.exit_xip();
-  // Of one page, whose refusal comes behind it, and of several.
+  // Refusals of a single page, which arrive after the page, and of several pages.
   for (const std::size_t size : {1u, 256u, 257u, 1'024u}) {
     Bytes bytes(size);
     EXPECT_EQ(error_of([&] { loader.write(flash_base + 1, bytes); }).status(),
@@ -169,7 +169,7 @@ TEST(Picoboot, RealRefusalsComeThrough) {
   }
 }
 
-TEST(Picoboot, AnEraseIsAcknowledgedWhateverBecameOfIt) {
+TEST(Picoboot, AnEraseIsAcknowledgedEvenIfItFails) {
   FlashModel flash;
   LoaderModel device(flash);
   Picoboot loader(device, LoaderModel::info(true));
@@ -190,7 +190,7 @@ TEST(Picoboot, SilenceAndLossAreErrorsOfTheLink) {
   EXPECT_EQ(no_answer.exit(), Exit::no_device);
   EXPECT_NE(std::string(no_answer.what()).find("does not answer"), std::string::npos);
 
-  // Three control requests open the session, the command is the next packet.
+  // Three control requests open the session; the command is the next packet.
   LoaderModel cut(flash, {.cut_at = 3});
   Picoboot second(cut, LoaderModel::info(true));
   const PicobootError gone = error_of([&] { second.exit_xip(); });

@@ -1,4 +1,4 @@
-// UF2 files: what is right is read, everything else is refused with the block that is wrong.
+// UF2 files: valid ones are read; all others are refused with the number of the wrong block.
 #include "host/flash/uf2.hpp"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ TEST(Uf2, FieldsOfABlockAreThoseOfTheSpecification) {
   EXPECT_EQ(file.substr(block + 32 + 256, 476 - 256), std::string(476 - 256, '\0'));
 }
 
-TEST(Uf2, WrittenAndReadIsTheSameImage) {
+TEST(Uf2, WritingAndReadingGivesTheSameImage) {
   std::mt19937_64 random(3);
   for (int i = 0; i < lamplock::test::scaled(20); ++i) {
     const FlashImage image = test::noise_image(random() % 20'000, random());
@@ -60,7 +60,7 @@ TEST(Uf2, BlocksMayComeInAnyOrder) {
             make_flash_image(read_uf2(file, "file"), "file").sectors.front().bytes);
 }
 
-/// One field of block 7 changed, and what must be said of it.
+/// A changed field of block 7, and the expected error.
 struct Damage {
   const char* name;
   std::size_t at;
@@ -69,7 +69,7 @@ struct Damage {
   const char* words;
 };
 
-TEST(Uf2, EachWrongFieldIsNamedWithItsBlock) {
+TEST(Uf2, EachWrongFieldIsReportedWithItsBlock) {
   const std::vector<Damage> all = {
       {"first magic", 0, 0x0a324656, Uf2Fault::magic, "no UF2 magic numbers"},
       {"second magic", 4, 0, Uf2Fault::magic, "no UF2 magic numbers"},
@@ -81,12 +81,12 @@ TEST(Uf2, EachWrongFieldIsNamedWithItsBlock) {
       {"payload", 16, 476, Uf2Fault::payload, "holds 476 bytes"},
       {"alignment", 12, 0x10000780, Uf2Fault::alignment, "0x10000780"},
       {"SRAM", 12, 0x20000000, Uf2Fault::address, "0x20000000, which is not flash"},
-      {"behind flash", 12, 0x11000000, Uf2Fault::address, "not flash"},
+      {"after flash", 12, 0x11000000, Uf2Fault::address, "not flash"},
       {"before flash", 12, 0x0fffff00, Uf2Fault::address, "not flash"},
-      {"place twice", 12, 0x10000100, Uf2Fault::repeated_place, "like one before"},
+      {"place twice", 12, 0x10000100, Uf2Fault::repeated_place, "like an earlier block"},
       {"count", 24, 47, Uf2Fault::count, "announces 47 blocks, there are 48"},
       {"number", 20, 48, Uf2Fault::number, "number 48 of 48"},
-      {"number twice", 20, 3, Uf2Fault::repeated, "number 3 like one before"},
+      {"number twice", 20, 3, Uf2Fault::repeated, "number 3 like an earlier block"},
   };
   for (const Damage& damage : all) {
     std::string file = file_of_three();
@@ -105,7 +105,7 @@ TEST(Uf2, EachWrongFieldIsNamedWithItsBlock) {
   }
 }
 
-TEST(Uf2, ChecksumsAndTagsBehindThePayloadArePassedOver) {
+TEST(Uf2, ChecksumsAndTagsAfterThePayloadAreSkipped) {
   std::string file = file_of_three();
   for (std::size_t i = 0; i < file.size(); i += block) put(file, i + 8, 0x2000 | 0x4000 | 0x8000);
   EXPECT_EQ(read_uf2(file, "file").size(), 48u);
@@ -133,7 +133,7 @@ TEST(Uf2, AnyDamageIsRefusedOrHarmless) {
       put(changed, at / block * block + random() % 8 * 4, static_cast<std::uint32_t>(random()));
     try {
       const auto parts = read_uf2(changed, "file");
-      // Read: then it differs at most in what is data, or what nobody reads.
+      // Accepted: the difference is only in data or in fields that are not used.
       ASSERT_EQ(parts.size(), right.size());
       for (std::size_t k = 0; k < parts.size(); ++k) {
         ASSERT_EQ(parts[k].bytes.size(), page_size);
@@ -147,7 +147,7 @@ TEST(Uf2, AnyDamageIsRefusedOrHarmless) {
   }
 }
 
-TEST(FlashImage, IsWholeSectorsErasedWhereNothingIsGiven) {
+TEST(FlashImage, ConsistsOfWholeSectorsWithErasedGaps) {
   std::vector<std::uint8_t> boot(256, 1);
   test::stamp(boot);
   const FlashImage image = make_flash_image(
@@ -162,7 +162,7 @@ TEST(FlashImage, IsWholeSectorsErasedWhereNothingIsGiven) {
   EXPECT_EQ(image.sectors[2].bytes[16], erased);
 }
 
-TEST(FlashImage, NeverReachesTheSettings) {
+TEST(FlashImage, NeverOverlapsTheSettings) {
   std::vector<std::uint8_t> boot(256, 1);
   test::stamp(boot);
   const auto with = [&](std::uint32_t address, std::size_t size) {
@@ -183,7 +183,7 @@ TEST(FlashImage, NeverReachesTheSettings) {
   }
 }
 
-TEST(FlashImage, HasToStartByItself) {
+TEST(FlashImage, MustBeBootable) {
   std::vector<std::uint8_t> boot(256, 1);
   test::stamp(boot);
   boot[100] ^= 1;
@@ -220,10 +220,10 @@ TEST(FlashImage, OfLamplockIsRefusedWithAnyByteChanged) {
           lamplock::test::error_of([&] { make_flash_image({part_of(bad)}, "file"); });
       ASSERT_NE(text.find("wrong checksum"), std::string::npos) << size << ' ' << at << text;
     }
-    // A file of whole sectors reads like one of whole pages.
+    // A file of whole sectors is read like one of whole pages.
     const FlashImage image = make_flash_image({part_of(good)}, "file");
     EXPECT_NO_THROW(make_flash_image(read_uf2(write_uf2(image), "file"), "file"));
-    // A part that is missing at the end.
+    // The end is missing.
     std::vector<std::uint8_t> half(good.begin(), good.begin() + static_cast<int>(size / 2));
     half.resize(std::max<std::size_t>(half.size(), page_size));
     EXPECT_THROW(make_flash_image({part_of(half)}, "file"), Error) << size;
@@ -232,12 +232,12 @@ TEST(FlashImage, OfLamplockIsRefusedWithAnyByteChanged) {
 
 TEST(FlashImage, OfLamplockMayEndWithErasedWords) {
   std::vector<std::uint8_t> bytes = test::lamplock_bytes(1'000, 4);
-  // A word of data before the CRC that is like erased flash.
+  // A word of data before the CRC that equals erased flash.
   std::fill_n(bytes.end() - 8, 4, erased);
   const std::uint32_t crc = wire::crc32(std::span(bytes).subspan(256, 1'000 - 260));
   for (std::size_t i = 0; i < 4; ++i) bytes[996 + i] = static_cast<std::uint8_t>(crc >> 8 * i);
   EXPECT_NO_THROW(make_flash_image({part_of(bytes)}, "file"));
-  // Four bytes that bring the register of the CRC to 0, whose complement is stored: all ones.
+  // Four bytes set the CRC register to 0, whose complement is stored: all ones.
   std::vector<std::uint8_t> ones = test::lamplock_bytes(1'004, 5);
   const std::uint32_t state = ~wire::crc32(std::span(ones).subspan(256, 1'004 - 264));
   for (std::size_t i = 0; i < 4; ++i) ones[996 + i] = static_cast<std::uint8_t>(state >> 8 * i);
@@ -246,7 +246,7 @@ TEST(FlashImage, OfLamplockMayEndWithErasedWords) {
   EXPECT_NO_THROW(make_flash_image({part_of(ones)}, "file"));
 }
 
-TEST(FlashImage, OfOthersIsCheckedByItsBootCodeAlone) {
+TEST(FlashImage, OfOthersIsCheckedOnlyByItsBootCode) {
   std::vector<std::uint8_t> bytes = test::lamplock_bytes(1'000, 9);
   bytes[boards::image_mark_offset] ^= 1;
   test::stamp(bytes);

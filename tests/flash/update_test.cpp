@@ -1,5 +1,5 @@
-// Whole updates: which board, whether it may be stopped now, what is said when it does not come
-// back.
+// Whole updates: the choice of the board, whether it may be stopped now, and the errors if it does
+// not come back.
 #include "host/flash/update.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ class UpdateTest : public testing::Test {
  protected:
   UpdateTest() { put(bus_.boards.front(), old_); }
 
-  /// As the factory does.
+  /// Writes an image directly, as the factory does.
   static void put(BoardModel& board, const FlashImage& image) {
     for (const Sector& sector : image.sectors)
       std::copy(sector.bytes.begin(), sector.bytes.end(),
@@ -37,7 +37,7 @@ class UpdateTest : public testing::Test {
   UpdateReport update(const std::string& serial = "") {
     return Update({bus_, ports_, roots_, write_through, pull_}, image_, {}).run(serial);
   }
-  /// The error that an update must end with.
+  /// The text of the error that an update must end with.
   std::string refused(Exit exit, const std::string& serial = "") {
     try {
       update(serial);
@@ -49,7 +49,7 @@ class UpdateTest : public testing::Test {
     return "";
   }
   BoardModel& board() { return bus_.boards.front(); }
-  /// The board in its loader, with its drive there.
+  /// Puts the board in its boot loader with its drive mounted.
   void mount(const std::filesystem::path& drive) {
     std::filesystem::create_directories(drive);
     write_file(drive / "INFO_UF2.TXT", "Board-ID: RPI-RP2\r\n");
@@ -64,7 +64,7 @@ class UpdateTest : public testing::Test {
   std::function<void()> pull_{};
 };
 
-TEST_F(UpdateTest, RunningBoardGetsTheImageAndTellsItsVersion) {
+TEST_F(UpdateTest, RunningBoardGetsTheImageAndReportsItsVersion) {
   const UpdateReport report = update();
   EXPECT_TRUE(test::holds(board().flash.bytes, image_));
   EXPECT_EQ(report.version_before, version_of(old_));
@@ -73,7 +73,7 @@ TEST_F(UpdateTest, RunningBoardGetsTheImageAndTellsItsVersion) {
   EXPECT_EQ(report.board.serial, "A1");
   ASSERT_TRUE(report.flash.has_value());
   EXPECT_EQ(report.flash->written, 3u);
-  EXPECT_EQ(board().heard.front(), "?") << "nothing before it has said that it rests";
+  EXPECT_EQ(board().heard.front(), "?") << "the board's state must be asked first";
 }
 
 TEST_F(UpdateTest, BoardInItsLoaderGetsIt) {
@@ -81,7 +81,7 @@ TEST_F(UpdateTest, BoardInItsLoaderGetsIt) {
   const UpdateReport report = update();
   EXPECT_EQ(report.version_before, "");
   EXPECT_EQ(report.version, version_of(image_));
-  // One with an empty flash, too.
+  // A board with an empty flash gets the image too.
   board() = {};
   EXPECT_EQ(update().version, version_of(image_));
 }
@@ -92,15 +92,15 @@ TEST_F(UpdateTest, NothingIsDoneWhileTheBoardWorks) {
     board().heard.clear();
     const std::string text = refused(Exit::job_failed);
     const std::string state = std::string(status).substr(0, std::string(status).find(':'));
-    EXPECT_NE(text.find("not at rest (" + state + ")"), std::string::npos) << text;
+    EXPECT_NE(text.find("is not idle (" + state + ")"), std::string::npos) << text;
     for (const std::string& heard : board().heard) EXPECT_EQ(heard, "?") << status;
     EXPECT_TRUE(test::holds(board().flash.bytes, old_));
   }
   board().status = "Alarm";
-  EXPECT_EQ(update().version, version_of(image_)) << "an alarm is no job";
+  EXPECT_EQ(update().version, version_of(image_)) << "an alarm does not prevent an update";
 }
 
-TEST_F(UpdateTest, ABoardThatRefusesOrIsSilentIsLeftAlone) {
+TEST_F(UpdateTest, ABoardThatRefusesOrIsSilentIsNotChanged) {
   board().boot_error = 8;
   EXPECT_NE(refused(Exit::job_failed).find("error:8"), std::string::npos);
   board().boot_error = 0;
@@ -123,11 +123,11 @@ TEST_F(UpdateTest, NothingIsSentWhileAnotherProgramHasThePulseStream) {
   board().stream_taken = false;
   board().status = "Idle";
   EXPECT_EQ(update().version, version_of(image_));
-  EXPECT_TRUE(board().sent_with_stream) << "or a job could begin meanwhile";
+  EXPECT_TRUE(board().sent_with_stream) << "otherwise a job could begin meanwhile";
   EXPECT_FALSE(board().stream_held);
 }
 
-TEST_F(UpdateTest, ARunningBoardIsNeverToBeUnplugged) {
+TEST_F(UpdateTest, ARunningBoardIsNotToBeUnplugged) {
   board().status = "";
   EXPECT_EQ(refused(Exit::no_device).find("BOOTSEL"), std::string::npos);
   board().status = "Idle";
@@ -135,21 +135,21 @@ TEST_F(UpdateTest, ARunningBoardIsNeverToBeUnplugged) {
   EXPECT_EQ(refused(Exit::job_failed).find("BOOTSEL"), std::string::npos);
 }
 
-TEST_F(UpdateTest, WithoutPermissionTheBoardIsNotStoppedForNothing) {
+TEST_F(UpdateTest, WithoutPermissionTheBoardIsNotStopped) {
   board().problem = board().loader_problem = "no permission to use /dev/bus/usb/001/005";
   // No folder where a drive could be mounted.
   const std::string text = refused(Exit::no_device);
   EXPECT_NE(text.find("no permission"), std::string::npos) << text;
   EXPECT_TRUE(board().heard.empty());
-  // A second loader, whose drive could not be told from its own.
+  // A second loader whose drive cannot be distinguished from that of the first.
   const lamplock::test::TemporaryFolder folder;
   roots_ = {folder.file("")};
   bus_.boards.resize(2);
   bus_.boards[1].place = "1-5";
   bus_.boards[1].serial = "B1";
-  EXPECT_NE(refused(Exit::bad_input, "A1").find("cannot be told"), std::string::npos);
+  EXPECT_NE(refused(Exit::bad_input, "A1").find("cannot be distinguished"), std::string::npos);
   EXPECT_TRUE(board().heard.empty());
-  // A drive that could have come, and did not: where the board is left.
+  // The drive does not appear; the error says in which state the board was left.
   bus_.boards.resize(1);
   const std::string waits = refused(Exit::no_device);
   EXPECT_NE(waits.find("waits in its boot loader"), std::string::npos) << waits;
@@ -157,7 +157,7 @@ TEST_F(UpdateTest, WithoutPermissionTheBoardIsNotStoppedForNothing) {
   EXPECT_TRUE(test::holds(board().flash.bytes, old_));
 }
 
-TEST_F(UpdateTest, AVersionThatIsNotToldIsNotConfirmed) {
+TEST_F(UpdateTest, AVersionThatIsNotReportedIsNotConfirmed) {
   EXPECT_TRUE(update().confirmed());
   board().tells_version = false;
   board().in_loader = true;
@@ -191,7 +191,7 @@ TEST_F(UpdateTest, ABoardThatDoesNotComeBackIsAnError) {
   board().firmware_starts = false;
   board().in_loader = true;
   EXPECT_NE(refused(Exit::job_failed).find("does not start it"), std::string::npos);
-  // It has not left its loader for good; a cut in the middle is told, and repaired.
+  // The board is still in its loader; an interrupted write is reported and can be repeated.
   board().firmware_starts = true;
   board().faults.cut_at = 300;
   board().in_loader = true;
@@ -201,7 +201,7 @@ TEST_F(UpdateTest, ABoardThatDoesNotComeBackIsAnError) {
   EXPECT_EQ(update().version, version_of(image_));
 }
 
-/// RUN and BOOTSEL of the first board are wired to lines of the computer.
+/// RUN and BOOTSEL of the first board are wired to GPIO lines of the computer.
 class UpdateByLines : public UpdateTest {
  protected:
   UpdateByLines() {
@@ -223,7 +223,7 @@ TEST_F(UpdateByLines, ABoardThatIsSilentIsResetIntoItsLoader) {
   EXPECT_TRUE(test::holds(board().flash.bytes, image_));
 }
 
-TEST_F(UpdateByLines, OneThatIsNotEvenOnTheBusToo) {
+TEST_F(UpdateByLines, ABoardThatIsNotOnTheBusIsResetToo) {
   unplug();
   const UpdateReport report = update();
   EXPECT_EQ(report.version, version_of(image_));
@@ -231,14 +231,14 @@ TEST_F(UpdateByLines, OneThatIsNotEvenOnTheBusToo) {
   EXPECT_EQ(pulled_, 1);
 }
 
-TEST_F(UpdateByLines, NothingIsPulledWhereItIsNotNeeded) {
+TEST_F(UpdateByLines, TheLinesAreNotUsedWhereUnnecessary) {
   update();
   board().in_loader = true;
   update();
   EXPECT_EQ(pulled_, 0);
 }
 
-/// The lines end whatever the board does: one that works, or refuses, has said so.
+/// A board that answers is not reset by the lines, whether it is working or refuses the update.
 TEST_F(UpdateByLines, ABoardThatAnswersIsNeverReset) {
   for (const char* status : {"Run", "Hold:0", "Jog", "Home"}) {
     board().status = status;
@@ -251,9 +251,9 @@ TEST_F(UpdateByLines, ABoardThatAnswersIsNeverReset) {
   EXPECT_TRUE(test::holds(board().flash.bytes, old_));
 }
 
-/// Silence at the port is no sign of death where a job may run over the pulse stream: nobody may
-/// look whether one does, its host has died a moment ago, or the port has gone while it was asked.
-TEST_F(UpdateByLines, ABoardThatMayBeAtWorkIsNeverReset) {
+/// Silence at the port does not prove a hang while a job may run over the pulse stream: access may
+/// be denied, the job's host may just have died, or the port may just have disappeared.
+TEST_F(UpdateByLines, ABoardThatMayBeWorkingIsNeverReset) {
   board().status = "";
   board().problem = "no permission to use /dev/bus/usb/001/004";
   const lamplock::test::TemporaryFolder folder;
@@ -270,8 +270,8 @@ TEST_F(UpdateByLines, ABoardThatMayBeAtWorkIsNeverReset) {
   EXPECT_TRUE(test::holds(board().flash.bytes, old_));
 }
 
-/// Which of several boards is at the lines nobody knows, and the other one may be at work.
-TEST_F(UpdateByLines, NothingIsPulledWhereTheBoardMayBeAnother) {
+/// It is unknown which of several boards is wired to the lines, and the other one may be working.
+TEST_F(UpdateByLines, TheLinesAreNotUsedIfTheBoardMayBeAnother) {
   bus_.boards.resize(2);
   bus_.boards[1].place = "1-5";
   bus_.boards[1].serial = "B1";
@@ -286,12 +286,12 @@ TEST_F(UpdateByLines, NothingIsPulledWhereTheBoardMayBeAnother) {
   EXPECT_EQ(pulled_, 0);
 }
 
-TEST_F(UpdateByLines, ALoaderThatDoesNotComeUpIsAnError) {
+TEST_F(UpdateByLines, ALoaderThatDoesNotAppearIsAnError) {
   bootsel_broken_ = true;
   board().status = "";
-  EXPECT_NE(refused(Exit::no_device).find("did not come up at USB 1-4"), std::string::npos);
+  EXPECT_NE(refused(Exit::no_device).find("did not start at USB 1-4"), std::string::npos);
   unplug();
-  EXPECT_NE(refused(Exit::no_device).find("boot loader: did not come up"), std::string::npos);
+  EXPECT_NE(refused(Exit::no_device).find("boot loader: did not start"), std::string::npos);
   unplug();
   pull_ = [] { throw Error(Exit::no_device, "GPIO24", "is used by another", "end it"); };
   EXPECT_NE(refused(Exit::no_device).find("GPIO24"), std::string::npos);
@@ -300,7 +300,7 @@ TEST_F(UpdateByLines, ALoaderThatDoesNotComeUpIsAnError) {
   EXPECT_TRUE(test::holds(board().flash.bytes, old_));
 }
 
-TEST_F(UpdateTest, WithoutPermissionTheDriveIsUsedOrTheRemedyTold) {
+TEST_F(UpdateTest, WithoutPermissionTheDriveIsUsedOrTheRemedyIsNamed) {
   const lamplock::test::TemporaryFolder folder;
   roots_ = {folder.file("media")};
   board().loader_problem = "no permission to use /dev/bus/usb/001/005; install 60-lamplock.rules";
@@ -318,28 +318,28 @@ TEST_F(UpdateTest, WithoutPermissionTheDriveIsUsedOrTheRemedyTold) {
   EXPECT_TRUE(test::holds(board().flash.bytes, image_));
 }
 
-TEST_F(UpdateTest, ADriveThatIsGivenNeedsNoBus) {
+TEST_F(UpdateTest, AGivenDriveNeedsNoBus) {
   const lamplock::test::TemporaryFolder folder;
   mount(folder.file("drive"));
   const UpdateReport report = Update({bus_, ports_}, image_, {}).run_on_drive(folder.file("drive"));
   EXPECT_EQ(report.version, version_of(image_));
   EXPECT_EQ(report.board.place, "1-4");
-  // Nothing is seen of the board: the copy counts.
+  // The board does not appear again: the completed copy counts as success.
   mount(folder.file("drive"));
   board().firmware_starts = false;
   const UpdateReport unseen = Update({bus_, ports_}, old_, {}).run_on_drive(folder.file("drive"));
   EXPECT_NE(unseen.version_problem.find("no new board"), std::string::npos);
-  EXPECT_TRUE(unseen.confirmed()) << "nobody can be asked";
+  EXPECT_TRUE(unseen.confirmed()) << "no board is left to ask";
   EXPECT_TRUE(test::holds(board().flash.bytes, old_));
 }
 
-/// A board in its loader whose drive is written to, over a system that says at last that the drive
-/// has gone.
+/// A board in its loader whose drive is written; at the end the system reports that the drive is
+/// gone.
 class BrokenCopyTest : public UpdateTest {
  protected:
   BrokenCopyTest() { mount(drive_); }
   static std::error_code gone() { return {EIO, std::generic_category()}; }
-  /// Only so much of the file comes through.
+  /// Writes only the first `size` bytes.
   static void write_part(const fs::path& file, std::string_view bytes, std::size_t size) {
     EXPECT_FALSE(write_through(file, bytes.substr(0, size)));
   }
@@ -350,12 +350,12 @@ class BrokenCopyTest : public UpdateTest {
   UpdateReport copy(const WriteFile& write) {
     return Update({bus_, ports_, {}, write}, image_, {}).run_on_drive(drive_);
   }
-  /// The same, found by itself since the loader may not be used over USB.
+  /// The same with a drive that is found automatically because USB access to the loader is denied.
   UpdateReport copy_for_want_of_permission(const WriteFile& write) {
     board().loader_problem = "no permission";
     return Update({bus_, ports_, {folder_.file("media")}, write}, image_, {}).run("");
   }
-  /// What both say where a copy must fail.
+  /// The errors of both ways where a copy must fail.
   std::vector<std::string> both_refused(const WriteFile& write) {
     std::vector<std::string> texts;
     for (const auto way : {&BrokenCopyTest::copy, &BrokenCopyTest::copy_for_want_of_permission}) {
@@ -378,7 +378,7 @@ class BrokenCopyTest : public UpdateTest {
 };
 
 TEST_F(BrokenCopyTest, IsSuccessIfTheBoardIsSeenAgain) {
-  // The board restarts in the last write: all of it is there.
+  // The board restarts within the last write; all data has arrived.
   const WriteFile restarts = [this](const fs::path& file, std::string_view bytes) {
     write_part(file, bytes, bytes.size());
     bus_.sleep(std::chrono::milliseconds(0));
@@ -416,13 +416,13 @@ TEST_F(BrokenCopyTest, IsAnErrorIfTheBoardComesUpInItsLoader) {
   }
 }
 
-// Half a file, and the drive is still there: the loader waits for the rest.
+// Half of the file is written and the drive is still there: the loader waits for the rest.
 TEST_F(BrokenCopyTest, IsAnErrorIfTheDriveStays) {
   for (const std::string& text : both_refused([](const fs::path&file, std::string_view bytes) {
          write_part(file, bytes, bytes.size() / 2);
          return gone();
        }))
-    EXPECT_NE(text.find("broke off"), std::string::npos) << text;
+    EXPECT_NE(text.find("the copy failed"), std::string::npos) << text;
   for (const int why : {EACCES, EROFS, ENOSPC}) {
     const std::error_code error(why, std::generic_category());
     for (const std::string& text :

@@ -1,4 +1,4 @@
-// Descriptions: what they say, what they refuse, and that their text reads back as the same.
+// Descriptions: their contents, their errors, and that their text is read back as the same.
 #include "host/glass/description.hpp"
 
 #include <fmt/format.h>
@@ -35,7 +35,6 @@ class DescriptionTest : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
-/// All parameters of a description, section by section.
 std::vector<Parameter> all_parameters(Description& d) {
   std::vector<Parameter> all;
   const auto add = [&all](std::vector<Parameter> more) {
@@ -50,7 +49,7 @@ std::vector<Parameter> all_parameters(Description& d) {
   return all;
 }
 
-TEST_F(DescriptionTest, SaysWhatStandsInIt) {
+TEST_F(DescriptionTest, ReadsItsValues) {
   const Description d = read(
       "[machine]\nprofile = \"m.toml\"\nlamp = 50\nmode = \"path\"\n"
       "[glass]\nmaterial = \"k9\"\nblock = [50, 50.5, 80]\nmargin = 5\n"
@@ -76,7 +75,7 @@ TEST_F(DescriptionTest, SaysWhatStandsInIt) {
   EXPECT_EQ(d.output.channel, 2);
 }
 
-TEST_F(DescriptionTest, NamesTheLineOfWhatIsWrong) {
+TEST_F(DescriptionTest, ErrorsNameTheLine) {
   const std::string object = "[[object]]\nfile = \"a.stl\"\n";
   const auto expect_line = [&](const std::string& text, int line, const std::string& names) {
     EXPECT_THAT(refusal(text),
@@ -120,7 +119,7 @@ TEST_F(DescriptionTest, EveryKeyHasItsOwnOption) {
   }
 }
 
-/// Puts some allowed value into a parameter.
+/// Sets a parameter to a random allowed value.
 class RandomValue {
  public:
   explicit RandomValue(std::mt19937_64& random) : random_(random) {}
@@ -156,7 +155,7 @@ class RandomValue {
   const Parameter* parameter_ = nullptr;
 };
 
-TEST_F(DescriptionTest, ItsTextReadsBackAsTheSame) {
+TEST_F(DescriptionTest, ItsTextIsReadBackUnchanged) {
   std::mt19937_64 random(7);
   RandomValue values(random);
   for (int i = 0; i < test::scaled(100); ++i) {
@@ -170,18 +169,18 @@ TEST_F(DescriptionTest, ItsTextReadsBackAsTheSame) {
     const std::string text = to_text(d, folder_.file("."));
     Description back = read(text);
     EXPECT_EQ(to_text(back, folder_.file(".")), text);
-    const auto said = all_parameters(d), again = all_parameters(back);
-    ASSERT_EQ(said.size(), again.size());
-    for (std::size_t k = 0; k < said.size(); ++k) {
+    const auto first = all_parameters(d), again = all_parameters(back);
+    ASSERT_EQ(first.size(), again.size());
+    for (std::size_t k = 0; k < first.size(); ++k) {
       const bool same = std::visit(
           [&](auto* place) { return *place == *std::get<decltype(place)>(again[k].place); },
-          said[k].place);
-      EXPECT_TRUE(same) << said[k].key << "\n" << text;
+          first[k].place);
+      EXPECT_TRUE(same) << first[k].key << "\n" << text;
     }
   }
 }
 
-TEST_F(DescriptionTest, CutOffAnywhereItIsAnErrorOrADescription) {
+TEST_F(DescriptionTest, TruncatedAnywhereItIsAnErrorOrADescription) {
   const std::string text =
       "[glass]\nblock = [50, 50, 80]\nmaterial = \"k9\"\n[[object]]\nfile = \"a.stl\"\n"
       "transform = [\"rotate z 30\", \"fit\"]\nsize = 40\n[pause]\nevery = 10\n";

@@ -1,4 +1,4 @@
-// Maps of objects: composition, turning, mirroring, the way back; transformations in words.
+// Maps of objects: composition, rotation, mirroring, inversion; transformations in words.
 #include "host/glass/transformation.hpp"
 
 #include <gmock/gmock.h>
@@ -17,9 +17,9 @@
 namespace lamplock::glass {
 namespace {
 
-using model::Affine;
-using points::Bounds;
-using points::Point;
+using geometry::Affine;
+using geometry::Bounds;
+using geometry::Point;
 using ::testing::HasSubstr;
 
 constexpr double tolerance_mm = 1e-9;
@@ -39,12 +39,12 @@ Affine random_map(std::mt19937_64& random) {
   std::uniform_real_distribution<> factor(0.2, 3), degrees(-400, 400);
   const double sign = std::bernoulli_distribution()(random) ? 1 : -1;
   const Point way = random_point(random);
-  return model::moved(way.x, way.y, way.z) *
+  return geometry::moved(way.x, way.y, way.z) *
          model::turned_about(random_point(random), degrees(random)) *
-         model::scaled(sign * factor(random), factor(random), factor(random));
+         geometry::scaled(sign * factor(random), factor(random), factor(random));
 }
 
-TEST(Affine, ComposesAndGoesBack) {
+TEST(Affine, ComposesAndInverts) {
   std::mt19937_64 random(1);
   for (int i = 0; i < test::scaled(500); ++i) {
     const Affine a = random_map(random), b = random_map(random);
@@ -56,11 +56,11 @@ TEST(Affine, ComposesAndGoesBack) {
     EXPECT_NEAR(model::determinant(a * b), model::determinant(a) * model::determinant(b),
                 1e-9 * std::abs(model::determinant(a) * model::determinant(b)));
   }
-  EXPECT_FALSE(model::inverse(model::scaled(1, 0, 1)));
-  EXPECT_FALSE(model::inverse(model::scaled(1, std::nan(""), 1)));
+  EXPECT_FALSE(model::inverse(geometry::scaled(1, 0, 1)));
+  EXPECT_FALSE(model::inverse(geometry::scaled(1, std::nan(""), 1)));
 }
 
-TEST(Affine, TurnsKeepLengthsAndTheAxis) {
+TEST(Affine, RotationsKeepLengthsAndTheAxis) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<> degrees(-720, 720);
   for (int i = 0; i < test::scaled(500); ++i) {
@@ -72,14 +72,14 @@ TEST(Affine, TurnsKeepLengthsAndTheAxis) {
   }
 }
 
-TEST(Affine, TurnsCounterClockwiseForWhoLooksAgainstTheAxis) {
+TEST(Affine, RotatesCounterClockwiseSeenAgainstTheAxis) {
   EXPECT_EQ(model::turned_about({0, 0, 2}, 90)({1, 0, 0}), (Point{0, 1, 0}));
   EXPECT_EQ(model::turned_about({0, 0, -2}, 90)({1, 0, 0}), (Point{0, -1, 0}));
-  // A third of a turn about the diagonal exchanges the axes in a circle.
+  // A third of a turn about the diagonal permutes the axes cyclically.
   expect_near(model::turned_about({1, 1, 1}, 120)({1, 2, 3}), {3, 1, 2});
 }
 
-TEST(Affine, APivotStays) {
+TEST(Affine, APivotIsFixed) {
   std::mt19937_64 random(3);
   for (int i = 0; i < test::scaled(100); ++i) {
     Affine turn = random_map(random);
@@ -89,7 +89,7 @@ TEST(Affine, APivotStays) {
   }
 }
 
-/// Sum of the volumes under the triangles: positive if they are wound so that outward is outward.
+/// Sum of the volumes under the triangles: positive if their normals point outwards.
 double volume_of_body(const model::Mesh& mesh) {
   double volume = 0;
   for (const auto& t : mesh.triangles) {
@@ -99,7 +99,7 @@ double volume_of_body(const model::Mesh& mesh) {
   return volume;
 }
 
-TEST(TransformedMesh, OutwardStaysOutward) {
+TEST(TransformedMesh, NormalsStayOutward) {
   const model::Mesh body = test::sphere(2, 12, 24);
   const double volume = volume_of_body(body);
   std::mt19937_64 random(4);
@@ -116,14 +116,14 @@ TEST(TransformedMesh, ColoursFollowTheirCorners) {
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.triangles = {{0, 1, 2}};
   mesh.brightness.emplace().corners = {{0.1F, 0.2F, 0.3F}};
-  const model::Mesh mirrored = model::transformed(mesh, model::scaled(-1, 1, 1));
+  const model::Mesh mirrored = model::transformed(mesh, geometry::scaled(-1, 1, 1));
   for (std::size_t corner = 0; corner < 3; ++corner) {
     const std::uint32_t vertex = mirrored.triangles[0][corner];
     EXPECT_EQ(mirrored.brightness->corners[0][corner], mesh.brightness->corners[0][vertex]);
   }
 }
 
-/// A place from -50 to 50 with a block of 40 x 40 x 60 round (0, 0, 10).
+/// A work space from -50 to 50 with a block of 40 x 40 x 60 round (0, 0, 10).
 Volume volume() {
   GlassChoice glass;
   glass.block_mm = Triple{40, 40, 60};
@@ -131,16 +131,16 @@ Volume volume() {
   return volume_of(glass, {{-50, -50, -50}, {50, 50, 50}});
 }
 
-/// Where the transformations bring a body with these corners.
-Affine map_of(const std::vector<std::string>& words, const points::PointCloud& corners) {
+/// The map of the transformations for a body with these corners.
+Affine map_of(const std::vector<std::string>& words, const geometry::PointCloud& corners) {
   const auto under = [&corners](const Affine& map) {
-    return points::bounds(model::transformed(corners, map));
+    return geometry::bounds(model::transformed(corners, map));
   };
   return placement({}, words, volume(), under, "object");
 }
 
 TEST(Words, EachTransformation) {
-  const points::PointCloud corners{{1, 2, 3}, {3, 4, 9}};
+  const geometry::PointCloud corners{{1, 2, 3}, {3, 4, 9}};
   const auto moved = [&](const char* words) { return map_of({words}, corners)({1, 2, 3}); };
   EXPECT_EQ(moved("move 1 -2 0.5"), (Point{2, 0, 3.5}));
   EXPECT_EQ(moved("rotate z 90"), (Point{-2, 1, 3}));
@@ -154,20 +154,20 @@ TEST(Words, EachTransformation) {
   EXPECT_EQ(moved(" move  1,2,\t3 "), (Point{2, 4, 6}));
 }
 
-TEST(Words, GoInTheirOrder) {
-  const points::PointCloud corners{{1, 0, 0}};
+TEST(Words, AreAppliedInTheirOrder) {
+  const geometry::PointCloud corners{{1, 0, 0}};
   EXPECT_EQ(map_of({"move 1 0 0", "rotate z 90"}, corners)({1, 0, 0}), (Point{0, 2, 0}));
   EXPECT_EQ(map_of({"rotate z 90", "move 1 0 0"}, corners)({1, 0, 0}), (Point{1, 1, 0}));
 }
 
-TEST(Words, WhatFitsTouchesTheMargin) {
+TEST(Words, FitTouchesTheMargin) {
   std::mt19937_64 random(5);
   const Bounds room = volume().room();
   for (int i = 0; i < test::scaled(200); ++i) {
-    points::PointCloud corners;
+    geometry::PointCloud corners;
     for (int k = 0; k < 6; ++k) corners.push_back(random_point(random, 300));
     const Affine map = map_of({"rotate 1 2 3 50", "fit"}, corners);
-    const Bounds box = points::bounds(model::transformed(corners, map));
+    const Bounds box = geometry::bounds(model::transformed(corners, map));
     double slack = room.longest_side();
     for (const auto& [low, high, room_low, room_high] :
          {std::array{box.low.x, box.high.x, room.low.x, room.high.x},
@@ -182,7 +182,7 @@ TEST(Words, WhatFitsTouchesTheMargin) {
   }
 }
 
-TEST(Words, ThatAreNone) {
+TEST(Words, InvalidWordsAreRefused) {
   for (const char* words :
        {"",         " ",          "turn z 5",       "move 1 2",     "move 1 2 3 4", "move a b c",
         "rotate z", "rotate w 3", "rotate 0 0 0 3", "rotate z nan", "scale",        "scale 0",

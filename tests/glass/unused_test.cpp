@@ -1,5 +1,5 @@
-// What does nothing is told of, by the table of parameters, and nothing else is.
-#include "host/glass/unused.hpp"
+// Options without effect are reported according to the table of parameters, and no others.
+#include "host/glass/unused_parameters.hpp"
 
 #include <gmock/gmock.h>
 
@@ -13,7 +13,7 @@ using testing::HasSubstr;
 const std::vector<std::string> ways{"blue-noise", "slice",         "faces",        "rays",
                                     "solid",      way_of_drawings, way_of_bitmaps, way_of_lists};
 
-/// Gives a parameter a value that it has not by default.
+/// Changes a parameter to a value other than its default.
 struct Change {
   void operator()(double* value) const { *value = *value / 2 + 0.25; }
   void operator()(std::optional<double>* value) const { *value = 0.5; }
@@ -26,33 +26,35 @@ struct Change {
   void operator()(std::vector<std::string>* value) const { value->emplace_back("fit"); }
 };
 
-TEST(Unused, NothingIsSaidOfDefaults) {
+TEST(Unused, DefaultsAreNotReported) {
   for (const std::string& way : ways) EXPECT_THAT(unused(Object{}, way), testing::IsEmpty());
   EXPECT_THAT(unused(Description{}, "best"), testing::IsEmpty());
 }
 
-TEST(Unused, EveryParameterByEveryWay) {
+TEST(Unused, EveryParameterWithEveryWay) {
   Object untouched;
   const std::size_t count = parameters(untouched).size();
   for (std::size_t i = 0; i < count; ++i)
     for (const std::string& way : ways) {
       Object object;
-      const Parameter said = parameters(object)[i];
-      std::visit(Change{}, said.place);
-      const bool used = said.used_by.empty() || std::find(said.used_by.begin(), said.used_by.end(),
-                                                          way) != said.used_by.end();
-      EXPECT_EQ(uses(way, said.key), used);
+      const Parameter parameter = parameters(object)[i];
+      std::visit(Change{}, parameter.place);
+      const bool used = parameter.used_by.empty() ||
+                        std::find(parameter.used_by.begin(), parameter.used_by.end(), way) !=
+                            parameter.used_by.end();
+      EXPECT_EQ(uses(way, parameter.key), used);
       const auto warnings = unused(object, way);
-      ASSERT_EQ(warnings.size(), used && said.needs.empty() ? 0u : 1u) << said.key << " " << way;
+      ASSERT_EQ(warnings.size(), used && parameter.needs.empty() ? 0u : 1u)
+          << parameter.key << " " << way;
       if (warnings.empty()) continue;
-      EXPECT_THAT(warnings[0], HasSubstr(said.option));
+      EXPECT_THAT(warnings[0], HasSubstr(parameter.option));
       if (used) continue;
       EXPECT_THAT(warnings[0], HasSubstr(way));
-      for (const std::string& other : said.used_by) EXPECT_THAT(warnings[0], HasSubstr(other));
+      for (const std::string& other : parameter.used_by) EXPECT_THAT(warnings[0], HasSubstr(other));
     }
 }
 
-TEST(Unused, WaysAndNeedsAreThere) {
+TEST(Unused, WaysAndNeedsExist) {
   Object object;
   const auto all = parameters(object);
   for (const Parameter& parameter : all) {

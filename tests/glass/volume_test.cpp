@@ -1,4 +1,4 @@
-// Where points may be, and where the stage stands for them.
+// Permitted positions of points, and the corresponding positions of the stage.
 #include "host/glass/volume.hpp"
 
 #include <gmock/gmock.h>
@@ -15,9 +15,9 @@
 namespace lamplock::glass::volume_test {
 namespace {
 
+using geometry::Bounds;
+using geometry::Point;
 using lamplock::test::error_of;
-using points::Bounds;
-using points::Point;
 using ::testing::HasSubstr;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -33,7 +33,7 @@ TEST(Refraction, AStageMoveMovesTheFocusByTheIndexTimesAsMuch) {
   EXPECT_EQ(k9.stage({1, 2, 30}), (Point{1, 2, 30}));
 }
 
-TEST(Refraction, GoesToTheStageAndBack) {
+TEST(Refraction, ConvertsToTheStageAndBack) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<> index(1, 4), mm(-100, 100);
   for (int i = 0; i < lamplock::test::scaled(2000); ++i) {
@@ -81,25 +81,28 @@ TEST(Block, KeepsAMarginInsideItsFaces) {
   EXPECT_EQ(block.entry_mm(), 18);
 }
 
-TEST(Block, ThatIsNone) {
+TEST(Block, InvalidBlocksAreRefused) {
   for (const double side : {0.0, -3.0, nan, infinity}) {
     EXPECT_THAT(error_of([=] { require_block({{side, 10, 10}}); }), HasSubstr("no volume"));
     EXPECT_THAT(error_of([=] { require_block({{10, 10, side}}); }), HasSubstr("no volume"));
   }
-  EXPECT_THAT(error_of([] { require_block({{10, 10, 10}, {nan, 0, 0}}); }), HasSubstr("nowhere"));
+  EXPECT_THAT(error_of([] {
+                require_block({{10, 10, 10}, {nan, 0, 0}});
+              }),
+              HasSubstr("its middle is not finite"));
   for (const double margin : {-1.0, nan, infinity, 5.0, 7.0})
     EXPECT_THAT(error_of([=] { require_block({{20, 10, 20}, {}, margin}); }), HasSubstr("margin"));
   EXPECT_NO_THROW(require_block({{20, 10, 20}, {}, 4.9}));
 }
 
-TEST(Volume, IsTheWorkSpaceWithoutAWord) {
+TEST(Volume, IsTheWorkSpaceByDefault) {
   const Volume volume = volume_of({}, work_space);
   EXPECT_EQ(volume.room().low, work_space.low);
   EXPECT_EQ(volume.room().high, work_space.high);
   EXPECT_FALSE(volume.refraction.bends());
 }
 
-TEST(Volume, IsDeeperInGlassThanTheStageGoes) {
+TEST(Volume, IsDeeperInGlassThanTheTravelOfTheStage) {
   GlassChoice glass;
   glass.index = 2;
   glass.block_mm = Triple{60, 60, 150};
@@ -112,7 +115,7 @@ TEST(Volume, IsDeeperInGlassThanTheStageGoes) {
   EXPECT_EQ(volume.room().low.x, -27);
 }
 
-TEST(Volume, ThatCannotBe) {
+TEST(Volume, ImpossibleVolumesAreRefused) {
   GlassChoice glass;
   glass.material = "k9";
   glass.index = 1.5;
@@ -123,7 +126,8 @@ TEST(Volume, ThatCannotBe) {
   glass.index.reset();
   glass.block_mm = Triple{20, 20, 20};
   glass.block_at_mm = Triple{70, 0, 0};
-  EXPECT_THAT(error_of([&] { volume_of(glass, work_space); }), HasSubstr("reaches nothing"));
+  EXPECT_THAT(error_of([&] { volume_of(glass, work_space); }),
+              HasSubstr("outside the machine's travel"));
   glass.block_mm.reset();
   EXPECT_THAT(error_of([&] { volume_of(glass, work_space); }), HasSubstr("no size"));
 }

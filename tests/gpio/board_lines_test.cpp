@@ -1,4 +1,4 @@
-// RUN and BOOTSEL: the order of what happens at the pins, and that they are let go.
+// RUN and BOOTSEL: the order of events at the pins, and that they are released.
 #include "host/gpio/board_lines.hpp"
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ LineTable both_pins() {
   return table;
 }
 
-/// A board at two pins that are pulled up, and what happens to them.
+/// A board with two pulled-up pins, and a log of events at them.
 struct Board {
   Board() {
     pins->pins["RUN"].level = pins->pins["BOOT"].level = true;
@@ -59,7 +59,7 @@ TEST(BoardLines, ResetPulsesRun) {
   EXPECT_FALSE(board.pins->requested("RUN"));
 }
 
-TEST(BoardLines, TheLoaderIsEnteredWithBootselDownRoundTheReset) {
+TEST(BoardLines, TheLoaderIsEnteredWithBootselLowDuringTheReset) {
   Board board;
   enter_loader(board.lines, both_pins(), board.sleep());
   EXPECT_THAT(board.log,
@@ -67,17 +67,17 @@ TEST(BoardLines, TheLoaderIsEnteredWithBootselDownRoundTheReset) {
   EXPECT_FALSE(board.pins->requested("BOOT"));
 }
 
-TEST(BoardLines, ALineThatIsLostIsToldAndTheOtherIsLetGo) {
+TEST(BoardLines, ALostLineIsReportedAndTheOtherIsReleased) {
   Board board;
   board.naps_until_unplugged = 1;
   EXPECT_THROW(enter_loader(board.lines, both_pins(), board.sleep()), Error);
   EXPECT_THAT(board.log, ElementsAre("BOOT down", "RUN down", "20 ms", "BOOT up"));
 }
 
-/// As a terminal, a shell or the system end or stop a program, in any thread.
+/// Signals by which a terminal, a shell or the system ends or stops a program, in any thread.
 constexpr std::array outside{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGPIPE};
 
-/// In force before, and then again: notes how the pins are when the signal gets through.
+/// The handler in force before and after: records the levels of the pins when the signal arrives.
 std::atomic<int> got_through{0};
 std::atomic<bool> run_was_up{false};
 ModelPins* watched_pins = nullptr;
@@ -86,7 +86,7 @@ void get_through(int) {
   run_was_up = watched_pins->level("RUN") && watched_pins->level("BOOT");
 }
 
-TEST(BoardLines, SignalsWaitUntilThePinsAreLetGo) {
+TEST(BoardLines, SignalsWaitUntilThePinsAreReleased) {
   for (const int signal : outside) {
     for (const auto pull : {reset_board, enter_loader}) {
       Board board;
@@ -102,13 +102,13 @@ TEST(BoardLines, SignalsWaitUntilThePinsAreLetGo) {
       EXPECT_EQ(got_through, 1) << signal;
       EXPECT_TRUE(run_was_up) << signal;
       ::raise(signal);
-      EXPECT_EQ(got_through, 2) << "as before";
+      EXPECT_EQ(got_through, 2) << "the old handler is restored";
       std::signal(signal, before);
     }
   }
 }
 
-TEST(BoardLines, AnErrorBehindASignalLetsGoToo) {
+TEST(BoardLines, AnErrorAfterASignalReleasesThePins) {
   Board board;
   watched_pins = board.pins.get();
   got_through = 0;
@@ -123,14 +123,14 @@ TEST(BoardLines, AnErrorBehindASignalLetsGoToo) {
   std::signal(SIGTERM, before);
 }
 
-TEST(BoardLines, OneThatIsIgnoredStaysSo) {
+TEST(BoardLines, AnIgnoredSignalStaysIgnored) {
   Board board;
   const auto before = std::signal(SIGHUP, SIG_IGN);
   reset_board(board.lines, both_pins(), [](std::chrono::milliseconds) { ::raise(SIGHUP); });
   EXPECT_EQ(std::signal(SIGHUP, before), SIG_IGN);
 }
 
-/// Nobody handles it: the program ends, behind the pulse.
+/// Without a handler the program ends, but only after the pulse.
 TEST(BoardLinesDeathTest, TheProgramEndsWhenTheBoardIsOutOfReset) {
   const auto reset_and_kill = [](int signal) {
     Board board;
@@ -148,7 +148,7 @@ TEST(BoardLinesDeathTest, TheProgramEndsWhenTheBoardIsOutOfReset) {
   }
 }
 
-TEST(BoardLines, NothingIsPulledWithoutBothPins) {
+TEST(BoardLines, NoPinIsDrivenWithoutBothPins) {
   Board board;
   LineTable table = both_pins();
   table.run.reset();

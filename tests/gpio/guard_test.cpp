@@ -1,5 +1,5 @@
-// The guard of a job: what trips, what comes back, and when the interlock is on.
-#include "host/gpio/guard.hpp"
+// The guard of a job: which inputs trip it, how it recovers, and when the interlock is on.
+#include "host/gpio/safety_inputs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::ModelLines;
 using test::ModelPins;
-using Time = Guard::Time;
+using Time = SafetyInputs::Time;
 
 /// E-stop and door closed to ground, interlock and lamp.
 LineTable table(std::chrono::milliseconds debounce = 20ms) {
@@ -27,7 +27,6 @@ LineTable table(std::chrono::milliseconds debounce = 20ms) {
   return lines;
 }
 
-/// A guard over model pins and a clock.
 struct Bench {
   explicit Bench(const LineTable& of = table(),
                  std::shared_ptr<ModelPins> at = std::make_shared<ModelPins>())
@@ -40,12 +39,12 @@ struct Bench {
   void settle() {
     for (int i = 0; i < 30; ++i) look();
   }
-  void start(Work work = Work::laser) {
+  void start(LaserUse work = LaserUse::laser) {
     settle();
     guard.begin(work);
     look();
   }
-  /// True if the pin has moved.
+  /// True if the level has changed.
   bool move(const std::string& place, bool level) {
     const bool moves = pins->level(place) != level;
     pins->set(place, level);
@@ -56,15 +55,15 @@ struct Bench {
   std::shared_ptr<ModelPins> pins;
   ModelLines lines{pins};
   Time now{1s};
-  Guard guard;
+  SafetyInputs guard;
 };
 
-TEST(Guard, InterlockIsOnWhileWorkWithTheLaserRunsAndAllIsWell) {
+TEST(SafetyInputs, InterlockIsOnWhileLaserWorkRunsAndAllInputsAreClear) {
   Bench bench;
   bench.settle();
   EXPECT_TRUE(bench.guard.settled());
   EXPECT_FALSE(bench.interlock());
-  bench.guard.begin(Work::laser);
+  bench.guard.begin(LaserUse::laser);
   EXPECT_EQ(bench.look(), Verdict::clear);
   EXPECT_TRUE(bench.interlock());
   bench.guard.end();
@@ -73,16 +72,16 @@ TEST(Guard, InterlockIsOnWhileWorkWithTheLaserRunsAndAllIsWell) {
   EXPECT_FALSE(bench.interlock());
 }
 
-TEST(Guard, MotionAloneNeedsNoInterlock) {
+TEST(SafetyInputs, MotionAloneNeedsNoInterlock) {
   Bench bench;
-  bench.start(Work::motion);
+  bench.start(LaserUse::motion);
   EXPECT_FALSE(bench.interlock());
   EXPECT_TRUE(bench.pins->level("L"));
   bench.pins->set("E", true);
   EXPECT_EQ(bench.look(), Verdict::stop);
 }
 
-TEST(Guard, InputsAreWellOnlyAfterTheDebounceTime) {
+TEST(SafetyInputs, InputsAreClearOnlyAfterTheDebounceTime) {
   Bench bench;
   bench.look();
   EXPECT_EQ(bench.guard.unsettled(), "e-stop pressed (E)");
@@ -92,7 +91,7 @@ TEST(Guard, InputsAreWellOnlyAfterTheDebounceTime) {
   EXPECT_TRUE(bench.guard.settled());
 }
 
-TEST(Guard, APulseBetweenTwoLooksIsSeen) {
+TEST(SafetyInputs, APulseBetweenTwoLooksIsSeen) {
   Bench bench;
   bench.start();
   bench.pins->set("E", true);
@@ -102,8 +101,8 @@ TEST(Guard, APulseBetweenTwoLooksIsSeen) {
   EXPECT_EQ(bench.guard.reason(), "e-stop pressed (E)");
 }
 
-/// An FT232H tells levels only: a press is seen at the next look, one that is over by then is not.
-TEST(Guard, WithoutEdgesThePollSeesTheLevel) {
+/// An FT232H reports levels only: a press that ends before the next poll is not seen.
+TEST(SafetyInputs, WithoutEdgesThePollSeesTheLevel) {
   auto pins = std::make_shared<ModelPins>();
   for (const char* place : {"E", "D"}) pins->pins[place].has_edges = false;
   Bench bench(table(), pins);
@@ -115,14 +114,14 @@ TEST(Guard, WithoutEdgesThePollSeesTheLevel) {
   EXPECT_EQ(bench.look(), Verdict::door);
   EXPECT_FALSE(bench.interlock());
   bench.pins->set("D", false);
-  for (int i = 1; i < 20; ++i) EXPECT_EQ(bench.look(), Verdict::door) << "debounced all the same";
+  for (int i = 1; i < 20; ++i) EXPECT_EQ(bench.look(), Verdict::door) << "still debounced";
   EXPECT_EQ(bench.look(), Verdict::clear);
   bench.pins->set("E", true);
   EXPECT_EQ(bench.look(), Verdict::stop);
   EXPECT_EQ(bench.guard.reason(), "e-stop pressed (E)");
 }
 
-TEST(Guard, AnEstopLastsThoughItIsReleased) {
+TEST(SafetyInputs, AnEstopIsKeptAfterItsRelease) {
   Bench bench;
   bench.start();
   bench.pins->set("E", true);
@@ -134,7 +133,7 @@ TEST(Guard, AnEstopLastsThoughItIsReleased) {
   EXPECT_FALSE(bench.interlock());
 }
 
-TEST(Guard, BehindADoorTheInterlockWaitsForSomebody) {
+TEST(SafetyInputs, AfterADoorTheInterlockWaitsForTheUser) {
   Bench bench;
   bench.start();
   bench.pins->set("D", true);
@@ -145,13 +144,13 @@ TEST(Guard, BehindADoorTheInterlockWaitsForSomebody) {
   EXPECT_EQ(bench.look(), Verdict::door) << "it may still bounce";
   bench.settle();
   EXPECT_EQ(bench.guard.verdict(), Verdict::clear);
-  EXPECT_FALSE(bench.interlock()) << "nobody has gone on";
+  EXPECT_FALSE(bench.interlock()) << "the user has not resumed";
   bench.guard.go_on();
   bench.look();
   EXPECT_TRUE(bench.interlock());
 }
 
-TEST(Guard, EveryLineThatIsLostStops) {
+TEST(SafetyInputs, EveryLostLineStops) {
   for (const char* place : {"E", "D", "I", "L"}) {
     Bench bench;
     bench.start();
@@ -164,21 +163,21 @@ TEST(Guard, EveryLineThatIsLostStops) {
   }
 }
 
-TEST(Guard, ActiveLowTurnsALineRound) {
+TEST(SafetyInputs, ActiveLowInvertsALine) {
   LineTable lines = table();
   lines.estop->active_low = lines.interlock->active_low = true;
   Bench bench(lines);
-  EXPECT_TRUE(bench.interlock()) << "off is high";
+  EXPECT_TRUE(bench.interlock()) << "active low: off is high";
   bench.pins->set("E", true);
   bench.start();
-  EXPECT_FALSE(bench.interlock()) << "on is low";
+  EXPECT_FALSE(bench.interlock()) << "active low: on is low";
   bench.pins->set("E", false);
   EXPECT_EQ(bench.look(), Verdict::stop);
   EXPECT_TRUE(bench.interlock());
 }
 
-TEST(Guard, ABeatingInterlockStandsStillInsideABeatOfTheEstop) {
-  int changes = 0;  // outlives the guard, which switches off at its end
+TEST(SafetyInputs, AToggledInterlockStopsWithinOnePeriodOfTheEstop) {
+  int changes = 0;  // must outlive the guard, which switches outputs off at its end
   LineTable lines = table();
   lines.interlock_beat = 20ms;
   Bench bench(lines);
@@ -195,8 +194,8 @@ TEST(Guard, ABeatingInterlockStandsStillInsideABeatOfTheEstop) {
   EXPECT_EQ(changes, 0);
 }
 
-TEST(Guard, TheLampIsSteadyWhileAllIsWellAndBlinksWhenItCalls) {
-  int changes = 0;  // outlives the guard
+TEST(SafetyInputs, TheLampIsSteadyInNormalWorkAndBlinksForTheUser) {
+  int changes = 0;  // must outlive the guard
   Bench bench;
   bench.start();
   bench.pins->on_output = [&](const std::string& place, bool) { changes += place == "L" ? 1 : 0; };
@@ -208,7 +207,7 @@ TEST(Guard, TheLampIsSteadyWhileAllIsWellAndBlinksWhenItCalls) {
   EXPECT_NEAR(changes, 8, 1) << "2 Hz";
 }
 
-TEST(Guard, OutputsAreOffBehindItHoweverItEnds) {
+TEST(SafetyInputs, OutputsAreOffWhenTheGuardEndsInAnyWay) {
   auto pins = std::make_shared<ModelPins>();
   std::vector<std::string> order;
   pins->on_output = [&](const std::string& place, bool level) {
@@ -216,10 +215,10 @@ TEST(Guard, OutputsAreOffBehindItHoweverItEnds) {
   };
   try {
     ModelLines lines(pins);
-    Guard guard(lines, table());
+    SafetyInputs guard(lines, table());
     Time now{1s};
     for (int i = 0; i < 30; ++i) guard.look(now += 1ms);
-    guard.begin(Work::laser);
+    guard.begin(LaserUse::laser);
     guard.look(now);
     EXPECT_TRUE(pins->level("I"));
     throw std::runtime_error("something else");
@@ -228,15 +227,15 @@ TEST(Guard, OutputsAreOffBehindItHoweverItEnds) {
   EXPECT_FALSE(pins->level("I"));
   EXPECT_FALSE(pins->level("L"));
   ASSERT_EQ(order.size(), 2u);
-  EXPECT_EQ(order.front(), "I") << "the interlock falls first";
+  EXPECT_EQ(order.front(), "I") << "the interlock must switch off first";
   for (const char* place : {"E", "D", "I", "L"}) EXPECT_FALSE(pins->requested(place));
 }
 
-/// What a random history of pins and of the user may leave on: told apart from the guard's way.
+/// Computes independently of the guard whether the interlock may be on after a random history.
 struct Oracle {
   Time debounce;
   bool working = false, dead = false, waits = false;
-  Time estop_quiet{}, door_quiet{};  ///< since when
+  Time estop_quiet{}, door_quiet{};  ///< quiet since
 
   bool well(Time now) const {
     return working && !dead && !waits && now - estop_quiet >= debounce &&
@@ -244,8 +243,8 @@ struct Oracle {
   }
 };
 
-/// Bouncing contacts, pulses, plugs, users: the interlock is on exactly when it may be.
-TEST(Guard, RandomHistoriesNeverLeaveTheInterlockOn) {
+/// Bouncing contacts, pulses, unplugged lines, user actions: the interlock is on only when allowed.
+TEST(SafetyInputs, RandomHistoriesNeverLeaveTheInterlockOn) {
   for (int seed = 0; seed < test::scaled(60); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
     const auto one_in = [&](int n) { return std::uniform_int_distribution(1, n)(random) == 1; };
@@ -267,7 +266,7 @@ TEST(Guard, RandomHistoriesNeverLeaveTheInterlockOn) {
         oracle.waits = false;
       }
       if (one_in(100) && bench.guard.settled()) {
-        bench.guard.begin(Work::laser);
+        bench.guard.begin(LaserUse::laser);
         oracle.working = true;
       }
       if (one_in(400)) {

@@ -1,5 +1,5 @@
-// E-stop, door and lost lines in the middle of jobs and programs on the virtual board: dark in
-// time, the interlock first, and on again only when somebody says so.
+// E-stop, door and lost lines in the middle of jobs and programs on the virtual board: the laser is
+// off in time, the interlock is off first, and light resumes only when the user resumes the job.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <csignal>
@@ -18,16 +18,16 @@ using test::Rig;
 using testing::HasSubstr;
 
 /// A round of a job takes 10 ms at most (host/link/sender.cpp), of a program 20 ms
-/// (host/link/line_sender.cpp); a byte is on its way for a frame of USB or two, and the lamp's edge
-/// that was armed when it came still fires.
+/// (host/link/line_sender.cpp); a byte takes one or two USB frames, and a lamp edge that was armed
+/// when it arrived still fires.
 constexpr sim::Picoseconds job_deadline = 15 * ps_per_ms;
 constexpr sim::Picoseconds program_deadline = 25 * ps_per_ms;
 
 job::Profile fast_lamp() { return test::lamp_profile(500); }
 
-/// Rows of points a little apart: hardly a beat without a shot.
+/// Rows of points close together: a shot on almost every beat.
 job::Job dense_job(std::size_t points) {
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   cloud.reserve(points);
   for (std::size_t i = 0; i < points; ++i) {
     const std::size_t column = i % 100, row = i / 100;
@@ -40,7 +40,7 @@ sim::Picoseconds last_shot(const Rig& rig) {
   return rig.shots().empty() ? 0 : rig.shots().back().at;
 }
 
-/// Presses, bounces, unplugs: whatever has to end a job.
+/// Presses, bounces, disconnections: every event that must end a job.
 enum class Stop : std::uint8_t { press, pulse, unplug_estop, unplug_door, unplug_interlock };
 
 void happen(Stop what, test::ModelPins& pins) {
@@ -68,12 +68,12 @@ TEST(GuardedJob, RunsToItsEndWithTheInterlockOn) {
   EXPECT_EQ(result.end, link::JobEnd::done);
   EXPECT_TRUE(always_on);
   EXPECT_FALSE(machine.pins->level("I"));
-  EXPECT_EQ(machine.guarding.ended_by(), "");
+  EXPECT_EQ(machine.supervisor.ended_by(), "");
   test::expect_each_once(machine.rig, job, false);
 }
 
-/// At a random moment, whatever ends it: no shot behind the deadline, the interlock off before the
-/// board is told, and the rest of the job fires each other point once.
+/// At a random time, for every event: no shot after the deadline, the interlock off before the
+/// board is stopped, and the number of shots equals the reported first unfired point.
 TEST(GuardedJob, EstopAndLostLinesAtRandomMomentsEndIt) {
   for (int seed = 0; seed < test::scaled(60); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
@@ -90,7 +90,7 @@ TEST(GuardedJob, EstopAndLostLinesAtRandomMomentsEndIt) {
     ASSERT_NE(pressed, 0) << seed;
     ASSERT_EQ(result.end, link::JobEnd::stopped) << seed;
     EXPECT_LE(last_shot(machine.rig), pressed + job_deadline) << seed;
-    EXPECT_NE(machine.guarding.ended_by(), "") << seed;
+    EXPECT_NE(machine.supervisor.ended_by(), "") << seed;
     if (what != Stop::unplug_interlock) {
       EXPECT_LE(machine.interlock_fell, pressed + job_deadline) << seed;
       EXPECT_GE(machine.interlock_fell, pressed) << seed;
@@ -103,7 +103,7 @@ TEST(GuardedJob, EstopAndLostLinesAtRandomMomentsEndIt) {
   }
 }
 
-TEST(GuardedJob, ADoorHoldsItUntilItIsClosedAndSomebodyGoesOn) {
+TEST(GuardedJob, ADoorHoldsItUntilItIsClosedAndTheUserResumes) {
   GuardedMachine machine(fast_lamp());
   const job::Job job = dense_job(600);
   enum class Scene { runs, open, tried, closed, resumed } scene = Scene::runs;
@@ -126,11 +126,12 @@ TEST(GuardedJob, ADoorHoldsItUntilItIsClosedAndSomebodyGoesOn) {
     } else if (scene == Scene::tried && !machine.keyboard.taken()) {
       since = machine.rig.board.now();
     } else if (scene == Scene::tried && for_ms(500)) {
-      EXPECT_EQ(machine.rig.shots().size(), shots) << "Enter at an open door";
+      EXPECT_EQ(machine.rig.shots().size(), shots)
+          << "Enter must not resume the job while the door is open";
       machine.pins->set("D", false);
       enter(Scene::closed);
     } else if (scene == Scene::closed && for_ms(500)) {
-      EXPECT_EQ(machine.rig.shots().size(), shots) << "closing it is not going on";
+      EXPECT_EQ(machine.rig.shots().size(), shots) << "closing the door must not resume the job";
       EXPECT_FALSE(machine.pins->level("I"));
       machine.keyboard.type("\n");
       enter(Scene::resumed);
@@ -159,7 +160,7 @@ TEST(GuardedJob, DoesNotBeginAtAnOpenDoorOrAPressedEstop) {
   }
 }
 
-/// A laser that cuts: light all the time.
+/// A cutting laser: continuous light.
 job::Profile cutter() {
   job::Profile profile = test::lamp_profile(100, settings::LampMode::free_beat);
   job::state_setting(profile, settings::Id::laser_mode, 1, "test");
@@ -177,8 +178,9 @@ job::Job black_rows() {
   return raster::make_rows(black, options, cutter());
 }
 
-/// A hold would shine while it brakes, so that a door ends a job of rows like an e-stop.
-TEST(GuardedJob, RowsAreDarkInTimeWhateverOpens) {
+/// During a hold the light stays on while the machine brakes, so a door ends a job of rows like an
+/// e-stop.
+TEST(GuardedJob, RowsAreDarkInTimeForDoorAndEstop) {
   const job::Job rows = black_rows();
   for (const char* place : {"E", "D"})
     for (int seed = 0; seed < test::scaled(5); ++seed) {
@@ -190,7 +192,7 @@ TEST(GuardedJob, RowsAreDarkInTimeWhateverOpens) {
       const auto result = machine.run(rows, [&](link::JobSender& sender) {
         const sim::Picoseconds now = machine.rig.board.now();
         if (opened != 0 && now > opened + test::ps_per_s) {
-          ADD_FAILURE() << place << seed << ": it goes on";
+          ADD_FAILURE() << place << seed << ": the job continues";
           sender.stop();
         }
         if (opened != 0 || now < at || !beam.shone(now - ps_per_ms, now)) return;
@@ -204,7 +206,7 @@ TEST(GuardedJob, RowsAreDarkInTimeWhateverOpens) {
     }
 }
 
-/// Long ways at some speed, lit.
+/// Long cuts at some speed.
 const char* const cutting = R"(G21 G90
 G0 X-40 Y-40
 M4 S1000
@@ -223,7 +225,7 @@ TEST(GuardedProgram, EstopAtARandomMomentIsDarkAndAnAlarm) {
     GuardedMachine machine(cutter());
     const auto at = std::uniform_int_distribution<std::int64_t>(1500, 4000)(random) * ps_per_ms;
     sim::Picoseconds pressed = 0;
-    // The user's own stop just before, which shines until it has braked, must not delay it.
+    // A preceding stop by the user, which keeps the light on until rest, must not delay the e-stop.
     bool user_stops = seed % 2 != 0;
     const auto result = machine.run(cutting, [&](link::LineSender&) {
       if (user_stops && machine.rig.board.now() >= at - 20 * ps_per_ms) {
@@ -244,7 +246,7 @@ TEST(GuardedProgram, EstopAtARandomMomentIsDarkAndAnAlarm) {
   }
 }
 
-TEST(GuardedProgram, ADoorIsDarkAndItGoesOnBehindIt) {
+TEST(GuardedProgram, ADoorIsDarkAndTheProgramResumesAfterIt) {
   GuardedMachine machine(cutter());
   enum class Scene { runs, open, tried, closed, resumed } scene = Scene::runs;
   sim::Picoseconds since = 0, opened = 0, resumed = 0;

@@ -1,4 +1,4 @@
-// A virtual board under a host that watches lines of its computer, as `engrave` and `send` do.
+// A virtual board and a host that watches lines of its computer, as `engrave` and `send` do.
 #pragma once
 
 #include <array>
@@ -7,14 +7,17 @@
 #include <memory>
 #include <string>
 
-#include "host/cli/guarding.hpp"
+#include "host/cli/console.hpp"
+#include "host/run/point_job_control.hpp"
+#include "host/run/program_control.hpp"
+#include "host/run/supervisor.hpp"
 #include "tests/board/rig.hpp"
 #include "tests/gpio/model_lines.hpp"
 #include "tests/gpio/typed_input.hpp"
 
 namespace lamplock::test {
 
-/// E-stop and door, closed to ground when all is well, and an interlock.
+/// E-stop and door, closed to ground in normal work, and an interlock.
 inline gpio::LineTable guard_lines() {
   gpio::LineTable lines;
   lines.estop = gpio::LineRequest{.place = "E"};
@@ -27,8 +30,8 @@ inline gpio::LineTable guard_lines() {
 class GuardedMachine {
  public:
   explicit GuardedMachine(const job::Profile& profile)
-      : rig(profile), transport_(rig.board), guarding(make_lines(), guard_lines(), transport_) {
-    // Simulated time stands still while what the board says is not read: its banner is read here.
+      : rig(profile), transport_(rig.board), supervisor(make_lines(), guard_lines(), transport_) {
+    // Simulated time stops while the board's output is unread, so its banner is read here.
     rig.run(ps_per_ms);
     std::array<std::uint8_t, 512> banner{};
     while (rig.board.read(banner) != 0) {
@@ -38,55 +41,55 @@ class GuardedMachine {
     };
   }
 
-  /// Runs a job. `round`: called in the middle of each round, right behind the look at the lines,
-  /// as late as something can happen for the next one.
+  /// Runs a job. `round` is called in each round directly after the lines were read: the latest
+  /// time at which an event takes effect in the next round.
   link::JobResult run(const job::Job& job, const std::function<void(link::JobSender&)>& round,
                       std::size_t from = 0) {
     link::SenderOptions options;
     options.session = 0x5EED;
     options.first_index = from;
-    cli::Progress progress("test", job.size());
+    const auto progress = console_.progress("test", job.size(), 0);
     link::JobSender sender(transport_, job, options);
-    cli::Steering steering(sender, progress, cli::Clocking::wall);
-    guarding.begin(gpio::Work::laser);
+    run::PointJobControl control(sender, console_, *progress, run::Clocking::wall);
+    supervisor.begin(gpio::LaserUse::laser);
     while (sender.step()) {
-      steering.look();
-      guarding.look(steering, job.is_rows() ? cli::AtDoor::ends : cli::AtDoor::holds);
+      control.poll();
+      supervisor.poll(control, job.is_rows() ? run::AtDoor::ends : run::AtDoor::holds);
       round(sender);
     }
-    guarding.end();
+    supervisor.end();
     return sender.result();
   }
 
-  /// Runs a program.
   link::LineResult run(const std::string& program,
                        const std::function<void(link::LineSender&)>& round) {
     link::LinePort port(transport_);
-    cli::Progress progress("test", 1);
+    const auto progress = console_.progress("test", 1, 0);
     link::LineSender sender(port, link::program_lines(program, "test"));
-    cli::LineSteering steering(sender, progress, cli::Clocking::wall, std::nullopt);
-    guarding.begin(gpio::Work::laser);
+    run::ProgramControl control(sender, console_, *progress, run::Clocking::wall, std::nullopt);
+    supervisor.begin(gpio::LaserUse::laser);
     while (sender.step()) {
-      steering.look();
-      guarding.look(steering);
+      control.poll();
+      supervisor.poll(control, run::AtDoor::holds);
       round(sender);
     }
-    guarding.end();
+    supervisor.end();
     return sender.result();
   }
 
   std::shared_ptr<ModelPins> pins = std::make_shared<ModelPins>();
   Rig rig;
   TypedInput keyboard{};
-  sim::Picoseconds interlock_fell = 0;  ///< the last time
+  sim::Picoseconds interlock_fell = 0;  ///< latest time it was switched off
 
  private:
   std::unique_ptr<gpio::Lines> make_lines() { return std::make_unique<ModelLines>(pins); }
 
   link::SimulatedTransport transport_;
+  cli::Console console_{false};
 
  public:
-  cli::Guarding guarding;
+  run::Supervisor supervisor;
 };
 
 }  // namespace lamplock::test

@@ -1,4 +1,4 @@
-// The file of lines: what it says, what is wrong with it.
+// The file of GPIO lines: its contents and its errors.
 #include "host/gpio/line_table.hpp"
 
 #include <gmock/gmock.h>
@@ -44,7 +44,7 @@ TEST(LineTable, InputsAreClosedContactsToGroundAndPinsOfTheBoardOpenDrains) {
   EXPECT_FALSE(parse("").guards());
 }
 
-TEST(LineTable, TakesWhatIsStated) {
+TEST(LineTable, ReadsStatedValues) {
   const LineTable lines = parse(
       "debounce_ms = 5\ninterlock_beat_ms = 50\n"
       "[door]\nline = 'D'\nactive_low = true\nbias = 'pull-down'\n"
@@ -56,7 +56,7 @@ TEST(LineTable, TakesWhatIsStated) {
   EXPECT_TRUE(lines.interlock->active_low);
 }
 
-TEST(LineTable, SaysWhereItIsWrongAndWhatToDo) {
+TEST(LineTable, ErrorsNameTheLineAndARemedy) {
   EXPECT_THAT(error("[stop]\nline = 'a'"), HasSubstr("lines.toml:1: unknown key 'stop'"));
   EXPECT_THAT(error("[estop]\n"), HasSubstr("lines.toml:1: [estop] has no line"));
   EXPECT_THAT(error("[estop]\nline = 17"), HasSubstr("lines.toml:2: 'line' must be a text"));
@@ -75,7 +75,7 @@ TEST(LineTable, SaysWhereItIsWrongAndWhatToDo) {
   EXPECT_THAT(error("[door\n"), HasSubstr("lines.toml:"));
 }
 
-TEST(LineTable, StandsInAMachineProfileToo) {
+TEST(LineTable, MayBePartOfAMachineProfile) {
   const test::TemporaryFolder folder;
   const auto lines_of = [&](const std::string& text) {
     return read_machine_lines(folder.write("machine.toml", text));
@@ -97,7 +97,7 @@ TEST(LineTable, TheExampleNamesEveryRole) {
               lines.bootsel);
 }
 
-/// Broken files are refused in one line or understood, never more than that.
+/// Damaged files are refused in one line or understood.
 TEST(LineTable, RandomDamageIsRefusedOrUnderstood) {
   const std::string good =
       "debounce_ms = 5\n[estop]\nline = 'GPIO17'\nbias = 'pull-up'\n[interlock]\nline = "
@@ -130,7 +130,7 @@ TEST(Place, IsANameOrAChipAndANumber) {
   EXPECT_EQ(parse_place("usb:in:a").name, "usb:in:a");
   EXPECT_EQ(parse_place(":5").name, ":5");
   EXPECT_EQ(parse_place("gpiochip0:-1").name, "gpiochip0:-1");
-  EXPECT_THAT(error_of([] { parse_place(""); }), HasSubstr("has no place"));
+  EXPECT_THAT(error_of([] { parse_place(""); }), HasSubstr("the name is empty"));
 }
 
 TEST(Place, ChipsAreListedByNumber) {
@@ -144,7 +144,7 @@ TEST(Place, ChipsAreListedByNumber) {
   EXPECT_TRUE(chip_files("/no/such/folder").empty());
 }
 
-TEST(Place, LinesAreLookedForWithoutBeingAskedFor) {
+TEST(Place, LinesAreSearchedWithoutRequestingThem) {
   const std::vector<ChipInfo> chips{
       {.file = "/dev/gpiochip0", .lines = {{0, "FREE", "", false}, {1, "TAKEN", "led", true}}},
       {.file = "/dev/gpiochip1", .problem = "may not be opened"}};
@@ -163,7 +163,8 @@ TEST(Place, LinesAreLookedForWithoutBeingAskedFor) {
   EXPECT_THAT(error("gpiochip0:2"), HasSubstr("there is no such line"));
   EXPECT_THAT(error("gpiochip9:3"), HasSubstr("there is no such chip"));
   EXPECT_THAT(error("gpiochip1:3"), HasSubstr("chips that may be opened"));
-  EXPECT_THAT(error("OTHER"), HasSubstr("chips that may be opened")) << "it may be on that one";
+  EXPECT_THAT(error("OTHER"), HasSubstr("chips that may be opened"))
+      << "the line may be on that chip";
 }
 
 TEST(Place, ErrorsAreOneLineWithARemedy) {
@@ -173,7 +174,7 @@ TEST(Place, ErrorsAreOneLineWithARemedy) {
   EXPECT_THAT(request_error("GPIO4", EBUSY).what(), HasSubstr("used by another program"));
   EXPECT_EQ(request_error("GPIO4", EINVAL).exit(), Exit::bad_input);
   EXPECT_TRUE(has_no_edges(ENXIO) && has_no_edges(ENODEV));
-  EXPECT_FALSE(has_no_edges(EBUSY) || has_no_edges(EINVAL)) << "not to be asked for again";
+  EXPECT_FALSE(has_no_edges(EBUSY) || has_no_edges(EINVAL)) << "these must not be requested again";
   EXPECT_EQ(no_line_error("GPIO99").exit(), Exit::bad_input);
   EXPECT_EQ(no_line_error("GPIO99", "/dev/gpiochip0").exit(), Exit::no_device);
 }

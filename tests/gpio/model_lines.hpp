@@ -1,5 +1,5 @@
-// A model of chips and their lines behind the interface: pins that a test moves, outputs that it
-// reads, chips that it unplugs, and edges, which not every chip has.
+// A model of chips and their lines: pins that a test drives, outputs that it reads, chips that it
+// unplugs, and edges, which not every chip reports.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 
 namespace lamplock::test {
 
-/// Pins by the place that a request names, with the levels at the pin: true is high.
+/// Pins by the place in a request, with the levels at the pin: true is high.
 class ModelPins {
  public:
   struct Pin {
@@ -22,7 +22,7 @@ class ModelPins {
     bool requested = false, plugged = true;
     bool has_edges = true;  ///< false: a chip without interrupts
     gpio::LineRequest request{};
-    unsigned edges = 0;  ///< since the last look
+    unsigned edges = 0;  ///< since the last poll
   };
 
   /// Drives an input.
@@ -37,11 +37,11 @@ class ModelPins {
   bool requested(const std::string& place) { return pins[place].requested; }
 
   std::map<std::string, Pin> pins{};
-  /// Told of each change of an output's level.
+  /// Called on each change of an output's level.
   std::function<void(const std::string& place, bool level)> on_output{};
 };
 
-/// Lines over pins that a test holds.
+/// Lines connected to the pins of a test.
 class ModelLines final : public gpio::Lines {
  public:
   explicit ModelLines(std::shared_ptr<ModelPins> pins) : pins_(std::move(pins)) {}

@@ -1,4 +1,4 @@
-// Lines that somebody types, for tests of what reads the standard input.
+// Simulates typed lines on the standard input.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace lamplock::test {
 
-/// The standard input is a pipe as long as this lives.
+/// The standard input is a pipe while this object lives.
 class TypedInput {
  public:
   TypedInput() : kept_(::dup(STDIN_FILENO)) {
@@ -32,7 +32,7 @@ class TypedInput {
     EXPECT_EQ(::write(pipe_[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
   }
 
-  /// What was typed has been read: the program looks by the wall clock, whatever its board's is.
+  /// True if the typed lines have been read; the program polls by the wall clock.
   bool taken() const {
     int waiting = 0;
     EXPECT_EQ(::ioctl(pipe_[0], FIONREAD, &waiting), 0);

@@ -1,5 +1,4 @@
-// Rows from the picture to the light: made, sent and burnt on the virtual board, judged by its
-// pins.
+// Rows from picture to light: made, sent and burnt on the virtual board, and checked at its pins.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +26,7 @@ using settings::Id;
 
 constexpr int steps_per_mm = 200;
 
-/// 200 mm of X, 2 m/s2, 400 mm/s, a laser.
+/// A laser machine with 200 mm of X travel, 2 m/s2, 400 mm/s.
 job::Profile laser(double jerk_m_s3) {
   job::Profile profile;
   const auto set = [&profile](Id id, double value) {
@@ -42,13 +41,13 @@ job::Profile laser(double jerk_m_s3) {
   return profile;
 }
 
-/// What a pixel got, but for two steps at each of its ends, where light may be the neighbour's.
+/// Light of a pixel, without two steps at each end, where light may belong to its neighbour.
 struct Got {
-  double light_s = 0;  ///< of full power
+  double light_s = 0;  ///< in seconds at full power
   double time_s = 0;   ///< with light
 };
 
-/// A machine and what its pins did.
+/// A machine and the recorded output of its pins.
 class Machine {
  public:
   explicit Machine(const settings::Values& values)
@@ -78,14 +77,15 @@ class Machine {
       while (next_y < y.size() && y[next_y].at <= x[i].at) ++next_y;
       const int at_y = next_y == 0 ? 0 : y[next_y - 1].position;
       const int row = static_cast<int>(std::floor((at_y - low) / pixel));
-      if (at_y != std::lround(low + (row + 0.5) * pixel)) continue;  // on the way to the next row
+      if (at_y != std::lround(low + (row + 0.5) * pixel))
+        continue;  // during the move to the next row
       const auto at_x = x[i].position - left;
       const int column = static_cast<int>(std::floor(static_cast<double>(at_x) / pixel));
       const auto inside = at_x - std::int64_t{column} * pixel;
       if (inside < margin || inside >= pixel - margin) continue;
       while (change + 1 < light.size() && light[change + 1].at <= x[i].at) ++change;
       const double lit_s = light_between(light, change, x[i].at, x[i + 1].at);
-      // A slanting way to the next row passes some of its pixels before they are burnt.
+      // A slanted move to the next row crosses some of its pixels before they are burnt.
       if (lit_s == 0) continue;
       Got& got = result[{column, row}];
       got.time_s += static_cast<double>(x[i + 1].at - x[i].at) * 1e-12;
@@ -101,7 +101,7 @@ class Machine {
     world.lamp = sim::lamp_of(values);
     return world;
   }
-  /// `change`: the last one not behind `from`.
+  /// `change`: the last one not later than `from`.
   static double light_between(const std::vector<sim::BeamChange>& light, std::size_t change,
                               sim::Picoseconds from, sim::Picoseconds to) {
     double sum = 0;
@@ -118,13 +118,12 @@ class Machine {
   test::PinMonitor monitor_;
 };
 
-/// A picture and how it is burnt.
 struct Picture {
   Pixels pixels;
   RowOptions options;
 
   double feed_mm_s() const { return options.feed_mm_min / 60; }
-  /// Light that a pixel wants, margins included.
+  /// Light that a pixel requires, margins included.
   double light_s(std::uint16_t power) const {
     return power / 65'535.0 * options.pitch_mm / feed_mm_s();
   }
@@ -146,7 +145,7 @@ Picture random_picture(std::mt19937_64& random, const job::Profile& profile, dou
   return picture;
 }
 
-/// Every pixel gets its light once, and is passed at the feed.
+/// Every pixel receives its light once and is crossed at the feed rate.
 TEST(Burn, EveryPixelOfARandomPictureAtTheFeed) {
   std::mt19937_64 random(1);
   const double jerks[] = {0, 1000, 600};
@@ -181,9 +180,9 @@ TEST(Burn, EveryPixelOfARandomPictureAtTheFeed) {
   }
 }
 
-/// Stopped, and gone on with: the line in which it was stopped is burnt again from its beginning,
-/// all others once.
-TEST(Burn, AStoppedJobGoesOn) {
+/// Stopped and resumed: the line in which the job stopped is burnt again from its beginning, all
+/// other lines once.
+TEST(Burn, AStoppedJobCanBeResumed) {
   std::mt19937_64 random(2);
   for (int i = 0; i < test::scaled(4); ++i) {
     SCOPED_TRACE(testing::Message() << "picture " << i);

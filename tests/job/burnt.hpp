@@ -1,7 +1,7 @@
-// What a job of rows burns, pixel by pixel, found out from its lines and runs alone.
+// The pixels burnt by a job of rows, computed only from its lines and runs.
 //
-// In:  a job, where the picture lies. Out: power of every pixel and how often it was burnt; how far
-//      edges are from their place; what is wrong with the lines.
+// In:  a job, the position of the picture. Out: power of every pixel and how often it was burnt;
+//      distances of edges from their places; faults of the lines.
 // Who: tests of rows.
 #pragma once
 
@@ -20,7 +20,7 @@
 
 namespace lamplock::test {
 
-/// A row as it is run: from rest to rest.
+/// A row as executed, from rest to rest.
 struct RunRow {
   double dark_before = 0, dark_behind = 0;  ///< steps
   int way = 0;                              ///< 1 to the right, -1 to the left
@@ -35,22 +35,22 @@ class Burnt {
         steps_per_mm_{in_units(job.settings, settings::Id::steps_per_mm_x, 0),
                       in_units(job.settings, settings::Id::steps_per_mm_x, 1)} {
     const auto& lines = job.rows.lines;
-    EXPECT_FALSE(lines.front().to.light) << "light on the way to the first row";
+    EXPECT_FALSE(lines.front().to.light) << "light during the move to the first row";
     for (std::size_t i = 1; i < lines.size(); ++i)
       if (lines[i].to.light) burn(lines[i - 1], lines[i]);
     close_row();
   }
 
-  /// Powers by column and row, of pixels that were lit; how often.
+  /// Power and count of a lit pixel, by column and row.
   struct Light {
     std::uint16_t power = 0;
     int times = 0;
   };
   std::map<std::pair<std::int64_t, std::int64_t>, Light> lit;
-  double largest_shift = 0;  ///< of an edge of a lit pixel from its place, steps
+  double largest_shift = 0;  ///< largest distance of an edge of a lit pixel from its place, steps
   std::vector<RunRow> rows;
 
-  /// Every pixel with its power once, none beside the picture.
+  /// Expects every pixel with its power once, and none outside the picture.
   void expect_each_once() const {
     std::size_t wanted = 0;
     for (std::size_t row = 0; row < pixels_.rows; ++row)
@@ -75,7 +75,7 @@ class Burnt {
     }
     const int way = to[0] > from[0] ? 1 : -1;
     if (!before.to.light) close_row(), rows.push_back({0, 0, way}), dark_ = 0, seen_ = false;
-    ASSERT_EQ(rows.back().way, way) << "turns round in the row";
+    ASSERT_EQ(rows.back().way, way) << "reverses within the row";
     const auto runs = job_.rows.runs_of(line);
     ASSERT_LE(runs.size(), wire::most_runs_a_line);
     std::uint32_t all = 0, done = 0;
@@ -108,7 +108,7 @@ class Burnt {
     };
     const auto column =
         static_cast<std::int64_t>(std::floor(place((from + to) / 2, 0, options_.corner.x)));
-    // The middle of a row, rounded up where it is half a step.
+    // The middle of a row, rounded up at half a step.
     const auto row =
         static_cast<std::int64_t>(std::ceil(place(y, 1, options_.corner.y) - 1 - 1e-9));
     Light& pixel = lit[{column, row}];

@@ -1,4 +1,4 @@
-// Jobs: rounding, work space, overrides; the job file and what it refuses.
+// Jobs: rounding, work space, overrides; the job file and its refusals.
 #include "host/job/job.hpp"
 
 #include <gmock/gmock.h>
@@ -23,8 +23,8 @@
 namespace lamplock::job {
 namespace {
 
-using points::Point;
-using points::PointCloud;
+using geometry::Point;
+using geometry::PointCloud;
 using settings::Id;
 using testing::HasSubstr;
 
@@ -70,7 +70,7 @@ TEST(MakeJob, PointsOutsideAreNamedAndCounted) {
   EXPECT_THAT(text, HasSubstr("-50..50"));
 }
 
-TEST(MakeJob, NumbersThatAreNoneAreErrors) {
+TEST(MakeJob, NonFiniteNumbersAreErrors) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const double bad : {nan, infinity, -infinity, 1e300})
@@ -79,11 +79,11 @@ TEST(MakeJob, NumbersThatAreNoneAreErrors) {
 
 TEST(MakeJob, EmptyCloudsAndBadOptionsAreErrors) {
   EXPECT_THAT(error_of({}), HasSubstr("no points"));
-  EXPECT_THAT(error_of({{}}, {}, {.shots = 0}), HasSubstr("shots"));
+  EXPECT_THAT(error_of({{}}, {}, {.shots = 0}), HasSubstr("flashes"));
   EXPECT_THAT(error_of({{}}, {}, {.channel = 4}), HasSubstr("channel"));
 }
 
-TEST(MakeJob, StandsStillAfterSoManyPoints) {
+TEST(MakeJob, PausesAfterTheGivenNumberOfPoints) {
   PointCloud cloud;
   for (int i = 0; i < 10; ++i) cloud.push_back({i * 1.0, 0, 0});
   const Job job = make_job(cloud, {}, {.pause_every = 4, .pause_beats = 70});
@@ -100,7 +100,7 @@ TEST(MakeJob, StandsStillAfterSoManyPoints) {
       EXPECT_EQ(job.targets[i].steps[0], static_cast<int>(point++) * 200);
     }
   }
-  // The firmware does not stand for longer than 8192 beats at once.
+  // The firmware does not pause for more than 8192 beats at once.
   const Job long_pause = make_job(cloud, {}, {.pause_every = 5, .pause_beats = 65'535});
   std::uint32_t beats = 0;
   for (std::size_t i = 0; i < long_pause.targets.size(); ++i) {
@@ -109,10 +109,10 @@ TEST(MakeJob, StandsStillAfterSoManyPoints) {
   }
   EXPECT_EQ(beats, 65'535u);
   EXPECT_EQ(make_job(cloud, {}, {.pause_every = 10, .pause_beats = 1}).targets.size(), 10u);
-  EXPECT_THAT(error_of(cloud, {}, {.pause_every = 3}), HasSubstr("pauses"));
+  EXPECT_THAT(error_of(cloud, {}, {.pause_every = 3}), HasSubstr("a pause has 0 beats"));
 }
 
-TEST(MakeJob, TheStageGoesLessFarThanTheFocus) {
+TEST(MakeJob, TheStageTravelsLessThanTheFocus) {
   JobOptions options;
   options.refraction = {2, 40};
   const Job job = make_job({{1, 2, 40}, {1, 2, 20}, {1, 2, -100}}, {}, options);
@@ -130,12 +130,12 @@ TEST(MakeJob, TwoAxesEngraveOnlyThePlane) {
   EXPECT_THAT(error_of({{1, 2, 3}}, profile), HasSubstr("outside"));
 }
 
-TEST(MakeJob, CarriesGeometryAndWhatWasStatedAsOverrides) {
+TEST(MakeJob, ContainsGeometryAndStatedSettingsAsOverrides) {
   Profile profile;
   set_lamp_hz(profile, 50);
-  state_setting(profile, Id::acceleration_x, 4000, "test");  // stated, though the default
+  state_setting(profile, Id::acceleration_x, 4000, "test");  // stated, although it is the default
   const Job job =
-      make_job({{}}, profile, {.mode = motion::JoinMode::start_stop, .dry = true, .energy = 7});
+      make_job({{}}, profile, {.mode = wire::JoinMode::start_stop, .dry = true, .energy = 7});
   EXPECT_EQ(job.header.mode, 0);
   EXPECT_TRUE(job.header.dry);
   EXPECT_EQ(job.targets[0].energy, 7);
@@ -148,7 +148,7 @@ TEST(MakeJob, CarriesGeometryAndWhatWasStatedAsOverrides) {
   EXPECT_EQ(sent.at(102), 200'000);
   EXPECT_EQ(sent.at(942), -50'000);
   EXPECT_EQ(sent.at(960), 3'000);
-  EXPECT_FALSE(sent.contains(2)) << "wiring is the machine's own business";
+  EXPECT_FALSE(sent.contains(2)) << "wiring is not sent to the machine";
   EXPECT_FALSE(sent.contains(103)) << "an axis the machine does not have";
   EXPECT_EQ(apply_overrides({}, job.header), profile.settings);
 }
@@ -158,7 +158,7 @@ TEST(MakeJob, ChecksSettingsOnRequest) {
   EXPECT_EQ(job.header.settings_hash, settings::Values{}.hash());
 }
 
-TEST(MakeJob, EverySettingOfJobsFitsTheHeader) {
+TEST(MakeJob, EverySettingForJobsFitsTheHeader) {
   Profile profile;
   profile.stated.set();
   state_setting(profile, Id::axes, 4, "test");
@@ -175,7 +175,7 @@ TEST(ApplyOverrides, UnknownNumbersAndValuesOutOfRangeAreErrors) {
   EXPECT_THROW(apply_overrides({}, header), Error);
 }
 
-TEST(HeaderFrom, RefersToThePointBefore) {
+TEST(HeaderFrom, RefersToThePrecedingPoint) {
   const Job job = make_job({{1, 2, 3}, {4, 5, 6}}, {}, {});
   EXPECT_EQ(header_from(job, 0).origin_steps, StepPosition{});
   const wire::JobHeader header = header_from(job, 1);
@@ -211,7 +211,7 @@ Job sample(std::size_t points = 3000) {
   return job;
 }
 
-/// Empty if the file is accepted.
+/// The error of reading the file; empty if it is accepted.
 std::string file_error(std::span<const std::uint8_t> bytes) {
   try {
     decode_job_file(bytes, "job.llj");
@@ -223,7 +223,7 @@ std::string file_error(std::span<const std::uint8_t> bytes) {
   return "";
 }
 
-TEST(JobFile, WhatIsWrittenIsReadAgain) {
+TEST(JobFile, AWrittenJobIsReadBack) {
   const Job job = sample();
   const test::TemporaryFolder folder;
   const auto path = folder.file("job.llj");
@@ -235,7 +235,7 @@ TEST(JobFile, WhatIsWrittenIsReadAgain) {
   EXPECT_THROW(write_job_file("/nowhere/job.llj", job), Error);
 }
 
-TEST(JobFile, KnowsItsGlass) {
+TEST(JobFile, ContainsItsGlass) {
   Job job = sample(20);
   const auto plain = encode_job_file(job);
   job.refraction = {1.5168, 12.25};
@@ -269,7 +269,7 @@ TEST(JobFile, EveryFlippedBitIsAnError) {
     }
 }
 
-/// Changes bytes and makes the checksum right again, as a program with a bug would.
+/// Corrects the checksum of changed bytes, as a program with a bug would.
 void seal(std::vector<std::uint8_t>& bytes) {
   const auto body = std::span(bytes).first(bytes.size() - 4);
   const std::uint32_t crc = wire::crc32(body);
@@ -277,7 +277,7 @@ void seal(std::vector<std::uint8_t>& bytes) {
     bytes[bytes.size() - 4 + i] = static_cast<std::uint8_t>(crc >> (8 * i));
 }
 
-TEST(JobFile, NonsenseWithAGoodChecksumIsAnErrorOrAJobNeverACrash) {
+TEST(JobFile, InvalidDataWithAGoodChecksumNeverCausesACrash) {
   const auto bytes = encode_job_file(sample(40));
   std::mt19937_64 random(4);
   for (int i = 0; i < test::scaled(3000); ++i) {

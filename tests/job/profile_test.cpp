@@ -1,4 +1,4 @@
-// The machine profile: what it takes, what it says when it cannot, and what it writes.
+// The machine profile: accepted files, errors, and the written text.
 #include "host/job/profile.hpp"
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ std::string error_of(const std::string& text) {
   return test::error_of([&] { read(text); });
 }
 
-TEST(Profile, DefaultIsTheOneOfTheDesign) {
+TEST(Profile, DefaultEqualsTheDesign) {
   const settings::Values values = default_profile().settings;
   EXPECT_EQ(values.whole(Id::axes), 3);
   for (int axis = 0; axis < 3; ++axis) {
@@ -88,10 +88,10 @@ TEST(Profile, ErrorsNameFileLineKeyAndRange) {
   EXPECT_THAT(error_of("axes = = 3\n"), HasSubstr(".toml:1"));
 }
 
-TEST(Profile, WhatIsTooSmallToKeepIsRefusedWhere0MeansNone) {
+TEST(Profile, ValuesTooSmallToStoreAreRefusedWhere0MeansNone) {
   EXPECT_THAT(error_of("jerk = [0.0004, 1, 1]\n"),
-              HasSubstr("jerk_x = 0.0004 cannot be told from 0"));
-  EXPECT_THAT(error_of("lamp_energy = 1e-300\n"), HasSubstr("cannot be told from 0"));
+              HasSubstr("jerk_x = 0.0004 would be rounded to 0"));
+  EXPECT_THAT(error_of("lamp_energy = 1e-300\n"), HasSubstr("would be rounded to 0"));
   EXPECT_NO_THROW(read("jerk = [0.001, 0, 1]\n"));
 }
 
@@ -100,7 +100,7 @@ TEST(Profile, MissingFileIsAnError) {
   EXPECT_THROW(read_profile(std::filesystem::temp_directory_path()), Error);
 }
 
-/// The example states the defaults and mentions every setting, so that it cannot go stale unseen.
+/// The example states the defaults and mentions every setting, so that it cannot become outdated.
 TEST(Profile, TheExampleIsTheDefaultAndNamesEverySetting) {
   const std::filesystem::path path = LAMPLOCK_ROOT "/examples/machine.toml";
   const Profile example = read_profile(path);
@@ -108,7 +108,7 @@ TEST(Profile, TheExampleIsTheDefaultAndNamesEverySetting) {
   std::ifstream in(path);
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   std::string all;
-  // With the commented settings uncommented, all but the fourth axis are stated.
+  // With the commented settings uncommented, all but those of the fourth axis are stated.
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
     all += (line.rfind("# ", 0) == 0 && line.find(" = ") < 24 ? line.substr(2) : line) + "\n";

@@ -1,4 +1,4 @@
-// The journal of a job: what is read back after a power loss at every byte, torn and damaged lines.
+// The journal of a job: its contents after a power loss at every byte, torn and damaged lines.
 #include "host/job/progress_journal.hpp"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint32_t job_hash = 0x9f3c11aa;
 
-/// Two runs, the second one from where the first one ended.
+/// Two runs; the second one continues where the first one ended.
 const std::vector<ProgressRecord> two_runs{
     {Progress::begun, 0x5eed, job_hash, 0, 0, 0},
     {Progress::running, 0x5eed, job_hash, 0, 0, 1024},
@@ -36,7 +36,7 @@ std::string text_of(const std::vector<ProgressRecord>& records) {
   return text;
 }
 
-/// What is known when so many records were written.
+/// Expected contents after this many records.
 JournalContents contents_after(std::size_t records) {
   if (records == 0) return {};
   if (records == 1) return {std::nullopt, two_runs[0]};
@@ -48,7 +48,7 @@ std::size_t lines_in(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
-TEST(ProgressJournal, PowerLostAtEveryByteLosesTheUnfinishedRecordAlone) {
+TEST(ProgressJournal, PowerLossAtEveryByteLosesOnlyTheUnfinishedRecord) {
   const std::string text = text_of(two_runs);
   for (std::size_t size = 0; size <= text.size(); ++size) {
     const std::string kept = text.substr(0, size);
@@ -57,8 +57,8 @@ TEST(ProgressJournal, PowerLostAtEveryByteLosesTheUnfinishedRecordAlone) {
   }
 }
 
-/// A job that the board has refused leaves what is known of the run before.
-TEST(ProgressJournal, ARunThatWasOnlyOfferedDoesNotReplaceTheOneBefore) {
+/// A job that the board has refused keeps the record of the preceding run.
+TEST(ProgressJournal, ARunThatWasOnlyOfferedDoesNotReplaceThePrecedingOne) {
   const ProgressRecord refused{Progress::begun, 7, job_hash, 5, 0, 5};
   const std::string text = text_of({two_runs[0], two_runs[2], refused});
   EXPECT_EQ(contents_of(text), (JournalContents{KeptRun{two_runs[0], two_runs[2]}, refused}));
@@ -66,7 +66,7 @@ TEST(ProgressJournal, ARunThatWasOnlyOfferedDoesNotReplaceTheOneBefore) {
             (JournalContents{KeptRun{two_runs[0], two_runs[3]}, std::nullopt}));
 }
 
-TEST(ProgressJournal, GoesOnBehindATornLine) {
+TEST(ProgressJournal, ContinuesAfterATornLine) {
   const test::TemporaryFolder folder;
   const std::string text = text_of(two_runs);
   const ProgressRecord next{Progress::begun, 7, job_hash, 5, 0, 5};
@@ -88,7 +88,7 @@ TEST(ProgressJournal, AnyDamagedCharacterVoidsItsLine) {
     }
 }
 
-TEST(ProgressJournal, WithoutOneGoodRecordIsDamaged) {
+TEST(ProgressJournal, WithoutAGoodRecordItIsDamaged) {
   const test::TemporaryFolder folder;
   std::string other_ends = text_of(two_runs);
   for (std::size_t at = 0; (at = other_ends.find('\n', at)) != std::string::npos; at += 2)
@@ -97,12 +97,12 @@ TEST(ProgressJournal, WithoutOneGoodRecordIsDamaged) {
     const ProgressJournal journal(folder.write("a.progress", damaged));
     EXPECT_THROW(journal.read(), Error) << damaged;
   }
-  // The first record was torn off, or was not written.
+  // The first record was torn, or was not written.
   for (const std::string begun : {"# kind", "# kind\n", "# kind\nbegun 5e"})
     EXPECT_TRUE(ProgressJournal(folder.write("a.progress", begun)).read().empty()) << begun;
 }
 
-TEST(ProgressJournal, IsOfOneProgram) {
+TEST(ProgressJournal, BelongsToOneProgram) {
   const test::TemporaryFolder folder;
   const auto file = folder.file("a.progress");
   ProgressJournal other(file);
@@ -122,7 +122,7 @@ TEST(ProgressJournal, IsWrittenReadAndRemoved) {
   const test::TemporaryFolder folder;
   const auto file = folder.file("a.llj.progress");
   EXPECT_TRUE(ProgressJournal(file).read().empty());
-  EXPECT_FALSE(std::filesystem::exists(file)) << "nothing is created by reading";
+  EXPECT_FALSE(std::filesystem::exists(file)) << "reading must not create a file";
   ProgressJournal journal(file);
   for (std::size_t i = 0; i < two_runs.size(); ++i) {
     journal.append(two_runs[i]);
@@ -135,11 +135,11 @@ TEST(ProgressJournal, IsWrittenReadAndRemoved) {
   EXPECT_EQ(journal.read(), contents_after(1));
 }
 
-TEST(ProgressJournal, ThatCannotBeWrittenIsAnErrorInOneLine) {
+TEST(ProgressJournal, AWriteErrorIsReportedInOneLine) {
   const test::TemporaryFolder folder;
   try {
     ProgressJournal(folder.file("none/a.progress")).append(two_runs[0]);
-    FAIL() << "written into a folder that is not there";
+    FAIL() << "written into a missing folder";
   } catch (const Error& error) {
     EXPECT_EQ(error.exit(), Exit::job_failed);
     EXPECT_THAT(error.what(),
@@ -147,7 +147,7 @@ TEST(ProgressJournal, ThatCannotBeWrittenIsAnErrorInOneLine) {
   }
 }
 
-TEST(JobHash, TellsJobsApart) {
+TEST(JobHash, DistinguishesJobs) {
   const Job points = test::random_job(300, 1);
   EXPECT_EQ(hash_of(points), hash_of(test::random_job(300, 1)));
   EXPECT_NE(hash_of(points), hash_of(test::random_job(300, 2)));

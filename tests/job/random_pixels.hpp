@@ -8,7 +8,7 @@
 
 namespace lamplock::test {
 
-/// Runs of neighbours alike, many dark, some rows blank; at least one pixel is lit.
+/// Runs of equal neighbours, many dark, some rows blank; at least one pixel is lit.
 inline raster::Pixels random_pixels(std::size_t columns, std::size_t rows, std::mt19937_64& random,
                                     std::size_t longest_run = 30) {
   raster::Pixels pixels{columns, rows, std::vector<std::uint16_t>(columns * rows)};

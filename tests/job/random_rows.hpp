@@ -24,7 +24,7 @@ inline job::Job random_row_job(std::size_t lines, std::uint64_t seed) {
   while (job.rows.lines.size() < lines) {
     const bool light = !job.rows.lines.empty() && pick(0, 4) != 0;
     job::Line line{{at, light, light ? feed_milli : 0}, job.rows.runs.size(), 0};
-    // Never where it was before.
+    // Always a different position.
     const auto before = at;
     do {
       at[0] = static_cast<std::int32_t>(pick(-10'000, 10'000));

@@ -1,5 +1,4 @@
-// Pictures to rows: every pixel once, in its place, at the feed; what cannot be burnt; the same
-// rows as G-code.
+// Pictures to rows: every pixel once, at its place and feed; errors; the same rows as G-code.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +24,7 @@ using test::Burnt;
 using test::random_pixels;
 using testing::HasSubstr;
 
-/// 200 x 100 mm, 200 and 160 steps/mm, 2 m/s2, 400 mm/s, a laser.
+/// A laser with 200 x 100 mm, 200 and 160 steps/mm, 2 m/s2, 400 mm/s.
 job::Profile laser() {
   job::Profile profile;
   const auto set = [&profile](Id id, double value) {
@@ -47,7 +46,7 @@ RowOptions fast_rows(const job::Profile& profile, double feed_mm_min = 6000) {
   return options;
 }
 
-TEST(Rows, EveryPixelIsBurntOnceInItsPlaceAtTheFeed) {
+TEST(Rows, EveryPixelIsBurntOnceAtItsPlaceAndFeed) {
   std::mt19937_64 random(1);
   const job::Profile profile = laser();
   for (int i = 0; i < test::scaled(150); ++i) {
@@ -79,7 +78,7 @@ TEST(Rows, EveryPixelIsBurntOnceInItsPlaceAtTheFeed) {
   }
 }
 
-TEST(Rows, BlankRowsAndMarginsAreLeftOut) {
+TEST(Rows, BlankRowsAndMarginsAreOmitted) {
   Pixels pixels{50, 5, std::vector<std::uint16_t>(250)};
   pixels.power[2 * 50 + 10] = pixels.power[2 * 50 + 12] = power_of_run(0.5);
   RowOptions options;
@@ -96,7 +95,7 @@ TEST(Rows, BlankRowsAndMarginsAreLeftOut) {
                                         half, wire::longest_run(0, 3)}));
 }
 
-TEST(Rows, LongRowsAreCutWhereTheTableOfRunsWantsIt) {
+TEST(Rows, LongRowsAreDividedForTheTableOfRuns) {
   Pixels pixels{1000, 1, {}};
   for (int i = 0; i < 1000; ++i) pixels.power.push_back(power_of_run(i % 2 == 0 ? 0.3 : 0.7));
   RowOptions options = fast_rows(laser());
@@ -106,7 +105,7 @@ TEST(Rows, LongRowsAreCutWhereTheTableOfRunsWantsIt) {
   Burnt(job, pixels, options).expect_each_once();
 }
 
-TEST(Rows, MoreCellsThanALineCanHave) {
+TEST(Rows, MoreCellsThanALineMayHave) {
   const Pixels pixels{90'000, 1, std::vector<std::uint16_t>(90'000, power_of_run(1))};
   job::Profile profile = laser();
   job::state_setting(profile, Id::steps_per_mm_x, 1000, "test");
@@ -121,7 +120,7 @@ TEST(Rows, MoreCellsThanALineCanHave) {
   Burnt(job, pixels, options).expect_each_once();
 }
 
-TEST(Rows, WhatCannotBeBurntIsAnError) {
+TEST(Rows, ImpossiblePicturesAreErrors) {
   const Pixels black{10, 10, std::vector<std::uint16_t>(100, power_of_run(1))};
   const auto error = [&](const Pixels& pixels, auto change) {
     RowOptions options = fast_rows(laser());
@@ -129,7 +128,7 @@ TEST(Rows, WhatCannotBeBurntIsAnError) {
     return test::error_of([&] { make_rows(pixels, options, laser()); });
   };
   const Pixels blank{10, 10, std::vector<std::uint16_t>(100)};
-  EXPECT_THAT(error(blank, [](auto&) {}), HasSubstr("nothing of it is burnt"));
+  EXPECT_THAT(error(blank, [](auto&) {}), HasSubstr("no pixel has any power"));
   EXPECT_THAT(error(black, [](auto& o) { o.feed_mm_min = 24'001; }), HasSubstr("24000 mm/min"));
   EXPECT_THAT(error(black, [](auto& o) { o.feed_mm_min = 0; }), HasSubstr("feed"));
   EXPECT_THAT(error(black, [](auto& o) { o.feed_mm_min = std::nan(""); }), HasSubstr("feed"));
@@ -141,7 +140,7 @@ TEST(Rows, WhatCannotBeBurntIsAnError) {
   EXPECT_THAT(error(black, [](auto& o) { o.corner.z = 51; }), HasSubstr("outside"));
 }
 
-TEST(Pixels, GreyIsPowerInProportionAndWhiteIsDark) {
+TEST(Pixels, PowerIsProportionalToGreyAndWhiteIsDark) {
   const model::Bitmap bitmap{3, 2, {0, 128, 255, 254, 64, 32}};
   const auto powers = [&](const PowerRange& range) {
     return make_pixels(bitmap, 3, 2, range).power;
@@ -160,7 +159,7 @@ TEST(Pixels, GreyIsPowerInProportionAndWhiteIsDark) {
   EXPECT_THAT(test::error_of([&] { make_pixels({}, 1, 1, {}); }), HasSubstr("no pixels"));
 }
 
-TEST(Pixels, OtherSizesAreMeansOfWhatTheyCover) {
+TEST(Pixels, OtherSizesAreMeansOfTheCoveredPixels) {
   std::mt19937_64 random(3);
   for (int i = 0; i < test::scaled(100); ++i) {
     model::Bitmap bitmap{
@@ -169,7 +168,7 @@ TEST(Pixels, OtherSizesAreMeansOfWhatTheyCover) {
       bitmap.grey.push_back(static_cast<std::uint8_t>(random()));
     const auto columns = 1 + random() % 12, rows = 1 + random() % 12;
     const Pixels pixels = make_pixels(bitmap, columns, rows, {});
-    // Ink is neither lost nor made.
+    // The total of ink is unchanged.
     double burnt = 0, ink = 0;
     for (const std::uint16_t power : pixels.power) burnt += power / 65'535.0;
     for (const std::uint8_t grey : bitmap.grey) ink += (255 - grey) / 255.0;
@@ -183,7 +182,7 @@ TEST(Pixels, OtherSizesAreMeansOfWhatTheyCover) {
   for (const std::uint16_t power : make_pixels(white, 7, 5, {0.5, 1}).power) EXPECT_EQ(power, 0);
 }
 
-TEST(RunUp, IsThatOfTheTextbookWithoutALimitOfJerkAndLongerWithOne) {
+TEST(RunUp, EqualsTheTextbookWithoutALimitOfJerkAndIsLongerWithOne) {
   job::Profile profile = laser();
   EXPECT_NEAR(run_up_mm(profile.settings, 18'000), 22.5, 1e-9);
   EXPECT_NEAR(run_up_mm(profile.settings, 6000), 2.5, 1e-9);
@@ -191,7 +190,7 @@ TEST(RunUp, IsThatOfTheTextbookWithoutALimitOfJerkAndLongerWithOne) {
   EXPECT_GT(run_up_mm(profile.settings, 18'000), 23);
 }
 
-TEST(RowGcode, IsTheSameLightAndTheTimeIsThatOfThePlanner) {
+TEST(RowGcode, GivesTheSameLightAndThePlannersTime) {
   std::mt19937_64 random(4);
   for (int i = 0; i < test::scaled(25); ++i) {
     job::Profile profile = laser();
@@ -206,7 +205,8 @@ TEST(RowGcode, IsTheSameLightAndTheTimeIsThatOfThePlanner) {
     const PowerForm form = i % 2 == 0 ? PowerForm::plain : PowerForm::lists;
     const std::string text = row_gcode(job, form);
     if (form == PowerForm::plain) {
-      EXPECT_EQ(text.find_first_of("*:"), std::string::npos) << "words of this firmware alone";
+      EXPECT_EQ(text.find_first_of("*:"), std::string::npos)
+          << "words that only this firmware knows";
     }
     const auto run = program_run::run_program(text, profile.settings, 10);
     SCOPED_TRACE(testing::Message() << "picture " << i);
@@ -226,7 +226,7 @@ TEST(RowGcode, IsTheSameLightAndTheTimeIsThatOfThePlanner) {
     const Burnt burnt(job, pixels, options);
     ASSERT_EQ(lit.size(), burnt.lit.size());
     for (const auto& [place, light] : burnt.lit) ASSERT_EQ(lit.at(place), light.power);
-    // Longer lines are planned a little farther ahead, and those of one pixel less far.
+    // Longer lines have a longer look-ahead, and those of one pixel a shorter one.
     if (form == PowerForm::lists) {
       EXPECT_NEAR(seconds_of(job), run.seconds(), 0.01 * run.seconds() + 0.02);
     }

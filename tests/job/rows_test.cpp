@@ -1,4 +1,4 @@
-// Rows as records: round trips through frames and files, places of the table, going on.
+// Rows as records: round trips through frames and files, places of the table, resuming.
 #include "host/job/rows.hpp"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ namespace {
 using test::random_row_job;
 using testing::HasSubstr;
 
-/// What comes out of payloads, as the board counts it.
+/// Rows decoded from payloads, counted like the board does.
 struct Decoded {
   Rows rows;
   std::uint64_t places = 0;
@@ -44,10 +44,10 @@ struct Decoded {
   }
 
  private:
-  bool open = false;  ///< there is a header for the line that comes
+  bool open = false;  ///< a header for the next line was read
 };
 
-TEST(RowEncoder, FramesOfAnySizeAreTheSameRowsFromAnyLineOn) {
+TEST(RowEncoder, FramesOfAnySizeGiveTheSameRowsFromAnyLine) {
   std::mt19937_64 random(1);
   for (int i = 0; i < test::scaled(100); ++i) {
     const Job job = random_row_job(20 + random() % 100, random());
@@ -75,7 +75,7 @@ TEST(RowEncoder, FramesOfAnySizeAreTheSameRowsFromAnyLineOn) {
   }
 }
 
-TEST(RowEncoder, LinesThatNoRecordCanBeAreErrors) {
+TEST(RowEncoder, LinesThatRecordsCannotEncodeAreErrors) {
   const auto error = [](auto change) {
     Job job = random_row_job(5, 1);
     change(job.rows);
@@ -98,7 +98,7 @@ TEST(RowEncoder, LinesThatNoRecordCanBeAreErrors) {
               HasSubstr("line 1"));
 }
 
-TEST(RowJobFile, WhatIsWrittenIsReadAgain) {
+TEST(RowJobFile, AWrittenJobIsReadBack) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const Job job = random_row_job(200, seed);
     const Job again = decode_job_file(encode_job_file(job), "rows.llj");
@@ -112,7 +112,7 @@ TEST(RowJobFile, WhatIsWrittenIsReadAgain) {
   }
 }
 
-TEST(RowJobFile, NonsenseWithAGoodChecksumIsAnErrorOrAJobNeverACrash) {
+TEST(RowJobFile, InvalidDataWithAGoodChecksumNeverCausesACrash) {
   const auto good = encode_job_file(random_row_job(40, 2));
   std::mt19937_64 random(2);
   for (int i = 0; i < test::scaled(3000); ++i) {
@@ -131,7 +131,7 @@ TEST(RowJobFile, NonsenseWithAGoodChecksumIsAnErrorOrAJobNeverACrash) {
   }
 }
 
-TEST(RowJobFile, ACountThatDoesNotAgreeIsAnError) {
+TEST(RowJobFile, AWrongCountIsAnError) {
   for (const int wrong : {-1, 1}) {
     Job job = random_row_job(10, 3);
     job.header.points_total += static_cast<std::uint32_t>(wrong);
@@ -148,7 +148,7 @@ TEST(GoOnAt, BeginsDarkAndReachesTheLineInMotion) {
     Job job = whole;
     const std::size_t from = random() % job.size();
     const std::size_t first = go_on_at(job.rows, from);
-    // In the middle of a row there is a dark way at the feed before it.
+    // Within a row, the line before runs dark at the feed.
     const bool inside =
         from >= 1 && whole.rows.lines[from].to.light && whole.rows.lines[from - 1].to.light;
     ASSERT_EQ(first, inside ? from - 1 : from);

@@ -41,12 +41,12 @@ void MotionJudge::ticks_played(const sim::PlayedTicks& played) {
     const stepper::AxisRun& run = runs[index(a)];
     Axis& axis = at_[index(a)];
     const Int128 place = run.position_after(skipped);
-    // At rest it may settle where the whole steps of the motors have it.
+    // At rest an axis may settle to the whole steps of the motors.
     const bool settles =
         homes_ ? axis.speed <= 2 * rules_[index(a)].accel : axis.speed == 0 && motors_stay;
     if (known_ && !(place == axis.place) && !settles) note(a, played.from, "jumps", 0, 0);
     axis.place = run.position_after(skipped + ticks);
-    if (!played.block.moving || run.stands()) {
+    if (!played.block.moving || run.is_at_rest()) {
       judge(a, played.from, 0, 0, 0);
       continue;
     }
@@ -63,7 +63,7 @@ void MotionJudge::ticks_played(const sim::PlayedTicks& played) {
   window(played.to);
 }
 
-/// Notes the steps of the motors at the end of some ticks; true if they begin at those noted.
+/// Records the steps of the motors after some ticks; true if they begin at the recorded ones.
 bool MotionJudge::see_motors(const PerAxis<stepper::AxisRun>& motors, std::uint32_t skipped,
                              std::uint32_t ticks) {
   bool stay = true;

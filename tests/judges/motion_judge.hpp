@@ -1,14 +1,12 @@
-// What a virtual board makes of every tick, judged by the settings: speed and acceleration of each
-// axis, whichever motors move it, steps that join, the work space.
+// Judges every tick of a virtual board by the settings: speed and acceleration of each axis for any
+// motors, continuity of steps, the work space.
 //
-// In:  the board's ticks (tick_listener.hpp). Out: the first rule that was broken, when motion
-// began
-//      and ended, the largest change of speed in a window of time.
+// In:  the board's ticks (tick_listener.hpp). Out: the first broken rule, the begin and end of
+//      motion, the largest change of speed in a window of time.
 //
-// Inside a block an axis has constant acceleration: what a setting allows. From block to block its
-// speed may jump in corners, which are run through at a speed (junction deviation); a sharp one by
-// up to the square root of 8 a d, with the acceleration along the corner, which two or three axes
-// may share.
+// Inside a block an axis has constant acceleration within its setting. Between blocks its speed may
+// jump at corners, which are passed at a speed (junction deviation); at a sharp one by up to the
+// square root of 8 a d, with the acceleration along the corner, which two or three axes may share.
 #pragma once
 
 #include <deque>
@@ -27,14 +25,14 @@ class MotionJudge final : public sim::TickListener {
   /// The planner's own rounding, well under a percent.
   static constexpr double margin = 1.002;
 
-  /// Homing tells axes that stand where they are.
+  /// Homing sets the position of axes at rest.
   void expect_homing() { homes_ = true; }
   const std::string& fault() const { return fault_; }
-  /// Seconds from the first tick that moved to the last one, of the present motion.
+  /// Seconds from the first to the last tick with motion, of the present motion.
   double moved_s() const { return static_cast<double>(last_ - first_) * tick_s; }
   std::uint64_t moving_ticks() const { return moving_ticks_; }
   void begin() { first_ = last_ = moving_ticks_ = 0; }
-  /// Largest change of speed in `window_ticks`, over what the acceleration allows.
+  /// Largest change of speed in `window_ticks`, relative to what the acceleration allows.
   double hardest() const { return hardest_; }
   static constexpr std::uint64_t window_ticks = 20'000;
 
@@ -43,12 +41,12 @@ class MotionJudge final : public sim::TickListener {
 
  private:
   static constexpr double tick_s = 1e-6;
-  /// On a segment of n ticks the speed may jump by up to 4/n of itself (line_profile.hpp): of the
-  /// shortest segments that is not much more than this.
+  /// On a segment of n ticks the speed may jump by up to 4/n of itself (line/profile.hpp); on the
+  /// shortest segments that is little more than this.
   static constexpr double rounding = 0.01;
 
   struct Rules {
-    double speed = 0, accel = 0, jump = 0;  ///< steps a tick, of a tick
+    double speed = 0, accel = 0, jump = 0;  ///< in steps per tick
   };
   struct Axis {
     Int128 place;
@@ -70,7 +68,7 @@ class MotionJudge final : public sim::TickListener {
   Kinematics kinematics_;
   PerAxis<Rules> rules_{};
   PerAxis<Axis> at_{};
-  PerAxis<std::int64_t> motor_steps_{};  ///< at the end of what was seen
+  PerAxis<std::int64_t> motor_steps_{};  ///< after the latest tick
   bool known_ = false, homes_ = false;
   std::uint64_t first_ = 0, last_ = 0, moving_ticks_ = 0;
   double hardest_ = 0;

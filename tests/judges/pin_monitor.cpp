@@ -88,7 +88,7 @@ PinMonitor::Rules PinMonitor::rules_of(const settings::Values& values, int axis)
   Rules rules{values.milli(Id::max_rate_x, axis) / 6e4 * per_mm,
               values.milli(Id::acceleration_x, axis) / 1e3 * per_mm, tick_s, slew};
   if (speed_jumps_) {
-    // Rounding of points to steps adds two steps a beat (firmware/motion/path_geometry.hpp).
+    // Rounding of points to steps adds two steps a beat (firmware/motion/path/geometry.hpp).
     rules.corners_s = values.milli(Id::lamp_frequency) / 1e3 * 1.05;
     rules.jump = values.milli(Id::speed_jump_x, axis) / 1e3 * per_mm + 2 * rules.corners_s;
   }
@@ -109,7 +109,8 @@ std::string PinMonitor::judge(const Rules& rules, const settings::Values& values
       return fmt::format("axis {} leaves the work space at {} s: step {}", axis, seconds(s.at),
                          s.position);
     if (i == 0) continue;
-    // A step there and back may be as short as a tick: no way lies between.
+    // Two steps in opposite directions may be a tick apart: the axis covers no distance between
+    // them.
     const bool same_way = i < 2 || s.position != steps[i - 2].position;
     const double interval = seconds(s.at - steps[i - 1].at);
     if (same_way && (interval + rules.tick_s) * rules.speed < 1 - 1e-9)
@@ -127,15 +128,15 @@ std::string PinMonitor::judge_window(const Rules& rules, int axis, std::int32_t 
                                      const std::vector<Step>& steps, double h,
                                      sim::Picoseconds to) {
   const auto h_ps = static_cast<sim::Picoseconds>(h / ps);
-  std::size_t ahead = 0, behind = 0;
+  std::size_t ahead = 0, past = 0;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const sim::Picoseconds t = steps[i].at;
     if (t > to - h_ps) break;
     while (ahead + 1 < steps.size() && steps[ahead + 1].at <= t + h_ps) ++ahead;
-    while (behind < steps.size() && steps[behind].at <= t - h_ps) ++behind;
+    while (past < steps.size() && steps[past].at <= t - h_ps) ++past;
     const double x = steps[i].position;
     const double later = steps[std::max(ahead, i)].position;
-    const double earlier = behind == 0 ? before : steps[behind - 1].position;
+    const double earlier = past == 0 ? before : steps[past - 1].position;
     const double way = std::max(std::abs(later - x), std::abs(x - earlier));
     if (way > rules.speed * (h + rules.tick_s) + 1)
       return fmt::format("axis {} too fast at {} s: {} steps in {} s", axis, seconds(t), way, h);

@@ -1,13 +1,13 @@
-// A second opinion on motion and firing: what the pins did, judged by the settings alone.
+// An independent check of motion and firing at the pins, judged only by the settings.
 //
 // In:  edges of STEP, DIR and Q-SWITCH with their times.
 // Out: the first broken rule as text, or nothing. Nothing of the firmware is used.
 //
-// What pins can tell. A board puts a step out at the start of the tick in which the position
+// Resolution of the pins: a board outputs a step at the start of the tick in which the position
 // crosses it, so at any time t the count of steps is the true position at most one tick later,
 // rounded down. Differences of counts are therefore within one step (second differences: within
-// two) and the way of one tick of the true ones. As slave a tick may be stretched or shrunk by the
-// slew limit against the lamp; between two neighbouring windows of h that is 2 slew h of time.
+// two) and the distance of one tick of the true ones. As slave a tick may be stretched or shrunk by
+// the slew limit to follow the lamp: 2 slew h of time between two neighbouring windows of h.
 #pragma once
 
 #include <array>
@@ -27,12 +27,12 @@ class PinMonitor final : public sim::PinListener {
  public:
   struct Step {
     sim::Picoseconds at;
-    std::int32_t position;  ///< after it
+    std::int32_t position;  ///< after the step
   };
   struct Fire {
     sim::Picoseconds rise;
     sim::Picoseconds fall;
-    std::int64_t period;    ///< of the lamp, drop-outs counted too
+    std::int64_t period;    ///< of the lamp, including drop-outs
     sim::Picoseconds edge;  ///< latest LAMP SYNC
   };
 
@@ -52,11 +52,11 @@ class PinMonitor final : public sim::PinListener {
   /// Shots that began in (from, to].
   std::size_t fired(sim::Picoseconds from, sim::Picoseconds to) const;
 
-  /// From now on corners are judged by the speed jumps that are set: jobs in path mode.
+  /// From now on corners are judged by the set speed jumps: for jobs in path mode.
   void allow_speed_jumps() { speed_jumps_ = true; }
 
-  /// Speed, acceleration and work space between two times: the first violation, or an empty text.
-  /// The machine stands at `from`; what happens after `to` is not judged.
+  /// Checks speed, acceleration and work space between two times: the first violation, or an empty
+  /// text. The machine must be at rest at `from`; events after `to` are ignored.
   std::string violation(const settings::Values& values, sim::Picoseconds from = 0,
                         sim::Picoseconds to = sim::never) const;
 
@@ -64,7 +64,7 @@ class PinMonitor final : public sim::PinListener {
   struct Rules {
     double speed, accel, tick_s, slew;
     double jump = 0;       ///< of the speed at a corner
-    double corners_s = 0;  ///< corners in a second at most
+    double corners_s = 0;  ///< maximum number of corners per second
   };
 
   Rules rules_of(const settings::Values& values, int axis) const;

@@ -1,5 +1,5 @@
-// The beat clock against lamps of every frequency, phase, jitter, drift and fault: it locks within
-// 16 edges, keeps the numbers of the beats, and keeps the lattice as near to the lamp as its gains
+// The beat clock with lamps of every frequency, phase, jitter, drift and fault: it locks within 16
+// edges, keeps the numbers of the beats, and keeps the lattice as close to the lamp as its gains
 // allow.
 #include <gtest/gtest.h>
 
@@ -26,18 +26,18 @@ using test::LampEdge;
 constexpr std::uint64_t ever = ~std::uint64_t{0};
 constexpr double us = clocks_per_us;
 
-/// A lamp as its settings describe it, with faults.
+/// A lamp as described by its settings, plus faults.
 struct Lamp {
   double hz = 100;
   double start_s = 0.01;
-  double jitter_us = 0;  ///< setting; the true one is no more
-  double drift = 0;      ///< share of the period per second, setting and truth
+  double jitter_us = 0;  ///< as set; the true jitter is at most this
+  double drift = 0;      ///< share of the period per second, as set and true
   double range = 0.03;
   double slew = 0.002;
-  double first_off = 0;  ///< period off nominal at the start, share
-  double drop = 0;       ///< probability that a burst of drop-outs begins
+  double first_off = 0;  ///< relative deviation of the period at the start
+  double drop = 0;       ///< probability of a burst of drop-outs
   int longest_burst = 1;
-  double doubled = 0;  ///< probability of a second edge, anywhere up to the next one
+  double doubled = 0;  ///< probability of a second edge before the next flash
   double period_s() const { return 1 / hz; }
 };
 
@@ -65,22 +65,22 @@ double uniform(double low, double high, std::mt19937_64& random) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-/// A slew limit that lets the lattice follow: each beat the tracked period is behind by up to two
-/// beats of drift, `gap` beats without an edge add to that, and jitter moves the prediction.
+/// A slew limit that lets the lattice follow: each beat the tracked period lags by up to two beats
+/// of drift, `gap` beats without an edge add to that, and jitter moves the prediction.
 double slew_for(const Lamp& lamp, int gap) {
   return std::min(0.05, 0.002 + 2 * (gap + 1) * lamp.drift * lamp.period_s() +
                             lamp.jitter_us * 1e-6 / lamp.period_s());
 }
 
-/// Any lamp. Jitter up to a sixteenth of the period: with more, a quarter of a period no longer
-/// tells which beat an edge belongs to while only two edges are known.
+/// A random lamp. Jitter is at most a sixteenth of the period: with more, a quarter of a period no
+/// longer identifies the beat of an edge while only two edges are known.
 Lamp any_lamp(std::mt19937_64& random) {
   Lamp lamp;
   lamp.hz = std::round(log_uniform(1, 5000, random) * 1000) / 1000;
   lamp.start_s = uniform(0.001, 0.001 + 3 * lamp.period_s(), random);
   lamp.jitter_us = log_uniform(0.1, std::min(1000.0, 1e6 * lamp.period_s() / 16), random);
   lamp.range = uniform(0.01, 0.1, random);
-  // A drift that crosses the range in less time than a lock takes leaves nothing to follow.
+  // A drift that crosses the range faster than a lock takes cannot be followed.
   const double fastest = std::min(0.02, lamp.range / (16 * lamp.period_s()));
   lamp.drift = random() % 3 == 0 ? 0 : log_uniform(1e-5, fastest, random);
   lamp.first_off = uniform(-0.8, 0.8, random) * lamp.range;
@@ -104,7 +104,7 @@ std::vector<LampEdge> edges_of(const Lamp& lamp, long clean, long flashes,
     if (dark == 0) {
       edges.push_back({static_cast<std::uint64_t>(std::llround(at * clock_hz)), flash, false});
       if (flash >= clean && uniform(0, 1, random) < lamp.doubled) {
-        // Between the end of a pulse and the earliest next edge.
+        // Between the end of the pulse and the earliest next edge.
         const double from = 3e-6, to = period - 2e-6 * lamp.jitter_us - 3e-6;
         if (to > from)
           edges.push_back({edges.back().clock +
@@ -121,8 +121,8 @@ std::vector<LampEdge> edges_of(const Lamp& lamp, long clean, long flashes,
   return edges;
 }
 
-/// Gains of Kalata's tracker for a lamp, and what they let through: computed here in floating
-/// point from the article's formulas, independent of the firmware's.
+/// Gains of Kalata's tracker for a lamp and the resulting errors, computed in floating point from
+/// the article's formulas, independently of the firmware.
 class Tracker {
  public:
   explicit Tracker(const Lamp& lamp) {
@@ -136,7 +136,7 @@ class Tracker {
   double alpha() const { return alpha_; }
 
   /// Largest error of a prediction `ahead` beats ahead, in jitters: the sum of the absolute
-  /// weights of all past edges, of the steady tracker or of a line through `edges`.
+  /// weights of all past edges, of the steady tracker or of a line fitted through `edges`.
   double noise(int ahead, int edges) const {
     double x = 0, v = 0, sum = 0;
     for (int k = 0; k < 4000; ++k) {
@@ -151,7 +151,7 @@ class Tracker {
       line += std::fabs(1.0 / edges + (edges - 1 + ahead - mean) * (i - mean) / spread);
     return std::max(sum, line);
   }
-  /// How far a prediction lags behind a period that grows by 1 each beat.
+  /// Lag of a prediction if the period grows by 1 each beat.
   double lag(int ahead) const {
     double x = 0, v = 0, truth = 0, speed = 0;
     for (int k = 0; k < 4000; ++k) {
@@ -169,12 +169,12 @@ class Tracker {
   double alpha_, beta_;
 };
 
-/// The longest a lattice tick is handed out before its edge, in edges that are not known then.
+/// Number of edges by which the prediction of a lattice tick is ahead of the latest known edge.
 int beats_ahead(const Lamp& lamp) {
   return 1 + static_cast<int>(std::floor(0.00056 / (lamp.period_s() * (1 - lamp.range))));
 }
 
-/// One lamp, one clock.
+/// A beat clock that follows a lamp, and the checks of its output.
 class Chase {
  public:
   Chase(const Lamp& lamp, long clean, long flashes, std::mt19937_64& random)
@@ -199,7 +199,7 @@ class Chase {
       worst_share = std::max(worst_share, std::fabs(off) / bound_us(seen.age));
     }
   }
-  /// Edges from cold until motion may begin.
+  /// Number of edges from a cold start until motion may begin.
   long settled_after = 0;
   long missed = 0, doubles = 0, taken_for_next = 0;
   double worst_share = 0;
@@ -212,9 +212,9 @@ class Chase {
     int age;  ///< longest gap shortly before
   };
 
-  /// Own jitter, those of the past as the gains weigh them, what drift leaves (a turn of the drift
-  /// is twice as much on top), what settled() lets pass, and a microsecond for rounding. A gap adds
-  /// to the beats ahead.
+  /// The edge's own jitter, past jitter weighted by the gains, the remaining lag of drift (a
+  /// reversal of the drift adds twice as much), the tolerance of settled(), and a microsecond for
+  /// rounding. A gap adds to the beats ahead.
   double bound_us(int age) const {
     const int ahead = beats_ahead(lamp_) + age;
     const double change =
@@ -228,11 +228,11 @@ class Chase {
     ++count_;
     if (settled_after == 0) {
       if (info.valid) last_ = {info.beat, edge.clock, edge.flash, 0};
-      return;  // from here on the lattice is where it should be
+      return;  // after this edge the lattice must be within its bound
     }
     if (edge.extra) {
       ++doubles;
-      // Just before the next flash no one can tell it from that.
+      // Just before the next flash an extra edge cannot be distinguished from it.
       if (!info.valid) return;
       ++taken_for_next;
       ASSERT_EQ(info.beat, last_.beat + static_cast<std::uint64_t>(edge.flash + 1 - last_.flash));
@@ -252,7 +252,7 @@ class Chase {
       ASSERT_EQ(info.missed, static_cast<std::uint32_t>(passed - 1));
       missed += passed - 1;
     }
-    // A gap is felt until the tracker has forgotten it.
+    // A gap has an effect until the tracker has forgotten it.
     const int gap = last_.flash == 0 ? 0 : static_cast<int>(passed) - 1;
     if (gap >= age_ || --age_left_ <= 0) {
       age_ = gap;
@@ -278,7 +278,7 @@ class Chase {
       }
       return;
     }
-    // Slew against a tracked period that is itself inside the range, with its noise.
+    // Slew limit relative to a tracked period within the range plus noise.
     const double noise = 2 * lamp_.jitter_us * 1e-6 / lamp_.period_s();
     ASSERT_GE(span.clocks + 1.01, nominal * (1 - lamp_.range - noise) * (1 - lamp_.slew) * 0.998);
     ASSERT_LE(span.clocks - 1.01, nominal * (1 + lamp_.range + noise) * (1 + lamp_.slew) * 1.002);
@@ -295,7 +295,7 @@ class Chase {
   std::vector<Seen> seen_;
 };
 
-/// So many flashes, of a slow lamp fewer: what costs time here is simulated time.
+/// Number of flashes to simulate: fewer for slow lamps, since the cost is simulated time.
 long flashes_of(const Lamp& lamp, long most) {
   return std::clamp(static_cast<long>(10 * lamp.hz), 40L, most);
 }
@@ -307,7 +307,7 @@ std::string describe(const Lamp& lamp, int number) {
          std::to_string(lamp.first_off) + ", start " + std::to_string(lamp.start_s);
 }
 
-TEST(BeatClockSweep, LocksAndSettlesWithinSixteenEdgesAndStaysOnTheLamp) {
+TEST(BeatClockSweep, LocksAndSettlesWithinSixteenEdgesAndKeepsTracking) {
   std::mt19937_64 random(1201);
   double worst = 0;
   long slowest = 0;
@@ -337,7 +337,7 @@ TEST(BeatClockSweep, SurvivesDropOutsAndDoubledEdges) {
     lamp.drop = uniform(0, 0.05, random);
     lamp.longest_burst = i % 2 == 0 ? 1 : 10;
     lamp.doubled = uniform(0, 0.1, random);
-    // A burst ends where the drift has not yet carried the edge into another beat.
+    // A burst ends before drift carries an edge into another beat.
     const double beats = lamp.longest_burst + 2.0;
     lamp.drift = std::min(lamp.drift, 0.05 / (beats * beats * lamp.period_s()));
     lamp.slew = slew_for(lamp, lamp.longest_burst);
@@ -355,7 +355,7 @@ TEST(BeatClockSweep, SurvivesDropOutsAndDoubledEdges) {
             << worst << " of its bound\n";
 }
 
-/// Steady edges from a time on.
+/// Adds edges at a constant period.
 void add_edges(std::vector<LampEdge>& edges, double period_s, long count, double jitter_us,
                std::mt19937_64& random) {
   double t = edges.empty() ? 0.01 : static_cast<double>(edges.back().clock) / clock_hz + period_s;
@@ -366,7 +366,7 @@ void add_edges(std::vector<LampEdge>& edges, double period_s, long count, double
   }
 }
 
-TEST(BeatClockSweep, LocksAnewWithinSixteenEdgesAfterAJumpInsideTheRange) {
+TEST(BeatClockSweep, LocksAgainWithinSixteenEdgesAfterAJumpInsideTheRange) {
   // Jumps that are far outside the jitter; smaller ones are drift to the tracker.
   std::mt19937_64 random(1203);
   long lost = 0, kept = 0, slowest = 0;
@@ -388,7 +388,7 @@ TEST(BeatClockSweep, LocksAnewWithinSixteenEdgesAfterAJumpInsideTheRange) {
     bench.run(edges, edges.back().clock + 1, [&](const LampEdge& edge, const EdgeInfo& info) {
       if (edge.flash >= jump) seen.emplace_back(edge, info);
     });
-    // On the lamp again: the edge has a beat, and its lattice tick is where it belongs.
+    // The lamp is tracked again when the edge has a beat and its lattice tick is within the bound.
     const double bound = 20 + 8 * lamp.jitter_us;
     long last_off = jump;
     for (const auto& [edge, info] : seen) {
@@ -401,12 +401,12 @@ TEST(BeatClockSweep, LocksAnewWithinSixteenEdgesAfterAJumpInsideTheRange) {
     slowest = std::max(slowest, last_off + 1 - jump);
     ++(clock.lock_losses() != 0 ? lost : kept);
   }
-  std::cout << "on the lamp again after at most " << slowest << " edges; lock kept " << kept
+  std::cout << "tracked again after at most " << slowest << " edges; lock kept " << kept
             << " times, lost " << lost << " times\n";
 }
 
 TEST(BeatClockSweep, HasNoLockOutsideTheRange) {
-  // Other frequencies, whole multiples and fractions too: those fit every edge or every beat.
+  // Other frequencies, including multiples and fractions, which fit every edge or every beat.
   std::mt19937_64 random(1204);
   for (int i = 0; i < test::scaled(150); ++i) {
     Lamp lamp = any_lamp(random);
@@ -446,7 +446,7 @@ TEST(BeatClockSweep, HasNoLockOutsideTheRange) {
 }
 
 TEST(BeatClockSweep, NoTickIsShorterThanTheLimitsOfTheMotionAllow) {
-  // The lamp jumps to a shorter period while the machine moves: the lattice lags, the limits hold.
+  // The lamp jumps to a shorter period during motion: the lattice lags, the limits are kept.
   std::mt19937_64 random(1205);
   long held_back = 0;
   for (int i = 0; i < test::scaled(100); ++i) {
@@ -473,7 +473,7 @@ TEST(BeatClockSweep, NoTickIsShorterThanTheLimitsOfTheMotionAllow) {
             clock.set_least_tick(0, promised);
             clock.set_motion_end(ever);
           }
-          // The next window was planned for shorter ticks; it begins some beats later.
+          // The next window is planned for shorter ticks; it begins some beats later.
           if (edge.flash == 35) {
             from = clock.tick_of_beat(clock.beat_at_or_after(clock.next_tick()) + 4);
             later = promised - promised / 100;
@@ -491,7 +491,7 @@ TEST(BeatClockSweep, NoTickIsShorterThanTheLimitsOfTheMotionAllow) {
   EXPECT_GT(held_back, 10 * test::scaled(100));
 }
 
-TEST(BeatClockSweep, TheShortestTickCoversTheDriftUntilAPlanHasBeenRun) {
+TEST(BeatClockSweep, TheShortestTickCoversTheDriftUntilThePlanHasEnded) {
   std::mt19937_64 random(1206);
   for (int i = 0; i < test::scaled(200); ++i) {
     Lamp lamp = any_lamp(random);
@@ -502,7 +502,7 @@ TEST(BeatClockSweep, TheShortestTickCoversTheDriftUntilAPlanHasBeenRun) {
     BeatClock clock;
     clock.configure(settings_for(lamp));
     ClockBench bench(clock);
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> said;  // up to which tick, how short
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> limits;  // valid up to tick, shortest tick
     bool moving = false;
     const double noise = 1 - 2 * lamp.jitter_us * 1e-6 / lamp.period_s() - 0.0001;
     bench.run(
@@ -511,15 +511,16 @@ TEST(BeatClockSweep, TheShortestTickCoversTheDriftUntilAPlanHasBeenRun) {
           moving = moving || clock.settled();
           if (moving) clock.set_motion_end(ever);
           if (moving && info.valid)
-            said.emplace_back(clock.next_tick() + 24 * clock.beat_ticks(),
-                              clock.shortest_tick_q16());
+            limits.emplace_back(clock.next_tick() + 24 * clock.beat_ticks(),
+                                clock.shortest_tick_q16());
         },
         [&](const TickSpan& span) {
           if (testing::Test::HasFatalFailure()) return;
-          for (std::size_t k = said.size() > 30 ? said.size() - 30 : 0; k < said.size(); ++k) {
-            if (span.first_tick >= said[k].first) continue;
+          for (std::size_t k = limits.size() > 30 ? limits.size() - 30 : 0; k < limits.size();
+               ++k) {
+            if (span.first_tick >= limits[k].first) continue;
             ASSERT_GE((span.clocks + 1.01) / (span.ticks * double{clocks_per_tick}) * 65536,
-                      said[k].second * noise);
+                      limits[k].second * noise);
           }
         });
   }

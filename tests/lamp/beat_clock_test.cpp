@@ -1,4 +1,4 @@
-// The beat clock against simulated lamps.
+// The beat clock with simulated lamps.
 #include "firmware/lamp/beat_clock.hpp"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ std::int64_t delay_clocks(const settings::Values& values) {
 
 std::uint64_t clocks(double seconds) { return static_cast<std::uint64_t>(seconds * clock_hz); }
 
-/// Every edge that got a beat, while the lattice had settled.
+/// Every edge that was assigned to a beat after the lattice had settled.
 struct Judged {
   LampEdge edge;
   EdgeInfo info;
@@ -87,7 +87,7 @@ TEST(BeatClock, FollowsAWanderingJitteringLamp) {
                 [&](const LampEdge& edge, const EdgeInfo& info) {
                   if (clock.settled() && !settled_s) {
                     settled_s = static_cast<double>(edge.clock) / clock_hz;
-                    clock.set_motion_end(ever);  // from here on within the slew limit
+                    clock.set_motion_end(ever);  // after this the slew limit applies
                   }
                   if (!settled_s) return;
                   EXPECT_TRUE(info.valid);
@@ -180,7 +180,7 @@ TEST(BeatClock, NumbersBeatsWithoutSkippingOrRepeating) {
 }
 
 TEST(BeatClock, NeverPutsATickMoreThanAQuarterOffItsNominalLength) {
-  // The lamp as far from nominal as it may be, the lattice catching up with it at rest.
+  // A lamp as far from nominal as allowed, which the lattice catches up with at rest.
   std::mt19937_64 random(78);
   for (int i = 0; i < test::scaled(40); ++i) {
     settings::Values values = lamp_settings(100);
@@ -201,7 +201,7 @@ TEST(BeatClock, NeverPutsATickMoreThanAQuarterOffItsNominalLength) {
   }
 }
 
-TEST(BeatClock, LosesTheLockOutsideItsRangeAndFindsItAgainInside) {
+TEST(BeatClock, LosesTheLockOutsideItsRangeAndRegainsItInside) {
   std::mt19937_64 random(74);
   BeatClock clock;
   clock.configure(lamp_settings(100));  // lock range 3 %
@@ -238,7 +238,7 @@ TEST(BeatClock, LosesTheLockOutsideItsRangeAndFindsItAgainInside) {
     ASSERT_EQ(judged[i].info.beat, judged[i - 1].info.beat + 1);
 }
 
-TEST(BeatClock, LosesTheLockOfALampThatGoesOut) {
+TEST(BeatClock, LosesTheLockWhenTheLampStops) {
   std::mt19937_64 random(75);
   BeatClock clock;
   clock.configure(lamp_settings(100));
@@ -256,7 +256,7 @@ TEST(BeatClock, LosesTheLockOfALampThatGoesOut) {
 }
 
 TEST(BeatClock, NeverPassesTheSlewLimitWhileMoving) {
-  // A lamp of exact period whose phase the lattice has not reached when motion begins.
+  // A lamp of exact period whose phase the lattice has not yet reached when motion begins.
   std::mt19937_64 random(76);
   for (int i = 0; i < test::scaled(20); ++i) {
     settings::Values values = lamp_settings(100);
@@ -282,7 +282,7 @@ TEST(BeatClock, NeverPassesTheSlewLimitWhileMoving) {
           EXPECT_LE(std::fabs(span.clocks - even), even * slew + 1.01);
           if (std::fabs(span.clocks - even) > even * slew * 0.9 && even * slew > 20)
             at_the_limit = true;
-          // What the planner was told: no tick is shorter.
+          // The limit given to the planner: no tick is shorter.
           EXPECT_GE(span.clocks + 1.01,
                     span.ticks * double{clocks_per_tick} * clock.shortest_tick_q16() / 65536);
         });
@@ -314,7 +314,7 @@ TEST(BeatClock, ShortestTickHoldsWhileTheLampWanders) {
 }
 
 TEST(BeatClock, ShortestTickFallsWithTheDriftToTheEndOfTheLockRange) {
-  // The most drift at the slowest lamps: more than a whole period in what is planned ahead.
+  // The largest drift at the slowest lamps: more than a whole period in the planned window.
   for (std::int32_t milli_hz = 1000; milli_hz <= 10'000; milli_hz += 1) {
     settings::Values values = lamp_settings(1);
     ASSERT_TRUE(values.set_milli(settings::Id::lamp_frequency, milli_hz));
@@ -337,7 +337,7 @@ TEST(BeatClock, TicksAreExactWithoutALampToFollow) {
     EXPECT_TRUE(clock.settled());
     EXPECT_EQ(clock.shortest_tick_q16(), 65536u);
     ClockBench bench(clock);
-    // A lamp that answers our trigger: its edges come a delay before the lattice ticks.
+    // A lamp that follows our trigger: its edges precede the lattice ticks by the delay.
     const std::int64_t delay = delay_clocks(values);
     std::vector<LampEdge> edges;
     for (long k = 5; k < 300; ++k) {
@@ -374,7 +374,7 @@ TEST(BeatClock, TicksAreExactWithoutALampToFollow) {
   }
 }
 
-TEST(BeatClock, AsMasterTicksHaveTheLengthThatIsAskedFor) {
+TEST(BeatClock, AsMasterTicksHaveTheRequestedLength) {
   std::mt19937_64 random(80);
   for (int i = 0; i < test::scaled(40); ++i) {
     const double hz = std::exp(std::uniform_real_distribution<double>(0, std::log(5000))(random));
@@ -391,11 +391,11 @@ TEST(BeatClock, AsMasterTicksHaveTheLengthThatIsAskedFor) {
     EXPECT_LE(most, tolerance_milli / 1e5);
     EXPECT_LE(most * shot_ns, 1000.0);
     EXPECT_GE(most + 0.0001, std::min(tolerance_milli / 1e5, 1000.0 / shot_ns));
-    // Lengths asked for some beats ahead, more than the tolerance too; some are taken back.
+    // Lengths requested some beats ahead, also beyond the tolerance; some are cancelled.
     std::map<std::uint64_t, std::uint32_t> asked;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> starts;  // beat, clock
     std::uint64_t edges = 0, changes = 0;
-    std::uint64_t next_told = 0;
+    std::uint64_t next_reported = 0;
     for (int beats = 0; beats < 200;) {
       const std::uint64_t now = clock.next_tick();
       if (random() % 30 == 0) {
@@ -422,10 +422,11 @@ TEST(BeatClock, AsMasterTicksHaveTheLengthThatIsAskedFor) {
       if (length != 1) ++changes;
       const double wanted = span.ticks * length * clocks_per_tick;
       ASSERT_NEAR(span.clocks, wanted, 1.01) << "tick " << now;
-      // The edges of our own trigger, as late as a board tells them.
-      const std::uint64_t told_until = span.first_clock > 60'000 ? span.first_clock - 60'000 : 0;
-      while (next_told < starts.size() && starts[next_told].second <= told_until) {
-        const auto& [of, at] = starts[next_told++];
+      // The edges of our own trigger, reported as late as by a board.
+      const std::uint64_t reported_until =
+          span.first_clock > 60'000 ? span.first_clock - 60'000 : 0;
+      while (next_reported < starts.size() && starts[next_reported].second <= reported_until) {
+        const auto& [of, at] = starts[next_reported++];
         if (at < 100'000) continue;
         const EdgeInfo info = clock.edge(at - lamp::shot_delay_clocks(delay_ns));
         ASSERT_TRUE(info.valid);
@@ -438,8 +439,8 @@ TEST(BeatClock, AsMasterTicksHaveTheLengthThatIsAskedFor) {
   }
 }
 
-TEST(BeatClock, KeepsTheLampForMonthsOfUptime) {
-  // Times in Q16 clocks wrap after 26 days; nothing may happen then.
+TEST(BeatClock, TracksTheLampForMonthsOfUptime) {
+  // Times in Q16 clocks wrap after 26 days; this must have no effect.
   settings::Values values = lamp_settings(1);
   BeatClock clock;
   clock.configure(values);
@@ -464,9 +465,8 @@ TEST(BeatClock, KeepsTheLampForMonthsOfUptime) {
   EXPECT_EQ(wrong, 0u);
 }
 
-TEST(BeatClock, SpansAddUpThroughEverything) {
-  // Spans of every length, an awful lamp, settings changed on the way: no gap, nothing counted
-  // twice.
+TEST(BeatClock, SpansAreGapless) {
+  // Spans of any length, a bad lamp, changes of settings: no gap, no tick counted twice.
   std::mt19937_64 random(79);
   BeatClock clock;
   clock.configure(lamp_settings(100));

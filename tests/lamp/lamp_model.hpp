@@ -1,4 +1,4 @@
-// A lamp and a board's clock service, small enough to see through: for tests of the beat clock.
+// A simple model of a lamp and of a board's clock service, for tests of the beat clock.
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,6 @@ struct LampEdge {
   bool extra = false;  ///< a second edge of the same flash
 };
 
-/// What a lamp does.
 struct LampSpec {
   double hz = 100;
   double wander = 0;  ///< period swings by this share within `wander_seconds`
@@ -51,8 +50,8 @@ inline std::vector<LampEdge> lamp_edges(const LampSpec& spec, double start_s, do
   return edges;
 }
 
-/// Runs a beat clock as a board does: every 250 us lengths of ticks are handed out until 300 us
-/// ahead; edges are reported when they come.
+/// Runs a beat clock like a board: every 250 us it requests lengths of ticks until 300 us ahead;
+/// edges are reported when they occur.
 class ClockBench {
  public:
   explicit ClockBench(lamp::BeatClock& clock) : clock_(clock) {}
@@ -73,7 +72,7 @@ class ClockBench {
     }
   }
 
-  /// When the lattice tick of a beat was (or will be), clocks; 0 if not handed out.
+  /// Time of the lattice tick of a beat, past or future, clocks; 0 if not known.
   std::uint64_t time_of_beat(std::uint64_t beat) const {
     const auto at = beats_.find(beat);
     return at == beats_.end() ? 0 : at->second;

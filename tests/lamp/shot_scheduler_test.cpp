@@ -1,5 +1,5 @@
-// The shot scheduler in a random world: edges that miss, come late or twice, tokens withdrawn,
-// holds. Whatever happens, every point is fired once, in order, and every beat is counted once.
+// The shot scheduler in a random world: missing, late or doubled edges, withdrawn tokens, holds. In
+// any case every point is fired once, in order, and every beat is counted once.
 #include "firmware/lamp/shot_scheduler.hpp"
 
 #include <gtest/gtest.h>
@@ -33,18 +33,18 @@ Segment shot_segment(std::uint32_t point, std::uint32_t half_window, bool shot =
   return s;
 }
 
-/// How unkind the world is: probabilities per beat.
+/// Faults of the world: probabilities per beat.
 struct Trouble {
   double drop = 0.1;       ///< no edge
   double late = 0.1;       ///< edge outside the window of the shot
   double stray = 0.05;     ///< an edge that the beat clock does not accept
   double unjudged = 0.02;  ///< the true edge is not accepted by the beat clock
   double hold = 0.01;      ///< firing forbidden for a while
-  double lazy = 0.3;       ///< the main loop does not come round
+  double lazy = 0.3;       ///< the main loop does not run
 };
 
-/// Machine, hardware and main loop round a scheduler, beat by beat, the way the board and the job
-/// runner do it.
+/// Machine, hardware and main loop around a scheduler, beat by beat, as in the board and the job
+/// runner.
 class World {
  public:
   World(std::uint64_t seed, const Trouble& trouble, std::uint32_t points)
@@ -95,7 +95,6 @@ class World {
     ++beat_;
   }
 
-  /// What has to hold at any time.
   void check() const {
     const std::uint32_t open = first_open();
     for (std::uint32_t i = 0; i < total_; ++i) {
@@ -110,10 +109,10 @@ class World {
     ASSERT_TRUE(in_order_) << "points fired out of order";
     ASSERT_EQ(scheduler_.stray_shots(), 0u);
     ASSERT_TRUE(one_token_) << "two tokens at a time";
-    ASSERT_FALSE(token_while_blocked_) << "a token while a miss was not repaired";
+    ASSERT_FALSE(token_while_blocked_) << "a token before a miss was repaired";
   }
 
-  /// Beats from the first shot to the last, by the world's own count, and the scheduler's.
+  /// Compares the world's count of beats from the first shot to the last with the scheduler's.
   void check_ledger() const {
     const BeatLedger& ledger = scheduler_.ledger();
     ASSERT_EQ(ledger.shots(), shots_);
@@ -190,20 +189,20 @@ class World {
     PointOutcome o;
     bool missed = false;
     while (scheduler_.outcome(o)) {
-      if (o.outcome == Outcome::missed) {
+      if (o.outcome == ShotResult::missed) {
         missed = true;
         ++misses_;
         continue;
       }
       ASSERT_LT(o.point, total_);
-      ASSERT_EQ(o.outcome == Outcome::passed, passes_[o.point]);
+      ASSERT_EQ(o.outcome == ShotResult::passed, passes_[o.point]);
       done_[o.point] = true;
     }
     if (missed) go_back();
   }
 
   void go_back() {
-    // What runs is carried to its end, what has not begun is taken back.
+    // Segments that run are completed, segments that have not begun are cancelled.
     while (!machine_.empty() && machine_.back().first_beat > beat_ + 1) machine_.pop_back();
     scheduler_.restart(BeatReason::returning);
     if (!machine_.empty()) scheduler_.cancel_after(machine_.back().last_beat);
@@ -289,7 +288,7 @@ class World {
   bool in_order_ = true, one_token_ = true, token_while_blocked_ = false;
 };
 
-TEST(ShotScheduler, FiresEveryPointOnceInOrderWhateverHappens) {
+TEST(ShotScheduler, FiresEveryPointOnceInOrderDespiteFaults) {
   std::uint32_t misses = 0;
   for (int i = 0; i < test::scaled(400); ++i) {
     SCOPED_TRACE(testing::Message() << "world " << i);
@@ -303,10 +302,11 @@ TEST(ShotScheduler, FiresEveryPointOnceInOrderWhateverHappens) {
     ASSERT_EQ(world.shots() + world.passed_points(), 60u);
     misses += world.misses();
   }
-  EXPECT_GT(misses, static_cast<std::uint32_t>(test::scaled(400)) * 5);  // it was a rough world
+  EXPECT_GT(misses, static_cast<std::uint32_t>(test::scaled(400)) *
+                        5);  // the world must have had many faults
 }
 
-TEST(ShotScheduler, MissesNothingInAKindWorld) {
+TEST(ShotScheduler, MissesNothingInAWorldWithoutFaults) {
   World world(1, {0, 0, 0, 0, 0, 0}, 500);
   for (int beats = 0; !world.finished(); ++beats) {
     ASSERT_LT(beats, 2'000);
@@ -317,7 +317,7 @@ TEST(ShotScheduler, MissesNothingInAKindWorld) {
   EXPECT_EQ(world.misses(), 0u);
 }
 
-/// Scheduler and clock by hand, for single rules.
+/// Scheduler and clock driven by hand, for single rules.
 class ByHand : public testing::Test {
  protected:
   ByHand() {
@@ -326,7 +326,7 @@ class ByHand : public testing::Test {
     scheduler_.permit(true, BeatReason::no_point_due);
   }
   bool token(FireToken& out) { return scheduler_.next_token(out, clock_, clock_.next_tick()); }
-  /// Ticks have their lengths up to the one of this beat.
+  /// Sets the lengths of ticks up to the one of this beat.
   void time_up_to(std::uint64_t beat) {
     const std::uint64_t tick = clock_.tick_of_beat(beat);
     while (clock_.next_tick() < tick)
@@ -347,7 +347,7 @@ TEST_F(ByHand, TokensComeOneAtATimeAndForOneBeat) {
   scheduler_.commit(shot_segment(1, 50), 5, 5);
   FireToken first, second;
   time_up_to(3);
-  EXPECT_FALSE(token(first)) << "its way may still be planned anew";
+  EXPECT_FALSE(token(first)) << "its move may still be planned again";
   time_up_to(4);
   ASSERT_TRUE(token(first));
   EXPECT_EQ(first.beat, 4u);
@@ -362,7 +362,7 @@ TEST_F(ByHand, TokensComeOneAtATimeAndForOneBeat) {
   EXPECT_EQ(second.beat, 5u);
   const auto done = outcomes();
   ASSERT_EQ(done.size(), 1u);
-  EXPECT_EQ(done[0].outcome, Outcome::fired);
+  EXPECT_EQ(done[0].outcome, ShotResult::fired);
 }
 
 TEST_F(ByHand, AMissBlocksUntilTheRestart) {
@@ -378,14 +378,14 @@ TEST_F(ByHand, AMissBlocksUntilTheRestart) {
   scheduler_.restart(BeatReason::returning);
   scheduler_.cancel_after(5);
   time_up_to(5);
-  EXPECT_FALSE(token(t)) << "what was planned before the restart never fires";
+  EXPECT_FALSE(token(t)) << "a shot planned before the restart must not fire";
   scheduler_.commit(shot_segment(0, 50), 6, 8);
   time_up_to(8);
   ASSERT_TRUE(token(t));
   EXPECT_EQ(t.beat, 8u);
 }
 
-TEST_F(ByHand, NothingFiresWithoutPermission) {
+TEST_F(ByHand, NothingFiresWithoutAPermit) {
   scheduler_.commit(shot_segment(0, 50), 3, 3);
   time_up_to(3);
   scheduler_.permit(false, BeatReason::door);
@@ -395,10 +395,10 @@ TEST_F(ByHand, NothingFiresWithoutPermission) {
   scheduler_.edge({true, 3, 0}, false, false);
   const auto done = outcomes();
   ASSERT_EQ(done.size(), 1u);
-  EXPECT_EQ(done[0].outcome, Outcome::missed);
+  EXPECT_EQ(done[0].outcome, ShotResult::missed);
 }
 
-TEST_F(ByHand, ANewJobForgetsTheOldOne) {
+TEST_F(ByHand, ANewJobDiscardsTheOldOne) {
   scheduler_.commit(shot_segment(7, 50), 3, 3);
   time_up_to(3);
   scheduler_.begin_job();
@@ -408,7 +408,7 @@ TEST_F(ByHand, ANewJobForgetsTheOldOne) {
   EXPECT_TRUE(outcomes().empty());
 }
 
-TEST_F(ByHand, ATokenSpentOnAStrayEdgeComesBack) {
+TEST_F(ByHand, ATokenSpentOnAStrayEdgeIsIssuedAgain) {
   scheduler_.commit(shot_segment(0, 50), 3, 3);
   time_up_to(3);
   FireToken t;
@@ -419,19 +419,19 @@ TEST_F(ByHand, ATokenSpentOnAStrayEdgeComesBack) {
   scheduler_.edge({true, 3, 0}, true, true);
   const auto done = outcomes();
   ASSERT_EQ(done.size(), 1u);
-  EXPECT_EQ(done[0].outcome, Outcome::fired);
+  EXPECT_EQ(done[0].outcome, ShotResult::fired);
 }
 
 TEST_F(ByHand, ALateResultBelongsToItsToken) {
-  // An edge too early is taken for that of the beat; the lamp's own fires the token, and that is
-  // told late.
+  // An early edge is taken for the edge of the beat; the lamp's own edge fires the token, and that
+  // result arrives late.
   scheduler_.commit(shot_segment(0, 50), 3, 3);
   scheduler_.commit(shot_segment(1, 50), 4, 5);
   time_up_to(3);
   FireToken t, other;
   ASSERT_TRUE(token(t));
   scheduler_.edge({true, 3, 0}, false, false);
-  EXPECT_TRUE(outcomes().empty()) << "the token may still be fired on";
+  EXPECT_TRUE(outcomes().empty()) << "the token may still fire";
   EXPECT_TRUE(scheduler_.token_out());
   EXPECT_TRUE(scheduler_.undecided());
   time_up_to(5);
@@ -442,7 +442,7 @@ TEST_F(ByHand, ALateResultBelongsToItsToken) {
   auto done = outcomes();
   ASSERT_EQ(done.size(), 1u);
   EXPECT_EQ(done[0].point, 0u);
-  EXPECT_EQ(done[0].outcome, Outcome::fired);
+  EXPECT_EQ(done[0].outcome, ShotResult::fired);
   EXPECT_EQ(scheduler_.stray_shots(), 0u);
   EXPECT_EQ(scheduler_.ledger().shots(), 1u);
   ASSERT_TRUE(token(other));
@@ -473,11 +473,11 @@ TEST_F(ByHand, APassedBeatIsMissedWhenItsTokenIsWithdrawn) {
   ASSERT_EQ(done.size(), 2u);
   for (std::uint32_t i = 0; i < 2; ++i) {
     EXPECT_EQ(done[i].point, i);
-    EXPECT_EQ(done[i].outcome, Outcome::missed);
+    EXPECT_EQ(done[i].outcome, ShotResult::missed);
   }
 }
 
-TEST_F(ByHand, ATokenSpentOnTheBeatBeforeComesBack) {
+TEST_F(ByHand, ATokenSpentOnThePrecedingBeatIsIssuedAgain) {
   scheduler_.commit(shot_segment(0, 50), 3, 4);
   time_up_to(4);
   FireToken t;
@@ -488,7 +488,7 @@ TEST_F(ByHand, ATokenSpentOnTheBeatBeforeComesBack) {
   scheduler_.edge({true, 4, 0}, true, true);
   const auto done = outcomes();
   ASSERT_EQ(done.size(), 1u);
-  EXPECT_EQ(done[0].outcome, Outcome::fired);
+  EXPECT_EQ(done[0].outcome, ShotResult::fired);
 }
 
 TEST_F(ByHand, EveryBeatHasItsReason) {
@@ -522,14 +522,14 @@ TEST_F(ByHand, EveryBeatHasItsReason) {
   EXPECT_EQ(scheduler_.ledger().beats(), 6u);
 }
 
-TEST_F(ByHand, RefusesMoreThanItCanHold) {
+TEST_F(ByHand, RefusesMoreThanItsCapacity) {
   for (std::uint32_t i = 0; i < ShotScheduler::capacity; ++i)
     ASSERT_TRUE(scheduler_.commit(shot_segment(i, 50), 3 + i, 3 + i));
   EXPECT_EQ(scheduler_.free(), 0u);
   EXPECT_FALSE(scheduler_.commit(shot_segment(0, 50), 900, 900));
 }
 
-TEST_F(ByHand, AShotThatNobodyPlannedIsCounted) {
+TEST_F(ByHand, AnUnplannedShotIsCounted) {
   scheduler_.edge({true, 3, 0}, true, false);
   EXPECT_EQ(scheduler_.stray_shots(), 1u);
 }

@@ -1,4 +1,4 @@
-// Settings of a model board: read, checked, changed all or none.
+// Settings of a model board: read, checked, and changed either all or none.
 #include "host/link/board_settings.hpp"
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@ using test::GrblModel;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A board with some settings, one of which nobody knows.
+/// A board with some settings, one of which is unknown to the program.
 struct SettingsOfABoard : testing::Test {
   SettingsOfABoard() {
     board.settings = {{100, "200.000"}, {120, "500.000"}, {901, "100.000"}, {9999, "on"}};
@@ -26,7 +26,7 @@ struct SettingsOfABoard : testing::Test {
 };
 
 TEST_F(SettingsOfABoard, are_read) {
-  board.restart();  // a banner is no setting
+  board.restart();  // the banner must not be read as a setting
   const BoardSettings read = read_settings(port);
   EXPECT_EQ(read.texts, board.settings);
   EXPECT_TRUE(read.has(Id::acceleration_x));
@@ -35,14 +35,14 @@ TEST_F(SettingsOfABoard, are_read) {
   EXPECT_EQ(read.known.count(), 3u);
 }
 
-TEST_F(SettingsOfABoard, a_value_that_the_table_does_not_allow_stays_text) {
+TEST_F(SettingsOfABoard, a_value_that_the_table_does_not_allow_is_kept_as_text) {
   board.settings[120] = "1e9";
   const BoardSettings read = read_settings(port);
   EXPECT_FALSE(read.has(Id::acceleration_x));
   EXPECT_EQ(read.texts.at(120), "1e9");
 }
 
-TEST_F(SettingsOfABoard, only_what_differs_is_written) {
+TEST_F(SettingsOfABoard, only_differing_settings_are_written) {
   const BoardSettings before = read_settings(port);
   const auto changes = differing(
       before,
@@ -54,12 +54,12 @@ TEST_F(SettingsOfABoard, only_what_differs_is_written) {
   EXPECT_THAT(board.lines, testing::ElementsAre("$901=50.000", "$9999=off"));
 }
 
-TEST_F(SettingsOfABoard, unknown_numbers_are_numbers_however_they_are_written) {
+TEST_F(SettingsOfABoard, values_of_unknown_numbers_are_compared_as_numbers) {
   board.settings[9999] = "7.000";
   EXPECT_THAT(differing(read_settings(port), {parse_change("9999=7", "-")}), IsEmpty());
 }
 
-TEST_F(SettingsOfABoard, what_goes_only_behind_another_is_tried_again) {
+TEST_F(SettingsOfABoard, a_setting_that_depends_on_another_is_tried_again) {
   // 120 may be above 1000 once 901 is below 60.
   board.allows = [](const auto& s) {
     return std::stod(s.at(120)) < 1000 || std::stod(s.at(901)) < 60;
@@ -69,7 +69,7 @@ TEST_F(SettingsOfABoard, what_goes_only_behind_another_is_tried_again) {
   EXPECT_EQ(after.texts.at(120), "2000.000");
 }
 
-TEST_F(SettingsOfABoard, a_refusal_puts_everything_back) {
+TEST_F(SettingsOfABoard, a_refusal_restores_all_settings) {
   board.allows = [](const auto& s) { return std::stod(s.at(120)) < 1000; };
   const BoardSettings before = read_settings(port);
   try {
@@ -83,7 +83,7 @@ TEST_F(SettingsOfABoard, a_refusal_puts_everything_back) {
   EXPECT_EQ(board.settings, before.texts);
 }
 
-TEST_F(SettingsOfABoard, missing_ones_are_told_before_anything_is_sent) {
+TEST_F(SettingsOfABoard, missing_settings_are_reported_before_anything_is_sent) {
   const BoardSettings before = read_settings(port);
   EXPECT_THAT(error_of([&] {
                 differing(before, {{100, "1.000"}, {130, "5.000"}});
@@ -103,7 +103,7 @@ TEST(Change, by_number_or_name) {
   EXPECT_EQ(parse_change("lamp_mode=2", "-").text, "2");
 }
 
-TEST(Change, that_the_table_does_not_allow) {
+TEST(Change, is_refused_if_the_table_does_not_allow_it) {
   const auto error = [](const char* text) { return error_of([=] { parse_change(text, "f:3"); }); };
   EXPECT_THAT(error("lamp_mode=3"), HasSubstr("f:3: lamp_mode = 3 is out of range; it is 0 to 2"));
   EXPECT_THAT(error("lamp_mode=0.5"), HasSubstr("a whole number"));
@@ -111,8 +111,8 @@ TEST(Change, that_the_table_does_not_allow) {
   EXPECT_THAT(error("120=1.0001"), HasSubstr("is not a number"));
   EXPECT_THAT(error("120="), HasSubstr("is not a number"));
   EXPECT_THAT(error("acceleration=5"), HasSubstr("no setting 'acceleration'"));
-  EXPECT_THAT(error("acceleration_x"), HasSubstr("changes nothing"));
-  EXPECT_THAT(error("9999=a!"), HasSubstr("is not a value"));
+  EXPECT_THAT(error("acceleration_x"), HasSubstr("has no value"));
+  EXPECT_THAT(error("9999=a!"), HasSubstr("is not a valid value for $9999"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What boards say, and programs as they are sent.
+// Texts of boards, and programs as they are sent.
 #include "host/link/board_text.hpp"
 
 #include <fmt/format.h>
@@ -36,7 +36,7 @@ TEST(BoardText, status_reports) {
   EXPECT_FALSE(idle->free_bytes);
 }
 
-TEST(BoardText, broken_reports_break_nothing) {
+TEST(BoardText, broken_reports_are_tolerated) {
   EXPECT_FALSE(parse_status("ok"));
   EXPECT_FALSE(parse_status("<>"));
   EXPECT_FALSE(parse_status("<Idle|MPos:0,0,0"));
@@ -47,14 +47,14 @@ TEST(BoardText, broken_reports_break_nothing) {
   EXPECT_FALSE(odd->free_bytes);
 }
 
-TEST(BoardText, which_states_stand) {
-  const auto stands = [](const char* state) {
-    return parse_status(fmt::format("<{}|FS:0,0>", state))->stands();
+TEST(BoardText, states_at_rest) {
+  const auto at_rest = [](const char* state) {
+    return parse_status(fmt::format("<{}|FS:0,0>", state))->is_at_rest();
   };
   for (const char* state : {"Idle", "Check", "Hold:0", "Door:0", "Door:1", "Alarm", "Sleep"})
-    EXPECT_TRUE(stands(state)) << state;
+    EXPECT_TRUE(at_rest(state)) << state;
   for (const char* state : {"Run", "Hold:1", "Door:2", "Door:3", "Jog", "Home"})
-    EXPECT_FALSE(stands(state)) << state;
+    EXPECT_FALSE(at_rest(state)) << state;
 }
 
 TEST(BoardText, answers_alarms_banners) {
@@ -85,12 +85,12 @@ TEST(BoardText, identity) {
 TEST(BoardText, texts_of_numbers) {
   EXPECT_EQ(error_text(22), "error:22 the feed is zero or has not been set");
   EXPECT_EQ(error_text(279), "error:279 unknown to this program");
-  EXPECT_EQ(alarm_text(2), "ALARM:2 the target lies outside the work space");
+  EXPECT_EQ(alarm_text(2), "ALARM:2 the target is outside the work space");
   EXPECT_EQ(alarm_text(99), "ALARM:99 unknown to this program");
   EXPECT_EQ(alarm_text(-1), "ALARM:-1 unknown to this program");
 }
 
-TEST(ProgramLines, comments_and_blanks_stay_here) {
+TEST(ProgramLines, comments_and_blank_lines_are_not_sent) {
   const auto lines = program_lines(
       "\xEF\xBB\xBF%\r\n(ready? caf\xC3\xA9!)\nG1 (one) X1 (two); three ~\r\r\n  G0 X2\t\n"
       "G1 X3 (open\n$N0=G21 (x)\nM30",

@@ -1,4 +1,4 @@
-// Where a job goes on, and the mark of a board that has restarted.
+// Where a job continues, and the restart mark of a board.
 #include "host/link/continuation.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace lamplock::link {
 namespace {
 
-TEST(RestartMark, IsReadFromWhatABoardSaysWhenItStarts) {
+TEST(RestartMark, IsReadFromTheStartMessageOfABoard) {
   const auto mark = parse_restart_mark("[MSG:Started by watchdog, job 7 first point not fired 12]");
   ASSERT_TRUE(mark);
   EXPECT_EQ(mark->session, 7u);
@@ -46,9 +46,9 @@ TEST(Continuation, OfPointsIsExactAndOfALineOfPixelsLeavesItOut) {
   }
 }
 
-TEST(Continuation, AfterARestartDoubtsTheShotThatWasOutAndPointsOfSeveralFlashes) {
+TEST(Continuation, AfterARestartTheShotInProgressAndPointsOfSeveralFlashesAreInDoubt) {
   job::Job job = test::random_job(20, 1);
-  for (motion::Target& target : job.targets) target.shots = 1;
+  for (wire::Target& target : job.targets) target.shots = 1;
   job.targets[5].shots = 3;
   EXPECT_EQ(after_restart(job, {1, 4, false}).from, 4u);
   EXPECT_EQ(after_restart(job, {1, 4, true}).from, 5u);
@@ -56,26 +56,26 @@ TEST(Continuation, AfterARestartDoubtsTheShotThatWasOutAndPointsOfSeveralFlashes
   EXPECT_EQ(after_restart(job, {1, 20, true}).from, 20u);
 }
 
-TEST(Continuation, IsToldAsOptionsThatCanBeFollowed) {
-  EXPECT_EQ(go_on_text({12, 0, 12, true}, "point", true), "go on with --from 12");
-  EXPECT_EQ(go_on_text({12, 2, 12, true}, "point", false), "go on with --from 12 --fired 2");
+TEST(Continuation, IsReportedAsOptions) {
+  EXPECT_EQ(go_on_text({12, 0, 12, true}, "point", true), "continue with --from 12");
+  EXPECT_EQ(go_on_text({12, 2, 12, true}, "point", false), "continue with --from 12 --fired 2");
   EXPECT_EQ(go_on_text({12, 0, 13, true}, "line", true),
-            "go on with --from 13 (line 12 may have been fired)");
+            "continue with --from 13 (line 12 may have been fired)");
   EXPECT_EQ(go_on_text({503, 0, 687, false}, "point", false),
-            "go on with --from 687 (points 503 to 686 may have been fired)");
+            "continue with --from 687 (points 503 to 686 may have been fired)");
   EXPECT_EQ(go_on_text({503, 0, 687, false}, "point", true),
-            "go on with --resume, which asks the machine");
+            "continue with --resume, which asks the machine");
 }
 
 TEST(Continuation, CountsTheFlashesOfTheNextPoint) {
-  std::vector<motion::Target> targets(4);
-  for (motion::Target& target : targets) target.shots = 3;
+  std::vector<wire::Target> targets(4);
+  for (wire::Target& target : targets) target.shots = 3;
   targets[2].shots = 0;
   EXPECT_EQ(flashes_of(targets, 0, 1, 5), 2u);
   EXPECT_EQ(flashes_of(targets, 1, 1, 1), 1u);
   EXPECT_EQ(flashes_of(targets, 0, 2, 6), 0u);
   EXPECT_EQ(flashes_of(targets, 0, 3, 7), 1u);
-  EXPECT_EQ(flashes_of(targets, 0, 3, 2), 0u) << "fewer than the points before it have";
+  EXPECT_EQ(flashes_of(targets, 0, 3, 2), 0u) << "fewer than the flashes of the preceding points";
   EXPECT_EQ(flashes_of(targets, 0, 4, 99), 0u);
 }
 

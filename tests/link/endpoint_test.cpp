@@ -1,4 +1,4 @@
-// Real ports: the sender's transports against the endpoints of the simulator.
+// Real ports: the sender's transports connected to the endpoints of the simulator.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ Bytes all_bytes() {
   return bytes;
 }
 
-/// Moves `bytes` from one end to the other, until all is there or patience is out.
+/// Moves `bytes` from one end to the other, until all have arrived or a time-out.
 template <class From, class To>
 Bytes carry(const Bytes& bytes, From& from, To& to) {
   Bytes got;
@@ -71,7 +71,7 @@ TEST(PtyEndpoint, CarriesEveryByteBothWays) {
   EXPECT_EQ(carry(all_bytes(), endpoint, transport), all_bytes());
 }
 
-TEST(PtyEndpoint, SurvivesTheHostComingAndGoing) {
+TEST(PtyEndpoint, SurvivesReconnectingHosts) {
   const auto path = link_path("lamplock-pty-");
   {
     PtyEndpoint endpoint(path);
@@ -112,7 +112,7 @@ TEST(TcpEndpoint, KnowsWhetherAHostIsConnected) {
     EXPECT_EQ(transport.write(bytes), bytes.size());
     EXPECT_TRUE(endpoint.host_present());
   }
-  // Bytes that were sent before can still be read.
+  // Bytes that were sent earlier can still be read.
   EXPECT_FALSE(endpoint.host_present());
   std::array<std::uint8_t, 10> bytes{};
   EXPECT_EQ(endpoint.read(bytes), 3u);
@@ -128,8 +128,8 @@ TEST(PtyEndpoint, ReplacesAnOldLinkButNoFile) {
   std::filesystem::remove(path);
 }
 
-TEST(SerialTransport, NoticesThatTheOtherEndIsGone) {
-  // By a link of its own: the number of a pseudo-terminal is soon somebody else's.
+TEST(SerialTransport, DetectsThatTheOtherEndIsGone) {
+  // A link of its own, since the number of a pseudo-terminal is soon reused.
   const auto path = link_path("lamplock-gone-");
   auto endpoint = std::make_unique<PtyEndpoint>(path);
   SerialTransport transport(path.string());
@@ -144,16 +144,16 @@ TEST(SerialTransport, NoticesThatTheOtherEndIsGone) {
 
 TEST(SerialTransport, OnePortHasOneProgram) {
   PtyEndpoint endpoint;
-  std::string said;
+  std::string text;
   {
     const SerialTransport first(endpoint.address());
-    // Locks belong to an open file, so that a second one of this process is another's.
+    // Locks belong to an open file, so a second one in this process counts as another program.
     try {
       const SerialTransport second(endpoint.address());
     } catch (const Error& error) {
-      said = error.what();
+      text = error.what();
     }
-    EXPECT_THAT(said, testing::HasSubstr("another program uses the port"));
+    EXPECT_THAT(text, testing::HasSubstr("another program uses the port"));
   }
   EXPECT_NO_THROW(SerialTransport(endpoint.address()));
 }
@@ -188,7 +188,7 @@ TEST(TcpEndpoint, CarriesEveryByteBothWaysOverReconnects) {
     EXPECT_EQ(carry(all_bytes(), endpoint, transport), all_bytes());
     EXPECT_TRUE(transport.reconnect());
   }
-  // A second host takes the place of the first, which learns of it.
+  // A second host replaces the first, which is disconnected.
   TcpTransport second(endpoint.address());
   EXPECT_EQ(carry(all_bytes(), second, endpoint), all_bytes());
   std::array<std::uint8_t, 10> bytes{};
@@ -197,7 +197,7 @@ TEST(TcpEndpoint, CarriesEveryByteBothWaysOverReconnects) {
   EXPECT_FALSE(transport.connected());
 }
 
-TEST(TcpTransport, BadAddressesAndDeadOnesAreErrors) {
+TEST(TcpTransport, BadAddressesAndUnusedOnesAreErrors) {
   std::string dead;
   {
     TcpEndpoint endpoint("127.0.0.1:0");
@@ -217,7 +217,7 @@ TEST(TcpTransport, BadAddressesAndDeadOnesAreErrors) {
   EXPECT_EQ(exit_of("[]:1"), Exit::bad_input);
 }
 
-TEST(TcpAddress, TakesIpv6InBrackets) {
+TEST(TcpAddress, AcceptsIpv6InBrackets) {
   const auto address = sim::parse_tcp_address("[::1]:2000");
   ASSERT_TRUE(address);
   EXPECT_EQ(address->host, "::1");

@@ -1,4 +1,4 @@
-// A machine that only counts: takes the pulse stream, fires points as time passes.
+// A machine that only counts: receives the pulse stream, fires points as time passes.
 #pragma once
 
 #include <algorithm>
@@ -18,13 +18,13 @@ namespace lamplock::test {
 /// Sink of a link with a queue that drains.
 class FakeMachine {
  public:
-  // What the link calls.
+  // Called by the link.
   void on_realtime(std::uint8_t byte) {
     realtime.push_back(byte);
     if (state == wire::MachineState::run && byte == '!') hold(wire::HoldReason::realtime);
     const bool unfinished = state == wire::MachineState::run || state == wire::MachineState::hold;
     if (unfinished && byte == 0x18) hold(wire::HoldReason::reset);
-    // A stray byte may stop the machine but not start it again when the host has stopped it.
+    // A stray byte may stop the machine but must not resume it after a stop by the host.
     const bool held_by_host = reason == wire::HoldReason::host;
     if (state == wire::MachineState::hold && byte == '~' && !held_by_host) run();
   }
@@ -65,16 +65,15 @@ class FakeMachine {
     return Result::ok;
   }
   std::uint32_t refused_value() const { return refused; }
-  wire::Standing standing() const { return {state, reason, alarm, lamp_locked, queue.free()}; }
+  wire::StatusSummary standing() const { return {state, reason, alarm, lamp_locked, queue.free()}; }
   void fill_status(wire::Status& status) const {
     ++statuses;
-    static_cast<wire::Standing&>(status) = standing();
+    static_cast<wire::StatusSummary&>(status) = standing();
     status.received = queue.end();
     status.first_unfired = queue.begin();
     status.shots = shots;
   }
 
-  /// Fires up to `count` points.
   void fire(std::uint32_t count) {
     while (state == wire::MachineState::run && count-- > 0 && queue.size() > 0) {
       const std::uint32_t point = queue.begin();
@@ -102,7 +101,7 @@ class FakeMachine {
   wire::HoldReason reason = wire::HoldReason::none;
   std::uint8_t alarm = 0;
   bool lamp_locked = false;
-  mutable int statuses = 0;  ///< asked for
+  mutable int statuses = 0;  ///< requested
   Result begin_result = Result::ok;
   Result data_result = Result::ok;
   std::uint32_t refused = 0;
@@ -114,7 +113,7 @@ class FakeMachine {
   std::vector<wire::CommandRequest> commands;
   std::uint32_t job_speed = 100;
   std::uint32_t shots = 0;
-  std::vector<motion::Target> received;
+  std::vector<wire::Target> received;
   std::vector<std::uint32_t> fired;
 };
 static_assert(link::LinkSink<FakeMachine>);

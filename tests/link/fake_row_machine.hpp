@@ -1,7 +1,7 @@
-// A machine that only counts: takes rows of pixels, runs lines as time passes.
+// A machine that only counts: accepts rows of pixels, runs lines as time passes.
 //
-// Its table of runs has as many places as the board's, and what does not fit is refused as the
-// board refuses it: a sender that counts wrongly is found out by `refused_frames`.
+// Its table of runs is as large as the board's, and what does not fit is refused as by the board: a
+// sender that counts wrongly is detected by `refused_frames`.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@
 
 namespace lamplock::test {
 
-/// Sink of a link with lines that wait and a table that fills and drains.
+/// Sink of a link with queued lines and a table of runs that fills and drains.
 class FakeRowMachine {
  public:
   static constexpr std::uint32_t table_places = 1024, most_lines = 32;
 
-  // What the link calls.
+  // Called by the link.
   void on_realtime(std::uint8_t byte) {
     const bool running = state == wire::MachineState::run;
     if (running && byte == '!') hold(wire::HoldReason::realtime);
     if (running && byte == 0x18) {
       hold(wire::HoldReason::reset);
-      state = wire::MachineState::idle;  // dark lines cannot be gone on with
+      state = wire::MachineState::idle;  // dark lines cannot be resumed
     }
     const bool held_by_host = reason == wire::HoldReason::host;
     if (state == wire::MachineState::hold && byte == '~' && !held_by_host) run();
@@ -74,19 +74,19 @@ class FakeRowMachine {
     return Result::ok;
   }
   std::uint32_t refused_value() const { return received_end(); }
-  wire::Standing standing() const {
-    wire::Standing standing{state, reason, 0, false, most_lines - waiting()};
+  wire::StatusSummary standing() const {
+    wire::StatusSummary standing{state, reason, 0, false, most_lines - waiting()};
     standing.free_runs = table_places - used_;
     standing.rows = true;
     return standing;
   }
   void fill_status(wire::Status& status) const {
-    static_cast<wire::Standing&>(status) = standing();
+    static_cast<wire::StatusSummary&>(status) = standing();
     status.received = received_end();
     status.first_unfired = header.first_index + done_;
   }
 
-  /// Runs up to `count` runs and headers of lines that are there.
+  /// Processes up to `count` runs and headers of queued lines.
   void work(std::uint32_t count) {
     while (state == wire::MachineState::run && waiting() > 0 && count > 0) {
       const auto places = places_of(received.lines[done_]);
@@ -118,8 +118,8 @@ class FakeRowMachine {
   Result begin_result = Result::ok;
   bool ended = false;
   int begins = 0;
-  int refused_frames = 0;  ///< for want of room
-  int waited = 0;          ///< times it looked for a line and had none, but for the first two
+  int refused_frames = 0;  ///< no room in the table
+  int waited = 0;          ///< times without a queued line, except for the first two lines
   job::Rows received;
 
  private:
@@ -132,7 +132,7 @@ class FakeRowMachine {
   std::uint32_t waiting() const {
     return static_cast<std::uint32_t>(received.lines.size()) - done_;
   }
-  /// A frame is taken as a whole or not at all.
+  /// A frame is accepted as a whole or not at all.
   Result room_for(std::span<const std::uint8_t> records) const {
     wire::RowState trial = state_;
     std::uint32_t places = 0, lines = 0, runs = static_cast<std::uint32_t>(runs_);
@@ -151,14 +151,14 @@ class FakeRowMachine {
   }
 
   wire::RowState state_;
-  std::size_t runs_ = 0;     ///< since the last line
+  std::size_t runs_ = 0;     ///< runs since the last line
   std::uint32_t used_ = 0;   ///< places of the table
-  std::uint32_t done_ = 0;   ///< lines
-  std::uint32_t burnt_ = 0;  ///< places of the line that is run
+  std::uint32_t done_ = 0;   ///< lines done
+  std::uint32_t burnt_ = 0;  ///< places of the current line
 };
 static_assert(link::LinkSink<FakeRowMachine>);
 
-/// A bad cable with a link and such a machine behind it.
+/// A bad cable with a link and such a machine at its end.
 class RowCable : public BadCable {
  public:
   using BadCable::BadCable;

@@ -1,4 +1,4 @@
-// A bad cable with a link and a fake machine behind it.
+// A bad cable with a link and a fake machine at its end.
 #pragma once
 
 #include <cstdint>

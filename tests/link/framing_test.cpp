@@ -1,4 +1,4 @@
-// Framing: what is sent arrives, what is broken does not, and text and frames never mix.
+// Framing: intact frames arrive, damaged ones do not, and text and frames never mix.
 #include "shared/wire/framing.hpp"
 
 #include <gtest/gtest.h>
@@ -83,7 +83,7 @@ TEST(Framing, NoForbiddenByteEverOccurs) {
     EXPECT_EQ(frame.back(), frame_end);
     for (std::size_t k = 1; k + 1 < frame.size(); ++k) {
       const std::uint8_t b = frame[k];
-      // Written out, so that the test does not lean on the function it checks.
+      // Written out, so that the test is independent of the function under test.
       const bool forbidden = b == 0x18 || b == '?' || b == '!' || b == '~' || b == '\r' ||
                              b == '\n' || b == 2 || b == 3 || b == 0x11 || b == 0x13 ||
                              (b >= 0x80 && b <= 0xAF);
@@ -96,7 +96,7 @@ TEST(Framing, LongestContentFitsAndOneMoreDoesNot) {
   const Bytes longest(max_content - crc_size, 0x80);
   EXPECT_EQ(parse(frame_of(longest)).frames.size(), 1u);
   EXPECT_TRUE(frame_of(Bytes(max_content - crc_size + 1, 0x41)).empty());
-  // A longer frame, built by hand, is dropped and does no harm to the next.
+  // A longer frame, built by hand, is dropped without effect on the next.
   const Bytes giant = Bytes{frame_start} + Bytes(5000, 'A') + Bytes{frame_end};
   const Log log = parse(giant + frame_of({1, 2, 3}));
   EXPECT_EQ(log.frames, std::vector<Bytes>({{1, 2, 3}}));
@@ -111,10 +111,10 @@ TEST(Framing, EverySingleBitFlipIsRejected) {
     for (int bit = 0; bit < 8; ++bit) {
       Bytes broken = frame;
       broken[at] = static_cast<std::uint8_t>(broken[at] ^ (1u << bit));
-      // The frame behind it must arrive whatever became of this one.
+      // The following frame must arrive whatever happens to this one.
       const Log log = parse(broken + frame_of({7}));
       ASSERT_EQ(log.frames, std::vector<Bytes>({{7}})) << at << " " << bit;
-      // One bit makes a line feed of the frame start: a blank line, nothing to execute.
+      // One flipped bit turns the frame start into a line feed: a blank line without effect.
       for (const std::string& line : log.lines) ASSERT_EQ(line, "");
     }
 }
@@ -149,7 +149,7 @@ TEST(Framing, DroppedAndDoubledBytesAreRejected) {
   }
 }
 
-TEST(Framing, RealtimeBytesAreTakenOutOfFramesAndLinesAnywhere) {
+TEST(Framing, RealtimeBytesAreRemovedFromFramesAndLinesAnywhere) {
   std::mt19937_64 random(5);
   const Bytes content = random_content(random, 60);
   const Bytes frame = frame_of(content);
@@ -177,7 +177,7 @@ TEST(Framing, FlowControlBytesAreDropped) {
 }
 
 TEST(Framing, NeedlessEscapeIsRejected) {
-  // 0x01 escaped: decodes to a content with the right CRC, but nobody codes it so.
+  // 0x01 escaped: decodes to contents with the right CRC, but no encoder produces it.
   Bytes frame = frame_of({0x01, 0x05});
   ASSERT_EQ(frame[1], 0x01);
   frame[1] = 0x41;
@@ -240,15 +240,16 @@ TEST(Lines, RestOfAFrameIsNeverExecuted) {
   EXPECT_EQ(log.lines, std::vector<std::string>({"$I"}));
 }
 
-/// Each line end is answered once, and a line with one flipped bit is executed as it was, with
-/// another character, or not at all - never in part.
+/// Each line end is answered once; a line with one flipped bit is executed unchanged, with one
+/// other character, or not at all, but never in part.
 TEST(Lines, AFlippedBitNeverLeavesPartOfALine) {
   const std::string line = "G1 X10 F600";
   for (std::size_t at = 0; at < line.size(); ++at)
     for (int bit = 0; bit < 8; ++bit) {
       Bytes bytes = text(line + "\n");
       bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ (1u << bit));
-      if (bytes[at] == '\r' || bytes[at] == '\n') continue;  // two lines for a receiver
+      if (bytes[at] == '\r' || bytes[at] == '\n')
+        continue;  // a flipped end changes the number of lines
       const Log log = parse(bytes);
       ASSERT_EQ(log.lines.size() + static_cast<std::size_t>(log.lost_lines), 1u);
       if (log.lost_lines == 0) {
@@ -257,7 +258,7 @@ TEST(Lines, AFlippedBitNeverLeavesPartOfALine) {
     }
 }
 
-/// Whatever comes in, the parser reports no frame that was not sent and finds its way back.
+/// For any input the parser reports no frame that was not sent, and recovers.
 TEST(Framing, NoiseIsHarmless) {
   std::mt19937_64 random(6);
   for (int i = 0; i < test::scaled(200); ++i) {

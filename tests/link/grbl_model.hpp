@@ -1,9 +1,9 @@
-// A small model of a board that talks as grbl 1.1 does, behind a cable: receive buffer, planner
-// queue, hold, reset, alarm.
+// A small model of a board that behaves like grbl 1.1, with a cable: receive buffer, planner queue,
+// hold, reset, alarm.
 //
-// In:  lines and real-time bytes. Out: answers after random delays, status reports; what arrived,
-// and whether the receive buffer ever overflowed. A line leaves the buffer with its answer, later
-// than in grbl: whoever overruns the buffer by a byte is seen.
+// In:  lines and real-time bytes. Out: answers after random delays, status reports; a record of
+// what arrived, and whether the receive buffer ever overflowed. A line leaves the buffer with its
+// answer, later than in grbl, so that a host that exceeds the buffer by one byte is detected.
 #pragma once
 
 #include <fmt/format.h>
@@ -37,31 +37,31 @@ class GrblModel : public BadCable {
     return count;
   }
 
-  // How the board is.
+  // Configuration.
   std::size_t window = 128, planner_blocks = 15;
   std::size_t most_written = 4096;  ///< bytes that the cable takes at a time
   Time longest_answer{2'000}, longest_move{20'000}, braking{30'000};
   std::map<std::string, int> refused;  ///< lines with their error numbers
-  std::string alarm_line;              ///< ends in ALARM:1
-  std::string lost_ok_line;            ///< its ok gets lost
+  std::string alarm_line;              ///< a line that causes ALARM:1
+  std::string lost_ok_line;            ///< a line whose ok is lost
   bool tells_version = true, tells_options = true, deaf = false;
   bool obeys_hold = true, answers_pause_first = false;
   std::string state = "Idle";
   std::map<std::uint32_t, std::string> settings;
-  /// False if settings cannot be so.
+  /// False if the board must reject these settings.
   std::function<bool(const std::map<std::uint32_t, std::string>&)> allows;
 
-  // What has happened.
-  std::vector<std::string> lines;        ///< that were understood or refused, `$I` left out
-  std::vector<std::uint8_t> bytes_seen;  ///< real-time bytes, `?` left out
+  // Record of events.
+  std::vector<std::string> lines;        ///< lines executed or refused, without `$I`
+  std::vector<std::uint8_t> bytes_seen;  ///< real-time bytes without `?`
   std::size_t most_used = 0;
-  std::size_t lines_written = 0;  ///< handed to the cable by the host
+  std::size_t lines_written = 0;  ///< written to the cable by the host
   bool overrun = false, reset_in_motion = false;
   int resets = 0, polls = 0;
   bool moving() const { return !moves_.empty() && (state == "Run" || state == "Hold:1"); }
   std::size_t waiting() const { return rx_.size(); }
 
-  /// Something said out of turn.
+  /// Sends an unsolicited line.
   void say(const std::string& text) { tx_ += text + "\r\n"; }
   void restart() {
     rx_.clear();
@@ -115,7 +115,7 @@ class GrblModel : public BadCable {
       answer_at_ += Time(static_cast<Time::rep>(std::stod(line_.substr(4)) * 1e6));
   }
 
-  /// Runs the line at the front, if there is room for what it means, and answers it.
+  /// Runs the line at the front, if the planner has room for it, and answers it.
   void finish_line() {
     const bool motion = line_.starts_with("G1");
     const bool drains = line_.starts_with("M0") || line_.starts_with("G4");

@@ -1,4 +1,4 @@
-// Conversations with a model of grbl, by hand and in order.
+// Conversations with a model of grbl, typed interactively and from a script.
 #include "host/link/line_console.hpp"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// A conversation and what it has shown.
+/// A console and the text that it has shown.
 struct Talk {
   Talk(GrblModel& board_in, bool in_order)
       : board(board_in),
@@ -49,35 +49,35 @@ TEST(LineConsole, lines_are_answered_one_by_one) {
   talk.until_done();
   EXPECT_THAT(talk.shown, ElementsAre("$100=200.000", "ok", "ok", "ok", StartsWith("<Idle|")));
   EXPECT_THAT(board.lines, ElementsAre("G1 X1", "G4 P30"));
-  EXPECT_GT(board.polls, 20) << "it asks whether the board lives";
+  EXPECT_GT(board.polls, 20) << "the console must poll the board";
   EXPECT_FALSE(talk.console.failure());
 }
 
-TEST(LineConsole, the_end_of_the_input_is_the_end_when_the_machine_rests) {
+TEST(LineConsole, the_end_of_the_input_ends_it_when_the_machine_is_at_rest) {
   GrblModel board;
   Talk talk(board, true);
   talk.console.type("G1 X1");
   talk.console.end_input();
   talk.until_done();
-  EXPECT_FALSE(talk.console.at_rest()) << "an ok is no rest";
+  EXPECT_FALSE(talk.console.at_rest()) << "an ok does not mean that the machine is at rest";
   talk.run_for(500ms);
   EXPECT_TRUE(talk.console.at_rest());
   EXPECT_THAT(talk.shown, ElementsAre("ok"));
 }
 
-TEST(LineConsole, bytes_that_act_at_once_do_not_go_out_in_the_middle_of_a_line) {
+TEST(LineConsole, realtime_bytes_are_not_sent_within_a_line) {
   GrblModel board;
   Talk talk(board, true);
   talk.console.type("G1 X1 (stop! \xC3\x84)");
   talk.console.type("$100=2(b)");
   for (const char* line : {"G1 X2 !", "$100=\xC3\x84", "G1 X3 ~ (on)"})
-    EXPECT_THAT(error_of([&] { talk.console.type(line); }), HasSubstr("is a command to the board"));
+    EXPECT_THAT(error_of([&] { talk.console.type(line); }), HasSubstr("is a real-time command"));
   talk.until_done();
   EXPECT_THAT(board.bytes_seen, testing::IsEmpty());
   EXPECT_THAT(board.lines, ElementsAre("G1 X1", "$100=2(b)"));
 }
 
-/// The answer to a pause comes behind the word that ends it.
+/// The answer to a pause arrives after the word that ends it.
 TEST(LineConsole, in_order_a_word_ends_a_pause) {
   GrblModel board;
   Talk talk(board, true);
@@ -91,7 +91,7 @@ TEST(LineConsole, in_order_a_word_ends_a_pause) {
   EXPECT_THAT(board.lines, ElementsAre("G1 X1", "M0", "G1 X2"));
 }
 
-/// Without a pause each waits for its turn.
+/// Without a pause every line waits for its turn.
 TEST(LineConsole, in_order_a_hold_waits_for_the_answer) {
   GrblModel board;
   Talk talk(board, true);
@@ -112,7 +112,7 @@ TEST(LineConsole, in_order_nothing_follows_an_error) {
   talk.run_for(1s);
   ASSERT_TRUE(talk.console.failure());
   EXPECT_EQ(talk.console.failure()->line, 2u);
-  EXPECT_THAT(talk.console.failure()->text, HasSubstr("error:1 a word begins"));
+  EXPECT_THAT(talk.console.failure()->text, HasSubstr("error:1 a word must begin"));
   EXPECT_THAT(board.lines, ElementsAre("G1 X1", "bad"));
 }
 
@@ -126,7 +126,7 @@ TEST(LineConsole, an_alarm_is_a_failure) {
   EXPECT_THAT(talk.console.failure()->text, StartsWith("ALARM:1 "));
 }
 
-TEST(LineConsole, by_hand_it_goes_on_after_errors_and_a_hold_waits_for_nobody) {
+TEST(LineConsole, by_hand_it_continues_after_errors_and_a_hold_is_sent_at_once) {
   GrblModel board;
   board.longest_move = 5s;
   board.planner_blocks = 1;
@@ -146,7 +146,7 @@ TEST(LineConsole, by_hand_it_goes_on_after_errors_and_a_hold_waits_for_nobody) {
   EXPECT_EQ(board.lines.size(), 4u);
 }
 
-/// A board that keeps what the host has written.
+/// A board that records what the host has written.
 struct RecordingBoard : GrblModel {
   std::size_t write(std::span<const std::uint8_t> bytes) override {
     const std::size_t count = GrblModel::write(bytes);
@@ -163,7 +163,7 @@ TEST(LineConsole, by_hand_a_hold_overtakes_the_lines_before_it) {
   talk.console.type(":hold");
   EXPECT_EQ(talk.console.queued(), 1000u);
   talk.run_for(500ms);
-  EXPECT_EQ(board.written, "!") << "a board at rest may ignore it";
+  EXPECT_EQ(board.written, "!") << "a board at rest may ignore the hold";
   EXPECT_THAT(talk.shown, ElementsAre(HasSubstr(": 1000; :reset discards them")));
   talk.console.type("~");
   talk.console.step();
@@ -211,7 +211,7 @@ TEST(LineConsole, by_hand_a_reset_discards_the_lines_before_it) {
   EXPECT_LT(board.lines.size(), 100u);
 }
 
-TEST(LineConsole, a_reset_answers_for_everything) {
+TEST(LineConsole, a_reset_answers_all_waiting_lines) {
   GrblModel board;
   Talk talk(board, true);
   talk.console.type(":reset");

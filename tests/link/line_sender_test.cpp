@@ -1,5 +1,5 @@
 // Programs of G-code sent to a model of grbl: each line once and in order, the receive buffer never
-// overrun, nothing behind an error, and never a machine left running.
+// overrun, no line after an error, and the machine never left running.
 #include "host/link/line_sender.hpp"
 
 #include <gmock/gmock.h>
@@ -32,7 +32,7 @@ std::vector<std::string> texts_of(const std::vector<ProgramLine>& lines) {
   return texts;
 }
 
-/// Lines of all lengths, all different.
+/// Random lines of various lengths, all different.
 std::vector<ProgramLine> random_program(std::mt19937_64& random, std::size_t count,
                                         std::size_t longest = 60) {
   std::vector<ProgramLine> lines;
@@ -45,7 +45,7 @@ std::vector<ProgramLine> random_program(std::mt19937_64& random, std::size_t cou
   return lines;
 }
 
-/// A sender with its port; longer than any test of a thousand lines takes.
+/// A sender with its port, and a time-out longer than any test of a thousand lines.
 struct Sending {
   Sending(GrblModel& board_in, std::vector<ProgramLine> program, LineOptions options = {})
       : board(board_in), port(board), sender(port, std::move(program), std::move(options)) {}
@@ -55,7 +55,7 @@ struct Sending {
     }
     return sender.result();
   }
-  /// Steps until the board is in this state.
+  /// Steps until the board reports this state.
   bool run_until(const std::string& state) {
     while (board.state != state)
       if (!sender.step()) return false;
@@ -81,7 +81,7 @@ Error failure_of(Sending& sending) {
   return {Exit::done, "", "no error", ""};
 }
 
-TEST(LineSender, sends_each_line_once_and_ends_when_the_machine_rests) {
+TEST(LineSender, sends_each_line_once_and_ends_when_the_machine_is_at_rest) {
   GrblModel board;
   const auto program = numbered({"G21", "G1 X1 F100", "G1 X2", "M30"});
   Sending sending(board, program);
@@ -119,7 +119,7 @@ TEST(LineSender, asks_for_the_status_five_times_a_second) {
   EXPECT_NEAR(board.polls, 52, 4);
 }
 
-TEST(LineSender, random_programs_arrive_whole_and_the_window_is_never_exceeded) {
+TEST(LineSender, random_programs_arrive_complete_and_the_window_is_never_exceeded) {
   for (int seed = 0; seed < test::scaled(60); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
     GrblModel board(static_cast<std::uint64_t>(seed));
@@ -140,14 +140,14 @@ TEST(LineSender, fills_the_window_to_the_byte) {
   GrblModel board;
   board.window = 100;
   board.planner_blocks = 1;
-  // 10 characters with the end: ten lines fill it.
+  // Ten lines of 10 characters, line end included, fill the window.
   Sending sending(board, numbered(std::vector<std::string>(50, "G1 X12345")));
   sending.run();
   EXPECT_EQ(board.most_used, 100u);
   EXPECT_FALSE(board.overrun);
 }
 
-TEST(LineSender, takes_grbls_buffer_where_the_board_does_not_tell) {
+TEST(LineSender, uses_grbls_buffer_size_if_the_board_does_not_report_one) {
   GrblModel board;
   board.tells_options = false;
   board.window = 127;
@@ -157,7 +157,7 @@ TEST(LineSender, takes_grbls_buffer_where_the_board_does_not_tell) {
   EXPECT_GT(board.most_used, 110u);
 }
 
-TEST(LineSender, system_lines_go_alone) {
+TEST(LineSender, system_lines_are_sent_alone) {
   GrblModel board;
   board.longest_answer = 50ms;
   Sending sending(board, numbered({"G1 X1", "$H", "G1 X2"}));
@@ -165,7 +165,7 @@ TEST(LineSender, system_lines_go_alone) {
   EXPECT_EQ(board.lines.size(), 3u);
 }
 
-TEST(LineSender, stops_at_the_first_error_and_sends_nothing_behind_it) {
+TEST(LineSender, stops_at_the_first_error_and_sends_no_further_line) {
   for (int seed = 0; seed < test::scaled(40); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
     GrblModel board(static_cast<std::uint64_t>(seed));
@@ -174,7 +174,7 @@ TEST(LineSender, stops_at_the_first_error_and_sends_nothing_behind_it) {
     board.refused[program[wrong].text] = 22;
     board.refused[program.back().text] = 24;
     Sending sending(board, program);
-    // The step that reads the error may write no line any more.
+    // The step that reads the error must not write another line.
     std::size_t written = 0;
     while (sending.sender.step())
       if (sending.sender.result().errors.empty()) written = board.lines_written;
@@ -191,7 +191,7 @@ TEST(LineSender, stops_at_the_first_error_and_sends_nothing_behind_it) {
   }
 }
 
-TEST(LineSender, goes_on_after_errors_when_told_to) {
+TEST(LineSender, continues_after_errors_on_request) {
   GrblModel board;
   const auto program = numbered({"G1 X1", "bad", "G1 X2", "worse", "G1 X3"});
   board.refused = {{"bad", 1}, {"worse", 20}};
@@ -241,7 +241,7 @@ TEST(LineSender, a_stop_holds_then_resets_and_leaves_nothing_running) {
   }
 }
 
-TEST(LineSender, a_stop_forgets_lines_that_the_cable_has_not_taken) {
+TEST(LineSender, a_stop_discards_lines_that_the_cable_has_not_accepted) {
   GrblModel board;
   board.window = 2000;
   board.most_written = 3;
@@ -254,7 +254,7 @@ TEST(LineSender, a_stop_forgets_lines_that_the_cable_has_not_taken) {
   EXPECT_FALSE(board.moving());
 }
 
-TEST(LineSender, a_board_that_does_not_hold_is_told) {
+TEST(LineSender, a_board_that_does_not_hold_is_reported) {
   GrblModel board;
   board.obeys_hold = false;
   board.longest_move = 60s;
@@ -267,7 +267,7 @@ TEST(LineSender, a_board_that_does_not_hold_is_told) {
   EXPECT_EQ(board.resets, 0);
 }
 
-TEST(LineSender, a_fault_of_ours_is_told_when_the_machine_stands) {
+TEST(LineSender, a_host_error_is_reported_when_the_machine_is_at_rest) {
   GrblModel board;
   Sending sending(board, numbered(std::vector<std::string>(100, "G1 X1")));
   ASSERT_TRUE(sending.run_until("Run"));
@@ -289,7 +289,7 @@ TEST_P(Pause, waits_for_the_user) {
   sending.run_for(2s);
   EXPECT_EQ(board.state, "Hold:0");
   sending.sender.resume();
-  EXPECT_FALSE(sending.sender.waits()) << "what was said before the resume is old";
+  EXPECT_FALSE(sending.sender.waits()) << "reports from before the resume are outdated";
   EXPECT_EQ(sending.run().end, LineEnd::done);
   EXPECT_EQ(board.lines, texts_of(program));
   EXPECT_THAT(board.bytes_seen, ElementsAre('~'));
@@ -326,7 +326,7 @@ TEST(LineSender, a_cut_cable_ends_it) {
   GrblModel board;
   Sending sending(board, numbered(std::vector<std::string>(500, "G1 X1")));
   ASSERT_TRUE(sending.run_until("Run"));
-  board.silent = true;  // nothing arrives any more: no answers, no reports
+  board.silent = true;  // no answers and no reports
   EXPECT_EQ(sending.run().end, LineEnd::lost);
   EXPECT_LT(board.now(), 7s);
 }
@@ -343,16 +343,16 @@ TEST(LineSender, a_cable_known_to_be_cut_ends_it_at_once) {
     try {
       result = sending.run();
     } catch (const Error& error) {
-      ASSERT_EQ(error.exit(), Exit::no_device);  // within the greeting
+      ASSERT_EQ(error.exit(), Exit::no_device);  // during the greeting
       continue;
     }
     ASSERT_EQ(result.end, LineEnd::lost);
     ASSERT_LT(board.now(), 1100ms);
-    ASSERT_LE(result.answered, board.lines.size()) << "an answer too many";
+    ASSERT_LE(result.answered, board.lines.size()) << "more answers than lines";
   }
 }
 
-TEST(LineSender, a_lost_ok_is_not_waited_for_for_ever) {
+TEST(LineSender, a_lost_ok_ends_in_a_timeout) {
   GrblModel board;
   board.lost_ok_line = "G1 X7";
   Sending sending(board, numbered({"G1 X1", "G1 X7"}));
@@ -367,7 +367,7 @@ TEST(LineSender, a_long_dwell_is_waited_for) {
   EXPECT_GE(board.now(), 60s);
 }
 
-TEST(LineSender, a_board_that_restarts_has_forgotten_the_program) {
+TEST(LineSender, a_restart_of_the_board_ends_the_program) {
   GrblModel board;
   Sending sending(board, numbered(std::vector<std::string>(500, "G1 X1")));
   ASSERT_TRUE(sending.run_until("Run"));
@@ -375,7 +375,7 @@ TEST(LineSender, a_board_that_restarts_has_forgotten_the_program) {
   EXPECT_EQ(sending.run().end, LineEnd::restarted);
 }
 
-TEST(LineSender, passes_on_what_the_board_says) {
+TEST(LineSender, forwards_messages_of_the_board) {
   GrblModel board;
   std::vector<std::string> heard;
   LineOptions options;
@@ -394,7 +394,7 @@ TEST(LineSender, a_banner_before_the_first_answer_is_no_restart) {
   EXPECT_EQ(sending.run().end, LineEnd::done);
 }
 
-TEST(Greeting, without_a_version_says_what_to_do) {
+TEST(Greeting, without_a_version_names_the_remedy) {
   GrblModel board;
   board.tells_version = false;
   Sending sending(board, {});
@@ -450,7 +450,7 @@ TEST(Greeting, refuses_a_machine_that_is_busy_or_in_alarm) {
   EXPECT_TRUE(door.lines.empty());
 }
 
-TEST(Greeting, a_line_longer_than_the_buffer_is_told_before_anything_is_sent) {
+TEST(Greeting, a_line_longer_than_the_buffer_is_refused_before_anything_is_sent) {
   GrblModel board;
   board.window = 20;
   Sending sending(board, numbered({"G1 X1", "G1 X1.000000000 Y2.0000000"}));

@@ -1,4 +1,4 @@
-// The firmware's end alone: sessions, order, acknowledgements, what is sent and when.
+// The firmware's end of the link: sessions, order, acknowledgements, and its transmissions.
 #include "firmware/link/link.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::uint32_t session = 0x80818283;
 
-/// Link and machine, and a transport that joins a Connection to them without delay.
+/// Link and machine, and a transport that connects a Connection to them without delay.
 class Bench : public Transport {
  public:
   std::size_t write(std::span<const std::uint8_t> bytes) override {
@@ -73,7 +73,7 @@ class Bench : public Transport {
 
 const Bytes one_point{0x15, 1, 2, 3};
 
-TEST(Link, QueryIsEchoedWhateverVersionItNames) {
+TEST(Link, QueryIsEchoedForAnyVersion) {
   Bench bench;
   bench.frame(FrameType::query, 42, {99, 0}, 0);
   const auto status = bench.last_status();
@@ -110,7 +110,7 @@ TEST(Link, OnlyTheNextFrameIsAccepted) {
   EXPECT_EQ(status.link.out_of_order, 2u);
 }
 
-TEST(Link, ANewConnectionForgetsWhatHasNotEndedAndNothingElse) {
+TEST(Link, ANewConnectionDiscardsOnlyIncompleteInput) {
   Bench bench;
   bench.begin();
   bench.frame(FrameType::data, 1, one_point);
@@ -126,7 +126,7 @@ TEST(Link, ANewConnectionForgetsWhatHasNotEndedAndNothingElse) {
   const auto status = bench.last_status();
   EXPECT_EQ(status.session, session);
   EXPECT_EQ(status.next_number, 3u);
-  // A host that speaks text sees no STATUS because the one before it spoke frames.
+  // A text host receives no STATUS, although the preceding host used frames.
   bench.link->new_connection();
   bench.machine->state = wire::MachineState::hold;
   bench.link->poll(*bench.machine);
@@ -179,7 +179,7 @@ TEST(Link, OtherVersionAndSessionZeroAreRefused) {
   EXPECT_EQ(bench.machine->begins, 0);
 }
 
-TEST(Link, CommandsActOnceEachAndOnlyOnTheirJob) {
+TEST(Link, CommandsActOnceAndOnlyOnTheirJob) {
   Bench bench;
   bench.frame(FrameType::command, 1, {1});
   EXPECT_EQ(std::get<RefusedFrame>(bench.messages().at(0)).refused.result, Result::no_job);
@@ -193,7 +193,7 @@ TEST(Link, CommandsActOnceEachAndOnlyOnTheirJob) {
   EXPECT_EQ(bench.last_status().last_command, 2u);
 }
 
-TEST(Link, CommandsHaveAValueOrNone) {
+TEST(Link, CommandsHaveAValueOnlyWhereDefined) {
   Bench bench;
   bench.begin();
   bench.frame(FrameType::command, 1, {5, 70, 0, 0, 0});
@@ -236,7 +236,7 @@ TEST(Link, FullQueueIsNotARefusal) {
   EXPECT_EQ(std::get<wire::Status>(all[0]).next_number, number + 1);
 }
 
-TEST(Link, StatusComesByItselfWhenSpaceHasGrownOrTheStateChanged) {
+TEST(Link, StatusIsSentUnrequestedWhenSpaceHasGrownOrTheStateChanged) {
   Bench bench;
   bench.begin(5000);
   bench.frame(FrameType::data, 1, Bytes(300, 0x00));
@@ -254,7 +254,7 @@ TEST(Link, StatusComesByItselfWhenSpaceHasGrownOrTheStateChanged) {
   EXPECT_EQ(bench.last_status().hold_reason, wire::HoldReason::dead_man);
 }
 
-TEST(Link, EachChangeIsToldOnceAndNoStatusIsMadeForNothing) {
+TEST(Link, EachChangeIsReportedOnceAndNoStatusIsSentWithoutOne) {
   Bench bench;
   bench.begin();
   bench.messages();
@@ -280,7 +280,7 @@ TEST(Link, EachChangeIsToldOnceAndNoStatusIsMadeForNothing) {
   EXPECT_EQ(machine.statuses, before + static_cast<int>(std::size(changes)));
 }
 
-TEST(Link, SendersOfTextNeverSeeAFrame) {
+TEST(Link, TextSendersNeverReceiveAFrame) {
   Bench bench;
   bench.begin();
   bench.messages();
@@ -291,7 +291,7 @@ TEST(Link, SendersOfTextNeverSeeAFrame) {
   EXPECT_EQ(bench.machine->lines, std::vector<std::string>({"$I"}));
 }
 
-TEST(Link, NoFrameComesIntoAnUnfinishedLine) {
+TEST(Link, NoFrameIsSentWithinAnUnfinishedLine) {
   Bench bench;
   bench.link->send_text("[OPT:");
   bench.frame(FrameType::query, 1, {1, 0}, 0);
@@ -303,7 +303,7 @@ TEST(Link, NoFrameComesIntoAnUnfinishedLine) {
   EXPECT_EQ(std::get<wire::Status>(all[1]).echo, 1u);
 }
 
-TEST(Link, WhatDoesNotFitIsSentLaterNeverHalf) {
+TEST(Link, MessagesWithoutRoomAreSentLaterAsAWhole) {
   Bench bench;
   const std::string line = std::string(98, 'x') + "\r\n";
   std::size_t lines = 0;

@@ -1,4 +1,4 @@
-// Layouts: what is written is read again, and the offsets are those of the document.
+// Layouts: written data are read back, and the offsets equal those of the document.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -78,7 +78,7 @@ TEST(JobHeader, RoundTrip) {
   EXPECT_EQ(header, sample_header());
 }
 
-TEST(JobHeader, BadOnesAreRefusedAndChangeNothing) {
+TEST(JobHeader, BadHeadersAreRefusedAndChangeNothing) {
   const auto good = written(sample_header());
   JobHeader header;
   for (std::size_t size = 0; size < good.size(); ++size)
@@ -124,7 +124,7 @@ TEST(Status, RoundTripAndSize) {
     EXPECT_FALSE(read_status({}, std::span(bytes).first(size), read));
 }
 
-TEST(Status, OfAnotherVersionTellsItsVersion) {
+TEST(Status, OfAnotherVersionGivesItsVersion) {
   const std::array<std::uint8_t, 3> bytes{9, 0, 77};
   Status status;
   ASSERT_TRUE(read_status({}, bytes, status));

@@ -21,7 +21,7 @@ inline job::Job random_job(std::size_t points, std::uint64_t seed) {
   StepPosition at{};
   for (std::size_t i = 0; i < points; ++i) {
     const int reach = pick(0, 9) == 0 ? 9000 : 200;
-    motion::Target target;
+    wire::Target target;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       at[axis] += pick(-reach, reach);
       if (at[axis] < -10000 || at[axis] > 10000) at[axis] = 0;
@@ -38,7 +38,7 @@ inline job::Job random_job(std::size_t points, std::uint64_t seed) {
   return job;
 }
 
-inline bool same(const motion::Target& a, const motion::Target& b) {
+inline bool same(const wire::Target& a, const wire::Target& b) {
   return a.steps == b.steps && a.beats == b.beats && a.shots == b.shots && a.channel == b.channel &&
          a.energy == b.energy;
 }

@@ -1,4 +1,4 @@
-// Commands of one byte on their way to the main loop: stops always get through.
+// One-byte commands on their way to the main loop: stops are never lost.
 #include "shared/wire/realtime_inbox.hpp"
 
 #include <gtest/gtest.h>
@@ -29,12 +29,12 @@ TEST(RealtimeInbox, KeepsTheOrderAndDropsRepeats) {
   push(inbox, "!?!~~!??");
   EXPECT_EQ(popped(inbox), "!~!?");
   EXPECT_EQ(popped(inbox), "");
-  // Steps of an override count each.
+  // Every step of an override counts.
   push(inbox, "\x91\x91\x91");
   EXPECT_EQ(popped(inbox), "\x91\x91\x91");
 }
 
-TEST(RealtimeInbox, AFullOneStillTakesAStop) {
+TEST(RealtimeInbox, AFullInboxStillAcceptsAStop) {
   for (const char stop : {'!', '\x18', '\x84', '\x85'}) {
     RealtimeInbox inbox;
     push(inbox, std::string(1000, '\x91'));
@@ -46,7 +46,7 @@ TEST(RealtimeInbox, AFullOneStillTakesAStop) {
   }
 }
 
-/// Whatever a host sends, the machine ends stopped if the last command but overrides was a stop.
+/// For any input, the machine ends stopped if the last command other than overrides was a stop.
 TEST(RealtimeInbox, TheLastStopIsNeverLost) {
   std::mt19937_64 random(2);
   constexpr std::string_view commands = "!~?\x18\x84\x85\x91\xa0";

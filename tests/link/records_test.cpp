@@ -1,4 +1,4 @@
-// Records: round trips, price per point, and the decoder's whole-or-nothing.
+// Records: round trips, bytes per point, and decoding of whole frames or nothing.
 #include "shared/wire/records.hpp"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,8 @@ constexpr std::int32_t int_max = std::numeric_limits<std::int32_t>::max();
 const StepLimits everywhere{{int_min, int_min, int_min, int_min},
                             {int_max, int_max, int_max, int_max}};
 
-/// Fields over their whole range, normalised as the coding does: a pass has no channel or energy.
+/// Random fields over their whole range, normalised as in the encoding: a pass has no channel or
+/// energy.
 Record random_record(int axes) {
   Record record;
   for (std::size_t i = 0; i < static_cast<std::size_t>(axes); ++i)
@@ -64,7 +65,7 @@ RC_GTEST_PROP(Records, RoundTrip, ()) {
   RC_ASSERT(read == records);
 }
 
-TEST(Records, WriterRefusesWhatCannotBeCoded) {
+TEST(Records, WriterRefusesWhatCannotBeEncoded) {
   std::array<std::uint8_t, 64> bytes{};
   wire::ByteWriter out(bytes);
   wire::RecordState state;
@@ -75,7 +76,7 @@ TEST(Records, WriterRefusesWhatCannotBeCoded) {
   EXPECT_TRUE(wire::put_record(out, state, Record{{-1, 0, 0, 0}}, 3));
 }
 
-TEST(Records, HostileDeltasNeverWrap) {
+TEST(Records, ExtremeDeltasNeverWrap) {
   constexpr std::array<std::uint8_t, 5> largest_delta{0x03, 0xFF, 0xFF, 0xFF, 0x7F};
   std::vector<std::uint8_t> bytes;
   for (int i = 0; i < 3; ++i) {
@@ -91,7 +92,7 @@ TEST(Records, HostileDeltasNeverWrap) {
   EXPECT_EQ(queue->size(), 0u);
 }
 
-/// The histogram of a cloud for glass: 45..1000 um between points, at 200 steps/mm, any direction.
+/// Step lengths of a cloud for glass: 45..1000 um between points, at 200 steps/mm, any direction.
 TEST(Records, ATypicalPointCostsAtMostEightBytesOnTheWire) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<> length_mm(0.045, 1.0);
@@ -122,7 +123,7 @@ TEST(Records, ATypicalPointCostsAtMostEightBytesOnTheWire) {
   const double cost = static_cast<double>(bytes) / static_cast<double>(points);
   RecordProperty("bytes_per_point", std::to_string(cost));
   EXPECT_LT(cost, 6.0);
-  EXPECT_GT(cost, 4.0) << "three deltas and a head cannot cost less: the count is wrong";
+  EXPECT_GT(cost, 4.0) << "three deltas and a head need more: the count is wrong";
 }
 
 /// Decodes a job payload by payload from `first` on.
@@ -146,7 +147,7 @@ void decode_from(const job::Job& job, std::size_t first, std::size_t max_points)
   EXPECT_EQ(next, job.targets.size());
 }
 
-TEST(PulseDecoder, GivesBackTheJobFromAnyStart) {
+TEST(PulseDecoder, ReturnsTheJobFromAnyStart) {
   for (int seed = 0; seed < test::scaled(20); ++seed) {
     const job::Job job = random_job(400, static_cast<std::uint64_t>(seed));
     for (const std::size_t first : {0u, 1u, 57u, 399u, 400u}) decode_from(job, first, 64);
@@ -171,20 +172,20 @@ struct Bench {
   std::vector<std::uint8_t> payload;
 };
 
-/// A target with several flashes leaves the queue with its last one, and no other with it.
-TEST(PointQueue, FlashesAreTakenOffOneByOne) {
+/// A target with several flashes leaves the queue with its last flash, and no other target does.
+TEST(PointQueue, FlashesAreCountedOneByOne) {
   auto queue = std::make_unique<PointQueue>();
   queue->reset(7);
   for (const int shots : {1, 3, 0, 255})
     queue->push({{}, 0, static_cast<std::uint8_t>(shots), 0, 0});
-  queue->mark_done(8);  // not its turn
+  queue->mark_done(8);  // not the next point
   EXPECT_EQ(queue->left(8), 3u);
   std::uint32_t point = 7;
   for (const std::uint32_t flashes : {1u, 3u, 1u, 255u}) {
     for (std::uint32_t left = flashes; left > 0; --left) {
       ASSERT_EQ(queue->begin(), point);
       ASSERT_EQ(queue->left(point), left);
-      queue->mark_done(point - 1);  // long done
+      queue->mark_done(point - 1);  // already done
       queue->mark_done(point);
     }
     ++point;
@@ -194,13 +195,13 @@ TEST(PointQueue, FlashesAreTakenOffOneByOne) {
   EXPECT_EQ(queue->begin(), point);
 }
 
-TEST(PulseDecoder, ADwellIsATargetInTheSamePlaceWithBeatsAndNoShot) {
+TEST(PulseDecoder, ADwellIsATargetAtTheSamePlaceWithBeatsAndNoShot) {
   PulseDecoder decoder;
   auto queue = std::make_unique<PointQueue>();
   wire::JobHeader header;
   header.points_total = 10;
   decoder.begin(header);
-  // Point, dwell, move of no length with and without beats; a new frame; dwell.
+  // Point, dwell, move of zero length with and without beats; a new frame; dwell.
   const std::vector<std::uint8_t> first{0x01, 5, 0xC2, 9, 0, 0x40, 0xC1, 3, 0, 0x40};
   const std::vector<std::uint8_t> second{0xC2, 1, 0, 0x41, 2, 0x00};
   ASSERT_EQ(decoder.decode(first, *queue, everywhere), Result::ok);
@@ -221,14 +222,14 @@ TEST(PulseDecoder, OutOfBoundsNamesThePointAndPushesNothing) {
   EXPECT_EQ(bench.decode(bench.payload), Result::out_of_bounds);
   EXPECT_EQ(bench.decoder.refused_index(), wrong);
   EXPECT_EQ(bench.queue->size(), 0u);
-  // The limit itself is inside, and the refusal has left no trace.
+  // The limit itself is allowed, and the refusal had no side effect.
   bench.limits.max[0] = x;
   EXPECT_EQ(bench.decode(bench.payload), Result::ok);
   EXPECT_EQ(bench.queue->size(), 40u);
   EXPECT_TRUE(same(bench.queue->at(39), bench.job.targets[39]));
 }
 
-TEST(PulseDecoder, FullQueueTakesNothingOfTheFrame) {
+TEST(PulseDecoder, AFullQueueAcceptsNothingOfTheFrame) {
   Bench bench;
   bench.queue->reset(0);
   while (bench.queue->free() > 39) bench.queue->push({});
@@ -251,7 +252,7 @@ TEST(PulseDecoder, MorePointsThanAnnouncedAreRefused) {
   EXPECT_EQ(bench.queue->size(), 0u);
 }
 
-TEST(PulseDecoder, MalformedRecordsAreRefusedWhole) {
+TEST(PulseDecoder, MalformedRecordsAreRefusedAsAWhole) {
   const std::vector<std::uint8_t> good{0x15, 1, 2, 3};
   for (const std::vector<std::uint8_t>& bad : {std::vector<std::uint8_t>{0x80},
                                                {0xBF},
@@ -289,7 +290,7 @@ TEST(PulseDecoder, AxesTheMachineLacksMustNotMove) {
 }
 
 /// Truncations and random bytes: never a crash, never a part of a frame.
-TEST(PulseDecoder, GarbageIsTakenWholeOrNotAtAll) {
+TEST(PulseDecoder, GarbageIsAcceptedAsAWholeOrNotAtAll) {
   std::mt19937_64 random(8);
   for (int i = 0; i < test::scaled(2000); ++i) {
     Bench bench;

@@ -1,4 +1,4 @@
-// Records of rows: round trips, golden bytes, and what is refused.
+// Records of rows: round trips, golden bytes, and refusals.
 #include "shared/wire/row_records.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace lamplock::wire {
 namespace {
 
-/// A line with the runs on it.
+/// A line and its runs.
 struct Row {
   RowLine line;
   std::vector<std::uint16_t> runs;
@@ -24,7 +24,7 @@ struct Row {
 
 using Frames = std::vector<std::vector<std::uint8_t>>;
 
-/// Lines of any length and kind, none to where the one before ends.
+/// Lines of any length and kind; none ends where the preceding one ends.
 std::vector<Row> random_rows(std::mt19937_64& random, int axes, int count) {
   std::vector<Row> rows;
   StepPosition at{};
@@ -50,7 +50,7 @@ std::vector<Row> random_rows(std::mt19937_64& random, int axes, int count) {
   return rows;
 }
 
-/// In frames of a size of their own each.
+/// Encodes rows into frames of random sizes.
 Frames encoded(const std::vector<Row>& rows, int axes, std::mt19937_64& random) {
   Frames frames;
   std::vector<std::uint8_t> bytes(max_payload);
@@ -111,7 +111,7 @@ TEST(RowRecords, RoundTrip) {
   }
 }
 
-TEST(RowRecords, AreWrittenLikeThis) {
+TEST(RowRecords, HaveTheseBytes) {
   std::array<std::uint8_t, 64> bytes{};
   ByteWriter out(bytes);
   RowState state;
@@ -126,12 +126,12 @@ TEST(RowRecords, AreWrittenLikeThis) {
       0x49, 0xFE, 0x2C, 0x01,                          // rapid: x -2, y +300
       0xC4, 3,    0xE0, 0xFF, 0x11, 0x00, 0x0F, 0x80,  // one full, 64 (of 100) dark, 16 at half
       0xC3, 0x80, 0x8D, 0x5B, 0x00, 0x01, 0x64,        // feed, line: x +100
-      0xC4, 1,    0xE0, 0xFF, 0x01, 0x9C};             // again; x -100
+      0xC4, 1,    0xE0, 0xFF, 0x01, 0x9C};             // the same run; x -100
   EXPECT_EQ(std::vector<std::uint8_t>(out.written().begin(), out.written().end()), golden);
 }
 
-/// The first runs of it together are as long as what they are of, and each is as long as can be.
-TEST(Runs, AreTheFewestOfTheirLengthsAndKeepThePower) {
+/// Splitting into longest runs gives the fewest runs, keeps the total length and the power.
+TEST(Runs, AreTheFewestForTheirLengthAndKeepThePower) {
   for (std::uint32_t cells = 1; cells <= 0x10000; cells += cells < 300 ? 1 : 37) {
     std::uint32_t left = cells, count = 0;
     for (; left != 0; ++count) {
@@ -157,12 +157,13 @@ TEST(Runs, AreTheFewestOfTheirLengthsAndKeepThePower) {
   EXPECT_EQ(run_power(0x001f), 0);
 }
 
-TEST(RowRecords, WriterRefusesWhatCannotBeCoded) {
+TEST(RowRecords, WriterRefusesWhatCannotBeEncoded) {
   std::array<std::uint8_t, 2000> bytes{};
   ByteWriter out(bytes);
   RowState state;
   EXPECT_FALSE(put_row_line(out, state, {{1, 0, 0, 0}, true, 100}, 3)) << "without runs";
-  EXPECT_FALSE(put_row_line(out, state, {{0, 0, 0, 1}, false, 0}, 3)) << "has no such axis";
+  EXPECT_FALSE(put_row_line(out, state, {{0, 0, 0, 1}, false, 0}, 3))
+      << "the machine has no such axis";
   EXPECT_EQ(out.size(), 0u);
   const std::vector<std::uint16_t> runs(600, longest_run(1, 1));
   EXPECT_EQ(put_runs(out, state, runs), most_runs_a_record);
@@ -171,19 +172,19 @@ TEST(RowRecords, WriterRefusesWhatCannotBeCoded) {
   EXPECT_EQ(put_runs(out, state, runs), 0u);
   EXPECT_FALSE(put_row_line(out, state, {{1, 0, 0, 0}, false, 0}, 3)) << "dark, with runs";
   EXPECT_FALSE(put_row_line(out, state, {{1, 0, 0, 0}, true, 0}, 3)) << "without feed";
-  EXPECT_FALSE(put_row_line(out, state, {{}, true, 1}, 3)) << "goes nowhere";
+  EXPECT_FALSE(put_row_line(out, state, {{}, true, 1}, 3)) << "no motion";
   EXPECT_TRUE(put_row_line(out, state, {{1, 0, 0, 0}, true, 1}, 3));
   const std::array<std::uint16_t, 2> long_runs{longest_run(1, 32'768), longest_run(1, 32'768)};
-  EXPECT_EQ(put_runs(out, state, long_runs), 1u) << "more cells than a line can have";
+  EXPECT_EQ(put_runs(out, state, long_runs), 1u) << "the runs have more cells than a line may have";
   std::array<std::uint8_t, 7> few{};
   ByteWriter small(few);
-  RowState anew;
-  EXPECT_EQ(put_runs(small, anew, runs), 2u);
-  EXPECT_FALSE(put_row_line(small, anew, {{1, 0, 0, 0}, true, 1}, 3));
-  EXPECT_EQ(anew.runs, 2u);
+  RowState fresh;
+  EXPECT_EQ(put_runs(small, fresh, runs), 2u);
+  EXPECT_FALSE(put_row_line(small, fresh, {{1, 0, 0, 0}, true, 1}, 3));
+  EXPECT_EQ(fresh.runs, 2u);
 }
 
-TEST(RowRecords, MalformedOnesAreRefused) {
+TEST(RowRecords, MalformedRecordsAreRefused) {
   const std::vector<std::uint8_t> feed{0xC3, 1, 0, 0, 0};
   const std::vector<std::uint8_t> run{0xC4, 1, 0xE0, 0xFF};
   const auto after = [](std::vector<std::uint8_t> first, std::vector<std::uint8_t> then) {
@@ -208,8 +209,8 @@ TEST(RowRecords, MalformedOnesAreRefused) {
   EXPECT_EQ(after(feed, {0x01, 5}), Result::bad_value) << "light without runs";
   EXPECT_EQ(after(run, {0x01, 5}), Result::bad_value) << "light without feed";
   EXPECT_EQ(after(run, {0x41, 5}), Result::bad_value) << "a rapid with runs";
-  EXPECT_EQ(walk({0x40}), Result::ok) << "a rapid to where it is";
-  EXPECT_EQ(walk({0xC3, 1, 0, 0, 0, 0xC4, 1, 0, 0, 0x00}), Result::bad_value) << "goes nowhere";
+  EXPECT_EQ(walk({0x40}), Result::ok) << "a rapid to its current position";
+  EXPECT_EQ(walk({0xC3, 1, 0, 0, 0, 0xC4, 1, 0, 0, 0x00}), Result::bad_value) << "no motion";
   EXPECT_EQ(walk({0x43, 0xFF, 0xFF, 0xFF, 0x7F, 0x41, 1}), Result::out_of_bounds);
   std::vector<std::uint8_t> many{0xC4, 201};
   many.resize(2 + 201 * 2, 0);
@@ -219,7 +220,7 @@ TEST(RowRecords, MalformedOnesAreRefused) {
   EXPECT_EQ(walk({0xC4, 2, 0x1A, 0, 0x1A, 0}), Result::bad_value);
 }
 
-TEST(RowRecords, ALineHasNoMoreRunsThanItMay) {
+TEST(RowRecords, ALineHasAtMostTheMaximumOfRuns) {
   std::vector<std::uint8_t> bytes;
   for (std::uint32_t runs = 0; runs < most_runs_a_line; ++runs)
     bytes.insert(bytes.end(), {head_runs, 1, 0, 0});
@@ -228,7 +229,7 @@ TEST(RowRecords, ALineHasNoMoreRunsThanItMay) {
   EXPECT_EQ(walk(bytes), Result::bad_value);
 }
 
-/// Each of another power, in rows of 500.
+/// Every pixel has another power, in rows of 500.
 TEST(RowRecords, AGreyPixelCostsLessThanThreeBytesOnTheWire) {
   std::mt19937_64 random(13);
   std::vector<Row> rows;
@@ -268,7 +269,7 @@ TEST(RowRecords, AGreyPixelCostsLessThanThreeBytesOnTheWire) {
   EXPECT_GT(cost, 2.0) << "two bytes and frames around them: the count is wrong";
 }
 
-/// Whatever comes: no crash, nothing beyond the limits.
+/// Random bytes cause no crash and no value beyond the limits.
 TEST(RowRecords, GarbageKeepsToTheLimits) {
   std::mt19937_64 random(12);
   for (int i = 0; i < test::scaled(3000); ++i) {

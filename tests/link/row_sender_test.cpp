@@ -54,8 +54,8 @@ TEST(RowSender, GoodCableSendsNothingTwiceAndNothingTooMuch) {
   expect_each_once(board, job);
 }
 
-/// Whatever is told of them meanwhile.
-TEST(RowSender, LinesOfTheRunUpAreDone) {
+/// Already before any status report.
+TEST(RowSender, LinesOfTheRunUpAreAcknowledged) {
   RowCable board({}, 1);
   const job::Job job = random_row_job(300, 3);
   SenderOptions options = fixed_session(100);
@@ -68,7 +68,7 @@ TEST(RowSender, LinesOfTheRunUpAreDone) {
   EXPECT_EQ(sender.result().end, JobEnd::done);
 }
 
-/// Rows of single grey pixels: as many runs as can be.
+/// Rows of single grey pixels, which need the maximum number of runs.
 job::Job grey_rows(std::size_t lines, std::size_t runs_a_line) {
   job::Job job = random_row_job(lines, 2);
   job.rows.runs.clear();
@@ -90,12 +90,12 @@ TEST(RowSender, KeepsUpWithSingleGreyPixelsAtSpeed) {
   const JobResult result = JobSender(board, job, fixed_session()).run();
   EXPECT_EQ(result.end, JobEnd::done);
   expect_each_once(board, job);
-  // The lines are 5.1 s; but for the first one the machine never waits for the next.
+  // The lines take 5.1 s; except for the first one the machine never waits for the next.
   EXPECT_EQ(board.machine.waited, 0);
   EXPECT_LT(result.elapsed, 5.3s);
 }
 
-/// What goes over the cable.
+/// Counts the bytes sent over the cable.
 class CountsBytes : public RowCable {
  public:
   CountsBytes() : RowCable({}, 1) {}
@@ -107,18 +107,18 @@ class CountsBytes : public RowCable {
   std::size_t written = 0;
 };
 
-TEST(RowSender, AGreyPixelCostsTwoBytesAndItsPartOfTheFrame) {
+TEST(RowSender, AGreyPixelCostsTwoBytesPlusItsShareOfTheFrame) {
   CountsBytes board;
   const job::Job job = grey_rows(100, 255);
   EXPECT_EQ(JobSender(board, job, fixed_session()).run().end, JobEnd::done);
   const auto pixels = static_cast<double>(job.rows.runs.size());
-  // Frames, escapes, questions and lines included. As text a pixel is four characters or more.
+  // Including frames, escapes, requests and lines. As text a pixel is four characters or more.
   EXPECT_LT(static_cast<double>(board.written) / pixels, 2.7);
   RecordProperty("bytes_per_pixel_milli",
                  static_cast<int>(1000 * static_cast<double>(board.written) / pixels));
 }
 
-TEST(RowSender, LinesOfAsManyRunsAsCanBe) {
+TEST(RowSender, LinesOfTheMaximumNumberOfRuns) {
   RowCable board({}, 1);
   const job::Job job = grey_rows(20, wire::most_runs_a_line);
   EXPECT_EQ(JobSender(board, job, fixed_session()).run().end, JobEnd::done);
@@ -138,12 +138,12 @@ TEST_P(BadRowCable, EveryLineOnceAndInOrder) {
     board.places_per_ms = 12;
     const job::Job job = random_row_job(400, static_cast<std::uint64_t>(seed));
     SenderOptions options = fixed_session();
-    options.auto_resume = true;  // noise may be a command of one byte
+    options.auto_resume = true;  // noise may be a one-byte command
     const JobResult result = JobSender(board, job, options).run();
     ASSERT_EQ(result.end, JobEnd::done) << "seed " << seed;
     expect_each_once(board, job);
     ASSERT_EQ(board.machine.begins, 1);
-    // What is sent again after a loss may meet a table that holds less than it did: never more.
+    // Retransmitted frames may meet a table with fewer entries than before: never more.
     ASSERT_EQ(board.machine.refused_frames, 0) << "seed " << seed;
     if (GetParam().faults.cuts > 0) {
       ASSERT_GT(result.reconnects, 0u);
@@ -166,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(
                            .cuts = 6}}),
     [](const auto& faults) { return faults.param.name; });
 
-TEST(RowSender, GoesOnAtALine) {
+TEST(RowSender, ContinuesAtALine) {
   job::Job job = random_row_job(500, 5);
   std::size_t from = 300;
   while (!job.rows.lines[from].to.light || !job.rows.lines[from - 1].to.light) ++from;
@@ -180,7 +180,7 @@ TEST(RowSender, GoesOnAtALine) {
               HasSubstr("500 lines"));
 }
 
-TEST(RowSender, PauseStopAndWhereToGoOn) {
+TEST(RowSender, PauseStopAndContinuation) {
   RowCable board({.drop = 1e-3}, 6);
   const job::Job job = random_row_job(2000, 6);
   JobSender sender(board, job, fixed_session());
@@ -201,9 +201,9 @@ TEST(RowSender, AMachineWithoutLaserModeIsNamedWithItsSetting) {
   RowCable board({}, 1);
   board.machine.begin_result = Result::bad_value;
   const job::Job job = random_row_job(20, 7);
-  // The number of the setting travels with the refusal; this machine says the line it would take.
+  // A refusal carries a number: a board sends that of the setting, this machine its next line.
   EXPECT_THAT(test::error_of([&] { JobSender(board, job, fixed_session()).run(); }),
-              HasSubstr("error: machine: refuses"));
+              HasSubstr("has a value that the machine does not allow"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Sender and link over a bad cable: every point exactly once and in order.
+// Sender and link over a bad cable: every point arrives exactly once and in order.
 #include "host/link/sender.hpp"
 
 #include <fmt/format.h>
@@ -29,14 +29,14 @@ std::unique_ptr<FaultyTransport> cable(Faults faults = {}, std::uint64_t seed = 
   return std::make_unique<FaultyTransport>(faults, seed);
 }
 
-/// Options with a session that is the same in every run.
+/// Options with a fixed session number, the same in every run.
 SenderOptions fixed_session() {
   SenderOptions options;
   options.session = 0x5EED;
   return options;
 }
 
-/// For a cable whose noise may be a command of one byte.
+/// For a cable whose noise may be a one-byte command.
 SenderOptions with_auto_resume() {
   SenderOptions options = fixed_session();
   options.auto_resume = true;
@@ -52,7 +52,6 @@ void expect_each_once(const FaultyTransport& board, const job::Job& job, std::si
     ASSERT_EQ(board.machine.fired[i - first], i);
 }
 
-/// The error a sender ends with.
 struct Failure {
   Exit exit;
   std::string text;
@@ -91,16 +90,16 @@ TEST(Sender, KeepsTheQueueFull) {
   const job::Job job = random_job(20'000, 2);
   const JobResult result = JobSender(*board, job, fixed_session()).run();
   EXPECT_EQ(result.end, JobEnd::done);
-  // 2 s of firing; more than a few per cent above it means that the queue ran dry.
+  // Firing takes 2 s; a time more than a few per cent above it means that the queue ran empty.
   EXPECT_LT(result.elapsed, 2200ms);
 }
 
-/// A machine that looks at its port now and then only, because it plans meanwhile. Its port keeps
-/// 4 KB, as that of the board does, and drops what is more.
+/// A machine that reads its port only at intervals because it plans meanwhile. Its port buffers
+/// 4 KB, like that of the board, and drops further bytes.
 class BusyMachine final : public FaultyTransport {
  public:
   using FaultyTransport::FaultyTransport;
-  std::size_t dropped = 0, most = 0;
+  std::size_t dropped = 0, max_kept = 0;
 
  private:
   void machine_receive(std::span<const std::uint8_t> bytes) override {
@@ -108,7 +107,7 @@ class BusyMachine final : public FaultyTransport {
     const std::size_t taken = std::min(bytes.size(), capacity - kept_.size());
     kept_.insert(kept_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(taken));
     dropped += bytes.size() - taken;
-    most = std::max(most, kept_.size());
+    max_kept = std::max(max_kept, kept_.size());
   }
   void machine_run() override {
     if (now() >= looks_at_) {
@@ -124,14 +123,14 @@ class BusyMachine final : public FaultyTransport {
   std::chrono::microseconds looks_at_{0};
 };
 
-TEST(Sender, SendsNoMoreThanABusyMachineKeeps) {
+TEST(Sender, SendsNoMoreThanTheBufferOfABusyMachine) {
   for (int seed = 0; seed < test::scaled(5); ++seed) {
     BusyMachine board({}, static_cast<std::uint64_t>(seed));
     const job::Job job = random_job(3000, static_cast<std::uint64_t>(seed));
     const JobResult result = JobSender(board, job, fixed_session()).run();
     EXPECT_EQ(result.end, JobEnd::done);
     EXPECT_EQ(board.dropped, 0u);
-    EXPECT_GT(board.most, 2000u) << "more could have been on its way";
+    EXPECT_GT(board.max_kept, 2000u) << "the window was not used";
     EXPECT_EQ(result.resent, 0u);
     EXPECT_EQ(result.status.link, wire::LinkCounters{});
     expect_each_once(board, job);
@@ -150,7 +149,7 @@ TEST_P(BadCable, EveryPointOnceAndInOrder) {
     const job::Job job = random_job(4000, static_cast<std::uint64_t>(seed));
     SenderOptions options;
     options.session = static_cast<std::uint32_t>(seed) * 7919 + 1;
-    options.auto_resume = true;  // noise may be a command of one byte
+    options.auto_resume = true;  // noise may be a one-byte command
     const JobResult result = JobSender(*board, job, options).run();
     ASSERT_EQ(result.end, JobEnd::done) << "seed " << seed;
     expect_each_once(*board, job);
@@ -168,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
         Named{"duplicates", {.duplicate = 5e-4}}, Named{"replays", {.replay = 0.2}},
         Named{"strays", {.stray_realtime = 1e-3}}, Named{"cuts", {.cuts = 10}},
         Named{"slow", {.flip = 1e-4, .delay = std::chrono::milliseconds(40)}},
-        // Slower than the sender waits: it asks again and again, and must not be confused.
+        // The delay exceeds the sender's time-out: it asks repeatedly and must not be confused.
         Named{"slower", {.drop = 1e-4, .delay = std::chrono::milliseconds(400)}},
         Named{"all",
               {.drop = 2e-4,
@@ -179,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(
                .cuts = 10}}),
     [](const auto& faults) { return faults.param.name; });
 
-TEST(Sender, LostFramesCostOnlyThemselves) {
+TEST(Sender, EachLostFrameCostsAtMostAWindow) {
   auto board = cable({.drop = 1e-4}, 3);
   const job::Job job = random_job(20'000, 3);
   const JobResult result = JobSender(*board, job, fixed_session()).run();
@@ -189,7 +188,7 @@ TEST(Sender, LostFramesCostOnlyThemselves) {
   EXPECT_LT(result.resent, 14u * 3 * 16);
 }
 
-/// Looks at its port every 30 ms, as a machine that plans; the port drops what it cannot keep.
+/// Reads its port every 30 ms, like a machine that plans; the port drops what it cannot buffer.
 class RarelyLooking final : public FaultyTransport {
  public:
   RarelyLooking() : FaultyTransport({}, 1) { points_per_ms = 40; }
@@ -213,20 +212,20 @@ class RarelyLooking final : public FaultyTransport {
   std::vector<std::uint8_t> kept_;
 };
 
-/// Back and forth by steps whose deltas are bytes that cannot stand for themselves.
+/// Moves back and forth; every delta is a byte that must be escaped.
 job::Job job_of_escapes(std::size_t points) {
-  constexpr std::int32_t there = 126;  // '~'; back it is 0x82, of the real-time block
+  constexpr std::int32_t there = 126;  // '~'; the move back is 0x82, a real-time command
   job::Job job;
   job.header.points_total = static_cast<std::uint32_t>(points);
   for (std::size_t i = 0; i < points; ++i) {
-    motion::Target target;
+    wire::Target target;
     for (std::size_t axis = 0; axis < 3; ++axis) target.steps[axis] = i % 2 == 0 ? there : 0;
     job.targets.push_back(target);
   }
   return job;
 }
 
-TEST(Sender, APortKeepsWhatIsOnItsWayWithEveryEscape) {
+TEST(Sender, BytesInFlightFitThePortEvenIfAllAreEscaped) {
   for (const job::Job& job : {job_of_escapes(5'000), random_job(5'000, 9)}) {
     RarelyLooking board;
     const JobResult result = JobSender(board, job, fixed_session()).run();
@@ -234,7 +233,7 @@ TEST(Sender, APortKeepsWhatIsOnItsWayWithEveryEscape) {
     EXPECT_EQ(board.dropped, 0u);
     EXPECT_EQ(result.resent, 0u);
     EXPECT_EQ(result.status.link, wire::LinkCounters{});
-    EXPECT_GT(board.most_kept, 2'048u) << "the port is put to use";
+    EXPECT_GT(board.most_kept, 2'048u) << "the port's buffer was not used";
     expect_each_once(board, job);
   }
 }
@@ -249,7 +248,7 @@ TEST(Sender, StartsInTheMiddle) {
   expect_each_once(*board, job, 1234);
 }
 
-TEST(Sender, ResumesAfterItsOwnSilenceAndAfterNoiseIfToldTo) {
+TEST(Sender, ResumesAfterItsOwnSilenceAndOnRequestAfterNoise) {
   for (const auto reason :
        {wire::HoldReason::dead_man, wire::HoldReason::realtime, wire::HoldReason::reset}) {
     auto board = cable();
@@ -279,7 +278,7 @@ TEST(Sender, ATypedHoldLastsUntilTheUserResumes) {
   expect_each_once(*board, job);
 }
 
-TEST(Sender, ATypedResetStopsTheJobAndSaysSo) {
+TEST(Sender, ATypedResetStopsTheJobAndIsReported) {
   auto board = cable();
   const job::Job job = random_job(2000, 5);
   JobSender sender(*board, job, fixed_session());
@@ -288,7 +287,7 @@ TEST(Sender, ATypedResetStopsTheJobAndSaysSo) {
   const std::size_t fired = board->machine.fired.size();
   try {
     sender.run();
-    FAIL() << "it went on";
+    FAIL() << "the job continued";
   } catch (const Error& error) {
     EXPECT_EQ(error.exit(), Exit::job_failed);
     EXPECT_THAT(error.what(), testing::HasSubstr("0x18"));
@@ -315,7 +314,7 @@ TEST(Sender, PauseHoldsUntilResume) {
   expect_each_once(*board, job);
 }
 
-TEST(Sender, PauseMakesAHoldOfAnotherReasonItsOwn) {
+TEST(Sender, PauseTakesOverAHoldOfAnotherReason) {
   auto board = cable();
   const job::Job job = random_job(2000, 6);
   JobSender sender(*board, job, fixed_session());
@@ -366,7 +365,7 @@ TEST(Sender, AlarmEndsTheJob) {
   EXPECT_EQ(result.status.alarm, 1);
 }
 
-TEST(Sender, AMachineThatForgotTheJobIsNotFedAgain) {
+TEST(Sender, AMachineThatLostTheJobGetsNoMorePoints) {
   auto board = cable();
   const job::Job job = random_job(5000, 10);
   JobSender sender(*board, job, fixed_session());
@@ -376,41 +375,41 @@ TEST(Sender, AMachineThatForgotTheJobIsNotFedAgain) {
   const JobResult result = sender.run();
   EXPECT_EQ(result.end, JobEnd::restarted);
   EXPECT_EQ(board->machine.begins, 1);
-  // What the machine has told last of this job is a lower bound, what was sent an upper one.
+  // The last position reported for this job is a lower bound, the points sent an upper one.
   EXPECT_FALSE(result.rest.settled);
   EXPECT_GE(result.rest.first, seen);
   EXPECT_LE(result.rest.first, board->machine.fired.size());
   EXPECT_GE(result.rest.from, board->machine.fired.size());
 }
 
-/// Progress is told before points are sent: nothing comes to the machine that was not announced.
-TEST(Sender, TellsItsProgressBeforeItSends) {
+/// Progress is reported before points are sent: the machine receives no unreported point.
+TEST(Sender, ReportsProgressBeforeItSends) {
   for (int seed = 0; seed < test::scaled(10); ++seed) {
     auto board = cable({.drop = 5e-4, .flip = 5e-4, .cuts = 3}, static_cast<std::uint64_t>(seed));
     const job::Job job = random_job(5000, 14);
     SenderOptions options = with_auto_resume();
     options.first_index = 100;
-    std::vector<JobProgress> told;
+    std::vector<JobProgress> reports;
     options.on_progress = [&](const JobProgress& progress) {
       ASSERT_LE(progress.first_unfired, 100 + board->machine.fired.size());
-      told.push_back(progress);
+      reports.push_back(progress);
     };
     JobSender sender(*board, job, options);
     while (sender.step()) {
-      ASSERT_TRUE(board->machine.received.empty() || !told.empty());
-      ASSERT_TRUE(told.empty() ||
-                  100 + board->machine.received.size() <= told.back().may_have_fired);
+      ASSERT_TRUE(board->machine.received.empty() || !reports.empty());
+      ASSERT_TRUE(reports.empty() ||
+                  100 + board->machine.received.size() <= reports.back().may_have_fired);
     }
     EXPECT_EQ(sender.result().end, JobEnd::done);
-    EXPECT_EQ(told.front().may_have_fired, 100u) << "the job is offered";
-    EXPECT_EQ(told.front().session, sender.session());
-    EXPECT_EQ(told.front().first_unfired, 100u);
-    EXPECT_EQ(told.back().may_have_fired, job.size());
-    EXPECT_LT(told.size(), 200u) << "each one is a record on the disk";
+    EXPECT_EQ(reports.front().may_have_fired, 100u) << "reported when the job begins";
+    EXPECT_EQ(reports.front().session, sender.session());
+    EXPECT_EQ(reports.front().first_unfired, 100u);
+    EXPECT_EQ(reports.back().may_have_fired, job.size());
+    EXPECT_LT(reports.size(), 200u) << "each one is a record on the disk";
   }
 }
 
-TEST(Sender, ProgressThatCannotBeKeptStopsTheJob) {
+TEST(Sender, AFailureToRecordProgressStopsTheJob) {
   auto board = cable();
   SenderOptions options = fixed_session();
   int records = 0;
@@ -439,7 +438,7 @@ TEST(Sender, SilentPortIsAnError) {
   EXPECT_THAT(failure.text, HasSubstr("does not answer"));
 }
 
-TEST(Sender, ACableThatIsPluggedInAtTheLastMomentWillDo) {
+TEST(Sender, ACableThatIsPluggedInJustBeforeTheTimeoutIsAccepted) {
   auto board = cable({.cuts = 1, .cut_span = 0ms}, 1);
   const job::Job job = random_job(100, 1);
   EXPECT_EQ(JobSender(*board, job, fixed_session()).run().end, JobEnd::done);
@@ -477,7 +476,7 @@ TEST(Sender, OtherProtocolVersionIsAnErrorAndNothingMoves) {
   EXPECT_EQ(board.machine.begins, 0);
 }
 
-TEST(Sender, RefusalsSayWhatIsWrong) {
+TEST(Sender, RefusalsNameTheReason) {
   struct Case {
     Result result;
     std::uint32_t value;
@@ -499,7 +498,7 @@ TEST(Sender, RefusalsSayWhatIsWrong) {
   }
 }
 
-TEST(Sender, APointThatIsRefusedStopsTheJobAndIsNamed) {
+TEST(Sender, ARefusedPointStopsTheJobAndIsNamed) {
   auto board = cable();
   job::Job job = random_job(5000, 12);
   job.targets[4321].steps[2] = board->machine.limits.max[2] + 1;
@@ -508,7 +507,7 @@ TEST(Sender, APointThatIsRefusedStopsTheJobAndIsNamed) {
   EXPECT_THAT(failure.text, HasSubstr("point 4321"));
 }
 
-/// A cable that loses the first commands whole, and can be made to say something odd.
+/// A cable that loses the first commands completely and can return an unexpected status frame.
 class LosesCommands : public FaultyTransport {
  public:
   LosesCommands(int count, Faults faults) : FaultyTransport(faults, 21), left_(count) {}
@@ -528,7 +527,7 @@ class LosesCommands : public FaultyTransport {
     odd_status.clear();
     return size;
   }
-  /// All the rest of them.
+  /// Loses every command.
   static constexpr int all = 1'000'000;
   std::vector<std::uint8_t> odd_status;
 
@@ -536,7 +535,7 @@ class LosesCommands : public FaultyTransport {
   int left_;
 };
 
-TEST(Sender, NothingIsSentBeforeTheMachineKnowsItsJobSpeed) {
+TEST(Sender, NothingIsSentBeforeTheMachineConfirmsItsJobSpeed) {
   LosesCommands board(4);
   const job::Job job = random_job(3000, 8);
   SenderOptions options = fixed_session();
@@ -570,10 +569,10 @@ TEST(Sender, TheJobSpeedFollowsTheUserThroughHoldsAndABadCable) {
   }
 }
 
-TEST(Sender, HowManyFlashesOfTheNextPointWereFired) {
+TEST(Sender, CountsTheFiredFlashesOfTheNextPoint) {
   LosesCommands board(0);
   job::Job job = random_job(3000, 8);
-  for (motion::Target& target : job.targets) target.shots = 4;
+  for (wire::Target& target : job.targets) target.shots = 4;
   SenderOptions options = fixed_session();
   options.first_index = 500;
   options.first_fired = 2;
@@ -593,7 +592,7 @@ job::Job job_with_a_bad_point(const FaultyTransport& board) {
   return job;
 }
 
-TEST(Sender, AStopIsRepeatedUntilTheMachineStands) {
+TEST(Sender, AStopIsRepeatedUntilTheMachineIsIdle) {
   LosesCommands board(5);
   const Failure failure = failure_of(board, job_with_a_bad_point(board));
   EXPECT_EQ(board.machine.state, wire::MachineState::idle);
@@ -601,7 +600,7 @@ TEST(Sender, AStopIsRepeatedUntilTheMachineStands) {
   EXPECT_THAT(failure.text, HasSubstr("error: point 4321"));
 }
 
-TEST(Sender, ARefusedPointStopsTheMachineWhateverTheCableDoes) {
+TEST(Sender, ARefusedPointStopsTheMachineOverABadCable) {
   for (int seed = 0; seed < test::scaled(10); ++seed) {
     auto board = cable({.drop = 1e-3, .flip = 1e-3, .cuts = 5}, static_cast<std::uint64_t>(seed));
     job::Job job = random_job(2000, 12);
@@ -612,7 +611,7 @@ TEST(Sender, ARefusedPointStopsTheMachineWhateverTheCableDoes) {
   }
 }
 
-TEST(Sender, AMachineThatCannotBeStoppedIsSaidSoWithTheFirstError) {
+TEST(Sender, AMachineThatCannotBeStoppedIsReportedWithTheFirstError) {
   LosesCommands board(LosesCommands::all);
   const Failure failure = failure_of(board, job_with_a_bad_point(board));
   EXPECT_EQ(failure.exit, Exit::bad_input);
@@ -644,7 +643,7 @@ TEST(Sender, AnErrorOfAnyKindInAJobStopsTheMachine) {
   EXPECT_FALSE(sender.step());
 }
 
-TEST(Sender, WhereToGoOnIsWhereTheMachineStandsInTheEnd) {
+TEST(Sender, TheContinuationIsThePointWhereTheMachineStopped) {
   LosesCommands board(3);
   const job::Job job = random_job(50'000, 18);
   JobSender sender(board, job, fixed_session());
@@ -660,7 +659,7 @@ TEST(Sender, WhereToGoOnIsWhereTheMachineStandsInTheEnd) {
   EXPECT_THAT(text, HasSubstr("--from " + std::to_string(board.machine.fired.size())));
 }
 
-TEST(Sender, AStopOfTheUserWaitsForACutCable) {
+TEST(Sender, AStopByTheUserWaitsForACutCable) {
   for (const bool plugged_in_again : {true, false}) {
     auto board = cable({.cuts = 1, .cut_span = 100ms}, 11);
     board->unplugged = !plugged_in_again;
@@ -675,7 +674,7 @@ TEST(Sender, AStopOfTheUserWaitsForACutCable) {
     }
     try {
       sender.run();
-      ADD_FAILURE() << "nobody knows whether it stands";
+      ADD_FAILURE() << "it is unknown whether the machine stopped";
     } catch (const Error& error) {
       EXPECT_EQ(error.exit(), Exit::job_failed);
       EXPECT_THAT(error.what(), HasSubstr("could not be stopped"));
@@ -684,7 +683,7 @@ TEST(Sender, AStopOfTheUserWaitsForACutCable) {
   }
 }
 
-TEST(Sender, APassingRefusalDoesNotHangTheJob) {
+TEST(Sender, ATemporaryRefusalDoesNotHangTheJob) {
   auto board = cable();
   const job::Job job = random_job(5000, 13);
   board->machine.data_result = Result::locked;
@@ -693,7 +692,7 @@ TEST(Sender, APassingRefusalDoesNotHangTheJob) {
 }
 
 TEST(Sender, AJobThatTheMachineHasEndedDoesNotHangTheProgram) {
-  // A point that cannot be reached ends the job too; the one frame that says so may be lost.
+  // An unreachable point also ends the job; the single frame that reports it may be lost.
   auto board = cable();
   const job::Job job = random_job(500, 16);
   JobSender sender(*board, job, fixed_session());

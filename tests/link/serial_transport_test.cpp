@@ -1,4 +1,4 @@
-// Serial ports that cannot be opened: what is said, and what helps.
+// Errors for serial ports that cannot be opened, and their remedies.
 #include "host/link/serial_transport.hpp"
 
 #include <gmock/gmock.h>
@@ -16,12 +16,12 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// What opening it says to somebody who is not root.
+/// The error of opening `port` as a user without root's rights.
 std::string said_to_nobody(const std::filesystem::path& port) {
-  constexpr uid_t nobody = 65534;
+  constexpr uid_t unprivileged = 65534;
   const bool root = ::geteuid() == 0;
   if (root) {
-    EXPECT_EQ(::setresuid(nobody, nobody, 0), 0);
+    EXPECT_EQ(::setresuid(unprivileged, unprivileged, 0), 0);
   }
   std::string text;
   try {
@@ -49,7 +49,7 @@ TEST(SerialTransport, without_permission_it_names_the_rule_or_the_group) {
   EXPECT_THAT(said_to_nobody(port), HasSubstr("sudo adduser $USER dialout"));
 }
 
-TEST(SerialTransport, one_that_is_not_there_is_no_matter_of_rights) {
+TEST(SerialTransport, a_missing_port_is_not_reported_as_a_permission_problem) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(said_to_nobody(folder.file("ttyACM0")),
               AllOf(HasSubstr("check cable and name"), Not(HasSubstr("rules"))));

@@ -1,4 +1,4 @@
-// The pulse stream's transport: which board it takes, and how a job over it outlives the cable.
+// The transport of the pulse stream: the choice of the board, and how a job survives a cut cable.
 #include "host/link/usb_transport.hpp"
 
 #include <gmock/gmock.h>
@@ -24,13 +24,13 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 
-/// What a plugged-in board does beside its descriptors.
+/// State of a plugged-in board besides its descriptors.
 struct Plugged {
   usb::DeviceInfo info;
-  sim::Board* board = nullptr;  ///< moves bytes and time; none: a silent one
+  sim::Board* board = nullptr;  ///< moves bytes and time; null: a silent board
   std::deque<std::uint8_t> leftovers{};
   bool busy = false;       ///< another program has its interface
-  std::uint64_t plug = 0;  ///< another one each time it is plugged in
+  std::uint64_t plug = 0;  ///< differs each time it is plugged in
 };
 
 usb::DeviceInfo board_info(const std::string& serial, const std::string& place) {
@@ -48,7 +48,7 @@ usb::DeviceInfo board_info(const std::string& serial, const std::string& place) 
   return info;
 }
 
-/// A bus on which things are plugged in and out.
+/// A bus on which devices are plugged in and out.
 class FakeBus final : public usb::Bus {
  public:
   std::vector<usb::DeviceInfo> devices() override {
@@ -73,7 +73,7 @@ class FakeBus final : public usb::Bus {
     const auto found = plugged.find(place);
     return found == plugged.end() || found->second.plug != plug ? nullptr : &found->second;
   }
-  /// Time of every board that has a clock, unplugged ones too.
+  /// Advances every board that has a clock, unplugged ones included.
   void pass(microseconds time) {
     time_ += time;
     for (sim::Board* board : clocks) board->run_until(time_.count() * ps_per_us);
@@ -162,7 +162,7 @@ std::unique_ptr<usb::Device> FakeBus::open(const usb::DeviceInfo& info) {
   const auto found = plugged.find(info.place);
   if (found == plugged.end())
     throw Error(Exit::no_device, info.place, "is not there any more", "plug it in again");
-  if (!info.problem.empty()) throw Error(Exit::no_device, info.place, info.problem, "ask somebody");
+  if (!info.problem.empty()) throw Error(Exit::no_device, info.place, info.problem, "grant access");
   ++opened;
   return std::make_unique<FakeDevice>(*this, found->second);
 }
@@ -178,17 +178,17 @@ Error error_from(Call&& call) {
   return Error(Exit::done, "", "", "");
 }
 
-TEST(UsbTransport, TakesTheOnlyBoardOrTheOneThatIsNamed) {
+TEST(UsbTransport, TakesTheOnlyBoardOrTheNamedOne) {
   const auto bus = std::make_shared<FakeBus>();
   usb::DeviceInfo mouse;
   mouse.place = "1-1";
   bus->plug(mouse);
-  usb::DeviceInfo namesake = board_info("XYZ", "1-2");  // the numbers are free for anybody's tests
-  namesake.manufacturer = "somebody else";
+  usb::DeviceInfo namesake = board_info("XYZ", "1-2");  // these USB IDs are free for private tests
+  namesake.manufacturer = "another maker";
   bus->plug(namesake);
-  const Error nobody = error_from([&] { link::find_board(*bus, ""); });
-  EXPECT_EQ(nobody.exit(), Exit::no_device);
-  EXPECT_THAT(nobody.what(), HasSubstr("no board"));
+  const Error none = error_from([&] { link::find_board(*bus, ""); });
+  EXPECT_EQ(none.exit(), Exit::no_device);
+  EXPECT_THAT(none.what(), HasSubstr("no board"));
   bus->plug(board_info("AAA", "1-3"));
   EXPECT_EQ(link::find_board(*bus, "").place, "1-3");
   bus->plug(board_info("BBB", "1-4.1"));
@@ -203,7 +203,7 @@ TEST(UsbTransport, TakesTheOnlyBoardOrTheOneThatIsNamed) {
   EXPECT_TRUE(transport.connected());
 }
 
-TEST(UsbTransport, SaysWhyItCannotBeHad) {
+TEST(UsbTransport, ReportsWhyABoardCannotBeUsed) {
   const auto bus = std::make_shared<FakeBus>();
   usb::DeviceInfo old = board_info("OLD", "1-1");
   old.interfaces.pop_back();
@@ -222,7 +222,7 @@ TEST(UsbTransport, SaysWhyItCannotBeHad) {
               HasSubstr("may not be opened"));
 }
 
-TEST(UsbTransport, WhatWasLeftFromBeforeIsThrownAway) {
+TEST(UsbTransport, OldBytesAreDiscardedWhenItOpens) {
   const auto bus = std::make_shared<FakeBus>();
   bus->plug(board_info("AAA", "1-1"));
   for (const char c : std::string(3000, 'x') + "ok\r\n")
@@ -244,7 +244,7 @@ TEST(UsbTransport, FindsItsBoardAgainAtAnotherPlaceAndNoOther) {
   EXPECT_FALSE(transport.connected());
   EXPECT_EQ(transport.write(byte), 0u);
   EXPECT_FALSE(transport.reconnect());
-  // Time goes on meanwhile, or a sender would wait for ever.
+  // Time advances while the board is unplugged; otherwise a sender would wait forever.
   const microseconds before = transport.now();
   transport.wait(microseconds(1500));
   EXPECT_GE(transport.now() - before, microseconds(1500));
@@ -257,21 +257,21 @@ TEST(UsbTransport, FindsItsBoardAgainAtAnotherPlaceAndNoOther) {
   EXPECT_TRUE(transport.reconnect());
   EXPECT_TRUE(transport.connected());
   EXPECT_EQ(transport.write(byte), 1u);
-  // A board that has restarted where it was is a new connection too.
+  // A board that has restarted at the same place is a new connection, too.
   bus->unplug("2-3");
   bus->plug(board_info("AAA", "2-3"));
   EXPECT_FALSE(transport.connected());
   EXPECT_TRUE(transport.reconnect());
 }
 
-TEST(UsbTransport, AJobGoesOnAtWhateverPlaceItsBoardIsPluggedInAgain) {
+TEST(UsbTransport, AJobContinuesWhereverItsBoardIsPluggedInAgain) {
   job::Profile profile = job::default_profile();
   job::set_lamp_hz(profile, 500);
   std::mt19937_64 random(18);
   std::uniform_real_distribution<> step(-0.05, 0.05);
-  points::PointCloud cloud{{0, 0, 0}};
+  geometry::PointCloud cloud{{0, 0, 0}};
   while (cloud.size() < 200) {
-    const points::Point& p = cloud.back();
+    const geometry::Point& p = cloud.back();
     cloud.push_back({p.x + step(random), p.y + step(random), p.z + step(random)});
   }
   const job::Job job = job::make_job(cloud, profile, {});

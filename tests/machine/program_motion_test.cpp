@@ -1,6 +1,5 @@
-// Programmed places and powers in the machine's units, against exact
-// arithmetic.
-#include "firmware/machine/program_motion.hpp"
+// Programmed places and powers in the machine's units, compared with exact arithmetic.
+#include "firmware/machine/runners/program_motion.hpp"
 
 #include <gtest/gtest.h>
 
@@ -43,7 +42,7 @@ TEST(ProgramMotion, StepsAreTheNearestOnes) {
       }
       const Wide off = product - unit * steps[index(a)];
       EXPECT_LE(off < 0 ? -2 * off : 2 * off, unit);
-      // To the nearest 256th but for the edges of the step; a unit of 10^10 loses its last bits.
+      // To the nearest 256th except at the edges of the step; a unit of 10^10 loses its last bits.
       const int off_q8 = line.off_q8[index(a)];
       const Wide beside = 512 * off - 2 * unit * off_q8;
       EXPECT_LE(std::abs(off_q8), motion::most_off_q8);
@@ -62,7 +61,7 @@ TEST(ProgramMotion, HalfAStepIsRoundedAwayFromZero) {
   EXPECT_EQ(steps_of({0, 0, 0, program::one_e7}, values), (StepPosition{}));  // no such axis
 }
 
-TEST(ProgramMotion, WhatIsLeftOfAStepIsKeptButAtItsEdges) {
+TEST(ProgramMotion, TheFractionOfAStepIsKeptExceptAtItsEdges) {
   const settings::Values values;  // 200 steps/mm
   const motion::LinePlace place = line_place({12'500, -12'500, 24'999, 0}, values);
   EXPECT_EQ(place.steps, (StepPosition{0, 0, 0, 0}));
@@ -71,7 +70,7 @@ TEST(ProgramMotion, WhatIsLeftOfAStepIsKeptButAtItsEdges) {
             (PerAxis<std::int8_t>{-120, 120, 0, 0}));
 }
 
-TEST(ProgramMotion, OutsideTheWorkSpaceIsNamedByItsAxis) {
+TEST(ProgramMotion, OutsideTheWorkSpaceTheAxisIsNamed) {
   const settings::Values values;  // 100 mm round zero
   const StepLimits space = work_space(values);
   EXPECT_EQ(axis_outside({10'000, -10'000, 0, 0}, space, 3), -1);
@@ -79,17 +78,17 @@ TEST(ProgramMotion, OutsideTheWorkSpaceIsNamedByItsAxis) {
   EXPECT_EQ(axis_outside({10'001, -10'001, 0, 0}, space, 3), 0);
 }
 
-TEST(ProgramMotion, PowerIsAShareOfTheHighestSWord) {
+TEST(ProgramMotion, PowerIsRelativeToTheHighestSWord) {
   settings::Values values;
   EXPECT_EQ(power_of(0, values), 0);
   EXPECT_EQ(power_of(500'000, values), 32768);
-  EXPECT_EQ(power_of(999'999, values), full_power);  // to the nearest
+  EXPECT_EQ(power_of(999'999, values), full_power);  // rounded to the nearest
   EXPECT_EQ(power_of(4'000'000'000, values), full_power);
   ASSERT_TRUE(values.set_milli(Id::highest_speed, 255'000));
   for (std::uint32_t s = 0; s <= 255; ++s) EXPECT_EQ(power_of(s * 1000, values), s * 257);
 }
 
-TEST(ProgramMotion, ALaserIsWhatTheSettingSays) {
+TEST(ProgramMotion, LaserModeIsTheSetting) {
   program::Action move;
   move.spindle = program::Spindle::proportional;
   move.speed_milli = 1'000'000;

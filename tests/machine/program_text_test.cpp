@@ -1,5 +1,5 @@
-// What the machine says about its program, byte for byte as grbl 1.1 has it.
-#include "firmware/machine/program_text.hpp"
+// The machine's reports of its program, byte for byte as in grbl 1.1.
+#include "firmware/machine/console/program_text.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,6 @@ std::string modes(const Modal& modal, bool inches = false) {
   return std::string(line.view());
 }
 
-/// An interpreter that has run lines.
 struct Program {
   explicit Program(std::initializer_list<const char*> lines = {}) {
     options.probe = true;
@@ -55,7 +54,7 @@ TEST(ProgramText, ModesAfterPowerUpAreThoseOfGrbl) {
   EXPECT_EQ(modes({}, true), "[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0.0 S0]\r\n");
 }
 
-TEST(ProgramText, ModesOfGrblStandInItsOrder) {
+TEST(ProgramText, ModesAreInTheOrderOfGrbl) {
   const Program p{"M7", "G55 G18 G20 G91 G93 M3 M8 T12 S1000.4 G1 X1 F60"};
   EXPECT_EQ(p.modes(), "[GC:G1 G55 G18 G20 G91 G93 M3 M7 M8 T12 F0 S1000]\r\n");
   EXPECT_EQ(Program({"M4 M7 S0.5 F1234.5 G19"}).modes(),
@@ -88,7 +87,7 @@ TEST(ProgramText, EveryMotionAndSystemHasItsName) {
               std::string("[GC:G0 ") + system + " G17 G21 G90 G94 M5 M9 T0 F0 S0]\r\n");
 }
 
-TEST(ProgramText, ModesThatGrblHasNotAreToldWhileTheyAreNotTheUsualOnes) {
+TEST(ProgramText, ModesUnknownToGrblAreReportedOnlyIfNotDefault) {
   EXPECT_EQ(Program({"G90.1 G61.1 G99", "G43.1 Z2", "G68 R30", "M130 P1"}).modes(),
             "[GC:G0 G54 G17 G21 G90 G94 G90.1 G61.1 G43.1 G99 G68 M5 M9 M130 T0 F0 S0]\r\n");
   EXPECT_EQ(Program({"G64 P0.1"}).modes(), "[GC:G0 G54 G17 G21 G90 G94 G64 M5 M9 T0 F0 S0]\r\n");
@@ -98,7 +97,7 @@ TEST(ProgramText, ModesThatGrblHasNotAreToldWhileTheyAreNotTheUsualOnes) {
             modes({}));
 }
 
-TEST(ProgramText, FeedIsToldInTheUnitsOfReports) {
+TEST(ProgramText, FeedIsReportedInTheUnitsOfReports) {
   Modal modal;
   modal.feed = 254'000;  // um/min
   EXPECT_NE(modes(modal).find(" F254 "), std::string::npos);
@@ -113,7 +112,7 @@ TEST(ProgramText, FeedIsToldInTheUnitsOfReports) {
   EXPECT_NE(modes(p.interpreter.modal(), true).find(" F0.0049 "), std::string::npos);
 }
 
-/// The words that a sender sees.
+/// The words as parsed by a sender.
 std::vector<std::string> words_of(const std::string& line) {
   std::istringstream in(line.substr(4, line.size() - 7));
   std::vector<std::string> words;
@@ -121,8 +120,8 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-TEST(ProgramText, WhatIsToldIsTheStateAndCanBeRead) {
-  // CNCjs passes over a line with any other letter, a sign or an empty word.
+TEST(ProgramText, TheReportIsTheStateAndCanBeRead) {
+  // CNCjs ignores a line with any other letter, a sign or an empty word.
   const std::regex shape(R"(\[GC:[GMTFS][0-9]+(\.[0-9]+)?( [GMTFS][0-9]+(\.[0-9]+)?)*\]\r\n)");
   const std::vector<std::vector<const char*>> codes{{"G0", "G80", "G1"},
                                                     {"G17", "G18", "G19"},
@@ -149,14 +148,14 @@ TEST(ProgramText, WhatIsToldIsTheStateAndCanBeRead) {
     ASSERT_TRUE(std::regex_match(text, shape)) << text;
     Program second;
     std::vector<std::string> words = words_of(text);
-    // G1 wants a feed, and which lock M130 is, is not told.
+    // F is set first because G1 requires a feed; the kind of lock of M130 is not reported.
     std::stable_partition(words.begin(), words.end(), [](auto& word) { return word[0] == 'F'; });
     for (const std::string& word : words) second.run(word == "M130" ? "M130 P0" : word);
     ASSERT_EQ(second.interpreter.modal(), first.interpreter.modal()) << text;
   }
 }
 
-TEST(ProgramText, OffsetsStandInTheOrderOfGrbl) {
+TEST(ProgramText, OffsetsAreInTheOrderOfGrbl) {
   const Program p;
   std::string all;
   for (int i = 0; i < offset_lines; ++i) all += p.offset(i);
@@ -168,7 +167,7 @@ TEST(ProgramText, OffsetsStandInTheOrderOfGrbl) {
             "[G92:0.000,0.000,0.000]\r\n[TLO:0.000]\r\n[PRB:0.000,0.000,0.000:0]\r\n");
 }
 
-TEST(ProgramText, OffsetsAreThoseThatWereSet) {
+TEST(ProgramText, OffsetsEqualTheirSettings) {
   Program p{"G10 L2 P1 X1 Y-2.5 Z0.0004",
             "G10 L2 P6 Y1",
             "G10 L2 P7 X7",
@@ -226,7 +225,7 @@ TEST(ProgramText, StoredLinesAndHelp) {
             "[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $X ~ ! ? ctrl-x]\r\n");
 }
 
-TEST(ProgramText, TheLongestFitsALine) {
+TEST(ProgramText, TheLongestTextFitsALine) {
   Program p;
   p.parameters.systems_e7.fill({-program::most_position_e7, -program::most_position_e7,
                                 -program::most_position_e7, -program::most_position_e7});

@@ -1,5 +1,5 @@
-// Status reports, byte for byte as grbl 1.1 has them.
-#include "firmware/machine/status_report.hpp"
+// Status reports, byte for byte as in grbl 1.1.
+#include "firmware/machine/console/status_report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -73,7 +73,7 @@ TEST(StatusReport, InchesHaveFourDecimals) {
             "<Idle|MPos:1.0000,-0.0001,0.1000|FS:10.0,0|WCO:0.0000,0.0000,0.0000>");
 }
 
-/// In which of the next reports a field comes, from 0.
+/// Indices of the next reports that contain a field, from 0.
 std::vector<int> places(StatusReporter& reporter, const ReportedStatus& status, const char* field,
                         int reports) {
   std::vector<int> found;
@@ -82,7 +82,7 @@ std::vector<int> places(StatusReporter& reporter, const ReportedStatus& status, 
   return found;
 }
 
-TEST(StatusReport, OffsetsAndOverridesComeNowAndThen) {
+TEST(StatusReport, OffsetsAndOverridesAreSentPeriodically) {
   ReportedStatus busy = idle();
   busy.state = "Run";
   busy.busy = true;
@@ -96,7 +96,7 @@ TEST(StatusReport, OffsetsAndOverridesComeNowAndThen) {
   EXPECT_THAT(places(reporter, busy, "Ov:", 45), testing::ElementsAre(1, 21, 41));
 }
 
-TEST(StatusReport, WhatHasChangedIsToldAtOnceAndOnce) {
+TEST(StatusReport, AChangeIsReportedAtOnceAndOnce) {
   StatusReporter reporter;
   ReportedStatus status = idle();
   for (int i = 0; i < 4; ++i) report(reporter, status);
@@ -108,7 +108,7 @@ TEST(StatusReport, WhatHasChangedIsToldAtOnceAndOnce) {
   EXPECT_THAT(report(reporter, status), Not(HasSubstr("Ov")));
 }
 
-TEST(StatusReport, TheLongestFitsALine) {
+TEST(StatusReport, TheLongestTextFitsALine) {
   StatusReporter reporter;
   ReportedStatus status = idle();
   status.state = "Hold:1";

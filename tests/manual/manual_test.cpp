@@ -1,4 +1,4 @@
-// Manual pages and completions say what the command line has: all of it, and nothing else.
+// Manual pages and completions contain exactly the options and commands of the command line.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// The command line of the program itself, with the commands that are programs of their own.
+/// The command line of the program, including the commands that are programs of their own.
 struct RealProgram {
   RealProgram() {
     chip_tool::add_chip(*app);
@@ -34,7 +34,7 @@ struct RealProgram {
   std::unique_ptr<cli::Command> app = cli::make_own_commands();
 };
 
-/// A small one with what is awkward.
+/// A small command line with awkward texts.
 struct SmallProgram {
   SmallProgram() {
     cli::Command& cut = app.add_command("cut", "Cut. It's \\sharp");
@@ -42,7 +42,7 @@ struct SmallProgram {
     cut.add_option("--mode", &mode, "How").value_name("fast|slow|PORT");
     cut.add_option("-o,--output", &file, "Where to").value_name("FILE").environment("CUT_TO");
     cut.add_option("--dry", &dry, "Not really");
-    cut.add_option("--secret", &file, "Nobody sees it").group("");
+    cut.add_option("--secret", &file, "Hidden").group("");
     cut.add_option("INPUT", &file, "What").required();
     cut.footer("One\ntwo.\n\nThree.\nExample:\n  .cut it\n  'cut\n\nThe end.");
     cli::Command& deep = app.add_command("deep", "Commands of its own");
@@ -68,29 +68,29 @@ TEST(ManPage, HasNameSynopsisOptionsAndExamples) {
   EXPECT_THAT(page, HasSubstr("\\fBlamplock cut\\fR [\\fIOPTIONS\\fR] \\fIINPUT\\fR\n"));
   EXPECT_THAT(page, HasSubstr(".TP\n\\fB\\-\\-depth\\fR \\fIMM\\fR\nHow deep. Default: 2.5.\n"));
   EXPECT_THAT(page, HasSubstr("\\fB\\-o\\fR, \\fB\\-\\-output\\fR \\fIFILE\\fR\nWhere to. Without "
-                              "it, what the environment variable CUT_TO says.\n"));
+                              "it, the environment variable CUT_TO gives the value.\n"));
   EXPECT_THAT(page, HasSubstr("\\fB\\-\\-dry\\fR\nNot really.\n"));
   EXPECT_THAT(page, HasSubstr(".SH NOTES\nOne two.\n.PP\nThree.\n.SH EXAMPLES\n"));
   EXPECT_THAT(page, HasSubstr(".nf\n\\&.cut it\n\\&'cut\n.fi\n.RE\n.PP\nThe end.\n"));
   EXPECT_THAT(page, Not(HasSubstr("secret")));
 }
 
-TEST(ManPage, InnerCommandsStandOnThePageOfTheirCommand) {
+TEST(ManPage, InnerCommandsAreOnThePageOfTheirCommand) {
   const SmallProgram program;
   const std::string page = page_of(program.app, "lamplock-deep.1");
   EXPECT_THAT(page, HasSubstr(".SH LAMPLOCK DEEP INNER\nOne of them.\n"));
   EXPECT_THAT(page, HasSubstr("\\fB\\-\\-turned\\fR\nTurned.\n"));
 }
 
-TEST(ManPage, EveryCommandHasOne) {
+TEST(ManPage, EveryCommandHasAPage) {
   const SmallProgram program;
   std::vector<std::string> files;
   for (const Page& page : man_pages(program.app, {})) files.push_back(page.file);
   EXPECT_THAT(files, ElementsAre("lamplock.1", "lamplock-cut.1", "lamplock-deep.1"));
 }
 
-/// Every option of every command stands on its page; pages have no line that is too long to be
-/// read in a diff, and none that man would take for a request by accident.
+/// Every option of every command is on its page; no line of a page is too long for a diff or would
+/// be taken for a request by man.
 TEST(ManPage, OfTheProgramIsComplete) {
   const RealProgram program;
   for (const cli::Command& command : program.app->commands()) {
@@ -134,7 +134,7 @@ class Shell {
     std::filesystem::create_directory(folder_.file("empty"));
   }
 
-  /// What is offered for words typed so far in an empty folder, one a line.
+  /// Completions offered in an empty folder for the given words, one per line.
   std::string offers(const std::string& words) const {
     const std::string command = "bash -c 'cd " + folder_.file("empty").string() + "; . " + script_ +
                                 "; COMP_WORDS=(" + words +
@@ -156,15 +156,15 @@ class Shell {
   std::string script_;
 };
 
-TEST(Completion, BashOffersWhatFits) {
+TEST(Completion, BashOffersMatchingWords) {
   const SmallProgram program;
   const Shell shell(program.app);
   EXPECT_EQ(shell.offers("lamplock cu"), "cut\n");
   EXPECT_EQ(shell.offers("lamplock cut --d"), "--depth\n--dry\n");
   EXPECT_EQ(shell.offers("lamplock cut --mode s"), "slow\n");
-  EXPECT_EQ(shell.offers("lamplock cut --mode = s"), "slow\n") << "as bash parts --mode=s";
+  EXPECT_EQ(shell.offers("lamplock cut --mode = s"), "slow\n") << "as bash splits --mode=s";
   EXPECT_THAT(shell.offers("lamplock cut --mode ="), HasSubstr("slow\n"));
-  EXPECT_EQ(shell.offers("lamplock cut --depth 3"), "\n") << "a number is nobody's business";
+  EXPECT_EQ(shell.offers("lamplock cut --depth 3"), "\n") << "numbers are not completed";
   EXPECT_EQ(shell.offers("lamplock cut --depth 3 --se"), "\n");
   EXPECT_EQ(shell.offers("lamplock deep in"), "inner\n");
   EXPECT_EQ(shell.offers("lamplock deep inner --t"), "--turned\n");
@@ -175,7 +175,7 @@ TEST(Completion, BashOffersWhatFits) {
   EXPECT_EQ(shell.offers("lamplock cut -o " + folder.file("sh").string()),
             folder.file("shape.stl").string() + "\n");
   EXPECT_EQ(shell.offers("lamplock deep inner " + folder.file("sh").string()), "\n")
-      << "it takes no file";
+      << "this command takes no file";
 }
 
 TEST(Completion, BashKnowsEveryCommandOfTheProgram) {
@@ -188,10 +188,10 @@ TEST(Completion, BashKnowsEveryCommandOfTheProgram) {
   EXPECT_THAT(shell.offers("lamplock operate ze"), HasSubstr("zero"));
   EXPECT_THAT(shell.offers("lamplock engrave --mod"), HasSubstr("--mode"));
   EXPECT_THAT(bash_completion(*program.app), Not(HasSubstr(":{")))
-      << "a set that was not taken apart";
+      << "a set of values was not split";
 }
 
-TEST(Completion, FishQuotesWhatIsAwkward) {
+TEST(Completion, FishQuotesSpecialCharacters) {
   const SmallProgram program;
   const std::string script = fish_completion(program.app);
   EXPECT_THAT(script, HasSubstr("-a cut -d 'Cut. It\\'s \\\\sharp'\n"));

@@ -15,6 +15,7 @@
 namespace lamplock {
 namespace {
 
+using geometry::Point;
 using model::Arc;
 using model::ArcLength;
 using model::Curves;
@@ -23,7 +24,6 @@ using model::Line;
 using model::Path;
 using model::Piece;
 using model::Spline;
-using points::Point;
 using std::numbers::pi;
 
 double distance(const Point& p, const Point& q) {
@@ -38,7 +38,7 @@ Point random_point(std::mt19937_64& random, double half) {
   return {uniform(random, -half, half), uniform(random, -half, half), uniform(random, -half, half)};
 }
 
-/// Clamped, with inner knots that repeat now and then, rational or not.
+/// Clamped, sometimes with repeated inner knots, rational or not.
 Spline random_spline(std::mt19937_64& random, bool rational) {
   Spline spline;
   spline.degree = 1 + static_cast<int>(random() % 5);
@@ -50,7 +50,7 @@ Spline random_spline(std::mt19937_64& random, bool rational) {
   }
   spline.knots.assign(order, 2);
   double knot = 2;
-  int alike = spline.degree;  // more would tear the curve apart
+  int alike = spline.degree;  // more would make the curve discontinuous
   for (std::size_t i = order; i < poles; ++i) {
     const bool repeats = random() % 4 == 0 && alike < spline.degree;
     alike = repeats ? alike + 1 : 1;
@@ -73,7 +73,7 @@ Piece random_piece(std::mt19937_64& random) {
   }
 }
 
-/// By Simpson's rule on fine steps between the breaks: another quadrature than the one tested.
+/// By Simpson's rule on fine steps between the breaks: another quadrature than the tested one.
 double fine_length(const Piece& piece) {
   std::vector<double> breaks{model::range_of(piece).from, model::range_of(piece).to};
   if (const auto* spline = std::get_if<Spline>(&piece)) breaks = model::breaks_of(*spline);
@@ -81,7 +81,7 @@ double fine_length(const Piece& piece) {
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
     constexpr int steps = 4000;
     const double h = (breaks[i + 1] - breaks[i]) / steps;
-    // An end belongs to two pieces of a spline; the limit from inside is meant.
+    // An end belongs to two pieces of a spline; use the limit from inside.
     const auto speed = [&](int k) {
       const double inside = k == 0 ? 1e-9 : k == steps ? -1e-9 : 0;
       const Point v = model::motion_at(piece, breaks[i] + (k + inside) * h).speed;
@@ -94,7 +94,7 @@ double fine_length(const Piece& piece) {
   return length;
 }
 
-TEST(ArcLength, IsThatOfFineIntegration) {
+TEST(ArcLength, EqualsFineIntegration) {
   std::mt19937_64 random(1);
   for (int i = 0; i < test::scaled(300); ++i) {
     const Path path{{random_piece(random)}};
@@ -115,12 +115,12 @@ TEST(ArcLength, ClosedForms) {
   // The parabola y = x^2 from 0 to 1 as a Bezier curve: sqrt(5) / 2 + asinh(2) / 4.
   const Path parabola{{model::bezier({{0, 0, 0}, {0.5, 0, 0}, {1, 1, 0}})}};
   EXPECT_NEAR(ArcLength(parabola).total(), std::sqrt(5.0) / 2 + std::asinh(2.0) / 4, 1e-9);
-  // A cusp, where the speed is nothing: x = t^2, y = t^3, (13 sqrt(13) - 8) / 27.
+  // A cusp, where the speed is zero: x = t^2, y = t^3, (13 sqrt(13) - 8) / 27.
   const Path cusp{{model::bezier({{0, 0, 0}, {0, 0, 0}, {1.0 / 3, 0, 0}, {1, 1, 0}})}};
   EXPECT_NEAR(ArcLength(cusp).total(), (13 * std::sqrt(13.0) - 8) / 27, 1e-9);
 }
 
-// A quarter of a circle as a rational curve: every point lies on it, and arc length is the angle.
+// A quarter of a circle as a rational curve: every point is on it, and arc length is the angle.
 TEST(ArcLength, OfARationalCircle) {
   Spline quarter = model::bezier({{1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
   quarter.weights = {1, std::numbers::sqrt2 / 2, 1};
@@ -136,7 +136,7 @@ TEST(ArcLength, OfARationalCircle) {
 }
 
 // The length of a path up to at(s) is s: cut the curve there and measure the parts.
-TEST(ArcLength, PointsLieWhereTheyAreSaidTo) {
+TEST(ArcLength, PointsAreAtTheirArcLength) {
   std::mt19937_64 random(2);
   for (int i = 0; i < test::scaled(200); ++i) {
     const Path path{{model::bezier({random_point(random, 9), random_point(random, 9),
@@ -169,7 +169,7 @@ TEST(ArcLength, PointsLieWhereTheyAreSaidTo) {
   }
 }
 
-TEST(ArcLength, GoesOverManyPiecesAndBackAgain) {
+TEST(ArcLength, CrossesManyPiecesAndBack) {
   Path path;
   for (int i = 0; i < 1000; ++i)
     path.pieces.emplace_back(Line{{i * 0.5, 0, 0}, {i * 0.5 + 0.5, 0, 0}});
@@ -181,7 +181,7 @@ TEST(ArcLength, GoesOverManyPiecesAndBackAgain) {
   EXPECT_EQ(along.at(500), (Point{500, 0, 0}));
 }
 
-TEST(Splines, AtTheirEndsAreTheirPoles) {
+TEST(Splines, EndsAreTheFirstAndLastPole) {
   std::mt19937_64 random(3);
   for (int i = 0; i < test::scaled(300); ++i) {
     Spline spline = random_spline(random, i % 2 == 0);
@@ -189,7 +189,7 @@ TEST(Splines, AtTheirEndsAreTheirPoles) {
     const Path path{{spline}};
     EXPECT_LT(distance(model::start_of(path), spline.poles.front()), 1e-12);
     EXPECT_LT(distance(model::end_of(path), spline.poles.back()), 1e-12);
-    // The derivative against differences.
+    // The derivative compared with differences.
     const auto [from, to] = model::range_of(path.pieces.front());
     const double t = uniform(random, from, to), h = 1e-6;
     if (t - h < from || t + h > to) continue;
@@ -229,13 +229,13 @@ TEST(Splines, FaultsAreNamed) {
   EXPECT_NE(fault([](Spline& s) { s.weights = {1, -1, 1, 1}; }), "");
 }
 
-TEST(Flattened, IsNowhereFurtherThanTheToleranceAndHasTheLength) {
+TEST(Flattened, IsWithinTheToleranceAndHasTheLength) {
   std::mt19937_64 random(4);
   for (int i = 0; i < test::scaled(100); ++i) {
     const Path path{{random_piece(random)}};
     const double tolerance = i % 2 == 0 ? 0.001 : 0.1;
     const auto vertices = flattened(path, tolerance);
-    // Every point of the curve is near the polyline: compare points at the same part of the way.
+    // Every point of the curve is near the polyline: compare points at equal shares of length.
     const auto [from, to] = model::range_of(path.pieces.front());
     std::size_t near_vertex = 0;
     for (int k = 0; k <= 500; ++k) {
@@ -266,23 +266,23 @@ TEST(CurveBounds, OfArcsAndSplines) {
     Curves curves;
     curves.paths = {{{random_piece(random)}}, {{random_piece(random)}}};
     curves.points = {random_point(random, 1)};
-    points::PointCloud fine = curves.points;
+    geometry::PointCloud fine = curves.points;
     for (const Path& path : curves.paths) {
       const auto vertices = flattened(path, 1e-4);
       fine.insert(fine.end(), vertices.begin(), vertices.end());
     }
-    const auto box = model::bounds(curves), expected = points::bounds(fine);
+    const auto box = model::bounds(curves), expected = geometry::bounds(fine);
     EXPECT_LT(distance(box.low, expected.low), 0.003);
     EXPECT_LT(distance(box.high, expected.high), 0.003);
   }
   EXPECT_EQ(model::bounds(Curves{}).longest_side(), 0);
 }
 
-TEST(CurveMaps, KeepPointsOfTheCurveWhereTheyBelong) {
+TEST(CurveMaps, KeepPointsOfTheCurveAtTheirPlace) {
   std::mt19937_64 random(6);
   for (int i = 0; i < test::scaled(200); ++i) {
-    const model::Affine map{random_point(random, 2), random_point(random, 2),
-                            random_point(random, 2), random_point(random, 50)};
+    const geometry::Affine map{random_point(random, 2), random_point(random, 2),
+                               random_point(random, 2), random_point(random, 50)};
     Curves curves;
     curves.paths = {{{random_piece(random)}}};
     curves.points = {random_point(random, 5)};
@@ -295,30 +295,37 @@ TEST(CurveMaps, KeepPointsOfTheCurveWhereTheyBelong) {
   }
 }
 
-TEST(Affine, TurnsComposeAndGoBack) {
+TEST(Affine, RotationsComposeAndInvert) {
   using namespace model;
-  EXPECT_EQ(turned_about_z(90)(Point{1, 0, 0}), (Point{0, 1, 0}));
-  EXPECT_EQ(turned_about_x(90)(Point{0, 1, 0}), (Point{0, 0, 1}));
-  EXPECT_EQ(turned_about_y(90)(Point{0, 0, 1}), (Point{1, 0, 0}));
-  EXPECT_EQ(turned_about_z(-270)(Point{1, 0, 0}), (Point{0, 1, 0}));
-  EXPECT_NEAR(turned_about_z(30)(Point{2, 0, 0}).y, 1, 1e-12);
+  EXPECT_EQ(geometry::turned_about_z(90)(Point{1, 0, 0}), (Point{0, 1, 0}));
+  EXPECT_EQ(geometry::turned_about_x(90)(Point{0, 1, 0}), (Point{0, 0, 1}));
+  EXPECT_EQ(geometry::turned_about_y(90)(Point{0, 0, 1}), (Point{1, 0, 0}));
+  EXPECT_EQ(geometry::turned_about_z(-270)(Point{1, 0, 0}), (Point{0, 1, 0}));
+  EXPECT_NEAR(geometry::turned_about_z(30)(Point{2, 0, 0}).y, 1, 1e-12);
   std::mt19937_64 random(7);
   for (int i = 0; i < test::scaled(200); ++i) {
     const double degrees = uniform(random, -800, 800), radians = degrees * pi / 180;
     const Point along{std::cos(radians), std::sin(radians), 0};
-    EXPECT_LT(distance(turned_about_z(degrees)(Point{1, 0, 0}), along), 1e-12);
-    EXPECT_LT(distance(turned_about_x(degrees)(Point{0, 1, 0}), Point{0, along.x, along.y}), 1e-12);
-    EXPECT_LT(distance(turned_about_y(degrees)(Point{0, 0, 1}), Point{along.y, 0, along.x}), 1e-12);
-    const Affine turn = moved(1, 2, 3) * turned_about_z(uniform(random, -400, 400)) *
-                        turned_about_y(uniform(random, -400, 400)) *
-                        turned_about_x(uniform(random, -400, 400));
+    EXPECT_LT(distance(geometry::turned_about_z(degrees)(Point{1, 0, 0}), along), 1e-12);
+    EXPECT_LT(
+        distance(geometry::turned_about_x(degrees)(Point{0, 1, 0}), Point{0, along.x, along.y}),
+        1e-12);
+    EXPECT_LT(
+        distance(geometry::turned_about_y(degrees)(Point{0, 0, 1}), Point{along.y, 0, along.x}),
+        1e-12);
+    const geometry::Affine turn = geometry::moved(1, 2, 3) *
+                                  geometry::turned_about_z(uniform(random, -400, 400)) *
+                                  geometry::turned_about_y(uniform(random, -400, 400)) *
+                                  geometry::turned_about_x(uniform(random, -400, 400));
     const Point p = random_point(random, 50);
-    EXPECT_LT(distance(turned_back(turn)(turn(p)), p), 1e-12);
-    EXPECT_LT(distance((turn * scaled(2, 3, 4))(p), turn(Point{2 * p.x, 3 * p.y, 4 * p.z})), 1e-12);
+    EXPECT_LT(distance(geometry::turned_back(turn)(turn(p)), p), 1e-12);
+    EXPECT_LT(
+        distance((turn * geometry::scaled(2, 3, 4))(p), turn(Point{2 * p.x, 3 * p.y, 4 * p.z})),
+        1e-12);
   }
 }
 
-TEST(Curves, TellWhatWasLeftOut) {
+TEST(Curves, ReportUnreadEntities) {
   Curves curves;
   EXPECT_EQ(left_out_text(curves), "");
   curves.left_out = {{"TEXT", 3}, {"HATCH", 1}};

@@ -16,7 +16,7 @@
 
 namespace lamplock::test {
 
-/// Damages `whole` with `bites` many times: what `read(path)` takes nevertheless has finite curves.
+/// Damages `whole` with `bites` many times: if `read(path)` accepts it, its curves must be finite.
 template <class Read>
 void expect_damaged_drawings_fail_at_most(const TemporaryFolder& folder, const std::string& name,
                                           const std::string& whole, std::string_view bites,

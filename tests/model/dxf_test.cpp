@@ -7,12 +7,12 @@
 #include <sstream>
 #include <string>
 
+#include "host/geometry/bounds.hpp"
 #include "host/model/arc_length.hpp"
 #include "host/model/input.hpp"
 #include "host/model/read_dxf.hpp"
 #include "host/model/read_points.hpp"
 #include "host/model/spline.hpp"
-#include "host/points/bounds.hpp"
 #include "tests/error_of.hpp"
 #include "tests/model/damaged_drawing.hpp"
 #include "tests/scale.hpp"
@@ -21,13 +21,13 @@
 namespace lamplock::dxf_test {
 namespace {
 
+using geometry::Point;
 using model::Arc;
 using model::ArcLength;
 using model::Curves;
 using model::Line;
 using model::Path;
 using model::read_dxf;
-using points::Point;
 using std::numbers::pi;
 using test::error_of;
 using test::TemporaryFolder;
@@ -39,7 +39,7 @@ double distance(const Point& p, const Point& q) {
   return std::hypot(p.x - q.x, p.y - q.y, p.z - q.z);
 }
 
-/// Group codes and values, separated by blanks, one a line.
+/// Group codes and values separated by blanks, converted to one per line.
 std::string lines(const std::string& groups) {
   std::istringstream words(groups);
   std::string text, code, value;
@@ -60,7 +60,7 @@ class Dxf : public ::testing::Test {
  protected:
   Curves read(const std::string& bytes) { return read_dxf(folder_.write("a.dxf", bytes)); }
   Curves read_entities(const std::string& entities) { return read(drawing(entities)); }
-  /// The one curve of a drawing.
+  /// The only curve of a drawing.
   Path curve(const std::string& entities) {
     const Curves curves = read_entities(entities);
     EXPECT_EQ(curves.paths.size(), 1u);
@@ -84,7 +84,7 @@ TEST_F(Dxf, LinesAndPointsWithTheirLayers) {
   EXPECT_EQ(line.from, (Point{1, 2, 3}));
   EXPECT_EQ(line.to, (Point{4, 5, 6}));
   EXPECT_FALSE(curves.paths[0].closed);
-  EXPECT_EQ(curves.points, (points::PointCloud{{7, 8, 9}}));
+  EXPECT_EQ(curves.points, (geometry::PointCloud{{7, 8, 9}}));
   EXPECT_THAT(curves.layers, ElementsAre("outline", "0"));
   EXPECT_EQ(curves.paths[1].layer, 0u);
   EXPECT_EQ(curves.paths[2].layer, 1u);
@@ -114,8 +114,8 @@ TEST_F(Dxf, CirclesAndEllipses) {
   EXPECT_LT(distance(model::end_of(quarter), {0, 1, 0}), 1e-12);
 }
 
-// A bulge is the tangent of a quarter of the angle, whatever the chord: the arc's length is radius
-// times angle and its middle lies off the chord by bulge * chord / 2.
+// A bulge is the tangent of a quarter of the angle for any chord: the arc's length is radius times
+// angle and its middle is off the chord by bulge * chord / 2.
 TEST_F(Dxf, BulgesAreArcs) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> place(-20, 20), turn(-3.5, 3.5);
@@ -133,14 +133,14 @@ TEST_F(Dxf, BulgesAreArcs) {
     EXPECT_LT(distance(model::end_of(path), q), 1e-9);
     ArcLength along(path);
     EXPECT_NEAR(along.total(), radius * std::abs(angle), 1e-8 * along.total());
-    // Positive bulges go counter-clockwise, to the right of the chord.
+    // Positive bulges turn counter-clockwise, to the right of the chord.
     const Point middle{(p.x + q.x) / 2 + bulge / 2 * (q.y - p.y),
                        (p.y + q.y) / 2 - bulge / 2 * (q.x - p.x), 0};
     EXPECT_LT(distance(along.at(along.total() / 2), middle), 1e-8 * (1 + radius));
   }
 }
 
-TEST_F(Dxf, PolylinesOldAndNew) {
+TEST_F(Dxf, PolylinesOfBothKinds) {
   // A slot: two lines and two half circles.
   const std::string corners = "10 0 20 0 10 10 20 0 42 1 10 10 20 4 10 0 20 4 42 1";
   const Path slot = curve("0 LWPOLYLINE 90 4 70 1 38 2.5 " + corners);
@@ -157,9 +157,9 @@ TEST_F(Dxf, PolylinesOldAndNew) {
   const Path in_space =
       curve("0 POLYLINE 66 1 70 8 0 VERTEX 10 0 20 0 30 1 42 1 0 VERTEX 10 0 20 3 30 5 0 SEQEND");
   EXPECT_NEAR(ArcLength(in_space).total(), 5, 1e-12);
-  // Closed without saying so; corners that coincide.
+  // Closed without the flag; coincident corners.
   EXPECT_TRUE(curve("0 LWPOLYLINE 70 0 10 0 20 0 10 1 20 0 10 1 20 0 10 1 20 1 10 0 20 0").closed);
-  // The frame of a fitted spline is not on the curve.
+  // The control frame of a fitted spline is not on the curve.
   const Path fitted = curve(
       "0 POLYLINE 66 1 70 4 0 VERTEX 10 0 20 0 70 8 0 VERTEX 10 1 20 9 70 16 "
       "0 VERTEX 10 2 20 0 70 8 0 SEQEND");
@@ -171,7 +171,7 @@ TEST_F(Dxf, Splines) {
       "0 SPLINE 70 8 71 2 72 6 73 3 40 0 40 0 40 0 40 1 40 1 40 1 "
       "10 0 20 0 30 0 10 0.5 20 0 30 0 10 1 20 1 30 0");
   EXPECT_NEAR(ArcLength(bezier).total(), std::sqrt(5.0) / 2 + std::asinh(2.0) / 4, 1e-9);
-  // A whole circle of four rational quarters.
+  // A full circle of four rational quarters.
   const Path circle = curve(
       "0 SPLINE 70 13 71 2 72 12 73 9 40 0 40 0 40 0 40 1 40 1 40 2 40 2 40 3 40 3 40 4 40 4 40 4 "
       "41 1 41 .70710678118654752 41 1 41 .70710678118654752 41 1 41 .70710678118654752 41 1 "
@@ -183,12 +183,12 @@ TEST_F(Dxf, Splines) {
   for (const Point& p : model::flattened(circle)) EXPECT_NEAR(std::hypot(p.x, p.y), 1, 1e-12);
 }
 
-TEST_F(Dxf, FacesThatLookDownAreMirrored) {
+TEST_F(Dxf, FacesThatPointDownAreMirrored) {
   // Extrusion (0, 0, -1): x of the entity is -x of the world.
   const Path arc = curve("0 ARC 10 1 20 2 30 4 40 1 50 0 51 90 210 0 220 0 230 -1");
   EXPECT_LT(distance(model::start_of(arc), {-2, 2, -4}), 1e-12);
   EXPECT_LT(distance(model::end_of(arc), {-1, 3, -4}), 1e-12);
-  // Along y: the arbitrary axes are -x and z.
+  // Extrusion along y: the arbitrary axes are -x and z.
   const Path side = curve("0 ARC 10 1 20 2 30 4 40 1 50 0 51 90 210 0 220 1 230 0");
   EXPECT_LT(distance(model::start_of(side), {-2, 4, 2}), 1e-12);
   EXPECT_LT(distance(model::end_of(side), {-1, 4, 3}), 1e-12);
@@ -247,7 +247,7 @@ TEST_F(Dxf, UnevenScalesMakeEllipses) {
   EXPECT_NEAR(ArcLength(curves.paths.at(0)).total(), 9.68844822054767619, 1e-9);
 }
 
-TEST_F(Dxf, WhatIsNotReadIsCounted) {
+TEST_F(Dxf, UnreadEntitiesAreCounted) {
   const std::string tables =
       section("TABLES",
               "0 TABLE 2 LAYER 0 LAYER 2 Off 70 0 62 -7 0 LAYER 2 frozen 70 1 62 7 "
@@ -271,13 +271,13 @@ TEST_F(Dxf, WhatIsNotReadIsCounted) {
                                            Pair("hidden", 4u), Pair("paper space", 1u)));
 }
 
-TEST_F(Dxf, FormsOfText) {
+TEST_F(Dxf, VariantsOfTheFormat) {
   std::string text = "999\na comment\n" + drawing("0 LINE 10 +1e1 20 .5 11 -2. 21 0");
   EXPECT_EQ(model::start_of(read(text).paths.at(0)), (Point{10, 0.5, 0}));
   std::string windows;
   for (const char c : text) windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
   EXPECT_EQ(model::start_of(read("\xEF\xBB\xBF" + windows).paths.at(0)), (Point{10, 0.5, 0}));
-  // Values with blanks, empty values, sections nobody needs.
+  // Values with blanks, empty values, unused sections.
   EXPECT_EQ(read(section("CLASSES", "0 CLASS 1 x") +
                  "0\nSECTION\n2\nENTITIES\n0\nLINE\n  8\n my layer \n"
                  " 10\n 1\n 6\n\n 20\n2\n 11\n3\n 21\n4\n0\nENDSEC\n0\nEOF\n")
@@ -289,7 +289,7 @@ TEST_F(Dxf, ErrorsNameTheLine) {
   EXPECT_THAT(error("AutoCAD Binary DXF\r\n\x1a" + std::string(1, '\0')), HasSubstr("binary DXF"));
   EXPECT_THAT(error("AC1032" + std::string(100, '\0')), HasSubstr("DWG"));
   EXPECT_THAT(error(""), HasSubstr("empty"));
-  EXPECT_THAT(error("hello\nworld\n"), HasSubstr("line 1: 'hello' is no group code"));
+  EXPECT_THAT(error("hello\nworld\n"), HasSubstr("line 1: 'hello' is not a group code"));
   EXPECT_THAT(entity_error(""), HasSubstr("the drawing is empty"));
   EXPECT_THAT(entity_error("0 TEXT 1 x"), HasSubstr("left out: 1 TEXT"));
   EXPECT_THAT(entity_error("0 LINE 10 0 20 1.5.2 11 1 21 1"), HasSubstr("line 10: '1.5.2'"));
@@ -299,10 +299,11 @@ TEST_F(Dxf, ErrorsNameTheLine) {
   EXPECT_THAT(entity_error("0 ARC 40 1 50 1e300"), HasSubstr("line 6"));
   EXPECT_THAT(entity_error("0 LWPOLYLINE 70 x 10 0 20 0"), HasSubstr("'x' is not a usable whole"));
   EXPECT_THAT(entity_error("0 CIRCLE 10 0 20 0 40 0"), HasSubstr("its radius is 0"));
-  EXPECT_THAT(entity_error("0 ELLIPSE 10 0 20 0 11 0 21 0 40 1"), HasSubstr("ellipse without"));
+  EXPECT_THAT(entity_error("0 ELLIPSE 10 0 20 0 11 0 21 0 40 1"),
+              HasSubstr("ellipse has no extent"));
   EXPECT_THAT(entity_error("0 CIRCLE 10 0 20 0 40 1 210 0 220 0 230 0"), HasSubstr("extrusion"));
   EXPECT_THAT(entity_error("0 SPLINE 71 3 10 0 20 0 40 1"), HasSubstr("1 knots for 1 poles"));
-  EXPECT_THAT(entity_error("0 INSERT 2 nobody 10 0 20 0"), HasSubstr("no block 'nobody'"));
+  EXPECT_THAT(entity_error("0 INSERT 2 missing 10 0 20 0"), HasSubstr("no block 'missing'"));
   EXPECT_THAT(error("0\nLINE\n0\nEOF\n"), HasSubstr("outside of a section"));
   EXPECT_THAT(error(lines("0 SECTION 2 ENTITIES 0 LINE 0 EOF")), HasSubstr("cut off"));
   EXPECT_THAT(error_of([&] { read_dxf(folder_.file("none.dxf")); }), HasSubstr("no such file"));
@@ -317,7 +318,7 @@ TEST_F(Dxf, BlocksThatExplodeAreRefused) {
   EXPECT_THAT(error(drawing("0 INSERT 2 A 10 0 20 0 70 2000000000 71 2000000000",
                             section("BLOCKS", "0 BLOCK 2 A 0 ENDBLK"))),
               HasSubstr("more than 2000000 pieces"));
-  // Each block twice in the next: 2^40 copies.
+  // Each block contains the preceding one twice: 2^40 copies.
   std::string doubling = "0 BLOCK 2 B0 0 ENDBLK ", chain = doubling;
   for (int i = 1; i <= 40; ++i) {
     const std::string inner = "0 INSERT 2 B" + std::to_string(i - 1) + " ";
@@ -333,7 +334,7 @@ TEST_F(Dxf, BlocksThatExplodeAreRefused) {
               HasSubstr("deeper than"));
 }
 
-TEST_F(Dxf, DamagedFilesNeverDoMoreThanFail) {
+TEST_F(Dxf, DamagedFilesAtWorstFail) {
   const std::string whole = drawing(
       "0 LINE 8 a 10 1 20 2 11 3 21 4 0 ARC 10 0 20 0 40 2 50 10 51 80 0 ELLIPSE 10 0 20 0 11 2 21 "
       "0 "
@@ -351,7 +352,7 @@ TEST_F(Dxf, DamagedFilesNeverDoMoreThanFail) {
 TEST_F(Dxf, PointsAloneAreAPointList) {
   const auto points = folder_.write("points.dxf", drawing("0 POINT 10 1 20 2 30 3 0 POINT 10 4"));
   EXPECT_EQ(model::classify(points), model::InputKind::points);
-  EXPECT_EQ(model::read_point_list(points), (points::PointCloud{{1, 2, 3}, {4, 0, 0}}));
+  EXPECT_EQ(model::read_point_list(points), (geometry::PointCloud{{1, 2, 3}, {4, 0, 0}}));
   const auto mixed = folder_.write("mixed.dxf", drawing("0 POINT 10 1 0 CIRCLE 40 1"));
   EXPECT_EQ(model::classify(mixed), model::InputKind::curves);
   EXPECT_THAT(error_of([&] { model::read_point_list(mixed); }), HasSubstr("curves"));

@@ -7,10 +7,10 @@
 #include <random>
 #include <string>
 
+#include "host/geometry/bounds.hpp"
 #include "host/model/arc_length.hpp"
 #include "host/model/input.hpp"
 #include "host/model/read_svg.hpp"
-#include "host/points/bounds.hpp"
 #include "tests/error_of.hpp"
 #include "tests/model/damaged_drawing.hpp"
 #include "tests/scale.hpp"
@@ -19,11 +19,11 @@
 namespace lamplock::svg_test {
 namespace {
 
+using geometry::Point;
 using model::ArcLength;
 using model::Curves;
 using model::Path;
 using model::read_svg;
-using points::Point;
 using std::numbers::pi;
 using test::error_of;
 using test::TemporaryFolder;
@@ -67,7 +67,7 @@ void expect_box(const Curves& curves, const Point& low, const Point& high) {
   EXPECT_LT(distance(box.high, high), 0.002);
 }
 
-TEST_F(Svg, BasicShapesStandUpright) {
+TEST_F(Svg, BasicShapesAreUpright) {
   const Path line = shape("<line x1='10' y1='20' x2='13' y2='24'/>");
   EXPECT_LT(distance(model::start_of(line), {10, 60, 0}), 1e-9);
   EXPECT_LT(distance(model::end_of(line), {13, 56, 0}), 1e-9);
@@ -82,7 +82,7 @@ TEST_F(Svg, BasicShapesStandUpright) {
   EXPECT_NEAR(ArcLength(rectangle).total(), 70, 1e-9);
   EXPECT_NEAR(ArcLength(shape("<rect width='30' height='10' rx='2'/>")).total(), 80 - 16 + 4 * pi,
               1e-8);
-  // Radii are half a side at most: a circle.
+  // Radii are limited to half a side: a circle.
   EXPECT_NEAR(ArcLength(shape("<rect width='10' height='10' ry='99'/>")).total(), 10 * pi, 1e-8);
   EXPECT_NEAR(ArcLength(shape("<polyline points='0,0 3,4 3 14'/>")).total(), 15, 1e-9);
   const Path triangle = shape("<polygon points='0,0 3,0 3,4'/>");
@@ -90,7 +90,7 @@ TEST_F(Svg, BasicShapesStandUpright) {
   EXPECT_NEAR(ArcLength(triangle).total(), 12, 1e-9);
 }
 
-TEST_F(Svg, RoundedRectanglesAreOneUnbrokenCurve) {
+TEST_F(Svg, RoundedRectanglesAreOneClosedCurve) {
   const Path path = shape("<rect x='5' y='6' width='30' height='10' rx='3' ry='2'/>");
   ASSERT_EQ(path.pieces.size(), 8u);
   for (std::size_t i = 0; i < 8; ++i) {
@@ -104,20 +104,20 @@ TEST_F(Svg, RoundedRectanglesAreOneUnbrokenCurve) {
   expect_box(curves, {5, 64, 0}, {35, 74, 0});
 }
 
-TEST_F(Svg, PathsKnowAllCommands) {
+TEST_F(Svg, PathsSupportAllCommands) {
   EXPECT_NEAR(ArcLength(data("M10 10 L13 14 H20 V20")).total(), 5 + 7 + 6, 1e-9);
   EXPECT_NEAR(ArcLength(data("m10 10 3 4 h7 v6 l-1-2")).total(), 18 + std::sqrt(5.0), 1e-9);
   const Path closed = data("M0 0h3v4z");
   EXPECT_TRUE(closed.closed);
   EXPECT_NEAR(ArcLength(closed).total(), 12, 1e-9);
-  // A parabola as Q, as the cubic of the same shape, and its mirror image by T.
+  // A parabola as Q, as the equivalent cubic, and its mirror image by T.
   const double parabola = std::sqrt(5.0) / 2 + std::asinh(2.0) / 4;
   EXPECT_NEAR(ArcLength(data("M0 0Q.5 0 1 1")).total(), parabola, 1e-9);
   EXPECT_NEAR(ArcLength(data("M0 0q.5 0 1 1t1 1")).total(), 2 * parabola, 1e-9);
   EXPECT_NEAR(
       ArcLength(data("M0 0C.3333333333333333 0 .6666666666666666 .3333333333333333 1 1")).total(),
       parabola, 1e-9);
-  // S and T mirror the control point of their own kind, and no other.
+  // S and T mirror only the control point of their own kind.
   EXPECT_NEAR(ArcLength(data("M0 0C0 1 1 1 1 0S2-1 2 0")).total(),
               2 * ArcLength(data("M0 0C0 1 1 1 1 0")).total(), 1e-9);
   EXPECT_NEAR(ArcLength(data("M0 0Q1 1 2 0T4 0")).total(),
@@ -144,12 +144,12 @@ TEST_F(Svg, ArcsHaveTheFourChoices) {
   EXPECT_NEAR(top("M10 40A5 5 0 0 0 16 40").low.y, 39, 1e-6);
   EXPECT_NEAR(top("M10 40A5 5 0 1 1 16 40").high.y, 49, 1e-6);
   EXPECT_NEAR(top("M10 40a5 5 0 106 0").low.y, 31, 1e-6);  // flags need no blanks
-  // Radii too small grow until the chord is a diameter.
+  // Radii that are too small grow until the chord is a diameter.
   EXPECT_NEAR(ArcLength(data("M10 40A1 1 0 0 1 20 40")).total(), 5 * pi, 1e-8);
   EXPECT_NEAR(ArcLength(data("M10 40A0 5 0 0 1 20 40")).total(), 10, 1e-9);
 }
 
-// Any arc ends where it is said to, and its points fulfil the equation of its ellipse.
+// Any arc ends at its given point, and its points satisfy the equation of its ellipse.
 TEST_F(Svg, ArcsGoThroughTheirEnds) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> place(1, 99), radius(1, 90), turn(-400, 400);
@@ -178,7 +178,7 @@ TEST_F(Svg, PagesAndUnits) {
   EXPECT_NEAR(width("", "72pt"), 25.4, 1e-9);
   EXPECT_NEAR(width("", "6pc"), 25.4, 1e-9);
   EXPECT_NEAR(width("", "40Q"), 10, 1e-9);
-  // The view is centred on a page of another shape, or as it is said.
+  // The view is centred on a page of another shape, or aligned as requested.
   const auto box = [&](const std::string& aspect) {
     return model::bounds(read("<svg width='20mm' height='10mm' viewBox='0 0 1 1' " + aspect +
                               "><rect width='1' height='1'/></svg>"));
@@ -236,7 +236,7 @@ TEST_F(Svg, LayersAreThoseOfInkscapeOrTheOutermostGroup) {
   for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(curves.paths.at(i).layer, i);
 }
 
-TEST_F(Svg, WhatIsNotReadIsCounted) {
+TEST_F(Svg, UnreadElementsAreCounted) {
   const Curves curves = shapes(
       "<title>t</title><metadata/><style>x</style><sodipodi:namedview xmlns:sodipodi='s'/>"
       "<!-- c --><text>hello</text><text>x</text><image/><foreignObject/><line x2='1'/>"
@@ -251,29 +251,30 @@ TEST_F(Svg, WhatIsNotReadIsCounted) {
 
 TEST_F(Svg, ErrorsNameTheLine) {
   EXPECT_THAT(error(""), HasSubstr("empty"));
-  EXPECT_THAT(error("hello"), HasSubstr("no sound XML"));
-  EXPECT_THAT(error(page("<g>\n<line x2='1'/>")), HasSubstr("no sound XML"));
-  EXPECT_THAT(error("<html/>"), HasSubstr("line 1: the document is no svg but 'html'"));
+  EXPECT_THAT(error("hello"), HasSubstr("not valid XML"));
+  EXPECT_THAT(error(page("<g>\n<line x2='1'/>")), HasSubstr("not valid XML"));
+  EXPECT_THAT(error("<html/>"), HasSubstr("line 1: the document is 'html', not svg"));
   EXPECT_THAT(error(page("")), HasSubstr("the drawing is empty"));
   EXPECT_THAT(error(page("<text/>")), HasSubstr("left out: 1 text"));
-  EXPECT_THAT(data_error("L1 1"), HasSubstr("line 3: path data that do not begin with M"));
+  EXPECT_THAT(data_error("L1 1"), HasSubstr("line 3: the path data do not begin with M"));
   EXPECT_THAT(data_error("M1"), HasSubstr("line 3: a number is missing"));
   EXPECT_THAT(data_error("M1 1X"), HasSubstr("command"));
   EXPECT_THAT(data_error("M1 1 L nan 1"), HasSubstr("a number is missing"));
   EXPECT_THAT(data_error("M1 1 L 1e999 1"), HasSubstr("not a usable number"));
   EXPECT_THAT(data_error("M1 1 L 1e30 1"), HasSubstr("line 3: a coordinate"));
   EXPECT_THAT(data_error("M0 0A1 1 0 2 0 5 5"), HasSubstr("flag"));
-  EXPECT_THAT(error(page("\n<circle r='-1'/>")), HasSubstr("line 4: radii of -1"));
-  EXPECT_THAT(error(page("<rect width='-1' height='1'/>")), HasSubstr("a size of -1"));
+  EXPECT_THAT(error(page("\n<circle r='-1'/>")), HasSubstr("line 4: the radii -1"));
+  EXPECT_THAT(error(page("<rect width='-1' height='1'/>")), HasSubstr("the size -1"));
   EXPECT_THAT(error(page("<line x2='3em'/>")), HasSubstr("unit 'em'"));
   EXPECT_THAT(error(page("<g transform='spin(3)'/>")), HasSubstr("transform"));
   EXPECT_THAT(error(page("<g transform='rotate(3 4)'/>")), HasSubstr("rotate has the wrong"));
   EXPECT_THAT(error(page("<g transform='scale(1'/>")), HasSubstr("scale has the wrong"));
   EXPECT_THAT(error(page("<polygon points='1 2 3'/>")), HasSubstr("3 coordinates"));
-  EXPECT_THAT(error(page("<use href='#nobody'/>")), HasSubstr("nothing named 'nobody'"));
+  EXPECT_THAT(error(page("<use href='#missing'/>")), HasSubstr("no element 'missing'"));
   EXPECT_THAT(error(page("<svg viewBox='0 0 0 5'/>")), HasSubstr("viewBox"));
   EXPECT_THAT(error("<svg viewBox='0 0 5'/>"), HasSubstr("viewBox"));
-  EXPECT_THAT(error("<svg width='0' height='5' viewBox='0 0 5 5'/>"), HasSubstr("a page of 0"));
+  EXPECT_THAT(error("<svg width='0' height='5' viewBox='0 0 5 5'/>"),
+              HasSubstr("the page has the size 0"));
 }
 
 TEST_F(Svg, DrawingsThatExplodeAreRefused) {
@@ -287,13 +288,13 @@ TEST_F(Svg, DrawingsThatExplodeAreRefused) {
   }
   EXPECT_THAT(error(page("<defs>" + doubling + "</defs><use href='#u40'/>")), HasSubstr("pieces"));
   for (int i = 0; i < 100'000; ++i) nested += "<g>";
-  EXPECT_THAT(error("<svg>" + nested), HasSubstr("no sound XML"));
+  EXPECT_THAT(error("<svg>" + nested), HasSubstr("not valid XML"));
   std::string closing;
   for (int i = 0; i < 100'000; ++i) closing += "</g>";
   EXPECT_THAT(error(page(nested + closing)), HasSubstr("deeper than"));
 }
 
-TEST_F(Svg, DamagedFilesNeverDoMoreThanFail) {
+TEST_F(Svg, DamagedFilesAtWorstFail) {
   const std::string whole = page(
       "<g transform='translate(1,2) rotate(30)'><path d='M1 2L3 4C1 2 3 4 5 6S7 8 9 1Q1 2 3 4T5 "
       "6A3 "

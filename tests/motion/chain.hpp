@@ -1,7 +1,7 @@
-// Random chains of points and the way the firmware plans them, for tests of planner and stepper.
+// Random chains of points and their plans by the firmware, for tests of planner and stepper.
 //
-// A chain is planned as the machine does it (host/bench/plan_stream.hpp). Every window is handed to
-// an observer before it is committed.
+// A chain is planned as in the machine (host/bench/plan_stream.hpp). Every window is passed to an
+// observer before it is committed.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +20,8 @@ namespace lamplock::test {
 struct Chain {
   settings::Values settings;
   motion::Limits limits;
-  motion::JoinMode mode = motion::JoinMode::free;
-  std::vector<motion::Target> targets;
+  wire::JoinMode mode = wire::JoinMode::free;
+  std::vector<wire::Target> targets;
 };
 
 using bench::limits_of;
@@ -35,7 +35,7 @@ inline void tighten_work_space(Chain& chain) {
   for (std::size_t a = 0; a < static_cast<std::size_t>(chain.limits.axes); ++a) {
     motion::AxisLimits& axis = chain.limits.axis[a];
     axis.min_steps = axis.max_steps = 0;
-    for (const motion::Target& t : chain.targets) {
+    for (const wire::Target& t : chain.targets) {
       axis.min_steps = std::min(axis.min_steps, t.steps[a]);
       axis.max_steps = std::max(axis.max_steps, t.steps[a]);
     }
@@ -43,7 +43,7 @@ inline void tighten_work_space(Chain& chain) {
 }
 
 /// Random machine and walk: lamps of 1 Hz to 5 kHz, 1 to 4 axes, step lengths over three decades
-/// around what one beat can do, directions uniform or correlated.
+/// around the distance of one beat, directions uniform or correlated.
 inline Chain random_chain(std::mt19937_64& random, std::size_t points) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> normal;
@@ -57,7 +57,7 @@ inline Chain random_chain(std::mt19937_64& random, std::size_t points) {
   Chain chain;
   chain.settings = machine_settings(lamp_hz, accel, speed, axes, steps_per_mm);
   chain.limits = limits_of(chain.settings);
-  // Rest to rest, one beat takes an axis A t^2 / 4 far, and never further than V t.
+  // From rest to rest, one beat moves an axis by A t^2 / 4, and never further than V t.
   const double beat_s = 1 / lamp_hz;
   const double reach_steps =
       std::min(accel * beat_s * beat_s / 4, speed * beat_s) * 1e3 * steps_per_mm;
@@ -70,7 +70,7 @@ inline Chain random_chain(std::mt19937_64& random, std::size_t points) {
       direction[a] = (1 - turning) * direction[a] + turning * normal(random);
       norm += direction[a] * direction[a];
     }
-    motion::Target target;
+    wire::Target target;
     for (std::size_t a = 0; a < static_cast<std::size_t>(axes); ++a) {
       direction[a] /= std::sqrt(norm);
       const double next = at[a] + length * direction[a];
@@ -84,8 +84,8 @@ inline Chain random_chain(std::mt19937_64& random, std::size_t points) {
   return chain;
 }
 
-/// Gives a machine limits of jerk: each axis one between strong, at which its acceleration takes
-/// many beats to rise, and hardly any; or none.
+/// Gives a machine limits of jerk: for each axis one between strict, at which its acceleration
+/// takes many beats to rise, and almost none; or none.
 inline void limit_jerk(Chain& chain, std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   motion::Limits& limits = chain.limits;
@@ -103,7 +103,7 @@ inline void limit_jerk(Chain& chain, std::mt19937_64& random) {
   tighten_work_space(chain);
 }
 
-/// Plans a chain as the machine does. `queued_at_once` is how far the queue is filled ahead.
+/// Plans a chain as the machine does. `queued_at_once` is the number of points queued ahead.
 inline ChainPlan plan_chain(const Chain& chain, motion::Planner& planner,
                             const WindowObserver& observe = {},
                             std::uint32_t queued_at_once = motion::PointQueue::capacity) {

@@ -1,35 +1,35 @@
-// Watches the accelerations of an axis, tick by tick, for its jerk.
+// Watches the jerk of an axis from its accelerations, tick by tick.
 //
-// In:  the acceleration of every tick. Out: whether it ever changed by more than jerk x time and
-// one stair (pulse.hpp says what is promised).
+// In:  the acceleration of every tick. Out: whether it ever changed by more than jerk x time plus
+// one stair (guaranteed by pulse.hpp).
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 
-#include "firmware/motion/limits.hpp"
+#include "firmware/motion/profile/limits.hpp"
 #include "firmware/stepper/segment.hpp"
 
 namespace lamplock::test {
 
 class JerkWatch {
  public:
-  /// What holds before the first tick: acceleration zero.
+  /// Before the first tick the acceleration is zero.
   explicit JerkWatch(const motion::AxisLimits& axis)
       : jerk_q62_(static_cast<double>(axis.jerk_q78) / 65536) {}
 
-  /// Stairs of this many ticks are allowed from here on.
+  /// Allows stairs of this many ticks from now on.
   void allow_stairs(std::uint32_t ticks) { stair_ = std::max(stair_, ticks); }
   void allow_stairs(const stepper::AxisProfile& p) {
     if (p.lead_ramp != 0) allow_stairs(stepper::ramp_of(p.lead_ticks, p.lead_ramp).stair_ticks);
     if (p.tail_ramp != 0) allow_stairs(stepper::ramp_of(p.tail_ticks, p.tail_ramp).stair_ticks);
   }
 
-  /// Another acceleration to start from.
+  /// Sets another initial acceleration.
   void start(double accel_q62) { least_ = most_ = accel_q62; }
 
   void tick(std::int64_t accel_q62) {
-    // Since any earlier tick t0 no more up, or down, than J (t - t0): compare a -+ J t.
+    // From any earlier tick t0 the change is at most J (t - t0): compare a -+ J t.
     ++ticks_;
     const auto accel = static_cast<double>(accel_q62);
     const double fallen = accel - jerk_q62_ * ticks_, risen = accel + jerk_q62_ * ticks_;
@@ -40,7 +40,7 @@ class JerkWatch {
 
   /// Largest change beyond jerk x time, in stairs.
   double worst() const { return worst_ / (jerk_q62_ * std::max(stair_, 1u)); }
-  /// A thousandth for rounding.
+  /// A thousandth is allowed for rounding.
   bool broken() const { return jerk_q62_ != 0 && worst() > 1.001; }
 
  private:

@@ -1,12 +1,12 @@
-// Limits from settings against the same quotients in long double.
-#include "firmware/motion/limits.hpp"
+// Limits from settings compared with the same quotients in long double.
+#include "firmware/motion/profile/limits.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "firmware/motion/reach.hpp"
+#include "firmware/motion/profile/reach.hpp"
 #include "shared/work_space.hpp"
 #include "tests/scale.hpp"
 
@@ -43,7 +43,7 @@ settings::Values random_values(std::mt19937_64& random) {
   return values;
 }
 
-TEST(Limits, AreTheSettingsInStepsAndTicks) {
+TEST(Limits, EqualTheSettingsInStepsAndTicks) {
   std::mt19937_64 random(21);
   int accepted = 0;
   for (int i = 0; i < test::scaled(3'000); ++i) {
@@ -57,7 +57,7 @@ TEST(Limits, AreTheSettingsInStepsAndTicks) {
     ASSERT_EQ(limits.axes, values.whole(Id::axes));
     const StepLimits space = work_space(values);
     const Real tick =
-        static_cast<Real>(tick_q16) / 65536 * 1e-6L;  // seconds, the shortest to expect
+        static_cast<Real>(tick_q16) / 65536 * 1e-6L;  // seconds, the shortest expected
     for (int a = 0; a < limits.axes; ++a) {
       const AxisLimits& axis = limits.axis[static_cast<std::size_t>(a)];
       const Real steps_per_mm = values.milli(Id::steps_per_mm_x, a) / 1e3L;
@@ -91,7 +91,7 @@ void for_random_axes(std::uint64_t seed, Check check) {
   EXPECT_GT(accepted, test::scaled(3'000) / 2);
 }
 
-TEST(Limits, PlanningLimitsLeaveRoomForWholeTicksAndNotMore) {
+TEST(Limits, PlanningLimitsLeaveTheReserveForWholeTicksAndNoMore) {
   for_random_axes(22, [](std::mt19937_64&, const Limits& limits, int, const AxisLimits& axis) {
     const Real n = limits.beat_ticks;
     const Real accel_room = 1 - axis.plan_accel_q62 / static_cast<Real>(axis.accel_q62);
@@ -121,7 +121,7 @@ TEST(Limits, NormalisedQuantitiesAreQuotientsByTheAcceleration) {
     const Real rounding = 2 / unit_q32 / want + 1 / unit_q32 / steps_per_beat;
     ASSERT_NEAR(static_cast<double>(axis.speed_q32 / unit_q32 / want), 1.0,
                 1e-9 + static_cast<double>(rounding));
-    // And back: the normalised limit is the planning speed.
+    // Conversely, the normalised limit is the planning speed.
     if (speed < max_beats_per_point) {
       ASSERT_NEAR(static_cast<double>(static_cast<Real>(limits.speed_q62(a, axis.speed_q32)) /
                                       static_cast<Real>(axis.plan_speed_q62)),
@@ -146,7 +146,7 @@ TEST(Limits, ShotToleranceDefaultsToHalfAStepOrFiveMicrometres) {
   EXPECT_EQ(limits.axis[1].shot_tolerance_q32, 2 * one_q32);
 }
 
-TEST(Limits, RefusesWhatTheTicksCannotDoAndNamesTheSetting) {
+TEST(Limits, RefusesSettingsThatTicksCannotDoAndNamesThem) {
   Limits limits;
   std::uint16_t setting = 0;
   settings::Values values;

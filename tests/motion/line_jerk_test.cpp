@@ -1,4 +1,4 @@
-// The line planner where jerk is limited.
+// The line planner with limited jerk.
 #include <gtest/gtest.h>
 
 #include "tests/motion/line_machine.hpp"
@@ -43,14 +43,14 @@ TEST(LineJerk, TimedMovesTakeTheirTime) {
     rig.stream(targets);
     ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
     worst = std::max(worst, std::fabs(rig.seconds() / wanted - 1));
-    // Pulses of whole stairs take some ticks more than they are planned with.
+    // Pulses of whole stairs take some ticks more than planned.
     EXPECT_NEAR(rig.seconds(), wanted, 0.002 * wanted + 0.003);
   }
   std::cout << "off the time by at most " << worst << "\n";
 }
 
 TEST(LineJerk, AnSCurveTakesTheTimeOfItsRise) {
-  // l/v + v/a + a/j; pulses of a slice each cost some more.
+  // l/v + v/a + a/j; each pulse is rounded up to a slice and costs some more.
   for (const double rise_s : {0.0005, 0.001, 0.002, 0.004}) {
     LineMachine m;
     m.accel_mm_s2.fill(1000);

@@ -1,5 +1,5 @@
-// A machine that runs lines: random machines and paths, what the planner makes of them, and what
-// holds for every segment.
+// A machine that runs lines: random machines and paths, the planner's output, and checks of every
+// segment.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <random>
 #include <vector>
 
-#include "firmware/motion/line_planner.hpp"
-#include "firmware/motion/profile.hpp"
-#include "firmware/motion/pulse.hpp"
+#include "firmware/motion/line/planner.hpp"
+#include "firmware/motion/profile/profile.hpp"
+#include "firmware/motion/profile/pulse.hpp"
 #include "host/bench/machine.hpp"
 #include "shared/settings_table.hpp"
 #include "tests/motion/jerk_watch.hpp"
@@ -27,7 +27,7 @@ using LineVector = std::array<double, max_axes>;
 
 inline double line_q62(std::int64_t v) { return std::ldexp(static_cast<double>(v), -62); }
 
-/// A place that is `steps` steps from zero along an axis, as the planner keeps it.
+/// Sets a place `steps` steps from zero along an axis, in the planner's format.
 inline void put_place(motion::LinePlace& place, int axis, double steps) {
   const double step = std::round(steps);
   const auto off = static_cast<int>(std::lround((steps - step) * (1 << motion::place_bits)));
@@ -35,7 +35,6 @@ inline void put_place(motion::LinePlace& place, int axis, double steps) {
   place.off_q8[index(axis)] =
       static_cast<std::int8_t>(std::clamp(off, -motion::most_off_q8, motion::most_off_q8));
 }
-/// Where it is.
 inline double steps_at(const motion::LinePlace& place, std::size_t axis) {
   return place.steps[axis] + std::ldexp(place.off_q8[axis], -motion::place_bits);
 }
@@ -47,7 +46,7 @@ struct LineMachine {
       accel_mm_s2{4000, 4000, 4000, 4000}, jerk_m_s3{}, jump_mm_s{};
   double deviation_mm = 0.01;
 
-  /// Any beat does; this is the one that the limits are made with.
+  /// Any value works; the limits are computed with this one.
   static constexpr double nominal_hz = 100;
 
   double coarsest() const {
@@ -78,7 +77,7 @@ struct LineMachine {
   }
 };
 
-/// The planner and what it has made so far.
+/// The planner and its output so far.
 class LineRig {
  public:
   explicit LineRig(const LineMachine& machine)
@@ -94,7 +93,7 @@ class LineRig {
   const motion::Limits& limits() const { return limits_; }
   const motion::LineLimits& line_limits() const { return line_limits_; }
   const std::vector<LineSegment>& segments() const { return segments_; }
-  /// Segments are looked at tick by tick for so many ticks, then by their ends.
+  /// Checks segments tick by tick for the first `ticks` ticks, then only at their ends.
   void look_at_ticks(long ticks) { ticks_to_sum_ = ticks; }
 
   /// Line numbers are indices of targets.
@@ -104,7 +103,7 @@ class LineRig {
     targets_.push_back(target);
     return true;
   }
-  /// One segment, looked at; false if there was none.
+  /// Checks one segment; false if there is none.
   bool step() {
     LineSegment s;
     if (!planner_.next(s)) return false;
@@ -114,8 +113,8 @@ class LineRig {
     from_ = s.segment.end;
     return !testing::Test::HasFatalFailure();
   }
-  /// Makes some segments that come too late; the machine has braked from where it was and goes on
-  /// from there.
+  /// Simulates segments that are late: the machine brakes from its position and continues from
+  /// there.
   template <class Meanwhile>
   void miss(std::uint64_t count, Meanwhile meanwhile) {
     const motion::LinePlanner::Mark mark = planner_.mark();
@@ -129,12 +128,12 @@ class LineRig {
   void miss(std::uint64_t count) {
     miss(count, [] {});
   }
-  /// All there is.
+  /// Runs all remaining segments.
   void run() {
     while (step()) {
     }
   }
-  /// Streams them all, the ring always as full as it can be, or up to `ahead` lines.
+  /// Streams all targets; the ring is kept as full as possible, or at up to `ahead` lines.
   void stream(const std::vector<LineTarget>& targets, std::uint32_t ahead = 1000) {
     std::size_t next = 0;
     for (;;) {
@@ -143,7 +142,7 @@ class LineRig {
     }
   }
   double seconds() const { return static_cast<double>(from_.tick) * 1e-6; }
-  /// Along the path, at the end and at the start.
+  /// Speed along the path, at the end of a segment (below: at its start).
   double speed_mm_s(const LineSegment& s) const {
     PerAxis<std::int64_t> speeds{};
     for (int a = 0; a < machine_.axes; ++a)
@@ -161,7 +160,7 @@ class LineRig {
       speeds[index(a)] = s.segment.axis[index(a)].cruise_speed_q62();
     return norm_mm_s(speeds);
   }
-  /// What the acceleration makes of the speed in a tick, mm/s.
+  /// Change of speed by the acceleration in a tick, mm/s.
   double tick_of_accel() const {
     double squares = 0;
     for (int a = 0; a < machine_.axes; ++a) squares += std::pow(machine_.accel_mm_s2[index(a)], 2);
@@ -189,20 +188,20 @@ class LineRig {
   std::vector<LineSegment> segments_;
   stepper::MotionState from_;
   long ticks_to_sum_ = 0;
-  bool stood_ = false;  ///< it stands, whatever the last segment says
+  bool stood_ = false;  ///< at rest, even if the last segment ends at a speed
 };
 
 inline double steps_off_middle(Int128 position_q64, std::int32_t step) {
   return std::ldexp(static_cast<double>(native(position_q64 - stepper::middle_of_step(step))), -64);
 }
 
-/// The same from a place.
+/// The same relative to a place.
 inline double steps_off(Int128 position_q64, const motion::LinePlace& place, int axis) {
   return std::ldexp(
       static_cast<double>(native(position_q64 - motion::position_of(place, index(axis)))), -64);
 }
 
-/// The machine stands where the last line ends.
+/// Checks that the machine is at rest at the end of the last line.
 inline void expect_at_end(const LineRig& rig) {
   ASSERT_FALSE(testing::Test::HasFatalFailure());
   ASSERT_TRUE(rig.at().at_rest());
@@ -211,7 +210,7 @@ inline void expect_at_end(const LineRig& rig) {
               2e-6);
 }
 
-/// After a cancel: the machine stands in the middle of a step, and knows of no line.
+/// Checks that after a cancel the machine is at rest in the middle of a step, with no lines left.
 inline void expect_cancelled(LineRig& rig) {
   ASSERT_FALSE(testing::Test::HasFatalFailure());
   ASSERT_TRUE(rig.planner().idle());
@@ -223,7 +222,7 @@ inline void expect_cancelled(LineRig& rig) {
   }
 }
 
-/// The speed along the path goes on but for the whole ticks of both.
+/// The speed along the path is continuous except for rounding to whole ticks of both segments.
 inline void LineRig::look_at_joint(const LineSegment& line) const {
   const double start = start_mm_s(line);
   const double end = segments_.empty() || stood_ ? 0 : speed_mm_s(segments_.back());
@@ -232,11 +231,11 @@ inline void LineRig::look_at_joint(const LineSegment& line) const {
     return;
   }
   const LineSegment& before = segments_.back();
-  // A way back (settles) comes out exactly at its end, as a line does.
+  // A move back (settles) ends exactly at its end, as a line does.
   const auto fits = [](const LineSegment& s) { return s.ends_line || s.settles; };
   const double share = (fits(line) || fits(before) ? 4.0 / line.segment.ticks : 0) +
                        (fits(before) ? 4.0 / before.segment.ticks : 0);
-  // What is left to rounding where speeds with pulses are looked for.
+  // Rounding of the search for speeds with jerk pulses.
   const double noise = line_limits_.rise.none() ? 1e-7 : 0x1p-11;
   ASSERT_NEAR(start, end, std::max(start, end) * (share + noise) + 1e-6 + tick_of_accel());
 }

@@ -13,7 +13,7 @@ inline double between(LineRandom& random, double low, double high) {
   return low * std::pow(high / low, std::uniform_real_distribution<double>(0, 1)(random));
 }
 
-/// 1 to 4 axes; steps, speeds, accelerations of a decade or two, alike for all axes or not.
+/// 1 to 4 axes; steps, speeds, accelerations over a decade or two, equal for all axes or not.
 inline LineMachine random_machine(LineRandom& random) {
   LineMachine m;
   m.axes = 1 + static_cast<int>(random() % 4);
@@ -26,23 +26,22 @@ inline LineMachine random_machine(LineRandom& random) {
     m.steps_mm[k] = m.steps_mm[first];
     m.speed_mm_s[k] = m.speed_mm_s[first];
     m.accel_mm_s2[k] = m.accel_mm_s2[first];
-    // In thousandths, as the setting has it: what a low one is rounded by would be seen.
+    // In thousandths, as stored in the setting: rounding of a low jump would be visible.
     if (random() % 4 == 0) m.jump_mm_s[k] = std::round(between(random, 0.1, 20) * 1e3) / 1e3;
   }
   m.deviation_mm = between(random, 0.001, 0.1);
   return m;
 }
 
-/// Gives it limits of jerk at which the acceleration rises in 0.1 to 100 ms; some axes have none.
+/// Adds limits of jerk at which the acceleration rises in 0.1 to 100 ms; some axes have none.
 inline void limit_jerk(LineRandom& random, LineMachine& m) {
   for (std::size_t a = 0; a < static_cast<std::size_t>(m.axes); ++a)
     if (random() % 8 != 0)
       m.jerk_m_s3[a] = std::max(0.01, m.accel_mm_s2[a] * 1e-3 / between(random, 1e-4, 0.1));
 }
 
-/// In whole steps or with what is left of them, half and half. Lengths over decades around
-/// `scale_mm`, directions at random, or a little changed, or kept; ways back; feeds over decades,
-/// rapids, stops.
+/// In whole steps or with fractions, half and half. Lengths over decades around `scale_mm`,
+/// directions at random, slightly changed, or kept; reversals; feeds over decades, rapids, stops.
 inline std::vector<LineTarget> random_lines(LineRandom& random, const LineMachine& m,
                                             std::size_t count, double scale_mm) {
   std::normal_distribution<double> normal;

@@ -1,5 +1,5 @@
-// The line planner: what holds for every path, and how long paths take.
-#include "firmware/motion/line_planner.hpp"
+// The line planner: properties of every path, and the duration of paths.
+#include "firmware/motion/line/planner.hpp"
 
 #include <gtest/gtest.h>
 
@@ -34,9 +34,9 @@ TEST(LinePlanner, ALineFromRestToRest) {
   EXPECT_NEAR(rig.seconds(), 0.5 + 0.1 / 1.25, 0.0005);
 }
 
-TEST(LinePlanner, ASharpCornerIsPassedAsFastAsTheAxesThatTurnMayJump) {
-  // X goes on as it did, Z stands: that they may not jump says nothing. Y turns by 1.6 of the
-  // speed.
+TEST(LinePlanner, ASharpCornerIsPassedAtTheSpeedJumpOfTheAxesThatTurn) {
+  // X keeps its speed and Z is at rest: their zero speed jump does not matter. Y changes by 1.6
+  // times the speed.
   LineMachine m;
   m.jump_mm_s = {0, 8, 0};
   m.deviation_mm = 0.001;
@@ -49,7 +49,7 @@ TEST(LinePlanner, ASharpCornerIsPassedAsFastAsTheAxesThatTurnMayJump) {
   for (const LineSegment& s : rig.segments())
     if (s.ends_line && s.line == 0) corner = rig.speed_mm_s(s);
   EXPECT_NEAR(corner, 8 / 1.6, 0.01);
-  // An axis that turns with it and may not jump takes it away.
+  // A third axis that also changes and may not jump prevents the jump.
   LineRig other(m);
   other.push(to_mm(m, {6, 8, 0}, 100));
   other.push(to_mm(m, {12, 0, 0.1}, 100));
@@ -91,7 +91,7 @@ TEST(LinePlanner, GentlyCurvedPathOfDensePointsKeepsItsSpeed) {
   EXPECT_GT(slowest, 0.98 * v);
 }
 
-/// Largest acceleration of an axis on a circle that begins at 0 along x, over its limit.
+/// Largest acceleration of an axis on a circle that begins at 0 along x, relative to its limit.
 double worst_axis_accel(const LineRig& rig, double radius_mm) {
   const LineMachine& m = rig.machine();
   double worst = 0;
@@ -106,7 +106,7 @@ double worst_axis_accel(const LineRig& rig, double radius_mm) {
   return worst;
 }
 
-/// Time round a circle where the acceleration of an axis is what limits the speed.
+/// Time along a circle if only the acceleration of an axis limits the speed.
 double circle_seconds(double radius_mm, double length_mm, double accel_mm_s2, double mm_s) {
   double seconds = 0;
   const int parts = 1000;
@@ -118,7 +118,7 @@ double circle_seconds(double radius_mm, double length_mm, double accel_mm_s2, do
   return seconds;
 }
 
-TEST(LinePlanner, TightCurvesOfDensePointsAreSlowedAsFarAsTheirRadiusNeeds) {
+TEST(LinePlanner, TightCurvesOfDensePointsAreSlowedAsTheirRadiusRequires) {
   for (const double steps_mm : {80.0, 200.0, 800.0})
     for (const double radius : {1.0, 2.0, 4.0, 10.0}) {
       SCOPED_TRACE(testing::Message() << steps_mm << " steps/mm, radius " << radius);
@@ -127,24 +127,24 @@ TEST(LinePlanner, TightCurvesOfDensePointsAreSlowedAsFarAsTheirRadiusNeeds) {
       m.accel_mm_s2.fill(1000);
       LineRig rig(m);
       rig.stream(curve(m, radius, 80, 200));
-      // A chord of 128 coarse steps is a quarter of the smallest circle; the last one, which is not
-      // complete at the end of the path, limits nothing.
+      // A chord of 128 coarse steps is a quarter of the smallest circle; the last chord, incomplete
+      // at the end of the path, limits nothing.
       EXPECT_LT(worst_axis_accel(rig, radius), steps_mm < 100 ? 1.25 : 1.15);
       EXPECT_LT(rig.seconds(), (radius * steps_mm < 150 ? 1.25 : 1.15) *
                                    (circle_seconds(radius, 80, 1000, 200) + 0.1));
     }
 }
 
-TEST(LinePlanner, CoarseMachinesSeeHowTheirCurvesBend) {
-  // A step is 0.15 mm, longer than the lines. Rounding is 0.035 mm: the smallest circle has as many
-  // of them as the one above.
+TEST(LinePlanner, CoarseMachinesDetectTheCurvature) {
+  // A step is 0.15 mm, longer than the lines. Rounding is 0.035 mm: the smallest circle is as many
+  // roundings wide as the one above.
   LineMachine m;
   m.steps_mm.fill(512 / 78.0);
   m.accel_mm_s2.fill(1000);
   for (const double radius : {4.0, 10.0, 50.0}) {
     SCOPED_TRACE(testing::Message() << "radius " << radius);
     LineRig rig(m);
-    // The ring holds enough of these lines for so much.
+    // The ring has room for lines of this length.
     constexpr double length = 200, mm_s = 120;
     rig.stream(curve(m, radius, length, mm_s));
     const double best = circle_seconds(radius, length, 1000, mm_s) + mm_s / 1000;
@@ -153,7 +153,7 @@ TEST(LinePlanner, CoarseMachinesSeeHowTheirCurvesBend) {
   }
 }
 
-TEST(LinePlanner, RandomPathsKeepLimitsAndTakeNoLongerThanTheyMust) {
+TEST(LinePlanner, RandomPathsKeepLimitsAndTakeNearMinimumTime) {
   double worst = 0;
   for (int i = 0; i < scaled(40); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
@@ -177,7 +177,7 @@ TEST(LinePlanner, RandomPathsKeepLimitsAndTakeNoLongerThanTheyMust) {
     EXPECT_LE(rig.seconds(), best.seconds() * 1.005 + slack);
     for (const LineSegment& s : rig.segments()) {
       if (!s.ends_line) continue;
-      // Next to a way back, directions are not known well enough for less.
+      // Next to a reversal, directions are not known accurately enough for a tighter bound.
       ASSERT_LE(rig.speed_mm_s(s), best.end_mm_s(s.line) * (1 + 1e-4) + 0.05 * rig.tick_of_accel());
     }
     worst = std::max(worst, (rig.seconds() - slack) / best.seconds() - 1);

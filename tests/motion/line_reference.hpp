@@ -1,6 +1,6 @@
-// How long lines take at best, in double precision: look-ahead over the whole path in two passes,
-// trapezoids by closed form, nothing rounded. The rules for corners (line_geometry.hpp,
-// line_chords.hpp) are computed anew, from the settings.
+// Minimum time of lines in double precision: look-ahead over the whole path in two passes,
+// trapezoids in closed form, no rounding. The rules for corners (line/geometry.hpp,
+// line/chords.hpp) are computed independently from the settings.
 #pragma once
 
 #include <algorithm>
@@ -82,7 +82,7 @@ class LineReference {
     return std::sqrt(squares);
   }
 
-  /// What says nothing of a way: a sixteenth of a step and 1/1000 inch, a step at most.
+  /// Minimum length that gives a direction: 1/16 step and 1/1000 inch, a step at most.
   double rounding_mm(std::size_t a) const {
     return std::min(1 / m_.steps_mm[a], 1 / m_.steps_mm[a] / 16 + 0.0254);
   }
@@ -119,7 +119,7 @@ class LineReference {
     return std::max(radius * accel, jump * jump);
   }
 
-  /// Chords of so many roundings of the axis that has the most; turns up to `gentle`.
+  /// Limits chords of this many roundings of the coarsest axis, for turns up to `gentle`.
   void cap(double roundings, double gentle = 10) {
     double window = 0;
     for (std::size_t a = 0; a < axes(); ++a) window = std::max(window, roundings * rounding_mm(a));
@@ -130,7 +130,7 @@ class LineReference {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       way += lines_[i].length;
       if (way < window * (1 - 1e-9)) continue;
-      // One that is long enough is a chord by itself.
+      // A line that is long enough is a chord by itself.
       const bool skips = first != i && lines_[i].length >= window * (1 - 1e-9);
       if (skips) {
         first = i;

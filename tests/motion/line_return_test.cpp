@@ -1,4 +1,4 @@
-// The line planner where segments come too late: back to a mark, from where the machine stands.
+// The line planner with late segments: it returns to a mark from the machine's position.
 #include <gtest/gtest.h>
 
 #include "tests/motion/line_machine.hpp"
@@ -9,7 +9,7 @@
 namespace lamplock::test {
 namespace {
 
-/// No line is left out: in order, and every one that has a length ends.
+/// Checks that no line is skipped: in order, and every line with a length reaches its end.
 void expect_all_lines(const LineRig& rig) {
   const auto is_nothing = [&](std::uint32_t line) {
     const StepPosition from = line == 0 ? StepPosition{} : rig.targets()[line - 1].steps;
@@ -26,7 +26,7 @@ void expect_all_lines(const LineRig& rig) {
 
 class Returns : public testing::TestWithParam<bool> {};
 
-TEST_P(Returns, AtRandomMomentsLimitsAreKeptAndTheEndIsExact) {
+TEST_P(Returns, AtRandomTimesLimitsAreKeptAndTheEndIsExact) {
   for (int i = 0; i < scaled(GetParam() ? 4 : 12); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9900);
@@ -41,7 +41,7 @@ TEST_P(Returns, AtRandomMomentsLimitsAreKeptAndTheEndIsExact) {
       while (pushed < targets.size() && rig.push(targets[pushed])) ++pushed;
       if (random() % (2 * every) == 0)
         rig.planner().set_feed_percent(static_cast<std::uint32_t>(between(random, 20, 250)));
-      // Behind the last line nothing can be missed: it ends at rest, without a brake.
+      // After the last line no segment can be late: it ends at rest, without a brake.
       if (random() % every == 0 && !rig.planner().idle()) {
         rig.miss(random() % 9, [&] {
           if (random() % 4 == 0) rig.planner().set_feed_percent(50);
@@ -64,7 +64,7 @@ TEST_P(Returns, AtRandomMomentsLimitsAreKeptAndTheEndIsExact) {
 
 INSTANTIATE_TEST_SUITE_P(Jerk, Returns, testing::Bool());
 
-/// What is left of a path from a place on it; its own first line only to be begun at.
+/// The rest of a path from a place on it; its first line is only a start at that place.
 std::vector<LineTarget> rest_of(const motion::LinePlace& place,
                                 const std::vector<LineTarget>& targets, std::size_t first) {
   LineTarget here;
@@ -75,14 +75,14 @@ std::vector<LineTarget> rest_of(const motion::LinePlace& place,
   return rest;
 }
 
-TEST(LineReturn, CornersBehindItAreJudgedFromWhereItLeftThePath) {
+TEST(LineReturn, LaterCornersAreJudgedFromThePlaceWhereItLeftThePath) {
   for (int i = 0; i < scaled(30); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9950);
     const LineMachine m = random_machine(random);
     const auto targets = random_lines(random, m, 30, between(random, 0.1, 5));
     LineRig rig(m);
-    // The ring holds all lines, or the one under way and little more.
+    // The ring contains all lines, or the current one and little more.
     const std::size_t known = random() % 2 == 0 ? targets.size() : 1 + random() % 2;
     for (std::size_t k = 0; k < known; ++k) rig.push(targets[k]);
     const std::uint64_t count = 1 + random() % (known > 2 ? 40 : 4);
@@ -108,8 +108,8 @@ TEST(LineReturn, CornersBehindItAreJudgedFromWhereItLeftThePath) {
   }
 }
 
-/// Straight back and dark, however often and whatever comes in between, and then on from there.
-TEST(LineReturn, GoesBackInTheDarkToWhereItLeftThePath) {
+/// A straight, dark move back, with any interruptions, and then on along the path.
+TEST(LineReturn, ReturnsDarkToThePlaceWhereItLeftThePath) {
   int ways = 0;
   for (int i = 0; i < scaled(40); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
@@ -129,7 +129,7 @@ TEST(LineReturn, GoesBackInTheDarkToWhereItLeftThePath) {
     const stepper::MotionState left = rig.at();
     if (rig.planner().idle()) continue;
     rig.miss(random() % 9);
-    // Too late again on the way, or held there.
+    // Late again during the move back, or held there.
     std::size_t before = rig.segments().size();
     for (std::uint64_t more = random() % 3; more != 0; --more) {
       while (random() % 3 != 0 && rig.step() && rig.segments().back().settles) {
@@ -151,7 +151,7 @@ TEST(LineReturn, GoesBackInTheDarkToWhereItLeftThePath) {
       ASSERT_FALSE(s.ends_line || s.segment.shines);
       ASSERT_EQ(s.power_start + s.power_cruise + s.power_end, 0);
     }
-    // Its own place but for the edges of the step.
+    // The place where it left the path, except for the resolution of a place.
     const stepper::Segment& on = rig.segments()[before].segment;
     for (std::size_t a = 0; a < static_cast<std::size_t>(m.axes); ++a) {
       const Int128 begin =
@@ -164,7 +164,7 @@ TEST(LineReturn, GoesBackInTheDarkToWhereItLeftThePath) {
   EXPECT_GT(ways, 30);
 }
 
-TEST(LineReturn, ATimedLineTakesWhatWasLeftOfItsTime) {
+TEST(LineReturn, ATimedLineTakesItsRemainingTime) {
   for (int i = 0; i < scaled(20); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9970);
@@ -183,7 +183,7 @@ TEST(LineReturn, ATimedLineTakesWhatWasLeftOfItsTime) {
     }
     const LineSegment& first = rig.segments().back();
     ASSERT_FALSE(first.settles);
-    // What the brake and the way back took comes on top.
+    // The time of the brake and of the move back is added.
     const double missed = static_cast<double>(first.segment.start_tick) * 1e-6 - before;
     rig.run();
     ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));

@@ -1,5 +1,4 @@
-// The line planner while it runs: overrides, hold, resume, cancel, a host that is late, moves that
-// are given a time.
+// The line planner during a run: overrides, hold, resume, cancel, a late host, timed moves.
 #include <gtest/gtest.h>
 
 #include "tests/motion/line_machine.hpp"
@@ -23,17 +22,17 @@ LineMachine machine_of(double accel_mm_s2) {
   return m;
 }
 
-/// Slowest acceleration along any direction.
+/// Smallest acceleration along any direction.
 double least_accel(const LineMachine& m) {
   double least = 1e300;
   for (int a = 0; a < m.axes; ++a) least = std::min(least, m.accel_mm_s2[index(a)]);
   return least;
 }
 
-/// Without a limit of jerk, and with it.
+/// Without and with limits of jerk.
 class Overrides : public testing::TestWithParam<bool> {};
 
-TEST_P(Overrides, AndHoldsAtRandomMomentsKeepLimitsAndEndWhereTheyShould) {
+TEST_P(Overrides, AndHoldsAtRandomTimesKeepLimitsAndEndExactly) {
   const bool jerk = GetParam();
   for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
@@ -62,7 +61,7 @@ TEST_P(Overrides, AndHoldsAtRandomMomentsKeepLimitsAndEndWhereTheyShould) {
         ASSERT_TRUE(rig.at().at_rest());
         const double ticks = 3e-6 * static_cast<double>(rig.segments().size() - before);
         if (!jerk && rig.segments().size() != before) {
-          // Where it begins to brake: whole ticks make a little of a corner of every junction.
+          // Start of the brake: rounding to whole ticks makes a small corner of every junction.
           const double v = rig.start_mm_s(rig.segments()[before]);
           ASSERT_LE(rig.seconds() - t, v / least_accel(m) * 1.004 + ticks);
         }
@@ -120,7 +119,7 @@ TEST(LineStream, RapidsFollowTheirOwnOverride) {
   }
 }
 
-TEST(LineStream, CancelComesToRestAndForgets) {
+TEST(LineStream, CancelComesToRestAndDiscardsLines) {
   for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9300);
@@ -142,7 +141,7 @@ TEST(LineStream, CancelComesToRestAndForgets) {
   }
 }
 
-TEST(LineStream, AHostThatIsLateCostsTimeAndNothingElse) {
+TEST(LineStream, ALateHostCostsOnlyTime) {
   for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
     LineRandom random(static_cast<std::uint64_t>(i) + 9400);
@@ -159,7 +158,7 @@ TEST(LineStream, AHostThatIsLateCostsTimeAndNothingElse) {
       ASSERT_FALSE(testing::Test::HasFatalFailure());
     }
     ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
-    // Limits from chords may come too late.
+    // Limits from chords may be known too late.
     ASSERT_GE(rig.seconds(), LineReference(m, targets, false).seconds() * (1 - 1e-5));
   }
 }
@@ -184,7 +183,7 @@ TEST(LineStream, StraightPathsOfRoundedPointsDoNotStutter) {
     LineRig rig(m);
     rig.stream(targets);
     ASSERT_FALSE(testing::Test::HasFatalFailure());
-    // Braking needs 1.8 mm: what the ring has to hold.
+    // Braking needs 1.8 mm: the minimum length of lines in the ring.
     if (pitch * motion::LineRing::capacity < 2) continue;
     for (const LineSegment& s : rig.segments()) {
       const double t = static_cast<double>(s.segment.end.tick) * 1e-6;
@@ -195,7 +194,7 @@ TEST(LineStream, StraightPathsOfRoundedPointsDoNotStutter) {
   }
 }
 
-TEST(LineStream, AReversalIsAFullStopAndAnExactStopToo) {
+TEST(LineStream, AReversalAndAnExactStopAreFullStops) {
   const LineMachine m = machine_of(1000);
   LineRig rig(m);
   for (const double mm : {10.0, 20.0, 15.0, 20.0, 30.0}) rig.push(along_x(m, mm, 50));

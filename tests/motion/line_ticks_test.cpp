@@ -1,4 +1,4 @@
-// Segments of the line planner run by the tick generator: what comes out, block by block.
+// Segments of the line planner run by the tick generator; checks its output block by block.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -11,7 +11,7 @@
 namespace lamplock::test {
 namespace {
 
-/// Runs segments as they are made, the queue as full as a random number of them.
+/// Runs segments as they are planned; the queue is filled up to a random number of them.
 class TickRun {
  public:
   TickRun(const LineMachine& machine, LineRandom& random)
@@ -23,12 +23,12 @@ class TickRun {
   }
 
   motion::LinePlanner& planner() { return planner_; }
-  /// Ticks of all segments, and those that were run.
+  /// Ticks of all segments; run(): ticks that were run.
   std::uint64_t planned() const { return planned_; }
   std::uint64_t run() const { return run_; }
   stepper::MotionState state() const { return generator_->state(); }
 
-  /// Hands over some segments and runs a part of them; false if nothing is left.
+  /// Queues some segments and runs a part of them; false if none are left.
   bool step() {
     const std::uint32_t most = 2 + static_cast<std::uint32_t>(random_() % 30);
     while (queue_->free() > stepper::SegmentQueue::capacity - most && hand_over()) {
@@ -36,7 +36,7 @@ class TickRun {
     const std::uint64_t ticks = generator_->tick();
     const std::uint64_t ready = planned_ - ticks;
     if (ready == 0) return false;
-    // The board asks for what is there; behind the last segment stands nothing yet.
+    // The board requests available ticks only; after the last segment there are none yet.
     const std::uint64_t part = planner_.idle() ? ready : ready / 2 + 1;
     while (generator_->tick() < ticks + part) {
       const std::uint64_t left = ticks + part - generator_->tick();
@@ -70,7 +70,7 @@ class TickRun {
       ASSERT_LE(abs64(r.accel_q62), limit.accel_q62);
       ASSERT_LE(abs64(r.rate_q62), limit.speed_q62);
       ASSERT_LE(abs64(r.rate_after(block_.ticks - 1)), limit.speed_q62);
-      // From block to block; segments join where whole ticks let the speed jump.
+      // Between blocks; segments join where rounding to whole ticks lets the speed jump.
       ASSERT_LE(abs64(r.rate_q62 - rate_[index(a)]), limit.accel_q62 + jump_[index(a)]);
       position_[index(a)] = r.position_after(block_.ticks);
       rate_[index(a)] = r.rate_after(block_.ticks - 1);

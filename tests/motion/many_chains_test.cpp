@@ -2,8 +2,8 @@
 // one.
 //
 // Each is checked for speed and acceleration of every axis, work space, exact end points, exact
-// beats, and at every commitment for a tail to rest inside all limits: a brake. The phases
-// analytically, a hundredth of the chains tick by tick.
+// beats, and at every commitment for a brake to rest inside all limits: the phases analytically, a
+// hundredth of the chains tick by tick.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -20,14 +20,14 @@ using test::Chain;
 using test::ChainPlan;
 using test::Fault;
 
-/// The chains are shared out, so that the shares can run at the same time.
+/// Number of shares that can run in parallel.
 constexpr int shares = 4;
 constexpr int chains = 50'000;
-/// One chain in so many is looked at tick by tick, up to so many ticks.
+/// One chain in this many is checked tick by tick, up to a number of ticks.
 constexpr int tick_by_tick_every = 100;
 constexpr long most_ticks = 2'000'000;
 
-/// Every tick of a plan.
+/// Checks every tick of a plan.
 Fault every_tick(const Chain& chain, const ChainPlan& plan) {
   stepper::MotionState from = test::rest_at_zero();
   long ticks = 0;
@@ -39,14 +39,14 @@ Fault every_tick(const Chain& chain, const ChainPlan& plan) {
   return {};
 }
 
-/// What is wrong with chain `number`, in either mode.
+/// The first fault of chain `number`, in either mode.
 Fault fault_of(std::uint64_t number, Planner& planner) {
   std::mt19937_64 random(number * 0x9e3779b97f4a7c15u + 4700);
-  // Mostly short ones; one in eight takes several windows.
+  // Mostly short chains; one in eight needs several windows.
   const std::size_t points = random() % 8 == 0 ? 40 + random() % 80 : 3 + random() % 22;
   Chain chain = test::random_chain(random, points);
-  // Seven of eight free: resting everywhere is the simpler thing.
-  chain.mode = random() % 8 == 0 ? JoinMode::start_stop : JoinMode::free;
+  // Seven of eight are free: resting at every point is the simpler case.
+  chain.mode = random() % 8 == 0 ? wire::JoinMode::start_stop : wire::JoinMode::free;
   ChainPlan plan;
   Fault fault = test::chain_fault(chain, planner, plan);
   if (!fault && number % tick_by_tick_every == 0) fault = every_tick(chain, plan);

@@ -1,9 +1,7 @@
-// Paths for tests of the path planner: how the machine plans them, and the exact optimum in double
-// precision.
-//
-// The reference knows the same corners as the firmware (path_geometry.hpp), computed anew in double
-// precision, and the true limits. Along a path there is one speed, so labels (beats, interval of
-// speeds) with dominance are exact.
+// Paths for tests of the path planner: their plans as made by the machine, and the exact optimum in
+// double precision.  The reference has the same corners as the firmware (path/geometry.hpp),
+// computed independently in double precision, and the true limits. Along a path there is one speed,
+// so labels (beats, interval of speeds) with dominance are exact.
 #pragma once
 
 #include <algorithm>
@@ -11,27 +9,27 @@
 #include <memory>
 #include <vector>
 
-#include "firmware/motion/path_planner.hpp"
+#include "firmware/motion/path/planner.hpp"
 #include "host/bench/reference_planner.hpp"
 #include "tests/motion/chain.hpp"
 
 namespace lamplock::test {
 
-/// Sees every window: the planner after planning it, and what it was asked.
+/// Called for every window: the planner after planning it, and the request.
 using PathObserver = std::function<void(const motion::PathPlanner&, const motion::PlanRequest&)>;
 
 /// Plans a chain as the machine does (host/bench/plan_stream.hpp).
 inline ChainPlan plan_path(const Chain& chain, motion::PathPlanner& planner,
                            const PathObserver& observe = {},
                            std::uint32_t queued_at_once = motion::PointQueue::capacity) {
-  constexpr std::uint32_t window = motion::window_points;
+  constexpr std::uint32_t window = window_points;
   const auto queue = std::make_unique<motion::PointQueue>();
   const auto total = static_cast<std::uint32_t>(chain.targets.size());
   queue->reset(0);
   ChainPlan plan;
   motion::PlanRequest request;
   request.queue = queue.get();
-  request.mode = motion::JoinMode::path;
+  request.mode = wire::JoinMode::path;
   request.limits = &chain.limits;
   request.start = rest_at_zero();
   for (std::uint32_t next = 0; next < total;) {
@@ -56,7 +54,6 @@ inline ChainPlan plan_path(const Chain& chain, motion::PathPlanner& planner,
   return plan;
 }
 
-/// One number of each axis in double precision.
 using Vector = std::array<double, max_axes>;
 
 inline double from_q62(std::int64_t v) { return std::ldexp(static_cast<double>(v), -62); }
@@ -80,8 +77,8 @@ inline double length_of(const Chain& chain, const Vector& way) {
   return std::sqrt(squares);
 }
 
-/// Highest speed through the corner between two ways, steps of the coarsest axis per beat.
-/// `slack` is by how much more a direction may change.
+/// Highest speed through the corner between two moves, steps of the coarsest axis per beat.
+/// `slack` is the tolerance for the change of a direction.
 inline double real_corner_speed(const Chain& chain, const Vector& from, const Vector& to,
                                 double slack = 1.5e-8) {
   const double l0 = length_of(chain, from), l1 = length_of(chain, to);
@@ -106,7 +103,7 @@ inline double real_corner_speed(const Chain& chain, const Vector& from, const Ve
 /// Fewest beats for a whole path, rest to rest.
 class PathReference {
  public:
-  /// With the limits that are set, or with what the planner leaves of them for rounding to ticks.
+  /// With the true limits, or with the planner's limits, reduced for rounding to ticks.
   static long fewest_beats(const Chain& chain, bool as_planned = false) {
     const std::size_t n = chain.targets.size();
     std::vector<Label> labels{{0, {0, 0}}};
@@ -163,8 +160,8 @@ class PathReference {
     const bench::SpeedRange start{from.speeds.lo / a - half,
                                   std::min(from.speeds.hi / a, 2 * half) - half};
     const auto first = static_cast<long>(std::ceil(d / (2 * half) - 1e-9));
-    // Once rest is possible, more beats give nothing new; the time after which it must be: brake,
-    // wait, and half again for whole beats.
+    // Once rest is possible, more beats give nothing new. The latest time for that: brake, wait,
+    // and half as long again for whole beats.
     const long last = first + 3 + static_cast<long>(4 * (2 * half + std::sqrt(d)));
     for (long k = std::max(1L, first); k <= last; ++k) {
       bench::SpeedRange to;

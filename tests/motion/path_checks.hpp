@@ -1,4 +1,4 @@
-// Random paths, and what holds for every plan of a path.
+// Random paths, and checks that hold for every plan of a path.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "firmware/motion/profile.hpp"
-#include "firmware/motion/pulse.hpp"
+#include "firmware/motion/profile/profile.hpp"
+#include "firmware/motion/profile/pulse.hpp"
 #include "tests/motion/jerk_watch.hpp"
 #include "tests/motion/path_chain.hpp"
 #include "tests/motion/tick_sum.hpp"
@@ -20,9 +20,8 @@ inline double steps_of(Int128 position_q64) {
   return std::ldexp(static_cast<double>(native(position_q64)), -64) - 0.5;
 }
 
-/// Random machine and path: what random_chain() gives, bent less, with points again and again, ways
-/// back, rows, moves without a shot, and axes of different steps/mm; with limits of jerk or
-/// without.
+/// Random machine and path: random_chain() with gentler bends, repeated points, reversals, rows,
+/// moves without a shot, and axes of different steps/mm; with or without limits of jerk.
 inline Chain random_path(std::mt19937_64& random, std::size_t points, bool jerk = false) {
   Chain chain = random_chain(random, points);
   if (jerk) limit_jerk(chain, random);
@@ -40,7 +39,7 @@ inline Chain random_path(std::mt19937_64& random, std::size_t points, bool jerk 
       chain.limits.axis[index(a)].weight_q31 =
           static_cast<std::uint32_t>(2147483648.0 * std::pow(0.05, unit(random)));
   for (std::size_t i = 2; i < points; ++i) {
-    motion::Target& t = chain.targets[i];
+    wire::Target& t = chain.targets[i];
     const StepPosition &before = chain.targets[i - 1].steps, &first = chain.targets[i - 2].steps;
     const auto kind = random() % 8;
     for (int a = 0; a < chain.limits.axes; ++a) {
@@ -58,7 +57,7 @@ inline Chain random_path(std::mt19937_64& random, std::size_t points, bool jerk 
   return chain;
 }
 
-/// Without soft limits, which the reference does not know.
+/// Removes soft limits, which the reference does not model.
 inline void open_work_space(Chain& chain) {
   for (motion::AxisLimits& axis : chain.limits.axis) {
     axis.min_steps = -2'000'000'000;
@@ -66,7 +65,7 @@ inline void open_work_space(Chain& chain) {
   }
 }
 
-/// True if a line takes longer than a segment or a point may.
+/// True if a line takes more ticks than a segment or a point may have.
 inline bool has_endless_line(const Chain& chain, double longest_ticks = 1 << 30) {
   longest_ticks =
       std::min(longest_ticks, 1.0 * motion::max_beats_per_point * chain.limits.beat_ticks);
@@ -83,7 +82,7 @@ inline std::int64_t accel_unit(const Chain& chain) {
   return chain.limits.jerk_limited() ? stepper::pulse_accel_unit : 2;
 }
 
-/// A segment starts where and when the one before it ended.
+/// Checks that a segment starts where and when the preceding one ended.
 inline void expect_joined(const Chain& chain, const stepper::MotionState& from,
                           const stepper::Segment& s, std::int32_t beats) {
   ASSERT_EQ(s.start_tick, from.tick);
@@ -105,9 +104,9 @@ inline void expect_joined(const Chain& chain, const stepper::MotionState& from,
   }
 }
 
-/// The point: in the middle of its step on every axis, the shot as ordered.
+/// Checks the end of a point: the middle of its step on every axis, the shot as ordered.
 inline void expect_at_point(const Chain& chain, const stepper::Segment& s, std::uint32_t point) {
-  const motion::Target& target = chain.targets[point];
+  const wire::Target& target = chain.targets[point];
   ASSERT_TRUE(s.ends_point);
   ASSERT_EQ(s.point, point);
   ASSERT_EQ(s.shot.present, target.shots != 0);
@@ -124,7 +123,7 @@ inline void expect_at_point(const Chain& chain, const stepper::Segment& s, std::
   }
 }
 
-/// Speed and acceleration by the ends of the phases, the work space by excursions.
+/// Checks speed and acceleration at the ends of the phases, and the work space by excursions.
 inline void expect_limits(const Chain& chain, const stepper::MotionState& from,
                           const stepper::Segment& s) {
   for (int a = 0; a < chain.limits.axes; ++a) {
@@ -142,7 +141,7 @@ inline void expect_limits(const Chain& chain, const stepper::MotionState& from,
   }
 }
 
-/// Speed jumps: what is set for the corner itself, and what rounding may add.
+/// Checks speed jumps: the setting for the corner plus the allowance for rounding.
 inline void expect_jumps(const Chain& chain, const stepper::MotionState& from,
                          const stepper::Segment& s, std::size_t i) {
   const double beat = chain.limits.beat_ticks;
@@ -150,22 +149,22 @@ inline void expect_jumps(const Chain& chain, const stepper::MotionState& from,
     const motion::AxisLimits& axis = chain.limits.axis[index(a)];
     const double jump = from_q62(s.axis[index(a)].speed_q62 - from.axis[index(a)].speed_q62) * beat;
     const double set = from_q62(axis.jump_q62) * beat;
-    // Speeds are whole multiples of 2^-32 of what the acceleration makes in a beat.
+    // Speeds are multiples of 2^-32 of the change of speed in a beat.
     const double unit = from_q62(axis.accel_q62) * beat * beat * 0x1p-32;
     ASSERT_LE(std::fabs(jump), (set + motion::rounding_jump_steps) * (1 + 1e-6) + 4 * unit) << a;
   }
   if (i == 0) return;
-  const Vector before = way_to(chain, i - 1), behind = way_to(chain, i);
+  const Vector before = way_to(chain, i - 1), after = way_to(chain, i);
   Vector speed{};
   for (std::size_t a = 0; a < speed.size(); ++a) speed[a] = from_q62(from.axis[a].speed_q62) * beat;
-  if (length_of(chain, before) == 0 || length_of(chain, behind) == 0) {
+  if (length_of(chain, before) == 0 || length_of(chain, after) == 0) {
     ASSERT_TRUE(from.at_rest());
     return;
   }
-  ASSERT_LE(length_of(chain, speed), real_corner_speed(chain, before, behind, 3e-7) * (1 + 1e-5));
+  ASSERT_LE(length_of(chain, speed), real_corner_speed(chain, before, after, 3e-7) * (1 + 1e-5));
 }
 
-/// Every some tick: speed, acceleration, the line, and no way back; at every tick the jerk.
+/// Checks speed, acceleration, line and no reversal every 97 ticks; the jerk at every tick.
 inline void expect_on_line(const Chain& chain, const stepper::MotionState& from,
                            const stepper::Segment& s, std::size_t i, double& farthest) {
   const auto axes = static_cast<std::size_t>(chain.limits.axes);

@@ -1,5 +1,5 @@
-// Paths with limits of jerk: random ones against every limit at every tick, what they cost, and
-// that a brake from every point stays inside.
+// Paths with limits of jerk: random ones checked against every limit at every tick, their cost, and
+// that braking from every point stays inside the work space.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <memory>
 #include <random>
 
-#include "firmware/motion/path_planner.hpp"
-#include "firmware/motion/pulse.hpp"
+#include "firmware/motion/path/planner.hpp"
+#include "firmware/motion/profile/pulse.hpp"
 #include "tests/motion/path_checks.hpp"
 #include "tests/scale.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 using test::Chain;
 using test::ChainPlan;
 
-/// A brake from the end of a segment, as made when the next one is not run.
+/// Checks a brake from the end of a segment, as made if the next one is not run.
 void expect_brake_inside(const Chain& chain, const Segment& s) {
   const Segment brake = make_brake(s.end, chain.limits);
   ASSERT_TRUE(stays_inside(brake, s.end, chain.limits));
@@ -36,7 +36,7 @@ TEST(PathJerk, EveryPlanIsExactKeepsEveryLimitAndCanStop) {
     if (test::has_endless_line(chain, 1 << 26)) continue;
     const ChainPlan plan = test::plan_path(chain, *planner);
     if (plan.result != Result::ok) {
-      // The machine brakes and goes on from rest, where there is a plan.
+      // The machine brakes and continues from rest, if there is a plan.
       if (plan.segments.empty() || plan.segments.back().end.at_rest()) {
         ADD_FAILURE() << "from rest after " << plan.segments.size();
         continue;

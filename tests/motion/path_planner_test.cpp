@@ -1,5 +1,5 @@
-// The path planner on random paths: what holds for every plan, and how near the optimum it comes.
-#include "firmware/motion/path_planner.hpp"
+// The path planner on random paths: properties of every plan, and its distance from the optimum.
+#include "firmware/motion/path/planner.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <iostream>
 #include <random>
 
-#include "firmware/motion/profile.hpp"
+#include "firmware/motion/profile/profile.hpp"
 #include "tests/motion/path_checks.hpp"
 #include "tests/motion/same_plan.hpp"
 #include "tests/scale.hpp"
@@ -37,8 +37,8 @@ TEST(PathPlanner, EveryPlanIsExactAndKeepsEveryLimit) {
           ASSERT_TRUE(p.segment(request.count - 1).end.at_rest());
         });
     if (plan.result != Result::ok) {
-      // From speed, a full stop that a soft limit asks for can come too soon; then the machine
-      // brakes and goes on from rest. Rare.
+      // At a speed, a full stop for a soft limit can come too soon; then the machine brakes and
+      // continues from rest. This is rare.
       ASSERT_FALSE(plan.segments.back().end.at_rest());
       ++given_up;
       continue;
@@ -50,8 +50,8 @@ TEST(PathPlanner, EveryPlanIsExactAndKeepsEveryLimit) {
   RecordProperty("farthest_from_line_steps", std::to_string(farthest));
 }
 
-TEST(PathPlanner, ComesNearTheExactOptimum) {
-  // Whole sequences, without soft limits. In kHz a plan has room for whole ticks of more than 1 %.
+TEST(PathPlanner, IsCloseToTheExactOptimum) {
+  // Whole sequences without soft limits. At kilohertz whole ticks take more than 1 % of a plan.
   PathPlanner planner;
   for (const auto& [low_hz, high_hz, gap] :
        {std::array{20.0, 200.0, 0.0005}, {500.0, 5000.0, 0.003}}) {
@@ -65,10 +65,10 @@ TEST(PathPlanner, ComesNearTheExactOptimum) {
       const ChainPlan plan = test::plan_path(chain, planner);
       ASSERT_EQ(plan.result, Result::ok) << "chain " << i;
       const long fewest = PathReference::fewest_beats(chain);
-      // The reference is the optimum; a tie that rounding decides is all that may beat it.
+      // The reference is the optimum; only a tie decided by rounding may be better.
       ASSERT_GE(plan.total_beats(), fewest - 1) << "chain " << i;
-      // Where ways are whole beats, what is left for rounding to ticks costs one at each: a single
-      // path is measured by what the planner works with.
+      // Where moves are whole beats, the margin for rounding to ticks costs one beat for each: a
+      // single path is compared with the optimum for the planner's own limits.
       const long possible = PathReference::fewest_beats(chain, true);
       ASSERT_LE(plan.total_beats(), possible + 2 + possible / 10) << "chain " << i;
       planned += plan.total_beats();
@@ -81,7 +81,7 @@ TEST(PathPlanner, ComesNearTheExactOptimum) {
   }
 }
 
-TEST(PathPlanner, DependsOnThePointsAlone) {
+TEST(PathPlanner, DependsOnlyOnThePoints) {
   for (int i = 0; i < test::scaled(20); ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 6400);
     const Chain chain = random_path(random, 120);
@@ -94,7 +94,7 @@ TEST(PathPlanner, DependsOnThePointsAlone) {
   }
 }
 
-/// Brakes every axis after some ticks of a segment, its first and its last among them.
+/// Brakes every axis at several ticks of a segment, including its first and its last.
 void expect_brakes_inside(const Chain& chain, const MotionState& from, const Segment& s) {
   for (int a = 0; a < chain.limits.axes; ++a) {
     const AxisLimits& axis = chain.limits.axis[index(a)];
@@ -140,31 +140,32 @@ TEST(PathPlanner, BrakingFromAnyTickStaysInsideTheWorkSpace) {
   }
 }
 
-/// A row of points, `way` steps from each to the next.
+/// A row of points, `way` steps apart.
 Chain row_of(std::size_t points, std::int32_t way) {
   Chain chain;
   chain.limits = test::limits_of(test::machine_settings(100, 4, 0.1, 2, 200));
   for (std::size_t i = 0; i < points; ++i) {
-    Target t;
+    wire::Target t;
     t.steps[0] = way * static_cast<std::int32_t>(i + 1);
     chain.targets.push_back(t);
   }
   return chain;
 }
 
-TEST(PathPlanner, StopsWhereThePathGoesBackAndStandsAtTheSamePoint) {
+TEST(PathPlanner, StopsAtReversalsAndRestsAtRepeatedPoints) {
   Chain chain = row_of(9, 50);
-  for (AxisLimits& axis : chain.limits.axis) axis.jump_q62 = axis.speed_q62;  // as good as no limit
+  for (AxisLimits& axis : chain.limits.axis)
+    axis.jump_q62 = axis.speed_q62;  // practically no limit
   for (std::size_t i = 4; i < 9; ++i)
     chain.targets[i].steps[0] = 200 - 50 * static_cast<std::int32_t>(i - 4);
-  chain.targets[4] = chain.targets[3];  // twice the same, then back
+  chain.targets[4] = chain.targets[3];  // the same point twice, then a reversal
   PathPlanner planner;
   const ChainPlan plan = test::plan_path(chain, planner);
   ASSERT_EQ(plan.result, Result::ok);
   for (std::size_t i = 0; i < 8; ++i)
     EXPECT_EQ(plan.segments[i].end.at_rest(), i == 3 || i == 4) << i;
   EXPECT_EQ(plan.beats[4], 1);
-  chain.targets.erase(chain.targets.begin() + 4);  // back at once
+  chain.targets.erase(chain.targets.begin() + 4);  // an immediate reversal
   const ChainPlan back = test::plan_path(chain, planner);
   for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(back.segments[i].end.at_rest(), i == 3) << i;
 }
@@ -180,17 +181,17 @@ TEST(PathPlanner, LeastBeatsAndFixedBeatsAreKept) {
   request.start = test::rest_at_zero();
   request.least_beats = 3;
   chain.targets[6].shots = 0;
-  for (const Target& t : chain.targets) queue.push(t);
+  for (const wire::Target& t : chain.targets) queue.push(t);
   PathPlanner planner;
   std::uint32_t failed = 0;
   ASSERT_EQ(planner.plan(request, failed), Result::ok);
   for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(planner.beats(i), i == 6 ? 1 : 3);
-  // Beats that the host fixes do not outrun it either; a move without a shot may.
+  // Shots must not exceed the rate either if the host fixes beats; a move without a shot may.
   chain.targets[4].beats = 2;
   for (const std::uint8_t shots : std::array<std::uint8_t, 2>{1, 0}) {
     chain.targets[4].shots = shots;
     queue.reset(0);
-    for (const Target& t : chain.targets) queue.push(t);
+    for (const wire::Target& t : chain.targets) queue.push(t);
     EXPECT_EQ(planner.plan(request, failed), shots == 1 ? Result::unreachable : Result::ok);
     EXPECT_TRUE(shots == 0 ? planner.beats(4) == 2 : failed == 4);
   }
@@ -206,7 +207,7 @@ TEST(PathPlanner, ATargetOutsideTheWorkSpaceIsNamed) {
     request.queue = &queue;
     request.count = 10;
     for (std::uint32_t i = 0; i < 10; ++i) request.points[i] = i;
-    for (const Target& t : chain.targets) queue.push(t);
+    for (const wire::Target& t : chain.targets) queue.push(t);
     request.limits = &chain.limits;
     request.start = test::rest_at_zero();
     PathPlanner planner;

@@ -1,8 +1,7 @@
-// What holds for every plan, as checks that are cheap enough for a million chains.
+// Checks that hold for every plan, fast enough for a million chains.
 //
-// In:  a chain and its plan, or a window as the planner gives it. Out: the first thing that is
-// wrong. Phases are checked by their ends and by excursions, which is exact; some segments tick by
-// tick.
+// In:  a chain and its plan, or a window from the planner. Out: the first fault. Phases are checked
+// at their ends and by excursions, which is exact; some segments tick by tick.
 #pragma once
 
 #include <algorithm>
@@ -10,13 +9,13 @@
 #include <cstdint>
 #include <ostream>
 
-#include "firmware/motion/pulse.hpp"
+#include "firmware/motion/profile/pulse.hpp"
 #include "tests/motion/chain.hpp"
 #include "tests/motion/tick_sum.hpp"
 
 namespace lamplock::test {
 
-/// The first thing wrong with a plan, and where; `what` is null if nothing is.
+/// The first fault of a plan and its place; `what` is null if there is none.
 struct Fault {
   const char* what = nullptr;
   std::uint32_t point = 0;
@@ -26,12 +25,12 @@ struct Fault {
   friend bool operator==(const Fault&, const Fault&) = default;
   friend std::ostream& operator<<(std::ostream& out, const Fault& fault) {
     if (!fault) return out << "nothing wrong";
-    out << fault.what << " on the way to point " << fault.point;
+    out << fault.what << " in the move to point " << fault.point;
     return fault.axis < 0 ? out : out << ", axis " << fault.axis;
   }
 };
 
-/// Work space at a position: the step that the axis shows there.
+/// Whether the step displayed at a position is inside the work space.
 inline bool in_work_space(const motion::AxisLimits& axis, Int128 position_q64) {
   return axis.min_steps <= position_q64.hi() && position_q64.hi() <= axis.max_steps;
 }
@@ -43,7 +42,7 @@ inline bool in_work_space(const motion::AxisLimits& axis, Int128 from_q64,
          in_work_space(axis, from_q64 + (way.high_q62 << 2));
 }
 
-/// Joins: a segment starts where and when the one before it ended, and as fast; whole beats.
+/// Continuity: a segment starts where, when and as fast as the preceding one ended; whole beats.
 inline Fault join_fault(const motion::Limits& limits, const stepper::MotionState& from,
                         const stepper::Segment& s, std::int32_t beats) {
   if (s.start_tick != from.tick) return {"does not start where the last one ended", s.point};
@@ -64,15 +63,15 @@ inline Fault join_fault(const motion::Limits& limits, const stepper::MotionState
   return {};
 }
 
-/// The point: in the middle of its step on every axis, the shot as ordered.
+/// The end of a point: the middle of its step on every axis, the shot as ordered.
 inline Fault point_fault(const Chain& chain, const stepper::Segment& s, std::uint32_t point) {
-  const motion::Target& target = chain.targets[point];
+  const wire::Target& target = chain.targets[point];
   if (!s.ends_point || s.point != point) return {"another point", point};
   if (s.shot.present != (target.shots != 0)) return {"shot not as ordered", point};
   if (s.shot.present &&
       (s.shot.half_window_ticks < 1 || s.shot.half_window_ticks > chain.limits.beat_ticks / 4))
     return {"window of the shot", point};
-  // 1e-6 step, and what evenness of the accelerations costs over very long segments.
+  // 1e-6 step, plus the effect of even accelerations over very long segments.
   const double n = s.ticks;
   for (int a = 0; a < chain.limits.axes; ++a) {
     const bool pulses = chain.limits.axis[index(a)].jerk_q78 != 0;
@@ -87,7 +86,7 @@ inline Fault point_fault(const Chain& chain, const stepper::Segment& s, std::uin
   return {};
 }
 
-/// Limits by the ends of the phases and by excursions.
+/// Limits at the ends of the phases and by excursions.
 inline Fault limits_fault(const motion::Limits& limits, const stepper::MotionState& from,
                           const stepper::Segment& s) {
   for (int a = 0; a < limits.axes; ++a) {
@@ -105,7 +104,7 @@ inline Fault limits_fault(const motion::Limits& limits, const stepper::MotionSta
   return {};
 }
 
-/// The same by looking at every tick.
+/// The same at every tick.
 inline Fault tick_fault(const motion::Limits& limits, const stepper::MotionState& from,
                         const stepper::Segment& s) {
   for (int a = 0; a < limits.axes; ++a) {
@@ -124,7 +123,7 @@ inline Fault tick_fault(const motion::Limits& limits, const stepper::MotionState
   return {};
 }
 
-/// The stored tail: a brake of every axis from the end of a segment, to rest, inside all limits.
+/// The stored tail: a brake of every axis from the end of a segment to rest, inside all limits.
 inline Fault brake_fault(const motion::Limits& limits, const stepper::Segment& s) {
   if (s.end.at_rest()) return {};
   const stepper::Segment brake = motion::make_brake(s.end, limits);
@@ -134,7 +133,7 @@ inline Fault brake_fault(const motion::Limits& limits, const stepper::Segment& s
   return {};
 }
 
-/// All of this about one segment.
+/// All checks of one segment.
 inline Fault segment_fault(const Chain& chain, const stepper::MotionState& from,
                            const stepper::Segment& s, std::int32_t beats, std::uint32_t point) {
   if (const Fault fault = join_fault(chain.limits, from, s, beats)) return fault;
@@ -145,7 +144,7 @@ inline Fault segment_fault(const Chain& chain, const stepper::MotionState& from,
   return {};
 }
 
-/// A whole plan, rest to rest. Every fifth segment is looked at tick by tick as long as
+/// Checks a whole plan, rest to rest. Every fifth segment is checked tick by tick while
 /// `ticks_to_sum` lasts.
 inline Fault plan_fault(const Chain& chain, const ChainPlan& plan, long& ticks_to_sum) {
   if (plan.result != Result::ok) return {"no plan", static_cast<std::uint32_t>(plan.beats.size())};
@@ -164,8 +163,8 @@ inline Fault plan_fault(const Chain& chain, const ChainPlan& plan, long& ticks_t
   return {};
 }
 
-/// What a window hands out: from the end of every segment a brake leads to rest inside all limits;
-/// the last point of a job is a rest.
+/// Checks a committed window: from the end of every segment a brake leads to rest inside all
+/// limits; the last point of a job is at rest.
 inline Fault window_fault(const Chain& chain, const motion::Planner& planner,
                           const motion::PlanRequest& request) {
   stepper::MotionState from = request.start;
@@ -182,7 +181,7 @@ inline Fault window_fault(const Chain& chain, const motion::Planner& planner,
   return {};
 }
 
-/// Plans a chain: what is wrong with a window, or with the whole, no tick looked at.
+/// Plans a chain: the first fault of a window or of the whole plan, without checking ticks.
 inline Fault chain_fault(const Chain& chain, motion::Planner& planner, ChainPlan& plan) {
   Fault fault;
   plan = plan_chain(chain, planner, [&](const motion::Planner& p, const motion::PlanRequest& r) {

@@ -1,5 +1,5 @@
-// The planner on random chains: what holds for every plan.
-#include "firmware/motion/planner.hpp"
+// The planner on random chains: properties of every plan.
+#include "firmware/motion/free/planner.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "firmware/motion/profile.hpp"
+#include "firmware/motion/profile/profile.hpp"
 #include "tests/motion/plan_checks.hpp"
 #include "tests/motion/same_plan.hpp"
 #include "tests/scale.hpp"
@@ -31,17 +31,17 @@ TEST(Planner, EveryPlanIsExactAndKeepsEveryLimit) {
       ASSERT_EQ(test::window_fault(chain, p, request), test::Fault{});
     };
     long free_beats = 0;
-    for (const JoinMode mode : {JoinMode::free, JoinMode::start_stop}) {
+    for (const wire::JoinMode mode : {wire::JoinMode::free, wire::JoinMode::start_stop}) {
       chain.mode = mode;
       const ChainPlan plan = test::plan_chain(chain, planner, can_stop);
       long ticks_to_sum = 600'000;
       ASSERT_EQ(test::plan_fault(chain, plan, ticks_to_sum), test::Fault{});
-      if (mode == JoinMode::free) {
+      if (mode == wire::JoinMode::free) {
         free_beats = plan.total_beats();
       } else {
         for (const Segment& s : plan.segments) ASSERT_TRUE(s.end.at_rest());
-        // Resting at every point is one of the ways to go; the online search may miss a little, at
-        // kilohertz beats, where the board has the time for a part of it only.
+        // Resting at every point is one of the solutions; at kilohertz beats the online search may
+        // miss it slightly, since the board has time for only a part of the search.
         const auto beats = static_cast<double>(plan.total_beats());
         if (static_cast<double>(free_beats) > beats * 1.01 + 1) ++slower;
         ASSERT_LE(static_cast<double>(free_beats), beats * 1.02 + 1);
@@ -54,9 +54,9 @@ TEST(Planner, EveryPlanIsExactAndKeepsEveryLimit) {
   EXPECT_LT(static_cast<double>(all_free), 0.9 * static_cast<double>(all_start_stop));
 }
 
-TEST(Planner, SoftLimitsBiteInTheseChains) {
-  // The work space of the chains above is the bounding box of their points. Planned without it,
-  // many would swing out of it: otherwise the test above would not test it.
+TEST(Planner, SoftLimitsMatterInTheseChains) {
+  // The work space of the chains above is the bounding box of their points. Plans without it must
+  // often leave it; otherwise the test above would not test it.
   Planner planner;
   int outside = 0;
   for (int i = 0; i < 40; ++i) {
@@ -85,14 +85,15 @@ TEST(Planner, SoftLimitsBiteInTheseChains) {
 }
 
 TEST(Planner, FixedBeatsAreKept) {
-  // Beats of a plan are possible beats: given as orders they must be kept, whatever was free
-  // before.
+  // The beats of a plan are possible: if they are fixed, they must be kept, even where they were
+  // free before.
   Planner planner;
   for (int i = 0; i < test::scaled(40); ++i) {
     SCOPED_TRACE(testing::Message() << "chain " << i);
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4200);
     Chain chain = test::random_chain(random, 14);
-    for (AxisLimits& axis : chain.limits.axis) {  // orders leave no other way round a soft limit
+    for (AxisLimits& axis :
+         chain.limits.axis) {  // fixed beats leave no alternative to crossing a soft limit
       axis.min_steps = -2'000'000'000;
       axis.max_steps = 2'000'000'000;
     }
@@ -106,22 +107,22 @@ TEST(Planner, FixedBeatsAreKept) {
   }
 }
 
-TEST(Planner, ImpossibleOrdersAreRefusedWithTheirPlace) {
+TEST(Planner, ImpossibleFixedBeatsAreRefusedWithTheirPoint) {
   Chain chain;
   chain.limits = test::limits_of(test::machine_settings(100, 4, 0.1, 2, 200));
   chain.limits.axis[0].min_steps = chain.limits.axis[1].min_steps = -1'000'000;
   for (int i = 0; i < 5; ++i) {
-    Target t;
+    wire::Target t;
     t.steps[0] = 20 * (i + 1);
     chain.targets.push_back(t);
   }
-  chain.targets[3].steps[0] = 100'000;  // 500 mm further
+  chain.targets[3].steps[0] = 100'000;  // 500 mm away
   for (std::size_t i = 4; i < 5; ++i) chain.targets[i].steps[0] = 100'020;
-  chain.targets[3].beats = 2;  // at 0.1 m/s it takes 500
+  chain.targets[3].beats = 2;  // 500 are needed at 0.1 m/s
   Planner planner;
   PointQueue queue;
   queue.reset(0);
-  for (const Target& t : chain.targets) queue.push(t);
+  for (const wire::Target& t : chain.targets) queue.push(t);
   PlanRequest request;
   request.queue = &queue;
   request.count = 5;
@@ -133,7 +134,7 @@ TEST(Planner, ImpossibleOrdersAreRefusedWithTheirPlace) {
   EXPECT_EQ(failed, 3u);
 }
 
-TEST(Planner, NeverPromisesWhatItsNumbersCannotHold) {
+TEST(Planner, NeverExceedsTheRangeOfItsNumbers) {
   // Slow machines, large spaces, fast lamps: refused or exact, never wrong.
   std::mt19937_64 random(43);
   Planner planner;
@@ -149,7 +150,7 @@ TEST(Planner, NeverPromisesWhatItsNumbersCannotHold) {
       continue;
     Chain chain;
     chain.limits = limits;
-    Target t;
+    wire::Target t;
     t.steps[0] = static_cast<std::int32_t>(any(1, std::max(2, limits.axis[0].max_steps)));
     chain.targets = {t};
     const ChainPlan plan = test::plan_chain(chain, planner);
@@ -163,10 +164,10 @@ TEST(Planner, NeverPromisesWhatItsNumbersCannotHold) {
   EXPECT_GT(refused, 0);
 }
 
-TEST(Planner, DependsOnThePointsAlone) {
+TEST(Planner, DependsOnlyOnThePoints) {
   for (int i = 0; i < test::scaled(20); ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4400);
-    // More than a window and what is looked at behind it: it cannot all be known at once.
+    // More than a window and the horizon after it: not all points can be known at once.
     const Chain chain = test::random_chain(random, 2 * (window_points + run_horizon));
     Planner fresh, used;
     test::plan_chain(test::random_chain(random, 50), used);
@@ -189,7 +190,7 @@ AxisState state_after(const AxisProfile& p, std::uint32_t n) {
   return {way, speed + p.tail_accel_q62 * tail};
 }
 
-/// Brakes an axis after each of some ticks of a profile.
+/// Brakes an axis at several ticks of a profile.
 void expect_brake_inside(const AxisLimits& axis, Int128 start, const AxisProfile& p,
                          std::mt19937_64& random) {
   const std::uint32_t every = 1 + p.ticks() / 60;
@@ -230,13 +231,13 @@ TEST(Planner, StartStopTakesTheWholeBeatsOfTheClosedForm) {
   for (int i = 0; i < test::scaled(100); ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4600);
     Chain chain = test::random_chain(random, 60);
-    chain.mode = JoinMode::start_stop;
+    chain.mode = wire::JoinMode::start_stop;
     const ChainPlan plan = test::plan_chain(chain, planner);
     ASSERT_EQ(plan.result, Result::ok);
     StepPosition from{};
     for (std::size_t k = 0; k < chain.targets.size(); ++k) {
-      // T with the true limits and with those that leave room for whole ticks: the beats lie
-      // between, and are the same but for ties.
+      // T with the true limits and with those reduced for whole ticks: the beats are between, and
+      // are equal except for ties.
       double best = 0, planned = 0;
       for (int a = 0; a < chain.limits.axes; ++a) {
         const AxisLimits& axis = chain.limits.axis[index(a)];
@@ -263,7 +264,7 @@ TEST(Planner, LeastBeatsLimitTheRateOfShots) {
   Chain chain;
   chain.limits = test::limits_of(test::machine_settings(100, 4, 0.1, 1, 200));
   for (int i = 0; i < 10; ++i) {
-    Target t;
+    wire::Target t;
     t.steps[0] = i;
     chain.targets.push_back(t);
   }
@@ -271,7 +272,7 @@ TEST(Planner, LeastBeatsLimitTheRateOfShots) {
   PointQueue queue;
   queue.reset(0);
   PlanRequest request;
-  for (const Target& t : chain.targets) queue.push(t);
+  for (const wire::Target& t : chain.targets) queue.push(t);
   request.queue = &queue;
   request.count = 10;
   for (std::uint32_t i = 0; i < 10; ++i) request.points[i] = i;
@@ -282,23 +283,23 @@ TEST(Planner, LeastBeatsLimitTheRateOfShots) {
   std::uint32_t failed = 0;
   ASSERT_EQ(planner.plan(request, failed), Result::ok);
   for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(planner.beats(i), 3);
-  // Beats that the host fixes do not outrun it either; a move without a shot may.
+  // Shots must not exceed the rate either if the host fixes beats; a move without a shot may.
   chain.targets[4].beats = 2;
   for (const std::uint8_t shots : std::array<std::uint8_t, 2>{1, 0}) {
     chain.targets[4].shots = shots;
     queue.reset(0);
-    for (const Target& t : chain.targets) queue.push(t);
+    for (const wire::Target& t : chain.targets) queue.push(t);
     EXPECT_EQ(planner.plan(request, failed), shots == 1 ? Result::unreachable : Result::ok);
   }
 }
 
-TEST(Planner, RefusesBeatsWhoseTicksNoSegmentHolds) {
+TEST(Planner, RefusesBeatsWhoseTicksExceedASegment) {
   // At 1 Hz 2^31 ticks are 2147 beats: one more is refused, not wrapped.
   const Limits limits = test::limits_of(test::machine_settings(1, 4, 0.1, 1, 200));
   for (const std::uint16_t beats : std::array<std::uint16_t, 4>{2147, 2148, 4295, 8192}) {
     PointQueue queue;
     queue.reset(0);
-    Target t;
+    wire::Target t;
     t.steps[0] = 100;
     t.beats = beats;
     queue.push(t);
@@ -318,8 +319,8 @@ TEST(Planner, RefusesBeatsWhoseTicksNoSegmentHolds) {
 }
 
 TEST(Planner, PointsAlongTheEndsOfTheWorkSpaceAreReached) {
-  // At 4 kHz. With windows of 40 points moves of the improver left boxes here that could not be
-  // made again, and speeds chosen from what was left of the old ones could not be joined.
+  // At 4 kHz. With windows of 40 points the improver's moves once left boxes here that could not be
+  // reproduced, and speeds chosen from the rest of the old ones could not be joined.
   constexpr std::int32_t points[][3] = {
       {-8945, -5181, -9916}, {-8973, -5189, -9901},  {-2849, 865, -9901},   {-2814, 865, -9904},
       {-2787, 851, -9879},   {-2761, 843, -9858},    {-2761, 811, -9864},   {-2748, 811, -9861},
@@ -341,7 +342,7 @@ TEST(Planner, PointsAlongTheEndsOfTheWorkSpaceAreReached) {
   PointQueue queue;
   queue.reset(0);
   for (const auto& point : points) {
-    Target t;
+    wire::Target t;
     std::copy(std::begin(point), std::end(point), t.steps.begin());
     queue.push(t);
   }

@@ -1,5 +1,5 @@
-// Profiles, summed tick by tick as the tick generator does.
-#include "firmware/motion/profile.hpp"
+// Profiles, summed tick by tick as in the tick generator.
+#include "firmware/motion/profile/profile.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,14 +19,14 @@ using test::to_int128;
 
 constexpr double unit_q62 = 4611686018427387904.0;  // 2^62
 
-/// Furthest from v0 to v1 in n ticks at acceleration a, never above the limit.
+/// Furthest distance from v0 to v1 in n ticks at acceleration a, with the speed limited.
 double furthest(double v0, double v1, double n, double a, double limit) {
   const double peak = std::min((v0 + v1 + a * n) / 2, limit);
   const double up = (peak - v0) / a, down = (peak - v1) / a;
   return (v0 + peak) / 2 * up + (v1 + peak) / 2 * down + peak * (n - up - down);
 }
 
-/// Something that can be done with the planning limits, and the true limits.
+/// A demand that is feasible with the planning limits, and the true limits.
 struct Demand {
   Int128 distance_q62;
   std::int64_t v0_q62 = 0, v1_q62 = 0;
@@ -35,7 +35,7 @@ struct Demand {
   std::int64_t speed_q62 = 0, accel_q62 = 0;
 };
 
-/// Every kind of feasible demand: any part of the possible displacements, its ends among them.
+/// Random feasible demands: any share of the possible displacements, including the extremes.
 Demand random_demand(std::mt19937_64& random, double fewest_ticks, double most_ticks) {
   std::uniform_real_distribution<double> unit(0, 1);
   const auto log_uniform = [&](double lo, double hi) {
@@ -51,7 +51,7 @@ Demand random_demand(std::mt19937_64& random, double fewest_ticks, double most_t
   const double accel = std::max(speed * log_uniform(0.2, 20) / n, 1e-11);
   d.speed_q62 = static_cast<std::int64_t>(speed * unit_q62);
   d.accel_q62 = static_cast<std::int64_t>(accel * unit_q62);
-  // The room that Limits leaves.
+  // The reserve left by Limits.
   const double plan_accel = accel * (1 - 1.1 / beat_ticks) - 2 / unit_q62;
   const double plan_speed = speed * (1 - 5.0 / beat_ticks) - 2 / unit_q62;
   d.plan_speed_q62 = static_cast<std::int64_t>(plan_speed * unit_q62);
@@ -95,19 +95,19 @@ TEST(Profile, KeepsEveryLimitAtEveryTick) {
     ASSERT_EQ(within_limits(p, d.speed_q62, d.accel_q62), sum.largest_accel_q62 <= d.accel_q62)
         << text(d);
     if (sum.largest_accel_q62 > d.accel_q62) ++refused;
-    // The closed form is the sum of the ticks, and excursions are what is visited.
+    // The closed form equals the sum of the ticks, and excursions equal the visited range.
     ASSERT_EQ(native(displacement_q62(p)), sum.end_q62) << text(d);
     const Excursion e = excursion(p);
     ASSERT_EQ(native(e.low_q62), sum.lowest_q62) << text(d);
     ASSERT_EQ(native(e.high_q62), sum.highest_q62) << text(d);
     ASSERT_EQ(sum.sign_changes_outside_turns, 0) << text(d);
   }
-  // A ramp of a few ticks at both limits at once can be too coarse, some times in a million; it is
-  // recognised, and the planner finds another way.
+  // A ramp of a few ticks at both limits at once can be too coarse, some times in a million; this
+  // is detected, and the planner finds another solution.
   EXPECT_LE(refused, 1 + test::scaled(10'000) / 50'000);
 }
 
-TEST(Profile, EndsWhereAndAsFastAsAsked) {
+TEST(Profile, EndsAtTheRequestedPlaceAndSpeed) {
   std::mt19937_64 random(32);
   double worst = 0;
   for (int i = 0; i < test::scaled(50'000); ++i) {
@@ -118,13 +118,13 @@ TEST(Profile, EndsWhereAndAsFastAsAsked) {
         std::fabs(static_cast<double>(native(displacement_q62(p) - d.distance_q62)) / unit_q62);
     worst = std::max(worst, error);
     ASSERT_LT(error, 1e-6) << text(d);
-    // Accelerations are whole even numbers of 2^-62: the last tick may miss by two a tick.
+    // Accelerations are whole even numbers of 2^-62: the last tick may be off by two per tick.
     ASSERT_LE(std::llabs(p.end_speed_q62() - d.v1_q62), 2LL * p.tail_ticks) << text(d);
   }
   testing::Test::RecordProperty("worst_end_error_steps", std::to_string(worst));
 }
 
-TEST(Profile, CruisesAtThePlanningSpeedWhereTheTriangleWouldPassIt) {
+TEST(Profile, CruisesAtThePlanningSpeedWhereATriangleWouldExceedIt) {
   constexpr std::int64_t speed = one_q62 / 10;
   constexpr std::uint32_t ticks = 10'000;
   const AxisProfile p = make_profile(Int128::product(speed, ticks * 9 / 10), 0, 0, ticks, speed);
@@ -133,7 +133,7 @@ TEST(Profile, CruisesAtThePlanningSpeedWhereTheTriangleWouldPassIt) {
   EXPECT_GE(p.cruise_speed_q62(), speed - speed / 1000);
 }
 
-TEST(Profile, PeakAccelerationIsTheLeastThatIsNeeded) {
+TEST(Profile, PeakAccelerationIsTheMinimum) {
   std::mt19937_64 random(33);
   for (int i = 0; i < test::scaled(20'000); ++i) {
     Demand d = random_demand(random, 500, 20'000);
@@ -149,7 +149,7 @@ TEST(Profile, PeakAccelerationIsTheLeastThatIsNeeded) {
   }
 }
 
-TEST(Profile, RefusesToCallABrokenLimitKept) {
+TEST(Profile, DetectsABrokenLimit) {
   std::mt19937_64 random(34);
   for (int i = 0; i < test::scaled(1'000); ++i) {
     const Demand d = random_demand(random, 100, 2'000);
@@ -162,7 +162,7 @@ TEST(Profile, RefusesToCallABrokenLimitKept) {
   }
 }
 
-TEST(Brake, StandsAtTheEndAndKeepsTheLimit) {
+TEST(Brake, EndsAtRestAndKeepsTheLimit) {
   std::mt19937_64 random(35);
   for (int i = 0; i < test::scaled(5'000); ++i) {
     const Demand d = random_demand(random, 100, 5'000);
@@ -174,7 +174,7 @@ TEST(Brake, StandsAtTheEndAndKeepsTheLimit) {
     ASSERT_LE(sum.largest_speed_q62, abs64(d.v0_q62)) << text(d);
     ASSERT_LE(abs64(p.end_speed_q62()), 2LL * least) << text(d);
     ASSERT_EQ(native(displacement_q62(p)), sum.end_q62);
-    // Way: that of a steady deceleration over whole ticks, the last of which may be half wasted.
+    // Distance of a steady deceleration over whole ticks, the last of which may be half wasted.
     const double v = static_cast<double>(d.v0_q62) / unit_q62;
     const double way = v * std::fabs(v) / 2 / (static_cast<double>(d.plan_accel_q62) / unit_q62);
     const double end = static_cast<double>(sum.end_q62) / unit_q62;

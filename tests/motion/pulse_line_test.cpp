@@ -1,6 +1,6 @@
-// Speeds along a line with limited jerk: against pairs of speeds tried one by one, against the
-// seven phases of the textbooks, and on dense rows.
-#include "firmware/motion/pulse_line.hpp"
+// Speeds along a line with limited jerk, compared with pairs of speeds tried one by one and with
+// the seven phases of the textbooks, and on dense rows.
+#include "firmware/motion/path/pulse_line.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <memory>
 #include <random>
 
-#include "firmware/motion/path_planner.hpp"
+#include "firmware/motion/path/planner.hpp"
 #include "host/bench/walks.hpp"
 #include "tests/motion/path_chain.hpp"
 #include "tests/scale.hpp"
@@ -25,16 +25,15 @@ constexpr double one = 4294967296.0;
 double real(std::int64_t v_q32) { return static_cast<double>(v_q32) / one; }
 std::int64_t q32(double v) { return static_cast<std::int64_t>(std::lround(v * one)); }
 
-/// Change of speed of a pulse by its definition: the acceleration rises in `rise` to 1 and falls
-/// again, or as far as half the length allows. Ramps are a little longer than they need to be.
+/// Change of speed of a pulse by its definition: the acceleration rises in `rise` to 1, or as far
+/// as half the length allows, and falls again. Ramps are slightly longer than necessary.
 double change_of_pulse(const PulseLine& line, double length) {
   const double rise = real(line.rise_q32);
   if (length > 2 * (rise + length / 128)) return length - rise - length / 128;
   return length * length / (4 * rise) * 63 / 64;
 }
 
-/// By how much a pair of speeds misses what one division of the time can do; <= 0 if it can be
-/// done.
+/// Excess of a pair of speeds over what one division of the time can reach; <= 0 if reachable.
 double excess(const PulseLine& line, double v0, double v1, std::int32_t beats, int split) {
   const PulseLengths pulses = pulse_lengths(line, beats, split);
   const double lead = real(pulses.lead_q32), tail = real(pulses.tail_q32);
@@ -64,7 +63,7 @@ Question random_question(std::mt19937_64& random) {
   return q;
 }
 
-TEST(PulseLine, ReachesWhatPairsOfSpeedsTriedOneByOneReach) {
+TEST(PulseLine, ReachesAllPairsFoundOneByOne) {
   std::mt19937_64 random(7800);
   int some = 0;
   for (int i = 0; i < test::scaled(3'000); ++i) {
@@ -73,7 +72,7 @@ TEST(PulseLine, ReachesWhatPairsOfSpeedsTriedOneByOneReach) {
     SpeedInterval to;
     const std::int64_t end = q.line.speed_q32;
     const bool found = pulse_reach(q.line, q.from, q.beats, q.split, end, to);
-    // A grid finds no more than there is, and all of it but what falls between its points.
+    // A grid finds at most the true interval, and misses only what lies between its points.
     constexpr int points = 60;
     double low = 1e9, high = -1e9;
     for (int m = 0; m <= points; ++m)
@@ -91,7 +90,7 @@ TEST(PulseLine, ReachesWhatPairsOfSpeedsTriedOneByOneReach) {
     ++some;
     ASSERT_LE(real(to.lo_q32), low + 1e-6);
     ASSERT_GE(real(to.hi_q32), high - 1e-6);
-    // Both ends can be reached from somewhere.
+    // Both ends can be reached from some speed.
     for (const std::int64_t v1 : {to.lo_q32, to.hi_q32}) {
       // The excess is convex in v0.
       double a = real(q.from.lo_q32), b = real(q.from.hi_q32);
@@ -109,7 +108,7 @@ TEST(PulseLine, ReachesWhatPairsOfSpeedsTriedOneByOneReach) {
   EXPECT_GT(some, test::scaled(3'000) / 8);
 }
 
-TEST(PulseLine, FewestBeatsAreTheFirstThatReachAnything) {
+TEST(PulseLine, FewestBeatsAreTheFirstThatReachAnySpeed) {
   std::mt19937_64 random(7801);
   int some = 0;
   for (int i = 0; i < test::scaled(3'000); ++i) {
@@ -125,8 +124,8 @@ TEST(PulseLine, FewestBeatsAreTheFirstThatReachAnything) {
     const std::int32_t fewest = fewest_pulse_beats(q.line, q.from, end, 1, 60, 1 + i % 70);
     some += fewest != 0;
     if (first == fewest) continue;
-    // What only a hair makes possible may be missed; nothing that is slower than from rest to rest
-    // is looked for.
+    // Answers that are possible only by the last bits may be missed; answers slower than from rest
+    // to rest are not searched.
     ASSERT_TRUE(fewest == 0 || fewest > first) << first << " " << fewest;
     const std::int32_t rest = fewest_pulse_beats(q.line, {0, 0}, 0, 1, 8192, 1);
     ASSERT_TRUE(fewest != 0 || first > rest) << first << " of " << rest;
@@ -142,7 +141,7 @@ settings::Values machine(double hz, double accel, double speed, double jerk, int
   return values;
 }
 
-/// Seconds from rest to rest: up to seven phases, in closed form but for the highest speed.
+/// Seconds from rest to rest: up to seven phases, in closed form except for the highest speed.
 double textbook_time(double way, double speed, double accel, double jerk) {
   const auto ramp = [&](double v) {
     return v * jerk > accel * accel ? v / accel + accel / jerk : 2 * std::sqrt(v / jerk);
@@ -156,7 +155,7 @@ double textbook_time(double way, double speed, double accel, double jerk) {
   return 2 * ramp(low);
 }
 
-TEST(PulseLine, OneLineTakesHardlyMoreThanTheSevenPhasesOfTheTextbooks) {
+TEST(PulseLine, OneLineTakesLittleMoreThanTheSevenPhasesOfTheTextbooks) {
   std::mt19937_64 random(7802);
   std::uniform_real_distribution<double> unit(0, 1);
   const auto planner = std::make_unique<PathPlanner>();
@@ -166,13 +165,13 @@ TEST(PulseLine, OneLineTakesHardlyMoreThanTheSevenPhasesOfTheTextbooks) {
                  accel = std::pow(10, 2 * unit(random) - 0.5),
                  jerk = std::max(1.0, accel * hz * 0.05 * std::pow(400, unit(random)));
     const double steps = speed * speed / accel * std::pow(10, 4 * unit(random) - 2) * 500'000;
-    // Lines and ramps of thousands of beats are more than the search can tell apart.
+    // Lines and ramps of thousands of beats exceed the resolution of the search.
     if (speed / accel * hz > 2000 || steps / 500'000 / speed * hz > 4000) continue;
     if (steps < 20 || steps > 1e8) continue;
     Chain chain;
     chain.limits = test::limits_of(machine(hz, accel, speed, jerk, 1));
     chain.limits.axis[0].max_steps = 200'000'000;
-    Target t;
+    wire::Target t;
     t.steps[0] = static_cast<std::int32_t>(steps);
     chain.targets = {t};
     const ChainPlan plan = test::plan_path(chain, *planner);
@@ -180,15 +179,15 @@ TEST(PulseLine, OneLineTakesHardlyMoreThanTheSevenPhasesOfTheTextbooks) {
     const double beats = hz * textbook_time(t.steps[0] / 500e3, speed, accel, jerk);
     ASSERT_GE(plan.total_beats(), std::ceil(beats * 0.9999 - 2 * flat_rise_ticks * 1e-6 * hz))
         << hz << " Hz, " << accel << " m/s2, " << jerk << " m/s3, " << t.steps[0] << " steps";
-    // Room for the rounding of ramps to stairs, and for the acceleration that is kept back.
+    // Allows for the rounding of ramps to stairs, and for the reserve of acceleration.
     ASSERT_LE(plan.total_beats(), std::ceil(beats * 1.03 + 10e-6 * 64 * hz))
         << hz << " Hz, " << accel << " m/s2, " << jerk << " m/s3, " << t.steps[0] << " steps";
   }
 }
 
-TEST(PulseLine, StrongJerkCostsDenseRowsNothing) {
-  // The example of the thesis (pulse_path_test.cpp), and a quicker machine: at even speed the
-  // acceleration is hardly used.
+TEST(PulseLine, HighJerkCostsDenseRowsNothing) {
+  // The example of the thesis (pulse_path_test.cpp), and a faster machine: at constant speed little
+  // acceleration is used.
   struct Row {
     double hz, speed, accel, jerk, most;
   };
@@ -204,8 +203,8 @@ TEST(PulseLine, StrongJerkCostsDenseRowsNothing) {
   }
 }
 
-TEST(PulseLine, AnyJerkLeavesAWayOnFromSpeed) {
-  // A window begins with the speed that the one before it ends with: there is always a way on.
+TEST(PulseLine, AnyJerkAllowsAContinuationFromSpeed) {
+  // A window begins at the final speed of the preceding one; a continuation always exists.
   const auto planner = std::make_unique<PathPlanner>();
   for (int seed = 1; seed <= test::scaled(3); ++seed)
     for (const auto& [hz, speed, accel] :

@@ -1,8 +1,8 @@
 // The example of "Abstract of a master's thesis on the flexibility of CNC systems for laser
 // processing" (BSUIR): 1200 points 100 to 150 um apart, 0.3 m/s2, 30 mm/s, lamp 40 Hz.
 //
-// Start-stop takes two lamp periods for every point. Along a path the lamp should find a point
-// every time, but for the start, the end and the corners.
+// Start-stop takes two lamp periods for every point. Along a path every lamp pulse should find a
+// point, except at the start, the end and the corners.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,10 +21,10 @@ using test::Chain;
 
 constexpr std::size_t points = 1200;
 
-/// Where the path goes `way_mm` from its start; point `i` of it.
+/// Position of the path at `way_mm` from its start, and of point `i`.
 using Shape = std::function<std::array<double, 2>(double way_mm, std::size_t i)>;
 
-/// Points of a shape, uneven or with equal distances, for a machine of the example.
+/// Points of a shape, at random or equal distances, for a machine of the example.
 Chain example(const Shape& shape, double steps_per_mm, double jump_mm_s, bool even) {
   settings::Values values = test::machine_settings(40, 0.3, 0.03, 2, steps_per_mm);
   for (int a = 0; a < 2; ++a)
@@ -39,7 +39,7 @@ Chain example(const Shape& shape, double steps_per_mm, double jump_mm_s, bool ev
   for (std::size_t i = 0; i < points; ++i) {
     way += even ? 0.125 : spacing(random);
     const std::array<double, 2> at = shape(way, i + 1);
-    Target t;
+    wire::Target t;
     for (std::size_t a = 0; a < 2; ++a)
       t.steps[a] = static_cast<std::int32_t>(std::lround((at[a] - origin[a]) * steps_per_mm));
     chain.targets.push_back(t);
@@ -67,8 +67,8 @@ Shape circle(double radius_mm) {
   };
 }
 
-/// Right angles every 15 points, alternately left and right or always left, turned by an angle. The
-/// corner is a point of the path.
+/// Right angles every 15 points, alternately left and right or always left, rotated by an angle.
+/// The corner is a point of the path.
 Shape corners(bool zigzag, double degrees) {
   struct State {
     double way = 0;
@@ -93,7 +93,7 @@ const std::vector<double> resolutions{200, 400, 1000};
 TEST(PulseExample, StartStopTakesTwoPeriodsPerPoint) {
   for (const double per_mm : resolutions) {
     Chain chain = example(straight(0), per_mm, 0, false);
-    chain.mode = JoinMode::start_stop;
+    chain.mode = wire::JoinMode::start_stop;
     Planner planner;
     const test::ChainPlan plan = test::plan_chain(chain, planner);
     ASSERT_EQ(plan.result, Result::ok);
@@ -111,7 +111,7 @@ TEST(PulseExample, StraightRowsTakeOneWithoutASpeedJump) {
 }
 
 TEST(PulseExample, CirclesTakeOneWithASmallSpeedJump) {
-  // At 6 mm/s each point turns the speed by 6 mm/s x 0.15 mm / radius: 0.18 mm/s at 5 mm.
+  // At 6 mm/s each point changes the velocity by 6 mm/s x 0.15 mm / radius: 0.18 mm/s at 5 mm.
   for (const double per_mm : resolutions)
     for (const double radius_mm : {5.0, 10.0, 30.0})
       for (const bool even : {true, false}) {
@@ -131,17 +131,17 @@ TEST(PulseExample, SharpCornersEveryFifteenPoints) {
         EXPECT_GE(stops, 1.04);  // they are stops
         EXPECT_LE(stops, 1.25);
         EXPECT_LE(jumps, 1.10 + 1e-9);
-        // From 0.75 mm/s one beat goes 0.1125 mm at most: points 0.125 mm apart are still too far.
+        // From 0.75 mm/s one beat covers 0.1125 mm at most: points 0.125 mm apart are too far.
         EXPECT_LE(beats_per_point(example(shape, per_mm, 0, true)), 1.14);
         EXPECT_LE(beats_per_point(example(shape, per_mm, 0.75, true)), 1.14);
       }
 }
 
-TEST(PulseExample, CornersWithAJumpTakeWhatTheExactSearchTakes) {
-  // From 0.75 mm/s one beat goes 0.75 mm/s x 25 ms + 0.3 m/s2 x (25 ms)^2 / 2 = 0.1125 mm. The
-  // lines before and behind a corner need a second beat if they are longer: of lengths drawn from
-  // 0.1 to 0.15 mm three in four. So 15 lines take 15 + 2 x 3/4 beats, 1.100 a point, give or take
-  // 0.005 in 1200 points, and no plan can do better.
+TEST(PulseExample, CornersWithAJumpEqualTheExactSearch) {
+  // From 0.75 mm/s one beat covers 0.75 mm/s x 25 ms + 0.3 m/s2 x (25 ms)^2 / 2 = 0.1125 mm. The
+  // lines before and after a corner need a second beat if they are longer: three in four of random
+  // lengths from 0.1 to 0.15 mm. So 15 lines take 15 + 2 x 3/4 beats, 1.100 a point, within 0.005
+  // in 1200 points, and no plan can be better.
   const auto resolution = 500.0;
   long planned = 0, optimum = 0;
   constexpr std::size_t seeds = 40;

@@ -1,5 +1,5 @@
-// Pulses: phases whose acceleration climbs and falls in stairs, tick by tick.
-#include "firmware/motion/pulse.hpp"
+// Jerk pulses: phases whose acceleration rises and falls in stairs, tick by tick.
+#include "firmware/motion/profile/pulse.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ using test::native;
 
 constexpr double unit_q62 = 4611686018427387904.0;  // 2^62
 
-/// Three phases with random lengths, speeds and way.
+/// Three phases with random lengths, speeds and distance.
 struct Phases {
   Int128 distance_q62;
   std::int64_t v0_q62 = 0, v1_q62 = 0;
@@ -61,7 +61,7 @@ AxisLimits jerk_for(const AxisProfile& p, std::mt19937_64& random) {
   return axis;
 }
 
-TEST(Pulse, ChangesSpeedAndPlaceAsConstantAccelerationDoes) {
+TEST(Pulse, ChangesSpeedAndPositionLikeConstantAcceleration) {
   std::mt19937_64 random(71);
   int fitting = 0;
   for (int i = 0; i < test::scaled(20'000); ++i) {
@@ -73,7 +73,7 @@ TEST(Pulse, ChangesSpeedAndPlaceAsConstantAccelerationDoes) {
     if (!make_pulses(p, phases.v1_q62, axis.jerk_q78)) continue;
     ++fitting;
     ASSERT_TRUE(keeps_jerk(p, axis.jerk_q78));
-    // Accelerations are rounded to units that leave every stair even: so much over a phase.
+    // Accelerations are rounded to units that make every stair exact; this is the error per phase.
     const auto unit = static_cast<double>(stepper::pulse_accel_unit);
     const double n = p.ticks();
     ASSERT_LE(std::fabs(static_cast<double>(p.cruise_speed_q62() - flat.cruise_speed_q62())),
@@ -86,7 +86,7 @@ TEST(Pulse, ChangesSpeedAndPlaceAsConstantAccelerationDoes) {
   EXPECT_GT(fitting, test::scaled(20'000) / 8);
 }
 
-TEST(Pulse, IsWhatItsTicksAddUpTo) {
+TEST(Pulse, EqualsTheSumOfItsTicks) {
   std::mt19937_64 random(72);
   for (int i = 0; i < test::scaled(10'000); ++i) {
     SCOPED_TRACE(i);
@@ -113,8 +113,8 @@ TEST(Pulse, IsWhatItsTicksAddUpTo) {
   }
 }
 
-/// From zero to the acceleration and back in straight lines, and through the middle of every stair.
-TEST(Pulse, StairsStandForStraightRamps) {
+/// Checks straight ramps from zero to the acceleration and back, through the middle of every stair.
+TEST(Pulse, StairsApproximateStraightRamps) {
   std::mt19937_64 random(79);
   for (int i = 0; i < test::scaled(2'000); ++i) {
     SCOPED_TRACE(i);
@@ -144,8 +144,8 @@ TEST(Pulse, StairsStandForStraightRamps) {
   }
 }
 
-TEST(Pulse, IsRefusedWhereNoRampIsLongEnough) {
-  // n^2 J / 4 is the most: a hair less fits, a hair more does not.
+TEST(Pulse, IsRefusedIfNoRampIsLongEnough) {
+  // n^2 J / 4 is the maximum: slightly less fits, slightly more does not.
   std::mt19937_64 random(73);
   for (int i = 0; i < test::scaled(2'000); ++i) {
     const auto n = static_cast<std::uint32_t>(4096 + random() % 100'000);
@@ -163,8 +163,8 @@ TEST(Pulse, IsRefusedWhereNoRampIsLongEnough) {
   }
 }
 
-/// A brake from a state of an axis, and what it has to keep.
-TEST(Pulse, BrakesFromAnyStateWithoutAJerk) {
+/// Brakes from a state of an axis and checks the limits.
+TEST(Pulse, BrakesFromAnyStateWithinTheJerkLimit) {
   std::mt19937_64 random(74);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int i = 0; i < test::scaled(2'000); ++i) {
@@ -178,7 +178,7 @@ TEST(Pulse, BrakesFromAnyStateWithoutAJerk) {
       from.axis[a].speed_q62 =
           static_cast<std::int64_t>(unit(random) * std::exp(-6 * std::fabs(unit(random))) *
                                     static_cast<double>(axis.plan_speed_q62));
-      // No more than a ramp of planned motion has: it changes the speed by less than the limit.
+      // Not more than a ramp of planned motion: it changes the speed by less than the limit.
       const double jerk = std::max(1.0, static_cast<double>(axis.jerk_q78) / 65536);
       const double most = std::min(static_cast<double>(axis.accel_q62),
                                    std::sqrt(2 * jerk * static_cast<double>(axis.speed_q62)));
@@ -215,8 +215,8 @@ TEST(Pulse, BrakesFromAnyStateWithoutAJerk) {
   }
 }
 
-/// What has to hold where a plan from speed finds no way on: all before it, and the brake that is
-/// run then. The machine goes on from rest (docs/planning.md, 6a).
+/// Checks a plan that cannot continue from its speed: everything before that point, and the brake
+/// that follows. The machine then continues from rest (docs/planning.md, 6a).
 Fault fault_of_stop(const Chain& chain, const ChainPlan& plan) {
   stepper::MotionState from = test::rest_at_zero();
   for (std::uint32_t i = 0; i < plan.segments.size(); ++i) {
@@ -229,11 +229,11 @@ Fault fault_of_stop(const Chain& chain, const ChainPlan& plan) {
   return {};
 }
 
-/// Everything that holds for a plan, with jerk: analytically, tick by tick for some.
+/// Checks every property of a plan with jerk: analytically, for some plans also tick by tick.
 Fault fault_of(std::uint64_t number, Planner& planner, bool every_tick, int& stopped) {
   std::mt19937_64 random(number * 0x9e3779b97f4a7c15u + 7500);
   Chain chain = test::random_chain(random, 3 + random() % 60);
-  if (random() % 8 == 0) chain.mode = JoinMode::start_stop;
+  if (random() % 8 == 0) chain.mode = wire::JoinMode::start_stop;
   test::limit_jerk(chain, random);
   ChainPlan plan;
   Fault fault = test::chain_fault(chain, planner, plan);

@@ -1,4 +1,4 @@
-// Random questions to reach(), for its two widths: reach.hpp in 64 bits, scaled_reach.hpp in 32.
+// Random questions for both widths of reach(): reach.hpp in 64 bits, scaled_reach.hpp in 32.
 #pragma once
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 #include <ostream>
 #include <random>
 
-#include "firmware/motion/reach.hpp"
-#include "firmware/motion/scaled_reach.hpp"
+#include "firmware/motion/profile/reach.hpp"
+#include "firmware/motion/profile/scaled_reach.hpp"
 
 namespace lamplock::test {
 
-/// A question that both widths can be asked: all of it in units of the narrower one.
+/// A question for both widths: all of it in units of the narrower one.
 struct Question {
   motion::AxisScale axis;
   motion::SpeedInterval from;
@@ -40,8 +40,8 @@ struct Question {
   }
 };
 
-/// Up to `longest` beats, displacements near what the middle of the interval covers, so that most
-/// can be reached.
+/// Up to `longest` beats, displacements near those of the middle of the interval, so that most can
+/// be reached.
 inline Question random_question(std::mt19937_64& random, int longest) {
   constexpr double unit_q32 = 4294967296.0;
   std::uniform_real_distribution<double> around(-1, 1);
@@ -65,7 +65,7 @@ inline Question random_question(std::mt19937_64& random, int longest) {
   return ask;
 }
 
-/// The two widths, answering in 64 bits. `roots`: how many roots each may round.
+/// The two widths, with 64-bit answers. `roots`: number of roots each may round.
 struct Wide {
   static constexpr double roots = 4;
   static double unit(const Question& /*ask*/) { return std::ldexp(1.0, -32); }
@@ -85,8 +85,8 @@ struct Scaled {
   }
 };
 
-/// Rounding inwards by some units next to a vertical tangent moves a root by up to the root of
-/// them.
+/// Tolerance of a result: rounding inwards by some units next to a vertical tangent moves a root by
+/// up to the root of these units.
 template <class Width>
 double hair(const Question& ask) {
   const double limit = std::ldexp(static_cast<double>(ask.limit_q32()), -32);

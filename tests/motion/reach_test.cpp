@@ -1,4 +1,4 @@
-// reach() of either width against the definition of what it computes, by bisection in long double.
+// Both widths of reach() compared with the definition, by bisection in long double.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ using Real = long double;
 constexpr Real unit = 4294967296.0L;  // 2^32
 Real real(std::int64_t q32) { return static_cast<Real>(q32) / unit; }
 
-/// Furthest that a motion from a to b in t gets: up to the limit, stay there, down.
+/// Furthest distance from speed a to b in time t: accelerate, cruise at the limit, brake.
 Real furthest(Real a, Real b, Real t, Real limit) {
   const Real peak = std::min((a + b + t) / 2, limit);
   const Real up = peak - a, down = peak - b;
@@ -30,7 +30,7 @@ Real furthest(Real a, Real b, Real t, Real limit) {
 }
 Real nearest(Real a, Real b, Real t, Real limit) { return -furthest(-a, -b, t, limit); }
 
-/// True if some end speed can be had from start speed v.
+/// True if an end speed can be reached from start speed v.
 bool can_start(Real v, Real q, Real t, Real limit) {
   return furthest(v, std::min(v + t, limit), t, limit) >= q &&
          nearest(v, std::max(v - t, -limit), t, limit) <= q;
@@ -52,8 +52,8 @@ struct Truth {
   Real lo, hi;
 };
 
-/// The interval of end speeds by looking at many start speeds: both ends of those that can start
-/// (by bisection from one that can) and some between.
+/// The interval of end speeds from many start speeds: both ends of the possible ones (by bisection
+/// from a possible one) and some between.
 std::optional<Truth> truth(Real a, Real b, Real q, Real t, Real limit) {
   constexpr int samples = 64;
   const auto can = [&](Real v) { return can_start(v, q, t, limit); };
@@ -87,7 +87,7 @@ void expect_truth(const Question& ask) {
   const auto want = truth(real(ask.from.lo_q32), real(ask.from.hi_q32), real(ask.q_q32), ask.beats,
                           real(ask.limit_q32()));
   if (got) {
-    // Never larger than the truth: a unit or two of the last place is what the long double costs.
+    // Never larger than the truth, except for a unit or two of the last place due to long double.
     ASSERT_TRUE(want.has_value()) << ask;
     const Real slack = 2 / unit * (1 + ask.beats * 1e-9L);
     ASSERT_GE(real(got->lo_q32), want->lo - slack) << ask;
@@ -122,8 +122,8 @@ TYPED_TEST(Reach, IsTheExactProjectionForKilohertzLamps) {
     ASSERT_NO_FATAL_FAILURE(expect_truth<TypeParam>(random_question(random, 4000)));
 }
 
-TYPED_TEST(Reach, AnswersBothWaysOften) {
-  // The questions above would be worthless if nearly all had the same answer.
+TYPED_TEST(Reach, HasBothAnswersOften) {
+  // The questions above would be useless if nearly all had the same answer.
   for (const int longest : {8, 4000}) {
     std::mt19937_64 random(11);
     int can = 0;
@@ -147,7 +147,7 @@ TYPED_TEST(Reach, MirrorsWithTheDisplacement) {
 }
 
 TYPED_TEST(Reach, AnswersTheSameBackwards) {
-  // From every speed that can be reached, the backward answer leads into the start interval.
+  // From every reachable speed, the backward answer leads into the start interval.
   std::mt19937_64 random(14);
   int tried = 0;
   for (int i = 0; i < test::scaled(20'000); ++i) {
@@ -168,7 +168,7 @@ TYPED_TEST(Reach, AnswersTheSameBackwards) {
   EXPECT_GT(tried, test::scaled(20'000) / 4);
 }
 
-TYPED_TEST(Reach, ReachesMoreFromMore) {
+TYPED_TEST(Reach, AWiderStartReachesMore) {
   std::mt19937_64 random(15);
   for (int i = 0; i < test::scaled(20'000); ++i) {
     Question ask = random_question(random, 100);

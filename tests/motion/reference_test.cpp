@@ -1,4 +1,4 @@
-// The fixed-point planner graded by the exact optimum.
+// The fixed-point planner compared with the exact optimum.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 
 using test::Chain;
 
-/// A machine and how its points are drawn.
+/// A machine and the distribution of its points.
 struct Walk {
   double lamp_hz, accel_m_s2, speed_m_s;
   int axes;
@@ -44,7 +44,7 @@ Chain random_walk(const Walk& walk, std::size_t points, std::mt19937_64& random)
       direction[a] = normal(random);
       norm += direction[a] * direction[a];
     }
-    Target t;
+    wire::Target t;
     for (std::size_t a = 0; a < static_cast<std::size_t>(walk.axes); ++a) {
       at[a] += length_um * 1e-3 * direction[a] / std::sqrt(norm);
       t.steps[a] = static_cast<std::int32_t>(std::lround(at[a] * steps_per_mm));
@@ -58,7 +58,7 @@ const std::vector<Walk> walks{
     {100, 2, 0.1, 2}, {100, 4, 0.1, 2}, {100, 10, 0.1, 3}, {200, 10, 1, 2}};
 
 /// Ten points: lengths over three decades, directions uniform or correlated, 2-D and 3-D, lamps
-/// between two frequencies, machines of all kinds, all the space there is.
+/// between two frequencies, machines of all kinds, unlimited work space.
 Chain random_sequence(double lowest_hz, double highest_hz, std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> normal;
@@ -81,7 +81,7 @@ Chain random_sequence(double lowest_hz, double highest_hz, std::mt19937_64& rand
       direction[a] = (1 - turning) * direction[a] + turning * normal(random);
       norm += direction[a] * direction[a];
     }
-    Target target;
+    wire::Target target;
     for (std::size_t a = 0; a < axes; ++a) {
       direction[a] /= std::sqrt(norm);
       at[a] += length * direction[a];
@@ -96,11 +96,11 @@ Chain random_sequence(double lowest_hz, double highest_hz, std::mt19937_64& rand
   return chain;
 }
 
-/// How far from the exact optimum the planner is over many sequences.
+/// Difference from the exact optimum over many sequences.
 struct Grade {
   long optimum = 0, planned = 0, start_stop = 0;
   int sequences = 0, longer = 0;
-  long most_more = 0;           ///< beats, in one sequence
+  long most_more = 0;           ///< largest excess of a sequence, in beats
   int beyond_tenth_or_two = 0;  ///< sequences more than the larger of 10 % and 2 beats longer
 
   double gap_percent() const {
@@ -144,8 +144,8 @@ TEST(Planner, NeedsNoMoreBeatsThanTheExactOptimumAtLampsOf50To200Hz) {
   EXPECT_LT(result.optimum, result.start_stop);
 }
 
-TEST(Planner, StaysNearTheExactOptimumAtLampsOfKilohertz) {
-  // Of other seeds single sequences take the exact search minutes.
+TEST(Planner, IsCloseToTheExactOptimumAtLampsOfKilohertz) {
+  // With other seeds the exact search takes minutes for single sequences.
   for (const std::uint64_t seed : {53u, 56u, 57u, 59u}) {
     SCOPED_TRACE(seed);
     const Grade result = grade(500, 5000, test::scaled(125), seed);
@@ -155,9 +155,9 @@ TEST(Planner, StaysNearTheExactOptimumAtLampsOfKilohertz) {
   }
 }
 
-TEST(Planner, TakesMoreBeatsWhereRoundingSpoilsAProfile) {
-  // Long ways beside short ones, V/A of 0.1 s and more: the profile of one way of this sequence
-  // needs a little more than the acceleration there is.
+TEST(Planner, TakesMoreBeatsIfRoundingMakesAProfileImpossible) {
+  // Long moves next to short ones, V/A of 0.1 s and more: the profile of one move of this sequence
+  // needs slightly more than the available acceleration.
   constexpr int spoilt = 3622;
   std::mt19937_64 random(58);
   for (int i = 0; i < spoilt; ++i) random_sequence(500, 5000, random);
@@ -169,8 +169,8 @@ TEST(Planner, TakesMoreBeatsWhereRoundingSpoilsAProfile) {
   EXPECT_LE(plan.total_beats(), best + best / 10);
 }
 
-TEST(Planner, StaysAtTheOptimumOverLongStreams) {
-  // Windows, most of them committed at once, against an optimum that sees the whole stream.
+TEST(Planner, EqualsTheOptimumOverLongStreams) {
+  // Windows, most of them committed at once, compared with an optimum over the whole stream.
   std::mt19937_64 random(53);
   Planner planner;
   long optimum = 0, planned = 0;

@@ -1,5 +1,5 @@
-// Rows of points: when a run-up pays, and that everything else is left as it was.
-#include "firmware/motion/run_up.hpp"
+// Rows of points: run-ups where they save beats, and no change elsewhere.
+#include "firmware/motion/free/run_up.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,14 +15,14 @@ namespace {
 
 using test::Chain;
 
-/// Rows of `count` points, `spacing_mm` apart, there and back.
+/// Rows of `count` points, `spacing_mm` apart, in alternating directions.
 Chain rows(double lamp_hz, double accel_m_s2, double spacing_mm, int count, int rows) {
   constexpr double steps_per_mm = 200;
   Chain chain;
   chain.limits = test::limits_of(test::machine_settings(lamp_hz, accel_m_s2, 1, 3, steps_per_mm));
   for (int row = 0; row < rows; ++row)
     for (int i = 0; i < count; ++i) {
-      Target target;
+      wire::Target target;
       target.steps[0] = static_cast<std::int32_t>(
           std::lround((row % 2 == 0 ? i : count - 1 - i) * spacing_mm * steps_per_mm));
       target.steps[1] = static_cast<std::int32_t>(std::lround(row * 4 * spacing_mm * steps_per_mm));
@@ -47,8 +47,8 @@ TEST(RunUp, LongRowsTakeOneBeatAPoint) {
   EXPECT_LT(beats_per_point(rows(100, 2, 1, 100, 3)), 1.2);
 }
 
-TEST(RunUp, ShortRowsDoNotPayForOne) {
-  // 160 beats of speed cost 400 beats; fifty points would save four beats each.
+TEST(RunUp, ShortRowsHaveNone) {
+  // Full speed after 160 beats costs 400 beats; fifty points would save four beats each.
   const Chain chain = rows(4000, 10, 0.1, 50, 3);
   const auto planner = std::make_unique<Planner>();
   const test::ChainPlan plan = test::plan_chain(chain, *planner);
@@ -56,10 +56,10 @@ TEST(RunUp, ShortRowsDoNotPayForOne) {
   EXPECT_LT(*std::max_element(plan.beats.begin(), plan.beats.end()), 60);
 }
 
-TEST(RunUp, IsLeftOutWhereThereIsNoRoom) {
+TEST(RunUp, IsOmittedWithoutRoom) {
   Chain chain = rows(4000, 10, 0.025, 600, 1);
   const double free = beats_per_point(chain);
-  // A work space that ends just behind the row: what full speed needs to brake is not there.
+  // The work space ends just past the row: there is no room to brake from full speed.
   chain.limits.axis[0].min_steps = -2;
   chain.limits.axis[0].max_steps = 600 * 5 + 2;
   const double tight = beats_per_point(chain);
@@ -68,7 +68,7 @@ TEST(RunUp, IsLeftOutWhereThereIsNoRoom) {
   EXPECT_LT(tight, 3.5);
 }
 
-TEST(RunUp, TheSamePointsGiveTheSamePlanHoweverManyAreKnown) {
+TEST(RunUp, ThePlanDoesNotDependOnTheNumberOfKnownPoints) {
   const Chain chain = rows(1000, 10, 0.1, 400, 2);
   const auto planner = std::make_unique<Planner>();
   const test::ChainPlan all = test::plan_chain(chain, *planner);
@@ -77,7 +77,7 @@ TEST(RunUp, TheSamePointsGiveTheSamePlanHoweverManyAreKnown) {
   EXPECT_EQ(all.beats, few.beats);
 }
 
-TEST(RunUp, SteadyWaysAreRunWithoutAcceleration) {
+TEST(RunUp, SteadyMovesHaveNoAcceleration) {
   const Chain chain = rows(4000, 10, 0.025, 1000, 1);
   const auto planner = std::make_unique<Planner>();
   const test::ChainPlan plan = test::plan_chain(chain, *planner);

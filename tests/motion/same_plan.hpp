@@ -1,4 +1,4 @@
-// Whether two plans of a chain are the same.
+// Comparison of two plans of a chain.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 namespace lamplock::test {
 
-/// Two plans alike to the last bit.
+/// Expects two plans to be equal to the last bit.
 inline void expect_same_plan(const ChainPlan& plan, const ChainPlan& other) {
   ASSERT_EQ(plan.beats, other.beats);
   ASSERT_EQ(plan.segments.size(), other.segments.size());

@@ -1,6 +1,6 @@
-// What is particular to reach() in 32 bits: how close it comes to the one in 64, which both are
-// held against the definition (reach_test.cpp), and what it is made of.
-#include "firmware/motion/scaled_reach.hpp"
+// Special properties of reach() in 32 bits: its distance from the 64-bit version (both are compared
+// with the definition in reach_test.cpp), and its parts.
+#include "firmware/motion/profile/scaled_reach.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ using test::Scaled;
 
 constexpr int longest = 8000;
 
-TEST(ScaledReach, LiesInsideTheExactAnswerAndCloseToIt) {
+TEST(ScaledReach, IsInsideTheExactAnswerAndCloseToIt) {
   std::mt19937_64 random(21);
   int can = 0;
   for (int i = 0; i < test::scaled(200'000); ++i) {
@@ -35,14 +35,14 @@ TEST(ScaledReach, LiesInsideTheExactAnswerAndCloseToIt) {
     const auto width = [](const auto& to) {
       return to ? std::ldexp(static_cast<double>(to->hi_q32 - to->lo_q32), -32) : 0;
     };
-    const double hair = test::hair<Scaled>(ask);
-    ASSERT_GE(width(got), width(want) - (got ? 2 * hair : hair)) << ask;
+    const double tolerance = test::hair<Scaled>(ask);
+    ASSERT_GE(width(got), width(want) - (got ? 2 * tolerance : tolerance)) << ask;
   }
   EXPECT_GT(can, test::scaled(200'000) / 3);
   EXPECT_LT(can, test::scaled(200'000) * 99 / 100);
 }
 
-TEST(ScaledReach, NothingIsRuledOutThatCanBeReached) {
+TEST(ScaledReach, NoReachableAnswerIsRuledOut) {
   std::mt19937_64 random(23);
   int ruled_out = 0;
   for (int i = 0; i < test::scaled(100'000); ++i) {
@@ -61,7 +61,7 @@ TEST(ScaledReach, NothingIsRuledOutThatCanBeReached) {
   EXPECT_GT(ruled_out, test::scaled(100'000) / 5);
 }
 
-TEST(ScaledReach, TheMeanSpeedLiesBetweenItsNeighbours) {
+TEST(ScaledReach, TheMeanSpeedIsBetweenItsNeighbours) {
   std::mt19937_64 random(24);
   for (int i = 0; i < test::scaled(100'000); ++i) {
     const auto beats = static_cast<std::int32_t>(1 + random() % 8000);
@@ -76,8 +76,8 @@ TEST(ScaledReach, TheMeanSpeedLiesBetweenItsNeighbours) {
   }
 }
 
-// Random ways hardly ever come so near to the ends of 32 bits.
-TEST(ScaledReach, TheMeanSpeedHasNoSeamWhere32BitsEnd) {
+// Random moves rarely come this close to the ends of 32 bits.
+TEST(ScaledReach, TheMeanSpeedIsContinuousWhere32BitsEnd) {
   for (const std::int64_t end : {std::int64_t{-1} << 31, (std::int64_t{1} << 31) - 1})
     for (std::int64_t way = end - 9000; way <= end + 9000; ++way)
       for (const std::int32_t beats : {16, 17, 500, 8192}) {

@@ -1,5 +1,5 @@
-// A profile summed tick by tick with the compiler's 128-bit integer: the definition that closed
-// forms are tested against.
+// A profile summed tick by tick with the compiler's 128-bit integer: the reference for tests of
+// closed forms.
 #pragma once
 
 #include <algorithm>
@@ -10,15 +10,15 @@
 
 namespace lamplock::test {
 
-/// What a profile does, looked at after every tick.
+/// Results of a profile, evaluated after every tick.
 struct TickSum {
   Native end_q62 = 0, lowest_q62 = 0, highest_q62 = 0;
   std::int64_t largest_speed_q62 = 0, largest_accel_q62 = 0;
-  int sign_changes_outside_turns = 0;  ///< the rate may change sign only where the profile says
+  int sign_changes_outside_turns = 0;  ///< the rate may change sign only where the profile allows
 };
 
-/// Acceleration of tick j of a phase of n ticks, by the definition: constant, or in K stairs of s
-/// ticks up to `accel` and down again, stair i of them (i - 1/2) / K high.
+/// Acceleration of tick j of a phase of n ticks, by definition: constant, or in K stairs of s ticks
+/// up to `accel` and down again, stair i of them (i - 1/2) / K high.
 inline std::int64_t accel_at(std::int64_t accel, std::uint32_t n, std::uint8_t ramp,
                              std::uint32_t j) {
   if (ramp == 0) return accel;

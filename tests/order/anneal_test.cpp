@@ -19,17 +19,17 @@
 namespace lamplock {
 namespace {
 
+using geometry::PointCloud;
 using order::BeatModel;
 using order::Indices;
 using order::Ordering;
-using points::PointCloud;
 
 const BeatModel& slow_machine() {
   static const BeatModel model({{2000, 2000, 2000}, {1000, 1000, 1000}, 0.01});
   return model;
 }
 
-TEST(Permute, IsWhatACopyGives) {
+TEST(Permute, EqualsACopyInThatOrder) {
   std::mt19937_64 random(40);
   for (int i = 0; i < test::scaled(200); ++i) {
     Indices order(random() % 50), things(order.size());
@@ -43,7 +43,7 @@ TEST(Permute, IsWhatACopyGives) {
   }
 }
 
-TEST(Anneal, KeepsThePointsAndTheRuleAndWastesNoMore) {
+TEST(Anneal, KeepsThePointsAndTheShadowRuleAndWastesNoMore) {
   std::mt19937_64 random(41);
   for (int i = 0; i < test::scaled(30); ++i) {
     const PointCloud cloud = test::awkward_cloud(random, i % test::cloud_kinds, random() % 1500);
@@ -59,7 +59,7 @@ TEST(Anneal, KeepsThePointsAndTheRuleAndWastesNoMore) {
   }
 }
 
-// Several stretches, each of which knows nothing of the speeds at its ends.
+// Several stretches; each is annealed without the speeds at its ends.
 TEST(Anneal, SeamsBetweenStretchesWasteNothing) {
   for (const bench::OrderCloud& cloud :
        bench::order_clouds(std::clamp(test::scaled(15'000), 9'000, 15'000))) {
@@ -76,8 +76,8 @@ TEST(Anneal, SeamsBetweenStretchesWasteNothing) {
   }
 }
 
-// Wide ways along a line: how fast the first ones are gone is felt far behind the points that stay.
-// The first seeds are those that wasted beats when a stretch was believed what it says of itself.
+// Long moves along a line: the speed of the first ones affects beats far after the points that
+// stay. The first seeds wasted beats when a stretch was judged by its own estimate.
 TEST(Anneal, AnOrderFromRestWastesNoMore) {
   const BeatModel model({{2000, 2000, 2000}, {8000, 8000, 8000}, 0.01});
   std::vector<unsigned> seeds{723, 1663, 1953, 2150};
@@ -97,7 +97,7 @@ TEST(Anneal, AnOrderFromRestWastesNoMore) {
   }
 }
 
-TEST(Anneal, SavesWhatASearchInLayersLeaves) {
+TEST(Anneal, SavesBeatsThatOrderingByLayersWastes) {
   for (const bench::OrderCloud& cloud : bench::order_clouds(3000)) {
     if (cloud.name != "torus" && cloud.name != "solid") continue;
     order::OrderOptions options;
@@ -112,15 +112,15 @@ TEST(Anneal, SavesWhatASearchInLayersLeaves) {
   }
 }
 
-TEST(Anneal, DoesNotDependOnThreadsAndTellsProgress) {
+TEST(Anneal, DoesNotDependOnThreadsAndReportsProgress) {
   const PointCloud cloud = bench::order_clouds(12'000)[1].points;
   PointCloud alone = order::order(cloud, Ordering::layers), together = alone;
-  std::size_t told = 0;
-  order::anneal(alone, slow_machine(), 0.36, 1, 1, [&told](std::size_t done) {
-    EXPECT_GE(done, told);
-    told = done;
+  std::size_t last = 0;
+  order::anneal(alone, slow_machine(), 0.36, 1, 1, [&last](std::size_t done) {
+    EXPECT_GE(done, last);
+    last = done;
   });
-  EXPECT_EQ(told, alone.size());
+  EXPECT_EQ(last, alone.size());
   order::anneal(together, slow_machine(), 0.36, 1, 3, {});
   EXPECT_EQ(alone, together);
 }

@@ -9,15 +9,15 @@
 namespace lamplock {
 namespace {
 
+using geometry::Point;
+using geometry::PointCloud;
 using order::BeatModel;
 using order::Motion;
-using points::Point;
-using points::PointCloud;
 
 /// A machine on which 1 mm is A beat^2 on each axis, with a speed limit in A beat.
 Motion unit_machine(double limit) { return {{1, 1, 1}, {limit, limit, limit}, 1}; }
 
-TEST(BeatModel, OneStepFromRestTakesWhatAccelerationAllows) {
+TEST(BeatModel, OneStepFromRestTakesAsLongAsAccelerationRequires) {
   const BeatModel model(unit_machine(1000));
   for (int beats = 1; beats < 20; ++beats) {
     const double furthest = 0.5 * beats * beats;  // the speed at the end is free
@@ -38,7 +38,7 @@ TEST(BeatModel, EvenRowsTakeABeatAPointUpToTheSpeedLimit) {
   EXPECT_GT(model.beats(row(2.01)), 2 * 398);
 }
 
-/// Furthest point of a zigzag that a beat each is enough for: 1/4 to and fro.
+/// Furthest point of a zigzag that needs only a beat each: 1/4 to and fro.
 TEST(BeatModel, ZigzagsTakeABeatAPointUpToAQuarter) {
   const auto zigzag = [](double step) {
     PointCloud cloud;
@@ -50,7 +50,7 @@ TEST(BeatModel, ZigzagsTakeABeatAPointUpToAQuarter) {
   EXPECT_GT(model.beats(zigzag(0.27)), 410);
 }
 
-TEST(BeatModel, IsNearTheExactOptimum) {
+TEST(BeatModel, IsCloseToTheExactOptimum) {
   std::mt19937_64 random(51);
   std::uniform_real_distribution<double> step(-1, 1);
   long all = 0, all_optimum = 0;
@@ -69,7 +69,7 @@ TEST(BeatModel, IsNearTheExactOptimum) {
     }
     const long beats = BeatModel(unit_machine(limit)).beats(cloud);
     const long optimum = bench::fewest_beats(problem).beats;
-    // The optimum also comes to rest in the end, which may take some beats more.
+    // The optimum also comes to rest at the end, which may take some beats more.
     EXPECT_GE(beats, optimum - 4);
     EXPECT_LE(static_cast<double>(beats), 1.08 * static_cast<double>(optimum));
     all += beats;

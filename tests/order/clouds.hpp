@@ -1,4 +1,4 @@
-// Clouds that are awkward to order, for the tests of this folder.
+// Clouds that are difficult to order, for the tests of this folder.
 #pragma once
 
 #include <algorithm>
@@ -6,18 +6,18 @@
 #include <random>
 #include <tuple>
 
-#include "host/points/point.hpp"
+#include "host/geometry/point.hpp"
 #include "tests/points/shapes.hpp"
 
 namespace lamplock::test {
 
 /// Random points in a cube of 2 mm, without a smallest distance; by `kind` also on a lattice with
-/// many equal points, in columns, in planes, all in one place, one above the other, all on a line.
+/// many equal points, in columns, in planes, all at one place, one above the other, all on a line.
 inline constexpr int cloud_kinds = 7;
-inline points::PointCloud awkward_cloud(std::mt19937_64& random, int kind, std::size_t count) {
-  points::PointCloud cloud = random_cloud(random, count, 1);
+inline geometry::PointCloud awkward_cloud(std::mt19937_64& random, int kind, std::size_t count) {
+  geometry::PointCloud cloud = random_cloud(random, count, 1);
   const auto rounded = [](double value, double to) { return std::round(value / to) * to; };
-  for (points::Point& p : cloud) {
+  for (geometry::Point& p : cloud) {
     if (kind == 1) p = {rounded(p.x, 0.2), rounded(p.y, 0.2), rounded(p.z, 0.2)};
     if (kind == 2) p = {rounded(p.x, 0.5), rounded(p.y, 0.5), p.z};
     if (kind == 3) p.z = rounded(p.z, 0.25);
@@ -28,8 +28,8 @@ inline points::PointCloud awkward_cloud(std::mt19937_64& random, int kind, std::
   return cloud;
 }
 
-inline bool is_permutation_of(points::PointCloud a, points::PointCloud b) {
-  const auto less = [](const points::Point& p, const points::Point& q) {
+inline bool is_permutation_of(geometry::PointCloud a, geometry::PointCloud b) {
+  const auto less = [](const geometry::Point& p, const geometry::Point& q) {
     return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z);
   };
   std::sort(a.begin(), a.end(), less);

@@ -11,13 +11,13 @@
 namespace lamplock {
 namespace {
 
+using geometry::Point;
+using geometry::PointCloud;
 using order::ConeWeights;
-using points::Point;
-using points::PointCloud;
 
 using Cost = std::function<double(const Point& from, const Point& to)>;
 
-/// As it is said: the cheapest of the rest, the first among equals. The shadow rule is left out.
+/// By definition: the cheapest of the rest, the first of equal ones, without the shadow rule.
 std::vector<std::uint32_t> cheapest_of_all(const PointCloud& cloud, Point from, const Cost& cost) {
   std::vector<std::uint32_t> rest(cloud.size()), order;
   for (std::uint32_t i = 0; i < rest.size(); ++i) rest[i] = i;
@@ -72,7 +72,7 @@ PointCloud arranged(const PointCloud& cloud, const std::vector<std::uint32_t>& o
   return points;
 }
 
-TEST(Greedy, SteepConesKeepTheRuleByThemselves) {
+TEST(Greedy, SteepConesKeepTheRuleWithoutPulling) {
   std::mt19937_64 random(43);
   for (int i = 0; i < test::scaled(40); ++i) {
     const PointCloud cloud = test::random_cloud(random, 1000, 1);
@@ -86,7 +86,7 @@ TEST(Greedy, SteepConesKeepTheRuleByThemselves) {
   }
 }
 
-TEST(Greedy, FlatConesDoNot) {
+TEST(Greedy, FlatConesDoNotKeepTheRule) {
   std::mt19937_64 random(44);
   const PointCloud cloud = test::random_cloud(random, 1000, 1);
   const auto order = order::cone_first(cloud, {}, {0.05, 0.05}, 0);

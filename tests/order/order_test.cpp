@@ -16,10 +16,10 @@
 namespace lamplock {
 namespace {
 
+using geometry::Point;
+using geometry::PointCloud;
 using order::Ordering;
 using order::OrderOptions;
-using points::Point;
-using points::PointCloud;
 using test::error_of;
 using test::is_permutation_of;
 
@@ -37,7 +37,7 @@ double unevenness(const PointCloud& cloud) {
   return sum;
 }
 
-/// To and fro in the strips that are best for random points (width sqrt(3 area / n)).
+/// Alternating rows in strips of the best width for random points, sqrt(3 area / n).
 PointCloud serpentine(PointCloud cloud, double side) {
   const double strip = std::sqrt(3 * side * side / static_cast<double>(cloud.size()));
   const auto key = [&](const Point& p) {
@@ -71,7 +71,7 @@ TEST(Order, IsAPermutationWithLayersAscending) {
   }
 }
 
-TEST(Order, SmallCloudsOfEverySizeStayWhole) {
+TEST(Order, SmallCloudsOfEverySizeAreComplete) {
   rc::check([] {
     PointCloud cloud;
     for (int i = *rc::gen::inRange(0, 14); i > 0; --i) {
@@ -84,7 +84,7 @@ TEST(Order, SmallCloudsOfEverySizeStayWhole) {
   });
 }
 
-TEST(Order, GivenStaysAsGiven) {
+TEST(Order, GivenKeepsTheOrder) {
   std::mt19937_64 random(12);
   const PointCloud cloud = test::random_cloud(random, 3000, 50);
   EXPECT_EQ(order::order(cloud, Ordering::given), cloud);
@@ -110,7 +110,7 @@ TEST(Order, LatticesAreWalkedRowByRow) {
   std::shuffle(cloud.begin(), cloud.end(), std::mt19937_64(14));
   const auto ordered = order::order(cloud, Ordering::layers, {.layer_mm = 0.1});
   EXPECT_NEAR(travel(ordered), 0.1 * 2999, 1e-6);  // no step longer than the lattice
-  // 24 turns of two bends a layer, and two changes of layer: nothing else is uneven.
+  // 24 reversals of two bends a layer, and two changes of layer: nothing else is uneven.
   EXPECT_LT(unevenness(ordered),
             order::bend_weight * 0.1 * std::sqrt(2.0) * (3 * 24 * 2 + 4) + 1e-6);
 }
@@ -176,13 +176,13 @@ TEST(Order, BestNeedsNoMoreBeatsThanTheOthersAndATenthLessThanNearestWhereBeatsA
       EXPECT_LE(figures.beats.back(), beats * 1.0005) << cloud.name;
     }
     const double nearest = figures.beats[2];
-    if (nearest < 1.15) continue;  // hardly anything can be saved
+    if (nearest < 1.15) continue;  // little can be saved
     EXPECT_LT(figures.beats.back(), 0.9 * nearest) << cloud.name;
   }
 }
 
-TEST(Order, BestGoesUpOneLegAfterTheOther) {
-  // Two columns 40 mm apart: their cones do not meet, so one jump is enough.
+TEST(Order, BestCompletesOneColumnAfterTheOther) {
+  // Two columns 40 mm apart: their cones do not overlap, so one jump is enough.
   PointCloud legs;
   for (int i = 0; i < 200; ++i) {
     for (const double x : {0.0, 40.0}) {
@@ -200,7 +200,7 @@ TEST(Order, BestGoesUpOneLegAfterTheOther) {
   EXPECT_EQ(jumps, 1u);
 }
 
-TEST(Order, NamesAreThoseOfTheOrderings) {
+TEST(Order, NamesEqualThoseOfTheOrderings) {
   for (const Ordering ordering : all_orderings) {
     EXPECT_EQ(order::ordering_named(order::ordering_names[static_cast<std::size_t>(ordering)]),
               ordering);
@@ -219,7 +219,7 @@ TEST(Order, BeginsNearTheStart) {
   EXPECT_LT(test::distance(ordered.front(), {0, -10, 0}), 0.01);
 }
 
-TEST(Order, ReportsProgressAndCanBeGivenUp) {
+TEST(Order, ReportsProgressAndCanBeCancelled) {
   std::mt19937_64 random(17);
   const PointCloud cloud = test::random_cloud(random, 5000, 5);
   struct GivenUp {};
@@ -270,7 +270,7 @@ TEST(Order, WrongOptionsAreRefused) {
             std::string::npos);
 }
 
-TEST(Order, MachinesOfAnySizeAreManaged) {
+TEST(Order, MachinesOfAnySizeAreAccepted) {
   std::mt19937_64 random(20);
   const PointCloud cloud = test::random_cloud(random, 300, 50);
   for (const double size : {1e-6, 1e-2, 1e3, 1e9}) {

@@ -12,12 +12,12 @@
 namespace lamplock {
 namespace {
 
+using geometry::Point;
+using geometry::PointCloud;
 using order::first_shadowed;
 using order::Ordering;
-using points::Point;
-using points::PointCloud;
 
-/// The rule as it is said, for every pair: the first that shadows a later one.
+/// The rule by its definition, for every pair: the first point that shadows a later one.
 std::optional<std::size_t> first_by_pairs(const PointCloud& order, double half_angle_deg) {
   const double tangent = std::tan(half_angle_deg * std::numbers::pi / 180);
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -30,13 +30,13 @@ std::optional<std::size_t> first_by_pairs(const PointCloud& order, double half_a
   return std::nullopt;
 }
 
-TEST(Shadow, IsFoundWhereEveryPairIsLookedAt) {
+TEST(Shadow, EqualsTheSearchOfEveryPair) {
   std::mt19937_64 random(31);
   int found = 0, kept = 0;
   for (int i = 0; i < test::scaled(400); ++i) {
     PointCloud cloud = test::awkward_cloud(random, i % test::cloud_kinds, 1 + random() % 120);
     const double angle = 1 + static_cast<double>(random() % 60);
-    // From sorted by height, which keeps the rule, to as they come.
+    // From sorted by height, which keeps the rule, to random order.
     std::sort(cloud.begin(), cloud.end(), [](const Point& p, const Point& q) { return p.z < q.z; });
     for (auto swaps = random() % 4; swaps > 0; --swaps) {
       std::swap(cloud[random() % cloud.size()], cloud[random() % cloud.size()]);
@@ -85,7 +85,7 @@ TEST(Shadow, WrongAnglesAndCoordinatesAreRefused) {
   }
 }
 
-TEST(Shadow, PullingAheadMendsAnyOrder) {
+TEST(Shadow, PullingAheadRepairsAnyOrder) {
   std::mt19937_64 random(32);
   for (int i = 0; i < test::scaled(200); ++i) {
     const PointCloud cloud = test::awkward_cloud(random, i % test::cloud_kinds, random() % 200);
@@ -96,7 +96,7 @@ TEST(Shadow, PullingAheadMendsAnyOrder) {
     EXPECT_FALSE(first_shadowed(order, angle));
     PointCloud again = order;
     order::pull_ahead(again, order::cone_tangent(angle));
-    EXPECT_EQ(again, order);  // what keeps the rule stays as it is
+    EXPECT_EQ(again, order);  // an order that keeps the rule is unchanged
   }
 }
 
@@ -118,7 +118,7 @@ TEST(Shadow, EveryOrderingKeepsTheRuleOnEveryCloud) {
   }
 }
 
-TEST(Shadow, RoundingToStepsOnlyMovesTheEdgeOfTheCone) {
+TEST(Shadow, RoundingToStepsMovesOnlyTheEdgeOfTheCone) {
   std::mt19937_64 random(34);
   constexpr double steps_per_mm = 200;
   constexpr double edge_mm = 0.01;  // two points off by half a step in each coordinate

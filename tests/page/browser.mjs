@@ -1,6 +1,6 @@
-// A headless Chromium, asked by its own protocol through two pipes: no package is needed for that.
+// A headless Chromium, controlled by its own protocol through two pipes, without other packages.
 //
-// In:  the program, a folder for its profile. Out: pages that can be looked at and clicked.
+// In:  the program, a folder for its profile. Out: pages that can be inspected and clicked.
 // Who: the tests of the page of a job. The protocol: https://chromedevtools.github.io/devtools-protocol
 
 import { spawn } from 'node:child_process';
@@ -87,7 +87,7 @@ export class Browser {
   }
 }
 
-// One page: `complaints` has what its console said, `requests` what it asked for.
+// One page: `complaints` has its console messages, `requests` its requests.
 export class Page {
   complaints = [];
   requests = [];
@@ -106,7 +106,7 @@ export class Page {
       this.complaints.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
     if (method === 'Runtime.consoleAPICalled' && ['error', 'warning', 'assert'].includes(params.type))
       this.complaints.push(params.args.map((arg) => arg.value ?? arg.description).join(' '));
-    // Chromium says of itself that WebGL is done by the processor, and how quickly.
+    // Chromium warns that WebGL runs on the processor, and how fast.
     if (method === 'Log.entryAdded' && ['error', 'warning'].includes(params.entry.level) &&
         !/swiftshader|GPU stall|GL Driver Message/i.test(params.entry.text))
       this.complaints.push(params.entry.text);
@@ -133,14 +133,14 @@ export class Page {
     await this.frames(3);
   }
 
-  // The value of an expression, a promise too.
+  // The value of an expression, also of a promise.
   async ask(expression) {
     const { result, exceptionDetails } = await this.send('Runtime.evaluate', { expression, returnByValue: true, awaitPromise: true });
     if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
     return result.value;
   }
 
-  // Waits until so many frames have been drawn.
+  // Waits until this many frames have been drawn.
   frames(count) {
     return this.ask(`new Promise((done) => {
       let left = ${count};
@@ -176,7 +176,7 @@ export class Page {
     await this.mouse('mouseReleased', to.x, to.y, { button: 'left', clickCount: 1 });
   }
 
-  // PNG of the window, or of all of the page.
+  // PNG of the window, or of the whole page.
   async picture(whole = false) {
     const { data } = await this.send('Page.captureScreenshot', { format: 'png', captureBeyondViewport: whole });
     return Buffer.from(data, 'base64');

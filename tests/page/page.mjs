@@ -1,9 +1,8 @@
-// The page of a job in a real browser: it opens, shows the numbers of the report, draws, and does
-// what hands ask of it.
+// The page of a job in a real browser: it opens, shows the numbers of the report, draws, and reacts
+// to mouse and keys.
 //
 // usage: node page.mjs LAMPLOCK [FOLDER_FOR_PICTURES]
-// exit status: 0 all well; 1 not; 77 there is no Chromium (toolchain/setup test; another one by the
-// variable CHROMIUM)
+// exit status: 0 passed; 1 failed; 77 no Chromium (toolchain/setup test, or the variable CHROMIUM)
 
 import { execFileSync, spawnSync } from 'node:child_process';
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -24,7 +23,7 @@ if (spawnSync(chromium, ['--version']).status !== 0) {
   process.exit(not_there);
 }
 const scale = Number(process.env.LAMPLOCK_TEST_SCALE ?? 1);
-// A processor that does the work of a graphics card needs seconds for a picture of a million points.
+// Without a graphics card a picture of a million points takes seconds.
 const many = scale < 20 ? 150_000 : 1_000_000;
 const bytes_per_point = 15;
 const folder = mkdtempSync(join(tmpdir(), 'lamplock-page-'));
@@ -47,7 +46,7 @@ async function keep_picture(page, name) {
   writeFileSync(join(pictures, `${name}.png`), await page.picture(true));
 }
 
-// A spiral up a vase, in the order of its making, with some jumps.
+// A spiral up a vase, in the order of creation, with some jumps.
 function vase(count) {
   const lines = [];
   for (let i = 0; i < count; ++i) {
@@ -58,7 +57,7 @@ function vase(count) {
   return `${lines.join('\n')}\n`;
 }
 
-// Pixels of the canvas that something was drawn on, and a sum that tells pictures apart.
+// Number of painted pixels of the canvas, and a checksum that distinguishes pictures.
 function drawn(page) {
   return page.ask(`(() => {
     const view = lamplock.cloud.view, gl = view.gl;
@@ -81,7 +80,7 @@ function check_silence(page, what) {
   check(`${what}: asks no server`, asked.length === 0 && page.requests.length > 0, page.requests);
 }
 
-// Every number that carries its key against the report, and what is written against that.
+// Compares every number that has a key with the report, and its text with its value.
 async function check_numbers(page, report) {
   const shown = await page.ask(`[...document.querySelectorAll('[data-key]')].map((e) =>
     ({key: e.dataset.key, value: e.dataset.value, text: e.textContent}))`);
@@ -148,7 +147,7 @@ async function check_hands(page) {
 }
 
 async function check_tip(page) {
-  // The point on the screen that is nearest to the eye.
+  // The point nearest to the eye, and its position on the screen.
   const wanted = await page.ask(`(() => {
     const view = lamplock.cloud.view, places = new Uint16Array(view.bytes.buffer);
     view.draw();
@@ -163,7 +162,7 @@ async function check_tip(page) {
   await page.mouse('mouseMoved', wanted.x, wanted.y);
   await page.frames(3);
   const tip = await page.ask(`document.getElementById('tip').hidden ? '' : document.getElementById('tip').textContent`);
-  check('a tip tells the point under the mouse', tip.replace(/\u202f/g, '').startsWith(`point ${wanted.i}\n`), [tip, wanted]);
+  check('a tip names the point under the mouse', tip.replace(/\u202f/g, '').startsWith(`point ${wanted.i}\n`), [tip, wanted]);
 }
 
 async function check_controls(page) {
@@ -179,7 +178,7 @@ async function check_controls(page) {
   check('a part of the job can be shown', part < all && part > 0 && /^1\D?000 of 4\D?000 points/.test(text), [part, all, text]);
   await page.click('#play');
   await page.frames(30);
-  check('playing goes on from there', (await page.ask(`lamplock.cloud.view.shown`)) > 1000);
+  check('playing continues from there', (await page.ask(`lamplock.cloud.view.shown`)) > 1000);
   await page.click('#play');
   const dark = await page.ask(`document.documentElement.dataset.theme`);
   await page.click('#theme');
@@ -202,7 +201,7 @@ async function check_charts(page) {
     check(`${name} is drawn and has a text`, bars > 0 && label.length > 10, [bars, label]);
 }
 
-// Boxes that need names and have none; too narrow text is for eyes to find.
+// Elements that need a name but have none. Clipped text needs a visual check.
 async function check_access(page) {
   const nameless = await page.ask(`[...document.querySelectorAll('button, input, canvas, section, svg')].filter((e) =>
     !(e.getAttribute('aria-label') || e.getAttribute('aria-labelledby') || e.textContent.trim() ||
@@ -268,10 +267,10 @@ async function large_job(browser) {
 async function without_webgl(url) {
   const browser = new Browser(chromium, { webgl: false });
   const page = await browser.open(url);
-  const told = await page.ask(`!document.getElementById('no-webgl').hidden`);
-  check('without WebGL it says so', told);
-  check('and the rest is there', (await page.ask(`document.querySelectorAll('.chart svg').length`)) === 3);
-  check('nobody complains', page.complaints.length === 0, page.complaints);
+  const shown = await page.ask(`!document.getElementById('no-webgl').hidden`);
+  check('without WebGL it reports that', shown);
+  check('and the charts are shown', (await page.ask(`document.querySelectorAll('.chart svg').length`)) === 3);
+  check('there are no complaints', page.complaints.length === 0, page.complaints);
   await keep_picture(page, 'no-webgl');
   await browser.close();
 }

@@ -1,4 +1,4 @@
-// Reports of pendants, byte for byte, to events; their quirks; what noise must not do.
+// Reports of pendants, byte for byte, decoded to events; their quirks; robustness against noise.
 #include "host/pendant/decoder.hpp"
 
 #include <gmock/gmock.h>
@@ -28,7 +28,7 @@ const Event asleep = plain_event(Event::Kind::asleep), awake = plain_event(Event
 const Event off = selector_event(Selector::off);
 
 /// Names and codes of LinuxCNC's xhc-hb04-layout2.cfg.
-TEST(XhcHb04, the_keys_of_the_model_with_18) {
+TEST(XhcHb04, the_keys_of_the_model_with_18_keys) {
   const std::vector<std::pair<std::uint8_t, Key>> table{{0x01, Key::go_to_zero},
                                                         {0x02, Key::start},
                                                         {0x03, Key::rewind},
@@ -56,7 +56,7 @@ TEST(XhcHb04, the_keys_of_the_model_with_18) {
 }
 
 /// xhc-hb04-layout1.cfg
-TEST(XhcHb04, the_keys_of_the_model_with_16) {
+TEST(XhcHb04, the_keys_of_the_model_with_16_keys) {
   const std::vector<std::pair<std::uint8_t, Key>> table{
       {0x01, Key::stop},   {0x02, Key::start},  {0x03, Key::rewind},  {0x04, Key::safe_z},
       {0x05, Key::home},   {0x06, Key::half_x}, {0x07, Key::half_y},  {0x08, Key::probe},
@@ -66,15 +66,15 @@ TEST(XhcHb04, the_keys_of_the_model_with_16) {
     EXPECT_THAT(XhcHb04(16).take(Bytes{4, code, 0, 0, 0, 0x33}), ElementsAre(down(key)));
 }
 
-/// "Stop" of one model is "go to zero" of the other.
-TEST(XhcHb04, a_model_that_is_not_known_stops_rather_than_moves) {
+/// "Stop" on one model is "go to zero" on the other.
+TEST(XhcHb04, an_unknown_model_stops_rather_than_moves) {
   XhcHb04 pendant;
   EXPECT_THAT(pendant.take(Bytes{4, 0x01, 0, 0, 0, 1}), ElementsAre(down(Key::stop)));
   EXPECT_THAT(pendant.take(Bytes{4, 0x0d, 0, 0, 0, 1}),
               ElementsAre(up(Key::stop), down(Key::step)));
   EXPECT_THAT(pendant.take(Bytes{4, 0x09, 0, 0, 0, 1}),
               ElementsAre(up(Key::step), down(Key::ambiguous)));
-  // There is no key 16 on that of 16 keys: now it is known.
+  // The model with 16 keys has no key 16, so the model is now known.
   EXPECT_THAT(pendant.take(Bytes{4, 0x16, 0, 0, 0, 1}),
               ElementsAre(up(Key::ambiguous), down(Key::stop)));
   EXPECT_THAT(pendant.take(Bytes{4, 0x01, 0, 0, 0, 1}),
@@ -107,8 +107,8 @@ TEST(XhcHb04, falls_asleep_and_wakes) {
               ElementsAre(awake, selector_event(Selector::x), wheel(1)));
 }
 
-/// Codes of the notes on the protocol beside LinuxCNC's xhc-whb04b-6.
-TEST(XhcWhb04b, keys_and_the_row_behind_fn) {
+/// Codes from the protocol notes of LinuxCNC's xhc-whb04b-6.
+TEST(XhcWhb04b, keys_and_the_row_with_fn) {
   const auto macro = [](int number) { return key_of_row(Key::macro_1, number); };
   const std::vector<std::tuple<std::uint8_t, Key, Key>> table{
       {0x01, Key::reset, Key::reset},     {0x02, Key::stop, Key::stop},
@@ -127,7 +127,7 @@ TEST(XhcWhb04b, keys_and_the_row_behind_fn) {
     EXPECT_THAT(pendant.take(Bytes{4, 1, 0x0c, 0, 0x0d, 6, 0, 0}), IsEmpty());
     EXPECT_THAT(pendant.take(Bytes{4, 1, 0x0c, code, 0x0d, 6, 0, 0}),
                 ElementsAre(down(with_function)));
-    // Fn goes first: the key is still the one that went down.
+    // Fn is released first: the key is still the one that was pressed.
     EXPECT_THAT(pendant.take(Bytes{4, 1, code, 0, 0x0d, 6, 0, 0}), IsEmpty());
     EXPECT_THAT(pendant.take(Bytes{4, 1, 0, 0, 0x0d, 6, 0, 0}), ElementsAre(up(with_function)));
   }
@@ -147,17 +147,17 @@ TEST(XhcWhb04b, switches_and_wheel) {
   EXPECT_EQ(rate(0x1b), (Rate{1, 100}));
   EXPECT_EQ(rate(0x1c), (Rate{0, 0, true}));
   EXPECT_EQ(rate(0x0d), (Rate{0.001, 2}));
-  EXPECT_EQ(rate(0x9b), (Rate{0, 0, true})) << "lead of later ones, LinuxCNC issue 3485";
-  EXPECT_EQ(rate(0x42), Rate{}) << "no place: moves nothing";
-  // The same pendant said so in the issue: 100 % and X.
+  EXPECT_EQ(rate(0x9b), (Rate{0, 0, true})) << "\"lead\" of later models, LinuxCNC issue 3485";
+  EXPECT_EQ(rate(0x42), Rate{}) << "unknown position: no motion";
+  // From the issue, of the same pendant: 100 % and X.
   EXPECT_THAT(pendant.take(Bytes{0x04, 0x10, 0, 0, 0x1b, 0x11, 0, 0x10}),
               ElementsAre(rate_event({1, 100}), selector_event(Selector::x)));
   EXPECT_THAT(pendant.take(Bytes{4, 9, 0, 0, 0x1b, 0x16, 0xfe, 9}),
               ElementsAre(selector_event(Selector::c), wheel(-2)));
 }
 
-/// A place that is not known is told even if it is the first: nobody shall take a step for granted.
-TEST(XhcWhb04b, the_first_rate_is_told_whatever_it_is) {
+/// An unknown position is reported even if it is the first, so that no step size is assumed.
+TEST(XhcWhb04b, the_first_rate_is_always_reported) {
   XhcWhb04b pendant;
   EXPECT_THAT(pendant.take(Bytes{4, 9, 0, 0, 0x42, 0x11, 1, 9}),
               ElementsAre(rate_event({}), selector_event(Selector::x), wheel(1)));
@@ -175,13 +175,14 @@ TEST(XhcWhb04b, falls_asleep_with_two_reports) {
 
 TEST(Shuttle, dial_ring_and_buttons) {
   Shuttle pendant(Shuttle::Model::pro);
-  EXPECT_THAT(pendant.take(Bytes{0, 0xfe, 0, 0, 0}), IsEmpty()) << "the first tells where it is";
-  EXPECT_THAT(pendant.take(Bytes{0, 0x01, 0, 0, 0}), ElementsAre(wheel(3))) << "round the corner";
+  EXPECT_THAT(pendant.take(Bytes{0, 0xfe, 0, 0, 0}), IsEmpty())
+      << "the first report gives the position";
+  EXPECT_THAT(pendant.take(Bytes{0, 0x01, 0, 0, 0}), ElementsAre(wheel(3))) << "the count wraps";
   EXPECT_THAT(pendant.take(Bytes{0, 0xff, 0, 0, 0}), ElementsAre(wheel(-2)));
   EXPECT_THAT(pendant.take(Bytes{0xf9, 0xff, 0, 0, 0}), ElementsAre(spring(-7)));
   EXPECT_THAT(pendant.take(Bytes{7, 0xff, 0, 0, 0}), ElementsAre(spring(7)));
   EXPECT_THAT(pendant.take(Bytes{8, 0xff, 0, 0, 0}), ElementsAre(spring(0)))
-      << "it cannot be there";
+      << "impossible position";
   EXPECT_THAT(pendant.take(Bytes{0, 0xff, 0, 0x01, 0x40}),
               ElementsAre(down(Key::button_1), down(Key::button_15)));
   EXPECT_THAT(pendant.take(Bytes{0, 0xff, 0, 0x00, 0x80}),
@@ -199,7 +200,7 @@ TEST(Shuttle, the_five_buttons_of_the_xpress) {
   EXPECT_THAT(Shuttle(Shuttle::Model::xpress).take(Bytes{0, 7, 0, 0x0f, 0xfe}), IsEmpty());
 }
 
-/// Bytes of the display, counted by hand from the table of the driver.
+/// Bytes of the display, derived by hand from the driver's table.
 TEST(Display, of_the_hb04) {
   Display shown;
   shown.work_mm = {1.5, -0.0001, 1234.5678, 42};
@@ -207,7 +208,7 @@ TEST(Display, of_the_hb04) {
   shown.feed_percent = 110;
   shown.power_percent = 90;
   shown.feed_mm_min = 3000;
-  shown.power = 70'000;  // more than it can show
+  shown.power = 70'000;  // more than the display can show
   shown.step_mm = 0.05;
   using Report = FeatureReport;
   EXPECT_THAT(
@@ -239,7 +240,7 @@ TEST(Display, of_the_whb04b) {
   EXPECT_EQ(XhcWhb04b().display(shown)[0], (Report{6, 0xfe, 0xfd, 0xfe, 0xc2, 7, 0, 0}));
 }
 
-TEST(Display, numbers_that_are_none_do_not_matter) {
+TEST(Display, invalid_numbers_are_tolerated) {
   Display shown;
   shown.work_mm = {std::numeric_limits<double>::quiet_NaN(), 1e300, -1e300, 0};
   shown.feed_mm_min = -1;
@@ -248,13 +249,13 @@ TEST(Display, numbers_that_are_none_do_not_matter) {
   EXPECT_EQ(reports.size(), 6u);
 }
 
-/// Whatever comes: wheel and ring never without a report of the right form, never more than a
-/// byte can say, keys go up only after they went down.
+/// Random bytes: wheel and ring events only for well-formed reports, never more than a byte can
+/// encode, and keys are released only after they were pressed.
 TEST(Decoder, survives_noise) {
   std::mt19937_64 random(11);
   for (const PendantId& id : pendant_ids) {
     const auto decoder = make_decoder(id.kind);
-    std::multiset<Key> held;  // two codes may be one key
+    std::multiset<Key> held;  // two codes may be the same key
     const std::size_t size = id.kind == Kind::hb04 ? 6 : id.kind == Kind::whb04b ? 8 : 5;
     for (int i = 0; i < test::scaled(20'000); ++i) {
       Bytes report(random() % 4 == 0 ? random() % 70 : size);

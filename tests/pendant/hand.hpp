@@ -1,4 +1,4 @@
-// Somebody at a simulated machine: jogger, link and virtual board, round by round.
+// An operator at a simulated machine: jogger, link and virtual board, round by round.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,8 +17,8 @@ namespace lamplock::pendant {
 
 inline constexpr double steps_per_mm = 200, accel_mm_s2 = 2000;
 
-/// A cable that keeps what was written, takes as few bytes as told, loses some, and can be cut in a
-/// direction.
+/// A cable that records what is written, accepts as few bytes as configured, loses some, and can be
+/// cut in one direction.
 class ListenedCable final : public link::Transport {
  public:
   explicit ListenedCable(sim::Board& board) : inner_(board) {}
@@ -42,8 +42,8 @@ class ListenedCable final : public link::Transport {
   std::function<std::size_t()> most_written = [] { return std::size_t{4096}; };
   std::function<bool(std::uint8_t)> loses = [](std::uint8_t) { return false; };
   bool cut = false, mute = false;
-  std::vector<std::string> lines;      ///< that were written as a whole
-  std::vector<std::uint8_t> realtime;  ///< `?` left out
+  std::vector<std::string> lines;      ///< complete lines written
+  std::vector<std::uint8_t> realtime;  ///< without `?`
 
  private:
   void keep(std::uint8_t byte) {
@@ -60,12 +60,12 @@ class ListenedCable final : public link::Transport {
   std::string line_;
 };
 
-/// The machine has three axes, 200 steps/mm, 1 m/s, 2 m/s2, 100 mm round the origin.
+/// The machine has three axes, 200 steps/mm, 1 m/s, 2 m/s2, travel of 100 mm round the origin.
 class Hand {
  public:
   explicit Hand(KeyMap map = default_key_map(), const job::Profile& profile = plain_profile())
       : Hand(std::move(map), profile, jog_limits(profile.settings)) {}
-  /// The jogger takes the machine for another one.
+  /// The jogger uses limits of another machine.
   Hand(KeyMap map, const job::Profile& profile, const JogLimits& limits)
       : rig(profile), cable(rig.board), jogger(port, limits, std::move(map)) {
     run_ms(150);  // the first report
@@ -78,7 +78,7 @@ class Hand {
     return profile;
   }
 
-  /// Lets time pass; the loop comes round every 2 ms.
+  /// Lets time pass; the loop runs every 2 ms.
   void run_ms(double ms) {
     const auto until = cable.now() + Time(static_cast<Time::rep>(ms * 1000));
     while (cable.now() < until) {
@@ -86,9 +86,9 @@ class Hand {
       cable.wait(std::min<Time>(Time(2000), until - cable.now()));
     }
   }
-  /// The same without anybody at the host's end.
+  /// The same without a host.
   void run_alone_ms(double ms) { rig.run(static_cast<sim::Picoseconds>(ms * 1e9)); }
-  /// Until nothing moves; false if that takes more than 5 s.
+  /// Runs until nothing moves; false if that takes more than 5 s.
   bool come_to_rest() {
     for (int i = 0; i < 500; ++i) {
       run_ms(10);
@@ -103,7 +103,7 @@ class Hand {
   void select(Selector selector) { jogger.take(selector_event(selector)); }
   void turn(int clicks) { jogger.take(count_event(Event::Kind::wheel, clicks)); }
   void key(Key key) { jogger.take(key_event(Event::Kind::key_down, key)); }
-  /// Turns the wheel for so long, a click every 30 ms.
+  /// Turns the wheel for `ms`, `clicks` every 30 ms.
   void keep_turning(int clicks, double ms) {
     constexpr double interval_ms = 30;
     while (ms > 0) {
@@ -112,11 +112,11 @@ class Hand {
       ms -= interval_ms;
     }
   }
-  /// The position is the board's and the drives', no light was seen.
+  /// Reported positions equal those of the drives, and there was no light.
   void expect_sound() {
-    const std::vector<double> told = jogger.machine().place(false);
+    const std::vector<double> reported = jogger.machine().place(false);
     for (int a = 0; a < 3; ++a)
-      EXPECT_NEAR(told.at(index(a)), at(a), 0.5 / steps_per_mm + 0.0006) << "axis " << a;
+      EXPECT_NEAR(reported.at(index(a)), at(a), 0.5 / steps_per_mm + 0.0006) << "axis " << a;
     EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
     expect_dark();
   }

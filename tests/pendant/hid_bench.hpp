@@ -1,5 +1,5 @@
-// A pendant that is not there, for programs that look for one by libudev and hidapi: sysfs, a node
-// whose other end the test holds, and the ioctls of hidraw (umockdev).
+// An emulated pendant for programs that search for one by libudev and hidapi: sysfs, a node whose
+// other end belongs to the test, and the ioctls of hidraw (umockdev).
 #pragma once
 
 #include <fcntl.h>
@@ -26,7 +26,7 @@ namespace lamplock::pendant {
 inline constexpr const char* umockdev_library = "libumockdev-preload.so.0";
 
 /// umockdev must be loaded before the C library: the first call in a process runs the test again
-/// so, tells its result and gives false; in that run it gives true.
+/// with it, reports its result and returns false; in that second run it returns true.
 inline bool inside_umockdev() {
   constexpr const char* mark = "LAMPLOCK_INSIDE_UMOCKDEV";
   if (std::getenv(mark) != nullptr) return true;
@@ -47,10 +47,10 @@ inline bool inside_umockdev() {
   return false;
 }
 
-/// What is at the node of a pendant.
+/// The node of a pendant.
 enum class Node : std::uint8_t {
   open,   ///< the pendant
-  locked  ///< nothing that anybody may open
+  locked  ///< a node that no user may open
 };
 
 /// The machine's USB, with one pendant plugged in.
@@ -74,7 +74,7 @@ class HidBench {
     root_ = root;
     g_free(root);
     if (at_node == Node::locked) {
-      // What umockdev itself needs is for everybody.
+      // umockdev itself needs access to these files for every user.
       std::filesystem::permissions(root_, std::filesystem::perms::all);
       for (const auto& file : std::filesystem::recursive_directory_iterator(root_))
         if (!file.is_symlink())
@@ -98,16 +98,15 @@ class HidBench {
 
   static constexpr const char* node = "/dev/hidraw0";
   std::filesystem::path node_file() const { return root_ + node; }
-  /// One report of the pendant.
   void send(const std::vector<std::uint8_t>& report) const {
     ASSERT_EQ(::write(master_, report.data(), report.size()), static_cast<ssize_t>(report.size()));
   }
-  /// As if its receiver were pulled out.
+  /// Simulates unplugging the receiver.
   void unplug() {
     if (master_ >= 0) ::close(master_);
     master_ = -1;
   }
-  /// What its display was sent.
+  /// Reports that were sent to its display.
   std::vector<FeatureReport> shown() {
     const std::lock_guard lock(mutex_);
     return shown_;
@@ -127,7 +126,7 @@ class HidBench {
     int slave = -1;
     ASSERT_EQ(::openpty(&master_, &slave, name.data(), &raw, nullptr), 0);
     ::close(slave);
-    // A program that is started must not hold this end open.
+    // A child program must not keep this end open.
     ASSERT_EQ(::fcntl(master_, F_SETFD, FD_CLOEXEC), 0);
     std::filesystem::remove(node_file());
     std::filesystem::create_symlink(name.data(), node_file());

@@ -1,4 +1,4 @@
-// hidapi itself, at a pendant that umockdev makes.
+// The real hidapi with a pendant emulated by umockdev.
 #include "host/pendant/hid.hpp"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// What comes within two seconds.
+/// Events that arrive within two seconds.
 Events wait_for_events(Pendant& pendant) {
   for (int i = 0; i < 2000; ++i) {
     if (Events events = pendant.poll(); !events.empty() || pendant.gone()) return events;
@@ -49,7 +49,7 @@ TEST(Hidapi, a_pendant_is_found_read_shown_to_and_lost) {
   const std::vector<FeatureReport> wanted = make_decoder(Kind::hb04)->display(display);
   for (int i = 0; i < 2000 && bench.shown().size() < wanted.size(); ++i)
     std::this_thread::sleep_for(1ms);
-  EXPECT_EQ(bench.shown(), wanted) << "once, all of it";
+  EXPECT_EQ(bench.shown(), wanted) << "the whole display, once";
   bench.unplug();
   EXPECT_TRUE(wait_for_events(pendant).empty());
   EXPECT_TRUE(pendant.gone());
@@ -57,22 +57,22 @@ TEST(Hidapi, a_pendant_is_found_read_shown_to_and_lost) {
   pendant.show({}, 10s);
 }
 
-TEST(Hidapi, a_device_that_is_no_pendant_is_left_alone) {
+TEST(Hidapi, a_device_that_is_no_pendant_is_ignored) {
   if (!inside_umockdev()) return;
   const HidBench bench("046D", "C077");
   EXPECT_TRUE(list_pendants().empty());
 }
 
-TEST(Hidapi, without_permission_it_says_what_to_do) {
+TEST(Hidapi, without_permission_it_names_the_remedy) {
   if (!inside_umockdev()) return;
   const HidBench bench("10CE", "EB93", Node::locked);
   const auto found = list_pendants();
   ASSERT_EQ(found.size(), 1u);
-  // Root may open everything.
-  constexpr uid_t nobody = 65534;
+  // Root can open every node.
+  constexpr uid_t unprivileged = 65534;
   const bool root = ::geteuid() == 0;
   if (root) {
-    ASSERT_EQ(::setresuid(nobody, nobody, 0), 0);
+    ASSERT_EQ(::setresuid(unprivileged, unprivileged, 0), 0);
   }
   std::string text;
   Exit exit = Exit::done;
@@ -90,7 +90,7 @@ TEST(Hidapi, without_permission_it_says_what_to_do) {
   EXPECT_THAT(text, HasSubstr("60-lamplock.rules"));
 }
 
-/// A device whose display hangs until it is let go.
+/// A device whose display hangs until it is released.
 class HangingDevice final : public HidDevice {
  public:
   struct Display {
@@ -116,7 +116,7 @@ class HangingDevice final : public HidDevice {
   bool told_ = false;
 };
 
-TEST(PendantDisplay, one_that_hangs_holds_nobody) {
+TEST(PendantDisplay, a_hanging_display_blocks_no_caller) {
   const auto display = std::make_shared<HangingDevice::Display>();
   std::unique_lock hang(display->hangs);
   {
@@ -125,7 +125,7 @@ TEST(PendantDisplay, one_that_hangs_holds_nobody) {
     Display shown;
     pendant.show(shown, 1s);
     while (display->begun == 0) std::this_thread::sleep_for(1ms);
-    // If any of these waited for the display the test would not end.
+    // If any of these calls waited for the display, the test would not end.
     EXPECT_THAT(pendant.poll(), ElementsAre(selector_event(Selector::x)));
     for (int i = 0; i < 100; ++i) {
       shown.feed_mm_min = i;
@@ -136,12 +136,12 @@ TEST(PendantDisplay, one_that_hangs_holds_nobody) {
   hang.unlock();
   const auto reports = static_cast<int>(make_decoder(Kind::hb04)->display({}).size());
   while (display->taken < reports) std::this_thread::sleep_for(1ms);
-  // The thread lets go of the device at its end.
+  // The thread releases the device when it ends.
   while (display.use_count() > 1) std::this_thread::sleep_for(1ms);
-  EXPECT_EQ(display->taken, reports) << "the display that hung, and none of those behind it";
+  EXPECT_EQ(display->taken, reports) << "only the display that hung, none of the later ones";
 }
 
-TEST(Hidapi, one_that_has_gone_meanwhile_is_an_error) {
+TEST(Hidapi, a_device_that_has_disappeared_is_an_error) {
   const HidInfo info{&pendant_ids[0], "/dev/no-such-hidraw"};
   EXPECT_THROW(open_pendant(info), Error);
 }

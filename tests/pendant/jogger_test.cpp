@@ -1,5 +1,5 @@
-// A hand at a pendant or a keyboard, and what a virtual board's machine does: how far, how fast,
-// and above all when it stops.
+// An operator at a pendant or a keyboard, and how the machine of a virtual board follows: distance,
+// speed, and above all when it stops.
 #include "host/pendant/jogger.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ using testing::Not;
 
 constexpr std::uint8_t cancel = 0x85;
 
-/// Way to rest from a speed, with the time that is allowed for a loss to be acted on.
+/// Distance to rest from a speed, including the time allowed for the reaction to a loss.
 double longest_way(double mm_s, double reaction_s) {
   return mm_s * mm_s / (2 * accel_mm_s2) + mm_s * reaction_s + 0.01;
 }
@@ -53,13 +53,13 @@ TEST(Steps, every_click_counts) {
   ASSERT_TRUE(hand.come_to_rest());
   EXPECT_NEAR(hand.at(2), -2, 1e-9);
   EXPECT_NEAR(hand.x(), 0.4, 1e-9);
-  EXPECT_THAT(hand.cable.realtime, IsEmpty()) << "nobody cancels a step";
+  EXPECT_THAT(hand.cable.realtime, IsEmpty()) << "steps are never cancelled";
   hand.expect_sound();
 }
 
-/// A wheel that is turned faster than the machine can follow loses clicks, not the machine its
-/// hand.
-TEST(Steps, no_more_are_ahead_than_a_quarter_of_a_second) {
+/// A wheel that turns faster than the machine can follow loses clicks; the machine stays close to
+/// the operator's movement.
+TEST(Steps, at_most_a_quarter_of_a_second_is_queued) {
   Hand hand(map_with(600));
   hand.jogger.choose_step(1);
   hand.select(Selector::x);
@@ -71,12 +71,12 @@ TEST(Steps, no_more_are_ahead_than_a_quarter_of_a_second) {
   EXPECT_GT(hand.x(), 8);
 }
 
-TEST(Steps, none_without_an_axis_or_a_step) {
+TEST(Steps, need_an_axis_and_a_step) {
   Hand hand;
   hand.turn(3);
   hand.select(Selector::b);
   hand.turn(3);
-  hand.select(Selector::a);  // the machine has three
+  hand.select(Selector::a);  // the machine has three axes
   hand.turn(3);
   hand.select(Selector::x);
   hand.jogger.take(rate_event({}));
@@ -87,8 +87,8 @@ TEST(Steps, none_without_an_axis_or_a_step) {
   EXPECT_THAT(hand.cable.lines, IsEmpty());
 }
 
-/// A switch that is off is off, whatever a key of the keyboard chooses.
-TEST(Steps, a_wheel_obeys_its_switch) {
+/// While the axis switch is off, a keyboard key cannot select an axis for the wheel.
+TEST(Steps, a_wheel_obeys_its_axis_switch) {
   Hand hand;
   hand.jogger.use_pendant(true);
   hand.jogger.press("x");
@@ -102,7 +102,7 @@ TEST(Steps, a_wheel_obeys_its_switch) {
   hand.turn(3);
   ASSERT_TRUE(hand.come_to_rest());
   EXPECT_NEAR(hand.at(2), 0.3, 1e-9);
-  // A shuttle has none.
+  // A shuttle has no axis switch.
   hand.jogger.use_pendant(false);
   hand.jogger.press("x");
   hand.turn(3);
@@ -127,7 +127,7 @@ TEST(Continuous, the_wheel_moves_at_the_feed_and_silence_stops) {
   }
 }
 
-TEST(Continuous, the_switch_of_speeds_says_how_fast) {
+TEST(Continuous, the_rate_switch_sets_the_speed) {
   Hand hand(map_with(6000));
   hand.jogger.set_mode(Mode::continuous);
   hand.jogger.take(rate_event({1, 30}));
@@ -146,13 +146,13 @@ TEST(Continuous, an_axis_moves_no_faster_than_it_can) {
   hand.select(Selector::x);
   hand.keep_turning(1, 600);
   const double at = hand.x();
-  hand.jogger.let_go();
+  hand.jogger.stop_motion();
   ASSERT_TRUE(hand.come_to_rest());
   EXPECT_LE(hand.x() - at, longest_way(10, 0.05));
 }
 
-/// It is another one than its settings say: places tell.
-TEST(Continuous, what_is_ahead_is_bounded_by_where_the_machine_is) {
+/// The machine is slower than its settings say; the jogger uses the reported positions.
+TEST(Continuous, the_distance_ahead_is_bounded_by_reported_positions) {
   job::Profile slow = Hand::plain_profile();
   job::state_setting(slow, settings::Id::max_rate_x, 600, "test");
   Hand hand(map_with(6000), slow, jog_limits(Hand::plain_profile().settings));
@@ -161,10 +161,10 @@ TEST(Continuous, what_is_ahead_is_bounded_by_where_the_machine_is) {
   hand.keep_turning(1, 900);
   const double at = hand.x();
   hand.run_alone_ms(10'000);
-  EXPECT_LE(hand.x() - at, longest_way(100, 0.35)) << "90 mm were asked for";
+  EXPECT_LE(hand.x() - at, longest_way(100, 0.35)) << "the jogs add up to 90 mm";
 }
 
-TEST(Continuous, a_turn_back_begins_where_the_machine_has_come_to_rest) {
+TEST(Continuous, a_reversal_begins_where_the_machine_came_to_rest) {
   Hand hand(map_with(6000));
   hand.jogger.set_mode(Mode::continuous);
   hand.select(Selector::x);
@@ -175,7 +175,7 @@ TEST(Continuous, a_turn_back_begins_where_the_machine_has_come_to_rest) {
   hand.expect_sound();
 }
 
-TEST(Continuous, a_ring_with_a_spring_is_held_until_it_is_let_go) {
+TEST(Continuous, a_spring_ring_jogs_until_it_is_released) {
   Hand hand(map_with(4200));
   hand.select(Selector::x);
   hand.jogger.take(count_event(Event::Kind::spring, 7));
@@ -194,7 +194,7 @@ TEST(Continuous, a_ring_with_a_spring_is_held_until_it_is_let_go) {
   EXPECT_LE(hand.x() - at, longest_way(20, 0.05));
 }
 
-TEST(Continuous, a_ring_that_says_nothing_more_is_not_held_for_ever) {
+TEST(Continuous, a_silent_spring_ring_is_released_after_a_timeout) {
   Hand hand(map_with(420));
   hand.select(Selector::x);
   hand.jogger.take(count_event(Event::Kind::spring, 1));
@@ -215,14 +215,14 @@ TEST(Continuous, stops_inside_the_work_space) {
   hand.keep_turning(1, 1500);
   ASSERT_TRUE(hand.come_to_rest());
   EXPECT_LE(hand.x(), 50);
-  EXPECT_GT(hand.x(), 47) << "what has been taken is inside, and goes on to its end";
+  EXPECT_GT(hand.x(), 47) << "accepted jogs end inside the work space and are completed";
   EXPECT_THAT(hand.jogger.take_notes(), Contains(HasSubstr("error:15")));
   hand.keep_turning(-1, 300);
   EXPECT_LT(hand.x(), 46);
 }
 
-/// The moment and the speed are any; what somebody does before, too.
-TEST(Loss, stops_the_machine_within_its_way_of_braking_and_50_ms) {
+/// The time, the speed and the operator's preceding actions are random.
+TEST(Loss, stops_the_machine_within_its_braking_distance_and_50_ms) {
   std::mt19937_64 random(3);
   const auto pick = [&random](int from, int to) {
     return std::uniform_int_distribution<>(from, to)(random);
@@ -237,7 +237,7 @@ TEST(Loss, stops_the_machine_within_its_way_of_braking_and_50_ms) {
     const double at = hand.at(axis);
     switch (pick(0, 3)) {
       case 0:
-        hand.jogger.let_go();
+        hand.jogger.stop_motion();
         break;
       case 1:
         hand.select(Selector::off);
@@ -254,7 +254,7 @@ TEST(Loss, stops_the_machine_within_its_way_of_braking_and_50_ms) {
   }
 }
 
-/// Nobody is left to cancel anything: a program that was killed, a cable that was cut.
+/// After a killed program or a cut cable there is no host to send a cancel.
 TEST(Loss, increments_end_by_themselves) {
   std::mt19937_64 random(5);
   for (int round = 0; round < scaled(20); ++round) {
@@ -266,13 +266,13 @@ TEST(Loss, increments_end_by_themselves) {
     const double at = hand.x();
     hand.run_alone_ms(500);
     EXPECT_LE(hand.x() - at, longest_way(mm_s, 0.1)) << mm_s << " mm/s";
-    const double stands = hand.x();
+    const double at_rest = hand.x();
     hand.run_alone_ms(100);
-    EXPECT_EQ(hand.x(), stands);
+    EXPECT_EQ(hand.x(), at_rest);
   }
 }
 
-TEST(Loss, a_board_that_is_silent_gets_no_more_and_is_an_error) {
+TEST(Loss, a_silent_board_gets_no_more_lines_and_is_an_error) {
   Hand hand(map_with(3000));
   hand.jogger.set_mode(Mode::continuous);
   hand.select(Selector::x);
@@ -293,8 +293,8 @@ TEST(Loss, a_board_that_is_silent_gets_no_more_and_is_an_error) {
   }
 }
 
-/// A cancel goes out before lines, and in the middle of one: what is left of it must not be a jog.
-TEST(Loss, over_a_cable_that_takes_a_few_bytes_at_a_time) {
+/// A cancel overtakes queued lines, even within a line; the rest of that line must not be a jog.
+TEST(Loss, over_a_cable_that_accepts_a_few_bytes_at_a_time) {
   std::mt19937_64 random(7);
   for (int round = 0; round < scaled(60); ++round) {
     const double mm_s = 20 + static_cast<double>(random() % 50);
@@ -304,17 +304,17 @@ TEST(Loss, over_a_cable_that_takes_a_few_bytes_at_a_time) {
     hand.select(Selector::x);
     hand.keep_turning(1, 60 + static_cast<double>(random() % 200));
     const double at = hand.x();
-    hand.jogger.let_go();
+    hand.jogger.stop_motion();
     hand.run_ms(mm_s / accel_mm_s2 * 1000 + 150);
-    const double stands = hand.x();
-    EXPECT_LE(stands - at, longest_way(mm_s, 0.1)) << round;
+    const double at_rest = hand.x();
+    EXPECT_LE(at_rest - at, longest_way(mm_s, 0.1)) << round;
     ASSERT_TRUE(hand.come_to_rest());
-    EXPECT_EQ(hand.x(), stands) << round;
+    EXPECT_EQ(hand.x(), at_rest) << round;
     hand.expect_sound();
   }
 }
 
-/// Half of the line is out when it is cancelled: what becomes of the other half ends at once.
+/// The first half of a line was sent when it is cancelled; the rest must not start motion.
 TEST(Loss, in_the_middle_of_a_line) {
   std::mt19937_64 random(8);
   for (int round = 0; round < scaled(30); ++round) {
@@ -324,16 +324,16 @@ TEST(Loss, in_the_middle_of_a_line) {
     hand.select(Selector::x);
     hand.turn(10);
     hand.run_ms(2 + 2 * static_cast<double>(random() % 5));
-    hand.jogger.let_go();
+    hand.jogger.stop_motion();
     ASSERT_TRUE(hand.come_to_rest());
     EXPECT_LE(hand.x(), 0.5) << round;
     EXPECT_THAT(hand.cable.lines.size(), testing::Le(1u));
   }
 }
 
-// --- what is no jog at a speed ---
+// --- motion other than continuous jogging ---
 
-/// A machine that homes, at 100 mm/s; no switch is within its reach.
+/// A machine that homes at 100 mm/s; its switches are out of reach.
 job::Profile homing_profile() {
   job::Profile profile = Hand::plain_profile();
   job::state_setting(profile, settings::Id::homing, 1, "test");
@@ -342,7 +342,7 @@ job::Profile homing_profile() {
   return profile;
 }
 
-/// The way from here, of all axes.
+/// Distance of all axes from the position at construction.
 class WaySince {
  public:
   explicit WaySince(const Hand& hand) : hand_(hand), from_(place()) {}
@@ -361,7 +361,7 @@ class WaySince {
 
 constexpr double some_mm_s = 100;
 
-/// Something that moves by itself for a second at least, along one axis at a time, at 100 mm/s.
+/// A motion of at least one second at 100 mm/s, along one axis at a time.
 struct Mover {
   const char* name;
   std::function<void(Hand&)> begin;
@@ -373,7 +373,7 @@ const std::vector<Mover>& movers() {
          hand.select(Selector::x);
          hand.turn(1);
        }},
-      {"a way to a place", [](Hand& hand) { hand.key(Key::safe_z); }},
+      {"a move to a position", [](Hand& hand) { hand.key(Key::safe_z); }},
       {"a macro of moves", [](Hand& hand) { hand.key(key_of_row(Key::macro_1, 1)); }},
       {"a macro of jogs", [](Hand& hand) { hand.key(key_of_row(Key::macro_1, 2)); }},
       {"a macro that homes", [](Hand& hand) { hand.key(key_of_row(Key::macro_1, 3)); }},
@@ -393,7 +393,7 @@ Hand moving_hand() {
   return Hand(std::move(map), homing_profile());
 }
 
-/// With homing on it begins locked.
+/// With homing enabled the machine starts locked.
 void unlock(Hand& hand) {
   hand.jogger.press("u");
   ASSERT_TRUE(hand.come_to_rest());
@@ -401,7 +401,7 @@ void unlock(Hand& hand) {
   hand.cable.realtime.clear();
 }
 
-TEST(Loss, stops_whatever_moves) {
+TEST(Loss, stops_every_kind_of_motion) {
   std::mt19937_64 random(17);
   const auto pick = [&random](int from, int to) {
     return std::uniform_int_distribution<>(from, to)(random);
@@ -415,11 +415,11 @@ TEST(Loss, stops_whatever_moves) {
       hand.cable.most_written = [&random] { return 1 + random() % 3; };
     }
     mover.begin(hand);
-    // The first moments count: what is half out, what has not been told of.
+    // The first moments count: lines that are partly sent, motion that is not yet reported.
     hand.run_ms(pick(0, 1) == 0 ? pick(0, 30) : pick(30, 400));
     const WaySince way(hand);
     if (pick(0, 1) == 0)
-      hand.jogger.let_go();
+      hand.jogger.stop_motion();
     else
       hand.jogger.take(plain_event(Event::Kind::asleep));
     hand.run_ms(300);
@@ -427,14 +427,14 @@ TEST(Loss, stops_whatever_moves) {
     const WaySince more(hand);
     hand.run_ms(2000);
     EXPECT_EQ(more.mm(), 0);
-    EXPECT_TRUE(hand.jogger.machine().status.stands());
+    EXPECT_TRUE(hand.jogger.machine().status.is_at_rest());
     EXPECT_TRUE(hand.jogger.rests() || hand.jogger.machine().status.waits());
     hand.expect_dark();
   }
 }
 
-/// The machine has to be seen to have moved, or the test above says nothing.
-TEST(Loss, without_one_it_moves_on) {
+/// Without a loss the machine must keep moving, or the test above proves nothing.
+TEST(Loss, without_a_loss_motion_continues) {
   for (const Mover& mover : movers()) {
     Hand hand = moving_hand();
     unlock(hand);
@@ -446,8 +446,8 @@ TEST(Loss, without_one_it_moves_on) {
   }
 }
 
-/// What stops it first does not arrive.
-TEST(Loss, a_byte_that_is_lost_is_sent_again) {
+/// The first bytes that would stop the machine are lost.
+TEST(Loss, a_lost_byte_is_sent_again) {
   for (const Mover& mover : movers()) {
     SCOPED_TRACE(mover.name);
     Hand hand = moving_hand();
@@ -462,22 +462,22 @@ TEST(Loss, a_byte_that_is_lost_is_sent_again) {
       return lost = true;
     };
     const WaySince way(hand);
-    hand.jogger.let_go();
+    hand.jogger.stop_motion();
     hand.run_ms(500);
     EXPECT_TRUE(lost);
     EXPECT_LE(way.mm(), longest_way(some_mm_s, 0.15));
-    EXPECT_TRUE(hand.jogger.machine().status.stands());
+    EXPECT_TRUE(hand.jogger.machine().status.is_at_rest());
   }
 }
 
-/// The program ends in the same moment.
-TEST(Homing, that_was_not_told_of_yet_is_reset_too) {
+/// The program ends immediately afterwards.
+TEST(Homing, that_is_not_yet_reported_is_reset_too) {
   Hand hand = moving_hand();
   unlock(hand);
   hand.key(Key::home);
   hand.run_ms(4);
   EXPECT_FALSE(hand.jogger.machine().status.is("Home"));
-  hand.jogger.let_go();
+  hand.jogger.stop_motion();
   hand.port.flush();
   hand.run_alone_ms(300);
   const WaySince way(hand);
@@ -485,15 +485,15 @@ TEST(Homing, that_was_not_told_of_yet_is_reset_too) {
   EXPECT_EQ(way.mm(), 0);
 }
 
-TEST(Homing, ends_with_a_reset_and_begins_anew) {
+TEST(Homing, ends_with_a_reset_and_can_start_again) {
   Hand hand = moving_hand();
   unlock(hand);
   hand.key(Key::home);
   hand.run_ms(200);
   ASSERT_TRUE(hand.jogger.machine().status.is("Home"));
   EXPECT_FALSE(hand.jogger.rests());
-  hand.jogger.let_go();
-  EXPECT_FALSE(hand.jogger.rests()) << "before a report says so";
+  hand.jogger.stop_motion();
+  EXPECT_FALSE(hand.jogger.rests()) << "until a report confirms it";
   hand.run_ms(300);
   EXPECT_THAT(hand.cable.realtime, AllOf(Not(IsEmpty()), Each(0x18)));
   EXPECT_TRUE(hand.jogger.machine().status.is("Alarm"));
@@ -504,10 +504,10 @@ TEST(Homing, ends_with_a_reset_and_begins_anew) {
   EXPECT_TRUE(hand.jogger.machine().status.is("Home"));
   hand.key(Key::start);
   hand.run_ms(300);
-  EXPECT_TRUE(hand.jogger.machine().status.is("Alarm")) << "a pause ends it, too";
+  EXPECT_TRUE(hand.jogger.machine().status.is("Alarm")) << "a pause also ends homing";
 }
 
-TEST(Keyboard, a_key_is_a_step_and_held_it_goes_on_smoothly) {
+TEST(Keyboard, a_key_is_one_step_and_a_held_key_jogs_smoothly) {
   for (const double hz : {10.9, 25.0, 30.0}) {
     Hand hand(map_with(1200));
     hand.jogger.set_mode(Mode::continuous);
@@ -535,7 +535,7 @@ TEST(Keyboard, a_key_is_a_step_and_held_it_goes_on_smoothly) {
   }
 }
 
-TEST(Keyboard, another_key_lets_go) {
+TEST(Keyboard, another_key_ends_the_jog) {
   Hand hand(map_with(3000));
   hand.jogger.set_mode(Mode::continuous);
   for (int i = 0; i < 10; ++i) {
@@ -560,7 +560,7 @@ TEST(Keyboard, in_mode_step_every_repeat_is_a_step) {
   EXPECT_NEAR(hand.x(), -1, 1e-9);
 }
 
-TEST(Keys, zero_and_the_ways_to_it) {
+TEST(Keys, zero_and_moves_to_it) {
   KeyMap map = default_key_map();
   map.safe_z_mm = 20;
   Hand hand(map);
@@ -570,7 +570,7 @@ TEST(Keys, zero_and_the_ways_to_it) {
   ASSERT_TRUE(hand.come_to_rest());
   hand.key(Key::zero);
   ASSERT_TRUE(hand.come_to_rest());
-  hand.run_ms(1500);  // reports tell the offset now and then
+  hand.run_ms(1500);  // only some reports include the offset
   EXPECT_NEAR(hand.jogger.display().work_mm[0], 0, 1e-6);
   hand.turn(2);
   ASSERT_TRUE(hand.come_to_rest());
@@ -585,7 +585,7 @@ TEST(Keys, zero_and_the_ways_to_it) {
   EXPECT_THAT(hand.cable.lines, Contains("G10 L20 P1 X0"));
 }
 
-TEST(Keys, a_way_to_zero_stops_with_the_stop_key) {
+TEST(Keys, a_move_to_zero_stops_with_the_stop_key) {
   Hand hand(map_with(3000));
   hand.select(Selector::x);
   hand.jogger.choose_step(1);
@@ -612,7 +612,7 @@ TEST(Keys, act_as_on_grbl) {
   EXPECT_TRUE(hand.jogger.machine().status.is("Hold"));
   hand.select(Selector::x);
   hand.turn(1);
-  EXPECT_THAT(hand.jogger.take_notes(), ElementsAre(HasSubstr("does not jog in state Hold")));
+  EXPECT_THAT(hand.jogger.take_notes(), ElementsAre(HasSubstr("cannot jog in state Hold")));
   hand.key(Key::start);
   hand.run_ms(200);
   EXPECT_TRUE(hand.jogger.machine().status.is("Run"));
@@ -662,7 +662,7 @@ TEST(Macros, end_with_an_error_a_loss_and_a_reset) {
   Hand hand(map_with_macro({"G91 G1 X20 F600", "G4 P0", "G1 X20", "G1 X-40"}));
   hand.key(Key::macro_1);
   hand.run_ms(300);
-  hand.jogger.let_go();
+  hand.jogger.stop_motion();
   hand.run_ms(500);
   EXPECT_TRUE(hand.jogger.machine().status.is("Hold"));
   const double at = hand.x();
@@ -678,8 +678,8 @@ TEST(Macros, end_with_an_error_a_loss_and_a_reset) {
   EXPECT_THAT(other.jogger.take_notes(), Contains(HasSubstr("nonsense")));
 }
 
-/// The board begins anew, whoever wanted it: what the macro counted on is gone.
-TEST(Macros, do_not_go_on_behind_a_restart) {
+/// Any restart of the board loses the state that the macro relied on.
+TEST(Macros, do_not_continue_after_a_restart) {
   Hand hand(map_with_macro({"G4 P0.3", "G91 G1 X5 F600"}));
   hand.key(Key::macro_1);
   hand.run_ms(100);
@@ -690,8 +690,8 @@ TEST(Macros, do_not_go_on_behind_a_restart) {
   EXPECT_TRUE(hand.jogger.rests());
 }
 
-/// Everything at once, at any moment: the only lines are jogs, homing, unlocking and zero, and the
-/// machine always comes to rest.
+/// Random events at random times: the only lines sent are jogs, homing, unlocking and zeroing, and
+/// the machine always comes to rest.
 TEST(AnyEvents, never_light_a_laser_and_always_end_at_rest) {
   std::mt19937_64 random(13);
   const auto pick = [&random](int from, int to) {
@@ -726,9 +726,9 @@ TEST(AnyEvents, never_light_a_laser_and_always_end_at_rest) {
       }
       hand.run_ms(pick(0, 60));
     }
-    hand.jogger.let_go();
+    hand.jogger.stop_motion();
     hand.run_ms(1500);
-    // A hold may keep a line back for as long as somebody likes.
+    // The user may leave a hold active without limit, and it may hold back a line.
     EXPECT_TRUE(hand.jogger.rests() || hand.jogger.machine().status.waits());
     const double at = hand.x();
     hand.run_ms(100);

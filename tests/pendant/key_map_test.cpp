@@ -1,4 +1,4 @@
-// The table [pendant] of a machine profile, and what a macro may have.
+// The table [pendant] of a machine profile, and the lines allowed in macros.
 #include "host/job/read_profile.hpp"
 #include "host/pendant/read_key_map.hpp"
 
@@ -20,14 +20,14 @@ using testing::HasSubstr;
 KeyMap read(const std::string& text) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("m.toml", text);
-  job::read_profile(file);  // which passes the table over
+  job::read_profile(file);  // which ignores this table
   return read_key_map(file);
 }
 std::string error(const std::string& text) {
   return error_of([&text] { read(text); });
 }
 
-TEST(KeyMap, states_what_is_to_be_different) {
+TEST(KeyMap, contains_the_stated_changes) {
   const KeyMap map = read(R"toml(
 axes = 3
 [pendant]
@@ -68,7 +68,7 @@ TEST(KeyMap, without_a_table_is_the_default) {
   EXPECT_EQ(map.keys.count(Key::macro_1), 0u);
 }
 
-TEST(KeyMap, refuses_what_it_does_not_know) {
+TEST(KeyMap, refuses_unknown_keys) {
   EXPECT_THAT(error("pendant = 3\n"), HasSubstr("m.toml:1: 'pendant' must be a table"));
   EXPECT_THAT(error("[pendant]\nfed = 3\n"), AllOf(HasSubstr(":2:"), HasSubstr("'fed'")));
   EXPECT_THAT(error("[pendant.keys]\nstopp = \"stop\"\n"), HasSubstr("'stopp'"));
@@ -86,18 +86,18 @@ TEST(KeyMap, refuses_what_it_does_not_know) {
   EXPECT_THAT(error("[pendant.macros]\nstop = 3\n"), HasSubstr("name of an action"));
   EXPECT_THAT(error("[pendant.macros]\nx = 3\n"), HasSubstr("needs lines"));
   EXPECT_THAT(error("[pendant.macros.x]\nlines = [\"G90\"]\nlight = true\n"),
-              HasSubstr("'light' is nothing of a macro"));
+              HasSubstr("a macro has no key 'light'"));
   EXPECT_THAT(error("[pendant\n"), HasSubstr("m.toml:1"));
 }
 
-/// Written in any way in which a board reads them.
-TEST(Macro, lights_no_laser_without_leave) {
+/// In every form that a board accepts.
+TEST(Macro, lights_no_laser_without_permission) {
   for (const char* line : {"M3", "m03", "M 4", "G1X1 S100", "G1 X1 s 1", "M(x)3", "M62 P0",
                            "M68 E0 Q1", "M130 P0", "G1 X3 M3", "M3.0", "G1 X30 S10:20*5", "M[1+2]",
                            "#1=3 M#1", "M128 P5", "M6", "G1 X1 /M3", "\tM00003"}) {
     EXPECT_FALSE(laser_word(line).empty()) << line;
     EXPECT_THAT(error(fmt::format("[pendant.macros.x]\nlines = ['{}']\n", line)),
-                AllOf(HasSubstr(":2: "), HasSubstr("may light a laser")))
+                AllOf(HasSubstr(":2: "), HasSubstr("may turn on a laser")))
         << line;
     EXPECT_EQ(
         read(fmt::format("[pendant.macros.x]\nlines = ['{}']\nlaser = true\n", line)).macros.size(),
@@ -109,10 +109,10 @@ TEST(Macro, lights_no_laser_without_leave) {
     EXPECT_EQ(laser_word(line), "") << line;
 }
 
-TEST(Macro, changes_nothing_of_the_board) {
+TEST(Macro, changes_no_settings_of_the_board) {
   for (const char* line : {"$32=1", "$N0=M3 S1", "$RST=*", "$BOOT", "$C", "$I", "$SLP"})
     EXPECT_THAT(error(fmt::format("[pendant.macros.x]\nlines = ['{}']\nlaser = true\n", line)),
-                HasSubstr("nothing for a key"));
+                HasSubstr("not valid in a macro"));
   for (const char* line : {"$H", "$hz", "$X", "$J=G91 X1 F100"})
     EXPECT_EQ(macro_line(line, false, "x"), line);
   EXPECT_THAT(error_of([] { macro_line("G1 X1 !", false, "x"); }), HasSubstr("0x21"));

@@ -1,4 +1,4 @@
-// A pendant whose receiver is pulled out while somebody jogs: from hidapi to the drives.
+// A pendant whose receiver is unplugged during a jog: from hidapi to the drives.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,21 +13,21 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double accel_mm_s2 = 2000;  // of the Hand's machine
+constexpr double accel_mm_s2 = 2000;  // of the machine in Hand
 constexpr double reaction_s = 0.05;
 constexpr double tolerance_mm = 0.01;
 
-/// One round of the loop of `lamplock jog`, 2 ms of the machine's time; false if the pendant has
+/// One round of the loop of `lamplock jog`, 2 ms of the machine's time; false if the pendant is
 /// gone.
 bool round(Hand& hand, Pendant& pendant) {
   hand.run_ms(2);
   for (const Event& event : pendant.poll()) hand.jogger.take(event);
   if (!pendant.gone()) return true;
-  hand.jogger.let_go();
+  hand.jogger.stop_motion();
   return false;
 }
 
-TEST(LostPendant, the_machine_stops_within_its_way_of_braking_and_50_ms) {
+TEST(LostPendant, the_machine_stops_within_its_braking_distance_and_50_ms) {
   if (!inside_umockdev()) return;
   std::mt19937_64 random(11);
   for (int i = 0; i < test::scaled(10); ++i) {
@@ -45,7 +45,7 @@ TEST(LostPendant, the_machine_stops_within_its_way_of_braking_and_50_ms) {
       if (turned % 15 == 0) bench.send({4, 0, 0, 0x11, 1, 0x55});
       ASSERT_TRUE(round(hand, pendant));
     }
-    ASSERT_GT(hand.x(), 0) << "it jogs";
+    ASSERT_GT(hand.x(), 0) << "the machine must be jogging";
     bench.unplug();
     const double at = hand.x();
     while (round(hand, pendant)) continue;

@@ -1,4 +1,4 @@
-// Bytes of terminals to keys, and keys that repeat.
+// Bytes of terminals decoded to keys, and repeated keys.
 #include "host/pendant/terminal_keys.hpp"
 
 #include <gmock/gmock.h>
@@ -23,7 +23,7 @@ TEST(TerminalKeys, of_xterm_and_the_console) {
   EXPECT_THAT(keys.take("\x1b[[A\x1b[H\x1b[1~"), ElementsAre("f1", "home", "home"));
   EXPECT_THAT(keys.take("a \r\x18\x7f\t"),
               ElementsAre("a", "space", "enter", "ctrl-x", "backspace", "tab"));
-  EXPECT_THAT(keys.take("\x1b[1;5A\x1b[200~"), IsEmpty()) << "with Ctrl it is another key";
+  EXPECT_THAT(keys.take("\x1b[1;5A\x1b[200~"), IsEmpty()) << "a key with Ctrl is not the plain key";
 }
 
 TEST(TerminalKeys, an_escape_alone_is_a_key) {
@@ -32,14 +32,15 @@ TEST(TerminalKeys, an_escape_alone_is_a_key) {
   EXPECT_TRUE(keys.inside());
   EXPECT_THAT(keys.pause(), ElementsAre("escape"));
   EXPECT_THAT(keys.take("\x1b\x1b[A"), ElementsAre("escape", "up"));
-  EXPECT_THAT(keys.take("\x1b "), ElementsAre("escape", "space")) << "both stop; Alt does not";
+  EXPECT_THAT(keys.take("\x1b "), ElementsAre("escape", "space"))
+      << "both keys stop the machine; Alt-space would not";
   EXPECT_THAT(keys.take("\x1b["), IsEmpty());
   EXPECT_THAT(keys.pause(), IsEmpty());
   EXPECT_FALSE(keys.inside());
 }
 
-/// However the bytes are cut, the keys are the same; noise gives only names that exist.
-TEST(TerminalKeys, come_in_pieces) {
+/// The division of the bytes does not change the keys; noise gives only existing names.
+TEST(TerminalKeys, are_the_same_in_pieces) {
   std::mt19937_64 random(2);
   for (int round = 0; round < test::scaled(300); ++round) {
     std::string bytes;
@@ -60,17 +61,17 @@ TEST(TerminalKeys, come_in_pieces) {
   }
 }
 
-TEST(KeyRepeat, tells_a_held_key_from_fingers) {
+TEST(KeyRepeat, distinguishes_a_held_key_from_repeated_presses) {
   KeyRepeat repeat;
   EXPECT_FALSE(repeat.press("a", 10s).held);
   EXPECT_FALSE(repeat.press("a", 10s + 160ms).held) << "a finger";
   EXPECT_FALSE(repeat.press("b", 10s + 190ms).held);
   EXPECT_TRUE(repeat.press("b", 10s + 280ms).held);
   EXPECT_FALSE(repeat.press("", 20s).held);
-  EXPECT_FALSE(repeat.press("", 20s + 30ms).held) << "of a pendant: it never repeats";
+  EXPECT_FALSE(repeat.press("", 20s + 30ms).held) << "keys of a pendant never repeat";
 }
 
-TEST(KeyRepeat, trusts_the_interval_it_has_seen) {
+TEST(KeyRepeat, uses_the_measured_interval) {
   KeyRepeat repeat;
   repeat.press("a", 0s);
   EXPECT_EQ(repeat.press("a", 92ms).until, 92ms + 230ms);
@@ -78,7 +79,7 @@ TEST(KeyRepeat, trusts_the_interval_it_has_seen) {
   KeyRepeat fast;
   fast.press("a", 0s);
   EXPECT_EQ(fast.press("a", 33ms).until, 33ms + 100ms);
-  // Two at once, of a terminal far away.
+  // Two at once, as from a remote terminal.
   EXPECT_EQ(fast.press("a", 33ms).until, 33ms + 100ms);
 }
 

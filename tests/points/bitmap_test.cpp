@@ -6,10 +6,10 @@
 #include <set>
 
 #include "host/file.hpp"
+#include "host/geometry/bounds.hpp"
 #include "host/model/bitmap.hpp"
 #include "host/model/read_bitmap.hpp"
 #include "host/points/bitmap_points.hpp"
-#include "host/points/bounds.hpp"
 #include "tests/points/shapes.hpp"
 #include "tests/scale.hpp"
 
@@ -24,7 +24,7 @@ using test::error_of;
 using test::TemporaryFolder;
 using ::testing::HasSubstr;
 
-/// Written by another library than the one that reads.
+/// Written by another library than the reader's.
 std::string png_of(unsigned width, unsigned height, const std::vector<std::uint8_t>& rgba,
                    const TemporaryFolder& folder) {
   png_image image{};
@@ -56,7 +56,7 @@ TEST(ReadBitmap, PngIsGreyOverWhite) {
   EXPECT_EQ(bitmap.grey, (std::vector<std::uint8_t>{0, 255, 255, 127, 76, 50}));
 }
 
-/// A JPEG of the best quality.
+/// A JPEG of the highest quality.
 std::string jpeg_of(int width, int height, const std::vector<std::uint8_t>& grey) {
   std::string bytes;
   const auto append = [](void* to, void* data, int size) {
@@ -102,13 +102,13 @@ TEST(ReadBitmap, TruncatedAndForeignFilesAreRefused) {
     EXPECT_NE(error_of([&] { read_bitmap(path); }), "");
   }
   const auto text = folder.write("b.png", "no picture at all");
-  EXPECT_THAT(error_of([&] { read_bitmap(text); }), HasSubstr("no PNG, BMP or JPEG"));
+  EXPECT_THAT(error_of([&] { read_bitmap(text); }), HasSubstr("is not a PNG, BMP or JPEG"));
   const auto grey_map = folder.write("c.png", std::string("P5 1 1 255\n") + '\0');
-  EXPECT_THAT(error_of([&] { read_bitmap(grey_map); }), HasSubstr("no PNG, BMP or JPEG"));
+  EXPECT_THAT(error_of([&] { read_bitmap(grey_map); }), HasSubstr("is not a PNG, BMP or JPEG"));
   EXPECT_THAT(error_of([&] { read_bitmap(folder.file("none.png")); }), HasSubstr("no such file"));
 }
 
-TEST(ReadBitmap, DamagedFilesNeverDoMoreThanFail) {
+TEST(ReadBitmap, DamagedFilesAtWorstFail) {
   const TemporaryFolder folder;
   const std::string png = png_of(8, 8, std::vector<std::uint8_t>(256, 77), folder),
                     bmp = small_bmp(), jpeg = jpeg_of(16, 16, std::vector<std::uint8_t>(256, 77));
@@ -134,9 +134,9 @@ TEST(BitmapPoints, PixelsBecomePointsUprightAndCentred) {
   // # #   left -x, top +y
   const Bitmap bitmap{2, 2, {0, 200, 10, 127}};
   const auto cloud = bitmap_points(bitmap, {.size_mm = 2, .spacing_mm = 1});
-  EXPECT_EQ(cloud, (points::PointCloud{{-0.5, -0.5, 0}, {0.5, -0.5, 0}, {-0.5, 0.5, 0}}));
+  EXPECT_EQ(cloud, (geometry::PointCloud{{-0.5, -0.5, 0}, {0.5, -0.5, 0}, {-0.5, 0.5, 0}}));
   const auto inverted = bitmap_points(bitmap, {.size_mm = 2, .spacing_mm = 1, .invert = true});
-  EXPECT_EQ(inverted, (points::PointCloud{{0.5, 0.5, 0}}));
+  EXPECT_EQ(inverted, (geometry::PointCloud{{0.5, 0.5, 0}}));
   EXPECT_EQ(bitmap_points(bitmap, {.size_mm = 2, .spacing_mm = 1, .threshold = 10}).size(), 1u);
   EXPECT_EQ(bitmap_points(bitmap, {.size_mm = 2, .spacing_mm = 1, .threshold = 0}).size(), 0u);
 }
@@ -144,10 +144,10 @@ TEST(BitmapPoints, PixelsBecomePointsUprightAndCentred) {
 TEST(BitmapPoints, LayersAreStackedRoundZero) {
   const auto cloud =
       bitmap_points({1, 1, {0}}, {.size_mm = 1, .spacing_mm = 1, .layers = 3, .layer_mm = 0.5});
-  EXPECT_EQ(cloud, (points::PointCloud{{0, 0, -0.5}, {0, 0, 0}, {0, 0, 0.5}}));
+  EXPECT_EQ(cloud, (geometry::PointCloud{{0, 0, -0.5}, {0, 0, 0}, {0, 0, 0.5}}));
 }
 
-TEST(BitmapPoints, GridHasTheSpacingWhateverThePixels) {
+TEST(BitmapPoints, GridHasTheSpacingForAnyPixels) {
   std::mt19937_64 random(5);
   for (int i = 0; i < test::scaled(50); ++i) {
     const int width = 1 + static_cast<int>(random() % 60),
@@ -163,14 +163,14 @@ TEST(BitmapPoints, GridHasTheSpacingWhateverThePixels) {
       return std::max(1.0, std::floor(pixels * scale / options.spacing_mm + 1e-9));
     };
     EXPECT_EQ(static_cast<double>(cloud.size()), count(width) * count(height));
-    const auto box = points::bounds(cloud);
+    const auto box = geometry::bounds(cloud);
     EXPECT_NEAR(box.low.x + box.high.x, 0, 1e-9);
     EXPECT_NEAR(box.low.y + box.high.y, 0, 1e-9);
     EXPECT_NEAR(box.high.x - box.low.x, (count(width) - 1) * options.spacing_mm, 1e-9);
   }
 }
 
-TEST(BitmapPoints, CoarsePointsStandForTheMeanOfTheirPixels) {
+TEST(BitmapPoints, CoarsePointsHaveTheMeanOfTheirPixels) {
   // A chequerboard has mean 127.5 in every square of even side.
   Bitmap board{8, 8, {}};
   for (int i = 0; i < 64; ++i) {

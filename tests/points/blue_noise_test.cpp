@@ -13,9 +13,9 @@
 namespace lamplock {
 namespace {
 
+using geometry::PointCloud;
 using model::Mesh;
 using points::blue_noise;
-using points::PointCloud;
 using test::error_of;
 using ::testing::HasSubstr;
 
@@ -30,7 +30,7 @@ Mesh some_mesh(std::mt19937_64& random) {
     default:
       break;
   }
-  Mesh mesh;  // triangles that cross each other anywhere
+  Mesh mesh;  // triangles that may intersect
   mesh.vertices = test::random_cloud(random, 30, 2);
   for (std::uint32_t i = 0; i < 30; i += 3) mesh.triangles.push_back({i, i + 1, i + 2});
   return mesh;
@@ -86,8 +86,8 @@ TEST(BlueNoise, CountGrowsWithTheInverseSquareOfTheDistance) {
   }
 }
 
-TEST(BlueNoise, TheTrianglesDoNotShow) {
-  // One half of two triangles, the other of ten thousand that are smaller than the distance.
+TEST(BlueNoise, TheTrianglesAreNotVisible) {
+  // One half consists of two triangles, the other of ten thousand smaller than the distance.
   Mesh mesh;
   test::add_plate(mesh, 0, 0, 20, 40, 1, 1);
   test::add_plate(mesh, 20, 0, 20, 40, 50, 100);
@@ -107,15 +107,15 @@ TEST(BlueNoise, TheTrianglesDoNotShow) {
   EXPECT_NEAR(on_diagonal / all / strip, 1, 0.1);
 }
 
-TEST(BlueNoise, TheBlocksDoNotShow) {
-  // Where in a block (16 distances wide) the points lie.
+TEST(BlueNoise, TheBlocksAreNotVisible) {
+  // Position of the points within a block (16 distances wide).
   const double distance = 0.25, block = 16 * distance;
   std::array<double, 16> in_block{};
   double all = 0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     for (const auto& p :
          blue_noise(plate(10 * block, 1), {.distance_mm = distance, .seed = seed})) {
-      if (p.x < block || p.x > 9 * block) continue;  // the rim takes more
+      if (p.x < block || p.x > 9 * block) continue;  // the rim has more points
       ++in_block[static_cast<std::size_t>(std::fmod(p.x, block) / block * 16) % 16];
       ++all;
     }
@@ -194,7 +194,7 @@ TEST(BlueNoise, DensityFollowsTheTone) {
   EXPECT_NEAR(counts[1] / full, 0.25, 0.015);
   EXPECT_NEAR(counts[2] / full, 0.01, 0.006);
   EXPECT_EQ(counts[3], 0);
-  // Without a tone, and without brightness, all is dense.
+  // Without a tone, and without brightness, the whole surface has full density.
   EXPECT_NEAR(static_cast<double>(blue_noise(mesh, {.distance_mm = 0.25}).size()) / full, 4, 0.1);
   mesh.brightness.reset();
   EXPECT_NEAR(
@@ -202,7 +202,7 @@ TEST(BlueNoise, DensityFollowsTheTone) {
       0.1);
 }
 
-/// Faces in the plane between two blocks, of sizes at which a quotient rounds across it.
+/// Faces in the plane between two blocks, of sizes at which a quotient is rounded across it.
 TEST(BlueNoise, FacesBetweenBlocksAreNotLost) {
   struct Case {
     double half_mm, distance_mm;
@@ -221,18 +221,18 @@ TEST(BlueNoise, FacesBetweenBlocksAreNotLost) {
   }
 }
 
-TEST(BlueNoise, SmallerThanTheDistanceIsOnePoint) {
+TEST(BlueNoise, ASurfaceSmallerThanTheDistanceGetsOnePoint) {
   Mesh mesh;
   test::add_plate(mesh, 0, 0, 0.1, 0.1, 5, 5);
   EXPECT_EQ(blue_noise(mesh, {.distance_mm = 1}).size(), 1u);
 }
 
-TEST(BlueNoise, FlatAndDoubledTrianglesDoNoHarm) {
+TEST(BlueNoise, FlatAndDuplicateTrianglesAreHarmless) {
   EXPECT_TRUE(blue_noise({}, {}).empty());
   Mesh mesh = plate(5, 1);
   mesh.vertices.push_back({2, 2, 0});
-  mesh.triangles.push_back({0, 3, 4});               // on the diagonal: no area
-  mesh.triangles.push_back(mesh.triangles.front());  // twice
+  mesh.triangles.push_back({0, 3, 4});               // on the diagonal, without area
+  mesh.triangles.push_back(mesh.triangles.front());  // a duplicate
   const PointCloud cloud = blue_noise(mesh, {.distance_mm = 0.5});
   EXPECT_GE(test::smallest_square(cloud), 0.25);
   const auto expected = static_cast<double>(blue_noise(plate(5, 1), {.distance_mm = 0.5}).size());
@@ -256,7 +256,7 @@ TEST(BlueNoise, WrongInputIsRefused) {
   EXPECT_NE(error_of([&] { blue_noise(mesh, {}); }), "");
   mesh = test::box(1, 1, 1);
   mesh.triangles.push_back({0, 1, 8});
-  EXPECT_THAT(error_of([&] { blue_noise(mesh, {}); }), HasSubstr("vertex 8 of 8"));
+  EXPECT_THAT(error_of([&] { blue_noise(mesh, {}); }), HasSubstr("vertex 8, but the model has 8"));
   // A needle of ten metres has hardly any area.
   mesh.vertices = {{0, 0, 0}, {1e4, 0, 0}, {1e4, 1e-9, 0}};
   mesh.triangles = {{0, 1, 2}};

@@ -13,13 +13,13 @@
 namespace lamplock {
 namespace {
 
+using geometry::Point;
+using geometry::PointCloud;
 using model::Arc;
 using model::Curves;
 using model::Line;
 using points::divide;
 using points::DivideOptions;
-using points::Point;
-using points::PointCloud;
 using std::numbers::pi;
 using test::distance;
 using test::error_of;
@@ -46,8 +46,8 @@ TEST(Divide, CircleGivesEqualAnglesAndNoDoubledEnd) {
   }
 }
 
-// Equal arc length on an ellipse and on splines, against the length of the polyline through very
-// many points between neighbours.
+// Equal arc length on an ellipse and on splines, compared with the length of the polyline through
+// very many points between neighbours.
 TEST(Divide, EllipseAndSplineGiveEqualArcLengths) {
   std::mt19937_64 random(1);
   for (int i = 0; i < test::scaled(20); ++i) {
@@ -61,7 +61,7 @@ TEST(Divide, EllipseAndSplineGiveEqualArcLengths) {
     const double spacing = 0.7;
     const PointCloud wide = divide(curves, {.spacing_mm = spacing});
     const std::size_t gaps = is_ellipse ? wide.size() : wide.size() - 1;
-    // Each gap divided by 200 again gives points of which every 200th is one of those.
+    // Division by 200 times as many gaps gives the same points at every 200th place.
     const double length = model::ArcLength(curves.paths[0]).total();
     const std::size_t parts = 200;
     const PointCloud fine =
@@ -81,7 +81,7 @@ TEST(Divide, EllipseAndSplineGiveEqualArcLengths) {
   }
 }
 
-TEST(Divide, OpenCurvesEndExactlyInTheirEndsOnRequest) {
+TEST(Divide, OpenCurvesEndExactlyAtTheirEndsOnRequest) {
   const PointCloud ends = divide(line(10.05), {.spacing_mm = 1});
   ASSERT_EQ(ends.size(), 11u);
   EXPECT_EQ(ends.front(), (Point{1, 2, 3}));
@@ -92,12 +92,12 @@ TEST(Divide, OpenCurvesEndExactlyInTheirEndsOnRequest) {
   EXPECT_NEAR(inner.back().x, 10.5, 1e-9);
 }
 
-TEST(Divide, ADistanceThatFitsButForRoundingFits) {
+TEST(Divide, ADistanceThatFitsExceptForRoundingIsAccepted) {
   EXPECT_EQ(divide(line(0.3), {.spacing_mm = 0.1}).size(), 4u);
   EXPECT_EQ(divide(line(70), {.spacing_mm = 0.7}).size(), 101u);
 }
 
-TEST(Divide, ShortCurvesAndPointsStay) {
+TEST(Divide, ShortCurvesAndPointsAreKept) {
   Curves curves = circle(0.001);
   curves.paths.push_back({{Line{{5, 0, 0}, {5.01, 0, 0}}}});
   curves.paths.push_back({{Line{{6, 0, 0}, {6, 0, 0}}}});

@@ -12,10 +12,10 @@
 namespace lamplock {
 namespace {
 
+using geometry::PointCloud;
 using model::Mesh;
 using points::fill_faces;
 using points::fill_solid;
-using points::PointCloud;
 using test::error_of;
 using ::testing::HasSubstr;
 
@@ -24,7 +24,7 @@ TEST(FillFaces, AnEquilateralTriangleTakesTheTriangularNumber) {
   for (const double side : {1.0, 2.0, 5.0, 20.0}) {
     mesh.vertices = {{0, 0, 0}, {side, 0, 0}, {side / 2, side * std::numbers::sqrt3 / 2, 0}};
     mesh.triangles = {{0, 1, 2}};
-    // A little less than the side's part, because points are never closer than asked for.
+    // Slightly less than the side's part, because points are never closer than requested.
     const auto fill = fill_faces(mesh, {.distance_mm = 1 - 1e-6});
     const auto n = static_cast<std::size_t>(side);
     EXPECT_EQ(fill.points.size(), (n + 1) * (n + 2) / 2);
@@ -33,7 +33,7 @@ TEST(FillFaces, AnEquilateralTriangleTakesTheTriangularNumber) {
   }
 }
 
-TEST(FillFaces, SharedEdgesAreNotDoubled) {
+TEST(FillFaces, SharedEdgesAreNotFilledTwice) {
   std::mt19937_64 random(1);
   for (int i = 0; i < test::scaled(20); ++i) {
     const double distance = 0.1 + static_cast<double>(test::below(random, 100)) / 200;
@@ -98,7 +98,7 @@ TEST(FillFaces, WrongInputIsRefused) {
   EXPECT_EQ(fill_faces(mesh, {.distance_mm = 0.1}).rejected, 1u);
 }
 
-/// A ball with a ball-shaped hole whose surface is turned either way.
+/// A ball with a spherical hole whose surface is oriented either way.
 Mesh hollow_ball(bool turned) {
   Mesh mesh = test::sphere(5, 40, 80);
   const Mesh hole = test::sphere(3, 40, 80);
@@ -119,7 +119,7 @@ TEST(FillSolid, PointsAreInsideAndApart) {
       EXPECT_LT(r, 5);
       EXPECT_GT(r, 2.98);  // the mesh of the hole lies inside its ball
     }
-    // More than inside a large body, because the skin takes more.
+    // More than inside a large body, because the skin has a higher density.
     const double volume = 4.0 / 3 * std::numbers::pi * (125 - 27);
     EXPECT_NEAR(static_cast<double>(cloud.size()) * 0.125 / volume, 0.71, 0.04);
   }
@@ -134,8 +134,8 @@ TEST(FillSolid, EveryPlaceInsideIsNearAPoint) {
   }
 }
 
-/// A ray in its axis goes through both poles, whichever way their vertices are numbered.
-TEST(FillSolid, IsFullInTheAxisOfABall) {
+/// A ray along its axis goes through both poles, for any numbering of their vertices.
+TEST(FillSolid, IsFilledAlongTheAxisOfABall) {
   for (const bool reversed : {false, true}) {
     model::Mesh mesh = test::sphere(8, 15, 24);
     if (reversed) {
@@ -144,7 +144,7 @@ TEST(FillSolid, IsFullInTheAxisOfABall) {
       for (auto& triangle : mesh.triangles)
         for (auto& corner : triangle) corner = last - corner;
     }
-    // Middles of blocks of 16 distances, and of cells, lie in the axis.
+    // Middles of blocks of 16 distances, and of cells, are on the axis.
     for (const double distance : {1.0, 0.8, 0.5}) {
       const PointCloud cloud = fill_solid(mesh, {.distance_mm = distance});
       for (const double z : {-6.0, -3.0, 0.0, 3.0, 6.0})
@@ -156,14 +156,14 @@ TEST(FillSolid, IsFullInTheAxisOfABall) {
 TEST(FillSolid, CountGrowsWithTheInverseCube) {
   for (const double distance : {0.8, 0.4, 0.2}) {
     const PointCloud cloud = fill_solid(test::box(2, 2, 2), {.distance_mm = distance});
-    // A skin of less than a distance takes more points than the inside.
+    // In a skin thinner than a distance the density is higher than inside.
     const double part = static_cast<double>(cloud.size()) * std::pow(distance, 3) / 64;
     EXPECT_GT(part, 0.63);
     EXPECT_LT(part, 0.65 + 0.3 * distance);
   }
 }
 
-TEST(FillSolid, DensityFallsUnderWhatIsAbove) {
+TEST(FillSolid, DensityDecreasesWithTheVolumeAbove) {
   const points::SolidOptions options{
       .distance_mm = 0.25, .light_depth_mm = 3, .lowest_density = 0.02};
   const PointCloud cloud = fill_solid(test::box(4, 4, 4), options);
@@ -173,7 +173,7 @@ TEST(FillSolid, DensityFallsUnderWhatIsAbove) {
   for (std::size_t i = 1; i < slabs.size(); ++i) {
     EXPECT_NEAR(slabs[i] / slabs[i - 1], std::exp(-2.0 / 3), 0.06) << i;
   }
-  // Under a gap the light has only come through what is filled.
+  // Under a gap, the light has only passed through filled volume.
   Mesh two = test::box(2, 2, 1);
   const Mesh upper = test::box(2, 2, 1);
   for (auto p : upper.vertices) two.vertices.push_back({p.x, p.y, p.z + 10});

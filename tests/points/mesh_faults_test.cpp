@@ -39,7 +39,7 @@ TEST(MeshFaults, AHoleIsNamedByItsFirstEdge) {
   EXPECT_THAT(warnings(faults), ElementsAre(HasSubstr("3 open edges, the first at triangle 2")));
 }
 
-TEST(MeshFaults, ATurnedTriangleHasThreeTurnedEdges) {
+TEST(MeshFaults, AReversedTriangleHasThreeReversedEdges) {
   Mesh mesh = test::sphere(3, 9, 12);
   std::swap(mesh.triangles[40][0], mesh.triangles[40][1]);
   const auto faults = find_faults(mesh);
@@ -50,7 +50,7 @@ TEST(MeshFaults, ATurnedTriangleHasThreeTurnedEdges) {
   EXPECT_THAT(warnings(faults), ElementsAre(HasSubstr("opposite orientation")));
 }
 
-TEST(MeshFaults, InsideOutIsTold) {
+TEST(MeshFaults, InsideOutIsReported) {
   Mesh mesh = test::torus(5, 2, 12, 9);
   for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
   for (auto& vertex : mesh.vertices) vertex.x += 1000;  // far from the origin
@@ -70,7 +70,7 @@ TEST(MeshFaults, AnEdgeOfThreeAndOfFourTriangles) {
   EXPECT_FALSE(faults.closed);
   EXPECT_THAT(warnings(faults), ElementsAre(HasSubstr("2 open edges, the first at triangle 12"),
                                             HasSubstr("more than two")));
-  // Two boxes that share an edge: four triangles there, and still closed for rays.
+  // Two boxes that share an edge: four triangles there, but still closed for rays.
   mesh = test::box(1, 1, 1);
   const Mesh other = test::box(1, 1, 1);
   std::vector<std::uint32_t> number;
@@ -116,7 +116,7 @@ TEST(MeshFaults, FlatMissingAndNotFiniteAreCounted) {
   EXPECT_TRUE(find_faults({}).none());
 }
 
-TEST(MeshFaults, AnyMeshIsSurvived) {
+TEST(MeshFaults, AnyMeshIsAccepted) {
   std::mt19937_64 random(1);
   for (int i = 0; i < test::scaled(200); ++i) {
     Mesh mesh;

@@ -96,7 +96,7 @@ std::string binary_stl_of(const Mesh& mesh, const TemporaryFolder& folder) {
   return read_file(folder.file("written.stl"));
 }
 
-/// The same closed body whatever the format, to the single precision of the formats.
+/// Expects the same closed body for every format, to the formats' single precision.
 void expect_torus(const Mesh& mesh) {
   EXPECT_EQ(mesh.vertices.size(), 24u * 12u);
   EXPECT_EQ(mesh.triangles.size(), 2u * 24u * 12u);
@@ -128,7 +128,7 @@ TEST(ReadMesh, ObjGroupsAreJoinedAndPolygonsTriangulated) {
   EXPECT_EQ(mesh.vertices.size(), 7u);
 }
 
-TEST(ReadMesh, BytesBehindABinaryStlAreIgnored) {
+TEST(ReadMesh, BytesAfterABinaryStlAreIgnored) {
   const TemporaryFolder folder;
   const std::string bytes = binary_stl_of(test::torus(10, 3, 24, 12), folder);
   expect_torus(read_mesh(folder.write("a.stl", bytes + "exported with care")));
@@ -150,7 +150,7 @@ TEST(ReadMesh, EveryTruncationOfStlAndPlyIsRefused) {
       {"a.ply", ascii_ply_of(mesh)},
       {"b.ply", binary_ply_of(mesh, false)}};
   for (const auto& [name, bytes] : files) {
-    // The last lines of the text formats may lose their line end and name, no more.
+    // The last line of the text formats may lack its line end and name, but no more.
     const std::size_t spare = name == "b.stl" ? 7 : name == "a.ply" ? 2 : 0;
     const std::size_t stride = bytes.size() / 60 + 1;
     for (std::size_t size = 0; size + spare < bytes.size(); size += stride) {
@@ -221,15 +221,15 @@ TEST(ReadMesh, BrokenFilesAreRefusedWithAReason) {
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
       "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
   EXPECT_THAT(message("a.ply", triangle + "0 0 0\n1 0 0\n0 1 0\n0\n"), HasSubstr("no corners"));
-  // The library reads line by line: a number that is missing must not come out of the next one.
+  // The library reads line by line: a missing number must not be taken from the next line.
   EXPECT_THAT(message("a.ply", triangle + "0 0 0\n1 0\n0 1 0 3\n3 0 1 2\n"), HasSubstr("vertex"));
   EXPECT_THAT(message("a.ply", triangle + "0 0 0\n1 0 0 7\n0 1 0\n3 0 1 2\n"), HasSubstr("vertex"));
-  EXPECT_THAT(message("a.step", "ISO-10303-21;"), HasSubstr("no mesh format"));
+  EXPECT_THAT(message("a.step", "ISO-10303-21;"), HasSubstr("not a mesh format"));
 }
 
-// The mesh library must never be handed bytes that crash it: flipped files either read or are
-// refused in one line.
-TEST(ReadMesh, DamagedFilesNeverDoMoreThanFail) {
+// The mesh library must not receive bytes that crash it: damaged files are either read or refused
+// in one line.
+TEST(ReadMesh, DamagedFilesAtWorstFail) {
   const TemporaryFolder folder;
   const Mesh mesh = test::torus(10, 3, 5, 4);
   const std::vector<std::pair<std::string, std::string>> files{
@@ -258,7 +258,7 @@ TEST(ReadMesh, DamagedFilesNeverDoMoreThanFail) {
   }
 }
 
-TEST(Classify, GoesByExtensionAndForPlyByFaces) {
+TEST(Classify, UsesTheExtensionAndForPlyTheFaces) {
   const TemporaryFolder folder;
   using model::classify;
   using model::InputKind;
@@ -296,10 +296,10 @@ TEST(Transform, CentresAndScalesByTheLongestSide) {
 
 TEST(Transform, YUpBecomesZUpWithoutMirroring) {
   const Mesh mesh = model::y_up_to_z_up({{{1, 2, 3}}, {}});
-  EXPECT_EQ(mesh.vertices[0], (points::Point{1, -3, 2}));
+  EXPECT_EQ(mesh.vertices[0], (geometry::Point{1, -3, 2}));
 }
 
-TEST(Example, IsClosedAndSurvivesItsFile) {
+TEST(Example, IsClosedAndUnchangedByItsFile) {
   const TemporaryFolder folder;
   const Mesh mesh = model::example_model();
   EXPECT_TRUE(test::is_closed(mesh));

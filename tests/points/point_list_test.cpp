@@ -14,13 +14,13 @@
 namespace lamplock {
 namespace {
 
+using geometry::PointCloud;
 using model::read_point_list;
-using points::PointCloud;
 using test::error_of;
 using test::TemporaryFolder;
 using ::testing::HasSubstr;
 
-/// Doubles of every size, among them those with the most digits.
+/// Doubles of every size, including those with the most digits.
 PointCloud awkward_points(std::mt19937_64& random, int count) {
   const auto coordinate = [&] {
     double value;
@@ -50,7 +50,7 @@ TEST(PointList, RoundTripsAreExact) {
   EXPECT_TRUE(same_bits(read_point_list(folder.file("a.xyz")), cloud));
   model::write_ply(folder.file("a.ply"), cloud);
   EXPECT_TRUE(same_bits(read_point_list(folder.file("a.ply")), cloud));
-  // A drawing has limits of its own.
+  // A drawing has its own limits.
   PointCloud near;
   for (const auto& p : cloud) {
     if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < 1e9) near.push_back(p);
@@ -68,12 +68,12 @@ TEST(PointList, ReadsRowsOfGlassEngravers) {
     const auto path = folder.write("a.cad", bytes);
     return error_of([&] { read_point_list(path); });
   };
-  EXPECT_THAT(message("1 0 1 2 3\n1 0 1 2\n"), HasSubstr("line 2: 4 of 5 columns"));
+  EXPECT_THAT(message("1 0 1 2 3\n1 0 1 2\n"), HasSubstr("line 2: has 4 of 5 columns"));
   EXPECT_THAT(message("1 0 1 2 3 4\n"), HasSubstr("6 of 5 columns"));
   EXPECT_THAT(message("1 a 1 2 3\n"), HasSubstr("line 1: 'a'"));
 }
 
-TEST(PointList, NamesOfColumnsSayWhichAreCoordinates) {
+TEST(PointList, ColumnNamesIdentifyCoordinates) {
   const TemporaryFolder folder;
   const auto read = [&](const std::string& bytes) {
     return read_point_list(folder.write("a.csv", bytes));
@@ -86,14 +86,14 @@ TEST(PointList, NamesOfColumnsSayWhichAreCoordinates) {
   EXPECT_EQ(read("z x y\n3 1 2\n"), (PointCloud{{1, 2, 3}}));
   EXPECT_EQ(read("1;2;3\n4; 5;6;7\n"), (PointCloud{{1, 2, 3}, {4, 5, 6}}));
   const auto message = [&](const std::string& bytes) { return error_of([&] { read(bytes); }); };
-  EXPECT_THAT(message("a,b,c\n1,2,3\n"), HasSubstr("line 1: names of columns without 'x'"));
-  EXPECT_THAT(message("x,y,z\n1,2\n"), HasSubstr("line 2: 2 of 3"));
+  EXPECT_THAT(message("a,b,c\n1,2,3\n"), HasSubstr("line 1: the names of columns lack 'x'"));
+  EXPECT_THAT(message("x,y,z\n1,2\n"), HasSubstr("line 2: has 2 of 3"));
   EXPECT_THAT(message("x,y,z\n1,,3\n"), HasSubstr("line 2: ''"));
   EXPECT_THAT(message("x,y,z\nx,y,z\n"), HasSubstr("line 2: 'x'"));
   EXPECT_THAT(message("1,5;2;3\n"), HasSubstr("'1,5'"));
 }
 
-TEST(PointList, ReadsTheFormsOfText) {
+TEST(PointList, ReadsVariantsOfText) {
   const TemporaryFolder folder;
   const auto path = folder.write("a.txt",
                                  "\xEF\xBB\xBF# x y z\r\n1 2 3\r\n\r\n 4,5 , 6 # a comment\n"
@@ -125,7 +125,7 @@ TEST(PointList, ErrorsNameTheLine) {
     const auto path = folder.write(name, bytes);
     return error_of([&] { read_point_list(path); });
   };
-  EXPECT_THAT(message("a.xyz", "1 2 3\n# 4\n5 6\n"), HasSubstr("line 3: 2 of 3"));
+  EXPECT_THAT(message("a.xyz", "1 2 3\n# 4\n5 6\n"), HasSubstr("line 3: has 2 of 3"));
   EXPECT_THAT(message("a.xyz", "1 2 3\n4 five 6\n"), HasSubstr("line 2: 'five'"));
   EXPECT_THAT(message("a.xyz", "1 2 nan\n"), HasSubstr("line 1"));
   EXPECT_THAT(message("a.xyz", "1 2 -inf\n"), HasSubstr("line 1"));
@@ -141,7 +141,7 @@ TEST(PointList, ErrorsNameTheLine) {
   EXPECT_THAT(message("a.ply", ply + "element face 3\n"), HasSubstr("end_header"));
 }
 
-TEST(PointList, DamagedPlyNeverDoesMoreThanFail) {
+TEST(PointList, DamagedPlyAtWorstFails) {
   const TemporaryFolder folder;
   std::mt19937_64 random(2);
   model::write_ply(folder.file("whole.ply"), test::random_cloud(random, 20, 50));

@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "host/points/bounds.hpp"
+#include "host/geometry/bounds.hpp"
 #include "host/points/rays.hpp"
 #include "tests/points/shapes.hpp"
 #include "tests/scale.hpp"
@@ -10,8 +10,8 @@
 namespace lamplock {
 namespace {
 
-using points::Axis;
-using points::PointCloud;
+using geometry::Axis;
+using geometry::PointCloud;
 using points::rays;
 using test::error_of;
 
@@ -52,7 +52,7 @@ TEST(Rays, TorusIsHitUpToFourTimes) {
   EXPECT_GT(rays_with[4], 0);
 }
 
-// Rays through vertices and along edges everywhere: every hit counts once, so numbers stay even.
+// Rays through vertices and along edges: every hit counts once, so numbers stay even.
 TEST(Rays, ClosedBodiesAreHitAnEvenNumberOfTimesOnTheLattice) {
   std::mt19937_64 random(7);
   for (int i = 0; i < test::scaled(100); ++i) {
@@ -100,7 +100,7 @@ TEST(Rays, PointsStayInsideTheBox) {
     const double scale = std::pow(10.0, static_cast<double>(random() % 7) - 3);
     model::Mesh mesh = test::torus(10 * scale, 3 * scale, 30, 20, 0.1);
     for (auto& v : mesh.vertices) v.x += 50 * scale;
-    const auto box = points::bounds(mesh.vertices);
+    const auto box = geometry::bounds(mesh.vertices);
     const auto cloud = rays(mesh, {.pitch_mm = scale * 0.37});
     EXPECT_GT(cloud.size(), 1000u);
     for (const auto& p : cloud) EXPECT_TRUE(box.contains(p));

@@ -1,4 +1,4 @@
-// What tests of the discretisers measure: distances of a cloud, random places of a surface.
+// Measurements for tests of the discretisers: distances of a cloud, random places of a surface.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace lamplock::test {
 
 /// Square of the smallest distance of two points, by comparing all that are near along x.
-inline double smallest_square(points::PointCloud cloud) {
+inline double smallest_square(geometry::PointCloud cloud) {
   std::sort(cloud.begin(), cloud.end(), [](auto& p, auto& q) { return p.x < q.x; });
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -27,13 +27,13 @@ inline double smallest_square(points::PointCloud cloud) {
   return smallest;
 }
 
-inline double nearest_distance(const points::Point& place, const points::PointCloud& cloud) {
+inline double nearest_distance(const geometry::Point& place, const geometry::PointCloud& cloud) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const auto& point : cloud) nearest = std::min(nearest, distance(place, point));
   return nearest;
 }
 
-inline std::array<points::Point, 3> corners(const model::Mesh& mesh, std::size_t triangle) {
+inline std::array<geometry::Point, 3> corners(const model::Mesh& mesh, std::size_t triangle) {
   const auto& t = mesh.triangles[triangle];
   return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
@@ -51,14 +51,14 @@ inline double area(const model::Mesh& mesh) {
   return sum;
 }
 
-/// Places that are equally likely everywhere on the surface.
-inline points::PointCloud random_places(const model::Mesh& mesh, int count,
-                                        std::mt19937_64& random) {
+/// Uniformly distributed places on the surface.
+inline geometry::PointCloud random_places(const model::Mesh& mesh, int count,
+                                          std::mt19937_64& random) {
   std::vector<double> areas;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) areas.push_back(area(mesh, i));
   std::discrete_distribution<std::size_t> triangle(areas.begin(), areas.end());
   std::uniform_real_distribution<double> part(0, 1);
-  points::PointCloud places;
+  geometry::PointCloud places;
   for (int i = 0; i < count; ++i) {
     const auto [a, b, c] = corners(mesh, triangle(random));
     const double root = std::sqrt(part(random)), v = part(random) * root, u = root - v;
@@ -87,7 +87,7 @@ inline void add_plate(model::Mesh& mesh, double x, double y, double wide, double
   }
 }
 
-/// The same brightness at all corners of each triangle, by its middle.
+/// Gives all corners of each triangle the brightness at its middle.
 template <class Light>
 void set_brightness(model::Mesh& mesh, const Light& light) {
   mesh.brightness.emplace();

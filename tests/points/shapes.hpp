@@ -14,8 +14,8 @@
 
 namespace lamplock::test {
 
-/// A torus round z, major radius `ring`, minor radius r, closed, outward normals. The offset turns
-/// the mesh a little so that no vertex lies on a special line by accident.
+/// A torus round z, major radius `ring`, minor radius r, closed, outward normals. The offset
+/// rotates the mesh slightly so that no vertex is on a special line by accident.
 inline model::Mesh torus(double ring, double r, std::uint32_t around, std::uint32_t along,
                          double offset = 0) {
   using std::numbers::pi;
@@ -93,14 +93,14 @@ inline std::uint32_t below(std::mt19937_64& random, std::uint32_t count) {
   return static_cast<std::uint32_t>(random() % count);
 }
 
-inline points::PointCloud random_cloud(std::mt19937_64& random, std::size_t count, double half) {
+inline geometry::PointCloud random_cloud(std::mt19937_64& random, std::size_t count, double half) {
   std::uniform_real_distribution<double> coordinate(-half, half);
-  points::PointCloud cloud(count);
+  geometry::PointCloud cloud(count);
   for (auto& p : cloud) p = {coordinate(random), coordinate(random), coordinate(random)};
   return cloud;
 }
 
-inline double distance(const points::Point& p, const points::Point& q) {
+inline double distance(const geometry::Point& p, const geometry::Point& q) {
   return std::hypot(p.x - q.x, p.y - q.y, p.z - q.z);
 }
 

@@ -13,10 +13,10 @@
 namespace lamplock {
 namespace {
 
+using geometry::Point;
+using geometry::PointCloud;
 using points::compensate_depth;
 using points::inward_ways;
-using points::Point;
-using points::PointCloud;
 using points::spread_over_shells;
 using test::error_of;
 using ::testing::HasSubstr;
@@ -29,7 +29,7 @@ PointCloud square_grid(int side, double distance) {
   return cloud;
 }
 
-TEST(Shells, NeighboursOfAGridLieOnDifferentShells) {
+TEST(Shells, NeighboursOnAGridAreOnDifferentShells) {
   const PointCloud cloud = square_grid(20, 1);
   const auto shells = spread_over_shells(cloud, {}, {.shells = 3, .shell_mm = 1, .distance_mm = 1});
   EXPECT_EQ(shells.removed, 0u);
@@ -42,7 +42,7 @@ TEST(Shells, NeighboursOfAGridLieOnDifferentShells) {
       }
     }
   }
-  // Three sorts of about the same number.
+  // Three shells with about equal numbers of points.
   for (int shell = 0; shell < 3; ++shell) {
     EXPECT_NEAR(static_cast<double>(std::count(shells.shell.begin(), shells.shell.end(), shell)),
                 400 / 3.0, 30);
@@ -61,14 +61,14 @@ std::size_t near_pairs(const PointCloud& cloud, const std::vector<std::uint8_t>&
   return pairs;
 }
 
-TEST(Shells, OfASphereArePointsApartOnNestedSpheres) {
+TEST(Shells, OfASphereSeparateNeighbours) {
   const double distance = 0.4;
   const auto mesh = test::sphere(5, 60, 120);
   const PointCloud cloud = points::blue_noise(mesh, {.distance_mm = distance});
   const auto inward = inward_ways(mesh, cloud, 0.1);
   const auto together =
       static_cast<double>(near_pairs(cloud, std::vector<std::uint8_t>(cloud.size(), 0), distance));
-  // At random a third and a fifth of the pairs would stay on one shell.
+  // With random shells, a third and a fifth of the pairs would be on the same shell.
   for (const auto& [count, most] : {std::pair{3, 0.15}, std::pair{5, 0.03}}) {
     const auto shells = spread_over_shells(
         cloud, inward, {.shells = count, .shell_mm = 0.1, .distance_mm = distance});
@@ -84,7 +84,7 @@ TEST(Shells, OfASphereArePointsApartOnNestedSpheres) {
   }
 }
 
-TEST(Shells, OneShellKeepsWhatIsApart) {
+TEST(Shells, OneShellKeepsPointsThatAreApart) {
   const PointCloud cloud{{0, 0, 0}, {0.5, 0, 0}, {1, 0, 0}, {1, 0, 0}};
   const auto shells = spread_over_shells(cloud, {}, {.shells = 1, .shell_mm = 0, .distance_mm = 1});
   EXPECT_EQ(shells.points, (PointCloud{{0, 0, 0}, {1, 0, 0}}));
@@ -117,12 +117,12 @@ TEST(InwardWays, OfASpherePointToItsCentre) {
   }
 }
 
-TEST(InwardWays, TheNearestTriangleCountsWithinReach) {
+TEST(InwardWays, TheNearestTriangleWithinReachCounts) {
   const auto mesh = test::box(1, 2, 3);
   const PointCloud cloud{{1.2, 0, 0}, {0, -2.3, 1}, {0.2, 0.3, 2.9}, {9, 0, 0}, {0, 0, -3}};
   const auto ways = inward_ways(mesh, cloud, 0.5);
   EXPECT_EQ(ways, (std::vector<Point>{{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, -1}, {0, 0, 1}}));
-  // In the plane of a triangle, but beside it.
+  // In the plane of a triangle, but outside it.
   model::Mesh two;
   two.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 1, 0}, {0.2, 2, 0}, {0.2, 1, 1}};
   two.triangles = {{0, 1, 2}, {3, 4, 5}};

@@ -4,7 +4,7 @@
 #include <limits>
 #include <map>
 
-#include "host/model/affine.hpp"
+#include "host/geometry/affine.hpp"
 #include "host/points/contours.hpp"
 #include "host/points/slice.hpp"
 #include "tests/points/shapes.hpp"
@@ -13,9 +13,9 @@
 namespace lamplock {
 namespace {
 
+using geometry::PointCloud;
 using points::Contour;
 using points::Planes;
-using points::PointCloud;
 using points::slice;
 using test::error_of;
 
@@ -72,11 +72,11 @@ TEST(Slice, TorusGivesTwoCircles) {
   }
 }
 
-TEST(Slice, EqualArcLengthGoesRoundCorners) {
+TEST(Slice, EqualArcLengthContinuesRoundCorners) {
   const PointCloud square =
       slice(test::box(5, 5, 5), {.layer_mm = 20, .vertex_mm = 0.7, .first_mm = 0});
-  ASSERT_EQ(square.size(), 57u);                   // 40 mm round, floor(40 / 0.7)
-  const auto along = [](const points::Point& p) {  // arc length from the corner (5, -5)
+  ASSERT_EQ(square.size(), 57u);                     // perimeter 40 mm, floor(40 / 0.7)
+  const auto along = [](const geometry::Point& p) {  // arc length from the corner (5, -5)
     if (p.x > 5 - 1e-9) return p.y + 5;
     if (p.y > 5 - 1e-9) return 10 + 5 - p.x;
     if (p.x < -5 + 1e-9) return 20 + 5 - p.y;
@@ -88,8 +88,7 @@ TEST(Slice, EqualArcLengthGoesRoundCorners) {
   }
 }
 
-// Every contour of a closed body is closed, also when planes go exactly through vertices, edges and
-// flat faces.
+// Every contour of a closed body is closed, even if planes contain vertices, edges and flat faces.
 TEST(Slice, ContoursOfClosedBodiesAreClosed) {
   std::mt19937_64 random(6);
   for (int i = 0; i < test::scaled(60); ++i) {
@@ -97,7 +96,7 @@ TEST(Slice, ContoursOfClosedBodiesAreClosed) {
         i % 3 == 0   ? test::sphere(4, 3 + test::below(random, 4), 4 + test::below(random, 5))
         : i % 3 == 1 ? test::torus(5, 2, 4 + test::below(random, 8), 4 + test::below(random, 4))
                      : test::box(2, 3, 4);
-    // Whole-numbered vertices, so that planes at whole numbers meet vertices all the time.
+    // Integer vertices, so that planes at integer heights meet many vertices.
     for (auto& v : mesh.vertices) v = {std::round(v.x), std::round(v.y), std::round(v.z)};
     std::size_t contours = 0;
     points::for_each_plane(mesh, {-5, 0.5, 21}, [&](std::size_t, std::span<const Contour> found) {
@@ -119,7 +118,7 @@ TEST(Slice, ChainsUseEveryCutOnce) {
   });
 }
 
-TEST(Slice, FlatFacesInPlanesGiveTheirRimAtTheTopAndNothingAtTheBottom) {
+TEST(Slice, FlatFacesInPlanesGiveTheirRimOnlyAtTheTop) {
   const auto layers =
       by_layer(slice(test::box(5, 5, 5), {.layer_mm = 5, .vertex_mm = 1, .first_mm = -5}));
   ASSERT_EQ(layers.size(), 2u);
@@ -131,7 +130,7 @@ TEST(Slice, FlatFacesInPlanesGiveTheirRimAtTheTopAndNothingAtTheBottom) {
 TEST(Slice, TwistMovesTheFirstPointFromLayerToLayer) {
   const model::Mesh mesh = test::box(5, 5, 5);
   const auto start = [&](double twist) {
-    std::vector<points::Point> first;
+    std::vector<geometry::Point> first;
     for (const auto& [z, points] : by_layer(
              slice(mesh, {.layer_mm = 1, .vertex_mm = 2, .first_mm = -4, .twist_mm = twist}))) {
       first.push_back(points.front());
@@ -151,7 +150,7 @@ TEST(Slice, TwistMovesTheFirstPointFromLayerToLayer) {
 }
 
 TEST(Slice, OpenContoursGetTheirEndsOnRequest) {
-  // One upright wall of 10 mm: its cut is a line.
+  // An upright wall of 10 mm: its section is a line.
   const model::Mesh wall{{{0, 0, 0}, {10, 0, 0}, {10, 0, 4}, {0, 0, 4}}, {{0, 1, 2}, {0, 2, 3}}};
   const auto ends = slice(wall, {.layer_mm = 9, .vertex_mm = 1, .first_mm = 2, .end_points = true});
   ASSERT_EQ(ends.size(), 11u);
@@ -180,25 +179,25 @@ TEST(Slice, OffsetsAreCountedFromTheMesh) {
   EXPECT_NEAR(layers.begin()->first, 990.5, 1e-9);
   EXPECT_NEAR(layers.rbegin()->first, 1004.5, 1e-9);
   EXPECT_THAT(error_of([&] { slice(mesh, {.first_mm = 1, .first_offset_mm = 1}); }),
-              ::testing::HasSubstr("by its offset"));
+              ::testing::HasSubstr("by offset"));
   EXPECT_NE(error_of([&] { slice(mesh, {.last_mm = 1, .last_offset_mm = 1}); }), "");
 }
 
-/// The mesh with its axes exchanged: what is along z comes to lie along `axis`.
-model::Mesh lying_along(points::Axis axis, model::Mesh mesh) {
+/// The mesh with its axes exchanged: the z direction becomes `axis`.
+model::Mesh lying_along(geometry::Axis axis, model::Mesh mesh) {
   for (auto& v : mesh.vertices) {
-    if (axis == points::Axis::x) v = {v.z, v.x, v.y};
-    if (axis == points::Axis::y) v = {v.y, v.z, v.x};
+    if (axis == geometry::Axis::x) v = {v.z, v.x, v.y};
+    if (axis == geometry::Axis::y) v = {v.y, v.z, v.x};
   }
   return mesh;
 }
 
-// Slicing a body that lies along an axis is slicing the upright body and laying down its points.
-TEST(Slice, AlongAnyAxisIsTheSameLyingDown) {
+// Slicing a body along an axis equals slicing the upright body and exchanging axes of the points.
+TEST(Slice, AlongAnyAxisEqualsTheUprightSlice) {
   const model::Mesh upright = test::torus(10, 3, 40, 20, 0.02);
   const points::SliceOptions options{.layer_mm = 0.5, .vertex_mm = 0.4, .twist_mm = 0.1};
   const PointCloud expected = slice(upright, options);
-  for (const points::Axis axis : {points::Axis::x, points::Axis::y}) {
+  for (const geometry::Axis axis : {geometry::Axis::x, geometry::Axis::y}) {
     points::SliceOptions along = options;
     along.frame.axis = axis;
     const PointCloud cloud = slice(lying_along(axis, upright), along);
@@ -207,7 +206,7 @@ TEST(Slice, AlongAnyAxisIsTheSameLyingDown) {
   }
 }
 
-TEST(Slice, InATurnedFrameIsTheSameTurned) {
+TEST(Slice, InARotatedFrameEqualsTheUprightSlice) {
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> angle(-180, 180);
   const model::Mesh upright = test::torus(10, 3, 40, 20, 0.02);
@@ -216,10 +215,10 @@ TEST(Slice, InATurnedFrameIsTheSameTurned) {
     // Planes away from the rims, where rounding decides whether there is a contour.
     options.first_offset_mm = 0.251;
     const PointCloud expected = slice(upright, options);
-    options.frame = {points::Axis::z, angle(random), angle(random), angle(random)};
-    const model::Affine turn = model::turned_about_z(options.frame.turn_z_deg) *
-                               model::turned_about_y(options.frame.turn_y_deg) *
-                               model::turned_about_x(options.frame.turn_x_deg);
+    options.frame = {geometry::Axis::z, angle(random), angle(random), angle(random)};
+    const geometry::Affine turn = geometry::turned_about_z(options.frame.turn_z_deg) *
+                                  geometry::turned_about_y(options.frame.turn_y_deg) *
+                                  geometry::turned_about_x(options.frame.turn_x_deg);
     model::Mesh turned = upright;
     for (auto& v : turned.vertices) v = turn(v);
     const PointCloud cloud = slice(turned, options);
@@ -230,14 +229,14 @@ TEST(Slice, InATurnedFrameIsTheSameTurned) {
   }
 }
 
-// Every point of a slice lies in one of its planes and on the body, whatever the frame.
-TEST(Slice, TurnedPlanesCutTheSphereInCircles) {
+// Every point of a slice is in one of its planes and on the body, for any frame.
+TEST(Slice, RotatedPlanesCutTheSphereInCircles) {
   points::SliceOptions options{.layer_mm = 1, .vertex_mm = 0.3, .first_mm = -9.5};
-  options.frame = {points::Axis::x, 20, 30, 40};
+  options.frame = {geometry::Axis::x, 20, 30, 40};
   const auto cloud = slice(test::sphere(10, 199, 400), options);
-  const model::Affine turn =
-      model::turned_about_z(40) * model::turned_about_y(30) * model::turned_about_x(20);
-  const points::Point normal = turn({1, 0, 0});
+  const geometry::Affine turn =
+      geometry::turned_about_z(40) * geometry::turned_about_y(30) * geometry::turned_about_x(20);
+  const geometry::Point normal = turn({1, 0, 0});
   std::map<long, std::size_t> planes;
   for (const auto& p : cloud) {
     EXPECT_NEAR(std::hypot(p.x, p.y, p.z), 10, 0.01);
@@ -248,7 +247,7 @@ TEST(Slice, TurnedPlanesCutTheSphereInCircles) {
   EXPECT_EQ(planes.size(), 20u);
 }
 
-/// A cylinder round z with `around` sides, its caps fans round a vertex in the middle.
+/// A cylinder round z with `around` sides; its caps are fans round a vertex in the middle.
 model::Mesh cylinder(double radius, double half, std::uint32_t around) {
   model::Mesh mesh{{{0, 0, -half}, {0, 0, half}}, {}};
   for (std::uint32_t i = 0; i < around; ++i) {
@@ -275,33 +274,33 @@ TEST(LostFaces, AreTheCapsOfACylinder) {
   EXPECT_NEAR(upright.area_mm2, 2 * cap, 1e-9);
   EXPECT_NEAR(upright.share, 2 * cap / (2 * cap + 360 * 20 * 10 * std::sin(std::numbers::pi / 360)),
               1e-9);
-  // A plane through a cap gives its rim and does not show it either.
+  // A plane through a cap gives its rim, which does not show the cap either.
   EXPECT_EQ(points::lost_faces(mesh, {.layer_mm = 1, .first_mm = -10}).triangles, 720u);
-  // Cut from the side the caps are seen, and so they are in any frame that is turned enough.
+  // Sliced from the side, the caps are cut; so they are in any frame that is rotated enough.
   points::SliceOptions options{.layer_mm = 0.1};
-  options.frame.axis = points::Axis::x;
+  options.frame.axis = geometry::Axis::x;
   // Strips of asin(1/10) to both sides of the highest and the lowest line, 0.025 mm high, remain.
   EXPECT_NEAR(points::lost_faces(mesh, options).area_mm2, 4 * 5 * std::asin(0.1) * 20, 4);
   options.frame = {.turn_x_deg = 45};
   EXPECT_EQ(points::lost_faces(mesh, options).triangles, 0u);
-  // The same cylinder and planes, both turned.
+  // The same cylinder and planes, both rotated.
   options.frame = {.turn_x_deg = 33, .turn_z_deg = -70};
-  const model::Affine turn = model::turned_about_z(-70) * model::turned_about_x(33);
+  const geometry::Affine turn = geometry::turned_about_z(-70) * geometry::turned_about_x(33);
   model::Mesh turned = mesh;
   for (auto& v : turned.vertices) v = turn(v);
   EXPECT_NEAR(points::lost_faces(turned, options).area_mm2, 2 * cap, 1e-6);
 }
 
-TEST(LostFaces, AreNotThoseThatPlanesCut) {
+TEST(LostFaces, AreNotFacesCutByPlanes) {
   // A box with its caps tilted by 3 degrees: each triangle is cut by some planes.
-  const model::Affine turn = model::turned_about_x(3);
+  const geometry::Affine turn = geometry::turned_about_x(3);
   model::Mesh mesh = test::box(5, 5, 5);
   for (auto& v : mesh.vertices) v = turn(v);
   EXPECT_EQ(points::lost_faces(mesh, {.layer_mm = 0.1}).triangles, 0u);
   EXPECT_EQ(points::lost_faces(mesh, {.layer_mm = 4, .first_mm = -2}).triangles, 4u);
 }
 
-TEST(LostFaces, OfARoundBodyAreHardlyAny) {
+TEST(LostFaces, AreFewOnARoundBody) {
   const auto lost = points::lost_faces(test::sphere(10, 199, 400), {.layer_mm = 0.1});
   EXPECT_GT(lost.triangles, 0u);
   EXPECT_LT(lost.share, 0.006);

@@ -12,7 +12,7 @@
 namespace lamplock {
 namespace {
 
-using points::PointCloud;
+using geometry::PointCloud;
 using points::spacing_of;
 using test::error_of;
 using ::testing::HasSubstr;
@@ -64,7 +64,7 @@ TEST(Spacing, DuplicatesAreCountedAndNamed) {
   EXPECT_EQ(report.smallest_mm, 0);
   EXPECT_EQ(report.first, 1u);
   EXPECT_EQ(report.second, 3u);
-  EXPECT_DOUBLE_EQ(report.mean_mm, 4.0 / 3);  // of the three positions: 1, 1, 2
+  EXPECT_DOUBLE_EQ(report.mean_mm, 4.0 / 3);  // distances of the three positions: 1, 1, 2
   report = spacing_of(PointCloud(5000, {1, 2, 3}));
   EXPECT_EQ(report.duplicates, 4999u);
   EXPECT_TRUE(report.counts.empty());

@@ -43,7 +43,7 @@ class Archive {
     zipCloseFileInZip(zip_);
   }
 
-  /// A part that is said to unpack to so many bytes.
+  /// Adds a part whose header claims an unpacked size of `bytes`.
   void add_claim(const std::string& name, const std::string& packed, std::uint64_t bytes) const {
     zip_fileinfo info{};
     constexpr int raw = 1;
@@ -88,7 +88,7 @@ std::string object(int id, const std::string& content) {
   return fmt::format("<object id=\"{}\" type=\"model\">{}</object>", id, content);
 }
 
-/// Components that are these objects.
+/// Components that refer to these objects.
 std::string holding(const std::vector<int>& ids) {
   std::string text = "<components>";
   for (const int id : ids) text += fmt::format("<component objectid=\"{}\"/>", id);
@@ -118,7 +118,7 @@ class Threemf : public ::testing::Test {
   std::string error(const std::string& resources, const std::string& build) const {
     return error_of([&] { read_mesh(write(resources, build)); });
   }
-  /// Of a model that is a box with something else in it.
+  /// Error of a model of a box in which `what` is replaced.
   std::string box_error(const std::string& what, const std::string& instead) const {
     std::string text = box_text();
     const std::size_t at = text.find(what);
@@ -129,7 +129,7 @@ class Threemf : public ::testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(Threemf, GivesTheBodyThatWasWritten) {
+TEST_F(Threemf, GivesTheWrittenBody) {
   const Mesh read =
       read_mesh(write(object(7, mesh_text(test::torus(10, 3, 24, 12, 0.1))), item(7)));
   EXPECT_EQ(read.vertices.size(), 24u * 12u);
@@ -138,7 +138,7 @@ TEST_F(Threemf, GivesTheBodyThatWasWritten) {
 }
 
 TEST_F(Threemf, ObjectsInObjectsAreCopiedAndMoved) {
-  // Two boxes 5 apart in x, twice the size; the pair is built here and 100 further in y.
+  // Two boxes 5 apart in x, at twice the size; built here and again 100 further in y.
   const std::string pair =
       "<components><component objectid=\"1\" transform=\"2 0 0 0 2 0 0 0 2 0 0 0\"/>"
       "<component objectid=\"1\" transform=\"2 0 0 0 2 0 0 0 2 5 0 0\"/></components>";
@@ -155,7 +155,7 @@ TEST_F(Threemf, ObjectsInObjectsAreCopiedAndMoved) {
   EXPECT_NEAR(is.high.z, 2 * was.high.z, 1e-5);
 }
 
-TEST_F(Threemf, ColoursThatAreNotThereAreRefused) {
+TEST_F(Threemf, UndefinedColoursAreRefused) {
   std::string text = box_text();
   const std::string triangle = "<triangle ";
   for (std::size_t at = text.find(triangle); at != std::string::npos;
@@ -165,7 +165,7 @@ TEST_F(Threemf, ColoursThatAreNotThereAreRefused) {
       "<m:colorgroup id=\"5\"><m:color color=\"#FFFFFF\"/><m:color color=\"#000000FF\"/>"
       "</m:colorgroup>";
   EXPECT_EQ(read_mesh(write(colours + object(1, text), item(1))).triangles.size(), 12u);
-  // Libraries that have no colour for what is none look it up all the same.
+  // Some libraries have no colour for an undefined index and look it up nevertheless.
   std::string one_bad = colours;
   one_bad.replace(one_bad.find("#000000FF"), 9, "#0000000");
   EXPECT_THAT(error(one_bad + object(1, text), item(1)), HasSubstr("chooses colour 1 of 1"));
@@ -185,7 +185,7 @@ TEST_F(Threemf, DepthAndCopiesAreBounded) {
   EXPECT_THAT(error(deep, item(chain)), HasSubstr("deeper than"));
   EXPECT_THAT(error(deep, item(0) + item(100) + item(101)), HasSubstr("deeper than"));
   EXPECT_EQ(read_mesh(write(deep, item(100))).triangles.size(), 12u);
-  // Each twice in the next: 2^40 copies.
+  // Each object contains the preceding one twice: 2^40 copies.
   std::string doubling = object(0, box_text());
   for (int i = 1; i <= 40; ++i) doubling += object(i, holding({i - 1, i - 1}));
   EXPECT_THAT(error(doubling, item(40)), HasSubstr("placed objects"));
@@ -196,7 +196,7 @@ TEST_F(Threemf, DepthAndCopiesAreBounded) {
               HasSubstr("placed triangles"));
 }
 
-TEST_F(Threemf, BombsAreRefusedBeforeTheyAreUnpacked) {
+TEST_F(Threemf, BombsAreRefusedBeforeUnpacking) {
   EXPECT_THAT(error_of([&] { read_mesh(write_model(std::string(8u << 20, '\0'))); }),
               AllOf(HasSubstr("3D/3dmodel.model"), HasSubstr("times its size")));
   const auto file = folder_.write("b.3mf", "");
@@ -215,7 +215,7 @@ TEST_F(Threemf, BombsAreRefusedBeforeTheyAreUnpacked) {
   EXPECT_THAT(error_of([&] { read_mesh(parts); }), HasSubstr("unpacks to 300 MB"));
 }
 
-TEST_F(Threemf, ContainersThatAreNoneAreRefused) {
+TEST_F(Threemf, InvalidContainersAreRefused) {
   const std::string whole = read_file(write(object(1, box_text()), item(1)));
   for (const std::size_t length : {std::size_t{1}, whole.size() / 2, whole.size() - 22}) {
     const auto file = folder_.write("b.3mf", whole.substr(0, length));
@@ -238,34 +238,37 @@ TEST_F(Threemf, ContainersThatAreNoneAreRefused) {
   const std::pair<std::string, std::string> root{"_rels/.rels", relations(model_name)};
   EXPECT_THAT(of_parts({root, {model_name, model}, {model_name, model}}), HasSubstr("two parts"));
   EXPECT_THAT(of_parts({root, {"3D\\3dmodel.model", model}, {model_name, model}}),
-              HasSubstr("a part with the name"));
+              HasSubstr("a part has the unsafe name"));
   EXPECT_THAT(of_parts({root, {model_name, model}, {std::string(300, 'n'), "x"}}),
               HasSubstr("300 letters"));
-  EXPECT_THAT(of_parts({root, {model_name, "<model>"}}), HasSubstr("no sound XML"));
-  EXPECT_THAT(of_parts({root, {model_name, "<thing/>"}}), HasSubstr("is no model"));
+  EXPECT_THAT(of_parts({root, {model_name, "<model>"}}), HasSubstr("not valid XML"));
+  EXPECT_THAT(of_parts({root, {model_name, "<thing/>"}}), HasSubstr("is not a model"));
   EXPECT_THAT(of_parts({root, {model_name, std::string("<model/>\0", 9)}}), HasSubstr("UTF-8"));
 }
 
-TEST_F(Threemf, ModelsThatNameWhatIsNotThereAreRefused) {
+TEST_F(Threemf, ModelsWithUndefinedReferencesAreRefused) {
   const std::string box = object(1, box_text());
   EXPECT_THAT(error(box, ""), HasSubstr("nothing is built"));
-  EXPECT_THAT(error(box, item(2)), HasSubstr("no object 2"));
-  EXPECT_THAT(error(box + object(2, holding({9})), item(2)), HasSubstr("no object 9"));
+  EXPECT_THAT(error(box, item(2)), HasSubstr("object 2 is placed"));
+  EXPECT_THAT(error(box + object(2, holding({9})), item(2)), HasSubstr("object 9 is placed"));
   EXPECT_THAT(error(box + box, item(1)), HasSubstr("has the id 1 twice"));
   EXPECT_THAT(error(box + "<object/>", item(1)), HasSubstr("an object has no id"));
   EXPECT_THAT(error(box, item(1, "p:path=\"/3D/b.model\"")), HasSubstr("in another part"));
   EXPECT_THAT(error(box, item(1, "transform=\"1 2 3\"")), HasSubstr("item 0 of the build"));
   EXPECT_THAT(error(box, item(1, "transform=\"1 0 0 0 1 0 0 0 1 0 0 nan\"")), HasSubstr("'nan'"));
-  EXPECT_THAT(error(object(1, "<mesh/>"), item(1)), HasSubstr("object 1 has not one <vertices>"));
+  EXPECT_THAT(error(object(1, "<mesh/>"), item(1)),
+              HasSubstr("object 1 must have exactly one <vertices>"));
   EXPECT_THAT(box_error("v1=\"", "v1=\"99"), HasSubstr("triangle 0 of object 1 names vertex"));
   EXPECT_THAT(box_error("v2=\"", "v2=\"-"), HasSubstr("triangle 0 of object 1 has v2"));
   EXPECT_THAT(box_error("x=\"", "x=\"1e99"), HasSubstr("vertex 0 of object 1 has x"));
-  EXPECT_THAT(box_error("</vertices>", "</vertices><vertices/>"), HasSubstr("not one <vertices>"));
-  EXPECT_THAT(box_error("<vertices>", "<triangles/><vertices>"), HasSubstr("not one <triangles>"));
+  EXPECT_THAT(box_error("</vertices>", "</vertices><vertices/>"),
+              HasSubstr("exactly one <vertices>"));
+  EXPECT_THAT(box_error("<vertices>", "<triangles/><vertices>"),
+              HasSubstr("exactly one <triangles>"));
 }
 
-// What stands in the archive is damaged, not the archive: its check sums are right.
-TEST_F(Threemf, DamagedModelsNeverDoMoreThanFail) {
+// The contents of the archive are damaged, not the archive: its checksums are right.
+TEST_F(Threemf, DamagedModelsAtWorstFail) {
   const std::string whole = model_text(
       "<basematerials id=\"8\"><base name=\"a\" displaycolor=\"#102030\"/></basematerials>"
       "<m:colorgroup id=\"5\"><m:color color=\"#FFFFFF\"/></m:colorgroup>"
@@ -285,7 +288,7 @@ TEST_F(Threemf, DamagedModelsNeverDoMoreThanFail) {
   }
 }
 
-TEST_F(Threemf, DamagedArchivesNeverDoMoreThanFail) {
+TEST_F(Threemf, DamagedArchivesAtWorstFail) {
   const std::string whole = read_file(write(object(1, box_text()), item(1)));
   std::string bites;
   for (int byte = 0; byte < 256; ++byte) bites += static_cast<char>(byte);

@@ -17,12 +17,12 @@
 namespace lamplock {
 namespace {
 
+using geometry::PointCloud;
 using model::Bitmap;
 using model::Mesh;
 using model::read_mesh;
 using points::bitmap_points;
 using points::Plane;
-using points::PointCloud;
 using points::ToneCurve;
 using test::error_of;
 using test::TemporaryFolder;
@@ -40,7 +40,7 @@ TEST(ToneCurve, IsAPowerBetweenLowestAndHighest) {
   EXPECT_NEAR(ToneCurve{}.density(0.5), 0.287, 0.001);  // gamma 1.8
 }
 
-TEST(ToneCurve, WrongOnesAreRefused) {
+TEST(ToneCurve, InvalidCurvesAreRefused) {
   for (const ToneCurve& tone : {ToneCurve{.gamma = 0}, ToneCurve{.lowest = -0.1},
                                 ToneCurve{.highest = 1.1}, ToneCurve{.lowest = 0.6, .highest = 0.5},
                                 ToneCurve{.lowest = std::numeric_limits<double>::quiet_NaN()}}) {
@@ -96,7 +96,7 @@ TEST(BitmapTone, PointsOfAGreyAreSpreadAndLayersDiffer) {
   EXPECT_NE(layers[0], layers[1]);
   EXPECT_NE(layers[1], layers[2]);
   for (const auto& layer : layers) {
-    // Blue noise: squares of 8 x 8 hold 16 each, hardly more or less (random ones: deviation 3.5).
+    // Blue noise: squares of 8 x 8 contain 16 each with little deviation (random ones: 3.5).
     std::array<double, 64> squares{};
     for (const auto& [x, y] : layer) {
       ++squares[static_cast<std::size_t>((x + 32) / 8) +
@@ -110,7 +110,7 @@ TEST(BitmapTone, PointsOfAGreyAreSpreadAndLayersDiffer) {
   EXPECT_GE(test::smallest_square(cloud), 1 - 1e-12);
 }
 
-// Half grey by plain error diffusion is a chequerboard, which shows where it breaks.
+// Half grey by plain error diffusion is a chequerboard, in which defects are visible.
 TEST(BitmapTone, HalfGreyIsNoChequerboard) {
   const PointCloud cloud = bitmap_points(
       even_grey(64, 127), {.size_mm = 64, .spacing_mm = 1, .tone = ToneCurve{.gamma = 1}});
@@ -121,7 +121,7 @@ TEST(BitmapTone, HalfGreyIsNoChequerboard) {
   EXPECT_GT(static_cast<double>(beside) / static_cast<double>(cloud.size()), 0.1);
 }
 
-TEST(BitmapPoints, PlanesAreTheSamePictureTurned) {
+TEST(BitmapPoints, PlanesAreTheSamePictureRotated) {
   const Bitmap bitmap{2, 2, {0, 200, 10, 127}};
   points::BitmapOptions options{.size_mm = 2, .spacing_mm = 1, .layers = 2, .layer_mm = 3};
   const PointCloud upright = bitmap_points(bitmap, options);
@@ -131,8 +131,8 @@ TEST(BitmapPoints, PlanesAreTheSamePictureTurned) {
     ASSERT_EQ(turned.size(), upright.size());
     for (std::size_t i = 0; i < turned.size(); ++i) {
       const auto& p = upright[i];
-      EXPECT_EQ(turned[i], plane == Plane::xz ? (points::Point{p.x, p.z, p.y})
-                                              : (points::Point{p.z, p.x, p.y}));
+      EXPECT_EQ(turned[i], plane == Plane::xz ? (geometry::Point{p.x, p.z, p.y})
+                                              : (geometry::Point{p.z, p.x, p.y}));
     }
   }
 }
@@ -159,7 +159,7 @@ TEST(Brightness, OfAnObjComesFromItsPicture) {
   const Mesh mesh = read_mesh(folder.write("a.obj", pictured_obj));
   ASSERT_TRUE(mesh.brightness);
   EXPECT_TRUE(mesh.unread_pictures.empty());
-  // The first triangle is (0, 0), (1, 0), (1, 1); places by weights of the second and third.
+  // The first triangle is (0, 0), (1, 0), (1, 1); positions by weights of the second and third.
   EXPECT_NEAR(mesh.brightness->at(0, 0.7, 0.2), 1.0, 1e-6);          // (0.9, 0.2): lower right
   EXPECT_NEAR(mesh.brightness->at(0, 0.1, 0.8), 51 / 255.0, 1e-6);   // (0.9, 0.8): upper right
   EXPECT_NEAR(mesh.brightness->at(0, 0.2, 0.1), 102 / 255.0, 1e-6);  // (0.3, 0.1): lower left
@@ -169,7 +169,7 @@ TEST(Brightness, OfAnObjComesFromItsPicture) {
 TEST(Brightness, MissingPicturesAreNamedAndDoNotStopTheMesh) {
   const TemporaryFolder folder;
   const auto path = folder.write("a.obj", pictured_obj);
-  EXPECT_FALSE(read_mesh(path).brightness);  // not even the materials
+  EXPECT_FALSE(read_mesh(path).brightness);  // without materials
   folder.write("a.mtl", "newmtl m\nmap_Kd none.png\n");
   const Mesh mesh = read_mesh(path);
   EXPECT_EQ(mesh.triangles.size(), 2u);
@@ -231,12 +231,12 @@ std::string u32(std::size_t value) {
   return bytes;
 }
 
-/// One triangle with a picture inside the file and colours.
+/// One triangle with an embedded picture and colours.
 std::string glb_of(
     const std::string& png, const std::function<void(nlohmann::json&)>& change = [](auto&) {}) {
   std::string buffer;
   const std::vector<float> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0,   // positions
-                                   0, 1, 1, 1, 0, 0,            // places of the picture, v down
+                                   0, 1, 1, 1, 0, 0,            // texture coordinates, v down
                                    1, 1, 1, 1, 1, 1, 1, 1, 1};  // colours
   for (const float number : numbers) buffer.append(reinterpret_cast<const char*>(&number), 4);
   buffer += png;
@@ -292,41 +292,46 @@ TEST(ReadMesh, DamagedGlbIsRefused) {
     return error_of([&] { read_mesh(path); });
   };
   EXPECT_THAT(refusal([](json& d) { d["bufferViews"][0]["byteLength"] = 4'000'000'000u; }),
-              HasSubstr("a view beyond the buffer"));
+              HasSubstr("a view reaches beyond the buffer"));
   EXPECT_THAT(refusal([](json& d) { d["bufferViews"][1]["buffer"] = 1; }),
-              HasSubstr("a view of no buffer"));
-  EXPECT_THAT(refusal([](json& d) { d["buffers"][0]["byteLength"] = 1000; }), HasSubstr("less"));
+              HasSubstr("a view without a buffer"));
+  EXPECT_THAT(refusal([](json& d) { d["buffers"][0]["byteLength"] = 1000; }),
+              HasSubstr("fewer numbers"));
   EXPECT_THAT(refusal([](json& d) { d["buffers"][0]["uri"] = "x.bin"; }),
               HasSubstr("another file"));
   EXPECT_THAT(refusal([](json& d) { d["accessors"][1]["count"] = 4; }),
               HasSubstr("accessor 1 is beyond its view"));
   EXPECT_THAT(refusal([](json& d) { d["accessors"][0]["count"] = 1u << 31; }),
               HasSubstr("accessor 0 is beyond its view"));
-  EXPECT_THAT(refusal([](json& d) { d["accessors"][2]["bufferView"] = 9; }), HasSubstr("no view"));
+  EXPECT_THAT(refusal([](json& d) { d["accessors"][2]["bufferView"] = 9; }),
+              HasSubstr("no such view"));
   EXPECT_THAT(refusal([](json& d) { d["accessors"][2]["componentType"] = 1; }), HasSubstr("type"));
   EXPECT_THAT(refusal([](json& d) { d["accessors"][2]["sparse"] = json::object(); }),
               HasSubstr("sparse"));
-  // The library walks nodes and lists by recursion.
+  // The library traverses nodes and lists recursively.
   const auto chained = [](json& d) {
     for (int i = 1; i < 2000; ++i) d["nodes"].push_back({{"children", {i + 1}}});
     d["nodes"].push_back({{"mesh", 0}});
     d["scenes"][0]["nodes"] = {1};
   };
   EXPECT_THAT(refusal(chained), HasSubstr("too deep"));
-  EXPECT_THAT(refusal([](json& d) { d["nodes"][0]["children"] = {0, 0}; }), HasSubstr("no trees"));
+  EXPECT_THAT(refusal([](json& d) {
+                d["nodes"][0]["children"] = {0, 0};
+              }),
+              HasSubstr("do not form trees"));
   EXPECT_THAT(refusal([](json& d) {
                 json list = json::array();
-                // Deeper than is read; the writer of this text recurses too.
+                // Deeper than the reader allows; the writer of this text also recurses.
                 for (int i = 0; i < 200; ++i) list = json::array({std::move(list)});
                 d["extras"] = std::move(list);
               }),
               HasSubstr("cannot be read"));
-  EXPECT_THAT(refusal([](json& d) { d["bufferViews"] = "none"; }), HasSubstr("no list"));
+  EXPECT_THAT(refusal([](json& d) { d["bufferViews"] = "none"; }), HasSubstr("not a list"));
   EXPECT_THAT(refusal([](json& d) { d["bufferViews"][0]["byteOffset"] = "zero"; }),
               HasSubstr("wrong kind"));
 }
 
-TEST(ReadMesh, DamagedBytesOfAGlbNeverDoMoreThanFail) {
+TEST(ReadMesh, DamagedBytesOfAGlbAtWorstFail) {
   const TemporaryFolder folder;
   std::mt19937_64 random(5);
   const std::string whole = glb_of("no picture");

@@ -13,7 +13,7 @@
 namespace lamplock {
 namespace {
 
-using points::PointCloud;
+using geometry::PointCloud;
 using points::weld;
 using test::error_of;
 using ::testing::HasSubstr;
@@ -36,7 +36,7 @@ TEST(Weld, AgreesWithComparingAllPairs) {
   std::mt19937_64 random(9);
   for (int i = 0; i < test::scaled(40); ++i) {
     PointCloud cloud = test::random_cloud(random, 400, 1);
-    // Lattice points lie exactly at the distance and on the borders of cells.
+    // Lattice points are exactly at the distance and on the borders of cells.
     if (i % 2 == 0) {
       for (auto& p : cloud) p = {std::round(p.x * 8) / 8, std::round(p.y * 8) / 8, 0};
     }
@@ -76,7 +76,7 @@ TEST(Weld, LargeCloudsHaveNoTwoPointsTooClose) {
   }
 }
 
-TEST(Weld, OfNoDistanceKeepsAll) {
+TEST(Weld, WithDistance0KeepsAllPoints) {
   const PointCloud cloud{{1, 1, 1}, {1, 1, 1}};
   EXPECT_EQ(weld(cloud, 0).points, cloud);
   EXPECT_EQ(weld(cloud, 1e-9).points.size(), 1u);
@@ -86,7 +86,7 @@ TEST(Weld, OfNoDistanceKeepsAll) {
   EXPECT_NE(error_of([] { weld({}, std::numeric_limits<double>::quiet_NaN()); }), "");
 }
 
-TEST(Weld, KeepsTheFirstOnesHoweverCloseTheyAre) {
+TEST(Weld, KeepsTheFirstPointsAtAnyDistance) {
   const PointCloud cloud{{0, 0, 0}, {0.1, 0, 0}, {0, 0, 0}, {0.2, 0, 0}, {2, 0, 0}, {2.1, 0, 0}};
   const auto result = weld(cloud, 0.5, 3);
   EXPECT_EQ(result.points, (PointCloud{{0, 0, 0}, {0.1, 0, 0}, {0, 0, 0}, {2, 0, 0}}));
@@ -95,7 +95,7 @@ TEST(Weld, KeepsTheFirstOnesHoweverCloseTheyAre) {
 }
 
 TEST(BoundsCheck, NamesTheFirstBadPointAndTheirNumber) {
-  const points::Bounds space{{-50, -50, -50}, {50, 50, 50}};
+  const geometry::Bounds space{{-50, -50, -50}, {50, 50, 50}};
   PointCloud cloud{{50, -50, 0}, {0, 0, 0}};
   EXPECT_NO_THROW(points::check_bounds(cloud, space, "a.xyz"));
   cloud.push_back({0, 50.5, 0});

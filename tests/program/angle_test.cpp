@@ -32,7 +32,7 @@ TEST(Angle, SineAndCosineToFortyThreeBits) {
   double worst = 0;
   for (int i = 0; i < test::scaled(1000); ++i)
     worst = std::max(worst, error_at(static_cast<std::int64_t>(random() >> 16)));
-  // The places of the table, and the borders between two of them, where the rest is largest.
+  // The entries of the table, and the middles between two of them, where the remainder is largest.
   for (std::int64_t place = 0; place < 512; ++place)
     for (const std::int64_t beside : {-1, 0, 1})
       worst = std::max(worst, error_at((place << 39) + beside));
@@ -50,7 +50,7 @@ TEST(Angle, QuartersAreExact) {
   }
 }
 
-TEST(Angle, WholeTurnsAreNothing) {
+TEST(Angle, WholeTurnsAreZero) {
   std::mt19937_64 random(2);
   for (int i = 0; i < test::scaled(1000); ++i) {
     const auto angle = static_cast<std::int64_t>(random() >> 16);
@@ -61,7 +61,7 @@ TEST(Angle, WholeTurnsAreNothing) {
   }
 }
 
-/// How far angle_of() is off, in its units.
+/// Error of angle_of(), in its units.
 double angle_error(test::Native x, test::Native y) {
   const auto exact = [](test::Native v) {
     const bool negative = v < 0;
@@ -92,7 +92,7 @@ TEST(Angle, OfAnyVector) {
     const auto y = any_number(random, 1 + static_cast<int>(random() % 126));
     if (x != 0 || y != 0) worst = std::max(worst, angle_error(x, y));
   }
-  for (int i = 0; i < test::scaled(1000); ++i)  // of about the same size
+  for (int i = 0; i < test::scaled(1000); ++i)  // components of about the same size
     worst = std::max(worst, angle_error(any_number(random, 96), any_number(random, 96)));
   RecordProperty("worst", std::to_string(worst));
   EXPECT_LT(worst, 2);
@@ -111,7 +111,7 @@ TEST(Angle, OfAxesAndDiagonals) {
   EXPECT_EQ(angle_of(0, 0), 0);
 }
 
-TEST(Angle, UndoesSineAndCosine) {
+TEST(Angle, InvertsSineAndCosine) {
   std::mt19937_64 random(4);
   for (int i = 0; i < test::scaled(1000); ++i) {
     const auto angle = static_cast<std::int64_t>(random() >> 16);

@@ -14,7 +14,7 @@
 namespace lamplock::program::arc_test {
 namespace {
 
-/// 10^-5 mm is 100; what arc.hpp says is 1.
+/// Limit documented in arc.hpp; 10^-5 mm is 100.
 constexpr long double point_error = 1;
 
 using Random = std::mt19937_64;
@@ -26,7 +26,7 @@ long double any_size(Random& random, long double low, long double high) {
 }
 std::int64_t rounded(long double v) { return std::llround(v); }
 
-/// A round arc: radius from 0.01 mm to 4 m, sweep from 10^-6 to all but a full turn, anywhere, in
+/// A round arc: radius from 0.01 mm to 4 m, sweep from 10^-6 to almost a full turn, anywhere, in
 /// any plane. `change` is added to the radius at the end.
 ArcRequest any_arc(Random& random, long double change = 0) {
   ArcRequest r{};
@@ -34,7 +34,7 @@ ArcRequest any_arc(Random& random, long double change = 0) {
   r.plane = planes[random() % 3];
   const long double radius = any_size(random, 1e5L, 4e10L);
   const long double start = between(random, 0, two_pi_l);
-  // Ends are rounded, so short sweeps of small radii are none.
+  // Ends are rounded, so short sweeps of small radii are not arcs.
   const long double least = std::max(1e-6L, 50 / radius);
   const long double sweep = random() % 2 != 0 ? any_size(random, least, two_pi_l - least)
                                               : between(random, least, two_pi_l - least);
@@ -53,7 +53,7 @@ ArcRequest any_arc(Random& random, long double change = 0) {
   put(r.end, end, radius + change);
   r.turns = random() % 4 == 0 ? static_cast<std::uint32_t>(random() % 4) : 0;
   r.tolerance_e7 = rounded(any_size(random, 1e2L, 1e6L));
-  // A test of few pieces says as much as one of many.
+  // A test of few pieces is as strong as one of many.
   const long double piece = std::sqrt(8 * static_cast<long double>(r.tolerance_e7) / radius);
   if (sweep * (r.turns + 1) / piece > 2000) r.tolerance_e7 = rounded(1e-5L * radius) + 100;
   return r;
@@ -90,7 +90,7 @@ TEST(Arc, EveryPointIsOnTheArcAndEveryChordKeepsTheTolerance) {
   RecordProperty("worst_e7", std::to_string(worst));
 }
 
-TEST(Arc, MakesAsFewPiecesAsTheToleranceAllows) {
+TEST(Arc, UsesAsFewPiecesAsTheToleranceAllows) {
   Random random(2);
   int divided = 0;
   for (int i = 0; i < test::scaled(5000); ++i) {
@@ -101,7 +101,7 @@ TEST(Arc, MakesAsFewPiecesAsTheToleranceAllows) {
     const long double n = curve.pieces();
     const auto tolerance = static_cast<long double>(r.tolerance_e7);
     ASSERT_LE(arc.chord_error(n), tolerance * 1.0001L + 3) << i;
-    // One piece less is too few, or its angle too large.
+    // With one piece less, the error or the angle of a piece would be too large.
     if (n == 1 || std::abs(arc.sweep) / (n - 1) > two_pi_l / 4) continue;
     ++divided;
     ASSERT_GT(arc.chord_error(n - 1), tolerance * 0.9999L - 3) << i;
@@ -118,7 +118,7 @@ TEST(Arc, SpiralsBlendFromOneRadiusToTheOther) {
     const long double part = between(random, -1, 1);
     Random again = random;
     const long double radius = TrueArc(any_arc(again)).start_radius;
-    // As far as arc_fits() allows.
+    // The largest difference that arc_fits() allows.
     const long double most = std::max(4.9e4L, std::min(4.9e6L, radius / 1001));
     const ArcRequest r = any_arc(random, part * most);
     ASSERT_TRUE(arc_fits(r));
@@ -133,8 +133,8 @@ TEST(Arc, SpiralsBlendFromOneRadiusToTheOther) {
   }
 }
 
-/// Length of a spiral of other radii by closed form: the integral of the root of r^2 + c^2, c the
-/// change in each radian.
+/// Length of a spiral in closed form: the integral of the root of r^2 + c^2, with c the change in
+/// each radian.
 long double spiral_length(const TrueArc& arc) {
   const long double c = std::abs((arc.end_radius - arc.start_radius) / arc.sweep);
   const auto integral = [c](long double r) {
@@ -143,8 +143,8 @@ long double spiral_length(const TrueArc& arc) {
   return std::abs(integral(arc.end_radius) - integral(arc.start_radius)) / c;
 }
 
-TEST(Arc, SpiralsOfAFewMicrometresAreAsLongAsTheyAre) {
-  // Radii may differ by 0.005 mm however small they are: by any factor, up to three turns.
+TEST(Arc, LengthsOfSpiralsOfAFewMicrometresAreRight) {
+  // Radii may differ by 0.005 mm even if they are small: by any factor, up to three turns.
   Random random(7);
   for (int i = 0; i < test::scaled(4000); ++i) {
     long double small = any_size(random, 20, 2e5L), large = small + any_size(random, 20, 4.99e4L);
@@ -175,7 +175,7 @@ TEST(Arc, TheAngleGrowsFromPieceToPiece) {
     curve.begin_arc(r);
     const std::vector<Place> places = trace(curve, r.start);
     const TrueArc arc(r);
-    // The least angle is 2 units wide; points are rounded.
+    // The smallest angle is 2 units wide; points are rounded.
     const long double least = std::abs(arc.sweep) / static_cast<long double>(curve.pieces());
     if (least * arc.start_radius < 4) continue;
     for (std::size_t k = 1; k < places.size(); ++k) {
@@ -205,7 +205,7 @@ TEST(Arc, FullCircles) {
   }
 }
 
-TEST(Arc, TurnsAreFurtherTurns) {
+TEST(Arc, TurnsAreAdditionalTurns) {
   ArcRequest r{{mm(10), 0, 0, 0}, {0, mm(10), mm(6), mm(-90)}, {}, plane_xy, false, 0, mm(0.002)};
   Curve curve;
   for (const std::uint32_t turns : {0u, 1u, 2u, 3u, 100u}) {
@@ -231,7 +231,7 @@ TEST(Arc, NoDriftOverManyTurns) {
 }
 
 TEST(Arc, HugeRadiusAndTinySweep) {
-  // 4 m, 10^-6 rad: 4 um of way.
+  // 4 m, 10^-6 rad: a distance of 4 um.
   ArcRequest r{
       {0, mm(-4000), 0, 0}, {rounded(4e4L), mm(-4000), 0, 0}, {}, plane_xy, false, 0, mm(0.002)};
   Curve curve;
@@ -242,7 +242,7 @@ TEST(Arc, HugeRadiusAndTinySweep) {
   r.tolerance_e7 = 1;
   EXPECT_LE(run(r, curve).point, point_error);
   EXPECT_EQ(curve.pieces(), 1u);
-  // The same way, the other direction: all but 10^-6 of a turn.
+  // The same ends in the other direction: almost a full turn.
   r.clockwise = true;
   r.tolerance_e7 = mm(0.01);
   EXPECT_LE(run(r, curve).point, point_error);
@@ -250,7 +250,7 @@ TEST(Arc, HugeRadiusAndTinySweep) {
 }
 
 TEST(Arc, RadiiBeyondTheMachine) {
-  // R 1 km over 1 m of way, and R 7 km.
+  // R 1 km over a distance of 1 m, and R 7 km.
   for (const double radius : {1e6, 6.9e6}) {
     ArcRequest r{{0, 0, 0, 0}, {mm(1000), mm(500), 0, 0}, {}, plane_xy, true, 0, mm(0.002)};
     ASSERT_TRUE(centre_of_radius(r.start, r.end, r.plane, mm(radius), true, r.centre));
@@ -263,7 +263,7 @@ TEST(Arc, RadiiBeyondTheMachine) {
   }
 }
 
-TEST(Arc, SweepsThatRoundToNothingAreNeitherNothingNorATurn) {
+TEST(Arc, SweepsThatRoundToZeroAreNeitherZeroNorATurn) {
   // 0.3 units of an angle.
   const std::int64_t far = most_coordinate_e7;
   for (const bool clockwise : {false, true}) {
@@ -281,7 +281,7 @@ TEST(Arc, SweepsThatRoundToNothingAreNeitherNothingNorATurn) {
   }
 }
 
-TEST(Arc, RadiusFindsTheCentreOfTheArcItCameFrom) {
+TEST(Arc, RadiusFindsTheCentreOfTheOriginalArc) {
   Random random(6);
   for (int i = 0; i < test::scaled(5000); ++i) {
     const ArcRequest r = any_arc(random);
@@ -292,7 +292,7 @@ TEST(Arc, RadiusFindsTheCentreOfTheArcItCameFrom) {
     Place centre{};
     const bool found =
         centre_of_radius(r.start, r.end, r.plane, large ? -radius : radius, r.clockwise, centre);
-    // Near half a turn and near a full one the centre is wherever rounding puts it.
+    // Near half a turn and near a full one the centre depends on rounding.
     const long double chord = length(in_plane(r.end, r.plane) - in_plane(r.start, r.plane));
     const auto radius_l = static_cast<long double>(radius);
     const long double aside = radius_l * radius_l - chord * chord / 4;
@@ -311,7 +311,7 @@ TEST(Arc, RadiusFindsTheCentreOfTheArcItCameFrom) {
   }
 }
 
-TEST(Arc, RadiusSaysOnWhichSideTheCentreIs) {
+TEST(Arc, TheSignOfTheRadiusSelectsTheSideOfTheCentre) {
   const Place a{}, b{mm(10), 0, mm(7), 0};
   const double aside = std::sqrt(100.0 - 25.0);
   Place c{};
@@ -325,12 +325,12 @@ TEST(Arc, RadiusSaysOnWhichSideTheCentreIs) {
   EXPECT_EQ(c, (Place{mm(5), mm(aside), 0, 0}));
 }
 
-TEST(Arc, RadiusTooSmallIsNoArc) {
+TEST(Arc, ARadiusThatIsTooSmallIsAnError) {
   const Place a{}, b{mm(10), 0, 0, 0};
   Place c{1, 2, 3, 4};
   EXPECT_TRUE(centre_of_radius(a, b, plane_xy, mm(5), false, c));
   EXPECT_EQ(c, (Place{mm(5), 0, 0, 0}));
-  // 7 decimals of half a way of 3 sqrt 2 are too few by rounding.
+  // Half a distance of 3 sqrt 2, rounded to 7 decimals, is too short by rounding.
   EXPECT_TRUE(centre_of_radius(a, {mm(3), mm(3), 0, 0}, plane_xy, 21'213'203, false, c));
   EXPECT_EQ(c, (Place{mm(1.5), mm(1.5), 0, 0}));
   EXPECT_FALSE(centre_of_radius(a, b, plane_xy, mm(4.9999), false, c));
@@ -343,7 +343,7 @@ TEST(Arc, RadiusTooSmallIsNoArc) {
       centre_of_radius(a, b, plane_xy, std::numeric_limits<std::int64_t>::max(), false, c));
 }
 
-TEST(Arc, RadiiAgreeAsGrblAsks) {
+TEST(Arc, RadiiAgreeAsInGrbl) {
   const auto fits = [](double start, double end) {
     return arc_fits({{mm(start), 0, 0, 0}, {0, mm(end), 0, 0}, {}, plane_xy, false, 0, mm(0.002)});
   };
@@ -359,7 +359,7 @@ TEST(Arc, RadiiAgreeAsGrblAsks) {
   EXPECT_FALSE(arc_fits({{}, {mm(10), 0, 0, 0}, {}, plane_xy, false, 0, mm(0.002)}));
 }
 
-TEST(Arc, TheShortWayRoundToHundredAndHundredTwenty) {
+TEST(Arc, AShortArcTo100And120) {
   // A radius of 150 mm, from (0, 0) to (100, 120).
   ArcRequest r{{}, {mm(100), mm(120), 0, 0}, {}, plane_xy, false, 0, mm(0.002)};
   for (const bool clockwise : {false, true}) {
@@ -380,15 +380,15 @@ TEST(Arc, TheShortWayRoundToHundredAndHundredTwenty) {
   }
 }
 
-/// Degenerate requests end, at the end.
-TEST(Arc, WhatIsNoArcIsAStraightPiece) {
+/// Degenerate requests give a single piece to the end.
+TEST(Arc, DegenerateArcsAreAStraightPiece) {
   const Place a{mm(1), mm(2), mm(3), mm(4)}, b{mm(5), mm(-6), mm(7), mm(-8)};
   const std::int64_t far = most_coordinate_e7 + 1;
   const std::array<ArcRequest, 5> requests{{
       {a, b, a, plane_xy, false, 0, mm(0.002)},                       // centre = start
       {a, b, b, plane_zx, true, 7, mm(0.002)},                        // centre = end
-      {a, a, a, plane_yz, false, 0, mm(0.002)},                       // no way at all
-      {a, b, {far, 0, 0, 0}, plane_xy, false, 0, mm(0.002)},          // a centre beyond all
+      {a, a, a, plane_yz, false, 0, mm(0.002)},                       // no distance
+      {a, b, {far, 0, 0, 0}, plane_xy, false, 0, mm(0.002)},          // a centre out of range
       {a, b, {0, -far, 0, 0}, plane_xy, false, 1'000'000, mm(0.002)}  //
   }};
   for (const ArcRequest& r : requests) {
@@ -399,7 +399,7 @@ TEST(Arc, WhatIsNoArcIsAStraightPiece) {
     EXPECT_TRUE(curve.next(at));
     EXPECT_EQ(at, r.end);
     EXPECT_FALSE(curve.next(at));
-    EXPECT_FALSE(arc_fits(r) && r.centre != a) << "only the point of no radius fits itself";
+    EXPECT_FALSE(arc_fits(r) && r.centre != a) << "only a point with radius 0 fits";
     const long double way =
         std::hypot(length(in_plane(r.end, r.plane) - in_plane(r.start, r.plane)),
                    other_way(r.start, r.end, r.plane));
@@ -407,7 +407,7 @@ TEST(Arc, WhatIsNoArcIsAStraightPiece) {
   }
 }
 
-TEST(Arc, AnyToleranceEnds) {
+TEST(Arc, AnyToleranceTerminates) {
   ArcRequest r{{mm(4000), 0, 0, 0}, {mm(4000), 0, 0, 0}, {}, plane_xy, false, 0, 0};
   Curve curve;
   const std::array<std::int64_t, 2> none{0, std::numeric_limits<std::int64_t>::min()};
@@ -427,7 +427,7 @@ TEST(Arc, AnyToleranceEnds) {
 }
 
 TEST(Arc, TheSmallestArcs) {
-  // All circles and arcs within a few units: as few pieces as there are, and they end.
+  // All circles and arcs within a few units: the fewest possible pieces, and they end.
   for (std::int64_t x = -3; x <= 3; ++x) {
     for (std::int64_t y = -3; y <= 3; ++y) {
       for (const std::int64_t tolerance : {0, 1, 5}) {
@@ -442,8 +442,8 @@ TEST(Arc, TheSmallestArcs) {
   }
 }
 
-TEST(Arc, AtTheEdgeOfTheNumbers) {
-  // Corners of the +-10 m machine and of what is taken at all.
+TEST(Arc, AtTheLimitsOfTheNumbers) {
+  // Corners of the +-10 m machine and of the accepted range.
   const std::array<std::int64_t, 2> sizes{most_position_e7, most_coordinate_e7};
   for (const std::int64_t most : sizes) {
     for (int bits = 0; bits < 128; ++bits) {
@@ -471,7 +471,7 @@ TEST(Arc, AtTheEdgeOfTheNumbers) {
         (void)centre_of_radius(r.start, r.end, plane_xy, radius, at(6) > 0, centre);
       const TrueArc arc(r);
       if (arc.start_radius == 0 || arc.end_radius == 0) continue;
-      // Ten thousand turns, as far as they can be counted.
+      // Ten thousand turns, the maximum count.
       const long double turned = 1e4L * two_pi_l * (arc.start_radius + arc.end_radius) / 2;
       ASSERT_GE(static_cast<long double>(far.length_e7()), std::min(0.99L * turned, 0x1p61L))
           << bits;
@@ -481,11 +481,11 @@ TEST(Arc, AtTheEdgeOfTheNumbers) {
   }
 }
 
-/// A few arcs as an independent program in double precision has them.
+/// Some arcs computed by an independent program in double precision.
 struct Golden {
   ArcRequest request;
   std::uint32_t pieces;
-  std::uint32_t look_at;  ///< this end
+  std::uint32_t look_at;  ///< index of the compared end
   Place place;
   std::int64_t length_e7;
 };

@@ -1,5 +1,4 @@
-// What curves are held against: the true curve in long double, which has 64 bits for the 38 of a
-// position.
+// Reference for curves: the true curve in long double, which has 64 bits for the 38 of a position.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,7 +20,7 @@ inline constexpr std::int64_t mm(double value) {
   return static_cast<std::int64_t>(value * 1e7 + (value < 0 ? -0.5 : 0.5));
 }
 
-/// All that a curve gives, the start in front.
+/// All points of a curve, beginning with its start.
 inline std::vector<Place> trace(Curve& curve, const Place& start) {
   std::vector<Place> places{start};
   Place at = start;
@@ -31,7 +30,6 @@ inline std::vector<Place> trace(Curve& curve, const Place& start) {
   return places;
 }
 
-/// What is left of a curve.
 inline std::vector<Place> trace_rest(Curve& curve) {
   std::vector<Place> places;
   Place at{};
@@ -58,11 +56,11 @@ inline long double distance(Point p, Point a, Point b) {
   return length(from - Point{t * way.x, t * way.y});
 }
 
-/// How a curve differs from the true one.
+/// Deviations of a curve from the true one.
 struct Errors {
-  long double point = 0;  ///< farthest end of a piece from its place on the curve
-  long double chord = 0;  ///< farthest place of the curve from its chord
-  long double other = 0;  ///< of the axes outside the plane, from an even motion
+  long double point = 0;  ///< largest distance of an end of a piece from the curve
+  long double chord = 0;  ///< largest distance of the curve from its chord
+  long double other = 0;  ///< deviation of the axes outside the plane from even motion
 };
 
 /// `curve_at(t)` is the true curve for t from 0 to 1.
@@ -114,7 +112,7 @@ struct TrueArc {
     const long double angle = start_angle + sweep * t;
     return {centre.x + radius * std::cos(angle), centre.y + radius * std::sin(angle)};
   }
-  /// How far the chord of one of `pieces` leaves a round arc.
+  /// Distance between a round arc and the chord of one of its `pieces`.
   long double chord_error(long double pieces) const {
     const long double half = std::sin(std::abs(sweep) / pieces / 4);
     return start_radius * 2 * half * half;

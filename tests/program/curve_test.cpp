@@ -23,7 +23,7 @@ TEST(Curve, IsSmallAndCanBeCopied) {
   EXPECT_TRUE(std::is_trivially_copyable_v<Curve>);
 }
 
-TEST(Curve, BeginsWithNothingToDo) {
+TEST(Curve, BeginsInactive) {
   Curve curve;
   EXPECT_FALSE(curve.active());
   EXPECT_EQ(curve.pieces(), 0u);
@@ -33,7 +33,7 @@ TEST(Curve, BeginsWithNothingToDo) {
   EXPECT_EQ(at, (Place{1, 2, 3, 4}));
 }
 
-TEST(Curve, IsActiveUntilTheLastPieceIsGiven) {
+TEST(Curve, IsActiveUntilItsLastPiece) {
   Curve curve;
   curve.begin_arc(arc);
   Place at{};
@@ -47,7 +47,7 @@ TEST(Curve, IsActiveUntilTheLastPieceIsGiven) {
   EXPECT_EQ(at, arc.end);
 }
 
-TEST(Curve, ANewOneReplacesWhatIsLeft) {
+TEST(Curve, ANewCurveReplacesTheRemainingOne) {
   Curve fresh;
   fresh.begin_spline(spline);
   const std::vector<Place> want = trace(fresh, spline.start);
@@ -70,7 +70,7 @@ TEST(Curve, CanBeStopped) {
   EXPECT_FALSE(curve.next(at));
 }
 
-TEST(Curve, ACopyGoesOnByItself) {
+TEST(Curve, ACopyContinuesIndependently) {
   Curve curve;
   curve.begin_arc(arc);
   Place at{};
@@ -81,13 +81,13 @@ TEST(Curve, ACopyGoesOnByItself) {
 }
 
 /// Start, end and steps of walks: small, large, negative.
-TEST(EvenWalk, IsExactHoweverManySteps) {
+TEST(IntegerDivider, IsExactForAnyNumberOfSteps) {
   std::mt19937_64 random(1);
   for (int i = 0; i < test::scaled(300); ++i) {
     const auto steps = static_cast<std::uint32_t>(random() % 5000 + 1);
     const auto from = static_cast<std::int64_t>(random()) >> (2 + random() % 60);
     const auto to = static_cast<std::int64_t>(random()) >> (2 + random() % 60);
-    EvenWalk walk;
+    IntegerDivider walk;
     walk.begin(from, to, steps);
     ASSERT_EQ(walk.value(), from);
     for (std::uint32_t k = 1; k <= steps; ++k) {
@@ -99,8 +99,8 @@ TEST(EvenWalk, IsExactHoweverManySteps) {
   }
 }
 
-TEST(EvenWalk, RoundsToNearest) {
-  EvenWalk walk;
+TEST(IntegerDivider, RoundsToNearest) {
+  IntegerDivider walk;
   walk.begin(0, -1, 4);
   EXPECT_EQ(walk.next(4), 0);
   EXPECT_EQ(walk.next(4), 0);  // a half, rounded up
@@ -108,9 +108,9 @@ TEST(EvenWalk, RoundsToNearest) {
   EXPECT_EQ(walk.next(4), -1);
 }
 
-TEST(EvenWalk, ManyStepsOfALongWay) {
+TEST(IntegerDivider, ManyStepsOfALongDistance) {
   constexpr std::uint32_t steps = 2'000'000'011;
-  EvenWalk walk;
+  IntegerDivider walk;
   walk.begin(-one_q62 / 2, one_q62 / 2, steps);
   for (std::uint32_t k = 1; k <= 1'000'000; ++k) walk.next(steps);
   const long double exact = -0x1p61L + 0x1p62L * 1e6L / steps;

@@ -16,7 +16,7 @@ using test::mm;
 using test::Rig;
 using test::Row;
 
-/// F60 is in force and the machine is at Z 5.
+/// F60 is active and the machine is at Z 5.
 template <std::size_t size>
 void expect_rows(const Row (&rows)[size]) {
   for (const Row& row : rows) {
@@ -38,9 +38,9 @@ TEST(Cycles, Drill) {
       {"G81 Z1 R1", "rapid to 0 0 1; feed 60 to 0 0 1; rapid to 0 0 5"},
       {"G81 X1 A3 Z0 R1",
        "rapid to 1 0 5 3; rapid to 1 0 1 3; feed 60 to 1 0 0 3; rapid to 1 0 5 3"},
-      // Below the retract level: up first, and G98 ends at the retract level.
+      // Below the retract level: first up, and G98 ends at the retract level.
       {"G81 X1 R7 Z2", "rapid to 0 0 7; rapid to 1 0 7; feed 60 to 1 0 2; rapid to 1 0 7"},
-      // G98 goes back to where the series began, not to where the last hole ended.
+      // G98 returns to the level where the series began, not where the last hole ended.
       {"G99 G81 X1 R1 Z-2|G98 X2", "rapid to 2 0 1; feed 60 to 2 0 -2; rapid to 2 0 5"},
       {"G99 G81 X1 R1 Z-2|G98 G82 X2 R1 Z-2 P0",
        "rapid to 2 0 1; feed 60 to 2 0 -2; dwell 0us; rapid to 2 0 5"},
@@ -79,7 +79,7 @@ TEST(Cycles, DwellAndPecks) {
        "feed 60 to 0 0 -2; rapid to 0 0 5"},
       {"G83 R1 Z-1 Q2", "rapid to 0 0 1; feed 60 to 0 0 -1; rapid to 0 0 5"},
       {"G83 R1 Z-1 Q9", "rapid to 0 0 1; feed 60 to 0 0 -1; rapid to 0 0 5"},
-      // The clearance does not lead above the retract level.
+      // The clearance does not exceed the retract level.
       {"G83 R1 Z0.8 Q0.1",
        "rapid to 0 0 1; feed 60 to 0 0 0.9 on the way; rapid to 0 0 1; feed 60 to 0 0 0.8; "
        "rapid to 0 0 5"},
@@ -114,7 +114,7 @@ TEST(Cycles, WithOffsets) {
 
 /// Random holes: every one is cut to its depth from its retract level, in pecks no longer than Q,
 /// and rapids never go below what has been cut.
-TEST(Cycles, CutWhatIsAskedForAndRapidsStayAboveIt) {
+TEST(Cycles, CutToTheDepthAndRapidsStayAboveTheCut) {
   std::mt19937_64 random(6);
   for (int run = 0; run < scaled(2000); ++run) {
     const Motion kinds[] = {Motion::drill, Motion::drill_dwell, Motion::drill_peck,

@@ -1,4 +1,4 @@
-// Errors: every number that a program can cause, each with the column of the word at fault; and a
+// Errors: every number that a program can cause, each with the column of the offending word; and a
 // line with an error changes nothing.
 #include "shared/gcode_errors.hpp"
 
@@ -34,7 +34,7 @@ TEST(GcodeErrors, AreInOrderWithNamesAndTexts) {
   EXPECT_EQ(find_gcode_error(99), nullptr);
 }
 
-/// The last line is at fault; those before it are not.
+/// Only the last line may have an error.
 void expect_fault(const Row& row) {
   Rig rig;
   const std::string_view lines = row.lines;
@@ -49,7 +49,7 @@ void expect_fault(const Row& row) {
   EXPECT_EQ(rig.seen(), before) << row.lines;
 }
 
-TEST(InterpreterErrors, OfWordsByThemselves) {
+TEST(InterpreterErrors, OfSingleWords) {
   const Row rows[] = {
       {"G0 X1 =", "1@7"},       {"3G0", "1@1"},
       {"G0 X", "2@4"},          {"G", "2@1"},
@@ -92,7 +92,7 @@ TEST(InterpreterErrors, OfCommands) {
       {"G93 G1 F1 X1|X1", "22@1"},
       {"G93 G1 F0 X1", "22@5"},
       {"G1 F1|G93 F1|G94 X1", "22@5"},
-      {"G95 G1 F1 X1", "22@5"},  // stands still
+      {"G95 G1 F1 X1", "22@5"},  // at rest
       {"G95 S4000000 G1 F4000 X1", "43@14"},
       {"G93 G1 X1 F0.01", "39@11"},
       {"G4", "28@1"},
@@ -256,7 +256,7 @@ TEST(InterpreterErrors, TwoCodesOfOneGroup) {
       }
 }
 
-TEST(InterpreterErrors, TwoCodesThatWantTheAxisWords) {
+TEST(InterpreterErrors, TwoCodesThatUseTheAxisWords) {
   // By group.
   const std::vector<std::vector<const char*>> wanting{
       {"G10", "G28", "G30", "G92"},
@@ -278,7 +278,7 @@ TEST(InterpreterErrors, TwoCodesThatWantTheAxisWords) {
     }
 }
 
-TEST(InterpreterErrors, TwoCommandsThatWantOneWord) {
+TEST(InterpreterErrors, TwoCommandsThatUseOneWord) {
   const Row rows[] = {
       {"G4 P1 G64", "24@4"},
       {"M130 P1 G4", "24@6"},
@@ -289,7 +289,7 @@ TEST(InterpreterErrors, TwoCommandsThatWantOneWord) {
   for (const Row& row : rows) expect_fault(row);
 }
 
-/// A line of words that may or may not make sense together.
+/// A line of words, valid or not in combination.
 std::string random_line(std::mt19937_64& random) {
   const auto number = [&random] {
     const char* values[] = {"0", "1", "2", "-1", "0.5", "-3.25", "20", "100", "9", "", "1.0000001"};
@@ -365,9 +365,9 @@ TEST(InterpreterErrors, ProgramsWithLinesInErrorRunAsWithout) {
     Rig with, without;
     for (int i = 0; i < 100; ++i) {
       const std::string line = random_line(random);
-      const std::string told = with.run(line);
-      if (told.find('@') != std::string::npos) continue;
-      ASSERT_EQ(without.run(line), told) << line;
+      const std::string result = with.run(line);
+      if (result.find('@') != std::string::npos) continue;
+      ASSERT_EQ(without.run(line), result) << line;
     }
     ASSERT_EQ(with.seen(), without.seen());
   }

@@ -1,9 +1,9 @@
-// A second interpreter, in exact rational numbers: where a program of valid lines is after each
-// line.
+// An independent interpreter in exact rational numbers: the position of a program of valid lines
+// after each line.
 //
-// Written from the documents that the firmware's cites and not from it: other parsing, other order
-// of doing things (everything is a map of words), no rounding anywhere. It knows no errors and no
-// actions, only places.
+// Written from the documents cited by the firmware's interpreter, not from its code: other parsing,
+// another order of execution (everything is a map of words), no rounding. It has no errors and no
+// actions, only positions.
 #pragma once
 
 #include <array>
@@ -142,7 +142,7 @@ class ExactInterpreter {
     }
   }
 
-  /// So that the present place has the given coordinates.
+  /// Shifts coordinates so that the present position has the given ones.
   void shift() {
     for (std::size_t axis = 0; axis < 4; ++axis)
       if (has(letters[axis])) shift_[axis] += position_[axis] - offset(axis) - word(letters[axis]);

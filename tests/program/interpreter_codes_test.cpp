@@ -1,4 +1,4 @@
-// The interpreter, code by code: what a line gives after those before it.
+// The interpreter, code by code: the actions of a line after preceding lines.
 #include "firmware/program/interpreter.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ TEST(Interpreter, StraightMoves) {
       {"", ""},
       {"G0 X1 Y2 Z3", "rapid to 1 2 3"},
       {"G0X1Y2Z3A4", "rapid to 1 2 3 4"},
-      {"X5", "rapid to 5 0 0"},  // G0 is in force at first
+      {"X5", "rapid to 5 0 0"},  // G0 is the initial mode
       {"G0", ""},
       {"G1 F100 X1", "feed 100 to 1 0 0"},
       {"G1 F100", ""},
@@ -26,7 +26,7 @@ TEST(Interpreter, StraightMoves) {
       {"G1 F0.001 X1", "feed 0.001 to 1 0 0"},
       {"G1 F4294967 X1", "feed 4294967 to 1 0 0"},
       {"g01 f1500.5 x-1.2345678", "feed 1500.5 to -1.2345678 0 0"},
-      {"G1 F100 X0", "feed 100 to 0 0 0"},  // a move of no length may be a shot
+      {"G1 F100 X0", "feed 100 to 0 0 0"},  // a move of zero length may be a shot
       {"G1 F100 X1 N7", "feed 100 to 1 0 0 N7"},
       {"N10000000 G0 X1", "rapid to 1 0 0 N10000000"},
       {"N5|G0 X1", "rapid to 1 0 0"},
@@ -87,7 +87,7 @@ TEST(Interpreter, SpindleAndCoolant) {
       {"M3 S1000", "spindle M3 S1000"},
       {"S1000|M4", "spindle M4 S1000"},
       {"M3 S1000|M5", "spindle M5"},
-      {"S0.5", ""},  // stands still
+      {"S0.5", ""},  // spindle is off
       {"M3 S1|S2", "spindle M3 S2"},
       {"M3 S1|G1 F60 X1 S2", "spindle M3 S2; feed 60 to 1 0 0 M3 S2"},
       {"M3 S1|X1", "rapid to 1 0 0 M3 S1"},
@@ -108,7 +108,7 @@ TEST(Interpreter, LaserModeSendsSpeedsWithTheMoves) {
   EXPECT_EQ(rig.run("G28.1 S300"), "spindle M4 S300");
 }
 
-/// The spindle stands behind it, unless the line starts it.
+/// The spindle is off after a tool change unless the same line starts it.
 TEST(Interpreter, ToolChange) {
   expect_rows({
       {"T3 M6", "tool"},
@@ -130,7 +130,7 @@ TEST(Interpreter, StopsAndEnds) {
   });
 }
 
-TEST(Interpreter, EndOfProgramSetsBackWhatGrblSetsBack) {
+TEST(Interpreter, EndOfProgramResetsWhatGrblResets) {
   Rig rig;
   rig.run("G20 G18 G91 G90.1 G93 G55 G64 P0.1 G99 M3 S100 M8 T3 G0");
   rig.run("M130 P1");
@@ -210,7 +210,7 @@ TEST(Interpreter, SavedState) {
       {"G20|M73|G21|M72|X1", "rapid to 25.4 0 0"},
       {"G20|M73|G21|M2|G0 X1", "rapid to 25.4 0 0"},
       {"G20|M70|G21|M2|G0 X1", "rapid to 1 0 0"},
-      {"M3 S5|M73|M2|G0 X1", "rapid to 1 0 0"},  // nothing starts again by itself
+      {"M3 S5|M73|M2|G0 X1", "rapid to 1 0 0"},  // nothing restarts automatically
       {"M73|M2|M72", "20@1"},
       {"G68 R90|M70|G69|M72|X1", "rapid to 0 1 0"},
   });
@@ -220,11 +220,11 @@ TEST(Interpreter, Jog) {
   Rig rig;
   rig.options.probe = true;
   rig.run_all("G20 G1 F10 M3 S5 M130 P0|G64 P1");
-  rig.run("G81");  // an error: changes nothing
+  rig.run("G81");  // an error, which changes nothing
   EXPECT_EQ(rig.jog("X1 F1"), "feed 25.4 to 25.4 0 0");
   EXPECT_EQ(rig.jog("G21 G91 X1 Y-1 F100"), "feed 100 to 26.4 -1 0");
   EXPECT_EQ(rig.jog("g91g21z2f60n4"), "feed 60 to 26.4 -1 2 N4");
-  EXPECT_EQ(rig.jog("X0 F1"), "feed 25.4 to 0 -1 2");  // G90 and G20 still
+  EXPECT_EQ(rig.jog("X0 F1"), "feed 25.4 to 0 -1 2");  // G90 and G20 still apply
   rig.run("G10 L2 P1 X5 Y5");
   EXPECT_EQ(rig.jog("G53 G21 X1 F60"), "feed 60 to 1 -1 2");
   EXPECT_EQ(rig.jog("G21 X1 F60"), "feed 60 to 128 -1 2");

@@ -1,4 +1,4 @@
-// Curves and rotation: what the interpreter makes of arcs, splines and G68.
+// Curves and rotation: the interpreter's moves for arcs, splines and G68.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,8 +28,8 @@ std::vector<Action> actions_of(Rig& rig, const std::string& line) {
 double x_of(const Action& action) { return static_cast<double>(action.target_e7[0]) / 1e7; }
 double y_of(const Action& action) { return static_cast<double>(action.target_e7[1]) / 1e7; }
 
-/// Every end of a piece lies on a circle, the last one is the programmed end, and the way turns
-/// `turn` radians, positive anticlockwise.
+/// Every piece ends on a circle, the last one at the programmed end, and the path turns by `turn`
+/// radians, positive anticlockwise.
 void expect_arc(const std::string& line, Place end, double cx, double cy, double radius,
                 double turn) {
   Rig rig;
@@ -98,22 +98,22 @@ TEST(Curves, SplinesAreTheirBezierCurves) {
   double highest = 0;
   for (const Action& action : first) highest = std::max(highest, y_of(action));
   EXPECT_NEAR(highest, 7.5, 0.01);  // 3/4 of the height of its control points
-  // Goes on with the same direction: down below the axis.
+  // Continues in the same direction: down below the axis.
   const std::vector<Action> second = actions_of(rig, "X20 Y0 P0 Q-10");
   double lowest = 0;
   for (const Action& action : second) lowest = std::min(lowest, y_of(action));
   EXPECT_NEAR(lowest, -7.5, 0.01);
-  // Not behind another move.
+  // Not after a move of another kind.
   rig.run("G0 X0 Y0");
   EXPECT_EQ(rig.run("G5 X10 P0 Q10"), "35@1");
-  // A parabola: half the height of its control point.
+  // A parabola, which reaches half the height of its control point.
   highest = 0;
   for (const Action& action : actions_of(rig, "G5.1 X10 Y0 I5 J10"))
     highest = std::max(highest, y_of(action));
   EXPECT_NEAR(highest, 5, 0.01);
 }
 
-TEST(Curves, InverseTimeIsSharedByLength) {
+TEST(Curves, InverseTimeIsDividedByLength) {
   const std::pair<const char*, double> lines[] = {{"G3 X-10 I-10 F2", 30e6},
                                                   {"G5 X40 I50 J50 P1 Q3 F4", 15e6},
                                                   {"G3 X10 Z50 I-10 F0.5", 120e6}};
@@ -137,7 +137,7 @@ TEST(Curves, InverseTimeIsSharedByLength) {
   }
 }
 
-TEST(TimeShare, DistancesAreRight) {
+TEST(CurveTiming, DistancesAreRight) {
   std::mt19937_64 random(7);
   for (int i = 0; i < scaled(2000); ++i) {
     Place a{}, b{};
@@ -173,7 +173,7 @@ TEST(Rotation, ByRightAnglesIsExact) {
       {"G68 X0 Y0 R90|G18|X1", "rapid to 0 1 0"},
       {"G68 X0 Y0 R90|X1|G69 X1", "rapid to 1 1 0"},
       {"G68 X0 Y0 R90|X1|G69|Y5", "rapid to 0 5 0"},
-      {"X3|G68 X0 Y0 R90|X1", "rapid to 3 1 0"},  // from where the machine stands
+      {"X3|G68 X0 Y0 R90|X1", "rapid to 3 1 0"},  // from the machine's position
       {"G68 X0 Y0 R90|G68 X0 Y0 R180|X1 Y0", "rapid to -1 0 0"},
       {"G68 X0 Y0 R90|G53 X1", "rapid to 1 0 0"},
       {"G68 X0 Y0 R90|G53 X1|Y5", "rapid to -5 0 0"},
@@ -194,7 +194,7 @@ TEST(Rotation, ArcsTurnWithIt) {
   }
 }
 
-/// Against long double, 4 m from the centre; and there and back.
+/// Compared with long double, 4 m from the centre; and rotated back.
 TEST(Rotation, ByAnyAngle) {
   std::mt19937_64 random(8);
   for (int i = 0; i < scaled(5000); ++i) {
@@ -224,7 +224,7 @@ TEST(Rotation, ByAnyAngle) {
   }
 }
 
-/// A relative program under a rotation ends where the absolute one does: nothing drifts.
+/// A relative program under a rotation ends at the same point as the absolute one.
 TEST(Rotation, DoesNotDrift) {
   Rig relative, absolute;
   relative.run("G91 G68 X0 Y0 R33.3");

@@ -1,5 +1,5 @@
-// The interpreter against another one in exact rational numbers: random programs end every line at
-// the same place.
+// The interpreter compared with another one in exact rational numbers: random programs end every
+// line at the same place.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -16,7 +16,7 @@ using lamplock::test::scaled;
 using test::ExactInterpreter;
 using test::Rig;
 
-/// Makes lines that are valid one after the other.
+/// Generates a sequence of valid lines.
 class Programs {
  public:
   explicit Programs(unsigned seed) : random_(seed) {}
@@ -86,7 +86,7 @@ class Programs {
     return code + axes();
   }
 
-  /// In a line of its own that says all there is to say; R above Z.
+  /// A cycle on its own line with all its words; R is above Z.
   std::string cycle() {
     const std::string plane = one_of({"G17", "G18", "G19"});
     const char normal = plane == "G17" ? 'Z' : plane == "G18" ? 'Y' : 'X';
@@ -114,7 +114,7 @@ class Programs {
   bool inches_ = false;
 };
 
-/// Whether the interpreter is where the exact one is.
+/// Compares the position with that of the exact interpreter.
 ::testing::AssertionResult same(const Place& place, const ExactInterpreter& exact) {
   for (std::size_t i = 0; i < place.size(); ++i)
     if (exact.position()[i] * one_e7 != place[i])
@@ -134,7 +134,7 @@ TEST(ExactInterpreter, EndsEveryLineAtTheSamePlace) {
       const std::string line = programs.line();
       program += line + "\n";
       const Fault fault = rig.interpreter.run(line);
-      // Lines are valid but for targets and offsets that random walks have taken too far.
+      // Lines are valid except for targets and offsets that have drifted out of range.
       if (fault) {
         ASSERT_TRUE(fault.error == GcodeError::bad_target ||
                     fault.error == GcodeError::out_of_range)

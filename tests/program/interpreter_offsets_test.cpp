@@ -1,4 +1,4 @@
-// Offsets: coordinate systems, G92, tool length, homes, machine coordinates; and what is exact.
+// Offsets: coordinate systems, G92, tool length, homes, machine coordinates; exactness.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -51,7 +51,7 @@ TEST(Offsets, Shift) {
       {"X5|G92 X0|G92.2|X1", "rapid to 1 0 0"},
       {"X5|G92 X0|G92.2|G92.3|X1", "rapid to 6 0 0"},
       {"X5|G92 X0|G92.2|G92 Y3|X1", "rapid to 1 0 0"},
-      {"X5|G92 X0|G92.1 X1", "rapid to 1 0 0"},  // and a move
+      {"X5|G92 X0|G92.1 X1", "rapid to 1 0 0"},  // G92.1 and a move
       {"G10 L2 P1 X10|X0|G92 X5|X5", "rapid to 10 0 0"},
       {"G10 L2 P1 X10|X0|G92 X5|G55 X5", "rapid to 0 0 0"},
       {"X5|G92 X0|M2|G90 G0 X1", "rapid to 6 0 0"},
@@ -81,7 +81,7 @@ TEST(Offsets, Homes) {
       {"X1 Y2|G28.1|X9 Y9|G91 G28 Z1", "rapid to 9 9 1 on the way; rapid to 9 9 0"},
       {"X9|G91 G28 X0 Y0 Z0", "rapid to 9 0 0 on the way; rapid to 0 0 0"},
       {"G10 L2 P1 X10|G28 X1", "rapid to 11 0 0 on the way; rapid to 0 0 0"},
-      {"X1|G28.1 X5", "rapid to 5 0 0"},  // G28.1 takes no axis words: a move
+      {"X1|G28.1 X5", "rapid to 5 0 0"},  // G28.1 has no axis words: X5 is a move
       {"X1|G28.1 X5|G28", "rapid to 1 0 0"},
       {"X9|G28|G91 X1", "rapid to 1 0 0"},
       {"G80|X1 G28", "rapid to 1 0 0 on the way; rapid to 0 0 0"},
@@ -100,7 +100,7 @@ TEST(Offsets, MachineCoordinates) {
   });
 }
 
-TEST(Offsets, WhatIsStoredIsToldOnce) {
+TEST(Offsets, StoredValuesAreReportedOnce) {
   Rig rig;
   rig.run("X1 Y2");
   EXPECT_EQ(rig.parameters.changed, 0);
@@ -130,7 +130,7 @@ TEST(Offsets, WhatIsStoredIsToldOnce) {
   EXPECT_EQ(rig.interpreter.work_offset_e7(), at(7, 0));
 }
 
-/// A number of units with so many decimals.
+/// A number of units with the given decimals.
 std::string number(std::int64_t units, int decimals) {
   std::string digits = std::to_string(units < 0 ? -units : units);
   while (digits.size() <= static_cast<std::size_t>(decimals)) digits.insert(0, "0");

@@ -50,10 +50,10 @@ TEST(PowerList, DividesALineIntoPieces) {
       (std::vector<std::string>{
           "feed 6000 to 1 0.5 0 M3 S10 on the way N7", "feed 6000 to 6 3 0 M3 S20 on the way N7",
           "feed 6000 to 7 3.5 0 M3 S0 on the way N7", "feed 6000 to 8 4 0 M3 S400 N7"}));
-  // The last power stays, as a word of its own would.
+  // The last power stays active, like a single S word.
   ASSERT_FALSE(laser.run("X9"));
   EXPECT_EQ(texts(laser.actions), (std::vector<std::string>{"feed 6000 to 9 4 0 M3 S400"}));
-  // What is alike is one piece; blanks and comments are dropped, the order of words is free.
+  // Equal powers are one piece; blanks and comments are dropped, the order of words is free.
   ASSERT_FALSE(laser.run("s1.5 : 1.5 (a) * 2:1.50x5 g61.1"));
   EXPECT_EQ(texts(laser.actions), (std::vector<std::string>{"feed 6000 to 5 4 0 M3 S1.5 stop"}));
   ASSERT_FALSE(laser.run("G91 X-2 S3:4"));
@@ -61,7 +61,7 @@ TEST(PowerList, DividesALineIntoPieces) {
                                                             "feed 6000 to 3 4 0 M3 S4 stop"}));
 }
 
-TEST(PowerList, IsAnErrorThatChangesNothing) {
+TEST(PowerList, ErrorsChangeNothing) {
   const Refusal refusals[] = {
       {"G1 X1 S1:", GcodeError::bad_number, 7},
       {"G1 X1 S1::2", GcodeError::bad_number, 7},
@@ -92,8 +92,8 @@ TEST(PowerList, IsAnErrorThatChangesNothing) {
   EXPECT_EQ(spindle.run("G1 X1 S1:2").error, GcodeError::words_unused);
 }
 
-/// Whatever the list: powers and ends as if each piece were a line of its own, relative to none.
-TEST(PowerList, GivesThePiecesThatWereWritten) {
+/// For any list, powers and ends are those of separate lines for each piece.
+TEST(PowerList, GivesTheWrittenPieces) {
   std::mt19937_64 random(3);
   const auto below = [&random](std::uint32_t n) {
     return static_cast<std::uint32_t>(random() % n);

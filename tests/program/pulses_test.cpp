@@ -1,4 +1,4 @@
-// Pulses of a continuous laser: M126, M127, M128 and what the settings say.
+// Pulses of a continuous laser: M126, M127, M128 and their settings.
 #include <gtest/gtest.h>
 
 #include "tests/program/refusals.hpp"
@@ -31,7 +31,7 @@ TEST(Pulses, AreSwitchedByTheProgram) {
   Laser laser;
   ASSERT_FALSE(laser.run("M3 S100 F1000 G1 X1"));
   EXPECT_FALSE(laser.last.pulses);
-  // On, but none a millimetre: it shines all the time.
+  // On, but without a pitch: the laser is on continuously.
   ASSERT_FALSE(laser.run("M126 P1 X2"));
   EXPECT_FALSE(laser.last.pulses);
   ASSERT_FALSE(laser.run("M127 P2.5 X3"));
@@ -53,7 +53,7 @@ TEST(Pulses, AreSwitchedByTheProgram) {
   EXPECT_EQ(laser.interpreter.pulses_milli(), 1'000'000u);
 }
 
-TEST(Pulses, AreAsTheSettingsHaveThemUntilTheProgramSaysSomething) {
+TEST(Pulses, UseTheSettingsUntilTheProgramChangesThem) {
   for (const char* end : {"M2", "M30", "reset"}) {
     Laser laser(3000);
     ASSERT_FALSE(laser.run("M4 S100 F1000 G1 X1"));
@@ -72,7 +72,7 @@ TEST(Pulses, AreAsTheSettingsHaveThemUntilTheProgramSaysSomething) {
     EXPECT_EQ(laser.interpreter.pulses_milli(), 3000u) << end;
     EXPECT_EQ(laser.interpreter.pulse_ns(), 1'500'000u) << end;
   }
-  // A spindle has none.
+  // A spindle has no pulses.
   Laser spindle(3000);
   spindle.options.laser = false;
   ASSERT_FALSE(spindle.run("M3 S100 F1000 M126 P1 G1 X1"));
@@ -91,7 +91,7 @@ TEST(Pulses, AreSavedAndRestored) {
   EXPECT_EQ(laser.interpreter.pulses_milli(), 4000u);
 }
 
-TEST(Pulses, OfErrorsNothingHasChanged) {
+TEST(Pulses, ErrorsChangeNothing) {
   const Refusal refusals[] = {
       {"M126", GcodeError::value_missing, 1},
       {"M126 P2", GcodeError::out_of_range, 6},
@@ -113,9 +113,9 @@ TEST(Pulses, OfErrorsNothingHasChanged) {
   expect_refused<Laser>(refusals);
 }
 
-/// A machine that takes rows gets the powers first and the move with the last of them; with pulses
-/// each piece is a move of its own.
-TEST(Pulses, RowsOfPixelsAreOneMoveWithoutThem) {
+/// A machine with rows gets the powers first and the move with the last of them; with pulses each
+/// piece is a separate move.
+TEST(Pulses, RowsOfPixelsWithoutPulsesAreOneMove) {
   Laser laser;
   laser.options.rows = true;
   ASSERT_FALSE(laser.interpreter.run("G21 G90 M3 F6000 G1 X8 S10:20*5:0:400*2 N7"));
@@ -132,7 +132,7 @@ TEST(Pulses, RowsOfPixelsAreOneMoveWithoutThem) {
     EXPECT_EQ(actions[i].target_e7, at(8, 0));
     EXPECT_EQ(actions[i].line, 7u);
   }
-  // One power alone is no row.
+  // A single power is not a row.
   ASSERT_FALSE(laser.run("X9 S3*5"));
   EXPECT_EQ(laser.last.pixels, 0);
   EXPECT_EQ(laser.last.speed_milli, 3000u);

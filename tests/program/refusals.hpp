@@ -1,7 +1,6 @@
-// Lines that an interpreter refuses: with which error, at which column, and that nothing has
-// changed.
+// Lines that an interpreter refuses: the error, its column, and that the state is unchanged.
 //
-// In:  the lines, a type with an `interpreter` as the test wants it.
+// In:  the lines, a type with an `interpreter` as configured by the test.
 // Who: tests of single words.
 #pragma once
 
@@ -20,7 +19,7 @@ struct Refusal {
   int column;
 };
 
-/// Each by a rig of its own; "$J=" is a jog.
+/// Runs each line on a new rig; "$J=" is a jog.
 template <class Rig>
 void expect_refused(std::span<const Refusal> refusals) {
   for (const Refusal& refusal : refusals) {

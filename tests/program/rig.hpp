@@ -1,4 +1,4 @@
-// An interpreter with what it needs, and its actions as short texts for golden tables.
+// An interpreter with its environment, and its actions as short texts for golden tables.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,20 +12,20 @@
 
 namespace lamplock::program::test {
 
-/// A number of e7 as exact decimal without trailing zeros.
+/// A number in units of 1e-7 as an exact decimal without trailing zeros.
 inline std::string decimal(std::int64_t e7) {
   const bool negative = e7 < 0;
   const std::uint64_t n =
       negative ? 0 - static_cast<std::uint64_t>(e7) : static_cast<std::uint64_t>(e7);
   std::string text = std::to_string(n / 10'000'000);
-  std::string behind = std::to_string(n % 10'000'000);
-  behind.insert(0, 7 - behind.size(), '0');
-  while (!behind.empty() && behind.back() == '0') behind.pop_back();
-  if (!behind.empty()) text += "." + behind;
+  std::string fraction = std::to_string(n % 10'000'000);
+  fraction.insert(0, 7 - fraction.size(), '0');
+  while (!fraction.empty() && fraction.back() == '0') fraction.pop_back();
+  if (!fraction.empty()) text += "." + fraction;
   return fmt::format("{}{}", negative ? "-" : "", text);
 }
 
-/// "1 2 3", and the fourth axis where it is not zero.
+/// "1 2 3", plus the fourth axis if it is not zero.
 inline std::string text_of(const Place& place) {
   const std::string text =
       fmt::format("{} {} {}", decimal(place[0]), decimal(place[1]), decimal(place[2]));
@@ -64,7 +64,6 @@ inline std::string motion_text(const Action& action) {
   return text;
 }
 
-/// An action in few words.
 inline std::string text_of(const Action& action) {
   switch (action.kind) {
     case ActionKind::move:
@@ -102,7 +101,7 @@ inline std::string text_of(const Fault& fault) {
   return std::to_string(static_cast<int>(fault.error)) + "@" + std::to_string(fault.column);
 }
 
-/// Everything that can be seen of an interpreter and its parameters.
+/// The whole observable state of an interpreter and its parameters.
 struct Seen {
   State state;
   Saved saved;
@@ -123,7 +122,6 @@ struct Rig {
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
 
-  /// The actions that are left.
   std::vector<Action> take() {
     std::vector<Action> actions;
     Action action;
@@ -131,9 +129,9 @@ struct Rig {
     return actions;
   }
   /// Actions of a line, or its fault ("22@1"), separated by "; ".
-  std::string run(std::string_view line) { return told(interpreter.run(line)); }
-  std::string jog(std::string_view line) { return told(interpreter.jog(line)); }
-  /// The same for several lines, separated by '|'; what the last one gives.
+  std::string run(std::string_view line) { return result_of(interpreter.run(line)); }
+  std::string jog(std::string_view line) { return result_of(interpreter.jog(line)); }
+  /// Runs several lines, separated by '|'; returns the result of the last one.
   std::string run_all(std::string_view lines) {
     std::string last;
     for (;;) {
@@ -143,7 +141,7 @@ struct Rig {
       lines.remove_prefix(bar + 1);
     }
   }
-  std::string told(const Fault& fault) {
+  std::string result_of(const Fault& fault) {
     if (fault) return text_of(fault);
     std::string text;
     for (const Action& action : take()) text += (text.empty() ? "" : "; ") + text_of(action);
@@ -158,13 +156,13 @@ struct Rig {
   }
 };
 
-/// A row of a golden table: lines, and what the last of them gives.
+/// A row of a golden table: lines, and the result of the last of them.
 struct Row {
   const char* lines;
   const char* wanted;
 };
 
-/// Runs each row on a machine of its own.
+/// Runs each row on a new machine.
 template <std::size_t size>
 void expect_rows(const Row (&rows)[size]) {
   for (const Row& row : rows) {

@@ -29,7 +29,7 @@ struct TrueSpline {
     for (std::size_t i = 0; i < 4; ++i) sum = {sum.x + w[i] * p[i].x, sum.y + w[i] * p[i].y};
     return sum;
   }
-  /// By so many chords that cusps do not matter.
+  /// Length by so many chords that cusps do not matter.
   long double length_with(long double other, int chords = 20000) const {
     long double sum = 0;
     Point last = p[0];
@@ -100,7 +100,7 @@ TEST(Spline, LengthWithinAThousandth) {
   double worst = 0;
   for (int i = 0; i < lamplock::test::scaled(200); ++i) {
     SplineRequest r = any_spline(random);
-    // Also without other axes, and on a straight line, where it turns back.
+    // Also without motion of other axes, and on a straight line with reversals.
     if (i % 3 != 0) r.end[r.plane.normal] = r.start[r.plane.normal];
     if (i % 3 != 0) r.end[3] = r.start[3];
     if (i % 3 == 2) {
@@ -141,16 +141,16 @@ TEST(Spline, StraightAndEvenIsOnePiece) {
   expect_length(curve, r);
 }
 
-TEST(Spline, DegenerateOnesEnd) {
+TEST(Spline, DegenerateSplinesTerminate) {
   const std::vector<std::array<double, 8>> all{
       {5, 5, 5, 5, 5, 5, 5, 5},           // a point
       {0, 0, 0, 0, 10, 10, 10, 10},       // a line, controls at its ends
-      {0, 0, 10, 0, 10, 0, 0, 0},         // there and back
-      {0, 0, 30, 0, -20, 0, 10, 0},       // a line that turns back twice
+      {0, 0, 10, 0, 10, 0, 0, 0},         // to and fro
+      {0, 0, 30, 0, -20, 0, 10, 0},       // a line with two reversals
       {0, 0, 10, 10, 0, 10, 10, 0},       // a cusp
       {0, 0, 20, 10, -10, 10, 10, 0},     // a loop
       {0, 0, 1e4, 1e4, -1e4, 1e4, 0, 0},  // closed, large
-      {0, 0, 0, 0, 0, 0, 0.0000001, 0},   // the least way
+      {0, 0, 0, 0, 0, 0, 0.0000001, 0},   // the shortest distance
       {-1e4, -1e4, 1e4, 1e4, -1e4, 1e4, 1e4, -1e4},
   };
   for (const auto& points : all) {
@@ -165,7 +165,7 @@ TEST(Spline, DegenerateOnesEnd) {
   }
 }
 
-TEST(Spline, AnyToleranceEnds) {
+TEST(Spline, AnyToleranceTerminates) {
   SplineRequest r = in_xy({-1e4, -1e4, 1e4, 1e4, -1e4, 1e4, 1e4, -1e4});
   Curve curve;
   for (const std::int64_t tolerance :
@@ -181,7 +181,7 @@ TEST(Spline, AnyToleranceEnds) {
   EXPECT_EQ(curve.pieces(), 1u);
 }
 
-TEST(Spline, AtTheEdgeOfTheNumbers) {
+TEST(Spline, AtTheLimitsOfTheNumbers) {
   for (const std::int64_t most : {most_position_e7, most_coordinate_e7}) {
     for (int bits = 0; bits < 256; ++bits) {
       const auto at = [&](int bit) { return (bits >> bit & 1) != 0 ? most : -most; };
@@ -197,7 +197,7 @@ TEST(Spline, AtTheEdgeOfTheNumbers) {
   }
 }
 
-TEST(Spline, BeyondTheNumbersIsAStraightPiece) {
+TEST(Spline, OutsideTheNumbersIsAStraightPiece) {
   SplineRequest r = in_xy({0, 0, 1, 1, 2, 2, 3, 3});
   r.second_control[1] = most_coordinate_e7 + 1;
   Curve curve;

@@ -13,7 +13,7 @@ namespace {
 
 using test::Native;
 
-/// A number of any number of bits up to `most`.
+/// A random number of random width, up to `most` bits.
 std::uint64_t of_any_size(std::mt19937_64& random, int most) {
   const auto bits = static_cast<int>(random() % static_cast<unsigned>(most + 1));
   return bits == 0 ? 0 : random() >> (64 - bits);

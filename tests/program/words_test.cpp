@@ -1,5 +1,5 @@
-// Words: what is a word, what its number is, where an error is.
-#include "firmware/program/words.hpp"
+// Words: what is a word, its number, and the column of an error.
+#include "shared/gcode_words.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ using lamplock::test::scaled;
 using test::text_of;
 using Integer = boost::multiprecision::cpp_int;
 
-/// "X12.5@1 Y-3@7" or ending with a fault.
+/// "X12.5@1 Y-3@7", or ending with a fault.
 std::string words_of(std::string_view line) {
   WordReader reader(line);
   std::string text;

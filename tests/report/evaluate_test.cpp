@@ -34,12 +34,13 @@ TEST(Evaluate, PerfectRun) {
   EXPECT_DOUBLE_EQ(report.lamp_hz, 100);
   ASSERT_TRUE(report.largest_error_steps);
   EXPECT_LE(*report.largest_error_steps, 0.5);
-  EXPECT_GT(*report.largest_error_steps, 0.45);  // rounding of so many points comes near it
+  EXPECT_GT(*report.largest_error_steps,
+            0.45);  // with this many points rounding comes close to 0.5
 }
 
-/// Random faults of every kind; the judge has to find exactly those.
+/// Random faults of every kind; exactly these must be found.
 TEST(Evaluate, FindsEveryMissedAndDoubledPoint) {
-  constexpr std::size_t old_point = 250;  // fired in its turn, and sometimes again much later
+  constexpr std::size_t old_point = 250;  // fired in order, and sometimes again much later
   for (int seed = 0; seed < lamplock::test::scaled(30); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
     JobRun run = job(2000, static_cast<std::uint64_t>(seed));
@@ -73,7 +74,7 @@ TEST(Evaluate, FindsEveryMissedAndDoubledPoint) {
   }
 }
 
-TEST(Evaluate, MatchesEveryShotOfAShuffledJob) {
+TEST(Evaluate, AssignsEveryShotOfAShuffledJob) {
   JobRun run = job(3000, 4);
   std::vector<std::size_t> order(run.points.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -86,7 +87,7 @@ TEST(Evaluate, MatchesEveryShotOfAShuffledJob) {
   EXPECT_EQ(matching.missed + matching.doubled, 0u);
 }
 
-TEST(Evaluate, AWrongShotIsAnErrorNotAMiss) {
+TEST(Evaluate, AShotAtAWrongPlaceIsAnErrorNotAMiss) {
   JobRun run = perfect_run(1000, 2);
   run.lattice_steps[400][1] += 9;
   run.shots[400].steps[1] += 9;
@@ -96,7 +97,7 @@ TEST(Evaluate, AWrongShotIsAnErrorNotAMiss) {
   EXPECT_NEAR(*report.largest_error_steps, 9, 0.5);
 }
 
-TEST(Evaluate, AStrayShotFarOffIsSeen) {
+TEST(Evaluate, ADistantStrayShotIsReported) {
   JobRun run = job(500, 2);
   for (std::size_t i = 0; i < run.points.size(); ++i) {
     if (i == 250) add_shot(run, {5000, 5000, 5000, 0});
@@ -108,7 +109,7 @@ TEST(Evaluate, AStrayShotFarOffIsSeen) {
   EXPECT_GT(*report.largest_error_steps, 3000);
 }
 
-TEST(Evaluate, JitterIsKeptApart) {
+TEST(Evaluate, JitterIsReportedSeparately) {
   JobRun run = perfect_run(1000, 3);
   run.shots[10].steps[0] += 1;
   run.shots[77].steps[2] -= 2;
@@ -133,7 +134,7 @@ TEST(Evaluate, EqualPointsAreEachFiredOnce) {
   EXPECT_EQ(evaluate(run).doubled, 1u);
 }
 
-TEST(Evaluate, ALateShotAtEqualPointsGoesToTheOneNotFired) {
+TEST(Evaluate, ALateShotAtEqualPointsIsAssignedToTheUnfiredOne) {
   JobRun run;
   run.points = {{1, 2, 3}, {5, 2, 3}, {1, 2, 3}, {9, 2, 3}};
   for (std::size_t i : {3u, 0u, 2u, 1u}) add_shot_at_point(run, i);
@@ -141,7 +142,7 @@ TEST(Evaluate, ALateShotAtEqualPointsGoesToTheOneNotFired) {
   EXPECT_EQ(evaluate(run).doubled, 0u);
 }
 
-TEST(Evaluate, MoreShotsOrderedThanOne) {
+TEST(Evaluate, SeveralShotsPerPoint) {
   JobRun run = job(10, 1);
   run.shots_ordered.assign(10, 2);
   run.shots_ordered[3] = 0;
@@ -163,7 +164,7 @@ TEST(Evaluate, FewerShotsThanOrderedAreMissed) {
   EXPECT_EQ(evaluate(run).doubled, 0u);
 }
 
-TEST(Evaluate, RepeatsOfShotsNotMadeAreNotDoubled) {
+TEST(Evaluate, RepetitionsAfterMissedShotsAreNotDoubled) {
   JobRun run = job(50, 3);
   for (std::size_t i = 0; i < run.points.size(); ++i) {
     add_shot_at_point(run, i);
@@ -206,7 +207,7 @@ TEST(Evaluate, RefusesARunThatContradictsItself) {
   EXPECT_THROW(evaluate(run), Error);
 }
 
-TEST(Evaluate, OfAStoppedJobCountsWhatWasFired) {
+TEST(Evaluate, OfAStoppedJobCountsTheFiredPoints) {
   for (int seed = 0; seed < lamplock::test::scaled(20); ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
     const auto flashes = static_cast<std::uint16_t>(1 + random() % 3);
@@ -215,7 +216,7 @@ TEST(Evaluate, OfAStoppedJobCountsWhatWasFired) {
     run.shots_ordered.assign(200, flashes);
     for (std::size_t i = 0; i < fired; ++i)
       for (int n = 0; n < flashes; ++n) add_shot_at_point(run, i);
-    // The point it was stopped at has all flashes but one.
+    // The point at which it was stopped has all flashes but one.
     for (int n = 1; n < flashes; ++n) add_shot_at_point(run, fired);
     run.beats = 2 * run.shots.size();
     run.time_s = static_cast<double>(run.beats) / 100;
@@ -231,7 +232,7 @@ TEST(Evaluate, OfAStoppedJobCountsWhatWasFired) {
   }
 }
 
-TEST(Evaluate, WhereNobodySawTheShotsTheMachineIsBelieved) {
+TEST(Evaluate, UnobservedShotsAreTakenFromTheMachine) {
   JobRun run = job(50, 1);
   run.shots_known = false;
   run.shots_fired = 30;
@@ -253,7 +254,7 @@ TEST(Evaluate, ADryRunFiresNoPoint) {
 TEST(PointNumbers, CountPausesWithThePoints) {
   JobRun run = job(6, 1);
   run.first_number = 10;
-  // Two in a row before the first point, one before the fourth, one behind the last.
+  // Two in a row before the first point, one before the fourth, one after the last.
   run.pauses = {0, 0, 3, 6};
   EXPECT_EQ(point_numbers(run), (std::vector<std::uint64_t>{12, 13, 14, 16, 17, 18}));
 }

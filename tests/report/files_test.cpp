@@ -34,7 +34,7 @@ class ReportFiles : public ::testing::Test {
   fs::path folder_ = temporary_.file("report");
 };
 
-TEST_F(ReportFiles, JsonHasExactlyTheKeysPromised) {
+TEST_F(ReportFiles, JsonHasExactlyTheDocumentedKeys) {
   JobRun run = perfect_run(50, 1);
   run.beats_by_reason = {{"dropout", 3}, {"travel", 12}};
   run.beats_outside = {{"warm_up", 7}};
@@ -99,7 +99,7 @@ TEST_F(ReportFiles, UnknownIsNull) {
   EXPECT_FALSE(fs::exists(folder_ / "shots.ply"));
 }
 
-TEST_F(ReportFiles, ANameThatIsNoTextCostsNothing) {
+TEST_F(ReportFiles, ANameThatIsInvalidUtf8IsAccepted) {
   JobRun run = perfect_run(5, 1);
   run.input = "caf\xe9.stl";
   const auto input = nlohmann::json::parse(to_json(evaluate(run))).at("input").get<std::string>();
@@ -140,7 +140,7 @@ TEST_F(ReportFiles, CsvNamesThePointOfEachShot) {
   JobRun run = test::job(30, 5);
   run.first_number = 40;
   run.pauses = {10};
-  std::vector<std::size_t> order{0, 1, 2, 4, 5, 3};  // one of them late
+  std::vector<std::size_t> order{0, 1, 2, 4, 5, 3};  // one of them is late
   for (std::size_t i = 6; i < 30; ++i) order.push_back(i);
   for (const std::size_t point : order) test::add_shot_at_point(run, point);
   write_report(evaluate(run), run, folder_);
@@ -149,12 +149,12 @@ TEST_F(ReportFiles, CsvNamesThePointOfEachShot) {
   std::getline(in, line);
   for (const std::size_t point : order) {
     ASSERT_TRUE(std::getline(in, line));
-    // Behind the pause numbers are one higher.
+    // After the pause, numbers are one higher.
     EXPECT_EQ(std::stoul(line.substr(line.rfind(',') + 1)), 40 + point + (point >= 10 ? 1 : 0));
   }
 }
 
-TEST_F(ReportFiles, PlyHoldsEveryShot) {
+TEST_F(ReportFiles, PlyContainsEveryShot) {
   JobRun run = perfect_run(200, 6);
   run.shots[3].channel = 2;
   write_report(evaluate(run), run, folder_);
@@ -182,7 +182,7 @@ TEST_F(ReportFiles, PlyHoldsEveryShot) {
   }
 }
 
-TEST_F(ReportFiles, AFolderThatCannotBeMadeIsOneLine) {
+TEST_F(ReportFiles, AFolderThatCannotBeCreatedIsAnErrorOfOneLine) {
   fs::create_directories(folder_);
   std::ofstream(folder_ / "file") << "in the way";
   const JobRun run = perfect_run(5, 1);
@@ -218,10 +218,10 @@ struct Pixels {
   std::vector<std::uint8_t> bytes;
 };
 
-points::PointCloud sphere(int count) {
+geometry::PointCloud sphere(int count) {
   std::mt19937_64 random(1);
   const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   for (int i = 0; i < count; ++i) {
     const double z = 2 * uniform() - 1, a = 6.283185307179586 * uniform();
     const double r = std::sqrt(1 - z * z);
@@ -240,21 +240,21 @@ TEST_F(ReportFiles, PictureShowsFewAndManyPoints) {
   for (int count : {300, 3'000, 300'000}) {
     write_cloud_picture(folder_ / "some.png", sphere(count), small);
     const Pixels some(folder_ / "some.png");
-    // Bright enough to see, and not a white patch.
+    // Bright enough to be visible, but not a white patch.
     EXPECT_GT(some.brighter(180), none.brighter(180) + 200) << count;
     EXPECT_LT(some.brighter(250), some.bytes.size() / 50) << count;
   }
 }
 
-TEST_F(ReportFiles, PictureTakesAnyCloud) {
+TEST_F(ReportFiles, PictureAcceptsAnyCloud) {
   fs::create_directories(folder_);
   const PictureSize small{.width = 80, .height = 60};
   const double nan = std::nan("");
-  for (const points::PointCloud& cloud :
-       {points::PointCloud{{1, 2, 3}}, points::PointCloud{{1, 2, 3}, {1, 2, 3}},
-        points::PointCloud{{nan, 0, 0}, {0, HUGE_VAL, 0}},
-        points::PointCloud{{0, 0, -1}, {0, 0, 1}},
-        points::PointCloud{{-1e6, 0, 0}, {1e6, 1e-6, 0}}})
+  for (const geometry::PointCloud& cloud :
+       {geometry::PointCloud{{1, 2, 3}}, geometry::PointCloud{{1, 2, 3}, {1, 2, 3}},
+        geometry::PointCloud{{nan, 0, 0}, {0, HUGE_VAL, 0}},
+        geometry::PointCloud{{0, 0, -1}, {0, 0, 1}},
+        geometry::PointCloud{{-1e6, 0, 0}, {1e6, 1e-6, 0}}})
     EXPECT_NO_THROW(write_cloud_picture(folder_ / "any.png", cloud, small));
   EXPECT_THROW(write_cloud_picture(folder_ / "no" / "such.png", {}, small), Error);
 }

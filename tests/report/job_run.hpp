@@ -1,4 +1,4 @@
-// Builds runs of a job as a perfect machine would record them, for tests to spoil.
+// Builds records of perfect runs of a job, to which tests add faults.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace lamplock::report::test {
 
-inline StepPosition rounded_steps(const points::Point& p, const PerAxis<double>& steps_per_mm) {
+inline StepPosition rounded_steps(const geometry::Point& p, const PerAxis<double>& steps_per_mm) {
   const auto round = [](double v) { return static_cast<std::int32_t>(std::lround(v)); };
   return {round(p.x * steps_per_mm[0]), round(p.y * steps_per_mm[1]), round(p.z * steps_per_mm[2]),
           0};

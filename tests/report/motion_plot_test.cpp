@@ -1,4 +1,4 @@
-// Pictures of motion: well-formed, complete, inside their frame.
+// Plots of motion: well-formed, complete, inside their frame.
 #include "host/report/motion_plot.hpp"
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@ using report::MotionSeries;
 using testing::HasSubstr;
 using testing::Not;
 
-/// What is wrong with a text as XML: tags that do not match, a stray < or &; empty if nothing is.
+/// The first XML fault of a text: tags that do not match, a stray < or &; empty if there is none.
 std::string xml_fault(const std::string& text) {
   std::vector<std::string> open;
   std::size_t elements = 0;
@@ -46,7 +46,7 @@ std::string xml_fault(const std::string& text) {
   return open.empty() ? "" : open.back() + " is not closed";
 }
 
-/// Every number of every path.
+/// All numbers of all paths.
 std::vector<double> path_numbers(const std::string& svg) {
   std::vector<double> numbers;
   for (std::size_t i = svg.find(" d=\""); i != std::string::npos; i = svg.find(" d=\"", i + 1)) {
@@ -60,7 +60,7 @@ std::vector<double> path_numbers(const std::string& svg) {
   return numbers;
 }
 
-TEST(MotionPlot, IsWellFormedWhateverIsDrawn) {
+TEST(MotionPlot, IsWellFormedForAnyInput) {
   for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(scaled(6)); ++seed)
     for (const double hz : {20.0, 100.0, 4000.0}) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << hz << " Hz");
@@ -81,7 +81,7 @@ TEST(MotionPlot, IsWellFormedWhateverIsDrawn) {
     }
 }
 
-TEST(MotionPlot, ShowsWhatHappened) {
+TEST(MotionPlot, ShowsAllEvents) {
   const job::Profile profile = lamp_profile();
   const job::Job job = job::make_job(wild_points(12, 3), profile, {});
   sim::LampConfig lamp;
@@ -93,7 +93,7 @@ TEST(MotionPlot, ShowsWhatHappened) {
   EXPECT_THAT(good, HasSubstr("from above"));
   EXPECT_THAT(good, HasSubstr(">shot</text>"));
   EXPECT_THAT(good, HasSubstr(">limit</text>"));
-  EXPECT_THAT(good, Not(HasSubstr("nothing moves")));
+  EXPECT_THAT(good, Not(HasSubstr("no axis moves")));
   EXPECT_THAT(good, Not(HasSubstr("no flash")));
   EXPECT_THAT(good, Not(HasSubstr("tick, us")));
   lamp.dropout = 0.2;
@@ -102,18 +102,18 @@ TEST(MotionPlot, ShowsWhatHappened) {
               HasSubstr("no flash"));
 }
 
-TEST(MotionPlot, TellsOfNothingThatIsNotThere) {
+TEST(MotionPlot, ShowsNoEventsThatDidNotOccur) {
   MotionSeries series;
   series.from = 2'000'000'000, series.to = 2'000'002'000, series.beat_ms = 10;
   const std::string svg = motion_svg(series, "");
   ASSERT_EQ(xml_fault(svg), "");
-  EXPECT_THAT(svg, HasSubstr("nothing moves in these beats"));
+  EXPECT_THAT(svg, HasSubstr("no axis moves in these beats"));
   for (const char* word : {">shot<", ">limit<", "without a shot", "no flash", "stroke-dasharray"})
     EXPECT_THAT(svg, Not(HasSubstr(word)));
   EXPECT_THAT(svg, HasSubstr(">2000000500</text>"));
 }
 
-TEST(MotionPlot, NamesOfHoldsStandAboveTheGrid) {
+TEST(MotionPlot, NamesOfHoldsAreAboveTheGrid) {
   MotionSeries series;
   series.from = 0, series.to = 100, series.beat_ms = 10;
   series.bands.push_back({20, 60, "hold"});
@@ -122,7 +122,7 @@ TEST(MotionPlot, NamesOfHoldsStandAboveTheGrid) {
   ASSERT_NE(name, std::string::npos);
   EXPECT_LT(svg.rfind("<path", panel), name);
   EXPECT_LT(name, panel);
-  // Inside the panel, wherever the hold is.
+  // Inside the panel for any time of the hold.
   for (const double from : {0.0, 99.9}) {
     series.bands = {{from, from + 0.1, "door open"}};
     const std::string edge = motion_svg(series, "");
@@ -133,7 +133,7 @@ TEST(MotionPlot, NamesOfHoldsStandAboveTheGrid) {
   }
 }
 
-TEST(MotionPlot, TitlesAreUtf8WhateverTheyCameFrom) {
+TEST(MotionPlot, TitlesAreValidUtf8ForAnyInput) {
   const MotionSeries series{0, 1, 10, false, {}, {}, {}, {}};
   const auto title = [&](const std::string& text) {
     const std::string svg = motion_svg(series, text);
@@ -149,7 +149,7 @@ TEST(MotionPlot, TitlesAreUtf8WhateverTheyCameFrom) {
   EXPECT_EQ(title("\xf4\x90\x80\x80 b"), "???? b");  // above the last one
 }
 
-TEST(MotionPlot, CurvesKeepInsideTheirPanels) {
+TEST(MotionPlot, CurvesStayInsideTheirPanels) {
   MotionSeries series;
   series.from = 0, series.to = 10, series.beat_ms = 10;
   report::AxisSeries axis;

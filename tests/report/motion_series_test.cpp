@@ -1,4 +1,4 @@
-// Series for pictures: those of the ticks, inside the limits, and what the pins did.
+// Series for plots: values of the ticks within limits, compared with the output of the pins.
 #include "host/report/motion_series.hpp"
 
 #include <gmock/gmock.h>
@@ -24,18 +24,17 @@ job::Job wild_job(const job::Profile& profile, std::uint64_t seed, JoinMode mode
   return job::make_job(wild_points(points, seed), profile, options);
 }
 
-/// Value of a curve, between its vertices along a straight line.
+/// Value of a curve, linearly interpolated between its vertices.
 double at(const Curve& curve, double beat) {
-  const auto behind =
-      std::upper_bound(curve.begin(), curve.end(), beat,
-                       [](double b, const report::Vertex& v) { return b < v.beat; });
-  if (behind == curve.begin()) return curve.front().value;
-  if (behind == curve.end()) return curve.back().value;
-  const report::Vertex &a = behind[-1], &b = *behind;
+  const auto after = std::upper_bound(curve.begin(), curve.end(), beat,
+                                      [](double b, const report::Vertex& v) { return b < v.beat; });
+  if (after == curve.begin()) return curve.front().value;
+  if (after == curve.end()) return curve.back().value;
+  const report::Vertex &a = after[-1], &b = *after;
   return a.value + (b.value - a.value) * (beat - a.beat) / (b.beat - a.beat);
 }
 
-/// Time in a lamp that never wavers, s.
+/// Time with a perfectly stable lamp, s.
 double seconds_of(double beats, const MotionSeries& series) {
   return beats * series.beat_ms * 1e-3;
 }
@@ -64,7 +63,7 @@ TEST(MotionSeries, SpeedsAndAccelerationsStayInsideTheLimits) {
           most = std::max(most, std::fabs(v.value));
         }
       }
-      EXPECT_GT(most, 2.5) << "these jobs ask a lot: are accelerations too small by a factor?";
+      EXPECT_GT(most, 2.5) << "these jobs need high accelerations: are they scaled wrongly?";
     }
 }
 
@@ -91,7 +90,7 @@ TEST(MotionSeries, EachCurveIsTheSlopeOfTheOneAbove) {
   }
 }
 
-TEST(MotionSeries, PositionsAreThoseThatThePinsWentThrough) {
+TEST(MotionSeries, PositionsMatchThePins) {
   const job::Profile profile = lamp_profile(200, LampMode::free_beat);
   const TracedRun run(profile, wild_job(profile, 8, JoinMode::free), all_beats);
   const MotionSeries series = run.series({0, 100});
@@ -101,18 +100,18 @@ TEST(MotionSeries, PositionsAreThoseThatThePinsWentThrough) {
     for (const PinMonitor::Step& step : run.rig.monitor.steps(axis.number)) {
       const double beat = sim::seconds(step.at - zero) * 1e3 / series.beat_ms;
       if (beat < 0 || beat > 100) continue;
-      // A step leaves at the beginning of the tick in which its edge is crossed: upwards the edge
-      // below the new position, downwards the one above it.
+      // A step is output at the beginning of the tick that crosses its edge: upwards the edge below
+      // the new position, downwards the edge above it.
       const double steps = at(axis.position_mm, beat) * 200 + 0.5;
       const double edge = std::round(steps);
       ASSERT_TRUE(edge == step.position || edge == step.position + 1) << beat;
-      ASSERT_NEAR(steps, edge, 0.25) << beat;  // what a tick at 1 m/s makes
+      ASSERT_NEAR(steps, edge, 0.25) << beat;  // distance of a tick at 1 m/s
       ++compared;
     }
   EXPECT_GT(compared, 10'000u);
 }
 
-TEST(MotionSeries, ShotsStandOnTheirPointsAndBeats) {
+TEST(MotionSeries, ShotsAreAtTheirPointsAndBeats) {
   const job::Profile profile = lamp_profile();
   sim::LampConfig lamp;
   lamp.dropout = 0.1;
@@ -144,7 +143,7 @@ TEST(MotionSeries, TicksFollowTheLamp) {
   EXPECT_LT(spread, 0.012);
 }
 
-TEST(MotionSeries, AWindowIsTheSamePartOfTheWhole) {
+TEST(MotionSeries, AWindowEqualsThatPartOfTheWhole) {
   const job::Profile profile = lamp_profile();
   const job::Job job = wild_job(profile, 11, JoinMode::free, 300);
   constexpr sim::BeatWindow part{200, 220};
@@ -184,7 +183,7 @@ TEST(MotionSeries, AHoldLastsAsLongAsTheWindow) {
   const MotionSeries whole = motion_series(trace, profile.settings, all_beats, report::Fit::motion);
   ASSERT_EQ(whole.bands.size(), 1u);
   EXPECT_NEAR(whole.bands[0].to - whole.bands[0].from, 100, 15);
-  // A window that ends in the middle of it.
+  // A window that ends in the middle of the hold.
   const auto middle = static_cast<std::int64_t>((whole.bands[0].from + whole.bands[0].to) / 2);
   for (const report::Fit fit : {report::Fit::motion, report::Fit::window}) {
     const MotionSeries part = motion_series(trace, profile.settings, {0, middle}, fit);
@@ -212,7 +211,7 @@ TEST(MotionSeries, DryRunsCountFromTheFirstMotion) {
   EXPECT_LE(series.from, 0);
 }
 
-TEST(MotionSeries, AnEStopEndsMotionWhereItCame) {
+TEST(MotionSeries, AnEStopEndsMotionAtItsTime) {
   const job::Profile profile = lamp_profile();
   Rig rig(profile);
   const sim::MotionTrace trace(rig.board, all_beats, sim::MotionTrace::Zero::first_shot);

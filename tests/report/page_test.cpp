@@ -1,4 +1,4 @@
-// The page of a job as bytes: what is in it. How it looks and acts is tested in a browser
+// The contents of the page of a job. Its appearance and behaviour are tested in a browser
 // (tests/page).
 #include "host/report/page.hpp"
 
@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::json;
 using lamplock::test::scaled;
 
-/// What stands between two texts.
+/// The text between two texts.
 std::string between(const std::string& text, const std::string& from, const std::string& to) {
   const std::size_t begin = text.find(from);
   if (begin == std::string::npos) return "";
@@ -70,7 +70,7 @@ TEST(Page, HasTheNumbersOfTheReport) {
   EXPECT_EQ(data["settings_table"].size(), settings::setting_count);
 }
 
-TEST(Page, HasEveryPointWhereItLies) {
+TEST(Page, HasThePositionOfEveryPoint) {
   for (int i = 0; i < scaled(20); ++i) {
     const JobRun run = perfect_run(1 + 37 * i, static_cast<std::uint64_t>(i));
     const std::string text = page_of(run);
@@ -92,7 +92,7 @@ TEST(Page, HasEveryPointWhereItLies) {
   }
 }
 
-TEST(Page, TellsWhatWasMissed) {
+TEST(Page, ReportsMissedPoints) {
   JobRun run = job(50, 3);
   for (std::size_t i = 0; i < 50; ++i)
     if (i != 17 && i != 40) add_shot_at_point(run, i);
@@ -119,7 +119,7 @@ TEST(Page, ClockNeverRunsBackwards) {
     run.beats = run.shots.size();
     const auto clock = data_of(page_of(run))["clock"].get<std::vector<std::uint32_t>>();
     EXPECT_TRUE(std::is_sorted(clock.begin(), clock.end())) << i;
-    // Late ones included: all are fired at the end.
+    // Including late points: all are fired at the end.
     EXPECT_EQ(clock.back(), *std::max_element(clock.begin(), clock.end()));
     if (!late.empty() && late.back() + 1 < run.points.size()) {
       EXPECT_EQ(clock.back(), run.shots.size() - 1) << i;
@@ -127,7 +127,7 @@ TEST(Page, ClockNeverRunsBackwards) {
   }
 }
 
-TEST(Page, NumbersPointsAsTheJobDoes) {
+TEST(Page, NumbersPointsLikeTheJob) {
   JobRun run = perfect_run(30, 2);
   run.first_number = 7;
   run.pauses = {0, 10, 10};
@@ -136,7 +136,7 @@ TEST(Page, NumbersPointsAsTheJobDoes) {
   EXPECT_EQ(data["pauses"], Json({0, 10, 10}));
 }
 
-TEST(Page, KnowsNothingOfShotsThatNobodySaw) {
+TEST(Page, OmitsShotsThatAreUnknown) {
   JobRun run = job(50, 4);
   run.shots_known = false;
   run.shots_fired = 50;
@@ -147,7 +147,7 @@ TEST(Page, KnowsNothingOfShotsThatNobodySaw) {
   EXPECT_EQ(data["utilisation"]["share"], Json::array());
 }
 
-TEST(Page, ShowsForeseenBeatsAsAnEstimate) {
+TEST(Page, ShowsPredictedBeatsAsAnEstimate) {
   JobRun run = job(4, 5);
   run.shots_known = false;
   run.foreseen_beats = {0, 1, 4, 400};
@@ -158,10 +158,10 @@ TEST(Page, ShowsForeseenBeatsAsAnEstimate) {
   EXPECT_EQ(bytes[6], 0);
   EXPECT_EQ(bytes[14], 1);
   EXPECT_EQ(bytes[22], 3);
-  EXPECT_EQ(static_cast<unsigned char>(bytes[30]), 254);  // as many or more
+  EXPECT_EQ(static_cast<unsigned char>(bytes[30]), 254);  // this many or more
 }
 
-TEST(Page, ClosesNoScriptEarly) {
+TEST(Page, NeverClosesItsScriptEarly) {
   JobRun run = perfect_run(3, 6);
   run.input = "a</script><script>alert(1)</script><!--.xyz";
   run.warnings = {"</script>", "\xff\xfe is no UTF-8"};
@@ -180,7 +180,7 @@ TEST(Page, AsksNoServer) {
   EXPECT_THAT(text, testing::StartsWith("<!doctype html>"));
 }
 
-TEST(Page, OfNoPointsAndOfPointsInOnePlace) {
+TEST(Page, OfNoPointsAndOfPointsAtOnePlace) {
   JobRun none;
   EXPECT_EQ(cloud_of(page_of(none)), "");
   JobRun same = job(3, 8);
@@ -227,7 +227,7 @@ TEST(PageSeries, UtilisationIsThatOfTheJob) {
 }
 
 TEST(PageSeries, SpacingOfALattice) {
-  points::PointCloud cloud;
+  geometry::PointCloud cloud;
   for (int x = 0; x < 12; ++x)
     for (int y = 0; y < 11; ++y)
       for (int z = 0; z < 10; ++z) cloud.push_back({0.1 * x, 0.12 * y, 0.15 * z});
@@ -261,13 +261,13 @@ TEST(PageSeries, SpacingOfBrokenClouds) {
   EXPECT_EQ(spacing_histogram({{0, 0, 0}, {1e300, 0, 0}}).values, 2u);
 }
 
-TEST(PageSeries, BeatsOfWays) {
+TEST(PageSeries, BeatsOfMoves) {
   PointBeats beats;
   beats.known = true;
   beats.beat = {0, 1, 2, 5, 5, 100, 90};
   beats.missed = {0, 0, 0, 0, 1, 0, 0};
   const Histogram ways = beats_histogram(beats);
-  EXPECT_EQ(ways.values, 4u);  // neither the missed one nor that out of turn
+  EXPECT_EQ(ways.values, 4u);  // neither the missed point nor the late one
   EXPECT_EQ(ways.counts[1], 2u);
   EXPECT_EQ(ways.counts[3], 1u);
   EXPECT_EQ(ways.counts.back(), 1u);

@@ -1,4 +1,4 @@
-// The file of jobs: lines that any program reads as CSV.
+// The statistics file of jobs: lines of standard CSV.
 #include "host/report/statistics.hpp"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ namespace {
 
 using lamplock::test::error_of;
 
-/// Lines of fields, as RFC 4180 reads them.
+/// Lines of fields, parsed as in RFC 4180.
 std::vector<std::vector<std::string>> read_csv(const std::string& text) {
   std::vector<std::vector<std::string>> lines;
   std::vector<std::string> line{""};
@@ -38,7 +38,7 @@ std::vector<std::vector<std::string>> read_csv(const std::string& text) {
   return lines;
 }
 
-TEST(Statistics, NamesOnceAndALineForEachJob) {
+TEST(Statistics, WritesTheHeaderOnceAndALineForEachJob) {
   const lamplock::test::TemporaryFolder folder;
   const auto file = folder.file("jobs.csv");
   JobRun run = perfect_run(20, 1);
@@ -63,12 +63,12 @@ TEST(Statistics, NamesOnceAndALineForEachJob) {
   EXPECT_EQ(value(1, "points_fired"), "20");
   EXPECT_EQ(value(1, "beats"), "20");
   EXPECT_EQ(value(1, "missed"), "0");
-  EXPECT_EQ(value(2, "missed"), "");  // nobody knows
+  EXPECT_EQ(value(2, "missed"), "");  // unknown
 }
 
 const auto some_day = std::chrono::system_clock::from_time_t(1'774'690'200);
 
-/// The names without the last `fewer` of them.
+/// The header without the last `fewer` names.
 std::string names_without(int fewer) {
   std::string names = statistics_names();
   names.pop_back();
@@ -76,7 +76,7 @@ std::string names_without(int fewer) {
   return names;
 }
 
-TEST(Statistics, LeavesFilesOfOthersAlone) {
+TEST(Statistics, LeavesForeignFilesUnchanged) {
   const lamplock::test::TemporaryFolder folder;
   const auto file = folder.file("jobs.csv");
   const std::string names = statistics_names();
@@ -94,11 +94,11 @@ TEST(Statistics, LeavesFilesOfOthersAlone) {
   EXPECT_FALSE(std::filesystem::exists(folder.file("none.csv")));
 }
 
-TEST(Statistics, KeepsToTheNamesOfItsFile) {
+TEST(Statistics, KeepsTheHeaderOfItsFile) {
   const lamplock::test::TemporaryFolder folder;
   const auto file = folder.file("jobs.csv");
   const Report report = evaluate(perfect_run(3, 1));
-  // Of an older program, of a newer one, written anew by another program, without its last end.
+  // Of an older program, of a newer one, rewritten by another program, without the last newline.
   for (const std::string& begun : {names_without(1) + "\n", names_without(0) + ",new,newer\n",
                                    names_without(0) + "\r\n", names_without(0)}) {
     write_file(file, begun);

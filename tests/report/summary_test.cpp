@@ -47,7 +47,7 @@ TEST(Summary, TwoReportsSideBySideWithTheirRatio) {
   EXPECT_THAT(text, ContainsRegex("ratio +0\\.750\n"));
 }
 
-TEST(Summary, ColumnsLineUp) {
+TEST(Summary, ColumnsAreAligned) {
   std::istringstream lines(summary(example("start-stop", 400'000), example("free", 3000)));
   std::size_t width = 0;
   for (std::string line; std::getline(lines, line);) {
@@ -56,13 +56,13 @@ TEST(Summary, ColumnsLineUp) {
   }
 }
 
-TEST(Summary, UnknownIsSaid) {
+TEST(Summary, UnknownValuesAreMarked) {
   JobRun run = test::job(10, 1);
   run.shots_known = false;
   EXPECT_THAT(summary(evaluate(run)), ContainsRegex("missed points +unknown\n"));
 }
 
-TEST(EstimateSummary, HasWhatCanBeForeseenAndNothingElse) {
+TEST(EstimateSummary, HasOnlyPredictableValues) {
   const std::string text = estimate_summary(evaluate(test::perfect_run(1234, 1)));
   for (const char* label : {"points", "beats", "utilisation", "machine time", "before the first"})
     EXPECT_NE(text.find(label), std::string::npos) << label;

@@ -1,4 +1,4 @@
-// A job on the virtual board, traced, with the monitor of its pins beside it.
+// A job on the virtual board with a motion trace and a monitor of its pins.
 #pragma once
 
 #include "host/report/motion_series.hpp"

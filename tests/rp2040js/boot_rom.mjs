@@ -1,7 +1,7 @@
-// What an image needs of the boot ROM, by own code: the table of functions at 0x14, the function
-// that searches it at 0x18 (RP2040 datasheet, 2.8.3), and the flash functions on an array of bytes.
+// The parts of the boot ROM that an image needs, by own code: the table of functions at 0x14, its
+// lookup function at 0x18 (RP2040 datasheet, 2.8.3), and the flash functions on an array of bytes.
 //
-// Every function is a break point with its number, then a return; the number says what to do.
+// Every function is a break point with its number, then a return; the number selects the action.
 
 const rom_bytes = 16 * 1024;
 const table_at = 0x100;
@@ -23,13 +23,13 @@ const lookup_code = [
   0x4770,  //       bx   lr
 ];
 
-/** As the ROM calls the second-stage boot. */
+/** Enters the second-stage boot as the ROM does. */
 export function enter_boot2(core) {
   core.SP = 0x20041f00;
   core.PC = 0x10000000;
 }
 
-/** ROM for `mcu`. `flash()` gives its flash; `boot_loader()` is called when the image asks for it. */
+/** ROM for `mcu`. `flash()` returns its flash; `boot_loader()` is called on the image's request. */
 export function install_rom(mcu, boot_loader) {
   const sector = 4096;
   const page = 256;

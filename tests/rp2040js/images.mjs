@@ -6,9 +6,9 @@
 //   PAGE     docs/chip-simulator.md, which has to have the table
 //   --table  prints the table and runs nothing
 //
-// images.json lists of each image what rp2040js needs help with, and groups of expectations that it
-// does not meet: each as it is written in the script, with what is seen instead, the section that
-// decides, and why. A difference that is not listed, or listed and gone, is an error.
+// images.json lists for each image the corrections that rp2040js needs, and groups of expectations
+// that it does not meet: each as written in the script, with what is seen instead, the section
+// that decides, and the reason. A difference that is not listed, or listed but absent, is an error.
 //
 // exit status: 0 all as listed; 1 not; 2 wrong use; 77 rp2040js is not installed (toolchain/setup)
 
@@ -21,7 +21,7 @@ import { isDeepStrictEqual } from 'node:util';
 import { read_script } from './script.mjs';
 
 const not_there = 77;
-const hangs_ms = 300e3;  // of the host; each takes a few seconds
+const hangs_ms = 300e3;  // of the host's time; each image takes a few seconds
 const here = dirname(fileURLToPath(import.meta.url));
 const scripts = join(here, '..', 'chip_images');
 const listed = JSON.parse(readFileSync(join(here, 'images.json'), 'utf8'));
@@ -39,7 +39,7 @@ const readable = names.filter((name) => {
   }
 });
 
-/** [expectation, seen instead] of each that is not met, in the order of the script. */
+/** [expectation, seen instead] of each unmet expectation, in the order of the script. */
 function run(name, images) {
   const script = join(scripts, `${name}.script`);
   const helps = listed[name].help ?? [];
@@ -56,7 +56,7 @@ function run(name, images) {
   }
 }
 
-/** True if the image does as listed; prints what does not. */
+/** True if the image behaves as listed; prints the differences. */
 function as_listed(name, images) {
   const seen = run(name, images);
   const left = [...differences(listed[name])];
@@ -107,7 +107,7 @@ if (option === '--table') {
 }
 const all_readable = readable.length === names.length;
 const page_good = readFileSync(page, 'utf8').includes(`\n${table()}\n`);
-if (!page_good) console.log(`FAILED  ${page} has another table; make it anew with --table`);
+if (!page_good) console.log(`FAILED  ${page} has another table; create it with --table`);
 if (page_good && !existsSync(join(here, 'node_modules', 'rp2040js'))) {
   console.log('rp2040js is not installed; run toolchain/setup');
   process.exit(not_there);

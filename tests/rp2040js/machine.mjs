@@ -1,7 +1,7 @@
 // One run of a flash image in rp2040js, with a host at its USB.
 //
 // rp2040js 1.4.1 does not clock the PIO (no tick, no edge, no lamp): boot, enumeration, text and
-// settings only. Where it differs from the datasheet in what the image uses, it is patched here.
+// settings only. Differences from the datasheet that affect the image are patched here.
 
 import { ConsoleLogger, LogLevel, Simulator, USBCDC } from 'rp2040js';
 
@@ -9,7 +9,7 @@ import { enter_boot2, install_rom } from './boot_rom.mjs';
 
 const cycle_ns = 8;  // 125 MHz
 
-/** CHAN_ABORT reads 0 once the channels have stopped (datasheet, 2.5.5.3); rp2040js knows no read. */
+/** CHAN_ABORT reads 0 once the channels have stopped (datasheet, 2.5.5.3); rp2040js has no read. */
 function patch_dma_abort(mcu) {
   const chan_abort = 0x444;
   const read = mcu.dma.readUint32.bind(mcu.dma);
@@ -18,7 +18,7 @@ function patch_dma_abort(mcu) {
 
 /**
  * An interrupt that software pends is no longer pending once it is taken, unless its line is high
- * (ARMv6-M Architecture Reference Manual, B3.4.1); rp2040js leaves it pending for ever.
+ * (ARMv6-M Architecture Reference Manual, B3.4.1); rp2040js leaves it pending forever.
  */
 function patch_pending(core) {
   let lines = 0;
@@ -35,7 +35,7 @@ function patch_pending(core) {
   };
 }
 
-/** A powered Pico with `flash` in it and a host at its USB. */
+/** A powered Pico with `flash` as its contents and a host at its USB. */
 export class Machine {
   #simulator = new Simulator();
   #mcu = this.#simulator.rp2040;
@@ -83,7 +83,7 @@ export class Machine {
     return done();
   }
 
-  /** Sends `line`; true once `pattern` has come. */
+  /** Sends `line`; true once `pattern` has arrived. */
   ask(line, pattern, limit_ms = 200) {
     this.#text = '';
     this.send(`${line}\n`);
@@ -91,7 +91,7 @@ export class Machine {
     while (this.ms < end) {
       if (this.run_until(20, () => pattern.test(this.#text))) return true;
       if (this.in_boot_loader) return false;
-      // rp2040js moves the second of two buffers only together with the first: more to say.
+      // rp2040js moves the second of two buffers only together with the first: request more.
       this.send('?');
     }
     return false;

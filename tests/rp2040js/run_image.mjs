@@ -1,8 +1,8 @@
 // One small image with its script in rp2040js.
 //
 // usage: node run_image.mjs IMAGE.uf2 SCRIPT [clocked] [inputs]
-//   clocked  its PIO is stepped once a cycle; inputs  those of pads are on after reset
-// prints JSON: { results: [{ says, met, seen }], stopped: why the simulator gave up, if it did }.
+//   clocked  its PIO is stepped once a cycle; inputs  inputs of pads are on after reset
+// prints JSON: { results: [{ says, met, seen }], stopped: the simulator's error, if any }.
 // An expectation without `met` was not reached.
 
 import { readFileSync, writeSync } from 'node:fs';
@@ -13,9 +13,9 @@ import { Scene } from './script_scene.mjs';
 import { enable_inputs, run_in_rp2040js } from './small_run.mjs';
 import { read_uf2 } from './uf2.mjs';
 
-const until_ms = 2000;  // as the tests chip_images.* have it
+const until_ms = 2000;  // as in the tests chip_images.*
 
-// What rp2040js says on the console is said once an access, by the million.
+// rp2040js writes to the console on every access, millions of times.
 for (const level of ['debug', 'info', 'log', 'warn', 'error']) console[level] = () => {};
 
 const [image, script, ...helps] = process.argv.slice(2);
@@ -31,4 +31,4 @@ try {
   stopped = error.message;
 }
 writeSync(1, JSON.stringify({ results: run?.results ?? [], stopped }));
-process.exit(0);  // rp2040js runs its PIO by timers of the host, which would never end
+process.exit(0);  // rp2040js runs its PIO by timers of the host, which never end

@@ -1,4 +1,4 @@
-// Reads a script for the chip (docs/chip-script.md) as far as the small images use the language.
+// Reads a script for the chip (docs/chip-script.md); supports the subset used by the small images.
 
 const ps_of = { ps: 1, ns: 1e3, us: 1e6, ms: 1e9, s: 1e12 };
 const hz_of = { Hz: 1, kHz: 1e3, MHz: 1e6 };
@@ -20,7 +20,7 @@ function pin(word) {
 /** 0 and 1 are UARTs, 2 is USB. */
 const port = (word) => (word === 'usb' ? 2 : Number(word.match(/^uart([01])$/)?.[1]));
 
-/** "a..b", or "b" from nothing on. */
+/** "a..b", or "b" from `nothing` on. */
 function range(word, read, nothing) {
   const [least, most] = word.includes('..') ? word.split('..') : [undefined, word];
   return { least: least === undefined ? nothing : read(least), most: read(most) };
@@ -30,7 +30,7 @@ const is_edge = (word) => ['rise', 'fall', 'edge'].includes(word);
 const is_level = (word) => ['high', 'low', '1', '0'].includes(word);
 const level = (word) => word === 'high' || word === '1';
 
-/** Words of a line; a string in quotes is one, a comment none. */
+/** Words of a line; a quoted string is one word, comments are dropped. */
 const words_of = (line) => line.match(/"(?:\\.|[^"\\])*"|#.*|\S+/g)?.filter((word) => word[0] !== '#') ?? [];
 
 function text(word) {
@@ -93,7 +93,7 @@ function statement(words) {
       return [{ kind: 'join', gpio: pin(rest[0]), other: pin(rest[1]) }];
     case 'pulse':
       return [pulse(rest)];
-    case 'allow':  // decides about the exit status of lamplock chip alone
+    case 'allow':  // affects only the exit status of lamplock chip
       return [];
     case 'end':
       return [{ kind: 'end' }];
@@ -108,7 +108,7 @@ function statement(words) {
   }
 }
 
-/** Steps of a script, one after the other; `says` is an expectation as it is written. */
+/** Steps of a script in order; `says` is an expectation as written. */
 export function read_script(source) {
   const lines = source.split('\n').map(words_of).filter((words) => words.length > 0);
   return lines.flatMap(statement);

@@ -1,16 +1,16 @@
-// Runs a script (docs/chip-script.md) beside rp2040js. Other than `lamplock chip` it goes on after an
+// Runs a script (docs/chip-script.md) beside rp2040js. Unlike `lamplock chip` it continues after an
 // expectation that is not met, at the end of what it saw instead, so that one difference does not
 // hide the others.
 
-const look_ps = 1e6;       // the script learns of an edge up to 1 us later
-const cause_ps = 200e6;    // an edge that a reaction is expected of comes by then, or never
-const late_ps = 10e9;      // a text is waited for longer than its window, so that the rest is in step
-const shown = 40;          // of what a port has said, so many letters
+const look_ps = 1e6;       // the script sees an edge up to 1 us late
+const cause_ps = 200e6;    // time-out for an edge that must cause a reaction
+const late_ps = 10e9;      // extra wait for a late text, so that later steps stay in sync
+const shown = 40;          // maximum number of characters shown of a port's output
 const tiny = 1e-3;         // ps, cycles: rounding
 
 const units = [['s', 1e12], ['ms', 1e9], ['us', 1e6], ['ns', 1e3]];
 
-/** As the window of the expectation is written: cycles, or the unit in which it is above 1. */
+/** In the unit of the expectation's window: cycles, or the unit in which it is above 1. */
 function length(from, to, cycles) {
   if (cycles) return `${Number((to.cycle - from.cycle).toFixed(2))} cycles`;
   const ps = to.ps - from.ps;
@@ -28,8 +28,8 @@ export class ScriptRun {
   #script;
   #time;
   #beside = [];
-  #trains = new Map();  // of a pin: what drives it from outside
-  #used = [0, 0, 0];    // bytes of each port
+  #trains = new Map();  // by pin: the external driver
+  #used = [0, 0, 0];    // consumed bytes of each port
   #main;
   results = [];
   done = false;
@@ -108,7 +108,7 @@ export class ScriptRun {
     while (this.#scene.now().ps < ps - tiny) yield { ps };
   }
 
-  /** Fills `result`; returns the script's time behind it. */
+  /** Fills `result`; returns the script's time after it. */
   *#check(step, result) {
     const start = this.#time;
     const { at, seen } = yield* this[`_${step.kind}`](step, start);
@@ -117,7 +117,7 @@ export class ScriptRun {
     return at;
   }
 
-  /** The first edge behind `from` for which `fits`, looked for up to `end`. */
+  /** The first edge after `from` for which `fits`, searched up to `end`. */
   *#edge(gpio, kind, from, end) {
     const edges = this.#scene.edges[gpio];
     let next = edges.findLastIndex((edge) => edge.at.ps <= from.ps + tiny) + 1;
@@ -137,7 +137,7 @@ export class ScriptRun {
     return at ? { at } : { at: end, seen: 'none' };
   }
 
-  /** Until the host has found a serial port. */
+  /** Waits until the host has found a serial port. */
   *_usb({ limit }, start) {
     const end = this.#scene.after(start, limit);
     while (!this.#scene.usb_found && this.#scene.now().ps < end.ps) yield;
@@ -148,7 +148,7 @@ export class ScriptRun {
   *_reaction(step, start) {
     const { gpio, edge, least, most, cause, cause_edge, times } = step;
     let from = this.#scene.edges[cause].findLast((each) => each.at.ps <= start.ps + tiny && is_kind(each, cause_edge))?.at;
-    let first;  // that is not as expected
+    let first;  // first unexpected result
     for (let n = 1; ; ++n) {
       if (from === undefined || n > 1) {
         const after = from ?? start;
@@ -156,7 +156,7 @@ export class ScriptRun {
         from = yield* this.#edge(cause, cause_edge, after, end);
         if (from === undefined) return { at: after, seen: first ?? `no gpio${cause} ${cause_edge}` };
       }
-      // An edge that comes too late tells more than none: looked for ten times as long.
+      // A late edge is more informative than none: search ten times as long.
       const long = this.#scene.after(from, { ...most, amount: 10 * most.amount });
       const at = yield* this.#edge(gpio, edge, from, long);
       const which = n === 1 ? '' : ` (time ${n})`;
@@ -167,7 +167,7 @@ export class ScriptRun {
     }
   }
 
-  /** Edges in the window behind `start`. */
+  /** Edges in the window after `start`. */
   *#window(gpio, start, window) {
     const end = this.#scene.after(start, window);
     while (this.#scene.now().ps <= end.ps + tiny) yield end.ps > this.#scene.now().ps ? end : undefined;
@@ -197,12 +197,12 @@ export class ScriptRun {
 
   *_level({ gpio, level }, start) {
     yield* this.#until(start);
-    yield;  // edges of the same moment
+    yield;  // let simultaneous edges arrive
     const seen = this.#scene.level(gpio, start.ps + tiny);
     return seen === level ? { at: start } : { at: start, seen: seen ? 'high' : 'low' };
   }
 
-  /** The text; or a line that begins with the same word, which is what was said instead. */
+  /** The text; or a line that begins with the same word, which was sent instead. */
   *_text({ port, text, limit }, start) {
     const bytes = this.#scene.bytes[port];
     const said = () => bytes.slice(this.#used[port]).map(({ letter }) => letter).join('');

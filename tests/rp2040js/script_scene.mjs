@@ -1,19 +1,19 @@
-// What a script sees and moves of a chip in rp2040js: edges of pins and bytes of UARTs and USB with
-// their times, levels of pins from outside.
+// The inputs and outputs of a chip in rp2040js as a script uses them: edges of pins and bytes of
+// UARTs and USB with their times, levels of externally driven pins.
 
 import { GPIOPinState, USBCDC } from 'rp2040js';
 
 const pin_count = 30;
 const usb_port = 2;
 const bits_of_a_byte = 10;  // 8 bits, start and stop
-const reference_volts = 3.3;  // full scale of the ADC, as `lamplock chip` has it
+const reference_volts = 3.3;  // full scale of the ADC, as in `lamplock chip`
 const codes = 4096;
 
-/** Remembers what `rp2040` does; moments are { ps, cycle } with cycles of clk_sys. */
+/** Records the outputs of `rp2040`; moments are { ps, cycle } with cycles of clk_sys. */
 export class Scene {
   #rp2040;
   #clock;
-  #since = { ps: 0, cycle: 0 };  // of the present clk_sys
+  #since = { ps: 0, cycle: 0 };  // start of the present clk_sys
   #hz;
   #driven = new Array(pin_count).fill(false);
   edges = Array.from({ length: pin_count }, () => []);
@@ -60,7 +60,7 @@ export class Scene {
     if (level !== (edges.at(-1)?.level ?? false)) edges.push({ at: this.now(), level });
   }
 
-  /** From outside. */
+  /** Drives a pin externally. */
   drive(gpio, level) {
     const pin = this.#rp2040.gpio[gpio];
     this.#driven[gpio] = level;
@@ -86,18 +86,18 @@ export class Scene {
     settle();
   }
 
-  /** Calls once the time has come. */
+  /** Calls `call` at the given moment. */
   at(moment, call) {
     this.#clock.createAlarm(call).schedule(Math.max(0, moment.ps / 1000 - this.#clock.nanos));
   }
 
-  /** The voltage of an input of the ADC: 0 to 3 pins, 4 the temperature sensor. */
+  /** Sets the voltage of an ADC input: 0 to 3 are pins, 4 is the temperature sensor. */
   set_volts(input, volts) {
     const code = Math.floor(volts / reference_volts * codes);
     this.#rp2040.adc.channelValues[input] = Math.max(0, Math.min(codes - 1, code));
   }
 
-  /** The bytes come one after the other at the rate of the image, or all at once by USB. */
+  /** Sends the bytes one after the other at the rate of the image, or all at once by USB. */
   send(port, text) {
     if (port === usb_port) {
       for (const letter of text) this.#usb.sendSerialByte(letter.charCodeAt(0));
@@ -112,7 +112,7 @@ export class Scene {
     }
   }
 
-  /** Level of the pin behind its edges up to and with `ps`. */
+  /** Level of the pin after its edges up to and including `ps`. */
   level(gpio, ps) {
     return this.edges[gpio].findLast((edge) => edge.at.ps <= ps)?.level ?? false;
   }

@@ -1,8 +1,8 @@
-// The second opinion: the image that is flashed, in a simulator that others wrote.
+// An independent check: the flashed image in a simulator by other authors.
 //
 // usage: node second_opinion.mjs lamplock-rp2040.uf2
 // exit status: 0 it boots, enumerates, answers $I, keeps a setting over a restart and enters the
-// boot loader on request; 1 it does not; 77 rp2040js is not installed (toolchain/setup test)
+// boot loader on request; 1 failed; 77 rp2040js is not installed (toolchain/setup test)
 
 import { readFileSync } from 'node:fs';
 
@@ -17,7 +17,7 @@ const { Machine } = await import('./machine.mjs').catch((error) => {
 
 const boot_ms = 500;
 
-// Each complaint once: it has no FIFO between the cores, which the image asks for two milliseconds.
+// Each warning once: rp2040js has no FIFO between the cores, which the image polls for 2 ms.
 const complaints = new Set();
 const complain = console.warn;
 console.warn = (what) => {
@@ -48,7 +48,7 @@ const first = start(read_uf2(readFileSync(file)));
 check('$I answers with version, options and ok',
       first.ask('$I', /\[VER:1\.1h[^\]]*lamplock\][^]*\[OPT:[^\]]*\]\r\nok\r\n/), first);
 console.log(`        ${first.text.match(/\[VER:[^\]]*\]/)[0]}`);
-check('it says that there is but one core', /Core 1 does not answer/.test(first.text), first);
+check('it reports that there is only one core', /Core 1 does not answer/.test(first.text), first);
 check('? answers with a status', first.ask('?', /<(Idle|Alarm)[^>]*>/), first);
 check('$110=1234 is taken', first.ask('$110=1234', /ok\r\n/), first);
 first.run_until(50, () => false);
@@ -57,4 +57,4 @@ const second = start(first.flash);
 check('... and is there after a restart', second.ask('$$', /\$110=1234/), second);
 second.ask('$BOOT', /(?!)/);
 check('$BOOT enters the boot loader of the ROM', second.in_boot_loader, second);
-process.exit(0);  // rp2040js runs its PIO by timers of the host, which would never end
+process.exit(0);  // rp2040js runs its PIO by timers of the host, which never end

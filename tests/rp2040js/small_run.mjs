@@ -1,4 +1,4 @@
-// One run of a small image in rp2040js, as it is or with the help that it needs.
+// One run of a small image in rp2040js, as it is or with the corrections that it needs.
 
 import { ConsoleLogger, GPIOPinState, LogLevel, Simulator } from 'rp2040js';
 
@@ -6,19 +6,19 @@ import { enter_boot2, install_rom } from './boot_rom.mjs';
 
 const watchdog_base = 0x40058000;
 
-/** A PIO that steps when it is told to, not by timers of the host. */
+/** Makes a PIO step only on request, not by timers of the host. */
 function stop_free_run(pio) {
   pio.run = () => {};
 }
 
-/** One clock of a PIO; its own step() runs machines that are not enabled as well. */
+/** One clock of a PIO for enabled machines only; its own step() also runs disabled ones. */
 function step_enabled(pio) {
   if (pio.stopped) return;
   for (const machine of pio.machines) if (machine.enabled) machine.step();
   pio.checkChangedPins();
 }
 
-/** The input of a pin is what is on its pad, whoever drives it (RP2040 datasheet, 2.19.1). */
+/** The input of a pin is the level of its pad for any driver (RP2040 datasheet, 2.19.1). */
 function see_own_output(pin) {
   pin.addListener((state) => {
     if (state === GPIOPinState.High || state === GPIOPinState.Low)
@@ -35,10 +35,9 @@ export function enable_inputs(rp2040) {
 }
 
 /**
- * Runs `image`, the bytes of the flash, for `ms` of its time; `prepare(rp2040, clock)` may listen,
- * and may return what says whether the run is over. `clocked`: its PIO is stepped once a cycle of the
- * CPU, enabled machines only, and sees pins that the chip drives, none of which rp2040js does by
- * itself.
+ * Runs `image`, the bytes of the flash, for `ms` of its time; `prepare(rp2040, clock)` may add
+ * listeners and may return a function that ends the run. `clocked`: the PIO is stepped once a cycle
+ * of the CPU, enabled machines only, and sees pins that the chip drives; rp2040js does not.
  */
 export function run_in_rp2040js(image, ms, clocked, prepare) {
   const { rp2040, clock } = new Simulator();

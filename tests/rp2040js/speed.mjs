@@ -1,4 +1,4 @@
-// How fast rp2040js runs an image.
+// Measures the speed of rp2040js with an image.
 //
 // usage: node speed.mjs IMAGE.bin MS [clocked]
 // prints JSON: simulated and processor seconds. exit status: 77 rp2040js is not installed
@@ -16,4 +16,4 @@ const start = process.cpuUsage();
 run_in_rp2040js(readFileSync(file), Number(ms), clocked === 'clocked', (_, its) => { clock = its; });
 const used = process.cpuUsage(start);
 console.log(JSON.stringify({ simulated: clock.nanos / 1e9, cpu: (used.user + used.system) / 1e6 }));
-process.exit(0);  // the PIO's timers of the host would never end
+process.exit(0);  // the PIO's timers of the host never end

@@ -1,4 +1,4 @@
-// Reads a UF2 file (UF2 format specification): what the boot loader of the chip would flash.
+// Reads a UF2 file (UF2 format specification), as the boot loader of the chip would flash it.
 
 const block_bytes = 512;
 const family_rp2040 = 0xe48bff56;
@@ -6,7 +6,7 @@ const flash_base = 0x10000000;
 
 const flash_bytes = 2 * 1024 * 1024;
 
-/** The flash as it is afterwards; throws at the first block that is not right. */
+/** The resulting flash; throws at the first invalid block. */
 export function read_uf2(file) {
   const flash = new Uint8Array(flash_bytes).fill(0xff);
   const view = new DataView(file.buffer, file.byteOffset, file.byteLength);

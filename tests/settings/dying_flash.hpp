@@ -1,4 +1,4 @@
-// A flash that loses its power in the middle of things.
+// A flash that loses power during an operation.
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,11 @@
 
 namespace lamplock::test {
 
-/// Thrown at the moment the power fails.
+/// Thrown when the power fails.
 struct PowerLoss {};
 
 /// NOR flash: programming clears bits, erasing sets those of a sector. After `live_for(n)` the n-th
-/// byte of work is the last: what was being programmed or erased is left half done.
+/// byte of work is the last: the operation in progress is left incomplete.
 template <std::uint32_t n_sectors = 4>
 class DyingFlash {
  public:
@@ -54,10 +54,10 @@ class DyingFlash {
     throw PowerLoss{};
   }
 
-  /// Power fails within the n-th byte from now; 0 = never.
+  /// Power fails during the n-th byte from now; 0 = never.
   void live_for(std::uint64_t n) { left_ = n; }
   std::array<std::uint8_t, size>& bytes() { return bytes_; }
-  /// Bytes of work that have been done since it was as `before`.
+  /// Bytes of work done since the state `before`.
   std::uint64_t work_since(const DyingFlash& before) const {
     std::uint64_t work = (programs - before.programs) * settings::flash_page;
     for (std::size_t i = 0; i < sectors; ++i)
@@ -65,7 +65,7 @@ class DyingFlash {
     return work;
   }
 
-  std::uint32_t misuses = 0;  ///< unaligned, or a page programmed that was not erased
+  std::uint32_t misuses = 0;  ///< unaligned, or a page programmed without an erase
   std::uint64_t programs = 0;
   std::uint32_t deaths_in_erase = 0;
   std::uint32_t deaths_in_program = 0;
@@ -83,7 +83,7 @@ class DyingFlash {
     return false;
   }
   std::uint8_t random_byte() { return static_cast<std::uint8_t>(random_()); }
-  /// A byte is written, not written, or some of its bits are.
+  /// A byte is written completely, not at all, or in some of its bits.
   std::uint8_t half_programmed(std::uint8_t wanted) {
     switch (random_() % 3) {
       case 0:

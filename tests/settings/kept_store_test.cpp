@@ -1,5 +1,5 @@
-// Two stores on one flash chip with one buffer, as a board has them: settings, and what a program
-// leaves behind. What was saved in either comes back, whatever the power does to the other.
+// Two stores on one flash chip with one buffer, as on a board: settings, and the state that a
+// program leaves. Saved contents are restored even if power is lost while the other store writes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,9 +7,9 @@
 #include <random>
 #include <vector>
 
-#include "firmware/machine/kept_program.hpp"
+#include "firmware/machine/console/persistent_state.hpp"
 #include "firmware/settings/store.hpp"
-#include "tests/machine/random_kept_program.hpp"
+#include "tests/machine/random_persistent_state.hpp"
 #include "tests/scale.hpp"
 #include "tests/settings/dying_flash.hpp"
 #include "tests/settings/random_values.hpp"
@@ -17,10 +17,10 @@
 namespace lamplock::settings {
 namespace {
 
-using machine::KeptProgram;
-using machine::KeptProgramRecord;
+using machine::PersistentState;
+using machine::PersistentStateRecord;
 using test::PowerLoss;
-using test::random_kept_program;
+using test::random_persistent_state;
 using test::random_values;
 using test::scaled;
 using Random = std::mt19937_64;
@@ -49,7 +49,7 @@ class Area {
   std::uint32_t offset_;
 };
 
-using KeptStore = RecordStore<Area, KeptProgramRecord>;
+using KeptStore = RecordStore<Area, PersistentStateRecord>;
 constexpr std::uint32_t kept_offset = area_size;
 
 /// Both stores as after a start.
@@ -65,13 +65,13 @@ struct Stores {
   RecordStore<Area, SettingsRecord> settings{settings_area, buffer};
   KeptStore program{kept_area, buffer};
   Values values;
-  KeptProgram kept;
+  PersistentState kept;
 };
 
 TEST(KeptStore, GivesDefaultsWhenNothingWasEverSaved) {
   Chip chip;
   const Stores stores(chip);
-  EXPECT_EQ(stores.kept, KeptProgram{});
+  EXPECT_EQ(stores.kept, PersistentState{});
   EXPECT_TRUE(stores.program.empty());
   EXPECT_EQ(stores.program.counters().rejected, 0u);
 }
@@ -79,7 +79,7 @@ TEST(KeptStore, GivesDefaultsWhenNothingWasEverSaved) {
 TEST(KeptStore, WritesTheDocumentedFormat) {
   Chip chip;
   Stores stores(chip);
-  KeptProgram kept;
+  PersistentState kept;
   ASSERT_TRUE(kept.start_up[1].set("G20"));
   kept.parameters.home_g30_e7[1] = -2;
   ASSERT_TRUE(stores.program.save(kept));
@@ -92,33 +92,33 @@ TEST(KeptStore, WritesTheDocumentedFormat) {
                                          0,    0,    0,         0,    0,    0,    0,    0,
                                          0,    0,    0,         33,   3,    'G',  '2',  '0'};
   EXPECT_TRUE(std::equal(wanted.begin(), wanted.end(), at));
-  EXPECT_EQ(at[wanted.size() + 4], flash_blank) << "behind the CRC";
+  EXPECT_EQ(at[wanted.size() + 4], flash_blank) << "after the CRC";
   EXPECT_TRUE(std::all_of(chip.bytes().begin(), chip.bytes().begin() + area_size,
                           [](auto b) { return b == flash_blank; }));
 }
 
-TEST(KeptStore, WhatIsNotKeptIsNotWritten) {
+TEST(KeptStore, TransientStateIsNotWritten) {
   Chip chip;
   Stores stores(chip);
-  ASSERT_TRUE(stores.program.save(KeptProgram{}));
+  ASSERT_TRUE(stores.program.save(PersistentState{}));
   const std::uint64_t programs = chip.programs;
-  KeptProgram kept;
+  PersistentState kept;
   kept.parameters.shift_e7[0] = 1;
   ASSERT_TRUE(stores.program.save(kept));
   EXPECT_EQ(chip.programs, programs);
 }
 
-TEST(KeptStore, BothStoresTakeTurnsWithTheBuffer) {
+TEST(KeptStore, BothStoresShareTheBufferInTurn) {
   Chip chip;
   Random random(11);
   Stores stores(chip);
   Values values;
-  KeptProgram kept;
+  PersistentState kept;
   for (int i = 0; i < scaled(4000); ++i) {
     if (random() % 2 == 0)
       ASSERT_TRUE(stores.settings.save(values = random_values(random)));
     else
-      ASSERT_TRUE(stores.program.save(kept = random_kept_program(random)));
+      ASSERT_TRUE(stores.program.save(kept = random_persistent_state(random)));
     if (i % 16 != 0) continue;
     const Stores again(chip);
     ASSERT_EQ(again.values, values);
@@ -141,8 +141,8 @@ TEST(KeptStore, DyingAtEveryByteOfAWriteLeavesOldOrNew) {
     Stores filler(full);
     ASSERT_TRUE(filler.settings.save(filler.values = random_values(random)));
     for (int i = 0; i < records; ++i)
-      ASSERT_TRUE(filler.program.save(filler.kept = random_kept_program(random)));
-    KeptProgram wanted = random_kept_program(random);
+      ASSERT_TRUE(filler.program.save(filler.kept = random_persistent_state(random)));
+    PersistentState wanted = random_persistent_state(random);
     wanted.parameters.systems_e7[0][0] = filler.kept.parameters.systems_e7[0][0] / 2 + 1;
     Chip whole = full;
     Stores(whole).program.save(wanted);
@@ -167,26 +167,26 @@ TEST(KeptStore, DyingAtEveryByteOfAWriteLeavesOldOrNew) {
   EXPECT_TRUE(with_erase && without);
 }
 
-TEST(KeptStore, PowerLossLeavesOldOrNewAndTheOtherStoreAsItWas) {
+TEST(KeptStore, PowerLossLeavesOldOrNewAndTheOtherStoreUnchanged) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     Chip chip(seed);
     Random random(seed + 20);
     Values values;
-    KeptProgram kept;
+    PersistentState kept;
     for (int deaths = std::max(400, scaled(400)); deaths > 0; --deaths) {
       Stores stores(chip);
       ASSERT_EQ(stores.values, values);
       ASSERT_EQ(stores.kept, kept);
       chip.live_for(1 + random() % (random() % 8 == 0 ? 60'000u : 6'000u));
       Values new_values = values;
-      KeptProgram new_kept = kept;
+      PersistentState new_kept = kept;
       try {
         for (;;) {
           if (random() % 2 == 0) {
             ASSERT_TRUE(stores.settings.save(new_values = random_values(random)));
             values = new_values;
           } else {
-            ASSERT_TRUE(stores.program.save(new_kept = random_kept_program(random)));
+            ASSERT_TRUE(stores.program.save(new_kept = random_persistent_state(random)));
             kept = new_kept;
           }
         }
@@ -204,14 +204,14 @@ TEST(KeptStore, PowerLossLeavesOldOrNewAndTheOtherStoreAsItWas) {
   }
 }
 
-TEST(KeptStore, DamagedPagesBringBackSomethingThatWasSaved) {
+TEST(KeptStore, DamagedPagesReturnASavedState) {
   Random random(14);
   for (int i = 0; i < scaled(200); ++i) {
     Chip chip;
     Stores stores(chip);
-    std::vector<KeptProgram> saved(1);
+    std::vector<PersistentState> saved(1);
     for (auto n = 1 + random() % 80; n != 0; --n)
-      ASSERT_TRUE(stores.program.save(saved.emplace_back(random_kept_program(random))));
+      ASSERT_TRUE(stores.program.save(saved.emplace_back(random_persistent_state(random))));
     const Values values = random_values(random);
     ASSERT_TRUE(stores.settings.save(values));
     for (auto n = 1 + random() % 40; n != 0; --n) {
@@ -222,7 +222,7 @@ TEST(KeptStore, DamagedPagesBringBackSomethingThatWasSaved) {
     Stores after(chip);
     ASSERT_NE(std::find(saved.begin(), saved.end(), after.kept), saved.end());
     ASSERT_EQ(after.values, values);
-    const KeptProgram kept = random_kept_program(random);
+    const PersistentState kept = random_persistent_state(random);
     ASSERT_TRUE(after.program.save(kept));
     ASSERT_EQ(Stores(chip).kept, kept);
     ASSERT_EQ(chip.misuses, 0u);
@@ -234,52 +234,52 @@ TEST(KeptStore, GarbageIsRejectedAndCounted) {
   Chip chip;
   for (std::uint8_t& byte : chip.bytes()) byte = static_cast<std::uint8_t>(random());
   Stores stores(chip);
-  EXPECT_EQ(stores.kept, KeptProgram{});
+  EXPECT_EQ(stores.kept, PersistentState{});
   EXPECT_EQ(stores.program.counters().rejected, area_size / flash_page);
-  const KeptProgram kept = random_kept_program(random);
+  const PersistentState kept = random_persistent_state(random);
   ASSERT_TRUE(stores.program.save(kept));
   EXPECT_EQ(Stores(chip).kept, kept);
 }
 
-TEST(KeptStore, RecordsOfTheOtherKindAreNone) {
+TEST(KeptStore, RecordsOfTheOtherKindAreIgnored) {
   Random random(16);
   Chip chip;
   Stores stores(chip);
   ASSERT_TRUE(stores.settings.save(random_values(random)));
   std::copy_n(chip.bytes().begin(), area_size, chip.bytes().begin() + kept_offset);
   const Stores after(chip);
-  EXPECT_EQ(after.kept, KeptProgram{});
+  EXPECT_EQ(after.kept, PersistentState{});
   EXPECT_TRUE(after.program.empty());
   EXPECT_GT(after.program.counters().rejected, 0u);
 }
 
-TEST(KeptStore, ARecordOfALaterVersionIsPassedOverAndReplaced) {
+TEST(KeptStore, ARecordOfALaterVersionIsSkippedAndReplaced) {
   Chip chip;
   Area area(chip, kept_offset);
   std::array<std::uint8_t, KeptStore::buffer_size> buffer{};
-  RecordLog<Area> later(area, buffer, KeptProgramRecord::format);
+  RecordLog<Area> later(area, buffer, PersistentStateRecord::format);
   later.load();
-  std::fill_n(later.begin().begin(), 700, std::uint8_t{2});  // its version, and something
+  std::fill_n(later.begin().begin(), 700, std::uint8_t{2});  // its version, and other bytes
   ASSERT_TRUE(later.save(700));
   Stores stores(chip);
-  EXPECT_EQ(stores.kept, KeptProgram{});
+  EXPECT_EQ(stores.kept, PersistentState{});
   EXPECT_EQ(stores.program.counters().valid, 1u);
   EXPECT_EQ(stores.program.counters().unknown_values, 1u);
   Random random(17);
-  const KeptProgram kept = random_kept_program(random);
+  const PersistentState kept = random_persistent_state(random);
   ASSERT_TRUE(stores.program.save(kept));
   EXPECT_EQ(Stores(chip).kept, kept);
   EXPECT_EQ(chip.misuses, 0u);
 }
 
-TEST(KeptStore, WornOutFlashIsReportedAndTheOldProgramStays) {
+TEST(KeptStore, WornOutFlashIsReportedAndTheOldProgramIsKept) {
   Random random(18);
   Chip chip;
   Stores stores(chip);
-  const KeptProgram old = random_kept_program(random);
+  const PersistentState old = random_persistent_state(random);
   ASSERT_TRUE(stores.program.save(old));
   chip.stuck = 0x10;
-  KeptProgram other = old;
+  PersistentState other = old;
   other.parameters.systems_e7[3] = {1, 2, 3, 4};
   EXPECT_FALSE(stores.program.save(other));
   EXPECT_EQ(Stores(chip).kept, old);

@@ -1,4 +1,4 @@
-// Settings of any machine, for tests of what keeps them.
+// Random settings, for tests of their storage.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace lamplock::test {
 
-/// A few settings, or all, at random values within their ranges.
+/// Some or all settings at random values within their ranges.
 inline settings::Values random_values(std::mt19937_64& random) {
   settings::Values values;
   const bool all = random() % 8 == 0;

@@ -1,4 +1,4 @@
-// The settings store: what was saved comes back, whatever the power does.
+// The settings store: saved values are restored after any loss of power.
 #include "firmware/settings/store.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ Values loaded(Flash& flash) {
   return Store<Flash>(flash).load();
 }
 
-/// The format as the header of the store describes it, written down a second time.
+/// The format described in the store's header, implemented independently.
 std::vector<std::uint8_t> record(std::uint32_t sequence,
                                  const std::vector<std::pair<std::uint16_t, std::int32_t>>& items) {
   std::vector<std::uint8_t> bytes{'L', 'P', 'T', 'S'};
@@ -91,7 +91,7 @@ TEST(SettingsStore, ReadsRecordsOfOtherVersions) {
   ASSERT_TRUE(store.save(values));
   EXPECT_EQ(loaded(flash), values);
   EXPECT_EQ(flash.misuses, 0u);
-  EXPECT_EQ(flash.bytes()[5 * flash_page], 'L') << "behind both pages";
+  EXPECT_EQ(flash.bytes()[5 * flash_page], 'L') << "after both pages";
 }
 
 TEST(SettingsStore, UnchangedValuesAreNotWrittenAgain) {
@@ -147,7 +147,7 @@ TEST(SettingsStore, ThousandsOfWritesWearAllSectorsAlike) {
   wear_out<4>(scaled(10'000));
 }
 
-/// Dies at random moments; each time the old or the new values must be there.
+/// Loses power at random moments; each time the old or the new values must be restored.
 template <std::uint32_t sectors>
 void die_often(std::uint64_t seed, int deaths) {
   DyingFlash<sectors> flash(seed);
@@ -158,7 +158,7 @@ void die_often(std::uint64_t seed, int deaths) {
     const Values before = store.load();
     ASSERT_EQ(before, kept.value_or(Values{}));
     ASSERT_EQ(store.empty(), !kept.has_value());
-    // Often at once, so that deaths follow each other; sometimes after a few sectors.
+    // Often at once, so that power losses follow each other; sometimes after a few sectors.
     const auto far = static_cast<unsigned>(random() % 16);
     flash.live_for(1 + random() % (far == 0 ? 60'000 : 1 + (flash_page << (far % 6))));
     Values wanted = before;
@@ -181,7 +181,7 @@ void die_often(std::uint64_t seed, int deaths) {
 }
 
 TEST(SettingsStore, PowerLossLeavesOldOrNew) {
-  // Never fewer: a death in a program is rare beside those in an erase.
+  // Never fewer seeds: power losses while programming are rare beside those while erasing.
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     die_often<2>(seed, std::max(500, scaled(500)));
     die_often<4>(seed + 100, std::max(500, scaled(500)));
@@ -239,7 +239,7 @@ TEST(SettingsStore, GarbageIsRejectedAndCounted) {
   }
 }
 
-TEST(SettingsStore, AnyFlippedBitOfTheNewestRecordBringsBackTheOneBefore) {
+TEST(SettingsStore, AnyFlippedBitOfTheNewestRecordRestoresThePrecedingOne) {
   Random random(8);
   DyingFlash good;
   Store store(good);
@@ -260,7 +260,7 @@ TEST(SettingsStore, AnyFlippedBitOfTheNewestRecordBringsBackTheOneBefore) {
   }
 }
 
-TEST(SettingsStore, ATornRecordThatReadsWellLaterDoesNotOutrankItsSuccessor) {
+TEST(SettingsStore, ATornRecordThatIsReadCorrectlyLaterDoesNotOutrankItsSuccessor) {
   Random random(9);
   DyingFlash flash;
   Store store(flash);
@@ -268,16 +268,16 @@ TEST(SettingsStore, ATornRecordThatReadsWellLaterDoesNotOutrankItsSuccessor) {
   ASSERT_TRUE(store.save(random_values(random)));
   ASSERT_TRUE(store.save(random_values(random)));
   const std::uint8_t weak = flash.bytes()[flash_page + 6];
-  flash.bytes()[flash_page + 6] = 0x5a;  // cells near their threshold: wrong this time
+  flash.bytes()[flash_page + 6] = 0x5a;  // cells near their threshold: read wrongly now
   Store after(flash);
   after.load();
   const Values values = random_values(random);
   ASSERT_TRUE(after.save(values));
-  flash.bytes()[flash_page + 6] = weak;  // and right the next
+  flash.bytes()[flash_page + 6] = weak;  // and correctly later
   EXPECT_EQ(loaded(flash), values);
 }
 
-TEST(SettingsStore, WornOutFlashIsReportedAndTheOldValuesStay) {
+TEST(SettingsStore, WornOutFlashIsReportedAndTheOldValuesAreKept) {
   Random random(10);
   DyingFlash flash;
   Store store(flash);
@@ -287,7 +287,7 @@ TEST(SettingsStore, WornOutFlashIsReportedAndTheOldValuesStay) {
   flash.stuck = 0x10;
   EXPECT_FALSE(store.save(random_values(random)));
   EXPECT_EQ(loaded(flash), old);
-  EXPECT_EQ(flash.erases[0], 1u) << "the sector of the record that counts was erased";
+  EXPECT_EQ(flash.erases[0], 1u) << "the sector of the valid record was erased";
   flash.stuck = 0;
   const Values values = random_values(random);
   Store again(flash);

@@ -1,4 +1,4 @@
-// How the fixed-point helpers round.
+// Rounding of the fixed-point helpers.
 #include "shared/fixed_point.hpp"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ TEST(FixedPoint, RootsOfQ32NumbersAreRoundedDown) {
     const std::int64_t down = sqrt_down_q32(x);
     const Native square = Native{x} << 32;
     ASSERT_LE(Native{down} * down, square) << x;
-    // Thirty-one significant bits: at most two units of the last of them below.
+    // Thirty-one significant bits: at most two units of the last one below the exact root.
     const Native above = Native{down} + (down >> 30) + 1;
     ASSERT_GT(above * above, square) << x;
   }

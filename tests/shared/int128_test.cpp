@@ -1,4 +1,4 @@
-// Int128 against the compiler's own 128-bit integer.
+// Int128 compared with the compiler's own 128-bit integer.
 #include "shared/int128.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using test::native;
 using test::to_int128;
 using test::UnsignedNative;
 
-/// Numbers of every magnitude, with the corners (0, -1, the extremes) often.
+/// Numbers of every magnitude, often extreme ones (0, -1, the limits).
 class Numbers {
  public:
   std::uint64_t word() {
@@ -72,7 +72,7 @@ TEST(Int128, MultipliesExactly) {
   }
 }
 
-TEST(Int128, MultipliesFromThirtyTwoBitPiecesAsTheTargetDoes) {
+TEST(Int128, MultipliesFromThirtyTwoBitPiecesLikeTheTarget) {
   Numbers numbers;
   for (int i = 0; i < test::scaled(100'000); ++i) {
     const std::uint64_t a = numbers.word(), b = numbers.word();

@@ -27,7 +27,7 @@ TEST(SettingsTable, NamesAreUniqueAndDescribed) {
   }
 }
 
-TEST(SettingsTable, DefaultsAndBoundsAreValuesThatCanBeSet) {
+TEST(SettingsTable, DefaultsAndBoundsAreValidValues) {
   for (std::size_t i = 0; i < setting_count; ++i) {
     const Row& r = table[i];
     Values values;
@@ -72,7 +72,7 @@ TEST(SettingsTable, FindsByNumberAndName) {
   EXPECT_EQ(find_name(""), Id::count);
 }
 
-TEST(SettingsTable, HashTellsEverySettingOfJobsApart) {
+TEST(SettingsTable, HashDistinguishesEverySettingForJobs) {
   std::set<std::uint32_t> hashes{Values().hash()};
   for (std::size_t i = 0; i < setting_count; ++i) {
     Values values;

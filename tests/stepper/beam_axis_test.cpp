@@ -1,4 +1,4 @@
-// The beam axis: edges of cells at their ticks, against the positions that the axes have.
+// The beam axis: edges of cells at their ticks, compared with the positions of the axes.
 #include "firmware/stepper/beam_axis.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ double value(const Int128& q64) {
   return static_cast<double>(q64.hi()) + std::ldexp(static_cast<double>(q64.lo()), -64);
 }
 
-/// Axis, lattice and light at every tick.
+/// Records axis, lattice and light of every tick.
 class Board {
  public:
   explicit Board(int axis) : axis_(axis) {}
@@ -47,7 +47,7 @@ class Board {
       power.push_back(gate.back() ? block.power(i) : std::uint16_t{0});
   }
 
-  std::vector<double> position;  ///< where a tick begins
+  std::vector<double> position;  ///< at the beginning of each tick
   std::vector<bool> gate;
   std::vector<std::uint16_t> power;
 
@@ -56,7 +56,7 @@ class Board {
   double last_ = 0.5;
 };
 
-/// Some segments along one axis, in which cells are as long as each other.
+/// Segments along one axis with cells of equal length.
 struct BeamLine {
   std::vector<Segment> segments;
   double from = 0, steps = 0;  ///< signed
@@ -71,7 +71,7 @@ class Lines {
   }
 
   std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(random_() % n); }
-  /// Begins and ends at rest if it is told to, goes on at its speed otherwise.
+  /// Starts and ends at rest where requested, otherwise at its current speed.
   BeamLine next(std::size_t segments, bool from_rest, bool to_rest, bool ramps) {
     BeamLine line;
     if (from_rest) backwards_ = below(2) != 0;
@@ -151,7 +151,7 @@ std::uint16_t cell_ticks(double ticks) {
   return CellTicks::of(static_cast<std::uint32_t>(std::ldexp(mantissa, 12)), exponent - 1);
 }
 
-/// Where its segments begin, in cells, and what they have in common.
+/// Sets the beam of each segment: where it begins, in cells, and the common ratio.
 void set_beam(BeamLine& line, int axis, double cells, double begin, int place_bits, BeamKind kind) {
   double at = begin;
   const double per_step = cells / std::fabs(line.steps);
@@ -167,7 +167,7 @@ void set_beam(BeamLine& line, int axis, double cells, double begin, int place_bi
   }
 }
 
-/// Runs lines as the board does, or in blocks.
+/// Runs lines axis by axis, as the board does, or in blocks.
 struct Machine {
   explicit Machine(int axis) : board(axis) {}
 
@@ -199,7 +199,7 @@ struct Machine {
   Board board;
 };
 
-/// Cells of random powers, runs of one power among them.
+/// Cells of random powers, including runs of equal power.
 std::vector<std::uint16_t> some_cells(Lines& make, std::uint32_t count) {
   std::vector<std::uint16_t> cells;
   while (cells.size() < count) {
@@ -222,10 +222,10 @@ std::uint16_t write_list(PowerTable& table, const std::vector<std::uint16_t>& ce
   return table.end_list();
 }
 
-/// Half of the least bit of a table.
+/// Half of the least significant bit of a table.
 constexpr double power_rounding = 17;
 
-/// Each tick has the power of the cell that it lies in; an edge may come a tick late.
+/// Each tick has the power of the cell that it lies in; an edge may be a tick late.
 void expect_pixels(bool by_speed, bool blocks, std::uint64_t seed) {
   const int axis = static_cast<int>(seed % 3);
   Lines make(seed, axis);
@@ -263,14 +263,14 @@ void expect_pixels(bool by_speed, bool blocks, std::uint64_t seed) {
     };
     for (std::uint64_t t = line.segments.front().start_tick + 1; t + 1 < end; ++t) {
       const double at = place(t), before = place(t - 1);
-      // A tick late, and what the place of a segment is rounded by.
+      // Allows a tick of delay and the rounding of a segment's place.
       if (std::floor(before - 1e-4) != std::floor(at + 1e-4)) continue;
       const auto cell = static_cast<std::size_t>(std::clamp(at, 0.0, count - 1));
       double wanted = cells[i][cell], room = power_rounding;
       if (by_speed) {
         const double rate = (place(t + 1) - before) / 2 / per_tick[i];
         wanted *= rate;
-        // In cells of 16 ticks; the ticks of a cell have 12 bits.
+        // Cells span 16 ticks; a cell's ticks have 12 bits.
         room += wanted / 2048 + 1;
         const std::uint64_t first = line.segments.front().start_tick;
         double away = 0;
@@ -299,7 +299,7 @@ TEST(BeamAxis, PixelsFollowTheSpeedInEveryPowerCell) {
     ASSERT_NO_FATAL_FAILURE(expect_pixels(true, i % 3 == 0, static_cast<std::uint64_t>(i)));
 }
 
-/// Pulses at whole numbers of cells, over the ends of segments and lines.
+/// Pulses at whole numbers of cells, across the ends of segments and lines.
 void expect_pulses(bool blocks, std::uint64_t seed) {
   const int axis = static_cast<int>(seed % 3);
   Lines make(seed, axis);
@@ -324,7 +324,7 @@ void expect_pulses(bool blocks, std::uint64_t seed) {
   ASSERT_NO_FATAL_FAILURE(machine->run(lines, make.end_tick() + 30'000, blocks, random));
   const Board& board = machine->board;
   const std::uint64_t first = lines.front().segments.front().start_tick, end = make.end_tick();
-  // Edges by exact places, and the light that they make.
+  // The exact positions of edges, and the light that they cause.
   std::vector<bool> wanted(board.gate.size(), false), near(board.gate.size(), false);
   const double from = lines.front().from;
   std::uint64_t edges = 0, merged = 0, lit_until = 0;
@@ -350,7 +350,7 @@ void expect_pulses(bool blocks, std::uint64_t seed) {
         << "seed " << seed << " tick " << t << " of " << end << ", at "
         << 0.5 + std::fabs(board.position[t] - from) * per_step << ", pulse " << pulse;
   }
-  // One that comes just at the end of another may be told either way.
+  // A pulse that starts just as another ends may or may not be counted as merged.
   EXPECT_NEAR(static_cast<double>(machine->generator.beam().merged()), static_cast<double>(merged),
               0.02 * static_cast<double>(edges) + 1);
   if (edges > 2) {
@@ -363,8 +363,8 @@ TEST(BeamAxis, PulsesBeginAtWholeNumbersOfCells) {
     ASSERT_NO_FATAL_FAILURE(expect_pulses(i % 3 == 0, static_cast<std::uint64_t>(i)));
 }
 
-/// Where one segment ends just before an edge and the next, by a rounding, begins just behind it,
-/// the pulse is not lost; nor does it come twice where it is the other way round.
+/// If rounding moves a segment's end just before an edge and the next segment's start just past it,
+/// the pulse is not lost; in the opposite case it is not doubled.
 TEST(BeamAxis, AnEdgeBetweenTwoSegmentsIsPassedOnce) {
   for (const double jump : {3e-5, -3e-5}) {
     Lines make(4, 0);
@@ -373,7 +373,7 @@ TEST(BeamAxis, AnEdgeBetweenTwoSegmentsIsPassedOnce) {
     machine->generator.set_position({});
     machine->generator.beam().set_pulse(20);
     std::vector<BeamLine> lines{make.next(1, true, false, false), make.next(1, false, true, false)};
-    // One edge, at the joint but for half of the jump; the next one would be behind the end.
+    // One edge at the joint, off by half of the jump; the next edge would be past the end.
     set_beam(lines[0], 0, 0.4 - jump / 2, 0.6, pulse_place_bits, BeamKind::pulses);
     set_beam(lines[1], 0, 0.4, 1 + jump / 2, pulse_place_bits, BeamKind::pulses);
     for (BeamLine& line : lines) line.segments.front().beam.power = 1000;
@@ -387,9 +387,9 @@ TEST(BeamAxis, AnEdgeBetweenTwoSegmentsIsPassedOnce) {
   }
 }
 
-/// Faster than the board can follow they are taken together, and the light is no longer than that
-/// of all.
-TEST(BeamAxis, EdgesThatAreTooFastAreTakenTogether) {
+/// Edges faster than the board can follow are merged, and the light is no longer than that of all
+/// edges together.
+TEST(BeamAxis, EdgesThatAreTooFastAreMerged) {
   Lines make(1, 0);
   std::mt19937_64 random(1);
   auto machine = std::make_unique<Machine>(0);
@@ -412,7 +412,7 @@ TEST(BeamAxis, EdgesThatAreTooFastAreTakenTogether) {
   EXPECT_LE(shortest, 33u);
 }
 
-/// The ring of powers: what goes in comes out, and no more goes in than there is room for.
+/// The ring of powers returns what was stored and accepts no more than it has room for.
 TEST(PowerTable, KeepsRunsInOrder) {
   std::mt19937_64 random(5);
   auto table = std::make_unique<PowerTable>();
@@ -449,7 +449,7 @@ TEST(PowerTable, KeepsRunsInOrder) {
   EXPECT_EQ(wire::run_power(0x001f), 0);
 }
 
-TEST(PowerTable, IsFullBeforeItLosesAnything) {
+TEST(PowerTable, RefusesEntriesWhenFull) {
   auto table = std::make_unique<PowerTable>();
   std::uint32_t added = 0;
   while (table->add(static_cast<std::uint16_t>(added * 37), 1)) ++added;

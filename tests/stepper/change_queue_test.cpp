@@ -1,5 +1,5 @@
-// The queue of output changes: each is granted with the line it waits for, in order, once, whatever
-// marks come again, late, or from before it was cleared.
+// The queue of output changes: each is granted with its line, in order, once, even if marks are
+// repeated, late, or from before the queue was cleared.
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -13,7 +13,7 @@ namespace {
 
 using test::scaled;
 
-TEST(ChangeQueue, HasNoMarkWhileNothingWaits) {
+TEST(ChangeQueue, HasNoMarkWhileEmpty) {
   ChangeQueue queue;
   EXPECT_EQ(queue.mark(), 0);
   queue.push(1);
@@ -26,7 +26,7 @@ TEST(ChangeQueue, HasNoMarkWhileNothingWaits) {
   EXPECT_EQ(queue.mark(), 0);
 }
 
-/// Lines come, are begun later, some of them twice, some never.
+/// Lines are queued and begun later, some of them twice, some never.
 TEST(ChangeQueue, GrantsEachChangeWithItsLineOrTheNext) {
   std::mt19937_64 random(3);
   const auto pick = [&random](std::size_t most) {
@@ -34,14 +34,14 @@ TEST(ChangeQueue, GrantsEachChangeWithItsLineOrTheNext) {
   };
   struct Line {
     std::uint8_t mark = 0;
-    std::uint32_t changes = 0;  ///< pushed by then, ever
+    std::uint32_t changes = 0;  ///< total pushed before the line
   };
   for (int run = 0; run < scaled(50); ++run) {
     ChangeQueue queue;
     std::deque<Line> lines;
     std::uint32_t pushed = 0, granted = 0, applied = 0;
     std::deque<std::uint32_t> due;
-    std::uint32_t tick = 0xffffff00u;  // wraps on the way
+    std::uint32_t tick = 0xffffff00u;  // wraps during the test
     for (int i = 0; i < 1000; ++i, tick += 7) {
       switch (pick(5)) {
         case 0:

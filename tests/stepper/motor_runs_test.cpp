@@ -1,5 +1,5 @@
-// Runs of motors that two axes share: sums and differences tick by tick, where they turn, where
-// they rest, and the way back.
+// Runs of motors shared by two axes: sums and differences tick by tick, reversals, rest, and the
+// inverse.
 #include "firmware/stepper/motor_runs.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ class RandomRuns {
   std::int64_t between(std::int64_t low, std::int64_t high) {
     return std::uniform_int_distribution<std::int64_t>(low, high)(random_);
   }
-  /// Up to 0.4 steps a tick, and accelerations that turn it within some thousand ticks or never.
+  /// Up to 0.4 steps per tick, with accelerations that reverse it in some thousand ticks or never.
   AxisRun run() {
     const std::int64_t most_rate = std::int64_t{1} << between(20, 55);
     const std::int64_t most_accel = most_rate / between(100, 20'000);
@@ -49,7 +49,7 @@ TEST(MotorRuns, RestInTheMiddleOfTheirSteps) {
   }
 }
 
-TEST(MotorRuns, AreSumsAndDifferencesAtEveryTickAndBack) {
+TEST(MotorRuns, AreSumsAndDifferencesAtEveryTickAndInvert) {
   RandomRuns random(2);
   for (int i = 0; i < test::scaled(500); ++i) {
     const AxisRun u = random.run(), v = random.run();
@@ -70,7 +70,7 @@ TEST(MotorRuns, AreSumsAndDifferencesAtEveryTickAndBack) {
   }
 }
 
-TEST(MotorRuns, GoOneWayUntilTheyTurn) {
+TEST(MotorRuns, KeepTheirDirectionUntilTheyReverse) {
   RandomRuns random(3);
   int turned = 0;
   for (int i = 0; i < test::scaled(2000); ++i) {
@@ -85,8 +85,8 @@ TEST(MotorRuns, GoOneWayUntilTheyTurn) {
   EXPECT_GT(turned, test::scaled(2000) / 20);
 }
 
-/// Motors, loads and axes at rest: there and back.
-TEST(Kinematics, PlacesThereAndBack) {
+/// Positions of motors, loads and axes at rest: both directions.
+TEST(Kinematics, PlacesAreConvertedBothWays) {
   RandomRuns random(4);
   settings::Values values;
   for (const int xy : {0, 1}) {

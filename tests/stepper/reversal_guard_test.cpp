@@ -1,4 +1,4 @@
-// The reversal guard: what it promises, over random motion with smooth and abrupt reversals.
+// The guarantees of the reversal guard, over random motion with smooth and abrupt reversals.
 #include "firmware/stepper/reversal_guard.hpp"
 
 #include <gtest/gtest.h>
@@ -15,22 +15,22 @@
 namespace lamplock::stepper {
 namespace {
 
-/// What Bresenham wants of an axis in a tick.
+/// Bresenham's output for an axis in one tick.
 struct Wanted {
   std::int32_t step = 0;  ///< -1, 0, 1
   int heading = 0;        ///< sign of the rate; 0 = none
 };
 
-/// What is put out in it.
+/// The guard's output for that tick.
 struct Put {
   bool step = false;
   bool back = false;
   std::int32_t owed = 0;
-  bool asked = false;  ///< the guard was
+  bool asked = false;  ///< the guard was asked
   bool operator==(const Put&) const = default;
 };
 
-/// Ticks of one axis that runs at random rates, below `most_rate` of a step a tick, and turns.
+/// Ticks of one axis with reversals and random rates below `most_rate` steps per tick.
 std::vector<Wanted> random_motion(std::mt19937_64& random, double most_rate, bool abrupt) {
   std::vector<Wanted> all;
   Int128 position = middle_of_step(0);
@@ -57,7 +57,7 @@ std::vector<Wanted> random_motion(std::mt19937_64& random, double most_rate, boo
   return all;
 }
 
-/// Asks the guard in every tick.
+/// Calls the guard in every tick.
 std::vector<Put> ask_always(ReversalGuard guard, const std::vector<Wanted>& motion) {
   std::vector<Put> all;
   guard.wake(1000);
@@ -69,7 +69,7 @@ std::vector<Put> ask_always(ReversalGuard guard, const std::vector<Wanted>& moti
   return all;
 }
 
-/// As boards do: not while the guard lets steps pass.
+/// Calls the guard as boards do: only while it does not let steps pass.
 std::vector<Put> ask_when_needed(ReversalGuard guard, const std::vector<Wanted>& motion) {
   std::vector<Put> all;
   std::uint32_t since_step = 1000;
@@ -88,7 +88,7 @@ std::vector<Put> ask_when_needed(ReversalGuard guard, const std::vector<Wanted>&
   return all;
 }
 
-/// Set-up and hold at every change of direction, and no step lost or doubled.
+/// Checks set-up and hold time at every change of direction, and that no step is lost or doubled.
 void expect_guarded(const std::vector<Wanted>& motion, const std::vector<Put>& out,
                     const DirectionTimes& times) {
   std::int64_t wanted = 0, put = 0, last_step = -1000, last_turn = -1000;
@@ -132,8 +132,8 @@ TEST(ReversalGuard, KeepsSetUpAndHoldAndLosesNoStep) {
   EXPECT_GT(waited, static_cast<std::size_t>(test::scaled(300)) * 10);
 }
 
-/// Boards cut motion where they like and ask in no more ticks than they have to.
-TEST(ReversalGuard, GivesTheSameTicksToWhoAsksAlwaysAndToWhoAsksWhenNeeded) {
+/// Boards divide motion at any tick and call the guard only where it is necessary.
+TEST(ReversalGuard, GivesTheSameTicksWhetherCalledAlwaysOrWhenNeeded) {
   std::mt19937_64 random(2);
   for (int run = 0; run < test::scaled(300); ++run) {
     ReversalGuard guard;
@@ -150,10 +150,10 @@ TEST(ReversalGuard, GivesTheSameTicksToWhoAsksAlwaysAndToWhoAsksWhenNeeded) {
   }
 }
 
-/// Behind the last turn an axis at less than half a step a tick has caught up after the guard and
-/// as many ticks more as it can fall behind in it, and from there on it steps as Bresenham has it.
-/// A turn in the midst of a guard waits for the rest of that first: DIR may change twice.
-TEST(ReversalGuard, IsOverAfterItsTimes) {
+/// After its last reversal an axis at less than half a step per tick catches up within the guard
+/// time plus as many ticks as it can lag in that time; then it steps as Bresenham does. A reversal
+/// during a guard waits for the rest of that guard first: DIR may change twice.
+TEST(ReversalGuard, IsOverAfterItsTime) {
   std::mt19937_64 random(3);
   std::size_t outside = 0;
   for (int run = 0; run < test::scaled(300); ++run) {
@@ -170,9 +170,9 @@ TEST(ReversalGuard, IsOverAfterItsTimes) {
       const auto tick = static_cast<std::int64_t>(i);
       if (motion[i].heading != 0 && motion[i].heading != heading) {
         heading = motion[i].heading;
-        const std::int64_t behind = i == 0 ? 0 : std::abs(out[i - 1].owed);
+        const std::int64_t lag = i == 0 ? 0 : std::abs(out[i - 1].owed);
         const int guards = i != 0 && out[i - 1].asked ? 2 : 1;
-        over = std::max(over, tick + 2 * (guards * guard_ticks + behind) + 4);
+        over = std::max(over, tick + 2 * (guards * guard_ticks + lag) + 4);
       }
       if (tick < over) continue;
       ++outside;
@@ -186,9 +186,9 @@ TEST(ReversalGuard, IsOverAfterItsTimes) {
   EXPECT_GT(outside, static_cast<std::size_t>(test::scaled(300)) * 500);
 }
 
-/// A machine turns with a finite acceleration: 50 m/s2 at 1000 steps/mm is 5e-5 of a step per tick
-/// squared. It is no more than one step behind, and back before it has moved another one.
-TEST(ReversalGuard, OwesOneStepWhereAnAxisTurnsSmoothly) {
+/// A machine reverses with a finite acceleration: 50 m/s2 at 1000 steps/mm is 5e-5 steps per tick
+/// squared. The axis lags by at most one step and catches up before its next step.
+TEST(ReversalGuard, OwesOneStepAtASmoothReversal) {
   std::mt19937_64 random(4);
   int owed = 0;
   for (int run = 0; run < test::scaled(2000); ++run) {
@@ -215,10 +215,10 @@ TEST(ReversalGuard, OwesOneStepWhereAnAxisTurnsSmoothly) {
     for (const Put& put : out) ASSERT_LE(std::abs(put.owed), 1);
     owed += ticks_owed != 0 ? 1 : 0;
   }
-  EXPECT_GT(owed, 0) << "turned just behind a step";
+  EXPECT_GT(owed, 0) << "no reversal just after a step";
 }
 
-TEST(ReversalGuard, TakesTheTimesOfTheSettingsInTheShortestTicks) {
+TEST(ReversalGuard, ConvertsTheSettingsToTheShortestTicks) {
   using settings::Id;
   settings::Values values;
   EXPECT_EQ(pulse_output(values).times.setup_ticks, 1);

@@ -1,4 +1,4 @@
-// The continuous laser: its gate and its power at every tick, against exact fractions.
+// The continuous laser: gate and power in every tick, compared with exact fractions.
 #include "firmware/stepper/segment_power.hpp"
 
 #include <gtest/gtest.h>
@@ -14,14 +14,14 @@
 namespace lamplock::stepper::segment_power_test {
 namespace {
 
-/// What a segment was made of.
+/// A segment and the power and phases that it was made from.
 struct Lit {
   Segment segment;
-  PowerPoints power;  ///< all 0: it does not shine
+  PowerPoints power;  ///< all 0: the laser is off
   std::uint32_t lead = 0, cruise = 0, tail = 0;
 
   bool shines() const { return (power.start | power.cruise | power.end) != 0; }
-  /// Power where tick `at` of it begins.
+  /// Power at the beginning of tick `at` of the segment.
   double exact(std::uint32_t at) const {
     const auto between = [](double from, double to, double part) {
       return from + (to - from) * part;
@@ -37,7 +37,7 @@ class Segments {
   explicit Segments(std::uint64_t seed) : random_(seed) {}
 
   std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(random_() % n); }
-  /// Of any length up to `most` in each phase; some phases are not there.
+  /// A segment with phases of random length up to `most`; some phases are empty.
   Lit next(std::uint64_t start, std::uint32_t most, bool shines) {
     Lit lit;
     do {
@@ -47,13 +47,13 @@ class Segments {
     s.start_tick = start;
     s.ticks = lit.lead + lit.cruise + lit.tail;
     s.end.tick = s.end_tick();
-    for (AxisProfile& p : s.axis) p.cruise_ticks = s.ticks;  // stands
-    // The axis that moves: any of them; the others may stand.
+    for (AxisProfile& p : s.axis) p.cruise_ticks = s.ticks;  // at rest
+    // Axis `first` moves; each later axis moves or is at rest at random.
     const std::size_t first = below(max_axes);
     for (std::size_t a = first; a < max_axes; ++a)
       if (a == first || below(2) == 0) s.axis[a] = profile(lit);
     if (shines) {
-      // A power that is at no tick is none.
+      // A power that applies to no tick leaves the laser off.
       while (!lit.shines()) {
         lit.power = {power(), power(), power()};
         if (lit.lead == 0) lit.power.start = lit.power.cruise;
@@ -82,7 +82,7 @@ class Segments {
   std::mt19937_64 random_;
 };
 
-/// Every tick that was told, in blocks or axis by axis.
+/// Records every tick, received in blocks or axis by axis.
 class LightBoard {
  public:
   void play(const TickBlock& block) {
@@ -141,7 +141,7 @@ struct Machine {
   }
 };
 
-/// Some shine, some do not, with and without a pause between them.
+/// Segments with and without light, with and without a pause between them.
 std::vector<Lit> program(Segments& make, std::size_t count, std::uint32_t most) {
   std::vector<Lit> segments;
   std::uint64_t tick = 10 + make.below(300);
@@ -152,17 +152,17 @@ std::vector<Lit> program(Segments& make, std::size_t count, std::uint32_t most) 
   return segments;
 }
 
-/// The segment that tick `tick` lies in; nothing if there is none.
+/// The segment that contains tick `tick`; null if there is none.
 const Lit* lit_at(const std::vector<Lit>& segments, std::uint64_t tick) {
-  const auto behind =
+  const auto after =
       std::upper_bound(segments.begin(), segments.end(), tick,
                        [](std::uint64_t t, const Lit& lit) { return t < lit.segment.start_tick; });
-  if (behind == segments.begin() || tick >= (behind - 1)->segment.end_tick()) return nullptr;
-  return &*(behind - 1);
+  if (after == segments.begin() || tick >= (after - 1)->segment.end_tick()) return nullptr;
+  return &*(after - 1);
 }
 
-/// Gate and power of ticks [from, to); with `in_cells` the power is that of a tick half a cell away
-/// at most.
+/// Gate and power of ticks [from, to); with `in_cells` the power is that of a tick at most half a
+/// cell away.
 void expect_light(const LightBoard& board, const std::vector<Lit>& segments, std::uint64_t from,
                   std::uint64_t to, bool in_cells) {
   for (std::uint64_t t = from; t < to; ++t) {
@@ -178,7 +178,7 @@ void expect_light(const LightBoard& board, const std::vector<Lit>& segments, std
       ASSERT_LE(std::fabs(board.power[t] - lit->exact(at)), 1) << "tick " << t;
       continue;
     }
-    // In the same phase: where power jumps it jumps at its tick.
+    // A tick of the same phase, because a jump of power happens at its exact tick.
     const std::uint32_t tail = lit->lead + lit->cruise;
     const std::uint32_t begin = at < lit->lead ? 0 : at < tail ? lit->lead : tail;
     const std::uint32_t end = at < lit->lead ? lit->lead : at < tail ? tail : lit->segment.ticks;
@@ -204,7 +204,7 @@ TEST(SegmentPower, IsWithinOneLeastBitOfExactFractions) {
       const PowerStretch here = power_from(lit.segment.power, phases, at);
       ASSERT_LE(std::fabs(here.power_q16 / 65536.0 - lit.exact(at)), 1.0) << at;
       ASSERT_GT(here.ticks, 0u);
-      // A stretch says what is to come.
+      // A stretch predicts the power of all its ticks.
       if (at == next) {
         stretch = here;
         next = at + here.ticks;
@@ -217,7 +217,7 @@ TEST(SegmentPower, IsWithinOneLeastBitOfExactFractions) {
   }
 }
 
-TEST(SegmentPower, ThereIsNoneWhereNothingMovesOrNoneWasAsked) {
+TEST(SegmentPower, IsOffWithoutMotionOrWithoutPower) {
   Segments make(2);
   Lit dark = make.next(0, 100, false);
   EXPECT_FALSE(dark.segment.shines);
@@ -226,18 +226,18 @@ TEST(SegmentPower, ThereIsNoneWhereNothingMovesOrNoneWasAsked) {
   set_power(still, {1000, 1000, 1000});
   EXPECT_FALSE(still.shines);
   EXPECT_LT(power_axis(still), 0);
-  // Should somebody say that it shines: it does not.
+  // Even if `shines` is set, there is no power axis.
   still.shines = true;
   still.power = {1000, 1000, 0, 0};
   EXPECT_LT(power_axis(still), 0);
-  // A shot shares its place with the power.
+  // A shot and the power share storage.
   Segment shot;
   shot.shot = {true, 100, 2, 3};
   EXPECT_TRUE(shot.has_shot());
   EXPECT_FALSE(make.next(0, 100, true).segment.has_shot());
 }
 
-TEST(LaserGate, IsOpenInSegmentsThatShineAndNowhereElse) {
+TEST(LaserGate, IsOpenOnlyInSegmentsThatShine) {
   std::mt19937_64 random(3);
   for (int i = 0; i < test::scaled(20); ++i) {
     Segments make(random());
@@ -248,7 +248,7 @@ TEST(LaserGate, IsOpenInSegmentsThatShineAndNowhereElse) {
       if (i % 3 == 0) machine->generator.set_leads({500, 0, 90, 1000});
       if (i % 2 == 0) machine->generator.set_trigger({200, 30, 50});
     }
-    // With leads the first segment begins before the lattice comes to it.
+    // With leads the first segment would begin before the lattice reaches it.
     const std::uint64_t later = i % 3 == 0 ? 1000 : 0;
     std::vector<Lit> shifted = segments;
     for (Lit& lit : shifted) lit.segment.start_tick += later, lit.segment.end.tick += later;
@@ -260,8 +260,8 @@ TEST(LaserGate, IsOpenInSegmentsThatShineAndNowhereElse) {
   }
 }
 
-/// A laser that is switched sooner or later than the axes are there: the same light, so many ticks
-/// before or behind, and none while the lattice stands.
+/// With a lead of the laser against the axes, the light is the same but shifted by the lead, and
+/// the laser is off while the lattice is at rest.
 TEST(LaserGate, IsShiftedByTheLeadOfTheLaserAndDarkAtRest) {
   std::mt19937_64 random(8);
   for (int i = 0; i < test::scaled(40); ++i) {
@@ -292,8 +292,8 @@ TEST(LaserGate, IsShiftedByTheLeadOfTheLaserAndDarkAtRest) {
   }
 }
 
-/// Braking: what the drives still do of the old motion shines, nothing behind it does.
-TEST(LaserGate, ShutsWhereABrakeBegins) {
+/// Brake: the light of motion already given to the drives remains; from the brake on it is off.
+TEST(LaserGate, ClosesWhereABrakeBegins) {
   std::mt19937_64 random(4);
   for (int i = 0; i < test::scaled(60); ++i) {
     Segments make(random());
@@ -324,8 +324,8 @@ TEST(LaserGate, ShutsWhereABrakeBegins) {
   }
 }
 
-/// The same with a lead of the laser: it is dark from where it reads the brake.
-TEST(LaserGate, ShutsWhereItReadsABrake) {
+/// With a lead of the laser the light is off from the tick where the laser reads the brake.
+TEST(LaserGate, ClosesWhereItReadsABrake) {
   std::mt19937_64 random(9);
   for (int i = 0; i < test::scaled(60); ++i) {
     Segments make(random());
@@ -358,7 +358,7 @@ TEST(LaserGate, ShutsWhereItReadsABrake) {
   }
 }
 
-TEST(LaserGate, ShutsDeadAtAHalt) {
+TEST(LaserGate, ClosesAtOnceAtAHalt) {
   std::mt19937_64 random(5);
   for (int i = 0; i < test::scaled(30); ++i) {
     Segments make(random());
@@ -375,8 +375,8 @@ TEST(LaserGate, ShutsDeadAtAHalt) {
   }
 }
 
-/// A program that ends with speed is a fault, and one that comes too late does not begin.
-TEST(LaserGate, ShutsWhereMotionEndsOrComesTooLate) {
+/// A program that ends at a speed is a fault; a segment that arrives too late does not begin.
+TEST(LaserGate, ClosesWhereMotionEndsOrASegmentIsLate) {
   Segments make(6);
   Lit lit = make.next(100, 300, true);
   lit.segment.end.axis[0].speed_q62 = 1;

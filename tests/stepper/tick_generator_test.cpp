@@ -1,4 +1,4 @@
-// The tick generator: blocks against the segments they come from, tick by tick.
+// The tick generator: blocks compared with their segments, tick by tick.
 #include "firmware/stepper/tick_generator.hpp"
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "firmware/motion/pulse.hpp"
+#include "firmware/motion/profile/pulse.hpp"
 #include "sim/virtual_board/step_edges.hpp"
 #include "tests/motion/chain.hpp"
 #include "tests/motion/jerk_watch.hpp"
@@ -17,13 +17,13 @@
 namespace lamplock::stepper::tick_generator_test {
 namespace {
 
-using motion::JoinMode;
 using stepper::MotionState;
 using stepper::Segment;
 using stepper::SegmentQueue;
 using test::native;
+using wire::JoinMode;
 
-/// A step: when, which axis, which way.
+/// A step: its tick, axis and direction.
 struct Step {
   std::uint64_t tick;
   int axis, way;
@@ -37,7 +37,7 @@ struct BitsChange {
 };
 
 /// Expands blocks as the simplest board does: position += rate, rate += accel, a step where the
-/// integer part changes. Checks on the way that blocks follow each other and keep their promises.
+/// integer part changes. Checks that blocks are contiguous and keep their guarantees.
 class NaiveBoard {
  public:
   NaiveBoard() {
@@ -53,9 +53,9 @@ class NaiveBoard {
     ++blocks_;
   }
 
-  // Axis by axis, as fill_axes() tells it; the ticks pass with end_runs().
+  // Axis by axis, as called by fill_axes(); the ticks pass in end_runs().
   void put_axis(int a, const AxisRun& run, std::uint32_t ticks) {
-    ASSERT_FALSE(run.stands());
+    ASSERT_FALSE(run.is_at_rest());
     put(a, run, ticks);
   }
   void put_still(int a, std::uint32_t ticks) {
@@ -74,7 +74,7 @@ class NaiveBoard {
     put_bits_ += ticks;
   }
   void put_power(std::uint16_t power, std::uint32_t ticks) {
-    ASSERT_EQ(power, 0) << "no segment of these has any";
+    ASSERT_EQ(power, 0) << "these segments have no power";
     put_power_ += ticks;
   }
   void end_runs(std::uint32_t ticks) {
@@ -85,7 +85,7 @@ class NaiveBoard {
       n = 0;
     }
     ASSERT_EQ(put_bits_, ticks);
-    ASSERT_EQ(steps_set_, max_axes) << "each axis says where it stands, every time";
+    ASSERT_EQ(steps_set_, max_axes) << "every axis must set its step each time";
     put_bits_ = 0;
     steps_set_ = 0;
     tick_ += ticks;
@@ -94,7 +94,7 @@ class NaiveBoard {
   std::uint64_t tick() const { return tick_; }
   test::Native position(int a) const { return position_[index(a)]; }
   const std::vector<Step>& steps() const { return steps_; }
-  /// Steps in the order of time, whatever the blocks were.
+  /// Steps in the order of time, independent of blocks.
   std::vector<Step> sorted_steps() const {
     std::vector<Step> sorted = steps_;
     std::sort(sorted.begin(), sorted.end(), [](const Step& a, const Step& b) {
@@ -157,7 +157,6 @@ class NaiveBoard {
   int steps_set_ = 0;
 };
 
-/// Moves a plan to a later start.
 std::vector<Segment> shifted(std::vector<Segment> segments, std::uint64_t ticks) {
   for (Segment& s : segments) {
     s.start_tick += ticks;
@@ -175,7 +174,7 @@ test::Chain fast_chain(std::mt19937_64& random, std::size_t points, int axes = 4
   std::array<double, max_axes> at{};
   std::normal_distribution<double> normal;
   for (std::size_t i = 0; i < points; ++i) {
-    motion::Target t;
+    wire::Target t;
     const double length = std::pow(10.0, -1 + 3 * unit(random));
     for (std::size_t a = 0; a < static_cast<std::size_t>(axes); ++a) {
       at[a] += length * normal(random);
@@ -198,7 +197,7 @@ std::vector<Segment> plan(const test::Chain& chain) {
   return plan.segments;
 }
 
-/// Feeds segments as the queue has room and plays every block until the board has reached `tick`.
+/// Feeds segments while the queue has room and plays every block until the board reaches `tick`.
 void run(TickGenerator& generator, const std::vector<Segment>& segments, std::size_t& fed,
          SegmentQueue& queue, NaiveBoard& board, std::uint64_t tick, std::uint32_t max_ticks,
          const std::function<void()>& after_block = {}) {
@@ -240,7 +239,7 @@ TEST(TickGenerator, EndsEverySegmentExactlyWhereItWasPlanned) {
   }
 }
 
-/// Pulses, too: every stair of every phase, to the tick.
+/// The same with jerk pulses: every stair of every phase, to the tick.
 TEST(TickGenerator, RunsPulsesExactly) {
   std::mt19937_64 random(66);
   long blocks = 0;
@@ -281,7 +280,7 @@ TEST(TickGenerator, CarriesRemaindersThroughTenThousandSegments) {
       const std::int32_t step = chain.targets[s.point].steps[index(a)];
       ASSERT_EQ(board.position(a), native(s.end.axis[index(a)].position_q64)) << s.point;
       ASSERT_EQ(board.counted(a), step) << s.point;
-      // The remainder of the rounding is there, and stays below 1e-6 step for ever.
+      // The rounding remainder is kept, and always stays below 1e-6 step.
       const test::Native off = board.position(a) - native(stepper::middle_of_step(step));
       ASSERT_LT(std::fabs(static_cast<double>(off)) / 18446744073709551616.0, 1e-6) << s.point;
       off_the_middle += off != 0 ? 1 : 0;
@@ -291,7 +290,7 @@ TEST(TickGenerator, CarriesRemaindersThroughTenThousandSegments) {
   EXPECT_FALSE(generator.underrun());
 }
 
-TEST(TickGenerator, GivesTheSameStepsAndBitsHoweverItIsAsked) {
+TEST(TickGenerator, GivesTheSameStepsAndBitsForAnyBlockSize) {
   std::mt19937_64 random(63);
   for (int i = 0; i < test::scaled(3); ++i) {
     const std::vector<Segment> segments = shifted(plan(fast_chain(random, 60)), 700);
@@ -318,7 +317,7 @@ TEST(TickGenerator, GivesTheSameStepsAndBitsHoweverItIsAsked) {
   }
 }
 
-/// Every tick up to `end` was armed and triggered as segments and pattern want it.
+/// Every tick up to `end` was armed and triggered as segments and pattern require.
 void expect_bits(const NaiveBoard& board, const std::vector<Segment>& segments,
                  std::uint32_t arm_lead, const TriggerPattern& trigger, std::uint64_t end) {
   std::vector<std::uint8_t> want(end, 0);
@@ -394,7 +393,7 @@ TEST(TickGenerator, BrakesFromAnyTickWithoutAJump) {
   }
 }
 
-/// Leads as drives may ask for: none, equal ones, as long as many segments.
+/// Leads that drives may need: none, equal ones, or as long as many segments.
 PerAxis<std::uint32_t> random_leads(std::mt19937_64& random) {
   PerAxis<std::uint32_t> leads{};
   const std::uint32_t most = random() % 2 == 0 ? 5000 : 60;
@@ -421,7 +420,7 @@ struct Machine {
   void run_to(const std::vector<Segment>& segments, std::uint64_t tick) {
     ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, tick, 1000));
   }
-  /// Every axis by itself, up to `most` ticks at a time.
+  /// Every axis separately, up to `most` ticks at a time.
   void run_axes_to(const std::vector<Segment>& segments, std::uint64_t tick, std::uint32_t most,
                    std::mt19937_64& random) {
     while (board.tick() < tick) {
@@ -441,7 +440,7 @@ struct Machine {
   }
 };
 
-TEST(TickGenerator, AnAxisWithALeadTakesTheSameStepsSoMuchEarlier) {
+TEST(TickGenerator, AnAxisWithALeadStepsEarlierByTheLead) {
   std::mt19937_64 random(71);
   for (int i = 0; i < test::scaled(10); ++i) {
     const std::vector<Segment> segments = shifted(plan(fast_chain(random, 100)), 6000);
@@ -460,8 +459,8 @@ TEST(TickGenerator, AnAxisWithALeadTakesTheSameStepsSoMuchEarlier) {
   }
 }
 
-/// Of pulses, with axes ahead, in pieces of any size: the same steps and bits as in blocks.
-TEST(TickGenerator, AxesByThemselvesDoWhatTheyDoInBlocks) {
+/// With jerk pulses and leads, in runs of any length: the same steps and bits as in blocks.
+TEST(TickGenerator, AxesSeparatelyStepAsInBlocks) {
   std::mt19937_64 random(74);
   for (int i = 0; i < test::scaled(10); ++i) {
     test::Chain chain = fast_chain(random, 60);
@@ -487,9 +486,9 @@ TEST(TickGenerator, AxesByThemselvesDoWhatTheyDoInBlocks) {
   }
 }
 
-/// Motors of pairs, in blocks and by themselves: the same steps, no run in which one turns, nothing
-/// lost; those of a Cartesian machine added and subtracted.
-TEST(TickGenerator, MotorsOfPairsDoWhatTheirAxesDoTogether) {
+/// Motors of axis pairs, in blocks and separately: the same steps, no reversal within a run, no
+/// step lost; they equal sums and differences of the motors of a Cartesian machine.
+TEST(TickGenerator, MotorsOfPairsStepAsTheirAxesTogether) {
   settings::Values values;
   values.set_milli(settings::Id::kinematics, 1000);
   values.set_milli(settings::Id::ganged_axis, 3000);
@@ -522,7 +521,7 @@ TEST(TickGenerator, MotorsOfPairsDoWhatTheirAxesDoTogether) {
   }
 }
 
-/// Stands for a while wherever the plan comes to rest.
+/// Adds a pause wherever the plan comes to rest.
 std::vector<Segment> with_pauses(std::vector<Segment> segments, std::mt19937_64& random) {
   std::uint64_t pause = 0;
   for (Segment& s : segments) {
@@ -533,8 +532,8 @@ std::vector<Segment> with_pauses(std::vector<Segment> segments, std::mt19937_64&
   return segments;
 }
 
-/// Bits that change while segments are still to come, in the same pieces of time as these begin: in
-/// blocks, and of axes by themselves, bits and segments keep their ticks.
+/// Bits that change before a segment begins, within the same run: in blocks and axis by axis, bits
+/// and segments keep their ticks.
 TEST(TickGenerator, TriggersWhileItWaitsForSegmentsAndBeginsThemInTime) {
   std::mt19937_64 random(75);
   for (int i = 0; i < test::scaled(10); ++i) {
@@ -564,7 +563,7 @@ TEST(TickGenerator, TriggersWhileItWaitsForSegmentsAndBeginsThemInTime) {
   }
 }
 
-TEST(TickGenerator, BrakesFromTheHeadOnWhateverTheLeads) {
+TEST(TickGenerator, BrakesFromTheHeadForAnyLeads) {
   std::mt19937_64 random(72);
   for (int i = 0; i < test::scaled(100); ++i) {
     const test::Chain chain = fast_chain(random, 24);
@@ -574,7 +573,7 @@ TEST(TickGenerator, BrakesFromTheHeadOnWhateverTheLeads) {
     ahead.generator.set_leads(leads);
     const std::uint32_t lead = ahead.generator.lead();
     std::uint64_t at = 1000 + random() % segments.back().end.tick;
-    // Braking once more, while some axes have not come to the first brake.
+    // Brakes again before some axes have reached the first brake.
     for (int brakes = 0; brakes < 3; ++brakes) {
       ASSERT_NO_FATAL_FAILURE(ahead.run_to(segments, at));
       ASSERT_NO_FATAL_FAILURE(plain.run_to(segments, at + lead));
@@ -617,9 +616,8 @@ TEST(TickGenerator, HaltsEachAxisWhereItsStepsAre) {
   }
 }
 
-/// Braking with limited jerk, with leads and without: every tick of the whole, plan and brake, is
-/// watched.
-TEST(TickGenerator, BreaksOffPulsesWithoutAJerk) {
+/// Braking with limited jerk, with and without leads: checks every tick of plan and brake.
+TEST(TickGenerator, BrakesWithinTheJerkLimit) {
   std::mt19937_64 random(67);
   int inside = 0;
   for (int i = 0; i < test::scaled(80); ++i) {
@@ -683,16 +681,16 @@ TEST(TickGenerator, BreaksOffPulsesWithoutAJerk) {
   EXPECT_GT(inside, test::scaled(80) / 4);
 }
 
-TEST(TickGenerator, AShotThatWasTakenBackIsNotArmed) {
+TEST(TickGenerator, ACancelledShotIsNotArmed) {
   std::mt19937_64 random(66);
   test::Chain chain = fast_chain(random, 4, 1);
-  for (motion::Target& t : chain.targets) t.shots = 1;
+  for (wire::Target& t : chain.targets) t.shots = 1;
   const std::vector<Segment> segments = plan(chain);
   SegmentQueue queue;
   TickGenerator generator(queue);
   NaiveBoard board;
   std::size_t fed = 0;
-  // In the middle of an open window: braking or halting closes it.
+  // Within an open window: braking or halting closes it.
   const std::uint64_t in_window = segments[0].end_tick() - 1;
   ASSERT_NO_FATAL_FAILURE(run(generator, segments, fed, queue, board, in_window, 1000));
   ASSERT_EQ(board.bits().back().bits, arm_bit);
@@ -703,7 +701,7 @@ TEST(TickGenerator, AShotThatWasTakenBackIsNotArmed) {
   EXPECT_EQ(board.bits().back().bits, 0);
 }
 
-TEST(TickGenerator, ReportsMotionThatEndsWithSpeed) {
+TEST(TickGenerator, ReportsMotionThatEndsAtASpeed) {
   std::mt19937_64 random(67);
   const std::vector<Segment> segments = plan(fast_chain(random, 30));
   std::size_t moving_end = 0;
@@ -720,7 +718,7 @@ TEST(TickGenerator, ReportsMotionThatEndsWithSpeed) {
   EXPECT_TRUE(generator.underrun());
 }
 
-TEST(TickGenerator, HaltsDeadAndKeepsThePosition) {
+TEST(TickGenerator, HaltsAtOnceAndKeepsThePosition) {
   std::mt19937_64 random(68);
   const std::vector<Segment> segments = plan(fast_chain(random, 30));
   SegmentQueue queue;
@@ -739,7 +737,7 @@ TEST(TickGenerator, HaltsDeadAndKeepsThePosition) {
   EXPECT_FALSE(generator.running());
 }
 
-TEST(TickGenerator, StandsUntilASegmentStarts) {
+TEST(TickGenerator, IsAtRestUntilASegmentStarts) {
   std::mt19937_64 random(69);
   const std::vector<Segment> segments = shifted(plan(fast_chain(random, 5)), 12'345);
   SegmentQueue queue;

@@ -1,4 +1,4 @@
-// What somebody without rights gets.
+// Runs a question as a user without rights.
 //
 // In:  a question whose answer is a small number. Out: that number. Who: tests of permissions.
 #pragma once
@@ -9,14 +9,14 @@
 
 namespace lamplock::usb::test {
 
-/// Runs it in another process, without root's rights; 0 to 99, other numbers if that fails.
+/// Runs it in a child process without root's rights; returns 0 to 99, other numbers on failure.
 template <class Question>
 int as_nobody(Question&& question) {
   const pid_t child = ::fork();
   if (child == 0) {
-    constexpr unsigned nobody = 65'534;
-    if (::geteuid() == 0 &&
-        (::setgroups(0, nullptr) != 0 || ::setgid(nobody) != 0 || ::setuid(nobody) != 0))
+    constexpr unsigned unprivileged = 65'534;
+    if (::geteuid() == 0 && (::setgroups(0, nullptr) != 0 || ::setgid(unprivileged) != 0 ||
+                             ::setuid(unprivileged) != 0))
       ::_exit(100);
     ::_exit(question());
   }

@@ -1,14 +1,14 @@
-// `--board auto` and `usb` on an emulated computer: which way they take, and what they say.
+// `--board auto` and `usb` on an emulated computer: the chosen connection and the messages.
 #include <gmock/gmock.h>
 
 #include <filesystem>
 #include <memory>
 #include <string>
 
-#include "host/cli/board_port.hpp"
 #include "host/error.hpp"
 #include "host/link/serial_transport.hpp"
 #include "host/link/usb_transport.hpp"
+#include "host/run/board_port.hpp"
 #include "tests/usb/as_nobody.hpp"
 #include "tests/usb/bulk_device.hpp"
 #include "tests/usb/emulated_usb.hpp"
@@ -25,18 +25,17 @@ using testing::MatchesRegex;
 
 enum class Way { stream, port, none };
 
-/// What became of it.
 struct Choice {
   Way way = Way::none;
   Exit exit = Exit::done;
-  std::string said{};  ///< on stderr, or the error
+  std::string said{};  ///< output on stderr, or the error
 };
 
 Choice choose(const std::string& board) {
   Choice choice;
   testing::internal::CaptureStderr();
   try {
-    const auto transport = cli::open_board(board);
+    const auto transport = run::open_board(board);
     if (dynamic_cast<link::UsbTransport*>(transport.get()) != nullptr) choice.way = Way::stream;
     if (dynamic_cast<link::SerialTransport*>(transport.get()) != nullptr) choice.way = Way::port;
     choice.said = testing::internal::GetCapturedStderr();
@@ -71,7 +70,7 @@ class BoardChoiceTest : public testing::Test {
   std::unique_ptr<EmulatedUsb> usb_;
 };
 
-TEST_F(BoardChoiceTest, ThePulseStreamIsTakenWhereItMayBe) {
+TEST_F(BoardChoiceTest, ThePulseStreamIsUsedWherePermitted) {
   const EmulatedDevice board = test::emulated_board();
   plug(board, device_);
   for (const bool with_port : {false, true}) {
@@ -80,17 +79,18 @@ TEST_F(BoardChoiceTest, ThePulseStreamIsTakenWhereItMayBe) {
     EXPECT_EQ(choice.way, Way::stream) << choice.said;
     EXPECT_THAT(choice.said, MatchesRegex("[^\n]+\n")) << "one line";
     EXPECT_THAT(choice.said, AllOf(HasSubstr(board.serial), HasSubstr("pulse stream")));
-    EXPECT_FALSE(device_.claimed()) << "given back";
+    EXPECT_FALSE(device_.claimed()) << "the interface was not released";
   }
   EXPECT_EQ(choose("usb").way, Way::stream);
   EXPECT_EQ(choose("usb:" + board.serial).way, Way::stream);
   EXPECT_EQ(choose("usb").said, "");
 }
 
-TEST_F(BoardChoiceTest, OldFirmwareIsSpokenToOverItsPort) {
+TEST_F(BoardChoiceTest, OldFirmwareIsReachedOverItsPort) {
   const EmulatedDevice board = test::emulated_old_board();
   plug(board, device_);
-  EXPECT_THAT(choose("auto").said, HasSubstr("no pulse stream interface")) << "nor a port";
+  EXPECT_THAT(choose("auto").said, HasSubstr("no pulse stream interface"))
+      << "there is no port either";
   add_port(board);
   const Choice choice = choose("auto");
   EXPECT_EQ(choice.way, Way::port) << choice.said;
@@ -99,11 +99,11 @@ TEST_F(BoardChoiceTest, OldFirmwareIsSpokenToOverItsPort) {
               AllOf(HasSubstr("no pulse stream interface"), HasSubstr("lamplock flash"),
                     HasSubstr("talking over /dev/ttyACM0")));
   const Choice named = choose("usb");
-  EXPECT_EQ(named.way, Way::none) << "no other way was asked for";
+  EXPECT_EQ(named.way, Way::none) << "usb excludes the port";
   EXPECT_EQ(named.exit, Exit::no_device);
 }
 
-TEST_F(BoardChoiceTest, ANodeThatIsNotThereLeavesThePort) {
+TEST_F(BoardChoiceTest, AMissingNodeLeavesThePort) {
   const EmulatedDevice board = test::emulated_board();
   plug(board, device_);
   add_port(board);
@@ -118,12 +118,12 @@ TEST_F(BoardChoiceTest, ANodeThatIsNotThereLeavesThePort) {
   EXPECT_EQ(neither.exit, Exit::no_device);
 }
 
-TEST_F(BoardChoiceTest, WithoutPermissionThePortIsTaken) {
+TEST_F(BoardChoiceTest, WithoutPermissionThePortIsUsed) {
   const EmulatedDevice board = test::emulated_board();
-  usb_->add(board);  // nobody comes as far as to call it
+  usb_->add(board);  // its calls need no handler
   add_port(board);
   std::filesystem::permissions(usb_->real_path(node), std::filesystem::perms::none);
-  // 0: as it should be; otherwise what is not.
+  // 0: as expected; otherwise the number of the first failed check.
   EXPECT_EQ(test::as_nobody([] {
               const Choice choice = choose("auto");
               if (choice.way != Way::port) return 1;
@@ -140,8 +140,8 @@ TEST_F(BoardChoiceTest, WithoutPermissionThePortIsTaken) {
             0);
 }
 
-/// It may be in the middle of a job: nobody begins to talk beside it.
-TEST_F(BoardChoiceTest, AStreamThatAnotherProgramHasIsAnError) {
+/// A job may be running over the stream, so the program must not use the port meanwhile.
+TEST_F(BoardChoiceTest, AStreamInUseByAnotherProgramIsAnError) {
   const EmulatedDevice board = test::emulated_board();
   plug(board, device_);
   add_port(board);
@@ -155,7 +155,7 @@ TEST_F(BoardChoiceTest, AStreamThatAnotherProgramHasIsAnError) {
   EXPECT_EQ(choose("auto").way, Way::stream);
 }
 
-TEST_F(BoardChoiceTest, OfSeveralBoardsOneHasToBeNamed) {
+TEST_F(BoardChoiceTest, OneOfSeveralBoardsHasToBeNamed) {
   EXPECT_THAT(choose("auto").said, HasSubstr("there is no board"));
   const EmulatedDevice first = test::emulated_board();
   EmulatedDevice second = first;

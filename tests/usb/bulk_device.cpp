@@ -23,7 +23,7 @@ bool is_in(const usbdevfs_urb& urb) { return (urb.endpoint & direction_in) != 0;
 }  // namespace
 
 BulkDevice::BulkDevice() {
-  // Whoever opens a terminal as the leader of its session is told when it is hung up.
+  // The session leader that opens a terminal is signalled when it hangs up.
   std::signal(SIGHUP, SIG_IGN);
   termios raw{};
   ::cfmakeraw(&raw);
@@ -136,7 +136,7 @@ std::size_t BulkDevice::take(std::span<std::uint8_t> bytes) {
   return count;
 }
 
-/// False if no transfer waits for it.
+/// False if no transfer waits for the packet.
 bool BulkDevice::give_packet(std::span<const std::uint8_t> packet) {
   if (in_.empty()) return false;
   usbdevfs_urb& urb = *in_.front();

@@ -9,11 +9,10 @@ namespace {
 using std::chrono::microseconds;
 using Clock = std::chrono::steady_clock;
 
-/// As long as one look of the host controller takes.
+/// Polling interval of the host controller.
 constexpr microseconds slice{500};
-/// A computer that is busy for longer stops the board's time too.
+/// A computer that is busy for longer than this also stops the board's time.
 constexpr microseconds longest_slice{5'000};
-/// Several packets.
 constexpr std::size_t piece_size = 512;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A virtual board at the other end of an emulated cable, which can be pulled: bytes go by the
+// A virtual board at the end of an emulated cable, which can be unplugged: bytes pass through the
 // kernel's calls, time is this computer's.
 //
 // In:  a board, an emulated computer. Out: the board's bytes at its node; plugs and unplugs.
@@ -20,20 +20,20 @@ namespace lamplock::usb::test {
 
 class CabledBoard {
  public:
-  /// Not plugged in yet. Board and computer must outlive it, and programs close the board before.
+  /// Not plugged in yet. Board and computer must outlive it; programs must close the board before.
   CabledBoard(sim::Board& board, EmulatedUsb& usb);
   ~CabledBoard();
   CabledBoard(const CabledBoard&) = delete;
   CabledBoard& operator=(const CabledBoard&) = delete;
 
-  /// Another address on the bus each time.
+  /// Uses another address on the bus each time.
   void plug(const std::string& place);
-  /// As BulkDevice::unplug() and fail(), then gone from the lists.
+  /// Like BulkDevice::unplug() and fail(), then removes the device from the lists.
   void unplug(int status);
   void fail(int status);
-  /// It looks at the cable again after so long.
+  /// Ignores the cable for this time.
   void look_away(std::chrono::milliseconds time);
-  /// No byte and no time passes from here, so that the board may be looked at.
+  /// Stops bytes and time, so that the board may be inspected.
   void end();
 
  private:
@@ -43,8 +43,8 @@ class CabledBoard {
   sim::Board& board_;
   EmulatedUsb& usb_;
   EmulatedDevice info_;
-  std::deque<BulkDevice> devices_;  ///< of every plug: a program may still have the old one open
-  std::mutex mutex_;                ///< of what the thread and the owner both touch
+  std::deque<BulkDevice> devices_;  ///< one for each plug: a program may still have an old one open
+  std::mutex mutex_;                ///< protects data shared by thread and owner
   BulkDevice* device_ = nullptr;
   std::chrono::steady_clock::time_point looks_at_{};
   std::vector<std::uint8_t> to_board_, to_host_;

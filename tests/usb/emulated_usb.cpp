@@ -24,7 +24,7 @@ std::string hex_of(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
-/// As device descriptors have it, low byte first.
+/// Hexadecimal as in device descriptors, low byte first.
 std::string hex_of(std::uint16_t value) {
   return fmt::format("{:02x}{:02x}", value & 0xff, value >> 8);
 }
@@ -37,7 +37,7 @@ std::string node_of(const EmulatedDevice& device) {
 }
 
 gboolean handle_call(UMockdevIoctlBase*, UMockdevIoctlClient* client, CallHandler* handler) {
-  // The caller is a thread of this process: its pointers are ours.
+  // The caller is a thread of this process, so its pointers are valid here.
   void* const argument = *reinterpret_cast<void**>(umockdev_ioctl_client_get_arg(client)->data);
   const auto error = handler->call(umockdev_ioctl_client_get_request(client), argument);
   if (!error) return FALSE;
@@ -83,7 +83,7 @@ EmulatedDevice emulated_old_board() {
   std::copy_n(board::configuration_descriptor.begin(), size, configuration.begin());
   configuration[2] = board::low_byte(size);
   configuration[3] = board::high_byte(size);
-  configuration[4] = board::stream_interface;  // so many are before it
+  configuration[4] = board::stream_interface;  // the number of interfaces before it
   EmulatedDevice old = emulated_board();
   old.descriptors = hex_of(board::device_descriptor) + hex_of(configuration);
   return old;
@@ -101,7 +101,7 @@ EmulatedDevice emulated_pendant(std::uint16_t vendor, std::uint16_t product) {
 }
 
 EmulatedUsb::EmulatedUsb() : testbed_(umockdev_testbed_new()) {
-  // So that a process without root's rights finds its way, and may listen for events there.
+  // Lets a process without root's rights reach the nodes and listen for events there.
   for (const char* const path : {"", "/ioctl", "/ioctl/_default"})
     ::chmod(real_path(path).c_str(), 0777);
 }

@@ -1,5 +1,5 @@
-// The real libusb on an emulated computer: what is listed, what is missing, a whole image flashed
-// through the kernel's calls.
+// The real libusb on an emulated computer: the list of devices, missing permissions, and a whole
+// image flashed through the kernel's calls.
 #include "host/usb/libusb_bus.hpp"
 
 #include <gtest/gtest.h>
@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "host/cli/device_list.hpp"
 #include "host/error.hpp"
 #include "host/flash/flasher.hpp"
+#include "host/run/device_list.hpp"
 #include "host/usb/known_devices.hpp"
 #include "tests/flash/images.hpp"
 #include "tests/usb/as_nobody.hpp"
@@ -24,9 +24,9 @@
 namespace lamplock::usb {
 namespace {
 
-using cli::DeviceRow;
 using flash::test::FlashModel;
 using flash::test::LoaderModel;
+using run::DeviceRow;
 using std::chrono::milliseconds;
 using test::EmulatedDevice;
 using test::EmulatedUsb;
@@ -66,12 +66,12 @@ TEST_F(LibusbBusTest, DevicesAreListedWithTextsAndInterfaces) {
   EXPECT_EQ(loader.interfaces, LoaderModel::info(true).interfaces);
 }
 
-/// How many of these texts are missing in lists for somebody without rights.
+/// Number of these texts that are missing in lists for a user without rights.
 int problems_for_nobody(const std::vector<std::string>& wanted) {
   return test::as_nobody([&] {
     LibusbBus bus;
     int missing = 0;
-    const std::vector<DeviceRow> rows = cli::list_devices(bus);
+    const std::vector<DeviceRow> rows = run::list_devices(bus);
     for (const std::string& text : wanted)
       missing += std::any_of(rows.begin(), rows.end(),
                              [&](const DeviceRow& row) {
@@ -83,7 +83,7 @@ int problems_for_nobody(const std::vector<std::string>& wanted) {
   });
 }
 
-TEST_F(LibusbBusTest, MissingPermissionsAreToldWithTheirRemedy) {
+TEST_F(LibusbBusTest, MissingPermissionsAreReportedWithTheirRemedy) {
   const EmulatedDevice loader = test::emulated_loader(), board = test::emulated_board();
   usb_->add(loader);
   usb_->add(board);
@@ -97,7 +97,7 @@ TEST_F(LibusbBusTest, MissingPermissionsAreToldWithTheirRemedy) {
             0);
   ASSERT_EQ(::chmod(node.c_str(), 0666), 0);
   EXPECT_EQ(problems_for_nobody({"/dev/bus/usb/001/005"}), 1) << "permitted";
-  // Group dialout, as Debian has it: the remedy is another one.
+  // With group dialout, as on Debian, the remedy is a different one.
   if (::geteuid() == 0) {
     constexpr gid_t dialout = 20;
     ASSERT_EQ(::chown(port.c_str(), 0, dialout), 0);
@@ -106,13 +106,13 @@ TEST_F(LibusbBusTest, MissingPermissionsAreToldWithTheirRemedy) {
   }
 }
 
-TEST_F(LibusbBusTest, ListHasPortsPendantsAndWhatIsMissing) {
+TEST_F(LibusbBusTest, ListHasPortsPendantsAndMissingDrivers) {
   const EmulatedDevice board = test::emulated_board(),
                        pendant = test::emulated_pendant(0x10ce, 0xeb93);
   usb_->add(board);
   usb_->add(pendant);
   LibusbBus bus;
-  std::vector<DeviceRow> rows = cli::list_devices(bus);
+  std::vector<DeviceRow> rows = run::list_devices(bus);
   ASSERT_GE(rows.size(), 2u);
   EXPECT_EQ(rows[0].use, "--board usb:E661640843322A2B") << "its pulse stream needs no driver";
   EXPECT_NE(rows[0].problem.find("no serial port"), std::string::npos);
@@ -121,7 +121,7 @@ TEST_F(LibusbBusTest, ListHasPortsPendantsAndWhatIsMissing) {
   EXPECT_NE(rows[1].problem.find("no hidraw node"), std::string::npos);
   usb_->add_below(board, 0, "tty", "tty/ttyACM3", "ttyACM3");
   usb_->add_below(pendant, 0, "hidraw", "0003:10CE:EB93.0001/hidraw/hidraw2", "hidraw2");
-  rows = cli::list_devices(bus);
+  rows = run::list_devices(bus);
   EXPECT_EQ(rows[0].kind, "board");
   EXPECT_EQ(rows[0].node, "/dev/ttyACM3");
   EXPECT_EQ(rows[0].use, "--board usb:E661640843322A2B, --board /dev/ttyACM3, lamplock flash");
@@ -132,38 +132,38 @@ TEST_F(LibusbBusTest, ListHasPortsPendantsAndWhatIsMissing) {
   EXPECT_EQ(rows[1].node, "/dev/hidraw2");
 }
 
-/// Either way to a board is enough; what the other one lacks is told.
-TEST_F(LibusbBusTest, ABoardIsUsableByTheWayThatIsThere) {
+/// Either way to a board is enough; the problem of the other one is reported.
+TEST_F(LibusbBusTest, ABoardIsUsableByEitherWay) {
   const EmulatedDevice board = test::emulated_board();
   usb_->add(board);
   usb_->add_below(board, 0, "tty", "tty/ttyACM0", "ttyACM0");
   LibusbBus bus;
   std::filesystem::remove(usb_->real_path("/dev/bus/usb/001/006"));
-  DeviceRow row = cli::list_devices(bus).at(0);
+  DeviceRow row = run::list_devices(bus).at(0);
   EXPECT_EQ(row.use, "--board /dev/ttyACM0, lamplock flash");
   EXPECT_NE(row.problem.find("there is no /dev/bus/usb/001/006"), std::string::npos);
   std::filesystem::remove(usb_->real_path("/dev/ttyACM0"));
-  row = cli::list_devices(bus).at(0);
+  row = run::list_devices(bus).at(0);
   EXPECT_EQ(row.use, "");
   EXPECT_NE(row.problem.find("there is no /dev/bus/usb/001/006"), std::string::npos);
   EXPECT_NE(row.problem.find("there is no /dev/ttyACM0"), std::string::npos);
 }
 
-TEST_F(LibusbBusTest, ABoardWithOldFirmwareHasItsPortAlone) {
+TEST_F(LibusbBusTest, ABoardWithOldFirmwareHasOnlyItsPort) {
   const EmulatedDevice board = test::emulated_old_board();
   usb_->add(board);
   LibusbBus bus;
-  DeviceRow row = cli::list_devices(bus).at(0);
+  DeviceRow row = run::list_devices(bus).at(0);
   EXPECT_EQ(row.kind, "board");
   EXPECT_EQ(row.use, "");
   EXPECT_NE(row.problem.find("no serial port"), std::string::npos);
   usb_->add_below(board, 0, "tty", "tty/ttyACM0", "ttyACM0");
-  row = cli::list_devices(bus).at(0);
+  row = run::list_devices(bus).at(0);
   EXPECT_EQ(row.use, "--board /dev/ttyACM0, lamplock flash");
   EXPECT_EQ(row.problem, "");
 }
 
-TEST_F(LibusbBusTest, ImageGoesThroughTheKernelsCalls) {
+TEST_F(LibusbBusTest, ImageIsFlashedThroughTheKernelsCalls) {
   FlashModel flash;
   LoaderModel model(flash);
   const EmulatedDevice loader = test::emulated_loader();
@@ -178,7 +178,7 @@ TEST_F(LibusbBusTest, ImageGoesThroughTheKernelsCalls) {
   flash::Picoboot session(*device, devices[0]);
   EXPECT_EQ(flash::Flasher(session, image, {}).run().written, 3u);
   EXPECT_TRUE(flash::test::holds(flash.bytes, image));
-  // Refusals, their reason, and on: IN halted; OUT halted behind the last of the data.
+  // Refusals, their reason, and continuation: IN halted; OUT halted after the last data.
   std::vector<std::uint8_t> page(flash::page_size);
   const auto status_of = [](auto&& command) -> std::optional<flash::PicobootStatus> {
     try {
@@ -200,7 +200,7 @@ TEST_F(LibusbBusTest, ImageGoesThroughTheKernelsCalls) {
   EXPECT_EQ(device->bulk_in(LoaderModel::in, packet, milliseconds(50)).end, TransferEnd::gone);
 }
 
-TEST_F(LibusbBusTest, TransfersEndAsTheyShould) {
+TEST_F(LibusbBusTest, TransfersEndWithTheirStatus) {
   FlashModel flash;
   LoaderModel model(flash, {.refused_command = 0, .status = 8});
   const EmulatedDevice loader = test::emulated_loader();
@@ -220,7 +220,7 @@ TEST_F(LibusbBusTest, TransfersEndAsTheyShould) {
   EXPECT_EQ(device->clear_halt(LoaderModel::in), TransferEnd::done);
 }
 
-TEST(LibusbBus, ThisComputerIsListedWithoutHarm) {
+TEST(LibusbBus, ListingTheRealComputerIsHarmless) {
   LibusbBus bus;
   for (const DeviceInfo& device : bus.devices()) EXPECT_FALSE(device.place.empty());
 }

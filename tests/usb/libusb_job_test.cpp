@@ -1,4 +1,4 @@
-// Jobs on the virtual board by the real libusb: each point once, whatever happens to the cable.
+// Jobs on the virtual board over the real libusb: each point once, for any cut of the cable.
 #include <gmock/gmock.h>
 
 #include <cerrno>
@@ -29,9 +29,9 @@ constexpr double lamp_hz = 500;
 job::Job random_job(std::size_t points, std::uint64_t seed, job::Profile& profile) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<> step(-0.05, 0.05);
-  points::PointCloud cloud{{0, 0, 0}};
+  geometry::PointCloud cloud{{0, 0, 0}};
   while (cloud.size() < points) {
-    const points::Point& p = cloud.back();
+    const geometry::Point& p = cloud.back();
     cloud.push_back({p.x + step(random), p.y + step(random), p.z + step(random)});
   }
   profile = job::default_profile();
@@ -45,7 +45,7 @@ class LibusbJobTest : public testing::Test {
     if (!test::can_be_emulated()) GTEST_SKIP() << "umockdev's library is not preloaded";
   }
 
-  /// A job of so many points, a board for it, and an emulated computer.
+  /// A job of `points` points, a board for it, and an emulated computer.
   void prepare(std::size_t points, std::uint64_t seed) {
     job::Profile profile;
     job_ = random_job(points, seed, profile);
@@ -77,7 +77,7 @@ class LibusbJobTest : public testing::Test {
   job::Job job_;
 };
 
-TEST_F(LibusbJobTest, GoesWholeOverTheKernelsCalls) {
+TEST_F(LibusbJobTest, AWholeJobRunsOverTheKernelsCalls) {
   prepare(400, 1);
   cable_->plug("1-2");
   link::UsbTransport transport = connect();
@@ -89,9 +89,9 @@ TEST_F(LibusbJobTest, GoesWholeOverTheKernelsCalls) {
   expect_each_point_once();
 }
 
-/// Unplugged at any moment, as the kernel says it at once or after a while, and plugged in again
-/// at another place.
-TEST_F(LibusbJobTest, GoesOnWhereverItsBoardIsPluggedInAgain) {
+/// Unplugged at a random moment, as the kernel reports it at once or after a while, and plugged in
+/// again at another place.
+TEST_F(LibusbJobTest, ContinuesWhereverItsBoardIsPluggedInAgain) {
   constexpr int kinds = 4;
   for (int round = 0; round < scaled(kinds); ++round) {
     prepare(300, 100 + static_cast<std::uint64_t>(round));
@@ -123,7 +123,7 @@ TEST_F(LibusbJobTest, GoesOnWhereverItsBoardIsPluggedInAgain) {
   }
 }
 
-/// A job that its user stops leaves no board that goes on.
+/// After a job is stopped by its user, the board does not continue.
 TEST_F(LibusbJobTest, TheLastBytesOfAProgramThatEndsArrive) {
   prepare(400, 7);
   cable_->plug("1-2");
@@ -135,10 +135,11 @@ TEST_F(LibusbJobTest, TheLastBytesOfAProgramThatEndsArrive) {
     const std::uint8_t reset = 0x18;
     ASSERT_EQ(transport.write({&reset, 1}), 1u);
   }
-  cable_->end();  // time passes by hand
+  cable_->end();  // time is advanced manually
   const std::size_t shots = board_->world().laser().shots().size();
   board_->run_until(board_->now() + sim::ps_per_s);
-  EXPECT_LE(board_->world().laser().shots().size(), shots + 1) << "it has heard the reset";
+  EXPECT_LE(board_->world().laser().shots().size(), shots + 1)
+      << "the board must receive the reset";
   EXPECT_LT(shots, job_.targets.size());
 }
 

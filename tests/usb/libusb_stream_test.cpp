@@ -1,4 +1,4 @@
-// Streams of the real libusb: bytes both ways, what waits, what breaks, how it ends.
+// Streams of the real libusb: bytes both ways, waits, failures, and their ends.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 
@@ -31,9 +31,9 @@ using Bytes = std::vector<std::uint8_t>;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint8_t stream_interface = 2, out_endpoint = 0x03, in_endpoint = 0x83;
-/// Of the stream (host/usb/libusb_stream.cpp): bytes of its transfers each way, and what it keeps.
+/// Constants of host/usb/libusb_stream.cpp: bytes of its transfers each way, and of its buffer.
 constexpr std::size_t queued = 4096, kept = 65'536;
-/// Far beyond what anything here takes, also on a computer that is busy.
+/// Far more than any operation here takes, even on a busy computer.
 constexpr seconds long_time{20};
 
 Bytes random_bytes(std::size_t size, std::mt19937_64& random) {
@@ -46,7 +46,7 @@ std::size_t between(std::size_t least, std::size_t most, std::mt19937_64& random
   return std::uniform_int_distribution<std::size_t>(least, most)(random);
 }
 
-/// Until it holds; false if it never does.
+/// Waits until the condition holds; false if it never does.
 bool holds_soon(const std::function<bool()>& condition) {
   const Clock::time_point end = Clock::now() + long_time;
   while (!condition()) {
@@ -82,7 +82,7 @@ class LibusbStreamTest : public testing::Test {
     EXPECT_FALSE(device_->claimed());
   }
 
-  /// What the device has for the host goes, however often it has to wait.
+  /// Sends all bytes to the host, waiting as often as necessary.
   void give_all(const Bytes& bytes) {
     std::size_t given = 0;
     EXPECT_TRUE(holds_soon([&] {
@@ -155,18 +155,18 @@ TEST_F(LibusbStreamTest, BytesArriveInOrderBothWays) {
   }
 }
 
-TEST_F(LibusbStreamTest, TransfersWaitForBytesWithoutAsking) {
+TEST_F(LibusbStreamTest, TransfersWaitForBytesWithoutPolling) {
   EXPECT_EQ(device_->waiting_in(), 4u);
   std::array<std::uint8_t, 10> bytes{};
   EXPECT_EQ(stream_->read(bytes), 0u);
   const std::size_t polls = device_->polls();
   const Clock::time_point begin = Clock::now();
   stream_->wait(milliseconds(200));
-  EXPECT_GE(Clock::now() - begin, milliseconds(200)) << "nothing came";
-  EXPECT_LE(device_->polls() - polls, 3u) << "it waits in poll()";
+  EXPECT_GE(Clock::now() - begin, milliseconds(200)) << "returned without data";
+  EXPECT_LE(device_->polls() - polls, 3u) << "must wait in poll()";
   EXPECT_EQ(device_->waiting_in(), 4u);
   EXPECT_TRUE(stream_->alive());
-  // What comes ends the wait, and the transfer waits anew.
+  // Arriving bytes end the wait, and the transfer is submitted again.
   std::jthread later([&] {
     std::this_thread::sleep_for(milliseconds(50));
     give_all({1, 2, 3});
@@ -190,7 +190,7 @@ TEST_F(LibusbStreamTest, AWaitIsOverWhileSomethingIsLeftToRead) {
 }
 
 /// An empty packet ends a transfer of no bytes.
-TEST_F(LibusbStreamTest, AnswersOfWholePacketsComeThrough) {
+TEST_F(LibusbStreamTest, AnswersOfWholePacketsArrive) {
   for (const std::size_t size : {64u, 1'024u, 1'088u, 4'096u}) {
     const Bytes sent = random_bytes(size, random_);
     give_all(sent);
@@ -222,12 +222,12 @@ TEST_F(LibusbStreamTest, ADeviceWaitsForAHostThatDoesNotRead) {
   EXPECT_TRUE(stream_->alive());
 }
 
-TEST_F(LibusbStreamTest, AHostWaitsForADeviceThatDoesNotTake) {
+TEST_F(LibusbStreamTest, AHostWaitsForADeviceThatDoesNotRead) {
   const Bytes sent = random_bytes(10'000, random_);
   EXPECT_EQ(stream_->write(sent), queued);
   EXPECT_EQ(stream_->write(std::span(sent).subspan(queued)), 0u);
   EXPECT_EQ(device_->waiting_out(), 4u);
-  // Half a transfer makes no room, a whole one does.
+  // Half a transfer makes no room; a whole one does.
   Bytes taken = take_all(500);
   EXPECT_EQ(stream_->write(std::span(sent).subspan(queued)), 0u);
   const Bytes rest = take_all(524);
@@ -238,10 +238,10 @@ TEST_F(LibusbStreamTest, AHostWaitsForADeviceThatDoesNotTake) {
   EXPECT_TRUE(stream_->alive());
 }
 
-/// As the host controller, its hub and the kernel say it.
+/// The errors of an unplugged device from host controller, hub and kernel.
 class LibusbStreamEnds : public LibusbStreamTest, public testing::WithParamInterface<int> {};
 
-TEST_P(LibusbStreamEnds, UnpluggedItIsGoneAndSaysSo) {
+TEST_P(LibusbStreamEnds, AnUnpluggedDeviceIsReported) {
   EXPECT_EQ(stream_->write(random_bytes(2'000, random_)), 2'000u);
   give_all({7, 8, 9});
   device_->unplug(GetParam());
@@ -251,7 +251,7 @@ TEST_P(LibusbStreamEnds, UnpluggedItIsGoneAndSaysSo) {
   EXPECT_FALSE(stream_->alive());
   EXPECT_EQ(stream_->write(random_bytes(10, random_)), 0u);
   std::array<std::uint8_t, 10> bytes{};
-  EXPECT_EQ(stream_->read(bytes), 3u) << "what had come can still be read";
+  EXPECT_EQ(stream_->read(bytes), 3u) << "bytes that had arrived can still be read";
   EXPECT_EQ(stream_->read(bytes), 0u);
   EXPECT_FALSE(stream_->alive());
 }
@@ -259,8 +259,8 @@ TEST_P(LibusbStreamEnds, UnpluggedItIsGoneAndSaysSo) {
 INSTANTIATE_TEST_SUITE_P(OfTheKernel, LibusbStreamEnds,
                          testing::Values(-ENODEV, -ESHUTDOWN, -EPROTO, -EILSEQ, -ENOENT));
 
-/// Before the hub has noticed that nobody is there any more.
-TEST_F(LibusbStreamTest, TransfersThatFailAreTheEnd) {
+/// Before the hub has noticed that the device is gone.
+TEST_F(LibusbStreamTest, FailedTransfersEndTheStream) {
   for (const int status : {-ESHUTDOWN, -EPROTO, -EILSEQ, -EOVERFLOW}) {
     stream_ = open_->stream(out_endpoint, in_endpoint);
     device_->fail(status);
@@ -272,7 +272,7 @@ TEST_F(LibusbStreamTest, TransfersThatFailAreTheEnd) {
   }
 }
 
-TEST_F(LibusbStreamTest, UnpluggedDuringAWaitTheWaitIsOver) {
+TEST_F(LibusbStreamTest, UnpluggingEndsAWait) {
   std::jthread later([&] {
     std::this_thread::sleep_for(milliseconds(50));
     device_->unplug(-ESHUTDOWN);
@@ -283,7 +283,7 @@ TEST_F(LibusbStreamTest, UnpluggedDuringAWaitTheWaitIsOver) {
   EXPECT_FALSE(stream_->alive());
 }
 
-TEST_F(LibusbStreamTest, AStalledEndpointIsTheEnd) {
+TEST_F(LibusbStreamTest, AStalledEndpointEndsTheStream) {
   device_->halt(true, -EPIPE);
   stream_->wait(milliseconds(100));
   EXPECT_FALSE(stream_->alive());
@@ -292,8 +292,9 @@ TEST_F(LibusbStreamTest, AStalledEndpointIsTheEnd) {
   EXPECT_FALSE(stream_->alive()) << "it is still halted";
 }
 
-/// Refused, or taken back by the kernel, which libusb calls done: less has left than was written.
-TEST_F(LibusbStreamTest, BytesThatDoNotLeaveAreTheEnd) {
+/// Refused, or cancelled by the kernel, which libusb reports as done: fewer bytes were sent than
+/// written.
+TEST_F(LibusbStreamTest, BytesThatAreNotSentEndTheStream) {
   for (const int status : {-EPIPE, -ENOENT}) {
     stream_ = open_->stream(out_endpoint, in_endpoint);
     device_->halt(false, status);
@@ -308,7 +309,7 @@ TEST_F(LibusbStreamTest, BytesThatDoNotLeaveAreTheEnd) {
   }
 }
 
-TEST_F(LibusbStreamTest, WhatWasTakenStillLeaves) {
+TEST_F(LibusbStreamTest, AcceptedBytesAreStillSent) {
   const Bytes sent = random_bytes(queued, random_);
   ASSERT_EQ(stream_->write(sent), sent.size());
   std::jthread board([&] {
@@ -321,7 +322,7 @@ TEST_F(LibusbStreamTest, WhatWasTakenStillLeaves) {
   board.join();
 }
 
-TEST_F(LibusbStreamTest, EndsWithTransfersThatNobodyTakes) {
+TEST_F(LibusbStreamTest, EndsWithTransfersThatAreNeverRead) {
   for (int round = 0; round < scaled(5); ++round) {
     ASSERT_EQ(stream_->write(random_bytes(queued, random_)), queued);
     device_->give(random_bytes(2'000, random_));

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::chrono::milliseconds no_time{0};
 
-/// The kernel's status of a transfer (usb error codes of its documentation).
+/// The kernel's status of a transfer (USB error codes of its documentation).
 int status_of(TransferEnd end) {
   switch (end) {
     case TransferEnd::done:

@@ -1,5 +1,5 @@
-// A loader model behind the kernel's calls: its transfers are over at once, or wait until they are
-// taken back.
+// A loader model that answers the kernel's calls: its transfers end at once, or wait until they are
+// cancelled.
 //
 // In:  ioctls of a device node. Out: transfers of the model. Who: tests of flashing over libusb.
 #pragma once

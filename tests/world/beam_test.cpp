@@ -1,4 +1,4 @@
-// The continuous laser of the simulated world: gate and power, each in its own order of time.
+// The continuous laser of the simulated world: gate and power, each with its own order of time.
 #include "sim/world/beam.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ TEST(Beam, ShinesWhileTheGateIsOpenAndThereIsPower) {
   bus.set_power(30'000, 10 * ps_per_us);
   bus.set(Pin::laser_gate, true, 20 * ps_per_us);
   bus.set(Pin::laser_gate, false, 60 * ps_per_us);
-  // Measured when its period was over.
+  // Sent after its period had ended.
   bus.set_power(65'535, 40 * ps_per_us);
   bus.set_power(0, 50 * ps_per_us);
   const std::vector<BeamChange> wanted{{20 * ps_per_us, true, 30'000},

@@ -9,7 +9,7 @@
 namespace lamplock::sim {
 namespace {
 
-/// Makes random pulse trains for one axis that a drive can follow, with single faults put in.
+/// Generates random pulse trains for one axis that a drive can follow, with single faults added.
 class Train {
  public:
   Train(PinBus& bus, int axis, std::uint64_t seed) : bus_(bus), axis_(axis), random_(seed) {}
@@ -18,7 +18,7 @@ class Train {
     const int fault = fault_wanted();
     const bool turn = fault == 3 || pick(4) == 0;
     Picoseconds rise = last_rise_ + 900'000 + static_cast<Picoseconds>(pick(2'000'000));
-    if (fault == 2 && !turn && !steps.empty()) {  // the first step follows nothing
+    if (fault == 2 && !turn && !steps.empty()) {  // the first step has no predecessor
       rise = last_rise_ + width_ + 1 + static_cast<Picoseconds>(pick(899'998 - 700'000));
       ++expected.fast_steps;
     }
@@ -70,7 +70,7 @@ class Train {
   Picoseconds width_ = 450'000;
 };
 
-TEST(Drives, CountExactlyAndFlagNothingInGoodTrains) {
+TEST(Drives, CountExactlyAndReportNothingForGoodTrains) {
   PinBus bus;
   Drives drives({}, bus);
   std::vector<Train> trains;
@@ -84,7 +84,7 @@ TEST(Drives, CountExactlyAndFlagNothingInGoodTrains) {
   EXPECT_EQ(drives.total_faults(), 0u);
 }
 
-TEST(Drives, FlagEveryInjectedFaultAndNoOther) {
+TEST(Drives, ReportExactlyTheInjectedFaults) {
   for (int seed = 0; seed < lamplock::test::scaled(20); ++seed) {
     PinBus bus;
     Drives drives({}, bus);
@@ -123,7 +123,7 @@ TEST(Drives, LimitsAreExact) {
   EXPECT_EQ(drives.total_faults(), 3u);
 }
 
-TEST(Drives, KnowWhereTheyWere) {
+TEST(Drives, KnowEarlierPositions) {
   PinBus bus;
   Drives drives({}, bus);
   Train train(bus, 2, 7);
@@ -137,7 +137,7 @@ TEST(Drives, KnowWhereTheyWere) {
   }
 }
 
-TEST(Drives, BeforeTheirMemoryTheyGiveTheOldestPosition) {
+TEST(Drives, BeforeTheirHistoryTheyGiveTheOldestPosition) {
   PinBus bus;
   Drives drives({}, bus);
   constexpr std::int32_t count = 5000;

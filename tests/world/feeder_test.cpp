@@ -1,5 +1,4 @@
-// The feeder: when its sensor sees a sheet, and what a broken wire looks like; drives that are
-// released.
+// The feeder: when its sensor detects a sheet, also with a broken wire; drives that are disabled.
 #include <gtest/gtest.h>
 
 #include "sim/world/world.hpp"
@@ -7,7 +6,7 @@
 namespace lamplock::sim {
 namespace {
 
-TEST(Feeder, SeesASheetWhenItHasRunFarEnough) {
+TEST(Feeder, DetectsASheetAfterTheFeedDistance) {
   PinBus bus;
   Feeder feeder({.gap = 200 * ps_per_ms, .sheet = 150 * ps_per_ms}, bus);
   const auto run = [&](Picoseconds to) {
@@ -31,7 +30,7 @@ TEST(Feeder, SeesASheetWhenItHasRunFarEnough) {
   EXPECT_EQ(feeder.sheets(), 3);
 }
 
-TEST(Feeder, SeesNothingThroughABrokenWire) {
+TEST(Feeder, DetectsNothingThroughABrokenWire) {
   PinBus bus;
   Feeder feeder({.broken_from = 250 * ps_per_ms}, bus);
   bus.set(Pin::aux_out, true, 0);
@@ -41,7 +40,7 @@ TEST(Feeder, SeesNothingThroughABrokenWire) {
   }
 }
 
-TEST(Drives, MissStepsWhileTheyAreReleasedAndBeforeTheyHold) {
+TEST(Drives, MissStepsWhileDisabledAndBeforeTheyHold) {
   PinBus bus;
   Drives drives({.wake_ms = 100, .axes_of_enable_z = 0b0100}, bus);
   Picoseconds now = 0;
@@ -52,7 +51,7 @@ TEST(Drives, MissStepsWhileTheyAreReleasedAndBeforeTheyHold) {
     bus.set(step, false, now + ps_per_us / 2);
     return drives.total_faults() - before;
   };
-  EXPECT_EQ(missed(Pin::step_x, 1 * ps_per_ms), 0u);  // no enable is wired
+  EXPECT_EQ(missed(Pin::step_x, 1 * ps_per_ms), 0u);  // the enable input is not wired
   bus.set(Pin::enable, true, 2 * ps_per_ms);
   bus.set(Pin::enable_z, true, 2 * ps_per_ms);
   EXPECT_EQ(missed(Pin::step_x, 3 * ps_per_ms), 0u);

@@ -18,7 +18,7 @@ using test::Recorder;
 
 constexpr double us = static_cast<double>(ps_per_us);
 
-/// A lamp that has run for a while.
+/// A lamp after running for some time.
 struct LampRun {
   LampRun(const LampConfig& config, double seconds) : lamp(config, bus) {
     lamp.advance(bus, static_cast<Picoseconds>(seconds * 1e12));
@@ -30,7 +30,7 @@ struct LampRun {
 };
 
 TEST(Lamp, PerfectLampIsExactAfterHours) {
-  // A period that is no whole number of picoseconds.
+  // A period that is not a whole number of picoseconds.
   LampRun run({.frequency_hz = 30, .phase_us = 7}, 2 * 3600);
   const auto pulses = run.pulses();
   ASSERT_GT(pulses.size(), 215'000u);
@@ -101,7 +101,7 @@ TEST(Lamp, WanderIsASineOfTheGivenSizeAndPeriod) {
   EXPECT_NEAR(most - least, 100, 0.1);  // 1 % of 10 ms, peak to peak
 }
 
-TEST(Lamp, DropoutsAreMissingFlashesInAnUnchangedRhythm) {
+TEST(Lamp, DropoutsAreMissingFlashesWithoutAShiftOfTheOthers) {
   LampRun run({.frequency_hz = 100, .dropout = 0.1}, 300.001);
   const auto pulses = run.pulses();
   EXPECT_NEAR(static_cast<double>(pulses.size()), 27'000, 5 * std::sqrt(30'000 * 0.09));
@@ -110,7 +110,7 @@ TEST(Lamp, DropoutsAreMissingFlashesInAnUnchangedRhythm) {
   for (const Pulse& pulse : pulses) ASSERT_EQ(pulse.rise % (10 * ps_per_ms), 0);
 }
 
-TEST(Lamp, RuntsAreShortAnywhereInThePeriodAndNoFlashes) {
+TEST(Lamp, RuntsAreShortAnywhereInThePeriodAndAreNotFlashes) {
   LampRun run({.frequency_hz = 100, .jitter_us = 20, .runt = 0.3}, 300.001);
   std::int64_t runts = 0, flashes = 0;
   double earliest = 1, latest = 0;
@@ -135,7 +135,7 @@ TEST(Lamp, RuntsAreShortAnywhereInThePeriodAndNoFlashes) {
   EXPECT_GT(latest, 0.99);
 }
 
-TEST(Lamp, RuntsLeaveTheFlashesWhereTheyWere) {
+TEST(Lamp, RuntsDoNotShiftTheFlashes) {
   const LampConfig plain{.jitter_us = 20, .dropout = 0.1};
   LampConfig noisy = plain;
   noisy.runt = 0.7;
@@ -205,7 +205,7 @@ TEST(Lamp, TriggeredLampFlashesAtTheTrigger) {
   EXPECT_EQ(lamp.flashes(), 100);
 }
 
-TEST(Lamp, TriggeredLampDropsFlashesAndIsDarkBefore) {
+TEST(Lamp, TriggeredLampDropsFlashesAndIsDarkBeforeItsFirstTrigger) {
   PinBus bus;
   Lamp lamp({.dropout = 0.2, .on_after_s = 10, .triggered = true}, bus);
   for (int n = 0; n < 11'000; ++n) {
@@ -218,7 +218,7 @@ TEST(Lamp, TriggeredLampDropsFlashesAndIsDarkBefore) {
   EXPECT_NEAR(static_cast<double>(lamp.flashes()), 8'000, 5 * std::sqrt(10'000 * 0.16));
 }
 
-TEST(Lamp, RefusesWhatIsNoLamp) {
+TEST(Lamp, RefusesInvalidLamps) {
   PinBus bus;
   const auto make = [&bus](const LampConfig& config) { Lamp lamp(config, bus); };
   EXPECT_THROW(make({.frequency_hz = 0}), std::invalid_argument);

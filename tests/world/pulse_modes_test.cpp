@@ -16,7 +16,7 @@ DriveConfig mode(PulseMode mode) {
   return config;
 }
 
-TEST(PulseModes, CwAndCcwCountEachTheirWay) {
+TEST(PulseModes, CwAndCcwCountInTheirDirections) {
   for (const bool active_low : {false, true}) {
     PinBus bus;
     DriveConfig config = mode(PulseMode::cw_ccw);
@@ -52,14 +52,14 @@ TEST(PulseModes, LimitsOfCwAndCcwAreExact) {
   };
   const DriveFaults& faults = drives.faults(0);
   pulse(first, 0, 700'000);
-  pulse(second, 900'000, 400'000);  // each limit just met
+  pulse(second, 900'000, 400'000);  // exactly at each limit
   EXPECT_EQ(faults.total(), 0u);
   pulse(second, 1'799'999, 400'000);
   EXPECT_EQ(faults.fast_steps, 1u);
   pulse(second, 3'000'000, 399'999);
   EXPECT_EQ(faults.short_pulses, 1u);
   pulse(second, 5'000'000, 800'000);
-  pulse(first, 5'999'999, 400'000);  // 1 ps less than the set-up time behind CCW
+  pulse(first, 5'999'999, 400'000);  // 1 ps less than the set-up time after CCW
   EXPECT_EQ(faults.late_directions, 1u);
   bus.set(first, true, 8'000'000);
   bus.set(second, true, 9'000'000);
@@ -102,7 +102,7 @@ TEST(PulseModes, QuadratureFaultsAreExact) {
   Drives drives(config, bus);
   const DriveFaults& faults = drives.faults(0);
   bus.set(first, true, ps_per_us);
-  bus.set(second, true, ps_per_us + 100'000);  // the gap is just kept
+  bus.set(second, true, ps_per_us + 100'000);  // exactly at the minimum gap
   EXPECT_EQ(faults.total(), 0u);
   EXPECT_EQ(drives.position()[0], 2);
   bus.set(first, false, 5 * ps_per_us);
@@ -142,7 +142,7 @@ TEST(PulseModes, InvertedStepAndDirection) {
   EXPECT_EQ(drives.total_faults(), 0u);
 }
 
-TEST(PulseModes, DirectionIsHeldBehindTheStep) {
+TEST(PulseModes, DirectionIsHeldAfterTheStep) {
   PinBus bus;
   DriveConfig config;
   config.dir_hold_ns = 500;
@@ -158,7 +158,7 @@ TEST(PulseModes, DirectionIsHeldBehindTheStep) {
   EXPECT_EQ(drives.total_faults(), 1u);
 }
 
-TEST(PulseModes, EveryAxisHasItsOwn) {
+TEST(PulseModes, EveryAxisHasItsOwnMode) {
   PinBus bus;
   DriveConfig config;
   config.mode = {PulseMode::quadrature, PulseMode::step_dir, PulseMode::cw_ccw,

@@ -1,4 +1,4 @@
-// Records what happens on wires, for tests.
+// Records changes of wires, for tests.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@ struct Change {
   friend bool operator==(const Change&, const Change&) = default;
 };
 
-/// Keeps every change of the pins it was connected to.
+/// Records every change of the connected pins.
 class Recorder final : public PinListener {
  public:
   Recorder(PinBus& bus, std::initializer_list<Pin> pins) {
@@ -27,7 +27,6 @@ class Recorder final : public PinListener {
   std::vector<Change> changes;
 };
 
-/// A pulse on one wire.
 struct Pulse {
   Picoseconds rise, width;
 };

@@ -24,7 +24,7 @@ void step(PinBus& bus, int way, Picoseconds at) {
   bus.set(Pin::step_x, false, at + 500 * ps_per_ns);
 }
 
-/// Answer of the load to one step, t after it: closed forms from the textbook.
+/// Response of the load to one step, t after it: closed forms from the textbook.
 double answer(const ServoConfig& c, double t) {
   if (t < 0) return 0;
   const double u = t / (c.time_constant_ms / 1000), d = c.damping;
@@ -38,8 +38,8 @@ double answer(const ServoConfig& c, double t) {
   return 1 - (fast * std::exp(-slow * u) - slow * std::exp(-fast * u)) / (2 * w);
 }
 
-TEST(Servo, FollowsAsTheSumOfTheAnswersToItsSteps) {
-  // The system is linear: random steps, and the answer to each of them on its own.
+TEST(Servo, FollowsAsTheSumOfItsStepResponses) {
+  // The system is linear: random steps, and the sum of the responses to each of them.
   std::mt19937_64 random(2);
   for (const ServoConfig& config :
        {ServoConfig{.order = 1, .time_constant_ms = 3}, ServoConfig{.time_constant_ms = 4},
@@ -74,9 +74,9 @@ TEST(Servo, FollowsAsTheSumOfTheAnswersToItsSteps) {
   }
 }
 
-TEST(Servo, LagsBehindARampByItsTimeConstants) {
-  // At constant speed v the load stays v T behind its command (first order), or v 2 D T (second):
-  // on the average of a step, since the command is a staircase.
+TEST(Servo, LagsARampByItsTimeConstants) {
+  // At constant speed v the load lags its command by v T (first order), or v 2 D T (second), on the
+  // average over a step, since the command is a staircase.
   struct Row {
     ServoConfig config;
     double error_s;
@@ -98,7 +98,7 @@ TEST(Servo, LagsBehindARampByItsTimeConstants) {
   }
 }
 
-TEST(Servo, AskingChangesNothing) {
+TEST(Servo, ReadingChangesNothing) {
   const auto run = [](bool ask) {
     PinBus bus;
     World world({.servos = {ServoConfig{.damping = 0.5}}}, bus);
@@ -114,7 +114,7 @@ TEST(Servo, AskingChangesNothing) {
   EXPECT_EQ(run(true), run(false));
 }
 
-TEST(Servo, IsOnlyWhereItIsAskedFor) {
+TEST(Servo, ExistsOnlyWhereConfigured) {
   PinBus bus;
   World world({.drives = {.start = {0, -7, 0, 0}}, .servos = {std::nullopt, ServoConfig{}}}, bus);
   EXPECT_EQ(world.servo(0), nullptr);
@@ -123,7 +123,7 @@ TEST(Servo, IsOnlyWhereItIsAskedFor) {
   EXPECT_EQ(world.servo(1)->counts_at(ps_per_s), -28);
 }
 
-TEST(Servo, RefusesNonsense) {
+TEST(Servo, RefusesInvalidConfigurations) {
   for (const ServoConfig& config :
        {ServoConfig{.steps_per_rev = 0}, ServoConfig{.order = 3},
         ServoConfig{.time_constant_ms = 0}, ServoConfig{.damping = -1}}) {

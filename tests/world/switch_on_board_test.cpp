@@ -1,4 +1,4 @@
-// A limit switch that the machine itself runs into, on the virtual board.
+// A limit switch actuated by the motion of the machine, on the virtual board.
 #include <gmock/gmock.h>
 
 #include "tests/board/program_host.hpp"
@@ -15,8 +15,8 @@ job::Profile guarded() {
   return profile;
 }
 
-TEST(SwitchOnBoard, StopsTheMachineAtTheStepThatWorkedIt) {
-  // 5 um steps at 100 mm/s: one in 50 us, five while the main loop comes round once.
+TEST(SwitchOnBoard, StopsTheMachineAtTheStepThatActuatedIt) {
+  // 5 um steps at 100 mm/s: one in 50 us, five in one round of the main loop.
   const job::Profile profile = guarded();
   for (int run = 0; run < scaled(20); ++run) {
     const std::int32_t place = 1500 + 37 * run % 2300;

@@ -22,13 +22,13 @@ void step(PinBus& bus, int axis, bool negative, Picoseconds at) {
   bus.set(step_pin(axis), false, at + 500 * ps_per_ns);
 }
 
-/// Walks an axis from where it is; one step every 10 us, the first one at `at`. The time after it.
+/// Steps an axis every 10 us, beginning at `at`. Returns the time after the last step.
 Picoseconds walk(PinBus& bus, int axis, int steps, Picoseconds at) {
   for (int n = 0; n < std::abs(steps); ++n, at += 10 * ps_per_us) step(bus, axis, steps < 0, at);
   return at;
 }
 
-TEST(Switches, ChangeWithTheStepThatWorksThem) {
+TEST(Switches, ChangeWithTheStepThatActuatesThem) {
   PinBus bus;
   World world({.switches = {{.pin = Pin::limit_x, .contacts = {ContactConfig::above(0, 100)}},
                             {.pin = Pin::limit_y, .contacts = {ContactConfig::below(1, -50)}}}},
@@ -68,7 +68,7 @@ TEST(Switches, FollowTheLagOfTheDrive) {
   EXPECT_EQ(world.drives().position_at(due)[0], 3);
 }
 
-TEST(Switches, LetGoBehindTheirHysteresis) {
+TEST(Switches, ReleaseBeyondTheirHysteresis) {
   for (const int side : {1, -1}) {
     PinBus bus;
     World world({.switches = {{.pin = Pin::limit_z,
@@ -91,7 +91,7 @@ TEST(Switches, LetGoBehindTheirHysteresis) {
   }
 }
 
-TEST(Switches, StartWhereTheMachineStands) {
+TEST(Switches, StartAtTheMachinesPosition) {
   PinBus bus;
   World world({.drives = {.start = {-200, 0, 0, 0}},
                .switches = {{.pin = Pin::limit_x, .contacts = {ContactConfig::below(0, -100)}}}},
@@ -135,7 +135,7 @@ TEST(Switches, ChainOpensWithAnyOfItsContacts) {
 }
 
 TEST(Switches, TwoMotorsOfOneAxisHaveOneEach) {
-  // The gantry stands askew: one motor is 5 steps ahead of the other.
+  // The gantry is skewed: one motor is 5 steps ahead of the other.
   PinBus bus;
   World world({.drives = {.start = {0, -10, 0, -15}},
                .switches = {{.pin = Pin::limit_y, .contacts = {ContactConfig::below(1, -40)}},
@@ -151,7 +151,7 @@ TEST(Switches, TwoMotorsOfOneAxisHaveOneEach) {
 }
 
 TEST(Switches, ProbeTouchesTheTopOfABoxOnly) {
-  // A box of X 10..20, Y -5..5 with its top at -30, walked over in random order of axes.
+  // A box of X 10..20, Y -5..5 with its top at -30, crossed in random order of axes.
   ContactConfig box;
   box.place[0] = {10, 20};
   box.place[1] = {-5, 5};
@@ -179,9 +179,9 @@ TEST(Switches, ProbeTouchesTheTopOfABoxOnly) {
   EXPECT_GT(touched, 0);
 }
 
-TEST(Switches, AxesOfASliceAreSeenInOrderOfTime) {
-  // X passes the box while Z is still above it, and Z goes down behind it; the board tells the
-  // whole way of Z first. Nothing touches.
+TEST(Switches, AxesOfASliceAreEvaluatedInOrderOfTime) {
+  // X passes the box while Z is still above it, and Z goes down past the box; the board sends all
+  // steps of Z first. There is no contact.
   ContactConfig box;
   box.place[0] = {10, 20};
   box.place[2].high = -5;
@@ -193,7 +193,7 @@ TEST(Switches, AxesOfASliceAreSeenInOrderOfTime) {
   walk(bus, 0, 40, ps_per_ms);
   world.advance(20 * ps_per_ms);
   EXPECT_TRUE(recorder.changes.empty());
-  // At one and the same time X leaves and Z would come in: nothing either.
+  // X leaves at the same moment as Z would enter: no contact either.
   walk(bus, 2, 10, 30 * ps_per_ms);
   walk(bus, 0, -20, 40 * ps_per_ms);
   world.advance(50 * ps_per_ms);
@@ -204,7 +204,7 @@ TEST(Switches, AxesOfASliceAreSeenInOrderOfTime) {
   EXPECT_TRUE(recorder.changes.empty());
 }
 
-TEST(Switches, ProbeIsHighWhereThereIsNone) {
+TEST(Switches, ProbeIsHighIfThereIsNone) {
   PinBus bus;
   World world({}, bus);
   EXPECT_TRUE(bus.level(Pin::probe));
@@ -229,7 +229,7 @@ TEST(Bounces, BeginWithTheCauseEndInTimeAtTheRightLevelAndRepeat) {
       world.advance(first + 9 * ps_per_ms);
       EXPECT_EQ(bus.level(Pin::limit_x), engages);
       EXPECT_EQ(recorder.changes.at(seen).at, cause);
-      EXPECT_GE(recorder.changes.size(), seen + 3);  // once at least
+      EXPECT_GE(recorder.changes.size(), seen + 3);  // at least one bounce
       EXPECT_LE(recorder.changes.back().at, cause + longest);
       for (; seen < recorder.changes.size(); ++seen) {
         EXPECT_EQ(recorder.changes[seen].level, engages == ((recorder.changes.size() - seen) % 2));
@@ -245,7 +245,7 @@ TEST(Bounces, BeginWithTheCauseEndInTimeAtTheRightLevelAndRepeat) {
   EXPECT_NE(one, run(2));
 }
 
-TEST(Bounces, OfAContactThatTurnsBackAtOnceEndWithTheLastChange) {
+TEST(Bounces, OfAContactThatReversesAtOnceEndWithTheLastChange) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     PinBus bus;
     ContactConfig contact = ContactConfig::above(0, 1);
@@ -287,7 +287,7 @@ TEST(Faults, OfWiresAndContacts) {
   world.advance(3 * ps_per_ms);
   world.switches().break_wire(Pin::probe, 4 * ps_per_ms);
   world.advance(6 * ps_per_ms);
-  walk(bus, 0, -5, 7 * ps_per_ms);  // the broken wire stays high, the others are quiet
+  walk(bus, 0, -5, 7 * ps_per_ms);  // the broken wire stays high, the others do not change
   walk(bus, 0, 10, 8 * ps_per_ms);
   world.advance(9 * ps_per_ms);
   walk(bus, 1, 10, 10 * ps_per_ms);  // the rest of the chain works
@@ -313,7 +313,7 @@ TEST(Faults, BrokenFromTheStart) {
   EXPECT_TRUE(bus.level(Pin::limit_x));
 }
 
-TEST(Switches, HandsWorkThoseWithoutAPlace) {
+TEST(Switches, SwitchesWithoutAPlaceAreOperatedByHand) {
   PinBus bus;
   World world({.switches = {{.pin = Pin::door, .contacts = {{.bounce = {.break_us = 100}}}}}}, bus);
   Recorder recorder(bus, {Pin::door});
@@ -325,8 +325,8 @@ TEST(Switches, HandsWorkThoseWithoutAPlace) {
   EXPECT_EQ(recorder.changes.back(), (Change{Pin::door, false, 2 * ps_per_ms}));
 }
 
-TEST(Switches, NextLookIsNeverBehindAContact) {
-  // A board of slices steps as fast as the drive allows, and ends each slice where it is told.
+TEST(Switches, NextLookIsNeverPastAContact) {
+  // A board with slices steps at the drives' maximum rate and ends each slice at the given time.
   std::mt19937_64 random(8);
   PinBus bus;
   World world({.switches = {{.pin = Pin::limit_x, .contacts = {ContactConfig::above(0, 300, 20)}},
@@ -353,7 +353,7 @@ TEST(Switches, NextLookIsNeverBehindAContact) {
   EXPECT_LT(looks, 60'000u);
 }
 
-TEST(Switches, RefuseNonsense) {
+TEST(Switches, RefuseInvalidConfigurations) {
   const auto build = [](const WireConfig& wire) {
     PinBus bus;
     World world({.switches = {wire}}, bus);

@@ -15,7 +15,7 @@
 namespace lamplock::sim {
 namespace {
 
-/// What a reader of the format sees; anything it does not understand is an error.
+/// The file as parsed by a reader of the format; anything it does not understand is an error.
 struct Dump {
   std::string timescale;
   std::map<std::string, std::string> name_of_code;
@@ -47,7 +47,7 @@ Dump parse(const std::string& text) {
         ADD_FAILURE() << "header: " << word;
     } else if (word[0] == '#') {
       const Picoseconds at = std::stoll(word.substr(1));
-      EXPECT_GT(at, dump.end) << "time must grow";
+      EXPECT_GT(at, dump.end) << "time must increase";
       dump.end = at;
     } else if (word == "$dumpvars") {
       in_dumpvars = true;
@@ -81,7 +81,7 @@ TEST(Vcd, HeaderNamesEveryWireOnceWithItsLevel) {
     EXPECT_EQ(dump.initial.at(std::string(name)), name == "door") << name;
 }
 
-/// Drives random pins in slices, one pin after the other inside a slice; returns what it did.
+/// Drives random pins in slices, one pin after the other inside a slice; returns the changes.
 std::map<std::string, std::vector<std::pair<Picoseconds, bool>>> drive(PinBus& bus, int slices,
                                                                        std::uint64_t seed) {
   std::map<std::string, std::vector<std::pair<Picoseconds, bool>>> done;
@@ -106,7 +106,7 @@ TEST(Vcd, ReadsBackExactlyWhatWasDriven) {
     PinBus bus;
     std::ostringstream out;
     VcdWriter writer(out, bus);
-    // Enough changes that the writer flushes by itself in between.
+    // Enough changes that the writer flushes automatically.
     const auto done = drive(bus, 3000, static_cast<std::uint64_t>(seed));
     writer.finish(10 * ps_per_s);
     const Dump dump = parse(out.str());
@@ -116,7 +116,7 @@ TEST(Vcd, ReadsBackExactlyWhatWasDriven) {
   }
 }
 
-TEST(Vcd, FlushWritesWhatIsCompleteAndKeepsTheRest) {
+TEST(Vcd, FlushWritesCompleteTimesAndKeepsTheRest) {
   PinBus bus;
   std::ostringstream out;
   VcdWriter writer(out, bus);

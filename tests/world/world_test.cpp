@@ -44,17 +44,17 @@ TEST(Laser, RecordsBeatTimePositionAndWidth) {
   EXPECT_EQ(world.laser().unlit_pulses(), 0u);
 }
 
-TEST(Laser, JudgesTheTimingOfItsSignal) {
+TEST(Laser, ChecksTheTimingOfItsSignal) {
   PinBus bus;
   World world({.lamp = {.frequency_hz = 100, .phase_us = 5000}}, bus);
   fire(bus, ps_per_ms);  // no flash yet
   EXPECT_EQ(world.laser().unlit_pulses(), 1u);
   EXPECT_EQ(world.laser().shots()[0].beat, 0);
   world.advance(5 * ps_per_ms);
-  fire(bus, 5 * ps_per_ms + 20 * ps_per_us, 100 * ps_per_us + 1);  // both limits just met
+  fire(bus, 5 * ps_per_ms + 20 * ps_per_us, 100 * ps_per_us + 1);  // exactly at both limits
   EXPECT_EQ(world.laser().late_pulses() + world.laser().narrow_pulses(), 0u);
   world.advance(15 * ps_per_ms);
-  fire(bus, 15 * ps_per_ms + 20 * ps_per_us + 1, 100 * ps_per_us);  // both just missed
+  fire(bus, 15 * ps_per_ms + 20 * ps_per_us + 1, 100 * ps_per_us);  // just beyond both limits
   EXPECT_EQ(world.laser().late_pulses(), 1u);
   EXPECT_EQ(world.laser().narrow_pulses(), 1u);
   EXPECT_EQ(world.laser().unlit_pulses(), 1u);
@@ -68,7 +68,7 @@ TEST(Laser, NoFlashInADropout) {
   EXPECT_EQ(world.laser().unlit_pulses(), 1u);
 }
 
-TEST(Laser, PositionIsThatOfTheShotInWhateverOrderASliceArrives) {
+TEST(Laser, PositionIsThatOfTheShotForAnyOrderWithinASlice) {
   // A slice of 1 ms with a step in every 10 us on two axes, and one shot in its middle.
   const Picoseconds start = 10 * ps_per_ms, shot_at = start + 505 * ps_per_us;
   const auto deliver = [&](PinBus& bus, Pin pin) {
@@ -86,14 +86,14 @@ TEST(Laser, PositionIsThatOfTheShotInWhateverOrderASliceArrives) {
     if (order == 2) fire(bus, shot_at);
     world.advance(start + 2 * ps_per_ms);
     EXPECT_EQ(world.laser().shots().at(0).steps, (StepPosition{50, 50, 0, 0})) << order;
-    for (int n = 0; n < 5000; ++n)  // later steps do not reach back
+    for (int n = 0; n < 5000; ++n)  // later steps have no effect on it
       step(bus, Pin::step_x, start + 3 * ps_per_ms + n * ps_per_us);
     world.advance(start + 20 * ps_per_ms);
     EXPECT_EQ(world.laser().shots().at(0).steps, (StepPosition{50, 50, 0, 0})) << order;
   }
 }
 
-TEST(World, MakesSwitchesAndFlashesInOrderOfTime) {
+TEST(World, HandlesSwitchesAndFlashesInOrderOfTime) {
   PinBus bus;
   World world({.lamp = {.frequency_hz = 100, .phase_us = 1000}}, bus);
   Recorder recorder(bus, {Pin::lamp_sync, Pin::estop, Pin::door, Pin::limit_y});

@@ -8,7 +8,7 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 
-# Everything about code generation is in flags.txt; build types add nothing.
+# All flags of code generation are in flags.txt; build types add none.
 file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/flags.txt flag_lines REGEX "^-")
 list(JOIN flag_lines " " CMAKE_CXX_FLAGS_INIT)
 set(CMAKE_CXX_FLAGS_RELEASE "" CACHE STRING "" FORCE)

@@ -1,5 +1,5 @@
 // Makes the compiler emit the functions of the controller that a board calls, inline ones too, so
-// that toolchain/gate sees all code that can end up on the board. Never runs.
+// that toolchain/gate checks all code that can be part of the board. Never runs.
 #include <new>
 #include <tuple>
 
@@ -10,7 +10,7 @@ namespace lamplock::machine {
 /// Builds a controller as a board does: in memory that it has set aside.
 Controller* construct(void* memory) { return new (memory) Controller; }
 
-// Taking the address of an inline function makes it a function of its own.
+// Taking the address of an inline function makes the compiler emit it.
 [[gnu::used]] constexpr std::tuple functions{
     &Controller::receive,
     &Controller::transmit,

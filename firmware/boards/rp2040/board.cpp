@@ -2,17 +2,17 @@
 
 #include <new>
 
+#include "firmware/boards/rp2040/base/interrupts.hpp"
+#include "firmware/boards/rp2040/base/rom.hpp"
+#include "firmware/boards/rp2040/base/second_core.hpp"
 #include "firmware/boards/rp2040/fault.hpp"
-#include "firmware/boards/rp2040/interrupts.hpp"
-#include "firmware/boards/rp2040/rom.hpp"
-#include "firmware/boards/rp2040/second_core.hpp"
 
 extern "C" void second_core();
 
 namespace lamplock::rp2040 {
 namespace {
 
-/// At the end of memory, where alignment leaves no gaps (toolchain/arm/rp2040.ld).
+/// At the end of memory, where alignment causes no gaps (toolchain/arm/rp2040.ld).
 [[gnu::section(".bss.rings.stamps")]] StampRing stamp_ring;
 [[gnu::section(".bss.rings.power")]] PowerRing power_ring;
 [[gnu::section(".bss.rings.lattice")]] LatticeRings lattice_rings;
@@ -23,10 +23,10 @@ alignas(Board) std::byte board_memory[sizeof(Board)];
 
 Board& board() { return *std::launder(reinterpret_cast<Board*>(board_memory)); }
 
-/// The UART's send pin where a map has one.
+/// The UART's send pin in maps that have one.
 constexpr unsigned uart_send_gpio = *boards::find_gpio(boards::PinMap::cut, boards::Role::uart_tx);
 
-/// What is said before the boot loader starts is given this long to reach the host.
+/// Time for the last messages to reach the host before the boot loader starts.
 constexpr std::uint64_t last_words_us = 50'000;
 static_assert(last_words_us < Watchdog::timeout_us);
 
@@ -37,7 +37,7 @@ constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | rese
 
 }  // namespace
 
-// The settings are read twice: a copy that stays would take SRAM.
+// The settings are read twice: a permanent copy would use SRAM.
 Board::Board(const Rings& rings)
     : map_(static_cast<boards::PinMap>(storage_.load_settings().whole(settings::Id::pin_map))),
       core_(storage_.load_settings(), mask_,
@@ -46,7 +46,7 @@ Board::Board(const Rings& rings)
              .inputs = Inputs(map_).all(),
              .outputs = boards::program_outputs(map_),
              .second_wire = boards::axes_of_z_enable(map_),
-             .parts = machine::Parts::staged}),
+             .parts = machine::HandoutMode::staged}),
       ports_(uart_send_gpio),
       real_time_(map_, rings) {}
 
@@ -59,20 +59,20 @@ void Board::start_ports() {
 
 void Board::say_rejected(std::string_view what, std::uint32_t records) {
   if (records == 0) return;
-  machine::TextLine line;
+  TextLine line;
   line.add(what).add(": rejected records ").add(std::int64_t{records});
   core_.say(line.view());
 }
 
 void Board::start_kept() {
-  machine::KeptProgram kept;
+  machine::PersistentState kept;
   storage_.load_program(kept);
   core_.set_kept(kept);
   say_rejected("Program", storage_.rejected_programs());
 }
 
 void Board::start() {
-  machine::TextLine line;
+  TextLine line;
   const LastRun last = take_last_run();
   describe(last, line);
   core_.say(line.view());
@@ -104,7 +104,7 @@ void Board::plan_for_ever() {
     bool more = true;
     while (more) {
       more = core_.plan();
-      // With the last slice too: a batch of lines is but one, and the next may follow at once.
+      // Also after the last slice: a batch of lines is only one, and the next may follow at once.
       watchdog_.sign(Signer::planner);
     }
     send_event();
@@ -114,7 +114,7 @@ void Board::plan_for_ever() {
 bool Board::pass() {
   receive();
   store_kept();
-  store_settings();  // before a job that came behind them in the same bytes begins to move
+  store_settings();  // before a job that followed them in the same bytes begins to move
   const bool more = work();
   transmit();
   {
@@ -139,7 +139,7 @@ void Board::receive() {
   std::array<std::uint8_t, piece> bytes;
   for (int i = 0; i < most_pieces; ++i) {
     if (ports_.realtime_waits()) receive_realtime();
-    // Asked each time: the bytes before may have begun a job, or filled the room for lines.
+    // Read each time: the last bytes may have begun a job, or filled the room for lines.
     const std::size_t room = core_.receive_room();
     const auto free = std::span<std::uint8_t>(bytes).first(room < piece ? room : piece);
     const std::size_t n = ports_.read(free, core_.job_unfinished());
@@ -147,11 +147,11 @@ void Board::receive() {
     if (n == 0) return;
     core_.see_host(ports_.host_present());
     core_.receive(free.first(n), ports_.before_jog_cancel());
-    if (core_.batch_waits()) return;  // the other core has nothing to do meanwhile
+    if (core_.batch_waits()) return;  // the other core is idle meanwhile
   }
 }
 
-/// Commands of one byte do not wait for the lines before them.
+/// Commands of one byte bypass the lines before them.
 void Board::receive_realtime() {
   std::uint8_t byte = 0;
   for (std::uint32_t i = 0; i < wire::RealtimeInbox::capacity; ++i) {
@@ -164,8 +164,8 @@ void Board::receive_realtime() {
 
 bool Board::work() {
   bool more = prepare();
-  if (!second_core_ && more) more = core_.plan();  // a slice at a time: the host does not wait
-  if (hand_out()) more = prepare();  // the other core has not to wait for a whole round
+  if (!second_core_ && more) more = core_.plan();  // only a slice: the host must not wait
+  if (hand_out()) more = prepare();                // the other core need not wait for a whole round
   return more;
 }
 
@@ -207,7 +207,7 @@ void Board::transmit() {
 }
 
 void Board::store_settings() {
-  if (!core_.settings_due()) return;  // asked in every round, and they are long
+  if (!core_.settings_due()) return;  // called in every round, and a copy is long
   settings::Values values;
   core_.take_settings(values);
   watchdog_.allow(Watchdog::longest_us);
@@ -215,7 +215,7 @@ void Board::store_settings() {
 }
 
 void Board::store_kept() {
-  const machine::KeptProgram* kept = core_.take_kept();
+  const machine::PersistentState* kept = core_.take_kept();
   if (kept == nullptr) return;
   watchdog_.allow(Watchdog::longest_us);
   if (!storage_.save(*kept)) core_.say("Offsets could not be stored");

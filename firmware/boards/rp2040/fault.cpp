@@ -1,16 +1,16 @@
 #include "firmware/boards/rp2040/fault.hpp"
 
+#include "firmware/boards/rp2040/base/program_pins.hpp"
 #include "firmware/boards/rp2040/fire/beam_output.hpp"
-#include "firmware/boards/rp2040/last_run.hpp"
-#include "firmware/boards/rp2040/program_pins.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
 #include "firmware/boards/rp2040/registers/pio.hpp"
+#include "firmware/boards/rp2040/storage/restart_record.hpp"
 #include "shared/boards/pico_pins.hpp"
 
 namespace lamplock::rp2040 {
 namespace {
 
-/// What an exception puts on the stack (ARMv6-M Architecture Reference Manual, B1.5.6).
+/// Stack frame of an exception (ARMv6-M Architecture Reference Manual, B1.5.6).
 struct ExceptionFrame {
   std::uint32_t r0, r1, r2, r3, r12, lr, pc, xpsr;
 };
@@ -37,7 +37,7 @@ extern "C" [[gnu::used, noreturn]] void fault_handler(const ExceptionFrame* fram
 
 }  // namespace lamplock::rp2040
 
-/// Nothing uses the process stack.
+/// The process stack is not used.
 extern "C" [[gnu::naked]] void fault_entry() {
   asm volatile(
       "mrs r0, msp\n"

@@ -1,11 +1,11 @@
-// The fault handler: outputs off, what happened kept, restart.
+// The fault handler: switches outputs off, records the fault, restarts.
 //
-// Who: hardware, for HardFault and for every exception and interrupt that nobody expects.
+// Who: hardware, for HardFault and for every exception and interrupt without another handler.
 #pragma once
 
 namespace lamplock::rp2040 {
 
-/// Everything that can release energy low at its pad, no further tick: stores only. Any level.
+/// All outputs that can release energy low at their pads, no further tick: only stores. Any level.
 void make_outputs_safe();
 
 }  // namespace lamplock::rp2040

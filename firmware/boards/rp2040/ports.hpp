@@ -1,17 +1,16 @@
 // The two links, USB and UART, as one: the core talks with one host at a time. USB has two
-// functions, of which it chooses one by rules of its own (usb/listener.hpp).
+// functions, of which it chooses one by its own rules (usb/listener.hpp).
 //
-// In:  bytes of both. Out: bytes of the one that is being listened to, commands of one byte first;
-//      answers go there.
+// In:  bytes of both. Out: received bytes of the active port, commands of one byte first; answers
+//      are sent to that port.
 // Who: main loop.
 //
-// Whoever speaks is listened to. While a job is unfinished the other one is not: two hosts at once
-// would break each other's frames, and noise on an open line would take the answers over or, by a
-// stray `~`, end a hold. What it says is thrown away, real-time bytes too, however long the first
-// one is silent: noise cannot be told from a host by waiting.
-// The first bytes of the other port, and those that come after USB was reset, configured anew or
-// heard over its other function, are a new connection's: half a line of before must not become a
-// whole one with them.
+// The port that sent last becomes the active one. While a job is unfinished the other one is
+// ignored: two hosts at once would break each other's frames, and noise on an open line would
+// attract the answers or, by a stray `~`, end a hold. Its bytes are discarded, real-time bytes too,
+// however long the active port is silent: waiting does not distinguish noise from a host. The first
+// bytes of the other port, and those after USB was reset, configured again or received over its
+// other function, belong to a new connection: they must not complete half a line of the old one.
 #pragma once
 
 #include <cstddef>
@@ -29,33 +28,33 @@ class BasicPorts {
   Usb& usb() { return usb_; }
   Uart& uart() { return uart_; }
 
-  /// A command of one byte waits, heard or not.
+  /// A command of one byte waits on either port.
   bool realtime_waits() const { return usb_.realtime_waits() || uart_.realtime_waits(); }
-  /// Takes the oldest command of one byte; false if there is none. To be asked before read().
+  /// Removes the oldest command of one byte; false if there is none. To be called before read().
   bool read_realtime(std::uint8_t& byte, bool tied) {
     return read_either(
                tied, [&byte](auto& port) { return port.read_realtime(byte) ? 1u : 0u; }, false) !=
            0;
   }
-  /// Takes received bytes; returns how many. `tied`: only from the one listened to last.
+  /// Removes received bytes; returns how many. `tied`: only from the active port.
   std::size_t read(std::span<std::uint8_t> out, bool tied) {
     return read_either(tied, [out](auto& port) { return port.read(out); });
   }
-  /// The bytes of the last read() came before one that ends jogs (0x85, `!`, 0x84).
+  /// The bytes of the last read() were received before a byte that ends jogs (0x85, `!`, 0x84).
   bool before_jog_cancel() const {
     return on_uart_ ? uart_.before_jog_cancel() : usb_.before_jog_cancel();
   }
-  /// True once after bytes of the UART were lost while it is listened to.
+  /// True once after bytes of the UART were lost while it is active.
   bool take_loss() { return uart_.take_loss() && on_uart_; }
-  /// The host that is listened to is there. Of one on the UART nothing is known.
+  /// The host of the active port is present. A host on the UART is assumed to be.
   bool host_present() const { return on_uart_ || usb_.present(); }
-  /// True once for each new connection; to be asked after each read(), before its bytes are used.
+  /// True once for each new connection; to be called after each read(), before its bytes are used.
   bool take_new_connection() {
     const bool is_new = new_connection_;
     new_connection_ = false;
     return is_new;
   }
-  /// How many bytes can be sent now, and sending them.
+  /// Number of bytes that can be sent now, and sending them.
   std::size_t room() const { return on_uart_ ? uart_.room() : usb_.room(); }
   void write(std::span<const std::uint8_t> bytes) {
     if (on_uart_)
@@ -76,8 +75,8 @@ class BasicPorts {
     return read_from(uart_, true, tied, read, of_connection);
   }
 
-  /// `read` takes bytes of a port and returns how many; bytes `of_connection` are void if that has
-  /// ended meanwhile, commands of one byte are not.
+  /// `read` removes bytes of a port and returns how many; bytes `of_connection` are void if that
+  /// has ended meanwhile, commands of one byte are not.
   template <class Port, class Read>
   std::size_t read_from(Port& port, bool is_uart, bool tied, Read&& read, bool of_connection) {
     std::uint32_t& seen = generations_[is_uart ? 1 : 0];
@@ -97,7 +96,7 @@ class BasicPorts {
 
   Usb usb_;
   Uart uart_;
-  std::uint32_t generations_[2] = {};  ///< last seen of USB and UART
+  std::uint32_t generations_[2] = {};  ///< last value of USB and UART
   bool on_uart_ = false;
   bool new_connection_ = false;
 };

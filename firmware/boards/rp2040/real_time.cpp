@@ -1,6 +1,6 @@
 #include "firmware/boards/rp2040/real_time.hpp"
 
-#include "firmware/boards/rp2040/allocation.hpp"
+#include "firmware/boards/rp2040/base/allocation.hpp"
 #include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
 #include "firmware/boards/rp2040/registers/pads_bank0.hpp"
 #include "firmware/boards/rp2040/registers/sio.hpp"
@@ -11,17 +11,16 @@ namespace {
 using boards::Role;
 
 constexpr std::uint32_t fill_lead_ticks = 2000;
-/// A little at a time costs every axis a cut, much keeps brakes waiting; whole words.
+/// Small portions cost every axis a cut, large ones delay brakes; whole words.
 constexpr std::uint32_t filled_at_once = 512;
-/// Between two alarms: what has to be tried again must not take all the time.
+/// Minimum time between two alarms: retries must not use all the time.
 constexpr std::uint32_t least_wait_us = 5;
 constexpr std::uint32_t beat_period_us = 100;
-/// Spans fed in one beat interrupt, so that none takes too long; while more are missing the next
-/// interrupt follows at once.
+/// Spans fed in one beat interrupt, to limit its time; while more are missing the next interrupt
+/// follows at once.
 constexpr std::uint32_t most_spans = 1;
 constexpr std::uint32_t all_spans = ~0u;
-/// From the decision to start the lattice to its first tick: filling the rings takes longer than
-/// anything else.
+/// From the decision to start the lattice to its first tick: mostly the time to fill the rings.
 constexpr std::uint64_t start_margin_clocks = 2000 * clocks_per_us;
 /// A tick is not shorter than three quarters of its nominal length; AXIS needs the rest of the
 /// time with the line low.
@@ -56,7 +55,7 @@ void RealTime::start_pads() const {
   const std::uint32_t pulled_up = inputs_.pins();
   for (const boards::PinUse& use : boards::pins(map_)) {
     if (use.direction != boards::Direction::input) continue;
-    // An open serial line reads as idle.
+    // An open serial line must read as idle.
     const bool up = (pulled_up >> use.gpio & 1) != 0 || use.role == Role::uart_rx;
     pads_bank0().gpio[use.gpio] =
         pad::input_enable | pad::schmitt | pad::drive_4ma | (up ? pad::pull_up : pad::pull_down);
@@ -78,8 +77,8 @@ void RealTime::start(machine::Controller& core) {
   fire_.start();
   fire_.configure(core.fire_timing());
   estop_.start();
-  begin(core, StepPosition{}, 0);  // as the core was made
-  // Pressed already: no edge will come.
+  begin(core, StepPosition{}, 0);  // in the state of a new core
+  // Pressed already: there will be no edge.
   if ((sio().gpio_in >> boards::gpio(Role::estop) & 1) != 0) estop_interrupt();
 }
 
@@ -98,7 +97,7 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
     tick = span.first_tick + span.ticks;
     clock = span.first_clock + span.clocks;
   } while (clock < earliest);
-  // Ticks that lie before the first one to be put out pass without a trace: the rings begin anew.
+  // Ticks before the first one to be put out are dropped: the rings begin again.
   while (filled < tick) {
     const std::uint64_t ticks = tick - filled;
     filled +=
@@ -110,14 +109,14 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
   filled_end_ = static_cast<std::uint32_t>(expander_.end_tick());
   timed_end_ = static_cast<std::uint32_t>(tick);
   played_ = static_cast<std::uint32_t>(tick);
-  // The rise of the first tick is cut to measure by its low time: from here to there.
+  // The low time of the first tick sets its rise: from here to there.
   feed_.begin(tick, clock, 1, high);
   fill_interrupt(core);
   feed_.feed(static_cast<std::uint32_t>(clock), filled_end_,
              [&core](std::uint32_t n) { return core.next_span(n); });
   timed_end_ = static_cast<std::uint32_t>(feed_.end_tick());
   fill_interrupt(core);
-  // First tick: STEP leaves step_latency behind the tick line.
+  // First tick: STEP changes step_latency after the tick line.
   const std::uint64_t begin_us = clock / clocks_per_us - 100;
   const std::uint64_t go_clock = begin_us * clocks_per_us + go_latency_clocks;
   const std::uint64_t low = clock - go_clock - pio::tick_start_clocks - pio::step_latency_clocks;
@@ -149,16 +148,16 @@ void RealTime::go(std::uint64_t at_us, std::uint32_t first_tick_clocks) {
   BeamOutput::set_count(count);
 }
 
-/// From this moment on: the other levels get that time.
+/// Relative to now: other levels get that time.
 void RealTime::set_alarm(std::uint32_t wait_us) {
   alarm_us_ = timer().timerawl + wait_us;
   timer().alarm[beat_alarm] = alarm_us_;
-  // It matches on equality: should the time have passed meanwhile, pend the interrupt by hand.
+  // The alarm matches on equality: if the time has passed meanwhile, pend the interrupt.
   if (static_cast<std::int32_t>(timer().timerawl - alarm_us_) >= 0)
     nvic().ispr = irq_bit(Irq::timer_1);
 }
 
-/// Sooner than the alarm is set to, if the token wants that.
+/// Sets the alarm earlier if the token is due before it.
 void RealTime::call_for_token() {
   std::uint64_t clock = 0;
   if (fire_.next_clock(clock)) call_at(clock);
@@ -168,7 +167,7 @@ void RealTime::call_at(std::uint64_t clock) {
   std::uint32_t wait_us = least_wait_us;
   if (clock > now_) {
     if (clock - now_ >= beat_period_us * clocks_per_us) return;
-    // No division at this level: 8389 / 2^20 = 1 / 124.99.
+    // This interrupt does not divide: 8389 / 2^20 = 1 / 124.99.
     wait_us += static_cast<std::uint32_t>(clock - now_) * 8389 >> 20;
   }
   if (static_cast<std::int32_t>(alarm_us_ - now_us_ - wait_us) > 0) set_alarm(wait_us);
@@ -207,11 +206,11 @@ void RealTime::tell_answers(machine::Controller& core) {
 
 void RealTime::edge_interrupt(machine::Controller& core) {
   if (estop_.is_cut()) {
-    // A result that nobody reads would call us for ever; begin() lets it interrupt again.
+    // An unread result would repeat this interrupt for ever; begin() enables it again.
     clear_bits(pio0().irq0_inte, pio_intr::rx_not_empty(fire_machine.number));
     return;
   }
-  // Before the results: an answer that has been caught belongs to a shot that FIRE has told of.
+  // Before the results: a caught answer belongs to a shot that FIRE has reported.
   catch_answers();
   fire_.service(core, [this] { return now(); });
   tell_answers(core);
@@ -224,7 +223,7 @@ void RealTime::beat_interrupt(machine::Controller& core) {
   if (estop_.is_cut()) return;
   catch_answers();
   inputs_.watch(sio().gpio_in, timer().timerawl);
-  // A result that is there by now has its own interrupt next, and perhaps that answer and the
+  // A result available now has its own interrupt next, which may also handle that answer and the
   // token.
   const bool result = FireUnit::has_result();
   if (!result) tell_answers(core);
@@ -232,7 +231,7 @@ void RealTime::beat_interrupt(machine::Controller& core) {
   const std::uint64_t present = now();
   played_ = feed_.tick_before(static_cast<std::uint32_t>(present));
   nvic().ispr = irq_bit(Irq::spare_0);
-  // Without a token in hand every second time is often enough to ask for one (250 us).
+  // Without a token in hand requesting one every second time is enough (250 us).
   ask_ = !ask_;
   if (!result && (ask_ || fire_.has_token())) fire_.handle_token(core, present);
   if (core.changes_wait()) play_changes(core);
@@ -265,23 +264,24 @@ void RealTime::stop_dead(machine::Controller& core) {
   estop_.cut(programs_.of_drives());
   const std::uint64_t filled = expander_.end_tick();
   const StepPosition steps = expander_.steps_at(lattice_.ticks_begun(feed_));
-  // Edges that have come since belong to no shot.
+  // Later edges belong to no shot.
   const std::uint64_t cut_us = widen(estop_.cut_us(), microseconds());
   fire_.stopped(core, (cut_us - start_us_) * clocks_per_us);
   core.stopped_at(steps);
   pads_released_ = false;
-  estop_.in_order();  // before: an e-stop that comes meanwhile must not be forgotten
+  estop_.in_order();  // before begin(): an e-stop during it must not be lost
   begin(core, steps, filled);
 }
 
-/// As far as steps had been put out then, or a millisecond ago: further back the rings do not go.
+/// Position from the steps put out at that time, or a millisecond ago, which is the reach of the
+/// rings.
 StepPosition RealTime::steps_at_us(machine::Controller& core, std::uint32_t us) {
   const std::uint64_t present = now(), oldest = expander_.oldest_tick();
   std::uint64_t tick = feed_.tick_at(present - std::uint64_t{now_us_ - us} * clocks_per_us) + 1;
   if (tick < oldest) tick = oldest;
   StepPosition steps{};
   for (int a = 0; a < max_axes; ++a) {
-    top_up(core);  // the lead in time is less than looking back at all axes may take
+    top_up(core);  // the lead in time is shorter than searching all axes may take
     steps[index(a)] = expander_.step_at(a, tick);
   }
   return steps;
@@ -309,12 +309,12 @@ void RealTime::apply_outputs(const machine::Controller& core) {
   const bool may = core.state() != wire::MachineState::estop && !inputs_.estop();
   if (may == pads_released_) return;
   pads_released_ = may;
-  const AllMasked masked;  // the e-stop's interrupt must not come in between
+  const AllMasked masked;  // the e-stop interrupt must not occur in between
   if (may && !estop_.is_cut()) {
     estop_.release_pads();
   } else {
     estop_.hold_pads();
-    beam_.forget();  // the gate is its own
+    beam_.forget();  // apply() controls the gate
   }
 }
 
@@ -328,7 +328,7 @@ void RealTime::poll(machine::Controller& core) {
     input_changed(core, input, active, i);
   };
   if (estop_.seen()) {
-    estop_.told();
+    estop_.reported();
     stop_dead(core);
     inputs_.estop_seen(changed);
   } else if (feed_.starved()) {

@@ -1,4 +1,4 @@
-// Everything of the board that has to do with time: lattice, fire stage, e-stop, switches.
+// All time-critical parts of the board: lattice, fire stage, e-stop, switches.
 //
 // In:  the core (the caller's), interrupts, the main loop.
 // Out: steps, shots, edges for the core.
@@ -13,20 +13,20 @@
 //   poll               main loop, every 1 ms, beat and fill masked at the NVIC; 3 ms when it
 //                      starts the lattice again (e-stop, limit, ticks that ran out)
 //
-// Time: the core counts system clocks; clock 0 is start(). The microsecond timer runs from the
-// same crystal and gives the present clock within 1 us; edges and ticks are exact by TICK and
-// STAMP, which start with one store. Stopped (e-stop) and started again the lattice goes on where
-// real time is, within 1 us.
+// Time: the core counts system clocks; clock 0 is start(). The microsecond timer runs from the same
+// crystal and gives the present clock within 1 us; edges and ticks are exact by TICK and STAMP,
+// which start with one store. After a stop (e-stop) the lattice starts again at real time, within 1
+// us.
 #pragma once
 
 #include <cstdint>
 
+#include "firmware/boards/rp2040/base/program_pins.hpp"
 #include "firmware/boards/rp2040/fire/beam_output.hpp"
 #include "firmware/boards/rp2040/fire/fire_unit.hpp"
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
 #include "firmware/boards/rp2040/lattice/step_expander.hpp"
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
-#include "firmware/boards/rp2040/program_pins.hpp"
 #include "firmware/boards/rp2040/registers/timer.hpp"
 #include "firmware/boards/rp2040/safety/estop.hpp"
 #include "firmware/boards/rp2040/safety/inputs.hpp"
@@ -35,7 +35,7 @@
 
 namespace lamplock::rp2040 {
 
-/// What DMA reads and writes in circles; each wants an address of its own size. All zero at first.
+/// Ring buffers of DMA; each needs an address aligned to its size. All zero at first.
 struct Rings {
   TickRing& ticks;
   LatticeRings& lattice;
@@ -61,20 +61,21 @@ class RealTime {
   RealTime(const RealTime&) = delete;
   RealTime& operator=(const RealTime&) = delete;
 
-  /// Pins, state machines, DMA, in the order that keeps every energy output low; then the lattice
-  /// runs. The NVIC's enables and priorities are the board's, before or after.
+  /// Starts pins, state machines, DMA, in the order that keeps every energy output low; then the
+  /// lattice runs. The board sets the NVIC's enables and priorities, before or after.
   [[gnu::cold]] void start(machine::Controller& core);
 
   void estop_interrupt() { estop_.interrupt(); }
   void edge_interrupt(machine::Controller& core);
   void beat_interrupt(machine::Controller& core);
   void fill_interrupt(machine::Controller& core);
-  /// Main loop with beat and fill masked, before it keeps them so for long: the full lead of ticks.
+  /// Main loop with beat and fill masked, before a long masked section: feeds the full lead of
+  /// ticks.
   void top_up(machine::Controller& core);
   void poll(machine::Controller& core);
 
-  /// Present clock of the core, at most 1 us behind. Beat and fill masked, or at their level; more
-  /// often than every 34 s.
+  /// Present clock of the core, at most 1 us late. Beat and fill masked, or at their level; at
+  /// least every 34 s.
   std::uint64_t now() {
     const std::uint32_t us = timer().timerawl;
     now_ += (us - now_us_) * clocks_per_us;
@@ -89,9 +90,10 @@ class RealTime {
   bool feed_spans(machine::Controller& core, std::uint32_t most);
   [[gnu::cold]] void begin(machine::Controller& core, const StepPosition& steps,
                            std::uint64_t filled);
-  /// The next ticks into the rings.
+  /// Fills the next ticks into the rings.
   [[gnu::noinline]] std::uint32_t fill(machine::Controller& core, std::uint32_t ticks);
-  /// The lattice, whose first tick comes so many clocks later, and with it a period of LASER PWM.
+  /// Starts the lattice, whose first tick begins this many clocks later, and with it a period of
+  /// LASER PWM.
   void go(std::uint64_t at_us, std::uint32_t first_tick_clocks);
   [[gnu::cold]] void stop_dead(machine::Controller& core);
   [[gnu::cold]] void input_changed(machine::Controller& core, machine::Input input, bool active,
@@ -123,20 +125,20 @@ class RealTime {
   ProgramPins programs_;
   Estop estop_;
   Inputs inputs_;
-  std::array<StepPosition, Inputs::most> places_{};  ///< where the machine was when each began
-  std::uint8_t placed_ = 0;                          ///< a bit for each of them that is known
+  std::array<StepPosition, Inputs::most> places_{};  ///< position when each began to change
+  std::uint8_t placed_ = 0;                          ///< a bit for each known position
   std::uint64_t start_us_ = 0;
-  std::uint64_t now_ = 0;       ///< present clock when it was last asked for
-  std::uint32_t now_us_ = 0;    ///< and the lower half of the timer then
-  std::uint32_t alarm_us_ = 0;  ///< what the alarm is set to, the same
-  // What the two levels tell each other, single words: the lower halves of two tick numbers.
+  std::uint64_t now_ = 0;       ///< present clock at the last call of now()
+  std::uint32_t now_us_ = 0;    ///< lower half of the timer at that call
+  std::uint32_t alarm_us_ = 0;  ///< time of the alarm, in the same format
+  // Data between the two levels, single words: the lower halves of two tick numbers.
   volatile std::uint32_t filled_end_ = 0;  ///< written by fill, read by beat
   volatile std::uint32_t timed_end_ = 0;   ///< written by beat, read by fill
   volatile std::uint32_t played_ = 0;      ///< written by beat, read by fill
   bool pads_released_ = false;
   bool drives_active_high_ = false;
-  bool ask_ = false;           ///< for a token, this time
-  std::uint8_t answered_ = 0;  ///< photosensors of which the core has not heard
+  bool ask_ = false;           ///< request a token this time
+  std::uint8_t answered_ = 0;  ///< photosensors not yet reported to the core
 };
 
 }  // namespace lamplock::rp2040

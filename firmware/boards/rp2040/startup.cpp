@@ -1,10 +1,10 @@
-// Start of the image in SRAM: vector table and what has to happen before main().
+// Start of the image in SRAM: vector table and initialisation before main().
 #include <cstdint>
 
+#include "firmware/boards/rp2040/base/interrupts.hpp"
+#include "firmware/boards/rp2040/base/stack.hpp"
 #include "firmware/boards/rp2040/fault.hpp"
-#include "firmware/boards/rp2040/interrupts.hpp"
 #include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
-#include "firmware/boards/rp2040/stack.hpp"
 
 extern "C" {
 extern std::uint32_t bss_begin[];

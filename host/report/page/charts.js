@@ -1,4 +1,4 @@
-// Charts as SVG: one series each, with axes in round numbers and a text for who cannot see them.
+// Charts as SVG: one series each, with axes in round numbers and a text for screen readers.
 
 const svg_name = 'http://www.w3.org/2000/svg';
 const chart_size = {left: 46, right: 12, top: 12, bottom: 38};
@@ -11,14 +11,14 @@ function svg_part(parent, name, attributes, text) {
   return part;
 }
 
-// Distance of about so many round numbers.
+// Step between round numbers, for about `about` of them.
 function tick_step(range, about) {
   const raw = range / about;
   const power = 10 ** Math.floor(Math.log10(raw));
   return [1, 2, 2.5, 5, 10].map((k) => k * power).find((k) => k >= raw * 0.999);
 }
 
-// Round numbers up to most, about so many.
+// About `about` round numbers up to `most`.
 function ticks(most, about, from = 0) {
   const step = tick_step(most - from, about);
   const all = [];
@@ -26,7 +26,7 @@ function ticks(most, about, from = 0) {
   return all;
 }
 
-// The round number that all of it lies under.
+// The smallest round number above `most`.
 function top_tick(most, about) {
   const step = tick_step(most, about);
   return Math.ceil(most / step - 1e-6) * step;
@@ -40,7 +40,7 @@ function tick_text(value) {
   return value >= 10000 ? grouped(Math.round(value)) : String(Number(value.toPrecision(6)));
 }
 
-// The frame of a chart: axes, and functions from values to places.
+// The frame of a chart: axes, and functions from values to positions.
 function make_chart(holder, options) {
   const width = Math.max(260, Math.round(holder.clientWidth || 560)), height = options.height;
   const svg = svg_part(holder, 'svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': options.label});
@@ -106,7 +106,7 @@ function draw_histogram(holder, histogram, options) {
 // Shots per beat over time, with the mean.
 function draw_utilisation(holder, use, mean) {
   holder.replaceChildren();
-  if (use.share.length === 0) return no_chart(holder, 'Nobody recorded when each shot was fired.');
+  if (use.share.length === 0) return no_chart(holder, 'The times of the shots were not recorded.');
   const seconds = use.beats_per_bin * seconds_per_beat;
   const whole = seconds * use.share.length;
   const [unit, scale] = whole < 180 ? ['s', 1] : whole < 3 * 3600 ? ['min', 60] : ['h', 3600];

@@ -1,12 +1,12 @@
-// Colours of the cloud: by order, by beats, by what was missed. Steps of colour differ in lightness
-// too, so that they can be told apart without seeing hues.
+// Colours of the cloud: by order, by beats, by missed points. Steps of colour differ in lightness
+// too, so that they can be distinguished without hues.
 
 // From first to last.
 const order_ramps = {
   light: ['#3b1f8f', '#2a52be', '#0d7fa8', '#0f8f62', '#a88a00', '#d2541b'],
   dark: ['#7b6cf6', '#4f9bff', '#2fd0e0', '#4be59a', '#e8e34f', '#ff9d4d'],
 };
-// 1 beat, 2, 3, 4 and 5, 6 and more; places of the first one and of unknown ones.
+// 1 beat, 2, 3, 4 and 5, 6 and more; indices of the first one and of unknown ones.
 const beat_limits = [1, 2, 3, 5, 255];
 const beat_names = ['1 beat', '2 beats', '3 beats', '4 to 5', '6 or more'];
 const beat_colours = {

@@ -1,7 +1,7 @@
 // The cloud in space, drawn by WebGL 2: on demand, from one buffer that is filled once.
 //
-// Turntable camera: yaw round z, tilt, zoom, pan. While something moves and frames come late, only
-// every n-th point is drawn (another stride over the same buffer); a still picture has them all.
+// Turntable camera: yaw about z, tilt, zoom, pan. While the picture moves and frames are late, only
+// every n-th point is drawn (another stride over the same buffer); a still picture has all points.
 
 const point_shader = `#version 300 es
 in vec3 place;
@@ -20,7 +20,7 @@ void main() {
   colour = texture(colours, vec2(at * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb;
   bool stands_out = (mode == 2 && tags.y > 0.0) || (mode == 1 && tags.x > 1.5 / 255.0);
   nearness = clamp(0.5 - 0.5 * gl_Position.z / gl_Position.w, 0.0, 1.0);
-  // What was missed shows through the cloud.
+  // Missed points are visible through the cloud.
   if (mode == 2 && tags.y > 0.0) gl_Position.z = -0.99 * gl_Position.w;
   gl_PointSize = max(dot_px / gl_Position.w * (stands_out ? 2.0 : 1.0), stands_out ? 3.0 * first : first);
 }`;
@@ -61,7 +61,7 @@ function make_program(gl, vertex, fragment) {
   return program;
 }
 
-// Places of uniforms by name.
+// Locations of uniforms by name.
 function uniforms_of(gl, program) {
   const places = {};
   const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS);
@@ -72,7 +72,7 @@ function uniforms_of(gl, program) {
   return places;
 }
 
-// Where points lie so dense, edges need not be smooth.
+// With more points than this, edges need not be smooth.
 const most_smooth = 300000;
 const tan_half_view = Math.tan((30 / 2) * (Math.PI / 180));
 
@@ -126,7 +126,7 @@ class Camera {
 }
 
 class CloudView {
-  // Throws where there is no WebGL 2.
+  // Throws without WebGL 2.
   constructor(canvas, bytes, cloud, spacing_mm) {
     this.canvas = canvas;
     this.bytes = bytes;
@@ -134,7 +134,7 @@ class CloudView {
     this.shown = this.count;
     this.size = cloud.size_mm;
     this.mode = 'order';
-    this.every = 1;       // point drawn while something moves
+    this.every = 1;       // stride of the points drawn during motion
     this.moving = false;
     this.waiting = false;
     this.after_draw = () => {};
@@ -198,7 +198,7 @@ class CloudView {
   draw_soon(moving = false) {
     this.moving = moving;
     clearTimeout(this.rest);
-    // When all is still again, all points.
+    // After the motion all points are drawn.
     if (moving) this.rest = setTimeout(() => this.draw_soon(), Math.max(160, 4 * (this.pace ?? 0)));
     if (this.waiting) return;
     this.waiting = true;
@@ -210,7 +210,7 @@ class CloudView {
     });
   }
 
-  // Fewer points where frames come late, more where there is time.
+  // Fewer points if frames are late, more if there is time.
   keep_pace(time) {
     const took = Math.min(time - this.drawn_at, 2000);
     this.drawn_at = time;
@@ -279,7 +279,7 @@ class CloudView {
     gl.disableVertexAttribArray(tags);
   }
 
-  // Where a place of the box, from -0.5 to 0.5 on each axis, is on the canvas, in CSS pixels.
+  // Position on the canvas, in CSS pixels, of a place of the box, from -0.5 to 0.5 on each axis.
   project(x, y, z) {
     const m = this.camera.matrix;
     const [a, b, c] = [x * this.size[0], y * this.size[1], z * this.size[2]];
@@ -291,7 +291,7 @@ class CloudView {
     };
   }
 
-  // Index of the nearest point under a place on the canvas, or -1.
+  // Index of the nearest point under a position on the canvas, or -1.
   pick(x, y) {
     const m = this.camera.matrix, {clientWidth: width, clientHeight: height} = this.canvas;
     const places = new Uint16Array(this.bytes.buffer, this.bytes.byteOffset, this.shown * 4);
@@ -310,14 +310,14 @@ class CloudView {
       const dy = ((m[1] * a + m[5] * b + m[9] * c + m[13]) / w - wanted_y) / ry;
       const off = dx * dx + dy * dy;
       if (off > 1) continue;
-      // In front counts as much as near to the pointer.
+      // Depth has the same weight as the distance from the pointer.
       const rank = off + (4 * (w - this.camera.distance)) / this.camera.radius;
       if (rank < best) best = rank, found = i;
     }
     return found;
   }
 
-  // Milliseconds that a whole picture takes, all points, with the card's part.
+  // Milliseconds for a picture with all points, including the graphics card's work.
   time_of_frame() {
     const gl = this.gl, pixel = new Uint8Array(4), start = performance.now();
     this.moving = false;

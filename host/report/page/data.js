@@ -1,11 +1,11 @@
-// What the page is about, as the program has written it: numbers, and the cloud in typed arrays.
+// The data of the page: numbers, and the cloud in typed arrays.
 
 const data = JSON.parse(document.getElementById('data').textContent);
 const report = data.report;
 
 const bytes_per_point = 8;  // x y z of 16 bits, beats, missed
 
-// The bytes of the cloud. One pass, no copy but the text itself, which is let go.
+// The bytes of the cloud. One pass, no copy but the text itself, which is released.
 function cloud_bytes() {
   const element = document.getElementById('cloud');
   const text = atob(element.textContent.trim());
@@ -24,7 +24,7 @@ function fixed(number, digits) {
   return Number(number).toFixed(digits);
 }
 
-// A number with three or four digits that mean something.
+// A number with three or four significant digits.
 function short(number) {
   if (number === 0) return '0';
   const digits = Math.max(0, 2 - Math.floor(Math.log10(Math.abs(number))));
@@ -40,7 +40,7 @@ function time_text(seconds) {
   return `${Math.floor(whole / 3600)} h ${two(minutes)} min`;
 }
 
-// Beat of a place of the job, a share from 0 to 1; null where nobody knows.
+// Beat at a place of the job, a fraction from 0 to 1; null if unknown.
 function beat_at(share) {
   if (data.clock.length === 0) return null;
   const at = share * (data.clock.length - 1);

@@ -1,15 +1,15 @@
-# Makes page_template.cpp of the files in this folder: page.html with style and script put in.
+# Makes page_template.cpp from the files in this folder: page.html with style and script inserted.
 #
 # usage: cmake -DFOLDER=host/report/page -DOUTPUT=page_template.cpp -P embed.cmake
 cmake_minimum_required(VERSION 3.25)
 
-# As hex digits, so that nothing in a file means anything to CMake.
+# Reads hex digits, because CMake would interpret characters of the files.
 function(read_hex name result)
   file(READ ${FOLDER}/${name} bytes HEX)
   set(${result} ${bytes} PARENT_SCOPE)
 endfunction()
 
-# Puts a file in place of a word of another one.
+# Replaces a word of a text by a file.
 function(put_in page word name result)
   read_hex(${name} bytes)
   string(HEX "${word}" place)

@@ -1,4 +1,4 @@
-// The page itself: numbers into their places, and what the user's hands do.
+// The page itself: fills in the numbers and handles the user's input.
 
 const $ = (id) => document.getElementById(id);
 
@@ -81,8 +81,8 @@ function fill_numbers() {
 }
 
 const reason_names = {
-  fired: 'a shot', moving: 'on the way', no_point_due: 'no point due', outside_tolerance: 'outside tolerance',
-  no_edge: 'no flash', returning: 'going back', not_locked: 'not locked', hold: 'held', door: 'door open',
+  fired: 'a shot', moving: 'moving', no_point_due: 'no point due', outside_tolerance: 'outside tolerance',
+  no_edge: 'no flash', returning: 'moving back', not_locked: 'not locked', hold: 'held', door: 'door open',
   alarm: 'alarm', starved: 'waited for points', warm_up: 'warming up', protection: 'protection', dry: 'dry',
 };
 
@@ -120,17 +120,17 @@ function draw_charts() {
   draw_utilisation($('use-chart'), data.utilisation, report.utilisation);
   draw_histogram($('beats-chart'), data.beats, {
     from: data.beats.counts && data.beats.counts[0] > 0 ? 0 : 1, trim: 6, each: true, unit: 'beats', label: `Beats per point, median ${data.beats.median}`,
-    none: 'Nobody recorded when each shot was fired.', bin_text: (low, bin, last) => `${low}${last && low >= 32 ? ' or more' : ''} beats`,
+    none: 'The times of the shots were not recorded.', bin_text: (low, bin, last) => `${low}${last && low >= 32 ? ' or more' : ''} beats`,
   });
   draw_histogram($('spacing-chart'), data.spacing_mm, {
     unit: 'mm', label: `Distance to the nearest neighbour, median ${short(data.spacing_mm.median)} mm`,
-    none: 'There are no two points.', bin_text: (low, bin, last) => (last ? `${short(low)} mm and more` : `${short(low)} to ${short(low + bin)} mm`),
+    none: 'The cloud has fewer than two points.', bin_text: (low, bin, last) => (last ? `${short(low)} mm and more` : `${short(low)} to ${short(low + bin)} mm`),
   });
   if (data.spacing_mm.values > 0 && data.spacing_mm.values < report.points)
     $('spacing-note').textContent = `Distance to the nearest neighbour, of ${grouped(data.spacing_mm.values)} of the points.`;
 }
 
-// Colour modes and what their colours mean.
+// Colour modes and the meaning of their colours.
 const modes = [
   {name: 'order', label: 'Order', on: () => true},
   {name: 'beats', label: 'Beats', on: () => data.cloud.beats_known},
@@ -159,7 +159,7 @@ function fill_legend(mode, theme, counts) {
   if (data.cloud.stride > 1) add($('legend'), 'span', `shown: one point in ${data.cloud.stride}`);
 }
 
-// Points by the step of colour they have, from the histogram of all of them.
+// Number of points of each colour, from the histogram of all points.
 function count_steps() {
   const beats = beat_limits.map(() => 0);
   (data.beats.counts ?? []).forEach((count, n) => {
@@ -294,7 +294,7 @@ class Hands {
   }
 }
 
-// The number with which a job goes on at a point: pauses are counted with the points.
+// The number of a point in the job, for --from: pauses are counted with the points.
 function number_in_job(point) {
   let low = 0, high = data.pauses.length;
   while (low < high) {
@@ -305,7 +305,7 @@ function number_in_job(point) {
   return data.first + point + low;
 }
 
-// What there is to say about a point that is shown.
+// Text about a point.
 function point_text(view, i) {
   const places = new Uint16Array(view.bytes.buffer, view.bytes.byteOffset + bytes_per_point * i, 3);
   const at = [...places].map((share, axis) => fixed(data.cloud.low_mm[axis] + (share / 65535) * data.cloud.size_mm[axis], 3));
@@ -344,7 +344,7 @@ class Dimensions {
   }
 }
 
-// Turning by itself, and the job run through again.
+// Automatic rotation, and the replay of the job.
 class Motion {
   constructor(view) {
     this.view = view;
@@ -380,7 +380,7 @@ class Motion {
     $('progress-text').textContent = `${grouped(Math.round(share * report.points))} of ${grouped(report.points)} points${time}`;
     view.draw_soon(moving);
   }
-  // Frame by frame as long as there is something to do.
+  // Requests frames while the picture changes.
   run() {
     if (this.running || !(this.turning || this.playing)) return;
     this.running = true;
@@ -399,7 +399,7 @@ class Motion {
   }
 }
 
-// The cloud with all that belongs to it; nothing where there is no WebGL 2.
+// The cloud with its controls; both are hidden without WebGL 2.
 function start_cloud() {
   const counts = count_steps();
   let mode = 'order', view = null;
@@ -418,7 +418,7 @@ function start_cloud() {
     const holder = add($('modes'), 'label', label);
     const button = document.createElement('input');
     Object.assign(button, {type: 'radio', name: 'mode', value: name, checked: name === mode, disabled: !on()});
-    if (!on()) holder.title = 'Not known of this job';
+    if (!on()) holder.title = 'Unknown for this job';
     button.addEventListener('change', () => {
       mode = name;
       paint(document.documentElement.dataset.theme);
@@ -447,5 +447,5 @@ addEventListener('resize', () => {
   drawn_width = innerWidth;
   draw_charts();
 });
-// For tests and for the curious.
+// For tests and for use in the browser's console.
 window.lamplock = {data, cloud, theme};

@@ -44,7 +44,7 @@ constexpr std::uint32_t divider_mask = 0xffffff;
 
 constexpr double largest_code = 4095;
 constexpr double codes = 4096;
-/// Any round robin of one to five inputs is where it was after so many conversions.
+/// Any round robin of one to five inputs is back at its start after this many conversions.
 constexpr std::uint64_t common_round = 60;
 
 }  // namespace
@@ -84,8 +84,8 @@ void Adc::set_temperature(double celsius) {
 
 // --- conversions
 
-/// Between the triggers of START_MANY, in 256ths of a cycle: 1 + INT + FRAC / 256, and no less than
-/// a conversion; 0 in DIV means one after the other (4.9.2.4).
+/// Period of the triggers of START_MANY, in 256ths of a cycle: 1 + INT + FRAC / 256, and not less
+/// than a conversion; 0 in DIV means one after the other (4.9.2.4).
 std::uint64_t Adc::period() const {
   constexpr std::uint64_t shortest = conversion_cycles << 8;
   return divider_ == 0 ? shortest : std::max<std::uint64_t>(shortest, divider_ + 256u);
@@ -111,7 +111,7 @@ void Adc::advance() {
   }
 }
 
-// Where nothing is kept of a conversion, whole rounds of them leave everything as it was.
+// If no result of a conversion is kept, whole rounds of them change nothing.
 void Adc::skip_unseen(std::uint64_t cycles) {
   const bool kept = (fifo_control_ & fcs_enable) != 0 && fifo_level_ < fifo_depth;
   if (!converting_ || !on(cs_start_many) || kept || fail_next_ || sample_failed_) return;
@@ -213,7 +213,7 @@ void Adc::clocks_changed() {
 void Adc::schedule() {
   const bool fifo_awaited = (fifo_control_ & fcs_enable) != 0 &&
                             (interrupts_.enabled() != 0 || (fifo_control_ & fcs_dreq) != 0);
-  // An alias writes AINSEL back as it was peeked, so round robins are kept up to date.
+  // An alias writes AINSEL back as peek() returned it, so round robins are kept up to date.
   const bool awaited = fifo_awaited || (control_ & cs_round_mask) != 0;
   Picoseconds end = never;
   if (awaited && on(cs_enable) && converting_)
@@ -291,7 +291,7 @@ void Adc::write_control(std::uint32_t value) {
   }
 }
 
-// Writing resets the divider: the next trigger is a whole period away.
+// Writing resets the divider: the next trigger is a whole period later.
 void Adc::write_divider(std::uint32_t value) {
   divider_ = value & divider_mask;
   if (!on(cs_enable) || !on(cs_start_many)) return;
@@ -311,7 +311,7 @@ void Adc::write(std::uint32_t offset, std::uint32_t value) {
       if ((value & fcs_over) != 0) overflowed_ = false;
       fifo_control_ = value & fcs_kept;
       if ((fifo_control_ & fcs_dreq) != 0 && (fifo_control_ >> 24 & 0xfu) == 0)
-        not_modelled_("ADC FCS: DREQ_EN with THRESH 0 requests only what is there");
+        not_modelled_("ADC FCS: DREQ_EN with THRESH 0 requests only words in the FIFO");
       break;
     case offset_div:
       write_divider(value);

@@ -4,7 +4,7 @@
 // In:  registers; volts at GPIO26 to 29 and the temperature of the die, set from outside; clk_adc.
 // Out: results; the interrupt ADC_IRQ_FIFO; the DREQ.
 // Who: the bus; the wheel at the end of conversions that an interrupt or the DMA waits for. A
-//      converter that runs freely and that nobody waits for costs nothing until it is looked at.
+//      free-running converter that no other part waits for costs nothing until it is read.
 //
 // A conversion takes 96 cycles of clk_adc from the first edge of that clock at or after the write.
 // It is ideal: noise, offset and the steps of erratum E11 are not modelled. The input is taken at
@@ -15,13 +15,13 @@
 #include <cstdint>
 #include <string_view>
 
-#include "sim/chip/dreq_lines.hpp"
-#include "sim/chip/interrupt_registers.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/dreq_lines.hpp"
+#include "sim/chip/fabric/interrupt_registers.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/system/clock_counter.hpp"
 #include "sim/chip/system/clocks.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -51,7 +51,7 @@ class Adc final : public Peripheral, private Timed, private ClockListener {
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
-  /// clk_adc stops or goes on behind its gate.
+  /// clk_adc stops or starts behind its gate.
   void set_clock(bool runs);
 
  private:

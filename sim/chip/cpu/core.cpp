@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "sim/chip/cpu/decode.hpp"
-#include "sim/chip/hex.hpp"
+#include "sim/chip/fabric/hex.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -148,8 +148,8 @@ void Core::add_native(std::uint32_t first, std::uint32_t last, NativeFunction fu
 
 // --- Fetch ---------------------------------------------------------------------------------------
 
-// The instruction is not in the window: another region, a native function, or nothing at all.
-// Nothing: something else than the instruction happened.
+// Fetches an instruction outside the window: another region, a native function, or no memory at
+// all. Empty: something other than an instruction took place.
 std::optional<std::uint16_t> Core::fetch_outside(std::uint32_t pc) {
   if (const auto instruction = fetch_from_memory(pc)) return instruction;
   const auto above = native_above(pc);
@@ -160,7 +160,7 @@ std::optional<std::uint16_t> Core::fetch_outside(std::uint32_t pc) {
   return fetch_code(pc);
 }
 
-// Past what is at hand.
+// Fetches beyond the present window.
 std::optional<std::uint16_t> Core::fetch_code(std::uint32_t pc) {
   const bool refused = mpu_.enabled() && !permits(pc, MpuAccess::fetch);
   if (!executable(pc) || refused) {
@@ -183,8 +183,8 @@ std::optional<std::uint16_t> Core::fetch_code(std::uint32_t pc) {
   return instruction;
 }
 
-// Where ROM or SRAM is contended for: a word at a time, in the cycle in which the core comes to it.
-// Nothing: it is not the memory in which words were fetched last.
+// Where ROM or SRAM is contended: one word at a time, in the cycle in which the core reaches it.
+// Empty: it is not the memory in which words were fetched last.
 std::optional<std::uint16_t> Core::fetch_from_memory(std::uint32_t pc) {
   const std::uint32_t word = (pc & ~3u) - memory_.first;
   if (word >= memory_.size || memory_.size - word < 4) return std::nullopt;
@@ -199,7 +199,7 @@ std::optional<std::uint16_t> Core::fetch_from_memory(std::uint32_t pc) {
   return instruction;
 }
 
-// What is where, or who may fetch it, has changed.
+// The memory map or the permission to fetch has changed.
 void Core::forget_code() { window_.size = memory_.size = 0; }
 
 // Leaves the part of the window around pc that has no native function in it.
@@ -213,9 +213,9 @@ void Core::cut_natives(std::uint32_t pc, Bus::CodeWindow& window) const {
     window.size = above->first - window.first;
 }
 
-// Code that is not plain memory is fetched as the core does it: a word at a time, with two
-// instructions in it. The core waits for it when it comes to that word; that it asks up to two
-// cycles earlier, while an instruction runs, is not modelled.
+// Code that is not plain memory is fetched as the core does it: one word at a time, with two
+// instructions in it. The core waits for a word when it reaches it; the hardware's request up to
+// two cycles earlier, while an instruction runs, is not modelled.
 std::optional<std::uint16_t> Core::fetch_word(std::uint32_t pc) {
   const Access access = bus_.fetch(pc & ~3u, master_, cycle_);
   if (access.fault) {
@@ -286,7 +286,8 @@ bool Core::permits(std::uint32_t address, MpuAccess access) const {
   return mpu_.permits(address, access, privileged(), execution_priority() < 0);
 }
 
-// The cause is looked for after the access has failed, so that no access that succeeds pays for it.
+// The cause is searched after the access has failed, so that a successful access costs nothing
+// more.
 bool Core::access_fault(std::uint32_t address, Width width, MpuAccess kind) {
   FaultCause cause = kind == MpuAccess::write ? FaultCause::failed_write : FaultCause::failed_read;
   if ((address & (static_cast<std::uint32_t>(width) - 1)) != 0)
@@ -297,8 +298,7 @@ bool Core::access_fault(std::uint32_t address, Width width, MpuAccess kind) {
   return false;
 }
 
-// A load or store adds here what it costs beyond one cycle: 1, but nothing on the I/O port. False:
-// it faulted.
+// Adds the cost of a load or store beyond one cycle: 1, but 0 on the I/O port. False: it faulted.
 inline bool Core::complete(std::uint32_t address, Width width, MpuAccess kind,
                            const Access& access) {
   if (access.fault) [[unlikely]]
@@ -323,7 +323,7 @@ bool Core::store(std::uint32_t address, Width width, std::uint32_t value) {
   return complete(address, width, MpuAccess::write, access);
 }
 
-// Between two words of a multiple access, where nearly always nothing is in the way.
+// Fast path between two words of a multiple access: usually nothing interrupts it.
 inline bool Core::word_may_begin(unsigned word) {
   if (other_ == nullptr && wheel_.next() > cycle_ && irqs_.changes() == seen_changes_ && !takeable_)
       [[likely]]
@@ -331,8 +331,8 @@ inline bool Core::word_may_begin(unsigned word) {
   return !pause_or_abandon(word);
 }
 
-// An interrupt abandons the instruction, which starts anew after the handler. Before it is looked
-// for, the other core has to have come as far.
+// An interrupt abandons the instruction, which starts again after the handler. Interrupts are
+// checked only when the other core has reached the same cycle.
 [[gnu::noinline]] bool Core::pause_or_abandon(unsigned word) {
   if (!waits()) {
     notice_access();
@@ -345,7 +345,7 @@ inline bool Core::word_may_begin(unsigned word) {
   return true;
 }
 
-// The first word that is not done, of an instruction that begins or goes on.
+// The first word that is not done, of an instruction that begins or continues.
 inline unsigned Core::begin_words(std::uint16_t instruction) {
   if (pause_ != Pause::words) {
     multiple_.instruction = instruction;
@@ -401,7 +401,7 @@ unsigned Core::scatter(unsigned list, const Words& words) {
   return next;
 }
 
-// The same for words in memory, past the bus; where the words end.
+// The same for words in memory, without the bus; returns the end of the words.
 inline std::uint8_t* Core::put(unsigned list, std::uint8_t* words) const {
   for (const std::uint32_t* from = r_.data(); list != 0; list >>= 1, ++from) {
     if ((list & 1) == 0) continue;
@@ -453,8 +453,8 @@ bool Core::push(std::uint16_t op) {
   return true;
 }
 
-// Moves the program counter itself: POP {..., PC} is a branch. Its own cycle comes before the
-// words, so that no more than the two of the branch are left when it cannot be abandoned any more.
+// Sets the program counter itself: POP {..., PC} is a branch. Its own cycle comes before the words,
+// so that at most the two of the branch remain when it can no longer be abandoned.
 void Core::pop(std::uint16_t op) {
   const unsigned list = op & 0x1ff;
   if (list == 0) {
@@ -577,7 +577,7 @@ void Core::execute_exchange(std::uint16_t op) {
   if (listener_ != nullptr) listener_->called(id_, from, pc_, cycle_);
 }
 
-// ADD and MOV of which the program counter is an operand, and what must not have one.
+// ADD and MOV with the program counter as an operand, and those that must not have it.
 void Core::execute_high(std::uint16_t op) {
   const unsigned d = high_d(op), m = high_m(op);
   const std::uint32_t right = m == 15 ? pc_ + 4 : r_[m];
@@ -714,12 +714,11 @@ bool Core::execute_msr(std::uint16_t first, std::uint16_t second) {
 
 // --- One instruction after the other -------------------------------------------------------------
 
-// Instructions from pc_ on: one in any case, more while the time is before `until`, when something
-// is due or somebody else's turn begins. Time and program counter are in `cycle` and `pc`, and that
-// is the one thing to look at between two instructions, as long as they touch nothing but the
-// core's own registers and plain memory. All that goes further, and may ask the core for its state,
-// change interrupt lines or the code window, calls leave() before it, and is the last for this
-// time.
+// Executes instructions from pc_ on: at least one, more while the time is before `until`, when an
+// event is due or the other core's turn begins. Time and program counter are in `cycle` and `pc`.
+// That is the only check between two instructions as long as they touch only the core's registers
+// and plain memory. Any other instruction, which may read the state of the core, change interrupt
+// lines or the code window, calls leave() first and is the last one of this call.
 //
 // A switch over all instructions: long, but each case is a line of the manual. An instruction that
 // faults, sleeps or returns from an exception has moved the program counter itself and returns.
@@ -753,7 +752,7 @@ void Core::execute(Cycle until) {
       r_[low_d(op)] = result;
       set_nz(result);
     };
-    // A branch by register that is no return from an exception, no fault and heard by nobody.
+    // A branch by register that is neither an exception return nor a fault, and has no listener.
     const auto stays_inside = [&](std::uint32_t target) {
       return (target & 1) != 0 && (target >> 28) != 15 && listener_ == nullptr;
     };
@@ -780,8 +779,8 @@ void Core::execute(Cycle until) {
       cycle = cycle_;
       return done;
     };
-    // Where the words of a multiple access are, if they are plain memory and nothing is due before
-    // the last one; else null.
+    // The words of a multiple access, if they are in plain memory and nothing is due before the
+    // last one; else null.
     const auto words_at = [&](std::uint32_t address, unsigned count, bool to_write)
         __attribute__((always_inline)) {
       const bool alone = cycle + count < until && address < unchecked_end_;
@@ -1140,7 +1139,7 @@ void Core::execute(Cycle until) {
 
 // --- Many instructions ---------------------------------------------------------------------------
 
-// Who goes first may do so again and again.
+// One repayment may be followed by another: the master that goes first may do so repeatedly.
 void Core::give_back() {
   if (!bus_.contended() && !owes()) return;
   run_events(cycle_);
@@ -1185,7 +1184,7 @@ void Core::resume_words() {
 
 Cycle Core::step() {
   const Cycle start = cycle_;
-  // What was asked for before this was heard; what is asked for from now on comes first, before the
+  // A stop requested earlier has been handled; one requested from now on ends the step before the
   // instruction: a core that is reset executes no more.
   if (stop_) {
     stop_ = false;
@@ -1245,8 +1244,7 @@ void Core::run_two(Core& first, Core& second, Cycle limit) {
       core.execute(0);
       core.notice_access();
     }
-    // Who stops or falls asleep, or wakes the other in a way that needs to be looked at, wants
-    // attention.
+    // A stop, falling asleep, or waking the other core so that it must be checked sets attention_.
     if (core.attention_ && (core.stop_ || core.idle())) [[unlikely]]
       break;
   }

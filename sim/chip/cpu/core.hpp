@@ -9,29 +9,29 @@
 //        core.reset(vector_table);              // also after a reset of the chip
 //        while (...) core.run_until(limit);     // sleeps, events and interrupts included
 //
-//      with two, the one that is behind makes the next step:
+//      with two, the core whose cycle() is lower makes the next step:
 //
 //        Core& core = (core0.cycle() <= core1.cycle()) ? core0 : core1;
 //        if (core.idle()) core.idle_to(other.cycle()); else core.step();
 //
 //      and if both are idle, both idle_to() the next event of the wheel (TimeWheel::next()).
 //
-// A core runs the events of the wheel that are due before each of its instructions, and Bus brings
-// time up to each register access. reset() must not be called from inside an access or an event
-// (watchdog, SYSRESETREQ): note it, request_stop(), and reset when step() or run_until() is back.
+// A core runs the events of the wheel that are due before each of its instructions, and Bus
+// advances time to each register access. reset() must not be called from inside an access or an
+// event (watchdog, SYSRESETREQ): note the request, call request_stop(), and reset after step() or
+// run_until() has returned.
 //
-// Between two instructions there is one thing to look at as long as nothing but registers of the
-// core and plain memory has been touched: whether the next event of the wheel, or the end of the
-// run, has come. execute() runs on until then. Whatever goes further (registers of blocks, the
-// system space, memory that is contended for, faults, sleep, a listener) ends that, and all is
-// looked at again.
+// As long as instructions touch only registers of the core and plain memory, execute() checks one
+// thing between them: whether the next event of the wheel or the end of the run is due. Anything
+// else (registers of blocks, the system space, contended memory, faults, sleep, a listener) ends
+// execute(), and all states are checked again.
 //
-// Functions of the ROM are native: add_native() covers addresses, and when the program counter gets
-// there the function is called instead, takes its arguments from r0..r3 (reg, set_reg), says how
-// many cycles it took, and the core goes on at LR.
+// Functions of the ROM are native: add_native() covers addresses. When the program counter reaches
+// one, the function is called instead. It takes its arguments from r0..r3 (reg, set_reg) and
+// returns how many cycles it took; the core continues at LR.
 //
-// What an instruction does where the manual says UNPREDICTABLE: a HardFault, and a report; what it
-// does to time where the manual is silent is in Timing.
+// An instruction that the manual calls UNPREDICTABLE raises a HardFault and is reported. Timing has
+// the costs that the manual does not give.
 #pragma once
 
 #include <algorithm>
@@ -41,19 +41,20 @@
 #include <optional>
 #include <vector>
 
-#include "sim/chip/bus.hpp"
 #include "sim/chip/cpu/fault.hpp"
 #include "sim/chip/cpu/mpu.hpp"
 #include "sim/chip/cpu/nvic.hpp"
 #include "sim/chip/cpu/systick.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
-#include "sim/chip/time_wheel.hpp"
-#include "sim/chip/timing.hpp"
+#include "sim/chip/fabric/bus.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
+#include "sim/chip/fabric/timing.hpp"
 
 namespace lamplock::sim::chip {
 
-/// Told what a core does, for profiles and traces. Costs a predictable branch when nobody listens.
+/// Receives what a core does, for profiles and traces. Without a listener it costs a predictable
+/// branch.
 class CoreListener {
  public:
   virtual ~CoreListener() = default;
@@ -72,7 +73,6 @@ class CoreListener {
   virtual void masked(int core, bool interrupts_off, Cycle at) = 0;
 };
 
-/// One core.
 class Core {
  public:
   Core(int id, Bus& bus, TimeWheel& wheel, IrqLines& irqs, const Timing& timing,
@@ -80,42 +80,43 @@ class Core {
   Core(const Core&) = delete;
   Core& operator=(const Core&) = delete;
 
-  /// Reset state; stack pointer and entry point from the vector table there (VTOR stays 0). Time
-  /// goes on from the wheel's.
+  /// Reset state; takes stack pointer and entry point from the vector table there (VTOR stays 0).
+  /// The core starts at the wheel's time.
   void reset(std::uint32_t vector_table);
-  /// Runs what is due, then one instruction or one exception entry. Cycles it took; 0: idle(), or
-  /// the other core goes first.
+  /// Runs due events, then one instruction or one exception entry. Returns the cycles taken; 0: the
+  /// core is idle(), or the other core makes the next step.
   Cycle step();
-  /// Steps and sleeps until cycle() is `limit` or a little more, or until request_stop().
+  /// Steps and sleeps until cycle() is `limit` or slightly more, or until request_stop().
   void run_until(Cycle limit);
-  /// Two cores that are both awake: the one that is behind (the first of equals) makes the next
-  /// step, until both have reached `limit`, one is idle, or there was a request_stop().
+  /// Runs two cores that are both awake: the one with the lower cycle() (the first of equals) makes
+  /// the next step, until both have reached `limit`, one is idle, or there was a request_stop().
   static void run_two(Core& first, Core& second, Cycle limit);
-  /// A core that sleeps or has locked up lets time pass, events included, until it can go on or
-  /// its cycle() is `to`.
+  /// Lets time pass, events included, for a core that sleeps or has locked up, until it can run
+  /// again or its cycle() is `to`.
   void idle_to(Cycle to);
-  /// Runs what is due up to and including `to`, not after cycle(); run_until() leaves what came
-  /// due during its last instruction.
+  /// Runs events due up to and including `to`, which is not after cycle(). run_until() leaves those
+  /// that became due during its last instruction.
   void run_events(Cycle to);
   /// run_until() returns after the current step.
   void request_stop();
-  /// While the other core is awake, this one never runs time ahead of it, not inside a step either:
-  /// what takes several cycles pauses until the other one has come as far. null: it sleeps. Until
-  /// run_until() or run_two() returns.
+  /// While the other core is awake, this one never runs time ahead of it, not even inside a step:
+  /// an instruction of several cycles pauses until the other core has reached the same cycle. null:
+  /// the other core sleeps. Holds until run_until() or run_two() returns.
   void wait_for(const Core* other) { other_ = other; }
-  /// In the middle of a multiple access, or on the way into or out of a handler; the next step goes
-  /// on with it.
+  /// True in the middle of a multiple access or of an exception entry or return; the next step
+  /// continues it.
   bool paused() const { return pause_ != Pause::none; }
-  /// Interrupt lines have changed, and somebody else has noticed it. On the way into or out of a
-  /// handler it matters when.
+  /// The other core or the chip reports that interrupt lines changed at `when`. During an exception
+  /// entry or return the cycle matters.
   void lines_changed(Cycle when);
-  /// An access of the other master went before one of this core after all (Arbiter).
+  /// True if an access of the other master was, in the end, served before one of this core
+  /// (Arbiter).
   bool owes() const { return bus_.arbiter().owes(static_cast<Requester>(master_)); }
-  /// What step() begins with: the cycles that it owes.
+  /// First part of step(): spends the cycles that the core owes.
   void give_back();
 
   Cycle cycle() const { return cycle_; }
-  /// In WFI, WFE or after SLEEPONEXIT, and nothing has happened yet to end it.
+  /// In WFI, WFE or after SLEEPONEXIT, and nothing has ended the sleep yet.
   bool sleeping() const { return sleep_ != Sleep::awake && !can_wake(); }
   bool locked_up() const { return locked_up_ && !takeable_; }
   bool idle() const { return sleeping() || locked_up(); }
@@ -123,8 +124,8 @@ class Core {
   bool sleeping_deeply() const { return sleeping() && (scr_ & scr_sleep_deep) != 0; }
   /// The next step is an exception entry.
   bool exception_waits() const { return takeable_; }
-  /// A register at 0xe0000000 as it stands, for debuggers: no side effects, no time. Nothing if
-  /// there is none.
+  /// The present value of a register at 0xe0000000, for debuggers: no side effects, no time. Empty
+  /// if there is no such register.
   std::optional<std::uint32_t> peek_system(std::uint32_t address);
 
   /// r0..r15; 13 the stack pointer in use, 15 the address of the next instruction.
@@ -142,39 +143,40 @@ class Core {
   void set_control(std::uint32_t value);
   std::uint32_t vtor() const { return vtor_; }
   void set_vtor(std::uint32_t value) { vtor_ = value & ~0xffu; }
-  /// SCR, as its register takes it.
+  /// SCR; masks the value as a write to the register does.
   void set_scr(std::uint32_t value);
   /// Exception number of the handler that runs, 0 in thread mode.
   unsigned exception() const { return ipsr_; }
   int id() const { return id_; }
 
-  /// What a native function says of itself.
+  /// What happens after a native function returns.
   enum class Then : std::uint8_t {
-    returns,  ///< goes on at LR
-    again,    ///< is called again at the same address after its cycles; interrupts run between
-    jumped    ///< has set the program counter itself
+    returns,  ///< the core continues at LR
+    again,    ///< called again at the same address after its cycles; interrupts may run between
+    jumped    ///< the function has set the program counter itself
   };
   struct Native {
     std::uint32_t cycles = 1;
     Then then = Then::returns;
   };
   using NativeFunction = std::function<Native(Core& core, std::uint32_t address)>;
-  /// Addresses first..last (even, both included) are native. Not to be called while running.
+  /// Makes addresses first..last (even, both included) native. Must not be called during a run.
   void add_native(std::uint32_t first, std::uint32_t last, NativeFunction function);
 
-  /// SEV of the other core, or whatever else sets the event register.
+  /// SEV of the other core, or another source that sets the event register.
   void send_event() { event_ = true; }
   /// This core's SEV; it has set its own event register already.
   std::function<void()> on_event;
-  /// This core has noticed that interrupt lines have changed in cycle `when`; not called from
-  /// inside an event.
+  /// This core has noticed that interrupt lines changed in cycle `when`; not called from inside an
+  /// event.
   std::function<void(Cycle when)> on_lines_changed;
-  /// This core slept and its SysTick has just ended that; called from inside an event, perhaps of
-  /// the other core's time.
+  /// SysTick has just woken this core; called from inside an event, possibly one run by the other
+  /// core.
   std::function<void()> on_woken;
-  /// With SCR.SLEEPDEEP this core falls asleep, or is about to run again.
+  /// This core enters (true) or is about to leave (false) a sleep with SCR.SLEEPDEEP.
   std::function<void(bool asleep)> on_deep_sleep;
-  /// BKPT: true if a debugger takes it, and the core stays in front of it; else a HardFault.
+  /// BKPT: true if a debugger takes it; the core then stays at that instruction. Otherwise a
+  /// HardFault.
   std::function<bool()> on_breakpoint;
   /// A HardFault is taken, or the core locks up. `at` is not filled in.
   std::function<void(const Fault&)> on_fault;
@@ -188,7 +190,7 @@ class Core {
 
  private:
   enum class Sleep : std::uint8_t { awake, wfi, wfe };
-  /// What a step has not ended.
+  /// The part of a step that is still to be completed.
   enum class Pause : std::uint8_t { none, words, entering, leaving };
   static constexpr std::uint32_t scr_sleep_on_exit = 1u << 1, scr_sleep_deep = 1u << 2,
                                  scr_sev_on_pend = 1u << 4;
@@ -230,9 +232,7 @@ class Core {
   unsigned begin_words(std::uint16_t instruction);
   void resume();
   void resume_words();
-  /// The last cycle whose events this core may run now.
   Cycle horizon() const { return other_ == nullptr ? never_cycle : other_->cycle_; }
-  /// The other core makes the next step.
   bool waits() const {
     return other_ != nullptr && (id_ == 0 ? other_->cycle_ < cycle_ : other_->cycle_ <= cycle_);
   }
@@ -270,7 +270,7 @@ class Core {
   bool attention_needed() const {
     return attention_ || wheel_.next() <= cycle_ || irqs_.changes() != seen_changes_;
   }
-  /// Nothing happens before, unless an instruction makes it happen.
+  /// No event is due before this cycle, unless an instruction causes one.
   Cycle undisturbed_until(Cycle limit) const {
     return attention_ ? 0 : std::min(limit, wheel_.next());
   }
@@ -312,17 +312,17 @@ class Core {
   static constexpr std::uint32_t ppb_base = 0xe000'0000;
   static constexpr std::uint32_t control_npriv = 1, control_spsel = 2;
 
-  // What every instruction touches, together.
+  // State that every instruction uses, kept together.
   std::array<std::uint32_t, 15> r_{};
   std::uint32_t pc_ = 0;
   std::uint32_t n_ = 0;  ///< bit 31 is the N flag
   bool c_ = false, v_ = false;
   std::uint32_t z_ = 1;     ///< zero: Z is set; beside n_ both would be stored as a vector, slower
-  bool attention_ = false;  ///< one of the states below wants attend()
+  bool attention_ = false;  ///< one of the states below needs attend()
   Cycle cycle_ = 0;
   Bus::CodeWindow window_;
   std::uint32_t seen_changes_ = 0;
-  /// Below, data is reached through the bus and nobody asked: the PPB, or 0 while the MPU is on.
+  /// Below this address the bus is used without a check: the PPB, or 0 while the MPU is on.
   std::uint32_t unchecked_end_ = ppb_base;
   TimeWheel& wheel_;
   IrqLines& irqs_;
@@ -355,12 +355,12 @@ class Core {
     Words words{};
   };
   Multiple multiple_;
-  /// The way into a handler or out of it.
+  /// An exception entry or return in progress.
   struct Exchange {
     unsigned number = 0;       ///< of the handler entered
     std::uint32_t value = 0;   ///< EXC_RETURN of the handler left
     Cycle start = 0;           ///< where it began
-    Cycle since = 0, end = 0;  ///< of entry, chain or return; what comes before `end` may turn it
+    Cycle since = 0, end = 0;  ///< of entry, chain or return; an event before `end` may change it
   };
   Exchange exchange_;
 

@@ -1,7 +1,7 @@
 // Which instruction a halfword is (ARMv6-M Architecture Reference Manual, A5.2).
 //
-// Ten bits (15..6) tell all 16-bit Thumb instructions apart; what is left to look at (register
-// lists, should-be-zero bits, hints, second halfwords) is looked at where it is executed.
+// Ten bits (15..6) distinguish all 16-bit Thumb instructions; the rest (register lists,
+// should-be-zero bits, hints, second halfwords) is decoded where it is executed.
 #pragma once
 
 #include <array>
@@ -98,7 +98,7 @@ enum class Op : std::uint8_t {
   wide
 };
 
-/// The instruction that bits 15..6 of a halfword stand for.
+/// The instruction that bits 15..6 of a halfword encode.
 constexpr Op decode_bits(unsigned bits) {
   const auto from = [](Op first, unsigned index) {
     return static_cast<Op>(static_cast<unsigned>(first) + index);

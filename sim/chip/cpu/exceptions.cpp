@@ -9,8 +9,8 @@ namespace lamplock::sim::chip {
 namespace {
 
 // Cortex-M0+ Technical Reference Manual: 15 cycles from the assertion of an interrupt to the first
-// instruction of its handler, memory without wait states. Up to two cycles of it pass under the
-// instruction in progress (assumed): no instruction that is not abandoned has more left.
+// instruction of its handler, memory without wait states. Up to two of them overlap the instruction
+// in progress (assumed): an instruction that is not abandoned has at most two left.
 constexpr Cycle entry_cycles = 15;
 constexpr Cycle entry_overlap = 2;
 
@@ -67,7 +67,7 @@ void Core::lines_changed(Cycle when) {
   if (pause_ != Pause::none && irqs_.changes() != seen_changes_) sample(when);
 }
 
-// The next event alone, so that it is known when a line rose: then. It may wake the other core.
+// Runs only the next event, so that the time of a line's rise is known. It may wake the other core.
 void Core::run_event() {
   const Cycle when = wheel_.next();
   wheel_.advance_to(when);
@@ -79,8 +79,8 @@ void Core::run_events(Cycle to) {
   if (irqs_.changes() != seen_changes_) sample(cycle_);
 }
 
-// What this core's own access to a register has changed shows in the next cycle: time has been
-// brought up to the access, and not further.
+// A change by this core's own access to a register shows in the next cycle: time has been advanced
+// only to the access.
 void Core::notice_access() {
   if (irqs_.changes() != seen_changes_) sample(wheel_.now() + 1);
 }
@@ -88,7 +88,7 @@ void Core::notice_access() {
 bool Core::can_wake() const {
   if (takeable_) return true;
   if (sleep_ == Sleep::wfe) return event_;
-  // WFI ends for what PRIMASK alone holds back.
+  // WFI also ends for an exception that only PRIMASK holds back.
   const unsigned best = nvic_.best();
   return best != 0 && nvic_.priority(best) < nvic_.active_priority();
 }
@@ -105,12 +105,12 @@ void Core::systick_expired() {
   nvic_.pend(number_of(Exception::systick));
   refresh(wheel_.now());
   if (!slept || sleeping()) return;
-  // It has slept until now, whatever its cycle() says.
+  // The core has slept until now, whatever its cycle() is.
   cycle_ = std::max(cycle_, wheel_.now());
   if (on_woken) on_woken();
 }
 
-// Whatever comes before the next instruction; true if the step is used up.
+// Handles everything before the next instruction; true if this uses up the step.
 bool Core::attend() {
   run_events(cycle_);
   if (waits() || stop_) return true;
@@ -138,7 +138,7 @@ bool Core::attend() {
 void Core::idle_to(Cycle to) {
   while (true) {
     if (irqs_.changes() != seen_changes_) {
-      // It has slept until somebody else changed the lines.
+      // The core has slept until another part changed the lines.
       cycle_ = std::max(cycle_, wheel_.now());
       sample(cycle_);
     }
@@ -226,15 +226,15 @@ bool Core::push_frame(std::uint32_t return_address, std::uint32_t& waits) {
 }
 
 // The end of an entry or a chain: until the handler's first instruction runs, a higher priority may
-// still take its place.
+// still replace it.
 void Core::start_handler(unsigned number, Cycle since, Cycle end) {
   exchange_ = {number, 0, cycle_, since, end};
   pause_ = Pause::entering;
   finish_entry();
 }
 
-// What is due until the end of an exchange, one event after the other; refresh() may turn it.
-// False: it pauses there, because others have not come as far.
+// Runs due events until the end of an exchange, one by one; refresh() may change the exchange.
+// False: it pauses because the other core has not reached that cycle.
 bool Core::pass_exchange() {
   const Pause kind = pause_;
   while (wheel_.next() < exchange_.end && wheel_.next() <= horizon()) {
@@ -250,7 +250,7 @@ bool Core::pass_exchange() {
   return false;
 }
 
-// Something has become pending on the way.
+// An exception has become pending during the exchange.
 void Core::notice_in_exchange(unsigned best, Cycle when) {
   if (when >= exchange_.end) return;
   if (pause_ == Pause::entering) {
@@ -258,7 +258,7 @@ void Core::notice_in_exchange(unsigned best, Cycle when) {
     exchange_.number = best;
     exchange_.end = std::max(exchange_.end, when + timing_.tail_chain);
   } else {
-    // What comes while the registers are on their way back ends that, and is chained.
+    // A higher priority during a return ends the return, and is chained.
     if (!takeable_) return;
     r_[14] = exchange_.value;
     const Cycle since = std::max(when, exchange_.start);

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sim/chip/hex.hpp"
+#include "sim/chip/fabric/hex.hpp"
 
 namespace lamplock::sim::chip {
 namespace {

@@ -1,7 +1,7 @@
-// How a program for the chip dies: HardFault, lock-up, a boot block that the ROM refuses, a reset
-// by the watchdog.
+// Fatal faults of a program for the chip: HardFault, lock-up, a boot block that the ROM refuses, a
+// reset by the watchdog.
 //
-// In:  what a core, the boot ROM or the watchdog knows when it happens.
+// In:  the state known to a core, the boot ROM or the watchdog at that time.
 // Out: a record with cause and place, and its words.
 // Who: made by Core and Chip, kept by Chip, shown and judged by `lamplock chip`.
 #pragma once
@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 

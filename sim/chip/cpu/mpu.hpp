@@ -2,7 +2,7 @@
 // RP2040 datasheet, 2.4.6).
 //
 // In:  its registers; accesses and fetches below the private peripheral bus.
-// Out: whether they are permitted. Who: Core, which asks only while the unit is on.
+// Out: whether they are permitted. Who: Core, while the unit is on.
 #pragma once
 
 #include <array>

@@ -4,7 +4,7 @@
 // In:  levels of the interrupt lines, requests of the core itself, writes to NVIC registers.
 // Out: the exception that would be taken next, and the priority the core executes at.
 // Numbers are exception numbers: 2 NMI, 3 HardFault, 11 SVCall, 14 PendSV, 15 SysTick, 16.. lines.
-// All 32 lines have their latches; those from 26 on are never driven and may be pended by software.
+// All 32 lines have latches; those from 26 on are never driven and can be pended by software.
 #pragma once
 
 #include <array>
@@ -29,13 +29,13 @@ constexpr unsigned number_of(Exception exception) { return static_cast<unsigned>
 class Nvic {
  public:
   static constexpr unsigned exception_count = 16 + 32;
-  /// Priority of the thread when nothing is active and nothing masked: below all others (3).
+  /// Priority of the thread with nothing active and nothing masked: below all others (3).
   static constexpr int thread_priority = 4;
 
   void reset() { *this = Nvic(); }
 
-  /// Looks at the lines. A line pends its interrupt when it rises, and as long as it is high and
-  /// the interrupt is not active; a pending interrupt stays so when the line falls. True if an
+  /// Samples the lines. A line pends its interrupt when it rises, and as long as it is high and the
+  /// interrupt is not active; a pending interrupt remains pending when the line falls. True if an
   /// interrupt became pending (for SEVONPEND).
   bool sample(std::uint32_t levels) {
     const std::uint32_t rising = levels & ~levels_;
@@ -46,7 +46,7 @@ class Nvic {
   }
 
   void pend(unsigned number) { pending_ |= bit(number); }
-  /// Clears; a line that is still high and not active pends its interrupt again.
+  /// Clears the pending state; a line that is still high and not active pends its interrupt again.
   void unpend(unsigned number) { unpend_all(bit(number)); }
   bool pending(unsigned number) const { return (pending_ & bit(number)) != 0; }
   bool active(unsigned number) const { return (active_ & bit(number)) != 0; }
@@ -71,10 +71,11 @@ class Nvic {
     priorities_[number] = static_cast<std::int8_t>(priority & 3);
     find_active_priority();
   }
-  /// Priority of what is active, before PRIMASK.
+  /// Priority of the active exceptions, without PRIMASK.
   int active_priority() const { return active_priority_; }
 
-  /// Pending and enabled, of the highest priority, of equal ones the lowest number; 0: none.
+  /// The pending and enabled exception of the highest priority, of equal ones the lowest number; 0:
+  /// none.
   unsigned best() const {
     std::uint64_t candidates = pending_ & enabled_;
     unsigned best = 0;

@@ -1,7 +1,7 @@
 // The private peripheral bus: NVIC, System Control Block, SysTick (ARMv6-M Architecture Reference
 // Manual, B3; RP2040 datasheet, 2.4.8).
 #include "sim/chip/cpu/core.hpp"
-#include "sim/chip/hex.hpp"
+#include "sim/chip/fabric/hex.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -41,7 +41,7 @@ void Core::report(std::uint32_t address) {
   if (not_modelled_) not_modelled_("PPB register at " + hex(address));
 }
 
-// False: a fault (nobody there, or not for unprivileged code).
+// False: a fault (no register, or not accessible to unprivileged code).
 bool Core::read_system(std::uint32_t address, std::uint32_t& value) {
   if (!privileged() || address >= ppb_end) return false;
   run_events(cycle_);
@@ -58,7 +58,7 @@ std::optional<std::uint32_t> Core::peek_system(std::uint32_t address) {
   return system_register(address - scs_base, wheel_.now()).value_or(0);
 }
 
-// A register as it stands at `at`; nothing if there is none.
+// A register's value at `at`; empty if there is none.
 std::optional<std::uint32_t> Core::system_register(std::uint32_t offset, Cycle at) {
   if (offset >= nvic_ipr && offset < nvic_ipr_end) {
     std::uint32_t value = 0;
@@ -126,7 +126,7 @@ bool Core::write_system(std::uint32_t address, std::uint32_t value) {
       systick_.write_control(value, cycle_);
       if ((value & 1) != 0 && systick_.uses_reference() && !systick_.reference_runs() &&
           not_modelled_)
-        not_modelled_("SysTick on its reference clock, which stands");
+        not_modelled_("SysTick on its reference clock, which has stopped");
       break;
     case syst_rvr:
       systick_.write_reload(value, cycle_);
@@ -175,14 +175,13 @@ bool Core::write_system(std::uint32_t address, std::uint32_t value) {
   return true;
 }
 
-// With the MPU on nothing is reached without asking it.
+// With the MPU on every access is checked.
 void Core::write_mpu(std::uint32_t offset, std::uint32_t value) {
   mpu_.write(offset, value);
   unchecked_end_ = mpu_.enabled() ? 0 : ppb_base;
   forget_code();
 }
 
-// True if the offset is one of the NVIC.
 bool Core::write_nvic(std::uint32_t offset, std::uint32_t value) {
   if (offset >= nvic_ipr && offset < nvic_ipr_end) {
     for (unsigned i = 0; i < 4; ++i)

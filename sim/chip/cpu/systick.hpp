@@ -2,13 +2,13 @@
 //
 // In:  register accesses; the clock (clk_sys, or the tick of the watchdog block as the reference).
 // Out: its exception, at the cycle in which the count goes from 1 to 0. Between two of these the
-//      count is worked out when somebody looks.
+//      count is computed only when it is read.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 
-#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -19,7 +19,7 @@ class SysTick final : public Timed {
 
   void reset(Cycle now);
   std::uint32_t read_control(Cycle now);
-  /// The same without its side effect, as of the last run().
+  /// CTRL without the side effect of a read, as of the last run().
   std::uint32_t peek_control() const { return control_ | (counted_ ? count_flag : 0); }
   void write_control(std::uint32_t value, Cycle now);
   std::uint32_t reload() const { return reload_; }
@@ -28,8 +28,8 @@ class SysTick final : public Timed {
   /// Any write clears the count and COUNTFLAG.
   void clear_current(Cycle now);
 
-  /// Cycles of clk_sys in a period of the reference (1 us tick of WATCHDOG), 0 if it stands, and
-  /// the cycle of one of its ticks, a period from now at most.
+  /// Cycles of clk_sys in a period of the reference (1 us tick of WATCHDOG), 0 if it has stopped,
+  /// and the cycle of one of its ticks, at most a period from now.
   void set_reference(Cycle cycles, Cycle tick, Cycle now);
   bool uses_reference() const { return (control_ & clock_source) == 0; }
   bool reference_runs() const { return reference_ != 0; }
@@ -40,7 +40,7 @@ class SysTick final : public Timed {
   static constexpr std::uint32_t enable = 1u << 0, interrupt = 1u << 1, clock_source = 1u << 2,
                                  count_flag = 1u << 16;
 
-  /// Clocks of the counter's source in one count; 0: it stands.
+  /// Clocks of the counter's source in one count; 0: it has stopped.
   Cycle period() const;
   /// Where counting begins: now, or at the reference's last tick.
   Cycle begin(Cycle now) const;

@@ -32,7 +32,7 @@ constexpr std::array<std::array<Role, 4>, 4> layouts{{
     {Role::control, Role::write_address, Role::count, Role::read_address},
 }};
 
-/// DREQs of FIFOs that are filled by writes: a transfer takes its place when it is written.
+/// DREQs of FIFOs that are filled by writes: a transfer occupies its place when it is written.
 constexpr bool is_transmit(unsigned dreq) {
   if (dreq < 16) return (dreq & 4u) == 0;
   if (dreq < 24 || (dreq >= 32 && dreq < 36)) return (dreq & 1u) == 0;
@@ -57,7 +57,7 @@ Dma::Dma(ClockOwner& clock, Bus& bus, DreqLines& dreqs, const std::array<PioBloc
 // ---------------------------------------------------------------------------------------------
 // Clocks
 
-/// Credits on their way and pacing timers, through `clock`.
+/// Advances credits on their way and pacing timers through `clock`.
 void Dma::advance_to(Cycle clock) {
   if (clock <= now_) return;
   const std::uint64_t clocks = clock - now_;
@@ -78,7 +78,7 @@ void Dma::advance_to(Cycle clock) {
     const std::uint64_t sum = timer.sum + std::min(timer.x, timer.y) * clocks;
     timer.sum = static_cast<std::uint32_t>(sum % timer.y);
     if (sum < timer.y) continue;
-    // Due at each request as long as a channel uses the timer, so that there is one at most.
+    // Due at each request as long as a channel uses the timer, so that it has at most one.
     for (Channel& channel : channels_)
       if (channel.busy && channel.treq() == first_timer + i)
         channel.arriving |= std::uint64_t{1} << timing_.dma_start;
@@ -94,7 +94,7 @@ void Dma::clock(Cycle clock) {
   find_due(clock, true);
 }
 
-/// Another master's access went before the last read or write after all.
+/// Adds the cycles of another master's access that was served before the last read or write.
 void Dma::give_back() {
   Arbiter& arbiter = bus_.arbiter();
   if (arbiter.owes(Requester::dma_read)) {
@@ -120,7 +120,7 @@ void Dma::write_phase(Cycle clock) {
   const Access access = bus_.write(address, front.data, width, Master::dma, clock);
   write_free_ = clock + 1 + access.wait;
   if (!channel.busy) {
-    // Aborted or failed: what was in flight could not be revoked.
+    // Aborted or failed: transfers in flight could not be revoked.
     if (channel.in_flight == 0 && std::exchange(channel.aborting, false)) raise(front.channel);
     return;
   }
@@ -169,8 +169,8 @@ bool Dma::wants_read(const Channel& channel, Cycle clock) const {
          (channel.treq() == permanent || channel.credits != 0);
 }
 
-/// Each round: every high-priority channel that wants to once, then one other (description of
-/// HIGH_PRIORITY). dma_channel_count: nobody.
+/// Each round: every ready high-priority channel once, then one other (description of
+/// HIGH_PRIORITY). dma_channel_count: none.
 unsigned Dma::choose(Cycle clock) {
   std::uint32_t high = 0, low = 0;
   for (std::uint32_t rest = busy_mask_; rest != 0; rest &= rest - 1) {
@@ -198,7 +198,7 @@ unsigned Dma::available(unsigned dreq) const {
   return (dreq & 4u) != 0 ? block.rx_level(dreq & 3u) : block.tx_space(dreq & 3u);
 }
 
-/// Transfers of a FIFO that are spoken for.
+/// Transfers of a FIFO that are covered by credits or in flight.
 unsigned Dma::owed(const Channel& channel) const {
   // Without an instruction for it counting bits is a call, and mostly there are none.
   const int arriving = channel.arriving == 0 ? 0 : std::popcount(channel.arriving);
@@ -236,14 +236,14 @@ void Dma::pulse(unsigned dreq, Cycle clock) {
   find_due(clock);
 }
 
-/// When it has something to do next; `gives_credits`: at the end of a clock, one at most to each
-/// channel whose FIFO has more than is spoken for.
+/// Computes when it has something to do next; `gives_credits`: at the end of a clock, gives at most
+/// one credit to each channel whose FIFO has more than is covered.
 void Dma::find_due(Cycle clock, bool gives_credits) {
   due_ = never_cycle;
   const auto by = [this, clock](Cycle when) { due_ = std::min(due_, std::max(when, clock + 1)); };
   if (fifo_level_ != 0) by(std::max(fifo_[fifo_head_].ready, write_free_));
-  // A request is known Timing::dma_start clocks before its read: in time for what the cores do in
-  // that clock.
+  // A request is known Timing::dma_start clocks before its read: early enough for the cores'
+  // accesses in that clock.
   bool active = fifo_level_ != 0;
   std::uint32_t wraps = 0;
   for (std::uint32_t rest = busy_mask_; rest != 0; rest &= rest - 1) {

@@ -4,11 +4,11 @@
 // In:  register accesses; requests of the PIO FIFOs and of DreqLines; clocks, from PioDmaClock.
 // Out: bus accesses as Master::dma; interrupt lines DMA_IRQ_0 and 1.
 //
-// The order of one transfer: a request (trigger, or a credit for a DREQ), Timing::dma_start clocks
-// later the read, in the clock after the read (and its wait states) the write. Reads go on while
-// writes are behind, up to the depth of the data FIFO.
-// Credits (2.5.3.2): for each transfer that a FIFO can take or give and that is not spoken for, one
-// credit a clock; a channel spends one with each read. They are cleared when a channel starts.
+// One transfer: a request (trigger, or a credit for a DREQ), the read Timing::dma_start clocks
+// later, the write in the clock after the read (and its wait states). Reads continue while writes
+// lag, up to the depth of the data FIFO.
+// Credits (2.5.3.2): for each transfer that a FIFO can take or give and that no credit covers yet,
+// one credit a clock; a channel spends one with each read. They are cleared when a channel starts.
 #pragma once
 
 #include <algorithm>
@@ -18,22 +18,21 @@
 #include <optional>
 #include <string>
 
-#include "sim/chip/bus.hpp"
-#include "sim/chip/clock_owner.hpp"
 #include "sim/chip/dma/sniffer.hpp"
-#include "sim/chip/dreq_lines.hpp"
-#include "sim/chip/interrupt_registers.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/bus.hpp"
+#include "sim/chip/fabric/clock_owner.hpp"
+#include "sim/chip/fabric/dreq_lines.hpp"
+#include "sim/chip/fabric/interrupt_registers.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/timing.hpp"
 #include "sim/chip/pio/pio_block.hpp"
-#include "sim/chip/timing.hpp"
 
 namespace lamplock::sim::chip {
 
 inline constexpr unsigned dma_channel_count = 12;
 inline constexpr unsigned dma_timer_count = 4;
 
-/// The block of registers and what is behind it.
 class Dma final : public Peripheral {
  public:
   Dma(ClockOwner& clock, Bus& bus, DreqLines& dreqs, const std::array<PioBlock, 2>& pio,
@@ -52,23 +51,23 @@ class Dma final : public Peripheral {
   // For the owner of the clock.
   void clock(Cycle clock);
   Cycle due() const { return due_; }
-  /// The level of some FIFO has changed: channels that are paced by one look at it in `clock`.
+  /// The level of a FIFO has changed: channels that it paces check it in `clock`.
   void levels_changed(Cycle clock);
   /// A request without a FIFO, in `clock`.
   void pulse(unsigned dreq, Cycle clock);
-  /// Its clock stops with clock `next`, and everything stays; or goes on with it.
+  /// Its clock stops with clock `next` and all state stays, or it starts again with that clock.
   void set_clock(bool runs, Cycle next);
-  /// No transfers to come on any channel.
+  /// True if no transfers remain on any channel.
   bool idle() const { return busy_mask_ == 0 && fifo_level_ == 0; }
-  /// Called in clocks that end with idle(), from inside; may be empty.
+  /// Called from inside clocks that end with idle(); may be empty.
   std::function<void()> on_idle;
 
  private:
   struct Channel {
     std::uint32_t read_address = 0, write_address = 0;
     std::uint32_t reload = 0;   ///< TRANS_COUNT of the next sequence
-    std::uint32_t count = 0;    ///< writes to come
-    std::uint32_t to_read = 0;  ///< reads to come
+    std::uint32_t count = 0;    ///< remaining writes
+    std::uint32_t to_read = 0;  ///< remaining reads
     std::uint32_t control = 0;  ///< without BUSY and errors
     bool busy = false, read_error = false, write_error = false, aborting = false;
     std::uint32_t in_flight = 0;  ///< read and not yet written
@@ -114,7 +113,7 @@ class Dma final : public Peripheral {
   void set_control(Channel& channel, std::uint32_t value);
   void write_channel(std::uint32_t offset, std::uint32_t value, Cycle clock);
   void write_global(std::uint32_t offset, std::uint32_t value, Cycle clock);
-  /// Nothing: no register there.
+  /// Empty: no register there.
   std::optional<std::uint32_t> value_of(std::uint32_t offset) const;
   std::optional<std::uint32_t> global_value(std::uint32_t offset) const;
   void report(const std::string& what) const;

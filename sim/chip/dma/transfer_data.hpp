@@ -1,4 +1,4 @@
-// What the DMA does to the data of a transfer of 8, 16 or 32 bits.
+// Changes that the DMA makes to the data of a transfer of 8, 16 or 32 bits.
 #pragma once
 
 #include <cstdint>

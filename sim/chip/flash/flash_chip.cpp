@@ -123,7 +123,7 @@ unsigned FlashChip::clock(unsigned lines, Picoseconds now) {
   switch (p.phase) {
     case Phase::ignore:
     case Phase::done:
-      // Clocks after a complete command spoil it: chip select must rise after its last bit.
+      // Clocks after a complete command invalidate it: chip select must rise after its last bit.
       if (p.phase == Phase::done) p.phase = Phase::ignore;
       return idle_lines;
     case Phase::dummy:
@@ -329,7 +329,7 @@ void FlashChip::start_command(std::uint8_t command, Picoseconds now) {
                           command == cmd_read_status_3 || command == cmd_enable_reset;
   if ((busy(now) && !while_busy) || (power_down_ && command != cmd_release_power_down)) {
     if (command == cmd_reset && reset_enabled_)
-      report("FLASH reset (99h) while busy: what was running goes on here");
+      report("FLASH reset (99h) while busy: the operation continues here");
     p.phase = Phase::ignore;
     ++counts_.ignored;
     return;
@@ -367,7 +367,7 @@ void FlashChip::start_command(std::uint8_t command, Picoseconds now) {
   }
 }
 
-// --- what chip select sets off when it rises ---
+// --- operations that the rise of chip select starts ---
 
 bool FlashChip::protected_now() {
   if ((status_[0] & status_protection) == 0) return false;

@@ -6,10 +6,9 @@
 //
 // Rules of the datasheet (Winbond W25Q16JV, chapters 6 to 9): programming only clears bits, inside
 // one page of 256 bytes with the address wrapping; erasing sets whole sectors or blocks; each needs
-// a write enable before it; commands other than reading status are ignored while it is busy; a
-// write command counts only if chip select rises after a whole byte. A power cut in the middle
-// leaves what a real chip may leave: some bits programmed and others not; after a cut erase any
-// value at all.
+// a write enable before it; commands other than reading status are ignored while the chip is busy;
+// a write command counts only if chip select rises after a whole byte. A power cut leaves what a
+// real chip may leave: after a cut program only some bits programmed, after a cut erase any value.
 #pragma once
 
 #include <array>
@@ -18,14 +17,14 @@
 #include <string>
 #include <vector>
 
-#include "sim/chip/peripheral.hpp"
-#include "sim/time.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
 #include "sim/world/random.hpp"
+#include "sim/world/time.hpp"
 
 namespace lamplock::sim::chip {
 
-/// How long the chip is busy: typical times of the W25Q16JV datasheet, table "AC electrical
-/// characteristics"; the largest are in the comments.
+/// Times for which the chip is busy: typical times of the W25Q16JV datasheet, table "AC electrical
+/// characteristics"; the maximum times are in the comments.
 struct FlashTiming {
   Picoseconds page_program = 400 * ps_per_us;      ///< tPP, 3 ms at most
   Picoseconds sector_erase = 45 * ps_per_ms;       ///< tSE, 400 ms
@@ -37,14 +36,13 @@ struct FlashTiming {
   Picoseconds reset = 30 * ps_per_us;              ///< tRST
 };
 
-/// What has been done to the chip, for tests of wear levelling and for reports.
+/// Operations of the chip, for tests of wear levelling and for reports.
 struct FlashCounts {
   std::uint64_t pages_programmed = 0;
   std::uint64_t sectors_erased = 0;  ///< sectors of 4 KiB, those in blocks included
   std::uint64_t ignored = 0;         ///< write commands that were ignored (busy, not enabled, ...)
 };
 
-/// The chip.
 class FlashChip {
  public:
   static constexpr std::size_t default_size = 2 * 1024 * 1024;
@@ -67,11 +65,11 @@ class FlashChip {
   bool busy(Picoseconds now) const { return now < busy_until_; }
   Picoseconds busy_until() const { return busy_until_; }
 
-  /// Power fails and comes back: what was running stops where it is; volatile state is lost.
+  /// Power fails and returns: a running operation stops part-way; volatile state is lost.
   void power_cut(Picoseconds now);
 
-  /// Contents. A running program or erase shows its result already; the chip does not let anybody
-  /// read before it is done.
+  /// Contents. A running program or erase shows its result already, but the chip permits no read
+  /// before it is done.
   std::span<std::uint8_t> storage() { return storage_; }
   std::span<const std::uint8_t> storage() const { return storage_; }
 
@@ -79,11 +77,11 @@ class FlashChip {
   /// Quad enable (status 2, bit 1) as delivered; the parts on a Pico come with it set.
   void set_quad_enable(bool on);
   const FlashCounts& counts() const { return counts_; }
-  /// Next command is left out: the last read ended with mode bits M5-4 = 10.
+  /// The next command is omitted: the last read ended with mode bits M5-4 = 10.
   bool continuous_read() const { return protocol_.continuous != 0; }
 
-  /// Whether reads that `read` clocks on this chip would get the contents: `read(address)` is
-  /// called with the chip answering a pattern of addresses, its state is restored afterwards.
+  /// Whether reads that `read` clocks on this chip return the contents: `read(address)` is called
+  /// with the chip answering a pattern of addresses; its state is restored afterwards.
   template <typename Read>
   bool would_read(Read&& read, Picoseconds now) {
     const Protocol saved = protocol_;
@@ -114,7 +112,7 @@ class FlashChip {
     Phase after_dummy = Phase::output;
     Source source = Source::memory;
     std::uint8_t command = 0;
-    std::uint8_t continuous = 0;  ///< command that goes on without being sent, 0 = none
+    std::uint8_t continuous = 0;  ///< command that continues without being sent, 0 = none
     std::uint8_t lanes = 1;       ///< of the phase
     std::uint8_t output_lanes = 1;
     std::uint8_t mode = 0;
@@ -127,9 +125,9 @@ class FlashChip {
   enum class Work : std::uint8_t { none, program, erase, status };
 
   void start_command(std::uint8_t command, Picoseconds now);
-  /// Those that send an address first, then data; false: it is none of them.
+  /// Commands that send an address first, then data; false: another command.
   bool start_read(std::uint8_t command);
-  /// Those that are answered without an address.
+  /// Commands that are answered without an address.
   bool start_answer(std::uint8_t command);
   void read_command(unsigned address_lanes, unsigned dummies, unsigned data_lanes);
   void begin(Phase phase, unsigned lanes);

@@ -66,7 +66,7 @@ std::uint32_t QspiPins::Io::read(std::uint32_t offset) {
     if (owner.not_modelled_) owner.not_modelled_("IO_QSPI interrupts read");
     return 0;
   }
-  // STATUS: the pad's input (INFROMPAD 17, INTOPERI 19) is all that can be told without a transfer.
+  // STATUS: only the pad's input (INFROMPAD 17, INTOPERI 19) is known without a transfer.
   if (offset % 8 == 0) return ((owner.inputs() >> pin) & 1u) * 0x000a'0000u;
   return control[pin];
 }
@@ -82,7 +82,7 @@ void QspiPins::Io::write(std::uint32_t offset, std::uint32_t value) {
     if ((value & other_overrides) != 0 || (pin != ss && (value & 0x300u) != 0))
       owner.not_modelled_("IO_QSPI overrides other than OUTOVER of chip select");
     if ((value & function_mask) != 0 && (value & function_mask) != function_reset)
-      owner.not_modelled_("IO_QSPI pins used for something else than the flash");
+      owner.not_modelled_("IO_QSPI pins not used for the flash");
   }
   owner.change([&] { control[pin] = value & control_mask; });
 }

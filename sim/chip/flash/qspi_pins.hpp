@@ -2,19 +2,19 @@
 // and 2.19.6.4), as far as they bear on the flash and on the BOOTSEL button.
 //
 // In:  registers; the button, which pulls chip select low through a resistor.
-// Out: how chip select is forced, which data lines are cut off, where a line that nobody drives
-//      settles, what SIO reads in GPIO_HI_IN.
+// Out: forcing of chip select, data lines that are disconnected, levels of lines that are not
+//      driven, SIO's GPIO_HI_IN.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <functional>
 
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
 
 namespace lamplock::sim::chip {
 
-/// What OUTOVER does to a pin.
+/// Effect of OUTOVER on a pin.
 enum class OutOver : std::uint8_t { normal, invert, low, high };
 
 /// Both blocks of registers.
@@ -30,7 +30,7 @@ class QspiPins {
   Peripheral& io() { return io_; }
   Peripheral& pads() { return pads_; }
 
-  /// Told before a register changes and after it did.
+  /// Calls before and after each change of a register.
   void on_change(std::function<void()> before, std::function<void()> after);
 
   OutOver select_override() const;
@@ -38,7 +38,8 @@ class QspiPins {
   unsigned lines(unsigned driven, unsigned levels) const;
 
   void press_bootsel(bool pressed) { bootsel_ = pressed; }
-  /// Bits of SIO's GPIO_HI_IN as the pins rest: chip select high unless the button holds it low.
+  /// Bits of SIO's GPIO_HI_IN with the pins at rest: chip select high unless the button pulls it
+  /// low.
   std::uint32_t inputs() const;
 
  private:

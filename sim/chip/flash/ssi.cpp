@@ -94,9 +94,9 @@ void Ssi::plan() {
   wheel_.set(slot_, in_frame_ && dma_control_ != 0 ? std::min(end_, look_again_) : look_again_);
 }
 
-// DMACR, DMATDLR and DMARDLR (4.10.13): a request while the transmit FIFO holds no more, the
-// receive FIFO more entries than the level. That it is worth as many transfers as the FIFO can take
-// or give is assumed. The DMA may read or write the FIFOs within this call.
+// DMACR, DMATDLR and DMARDLR (4.10.13): a request while the transmit FIFO holds at most as many
+// entries as its level, the receive FIFO more. It is assumed that a request is worth as many
+// transfers as the FIFO can take or give. The DMA may access the FIFOs within this call.
 void Ssi::tell_levels() {
   if (dreqs_ == nullptr) return;
   const bool sends = (dma_control_ & dma_transmit) != 0 && enabled_ && tx_.size() <= dma_tx_level_;
@@ -137,7 +137,7 @@ bool Ssi::start_frame(Cycle at) {
   }
   if (tx_.empty()) {
     if (stage_ == Stage::transmit) {
-      // Nothing more to send: an EEPROM read goes on with its data, anything else ends.
+      // Nothing more to send: an EEPROM read continues with its data, any other mode ends.
       if (mode == eeprom_read) {
         stage_ = Stage::receive;
         return true;
@@ -296,7 +296,7 @@ void Ssi::update_mapping() {
   if (works) {
     const Picoseconds now = wheel_.time();
     works = flash_.would_read([this](std::uint32_t address) { return xip_read(address); }, now);
-    // Looks again once the flash has done what keeps it busy.
+    // Checks again when the flash is no longer busy.
     look_again_ = !works && flash_.busy(now) ? wheel_.cycle_at(flash_.busy_until()) : never_cycle;
     plan();
   }
@@ -473,7 +473,7 @@ void Ssi::write(std::uint32_t offset, std::uint32_t value) {
 }
 
 void Ssi::clear() {
-  // Disabling stops what is going on and empties the FIFOs.
+  // Disabling stops the present transfer and empties the FIFOs.
   tx_.clear();
   rx_.clear();
   in_frame_ = false;

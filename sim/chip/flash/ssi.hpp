@@ -3,10 +3,10 @@
 //
 // In:  registers; time; the pins' overrides.
 // Out: chip select and clocks to the flash, frames into the receive FIFO; whether reads through the
-//      XIP window work, asked by clocking such a read on the flash's own state, so that a wrong
-//      command, number of wait cycles or mode is found.
-// Brought up to date when a register is touched, and at the end of each frame while the DMA is
-// asked to fill or empty the FIFOs; nothing runs in between otherwise.
+//      XIP window work, found by clocking such a read on the flash's own state, so that a wrong
+//      command, number of wait cycles or mode is detected.
+// Brought up to date when a register is accessed, and at the end of each frame while the DMA is
+// requested to fill or empty the FIFOs; otherwise nothing runs in between.
 #pragma once
 
 #include <array>
@@ -14,11 +14,11 @@
 #include <deque>
 #include <functional>
 
-#include "sim/chip/dreq_lines.hpp"
+#include "sim/chip/fabric/dreq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/flash/flash_chip.hpp"
 #include "sim/chip/flash/qspi_pins.hpp"
-#include "sim/chip/peripheral.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -42,11 +42,11 @@ class Ssi final : public Peripheral, private Timed {
 
   /// Cycles of clk_sys that filling a line of eight bytes takes at the present setting.
   std::uint32_t line_fill_cycles() const { return transfer_cycles(64); }
-  /// The same for a word alone.
+  /// The same for a single word.
   std::uint32_t word_cycles() const { return transfer_cycles(32); }
-  /// Requests to the DMA go there.
+  /// Connects the requests to the DMA.
   void connect(DreqLines& dreqs) { dreqs_ = &dreqs; }
-  /// Power has been cut: forgets everything, and the flash's too.
+  /// Power has been cut: drops its own state and the flash's.
   void power_cut();
 
  private:
@@ -58,7 +58,7 @@ class Ssi final : public Peripheral, private Timed {
   std::uint32_t transfer_cycles(unsigned data_bits) const;
   void plan();
   void tell_levels();
-  /// All that follows from the registers, the FIFOs and the time.
+  /// Applies all consequences of the registers, the FIFOs and the time.
   void settle();
   void write_data(std::uint32_t value);
   bool start_frame(Cycle at);
@@ -96,7 +96,7 @@ class Ssi final : public Peripheral, private Timed {
   std::uint32_t dma_control_ = 0, dma_tx_level_ = 0, dma_rx_level_ = 0;
   bool enabled_ = false;
   bool mapped_ = false;
-  Cycle look_again_ = never_cycle;  ///< the flash has done what keeps it from being read
+  Cycle look_again_ = never_cycle;  ///< the flash is no longer busy
 
   std::deque<std::uint32_t> tx_, rx_;
   Stage stage_ = Stage::idle;

@@ -89,7 +89,7 @@ std::uint32_t Xip::Control::read(std::uint32_t offset) {
   if (offset == stream_fifo) return owner.stream_.pop();
   if (offset > stream_fifo && owner.not_modelled_)
     owner.not_modelled_("XIP_CTRL: no register at this offset");
-  // A read of FLUSH waits until the flush is done, which the bus adds, and is 0.
+  // A read of FLUSH returns 0 after the flush; the bus adds the wait.
   return peek(offset);
 }
 
@@ -115,8 +115,8 @@ void Xip::Control::write(std::uint32_t offset, std::uint32_t value) {
   }
 }
 
-// CTRL. Without power the cache cannot be on, and its memory is not there; with power it shows as
-// SRAM while it does not serve as a cache (2.6.3.1).
+// CTRL. Without power the cache is off, and its memory is absent; with power it appears as SRAM
+// while it is not used as a cache (2.6.3.1).
 void Xip::Control::set(std::uint32_t value) {
   setting = value & (ctrl_enable | ctrl_error_on_write | ctrl_power_down);
   if ((setting & ctrl_power_down) != 0) setting &= ~ctrl_enable;

@@ -1,24 +1,23 @@
 // Execution in place: XIP_CTRL (RP2040 datasheet, 2.6.3), the SSI and the flash chip on the bus.
 //
-// In:  registers of XIP_CTRL and XIP_SSI; of IO_QSPI and PADS_QSPI, which whoever owns this puts on
-//      the bus; power.
-// Out: the flash behind the cache in the XIP window (XipMemory) while the SSI is set so that reads
-//      work; otherwise what the cache holds, and faults; the cache's memory while it is off; words
-//      streamed for the DMA (XipStream).
+// In:  registers of XIP_CTRL and XIP_SSI; of IO_QSPI and PADS_QSPI, which the owner maps on the
+//      bus; power.
+// Out: the flash through the cache in the XIP window (XipMemory) while the SSI is set so that reads
+//      work; otherwise only the cache's contents, and faults; the cache's memory while it is off;
+//      words streamed for the DMA (XipStream).
 #pragma once
 
 #include <cstdint>
 
-#include "sim/chip/bus.hpp"
+#include "sim/chip/fabric/bus.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/xip_memory.hpp"
 #include "sim/chip/flash/flash_chip.hpp"
 #include "sim/chip/flash/qspi_pins.hpp"
 #include "sim/chip/flash/ssi.hpp"
-#include "sim/chip/flash/xip_memory.hpp"
-#include "sim/chip/peripheral.hpp"
 
 namespace lamplock::sim::chip {
 
-/// Everything about execution in place.
 class Xip {
  public:
   Xip(TimeWheel& wheel, Bus& bus, FlashChip& flash, NotModelled not_modelled);
@@ -27,12 +26,12 @@ class Xip {
 
   Ssi& ssi() { return ssi_; }
   QspiPins& pins() { return pins_; }
-  /// Requests to the DMA go there.
+  /// Connects the requests to the DMA.
   void connect(DreqLines& dreqs);
 
   /// SSI and XIP_CTRL take their reset values; the pins have a reset of their own (RESETS).
   void reset();
-  /// Power fails: the flash stops where it is, everything here takes its reset values.
+  /// Power fails: the flash stops in its operation, all registers here take their reset values.
   void power_cut();
 
  private:

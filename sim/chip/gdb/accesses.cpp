@@ -95,7 +95,7 @@ std::uint32_t canonical_address(std::uint32_t address) {
     const std::uint32_t bank = address >> 16 & 3, word = (address & 0xffff) >> 2;
     return 0x2000'0000 | (word << 2 | bank) << 2 | (address & 3);
   }
-  // The DPRAM of USB has no aliases, and reaches over their bits.
+  // The DPRAM of USB has no aliases, and covers their address bits.
   const bool registers = region == 0x40 || (region == 0x50 && address >> 16 != 0x5010);
   return registers ? address & ~0x3000u : address;
 }

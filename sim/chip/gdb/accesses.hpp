@@ -1,16 +1,16 @@
-// What the next step of a core will do to memory, told before it does it.
+// The memory access of the next step of a core, before the step runs.
 //
 // In:  the core in front of an instruction or an exception entry. Out: the bytes that it loads or
 //      stores. Who: DebugTarget, for watchpoints; never while none is set.
-// Instructions that the core itself will refuse (unaligned, nobody there) are told all the same.
-// Not told: the words that a return from an exception pops, what native functions of the ROM do.
+// Includes instructions that the core itself will refuse (unaligned, no memory there).
+// Excludes the words that a return from an exception pops, and accesses of native ROM functions.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
-#include "sim/chip/bus.hpp"
 #include "sim/chip/cpu/core.hpp"
+#include "sim/chip/fabric/bus.hpp"
 
 namespace lamplock::sim::chip::gdb {
 
@@ -24,8 +24,8 @@ struct StepAccess {
 /// The access of the core's next step, if it has one.
 std::optional<StepAccess> next_access(const Core& core, Bus& bus);
 
-/// The one address among those that reach the same place: aliases of flash, SRAM and registers
-/// (RP2040 datasheet, 2.1.2, 2.6.2, 2.6.3).
+/// One address for all aliases of the same place: flash, SRAM and registers (RP2040 datasheet,
+/// 2.1.2, 2.6.2, 2.6.3).
 std::uint32_t canonical_address(std::uint32_t address);
 
 }  // namespace lamplock::sim::chip::gdb

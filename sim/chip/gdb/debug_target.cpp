@@ -22,7 +22,7 @@ bool overlap(std::uint32_t a, std::uint32_t a_size, std::uint32_t b, std::uint32
 
 Master master_of(int core) { return core == 0 ? Master::core0 : Master::core1; }
 
-/// The part of the flash from an address on; empty if it is not all there.
+/// The part of the flash from an address on; empty if it exceeds the flash.
 std::span<std::uint8_t> flash_part(Chip& chip, std::uint32_t address, std::size_t size) {
   const auto storage = chip.flash().storage();
   const std::uint32_t offset = address - flash_base;
@@ -97,7 +97,7 @@ void DebugTarget::look_at_memory(Watch& watch) {
                                              std::min<std::size_t>(memory.size(), watch.size)));
 }
 
-/// A watch whose memory is not what it was; seen once.
+/// A watch whose memory has changed; reported once.
 const DebugTarget::Watch* DebugTarget::watch_changed() {
   const Watch* changed = nullptr;
   for (Watch& watch : watches_) {
@@ -124,14 +124,14 @@ const DebugTarget::Watch* DebugTarget::watch_hit(Core& core) {
   return hit == watches_.end() ? nullptr : &*hit;
 }
 
-/// The watch to stop for in front of a step. Stopped for once, the step is let through: not every
-/// debugger takes its watchpoints away to get past.
+/// The watch to stop for before a step. After one stop the step is allowed: not every debugger
+/// removes its watchpoints to continue.
 const DebugTarget::Watch* DebugTarget::watch_before(Core& core) {
   const bool passes = passed_ && passed_->core == core.id() && passed_->cycle == core.cycle();
   const Watch* watch = watch_changed();
   if (passed_ && !passes && (watch != nullptr || passed_->core == core.id())) {
     passed_.reset();
-    watch = nullptr;  // what changed is what the step did
+    watch = nullptr;  // the change was made by the step
   }
   if (watch != nullptr || passes) return watch;
   watch = watch_hit(core);
@@ -171,8 +171,8 @@ Stop DebugTarget::run(Cycle until) {
   return stop_;
 }
 
-// Between two steps everything that is due has been run, so that the debugger sees the present.
-// Nothing else moves: the core would have run it first, too.
+// Between two steps all due events have been run, so that the debugger sees the present. The run
+// does not change: the core would have run them first, too.
 bool DebugTarget::halt(Core& core, Stop stop) {
   chip_.wheel().advance_to(core.cycle());
   stop.core = core.id();
@@ -191,7 +191,7 @@ bool DebugTarget::take_breakpoint(Core& core) {
   return true;
 }
 
-/// The stepped core has made its step and stands in front of the next one.
+/// The stepped core has made its step and is before the next one.
 bool DebugTarget::step_ends(const Core& core) {
   if (stepping_ != core.id()) return false;
   if (stepped_) {
@@ -271,7 +271,7 @@ std::size_t DebugTarget::read(int core, std::uint32_t address, std::span<std::ui
   std::size_t done = 0;
   while (done < bytes.size()) {
     const std::uint32_t at = address + static_cast<std::uint32_t>(done);
-    if (done != 0 && at < address) break;  // round the end of the address space
+    if (done != 0 && at < address) break;  // wrapped at the end of the address space
     const std::size_t in_word = std::min<std::size_t>(4 - (at & 3), bytes.size() - done);
     const auto memory = chip_.bus().memory_at(canonical_address(at));
     if (!memory.empty()) {

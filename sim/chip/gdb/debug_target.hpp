@@ -1,17 +1,17 @@
 // The simulated chip as a debugger sees it: run, step, stop; registers, memory, breakpoints.
 //
-// In:  what the debugger wants. Out: why the chip stopped, values.
+// In:  commands of the debugger. Out: why the chip stopped, values.
 // Who: Stub. While there is a breakpoint, a watchpoint or a step to end, the chip asks before each
-// step of a core (StepWatcher); else it runs as it always does. What is simulated does not depend
-// on being watched: the same instructions at the same cycles. Time is one for the whole chip: when
-// one core is stepped, the other goes on for as many cycles.
+//      step of a core (StepWatcher); otherwise it runs as usual. Watching does not change the run:
+//      the same instructions at the same cycles. The whole chip has one time: when one core is
+//      stepped, the other runs for as many cycles.
 //
-// A step is an instruction of the level that the core is at: an interrupt that comes first runs to
-// its end, breakpoints in it apart. A sleeping core is stepped when it wakes.
-// BKPT stops a core in front of it, as halting debug does (ARMv6-M, C1.6); going on leaves it out,
-// as debug probes do. Without a debugger, or once it has detached, it is a HardFault. A core stops
-// in front of the instruction that makes a watched access. What changes watched memory unseen (DMA,
-// functions of the ROM) stops the chip at the next step of a core.
+// A step is one instruction at the core's present exception level: an interrupt that comes first
+// runs to its end unless a breakpoint in it stops. A sleeping core is stepped when it wakes.
+// BKPT stops a core before the instruction, as halting debug does (ARMv6-M, C1.6); continuing skips
+// it, as debug probes do. Without a debugger, or after it has detached, BKPT is a HardFault. A core
+// stops before the instruction that makes a watched access. A change of watched memory by another
+// master (DMA, functions of the ROM) stops the chip at the next step of a core.
 #pragma once
 
 #include <array>
@@ -53,29 +53,29 @@ class DebugTarget final : private StepWatcher {
   DebugTarget(const DebugTarget&) = delete;
   DebugTarget& operator=(const DebugTarget&) = delete;
 
-  /// Setting twice is setting once; both kinds stop in front of the instruction.
+  /// Setting an address again has no effect; both kinds stop before the instruction.
   void set_breakpoint(std::uint32_t address, bool hardware);
   void clear_breakpoint(std::uint32_t address, bool hardware);
   void set_watch(std::uint32_t address, std::uint32_t size, WatchKind kind);
   void clear_watch(std::uint32_t address, std::uint32_t size, WatchKind kind);
-  /// Everything the debugger has set; the chip runs as if it had never been there.
+  /// Removes everything that the debugger has set; the chip then runs as without a debugger.
   void clear_all();
 
-  /// The debugger lets the chip go on; the core in `step`, if any, for one step.
+  /// Lets the chip continue; the core in `step`, if any, for one step.
   void resume(std::optional<int> step);
   /// Runs until a stop, or all cores are at `until`.
   Stop run(Cycle until);
 
   std::uint32_t reg(int core, unsigned number);
   void set_reg(int core, unsigned number, std::uint32_t value);
-  /// Reads without side effects, as the core sees it; how many of the bytes there are.
+  /// Reads without side effects, as the core sees it; returns how many of the bytes exist.
   std::size_t read(int core, std::uint32_t address, std::span<std::uint8_t> bytes);
-  /// Writes over the bus, in words where it can; false: refused somewhere.
+  /// Writes over the bus, in words where possible; false: an access was refused.
   bool write(int core, std::uint32_t address, std::span<const std::uint8_t> bytes);
-  /// Flash as a programmer leaves it, at once: blank, or what was asked for.
+  /// Erases or programs flash at once: blank, or the given contents.
   bool erase_flash(std::uint32_t address, std::uint32_t size);
   bool program_flash(std::uint32_t address, std::span<const std::uint8_t> bytes);
-  /// Power-on reset; both cores in front of their first instruction, as far as they have one.
+  /// Power-on reset; both cores stop before their first instruction, if they have one.
   void reset();
 
   Chip& chip() { return chip_; }
@@ -111,14 +111,14 @@ class DebugTarget final : private StepWatcher {
   std::optional<int> stepping_;
   unsigned step_level_ = 0;               ///< exception number at which the step began
   std::optional<std::uint32_t> stepped_;  ///< address of the instruction, once it has begun
-  /// The step in front of which a watchpoint stopped: it is let through afterwards.
+  /// The step before which a watchpoint stopped: it is executed when the run continues.
   struct Passed {
     int core;
     Cycle cycle;
   };
   std::optional<Passed> passed_;
-  bool attached_ = false;  ///< the debugger has let the chip go on
-  /// Address of the BKPT in front of which a core stands; it is left out when the core goes on.
+  bool attached_ = false;  ///< a debugger has resumed the chip and not detached
+  /// Address of the BKPT at which a core has stopped; it is skipped when the core continues.
   std::array<std::optional<std::uint32_t>, 2> at_breakpoint_;
   Stop stop_;
 };

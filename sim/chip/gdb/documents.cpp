@@ -21,7 +21,7 @@ struct Region {
   std::string_view kind;
   std::uint32_t start, length;
 };
-// RP2040 datasheet, 2.2. Registers count as RAM: a debugger has no other word for them.
+// RP2040 datasheet, 2.2. Registers count as RAM: debuggers have no other word for them.
 constexpr std::array regions{
     Region{"rom", 0x0000'0000, 0x4000},       // ROM
     Region{"ram", 0x1400'0000, 0x0500'0000},  // XIP: control, cache as SRAM, SSI

@@ -1,5 +1,5 @@
-// The two XML documents that a debugger reads of the chip (manual "Debugging with GDB", appendices
-// G and E.18): its registers and its memory map.
+// The two XML documents about the chip that a debugger reads (manual "Debugging with GDB",
+// appendices G and E.18): its registers and its memory map.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace lamplock::sim::chip::gdb {
 /// control.
 std::string target_description();
 
-/// What may be accessed at all, and where breakpoints cannot be written into memory.
+/// Accessible regions, and those where breakpoints cannot be written into memory.
 std::string memory_map(std::uint32_t flash_size);
 
 }  // namespace lamplock::sim::chip::gdb

@@ -58,7 +58,7 @@ void Packets::receive_byte(std::uint8_t byte) {
         state_ = State::outside;
       break;
     case State::first_digit:
-      // A wrong digit spoils the sum: no byte has the value 0x1000.
+      // A wrong digit makes the checksum fail: no byte has the value 0x1000.
       checksum_digit_ = hex_digit(character).value_or(0x100);
       state_ = State::second_digit;
       break;
@@ -85,7 +85,7 @@ void Packets::receive_outside(std::uint8_t byte) {
       if (acknowledging_) output_ += last_;
       break;
     case '+':
-      // Only a debugger that has just connected acknowledges what need not be.
+      // Only a newly connected debugger sends an acknowledgement that is not needed.
       if (!std::exchange(last_acknowledgement_due_, false)) acknowledging_ = true;
       break;
     default:

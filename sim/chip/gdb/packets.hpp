@@ -1,9 +1,9 @@
 // Packets of the GDB remote serial protocol (manual "Debugging with GDB", appendix E.1).
 //
-// In:  bytes of a debugger, in pieces of any size and however damaged; payloads to send.
+// In:  bytes of a debugger, in pieces of any size, possibly damaged; payloads to send.
 // Out: payloads and interrupt requests in order; bytes for the debugger.
 // Who: Stub. A packet is $payload#checksum; in the payload } announces a character that was XORed
-// with 0x20. Each packet is acknowledged by + or refused by - until both sides agree not to.
+//      with 0x20. Each packet is acknowledged by + or refused by - until both sides agree to stop.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +19,10 @@ namespace lamplock::sim::chip::gdb {
 /// The framing layer of one connection.
 class Packets {
  public:
-  /// Longest payload as it stands on the line, as told to the debugger.
+  /// Maximum length of a payload on the line, as announced to the debugger.
   static constexpr std::size_t max_size = 0x4000;
 
-  /// What has come from the debugger.
+  /// What the debugger has sent.
   struct Received {
     bool interrupt = false;  ///< ctrl-C (0x03) outside of a packet
     std::string payload;     ///< escapes resolved
@@ -33,10 +33,9 @@ class Packets {
 
   /// Puts a packet into the output.
   void send(std::string_view payload);
-  /// No acknowledgements any more, from now on in both directions; a debugger that connects anew
-  /// begins with them again.
+  /// Ends acknowledgements in both directions; a debugger that connects again begins with them.
   void stop_acknowledging();
-  /// Bytes for the debugger; they are gone from here afterwards.
+  /// Returns and removes the bytes for the debugger.
   std::string take_output();
 
  private:
@@ -50,18 +49,18 @@ class Packets {
   bool acknowledging_ = true;
   bool last_acknowledgement_due_ = false;  ///< of the answer that ended acknowledgements
   unsigned checksum_digit_ = 0;
-  std::string raw_;   ///< payload as it came
+  std::string raw_;   ///< payload as received
   std::string last_;  ///< packet sent last, for a repetition
   std::string output_;
   std::deque<Received> received_;
 };
 
-/// Value of a hexadecimal digit; nothing if it is none.
+/// Value of a hexadecimal digit; empty if it is not one.
 std::optional<unsigned> hex_digit(char digit);
 /// Two digits a byte.
 std::string to_hex(std::span<const std::uint8_t> bytes);
 std::string to_hex(std::string_view bytes);
-/// Nothing if there is an odd digit or something else than digits.
+/// Empty if there is an odd digit or a character that is not a digit.
 std::optional<std::string> from_hex(std::string_view digits);
 
 }  // namespace lamplock::sim::chip::gdb

@@ -9,7 +9,7 @@ namespace lamplock::sim::chip::gdb {
 
 Server::Server(Chip& chip, ByteEndpoint& endpoint, Start start)
     : chip_(chip), endpoint_(endpoint), target_(chip), stub_(target_, start == Start::running) {
-  // The debugger shall see the cores in front of their first instruction.
+  // The debugger must see the cores before their first instruction.
   chip_.run_until(chip_.now());
 }
 

@@ -1,9 +1,9 @@
-// A debugger at the end of a connection: who drives the chip calls run_until() here instead of at
+// Serves a debugger over a connection: the owner of the chip calls run_until() here instead of at
 // the chip.
 //
-// In:  a byte endpoint, the chip. Out: the chip's time moves, or stands while the debugger halts
-// it. Between two looks at the connection the chip runs for a stretch of simulated time; where
-// stretches end makes no difference to what is simulated.
+// In:  a byte endpoint, the chip. Out: the chip's time advances, or stops while the debugger halts
+//      it. The chip runs for a stretch of simulated time between two polls of the connection; the
+//      length of stretches does not change the simulation.
 #pragma once
 
 #include <functional>
@@ -15,24 +15,24 @@
 
 namespace lamplock::sim::chip::gdb {
 
-/// What the chip does before the first debugger comes.
+/// State of the chip before the first debugger connects.
 enum class Start : std::uint8_t { halted, running };
 
-/// One chip with its door for debuggers. Both must outlive it.
+/// One chip with its connection for debuggers. Both must outlive it.
 class Server {
  public:
   Server(Chip& chip, ByteEndpoint& endpoint, Start start);
 
   /// Runs the chip to `until`, as Chip::run_until() would; waits as long as the debugger halts it.
-  /// `give_up` is asked meanwhile; empty: for ever. False: the debugger has ended the simulation,
-  /// or give_up() has.
+  /// Calls `give_up` meanwhile, if not empty. False: the debugger has ended the simulation, or
+  /// give_up() has.
   bool run_until(Cycle until, const std::function<bool()>& give_up = {});
 
  private:
-  /// One look at the connection; whether anything came.
+  /// Polls the connection once; returns whether anything came.
   bool exchange();
 
-  /// 1 ms at 125 MHz: short for whoever presses ctrl-C, long against a look at the connection.
+  /// 1 ms at 125 MHz: a short delay for ctrl-C, yet long compared with a poll of the connection.
   static constexpr Cycle stretch = 125'000;
 
   Chip& chip_;

@@ -18,7 +18,7 @@ namespace {
 constexpr unsigned signal_interrupt = 2, signal_trap = 5;
 constexpr int core_count = 2;
 
-// Errors: their numbers mean nothing to a debugger beyond "error".
+// Errors: a debugger does not distinguish their numbers.
 constexpr std::string_view ok = "OK", malformed = "E01", no_memory = "E02", no_thread = "E03";
 
 bool take(std::string_view& text, std::string_view prefix) {
@@ -27,7 +27,7 @@ bool take(std::string_view& text, std::string_view prefix) {
   return true;
 }
 
-/// A hexadecimal number at the begin of a text; it is gone from there.
+/// Removes a hexadecimal number from the start of a text and returns it.
 std::optional<std::uint32_t> take_number(std::string_view& text) {
   std::uint32_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
@@ -36,7 +36,7 @@ std::optional<std::uint32_t> take_number(std::string_view& text) {
   return value;
 }
 
-/// Two numbers with something between them, as "addr,length".
+/// Two numbers with a separator, as "addr,length".
 struct Pair {
   std::uint32_t first, second;
 };
@@ -134,7 +134,7 @@ std::string Stub::answer(std::string_view packet) {
     case 's':
       return continue_at(rest, packet.front() == 's');
     case 'C':
-    case 'S': {  // with a signal, for which the chip has no use
+    case 'S': {  // with a signal, which the chip ignores
       const auto address = rest.find(';');
       return continue_at(address == rest.npos ? "" : rest.substr(address + 1),
                          packet.front() == 'S');
@@ -247,7 +247,7 @@ std::string Stub::write_registers(std::string_view rest) {
     if (!value) return std::string(malformed);
     values[i] = *value;
   }
-  // The stack pointer in use comes last: it is one of MSP and PSP, whose values may be older.
+  // The stack pointer in use is written last: it is also MSP or PSP, whose values may be older.
   for (unsigned i = DebugTarget::register_count; i-- > 0;)
     target_.set_reg(general_core_, i, values[i]);
   return std::string(ok);
@@ -355,7 +355,7 @@ std::string Stub::monitor(std::string_view command) {
 
 // --- Running -------------------------------------------------------------------------------------
 
-/// ";action:thread;action": the first action that fits a core is its own.
+/// ";action:thread;action": each core takes the first action that fits it.
 std::string Stub::continue_some(std::string_view actions) {
   std::array<char, core_count> chosen{};
   while (take(actions, ";")) {
@@ -377,7 +377,7 @@ std::string Stub::continue_some(std::string_view actions) {
     }
   }
   if (chosen[0] == 0 && chosen[1] == 0) return std::string(malformed);
-  // With both to be stepped, the one the debugger looks at.
+  // If both are to be stepped, step the debugger's current core.
   int stepped = general_core_;
   if (chosen[static_cast<std::size_t>(stepped)] != 's') stepped = 1 - stepped;
   resume(chosen[static_cast<std::size_t>(stepped)] == 's', stepped);
@@ -414,11 +414,11 @@ void Stub::halt(Stop stop, unsigned signal) {
 }
 
 std::string Stub::stop_reply() const {
-  constexpr std::array<unsigned, 4> told{13, 14, 15, 16};
+  constexpr std::array<unsigned, 4> reported{13, 14, 15, 16};
   std::array<char, 8> head{};
   std::snprintf(head.data(), head.size(), "T%02x", signal_);
   std::string text = head.data();
-  for (const unsigned each : told)
+  for (const unsigned each : reported)
     text += number(each) + ":" + word_hex(target_.reg(stop_.core, each)) + ";";
   text += "thread:" + std::to_string(stop_.core + 1) + ";";
   switch (stop_.reason) {

@@ -4,11 +4,12 @@
 // Who: Server with a connection, tests without one:
 //
 //        stub.receive(bytes); send(stub.take_output());
-//        if (stub.running()) stub.run(until); // else time stands still
+//        if (stub.running()) stub.run(until); // otherwise time does not advance
 //
-// All-stop: the debugger speaks while the chip stands; while it runs there is ctrl-C, and a packet
-// means that another debugger has come, for which the chip stops. Thread 1 is core 0, thread 2
-// core 1. What is not known is answered by an empty packet, what is wrong by an error.
+// All-stop: the debugger sends packets only while the chip is halted. While it runs only ctrl-C is
+// expected; a packet then means that another debugger has connected, and the chip halts. Thread 1
+// is core 0, thread 2 core 1. An unknown packet is answered by an empty one, a wrong one by an
+// error.
 #pragma once
 
 #include <cstdint>
@@ -21,20 +22,19 @@
 
 namespace lamplock::sim::chip::gdb {
 
-/// One debugger at one chip.
 class Stub {
  public:
-  /// The chip stands until a debugger lets it go; or it runs until one comes.
+  /// The chip is halted until a debugger continues it, or (`running`) runs until one connects.
   Stub(DebugTarget& target, bool running) : target_(target), running_(running) {}
 
   void receive(std::span<const std::uint8_t> bytes);
   std::string take_output() { return packets_.take_output(); }
 
-  /// The chip is to run, by run() only.
+  /// The chip must run, by run() only.
   bool running() const { return running_; }
-  /// Runs the chip until it stops, of which the debugger is told, or has reached `until`.
+  /// Runs the chip until it stops, which is reported to the debugger, or has reached `until`.
   void run(Cycle until);
-  /// The debugger wants the simulation to end.
+  /// The debugger has requested the end of the simulation.
   bool killed() const { return killed_; }
 
  private:

@@ -3,7 +3,7 @@
 // In:  levels and output enables by signal; the function select and the pads, from Gpio.
 // Out: levels on all pins that a signal can be on; the level of an input signal.
 // Who: UART, SPI, I2C, clocks, USB: blocks of which several pins carry the same signal, and of
-//      which two share the function. They are told when one of their inputs or a connection has
+//      which two share the function. They are called when one of their inputs or a connection has
 //      changed.
 //
 // An input that is on several pins is the OR of them (RP2040 datasheet, 2.19.2).
@@ -13,8 +13,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/gpio/gpio.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -46,16 +46,15 @@ constexpr unsigned clock_signal(unsigned gpio) {
 /// OVERCURR_DETECT, VBUS_DETECT, VBUS_EN.
 constexpr unsigned usb_signal(unsigned gpio) { return gpio % 3; }
 
-/// All signals of a function.
 class FunctionPins final : private FunctionListener {
  public:
   /// Calls of a block that has signals here.
   class User {
    public:
     virtual ~User() = default;
-    /// An input that somebody senses, or what is connected, has changed.
+    /// A sensed input or a connection has changed.
     virtual void pins_changed(Cycle at) = 0;
-    /// A pin may become connected: outputs that nobody could see so far must be right at `at`.
+    /// A pin may become connected: outputs that were on no pin so far must be right at `at`.
     virtual void pins_connecting(Cycle at) { static_cast<void>(at); }
   };
   using SignalOf = unsigned (*)(unsigned gpio);
@@ -65,14 +64,14 @@ class FunctionPins final : private FunctionListener {
   FunctionPins& operator=(const FunctionPins&) = delete;
 
   void listen(User& user) { users_.push_back(&user); }
-  /// Changes of this signal are told.
+  /// Reports changes of this signal.
   void sense(unsigned signal) { sensed_ |= pins_[signal]; }
   void put(unsigned signal, bool level, bool enable, Cycle at);
   /// Whether a pin has the signal.
   bool connected(unsigned signal) const { return (selected() & pins_[signal]) != 0; }
   /// Level of a signal before any synchroniser; low if it is on no pin.
   bool input(unsigned signal) const { return (gpio_.inputs() & selected() & pins_[signal]) != 0; }
-  /// Whether somebody drives a pad that has the signal.
+  /// Whether a pad that has the signal is driven.
   bool driven(unsigned signal) const { return (gpio_.driven() & selected() & pins_[signal]) != 0; }
   /// Brings what drives the pins up to date.
   void bring_sources_up_to(Cycle at) { gpio_.catch_up(at); }

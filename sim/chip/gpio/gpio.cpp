@@ -119,7 +119,7 @@ void Gpio::join(unsigned one, unsigned other, Cycle at) {
 }
 
 // Joined pins have the level that one of them is driven to (of two, the low one: open drain), else
-// that of their pulls; where these disagree or there are none, the one before.
+// that of their pulls; where these disagree or there are none, they keep their level.
 void Gpio::level_wires(std::uint32_t out, std::uint32_t before) {
   driven_over_wires_ = 0;
   for (const std::uint32_t wire : wires_) {
@@ -149,7 +149,7 @@ void Gpio::report_contention(std::uint32_t pins) {
 }
 
 void Gpio::tell(Cycle at) {
-  // A listener may change pins in turn: what has been told is noted before the call.
+  // A listener may change pins in turn: each change is recorded as reported before the call.
   while (const std::uint32_t changed = pads_ ^ pads_told_) {
     const auto gpio = static_cast<unsigned>(std::countr_zero(changed));
     pads_told_ ^= 1u << gpio;
@@ -168,8 +168,8 @@ void Gpio::tell_connections(Cycle at) {
   for (const OfFunction& each : function_listeners_) each.listener->connections_changed(at);
 }
 
-// Notes a change for the synchronisers. A source that runs behind may be earlier than the newest
-// change of another: it then counts as of that one.
+// Records a change for the synchronisers. A source that is updated in batches may be earlier than
+// the newest change of another one; its change then counts as of that one.
 void Gpio::record(Cycle at, std::uint32_t interrupt_inputs) {
   const Change last = history_[history_last_];
   if (last.inputs == inputs_ && last.interrupt_inputs == interrupt_inputs) return;
@@ -206,7 +206,7 @@ void Gpio::synchronise(Cycle to) {
   }
 }
 
-// Only a pin somebody waits for needs an event; the others are dealt with when they are looked at.
+// Only a pin with an interrupt enabled needs an event; the others are synchronised when read.
 void Gpio::schedule() {
   if (unsynchronised_ == 0 || due_ != never_cycle) return;
   const Change& oldest =

@@ -2,26 +2,26 @@
 //
 // In:  levels and output enables from the peripherals that a pin can be connected to; levels from
 //      outside; the registers of IO_BANK0 and PADS_BANK0.
-// Out: the levels on the pads, told to a listener with their cycle; the levels that peripherals see
-//      (after pad, INOVER; before any synchroniser); interrupts of IO_BANK0.
+// Out: the levels on the pads, reported to a listener with their cycle; the levels that peripherals
+//      see (after pad, INOVER; before any synchroniser); interrupts of IO_BANK0.
 //
-// A peripheral that runs behind (the PIO blocks are brought up to date in batches) drives its pins
-// with the cycle at which it did so; cycles of one source never go back.
+// A peripheral that is brought up to date in batches (the PIO blocks) drives its pins with the
+// cycle at which it did so; the cycles of one source never decrease.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
-#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
 inline constexpr unsigned gpio_count = 30;
 
-/// What a pin is connected to (FUNCSEL; 2.19.2).
+/// Function that a pin is connected to (FUNCSEL; 2.19.2).
 enum class PinFunction : std::uint8_t {
   spi = 1,
   uart = 2,
@@ -35,37 +35,37 @@ enum class PinFunction : std::uint8_t {
   none = 31
 };
 
-/// What the outside does to a pin.
+/// Level that the outside drives on a pin.
 enum class External : std::uint8_t { floating, low, high };
 
-/// Told when a pad changes its level.
+/// Receives the changes of pad levels.
 class PadListener {
  public:
   virtual ~PadListener() = default;
   virtual void pad_changed(unsigned gpio, bool level, Cycle at) = 0;
 };
-/// Told when the levels that peripherals see have changed (to wake what waits for a pin).
+/// Receives changes of the levels that peripherals see (to wake what waits for a pin).
 class InputListener {
  public:
   virtual ~InputListener() = default;
   virtual void inputs_changed(Cycle at) = 0;
-  /// Somebody is about to look at the pins, or to change how they are connected: a source that runs
-  /// behind drives what it has to drive up to and including cycle `at`.
+  /// The pins are about to be read, or their connections to change: a source that is brought up to
+  /// date in batches must drive all its changes up to and including cycle `at`.
   virtual void catch_up(Cycle at) { static_cast<void>(at); }
   /// Pins have been connected to other functions (Gpio::selected).
   virtual void connections_changed(Cycle at) { static_cast<void>(at); }
 };
 
-/// Told what happens to the pins of one function alone.
+/// Receives changes of the pins of one function.
 class FunctionListener {
  public:
   virtual ~FunctionListener() = default;
   /// The level that the function sees at one of its pins has changed.
   virtual void inputs_changed(Cycle at) = 0;
-  /// Some pin is about to be connected to another function: outputs that nobody could see so far
-  /// must be right.
+  /// A pin is about to be connected to another function: outputs that were on no pin so far must
+  /// now be right.
   virtual void connections_changing(Cycle at) = 0;
-  /// It has been connected.
+  /// A pin has been connected to another function.
   virtual void connections_changed(Cycle at) = 0;
 };
 
@@ -84,7 +84,7 @@ class Gpio : private Timed {
   Peripheral& io_bank() { return io_bank_; }
   Peripheral& pads_bank() { return pads_bank_; }
 
-  /// What a peripheral puts on its 30 outputs, and which of them it enables.
+  /// Sets a peripheral's 30 outputs, and which of them it enables.
   void drive(PinFunction from, std::uint32_t levels, std::uint32_t enables, Cycle at) {
     Source& source = sources_[static_cast<std::size_t>(from)];
     const std::uint32_t changed = (levels ^ source.levels) | (enables ^ source.enables);
@@ -95,9 +95,9 @@ class Gpio : private Timed {
     take_outputs(source, source.selected);
     update(at);
   }
-  /// What the outside puts on a pin.
+  /// Sets what the outside drives on a pin.
   void set_external(unsigned gpio, External level, Cycle at);
-  /// A wire between two pins, for good: both have one level, and a low wins. Wires add up.
+  /// A permanent wire between two pins: both have one level, and a low wins. Wires add up.
   void join(unsigned one, unsigned other, Cycle at);
   /// Levels that peripherals see at their inputs, before their synchronisers.
   std::uint32_t inputs() const { return inputs_; }
@@ -109,8 +109,7 @@ class Gpio : private Timed {
   }
   /// Levels on the pads; a floating pin follows its pull, else keeps its level.
   std::uint32_t pad_levels() const { return pads_; }
-  /// Pads that somebody drives, from within, from outside or over a wire; the others follow their
-  /// pulls.
+  /// Pads that are driven from within, from outside or over a wire; the others follow their pulls.
   std::uint32_t driven() const { return driven_ | external_driven_ | driven_over_wires_; }
   /// Pins that are connected to a function.
   std::uint32_t selected(PinFunction function) const {

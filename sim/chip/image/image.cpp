@@ -9,7 +9,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "sim/chip/hex.hpp"
+#include "sim/chip/fabric/hex.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -55,7 +55,7 @@ void finish(Image& image, const std::string& where) {
 }
 
 std::string demangled(const std::string& name) {
-  // Only names that the C++ compiler made; a C name such as "i" is a mangled type, too.
+  // Only names mangled by a C++ compiler; a C name such as "i" is a mangled type, too.
   if (name.rfind("_Z", 0) != 0 || name.size() > 4096) return name;
   int status = 0;
   const std::unique_ptr<char, decltype(&std::free)> text(
@@ -140,7 +140,7 @@ Image parse_elf(Bytes file, const std::string& where) {
     const Bytes bytes = file.subspan(offset, size);
     image.parts.push_back({address, {bytes.begin(), bytes.end()}});
   }
-  if (image.parts.empty()) fail(where, "nothing in it to load", remedy);
+  if (image.parts.empty()) fail(where, "contains nothing to load", remedy);
   read_symbols(file, image, where);
   finish(image, where);
   return image;
@@ -166,7 +166,7 @@ Image parse_uf2(Bytes file, const std::string& where) {
       fail(here, "has no UF2 magic numbers", remedy);
     const std::uint32_t flags = word(block, 8), address = word(block, 12);
     const std::uint32_t size = word(block, 16), number = word(block, 20), count = word(block, 24);
-    // As the ROM does: blocks for another chip are passed over.
+    // As in the ROM, blocks for another chip are skipped.
     if ((flags & not_main_flash) != 0 || (flags & has_family) == 0 ||
         word(block, 28) != rp2040_family)
       continue;
@@ -198,7 +198,7 @@ Image parse_uf2(Bytes file, const std::string& where) {
 
 Image parse_bin(Bytes file, const std::string& where) {
   if (file.empty() || file.size() > flash_limit - flash_base)
-    fail(where, std::to_string(file.size()) + " bytes do not make an image of the flash",
+    fail(where, std::to_string(file.size()) + " bytes cannot be an image of the flash",
          "give a binary of 1 byte to 16 MiB");
   Image image;
   image.parts.push_back({flash_base, {file.begin(), file.end()}});
@@ -208,7 +208,7 @@ Image parse_bin(Bytes file, const std::string& where) {
 Image load_image(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) fail(path, "cannot be opened", "give a .elf, .uf2 or .bin file");
-  // By read(), which turns an error (a folder) into a bad stream; iterators throw.
+  // read() turns an error (a folder) into a bad stream; iterators throw.
   std::vector<std::uint8_t> file;
   std::array<char, 4096> block{};
   while (stream.read(block.data(), block.size()), stream.gcount() > 0)

@@ -1,7 +1,7 @@
 // Images of programs for the chip: ELF, UF2 and plain binary files.
 //
-// In:  a file, however damaged. Out: what to put where, and the symbols, or one std::runtime_error
-//      "WHERE: WHAT; REMEDY".
+// In:  a file, possibly damaged. Out: bytes with their addresses, and the symbols, or one
+//      std::runtime_error "WHERE: WHAT; REMEDY".
 // Who: the chip before it starts; the profile for the names.
 #pragma once
 
@@ -37,11 +37,11 @@ struct Image {
   const ImageSymbol* find(std::string_view name) const;
 };
 
-/// Reads a file; its contents say which kind it is, a name ending in .bin makes it a plain binary.
+/// Reads a file; its contents determine its kind, a name ending in .bin makes it a plain binary.
 Image load_image(const std::string& path);
 
-/// The kinds one by one; `where` begins the error texts. An ELF file's program headers are taken by
-/// physical address; a plain binary goes to the start of flash (0x10000000).
+/// Readers for each kind; `where` begins the error texts. An ELF file's program headers are loaded
+/// by physical address; a plain binary goes to the start of flash (0x10000000).
 Image parse_elf(std::span<const std::uint8_t> file, const std::string& where);
 Image parse_uf2(std::span<const std::uint8_t> file, const std::string& where);
 Image parse_bin(std::span<const std::uint8_t> file, const std::string& where);

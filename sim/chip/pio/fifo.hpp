@@ -1,5 +1,5 @@
-// One FIFO of a PIO state machine: 4 words, 8 when it has taken the other one's storage, or none
-// (RP2040 datasheet, 3.2.4 and SMx_SHIFTCTRL FJOIN).
+// One FIFO of a PIO state machine: 4 words, 8 with the other FIFO's storage, or none (RP2040
+// datasheet, 3.2.4 and SMx_SHIFTCTRL FJOIN).
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ class Fifo {
     --level_;
     return word;
   }
-  /// What a read of an empty FIFO returns is undefined; here: the word in the place of the next.
+  /// A read of an empty FIFO is undefined; here it returns the word in the place of the next.
   std::uint32_t front() const { return words_[head_]; }
 
  private:

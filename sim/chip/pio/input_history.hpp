@@ -1,18 +1,18 @@
-// Levels of the pins as the state machines see them: some flip-flops behind the pads.
+// Levels of the pins as the state machines see them: delayed by some flip-flops.
 //
 // In:  the levels of the inputs, each change with its cycle.
 // Out: the levels that an instruction sees; the next change of a pin that is still on its way.
-// A level that a pin has in cycle e is what an instruction sees that executes in cycle e + 3: two
+// An instruction that executes in cycle e + 3 sees the level that a pin has in cycle e: two
 // flip-flops of the synchroniser (RP2040 datasheet, 3.5.6.3) and one register between the input
-// mapping and each state machine, which INPUT_SYNC_BYPASS leaves in. A machine sees its own output
-// after 4 cycles, after 2 with the bypass (raspberrypi/pico-feedback, issue 280).
+// mapping and each state machine, which INPUT_SYNC_BYPASS does not bypass. A machine sees its own
+// output after 4 cycles, after 2 with the bypass (raspberrypi/pico-feedback, issue 280).
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
-#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 
 namespace lamplock::sim::chip::pio {
 
@@ -23,7 +23,7 @@ inline constexpr Cycle bypassed_latency = 1;
 /// The last few changes.
 class InputHistory {
  public:
-  /// The pins have `levels` from cycle `at` on. Cycles never go back. Returns the bits that
+  /// The pins have `levels` from cycle `at` on, which never decreases. Returns the bits that
   /// changed.
   std::uint32_t set(std::uint32_t levels, Cycle at) {
     const std::uint32_t changed = levels ^ now_;
@@ -36,7 +36,7 @@ class InputHistory {
     now_ = levels;
     return changed;
   }
-  /// What the state machines see in cycle `cycle`, `latency` behind the pins.
+  /// Levels that the state machines see in cycle `cycle`, `latency` after the pins.
   std::uint32_t seen(Cycle cycle, Cycle latency) const {
     if (entries_[last_].at + latency <= cycle) return now_;
     std::size_t i = last_;

@@ -9,7 +9,7 @@
 
 namespace lamplock::sim::chip::pio {
 
-/// What an instruction does. All jumps come first.
+/// Operations. All jumps come first.
 enum class Operation : std::uint8_t {
   jmp_always,
   jmp_not_x,
@@ -60,7 +60,7 @@ struct Decoded {
   std::uint8_t arg = 0;    ///< bits 4..0; 1..32 where it counts bits
   std::uint8_t field = 0;  ///< bits 7..5
   bool side_to_dirs = false;
-  /// Nobody but its machine notices it, unless pins show it.
+  /// Only its machine notices it, unless pins show it.
   bool own = false;
   std::uint16_t raw = 0;
   std::uint32_t side_mask = 0, side_bits = 0;

@@ -53,7 +53,7 @@ void PioBlock::clock(Cycle of_system) {
   if ((shared_.irq_set | shared_.irq_clear | static_cast<std::uint32_t>(shared_.fifo_changed)) != 0)
     after_change();
   if ((shared_.irq_set | shared_.irq_clear) != 0) {
-    // Of setting and clearing in one clock setting wins (assumed).
+    // If a flag is set and cleared in one clock, it is set (assumed).
     shared_.irq = (shared_.irq & ~shared_.irq_clear) | shared_.irq_set;
     shared_.irq_set = shared_.irq_clear = 0;
     for (pio::StateMachine& machine : machines_) machine.flags_changed(clock + 1);
@@ -105,7 +105,7 @@ void PioBlock::set_every_clock(bool on, Cycle next) {
   settle(own(next));
 }
 
-/// After a register was written that can matter to any machine: all look again in the next clock.
+/// Called after a write that can matter to any machine: all check again in the next clock.
 void PioBlock::settle(Cycle next) {
   for (unsigned i = 0; i < machine_count; ++i) {
     machines_[i].settle(next);

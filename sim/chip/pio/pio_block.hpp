@@ -14,10 +14,10 @@
 #include <string>
 #include <utility>
 
-#include "sim/chip/clock_owner.hpp"
-#include "sim/chip/interrupt_registers.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/clock_owner.hpp"
+#include "sim/chip/fabric/interrupt_registers.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
 #include "sim/chip/pio/state_machine.hpp"
 
 namespace lamplock::sim::chip {
@@ -40,9 +40,9 @@ class PioBlock final : public Peripheral {
   // For the owner of the clock.
   /// Runs one clock.
   void clock(Cycle clock);
-  /// The first clock in which something happens.
+  /// The first clock in which the block must run.
   Cycle due() const { return due_; }
-  /// Latches that are not on the pads yet, since clock() or a register changed them.
+  /// Latches that are not on the pads yet, after clock() or a write to a register changed them.
   bool pins_pending() const { return shared_.out != driven_out_ || shared_.dirs != driven_dirs_; }
   std::uint32_t take_levels() { return driven_out_ = shared_.out; }
   std::uint32_t take_enables() { return driven_dirs_ = shared_.dirs; }
@@ -51,7 +51,7 @@ class PioBlock final : public Peripheral {
   /// True once after FIFO levels have changed.
   bool take_fifo_changed() { return std::exchange(fifo_changed_, false); }
   void set_every_clock(bool on, Cycle next);
-  /// Its clock stops with clock `next`: machines, FIFOs and pins stay; or goes on with it.
+  /// Its clock stops with clock `next` (machines, FIFOs and pins stay), or starts with it.
   void set_clock(bool runs, Cycle next);
 
   /// Free words of TX FIFO, words of RX FIFO, for the DREQs.
@@ -61,10 +61,11 @@ class PioBlock final : public Peripheral {
   unsigned rx_level(unsigned machine) const { return machines_[machine].rx().level(); }
 
  private:
-  /// Clocks of the machines: those of clk_sys without the ones in which they had none.
+  /// Clocks of the machines: those of clk_sys without the ones in which the block's clock was
+  /// stopped.
   Cycle own(Cycle clock) const { return (stopped_ ? stopped_at_ : clock) - without_; }
   Cycle next_clock() const { return own(owner_.bring_up_to_date()); }
-  /// Nothing: no register there.
+  /// Empty: no register there.
   std::optional<std::uint32_t> value_of(std::uint32_t offset, Cycle next) const;
   std::uint32_t machine_register(std::uint32_t offset, Cycle next) const;
   void write_machine(std::uint32_t offset, std::uint32_t value, Cycle next);
@@ -87,8 +88,8 @@ class PioBlock final : public Peripheral {
   std::array<pio::StateMachine, pio::machine_count> machines_;
   Cycle due_ = never_cycle;  ///< of clk_sys
   bool stopped_ = false;     ///< no clock
-  Cycle stopped_at_ = 0;     ///< first clock that it did not have
-  Cycle without_ = 0;        ///< clocks that it did not have before that
+  Cycle stopped_at_ = 0;     ///< first clock that was missing
+  Cycle without_ = 0;        ///< clocks missing before that
   std::uint32_t driven_out_ = 0, driven_dirs_ = 0;
   bool fifo_changed_ = false;
   bool reserved_told_ = false;

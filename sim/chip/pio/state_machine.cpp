@@ -17,12 +17,12 @@ unsigned threshold(std::uint32_t field) { return (field & 31u) == 0 ? 32u : fiel
 
 /// A sleep in a loop shorter than this many executions is not worth its bookkeeping.
 constexpr std::uint64_t shortest_loop_sleep = 8;
-/// Jumps that one way round a loop may have.
+/// Maximum number of jumps in a loop.
 constexpr int longest_loop = 8;
-/// A sleep in a loop ends after so many rounds: times fit their 64 bits even if each takes 8 jumps
-/// with all delays, divided by 65536.
+/// Rounds after which a sleep in a loop ends: times then fit 64 bits even if each round takes 8
+/// jumps with all delays, divided by 65536.
 constexpr std::uint64_t most_rounds = std::uint64_t{1} << 28;
-/// Instructions that run at once; a loop that nobody notices has no end.
+/// Maximum number of instructions that run at once, because an unnoticed loop has no end.
 constexpr int most_at_once = 16;
 
 }  // namespace
@@ -89,7 +89,7 @@ void StateMachine::schedule() {
   if (shared_.every_clock || restless()) shared_.due[index_] = 0;
 }
 
-/// A clock before the next execution: a tick of the delay, or none at all.
+/// A clock before the next execution, with or without a tick of the delay.
 void StateMachine::early(Cycle clock) {
   if (!enabled_) {
     shared_.due[index_] = never_cycle;
@@ -108,7 +108,7 @@ void StateMachine::early(Cycle clock) {
 
 void StateMachine::stall(const Decoded& op, Cycle clock) {
   Cycle& due = shared_.due[index_];
-  // Next time: the next tick, or the next clock for a forced instruction.
+  // The next step: at the next tick, or in the next clock for a forced instruction.
   due = running_forced_ ? clock + 1 : next_q8_ >> 8;
   if (shared_.every_clock) return;
   // Another machine may write a pin that this one asserts again in each tick.
@@ -176,8 +176,8 @@ inline bool StateMachine::condition(Operation operation, std::uint32_t& x, std::
   }
 }
 
-/// At the head of a loop: if it is nothing but jumps whose conditions stay the same for a number of
-/// rounds, sleeps through them.
+/// At the head of a loop that consists only of jumps whose conditions stay the same for a number of
+/// rounds: sleeps through these rounds.
 void StateMachine::try_loop(Cycle clock) {
   if (!is_jump(ops_[pc_].operation) || !enabled_) return;
   std::uint32_t x = x_, y = y_;
@@ -212,7 +212,7 @@ void StateMachine::try_loop(Cycle clock) {
   if (!closed) return;
   const std::uint32_t dx = x_ - x, dy = y_ - y;
   if (compares && dx != dy) return;
-  // Rounds in which every test comes out as in this one.
+  // Rounds in which every test has the same result as in this one.
   std::uint64_t rounds = most_rounds;
   const auto bound = [&rounds](std::uint32_t value, std::uint32_t step) {
     if (step != 0)
@@ -230,7 +230,7 @@ void StateMachine::try_loop(Cycle clock) {
   due = std::min(due, shared_.inputs.next_change(watched_pin_, clock, watched_latency()));
 }
 
-/// Does what the loop has done before `clock`.
+/// Applies what the loop has done before `clock`.
 void StateMachine::leave_loop(Cycle clock) {
   const std::uint64_t from = clock << 8;
   if (next_q8_ >= from) return;
@@ -250,7 +250,7 @@ void StateMachine::leave_loop(Cycle clock) {
 }
 
 // ---------------------------------------------------------------------------------------------
-// Instructions that nobody else can notice
+// Instructions that no other part can notice
 
 /// OUT, if no word is pulled and pins keep their levels.
 inline bool StateMachine::out_unnoticed(const Decoded& op) {
@@ -279,7 +279,7 @@ inline bool StateMachine::out_unnoticed(const Decoded& op) {
   return true;
 }
 
-/// Executes an instruction if nobody else can notice; false: it has done nothing.
+/// Executes an instruction if no other part can notice it; false: nothing was done.
 inline bool StateMachine::execute_unnoticed(const Decoded& op) {
   if (op.side_mask != 0 && !keeps(op.side_mask, op.side_bits, op.side_to_dirs)) return false;
   if (autopull_ && osr_used_up()) return false;  // a word may be pulled
@@ -317,8 +317,8 @@ inline bool StateMachine::execute_unnoticed(const Decoded& op) {
   }
 }
 
-/// WAIT for a pin that has the other level, and no change of it is on its way: asleep at once, for
-/// whatever changes it wakes the machine.
+/// WAIT for a pin that has the other level, with no change on its way: sleeps at once, because any
+/// change of the pin wakes the machine.
 bool StateMachine::sleep_in_wait(const Decoded& op, Cycle clock) {
   if (op.operation != Operation::wait_gpio && op.operation != Operation::wait_pin) return false;
   if (op.side_mask != 0 && !keeps(op.side_mask, op.side_bits, op.side_to_dirs)) return false;
@@ -350,7 +350,7 @@ void StateMachine::run_at_once(Cycle clock) {
   if (!sleep_in_wait(ops_[pc_], clock)) shared_.due[index_] = next_q8_ >> 8;
 }
 
-/// Of what has run at once only what comes before `clock` has happened.
+/// Undoes those instructions run at once that are not before `clock`.
 void StateMachine::run_again(Cycle clock) {
   at_once_ = false;
   if ((next_q8_ >> 8) <= clock) return;
@@ -559,7 +559,7 @@ bool StateMachine::run_out(const Decoded& op) {
 void StateMachine::write_out_pins(std::uint32_t data, bool dirs, bool is_out) {
   const std::uint32_t bits = std::rotl(data, static_cast<int>(out_base_));
   if (is_out && inline_enable_ && (data >> enable_bit_ & 1u) == 0) {
-    stick(0, 0, dirs);  // also takes back what OUT_STICKY asserts
+    stick(0, 0, dirs);  // also clears what OUT_STICKY asserts
     return;
   }
   write_pins(out_mask_, bits, dirs);
@@ -682,7 +682,7 @@ void StateMachine::set_exec(std::uint32_t raw) {
 bool StateMachine::execute(const Decoded& op) { return execute_inline(op); }
 
 // ---------------------------------------------------------------------------------------------
-// The way of an instruction of the program, in one piece because most time is spent here
+// Completes an instruction of the program; in one piece because most time is spent here
 
 inline void StateMachine::move_on(const Decoded& op) {
   if (jumped_)
@@ -717,7 +717,7 @@ void StateMachine::step(Cycle clock) {
   }
   if (sleep_ != Sleep::none || at_once_ || (next_q8_ >> 8) < clock) [[unlikely]] {
     if (sleep_ == Sleep::none && (next_q8_ >> 8) == clock)
-      at_once_ = false;  // all that has run at once has happened
+      at_once_ = false;  // the time of all that has run at once has passed
     else
       wake_up(clock);
   }
@@ -739,7 +739,7 @@ void StateMachine::step(Cycle clock) {
     stall(op, clock);
 }
 
-/// What OUT EXEC or MOV EXEC has latched.
+/// Executes the instruction that OUT EXEC or MOV EXEC has latched.
 void StateMachine::step_latched(Cycle clock) {
   const Decoded op = exec_op_;  // the instruction may latch another one
   exec_valid_ = false;
@@ -800,7 +800,7 @@ void StateMachine::set_clkdiv(std::uint32_t value, Cycle next) {
   const std::uint64_t left = ticks_left(next);
   const std::uint64_t first = next_q8_ - left * divisor_q8_;
   const std::uint32_t whole = value >> 16;
-  // 0 divides by 65536 (description of SMx_CLKDIV). A period that has begun ends as it began.
+  // 0 divides by 65536 (description of SMx_CLKDIV). A period that has begun keeps its length.
   divisor_q8_ =
       (whole == 0 ? std::uint64_t{1} << 24 : std::uint64_t{whole} << 8) | (value >> 8 & 0xffu);
   next_q8_ = first + left * divisor_q8_;

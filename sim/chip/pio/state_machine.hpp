@@ -3,20 +3,20 @@
 // In:  its registers, its FIFOs, the inputs and interrupt flags of the block, and the clocks in
 //      which the block runs it.
 // Out: writes to the block's output latches, interrupt flags (gathered, as they take effect at the
-//      end of the clock), FIFO words, debug flags, and when it wants to run next.
+//      end of the clock), FIFO words, debug flags, and the clock of its next run.
 //
 // Time is counted in 1/256 clocks (the divider has 8 fractional bits): execution number n of a grid
-// that began at q executes in clock (q + n * divisor) >> 8, which is what a first-order delta
-// divider does (3.5.5). The grid runs on while the machine is disabled or stalled.
+// that began at q executes in clock (q + n * divisor) >> 8, as with a first-order delta divider
+// (3.5.5). The grid continues while the machine is disabled or stalled.
 //
-// Asleep are machines that stall on a pin, a flag or a FIFO, and machines in a loop of jumps whose
-// way round is known (`jmp x--` on itself, or a loop that counts while it polls a pin); both are
-// continued exactly where hardware would be when something changes.
+// Machines sleep that stall on a pin, a flag or a FIFO, or run a loop of jumps whose period is
+// known (`jmp x--` on itself, or a loop that counts while it polls a pin). After a change both
+// continue exactly where hardware would be.
 //
-// Instructions that nobody else can notice (registers of the machine alone, pins that keep their
+// Instructions that no other part can notice (registers of the machine alone, pins that keep their
 // levels) run at once after the one before them, up to the next that can be noticed or depends on
-// others. If something changes before that one is due, the machine goes back to where the first of
-// them began and runs them again, as far as time has come.
+// other parts. If something changes before that one is due, the machine returns to the state before
+// them and runs them again, up to the present time.
 //
 // With every_clock set nothing sleeps and nothing runs at once.
 #pragma once
@@ -26,16 +26,16 @@
 #include <bit>
 #include <cstdint>
 
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/pio/fifo.hpp"
 #include "sim/chip/pio/input_history.hpp"
 #include "sim/chip/pio/instruction.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip::pio {
 
 inline constexpr unsigned machine_count = 4;
 
-/// What the four machines of a block have in common.
+/// State that the four machines of a block share.
 struct Shared {
   std::array<Cycle, machine_count> due{never_cycle, never_cycle, never_cycle, never_cycle};
   std::uint32_t in = 0;                      ///< inputs as seen in this clock
@@ -55,12 +55,11 @@ namespace fdebug {
 inline constexpr unsigned rxstall = 0, rxunder = 8, txover = 16, txstall = 24;
 }
 
-/// Machine number `index` of its block.
 class StateMachine {
  public:
   StateMachine(Shared& shared, unsigned index) : shared_(shared), index_(index) {}
 
-  /// All registers as after reset; `next` is the first clock to come.
+  /// Resets all registers; `next` is the first clock to come.
   void reset(Cycle next);
   /// Runs clock `clock`. Called when the machine is due, or more often.
   void step(Cycle clock);
@@ -80,14 +79,14 @@ class StateMachine {
   std::uint32_t execctrl() const { return execctrl_ | (latched() ? 1u << 31 : 0u); }
   std::uint32_t shiftctrl() const { return shiftctrl_; }
   std::uint32_t pinctrl() const { return pinctrl_; }
-  /// The program counter in clock `next`, asleep or ahead or not; and what it points at.
+  /// The program counter in clock `next`, even when asleep or ahead, and the instruction there.
   unsigned pc(Cycle next) const;
   std::uint16_t current_instruction(Cycle next) const { return ops_[pc(next)].raw; }
   void set_instruction(unsigned at, std::uint16_t raw);
   /// SMx_INSTR written: executes in the next clock whatever the divider and delay (3.5.7).
   void force(std::uint16_t raw);
 
-  /// Something has changed that it may wait for: looks again in clock `next`.
+  /// An event that the machine may wait for: it checks again in clock `next`.
   void wake(Cycle next) {
     if (active()) shared_.due[index_] = std::min(shared_.due[index_], next);
   }
@@ -114,12 +113,12 @@ class StateMachine {
 
  private:
   enum class Sleep : std::uint8_t { none, stall, loop };
-  /// A loop of jumps: once round takes `ticks` executions and delays, X and Y lose dx and dy.
+  /// A loop of jumps: one pass takes `ticks` executions and delays; X and Y decrease by dx and dy.
   struct Loop {
     std::uint32_t ticks = 0, dx = 0, dy = 0;
     bool pin = false;  ///< level of the JMP pin while it sleeps
   };
-  /// What instructions can change that nobody else notices.
+  /// State that instructions can change unnoticed by other parts.
   struct Own {
     std::uint64_t next_q8 = 0;
     std::uint32_t x = 0, y = 0, isr = 0, osr = 0;
@@ -155,7 +154,7 @@ class StateMachine {
     if (divisor_q8_ == 256) return (time_q8 + 255) >> 8;
     return (time_q8 + divisor_q8_ - 1) / divisor_q8_;
   }
-  /// Pins of one latch, written with levels that they have, and by nobody else.
+  /// True if a write keeps the levels of pins of one latch that no other machine writes.
   bool keeps(std::uint32_t mask, std::uint32_t bits, bool dirs) const {
     return (((dirs ? shared_.dirs : shared_.out) ^ bits) & mask) == 0 && (mask & contested_) == 0;
   }
@@ -166,10 +165,10 @@ class StateMachine {
   void stick(std::uint32_t mask, std::uint32_t bits, bool dirs);
   void apply_sticky();
   void refill();
-  /// Pins may change in ticks in which nothing executes: OUT_STICKY asserts again what a side-set
-  /// or another machine has written over.
+  /// Pins may change in ticks in which nothing executes: OUT_STICKY restores what a side-set or
+  /// another machine has overwritten.
   bool restless() const { return sticky_ && (!alone_ || mapping_.side_count != 0); }
-  /// The bits that OUT takes next, 1 to 32 of them, and taking them off the OSR.
+  /// The bits that OUT takes next, 1 to 32 of them.
   std::uint32_t next_out(unsigned bits) const {
     return out_right_ ? osr_ & low_bits(bits) : osr_ >> (32 - bits);
   }
@@ -227,7 +226,7 @@ class StateMachine {
   std::uint32_t watched_pin_ = 0;
   std::uint64_t delay_left_ = 0;  ///< delay that a disabled machine has yet to do
   Loop loop_;
-  Own before_;  ///< if at_once_: as it was before them
+  Own before_;  ///< if at_once_: the state before them
 
   // Fields of the registers.
   std::uint32_t clkdiv_ = 0, execctrl_ = 0, shiftctrl_ = 0, pinctrl_ = 0;
@@ -239,7 +238,7 @@ class StateMachine {
   unsigned in_base_ = 0, out_base_ = 0;
   std::uint32_t out_mask_ = 0;
 
-  // What OUT_STICKY goes on asserting.
+  // Levels that OUT_STICKY keeps asserting.
   std::uint32_t sticky_mask_ = 0, sticky_bits_ = 0, sticky_dir_mask_ = 0, sticky_dir_bits_ = 0;
 
   Fifo tx_, rx_;

@@ -1,10 +1,10 @@
-// Where the cycles go, by the whole way that led there: what flame graphs are drawn from.
+// Cycles by call path, as the input of flame graphs.
 //
 // In:  the frames of a ShadowStack.
 // Out: folded stacks, one a line: "core0;main;poll;read_pins 1234", cycles of the last function
 //      itself.
-// A function without a symbol goes by the address it was called at. An interrupt is a frame
-// "[TIMER_0]" on top of what it interrupted; sleep is "(asleep)" below the core, whoever sleeps.
+// A function without a symbol is named by the address it was called at. An interrupt is a frame
+// "[TIMER_0]" on top of what it interrupted; sleep is "(asleep)" below the core, in any function.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace lamplock::sim::chip {
 
-/// The ways of one core.
+/// The call paths of one core.
 class CallStacks final : private StackView {
  public:
   /// Must live as long as the core runs with the stack as its listener.
@@ -29,7 +29,7 @@ class CallStacks final : private StackView {
 
  private:
   using Node = std::size_t;
-  /// A place in the tree of all ways.
+  /// A node in the tree of call paths.
   struct Place {
     Node parent = 0;
     std::uint64_t key = 0;  ///< address of the function, or exception_key + number
@@ -46,7 +46,7 @@ class CallStacks final : private StackView {
 
   const ShadowStack& stack_;
   std::vector<Place> places_;  ///< the first is the core
-  std::vector<Node> present_;  ///< of the frames that there are
+  std::vector<Node> present_;  ///< of the present frames
 };
 
 }  // namespace lamplock::sim::chip

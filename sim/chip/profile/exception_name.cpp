@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sim/chip/irq_lines.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
 
 namespace lamplock::sim::chip {
 

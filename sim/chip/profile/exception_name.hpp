@@ -1,11 +1,11 @@
-// Names of exceptions and interrupts, as the datasheet has them.
+// Names of exceptions and interrupts, as in the datasheet.
 #pragma once
 
 #include <string>
 
 namespace lamplock::sim::chip {
 
-/// Of an exception's number: "SysTick", "TIMER_0"; "exception 42" for those that have no name.
+/// Name of an exception number: "SysTick", "TIMER_0"; "exception 42" for those without a name.
 std::string exception_name(unsigned number);
 
 }  // namespace lamplock::sim::chip

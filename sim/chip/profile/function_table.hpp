@@ -18,8 +18,8 @@ class FunctionTable {
   explicit FunctionTable(std::span<const ImageSymbol> symbols);
   std::size_t size() const { return symbols_.size(); }
   const ImageSymbol& operator[](std::size_t index) const { return symbols_[index]; }
-  /// The index of the function that an address belongs to; size(): none. One that has no size, as
-  /// an assembler function may, reaches to the next.
+  /// The index of the function that an address belongs to; size(): none. A function without a size,
+  /// as in assembler, reaches to the next.
   std::size_t find(std::uint32_t address) const;
 
  private:

@@ -56,7 +56,7 @@ void Profile::masked(bool interrupts_off, Cycle at) {
 
 std::vector<ProfileEntry> Profile::functions() const {
   std::vector<ProfileEntry> all = entries_;
-  // What is still running has its time up to now, but is not done.
+  // A running function has its time up to now, but is not done.
   for (const ShadowFrame& frame : stack_.frames()) {
     ProfileEntry& entry = all[frame.symbol];
     entry.total += frame.own;

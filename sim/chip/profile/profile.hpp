@@ -1,7 +1,7 @@
-// Where the cycles go: per function and per interrupt.
+// Cycles per function and per interrupt.
 //
 // In:  the frames of a ShadowStack. Out: plain numbers and a text.
-// The time of a function is its own, without what it called and without interrupts; that of an
+// The time of a function is its own, without its callees and without interrupts; that of an
 // interrupt is from the beginning of the entry to the last instruction, nested ones included.
 #pragma once
 
@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/chip/bus.hpp"
+#include "sim/chip/fabric/bus.hpp"
 #include "sim/chip/profile/shadow_stack.hpp"
 
 namespace lamplock::sim::chip {
@@ -35,16 +35,16 @@ class Profile final : private StackView {
   Profile(const Profile&) = delete;
   Profile& operator=(const Profile&) = delete;
 
-  /// What there is so far: functions by their time, exceptions by number. Entries without a call
-  /// are left out.
+  /// Results so far: functions by their time, exceptions by number. Entries without a call are
+  /// omitted.
   std::vector<ProfileEntry> functions() const;
   std::vector<ProfileEntry> exceptions() const;
-  /// Cycles since the beginning, and how many of them asleep: the others are those of functions().
+  /// Cycles since the beginning, and those asleep: the others are those of functions().
   Cycle cycles() const { return stack_.cycles(); }
   Cycle asleep() const { return stack_.asleep(); }
   /// Longest time with PRIMASK set.
   Cycle longest_masked() const { return longest_masked_; }
-  /// All of it as a table, the `lines` costliest functions.
+  /// The whole profile as a table, with the `lines` most expensive functions.
   std::string text(std::size_t lines = 40) const;
 
  private:
@@ -54,22 +54,22 @@ class Profile final : private StackView {
   void masked(bool interrupts_off, Cycle at) override;
 
   const ShadowStack& stack_;
-  std::vector<ProfileEntry> entries_;  ///< one for each function, and one for what has no symbol
+  std::vector<ProfileEntry> entries_;  ///< one for each function, and one for code without a symbol
   std::array<ProfileEntry, 48> exceptions_{};
   bool masked_ = false;
   Cycle masked_since_ = 0, longest_masked_ = 0;
 };
 
-/// Measures how far down a stack has grown: fills it with a pattern and looks for what changed.
+/// Measures the depth of a stack: fills it with a pattern and looks for changes.
 class StackGauge {
  public:
   /// The stack's memory, `low` to `high`, in SRAM; throws std::invalid_argument otherwise.
   StackGauge(std::string name, Bus& bus, std::uint32_t low, std::uint32_t high);
-  /// Fills everything; before the program starts.
+  /// Fills the memory; must be called before the program starts.
   void fill();
   const std::string& name() const { return name_; }
   std::uint32_t size() const { return static_cast<std::uint32_t>(memory_.size()); }
-  /// Bytes used at most so far; size() may mean that it ran over.
+  /// Maximum of bytes used so far; size() may mean an overflow.
   std::uint32_t used() const;
 
  private:

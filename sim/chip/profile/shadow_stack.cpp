@@ -51,7 +51,7 @@ void ShadowStack::pop_to(std::size_t depth) {
   }
 }
 
-// The frame on top stays where it came from, but is another function's.
+// The frame on top keeps its return address but becomes another function's.
 void ShadowStack::jump(const ShadowFrame& to) {
   ShadowFrame& frame = frames_.back();
   for (StackView* view : views_) view->left(frame);

@@ -1,15 +1,15 @@
-// What a core has called and not returned from, and the cycles that each of it has taken itself.
+// Functions that a core has called and not returned from, each with its own cycles.
 //
 // In:  CoreListener's calls; the symbols of the image, if it has some.
-// Out: frames as they come and go, told to the views of them (Profile, CallStacks).
+// Out: frames as they begin and end, reported to the views (Profile, CallStacks).
 //
-// Calls by BL and BLX; returns by BX and POP to where a call came from; any other jump by these to
-// another function takes its place, without a symbol only one to another memory (from the ROM to
-// the second-stage boot, from there to the program). A plain branch to another function counts for
-// the caller. Time asleep is nobody's.
-// Below `deepest` frames a call is taken for a jump, so that a program that never returns (one that
-// switches stacks) stays inside. A reset of the chip ends all handlers without a word: what core
-// calls next in thread mode is no longer in one.
+// Calls by BL and BLX; returns by BX and POP to the place of a call. Any other jump by these to
+// another function replaces the frame; without a symbol only a jump to another memory does (from
+// the ROM to the second-stage boot, from there to the program). A plain branch to another function
+// counts for the caller. Sleep counts for no function.
+// Below `deepest` frames a call is taken as a jump, so that the stack of a program that never
+// returns (one that switches stacks) stays bounded. A reset of the chip ends all handlers without a
+// report: the next call of a core in thread mode is in none of them.
 // Costs nothing unless the core listens to it.
 #pragma once
 
@@ -23,7 +23,7 @@
 
 namespace lamplock::sim::chip {
 
-/// What runs or waits for what it called.
+/// A function that runs or waits for the one it called.
 struct ShadowFrame {
   std::uint32_t function = 0;  ///< its symbol's address; without a symbol where it was entered
   std::size_t symbol = 0;      ///< in the FunctionTable; its size(): none
@@ -33,11 +33,11 @@ struct ShadowFrame {
   Cycle own = 0;               ///< its own time so far
 };
 
-/// Told of frames and their time.
+/// Receives frames and their time.
 class StackView {
  public:
   virtual ~StackView() = default;
-  /// It is on top now.
+  /// The frame is on top now.
   virtual void entered(const ShadowFrame& frame) = 0;
   /// The frame that was on top is over.
   virtual void left(const ShadowFrame& frame) = 0;
@@ -57,8 +57,8 @@ class ShadowStack final : public CoreListener {
   ShadowStack(const ShadowStack&) = delete;
   ShadowStack& operator=(const ShadowStack&) = delete;
 
-  /// Tells a view from now on, and of the frames that there are; it must live as long as this is
-  /// told anything.
+  /// Reports to a view from now on, starting with the present frames; it must live as long as this
+  /// object receives calls.
   void add(StackView& view);
   const FunctionTable& functions() const { return functions_; }
   const Core& core() const { return core_; }

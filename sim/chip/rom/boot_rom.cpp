@@ -180,7 +180,7 @@ std::uint32_t BootRom::datum(char first, char second) const {
 }
 
 void BootRom::lookup(Context& c) {
-  constexpr unsigned longest = 256;  // a table without an end is no table
+  constexpr unsigned longest = 256;  // limit for a table without an end
   std::uint32_t table = c.reg(0);
   const std::uint32_t code = c.reg(1);
   std::uint32_t value = 0;
@@ -231,7 +231,7 @@ void BootRom::fill_block(Context& c, bool copy, bool words) {
     const std::uint32_t value = copy ? c.load(from + i, width) : from;
     c.store(to + i, value, width);
   }
-  // The accesses have cost what single ones do; the real function moves four words at a time.
+  // The accesses have cost as much as single ones; the real function moves four words at a time.
   const std::uint32_t cost = bytes == 16 ? timing_.copy_block : bytes * timing_.copy_byte;
   const std::uint32_t spent = c.result().cycles - before;
   if (spent < cost) c.spend(cost - spent);

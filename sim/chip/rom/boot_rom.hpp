@@ -1,15 +1,14 @@
-// The boot ROM's behaviour (RP2040 datasheet, 2.8) by own code: nothing of the real ROM is in here.
+// The boot ROM's behaviour (RP2040 datasheet, 2.8), rewritten: it contains nothing of the real ROM.
 //
-// In:  a core that executes an address in the ROM at which a trap stands; the registers and the bus
-//      of that core.
+// In:  a core that executes a trap at an address in the ROM; the registers and the bus of that
+//      core.
 // Out: the image of 16 KiB with vectors, tables and short Thumb frames; what the functions do, in
 //      steps of some tens of cycles, through the same registers as the real ROM (SSI, QSPI pins,
 //      SIO FIFO, watchdog), so that time, flash and interrupts behave.
 // Who: a core, when it executes an undefined instruction (UDF #n) inside the ROM, calls step().
 //
-// A function's state lives in the core's registers and on its stack, as it does on the chip: it may
-// be interrupted between any two steps, both cores may be inside at once, and nothing is hidden
-// here.
+// A function's state is in the core's registers and on its stack, as on the chip: it may be
+// interrupted between any two steps, and both cores may be inside at once.
 #pragma once
 
 #include <array>
@@ -19,16 +18,16 @@
 #include <span>
 #include <vector>
 
-#include "sim/chip/bus.hpp"
+#include "sim/chip/fabric/bus.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/flash/qspi_pins.hpp"
-#include "sim/chip/peripheral.hpp"
 #include "sim/chip/rom/soft_float.hpp"
 #include "sim/chip/rom/usb_loader.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
-/// What the ROM needs of a core; made from the core by whoever wires the chip.
+/// The ROM's interface to a core.
 class RomCore {
  public:
   virtual ~RomCore() = default;
@@ -70,23 +69,22 @@ struct RomTiming {
 enum class RomState : std::uint8_t {
   reset,    ///< no instruction of the ROM has run since the reset
   booting,  ///< in the ROM
-  running,  ///< gone to boot2 or to a boot vector
+  running,  ///< in boot2 or later, or started by a boot vector
   bootsel,  ///< in the USB boot loader (usb_loader.hpp)
   rescue,   ///< halted by the rescue flag
 };
 
-/// One ROM, for both cores.
 class BootRom {
  public:
   static constexpr std::uint32_t boot2_address = 0x2004'1f00;
   static constexpr std::uint32_t boot2_size = 256;
-  /// An undefined instruction that is no trap.
+  /// An undefined instruction that is not a trap.
   static constexpr std::uint32_t fault_address = 0x3ffe;
 
   /// Versions of the ROM: 1 in stepping B0, 2 in B1, 3 in B2.
   static constexpr unsigned latest_version = 3;
 
-  /// Writes the image into `memory` (16 KiB, Bus::rom()). `pins` tells whether BOOTSEL is pressed.
+  /// Writes the image into `memory` (16 KiB, Bus::rom()). `pins` has the state of BOOTSEL.
   BootRom(std::span<std::uint8_t> memory, const QspiPins& pins, NotModelled not_modelled,
           unsigned version = latest_version);
   BootRom(const BootRom&) = delete;
@@ -96,13 +94,13 @@ class BootRom {
     std::uint32_t cycles = 1;  ///< all of it, waits of the accesses included
     bool fault = false;        ///< an access failed: the core takes a HardFault
   };
-  /// Whether a trap of the ROM stands at an address.
+  /// Whether an address holds a trap of the ROM.
   bool is_trap(std::uint32_t address) const;
   /// Executes the trap at r15 in the cycle `now`; leaves the next address in r15.
   Step step(RomCore& core, Cycle now);
 
-  /// The ROM has read a boot block whose checksum is wrong; it tries again, and then waits in its
-  /// USB boot loader. Called for the first attempt of a start: the flash does not change meanwhile.
+  /// The ROM has read a boot block whose checksum is wrong; it tries again, then waits in its USB
+  /// boot loader. Called for the first attempt of a start: the flash does not change in between.
   std::function<void()> on_bad_boot_block;
 
   RomState state() const { return state_; }
@@ -162,11 +160,11 @@ class BootRom {
   void boot_enter(Context& context);
   void wait_start(Context& context);
   void wait_for_vector(Context& context);
-  /// Selects the flash and sends a command, with 24 bits of address if there are any; put_get()
-  /// moves the `more` bytes that follow. r5 = bytes to send, r6 = bytes to take, r12 = taken.
+  /// Selects the flash and sends a command, with 24 bits of address if given; put_get() moves the
+  /// `more` bytes after it. r5 = bytes to send, r6 = bytes to receive, r12 = received.
   void begin_command(Context& context, std::uint32_t command, std::optional<std::uint32_t> address,
                      std::uint32_t more);
-  /// Moves a byte each way; true when nothing is left. `last`: the byte that came, if one did.
+  /// Moves a byte each way; true when none is left. `last`: the byte received, if any.
   enum class Send : std::uint8_t { zeros, ones, memory };
   bool put_get(Context& context, Send send, std::uint32_t skip, bool keep,
                std::uint32_t* last = nullptr);

@@ -99,7 +99,7 @@ void Picoboot::given(LoaderBus& bus, Pipes& pipes) {
 // --- commands ---
 
 void Picoboot::begin(std::span<const std::uint8_t> packet, LoaderBus& bus, Pipes& pipes) {
-  // Not even the status is another one then.
+  // In this case even the status remains unchanged.
   if (packet.size() != command_size || word(packet, 0) != magic) {
     refuse(pipes);
     return;
@@ -118,7 +118,7 @@ void Picoboot::begin(std::span<const std::uint8_t> packet, LoaderBus& bus, Pipes
   execute(bus, pipes);
 }
 
-/// What the packet alone says.
+/// Status of the packet itself.
 Status Picoboot::check() const {
   std::uint32_t size = 0, data = 0;
   switch (command_) {
@@ -127,7 +127,7 @@ Status Picoboot::check() const {
       break;
     case Command::reboot:
       size = 12;
-      data = transfer_;  // which nobody looks at
+      data = transfer_;  // which is not used
       break;
     case Command::exit_xip:
     case Command::enter_command_xip:
@@ -153,7 +153,7 @@ Status Picoboot::check() const {
   return transfer_ == data ? Status::ok : Status::invalid_transfer_length;
 }
 
-/// Of the next 256 bytes, or of the rest.
+/// Checks the next 256 bytes, or the rest.
 Status Picoboot::check_data(bool writes) const {
   if (rebooting_) return Status::rebooting;
   const std::uint32_t size = std::min(left_, page);
@@ -172,7 +172,8 @@ bool Picoboot::can_erase() const {
          in_flash(address_) && size <= flash_size - (address_ - flash_base);
 }
 
-/// The ROM takes every even address; at one that is not a word's its next call would fail.
+/// The ROM accepts every even address; an address that is not a word's would make its next call
+/// fail.
 bool Picoboot::can_hold_vectors() const {
   const Region& sram = regions[3];
   return !rebooting_ && address_ % 4 == 0 &&
@@ -224,7 +225,7 @@ void Picoboot::refuse(Pipes& pipes) {
   pipes.halt(Pipe::out);
 }
 
-/// The other endpoint neither takes nor gives, until the OUT endpoint or the interface is reset.
+/// The other endpoint is halted until the OUT endpoint or the interface is reset.
 void Picoboot::refuse_data(Status status, Pipes& pipes) {
   const Pipe pipe = step_ == Step::data_in ? Pipe::in : Pipe::out;
   status_ = status;
@@ -290,7 +291,7 @@ void Picoboot::data(std::span<const std::uint8_t> packet, LoaderBus& bus, Pipes&
     pipes.take();
     return;
   }
-  // What there is against a page is told when all of it has come.
+  // An error in a page is reported after the whole page has arrived.
   if (!good) {
     refuse_data(found_, pipes);
   } else if (flash) {
@@ -301,7 +302,7 @@ void Picoboot::data(std::span<const std::uint8_t> packet, LoaderBus& bus, Pipes&
   }
 }
 
-/// A page is where it belongs.
+/// A page has been written.
 void Picoboot::next_out(Pipes& pipes) {
   address_ += page;
   filled_ = 0;

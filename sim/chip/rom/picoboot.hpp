@@ -1,16 +1,16 @@
 // The PICOBOOT interface of the boot ROM's USB loader (RP2040 datasheet, 2.8.5): commands, their
 // data, their status.
 //
-// In:  packets of the bulk OUT endpoint; what became of flash functions.
+// In:  packets of the bulk OUT endpoint; results of flash functions.
 // Out: packets of the bulk IN endpoint; calls of the ROM's flash functions; bytes in memory.
 // Who: UsbLoader.
 //
-// A command is 32 bytes; data follow in its direction; an empty packet the other way ends it. As
-// the ROM's source has it (pico-bootrom-rp2040, usb_boot_device.c and async_task.c): a packet that
-// is no command halts both endpoints until the host clears them; data, 256 bytes of which are
-// judged at a time, halt that of their direction; both leave their reason in the status. A command
-// without data is acknowledged whatever became of it. EXEC is refused, and reported: the loader's
-// own work on core 0 is not Thumb code.
+// A command is 32 bytes; data follow in its direction; an empty packet the other way ends it. As in
+// the ROM's source (pico-bootrom-rp2040, usb_boot_device.c and async_task.c): a packet that is not
+// a command halts both endpoints until the host clears them; data, checked 256 bytes at a time,
+// halt the endpoint of their direction; both leave their reason in the status. A command without
+// data is acknowledged whatever its result. EXEC is refused, and reported: the loader's own work on
+// core 0 is not Thumb code.
 #pragma once
 
 #include <array>
@@ -18,12 +18,12 @@
 #include <optional>
 #include <span>
 
-#include "sim/chip/bus.hpp"
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/bus.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
 
 namespace lamplock::sim::chip {
 
-/// How the loader reaches memory and registers; each access costs time.
+/// The loader's access to memory and registers; each access costs time.
 class LoaderBus {
  public:
   virtual ~LoaderBus() = default;
@@ -74,7 +74,7 @@ enum class Service : std::uint8_t {
 };
 inline constexpr std::size_t services = 6;
 
-/// A flash function to be called, with r0 and r1.
+/// A flash function to call, with r0 and r1.
 struct Call {
   Service service = Service::exit_xip;
   std::array<std::uint32_t, 2> arguments{};
@@ -82,7 +82,7 @@ struct Call {
 
 enum class Pipe : std::uint8_t { in, out };
 
-/// What the two bulk endpoints can be told.
+/// Control of the two bulk endpoints.
 class Pipes {
  public:
   virtual ~Pipes() = default;
@@ -112,11 +112,11 @@ class Picoboot {
   /// The answer to GET_COMMAND_STATUS.
   std::array<std::uint8_t, picoboot::status_size> status() const;
 
-  /// A flash function that waits to be called, once.
+  /// A flash function that waits to be called; returned only once.
   std::optional<picoboot::Call> take_call();
-  /// It has returned (0: success).
+  /// The function has returned (0: success).
   void returned(std::uint32_t result, LoaderBus& bus, picoboot::Pipes& pipes);
-  /// Where the RAM table of VECTORIZE_FLASH lies; 0: there is none.
+  /// Address of the RAM table of VECTORIZE_FLASH; 0: there is none.
   std::uint32_t vectors() const { return vectors_; }
   /// Addresses of the ROM's own functions, for the table.
   void set_functions(const std::array<std::uint32_t, picoboot::services>& functions) {
@@ -156,7 +156,7 @@ class Picoboot {
   std::uint32_t address_ = 0, left_ = 0;
   std::uint32_t filled_ = 0;                       ///< bytes of the page in the buffer
   std::uint32_t emptied_ = 0;                      ///< of these, bytes on their way to the host
-  picoboot::Status found_ = picoboot::Status::ok;  ///< what there is against the page that comes
+  picoboot::Status found_ = picoboot::Status::ok;  ///< error in the page being received
   std::optional<picoboot::Call> call_;
   bool calling_ = false, dropped_ = false;
 };

@@ -1,6 +1,7 @@
-// What the parts of the boot ROM share: the traps, one step of a core, addresses.
+// Shared by the parts of the boot ROM: the traps, one step of a core, addresses.
 //
-// In:  the registers and the bus of a core. Out: what a step did to them, and its cycles.
+// In:  the registers and the bus of a core. Out: changed registers and memory, and the cycles of a
+//      step.
 // Who: the sources of BootRom only.
 #pragma once
 
@@ -101,7 +102,7 @@ class BootRom::Context {
     take(core_.store(address, value, width, now_ + cycles_));
   }
   void spend(std::uint32_t cycles) { cycles_ += cycles; }
-  /// Goes on behind the trap, or `halfwords` further.
+  /// Continues after the trap, or `halfwords` further.
   void leave(std::uint32_t halfwords = 0) { set(rom::pc, core_.reg(rom::pc) + 2 + 2 * halfwords); }
   unsigned core_id() const { return core_.id(); }
   Step result() const { return {std::max(cycles_, 1u), fault_}; }
@@ -118,7 +119,7 @@ class BootRom::Context {
   bool fault_ = false;
 };
 
-/// A core's accesses as the loader wants them.
+/// A core's accesses in the form that the loader needs.
 class BootRom::LoaderView final : public LoaderBus {
  public:
   explicit LoaderView(Context& context) : context_(context) {}

@@ -1,5 +1,5 @@
-// Functions of the tables 'SF' and 'SD' as a core runs them: wait, in short steps, for as long as
-// they take, then the result at once. r12, which every function may use, counts the cycles.
+// Functions of the tables 'SF' and 'SD' as a core runs them: wait in short steps for the time of
+// the function, then the result at once. r12, which every function may use, counts the cycles.
 #include "sim/chip/rom/rom_context.hpp"
 
 #include <string>
@@ -18,7 +18,7 @@ constexpr std::uint32_t divider = 0xd000'0060;  // UDIVIDEND, UDIVISOR, ..., QUO
 constexpr std::uint32_t divisor = divider + 4, quotient = divider + 0x10,
                         remainder = divider + 0x14;
 
-/// The half-word before the frame says which function it is; frames are traps one behind the other.
+/// The half-word before the frame identifies the function; frames are traps one after the other.
 struct Identity {
   Function function;
   Precision precision;
@@ -38,7 +38,7 @@ void BootRom::float_start(Context& c) {
   const auto index = static_cast<std::size_t>(who.function);
   std::uint32_t cycles = who.precision == Precision::float32 ? timing_.float_cycles[index]
                                                              : timing_.double_cycles[index];
-  // Whatever a program had in the divider is lost, and DIRTY is set from here to the end.
+  // The program's values in the divider are lost, and DIRTY is set from here to the end.
   if (soft_float::uses_divider(who.function)) {
     c.store(divider, registers[0]);
     c.store(divisor, registers[1]);

@@ -6,13 +6,13 @@
 
 namespace lamplock::sim::chip {
 
-/// What a function or datum is looked up by.
+/// Key and address of a function or datum in the tables.
 struct BootRom::Entry {
   char first, second;
   std::uint32_t address;
 };
 
-/// Lays Thumb code and tables down.
+/// Writes Thumb code and tables.
 class BootRom::Assembler {
  public:
   explicit Assembler(std::span<std::uint8_t> memory, std::uint32_t at) : memory_(memory), at_(at) {}
@@ -57,7 +57,7 @@ class BootRom::Assembler {
     half(pop);
     return at;
   }
-  /// Codes and addresses, as lookup() wants them.
+  /// Codes and addresses, in the form that lookup() reads.
   std::uint32_t table(const std::vector<Entry>& entries) {
     const std::uint32_t at = at_;
     for (const Entry& entry : entries) {
@@ -83,7 +83,7 @@ struct BootRom::Shared {
 };
 
 void BootRom::build() {
-  // Nothing that is not ours may run: UDF everywhere.
+  // No other code may run: UDF everywhere.
   for (std::size_t i = 0; i < memory_.size(); i += 2) {
     memory_[i] = static_cast<std::uint8_t>(Trap::bad);
     memory_[i + 1] = 0xde;
@@ -137,7 +137,7 @@ BootRom::Shared BootRom::build_functions(Assembler& code, std::vector<Entry>& ta
   code.trap(Trap::reset_usb);
   dead_ = code.half(A::wfi);
   code.branch(dead_);
-  // For debuggers: calls what r7 points to and stops (2.8.3.1.4).
+  // For debuggers: calls the function at r7 and stops (2.8.3.1.4).
   listed("DT", code.half(A::blx_r7));
   listed("DE", code.half(A::breakpoint));
   return shared;
@@ -175,7 +175,7 @@ std::vector<BootRom::Entry> BootRom::build_data(Assembler& code) {
       version_ == 1 ? 0 : build_float(code, soft_float::Precision::float64);
   code.align(4);
   const std::uint32_t revision = code.here();
-  code.word(0x1a30'0001);  // of this model, not of any real ROM
+  code.word(0x1a30'0001);  // of this model, not of a real ROM
   const std::uint32_t copyright = code.here();
   constexpr char text[] = "lamplock model of the RP2040 boot ROM";
   static_assert(sizeof text % 2 == 0);
@@ -203,7 +203,7 @@ std::uint32_t BootRom::build_float(Assembler& code, soft_float::Precision precis
     if (function == Function::compare_fast_flags) code.half(A::compare_r0_0);
     code.half(A::bx_lr);
   }
-  // The byte two before the table is its size in words: pico-sdk looks at it.
+  // The byte two before the table is its size in words: pico-sdk reads it.
   code.align(4);
   code.half(0);
   code.half(count);

@@ -33,7 +33,7 @@ constexpr std::uint32_t scs_vtor = 0xe000'ed08, nvic_enable = 0xe000'e100, usb_i
 
 constexpr std::uint32_t flash_page = 256, flash_sector = 4096, flash_block = 1u << 16,
                         block_erase = 0xd8;     ///< 64 KiB
-constexpr std::uint32_t interrupt_cycles = 80;  ///< beside its accesses; assumed
+constexpr std::uint32_t interrupt_cycles = 80;  ///< in addition to its accesses; assumed
 
 }  // namespace
 
@@ -43,7 +43,7 @@ void BootRom::enter_boot_loader(Context& c) {
   c.set(8, c.reg(0));
   c.set(10, c.reg(1));
   if ((c.reg(1) & UsbLoader::no_mass_storage) == 0 && not_modelled_)
-    not_modelled_("ROM USB boot loader: mass storage (UF2) is left out, PICOBOOT only");
+    not_modelled_("ROM USB boot loader: mass storage (UF2) is not modelled, PICOBOOT only");
   c.store(xosc, xosc_range);
   c.store(xosc_startup, xosc_millisecond);
   c.store(xosc + set_alias, xosc_enable);
@@ -83,7 +83,7 @@ void BootRom::loader_pll(Context& c) {
 void BootRom::loader_ready(Context& c) {
   const std::uint32_t activity = c.reg(8);
   if (std::has_single_bit(activity) && activity < 1u << 30) {
-    // Low until mass storage works, which it does not here.
+    // Low until mass storage is active, which it never is here.
     const auto pin = static_cast<std::uint32_t>(std::countr_zero(activity));
     c.store(gpio_out_clear, activity);
     c.store(gpio_enable_set, activity);
@@ -98,7 +98,8 @@ void BootRom::loader_ready(Context& c) {
 }
 
 void BootRom::loader_task(Context& c) {
-  // Interrupts are masked. Nothing to do: WFI follows; else behind the loop's three instructions.
+  // Interrupts are masked. Nothing to do: WFI follows; otherwise continue after the loop's three
+  // instructions.
   constexpr std::uint32_t to_call = 3;
   c.spend(4);
   const std::optional<picoboot::Call> call = loader_.take_call();
@@ -130,7 +131,7 @@ void BootRom::page_read(Context& c) {
 void BootRom::run_loader(Trap trap, Context& c) {
   LoaderView view(c);
   switch (trap) {
-    case Trap::loader_scratch:  // what reset_to_usb_boot was given
+    case Trap::loader_scratch:  // the arguments of reset_to_usb_boot
       c.set(0, c.load(watchdog_scratch0));
       c.set(1, c.load(watchdog_scratch0 + 4));
       break;
@@ -145,7 +146,7 @@ void BootRom::run_loader(Trap trap, Context& c) {
       loader_.interrupt(view);
       c.spend(interrupt_cycles);
       break;
-    // The loader's functions take fewer arguments than those that everybody may call.
+    // The loader's functions take fewer arguments than the public ones.
     case Trap::range_arguments:
       c.set(2, flash_block);
       c.set(3, block_erase);

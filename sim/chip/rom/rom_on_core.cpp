@@ -7,7 +7,7 @@ namespace {
 constexpr std::uint32_t vtor_register = 0xe000'ed08, scr_register = 0xe000'ed10;
 constexpr std::uint32_t private_space = 0xe000'0000;
 
-/// A core as the ROM wants it.
+/// A core with the interface that the ROM needs.
 class CoreView final : public RomCore {
  public:
   CoreView(Core& core, Bus& bus) : core_(core), bus_(bus) {}
@@ -34,7 +34,7 @@ Core::Native call(BootRom& rom, Core& core, Bus& bus, std::uint32_t address) {
   core.set_reg(15, address);
   CoreView view(core, bus);
   const BootRom::Step step = rom.step(view, core.cycle());
-  // The undefined instruction at the ROM's end is a HardFault, as the failed access is.
+  // The undefined instruction at the ROM's end raises a HardFault, as the failed access does.
   if (step.fault) core.set_reg(15, BootRom::fault_address);
   return {step.cycles, core.reg(15) == address ? Core::Then::again : Core::Then::jumped};
 }

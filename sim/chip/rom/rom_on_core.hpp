@@ -1,12 +1,12 @@
-// Puts the boot ROM into a core: its traps become the core's native addresses.
+// Connects the boot ROM to a core: its traps become the core's native addresses.
 //
-// In:  calls of the core at the traps. Out: registers, cycles, where to go on.
+// In:  calls of the core at the traps. Out: registers, cycles, where to continue.
 #pragma once
 
 #include <cstdint>
 
-#include "sim/chip/bus.hpp"
 #include "sim/chip/cpu/core.hpp"
+#include "sim/chip/fabric/bus.hpp"
 #include "sim/chip/rom/boot_rom.hpp"
 
 namespace lamplock::sim::chip {

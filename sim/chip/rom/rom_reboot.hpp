@@ -1,7 +1,7 @@
 // How the boot ROM resets its own chip: by the watchdog, with or without a boot vector (RP2040
 // datasheet, 2.8.1.1).
 //
-// In:  where to go on. Out: stores to the watchdog, PSM and CLOCKS.
+// In:  where to continue. Out: stores to the watchdog, PSM and CLOCKS.
 // Who: reset_to_usb_boot, PICOBOOT REBOOT; the ROM's start reads the vector.
 #pragma once
 
@@ -15,9 +15,9 @@ namespace lamplock::sim::chip::rom {
 inline constexpr std::uint32_t boot_vector = 0x4005'801c;
 inline constexpr std::uint32_t boot_magic = 0xb007'c0d3;
 
-/// Sets the watchdog off. `entry` 0: the ordinary start. The real ROM loads 1000 counts a
-/// millisecond in all its versions (published source), of which erratum RP2040-E1 takes two a
-/// microsecond: the reset comes after half the time asked for.
+/// Starts the watchdog. `entry` 0: the ordinary start. The real ROM loads 1000 counts a millisecond
+/// in all its versions (published source), of which erratum RP2040-E1 takes two a microsecond: the
+/// reset comes after half the time requested.
 void reboot(LoaderBus& bus, std::uint32_t entry, std::uint32_t stack, std::uint32_t milliseconds);
 
 }  // namespace lamplock::sim::chip::rom

@@ -1,4 +1,4 @@
-// The start of the chip by the ROM (RP2040 datasheet, 2.8.1, 2.8.2), and the way into the boot
+// The start of the chip by the ROM (RP2040 datasheet, 2.8.1, 2.8.2), and the entry into the boot
 // loader.
 #include "sim/chip/rom/rom_context.hpp"
 
@@ -38,7 +38,7 @@ constexpr std::uint32_t fifo_valid = 1, fifo_ready = 2;
 }  // namespace
 
 void BootRom::boot_main(Context& c) {
-  // Blocks the ROM starts afresh, and a majority of nine looks at the BOOTSEL button.
+  // Blocks that the ROM resets; the BOOTSEL button is read nine times, the majority counts.
   c.store(resets + set_alias, reset_io_qspi | reset_pads_qspi | reset_timer);
   c.store(resets + clear_alias, reset_io_qspi | reset_pads_qspi | reset_timer);
   c.spend(1200 + 9 * 15);
@@ -74,8 +74,8 @@ void BootRom::boot_start(Context& c) {
   state_ = RomState::booting;
   c.store(clocks + 0xa0, 0xffff'ffff);  // WAKE_EN0, WAKE_EN1
   c.store(clocks + 0xa4, 0xffff'ffff);
-  // No NMI for either core. The real ROM stores even where SYSCFG is still held in reset: lost, and
-  // not the image's doing, so that it is left out here.
+  // No NMI for either core. The real ROM stores even where SYSCFG is still held in reset: such a
+  // store is lost and not the image's fault, so it is omitted here.
   if ((c.load(resets) & reset_syscfg) == 0) {
     c.store(syscfg, 0);
     c.store(syscfg + 4, 0);
@@ -95,7 +95,7 @@ void BootRom::boot_start(Context& c) {
   }
   c.store(boot_vector, 0);
   c.set(sp, scratch[2] & ~3u);
-  c.set(lr, main_ | 1u);  // whoever returns gets the ordinary start
+  c.set(lr, main_ | 1u);  // a return leads to the ordinary start
   c.set(pc, scratch[3] & ~1u);
   state_ = RomState::running;
 }
@@ -188,7 +188,7 @@ void BootRom::wait_for_vector(Context& c) {
 void BootRom::boot_enter(Context& c) {
   state_ = RomState::running;
   c.set(0, boot2_address + 1);
-  c.set(lr, 0);  // boot2 is to find the way by itself
+  c.set(lr, 0);  // boot2 must find its target by itself
   c.set(pc, boot2_address);
   c.spend(5);
 }

@@ -100,7 +100,7 @@ Integer to_fixed(Real value, std::int32_t places) {
 
 template <class Real, class Integer>
 Real from_fixed(Integer value, std::int32_t places) {
-  // The integer is rounded once; scaling is exact unless the result is no normal number.
+  // The integer is rounded once; scaling is exact unless the result is not a normal number.
   return std::ldexp(static_cast<Real>(value), -std::clamp(places, -10'000, 10'000));
 }
 
@@ -160,7 +160,7 @@ std::uint32_t comparison(Real a, Real b) {
   return static_cast<std::uint32_t>(a < b ? -1 : a > b ? 1 : 0);
 }
 
-/// By way of double: the host's functions are then rounded correctly but in very rare cases.
+/// Uses double: the host's functions are then rounded correctly except in very rare cases.
 template <class Real, class Operation>
 Real scientific(Operation operation, Real a) {
   return static_cast<Real>(operation(static_cast<double>(a)));

@@ -1,7 +1,7 @@
 // The floating-point library of the boot ROM (RP2040 datasheet, 2.8.3.2), computed by the host.
 //
-// In:  a function of the tables 'SF' or 'SD' and what the core has in r0..r3.
-// Out: what the function leaves in r0..r3.
+// In:  a function of the tables 'SF' or 'SD' and the core's r0..r3.
+// Out: r0..r3 after the function.
 // Who: BootRom, when a core calls through one of the tables; tests.
 //
 // Documented (2.8.3.2.1): denormals are zero on the way in and out, NaNs are infinities on the way
@@ -10,12 +10,12 @@
 // zeros of the result. Conversions to integers round towards minus infinity and clamp. Logarithms
 // of what is not positive are minus infinity. Sine, cosine and tangent work for |x| < 128
 // (double: 1024).
-// Assumed: the sign of an infinity that stands for a NaN (that of a product or quotient; of the
-// first operand in sums); square roots of negative numbers are minus infinity and that of minus
-// zero is itself, as the SDK's wrappers have it; results are rounded as denormals before they
-// become zero; scientific functions give what the host's library gives, which may be one unit in
-// the last place off the chip's; version 1 converts minus zero to the integer -1 (wrappers avoid
-// it); the deprecated comparisons of version 1 are the later one.
+// Assumed: the sign of an infinity that replaces a NaN (that of a product or quotient; of the first
+// operand in sums); square roots of negative numbers are minus infinity and that of minus zero is
+// itself, as in the SDK's wrappers; results are rounded as denormals before they become zero;
+// scientific functions are those of the host's library, which may differ from the chip's by one
+// unit in the last place; version 1 converts minus zero to the integer -1 (wrappers avoid it); the
+// deprecated comparisons of version 1 are the later one.
 #pragma once
 
 #include <array>
@@ -65,12 +65,12 @@ enum class Precision : std::uint8_t { float32, float64 };
 
 using Registers = std::array<std::uint32_t, 4>;
 
-/// What a function does to r0..r3. Those it does not return stay as they were; on the chip they are
-/// lost. `version` of the ROM: 1 to 3.
+/// Effect of a function on r0..r3. Registers that it does not return keep their values; on the chip
+/// they are lost. `version` of the ROM: 1 to 3.
 Registers call(Function function, Precision precision, Registers registers, unsigned version = 3);
-/// The argument is outside the range in which sine, cosine and tangent work.
+/// True if the argument is outside the range in which sine, cosine and tangent work.
 bool out_of_range(Function function, Precision precision, const Registers& registers);
-/// The function uses the integer divider of its core (pico-sdk saves that around these).
+/// True if the function uses the integer divider of its core (pico-sdk saves that around these).
 constexpr bool uses_divider(Function function) {
   return function == Function::divide || function == Function::tangent;
 }

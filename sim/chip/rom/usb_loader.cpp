@@ -28,7 +28,7 @@ constexpr std::uint32_t packet_size = 64;
 constexpr std::uint32_t buffer_control_of(std::uint32_t index) {
   return dp::buffer_control + 4 * index;
 }
-/// There is none for endpoint 0.
+/// Endpoint 0 has none.
 constexpr std::uint32_t endpoint_control_of(std::uint32_t index) {
   return dp::ep_control + 4 * (index - 2);
 }
@@ -88,7 +88,7 @@ void UsbLoader::put(std::uint32_t at, std::span<const std::uint8_t> bytes) {
   }
 }
 
-/// Fields first, AVAILABLE later, as the datasheet has it (4.1.2.5.1).
+/// Fields first, AVAILABLE later, as the datasheet requires (4.1.2.5.1).
 void UsbLoader::arm(std::uint32_t index, std::uint32_t fields) {
   const std::uint32_t at = dpram + buffer_control_of(index);
   bus_->store(at, fields, Width::word);
@@ -119,7 +119,7 @@ void UsbLoader::interrupt(LoaderBus& bus) {
     set_reg(reg_at::sie_status, usb::sie_status::bus_reset);
     bus_reset();
   }
-  // Buffers before the setup packet: they belong to the transfer before it.
+  // Buffers before the setup packet: they belong to the earlier transfer.
   if ((status & irq::buff_status) != 0) {
     const std::uint32_t done = reg(reg_at::buff_status);
     set_reg(reg_at::buff_status, done);
@@ -212,14 +212,15 @@ void UsbLoader::setup() {
   bus_->store(dpram + buffer_control_of(control_out), bc::stall, Width::word);
 }
 
-/// An answer, with at most `length` bytes; an empty one is the status of a transfer to the device.
+/// Sends an answer of at most `length` bytes; an empty one is the status of a transfer to the
+/// device.
 void UsbLoader::answer(std::span<const std::uint8_t> data, std::size_t length) {
   control_data_.assign(data.begin(),
                        data.begin() + static_cast<std::ptrdiff_t>(std::min(data.size(), length)));
   control_sent_ = 0;
   control_data1_ = true;
   control_in_ = length != 0;
-  // Less than was asked for ends with a short packet.
+  // An answer shorter than requested ends with a short packet.
   short_end_ = !control_data_.empty() && control_data_.size() < length &&
                control_data_.size() % packet_size == 0;
   send_control();
@@ -340,7 +341,7 @@ bool UsbLoader::interface_request(const Setup& packet, std::size_t length) {
     return true;
   }
   if (in || packet[1] != interface_reset || length != 0) return false;
-  // Halts are cleared; the sequence of DATA0 and DATA1 goes on.
+  // Halts are cleared; the sequence of DATA0 and DATA1 continues.
   halted_in_ = halted_out_ = taking_ = false;
   bus_->store(dpram + buffer_control_of(bulk_in), 0, Width::word);
   bus_->store(dpram + buffer_control_of(bulk_out), 0, Width::word);
@@ -374,7 +375,7 @@ bool UsbLoader::endpoint_request(const Setup& packet, std::size_t length) {
       answer({}, 0);
       return true;
     case clear_feature: {
-      // USB 2.0, 9.4.5: begins again with DATA0, halted or not.
+      // USB 2.0, 9.4.5: starts again with DATA0, halted or not.
       (in ? in_data1_ : out_data1_) = false;
       const bool was_halted = std::exchange(halted, false);
       if (was_halted || (!in && taking_)) {

@@ -1,7 +1,7 @@
 // The USB side of the boot ROM's loader (RP2040 datasheet, 2.8.4, 2.8.5): a device 2E8A:0003 with
 // the PICOBOOT interface.
 //
-// In:  interrupts of the USB controller; what became of flash functions.
+// In:  interrupts of the USB controller; results of flash functions.
 // Out: stores to the controller's registers and DPRAM, as a driver makes them; flash functions to
 //      be called.
 // Who: BootRom, on core 0.
@@ -29,7 +29,7 @@ class UsbLoader final : private picoboot::Pipes {
   static constexpr std::uint8_t out_endpoint = 3, in_endpoint = 4;
   /// Bits of the interface mask of reset_to_usb_boot (2.8.3.1.4).
   static constexpr std::uint32_t no_mass_storage = 1, no_picoboot = 2;
-  /// A page of flash; in the DPRAM, so that all of SRAM is the host's.
+  /// A page of flash; in the DPRAM, so that the host can use all of SRAM.
   static constexpr std::uint32_t page_buffer = 0x5010'0600;
   static constexpr std::uint32_t stack_top = 0x5010'1000;
 

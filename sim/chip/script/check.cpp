@@ -10,9 +10,9 @@ namespace {
 
 using State = Verdict::State;
 
-/// Windows are looked at this often, so that their edges need not all be kept.
+/// Interval of looks in a window, so that its edges need not all be kept.
 constexpr Picoseconds window_interval = ps_per_ms;
-/// Of what a port has said, so much is shown.
+/// Maximum number of a port's bytes that are shown.
 constexpr std::size_t shown_bytes = 60;
 
 Cycle later(const TimeWheel& wheel, Cycle now, Picoseconds interval) {
@@ -54,7 +54,7 @@ std::string printable(std::string_view bytes) {
   return text + '"';
 }
 
-/// Something has to happen within a time.
+/// An event must come within a time.
 class WithinCheck : public Check {
  public:
   WithinCheck(const Scene& scene, const Moment& start, Span limit)
@@ -198,10 +198,10 @@ class ReactionCheck final : public Check {
   Scene scene_;
   Cycle from_;
   std::size_t next_ = 0;         ///< edge of the cause's pin
-  std::optional<Moment> cause_;  ///< the one that is judged now
+  std::optional<Moment> cause_;  ///< the cause being judged
 };
 
-/// Something is counted over a time.
+/// Events are counted over a time.
 class WindowCheck : public Check {
  public:
   WindowCheck(unsigned gpio, const Scene& scene, const Moment& start, Span window)

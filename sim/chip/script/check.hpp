@@ -2,7 +2,7 @@
 //
 // In:  the edges of pads and the bytes of ports so far, up to the present cycle.
 // Out: open, met (and when), or not met (and what was seen instead).
-// Who: the runner, which asks at due() and makes sure that everything up to then is known.
+// Who: the runner, which calls look() at due() after everything up to then is known.
 #pragma once
 
 #include <memory>
@@ -13,12 +13,12 @@
 
 namespace lamplock::sim::chip::script {
 
-/// An edge may be found this much later than it happens, simulated time: a script looks no oftener.
+/// Maximum delay in simulated time until an edge is found: the interval of a script's looks.
 inline constexpr Picoseconds look_interval = ps_per_us;
-/// At the end of a window one waits for the instruction in progress to finish its access.
+/// Wait at the end of a window for the instruction in progress to finish its access.
 inline constexpr Cycle settle_cycles = 16;
 
-/// What came of it so far.
+/// Result so far.
 struct Verdict {
   enum class State : std::uint8_t { open, met, failed };
   State state = State::open;
@@ -26,7 +26,7 @@ struct Verdict {
   std::string seen;  ///< failed: what was seen
 };
 
-/// What checks look at.
+/// State that checks read.
 struct Scene {
   const Chip& chip;
   PadLog& pads;
@@ -37,17 +37,17 @@ struct Scene {
 class Check {
  public:
   virtual ~Check() = default;
-  /// Everything that happened before cycle `now` is known.
+  /// Checks with everything before cycle `now` known.
   virtual Verdict look(Cycle now) = 0;
-  /// When to look next, later than `now`.
+  /// Cycle of the next look, later than `now`.
   virtual Cycle due(Cycle now) const = 0;
   /// Edges before this cycle are not needed any more.
   virtual Cycle needs_from() const = 0;
 };
 
-/// The check for an expectation that begins at `start`; none for a step that expects nothing.
+/// The check for an expectation that begins at `start`; null for a step without an expectation.
 std::unique_ptr<Check> make_check(const Action& action, const Scene& scene, const Moment& start);
-/// The pads whose edges an action looks at.
+/// The pads whose edges an action uses.
 std::uint32_t pins_of(const Action& action);
 
 }  // namespace lamplock::sim::chip::script

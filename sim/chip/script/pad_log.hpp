@@ -1,6 +1,6 @@
-// The edges of some pads, as far back as somebody still needs them.
+// The edges of some pads, as far back as the script's expectations need them.
 //
-// In:  the pads. Out: edges in order, each with a number that stays.
+// In:  the pads. Out: edges in order, each with a permanent number.
 // Who: the expectations of a script.
 #pragma once
 
@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "sim/chip/chip.hpp"
-#include "sim/chip/script/moment.hpp"
+#include "sim/chip/script/script_time.hpp"
 
 namespace lamplock::sim::chip::script {
 
@@ -31,7 +31,8 @@ class PadLog final : private PadListener {
   PadLog(const PadLog&) = delete;
   PadLog& operator=(const PadLog&) = delete;
 
-  /// Edges are numbered from 0 on; those before begin() are forgotten, end() has not happened yet.
+  /// Edges are numbered from 0; those before begin() have been dropped, end() is the next to
+  /// happen.
   std::size_t begin(unsigned gpio) const { return pads_[gpio].dropped; }
   std::size_t end(unsigned gpio) const { return pads_[gpio].dropped + pads_[gpio].edges.size(); }
   const PadEdge& edge(unsigned gpio, std::size_t number) const {
@@ -39,17 +40,17 @@ class PadLog final : private PadListener {
   }
   /// The first edge later than a cycle.
   std::size_t first_after(unsigned gpio, Cycle cycle) const;
-  /// The last edge of this kind up to and including a cycle, of those that are kept and the last
-  /// one before of each kind.
+  /// The last edge of this kind up to and including a cycle, among those kept and the last dropped
+  /// edge of each kind.
   std::optional<PadEdge> last(PinEdge of, Cycle cycle) const;
   /// Level before the edge with this number (which may be the next one to happen).
   bool level_before(unsigned gpio, std::size_t number) const {
     return number < end(gpio) ? !edge(gpio, number).level : pads_[gpio].level;
   }
-  /// Nobody will ask for edges before this cycle one by one. Of each pad a million edges are kept
-  /// at most, whoever may ask.
+  /// Drops edges before this cycle; they are not needed one by one any more. In any case at most a
+  /// million edges of each pad are kept.
   void forget_before(Cycle cycle);
-  /// Edges after this cycle are not kept any more.
+  /// True if edges after this cycle have been dropped.
   bool forgotten_after(unsigned gpio, Cycle cycle) const;
 
  private:

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "sim/chip/analog/adc.hpp"
-#include "sim/chip/script/moment.hpp"
+#include "sim/chip/script/script_time.hpp"
 
 namespace lamplock::sim::chip::script {
 namespace {
@@ -88,21 +88,21 @@ class Line {
 
   bool done() const { return rest_.empty(); }
   std::string_view rest() const { return rest_; }
-  /// What has been read since `begin`, which rest() was then.
+  /// The text read since `begin`, which was rest() at that time.
   std::string since(std::string_view begin) const { return {begin.data(), read_to_}; }
   [[noreturn]] void refuse(const std::string& what, const std::string& possible) const {
     fail(where_, what, possible);
   }
 
-  /// The next word; `possible` says what may stand there.
+  /// The next word; `possible` names the valid ones.
   std::string_view word(const std::string& possible) {
     if (done()) refuse("the line ends too early", possible);
     const std::string_view word = next_word();
-    if (word.empty()) refuse("a text has no place here", possible);
+    if (word.empty()) refuse("a text is not expected here", possible);
     take(word.size());
     return word;
   }
-  /// The next word is this one, or else it is none of ours.
+  /// True if the next word is this one; otherwise it is not taken.
   bool accept(std::string_view wanted) {
     if (next_word() != wanted) return false;
     take(wanted.size());
@@ -114,7 +114,7 @@ class Line {
              "write '" + std::string(wanted) + "' there");
   }
   std::string unexpected() const {
-    return quoted(rest_.substr(0, rest_.find_first_of(blanks))) + " has no place here";
+    return quoted(rest_.substr(0, rest_.find_first_of(blanks))) + " is not expected here";
   }
   void end() const {
     if (!done()) refuse(unexpected(), "the statement is complete before it");
@@ -237,7 +237,7 @@ class Line {
       default:
         break;
     }
-    refuse("a backslash is followed by something unknown", possible);
+    refuse("a backslash is followed by an unknown character", possible);
   }
   /// Up to a blank, a comment or a text; empty at one of them.
   std::string_view next_word() const { return rest_.substr(0, rest_.find_first_of(" \t\r#\"")); }
@@ -284,7 +284,7 @@ Pulse pulse(Line& line) {
   return result;
 }
 
-/// Two numbers with ".." between them; the same one twice if it stands alone.
+/// Two numbers with ".." between them; a single number is returned twice.
 std::pair<std::string_view, std::string_view> range(std::string_view word) {
   const std::size_t dots = word.find("..");
   if (dots == std::string_view::npos) return {word, word};
@@ -328,8 +328,7 @@ Action edge_within(Line& line, PinEdge edge) {
   if (!from || !to || from->cycles != to->cycles || from->amount > to->amount)
     line.refuse(quoted(word) + " is not a time, nor a range of times", possible);
   if (line.done()) {
-    if (is_range)
-      line.refuse("a range of times says nothing alone", "write 'of gpio8 rise' after it");
+    if (is_range) line.refuse("a range of times needs a cause", "write 'of gpio8 rise' after it");
     return ExpectEdge{edge, *to};
   }
   line.keyword("of");
@@ -398,7 +397,7 @@ Action setting(Line& line) {
   const unsigned gpio = line.gpio();
   if (const std::optional<double> volts = line.accept_volts()) {
     if (gpio < first_adc_gpio || gpio >= first_adc_gpio + Adc::pin_inputs)
-      line.refuse("gpio" + std::to_string(gpio) + " is no input of the ADC",
+      line.refuse("gpio" + std::to_string(gpio) + " is not an input of the ADC",
                   "give a voltage to one of gpio26 to gpio29");
     return SetVoltage{gpio - first_adc_gpio, *volts};
   }
@@ -411,7 +410,7 @@ Join wire(Line& line) {
   return {one, other};
 }
 
-/// Everything but the words that move time.
+/// All statements except at and after.
 Action statement(Line& line, std::string_view word) {
   if (word == "set") return setting(line);
   if (word == "release") return SetPin{line.gpio(), External::floating};
@@ -441,7 +440,7 @@ void parse_line(Line line, int number, Script& script) {
     if (meanwhile) {
       static const std::string possible = "write expect after meanwhile";
       word = line.word(possible);
-      if (word != "expect") line.refuse("only expectations run beside the script", possible);
+      if (word != "expect") line.refuse("only an expectation can follow meanwhile", possible);
     }
     const std::string_view begin = line.rest();
     Action action = statement(line, word);

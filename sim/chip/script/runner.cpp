@@ -30,7 +30,7 @@ Runner::Runner(Chip& chip, SerialPorts& ports, Script script)
   wheel_.set(slot_, wheel_.now());
 }
 
-// Everything up to the present is made known first: the blocks that run behind, the USB host.
+// First bring everything up to the present: the blocks that are updated in batches, the USB host.
 void Runner::run(Cycle /*to*/) {
   if (done_) return;
   const Cycle now = wheel_.now();
@@ -57,7 +57,7 @@ Cycle Runner::due(Cycle now) const {
   return std::max(due, now + 1);
 }
 
-/// One step further; false: time has to pass first, or the script is done.
+/// Makes one step; false: time has to pass first, or the script is done.
 bool Runner::advance(Cycle now) {
   if (open_.check) return look(open_, now);
   if (way_) return arrive(now);
@@ -86,12 +86,12 @@ bool Runner::finish_sending(Cycle now) {
   return true;
 }
 
-/// An action whose time has passed takes place now, and its time is now.
+/// An action that is late takes place now, and the script's time becomes now.
 void Runner::act_now(Cycle now) {
   if (now > time_.cycle) time_ = moment_of(wheel_, now);
 }
 
-/// What each kind of step begins.
+/// Starts each kind of step.
 struct Runner::Actor {
   Runner& runner;
   std::size_t step;
@@ -204,11 +204,11 @@ Failure Runner::standing(Picoseconds now) const {
                            : next_ > 0                                 ? next_ - 1
                                                                        : 0;
   if (script_.empty()) return {};
-  return {script_[step].line, script_[step].text, "not over yet", now};
+  return {script_[step].line, script_[step].text, "not complete yet", now};
 }
 
-/// Edges that nobody will ask for: those before the script's time, before the last cause that a
-/// reaction may be expected of, and before what open checks have seen.
+/// Drops edges that are not needed any more: those before the script's time, before the last cause
+/// that a reaction may be expected of, and before what open checks have seen.
 void Runner::forget() {
   Cycle needed = time_.cycle;
   if (open_.check) needed = open_.check->needs_from();

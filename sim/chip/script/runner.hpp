@@ -1,11 +1,12 @@
-// Carries a script out on a chip: sets pins at their cycle, sends texts, holds expectations against
-// what the pads and the ports do.
+// Runs a script on a chip: sets pins at their cycle, sends texts, compares pads and ports with the
+// expectations.
 //
 // In:  a script, a chip, its serial ports. Out: passed, failed (where, what, when), or not done
-// yet. Who: whoever runs the chip; the runner is a part of its wheel and acts by itself.
+//      yet.
+// Who: the owner of the chip; the runner is a part of its wheel and acts by itself.
 //
-// The script has a time of its own: that of its last step or of the edge that ended a wait. It is
-// exact even where the runner finds an edge later (check.hpp), so that `after` counts from the edge
+// The script has its own time: that of its last step or of the edge that ended a wait. It is exact
+// even where the runner finds an edge later (check.hpp), so that `after` counts from the edge
 // itself; an action whose time has passed then takes place at once.
 #pragma once
 
@@ -28,15 +29,15 @@ struct Failure {
 /// One script on one chip; must live as long as the chip runs.
 class Runner final : private Timed {
  public:
-  /// To be made before the chip runs; begins at time 0, or now.
+  /// Must be made before the chip runs; begins at time 0, or now.
   Runner(Chip& chip, SerialPorts& ports, Script script);
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;
 
-  /// Passed or failed; nothing happens any more.
+  /// True if passed or failed; nothing more happens.
   bool done() const { return done_; }
   const std::optional<Failure>& failure() const { return failure_; }
-  /// The step that a script that is not done is at, as a failure at the time `now`.
+  /// The present step of a script that is not done, as a failure at the time `now`.
   Failure standing(Picoseconds now) const;
   /// The script allows faults of this kind.
   bool allows(FaultKind kind) const;
@@ -47,7 +48,7 @@ class Runner final : private Timed {
     std::size_t step = 0;
     std::unique_ptr<Check> check;
   };
-  /// Where the script's time goes next.
+  /// Next change of the script's time.
   struct Way {
     Moment from;
     Span span;
@@ -91,7 +92,7 @@ class Runner final : private Timed {
   std::optional<Port> sending_;
   Open open_;
 
-  std::vector<Open> beside_;  ///< what it does not wait for
+  std::vector<Open> beside_;  ///< expectations that it does not wait for
   std::array<std::optional<Train>, gpio_count> trains_{};
   bool done_ = false;
   std::optional<Failure> failure_;

@@ -1,4 +1,4 @@
-// What a script for the chip says: a list of steps, one after the other.
+// A script for the chip: a list of steps, one after the other.
 //
 // In:  the parser's reading of a text (docs/chip-script.md has the grammar).
 // Out: plain data. Who: made by the parser, carried out by the runner.
@@ -11,7 +11,7 @@
 
 #include "sim/chip/cpu/fault.hpp"
 #include "sim/chip/gpio/gpio.hpp"
-#include "sim/time.hpp"
+#include "sim/world/time.hpp"
 
 namespace lamplock::sim::chip::script {
 
@@ -23,21 +23,21 @@ struct Span {
 
 enum class EdgeKind : std::uint8_t { rise, fall, any };
 
-/// Edges of a pin that somebody looks for.
+/// Edges of a pin that a step looks for.
 struct PinEdge {
   unsigned gpio = 0;
   EdgeKind kind = EdgeKind::any;
 };
 
-/// Where bytes go in and out.
+/// A serial port of the chip.
 enum class Port : std::uint8_t { usb, uart0, uart1 };
 inline constexpr std::size_t port_count = 3;
 
-/// The script's time is this, since power-up.
+/// Sets the script's time, counted from power-up.
 struct At {
   Picoseconds time = 0;
 };
-/// The script's time moves on.
+/// Advances the script's time.
 struct After {
   Span span;
 };
@@ -45,11 +45,11 @@ struct SetPin {
   unsigned gpio = 0;
   External level = External::floating;
 };
-/// A wire between two pins, for good.
+/// A permanent wire between two pins.
 struct Join {
   unsigned one = 0, other = 0;
 };
-/// Of the converter, from now on.
+/// Voltage at the converter from now on.
 struct SetVoltage {
   unsigned input = 0;  ///< at GPIO 26 + this
   double volts = 0;
@@ -57,7 +57,7 @@ struct SetVoltage {
 struct SetTemperature {
   double celsius = 0;
 };
-/// Pulses to `level` beside the script, from now on.
+/// Pulses to `level` from now on, while the script continues.
 struct Pulse {
   unsigned gpio = 0;
   bool level = true;
@@ -81,7 +81,7 @@ struct ExpectEdge {
   PinEdge edge;
   Span limit;
 };
-/// After each of `times` causes the first edge comes neither too early nor too late.
+/// After each of `times` causes the first edge must come neither too early nor too late.
 struct ExpectReaction {
   PinEdge edge;
   Span least, most;
@@ -102,7 +102,7 @@ struct ExpectLevel {
   unsigned gpio = 0;
   bool level = true;
 };
-/// Of rising edges, on average over the window.
+/// Frequency of rising edges, averaged over the window.
 struct ExpectFrequency {
   unsigned gpio = 0;
   double hz = 0;
@@ -122,8 +122,8 @@ using Action = std::variant<At, After, SetPin, Join, SetVoltage, SetTemperature,
 /// One step.
 struct Step {
   int line = 0;
-  std::string text;        ///< as written, without the words before what is expected
-  bool meanwhile = false;  ///< beside what follows
+  std::string text;        ///< as written, without the words before the expectation
+  bool meanwhile = false;  ///< in parallel with the following steps
   Action action;
 };
 

@@ -5,7 +5,7 @@
 namespace lamplock::sim::chip::script {
 namespace {
 
-/// Of what nobody looks for or takes, so much is kept.
+/// Bytes kept of output that is neither searched nor taken.
 constexpr std::size_t most_kept = 1 << 20;
 
 std::size_t index_of(Port port) { return static_cast<std::size_t>(port); }

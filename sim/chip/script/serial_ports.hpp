@@ -1,10 +1,10 @@
 // The serial ports of a chip as a user sees them: UART0, UART1, and the CDC port on the USB.
 //
 // In:  bytes from the chip; bytes for it. Out: the same, each with its time.
-// Who: scripts, which look for texts; whoever shows a port to a terminal.
+// Who: scripts, which look for texts; programs that show a port on a terminal.
 //
-// Bytes of the UARTs come by themselves at the end of their frames. The USB host is asked by
-// poll(): the time of its bytes is that of the call.
+// Bytes of the UARTs arrive at the end of their frames. The USB host is polled by poll(): the time
+// of its bytes is that of the call.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 #include <string_view>
 
 #include "sim/chip/chip.hpp"
-#include "sim/chip/script/moment.hpp"
+#include "sim/chip/script/script_time.hpp"
 #include "sim/chip/usb_host/usb_host.hpp"
 
 namespace lamplock::sim::chip::script {
@@ -30,21 +30,21 @@ class SerialPorts {
 
   /// Exchanges bytes with the USB host; those from it are of cycle `now`.
   void poll(Cycle now);
-  /// The port is there: found on the USB.
+  /// The port is ready: for USB, enumerated.
   bool ready(Port port) const { return port != Port::usb || host_.enumerated(); }
-  /// Sends bytes, later ones after those before.
+  /// Sends bytes, after those of earlier calls.
   void send(Port port, std::string_view bytes);
   /// The USB host, or the line of the UART, has taken all bytes.
   bool sent(Port port) const { return port != Port::usb || to_host_.empty(); }
 
-  /// Looks for a text in what the port has said and that no earlier call has used up; uses up
-  /// everything to its end. Gives the time of its last byte.
+  /// Looks for a text in the port's output that no earlier call has used up; uses up everything to
+  /// its end. Returns the time of its last byte.
   std::optional<Moment> find(Port port, std::string_view text);
-  /// Bytes that the port has said since power-up.
+  /// Bytes that the port has sent since power-up.
   std::uint64_t count(Port port) const { return heard_[static_cast<std::size_t>(port)].count; }
-  /// What the port has said last, at most so many bytes, not used up by find().
+  /// The port's last output, at most so many bytes, not used up by find().
   std::string unused(Port port, std::size_t most) const;
-  /// What the port has said since the last take(), for a terminal.
+  /// The port's output since the last take(), for a terminal.
   std::string take(Port port);
 
  private:

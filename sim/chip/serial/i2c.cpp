@@ -121,10 +121,10 @@ constexpr std::uint32_t hold_transmit = 0xffff;  // IC_SDA_HOLD
 constexpr std::uint32_t shortest_high = 6, shortest_low = 8, shortest_spike = 1;
 constexpr std::uint32_t high_overhead = 7, low_overhead = 1;  // 4.3.14.1
 constexpr Cycle bits_of_byte = 9;
-// IC_SDA_HOLD: shorter ones are not implemented.
+// Minimum hold times: IC_SDA_HOLD cannot set shorter ones.
 constexpr Cycle shortest_master_hold = 1, shortest_slave_hold = 7;
 
-/// Not one of the gaps between the registers.
+/// False for the gaps between the registers.
 constexpr bool is_register(std::uint32_t offset) {
   return offset <= offset_sar || (offset >= offset_data_cmd && offset <= offset_fs_low) ||
          (offset >= offset_intr_stat && offset <= offset_spklen) ||
@@ -229,7 +229,7 @@ void I2c::run(Cycle) {
 
 // --- pins
 
-/// Devices are behind the pins and nowhere else.
+/// True if devices are on the pins only.
 bool I2c::wired() const {
   return devices_.empty() && pins_.connected(scl()) && pins_.connected(sda());
 }
@@ -298,7 +298,7 @@ void I2c::shape_wires(Phase phase, Cycle at) {
   put_wires(at);
 }
 
-/// Open drain: a low is driven, a high is let go. A slave has no wires of a master.
+/// Open drain: a low is driven, a high is released. A slave does not drive as a master.
 void I2c::put_wires(Cycle at) {
   const Cycle elapsed = std::max(at, wires_since_) - wires_since_;
   const I2cWires::Levels levels = wires_.at(elapsed);
@@ -310,21 +310,21 @@ void I2c::put_wires(Cycle at) {
   edge_at_ = seen && next != never_cycle ? wires_since_ + next : never_cycle;
 }
 
-/// An edge, or the end of a byte. SDA is taken before SCL falls.
+/// An edge, or the end of a byte. SDA is sampled before SCL falls.
 void I2c::step_wires(Cycle at) {
   const Cycle elapsed = at - wires_since_;
   if (wires_.takes_bit(elapsed)) {
     pins_.bring_sources_up_to(at);
     sampled_ = sampled_ << 1 | (pins_.input(sda()) ? 1u : 0u);
   }
-  if (due_ <= at) return;  // what comes next puts its own levels
+  if (due_ <= at) return;  // the next phase drives its own levels
   put_wires(at);
   if (!wired() || !wires_.releases_clock(elapsed) || pins_.input(scl())) return;
   stretched_since_ = at;
   edge_at_ = due_ = never_cycle;
 }
 
-/// A device lets SCL go: the high time begins then. Or the bus is free at last.
+/// A device releases SCL, which starts the high time, or the bus becomes free.
 void I2c::pins_changed(Cycle at) {
   if (stretched_since_ != never_cycle) {
     if (!pins_.input(scl())) return;
@@ -389,7 +389,7 @@ bool I2c::refused(std::uint32_t command) {
   }
   if ((target_ & tar_special) != 0) {
     if ((target_ & tar_start_byte) != 0)
-      not_modelled_(name_ + " IC_TAR: the START byte is left out");
+      not_modelled_(name_ + " IC_TAR: the START byte is not sent");
     else if (reads) {
       abort(abort_general_call_read);
       return true;
@@ -415,7 +415,7 @@ bool I2c::first_address_acknowledged() const {
   });
 }
 
-/// Looks for the device and tells it; false: nobody acknowledges.
+/// Finds the device and addresses it; false: no acknowledgement.
 bool I2c::address_device(Cycle at) {
   const bool ten_bits = targets_ten_bits();
   const std::uint32_t address =
@@ -476,7 +476,7 @@ void I2c::data_ended(Cycle at) {
   byte_done(at);
 }
 
-/// false: the receive FIFO is full, and the bus is to be held.
+/// False: the receive FIFO is full; the bus must be held.
 bool I2c::push_received(std::uint8_t byte) {
   if (!enabled()) return true;  // the FIFOs are held empty
   if (receive_.size() >= fifo_depth) {
@@ -525,7 +525,7 @@ void I2c::stop_ended(Cycle at) {
   enter(Phase::bus_free, at);
 }
 
-/// Both FIFOs are flushed and stay so until IC_CLR_TX_ABRT is read.
+/// Both FIFOs are flushed and stay empty until IC_CLR_TX_ABRT is read.
 void I2c::abort(std::uint32_t source) {
   const auto flushed = static_cast<std::uint32_t>(transmit_.size());
   abort_source_ |= source;
@@ -544,7 +544,7 @@ bool I2c::is_slave() const { return enabled() && !on(con_master) && !on(con_slav
 void I2c::begin_slave() {
   slave_cut_off_ = 0;
   if (on(con_master) && !on(con_slave_off))
-    not_modelled_(name_ + " IC_CON: master and slave at once; it is the master alone");
+    not_modelled_(name_ + " IC_CON: both master and slave are set; it works as master only");
   if (!is_slave()) return;
   const Cycle setup = std::max(setup_, 1u) - 1;  // IC_SDA_SETUP counts one more
   slave_.begin({slave_address_, on(con_slave_ten_bits), acknowledge_general_ != 0, slave_nack_ != 0,
@@ -552,7 +552,7 @@ void I2c::begin_slave() {
                line(scl()), line(sda()));
 }
 
-/// Disabled; a byte under way is not acknowledged.
+/// The slave is disabled; a byte under way is not acknowledged.
 void I2c::leave_slave() {
   if (!slave_.active()) return;
   slave_cut_off_ =
@@ -561,7 +561,7 @@ void I2c::leave_slave() {
   put_wires(wheel_.now());
 }
 
-/// A FIFO has something or has room: SCL may be let go.
+/// A FIFO has a byte or room: SCL may be released.
 void I2c::serve_slave() {
   if (!is_slave()) return;
   slave_.byte_ready(wheel_.now());
@@ -582,7 +582,7 @@ void I2c::addressed(bool for_reading, bool generally) {
   if (!for_reading) first_byte_ = true;
 }
 
-/// What is in the FIFO when the master begins to read is old and is flushed (4.3.10.1.2).
+/// Bytes in the FIFO when the master begins to read are old and are flushed (4.3.10.1.2).
 std::optional<std::uint8_t> I2c::byte_wanted(bool first) {
   if (!transmit_.empty() && first) {
     abort(abort_slave_flush);
@@ -596,7 +596,7 @@ std::optional<std::uint8_t> I2c::byte_wanted(bool first) {
   return std::nullopt;
 }
 
-/// Bytes that the master did not want are flushed (4.3.10.1.4).
+/// Bytes that the master did not read are flushed (4.3.10.1.4).
 void I2c::byte_refused() {
   raised_ |= irq_rx_done;
   if (!transmit_.empty()) abort(abort_slave_flush);
@@ -707,10 +707,10 @@ std::uint32_t I2c::peek(std::uint32_t offset) const {
   }
 }
 
-/// Clears interrupts; returns whether one of them was there.
+/// Clears interrupts; returns whether one of them was set.
 std::uint32_t I2c::take_interrupts(std::uint32_t bits) {
   const bool there = (raised_ & bits) != 0;
-  // ACTIVITY comes back as long as there is activity.
+  // ACTIVITY is set again as long as there is activity.
   raised_ &= ~(active() || slave_.active() ? bits & ~irq_activity : bits);
   if ((bits & irq_tx_abort) != 0) {
     abort_source_ = 0;
@@ -790,7 +790,7 @@ void I2c::write_command(std::uint32_t value) {
   begin(wheel_.now());
 }
 
-// A transfer under way ends with its byte; a bus that is held stays held, so that a RESTART can
+// A transfer under way ends with its byte. A bus that is held stays held, so that a RESTART can
 // follow when the master is enabled again (assumed: drivers change IC_TAR that way).
 void I2c::write_enable(std::uint32_t value) {
   const bool was_enabled = enabled();
@@ -815,7 +815,7 @@ void I2c::write_enable(std::uint32_t value) {
   begin(wheel_.now());
 }
 
-/// Registers that can be written only while the block is disabled; false: another one.
+/// Writes registers that can be written only while the block is disabled; false: another register.
 bool I2c::write_settings(std::uint32_t offset, std::uint32_t value) {
   const std::uint32_t half = value & 0xffffu;
   std::uint32_t* setting = nullptr;

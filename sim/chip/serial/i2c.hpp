@@ -5,20 +5,21 @@
 //      the interrupt line; the DREQs.
 // Who: the bus; the wheel at the ends of conditions and bytes, and at each edge that a pin shows.
 //
-// With devices of whole bytes the bus is taken to have its pull-ups, and what they answer is not
-// seen on SDA. Without any, the levels of the pins count: an address or byte is acknowledged by a
-// low SDA, a low SCL stretches the clock, and a transfer waits until both lines are high.
+// With devices of whole bytes the bus is assumed to have its pull-ups, and their answers do not
+// show on SDA. Without such devices, the levels of the pins count: an address or byte is
+// acknowledged by a low SDA, a low SCL stretches the clock, and a transfer waits until both lines
+// are high.
 //
 // All times are cycles of clk_sys, which is ic_clk (4.3): SCL is high for HCNT + SPKLEN + 7 and low
 // for LCNT + 1 of them (4.3.14.1, edges without rise and fall time). START holds SDA for the high
-// time before SCL falls; a byte is nine periods, and what it brings is known at their end; a
-// RESTART is low time, low time as set-up and high time as hold; a STOP is low time and high time
-// as set-up, and the bus stays free for a low time. With nothing in the transmit FIFO and no STOP
-// asked for, SCL is held low.
+// time before SCL falls; a byte is nine periods, and its value is known at their end; a RESTART is
+// low time, low time as set-up and high time as hold; a STOP is low time and high time as set-up,
+// and the bus stays free for a low time. With an empty transmit FIFO and no STOP requested, SCL is
+// held low.
 //
 // As a slave it follows the levels of the pins (I2cSlave); its FIFOs, their interrupts and DREQs
-// are those of the master. Spikes are not suppressed, and what the filter would take is not waited
-// for.
+// are those of the master. Spikes are not suppressed, and the delay of their filter is not
+// modelled.
 //
 // Not modelled: other masters (no arbitration is lost), START bytes.
 #pragma once
@@ -30,13 +31,13 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/gpio/function_pins.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
 #include "sim/chip/serial/i2c_slave.hpp"
 #include "sim/chip/serial/i2c_wires.hpp"
 #include "sim/chip/serial/serial_requests.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -44,7 +45,7 @@ namespace lamplock::sim::chip {
 class I2cDevice {
  public:
   virtual ~I2cDevice() = default;
-  /// After START or RESTART its address has come, for reading or for writing. Returns whether it
+  /// Its address has come after START or RESTART, for reading or for writing. Returns whether it
   /// acknowledges.
   virtual bool addressed(bool for_reading, Cycle at) = 0;
   /// A byte was written to it. Returns whether it acknowledges.
@@ -56,13 +57,13 @@ class I2cDevice {
   virtual void stopped(Cycle at) { static_cast<void>(at); }
 };
 
-/// One of the two.
+/// I2C0 or I2C1.
 class I2c final : public Peripheral,
                   private Timed,
                   private FunctionPins::User,
                   private I2cSlavePort {
  public:
-  /// The address of devices that listen to general calls.
+  /// The address of devices that respond to general calls.
   static constexpr unsigned general_call = 0;
 
   I2c(int number, TimeWheel& wheel, FunctionPins& pins, IrqLines& irqs, NotModelled not_modelled);
@@ -70,7 +71,7 @@ class I2c final : public Peripheral,
   I2c& operator=(const I2c&) = delete;
 
   void connect(DreqLines& lines) { requests_.connect(lines); }
-  /// A device at a 7-bit address, or at a 10-bit one.
+  /// Connects a device at a 7-bit or a 10-bit address.
   void connect(I2cDevice& device, unsigned address, bool ten_bits = false) {
     devices_.push_back({&device, address, ten_bits});
   }
@@ -93,7 +94,7 @@ class I2c final : public Peripheral,
     unsigned address = 0;
     bool ten_bits = false;
   };
-  /// What the master does; due_ is when it ends. idle and held have no end of their own.
+  /// Phase of the master; due_ is its end. idle and held have no end of their own.
   enum class Phase : std::uint8_t {
     idle,
     start,           ///< from SDA down to SCL down
@@ -109,7 +110,8 @@ class I2c final : public Peripheral,
     bus_free
   };
 
-  /// The devices behind the pins, as one of whole bytes: what was sampled in the byte under way.
+  /// The devices on the pins, in the form of one device of whole bytes: the levels sampled in this
+  /// byte.
   class WiredDevice final : public I2cDevice {
    public:
     explicit WiredDevice(const std::uint32_t& sampled) : sampled_(sampled) {}
@@ -217,7 +219,7 @@ class I2c final : public Peripheral,
   std::uint32_t rx_level_ = 0, tx_level_ = 0;
   std::uint32_t dma_tx_level_ = 0, dma_rx_level_ = 0;
   std::uint32_t hold_ = 0, setup_ = 0, acknowledge_general_ = 0, slave_nack_ = 0;
-  std::uint32_t slave_cut_off_ = 0;  ///< IC_ENABLE_STATUS: what was lost when it was disabled
+  std::uint32_t slave_cut_off_ = 0;  ///< IC_ENABLE_STATUS: data lost when it was disabled
 };
 
 }  // namespace lamplock::sim::chip

@@ -25,7 +25,7 @@ void I2cSlave::leave() {
   matched_ = known_ = false;
 }
 
-/// Takes no part until the next START; at the STOP it was addressed nevertheless.
+/// Ignores all until the next START; the STOP still counts as that of an addressed slave.
 void I2cSlave::ignore_rest() {
   state_ = State::idle;
   waits_ = Waits::not_at_all;
@@ -121,7 +121,7 @@ I2cSlave::Verdict I2cSlave::judge() const {
   }
 }
 
-/// Eight bits are there: the ninth is the receiver's.
+/// Eight bits are complete: the ninth is the receiver's.
 void I2cSlave::byte_ended(Cycle at) {
   if (state_ == State::sending) return put(true, at);
   verdict_ = judge();
@@ -153,7 +153,7 @@ void I2cSlave::ninth_ended(Cycle at) {
   if (state_ == State::sending) fetch(true, at);
 }
 
-/// The byte that was received; SCL is held low until there is room.
+/// Offers the received byte; SCL is held low until there is room.
 void I2cSlave::offer() {
   const bool taken = port_.byte_received(byte());
   waits_ = taken ? Waits::not_at_all : Waits::for_room;
@@ -161,7 +161,7 @@ void I2cSlave::offer() {
   if (taken) shift_ = 0;
 }
 
-/// A byte to send; SCL is held low until it is there.
+/// Fetches a byte to send; SCL is held low until there is one.
 void I2cSlave::fetch(bool first, Cycle at) {
   const bool waited = waits_ == Waits::for_byte;
   const std::optional<std::uint8_t> next = port_.byte_wanted(first);

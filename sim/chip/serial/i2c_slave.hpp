@@ -1,38 +1,38 @@
-// What an I2C slave makes of SCL and SDA, and what it does to them (RP2040
-// datasheet, 4.3.6, 4.3.10).
+// An I2C slave: what it receives over SCL and SDA, and what it drives there (RP2040 datasheet,
+// 4.3.6, 4.3.10).
 //
 // In:  the levels of both lines, each change with its time; settings; bytes to send.
 // Out: which lines are pulled low; conditions, addresses and bytes for the controller.
 // Who: I2c, while it is enabled as a slave.
 //
-// A bit counts from the rise of SCL; SDA is changed after the fall of SCL, by the hold time. What a
-// byte means takes place with the fall of SCL after its ninth bit. SCL is held low from there while
-// a byte that the master wants is not there, or one that it sent has no room; a byte that comes
-// late is on SDA for the setup time before SCL is let go (4.3.10.1.2, IC_SDA_SETUP).
+// A bit counts from the rise of SCL; SDA changes after the fall of SCL, by the hold time. A byte
+// takes effect with the fall of SCL after its ninth bit. From there SCL is held low while a byte
+// that the master requests is missing, or a byte that it sent has no room. A byte that comes late
+// is on SDA for the setup time before SCL is released (4.3.10.1.2, IC_SDA_SETUP).
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
-#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
-/// The controller: its FIFOs and its interrupts. No call may come back into the slave.
+/// The controller: its FIFOs and its interrupts. Its functions must not call the slave.
 class I2cSlavePort {
  public:
   virtual ~I2cSlavePort() = default;
   /// START, or RESTART; `addressed`: of a transfer that this slave takes part in.
   virtual void started(bool addressed) = 0;
-  /// STOP; `addressed`: the slave was, by its own address.
+  /// STOP; `addressed`: the slave had been addressed by its own address.
   virtual void stopped(bool addressed) = 0;
   /// The address has been acknowledged.
   virtual void addressed(bool for_reading, bool general_call) = 0;
-  /// A byte has come. False: there is no room, it is to be offered again.
+  /// A byte has come. False: no room; the slave offers it again.
   virtual bool byte_received(std::uint8_t byte) = 0;
-  /// The master wants a byte, `first` after its address. Nothing: there is none yet.
+  /// The master requests a byte, `first` after its address. Empty: there is none yet.
   virtual std::optional<std::uint8_t> byte_wanted(bool first) = 0;
-  /// The master has not acknowledged a byte: it wants no more.
+  /// The master has not acknowledged a byte, which ends its reading.
   virtual void byte_refused() = 0;
   /// SDA was low where the slave sent a 1.
   virtual void contended() = 0;
@@ -44,18 +44,17 @@ struct I2cSlaveSettings {
   bool takes_general_calls = true;
   bool refuses_data = false;  ///< IC_SLV_DATA_NACK_ONLY
   Cycle hold = 0;             ///< SDA, after SCL has fallen
-  Cycle setup = 0;            ///< SDA, before SCL is let go
+  Cycle setup = 0;            ///< SDA, before SCL is released
 };
 
-/// One slave.
 class I2cSlave {
  public:
   explicit I2cSlave(I2cSlavePort& port) : port_(port) {}
 
-  /// Takes part from the next START on; the lines have these levels.
+  /// Starts with the present levels of the lines; takes part from the next START on.
   void begin(const I2cSlaveSettings& settings, bool scl, bool sda);
   void take_general_calls(bool on) { settings_.takes_general_calls = on; }
-  /// Lets go of both lines and of the transfer.
+  /// Releases both lines and leaves the transfer.
   void leave();
   /// A line has changed.
   void lines_changed(bool scl, bool sda, Cycle at);
@@ -63,7 +62,7 @@ class I2cSlave {
   void byte_ready(Cycle at);
   void room_ready();
 
-  /// When it does something by itself.
+  /// Cycle of its next own action.
   Cycle due() const { return sda_at_ < scl_at_ ? sda_at_ : scl_at_; }
   void run(Cycle to);
 
@@ -71,7 +70,7 @@ class I2cSlave {
   bool pulls_sda() const { return pulls_sda_; }
   /// Between START and STOP, and the transfer may concern this slave.
   bool active() const { return state_ != State::idle; }
-  /// Takes an address or what the master writes (IC_ENABLE_STATUS).
+  /// True while it receives an address or data that the master writes (IC_ENABLE_STATUS).
   bool listens() const { return active() && state_ != State::sending; }
   bool receives() const { return state_ == State::receiving; }
 
@@ -84,7 +83,7 @@ class I2cSlave {
     sending
   };
   enum class Waits : std::uint8_t { not_at_all, for_byte, for_room };
-  /// What a byte that has been received leads to at its ninth clock.
+  /// Effect of a received byte at its ninth clock.
   struct Verdict {
     bool acknowledged = false;
     State next = State::idle;

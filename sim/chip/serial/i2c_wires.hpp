@@ -1,5 +1,5 @@
-// What an I2C master puts on SCL and SDA in each condition and byte (RP2040 datasheet, 4.3.4,
-// 4.3.14).
+// The levels that an I2C master drives on SCL and SDA in each condition and byte (RP2040 datasheet,
+// 4.3.4, 4.3.14).
 //
 // In:  the condition, the times, the bits of a byte; cycles since it began.
 // Out: levels (high: released) and the cycle of the next change.
@@ -9,12 +9,12 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
-/// One condition or byte. SCL is low first, but for START; SDA follows SCL down after the hold
-/// time.
+/// One condition or byte. SCL is low first, except for START; SDA changes the hold time after the
+/// fall of SCL.
 struct I2cWires {
   enum class Kind : std::uint8_t { released, held, start, byte, restart, stop };
   struct Levels {
@@ -54,7 +54,7 @@ struct I2cWires {
     if (kind == Kind::restart && elapsed < 2 * low) return 2 * low;
     return kind == Kind::byte && base + period < 9 * period ? base + period : never_cycle;
   }
-  /// SCL is let go at this time: a device may hold it low for longer.
+  /// SCL is released at this time: a device may hold it low for longer.
   bool releases_clock(Cycle elapsed) const {
     if (kind == Kind::byte) return elapsed % (low + high) == low;
     return (kind == Kind::restart || kind == Kind::stop) && elapsed == low;

@@ -1,13 +1,13 @@
-// Registers that ARM's PrimeCells UART (PL011) and SSP (PL022) have alike.
+// Registers common to ARM's PrimeCells UART (PL011) and SSP (PL022).
 //
-// In:  accesses; what is raised, which stays with the block.
+// In:  accesses; raised interrupts, which the block keeps.
 // Out: IMSC, RIS, MIS; the identification of the part.
 // Who: Uart, Spi.
 //
 // IMSC, RIS, MIS and ICR are four words in a row, with another first offset and other bits in each
 // part; the eight words of identification are the last ones of both (PL011 and PL022 manuals, 3.3).
-// Unlike INTS of the other blocks of the RP2040, MIS has no bits that are forced. What a write to
-// ICR clears is up to the block.
+// Unlike INTS of the other blocks of the RP2040, MIS has no bits that are forced. The block defines
+// what a write to ICR clears.
 #pragma once
 
 #include <array>
@@ -20,15 +20,15 @@ class PrimeCell {
  public:
   static constexpr std::uint32_t offset_identification = 0xfe0;  // PERIPHID0-3, PCELLID0-3
 
-  /// Offset of IMSC; the interrupts that exist; the last two digits of the part's number, as they
-  /// are read in PERIPHID0.
+  /// Offset of IMSC; the existing interrupts; the last two digits of the part's number, as in
+  /// PERIPHID0.
   constexpr PrimeCell(std::uint32_t first, std::uint32_t bits, std::uint32_t part)
       : first_(first), bits_(bits), part_(part) {}
 
   void reset() { mask_ = 0; }
   std::uint32_t masked(std::uint32_t raised) const { return raised & mask_; }
 
-  /// Zero where none of these registers is, and for ICR.
+  /// Zero for other offsets, and for ICR.
   std::uint32_t read(std::uint32_t offset, std::uint32_t raised) const {
     if (offset >= offset_identification) return identification(offset);
     switch (offset - first_) {
@@ -42,7 +42,7 @@ class PrimeCell {
         return 0;
     }
   }
-  /// Keeps IMSC. False: none of these registers.
+  /// Stores IMSC. False: another register.
   bool write(std::uint32_t offset, std::uint32_t value) {
     if (offset == first_ + at_mask) mask_ = value & bits_;
     return offset - first_ <= at_clear || offset >= offset_identification;

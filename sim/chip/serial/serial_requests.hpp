@@ -1,6 +1,6 @@
 // DMA requests of a serial block with a FIFO each way.
 //
-// In:  the DMA control register, what the FIFOs have room for and hold.
+// In:  the DMA control register, room and contents of the FIFOs.
 // Out: the levels of two DREQs.
 // Who: Uart, Spi, I2c.
 //
@@ -11,12 +11,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "sim/chip/dreq_lines.hpp"
+#include "sim/chip/fabric/dreq_lines.hpp"
 
 namespace lamplock::sim::chip {
 
-/// Both requests. The DMA may read and write the FIFOs within transmit() and receive(): what is
-/// given to one of them is to be looked up after the other one has returned.
+/// Both requests. The DMA may read and write the FIFOs within transmit() and receive(): the
+/// argument of one must be read after the other has returned.
 class SerialRequests {
  public:
   SerialRequests(Dreq transmit, Dreq receive) : transmit_(transmit), receive_(receive) {}
@@ -26,9 +26,9 @@ class SerialRequests {
   std::uint32_t control() const { return control_; }
   void set_control(std::uint32_t control) { control_ = control; }
 
-  /// So many transfers fit into the transmit FIFO.
+  /// `room` transfers fit into the transmit FIFO.
   void transmit(std::size_t room) { set(transmit_, (control_ & 2u) != 0, room); }
-  /// So many are in the receive FIFO.
+  /// `waiting` words are in the receive FIFO.
   void receive(std::size_t waiting) { set(receive_, (control_ & 1u) != 0, waiting); }
 
  private:

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "sim/chip/wide.hpp"
+#include "sim/chip/fabric/wide.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -150,7 +150,7 @@ void Spi::clocks_changed() {
 
 bool Spi::wants_to_send() const { return enabled() && !slave() && !transmit_.empty(); }
 
-/// A word may have become ready to go.
+/// A word may have become ready to send.
 void Spi::begin() {
   if (stopped_ || shifting_ || !wants_to_send() || free_at_ > wheel_.time()) return;
   start_word(wheel_.time());
@@ -173,12 +173,12 @@ void Spi::start_word(Picoseconds at) {
 
 // --- pins
 
-/// Somebody can see the wires, or they are looked at bit by bit.
+/// True if the wires are on pins, or RX is sampled bit by bit.
 bool Spi::wires_are_seen() const {
   return sampling_ || pins_.connected(signal(signal_clock)) || pins_.connected(signal(signal_tx));
 }
 
-/// Half bits that have passed by `at`. RX is taken before SCK moves.
+/// Shifts half bits that have passed by `at`. RX is sampled before SCK moves.
 void Spi::shift_wires(Cycle at) {
   if (stopped_ || !on_wires()) return;
   const Picoseconds time = wheel_.time_of(at);
@@ -193,7 +193,7 @@ void Spi::shift_wires(Cycle at) {
   if (half_ != before) put_wires(at);
 }
 
-/// Idle, TX is low and of high impedance, and CSn high; a slave drives TX alone (4.4.3.10).
+/// When idle, TX is low and of high impedance, and CSn high; a slave drives TX only (4.4.3.10).
 void Spi::put_wires(Cycle at) {
   const bool idle_clock = (control_0_ & cr0_polarity) != 0;
   const bool master = !slave();
@@ -222,7 +222,7 @@ void Spi::pins_connecting(Cycle at) {
   if (!wires_are_seen()) shift_wires(at);
 }
 
-/// As a slave: edges of CSn and SCK. On no pin, CSn is taken as high (assumed).
+/// As a slave: edges of CSn and SCK. Without a pin, CSn is taken as high (assumed).
 void Spi::follow_master() {
   const unsigned select = signal(signal_select);
   const bool selected = enabled() && pins_.connected(select) && !pins_.input(select);
@@ -236,11 +236,11 @@ void Spi::follow_master() {
   const auto word =
       follower_.clock(pins_.input(signal(signal_clock)), pins_.input(signal(signal_rx)));
   if (word) push_received(*word);
-  // With SPH 1 the first edge of a word fetches what is sent.
+  // With SPH 1 the first edge of a word loads the word to be sent.
   if (first_bit && !follower_.wants_word() && (control_0_ & cr0_phase) != 0) take_word_to_answer();
 }
 
-/// With nothing in the FIFO zeroes are sent (assumed).
+/// With an empty FIFO zeroes are sent (assumed).
 void Spi::take_word_to_answer() {
   follower_.send(transmit_.empty() ? std::uint16_t{0} : transmit_.front());
   if (!transmit_.empty()) transmit_.pop_front();

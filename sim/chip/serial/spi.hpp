@@ -6,7 +6,7 @@
 // Out: the levels of SCK, TX and CSn; whole words to that device, when their last bit has been
 //      captured; the interrupt line; the DREQs.
 // Who: the bus; the wheel at the ends of words, and at each half bit while a pin shows it. A device
-//      that takes whole words and needs its chip select watches that pin (PadListener).
+//      that takes whole words and needs its chip select listens to that pin (PadListener).
 //
 // A bit takes CPSDVSR x (1 + SCR) cycles of clk_peri. The last bit is captured as many bits after
 // the start as a word has. With SPH 1 words follow each other without a gap; with SPH 0 the chip
@@ -18,14 +18,14 @@
 #include <string>
 #include <string_view>
 
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/gpio/function_pins.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
 #include "sim/chip/serial/primecell.hpp"
 #include "sim/chip/serial/serial_requests.hpp"
 #include "sim/chip/serial/spi_wires.hpp"
 #include "sim/chip/system/clocks.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -34,20 +34,20 @@ class SpiDevice {
  public:
   virtual ~SpiDevice() = default;
   /// The chip has sent a word of `bits` bits, right-aligned; `at` is when its last bit was
-  /// captured. Returns the word that came the other way in the same frame: a device that answers
-  /// does so from what it knew before this word.
+  /// captured. Returns the word received in the same frame: a device answers from what it knew
+  /// before this word.
   virtual std::uint16_t word_exchanged(std::uint16_t word, unsigned bits, Cycle at) = 0;
 };
 
-/// One of the two.
+/// SPI0 or SPI1.
 class Spi final : public Peripheral,
                   private Timed,
                   private ClockListener,
                   private FunctionPins::User {
  public:
   /// Half bits between two words with SPH 0 that follow each other. The manual draws the pulse of
-  /// the chip select without its length; others measured SCK low for about two bits, half a bit of
-  /// which belongs to the word.
+  /// the chip select without its length; it has been measured elsewhere: SCK is low for about two
+  /// bits, half a bit of which belongs to the word.
   static constexpr unsigned gap_half_bits = 3;
 
   Spi(int number, TimeWheel& wheel, Clocks& clocks, FunctionPins& pins, IrqLines& irqs,
@@ -56,7 +56,7 @@ class Spi final : public Peripheral,
   Spi& operator=(const Spi&) = delete;
 
   void connect(DreqLines& lines) { requests_.connect(lines); }
-  /// Words come from the device instead of from the RX pin.
+  /// Connects a device: words come from it instead of from the RX pin.
   void connect(SpiDevice& device) { device_ = &device; }
   /// Time of a bit as configured; 0: there is no clock.
   Picoseconds bit_time() const;
@@ -67,8 +67,7 @@ class Spi final : public Peripheral,
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
-  /// clk_peri stops or goes on behind its gate: a word under way stands still, as a slave no edge
-  /// is seen.
+  /// clk_peri stops or starts behind its gate: a word under way stops; a slave sees no edges.
   void set_clock(bool runs);
 
  private:
@@ -80,7 +79,7 @@ class Spi final : public Peripheral,
   void pins_changed(Cycle at) override;
   void pins_connecting(Cycle at) override;
 
-  /// Signals of each of the two (spi_signal).
+  /// Signals of each SPI (spi_signal).
   enum Signal : unsigned { signal_rx, signal_select, signal_clock, signal_tx };
   unsigned signal(Signal of) const { return first_signal_ + of; }
   bool wires_are_seen() const;
@@ -125,7 +124,7 @@ class Spi final : public Peripheral,
 
   std::deque<std::uint16_t> transmit_, receive_;
   bool stopped_ = false;        ///< no clock
-  Picoseconds stopped_at_ = 0;  ///< since when
+  Picoseconds stopped_at_ = 0;  ///< time of the stop
   bool shifting_ = false;       ///< a word is on the wires
   bool frame_open_ = false;     ///< the chip select is low: until a bit after the last one
   bool timeout_running_ = false;

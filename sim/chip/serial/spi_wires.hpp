@@ -1,14 +1,14 @@
-// What an SPI block in Motorola format puts on its wires, half a bit at a time (RP2040 datasheet,
-// 4.4.3.9 to 4.4.3.13), and what it takes from them as a slave.
+// The wires of an SPI block in Motorola format, half a bit at a time (RP2040 datasheet, 4.4.3.9 to
+// 4.4.3.13): the levels it drives, and the bits it receives as a slave.
 //
 // In:  a word and its shape; as a slave, levels of SCK, CSn and RX.
 // Out: levels of SCK and TX in each half bit; words from the master.
 // Who: Spi.
 //
-// Half bits count from where CSn goes low, or with SPH 1 from the last capture of the word before.
-// TX has its first bit from half bit 1 on. Captures are at 2, 4 .. 2N: with SPH 0 on the first
-// edges of SCK (high in half bits 2, 4 .. 2N), with SPH 1 on the second ones (high in 1, 3 .. 2N -
-// 1). SPO turns SCK round.
+// Half bits count from the fall of CSn, or with SPH 1 from the last capture of the word before. TX
+// has its first bit from half bit 1 on. Captures are at 2, 4 .. 2N: with SPH 0 on the first edges
+// of SCK (high in half bits 2, 4 .. 2N), with SPH 1 on the second ones (high in 1, 3 .. 2N - 1).
+// SPO inverts SCK.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ struct SpiShape {
         phase ? half % 2 == 1 && half < 2 * bits : half % 2 == 0 && half >= 2 && half <= 2 * bits;
     return active != polarity;
   }
-  /// Level of TX; before half bit 1 it has what the word before left.
+  /// Level of TX; before half bit 1 it keeps the last level of the word before.
   bool tx(std::uint16_t word, unsigned half) const {
     const unsigned bit = half < 1 ? 0 : (half - 1) / 2;
     return (word >> (bit < bits ? bits - 1 - bit : 0) & 1u) != 0;
@@ -36,7 +36,7 @@ struct SpiShape {
   unsigned last_half() const { return 2 * bits + 1; }
 };
 
-/// A slave's shift register: what it sends, and which bits have come.
+/// A slave's shift register: the word it sends, and the bits received.
 class SpiSlaveShifter {
  public:
   /// CSn has gone low: a word begins. With SPH 0 its first bit is on TX at once.
@@ -51,7 +51,7 @@ class SpiSlaveShifter {
   }
   void deselect() { selected_ = open_ = false; }
   bool selected() const { return selected_; }
-  /// The word to send is asked for with its first bit.
+  /// True when the word to send must be set: with its first bit.
   bool wants_word() const {
     return open_ && shifted_ == (shape_.phase ? 0u : 1u) && captured_ == 0;
   }
@@ -60,7 +60,7 @@ class SpiSlaveShifter {
     const unsigned bit = shifted_ == 0 ? 0 : shifted_ - 1;
     return (word_ >> (bit < shape_.bits ? shape_.bits - 1 - bit : 0) & 1u) != 0;
   }
-  /// SCK has this level now, RX had that one: a word, if it is complete.
+  /// SCK has this level now, RX had the given one; returns a word when it is complete.
   std::optional<std::uint16_t> clock(bool sck, bool rx) {
     if (!open_ || sck == sck_) return std::nullopt;
     sck_ = sck;

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "sim/chip/wide.hpp"
+#include "sim/chip/fabric/wide.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -152,7 +152,7 @@ void Uart::set_clock(bool runs) {
   schedule();
 }
 
-/// What has waited for clk_peri goes on its way. Frames under way keep their rate.
+/// Sends what has waited for clk_peri. Frames under way keep their rate.
 void Uart::clocks_changed() {
   set_format();
   if (format_.bit == 0) return;
@@ -167,7 +167,7 @@ void Uart::run(Cycle) {
   if (sending_ && tx_is_seen() && edge_at_ <= time) drive_tx(wheel_.now());
   if (sending_ && sent_at_ <= time) end_frame();
   if (receiver_.due() <= time) {
-    // What drives the line may run behind: it must have done so up to the sample.
+    // The source that drives the line may lag: bring it up to the sample.
     pins_.bring_sources_up_to(wheel_.now());
     if (const auto character = receiver_.run(time)) push_received(*character);
     take_line(wheel_.now());
@@ -207,7 +207,7 @@ void Uart::end_frame() {
   start_frame();
 }
 
-/// A break waits for the end of the frame under way, and frames for the end of the break.
+/// A break waits for the end of the frame under way, and a frame for the end of the break.
 bool Uart::tx_level(Picoseconds at) const { return sending_ ? frame_.level(at) : !breaking_; }
 
 bool Uart::tx_is_seen() const { return on(control_loop) || pins_.connected(signal(signal_tx)); }
@@ -241,7 +241,7 @@ void Uart::pins_connecting(Cycle at) {
   if (sending_ && !tx_is_seen()) drive_tx(at);
 }
 
-/// CTS is active low. On no pin, it is taken as active (assumed).
+/// CTS is active low. Without a pin it is taken as active (assumed).
 bool Uart::clear_to_send() const {
   if (on(control_loop)) return ready_to_receive();
   return !pins_.input(signal(signal_cts));
@@ -259,8 +259,8 @@ bool Uart::ready_to_receive() const {
   return on(control_rts_flow) ? receive_.size() < trigger(3) : on(control_rts);
 }
 
-/// RX has the level that its pin has. On no pin it is taken as idle (assumed); so is a pin that
-/// nobody drives while a line of whole bytes is plugged in, whose far end would hold it high.
+/// RX has the level of its pin. Without a pin it is taken as idle (assumed); so is an undriven pin
+/// while a line of whole bytes is plugged in, whose far end would hold it high.
 bool Uart::line_level() const {
   const unsigned rx = signal(signal_rx);
   if (!pins_.connected(rx) || (line_ != nullptr && !pins_.driven(rx))) return true;

@@ -9,8 +9,8 @@
 //
 // A frame takes start bit, data bits, parity and stop bits at the rate that IBRD, FBRD and clk_peri
 // give; it begins when its byte is there and the line is free (the phase of the free-running baud
-// rate generator is not modelled). Whole bytes from the line arrive one after the other at that
-// same rate, each received in the middle of its stop bit, as one from the pin is.
+// rate generator is not modelled). Whole bytes from the line arrive one after the other at the same
+// rate; each is received in the middle of its stop bit, like one from the pin.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,14 @@
 #include <string>
 #include <string_view>
 
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/gpio/function_pins.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
 #include "sim/chip/serial/primecell.hpp"
 #include "sim/chip/serial/serial_requests.hpp"
 #include "sim/chip/serial/uart_frame.hpp"
 #include "sim/chip/system/clocks.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -37,7 +37,7 @@ class ByteLine {
   virtual void byte_sent(std::uint8_t byte, Cycle at) = 0;
 };
 
-/// One of the two.
+/// UART0 or UART1.
 class Uart final : public Peripheral,
                    private Timed,
                    private ClockListener,
@@ -61,8 +61,8 @@ class Uart final : public Peripheral,
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
-  /// clk_peri stops or goes on behind its gate: a frame under way stands still with its bit on the
-  /// line, nobody listens. The other end of a line of whole bytes waits (assumed).
+  /// clk_peri stops or starts behind its gate: a stopped frame holds its bit on the line, and the
+  /// receiver is off. The other end of a line of whole bytes waits (assumed).
   void set_clock(bool runs);
 
  private:
@@ -74,14 +74,14 @@ class Uart final : public Peripheral,
   void pins_changed(Cycle at) override;
   void pins_connecting(Cycle at) override;
 
-  /// Signals of each of the two (uart_signal).
+  /// Signals of each UART (uart_signal).
   enum Signal : unsigned { signal_tx, signal_rx, signal_cts, signal_rts };
   unsigned signal(Signal of) const { return first_signal_ + of; }
   bool on(std::uint32_t control_bit) const { return (control_ & control_bit) != 0; }
   std::size_t depth() const;
   std::size_t trigger(unsigned field) const;
   void set_format();
-  /// The time that TX shows: stands still without a clock.
+  /// The time that TX shows: constant without a clock.
   Picoseconds line_time(Cycle at) const { return stopped_ ? stopped_at_ : wheel_.time_of(at); }
   void start_frame();
   void end_frame();
@@ -121,7 +121,7 @@ class Uart final : public Peripheral,
   std::deque<std::uint16_t> receive_;  ///< with their errors (uart_data)
   bool sending_ = false, arriving_ = false, timeout_running_ = false;
   bool stopped_ = false;        ///< no clock
-  Picoseconds stopped_at_ = 0;  ///< since when
+  Picoseconds stopped_at_ = 0;  ///< time of the stop
   bool breaking_ = false;       ///< BRK, after the frame that was under way
   std::uint8_t shift_ = 0;      ///< being sent
   UartFrame frame_;             ///< the same on the line
@@ -130,7 +130,7 @@ class Uart final : public Peripheral,
   Picoseconds sent_at_ = 0, arrives_at_ = 0, timeout_at_ = 0;
   Picoseconds arrival_end_ = 0;     ///< the other end may begin its next byte
   bool cleared_ = true;             ///< CTS when it was last looked at
-  bool overrun_ = false;            ///< a byte was lost: goes with the next one received
+  bool overrun_ = false;            ///< a byte was lost: reported with the next one received
   std::uint32_t error_status_ = 0;  ///< RSR
   std::uint32_t integer_baud_ = 0, fraction_baud_ = 0;
   std::uint32_t divisor_ = 0;  ///< 16.6, taken over when LCR_H is written

@@ -1,19 +1,19 @@
-// What a UART puts on its line for a character, and what it makes of the line's levels (RP2040
-// datasheet, 4.2.3 and 4.2.4; ARM PrimeCell UART PL011 manual, "UART operation").
+// The frame of a UART: line levels of a character, and the character received from line levels
+// (RP2040 datasheet, 4.2.3 and 4.2.4; ARM PrimeCell UART PL011 manual, "UART operation").
 //
 // In:  characters; levels of the line with their time.
 // Out: levels of the line; characters with their errors, at the middle of the stop bit.
 // Who: Uart.
 //
-// The receiver counts Baud16, sixteen of which are a bit. From a low level of the idle line it
-// looks again at the eighth: still low, it is a start bit; then at every sixteenth for data, parity
-// and one stop bit, however many stop bits there are.
+// The receiver counts Baud16, sixteen of which are a bit. After a falling edge of the idle line it
+// samples at the eighth count: still low, it is a start bit; then at every sixteenth for data,
+// parity and one stop bit, however many stop bits are set.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
-#include "sim/time.hpp"
+#include "sim/world/time.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -32,15 +32,15 @@ struct UartFormat {
   unsigned bits() const { return bits_before_stop() + (two_stops ? 2u : 1u); }
   std::uint32_t data_mask() const { return (1u << (data_bits & 15u)) - 1; }
   Picoseconds length() const { return bit * static_cast<Picoseconds>(bits()); }
-  /// From the beginning of a frame to where the receiver takes its stop bit.
+  /// From the beginning of a frame to where the receiver samples its stop bit.
   Picoseconds to_stop_sample() const {
     return bit * static_cast<Picoseconds>(bits_before_stop()) + bit / 2;
   }
-  /// The bit that goes with the data: with "stick" always 1, or 0 for even.
+  /// The parity bit of the data: with "stick" always 1, or 0 for even.
   bool parity_bit(std::uint32_t data) const;
 };
 
-/// One character on its way out.
+/// One character being sent.
 class UartFrame {
  public:
   UartFrame() = default;
@@ -48,17 +48,17 @@ class UartFrame {
   bool level(Picoseconds at) const { return (levels_ >> index(at) & 1u) != 0; }
   /// When the level changes next after `at`; never: it stays high.
   Picoseconds next_change(Picoseconds at) const;
-  /// Time has stood still for so long.
+  /// Time has been stopped for this long.
   void delay(Picoseconds time) { start_ += time; }
 
  private:
   unsigned index(Picoseconds at) const;
 
-  std::uint32_t levels_ = ~0u;  ///< bit 0 first; high behind the stop bits
+  std::uint32_t levels_ = ~0u;  ///< bit 0 first; high after the stop bits
   Picoseconds start_ = 0, bit_ = 1;
 };
 
-/// A character as DR shows it: data, and what was wrong with it.
+/// A character as in DR: data and error bits.
 namespace uart_data {
 inline constexpr std::uint32_t framing_error = 1u << 8;
 inline constexpr std::uint32_t parity_error = 1u << 9;
@@ -66,19 +66,19 @@ inline constexpr std::uint32_t break_error = 1u << 10;
 inline constexpr std::uint32_t overrun_error = 1u << 11;
 }  // namespace uart_data
 
-/// The other direction.
+/// Receives characters from the levels of the line.
 class UartReceiver {
  public:
-  /// Forgets a frame under way.
+  /// Drops a frame under way.
   void reset(bool level);
   /// The line has this level from `at` on. A frame that begins now has this form; a bit time of 0:
-  /// nobody listens. Samples before `at` are taken first: returns what was complete by then.
+  /// the receiver is off. Samples before `at` are taken first: returns what was complete by then.
   std::optional<std::uint32_t> line(bool level, Picoseconds at, const UartFormat& format);
   /// Takes all samples up to and including `through`.
   std::optional<std::uint32_t> run(Picoseconds through);
   /// The next sample.
   Picoseconds due() const { return busy_ ? sample_at_ : never; }
-  /// Time has stood still for so long.
+  /// Time has been stopped for this long.
   void delay(Picoseconds time) {
     start_ += time;
     sample_at_ += time;

@@ -2,7 +2,7 @@
 
 namespace lamplock::sim::chip {
 
-// Magnitudes are divided as unsigned numbers and the signs put on afterwards, which also gives the
+// Magnitudes are divided as unsigned numbers and the signs applied afterwards, which also gives the
 // documented results of a division by zero (all ones, or one for a negative dividend; the dividend
 // remains) and of the most negative number by minus one (itself, remainder 0).
 void Divider::start(bool is_signed, Cycle at) {

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -38,10 +38,10 @@ class Divider {
 
   std::uint32_t dividend() const { return dividend_; }
   std::uint32_t divisor() const { return divisor_; }
-  /// Undefined in the chip while ready() is false; here the value to come.
+  /// Undefined in the chip while ready() is false; here the future value.
   std::uint32_t quotient() const { return quotient_; }
   std::uint32_t remainder() const { return remainder_; }
-  /// What reading QUOTIENT does besides.
+  /// Side effect of reading QUOTIENT.
   void clear_dirty() { dirty_ = false; }
   bool ready(Cycle at) const { return at >= ready_at_; }
   bool dirty() const { return dirty_; }

@@ -1,4 +1,4 @@
-// SIO: what the cores reach in one cycle (RP2040 datasheet, 2.3.1).
+// SIO: what the cores access in one cycle (RP2040 datasheet, 2.3.1).
 //
 // In:  accesses of each core, through a block of registers of its own (Bus::map_sio); levels of the
 //      pins, two flip-flops late.
@@ -12,12 +12,12 @@
 #include <deque>
 #include <functional>
 
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/gpio/gpio.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
 #include "sim/chip/sio/divider.hpp"
 #include "sim/chip/sio/interpolator.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -33,10 +33,10 @@ class Sio {
 
   /// The registers as core 0 or 1 sees them.
   Peripheral& core(int core) { return views_[static_cast<std::size_t>(core)]; }
-  /// Where the cores are: a divider works in its own core's time, which a miss of the other one in
-  /// the flash can leave behind that of the wheel. Without it, that of the wheel.
+  /// Sets the source of the cores' cycles: a divider runs in its own core's time, which may be
+  /// before the wheel's after a flash miss of the other core. Without it, the wheel's time is used.
   void follow_cores(std::function<Cycle(std::size_t)> cycle_of) { cycle_of_ = std::move(cycle_of); }
-  /// SYSCFG PROC_IN_SYNC_BYPASS: pins whose synchroniser GPIO_IN goes round.
+  /// SYSCFG PROC_IN_SYNC_BYPASS: pins for which GPIO_IN bypasses the synchroniser.
   void set_synchroniser_bypass(std::uint32_t pins) { synchroniser_bypass_ = pins; }
   /// PSM resets SIO as a whole.
   void reset();
@@ -44,7 +44,7 @@ class Sio {
  private:
   static constexpr std::size_t fifo_depth = 8;
 
-  /// What a core has for itself.
+  /// State of one core.
   struct Own {
     Divider divider;
     Interpolator interpolator0{Interpolator::Kind::blend};

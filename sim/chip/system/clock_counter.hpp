@@ -2,19 +2,19 @@
 //
 // In:  the clock's frequency, each time it changes; real time.
 // Out: cycles counted until a time, and the time of a cycle, without drift: the part of a cycle
-//      that has passed when the frequency changes, or the clock stops, counts.
+//      that has passed when the frequency changes, or the clock stops, is kept.
 // Who: blocks that run by clk_ref, clk_adc, clk_rtc or an oscillator. The phase of such a clock
-//      against clk_sys is taken from when it first ran: real phases are anybody's guess.
+//      relative to clk_sys is counted from its first start: the real phase is not defined.
 #pragma once
 
 #include <cstdint>
 
-#include "sim/chip/wide.hpp"
-#include "sim/time.hpp"
+#include "sim/chip/fabric/wide.hpp"
+#include "sim/world/time.hpp"
 
 namespace lamplock::sim::chip {
 
-/// Cycles since the counter was made; they stand still while the frequency is 0.
+/// Cycles since the counter was made; constant while the frequency is 0.
 class ClockCounter {
  public:
   /// The clock has another frequency from `now` on.
@@ -35,7 +35,7 @@ class ClockCounter {
     return base_cycles_ + static_cast<std::uint64_t>((parts(time) + ps_per_s - 1) / ps_per_s);
   }
   /// When a cycle has been counted, rounded up, but not before the last change of frequency; never:
-  /// the clock stands still, or it is out of sight.
+  /// the clock has stopped, or the time is too far away.
   Picoseconds time_of(std::uint64_t cycle) const {
     if (hz_ == 0) return never;
     if (cycle <= base_cycles_) return base_time_;

@@ -1,8 +1,7 @@
-// WAKE_EN0 and WAKE_EN1 of CLOCKS: which clock each bit lets through, and which block it is of
-// (RP2040 datasheet, 2.15.7).
+// WAKE_EN0 and WAKE_EN1 of CLOCKS: the clock and the block of each bit (RP2040 datasheet, 2.15.7).
 //
-// In:  nothing; out: a table. Who: Clocks, to say which clock is not stopped although it should be;
-// the blocks that do stop, by their bits.
+// Out: a table. Who: Clocks, to report which clock is not stopped although it should be; the blocks
+//      that do stop, by their bits.
 #pragma once
 
 #include <array>
@@ -76,7 +75,7 @@ inline constexpr std::array<ClockEnable, 47> clock_enables{{
     {"clk_sys_xosc"},
 }};
 
-/// The bits that stop something: numbered as in the table.
+/// The bits that stop a modelled clock: numbered as in the table.
 enum class ClockGate : std::uint8_t {
   adc_adc = 1,
   sys_adc = 2,
@@ -98,8 +97,8 @@ enum class ClockGate : std::uint8_t {
   sys_watchdog = 44
 };
 
-/// Of the others, those that would be missed while both cores sleep and the DMA rests: I2C0, I2C1,
-/// IO (edges of pins that wake), the two of USB. Memories and the bus are not.
+/// Of the others, those that matter while both cores sleep and the DMA is idle: I2C0, I2C1, IO
+/// (edges of pins that wake), the two of USB. Memories and the bus do not matter.
 inline constexpr std::array<std::size_t, 5> clocks_missed_asleep{6, 7, 8, 42, 43};
 
 }  // namespace lamplock::sim::chip

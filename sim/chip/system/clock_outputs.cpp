@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "sim/chip/wide.hpp"
+#include "sim/chip/fabric/wide.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -44,15 +44,15 @@ bool ClockOutputs::connected(std::size_t index) const {
   return outputs_[index].source_hz != 0 && pins_.connected(static_cast<unsigned>(index));
 }
 
-/// The cycles are fine enough for it.
+/// True if the cycles are fine enough for the output.
 bool ClockOutputs::slow_enough(std::size_t index) const {
   const Output& output = outputs_[index];
   return static_cast<Wide>(output.source_hz) * halves_q8 <=
          static_cast<Wide>(output.divisor) * static_cast<Wide>(wheel_.frequency());
 }
 
-// Not where an output is shown: when clk_sys changes, the wheel does so before an output made of
-// it.
+// Not reported where an output is driven, because when clk_sys changes, the wheel changes before an
+// output made of clk_sys.
 void ClockOutputs::report_too_fast(std::size_t index) const {
   if (!connected(index) || slow_enough(index)) return;
   not_modelled_("CLOCKS GPOUT" + std::to_string(index) +
@@ -87,7 +87,7 @@ void ClockOutputs::pins_changed(Cycle at) {
   schedule();
 }
 
-// Levels are right even of outputs that are about to be connected.
+// Levels must be right even of outputs that are about to be connected.
 void ClockOutputs::pins_connecting(Cycle at) {
   for (std::size_t index = 0; index < output_count; ++index) {
     Output& output = outputs_[index];

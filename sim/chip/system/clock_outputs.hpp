@@ -1,27 +1,26 @@
 // GPOUT0 to GPOUT3: clocks on pins (RP2040 datasheet, 2.15.3.4).
 //
-// In:  what each of the four generators makes of which source.
+// In:  source and divisor of each of the four generators.
 // Out: levels on GPIO 21, 23, 24, 25, in the cycle of clk_sys in which or after which they change.
 // Who: Clocks; the wheel at each edge of an output that a pin shows. A clock on no pin costs
 //      nothing.
 //
-// An output is low for half a period from when it was set up, then high for the other half. A clock
-// of more than half of clk_sys has edges that are closer than the cycles the simulation counts in:
-// it is reported and not shown. Not modelled: the jitter of fractional divisors (edges lie where
-// they are on average), the uneven halves of odd ones without DC50, PHASE and NUDGE.
+// An output is low for half a period from its set-up, then high for the other half. The edges of a
+// clock faster than half of clk_sys are closer than the simulated cycles: it is reported and not
+// shown. Not modelled: the jitter of fractional divisors (edges are at their mean position), the
+// uneven halves of odd ones without DC50, PHASE and NUDGE.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/gpio/function_pins.hpp"
-#include "sim/chip/peripheral.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
-/// The four outputs.
 class ClockOutputs final : private Timed, private FunctionPins::User {
  public:
   static constexpr std::size_t output_count = 4;
@@ -31,7 +30,8 @@ class ClockOutputs final : private Timed, private FunctionPins::User {
   ClockOutputs& operator=(const ClockOutputs&) = delete;
 
   /// The output has a source of this frequency divided by a number in 24.8 fixed point from now on;
-  /// 0 Hz: it is low. To be called as well when it stays and the frequency of clk_sys has changed.
+  /// 0 Hz: it is low. Must also be called with the same values after the frequency of clk_sys has
+  /// changed.
   void set(std::size_t output, std::uint64_t source_hz, std::uint64_t divisor_q8);
 
  private:

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "sim/chip/wide.hpp"
+#include "sim/chip/fabric/wide.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -188,8 +188,8 @@ std::uint64_t Clocks::source_hz(Clock clock) const {
   return auxiliary_hz(clock);
 }
 
-/// 24.8 fixed point. An integer part of zero divides by the largest number plus one (2^16, 2^2 for
-/// two bits).
+/// 24.8 fixed point. An integer part of zero divides by the maximum plus one (2^16, 2^2 for two
+/// bits).
 std::uint64_t Clocks::divisor(Clock clock) const {
   if (clock == Clock::peri) return divider_one;
   const Generator& generator = generators_[index_of(clock)];
@@ -207,7 +207,7 @@ std::uint64_t Clocks::generated(Clock clock) const {
   return (source_hz(clock) << 8) / divisor(clock);
 }
 
-// Frequencies anew, each after those it depends on.
+// Computes each frequency again, after those it depends on.
 void Clocks::refresh() {
   if (refreshing_) return;
   refreshing_ = true;
@@ -226,16 +226,15 @@ void Clocks::refresh() {
   for (ClockListener* listener : listeners_) listener->clocks_changed();
 }
 
-/// clk_sys moves the wheel. If it stands still, cycles stop: the resuscitation lets one of them
-/// last as many cycles of clk_ref as its TIMEOUT and forces clk_sys to clk_ref (2.15.5).
+/// clk_sys moves the wheel. When it stops, cycles stop: the resuscitation lets one of them last as
+/// many cycles of clk_ref as its TIMEOUT and forces clk_sys to clk_ref (2.15.5).
 void Clocks::set_system_clock() {
   if (hz(Clock::sys) != 0) {
     stopped_ = false;
     return wheel_.set_frequency(hz(Clock::sys));
   }
   const bool helped = (resus_control_ & resus_enable) != 0 && hz(Clock::ref) != 0;
-  if (!helped)
-    return not_modelled_("CLOCKS: clk_sys stands still; it is run on at its last frequency");
+  if (!helped) return not_modelled_("CLOCKS: clk_sys has stopped; it keeps its last frequency");
   if (std::exchange(stopped_, true)) return;
   const std::uint64_t timeout = std::max(1u, resus_control_ & resus_timeout);
   wheel_.set_frequency(std::max<std::uint64_t>(1, hz(Clock::ref) / timeout));
@@ -268,7 +267,7 @@ void Clocks::pins_changed(Cycle /*at*/) {
   if (input_hz_[0] != 0 || input_hz_[1] != 0) refresh();
 }
 
-// The glitchless multiplexers follow SRC, but stay where they are when the new source stands still.
+// The glitchless multiplexers follow SRC, but keep their source when the new one has stopped.
 void Clocks::change_over() {
   for (const Clock clock : {Clock::ref, Clock::sys}) {
     Generator& generator = generators_[index_of(clock)];
@@ -277,7 +276,7 @@ void Clocks::change_over() {
     const std::uint32_t old = std::exchange(generator.selected, wanted);
     if (source_hz(clock) == 0) {
       generator.selected = old;
-      not_modelled_("CLOCKS: a glitchless multiplexer was set to a source that stands still");
+      not_modelled_("CLOCKS: a glitchless multiplexer was set to a source that has stopped");
     }
   }
   refresh();
@@ -384,7 +383,7 @@ void Clocks::report_gate(std::size_t bit) const {
   const bool unseen = asleep_ && std::find(missed.begin(), missed.end(), bit) == missed.end();
   if (unseen || (clock.has_reset && held_(clock.reset))) return;
   not_modelled_("CLOCKS: " + std::string(clock.clock) +
-                " is stopped while its block is in use; the block runs on");
+                " is stopped while its block is in use; the block keeps running");
 }
 
 void Clocks::write(std::uint32_t offset, std::uint32_t value) {
@@ -429,8 +428,8 @@ void Clocks::start_counter(std::uint32_t source) {
 
 bool Clocks::counter_done() const { return counter_[5] != 0 && wheel_.time() >= counter_end_; }
 
-/// Kilohertz with five fractional bits, measured against what REF_KHZ says clk_ref is: whole edges
-/// in the interval, each of which stands for 1024 kHz over a power of two.
+/// Kilohertz with five fractional bits, measured relative to the clk_ref that REF_KHZ gives: whole
+/// edges in the interval, each of which counts as 1024 kHz over a power of two.
 std::uint32_t Clocks::counter_result() const {
   const std::uint64_t reference = hz(Clock::ref);
   if (!counter_done() || reference == 0) return 0;

@@ -1,10 +1,10 @@
 // CLOCKS: which source, divided by what, drives which part (RP2040 datasheet, 2.15).
 //
 // In:  frequencies of the sources, those on GPIN0 and GPIN1 included; registers.
-// Out: the frequency of each clock; clk_sys is the wheel's. Others are told of changes. GPOUT0-3 on
-//      their pins; the interrupt of the resuscitation of clk_sys. Blocks are told when WAKE_EN or
-//      SLEEP_EN stops their clocks (2.15.3.5); the blocks stop themselves.
-// Who: the bus; UART, tick generator and whoever needs the frequency of a clock.
+// Out: the frequency of each clock; clk_sys is the wheel's. Listeners are informed of changes.
+//      GPOUT0-3 on their pins; the interrupt of the resuscitation of clk_sys. Blocks are informed
+//      when WAKE_EN or SLEEP_EN stops their clocks (2.15.3.5); the blocks stop themselves.
+// Who: the bus; UART, tick generator and other blocks that need the frequency of a clock.
 #pragma once
 
 #include <array>
@@ -12,15 +12,15 @@
 #include <functional>
 #include <vector>
 
+#include "sim/chip/fabric/interrupt_registers.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/gpio/function_pins.hpp"
-#include "sim/chip/interrupt_registers.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
 #include "sim/chip/system/clock_enables.hpp"
 #include "sim/chip/system/clock_outputs.hpp"
 #include "sim/chip/system/oscillators.hpp"
 #include "sim/chip/system/resets.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -28,7 +28,7 @@ namespace lamplock::sim::chip {
 enum class Clock : std::uint8_t { gpout0, gpout1, gpout2, gpout3, ref, sys, peri, usb, adc, rtc };
 inline constexpr std::size_t clock_count = 10;
 
-/// Told after a clock other than clk_sys has changed (for clk_sys: Timed::clock_changed).
+/// Called after a clock other than clk_sys has changed (for clk_sys: Timed::clock_changed).
 class ClockListener {
  public:
   virtual ~ClockListener() = default;
@@ -50,15 +50,15 @@ class Clocks final : public Peripheral, private Timed, private FunctionPins::Use
   Clocks(const Clocks&) = delete;
   Clocks& operator=(const Clocks&) = delete;
 
-  /// Frequency of a clock; 0: it stands still.
+  /// Frequency of a clock; 0: it is stopped.
   std::uint64_t hz(Clock clock) const { return hz_[static_cast<std::size_t>(clock)]; }
-  /// The clock that the outside puts on GPIN0 (GPIO 20) or GPIN1 (GPIO 22) is given by its
-  /// frequency, not by edges; it comes in if the pin has the function. 0: none.
+  /// Sets the frequency of the outside clock on GPIN0 (GPIO 20) or GPIN1 (GPIO 22); edges are not
+  /// simulated. It has effect if the pin has the function. 0: none.
   void set_input_hz(unsigned input, std::uint64_t hz);
   void listen(ClockListener& listener) { listeners_.push_back(&listener); }
-  /// Calls `changed` with false when the clock behind a gate stops, with true when it goes on.
+  /// Calls `changed` with false when the clock behind a gate stops, with true when it starts again.
   void on_gate(ClockGate gate, std::function<void(bool runs)> changed);
-  /// The system sleeps: SLEEP_EN decides, otherwise WAKE_EN (2.11.2).
+  /// In system sleep SLEEP_EN decides, otherwise WAKE_EN (2.11.2).
   void set_asleep(bool asleep);
 
   std::string_view name() const override { return "CLOCKS"; }
@@ -75,7 +75,7 @@ class Clocks final : public Peripheral, private Timed, private FunctionPins::Use
     std::uint32_t selected = 0;  ///< of the glitchless multiplexer: SRC in use
   };
 
-  /// What a multiplexer or the counter can be given.
+  /// What a multiplexer or the counter can select.
   enum class Source : std::uint8_t;
 
   void run(Cycle to) override;
@@ -85,7 +85,7 @@ class Clocks final : public Peripheral, private Timed, private FunctionPins::Use
   void write_resus(std::uint32_t value);
   std::uint64_t input_hz(unsigned input) const;
   std::uint64_t hz_of(Source source) const;
-  /// `nothing` for reserved numbers.
+  /// Returns `nothing` for reserved numbers.
   template <std::size_t size>
   static Source pick(const std::array<Source, size>& table, std::uint32_t index);
   std::uint64_t divisor(Clock clock) const;
@@ -132,7 +132,7 @@ class Clocks final : public Peripheral, private Timed, private FunctionPins::Use
   Picoseconds counter_end_ = 0;
   std::array<std::uint32_t, 2> wake_enable_{}, sleep_enable_{};
   InterruptRegisters interrupts_;
-  std::array<std::uint32_t, 2> enabled_{};  ///< the one of them that counts
+  std::array<std::uint32_t, 2> enabled_{};  ///< the one that applies
   bool asleep_ = false;
   std::array<std::function<void(bool)>, clock_enables.size()> gates_;
 };

@@ -100,7 +100,7 @@ void Busctrl::reset() {
   held_ = since_ = {};
 }
 
-// Events of a counter's port so far, whenever it began to look at them.
+// Events of a counter's port so far, counted from power-up.
 std::uint32_t Busctrl::events(std::size_t counter) const {
   const std::uint32_t event = select_[counter];
   if (arbiter_ == nullptr || !counts(event)) return 0;
@@ -113,7 +113,7 @@ std::uint32_t Busctrl::count(std::size_t counter) const {
 
 std::uint32_t Busctrl::peek(std::uint32_t offset) const {
   if (offset == 0x0) return priority_;
-  if (offset == 0x4) return 1;  // the arbiters have taken the priorities over
+  if (offset == 0x4) return 1;  // the arbiters have accepted the priorities
   if (offset < offset_perfctr0 || offset >= busctrl_end) return 0;
   const std::size_t counter = (offset - offset_perfctr0) / 8;
   return offset % 8 == 4 ? select_[counter] : count(counter);
@@ -136,7 +136,7 @@ void Busctrl::write(std::uint32_t offset, std::uint32_t value) {
     not_modelled_("BUSCTRL: no register at this offset");
   } else if (offset >= offset_perfctr0) {
     const std::size_t counter = (offset - offset_perfctr0) / 8;
-    // Any value clears the counter; another event goes on from the same count.
+    // Any value clears the counter; another event continues from the same count.
     held_[counter] = offset % 8 == 4 ? count(counter) : 0;
     if (offset % 8 == 4) select_[counter] = value & 0x1fu;
     since_[counter] = events(counter);

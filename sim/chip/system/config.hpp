@@ -1,8 +1,8 @@
-// SYSINFO, SYSCFG, TBMAN, BUSCTRL: small blocks that say what the chip is, or configure it (RP2040
+// SYSINFO, SYSCFG, TBMAN, BUSCTRL: small blocks that identify the chip or configure it (RP2040
 // datasheet, 2.20, 2.21, 2.23, 2.1.4).
 //
 // In:  registers.
-// Out: identification of an RP2040 of stepping B2; settings, told to whom they concern.
+// Out: identification of an RP2040 of stepping B2; settings, passed to the blocks concerned.
 // Who: the bus.
 #pragma once
 
@@ -12,15 +12,15 @@
 #include <span>
 #include <string_view>
 
-#include "sim/chip/arbiter.hpp"
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/arbiter.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
 
 namespace lamplock::sim::chip {
 
-/// A block that only says what the chip is; writes are lost.
+/// A block that only identifies the chip; writes are lost.
 class Identification final : public Peripheral {
  public:
-  /// SYSINFO, or TBMAN, which says that this is a chip and no FPGA.
+  /// SYSINFO, or TBMAN, which says that this is a chip and not an FPGA.
   static Identification sysinfo(NotModelled not_modelled);
   static Identification tbman(NotModelled not_modelled);
   std::string_view name() const override { return name_; }
@@ -72,7 +72,7 @@ class Busctrl final : public Peripheral {
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
   void reset() override;
-  /// Whose priorities and counts these are.
+  /// Connects the arbiter with these priorities and counts.
   void connect(Arbiter& arbiter) { arbiter_ = &arbiter; }
 
  private:

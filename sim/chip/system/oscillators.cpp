@@ -4,7 +4,7 @@
 #include <bit>
 #include <utility>
 
-#include "sim/chip/wide.hpp"
+#include "sim/chip/fabric/wide.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -207,7 +207,7 @@ std::uint64_t Rosc::ring_frequency() const {
 
 std::uint32_t Rosc::read(std::uint32_t offset) {
   if (offset > 0x20) not_modelled_("ROSC: no register at this offset");
-  if (offset == 0x1c) {  // a Galois register of 32 bits stands in for noise: runs are repeatable
+  if (offset == 0x1c) {  // a Galois register of 32 bits replaces noise: runs are repeatable
     constexpr std::uint32_t taps = 0xd0000001;
     random_ = (random_ >> 1) ^ ((random_ & 1u) != 0 ? taps : 0u);
   }

@@ -1,4 +1,4 @@
-// Where clocks come from: crystal, ring oscillator and the two PLLs (RP2040 datasheet, 2.16-2.18).
+// Clock sources: crystal, ring oscillator and the two PLLs (RP2040 datasheet, 2.16-2.18).
 //
 // In:  registers; simulated time.
 // Out: the frequency each of them gives now (0: none), and a call when that changes.
@@ -11,16 +11,16 @@
 #include <string_view>
 #include <utility>
 
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/system/clock_counter.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
 /// Called after the frequency of a source has changed.
 using SourceChanged = std::function<void()>;
 
-/// Something that needs a while until it runs: a moment in real time, whatever clk_sys does.
+/// The end of a start-up time: a moment in real time, independent of clk_sys.
 class Deadline : private Timed {
  public:
   Deadline(TimeWheel& wheel, std::function<void()> reached)
@@ -98,12 +98,12 @@ class Xosc final : public Peripheral {
 };
 
 /// The ring oscillator. Its frequency varies from chip to chip and with temperature; the nominal
-/// one is taken for the eight stages with the weakest drive. FREQ_RANGE takes stages out of the
-/// ring (2.17.3), a stage's bits of FREQA, FREQB multiply its drive (2.17.4). That the delay of a
-/// stage is the inverse of its drive, and the same for all stages, is assumed.
+/// one is assumed for the eight stages with the weakest drive. FREQ_RANGE removes stages from the
+/// ring (2.17.3), a stage's bits of FREQA, FREQB multiply its drive (2.17.4). It is assumed that
+/// the delay of a stage is the inverse of its drive, and the same for all stages.
 class Rosc final : public Peripheral {
  public:
-  /// 6.5 MHz nominally behind the reset divider of 16 (2.17.1: 1.8 to 12 MHz).
+  /// 6.5 MHz nominally after the reset divider of 16 (2.17.1: 1.8 to 12 MHz).
   static constexpr std::uint64_t nominal_ring_hz = 104'000'000;
   Rosc(TimeWheel& wheel, NotModelled not_modelled);
 

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -39,9 +39,9 @@ enum class PsmBit : std::uint8_t {
 };
 inline constexpr std::size_t psm_stage_count = 17;
 
-/// The power-on state machine. Each stage's reset is released by the stage before it being done
-/// (2.13.1): so a stage that is put into reset takes all that come after it along, and the sequence
-/// is run from there. The processors are both at its end, beside each other.
+/// The power-on state machine. Each stage is released when the stage before it is done (2.13.1): a
+/// stage that is put into reset puts all later ones into reset as well, and the sequence runs from
+/// there. The processors are both at its end, side by side.
 class Psm final : public Peripheral {
  public:
   /// Called with true when a stage is put into reset, with false when it is released.
@@ -71,8 +71,8 @@ class Psm final : public Peripheral {
   std::uint32_t force_on_ = 0, force_off_ = 0, watchdog_select_ = 0;
 };
 
-/// What has reset the whole chip. Power-on and brown-out cannot be told apart by software (both are
-/// HAD_POR). A watchdog's reset is none of these: CHIP_RESET keeps what it had.
+/// The cause of a reset of the whole chip. Software cannot distinguish power-on and brown-out (both
+/// are HAD_POR). A watchdog's reset is none of these: CHIP_RESET keeps its value.
 enum class ChipReset : std::uint8_t { power_on, brown_out, run_pin, debug_port };
 
 /// Regulator, brown-out detector, and the cause of the last reset of the chip.
@@ -80,7 +80,7 @@ class VregAndChipReset final : public Peripheral {
  public:
   explicit VregAndChipReset(NotModelled not_modelled);
 
-  /// Notes the cause of a reset that is about to take place.
+  /// Records the cause of a reset that is about to take place.
   void note(ChipReset cause);
   /// Whether the brown-out detector is on (2.10.3).
   bool brown_out_enabled() const { return (brown_out_ & 1u) != 0; }
@@ -90,7 +90,7 @@ class VregAndChipReset final : public Peripheral {
   std::uint32_t peek(std::uint32_t offset) const override;
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t offset) const override;
-  /// Registers; the cause is kept.
+  /// Resets the registers; the cause is kept.
   void reset() override;
 
  private:

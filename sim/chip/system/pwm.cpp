@@ -7,7 +7,7 @@ namespace lamplock::sim::chip {
 
 namespace {
 
-// Offsets in a slice (4.5.3) and behind the slices.
+// Offsets in a slice (4.5.3) and after the slices.
 constexpr std::uint32_t offset_csr = 0x00;
 constexpr std::uint32_t offset_div = 0x04;
 constexpr std::uint32_t offset_ctr = 0x08;
@@ -48,7 +48,7 @@ bool PwmSlice::counts_clocks() const {
   return enabled() && (mode() == Mode::free_running || (mode() == Mode::gated && input_));
 }
 
-/// CC and TOP are double buffered: what was written takes effect when the counter wraps, or at once
+/// CC and TOP are double buffered: a written value takes effect when the counter wraps, or at once
 /// while the slice is not enabled.
 void PwmSlice::latch() {
   compare_ = compare_written_;
@@ -60,9 +60,9 @@ void PwmSlice::step(std::uint64_t counts) {
   retards_ -= lost;
   counts -= lost;
   while (counts != 0) {
-    // A counter above TOP (written, or TOP was lowered) runs on to 0xffff.
-    const bool astray = position_ >= period();
-    const std::uint64_t to_wrap = (astray ? 0x10000u : period()) - position_;
+    // A counter above TOP (written, or TOP was lowered) continues to 0xffff.
+    const bool above_top = position_ >= period();
+    const std::uint64_t to_wrap = (above_top ? 0x10000u : period()) - position_;
     if (counts < to_wrap) {
       position_ += counts;
       return;
@@ -218,7 +218,7 @@ void Pwm::collect_wraps() {
     if ((wrapped & awaited_) >> slice & 1u) dreqs_->pwm_wrap(static_cast<unsigned>(slice));
 }
 
-/// Wraps before now are none of the channel's that has just begun to wait.
+/// A channel that has just begun to wait must not see wraps before now.
 void Pwm::wraps_awaited(std::uint32_t slices) {
   advance(wheel_.now());
   awaited_ = slices;
@@ -254,7 +254,7 @@ void Pwm::schedule() {
 
 void Pwm::update_irq() { irqs_.set(Irq::pwm_wrap, interrupts_.status(raised_) != 0); }
 
-/// After anything that may have changed outputs, interrupts or what comes next.
+/// Called after any change of outputs, interrupts or the next event.
 void Pwm::settle(Cycle at) {
   drive(at);
   update_irq();
@@ -274,7 +274,7 @@ void Pwm::run(Cycle) {
   settle(wheel_.now());
 }
 
-// Levels are right even of outputs that are about to be connected.
+// Levels must be right even of outputs that are about to be connected.
 void Pwm::catch_up(Cycle at) {
   if (!running_) return;
   advance(at);

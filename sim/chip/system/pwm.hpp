@@ -2,8 +2,8 @@
 //
 // In:  registers; the levels of the pins that channels B count.
 // Out: levels on the pins; the interrupt PWM_IRQ_WRAP; a request to the DMA for each wrap.
-// Who: the bus; the wheel at edges of outputs that are connected to a pin, and at wraps that
-//      somebody waits for. A slice that nobody looks at costs nothing: its counter has a closed
+// Who: the bus; the wheel at edges of outputs that are connected to a pin, and at wraps that an
+//      interrupt or the DMA waits for. Any other slice costs nothing: its counter has a closed
 //      form.
 #pragma once
 
@@ -11,19 +11,19 @@
 #include <cstdint>
 #include <string_view>
 
-#include "sim/chip/dreq_lines.hpp"
+#include "sim/chip/fabric/dreq_lines.hpp"
+#include "sim/chip/fabric/interrupt_registers.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/gpio/gpio.hpp"
-#include "sim/chip/interrupt_registers.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
 /// One slice: a divider of 8.4 bits, a counter, two comparators.
 ///
-/// The place of the counter is kept as a position in its period: 0 to TOP up, and in phase-correct
-/// mode as many steps down again.
+/// The counter is kept as a position in its period: 0 to TOP up, and in phase-correct mode as many
+/// steps down again.
 class PwmSlice {
  public:
   enum class Mode : std::uint8_t { free_running, gated, rising, falling };
@@ -69,7 +69,6 @@ class PwmSlice {
   bool wrapped_ = false;
 };
 
-/// The block.
 class Pwm final : public Peripheral, private Timed, private InputListener, private DreqPulser {
  public:
   static constexpr std::size_t slice_count = 8;
@@ -89,7 +88,7 @@ class Pwm final : public Peripheral, private Timed, private InputListener, priva
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
-  /// Its clock stops: counters and outputs stay, edges of inputs are not seen; or goes on.
+  /// Its clock stops (counters and outputs stay, edges of inputs are not seen) or starts again.
   void set_clock(bool runs);
 
  private:

@@ -64,7 +64,7 @@ std::uint32_t Resets::peek(std::uint32_t offset) const {
 
 void Resets::write(std::uint32_t offset, std::uint32_t value) {
   if (offset == offset_reset) {
-    // A block that is released starts from its reset values too: time did not pass for it.
+    // A released block starts from its reset values too: no time passed for it.
     const std::uint32_t changed = (value ^ reset_) & all_blocks;
     reset_ = value & all_blocks;
     reset_blocks(changed);

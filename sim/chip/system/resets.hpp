@@ -1,8 +1,8 @@
 // RESETS: which blocks are held in reset (RP2040 datasheet, 2.14).
 //
 // In:  registers; the watchdog.
-// Out: a block whose bit is set takes its reset values and stays that way until it is released:
-//      what is written to it is lost, and reported.
+// Out: a block whose bit is set takes its reset values and keeps them until it is released; writes
+//      to it are lost, and reported.
 // Who: the bus; System, which attaches the blocks by bit.
 #pragma once
 
@@ -10,7 +10,7 @@
 #include <deque>
 #include <string_view>
 
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -50,11 +50,11 @@ class Resets final : public Peripheral {
   Resets(const Resets&) = delete;
   Resets& operator=(const Resets&) = delete;
 
-  /// Puts a block behind a bit (several may share one). The bus is to reach it through the result.
+  /// Attaches a block to a bit (several may share one). The bus must reach it through the result.
   Peripheral& attach(ResetBit bit, Peripheral& block);
   bool held(ResetBit bit) const { return (reset_ >> static_cast<unsigned>(bit) & 1u) != 0; }
-  /// The clock of a block's registers stops or goes on (CLOCKS WAKE_EN, SLEEP_EN). What an access
-  /// does without it is not documented: it is reported and without effect.
+  /// The clock of a block's registers stops or starts (CLOCKS WAKE_EN, SLEEP_EN). The effect of an
+  /// access without it is not documented: it is reported and does nothing.
   void set_clock(ResetBit bit, bool runs) {
     const std::uint32_t mask = 1u << static_cast<unsigned>(bit);
     stopped_ = runs ? stopped_ & ~mask : stopped_ | mask;

@@ -45,7 +45,7 @@ constexpr std::uint32_t interrupt_alarm = 1u << 0;
 
 constexpr std::uint64_t crossing_edges = 2;  // 4.8.2: two periods of clk_rtc
 
-/// Counts a field on; true: it has wrapped.
+/// Increments a field; true: it has wrapped.
 bool wraps(std::uint32_t& field, std::uint32_t last, std::uint32_t first) {
   const bool at_end = field >= last;
   field = at_end ? first : field + 1;
@@ -101,7 +101,7 @@ void Rtc::advance() {
   for (std::uint64_t next = next_event(); next <= cycles; next = next_event()) happen(next);
 }
 
-/// All that is due in a cycle of clk_rtc: a second, then what arrives from the registers.
+/// Applies all that is due in a cycle of clk_rtc: a second, then register bits that arrive.
 void Rtc::happen(std::uint64_t cycle) {
   const std::uint64_t second = divider_ + 1u;
   if (second_at_ == cycle) {
@@ -160,7 +160,7 @@ void Rtc::schedule() {
 
 // --- alarm
 
-/// The fields that are enabled are equal; none enabled: every second is (assumed).
+/// True if all enabled fields are equal; with none enabled, in every second (assumed).
 bool Rtc::matches() const {
   if (!match_.arrived || !enable_.arrived) return false;
   const std::uint32_t date_mask = ((match_date_ & match_year) != 0 ? year_field : 0u) |
@@ -211,7 +211,7 @@ std::uint32_t Rtc::peek(std::uint32_t offset) const {
   }
 }
 
-// RTC_0 is to be read before RTC_1: the date is taken with the time of day.
+// RTC_0 must be read before RTC_1: the date is latched with the time of day.
 std::uint32_t Rtc::read(std::uint32_t offset) {
   if (offset > offset_ints) not_modelled_("RTC: no register at this offset");
   advance();

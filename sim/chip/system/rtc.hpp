@@ -2,27 +2,27 @@
 //
 // In:  registers; clk_rtc.
 // Out: date and time; the interrupt RTC_IRQ as long as the alarm matches.
-// Who: the bus; the wheel at seconds, only while an alarm is armed and its interrupt enabled. Else
-//      the time is brought up to date when it is read.
+// Who: the bus; the wheel at seconds, only while an alarm is armed and its interrupt enabled.
+//      Otherwise the time is updated when it is read.
 //
-// What is written to CTRL and MATCH_ENA arrives two edges of clk_rtc later (4.8.2); readings come
-// back at once. Seconds are counted from when the clock was enabled or loaded (assumed). Waking the
+// A write to CTRL or MATCH_ENA takes effect two edges of clk_rtc later (4.8.2); reads return at
+// once. Seconds are counted from when the clock was enabled or loaded (assumed). Waking the
 // oscillators from dormant mode is not modelled.
 #pragma once
 
 #include <cstdint>
 #include <string_view>
 
-#include "sim/chip/interrupt_registers.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/interrupt_registers.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/system/clock_counter.hpp"
 #include "sim/chip/system/clocks.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
-/// What the RTC counts. Values are not checked, as in the chip: each field wraps at its limit.
+/// Date and time. Values are not checked, as in the chip: each field wraps at its limit.
 struct RtcTime {
   std::uint32_t year = 0, month = 0, day = 0;  ///< 0..4095, 1..12, 1..31
   std::uint32_t weekday = 0;                   ///< Sunday is 0; never computed from the date
@@ -32,7 +32,6 @@ struct RtcTime {
   void tick(bool no_leap_year);
 };
 
-/// The block.
 class Rtc final : public Peripheral, private Timed, private ClockListener {
  public:
   Rtc(TimeWheel& wheel, Clocks& clocks, IrqLines& irqs, NotModelled not_modelled);
@@ -45,7 +44,7 @@ class Rtc final : public Peripheral, private Timed, private ClockListener {
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t /*offset*/) const override { return 0; }
   void reset() override;
-  /// clk_rtc stops or goes on behind its gate.
+  /// clk_rtc stops or starts behind its gate.
   void set_clock(bool runs);
 
  private:

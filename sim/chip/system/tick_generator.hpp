@@ -1,27 +1,27 @@
 // The 1 us reference: clk_ref divided by a number of cycles (RP2040 datasheet, 4.7.2).
 //
 // In:  WATCHDOG TICK; the frequency of clk_ref.
-// Out: how many ticks there have been; the cycle of clk_sys in which a tick to come falls.
+// Out: the number of ticks so far; the cycle of clk_sys of a future tick.
 // Who: Watchdog sets it; it and Timer count its ticks. Nothing happens per tick.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/system/clock_counter.hpp"
 #include "sim/chip/system/clocks.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
-/// Told when ticks to come have moved: cycles asked for before are no longer right.
+/// Called when future ticks have moved: cycles returned before are no longer right.
 class TickListener {
  public:
   virtual ~TickListener() = default;
   virtual void ticks_moved() = 0;
 };
 
-/// Ticks as a function of time, exact however clk_sys and clk_ref relate.
+/// Ticks as a function of time, exact for any relation of clk_sys and clk_ref.
 class TickGenerator final : private ClockListener {
  public:
   TickGenerator(TimeWheel& wheel, Clocks& clocks);
@@ -35,7 +35,7 @@ class TickGenerator final : private ClockListener {
   std::uint64_t ticks() const;
   /// Cycles of clk_ref until the next tick.
   std::uint32_t remaining() const;
-  /// First cycle of clk_sys at which ticks() is `tick` or more; never_cycle: none in sight.
+  /// First cycle of clk_sys at which ticks() is `tick` or more; never_cycle: none is foreseeable.
   Cycle cycle_of(std::uint64_t tick) const;
   void listen(TickListener& listener) { listeners_.push_back(&listener); }
 

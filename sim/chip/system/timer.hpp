@@ -8,16 +8,16 @@
 #include <array>
 #include <cstdint>
 
-#include "sim/chip/interrupt_registers.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/interrupt_registers.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/system/tick_generator.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
 /// The system timer. An alarm that is written with the present value of the counter fires when the
-/// counter comes round to it again.
+/// counter next reaches that value.
 class Timer final : public Peripheral, private Timed, private TickListener {
  public:
   Timer(TimeWheel& wheel, TickGenerator& ticks, IrqLines& irqs, NotModelled not_modelled);
@@ -33,7 +33,7 @@ class Timer final : public Peripheral, private Timed, private TickListener {
   void write(std::uint32_t offset, std::uint32_t value) override;
   std::uint32_t write_clear_bits(std::uint32_t offset) const override;
   void reset() override;
-  /// Its clock stops, and time with it, or goes on.
+  /// Its clock stops, and time with it, or starts.
   void set_clock(bool runs);
 
  private:

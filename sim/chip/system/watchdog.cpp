@@ -57,7 +57,7 @@ std::uint32_t Watchdog::count() const {
   return counted >= base_count_ ? 0 : base_count_ - static_cast<std::uint32_t>(counted);
 }
 
-/// Freezes what has been counted, before what it depends on changes.
+/// Stores the count so far, before a value that it depends on changes.
 void Watchdog::hold_count() {
   base_count_ = count();
   base_ticks_ = ticks_.ticks();

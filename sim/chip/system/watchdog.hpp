@@ -1,7 +1,7 @@
 // WATCHDOG: countdown, forced reset, scratch registers, tick generator (RP2040 datasheet, 4.7).
 //
 // In:  ticks; registers.
-// Out: a call when it fires. What is reset then is decided by WDSEL of PSM and RESETS.
+// Out: a call when it fires. WDSEL of PSM and RESETS select what is reset then.
 // Who: the bus; the wheel when the countdown ends.
 #pragma once
 
@@ -9,9 +9,9 @@
 #include <cstdint>
 #include <functional>
 
-#include "sim/chip/peripheral.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/system/tick_generator.hpp"
-#include "sim/chip/time_wheel.hpp"
 
 namespace lamplock::sim::chip {
 
@@ -32,7 +32,7 @@ class Watchdog final : public Peripheral, private Timed, private TickListener {
   bool was_forced() const;
   /// Power-up or RUN.
   void reset() override;
-  /// Its clock stops or goes on: the count stands still, ticks and registers do not (assumed).
+  /// Its clock stops or starts: the count stops, ticks and registers do not (assumed).
   void set_clock(bool runs);
 
  private:

@@ -1,7 +1,7 @@
 // Counts the edges of all pads.
 //
-// In:  the pads. Out: numbers for a summary. Who: whoever runs a chip; listens from construction
-// on.
+// In:  the pads. Out: numbers for a summary. Who: the owner of a chip; listens from construction
+//      on.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct PadCount {
   }
 };
 
-/// All pads of one chip; must live as long as the chip runs.
+/// Counts of all pads of one chip; must live as long as the chip runs.
 class PadCounter final : private PadListener {
  public:
   explicit PadCounter(Chip& chip) : wheel_(chip.wheel()) {

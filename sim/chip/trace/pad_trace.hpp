@@ -1,7 +1,8 @@
 // Trace of all GPIO pads of a chip as a Value Change Dump: gpio0 to gpio29.
 //
-// In:  the pads. Out: text on a stream (vcd_file.hpp). Who: whoever runs the chip; flush() now and
-// then after gpio().catch_up(), finish() at the end. Listens from construction on.
+// In:  the pads. Out: text on a stream (vcd_file.hpp). Who: the owner of the chip, who calls
+//      flush() now and then after gpio().catch_up(), and finish() at the end. Listens from
+//      construction on.
 #pragma once
 
 #include <ostream>

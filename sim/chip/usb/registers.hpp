@@ -1,5 +1,5 @@
-// Registers and DPRAM words of the USB controller (RP2040 datasheet, 4.1.2.5 and 4.1.4), this
-// simulator's own reading of them.
+// Registers and DPRAM words of the USB controller (RP2040 datasheet, 4.1.2.5 and 4.1.4), written
+// for this simulator independently of the firmware.
 #pragma once
 
 #include <cstdint>

@@ -12,9 +12,9 @@ namespace {
 
 /// Idle bus that means suspend (USB 2.0, 7.1.7.6).
 constexpr Picoseconds suspend_after = 3 * ps_per_ms;
-/// Idle bus that RP2040-E5 wants after a reset.
+/// Idle bus that RP2040-E5 needs after a reset.
 constexpr Picoseconds e5_idle = 800 * ps_per_us;
-/// Where RP2040-E15 lies in wait: the last 200 us of a frame of 1 ms.
+/// Where RP2040-E15 can strike: the last 200 us of a frame of 1 ms.
 constexpr Picoseconds e15_window_start = 800 * ps_per_us;
 /// The only frequency of clk_usb (datasheet, 4.1.2.1).
 constexpr std::uint64_t usb_clock_hz = 48'000'000;
@@ -94,7 +94,7 @@ void UsbController::dpram_stored(std::uint32_t offset, std::uint32_t before, std
     const bool rises = (is & ~was & buffer_control::available) != 0;
     if (rises && written != 0 && wheel_.time() + 1 - written < cycle)
       violation(endpoint_name(index) + " buffer " + std::to_string(buffer) +
-                ": AVAILABLE set less than one cycle of clk_usb after the fields beside it");
+                ": AVAILABLE set less than one cycle of clk_usb after the other fields");
   }
 }
 
@@ -131,7 +131,7 @@ std::uint32_t UsbController::peek(std::uint32_t offset) const {
     case reg::ep_stall_arm:
       return stall_arm_;
     case reg::nak_poll:
-      return 0x0010'0010;  // reset value; of host mode, which is not there
+      return 0x0010'0010;  // reset value; of host mode, which is not modelled
     case reg::ep_status_stall_nak:
       return stall_nak_;
     case reg::usb_muxing:
@@ -362,7 +362,7 @@ void UsbController::update_pull_up() {
   bool wanted = (sie_ctrl_ & sie_ctrl::pullup_en) != 0;
   if ((phy_override_ & phy::dp_pullup_override) != 0)
     wanted = (phy_direct_ & phy::dp_pullup_en) != 0;
-  // That the device pulls up only with VBUS detected is what the override in USB_PWR is for.
+  // The override in USB_PWR exists because the device pulls up only with VBUS detected.
   const bool on = enabled && wanted && vbus_detected();
   if (on == pull_up_) return;
   if (on && usb_hz_ != usb_clock_hz)
@@ -494,8 +494,8 @@ void UsbController::start_of_frame(std::uint16_t number, Picoseconds at) {
 
 void UsbController::other_traffic(Picoseconds at) { activity(at); }
 
-/// Packets are heard. A suspended controller wakes by resume signalling only, not by packets
-/// (RP2350 datasheet, 12.7.2.2.3, which names this as what the RP2350 changed).
+/// Whether packets are received. A suspended controller wakes by resume signalling only, not by
+/// packets (RP2350 datasheet, 12.7.2.2.3, which names this as changed in the RP2350).
 bool UsbController::listens() const {
   return pull_up_ && connected_ && !suspended_ && !hung_ && bus_ == Bus::idle &&
          usb_hz_ == usb_clock_hz && (sie_ctrl_ & sie_ctrl::transceiver_pd) == 0;
@@ -503,7 +503,7 @@ bool UsbController::listens() const {
 
 // Transactions
 
-/// The endpoint that a token is for; nothing if the controller does not answer for it.
+/// The endpoint that a token addresses; empty if the controller does not answer for it.
 std::optional<UsbController::Endpoint> UsbController::find_endpoint(std::uint8_t number, bool out) {
   Endpoint endpoint;
   endpoint.index = 2u * number + (out ? 1u : 0u);
@@ -643,7 +643,7 @@ std::optional<Pid> UsbController::out_data(const Packet& packet, Fault fault, Pi
     if (fault == Fault::none) latched_ |= sie_status::data_seq_error;
     transaction_.answer = Answer::discard;
   }
-  // Bytes go to the buffer as they come; the checksum comes last.
+  // Bytes are written as they arrive; the checksum arrives last.
   if (transaction_.answer == Answer::data)
     for (std::size_t i = 0; i < transaction_.length; ++i)
       dpram_[(endpoint.address() + i) % dpram::size] = packet.bytes[i];

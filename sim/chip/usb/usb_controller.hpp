@@ -1,13 +1,13 @@
 // The USB controller as a device (RP2040 datasheet, 4.1): registers at 0x50110000, DPRAM at
 // 0x50100000.
 //
-// In:  register accesses of the firmware; its words in the DPRAM, looked at when a token comes;
+// In:  register accesses of the firmware; its words in the DPRAM, read when a token comes;
 //      packets, resets and silence from the host end (DeviceEnd).
 // Out: answers to the host end, words and data written back to the DPRAM, USBCTRL_IRQ.
 // Who: the bus for registers; the time wheel for suspend; usb_host/ for the cable.
 //
-// The DPRAM is plain memory of any access width that the bus maps; whoever maps it may report
-// stores to the buffer control words (dpram_stored), so that unsafe ones are noticed.
+// The bus maps the DPRAM as plain memory of any access width; its owner may report stores to the
+// buffer control words (dpram_stored), so that unsafe ones are noticed.
 // Not modelled, reported by name: host mode, isochronous endpoints, direct drive of the PHY.
 #pragma once
 
@@ -17,17 +17,17 @@
 #include <string>
 #include <vector>
 
-#include "sim/chip/interrupt_registers.hpp"
-#include "sim/chip/irq_lines.hpp"
-#include "sim/chip/peripheral.hpp"
-#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/fabric/interrupt_registers.hpp"
+#include "sim/chip/fabric/irq_lines.hpp"
+#include "sim/chip/fabric/peripheral.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/usb/wire.hpp"
 
 namespace lamplock::sim::chip {
 
 /// Errata of the device controller that can be switched on. Defaults: stepping B2.
 struct UsbErrata {
-  /// RP2040-E2 (B0, B1): clearing a bit of EP_ABORT does not end the abort; the endpoint goes on
+  /// RP2040-E2 (B0, B1): clearing a bit of EP_ABORT does not end the abort; the endpoint keeps
   /// answering NAK.
   bool e2_abort_sticks = false;
   /// RP2040-E5 (B0, B1): after a bus reset the controller needs 800 us of idle bus before it takes
@@ -39,12 +39,11 @@ struct UsbErrata {
   bool e15_broken_packet_hangs = true;
 };
 
-/// The controller.
 class UsbController final : public Peripheral, public Timed, public usb::DeviceEnd {
  public:
   static constexpr std::uint32_t base = 0x5011'0000;
   static constexpr std::uint32_t dpram_base = 0x5010'0000;
-  /// What the documents do not give.
+  /// Values that the documents do not give.
   struct Assumed {
     /// SE0 that counts as a bus reset; USB 2.0, 7.1.7.5 permits 2.5 us to 10 ms.
     static constexpr Picoseconds reset_detect = 2'500 * ps_per_ns;
@@ -91,21 +90,21 @@ class UsbController final : public Peripheral, public Timed, public usb::DeviceE
   void set_vbus_pin(bool level);
   /// Frequency of clk_usb, 0 if stopped. The controller works at 48 MHz only (datasheet, 4.1.2.1).
   void set_usb_clock(std::uint64_t hz);
-  /// A store has changed an aligned word of the DPRAM; for the rule of concurrent access
+  /// A store has changed an aligned word of the DPRAM; checks the rule of concurrent access
   /// (datasheet, 4.1.2.5.1): AVAILABLE is set at least one cycle of clk_usb after the fields that
-  /// go with it, unless clk_sys runs at 48 MHz too.
+  /// belong to it, unless clk_sys runs at 48 MHz too.
   void dpram_stored(std::uint32_t offset, std::uint32_t before, std::uint32_t after);
 
-  /// What firmware did against the rules of the datasheet, each text once.
+  /// Violations of the datasheet's rules by the firmware, each text once.
   const std::vector<std::string>& violations() const { return violations_; }
   /// Locked up by RP2040-E15; only reset() helps.
   bool hung() const { return hung_; }
-  /// Bulk IN buffers that were armed in the last 200 us of a frame, where RP2040-E15 can strike:
-  /// the host had asked for them in vain within the same 200 us.
+  /// Bulk IN buffers that were armed in the last 200 us of a frame, where RP2040-E15 can strike,
+  /// after the host had asked for them in vain within the same 200 us.
   std::uint64_t armed_late() const { return armed_late_; }
 
  private:
-  /// One direction of one endpoint, as its words in the DPRAM say when a token comes.
+  /// One direction of one endpoint, as set in the DPRAM when a token comes.
   struct Endpoint {
     std::uint32_t index = 0;  ///< bit in BUFF_STATUS: 2 x number, + 1 if OUT
     std::uint32_t control = 0;
@@ -115,7 +114,7 @@ class UsbController final : public Peripheral, public Timed, public usb::DeviceE
     bool doubled() const;
     std::uint32_t address() const;
   };
-  /// What goes on between token and handshake.
+  /// State between token and handshake.
   enum class Phase : std::uint8_t { idle, in_sent, out_token, out_taken };
   enum class Answer : std::uint8_t { nothing, data, discard, nak, stall, setup };
   struct Transaction {
@@ -185,7 +184,7 @@ class UsbController final : public Peripheral, public Timed, public usb::DeviceE
   InterruptRegisters interrupts_;
   std::uint16_t frame_ = 0;
 
-  // State behind them
+  // Bus state.
   enum class Bus : std::uint8_t { idle, reset, resume };
   Bus bus_ = Bus::idle;
   bool pull_up_ = false;

@@ -1,9 +1,9 @@
 // VBUS_DETECT of the USB controller on a pin (RP2040 datasheet, 2.19.2, 4.1.2.7).
 //
 // In:  levels of the pins that have the function: GPIO 1, 4, 7 ..
-// Out: the controller's idea of VBUS, unless USB_PWR overrides it.
-// Who: the chip. OVERCURR_DETECT and VBUS_EN are of a host and not modelled: connected pins stay
-//      as they are.
+// Out: the controller's VBUS level, unless USB_PWR overrides it.
+// Who: the chip. OVERCURR_DETECT and VBUS_EN are for a host and not modelled: connected pins keep
+//      their level.
 #pragma once
 
 #include "sim/chip/gpio/function_pins.hpp"

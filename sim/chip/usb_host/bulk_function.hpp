@@ -1,4 +1,4 @@
-// One of the two pairs of bulk endpoints that the PC talks over: its queues and where it stands.
+// One of the two pairs of bulk endpoints that the PC uses: its queues and state.
 //
 // In/out: bytes of a program, packets. Who: UsbHost, which has one for the serial port's driver and
 // one for a program that has claimed the vendor interface.
@@ -18,7 +18,7 @@ namespace lamplock::sim::chip::usb {
 /// Queues and data toggles.
 struct BulkFunction {
   BulkEndpoints ends;
-  bool open = false;  ///< a program has it: packets are asked for
+  bool open = false;  ///< opened by a program: packets are requested
   std::deque<std::uint8_t> to_send, received;
   std::vector<std::uint8_t> transfer;
   std::optional<Packet> packet;  ///< OUT, until acknowledged
@@ -34,7 +34,7 @@ struct BulkFunction {
     return packet ? packet->size : std::min<std::size_t>(to_send.size(), ends.out_size);
   }
 
-  /// What is under way and what the device said of itself is void.
+  /// Drops data under way and the endpoints read from the device.
   void clear() {
     const bool was_open = open;
     *this = {};
@@ -42,7 +42,7 @@ struct BulkFunction {
   }
   void clear_toggles() { in_data1 = out_data1 = false; }
 
-  /// At most `room` bytes; how many were taken.
+  /// Takes at most `room` bytes; returns how many were taken.
   std::size_t write(std::span<const std::uint8_t> bytes, std::size_t room) {
     const std::size_t count = std::min(room, bytes.size());
     to_send.insert(to_send.end(), bytes.begin(),
@@ -56,7 +56,8 @@ struct BulkFunction {
     return count;
   }
 
-  /// The packet to be sent, made if there is none. `zero_length`: whole ones end with an empty one.
+  /// The packet to be sent, made if there is none. `zero_length`: a full one is followed by an
+  /// empty one.
   const Packet& next_packet(bool zero_length) {
     if (packet) return *packet;
     packet.emplace();
@@ -68,7 +69,7 @@ struct BulkFunction {
     return *packet;
   }
 
-  /// A new packet has come. Handed on when a short one ends the transfer, or it has `size` bytes.
+  /// A new packet has come. Delivers when a short one ends the transfer, or it has `size` bytes.
   void take(std::span<const std::uint8_t> bytes, std::size_t size) {
     transfer.insert(transfer.end(), bytes.begin(), bytes.end());
     if (bytes.size() >= ends.in_size && transfer.size() < size) return;

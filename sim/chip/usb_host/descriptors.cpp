@@ -244,7 +244,7 @@ DeviceInfo parse_device(Bytes bytes, Violations& violations) {
   expect(bytes[1] == descriptor::device, "bDescriptorType is not 1");
   info.version = word(bytes, 2);
   expect(info.version == 0x0110 || info.version == 0x0200 || info.version == 0x0201,
-         "bcdUSB is no version");
+         "bcdUSB is not a known version");
   info.device_class = bytes[4];
   info.device_subclass = bytes[5];
   info.device_protocol = bytes[6];

@@ -1,4 +1,4 @@
-// Reads what a device says of itself and finds the CDC serial port in it, and a vendor interface if
+// Reads a device's description of itself and finds its CDC serial port, and a vendor interface if
 // there is one, as strictly as the strictest of the usual hosts.
 //
 // In:  the bytes of device, configuration and string descriptors.
@@ -29,7 +29,7 @@ inline constexpr std::uint8_t device_capability = 16;  // USB 3.2, table 9-6
 inline constexpr std::uint8_t class_interface = 0x24;
 }  // namespace descriptor
 
-/// What a host takes from the device descriptor.
+/// A host's data from the device descriptor.
 struct DeviceInfo {
   std::uint16_t version = 0;  ///< of USB, binary-coded decimal
   std::uint16_t vendor = 0, product = 0;
@@ -46,7 +46,7 @@ struct BulkEndpoints {
   bool found() const { return in != 0 && out != 0; }
 };
 
-/// A CDC serial port: where its data goes.
+/// A CDC serial port: its interfaces and endpoints.
 struct SerialPort : BulkEndpoints {
   std::uint8_t control_interface = 0, data_interface = 0;
   std::uint8_t notify = 0;  ///< endpoint number; 0: none
@@ -64,13 +64,13 @@ struct VendorPipe : BulkEndpoints {
 struct Configuration {
   std::uint8_t value = 0;
   bool remote_wakeup = false;
-  std::vector<std::uint8_t> strings;  ///< indices that are referred to
+  std::vector<std::uint8_t> strings;  ///< indices in use
   SerialPort port;
   VendorPipe vendor;
 };
 
 DeviceInfo parse_device(std::span<const std::uint8_t> bytes, Violations& violations);
-/// `device` for the rules that connect both.
+/// `device` is needed for rules that concern both.
 Configuration parse_configuration(std::span<const std::uint8_t> bytes, const DeviceInfo& device,
                                   Violations& violations);
 /// Text of a string descriptor, other than ASCII as '?'.

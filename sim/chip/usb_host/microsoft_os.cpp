@@ -11,7 +11,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// D8DD60DF-4589-4CC7-9CD2-659D9E648A9F as it lies in memory (specification, table 4).
+/// D8DD60DF-4589-4CC7-9CD2-659D9E648A9F in the order of memory (specification, table 4).
 constexpr std::array<std::uint8_t, 16> platform_uuid = {
     0xdf, 0x60, 0xdd, 0xd8, 0x89, 0x45, 0xc7, 0x4c, 0x9c, 0xd2, 0x65, 0x9d, 0x9e, 0x64, 0x8a, 0x9f};
 constexpr std::size_t platform_head = 20;  ///< of a platform capability (USB 3.2, table 9-20)
@@ -26,7 +26,7 @@ enum SetPart : std::uint16_t {
   registry_property = 4
 };
 
-/// UTF-16 without its zeros; other than ASCII is '?'.
+/// UTF-16 without its zeros; characters other than ASCII become '?'.
 std::string narrow(Bytes bytes) {
   std::string text;
   for (std::size_t at = 0; at + 1 < bytes.size(); at += 2)
@@ -52,7 +52,7 @@ class SetReader {
   MicrosoftSet read(Bytes bytes, const MicrosoftCapability& capability) {
     expect(bytes.size() == capability.set_size, "length is not what the BOS descriptor says");
     if (bytes.size() < 10 || word(bytes, 0) != 10 || word(bytes, 2) != set_header) {
-      say("begins with no set header of 10 bytes");
+      say("does not begin with a set header of 10 bytes");
       return {};
     }
     expect(word(bytes, 8) == bytes.size(), "wTotalLength is " + std::to_string(word(bytes, 8)));
@@ -101,16 +101,17 @@ class SetReader {
         say("part of type " + std::to_string(word(d, 2)));
     }
   }
-  /// DeviceInterfaceGUIDs alone is looked at.
+  /// Only DeviceInterfaceGUIDs is known.
   void property(Bytes d) {
     const std::size_t name_size = d.size() < 10 ? 0 : word(d, 6);
     if (d.size() < 10 + name_size) return say("name of a property does not fit");
     const Bytes name = d.subspan(8, name_size), data = d.subspan(10 + name_size);
     if (word(d, 8 + name_size) != data.size()) return say("length of a property's data is wrong");
-    expect(word(d, 4) == 7, "property is no list of strings");
+    expect(word(d, 4) == 7, "property is not a list of strings");
     expect(narrow(name) == std::string("DeviceInterfaceGUIDs") + '\0', "property is unknown");
     std::string text = narrow(data);
-    if (!text.ends_with(std::string(2, '\0'))) return say("list of GUIDs does not end twice");
+    if (!text.ends_with(std::string(2, '\0')))
+      return say("list of GUIDs does not end with two zeros");
     text.pop_back();
     for (std::size_t at = 0; at < text.size();) {
       const std::string guid = text.substr(at, text.find('\0', at) - at);
@@ -148,7 +149,7 @@ std::optional<MicrosoftCapability> parse_bos(Bytes bytes, Violations& violations
     const Bytes d = bytes.subspan(at, size);
     ++capabilities;
     at += size;
-    if (d[1] != descriptor::device_capability) say("something else than a capability");
+    if (d[1] != descriptor::device_capability) say("a descriptor that is not a capability");
     if (d[2] != 5) continue;  // platform
     if (d.size() < platform_head || d[3] != 0) {
       say("platform capability is wrong");

@@ -1,7 +1,7 @@
-// Reads the BOS descriptor of a device and what it tells Windows: the descriptor set of Microsoft
-// OS 2.0, as strictly as Windows does, which says nothing and installs no driver.
+// Reads the BOS descriptor of a device and the Microsoft OS 2.0 descriptor set that it announces,
+// as strictly as Windows does, which on an error installs no driver and reports nothing.
 //
-// In:  bytes. Out: how the set is asked for, what is in it; every departure as a line of text.
+// In:  bytes. Out: how to request the set, and its contents; every departure as a line of text.
 // Who: UsbHost. Standards: USB 3.2, 9.6.2; "Microsoft OS 2.0 Descriptors Specification", 2018.
 #pragma once
 
@@ -18,22 +18,22 @@ namespace lamplock::sim::chip::usb {
 /// wIndex of the vendor request for the set (specification, table 8).
 inline constexpr std::uint16_t microsoft_set_index = 7;
 
-/// How the set is asked for.
+/// How to request the set.
 struct MicrosoftCapability {
   std::uint8_t request = 0;
   std::uint16_t set_size = 0;
 };
 
-/// What Windows takes from the set.
+/// Values that Windows uses from the set.
 struct MicrosoftSet {
-  std::uint8_t interface = 0;      ///< first one of the function that is meant
+  std::uint8_t interface = 0;      ///< first one of the function concerned
   std::string compatible_id;       ///< "WINUSB": Windows brings the driver along
   std::vector<std::string> guids;  ///< under which programs find the interface
 };
 
 /// Length of the whole, from its first 5 bytes; 0 if they are wrong.
 std::uint16_t parse_bos_head(std::span<const std::uint8_t> bytes, Violations& violations);
-/// None if the device has nothing for Windows.
+/// Empty if the device has nothing for Windows.
 std::optional<MicrosoftCapability> parse_bos(std::span<const std::uint8_t> bytes,
                                              Violations& violations);
 MicrosoftSet parse_microsoft_set(std::span<const std::uint8_t> bytes,

@@ -47,7 +47,7 @@ void TransactionEngine::run(Cycle) {
         after_out_token();
       break;
     case Stage::in_handshake: {
-      // The host has taken good data, whatever becomes of its ACK.
+      // The host has accepted good data, even if its ACK is lost.
       const bool good = transaction_.data_fault == Fault::none;
       const Fault fault = transaction_.handshake_fault;
       device_.in_end(good && fault == Fault::none, good ? fault : Fault::none, due_);

@@ -1,9 +1,9 @@
 // Runs one USB transaction at a time on the cable: tokens, data, handshakes, each with its time on
-// the bus, with the faults that are asked for.
+// the bus, and with faults on request.
 //
 // In:  a transaction and when it may begin.
-// Out: what came of it and when the bus is free again.
-// Who: UsbHost; tests that want single transactions use it directly (raw mode).
+// Out: its result and when the bus is free again.
+// Who: UsbHost; tests of single transactions use it directly (raw mode).
 //
 // Bus time of a packet: sync, PID, payload, checksum, and 8 bit times for end of packet and gap:
 // 13 bytes beyond the payload in a transaction, as USB 2.0, table 5-9 counts. Bit stuffing, which
@@ -12,7 +12,7 @@
 
 #include <functional>
 
-#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/usb/wire.hpp"
 
 namespace lamplock::sim::chip::usb {
@@ -20,7 +20,7 @@ namespace lamplock::sim::chip::usb {
 inline constexpr std::int64_t token_bits = 32;
 inline constexpr std::int64_t handshake_bits = 16;
 inline constexpr std::int64_t gap_bits = 8;
-/// How long a missing packet is waited for (USB 2.0, 7.1.19: 16 to 18 bit times).
+/// Time-out for a missing packet (USB 2.0, 7.1.19: 16 to 18 bit times).
 inline constexpr std::int64_t timeout_bits = 18;
 constexpr std::int64_t data_bits(std::size_t bytes) {
   return 32 + 8 * static_cast<std::int64_t>(bytes);
@@ -30,7 +30,6 @@ constexpr std::int64_t transaction_bits(std::size_t bytes) {
   return token_bits + data_bits(bytes) + handshake_bits + 3 * gap_bits;
 }
 
-/// What to do.
 struct Transaction {
   Pid token = Pid::in;  ///< in, out or setup
   std::uint8_t address = 0;
@@ -41,9 +40,9 @@ struct Transaction {
   Fault handshake_fault = Fault::none;
 };
 
-/// What came of it, as the host sees it.
+/// Result of a transaction, as the host sees it.
 struct Result {
-  /// Pid::ack (OUT, SETUP), data0 or data1 (IN), nak, stall; nothing on silence or a broken packet.
+  /// Pid::ack (OUT, SETUP), data0 or data1 (IN), nak, stall; empty on silence or a broken packet.
   std::optional<Pid> answer;
   Packet data;          ///< of IN
   Picoseconds end = 0;  ///< the bus is free again
@@ -58,12 +57,12 @@ class TransactionEngine final : public Timed {
   TransactionEngine(const TransactionEngine&) = delete;
   TransactionEngine& operator=(const TransactionEngine&) = delete;
 
-  /// Called once per transaction, perhaps a little before result.end; may start the next one.
+  /// Called once per transaction, possibly slightly before result.end; may start the next one.
   void on_done(Handler handler) { handler_ = std::move(handler); }
   /// Begins at `at`; the engine is not busy.
   void start(const Transaction& transaction, Picoseconds at);
   bool busy() const { return stage_ != Stage::idle; }
-  /// Drops what goes on, without a result.
+  /// Drops the present transaction, without a result.
   void abandon();
 
   void run(Cycle to) override;

@@ -1,4 +1,4 @@
-// What bytes between the PC and a device go over. Who: UsbHost and whoever chooses.
+// The interface that carries bytes between the PC and a device. Who: UsbHost and its users.
 #pragma once
 
 #include <cstdint>

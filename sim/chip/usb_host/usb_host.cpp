@@ -15,7 +15,7 @@ constexpr Picoseconds frame_margin = bit_times(64);
 constexpr Picoseconds stranger_interval = 250 * ps_per_us;
 constexpr int max_attempts = 3;
 constexpr int max_errors = 3;  ///< in a row (USB 2.0, 8.7.1)
-/// A control transfer is given up (USB 2.0, 9.2.6.1).
+/// A control transfer is aborted after this time (USB 2.0, 9.2.6.1).
 constexpr Picoseconds control_limit = 5 * ps_per_s;
 /// A stage without data, and the first data packet (USB 2.0, 9.2.6.4).
 constexpr Picoseconds status_limit = 50 * ps_per_ms;
@@ -245,7 +245,7 @@ void UsbHost::begin_reset(Picoseconds at, Step step) {
   wait(at + options_.reset);
 }
 
-/// The time of a step is over.
+/// The waiting time of a step is over.
 void UsbHost::waited(Picoseconds at) {
   switch (step_) {
     case Step::debounce:
@@ -274,7 +274,7 @@ void UsbHost::waited(Picoseconds at) {
   }
 }
 
-/// Asks what belongs to a step of enumeration.
+/// Sends the request of a step of enumeration.
 void UsbHost::enter(Step step) {
   step_ = step;
   switch (step) {
@@ -360,7 +360,7 @@ void UsbHost::control_done(const ControlTransfer& transfer, const ControlAnswer&
     last_control_ = answer;
     return;
   }
-  // Only the device qualifier is rightly refused, by a device without high speed.
+  // Only the device qualifier may be refused, by a device without high speed.
   const bool refused = step_ == Step::qualifier ? answer.failed : answer.failed || answer.stalled;
   if (refused)
     return give_up("request " + std::to_string(transfer.setup[1]) + " for " +
@@ -404,7 +404,7 @@ void UsbHost::descriptor_answer(const ControlAnswer& answer) {
                       device_bytes_.begin() + static_cast<std::ptrdiff_t>(std::min(
                                                   device_bytes_.size(), answer.data.size())),
                       answer.data.begin()))
-        violation("device: descriptor differs from what came first");
+        violation("device: descriptor differs from the first one read");
       device_bytes_ = answer.data;
       device_info_ = parse_device(answer.data, violations_);
       if (device_info_.max_packet0 == 0) return give_up("device descriptor is useless");
@@ -450,7 +450,7 @@ void UsbHost::descriptor_answer(const ControlAnswer& answer) {
   }
 }
 
-/// Goes on with what the BOS descriptor tells; false if that is all.
+/// Continues with the contents of the BOS descriptor; false if there is no more.
 bool UsbHost::bos_answer(const ControlAnswer& answer) {
   if (step_ == Step::bos_head) {
     bos_size_ = parse_bos_head(answer.data, violations_);
@@ -486,7 +486,7 @@ void UsbHost::class_answer(const ControlAnswer& answer) {
     case Step::set_line_coding:
       return enter(Step::get_line_coding);
     case Step::get_line_coding:
-      if (answer.data != line_coding) violation("GET_LINE_CODING is not what was set");
+      if (answer.data != line_coding) violation("GET_LINE_CODING differs from what was set");
       return enter(Step::line_state);
     default:
       step_ = Step::running;
@@ -495,7 +495,7 @@ void UsbHost::class_answer(const ControlAnswer& answer) {
 
 // Transactions
 
-/// Starts what is next, if the bus is free and the frame has room.
+/// Starts the next transaction, if the bus is free and the frame has room.
 void UsbHost::go_on(Picoseconds at) {
   if (engine_.busy() || next_frame_ < 0 || last_frame_ < 0) return;
   at = std::max({at, last_frame_ + bit_times(gap_bits), bus_free_});
@@ -683,7 +683,7 @@ void UsbHost::control_progress(const Transaction& transaction, const Result& res
   const auto bytes = result.data.payload();
   answer_.data.insert(answer_.data.end(), bytes.begin(), bytes.end());
   if (answer_.data.size() > transfer.length()) {
-    violation("control transfer with more data than was asked for");
+    violation("control transfer with more data than requested");
     answer_.data.resize(transfer.length());
   }
   if (bytes.size() < device_info_.max_packet0 || answer_.data.size() == transfer.length())
@@ -696,7 +696,7 @@ void UsbHost::finish_control(const ControlAnswer& answer, Picoseconds at) {
   control_done(transfer, answer, at);
 }
 
-/// The device has so much time for each stage.
+/// Each stage of a control transfer has a time limit for the device.
 void UsbHost::check_control_times(Picoseconds at) {
   if (!transfer_now_ || transfer_now_->started < 0) return;
   const bool data = transfer_now_->stage == Stage::data && transfer_now_->is_in();

@@ -1,16 +1,16 @@
 // The host end of the USB cable: an ordinary PC with its stack, a CDC serial driver, and a program
 // that may claim a vendor interface beside it.
 //
-// In:  bytes to send, plug, unplug, suspend, resume, DTR from whoever plays the user.
-// Out: bytes received, statistics, what the device says of itself, and every departure from the
+// In:  bytes to send, plug, unplug, suspend, resume, DTR from the user or a test.
+// Out: bytes received, statistics, the device's description of itself, and every departure from the
 //      standards as a line of text.
 // Who: the board facade and tests; the time wheel runs it.
 //
-// A device that pulls D+ up is debounced, reset and enumerated; from then on every frame of 1 ms
-// begins with SOF, then control, bulk IN and bulk OUT of both take turns at the real bus times
-// until the next transaction would not end before the frame (at most 19 of 64 bytes), NAKed ones
-// again and again. Received packets are handed on when a short one ends the transfer or the
-// transfer is full, as drivers do: a device that leaves out the zero-length packet is found out.
+// A device that pulls D+ up is debounced, reset and enumerated. From then on every frame of 1 ms
+// begins with SOF, then control, bulk IN and bulk OUT of both functions take turns at the real bus
+// times until the next transaction would not end before the frame (at most 19 of 64 bytes); NAKed
+// ones are repeated. Received packets are delivered when a short one ends the transfer or the
+// transfer is full, as drivers do, which reveals a device that omits the zero-length packet.
 #pragma once
 
 #include <deque>
@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/usb/wire.hpp"
 #include "sim/chip/usb_host/bulk_function.hpp"
 #include "sim/chip/usb_host/descriptors.hpp"
@@ -30,7 +30,7 @@
 
 namespace lamplock::sim::chip {
 
-/// How the PC behaves. Times that USB 2.0 gives are its least ones.
+/// Behaviour of the PC. Times that USB 2.0 gives are its minimum values.
 struct UsbHostOptions {
   Picoseconds debounce = 100 * ps_per_ms;        ///< USB 2.0, 7.1.7.3
   Picoseconds reset = 10 * ps_per_ms;            ///< a hub's; root ports take 50 ms (7.1.7.5)
@@ -49,8 +49,8 @@ struct UsbHostOptions {
   /// Bytes that a read asks the device for.
   std::size_t read_transfer = 4096;
   std::size_t write_buffer = 4096;
-  std::size_t read_buffer = 65536;  ///< not polled when there is more
-  /// Somebody else on the bus: a packet of another device every 250 us.
+  std::size_t read_buffer = 65536;  ///< the device is not polled above this
+  /// Another device on the bus sends a packet every 250 us.
   bool other_traffic = false;
 };
 
@@ -59,8 +59,8 @@ struct UsbHostStatistics {
   std::uint64_t frames = 0;
   std::uint64_t in_packets = 0, in_bytes = 0, in_naks = 0;
   std::uint64_t out_packets = 0, out_bytes = 0, out_naks = 0;
-  std::uint64_t silences = 0;  ///< no answer, or a broken one
-  std::uint64_t repeated = 0;  ///< IN packets with the toggle of the one before: dropped
+  std::uint64_t silences = 0;  ///< no valid answer
+  std::uint64_t repeated = 0;  ///< IN packets with an unchanged toggle: dropped
   std::uint64_t stalls = 0;
   std::uint64_t notifications = 0;  ///< packets of the interrupt endpoint
   std::uint32_t most_bulk_packets_in_frame = 0;
@@ -68,7 +68,6 @@ struct UsbHostStatistics {
   Picoseconds longest_frame_gap = 0;  ///< SOF to SOF, suspension left out
 };
 
-/// The PC.
 class UsbHost final : public Timed, public usb::HostEnd {
  public:
   /// Plugged in from the start. `device` must outlive the host.
@@ -77,34 +76,34 @@ class UsbHost final : public Timed, public usb::HostEnd {
   UsbHost(const UsbHost&) = delete;
   UsbHost& operator=(const UsbHost&) = delete;
 
-  /// Bytes for the device; how many were taken: none before enumerated(), at most what the buffer
-  /// of 4096 has room for; over the vendor interface none without claim_vendor().
+  /// Queues bytes for the device; returns how many were taken: none before enumerated(), at most
+  /// what the buffer of 4096 has room for; over the vendor interface none without claim_vendor().
   std::size_t write(std::span<const std::uint8_t> bytes, UsbFunction to = UsbFunction::serial);
-  /// Bytes from the device; how many there were.
+  /// Takes bytes from the device; returns how many there were.
   std::size_t read(std::span<std::uint8_t> bytes, UsbFunction from = UsbFunction::serial);
   bool has_output(UsbFunction from = UsbFunction::serial) const {
     return !bulk(from).received.empty();
   }
   /// Bytes that were written and that the device has not acknowledged.
   std::size_t unsent(UsbFunction to = UsbFunction::serial) const { return bulk(to).unsent(); }
-  /// Bytes that have come but wait for the end of their transfer.
+  /// Received bytes that wait for the end of their transfer.
   std::size_t unfinished() const { return bulk(UsbFunction::serial).transfer.size(); }
 
-  /// A program has the vendor interface, or will as soon as it is there; false gives it back.
+  /// A program claims the vendor interface, now or as soon as it is enumerated; false releases it.
   void claim_vendor(bool claimed);
-  /// A program has the serial port open, as from the start: the driver asks for packets. DTR is a
-  /// matter of set_dtr().
+  /// A program opens the serial port (open from the start): the driver asks for packets. set_dtr()
+  /// sets DTR separately.
   void open_serial(bool open);
 
   void unplug();
   void plug();
-  /// Frames stop; a transaction in progress breaks off. Only once enumerated.
+  /// Stops frames; a transaction in progress breaks off. Only once enumerated.
   void suspend();
   void resume();
   void set_dtr(bool on);
-  /// A bus reset and enumeration anew, as when a driver has given up.
+  /// A bus reset and another enumeration, as when a driver has given up.
   void reset_device();
-  /// A control transfer beside the others; the answer is kept under last_control().
+  /// A control transfer in addition to the others; the answer is kept under last_control().
   void control(const std::array<std::uint8_t, 8>& setup, std::vector<std::uint8_t> data = {});
 
   bool enumerated() const { return step_ == Step::running; }
@@ -116,7 +115,7 @@ class UsbHost final : public Timed, public usb::HostEnd {
   const usb::DeviceInfo& device_info() const { return device_info_; }
   const usb::SerialPort& port() const { return configuration_.port; }
   const usb::VendorPipe& vendor() const { return configuration_.vendor; }
-  /// What Windows has found; nothing without UsbHostOptions::windows.
+  /// The descriptor set as Windows reads it; empty without UsbHostOptions::windows.
   const std::optional<usb::MicrosoftSet>& microsoft_set() const { return microsoft_set_; }
   const std::map<int, std::string>& strings() const { return strings_; }
   struct ControlAnswer {
@@ -126,8 +125,8 @@ class UsbHost final : public Timed, public usb::HostEnd {
   const ControlAnswer& last_control() const { return last_control_; }
 
   /// Sees every transaction before it goes out and may put faults into it.
-  using Saboteur = std::function<void(usb::Transaction&)>;
-  void set_saboteur(Saboteur saboteur) { saboteur_ = std::move(saboteur); }
+  using FaultInjector = std::function<void(usb::Transaction&)>;
+  void set_saboteur(FaultInjector saboteur) { saboteur_ = std::move(saboteur); }
   UsbHostOptions& options() { return options_; }
 
   // Timed
@@ -138,7 +137,7 @@ class UsbHost final : public Timed, public usb::HostEnd {
   void remote_wakeup(Picoseconds at) override;
 
  private:
-  /// Where enumeration stands. From `first_descriptor` on frames run.
+  /// State of enumeration. Frames run from `first_descriptor` on.
   enum class Step : std::uint8_t {
     detached,
     debounce,
@@ -245,7 +244,7 @@ class UsbHost final : public Timed, public usb::HostEnd {
   usb::DeviceEnd& device_;
   UsbHostOptions options_;
   usb::TransactionEngine engine_;
-  Saboteur saboteur_;
+  FaultInjector saboteur_;
 
   bool plugged_ = false;
   Step step_ = Step::detached;
@@ -265,7 +264,7 @@ class UsbHost final : public Timed, public usb::HostEnd {
   ControlAnswer last_control_;
   ControlAnswer answer_;
 
-  // What the device said
+  // Descriptors and errors of the device
   usb::Violations violations_;
   usb::DeviceInfo device_info_;
   usb::Configuration configuration_;

@@ -39,7 +39,7 @@ void VendorHost::wait(Picoseconds time) {
   const Picoseconds end = wheel_.time() + time;
   while (next_frame_ >= 0 && next_frame_ <= end) {
     run_to(next_frame_);
-    if (next_frame_ < 0) break;  // the device has gone meanwhile
+    if (next_frame_ < 0) break;  // the device was disconnected meanwhile
     device_.start_of_frame(frame_, wheel_.time());
     frame_ = (frame_ + 1) & 0x7ff;
     next_frame_ += frame_time;
@@ -77,7 +77,7 @@ usb::Result VendorHost::transact(const usb::Transaction& transaction, Picosecond
   const Picoseconds end = wheel_.time() + timeout;
   int silences = 0;
   for (;;) {
-    // Not over the beginning of a frame.
+    // A transaction must not extend over the beginning of a frame.
     const Picoseconds most = usb::bit_times(usb::transaction_bits(usb::max_packet)) * 2;
     Picoseconds at = std::max(bus_free_, wheel_.time());
     if (next_frame_ >= 0 && at + most > next_frame_) {

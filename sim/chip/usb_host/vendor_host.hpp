@@ -1,8 +1,8 @@
-// A USB host without class drivers: control and bulk transfers one at a time, as a program has them
-// through libusb.
+// A USB host without class drivers: control and bulk transfers one at a time, as a program makes
+// them through libusb.
 //
 // In:  transfers; a function that lets the chip run.
-// Out: what became of them, after as much simulated time as they took.
+// Out: their results, after as much simulated time as they took.
 // Who: the simulated USB of the host program (host/usb/simulated_usb.hpp), tests of the boot ROM.
 //
 // Frames of 1 ms begin with SOF; a transaction that is refused (NAK) is repeated until the time for
@@ -17,20 +17,20 @@
 #include <span>
 #include <vector>
 
-#include "sim/chip/time_wheel.hpp"
+#include "sim/chip/fabric/time_wheel.hpp"
 #include "sim/chip/usb/wire.hpp"
 #include "sim/chip/usb_host/transactions.hpp"
 
 namespace lamplock::sim::chip {
 
-/// The host. `run` lets the chip run to a cycle, or a little further.
+/// The host. `run` lets the chip run to a cycle, or slightly further.
 class VendorHost final : private usb::HostEnd {
  public:
   using Bytes = std::vector<std::uint8_t>;
   enum class End : std::uint8_t { done, stalled, silent, timed_out };
   struct Transfer {
     End end = End::done;
-    Bytes data;             ///< that came
+    Bytes data;             ///< received
     std::size_t moved = 0;  ///< bytes, either way
     bool done() const { return end == End::done; }
   };
@@ -40,14 +40,14 @@ class VendorHost final : private usb::HostEnd {
   VendorHost(const VendorHost&) = delete;
   VendorHost& operator=(const VendorHost&) = delete;
 
-  /// Time passes, with frames.
+  /// Lets time pass, with frames.
   void wait(Picoseconds time);
   /// Waits for a device, resets it, gives it address 1 and configuration 1, reads its descriptors.
   /// False: none came, or it did not answer.
   bool enumerate(Picoseconds patience = 1'000 * ps_per_ms);
   /// A device is connected.
   bool connected() const { return device_.pull_up(); }
-  /// How often a device has gone: one that was enumerated before is another one now.
+  /// Number of disconnections: a device that was enumerated before one is another device now.
   std::uint64_t departures() const { return departures_; }
   const Bytes& device_descriptor() const { return device_descriptor_; }
   const Bytes& configuration_descriptor() const { return configuration_descriptor_; }
@@ -56,11 +56,11 @@ class VendorHost final : private usb::HostEnd {
                    std::span<const std::uint8_t> data = {});
   /// Packets of 64 bytes; an empty transfer is one empty packet.
   Transfer bulk_out(std::uint8_t endpoint, std::span<const std::uint8_t> data);
-  /// Until `size` bytes have come, or a short packet.
+  /// Receives until `size` bytes have come, or a short packet.
   Transfer bulk_in(std::uint8_t endpoint, std::size_t size);
   /// CLEAR_FEATURE(ENDPOINT_HALT); `endpoint` with bit 7 for IN.
   bool clear_halt(std::uint8_t endpoint);
-  /// For bulk transfers.
+  /// Sets the time-out of bulk transfers.
   void set_timeout(Picoseconds timeout) { timeout_ = timeout; }
 
  private:

@@ -4,11 +4,11 @@
 // four (datasheet, 2.8.1.3.1; toolchain/image writes it) and jumps to the first. The code runs at
 // an address it was not linked for: it may only branch relative to the program counter, and calls
 // nothing.
-#include "firmware/boards/rp2040/boot/xip.hpp"
+#include "firmware/boards/rp2040/base/xip.hpp"
 #include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
 #include "shared/boards/pico_flash.hpp"
 
-// From the linker script: stack pointer and entry of the loader come first.
+// From the linker script: stack pointer and entry of the loader are its first words.
 extern "C" const std::uint32_t loader_begin[];
 
 extern "C" [[gnu::section(".boot2"), gnu::used, noreturn]] void boot2() {
@@ -22,6 +22,6 @@ extern "C" [[gnu::section(".boot2"), gnu::used, noreturn]] void boot2() {
   __builtin_unreachable();
 }
 
-/// By which `lamplock flash` knows what to check.
+/// By this mark `lamplock flash` recognises an image and its CRC.
 extern "C" [[gnu::section(".boot2.mark"), gnu::used]] constexpr auto boot2_mark =
     lamplock::boards::image_mark;

@@ -25,7 +25,7 @@ inline constexpr PllSetting usb_setting{100, 5, 5};
 static_assert(sys_setting.vco_hz() == 1'500'000'000 && sys_setting.output_hz() == clock_hz);
 static_assert(usb_setting.vco_hz() == 1'200'000'000 && usb_setting.output_hz() == 48'000'000);
 
-/// Crystal oscillator up and stable; it is given 1 ms (datasheet, 2.16.3), counted in 256 clocks.
+/// Starts the crystal oscillator with a delay of 1 ms (datasheet, 2.16.3), counted in 256 clocks.
 [[gnu::always_inline]] inline void start_crystal() {
   xosc().startup = (crystal_hz / 1000 + 128) / 256;
   xosc().ctrl = xosc_field::enable | xosc_field::freq_range_1_15_mhz;
@@ -59,7 +59,7 @@ static_assert(usb_setting.vco_hz() == 1'200'000'000 && usb_setting.output_hz() =
   ClocksRegisters& c = clocks();
   c.sys_resus_ctrl = 0;
   start_crystal();
-  // Away from the PLLs before they are touched.
+  // clk_sys leaves the PLLs before they are changed.
   select_source(c.sys, clock_field::sys_source_ref);
   c.ref.div = clock_field::divide_by_1;
   select_source(c.ref, clock_field::ref_source_xosc);

@@ -1,18 +1,19 @@
-// The loader: the first part of the image, which runs from flash. It starts the clocks, copies what
-// has to be in SRAM there, checks all of the image and enters it.
+// The loader: the first part of the image, which runs from flash. It starts the clocks, copies code
+// and data to SRAM, checks the whole image and enters it.
 //
-// Nothing here may use what is not yet in SRAM: no function or constant outside of the sections
-// .loader*, and no memcpy that the compiler finds in a loop (the build switches that off).
+// The loader must not use anything that is not yet in SRAM: only functions and constants in the
+// sections .loader*, and no memcpy that the compiler recognises in a loop (the build switches that
+// off).
 //
 // An image with a wrong CRC is never entered: the chip becomes a USB drive for the next one, with
-// every pin as reset has left it, an input pulled down.
+// every pin in its reset state, an input pulled down.
 #include <array>
 
+#include "firmware/boards/rp2040/base/rom.hpp"
+#include "firmware/boards/rp2040/base/second_core.hpp"
 #include "firmware/boards/rp2040/boot/clocks.hpp"
 #include "firmware/boards/rp2040/registers/resets.hpp"
 #include "firmware/boards/rp2040/registers/watchdog.hpp"
-#include "firmware/boards/rp2040/rom.hpp"
-#include "firmware/boards/rp2040/second_core.hpp"
 #include "shared/wire/crc32.hpp"
 
 #define LAMPLOCK_LOADER [[gnu::section(".loader.text"), gnu::used]]
@@ -40,7 +41,7 @@ namespace {
 LAMPLOCK_LOADER std::uint32_t crc_words(const std::uint32_t* begin, const std::uint32_t* end,
                                         std::uint32_t crc) {
   for (const std::uint32_t* word = begin; word != end; ++word) {
-    crc ^= *word;  // four bytes at once: the lowest comes first
+    crc ^= *word;  // four bytes at once, lowest first
     for (int nibble = 0; nibble < 8; ++nibble) crc = (crc >> 4) ^ crc_nibbles[crc & 0xf];
   }
   return crc;
@@ -51,13 +52,13 @@ LAMPLOCK_LOADER std::uint32_t crc_words(const std::uint32_t* begin, const std::u
 
 LAMPLOCK_LOADER void load_image() {
   using namespace lamplock::rp2040;
-  // A watchdog that still runs must not cut in; the image starts its own.
+  // A watchdog that still runs must not interrupt the loader; the image starts its own.
   clear_bits(watchdog_registers().ctrl, watchdog_field::enable);
-  // What the last program used goes back into reset: its pins become inputs, pulled down.
+  // Puts the blocks of the last program back into reset: its pins become inputs, pulled down.
   set_bits(resets().reset,
            reset_bit::all & ~(reset_bit::io_qspi | reset_bit::pads_qspi | reset_bit::pll_sys |
                               reset_bit::pll_usb | reset_bit::syscfg));
-  // Core 1 may still run what is going to be overwritten, if only core 0 was restarted.
+  // If only core 0 was restarted, core 1 may still run code that is about to be overwritten.
   hold_second_core();
   start_clocks();
 
@@ -68,13 +69,13 @@ LAMPLOCK_LOADER void load_image() {
   if (~crc_words(image_begin, image_crc, flash_crc) != *image_crc)
     for (;;) reset_to_usb_boot();
 
-  // By register: a branch does not reach from flash to SRAM.
+  // By register: a branch from flash does not reach SRAM.
   void (*volatile const start)() = start_image;
   start();
   __builtin_unreachable();
 }
 
-/// Before the image has its own handler there is nothing to save or to report.
+/// Before the image has its handler there is no record to save or report.
 LAMPLOCK_LOADER void loader_fault() {
   for (;;) lamplock::rp2040::reset_to_usb_boot();
 }

@@ -1,29 +1,29 @@
 // The beam's pins: shutters, attenuator, continuous laser out, photosensors in.
 //
-// In:  what the core wants open (outputs()), edges that the pins have caught.
+// In:  the core's outputs(), edges that the pins have caught.
 // Out: SHUTTER 1..4, LASER PWM (62.5 kHz), whether LASER GATE may follow the lattice;
 //      photosensors() of the core.
 // Who: apply(): beat interrupt (priority 1), and the main loop with it masked, after anything that
 //      may have changed outputs(). answered(): beat interrupt, before the results of FIRE are read.
 //      close(): any level.
 //
-// LASER PWM is the attenuator's, or, while the core enables the continuous laser, that one's power,
-// which DMA writes with the lattice (laser_pwm.hpp). LASER GATE is held low at its pad but then.
-// When the ticks run out the gate shuts; LASER PWM stays as it is, up to the restart.
+// LASER PWM drives the attenuator, or, while the core enables the continuous laser, carries its
+// power, which DMA writes with the lattice (laser_pwm.hpp). Without it LASER GATE is held low at
+// its pad. When the ticks run out the gate closes; LASER PWM is unchanged up to the restart.
 //
-// apply() touches the pins only where something else is wanted than the last time; after close() by
-// an e-stop forget() makes it put everything out again.
+// apply() writes the pins only when the outputs have changed; after close() by an e-stop forget()
+// makes it write everything again.
 //
-// A photosensor's pulse of 10 us need not be seen while it lasts: the edge register of the pin
-// keeps it, interrupt or not, until it is read here 100 us later at most. So an answer may come up
-// to 100 us too late, or belong to something up to 100 us before the shot.
-// In a map without these pins there is one channel, always open, and no photosensor.
+// The 10 us pulse of a photosensor may be over before it is read: the edge register of the pin
+// stores it, interrupt or not, until it is read here at most 100 us later. So an answer may be up
+// to 100 us late, or belong to an event up to 100 us before the shot. Maps without these pins have
+// one channel, always open, and no photosensor.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
-#include "firmware/boards/rp2040/lattice/laser_pwm.hpp"
+#include "firmware/boards/rp2040/base/laser_pwm.hpp"
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
 #include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
@@ -38,7 +38,7 @@ class BeamOutput {
  public:
   explicit BeamOutput(boards::PinMap map) : has_shutters_(boards::channels(map) != 1) {}
 
-  /// Shutters closed, attenuator 0: pads that were inputs so far.
+  /// Shutters closed, attenuator 0: the pads were inputs before.
   void start() const {
     force_low(pwm_gpio);
     PwmSliceRegisters& slice = pwm().slice[pwm_slice(pwm_gpio)];
@@ -52,14 +52,14 @@ class BeamOutput {
     for (unsigned gpio = first_shutter; gpio < first_shutter + channels; ++gpio)
       set_function(gpio, io_ctrl::Function::sio);
   }
-  /// One store (e-stop, priority 0). Where the map has no shutters these pins are those of programs
-  /// and Z ENABLE, which are off then as well (program_pins.hpp), or the UART's, whom it does not
-  /// reach; but for pins that are `kept`.
+  /// One store (e-stop, priority 0), except for pins that are `kept`. In maps without shutters
+  /// these are the pins of programs and Z ENABLE, which are then off as well (program_pins.hpp), or
+  /// of the UART, which the store does not affect.
   [[gnu::always_inline]] static void close(std::uint32_t kept = 0) {
     sio().gpio_out_clr = all_shutters & ~kept;
   }
 
-  /// `is_cut()`: an e-stop has closed everything and is not in order yet.
+  /// `is_cut()`: an e-stop has closed everything and is not handled yet.
   template <class IsCut>
   void apply(const machine::Outputs& outputs, IsCut&& is_cut) {
     const std::uint32_t wanted = (outputs.laser_enable ? laser_enabled : 0) |
@@ -73,17 +73,17 @@ class BeamOutput {
       sio().gpio_out_clr = all_shutters & ~open;
       sio().gpio_out_set = open;
     }
-    // Off at the pad first: what the lattice says then stays inside.
+    // Off at the pad first: then the lattice bit has no effect outside.
     if (!outputs.laser_enable) force_low(gate_gpio);
     LatticeOutput::connect_power(outputs.laser_enable);
     put_duty(outputs.laser_enable ? std::uint16_t{0} : outputs.attenuator);
     if (outputs.laser_enable) release(gate_gpio);
   }
 
-  /// Where in its period LASER PWM is.
+  /// Sets the phase of LASER PWM in its period.
   static void set_count(std::uint32_t count) { pwm().slice[pwm_slice(pwm_gpio)].ctr = count; }
 
-  /// The pins may be off by another hand.
+  /// Another function may have switched the pins off.
   void forget() { applied_ = nothing; }
 
   /// Photosensors that have answered since the last call.
@@ -129,13 +129,13 @@ class BeamOutput {
   static void put_duty(std::uint16_t value) {
     pwm().slice[pwm_slice(pwm_gpio)].cc = std::uint32_t{laser_duty(value)} << pwm_shift(pwm_gpio);
   }
-  /// Keeps the pad's overrides.
+  /// Keeps the overrides of the pad.
   static void set_function(unsigned gpio, io_ctrl::Function function) {
     Register& ctrl = io_bank0().gpio[gpio].ctrl;
     ctrl = (ctrl & ~io_ctrl::function_mask) | io_ctrl::function(function);
   }
 
-  static constexpr std::uint32_t nothing = ~0u;  ///< no wanted value
+  static constexpr std::uint32_t nothing = ~0u;  ///< no set of outputs
   static constexpr std::uint32_t laser_enabled = 1u << 24;
 
   std::uint32_t applied_ = nothing;  ///< at the pins: laser enabled, attenuator, shutters

@@ -1,6 +1,6 @@
 #include "firmware/boards/rp2040/fire/fire_unit.hpp"
 
-#include "firmware/boards/rp2040/allocation.hpp"
+#include "firmware/boards/rp2040/base/allocation.hpp"
 #include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
 
 namespace lamplock::rp2040 {
@@ -9,13 +9,13 @@ namespace {
 using boards::Role;
 using namespace pio;
 
-static_assert(fire_machine.block == 0 && fire_machine.number == 3);  // as cut_off() has it
+static_assert(fire_machine.block == 0 && fire_machine.number == 3);  // as in cut_off()
 
 constexpr unsigned q_switch_gpio = boards::gpio(Role::q_switch);
 constexpr unsigned arm_gpio = boards::gpio(Role::shot_enable);
 constexpr unsigned sync_gpio = boards::gpio(Role::lamp_sync);
 constexpr std::uint32_t fire_shift = pio_shiftctrl::out_right;
-/// ARM low on the pad until FIRE has decided anything that it had seen before.
+/// Holds ARM low on the pad until FIRE has finished a decision begun before.
 void wait_16_clocks() { asm volatile(".rept 16\n nop\n .endr" ::: "memory"); }
 
 void set_sync(unsigned gpio) {
@@ -70,7 +70,7 @@ std::uint64_t FireUnit::edge_of(std::uint32_t result, std::uint64_t latest, std:
 }
 
 void FireUnit::report(machine::Controller& core, std::uint32_t count, std::uint64_t now) {
-  // The newest result belongs to the newest edge; told in the order in which they happened.
+  // The newest result belongs to the newest edge; reported in the order in which they happened.
   std::uint64_t edges[most_results];
   std::uint64_t latest = now + clocks_per_us;
   for (std::uint32_t i = count; i-- != 0;) {
@@ -110,7 +110,7 @@ bool FireUnit::withdraw() const {
   const bool there = fire_machine.tx_level() != 0;
   if (there) {
     fire_machine.execute(encode::pull(false, false));
-    // Should FIRE stand between its pull and its out: it finds no token.
+    // If FIRE is between its pull and its out, it finds no token.
     fire_machine.execute(encode::move(MoveTo::osr, MoveFrom::null));
   }
   fire_machine.enable();
@@ -120,7 +120,7 @@ bool FireUnit::withdraw() const {
 void FireUnit::change_token(machine::Controller& core, std::uint64_t now) {
   using Action = TokenKeeper::Action;
   std::uint64_t tick = 0;
-  bool known = false;  // finding the tick takes longer than all the rest
+  bool known = false;  // finding the tick takes longer than the rest
   // At most: withdraw one, take the next, load it.
   for (int i = 0; i < 3 && is_due(core, now); ++i) {
     if (!known) {
@@ -157,7 +157,7 @@ void FireUnit::change_token(machine::Controller& core, std::uint64_t now) {
 bool FireUnit::next_clock(std::uint64_t& clock) {
   std::uint64_t tick = 0;
   if (!keeper_.next_tick(tick)) return false;
-  // A tick that has a length keeps it.
+  // The length of a tick never changes.
   if (!has_due_) has_due_ = feed_.clock_of(tick, due_clock_);
   clock = due_clock_;
   return has_due_;
@@ -174,7 +174,7 @@ void FireUnit::stopped(machine::Controller& core, std::uint64_t cut) {
     core.token_expired();
     return;
   }
-  // An edge has taken the token and its result was not handed over: fired if the pulse began.
+  // An edge has consumed the token and its result was not read: fired if the pulse began.
   const unsigned place = fire_machine.place(fire_offset);
   const bool fired = place >= fire_program.pulse && place < fire_program.after;
   results_[0] = fired ? fired_result : 1;

@@ -1,24 +1,24 @@
 // The fire unit: the board's half of firing, around the state machine FIRE.
 //
 // In:  tokens of the core, results of FIRE, edges of STAMP.
-// Out: lamp_edge() for every accepted edge, a shot when its pulse has begun; ARM held low whenever
-//      no token of the core is loaded.
+// Out: lamp_edge() for every accepted edge, a shot when its pulse has begun; ARM held low unless a
+//      token of the core is loaded.
 // Who: service(), or read_results() and handle_token(): beat and edge interrupt (priority 1), and
 //      the main loop with them masked, after anything that may have changed outputs(). Budget: 6 us
-//      an edge of this code, the core's part on top.
-//      cut_off(): any level. stopped(), restart(): main loop, beat interrupt masked.
+//      an edge for this code, plus the core's part. cut_off(): any level. stopped(), restart():
+//      main loop, beat interrupt masked.
 //
-// Taking a token back: ARM is held low at the pad, so that no decision can be a shot; after 16
-// clocks a decision that was being made is made; then either the token is still in the FIFO and is
-// thrown away, or an edge has taken it and its result comes. Never during a pulse, which the pause
-// of the state machine would lengthen by some 30 clocks.
+// Withdrawing a token: ARM is held low at the pad, so that no decision can be a shot; after 16
+// clocks a decision in progress is finished; then either the token is still in the FIFO and is
+// removed, or an edge has consumed it and its result follows. Never during a pulse, since pausing
+// the state machine would lengthen it by some 30 clocks.
 #pragma once
 
 #include <cstdint>
 
-#include "firmware/boards/rp2040/fire/stamp_reader.hpp"
 #include "firmware/boards/rp2040/fire/token_keeper.hpp"
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
+#include "firmware/boards/rp2040/lattice/stamp_reader.hpp"
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
 #include "firmware/lamp/shot_delay.hpp"
@@ -47,20 +47,21 @@ class FireUnit {
   FireUnit(LatticeOutput& lattice, TickFeed& feed, StampReader& stamps)
       : lattice_(lattice), feed_(feed), stamps_(stamps) {}
 
-  /// Q-switch low, program loaded; ARM and Q-switch held low. Nothing runs.
+  /// Q-switch low, program loaded; ARM and Q-switch held low. No state machine runs.
   [[gnu::cold]] void start();
-  /// Q-switch off at the pad, FIRE stands still: two stores (e-stop, priority 0).
+  /// Q-switch off at the pad, FIRE stopped: two stores (e-stop, priority 0).
   [[gnu::always_inline]] void cut_off() const {
-    // In this order: a pulse has begun exactly if the state machine says so.
+    // In this order: a pulse has begun exactly if the state machine's place shows it.
     clear_bits(pio0().ctrl, pio_ctrl::enable(1u << 3));
     force_low(boards::gpio(boards::Role::q_switch));
   }
-  /// After cut_off(): tells the core what became of its token. `cut` is the clock of the cut.
+  /// After cut_off(): reports the outcome of the token to the core. `cut` is the clock of the cut.
   [[gnu::cold]] void stopped(machine::Controller& core, std::uint64_t cut);
-  /// FIRE from its beginning, last of all state machines; the Q-switch pad stays as it is.
+  /// Restarts FIRE from its beginning, last of all state machines; the Q-switch pad is unchanged.
   void restart() const;
 
-  /// Results, tokens. `now()` is the present clock, never ahead of it, at most 1 us behind.
+  /// Reads results, handles tokens. `now()` is the present clock, never ahead of it, at most 1 us
+  /// late.
   template <class Now>
   void service(machine::Controller& core, Now&& now) {
     read_results(core, now);
@@ -74,9 +75,9 @@ class FireUnit {
     if (count != 0) report(core, count, now());
   }
   bool has_token() const { return keeper_.is_out(); }
-  /// FIRE has judged an edge and nobody has read that yet.
+  /// FIRE has judged an edge, and the result was not read.
   static bool has_result();
-  /// Takes, loads, withdraws the token if it is time; quick if it is not.
+  /// Takes, loads or withdraws the token if it is due; fast if it is not.
   void handle_token(machine::Controller& core, std::uint64_t now) {
     if (is_due(core, now)) change_token(core, now);
   }
@@ -91,7 +92,7 @@ class FireUnit {
   void read_fifo(std::uint32_t& count);
   void report(machine::Controller& core, std::uint32_t count, std::uint64_t now);
   std::uint64_t edge_of(std::uint32_t result, std::uint64_t latest, std::uint64_t now);
-  /// TokenKeeper::next() may want something, as far as it can be told without the tick.
+  /// TokenKeeper::next() may return an action, as far as can be determined without the tick.
   bool is_due(const machine::Controller& core, std::uint64_t now) {
     const bool may = core.shots().permitted();
     std::uint64_t clock = 0;
@@ -99,7 +100,7 @@ class FireUnit {
     return !may || (next_clock(clock) && now >= clock);
   }
   void change_token(machine::Controller& core, std::uint64_t now);
-  /// False after cut_off(): what stands still gets no token.
+  /// False after cut_off(): a stopped state machine gets no token.
   bool load();
   bool withdraw() const;
   static bool is_running();
@@ -109,10 +110,10 @@ class FireUnit {
   TickFeed& feed_;
   StampReader& stamps_;
   TokenKeeper keeper_;
-  bool has_due_ = false;  ///< due_clock_ is when the token in keeper_ wants something
+  bool has_due_ = false;  ///< due_clock_ is the next clock for the token in keeper_
   std::uint64_t due_clock_ = 0;
   machine::FireTiming timing_;
-  std::uint32_t word_ = 0;  ///< delay and width, as FIRE wants them
+  std::uint32_t word_ = 0;  ///< delay and width in the format of FIRE
   std::uint32_t results_[most_results] = {};
 };
 

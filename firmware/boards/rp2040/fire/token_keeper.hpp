@@ -1,7 +1,7 @@
-// The token between core and fire stage: who holds it, when it goes where.
+// The token between core and fire stage: its owner, and when it changes.
 //
 // In:  the present tick, whether firing is permitted, tokens of the core, results of the hardware.
-// Out: what to do with the hardware: load it, take it back.
+// Out: actions for the hardware: load it, take it back.
 // Who: FireUnit (beat interrupt, priority 1). Logic only, no registers, so that it is tested on a
 //      PC against the fire stage of the virtual board.
 //
@@ -21,13 +21,13 @@ class TokenKeeper {
  public:
   enum class Action : std::uint8_t {
     nothing,
-    take,      ///< ask the core for a token; taken() if there is one
-    drop,      ///< held by software only: dropped(), tell the core that it expired
+    take,      ///< request a token of the core; taken() if there is one
+    drop,      ///< held by software only: dropped(), report to the core that it expired
     load,      ///< write it into the hardware, then loaded()
-    withdraw,  ///< take it out of the hardware; if that succeeded withdrawn(), tell the core
+    withdraw,  ///< take it out of the hardware; if that succeeded withdrawn(), report to the core
   };
 
-  /// `tick` means nothing unless a token is out.
+  /// `tick` is ignored unless a token is out.
   Action next(std::uint64_t tick, bool permitted) const {
     if (state_ == State::none) return permitted ? Action::take : Action::nothing;
     const bool over = !permitted || tick >= token_.expires_tick;
@@ -35,7 +35,7 @@ class TokenKeeper {
     if (over) return Action::drop;
     return tick >= token_.not_before_tick ? Action::load : Action::nothing;
   }
-  /// The tick at which next() may want something else; false if only an event can change it.
+  /// The tick at which the result of next() may change; false if only an event can change it.
   bool next_tick(std::uint64_t& tick) const {
     if (state_ == State::none) return false;
     tick = state_ == State::held ? token_.not_before_tick : token_.expires_tick;
@@ -46,7 +46,7 @@ class TokenKeeper {
   void loaded() { state_ = State::loaded; }
   void dropped() { state_ = State::none; }
   void withdrawn() { state_ = State::none; }
-  /// A result came; true if a token of ours was spent by it.
+  /// A result was read; true if it has spent our token.
   bool result(bool spent) {
     const bool ours = spent && state_ == State::loaded;
     if (ours) state_ = State::none;

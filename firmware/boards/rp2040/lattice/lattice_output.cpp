@@ -1,6 +1,6 @@
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
 
-#include "firmware/boards/rp2040/allocation.hpp"
+#include "firmware/boards/rp2040/base/allocation.hpp"
 #include "firmware/boards/rp2040/registers/dma.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
 
@@ -29,7 +29,7 @@ void select_pulse(unsigned gpio, Function function, bool inverted) {
   io_bank0().gpio[gpio].ctrl =
       io_ctrl::function(function) | (inverted ? io_ctrl::output_inverted : 0);
 }
-/// For outputs that can release energy: kept low until somebody permits them.
+/// For outputs that can release energy: held low until they are released.
 void select_low(unsigned gpio, Function function) {
   io_bank0().gpio[gpio].ctrl = io_ctrl::function(function) | io_ctrl::output_low;
 }
@@ -43,7 +43,7 @@ std::uint32_t address(const volatile void* p) {
 }
 
 constexpr std::uint32_t stream_mask = (1u << again_channel) - 1;
-/// What channel 7 writes: start the streams that have ended. BITS has its own.
+/// Written by channel 7: starts the streams that have ended. BITS is restarted separately.
 constexpr std::uint32_t again_mask = stream_mask & ~(1u << bits_channel);
 
 struct Stream {
@@ -72,7 +72,7 @@ void feed_machine(unsigned channel, const StateMachine& sm, const void* ring, un
 }
 
 void stop_channels() {
-  // Not enabled, none can be triggered again by the end of another.
+  // A disabled channel cannot be triggered by the end of another.
   constexpr std::uint32_t all = stream_mask | 1u << power_channel;
   for (unsigned channel = 0; channel < again_channel; ++channel) dma().ch[channel].al1_ctrl = 0;
   dma().ch[power_channel].al1_ctrl = 0;
@@ -96,7 +96,8 @@ void LatticeOutput::start_axis(int axis, const stepper::AxisPulses& pulses) cons
   sm.make_outputs_low(first, 2);
   sm.machine().pinctrl =
       pio_pinctrl::out(first, 2) | pio_pinctrl::set(first, fallen_pins(pulses.mode));
-  // With the function comes the inversion: the pad goes from undriven to its level at rest.
+  // The inversion is set together with the function: the pad changes from undriven to its idle
+  // level.
   const Function function = sm.block == 0 ? Function::pio0 : Function::pio1;
   select_pulse(first, function, pulses.first_inverted);
   select_pulse(first + 1, function, pulses.second_inverted);
@@ -199,7 +200,7 @@ void LatticeOutput::prepare(std::uint32_t high_clocks) {
   tick_machine.execute(encode::move(MoveTo::isr, MoveFrom::osr));
   tick_machine.execute(encode::move(MoveTo::x, MoveFrom::null));
   start_channels();
-  // AXIS and BITS first: they wait for a tick with their first words in hand.
+  // AXIS and BITS first: they wait for a tick with their first words loaded.
   for (int a = 0; a < axes_; ++a) machine_of(a).enable();
   bits_machine.enable();
 }
@@ -207,7 +208,7 @@ void LatticeOutput::prepare(std::uint32_t high_clocks) {
 std::uint64_t LatticeOutput::ticks_begun(const TickFeed& feed) const {
   const std::uint32_t read = (dma().ch[tick_channel].read_addr - address(ticks_.words.data())) / 4;
   std::uint32_t in_ring = (feed.words() - read) % tick_ring_words;
-  // Zeros behind the words may have been read ahead: fewer than none.
+  // Zeros after the words may have been read ahead: then the difference is negative.
   if (in_ring > tick_ring_words / 2) in_ring -= tick_ring_words;
   const std::uint32_t taken = feed.words() - in_ring - tick_machine.tx_level();
   const unsigned place = tick_machine.place(tick_offset);

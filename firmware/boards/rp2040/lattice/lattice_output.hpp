@@ -1,14 +1,14 @@
-// The hardware behind the lattice: state machines AXIS, BITS, TICK, STAMP and their DMA.
+// The hardware of the lattice: state machines AXIS, BITS, TICK, STAMP and their DMA.
 //
-// In:  rings; orders to start, to freeze.
-// Out: steps, lattice bits, tick line; how many ticks have begun when frozen.
+// In:  rings; commands to start and to freeze.
+// Out: steps, lattice bits, tick line; the number of ticks begun when frozen.
 // Who: start(), prepare(), go(), ticks_begun(): main loop with beat and fill interrupts masked.
 //      freeze(): any level (e-stop interrupt: one store). stamps(): beat and edge interrupt too.
-// What is not in this header has time and runs from flash.
+//      Functions outside this header are not time-critical and run from flash.
 //
-// DMA channels read their rings round and round by address wrap. A channel counts to 2^32 - 1 and
-// then would stop (TICK after more than an hour): each is chained to one small channel that
-// triggers all of them; those that run ignore that (datasheet, 2.5.2.1). Their counts differ, so
+// DMA channels read their rings continuously by address wrap. A channel counts to 2^32 - 1 and
+// would then stop (TICK after more than an hour): each is chained to one small channel that
+// triggers all of them; running channels ignore that (datasheet, 2.5.2.1). Their counts differ, so
 // that no two end together. BITS ends after each cell of ticks and starts the channel of LASER PWM,
 // which writes a count and starts BITS again (laser_pwm.hpp). While the continuous laser is not
 // enabled it writes to a slice of the PWM that has no pin.
@@ -17,9 +17,9 @@
 #include <array>
 #include <cstdint>
 
-#include "firmware/boards/rp2040/allocation.hpp"
-#include "firmware/boards/rp2040/fire/stamp_reader.hpp"
+#include "firmware/boards/rp2040/base/allocation.hpp"
 #include "firmware/boards/rp2040/lattice/lattice_rings.hpp"
+#include "firmware/boards/rp2040/lattice/stamp_reader.hpp"
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
 #include "firmware/boards/rp2040/registers/dma.hpp"
 #include "firmware/boards/rp2040/registers/pio.hpp"
@@ -34,37 +34,38 @@ class LatticeOutput {
   LatticeOutput(LatticeRings& rings, PowerRing& power, TickRing& ticks, StampRing& stamps)
       : rings_(rings), power_(power), ticks_(ticks), stamps_(stamps) {}
 
-  /// Pins low, then their function, then programs. Nothing runs. PIO, DMA, pads out of reset.
+  /// Sets pins low, then their function, then loads programs. Nothing runs. PIO, DMA, pads out of
+  /// reset.
   void start(boards::PinMap map, const stepper::PulseOutput& output);
-  /// Everything to its beginning, FIFOs filled from the rings; AXIS and BITS wait for the first
-  /// tick. `high_clocks` is the high time of the tick line.
+  /// Resets everything, fills FIFOs from the rings; AXIS and BITS wait for the first tick.
+  /// `high_clocks` is the high time of the tick line.
   void prepare(std::uint32_t high_clocks);
   /// TICK and STAMP start together with this store.
   [[gnu::always_inline]] static void go() {
     const std::uint32_t both = tick_machine.mask() | stamp_machine.mask();
     set_bits(pio1().ctrl, pio_ctrl::enable(both) | pio_ctrl::clkdiv_restart(both));
   }
-  /// What AXIS has put out last, without inversions: bit 0 the first pin of the axis, bit 1 the
-  /// second.
+  /// Last output of AXIS, without inversions: bit 0 the first pin of the axis, bit 1 the second.
   static std::uint8_t levels(int axis);
-  /// No further tick: TICK stands where it is. A pulse that is high stays so until prepare(), so
-  /// that no step is cut short that ticks_begun() counts. Lattice bits stay: hold them at the pads.
+  /// No further tick: TICK stops in place. A pulse that is high stays high until prepare(), so that
+  /// no step counted by ticks_begun() is cut short. Lattice bits do not change: hold them at the
+  /// pads.
   [[gnu::always_inline]] static void freeze() {
     clear_bits(pio1().ctrl, pio_ctrl::enable(1u << tick_number));
   }
-  /// Frozen: ticks that have begun since power-up, all of which AXIS has seen.
+  /// Frozen: ticks that have begun since power-up, all of which AXIS has output.
   std::uint64_t ticks_begun(const TickFeed& feed) const;
   /// Stamps written so far, modulo the ring.
   [[gnu::always_inline]] std::uint32_t stamps() const {
     const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(stamps_.words.data());
     return (dma().ch[stamp_channel].write_addr - static_cast<std::uint32_t>(begin)) / 4;
   }
-  /// From the next cell on power goes to LASER PWM, or nowhere; prepare() makes it go nowhere. Its
-  /// slice of the PWM is the caller's while it does.
+  /// From the next cell on power goes to LASER PWM, or to no pin, which is the state after
+  /// prepare(). Meanwhile the caller owns the slice of LASER PWM.
   static void connect_power(bool to_pin) {
     dma().ch[power_channel].write_addr = power_address(to_pin);
   }
-  /// LAMP SYNC comes from this pin.
+  /// Selects the pin of LAMP SYNC.
   void use_sync(unsigned gpio) const;
 
  private:
@@ -85,8 +86,8 @@ class LatticeOutput {
   PowerRing& power_;
   TickRing& ticks_;
   StampRing& stamps_;
-  /// In SRAM, for DMA reads it while the flash is written and cannot be read. Volatile: the
-  /// compiler does not see that it is read.
+  /// In SRAM, because DMA reads it while the flash is written. Volatile: the compiler does not see
+  /// the read.
   volatile std::uint32_t again_mask_ = 0;
   int axes_ = 3;  ///< axes that have pins
 };

@@ -2,16 +2,16 @@
 // continuous laser.
 //
 // In:  words of the StepExpander.
-// Out: the same words, read by DMA round and round.
+// Out: the same words, read by DMA continuously.
 // Size: 4096 ticks. Motion is filled 2 ms ahead of the ticks that have a length, which are less
-// than 1 ms ahead of time; what lies behind is still there when an e-stop asks for the steps put
-// out.
+// than 1 ms ahead of time; played ticks remain in the rings long enough for an e-stop to count the
+// steps put out.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
-#include "firmware/boards/rp2040/lattice/laser_pwm.hpp"
+#include "firmware/boards/rp2040/base/laser_pwm.hpp"
 #include "firmware/boards/rp2040/lattice/step_kernel.hpp"
 #include "shared/units.hpp"
 
@@ -27,12 +27,12 @@ inline constexpr unsigned bits_ring_bits = 11;
 static_assert(step_ring_words * 4 == 1u << step_ring_bits);
 static_assert(bits_ring_words * 4 == 1u << bits_ring_bits);
 
-/// What the state machines read ahead of the tick: eight words of FIFO and one being shifted.
+/// Read-ahead of the state machines: eight words of FIFO and one being shifted.
 inline constexpr std::uint32_t prefetch_ticks = 9 * ticks_per_step_word;
 static_assert(prefetch_ticks == 144);
 
-/// As long as the others, a cell of the lattice an element: counts of LASER PWM, each where it is
-/// to be written (laser_pwm.hpp).
+/// As long as the others, an element per cell of the lattice: counts of LASER PWM at the place
+/// where they are written (laser_pwm.hpp).
 inline constexpr std::uint32_t power_ring_cells = ring_ticks / stepper::power_cell_ticks;
 inline constexpr unsigned power_ring_bits = 9;
 static_assert(power_ring_cells * 2 == 1u << power_ring_bits);

@@ -1,13 +1,13 @@
-// From bits of DIR and STEP to the levels of the two pins of an axis, and back.
+// Converts bits of DIR and STEP to the levels of the two pins of an axis, and back.
 //
 // In:  words of 16 ticks x (DIR, STEP), the first tick in the two uppermost bits (step_kernel.hpp).
-// Out: words of the same shape that AXIS puts out: of the two bits of a tick the upper one is for
-//      the pin of DIR, CCW or B, the lower one for that of STEP, CW or A.
-// Who: StepExpander (fill interrupt); the way back also where it asks what was put out. Cost on the
-//      Cortex-M0+: nothing for STEP and DIR; at 250 kHz some 50 cycles a word for CW and CCW, 90
-//      for A and B (measured on the chip simulator).
+// Out: words of the same format for AXIS: the upper bit of a tick is for the pin of DIR, CCW or B,
+//      the lower one for that of STEP, CW or A.
+// Who: StepExpander (fill interrupt); the reverse also where it counts the steps put out. Cost on
+//      the Cortex-M0+: nothing for STEP and DIR; at 250 kHz some 50 cycles a word for CW and CCW,
+//      90 for A and B (measured on the chip simulator).
 //
-// AXIS lets fall what a pulse is when the tick line falls: STEP, or both of CW and CCW, or neither
+// With the tick line AXIS lowers the pins that are pulses: STEP, or both of CW and CCW, or neither
 // of A and B, which keep their levels until the next step.
 #pragma once
 
@@ -20,7 +20,7 @@ namespace lamplock::rp2040 {
 
 using settings::PulseMode;
 
-/// Of every tick the exclusive or of all up to it, upper and lower bits apart.
+/// For every tick the exclusive or of all up to it, upper and lower bits separately.
 constexpr std::uint32_t changes_so_far(std::uint32_t word) {
   word ^= word >> 2;
   word ^= word >> 4;
@@ -28,9 +28,9 @@ constexpr std::uint32_t changes_so_far(std::uint32_t word) {
   return word ^ word >> 16;
 }
 
-/// A (lower) and B (upper bit) at the ticks of a word; `levels` were those before it, and are those
-/// at its end. Every step changes one of the two: upwards A where they are alike, B where they
-/// differ, downwards the other way round.
+/// A (lower) and B (upper bit) at the ticks of a word; `levels`: those before the word, updated to
+/// its end. Every step changes one of the two: upwards A where they are equal, B where they differ,
+/// downwards the reverse.
 constexpr std::uint32_t quadrature_word(std::uint32_t word, std::uint32_t& levels) {
   const std::uint32_t held = levels * all_step_bits;
   const std::uint32_t step = word & all_step_bits;
@@ -42,7 +42,7 @@ constexpr std::uint32_t quadrature_word(std::uint32_t word, std::uint32_t& level
   return put;
 }
 
-/// What AXIS gets for a word of (DIR, STEP).
+/// Converts a word of (DIR, STEP) for AXIS.
 constexpr std::uint32_t pulse_word(PulseMode mode, std::uint32_t word, std::uint32_t& levels) {
   if (mode == PulseMode::step_dir) return word;
   if (mode == PulseMode::quadrature) return quadrature_word(word, levels);
@@ -50,8 +50,8 @@ constexpr std::uint32_t pulse_word(PulseMode mode, std::uint32_t word, std::uint
   return (word & ~(word >> 1) & all_step_bits) | down;
 }
 
-/// The word of (DIR, STEP) behind what AXIS got, `levels` being those before it; DIR of ticks
-/// without a step means nothing.
+/// Converts a word of AXIS back to (DIR, STEP), `levels` being those before it; DIR is undefined in
+/// ticks without a step.
 constexpr std::uint32_t step_word(PulseMode mode, std::uint32_t word, std::uint32_t levels) {
   if (mode == PulseMode::step_dir) return word;
   if (mode == PulseMode::cw_ccw) return word | (word >> 1 & all_step_bits);

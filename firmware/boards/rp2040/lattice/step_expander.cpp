@@ -9,8 +9,8 @@ namespace {
 constexpr std::uint32_t place_mask = ring_ticks - 1;
 constexpr unsigned bits_per_tick = 32 / ticks_per_step_word;
 
-/// Puts `ticks` ticks that are all alike into a ring of words; `pattern` is a word full of such
-/// ticks, and finish(word) what goes into the ring for a complete one.
+/// Puts equal ticks into a ring of words; `pattern` is a word full of such ticks, and finish(word)
+/// converts a complete word for the ring.
 template <std::uint32_t ticks_per_word, std::size_t ring_words, class Finish>
 void put_alike(std::array<std::uint32_t, ring_words>& ring, std::uint32_t& partial,
                std::uint32_t pattern, std::uint32_t place, std::uint32_t ticks, Finish&& finish) {
@@ -59,7 +59,7 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPo
     row.fill = {};
     row.levels = levels[index(a)];
     row.guard.begin(row.mode == PulseMode::step_dir ? (row.levels & 2) != 0 : row.guard.back());
-    // Whoever looks back finds no steps.
+    // Counting back finds no steps.
     rings_.steps[index(a)].fill(row.finish(row.dir()));
   }
   if (filled <= first) return;
@@ -70,7 +70,7 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPo
   end_runs(ticks);
 }
 
-// In one place: three loops hand words over.
+// Not inlined: three loops call it.
 [[gnu::noinline]] std::uint32_t StepExpander::Row::finish_other(std::uint32_t word) {
   return pulse_word(mode, word, levels);
 }
@@ -84,7 +84,7 @@ void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t
   put_words<true>(axis, phase, back ? all_dir_bits : 0, ticks);
 }
 
-/// Where the axis turns, or its pins want something else than STEP and DIR.
+/// For an axis that reverses, or pins that are not STEP and DIR.
 [[gnu::noinline]] void StepExpander::put_other(int axis, const stepper::AxisRun& run,
                                                std::uint32_t ticks) {
   Row& row = rows_[index(axis)];
@@ -95,7 +95,7 @@ void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t
   put_words<false>(axis, phase, row.dir(), ticks);
 }
 
-/// Steps as they come; `plain`: the pins want STEP and DIR.
+/// Steps without a guard; `plain`: the pins are STEP and DIR.
 template <bool plain>
 void StepExpander::put_words(int axis, StepPhase& phase, std::uint32_t dir, std::uint32_t ticks) {
   auto& ring = rings_.steps[index(axis)];
@@ -128,12 +128,12 @@ void StepExpander::put_words(int axis, StepPhase& phase, std::uint32_t dir, std:
   if (ticks != 0) fill.partial = expand_some(phase, fill.partial, ticks, dir);
 }
 
-/// As a rule an axis turns far from its steps: then the guard need not be asked in every tick.
+/// Usually an axis reverses far from its steps: then the guard need not run in every tick.
 bool StepExpander::turn_at_once(int axis, StepPhase phase, bool back, std::uint32_t ticks) {
   stepper::ReversalGuard& guard = rows_[index(axis)].guard;
   const stepper::DirectionTimes& times = guard.times();
   if (!guard.settled() || phase.rate == 0 || ticks < times.setup_ticks) return false;
-  // One tick is over in any case: DIR changes with the next one.
+  // One tick passes in any case: DIR changes with the next one.
   if (times.hold_ticks > 1 && quiet_ticks(axis) + 1 < times.hold_ticks) return false;
   for (std::uint32_t i = times.setup_ticks; i != 0; --i)
     if (phase.tick()) return false;
@@ -151,12 +151,12 @@ void StepExpander::put_guarded_tick(int axis, std::int32_t wanted) {
     rings_.steps[index(axis)][at] = row.finish(row.fill.partial);
 }
 
-/// Tick by tick until the guard lets steps pass; the ticks that are left.
-std::uint32_t StepExpander::put_guarded(int axis, StepPhase& phase, bool back, bool stands,
-                                        std::uint32_t ticks) {
+/// Runs the guard tick by tick until it lets steps pass; returns the ticks left.
+std::uint32_t StepExpander::put_guarded(int axis, StepPhase& phase, bool back,
+                                        bool is_standing_still, std::uint32_t ticks) {
   stepper::ReversalGuard& guard = rows_[index(axis)].guard;
   if (guard.settled()) guard.wake(quiet_ticks(axis) + 1);
-  for (; ticks != 0 && !(guard.settled() && (stands || guard.back() == back)); --ticks) {
+  for (; ticks != 0 && !(guard.settled() && (is_standing_still || guard.back() == back)); --ticks) {
     if (phase.rate != 0) guard.head(back);
     put_guarded_tick(axis, !phase.tick() ? 0 : back ? -1 : 1);
   }
@@ -187,8 +187,8 @@ void StepExpander::put_power(std::uint16_t power, std::uint32_t ticks) {
   std::uint32_t at = power_place_;
   const std::uint32_t end = at + ticks;
   if (const std::uint32_t begun = at % cell; begun != 0) {
-    // Darkness leaves a cell what shines in it before, and so does what comes behind the middle,
-    // but for what is weaker and comes behind darkness.
+    // Dark ticks do not change the count of a cell. Ticks after its middle do so only if the count
+    // is still 0, or if they are weaker and follow a dark tick.
     std::uint16_t& count = power_.counts[at / cell % power_ring_cells];
     const bool counts_too = begun <= cell / 2 || count == 0 || (dark_ && counts < count);
     if (power != 0 && counts_too) count = counts;
@@ -200,7 +200,7 @@ void StepExpander::put_power(std::uint16_t power, std::uint32_t ticks) {
   power_place_ = end;
 }
 
-/// The word in which a place lies, as bits of DIR and STEP; DIR counts where there is a step.
+/// The word at a place, as bits of DIR and STEP; DIR is valid where there is a step.
 std::uint32_t StepExpander::steps_of(int axis, std::uint32_t place) const {
   const Row& row = rows_[index(axis)];
   const std::uint32_t at = place / ticks_per_step_word;
@@ -211,15 +211,15 @@ std::uint32_t StepExpander::steps_of(int axis, std::uint32_t place) const {
   return step_word(row.mode, ring[at], ring[(at + step_ring_words - 1) % step_ring_words] & 3);
 }
 
-/// Ticks since the last step, no further back than the guard wants to know.
+/// Ticks since the last step, limited to what the guard needs.
 std::uint32_t StepExpander::quiet_ticks(int axis) const {
   const Row& row = rows_[index(axis)];
   std::uint32_t quiet = 0;
   while (quiet < row.guard.times().hold_ticks) {
     const std::uint32_t place = (row.fill.place - 1 - quiet) & place_mask;
     const std::uint32_t in_word = place % ticks_per_step_word;
-    const std::uint32_t behind = ticks_per_step_word - 1 - in_word;
-    const std::uint32_t steps = steps_of(axis, place) >> 2 * behind & all_step_bits;
+    const std::uint32_t after = ticks_per_step_word - 1 - in_word;
+    const std::uint32_t steps = steps_of(axis, place) >> 2 * after & all_step_bits;
     if (steps != 0)
       return quiet + static_cast<std::uint32_t>(std::countr_zero(steps)) / bits_per_tick;
     quiet += in_word + 1;
@@ -227,13 +227,13 @@ std::uint32_t StepExpander::quiet_ticks(int axis) const {
   return quiet;
 }
 
-/// Whole words without a step from a place on, of so many ticks: most are, and whoever asks where
-/// the machine is has not much time. Zero is always true.
+/// Number of whole words without a step from a place on, within these ticks: most words have none,
+/// and the caller has little time. Zero is always correct.
 std::uint32_t StepExpander::quiet_words(int axis, std::uint32_t place, std::uint32_t ticks) const {
   const PulseMode mode = rows_[index(axis)].mode;
   const auto& ring = rings_.steps[index(axis)];
   const std::uint32_t most = ticks / ticks_per_step_word;
-  // DIR means nothing by itself, levels nothing while they stay.
+  // DIR alone does not count, nor do levels that are constant.
   const std::uint32_t counts = mode == PulseMode::step_dir ? all_step_bits : ~0u;
   std::uint32_t at = place / ticks_per_step_word, words = 0, quiet = 0;
   if (mode == PulseMode::quadrature)
@@ -243,14 +243,14 @@ std::uint32_t StepExpander::quiet_words(int axis, std::uint32_t place, std::uint
 }
 
 std::int32_t StepExpander::step_at(int axis, std::uint64_t tick) const {
-  // From the end back: what is still in the rings was not put out, nor what is owed there.
+  // Backwards from the end: steps still in the rings and owed steps were not put out.
   const Row& row = rows_[index(axis)];
   std::int64_t step = steps_[index(axis)] - row.guard.owed();
   for (auto left = static_cast<std::uint32_t>(end_ > tick ? end_ - tick : 0); left != 0;) {
     const std::uint32_t place = (row.fill.place - left) & place_mask;
     const std::uint32_t skip = place % ticks_per_step_word;
     const std::uint32_t n = left < ticks_per_step_word - skip ? left : ticks_per_step_word - skip;
-    // DIR belongs to the tick: a word may hold both directions.
+    // DIR is per tick: a word may contain both directions.
     const std::uint32_t word = steps_of(axis, place) << 2 * skip;
     const std::uint32_t used = ~0u << 2 * (ticks_per_step_word - n);
     const std::uint32_t stepping = word & used & all_step_bits;

@@ -1,21 +1,21 @@
-// From runs of ticks to words for the state machines.
+// Converts runs of ticks to words for the state machines.
 //
-// In:  runs of each axis, of the lattice bits and of the laser's power, as the core's fill_axes()
-//      tells them; what the pins of each axis mean (pulse_words.hpp).
+// In:  runs of each axis, of the lattice bits and of the laser's power, from the core's
+//      fill_axes(); the meaning of the pins of each axis (pulse_words.hpp).
 // Out: words in the LatticeRings, a fixed number of ticks each; counts of LASER PWM; how far the
 //      rings are filled.
-// Who: the fill interrupt (priority 3); begin() and steps_at() with that interrupt masked.
-// Budget: per axis and run some 200 cycles and at most 7 a tick, 2 where steps are rare; about a
-//      quarter of a cycle a tick where it stands. Where it turns close to a step some 200 cycles a
-//      tick until its guard (stepper/reversal_guard.hpp) lets steps pass. For power 40 a call and
-//      half a cycle a tick.
+// Who: the fill interrupt (priority 3); begin() and steps_at() with that interrupt masked. Budget:
+//      per axis and run some 200 cycles and at most 7 a tick, 2 where steps are rare; about a
+//      quarter of a cycle a tick at rest. After a reversal close to a step some 200 cycles a tick
+//      until its guard (stepper/reversal_guard.hpp) lets steps pass. For power 40 a call and half a
+//      cycle a tick.
 //
-// A word is made of bits of DIR and STEP and becomes what the pins want when it is complete.
+// A word is made of bits of DIR and STEP and is converted for the pins when it is complete.
 //
-// Power has one value a cell: that of the last tick up to its middle that shines, or else of the
-// first one behind. Where darkness parts two lights inside of a cell, as where a pulse has ended
-// few ticks before its line, what shines behind it counts too if it is weaker: neither is brighter
-// than it should be.
+// Power has one value per cell: that of the last lit tick up to its middle, or else of the first
+// one after it. Where a dark gap divides a cell, such as after a pulse that ended a few ticks
+// before its line, the power after the gap counts too if it is lower: no part is brighter than it
+// should be.
 #pragma once
 
 #include <cstdint>
@@ -35,29 +35,28 @@ constexpr std::uint32_t lattice_nibble(std::uint8_t bits) {
          ((bits & stepper::arm_bit) != 0 ? arm_pin : 0);
 }
 
-/// Fills the rings.
 class StepExpander {
  public:
   StepExpander(LatticeRings& rings, PowerRing& power) : rings_(rings), power_(power) {}
 
-  /// What pins and drives are; begin() has to follow.
+  /// Sets pins and drives; begin() must follow.
   [[gnu::cold]] void configure(const stepper::PulseOutput& output);
-  /// Starts anew: the first word begins with tick `first`; up to the tick `filled`, from where on
-  /// runs are told, everything stands. `levels` are those of the pins of each axis (bit 0: STEP, CW
-  /// or A; bit 1: DIR, CCW or B) without inversions: they stay what they are.
+  /// Starts again: the first word begins with tick `first`; up to the tick `filled`, where runs
+  /// begin, all axes rest. `levels`: present levels of the pins of each axis (bit 0: STEP, CW or A;
+  /// bit 1: DIR, CCW or B) without inversions: they do not change.
   [[gnu::cold]] void begin(std::uint64_t first, std::uint64_t filled, const StepPosition& steps,
                            const PerAxis<std::uint8_t>& levels = {});
 
-  // What fill_axes() tells; the caller has made sure that there is room.
+  // Calls of fill_axes(); the caller has checked that there is room.
   void put_still(int axis, std::uint32_t ticks);
   void put_axis(int axis, const stepper::AxisRun& run, std::uint32_t ticks);
   void put_bits(std::uint8_t bits, std::uint32_t ticks);
   void put_power(std::uint16_t power, std::uint32_t ticks);
   void set_step(int axis, std::int32_t step) { steps_[index(axis)] = step; }
-  /// So many ticks have been told of every axis and of the bits.
+  /// This many ticks of every axis and of the bits are complete.
   void end_runs(std::uint32_t ticks) { end_ += ticks; }
 
-  /// First tick that has not been told.
+  /// First tick that is not filled.
   std::uint64_t end_tick() const { return end_; }
   /// Ticks that fit while tick `now` is being put out.
   std::uint32_t room(std::uint64_t now) const {
@@ -65,24 +64,24 @@ class StepExpander {
     constexpr std::uint32_t usable = ring_ticks - 2 * ticks_per_step_word;
     return used < usable ? usable - static_cast<std::uint32_t>(used) : 0;
   }
-  /// First tick that certainly still lies in the rings.
+  /// First tick that is certainly still in the rings.
   std::uint64_t oldest_tick() const {
     constexpr std::uint32_t kept = ring_ticks - 2 * ticks_per_step_word;
     return end_ > kept ? end_ - kept : 0;
   }
-  /// Where the axes stand when the ticks before `tick` have been put out; the tick must lie in
-  /// the rings (main loop).
+  /// Position of the axes after the ticks before `tick` have been put out; the tick must be in the
+  /// rings (main loop).
   [[gnu::cold]] StepPosition steps_at(std::uint64_t tick) const;
-  /// One axis of it: some 0.1 ms, twice that where every word has steps.
+  /// The same for one axis: some 0.1 ms, twice that where every word has steps.
   [[gnu::cold]] std::int32_t step_at(int axis, std::uint64_t tick) const;
 
  private:
-  /// A ring as it is being filled.
+  /// The state of filling a ring.
   struct Fill {
-    std::uint32_t place = 0;    ///< first tick not in it, from that of the first word on
+    std::uint32_t place = 0;    ///< first tick not in it, from the start of the first word
     std::uint32_t partial = 0;  ///< the word being made, its ticks in the lower bits
   };
-  /// That of an axis; `partial` has bits of DIR and STEP in every mode.
+  /// State of an axis; `partial` has bits of DIR and STEP in every mode.
   struct Row {
     Fill fill;
     stepper::ReversalGuard guard;
@@ -100,7 +99,7 @@ class StepExpander {
   template <bool plain>
   void put_words(int axis, StepPhase& phase, std::uint32_t dir, std::uint32_t ticks);
   bool turn_at_once(int axis, StepPhase phase, bool back, std::uint32_t ticks);
-  std::uint32_t put_guarded(int axis, StepPhase& phase, bool back, bool stands,
+  std::uint32_t put_guarded(int axis, StepPhase& phase, bool back, bool is_standing_still,
                             std::uint32_t ticks);
   void put_guarded_tick(int axis, std::int32_t wanted);
   std::uint32_t steps_of(int axis, std::uint32_t place) const;
@@ -114,7 +113,7 @@ class StepExpander {
   StepPosition steps_{};  ///< at end_
   PowerRing& power_;
   std::uint32_t power_place_ = 0;  ///< as in a Row, with the counts written ahead
-  bool dark_ = true;               ///< in the tick before
+  bool dark_ = true;               ///< the previous tick was dark
 };
 
 }  // namespace lamplock::rp2040

@@ -21,8 +21,8 @@ inline constexpr std::uint32_t all_dir_bits = 0xaaaaaaaau;
 inline constexpr std::uint32_t all_step_bits = 0x55555555u;
 inline constexpr std::uint32_t ticks_per_step_word = 16;
 
-/// One axis, as the loop wants it. Backwards the phase is mirrored: a borrow of P - R is the carry
-/// of ~P + R, and ~(P - R) = ~P + R.
+/// One axis in the format of the loop. Backwards the phase is mirrored: a borrow of P - R is the
+/// carry of ~P + R, and ~(P - R) = ~P + R.
 struct StepPhase {
   std::uint64_t phase = 0;
   std::uint64_t rate = 0;
@@ -39,7 +39,7 @@ struct StepPhase {
     accel = back ? 0 - a : a;
   }
 
-  /// The next tick: does it step?
+  /// Advances by a tick; true if it steps.
   bool tick() {
     const std::uint64_t before = phase;
     phase += rate;
@@ -50,7 +50,7 @@ struct StepPhase {
   std::uint32_t phase_top() const { return static_cast<std::uint32_t>(phase >> 32); }
   std::uint32_t rate_top() const { return static_cast<std::uint32_t>(rate >> 32); }
 
-  /// True if over so many ticks most words have no step: the rate is below 1/32, at both ends.
+  /// True if most words of these ticks have no step: the rate is below 1/32, at both ends.
   bool steps_rarely(std::uint32_t ticks) const {
     const std::uint64_t last =
         rate + static_cast<std::uint64_t>(short_product(static_cast<std::int64_t>(accel), ticks));
@@ -58,7 +58,7 @@ struct StepPhase {
   }
 };
 
-/// Writes words out..end-1; `dir` is all_dir_bits or 0. What every machine computes.
+/// Writes words out..end-1; `dir` is all_dir_bits or 0. Portable version.
 inline void expand_words_portable(StepPhase& axis, std::uint32_t* out, const std::uint32_t* end,
                                   std::uint32_t dir) {
   StepPhase s = axis;
@@ -97,13 +97,13 @@ struct PhaseWords {
   }
 };
 
-/// The same by hand: everything in registers, carries straight into the word.
+/// The same in assembler: everything in registers, carries directly into the word.
 inline void expand_words(StepPhase& axis, std::uint32_t* out, const std::uint32_t* end,
                          std::uint32_t dir) {
   if (out == end) return;
   PhaseWords s(axis);
   std::uint32_t word = 0;
-  // Written out sixteen times instead of .rept: the compiler judges distances by counting lines.
+  // Repeated sixteen times instead of .rept: the compiler estimates distances by counting lines.
 #define LAMPLOCK_ONE_TICK       \
   "lsls %[word], %[word], #1\n" \
   "adds %[p0], %[p0], %[r0]\n"  \
@@ -113,7 +113,7 @@ inline void expand_words(StepPhase& axis, std::uint32_t* out, const std::uint32_
   "adcs %[r1], %[a1]\n"
 #define LAMPLOCK_FOUR_TICKS LAMPLOCK_ONE_TICK LAMPLOCK_ONE_TICK LAMPLOCK_ONE_TICK LAMPLOCK_ONE_TICK
   asm volatile(
-      ".syntax unified\n"  // the compiler goes back to its own
+      ".syntax unified\n"  // the compiler restores its own
       ".balign 4\n"
       "1:\n"  //
       LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS
@@ -127,7 +127,7 @@ inline void expand_words(StepPhase& axis, std::uint32_t* out, const std::uint32_
       : "cc", "memory");
   s.store(axis);
 }
-/// Some ticks by hand: into the same sixteen where n of them are left.
+/// Some ticks in assembler: jumps into the sixteen where n of them are left.
 inline std::uint32_t expand_some_ticks(StepPhase& axis, std::uint32_t word, std::uint32_t n) {
   PhaseWords s(axis);
   constexpr std::uint32_t tick_bytes = 6 * 2;
@@ -135,7 +135,7 @@ inline std::uint32_t expand_some_ticks(StepPhase& axis, std::uint32_t word, std:
   asm volatile(
       ".syntax unified\n"
       ".balign 4\n"
-      "add pc, %[skip]\n"  // from four bytes on
+      "add pc, %[skip]\n"  // relative to four bytes later
       "nop\n"              //
       LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS LAMPLOCK_FOUR_TICKS
       : [p0] "+l"(s.p0), [p1] "+l"(s.p1), [r0] "+l"(s.r0), [r1] "+l"(s.r1), [word] "+l"(word)

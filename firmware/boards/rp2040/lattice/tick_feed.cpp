@@ -14,12 +14,12 @@ void TickFeed::begin(std::uint64_t tick, std::uint64_t clock, std::uint32_t low_
 }
 
 void TickFeed::add(const lamp::TickSpan& span) {
-  // In a register: a store into the ring could otherwise have changed the member.
+  // A register copy: the compiler must assume that a store into the ring changes the member.
   std::uint32_t words = words_;
   TickRing& ring = ring_;
   make_tick_words(span, high_clocks_,
                   [&ring, &words](std::uint32_t word) { put(ring, words, word); });
-  // Ahead of the words there are always zeros, where TICK ends.
+  // After the words there are always zeros, where TICK ends.
   const std::uint32_t from = (words_ + cleared_words) % tick_ring_words, made = words - words_;
   const std::uint32_t to_end = tick_ring_words - from, n = made < to_end ? made : to_end;
   __builtin_memset(ring.words.data() + from, 0, n * 4);
@@ -30,11 +30,11 @@ void TickFeed::add(const lamp::TickSpan& span) {
   end_clock_ = span.first_clock + span.clocks;
 }
 
-/// The span in which a clock lies, or the oldest one; none from end_clock() on.
+/// The span that contains a clock, or the oldest one; none from end_clock() on.
 const lamp::TickSpan* TickFeed::span_at(std::uint64_t clock) const {
   const std::uint32_t known = span_count_ < remembered ? span_count_ : remembered;
   if (known == 0 || clock >= end_clock_) return nullptr;
-  // Differences in 32 bits: the spans are the last milliseconds. What lies long ago is the oldest.
+  // Differences in 32 bits: the spans are the last milliseconds. For older clocks the oldest one.
   const std::uint64_t ago = end_clock_ - clock;
   const auto wanted = ago > remembered * feed_span_ticks * 2u * clocks_per_tick
                           ? ~0u
@@ -62,7 +62,7 @@ std::uint64_t TickFeed::tick_at(std::uint64_t clock) const {
   const lamp::TickSpan* span = span_at(clock);
   if (span == nullptr) return end_tick_;
   if (clock <= span->first_clock) return span->first_tick;
-  // Stepwise, for there is no division at this level: halves of the span.
+  // By bisection of the span, since this interrupt does not divide.
   const auto into = static_cast<std::uint32_t>(clock - span->first_clock);
   std::uint32_t low = 0, high = span->ticks;
   while (high - low > 1) {
@@ -83,7 +83,7 @@ bool TickFeed::clock_of(std::uint64_t tick, std::uint64_t& clock) const {
     if (tick < span.first_tick) continue;
     const TickLength length(span);
     const auto n = static_cast<std::uint32_t>(tick - span.first_tick);
-    // The odd clocks as if the span had its full length: less than half a microsecond too few.
+    // The extra clocks as if the span had its full length: less than half a microsecond too few.
     clock = span.first_clock + n * length.clocks + n * length.longer / feed_span_ticks;
     return true;
   }
@@ -92,7 +92,7 @@ bool TickFeed::clock_of(std::uint64_t tick, std::uint64_t& clock) const {
 }
 
 std::uint64_t TickFeed::ticks_begun(std::uint32_t taken, std::uint32_t open) const {
-  // The words make the ticks up to and including end_tick_ begin.
+  // The words begin the ticks up to and including end_tick_.
   std::uint64_t begun = end_tick_ + 1 - open;
   for (std::uint32_t i = taken; i != words_; ++i)
     begun -= (ring_.words[i % tick_ring_words] & 0xffff) + 1;

@@ -1,13 +1,13 @@
-// From spans of ticks to words for TICK.
+// Converts spans of ticks to words for TICK.
 //
 // In:  TickSpans of the beat clock.
 // Out: words (ticks - 1 | low time << 16); tick i of a span begins at first_clock +
-//      floor(i * clocks / ticks), the very clock that the virtual board works out.
+//      floor(i * clocks / ticks), exactly the clock that the virtual board calculates.
 // Who: TickFeed (beat interrupt, priority 1). Cost: some 15 cycles a word, no division; one word
-//      for 16 ticks where all are alike, as many as ticks at worst.
+//      for 16 ticks where all are equal, as many as ticks at worst.
 //
-// TICK spends the low time before the rise that begins a tick: a word tells how long the ticks
-// before its rises were. So the words of span [a, b) begin ticks a+1 .. b.
+// TICK spends the low time before the rise that begins a tick: a word contains the length of the
+// ticks before its rises. So the words of span [a, b) begin ticks a+1 .. b.
 #pragma once
 
 #include <array>
@@ -22,11 +22,11 @@ constexpr std::uint32_t tick_word(std::uint32_t ticks, std::uint32_t low_count) 
   return (ticks - 1) | low_count << 16;
 }
 
-/// Quotient and rest of the clocks in a span, by stepping from the nominal length of a tick: the
+/// Quotient and rest of the clocks in a span, by counting from the nominal length of a tick: the
 /// lattice is slewed by a quarter at most.
 struct TickLength {
   std::uint32_t clocks = clocks_per_tick;
-  std::uint32_t longer = 0;  ///< of the span's ticks are one clock longer
+  std::uint32_t longer = 0;  ///< number of ticks of the span that are one clock longer
 
   explicit constexpr TickLength(const lamp::TickSpan& span) {
     auto rest = static_cast<std::int32_t>(span.clocks - span.ticks * clocks_per_tick);
@@ -37,11 +37,11 @@ struct TickLength {
   }
 };
 
-/// Longest span that is made into words.
+/// Longest span that is converted to words.
 inline constexpr std::uint32_t most_span_ticks = 128;
 
 /// DMA and the FIFO of TICK read six words ahead, whether or not they are written. The feed is at
-/// least 200 us ahead, so words of at most 16 ticks (20 us when slewed most) always are.
+/// least 200 us ahead, so words of at most 16 ticks (20 us at the largest slew) always are.
 inline constexpr std::uint32_t most_word_ticks = 16;
 
 /// ceil(2^15 / m): n * reciprocal / 2^15, rounded down, is n / m for n up to most_span_ticks.
@@ -52,14 +52,14 @@ inline constexpr std::array<std::uint16_t, most_span_ticks / 2 + 1> reciprocals 
   return table;
 }();
 
-/// Gives the words of a span to `sink(word)`; `high_clocks` is the high time of the tick line.
+/// Passes the words of a span to `sink(word)`; `high_clocks` is the high time of the tick line.
 /// Tick i is a long one if (i + 1) * longer / ticks, rounded down, is more than i * longer / ticks.
-/// So the rarer kind stands alone between runs of the other: each n / m ticks, rounded up or down.
+/// So the rarer kind is single between runs of the other: each n / m ticks, rounded up or down.
 template <class Sink>
 constexpr void make_tick_words(const lamp::TickSpan& span, std::uint32_t high_clocks, Sink&& sink) {
   const TickLength length(span);
   const std::uint32_t fixed = high_clocks + pio::tick_low_overhead;
-  // A low time of zero would read as no word: such a tick is one that no lamp asks for.
+  // A low time of zero would mean no word; no lamp needs so short a tick.
   const std::uint32_t low = length.clocks > fixed ? length.clocks - fixed : 1;
   const std::uint32_t n = span.ticks;
   const auto put_run = [&sink](std::uint32_t ticks, std::uint32_t low_count) {
@@ -76,8 +76,8 @@ constexpr void make_tick_words(const lamp::TickSpan& span, std::uint32_t high_cl
   const std::uint32_t run = n * reciprocals[m] >> 15, rest = n - run * m;
   const std::uint32_t rare = tick_word(1, low + (long_is_rare ? 1 : 0));
   const std::uint32_t common_low = low + (long_is_rare ? 0 : 1);
-  // A long tick ends its run, a short one begins it: rounded up and down. Where there are many runs
-  // each is one word, and a shorter loop makes them.
+  // A long tick ends its run, a short one begins it: rounded up and down. If there are many runs
+  // each is one word, made by a shorter loop.
   std::uint32_t sum = 0;
   if (run <= most_word_ticks) {
     const std::uint32_t shorter = tick_word(run - 1, common_low);

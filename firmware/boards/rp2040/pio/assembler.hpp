@@ -3,10 +3,10 @@
 //
 // In:  typed instructions, labels, side-set, delays, wrap.
 // Out: a Program: words with jump targets relative to its start, its length, where it wraps.
-// Who: programs.hpp; everything is consteval, so nothing of it is in the image but the words.
+// Who: programs.hpp; everything is consteval, so the image contains only the words.
 //
-// A wrong operand does not compile: the call of an undefined function ends the constant expression
-// and its name says what is wrong.
+// A wrong operand does not compile: the call of an undefined function ends the constant expression,
+// and its name states the error.
 #pragma once
 
 #include <array>
@@ -22,12 +22,12 @@ inline constexpr std::size_t block_size = 32;
 struct Program {
   std::array<std::uint16_t, block_size> code{};
   std::uint8_t size = 0;
-  std::uint8_t wrap_target = 0;  ///< where execution goes on ...
+  std::uint8_t wrap_target = 0;  ///< where execution continues ...
   std::uint8_t wrap = 0;         ///< ... after this instruction
   std::uint8_t side_set_bits = 0;
   bool side_set_optional = false;
 
-  /// Word for instruction memory when the program starts at `offset`: jumps move with it.
+  /// Word for instruction memory if the program starts at `offset`: jumps are relocated.
   constexpr std::uint16_t at(std::size_t i, unsigned offset) const {
     const bool jump = (code[i] & 0xe000u) == 0;
     return static_cast<std::uint16_t>(code[i] + (jump ? offset : 0));
@@ -70,7 +70,7 @@ enum class Operation : std::uint8_t { copy = 0, invert = 1, reverse = 2 };
 enum class SetTo : std::uint8_t { pins = 0, x = 1, y = 2, pindirs = 4 };
 
 namespace error {
-// Not defined: a call ends compilation and names the reason.
+// Not defined: a call ends compilation and its name is the reason.
 void program_longer_than_32_instructions();
 void count_must_be_1_to_32();
 void operand_must_be_0_to_31();
@@ -134,7 +134,7 @@ consteval std::uint16_t set(SetTo to, unsigned value) {
 }
 }  // namespace encode
 
-/// A place in a program, before it is known.
+/// A position in a program, possibly not known yet.
 struct Label {
   std::uint8_t number = 0;
 };
@@ -142,7 +142,7 @@ struct Label {
 /// Builds one program.
 class Assembler {
  public:
-  /// `side_set_bits` pins are set by the side; if optional, one more bit is spent to say whether.
+  /// `side_set_bits` pins are set by the side; if optional, one more bit marks whether.
   explicit consteval Assembler(unsigned side_set_bits = 0, bool optional = false)
       : side_bits_(side_set_bits), optional_(optional) {
     if (field_bits() > 5) error::side_set_of_at_most_5_bits();
@@ -150,7 +150,7 @@ class Assembler {
     bound_.fill(unbound);
   }
 
-  /// The instruction just written: side-set value and clocks of delay behind it.
+  /// The last instruction: adds a side-set value and clocks of delay after it.
   class Last {
    public:
     consteval Last(Assembler& assembler, std::size_t at) : assembler_(assembler), at_(at) {}
@@ -176,15 +176,15 @@ class Assembler {
     if (bound_[label.number] != unbound) error::label_bound_twice();
     bound_[label.number] = static_cast<std::uint8_t>(size_);
   }
-  /// A label right here.
+  /// A label at this position.
   consteval Label here() {
     const Label l = label();
     bind(l);
     return l;
   }
-  /// Wrapping goes to the next instruction.
+  /// Execution wraps to the next instruction.
   consteval void wrap_target() { wrap_target_ = static_cast<std::uint8_t>(size_); }
-  /// Wrapping happens behind the last instruction written.
+  /// Execution wraps after the last instruction written.
   consteval void wrap() { wrap_ = static_cast<std::uint8_t>(size_ - 1); }
 
   consteval Last jump(Jump condition, Label target) {
@@ -216,7 +216,7 @@ class Assembler {
   }
   consteval Last set(SetTo to, unsigned value) { return put(encode::set(to, value)); }
 
-  /// Checks and resolves; without wrap() the program wraps behind its last instruction.
+  /// Checks and resolves; without wrap() the program wraps after its last instruction.
   consteval Program finish() const {
     Program p;
     p.size = static_cast<std::uint8_t>(size_);

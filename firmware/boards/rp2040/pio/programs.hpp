@@ -28,10 +28,10 @@ inline constexpr unsigned tick_gpio = boards::gpio(boards::Role::tick_line);
 
 /// AXIS: per tick the levels of the two pins of the axis, the second one (DIR, CCW, B) first,
 /// autopull at 32 bits. OUT pins: both; SET pins: those that fall with the tick line, from the
-/// first one on, as many as its pulse mode says (fallen_pins()). So a pulse is as high as the tick
-/// line, DIR changes at the beginning of a tick, at least one before the step
-/// (stepper/reversal_guard.hpp), and levels in quadrature stay. Without data or without ticks it
-/// waits with pulses low.
+/// first one on, their number depending on the pulse mode (fallen_pins()). So a pulse is as long as
+/// the tick line is high, DIR changes at the beginning of a tick, at least one before the step
+/// (stepper/reversal_guard.hpp), and levels in quadrature are constant. Without data or without
+/// ticks it waits with pulses low.
 consteval Program make_axis() {
   Assembler a;
   a.wrap_target();
@@ -51,7 +51,7 @@ constexpr unsigned fallen_pins(settings::PulseMode mode) {
 }
 
 /// BITS: per tick four lattice bits, most significant nibble first, autopull at 32 bits. They
-/// change on the same clock as STEP. They do not end by themselves: TICK does that.
+/// change on the same clock as STEP. At the end TICK clears them.
 consteval Program make_bits() {
   Assembler a;
   a.wrap_target();
@@ -62,19 +62,19 @@ consteval Program make_bits() {
   return a.finish();
 }
 inline constexpr Program bits_program = make_bits();
-/// Of the four bits these drive pins: trigger, gate, arm (OUT count, SET count of TICK).
+/// The bits of the four that drive pins: trigger, gate, arm (OUT count, SET count of TICK).
 inline constexpr unsigned lattice_pins = 3;
 
 /// TICK: drives the tick line (side-set) from words of ticks - 1 (low half) and low time (high
-/// half). A tick is: low time, then the rise that begins it, then the high time kept in ISR. All
-/// ticks of a word have the same length, whether the next one comes from the same word or not. No
-/// word: all lattice bits go low (SET pins) and the line stays low for good, until the state
-/// machine is started anew. So words are credits, and a CPU that hangs ends motion, triggers and
-/// continuous power.
+/// half). A tick is: low time, then the rise that begins it, then the high time stored in ISR. All
+/// ticks of a word have the same length, whether the next one comes from the same word or not.
+/// Without a word all lattice bits go low (SET pins) and the line stays low until the state machine
+/// is restarted. So words are credits, and a CPU that hangs ends motion, triggers and continuous
+/// power.
 struct TickProgram {
   Program program;
   std::uint8_t entry = 0;    ///< where to start
-  std::uint8_t next = 0;     ///< a tick is about to begin, X + 1 are left in the word ...
+  std::uint8_t next = 0;     ///< the next tick is about to begin, X + 1 are left in the word ...
   std::uint8_t high = 0;     ///< ... from here on it has begun and X are left
   std::uint8_t starved = 0;  ///< the end: there was no word
 };
@@ -93,7 +93,7 @@ consteval TickProgram make_tick() {
   const Label high = a.here();
   a.jump(Jump::y_nonzero_decrement, high).side(1);
   a.jump(Jump::x_zero, fetch).side(0);
-  a.jump(Jump::x_nonzero_decrement, next).side(0).delay(1);  // as long as fetching
+  a.jump(Jump::x_nonzero_decrement, next).side(0).delay(1);  // as long as a fetch
   a.bind(starved);
   a.wrap_target();
   a.set(SetTo::pins, 0).side(0);
@@ -112,11 +112,11 @@ inline constexpr unsigned tick_start_clocks = 5 + pad_clocks;
 
 /// STAMP: times of both edges of its JMP pin. X counts down once in 2 clocks in every path; rise
 /// and fall alternate, the first stamp is a rise. `in` pushes by itself (autopush at 32 bits); DMA
-/// empties the FIFO, so that it never waits. A falling edge gives X one count too high.
+/// empties the FIFO, so that it never waits. At a falling edge X is one count too high.
 ///
 ///   path       clocks  counts
 ///   low        2       1
-///   rise       4       1 (one behind until the fall)
+///   rise       4       1 (one late until the fall)
 ///   high       2       1
 ///   fall       6       4
 struct StampProgram {
@@ -127,7 +127,7 @@ consteval StampProgram make_stamp() {
   Assembler a;
   const Label high = a.label(), low = a.label(), rise = a.label();
   const Label stay = a.here();
-  a.jump(Jump::x_nonzero_decrement, high);  // X = 0: goes on all the same, for X wraps
+  a.jump(Jump::x_nonzero_decrement, high);  // X = 0: continues as well, because X wraps
   a.bind(high);
   a.jump(Jump::pin, stay);
   a.in(InFrom::x, 32);
@@ -155,9 +155,9 @@ inline constexpr unsigned clocks_per_stamp = 2;
 /// FIRE: the fire stage. IN pin: LAMP SYNC; JMP pin: ARM; SET pin: Q-switch. An edge is accepted if
 /// 32 samples 8 clocks apart are high; then one decision: a word present (the token: delay count,
 /// width count) and ARM high. Results: all ones when a pulse has begun, the delay count if a token
-/// was taken without a shot, 0 if there was none. While it waits to hand over a result without a
-/// shot it sees no edges; the result of a shot never waits: there is room, since a token is only
-/// given after all results were read.
+/// was consumed without a shot, 0 if there was none. While it waits to push a result without a shot
+/// it misses edges; the result of a shot never waits: there is room, since a token is only loaded
+/// after all results were read.
 struct FireProgram {
   Program program;
   std::uint8_t delay = 0;  ///< before the pulse: from here ...
@@ -166,7 +166,7 @@ struct FireProgram {
 };
 inline constexpr unsigned filter_samples = 32;
 inline constexpr unsigned filter_raster = 8;
-/// Between the last sample and the decision, so that it comes when the core expects it.
+/// Between the last sample and the decision, so that it is at the time that the core expects.
 inline constexpr unsigned decision_padding = 4;
 consteval FireProgram make_fire() {
   Assembler a;
@@ -209,7 +209,7 @@ consteval FireProgram make_fire() {
 }
 inline constexpr FireProgram fire_program = make_fire();
 
-/// LAMP SYNC on its pad to the instruction that looks at ARM: synchroniser, wait, Y, samples, the
+/// LAMP SYNC on its pad to the instruction that tests ARM: synchroniser, wait, Y, samples, the
 /// test, its padding, pull, out.
 inline constexpr unsigned fire_decision_clock =
     synchroniser_clocks + 2 + filter_samples * filter_raster + 2 + decision_padding + 2;
@@ -228,7 +228,7 @@ inline constexpr unsigned most_delay_clocks = fire_fixed_clocks + 0xffff;
 
 inline constexpr std::uint32_t fired_result = 0xffffffffu;
 
-// Where each program lies in its block.
+// Offset of each program in its block.
 inline constexpr unsigned axis_offset = 0;
 inline constexpr unsigned fire_offset = axis_offset + axis_program.size;
 inline constexpr unsigned bits_offset = axis_offset + axis_program.size;

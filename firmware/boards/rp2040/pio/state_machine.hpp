@@ -1,6 +1,6 @@
-// One state machine of a PIO block: set-up, immediate instructions, what it is doing.
+// One state machine of a PIO block: set-up, immediate instructions, its state.
 //
-// Who: LatticeOutput and FireUnit, with the state machine disabled unless said otherwise.
+// Who: LatticeOutput and FireUnit, with the state machine disabled unless stated otherwise.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace lamplock::rp2040::pio {
 
-/// Which block, which machine.
+/// Block and number.
 struct StateMachine {
   unsigned block = 0;
   unsigned number = 0;
@@ -19,7 +19,7 @@ struct StateMachine {
   PioStateMachineRegisters& machine() const { return registers().sm[number]; }
   std::uint32_t mask() const { return 1u << number; }
 
-  /// Executes in the clock after the store; the next access comes later than that.
+  /// Executes in the clock after the store; the next access is later than that.
   void execute(std::uint16_t instruction) const {
     machine().instr = instruction;
     asm volatile("nop\n nop" ::: "memory");
@@ -31,7 +31,7 @@ struct StateMachine {
   void enable() const { set_bits(registers().ctrl, pio_ctrl::enable(mask())); }
   void disable() const { clear_bits(registers().ctrl, pio_ctrl::enable(mask())); }
 
-  /// Where it is in a program at `offset`.
+  /// Its position in a program at `offset`.
   unsigned place(unsigned offset) const { return machine().addr - offset; }
   /// Makes `count` pins from `base` on outputs, low. Changes PINCTRL.
   void make_outputs_low(unsigned base, unsigned count) const {
@@ -41,7 +41,7 @@ struct StateMachine {
       execute(encode::set(SetTo::pindirs, 1));
     }
   }
-  /// Undivided clock, wrap and side-set of a program; `jmp_pin` as the program wants it.
+  /// Sets undivided clock, wrap and side-set of a program; `jmp_pin`: the pin for its jumps.
   void configure(const Program& program, unsigned offset, unsigned jmp_pin) const {
     machine().clkdiv = 1u << 16;
     machine().execctrl = pio_execctrl::wrap_bottom(offset + program.wrap_target) |
@@ -49,7 +49,7 @@ struct StateMachine {
                          pio_execctrl::jmp_pin(jmp_pin) |
                          (program.side_set_optional ? pio_execctrl::side_en : 0);
   }
-  /// Forgets FIFOs, shift counters, delays; goes to `address`. Disabled before.
+  /// Clears FIFOs, shift counters, delays; jumps to `address`. Must be disabled before.
   void restart(std::uint32_t shiftctrl, unsigned address) const {
     // Changing a join bit empties both FIFOs (3.5.4, 3.7: SHIFTCTRL).
     machine().shiftctrl = shiftctrl ^ pio_shiftctrl::join_rx;

@@ -6,7 +6,7 @@
 
 namespace lamplock::rp2040 {
 
-/// A register as hardware has it.
+/// A hardware register.
 using Register = volatile std::uint32_t;
 
 inline Register& alias(Register& reg, std::uintptr_t offset) {

@@ -81,7 +81,7 @@ inline void set_priority(Irq irq, std::uint32_t priority) {
   reg = (reg & ~(3u << shift)) | (priority << shift);
 }
 
-/// Interrupts masked by PRIMASK for the life of the object; at most 1 us.
+/// Masks interrupts by PRIMASK for the life of the object; at most 1 us.
 class AllMasked {
  public:
   AllMasked() {
@@ -96,17 +96,17 @@ class AllMasked {
   std::uint32_t before_;
 };
 
-/// Sleeps until an interrupt has been handled; not at all if one has since the last call, so none
-/// comes unnoticed between the look at what it has to tell and the sleep. Entry to and return from
+/// Sleeps until an interrupt has been handled; returns at once if one has since the last call, so
+/// that no interrupt is missed between a check of its data and the sleep. Entry to and return from
 /// a handler set the event register that ends WFE (ARMv6-M Architecture Reference Manual, "Wait For
 /// Event and Send Event"). The handler that ends the sleep sets it too: SEV and the second WFE
 /// clear it, or each call would be followed by one that does not sleep.
 inline void wait_for_interrupt() { asm volatile("wfe\n sev\n wfe" ::: "memory"); }
 
-/// Sleeps until the other core has sent an event; not at all if one has come since the last call.
+/// Sleeps until the other core has sent an event; returns at once if it has since the last call.
 inline void wait_for_event() { asm volatile("wfe" ::: "memory"); }
 
-/// To both cores.
+/// Sends an event to both cores.
 inline void send_event() { asm volatile("sev" ::: "memory"); }
 
 }  // namespace lamplock::rp2040

@@ -35,10 +35,10 @@ enum class Function : std::uint8_t {
 };
 constexpr std::uint32_t function(Function f) { return static_cast<std::uint32_t>(f); }
 inline constexpr std::uint32_t function_mask = 0x1f;
-/// OUTOVER = 2: the output is low whatever the peripheral says. One bit away from normal, so that
+/// OUTOVER = 2: the output is low independent of the peripheral. One bit away from normal, so that
 /// the set and clear aliases switch it.
 inline constexpr std::uint32_t output_low = 2u << 8;
-/// OUTOVER = 1: the pad shows the opposite of what the peripheral says.
+/// OUTOVER = 1: the output is the inverse of the peripheral's.
 inline constexpr std::uint32_t output_inverted = 1u << 8;
 /// OEOVER = 2: not driven. INOVER = 3: peripherals see a high level.
 inline constexpr std::uint32_t output_off = 2u << 12;

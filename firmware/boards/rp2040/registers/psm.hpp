@@ -11,7 +11,7 @@ namespace lamplock::rp2040 {
 struct PsmRegisters {
   Register frce_on;
   Register frce_off;
-  Register wdsel;  ///< what a watchdog reset starts again; nothing after power-on
+  Register wdsel;  ///< parts that a watchdog reset restarts; none after power-on
   Register done;
 };
 static_assert(offsetof(PsmRegisters, wdsel) == 0x8);

@@ -12,7 +12,7 @@ struct PwmSliceRegisters {
   Register csr;
   Register div;  ///< 8.4 bits; 1 after reset
   Register ctr;
-  Register cc;  ///< A in the lower half, B in the upper one; in force from the next wrap on
+  Register cc;  ///< A in the lower half, B in the upper one; takes effect at the next wrap
   Register top;
 };
 struct PwmRegisters {

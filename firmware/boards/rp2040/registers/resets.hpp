@@ -46,7 +46,7 @@ inline constexpr std::uint32_t usbctrl = 1u << 24;
 inline constexpr std::uint32_t all = (1u << 25) - 1;
 }  // namespace reset_bit
 
-/// Takes blocks out of reset and waits until they answer. Their clocks must run.
+/// Takes blocks out of reset and waits until they are ready. Their clocks must run.
 [[gnu::always_inline]] inline void release_reset(std::uint32_t blocks) {
   clear_bits(resets().reset, blocks);
   while ((resets().reset_done & blocks) != blocks) {

@@ -1,4 +1,4 @@
-// Single-cycle I/O: the CPU's own way to the pins (RP2040 datasheet, 2.3.1.7). No aliases.
+// Single-cycle I/O: the CPU's direct access to the pins (RP2040 datasheet, 2.3.1.7). No aliases.
 #pragma once
 
 #include <cstddef>

@@ -9,7 +9,7 @@
 namespace lamplock::rp2040 {
 
 struct UartRegisters {
-  Register dr;   ///< reading takes a byte and its errors out of the FIFO
+  Register dr;   ///< a read removes a byte and its error bits from the FIFO
   Register rsr;  ///< a write clears the overrun
   Register reserved0[4];
   Register fr;
@@ -55,7 +55,7 @@ inline constexpr std::uint32_t uart_enable = 1u << 0;           // CR
 inline constexpr std::uint32_t send_enable = 1u << 8;           // CR
 inline constexpr std::uint32_t receive_enable = 1u << 9;        // CR
 inline constexpr std::uint32_t send_below_eighth = 0u;          // IFLS: 4 of 32 bytes left
-inline constexpr std::uint32_t receive_from_quarter = 1u << 3;  // IFLS: 8 of 32 bytes came
+inline constexpr std::uint32_t receive_from_quarter = 1u << 3;  // IFLS: 8 of 32 bytes received
 
 // IMSC, RIS, MIS, ICR
 inline constexpr std::uint32_t int_receive = 1u << 4;

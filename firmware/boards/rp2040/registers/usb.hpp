@@ -45,7 +45,7 @@ static_assert(offsetof(UsbRegisters, ints) == 0x98);
 
 inline UsbRegisters& usb_registers() { return *reinterpret_cast<UsbRegisters*>(0x50110000); }
 
-/// Half of a buffer control word: one of the two buffers of an endpoint. The DPRAM takes narrow
+/// Half of a buffer control word: one of the two buffers of an endpoint. The DPRAM accepts narrow
 /// writes, so that one buffer can be armed while the controller uses the other.
 using BufferHalf = volatile std::uint16_t;
 
@@ -116,8 +116,8 @@ inline constexpr std::uint32_t endpoint_each_buffer = 1u << 29;
 inline constexpr std::uint32_t endpoint_bulk = 2u << 26;
 inline constexpr std::uint32_t endpoint_interrupt = 3u << 26;
 
-// Half of a buffer control word (4.1.2.5.3). STALL and RESET_SELECT stand in buffer 0's half and
-// hold for both.
+// Half of a buffer control word (4.1.2.5.3). STALL and RESET_SELECT are in buffer 0's half and
+// apply to both.
 inline constexpr std::uint16_t buffer_full = 1u << 15;
 inline constexpr std::uint16_t buffer_last = 1u << 14;
 inline constexpr std::uint16_t buffer_data1 = 1u << 13;

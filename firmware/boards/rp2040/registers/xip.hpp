@@ -5,7 +5,7 @@
 
 namespace lamplock::rp2040 {
 
-/// Past the cache.
+/// Uncached.
 inline const volatile std::uint8_t* xip_nocache() {
   return reinterpret_cast<const volatile std::uint8_t*>(0x13000000);
 }

@@ -1,13 +1,13 @@
-// The e-stop: everything off within a fraction of a microsecond, whatever the rest is doing.
+// The e-stop: everything off within a fraction of a microsecond, independent of all other code.
 //
 // In:  rising edge of the e-stop pin (normally closed contact: high = pressed or wire broken).
-// Out: FIRE and TICK stand still; Q-switch, trigger, gate, ARM, PWM, shutters and the outputs of
-//      programs low; a flag for the main loop, which tells the core and starts the lattice again
-//      without motion; when that was, since lamp edges go on while the main loop is still away.
-// Who: interrupt() from IO_IRQ_BANK0, alone at priority 0, nothing masks it longer than 1 us.
-//      Budget: 1.25 us with entry and return. The first 8 of its 16 stores switch all energy off,
-//      the last of them 64 cycles (0.5 us) after the handler's first instruction; AUX OUT as PWM
-//      follows with the next two.
+// Out: FIRE and TICK stopped; Q-switch, trigger, gate, ARM, PWM, shutters and the outputs of
+//      programs low; a flag for the main loop, which informs the core and starts the lattice again
+//      without motion; the time of the stop, since lamp edges continue until the main loop reacts.
+// Who: interrupt() from IO_IRQ_BANK0, alone at priority 0, masked for at most 1 us. Budget: 1.25 us
+//      with entry and return. The first 8 of its 16 stores switch all energy off, the last of them
+//      64 cycles (0.5 us) after the handler's first instruction; AUX OUT as PWM follows with the
+//      next two.
 //
 // The pads stay low until release_pads(), when the core has left the e-stop state; the trigger's
 // until the lattice runs again.
@@ -15,10 +15,10 @@
 
 #include <cstdint>
 
+#include "firmware/boards/rp2040/base/program_pins.hpp"
 #include "firmware/boards/rp2040/fire/beam_output.hpp"
 #include "firmware/boards/rp2040/fire/fire_unit.hpp"
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
-#include "firmware/boards/rp2040/program_pins.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
 #include "firmware/boards/rp2040/registers/timer.hpp"
 #include "shared/boards/pico_pins.hpp"
@@ -29,12 +29,12 @@ class Estop {
  public:
   explicit Estop(const FireUnit& fire) : fire_(fire) {}
 
-  /// Lets the pin interrupt. The NVIC's part is the board's.
+  /// Enables the interrupt of the pin. The board enables it at the NVIC.
   void start() const {
     io_bank0().intr[io_interrupt::word(gpio)] = io_interrupt::edge_high(gpio);
     set_bits(io_bank0().proc0_inte[io_interrupt::word(gpio)], io_interrupt::edge_high(gpio));
   }
-  /// Everything off, but for pins that are `kept`.
+  /// Everything off, except for pins that are `kept`.
   [[gnu::always_inline]] void cut(std::uint32_t kept = 0) {
     fire_.cut_off();
     LatticeOutput::freeze();
@@ -52,17 +52,16 @@ class Estop {
     io_bank0().intr[io_interrupt::word(gpio)] = io_interrupt::edge_high(gpio);
     seen_ = true;
   }
-  /// The lamp goes on flashing once the lattice runs again, shots or not.
+  /// The lamp continues flashing when the lattice runs again, shots or not.
   static void release_trigger() { release(boards::gpio(boards::Role::lamp_trigger)); }
-  /// Something was cut off and the main loop has not yet put it in order, or a press has come since
-  /// of which the core knows nothing.
+  /// The main loop has not yet handled a cut, or a later press was not yet reported to the core.
   bool is_cut() const { return cut_ || seen_; }
-  /// Lower half of the microsecond in which everything was cut off.
+  /// Lower half of the microsecond of the cut.
   std::uint32_t cut_us() const { return cut_us_; }
   bool seen() const { return seen_; }
   void in_order() { cut_ = false; }
-  void told() { seen_ = false; }
-  /// Energy may reach the pads again (ARM is the fire unit's, the gate the beam's).
+  void reported() { seen_ = false; }
+  /// Permits energy at the pads again (the fire unit controls ARM, the beam output the gate).
   void release_pads() const {
     release(boards::gpio(boards::Role::q_switch));
     release(boards::gpio(boards::Role::laser_pwm));

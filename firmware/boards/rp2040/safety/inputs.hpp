@@ -1,23 +1,22 @@
 // The switches and the probe, debounced.
 //
-// In:  levels of the pins, the present time, which pins are active while low.
-// Out: changes for Controller::input_changed(), and when each of them began.
-// Who: watch() from the beat interrupt every 100 us, so that it is known to 100 us when a contact
-//      was made: 10 cycles while nothing changes. The rest from the main loop with that masked,
-//      every 1 ms at least. The e-stop's interrupt has stopped everything before; here the core is
-//      told.
+// In:  levels of the pins, the present time, which pins are active low.
+// Out: changes for Controller::input_changed(), and the time when each began.
+// Who: watch(): beat interrupt every 100 us, so that the time of a contact is known to 100 us: 10
+//      cycles while nothing changes. The rest: main loop with that masked, at least every 1 ms. The
+//      e-stop interrupt has already stopped everything; this class reports it to the core.
 //
 // All switches are contacts to ground with the pin's pull-up. A change to active counts when it has
-// been quiet for 50 us; back, when it has been quiet for 20 ms (contacts bounce for 1 to 10 ms), of
-// the probe and of AUX IN at once as well, for a move or a program may wait for that. It began with
-// its first bounce, and where the machine was then has to be asked for as soon as that is seen:
-// some milliseconds later nobody knows.
+// been quiet for 50 us; back, when it has been quiet for 20 ms (contacts bounce for 1 to 10 ms),
+// for the probe and AUX IN after 50 us as well, since a move or a program may wait for it. A change
+// begins with its first bounce, and the position at that time must be requested as soon as that is
+// seen: it is available for only some milliseconds.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
-#include "firmware/machine/inputs.hpp"
+#include "firmware/machine/inputs/inputs.hpp"
 #include "shared/boards/pico_pins.hpp"
 
 namespace lamplock::rp2040 {
@@ -28,7 +27,7 @@ class DebouncedInput {
   static constexpr std::uint32_t engage_us = 50;
   static constexpr std::uint32_t release_us = 20'000;
 
-  /// The pin looks like this now.
+  /// The present state of the pin.
   void look(bool active, std::uint32_t now_us) {
     if (active == level_) return;
     level_ = active;
@@ -47,7 +46,7 @@ class DebouncedInput {
     active_ = level_;
     return true;
   }
-  /// Active at once: somebody has seen more than a look can.
+  /// Sets active at once: an interrupt has seen an edge that look() may miss.
   bool force() {
     level_ = true;
     const bool change = !active_;
@@ -55,15 +54,15 @@ class DebouncedInput {
     return change;
   }
   bool active() const { return active_; }
-  /// It may change: the pin has left the level that counts, and has not been back for long.
+  /// It may change: the pin has left the debounced level, and has not been back for long.
   bool turning() const { return turning_; }
-  /// When it left that for the first time.
+  /// Time of the first such change.
   std::uint32_t began_us() const { return began_us_; }
 
  private:
-  bool level_ = false;    ///< active, as the pin was seen last
+  bool level_ = false;    ///< active, at the last look
   bool active_ = false;   ///< debounced
-  bool turning_ = false;  ///< it has left the level that is active_
+  bool turning_ = false;  ///< the pin has left the level of active_
   std::uint32_t since_us_ = 0;
   std::uint32_t began_us_ = 0;
 };
@@ -71,7 +70,7 @@ class DebouncedInput {
 /// All switches of a map.
 class Inputs {
  public:
-  static constexpr std::size_t most = 7;  ///< e-stop, door, probe, three limits, that of programs
+  static constexpr std::size_t most = 7;  ///< e-stop, door, probe, three limits, AUX IN
 
   [[gnu::cold]] explicit Inputs(boards::PinMap map) {
     using boards::Role;
@@ -92,7 +91,7 @@ class Inputs {
     seen_ = levels;
     look(now_us);
   }
-  /// Which are active while low; the settings may change it.
+  /// Sets the inputs that are active low; the settings may change it.
   void set_active_low(machine::InputSet inputs) {
     if (inputs == active_low_) return;
     active_low_ = inputs;
@@ -101,26 +100,26 @@ class Inputs {
       if ((inputs & machine::set_of(switches_[i].meaning)) != 0)
         low_pins_ |= 1u << switches_[i].gpio;
   }
-  /// `begins(i, began_us)` where switch i may be about to change, once; `changed(input, active, i)`
-  /// when it has. `most` is no switch.
+  /// Calls `begins(i, began_us)` once when switch i may be about to change, and `changed(input,
+  /// active, i)` when it has. `most` is no switch.
   template <class Begins, class Changed>
   void poll(std::uint32_t levels, std::uint32_t now_us, Begins&& begins, Changed&& changed) {
     seen_ = levels;
     look(now_us);
     for (std::size_t i = 0; i < count_; ++i) {
       Switch& s = switches_[i];
-      if (s.input.turning() && !s.told) begins(i, s.input.began_us());
-      s.told = s.input.turning();
+      if (s.input.turning() && !s.reported) begins(i, s.input.began_us());
+      s.reported = s.input.turning();
       if (s.input.settle(now_us, !is_quick(s.meaning))) changed(s.meaning, s.input.active(), i);
     }
   }
-  /// The e-stop's interrupt came: pressed, however short.
+  /// The e-stop interrupt occurred: pressed, however short.
   template <class Changed>
   void estop_seen(Changed&& changed) {
     if (switches_[0].input.force()) changed(machine::Input::estop, true, most);
   }
   bool estop() const { return switches_[0].input.active(); }
-  /// All of them want a pull-up.
+  /// All of them need a pull-up.
   std::uint32_t pins() const { return pins_; }
   machine::InputSet all() const {
     unsigned set = 0;
@@ -133,7 +132,7 @@ class Inputs {
     std::uint8_t gpio = 0;
     machine::Input meaning = machine::Input::estop;
     DebouncedInput input;
-    bool told = false;  ///< that it turns
+    bool reported = false;  ///< begins() was called
   };
   void add(boards::PinMap map, boards::Role role, machine::Input meaning) {
     const auto gpio = boards::find_gpio(map, role);
@@ -141,7 +140,7 @@ class Inputs {
     switches_[count_++] = {*gpio, meaning, {}};
     pins_ |= 1u << *gpio;
   }
-  /// A move or a program may wait for its release.
+  /// A move or a program may wait for the release.
   static constexpr bool is_quick(machine::Input input) {
     return input == machine::Input::probe || input == machine::Input::aux;
   }
@@ -154,7 +153,7 @@ class Inputs {
   std::array<Switch, most> switches_{};
   std::size_t count_ = 0;
   std::uint32_t pins_ = 0;
-  std::uint32_t low_pins_ = 0;  ///< active while low
+  std::uint32_t low_pins_ = 0;  ///< pins that are active low
   std::uint32_t seen_ = 0;
   machine::InputSet active_low_ = 0;
 };

@@ -1,5 +1,5 @@
-// The UART itself, as UartSerial wants it: register accesses and nothing else (RP2040 datasheet,
-// 4.2). A test hands UartSerial something else that has the same members.
+// The UART hardware for UartSerial: only register accesses (RP2040 datasheet, 4.2). A test gives
+// UartSerial a substitute with the same members.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,6 @@ static_assert(uart_of_pin(0) == 0 && uart_of_pin(4) == 1 && uart_of_pin(8) == 1)
 static_assert(uart_of_pin(12) == 0 && uart_of_pin(16) == 0 && uart_of_pin(20) == 1);
 static_assert(uart_of_pin(24) == 1 && uart_of_pin(28) == 0);
 
-/// The UART.
 class UartHardware {
  public:
   explicit UartHardware(unsigned send_gpio)
@@ -29,10 +28,10 @@ class UartHardware {
         number_(uart_of_pin(send_gpio)),
         registers_(uart_registers(uart_of_pin(send_gpio))) {}
 
-  /// Which interrupt to enable.
+  /// The interrupt to enable.
   Irq irq() const { return number_ == 0 ? Irq::uart0 : Irq::uart1; }
 
-  /// clk_peri runs; IO_BANK0 and PADS_BANK0 are out of reset.
+  /// Requires: clk_peri runs; IO_BANK0 and PADS_BANK0 are out of reset.
   void start(BaudDivisor divisor) {
     const std::uint32_t block = number_ == 0 ? reset_bit::uart0 : reset_bit::uart1;
     set_bits(resets().reset, block);
@@ -40,11 +39,11 @@ class UartHardware {
     UartRegisters& uart = registers_;
     uart.ibrd = divisor.whole;
     uart.fbrd = divisor.fraction;
-    // The divisor is taken over by this write.
+    // This write latches the divisor.
     uart.lcr_h = uart_field::eight_bits | uart_field::fifo_enable;
     uart.ifls = uart_field::send_below_eighth | uart_field::receive_from_quarter;
     uart.cr = uart_field::uart_enable | uart_field::send_enable | uart_field::receive_enable;
-    // An open RX line reads as idle.
+    // An open RX line must read as idle.
     constexpr std::uint32_t function = io_ctrl::function(io_ctrl::Function::uart);
     pads_bank0().gpio[send_gpio_ + 1] = pad::input_enable | pad::pull_up | pad::schmitt;
     io_bank0().gpio[send_gpio_ + 1].ctrl = function;

@@ -1,22 +1,23 @@
 // The second link: a serial port on a UART.
 //
 // In:  the UART's interrupt (priority 2); `read` and `write` from the main loop. Out: bytes.
-// Budget (counted by instruction, without waits of the bus): 110 cycles an interrupt, 76 a byte
-//      received, 42 a byte sent; at 1 Mbaud, 8N1, eight bytes every 80 us each way, 10 % of a core
-//      if both are busy. The FIFO of 32 bytes is full 240 us after the interrupt was raised.
+// Budget, counted by instruction, without waits of the bus: 110 cycles an interrupt, 76 a byte
+//      received, 42 a byte sent; at 1 Mbaud, 8N1, eight bytes every 80 us in each direction, 10 %
+//      of a core if both are busy. The FIFO of 32 bytes is full 240 us after the interrupt was
+//      raised.
 //
-// Same shape as UsbSerial, but the other end cannot be made to wait: a full ring or FIFO drops,
-// counts and leaves a mark where bytes are missing, so that no line is put together from two
-// (usb/byte_rings.hpp); broken bytes (framing, parity) count as missing. Real-time bytes are never
-// dropped for want of room. There is no host to see or lose: always configured, never suspended.
+// Same interface as UsbSerial, but the other end cannot be made to wait: a full ring or FIFO drops
+// bytes, counts them and marks the gap, so that no line is joined from two (usb/byte_rings.hpp);
+// broken bytes (framing, parity) count as missing. Real-time bytes are never dropped for lack of
+// room. There is no host to detect or lose: always configured, never suspended.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "firmware/boards/rp2040/base/byte_rings.hpp"
 #include "firmware/boards/rp2040/registers/uart.hpp"
-#include "firmware/boards/rp2040/usb/byte_rings.hpp"
 #include "shared/boards/pico_uart.hpp"
 
 namespace lamplock::rp2040 {
@@ -35,7 +36,7 @@ struct BaudDivisor {
 static_assert(BaudDivisor::of(125'000'000, 1'000'000).whole == 7);
 static_assert(BaudDivisor::of(125'000'000, 1'000'000).fraction == 52);
 
-/// What has happened on the line.
+/// Events on the line.
 struct UartCounters {
   std::uint32_t overruns = 0;      ///< FIFO full: bytes lost
   std::uint32_t broken_bytes = 0;  ///< framing, parity
@@ -64,7 +65,7 @@ class BasicUartSerial {
   /// UART0_IRQ or UART1_IRQ.
   void interrupt() {
     hardware_.clear_interrupts(receive_interrupts | uart_field::int_send);
-    // Not more than the FIFO holds in one go, so that a fast line cannot keep us here.
+    // At most one FIFO per interrupt, so that a fast line cannot block here.
     for (std::uint32_t i = 0; i < fifo_size; ++i) {
       if ((hardware_.flags() & uart_field::flag_receive_empty) != 0) break;
       take(hardware_.read_data());
@@ -74,7 +75,7 @@ class BasicUartSerial {
       if ((hardware_.flags() & uart_field::flag_send_full) != 0) break;
       hardware_.write_data(to_send_.pop_byte());
     }
-    // The send interrupt comes when the FIFO falls to 4 bytes.
+    // The send interrupt occurs when the FIFO falls to 4 bytes.
     hardware_.enable_interrupts(receive_interrupts |
                                 (to_send_.size() != 0 ? uart_field::int_send : 0u));
   }
@@ -84,17 +85,13 @@ class BasicUartSerial {
     if (to_send_.size() != 0) hardware_.pend();
   }
 
-  /// Takes the oldest command of one byte; false if there is none.
   bool read_realtime(std::uint8_t& byte) { return received_.pop_realtime(byte); }
   bool realtime_waits() const { return received_.realtime_waits(); }
-  /// Takes received bytes; returns how many.
   std::size_t read(std::span<std::uint8_t> out) { return received_.pop(out); }
-  /// The bytes of the last read() came before one that ends jogs (0x85, `!`, 0x84).
   bool before_jog_cancel() const { return received_.before_jog_cancel(); }
-  /// Received bytes that wait.
   std::size_t available() const { return received_.size(); }
 
-  /// Queues bytes to send; returns how many were taken, all if `room()` says so.
+  /// Queues bytes to send; returns how many were accepted, all if `room()` allows.
   std::size_t write(std::span<const std::uint8_t> in) {
     const std::uint32_t count = to_send_.place(in);
     to_send_.publish(count);
@@ -102,7 +99,7 @@ class BasicUartSerial {
     return count;
   }
   std::size_t room() const { return to_send_.room(); }
-  /// Everything has left the wire: a half-duplex driver may be turned off.
+  /// All bytes have left the wire: a half-duplex driver may be turned off.
   bool idle() const {
     return to_send_.size() == 0 && (hardware_.flags() & uart_field::flag_busy) == 0;
   }
@@ -111,7 +108,7 @@ class BasicUartSerial {
   static constexpr bool suspended() { return false; }
   static constexpr std::uint32_t generation() { return 0; }
 
-  /// True once after bytes were lost, unless a reset has come since.
+  /// True once after bytes were lost, unless there was a reset since.
   bool take_loss() { return received_.take_loss(); }
   UartCounters counters() const {
     UartCounters result = counters_;

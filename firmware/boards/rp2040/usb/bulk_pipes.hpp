@@ -1,34 +1,34 @@
-// Bulk endpoints: the bytes, one way each, through two buffers in turn.
+// Bulk endpoints: bytes in one direction each, through two alternating buffers.
 //
 // In:  BulkOut: packets of the host. BulkIn: bytes of a SendRing.
-// Out: BulkOut: to whoever takes packets (ReceiveRing, UsbSerial). BulkIn: packets to the host.
-// Who: UsbSerial, in the USB interrupt; some 350 to 720 cycles a packet
-//      of 64 bytes (counted by instruction), against 6000 that one takes on the bus.
+// Out: BulkOut: packets to a taker (ReceiveRing, UsbSerial). BulkIn: packets to the host.
+// Who: UsbSerial, in the USB interrupt; some 350 to 720 cycles a packet of 64 bytes (counted by
+//      instruction), against 6000 that one takes on the bus.
 //
 // The controller uses the two buffers of an endpoint strictly in turn (RP2040 datasheet,
-// 4.1.2.6.2); so do we, by our own count, and look at the buffer control words instead of
-// BUFF_CPU_SHOULD_HANDLE: BUFF_STATUS may be seen before the word is written back, and both buffers
-// may be done at once. Every half is written by 16-bit stores, since the controller writes the
-// other one.
+// 4.1.2.6.2); so does this code, by its own count, and reads the buffer control words instead of
+// BUFF_CPU_SHOULD_HANDLE: BUFF_STATUS may be visible before the word is written back, and both
+// buffers may be done at once. Every half is written by 16-bit stores, since the controller writes
+// the other one.
 //
 // Errata. E2 (B0, B1: EP_ABORT is never done): EP_ABORT is not used; buffers are taken back by
 // plain stores only while the host does not use the endpoint (reset, configuration, halt). E15
-// (late IN tokens hang the controller, all revisions): BulkIn is asked for permission before
-// each packet. E3, E4 concern the host mode.
+// (late IN tokens hang the controller, all revisions): BulkIn calls `permitted` before each packet.
+// E3, E4 concern the host mode.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
+#include "firmware/boards/rp2040/base/byte_rings.hpp"
 #include "firmware/boards/rp2040/registers/usb.hpp"
-#include "firmware/boards/rp2040/usb/byte_rings.hpp"
 #include "firmware/boards/rp2040/usb/control_pipe.hpp"
 #include "firmware/boards/rp2040/usb/descriptors.hpp"
 
 namespace lamplock::rp2040::usb {
 
-/// Where the buffers are in the DPRAM. A double buffer is 2 x 64 bytes in a row.
+/// Offsets of the buffers in the DPRAM. A double buffer is 2 x 64 bytes in a row.
 inline constexpr std::uint32_t out_buffer_offset = 0x180;
 inline constexpr std::uint32_t in_buffer_offset = 0x200;
 inline constexpr std::uint32_t notify_buffer_offset = 0x280;
@@ -36,7 +36,7 @@ inline constexpr std::uint32_t stream_out_buffer_offset = 0x2C0;
 inline constexpr std::uint32_t stream_in_buffer_offset = 0x340;
 static_assert(out_buffer_offset == offsetof(UsbDpram, data));
 
-/// An endpoint and where its double buffer is.
+/// An endpoint and the offset of its double buffer.
 struct BulkPlace {
   std::uint8_t endpoint = 0;
   std::uint16_t buffer_offset = 0;
@@ -56,16 +56,16 @@ inline constexpr std::uint32_t double_bulk_control =
     usb_field::endpoint_enable | usb_field::endpoint_double | usb_field::endpoint_each_buffer |
     usb_field::endpoint_bulk;
 
-/// The buffer next in turn, armed anew. The controller may not have seen an earlier order to start
-/// at buffer 0, so that is said again.
+/// Flag for arming the next buffer in turn. The controller may have missed an earlier command to
+/// start at buffer 0, so the flag is repeated.
 constexpr std::uint32_t select_flag(std::uint32_t half) {
   return half == 0 ? std::uint32_t{usb_field::buffer_reset_select} : 0u;
 }
 
-/// What is to be done with a packet that has come.
+/// What to do with a received packet.
 enum class PacketLook : std::uint8_t {
   take,
-  begins_anew,  ///< to be taken; the packet before it is void
+  begins_anew,  ///< take it; the previous packet is void
   drop
 };
 
@@ -79,7 +79,7 @@ class BulkOut {
         words_(buffer_words(hardware.dpram(), place)),
         place_(place) {}
 
-  /// Takes packets from now on; the first is DATA0.
+  /// Accepts packets from now on; the first is DATA0.
   void start() {
     stop();
     next_ = 0;
@@ -97,7 +97,7 @@ class BulkOut {
     halted_ = true;
   }
 
-  /// A packet waits that the host thinks it has delivered.
+  /// A packet waits that the host regards as delivered.
   bool keeps_packet() const {
     return (looked_at_[0] && !void_[0] && is_done(halves_[0])) ||
            (looked_at_[1] && !void_[1] && is_done(halves_[1]));
@@ -105,16 +105,16 @@ class BulkOut {
   /// A packet may be there for `service`.
   bool filled() const { return ((halves_[0] | halves_[1]) & usb_field::buffer_full) != 0; }
 
-  /// Hands received packets to `taker`, and the buffers back as soon as it has taken them:
-  ///   PacketLook look(words, size)   of each packet once, when it has come
+  /// Passes received packets to `taker`, and the buffers back as soon as it has taken them:
+  ///   PacketLook look(words, size)   once for each packet when it has been received
   ///   bool push_packet(words, size)  false: the packet waits in its buffer, and so does the host
   template <class Taker>
   void service(Taker&& taker) {
     if (halted_) return;
-    // At most both: more cannot have come meanwhile without a new interrupt.
+    // At most both: more need a new interrupt.
     for (int packets = 0; packets < 2; ++packets) {
-      // Read in this order: if the later one is done, so is the earlier one, unless we and the
-      // controller disagree about the turn; then the one that is done is the next.
+      // Read in this order: if the later one is done, so is the earlier one, unless this count
+      // and the controller's differ; then the one that is done is the next.
       const bool other_done = is_done(halves_[next_ ^ 1]);
       bool another_follows = other_done;
       if (!is_done(halves_[next_])) {
@@ -139,7 +139,7 @@ class BulkOut {
     give_buffer(hardware_, halves_[0], 0, usb_field::buffer_stall);
   }
 
-  /// Begins again with DATA0, in the buffer that is next in turn.
+  /// Begins again with DATA0, in the next buffer in turn.
   void restart() {
     halves_[0] = 0;
     halves_[1] = 0;
@@ -164,7 +164,7 @@ class BulkOut {
     return std::min<std::uint32_t>(halves_[half] & usb_field::buffer_length, packet_size);
   }
 
-  /// Once at each packet, in their order; the second one may come while the first one waits.
+  /// Once for each packet, in their order; the second one may arrive while the first one waits.
   template <class Taker>
   void look(std::uint32_t half, Taker&& taker) {
     if (looked_at_[half]) return;
@@ -186,13 +186,13 @@ class BulkOut {
   BufferHalf* const halves_;
   volatile std::uint32_t* const words_;
   const BulkPlace place_;
-  std::uint32_t next_ = 0;  ///< buffer the next packet comes in
+  std::uint32_t next_ = 0;  ///< buffer of the next packet
   std::uint32_t packets_ = 0;
   std::uint32_t resynchronised_ = 0;
   bool data1_ = false;  ///< of the buffer armed next
   bool halted_ = true;
   bool looked_at_[2] = {};
-  bool void_[2] = {};  ///< not heard, or a reset or another host has come after it
+  bool void_[2] = {};  ///< not heard, or a reset or another host came later
 };
 
 /// To the host.
@@ -223,13 +223,13 @@ class BulkIn {
     halted_ = true;
   }
 
-  /// There is something to do for `service`.
+  /// `service` has work to do.
   template <class Ring>
   bool busy(const Ring& ring) const {
     return armed_ != 0 || empty_packet_due_ || ring.size() != 0;
   }
 
-  /// Collects buffers that have gone out and fills them again, as long as `permitted()`.
+  /// Collects buffers that have been sent and fills them again while `permitted()`.
   template <class Ring, class Permission>
   void service(Ring& ring, Permission&& permitted) {
     if (halted_) return;
@@ -249,7 +249,7 @@ class BulkIn {
       }
       const std::uint32_t half = first_ ^ armed_;
       if (size != 0) ring.pop_packet(words_ + half * words_per_packet, size);
-      // A whole packet tells the host to wait for more: it must be told that this was all.
+      // After a full packet the host expects more: an empty one ends the transfer.
       empty_packet_due_ = size == packet_size;
       sizes_[half] = static_cast<std::uint8_t>(size);
       ++armed_;
@@ -263,7 +263,7 @@ class BulkIn {
     give_buffer(hardware_, halves_[0], 0, usb_field::buffer_stall);
   }
 
-  /// Begins again with DATA0; what was armed and has not been fetched is sent now.
+  /// Begins again with DATA0; sends now what was armed and has not been fetched.
   void restart() {
     halves_[0] = 0;
     halves_[1] = 0;
@@ -290,7 +290,7 @@ class BulkIn {
   BufferHalf* const halves_;
   volatile std::uint32_t* const words_;
   const BulkPlace place_;
-  std::uint32_t first_ = 0;  ///< buffer that goes out next
+  std::uint32_t first_ = 0;  ///< buffer that is sent next
   std::uint32_t armed_ = 0;  ///< 0 to 2
   std::uint32_t packets_ = 0;
   std::uint8_t sizes_[2] = {};

@@ -1,10 +1,10 @@
-// Erratum RP2040-E5: chips before B2 do not see the end of a bus reset on a busy bus.
+// Erratum RP2040-E5: chips before B2 do not detect the end of a bus reset on a busy bus.
 //
-// They want to see 800 us of idle line (J) after the reset, which never comes behind a hub that
-// passes on what the host sends to others, and the device is not found. The way round: when the
-// reset is over, the controller's input is taken from GPIO 15 for 1 ms, which is held at J (D+
-// high) by its input override; the pin's output is off meanwhile. So GPIO 15 carries nothing that
-// matters (status LED). Chips from B2 on do not need it and nothing is done there.
+// They need 800 us of idle line (J) after the reset, which never occurs after a hub that forwards
+// the host's traffic to others, and the device is not found. Work-around: when the reset is over,
+// the controller's input is taken from GPIO 15 for 1 ms, which is held at J (D+ high) by its input
+// override; the pin's output is off meanwhile. So GPIO 15 is used only for the status LED. Chips
+// from B2 on do not need it, and this code does nothing there.
 //
 // In:  bus resets, `poll` from the main loop at least every millisecond. Out: settings of GPIO 15
 //      and of the USB multiplexer. The host waits 10 ms after a reset (USB 2.0, 7.1.7.5); this
@@ -42,7 +42,7 @@ class BusResetExit {
   }
 
  private:
-  /// More than the 800 us the controller wants.
+  /// More than the 800 us that the controller needs.
   static constexpr std::uint32_t hold_us = 1000;
 
   std::uint32_t line_state() const {

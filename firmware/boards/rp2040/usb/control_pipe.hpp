@@ -1,18 +1,18 @@
 // Endpoint 0: carries requests and their answers in packets.
 //
-// In:  events of the controller (SETUP came, a buffer of endpoint 0 is done) through `Hardware`.
+// In:  events of the controller (SETUP received, a buffer of endpoint 0 done) through `Hardware`.
 // Out: packets, STALLs; a Reaction's effect for the other endpoints; the new address.
-// Who: UsbSerial, in the USB interrupt. 350 to 1300 cycles an event (counted by
-//      instruction); only while a host asks, a few dozen times in a connection's life.
+// Who: UsbSerial, in the USB interrupt. 350 to 1300 cycles an event (counted by instruction); only
+//      for requests of the host, a few dozen times in the life of a connection.
 //
-// Every SETUP starts afresh, whatever was under way (USB 2.0, 8.5.3), so nothing can wedge it.
-// A data stage to the host ends by a packet shorter than 64 bytes, an empty one if it must be, but
-// never goes beyond what was asked (5.5.3). The empty packet of the status stage is awaited from
-// the first data packet on: when the host's last ACK is lost it goes on to the status stage without
-// us (8.5.3.3).
+// Every SETUP starts again from idle (USB 2.0, 8.5.3), so the pipe cannot get stuck. A data stage
+// to the host ends with a packet shorter than 64 bytes, if necessary an empty one, but never
+// exceeds the requested length (5.5.3). The empty packet of the status stage is expected from the
+// first data packet on: when the host's last ACK is lost it continues to the status stage by itself
+// (8.5.3.3).
 //
-// Known limit of the controller: a buffer left over from a request that the host gave up stays
-// armed until this code sees the next SETUP; the two stores are a few microseconds behind it.
+// Known limit of the controller: a buffer left over from a request that the host abandoned stays
+// armed until this code handles the next SETUP; the two stores are a few microseconds later.
 #pragma once
 
 #include <algorithm>
@@ -26,8 +26,8 @@
 
 namespace lamplock::rp2040::usb {
 
-/// Hands one buffer to the controller: AVAILABLE (or STALL) goes in a store of its own, at least
-/// one clock of the USB side behind the rest (datasheet, 4.1.2.5.1).
+/// Hands one buffer to the controller: AVAILABLE (or STALL) is a separate store, at least one clock
+/// of the USB side after the rest (datasheet, 4.1.2.5.1).
 template <class Hardware>
 void give_buffer(Hardware& hardware, BufferHalf& half, std::uint32_t value, std::uint32_t last) {
   half = static_cast<std::uint16_t>(value);
@@ -41,19 +41,19 @@ class ControlPipe {
  public:
   ControlPipe(Hardware& hardware, Requests& requests) : hardware_(hardware), requests_(requests) {}
 
-  /// The bus was reset, or we start.
+  /// After a bus reset, and at the start.
   void reset() {
     disarm();
     stage_ = Stage::idle;
   }
 
-  /// A SETUP packet has come. `apply(reaction)` does what the other endpoints have to do, before
-  /// the host can see the answer. Returns that answer.
+  /// A SETUP packet was received. `apply(reaction)` changes the other endpoints before the host can
+  /// see the answer. Returns that answer.
   template <class Apply>
   Answer on_setup(Apply&& apply) {
     disarm();
     SetupPacket setup;
-    // A SETUP that comes while the last is being read is the one that counts.
+    // If a SETUP arrives while the last is being read, the newer one counts.
     for (int tries = 0; tries < 3; ++tries) {
       hardware_.clear_status(usb_field::status_setup);
       setup = SetupPacket::from_words(hardware_.dpram().setup[0], hardware_.dpram().setup[1]);
@@ -66,7 +66,7 @@ class ControlPipe {
     return reaction.answer;
   }
 
-  /// The IN buffer has gone out.
+  /// The IN buffer was sent.
   void on_in_done() {
     if (stage_ == Stage::send) {
       send_next();
@@ -102,7 +102,7 @@ class ControlPipe {
   void begin(const SetupPacket& setup, const Reaction& reaction) {
     switch (reaction.answer) {
       case Answer::acknowledge:
-        // With data to come that nobody expects, the request is not what it says.
+        // A request with unexpected data is malformed.
         return setup.length == 0 ? send_status() : refuse();
       case Answer::receive:
         stage_ = Stage::receive;
@@ -110,7 +110,7 @@ class ControlPipe {
       case Answer::send:
         if (setup.length == 0) return send_status();
         data_ = reaction.data.first(std::min<std::size_t>(reaction.data.size(), setup.length));
-        // Less than was asked, in whole packets: an empty one says that this was all.
+        // Less than requested, in whole packets: an empty one marks the end.
         empty_packet_due_ = data_.size() < setup.length && data_.size() % packet_size == 0;
         data1_ = true;
         stage_ = Stage::send;
@@ -153,7 +153,7 @@ class ControlPipe {
     refuse();
   }
 
-  /// Data or the empty packet of the status stage may come.
+  /// Accepts data, or the empty packet of the status stage.
   void expect() {
     give_buffer(hardware_, buffers().out[0], packet_size | std::uint32_t{usb_field::buffer_data1},
                 usb_field::buffer_available);

@@ -43,7 +43,7 @@ constexpr Reaction acknowledge_with(Effect effect, Pipes pipes = 0) {
 }
 Reaction send(std::span<const std::uint8_t> data) { return {Answer::send, Effect::none, 0, data}; }
 
-/// The endpoint of a request's wIndex, none if it is not one of ours.
+/// The endpoint of a request's wIndex, none if the device lacks it.
 constexpr Pipes pipe_of(std::uint16_t index) {
   switch (index) {
     case data_endpoint:
@@ -73,7 +73,7 @@ constexpr Pipes pipes_of_interface(std::uint16_t index) {
   }
 }
 
-/// Windows asks before it has given a configuration, or behind.
+/// Windows sends it before or after it sets a configuration.
 Reaction vendor_request(const SetupPacket& setup) {
   const bool asked = setup.type == (direction_in | type_vendor | to_device) &&
                      setup.request == microsoft_request && setup.value == 0 &&

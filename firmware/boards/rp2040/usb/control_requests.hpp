@@ -1,13 +1,13 @@
-// Requests to the device: what the host asks on endpoint 0 and what it gets.
+// Requests to the device on endpoint 0, and their answers.
 //
-// In:  SETUP packets (USB 2.0, chapter 9; PSTN 1.2, 6.3) and the data of those that carry some.
-// Out: a Reaction: what to answer and what the endpoints have to do. No registers here.
+// In:  SETUP packets (USB 2.0, chapter 9; PSTN 1.2, 6.3) and the data of those that have some.
+// Out: a Reaction: the answer and the effect on the endpoints. No registers here.
 // Who: ControlPipe, in the USB interrupt.
 //
-// Whatever is not known, not permitted in the present state or malformed is answered by a STALL,
-// and the next SETUP is a fresh start. Line coding, DTR, RTS and break are remembered and otherwise
-// ignored: nothing that a host does on opening a port (DTR, 1200 baud) may reset a machine. A DTR
-// that falls is the end of the program that had the port (usb_serial.hpp, present()).
+// A request that is unknown, not permitted in the present state or malformed is answered by a
+// STALL, and the next SETUP starts again. Line coding, DTR, RTS and break are stored and otherwise
+// ignored: actions of a host on opening a port (DTR, 1200 baud) must not reset a machine. A falling
+// DTR is the end of the program that used the port (usb_serial.hpp, present()).
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ struct SetupPacket {
   std::uint16_t index = 0;
   std::uint16_t length = 0;
 
-  /// From the two words the packet is stored in.
+  /// From the two words of the stored packet.
   static constexpr SetupPacket from_words(std::uint32_t low, std::uint32_t high) {
     return {static_cast<std::uint8_t>(low), static_cast<std::uint8_t>(low >> 8),
             static_cast<std::uint16_t>(low >> 16), static_cast<std::uint16_t>(high),
@@ -37,7 +37,7 @@ struct SetupPacket {
   constexpr bool to_host() const { return (type & direction_in) != 0; }
 };
 
-/// How a control transfer goes on.
+/// The next stage of a control transfer.
 enum class Answer : std::uint8_t {
   stall,
   acknowledge,  ///< no data: status stage
@@ -45,11 +45,11 @@ enum class Answer : std::uint8_t {
   receive,      ///< data from the host, to be handed to `received`
 };
 
-/// What the endpoints have to do, at once except for the address.
+/// Effect on the endpoints, immediate except for the address.
 enum class Effect : std::uint8_t {
   none,
   use_address,  ///< after the status stage: `address`
-  configure,    ///< start the endpoints afresh
+  configure,    ///< restart all endpoints
   deconfigure,
   restart,  ///< `pipes`: halt over, data toggle back to DATA0
   halt,     ///< `pipes`: answer by STALL
@@ -66,7 +66,7 @@ inline constexpr Pipes pipe_stream_in = 16;
 inline constexpr std::array<Pipes, 2> out_pipes{pipe_out, pipe_stream_out};
 inline constexpr std::array<Pipes, 2> in_pipes{pipe_in, pipe_stream_in};
 
-/// What follows a SETUP packet.
+/// Answer and effect of a SETUP packet.
 struct Reaction {
   Answer answer = Answer::stall;
   Effect effect = Effect::none;
@@ -74,7 +74,7 @@ struct Reaction {
   std::span<const std::uint8_t> data{};  ///< `send`: valid until the next SETUP
 };
 
-/// State of the device as chapter 9 sees it.
+/// State of the device as defined by chapter 9.
 class ControlRequests {
  public:
   /// PSTN 1.2, table 17.
@@ -92,7 +92,7 @@ class ControlRequests {
   bool configured() const { return configuration_ != 0; }
   std::uint8_t address() const { return address_; }
   std::span<const std::uint8_t> line_coding() const { return line_coding_; }
-  /// A program has the port open, as far as the host says so.
+  /// A program has the port open, according to DTR.
   bool dtr() const { return (control_lines_ & 1) != 0; }
   /// How often DTR was raised.
   std::uint32_t opened() const { return opened_; }

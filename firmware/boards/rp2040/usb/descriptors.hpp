@@ -1,15 +1,15 @@
-// What the device says of itself: a serial port (CDC ACM) and the pulse stream's pair of bulk
-// endpoints (vendor specific), full speed.
+// Descriptors of the device: a serial port (CDC ACM) and the pulse stream's pair of bulk endpoints
+// (vendor specific), full speed.
 //
-// In:  nothing. Out: descriptor bytes as the host wants them (USB 2.0, 9.5 and 9.6; CDC 1.2, 5.2;
-//      PSTN 1.2, 5.3; Interface Association Descriptor ECN). Constant data; the serial number
-//      alone is put together at start (control_requests.hpp).
+// In:  nothing. Out: descriptor bytes for the host (USB 2.0, 9.5 and 9.6; CDC 1.2, 5.2; PSTN 1.2,
+//      5.3; Interface Association Descriptor ECN). Constant data; only the serial number is
+//      assembled at start (control_requests.hpp).
 //
 // The device is composite by its classes (EF/02/01, an interface association for the serial port's
-// two interfaces): Windows 10 and later, Linux and macOS bind their own drivers to 02/02 by the
-// class codes of the function. The vendor interface stands behind it, so that the numbers of the
-// serial port are what they were; a program claims it, no driver does (microsoft_os.hpp). The
-// device says USB 2.1, for BOS descriptors are asked of such only.
+// two interfaces): Windows 10 and later, Linux and macOS bind their drivers to 02/02 by the class
+// codes of the function. The vendor interface comes after it, so that the interface numbers of the
+// serial port did not change; a program claims it, not a driver (microsoft_os.hpp). The device
+// reports USB 2.1, because hosts request BOS descriptors only from such devices.
 #pragma once
 
 #include <array>
@@ -17,20 +17,21 @@
 #include <cstdint>
 #include <string_view>
 
+#include "shared/boards/usb_ids.hpp"
+
 namespace lamplock::rp2040::usb {
 
-/// pid.codes, test identifiers: for development only, may clash with other people's devices.
-/// A product that is given away needs an identifier of its own (https://pid.codes).
-inline constexpr std::uint16_t vendor_id = 0x1209;
-inline constexpr std::uint16_t product_id = 0x0001;
-/// Version of the device in binary-coded decimal; greater with every change of these descriptors,
-/// for Windows keeps what it has learned of a device under its numbers and this.
+using boards::usb_product_id;
+using boards::usb_vendor_id;
+
+/// Version of the device in binary-coded decimal; must increase with every change of these
+/// descriptors, because Windows caches the properties of a device under its numbers and this.
 inline constexpr std::uint16_t device_version = 0x0011;
 
 inline constexpr std::uint16_t language_us_english = 0x0409;
 inline constexpr std::size_t serial_number_size = 16;  ///< characters
 
-inline constexpr std::uint8_t packet_size = 64;  ///< endpoint 0 and bulk, the most at full speed
+inline constexpr std::uint8_t packet_size = 64;  ///< endpoint 0 and bulk, the maximum at full speed
 inline constexpr std::uint8_t notify_packet_size = 16;
 
 inline constexpr std::uint8_t configuration_value = 1;
@@ -40,7 +41,7 @@ inline constexpr std::uint8_t stream_interface = 2;
 inline constexpr std::uint8_t interface_count = 3;
 
 inline constexpr std::uint8_t direction_in = 0x80;
-inline constexpr std::uint8_t notify_endpoint = 1;  ///< IN; never has anything to say
+inline constexpr std::uint8_t notify_endpoint = 1;  ///< IN; never sends
 inline constexpr std::uint8_t data_endpoint = 2;    ///< IN and OUT
 inline constexpr std::uint8_t stream_endpoint = 3;  ///< IN and OUT
 
@@ -82,10 +83,10 @@ inline constexpr std::array<std::uint8_t, 18> device_descriptor = {
     0x02,
     0x01,
     packet_size,
-    low_byte(vendor_id),
-    high_byte(vendor_id),
-    low_byte(product_id),
-    high_byte(product_id),
+    low_byte(usb_vendor_id),
+    high_byte(usb_vendor_id),
+    low_byte(usb_product_id),
+    high_byte(usb_product_id),
     low_byte(device_version),
     high_byte(device_version),
     string_index::manufacturer,

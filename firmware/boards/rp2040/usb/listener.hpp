@@ -1,25 +1,25 @@
-// Which of the two functions on USB is heard, the serial port or the pulse stream.
+// Selects the function on USB that is heard, the serial port or the pulse stream.
 //
-// In:  packets as they come, whether a job is unfinished. Out: to whom the core listens, and with
-//      that who gets its answers. Who: UsbSerial, in the USB interrupt.
+// In:  received packets, whether a job is unfinished. Out: the function that the core receives from
+//      and answers to. Who: UsbSerial, in the USB interrupt.
 //
-// Two programs may have both functions open at once, and the core talks with one host. So that no
-// frame or line is ever made of bytes of two, one function is heard and the other one's packets are
-// taken from the bus and thrown away, real-time bytes too:
-//   - A sender of lines that polls `?`, or a service that tries what modem this may be, must not
-//     break a job beside it; senders reset what they connect to (0x18), which would end a program
-//     or a job. What stops the machine from the side is a wire.
-//   - They are not refused (NAK), for then they would wait and be obeyed when the job is over.
+// Two programs may have both functions open at once, and the core talks with one host. So that a
+// frame or line never contains bytes of both, one function is heard, and packets of the other one
+// are taken from the bus and discarded, real-time bytes too:
+//   - A sender of lines that polls `?`, or a service that probes for a modem, must not break a job
+//     that runs; senders reset the machine when they connect (0x18), which would end a program or a
+//     job. To stop the machine independently of its host, use a wired input.
+//   - They are not refused (NAK), because they would then wait and be executed after the job.
 //
-// The function that is heard changes when the other one speaks, and
-//   - no job is unfinished: whoever is first after the bus was reset or the device configured;
-//     later the pulse stream at once, since only who means this machine opens it, and the serial
-//     port when the stream has been silent for a second;
-//   - a job is unfinished: the function that it was begun over at once, so that a cable plugged in
-//     again is nobody else's; the other one when that has been silent for ten seconds. A job's host
-//     never is while it lives: it speaks four times in a dead-man time. Then the machine is held,
-//     unless the dead man is off, and a user may ask over the other function what has become of it.
-// A change is a new connection: nothing that was begun over the other function is finished.
+// The heard function changes when the other one sends a packet, and
+//   - no job is unfinished: to the first sender after the bus was reset or the device configured;
+//     later to the pulse stream at once, since only programs for this machine open it, and to the
+//     serial port when the stream has been silent for a second;
+//   - a job is unfinished: to the function that began it at once, so that the host continues its
+//     job when its cable is plugged in again; to the other one when that has been silent for ten
+//     seconds. A live host of a job never is: it sends four times in a dead-man time. Then the
+//     machine is held, unless the dead man is off; a user may query the job over the other one.
+// A change is a new connection: a frame or line begun over the other function is never completed.
 #pragma once
 
 #include <array>
@@ -39,32 +39,31 @@ constexpr Function other(Function function) {
   return function == Function::serial ? Function::stream : Function::serial;
 }
 
-/// What is to be done with a packet.
+/// What to do with a packet.
 enum class Verdict : std::uint8_t {
   take,
   take_over,         ///< as the first one of a new connection
-  take_over_broken,  ///< the same, and the line or frame it goes on with was not heard from its
-                     ///< begin
+  take_over_broken,  ///< the same, and it continues a line or frame whose begin was not heard
   drop
 };
 
-/// How a packet ends, as the parser of the stream would see it (shared/wire/framing.hpp).
+/// End of a packet for the parser of the stream (shared/wire/framing.hpp).
 enum class Tail : std::uint8_t {
   ended,  ///< with a line or a frame
   open,   ///< inside one
-  none    ///< nothing in it belongs to either: what was open before still is
+  none    ///< no byte belongs to either: the state is unchanged
 };
 
-/// What a byte at the end of a packet says. Real-time bytes and flow control come between lines or
-/// in the middle of one: nothing is new, and the byte before them has to be asked. Those that a
-/// line drops besides (NUL, 0xb0 and above) may be data of a frame and pass for an open one.
+/// Effect of a byte at the end of a packet. Real-time bytes and flow control occur between lines or
+/// within one: they do not count, and the byte before them decides. Other bytes that a line drops
+/// (NUL, 0xb0 and above) may be data of a frame and count as an open one.
 constexpr Tail tail_of(std::uint8_t byte) {
   if (wire::is_realtime(byte) || byte == wire::xon || byte == wire::xoff) return Tail::none;
   return byte == '\n' || byte == '\r' || byte == wire::frame_end ? Tail::ended : Tail::open;
 }
 
-/// The same of the first `size` bytes of `words`. Frames have no byte that says nothing, so that
-/// the last one of a packet of a job is enough.
+/// The same for the first `size` bytes of `words`. Every byte of a frame counts, so that for a
+/// packet of a job the last one is enough.
 inline Tail tail_of(const volatile std::uint32_t* words, std::uint32_t size) {
   for (std::uint32_t i = size; i-- > 0;) {
     const Tail tail = tail_of(static_cast<std::uint8_t>(words[i / 4] >> 8 * (i % 4)));
@@ -76,11 +75,11 @@ inline Tail tail_of(const volatile std::uint32_t* words, std::uint32_t size) {
 /// The choice.
 class Listener {
  public:
-  /// How long who is heard must have been silent before the other one is, without and in a job.
+  /// Silence of the heard function before the other one may be heard, without and in a job.
   static constexpr std::uint32_t idle_lease_us = 1'000'000;
   static constexpr std::uint32_t job_lease_us = 10'000'000;
 
-  /// The connection is a new one. `now_us` may wrap.
+  /// A new connection begins. `now_us` may wrap.
   void reset(std::uint32_t now_us) {
     heard_ = Function::serial;
     spoken_ = false;
@@ -88,13 +87,13 @@ class Listener {
     since_us_ = now_us;
   }
 
-  /// Who gets the answers; the serial port if nobody has spoken.
+  /// The function that gets the answers; the serial port before the first packet.
   Function heard() const { return heard_; }
 
-  /// A packet of the function that is heard waits for room: its host is not silent.
+  /// A packet of the heard function waits for room: its host is not silent.
   void speaks_on(std::uint32_t now_us) { since_us_ = now_us; }
 
-  /// A packet came, not an empty one. `tied`: a job is unfinished.
+  /// A packet was received, not an empty one. `tied`: a job is unfinished.
   Verdict packet(Function from, Tail tail, std::uint32_t now_us, bool tied) {
     const bool begins = from != heard_ || !spoken_;
     const bool broken = in_the_middle_[index(from)];
@@ -116,10 +115,10 @@ class Listener {
   }
 
   Function heard_ = Function::serial;
-  Function job_of_ = Function::serial;  ///< over which the job was begun, if there is one
+  Function job_of_ = Function::serial;  ///< function that began the job, if there is one
   bool spoken_ = false;
   std::array<bool, function_count> in_the_middle_{};  ///< of a line or frame, heard or not
-  std::uint32_t since_us_ = 0;  ///< when who is heard spoke last, or the connection began
+  std::uint32_t since_us_ = 0;  ///< last packet of the heard function, or start of the connection
 };
 
 }  // namespace lamplock::rp2040::usb

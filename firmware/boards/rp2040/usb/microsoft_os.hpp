@@ -1,13 +1,13 @@
-// What Windows asks a device beyond USB: which driver its interfaces want.
+// Descriptors for Windows beyond USB: the driver for each interface.
 //
-// In:  nothing. Out: descriptor bytes. The BOS descriptor (USB 3.2, 9.6.2; asked for since the
-//      device says USB 2.1) has the platform capability of Microsoft, and that names the vendor
-//      request by which the descriptor set is fetched ("Microsoft OS 2.0 Descriptors
-//      Specification", 2018). Who: ControlRequests. Constant data.
+// In:  nothing. Out: descriptor bytes. The BOS descriptor (USB 3.2, 9.6.2; requested because the
+//      device reports USB 2.1) contains the platform capability of Microsoft, which names the
+//      vendor request for the descriptor set ("Microsoft OS 2.0 Descriptors Specification", 2018).
+//      Who: ControlRequests. Constant data.
 //
-// The set says that the pulse stream's interface wants WinUSB, so that programs can open it without
-// a driver file, and by which GUID they find it. The serial port is left to its class. Linux and
-// macOS ask for the BOS descriptor and do nothing with it.
+// The set assigns WinUSB to the pulse stream's interface, so that programs can open it without a
+// driver file, and the GUID by which they find it. The serial port is left to its class. Linux and
+// macOS request the BOS descriptor and ignore it.
 #pragma once
 
 #include <algorithm>
@@ -24,12 +24,12 @@ namespace lamplock::rp2040::usb {
 inline constexpr std::uint8_t microsoft_request = 0x4D;
 inline constexpr std::uint16_t microsoft_set_index = 7;
 
-/// Of the pulse stream's interface; made for lamplock (version 4, random).
+/// Interface GUID of the pulse stream; made for lamplock (version 4, random).
 inline constexpr std::string_view stream_interface_guid = "{DF884B5E-C1E3-4649-AAC9-FCBA261F5FF0}";
 
 namespace microsoft {
 
-inline constexpr std::uint32_t windows_8_1 = 0x06030000;  ///< the first that knows it
+inline constexpr std::uint32_t windows_8_1 = 0x06030000;  ///< the first that supports it
 // wDescriptorType (table 9).
 inline constexpr std::uint16_t set_header = 0;
 inline constexpr std::uint16_t configuration_subset = 1;
@@ -44,7 +44,7 @@ inline constexpr std::uint16_t subset_header_size = 8;
 inline constexpr std::uint16_t compatible_id_size = 20;
 inline constexpr std::string_view property_name = "DeviceInterfaceGUIDs";
 inline constexpr std::uint16_t name_size = 2 * (property_name.size() + 1);
-/// A list of one string: its end, and the list's.
+/// A list of one string: its terminator, and the list's.
 inline constexpr std::uint16_t data_size = 2 * (stream_interface_guid.size() + 2);
 inline constexpr std::uint16_t property_size = 10 + name_size + data_size;
 inline constexpr std::uint16_t function_size =
@@ -52,7 +52,7 @@ inline constexpr std::uint16_t function_size =
 inline constexpr std::uint16_t configuration_subset_size = subset_header_size + function_size;
 inline constexpr std::uint16_t set_size = set_header_size + configuration_subset_size;
 
-/// Writes little-endian fields one behind the other.
+/// Writes little-endian fields in sequence.
 template <std::size_t size>
 struct Writer {
   std::array<std::uint8_t, size> bytes{};
@@ -67,7 +67,7 @@ struct Writer {
     half(static_cast<std::uint16_t>(value & 0xffff));
     half(static_cast<std::uint16_t>(value >> 16));
   }
-  /// ASCII, filled up with zeros.
+  /// ASCII, padded with zeros.
   constexpr void text(std::string_view text, std::size_t characters) {
     for (std::size_t i = 0; i < characters; ++i)
       byte(i < text.size() ? static_cast<std::uint8_t>(text[i]) : std::uint8_t{0});
@@ -89,7 +89,7 @@ inline constexpr auto microsoft_set = [] {
   out.half(set_header);
   out.word(windows_8_1);
   out.half(set_size);
-  // The number of the configuration, counted from 0 by Windows, whatever the table calls it.
+  // The number of the configuration, which Windows counts from 0, unlike the table.
   out.half(subset_header_size);
   out.half(configuration_subset);
   out.half(0);
@@ -113,7 +113,7 @@ inline constexpr auto microsoft_set = [] {
 static_assert(microsoft_set.size() == 178);
 
 /// BOS header and platform capability (USB 3.2, tables 9-12 and 9-20; specification, table 4). The
-/// UUID D8DD60DF-4589-4CC7-9CD2-659D9E648A9F stands as a GUID does, its first three parts little
+/// UUID D8DD60DF-4589-4CC7-9CD2-659D9E648A9F is stored like a GUID, its first three parts little
 /// endian.
 inline constexpr std::array<std::uint8_t, 33> bos_descriptor = {
     5,

@@ -1,7 +1,7 @@
-// The USB controller itself, as UsbSerial wants it: register accesses and nothing else.
+// The USB controller for UsbSerial: only register accesses.
 //
 // In:  calls of the USB interrupt and of the main loop. Out: register accesses (RP2040 datasheet,
-//      4.1). A test hands UsbSerial something else that has the same members.
+//      4.1). A test gives UsbSerial a substitute with the same members.
 #pragma once
 
 #include <cstdint>
@@ -18,21 +18,20 @@
 
 namespace lamplock::rp2040 {
 
-/// The controller.
 class UsbHardware {
  public:
   using Lock = AllMasked;
 
-  /// Out of reset, connected to the transceiver, interrupts set up; not yet on the bus.
+  /// Takes it out of reset, connects the transceiver, sets up interrupts; not yet on the bus.
   void start() {
     set_bits(resets().reset, reset_bit::usbctrl);
     release_reset(reset_bit::usbctrl);
-    // The reset leaves the DPRAM as it was.
+    // The reset does not clear the DPRAM.
     auto* words = reinterpret_cast<Register*>(&dpram());
     for (std::uint32_t i = 0; i < sizeof(UsbDpram) / 4; ++i) words[i] = 0;
     UsbRegisters& usb = usb_registers();
     usb.usb_muxing = usb_field::to_phy | usb_field::softcon;
-    // The Pico's VBUS sense (GPIO 24) has no way to the controller: it is told that there is VBUS.
+    // The Pico's VBUS sense (GPIO 24) is not connected to the controller: VBUS is forced on.
     usb.usb_pwr = usb_field::vbus_detect | usb_field::vbus_detect_override;
     usb.main_ctrl = usb_field::controller_enable;
     usb.sie_ctrl = usb_field::ep0_each_buffer;
@@ -83,7 +82,7 @@ class UsbHardware {
   }
 
  private:
-  /// The one pin whose input the USB controller can take for its line (erratum E5).
+  /// The only pin whose input the USB controller can use for its line (erratum E5).
   static constexpr unsigned borrowed_gpio = 15;
 
   std::uint32_t saved_control_ = 0;

@@ -1,26 +1,26 @@
-// The link on USB: bytes both ways, over the serial port or over the pulse stream's endpoints.
+// The link on USB: bytes in both directions, over the serial port or over the pulse stream's
+// endpoints.
 //
 // In:  the USB interrupt (priority 2); `read`, `write`, `poll` from the main loop, at least every
 //      millisecond. Out: bytes.
 // Budget: counted by instruction, without entry and waits of the bus: a packet of 64 bytes from the
 //      host 510 to 610 cycles, to the host 700 to 880, both at once 1500, a start of frame 170 (one
-//      each millisecond), a request on endpoint 0 500 to 1450, a packet that is dropped 1900.
-//      Choosing between the functions adds some 60 to a packet from the host, and some 20 for each
-//      real-time byte at its end (estimated).
+//      each millisecond), a request on endpoint 0 500 to 1450, a dropped packet 1900. The choice of
+//      the function adds some 60 to a packet from the host, and some 20 for each real-time byte at
+//      its end (estimated).
 //
-// All dealings with the controller happen in `interrupt`; the main loop touches the rings only and
-// pends the interrupt when there is something new to send, or room for packets that wait. Real-time
-// bytes of the host are taken when their packet arrives; the other bytes of a packet wait in its
-// buffer while the ring has no room (byte_rings.hpp), and the host with its next packets (NAK).
-// A new configuration or bus reset empties both rings and counts `generation`, and so does a change
-// from one function to the other. One of them is heard at a time (listener.hpp): there is one pair
-// of rings, and the other one's packets are dropped without a look, some 100 cycles each. The rest
-// is a matter of the parts: control_requests.hpp, control_pipe.hpp, bulk_pipes.hpp,
-// bus_reset_exit.hpp.
+// Only `interrupt` accesses the controller; the main loop uses the rings and pends the interrupt
+// when there is new data to send, or room for packets that wait. Real-time bytes of the host are
+// handled when their packet arrives; its other bytes wait in the buffer while the ring has no room
+// (byte_rings.hpp), and the host with its next packets (NAK). A new configuration or bus reset
+// empties both rings and counts `generation`, and so does a change of the function. One function is
+// heard at a time (listener.hpp): there is one pair of rings, and packets of the other one are
+// dropped unread, some 100 cycles each. The parts are in control_requests.hpp, control_pipe.hpp,
+// bulk_pipes.hpp, bus_reset_exit.hpp.
 //
 // Erratum E15: no bulk IN packet is handed over in the last 200 us of a frame, which is timed from
-// the start of frame by the microsecond timer. A packet that was handed over earlier stays: taking
-// it back needs EP_ABORT, which E2 forbids, and a host that is reading has fetched it by then.
+// the start of frame by the microsecond timer. A packet handed over earlier stays: taking it back
+// needs EP_ABORT, which E2 forbids, and a host that is reading has fetched it by then.
 #pragma once
 
 #include <array>
@@ -29,19 +29,19 @@
 #include <span>
 #include <string_view>
 
+#include "firmware/boards/rp2040/base/byte_rings.hpp"
 #include "firmware/boards/rp2040/registers/usb.hpp"
 #include "firmware/boards/rp2040/usb/bulk_pipes.hpp"
 #include "firmware/boards/rp2040/usb/bus_reset_exit.hpp"
-#include "firmware/boards/rp2040/usb/byte_rings.hpp"
 #include "firmware/boards/rp2040/usb/control_pipe.hpp"
 #include "firmware/boards/rp2040/usb/control_requests.hpp"
 #include "firmware/boards/rp2040/usb/listener.hpp"
 
 namespace lamplock::rp2040 {
 
-/// Erratum E15: whether a moment so long after the last start of frame is in the last 200 us of a
-/// frame. Up to two starts of frame may have been lost; behind that there are none at all (the bus
-/// is about to be suspended, or is a simulated one without frames).
+/// Erratum E15: whether a time since the last start of frame is in the last 200 us of a frame. Up
+/// to two starts of frame may have been lost; after that there are no frames (the bus is about to
+/// be suspended, or is a simulated one without frames).
 constexpr bool late_in_frame(std::uint32_t since_frame_us) {
   constexpr std::uint32_t frame_us = 1000;
   constexpr std::uint32_t late_us = 800;
@@ -51,16 +51,17 @@ constexpr bool late_in_frame(std::uint32_t since_frame_us) {
   return since_frame_us >= late_us;
 }
 
-/// What has happened on the bus.
+/// Events on the bus.
 struct UsbCounters {
   std::uint32_t bus_resets = 0;
   std::uint32_t suspends = 0;
   std::uint32_t requests = 0;          ///< SETUP packets
   std::uint32_t refused_requests = 0;  ///< answered by STALL
-  std::uint32_t bus_errors = 0;        ///< frames in which the controller saw any
+  std::uint32_t bus_errors = 0;        ///< frames with an error detected by the controller
   std::uint32_t packets_received = 0;
   std::uint32_t packets_sent = 0;
-  std::uint32_t resynchronised = 0;   ///< should be 0: disagreed with the controller about the turn
+  /// should be 0: mismatch with the controller about the next buffer
+  std::uint32_t resynchronised = 0;
   std::uint32_t packets_unheard = 0;  ///< of the function that is not heard
 };
 
@@ -84,7 +85,7 @@ class BasicUsbSerial {
     hardware_.start();
     control_.reset();
     stop_pipes();
-    // No frame seen yet.
+    // No start of frame yet.
     frame_us_ = hardware_.microseconds() - 3000;
     hardware_.attach();
   }
@@ -97,7 +98,7 @@ class BasicUsbSerial {
     if ((why & (usb_field::int_suspend | usb_field::int_resume)) != 0) on_suspend(why);
     if ((why & usb_field::int_buffer) != 0) on_buffers();
     if ((why & usb_field::int_setup) != 0) on_setup();
-    // Whatever the reason: a packet may be done before BUFF_STATUS says so, or be waiting.
+    // For every reason: a packet may be done before BUFF_STATUS shows it, or be waiting.
     for (const usb::Function function : {usb::Function::serial, usb::Function::stream})
       if (out_[usb::index(function)].filled()) take_packets(function);
     auto& in = in_[usb::index(listener_.heard())];
@@ -111,22 +112,21 @@ class BasicUsbSerial {
     if (to_send_.size() != 0 || (packets_wait_ && received_.has_room())) hardware_.pend();
   }
 
-  /// A job is unfinished: whoever is heard stays so, while it lives.
+  /// A job is unfinished: the heard function does not change while its host lives.
   void set_tied(bool tied) { tied_ = tied; }
-  /// Which function is heard.
   usb::Function heard() const { return listener_.heard(); }
 
-  /// Takes the oldest command of one byte; false if there is none.
+  /// Removes the oldest command of one byte; false if there is none.
   bool read_realtime(std::uint8_t& byte) { return received_.pop_realtime(byte); }
   bool realtime_waits() const { return received_.realtime_waits(); }
-  /// Takes received bytes; returns how many.
+  /// Removes received bytes; returns how many.
   std::size_t read(std::span<std::uint8_t> out) { return received_.pop(out); }
-  /// The bytes of the last read() came before one that ends jogs (0x85, `!`, 0x84).
+  /// The bytes of the last read() were received before a byte that ends jogs (0x85, `!`, 0x84).
   bool before_jog_cancel() const { return received_.before_jog_cancel(); }
   /// Received bytes that wait.
   std::size_t available() const { return received_.size(); }
 
-  /// Queues bytes to send; returns how many were taken, all if `room()` says so. None while not
+  /// Queues bytes to send; returns how many were accepted, all if `room()` allows. None while not
   /// configured.
   std::size_t write(std::span<const std::uint8_t> in) {
     if (!configured() || in.empty()) return 0;
@@ -134,7 +134,7 @@ class BasicUsbSerial {
     const std::uint32_t count = to_send_.place(in);
     {
       [[maybe_unused]] const typename Hardware::Lock lock;
-      // The host the bytes were meant for has gone: they go too.
+      // If their host has gone meanwhile, the bytes are dropped.
       if (generation == generation_) to_send_.publish(count);
     }
     hardware_.pend();
@@ -143,20 +143,21 @@ class BasicUsbSerial {
   std::size_t room() const { return configured() ? to_send_.room() : 0; }
 
   bool configured() const { return configured_; }
-  /// No host, or one that sleeps; on a Pico a pulled plug looks the same.
+  /// No host, or a sleeping one; on a Pico an unplugged cable looks the same.
   bool suspended() const { return suspended_; }
-  /// Changes whenever the connection is a new one.
+  /// Changes with each new connection.
   std::uint32_t generation() const { return generation_; }
-  /// A host is there, awake, and has not closed the port: a program that opens a serial port raises
-  /// DTR, as a rule, and the system lowers it when the program ends. The stream has no such sign.
+  /// A host is present, awake, and has not closed the port: a program that opens a serial port
+  /// usually raises DTR, and the system lowers it when the program ends. The stream has no such
+  /// sign.
   bool present() const {
     if (!configured_ || suspended_) return false;
     const bool closed = requests_.opened() != 0 && !requests_.dtr();
     return heard() == usb::Function::stream || !closed;
   }
-  /// A program has the port open, as far as the host says so.
+  /// A program has the port open, according to DTR.
   bool dtr() const { return requests_.dtr(); }
-  /// How often a program has opened the port.
+  /// How many times a program has opened the port.
   std::uint32_t opened() const { return requests_.opened(); }
   std::span<const std::uint8_t> line_coding() const { return requests_.line_coding(); }
 
@@ -193,8 +194,8 @@ class BasicUsbSerial {
     }
   }
 
-  /// The interrupt says that the state has changed, SIE_STATUS what it is. Waking up is seen by the
-  /// resume, by the next frame or by a reset, whichever comes first.
+  /// The interrupt reports that the state has changed, SIE_STATUS the new one. Waking up is
+  /// detected by the resume, by the next frame or by a reset, whichever is first.
   void on_suspend(std::uint32_t why) {
     const bool suspended = (hardware_.status() & usb_field::status_suspended) != 0;
     hardware_.clear_status(usb_field::status_suspended | usb_field::status_resume);
@@ -210,7 +211,7 @@ class BasicUsbSerial {
     if ((done & 2) != 0) control_.on_out_done();
   }
 
-  /// Packets of one function on their way to the ring.
+  /// Passes packets of one function to the ring.
   struct Taker {
     BasicUsbSerial& port;
     usb::Function from;
@@ -221,19 +222,19 @@ class BasicUsbSerial {
       return reset || verdict != usb::Verdict::take ? usb::PacketLook::begins_anew
                                                     : usb::PacketLook::take;
     }
-    /// One that has waited while the other function took over is thrown away.
+    /// A packet that waited while the other function took over is discarded.
     bool push_packet(const volatile std::uint32_t* words, std::uint32_t size) const {
       if (port.listener_.heard() != from) return true;
       const bool taken = port.received_.push_packet(words, size);
       port.packets_wait_ = !taken;
-      // Its host would say more if it could.
+      // Its host would send more if it could.
       if (!taken) port.listener_.speaks_on(port.hardware_.microseconds());
       return taken;
     }
   };
   void take_packets(usb::Function from) { out_[usb::index(from)].service(Taker{*this, from}); }
 
-  /// A packet has come: whether its function is heard.
+  /// A packet was received: decides whether its function is heard.
   usb::Verdict hear(usb::Function from, const volatile std::uint32_t* words, std::uint32_t size) {
     const usb::Verdict verdict =
         listener_.packet(from, usb::tail_of(words, size), hardware_.microseconds(), tied_);
@@ -284,7 +285,7 @@ class BasicUsbSerial {
     listener_.reset(hardware_.microseconds());
     new_host();
   }
-  /// What was on its way from or to the host before is void.
+  /// Discards data in transit from or to the previous host.
   void new_host() {
     generation_ = generation_ + 1;
     received_.discard();
@@ -299,7 +300,7 @@ class BasicUsbSerial {
     notify_half() = 0;
   }
 
-  /// The notification endpoint is there, and never has anything to say.
+  /// The notification endpoint exists, and never sends.
   void start_notify() {
     notify_half() = 0;
     hardware_.dpram().endpoint_control[usb::notify_endpoint - 1].in =
@@ -308,7 +309,7 @@ class BasicUsbSerial {
   }
   BufferHalf& notify_half() { return hardware_.dpram().buffer_control[usb::notify_endpoint].in[0]; }
 
-  /// What is done is done, before buffers are armed anew.
+  /// Finishes completed buffers before buffers are armed again.
   void settle() {
     for (const usb::Function function : {usb::Function::serial, usb::Function::stream}) {
       take_packets(function);
@@ -316,7 +317,7 @@ class BasicUsbSerial {
     }
   }
 
-  /// Packets that wait for room are lost when their endpoint begins anew.
+  /// Packets that wait for room are lost when their endpoint restarts.
   void lose_packets(usb::Pipes pipes) {
     for (std::size_t i = 0; i < usb::function_count; ++i) {
       if ((pipes & usb::out_pipes[i]) == 0 || !out_[i].keeps_packet()) continue;

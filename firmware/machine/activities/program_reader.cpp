@@ -1,0 +1,264 @@
+#include "firmware/machine/activities/program_reader.hpp"
+
+#include <bit>
+
+#include "firmware/machine/activities/program_points.hpp"
+#include "firmware/machine/runners/program_motion.hpp"
+
+namespace lamplock::machine {
+
+using program::Action;
+using program::ActionKind;
+using program::BeatLock;
+using settings::Id;
+
+program::Options program_options(const settings::Values& values, bool beat_lock,
+                                 ProgramPorts ports) {
+  constexpr std::int64_t e7_per_milli = program::one_e7 / 1000;
+  program::Options options;
+  options.axes = values.whole(Id::axes);
+  options.arc_tolerance_e7 = values.milli(Id::arc_tolerance) * e7_per_milli;
+  options.laser = values.whole(Id::laser_mode) != 0;
+  options.beat_lock = beat_lock;
+  options.probe = options.rows = true;
+  options.pulses_milli = static_cast<std::uint32_t>(values.milli(Id::pulses_per_mm));
+  options.pulse_ns = static_cast<std::uint32_t>(values.milli(Id::pulse_length));
+  options.outputs = ports.outputs;
+  options.inputs = ports.inputs;
+  return options;
+}
+
+void ProgramReader::configure(const settings::Values& values, std::uint8_t channels,
+                              ProgramPorts ports) {
+  options_ = program_options(values, channels != 0, ports);
+  channel_ =
+      channels == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(std::countr_zero(channels));
+}
+
+void ProgramReader::end_lock() {
+  drop_line();
+  if (interpreter_.modal().beat_lock == BeatLock::off || interpreter_.run("M131")) return;
+  while (interpreter_.next(action_)) {
+  }
+}
+
+[[gnu::hot]] program::Fault ProgramReader::begin(std::string_view line) {
+  const program::Fault fault = interpreter_.run(line);
+  open_ = !fault;
+  jogs_ = false;
+  return fault;
+}
+
+program::Fault ProgramReader::begin_jog(std::string_view line, const settings::Values& values,
+                                        const StepLimits& space) {
+  const program::Place before = interpreter_.machine_e7();
+  const program::Fault fault = interpreter_.jog(line);
+  if (fault) return fault;
+  open_ = jogs_ = true;
+  const StepPosition end = steps_of(interpreter_.machine_e7(), values);
+  if (axis_outside(end, space, values.whole(Id::axes)) < 0) return fault;
+  open_ = false;
+  interpreter_.set_position(before);
+  return {GcodeError::jog_out_of_travel, 1};
+}
+
+[[gnu::hot]] bool ProgramReader::next_action() {
+  if (pending_) return true;
+  pending_ = interpreter_.next(action_);
+  if (pending_ && action_.kind == ActionKind::probe) action_.beat_lock = BeatLock::off;
+  prepared_ = listed_ = false;
+  return pending_;
+}
+
+[[gnu::hot]] ProgramReader::Step ProgramReader::step(const settings::Values& values,
+                                                     const StepLimits& space, std::uint64_t clock,
+                                                     bool check) {
+  if (!open_) return Step::nothing;
+  if (paused_) return Step::waits;
+  while (next_action()) {
+    const Step step = act(values, space, clock, check);
+    if (step != Step::done) return step;
+  }
+  open_ = false;
+  return Step::done;
+}
+
+[[gnu::hot]] ProgramReader::Step ProgramReader::taken() {
+  pending_ = false;
+  return Step::done;
+}
+
+/// Whether the machine is at rest with every move done. Waiting for that ends a row of points; in a
+/// hold the program does not continue.
+bool ProgramReader::rests() {
+  if (lock_ == BeatLock::off) return runner_.idle() && !runner_.held();
+  points_.close();
+  return points_.drained();
+}
+
+ProgramReader::Step ProgramReader::wait_for_rest() { return rests() ? taken() : Step::waits; }
+
+[[gnu::hot]] ProgramReader::Step ProgramReader::act(const settings::Values& values,
+                                                    const StepLimits& space, std::uint64_t clock,
+                                                    bool check) {
+  if (action_.kind == ActionKind::move || action_.kind == ActionKind::probe)
+    return move(values, space, check);
+  if (action_.kind == ActionKind::pixels) return pixels(values, check);
+  if (check) {
+    taken();
+    return action_.kind == ActionKind::program_end ? Step::ended : Step::done;
+  }
+  switch (action_.kind) {
+    case ActionKind::dwell:
+      return dwell(clock);
+    case ActionKind::coolant:
+      return coolant();
+    case ActionKind::output:
+      return output();
+    case ActionKind::wait_input:
+      return rests() ? Step::inputs : Step::waits;
+    case ActionKind::spindle:
+      // The power of a laser is part of the moves.
+      return options_.laser ? taken() : wait_for_rest();
+    case ActionKind::pause:
+    case ActionKind::tool_change:
+      if (wait_for_rest() == Step::waits) return Step::waits;
+      paused_ = true;
+      return Step::pauses;
+    case ActionKind::program_end:
+      return wait_for_rest() == Step::waits ? Step::waits : Step::ended;
+    case ActionKind::beat_lock:
+      return action_.beat_lock == lock_ ? taken() : wait_for_rest();
+    default:
+      return taken();
+  }
+}
+
+/// Adds pixels to the next move; with M5 there are none.
+ProgramReader::Step ProgramReader::pixels(const settings::Values& values, bool check) {
+  if (check || action_.spindle == program::Spindle::off) return taken();
+  if (lock_ != BeatLock::off || !planned()) return rests() ? Step::changes : Step::waits;
+  return runner_.add_pixels(power_of(action_.speed_milli, values), action_.pixels) ? taken()
+                                                                                   : Step::waits;
+}
+
+/// Adds the last pixels of the move, or sets the pulses of the next lines.
+bool ProgramReader::prepare_beam() {
+  if (target_.pulses)
+    return runner_.set_pulses(interpreter_.pulses_milli(), interpreter_.pulse_ns());
+  if (!target_.pixels || listed_) return true;
+  if (!runner_.add_pixels(target_.power, action_.pixels)) return false;
+  target_.power = runner_.end_pixels();
+  listed_ = true;
+  return true;
+}
+
+[[gnu::hot]] ProgramReader::Step ProgramReader::move(const settings::Values& values,
+                                                     const StepLimits& space, bool check) {
+  if (!prepared_) {
+    target_ = line_target(action_, values);
+    prepared_ = true;
+  }
+  if (axis_outside(target_.steps, space, options_.axes) >= 0) {
+    if (!check && !rests()) return Step::waits;  // earlier moves are valid and finish first
+    drop_line();
+    return Step::outside;
+  }
+  if (check) return taken();
+  const BeatLock lock = action_.beat_lock;
+  if (!probing_ && (lock != lock_ || (lock == BeatLock::off && !planned())))
+    return rests() ? Step::changes : Step::waits;
+  if (action_.kind == ActionKind::probe) return rests() ? Step::probes : Step::waits;
+  if (!take_changes() || !take(values)) return Step::waits;
+  from_ = target_.steps;
+  return taken();
+}
+
+[[gnu::hot]] bool ProgramReader::take(const settings::Values& values) {
+  if (lock_ == BeatLock::off)
+    return (!(target_.pixels || target_.pulses) || prepare_beam()) && runner_.take(target_);
+  if (points_.queue().free() == 0) return false;
+  return points_.take(point_target(action_, {from_, target_.steps}, channel_, values));
+}
+
+/// Attaches pending output changes to the start of this move. Points on the beat carry none, since
+/// the machine is at rest before them and applies the changes then; a jog is no motion of the
+/// program.
+[[gnu::hot]] bool ProgramReader::take_changes() {
+  if (jogs_) return true;
+  if (lock_ == BeatLock::off) {
+    if (!outputs_.attach(runner_.idle())) return false;
+    target_.changes = outputs_.mark();
+    return true;
+  }
+  if (!outputs_.next_waits()) return true;
+  if (!rests()) return false;
+  outputs_.apply_next();
+  return true;
+}
+
+ProgramReader::Step ProgramReader::coolant() {
+  if (wait_for_rest() == Step::waits) return Step::waits;
+  outputs_.set_air(action_.flood || action_.mist);
+  return Step::done;
+}
+
+ProgramReader::Step ProgramReader::output() {
+  if (action_.io.at_once)
+    outputs_.set_aux(action_.io.level);
+  else
+    outputs_.set_next_aux(action_.io.level);
+  return taken();
+}
+
+ProgramReader::Step ProgramReader::dwell(std::uint64_t clock) {
+  if (!dwells_) {
+    if (!rests()) return Step::waits;
+    dwells_ = true;
+    dwell_end_ = clock + std::uint64_t{action_.time_us} * clocks_per_us;
+  }
+  if (clock < dwell_end_ || runner_.held()) return Step::waits;
+  dwells_ = false;
+  return taken();
+}
+
+bool ProgramReader::drop_line() {
+  const bool was_open = open_;
+  open_ = pending_ = paused_ = dwells_ = probing_ = false;
+  runner_.drop_pixels();
+  interpreter_.set_position(interpreter_.machine_e7());
+  return was_open;
+}
+
+void ProgramReader::clear() {
+  queue_.clear();
+  drop_line();
+}
+
+void ProgramReader::reset() {
+  clear();
+  interpreter_.reset();
+  off_target_ = true;
+}
+
+program::Place ProgramReader::stand_at(const stepper::MotionState& at,
+                                       const settings::Values& values) {
+  program::Place place_e7{};
+  for (int a = 0; a < max_axes; ++a) from_[index(a)] = at.axis[index(a)].step();
+  for (int a = 0; a < values.whole(Id::axes); ++a)
+    place_e7[index(a)] = place_of(at.axis[index(a)], values, a);
+  off_target_ = false;
+  return place_e7;
+}
+
+void ProgramReader::find_position(const stepper::MotionState& at, const settings::Values& values) {
+  if (off_target_) interpreter_.set_position(stand_at(at, values));
+}
+
+void ProgramReader::end_probe(const stepper::MotionState& at, const settings::Values& values) {
+  interpreter_.stand_at(stand_at(at, values));
+  probing_ = false;
+  taken();
+}
+
+}  // namespace lamplock::machine

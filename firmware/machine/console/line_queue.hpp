@@ -1,0 +1,82 @@
+// Lines of the host that wait for their turn.
+//
+// In:  whole lines, in order, from the link. Out: the same, one at a time.
+// Who: the controller, main loop. The room reported to the host is exact: until it is taken out, a
+//      line occupies its characters and one for its end, as on the wire. There is room for one line
+//      of maximum length more than reported: for the line that is being received.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace lamplock::machine {
+
+class LineQueue {
+ public:
+  /// Bytes that a sender may have in flight.
+  static constexpr std::uint32_t window = 1024;
+  /// Total size: one line of maximum length more.
+  static constexpr std::uint32_t capacity = window + 256;
+
+  bool empty() const { return size_ == 0; }
+  std::uint32_t free() const { return capacity - size_; }
+
+  std::uint32_t lines() const {
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < size_; ++i)
+      if (at(i) == end_of_line) ++count;
+    return count;
+  }
+  /// A waiting line ends its program: it has an M2 or M30 outside comments.
+  [[gnu::cold]] bool ends_program() const;
+  /// The first character of the oldest line; the queue must not be empty. A blank line begins with
+  /// its end.
+  char front() const { return bytes_[begin_]; }
+  /// False if it does not fit.
+  bool push(std::string_view line) {
+    if (line.size() + 1 > free()) return false;
+    std::uint32_t at = begin_ + size_;
+    if (at >= capacity) at -= capacity;
+    for (const char c : line) {
+      bytes_[at] = c;
+      if (++at == capacity) at = 0;
+    }
+    bytes_[at] = end_of_line;
+    size_ += static_cast<std::uint32_t>(line.size()) + 1;
+    return true;
+  }
+
+  /// Removes the oldest line; the queue must not be empty. `room` holds a line of maximum length.
+  std::string_view pop(std::span<char> room) {
+    const char* from = bytes_.data() + begin_;
+    const char* const end = bytes_.data() + capacity;
+    std::size_t size = 0;
+    for (;; ++size) {
+      const char c = *from++;
+      if (from == end) from = bytes_.data();
+      if (c == end_of_line) break;
+      room[size] = c;
+    }
+    begin_ = static_cast<std::uint32_t>(from - bytes_.data());
+    size_ -= static_cast<std::uint32_t>(size) + 1;
+    return {room.data(), size};
+  }
+
+  void clear() { size_ = 0; }
+
+ private:
+  static constexpr char end_of_line = '\n';
+
+  char at(std::uint32_t i) const {
+    const std::uint32_t place = begin_ + i;
+    return bytes_[place < capacity ? place : place - capacity];
+  }
+
+  std::array<char, capacity> bytes_{};
+  std::uint32_t begin_ = 0, size_ = 0;
+};
+
+}  // namespace lamplock::machine

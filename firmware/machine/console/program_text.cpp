@@ -1,0 +1,160 @@
+#include "firmware/machine/console/program_text.hpp"
+
+#include "firmware/machine/console/status_report.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+using program::Modal;
+using namespace std::string_view_literals;  // a length that -Os does not ask strlen for
+
+constexpr std::int64_t um_per_mm = 1000;
+/// 10^-7 mm per nanometre.
+constexpr std::int64_t nm_e7 = program::one_e7 / 1'000'000;
+
+/// Lines of `$#` after the coordinate systems.
+enum OffsetLine : int {
+  line_g28 = program::coordinate_systems,
+  line_g30,
+  line_shift,
+  line_tool_length,
+  line_probe
+};
+static_assert(line_probe == probe_line);
+
+/// Adds a code, given as ten times its number as in the interpreter.
+void add_code(TextLine& line, std::uint32_t tenths) {
+  line.add(std::int64_t{tenths / 10});
+  if (tenths % 10 != 0) line.add("."sv).add(std::int64_t{tenths % 10});
+}
+
+void add_g(TextLine& line, std::uint32_t tenths) {
+  line.add(" G"sv);
+  add_code(line, tenths);
+}
+
+void add_if(TextLine& line, bool wanted, std::uint32_t tenths) {
+  if (wanted) add_g(line, tenths);
+}
+
+/// G54 to G59, then G59.1 to G59.3.
+std::uint32_t code_of_system(std::uint32_t system) {
+  return system < 6 ? 540 + 10 * system : 590 + (system - 5);
+}
+
+/// Modes that grbl lacks, if they differ from their value at power-up.
+void add_further_modes(TextLine& line, const Modal& modal) {
+  add_if(line, modal.centres_absolute, 901);
+  add_if(line, modal.path != program::PathMode::exact, static_cast<std::uint32_t>(modal.path));
+  add_if(line, modal.tool_length, 431);
+  add_if(line, modal.retract_to_r, 990);
+  add_if(line, modal.rotation.active(), 680);
+}
+
+void add_switches(TextLine& line, const Modal& modal) {
+  line.add(" M"sv).add(modal.spindle == program::Spindle::off        ? std::int64_t{5}
+                       : modal.spindle == program::Spindle::constant ? std::int64_t{3}
+                                                                     : std::int64_t{4});
+  if (modal.mist) line.add(" M7"sv);
+  if (modal.flood) line.add(" M8"sv);
+  if (!modal.mist && !modal.flood) line.add(" M9"sv);
+  if (modal.beat_lock != program::BeatLock::off) line.add(" M130"sv);
+  if (modal.pulses.on == program::Pulses::Switch::on) line.add(" M126"sv);
+}
+
+void add_feed(TextLine& line, const Modal& modal, bool inches) {
+  line.add(" F"sv);
+  if (modal.feed_mode == program::FeedMode::per_turn)
+    return add_length(line, modal.feed * nm_e7, inches);
+  if (!inches) {
+    line.add((modal.feed + um_per_mm / 2) / um_per_mm);
+    return;
+  }
+  const std::int64_t tenths = (std::int64_t{modal.feed} * 10 + um_per_inch / 2) / um_per_inch;
+  line.add(tenths / 10).add("."sv).add(tenths % 10);
+}
+
+void add_in_force(TextLine& line, bool in_force, const program::Place& place,
+                  const ReportedOffsets& offsets) {
+  add_place(line, in_force ? place : program::Place{}, offsets.axes, offsets.inches);
+}
+
+void add_probe(TextLine& line, const ReportedOffsets& offsets) {
+  line.add("PRB:"sv);
+  add_place(line, offsets.probe.machine_e7, offsets.axes, offsets.inches);
+  line.add(":"sv).add(std::int64_t{offsets.probe.met ? 1 : 0});
+}
+
+}  // namespace
+
+void write_offset(TextLine& line, int i, const ReportedOffsets& offsets) {
+  const program::Parameters& parameters = offsets.parameters;
+  line.add("["sv);
+  switch (i) {
+    case line_g28:
+      line.add("G28:"sv);
+      add_in_force(line, true, parameters.home_g28_e7, offsets);
+      break;
+    case line_g30:
+      line.add("G30:"sv);
+      add_in_force(line, true, parameters.home_g30_e7, offsets);
+      break;
+    case line_shift:
+      line.add("G92:"sv);
+      add_in_force(line, offsets.modal.shifted, parameters.shift_e7, offsets);
+      break;
+    case line_tool_length:
+      line.add("TLO:"sv);
+      add_length(line, offsets.modal.tool_length ? parameters.tool_length_e7 : 0, offsets.inches);
+      break;
+    case line_probe:
+      add_probe(line, offsets);
+      break;
+    default:
+      line.add("G"sv);
+      add_code(line, code_of_system(static_cast<std::uint32_t>(i)));
+      line.add(":"sv);
+      add_in_force(line, true, parameters.systems_e7[static_cast<std::size_t>(i)], offsets);
+      break;
+  }
+  line.add("]\r\n"sv);
+}
+
+void write_modes(TextLine& line, const Modal& modal, bool inches) {
+  line.add("[GC:G"sv);
+  add_code(line, static_cast<std::uint32_t>(modal.motion));
+  add_g(line, code_of_system(modal.system));
+  add_g(line, static_cast<std::uint32_t>(modal.plane));
+  add_g(line, modal.inches ? 200 : 210);
+  add_g(line, modal.relative ? 910 : 900);
+  add_g(line, static_cast<std::uint32_t>(modal.feed_mode));
+  add_further_modes(line, modal);
+  add_switches(line, modal);
+  line.add(" T"sv).add(std::int64_t{modal.tool});
+  add_feed(line, modal, inches);
+  line.add(" S"sv).add((std::int64_t{modal.speed_milli} + 500) / 1000);
+  line.add("]\r\n"sv);
+}
+
+void write_start_up_line(TextLine& line, int number, std::string_view text) {
+  line.add("$N"sv).add(std::int64_t{number}).add("="sv).add(text).add("\r\n"sv);
+}
+
+void write_start_up_result(TextLine& line, std::string_view text, int error) {
+  line.add(">"sv).add(text);
+  if (error == 0)
+    line.add(":ok\r\n"sv);
+  else
+    line.add(":error:"sv).add(std::int64_t{error}).add("\r\n"sv);
+}
+
+void write_help(TextLine& line, const OptionalCommands& commands) {
+  line.add("[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line"sv);
+  if (commands.sleep) line.add(" $SLP"sv);
+  if (commands.check) line.add(" $C"sv);
+  line.add(" $X"sv);
+  if (commands.homing) line.add(" $H"sv);
+  line.add(" ~ ! ? ctrl-x]\r\n"sv);
+}
+
+}  // namespace lamplock::machine

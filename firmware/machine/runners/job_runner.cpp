@@ -1,0 +1,407 @@
+#include "firmware/machine/runners/job_runner.hpp"
+
+#include "firmware/motion/profile/pulse.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+/// Motion is begun this long after the ticks already handed out.
+constexpr std::uint32_t job_start_margin_ticks = 500 * (ticks_per_second / 1'000'000);
+/// At rest the host has this long after the last points to complete a window.
+constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 1000};
+/// A plan is slow if it takes more than half of the duration of its motion: the next one may take
+/// twice as long.
+constexpr std::uint64_t slow_plan_divisor = 2;
+/// Limits are recalculated when the shortest tick has changed by more than this: 1/512.
+constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
+
+}  // namespace
+
+JobRunner::JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots, MotionOutput& output,
+                     Planning& planning, HandoutMode parts)
+    : clock_(clock),
+      shots_(shots),
+      parts_(parts),
+      output_(output),
+      segments_(output.segments()),
+      work_exchange_(planning.work_exchange()),
+      plan_(planning.window()),
+      planning_(planning),
+      window_(queue_, shots.beam(), options_, plan_.request()),
+      generator_(output.generator()) {}
+
+void JobRunner::begin(const RunOptions& options, const settings::Values& values,
+                      std::uint32_t first) {
+  clear();
+  options_ = options;
+  queue_.reset(first);
+  recount();
+  first_ = received_ = first;
+  window_.go_on_at({first, 0});
+  starvations_ = misses_ = 0;
+  job_speed_ = wire::full_job_speed;
+  output_.set_lags(values);
+  planning_.use_windows();
+  plan_.begin_job(values, clock_.beat_ticks(), options.shortest_tick_q16);
+  brake_limits_ = plan_.brake_limits();
+}
+
+void JobRunner::clear() {
+  work_exchange_.recall();
+  options_ = RunOptions{};
+  queue_.reset(0);
+  recount();
+  window_.go_on_at({});
+  from_rest_ = off_target_ = true;
+  returning_ = starving_ = braked_ = waiting_for_beam_ = false;
+}
+
+bool JobRunner::plan_at_home() const { return work_exchange_.is_owned(); }
+
+void JobRunner::change_beat(const settings::Values& values, std::int32_t least_beats) {
+  options_.least_beats = least_beats;
+  plan_.begin_job(values, clock_.beat_ticks(), shortest_tick_q16());
+  brake_limits_ = plan_.brake_limits();
+  shots_.cancel_after(0);  // the numbers of beats have changed
+  window_.go_on_at({queue_.begin(), 0});
+  from_rest_ = off_target_ = true;
+  returning_ = braked_ = false;
+}
+
+std::uint32_t JobRunner::shortest_tick_q16() const {
+  // Rounded down to a coarse grid, so that a steady lamp gives the same plan every time.
+  const std::uint32_t shortest = clock_.shortest_tick_q16();
+  return shortest - shortest % limits_step_q16;
+}
+
+void JobRunner::read_outcomes() {
+  lamp::PointOutcome o;
+  bool missed = false;
+  while (shots_.outcome(o)) {
+    if (o.outcome == lamp::ShotResult::missed) missed = true;
+    // Points passed without a shot after a miss are passed again, in order.
+    if (missed) continue;
+    queue_.mark_done(o.point);
+    window_.flash_fired(o.point);
+    if (o.point == rest_next_.point && rest_next_.committed != 0) --rest_next_.committed;
+  }
+  // A point fired after a brake had put it back: its place in the queue may be another's by now.
+  if (window_.place().point < queue_.begin()) window_.go_on_at({queue_.begin(), 0});
+  recount();
+  if (missed) {
+    ++misses_;
+    go_back();
+  }
+}
+
+void JobRunner::go_back() {
+  work_exchange_.recall();
+  // The present segment runs to its end; segments that have not begun are removed.
+  segments_.clear();
+  provisional_ = 0;
+  shots_.restart(BeatReason::returning);
+  if (generator_.running()) {
+    plan_state_ = generator_.segment().end;
+    plan_beat_ = clock_.beat_at_or_after(plan_state_.tick);
+    shots_.cancel_after(plan_beat_);
+  } else {
+    plan_state_ = generator_.state();  // axes with a shorter lead may still be moving
+  }
+  from_rest_ = !generator_.running() || plan_state_.at_rest();
+  window_.go_on_at({queue_.begin(), 0});
+  returning_ = off_target_ = true;
+  if (!from_rest_) commit_brake();
+}
+
+std::uint32_t JobRunner::first_unfired() {
+  lamp::PointOutcome o;
+  for (; shots_.untaken(count_.outcomes, o) && o.outcome != lamp::ShotResult::missed;
+       ++count_.outcomes) {
+    if (o.point != count_.point || ++count_.fired < queue_.left(count_.point)) continue;
+    ++count_.point;
+    count_.fired = 0;
+  }
+  return count_.point;
+}
+
+bool JobRunner::starts_late() const {
+  const motion::PlanRequest& request = plan_.request();
+  if (!at_rest() || request.count != window_points) return false;
+  const std::uint64_t lasts =
+      plan_.segment(request.commits() - 1).end.tick - plan_.segment(0).start_tick;
+  return plan_ticks_ * slow_plan_divisor > lasts;
+}
+
+std::uint64_t JobRunner::start_beat(std::uint64_t later_ticks) const {
+  const std::uint64_t head = generator_.head() + job_start_margin_ticks + later_ticks;
+  return clock_.beat_at_or_after(plan_state_.tick > head ? plan_state_.tick : head);
+}
+
+bool JobRunner::prepare_start() {
+  if (!beam_ready()) return false;
+  if (!from_rest_) return true;
+  if (!clock_.settled()) return false;
+  // Committed motion that ends at rest may still be running.
+  if (at_rest()) {
+    output_.set_leads(clock_);
+    plan_state_ = generator_.state();
+  }
+  plan_beat_ = start_beat(0);
+  plan_state_.tick = clock_.tick_of_beat(plan_beat_);
+  for (stepper::AxisState& axis : plan_state_.axis) axis.speed_q62 = 0;
+  return true;
+}
+
+void JobRunner::look_ahead() {
+  // The request of a recalled plan belongs to the planner until the end of its slice.
+  if (braked_ || !work_exchange_.is_owned()) return;
+  window_.look({from_rest_, off_target_, job_speed_ < wire::full_job_speed});
+}
+
+bool JobRunner::beam_ready() {
+  const lamp::Beam* first = window_.first_beam();
+  if (first == nullptr || shots_.beam().stands_for(*first)) return true;
+  // Shots handed out use the beam as it is. It is never changed in motion: the provisional brake
+  // stops the machine.
+  const bool ready = from_rest_ && !shots_.point_pending() && shots_.beam().prepare(*first);
+  waiting_for_beam_ = !ready;
+  return ready;
+}
+
+bool JobRunner::may_plan() {
+  if (received_ != queue_.end()) {
+    received_ = queue_.end();
+    receive_tick_ = generator_.head();
+  }
+  look_ahead();
+  if (window_.ready()) {
+    starving_ = false;
+    return true;
+  }
+  const std::uint32_t next = window_.place().point;
+  if (next == options_.points_total || !at_rest()) return false;
+  // At rest the host has some time to complete a window; at the start of a job it is late only
+  // after that.
+  const bool patient = generator_.head() < receive_tick_ + patience_ticks;
+  if (next == first_ && patient) return false;
+  if (!starving_ && next != first_) ++starvations_;
+  starving_ = true;
+  return !window_.empty() && !patient;
+}
+
+/// Segments of the plan that can be handed out now. Planning is ahead of the queues.
+std::uint32_t JobRunner::part() const {
+  const std::uint32_t left = plan_.request().commits() - handed_;
+  const std::uint32_t next = left < part_segments ? left : part_segments;
+  const std::uint32_t free = segments_.free() + provisional_;
+  const std::uint32_t room = free < shots_.free() ? free : shots_.free();
+  return room > next ? next : 0;  // a brake follows them
+}
+
+JobRunner::PlanStands JobRunner::plan_stands() const {
+  if (!work_exchange_.asked()) return PlanStands::none;
+  if (!work_exchange_.complete()) return PlanStands::at_work;
+  if (!plan_.found()) return PlanStands::no_way;
+  return part() == 0 ? PlanStands::full : PlanStands::part;
+}
+
+bool JobRunner::prepare(bool go) {
+  waiting_for_beam_ = false;
+  // In this order: an edge may occur in between.
+  if (!shots_.point_pending()) braked_ = false;
+  read_outcomes();
+  if (provisional_begun()) keep_provisional();
+  if (!go || braked_)
+    work_exchange_.recall();
+  else if (work_exchange_.is_owned())
+    begin_plan();
+  window_.forget();  // more points will be known
+  const PlanStands state = plan_stands();
+  return state != PlanStands::none && state != PlanStands::full;
+}
+
+void JobRunner::begin_plan() {
+  if (!may_plan() || !prepare_start()) return;
+  motion::PlanRequest& request = plan_.request();
+  request.queue = &queue_;
+  request.mode = options_.mode;
+  request.least_beats = options_.least_beats;
+  request.start = plan_state_;
+  request.follows = !off_target_;
+  // Axes with different leads are never at rest at the same tick: no other length can begin there.
+  plan_.start({shortest_tick_q16(), job_speed_},
+              generator_.lead() == 0 ? clock_.longest_tick_q16() : full_tick_q16);
+  asked_tick_ = generator_.tick();
+  handed_ = staged_ = 0;
+  work_exchange_.hand_out();
+}
+
+Committed JobRunner::commit() {
+  switch (plan_stands()) {
+    case PlanStands::part:
+      // Completed after stage(): hand it out next time.
+      if (parts_ == HandoutMode::staged && staged_ == 0) return Committed::nothing;
+      // Planning took too long, and its start has passed.
+      if (provisional_begun())
+        keep_provisional();
+      else
+        commit_plan();
+      return Committed::part;
+    case PlanStands::no_way:
+      if (provisional_ != 0) {  // no way from there, but perhaps from rest
+        keep_provisional();
+        return Committed::nothing;
+      }
+      failed_point_ = plan_.request().points[plan_.failed()];
+      work_exchange_.recall();
+      return Committed::no_way;
+    default:
+      return Committed::nothing;
+  }
+}
+
+void JobRunner::take_back_provisional() {
+  segments_.take_back(provisional_);
+  shots_.cancel_after(plan_beat_);
+  provisional_ = 0;
+}
+
+void JobRunner::keep_provisional() {
+  work_exchange_.recall();
+  staged_ = 0;
+  provisional_ = 0;
+  plan_state_ = rest_state_;
+  from_rest_ = true;
+  window_.go_on_at(rest_next_);
+  if (returning_) return;
+  ++starvations_;
+  starving_ = true;
+}
+
+void JobRunner::start_later() {
+  if (!from_rest_) return;
+  const std::uint64_t beat = start_beat(handed_ == 0 && starts_late() ? plan_ticks_ : 0);
+  if (beat == plan_beat_) return;
+  plan_beat_ = beat;
+  plan_state_.tick = clock_.tick_of_beat(beat);
+}
+
+void JobRunner::commit_plan() {
+  const std::uint32_t first = handed_, end = handed_ + (staged_ != 0 ? staged_ : part());
+  brake_limits_ = plan_.brake_limits();
+  if (first == 0) plan_ticks_ = generator_.tick() - asked_tick_;
+  take_back_provisional();
+  const std::uint64_t staged_tick = plan_state_.tick;
+  start_later();
+  if (plan_state_.tick != staged_tick) staged_ = 0;  // will be staged again
+  clock_.set_least_tick(plan_state_.tick, plan_.least_tick_q16());
+  clock_.set_tick_length(plan_state_.tick, plan_.tick_length_q16());
+  const std::uint64_t late_ticks = plan_state_.tick - plan_.segment(first).start_tick;
+  for (std::uint32_t i = first; i < end; ++i) push(i, late_ticks, plan_beat_);
+  plan_state_ = plan_.segment(end - 1).end;
+  plan_state_.tick += late_ticks;
+  window_.go_on_at(window_.place_after(first, end));
+  returning_ = off_target_ = false;
+  from_rest_ = plan_state_.at_rest();
+  rest_state_ = plan_state_;
+  rest_next_ = window_.place();
+  clock_.set_motion_end(rest_state_.tick);
+  clock_.set_tick_length(rest_state_.tick, full_tick_q16);
+  if (!from_rest_) commit_brake();
+  staged_ = 0;
+  handed_ = end;
+  if (handed_ == plan_.request().commits()) work_exchange_.recall();
+}
+
+void JobRunner::write_segment(std::uint32_t i, std::uint64_t late_ticks,
+                              stepper::Segment& segment) const {
+  segment = plan_.segment(i);
+  segment.start_tick += late_ticks;
+  segment.end.tick += late_ticks;
+  segment.reason = returning_ && i == 0 ? BeatReason::returning
+                   : options_.dry       ? BeatReason::dry
+                                        : BeatReason::moving;
+  if (window_.gone_to() && i == 0) segment.ends_point = false;
+  if (options_.dry) segment.shot.present = false;
+}
+
+void JobRunner::stage() {
+  if (staged_ != 0 || !part_waits()) return;
+  staged_ = part();
+  // Later parts of a plan are as late as its first part.
+  const std::uint64_t late_ticks = plan_state_.tick - plan_.segment(handed_).start_tick;
+  // The first one may replace a brake, which may still begin.
+  for (std::uint32_t i = 1; i < staged_; ++i)
+    write_segment(handed_ + i, late_ticks, segments_.stage(i - provisional_));
+  stepper::MotionState end = plan_.segment(handed_ + staged_ - 1).end;
+  end.tick += late_ticks;
+  segments_.stage(staged_ - provisional_) = motion::make_brake(end, plan_.brake_limits());
+}
+
+void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {
+  if (staged_ == 0 || i == handed_) write_segment(i, late_ticks, segments_.stage());
+  const auto beats = static_cast<std::uint64_t>(plan_.beats(i));
+  shots_.commit(segments_.stage(), beat + 1, beat + beats);
+  segments_.publish();
+  beat += beats;
+}
+
+void JobRunner::commit_brake() {
+  clock_.keep_tick_length(plan_state_.tick);
+  stepper::Segment& s = segments_.stage();
+  if (staged_ == 0) s = motion::make_brake(plan_state_, brake_limits_);
+  segments_.publish();
+  provisional_ = 1;
+  rest_state_ = s.end;
+  rest_next_ = window_.place();
+  clock_.set_motion_end(s.end.tick);
+}
+
+/// Brakes the present motion. Where jerk is limited a brake can go further than the plan; if it
+/// would leave the work space, the present segment runs to its end, from where a brake stays
+/// inside. Returns the state at rest.
+stepper::MotionState JobRunner::brake_from(const stepper::MotionState& head) {
+  stepper::Segment s = motion::make_brake(head, brake_limits_, generator_.accelerations_q62());
+  if (!brake_limits_.jerk_limited() || motion::stays_inside(s, head, brake_limits_)) {
+    generator_.replace(s);
+    return s.end;
+  }
+  generator_.take_back_shot();
+  const stepper::MotionState& end = generator_.segment().end;
+  if (end.at_rest()) return end;
+  s = motion::make_brake(end, brake_limits_);
+  segments_.push(s);
+  return s.end;
+}
+
+void JobRunner::brake() {
+  work_exchange_.recall();
+  segments_.clear();
+  provisional_ = 0;
+  const stepper::MotionState head = generator_.state();
+  clock_.keep_tick_length(head.tick);
+  // Shots before the head are with the board and are judged by its edges.
+  shots_.cancel_after(clock_.beat_at_or_after(head.tick + 1) - 1);
+  // Also where the speed is zero for a moment, at the start of a segment or at a reversal.
+  plan_state_ = head;
+  if (generator_.running()) {
+    plan_state_ = brake_from(head);
+    clock_.set_motion_end(plan_state_.tick);
+  }
+  window_.go_on_at({queue_.begin(), 0});
+  from_rest_ = off_target_ = true;
+  returning_ = false;
+  braked_ = true;
+}
+
+void JobRunner::halt() {
+  work_exchange_.recall();
+  generator_.halt();
+  provisional_ = 0;
+  shots_.cancel_after(0);
+  clock_.set_motion_end(0);
+  window_.go_on_at({queue_.begin(), 0});
+  from_rest_ = off_target_ = true;
+}
+
+}  // namespace lamplock::machine

@@ -1,0 +1,103 @@
+// Plans one window of a job: chooses the limits, and other limits if there is no way under these.
+//
+// In:  a request (points, start), the requested pace, the settings.
+// Out: segments of the planner, or the point that cannot be reached.
+// Who: the job runner; start() and the functions after it are short. advance() does a slice, mostly
+//      less than a millisecond, a few where a window is set up, 10 ms at most (planner.hpp),
+//      perhaps on another core, which then owns the whole object (work_exchange.hpp).
+//
+// Attempts, in this order until one finds a way:
+//   wanted   limits for the shortest tick to expect and the requested job speed
+//   faster   from rest, a way that fails can only be too long for so slow a machine: twice the job
+//            speed
+//   before   the lamp has become faster, or the job speed was reduced, and the speeds planned under
+//            the old limits exceed the new ones: the old ones are used once more. At another job
+//            speed that plan ends at rest, from which any limits are possible
+// and then, as master of the lamp, longer ticks where they save time (period_tolerance).
+//
+// Job speed: s % is the job's speed limits times s/100, accelerations times (s/100)^2 and jerks
+// times (s/100)^3, so that the same way is run more slowly. Brakes are as hard as the fastest job
+// speed so far (at least 100 %) permits: all motion that still runs stops within its planned path.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware/motion/free/planner.hpp"
+#include "shared/settings_table.hpp"
+#include "shared/wire/job_header.hpp"
+
+namespace lamplock::machine {
+
+/// A job's settings at a job speed: limits of the axes scaled, never above the machine's own and
+/// never below what the table permits.
+settings::Values at_job_speed(const settings::Values& job, const settings::Values& own,
+                              std::uint32_t percent);
+
+/// Parameters of the limits.
+struct Pace {
+  std::uint32_t tick_q16 = 0;  ///< shortest tick over the nominal one
+  std::uint32_t job_speed = wire::full_job_speed;
+  friend bool operator==(const Pace&, const Pace&) = default;
+};
+
+/// Plans one window at a time.
+class WindowPlan {
+ public:
+  /// A job begins, or its beat changes: limits at full job speed. The settings have been checked.
+  void begin_job(const settings::Values& values, std::uint32_t beat_ticks, std::uint32_t tick_q16);
+
+  motion::PlanRequest& request() { return request_; }
+  const motion::PlanRequest& request() const { return request_; }
+  /// Begins to plan the request. `longest_tick_q16`: maximum length of a tick, as master.
+  void start(const Pace& wanted, std::uint32_t longest_tick_q16);
+
+  /// Plans a slice; false when there is nothing left to do.
+  bool advance(const settings::Values& values, const settings::Values& own);
+  // Results, after advance() has returned false.
+  /// The target is reached; otherwise failed() is the index in the request where the way ends.
+  bool found() const { return found_; }
+  std::uint32_t failed() const { return planner_.failed(); }
+  const stepper::Segment& segment(std::uint32_t i) const { return planner_.segment(i); }
+  std::int32_t beats(std::uint32_t i) const { return planner_.beats(i); }
+
+  /// The plan is for ticks of this length, its limits for this shortest tick.
+  std::uint32_t tick_length_q16() const { return tick_length_q16_; }
+  std::uint32_t least_tick_q16() const { return pace_.tick_q16; }
+  const motion::BrakeLimits& brake_limits() const { return brake_limits_; }
+
+ private:
+  enum class Step : std::uint8_t { ready, planning, over };
+  enum class Attempt : std::uint8_t { wanted, before, longer };
+  static constexpr std::uint32_t longer_tries = 3;
+
+  bool make_limits(const settings::Values& values, const settings::Values& own, const Pace& pace,
+                   motion::Limits& limits) const;
+  bool begin_attempt(const settings::Values& values, const settings::Values& own);
+  const motion::Limits* attempt_limits(const settings::Values& values, const settings::Values& own);
+  void end_attempt(bool found);
+  void end_wanted(bool found);
+  void end_longer(bool found);
+  void finish(bool found);
+  bool between_rests() const;
+  std::uint64_t planned_ticks() const;
+  std::uint32_t longer_tick_q16() const;
+
+  motion::Planner planner_;
+  motion::PlanRequest request_;
+  motion::Limits limits_, new_limits_;
+  motion::BrakeLimits brake_limits_;
+  Pace pace_;    ///< of limits_
+  Pace wanted_;  ///< at start()
+  Pace trying_;
+  std::uint32_t beat_ticks_ = 1;
+  std::uint32_t fastest_ = wire::full_job_speed;  ///< job speed so far
+  std::uint32_t longest_tick_q16_ = full_tick_q16;
+  std::uint32_t tick_length_q16_ = full_tick_q16;
+  std::uint32_t longer_ = 0;      ///< tries of longer ticks so far
+  std::uint64_t least_time_ = 0;  ///< of them; ticks times their length
+  Step step_ = Step::over;
+  Attempt attempt_ = Attempt::wanted;
+  bool found_ = false;
+};
+
+}  // namespace lamplock::machine

@@ -1,0 +1,358 @@
+#include "firmware/motion/line/planner.hpp"
+
+namespace lamplock::motion {
+namespace {
+
+/// Chords (line/chords.hpp), in roundings: where a corner of tiny lines differs from rounding,
+/// where a curve worth slowing for does, and where rounding does not matter.
+constexpr std::uint32_t short_chord = 12;
+constexpr std::uint32_t long_chord = 128;
+constexpr std::uint32_t gentle_chord = 512;
+
+constexpr std::uint32_t most_feed_percent = 200, least_feed_percent = 10;
+constexpr std::uint32_t full_percent = 100;
+/// Ticks of half of a motion of half a step: minimum, and maximum of half a minute.
+constexpr std::uint32_t least_settling_ticks = 32;
+constexpr std::uint32_t most_settling_ticks = 30 * ticks_per_second;
+
+/// The pace of lines is constant until it could be a 2^n-th higher, or should be one lower.
+constexpr int pace_rise_log2 = 4, pace_fall_log2 = 6;
+
+UFloat part(std::uint32_t percent) { return UFloat(percent) / UFloat(full_percent); }
+
+std::uint32_t within(std::uint32_t value, std::uint32_t low, std::uint32_t high) {
+  return value < low ? low : value > high ? high : value;
+}
+
+bool is_before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) < 0; }
+
+/// Moves a place off the edges of its step: the machine reverses there.
+void keep_in_step(LinePlace& place) {
+  for (std::int8_t& off : place.off_q8)
+    off = static_cast<std::int8_t>(off < -most_off_q8  ? -most_off_q8
+                                   : off > most_off_q8 ? most_off_q8
+                                                       : off);
+  keep_in_motor_steps(place);
+}
+
+void set_bounds(const LineBounds& bounds, Line& line) {
+  line.accel = LinePacked(bounds.accel);
+  line.speed = LinePacked(bounds.speed);
+}
+
+}  // namespace
+
+LinePlanner::LinePlanner(LineRing& ring, const LineLimits& limits, const Limits& axes)
+    : ring_(ring),
+      limits_(limits),
+      axes_(axes),
+      short_chords_(short_chord, LineBends::any),
+      long_chords_(long_chord, LineBends::any),
+      gentle_chords_(gentle_chord, LineBends::gentle) {
+  forget();
+}
+
+void LinePlanner::start(const stepper::MotionState& at) {
+  at_ = at;
+  held_ = cancelled_ = false;
+  forget();
+}
+
+/// Drops all lines, at rest.
+void LinePlanner::forget() {
+  ring_.clear();
+  lookahead_.reset();
+  begun_ = stop_ = settles_ = returns_ = false;
+  ++forgets_;
+  speed_ = {};
+  last_ = {};
+  recent_ = pace_ = {};
+  end_ = place_of(at_);
+  beam_.forget();
+  reset_chords();
+}
+
+void LinePlanner::reset_chords() {
+  for (LineChords* chords : {&short_chords_, &long_chords_, &gentle_chords_})
+    chords->reset(end_, ring_.end(), limits_);
+}
+
+void LinePlanner::set_feed_percent(std::uint32_t percent) {
+  factor_.feed = part(within(percent, least_feed_percent, most_feed_percent));
+  factor_.plain = percent == full_percent;
+  lookahead_.reset();
+}
+
+void LinePlanner::set_rapid_percent(std::uint32_t percent) {
+  factor_.rapid = part(within(percent, 1, full_percent));
+  lookahead_.reset();
+}
+
+bool LinePlanner::push(const LineTarget& target) {
+  if (ring_.full()) return false;
+  const LineShape shape = make_shape(way_between(end_, target), limits_);
+  if (is_zero(shape.length)) {
+    stop_ = stop_ || target.exact_stop;
+    return true;
+  }
+  LineBounds bounds = make_bounds(shape, limits_);
+  const bool paced = !is_zero(limits_.per_pace);
+  if (paced) bounds.speed = least(bounds.speed, paced_speed(shape.length));
+  Line& line = ring_.next();
+  line.set_place(target);
+  line.set_length(shape.length);
+  set_bounds(bounds, line);
+  line.line = target.line & 0xffffffu;
+  line.changes = target.changes;
+  line.power = target.power;
+  line.laser = target.rapid ? LinePower::off : target.laser;
+  line.rapid = target.rapid;
+  line.pixels = target.pixels && line.laser != LinePower::off;
+  line.pulses = target.pulses && line.laser != LinePower::off;
+  line.timed = target.timed && target.time_us != 0;
+  UFloat feed = UFloat(target.feed_um_min) * limits_.um_min;
+  if (line.timed)
+    feed = shape.length / (UFloat(target.time_us) * UFloat(ticks_per_second / 1'000'000));
+  // An override also slows down a line that is slow for its pace.
+  if (is_zero(feed) || (paced && bounds.speed < feed)) feed = bounds.speed;
+  line.feed = LinePacked(feed);
+  line.corner_2 = LinePacked(corner_2(line, shape));
+  line.entry_2 = {};
+  const std::uint32_t number = ring_.end();
+  ring_.push();
+  end_ = target;
+  last_ = shape;
+  stop_ = target.exact_stop;
+  LineCap limit;
+  for (LineChords* chords : {&short_chords_, &long_chords_, &gentle_chords_})
+    if (chords->add(number, end_, shape, limits_, limit)) cap(limit);
+  return true;
+}
+
+/// Maximum speed for lines like the last ones: a short one among long ones costs nothing. It is
+/// constant while their length nearly is: a different speed for each of them would divide it into
+/// several segments, for which there is no time.
+UFloat LinePlanner::paced_speed(UFloat length) {
+  constexpr int n = paced_lines_log2;
+  if (is_zero(recent_)) recent_ = times_power(length, n);
+  recent_ = difference(recent_, times_power(recent_, -n)) + length;
+  const UFloat now = recent_ * limits_.per_pace;
+  const bool like_before = difference(now, times_power(now, -pace_rise_log2)) < pace_ &&
+                           pace_ < now + times_power(now, -pace_fall_log2);
+  if (!like_before) pace_ = now;
+  return pace_;
+}
+
+UFloat LinePlanner::corner_2(const Line& line, const LineShape& shape) const {
+  if (ring_.empty() || stop_ || is_zero(last_.length)) return {};
+  const UFloat slower = least(line.speed.real(), ring_.at(ring_.end() - 1).speed.real());
+  return least(slower * slower, corner_speed_2(last_, shape, limits_));
+}
+
+void LinePlanner::cap(const LineCap& cap) {
+  const std::uint32_t open = ring_.begin() + 1;
+  const LinePacked speed_2(cap.speed_2);
+  for (std::uint32_t i = is_before(cap.first, open) ? open : cap.first; !is_before(cap.last, i);
+       ++i) {
+    Line& line = ring_.at(i);
+    if (!(speed_2 < line.corner_2)) continue;
+    line.corner_2 = speed_2;
+    if (speed_2 < line.entry_2) lookahead_.reset();
+  }
+}
+
+void LinePlanner::begin_line() {
+  const Line& line = ring_.at(ring_.begin());
+  way_.target = line;
+  if (returns_) way_.target = back_;
+  way_.way = way_between(place_of(at_), way_.target);
+  longest_ = 0;
+  for (int a = 1; a < max_axes; ++a)
+    if (abs64(way_.way.parts[index(a)]) > abs64(way_.way.parts[index(longest_)])) longest_ = a;
+  length_ = returns_ ? make_shape(way_.way, limits_).length : line.length();
+  // The length is 0 if the machine rests at the end of the line since return_to().
+  way_.per_length = is_zero(length_) ? UFloat() : UFloat::power(-way_.way.bits) / length_;
+  begun_ = whole_ = true;
+  if (returns_) return;
+  // From feed rate and length, because the time itself is not stored.
+  time_left_ = line.timed ? length_ / line.feed.real() : UFloat();
+  beam_.begin(line, length_, way_, longest_);
+}
+
+UFloat LinePlanner::task_speed(const Line& line, const LineTask& task) const {
+  if (!line.timed) return nominal_speed(line, factor_);
+  LineTask fastest = task;
+  fastest.speed = line.speed.real();
+  return speed_for_time(fastest, time_left_ / factor_.feed);
+}
+
+LineTask LinePlanner::task() {
+  LineTask task;
+  task.length = whole_ ? length_ : length_left(way_, length_, longest_, at_);
+  task.start = speed_;
+  task.rise = &limits_.rise;
+  task.stop = held_;
+  task.slice_ticks = limits_.rise.none() ? steady_slice_ticks : line_slice_ticks;
+  if (returns_) {
+    const LineBounds bounds = make_bounds(make_shape(way_.way, limits_), limits_);
+    task.accel = bounds.accel;
+    task.speed = bounds.speed * factor_.rapid;
+    return task;
+  }
+  const Line& line = ring_.at(ring_.begin());
+  task.end = square_root(lookahead_.exit_speed_2(ring_, factor_, limits_.rise));
+  task.accel = line.accel.real();
+  task.speed = task_speed(line, task);
+  return task;
+}
+
+bool LinePlanner::next(LineSegment& out) {
+  if (settles_ && !held_ && settle(out)) return true;
+  if (ring_.empty() || (held_ && at_rest())) return end_cancel(out);
+  if (!begun_) begin_line();
+  const LineTask todo = task();
+  const LineRun run = make_run(todo);
+  if (returns_) out = {};
+  make_segment(at_, way_, run, axes_, !limits_.rise.none(), out.segment);
+  out.settles = returns_;
+  const Line& line = ring_.at(ring_.begin());
+  out.line = out.segment.point = line.line;
+  if (!returns_) write(line, todo, run, out);
+  at_ = out.segment.end;
+  advance(run);
+  return true;
+}
+
+/// Copies the line's data to a segment of it.
+void LinePlanner::write(const Line& line, const LineTask& task, const LineRun& run,
+                        LineSegment& out) {
+  out.segment.ends_point = run.whole;
+  out.segment.changes = static_cast<std::uint8_t>(line.changes);
+  out.ends_line = run.whole;
+  out.rapid = line.rapid;
+  out.power_start = power(line, run.start);
+  out.power_cruise = power(line, run.cruise);
+  out.power_end = power(line, run.end);
+  beam_.write(line, task.length, out.segment);
+}
+
+void LinePlanner::advance(const LineRun& run) {
+  speed_ = run.next;
+  whole_ = false;
+  if (!is_zero(time_left_)) time_left_ = difference(time_left_, UFloat(run.ticks()) * factor_.feed);
+  if (!run.whole) return;
+  begun_ = false;
+  if (returns_) {
+    returns_ = false;
+    return;
+  }
+  beam_.end(ring_.at(ring_.begin()));
+  ring_.pop();
+}
+
+/// At rest after cancel(): moves to the middle of the step, then drops all lines.
+bool LinePlanner::end_cancel(LineSegment& out) {
+  if (!cancelled_ || !at_rest()) return false;
+  held_ = cancelled_ = false;
+  const bool settles = settle(out);
+  forget();
+  return settles;
+}
+
+/// At rest: moves to the middle of the step; false if the machine is there.
+bool LinePlanner::settle(LineSegment& out) {
+  settles_ = false;
+  const std::uint32_t ticks = settling_ticks();
+  if (ticks == 0) return false;
+  out = {};
+  out.settles = true;
+  out.segment = make_settling(at_, ticks);
+  at_ = out.segment.end;
+  return true;
+}
+
+LinePlanner::Mark LinePlanner::mark() const {
+  const UFloat length = ring_.empty() ? UFloat() : ring_.at(ring_.begin()).length();
+  return {ring_.begin(), forgets_, length, settles_ || returns_ ? back_ : place_of(at_),
+          beam_.place()};
+}
+
+void LinePlanner::return_to(const Mark& mark, const stepper::MotionState& at_rest) {
+  at_ = at_rest;
+  speed_ = {};
+  begun_ = returns_ = false;
+  settles_ = true;
+  // Where the machine settles.
+  back_ = place_of(at_);
+  back_.off_q8 = {};
+  // A cancel that was complete before remains so.
+  if (mark.forgets == forgets_) {
+    ring_.return_to(mark.begin);
+    LinePlace place = mark.place;
+    if (ring_.empty()) {
+      settles_ = false;  // it rested there and still does
+    } else {
+      beam_.return_to(mark.beam, ring_.at(ring_.begin()), mark.length);
+      keep_in_step(place);
+      returns_ = !is_zero(make_shape(way_between(back_, place), limits_).length);
+    }
+    back_ = place;
+  }
+  lookahead_.reset();
+  measure_again();
+}
+
+/// The first line starts elsewhere, at the middle of a step: measures its length, its limits, and
+/// the corner at its end.
+void LinePlanner::measure_again() {
+  if (ring_.empty()) {
+    end_ = back_;
+    last_ = {};
+    reset_chords();
+    return;
+  }
+  Line& line = ring_.at(ring_.begin());
+  const LineShape shape = make_shape(way_between(back_, line), limits_);
+  line.set_length(shape.length);
+  if (!is_zero(shape.length)) set_bounds(make_bounds(shape, limits_), line);
+  if (ring_.size() == 1) {
+    last_ = shape;
+    return;
+  }
+  Line& second = ring_.at(ring_.begin() + 1);
+  UFloat most_2;
+  if (!is_zero(shape.length)) {
+    const LineShape after = make_shape(way_between(line, second), limits_);
+    const UFloat slower = least(line.speed.real(), second.speed.real());
+    most_2 = least(slower * slower, corner_speed_2(shape, after, limits_));
+  }
+  const LinePacked corner_2(most_2);
+  if (corner_2 < second.corner_2) second.corner_2 = corner_2;
+}
+
+/// Rest to rest over w takes 2 sqrt(w/A).
+std::uint32_t LinePlanner::settling_ticks() const {
+  UFloat longest;
+  for (int a = 0; a < limits_.axes; ++a) {
+    const LineAxis& axis = limits_.axis[index(a)];
+    const std::uint64_t at = at_.axis[index(a)].position_q64.lo();
+    const std::uint64_t off = at < half_step_q64 ? half_step_q64 - at : at - half_step_q64;
+    if (off >> 44 == 0) continue;  // 1e-6 step
+    longest = most(longest, UFloat(off, -64) * axis.unit / axis.accel);
+  }
+  if (is_zero(longest)) return 0;
+  // With at most the acceleration that the jerk reaches at once.
+  if (!limits_.rise.none()) longest = longest / limits_.rise.flat_share;
+  // Two equal phases.
+  const std::uint32_t half = whole_up(square_root(longest), most_settling_ticks) + 1;
+  return 2 * within(half, least_settling_ticks, most_settling_ticks);
+}
+
+std::uint16_t LinePlanner::power(const Line& line, UFloat speed) const {
+  if (line.laser == LinePower::off || line.pixels || line.pulses) return 0;
+  if (line.laser == LinePower::constant) return line.power;
+  const UFloat power = speed * UFloat(line.power) / line.feed.real();
+  return static_cast<std::uint16_t>(whole_down(power + UFloat(1u, -1), full_power));
+}
+
+}  // namespace lamplock::motion

@@ -1,0 +1,28 @@
+#include "host/cli/documents.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace lamplock::cli {
+
+Json bounds_json(const geometry::Bounds& b) {
+  return {{"low_mm", {b.low.x, b.low.y, b.low.z}}, {"high_mm", {b.high.x, b.high.y, b.high.z}}};
+}
+
+Json spacing_json(const points::SpacingReport& spacing) {
+  return {{"smallest_mm", spacing.smallest_mm},
+          {"mean_mm", spacing.mean_mm},
+          {"largest_mm", spacing.largest_mm},
+          {"duplicates", spacing.duplicates}};
+}
+
+Json job_json(const report::Report& report, const run::JobOutcome& outcome) {
+  Json json = Json::parse(report::to_json(report));
+  json["end"] = end_name(outcome);
+  json["first_unfired"] = outcome.result.status.first_unfired;
+  json["flashes_fired"] = outcome.result.flashes_fired;
+  json["may_have_fired"] = outcome.result.rest.from;
+  json["warnings"] = outcome.run.warnings;
+  return json;
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,43 @@
+// Files that exist whole or not at all: written under another name, then renamed.
+//
+// In:  where the file is to be. Out: the file, or an Error and nothing.
+// Who: every command that writes files.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+namespace lamplock {
+
+/// A file in the making; without commit() nothing is left of it.
+class StagedFile {
+ public:
+  /// Throws Error(bad_input) if there is no folder for it.
+  explicit StagedFile(std::filesystem::path target);
+  ~StagedFile();
+  StagedFile(const StagedFile&) = delete;
+  StagedFile& operator=(const StagedFile&) = delete;
+
+  /// Where to write. The target itself if that is no file (a device, a pipe).
+  const std::filesystem::path& path() const { return staged_; }
+  const std::filesystem::path& target() const { return target_; }
+
+  /// Puts the written file in its place. Throws Error(bad_input) if that fails.
+  void commit();
+
+ private:
+  std::filesystem::path target_, staged_;
+};
+
+/// True for what is there and no file: a device, a pipe, a folder.
+bool is_special(const std::filesystem::path& path);
+
+/// Throws Error(bad_input) unless there is a folder to write `target` in: before hours of work, not
+/// after them.
+void check_target(const std::filesystem::path& target);
+
+/// Writes a file by `write`, which is given the path to use and throws Error if it cannot.
+void write_whole(const std::filesystem::path& target,
+                 const std::function<void(const std::filesystem::path&)>& write);
+
+}  // namespace lamplock

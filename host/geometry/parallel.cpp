@@ -1,0 +1,43 @@
+#include "host/geometry/parallel.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace lamplock::geometry {
+
+void for_each_index(std::size_t count, unsigned threads,
+                    const std::function<void(std::size_t)>& work) {
+  // Large enough that the counter is no bottleneck, small enough that no thread waits long.
+  constexpr std::size_t batch = 8;
+  std::atomic<std::size_t> next{0};
+  std::mutex failed;
+  std::exception_ptr failure;
+  const auto run = [&] {
+    try {
+      for (;;) {
+        const std::size_t first = next.fetch_add(batch);
+        if (first >= count) return;
+        for (std::size_t i = first; i < std::min(count, first + batch); ++i) work(i);
+      }
+    } catch (...) {
+      const std::lock_guard lock(failed);
+      if (!failure) failure = std::current_exception();
+      next = count;
+    }
+  };
+  constexpr std::size_t most_threads = 256;
+  const std::size_t wanted = threads > 0 ? threads : std::thread::hardware_concurrency();
+  const std::size_t useful = std::min(most_threads, count / batch + 1);
+  {
+    std::vector<std::jthread> others;
+    for (std::size_t i = 1; i < std::min(wanted, useful); ++i) others.emplace_back(run);
+    run();
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace lamplock::geometry

@@ -1,0 +1,80 @@
+// Where a job or program runs: the board, what is simulated round it, which part runs, files.
+//
+// In:  values that the command line (host/cli/board_options.hpp) or a server has set. Out: checked
+//      choices, configurations of the simulated world.
+// Who: the use cases that run something on a board.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/file/output_files.hpp"
+#include "host/gpio/line_table.hpp"
+#include "host/run/motion_plot_file.hpp"
+#include "shared/boards/pico_uart.hpp"
+#include "shared/settings_table.hpp"
+#include "sim/chip/usb_host/usb_function.hpp"
+#include "sim/world/drives.hpp"
+#include "sim/world/lamp.hpp"
+
+namespace lamplock::run {
+
+/// Faults of a simulated board's lamp.
+struct LampFaults {
+  double jitter_us = 0, wander_percent = 0, dropouts_percent = 0, runts_percent = 0;
+  std::uint64_t seed = 1;
+
+  bool any() const;
+  /// The lamp of a machine with these settings. Throws Error(bad_input) for a lamp that cannot
+  /// exist.
+  sim::LampConfig lamp(const settings::Values& values) const;
+};
+
+/// The drives of a simulated board.
+struct SimulatedDrives {
+  std::vector<double> lag_us{};  ///< by axis
+
+  bool any() const { return !lag_us.empty(); }
+  /// The drives of a machine with these settings.
+  sim::DriveConfig drives(const settings::Values& values) const;
+};
+
+/// Environment variable that names the file of --lines for every command.
+inline constexpr const char* lines_variable = "LAMPLOCK_LINES";
+
+struct BoardOptions {
+  std::string board = "virtual", image{}, usb = "serial", lines{};
+  std::string profile{};  ///< of the machine, which may name lines too; the command fills it in
+  std::size_t from = 0;
+  unsigned baud = boards::uart_baud;
+  std::size_t run_up_lines = 0;  ///< lines from there on that are dark; the use case fills it in
+  std::uint32_t fired = 0, job_speed = 100;
+  bool yes = false, dry = false, json = false, auto_resume = false, discard = false;
+  std::string report{}, statistics{}, vcd{}, shots{}, timing{};
+  bool resume = false;
+  std::string progress{};   ///< journal of the job; empty = beside its input
+  std::size_t hold_at = 0;  ///< points; 0 = no hold
+  PlotOptions plot{};
+  LampFaults faults{};
+  SimulatedDrives drives{};
+
+  bool is_simulated() const { return board == "virtual" || board == "chip"; }
+  /// Lines of this computer for a real board: those of --lines, else of the profile. Throws
+  /// Error(bad_input), also for --lines with a simulated board.
+  gpio::LineTable line_table() const;
+  /// The USB function of a simulated chip that carries the data.
+  sim::chip::UsbFunction usb_function() const;
+  /// Refuses options that the board cannot fulfil, and files that would replace each other or
+  /// `input`, before any work is done; `save`: another file that is written. Throws
+  /// Error(bad_input).
+  void check(const std::string& input = "", const std::string& save = "") const;
+
+ private:
+  std::vector<Output> outputs() const;
+  void check_resume() const;
+  void check_timing() const;
+  void check_simulated_only() const;
+};
+
+}  // namespace lamplock::run

@@ -1,0 +1,31 @@
+#include "host/run/check_program.hpp"
+
+#include <filesystem>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/file/staged_file.hpp"
+#include "host/program/path_picture.hpp"
+
+namespace lamplock::run {
+
+program_run::ProgramRun check_program(const CheckOptions& options) {
+  const job::Profile profile = options.machine.profile();
+  if (!options.picture.empty()) {
+    if (lower_extension(options.picture) != ".svg")
+      throw Error(Exit::bad_input, options.picture, "pictures of a path are written as SVG",
+                  "name it something.svg");
+    check_target(options.picture);
+  }
+  const std::string text = read_file(options.input);
+  program_run::ProgramRun run =
+      program_run::run_program(text, profile.settings, options.max_problems);
+  if (!options.picture.empty())
+    write_whole(options.picture, [&](const std::filesystem::path& path) {
+      write_file(path, program_run::path_svg(
+                           run, std::filesystem::path(options.input).filename().string()));
+    });
+  return run;
+}
+
+}  // namespace lamplock::run

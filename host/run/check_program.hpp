@@ -1,0 +1,24 @@
+// Runs a program of G-code without a machine: errors, time, bounds, a picture of its path.
+//
+// In:  a program, a machine. Out: the run. Who: `check`.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "host/program/program_run.hpp"
+#include "host/run/machine_options.hpp"
+
+namespace lamplock::run {
+
+struct CheckOptions {
+  std::string input{}, picture{};  ///< picture: SVG; empty: none
+  MachineOptions machine{};
+  std::size_t max_problems = 20;
+  bool json = false;
+};
+
+/// Throws Error if a file cannot be read or written; wrong lines are in the result.
+program_run::ProgramRun check_program(const CheckOptions& options);
+
+}  // namespace lamplock::run

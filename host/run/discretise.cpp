@@ -1,0 +1,199 @@
+#include "host/run/discretise.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "host/error.hpp"
+#include "host/glass/lens.hpp"
+#include "host/glass/unused_parameters.hpp"
+#include "host/points/bounds_check.hpp"
+#include "host/points/divide.hpp"
+#include "host/points/shells.hpp"
+#include "host/points/weld.hpp"
+#include "host/run/bounds_text.hpp"
+#include "host/run/frontend.hpp"
+#include "host/run/mesh_points.hpp"
+#include "host/run/placed_model.hpp"
+
+namespace lamplock::run {
+namespace {
+
+using geometry::Bounds;
+using geometry::Point;
+using geometry::PointCloud;
+using glass::Object;
+using glass::Volume;
+using model::InputKind;
+
+constexpr double default_spacing_mm = 0.1;
+/// Arc lengths are the spacing, chords a little less: a weld at the spacing itself would thin out
+/// every bend.
+constexpr double weld_per_spacing = 0.9;
+/// Rounding of scaled coordinates; far below a step.
+constexpr double rounding_mm = 1e-6;
+
+Bounds widened(const Bounds& box) {
+  return {{box.low.x - rounding_mm, box.low.y - rounding_mm, box.low.z - rounding_mm},
+          {box.high.x + rounding_mm, box.high.y + rounding_mm, box.high.z + rounding_mm}};
+}
+
+/// Refuses points that the machine cannot reach, or outside the block less its margin.
+void check_place(const PointCloud& cloud, const Volume& volume, const std::string& file) {
+  points::check_bounds(cloud, widened(volume.reach), file);
+  if (volume.block)
+    points::check_bounds(cloud, widened(volume.block->inside()), file,
+                         fmt::format("the block less {:g} mm of margin", volume.block->margin_mm));
+}
+
+/// How the file becomes points, as the table of parameters names it.
+std::string way_of(InputKind kind, const Object& object) {
+  switch (kind) {
+    case InputKind::mesh:
+      return object.method.value_or(glass::default_method);
+    case InputKind::curves:
+      return glass::way_of_drawings;
+    case InputKind::bitmap:
+      return glass::way_of_bitmaps;
+    case InputKind::points:
+      break;
+  }
+  return glass::way_of_lists;
+}
+
+void require_points(const PointCloud& cloud, InputKind kind, const std::string& file) {
+  if (!cloud.empty()) return;
+  throw Error(Exit::bad_input, file, "gives no points",
+              kind == InputKind::bitmap ? "try --threshold or --invert"
+                                        : "use a smaller --spacing or a greater --size");
+}
+
+PointCloud curve_points(const model::Curves& curves, const Object& object, double spacing) {
+  points::DivideOptions options;
+  options.spacing_mm = spacing;
+  options.end_points = object.end_points.value_or(options.end_points);
+  options.layers = object.layers;
+  options.layer_mm = object.layer_mm.value_or(spacing);
+  options.twist_mm = object.twist_mm;
+  return points::divide(curves, options);
+}
+
+/// Points by the method of the model. True: the method itself keeps them apart.
+bool make_points(PlacedModel& model, const Object& object, double spacing, ObjectPoints& made) {
+  if (auto* mesh = std::get_if<model::Mesh>(&model.model)) {
+    MeshPoints result = mesh_points(*mesh, object, spacing);
+    made.points = std::move(result.points);
+    made.rejected = result.rejected;
+    for (std::string& warning : result.warnings) made.warnings.push_back(std::move(warning));
+    return result.keeps_spacing;
+  }
+  if (auto* curves = std::get_if<model::Curves>(&model.model))
+    made.points = curve_points(*curves, object, spacing);
+  else
+    made.points = std::move(std::get<PointCloud>(model.model));
+  return false;
+}
+
+void spread_over_shells(const PlacedModel& model, const Object& object, double spacing,
+                        ObjectPoints& made) {
+  if (object.shells == 1) return;
+  if (object.method == "solid")
+    throw Error(Exit::bad_input, object.file,
+                "--shells needs points on a surface, and --method solid fills the inside",
+                "remove --shells, or use another --method");
+  std::vector<Point> inward;
+  if (const auto* mesh = std::get_if<model::Mesh>(&model.model))
+    inward = points::inward_ways(*mesh, made.points, spacing);
+  points::ShellOptions options;
+  options.shells = object.shells;
+  options.shell_mm = object.shell_mm.value_or(spacing);
+  options.distance_mm = made.distance_mm > 0 ? made.distance_mm : spacing;
+  points::Shells shells = points::spread_over_shells(made.points, inward, options);
+  made.points = std::move(shells.points);
+  made.welded += shells.removed;
+}
+
+void compensate_depth(const Object& object, const Volume& volume, ObjectPoints& made) {
+  if (object.face_density == 1 && object.depth_density == 1) return;
+  const Bounds glass = volume.block ? volume.block->outside() : volume.reach;
+  points::DepthOptions options;
+  options.entry_z_mm = glass.high.z;
+  options.full_depth_mm = glass.high.z - glass.low.z;
+  options.density_at_face = object.face_density;
+  options.density_at_depth = object.depth_density;
+  options.seed = static_cast<std::uint64_t>(object.seed);
+  made.points = points::compensate_depth(std::move(made.points), options);
+}
+
+/// What makes defects of points: apart from each other, on shells, thinned by depth.
+void finish(const PlacedModel& model, const Object& object, bool keeps_spacing, double spacing,
+            const Volume& volume, ObjectPoints& made) {
+  made.distance_mm = keeps_spacing ? std::max(spacing, object.weld_mm.value_or(0))
+                                   : object.weld_mm.value_or(weld_per_spacing * spacing);
+  if (!keeps_spacing || made.distance_mm > spacing) {
+    points::WeldResult welded = points::weld(std::move(made.points), made.distance_mm);
+    made.points = std::move(welded.points);
+    made.welded += welded.removed;
+  }
+  spread_over_shells(model, object, spacing, made);
+  compensate_depth(object, volume, made);
+}
+
+/// All that is engraved of a model, checked. Throws Error(bad_input).
+ObjectPoints checked_points(PlacedModel& model, const Object& object, double spacing,
+                            const Volume& volume) {
+  ObjectPoints made;
+  made.kind = model.kind;
+  const std::string way = way_of(model.kind, object);
+  made.layer_mm = glass::uses(way, "layer") ? object.layer_mm.value_or(spacing) : spacing;
+  made.warnings = std::move(model.warnings);
+  for (std::string& warning : glass::unused(object, way))
+    made.warnings.push_back(std::move(warning));
+  const bool keeps_spacing = make_points(model, object, spacing, made);
+  require_points(made.points, made.kind, object.file);
+  if (made.kind != InputKind::points) finish(model, object, keeps_spacing, spacing, volume, made);
+  require_points(made.points, made.kind, object.file);
+  check_place(made.points, volume, object.file);
+  return made;
+}
+
+std::string result_text(const ObjectPoints& made) {
+  const Bounds box = geometry::bounds(made.points);
+  std::string what = fmt::format("{} in {}", made.points.size(), bounds_text(box));
+  if (made.welded > 0) what += fmt::format(", {} too close left out", made.welded);
+  return what;
+}
+
+}  // namespace
+
+double spacing_mm(const Object& object, const glass::GlassChoice& glass) {
+  if (object.spacing_mm) return *object.spacing_mm;
+  return glass.lens ? glass::lens_named(*glass.lens).spacing_mm : default_spacing_mm;
+}
+
+ObjectPoints object_points(const Object& object, const glass::GlassChoice& glass,
+                           const Volume& volume, Frontend& frontend) {
+  frontend.restart_clock();
+  const double spacing = spacing_mm(object, glass);
+  PlacedModel model = placed_model(object, spacing, volume);
+  if (model.kind != InputKind::points)
+    frontend.phase("model",
+                   fmt::format("{}: {}, {}", object.file, model.what, size_text(model.box())));
+  ObjectPoints made = checked_points(model, object, spacing, volume);
+  frontend.phase("points", result_text(made));
+  return made;
+}
+
+Bounds object_bounds(const Object& object, const glass::GlassChoice& glass, const Volume& volume) {
+  const double spacing = spacing_mm(object, glass);
+  PlacedModel model = placed_model(object, spacing, volume);
+  if (model.kind != InputKind::mesh)
+    return geometry::bounds(checked_points(model, object, spacing, volume).points);
+  const Bounds box = model.box();
+  check_place({box.low, box.high}, volume, object.file);
+  return box;
+}
+
+}  // namespace lamplock::run

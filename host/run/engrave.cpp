@@ -1,0 +1,26 @@
+#include "host/run/engrave.hpp"
+
+#include <utility>
+
+#include "host/link/kept_job.hpp"
+#include "host/link/transport.hpp"
+#include "host/run/job_board.hpp"
+#include "host/run/kept_progress.hpp"
+#include "host/run/permission.hpp"
+#include "host/run/run_job.hpp"
+
+namespace lamplock::run {
+
+JobOutcome engrave(const JobRequest& request, BoardOptions& options, Frontend& frontend) {
+  options.profile = request.description.machine.profile;
+  options.check(request.input, request.save);
+  require_askable(options, frontend);
+  auto port = open_job_port(options);
+  PreparedJob prepared =
+      prepare_job(request, options.dry, ask_origin(request.origin, port.get()), frontend);
+  const auto kept = keep_progress(prepared, options, port.get(), frontend);
+  subtract_fired(prepared, options);
+  return run_job(prepared, options, std::move(port), frontend, kept.get());
+}
+
+}  // namespace lamplock::run

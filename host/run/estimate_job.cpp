@@ -1,0 +1,90 @@
+#include "host/run/estimate_job.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "host/estimate/estimate.hpp"
+#include "host/file.hpp"
+#include "host/file/output_files.hpp"
+#include "host/file/staged_file.hpp"
+#include "host/job/job_file.hpp"
+#include "host/report/page.hpp"
+#include "host/run/job_points.hpp"
+#include "host/run/job_run.hpp"
+#include "shared/beat_reason.hpp"
+
+namespace lamplock::run {
+namespace {
+
+/// A job as `send` would run it, or made as `engrave` would make it.
+PreparedJob read_job(const EstimateOptions& options, Frontend& frontend) {
+  const JobRequest& request = options.request;
+  if (!is_job_file(request.input))
+    return prepare_job(request, false, ask_origin(request.origin, nullptr), frontend);
+  PreparedJob prepared{request.input, {}, job::read_job_file(request.input)};
+  if (!prepared.job.is_rows()) prepared.points = points_of(prepared.job);
+  return prepared;
+}
+
+/// The estimate in the form of a run, as far as a run can be predicted. Memory has no room for two
+/// copies of ten million points.
+report::JobRun run_of(PreparedJob prepared, const EstimateOptions& options,
+                      estimate::Estimate estimate) {
+  const auto before = static_cast<std::ptrdiff_t>(prepared.job.points_before(options.job.from));
+  prepared.points.erase(prepared.points.begin(), prepared.points.begin() + before);
+  report::JobRun run =
+      begin_run(prepared, std::move(prepared.points), "estimate", options.job.from);
+  run.shots_fired = estimate.shots;
+  run.points_fired = run.points.size();
+  run.foreseen_beats = std::move(estimate.beat_of_shot);
+  run.beats = estimate.beats;
+  run.beats_before = estimate.beats_before;
+  run.time_s = estimate.time_s;
+  for (std::size_t i = 0; i < beat_reason_count; ++i)
+    run.beats_by_reason[std::string(beat_reason_names[i])] = estimate.beats_by_reason[i];
+  return run;
+}
+
+estimate::Estimate estimate_prepared(const PreparedJob& prepared, const EstimateOptions& options,
+                                     Frontend& frontend) {
+  const std::unique_ptr<Progress> progress =
+      frontend.progress("estimating", prepared.job.size(), options.job.from);
+  estimate::EstimateOptions wanted;
+  wanted.first = options.job.from;
+  wanted.fired = options.job.fired;
+  wanted.job_speed = options.job.job_speed;
+  wanted.progress = [&progress](std::size_t done) { progress->update(done); };
+  return estimate::estimate_job(prepared.job, wanted);
+}
+
+void write_page_file(const report::Report& report, const report::JobRun& run,
+                     const std::string& file, Frontend& frontend) {
+  if (file.empty()) return;
+  write_whole(file,
+              [&](const std::filesystem::path& path) { report::write_page(report, run, path); });
+  frontend.phase("page", file);
+}
+
+}  // namespace
+
+bool is_job_file(const std::string& file) { return lower_extension(file) == ".llj"; }
+
+Estimated estimate_job(const EstimateOptions& options, Frontend& frontend) {
+  check_distinct({{"--page", options.page}}, options.request.input);
+  if (!options.page.empty()) check_target(options.page);
+  PreparedJob prepared = read_job(options, frontend);
+  prepared.job.header.dry = false;
+  subtract_fired(prepared, options.job);
+  estimate::Estimate estimate = estimate_prepared(prepared, options, frontend);
+  const double seconds = estimate.time_before_s + estimate.time_s;
+  const report::JobRun run = run_of(std::move(prepared), options, std::move(estimate));
+  Estimated estimated{report::evaluate(run), seconds};
+  frontend.phase("estimate", fmt::format("{} points", estimated.report.points));
+  write_page_file(estimated.report, run, options.page, frontend);
+  return estimated;
+}
+
+}  // namespace lamplock::run

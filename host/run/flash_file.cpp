@@ -1,0 +1,40 @@
+#include "host/run/flash_file.hpp"
+
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host/file.hpp"
+#include "host/flash/uf2.hpp"
+#include "host/run/image_path.hpp"
+#include "host/run/simulated_boards.hpp"
+
+namespace lamplock::run {
+namespace {
+
+/// EI_MAG0 to EI_MAG3 (System V Application Binary Interface, "ELF Identification").
+constexpr std::string_view elf_magic =
+    "\x7f"
+    "ELF";
+
+}  // namespace
+
+FlashFile read_flash_file(const std::string& name) {
+  const std::string file = image_path(name, uf2_image_name, "flash");
+  const std::string bytes = read_file(file);
+  std::vector<flash::Part> parts;
+  if (flash::is_uf2(bytes)) {
+    parts = flash::read_uf2(bytes, file);
+  } else if (!bytes.starts_with(elf_magic)) {
+    // A plain binary neither says where it belongs nor which chip it is for.
+    refuse(file, "is neither a UF2 nor an ELF file", "give lamplock-rp2040.uf2 or .elf");
+  } else {
+    sim::chip::Image image = read_image(file);
+    parts.reserve(image.parts.size());
+    for (sim::chip::ImagePart& part : image.parts)
+      parts.push_back({part.address, std::move(part.bytes)});
+  }
+  return {file, flash::make_flash_image(std::move(parts), file)};
+}
+
+}  // namespace lamplock::run

@@ -1,0 +1,21 @@
+// The image that `flash` writes: a UF2 file, or the ELF file that it was made from.
+//
+// In:  a file, or nothing. Out: a checked image. Who: `flash`.
+#pragma once
+
+#include <string>
+
+#include "host/flash/flash_image.hpp"
+
+namespace lamplock::run {
+
+/// An image and where it came from.
+struct FlashFile {
+  std::string file;
+  flash::FlashImage image;
+};
+
+/// Without a name: lamplock-rp2040.uf2 that came with the program. Throws Error(bad_input).
+FlashFile read_flash_file(const std::string& name);
+
+}  // namespace lamplock::run

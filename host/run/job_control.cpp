@@ -1,0 +1,65 @@
+#include "host/run/job_control.hpp"
+
+namespace lamplock::run {
+namespace {
+
+constexpr std::chrono::milliseconds input_interval{50};
+
+}  // namespace
+
+void JobControl::poll() {
+  show_progress();
+  if (stopping_) return;
+  take_interrupts(interrupts_->count());
+  if (stopping_) return;
+  watch_machine();
+  if (asking_ && clocking_ == Clocking::lock_step) return wait_for_user();
+  if (Clock::now() - polled_at_ < input_interval) return;
+  polled_at_ = Clock::now();
+  if (asking_ || holding_ || input_->is_typed()) take_input(std::chrono::milliseconds(0));
+}
+
+void JobControl::block(const std::string& why) {
+  if (stopping_) return;
+  const bool is_new = obstacle_ != why;
+  obstacle_ = why;
+  holding_ = true;
+  hold_for_obstacle(is_new);
+  if (is_new) note(why + ": holding, laser off");
+}
+
+void JobControl::end(const std::string& why) {
+  end_machine(ended_);
+  if (ended_) return;
+  ended_ = stopping_ = true;
+  note(why + ": stopping");
+}
+
+/// Simulated time does not pass until the user has answered.
+void JobControl::wait_for_user() {
+  while (asking_ && interrupts_->count() < interrupts_to_stop()) {
+    take_input(input_interval);
+    if (asking_ && input_->ended()) return take_end_of_input();
+  }
+}
+
+void JobControl::take_input(std::chrono::milliseconds wait) {
+  for (const std::string& line : input_->lines(wait)) take_line(line);
+}
+
+void JobControl::take_line(const std::string& line) {
+  const auto first = line.find_first_not_of(" \t\r"), last = line.find_last_not_of(" \t\r%");
+  const bool is_blank = first == std::string::npos || last == std::string::npos;
+  const std::string word = is_blank ? "" : line.substr(first, last + 1 - first);
+  if (!word.empty() && word != "~") return take_word(word);
+  if (asking_ || holding_) resume();
+}
+
+void JobControl::resume() {
+  if (!obstacle_.empty()) return note(obstacle_ + ": not resumed");
+  holding_ = false;
+  note("resuming");
+  resume_machine();
+}
+
+}  // namespace lamplock::run

@@ -1,0 +1,44 @@
+#include "host/run/make_points.hpp"
+
+#include <fmt/format.h>
+
+#include "host/error.hpp"
+#include "host/file/output_files.hpp"
+#include "host/geometry/bounds.hpp"
+#include "host/model/input.hpp"
+#include "host/model/read_points.hpp"
+#include "host/run/bounds_text.hpp"
+#include "host/run/ordering.hpp"
+#include "host/run/point_file.hpp"
+
+namespace lamplock::run {
+
+Cloud make_points(const JobRequest& request, const std::string& output, Frontend& frontend) {
+  check_point_file(output);
+  check_distinct({{"-o", output}, {"--save", request.save}});
+  const glass::Description& description = request.description;
+  const job::Profile profile = profile_of(description.machine);
+  const glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));
+  Cloud cloud = make_cloud(description, volume, frontend);
+  write_point_file(output, cloud.points);
+  frontend.phase("written", output);
+  save_description(request, frontend);
+  return cloud;
+}
+
+geometry::PointCloud order_point_list(const OrderRequest& request, Frontend& frontend) {
+  check_point_file(request.output);
+  if (model::classify(request.input) != model::InputKind::points)
+    throw Error(Exit::bad_input, request.input, "is not a point list",
+                "make one with lamplock points");
+  geometry::PointCloud cloud = model::read_point_list(request.input);
+  frontend.phase("points",
+                 fmt::format("{} in {}", cloud.size(), bounds_text(geometry::bounds(cloud))));
+  const order::Motion motion = motion_of(request.machine.profile().settings, {});
+  order_points(cloud, request.order, order_options(request.choice, {}, motion), frontend);
+  write_point_file(request.output, cloud);
+  frontend.phase("written", request.output);
+  return cloud;
+}
+
+}  // namespace lamplock::run

@@ -1,0 +1,108 @@
+#include "host/run/mesh_points.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "host/error.hpp"
+#include "host/glass/unused_parameters.hpp"
+#include "host/model/transform.hpp"
+#include "host/points/blue_noise.hpp"
+#include "host/points/fill_faces.hpp"
+#include "host/points/fill_solid.hpp"
+#include "host/points/rays.hpp"
+#include "host/points/slice.hpp"
+
+namespace lamplock::run {
+namespace {
+
+using glass::Object;
+using model::Mesh;
+
+/// Poles of round bodies always lose as much.
+constexpr double lost_share_to_warn_of = 0.01;
+
+geometry::Axis axis_named(const std::string& name) {
+  return name == "x" ? geometry::Axis::x : name == "y" ? geometry::Axis::y : geometry::Axis::z;
+}
+
+MeshPoints by_blue_noise(const Mesh& mesh, const Object& object, double spacing_mm) {
+  points::BlueNoiseOptions options;
+  options.distance_mm = spacing_mm;
+  options.seed = static_cast<std::uint64_t>(object.seed);
+  if (object.tone) {
+    if (!mesh.brightness)
+      throw Error(Exit::bad_input, object.file, "has neither colours nor a texture",
+                  "leave tone out");
+    options.tone =
+        points::ToneCurve{object.gamma, object.invert, object.tone_lowest, object.tone_highest};
+  }
+  return {points::blue_noise(mesh, options), true, 0, {}};
+}
+
+MeshPoints by_slices(const Mesh& mesh, const Object& object, double spacing_mm) {
+  points::SliceOptions options;
+  options.layer_mm = object.layer_mm.value_or(spacing_mm);
+  options.vertex_mm = spacing_mm;
+  options.first_offset_mm = object.first_mm;
+  options.last_offset_mm = object.last_mm;
+  options.twist_mm = object.twist_mm;
+  options.end_points = object.end_points.value_or(false);
+  options.frame.axis = axis_named(object.axis);
+  const glass::Triple turn = object.turn_deg.value_or(glass::Triple{});
+  options.frame.turn_x_deg = turn[0];
+  options.frame.turn_y_deg = turn[1];
+  options.frame.turn_z_deg = turn[2];
+  MeshPoints result{points::slice(mesh, options), false, 0, {}};
+  const points::LostFaces lost = points::lost_faces(mesh, options);
+  if (lost.share > lost_share_to_warn_of)
+    result.warnings.push_back(fmt::format(
+        "{} triangles lie along the planes and get no points: {:.4g} mm2, {:.1f} % of the surface",
+        lost.triangles, lost.area_mm2, lost.share * 100));
+  return result;
+}
+
+MeshPoints by_faces(const Mesh& mesh, const Object& object, double spacing_mm) {
+  points::FaceFill fill = points::fill_faces(mesh, {spacing_mm, object.smallest_mm});
+  MeshPoints result{std::move(fill.points), true, fill.rejected, {}};
+  if (fill.rejected != 0)
+    result.warnings.push_back(fmt::format("{} of {} triangles are too small to be filled",
+                                          fill.rejected, mesh.triangles.size()));
+  return result;
+}
+
+/// Rays along an axis, or along an axis turned: the mesh is turned back under them.
+MeshPoints by_rays(const Mesh& mesh, const Object& object, double spacing_mm) {
+  const points::RayOptions options{spacing_mm, axis_named(object.direction)};
+  if (!object.turn_deg) return {points::rays(mesh, options), false, 0, {}};
+  const auto [x, y, z] = *object.turn_deg;
+  const geometry::Affine turn =
+      geometry::turned_about_z(z) * geometry::turned_about_y(y) * geometry::turned_about_x(x);
+  const Mesh turned = model::transformed(mesh, geometry::turned_back(turn));
+  return {model::transformed(points::rays(turned, options), turn), false, 0, {}};
+}
+
+MeshPoints by_solid(const Mesh& mesh, const Object& object, double spacing_mm) {
+  points::SolidOptions options;
+  options.distance_mm = spacing_mm;
+  options.seed = static_cast<std::uint64_t>(object.seed);
+  options.light_depth_mm = object.light_depth_mm;
+  options.lowest_density = object.light_lowest;
+  return {points::fill_solid(mesh, options), true, 0, {}};
+}
+
+}  // namespace
+
+MeshPoints mesh_points(const Mesh& mesh, const Object& object, double spacing_mm) {
+  const std::string method = object.method.value_or(glass::default_method);
+  if (object.tone && method != "blue-noise")
+    throw Error(Exit::bad_input, object.file, "only blue noise knows of a tone",
+                "leave tone out, or use --method blue-noise");
+  if (method == "slice") return by_slices(mesh, object, spacing_mm);
+  if (method == "faces") return by_faces(mesh, object, spacing_mm);
+  if (method == "rays") return by_rays(mesh, object, spacing_mm);
+  if (method == "solid") return by_solid(mesh, object, spacing_mm);
+  return by_blue_noise(mesh, object, spacing_mm);
+}
+
+}  // namespace lamplock::run

@@ -1,0 +1,21 @@
+#include "host/run/permission.hpp"
+
+#include "host/error.hpp"
+
+namespace lamplock::run {
+
+void require_askable(const BoardOptions& options, const Frontend& frontend) {
+  if (options.is_simulated() || options.dry || options.yes || frontend.can_ask()) return;
+  throw Error(Exit::bad_input, "--board " + options.board,
+              "firing needs a confirmation, and there is no terminal to ask in",
+              "run it in a terminal, or give --yes or --dry");
+}
+
+void require_permission(const BoardOptions& options, Frontend& frontend,
+                        const std::string& question, const std::string& where,
+                        const std::string& denied) {
+  if (options.yes || options.is_simulated() || frontend.confirms(question)) return;
+  throw Error(Exit::interrupted, where, "not permitted, " + denied, "answer yes, or give --yes");
+}
+
+}  // namespace lamplock::run

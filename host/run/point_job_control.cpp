@@ -1,0 +1,104 @@
+#include "host/run/point_job_control.hpp"
+
+#include <algorithm>
+
+#include "host/link/sender.hpp"
+#include "host/text.hpp"
+
+namespace lamplock::run {
+namespace {
+
+constexpr std::uint32_t job_speed_step = 10;  ///< percent
+
+}  // namespace
+
+void PointJobControl::show_progress() { progress_.update(sender_.points_fired()); }
+
+void PointJobControl::take_interrupts(int count) {
+  if (count >= interrupts_to_stop()) return stop();
+  if (count == 0 || holding_) return;
+  holding_ = true;
+  sender_.pause();
+  note("holding");
+}
+
+void PointJobControl::watch_machine() {
+  const wire::MachineState state = sender_.status().state;
+  if (state == wire::MachineState::door && !asking_)
+    ask("door open, laser off: close it");
+  else if (state == wire::MachineState::hold && holding_ && !asking_)
+    ask("held, laser off");
+  ask_about_hold();
+}
+
+/// A hold that neither the user nor this program has requested.
+void PointJobControl::ask_about_hold() {
+  const wire::Status& status = sender_.status();
+  const bool is_held = status.state == wire::MachineState::hold;
+  const wire::HoldReason reason = is_held ? status.hold_reason : wire::HoldReason::none;
+  const bool is_new = reason != asked_about_;
+  asked_about_ = reason;
+  // A button at the machine, or another program, may have resumed.
+  if (asking_ && !holding_ && status.state == wire::MachineState::run) end_question();
+  if (!is_new || asking_) return;
+  if (reason == wire::HoldReason::not_made) ask("shot not made, held, laser off");
+  if (reason == wire::HoldReason::lamp) ask("lamp does not answer its trigger, held, laser off");
+  if (reason == wire::HoldReason::realtime && !sender_.auto_resume())
+    ask("held by a hold ('!') that another program or a person sent, laser off");
+}
+
+void PointJobControl::ask(const std::string& why) {
+  asking_ = true;
+  asked_at_ = Clock::now();
+  // The advice where to continue follows the stop: points that the last status did not count may
+  // have been fired since.
+  note(why + "; Enter to resume, Ctrl-C again to stop");
+}
+
+void PointJobControl::end_question() {
+  asking_ = false;
+  if (asked_at_) progress_.pause_ended(Clock::now() - *asked_at_);
+  asked_at_.reset();
+}
+
+void PointJobControl::take_word(const std::string& word) {
+  const std::uint32_t present = sender_.job_speed();
+  const auto percent = number_of<std::uint32_t>(word);
+  if (word == "+")
+    change_job_speed(present + job_speed_step);
+  else if (word == "-")
+    change_job_speed(present > job_speed_step ? present - job_speed_step : 1);
+  else if (percent && *percent > 0)
+    change_job_speed(*percent);
+  else
+    note("type a job speed in percent, + or -; a blank line resumes after a hold");
+}
+
+void PointJobControl::change_job_speed(std::uint32_t percent) {
+  percent = std::min(percent, wire::max_job_speed);
+  sender_.set_job_speed(percent);
+  note("job speed " + std::to_string(percent) + " %");
+}
+
+void PointJobControl::resume_machine() {
+  interrupts_->forget();
+  end_question();
+  sender_.resume();
+}
+
+void PointJobControl::hold_for_obstacle(bool) { sender_.pause(); }
+
+void PointJobControl::end_machine(bool) { sender_.stop(); }
+
+void PointJobControl::take_end_of_input() {
+  note("no terminal input to resume the job");
+  stop();
+}
+
+void PointJobControl::stop() {
+  stopping_ = true;
+  sender_.stop();
+  note("stopping");
+}
+
+}  // namespace lamplock::run

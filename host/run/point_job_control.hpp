@@ -1,0 +1,52 @@
+// The user's control of a running job of points or rows.
+//
+// In:  as JobControl; a number is the job speed in percent, + and - change it by a step. The first
+//      Ctrl-C holds, the second one stops.
+// Out: requests to the job's sender, notes.
+// Who: run_job(), after every step of the sender.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "host/run/job_control.hpp"
+#include "shared/wire/status.hpp"
+
+namespace lamplock::link {
+class JobSender;
+}  // namespace lamplock::link
+
+namespace lamplock::run {
+
+/// Controls one job; sender, progress and frontend must outlive it.
+class PointJobControl : public JobControl {
+ public:
+  PointJobControl(link::JobSender& sender, Frontend& frontend, Progress& progress,
+                  Clocking clocking)
+      : JobControl(frontend, progress, clocking), sender_(sender) {}
+
+  bool waits_for_user() const override { return holding_ || asking_ || stopping_; }
+
+ private:
+  void show_progress() override;
+  void take_interrupts(int count) override;
+  int interrupts_to_stop() const override { return 2; }
+  void watch_machine() override;
+  void take_word(const std::string& word) override;
+  void resume_machine() override;
+  void hold_for_obstacle(bool is_new) override;
+  void end_machine(bool is_ended) override;
+  void take_end_of_input() override;
+
+  void ask_about_hold();
+  void ask(const std::string& why);
+  void end_question();
+  void change_job_speed(std::uint32_t percent);
+  void stop();
+
+  link::JobSender& sender_;
+  wire::HoldReason asked_about_ = wire::HoldReason::none;  ///< of the present hold
+  std::optional<Clock::time_point> asked_at_{};
+};
+
+}  // namespace lamplock::run

@@ -1,0 +1,87 @@
+#include "host/run/prepare_job.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include "host/file.hpp"
+#include "host/file/output_files.hpp"
+#include "host/file/staged_file.hpp"
+#include "host/glass/description_file.hpp"
+#include "host/job/job.hpp"
+#include "host/job/job_file.hpp"
+#include "host/run/machine_options.hpp"
+#include "host/run/mode_name.hpp"
+#include "host/run/prepare.hpp"
+
+namespace lamplock::run {
+namespace {
+
+/// The folder of a file.
+std::filesystem::path folder_of(const std::string& file) {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  return folder.empty() ? "." : folder;
+}
+
+job::JobOptions job_options(const glass::Description& d, const glass::Volume& volume, bool dry) {
+  job::JobOptions options;
+  options.mode = mode_named(d.machine.mode);
+  options.dry = dry;
+  options.shots = static_cast<std::uint8_t>(d.output.flashes);
+  options.channel = static_cast<std::uint8_t>(d.output.channel);
+  options.energy = static_cast<std::uint16_t>(d.output.energy);
+  options.pause_every = static_cast<std::size_t>(d.pause.every_points);
+  options.pause_beats = static_cast<std::uint16_t>(d.pause.beats);
+  options.refraction = volume.refraction;
+  return options;
+}
+
+}  // namespace
+
+glass::Volume volume_at(const std::optional<geometry::Point>& origin,
+                        const glass::Description& description, const settings::Values& values) {
+  geometry::Bounds space = work_space_mm(values);
+  if (!origin) return glass::volume_of(description.glass, space);
+  for (geometry::Point* p : {&space.low, &space.high})
+    *p = {p->x - origin->x, p->y - origin->y, p->z - origin->z};
+  return glass::volume_of(description.glass, space, geometry::Point{});
+}
+
+void move_to(const std::optional<geometry::Point>& origin, geometry::PointCloud& points,
+             glass::Volume& volume) {
+  if (!origin) return;
+  for (geometry::Point& p : points) p = {p.x + origin->x, p.y + origin->y, p.z + origin->z};
+  volume.refraction.entry_mm += origin->z;
+}
+
+PreparedJob prepare_job(const JobRequest& request, bool dry,
+                        const std::optional<geometry::Point>& origin, Frontend& frontend) {
+  const glass::Description& description = request.description;
+  const job::Profile profile = profile_of(description.machine);
+  glass::Volume volume = volume_at(origin, description, profile.settings);
+  Cloud cloud = make_cloud(description, volume, frontend);
+  order_cloud(cloud, description, profile.settings, volume, frontend);
+  move_to(origin, cloud.points, volume);
+  PreparedJob prepared{request.input, std::move(cloud.points), {}, std::move(cloud.warnings)};
+  prepared.job = job::make_job(prepared.points, profile, job_options(description, volume, dry));
+  save_description(request, frontend);
+  return prepared;
+}
+
+job::Job make_job_file(const JobRequest& request, bool dry, const std::string& output,
+                       Frontend& frontend) {
+  check_target(output);
+  check_distinct({{"-o", output}, {"--save", request.save}}, request.input);
+  PreparedJob prepared = prepare_job(request, dry, std::nullopt, frontend);
+  write_whole(output, [&prepared](const auto& path) { job::write_job_file(path, prepared.job); });
+  frontend.phase("written", output);
+  return std::move(prepared.job);
+}
+
+void save_description(const JobRequest& request, Frontend& frontend) {
+  if (request.save.empty()) return;
+  const std::string text = glass::to_text(request.description, folder_of(request.save));
+  write_whole(request.save, [&text](const std::filesystem::path& path) { write_file(path, text); });
+  frontend.phase("saved", request.save);
+}
+
+}  // namespace lamplock::run

@@ -1,0 +1,136 @@
+#include "host/run/raster.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/file/output_files.hpp"
+#include "host/file/staged_file.hpp"
+#include "host/job/job_file.hpp"
+#include "host/model/bitmap.hpp"
+#include "host/model/read_bitmap.hpp"
+#include "host/raster/pixels.hpp"
+#include "host/raster/row_gcode.hpp"
+#include "host/raster/row_motion.hpp"
+#include "host/raster/rows.hpp"
+#include "host/run/bounds_text.hpp"
+#include "host/run/job_points.hpp"
+#include "host/run/prepare.hpp"
+#include "host/run/run_rows.hpp"
+
+namespace lamplock::run {
+namespace {
+
+constexpr double share_per_percent = 0.01, default_pitch_mm = 0.1;
+
+/// Pixels are those of the picture, unless both pitch and width are given.
+RasterSize size_of(const RasterOptions& options, const model::Bitmap& bitmap) {
+  const auto width = static_cast<std::size_t>(bitmap.width);
+  const auto height = static_cast<std::size_t>(bitmap.height);
+  if (!options.width_mm) return {options.pitch_mm.value_or(default_pitch_mm), width, height};
+  const double pixel_mm = *options.width_mm / static_cast<double>(width);
+  if (!options.pitch_mm) return {pixel_mm, width, height};
+  const auto count = [&](std::size_t pixels) {
+    const double exact = static_cast<double>(pixels) * pixel_mm / *options.pitch_mm;
+    if (!(exact < 1e9))
+      throw Error(Exit::bad_input, "--pitch-mm", "too many pixels", "give a greater one");
+    return static_cast<std::size_t>(std::max(1.0, std::round(exact)));
+  };
+  const RasterSize size{*options.pitch_mm, count(width), count(height)};
+  constexpr std::size_t max_pixels = 100'000'000;  // as of pictures
+  if (size.columns > max_pixels / size.rows)
+    throw Error(Exit::bad_input, "--pitch-mm",
+                fmt::format("{} x {} pixels", size.columns, size.rows), "give a greater one");
+  return size;
+}
+
+/// Its lower left corner: as given, or so that the picture is in the middle of the work space.
+geometry::Point corner_of(const RasterOptions& options, const RasterSize& size,
+                          const settings::Values& values) {
+  const std::vector<double>& given = options.origin_mm;
+  if (!given.empty()) return {given[0], given[1], given.size() > 2 ? given[2] : 0};
+  const geometry::Point middle = work_space_mm(values).centre();
+  return {middle.x - size.width_mm() / 2, middle.y - size.height_mm() / 2, 0};
+}
+
+void check_outputs(const RasterOptions& options) {
+  if (options.output.empty() && options.gcode.empty())
+    throw Error(Exit::bad_input, "lamplock raster", "no output file is given",
+                "give -o FILE.llj or --gcode FILE.ngc");
+  if (options.power_lists && options.gcode.empty())
+    throw Error(Exit::bad_input, "--power-lists", "needs --gcode",
+                "add --gcode FILE.ngc, or leave it out");
+  check_distinct({{"-o", options.output}, {"--gcode", options.gcode}}, options.input);
+  for (const std::string& file : {options.output, options.gcode})
+    if (!file.empty()) check_target(file);
+}
+
+raster::PowerForm form_of(const RasterOptions& options) {
+  return options.power_lists ? raster::PowerForm::lists : raster::PowerForm::plain;
+}
+
+/// Reads the picture and makes rows of it.
+job::Job make_job(const RasterOptions& options, Frontend& frontend, RasterResult& result) {
+  const job::Profile profile = options.machine.profile();
+  const model::Bitmap bitmap = model::read_bitmap(options.input);
+  const RasterSize size = size_of(options, bitmap);
+  const raster::Pixels pixels =
+      raster::make_pixels(bitmap, size.columns, size.rows,
+                          {options.power_min * share_per_percent,
+                           options.power_max * share_per_percent, options.invert});
+  frontend.phase("picture", fmt::format("{}: {} x {} pixels of {:g} mm, {:g} x {:g} mm",
+                                        options.input, size.columns, size.rows, size.pitch_mm,
+                                        size.width_mm(), size.height_mm()));
+  raster::RowOptions how;
+  how.corner = corner_of(options, size, profile.settings);
+  how.pitch_mm = size.pitch_mm;
+  how.feed_mm_min = options.feed_mm_min;
+  how.overscan_mm = options.overscan_mm ? *options.overscan_mm
+                                        : raster::run_up_mm(profile.settings, options.feed_mm_min);
+  how.one_way = options.one_way;
+  how.dry = options.dry;
+  job::Job job = raster::make_rows(pixels, how, profile);
+  const geometry::Bounds box = geometry::bounds(points_of(job));
+  frontend.phase("rows", fmt::format("{} with {:.4g} mm overscan, {}", rows_text(job),
+                                     how.overscan_mm, bounds_text(box)));
+  result.size = size;
+  result.overscan_mm = how.overscan_mm;
+  result.lines = job.size();
+  result.runs = job.rows.runs.size();
+  result.box = box;
+  return job;
+}
+
+/// Writes one of the results. Returns its size in bytes.
+std::size_t write_result(const std::string& file, std::string_view bytes, Frontend& frontend) {
+  write_whole(file, [&](const std::filesystem::path& path) { write_file(path, bytes); });
+  frontend.phase("written", fmt::format("{}, {} bytes", file, bytes.size()));
+  return bytes.size();
+}
+
+}  // namespace
+
+RasterResult make_raster(const RasterOptions& options, Frontend& frontend) {
+  check_outputs(options);
+  RasterResult result;
+  const job::Job job = make_job(options, frontend, result);
+  if (!options.output.empty()) {
+    const std::vector<std::uint8_t> bytes = job::encode_job_file(job);
+    result.job_bytes = write_result(
+        options.output, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, frontend);
+  }
+  if (!options.gcode.empty())
+    result.gcode_bytes =
+        write_result(options.gcode, raster::row_gcode(job, form_of(options)), frontend);
+  result.seconds = raster::seconds_of(job);
+  frontend.say("time      about {:.1f} s", result.seconds);
+  return result;
+}
+
+}  // namespace lamplock::run

@@ -1,0 +1,112 @@
+#include "host/run/report_job.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <exception>
+
+#include "host/report/statistics.hpp"
+#include "host/report/summary.hpp"
+#include "host/run/report_folder.hpp"
+#include "host/run/supervisor.hpp"
+
+namespace lamplock::run {
+namespace {
+
+using link::JobEnd;
+
+/// A refusal of the machine after the first shot is a failed job, not only bad input.
+Exit judge_failure(const std::exception_ptr& error, Frontend& frontend) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const Error& refusal) {
+    if (refusal.exit() != Exit::bad_input) throw;
+    frontend.notice(refusal.what());
+  }
+  return Exit::job_failed;
+}
+
+std::string go_on_text(const JobOutcome& outcome, const char* item) {
+  return link::go_on_text(outcome.result.rest, item, outcome.is_kept);
+}
+
+/// If the machine was not at rest at its last report, the number in it is a lower bound.
+std::string bound_text(const link::Continuation& rest, const char* item) {
+  if (!rest.settled) return fmt::format("at least the {}s before {} are done", item, rest.first);
+  return fmt::format("first {} not done is {}", item, rest.first);
+}
+
+}  // namespace
+
+report::Report report_job(const JobOutcome& outcome, const BoardOptions& options,
+                          Frontend& frontend) {
+  report::Report report = report::evaluate(outcome.run);
+  if (end_name(outcome) != "done")  // known even if the report cannot be written
+    frontend.say("{}; {}", bound_text(outcome.result.rest, "point"), go_on_text(outcome, "point"));
+  frontend.line("");
+  frontend.text(report::summary(report));
+  if (!options.report.empty()) {
+    frontend.restart_clock();
+    write_report_whole(report, outcome.run, options.report);
+    frontend.line("");
+    frontend.phase("report", options.report);
+  }
+  if (!options.statistics.empty())
+    report::append_statistics(options.statistics, report, end_name(outcome),
+                              std::chrono::system_clock::now());
+  return report;
+}
+
+Exit judge_points(const JobOutcome& outcome, const report::Report& report,
+                  const BoardOptions& options, Frontend& frontend) {
+  const Exit exit = judge_end(outcome, options, "point", frontend);
+  if (exit != Exit::done) return exit;
+  const auto missed = report.missed.value_or(0), doubled = report.doubled.value_or(0);
+  if (missed == 0 && doubled == 0) return Exit::done;
+  throw Error(Exit::job_failed, "job",
+              fmt::format("{} points not fired, {} shots too many", missed, doubled),
+              "do not continue with this glass; please report it with its input");
+}
+
+Exit judge_end(const JobOutcome& outcome, const BoardOptions& options, const char* item,
+               Frontend& frontend) {
+  if (outcome.error) return judge_failure(outcome.error, frontend);
+  const link::JobResult& result = outcome.result;
+  const std::size_t next = result.rest.first;
+  const std::string go_on = go_on_text(outcome, item);
+  std::string what, remedy;
+  switch (result.end) {
+    case JobEnd::done:
+      return Exit::done;
+    case JobEnd::stopped:
+      if (!outcome.ended_by.empty())
+        throw_stopped(outcome.ended_by, fmt::format("stopped before {} {}", item, next),
+                      "release it, close it, and " + go_on);
+      frontend.notice(fmt::format("stopped: first {} not fired is {}; {}", item, next, go_on));
+      return Exit::interrupted;
+    case JobEnd::alarm:
+      what = fmt::format("{} before {} {}",
+                         result.status.state == wire::MachineState::estop
+                             ? "e-stop"
+                             : fmt::format("alarm {}", static_cast<int>(result.status.alarm)),
+                         item, next);
+      remedy = "clear it and ";
+      break;
+    case JobEnd::lost:
+      what = "connection lost, so that the machine could not be stopped; " +
+             bound_text(result.rest, item);
+      remedy = "check that it is at rest, check the cable and ";
+      break;
+    case JobEnd::replaced:
+      what = "another program has begun a job on the machine; " + bound_text(result.rest, item);
+      remedy = "end that and ";
+      break;
+    case JobEnd::restarted:
+      what = "the machine has restarted, its position is lost; " + bound_text(result.rest, item);
+      remedy = "home it and ";
+      break;
+  }
+  throw Error(Exit::job_failed, options.board, what, remedy + go_on);
+}
+
+}  // namespace lamplock::run

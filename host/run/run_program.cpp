@@ -1,0 +1,323 @@
+#include "host/run/run_program.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <exception>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host/file.hpp"
+#include "host/link/board_settings.hpp"
+#include "host/link/line_sender.hpp"
+#include "host/program/board_state.hpp"
+#include "host/program/program_run.hpp"
+#include "host/program/start_at.hpp"
+#include "host/program/without_laser.hpp"
+#include "host/run/board_files.hpp"
+#include "host/run/board_link.hpp"
+#include "host/run/frontend.hpp"
+#include "host/run/permission.hpp"
+#include "host/run/program_control.hpp"
+#include "host/run/supervisor.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::run {
+namespace {
+
+using link::LineEnd;
+using link::LineResult;
+
+constexpr std::array program_extensions{".gcode", ".nc", ".ngc", ".gc", ".tap", ".cnc"};
+
+/// A program and what is known of it before it is sent.
+struct Program {
+  std::string file;
+  std::vector<link::ProgramLine> lines;
+  std::optional<double> planned_s;
+};
+
+/// Refuses options that are for jobs.
+void check_options(const BoardOptions& options) {
+  const std::array<std::pair<const char*, bool>, 11> of_jobs{
+      {{"--fired", options.fired != 0},
+       {"--job-speed", options.job_speed != 100},
+       {"--auto-resume", options.auto_resume},
+       {"--discard", options.discard},
+       {"--resume", options.resume},
+       {"--progress", !options.progress.empty()},
+       {"--hold-at", options.hold_at != 0},
+       {"--report", !options.report.empty()},
+       {"--statistics", !options.statistics.empty()},
+       {"--timing", !options.timing.empty()},
+       {"--plot", options.plot.any()}}};
+  for (const auto& [name, given] : of_jobs)
+    if (given)
+      throw Error(Exit::bad_input, name, "is for jobs, not for programs of G-code", "leave it out");
+}
+
+/// A machine that moves, and a laser, need a permission.
+void ask_permission(const Program& program, const BoardOptions& options, Frontend& frontend) {
+  const std::string question =
+      fmt::format("{}: {} lines on {}: the machine will move{}. Type yes to start: ", program.file,
+                  program.lines.size(), options.board, options.dry ? "" : ", its laser may fire");
+  require_permission(options, frontend, question, program.file, "nothing was sent");
+}
+
+/// Settings of a board; nothing if it has none of ours or does not tell them.
+std::optional<link::BoardSettings> settings_of(link::LinePort& port) {
+  try {
+    link::BoardSettings settings = link::read_settings(port);
+    if (settings.known.any()) return settings;
+  } catch (const Error& error) {
+    if (error.exit() == Exit::no_device) throw;
+  }
+  return std::nullopt;
+}
+
+/// The board has reported all settings that define its work space.
+bool knows_space(const link::BoardSettings& settings) {
+  using settings::Id;
+  if (!settings.has(Id::soft_limits)) return false;
+  for (int axis = 0; axis < settings.values.whole(Id::axes); ++axis)
+    for (const Id id : {Id::steps_per_mm_x, Id::travel_x, Id::min_corner_x})
+      if (!settings.has(settings::for_axis(id, axis))) return false;
+  return true;
+}
+
+/// A line for the board that a program may contain: homing, unlocking, and questions.
+bool may_be_in_program(std::string_view line) {
+  constexpr std::array<std::string_view, 7> plain{"$", "$$", "$#", "$G", "$I", "$N", "$X"};
+  std::string text;
+  for (const char c : line)
+    if (c != ' ' && c != '\t')
+      text += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  constexpr std::size_t max_homing_size = 3;  // $HX
+  if (text.starts_with("$H")) return text.size() <= max_homing_size;
+  return std::find(plain.begin(), plain.end(), text) != plain.end();
+}
+
+/// Throws Error(bad_input) at the first `$` line that the board may refuse while a program runs.
+/// A file of `$` lines alone is no program.
+void check_board_lines(const Program& program) {
+  const auto is_for_board = [](const link::ProgramLine& line) {
+    return line.text.starts_with('$');
+  };
+  if (std::all_of(program.lines.begin(), program.lines.end(), is_for_board)) return;
+  for (const link::ProgramLine& line : program.lines)
+    if (is_for_board(line) && !may_be_in_program(line.text))
+      throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, line.number),
+                  fmt::format("'{}' must not be in a program, nothing was sent", line.text),
+                  "send it before the program, or send it anyhow with --go-on");
+}
+
+/// Homing ends at a place that the host does not know.
+bool homes(const Program& program) {
+  return std::any_of(program.lines.begin(), program.lines.end(), [](const auto& line) {
+    return line.text.starts_with("$H") || line.text.starts_with("$h");
+  });
+}
+
+/// Runs the program as the board will. Returns its time [s]; nothing if a line of it is wrong.
+/// Throws Error(bad_input) at the first line that the board would refuse, unless `go_on`.
+std::optional<double> predict(const Program& program, const link::BoardSettings& settings,
+                              const std::optional<program_run::BoardState>& state, bool go_on) {
+  if (!go_on) check_board_lines(program);
+  std::string sent;
+  for (const link::ProgramLine& line : program.lines) sent += line.text + "\n";
+  // Without its state and position, places outside of the work space are left to the board.
+  const bool space_known = !homes(program) && knows_space(settings);
+  const auto run = program_run::run_on_board(sent, settings.values, {state, space_known});
+  if (run.problems.empty()) {
+    const bool timed = run.outside == 0 && (run.locked == 0 || run.beats.seconds > 0);
+    return timed ? std::optional(run.seconds()) : std::nullopt;
+  }
+  if (go_on) return std::nullopt;
+  const program_run::Problem& problem = run.problems.front();
+  const std::size_t at = std::min(problem.line, program.lines.size()) - 1;
+  throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, program.lines[at].number),
+              problem.text + ", nothing was sent",
+              "correct it, see all with lamplock check, or send it anyhow with --go-on");
+}
+
+std::string place_text(const link::BoardStatus& status) {
+  std::string text;
+  for (std::size_t a = 0; a < status.position.size() && a < axis_letters.size(); ++a)
+    text += fmt::format("{}{}{:.3f}", a == 0 ? "" : " ", axis_letters[a], status.position[a]);
+  return text.empty() ? "an unknown place" : text;
+}
+
+std::string error_line(const std::string& file, const link::LineError& error) {
+  return fmt::format("{}:{}: {}", file, error.line, link::error_text(error.error));
+}
+
+/// Shows lines that were refused while the program continues.
+class RefusedLines {
+ public:
+  RefusedLines(const std::string& file, Progress& progress) : file_(file), progress_(progress) {}
+  void show(const std::vector<link::LineError>& errors) {
+    for (; shown_ < errors.size(); ++shown_) progress_.note(error_line(file_, errors[shown_]));
+  }
+
+ private:
+  const std::string& file_;
+  Progress& progress_;
+  std::size_t shown_ = 0;
+};
+
+/// A program that was sent to its end, and the line of the computer that has stopped it.
+struct Sent {
+  LineResult result;
+  std::string ended_by;
+};
+
+Sent send(const Program& program, BoardLink& board, const BoardOptions& options, bool go_on,
+          Frontend& frontend) {
+  const std::unique_ptr<Progress> progress = frontend.progress("sending", program.lines.size(), 0);
+  link::LineOptions sending;
+  sending.go_on = go_on;
+  sending.on_text = [&progress](const std::string& text) { progress->note("machine: " + text); };
+  link::LineSender sender(board.port(), program.lines, sending);
+  ProgramControl control(sender, frontend, *progress, board.clocking(), program.planned_s);
+  RefusedLines refused(program.file, *progress);
+  Supervisor supervisor(options, board.port().transport());
+  supervisor.begin(gpio::LaserUse::laser);
+  while (sender.step()) {
+    try {
+      control.poll();
+      supervisor.poll(control, AtDoor::holds);
+      if (go_on) refused.show(sender.errors());
+    } catch (...) {  // a terminal that has gone must not leave the machine running
+      sender.fail(std::current_exception());
+    }
+  }
+  supervisor.end();
+  if (go_on) refused.show(sender.errors());
+  return {sender.result(), supervisor.ended_by()};
+}
+
+/// How far it came. What the machine has taken is not all done: it plans ahead.
+std::string reach_text(const ProgramOutcome& outcome) {
+  const LineResult& result = outcome.result;
+  if (result.last_line == 0) return "no line was accepted";
+  return fmt::format("line {} of {} was the last one that it accepted, at {}", result.last_line,
+                     outcome.file, place_text(result.status));
+}
+
+[[noreturn]] void fail(const std::string& where, const std::string& what,
+                       const std::string& remedy) {
+  throw Error(Exit::job_failed, where, what, remedy);
+}
+
+std::string alarm_of(const LineResult& result) {
+  return result.alarm == 0 ? "alarm" : link::alarm_text(result.alarm);
+}
+
+/// A reset in motion is an alarm.
+bool was_stopped(LineEnd end) { return end == LineEnd::stopped || end == LineEnd::alarm; }
+
+Program read_program(const std::string& file) {
+  Program program{file, link::program_lines(read_file(file), file), {}};
+  if (program.lines.empty())
+    throw Error(Exit::bad_input, file, "has no line to send", "is this the right file?");
+  return program;
+}
+
+/// The part of the program that --from and --dry leave.
+void choose_lines(Program& program, const BoardOptions& options, const settings::Values& values,
+                  const std::optional<program_run::BoardState>& state) {
+  if (options.from != 0)
+    program.lines = program_run::start_at(program.lines, options.from, values, program.file, state);
+  if (options.dry) program.lines = program_run::without_laser(program.lines, program.file);
+}
+
+/// Exit status of a program, with a notice if the user has stopped it. Throws Error for every other
+/// end before its last line.
+Exit judge(const ProgramOutcome& outcome, const std::string& board, Frontend& frontend) {
+  const LineResult& result = outcome.result;
+  const std::string reach = reach_text(outcome);
+  std::string what, remedy;
+  switch (result.end) {
+    case LineEnd::done:
+      if (result.errors.empty()) return Exit::done;
+      fail(outcome.file,
+           fmt::format("{} of {} lines were refused", result.errors.size(), outcome.lines),
+           "the list above says which and why");
+    case LineEnd::error:
+      fail(fmt::format("{}:{}", outcome.file, result.errors.front().line),
+           link::error_text(result.errors.front().error),
+           fmt::format("correct the line; the machine is at rest, {}", reach));
+    case LineEnd::stopped:
+      frontend.notice("stopped: " + reach);
+      return Exit::interrupted;
+    case LineEnd::alarm:
+      fail(board, fmt::format("{}, {}", alarm_of(result), reach),
+           "see what stopped it, then unlock it with $X or home it with $H");
+    case LineEnd::lost:
+      what = "connection lost, so that the machine could not be stopped";
+      remedy = "check that it is at rest, and check the cable";
+      break;
+    case LineEnd::unanswered:
+      what = "is idle but did not acknowledge all lines";
+      remedy = "check the cable, and that nothing else uses the port";
+      break;
+    case LineEnd::restarted:
+      what = "has restarted, its position may be lost";
+      remedy = "home it and send the program again";
+      break;
+  }
+  fail(board, fmt::format("{}; {}", what, reach), remedy);
+}
+
+}  // namespace
+
+bool is_program(const std::string& file) {
+  const std::string extension = lower_extension(file);
+  return std::find(program_extensions.begin(), program_extensions.end(), extension) !=
+         program_extensions.end();
+}
+
+const char* end_name(link::LineEnd end) {
+  constexpr std::array names{"done", "error",      "stopped",  "alarm",
+                             "lost", "unanswered", "restarted"};
+  return names[static_cast<std::size_t>(end)];
+}
+
+ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
+                           const ProgramOptions& asked, Frontend& frontend) {
+  check_options(options);
+  options.check();
+  require_askable(options, frontend);
+  Program program = read_program(file);
+  const settings::Values values = asked.machine.profile().settings;
+  BoardLink board(options, values);
+  ask_permission(program, options, frontend);
+  const link::BoardStatus status = link::greet(board.port()).status;
+  const auto of_board = settings_of(board.port());
+  std::optional<program_run::BoardState> state;
+  if (of_board)
+    state = program_run::read_state(board.port(), status,
+                                    of_board->values.whole(settings::Id::report_inches) != 0);
+  choose_lines(program, options, of_board ? of_board->values : values, state);
+  if (of_board) program.planned_s = predict(program, *of_board, state, asked.go_on);
+  std::optional<PinTrace> trace;
+  if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
+  auto [result, ended_by] = send(program, board, options, asked.go_on, frontend);
+  if (trace) trace->finish();
+  if (!options.shots.empty()) write_shots(options.shots, *board.simulated(), values);
+  frontend.say("{:<8}  {} of {} lines in {:.1f} s, at {}", end_name(result.end), result.answered,
+               program.lines.size(), std::chrono::duration<double>(result.elapsed).count(),
+               place_text(result.status));
+  return {file, program.lines.size(), program.planned_s, std::move(result), std::move(ended_by)};
+}
+
+Exit judge_program(const ProgramOutcome& outcome, const std::string& board, Frontend& frontend) {
+  if (!outcome.ended_by.empty() && was_stopped(outcome.result.end))
+    throw_stopped(outcome.ended_by, reach_text(outcome),
+                  "release it, then unlock the machine with $X or home it with $H");
+  return judge(outcome, board, frontend);
+}
+
+}  // namespace lamplock::run

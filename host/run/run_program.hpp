@@ -1,0 +1,49 @@
+// Sends a program of G-code to a board and sees it through.
+//
+// In:  a file, where to run it. Out: how it went. Ctrl-C stops: the machine is held, and reset once
+//      it is at rest.
+// Who: `send`.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "host/error.hpp"
+#include "host/link/line_sender.hpp"
+#include "host/run/board_options.hpp"
+#include "host/run/frontend.hpp"
+#include "host/run/machine_options.hpp"
+
+namespace lamplock::run {
+
+/// What is about programs alone.
+struct ProgramOptions {
+  bool go_on = false;  ///< after errors
+  MachineOptions machine{};
+};
+
+/// A program that was sent.
+struct ProgramOutcome {
+  std::string file;
+  std::size_t lines = 0;
+  std::optional<double> planned_s{};
+  link::LineResult result{};
+  std::string ended_by{};  ///< the line of the computer that stopped it; empty if none did
+};
+
+/// True for the names that programs of G-code have: .gcode .nc .ngc .gc .tap .cnc
+bool is_program(const std::string& file);
+
+/// The end of a program, for scripts.
+const char* end_name(link::LineEnd end);
+
+/// Sends it and waits for its end. Throws Error where nothing was sent.
+ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
+                           const ProgramOptions& asked, Frontend& frontend);
+
+/// Exit status of a program, with a notice if the user has stopped it. Throws Error for every other
+/// end before its last line.
+Exit judge_program(const ProgramOutcome& outcome, const std::string& board, Frontend& frontend);
+
+}  // namespace lamplock::run

@@ -1,0 +1,44 @@
+#include "host/run/send_job.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "host/job/job_file.hpp"
+#include "host/link/kept_job.hpp"
+#include "host/link/transport.hpp"
+#include "host/raster/row_motion.hpp"
+#include "host/run/job_board.hpp"
+#include "host/run/job_points.hpp"
+#include "host/run/kept_progress.hpp"
+#include "host/run/mode_name.hpp"
+#include "host/run/permission.hpp"
+#include "host/run/run_job.hpp"
+#include "host/run/run_rows.hpp"
+
+namespace lamplock::run {
+
+SentJob send_job(const std::string& file, BoardOptions& options, Frontend& frontend) {
+  options.check(file);
+  require_askable(options, frontend);
+  auto port = open_job_port(options);
+  SentJob sent{{file, {}, job::read_job_file(file), {}}, {}, 0};
+  PreparedJob& prepared = sent.prepared;
+  job::Job& job = prepared.job;
+  job.header.dry = job.header.dry || options.dry;
+  if (!job.is_rows()) prepared.points = points_of(job);
+  const auto kept = keep_progress(prepared, options, port.get(), frontend);
+  if (job.is_rows()) {
+    sent.planned_s = raster::seconds_of(job);
+    sent.outcome =
+        run_rows(prepared, options, sent.planned_s, std::move(port), frontend, kept.get());
+    return sent;
+  }
+  subtract_fired(prepared, options);
+  frontend.phase("job", fmt::format("{}: {} points, {}{}", file, prepared.points.size(),
+                                    mode_name(job.header.mode), job.header.dry ? ", dry" : ""));
+  sent.outcome = run_job(prepared, options, std::move(port), frontend, kept.get());
+  return sent;
+}
+
+}  // namespace lamplock::run

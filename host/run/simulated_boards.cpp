@@ -1,0 +1,70 @@
+#include "host/run/simulated_boards.hpp"
+
+#include <stdexcept>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/run/image_path.hpp"
+#include "host/run/simulator_error.hpp"
+#include "sim/chip_board/board_timing.hpp"
+#include "sim/virtual_board/virtual_board.hpp"
+
+namespace lamplock::run {
+namespace {
+
+/// Boot takes about 0.08 s, enumeration as much again.
+constexpr sim::Picoseconds longest_boot = 2 * sim::ps_per_s;
+
+/// The chip's image: the file that was given, or that of this program.
+std::string image_file(const std::string& image) {
+  return image_path(image, elf_image_name, "--board chip");
+}
+
+}  // namespace
+
+SimulatedBoard::SimulatedBoard() = default;
+SimulatedBoard::~SimulatedBoard() = default;
+SimulatedBoard::SimulatedBoard(SimulatedBoard&&) noexcept = default;
+SimulatedBoard& SimulatedBoard::operator=(SimulatedBoard&&) noexcept = default;
+
+sim::chip::Image read_image(const std::string& file) {
+  check_is_file(file);
+  try {
+    return sim::chip::load_image(file);
+  } catch (const std::runtime_error& error) {
+    refuse(error.what());
+  }
+}
+
+void check_image(const std::string& name, const std::string& image) {
+  if (name == chip_board)
+    read_image(image_file(image));
+  else if (!image.empty())
+    throw Error(Exit::bad_input, "--image", "only the chip runs an image", "add --board chip");
+}
+
+SimulatedBoard make_board(const std::string& name, const std::string& image,
+                          const settings::Values& stored, const sim::WorldConfig& world,
+                          sim::chip::UsbFunction function) {
+  SimulatedBoard made;
+  if (name == virtual_board) {
+    made.board = std::make_unique<sim::VirtualBoard>(stored, world);
+    return made;
+  }
+  made.image = std::make_unique<sim::chip::Image>(read_image(image_file(image)));
+  std::unique_ptr<sim::ChipBoard> board;
+  try {
+    board = std::make_unique<sim::ChipBoard>(*made.image, stored, world);
+  } catch (const std::runtime_error& error) {
+    refuse(error.what());
+  }
+  made.timing = std::make_unique<sim::BoardTiming>(*board, *made.image);
+  if (!board->run_until_found(longest_boot))
+    throw Error(Exit::no_device, image_file(image), "its USB port was not found within 2 s",
+                "check that it is an image of lamplock");
+  board->talk_over(function);
+  made.board = std::move(board);
+  return made;
+}
+
+}  // namespace lamplock::run

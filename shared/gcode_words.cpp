@@ -1,0 +1,148 @@
+#include "shared/gcode_words.hpp"
+
+#include <array>
+
+namespace lamplock::program {
+namespace {
+
+constexpr std::array<std::uint32_t, 8> power_of_ten{1,      10,      100,       1'000,
+                                                    10'000, 100'000, 1'000'000, 10'000'000};
+
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Nearest whole number to value / divisor, half away from zero.
+std::int64_t nearest_quotient(std::int64_t value, std::uint32_t divisor) {
+  const std::int64_t half = divisor / 2;
+  return (value < 0 ? value - half : value + half) / std::int64_t{divisor};
+}
+
+/// Collects the digits of a number, in groups that fit into 32 bits.
+class Digits {
+ public:
+  void add(std::uint32_t digit, bool point) {
+    any_ = true;
+    if (point) {
+      if (behind_++ >= most_decimals) return round(digit);
+    } else if ((digit != 0 || before_ != 0) && ++before_ > most_digits) {
+      return;
+    }
+    if (grouped_ == group_digits) close_group();
+    group_ = group_ * 10 + digit;
+    ++grouped_;
+  }
+
+  std::int64_t value() const {
+    if (all_ == 0) return std::int64_t{group_} + carry_;
+    return all_ * std::int64_t{power_of_ten_of(grouped_)} + group_ + carry_;
+  }
+  int decimals() const { return behind_ < most_decimals ? behind_ : most_decimals; }
+  bool good() const { return any_ && before_ <= most_digits; }
+
+ private:
+  static constexpr int group_digits = 9;
+  static std::uint32_t power_of_ten_of(int digits) {
+    std::uint32_t power = 1;
+    for (; digits > 0; --digits) power *= 10;
+    return power;
+  }
+  void close_group() {
+    all_ = value();
+    group_ = 0;
+    grouped_ = 0;
+  }
+  /// The first dropped digit decides.
+  void round(std::uint32_t digit) {
+    if (behind_ == most_decimals + 1 && digit >= 5) carry_ = 1;
+  }
+
+  std::int64_t all_ = 0;
+  std::uint32_t group_ = 0, carry_ = 0;
+  int grouped_ = 0;
+  int before_ = 0;  ///< digits before the point, leading zeros omitted
+  int behind_ = 0;
+  bool any_ = false;
+};
+
+}  // namespace
+
+[[gnu::hot]] std::int64_t scaled(const Word& word, std::uint32_t factor, int digits) {
+  const int shift = digits - word.decimals;
+  if (shift >= 0)
+    return word.mantissa * std::int64_t{factor * power_of_ten[static_cast<std::size_t>(shift)]};
+  return nearest_quotient(word.mantissa * std::int64_t{factor},
+                          power_of_ten[static_cast<std::size_t>(-shift)]);
+}
+
+GcodeError whole(const Word& word, std::uint32_t& number) {
+  std::int64_t value = word.mantissa;
+  if (word.decimals != 0) {
+    const std::uint32_t power = power_of_ten[word.decimals];
+    value = word.mantissa / std::int64_t{power};
+    if (value * std::int64_t{power} != word.mantissa) return GcodeError::not_integer;
+  }
+  if (value < 0) return GcodeError::negative_value;
+  number = static_cast<std::uint32_t>(value);  // below 10^9
+  return GcodeError::none;
+}
+
+void WordReader::skip_comment() {
+  while (place_ < line_.size() && line_[place_] != ')') ++place_;
+}
+
+[[gnu::hot]] char WordReader::peek() {
+  for (; place_ < line_.size(); ++place_) {
+    const char c = line_[place_];
+    if (c == '(') {
+      skip_comment();
+      if (place_ == line_.size()) return 0;
+    } else if (c == ';') {
+      place_ = static_cast<std::uint16_t>(line_.size());
+      return 0;
+    } else if (static_cast<unsigned char>(c) > ' ' && c != '/' && c != '%') {
+      return c;
+    }
+  }
+  return 0;
+}
+
+[[gnu::hot]] bool WordReader::take(char c) {
+  if (peek() != c) return false;
+  ++place_;
+  return true;
+}
+
+[[gnu::hot]] bool WordReader::read_number(Word& word) {
+  Digits digits;
+  char c = peek();
+  const bool negative = c == '-';
+  if (c == '-' || c == '+') ++place_;
+  for (bool point = false;; ++place_) {
+    c = place_ < line_.size() ? line_[place_] : '\0';
+    if (!is_digit(c)) c = peek();
+    if (is_digit(c))
+      digits.add(static_cast<std::uint32_t>(c - '0'), point);
+    else if (c == '.' && !point)
+      point = true;
+    else
+      break;
+  }
+  const std::int64_t value = digits.value();
+  word.mantissa = negative ? -value : value;
+  word.decimals = static_cast<std::uint8_t>(digits.decimals());
+  return digits.good();
+}
+
+[[gnu::hot]] Fault WordReader::next(Word& word) {
+  char c = peek();
+  word.letter = 0;
+  word.column = static_cast<std::uint16_t>(place_ + 1);
+  if (c == 0) return {};
+  if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  if (c < 'A' || c > 'Z') return {GcodeError::letter_expected, word.column};
+  word.letter = c;
+  ++place_;
+  if (!read_number(word)) return {GcodeError::bad_number, word.column};
+  return {};
+}
+
+}  // namespace lamplock::program
