@@ -48,10 +48,9 @@ void JobControl::take_input(std::chrono::milliseconds wait) {
 }
 
 void JobControl::take_line(const std::string& line) {
-  const auto first = line.find_first_not_of(" \t\r"), last = line.find_last_not_of(" \t\r%");
-  const bool is_blank = first == std::string::npos || last == std::string::npos;
-  const std::string word = is_blank ? "" : line.substr(first, last + 1 - first);
-  if (!word.empty() && word != "~") return take_word(word);
+  const auto first = line.find_first_not_of(" \t\r"), last = line.find_last_not_of(" \t\r");
+  const std::string word = first == std::string::npos ? "" : line.substr(first, last + 1 - first);
+  if (!word.empty() && word.front() != '~') return take_word(word);
   if (asking_ || holding_) resume();
 }
 

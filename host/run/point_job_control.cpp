@@ -63,7 +63,7 @@ void PointJobControl::end_question() {
 
 void PointJobControl::take_word(const std::string& word) {
   const std::uint32_t present = sender_.job_speed();
-  const auto percent = number_of<std::uint32_t>(word);
+  const auto percent = number_of<std::uint32_t>(word.substr(0, word.find_last_not_of(" \t%") + 1));
   if (word == "+")
     change_job_speed(present + job_speed_step);
   else if (word == "-")

@@ -196,7 +196,9 @@ TEST(SendProgram, a_pause_waits_for_its_user) {
   Served board;
   InTerminal sending({"send", file, "--board", board.address(), "--yes"});
   ASSERT_TRUE(sending.wait_for("the program pauses (M0), before line 2; Enter resumes"));
-  sending.type("\n");
+  sending.type("%\n");  // the mark of a tape in a pasted text is not a blank line
+  ASSERT_TRUE(sending.wait_for("Enter alone resumes"));
+  sending.type("~\n");
   ASSERT_TRUE(sending.wait_for("resuming"));
   const Finished done = sending.finish();
   EXPECT_EQ(done.status, 0) << done.out;
