@@ -69,10 +69,9 @@ Exit check(const CheckOptions& options) {
   if (run.problems.empty()) return Exit::done;
   const bool more = run.problems.size() >= options.max_problems;
   throw Error(Exit::bad_input, options.input,
-              fmt::format("{}{}", run.problems.size(),
-                          more ? " lines are wrong, the maximum of --most: the check stopped there"
-                          : run.problems.size() == 1 ? " line is wrong"
-                                                     : " lines are wrong"),
+              fmt::format("{} {} wrong{}", run.problems.size(),
+                          run.problems.size() == 1 ? "line is" : "lines are",
+                          more ? ", the maximum of --most: the check stopped there" : ""),
               "correct the lines listed above");
 }
 

@@ -160,7 +160,7 @@ void add_run(const job::Job& job, const Trial& trial, Estimate& estimate) {
 
 void check(const job::Job& job, const EstimateOptions& options) {
   if (job.is_rows())
-    throw Error(Exit::bad_input, "INPUT",
+    throw Error(Exit::bad_input, options.input,
                 "is a raster job (rows); estimate reads jobs of points only",
                 "lamplock raster prints the time when it makes the job");
   if (options.first < job.targets.size()) return;

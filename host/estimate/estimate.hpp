@@ -20,6 +20,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "host/job/job.hpp"
@@ -29,6 +30,7 @@ namespace lamplock::estimate {
 
 /// Part of the job to estimate.
 struct EstimateOptions {
+  std::string input = "job";      ///< name of the job in errors
   std::size_t first = 0;          ///< point to begin with
   std::uint32_t fired = 0;        ///< flashes of this point that were fired in earlier runs
   std::uint32_t job_speed = 100;  ///< percent

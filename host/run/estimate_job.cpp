@@ -53,6 +53,7 @@ estimate::Estimate estimate_prepared(const PreparedJob& prepared, const Estimate
   const std::unique_ptr<Progress> progress =
       frontend.progress("estimating", prepared.job.size(), options.job.from);
   estimate::EstimateOptions wanted;
+  wanted.input = prepared.input;
   wanted.first = options.job.from;
   wanted.fired = options.job.fired;
   wanted.job_speed = options.job.job_speed;

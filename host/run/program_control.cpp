@@ -96,8 +96,8 @@ void ProgramControl::feed(std::uint8_t byte, const std::string& what) {
 }
 
 void ProgramControl::resume_machine() {
+  if (asking_) waited_ += sender_.elapsed() - waiting_since_;
   blocked_ = asking_ = false;
-  waited_ += sender_.elapsed() - waiting_since_;
   sender_.resume();
 }
 
