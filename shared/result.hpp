@@ -20,6 +20,7 @@ enum class Result : std::uint8_t {
   unreachable = 11,        ///< limits make it impossible to reach the target
   unsupported = 12,        ///< known but not available on this board or in this version
   door_open = 13,          ///< safety door or e-stop is active
+  held = 14,               ///< a hold (`!`, 0x84) at rest has not been ended by `~`
 };
 
 }  // namespace lamplock

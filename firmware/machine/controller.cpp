@@ -7,7 +7,6 @@ namespace {
 
 using settings::Id;
 using wire::HoldReason;
-using wire::MachineState;
 
 /// High time of the lamp trigger: well above the 2 us that a lamp may require.
 constexpr std::uint32_t trigger_ticks = 20;
@@ -39,9 +38,8 @@ Controller::Controller(const settings::Values& stored, const InterruptMask& mask
   if (!ganged) say("No second motor: $966 needs a board with outputs for A");
   if (stored.whole(Id::homing) == 0) return;
   // The position is unknown until the machine is homed.
-  state_ = MachineState::alarm;
-  alarm_ = alarm_homing_wanted;
-  say("'$H'|'$X' to unlock");
+  handle(Event::power_up_unhomed, alarm_homing_wanted);
+  say(unlock_text);
 }
 
 /// Active from the start on. False if a second motor is required but has no output.
@@ -67,8 +65,7 @@ void Controller::use_settings(const settings::Values& values) {
 
 // Called with beat and fill interrupts masked, as all of commit() is.
 void Controller::end_overrides() {
-  const bool over = state_ == MachineState::idle || state_ == MachineState::alarm ||
-                    state_ == MachineState::estop;
+  const bool over = machine_.activity() == Activity::none && !machine_.ends();
   if (!overridden_ || !over || !runner_.at_rest() || shots_.undecided()) return;
   if (!runner_.plan_at_home()) return;  // planning reads the settings
   overridden_ = false;
@@ -110,7 +107,7 @@ void Controller::set_trigger() {
 }
 
 Result Controller::change_beat(std::uint32_t milli_hz) {
-  if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
+  if (machine_.locked()) return Result::locked;
   if (rows_.runs()) return Result::unsupported;  // no beat to follow
   if (!wire_job()) return Result::no_job;
   settings::Values values = values_;
@@ -127,8 +124,7 @@ Result Controller::change_beat(std::uint32_t milli_hz) {
   next_beat_milli_hz_ = milli;
   shots_.permit(false, idle_reason());
   runner_.read_outcomes();
-  if (moving_) runner_.brake();
-  moving_ = false;
+  brake_points();
   return Result::ok;
 }
 
@@ -167,8 +163,8 @@ bool Controller::prepare(std::uint64_t clock) {
   moving_ = go;
   shots_.permit(go && !dry_, idle_reason());
   shots_.beam().update(!runner_.at_rest() || shots_.point_pending(), clock);
-  if (!job_) runner_.read_outcomes();
-  if (!program_.begun()) return job_ && runner_.prepare(go);
+  if (!runner_.begun()) runner_.read_outcomes();
+  if (!program_.begun()) return runner_.begun() && runner_.prepare(go);
   const bool plans = program_.prepare();
   if (rows_.active()) rows_.look();
   return plans;
@@ -179,22 +175,11 @@ bool Controller::commit() {
   const bool wanted = moving_ && !runner_.underrun();
   const Committed committed = wanted ? runner_.commit() : Committed::nothing;
   if (committed == Committed::no_way) reject_unreachable();
-  // A stop is over when the machine is at rest and the last decided shot has been counted.
-  const bool stopping =
-      !job_ && !program_.begun() &&
-      (state_ == MachineState::run || state_ == MachineState::hold || state_ == MachineState::door);
-  if (stopping && runner_.at_rest() && !shots_.undecided()) {
-    // The edge may have occurred since prepare(): with state idle every shot must be visible.
-    runner_.read_outcomes();
-    state_ = MachineState::idle;
-  }
-  if (state_ == MachineState::run && wire_job() && runner_.complete() && runner_.at_rest())
-    state_ = MachineState::idle;
+  settle();
   end_overrides();
   if (board_.parts == HandoutMode::straight) program_.stage();
   // A job may have waited for prepare() before it began to move.
   const bool lines = drives_.ready(now_) && program_.commit();
-  settle_program();
   return committed == Committed::part || lines;
 }
 
@@ -202,31 +187,23 @@ bool Controller::commit() {
 void Controller::reject_unreachable() {
   if (wire_job()) {
     link_.refuse_point(Result::unreachable, runner_.failed_point());
-    return stop();
+    return handle(Event::stop);
   }
   // It may be reachable from where the machine stops.
   if (motion_.at_rest()) raise_alarm(alarm_soft_limit);
 }
 
 bool Controller::ready_to_move() const {
-  if (state_ != MachineState::run || !job_ || reset_due_ || next_beat_milli_hz_ != 0) return false;
+  if (!machine_.running() || !runner_.begun() || next_beat_milli_hz_ != 0) return false;
   if (!drives_.ready(now_)) return false;
   if (clock_.edges() < static_cast<std::uint32_t>(values_.whole(Id::lamp_warm_up))) return false;
   return moving_ ? clock_.locked() : clock_.settled();
 }
 
 BeatReason Controller::idle_reason() const {
-  switch (state_) {
-    case MachineState::alarm:
-    case MachineState::estop:
-      return BeatReason::alarm;
-    case MachineState::door:
-      return BeatReason::door;
-    case MachineState::hold:
-      return BeatReason::hold;
-    default:
-      break;
-  }
+  if (machine_.locked()) return BeatReason::alarm;
+  if (machine_.state() == State::door) return BeatReason::door;
+  if (machine_.state() == State::holding) return BeatReason::hold;
   if (!clock_.locked() || next_beat_milli_hz_ != 0) return BeatReason::not_locked;
   if (clock_.edges() < static_cast<std::uint32_t>(values_.whole(Id::lamp_warm_up)))
     return BeatReason::warm_up;
@@ -236,14 +213,14 @@ BeatReason Controller::idle_reason() const {
 }
 
 void Controller::check_dead_man() {
-  if (state_ != MachineState::run) return;
-  const bool framed = framed_job();
-  const std::int32_t limit_us = values_.milli(framed     ? Id::dead_man
-                                              : jogging_ ? Id::jog_lease
-                                                         : Id::program_dead_man);
+  if (!machine_.running() || machine_.homes()) return;
+  const bool framed = machine_.framed(), jogs = machine_.jogs();
+  const std::int32_t limit_us = values_.milli(framed ? Id::dead_man
+                                              : jogs ? Id::jog_lease
+                                                     : Id::program_dead_man);
   if (limit_us == 0) return;
   const std::uint64_t renewed = last_jog_ > last_frame_ ? last_jog_ : last_frame_;
-  const std::uint64_t since = framed ? last_frame_ : jogging_ ? renewed : last_byte_;
+  const std::uint64_t since = framed ? last_frame_ : jogs ? renewed : last_byte_;
   if (now_ - since > static_cast<std::uint64_t>(limit_us) * clocks_per_us) hold_without_host();
 }
 
@@ -255,23 +232,23 @@ constexpr std::uint32_t beats_without_lamp = 32;
 
 void Controller::lose_host() {
   const Masked masked(mask_);
-  if (state_ == MachineState::run) hold_without_host();
+  if (machine_.running() && !machine_.homes()) hold_without_host();
 }
 
 /// Motion or light that the host could not stop.
 void Controller::hold_without_host() {
-  if (!jogging_ && !framed_job()) {
+  if (machine_.activity() == Activity::program) {
     if (values_.whole(Id::run_on) != 0 && reader_.ends_itself()) return;
     say(held_without_host);
   }
-  hold(HoldReason::dead_man);
+  handle(Event::hold, HoldReason::dead_man);
 }
 
 void Controller::check_lamp() {
   const bool locked = clock_.locked();
   const bool lost = lamp_was_locked_ && !locked;
   lamp_was_locked_ = locked;
-  if (locked || !job_ || state_ != MachineState::run) {
+  if (locked || !runner_.begun() || !machine_.running()) {
     no_lamp_since_ = now_;
     no_lamp_said_ = false;
     return;
@@ -286,7 +263,7 @@ void Controller::check_lamp() {
 void Controller::miss_lamp() {
   no_lamp_said_ = true;
   say(no_lamp);
-  if (clock_.mode() == settings::LampMode::master) hold(HoldReason::lamp);
+  if (clock_.mode() == settings::LampMode::master) handle(Event::hold, HoldReason::lamp);
 }
 
 bool Controller::host_lives() const {
@@ -307,29 +284,16 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
   input_wait_.see(input, active);
   switch (input) {
     case Input::estop:
-      estop_ = active;
-      if (active)
-        raise_alarm(alarm_estop);
-      else if (state_ == MachineState::estop)
-        state_ = MachineState::alarm;
+      handle(active ? Event::estop_pressed : Event::estop_released, alarm_estop);
       break;
     case Input::door:
-      door_open_ = active;
-      if (active) {
-        open_door();
-      } else if ((job_ || rows_.runs()) && state_ == MachineState::door) {
-        state_ = MachineState::hold;  // after the door is closed the job waits for a resume
-        hold_reason_ = HoldReason::host;
-      }
+      handle(active ? Event::door_opened : Event::door_shut, HoldReason::host);
       break;
     case Input::probe:
     case Input::aux:
       break;
     default:
-      // Homing makes them engage; in an alarm nothing moves, and a contact may bounce.
-      if (active && state_ != MachineState::home && state_ != MachineState::alarm &&
-          state_ != MachineState::estop && values_.whole(Id::hard_limits) != 0)
-        raise_alarm(alarm_hard_limit);
+      if (active && values_.whole(Id::hard_limits) != 0) handle(Event::limit, alarm_hard_limit);
       break;
   }
 }
@@ -344,134 +308,13 @@ void Controller::stopped_at(const StepPosition& motors) {
   clear_racking();
 }
 
-void Controller::raise_alarm(std::uint8_t number) {
-  shots_.permit(false, BeatReason::alarm);
-  shots_.beam().cut();
-  shots_.end_check();
-  // every shot must be visible when a host queries where to continue
-  if (job_) runner_.read_outcomes();
-  runner_.halt();
-  program_.halt();
-  end_program();
-  reader_.invalidate_position();
-  jogging_ = check_ = false;
-  moving_ = false;
-  outputs_off();
-  next_beat_milli_hz_ = 0;
-  stopping_ = false;
-  // During an e-stop no other alarm may suggest that `$X` could clear it.
-  state_ = estop_ ? MachineState::estop : MachineState::alarm;
-  alarm_ = estop_ ? alarm_estop : number;
-  hold_reason_ = HoldReason::none;
-  TextLine line;
-  line.add("ALARM:").add(std::int64_t{alarm_}).add("\r\n");
-  link_.send_text(line.view());
-  guard_.drop();
-  parking_.end();
-  drop_homing();
-  drop_open_line();
-  use_overrides();
-}
-
-void Controller::unlock() {
-  if (state_ != MachineState::alarm) return;
-  // The position has changed: the job cannot simply continue.
-  stop();
-  link_.forget_session();
-  state_ = MachineState::idle;
-  alarm_ = 0;
-}
-
-void Controller::hold(HoldReason reason) {
-  // A hold by the host replaces every other reason; a typed hold replaces that of a silent host.
-  const bool typed = reason == HoldReason::realtime && hold_reason_ == HoldReason::dead_man;
-  if (state_ == MachineState::hold && (reason == HoldReason::host || typed)) hold_reason_ = reason;
-  // Also at rest: new motion is held.
-  const bool rests = state_ == MachineState::idle && program_.begun() && !check_ && !asleep_;
-  if (state_ == MachineState::home) return fail_homing(alarm_homing_reset);
-  if (parking_.holds_machine()) {
-    parking_.stay_here();
-    return program_.abort_detour();
-  }
-  if ((state_ != MachineState::run && !rests) || stopping_) return;
-  if (jogging_) return cancel_jog();
-  program_.hold();
-  shots_.permit(false, BeatReason::hold);
-  // otherwise a host that queries where to continue would get too low a number
-  runner_.read_outcomes();
-  if (moving_) runner_.brake();
-  moving_ = false;
-  state_ = MachineState::hold;
-  hold_reason_ = reason;
-}
-
 void Controller::hold_after_failed_shots() {
   std::uint32_t point = 0;
-  if (!shots_.take_failed(point) || !job_) return;
-  hold(HoldReason::not_made);
+  if (!shots_.take_failed(point) || !runner_.begun()) return;
+  handle(Event::hold, HoldReason::not_made);
   TextLine text;
   text.add("Point ").add(std::int64_t{point}).add(" not made");
   say(text.view());
-}
-
-void Controller::resume() {
-  if ((state_ != MachineState::hold && state_ != MachineState::door) || door_open_) return;
-  if (come_back()) return;
-  state_ = MachineState::run;
-  hold_reason_ = HoldReason::none;
-  program_.resume();
-  reader_.go_on();
-}
-
-void Controller::stop() {
-  shots_.permit(false, BeatReason::no_point_due);
-  // Shots fired since the last poll count: the next job continues after them.
-  if (job_) runner_.read_outcomes();
-  if (moving_) runner_.brake();
-  moving_ = false;
-  job_ = false;
-  if (rows_.runs()) stop_rows();
-  next_beat_milli_hz_ = 0;
-  hold_reason_ = HoldReason::none;
-}
-
-/// COMMAND stop: ends all motion.
-void Controller::stop_activity() {
-  if (homing_.active()) return fail_homing(alarm_homing_reset);
-  if (jogging_) return cancel_jog();
-  // A job of rows that is stopping is no program: a second stop repeats the first.
-  if (framed_job() || rows_.active() || (!program_.begun() && !beat_locked())) return stop();
-  stop_program();
-}
-
-// A constant, because the compiler would count its characters at run time.
-constexpr std::string_view stopped_by_host = "Stopped by the host: '$X' or reset to continue";
-
-/// Stops on the path, dark. Lines that wait are answered with an error and not run.
-void Controller::stop_program() {
-  refuse_lines(Refusal::until_unlocked, stopped_by_host);
-  guard_.drop();
-  if (parking_.holds_machine()) program_.abort_detour();
-  parking_.end();
-  drop_open_line();
-  shots_.permit(false, BeatReason::no_point_due);
-  outputs_off();
-  if (beat_locked() && moving_) runner_.brake();
-  moving_ = false;
-  program_.resume();
-  program_.cancel();
-  stopping_ = true;
-  if (!asleep_ && !check_) state_ = MachineState::run;
-  hold_reason_ = HoldReason::none;
-}
-
-/// Called at rest.
-void Controller::finish_stop() {
-  stopping_ = false;
-  end_program();
-  reader_.invalidate_position();
-  use_overrides();
-  state_ = MachineState::idle;
 }
 
 Result Controller::on_data(std::span<const std::uint8_t> records) {
@@ -490,19 +333,19 @@ Result Controller::on_end(std::uint32_t total) {
 
 Result Controller::on_command(const wire::CommandRequest& request) {
   refused_value_ = request.value;
-  if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
+  if (machine_.locked()) return Result::locked;
   if (request.command == wire::Command::lamp_frequency) return change_beat(request.value);
   const Masked masked(mask_);
   switch (request.command) {
     case wire::Command::hold:
-      hold(HoldReason::host);
+      handle(Event::hold, HoldReason::host);
       break;
     case wire::Command::resume:
-      if (door_open_) return Result::door_open;
-      resume();
+      if (door_open()) return Result::door_open;
+      handle(Event::resume);
       break;
     case wire::Command::stop:
-      stop_activity();
+      handle(Event::stop);
       break;
     case wire::Command::lamp_frequency:
       break;

@@ -72,6 +72,7 @@
 #include "firmware/machine/inputs/inputs.hpp"
 #include "firmware/machine/inputs/move_guard.hpp"
 #include "firmware/machine/interrupt_mask.hpp"
+#include "firmware/machine/machine.hpp"
 #include "firmware/machine/outputs/idle_release.hpp"
 #include "firmware/machine/outputs/program_outputs.hpp"
 #include "firmware/machine/runners/job_runner.hpp"
@@ -183,7 +184,7 @@ class Controller {
   std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
   /// Not masked, directly before prepare(): shortens it.
   void look_ahead() {
-    if (job_ && moving_) runner_.look_ahead();
+    if (runner_.begun() && moving_) runner_.look_ahead();
   }
   bool prepare(std::uint64_t clock);
   /// Not masked, before commit() (HandoutMode::staged): shortens it.
@@ -210,7 +211,7 @@ class Controller {
   /// A guarded move is in progress.
   bool wants_places() const { return guard_.watches(); }
   /// A switch or a key may interrupt the motion: the less is filled ahead the better.
-  bool may_abort_move() const { return guard_.watches() || jogging_; }
+  bool may_abort_move() const { return guard_.watches() || machine_.jogs(); }
   /// The board restarts after a crash during a job: the position of the axes is unknown.
   void start_in_alarm() { raise_alarm(alarm_position_lost); }
   /// The board's ticks have run out: motion, if there was any, has stopped dead. Must be followed
@@ -295,7 +296,7 @@ class Controller {
     if (!drives_.all_on()) return outputs;
     outputs.fire_enable = shots_.permitted();
     // These outlast the permission by a shot that the hardware has decided, except in an alarm.
-    if (state_ == wire::MachineState::alarm || state_ == wire::MachineState::estop) return outputs;
+    if (machine_.locked()) return outputs;
     outputs.shutters = shots_.beam().shutters();
     outputs.attenuator = shots_.beam().attenuator();
     outputs.laser_enable = laser_may_shine();
@@ -303,19 +304,19 @@ class Controller {
   }
   SwitchedOutputs switched_outputs() const {
     return {drives_.on(1) && drives_may_be_on(),
-            program_outputs_.air() && state_ != wire::MachineState::door, program_outputs_.aux()};
+            program_outputs_.air() && machine_.state() != State::door, program_outputs_.aux()};
   }
   FireTiming fire_timing() const;
   const settings::Values& values() const { return values_; }
   /// Without the overrides of a job.
   const settings::Values& stored() const { return stored_; }
-  wire::MachineState state() const { return state_; }
+  wire::MachineState state() const { return wire_state(machine_.state(), machine_.activity()); }
+  const Machine& machine() const { return machine_; }
   /// A job is in progress, also in hold, with an open door, or still stopping: one host has begun
   /// it, and other hosts are ignored. An alarm ends that: nothing moves, and unlocking ends the
   /// job.
   bool job_unfinished() const {
-    return state_ == wire::MachineState::run || state_ == wire::MachineState::hold ||
-           state_ == wire::MachineState::door;
+    return !machine_.locked() && machine_.activity() != Activity::none && !machine_.homes();
   }
   const lamp::BeatClock& clock() const { return clock_; }
   const lamp::ShotScheduler& shots() const { return shots_; }
@@ -334,7 +335,7 @@ class Controller {
   std::uint32_t refused_value() const { return refused_value_; }
   /// The only part changed by interrupts, the lamp's lock, is a single read: not masked.
   wire::StatusSummary standing() const {
-    wire::StatusSummary standing{state_, hold_reason_, alarm_, clock_.locked(),
+    wire::StatusSummary standing{state(), machine_.hold_reason(), machine_.alarm(), clock_.locked(),
                                  runner_.queue().free()};
     if (rows_.active()) add_rows(standing);
     return standing;
@@ -355,6 +356,7 @@ class Controller {
   static constexpr std::uint8_t alarm_estop = 10;
   static constexpr std::uint8_t alarm_homing_wanted = 11;
   static constexpr std::uint8_t alarm_homing_not_squared = 15;  ///< as in grblHAL
+  static constexpr std::string_view unlock_text = "'$H'|'$X' to unlock";
   /// Room reserved for answers: without it lines wait.
   static constexpr std::size_t answer_room = 128;
   /// Lines leave this much in addition, so that a host that reads no answers still gets one status.
@@ -362,7 +364,7 @@ class Controller {
 
   lamp::ShotRules shot_rules(const settings::Values& values) const;
   void hold_after_failed_shots();
-  bool drives_may_be_on() const { return state_ != wire::MachineState::estop && !asleep_; }
+  bool drives_may_be_on() const { return !machine_.in(states(State::estop, State::sleep)); }
   bool drives_may_rest() const;
   [[gnu::cold]] void outputs_off();
   [[gnu::cold]] void tell_end();
@@ -374,14 +376,32 @@ class Controller {
   void end_overrides();
   [[gnu::cold]] void set_trigger();
   void follow_new_beat();
-  [[gnu::cold]] void hold(wire::HoldReason reason);
-  [[gnu::cold]] void resume();
-  [[gnu::cold]] void stop();
-  [[gnu::cold]] void stop_activity();
+  // Events of the machine and what they cause (controller_states.cpp).
+  Conditions conditions() const;
+  [[gnu::cold]] void handle(Event event, std::uint8_t detail = 0);
+  void handle(Event event, wire::HoldReason reason) {
+    handle(event, static_cast<std::uint8_t>(reason));
+  }
+  [[gnu::cold]] void perform(Effect effect);
+  [[gnu::cold]] void perform_end(Effect effect);
+  [[gnu::cold]] void hold_motion();
+  [[gnu::cold]] void hold_at_door();
+  void brake_points();
+  [[gnu::cold]] void stop_motion();
+  [[gnu::cold]] void stop_lines();
   [[gnu::cold]] void stop_program();
-  [[gnu::cold]] void finish_stop();
-  [[gnu::cold]] void raise_alarm(std::uint8_t number);
+  [[gnu::cold]] void refuse_program();
+  [[gnu::cold]] void leave_guarded_motion();
+  [[gnu::cold]] void finish_program();
+  void raise_alarm(std::uint8_t number) { handle(Event::fault, number); }
+  [[gnu::cold]] void begin_alarm(bool answers);
   [[gnu::cold]] void unlock();
+  [[gnu::cold]] void begin_reset();
+  [[gnu::cold]] void clear_for_reset();
+  [[gnu::cold]] void greet();
+  /// Ends the present activity if it is over.
+  void settle();
+  bool is_settled();
   bool ready_to_move() const;
   BeatReason idle_reason() const;
   void check_dead_man();
@@ -394,9 +414,9 @@ class Controller {
   // Lines and programs (controller_program.cpp).
   /// The laser of a program, in motion and while it stops; a door ends it at once.
   bool laser_may_shine() const {
-    return program_.begun() && !reset_due_ && !stopping_ && !jogging_ && !door_open_ &&
-           rows_.may_shine() &&
-           (state_ == wire::MachineState::run || state_ == wire::MachineState::hold);
+    return program_.begun() && machine_.in(states(State::running, State::holding)) &&
+           !machine_.does(activities(Activity::jog, Activity::homing)) && !door_open() &&
+           rows_.may_shine();
   }
   bool program_unfinished() const {
     return reader_.line_open() || !program_.idle() || (beat_locked() && !runner_.drained());
@@ -404,16 +424,13 @@ class Controller {
   /// Moves of a program are points on the beat, run by the job runner.
   bool beat_locked() const { return reader_.lock() != program::BeatLock::off; }
   /// A job of points that came in frames.
-  bool wire_job() const { return job_ && !beat_locked(); }
-  /// A job of points or of rows that came in frames.
-  bool framed_job() const { return wire_job() || rows_.runs(); }
+  bool wire_job() const { return runner_.begun() && !beat_locked(); }
   /// Called in every round of the main loop.
   bool lines_due() const {
     return reader_.line_open() || reader_.lines_wait() || start_up_next_ < start_up_lines ||
            homing_.active();
   }
   void work_lines();
-  void start_or_hold_at_door();
   bool finish_line();
   void drop_open_line();
   [[gnu::cold]] void pause();
@@ -438,46 +455,39 @@ class Controller {
   void configure_reader();
   [[gnu::cold]] void reject_unreachable();
   void end_program();
-  void settle_program();
-  void settle_points();
-  void reset();
-  void reset_job();
-  void finish_reset();
   void cancel_jog();
   void override_byte(std::uint8_t byte);
   void use_overrides();
   bool toggle_coolant(std::uint8_t byte);
   static void change_override(std::uint8_t& percent, int by);
   void end_overrides_of_program();
-  void toggle_check();
   // Jobs of rows (controller_rows.cpp).
+  Result may_begin_job() const;
+  Result begin_job(const wire::JobHeader& header);
   Result begin_rows(const wire::JobHeader& header, const settings::Values& values,
                     std::uint32_t tick_q16);
   Result take_rows(std::span<const std::uint8_t> records);
   Result end_rows(std::uint32_t total);
-  void stop_rows();
   Result set_speed_of_rows(std::uint32_t percent);
-  void settle_rows();
   [[gnu::cold]] void add_rows(wire::StatusSummary& standing) const;
   // Doors and parking (controller_parking.cpp).
-  void open_door();
+  bool door_open() const { return (inputs_ & set_of(Input::door)) != 0; }
   void begin_parking();
   void work_parking();
-  bool come_back();
   // Guarded moves (controller_homing.cpp, controller_probe.cpp).
   GcodeError begin_homing(std::string_view axes);
   void work_homing();
   void go_homing();
   void fail_homing(std::uint8_t alarm);
+  void break_off_homing(std::uint8_t alarm);
   void end_homing();
-  void drop_homing();
+  void drop_homing(bool answers);
   StepPosition steps_at_rest() const;
   [[gnu::cold]] void clear_racking();
   bool work_probe();
   void begin_probe();
   bool end_probe();
 
-  GcodeError end_orphan();
   GcodeError request_loader();
   bool nothing_is_under_way() const;
   bool may_be_changed() const;
@@ -528,35 +538,24 @@ class Controller {
   Homing homing_;
   ProbeResult probe_;
 
-  wire::MachineState state_ = wire::MachineState::idle;
-  wire::HoldReason hold_reason_ = wire::HoldReason::none;
-  std::uint8_t alarm_ = 0;
-  bool job_ = false;  ///< of points, or a row of them of a program, begun and not ended
+  Machine machine_;
   bool dry_ = false;
-  bool jogging_ = false;
   Refusal refusal_ = Refusal::none;  ///< of lines of programs
   bool host_present_ = true;         ///< from the board
   bool status_line_due_ = false;     ///< requested by `?`
   bool before_jog_cancel_ = false;   ///< for the bytes that are being received
   /// that waited when a jog was cancelled: their jogs are void
   std::uint32_t lines_at_cancel_ = 0;
-  bool check_ = false;                          ///< programs are read and not run
   bool kept_due_ = false;                       ///< texts or places have changed
   bool own_line_ = false;                       ///< a start-up line is open: no answer is expected
   std::uint8_t start_up_next_ = 0;              ///< start-up line to be run
   std::uint8_t new_start_up_ = start_up_lines;  ///< to be kept after it has run; this value = none
   KeptText new_start_up_text_;
-  bool asleep_ = false;          ///< drives off until a reset
-  bool reset_due_ = false;       ///< due when the machine has stopped
-  bool moved_at_reset_ = false;  ///< it was moving at the request
-  bool stopping_ = false;        ///< a program stops for good, dark
   Overrides overrides_;
   bool moving_ = false;                  ///< motion was permitted at the last prepare()
   std::int32_t next_beat_milli_hz_ = 0;  ///< lamp frequency to be applied at rest; 0 = none
   bool store_due_ = false;
   bool loader_requested_ = false;
-  bool door_open_ = false;
-  bool estop_ = false;
   std::uint32_t points_total_ = 0;
   std::uint32_t refused_value_ = 0;
   std::uint64_t now_ = 0;            ///< clock of the last prepare()

@@ -5,7 +5,6 @@ namespace lamplock::machine {
 namespace {
 
 using settings::Id;
-using wire::MachineState;
 
 constexpr AxisSet every_axis = (1u << max_axes) - 1;
 
@@ -31,9 +30,9 @@ GcodeError Controller::begin_homing(std::string_view axes) {
     wanted = static_cast<AxisSet>(1u << axis);
   }
   if (stored_.whole(Id::homing) == 0) return GcodeError::homing_disabled;
-  if (state_ == MachineState::estop) return GcodeError::emergency_stop;
-  if (door_open_) return GcodeError::door_open;
-  if (!may_be_changed() || check_ || loader_requested_) return GcodeError::not_idle;
+  if (machine_.state() == State::estop) return GcodeError::emergency_stop;
+  if (door_open()) return GcodeError::door_open;
+  if (!may_be_changed() || machine_.checks() || loader_requested_) return GcodeError::not_idle;
   const Kinematics& kinematics = motion_.generator().kinematics();
   const int ganged = kinematics.ganged_axis();
   InputSet inputs = board_.inputs;
@@ -44,8 +43,7 @@ GcodeError Controller::begin_homing(std::string_view axes) {
     say("Not squared: A has no limit switch");
   reader_.end_lock();
   const Masked masked(mask_);
-  if (state_ == MachineState::alarm) unlock();
-  state_ = MachineState::home;
+  handle(Event::begin_homing);
   end_refusal();
   use_overrides();
   return GcodeError::none;
@@ -53,11 +51,7 @@ GcodeError Controller::begin_homing(std::string_view axes) {
 
 /// Continues when the machine is at rest.
 void Controller::work_homing() {
-  if (!program_.idle() || !motion_.at_rest()) return;
-  if (homing_.alarm() != 0) {
-    const Masked masked(mask_);
-    return raise_alarm(homing_.alarm());
-  }
+  if (!machine_.running() || !program_.idle() || !motion_.at_rest()) return;
   if (homing_.waits(now_)) return;
   switch (homing_.next({steps_at_rest(), inputs_, guard_})) {
     case Homing::Next::move:
@@ -93,8 +87,14 @@ void Controller::go_homing() {
   program_.take(line);
 }
 
-/// Homing ends with an alarm when the machine is at rest.
+/// At rest.
 void Controller::fail_homing(std::uint8_t alarm) {
+  const Masked masked(mask_);
+  raise_alarm(alarm);
+}
+
+/// Homing ends with an alarm when the machine is at rest.
+void Controller::break_off_homing(std::uint8_t alarm) {
   guard_.drop();
   homing_.give_up(alarm);
   program_.abort_move(true);
@@ -104,10 +104,10 @@ void Controller::end_homing() {
   const Masked masked(mask_);
   guard_.drop();
   homing_.end();
-  use_overrides();
   end_program();
   reader_.invalidate_position();
-  state_ = MachineState::idle;
+  handle(Event::homed);
+  use_overrides();
   if (homing_.of_machine()) start_up_next_ = 0;
   answer(GcodeError::none);
 }
@@ -128,11 +128,11 @@ void Controller::clear_racking() {
 }
 
 /// An alarm was raised. After a reset no answer is expected.
-void Controller::drop_homing() {
+void Controller::drop_homing(bool answers) {
   if (!homing_.active()) return;
   homing_.end();
   clear_racking();
-  if (!reset_due_) answer(GcodeError::locked);
+  if (answers) answer(GcodeError::locked);
 }
 
 }  // namespace lamplock::machine

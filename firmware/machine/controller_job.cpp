@@ -6,7 +6,6 @@ namespace {
 
 using settings::Id;
 using wire::HoldReason;
-using wire::MachineState;
 
 /// The firmware's settings define the machine, its limits and protections: true if a job needs
 /// another machine or more than the machine's own setting allows. With other steps/mm every limit
@@ -159,13 +158,26 @@ lamp::ShotRules Controller::shot_rules(const settings::Values& values) const {
 
 Result Controller::on_begin(const wire::JobHeader& header) {
   refused_value_ = 0;
-  if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::locked;
+  if (const Result r = may_begin_job(); r != Result::ok) return r;
+  if (const Result r = begin_job(header); r != Result::ok) return r;
+  const Masked masked(mask_);
+  handle(header.mode == wire::mode_rows ? Event::begin_rows : Event::begin_points);
+  return Result::ok;
+}
+
+Result Controller::may_begin_job() const {
+  if (machine_.locked()) return Result::locked;
   if (loader_requested_) return Result::busy;
-  if (door_open_) return Result::door_open;
-  if (!runner_.at_rest() || job_unfinished() || check_ || asleep_) return Result::busy;
+  if (door_open()) return Result::door_open;
+  if (machine_.held_at_rest()) return Result::held;
+  if (!machine_.accepts(Event::begin_points) || !runner_.at_rest()) return Result::busy;
   if (program_unfinished() || reader_.lines_wait() || start_up_waits()) return Result::busy;
-  if (homing_.active()) return Result::busy;    // also between two of its moves
-  if (shots_.undecided()) return Result::busy;  // a shot of the last job may still be fired
+  // A shot of the last job may still be fired.
+  return shots_.undecided() ? Result::busy : Result::ok;
+}
+
+/// Its stack is free again before the event is handled.
+[[gnu::noinline]] Result Controller::begin_job(const wire::JobHeader& header) {
   settings::Values values;
   if (const Result r = job_settings(header, values); r != Result::ok) return r;
   const bool of_rows = header.mode == wire::mode_rows;
@@ -198,10 +210,7 @@ Result Controller::on_begin(const wire::JobHeader& header) {
     rows_.forget();
     runner_.begin(options, values, header.first_index);
     decoder_.begin(header, static_cast<std::uint8_t>(values.whole(Id::channels)) & board_.channels);
-    job_ = true;
   }
-  state_ = MachineState::run;
-  hold_reason_ = HoldReason::none;
   return Result::ok;
 }
 

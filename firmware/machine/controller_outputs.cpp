@@ -3,8 +3,6 @@
 
 namespace lamplock::machine {
 
-using wire::MachineState;
-
 /// Switches off all outputs of programs, the laser as well, and drops pending changes: no light
 /// before it is requested again. Beat and fill masked.
 void Controller::outputs_off() {
@@ -15,13 +13,12 @@ void Controller::outputs_off() {
 
 /// No motion is known. In a hold drives stay on: the program continues from there.
 bool Controller::drives_may_rest() const {
-  return (state_ == MachineState::idle || state_ == MachineState::alarm) && motion_.at_rest() &&
+  return machine_.in(states(State::idle, State::check, State::alarm)) && motion_.at_rest() &&
          program_.drained();
 }
 
 /// M66, at rest. True if the program continues.
 bool Controller::work_input_wait() {
-  using State = InputWait::State;
   const program::IoRequest& wanted = reader_.wait();
   const auto active = [this](Input input) { return (inputs_ & set_of(input)) != 0; };
   if (!input_wait_.begun()) {
@@ -29,9 +26,9 @@ bool Controller::work_input_wait() {
     input_wait_.begin(wanted.event, wanted.port, active(InputWait::inputs[wanted.port]),
                       now_ + std::uint64_t{reader_.wait_us()} * clocks_per_us);
   }
-  const State state = input_wait_.look(now_);
-  if (state == State::waits) return false;
-  const bool late = state == State::late;
+  const InputWait::State state = input_wait_.look(now_);
+  if (state == InputWait::State::waits) return false;
+  const bool late = state == InputWait::State::late;
   TextLine text;
   text.add("Input ").add(std::int64_t{wanted.port});
   text.add(late ? " not met: " : " ").add(active(input_wait_.input()) ? "on" : "off");

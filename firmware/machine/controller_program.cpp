@@ -6,7 +6,6 @@ namespace lamplock::machine {
 namespace {
 
 using wire::HoldReason;
-using wire::MachineState;
 
 /// Maximum lines of a program in one round of the main loop, which has other work.
 constexpr int max_lines_at_once = 4;
@@ -36,10 +35,11 @@ constexpr std::string_view bytes_lost = "Bytes were lost: reset to continue";
 void Controller::on_line_too_long() { on_line(lost_line); }
 
 [[gnu::hot]] void Controller::work_lines() {
-  if (homing_.active()) return work_homing();
-  for (int i = 0; i < max_lines_at_once && !homing_.active(); ++i) {
+  if (machine_.homes()) return work_homing();
+  for (int i = 0; i < max_lines_at_once && !machine_.homes(); ++i) {
     if (reader_.line_open() && !finish_line()) break;
-    if (reset_due_ || stopping_ || program_.cancelling() || program_.batch_waits()) break;
+    if (machine_.ends() && !machine_.framed()) break;
+    if (program_.cancelling() || program_.batch_waits()) break;
     // After a cancelled jog, until the machine is at rest at the start of the next line.
     if (reader_.off_target() && !program_.idle() && !rows_.active()) break;
     if (run_start_up_line()) continue;
@@ -54,24 +54,16 @@ void Controller::on_line_too_long() { on_line(lost_line); }
   if (!reader_.lines_wait()) lines_at_cancel_ = 0;
   const bool points = beat_locked() && runner_.queue().size() != 0;
   const bool busy = reader_.line_open() || !program_.drained() || points;
-  if (state_ == MachineState::idle && busy && !check_) start_or_hold_at_door();
-}
-
-/// A program begins. With the door open it waits, as if the door had been opened during the
-/// program.
-void Controller::start_or_hold_at_door() {
-  state_ = MachineState::run;
-  if (!door_open_) return;
-  state_ = MachineState::door;
-  program_.hold();
-  say("Check Door");
+  if (!busy || machine_.activity() != Activity::none) return;
+  const Masked masked(mask_);
+  handle(Event::begin_program);
 }
 
 /// Continues the open line; false if it waits.
 [[gnu::hot]] bool Controller::finish_line() {
   using Step = ProgramReader::Step;
   for (;;) {
-    switch (reader_.step(values_, work_space_, now_, check_)) {
+    switch (reader_.step(values_, work_space_, now_, machine_.checks())) {
       case Step::nothing:
         return true;
       case Step::waits:
@@ -86,7 +78,7 @@ void Controller::start_or_hold_at_door() {
       case Step::outside:
         if (!own_line_) answer(GcodeError::bad_target);
         own_line_ = false;
-        if (!check_) {
+        if (!machine_.checks()) {
           const Masked masked(mask_);
           raise_alarm(alarm_soft_limit);
         }
@@ -122,8 +114,7 @@ void Controller::tell_end() {
 void Controller::pause() {
   if (reader_.changes_tool()) say_tool();
   const Masked masked(mask_);
-  state_ = door_open_ ? MachineState::door : MachineState::hold;
-  hold_reason_ = door_open_ ? HoldReason::none : HoldReason::realtime;
+  handle(Event::pause, HoldReason::realtime);
 }
 
 /// Reports the tool to be inserted.
@@ -165,13 +156,13 @@ void Controller::drop_open_line() {
 void Controller::stop_after(GcodeError error) {
   const bool of_line = error != GcodeError::none && error != GcodeError::locked &&
                        error != GcodeError::not_idle && error != GcodeError::door_open;
-  if (!of_line || check_ || values_.whole(settings::Id::stop_at_error) == 0) return;
+  if (!of_line || machine_.checks() || values_.whole(settings::Id::stop_at_error) == 0) return;
   refuse_lines(Refusal::until_unlocked, stopped_at_error);
 }
 
 /// Lost frames are repeated.
 void Controller::lose_lines() {
-  if (framed_job() && job_unfinished()) return;
+  if (machine_.framed() && !machine_.ends()) return;
   refuse_lines(Refusal::until_reset, bytes_lost);
 }
 
@@ -192,9 +183,13 @@ void Controller::refuse_lines(Refusal until, std::string_view reason) {
     return true;
   }
   if (beat_locked()) return true;
-  if (state_ != MachineState::idle || !motion_.at_rest() || loader_requested_) return false;
+  // Also in a hold that has begun at rest: the program waits in it.
+  const bool held = machine_.held_at_rest();
+  if (machine_.activity() != Activity::none || machine_.locked() || machine_.ends()) return false;
+  if (!motion_.at_rest() || loader_requested_) return false;
   if (shots_.undecided() || overridden_) return false;
   if (!begin_lines(values_)) return false;
+  if (held) program_.hold();
   find_position();
   return true;
 }
@@ -210,7 +205,7 @@ void Controller::find_position() {
 /// At rest, no shot undecided: interrupts then change none of the data used here.
 bool Controller::begin_lines(const settings::Values& values) {
   planning_.recall();
-  job_ = false;
+  runner_.end();
   std::uint32_t tick_q16 = 0;
   {
     const Masked masked(mask_);
@@ -242,14 +237,13 @@ void Controller::begin_points(program::BeatLock lock) {
   link_.forget_session();
   rows_.forget();
   dry_ = false;
-  job_ = true;
 }
 
 /// Changes to points on the beat, with their mode, or to lines. False while that must wait:
 /// planners share their memory, so the machine must be at rest, and every shot judged.
 bool Controller::change_over(program::BeatLock lock) {
-  if (state_ != MachineState::idle && state_ != MachineState::run) return false;
-  if (!motion_.at_rest() || shots_.undecided() || reset_due_) return false;
+  if (!machine_.idle() && !machine_.running()) return false;
+  if (!motion_.at_rest() || shots_.undecided()) return false;
   {
     const Masked masked(mask_);
     end_program();
@@ -270,8 +264,7 @@ void Controller::configure_reader() {
 }
 
 [[gnu::hot]] GcodeError Controller::begin_program_line(std::string_view line) {
-  if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_ || jogging_ ||
-      refusal_ != Refusal::none)
+  if (machine_.locked() || machine_.sleeps() || machine_.jogs() || refusal_ != Refusal::none)
     return GcodeError::locked;
   if (!start_program()) return GcodeError::not_idle;
   return reader_.begin(line).error;
@@ -280,17 +273,15 @@ void Controller::configure_reader() {
 GcodeError Controller::begin_jog(std::string_view line) {
   // Sent before the jogs were cancelled, or before the host was lost.
   if (lines_at_cancel_ != 0 || !host_present_) return GcodeError::none;
-  if (state_ == MachineState::alarm || state_ == MachineState::estop || asleep_)
-    return GcodeError::locked;
-  if (door_open_) return GcodeError::door_open;
+  if (machine_.locked() || machine_.sleeps()) return GcodeError::locked;
+  if (door_open()) return GcodeError::door_open;
   // The state idle may be old: a line of a program may have been accepted since.
-  const bool free = state_ == MachineState::idle && program_.drained() && !check_;
-  const bool goes_on = jogging_ && (state_ == MachineState::run || state_ == MachineState::idle);
-  if ((!free && !goes_on) || !start_program()) return GcodeError::not_idle;
+  const bool free = machine_.jogs() || program_.drained();
+  if (!free || !machine_.accepts(Event::begin_jog) || !start_program()) return GcodeError::not_idle;
   const program::Fault fault = reader_.begin_jog(line, values_, work_space_);
   if (fault) return fault.error;
   const Masked masked(mask_);
-  jogging_ = true;
+  handle(Event::begin_jog);
   use_overrides();
   return GcodeError::none;
 }
@@ -301,35 +292,8 @@ void Controller::end_program() {
   rows_.end();
   if (!beat_locked()) return;
   reader_.set_lock(program::BeatLock::off);
-  job_ = moving_ = false;
-}
-
-// Called with beat and fill interrupts masked, as all of commit() is.
-[[gnu::hot]] void Controller::settle_program() {
-  if (reset_due_ && homing_.active()) return;  // homing ends first, with its alarm
-  if (beat_locked()) return settle_points();
-  if (reset_due_) {
-    if (motion_.at_rest() && !shots_.undecided()) finish_reset();
-    return;
-  }
-  if (rows_.active()) return settle_rows();
-  if (!program_.begun() || !program_.idle()) return;
-  if (stopping_) return finish_stop();
-  if (reader_.line_open() || state_ != MachineState::run || job_) return;
-  state_ = MachineState::idle;
-  if (!jogging_) return;
-  jogging_ = false;
-  use_overrides();
-}
-
-void Controller::settle_points() {
-  if (!motion_.at_rest() || shots_.undecided()) return;
-  if (reset_due_) return finish_reset();
-  if (stopping_) return finish_stop();
-  if (reader_.line_open() || state_ != MachineState::run) return;
-  // The edge may have occurred since prepare(): with state idle every shot must be visible.
-  runner_.read_outcomes();
-  if (runner_.drained()) state_ = MachineState::idle;
+  runner_.end();
+  moving_ = false;
 }
 
 }  // namespace lamplock::machine

@@ -3,12 +3,10 @@
 
 namespace lamplock::machine {
 
-using wire::MachineState;
-
 /// As begin_lines(); the previous motion has ended.
 Result Controller::begin_rows(const wire::JobHeader& header, const settings::Values& values,
                               std::uint32_t tick_q16) {
-  job_ = false;
+  runner_.end();
   {
     const Masked masked(mask_);
     runner_.read_outcomes();  // the rest of a job must not move the machine back
@@ -25,7 +23,7 @@ Result Controller::begin_rows(const wire::JobHeader& header, const settings::Val
 
 Result Controller::take_rows(std::span<const std::uint8_t> records) {
   // STATUS contains the reason of the refusal.
-  if (state_ == MachineState::alarm || state_ == MachineState::estop) return Result::no_space;
+  if (machine_.locked()) return Result::no_space;
   const Result r = rows_.take(records, work_space_);
   refused_value_ = rows_.refused_index();
   return r;
@@ -36,29 +34,12 @@ Result Controller::end_rows(std::uint32_t total) {
   return rows_.runs() ? Result::bad_value : Result::no_job;
 }
 
-/// Stops on the path, dark from here on.
-void Controller::stop_rows() {
-  rows_.stop();
-  program_.resume();
-  program_.cancel();
-}
-
 /// A feed override, effective with the next batch.
 Result Controller::set_speed_of_rows(std::uint32_t percent) {
   constexpr std::uint32_t least_override = 10;
   overrides_.feed = static_cast<std::uint8_t>(percent < least_override ? least_override : percent);
   use_overrides();
   return Result::ok;
-}
-
-/// At rest, and no more lines will follow.
-void Controller::settle_rows() {
-  if (!rows_.over() || program_.cancelling()) return;
-  // Held at its very end: the host must resume.
-  if (rows_.runs() && state_ != MachineState::run) return;
-  end_program();
-  end_overrides_of_program();
-  state_ = MachineState::idle;
 }
 
 void Controller::add_rows(wire::StatusSummary& standing) const {

@@ -4,15 +4,13 @@
 
 namespace lamplock::machine {
 
-using wire::MachineState;
-
 /// "$N0=line": run, and then kept.
 GcodeError Controller::keep_start_up_line(std::string_view line) {
   constexpr std::size_t head = 4;  // "$N0="
   const std::size_t number = static_cast<std::size_t>(line[2] - '0');
   if (line.size() < head || number >= start_up_lines || line[3] != '=')
     return GcodeError::unknown_command;
-  if (state_ != MachineState::idle || program_unfinished() || check_) return GcodeError::not_idle;
+  if (!machine_.idle() || program_unfinished()) return GcodeError::not_idle;
   const std::string_view text = line.substr(head);
   if (!new_start_up_text_.set(text)) return GcodeError::text_too_long;
   const GcodeError error = text.empty() ? GcodeError::none : begin_program_line(text);
@@ -39,9 +37,8 @@ bool Controller::start_up_waits() const {
 /// After power-up and a reset; false if no line is left, or none may run.
 [[gnu::hot]] bool Controller::run_start_up_line() {
   if (start_up_next_ >= start_up_lines || reader_.line_open()) return false;
-  if (state_ == MachineState::alarm || state_ == MachineState::estop)
-    start_up_next_ = start_up_lines;
-  if (state_ != MachineState::idle || link_.room() < answer_room) return false;
+  if (machine_.locked()) start_up_next_ = start_up_lines;
+  if (!machine_.idle() || link_.room() < answer_room) return false;
   const std::string_view text = reader_.kept().start_up[start_up_next_++].view();
   if (text.empty()) return true;
   const GcodeError error = begin_program_line(text);

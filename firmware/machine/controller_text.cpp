@@ -8,7 +8,6 @@ namespace lamplock::machine {
 namespace {
 
 using settings::Id;
-using wire::MachineState;
 
 constexpr std::string_view ok_line = "ok\r\n";
 constexpr std::string_view version_begin = "[VER:1.1h.20261122:", product = "lamplock";
@@ -80,28 +79,21 @@ void Controller::answer_system_command(std::string_view line) {
 GcodeError Controller::system_command(std::string_view line) {
   if (tell(line)) return GcodeError::none;
   if (line == "$X") {
-    if (state_ == MachineState::estop) return GcodeError::emergency_stop;
+    if (machine_.state() == State::estop) return GcodeError::emergency_stop;
     end_refusal();
-    if (state_ != MachineState::alarm) return end_orphan();
-    if (door_open_) return GcodeError::door_open;
-    reader_.end_lock();  // no shot before it is requested again
-    say("Caution: Unlocked");
+    if (machine_.state() == State::alarm) {
+      if (door_open()) return GcodeError::door_open;
+      reader_.end_lock();  // no shot before it is requested again
+      say("Caution: Unlocked");
+    }
     const Masked masked(mask_);
-    unlock();
+    handle(Event::unlock);  // without an alarm: a job that is held and has no host ends
     return GcodeError::none;
   }
   if (line.starts_with("$RST=") || line.starts_with("$I=") || line == "$BOOT" || line == "$C" ||
       line == "$SLP")
     return command_at_rest(line);
   return change_setting(line);
-}
-
-/// `$X` without an alarm: a job that is held and has no host ends.
-GcodeError Controller::end_orphan() {
-  const Masked masked(mask_);
-  const bool held = state_ == MachineState::hold || state_ == MachineState::door;
-  if (framed_job() && held && !host_lives()) stop();
-  return GcodeError::none;
 }
 
 /// Commands that only request a report.
@@ -153,14 +145,12 @@ GcodeError Controller::command_at_rest(std::string_view line) {
   if (line == "$BOOT") return request_loader();
   if (!may_be_changed()) return GcodeError::not_idle;
   if (line.starts_with("$I=")) return keep_build_text(line.substr(3));
-  if (line == "$C") {
-    if (state_ != MachineState::idle) return GcodeError::not_idle;
-    toggle_check();
-  } else if (line == "$SLP") {
-    say("Sleeping");
-    asleep_ = true;
+  const bool checks = line == "$C";
+  if (checks || line == "$SLP") {
+    const Event event = checks ? Event::toggle_check : Event::go_to_sleep;
+    if (!machine_.accepts(event)) return GcodeError::not_idle;
     const Masked masked(mask_);
-    outputs_off();
+    handle(event);
   } else if (line == "$RST=$") {
     restore_defaults();
   } else if (line == "$RST=#" || line == "$RST=*") {
@@ -176,18 +166,18 @@ GcodeError Controller::command_at_rest(std::string_view line) {
 /// Also during an e-stop: the state of a board without wires, and of a machine made safe first. All
 /// outputs are off in the loader.
 GcodeError Controller::request_loader() {
-  if (!may_be_changed() && !(state_ == MachineState::estop && nothing_is_under_way()))
+  if (!may_be_changed() && !(machine_.state() == State::estop && nothing_is_under_way()))
     return GcodeError::not_idle;
   loader_requested_ = true;
   return GcodeError::none;
 }
 
 bool Controller::nothing_is_under_way() const {
-  return runner_.at_rest() && !shots_.undecided() && !program_unfinished() && !asleep_;
+  return runner_.at_rest() && !shots_.undecided() && !program_unfinished();
 }
 
 bool Controller::may_be_changed() const {
-  return (state_ == MachineState::idle || state_ == MachineState::alarm) && nothing_is_under_way();
+  return machine_.in(states(State::idle, State::check, State::alarm)) && nothing_is_under_way();
 }
 
 GcodeError Controller::change_setting(std::string_view line) {
@@ -266,25 +256,32 @@ void Controller::send_banner() { link_.send_text("\r\nGrbl 1.1h ['$' for help]\r
 
 std::string_view Controller::state_name() const {
   const bool rests = runner_.at_rest();
-  switch (state_) {
-    case MachineState::idle:
-      if (asleep_) return "Sleep";
-      return check_ ? std::string_view("Check") : std::string_view("Idle");
-    case MachineState::home:
-      return "Home";
-    case MachineState::run:
-      return jogging_ ? std::string_view("Jog") : std::string_view("Run");
-    case MachineState::hold:
+  switch (machine_.state()) {
+    case State::idle:
+      return "Idle";
+    case State::check:
+      return "Check";
+    case State::sleep:
+      return "Sleep";
+    case State::running:
+    case State::stopping:
+    case State::resetting:
+    case State::aborting:
+      if (machine_.homes()) return "Home";
+      return machine_.jogs() ? std::string_view("Jog") : std::string_view("Run");
+    case State::holding:
       return rests ? "Hold:0" : "Hold:1";
-    case MachineState::door:
+    case State::door:
       if (parking_.comes_back()) return "Door:3";
       if (parking_.stage() != Parking::Stage::off && parking_.stage() != Parking::Stage::parked)
         return "Door:2";
       if (!rests) return "Door:2";
-      return door_open_ ? "Door:1" : "Door:0";
-    default:
-      return "Alarm";
+      return door_open() ? "Door:1" : "Door:0";
+    case State::alarm:
+    case State::estop:
+      break;
   }
+  return "Alarm";
 }
 
 ReportedStatus Controller::reported_status() const {
@@ -297,7 +294,7 @@ ReportedStatus Controller::reported_status() const {
     status.line = program_.line();
   }
   stepper::snap_to_motors(runner_.generator().kinematics(), motion);
-  status.busy = job_unfinished() || state_ == MachineState::home;
+  status.busy = machine_.activity() != Activity::none;
   status.axes = values_.whole(Id::axes);
   report_motion(status, motion, values_);
   report_program(status, reader_.interpreter());
@@ -346,18 +343,6 @@ void Controller::fill_status(wire::Status& status) const {
   status.shots_not_made = shots_.checks().not_made;
   status.repeats = shots_.checks().repeats;
   if (rows_.known()) rows_.fill_status(status);
-}
-
-void Controller::toggle_check() {
-  if (!check_) {
-    say("Enabled");
-    check_ = true;
-    return;
-  }
-  say("Disabled");
-  check_ = false;
-  reader_.reset();
-  send_banner();
 }
 
 }  // namespace lamplock::machine

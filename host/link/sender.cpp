@@ -10,6 +10,7 @@
 #include "host/error.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/job_header.hpp"
+#include "shared/wire/realtime_inbox.hpp"
 #include "shared/wire/target.hpp"
 
 namespace lamplock::link {
@@ -236,6 +237,9 @@ void JobSender::handle(const RefusedFrame& frame) {
   if (refused.type == wire::FrameType::begin) {
     if (phase_ != Phase::begin) return;
     if (refused.result == Result::busy && options_.take_over) return take_over();
+    // The hold may come from noise; BEGIN is repeated.
+    if (refused.result == Result::held && options_.auto_resume)
+      return connection_.send(std::array{wire::byte_resume});
     refuse_job(frame);
   }
   const bool numbered =
@@ -266,6 +270,9 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
             "finish it there, continue it with --resume, or discard it with --discard" + then);
       throw Error(Exit::job_failed, where, "another job is running",
                   "wait until that job ends, or stop it" + then);
+    case Result::held:
+      throw Error(Exit::job_failed, where, "is held although it is at rest ('!' or 0x84)",
+                  "end the hold with '~' in 'lamplock console'" + then);
     case Result::no_job:
       throw Error(Exit::job_failed, where, "the job was ended by the machine",
                   of_point ? go_on : "start it again");

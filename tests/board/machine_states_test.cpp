@@ -75,6 +75,12 @@ class Disturbed : public testing::Test {
     const std::size_t size = wire::encode_frame(out.written(), frame);
     rig_->board.write(std::span<const std::uint8_t>(frame).first(size));
   }
+  /// Text of the board since the last call.
+  std::string said() {
+    std::array<std::uint8_t, 4096> bytes{};
+    const std::size_t size = rig_->board.read(bytes);
+    return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)};
+  }
   /// A new host process finishes the rest of the job.
   void go_on(std::uint32_t session_number) {
     const wire::Status status = rig_->status();
@@ -417,11 +423,19 @@ TEST_F(DeadStop, UnlockIsRefusedWithAMessageWhileTheEStopIsPressed) {
   rig_->run(2 * ps_per_ms);
   cable_->type("$X\n");
   rig_->run(2 * ps_per_ms);
-  std::array<std::uint8_t, 4096> bytes{};
-  const std::size_t size = rig_->board.read(bytes);
-  const std::string text(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+  const std::string text = said();
   EXPECT_NE(text.find("error:50\r\n"), std::string::npos) << text;
   EXPECT_EQ(text.find("ok\r\n"), std::string::npos) << text;
+}
+
+TEST_F(DeadStop, AReleasedEStopSaysHowToUnlock) {
+  set_up(0);
+  rig_->board.world().schedule(sim::Pin::estop, true, ps_per_ms);
+  rig_->run(2 * ps_per_ms);
+  said();
+  rig_->board.world().schedule(sim::Pin::estop, false, rig_->board.now());
+  rig_->run(2 * ps_per_ms);
+  EXPECT_EQ(said(), "[MSG:'$H'|'$X' to unlock]\r\n");
 }
 
 TEST_F(DeadStop, EStopInTheMiddleOfAShot) {

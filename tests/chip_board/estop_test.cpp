@@ -46,6 +46,11 @@ TEST_F(Stops, EmergencyStopAtRandomMoments) {
       for (int i = 0; i < 10'000 && !rig.board.bus().level(sim::Pin::q_switch); ++i)
         rig.run(10 * ps_per_us);
       rig.run(up_to(100 * ps_per_us));
+    } else if (round % 3 == 1) {  // while a continuous laser shines
+      for (int i = 0; i < 100 && !rig.board.bus().level(sim::Pin::laser_gate); ++i) {
+        open_gate(rig);
+        rig.run(10 * ps_per_us);
+      }
     }
     const Picoseconds pressed = rig.now() + ps_per_us;
     // Some presses are as short as a bounce.

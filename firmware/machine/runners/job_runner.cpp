@@ -33,6 +33,7 @@ JobRunner::JobRunner(lamp::BeatClock& clock, lamp::ShotScheduler& shots, MotionO
 void JobRunner::begin(const RunOptions& options, const settings::Values& values,
                       std::uint32_t first) {
   clear();
+  begun_ = true;
   options_ = options;
   queue_.reset(first);
   recount();

@@ -90,6 +90,10 @@ class JobRunner {
   /// rest, no plan handed out.
   [[gnu::cold]] void begin(const RunOptions& options, const settings::Values& values,
                            std::uint32_t first);
+  /// A job was begun and not ended; its points may all be done.
+  bool begun() const { return begun_; }
+  /// No more points are run.
+  void end() { begun_ = false; }
   /// 1 to max_job_speed percent from the next plan on.
   void set_job_speed(std::uint32_t percent) { job_speed_ = percent; }
   std::uint32_t job_speed() const { return job_speed_; }
@@ -223,6 +227,7 @@ class JobRunner {
   std::uint32_t handed_ = 0;        ///< segments of the plan that have been handed out
   /// segments of the next part that are in the queue; its first is copied by commit()
   std::uint32_t staged_ = 0;
+  bool begun_ = false;
   bool returning_ = false;
   bool off_target_ = true;  ///< the next window does not start at the target before it
   bool braked_ = false;     ///< shots handed out before a brake are not judged yet
