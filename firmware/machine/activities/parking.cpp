@@ -9,7 +9,7 @@ namespace {
 
 using settings::Id;
 
-constexpr int axis = 2;
+constexpr int lift_axis = 2;
 /// A move ends within a millionth of a step of its target (motion/profile.hpp): closer than this is
 /// there.
 constexpr Int128 there_q64{std::int64_t{1} << 50};
@@ -26,13 +26,13 @@ std::int64_t speed_of(Id feed, const settings::Values& values) {
 }  // namespace
 
 void Parking::begin(const settings::Values& values) {
-  const bool wanted = values.whole(Id::parking) != 0 && values.whole(Id::axes) > axis;
+  const bool wanted = values.whole(Id::parking) != 0 && values.whole(Id::axes) > lift_axis;
   stage_ = wanted ? Stage::stopping : Stage::off;
   called_back_ = false;
   const std::int32_t steps_per_mm = values.milli(Id::steps_per_mm_z);
   pull_out_steps_ = steps_from_milli(values.milli(Id::parking_pull_out), steps_per_mm);
   const std::int32_t target = steps_from_milli(values.milli(Id::parking_target), steps_per_mm);
-  const std::int32_t highest = work_space(values).max[axis];
+  const std::int32_t highest = work_space(values).max[lift_axis];
   target_q64_ = stepper::middle_of_step(target < highest ? target : highest);
   slow_q62_ = speed_of(Id::parking_slow, values);
   fast_q62_ = speed_of(Id::parking_fast, values);
@@ -40,7 +40,7 @@ void Parking::begin(const settings::Values& values) {
 
 bool Parking::next(const stepper::MotionState& at, const motion::BrakeLimits& limits,
                    stepper::Segment& move) {
-  const Int128 z = at.axis[axis].position_q64;
+  const Int128 z = at.axis[lift_axis].position_q64;
   switch (stage_) {
     case Stage::stopping:
       place_q64_ = z;
@@ -73,7 +73,7 @@ bool Parking::come_back(const stepper::MotionState& at, const motion::BrakeLimit
     if (stage_ != Stage::parked) stage_ = Stage::pulling_out;
     return false;
   }
-  if (at.axis[axis].position_q64 > up_q64_ && go(at, up_q64_, fast_q62_, limits, move)) {
+  if (at.axis[lift_axis].position_q64 > up_q64_ && go(at, up_q64_, fast_q62_, limits, move)) {
     stage_ = Stage::returning;
     return true;
   }
@@ -86,12 +86,12 @@ bool Parking::come_back(const stepper::MotionState& at, const motion::BrakeLimit
 /// Makes a move from rest to rest; false if the axis is there already.
 bool Parking::go(const stepper::MotionState& at, Int128 to_q64, std::int64_t speed_q62,
                  const motion::BrakeLimits& limits, stepper::Segment& move) const {
-  const Int128 way_q64 = to_q64 - at.axis[axis].position_q64;
+  const Int128 way_q64 = to_q64 - at.axis[lift_axis].position_q64;
   if (way_q64 > -there_q64 && way_q64 < there_q64) return false;
   // A distance of 2^27 steps fits into 32 bits before the point.
   const std::int64_t size_q32 = ((way_q64 < Int128{} ? -way_q64 : way_q64) >> 32).to_int64();
   const std::int64_t speed_q32 = (speed_q62 >> 30) + 1;
-  const motion::AxisBrake& axis_limits = limits.axis[axis];
+  const motion::AxisBrake& axis_limits = limits.axis[lift_axis];
   motion::AxisProfile profile;
   std::uint32_t ramp = motion::braking_ticks(speed_q62, axis_limits.accel_q62) + 1;
   for (;; ramp += ramp / 4 + 1) {
@@ -104,10 +104,10 @@ bool Parking::go(const stepper::MotionState& at, Int128 to_q64, std::int64_t spe
   }
   move = {};
   move.ticks = profile.ticks();
-  move.axis[axis] = profile;
+  move.axis[lift_axis] = profile;
   move.end = at;
-  move.end.axis[axis].position_q64 =
-      at.axis[axis].position_q64 + (stepper::displacement_q62(profile) << 2);
+  move.end.axis[lift_axis].position_q64 =
+      at.axis[lift_axis].position_q64 + (stepper::displacement_q62(profile) << 2);
   return true;
 }
 

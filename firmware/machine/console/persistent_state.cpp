@@ -16,7 +16,7 @@ static_assert(kind_g30 + 1 == PersistentStateRecord::pieces);
 
 /// The place of this kind, null if the kind has none; const if `kept` is.
 template <class Kept>
-auto* place_of(Kept& kept, std::uint8_t kind) {
+auto* kept_place(Kept& kept, std::uint8_t kind) {
   if (kind == kind_g28) return &kept.parameters.home_g28_e7;
   if (kind == kind_g30) return &kept.parameters.home_g30_e7;
   return kind < program::coordinate_systems ? &kept.parameters.systems_e7[kind] : nullptr;
@@ -87,7 +87,7 @@ bool take_text(std::span<const std::uint8_t> bytes, KeptText& text) {
 
 /// False, without a change, if the piece is not understood.
 bool take_piece(PersistentState& kept, std::uint8_t kind, std::span<const std::uint8_t> bytes) {
-  if (program::Place* place = place_of(kept, kind)) {
+  if (program::Place* place = kept_place(kept, kind)) {
     wire::ByteReader in(bytes);
     return take_place(in, bytes.size(), kind, *place);
   }
@@ -121,7 +121,7 @@ void PersistentState::clear_places() {
 
 bool PersistentState::same(const PersistentState& other) const {
   for (std::uint8_t kind = 0; kind < PersistentStateRecord::pieces; ++kind)
-    if (!program::same_place(*place_of(*this, kind), *place_of(other, kind))) return false;
+    if (!program::same_place(*kept_place(*this, kind), *kept_place(other, kind))) return false;
   for (std::size_t i = 0; i < start_up_lines; ++i)
     if (!(start_up[i] == other.start_up[i])) return false;
   if (parameters.tool_length_e7 != other.parameters.tool_length_e7) return false;
@@ -132,7 +132,7 @@ std::uint32_t PersistentStateRecord::put(const PersistentState& kept,
                                          std::span<std::uint8_t> items) {
   wire::ByteWriter out(items);
   out.put(version);
-  for (std::uint8_t kind = 0; kind < pieces; ++kind) put_place(out, kind, *place_of(kept, kind));
+  for (std::uint8_t kind = 0; kind < pieces; ++kind) put_place(out, kind, *kept_place(kept, kind));
   put_tool_length(out, kept.parameters.tool_length_e7);
   for (std::uint8_t i = 0; i < start_up_lines; ++i)
     put_text(out, static_cast<std::uint8_t>(kind_start_up + i), kept.start_up[i]);

@@ -1,11 +1,9 @@
-// What the controller does for the events of the machine (machine.hpp).
-#include "firmware/machine/controller.hpp"
+// Events of the machine, their effects by name, and the end of an activity.
+#include "firmware/machine/events.hpp"
 
 namespace lamplock::machine {
 
-using wire::HoldReason;
-
-Conditions Controller::conditions() const {
+Conditions MachineEvents::conditions() const {
   unsigned now = 0;
   if (door_open()) now |= door_is_open;
   if (host_lives()) now |= job_host_lives;
@@ -16,11 +14,11 @@ Conditions Controller::conditions() const {
 }
 
 // Called with beat and fill interrupts masked, as all that it causes.
-void Controller::handle(Event event, std::uint8_t detail) {
+void MachineEvents::handle(Event event, std::uint8_t detail) {
   perform(machine_.apply(event, conditions(), detail));
 }
 
-void Controller::perform(Effect effect) {
+void MachineEvents::perform(Effect effect) {
   switch (effect) {
     case Effect::none:
       break;
@@ -71,7 +69,7 @@ void Controller::perform(Effect effect) {
 }
 
 /// Effects that end an activity, or begin to.
-void Controller::perform_end(Effect effect) {
+void MachineEvents::perform_end(Effect effect) {
   switch (effect) {
     case Effect::cancel_jog:
       return cancel_jog();
@@ -130,139 +128,8 @@ void Controller::perform_end(Effect effect) {
   }
 }
 
-void Controller::hold_motion() {
-  program_.hold();
-  shots_.permit(false, BeatReason::hold);
-  // Otherwise a host that queries where to continue would get too low a number.
-  runner_.read_outcomes();
-  brake_points();
-}
-
-void Controller::hold_at_door() {
-  brake_points();
-  program_.hold();
-  shots_.permit(false, BeatReason::door);
-  begin_parking();
-}
-
-/// Points stop at once, lines when their planner does.
-void Controller::brake_points() {
-  if (moving_) runner_.brake();
-  moving_ = false;
-}
-
-/// A job ends.
-void Controller::stop_motion() {
-  shots_.permit(false, BeatReason::no_point_due);
-  // Shots fired since the last poll count: the next job continues after them.
-  if (runner_.begun()) runner_.read_outcomes();
-  brake_points();
-  runner_.end();
-  next_beat_milli_hz_ = 0;
-  if (!rows_.runs()) return;
-  // On the path, dark from here on.
-  rows_.stop();
-  stop_lines();
-}
-
-/// On their path; lines that are planned are dropped.
-void Controller::stop_lines() {
-  if (beat_locked()) return brake_points();
-  program_.resume();
-  program_.cancel();
-}
-
-// A constant, because the compiler would count its characters at run time.
-constexpr std::string_view stopped_by_host = "Stopped by the host: '$X' or reset to continue";
-
-/// Lines that wait are answered with an error and not run.
-void Controller::refuse_program() {
-  refuse_lines(Refusal::until_unlocked, stopped_by_host);
-  drop_open_line();
-}
-
-/// Stops on the path, dark.
-void Controller::stop_program() {
-  refuse_program();
-  leave_guarded_motion();
-  shots_.permit(false, BeatReason::no_point_due);
-  outputs_off();
-  stop_lines();
-}
-
-/// Called at rest.
-void Controller::finish_program() {
-  end_program();
-  reader_.invalidate_position();
-  use_overrides();
-}
-
-/// A probe or parking does not continue.
-void Controller::leave_guarded_motion() {
-  guard_.drop();
-  if (parking_.holds_machine()) program_.abort_detour();
-  parking_.end();
-}
-
-/// Motion ends at once, and the position counts as lost.
-void Controller::begin_alarm(bool answers) {
-  shots_.permit(false, BeatReason::alarm);
-  shots_.beam().cut();
-  shots_.end_check();
-  // Every shot must be visible when a host queries where to continue.
-  if (runner_.begun()) runner_.read_outcomes();
-  runner_.halt();
-  program_.halt();
-  end_program();
-  reader_.invalidate_position();
-  moving_ = false;
-  outputs_off();
-  next_beat_milli_hz_ = 0;
-  TextLine line;
-  line.add("ALARM:").add(std::int64_t{machine_.alarm()}).add("\r\n");
-  link_.send_text(line.view());
-  guard_.drop();
-  parking_.end();
-  drop_homing(answers);
-  drop_open_line();
-  use_overrides();
-}
-
-/// The position has changed: a job cannot simply continue.
-void Controller::unlock() {
-  stop_motion();
-  link_.forget_session();
-}
-
-/// 0x18 discards typed lines and the rest of a program.
-void Controller::begin_reset() {
-  leave_guarded_motion();
-  reader_.clear();
-  lines_at_cancel_ = 0;
-  shots_.permit(false, idle_reason());
-  outputs_off();
-}
-
-/// Called at rest.
-void Controller::clear_for_reset() {
-  refusal_ = Refusal::none;
-  reader_.reset();
-  outputs_off();
-  reporter_.reset();
-  end_overrides_of_program();
-  end_program();
-  start_up_next_ = 0;
-  own_line_ = false;
-}
-
-/// What a terminal shows after power-up and a reset.
-void Controller::greet() {
-  send_banner();
-  if (machine_.state() == State::alarm) say(unlock_text);
-}
-
 /// The machine is at rest, or its activity has nothing left to do.
-bool Controller::is_settled() {
+bool MachineEvents::is_settled() {
   const bool rests = motion_.at_rest() && !shots_.undecided();
   if (machine_.resets()) return rests && (!machine_.homes() || program_.idle());
   const bool ends = machine_.ends();
@@ -290,7 +157,7 @@ bool Controller::is_settled() {
 }
 
 // Called with beat and fill interrupts masked, as all of commit() is.
-[[gnu::hot]] void Controller::settle() {
+[[gnu::hot]] void MachineEvents::settle() {
   if (!machine_.running() && !machine_.ends()) return;
   if (!is_settled()) return;
   handle(Event::settled, machine_.homes() ? homing_.alarm() : alarm_position_lost);

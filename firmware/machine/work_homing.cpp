@@ -1,5 +1,5 @@
 // Homing: its commands, its moves, its end.
-#include "firmware/machine/controller.hpp"
+#include "firmware/machine/work.hpp"
 
 namespace lamplock::machine {
 namespace {
@@ -21,7 +21,7 @@ settings::Values with_racking(const settings::Values& own, int ganged_axis) {
 }  // namespace
 
 /// "$H", "$HX". Answered when homing has ended.
-GcodeError Controller::begin_homing(std::string_view axes) {
+GcodeError MachineWork::begin_homing(std::string_view axes) {
   AxisSet wanted = every_axis;
   if (!axes.empty()) {
     std::size_t axis = 0;
@@ -50,7 +50,7 @@ GcodeError Controller::begin_homing(std::string_view axes) {
 }
 
 /// Continues when the machine is at rest.
-void Controller::work_homing() {
+void MachineWork::work_homing() {
   if (!machine_.running() || !program_.idle() || !motion_.at_rest()) return;
   if (homing_.waits(now_)) return;
   switch (homing_.next({steps_at_rest(), inputs_, guard_})) {
@@ -75,7 +75,7 @@ void Controller::work_homing() {
   }
 }
 
-void Controller::go_homing() {
+void MachineWork::go_homing() {
   const int squared = homing_.squared_axis();
   if (!begin_lines(squared < 0 ? values_ : with_racking(values_, squared)))
     return fail_homing(alarm_homing_not_found);
@@ -88,19 +88,12 @@ void Controller::go_homing() {
 }
 
 /// At rest.
-void Controller::fail_homing(std::uint8_t alarm) {
+void MachineWork::fail_homing(std::uint8_t alarm) {
   const Masked masked(mask_);
   raise_alarm(alarm);
 }
 
-/// Homing ends with an alarm when the machine is at rest.
-void Controller::break_off_homing(std::uint8_t alarm) {
-  guard_.drop();
-  homing_.give_up(alarm);
-  program_.abort_move(true);
-}
-
-void Controller::end_homing() {
+void MachineWork::end_homing() {
   const Masked masked(mask_);
   guard_.drop();
   homing_.end();
@@ -110,29 +103,6 @@ void Controller::end_homing() {
   use_overrides();
   if (homing_.of_machine()) start_up_next_ = 0;
   answer(GcodeError::none);
-}
-
-StepPosition Controller::steps_at_rest() const {
-  const stepper::MotionState at = motion_.generator().state();
-  StepPosition steps{};
-  for (int a = 0; a < max_axes; ++a) steps[index(a)] = at.axis[index(a)].step();
-  return steps;
-}
-
-/// Whatever the racking, only homing moves the sides of a gantry against each other.
-void Controller::clear_racking() {
-  if (motion_.generator().kinematics().ganged_axis() < 0) return;
-  StepPosition steps = steps_at_rest();
-  steps[Kinematics::gang_motor] = 0;
-  motion_.generator().set_position(steps);
-}
-
-/// An alarm was raised. After a reset no answer is expected.
-void Controller::drop_homing(bool answers) {
-  if (!homing_.active()) return;
-  homing_.end();
-  clear_racking();
-  if (answers) answer(GcodeError::locked);
 }
 
 }  // namespace lamplock::machine

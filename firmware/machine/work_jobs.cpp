@@ -1,5 +1,5 @@
-// The begin of a job: its settings against those of the machine, and the consequences.
-#include "firmware/machine/controller.hpp"
+// Jobs in frames: their settings against those of the machine, begin, data, commands.
+#include "firmware/machine/work.hpp"
 
 namespace lamplock::machine {
 namespace {
@@ -105,7 +105,7 @@ std::uint16_t broken_motors(const settings::Values& values, const motion::Limits
 
 }  // namespace
 
-Result Controller::job_settings(const wire::JobHeader& header, settings::Values& values) {
+Result MachineWork::job_settings(const wire::JobHeader& header, settings::Values& values) {
   values = stored_;
   for (const wire::Override& item : header.used_overrides()) {
     refused_value_ = item.number;
@@ -132,7 +132,7 @@ Result Controller::job_settings(const wire::JobHeader& header, settings::Values&
   return r;
 }
 
-Result Controller::check_settings(const settings::Values& values, std::uint16_t& setting) const {
+Result MachineWork::check_settings(const settings::Values& values, std::uint16_t& setting) const {
   motion::Limits limits;
   const Result r = motion::make_limits(values, beat_ticks(values), full_tick_q16, limits, setting);
   if (r != Result::ok) return r;
@@ -141,7 +141,7 @@ Result Controller::check_settings(const settings::Values& values, std::uint16_t&
   return setting == 0 ? Result::ok : Result::bad_value;
 }
 
-lamp::ShotRules Controller::shot_rules(const settings::Values& values) const {
+lamp::ShotRules MachineWork::shot_rules(const settings::Values& values) const {
   const auto count = [&values](Id id) { return static_cast<std::uint32_t>(values.whole(id)); };
   const auto clocks = [&values](Id id) {
     return static_cast<std::uint32_t>(std::int64_t{values.milli(id)} * clocks_per_us / 1000);
@@ -156,7 +156,7 @@ lamp::ShotRules Controller::shot_rules(const settings::Values& values) const {
   return rules;
 }
 
-Result Controller::on_begin(const wire::JobHeader& header) {
+Result MachineWork::on_begin(const wire::JobHeader& header) {
   refused_value_ = 0;
   if (const Result r = may_begin_job(); r != Result::ok) return r;
   if (const Result r = begin_job(header); r != Result::ok) return r;
@@ -165,7 +165,7 @@ Result Controller::on_begin(const wire::JobHeader& header) {
   return Result::ok;
 }
 
-Result Controller::may_begin_job() const {
+Result MachineWork::may_begin_job() const {
   if (machine_.locked()) return Result::locked;
   if (loader_requested_) return Result::busy;
   if (door_open()) return Result::door_open;
@@ -177,7 +177,7 @@ Result Controller::may_begin_job() const {
 }
 
 /// Its stack is free again before the event is handled.
-[[gnu::noinline]] Result Controller::begin_job(const wire::JobHeader& header) {
+[[gnu::noinline]] Result MachineWork::begin_job(const wire::JobHeader& header) {
   settings::Values values;
   if (const Result r = job_settings(header, values); r != Result::ok) return r;
   const bool of_rows = header.mode == wire::mode_rows;
@@ -210,6 +210,47 @@ Result Controller::may_begin_job() const {
     rows_.forget();
     runner_.begin(options, values, header.first_index);
     decoder_.begin(header, static_cast<std::uint8_t>(values.whole(Id::channels)) & board_.channels);
+  }
+  return Result::ok;
+}
+
+Result MachineWork::on_data(std::span<const std::uint8_t> records) {
+  if (rows_.known()) return take_rows(records);
+  if (!wire_job()) return Result::no_job;
+  const Result r = decoder_.decode(records, runner_.queue(), work_space_);
+  refused_value_ = decoder_.refused_index();
+  return r;
+}
+
+Result MachineWork::on_end(std::uint32_t total) {
+  if (rows_.known()) return end_rows(total);
+  if (!wire_job()) return Result::no_job;
+  return total == points_total_ && runner_.queue().end() == total ? Result::ok : Result::bad_value;
+}
+
+Result MachineWork::on_command(const wire::CommandRequest& request) {
+  refused_value_ = request.value;
+  if (machine_.locked()) return Result::locked;
+  if (request.command == wire::Command::lamp_frequency) return change_beat(request.value);
+  const Masked masked(mask_);
+  switch (request.command) {
+    case wire::Command::hold:
+      handle(Event::hold, HoldReason::host);
+      break;
+    case wire::Command::resume:
+      if (door_open()) return Result::door_open;
+      handle(Event::resume);
+      break;
+    case wire::Command::stop:
+      handle(Event::stop);
+      break;
+    case wire::Command::lamp_frequency:
+      break;
+    case wire::Command::job_speed:
+      if (request.value == 0 || request.value > wire::max_job_speed) return Result::bad_value;
+      if (rows_.runs()) return set_speed_of_rows(request.value);
+      runner_.set_job_speed(request.value);
+      break;
   }
   return Result::ok;
 }

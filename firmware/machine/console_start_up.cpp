@@ -1,11 +1,11 @@
 // Start-up lines ($N): kept, and run after power-up and a reset.
+#include "firmware/machine/console.hpp"
 #include "firmware/machine/console/program_text.hpp"
-#include "firmware/machine/controller.hpp"
 
 namespace lamplock::machine {
 
 /// "$N0=line": run, and then kept.
-GcodeError Controller::keep_start_up_line(std::string_view line) {
+GcodeError MachineConsole::keep_start_up_line(std::string_view line) {
   constexpr std::size_t head = 4;  // "$N0="
   const std::size_t number = static_cast<std::size_t>(line[2] - '0');
   if (line.size() < head || number >= start_up_lines || line[3] != '=')
@@ -21,21 +21,14 @@ GcodeError Controller::keep_start_up_line(std::string_view line) {
 }
 
 /// The line that has run is a new start-up line.
-void Controller::keep_new_start_up_line() {
+void MachineConsole::keep_new_start_up_line() {
   reader_.kept().start_up[new_start_up_] = new_start_up_text_;
   new_start_up_ = start_up_lines;
   kept_due_ = true;
 }
 
-/// A start-up line waits: other lines must wait for it.
-bool Controller::start_up_waits() const {
-  for (std::size_t i = start_up_next_; i < start_up_lines; ++i)
-    if (!reader_.kept().start_up[i].view().empty()) return true;
-  return false;
-}
-
 /// After power-up and a reset; false if no line is left, or none may run.
-[[gnu::hot]] bool Controller::run_start_up_line() {
+[[gnu::hot]] bool MachineConsole::run_start_up_line() {
   if (start_up_next_ >= start_up_lines || reader_.line_open()) return false;
   if (machine_.locked()) start_up_next_ = start_up_lines;
   if (!machine_.idle() || link_.room() < answer_room) return false;

@@ -1,11 +1,11 @@
-// Jobs of rows of pixels: begin, end, and reports to the host.
-#include "firmware/machine/controller.hpp"
+// Jobs of rows of pixels.
+#include "firmware/machine/work.hpp"
 
 namespace lamplock::machine {
 
 /// As begin_lines(); the previous motion has ended.
-Result Controller::begin_rows(const wire::JobHeader& header, const settings::Values& values,
-                              std::uint32_t tick_q16) {
+Result MachineWork::begin_rows(const wire::JobHeader& header, const settings::Values& values,
+                               std::uint32_t tick_q16) {
   runner_.end();
   {
     const Masked masked(mask_);
@@ -21,7 +21,7 @@ Result Controller::begin_rows(const wire::JobHeader& header, const settings::Val
   return Result::ok;
 }
 
-Result Controller::take_rows(std::span<const std::uint8_t> records) {
+Result MachineWork::take_rows(std::span<const std::uint8_t> records) {
   // STATUS contains the reason of the refusal.
   if (machine_.locked()) return Result::no_space;
   const Result r = rows_.take(records, work_space_);
@@ -29,24 +29,17 @@ Result Controller::take_rows(std::span<const std::uint8_t> records) {
   return r;
 }
 
-Result Controller::end_rows(std::uint32_t total) {
+Result MachineWork::end_rows(std::uint32_t total) {
   if (total == points_total_ && rows_.complete()) return Result::ok;
   return rows_.runs() ? Result::bad_value : Result::no_job;
 }
 
 /// A feed override, effective with the next batch.
-Result Controller::set_speed_of_rows(std::uint32_t percent) {
+Result MachineWork::set_speed_of_rows(std::uint32_t percent) {
   constexpr std::uint32_t least_override = 10;
   overrides_.feed = static_cast<std::uint8_t>(percent < least_override ? least_override : percent);
   use_overrides();
   return Result::ok;
-}
-
-void Controller::add_rows(wire::StatusSummary& standing) const {
-  const program::RowRoom room = rows_.room();
-  standing.free_points = room.lines;
-  standing.free_runs = room.runs;
-  standing.rows = true;
 }
 
 }  // namespace lamplock::machine

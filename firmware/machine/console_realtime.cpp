@@ -1,5 +1,5 @@
-// Real-time bytes: overrides, coolant, the end of a jog, resets.
-#include "firmware/machine/controller.hpp"
+// Real-time bytes: holds, resets, the end of jogs, overrides, coolant.
+#include "firmware/machine/console.hpp"
 #include "shared/wire/realtime_inbox.hpp"
 
 namespace lamplock::machine {
@@ -20,36 +20,14 @@ constexpr std::array<int, 5> override_changes{0, 10, -10, 1, -1};
 
 }  // namespace
 
-/// Overrides end with the program, as in grbl.
-void Controller::end_overrides_of_program() {
-  overrides_ = {};
-  use_overrides();
-}
-
-/// As in grbl a jog, homing and a probe run at their own feed rate (jog.c, limits.c and gcode.c of
-/// grbl 1.1h: PL_COND_FLAG_NO_FEED_OVERRIDE). Before and after each of them the machine is at rest.
-void Controller::use_overrides() {
-  const bool own_feed = machine_.jogs() || machine_.homes() || reader_.probing();
-  program_.set_overrides(own_feed ? full_percent : overrides_.feed, overrides_.rapid,
-                         overrides_.spindle);
-  runner_.set_overrides(overrides_.feed, overrides_.rapid);
-}
-
-void Controller::cancel_jog() {
-  lines_at_cancel_ = reader_.lines();
-  if (reader_.drop_line()) answer(GcodeError::none);
-  program_.abort_move();
-  reader_.invalidate_position();
-}
-
-void Controller::change_override(std::uint8_t& percent, int by) {
+void MachineConsole::change_override(std::uint8_t& percent, int by) {
   const int changed = by == 0 ? full_percent : percent + by;
   percent = static_cast<std::uint8_t>(changed < least_override  ? least_override
                                       : changed > most_override ? most_override
                                                                 : changed);
 }
 
-void Controller::override_byte(std::uint8_t byte) {
+void MachineConsole::override_byte(std::uint8_t byte) {
   const std::size_t feed = byte - std::size_t{byte_feed_full};
   const std::size_t rapid = byte - std::size_t{byte_rapid_full};
   const std::size_t spindle = byte - std::size_t{byte_spindle_full};
@@ -65,7 +43,7 @@ void Controller::override_byte(std::uint8_t byte) {
 }
 
 /// Switches flood and mist manually in the states where grbl does; false for any other byte.
-bool Controller::toggle_coolant(std::uint8_t byte) {
+bool MachineConsole::toggle_coolant(std::uint8_t byte) {
   if (byte != byte_flood && byte != byte_mist) return false;
   const bool may = machine_.in(states(State::idle, State::running, State::holding));
   if (!may || machine_.framed() || machine_.homes()) return true;
@@ -76,7 +54,7 @@ bool Controller::toggle_coolant(std::uint8_t byte) {
   return true;
 }
 
-void Controller::on_realtime(std::uint8_t byte) {
+void MachineConsole::on_realtime(std::uint8_t byte) {
   if (byte == wire::byte_status) {
     status_line_due_ = true;
     return;

@@ -1,0 +1,139 @@
+// Lines of the host: their order, their answers.
+#include "firmware/machine/console.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+/// Maximum lines of a program in one round of the main loop, which has other work.
+constexpr int max_lines_at_once = 4;
+/// Room for a list, which is an answer to "$"; without it lines wait.
+constexpr std::size_t list_room = 2048;
+/// In the queue, for a line that was too long or damaged.
+constexpr std::string_view lost_line = "\x01";
+
+// A constant, because the compiler would count its characters at run time.
+constexpr std::string_view stopped_at_error = "Stopped at an error: '$X' or reset to continue";
+
+}  // namespace
+
+[[gnu::hot]] std::size_t MachineConsole::receive_room() const {
+  const std::size_t open = link_.line_size();
+  return reader_.free() > open ? reader_.free() - open : 0;
+}
+
+[[gnu::hot]] void MachineConsole::on_line(std::string_view line) {
+  if (!reader_.push(line)) return answer(GcodeError::line_too_long);
+  if (line.starts_with("$J=")) last_jog_ = now_;
+  if (before_jog_cancel_) lines_at_cancel_ = reader_.lines();
+  work_lines();
+}
+
+void MachineConsole::on_line_too_long() { on_line(lost_line); }
+
+[[gnu::hot]] void MachineConsole::work_lines() {
+  if (machine_.homes()) return work_homing();
+  for (int i = 0; i < max_lines_at_once && !machine_.homes(); ++i) {
+    if (reader_.line_open() && !finish_line()) break;
+    if (machine_.ends() && !machine_.framed()) break;
+    if (program_.cancelling() || program_.batch_waits()) break;
+    // After a cancelled jog, until the machine is at rest at the start of the next line.
+    if (reader_.off_target() && !program_.idle() && !rows_.active()) break;
+    if (run_start_up_line()) continue;
+    if (start_up_next_ < start_up_lines && start_up_waits()) break;
+    if (!reader_.lines_wait()) break;
+    const std::size_t answer_size = reader_.front() == '$' ? list_room : answer_room;
+    if (link_.room() < answer_size + status_room) break;
+    std::array<char, wire::max_line> room;
+    begin_line(reader_.take_line(room));
+    if (lines_at_cancel_ != 0) --lines_at_cancel_;
+  }
+  if (!reader_.lines_wait()) lines_at_cancel_ = 0;
+  const bool points = beat_locked() && runner_.queue().size() != 0;
+  const bool busy = reader_.line_open() || !program_.drained() || points;
+  if (!busy || machine_.activity() != Activity::none) return;
+  const Masked masked(mask_);
+  handle(Event::begin_program);
+}
+
+/// Continues the open line; false if it waits.
+[[gnu::hot]] bool MachineConsole::finish_line() {
+  using Step = ProgramReader::Step;
+  for (;;) {
+    switch (reader_.step(values_, work_space_, now_, machine_.checks())) {
+      case Step::nothing:
+        return true;
+      case Step::waits:
+        return false;
+      case Step::done:
+        if (!own_line_) {
+          if (new_start_up_ != start_up_lines) keep_new_start_up_line();
+          answer(GcodeError::none);
+        }
+        own_line_ = false;
+        return true;
+      case Step::outside:
+        if (!own_line_) answer(GcodeError::bad_target);
+        own_line_ = false;
+        if (!machine_.checks()) {
+          const Masked masked(mask_);
+          raise_alarm(alarm_soft_limit);
+        }
+        return true;
+      case Step::pauses:
+        pause();
+        return false;
+      case Step::changes:
+        if (!change_over(reader_.wanted_lock())) return false;
+        break;
+      case Step::probes:
+        if (!work_probe()) return false;
+        break;
+      case Step::inputs:
+        if (!work_input_wait()) return false;
+        break;
+      case Step::ended:
+        tell_end();
+        break;
+    }
+  }
+}
+
+/// M2 and M30: switches off everything that the program has switched.
+void MachineConsole::tell_end() {
+  say("Pgm End");
+  end_overrides_of_program();
+  const Masked masked(mask_);
+  outputs_off();
+}
+
+[[gnu::hot]] void MachineConsole::begin_line(std::string_view line) {
+  new_start_up_ = start_up_lines;
+  if (line.empty()) return answer(GcodeError::none);
+  if (line == lost_line) {
+    answer(GcodeError::line_too_long);
+    return stop_after(GcodeError::line_too_long);
+  }
+  const bool starts_up = line.starts_with("$N") && line.size() > 2;
+  if (line.front() == '$' && !starts_up && !line.starts_with("$J="))
+    return answer_system_command(line);
+  const GcodeError error = starts_up             ? keep_start_up_line(line)
+                           : line.front() == '$' ? begin_jog(line.substr(3))
+                                                 : begin_program_line(line);
+  if (error == GcodeError::none && reader_.line_open()) {
+    finish_line();
+    return;
+  }
+  answer(error);
+  if (line.front() != '$') stop_after(error);
+}
+
+/// A line of a program was refused: with $981 no other is accepted; accepted lines run to their
+/// end.
+void MachineConsole::stop_after(GcodeError error) {
+  const bool of_line = error != GcodeError::none && error != GcodeError::locked &&
+                       error != GcodeError::not_idle && error != GcodeError::door_open;
+  if (!of_line || machine_.checks() || values_.whole(settings::Id::stop_at_error) == 0) return;
+  refuse_lines(Refusal::until_unlocked, stopped_at_error);
+}
+
+}  // namespace lamplock::machine
