@@ -53,6 +53,7 @@ class MachineConsole : public MachineWork {
 
  private:
   bool finish_line();
+  [[gnu::cold]] void leave_work_space();
   [[gnu::cold]] void tell_end();
   void begin_line(std::string_view line);
   void stop_after(GcodeError error);

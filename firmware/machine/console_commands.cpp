@@ -176,6 +176,9 @@ const PersistentState* MachineConsole::changed_kept() {
   return &reader_.kept();
 }
 
-void MachineConsole::set_kept(const PersistentState& kept) { reader_.restore(kept); }
+void MachineConsole::set_kept(const PersistentState& kept) {
+  reader_.restore(kept);
+  say_tool_length();
+}
 
 }  // namespace lamplock::machine

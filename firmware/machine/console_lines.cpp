@@ -1,5 +1,6 @@
 // Lines of the host: their order, their answers.
 #include "firmware/machine/console.hpp"
+#include "firmware/machine/console/system_line.hpp"
 
 namespace lamplock::machine {
 namespace {
@@ -22,8 +23,9 @@ constexpr std::string_view stopped_at_error = "Stopped at an error: '$X' or rese
 }
 
 [[gnu::hot]] void MachineConsole::on_line(std::string_view line) {
+  while (!line.empty() && (line.front() == ' ' || line.front() == '\t')) line.remove_prefix(1);
   if (!reader_.push(line)) return answer(GcodeError::line_too_long);
-  if (line.starts_with("$J=")) last_jog_ = now_;
+  if (line.starts_with('$') && is_jog(line)) last_jog_ = now_;
   if (before_jog_cancel_) lines_at_cancel_ = reader_.lines();
   work_lines();
 }
@@ -44,7 +46,9 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
     const std::size_t answer_size = reader_.front() == '$' ? list_room : answer_room;
     if (link_.room() < answer_size + status_room) break;
     std::array<char, wire::max_line> room;
-    begin_line(reader_.take_line(room));
+    const std::string_view line = reader_.take_line(room);
+    begin_line(line.starts_with('$') ? plain_system_line(std::span(room).first(line.size()))
+                                     : line);
     if (lines_at_cancel_ != 0) --lines_at_cancel_;
   }
   if (!reader_.lines_wait()) lines_at_cancel_ = 0;
@@ -72,12 +76,7 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
         own_line_ = false;
         return true;
       case Step::outside:
-        if (!own_line_) answer(GcodeError::bad_target);
-        own_line_ = false;
-        if (!machine_.checks()) {
-          const Masked masked(mask_);
-          raise_alarm(alarm_soft_limit);
-        }
+        leave_work_space();
         return true;
       case Step::pauses:
         pause();
@@ -96,6 +95,17 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
         break;
     }
   }
+}
+
+/// The alarm comes before the answer, as in grbl.
+void MachineConsole::leave_work_space() {
+  const bool answers = !own_line_;
+  own_line_ = false;
+  if (!machine_.checks()) {
+    const Masked masked(mask_);
+    raise_alarm(alarm_soft_limit);
+  }
+  if (answers) answer(GcodeError::bad_target);
 }
 
 /// M2 and M30: switches off everything that the program has switched.

@@ -84,6 +84,7 @@ class MachineParts {
   void answer(GcodeError error);
   void send_banner();
   void greet();
+  [[gnu::cold]] void say_tool_length();
 
   // What follows from the state of the parts (parts_at_rest.cpp).
   bool door_open() const { return (inputs_ & set_of(Input::door)) != 0; }

@@ -30,6 +30,17 @@ void MachineParts::send_banner() { link_.send_text("\r\nGrbl 1.1h ['$' for help]
 void MachineParts::greet() {
   send_banner();
   if (machine_.state() == State::alarm) say(unlock_text);
+  say_tool_length();
+}
+
+/// It survives a reset and power-off.
+void MachineParts::say_tool_length() {
+  if (!reader_.interpreter().modal().tool_length) return;
+  TextLine text;
+  text.add("Tool length offset ");
+  add_length(text, reader_.kept().parameters.tool_length_e7, false);
+  text.add(" mm is active: G49 ends it");
+  say(text.view());
 }
 
 }  // namespace lamplock::machine

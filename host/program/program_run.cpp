@@ -12,6 +12,7 @@
 #include "host/program/line_run.hpp"
 #include "host/text.hpp"
 #include "shared/boards/pico_pins.hpp"
+#include "shared/line_comments.hpp"
 #include "shared/units.hpp"
 #include "shared/wire/framing.hpp"
 
@@ -26,6 +27,12 @@ constexpr double e7 = static_cast<double>(program::one_e7);
 /// A board reports position and offsets in thousandths of a millimetre: error of their sum, 10^-7
 /// mm.
 constexpr std::int64_t report_tolerance_e7 = 20'000;
+
+std::string without_comments(std::string_view line) {
+  std::string text(line);
+  text.resize(drop_comments(std::span(text)).size);
+  return text;
+}
 
 /// The machine: its lines, and its position.
 class Machine {
@@ -250,10 +257,11 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
   for (std::size_t number = 1; more && !text.empty(); ++number) {
     const std::string_view line = take_line(text);
     machine.receive(line.size() + 1);
-    if (line.empty() || line.starts_with('$')) continue;
+    const std::size_t begin = line.find_first_not_of(" \t");
+    if (begin == std::string_view::npos || line[begin] == '$') continue;
     ++run.lines;
     program::Fault fault;
-    if (line.size() > wire::max_line)
+    if (line.size() > wire::max_line && without_comments(line).size() > wire::max_line)
       fault = {GcodeError::line_too_long, static_cast<std::uint16_t>(wire::max_line + 1)};
     else
       fault = run_line(line);

@@ -13,6 +13,7 @@
 #include <span>
 #include <string_view>
 
+#include "shared/line_comments.hpp"
 #include "shared/wire/bytes.hpp"
 #include "shared/wire/crc32.hpp"
 
@@ -30,7 +31,7 @@ inline constexpr std::size_t max_content = 512;
 inline constexpr std::size_t crc_size = 4;
 /// Longest frame on the wire [bytes].
 inline constexpr std::size_t max_frame = 2 * max_content + 2;
-/// Longest line without its end [characters].
+/// Longest line without its end; comments of longer ones are dropped [characters].
 inline constexpr std::size_t max_line = 256;
 
 /// Commands of one byte: those of grbl 1.1 and grblHAL, with their whole block reserved.
@@ -130,6 +131,7 @@ class StreamParser {
     size_ = 0;
     spoilt_ = false;
     escaped_ = false;
+    comment_end_ = 0;
   }
 
   template <class Events>
@@ -172,20 +174,26 @@ class StreamParser {
     if (byte >= 0x80 || byte == 0 || byte == xon || byte == xoff) return;
     const bool printable = (byte >= 0x20 && byte != 0x7F) || byte == '\t';
     if (!printable) spoilt_ = true;
-    append(byte, max_line);
+    if (end == End::device && size_ == max_line && comment_end_ == 0) make_room();
+    if (comment_end_ == 0)
+      append(byte, max_line);
+    else if (byte == static_cast<std::uint8_t>(comment_end_))
+      comment_end_ = 0;
+  }
+
+  /// Comments do not count towards the length of a line.
+  void make_room() {
+    const CommentFree rest = drop_comments(std::span(buffer_).first(size_));
+    size_ = rest.size;
+    comment_end_ = rest.comment_end;
   }
 
   /// Appends plain bytes to a line, nearly all of a program; returns where they end.
   const std::uint8_t* append_plain(const std::uint8_t* at, const std::uint8_t* stop) {
     std::size_t size = size_;
-    const std::size_t limit = spoilt_ ? size : max_line;
+    const std::size_t limit = spoilt_ || comment_end_ != 0 ? size : max_line;
     const std::uint8_t* const begin = at;
-    for (; at != stop && is_plain(*at); ++at) {
-      if (size != limit)
-        buffer_[size++] = *at;
-      else
-        spoilt_ = true;
-    }
+    for (; at != stop && size != limit && is_plain(*at); ++at) buffer_[size++] = *at;
     size_ = size;
     if (at != begin) after_cr_ = false;
     return at;
@@ -210,6 +218,7 @@ class StreamParser {
   bool spoilt_ = false;   ///< too long or damaged: dropped up to its end
   bool escaped_ = false;  ///< the last byte of the frame was the escape
   bool after_cr_ = false;
+  char comment_end_ = 0;  ///< in a comment of a long line: what ends it
 };
 
 }  // namespace lamplock::wire

@@ -189,7 +189,7 @@ TEST_F(Protocol, EveryEndOfALineIsOne) {
 
 TEST_F(Protocol, TakesLinesOf256CharactersAndNoLonger) {
   const auto padded = [](const std::string& code, std::size_t size) {
-    return code + "(" + std::string(size - code.size() - 2, 'c') + ")\n";
+    return code + std::string(size - code.size(), ' ') + "\n";
   };
   host_.send(padded("G91G1X1F6000", 256) + padded("G1X2", 257) + "G1X4\n" + padded("G1X8", 400));
   host_.send(padded("G1X16", 3000));
