@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <functional>
 
 #include "shared/boards/boot2_crc32.hpp"
 
@@ -113,52 +114,45 @@ TEST_F(ChipTest, AWriteThroughAnAliasIsReportedOnce) {
 }
 
 TEST_F(ChipTest, ReportsItsResetCause) {
-  EXPECT_EQ(read(chip_reset), had_por);
-  EXPECT_EQ(read(reason), 0u);
-
-  // The watchdog's reset leaves CHIP_RESET, the scratch registers and SRAM as they are.
-  write(scratch0, 7);
-  write(in_sram, 0x1234'5678);
-  write(psm_wdsel, 0x1'fffc);
-  fire_watchdog();
-  EXPECT_EQ(chip_.watchdog_resets(), 1u);
-  EXPECT_EQ(read(chip_reset), had_por);
-  EXPECT_EQ(read(reason), reason_force);
-  EXPECT_EQ(read(scratch0), 7u);
-  EXPECT_EQ(read(in_sram), 0x1234'5678u);
-
-  chip_.run_pin();
-  EXPECT_EQ(read(chip_reset), had_run);
-  EXPECT_EQ(read(reason), 0u);
-  EXPECT_EQ(read(scratch0), 0u);
-  EXPECT_EQ(read(in_sram), 0x1234'5678u);
-
-  // A reset by the counter: 100 counts, two per tick, ticks of 12 cycles of the ring oscillator.
-  write(watchdog + 0x2c, 1u << 9 | 12);
-  write(watchdog + 0x4, 100);
-  write(watchdog + set_alias, 1u << 30);
-  write(psm_wdsel, 0x1'fffc);
-  run(ps_per_ms);
-  EXPECT_EQ(read(chip_reset), had_run);
-  EXPECT_EQ(read(reason), reason_timer);
-
-  write(scratch0, 7);
-  chip_.brown_out();
-  EXPECT_EQ(read(chip_reset), had_por);
-  EXPECT_EQ(read(reason), 0u);
-  EXPECT_EQ(read(scratch0), 0u);
-  EXPECT_NE(read(in_sram), 0x1234'5678u);
-
-  write(scratch0, 7);
-  chip_.run_pin();
-  chip_.power_cut();
-  EXPECT_EQ(read(chip_reset), had_por);
-  EXPECT_EQ(read(scratch0), 0u);
-
-  write(brown_out_detector, 0x90);  // off
-  write(scratch0, 7);
-  chip_.brown_out();
-  EXPECT_EQ(read(scratch0), 7u);
+  // 100 counts of the watchdog, two per tick, ticks of 12 cycles of the ring oscillator.
+  const auto count_down = [this] {
+    write(watchdog + 0x2c, 1u << 9 | 12);
+    write(watchdog + 0x4, 100);
+    write(watchdog + set_alias, 1u << 30);
+    write(psm_wdsel, 0x1'fffc);
+    run(ps_per_ms);
+  };
+  const auto force = [this] {
+    write(psm_wdsel, 0x1'fffc);
+    fire_watchdog();
+  };
+  struct Reset {
+    const char* what;
+    std::function<void()> happens;
+    std::uint32_t cause, reason;
+    bool keeps_scratch, keeps_sram;
+  };
+  const std::vector<Reset> all{
+      {"power-up", [] {}, had_por, 0, true, true},
+      {"watchdog forced", force, had_por, reason_force, true, true},
+      {"RUN", [this] { chip_.run_pin(); }, had_run, 0, false, true},
+      {"watchdog counted", count_down, had_run, reason_timer, true, true},
+      {"brown-out", [this] { chip_.brown_out(); }, had_por, 0, false, false},
+      {"RUN, power cut", [this] { chip_.run_pin(), chip_.power_cut(); }, had_por, 0, false, false},
+      {"RUN again", [this] { chip_.run_pin(); }, had_run, 0, false, true},
+      {"brown-out undetected", [this] { write(brown_out_detector, 0x90), chip_.brown_out(); },
+       had_run, 0, true, true}};
+  for (const Reset& reset : all) {
+    SCOPED_TRACE(reset.what);
+    write(scratch0, 7);
+    write(in_sram, 0x1234'5678);
+    reset.happens();
+    EXPECT_EQ(read(chip_reset), reset.cause);
+    EXPECT_EQ(read(reason), reset.reason);
+    EXPECT_EQ(read(scratch0), reset.keeps_scratch ? 7u : 0u);
+    EXPECT_EQ(read(in_sram) == 0x1234'5678u, reset.keeps_sram);
+  }
+  EXPECT_EQ(chip_.watchdog_resets(), 2u);
   chip_.run_pin();
   EXPECT_EQ(read(brown_out_detector), 0x91u);
 }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/chip/listeners.hpp"
 #include "tests/chip/system_rig.hpp"
 
 namespace lamplock::sim::chip::clock_pins_test {
@@ -21,18 +22,12 @@ constexpr std::uint32_t enable = 1u << 11;
 /// AUXSRC of GPOUT.
 enum Source : std::uint32_t { pll_sys, gpin0, gpin1, pll_usb, rosc, xosc, clk_sys };
 
-using Edge = std::pair<bool, Cycle>;
+using rigs::Edge;
 
-class ClockPinsTest : public ::testing::Test, public PadListener {
+class ClockPinsTest : public ::testing::Test {
  protected:
-  ClockPinsTest() {
-    rig_.start_clocks();
-    rig_.gpio.listen(*this);
-  }
-  void pad_changed(unsigned gpio, bool level, Cycle at) override {
-    by_pin_.at(gpio).emplace_back(level, at);
-  }
-  void connect(unsigned gpio) { rig_.gpio.io_bank().write(8 * gpio + 4, 8); }
+  ClockPinsTest() { rig_.start_clocks(); }
+  void connect(unsigned gpio) { rig_.connect(gpio, PinFunction::clock); }
   void output(unsigned n, Source source, std::uint32_t divider) {
     clocks_.write(gpout0 + gpout_bytes * n + 4, divider);
     clocks_.write(gpout0 + gpout_bytes * n, enable | source << 5);
@@ -54,7 +49,7 @@ class ClockPinsTest : public ::testing::Test, public PadListener {
 
   rigs::SystemRig rig_;
   Clocks& clocks_ = rig_.system.clocks;
-  std::array<std::vector<Edge>, gpio_count> by_pin_;
+  rigs::Pads pads_{rig_.gpio};
 };
 
 // 2.15.3.4: GPIO 21, 23, 24, 25; 24.8 dividers.
@@ -66,9 +61,9 @@ TEST_F(ClockPinsTest, OutputsAreOnTheirPins) {
     output(n, clk_sys, (10 * (n + 1)) << 8);
     rig_.pass(200);
     const Cycle half = 5 * (n + 1);
-    ASSERT_GE(by_pin_[pins[n]].size(), 4u);
+    ASSERT_GE(pads_.edges[pins[n]].size(), 4u);
     for (Cycle edge = 0; edge < 4; ++edge)
-      EXPECT_EQ(by_pin_[pins[n]][edge], Edge(edge % 2 == 0, t + half * (edge + 1))) << n;
+      EXPECT_EQ(pads_.edges[pins[n]][edge], Edge(edge % 2 == 0, t + half * (edge + 1))) << n;
   }
   EXPECT_TRUE(rig_.reports.empty());
 }
@@ -79,9 +74,9 @@ TEST_F(ClockPinsTest, OutputOfAnotherSourceDoesNotDrift) {
   const Cycle t = rig_.wheel.now();
   output(0, xosc, 12'000u << 8);
   rig_.pass(12'500'000);
-  ASSERT_EQ(by_pin_[21].size(), 200u);
-  EXPECT_EQ(by_pin_[21].back(), Edge(false, t + 12'500'000));
-  EXPECT_EQ(by_pin_[21][100], Edge(true, t + 101 * 62'500));
+  ASSERT_EQ(pads_.edges[21].size(), 200u);
+  EXPECT_EQ(pads_.edges[21].back(), Edge(false, t + 12'500'000));
+  EXPECT_EQ(pads_.edges[21][100], Edge(true, t + 101 * 62'500));
 }
 
 // A divisor of 10.5 on average: 21 half periods are 110.25 cycles.
@@ -90,15 +85,15 @@ TEST_F(ClockPinsTest, FractionalDivider) {
   const Cycle t = rig_.wheel.now();
   output(0, clk_sys, 10u << 8 | 0x80);
   rig_.pass(1050);
-  ASSERT_EQ(by_pin_[21].size(), 200u);
-  EXPECT_EQ(by_pin_[21].back().second, t + 1050);
+  ASSERT_EQ(pads_.edges[21].size(), 200u);
+  EXPECT_EQ(pads_.edges[21].back().second, t + 1050);
 }
 
 TEST_F(ClockPinsTest, FasterThanHalfOfTheSystemClockIsReported) {
   connect(21);
   output(0, clk_sys, 2u << 8);
   rig_.pass(10);
-  EXPECT_GE(by_pin_[21].size(), 8u);
+  EXPECT_GE(pads_.edges[21].size(), 8u);
   EXPECT_TRUE(rig_.reports.empty());
   output(0, clk_sys, 1u << 8);
   EXPECT_TRUE(reported("GPOUT0"));
@@ -111,7 +106,7 @@ TEST_F(ClockPinsTest, AnOutputFromTheSystemClockIsNeverTooFastAfterAChange) {
   clocks_.write(sys_control, 0);  // clk_ref
   rig_.pass(20);
   EXPECT_EQ(clocks_.hz(Clock::sys), 12'000'000u);
-  EXPECT_GE(by_pin_[21].size(), 8u);
+  EXPECT_GE(pads_.edges[21].size(), 8u);
   clocks_.write(sys_control, 1);
   rig_.pass(20);
   EXPECT_EQ(clocks_.hz(Clock::sys), 125'000'000u);
@@ -133,10 +128,10 @@ TEST_F(ClockPinsTest, OutputOnNoPinCostsNothing) {
   EXPECT_GT(rig_.wheel.next(), rig_.wheel.now() + 1'000'000);
   rig_.pass(1007);  // 201 half periods: high
   connect(21);
-  EXPECT_EQ(by_pin_[21].size(), 1u);
-  EXPECT_TRUE((rig_.gpio.pad_levels() >> 21 & 1u) != 0);
+  EXPECT_EQ(pads_.edges[21].size(), 1u);
+  EXPECT_TRUE(rig_.pad(21));
   rig_.pass(3);
-  EXPECT_FALSE((rig_.gpio.pad_levels() >> 21 & 1u) != 0);
+  EXPECT_FALSE(rig_.pad(21));
 }
 
 TEST_F(ClockPinsTest, InputsAreSources) {

@@ -24,6 +24,17 @@ class CoreExceptions : public testing::Test {
     for (std::uint32_t i = 0; i < 64; ++i) rig_.put(CoreRig::code + 2 * i, {0xbf00});
   }
   void raise(unsigned line, bool level = true) { rig_.irqs.set(static_cast<Irq>(line), level); }
+  /// Enables line 0 and enters its handler.
+  void enter() {
+    rig_.poke(iser, 1);
+    raise(0);
+    core_.step();
+  }
+  /// Lowers a line and returns from its handler.
+  void leave(unsigned line) {
+    raise(line, false);
+    steps(2);
+  }
   void steps(int count) {
     for (int i = 0; i < count; ++i) core_.step();
   }
@@ -47,9 +58,7 @@ TEST_F(CoreExceptions, EntryPushesTheFrame) {
   for (unsigned i = 0; i < 13; ++i) core_.set_reg(i, 0x100 + i);
   core_.set_reg(14, 0xabcd'ef01);
   core_.set_xpsr(thumb | (5u << 29));
-  rig_.poke(iser, 1);
-  raise(0);
-  core_.step();
+  enter();
   const std::uint32_t frame = CoreRig::stack - 32;
   EXPECT_EQ(core_.reg(13), frame);
   const std::vector<std::uint32_t> wanted = {0x100, 0x101,       0x102,         0x103,
@@ -72,13 +81,10 @@ TEST_F(CoreExceptions, FrameIsAlignedToEightBytesAndPutBack) {
   for (const std::uint32_t sp : {CoreRig::stack - 4, CoreRig::stack - 8}) {
     rig_.restart();
     core_.set_reg(13, sp);
-    rig_.poke(iser, 1);
-    raise(0);
-    core_.step();
+    enter();
     EXPECT_EQ(core_.reg(13) & 7, 0u);
     EXPECT_EQ((rig_.word(core_.reg(13) + 28) >> 9) & 1, (sp & 4) != 0 ? 1u : 0u);
-    raise(0, false);
-    steps(2);
+    leave(0);
     EXPECT_EQ(core_.reg(13), sp);
   }
 }
@@ -90,15 +96,12 @@ TEST_F(CoreExceptions, ProcessStackIsUsedAndRestored) {
   core_.step();
   EXPECT_EQ(core_.reg(13), CoreRig::data + 0x200);
   EXPECT_EQ(core_.msp(), CoreRig::stack);
-  rig_.poke(iser, 1);
-  raise(0);
-  core_.step();
+  enter();
   EXPECT_EQ(core_.reg(14), 0xffff'fffdu);
   EXPECT_EQ(core_.reg(13), CoreRig::stack);
   EXPECT_EQ(core_.psp(), CoreRig::data + 0x200 - 32);
   EXPECT_EQ(core_.control(), 0u);
-  raise(0, false);
-  steps(2);
+  leave(0);
   EXPECT_EQ(core_.reg(13), CoreRig::data + 0x200);
   EXPECT_EQ(core_.control(), 2u);
 }
@@ -121,8 +124,7 @@ TEST_F(CoreExceptions, HigherPriorityPreemptsAndEqualDoesNot) {
   raise(0, false);
   core_.step();  // bx lr chains to line 2
   EXPECT_EQ(core_.exception(), 18u);
-  raise(2, false);
-  steps(2);
+  leave(2);
   EXPECT_EQ(core_.exception(), 16u);
   steps(2);
   EXPECT_EQ(core_.exception(), 0u);
@@ -151,11 +153,9 @@ TEST_F(CoreExceptions, LateArrivalTakesThePlaceOfTheFirst) {
     EXPECT_LE(core_.cycle() - (start + delay), 15u);
     EXPECT_GE(core_.cycle() - start, 15u);
     EXPECT_EQ(core_.reg(14), 0xffff'fff9u);
-    raise(1, false);
-    steps(2);
+    leave(1);
     EXPECT_EQ(core_.exception(), 16u);  // chained
-    raise(0, false);
-    steps(2);
+    leave(0);
     EXPECT_EQ(core_.exception(), 0u);
     EXPECT_EQ(core_.reg(13), CoreRig::stack);
   }
@@ -203,22 +203,17 @@ TEST_F(CoreExceptions, PrimaskHoldsBackButNotFaultsAndNmi) {
 }
 
 TEST_F(CoreExceptions, LevelPendsAgainAfterTheHandlerWhileItLasts) {
-  rig_.poke(iser, 1);
-  raise(0);
-  core_.step();
+  enter();
   EXPECT_EQ(rig_.peek(ispr), 0u);  // active, not pending
   core_.step();
   core_.step();  // bx lr
   EXPECT_EQ(core_.exception(), 16u);
-  raise(0, false);
-  steps(2);
+  leave(0);
   EXPECT_EQ(core_.exception(), 0u);
 }
 
 TEST_F(CoreExceptions, RisingAgainWhileActivePendsAndPendingOutlivesTheLine) {
-  rig_.poke(iser, 1);
-  raise(0);
-  core_.step();
+  enter();
   raise(0, false);
   EXPECT_EQ(rig_.peek(ispr), 0u);
   raise(0);
@@ -380,9 +375,7 @@ TEST_F(CoreExceptions, FaultInHardFaultOrNmiLocksUpUntilReset) {
 
 TEST_F(CoreExceptions, StackThatFaultsOnEntryIsAHardFaultThenLockUp) {
   core_.set_reg(13, 0x3000'0100);
-  rig_.poke(iser, 1);
-  raise(0);
-  core_.step();
+  enter();
   EXPECT_EQ(core_.exception(), 3u);
   run_at(CoreRig::handler_of(3), {0xde00});
   core_.step();
@@ -394,9 +387,7 @@ TEST_F(CoreExceptions, BadExcReturnFaults) {
   for (const std::uint32_t value : {0xffff'fff1u, 0xffff'fff5u, 0xffff'ff99u, 0xf000'0009u}) {
     rig_.restart();
     raise(0, false);
-    rig_.poke(iser, 1);
-    raise(0);
-    core_.step();
+    enter();
     ASSERT_EQ(core_.exception(), 16u);
     core_.set_reg(14, value);
     steps(2);
@@ -418,9 +409,7 @@ TEST_F(CoreExceptions, ReturnToThreadFromANestedHandlerFaults) {
 }
 
 TEST_F(CoreExceptions, FrameOfTheWrongModeFaultsOnReturn) {
-  rig_.poke(iser, 1);
-  raise(0);
-  core_.step();
+  enter();
   raise(0, false);
   rig_.put_word(core_.reg(13) + 28, thumb | 16);  // claims to return to a handler
   steps(2);
@@ -524,8 +513,7 @@ TEST_F(CoreExceptions, SleepOnExit) {
   rig_.poke(scr, 1u << 1);
   raise(0);
   core_.step();
-  raise(0, false);
-  steps(2);
+  leave(0);
   EXPECT_EQ(core_.exception(), 0u);
   EXPECT_TRUE(core_.sleeping());
   raise(0);
@@ -536,25 +524,6 @@ TEST_F(CoreExceptions, SleepOnExit) {
 
 // --- SysTick, registers, native functions
 // --------------------------------------------------------------
-
-TEST_F(CoreExceptions, SystickCountsAndInterruptsEachReloadPlusOne) {
-  rig_.poke(syst_rvr, 99);
-  rig_.poke(syst_cvr, 5);
-  rig_.poke(syst_csr, 7);
-  const Cycle start = core_.cycle() - 2;  // when the store began
-  run_at(CoreRig::code, {0xe7fe});
-  std::vector<Cycle> at;
-  while (at.size() < 3) {
-    const unsigned before = core_.exception();
-    core_.step();
-    if (before == 0 && core_.exception() == 15) at.push_back(core_.cycle() - start);
-  }
-  EXPECT_EQ(at[0], 100u + 15);
-  EXPECT_EQ(at[1], 200u + 15);
-  EXPECT_EQ(at[2], 300u + 15);
-  EXPECT_EQ(rig_.peek(syst_csr) & (1u << 16), 1u << 16);
-  EXPECT_EQ(rig_.peek(syst_csr) & (1u << 16), 0u);
-}
 
 // Compares the count that is calculated on demand with a clocked counter.
 TEST_F(CoreExceptions, SystickIsACounter) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/chip/core_rig.hpp"
+#include "tests/chip/listeners.hpp"
 
 namespace lamplock::test::core_timing_test {
 namespace {
@@ -84,19 +85,21 @@ TEST(CoreTiming, EveryInstructionClassAsTheManual) {
   }
 }
 
+/// Cycles of one instruction with r0 = `address`.
+Cycle cost(CoreRig& rig, std::uint32_t address, unsigned half) {
+  prepare(rig);
+  rig.put(CoreRig::code + 0x100, {half});
+  rig.core.set_reg(0, address);
+  rig.core.set_reg(15, CoreRig::code + 0x100);
+  return rig.core.step();
+}
+
 // On APB a read has 3 cycles of data phase and a write 4 (RP2040 datasheet, 2.1.3), instead of the
 // single cycle of an access without wait states.
 TEST(CoreTiming, ApbCostsWhatTheBridgeAdds) {
   CoreRig rig;
-  const auto cost = [&](unsigned half) {
-    prepare(rig);
-    rig.put(CoreRig::code + 0x100, {half});
-    rig.core.set_reg(0, 0x4005'4000);
-    rig.core.set_reg(15, CoreRig::code + 0x100);
-    return rig.core.step();
-  };
-  EXPECT_EQ(cost(0x6804), 1u + 3u);  // ldr
-  EXPECT_EQ(cost(0x6004), 1u + 4u);  // str
+  EXPECT_EQ(cost(rig, 0x4005'4000, 0x6804), 1u + 3u);  // ldr
+  EXPECT_EQ(cost(rig, 0x4005'4000, 0x6004), 1u + 4u);  // str
 }
 
 TEST(CoreTiming, WaitStatesOfTheBusAreAdded) {
@@ -105,23 +108,15 @@ TEST(CoreTiming, WaitStatesOfTheBusAreAdded) {
   timing.apb_write_wait = 4;
   timing.ahb_wait = 1;
   CoreRig rig(timing);
-  const auto cost = [&](std::uint32_t address, unsigned half) {
-    prepare(rig);
-    rig.put(CoreRig::code + 0x100, {half});
-    rig.core.set_reg(0, address);
-    rig.core.set_reg(15, CoreRig::code + 0x100);
-    return rig.core.step();
-  };
-  EXPECT_EQ(cost(0x4005'4000, 0x6804), 5u);                // ldr, APB
-  EXPECT_EQ(cost(0x4005'4000, 0x6004), 6u);                // str, APB
-  EXPECT_EQ(cost(0x5020'0000, 0x6804), 3u);                // ldr, AHB-Lite
-  EXPECT_EQ(cost(0x4005'4000, 0xc830), 1u + 2 * (1 + 3));  // ldm of two
-  EXPECT_EQ(cost(0xe000'ed00, 0x6804), 2u);                // the core's own registers
+  EXPECT_EQ(cost(rig, 0x4005'4000, 0x6804), 5u);                // ldr, APB
+  EXPECT_EQ(cost(rig, 0x4005'4000, 0x6004), 6u);                // str, APB
+  EXPECT_EQ(cost(rig, 0x5020'0000, 0x6804), 3u);                // ldr, AHB-Lite
+  EXPECT_EQ(cost(rig, 0x4005'4000, 0xc830), 1u + 2 * (1 + 3));  // ldm of two
+  EXPECT_EQ(cost(rig, 0xe000'ed00, 0x6804), 2u);                // the core's own registers
 }
 
 /// Records entries, calls and branches.
-class Entries final : public CoreListener {
- public:
+struct Entries final : rigs::QuietListener {
   struct Entry {
     unsigned number;
     Cycle at;
@@ -135,14 +130,10 @@ class Entries final : public CoreListener {
   void exception_entered(int, unsigned number, Cycle, Cycle at) override {
     entries.push_back({number, at});
   }
-  void exception_left(int, unsigned, Cycle) override {}
   void called(int, std::uint32_t, std::uint32_t to, Cycle at) override {
     jumps.push_back({true, to, at});
   }
   void branched(int, std::uint32_t to, Cycle at) override { jumps.push_back({false, to, at}); }
-  void slept(int, Cycle) override {}
-  void woke(int, Cycle) override {}
-  void masked(int, bool, Cycle) override {}
   std::vector<Entry> entries;
   std::vector<Jump> jumps;
 };

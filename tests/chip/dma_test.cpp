@@ -88,19 +88,6 @@ TEST_F(DmaTest, SizesAndByteSwap) {
   EXPECT_EQ(word(0x124), 0x05060708u);
 }
 
-TEST_F(DmaTest, RingWrapsTheSideItIsSelectedFor) {
-  fill(0, 8);
-  start(0, ram + 8, ram + 0x100, 10, {.ring = 4});
-  start(1, ram, ram + 0x208, 6, {.chain = 1, .ring = 4, .ring_write = true});
-  rig.run(60);
-  for (unsigned i = 0; i < 10; ++i) EXPECT_EQ(word(0x100 + 4 * i), 0x1000'0000u + (2 + i) % 4);
-  EXPECT_EQ(word(0x200), 0x1000'0002u);
-  EXPECT_EQ(word(0x204), 0x1000'0003u);
-  EXPECT_EQ(word(0x208), 0x1000'0004u);
-  EXPECT_EQ(word(0x20c), 0x1000'0005u);
-  EXPECT_EQ(rig.dma_look(ch(0, 0)), ram);
-}
-
 TEST_F(DmaTest, EveryLayoutTriggersByItsLastRegister) {
   fill(0, 4);
   // The four registers in the order of the layout; the last one starts the channel.

@@ -467,50 +467,6 @@ TEST(Xip, SerialReadsMapTheFlashAndCommandModeUnmapsIt) {
   EXPECT_FALSE(w.readable(0x1000'0000));
 }
 
-TEST(Xip, QuadContinuousReadNeedsTheFlashToBeInIt) {
-  Wired w;
-  const auto setup = [&](std::uint32_t spi_control) {
-    w.write(Wired::ssi + 8, 0);
-    w.write(Wired::ssi + 0x14, 2);
-    w.write(Wired::ssi, 2u << 21 | 31u << 16 | 3u << 8);
-    w.write(Wired::ssi + 4, 0);
-    w.write(Wired::ssi + 0xf4, spi_control);
-    w.write(Wired::ssi + 0x10, 1);
-    w.write(Wired::ssi + 8, 1);
-  };
-  constexpr std::uint32_t quad_address = 8u << 2 | 4u << 11;
-  constexpr std::uint32_t continuous = 0xa0u << 24 | quad_address | 2u;
-  setup(continuous);
-  EXPECT_FALSE(w.readable(0x1000'0000)) << "the flash waits for a command";
-  // One read with the command enters the mode, as the usual boot2 does.
-  setup(quad_address | 2u << 8 | 1u);
-  w.write(Wired::ssi + 0x60, 0xeb);
-  w.write(Wired::ssi + 0x60, 0xa0);
-  while ((w.read(Wired::ssi + 0x28) & 5) != 4) {
-  }
-  EXPECT_EQ(w.read(Wired::ssi + 0x60), 0xffff'ffffu);
-  EXPECT_TRUE(w.flash.continuous_read());
-  setup(continuous);
-  EXPECT_TRUE(w.readable(0x1000'0000));
-  EXPECT_EQ(w.xip.ssi().line_fill_cycles(), 28u * 2);
-  setup((continuous & ~(31u << 11)) | 3u << 11);
-  EXPECT_FALSE(w.readable(0x1000'0000)) << "one wait cycle too few";
-  setup(continuous);
-  EXPECT_TRUE(w.readable(0x1000'0000));
-}
-
-TEST(Xip, CacheMemoryIsReadableWhileTheCacheIsOff) {
-  Wired w;
-  EXPECT_FALSE(w.readable(0x1500'0000));
-  w.write(0x1400'3000, 1);
-  w.write(0x1500'3ffc, 0x1234'5678);
-  EXPECT_EQ(w.read(0x1500'3ffc), 0x1234'5678u);
-  w.write(0x1400'2000, 1);
-  EXPECT_FALSE(w.readable(0x1500'0000));
-  w.now = 2000;
-  EXPECT_EQ(w.read(0x1400'0008), 3u) << "flush ready, stream empty";
-}
-
 TEST(Xip, MissingRegistersAreReported) {
   Wired w;
   for (const std::uint32_t address :
@@ -523,31 +479,6 @@ TEST(Xip, MissingRegistersAreReported) {
   for (const std::uint32_t address : {Wired::ssi + 0x28, Wired::ssi + 0xf8, 0x4002'0018u})
     w.read(address);
   EXPECT_TRUE(w.reports.empty());
-}
-
-TEST(XipCache, HoldsTwoLinesOfASet) {
-  XipCache cache;
-  // As in XipMemory.
-  const auto access = [&cache](std::uint32_t offset) {
-    const bool hit = cache.find(offset) != nullptr;
-    cache.count(hit);
-    if (!hit) cache.replace(offset);
-    return hit;
-  };
-  EXPECT_FALSE(access(0));
-  EXPECT_TRUE(access(7));
-  EXPECT_FALSE(access(8));
-  EXPECT_FALSE(access(8 * 1024));
-  EXPECT_TRUE(access(0));
-  EXPECT_FALSE(access(16 * 1024)) << "takes the place of 8 KiB";
-  EXPECT_TRUE(access(0));
-  EXPECT_FALSE(access(8 * 1024));
-  cache.invalidate(8 * 1024);
-  EXPECT_FALSE(access(8 * 1024));
-  EXPECT_EQ(cache.accesses(), 9u);
-  EXPECT_EQ(cache.hits(), 3u);
-  cache.flush();
-  EXPECT_FALSE(access(0));
 }
 
 }  // namespace

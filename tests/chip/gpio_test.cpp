@@ -6,6 +6,8 @@
 #include <tuple>
 #include <vector>
 
+#include "sim/chip/sio/sio.hpp"
+
 namespace lamplock::sim::chip::gpio_test {
 namespace {
 
@@ -57,19 +59,9 @@ TEST_F(GpioTest, OnlyTheSelectedFunctionDrivesThePin) {
   EXPECT_EQ(watcher.changes, (std::vector<Change>{{3, true, 20}, {3, false, 40}}));
 }
 
-TEST_F(GpioTest, OverridesActOnOutputEnableAndInput) {
-  io(control(2), 5);
-  gpio_.drive(PinFunction::sio, 1u << 2, 1u << 2, 0);
-  EXPECT_TRUE(level(2));
-  io(control(2), 5 | 1u << 8);  // inverted
-  EXPECT_FALSE(level(2));
-  io(control(2), 5 | 2u << 8);  // low
-  EXPECT_FALSE(level(2));
-  io(control(2), 5 | 3u << 8);
-  EXPECT_TRUE(level(2));
-  io(control(2), 5 | 2u << 12);  // output disabled: pull-down
-  EXPECT_FALSE(level(2));
-  io(control(2), 31 | 3u << 8 | 3u << 12);  // no function, forced high and enabled
+// The other overrides: chip_images/gpio.
+TEST_F(GpioTest, OverridesForceAPinWithoutAFunction) {
+  io(control(2), 31 | 3u << 8 | 3u << 12);  // high and enabled
   EXPECT_TRUE(level(2));
   io(control(2), 31 | 1u << 16);  // input inverted
   EXPECT_FALSE(level(2));
@@ -85,20 +77,6 @@ TEST_F(GpioTest, StatusShowsEveryStage) {
   EXPECT_EQ(status(9), 1u << 8 | 1u << 13 | 1u << 19 | 1u << 26);
   gpio_.drive(PinFunction::sio, 0, 0, 0);
   EXPECT_EQ(status(9), 1u << 9 | 1u << 13 | 1u << 17 | 1u << 24);
-}
-
-TEST_F(GpioTest, PadControlsInputOutputAndPulls) {
-  pad(4, 0x48);  // pull-up, input
-  EXPECT_TRUE(level(4));
-  EXPECT_TRUE(input(4));
-  pad(4, 0x08);  // input buffer off
-  EXPECT_TRUE(level(4));
-  EXPECT_FALSE(input(4));
-  io(control(4), 5);
-  gpio_.drive(PinFunction::sio, 0, 1u << 4, 0);
-  EXPECT_FALSE(level(4));
-  pad(4, 0xc8);  // output disabled: the pull-up wins
-  EXPECT_TRUE(level(4));
 }
 
 TEST_F(GpioTest, BothPullsKeepTheLevel) {
@@ -199,18 +177,6 @@ TEST_F(GpioTest, LevelInterruptFollowsThePinAndForceNeedsNoEnable) {
   EXPECT_EQ(gpio_.io_bank().read(0x120 + 12), 1u << 20);
 }
 
-TEST_F(GpioTest, InterruptInputOverrideInverts) {
-  io(control(1), 31 | 1u << 28);
-  io(0x100, 8u << 4);  // GPIO1 edge high
-  gpio_.set_external(1, External::high, 5);
-  wheel_.advance_to(10);
-  io(0xf0, ~0u);
-  EXPECT_FALSE(line(0));
-  gpio_.set_external(1, External::low, 20);
-  wheel_.advance_to(22);
-  EXPECT_TRUE(line(0));
-}
-
 TEST_F(GpioTest, PastInputsAreStoredForSynchronisers) {
   gpio_.set_external(0, External::high, 10);
   gpio_.set_external(1, External::high, 11);
@@ -248,6 +214,7 @@ TEST_F(GpioTest, SourcesAreUpdatedBeforeTheirPinsAreReconnected) {
 }
 
 TEST_F(GpioTest, APeekAtARegisterShowsThePresent) {
+  Sio sio{wheel_, gpio_, irqs_, [] { return 2u; }, {}};
   io(control(0), 6);
   gpio_.drive(PinFunction::pio0, 0, 1, 0);
   Late late(gpio_);
@@ -255,6 +222,7 @@ TEST_F(GpioTest, APeekAtARegisterShowsThePresent) {
   wheel_.advance_to(60);
   EXPECT_NE(gpio_.io_bank().peek(0) & 1u << 9, 0u) << "OUTTOPAD";
   EXPECT_NE(gpio_.io_bank().peek(0xf0) & 8u, 0u) << "EDGE_HIGH";
+  EXPECT_EQ(sio.core(0).peek(4), 1u) << "GPIO_IN";
 }
 
 TEST_F(GpioTest, ResetOfTheBankDisconnectsEverything) {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "sim/chip/chip.hpp"
 #include "sim/chip/image/image.hpp"
+#include "tests/chip/listeners.hpp"
 #include "tests/chip/tiny_image.hpp"
 
 namespace lamplock::sim::chip::one_clock_test {
@@ -27,33 +27,15 @@ constexpr Store function(unsigned gpio, std::uint32_t value) {
 }
 constexpr std::uint32_t to_sio = 5, to_pio0 = 6;
 
-/// Edges of pins, each with its cycle.
-class Edges final : private PadListener {
- public:
-  explicit Edges(Chip& chip) { chip.gpio().listen(static_cast<PadListener&>(*this)); }
-  std::vector<Cycle> of(unsigned gpio) const {
-    std::vector<Cycle> result;
-    for (const auto& [pin, at] : edges_)
-      if (pin == gpio) result.push_back(at);
-    return result;
-  }
-
- private:
-  void pad_changed(unsigned gpio, bool /*level*/, Cycle at) override {
-    edges_.emplace_back(gpio, at);
-  }
-  std::vector<std::pair<unsigned, Cycle>> edges_;
-};
-
 /// Runs an image for a while after the ROM has started it.
 struct ImageRun {
-  explicit ImageRun(const std::vector<std::uint8_t>& image) : edges(chip) {
+  explicit ImageRun(const std::vector<std::uint8_t>& image) : pads(chip.gpio()) {
     chip.load(parse_bin(image, "image"), "image");
     chip.power_on();
     chip.run_until(chip.wheel().cycle_at(20 * ps_per_ms));
   }
   Chip chip;
-  Edges edges;
+  rigs::Pads pads;
 };
 
 /// gpio2 toggles every 3 cycles (STR to SIO 1, B 2; TRM, 3.3), or with a NOP every 4.
@@ -86,7 +68,7 @@ TEST(OneClock, APioFollowsThePinOfTheCpuAfterAConstantTime) {
                                            {pio0 + 0xdc, 1u << 20 | 3 | 2u << 15},
                                            {pio0, 1},                  // SM0_ENABLE
                                            {0xd000'0024, 1u << 2}}));  // GPIO_OE_SET
-    const std::vector<Cycle> cpu = run.edges.of(2), pio = run.edges.of(3);
+    const std::vector<Cycle> cpu = run.pads.cycles(2), pio = run.pads.cycles(3);
     ASSERT_GT(cpu.size(), 1000u);
     for (std::size_t i = 1; i < cpu.size(); ++i)
       ASSERT_EQ(cpu[i] - cpu[i - 1], slow ? 4u : 3u) << i;
@@ -116,7 +98,7 @@ TEST(OneClock, TheDmaTakesItsClocksWhileTheCpuRuns) {
                                  {dma + 0x08, words},
                                  {0xd000'001c, 1u << 2},  // gpio2: the CPU is here
                                  {dma + 0x0c, unpaced | 1u << 11 | increments | size | 1}}));
-  const std::vector<Cycle> cpu = run.edges.of(2), done = run.edges.of(3);
+  const std::vector<Cycle> cpu = run.pads.cycles(2), done = run.pads.cycles(3);
   ASSERT_EQ(done.size(), 1u) << "one word by channel 1";
   // LDM 3, CMP 1, B 1 + STR 2: the start is some 10 cycles after the CPU's edge.
   const Cycle took = done[0] - cpu[0];

@@ -1,4 +1,5 @@
-// PIO timing to the cycle, by the rules of the RP2040 datasheet, chapter 3.
+// PIO timing to the cycle, by the rules of the RP2040 datasheet, chapter 3. Also chip_images/pio:
+// pins past and behind the synchroniser, side-set, autopull at full rate, flags between machines.
 #include "tests/chip/pio_rig.hpp"
 
 namespace lamplock::test::pio::pio_test {
@@ -24,55 +25,21 @@ struct OneMachine {
   Cycle first = 0;
 };
 
-TEST(PioTiming, OutputAppearsInTheCycleAfterTheInstruction) {
-  OneMachine m({set(pins, 1), set(pins, 0, 3), nop(1)});
-  m.start();
-  m.run_to(20);
-  // Instructions in 0, 1 (4 cycles), 5 (2 cycles), 7, ...
-  EXPECT_EQ(m.edges(), (Longs{1, 2, 8, 9, 15, 16}));
-}
-
 // Cycles of each kind of instruction without a stall: pin up, the instruction, pin down.
 TEST(PioTiming, EveryInstructionTakesOneCycleAndItsDelay) {
-  const std::vector<Word> instructions = {jmp(always, 2),
-                                          jmp(not_x, 2),
-                                          jmp(x_dec, 2),
-                                          jmp(not_y, 2),
-                                          jmp(y_dec, 2),
-                                          jmp(x_ne_y, 2),
-                                          jmp(pin, 2),
-                                          jmp(not_osre, 2),
-                                          wait(0, gpio_source, 20),
-                                          wait(0, pin_source, 20),
-                                          wait(0, irq_source, 3),
-                                          in(pins, 3),
-                                          in(x, 32),
-                                          in(null, 1),
-                                          in(isr, 5),
-                                          in(osr, 8),
-                                          out(pins, 1),
-                                          out(x, 7),
-                                          out(y, 32),
-                                          out(null, 1),
-                                          out(pindirs, 1),
-                                          out(isr, 4),
-                                          push(),
-                                          push(true),
-                                          push(false, false),
-                                          pull(false, false),
-                                          pull(true, false),
-                                          mov(x, y),
-                                          mov(y, x, 1),
-                                          mov(isr, x, 2),
-                                          mov(osr, null),
-                                          mov(x, status),
-                                          mov(pins, null),
-                                          irq_set(1),
-                                          irq_clear(1),
-                                          set(x, 5),
-                                          set(y, 31),
-                                          set(pindirs, 1)};
-  for (const Word word : instructions)
+  const std::vector<std::vector<Word>> instructions = {
+      {jmp(always, 2), jmp(not_x, 2), jmp(x_dec, 2), jmp(not_y, 2)},
+      {jmp(y_dec, 2), jmp(x_ne_y, 2), jmp(pin, 2), jmp(not_osre, 2)},
+      {wait(0, gpio_source, 20), wait(0, pin_source, 20), wait(0, irq_source, 3)},
+      {in(pins, 3), in(x, 32), in(null, 1), in(isr, 5), in(osr, 8)},
+      {out(pins, 1), out(x, 7), out(y, 32), out(null, 1), out(pindirs, 1), out(isr, 4)},
+      {push(), push(true), push(false, false), pull(false, false), pull(true, false)},
+      {mov(x, y), mov(y, x, 1), mov(isr, x, 2)},
+      {mov(osr, null), mov(x, status), mov(pins, null)},
+      {irq_set(1), irq_clear(1), set(x, 5), set(y, 31), set(pindirs, 1)}};
+  std::vector<Word> all;
+  for (const auto& kind : instructions) all.insert(all.end(), kind.begin(), kind.end());
+  for (const Word word : all)
     for (const unsigned delay : {0u, 1u, 7u, 31u}) {
       OneMachine m({set(pins, 1), with(word, delay), set(pins, 0, 31)});
       m.start();
@@ -98,28 +65,6 @@ TEST(PioTiming, ExecInstructionTakesTwoCyclesAndItsOwnDelayIsIgnored) {
   EXPECT_EQ(m.edges(), (Longs{1, 3, 6}));
 }
 
-TEST(PioTiming, PinIsSeenThreeCyclesLater) {
-  OneMachine m({wait(1, gpio_source, 20), set(pins, 1), wait(0, gpio_source, 20), set(pins, 0)});
-  m.start();
-  m.run_to(100);
-  m.rig.drive(20, true);
-  m.run_to(200);
-  m.rig.drive(20, false);
-  m.run_to(300);
-  EXPECT_EQ(m.edges(), (Longs{105, 205}));  // wait +3, set +4, pad +5
-}
-
-TEST(PioTiming, PulseOfOneCycleIsSeen) {
-  OneMachine m({wait(1, gpio_source, 20), set(pins, 1), jmp(always, 2)});
-  m.start();
-  m.run_to(100);
-  m.rig.drive(20, true);
-  m.run_to(101);
-  m.rig.drive(20, false);
-  m.run_to(300);
-  EXPECT_EQ(m.edges(), (Longs{105}));
-}
-
 // The example of a developer of the chip (raspberrypi/pico-feedback, issue 280): IN PINS in the
 // whole memory, side-set 1 in its first half; measures how much later the machine reads its own
 // output.
@@ -143,31 +88,20 @@ TEST(PioTiming, RingOscillatorHasAPeriodOfEight) {
   EXPECT_EQ(m.edges(), (Longs{1, 5, 9, 13, 17}));
 }
 
-TEST(PioTiming, BypassSavesTheFlipFlops) {
-  OneMachine m({wait(1, gpio_source, 20), set(pins, 1), jmp(always, 2)});
-  m.rig.pio(bypass, 1u << 20);
-  m.start();
-  m.run_to(100);
-  m.rig.drive(20, true);  // after the machines have run cycle 100
-  m.run_to(200);
-  EXPECT_EQ(m.edges(), (Longs{103}));
-}
-
-TEST(PioTiming, FractionalDividerSpreadsByFirstOrderDelta) {
-  // A divider of 2.25: periods of 2 2 2 3; a toggling pin.
-  OneMachine m({set(pins, 1), set(pins, 0)});
-  m.rig.pio(clkdiv, 2u << 16 | 64u << 8);
-  m.start();
-  m.run_to(30);
-  EXPECT_EQ(m.edges(), (Longs{1, 3, 5, 7, 10, 12, 14, 16, 19, 21, 23, 25, 28, 30}));
-}
-
-TEST(PioTiming, DividerZeroMeans65536) {
-  OneMachine m({set(pins, 1), set(pins, 0)});
-  m.rig.pio(clkdiv, 0);
-  m.start();
-  m.run_to(3 * 65536);
-  EXPECT_EQ(m.edges(), (Longs{1, 65537, 131073}));
+TEST(PioTiming, DividersSpreadFractionsByFirstOrderDelta) {
+  struct Case {
+    std::uint32_t divider;
+    Longs edges;  ///< of a toggling pin
+  };
+  for (const Case& c :
+       {Case{2u << 16 | 64u << 8, {1, 3, 5, 7, 10, 12, 14, 16, 19, 21, 23, 25, 28, 30}},  // 2.25
+        Case{0, {1, 65537, 131073}}}) {  // zero means 65536
+    OneMachine m({set(pins, 1), set(pins, 0)});
+    m.rig.pio(clkdiv, c.divider);
+    m.start();
+    m.run_to(c.edges.back());
+    EXPECT_EQ(m.edges(), c.edges);
+  }
 }
 
 TEST(PioTiming, DividersRestartTogether) {
@@ -204,42 +138,94 @@ TEST(PioTiming, LongCountIsExactAndCheap) {
   EXPECT_EQ(m.edges(), (Longs{3, 4 + (1L << 33)}));
 }
 
-TEST(PioTiming, DecrementHappensWhetherItJumpsOrNot) {
-  OneMachine m({set(x, 0), jmp(x_dec, 0), in(x, 32), push(), jmp(always, 4)});
-  m.start();
-  m.run_to(10);
-  EXPECT_EQ(m.rig.look(rxf), 0xffff'ffffu);
-}
-
 // ---------------------------------------------------------------------------------------------
 // FIFOs and shift registers
+
+/// A program and the words that it takes from its TX FIFO and leaves in its RX FIFO.
+struct Exchange {
+  const char* what;
+  std::vector<Word> program;
+  std::vector<std::uint32_t> sent, received;
+  std::uint32_t shift = both_right, exec_bits = 0;
+};
+
+TEST(PioFifo, ProgramsExchangeWords) {
+  constexpr std::uint32_t autopush = 1u << 16, autopull = 1u << 17, in_right = 1u << 18,
+                          out_right = 1u << 19;
+  constexpr auto push_at = [](unsigned bits) { return autopush | bits << 20; };
+  constexpr std::uint32_t pull_at_8 = both_right | autopull | 8u << 25;
+  const std::vector<Word> status_program{mov(isr, status), push(), jmp(always, 2)},
+      outs{pull(), out(isr, 12), push(), out(isr, 8), push(), jmp(always, 5)},
+      nibbles{set(x, 5), in(x, 4), jmp(always, 1)};
+  constexpr std::uint32_t tx_below_3 = 3;  // STATUS_SEL 0, STATUS_N
+  const std::vector<Exchange> all{
+      {"JMP X-- decrements whether it jumps or not",
+       {set(x, 0), jmp(x_dec, 0), in(x, 32), push(), jmp(always, 4)},
+       {},
+       {~0u}},
+      {"PULL NOBLOCK without a word takes X",
+       {set(x, 21), pull(false, false), mov(isr, osr), push(), jmp(always, 4)},
+       {},
+       {21}},
+      {"autopull at 8 bits; PULL has no effect while there is data",
+       {pull(), out(x, 8), mov(isr, x), push(), jmp(always, 0)},
+       {0x11, 0x22, 0x33},
+       {0x11, 0x22, 0x33},
+       pull_at_8},
+      {"autopush of 12 bits to the right", nibbles, {}, {0x5550'0000}, push_at(12) | both_right},
+      {"autopush of 12 bits to the left", nibbles, {}, {0x555}, push_at(12) | out_right},
+      {"OUT to the right", outs, {0x1234'5678}, {0x678, 0x45}, in_right | out_right},
+      {"OUT to the left", outs, {0x1234'5678}, {0x123, 0x45}, in_right},
+      {"PULL IFEMPTY, PUSH IFFULL: the second pull and the first push do nothing",
+       {pull(true), out(x, 16), pull(true), out(y, 16), pull(true), in(y, 16), push(true),
+        in(x, 16), push(true), jmp(always, 9)},
+       {0xaaaa'bbbb, 0xcccc},
+       {0xbbbb'aaaa}},
+      {"MOV plain, inverted, reversed",
+       {pull(), mov(isr, osr), push(), mov(isr, osr, 1), push(), mov(isr, osr, 2), push(),
+        jmp(always, 7)},
+       {0x8000'0123},
+       {0x8000'0123, 0x7fff'fedc, 0xc480'0001}},
+      {"STATUS of an empty FIFO", status_program, {}, {~0u}, both_right, tx_below_3},
+      {"STATUS of two words", status_program, {0, 0}, {~0u}, both_right, tx_below_3},
+      {"STATUS of three words", status_program, {0, 0, 0}, {0}, both_right, tx_below_3},
+  };
+  for (const Exchange& each : all) {
+    SCOPED_TRACE(each.what);
+    OneMachine m(each.program, each.shift, each.exec_bits);
+    for (const std::uint32_t word : each.sent) m.rig.pio(txf, word);
+    m.start();
+    m.run_to(60);
+    const std::uint32_t left = m.rig.look(flevel);
+    EXPECT_EQ(left & 15u, each.program == status_program ? each.sent.size() : 0u);
+    // Autopush continues until its FIFO is full, and then stalls.
+    const bool pushes_on = (each.shift & autopush) != 0;
+    EXPECT_EQ(left >> 4 & 15u, pushes_on ? 4u : each.received.size());
+    EXPECT_EQ(m.rig.look(fdebug) & 0xfu, pushes_on ? 1u : 0u);
+    for (const std::uint32_t word : each.received) EXPECT_EQ(m.rig.look(rxf), word);
+  }
+}
+
+TEST(PioFifo, InPinsRotatesByBase) {
+  OneMachine m({in(pins, 4), push(), jmp(always, 2)}, Pins{.in_base = 20}, 0, 0);
+  for (const unsigned gpio : {20u, 22u}) m.rig.drive(gpio, true);
+  m.rig.run(3);
+  m.start();
+  m.run_to(10);
+  EXPECT_EQ(m.rig.look(rxf), 5u);
+}
 
 TEST(PioFifo, PullStallsUntilAWordArrives) {
   OneMachine m({pull(), set(pins, 1), jmp(always, 2)});
   m.start();
+  m.run_to(48);
+  m.rig.pio(fdebug, ~0u);
+  EXPECT_EQ(m.rig.look(fdebug), 0u);
   m.run_to(50);
-  EXPECT_EQ(m.rig.look(fdebug), 1u << 24);
+  EXPECT_EQ(m.rig.look(fdebug), 1u << 24) << "set again while the stall lasts";
   m.rig.pio(txf, 1);  // written in 50: pull 51, set 52, pad 53
   m.run_to(60);
   EXPECT_EQ(m.edges(), (Longs{53}));
-}
-
-TEST(PioFifo, StallFlagsAreSetAgainWhileTheStallLasts) {
-  OneMachine m({pull(), jmp(always, 1)});
-  m.start();
-  m.run_to(50);
-  m.rig.pio(fdebug, ~0u);
-  EXPECT_EQ(m.rig.look(fdebug), 0u);
-  m.rig.run(1);
-  EXPECT_EQ(m.rig.look(fdebug), 1u << 24);
-}
-
-TEST(PioFifo, PullNoBlockTakesX) {
-  OneMachine m({set(x, 21), pull(false, false), mov(isr, osr), push(), jmp(always, 4)});
-  m.start();
-  m.run_to(10);
-  EXPECT_EQ(m.rig.look(rxf), 21u);
-  EXPECT_EQ(m.rig.look(fdebug), 0u);
 }
 
 TEST(PioFifo, PushStallsOrDrops) {
@@ -263,17 +249,6 @@ TEST(PioFifo, PushStallsOrDrops) {
   }
 }
 
-TEST(PioFifo, AutopullKeepsFullRate) {
-  // 32 bits in OUTs of 8: no cycle is lost between words as long as the FIFO has one.
-  OneMachine m({out(pins, 8)}, Pins{.out_base = 0, .out_count = 1}, both_right | 1u << 17, 0);
-  for (const std::uint32_t word : {0x00010001u, 0x00010001u, 0x00010001u}) m.rig.pio(txf, word);
-  m.start();
-  m.run_to(40);
-  // The first OUT finds an empty OSR: one cycle to fill it.
-  EXPECT_EQ(m.edges(), (Longs{2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}));
-  EXPECT_EQ(m.rig.look(fdebug), 1u << 24);
-}
-
 TEST(PioFifo, AutopullFillsInTheBackground) {
   // The OSR fills while other instructions execute, so the OUT does not lose a cycle.
   OneMachine m({nop(3), out(pins, 32), set(y, 1)}, Pins{.out_base = 0, .out_count = 1},
@@ -285,53 +260,6 @@ TEST(PioFifo, AutopullFillsInTheBackground) {
   EXPECT_EQ(m.rig.look(flevel), 0u);  // pulled in cycle 3, a tick of the delay
   m.run_to(20);
   EXPECT_EQ(m.edges(), (Longs{5}));  // OUT in cycle 4
-}
-
-TEST(PioFifo, AutopullThresholdAndPullAsFence) {
-  // Threshold 8: one OUT of 8 bits per word. PULL has no effect while there is data.
-  OneMachine m({pull(), out(x, 8), mov(isr, x), push(), jmp(always, 0)},
-               both_right | 1u << 17 | 8u << 25);
-  for (const std::uint32_t word : {0x11u, 0x22u, 0x33u}) m.rig.pio(txf, word);
-  m.start();
-  m.run_to(60);
-  EXPECT_EQ(m.rig.look(rxf), 0x11u);
-  EXPECT_EQ(m.rig.look(rxf), 0x22u);
-  EXPECT_EQ(m.rig.look(rxf), 0x33u);
-  EXPECT_EQ(m.rig.look(flevel), 0u);
-}
-
-TEST(PioFifo, AutopushAtThreshold) {
-  for (const bool right : {true, false}) {
-    OneMachine m({set(x, 5), in(x, 4), jmp(always, 1)},
-                 1u << 16 | 12u << 20 | (right ? 1u << 18 : 0u) | 1u << 19);
-    m.start();
-    m.run_to(30);
-    EXPECT_EQ(m.rig.look(rxf), right ? 0x5550'0000u : 0x555u);
-    EXPECT_EQ(m.rig.look(fdebug) & 0xfu, 1u);  // four words, then it stalls
-  }
-}
-
-TEST(PioFifo, OutDirections) {
-  for (const bool right : {true, false}) {
-    OneMachine m({pull(), out(isr, 12), push(), out(isr, 8), push(), jmp(always, 5)},
-                 1u << 18 | (right ? 1u << 19 : 0u));
-    m.rig.pio(txf, 0x1234'5678);
-    m.start();
-    m.run_to(20);
-    EXPECT_EQ(m.rig.look(rxf), right ? 0x678u : 0x123u);
-    EXPECT_EQ(m.rig.look(rxf), 0x45u);
-  }
-}
-
-TEST(PioFifo, IfEmptyAndIfFull) {
-  OneMachine m({pull(true), out(x, 16), pull(true), out(y, 16), pull(true), in(y, 16), push(true),
-                in(x, 16), push(true), jmp(always, 9)});
-  m.rig.pio(txf, 0xaaaa'bbbbu);
-  m.rig.pio(txf, 0xccccu);
-  m.start();
-  m.run_to(30);
-  EXPECT_EQ(m.rig.look(flevel), 1u << 4);  // both words pulled, one pushed
-  EXPECT_EQ(m.rig.look(rxf), 0xbbbb'aaaau);
 }
 
 TEST(PioFifo, JoinGivesEightAndFlushes) {
@@ -349,37 +277,6 @@ TEST(PioFifo, JoinGivesEightAndFlushes) {
   EXPECT_EQ(rig.look(fdebug), 1u << 16 | 1u << 8);
   rig.pio(fdebug, 1u << 8);
   EXPECT_EQ(rig.look(fdebug), 1u << 16);
-}
-
-TEST(PioFifo, StatusComparesALevel) {
-  for (const unsigned words : {0u, 2u, 3u}) {
-    OneMachine m({mov(isr, status), push(), jmp(always, 2)}, both_right, 3u);  // TX level < 3
-    for (unsigned i = 0; i < words; ++i) m.rig.pio(txf, 0);
-    m.start();
-    m.run_to(10);
-    EXPECT_EQ(m.rig.look(rxf), words < 3 ? ~0u : 0u);
-  }
-}
-
-TEST(PioFifo, MovOperations) {
-  OneMachine m({pull(), mov(isr, osr), push(), mov(isr, osr, 1), push(), mov(isr, osr, 2), push(),
-                jmp(always, 7)});
-  m.rig.pio(txf, 0x8000'0123u);
-  m.start();
-  m.run_to(20);
-  EXPECT_EQ(m.rig.look(rxf), 0x8000'0123u);
-  EXPECT_EQ(m.rig.look(rxf), 0x7fff'fedcu);
-  EXPECT_EQ(m.rig.look(rxf), 0xc480'0001u);
-}
-
-TEST(PioFifo, InPinsRotatesByBase) {
-  OneMachine m({in(pins, 4), push(), jmp(always, 2)}, Pins{.in_base = 20}, 0, 0);
-  m.rig.drive(20, true);
-  m.rig.drive(22, true);
-  m.rig.run(3);
-  m.start();
-  m.run_to(10);
-  EXPECT_EQ(m.rig.look(rxf), 5u);
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -452,18 +349,6 @@ TEST(PioPins, StickyAssertsAgainAndInlineEnableReleases) {
   rig.run(60);
   // OUT in 1 (0 fills the OSR); nop to 22; OUT in 23 releases; machine 0 writes in 24.
   EXPECT_EQ(rig.edges_of(0, first), (Longs{2, 25}));
-}
-
-TEST(PioIrq, SetIsSeenInTheNextCycleAndWaitClears) {
-  Rig rig;
-  rig.connect(0, 1);
-  rig.machine(0, {nop(4), irq_set(2), jmp(always, 2)}, Pins{}, 0);
-  rig.machine(1, {wait(1, irq_source, 2), set(pins, 1), jmp(always, 6)},
-              Pins{.set_base = 0, .set_count = 1}, 4);
-  const Cycle first = rig.start(3);
-  rig.run(20);
-  EXPECT_EQ(rig.edges_of(0, first), (Longs{8}));  // set in 5, wait 6, SET 7
-  EXPECT_EQ(rig.look(irq), 0u);
 }
 
 TEST(PioIrq, IrqWaitStallsUntilItIsCleared) {
@@ -607,17 +492,13 @@ TEST(PioRegisters, APeekShowsThePresentAddress) {
   EXPECT_EQ(asleep.edges, stepped.edges);
 }
 
-TEST(PioRegisters, AtomicAliasesWork) {
+// For flags that a written 1 clears, an alias clears the written bits.
+TEST(PioRegisters, AliasesSetAndClearBitsAndClearOnlyTheWrittenFlags) {
   Rig rig;
   rig.pio(pinctrl + 0x2000, 0x1f);
   EXPECT_EQ(rig.look(pinctrl), 0x1400'001fu);
   rig.pio(pinctrl + 0x3000, 0x1000'0001u);
   EXPECT_EQ(rig.look(pinctrl), 0x0400'001eu);
-}
-
-// For flags that a written 1 clears, an alias clears the written bits.
-TEST(PioRegisters, AliasesClearOnlyTheWrittenFlags) {
-  Rig rig;
   rig.pio(irq_force, 0x0f);
   rig.pio(irq + 0x2000, 0x01);
   EXPECT_EQ(rig.look(irq), 0x0eu);

@@ -10,6 +10,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "sim/chip/chip.hpp"
@@ -34,12 +35,24 @@ Registers registers(double a, double b = 0) {
           static_cast<std::uint32_t>(bits(b)), static_cast<std::uint32_t>(bits(b) >> 32)};
 }
 
-float single(Function function, float a, float b = 0) {
-  return std::bit_cast<float>(call(function, Precision::float32, {bits(a), bits(b), 0, 0})[0]);
+Registers registers(float a, float b = 0) { return {bits(a), bits(b), 0, 0}; }
+
+template <class Real>
+constexpr bool is_single = std::is_same_v<Real, float>;
+template <class Real>
+Registers call_of(Function function, const Registers& operands) {
+  return call(function, is_single<Real> ? Precision::float32 : Precision::float64, operands);
 }
-double twice(Function function, double a, double b = 0) {
-  return std::bit_cast<double>(joined(call(function, Precision::float64, registers(a, b))));
+template <class Real>
+Real apply(Function function, Real a, Real b = 0) {
+  const Registers result = call_of<Real>(function, registers(a, b));
+  if constexpr (is_single<Real>)
+    return std::bit_cast<float>(result[0]);
+  else
+    return std::bit_cast<double>(joined(result));
 }
+float single(Function function, float a, float b = 0) { return apply(function, a, b); }
+double twice(Function function, double a, double b = 0) { return apply(function, a, b); }
 
 /// The datasheet's conditions for operands and results: no denormals, no NaNs.
 template <class Real>
@@ -51,8 +64,10 @@ Real clean(Real value) {
 }
 
 /// Bit patterns of all kinds: anything, near each other, near one, integers, special values.
-template <class Real, class Bits>
+template <class Real>
 class Operands {
+  using Bits = std::conditional_t<is_single<Real>, std::uint32_t, std::uint64_t>;
+
  public:
   Real one() {
     switch (random_() % 6) {
@@ -84,42 +99,31 @@ class Operands {
   Real last_ = 1;
 };
 
-TEST(SoftFloat, BasicOperationsAreRoundedOnce) {
-  Operands<float, std::uint32_t> operands;
+template <class Real>
+class SoftFloatOf : public testing::Test {};
+using Reals = testing::Types<float, double>;
+TYPED_TEST_SUITE(SoftFloatOf, Reals);
+
+TYPED_TEST(SoftFloatOf, BasicOperationsAreRoundedOnce) {
+  using Real = TypeParam;
+  Operands<Real> operands;
   for (int i = 0; i < test::scaled(200'000); ++i) {
-    const float x = operands.one(), y = operands.one();
-    const float a = clean(x), b = clean(y);
+    const Real x = operands.one(), y = operands.one();
+    const double a = clean(x), b = clean(y);
     // 53 bits of intermediate result are more than twice 24 and two, so rounding twice is exact.
     const auto check = [&](Function function, double exact) {
       if (std::isnan(exact)) return;
-      const float wanted = clean(static_cast<float>(exact));
-      EXPECT_EQ(bits(single(function, x, y)), bits(wanted))
+      EXPECT_EQ(bits(apply(function, x, y)), bits(clean(static_cast<Real>(exact))))
           << static_cast<int>(function) << " of " << x << ", " << y;
-    };
-    check(Function::add, static_cast<double>(a) + b);
-    check(Function::subtract, static_cast<double>(a) - b);
-    check(Function::multiply, static_cast<double>(a) * b);
-    check(Function::divide, static_cast<double>(a) / b);
-    check(Function::square_root, std::sqrt(static_cast<double>(a)));
-  }
-}
-
-TEST(SoftFloat, DoublesToo) {
-  Operands<double, std::uint64_t> operands;
-  for (int i = 0; i < test::scaled(200'000); ++i) {
-    const double x = operands.one(), y = operands.one();
-    const double a = clean(x), b = clean(y);
-    const auto check = [&](Function function, double wanted) {
-      if (std::isnan(wanted)) return;
-      EXPECT_EQ(bits(twice(function, x, y)), bits(clean(wanted))) << x << ", " << y;
     };
     check(Function::add, a + b);
     check(Function::subtract, a - b);
     check(Function::multiply, a * b);
     check(Function::divide, a / b);
     check(Function::square_root, std::sqrt(a));
+    if (is_single<Real>) continue;
     // A quotient is right when its remainder is less than half its last place.
-    const double q = twice(Function::divide, x, y);
+    const double q = apply(Function::divide, x, y);
     if (!std::isnormal(q) || std::abs(q) < 1e-200 || std::abs(q) > 1e200 || std::abs(b) < 1e-50 ||
         std::abs(b) > 1e50)
       continue;
@@ -148,23 +152,18 @@ TEST(SoftFloat, InfinitiesReplaceNaNs) {  // 2.8.3.2.1
   EXPECT_EQ(single(Function::divide, 1, denormal), inf_f);
 }
 
-TEST(SoftFloat, Compares) {
-  const auto compared = [](float a, float b) {
-    return static_cast<std::int32_t>(
-        call(Function::compare, Precision::float32, {bits(a), bits(b), 0, 0})[0]);
+TYPED_TEST(SoftFloatOf, Compares) {
+  using Real = TypeParam;
+  const auto compared = [](Real a, Real b) {
+    return static_cast<std::int32_t>(call_of<Real>(Function::compare, registers(a, b))[0]);
   };
-  EXPECT_EQ(compared(0.0f, -0.0f), 0);
-  EXPECT_EQ(compared(-1, 1), -1);
-  EXPECT_EQ(compared(2, 1), 1);
-  EXPECT_EQ(compared(std::numeric_limits<float>::quiet_NaN(), inf_f), 0);
-  EXPECT_EQ(compared(std::numeric_limits<float>::denorm_min(), 0), 0);
-  Operands<double, std::uint64_t> operands;
+  using Limits = std::numeric_limits<Real>;
+  EXPECT_EQ(compared(Limits::quiet_NaN(), Limits::infinity()), 0);
+  Operands<Real> operands;
   for (int i = 0; i < test::scaled(50'000); ++i) {
-    const double x = operands.one(), y = i % 10 == 0 ? x : operands.one();
-    const double a = clean(x), b = clean(y);
-    EXPECT_EQ(
-        static_cast<std::int32_t>(call(Function::compare, Precision::float64, registers(x, y))[0]),
-        (a > b) - (a < b));
+    const Real x = operands.one(), y = i % 10 == 0 ? x : operands.one();
+    const Real a = clean(x), b = clean(y);
+    EXPECT_EQ(compared(x, y), (a > b) - (a < b)) << x << ", " << y;
   }
 }
 
@@ -178,13 +177,16 @@ Integer rounded_down(Real value, int places) {
   return static_cast<Integer>(scaled);
 }
 
-TEST(SoftFloat, ConvertsToIntegersTowardsMinusInfinity) {  // 2.8.3.2.2
-  Operands<float, std::uint32_t> operands;
+TYPED_TEST(SoftFloatOf, ConvertsToIntegersTowardsMinusInfinity) {  // 2.8.3.2.2
+  using Real = TypeParam;
+  Operands<Real> operands;
   for (int i = 0; i < test::scaled(200'000); ++i) {
-    const float x = operands.one();
+    const Real x = operands.one();
     const int n = static_cast<int>(operands.random()() % 100) - 30;
     const auto of = [&](Function function) {
-      return call(function, Precision::float32, {bits(x), static_cast<std::uint32_t>(n), 0, 0});
+      Registers r = registers(x);
+      r[is_single<Real> ? 1 : 2] = static_cast<std::uint32_t>(n);
+      return call_of<Real>(function, r);
     };
     const auto signed_word = [](const Registers& r) { return static_cast<std::int32_t>(r[0]); };
     const auto signed_pair = [](const Registers& r) {
@@ -199,29 +201,13 @@ TEST(SoftFloat, ConvertsToIntegersTowardsMinusInfinity) {  // 2.8.3.2.2
     ASSERT_EQ(joined(of(Function::to_uint64)), (rounded_down<std::uint64_t>(x, 0))) << x;
     ASSERT_EQ(joined(of(Function::to_ufix64)), (rounded_down<std::uint64_t>(x, n))) << x << n;
   }
+}
+
+TEST(SoftFloat, ConvertsExamplesToIntegers) {
   EXPECT_EQ(call(Function::to_ufix, Precision::float32, {bits(0.5f), 16, 0, 0})[0], 0x8000u);
   EXPECT_EQ(call(Function::to_int, Precision::float32, {bits(-0.25f), 0, 0, 0})[0], ~0u);
   EXPECT_EQ(call(Function::to_int, Precision::float32, {bits(-0.0f), 0, 0, 0})[0], 0u);
   EXPECT_EQ(call(Function::to_int, Precision::float32, {bits(-0.0f), 0, 0, 0}, 1)[0], ~0u);
-}
-
-TEST(SoftFloat, DoublesToIntegersToo) {
-  Operands<double, std::uint64_t> operands;
-  for (int i = 0; i < test::scaled(200'000); ++i) {
-    const double x = operands.one();
-    const int n = static_cast<int>(operands.random()() % 100) - 30;
-    const auto of = [&](Function function) {
-      Registers r = registers(x);
-      r[2] = static_cast<std::uint32_t>(n);
-      return call(function, Precision::float64, r);
-    };
-    ASSERT_EQ(static_cast<std::int32_t>(of(Function::to_fix)[0]),
-              (rounded_down<std::int32_t>(x, n)));
-    ASSERT_EQ(of(Function::to_uint)[0], (rounded_down<std::uint32_t>(x, 0)));
-    ASSERT_EQ(static_cast<std::int64_t>(joined(of(Function::to_int64))),
-              (rounded_down<std::int64_t>(x, 0)));
-    ASSERT_EQ(joined(of(Function::to_ufix64)), (rounded_down<std::uint64_t>(x, n)));
-  }
 }
 
 TEST(SoftFloat, ConvertsFromIntegersToTheNearest) {
@@ -375,12 +361,12 @@ TEST_F(RomFloat, FunctionsAreFoundThroughTheDataTable) {
   EXPECT_EQ(run(word(table_f + 0x08), {bits(3.0f), bits(4.0f)})[0], bits(12.0f));
   EXPECT_EQ(run(word(table_f + 0x1c), {bits(-2.5f)})[0], static_cast<std::uint32_t>(-3));
   EXPECT_EQ(joined(run(word(table_f + 0x7c), {bits(0.5f)})), bits(0.5));
-  EXPECT_EQ(joined(run(word(table_d + 0x0c), registers(1, 3))), bits(1.0 / 3));
+  EXPECT_EQ(joined(run(word(table_d + 0x0c), registers(1.0, 3.0))), bits(1.0 / 3));
   // pico-sdk's sincosf and sincos rely on this.
   const Registers both = run(word(table_f + 0x40), {bits(1.0f)});
   EXPECT_EQ(both[1], run(word(table_f + 0x3c), {bits(1.0f)})[0]);
-  const Registers pair = run(word(table_d + 0x48), registers(1));
-  const Registers cosine = run(word(table_d + 0x3c), registers(1));
+  const Registers pair = run(word(table_d + 0x48), registers(1.0));
+  const Registers cosine = run(word(table_d + 0x3c), registers(1.0));
   EXPECT_EQ(pair[2], cosine[0]);
   EXPECT_EQ(pair[3], cosine[1]);
 }
@@ -450,10 +436,12 @@ TEST_F(RomFloat, AnInterruptDuringAFunctionHasLowLatencyAndNoEffect) {
   for (unsigned i = 0; i < 2; ++i) EXPECT_EQ(core.reg(i), wanted[i]);
 }
 
-class RomVersion1 : public RomFloat {
- protected:
-  RomVersion1() : RomFloat(1) {}
+template <unsigned version>
+struct RomFloatOf : RomFloat {
+  RomFloatOf() : RomFloat(version) {}
 };
+using RomVersion1 = RomFloatOf<1>;
+using RomVersion2 = RomFloatOf<2>;
 TEST_F(RomVersion1, HasTheShortFloatTableOnly) {
   EXPECT_EQ(chip_.bus().rom()[0x13], 1);
   EXPECT_EQ(data_lookup("SD"), 0u);
@@ -462,14 +450,10 @@ TEST_F(RomVersion1, HasTheShortFloatTableOnly) {
   EXPECT_EQ(run(word(table + 0x50), {bits(1.0f)})[0], bits(0.0f)) << "the last one: logarithm";
 }
 
-class RomVersion2 : public RomFloat {
- protected:
-  RomVersion2() : RomFloat(2) {}
-};
 TEST_F(RomVersion2, HasBothTablesWithoutSineAndCosineTogether) {
   EXPECT_EQ(chip_.bus().rom()[0x13], 2);
   const std::uint32_t table = data_lookup("SD");
-  EXPECT_EQ(run(word(table + 0x54), registers(1, 2))[0], ~0u);
+  EXPECT_EQ(run(word(table + 0x54), registers(1.0, 2.0))[0], ~0u);
   EXPECT_EQ(word(table + 0x48), BootRom::fault_address | 1u);
 }
 

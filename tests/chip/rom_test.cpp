@@ -99,15 +99,19 @@ struct Chip {
     }
     return false;
   }
-  /// Calls a function from code in SRAM; returns its result and its cycles without the BLX.
-  std::uint32_t call(std::uint32_t function, const std::vector<std::uint32_t>& arguments,
-                     Cycle limit = 100'000'000) {
+  /// The core is about to call a function from code in SRAM.
+  void prepare_call(std::uint32_t function, const std::vector<std::uint32_t>& arguments) {
     core.reset(0);
     put(0x2000'0000, {0x47b8, 0xe7fe});  // BLX r7; B .
     for (unsigned i = 0; i < arguments.size(); ++i) core.set_reg(i, arguments[i]);
-    for (unsigned i = 4; i < 7; ++i) core.set_reg(i, 0x1111'1111u * i);
     core.set_reg(7, function);
     core.set_reg(15, 0x2000'0000);
+  }
+  /// Calls a function from code in SRAM; returns its result and its cycles without the BLX.
+  std::uint32_t call(std::uint32_t function, const std::vector<std::uint32_t>& arguments,
+                     Cycle limit = 100'000'000) {
+    prepare_call(function, arguments);
+    for (unsigned i = 4; i < 7; ++i) core.set_reg(i, 0x1111'1111u * i);
     const Cycle begin = core.cycle();
     EXPECT_TRUE(run_to(0x2000'0002, limit));
     cycles = core.cycle() - begin - 2;
@@ -232,12 +236,7 @@ TEST(BootRom, FillsAndCopies) {
     ASSERT_TRUE(std::equal(model.begin(), model.end(), memory.begin()));
   }
   // A bad pointer causes a HardFault in the simulated core, not a crash of the simulator.
-  chip.core.reset(0);
-  chip.put(0x2000'0000, {0x47b8, 0xe7fe});
-  chip.core.set_reg(0, 0x3000'0000);
-  chip.core.set_reg(2, 4);
-  chip.core.set_reg(7, chip.rom.function('M', 'S'));
-  chip.core.set_reg(15, 0x2000'0000);
+  chip.prepare_call(chip.rom.function('M', 'S'), {0x3000'0000, 0, 4});
   for (int i = 0; i < 50 && chip.core.exception() == 0; ++i) chip.core.step();
   EXPECT_EQ(chip.core.exception(), 3u);
 }
@@ -452,12 +451,7 @@ TEST(Boot, TheRescueFlagHalts) {
 
 TEST(Boot, ResetToUsbBootUsesTheWatchdog) {
   Chip chip;
-  chip.core.reset(0);
-  chip.put(0x2000'0000, {0x47b8, 0xe7fe});
-  chip.core.set_reg(0, 1u << 25);
-  chip.core.set_reg(1, 2);
-  chip.core.set_reg(7, chip.rom.function('U', 'B'));
-  chip.core.set_reg(15, 0x2000'0000);
+  chip.prepare_call(chip.rom.function('U', 'B'), {1u << 25, 2});
   for (int i = 0; i < 20; ++i) chip.core.step();
   EXPECT_TRUE(chip.core.sleeping());
   EXPECT_EQ(chip.watchdog.words[0x0c], 1u << 25);
@@ -512,13 +506,7 @@ TEST(Boot, PowerCutsWhileTheRomWritesLeaveOldNewOrTheAllowedMix) {
     std::vector<std::uint8_t> old(chip.flash.storage().begin(),
                                   chip.flash.storage().begin() + 8192);
     chip.command_mode();
-    chip.core.reset(0);
-    chip.put(0x2000'0000, {0x47b8, 0xe7fe});
-    chip.core.set_reg(0, 0x1000);
-    chip.core.set_reg(1, 0x2000'2000);
-    chip.core.set_reg(2, 256);
-    chip.core.set_reg(7, chip.rom.function('R', 'P'));
-    chip.core.set_reg(15, 0x2000'0000);
+    chip.prepare_call(chip.rom.function('R', 'P'), {0x1000, 0x2000'2000, 256});
     chip.core.run_until(chip.core.cycle() + random() % 66'000);
     chip.wheel.advance_to(chip.core.cycle());
     chip.xip.power_cut();

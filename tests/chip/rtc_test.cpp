@@ -81,11 +81,8 @@ TEST_F(RtcTest, TheDateIsLoadedWithTheTimeOfDay) {
   EXPECT_EQ(rtc_.read(rtc_1), date(2022, 1, 1));
 }
 
-TEST_F(RtcTest, YearsThatFourDividesAreLeapYearsUnlessForced) {
-  start(date(2100, 2, 28), time_of_day(0, 23, 59, 59));
-  rig_.pass(second);
-  rtc_.read(rtc_0);
-  EXPECT_EQ(rtc_.read(rtc_1), date(2100, 2, 29)) << "4.8.1.2: by four only";
+// 4.8.1.2; without the bit 2100 is a leap year (chip_images/rtc).
+TEST_F(RtcTest, ALeapYearCanBeForbidden) {
   start(date(2100, 2, 28), time_of_day(0, 23, 59, 59), no_leap_year);
   rig_.pass(second);
   rtc_.read(rtc_0);

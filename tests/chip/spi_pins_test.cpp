@@ -1,12 +1,12 @@
 // SPI on its pins (RP2040 datasheet, 4.4.3.9 to 4.4.3.13 and 2.19.2).
 #include <gtest/gtest.h>
 
-#include <array>
 #include <utility>
 #include <vector>
 
 #include "sim/chip/serial/spi.hpp"
 #include "tests/chip/dma_system_rig.hpp"
+#include "tests/chip/listeners.hpp"
 
 namespace lamplock::sim::chip::spi_pins_test {
 namespace {
@@ -15,24 +15,9 @@ constexpr std::uint32_t cr0 = 0x00, cr1 = 0x04, dr = 0x08, sr = 0x0c, cpsr = 0x1
 constexpr std::uint32_t spo = 1u << 6, sph = 1u << 7;
 constexpr std::uint32_t enable = 2, slave = 4, output_off = 8, rx_not_empty = 4;
 
-using Edge = std::pair<bool, Cycle>;
-/// Records the pads, and has wires between them.
-struct Board : PadListener {
-  explicit Board(Gpio& pins) : gpio(pins) { gpio.listen(*this); }
-  void pad_changed(unsigned pin, bool level, Cycle at) override {
-    by_pin.at(pin).emplace_back(level, at);
-    for (const auto& [from, to] : wires)
-      if (from == pin) gpio.set_external(to, level ? External::high : External::low, at);
-  }
-  void wire(unsigned from, unsigned to, Cycle at) {
-    wires.emplace_back(from, to);
-    gpio.set_external(to, (gpio.pad_levels() >> from & 1u) != 0 ? External::high : External::low,
-                      at);
-  }
-  Gpio& gpio;
-  std::array<std::vector<Edge>, gpio_count> by_pin;
-  std::vector<std::pair<unsigned, unsigned>> wires;
-};
+using rigs::alternating;
+using rigs::Edge;
+using rigs::Pads;
 
 class SpiPinsTest : public ::testing::Test {
  protected:
@@ -43,51 +28,48 @@ class SpiPinsTest : public ::testing::Test {
     spi.write(cr0, 1u << 8 | format | (bits - 1));  // SCR 1
     spi.write(cr1, control);
   }
-  void connect(unsigned gpio) { rig_.gpio.io_bank().write(8 * gpio + 4, 1); }
   void connect_master() {
-    for (const unsigned gpio : {0u, 1u, 2u, 3u}) connect(gpio);
-    for (auto& edges : board_.by_pin) edges.clear();
+    for (const unsigned gpio : {0u, 1u, 2u, 3u}) rig_.connect(gpio, PinFunction::spi);
+    pads_.clear();
   }
   /// SPI1 on GPIO 8 (RX), 9 (CSn), 10 (SCK), 11 (TX) as the slave of SPI0.
   void connect_slave() {
-    for (const unsigned gpio : {8u, 9u, 10u, 11u}) connect(gpio);
-    board_.wire(1, 9, rig_.wheel.now());
-    board_.wire(2, 10, rig_.wheel.now());
-    board_.wire(3, 8, rig_.wheel.now());
-    board_.wire(11, 0, rig_.wheel.now());
+    for (const unsigned gpio : {8u, 9u, 10u, 11u}) rig_.connect(gpio, PinFunction::spi);
+    for (const auto& [from, to] : {std::pair{1u, 9u}, {2u, 10u}, {3u, 8u}, {11u, 0u}})
+      pads_.wire(from, to, rig_.wheel.now());
   }
-  bool pad(unsigned gpio) const { return (rig_.gpio.pad_levels() >> gpio & 1u) != 0; }
+  /// Each bit of SCK: high, then low, from `first` half bits after `t` on.
+  static std::vector<Cycle> clock(Cycle t, Cycle first) {
+    std::vector<Cycle> cycles;
+    for (Cycle n = 0; n < 16; ++n) cycles.push_back(t + (first + n) * half);
+    return cycles;
+  }
+  /// TX changes in these bits, half a bit after their beginning.
+  static std::vector<Cycle> bits(Cycle t, const std::vector<Cycle>& numbers) {
+    std::vector<Cycle> cycles;
+    for (const Cycle n : numbers) cycles.push_back(t + n * bit + half);
+    return cycles;
+  }
 
   static constexpr Cycle bit = 10 * 2, half = bit / 2;  ///< CPSDVSR x (1 + SCR)
   rigs::DmaSystemRig rig_;
   Spi& one_ = rig_.system.spi0;
   Spi& two_ = rig_.system.spi1;
-  Board board_{rig_.gpio};
+  Pads pads_{rig_.gpio};
 };
 
 // 4.4.3.10: TX half a bit after CSn, SCK rises another half later; captured at rising edges; CSn
 // rises a bit after the last.
 TEST_F(SpiPinsTest, WaveformWithPolarityZeroPhaseZero) {
   connect_master();
-  EXPECT_TRUE(pad(1));
-  EXPECT_FALSE(pad(2));
+  EXPECT_TRUE(rig_.pad(1));
+  EXPECT_FALSE(rig_.pad(2));
   const Cycle t = rig_.wheel.now();
   one_.write(dr, 0xa6);  // 1010 0110
   rig_.pass(20 * bit);
-  EXPECT_EQ(board_.by_pin[1], (std::vector<Edge>{{false, t}, {true, t + 9 * bit}}));
-  std::vector<Edge> clock;
-  for (Cycle n = 1; n <= 8; ++n) {
-    clock.emplace_back(true, t + n * bit);
-    clock.emplace_back(false, t + n * bit + half);
-  }
-  EXPECT_EQ(board_.by_pin[2], clock);
-  const auto at = [&](Cycle n) { return t + n * bit + half; };
-  EXPECT_EQ(board_.by_pin[3], (std::vector<Edge>{{true, at(0)},
-                                                 {false, at(1)},
-                                                 {true, at(2)},
-                                                 {false, at(3)},
-                                                 {true, at(5)},
-                                                 {false, at(7)}}));
+  EXPECT_EQ(pads_.edges[1], alternating(false, {t, t + 9 * bit}));
+  EXPECT_EQ(pads_.edges[2], alternating(true, clock(t, 2)));
+  EXPECT_EQ(pads_.edges[3], alternating(true, bits(t, {0, 1, 2, 3, 5, 7})));
 }
 
 // 4.4.3.11: SCK rises with the first bit, captured at falling edges; no gap between words, CSn low.
@@ -98,37 +80,9 @@ TEST_F(SpiPinsTest, WaveformWithPhaseOne) {
   one_.write(dr, 0x9);
   one_.write(dr, 0x6);
   rig_.pass(20 * bit);
-  EXPECT_EQ(board_.by_pin[1], (std::vector<Edge>{{false, t}, {true, t + 9 * bit}}));
-  std::vector<Edge> clock;
-  for (Cycle n = 0; n < 8; ++n) {
-    clock.emplace_back(true, t + n * bit + half);
-    clock.emplace_back(false, t + (n + 1) * bit);
-  }
-  EXPECT_EQ(board_.by_pin[2], clock);
-  const auto at = [&](Cycle n) { return t + n * bit + half; };
-  EXPECT_EQ(board_.by_pin[3], (std::vector<Edge>{{true, at(0)},
-                                                 {false, at(1)},
-                                                 {true, at(3)},
-                                                 {false, at(4)},
-                                                 {true, at(5)},
-                                                 {false, at(7)}}));
-}
-
-// 4.4.3.12, 4.4.3.13: SPO inverts SCK; with SPH 0 CSn is high between words.
-TEST_F(SpiPinsTest, PolarityOneAndChipSelectBetweenWords) {
-  configure(one_, spo, enable, 4);
-  connect_master();
-  EXPECT_TRUE(pad(2));
-  const Cycle t = rig_.wheel.now();
-  one_.write(dr, 0xf);
-  one_.write(dr, 0x0);
-  rig_.pass(20 * bit);
-  ASSERT_EQ(board_.by_pin[1].size(), 4u);
-  EXPECT_EQ(board_.by_pin[1][1], Edge(true, t + 5 * bit));
-  EXPECT_EQ(board_.by_pin[1][2], Edge(false, t + 5 * bit + half));
-  ASSERT_EQ(board_.by_pin[2].size(), 16u);
-  EXPECT_EQ(board_.by_pin[2].front(), Edge(false, t + bit));
-  EXPECT_TRUE(pad(2));
+  EXPECT_EQ(pads_.edges[1], alternating(false, {t, t + 9 * bit}));
+  EXPECT_EQ(pads_.edges[2], alternating(true, clock(t, 1)));
+  EXPECT_EQ(pads_.edges[3], alternating(true, bits(t, {0, 1, 3, 4, 5, 7})));
 }
 
 TEST_F(SpiPinsTest, NothingIsDueOnceTheFrameIsOver) {
@@ -140,7 +94,7 @@ TEST_F(SpiPinsTest, NothingIsDueOnceTheFrameIsOver) {
 
 TEST_F(SpiPinsTest, RxIsReadFromThePin) {
   connect_master();
-  board_.wire(3, 0, rig_.wheel.now());  // MOSI to MISO
+  pads_.wire(3, 0, rig_.wheel.now());  // MOSI to MISO
   one_.write(dr, 0xc5);
   rig_.pass(20 * bit);
   EXPECT_EQ(one_.read(dr), 0xc5u);

@@ -12,13 +12,12 @@ namespace lamplock::sim::chip::spi_test {
 namespace {
 
 constexpr std::uint32_t cr0 = 0x00, cr1 = 0x04, dr = 0x08, sr = 0x0c, cpsr = 0x10, imsc = 0x14,
-                        ris = 0x18, mis = 0x1c, icr = 0x20, dmacr = 0x24;
+                        ris = 0x18, mis = 0x1c, icr = 0x20;
 constexpr std::uint32_t tx_empty = 1, tx_not_full = 2, rx_not_empty = 4, rx_full = 8, busy = 16;
 constexpr std::uint32_t overrun = 1, timeout = 2, rx_half = 4, tx_half = 8;
 constexpr std::uint32_t loop_back = 1, enable = 2;
 constexpr std::uint32_t phase_1 = 1u << 7;
 constexpr std::uint32_t size(std::uint32_t bits) { return bits - 1; }
-constexpr std::uint32_t base = 0x4003'c000;
 
 class SpiTest : public ::testing::Test, public SpiDevice {
  protected:
@@ -153,24 +152,6 @@ TEST_F(SpiTest, LoopBackDisablingAndReset) {
   EXPECT_EQ(spi_.read(sr), 3u);
   EXPECT_EQ(spi_.read(ris), 8u);
   EXPECT_EQ(spi_.read(0xfe0), 0x22u);
-}
-
-TEST_F(SpiTest, TheDmaKeepsTheWiresBusyBothWays) {
-  constexpr std::uint32_t count = 32;
-  for (std::uint32_t n = 0; n < count; ++n) rig_.bus.sram()[n] = static_cast<std::uint8_t>(3 * n);
-  spi_.write(dmacr, 3);
-  rig_.start_dma(1, base + dr, rig_.ram + 0x100, count, 0, false, true, Dreq::spi0_rx);
-  rig_.start_dma(0, rig_.ram, base + dr, count, 0, true, false, Dreq::spi0_tx);
-  rig_.pass(count * 8 * bit + 100);
-  EXPECT_FALSE(rig_.dma_busy(0));
-  EXPECT_FALSE(rig_.dma_busy(1));
-  ASSERT_EQ(sent_.size(), count);
-  for (std::uint32_t n = 0; n < count; ++n) {
-    EXPECT_EQ(sent_[n].first, 3 * n & 0xffu);
-    EXPECT_EQ(sent_[n].second, sent_[0].second + n * 8 * bit) << "without a gap";
-    EXPECT_EQ(rig_.bus.sram()[0x100 + n], static_cast<std::uint8_t>(~(3 * n)));
-  }
-  EXPECT_EQ(spi_.read(ris) & overrun, 0u);
 }
 
 }  // namespace

@@ -29,6 +29,14 @@ struct SystemRig {
   bool line(Irq irq, int core = 0) const {
     return (irqs.levels(core) >> static_cast<unsigned>(irq) & 1u) != 0;
   }
+  void connect(unsigned pin, PinFunction function, std::uint32_t overrides = 0) {
+    gpio.io_bank().write(8 * pin + 4, static_cast<std::uint32_t>(function) | overrides);
+  }
+  bool pad(unsigned pin) const { return (gpio.pad_levels() >> pin & 1u) != 0; }
+  /// A level from outside.
+  void drive(unsigned pin, bool level) {
+    gpio.set_external(pin, level ? External::high : External::low, wheel.now());
+  }
   void pass(Cycle cycles) { wheel.advance_to(wheel.now() + cycles); }
   void pass_time(Picoseconds time) { wheel.advance_to(wheel.cycle_at(wheel.time() + time)); }
   /// The usual start: crystal, PLL_SYS at 125 MHz, clk_ref from the crystal, 1 us ticks, clk_peri.

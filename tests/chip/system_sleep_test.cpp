@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/chip/chip.hpp"
+#include "tests/chip/listeners.hpp"
 #include "tests/chip/put_code.hpp"
 
 namespace lamplock::sim::chip::system_sleep_test {
@@ -23,13 +23,7 @@ constexpr std::uint32_t code = 0x2004'0000, stack = 0x2004'2000;
 constexpr std::uint32_t scr = 0xe000'ed10, iser = 0xe000'e100, sleep_deep = 4;
 constexpr std::uint32_t sleep_timer = 1u << 5, sleep_rtc = 1u << 21;
 
-/// Observes nothing, but makes the chip run step by step.
-class Onlooker final : public StepWatcher {
- public:
-  bool before_step(Core&) override { return true; }
-};
-
-struct Sleeper : PadListener, CoreListener {
+struct Sleeper : PadListener, rigs::QuietListener {
   Sleeper() {
     chip.power_on();
     chip.run_until(2000);
@@ -66,7 +60,10 @@ struct Sleeper : PadListener, CoreListener {
     core.set_reg(15, code);
     core.send_event();
   }
-  void alarm_in(std::uint32_t us) {
+  /// Only the timer keeps its clock; its alarm ends the sleep.
+  void wake_by_timer(std::uint32_t us) {
+    put(sleep_en0, 0);
+    put(sleep_en1, sleep_timer);
     put(timer + 0x38, 1);
     put(timer + 0x10, get(timer + 0x28) + us);
   }
@@ -80,13 +77,8 @@ struct Sleeper : PadListener, CoreListener {
   void pad_changed(unsigned gpio, bool, Cycle at) override {
     if (gpio == 25) edges.push_back(at);
   }
-  void exception_entered(int, unsigned, Cycle, Cycle) override {}
-  void exception_left(int, unsigned, Cycle) override {}
-  void called(int, std::uint32_t, std::uint32_t, Cycle) override {}
-  void branched(int, std::uint32_t, Cycle) override {}
   void slept(int, Cycle at) override { slept_at.push_back(at); }
   void woke(int, Cycle at) override { woke_at.push_back(at); }
-  void masked(int, bool, Cycle) override {}
 
   Chip chip;
   std::vector<Cycle> edges, slept_at, woke_at;
@@ -95,9 +87,7 @@ struct Sleeper : PadListener, CoreListener {
 TEST(SystemSleep, StopsClocksUntilACoreWakes) {
   Sleeper rig;
   rig.chip.run_until(rig.chip.now() + 20);  // two periods of the PWM
-  rig.put(sleep_en0, 0);
-  rig.put(sleep_en1, sleep_timer);
-  rig.alarm_in(1000);
+  rig.wake_by_timer(1000);
   rig.sleep(sleep_deep, 0);
   rig.run(500 * ps_per_us);
   EXPECT_EQ(rig.get(enabled0), 0u);
@@ -118,9 +108,7 @@ TEST(SystemSleep, StopsClocksUntilACoreWakes) {
 
 TEST(SystemSleep, NeedsSleepdeep) {
   Sleeper rig;
-  rig.put(sleep_en0, 0);
-  rig.put(sleep_en1, sleep_timer);
-  rig.alarm_in(1000);
+  rig.wake_by_timer(1000);
   rig.sleep(0, 0);
   rig.run(1500 * ps_per_us);
   const Cycle slept = rig.slept_at.back(), woke = rig.woke_at.back();
@@ -130,15 +118,13 @@ TEST(SystemSleep, NeedsSleepdeep) {
 // A timer paces the channel: 100 transfers, 100 cycles each.
 TEST(SystemSleep, WaitsForTheDma) {
   Sleeper rig;
-  rig.put(sleep_en0, 0);
-  rig.put(sleep_en1, sleep_timer);
   rig.put(dma + 0x420, 1u << 16 | 100);
   rig.put(dma + 0x0, code + 0x800);
   rig.put(dma + 0x4, code + 0xc00);
   rig.put(dma + 0x8, 20);
   rig.put(dma + 0xc, 1u | 2u << 2 | 0x3bu << 15);
   const Cycle begun = rig.chip.now();
-  rig.alarm_in(1000);
+  rig.wake_by_timer(1000);
   rig.sleep(sleep_deep, 0);
   rig.run(1500 * ps_per_us);
   const Cycle end = begun + 20 * 100, woke = rig.woke_at.back();
@@ -180,11 +166,9 @@ TEST(SystemSleep, TheRtcWakes) {
 TEST(SystemSleep, IsTheSameStepByStep) {
   const auto run = [](bool stepwise, Picoseconds piece) {
     Sleeper rig;
-    Onlooker onlooker;
+    rigs::Onlooker onlooker;
     rig.chip.watch_steps(stepwise ? &onlooker : nullptr);
-    rig.put(sleep_en0, 0);
-    rig.put(sleep_en1, sleep_timer);
-    rig.alarm_in(300);
+    rig.wake_by_timer(300);
     rig.sleep(sleep_deep, 0);
     const Cycle end = rig.chip.now() + 3250;
     while (rig.chip.now() < end)

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/chip/chip.hpp"
+#include "tests/chip/listeners.hpp"
 #include "tests/chip/put_code.hpp"
 #include "tests/scale.hpp"
 
@@ -21,6 +22,7 @@ using namespace sim::chip;  // NOLINT(google-build-using-namespace)
 constexpr std::uint32_t sleep_code = 0x2004'0000, handler = 0x2004'0100, vectors = 0x2004'1000,
                         loop_code = 0x2000'0000, marks = 0x2004'0800, other_stack = 0x2004'2000;
 constexpr std::uint32_t syst_csr = 0xe000'e010;
+constexpr unsigned pin = 3;
 
 /// Starts code as the ROM would, both cores in the same cycle.
 class Start {
@@ -43,19 +45,13 @@ class Start {
 };
 
 /// Records the cycles at which handlers begin.
-class Entries final : public CoreListener {
- public:
+struct Entries final : rigs::QuietListener {
   void exception_entered(int core, unsigned number, Cycle /*since*/, Cycle at) override {
     entries.emplace_back(core, number, at);
   }
-  void exception_left(int /*core*/, unsigned /*number*/, Cycle /*at*/) override {}
-  void called(int /*core*/, std::uint32_t /*from*/, std::uint32_t /*to*/, Cycle /*at*/) override {}
-  void branched(int /*core*/, std::uint32_t /*to*/, Cycle /*at*/) override {}
-  void slept(int core, Cycle at) override { sleeps.emplace_back(core, at); }
   void woke(int core, Cycle at) override { wakes.emplace_back(core, at); }
-  void masked(int /*core*/, bool /*off*/, Cycle /*at*/) override {}
   std::vector<std::tuple<int, unsigned, Cycle>> entries;
-  std::vector<std::tuple<int, Cycle>> sleeps, wakes;
+  std::vector<std::tuple<int, Cycle>> wakes;
 };
 
 // ARMv6-M ARM, B3.3: with SYST_RVR n the count reaches 0 every n + 1 cycles. A core in WFI wakes
@@ -88,53 +84,37 @@ TEST(TwoCores, ACoresSysTickWakesItInItsCycle) {
   }
 }
 
-/// Observes nothing and permits everything, but makes the chip run step by step.
-class Onlooker final : public StepWatcher {
- public:
-  bool before_step(Core& /*core*/) override { return true; }
-};
-
-/// The cycles of a pin's edges.
-class Edges final : public PadListener {
- public:
-  void pad_changed(unsigned gpio, bool /*level*/, Cycle at) override {
-    if (gpio == pin) cycles.push_back(at);
-  }
-  static constexpr unsigned pin = 3;
-  std::vector<Cycle> cycles;
-};
-
 /// Edges of core 0's pin, with a store and a branch for each edge, while core 1 keeps entering a
 /// handler and moves lists of words, from memories that core 0 does not use.
 std::vector<Cycle> edges_beside_a_busy_core(Cycle period, bool every_clock, bool watched,
                                             Cycle slice) {
   constexpr std::uint32_t clear_reset = 0x4000'f000, io_and_pads = 1u << 5 | 1u << 8,
-                          pin_control = 0x4001'4004 + 8 * Edges::pin, function_sio = 5,
+                          pin_control = 0x4001'4004 + 8 * pin, function_sio = 5,
                           enable_set = 0xd000'0024, toggle = 0xd000'001c;
   Chip chip;
-  Onlooker onlooker;
+  rigs::Onlooker onlooker;
   Start start(chip);
   const auto write = [&chip](std::uint32_t address, std::uint32_t value) {
     chip.bus().write(address, value, Width::word, Master::core0, chip.now());
   };
   write(clear_reset, io_and_pads);
   write(pin_control, function_sio);
-  write(enable_set, 1u << Edges::pin);
+  write(enable_set, 1u << pin);
   put(chip, loop_code, {0x6001, 0xe7fd});  // STR r1, [r0]; B
   put(chip, sleep_code, {0x6041, 0x2200, 0x6082, 0x2207, 0x6002, 0xb4f0, 0xbcf0, 0xe7fc});
   put(chip, handler, {0xb5f0, 0xbdf0});  // PUSH, POP {r4-r7, lr or pc}
   put_word(chip, vectors + 15 * 4, handler | 1);
   chip.core(1).set_vtor(vectors);
-  start.core(0, loop_code, {toggle, 1u << Edges::pin});
+  start.core(0, loop_code, {toggle, 1u << pin});
   start.core(1, sleep_code, {syst_csr, static_cast<std::uint32_t>(period - 1)});
-  Edges edges;
-  chip.gpio().listen(edges);
+  rigs::Pads pads(chip.gpio());
   if (watched) chip.watch_steps(&onlooker);
   chip.pio_dma().set_step_every_clock(every_clock);
   const Cycle end = chip.now() + 4000;
   while (chip.now() < end) chip.run_until(std::min(end, chip.now() + slice));
-  std::erase_if(edges.cycles, [end](Cycle at) { return at >= end; });
-  return edges.cycles;
+  std::vector<Cycle> edges = pads.cycles(pin);
+  std::erase_if(edges, [end](Cycle at) { return at >= end; });
+  return edges;
 }
 
 // No operation of several cycles on one core runs ahead of the other: neither an exception nor a
@@ -220,7 +200,7 @@ TEST(TwoCores, RunAsTheyDoStepByStep) {
     std::vector<std::vector<std::uint64_t>> results;
     for (const int way : {0, 1, 2}) {
       Chip chip;
-      Onlooker onlooker;
+      rigs::Onlooker onlooker;
       if (way == 1) chip.watch_steps(&onlooker);
       Start start(chip);
       for (unsigned id = 0; id < 2; ++id) {

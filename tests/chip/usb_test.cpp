@@ -86,6 +86,15 @@ struct Wire : UsbBench, usb::HostEnd {
   int wakeups = 0;
 };
 
+/// A wire to a device with EP3 IN and OUT.
+struct OpenWire : Wire {
+  explicit OpenWire(UsbErrata errata = {}, std::uint32_t flags = 1u << 29) : Wire(errata) {
+    attach();
+    open_ep3(flags);
+  }
+  explicit OpenWire(std::uint32_t flags) : OpenWire({}, flags) {}
+};
+
 const Bytes get_descriptor = {0x80, 6, 0, 1, 0, 0, 18, 0};
 
 TEST(UsbController, PullsUpOnlyWhenEverythingIsConfigured) {
@@ -203,9 +212,7 @@ TEST(UsbController, SetupIsAlwaysAccepted) {
 }
 
 TEST(UsbController, AnswersItsAddressAndItsEndpointsOnly) {
-  Wire wire;
-  wire.attach();
-  wire.open_ep3();
+  OpenWire wire;
   EXPECT_EQ(wire.ask(3).answer, Pid::nak);
   EXPECT_FALSE(wire.ask(4).answer);
   EXPECT_FALSE(wire.give(4, {1}).answer);
@@ -220,9 +227,7 @@ TEST(UsbController, AnswersItsAddressAndItsEndpointsOnly) {
 }
 
 TEST(UsbController, InPacket) {
-  Wire wire;
-  wire.attach();
-  wire.open_ep3();
+  OpenWire wire;
   wire.write(reg::inte, in::buff_status | in::trans_complete);
   EXPECT_EQ(wire.ask(3).answer, Pid::nak);
   for (std::uint32_t i = 0; i < 64; ++i) wire.dpram[0x400 + i] = static_cast<std::uint8_t>(i);
@@ -258,9 +263,7 @@ TEST(UsbController, InPacket) {
 }
 
 TEST(UsbController, OutPacket) {
-  Wire wire;
-  wire.attach();
-  wire.open_ep3();
+  OpenWire wire;
   const Bytes bytes = {1, 2, 3};
   EXPECT_EQ(wire.give(3, bytes).answer, Pid::nak);
   wire.arm(Wire::ep3_out, 0, 64);
@@ -297,9 +300,7 @@ TEST(UsbController, OutPacket) {
 }
 
 TEST(UsbController, DoubleBuffersPingPong) {
-  Wire wire;
-  wire.attach();
-  wire.open_ep3(1u << 30 | 1u << 29);
+  OpenWire wire(1u << 30 | 1u << 29);
   const std::uint32_t bit = 1u << Wire::ep3_out;
   wire.arm(Wire::ep3_out, 0, 64);
   wire.arm(Wire::ep3_out, 1, bc::pid | 64);
@@ -329,9 +330,7 @@ TEST(UsbController, DoubleBuffersPingPong) {
 }
 
 TEST(UsbController, SingleBufferDoesNotFlipTheSelect) {
-  Wire wire;
-  wire.attach();
-  wire.open_ep3();
+  OpenWire wire;
   wire.arm(Wire::ep3_out, 0, 64);
   EXPECT_EQ(wire.give(3, {1}).answer, Pid::ack);
   wire.open_ep3(1u << 30 | 1u << 29);
@@ -341,9 +340,7 @@ TEST(UsbController, SingleBufferDoesNotFlipTheSelect) {
 
 TEST(UsbController, InterruptPerTwoBuffersOrNone) {
   for (const std::uint32_t flags : {1u << 30 | 1u << 28, 1u << 30, 1u << 28}) {
-    Wire wire;
-    wire.attach();
-    wire.open_ep3(flags);
+    OpenWire wire(flags);
     wire.arm(Wire::ep3_in, 0, bc::full | 1);
     wire.arm(Wire::ep3_in, 1, bc::full | bc::pid | 1);
     EXPECT_EQ(wire.ask(3).answer, Pid::data0);
@@ -355,9 +352,7 @@ TEST(UsbController, InterruptPerTwoBuffersOrNone) {
 }
 
 TEST(UsbController, NakAndStallInterrupts) {
-  Wire wire;
-  wire.attach();
-  wire.open_ep3(1u << 29 | 1u << 17 | 1u << 16);
+  OpenWire wire(1u << 29 | 1u << 17 | 1u << 16);
   wire.write(reg::inte, in::ep_stall_nak);
   wire.ask(3);
   EXPECT_EQ(wire.read(reg::ep_status_stall_nak), 1u << Wire::ep3_in);
@@ -378,9 +373,7 @@ TEST(UsbController, AbortTakesABufferBack) {
   for (const bool e2 : {false, true}) {
     UsbErrata errata;
     errata.e2_abort_sticks = e2;
-    Wire wire(errata);
-    wire.attach();
-    wire.open_ep3();
+    OpenWire wire(errata);
     const std::uint32_t bit = 1u << Wire::ep3_in;
     wire.arm(Wire::ep3_in, 0, bc::full | 1);
     wire.write(reg::ep_abort, bit);
@@ -393,9 +386,7 @@ TEST(UsbController, AbortTakesABufferBack) {
     EXPECT_EQ(wire.ask(3).answer, e2 ? Pid::nak : Pid::data0);
   }
   // During a transaction the abort waits for its end.
-  Wire wire;
-  wire.attach();
-  wire.open_ep3();
+  OpenWire wire;
   wire.arm(Wire::ep3_out, 0, 64);
   wire.engine.start({.token = Pid::out, .endpoint = 3, .data = {}}, wire.now());
   wire.wait(3 * ps_per_us);
@@ -456,9 +447,7 @@ TEST(UsbController, BrokenPacketHangsItUntilReset) {
   for (const bool e15 : {true, false}) {
     UsbErrata errata;
     errata.e15_broken_packet_hangs = e15;
-    Wire wire(errata);
-    wire.attach();
-    wire.open_ep3();
+    OpenWire wire(errata);
     wire.arm(Wire::ep3_in, 0, bc::full | 4);
     wire.ask(3, Fault::none, Fault::bit_stuff);
     EXPECT_NE(wire.read(reg::sie_status) & st::bit_stuff_error, 0u);
@@ -586,9 +575,7 @@ TEST(UsbTransactions, TakeTheirTimeOnTheBus) {
   // USB 2.0, table 5-9: 19 packets of 64 bytes in a frame, 71 of 8 bytes.
   EXPECT_EQ(12000 / usb::transaction_bits(64), 19);
   EXPECT_EQ(12000 / usb::transaction_bits(8), 71);
-  Wire wire;
-  wire.attach();
-  wire.open_ep3();
+  OpenWire wire;
   wire.arm(Wire::ep3_in, 0, bc::full | 64);
   const Picoseconds start = wire.now();
   EXPECT_NEAR(static_cast<double>(wire.ask(3).end - start),

@@ -55,6 +55,16 @@ TEST_P(WriteClear, BadWriteOfTheOscillatorsOnlyWhenItIsWritten) {
   }
 }
 
+TEST_P(WriteClear, WrapOfOnlyOneSliceOfThePwm) {
+  constexpr std::uint32_t pwm = 0x4005'0000, top = 0x10, slice = 0x14, enable = 0xa0, intr = 0xa4;
+  for (const std::uint32_t number : {0u, 1u}) store(pwm + slice * number + top, 9);
+  store(pwm + enable, 3);
+  pass(15);
+  store(pwm + enable, 0);
+  clear(pwm + intr, 1);
+  EXPECT_EQ(load(pwm + intr), 2u);
+}
+
 TEST_P(WriteClear, ThePsmRestartFlagOnlyWhenItIsWritten) {
   constexpr std::uint32_t flag = 1u << 24, had_psm_restart = 1u << 20;
   system.vreg.note(ChipReset::debug_port);

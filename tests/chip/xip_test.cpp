@@ -37,6 +37,27 @@ TEST_F(XipTest, AFlashIgnoresAddressBitsBeyondItsSize) {
   for (const std::uint32_t high : {0x0020'0000u, 0x0060'0000u, 0x00e0'0000u}) wait(cached + high);
 }
 
+// The fixture enters the mode by a read with the command, as the usual boot2 does.
+TEST_F(XipTest, QuadContinuousReadNeedsTheFlashToBeInIt) {
+  constexpr std::uint32_t continuous = 0xa0u << 24 | 8u << 2 | 4u << 11 | 2u;
+  const auto readable = [&] { return !bus_.read(bypass, Width::word, Master::core0, at_).fault; };
+  EXPECT_TRUE(flash_.continuous_read());
+  EXPECT_TRUE(readable());
+  EXPECT_EQ(xip_.ssi().line_fill_cycles(), line_clocks * 2);
+  setup(2, (continuous & ~(31u << 11)) | 3u << 11);
+  EXPECT_FALSE(readable()) << "one wait cycle too few";
+  setup(2, continuous);
+  EXPECT_TRUE(readable());
+  for (int i = 0; i < 2; ++i) {  // ones end the mode
+    flash_.select(0);
+    flash_.transfer(0xff, 0);
+    flash_.deselect(0);
+  }
+  ASSERT_FALSE(flash_.continuous_read());
+  setup(2, continuous);
+  EXPECT_FALSE(readable()) << "the flash waits for a command";
+}
+
 // 2.6.3.1: the four aliases.
 TEST_F(XipTest, AliasesLookUpAndAllocateAsTheyAreNamed) {
   constexpr std::uint32_t miss = 2 * line_clocks;
@@ -109,7 +130,7 @@ TEST_F(XipTest, AFlushTakesACycleForEachSet) {
   access = bus_.read(cached, Width::word, Master::core1, begun + 1010);
   EXPECT_EQ(access.wait, 14 + 2 * line_clocks);
   at_ = begun + 1100;
-  EXPECT_EQ(get(stat) & 1u, 1u);
+  EXPECT_EQ(get(stat), 3u) << "flush ready, stream empty";
   EXPECT_EQ(bus_.read(flush, Width::word, Master::core0, at_).wait, 0u);
 }
 
@@ -122,6 +143,8 @@ TEST_F(XipTest, TheCachesMemoryIsSramWhileTheCacheIsOff) {
   EXPECT_TRUE(sram_faults());
   put(control + 0x3000, 1);
   EXPECT_FALSE(sram_faults());
+  put(cache_sram + 0x3ffc, 0x1234'5678);
+  EXPECT_EQ(get(cache_sram + 0x3ffc), 0x1234'5678u) << "the last word";
   EXPECT_EQ(wait(cached), 2 * line_clocks) << "straight to the flash";
   put(control + 0x2000, 8);
   EXPECT_TRUE(sram_faults());
