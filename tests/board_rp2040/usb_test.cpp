@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <functional>
 #include <random>
 #include <string>
 
@@ -333,9 +334,18 @@ TEST(UsbControl, HostMayEndTheDataStageEarly) {
   EXPECT_EQ(host.control(to_host, 6, 0x0100, 0, 18).data.size(), 18u);
 }
 
-TEST(UsbControl, LineCodingIsStoredWithoutOtherEffects) {
+/// A host that has configured the device.
+struct UsbConfigured : testing::Test {
+  void SetUp() override { ASSERT_TRUE(host.enumerate()); }
+  /// The main loop polls, which makes the interrupt poll again.
+  void poll() {
+    host.serial.poll();
+    host.serve();
+  }
   UsbHost host;
-  ASSERT_TRUE(host.enumerate());
+};
+
+TEST_F(UsbConfigured, LineCodingIsStoredWithoutOtherEffects) {
   const Bytes coding = {0xB0, 0x04, 0, 0, 0, 0, 8};  // 1200 baud
   EXPECT_EQ(host.control(class_out, 0x20, 0, 0, 7, coding).handshake, Handshake::ack);
   EXPECT_EQ(host.control(class_in, 0x21, 0, 0, 7).data, coding);
@@ -360,23 +370,25 @@ TEST(UsbControl, LineCodingIsStoredWithoutOtherEffects) {
 /// Presence of a host program while the port is open, closed or asleep.
 TEST(UsbControl, AHostIsPresentUntilItClosesThePort) {
   UsbHost host;
-  EXPECT_FALSE(host.serial.present());
-  ASSERT_TRUE(host.enumerate());
-  EXPECT_TRUE(host.serial.present()) << "a program that never raises DTR";
-  host.control(class_out, 0x22, 3, 0, 0);
-  EXPECT_TRUE(host.serial.present());
-  host.control(class_out, 0x22, 0, 0, 0);
-  EXPECT_FALSE(host.serial.present());
-  host.control(class_out, 0x22, 1, 0, 0);
-  EXPECT_TRUE(host.serial.present());
-  host.usb.suspend();
-  host.serve();
-  EXPECT_FALSE(host.serial.present());
-  host.usb.resume();
-  host.serve();
-  EXPECT_TRUE(host.serial.present());
-  host.reset();
-  EXPECT_FALSE(host.serial.present());
+  const auto lines = [&host](std::uint16_t value) { host.control(class_out, 0x22, value, 0, 0); };
+  struct Event {
+    const char* what;
+    std::function<void()> happens;
+    bool present;
+  };
+  const std::vector<Event> events{
+      {"power-up", [] {}, false},
+      {"configured by a program that never raises DTR", [&] { host.enumerate(); }, true},
+      {"DTR and RTS", [&] { lines(3); }, true},
+      {"closed", [&] { lines(0); }, false},
+      {"DTR", [&] { lines(1); }, true},
+      {"suspended", [&] { host.usb.suspend(), host.serve(); }, false},
+      {"resumed", [&] { host.usb.resume(), host.serve(); }, true},
+      {"reset", [&] { host.reset(); }, false}};
+  for (const Event& event : events) {
+    event.happens();
+    EXPECT_EQ(host.serial.present(), event.present) << event.what;
+  }
 }
 
 class UsbFunctions : public testing::TestWithParam<std::uint8_t> {
@@ -476,10 +488,8 @@ TEST(UsbControl, AnUnusedConnectionMayBeRestarted) {
   EXPECT_EQ(host.serial.counters().resynchronised, 0u);
 }
 
-TEST(UsbControl, GarbageNeverBlocksIt) {
+TEST_F(UsbConfigured, GarbageNeverBlocksIt) {
   std::mt19937_64 random(20260);
-  UsbHost host;
-  ASSERT_TRUE(host.enumerate());
   for (int round = 0; round < scaled(20000); ++round) {
     std::array<std::uint8_t, 8> setup{};
     for (auto& byte : setup) byte = static_cast<std::uint8_t>(random());
@@ -587,9 +597,7 @@ TEST_P(UsbFunctions, AnEmptyPacketFollowsWholeOnes) {
   }
 }
 
-TEST(UsbBulk, TwoPacketsAreAcceptedWithoutTheDevice) {
-  UsbHost host;
-  ASSERT_TRUE(host.enumerate());
+TEST_F(UsbConfigured, TwoPacketsAreAcceptedWithoutTheDevice) {
   for (unsigned i = 0; i < 40; ++i) {
     EXPECT_EQ(host.bulk_out(numbered(64), false), Handshake::ack);
     EXPECT_EQ(host.bulk_out(numbered(64), false), Handshake::ack);
@@ -623,15 +631,12 @@ Bytes read_on(UsbHost& host) {
   return got;
 }
 
-TEST(UsbBulk, AFullRingMakesTheHostWaitAndLosesNothing) {
-  UsbHost host;
-  ASSERT_TRUE(host.enumerate());
+TEST_F(UsbConfigured, AFullRingMakesTheHostWaitAndLosesNothing) {
   Bytes sent;
   ASSERT_NO_FATAL_FAILURE(fill(host, sent));
   EXPECT_GT(sent.size(), host.serial.receive_capacity);
   for (int i = 0; i < 50; ++i) {
-    host.serial.poll();
-    host.serve();
+    poll();
     EXPECT_EQ(host.bulk_out(numbered(10)), Handshake::nak);
   }
   EXPECT_EQ(read_on(host), sent);
@@ -691,17 +696,14 @@ TEST(UsbBulk, APacketThatArrivesMeanwhileIsScannedBeforeItIsRead) {
   EXPECT_EQ(taker.events, "look5 take5 look7 take7 ");
 }
 
-TEST(UsbBulk, AResetDropsEarlierBytes) {
-  UsbHost host;
-  ASSERT_TRUE(host.enumerate());
+TEST_F(UsbConfigured, AResetDropsEarlierBytes) {
   for (const bool full : {false, true}) {
     Bytes sent;
     if (full) {
       ASSERT_NO_FATAL_FAILURE(fill(host, sent));
       Bytes some(64);
       host.serial.read(some);
-      host.serial.poll();
-      host.serve();
+      poll();
     } else {
       ASSERT_EQ(host.bulk_out(numbered(20)), Handshake::ack);
     }
@@ -712,15 +714,12 @@ TEST(UsbBulk, AResetDropsEarlierBytes) {
     EXPECT_EQ(byte, 0x18);
     Bytes some(10);
     EXPECT_EQ(host.serial.read(some), 0u);
-    host.serial.poll();
-    host.serve();
+    poll();
     EXPECT_EQ(read_on(host), (Bytes{'$', 'I', '\n'})) << full;
   }
 }
 
-TEST(UsbBulk, NoBufferIsArmedLateInAFrame) {
-  UsbHost host;
-  ASSERT_TRUE(host.enumerate());
+TEST_F(UsbConfigured, NoBufferIsArmedLateInAFrame) {
   for (std::uint32_t offset = 0; offset < 1000; offset += 7) {
     host.frame(offset);
     ASSERT_EQ(host.serial.write(numbered(10)), 10u);
@@ -728,8 +727,7 @@ TEST(UsbBulk, NoBufferIsArmedLateInAFrame) {
     const bool late = offset >= 800;
     EXPECT_EQ(host.bulk_in().handshake, late ? Handshake::nak : Handshake::ack) << offset;
     if (!late) continue;
-    host.serial.poll();
-    host.serve();
+    poll();
     EXPECT_EQ(host.bulk_in().handshake, Handshake::nak);
     host.frame();
     EXPECT_EQ(host.bulk_in().data, numbered(10));
@@ -773,9 +771,7 @@ TEST(UsbBulk, ANewConnectionStartsEmpty) {
   EXPECT_EQ(host.bulk_out(numbered(5)), Handshake::silence);
 }
 
-TEST(UsbSuspend, ComesAndGoes) {
-  UsbHost host;
-  ASSERT_TRUE(host.enumerate());
+TEST_F(UsbConfigured, SuspendComesAndGoes) {
   host.frame();
   EXPECT_FALSE(host.serial.suspended());
   host.usb.suspend();
@@ -796,30 +792,36 @@ TEST(UsbSuspend, ComesAndGoes) {
 }
 
 TEST(UsbErrata, OldChipsAreHelpedOutOfAReset) {
-  UsbHost host;
-  host.usb.old_chip = true;
-  host.usb.sie_status &= ~(3u << 2);  // SE0: the reset continues
-  host.reset();
-  host.serial.poll();
-  EXPECT_FALSE(host.usb.held);
-  host.usb.sie_status |= 1u << 2;
-  host.usb.now_us += 1000;
-  host.serial.poll();
-  EXPECT_TRUE(host.usb.held);
-  host.usb.now_us += 900;
-  host.serial.poll();
-  EXPECT_TRUE(host.usb.held);
-  host.usb.now_us += 100;
-  host.serial.poll();
-  EXPECT_FALSE(host.usb.held);
-  host.usb.now_us += 1000;
-  host.serial.poll();
-  EXPECT_EQ(host.usb.holds, 1);
+  for (const bool old_chip : {true, false}) {
+    UsbHost host;
+    host.usb.old_chip = old_chip;
+    host.usb.sie_status &= ~(3u << 2);  // SE0: the reset continues
+    host.reset();
+    host.serial.poll();
+    EXPECT_FALSE(host.usb.held);
+    host.usb.sie_status |= 1u << 2;
+    // Held a millisecond after the end of the reset, for a millisecond, once.
+    for (const auto& [us, held] :
+         {std::pair{1000u, true}, {900u, true}, {100u, false}, {1000u, false}}) {
+      host.usb.now_us += us;
+      host.serial.poll();
+      EXPECT_EQ(host.usb.held, held && old_chip);
+    }
+    EXPECT_EQ(host.usb.holds, old_chip ? 1 : 0);
+  }
+}
 
-  UsbHost newer;
-  newer.reset();
-  newer.serial.poll();
-  EXPECT_EQ(newer.usb.holds, 0);
+/// Receives a packet as the interrupt does: first the real-time bytes, then the others.
+void receive(rp2040::ReceiveRing<256>& ring, const std::array<std::uint32_t, 16>& words,
+             std::size_t size) {
+  const auto bytes = static_cast<std::uint32_t>(size);
+  ring.take_realtime(words.data(), bytes);
+  ASSERT_TRUE(ring.push_packet(words.data(), bytes));
+}
+void drop_commands(rp2040::ReceiveRing<256>& ring) {
+  std::uint8_t command = 0;
+  while (ring.pop_realtime(command)) {
+  }
 }
 
 TEST(UsbRings, ReceiveKeepsEveryByteAtEveryPosition) {
@@ -833,11 +835,8 @@ TEST(UsbRings, ReceiveKeepsEveryByteAtEveryPosition) {
       // Plain bytes, and some with real-time bytes.
       const std::uint32_t mask = random() % 2 == 0 ? 0xffffffffu : 0x17171717u;
       for (auto& word : words) word = static_cast<std::uint32_t>(random()) & mask;
-      ring.take_realtime(words.data(), size);
-      ASSERT_TRUE(ring.push_packet(words.data(), size));
-      std::uint8_t command = 0;
-      while (ring.pop_realtime(command)) {
-      }
+      ASSERT_NO_FATAL_FAILURE(receive(ring, words, size));
+      drop_commands(ring);
       bool reset = false;
       for (std::uint32_t i = 0; i < size; ++i) {
         const auto byte = static_cast<std::uint8_t>(words[i / 4] >> (8 * (i % 4)));
@@ -924,13 +923,9 @@ TEST(UsbRings, TheEndOfJogsLeavesAMark) {
       std::array<std::uint32_t, 16> words{};
       for (std::size_t i = 0; i < packet.size(); ++i)
         words[i / 4] |= std::uint32_t{static_cast<std::uint8_t>(packet[i])} << (8 * (i % 4));
-      const auto size = static_cast<std::uint32_t>(packet.size());
-      ring.take_realtime(words.data(), size);
-      ASSERT_TRUE(ring.push_packet(words.data(), size));
+      ASSERT_NO_FATAL_FAILURE(receive(ring, words, packet.size()));
     }
-    std::uint8_t command = 0;
-    while (ring.pop_realtime(command)) {
-    }
+    drop_commands(ring);
     std::size_t marked = 0, all = 0;
     while (ring.size() != 0) {
       std::array<std::uint8_t, 40> out{};

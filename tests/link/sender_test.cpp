@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,14 +20,11 @@ namespace lamplock::link::sender_test {
 namespace {
 
 using namespace std::chrono_literals;
+using test::FakeMachine;
 using test::Faults;
 using test::FaultyTransport;
 using test::random_job;
 using testing::HasSubstr;
-
-std::unique_ptr<FaultyTransport> cable(Faults faults = {}, std::uint64_t seed = 1) {
-  return std::make_unique<FaultyTransport>(faults, seed);
-}
 
 /// Options with a fixed session number, the same in every run.
 SenderOptions fixed_session() {
@@ -56,49 +53,78 @@ struct Failure {
   Exit exit;
   std::string text;
 };
-Failure failure_of(FaultyTransport& board, const job::Job& job, SenderOptions options = {}) {
+Failure failure_of(const std::function<void()>& run) {
   try {
-    JobSender(board, job, std::move(options)).run();
+    run();
   } catch (const Error& error) {
     return {error.exit(), error.what()};
   }
   return {Exit::done, "no error"};
 }
+Failure failure_of(FaultyTransport& board, const job::Job& job, SenderOptions options = {}) {
+  return failure_of([&] { JobSender(board, job, std::move(options)).run(); });
+}
+
+/// A job of random points on its way to a board.
+template <class Board = FaultyTransport>
+struct Sending {
+  template <class... Arguments>
+  Sending(std::size_t points, std::uint64_t seed, const SenderOptions& options, Arguments... cable)
+      : board(cable...), job(random_job(points, seed)), sender(board, job, options) {}
+  Sending(std::size_t points, std::uint64_t seed, Faults faults = {})
+      : Sending(points, seed, fixed_session(), faults, seed) {}
+  void steps(int count = 20) {
+    for (int i = 0; i < count; ++i) ASSERT_TRUE(sender.step());
+  }
+  void until_fired(std::size_t points) {
+    while (board.machine.fired.size() < points) ASSERT_TRUE(sender.step());
+  }
+  /// The job is completed, every point once.
+  void expect_done(std::size_t first = 0) {
+    EXPECT_EQ(sender.run().end, JobEnd::done);
+    expect_each_once(board, job, first);
+  }
+
+  Board board;
+  job::Job job;
+  JobSender sender;
+};
 
 TEST(Sender, GoodCableSendsNothingTwice) {
-  auto board = cable();
-  const job::Job job = random_job(5000, 1);
-  JobSender sender(*board, job, fixed_session());
+  Sending<> s(5000, 1);
   std::size_t seen = 0;
-  while (sender.step()) {
-    EXPECT_GE(sender.points_fired(), seen);
-    seen = sender.points_fired();
+  while (s.sender.step()) {
+    EXPECT_GE(s.sender.points_fired(), seen);
+    seen = s.sender.points_fired();
   }
-  EXPECT_EQ(sender.points_fired(), job.targets.size());
-  const JobResult result = sender.result();
+  EXPECT_EQ(s.sender.points_fired(), s.job.targets.size());
+  const JobResult result = s.sender.result();
   EXPECT_EQ(result.end, JobEnd::done);
   EXPECT_EQ(result.resent, 0u);
   EXPECT_EQ(result.bad_frames, 0u);
   EXPECT_EQ(result.reconnects, 0u);
   EXPECT_EQ(result.status.link, wire::LinkCounters{});
-  expect_each_once(*board, job);
+  expect_each_once(s.board, s.job);
 }
 
 TEST(Sender, KeepsTheQueueFull) {
-  auto board = cable();
-  board->points_per_ms = 10;  // 10 000 points per second
-  const job::Job job = random_job(20'000, 2);
-  const JobResult result = JobSender(*board, job, fixed_session()).run();
+  Sending<> s(20'000, 2);
+  s.board.points_per_ms = 10;  // 10 000 points per second
+  const JobResult result = s.sender.run();
   EXPECT_EQ(result.end, JobEnd::done);
   // Firing takes 2 s; a time more than a few per cent above it means that the queue ran empty.
   EXPECT_LT(result.elapsed, 2200ms);
 }
 
 /// A machine that reads its port only at intervals because it plans meanwhile. Its port buffers
-/// 4 KB, like that of the board, and drops further bytes.
+/// 4 KB, like that of the board (firmware/boards/rp2040/usb/usb_serial.hpp), and drops further
+/// bytes.
 class BusyMachine final : public FaultyTransport {
  public:
-  using FaultyTransport::FaultyTransport;
+  BusyMachine(std::chrono::microseconds interval, std::uint32_t points_a_ms, std::uint64_t seed)
+      : FaultyTransport({}, seed), interval_(interval) {
+    points_per_ms = points_a_ms;
+  }
   std::size_t dropped = 0, max_kept = 0;
 
  private:
@@ -110,31 +136,44 @@ class BusyMachine final : public FaultyTransport {
     max_kept = std::max(max_kept, kept_.size());
   }
   void machine_run() override {
-    if (now() >= looks_at_) {
-      looks_at_ = now() + 60ms;
-      link.receive(kept_, machine);
-      kept_.clear();
-    }
-    if (now().count() % 1000 == 0) machine.fire(points_per_ms);
+    if (now() % 1ms == 0us) machine.fire(points_per_ms);
+    if (now() % interval_ != 0us) return;
+    link.receive(kept_, machine);
+    kept_.clear();
     link.poll(machine);
   }
 
   std::vector<std::uint8_t> kept_;
-  std::chrono::microseconds looks_at_{0};
+  std::chrono::microseconds interval_;
 };
 
-TEST(Sender, SendsNoMoreThanTheBufferOfABusyMachine) {
-  for (int seed = 0; seed < test::scaled(5); ++seed) {
-    BusyMachine board({}, static_cast<std::uint64_t>(seed));
-    const job::Job job = random_job(3000, static_cast<std::uint64_t>(seed));
-    const JobResult result = JobSender(board, job, fixed_session()).run();
-    EXPECT_EQ(result.end, JobEnd::done);
-    EXPECT_EQ(board.dropped, 0u);
-    EXPECT_GT(board.max_kept, 2000u) << "the window was not used";
-    EXPECT_EQ(result.resent, 0u);
-    EXPECT_EQ(result.status.link, wire::LinkCounters{});
-    expect_each_once(board, job);
+/// Moves back and forth; every delta is a byte that must be escaped.
+job::Job job_of_escapes(std::size_t points) {
+  constexpr std::int32_t there = 126;  // '~'; the move back is 0x82, a real-time command
+  job::Job job;
+  job.header.points_total = static_cast<std::uint32_t>(points);
+  for (std::size_t i = 0; i < points; ++i) {
+    wire::Target target;
+    for (std::size_t axis = 0; axis < 3; ++axis) target.steps[axis] = i % 2 == 0 ? there : 0;
+    job.targets.push_back(target);
   }
+  return job;
+}
+
+TEST(Sender, BytesInFlightFitThePortOfABusyMachineEvenIfAllAreEscaped) {
+  for (int seed = 0; seed < test::scaled(5); ++seed)
+    for (const bool slow : {false, true}) {
+      BusyMachine board(slow ? 60ms : 30ms, slow ? 8 : 40, static_cast<std::uint64_t>(seed));
+      const job::Job job =
+          seed == 0 ? job_of_escapes(5000) : random_job(4000, static_cast<std::uint64_t>(seed));
+      const JobResult result = JobSender(board, job, fixed_session()).run();
+      EXPECT_EQ(result.end, JobEnd::done);
+      EXPECT_EQ(board.dropped, 0u);
+      EXPECT_GT(board.max_kept, 2048u) << "the port's buffer was not used";
+      EXPECT_EQ(result.resent, 0u);
+      EXPECT_EQ(result.status.link, wire::LinkCounters{});
+      expect_each_once(board, job);
+    }
 }
 
 struct Named {
@@ -145,15 +184,15 @@ class BadCable : public testing::TestWithParam<Named> {};
 
 TEST_P(BadCable, EveryPointOnceAndInOrder) {
   for (int seed = 0; seed < test::scaled(15); ++seed) {
-    auto board = cable(GetParam().faults, static_cast<std::uint64_t>(seed));
-    const job::Job job = random_job(4000, static_cast<std::uint64_t>(seed));
-    SenderOptions options;
+    const auto number = static_cast<std::uint64_t>(seed);
+    SenderOptions options = with_auto_resume();
     options.session = static_cast<std::uint32_t>(seed) * 7919 + 1;
-    options.auto_resume = true;  // noise may be a one-byte command
-    const JobResult result = JobSender(*board, job, options).run();
+    options.first_index = seed % 3 == 1 ? 1234 : 0;
+    Sending<> s(4000, number, options, GetParam().faults, number);
+    const JobResult result = s.sender.run();
     ASSERT_EQ(result.end, JobEnd::done) << "seed " << seed;
-    expect_each_once(*board, job);
-    ASSERT_EQ(board->machine.begins, 1);
+    expect_each_once(s.board, s.job, options.first_index);
+    ASSERT_EQ(s.board.machine.begins, 1);
     if (GetParam().faults.cuts > 0) {
       ASSERT_GT(result.reconnects, 0u);
     }
@@ -179,226 +218,137 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& faults) { return faults.param.name; });
 
 TEST(Sender, EachLostFrameCostsAtMostAWindow) {
-  auto board = cable({.drop = 1e-4}, 3);
-  const job::Job job = random_job(20'000, 3);
-  const JobResult result = JobSender(*board, job, fixed_session()).run();
-  expect_each_once(*board, job);
+  Sending<> s(20'000, 3, {.drop = 1e-4});
+  const JobResult result = s.sender.run();
+  expect_each_once(s.board, s.job);
   // About 14 of the 140 000 bytes are lost; each costs at most a window of frames.
   EXPECT_GT(result.resent, 0u);
   EXPECT_LT(result.resent, 14u * 3 * 16);
 }
 
-/// Reads its port every 30 ms, like a machine that plans; the port drops what it cannot buffer.
-class RarelyLooking final : public FaultyTransport {
- public:
-  RarelyLooking() : FaultyTransport({}, 1) { points_per_ms = 40; }
-  std::size_t most_kept = 0, dropped = 0;
-
- private:
-  static constexpr std::size_t port_size = 4096;  // firmware/boards/rp2040/usb/usb_serial.hpp
-  void machine_receive(std::span<const std::uint8_t> bytes) override {
-    const std::size_t count = std::min(bytes.size(), port_size - kept_.size());
-    kept_.insert(kept_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count));
-    dropped += bytes.size() - count;
-    most_kept = std::max(most_kept, kept_.size());
-  }
-  void machine_run() override {
-    if (now() % 1ms == 0us) machine.fire(points_per_ms);
-    if (now() % 30ms != 0us) return;
-    link.receive(kept_, machine);
-    kept_.clear();
-    link.poll(machine);
-  }
-  std::vector<std::uint8_t> kept_;
-};
-
-/// Moves back and forth; every delta is a byte that must be escaped.
-job::Job job_of_escapes(std::size_t points) {
-  constexpr std::int32_t there = 126;  // '~'; the move back is 0x82, a real-time command
-  job::Job job;
-  job.header.points_total = static_cast<std::uint32_t>(points);
-  for (std::size_t i = 0; i < points; ++i) {
-    wire::Target target;
-    for (std::size_t axis = 0; axis < 3; ++axis) target.steps[axis] = i % 2 == 0 ? there : 0;
-    job.targets.push_back(target);
-  }
-  return job;
-}
-
-TEST(Sender, BytesInFlightFitThePortEvenIfAllAreEscaped) {
-  for (const job::Job& job : {job_of_escapes(5'000), random_job(5'000, 9)}) {
-    RarelyLooking board;
-    const JobResult result = JobSender(board, job, fixed_session()).run();
-    EXPECT_EQ(result.end, JobEnd::done);
-    EXPECT_EQ(board.dropped, 0u);
-    EXPECT_EQ(result.resent, 0u);
-    EXPECT_EQ(result.status.link, wire::LinkCounters{});
-    EXPECT_GT(board.most_kept, 2'048u) << "the port's buffer was not used";
-    expect_each_once(board, job);
-  }
-}
-
-TEST(Sender, StartsInTheMiddle) {
-  auto board = cable();
-  const job::Job job = random_job(3000, 4);
-  SenderOptions options = fixed_session();
-  options.first_index = 1234;
-  const JobResult result = JobSender(*board, job, options).run();
-  EXPECT_EQ(result.end, JobEnd::done);
-  expect_each_once(*board, job, 1234);
-}
-
 TEST(Sender, ResumesAfterItsOwnSilenceAndOnRequestAfterNoise) {
   for (const auto reason :
        {wire::HoldReason::dead_man, wire::HoldReason::realtime, wire::HoldReason::reset}) {
-    auto board = cable();
-    const job::Job job = random_job(2000, 5);
     SenderOptions options = fixed_session();
     options.auto_resume = reason != wire::HoldReason::dead_man;
-    JobSender sender(*board, job, options);
-    for (int i = 0; i < 20; ++i) sender.step();
-    board->machine.hold(reason);
-    EXPECT_EQ(sender.run().end, JobEnd::done);
-    expect_each_once(*board, job);
+    Sending<> s(2000, 5, options, Faults{}, 5u);
+    s.steps();
+    s.board.machine.hold(reason);
+    s.expect_done();
   }
 }
 
-TEST(Sender, ATypedHoldLastsUntilTheUserResumes) {
-  auto board = cable();
-  const job::Job job = random_job(2000, 5);
-  JobSender sender(*board, job, fixed_session());
-  for (int i = 0; i < 20; ++i) sender.step();
-  board->machine.on_realtime('!');
-  const std::size_t held_at = board->machine.fired.size();
-  for (int i = 0; i < 1000; ++i) ASSERT_TRUE(sender.step());
-  EXPECT_EQ(board->machine.fired.size(), held_at);
-  EXPECT_EQ(sender.status().hold_reason, wire::HoldReason::realtime);
-  sender.resume();
-  EXPECT_EQ(sender.run().end, JobEnd::done);
-  expect_each_once(*board, job);
+TEST(Sender, ATypedHoldAndADoorLastUntilTheUserResumes) {
+  for (const bool door : {false, true}) {
+    Sending<> s(2000, 5);
+    s.steps();
+    if (door)
+      s.board.machine.state = wire::MachineState::door;
+    else
+      s.board.machine.on_realtime('!');
+    const std::size_t held_at = s.board.machine.fired.size();
+    s.steps(1000);
+    EXPECT_EQ(s.board.machine.fired.size(), held_at);
+    EXPECT_EQ(s.board.machine.state, door ? wire::MachineState::door : wire::MachineState::hold);
+    EXPECT_EQ(s.sender.status().hold_reason,
+              door ? wire::HoldReason::none : wire::HoldReason::realtime);
+    s.sender.resume();
+    s.expect_done();
+  }
 }
 
 TEST(Sender, ATypedResetStopsTheJobAndIsReported) {
-  auto board = cable();
-  const job::Job job = random_job(2000, 5);
-  JobSender sender(*board, job, fixed_session());
-  for (int i = 0; i < 20; ++i) sender.step();
-  board->machine.on_realtime(0x18);
-  const std::size_t fired = board->machine.fired.size();
-  try {
-    sender.run();
-    FAIL() << "the job continued";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.exit(), Exit::job_failed);
-    EXPECT_THAT(error.what(), testing::HasSubstr("0x18"));
-    EXPECT_THAT(error.what(), testing::HasSubstr(fmt::format("--from {}", fired)));
-  }
-  EXPECT_EQ(board->machine.fired.size(), fired);
-  EXPECT_EQ(board->machine.state, wire::MachineState::idle);
-  EXPECT_EQ(sender.result().end, JobEnd::stopped);
+  Sending<> s(2000, 5);
+  s.steps();
+  s.board.machine.on_realtime(0x18);
+  const std::size_t fired = s.board.machine.fired.size();
+  const Failure failure = failure_of([&] { s.sender.run(); });
+  EXPECT_EQ(failure.exit, Exit::job_failed);
+  EXPECT_THAT(failure.text, HasSubstr("0x18"));
+  EXPECT_THAT(failure.text, HasSubstr(fmt::format("--from {}", fired)));
+  EXPECT_EQ(s.board.machine.fired.size(), fired);
+  EXPECT_EQ(s.board.machine.state, wire::MachineState::idle);
+  EXPECT_EQ(s.sender.result().end, JobEnd::stopped);
 }
 
 TEST(Sender, PauseHoldsUntilResume) {
-  auto board = cable({.drop = 1e-3, .flip = 1e-3}, 6);
-  const job::Job job = random_job(3000, 6);
-  JobSender sender(*board, job, with_auto_resume());
-  while (board->machine.fired.size() < 500) ASSERT_TRUE(sender.step());
-  sender.pause();
-  for (int i = 0; i < 200; ++i) sender.step();
-  const std::size_t held_at = board->machine.fired.size();
-  EXPECT_EQ(board->machine.reason, wire::HoldReason::host);
-  for (int i = 0; i < 500; ++i) ASSERT_TRUE(sender.step());
-  EXPECT_EQ(board->machine.fired.size(), held_at);
-  sender.resume();
-  EXPECT_EQ(sender.run().end, JobEnd::done);
-  expect_each_once(*board, job);
+  Sending<> s(3000, 6, with_auto_resume(), Faults{.drop = 1e-3, .flip = 1e-3}, 6u);
+  s.until_fired(500);
+  s.sender.pause();
+  s.steps(200);
+  const std::size_t held_at = s.board.machine.fired.size();
+  EXPECT_EQ(s.board.machine.reason, wire::HoldReason::host);
+  s.steps(500);
+  EXPECT_EQ(s.board.machine.fired.size(), held_at);
+  s.sender.resume();
+  s.expect_done();
 }
 
 TEST(Sender, PauseTakesOverAHoldOfAnotherReason) {
-  auto board = cable();
-  const job::Job job = random_job(2000, 6);
-  JobSender sender(*board, job, fixed_session());
-  for (int i = 0; i < 20; ++i) sender.step();
-  sender.pause();
-  board->machine.hold(wire::HoldReason::realtime);
-  for (int i = 0; i < 200; ++i) ASSERT_TRUE(sender.step());
-  EXPECT_EQ(board->machine.reason, wire::HoldReason::host);
-  sender.resume();
-  EXPECT_EQ(sender.run().end, JobEnd::done);
+  Sending<> s(2000, 6);
+  s.steps();
+  s.sender.pause();
+  s.board.machine.hold(wire::HoldReason::realtime);
+  s.steps(200);
+  EXPECT_EQ(s.board.machine.reason, wire::HoldReason::host);
+  s.sender.resume();
+  s.expect_done();
 }
 
 TEST(Sender, StopEndsTheJob) {
-  auto board = cable({.drop = 1e-3}, 7);
-  const job::Job job = random_job(3000, 7);
-  JobSender sender(*board, job, fixed_session());
-  while (board->machine.fired.size() < 500) ASSERT_TRUE(sender.step());
-  sender.stop();
-  const JobResult result = sender.run();
+  Sending<> s(3000, 7, {.drop = 1e-3});
+  s.until_fired(500);
+  s.sender.stop();
+  const JobResult result = s.sender.run();
   EXPECT_EQ(result.end, JobEnd::stopped);
-  EXPECT_EQ(board->machine.state, wire::MachineState::idle);
-  EXPECT_EQ(result.status.first_unfired, board->machine.fired.size());
-  EXPECT_LT(board->machine.fired.size(), 3000u);
-}
-
-TEST(Sender, DoesNotOpenADoorHoldByItself) {
-  auto board = cable();
-  const job::Job job = random_job(2000, 8);
-  JobSender sender(*board, job, fixed_session());
-  for (int i = 0; i < 20; ++i) sender.step();
-  board->machine.state = wire::MachineState::door;
-  for (int i = 0; i < 300; ++i) ASSERT_TRUE(sender.step());
-  EXPECT_EQ(board->machine.state, wire::MachineState::door);
-  sender.resume();
-  EXPECT_EQ(sender.run().end, JobEnd::done);
-  expect_each_once(*board, job);
+  EXPECT_EQ(s.board.machine.state, wire::MachineState::idle);
+  EXPECT_EQ(result.status.first_unfired, s.board.machine.fired.size());
+  EXPECT_LT(s.board.machine.fired.size(), 3000u);
 }
 
 TEST(Sender, AlarmEndsTheJob) {
-  auto board = cable();
-  const job::Job job = random_job(5000, 9);
-  JobSender sender(*board, job, fixed_session());
-  for (int i = 0; i < 20; ++i) sender.step();
-  board->machine.state = wire::MachineState::alarm;
-  board->machine.alarm = 1;
-  const JobResult result = sender.run();
+  Sending<> s(5000, 9);
+  s.steps();
+  s.board.machine.state = wire::MachineState::alarm;
+  s.board.machine.alarm = 1;
+  const JobResult result = s.sender.run();
   EXPECT_EQ(result.end, JobEnd::alarm);
   EXPECT_EQ(result.status.alarm, 1);
 }
 
 TEST(Sender, AMachineThatLostTheJobGetsNoMorePoints) {
-  auto board = cable();
-  const job::Job job = random_job(5000, 10);
-  JobSender sender(*board, job, fixed_session());
-  for (int i = 0; i < 20; ++i) sender.step();
-  board->link.forget_session();
-  const std::size_t seen = sender.points_fired();
-  const JobResult result = sender.run();
+  Sending<> s(5000, 10);
+  s.steps();
+  s.board.link.forget_session();
+  const std::size_t seen = s.sender.points_fired();
+  const JobResult result = s.sender.run();
   EXPECT_EQ(result.end, JobEnd::restarted);
-  EXPECT_EQ(board->machine.begins, 1);
+  EXPECT_EQ(s.board.machine.begins, 1);
   // The last position reported for this job is a lower bound, the points sent an upper one.
   EXPECT_FALSE(result.rest.settled);
   EXPECT_GE(result.rest.first, seen);
-  EXPECT_LE(result.rest.first, board->machine.fired.size());
-  EXPECT_GE(result.rest.from, board->machine.fired.size());
+  EXPECT_LE(result.rest.first, s.board.machine.fired.size());
+  EXPECT_GE(result.rest.from, s.board.machine.fired.size());
 }
 
 /// Progress is reported before points are sent: the machine receives no unreported point.
 TEST(Sender, ReportsProgressBeforeItSends) {
   for (int seed = 0; seed < test::scaled(10); ++seed) {
-    auto board = cable({.drop = 5e-4, .flip = 5e-4, .cuts = 3}, static_cast<std::uint64_t>(seed));
+    FaultyTransport board({.drop = 5e-4, .flip = 5e-4, .cuts = 3},
+                          static_cast<std::uint64_t>(seed));
     const job::Job job = random_job(5000, 14);
     SenderOptions options = with_auto_resume();
     options.first_index = 100;
     std::vector<JobProgress> reports;
     options.on_progress = [&](const JobProgress& progress) {
-      ASSERT_LE(progress.first_unfired, 100 + board->machine.fired.size());
+      ASSERT_LE(progress.first_unfired, 100 + board.machine.fired.size());
       reports.push_back(progress);
     };
-    JobSender sender(*board, job, options);
+    JobSender sender(board, job, options);
     while (sender.step()) {
-      ASSERT_TRUE(board->machine.received.empty() || !reports.empty());
+      ASSERT_TRUE(board.machine.received.empty() || !reports.empty());
       ASSERT_TRUE(reports.empty() ||
-                  100 + board->machine.received.size() <= reports.back().may_have_fired);
+                  100 + board.machine.received.size() <= reports.back().may_have_fired);
     }
     EXPECT_EQ(sender.result().end, JobEnd::done);
     EXPECT_EQ(reports.front().may_have_fired, 100u) << "reported when the job begins";
@@ -410,69 +360,62 @@ TEST(Sender, ReportsProgressBeforeItSends) {
 }
 
 TEST(Sender, AFailureToRecordProgressStopsTheJob) {
-  auto board = cable();
+  FaultyTransport board({}, 1);
   SenderOptions options = fixed_session();
   int records = 0;
   options.on_progress = [&](const JobProgress&) {
     if (++records == 5) throw Error(Exit::job_failed, "a.progress", "cannot be written", "look");
   };
-  const Failure failure = failure_of(*board, random_job(20'000, 15), options);
-  EXPECT_THAT(failure.text, HasSubstr("cannot be written"));
-  EXPECT_EQ(board->machine.state, wire::MachineState::idle);
+  EXPECT_THAT(failure_of(board, random_job(20'000, 15), options).text,
+              HasSubstr("cannot be written"));
+  EXPECT_EQ(board.machine.state, wire::MachineState::idle);
 }
 
 TEST(Sender, GivesUpOnACableThatStaysCut) {
-  auto board = cable({.cuts = 1, .cut_span = 100ms}, 11);
-  board->unplugged = true;
-  const job::Job job = random_job(50'000, 11);
-  const JobResult result = JobSender(*board, job, fixed_session()).run();
+  Sending<> s(50'000, 11, {.cuts = 1, .cut_span = 100ms});
+  s.board.unplugged = true;
+  const JobResult result = s.sender.run();
   EXPECT_EQ(result.end, JobEnd::lost);
   EXPECT_GE(result.elapsed, SenderOptions{}.give_up);
 }
 
-TEST(Sender, SilentPortIsAnError) {
-  auto board = cable();
-  board->silent = true;
-  const Failure failure = failure_of(*board, random_job(10, 1));
-  EXPECT_EQ(failure.exit, Exit::no_device);
-  EXPECT_THAT(failure.text, HasSubstr("does not answer"));
+TEST(Sender, ASilentPortIsAnErrorAndAMachineThatSpeaksOnlyTextIsNamed) {
+  for (const bool speaks : {false, true}) {
+    FaultyTransport board({}, 1);
+    board.silent = true;
+    if (speaks) board.link.send_text("\r\nGrbl 1.1h ['$' for help]\r\n");
+    const Failure failure = failure_of(board, random_job(10, 1));
+    EXPECT_EQ(failure.exit, Exit::no_device);
+    EXPECT_THAT(failure.text, HasSubstr(speaks ? "Grbl 1.1h" : "does not answer"));
+  }
 }
 
 TEST(Sender, ACableThatIsPluggedInJustBeforeTheTimeoutIsAccepted) {
-  auto board = cable({.cuts = 1, .cut_span = 0ms}, 1);
-  const job::Job job = random_job(100, 1);
-  EXPECT_EQ(JobSender(*board, job, fixed_session()).run().end, JobEnd::done);
-  expect_each_once(*board, job);
+  Sending<>(100, 1, {.cuts = 1, .cut_span = 0ms}).expect_done();
 }
 
-TEST(Sender, MachineThatSpeaksOnlyTextIsNamed) {
-  auto board = cable();
-  board->silent = true;
-  board->link.send_text("\r\nGrbl 1.1h ['$' for help]\r\n");
-  const Failure failure = failure_of(*board, random_job(10, 1));
-  EXPECT_EQ(failure.exit, Exit::no_device);
-  EXPECT_THAT(failure.text, HasSubstr("Grbl 1.1h"));
-}
+const std::string other_version = fmt::format("protocol version {}", wire::protocol_version + 1);
 
-/// A firmware of another version: its STATUS has another version and another length.
-class OtherVersion : public FaultyTransport {
- public:
-  OtherVersion() : FaultyTransport({}, 1) {}
-  std::size_t read(std::span<std::uint8_t> bytes) override {
-    std::array<std::uint8_t, 16> content{};
-    wire::ByteWriter out(content);
-    wire::write_header(out, {wire::FrameType::status, 0, 1});
-    out.put(static_cast<std::uint16_t>(wire::protocol_version + 1));
-    return wire::encode_frame(out.written(), bytes);
-  }
-};
+/// A STATUS of another version and another length.
+std::vector<std::uint8_t> status_of_another_version() {
+  std::vector<std::uint8_t> content(16);
+  wire::ByteWriter out(content);
+  wire::write_header(out, {wire::FrameType::status, 0, 1});
+  out.put(static_cast<std::uint16_t>(wire::protocol_version + 1));
+  content.resize(out.size());
+  return content;
+}
 
 TEST(Sender, OtherProtocolVersionIsAnErrorAndNothingMoves) {
-  OtherVersion board;
+  struct OtherVersion : FaultyTransport {
+    OtherVersion() : FaultyTransport({}, 1) {}
+    std::size_t read(std::span<std::uint8_t> bytes) override {
+      return wire::encode_frame(status_of_another_version(), bytes);
+    }
+  } board;
   const Failure failure = failure_of(board, random_job(10, 1));
   EXPECT_EQ(failure.exit, Exit::no_device);
-  EXPECT_THAT(failure.text, HasSubstr(std::string("protocol version ") +
-                                      std::to_string(wire::protocol_version + 1)));
+  EXPECT_THAT(failure.text, HasSubstr(other_version));
   EXPECT_EQ(board.machine.begins, 0);
 }
 
@@ -488,23 +431,14 @@ TEST(Sender, RefusalsNameTheReason) {
                         Case{Result::busy, 0, Exit::job_failed, "another job"},
                         Case{Result::bad_value, 901, Exit::bad_input, "$901 (lamp_frequency)"},
                         Case{Result::settings_mismatch, 0, Exit::bad_input, "other settings"}}) {
-    auto board = cable();
-    board->machine.begin_result = c.result;
-    board->machine.refused = c.value;
-    const Failure failure = failure_of(*board, random_job(10, 1));
+    FaultyTransport board({}, 1);
+    board.machine.begin_result = c.result;
+    board.machine.refused = c.value;
+    const Failure failure = failure_of(board, random_job(10, 1));
     EXPECT_EQ(failure.exit, c.exit);
     EXPECT_THAT(failure.text, HasSubstr(c.text));
-    EXPECT_TRUE(board->machine.received.empty());
+    EXPECT_TRUE(board.machine.received.empty());
   }
-}
-
-TEST(Sender, ARefusedPointStopsTheJobAndIsNamed) {
-  auto board = cable();
-  job::Job job = random_job(5000, 12);
-  job.targets[4321].steps[2] = board->machine.limits.max[2] + 1;
-  const Failure failure = failure_of(*board, job);
-  EXPECT_EQ(failure.exit, Exit::bad_input);
-  EXPECT_THAT(failure.text, HasSubstr("point 4321"));
 }
 
 /// A cable that loses the first commands completely and can return an unexpected status frame.
@@ -536,36 +470,32 @@ class LosesCommands : public FaultyTransport {
 };
 
 TEST(Sender, NothingIsSentBeforeTheMachineConfirmsItsJobSpeed) {
-  LosesCommands board(4);
-  const job::Job job = random_job(3000, 8);
   SenderOptions options = fixed_session();
   options.job_speed = 40;
-  JobSender sender(board, job, options);
-  while (sender.step())
-    if (board.machine.job_speed != 40) {
-      ASSERT_TRUE(board.machine.received.empty());
+  Sending<LosesCommands> s(3000, 8, options, 4);
+  while (s.sender.step())
+    if (s.board.machine.job_speed != 40) {
+      ASSERT_TRUE(s.board.machine.received.empty());
     }
-  EXPECT_EQ(board.machine.commands,
+  EXPECT_EQ(s.board.machine.commands,
             (std::vector<wire::CommandRequest>{{wire::Command::job_speed, 40}}));
-  expect_each_once(board, job);
+  expect_each_once(s.board, s.job);
 }
 
 TEST(Sender, TheJobSpeedFollowsTheUserThroughHoldsAndABadCable) {
   for (int seed = 0; seed < test::scaled(10); ++seed) {
-    auto board = cable({.drop = 5e-4, .flip = 5e-4, .cuts = 3}, static_cast<std::uint64_t>(seed));
-    const job::Job job = random_job(20'000, 8);
-    JobSender sender(*board, job, with_auto_resume());
+    Sending<> s(20'000, 8, with_auto_resume(), Faults{.drop = 5e-4, .flip = 5e-4, .cuts = 3},
+                static_cast<std::uint64_t>(seed));
     std::size_t round = 0;
     std::uint32_t wanted = 100;
-    while (sender.step() && board->machine.fired.size() < 15'000) {
-      if (++round % 50 == 0) sender.set_job_speed(wanted = 1 + (wanted * 7 + 13) % 140);
-      if (round % 170 == 0) sender.pause();
-      if (round % 170 == 60) sender.resume();
+    while (s.sender.step() && s.board.machine.fired.size() < 15'000) {
+      if (++round % 50 == 0) s.sender.set_job_speed(wanted = 1 + (wanted * 7 + 13) % 140);
+      if (round % 170 == 0) s.sender.pause();
+      if (round % 170 == 60) s.sender.resume();
     }
-    sender.resume();
-    EXPECT_EQ(sender.run().end, JobEnd::done);
-    EXPECT_EQ(board->machine.job_speed, wanted);
-    expect_each_once(*board, job);
+    s.sender.resume();
+    s.expect_done();
+    EXPECT_EQ(s.board.machine.job_speed, wanted);
   }
 }
 
@@ -592,22 +522,23 @@ job::Job job_with_a_bad_point(const FaultyTransport& board) {
   return job;
 }
 
-TEST(Sender, AStopIsRepeatedUntilTheMachineIsIdle) {
-  LosesCommands board(5);
-  const Failure failure = failure_of(board, job_with_a_bad_point(board));
-  EXPECT_EQ(board.machine.state, wire::MachineState::idle);
-  EXPECT_EQ(failure.exit, Exit::bad_input);
-  EXPECT_THAT(failure.text, HasSubstr("error: point 4321"));
+TEST(Sender, ARefusedPointIsNamedAndTheStopIsRepeatedUntilTheMachineIsIdle) {
+  for (const int lost : {0, 5}) {
+    LosesCommands board(lost);
+    const Failure failure = failure_of(board, job_with_a_bad_point(board));
+    EXPECT_EQ(board.machine.state, wire::MachineState::idle);
+    EXPECT_EQ(failure.exit, Exit::bad_input);
+    EXPECT_THAT(failure.text, HasSubstr("error: point 4321"));
+  }
 }
 
 TEST(Sender, ARefusedPointStopsTheMachineOverABadCable) {
   for (int seed = 0; seed < test::scaled(10); ++seed) {
-    auto board = cable({.drop = 1e-3, .flip = 1e-3, .cuts = 5}, static_cast<std::uint64_t>(seed));
-    job::Job job = random_job(2000, 12);
-    job.targets[1500].steps[2] = board->machine.limits.max[2] + 1;
-    const Failure failure = failure_of(*board, job, with_auto_resume());
-    ASSERT_EQ(board->machine.state, wire::MachineState::idle) << "seed " << seed;
-    ASSERT_THAT(failure.text, HasSubstr("point 1500"));
+    FaultyTransport board({.drop = 1e-3, .flip = 1e-3, .cuts = 5},
+                          static_cast<std::uint64_t>(seed));
+    const Failure failure = failure_of(board, job_with_a_bad_point(board), with_auto_resume());
+    ASSERT_EQ(board.machine.state, wire::MachineState::idle) << "seed " << seed;
+    ASSERT_THAT(failure.text, HasSubstr("point 4321"));
   }
 }
 
@@ -622,116 +553,78 @@ TEST(Sender, AMachineThatCannotBeStoppedIsReportedWithTheFirstError) {
 }
 
 TEST(Sender, AnErrorOfAnyKindInAJobStopsTheMachine) {
-  LosesCommands board(2);
-  const job::Job job = random_job(50'000, 17);
-  JobSender sender(board, job, fixed_session());
-  while (board.machine.fired.size() < 500) ASSERT_TRUE(sender.step());
-  std::array<std::uint8_t, 16> content{};
-  wire::ByteWriter out(content);
-  wire::write_header(out, {wire::FrameType::status, 0, 1});
-  out.put(static_cast<std::uint16_t>(wire::protocol_version + 1));
-  board.odd_status.assign(out.written().begin(), out.written().end());
-  std::string text;
-  try {
-    sender.run();
-  } catch (const Error& error) {
-    text = error.what();
-  }
-  EXPECT_THAT(text, HasSubstr(std::string("protocol version ") +
-                              std::to_string(wire::protocol_version + 1)));
-  EXPECT_EQ(board.machine.state, wire::MachineState::idle);
-  EXPECT_FALSE(sender.step());
+  Sending<LosesCommands> s(50'000, 17, fixed_session(), 2);
+  s.until_fired(500);
+  s.board.odd_status = status_of_another_version();
+  EXPECT_THAT(failure_of([&] { s.sender.run(); }).text, HasSubstr(other_version));
+  EXPECT_EQ(s.board.machine.state, wire::MachineState::idle);
+  EXPECT_FALSE(s.sender.step());
 }
 
 TEST(Sender, TheContinuationIsThePointWhereTheMachineStopped) {
-  LosesCommands board(3);
-  const job::Job job = random_job(50'000, 18);
-  JobSender sender(board, job, fixed_session());
-  while (board.machine.fired.size() < 500) ASSERT_TRUE(sender.step());
-  board.machine.data_result = Result::locked;
-  std::string text;
-  try {
-    sender.run();
-  } catch (const Error& error) {
-    text = error.what();
-  }
-  EXPECT_EQ(board.machine.state, wire::MachineState::idle);
-  EXPECT_THAT(text, HasSubstr("--from " + std::to_string(board.machine.fired.size())));
+  Sending<LosesCommands> s(50'000, 18, fixed_session(), 3);
+  s.until_fired(500);
+  s.board.machine.data_result = Result::locked;
+  const Failure failure = failure_of([&] { s.sender.run(); });
+  EXPECT_EQ(failure.exit, Exit::job_failed);
+  EXPECT_EQ(s.board.machine.state, wire::MachineState::idle);
+  EXPECT_THAT(failure.text, HasSubstr(fmt::format("--from {}", s.board.machine.fired.size())));
 }
 
 TEST(Sender, AStopByTheUserWaitsForACutCable) {
   for (const bool plugged_in_again : {true, false}) {
-    auto board = cable({.cuts = 1, .cut_span = 100ms}, 11);
-    board->unplugged = !plugged_in_again;
-    const job::Job job = random_job(50'000, 11);
-    JobSender sender(*board, job, fixed_session());
-    while (board->connected()) ASSERT_TRUE(sender.step());
-    sender.stop();
+    Sending<> s(50'000, 11, {.cuts = 1, .cut_span = 100ms});
+    s.board.unplugged = !plugged_in_again;
+    while (s.board.connected()) ASSERT_TRUE(s.sender.step());
+    s.sender.stop();
+    const Failure failure = failure_of([&] { s.sender.run(); });
     if (plugged_in_again) {
-      EXPECT_EQ(sender.run().end, JobEnd::stopped);
-      EXPECT_EQ(board->machine.state, wire::MachineState::idle);
+      EXPECT_EQ(s.sender.result().end, JobEnd::stopped);
+      EXPECT_EQ(s.board.machine.state, wire::MachineState::idle);
       continue;
     }
-    try {
-      sender.run();
-      ADD_FAILURE() << "it is unknown whether the machine stopped";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.exit(), Exit::job_failed);
-      EXPECT_THAT(error.what(), HasSubstr("could not be stopped"));
-    }
-    EXPECT_LT(board->now(), 20s);
+    // It is unknown whether the machine stopped.
+    EXPECT_EQ(failure.exit, Exit::job_failed);
+    EXPECT_THAT(failure.text, HasSubstr("could not be stopped"));
+    EXPECT_LT(s.board.now(), 20s);
   }
-}
-
-TEST(Sender, ATemporaryRefusalDoesNotHangTheJob) {
-  auto board = cable();
-  const job::Job job = random_job(5000, 13);
-  board->machine.data_result = Result::locked;
-  const Failure failure = failure_of(*board, job);
-  EXPECT_EQ(failure.exit, Exit::job_failed);
 }
 
 TEST(Sender, AJobThatTheMachineHasEndedDoesNotHangTheProgram) {
   // An unreachable point also ends the job; the single frame that reports it may be lost.
-  auto board = cable();
-  const job::Job job = random_job(500, 16);
-  JobSender sender(*board, job, fixed_session());
-  while (board->machine.received.size() < job.targets.size()) ASSERT_TRUE(sender.step());
-  board->machine.hold(wire::HoldReason::host);
-  for (int i = 0; i < 20; ++i) ASSERT_TRUE(sender.step());
-  ASSERT_LT(board->machine.fired.size(), job.targets.size());
-  board->machine.state = wire::MachineState::idle;
-  std::string text;
-  try {
-    for (int i = 0; i < 1000 && text.empty(); ++i) sender.step();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.exit(), Exit::job_failed);
-    text = error.what();
-  }
-  EXPECT_THAT(text, HasSubstr("ended by the machine"));
-  EXPECT_THAT(text, HasSubstr("--from " + std::to_string(board->machine.fired.size())));
+  Sending<> s(500, 16);
+  FakeMachine& machine = s.board.machine;
+  while (machine.received.size() < s.job.targets.size()) ASSERT_TRUE(s.sender.step());
+  machine.hold(wire::HoldReason::host);
+  s.steps();
+  ASSERT_LT(machine.fired.size(), s.job.targets.size());
+  machine.state = wire::MachineState::idle;
+  const Failure failure = failure_of([&s] {
+    for (int i = 0; i < 1000; ++i) s.sender.step();
+  });
+  EXPECT_EQ(failure.exit, Exit::job_failed);
+  EXPECT_THAT(failure.text, HasSubstr("ended by the machine"));
+  EXPECT_THAT(failure.text, HasSubstr(fmt::format("--from {}", machine.fired.size())));
 }
 
 TEST(Sender, TakesOverFromAHostThatHasGone) {
-  auto board = cable();
-  const job::Job first = random_job(5000, 14);
-  JobSender gone(*board, first);
-  for (int i = 0; i < 20; ++i) gone.step();
+  Sending<> gone(5000, 14, SenderOptions{}, Faults{}, 1u);
+  gone.steps();
   const job::Job second = random_job(500, 15);
-  EXPECT_EQ(failure_of(*board, second).exit, Exit::job_failed);
+  EXPECT_EQ(failure_of(gone.board, second).exit, Exit::job_failed);
   SenderOptions options;
   options.take_over = true;
-  board->machine.received.clear();
-  board->machine.fired.clear();
-  EXPECT_EQ(JobSender(*board, second, options).run().end, JobEnd::done);
-  EXPECT_EQ(board->machine.begins, 4);
+  gone.board.machine.received.clear();
+  gone.board.machine.fired.clear();
+  EXPECT_EQ(JobSender(gone.board, second, options).run().end, JobEnd::done);
+  EXPECT_EQ(gone.board.machine.begins, 4);
 }
 
 TEST(Sender, RefusesAStartBeyondTheJob) {
-  auto board = cable();
+  FaultyTransport board({}, 1);
   SenderOptions options;
   options.first_index = 11;
-  EXPECT_EQ(failure_of(*board, random_job(10, 1), options).exit, Exit::bad_input);
+  EXPECT_EQ(failure_of(board, random_job(10, 1), options).exit, Exit::bad_input);
 }
 
 }  // namespace
