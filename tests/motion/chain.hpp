@@ -42,6 +42,32 @@ inline void tighten_work_space(Chain& chain) {
   }
 }
 
+/// Removes soft limits.
+inline void open_work_space(Chain& chain) {
+  for (motion::AxisLimits& axis : chain.limits.axis) {
+    axis.min_steps = -2'000'000'000;
+    axis.max_steps = 2'000'000'000;
+  }
+}
+
+/// A request for all points of a chain in one window, from rest at zero to rest.
+struct WholeRequest {
+  explicit WholeRequest(const Chain& chain) {
+    request.queue = &queue;
+    request.count = static_cast<std::uint32_t>(chain.targets.size());
+    for (std::uint32_t i = 0; i < request.count; ++i) request.points[i] = i;
+    request.limits = &chain.limits;
+    request.start = rest_at_zero();
+    fill(chain);
+  }
+  void fill(const Chain& chain) {
+    queue.reset(0);
+    for (const wire::Target& t : chain.targets) queue.push(t);
+  }
+  motion::PointQueue queue;
+  motion::PlanRequest request;
+};
+
 /// Random machine and walk: lamps of 1 Hz to 5 kHz, 1 to 4 axes, step lengths over three decades
 /// around the distance of one beat, directions uniform or correlated.
 inline Chain random_chain(std::mt19937_64& random, std::size_t points) {

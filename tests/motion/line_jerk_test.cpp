@@ -24,31 +24,6 @@ TEST(LineJerk, RandomPathsKeepLimits) {
   }
 }
 
-TEST(LineJerk, TimedMovesTakeTheirTime) {
-  double worst = 0;
-  for (int i = 0; i < scaled(20); ++i) {
-    SCOPED_TRACE(testing::Message() << "line " << i);
-    LineRandom random(static_cast<std::uint64_t>(i) + 9850);
-    LineMachine m = random_machine(random);
-    limit_jerk(random, m);
-    auto targets = random_lines(random, m, 1, between(random, 0.5, 20));
-    targets[0].rapid = true;
-    LineRig fastest(m);
-    fastest.stream(targets);
-    const double wanted = fastest.seconds() * between(random, 1.1, 50);
-    targets[0].rapid = false;
-    targets[0].timed = true;
-    targets[0].time_us = static_cast<std::uint32_t>(wanted * 1e6);
-    LineRig rig(m);
-    rig.stream(targets);
-    ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
-    worst = std::max(worst, std::fabs(rig.seconds() / wanted - 1));
-    // Pulses of whole stairs take some ticks more than planned.
-    EXPECT_NEAR(rig.seconds(), wanted, 0.002 * wanted + 0.003);
-  }
-  std::cout << "off the time by at most " << worst << "\n";
-}
-
 TEST(LineJerk, AnSCurveTakesTheTimeOfItsRise) {
   // l/v + v/a + a/j; each pulse is rounded up to a slice and costs some more.
   for (const double rise_s : {0.0005, 0.001, 0.002, 0.004}) {

@@ -119,28 +119,6 @@ TEST(LineStream, RapidsFollowTheirOwnOverride) {
   }
 }
 
-TEST(LineStream, CancelComesToRestAndDiscardsLines) {
-  for (int i = 0; i < scaled(12); ++i) {
-    SCOPED_TRACE(testing::Message() << "path " << i);
-    LineRandom random(static_cast<std::uint64_t>(i) + 9300);
-    const LineMachine m = random_machine(random);
-    LineRig rig(m);
-    rig.look_at_ticks(20'000);
-    for (int part = 0; part < 3; ++part) {
-      for (const LineTarget& t : random_lines(random, m, 60, between(random, 0.05, 10)))
-        rig.push(t);
-      const std::uint64_t count = random() % 60;
-      for (std::uint64_t k = 0; k < count; ++k) rig.step();
-      rig.planner().cancel();
-      rig.run();
-      ASSERT_NO_FATAL_FAILURE(expect_cancelled(rig));
-    }
-    for (const LineTarget& t : random_lines(random, m, 10, 1)) rig.push(t);
-    rig.run();
-    ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
-  }
-}
-
 TEST(LineStream, ALateHostCostsOnlyTime) {
   for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "path " << i);
@@ -215,20 +193,25 @@ TEST(LineStream, AReversalAndAnExactStopAreFullStops) {
 }
 
 TEST(LineStream, TimedMovesTakeTheirTime) {
-  for (int i = 0; i < scaled(60); ++i) {
+  for (int i = 0; i < scaled(80); ++i) {
+    SCOPED_TRACE(testing::Message() << "line " << i);
+    const bool jerk = i % 4 == 3;
     LineRandom random(static_cast<std::uint64_t>(i) + 9600);
-    const LineMachine m = random_machine(random);
+    LineMachine m = random_machine(random);
+    if (jerk) limit_jerk(random, m);
     auto targets = random_lines(random, m, 1, between(random, 0.5, 20));
     targets[0].rapid = true;
-    const double fastest = LineReference(m, targets).seconds();
-    const double wanted = fastest * between(random, 1.05, 50);
+    LineRig fastest(m);
+    fastest.stream(targets);
+    const double wanted = fastest.seconds() * between(random, jerk ? 1.1 : 1.05, 50);
     targets[0].rapid = false;
     targets[0].timed = true;
     targets[0].time_us = static_cast<std::uint32_t>(wanted * 1e6);
     LineRig rig(m);
     rig.stream(targets);
     ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
-    EXPECT_NEAR(rig.seconds(), wanted, wanted * 0.001 + 4e-6) << i;
+    // Pulses of whole stairs take some ticks more than planned.
+    EXPECT_NEAR(rig.seconds(), wanted, jerk ? 0.002 * wanted + 0.003 : 0.001 * wanted + 4e-6);
   }
 }
 

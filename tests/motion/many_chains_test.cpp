@@ -27,18 +27,6 @@ constexpr int chains = 50'000;
 constexpr int tick_by_tick_every = 100;
 constexpr long most_ticks = 2'000'000;
 
-/// Checks every tick of a plan.
-Fault every_tick(const Chain& chain, const ChainPlan& plan) {
-  stepper::MotionState from = test::rest_at_zero();
-  long ticks = 0;
-  for (const Segment& s : plan.segments) {
-    if ((ticks += s.ticks) > most_ticks) break;
-    if (const Fault fault = test::tick_fault(chain.limits, from, s)) return fault;
-    from = s.end;
-  }
-  return {};
-}
-
 /// The first fault of chain `number`, in either mode.
 Fault fault_of(std::uint64_t number, Planner& planner) {
   std::mt19937_64 random(number * 0x9e3779b97f4a7c15u + 4700);
@@ -49,7 +37,8 @@ Fault fault_of(std::uint64_t number, Planner& planner) {
   chain.mode = random() % 8 == 0 ? wire::JoinMode::start_stop : wire::JoinMode::free;
   ChainPlan plan;
   Fault fault = test::chain_fault(chain, planner, plan);
-  if (!fault && number % tick_by_tick_every == 0) fault = every_tick(chain, plan);
+  if (!fault && number % tick_by_tick_every == 0)
+    fault = test::ticks_fault(chain.limits, plan.segments, most_ticks);
   return fault;
 }
 

@@ -8,10 +8,8 @@
 #include <vector>
 
 #include "firmware/motion/profile/profile.hpp"
-#include "firmware/motion/profile/pulse.hpp"
-#include "tests/motion/jerk_watch.hpp"
 #include "tests/motion/path_chain.hpp"
-#include "tests/motion/tick_sum.hpp"
+#include "tests/motion/plan_checks.hpp"
 #include "tests/native_int128.hpp"
 
 namespace lamplock::test {
@@ -57,14 +55,6 @@ inline Chain random_path(std::mt19937_64& random, std::size_t points, bool jerk 
   return chain;
 }
 
-/// Removes soft limits, which the reference does not model.
-inline void open_work_space(Chain& chain) {
-  for (motion::AxisLimits& axis : chain.limits.axis) {
-    axis.min_steps = -2'000'000'000;
-    axis.max_steps = 2'000'000'000;
-  }
-}
-
 /// True if a line takes more ticks than a segment or a point may have.
 inline bool has_endless_line(const Chain& chain, double longest_ticks = 1 << 30) {
   longest_ticks =
@@ -75,70 +65,6 @@ inline bool has_endless_line(const Chain& chain, double longest_ticks = 1 << 30)
           0.9 * longest_ticks)
         return true;
   return false;
-}
-
-/// Accelerations are whole multiples of this.
-inline std::int64_t accel_unit(const Chain& chain) {
-  return chain.limits.jerk_limited() ? stepper::pulse_accel_unit : 2;
-}
-
-/// Checks that a segment starts where and when the preceding one ended.
-inline void expect_joined(const Chain& chain, const stepper::MotionState& from,
-                          const stepper::Segment& s, std::int32_t beats) {
-  ASSERT_EQ(s.start_tick, from.tick);
-  ASSERT_GE(beats, 1);
-  ASSERT_EQ(s.ticks, static_cast<std::uint32_t>(beats) * chain.limits.beat_ticks);
-  ASSERT_EQ(s.end.tick, s.start_tick + s.ticks);
-  const std::int64_t unit = accel_unit(chain);
-  for (int a = 0; a < chain.limits.axes; ++a) {
-    const stepper::AxisProfile& p = s.axis[index(a)];
-    ASSERT_EQ(p.ticks(), s.ticks);
-    ASSERT_EQ(p.lead_ticks, s.axis[0].lead_ticks);
-    ASSERT_EQ(p.cruise_ticks, s.axis[0].cruise_ticks);
-    ASSERT_EQ(p.lead_ramp, s.axis[0].lead_ramp);
-    ASSERT_EQ(p.tail_ramp, s.axis[0].tail_ramp);
-    ASSERT_EQ(native(s.end.axis[index(a)].position_q64),
-              native(from.axis[index(a)].position_q64 + (stepper::displacement_q62(p) << 2)));
-    ASSERT_LE(abs64(p.end_speed_q62() - s.end.axis[index(a)].speed_q62),
-              unit * static_cast<std::int64_t>(p.tail_ticks));
-  }
-}
-
-/// Checks the end of a point: the middle of its step on every axis, the shot as ordered.
-inline void expect_at_point(const Chain& chain, const stepper::Segment& s, std::uint32_t point) {
-  const wire::Target& target = chain.targets[point];
-  ASSERT_TRUE(s.ends_point);
-  ASSERT_EQ(s.point, point);
-  ASSERT_EQ(s.shot.present, target.shots != 0);
-  if (s.shot.present) {
-    ASSERT_GE(s.shot.half_window_ticks, 1u);
-    ASSERT_LE(s.shot.half_window_ticks, chain.limits.beat_ticks / 4);
-  }
-  for (int a = 0; a < chain.limits.axes; ++a) {
-    const Int128 at = s.end.axis[index(a)].position_q64;
-    ASSERT_EQ(at.hi(), target.steps[index(a)]);
-    const double n = s.ticks;
-    ASSERT_LT(std::fabs(steps_of(at) - target.steps[index(a)]),
-              1e-6 + static_cast<double>(accel_unit(chain)) * n * n / 4.6e18);
-  }
-}
-
-/// Checks speed and acceleration at the ends of the phases, and the work space by excursions.
-inline void expect_limits(const Chain& chain, const stepper::MotionState& from,
-                          const stepper::Segment& s) {
-  for (int a = 0; a < chain.limits.axes; ++a) {
-    const motion::AxisLimits& axis = chain.limits.axis[index(a)];
-    const stepper::AxisProfile& p = s.axis[index(a)];
-    for (const std::int64_t speed : {p.speed_q62, p.cruise_speed_q62(), p.end_speed_q62()})
-      ASSERT_LE(abs64(speed), axis.speed_q62);
-    ASSERT_LE(abs64(p.lead_accel_q62), axis.accel_q62);
-    ASSERT_LE(abs64(p.tail_accel_q62), axis.accel_q62);
-    ASSERT_TRUE(motion::keeps_jerk(p, axis.jerk_q78)) << a;
-    const motion::Excursion e = motion::excursion(p);
-    const Int128 start = from.axis[index(a)].position_q64;
-    ASSERT_GE((start + (e.low_q62 << 2)).hi(), axis.min_steps);
-    ASSERT_LE((start + (e.high_q62 << 2)).hi(), axis.max_steps);
-  }
 }
 
 /// Checks speed jumps: the setting for the corner plus the allowance for rounding.
@@ -213,9 +139,9 @@ inline void expect_valid(const Chain& chain, const ChainPlan& plan, long& ticks_
   for (std::uint32_t i = 0; i < plan.segments.size(); ++i) {
     const stepper::Segment& s = plan.segments[i];
     SCOPED_TRACE(testing::Message() << "segment " << i);
-    ASSERT_NO_FATAL_FAILURE(expect_joined(chain, from, s, plan.beats[i]));
-    ASSERT_NO_FATAL_FAILURE(expect_at_point(chain, s, i));
-    ASSERT_NO_FATAL_FAILURE(expect_limits(chain, from, s));
+    ASSERT_EQ(join_fault(chain.limits, from, s, plan.beats[i], true), Fault{});
+    ASSERT_EQ(point_fault(chain, s, i, true), Fault{});
+    ASSERT_EQ(limits_fault(chain.limits, from, s), Fault{});
     ASSERT_NO_FATAL_FAILURE(expect_jumps(chain, from, s, i));
     if (ticks_to_sum > 0 && i % 5 == 0) {
       ticks_to_sum -= s.ticks;

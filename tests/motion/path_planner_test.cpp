@@ -172,27 +172,19 @@ TEST(PathPlanner, StopsAtReversalsAndRestsAtRepeatedPoints) {
 
 TEST(PathPlanner, LeastBeatsAndFixedBeatsAreKept) {
   Chain chain = row_of(10, 2);
-  PointQueue queue;
-  PlanRequest request;
-  request.queue = &queue;
-  request.count = 10;
-  for (std::uint32_t i = 0; i < 10; ++i) request.points[i] = i;
-  request.limits = &chain.limits;
-  request.start = test::rest_at_zero();
-  request.least_beats = 3;
   chain.targets[6].shots = 0;
-  for (const wire::Target& t : chain.targets) queue.push(t);
+  test::WholeRequest whole(chain);
+  whole.request.least_beats = 3;
   PathPlanner planner;
   std::uint32_t failed = 0;
-  ASSERT_EQ(planner.plan(request, failed), Result::ok);
+  ASSERT_EQ(planner.plan(whole.request, failed), Result::ok);
   for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(planner.beats(i), i == 6 ? 1 : 3);
   // Shots must not exceed the rate either if the host fixes beats; a move without a shot may.
   chain.targets[4].beats = 2;
   for (const std::uint8_t shots : std::array<std::uint8_t, 2>{1, 0}) {
     chain.targets[4].shots = shots;
-    queue.reset(0);
-    for (const wire::Target& t : chain.targets) queue.push(t);
-    EXPECT_EQ(planner.plan(request, failed), shots == 1 ? Result::unreachable : Result::ok);
+    whole.fill(chain);
+    EXPECT_EQ(planner.plan(whole.request, failed), shots == 1 ? Result::unreachable : Result::ok);
     EXPECT_TRUE(shots == 0 ? planner.beats(4) == 2 : failed == 4);
   }
 }
@@ -202,17 +194,10 @@ TEST(PathPlanner, ATargetOutsideTheWorkSpaceIsNamed) {
     Chain chain = row_of(10, 2);
     for (std::uint32_t i = bad; i < 10; ++i) chain.targets[i].steps[1] = 1'000'000;
     chain.limits.axis[1].max_steps = 500'000;
-    PointQueue queue;
-    PlanRequest request;
-    request.queue = &queue;
-    request.count = 10;
-    for (std::uint32_t i = 0; i < 10; ++i) request.points[i] = i;
-    for (const wire::Target& t : chain.targets) queue.push(t);
-    request.limits = &chain.limits;
-    request.start = test::rest_at_zero();
+    const test::WholeRequest whole(chain);
     PathPlanner planner;
     std::uint32_t failed = 99;
-    EXPECT_EQ(planner.plan(request, failed), Result::unreachable);
+    EXPECT_EQ(planner.plan(whole.request, failed), Result::unreachable);
     EXPECT_EQ(failed, bad);
   }
 }

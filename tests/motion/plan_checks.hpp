@@ -8,9 +8,11 @@
 #include <cmath>
 #include <cstdint>
 #include <ostream>
+#include <tuple>
 
 #include "firmware/motion/profile/pulse.hpp"
 #include "tests/motion/chain.hpp"
+#include "tests/motion/jerk_watch.hpp"
 #include "tests/motion/tick_sum.hpp"
 
 namespace lamplock::test {
@@ -42,9 +44,17 @@ inline bool in_work_space(const motion::AxisLimits& axis, Int128 from_q64,
          in_work_space(axis, from_q64 + (way.high_q62 << 2));
 }
 
-/// Continuity: a segment starts where, when and as fast as the preceding one ended; whole beats.
+/// Accelerations of an axis are whole multiples of this. Along a path all axes have the same
+/// phases.
+inline std::int64_t accel_unit(const motion::Limits& limits, int a, bool path) {
+  const bool pulses = path ? limits.jerk_limited() : limits.axis[index(a)].jerk_q78 != 0;
+  return pulses ? stepper::pulse_accel_unit : 2;
+}
+
+/// Continuity: a segment starts where, when and, except on a path, as fast as the preceding one
+/// ended; whole beats.
 inline Fault join_fault(const motion::Limits& limits, const stepper::MotionState& from,
-                        const stepper::Segment& s, std::int32_t beats) {
+                        const stepper::Segment& s, std::int32_t beats, bool path = false) {
   if (s.start_tick != from.tick) return {"does not start where the last one ended", s.point};
   if (beats < 1 || s.ticks != static_cast<std::uint32_t>(beats) * limits.beat_ticks ||
       s.end.tick != s.start_tick + s.ticks)
@@ -53,18 +63,23 @@ inline Fault join_fault(const motion::Limits& limits, const stepper::MotionState
     const stepper::AxisProfile& p = s.axis[index(a)];
     const stepper::AxisState &begin = from.axis[index(a)], &end = s.end.axis[index(a)];
     if (p.ticks() != s.ticks) return {"phases do not add up", s.point, a};
-    if (p.speed_q62 != begin.speed_q62) return {"speed jumps", s.point, a};
+    if (!path && p.speed_q62 != begin.speed_q62) return {"speed jumps", s.point, a};
+    const auto phases = [](const stepper::AxisProfile& of) {
+      return std::tuple(of.lead_ticks, of.cruise_ticks, of.lead_ramp, of.tail_ramp);
+    };
+    if (path && phases(p) != phases(s.axis[0])) return {"other phases than axis 0", s.point, a};
     if (end.position_q64 != begin.position_q64 + (stepper::displacement_q62(p) << 2))
       return {"end is not where the phases lead", s.point, a};
-    const std::int64_t unit = limits.axis[index(a)].jerk_q78 == 0 ? 2 : stepper::pulse_accel_unit;
-    if (abs64(p.end_speed_q62() - end.speed_q62) > unit * static_cast<std::int64_t>(p.tail_ticks))
+    if (abs64(p.end_speed_q62() - end.speed_q62) >
+        accel_unit(limits, a, path) * static_cast<std::int64_t>(p.tail_ticks))
       return {"end speed is not that of the phases", s.point, a};
   }
   return {};
 }
 
 /// The end of a point: the middle of its step on every axis, the shot as ordered.
-inline Fault point_fault(const Chain& chain, const stepper::Segment& s, std::uint32_t point) {
+inline Fault point_fault(const Chain& chain, const stepper::Segment& s, std::uint32_t point,
+                         bool path = false) {
   const wire::Target& target = chain.targets[point];
   if (!s.ends_point || s.point != point) return {"another point", point};
   if (s.shot.present != (target.shots != 0)) return {"shot not as ordered", point};
@@ -74,8 +89,8 @@ inline Fault point_fault(const Chain& chain, const stepper::Segment& s, std::uin
   // 1e-6 step, plus the effect of even accelerations over very long segments.
   const double n = s.ticks;
   for (int a = 0; a < chain.limits.axes; ++a) {
-    const bool pulses = chain.limits.axis[index(a)].jerk_q78 != 0;
-    const double unit = pulses ? stepper::pulse_accel_unit : 2, near = 1e-6 + unit * n * n / 4.6e18;
+    const auto unit = static_cast<double>(accel_unit(chain.limits, a, path));
+    const double near = 1e-6 + unit * n * n / 4.6e18;
     const Int128 at = s.end.axis[index(a)].position_q64;
     const std::int32_t step = target.steps[index(a)];
     if (at.hi() != step) return {"not on its step", point, a};
@@ -119,6 +134,27 @@ inline Fault tick_fault(const motion::Limits& limits, const stepper::MotionState
       return {"leaves the work space at a tick", s.point, a};
     if (s.end.axis[index(a)].position_q64 != start + (to_int128(sum.end_q62) << 2))
       return {"end is not where the ticks lead", s.point, a};
+  }
+  return {};
+}
+
+/// The same at every tick of a plan, up to `most` ticks; the jerk is watched over all segments.
+inline Fault ticks_fault(const motion::Limits& limits,
+                         const std::vector<stepper::Segment>& segments, long most) {
+  std::vector<JerkWatch> watches;
+  for (const motion::AxisLimits& axis : limits.axis) watches.emplace_back(axis);
+  stepper::MotionState from = rest_at_zero();
+  for (const stepper::Segment& s : segments) {
+    if ((most -= s.ticks) < 0) break;
+    if (const Fault fault = tick_fault(limits, from, s)) return fault;
+    for (int a = 0; a < limits.axes && limits.jerk_limited(); ++a) {
+      JerkWatch& watch = watches[index(a)];
+      watch.allow_stairs(s.axis[index(a)]);
+      for_each_tick(s.axis[index(a)],
+                    [&](Native, std::int64_t, std::int64_t accel) { watch.tick(accel); });
+      if (watch.broken()) return {"jerks at a tick", s.point, a};
+    }
+    from = s.end;
   }
   return {};
 }

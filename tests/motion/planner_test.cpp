@@ -19,7 +19,9 @@ using test::Chain;
 using test::ChainPlan;
 using test::in_work_space;
 
-TEST(Planner, EveryPlanIsExactAndKeepsEveryLimit) {
+/// Resting at every point is one of the solutions; at kilohertz beats the online search may miss it
+/// slightly, since the board has time for only a part of the search.
+TEST(Planner, IsHardlyEverSlowerThanFromRestToRest) {
   Planner planner;
   long all_free = 0, all_start_stop = 0;
   int slower = 0;
@@ -27,56 +29,39 @@ TEST(Planner, EveryPlanIsExactAndKeepsEveryLimit) {
     SCOPED_TRACE(testing::Message() << "chain " << i);
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4100);
     Chain chain = test::random_chain(random, 100);
-    const auto can_stop = [&chain](const Planner& p, const PlanRequest& request) {
-      ASSERT_EQ(test::window_fault(chain, p, request), test::Fault{});
-    };
-    long free_beats = 0;
-    for (const wire::JoinMode mode : {wire::JoinMode::free, wire::JoinMode::start_stop}) {
-      chain.mode = mode;
-      const ChainPlan plan = test::plan_chain(chain, planner, can_stop);
-      long ticks_to_sum = 600'000;
-      ASSERT_EQ(test::plan_fault(chain, plan, ticks_to_sum), test::Fault{});
-      if (mode == wire::JoinMode::free) {
-        free_beats = plan.total_beats();
-      } else {
-        for (const Segment& s : plan.segments) ASSERT_TRUE(s.end.at_rest());
-        // Resting at every point is one of the solutions; at kilohertz beats the online search may
-        // miss it slightly, since the board has time for only a part of the search.
-        const auto beats = static_cast<double>(plan.total_beats());
-        if (static_cast<double>(free_beats) > beats * 1.01 + 1) ++slower;
-        ASSERT_LE(static_cast<double>(free_beats), beats * 1.02 + 1);
-        all_free += free_beats;
-        all_start_stop += plan.total_beats();
-      }
-    }
+    const ChainPlan free = test::plan_chain(chain, planner);
+    chain.mode = wire::JoinMode::start_stop;
+    const ChainPlan start_stop = test::plan_chain(chain, planner);
+    for (const ChainPlan* plan : {&free, &start_stop}) ASSERT_EQ(plan->result, Result::ok);
+    for (const Segment& s : start_stop.segments) ASSERT_TRUE(s.end.at_rest());
+    const auto beats = static_cast<double>(start_stop.total_beats()),
+               free_beats = static_cast<double>(free.total_beats());
+    if (free_beats > beats * 1.01 + 1) ++slower;
+    ASSERT_LE(free_beats, beats * 1.02 + 1);
+    all_free += free.total_beats();
+    all_start_stop += start_stop.total_beats();
   }
   EXPECT_LE(slower, test::scaled(150) / 1000);
   EXPECT_LT(static_cast<double>(all_free), 0.9 * static_cast<double>(all_start_stop));
 }
 
 TEST(Planner, SoftLimitsMatterInTheseChains) {
-  // The work space of the chains above is the bounding box of their points. Plans without it must
-  // often leave it; otherwise the test above would not test it.
+  // The work space of random chains is the bounding box of their points. Plans without it must
+  // often leave it; otherwise ManyChains would not test it.
   Planner planner;
   int outside = 0;
   for (int i = 0; i < 40; ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4100);
     Chain chain = test::random_chain(random, 100);
     const Chain tight = chain;
-    for (AxisLimits& axis : chain.limits.axis) {
-      axis.min_steps = -2'000'000'000;
-      axis.max_steps = 2'000'000'000;
-    }
+    test::open_work_space(chain);
     const ChainPlan plan = test::plan_chain(chain, planner);
     MotionState from = test::rest_at_zero();
     for (const Segment& s : plan.segments) {
       for (int a = 0; a < chain.limits.axes; ++a) {
         const Excursion e = excursion(s.axis[index(a)]);
         const Int128 start = from.axis[index(a)].position_q64;
-        outside += in_work_space(tight.limits.axis[index(a)], start + (e.low_q62 << 2)) &&
-                           in_work_space(tight.limits.axis[index(a)], start + (e.high_q62 << 2))
-                       ? 0
-                       : 1;
+        outside += in_work_space(tight.limits.axis[index(a)], start, e) ? 0 : 1;
       }
       from = s.end;
     }
@@ -92,11 +77,7 @@ TEST(Planner, FixedBeatsAreKept) {
     SCOPED_TRACE(testing::Message() << "chain " << i);
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 4200);
     Chain chain = test::random_chain(random, 14);
-    for (AxisLimits& axis :
-         chain.limits.axis) {  // fixed beats leave no alternative to crossing a soft limit
-      axis.min_steps = -2'000'000'000;
-      axis.max_steps = 2'000'000'000;
-    }
+    test::open_work_space(chain);  // fixed beats leave no alternative to crossing a soft limit
     const ChainPlan plan = test::plan_chain(chain, planner);
     ASSERT_EQ(plan.result, Result::ok);
     for (std::size_t k = 0; k < chain.targets.size(); ++k)
@@ -120,17 +101,9 @@ TEST(Planner, ImpossibleFixedBeatsAreRefusedWithTheirPoint) {
   for (std::size_t i = 4; i < 5; ++i) chain.targets[i].steps[0] = 100'020;
   chain.targets[3].beats = 2;  // 500 are needed at 0.1 m/s
   Planner planner;
-  PointQueue queue;
-  queue.reset(0);
-  for (const wire::Target& t : chain.targets) queue.push(t);
-  PlanRequest request;
-  request.queue = &queue;
-  request.count = 5;
-  for (std::uint32_t i = 0; i < 5; ++i) request.points[i] = i;
-  request.limits = &chain.limits;
-  request.start = test::rest_at_zero();
+  const test::WholeRequest whole(chain);
   std::uint32_t failed = 99;
-  EXPECT_EQ(planner.plan(request, failed), Result::unreachable);
+  EXPECT_EQ(planner.plan(whole.request, failed), Result::unreachable);
   EXPECT_EQ(failed, 3u);
 }
 
@@ -269,51 +242,36 @@ TEST(Planner, LeastBeatsLimitTheRateOfShots) {
     chain.targets.push_back(t);
   }
   tighten_work_space(chain);
-  PointQueue queue;
-  queue.reset(0);
-  PlanRequest request;
-  for (const wire::Target& t : chain.targets) queue.push(t);
-  request.queue = &queue;
-  request.count = 10;
-  for (std::uint32_t i = 0; i < 10; ++i) request.points[i] = i;
-  request.limits = &chain.limits;
-  request.start = test::rest_at_zero();
-  request.least_beats = 3;
+  test::WholeRequest whole(chain);
+  whole.request.least_beats = 3;
   Planner planner;
   std::uint32_t failed = 0;
-  ASSERT_EQ(planner.plan(request, failed), Result::ok);
+  ASSERT_EQ(planner.plan(whole.request, failed), Result::ok);
   for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(planner.beats(i), 3);
   // Shots must not exceed the rate either if the host fixes beats; a move without a shot may.
   chain.targets[4].beats = 2;
   for (const std::uint8_t shots : std::array<std::uint8_t, 2>{1, 0}) {
     chain.targets[4].shots = shots;
-    queue.reset(0);
-    for (const wire::Target& t : chain.targets) queue.push(t);
-    EXPECT_EQ(planner.plan(request, failed), shots == 1 ? Result::unreachable : Result::ok);
+    whole.fill(chain);
+    EXPECT_EQ(planner.plan(whole.request, failed), shots == 1 ? Result::unreachable : Result::ok);
   }
 }
 
 TEST(Planner, RefusesBeatsWhoseTicksExceedASegment) {
   // At 1 Hz 2^31 ticks are 2147 beats: one more is refused, not wrapped.
-  const Limits limits = test::limits_of(test::machine_settings(1, 4, 0.1, 1, 200));
+  Chain chain;
+  chain.limits = test::limits_of(test::machine_settings(1, 4, 0.1, 1, 200));
+  chain.targets.resize(1);
+  chain.targets[0].steps[0] = 100;
   for (const std::uint16_t beats : std::array<std::uint16_t, 4>{2147, 2148, 4295, 8192}) {
-    PointQueue queue;
-    queue.reset(0);
-    wire::Target t;
-    t.steps[0] = 100;
-    t.beats = beats;
-    queue.push(t);
-    PlanRequest request;
-    request.queue = &queue;
-    request.count = 1;
-    request.limits = &limits;
-    request.start = test::rest_at_zero();
+    chain.targets[0].beats = beats;
+    const test::WholeRequest whole(chain);
     Planner planner;
     std::uint32_t failed = 0;
-    const Result result = planner.plan(request, failed);
+    const Result result = planner.plan(whole.request, failed);
     EXPECT_EQ(result, beats == 2147 ? Result::ok : Result::unreachable) << beats;
     if (result == Result::ok) {
-      EXPECT_EQ(planner.segment(0).ticks, 2147u * limits.beat_ticks);
+      EXPECT_EQ(planner.segment(0).ticks, 2147u * chain.limits.beat_ticks);
     }
   }
 }
@@ -339,20 +297,15 @@ TEST(Planner, PointsAlongTheEndsOfTheWorkSpaceAreReached) {
     values.set_milli(settings::for_axis(settings::Id::min_corner_x, a), -50'000);
   }
   chain.limits = test::limits_of(values, 65536 / 512 * 509);
-  PointQueue queue;
-  queue.reset(0);
   for (const auto& point : points) {
     wire::Target t;
     std::copy(std::begin(point), std::end(point), t.steps.begin());
-    queue.push(t);
+    chain.targets.push_back(t);
   }
-  PlanRequest request;
-  request.queue = &queue;
+  test::WholeRequest whole(chain);
+  PlanRequest& request = whole.request;
   request.count = request.known_end = window_points;
-  for (std::uint32_t i = 0; i < window_points; ++i) request.points[i] = i;
-  request.limits = &chain.limits;
   request.rest_at_end = false;
-  request.start = test::rest_at_zero();
   const std::int32_t start[] = {-8956, -5188, -9916};
   Planner planner;
   std::uint32_t failed = 0;

@@ -242,24 +242,7 @@ Fault fault_of(std::uint64_t number, Planner& planner, bool every_tick, int& sto
     return fault_of_stop(chain, plan);
   }
   if (fault || !every_tick) return fault;
-  long left = 1'000'000;
-  std::vector<test::JerkWatch> watches;
-  for (const AxisLimits& axis : chain.limits.axis) watches.emplace_back(axis);
-  stepper::MotionState from = test::rest_at_zero();
-  for (const Segment& s : plan.segments) {
-    if ((left -= s.ticks) < 0) break;
-    if (fault = test::tick_fault(chain.limits, from, s); fault) return fault;
-    for (int a = 0; a < chain.limits.axes; ++a) {
-      test::JerkWatch& watch = watches[index(a)];
-      watch.allow_stairs(s.axis[index(a)]);
-      test::for_each_tick(s.axis[index(a)], [&](test::Native, std::int64_t, std::int64_t accel) {
-        watch.tick(accel);
-      });
-      if (watch.broken()) return {"jerks at a tick", s.point, a};
-    }
-    from = s.end;
-  }
-  return {};
+  return test::ticks_fault(chain.limits, plan.segments, 1'000'000);
 }
 
 TEST(Pulse, ChainsKeepEveryLimitAndCanAlwaysStop) {
