@@ -31,4 +31,23 @@ void expect_read_or_refused(Call&& call) {
   }
 }
 
+/// Damages `whole` with `bites` many times; `read` gets the bytes, reads them and checks the
+/// result.
+template <class Read>
+void expect_damaged_read_or_refused(int times, const std::string& whole, std::string_view bites,
+                                    Read&& read) {
+  std::mt19937_64 random(2);
+  for (int i = 0; i < times; ++i) {
+    const std::string bytes = damaged(whole, bites, random);
+    expect_read_or_refused([&] { read(bytes); });
+  }
+}
+
+/// All bytes.
+inline std::string any_byte() {
+  std::string bites;
+  for (int byte = 0; byte < 256; ++byte) bites += static_cast<char>(byte);
+  return bites;
+}
+
 }  // namespace lamplock::test

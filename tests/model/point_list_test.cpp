@@ -8,6 +8,7 @@
 #include "host/file.hpp"
 #include "host/model/read_points.hpp"
 #include "host/model/write_points.hpp"
+#include "tests/damaged.hpp"
 #include "tests/points/shapes.hpp"
 #include "tests/scale.hpp"
 
@@ -145,18 +146,11 @@ TEST(PointList, DamagedPlyAtWorstFails) {
   const TemporaryFolder folder;
   std::mt19937_64 random(2);
   model::write_ply(folder.file("whole.ply"), test::random_cloud(random, 20, 50));
-  const std::string whole = read_file(folder.file("whole.ply"));
-  for (int i = 0; i < test::scaled(250); ++i) {
-    std::string bytes = whole;
-    bytes[random() % bytes.size()] = static_cast<char>(random() % 256);
-    if (random() % 4 == 0) bytes.resize(random() % bytes.size());
-    const auto path = folder.write("a.ply", bytes);
-    try {
-      EXPECT_FALSE(read_point_list(path).empty());
-    } catch (const Error& error) {
-      EXPECT_EQ(error.exit(), Exit::bad_input);
-    }
-  }
+  test::expect_damaged_read_or_refused(
+      test::scaled(250), read_file(folder.file("whole.ply")), test::any_byte(),
+      [&](const std::string& bytes) {
+        EXPECT_FALSE(read_point_list(folder.write("a.ply", bytes)).empty());
+      });
 }
 
 }  // namespace
