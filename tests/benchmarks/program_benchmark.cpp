@@ -19,8 +19,8 @@
 
 #include "host/job/job.hpp"
 #include "sim/chip_board/chip_board.hpp"
-#include "tests/chip_board/program_sender.hpp"
 #include "tests/chip_board/sleep_watch.hpp"
+#include "tests/program_sender.hpp"
 
 namespace lamplock {
 namespace {

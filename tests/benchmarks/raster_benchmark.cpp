@@ -24,8 +24,8 @@
 #include "host/link/simulated_transport.hpp"
 #include "sim/chip_board/chip_board.hpp"
 #include "tests/board/row_host.hpp"
-#include "tests/chip_board/program_sender.hpp"
 #include "tests/chip_board/sleep_watch.hpp"
+#include "tests/program_sender.hpp"
 
 namespace lamplock {
 namespace {

@@ -1,34 +1,10 @@
 // Channels, shutters, attenuator, photosensors: a shot passes the only open shutter with the energy
 // of its point, and a failed shot is repeated.
-#include <gmock/gmock.h>
 
 #include "tests/board/board_cable.hpp"
 
 namespace lamplock::test {
 namespace {
-
-using testing::HasSubstr;
-
-/// Detects two shutters commanded open at the same time, and measures closed times.
-class ShutterMonitor final : public sim::PinListener {
- public:
-  explicit ShutterMonitor(sim::PinBus& bus) : bus_(bus) {
-    for (int c = 0; c < sim::beam_channels; ++c) bus.listen(sim::shutter_pin(c), *this);
-  }
-  int overlaps() const { return overlaps_; }
-  int openings() const { return openings_; }
-
- private:
-  void pin_changed(sim::Pin /*pin*/, bool level, sim::Picoseconds /*at*/) override {
-    int open = 0;
-    for (int c = 0; c < sim::beam_channels; ++c) open += bus_.level(sim::shutter_pin(c)) ? 1 : 0;
-    overlaps_ += open > 1 ? 1 : 0;
-    openings_ += level ? 1 : 0;
-  }
-  sim::PinBus& bus_;
-  int overlaps_ = 0;
-  int openings_ = 0;
-};
 
 /// A machine whose shutters take the times of its settings.
 class BeamRig : public testing::Test {
@@ -66,10 +42,8 @@ class BeamRig : public testing::Test {
   }
   void start() {
     rig_ = std::make_unique<Rig>(profile_.settings, world_);
-    shutters_ = std::make_unique<ShutterMonitor>(rig_->board.bus());
     cable_ = std::make_unique<BoardCable>(*rig_);
-    link::SenderOptions options;
-    options.session = 1;
+    link::SenderOptions options = session(1);
     options.auto_resume = true;
     options.on_text = [this](const std::string& text) { said_ += text; };
     sender_ = std::make_unique<link::JobSender>(*cable_, job_, options);
@@ -80,9 +54,9 @@ class BeamRig : public testing::Test {
   }
   /// Runs to the end of the job; a test that would never end fails.
   link::JobResult finish(link::JobSender& sender) {
-    const sim::Picoseconds end = rig_->board.now() + 300 * ps_per_s;
+    const Picoseconds end = rig_->now() + 300 * ps_per_s;
     while (sender.step()) {
-      if (rig_->board.now() < end) continue;
+      if (rig_->now() < end) continue;
       ADD_FAILURE() << "the job does not end; " << rig_->shots().size() << " shots";
       break;
     }
@@ -113,7 +87,7 @@ class BeamRig : public testing::Test {
     }
     EXPECT_EQ(point, job_.targets.size());
     EXPECT_EQ(rig_->board.world().laser().stray_pulses(), 0u);
-    EXPECT_EQ(shutters_->overlaps(), 0);
+    EXPECT_EQ(rig_->monitor.overlaps(), 0);
   }
   void expect_closed() const {
     for (int c = 0; c < sim::beam_channels; ++c)
@@ -131,7 +105,6 @@ class BeamRig : public testing::Test {
   sim::WorldConfig world_;
   job::Job job_;
   std::unique_ptr<Rig> rig_;
-  std::unique_ptr<ShutterMonitor> shutters_;
   std::unique_ptr<BoardCable> cable_;
   std::unique_ptr<link::JobSender> sender_;
 };
@@ -145,7 +118,7 @@ TEST_F(BeamRig, EveryShotGoesThroughItsShutter) {
     if (seed % 4 >= 2) set(Id::attenuator_settle, static_cast<double>(random_() % 40));
     make_job(150, 0.1, seed % 5 == 0 ? 0.5 : 0.05);
     const link::JobResult result = run();
-    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_EQ(result.end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_shots());
     expect_sound(*rig_, profile_.settings);
     expect_ledger(*rig_, result.status);
@@ -162,14 +135,14 @@ TEST_F(BeamRig, EveryShotGoesThroughItsShutter) {
 TEST_F(BeamRig, ShuttersThatNeedNoTimeCostNone) {
   set_up(0);
   make_job(200, 0);
-  ASSERT_EQ(run().end, link::JobEnd::done);
+  ASSERT_EQ(run().end, JobEnd::done);
   const std::unique_ptr<Rig> plain = std::move(rig_);
   const job::Job same = job_;
   for (wire::Target& target : job_.targets) {
     target.channel = static_cast<std::uint8_t>(random_() % sim::beam_channels);
     target.energy = static_cast<std::uint16_t>(random_() | 1);
   }
-  ASSERT_EQ(run().end, link::JobEnd::done);
+  ASSERT_EQ(run().end, JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_shots());
   ASSERT_EQ(plain->shots().size(), rig_->shots().size());
   for (std::size_t i = 0; i < plain->shots().size(); ++i)
@@ -178,8 +151,8 @@ TEST_F(BeamRig, ShuttersThatNeedNoTimeCostNone) {
   job_ = same;
   slow_shutters(100, 100);
   for (wire::Target& target : job_.targets) target.channel = 2;
-  ASSERT_EQ(run().end, link::JobEnd::done);
-  EXPECT_EQ(shutters_->openings(), 1);
+  ASSERT_EQ(run().end, JobEnd::done);
+  EXPECT_EQ(rig_->monitor.openings(), 1);
   const auto length = [](const Rig& rig) { return rig.shots().back().at - rig.shots()[0].at; };
   EXPECT_EQ(length(*rig_), length(*plain));
   EXPECT_NEAR(static_cast<double>(rig_->shots()[0].at - plain->shots()[0].at), 100e9, 10.1e9);
@@ -195,7 +168,7 @@ TEST_F(BeamRig, AChangeTakesTheTimeOfTheShuttersAndNoMore) {
     for (std::size_t i = 20; i < 40; ++i) job_.targets[i].channel = 1;
     job_.targets[20].energy = 1000;
     for (std::size_t i = 21; i < 40; ++i) job_.targets[i].energy = 1000;
-    ASSERT_EQ(run().end, link::JobEnd::done);
+    ASSERT_EQ(run().end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_shots());
     const auto ms = (rig_->shots()[20].at - rig_->shots()[19].at) / ps_per_ms;
     const int wait = std::max(open + close, settle);
@@ -217,10 +190,10 @@ TEST_F(BeamRig, ChangesInALongJobCauseNoStarvation) {
   for (std::size_t i = 0; i < job_.targets.size(); ++i)
     job_.targets[i].channel = static_cast<std::uint8_t>(i / 77 % 3);
   const link::JobResult result = run();
-  ASSERT_EQ(result.end, link::JobEnd::done);
+  ASSERT_EQ(result.end, JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_shots());
   EXPECT_EQ(result.status.starvations, 0u);
-  EXPECT_EQ(shutters_->openings(), 24);
+  EXPECT_EQ(rig_->monitor.openings(), 24);
   // Twice 5 ms and the time of a start.
   EXPECT_LE(beats_of(result.status, BeatReason::protection), 24 * 4u);
 }
@@ -233,11 +206,10 @@ TEST_F(BeamRig, ClosesInHoldAndDoorAndOpensInTimeAgain) {
     make_job(120, 0.05);
     start();
     for (int i = 0; i < 6; ++i) {
-      const auto at = static_cast<sim::Picoseconds>(300 + random_() % 2500) * ps_per_ms;
+      const auto at = static_cast<Picoseconds>(300 + random_() % 2500) * ps_per_ms;
       const bool door = chance(0.3);
       if (door) {
-        rig_->board.world().schedule(sim::Pin::door, true, at);
-        rig_->board.world().schedule(sim::Pin::door, false, at + 50 * ps_per_ms);
+        rig_->press(sim::Pin::door, at, at + 50 * ps_per_ms);
       } else {
         cable_->at(at, [this] { cable_->type("!"); });
       }
@@ -248,7 +220,7 @@ TEST_F(BeamRig, ClosesInHoldAndDoorAndOpensInTimeAgain) {
       cable_->at(at + (door ? 60 : 2) * ps_per_ms, [this] { sender_->resume(); });
     }
     const link::JobResult result = finish(*sender_);
-    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_EQ(result.end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_shots());
     expect_sound(*rig_, profile_.settings);
   }
@@ -263,7 +235,7 @@ TEST_F(BeamRig, ClosesAtTheEStopAndWhenNoPointsCome) {
   }
   // The host is gone, its points run out, and the dead man's timeout is off.
   EXPECT_TRUE(rig_->board.bus().level(sim::Pin::shutter_1));
-  rig_->board.world().schedule(sim::Pin::estop, true, rig_->board.now() + ps_per_ms);
+  rig_->board.world().schedule(sim::Pin::estop, true, rig_->now() + ps_per_ms);
   rig_->run(ps_per_ms + 10 * ps_per_us);
   expect_closed();
 
@@ -279,7 +251,7 @@ TEST_F(BeamRig, ClosesAtTheEStopAndWhenNoPointsCome) {
   ASSERT_EQ(rig_->state(), MachineState::run);
   expect_closed();
   const link::JobResult result = finish(*sender_);
-  ASSERT_EQ(result.end, link::JobEnd::done);
+  ASSERT_EQ(result.end, JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_shots());
 }
 
@@ -295,7 +267,7 @@ TEST_F(BeamRig, ShotsNotMadeAreCountedOrRepeated) {
     if (seed % 2 == 0) slow_shutters(20, 20);
     make_job(120, 0.05, 0.05);
     const link::JobResult result = run();
-    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_EQ(result.end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_shots());
     expect_sound(*rig_, profile_.settings);
     expect_ledger(*rig_, result.status);
@@ -321,24 +293,23 @@ TEST_F(BeamRig, RepeatsSurviveHoldsAndStops) {
     make_job(100, 0.02);
     start();
     for (int i = 0; i < 8; ++i) {
-      const auto at = static_cast<sim::Picoseconds>(300'000 + random_() % 2'000'000) * ps_per_us;
+      const auto at = static_cast<Picoseconds>(300'000 + random_() % 2'000'000) * ps_per_us;
       cable_->at(at, [this] { cable_->type("!"); });
       cable_->at(at + 4 * ps_per_ms, [this] { cable_->type("~"); });
     }
     if (seed % 2 == 0) {
-      const auto at = static_cast<sim::Picoseconds>(300'000 + random_() % 1'000'000) * ps_per_us;
+      const auto at = static_cast<Picoseconds>(300'000 + random_() % 1'000'000) * ps_per_us;
       cable_->at(at, [this] { sender_->stop(); });
     }
     link::JobResult result = finish(*sender_);
-    if (result.end == link::JobEnd::stopped) {
+    if (result.end == JobEnd::stopped) {
       while (rig_->state() != MachineState::idle) rig_->run(50 * ps_per_us);
-      link::SenderOptions options;
-      options.session = 2;
+      link::SenderOptions options = session(2);
       options.first_index = rig_->status().first_unfired;
       link::JobSender rest(*cable_, job_, options);
       result = finish(rest);
     }
-    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_EQ(result.end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_shots());
     expect_sound(*rig_, profile_.settings);
   }
@@ -352,16 +323,16 @@ TEST_F(BeamRig, ASensorThatSeesNothingHoldsTheJob) {
     set(Id::shot_repeats, 3);
     make_job(50, 0);
     start();
-    while (rig_->board.now() < 3 * ps_per_s && sender_->step()) {
+    while (rig_->now() < 3 * ps_per_s && sender_->step()) {
     }
     EXPECT_EQ(rig_->state(), MachineState::hold);
-    EXPECT_EQ(rig_->status().hold_reason, wire::HoldReason::not_made);
+    EXPECT_EQ(rig_->status().hold_reason, HoldReason::not_made);
     EXPECT_THAT(said_, HasSubstr("[MSG:Point 0 not made]"));
     EXPECT_EQ(rig_->shots().size(), 4u);
     EXPECT_EQ(rig_->status().first_unfired, 0u);
     expect_closed();
     cable_->type("~");  // the user resumes
-    while (rig_->board.now() < 6 * ps_per_s && sender_->step()) {
+    while (rig_->now() < 6 * ps_per_s && sender_->step()) {
     }
     EXPECT_EQ(rig_->state(), MachineState::hold);
     EXPECT_EQ(rig_->shots().size(), 8u);
@@ -375,7 +346,7 @@ TEST_F(BeamRig, ALateAnswerIsIgnored) {
     world_.photosensors.answer = answer_us * ps_per_us;
     set(Id::shot_check, 1);
     make_job(50, 0);
-    ASSERT_EQ(run().end, link::JobEnd::done);
+    ASSERT_EQ(run().end, JobEnd::done);
     rig_->run(ps_per_ms);
     EXPECT_EQ(rig_->status().shots_made, answer_us < 200 ? 50u : 0u);
     EXPECT_EQ(rig_->status().shots_not_made, answer_us < 200 ? 0u : 50u);

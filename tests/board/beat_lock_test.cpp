@@ -1,7 +1,6 @@
 // Programs with M130: every end of a feed move fires one shot at its place, on a beat and in order,
 // whatever happens between; no shot in rapids, without the lock, or after an abort.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include <random>
 
@@ -11,12 +10,6 @@
 
 namespace lamplock::test::beat_lock_test {
 namespace {
-
-using testing::Contains;
-using testing::Each;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::StartsWith;
 
 constexpr double steps_per_mm = 200;
 constexpr std::uint8_t reset_byte = 0x18;
@@ -80,8 +73,7 @@ class LockedProgram {
 class BeatLock : public testing::Test {
  protected:
   void start(std::uint64_t seed, double hz = 500) {
-    constexpr std::array modes{settings::LampMode::slave, settings::LampMode::master,
-                               settings::LampMode::free_beat};
+    constexpr std::array modes{LampMode::slave, LampMode::master, LampMode::free_beat};
     jitter_ = seed % 3 == 0 && seed % 2 == 0;
     profile_ = lamp_profile(hz, modes[seed % 3], 10);
     rig_ = std::make_unique<Rig>(profile_, sim::LampConfig{.jitter_us = jitter_ ? 20.0 : 0.0,
@@ -125,8 +117,8 @@ class BeatLock : public testing::Test {
   void stream(const std::string& text, Disturb disturb) {
     std::size_t sent = 0, lines = 0, known = 0;
     const std::size_t before = host_->answers().size();
-    const auto limit = rig_->board.now() + 200 * ps_per_s;
-    while (rig_->board.now() < limit) {
+    const auto limit = rig_->now() + 200 * ps_per_s;
+    while (rig_->now() < limit) {
       known = host_->answers().size() - before;
       while (sent < text.size() && lines < known + 10) {
         const std::size_t size = text.find('\n', sent) + 1 - sent;
@@ -142,24 +134,15 @@ class BeatLock : public testing::Test {
   }
   double up_to(double most) { return std::uniform_real_distribution<double>(0, most)(random_); }
   bool now_and_then(unsigned one_in) { return random_() % one_in == 0; }
-  void open_door(bool open) {
-    rig_->board.world().schedule(sim::Pin::door, open, rig_->board.now());
-  }
+  void open_door(bool open) { rig_->set(sim::Pin::door, open); }
   StepPosition stood() {
     host_->run_ms(5);  // until the ticks handed out are over
     return rig_->board.world().drives().position();
   }
   /// From the first step to the last step or shot.
   double busy_seconds() const {
-    sim::Picoseconds first = sim::never, last = 0;
-    for (int a = 0; a < 3; ++a) {
-      const auto& steps = rig_->monitor.steps(a);
-      if (steps.empty()) continue;
-      first = std::min(first, steps.front().at);
-      last = std::max(last, steps.back().at);
-    }
-    for (const auto& fire : rig_->monitor.fires()) last = std::max(last, fire.rise);
-    return sim::seconds(last - first);
+    const Picoseconds last = std::max(rig_->monitor.last_step(), rig_->monitor.fires().back().rise);
+    return sim::seconds(last - rig_->monitor.first_step());
   }
   /// From now on nothing fires, and after a while nothing moves.
   void expect_quiet() {
@@ -378,7 +361,7 @@ TEST_F(BeatLock, AnEmergencyStopFiresNothingMore) {
     const LockedProgram program = LockedProgram(number + 300).locked(seed % 2 == 0, 200);
     host_->send(program.text().substr(0, 1000));
     host_->run_ms(20 + up_to(400));
-    rig_->board.world().schedule(sim::Pin::estop, true, rig_->board.now());
+    rig_->set(sim::Pin::estop, true);
     host_->run_ms(2);
     const std::size_t shots = rig_->shots().size();
     EXPECT_EQ(rig_->state(), MachineState::estop);
@@ -387,7 +370,7 @@ TEST_F(BeatLock, AnEmergencyStopFiresNothingMore) {
     // The e-stop may cut a pulse short.
     ASSERT_NO_FATAL_FAILURE(expect_places(program.shots(), false));
     EXPECT_EQ(host_->position(), stood());
-    rig_->board.world().schedule(sim::Pin::estop, false, rig_->board.now());
+    rig_->set(sim::Pin::estop, false);
     host_->run_ms(2);
     EXPECT_THAT(host_->ask("G1 X1\n"), Contains("error:9"));
     EXPECT_THAT(host_->ask("$X\n"), Contains("ok"));
@@ -419,7 +402,7 @@ TEST_F(BeatLock, IsRefusedWhereTheLaserMayNotFire) {
   // The lamp's power would exceed its maximum.
   EXPECT_THAT(host_->ask("M130 P0\n"), ElementsAre("ok"));
   EXPECT_THAT(host_->ask("$922=100\n"), ElementsAre("error:52"));
-  job::Profile profile = lamp_profile(500, settings::LampMode::free_beat);
+  job::Profile profile = lamp_profile(500, LampMode::free_beat);
   profile.settings.set_milli(Id::lamp_energy, 100'000);
   Rig rig(profile);
   ProgramHost host(rig);
@@ -462,9 +445,7 @@ TEST_F(BeatLock, LeavesJobsInFramesAlone) {
     EXPECT_ANY_THROW(run_job(*rig_, job));
     ASSERT_TRUE(host_->wait_for_rest());
     EXPECT_EQ(rig_->shots().size(), before + 2);
-    link::SenderOptions options;
-    options.session = 100 + round;
-    EXPECT_EQ(run_job(*rig_, job, options).end, link::JobEnd::done);
+    EXPECT_EQ(run_job(*rig_, job, session(100 + round)).end, JobEnd::done);
     EXPECT_EQ(rig_->shots().size(), before + 5);
     // The lock is still on.
     EXPECT_THAT(host_->ask("G91 G1 X-0.5 F600\n"), Contains("ok"));

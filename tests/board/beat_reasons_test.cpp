@@ -1,9 +1,9 @@
 // Every flash of the lamp ends in one counter, with its reason, and every reason occurs.
-#include <gmock/gmock.h>
 
 #include <set>
 
 #include "tests/board/board_cable.hpp"
+#include "tests/board/program_host.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -19,9 +19,7 @@ class Reasons : public testing::Test {
     for (std::size_t i = 40; i < 50; ++i) job_.targets[i].shots = 0;
     rig_ = std::make_unique<Rig>(profile_, lamp);
     cable_ = std::make_unique<BoardCable>(*rig_);
-    link::SenderOptions options_of_sender;
-    options_of_sender.session = 1;
-    sender_ = std::make_unique<link::JobSender>(*cable_, job_, options_of_sender);
+    sender_ = std::make_unique<link::JobSender>(*cable_, job_, session(1));
   }
   /// Runs to the end of the job; drop-outs are counted too, as no_edge.
   void run(bool flashes_known = true) {
@@ -86,8 +84,7 @@ TEST_F(Reasons, HoldAndDoor) {
   begin();
   cable_->at(700 * ps_per_ms, [this] { cable_->type("!"); });
   cable_->at(900 * ps_per_ms, [this] { cable_->type("~"); });
-  rig_->board.world().schedule(sim::Pin::door, true, 1200 * ps_per_ms);
-  rig_->board.world().schedule(sim::Pin::door, false, 1400 * ps_per_ms);
+  rig_->press(sim::Pin::door, 1200 * ps_per_ms, 1400 * ps_per_ms);
   cable_->at(1500 * ps_per_ms, [this] { sender_->resume(); });
   run();
   expect_seen({BeatReason::fired, BeatReason::hold, BeatReason::door});
@@ -128,8 +125,7 @@ TEST_F(Reasons, AnUnkindLamp) {
 
 TEST_F(Reasons, Alarm) {
   begin();
-  rig_->board.world().schedule(sim::Pin::estop, true, 900 * ps_per_ms);
-  rig_->board.world().schedule(sim::Pin::estop, false, 950 * ps_per_ms);
+  rig_->press(sim::Pin::estop, 900 * ps_per_ms, 950 * ps_per_ms);
   run();
   rig_->run(ps_per_s);
   EXPECT_GE(rig_->status().beats_outside[static_cast<std::size_t>(BeatReason::alarm)], 90u);
@@ -147,18 +143,14 @@ TEST_F(Reasons, Dry) {
 TEST_F(Reasons, AreOnTheStatusLine) {
   begin();
   run();
-  cable_->type("?");
-  rig_->run(ps_per_ms);
-  std::array<std::uint8_t, 4096> bytes{};
-  const std::size_t size = rig_->board.read(bytes);
-  const std::string text(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+  const std::string text = ProgramHost(*rig_).status();
   const wire::Status status = rig_->status();
   std::string wanted =
       std::string("|Lamp:1,") + std::to_string(rig_->board.controller().clock().edges());
   for (std::size_t i = 0; i < beat_reason_count; ++i)
     wanted += std::string(i == 0 ? "|Beats:" : ",") +
               std::to_string(status.beats_by_reason[i] + status.beats_outside[i]);
-  EXPECT_THAT(text, testing::HasSubstr(wanted + ">\r\n"));
+  EXPECT_THAT(text, EndsWith(wanted + ">"));
 }
 
 }  // namespace

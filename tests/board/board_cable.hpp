@@ -18,9 +18,7 @@ class BoardCable final : public BadCable {
       : BadCable(faults, seed), rig_(rig) {}
 
   /// Calls `action` when the board's clock shows `at`.
-  void at(sim::Picoseconds at, std::function<void()> action) {
-    actions_.emplace(at, std::move(action));
-  }
+  void at(Picoseconds at, std::function<void()> action) { actions_.emplace(at, std::move(action)); }
   /// Sends bytes to the board past the cable.
   void type(std::string_view text) {
     rig_.board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
@@ -30,7 +28,7 @@ class BoardCable final : public BadCable {
   void machine_receive(std::span<const std::uint8_t> bytes) override { rig_.board.write(bytes); }
   void machine_reconnected() override { rig_.board.reconnect(); }
   void machine_run() override {
-    const sim::Picoseconds until = now().count() * ps_per_us;
+    const Picoseconds until = now().count() * ps_per_us;
     while (!actions_.empty() && actions_.begin()->first <= until) {
       rig_.board.run_until(actions_.begin()->first);
       const auto action = std::move(actions_.begin()->second);
@@ -44,7 +42,7 @@ class BoardCable final : public BadCable {
   }
 
   Rig& rig_;
-  std::multimap<sim::Picoseconds, std::function<void()>> actions_;
+  std::multimap<Picoseconds, std::function<void()>> actions_;
 };
 
 }  // namespace lamplock::test

@@ -1,48 +1,21 @@
 // The operator changes the lamp's frequency in the middle of a job.
 #include <functional>
 
+#include "tests/board/board_cable.hpp"
 #include "tests/board/scripted_lamp.hpp"
 
 namespace lamplock::test {
 namespace {
 
-using settings::LampMode;
-
-/// A cable that runs an action at a given time.
-class TimedTransport final : public link::Transport {
- public:
-  TimedTransport(sim::VirtualBoard& board, sim::Picoseconds at, std::function<void()> action)
-      : board_(board), inner_(board), at_(at), action_(std::move(action)) {}
-  std::size_t write(std::span<const std::uint8_t> bytes) override { return inner_.write(bytes); }
-  std::size_t read(std::span<std::uint8_t> bytes) override { return inner_.read(bytes); }
-  void wait(std::chrono::microseconds time) override {
-    if (action_ && board_.now() + time.count() * ps_per_us >= at_) {
-      board_.run_until(std::max(board_.now(), at_));
-      action_();
-      action_ = nullptr;
-    }
-    inner_.wait(time);
-  }
-  std::chrono::microseconds now() const override { return inner_.now(); }
-  bool reconnect() override { return true; }
-
- private:
-  sim::VirtualBoard& board_;
-  link::SimulatedTransport inner_;
-  sim::Picoseconds at_;
-  std::function<void()> action_;
-};
-
-link::JobResult run_with(Rig& rig, const job::Job& job, sim::Picoseconds at,
+link::JobResult run_with(Rig& rig, const job::Job& job, Picoseconds at,
                          std::function<void()> action) {
-  TimedTransport transport(rig.board, at, std::move(action));
-  link::SenderOptions sending;
-  sending.session = 1;
-  return link::JobSender(transport, job, sending).run();
+  BoardCable cable(rig);
+  cable.at(at, std::move(action));
+  return link::JobSender(cable, job, session(1)).run();
 }
 
 /// Period of a lamp that the board triggers: whole ticks.
-sim::Picoseconds period_of(double hz) { return std::llround(1e6 / hz) * ps_per_us; }
+Picoseconds period_of(double hz) { return std::llround(1e6 / hz) * ps_per_us; }
 
 TEST(ChangeOfBeat, EveryPointIsFiredOnceWheneverTheFrequencyChanges) {
   std::mt19937_64 random(91);
@@ -53,9 +26,8 @@ TEST(ChangeOfBeat, EveryPointIsFiredOnceWheneverTheFrequencyChanges) {
                                  both_modes[seed / 4 % 2]);
     // The machine may get the command before or after the lamp changes.
     const auto command_at =
-        static_cast<sim::Picoseconds>(random() % 3'000) * ps_per_ms + ps_per_ms * 200;
-    const auto lamp_at =
-        command_at + (static_cast<sim::Picoseconds>(random() % 600) - 200) * ps_per_ms;
+        static_cast<Picoseconds>(random() % 3'000) * ps_per_ms + ps_per_ms * 200;
+    const auto lamp_at = command_at + (static_cast<Picoseconds>(random() % 600) - 200) * ps_per_ms;
     SCOPED_TRACE(testing::Message()
                  << "seed " << seed << ", to " << other << " Hz, command at "
                  << command_at / ps_per_ms << " ms, lamp at " << lamp_at / ps_per_ms << " ms");
@@ -68,7 +40,7 @@ TEST(ChangeOfBeat, EveryPointIsFiredOnceWheneverTheFrequencyChanges) {
       answer = rig.board.controller().change_beat(static_cast<std::uint32_t>(other * 1000));
     });
     ASSERT_EQ(answer, Result::ok);
-    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_EQ(result.end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, true));
     EXPECT_EQ(rig.monitor.violation(profile.settings), "");
     EXPECT_FALSE(rig.board.controller().runner().underrun());
@@ -76,8 +48,8 @@ TEST(ChangeOfBeat, EveryPointIsFiredOnceWheneverTheFrequencyChanges) {
     const auto& reasons = result.status.beats_by_reason;
     EXPECT_EQ(std::accumulate(reasons.begin(), reasons.end(), 0u), result.status.beats);
     // The machine fires again when it has recognised the lamp.
-    const sim::Picoseconds both = std::max(command_at, lamp_at);
-    const sim::Picoseconds slower = period_of(std::min(100.0, other));
+    const Picoseconds both = std::max(command_at, lamp_at);
+    const Picoseconds slower = period_of(std::min(100.0, other));
     EXPECT_GT(rig.monitor.fired(both, both + 40 * slower), 0u);
     // The changed frequency applied to this job only.
     rig.run(200 * ps_per_ms);
@@ -95,20 +67,20 @@ TEST(ChangeOfBeat, WeTriggerTheLampAtTheNewFrequency) {
     const job::Job job =
         job::make_job(histogram_walk(300, static_cast<std::uint64_t>(seed)), profile, {});
     Rig rig(profile);
-    const sim::Picoseconds command_at = (300 + 137 * seed % 2000) * ps_per_ms;
+    const Picoseconds command_at = (300 + 137 * seed % 2000) * ps_per_ms;
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", to " << other << " Hz");
     const link::JobResult result = run_with(rig, job, command_at, [&] {
       ASSERT_EQ(rig.board.controller().change_beat(static_cast<std::uint32_t>(other * 1000)),
                 Result::ok);
     });
-    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_EQ(result.end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
     expect_sound(rig, profile.settings);
     // The period is the old one up to the change, then the new one, and never below the smaller.
     bool changed = false;
     const auto& edges = rig.monitor.edges();
     for (std::size_t i = 1; i < edges.size() && edges[i] <= rig.monitor.fires().back().edge; ++i) {
-      const sim::Picoseconds gap = edges[i] - edges[i - 1];
+      const Picoseconds gap = edges[i] - edges[i - 1];
       if (!changed && gap == period_of(100)) continue;
       ASSERT_GE(gap, changed ? period_of(other) : std::min(period_of(100), period_of(other)));
       if (changed) {
@@ -136,7 +108,7 @@ TEST(ChangeOfBeat, InAHoldAndTwiceInARow) {
     ASSERT_EQ(core.change_beat(100'000), Result::ok);
     ASSERT_EQ(core.change_beat(200'000), Result::ok);
   });
-  ASSERT_EQ(result.end, link::JobEnd::done);
+  ASSERT_EQ(result.end, JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
   expect_sound(rig, profile.settings);
 }
@@ -157,7 +129,7 @@ TEST(ChangeOfBeat, ImpossibleFrequenciesAreRefusedWithTheirSetting) {
     EXPECT_EQ(core.change_beat(2'500'000), Result::bad_value);
     EXPECT_EQ(core.refused_value(), 903u);
   });
-  ASSERT_EQ(result.end, link::JobEnd::done);
+  ASSERT_EQ(result.end, JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
   expect_sound(rig, profile.settings);
   expect_ledger(rig, result.status);
@@ -175,12 +147,12 @@ TEST(QSwitchDelay, IsAccurateToATenthOfAMicrosecond) {
     const job::Job job =
         job::make_job(histogram_walk(40, static_cast<std::uint64_t>(i)), profile, {});
     Rig rig(profile, {.phase_us = 1234.567 * i});
-    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    ASSERT_EQ(run_job(rig, job).end, JobEnd::done);
     SCOPED_TRACE(testing::Message() << delay_us << " us");
     ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
     for (const PinMonitor::Fire& fire : rig.monitor.fires()) {
-      const sim::Picoseconds early =
-          static_cast<sim::Picoseconds>(std::llround(delay_us * 1e6)) - (fire.rise - fire.edge);
+      const Picoseconds early =
+          static_cast<Picoseconds>(std::llround(delay_us * 1e6)) - (fire.rise - fire.edge);
       ASSERT_GE(early, 0);
       ASSERT_LE(early, 4 * sim::ps_per_clock);
     }

@@ -1,7 +1,6 @@
 // A CoreXY on the virtual board: tool, switches and reports are in X and Y, whatever the motors do
 // together. program_golden_test.cpp and program_limits_test.cpp check its programs too.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <array>
@@ -10,24 +9,16 @@
 
 #include "tests/board/exact_programs.hpp"
 #include "tests/board/machine_with_switches.hpp"
-#include "tests/board/step_log.hpp"
+#include "tests/board/turning_job.hpp"
 
 namespace lamplock::test {
 namespace {
-
-using testing::Contains;
-using testing::Each;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::StartsWith;
-
-constexpr std::int32_t end_steps = 50 * 200, pull_off_steps = 200;
 
 job::Profile core_xy(job::Profile profile) {
   profile.settings.set_milli(Id::kinematics, 1000);
   return profile;
 }
-job::Profile plain_core_xy() { return core_xy(lamp_profile(100, settings::LampMode::free_beat)); }
+job::Profile plain_core_xy() { return core_xy(program_profile()); }
 
 /// The motors are at the sum and difference of the axes' steps, even between whole steps.
 void expect_motors_at_axes(const Rig& rig) {
@@ -99,7 +90,7 @@ TEST(CoreXy, ReachesThePositionsOfACartesianMachine) {
     Rig rig(profile);
     ProgramHost host(rig);
     ExactProgram exact(static_cast<unsigned>(program + 5000));
-    Rig cartesian(lamp_profile(100, settings::LampMode::free_beat));
+    Rig cartesian(program_profile());
     ProgramHost cartesian_host(cartesian);
     for (int part = 0; part < 3; ++part) {
       std::string text;
@@ -124,7 +115,7 @@ TEST(CoreXy, ShootsEveryPointAtItsPlace) {
     const job::Job job =
         job_for(wild_points(static_cast<std::size_t>(scaled(60)), 3), profile, mode);
     Rig rig(profile);
-    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    ASSERT_EQ(run_job(rig, job).end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
     EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
   }
@@ -138,7 +129,7 @@ TEST(CoreXy, LagsOfBothDrivesAreThoseOfTheSlower) {
   world.drives.lag_us[1] = world.drives.lag_us[0];
   Rig rig(profile.settings, world);
   const job::Job job = job_for(wild_points(30, 5), profile, JoinMode::free);
-  ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+  ASSERT_EQ(run_job(rig, job).end, JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
 }
 
@@ -154,13 +145,13 @@ TEST(CoreXy, KeepsItsPositionAfterAnImmediateStop) {
     for (int i = 0; i < 5; ++i) text += random_move(random);
     host.send(text);
     host.run_ms(static_cast<double>(random() % 1500) + 0.137 * static_cast<double>(random() % 7));
-    rig.board.world().schedule(sim::Pin::estop, true, rig.board.now());
+    rig.set(sim::Pin::estop, true);
     host.run_ms(20);
     const sim::Drives& drives = rig.board.world().drives();
     const StepPosition stood = drives.motors();
     odd += (stood[0] + stood[1]) & 1;
     EXPECT_EQ(host.position(), drives.position());
-    rig.board.world().schedule(sim::Pin::estop, false, rig.board.now());
+    rig.set(sim::Pin::estop, false);
     host.run_ms(100);
     EXPECT_THAT(host.ask("$X\n"), Contains("ok"));
     host.run_ms(20);
@@ -184,46 +175,20 @@ TEST(CoreXy, JobsBeginBetweenSteps) {
     ProgramHost host(rig);
     host.send(random_move(random));
     host.run_ms(static_cast<double>(20 + random() % 200));
-    rig.board.world().schedule(sim::Pin::estop, true, rig.board.now());
+    rig.set(sim::Pin::estop, true);
     host.run_ms(20);
     const StepPosition stood = rig.board.world().drives().motors();
     odd += (stood[0] + stood[1]) & 1;
-    rig.board.world().schedule(sim::Pin::estop, false, rig.board.now());
+    rig.set(sim::Pin::estop, false);
     host.run_ms(100);
     ASSERT_THAT(host.ask("$X\n"), Contains("ok"));
     const job::Job job = job_for(wild_points(8, random()), profile, JoinMode::free);
-    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    ASSERT_EQ(run_job(rig, job).end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
     rig.run(10 * ps_per_ms);
     expect_motors_at(rig, job.targets.back().steps);
   }
   EXPECT_GT(odd, 0);
-}
-
-/// Holds and resets on the way, many times: no step is lost.
-TEST(CoreXy, HoldsAndResetsLoseNothing) {
-  std::mt19937_64 random(4);
-  for (int round = 0; round < scaled(12); ++round) {
-    SCOPED_TRACE(fmt::format("round {}", round));
-    Rig rig(plain_core_xy());
-    ProgramHost host(rig);
-    for (int i = 0; i < 5; ++i) {
-      host.send(random_move(random) + random_move(random));
-      host.run_ms(static_cast<double>(random() % 400));
-      host.send("!");
-      host.run_ms(static_cast<double>(random() % 300));
-      host.send(random() % 2 == 0 ? "~" : "\x18");
-      host.run_ms(2000);
-      host.ask("$X\n");  // after a reset in motion
-      ASSERT_TRUE(host.wait_for_rest());
-      host.run_ms(5);
-      expect_motors_at_axes(rig);
-    }
-    ASSERT_TRUE(host.stream("G90 G1 X-1 Y2 Z3 F3000\n"));
-    host.run_ms(5);
-    expect_motors_at(rig, {-200, 400, 600, 0});
-    EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
-  }
 }
 
 /// After any abort the report gives the motors' tool position, which may be between two steps of X
@@ -260,63 +225,21 @@ TEST(CoreXy, ReportsHalfStepsAfterAnAbort) {
     host.run_ms(5);
     expect_motors_at(rig, {-200, 400, 600, 0});
     expect_reported_at_motors(rig, host);
+    EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
   }
   EXPECT_GT(odd, 0);
-}
-
-TEST(CoreXy, JogsAreCancelled) {
-  std::mt19937_64 random(5);
-  Rig rig(plain_core_xy());
-  ProgramHost host(rig);
-  for (int round = 0; round < scaled(10); ++round) {
-    const double angle = static_cast<double>(random() % 360) / 57.3;
-    host.send(
-        fmt::format("$J=G91 X{:.3f} Y{:.3f} F6000\n", 8 * std::cos(angle), 8 * std::sin(angle)));
-    host.run_ms(static_cast<double>(random() % 80));
-    host.send(std::uint8_t{0x85});
-    ASSERT_TRUE(host.wait_for_rest());
-    host.run_ms(5);
-    expect_motors_at_axes(rig);
-    host.ask("$J=G90 X0 Y0 F6000\n", 3);
-    ASSERT_TRUE(host.wait_for_rest());
-  }
-  host.run_ms(5);
-  EXPECT_EQ(rig.board.world().drives().motors(), StepPosition{});
-}
-
-/// Difference of machine and load coordinates, from the place of the axis's switch.
-std::int32_t offset_of(const SwitchPlan& plan, int axis) {
-  const bool below = (plan.lower_ends >> axis & 1u) != 0;
-  return (below ? -end_steps : end_steps) - plan.switches[index(axis)];
 }
 
 /// Either axis alone turns both motors; the switches belong to X and Y.
 TEST(CoreXy, HomesByAxes) {
   std::mt19937_64 random(6);
-  const auto pick = [&random](int from, int to) {
-    return std::uniform_int_distribution<>(from, to)(random);
-  };
   for (int round = 0; round < scaled(12); ++round) {
     SCOPED_TRACE(fmt::format("round {}", round));
-    SwitchPlan plan;
-    plan.lower_ends = static_cast<unsigned>(pick(0, 7));
-    plan.bounce = {
-        .make_us = pick(0, 8000) * 1.0, .break_us = pick(0, 8000) * 1.0, .seed = random()};
-    job::Profile profile = core_xy(homing_profile());
-    profile.settings.set_milli(Id::homing_direction, static_cast<int>(plan.lower_ends) * 1000);
-    for (int a = 0; a < 3; ++a) {
-      const bool below = (plan.lower_ends >> a & 1u) != 0;
-      plan.switches[index(a)] = below ? pick(-19'000, -3000) : pick(3000, 19'000);
-      plan.start[index(a)] = plan.switches[index(a)] + (below ? 1 : -1) * pick(-100, 10'000);
-    }
-    MachineWithSwitches m(profile, plan);
+    const SwitchPlan plan = random_switches(random, 100);
+    MachineWithSwitches m(core_xy(homing_profile(plan.lower_ends)), plan);
     ASSERT_THAT(m.home(), Contains("ok"));
+    expect_homed(m, plan);
     const StepPosition at = m.host.position(), loads = m.loads();
-    for (int a = 0; a < 3; ++a) {
-      const bool below = (plan.lower_ends >> a & 1u) != 0;
-      EXPECT_LE(std::abs(at[index(a)] - loads[index(a)] - offset_of(plan, a)), 1) << "axis " << a;
-      EXPECT_EQ(at[index(a)], below ? -end_steps + pull_off_steps : end_steps - pull_off_steps);
-    }
     ASSERT_THAT(m.host.ask("G0 X0 Y0\nG4 P0\n", 10), ElementsAre("ok", "ok"));
     EXPECT_EQ(m.loads()[0] - loads[0], -at[0]);
     EXPECT_EQ(m.loads()[1] - loads[1], -at[1]);
@@ -342,7 +265,7 @@ TEST(CoreXy, AHardLimitStopsBothMotors) {
   m.host.run_ms(100);
   EXPECT_EQ(m.loads(), stood);
   for (int a = 0; a < 3; ++a)
-    EXPECT_NEAR(m.host.position()[index(a)], stood[index(a)] + offset_of({}, a), 1);
+    EXPECT_NEAR(m.host.position()[index(a)], stood[index(a)] + SwitchPlan{}.offset(a), 1);
 }
 
 /// The probe reports the tool's place at the moment of contact, on a slanting path.
@@ -371,7 +294,7 @@ TEST(CoreXy, DrivesHaveTheirTimesWhereMotorsTurn) {
   StepLog log(profile.settings, rig.board.bus());
   const job::Job job =
       job_for(wild_points(static_cast<std::size_t>(scaled(100)), 9), profile, JoinMode::free);
-  ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+  ASSERT_EQ(run_job(rig, job).end, JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
   EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
   EXPECT_GT(log.reversals(0).size(), static_cast<std::size_t>(scaled(100)) / 10);

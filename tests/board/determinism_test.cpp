@@ -13,15 +13,9 @@ job::Job some_job(const job::Profile& profile, std::uint64_t seed, JoinMode mode
 
 /// All output pins had the same edges.
 bool same_pins(const PinMonitor& a, const PinMonitor& b) {
-  for (int axis = 0; axis < max_axes; ++axis) {
-    const auto same = [](const PinMonitor::Step& x, const PinMonitor::Step& y) {
-      return x.at == y.at && x.position == y.position;
-    };
-    if (!std::ranges::equal(a.steps(axis), b.steps(axis), same)) return false;
-  }
-  return std::ranges::equal(a.fires(), b.fires(), [](const auto& x, const auto& y) {
-    return x.rise == y.rise && x.fall == y.fall;
-  });
+  for (int axis = 0; axis < max_axes; ++axis)
+    if (a.steps(axis) != b.steps(axis)) return false;
+  return a.fires() == b.fires();
 }
 
 TEST(Determinism, TwoRunsAreTheSameToThePicosecond) {
@@ -30,7 +24,7 @@ TEST(Determinism, TwoRunsAreTheSameToThePicosecond) {
     const job::Job job = some_job(profile, 1, mode);
     Rig one(profile, lamp), two(profile, lamp);
     const link::JobResult first = run_job(one, job), second = run_job(two, job);
-    ASSERT_EQ(first.end, link::JobEnd::done);
+    ASSERT_EQ(first.end, JobEnd::done);
     EXPECT_EQ(first.status, second.status);
     EXPECT_EQ(one.shots(), two.shots());
     EXPECT_TRUE(same_pins(one.monitor, two.monitor));
@@ -51,10 +45,9 @@ TEST(Determinism, ThePlanDoesNotDependOnHowTheHostTalks) {
     const job::Profile profile = lamp_profile(50);  // slow enough for a host that retransmits
     const job::Job job = some_job(profile, 2, mode);
     Rig plain(profile);
-    ASSERT_EQ(run_job(plain, job).end, link::JobEnd::done);
+    ASSERT_EQ(run_job(plain, job).end, JobEnd::done);
     for (int variant = 0; variant < scaled(8); ++variant) {
-      link::SenderOptions options;
-      options.session = static_cast<std::uint32_t>(variant) + 100;
+      link::SenderOptions options = session(static_cast<std::uint32_t>(variant) + 100);
       options.window_frames = 1 + static_cast<std::size_t>(variant % 5);
       options.status_interval = std::chrono::milliseconds(20 + 30 * (variant % 7));
       Rig rig(profile);
@@ -62,7 +55,7 @@ TEST(Determinism, ThePlanDoesNotDependOnHowTheHostTalks) {
       BoardCable cable(rig, {.drop = 2e-4, .delay = std::chrono::milliseconds(variant % 11)},
                        static_cast<std::uint64_t>(variant));
       const link::JobResult result = link::JobSender(cable, job, options).run();
-      ASSERT_EQ(result.end, link::JobEnd::done);
+      ASSERT_EQ(result.end, JobEnd::done);
       ASSERT_EQ(result.status.starvations, 0u);
       EXPECT_EQ(beats_from_first(rig), beats_from_first(plain)) << "variant " << variant;
     }
@@ -70,7 +63,7 @@ TEST(Determinism, ThePlanDoesNotDependOnHowTheHostTalks) {
 }
 
 TEST(Determinism, BoardsInOneProcessDoNotDisturbEachOther) {
-  const job::Profile slow = lamp_profile(50), fast = lamp_profile(200, settings::LampMode::master);
+  const job::Profile slow = lamp_profile(50), fast = lamp_profile(200, LampMode::master);
   const job::Job slow_job = some_job(slow, 3, JoinMode::free);
   const job::Job fast_job = some_job(fast, 4, JoinMode::start_stop);
   Rig slow_alone(slow, lamp), fast_alone(fast);
@@ -79,8 +72,7 @@ TEST(Determinism, BoardsInOneProcessDoNotDisturbEachOther) {
 
   Rig slow_beside(slow, lamp), fast_beside(fast);
   link::SimulatedTransport slow_link(slow_beside.board), fast_link(fast_beside.board);
-  link::SenderOptions options;
-  options.session = 0x5EED;
+  link::SenderOptions options = session(0x5EED);
   link::JobSender slow_sender(slow_link, slow_job, options),
       fast_sender(fast_link, fast_job, options);
   bool slow_runs = true, fast_runs = true;
@@ -88,8 +80,8 @@ TEST(Determinism, BoardsInOneProcessDoNotDisturbEachOther) {
     slow_runs = slow_runs && slow_sender.step();
     fast_runs = fast_runs && fast_sender.step();
   }
-  EXPECT_EQ(slow_sender.result().end, link::JobEnd::done);
-  EXPECT_EQ(fast_sender.result().end, link::JobEnd::done);
+  EXPECT_EQ(slow_sender.result().end, JobEnd::done);
+  EXPECT_EQ(fast_sender.result().end, JobEnd::done);
   EXPECT_TRUE(same_pins(slow_alone.monitor, slow_beside.monitor));
   EXPECT_TRUE(same_pins(fast_alone.monitor, fast_beside.monitor));
 }

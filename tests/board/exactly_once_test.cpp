@@ -4,8 +4,6 @@
 namespace lamplock::test::exactly_once_test {
 namespace {
 
-using settings::LampMode;
-
 struct Case {
   const char* name;
   double hz;
@@ -127,8 +125,8 @@ TEST(ExactlyOnceCount, RuntsAreNotBeats) {
   const job::Profile profile = lamp_profile();
   const job::Job job = job::make_job(histogram_walk(400, 7), profile, {});
   Rig plain(profile), runts(profile, {.runt = 0.5, .seed = 9});
-  ASSERT_EQ(run_job(plain, job).end, link::JobEnd::done);
-  ASSERT_EQ(run_job(runts, job).end, link::JobEnd::done);
+  ASSERT_EQ(run_job(plain, job).end, JobEnd::done);
+  ASSERT_EQ(run_job(runts, job).end, JobEnd::done);
   EXPECT_EQ(runts.board.controller().clock().spurious(), 0u);
   EXPECT_EQ(runts.board.controller().clock().edges(), plain.board.controller().clock().edges());
   EXPECT_EQ(runts.shots(), plain.shots());

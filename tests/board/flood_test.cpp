@@ -1,5 +1,4 @@
 // Stops work however much a host has sent before them, whether or not it reads the answers.
-#include <gmock/gmock.h>
 
 #include <string>
 
@@ -9,9 +8,9 @@ namespace lamplock::test::flood_test {
 namespace {
 
 /// Period in which the board polls its bytes and writes the laser's state to the pad.
-constexpr sim::Picoseconds dark_within = ps_per_ms;
+constexpr Picoseconds dark_within = ps_per_ms;
 /// Braking from 50 mm/s at 2 m/s2, ticks handed out ahead, and a round of the main loop.
-constexpr sim::Picoseconds at_rest_within = (25 + 30) * ps_per_ms;
+constexpr Picoseconds at_rest_within = (25 + 30) * ps_per_ms;
 
 struct Flood {
   std::size_t bytes;
@@ -21,7 +20,7 @@ struct Flood {
 class Flooded : public testing::TestWithParam<Flood> {
  protected:
   static job::Profile profile() {
-    job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
+    job::Profile profile = program_profile();
     profile.settings.set_milli(Id::laser_mode, 1000);
     return profile;
   }
@@ -38,13 +37,13 @@ class Flooded : public testing::TestWithParam<Flood> {
     const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
     ASSERT_EQ(rig_.board.write({data, bytes.size()}), bytes.size());
   }
-  void pass(sim::Picoseconds time) {
+  void pass(Picoseconds time) {
     if (GetParam().reads)
       host_.run(time);
     else
       rig_.run(time);
   }
-  sim::Picoseconds now() const { return rig_.board.now(); }
+  Picoseconds now() const { return rig_.now(); }
   /// Sends the byte; the machine must come to rest and stay there.
   void stop_by(char byte) {
     stopped_ = now();
@@ -53,11 +52,11 @@ class Flooded : public testing::TestWithParam<Flood> {
     EXPECT_FALSE(rig_.monitor.stepped(stopped_ + at_rest_within, now()));
     EXPECT_EQ(rig_.monitor.violation(profile().settings), "");
   }
-  bool shone_since(sim::Picoseconds from) { return rig_.board.world().beam().shone(from, now()); }
+  bool shone_since(Picoseconds from) { return rig_.board.world().beam().shone(from, now()); }
 
   Rig rig_{profile()};
   ProgramHost host_{rig_};
-  sim::Picoseconds stopped_ = 0;
+  Picoseconds stopped_ = 0;
 };
 
 constexpr std::string_view program = "M3 S500\nG1 X40 F3000\n";
@@ -72,7 +71,7 @@ TEST_P(Flooded, AResetDarkensStopsAndDiscards) {
   EXPECT_TRUE(host_.has_said("Grbl 1.1h ['$' for help]"));
   host_.ask("$X\n");
   const StepPosition at = host_.position();
-  EXPECT_THAT(host_.ask("G91 G1 X1 F600\n"), testing::ElementsAre("ok"));
+  EXPECT_THAT(host_.ask("G91 G1 X1 F600\n"), ElementsAre("ok"));
   EXPECT_TRUE(host_.wait_for_rest(1));
   EXPECT_EQ(host_.position()[0] - at[0], 200);
 }
@@ -82,7 +81,7 @@ TEST_P(Flooded, AHoldHoldsAndResumes) {
   stop_by('!');
   EXPECT_EQ(rig_.state(), MachineState::hold);
   write("~");
-  const sim::Picoseconds resumed = now();
+  const Picoseconds resumed = now();
   pass(10 * ps_per_ms);
   EXPECT_TRUE(rig_.monitor.stepped(resumed, now()));
 }
@@ -102,7 +101,7 @@ TEST_P(Flooded, JogsEndAndWaitingJogsAreDropped) {
   for (int i = 0; i < 100'000 && host_.answers().size() < jogs; ++i) host_.run_ms(1);
   EXPECT_EQ(host_.answers().size(), jogs);
   const StepPosition at = host_.position();
-  EXPECT_THAT(host_.ask("$J=G91 X1 F600\n"), testing::ElementsAre("ok"));
+  EXPECT_THAT(host_.ask("$J=G91 X1 F600\n"), ElementsAre("ok"));
   EXPECT_TRUE(host_.wait_for_rest(1));
   EXPECT_EQ(host_.position()[0] - at[0], 200);
 }

@@ -22,7 +22,7 @@ inline job::Job jumping_row(int points, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   for (int i = 0; i < points; ++i)
     cloud.push_back({i * 0.05, static_cast<double>(random() % 100) * 0.005, 0});
-  job::Profile profile = lamp_profile(200, settings::LampMode::master);
+  job::Profile profile = lamp_profile(200, LampMode::master);
   profile.settings.set_milli(settings::Id::dead_man, 0);  // HandBoard receives no frames
   return job::make_job(cloud, profile, {});
 }

@@ -1,7 +1,6 @@
 // Homing on the virtual board: the machine's position afterwards against the loads' positions;
 // switches that bounce, are engaged from the start, never open or are missing; and interruptions.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include <random>
 
@@ -10,31 +9,7 @@
 namespace lamplock::test::homing_test {
 namespace {
 
-using testing::Contains;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::StartsWith;
-
-constexpr std::int32_t end_steps = 50 * 200, pull_off_steps = 200;
 constexpr std::uint8_t reset_byte = 0x18;
-
-/// Difference of machine and load coordinates, from the place of the axis's switch.
-std::int32_t offset_of(const SwitchPlan& plan, int axis) {
-  const bool below = (plan.lower_ends >> axis & 1u) != 0;
-  return (below ? -end_steps : end_steps) - plan.switches[index(axis)];
-}
-
-void expect_homed(const MachineWithSwitches& m, const SwitchPlan& plan, unsigned axes) {
-  const StepPosition at = m.host.position(), loads = m.loads();
-  for (int axis = 0; axis < 3; ++axis) {
-    if ((axes >> axis & 1u) == 0) continue;
-    EXPECT_LE(std::abs(at[index(axis)] - loads[index(axis)] - offset_of(plan, axis)), 1)
-        << "axis " << axis;
-    const bool below = (plan.lower_ends >> axis & 1u) != 0;
-    EXPECT_EQ(at[index(axis)], below ? -end_steps + pull_off_steps : end_steps - pull_off_steps);
-  }
-}
 
 TEST(Homing, FindsTheSwitchesAndThePosition) {
   const SwitchPlan plan{.start = {300, -2000, 5000, 0}};
@@ -43,9 +18,9 @@ TEST(Homing, FindsTheSwitchesAndThePosition) {
   EXPECT_THAT(m.host.ask("G0 X1\n"), ElementsAre("error:9"));
   EXPECT_THAT(m.home(), ElementsAre("ok"));
   EXPECT_THAT(m.host.status(), StartsWith("<Idle|MPos:49.000,49.000,49.000|"));
-  expect_homed(m, plan, 7);
+  expect_homed(m, plan);
   EXPECT_THAT(m.host.ask("G0 X-49 Y1\nG4 P0\n", 5), ElementsAre("ok", "ok"));
-  EXPECT_EQ(m.loads()[0], -49 * 200 - offset_of(plan, 0));
+  EXPECT_EQ(m.loads()[0], -49 * 200 - plan.offset(0));
 }
 
 TEST(Homing, ReportsItselfAndTheSwitches) {
@@ -93,28 +68,14 @@ TEST(Homing, IsRefusedWithoutHomingSwitches) {
 /// From any position, with switches at either end and any bounce, the error is at most a step.
 TEST(Homing, AnywhereWithBouncingSwitches) {
   std::mt19937_64 random(7);
-  const auto pick = [&random](int from, int to) {
-    return std::uniform_int_distribution<>(from, to)(random);
-  };
   for (int round = 0; round < scaled(12); ++round) {
-    SwitchPlan plan;
-    plan.lower_ends = static_cast<unsigned>(pick(0, 7));
-    plan.hysteresis_steps = pick(0, 100);
-    plan.bounce = {
-        .make_us = pick(0, 8000) * 1.0, .break_us = pick(0, 8000) * 1.0, .seed = random()};
-    job::Profile profile = homing_profile();
-    profile.settings.set_milli(Id::homing_direction, static_cast<int>(plan.lower_ends) * 1000);
-    profile.settings.set_milli(Id::homing_passes, pick(1, 3) * 1000);
-    for (int a = 0; a < 3; ++a) {
-      const bool below = (plan.lower_ends >> a & 1u) != 0;
-      plan.switches[index(a)] = below ? pick(-19'000, -3000) : pick(3000, 19'000);
-      plan.start[index(a)] = below ? plan.switches[index(a)] + pick(-100, 10'000)
-                                   : plan.switches[index(a)] - pick(-100, 10'000);
-    }
+    const SwitchPlan plan = random_switches(random, 100);
+    job::Profile profile = homing_profile(plan.lower_ends);
+    profile.settings.set_milli(Id::homing_passes, static_cast<int>(1 + random() % 3) * 1000);
     SCOPED_TRACE(fmt::format("round {}", round));
     MachineWithSwitches m(profile, plan);
     ASSERT_THAT(m.home(), Contains("ok"));
-    expect_homed(m, plan, 7);
+    expect_homed(m, plan);
   }
 }
 
@@ -153,7 +114,7 @@ TEST(Homing, NoJobStartsDuringHoming) {
   }
   EXPECT_GT(asked, 100);
   EXPECT_THAT(m.host.answers(), ElementsAre("ok"));
-  expect_homed(m, {}, 7);
+  expect_homed(m, {});
 }
 
 TEST(HomingFaults, NoSwitchWithinReach) {
@@ -167,7 +128,7 @@ TEST(HomingFaults, NoSwitchWithinReach) {
 
 TEST(HomingFaults, ABrokenWireNeverOpens) {
   MachineWithSwitches m(homing_profile(), {});
-  m.switches().break_wire(sim::Pin::limit_x, m.rig.board.now());
+  m.switches().break_wire(sim::Pin::limit_x, m.rig.now());
   m.host.run_ms(1);
   EXPECT_THAT(m.host.ask("$HX\n", 10), ElementsAre("ALARM:8", "error:9"));
   EXPECT_EQ(m.loads()[0], -200);  // one pull-off
@@ -190,20 +151,7 @@ TEST(HomingFaults, DoorResetAndEstopAtAnyMoment) {
     if (!m.host.answers().empty()) continue;
     const int what = round % 3;
     SCOPED_TRACE(fmt::format("round {} what {}", round, what));
-    if (what == 0) m.rig.board.world().schedule(sim::Pin::door, true, m.rig.board.now());
-    if (what == 1) m.host.send(reset_byte);
-    if (what == 2) m.rig.board.world().schedule(sim::Pin::estop, true, m.rig.board.now());
-    m.host.run_ms(300);
-    const char* alarms[] = {"ALARM:7", "ALARM:6", "ALARM:10"};
-    EXPECT_THAT(m.host.said(), Contains(alarms[what]));
-    if (what == 1)
-      EXPECT_THAT(m.host.answers(), IsEmpty());  // the answer to a reset is its banner
-    else
-      EXPECT_THAT(m.host.answers(), ElementsAre("error:9"));
-    const StepPosition stood = m.loads();
-    m.host.run_ms(300);
-    EXPECT_EQ(m.loads(), stood);
-    EXPECT_THAT(m.host.status(), StartsWith("<Alarm|"));
+    expect_homing_ends(m, what);
   }
 }
 
@@ -226,7 +174,7 @@ TEST(HomingFaults, AResetDropsWaitingLinesAndIsReportedOnce) {
     MachineWithSwitches m(profile, plan);
     m.host.send(random() % 3 == 0 ? "$HY\n" : "$H\n");
     m.host.send("M3 S1000\nG1 X20 F6000\n$100=160\nM8\nG0 X-");
-    m.host.run(static_cast<sim::Picoseconds>(random() % 2'500'000) * ps_per_us);
+    m.host.run(static_cast<Picoseconds>(random() % 2'500'000) * ps_per_us);
     if (!m.host.answers().empty()) continue;  // homing had ended
     ++resets;
     const std::size_t before = steps_made(m.rig);
@@ -252,7 +200,7 @@ TEST(HomingFaults, AResetDropsWaitingLinesAndIsReportedOnce) {
     for (int i = 0; i < most && m.home().back() != "ok"; ++i) {
     }
     EXPECT_EQ(m.host.answers().back(), "ok");
-    expect_homed(m, plan, 7);
+    expect_homed(m, plan);
     EXPECT_EQ(m.rig.board.controller().values().milli(Id::steps_per_mm_x),
               profile.settings.milli(Id::steps_per_mm_x));
   }
@@ -270,9 +218,9 @@ TEST(HomingFaults, AnEStopAfterAResetIsReportedAndTheResetToo) {
     ASSERT_TRUE(m.wait_for([&] { return m.loads()[0] > 2000; }));
     m.host.send(reset_byte);
     const bool estop = round % 2 == 0;
-    const auto later = static_cast<sim::Picoseconds>(2000 + random() % 28'000) * ps_per_us;
+    const auto later = static_cast<Picoseconds>(2000 + random() % 28'000) * ps_per_us;
     m.rig.board.world().schedule(estop ? sim::Pin::estop : sim::Pin::door, true,
-                                 m.rig.board.now() + later);
+                                 m.rig.now() + later);
     m.host.run_ms(300);
     EXPECT_THAT(m.host.answers(), IsEmpty());
     std::vector<std::string> alarms, banners;

@@ -1,6 +1,5 @@
 // When the host is gone, it cannot stop its machine: motion is held, dark, within braking time and
 // 30 ms. A host that was silent for longer than its setting counts as gone.
-#include <gmock/gmock.h>
 
 #include <string>
 
@@ -10,7 +9,7 @@ namespace lamplock::test::host_gone_test {
 namespace {
 
 /// Braking from 50 mm/s at 2 m/s2, ticks handed out ahead, and a round of the main loop.
-constexpr sim::Picoseconds at_rest_within = (25 + 30) * ps_per_ms;
+constexpr Picoseconds at_rest_within = (25 + 30) * ps_per_ms;
 
 class HostGone : public testing::Test {
  protected:
@@ -28,7 +27,7 @@ class HostGone : public testing::Test {
     left_ = now();
     rig_->board.set_host_present(false);
   }
-  sim::Picoseconds now() const { return rig_->board.now(); }
+  Picoseconds now() const { return rig_->now(); }
   bool moves() const { return rig_->monitor.stepped(now() - 10 * ps_per_ms, now()); }
   void expect_rest() {
     rig_->run(ps_per_s);
@@ -37,10 +36,10 @@ class HostGone : public testing::Test {
     EXPECT_EQ(rig_->monitor.violation(profile_.settings), "");
   }
 
-  job::Profile profile_ = lamp_profile(100, settings::LampMode::free_beat);
+  job::Profile profile_ = program_profile();
   std::unique_ptr<Rig> rig_;
   std::unique_ptr<ProgramHost> host_;
-  sim::Picoseconds left_ = 0;
+  Picoseconds left_ = 0;
 };
 
 constexpr std::string_view long_program = "M3 S500\nG1 X40 F3000\nX0\n";
@@ -123,7 +122,7 @@ TEST_F(HostGone, ASilentSendersProgramIsHeldIfSet) {
   host_->send("M3 S500\nG1 X40 F600\n");
   for (int i = 0; i < 8; ++i) {
     host_->run_ms(200);
-    EXPECT_THAT(host_->status(), testing::StartsWith("<Run")) << "the host polls";
+    EXPECT_THAT(host_->status(), StartsWith("<Run")) << "the host polls";
   }
   left_ = now() + 500 * ps_per_ms;
   rig_->run(400 * ps_per_ms);

@@ -13,12 +13,6 @@ settings::Values slowed(const job::Profile& profile, std::uint32_t percent) {
   return machine::at_job_speed(profile.settings, profile.settings, percent);
 }
 
-link::SenderOptions session(std::uint32_t number) {
-  link::SenderOptions options;
-  options.session = number;
-  return options;
-}
-
 TEST(JobSpeed, LimitsHoldAtEverySpeedFromTheStart) {
   for (const std::uint32_t percent : {1u, 7u, 25u, 50u, 80u, 99u, 100u}) {
     SCOPED_TRACE(testing::Message() << percent << " %");
@@ -28,7 +22,7 @@ TEST(JobSpeed, LimitsHoldAtEverySpeedFromTheStart) {
     link::SenderOptions options = session(1);
     options.job_speed = percent;
     const link::JobResult result = run_job(rig, job, options);
-    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_EQ(result.end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
     expect_sound(rig, slowed(profile, percent));
     ASSERT_NO_FATAL_FAILURE(expect_dwells(rig, job, 100));
@@ -40,14 +34,14 @@ TEST(JobSpeed, LimitsHoldAtEverySpeedFromTheStart) {
 /// The job's limits are half the machine's: 140 % exceeds the job's limits but not the machine's.
 TEST(JobSpeed, FasterThanTheJobButNotThanTheMachine) {
   const auto beats_at = [](double own_accel, std::uint32_t percent) {
-    job::Profile profile = lamp_profile(200, settings::LampMode::slave, 2);
+    job::Profile profile = lamp_profile(200, LampMode::slave, 2);
     const job::Job job = job::make_job(histogram_walk(300, 5), profile, {});
-    job::Profile own = lamp_profile(200, settings::LampMode::slave, own_accel);
+    job::Profile own = lamp_profile(200, LampMode::slave, own_accel);
     Rig rig(own.settings, world_for(own));
     link::SenderOptions options = session(1);
     options.job_speed = percent;
     const link::JobResult result = run_job(rig, job, options);
-    EXPECT_EQ(result.end, link::JobEnd::done);
+    EXPECT_EQ(result.end, JobEnd::done);
     expect_as_ordered(rig, job);
     expect_sound(rig, machine::at_job_speed(profile.settings, own.settings, percent));
     return result.status.beats;
@@ -86,7 +80,7 @@ TEST(JobSpeed, TheSlowestSpeedStillArrives) {
   Rig rig(profile);
   link::SenderOptions options = session(1);
   options.job_speed = 1;
-  ASSERT_EQ(run_job(rig, job, options).end, link::JobEnd::done);
+  ASSERT_EQ(run_job(rig, job, options).end, JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
   expect_sound(rig, profile.settings);
 }
@@ -97,7 +91,7 @@ TEST(JobSpeed, ReducedAndHeldAtTheEdgeOfTheWorkArea) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const auto number = static_cast<std::uint64_t>(seed);
     std::mt19937_64 random(number);
-    const job::Profile profile = lamp_profile(100, settings::LampMode::slave, 2);
+    const job::Profile profile = lamp_profile(100, LampMode::slave, 2);
     geometry::PointCloud cloud;
     for (int i = 0; i < 20; ++i) cloud.push_back({i % 2 == 0 ? -50.0 : 50.0, -50.0 + i, 0});
     const job::Job job = job::make_job(cloud, profile, {});
@@ -106,15 +100,15 @@ TEST(JobSpeed, ReducedAndHeldAtTheEdgeOfTheWorkArea) {
     link::SenderOptions options = session(1);
     options.auto_resume = true;
     link::JobSender sender(cable, job, options);
-    for (sim::Picoseconds at = 300 * ps_per_ms; at < 8 * ps_per_s;) {
-      at += std::uniform_int_distribution<sim::Picoseconds>(0, 700 * ps_per_ms)(random);
+    for (Picoseconds at = 300 * ps_per_ms; at < 8 * ps_per_s;) {
+      at += std::uniform_int_distribution<Picoseconds>(0, 700 * ps_per_ms)(random);
       const auto percent = static_cast<std::uint32_t>(random() % 2 == 0 ? 15 : 100);
       cable.at(at, [&sender, percent] { sender.set_job_speed(percent); });
-      at += std::uniform_int_distribution<sim::Picoseconds>(0, 300 * ps_per_ms)(random);
+      at += std::uniform_int_distribution<Picoseconds>(0, 300 * ps_per_ms)(random);
       cable.at(at, [&cable] { cable.type("!"); });
     }
     cable.at(9 * ps_per_s, [&sender] { sender.set_job_speed(100); });
-    ASSERT_EQ(sender.run().end, link::JobEnd::done);
+    ASSERT_EQ(sender.run().end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
     expect_sound(rig, profile.settings);
   }
@@ -137,7 +131,7 @@ TEST(JobSpeed, TakesEffectAfterCommittedMotion) {
     constexpr std::uint32_t percent = 30;
     const std::size_t before = rig.shots().size();
     sender.set_job_speed(percent);
-    ASSERT_EQ(sender.run().end, link::JobEnd::done);
+    ASSERT_EQ(sender.run().end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
     expect_sound(rig, profile.settings);
     EXPECT_EQ(rig.board.controller().runner().misses(), 0u);
@@ -150,7 +144,7 @@ TEST(JobSpeed, TakesEffectAfterCommittedMotion) {
 
 /// In a straight row no state meets the slower limits: the motion is interrupted once.
 TEST(JobSpeed, SlowsDownWhereTheMachineNeverSlowsByItself) {
-  job::Profile profile = lamp_profile(200, settings::LampMode::slave, 10);
+  job::Profile profile = lamp_profile(200, LampMode::slave, 10);
   job::set_speed(profile, 0.06);
   geometry::PointCloud row;
   for (int i = 0; i < 390; ++i) row.push_back({-49 + 0.25 * i, 0, 0});
@@ -161,7 +155,7 @@ TEST(JobSpeed, SlowsDownWhereTheMachineNeverSlowsByItself) {
   while (sender.step() && rig.shots().size() < 60) {
   }
   sender.set_job_speed(50);
-  ASSERT_EQ(sender.run().end, link::JobEnd::done);
+  ASSERT_EQ(sender.run().end, JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
   expect_sound(rig, profile.settings);
   const auto beats = [&rig](std::size_t from, std::size_t to) {
@@ -180,9 +174,7 @@ TEST(HoldAndResume, EveryPointAsOrderedAndNoShotInBetween) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const auto number = static_cast<std::uint64_t>(seed);
     std::mt19937_64 random(number);
-    const auto pick = [&random](sim::Picoseconds from, sim::Picoseconds to) {
-      return std::uniform_int_distribution<sim::Picoseconds>(from, to)(random);
-    };
+    const Pick<Picoseconds> pick(random);
     const job::Profile profile = lamp_profile(seed % 3 == 0 ? 500 : 100);
     const job::Job job = mixed_job(profile, 60, number, both_modes[seed % 2]);
     Rig rig(profile, {.dropout = seed % 4 == 3 ? 0.03 : 0.0, .seed = number + 1});
@@ -190,23 +182,23 @@ TEST(HoldAndResume, EveryPointAsOrderedAndNoShotInBetween) {
     BoardCable cable(rig);
     link::JobSender sender(cable, job, session(1));
     // Times at which the machine was certainly in hold.
-    std::vector<std::pair<sim::Picoseconds, sim::Picoseconds>> held;
-    for (sim::Picoseconds at = 110 * ps_per_ms + pick(0, 50 * ps_per_ms); at < 4 * ps_per_s;) {
-      const sim::Picoseconds from = at, to = from + 12 * ps_per_ms + pick(0, 60 * ps_per_ms);
+    std::vector<std::pair<Picoseconds, Picoseconds>> held;
+    for (Picoseconds at = 110 * ps_per_ms + pick(0, 50 * ps_per_ms); at < 4 * ps_per_s;) {
+      const Picoseconds from = at, to = from + 12 * ps_per_ms + pick(0, 60 * ps_per_ms);
       cable.at(from, [&sender] { sender.pause(); });
       cable.at(from + 10 * ps_per_ms, [&held, &rig, from, to] {
         if (rig.state() == MachineState::hold) held.emplace_back(from + 10 * ps_per_ms, to);
       });
       cable.at(to, [&sender] { sender.resume(); });
       // Too short for the sender: a byte resumes before, during and after coming to rest.
-      const sim::Picoseconds again = to + 20 * ps_per_ms + pick(0, 50 * ps_per_ms);
+      const Picoseconds again = to + 20 * ps_per_ms + pick(0, 50 * ps_per_ms);
       cable.at(again, [&cable] { cable.type("!"); });
       cable.at(again + pick(0, 5 * ps_per_ms), [&cable] { cable.type("~"); });
       const auto percent = static_cast<std::uint32_t>(pick(10, 140));
       cable.at(to + pick(0, 20 * ps_per_ms), [&sender, percent] { sender.set_job_speed(percent); });
       at = to + 100 * ps_per_ms + pick(0, 250 * ps_per_ms);
     }
-    ASSERT_EQ(sender.run().end, link::JobEnd::done);
+    ASSERT_EQ(sender.run().end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
     expect_sound(rig, profile.settings);
     for (const auto& [from, to] : held) EXPECT_EQ(rig.monitor.fired(from, to), 0u);
@@ -233,9 +225,9 @@ TEST(Starvation, BurstsOfPointsCostBeatsAndNothingElse) {
     while (more) {
       // A few steps of the sender, then a pause.
       for (auto steps = random() % 4; more && steps-- > 0;) more = sender.step();
-      rig.run(std::uniform_int_distribution<sim::Picoseconds>(0, 400 * ps_per_ms)(random));
+      rig.run(std::uniform_int_distribution<Picoseconds>(0, 400 * ps_per_ms)(random));
     }
-    ASSERT_EQ(sender.result().end, link::JobEnd::done);
+    ASSERT_EQ(sender.result().end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
     expect_sound(rig, profile.settings);
     starved += rig.status().starvations;

@@ -1,7 +1,6 @@
 // Jogging on the virtual board by hand: keys that repeat, keys that are released, several
 // directions in a row.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include <random>
 
@@ -9,11 +8,6 @@
 
 namespace lamplock::test::jog_test {
 namespace {
-
-using testing::Each;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::StartsWith;
 
 constexpr double steps_per_mm = 200, accel_mm_s2 = 2000;
 constexpr std::uint8_t jog_cancel = 0x85;
@@ -44,7 +38,7 @@ class Jog : public testing::Test {
     }
   }
 
-  job::Profile profile_ = lamp_profile(100, settings::LampMode::free_beat);
+  job::Profile profile_ = program_profile();
   Rig rig_{profile_};
   ProgramHost host_{rig_};
 };
@@ -90,9 +84,7 @@ TEST_F(Jog, ReleaseStopsAtOnce) {
 /// The next direction begins where the machine has come to rest, to the step.
 TEST_F(Jog, AnotherKeyAtOnce) {
   std::mt19937_64 random(4);
-  const auto number = [&random](int from, int to) {
-    return std::uniform_int_distribution<>(from, to)(random);
-  };
+  const Pick<int> number(random);
   for (int round = 0; round < scaled(40); ++round) {
     host_.send(fmt::format("$J=G91X{}Y{}F6000\n", number(-3, 3), number(1, 3)));
     host_.run_ms(number(0, 60));

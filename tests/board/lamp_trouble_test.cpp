@@ -6,7 +6,7 @@
 namespace lamplock::test {
 namespace {
 
-constexpr sim::Picoseconds period = 10 * ps_per_ms;
+constexpr Picoseconds period = 10 * ps_per_ms;
 
 /// A job with a scripted lamp; shots are judged by the script's edges.
 class ScriptedLamp : public testing::Test {
@@ -22,7 +22,7 @@ class ScriptedLamp : public testing::Test {
     rig_ = std::make_unique<Rig>(profile_.settings, world);
     script.connect(rig_->board);
     result_ = run_job(*rig_, job_);
-    ASSERT_EQ(result_.end, link::JobEnd::done);
+    ASSERT_EQ(result_.end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_each_once(*rig_, job_, true));
     EXPECT_EQ(rig_->monitor.violation(profile_.settings), "");
     EXPECT_FALSE(rig_->board.controller().runner().underrun());
@@ -35,13 +35,13 @@ class ScriptedLamp : public testing::Test {
   std::int64_t edges_between_shots() const {
     const auto& edges = rig_->monitor.edges();
     const auto& fires = rig_->monitor.fires();
-    return std::count_if(edges.begin(), edges.end(), [&](sim::Picoseconds at) {
+    return std::count_if(edges.begin(), edges.end(), [&](Picoseconds at) {
       return fires.front().edge <= at && at <= fires.back().edge;
     });
   }
 
   /// Flashes during the move to a point from rest to rest.
-  double flashes_of_way(std::size_t point, sim::Picoseconds flash) const {
+  double flashes_of_way(std::size_t point, Picoseconds flash) const {
     double longest_s = 0;
     for (int axis = 0; axis < job_.header.axes; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
@@ -69,7 +69,7 @@ TEST_F(ScriptedLamp, StopsForASecond) {
     LampScript script;
     // The lamp returns at any phase.
     script.flash(period, (900 + 37 * (seed % 60)) * ps_per_ms)
-        .dark(ps_per_s + (seed % 500) * 1'234'567 * sim::ps_per_ns)
+        .dark(ps_per_s + (seed % 500) * 1'234'567 * ps_per_ns)
         .flash(period, 20 * ps_per_s);
     ASSERT_NO_FATAL_FAILURE(run(script, seed, both_modes[seed % 2]));
     EXPECT_EQ(rig_->board.controller().clock().lock_losses(), 1u);
@@ -101,7 +101,7 @@ TEST_F(ScriptedLamp, JumpsInFrequency) {
     for (const JoinMode mode : both_modes) {
       SCOPED_TRACE(testing::Message() << "period x " << jump);
       LampScript script;
-      const auto other = static_cast<sim::Picoseconds>(static_cast<double>(period) * jump);
+      const auto other = static_cast<Picoseconds>(static_cast<double>(period) * jump);
       script.flash(period, 1300 * ps_per_ms)
           .flash(other, 2 * ps_per_s)
           .flash(period, 20 * ps_per_s);
@@ -114,17 +114,13 @@ TEST_F(ScriptedLamp, JumpsInFrequency) {
 TEST_F(ScriptedLamp, JumpsAtAnyMomentAndIsFollowedWithinSixteenFlashes) {
   // Frequencies inside the lock range, from one end to the other.
   std::mt19937_64 random(61);
-  const auto any = [&random](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
+  const Pick<double> any(random);
   for (int seed = 0; seed < scaled(12); ++seed) {
-    const auto first =
-        static_cast<sim::Picoseconds>(static_cast<double>(period) * any(0.975, 1.025));
-    const auto second =
-        static_cast<sim::Picoseconds>(static_cast<double>(period) * any(0.975, 1.025));
+    const auto first = static_cast<Picoseconds>(static_cast<double>(period) * any(0.975, 1.025));
+    const auto second = static_cast<Picoseconds>(static_cast<double>(period) * any(0.975, 1.025));
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << first << " then " << second);
     LampScript script;
-    const auto jump = static_cast<sim::Picoseconds>(any(0.5, 4) * 1e12);
+    const auto jump = static_cast<Picoseconds>(any(0.5, 4) * 1e12);
     script.flash(first, jump).flash(second, 30 * ps_per_s);
     ASSERT_NO_FATAL_FAILURE(run(script, seed, both_modes[seed % 2]));
     EXPECT_EQ(result_.status.beats, edges_between_shots());
@@ -146,17 +142,17 @@ TEST_F(ScriptedLamp, RunsAtAFrequencyOutsideTheRangeForAWhile) {
   for (int seed = 0; seed < scaled(9); ++seed) {
     const double ratio = ratios[seed % 9];
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", period x " << ratio);
-    const sim::Picoseconds leaves = ps_per_s + seed * 7 * ps_per_ms;
-    const sim::Picoseconds away = 2 * ps_per_s;
+    const Picoseconds leaves = ps_per_s + seed * 7 * ps_per_ms;
+    const Picoseconds away = 2 * ps_per_s;
     LampScript script;
     script.flash(period, leaves)
-        .flash(static_cast<sim::Picoseconds>(static_cast<double>(period) * ratio), away)
+        .flash(static_cast<Picoseconds>(static_cast<double>(period) * ratio), away)
         .flash(period, 20 * ps_per_s);
     ASSERT_NO_FATAL_FAILURE(run(script, seed, both_modes[seed % 2]));
     // The clock needs some flashes to detect a permanent change.
-    const sim::Picoseconds noticed =
+    const Picoseconds noticed =
         leaves +
-        25 * std::max(period, static_cast<sim::Picoseconds>(static_cast<double>(period) * ratio));
+        25 * std::max(period, static_cast<Picoseconds>(static_cast<double>(period) * ratio));
     EXPECT_EQ(rig_->monitor.fired(noticed, leaves + away), 0u);
     EXPECT_FALSE(rig_->monitor.stepped(noticed, leaves + away));
     EXPECT_GT(beats_of(result_.status, BeatReason::not_locked), 10u);
@@ -189,16 +185,14 @@ class SleepyTransport final : public link::Transport {
 TEST(StarvedHost, SlowsDownAndLosesNothing) {
   for (const JoinMode mode : both_modes) {
     for (int seed = 0; seed < scaled(4); ++seed) {
-      const job::Profile profile = lamp_profile(200, settings::LampMode::slave, 10);
+      const job::Profile profile = lamp_profile(200, LampMode::slave, 10);
       const job::Job job =
           job_for(histogram_walk(400, static_cast<std::uint64_t>(seed)), profile, mode);
       Rig rig(profile);
       SleepyTransport transport(rig.board, std::chrono::milliseconds(300));
-      link::SenderOptions sending;
-      sending.session = 1;
-      const link::JobResult result = link::JobSender(transport, job, sending).run();
+      const link::JobResult result = link::JobSender(transport, job, session(1)).run();
       SCOPED_TRACE(testing::Message() << "seed " << seed);
-      ASSERT_EQ(result.end, link::JobEnd::done);
+      ASSERT_EQ(result.end, JobEnd::done);
       ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
       expect_sound(rig, profile.settings);
       expect_ledger(rig, result.status);

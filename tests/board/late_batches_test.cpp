@@ -2,18 +2,15 @@
 // possibly beside its path, and returns to where it left it. On the way it is dark or has the light
 // of that place, and no cell is left out.
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include <random>
 
 #include "tests/board/program_host.hpp"
 #include "tests/board/raster.hpp"
-#include "tests/chip_board/program_sender.hpp"
+#include "tests/program_sender.hpp"
 
 namespace lamplock::test {
 namespace {
-
-using sim::Picoseconds;
 
 /// A place in steps of X and Y.
 struct Spot {
@@ -41,9 +38,7 @@ class Zigzag {
 
   Zigzag(std::uint64_t seed, int lines, bool by_speed) : by_speed_(by_speed) {
     std::mt19937_64 random(seed);
-    const auto pick = [&random](int from, int to) {
-      return std::uniform_int_distribution<>(from, to)(random);
-    };
+    const Pick<int> pick(random);
     Spot at;
     for (int i = 0; i < lines; ++i) {
       CellLine line;
@@ -139,7 +134,7 @@ class Zigzag {
       // Gate and power of one change may occur in different microseconds.
       const auto next = change + 1;
       const Picoseconds end = next == light.end() ? to : std::min(to, next->at);
-      if (now == 0 || end - std::max(from, change->at) < 2 * sim::ps_per_us) continue;
+      if (now == 0 || end - std::max(from, change->at) < 2 * ps_per_us) continue;
       ++result.lit;
       if (is_right(at, now, done)) continue;
       if (result.wrong++ == 0) result.first_wrong_s = static_cast<double>(to) * 1e-12;
@@ -187,8 +182,8 @@ TEST(LateBatches, LightIsThatOfItsPlaceOrNone) {
     rig.run(ps_per_ms);
     ProgramSender sender(rig.board);
     sender.give(zigzag.program());
-    const Picoseconds end = rig.board.now() + 100 * ps_per_s;
-    while (!sender.answered() && rig.board.now() < end) {
+    const Picoseconds end = rig.now() + 100 * ps_per_s;
+    while (!sender.answered() && rig.now() < end) {
       rig.board.set_planning_time(ps_per_ms *
                                   static_cast<Picoseconds>(random() % 15 != 0 ? 1 : random() % 60));
       sender.step(static_cast<Picoseconds>(random() % 20'000) * ps_per_us);

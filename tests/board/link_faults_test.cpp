@@ -16,16 +16,15 @@ TEST_P(BadCableToBoard, EveryPointIsFiredOnce) {
   int faults = 0;
   for (int seed = 0; seed < scaled(6); ++seed) {
     const auto number = static_cast<std::uint64_t>(seed);
-    const job::Profile profile = lamp_profile(200, settings::LampMode::slave, 10);
+    const job::Profile profile = lamp_profile(200, LampMode::slave, 10);
     const job::Job job = job_for(histogram_walk(600, number), profile, both_modes[seed % 2]);
     Rig rig(profile, {.jitter_us = 20, .wander = 0.01, .seed = number + 1});
     BoardCable cable(rig, GetParam().faults, number);
-    link::SenderOptions sending;
-    sending.session = static_cast<std::uint32_t>(seed) * 7919 + 1;
+    link::SenderOptions sending = session(static_cast<std::uint32_t>(seed) * 7919 + 1);
     sending.auto_resume = true;  // noise may be a command of one byte
     const link::JobResult result = link::JobSender(cable, job, sending).run();
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_EQ(result.end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, true));
     expect_sound(rig, profile.settings);
     expect_ledger(rig, result.status);
@@ -62,16 +61,14 @@ TEST(CutForGood, TheMachineHoldsAndTheJobContinuesWhereItWas) {
   // The host program ends with the cable; another one continues at the first point not fired.
   for (int seed = 0; seed < scaled(20); ++seed) {
     const auto number = static_cast<std::uint64_t>(seed);
-    const job::Profile profile = lamp_profile(200, settings::LampMode::slave, 10);
+    const job::Profile profile = lamp_profile(200, LampMode::slave, 10);
     const job::Job job = job::make_job(histogram_walk(400, number), profile, {});
     Rig rig(profile);
     std::mt19937_64 random(number);
     const auto cut_at = std::uniform_int_distribution<>(100, 1500)(random);
     {
       BoardCable cable(rig);
-      link::SenderOptions options;
-      options.session = 1;
-      link::JobSender sender(cable, job, options);
+      link::JobSender sender(cable, job, session(1));
       while (cable.now() < std::chrono::milliseconds(cut_at)) ASSERT_TRUE(sender.step());
     }
     rig.run(5 * ps_per_s);
@@ -82,7 +79,7 @@ TEST(CutForGood, TheMachineHoldsAndTheJobContinuesWhereItWas) {
     link::SenderOptions options;
     options.first_index = held.first_unfired;
     options.take_over = true;
-    ASSERT_EQ(run_job(rig, job, options).end, link::JobEnd::done);
+    ASSERT_EQ(run_job(rig, job, options).end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
     expect_sound(rig, profile.settings);
   }

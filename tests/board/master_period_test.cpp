@@ -1,12 +1,10 @@
 // A lamp that the board triggers: its period varies inside the tolerance when that saves a beat.
 #include <algorithm>
 
-#include "tests/board/rig.hpp"
+#include "tests/board/board_cable.hpp"
 
 namespace lamplock::test {
 namespace {
-
-using settings::LampMode;
 
 job::Profile master_profile(double hz, double tolerance_percent, double accel_m_s2 = 4) {
   job::Profile profile = lamp_profile(hz, LampMode::master, accel_m_s2);
@@ -16,11 +14,7 @@ job::Profile master_profile(double hz, double tolerance_percent, double accel_m_
 
 /// Time from the first step to the last shot, including the move to the first point.
 double seconds(const Rig& rig) {
-  sim::Picoseconds first = sim::never;
-  for (int axis = 0; axis < 3; ++axis)
-    if (!rig.monitor.steps(axis).empty())
-      first = std::min(first, rig.monitor.steps(axis).front().at);
-  return static_cast<double>(rig.monitor.fires().back().rise - first) * 1e-12;
+  return sim::seconds(rig.monitor.fires().back().rise - rig.monitor.first_step());
 }
 
 struct Outcome {
@@ -48,41 +42,24 @@ void run(const job::Profile& profile, const geometry::PointCloud& cloud, JoinMod
   }
   // The shot is also right in real time: within 1 us of its lattice tick.
   for (const PinMonitor::Fire& fire : rig.monitor.fires())
-    ASSERT_LE(std::abs(fire.rise - fire.edge -
-                       profile.settings.milli(Id::q_switch_delay) * sim::ps_per_ns),
-              4 * sim::ps_per_clock);
+    ASSERT_LE(
+        std::abs(fire.rise - fire.edge - profile.settings.milli(Id::q_switch_delay) * ps_per_ns),
+        4 * sim::ps_per_clock);
   outcome.seconds = seconds(rig);
   outcome.beats = result.status.beats;
 }
 
-/// A cable that holds and resumes at random moments.
-class HoldingTransport final : public link::Transport {
- public:
-  HoldingTransport(sim::VirtualBoard& board, std::uint64_t seed)
-      : board_(board), inner_(board), random_(seed) {}
-  std::size_t write(std::span<const std::uint8_t> bytes) override { return inner_.write(bytes); }
-  std::size_t read(std::span<std::uint8_t> bytes) override { return inner_.read(bytes); }
-  void wait(std::chrono::microseconds time) override {
-    if (board_.now() >= next_) {
-      machine::Controller& core = board_.controller();
-      if (core.state() == MachineState::run && core.job_unfinished()) {
-        core.on_command({wire::Command::hold, 0});
-        board_.run_until(board_.now() + static_cast<sim::Picoseconds>(random_() % 80) * ps_per_ms);
-        core.on_command({wire::Command::resume, 0});
-      }
-      next_ = board_.now() + static_cast<sim::Picoseconds>(random_() % 200'000) * ps_per_us;
-    }
-    inner_.wait(std::min(time, std::chrono::microseconds(5000)));
+/// Holds a job and resumes it, again and again at random moments.
+void hold_now_and_then(Rig& rig, BoardCable& cable, std::mt19937_64& random) {
+  machine::Controller& core = rig.board.controller();
+  if (core.state() == MachineState::run && core.job_unfinished()) {
+    core.on_command({wire::Command::hold, 0});
+    rig.run(static_cast<Picoseconds>(random() % 80) * ps_per_ms);
+    core.on_command({wire::Command::resume, 0});
   }
-  std::chrono::microseconds now() const override { return inner_.now(); }
-  bool reconnect() override { return true; }
-
- private:
-  sim::VirtualBoard& board_;
-  link::SimulatedTransport inner_;
-  std::mt19937_64 random_;
-  sim::Picoseconds next_ = 300 * ps_per_ms;
-};
+  cable.at(rig.now() + static_cast<Picoseconds>(random() % 200'000) * ps_per_us,
+           [&] { hold_now_and_then(rig, cable, random); });
+}
 
 /// Steps that take 1.02 beats from rest to rest at 100 Hz and 4 m/s2: A T^2 / 4.
 geometry::PointCloud just_too_far(std::size_t count) {
@@ -132,15 +109,12 @@ TEST(MasterPeriod, HoldsAndDropOutsStayInsideTheLimits) {
     const job::Job job = job_for(histogram_walk(150, static_cast<std::uint64_t>(seed)), profile,
                                  JoinMode::start_stop);
     Rig rig(profile, {.dropout = 0.03, .seed = static_cast<std::uint64_t>(seed) + 1});
-    link::SenderOptions sending;
-    sending.session = 1;
     // Holds occur at any moment, in longer ticks too.
-    const link::JobResult result = [&] {
-      HoldingTransport holding(rig.board, random());
-      return link::JobSender(holding, job, sending).run();
-    }();
+    BoardCable cable(rig);
+    cable.at(300 * ps_per_ms, [&] { hold_now_and_then(rig, cable, random); });
+    const link::JobResult result = link::JobSender(cable, job, session(1)).run();
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_EQ(result.end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_each_once(rig, job, false));
     expect_sound(rig, profile.settings);
   }

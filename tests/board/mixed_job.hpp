@@ -10,9 +10,7 @@ inline job::Job mixed_job(const job::Profile& profile, std::size_t points, std::
                           JoinMode mode) {
   job::Job job = job_for(histogram_walk(points, seed), profile, mode);
   std::mt19937_64 random(seed);
-  const auto pick = [&random](int from, int to) {
-    return std::uniform_int_distribution<>(from, to)(random);
-  };
+  const Pick<int> pick(random);
   std::vector<wire::Target> targets;
   for (wire::Target target : job.targets) {
     const int kind = pick(0, 11);
@@ -50,14 +48,14 @@ inline void expect_as_ordered(const Rig& rig, const job::Job& job) {
 
 /// No step and no shot between the last flash before each dwell and its end.
 inline void expect_dwells(const Rig& rig, const job::Job& job, double hz) {
-  const auto beat = static_cast<sim::Picoseconds>(1e12 / hz);
+  const auto beat = static_cast<Picoseconds>(1e12 / hz);
   std::size_t shot = 0;
   for (const wire::Target& target : job.targets) {
     shot += target.shots;
     const bool dwell = target.shots == 0 && target.beats != 0;
     if (!dwell || shot == 0) continue;
-    const sim::Picoseconds from = rig.shots()[shot - 1].at + 20 * ps_per_us;
-    const sim::Picoseconds to = from + target.beats * beat - 100 * ps_per_us;
+    const Picoseconds from = rig.shots()[shot - 1].at + 20 * ps_per_us;
+    const Picoseconds to = from + target.beats * beat - 100 * ps_per_us;
     ASSERT_FALSE(rig.monitor.stepped(from, to)) << "dwell after shot " << shot - 1;
     ASSERT_EQ(rig.monitor.fired(from, to), 0u) << "dwell after shot " << shot - 1;
   }

@@ -1,7 +1,6 @@
 // Parking at an open door: Z rises and returns in the dark, and the program ends at its place; a
 // second opening, a reset or an e-stop on the way.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include <random>
 
@@ -10,10 +9,6 @@
 
 namespace lamplock::test::parking_test {
 namespace {
-
-using testing::Contains;
-using testing::Each;
-using testing::StartsWith;
 
 constexpr std::int32_t steps_per_mm = 200;
 constexpr std::uint8_t reset_byte = 0x18;
@@ -38,7 +33,7 @@ class Parking : public testing::Test {
     host_->run_ms(5);
   }
   void set_door(bool open) {
-    rig_->board.world().schedule(sim::Pin::door, open, rig_->board.now());
+    rig_->set(sim::Pin::door, open);
     host_->run_ms(1);
   }
   std::string state() {
@@ -51,7 +46,7 @@ class Parking : public testing::Test {
     return state() == wanted;
   }
 
-  job::Profile profile_ = lamp_profile(100, settings::LampMode::free_beat);
+  job::Profile profile_ = program_profile();
   std::unique_ptr<Rig> rig_;
   std::unique_ptr<MotionJudge> judge_;
   std::unique_ptr<ProgramHost> host_;
@@ -62,7 +57,7 @@ TEST_F(Parking, GoesUpAndComesBack) {
   host_->run_ms(600);
   set_door(true);
   EXPECT_EQ(state(), "Door:2");
-  const auto opened = rig_->board.now();
+  const auto opened = rig_->now();
   ASSERT_TRUE(wait_for_state("Door:1"));
   const StepPosition parked = loads();
   EXPECT_EQ(parked[2], 30 * steps_per_mm);
@@ -74,7 +69,7 @@ TEST_F(Parking, GoesUpAndComesBack) {
   host_->run_ms(2);
   EXPECT_EQ(state(), "Door:3");
   ASSERT_TRUE(wait_for_state("Run"));
-  EXPECT_FALSE(rig_->board.world().beam().shone(opened, rig_->board.now()));
+  EXPECT_FALSE(rig_->board.world().beam().shone(opened, rig_->now()));
   EXPECT_EQ(loads()[0], parked[0]);
   EXPECT_LT(loads()[2], 0);
   ASSERT_TRUE(host_->wait_for_rest());
@@ -104,9 +99,7 @@ TEST_F(Parking, OnlyUp) {
 /// laser is dark with the door open or the tool up, and the program ends at its place.
 TEST_F(Parking, DoorsAtRandomMoments) {
   std::mt19937_64 random(6);
-  const auto ms = [&random](double most) {
-    return std::uniform_real_distribution<>(0, most)(random);
-  };
+  const Pick<double> ms(random);
   for (int round = 0; round < scaled(40); ++round) {
     SCOPED_TRACE(fmt::format("round {}", round));
     const bool jerk = round % 3 == 0;
@@ -117,9 +110,9 @@ TEST_F(Parking, DoorsAtRandomMoments) {
     for (int doors = 0; doors < 4; ++doors) {
       host_->run_ms(ms(600));
       set_door(true);
-      const auto opened = rig_->board.now();
+      const auto opened = rig_->now();
       host_->run_ms(ms(900));
-      EXPECT_FALSE(rig_->board.world().beam().shone(opened, rig_->board.now()));
+      EXPECT_FALSE(rig_->board.world().beam().shone(opened, rig_->now()));
       set_door(false);
       host_->send("~");
       host_->run_ms(ms(900));
@@ -141,9 +134,7 @@ TEST_F(Parking, DoorsAtRandomMoments) {
 /// any moment, Z stays in its work area.
 TEST_F(Parking, AbortedAnywhereItStaysInsideTheWorkArea) {
   std::mt19937_64 random(8);
-  const auto ms = [&random](double most) {
-    return std::uniform_real_distribution<>(0, most)(random);
-  };
+  const Pick<double> ms(random);
   constexpr std::int32_t top = 50 * steps_per_mm;
   profile_.settings.set_milli(Id::parking_target, 50'000);
   profile_.settings.set_milli(Id::parking_pull_out, 1'000);
@@ -208,7 +199,7 @@ TEST_F(Parking, ResetAndEstopOnTheWay) {
     if (round % 2 == 0)
       host_->send(reset_byte);
     else
-      rig_->board.world().schedule(sim::Pin::estop, true, rig_->board.now());
+      rig_->set(sim::Pin::estop, true);
     host_->run_ms(2000);
     const StepPosition stood = loads();
     host_->run_ms(200);
@@ -217,7 +208,7 @@ TEST_F(Parking, ResetAndEstopOnTheWay) {
     if (round % 2 != 0) {
       EXPECT_THAT(host_->said(), Contains("ALARM:10"));
     }
-    EXPECT_THAT(state(), testing::AnyOf(StartsWith("Alarm"), StartsWith("Idle")));
+    EXPECT_THAT(state(), AnyOf(StartsWith("Alarm"), StartsWith("Idle")));
   }
 }
 

@@ -24,7 +24,7 @@ geometry::PointCloud outline(std::size_t count, double spacing_mm) {
   return cloud;
 }
 
-job::Profile path_profile(double hz, settings::LampMode mode, double accel_m_s2, double jump_mm_s) {
+job::Profile path_profile(double hz, LampMode mode, double accel_m_s2, double jump_mm_s) {
   job::Profile profile = lamp_profile(hz, mode, accel_m_s2);
   for (int axis = 0; axis < 3; ++axis)
     job::state_setting(profile, settings::for_axis(Id::speed_jump_x, axis), jump_mm_s, "test");
@@ -44,15 +44,11 @@ double farthest_from_lines(const Rig& rig, const job::Job& job) {
       length2 += way[a] * way[a];
     }
     for (int k = 1; k < 8; ++k) {
-      const sim::Picoseconds t = fires[i - 1].rise + (fires[i].rise - fires[i - 1].rise) * k / 8;
+      const Picoseconds t = fires[i - 1].rise + (fires[i].rise - fires[i - 1].rise) * k / 8;
       std::array<double, 3> at{};
       double along = 0;
       for (std::size_t a = 0; a < 3; ++a) {
-        const auto& steps = rig.monitor.steps(static_cast<int>(a));
-        const auto next = std::upper_bound(
-            steps.begin(), steps.end(), t,
-            [](sim::Picoseconds when, const PinMonitor::Step& s) { return when < s.at; });
-        at[a] = (next == steps.begin() ? 0 : std::prev(next)->position) - from[a];
+        at[a] = rig.monitor.position_at(static_cast<int>(a), t) - from[a];
         along += at[a] * way[a];
       }
       double off = 0;
@@ -65,7 +61,7 @@ double farthest_from_lines(const Rig& rig, const job::Job& job) {
 }
 
 TEST(PathJob, EachPointOnceOnItsLineWithoutStopping) {
-  const job::Profile profile = path_profile(40, settings::LampMode::slave, 0.3, 0.75);
+  const job::Profile profile = path_profile(40, LampMode::slave, 0.3, 0.75);
   const job::Job job = job_for(outline(400, 0.125), profile, JoinMode::path);
   Rig rig(profile.settings, world_for(profile));
   rig.monitor.allow_speed_jumps();
@@ -80,7 +76,7 @@ TEST(PathJob, EachPointOnceOnItsLineWithoutStopping) {
 struct PathCase {
   const char* name;
   double hz, jump_mm_s;
-  settings::LampMode mode;
+  LampMode mode;
   sim::LampConfig lamp;
   friend void PrintTo(const PathCase& c, std::ostream* out) { *out << c.name; }
 };
@@ -106,8 +102,8 @@ TEST_P(PathLamps, EveryPointOnceInsideTheLimits) {
   }
 }
 
-constexpr auto slave = settings::LampMode::slave;
-constexpr auto master = settings::LampMode::master;
+constexpr auto slave = LampMode::slave;
+constexpr auto master = LampMode::master;
 
 INSTANTIATE_TEST_SUITE_P(
     Lamps, PathLamps,

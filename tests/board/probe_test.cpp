@@ -1,7 +1,6 @@
 // Probing with G38.2 to G38.5 on the virtual board: the reported place against the contact's place,
 // the program after the probe, contacts that are closed before, never made, or bounce.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include <random>
 
@@ -9,12 +8,6 @@
 
 namespace lamplock::test::probe_test {
 namespace {
-
-using testing::Contains;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Not;
-using testing::StartsWith;
 
 constexpr std::int32_t steps_per_mm = 200;
 
@@ -26,7 +19,7 @@ sim::WireConfig plate(std::int32_t z, sim::BounceConfig bounce = {}) {
 }
 
 job::Profile profile_without_homing() {
-  job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
+  job::Profile profile = program_profile();
   profile.settings.set_milli(Id::laser_mode, 1000);
   return profile;
 }
@@ -127,7 +120,7 @@ TEST(Probe, NormallyClosed) {
   EXPECT_THAT(p.m.host.status(), Not(HasSubstr("Pn:")));
   p.m.host.send("G38.2 Z-10 F60\n");
   ASSERT_TRUE(p.m.wait_for([&] { return p.m.loads()[2] <= -steps_per_mm; }));
-  p.m.switches().break_wire(sim::Pin::probe, p.m.rig.board.now());
+  p.m.switches().break_wire(sim::Pin::probe, p.m.rig.now());
   ASSERT_TRUE(p.m.wait_for([&] { return !p.m.host.answers().empty(); }));
   EXPECT_THAT(p.m.host.said(), Contains(StartsWith("[PRB:0.000,0.000,-1.0")));
   EXPECT_THAT(p.m.host.status(), HasSubstr("|Pn:P"));
@@ -165,9 +158,7 @@ TEST(Probe, HoldsAndResumes) {
 /// At any feed rate and with any contact bounce the place is that of the first contact, to a step.
 TEST(Probe, IsExactAtAnyFeed) {
   std::mt19937_64 random(11);
-  const auto pick = [&random](int from, int to) {
-    return std::uniform_int_distribution<>(from, to)(random);
-  };
+  const Pick<int> pick(random);
   for (int round = 0; round < scaled(20); ++round) {
     const std::int32_t z = -pick(20, 8000);
     Probing p({plate(
@@ -190,7 +181,7 @@ TEST(Probe, TheLaserIsOff) {
   p.m.host.send("M3 S1000\nG1 X1 F600\nG38.2 Z-10\n");
   bool shone = false, shone_on_the_way = false;
   ASSERT_TRUE(p.m.wait_for([&] {
-    const bool shines = p.m.rig.board.world().beam().at(p.m.rig.board.now()).shines();
+    const bool shines = p.m.rig.board.world().beam().at(p.m.rig.now()).shines();
     shone = shone || shines;
     shone_on_the_way = shone_on_the_way || (shines && p.m.loads()[2] < -1);
     return p.m.host.answers().size() == 3;

@@ -100,7 +100,7 @@ class Writer {
 };
 
 job::Profile machine_of(std::mt19937_64& random, bool jerk, bool core_xy = false) {
-  job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
+  job::Profile profile = program_profile();
   profile.settings.set_milli(Id::kinematics, core_xy ? 1000 : 0);
   for (int a = 0; a < 3; ++a) {
     const auto pick = [&](double low, double high) {
@@ -134,6 +134,28 @@ StepPosition motors_at(const job::Profile& profile, const RandomProgram& program
 constexpr std::array kinds{Kind::lines, Kind::arcs,  Kind::dense,
                            Kind::stops, Kind::timed, Kind::mixed};
 
+/// The i-th of many random programs, and its machine with a judge.
+struct LimitedRun {
+  LimitedRun(std::mt19937_64& random, int i, bool core_xy)
+      : kind(kinds[static_cast<std::size_t>(i) % kinds.size()]),
+        profile(machine_of(random, i / 6 % 3 == 1 && !has_times(kind), core_xy)),
+        program(Writer(random()).make(kind, kind == Kind::dense ? 6 : 12)) {}
+  void expect_at_end(const std::string& script = "") {
+    SCOPED_TRACE(script + "\n" + program.text);
+    host.run_ms(5);
+    EXPECT_EQ(judge.fault(), "");
+    EXPECT_EQ(host.position(), steps_at(program.end));
+    EXPECT_EQ(rig.board.world().drives().motors(), motors_at(profile, program));
+    expect_undisturbed(rig);
+  }
+  Kind kind;
+  job::Profile profile;
+  RandomProgram program;
+  Rig rig{profile};
+  ProgramHost host{rig};
+  MotionJudge judge{rig.board, profile.settings, kind != Kind::stops};
+};
+
 /// Axes and their limits are the same for both kinematics.
 class ProgramLimits : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Kinematics, ProgramLimits, testing::Bool(), [](const auto& test) {
@@ -144,25 +166,14 @@ TEST_P(ProgramLimits, UndisturbedInTheTimeThatCheckPredicts) {
   std::mt19937_64 random(1);
   for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "program " << i);
-    const Kind kind = kinds[static_cast<std::size_t>(i) % kinds.size()];
-    const job::Profile profile = machine_of(random, i / 6 % 3 == 1 && !has_times(kind), GetParam());
-    const RandomProgram program = Writer(random()).make(kind, kind == Kind::dense ? 6 : 12);
-    const auto plan = program_run::run_program(program.text, profile.settings, 1);
-    ASSERT_TRUE(plan.problems.empty()) << plan.problems[0].text << "\n" << program.text;
-    Rig rig(profile);
-    ProgramHost host(rig);
-    MotionJudge judge(rig.board, profile.settings, kind != Kind::stops);
-    ASSERT_TRUE(host.stream(program.text, 20))
-        << host.answers().size() << " " << host.status() << program.text;
-    host.run_ms(5);
-    EXPECT_EQ(judge.fault(), "") << program.text;
-    EXPECT_EQ(host.position(), steps_at(program.end)) << program.text;
-    EXPECT_EQ(rig.board.world().drives().motors(), motors_at(profile, program)) << program.text;
-    EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
+    LimitedRun run(random, i, GetParam());
+    const auto plan = program_run::run_program(run.program.text, run.profile.settings, 1);
+    ASSERT_TRUE(plan.problems.empty()) << plan.problems[0].text << "\n" << run.program.text;
+    ASSERT_TRUE(run.host.stream(run.program.text, 20))
+        << run.host.answers().size() << " " << run.host.status() << run.program.text;
+    run.expect_at_end();
     // The board plans the same segments, so times differ only by ticks.
-    EXPECT_NEAR(judge.moved_s(), plan.seconds(), 2e-6) << program.text;
-    EXPECT_EQ(rig.board.controller().program().starvations(), 0u);
-    EXPECT_FALSE(rig.board.controller().runner().generator().underrun());
+    EXPECT_NEAR(run.judge.moved_s(), plan.seconds(), 2e-6) << run.program.text;
   }
 }
 
@@ -191,14 +202,10 @@ TEST_P(ProgramLimits, DisturbedAtAnyMoment) {
                                            0x96, 0x97, '!',  '!',  '~',  '~'};
   for (int i = 0; i < scaled(12); ++i) {
     SCOPED_TRACE(testing::Message() << "program " << i);
-    const Kind kind = kinds[static_cast<std::size_t>(i) % kinds.size()];
-    const job::Profile profile = machine_of(random, i / 6 % 3 == 1 && !has_times(kind), GetParam());
-    const RandomProgram program = Writer(random()).make(kind, kind == Kind::dense ? 6 : 12);
-    ASSERT_LT(program.text.size(), 8000u);
-    Rig rig(profile);
-    ProgramHost host(rig);
-    MotionJudge judge(rig.board, profile.settings, kind != Kind::stops);
-    std::string_view rest = program.text;
+    LimitedRun run(random, i, GetParam());
+    ProgramHost& host = run.host;
+    ASSERT_LT(run.program.text.size(), 8000u);
+    std::string_view rest = run.program.text;
     const auto lines = static_cast<std::size_t>(std::count(rest.begin(), rest.end(), '\n'));
     std::size_t sent = 0;
     std::string script;
@@ -212,7 +219,7 @@ TEST_P(ProgramLimits, DisturbedAtAnyMoment) {
       }
       if (random() % 4 == 0) {
         const unsigned byte = bytes[random() % bytes.size()];
-        script += fmt::format("{:02x} at {} ms, ", byte, rig.board.now() / ps_per_ms);
+        script += fmt::format("{:02x} at {} ms, ", byte, run.rig.now() / ps_per_ms);
         host.send(static_cast<std::uint8_t>(byte));
       }
       host.run_ms(std::uniform_real_distribution<double>(0.5, 40)(random));
@@ -222,13 +229,7 @@ TEST_P(ProgramLimits, DisturbedAtAnyMoment) {
       host.send("~");
       if (host.wait_for_rest(0.05)) break;
     }
-    host.run_ms(5);
-    EXPECT_EQ(judge.fault(), "") << script << "\n" << program.text;
-    EXPECT_EQ(host.position(), steps_at(program.end)) << script << "\n" << program.text;
-    EXPECT_EQ(rig.board.world().drives().motors(), motors_at(profile, program)) << script;
-    EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
-    EXPECT_EQ(rig.board.controller().program().starvations(), 0u);
-    EXPECT_FALSE(rig.board.controller().runner().generator().underrun());
+    run.expect_at_end(script);
   }
 }
 

@@ -1,7 +1,6 @@
 // Outputs and inputs of programs on the virtual board: each output changes at the tick where its
 // line begins, programs wait for inputs, and outputs go off when a program ends.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include <fstream>
 #include <functional>
@@ -14,35 +13,10 @@ namespace lamplock::test::program_outputs_test {
 namespace {
 
 using sim::Pin;
-using testing::Contains;
-using testing::Each;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::StartsWith;
 
 constexpr std::int32_t steps_per_mm = 200;
 constexpr std::uint8_t reset_byte = 0x18, flood_byte = 0xa0, mist_byte = 0xa1;
 constexpr std::uint16_t full = 65535;
-
-struct Edge {
-  bool level;
-  sim::Picoseconds at;
-  std::int32_t x;  ///< of the load
-};
-
-/// Every edge of one wire; must outlive the bus's use.
-class EdgeLog final : public sim::PinListener {
- public:
-  EdgeLog(Rig& rig, Pin pin) : rig_(rig) { rig.board.bus().listen(pin, *this); }
-  void pin_changed(Pin /*pin*/, bool level, sim::Picoseconds at) override {
-    edges.push_back({level, at, rig_.board.world().drives().position()[0]});
-  }
-  std::vector<Edge> edges;
-
- private:
-  Rig& rig_;
-};
 
 /// The tick at which Y begins to move.
 class BeginOfY final : public sim::TickListener {
@@ -52,15 +26,15 @@ class BeginOfY final : public sim::TickListener {
     if (moves && !moved_) begins.push_back(ticks.start);
     moved_ = moves;
   }
-  void beat_begins(std::uint64_t /*tick*/, sim::Picoseconds /*at*/) override {}
-  std::vector<sim::Picoseconds> begins;
+  void beat_begins(std::uint64_t /*tick*/, Picoseconds /*at*/) override {}
+  std::vector<Picoseconds> begins;
 
  private:
   bool moved_ = false;
 };
 
 job::Profile profile_with(boards::PinMap map) {
-  job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
+  job::Profile profile = program_profile();
   profile.settings.set_milli(Id::laser_mode, 1000);
   profile.settings.set_milli(Id::pin_map, static_cast<int>(map) * 1000);
   return profile;
@@ -76,11 +50,13 @@ struct Machine {
   explicit Machine(boards::PinMap map = boards::PinMap::cut_io)
       : Machine(profile_with(map), world_for(profile_with(map))) {}
 
+  /// Position of the load of X at an edge.
+  std::int32_t x_at(const EdgeLog::Edge& edge) const { return rig.monitor.position_at(0, edge.at); }
   bool is_high(Pin pin) { return rig.board.bus().level(pin); }
   bool aux() { return is_high(Pin::aux_out); }
   bool air() { return is_high(Pin::air); }
   void set(Pin pin, bool level) {
-    rig.board.world().schedule(pin, level, rig.board.now());
+    rig.set(pin, level);
     host.run_ms(2);
   }
   void ask_ok(std::string_view lines, double seconds = 30) {
@@ -95,7 +71,7 @@ struct Machine {
 
   Rig rig;
   ProgramHost host{rig};
-  EdgeLog aux_edges{rig, Pin::aux_out}, air_edges{rig, Pin::air};
+  EdgeLog aux_edges{rig.board.bus(), Pin::aux_out}, air_edges{rig.board.bus(), Pin::air};
   BeginOfY begin_of_y;
 };
 
@@ -106,8 +82,8 @@ TEST(Coolant, ChangesAtItsLineAndNotWhenItIsRead) {
   ASSERT_TRUE(m.host.stream("G1 X5 F600\nM8\nG1 X10\nM9\nG1 X15\nM7\nG1 X20\nM2\n"));
   std::vector<std::int32_t> places;
   std::vector<bool> levels;
-  for (const Edge& edge : m.air_edges.edges) {
-    places.push_back(edge.x);
+  for (const EdgeLog::Edge& edge : m.air_edges.edges()) {
+    places.push_back(m.x_at(edge));
     levels.push_back(edge.level);
   }
   EXPECT_THAT(places, ElementsAre(5 * steps_per_mm, 10 * steps_per_mm, 15 * steps_per_mm,
@@ -153,17 +129,15 @@ TEST(Coolant, IsOffWhileTheDoorIsOpenAndOnAgainWithTheProgram) {
 TEST(ProgramOutputs, ChangeAtTheTickThatTheirLineBeginsWith) {
   Machine m;
   ASSERT_TRUE(m.host.stream("G1 X5 F3000\nM62 P0\nG1 Y5\nG1 X10\nM63 P0\nG1 Y10\nG0 X0\n"));
-  std::vector<sim::Picoseconds> edges;
-  for (const Edge& edge : m.aux_edges.edges) edges.push_back(edge.at);
+  std::vector<Picoseconds> edges;
+  for (const EdgeLog::Edge& edge : m.aux_edges.edges()) edges.push_back(edge.at);
   EXPECT_EQ(edges, m.begin_of_y.begins);
   EXPECT_EQ(edges.size(), 2u);
 }
 
 TEST(ProgramOutputs, ChangeWithTheMotionHoweverItIsPlanned) {
   std::mt19937_64 random(8);
-  const auto pick = [&random](int from, int to) {
-    return std::uniform_int_distribution<>(from, to)(random);
-  };
+  const Pick<int> pick(random);
   for (int i = 0; i < scaled(20); ++i) {
     Machine m;
     std::string text = fmt::format("G91 M3 S{}\n", pick(0, 1) * 500);
@@ -183,10 +157,10 @@ TEST(ProgramOutputs, ChangeWithTheMotionHoweverItIsPlanned) {
       text += fmt::format("G1 X{} F{}\n", steps / 200.0, pick(1, 60) * 100);
     }
     ASSERT_TRUE(m.host.stream(text)) << m.host.status();
-    ASSERT_EQ(m.aux_edges.edges.size(), wanted.size());
+    ASSERT_EQ(m.aux_edges.edges().size(), wanted.size());
     for (std::size_t k = 0; k < wanted.size(); ++k) {
-      EXPECT_EQ(m.aux_edges.edges[k].level, k % 2 == 0);
-      EXPECT_LE(std::abs(m.aux_edges.edges[k].x - wanted[k]), 1) << "change " << k;
+      EXPECT_EQ(m.aux_edges.edges()[k].level, k % 2 == 0);
+      EXPECT_LE(std::abs(m.x_at(m.aux_edges.edges()[k]) - wanted[k]), 1) << "change " << k;
     }
     EXPECT_THAT(m.host.answers(), Each("ok"));
   }
@@ -203,7 +177,7 @@ TEST(ProgramOutputs, WaitForMotionAndTheLastOneCounts) {
   m.ask_ok("G0 X2\n");
   ASSERT_TRUE(m.host.wait_for_rest());
   EXPECT_TRUE(m.aux());
-  EXPECT_EQ(m.aux_edges.edges.size(), 1u);
+  EXPECT_EQ(m.aux_edges.edges().size(), 1u);
 }
 
 TEST(ProgramOutputs, ChangeAtOnceWhenReadBeforeTheMotion) {
@@ -242,8 +216,8 @@ TEST(ProgramOutputs, ChangeNoSoonerAfterAHold) {
   EXPECT_FALSE(m.aux());
   m.host.send("~");
   ASSERT_TRUE(m.host.wait_for_rest());
-  ASSERT_EQ(m.aux_edges.edges.size(), 1u);
-  EXPECT_LE(std::abs(m.aux_edges.edges[0].x - 10 * steps_per_mm), 1);
+  ASSERT_EQ(m.aux_edges.edges().size(), 1u);
+  EXPECT_LE(std::abs(m.x_at(m.aux_edges.edges()[0]) - 10 * steps_per_mm), 1);
 }
 
 TEST(ProgramOutputs, StayInAHoldInAPauseAndWhileTheDoorIsOpen) {
@@ -349,7 +323,7 @@ TEST(ProgramInputs, StopTheProgramWhenTimeIsOver) {
   EXPECT_TRUE(m.host.has_said("[MSG:Input 0 not met: off]"));
   EXPECT_THAT(m.host.status(), StartsWith("<Hold"));
   EXPECT_EQ(m.host.position()[0], 5 * steps_per_mm);
-  EXPECT_FALSE(m.rig.board.world().beam().at(m.rig.board.now()).shines());
+  EXPECT_FALSE(m.rig.board.world().beam().at(m.rig.now()).shines());
   m.host.send("~");
   ASSERT_TRUE(m.host.wait_for_rest());
   EXPECT_EQ(m.host.position()[0], 10 * steps_per_mm);
@@ -391,10 +365,10 @@ TEST(MaterialFeed, CutsOneSheetAfterTheOther) {
     EXPECT_FALSE(m.air());
   }
   EXPECT_THAT(m.host.answers(), Each("ok"));
-  EXPECT_EQ(m.aux_edges.edges.size(), 12u);
+  EXPECT_EQ(m.aux_edges.edges().size(), 12u);
   EXPECT_EQ(world.drives().position()[0], -5 * steps_per_mm);
   // The feeder removes the sheet on the machine's way home, from the beginning of that way.
-  for (std::size_t i = 2; i < 12; i += 4) EXPECT_EQ(m.aux_edges.edges[i].x, 0);
+  for (std::size_t i = 2; i < 12; i += 4) EXPECT_EQ(m.x_at(m.aux_edges.edges()[i]), 0);
 }
 
 TEST(MaterialFeed, StopsDarkWhenTheSensorsWireBreaks) {
@@ -404,7 +378,7 @@ TEST(MaterialFeed, StopsDarkWhenTheSensorsWireBreaks) {
   EXPECT_THAT(m.host.status(), StartsWith("<Hold"));
   EXPECT_TRUE(m.host.has_said("[MSG:Input 0 not met: off]"));
   EXPECT_EQ(m.host.position()[0], 0);
-  EXPECT_FALSE(m.rig.board.world().beam().shone(0, m.rig.board.now()));
+  EXPECT_FALSE(m.rig.board.world().beam().shone(0, m.rig.now()));
   EXPECT_TRUE(m.aux()) << "the feeder has not been switched off";
   m.host.send(reset_byte);
   m.host.run_ms(5);
@@ -473,7 +447,7 @@ TEST(DrivesAtRest, HoldBeforeAJobOfPoints) {
   Rig rig(profile);
   rig.run(500 * ps_per_ms);
   EXPECT_FALSE(rig.board.bus().level(Pin::enable));
-  EXPECT_EQ(run_job(rig, job).end, link::JobEnd::done);
+  EXPECT_EQ(run_job(rig, job).end, JobEnd::done);
   expect_each_once(rig, job, false);
   EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
   rig.run(500 * ps_per_ms);
@@ -483,9 +457,7 @@ TEST(DrivesAtRest, HoldBeforeAJobOfPoints) {
 /// Whatever the commands, no step occurs while its drive is released or has just been enabled.
 TEST(DrivesAtRest, TakeNoStepAtRandomMoments) {
   std::mt19937_64 random(5);
-  const auto pick = [&random](int from, int to) {
-    return std::uniform_int_distribution<>(from, to)(random);
-  };
+  const Pick<int> pick(random);
   for (int i = 0; i < scaled(10); ++i) {
     const job::Profile profile = with_rest(pick(0, 60), pick(0, 15), boards::PinMap::cut_io);
     Machine m(profile, world_for(profile));

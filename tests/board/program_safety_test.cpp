@@ -7,7 +7,7 @@
 #include <random>
 
 #include "tests/board/board_cable.hpp"
-#include "tests/board/wire_host.hpp"
+#include "tests/board/program_host.hpp"
 
 namespace lamplock::test::program_safety_test {
 namespace {
@@ -22,7 +22,7 @@ using testing::SizeIs;
 using testing::StartsWith;
 
 constexpr std::int32_t steps_per_mm = 200;
-constexpr unsigned reset_byte = 0x18, jog_cancel_byte = 0x85;
+constexpr std::uint8_t reset_byte = 0x18, jog_cancel_byte = 0x85;
 
 /// A board with a continuous laser, and a host.
 class ProgramSafety : public testing::Test {
@@ -34,7 +34,7 @@ class ProgramSafety : public testing::Test {
   void set_up() {
     host_.reset();
     rig_ = std::make_unique<Rig>(profile_);
-    host_ = std::make_unique<WireHost>(*rig_);
+    host_ = std::make_unique<ProgramHost>(*rig_, ProgramHost::Banner::kept);
     host_->run_ms(5);
   }
   void TearDown() override { expect_sound_wire(); }
@@ -79,7 +79,7 @@ class ProgramSafety : public testing::Test {
 
   job::Profile profile_ = lamp_profile(100, settings::LampMode::free_beat);
   std::unique_ptr<Rig> rig_;
-  std::unique_ptr<WireHost> host_;
+  std::unique_ptr<ProgramHost> host_;
 };
 
 std::size_t lines_in(std::string_view text) {
@@ -129,7 +129,7 @@ TEST_P(ProgramAlarm, EndsEverythingAndAnswersEveryLine) {
       EXPECT_EQ(rig_->state(), locked);
       EXPECT_THAT(state(), StartsWith("Alarm"));
       EXPECT_EQ(host_->count(Said::alarm), 1u);
-      EXPECT_TRUE(host_->heard(estop ? "ALARM:10" : "ALARM:1"));
+      EXPECT_TRUE(host_->has_said(estop ? "ALARM:10" : "ALARM:1"));
       EXPECT_EQ(host_->answers().size(), lines_in(script));
       host_->send("~");
       expect_quiet(20);
@@ -159,7 +159,7 @@ TEST_P(ProgramAlarm, NoLineIsAnsweredAsRunThatIsNot) {
 TEST_P(ProgramAlarm, OccursWhileAResetBrakes) {
   host_->send("G1 X40 F6000\nG1 X0\n");
   host_->run_ms(150);
-  host_->send_byte(reset_byte);
+  host_->send(reset_byte);
   host_->run_ms(10);
   ASSERT_EQ(host_->count(Said::banner), 1u) << "still braking";
   set(GetParam(), true);
@@ -168,10 +168,10 @@ TEST_P(ProgramAlarm, OccursWhileAResetBrakes) {
   EXPECT_EQ(host_->count(Said::alarm), 1u);
   set(GetParam(), false);
   EXPECT_THAT(host_->ask("$X\n"), Contains("ok"));
-  host_->send_byte(reset_byte);
+  host_->send(reset_byte);
   host_->run_ms(20);
   EXPECT_EQ(host_->count(Said::banner), 3u);
-  EXPECT_FALSE(host_->heard("ALARM:3"));
+  EXPECT_FALSE(host_->has_said("ALARM:3"));
   EXPECT_EQ(state(), "Idle");
   expect_obeys();
 }
@@ -332,7 +332,7 @@ TEST_F(ProgramSafety, ADoorCancelsAJog) {
     host_->send("$J=G91 X40 F3000\n");
     host_->run_ms(200);
     set(sim::Pin::door, true);
-    if (cancelled) host_->send_byte(jog_cancel_byte);
+    if (cancelled) host_->send(jog_cancel_byte);
     host_->run_ms(200);
     const std::int32_t stood = x();
     EXPECT_GT(stood, 0);
@@ -352,12 +352,12 @@ TEST_F(ProgramSafety, ADoorCancelsAJog) {
 TEST_F(ProgramSafety, ADoorWhileAResetBrakes) {
   host_->send("M3 S1000\nG1 X40 F6000\nG1 X0\n");
   host_->run_ms(150);
-  host_->send_byte(reset_byte);
+  host_->send(reset_byte);
   host_->run_ms(2);
   set(sim::Pin::door, true);
   host_->run_ms(300);
   EXPECT_EQ(host_->count(Said::banner), 2u);
-  EXPECT_TRUE(host_->heard("ALARM:3"));
+  EXPECT_TRUE(host_->has_said("ALARM:3"));
   EXPECT_EQ(state(), "Alarm");
   set(sim::Pin::door, false);
   EXPECT_THAT(host_->ask("$X\n"), Contains("ok"));
@@ -369,7 +369,7 @@ TEST_F(ProgramSafety, AResetAtAnOpenDoorLeavesNothing) {
   host_->run_ms(150);
   set(sim::Pin::door, true);
   host_->run_ms(300);
-  host_->send_byte(reset_byte);
+  host_->send(reset_byte);
   host_->run_ms(50);
   EXPECT_EQ(host_->count(Said::banner), 2u);
   EXPECT_EQ(state(), "Idle");
@@ -419,10 +419,10 @@ TEST_F(ProgramSafety, AStartUpLineOutsideCostsNoAnswer) {
   ASSERT_TRUE(host_->wait_for_rest(5));
   EXPECT_THAT(host_->ask("G10 L2 P1 X30\n"), Contains("ok"));
   const std::size_t answers = host_->answers().size();
-  host_->send_byte(reset_byte);
+  host_->send(reset_byte);
   host_->run_ms(50);
-  EXPECT_TRUE(host_->heard(">G0 X40:ok"));
-  EXPECT_TRUE(host_->heard("ALARM:2"));
+  EXPECT_TRUE(host_->has_said(">G0 X40:ok"));
+  EXPECT_TRUE(host_->has_said("ALARM:2"));
   EXPECT_EQ(host_->answers().size(), answers);
   EXPECT_THAT(host_->ask("$X\n"), Contains("ok"));
   EXPECT_THAT(host_->ask("G10 L2 P1 X0\n"), ElementsAre("ok"));
@@ -431,7 +431,7 @@ TEST_F(ProgramSafety, AStartUpLineOutsideCostsNoAnswer) {
 
 TEST_F(ProgramSafety, AStartUpLineIsKeptOnceItHasRun) {
   EXPECT_THAT(host_->ask("$N0=G21\n$N0=G0 X999\n"), Contains("error:33"));
-  EXPECT_TRUE(host_->heard("ALARM:2"));
+  EXPECT_TRUE(host_->has_said("ALARM:2"));
   EXPECT_THAT(host_->ask("$X\n$N\n"), AllOf(Contains("$N0=G21"), Contains("$N1=")));
   host_->send("$N1=G4 P0.5\n");
   host_->run_ms(50);
@@ -440,7 +440,7 @@ TEST_F(ProgramSafety, AStartUpLineIsKeptOnceItHasRun) {
   EXPECT_THAT(host_->ask("$X\n$N\n"), AllOf(Contains("$N0=G21"), Contains("$N1=")));
   host_->send("$N1=G4 P5\n");
   host_->run_ms(50);
-  host_->send_byte(reset_byte);
+  host_->send(reset_byte);
   host_->run_ms(50);
   EXPECT_THAT(host_->ask("$N\n"), AllOf(Contains("$N0=G21"), Contains("$N1=")));
   EXPECT_THAT(host_->ask("$N1=G4 P0.1\n$N\n"), ElementsAre("ok", "$N0=G21", "$N1=G4 P0.1", "ok"));
@@ -458,11 +458,11 @@ TEST_F(ProgramSafety, StartUpLinesComeFirst) {
   host_->send("\x18G1 X5 F600\n");
   ASSERT_TRUE(host_->wait_for(3, 2));
   ASSERT_TRUE(host_->wait_for_rest(5));
-  EXPECT_THAT(host_->texts_from(heard),
+  EXPECT_THAT(host_->said_from(heard),
               ElementsAre("Grbl 1.1h ['$' for help]", ">G4 P0.2:ok", ">G91 G0 X1:ok", "ok"));
   EXPECT_EQ(x(), 7 * steps_per_mm);
   const job::Job job = job::make_job({{1, 0, 0}}, profile_, {});
-  host_->send_byte(reset_byte);
+  host_->send(reset_byte);
   EXPECT_ANY_THROW(run_job(*rig_, job));
   rig_->run(ps_per_s);
   EXPECT_EQ(x(), 8 * steps_per_mm);

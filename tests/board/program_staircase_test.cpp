@@ -1,12 +1,11 @@
 // Lines and arcs of programs on the virtual board, on coarse and fine machines: the staircase of
 // pulses is within half a pulse of the true path everywhere, and ends on the nearest step.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include <random>
 
 #include "tests/board/program_host.hpp"
-#include "tests/board/staircase.hpp"
+#include "tests/judges/path_judge.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -15,7 +14,7 @@ struct StairMachine {
   StepPoint steps_per_mm{};
 
   job::Profile profile() const {
-    job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
+    job::Profile profile = program_profile();
     for (int axis = 0; axis < 3; ++axis) {
       job::state_setting(profile, settings::for_axis(Id::steps_per_mm_x, axis),
                          steps_per_mm[static_cast<std::size_t>(axis)], "test");
@@ -111,7 +110,7 @@ void expect_staircases(const StairMachine& machine, bool arcs, int programs) {
       ASSERT_TRUE(host.stream(writer.take_text()));
       host.run_ms(20);
     }
-    ASSERT_THAT(host.answers(), testing::Each("ok"));
+    ASSERT_THAT(host.answers(), Each("ok"));
     StaircaseFollower follower(writer.path(), bound_of(profile, machine, arcs));
     ASSERT_EQ(follower.follow(record.places()), "") << "program " << program;
     ASSERT_EQ(rig.board.world().drives().total_faults(), 0u);
@@ -134,7 +133,7 @@ TEST(ProgramStaircase, TwoTrajectoriesOfTwoServoDrives) {
     StepRecord record(rig.board);
     ASSERT_TRUE(host.stream(text));
     host.run_ms(20);
-    ASSERT_THAT(host.answers(), testing::Each("ok"));
+    ASSERT_THAT(host.answers(), Each("ok"));
     StaircaseFollower follower(path, bound_of(profile, coarse, arc));
     EXPECT_EQ(follower.follow(record.places()), "") << text;
     EXPECT_EQ(rig.board.world().drives().position(), end);
@@ -176,7 +175,7 @@ TEST(ProgramStaircase, TheNextMoveStartsInTheMiddleOfAStep) {
   ASSERT_TRUE(host.stream("G1 X0\n"));
   host.run_ms(20);
   EXPECT_EQ(rig.board.world().drives().position()[0], 0);
-  ASSERT_THAT(host.answers(), testing::Each("ok"));
+  ASSERT_THAT(host.answers(), Each("ok"));
 }
 
 }  // namespace

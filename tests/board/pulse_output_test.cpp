@@ -1,21 +1,16 @@
 // Drives of every kind on the virtual board: they lose no step, the steps occur at the same ticks
 // in every pulse mode, and the position is known after an immediate stop.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include <cmath>
 #include <random>
 
 #include "tests/board/exact_programs.hpp"
 #include "tests/board/program_host.hpp"
-#include "tests/board/step_log.hpp"
 #include "tests/board/turning_job.hpp"
 
 namespace lamplock::test {
 namespace {
-
-using settings::PulseMode;
-using sim::Picoseconds;
 
 constexpr PerAxis<PulseMode> all_step_dir{};
 
@@ -59,7 +54,7 @@ struct LoggedRig : Rig {
 };
 
 void run_points(LoggedRig& rig, const job::Job& job) {
-  ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+  ASSERT_EQ(run_job(rig, job).end, JobEnd::done);
   expect_each_once(rig, job, false);
   rig.expect_drives_followed();
 }
@@ -70,7 +65,7 @@ TEST(PulseModes, JobsStepAtTheSameTicksInEveryModeAndLoseNothing) {
   std::size_t reversals = 0;
   for (int run = 0; run < scaled(12); ++run) {
     job::Profile plain =
-        lamp_profile(run % 2 == 0 ? 100 : 400, settings::LampMode::slave, run % 3 == 0 ? 50 : 4);
+        lamp_profile(run % 2 == 0 ? 100 : 400, LampMode::slave, run % 3 == 0 ? 50 : 4);
     set_random_times(plain.settings, random);
     job::Profile other = plain;
     set_random_pulses(other.settings, random);
@@ -86,7 +81,7 @@ TEST(PulseModes, JobsStepAtTheSameTicksInEveryModeAndLoseNothing) {
   EXPECT_GT(reversals, static_cast<std::size_t>(scaled(12)) * 50);
 }
 
-job::Profile jumping_profile(double lamp_hz, settings::LampMode lamp) {
+job::Profile jumping_profile(double lamp_hz, LampMode lamp) {
   job::Profile profile = lamp_profile(lamp_hz, lamp);
   let_speed_jump(profile);
   return profile;
@@ -107,7 +102,7 @@ TEST(PulseModes, PathsThatTurnAtSpeedHitTheirPointsAndLoseNothing) {
   std::mt19937_64 random(4);
   std::size_t late = 0;
   for (int run = 0; run < scaled(10); ++run) {
-    job::Profile plain = jumping_profile(1000, settings::LampMode::slave), quick = plain;
+    job::Profile plain = jumping_profile(1000, LampMode::slave), quick = plain;
     set_random_times(plain.settings, random);
     job::Profile other = plain;
     set_random_pulses(other.settings, random);
@@ -125,9 +120,7 @@ TEST(PulseModes, PathsThatTurnAtSpeedHitTheirPointsAndLoseNothing) {
 /// Random moves back and forth on all axes, fast and slow, some steps long.
 std::string zigzag(std::mt19937_64& random, int lines) {
   std::string text = "G21 G91 G1\n";
-  const auto pick = [&random](double from, double to) {
-    return std::uniform_real_distribution<>(from, to)(random);
-  };
+  const Pick<double> pick(random);
   int way = 1;
   for (int i = 0; i < lines; ++i, way = -way)
     text += fmt::format("X{:.3f} Y{:.3f} Z{:.3f} F{:.0f}\n", way * pick(0, 0.3),
@@ -139,7 +132,7 @@ TEST(PulseModes, ProgramsStepAtTheSameTicksInEveryModeAndLoseNothing) {
   std::mt19937_64 random(2);
   std::size_t reversals = 0;
   for (int run = 0; run < scaled(12); ++run) {
-    job::Profile plain = jumping_profile(100, settings::LampMode::free_beat);
+    job::Profile plain = jumping_profile(100, LampMode::free_beat);
     set_random_times(plain.settings, random);
     job::Profile other = plain;
     set_random_pulses(other.settings, random);
@@ -172,9 +165,9 @@ std::int32_t place_at(const std::vector<PinMonitor::Step>& steps, Picoseconds at
 /// Also while steps are delayed: only steps that were output count, and levels continue from there.
 TEST(PulseModes, AnImmediateStopKeepsTheDrivesPositions) {
   std::mt19937_64 random(3);
-  job::Profile profile = jumping_profile(1000, settings::LampMode::slave);
+  job::Profile profile = jumping_profile(1000, LampMode::slave);
   LoggedRig quick(profile);
-  ASSERT_EQ(run_job(quick, turning_job(profile, 1)).end, link::JobEnd::done);
+  ASSERT_EQ(run_job(quick, turning_job(profile, 1)).end, JobEnd::done);
   const std::vector<Picoseconds> reversals = quick.log.reversals(0);
   ASSERT_GT(reversals.size(), 100u);
   set_pulses(profile.settings, all_step_dir, 0, 0, 20'000, 20'000);
@@ -184,11 +177,10 @@ TEST(PulseModes, AnImmediateStopKeepsTheDrivesPositions) {
     LoggedRig rig(profile);
     // Shortly before or after a step in the other direction, which has to wait.
     const Picoseconds stop = reversals[random() % reversals.size()] +
-                             (static_cast<Picoseconds>(random() % 60) - 20) * sim::ps_per_us +
-                             sim::ps_per_us / 2;
-    rig.board.world().schedule(sim::Pin::estop, true, stop);
-    rig.board.world().schedule(sim::Pin::estop, false, stop + 5 * sim::ps_per_ms);
-    ASSERT_EQ(run_job(rig, turning_job(profile, 1)).end, link::JobEnd::alarm);
+                             (static_cast<Picoseconds>(random() % 60) - 20) * ps_per_us +
+                             ps_per_us / 2;
+    rig.press(sim::Pin::estop, stop, stop + 5 * ps_per_ms);
+    ASSERT_EQ(run_job(rig, turning_job(profile, 1)).end, JobEnd::alarm);
     const StepPosition stopped = rig.board.world().drives().position();
     owed += stopped[0] != place_at(quick.log.steps()[0], stop) ? 1 : 0;
     ProgramHost host(rig);

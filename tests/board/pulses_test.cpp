@@ -1,13 +1,11 @@
 // Pulses per distance on the virtual board: the place where each begins, across line ends, ramps,
 // corners and holds; their length; and where the laser is dark.
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "tests/board/program_host.hpp"
 #include "tests/board/raster.hpp"
-#include "tests/chip_board/program_sender.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::test {
@@ -16,7 +14,7 @@ namespace {
 constexpr double mm_per_step = 0.005;
 
 struct Pulse {
-  sim::Picoseconds at = 0, ends = 0;
+  Picoseconds at = 0, ends = 0;
   std::uint16_t power = 0;
 };
 
@@ -32,7 +30,7 @@ std::vector<Pulse> pulses_of(const sim::Beam& beam) {
 }
 
 /// Distance that an axis has moved up to a time, both directions added, steps.
-double way_at(const std::vector<PinMonitor::Step>& steps, sim::Picoseconds at) {
+double way_at(const std::vector<PinMonitor::Step>& steps, Picoseconds at) {
   const auto next = std::partition_point(
       steps.begin(), steps.end(), [at](const PinMonitor::Step& step) { return step.at <= at; });
   const auto done = static_cast<double>(next - steps.begin());
@@ -113,19 +111,7 @@ TEST(PulsesPerDistance, HoldsAndOverridesChangeNothing) {
     ProgramSender sender(rig.board);
     sender.give(fmt::format("G21 G90 M3 S500 F6000\nM126 P1\nM127 P{}\nM128 P40\n{}M2\n", per_mm,
                             way.program));
-    const auto type = [&rig](std::uint8_t byte) { rig.board.write({&byte, 1}); };
-    constexpr std::uint8_t faster = 0x91, slower = 0x92;
-    const sim::Picoseconds end = rig.board.now() + 60 * ps_per_s;
-    while (!sender.answered() && rig.board.now() < end) {
-      sender.step(static_cast<sim::Picoseconds>(random() % 60'000) * ps_per_us);
-      type('!');
-      sender.step(static_cast<sim::Picoseconds>(random() % 200'000) * ps_per_us);
-      type(random() % 2 == 0 ? faster : slower);
-      type('~');
-    }
-    ASSERT_TRUE(sender.run_until_idle(end));
-    ASSERT_EQ(sender.errors(), 0u);
-    rig.run(20 * ps_per_ms);
+    send_with_holds(rig, sender, random);
     ASSERT_NO_FATAL_FAILURE(
         expect_pulses(pulses_of(rig.board.world().beam()), rig.monitor.steps(0), way.mm, per_mm))
         << i;
@@ -142,11 +128,8 @@ TEST(PulsesPerDistance, ContinueOverTheChordsOfAnArc) {
   host.run_ms(20);
   const auto pulses = pulses_of(rig.board.world().beam());
   ASSERT_EQ(pulses.size(), static_cast<std::size_t>(std::lround(2 * M_PI * radius * per_mm)));
-  const auto place = [&rig](int axis, sim::Picoseconds at) {
-    const auto& steps = rig.monitor.steps(axis);
-    const auto next = std::partition_point(steps.begin(), steps.end(),
-                                           [at](const auto& step) { return step.at <= at; });
-    return next == steps.begin() ? 0.0 : (next - 1)->position * mm_per_step;
+  const auto place = [&rig](int axis, Picoseconds at) {
+    return rig.monitor.position_at(axis, at) * mm_per_step;
   };
   for (std::size_t i = 0; i < pulses.size(); ++i) {
     double angle = std::atan2(place(1, pulses[i].at), place(0, pulses[i].at) + radius);
@@ -212,12 +195,12 @@ TEST(PulsesPerDistance, EndWithADoorAResetAndAnEStop) {
     host.send("G21 G90 M3 S500 F3000\nM126 P1\nM127 P0.1\nM128 P1000000\nG1 X50\n");
     host.run_ms(300);
     ASSERT_TRUE(rig.board.bus().level(sim::Pin::laser_gate));
-    const sim::Picoseconds now = rig.board.now();
+    const Picoseconds now = rig.now();
     if (kind == 0) host.send(std::uint8_t{0x18});
     if (kind == 1) rig.board.world().schedule(sim::Pin::door, true, now + ps_per_us);
     if (kind == 2) rig.board.world().schedule(sim::Pin::estop, true, now + ps_per_us);
     host.run_ms(200);
-    EXPECT_FALSE(rig.board.world().beam().shone(now + 2 * ps_per_ms, rig.board.now())) << kind;
+    EXPECT_FALSE(rig.board.world().beam().shone(now + 2 * ps_per_ms, rig.now())) << kind;
   }
 }
 

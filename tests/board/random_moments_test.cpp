@@ -7,7 +7,7 @@
 #include <random>
 
 #include "shared/boards/pico_pins.hpp"
-#include "tests/board/wire_host.hpp"
+#include "tests/board/program_host.hpp"
 #include "tests/judges/motion_judge.hpp"
 
 namespace lamplock::test::random_moments_test {
@@ -15,7 +15,7 @@ namespace {
 
 using testing::Each;
 
-constexpr unsigned reset_byte = 0x18;
+constexpr std::uint8_t reset_byte = 0x18;
 /// From a command to the begin of braking: a batch and the ticks handed out ahead
 /// (firmware/machine/runners/program_runner.hpp).
 constexpr double reaction_ms = 40;
@@ -62,7 +62,7 @@ class Moment {
     profile_.settings.set_milli(Id::pin_map, static_cast<int>(boards::PinMap::cut_io) * 1000);
     rig_ = std::make_unique<Rig>(profile_);
     judge_ = std::make_unique<MotionJudge>(rig_->board, profile_.settings, true);
-    host_ = std::make_unique<WireHost>(*rig_);
+    host_ = std::make_unique<ProgramHost>(*rig_, ProgramHost::Banner::kept);
     host_->run_ms(5);
     program_ = random_program(random_, end_);
     lines_ = static_cast<std::size_t>(std::count(program_.begin(), program_.end(), '\n'));
@@ -85,7 +85,7 @@ class Moment {
   void make() {
     at_ = now();
     if (what_ == What::hold) host_->send("!");
-    if (what_ == What::reset) host_->send_byte(reset_byte);
+    if (what_ == What::reset) host_->send(reset_byte);
     if (what_ == What::door) set(sim::Pin::door, true);
     if (what_ == What::limit) set(sim::Pin::limit_y, true);
     if (what_ == What::estop) set(sim::Pin::estop, true);
@@ -121,7 +121,7 @@ class Moment {
     EXPECT_TRUE(dark_since(0.001));
     EXPECT_EQ(loads(), stood);
     EXPECT_EQ(host_->position(), stood);
-    EXPECT_TRUE(host_->heard(what_ == What::limit ? "ALARM:1" : "ALARM:10"));
+    EXPECT_TRUE(host_->has_said(what_ == What::limit ? "ALARM:1" : "ALARM:10"));
     EXPECT_EQ(rig_->board.bus().level(sim::Pin::enable), what_ == What::limit);
     EXPECT_EQ(host_->answers().size(), lines_);
   }
@@ -135,7 +135,7 @@ class Moment {
     expect_rest();
     expect_all_off();
     EXPECT_TRUE(dark_since(0.3));
-    const bool lost = host_->heard("ALARM:3");
+    const bool lost = host_->has_said("ALARM:3");
     EXPECT_TRUE(lost || loads() == end_of_ticks);
     EXPECT_EQ(rig_->state(), lost ? MachineState::alarm : MachineState::idle);
   }
@@ -175,7 +175,7 @@ class Moment {
   job::Profile profile_ = lamp_profile(100, settings::LampMode::free_beat);
   std::unique_ptr<Rig> rig_;
   std::unique_ptr<MotionJudge> judge_;
-  std::unique_ptr<WireHost> host_;
+  std::unique_ptr<ProgramHost> host_;
   std::string program_;
   std::size_t lines_ = 0;
   ProgramEnd end_;

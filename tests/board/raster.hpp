@@ -12,12 +12,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iostream>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "host/job/job.hpp"
-#include "sim/world/beam.hpp"
+#include "sim/board.hpp"
+#include "sim/world/world.hpp"
 #include "tests/judges/pin_monitor.hpp"
 #include "tests/scale.hpp"
 
@@ -248,6 +250,23 @@ class Raster {
 /// A larger test scale adds rows, not columns: rows must fit the work area.
 inline Raster sized_raster(std::uint64_t seed, int columns, int longest_run) {
   return {seed, std::max(2, scaled(2)), std::min(columns, scaled(columns)), longest_run};
+}
+
+/// Every pixel has its light, which changes at the edges of pixels, at full speed. The laser
+/// answers `lead_us` after its command; changes by at most `rounding` are ignored.
+inline void expect_engraved(const Raster& raster, const PinMonitor& monitor, sim::Board& board,
+                            double lead_us = 0, int rounding = 0) {
+  const Raster::Judgement judgement =
+      raster.judge(monitor, board.world().beam(),
+                   static_cast<sim::Picoseconds>(lead_us * sim::ps_per_us), rounding);
+  std::cout << fmt::format(
+      "{} changes of light, at most {:.2f} steps from their places; {:.1f} mm/s\n",
+      judgement.changes, judgement.largest_shift, judgement.slowest_mm_s);
+  EXPECT_EQ(judgement.lit_as_wanted, raster.pixels());
+  EXPECT_LE(judgement.largest_shift, 1);
+  EXPECT_GT(judgement.changes, raster.pixels() / 10);
+  EXPECT_GT(judgement.slowest_mm_s, 0.98 * Raster::speed_mm_s);
+  EXPECT_FALSE(board.bus().level(sim::Pin::laser_gate));
 }
 
 }  // namespace lamplock::test

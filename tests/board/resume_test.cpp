@@ -1,6 +1,5 @@
 // Jobs that end at random moments and are continued as the program advises: no point is fired more
 // often than ordered, and only points that are listed as doubtful are left out.
-#include <gmock/gmock.h>
 
 #include <fmt/format.h>
 
@@ -19,8 +18,6 @@ namespace lamplock::test::resume_test {
 namespace {
 
 using link::Continuation;
-using link::JobEnd;
-using sim::Picoseconds;
 
 /// A board and its cable: the cable may be pulled, and the board may restart without any state.
 class Bench final : public link::Transport {
@@ -114,7 +111,7 @@ class Points final : public Workpiece {
  public:
   explicit Points(std::uint64_t seed) {
     std::mt19937_64 random(seed);
-    profile = lamp_profile(200, settings::LampMode::slave, 10);
+    profile = lamp_profile(200, LampMode::slave, 10);
     job = job_for(histogram_walk(100 + random() % 700, seed), profile, both_modes[seed % 2]);
     for (wire::Target& target : job.targets)
       if (random() % 4 == 0) target.shots = static_cast<std::uint8_t>(random() % 4);
@@ -159,7 +156,7 @@ class Rows final : public Workpiece {
  public:
   explicit Rows(std::uint64_t seed) {
     std::mt19937_64 random(seed);
-    profile = lamp_profile(100, settings::LampMode::free_beat);
+    profile = program_profile();
     profile.settings.set_milli(Id::laser_mode, 1000);
     job.settings = profile.settings;
     const int rows = 3 + static_cast<int>(random() % 6);
@@ -259,7 +256,7 @@ Options follow(const std::string& text) {
   };
   options.resume = text.find("--resume") != std::string::npos;
   if (options.resume) return options;
-  EXPECT_THAT(text, testing::HasSubstr("--from "));
+  EXPECT_THAT(text, HasSubstr("--from "));
   options.from = number("--from");
   options.fired = static_cast<std::uint32_t>(number("--fired"));
   return options;
@@ -328,7 +325,7 @@ class Story {
       kept.require_ended();
       return true;
     } catch (const Error& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("--resume"));
+      EXPECT_THAT(error.what(), HasSubstr("--resume"));
       return false;
     }
   }
@@ -352,8 +349,7 @@ class Story {
     if (rest.flashes != 0)
       part.targets[rest.from].shots =
           static_cast<std::uint8_t>(part.targets[rest.from].shots - rest.flashes);
-    link::SenderOptions options;
-    options.session = ++session_;
+    link::SenderOptions options = session(++session_);
     options.give_up = std::chrono::seconds(3);
     options.first_fired = rest.flashes;
     options.first_index = part.is_rows() ? job::go_on_at(part.rows, rest.from) : rest.from;
@@ -439,9 +435,8 @@ class Story {
       case End::stopped:
         return sender.stop();
       case End::estop:
-        bench_.rig->board.world().schedule(sim::Pin::estop, true, bench_.rig->board.now() + 1);
-        bench_.rig->board.world().schedule(sim::Pin::estop, false,
-                                           bench_.rig->board.now() + 100 * ps_per_ms);
+        bench_.rig->press(sim::Pin::estop, bench_.rig->now() + 1,
+                          bench_.rig->now() + 100 * ps_per_ms);
         return;
       case End::reset:
         return bench_.type("\x18");

@@ -9,27 +9,53 @@
 #include <numeric>
 #include <random>
 #include <string>
+#include <type_traits>
 #include <vector>
 
+#include "host/error.hpp"
 #include "host/job/job.hpp"
 #include "host/link/sender.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 #include "sim/world/drive_settings.hpp"
 #include "tests/judges/pin_monitor.hpp"
+#include "tests/matchers.hpp"
 #include "tests/scale.hpp"
 #include "tests/step_histogram.hpp"
 
 namespace lamplock::test {
 
+using link::JobEnd;
 using settings::Id;
+using settings::LampMode;
+using settings::PulseMode;
+using sim::Picoseconds;
 using sim::ps_per_ms;
+using sim::ps_per_ns;
 using sim::ps_per_s;
 using sim::ps_per_us;
+using wire::HoldReason;
 using wire::JoinMode;
 using wire::MachineState;
 
 inline constexpr JoinMode both_modes[] = {JoinMode::free, JoinMode::start_stop};
+
+/// Picks numbers, all with the same probability.
+template <class Number>
+class Pick {
+ public:
+  explicit Pick(std::mt19937_64& random) : random_(random) {}
+  Number operator()(Number from, Number to) const {
+    if constexpr (std::is_integral_v<Number>)
+      return std::uniform_int_distribution<Number>(from, to)(random_);
+    else
+      return std::uniform_real_distribution<Number>(from, to)(random_);
+  }
+  Number operator()(Number most) const { return (*this)(0, most); }
+
+ private:
+  std::mt19937_64& random_;
+};
 
 /// The machine of the measured object: 100 Hz, 2 m/s2.
 inline job::Profile lamp_profile(double hz = 100,
@@ -46,6 +72,9 @@ inline job::Profile lamp_profile(double hz = 100,
   }
   return profile;
 }
+
+/// A machine for programs: no lamp gives its beat.
+inline job::Profile program_profile() { return lamp_profile(100, LampMode::free_beat); }
 
 /// The world that matches this machine.
 inline sim::WorldConfig world_for(const job::Profile& profile, sim::LampConfig lamp = {}) {
@@ -73,9 +102,7 @@ inline void set_lag(job::Profile& profile, std::initializer_list<double> lag_us)
 /// steps.
 inline geometry::PointCloud wild_points(std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  const auto pick = [&random](int from, int to) {
-    return std::uniform_int_distribution<>(from, to)(random);
-  };
+  const Pick<int> pick(random);
   geometry::PointCloud cloud{{0, 0, 0}};
   while (cloud.size() < count) {
     geometry::Point p = cloud.back();
@@ -125,14 +152,46 @@ struct Rig {
     return status;
   }
   const sim::Shots& shots() const { return board.world().laser().shots(); }
-  void run(sim::Picoseconds time) { board.run_until(board.now() + time); }
+  Picoseconds now() const { return board.now(); }
+  void run(Picoseconds time) { board.run_until(now() + time); }
+  /// Changes an input of the board now.
+  void set(sim::Pin pin, bool level) { board.world().schedule(pin, level, now()); }
+  /// An input is active for some time.
+  void press(sim::Pin pin, Picoseconds from, Picoseconds to) {
+    board.world().schedule(pin, true, from);
+    board.world().schedule(pin, false, to);
+  }
 };
+
+inline link::SenderOptions session(std::uint32_t number) {
+  link::SenderOptions options;
+  options.session = number;
+  return options;
+}
 
 /// Runs a job over a good cable.
 inline link::JobResult run_job(Rig& rig, const job::Job& job, link::SenderOptions options = {}) {
   if (options.session == 0) options.session = 0x5EED;
   link::SimulatedTransport transport(rig.board);
   return link::JobSender(transport, job, options).run();
+}
+
+/// The host's error for a job that the machine must refuse; "taken" if it accepts the job.
+inline std::string refusal(Rig& rig, const job::Job& job) {
+  try {
+    run_job(rig, job);
+  } catch (const Error& error) {
+    EXPECT_TRUE(rig.monitor.nothing_happened());
+    return error.what();
+  }
+  return "taken";
+}
+
+/// A program lost no step, starved nowhere, and its ticks never ran out.
+inline void expect_undisturbed(const Rig& rig) {
+  EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
+  EXPECT_EQ(rig.board.controller().program().starvations(), 0u);
+  EXPECT_FALSE(rig.board.controller().runner().underrun());
 }
 
 /// Permitted deviation of the counted steps at a shot: the true position is within the tolerance of

@@ -11,8 +11,6 @@
 namespace lamplock::test {
 namespace {
 
-using wire::HoldReason;
-
 wire::JobHeader row_header(const job::Profile& machine) {
   wire::JobHeader header;
   header.axes = static_cast<std::uint8_t>(machine.settings.whole(Id::axes));
@@ -52,13 +50,8 @@ struct RowRig {
   bool has_reached(std::uint32_t line) const {
     const StepPosition& end = lines[line].line.steps;
     const auto &x = rig.monitor.steps(0), &y = rig.monitor.steps(1);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const auto next_y = std::upper_bound(
-          y.begin(), y.end(), x[i].at,
-          [](sim::Picoseconds at, const PinMonitor::Step& step) { return at < step.at; });
-      const int at_y = next_y == y.begin() ? 0 : (next_y - 1)->position;
-      if (x[i].position == end[0] && at_y == end[1]) return true;
-    }
+    for (const PinMonitor::Step& step : x)
+      if (step.position == end[0] && rig.monitor.position_at(1, step.at) == end[1]) return true;
     // Lines along Y alone.
     return std::any_of(y.begin(), y.end(),
                        [&end](const PinMonitor::Step& step) { return step.position == end[1]; }) &&
@@ -96,9 +89,7 @@ TEST(Rows, ShineAsListsOfPowersDo) {
     ASSERT_TRUE(rows.host.run(30));
     rows.expect_burnt();
     const sim::Beam& beam = rows.rig.board.world().beam();
-    const Raster::Judgement judgement = raster.judge(rows.rig.monitor, beam, 0, flicker);
-    EXPECT_EQ(judgement.lit_as_wanted, raster.pixels());
-    EXPECT_LE(judgement.largest_shift, 1);
+    expect_engraved(raster, rows.rig.monitor, rows.rig.board, 0, flicker);
     const auto text_powers = powers_of(by_text.board.world().beam()), powers = powers_of(beam);
     ASSERT_EQ(powers.size(), text_powers.size());
     constexpr int tolerance = 200;  // the speed of a line is right to 0.3 %
@@ -115,11 +106,7 @@ TEST(Rows, OfGreyPixelsKeepTheirSpeed) {
                 {.most_runs = most_runs[i % 3]});
     ASSERT_TRUE(rows.host.run(30));
     rows.expect_burnt();
-    const Raster::Judgement judgement =
-        rows.raster.judge(rows.rig.monitor, rows.rig.board.world().beam(), 0, flicker);
-    EXPECT_EQ(judgement.lit_as_wanted, rows.raster.pixels());
-    EXPECT_LE(judgement.largest_shift, 1);
-    EXPECT_GT(judgement.slowest_mm_s, 0.98 * Raster::speed_mm_s);
+    expect_engraved(rows.raster, rows.rig.monitor, rows.rig.board, 0, flicker);
     EXPECT_EQ(rows.host.status().starvations, 0u);
   }
 }
@@ -184,7 +171,7 @@ TEST(Rows, ResumeInTheCellWhereTheyWereHeld) {
     const auto wait = [&](std::uint64_t most_ms) {
       for (auto ms = 2 * (random() % most_ms); ms != 0 && !rows.host.done(); --ms) rows.host.step();
     };
-    while (!rows.host.done() && rows.rig.board.now() < 60 * ps_per_s) {
+    while (!rows.host.done() && rows.rig.now() < 60 * ps_per_s) {
       wait(100);
       if (random() % 2 == 0) {
         rows.host.command(wire::Command::hold);
@@ -259,16 +246,16 @@ TEST(Rows, AreHeldByTheDeadManTimeout) {
   rig.run(700 * ps_per_ms);
   EXPECT_EQ(rig.status().state, MachineState::hold);
   EXPECT_EQ(rig.status().hold_reason, HoldReason::dead_man);
-  const sim::Picoseconds dark = rig.board.now();
+  const Picoseconds dark = rig.now();
   rig.run(ps_per_s);
-  EXPECT_FALSE(rig.board.world().beam().shone(dark, rig.board.now()));
-  EXPECT_FALSE(rig.monitor.stepped(dark, rig.board.now()));
+  EXPECT_FALSE(rig.board.world().beam().shone(dark, rig.now()));
+  EXPECT_FALSE(rig.monitor.stepped(dark, rig.now()));
 }
 
 struct Ending {
   const char* name;
   std::function<void(RowRig&)> act;
-  sim::Picoseconds dark_after;
+  Picoseconds dark_after;
   MachineState state;
 };
 
@@ -279,12 +266,12 @@ TEST(Rows, AreDarkAtOnceWhenTheyAreEnded) {
        MachineState::idle},
       {"e-stop",
        [](RowRig& rows) {
-         rows.rig.board.world().schedule(sim::Pin::estop, true, rows.rig.board.now() + ps_per_us);
+         rows.rig.board.world().schedule(sim::Pin::estop, true, rows.rig.now() + ps_per_us);
        },
        20 * ps_per_us, MachineState::estop},
       {"door",
        [](RowRig& rows) {
-         rows.rig.board.world().schedule(sim::Pin::door, true, rows.rig.board.now() + ps_per_us);
+         rows.rig.board.world().schedule(sim::Pin::door, true, rows.rig.now() + ps_per_us);
        },
        3 * ps_per_ms, MachineState::door}};
   for (int i = 0; i < scaled(18); ++i) {
@@ -302,9 +289,9 @@ TEST(Rows, AreDarkAtOnceWhenTheyAreEnded) {
         rows.host.step(std::chrono::microseconds(250));
     }
     ending.act(rows);
-    const sim::Picoseconds at = rows.rig.board.now();
+    const Picoseconds at = rows.rig.now();
     for (int k = 0; k < 600; ++k) rows.host.step();
-    EXPECT_FALSE(rows.rig.board.world().beam().shone(at + ending.dark_after, rows.rig.board.now()));
+    EXPECT_FALSE(rows.rig.board.world().beam().shone(at + ending.dark_after, rows.rig.now()));
     EXPECT_FALSE(rows.rig.board.bus().level(sim::Pin::laser_gate));
     EXPECT_EQ(rows.rig.state(), ending.state);
     EXPECT_EQ(rows.host.status().state, ending.state);
@@ -320,7 +307,7 @@ TEST(Rows, AreDarkAtOnceWhenTheyAreEnded) {
 /// A second stop while the machine still brakes for the first one does not affect the next job.
 TEST(Rows, AreStoppedTwiceAndTheNextJobShines) {
   const auto light = [](RowRig& rows) {
-    return rows.rig.board.world().beam().energy(0, rows.rig.board.now());
+    return rows.rig.board.world().beam().energy(0, rows.rig.now());
   };
   const Raster raster(70, 4, 200, 5);
   RowRig whole(raster);
@@ -388,7 +375,7 @@ TEST(Rows, ContinueAtTheFirstLineNotRun) {
 TEST(Rows, ReportTheirProgress) {
   RowRig rows(Raster(7, 6, 200, 3), {.most_runs = 40});
   std::uint32_t reported = 0;
-  while (!rows.host.done() && rows.rig.board.now() < 60 * ps_per_s) {
+  while (!rows.host.done() && rows.rig.now() < 60 * ps_per_s) {
     rows.host.step();
     const std::uint32_t first = rows.rig.status().first_unfired;
     ASSERT_GE(first, reported);
@@ -568,7 +555,7 @@ TEST(Rows, OfGarbageAreTakenWholeOrNotAtAll) {
         EXPECT_EQ(after.free_points, before.free_points);
         EXPECT_EQ(after.free_runs, before.free_runs);
       }
-      rig.run(static_cast<sim::Picoseconds>(random() % 100) * ps_per_ms);
+      rig.run(static_cast<Picoseconds>(random() % 100) * ps_per_ms);
     }
     const StepLimits space = work_space(machine.settings);
     for (int axis = 0; axis < 3; ++axis) {

@@ -1,6 +1,5 @@
 // Times that docs/safety.md states, measured at the pins of the virtual board and printed.
 // tests/chip_board measures those that need the flash image; the page lists both.
-#include <gmock/gmock.h>
 
 #include <random>
 #include <string_view>
@@ -13,22 +12,8 @@
 namespace lamplock::test::safety_figures_test {
 namespace {
 
-using sim::Picoseconds;
-
-/// Stores the time of a pin's last change.
-class LastChange final : public sim::PinListener {
- public:
-  LastChange(sim::PinBus& bus, sim::Pin pin) { bus.listen(pin, *this); }
-  void pin_changed(sim::Pin, bool level, Picoseconds at) override { (level ? rose_ : fell_) = at; }
-  Picoseconds rose() const { return rose_; }
-  Picoseconds fell() const { return fell_; }
-
- private:
-  Picoseconds rose_ = -1, fell_ = -1;
-};
-
 job::Profile burning_profile() {
-  job::Profile profile = lamp_profile(100, settings::LampMode::free_beat);
+  job::Profile profile = program_profile();
   job::state_setting(profile, Id::laser_mode, 1, "test");
   job::state_setting(profile, Id::hard_limits, 1, "test");
   return profile;
@@ -52,18 +37,17 @@ Picoseconds longest_light(Happens&& happens) {
     ProgramHost host(rig);
     host.send("M3 S500\nG1 X40 F3000\n");
     host.run(150 * ps_per_ms + static_cast<Picoseconds>(random() % (50 * ps_per_ms)));
-    const Picoseconds at = rig.board.now();
+    const Picoseconds at = rig.now();
     EXPECT_TRUE(rig.board.world().beam().shone(at - 1, at));
     happens(rig, host);
     host.run_ms(300);
-    EXPECT_FALSE(rig.board.world().beam().shone(rig.board.now() - 1, rig.board.now()));
+    EXPECT_FALSE(rig.board.world().beam().shone(rig.now() - 1, rig.now()));
     longest = std::max(longest, dark_since(rig) - at);
   }
   return longest;
 }
 Picoseconds longest_light_after(sim::Pin pin) {
-  return longest_light(
-      [pin](Rig& rig, ProgramHost&) { rig.board.world().schedule(pin, true, rig.board.now()); });
+  return longest_light([pin](Rig& rig, ProgramHost&) { rig.set(pin, true); });
 }
 
 TEST(SafetyFigures, LightOff) {
@@ -79,7 +63,7 @@ TEST(SafetyFigures, DrivesHoldBeforeTheyStep) {
   job::Profile profile = burning_profile();
   job::state_setting(profile, Id::idle_delay, 50, "test");
   Rig rig(profile);
-  const LastChange enable(rig.board.bus(), sim::Pin::enable);
+  const EdgeLog enable(rig.board.bus(), sim::Pin::enable);
   ProgramHost host(rig);
   host.ask("G1 X1 F3000\n");
   ASSERT_TRUE(host.wait_for_rest());
@@ -90,7 +74,7 @@ TEST(SafetyFigures, DrivesHoldBeforeTheyStep) {
   ASSERT_TRUE(host.wait_for_rest());
   ASSERT_GT(rig.monitor.steps(0).size(), before);
   expect_figure("first step after the drives are enabled",
-                rig.monitor.steps(0)[before].at - enable.rose(), 200, 210);
+                rig.monitor.steps(0)[before].at - enable.edges().back().at, 200, 210);
 }
 
 /// A job whose host is silent and has no dead man's timeout: the machine waits for points.
@@ -98,15 +82,14 @@ TEST(SafetyFigures, AShutterClosesWhereItIsNotUsed) {
   job::Profile profile = lamp_profile();
   job::state_setting(profile, Id::dead_man, 0, "test");
   Rig rig(profile);
-  const LastChange shutter(rig.board.bus(), sim::Pin::shutter_1);
+  const EdgeLog shutter(rig.board.bus(), sim::Pin::shutter_1);
   BoardCable cable(rig);
   const job::Job job = job::make_job(histogram_walk(3000, 1), profile, {});
-  link::SenderOptions options;
-  options.session = 7;
-  link::JobSender sender(cable, job, options);
+  link::JobSender sender(cable, job, session(7));
   while (rig.shots().size() < 5) ASSERT_TRUE(sender.step());
   rig.run(40 * ps_per_s);
-  expect_figure("shutter after the last shot", shutter.fell() - rig.shots().back().at, 1000, 1050);
+  expect_figure("shutter after the last shot", shutter.edges().back().at - rig.shots().back().at,
+                1000, 1050);
 }
 
 TEST(SafetyFigures, ASilentHostIsNoticed) {
@@ -114,34 +97,31 @@ TEST(SafetyFigures, ASilentHostIsNoticed) {
   Rig rig(profile);
   BoardCable cable(rig);
   const job::Job job = job::make_job(histogram_walk(600, 1), profile, {});
-  link::SenderOptions options;
-  options.session = 7;
-  link::JobSender sender(cable, job, options);
+  link::JobSender sender(cable, job, session(7));
   while (rig.shots().size() < 5) ASSERT_TRUE(sender.step());
-  const Picoseconds silent = rig.board.now();
-  while (rig.state() == MachineState::run && rig.board.now() < silent + 5 * ps_per_s)
-    rig.run(ps_per_ms);
+  const Picoseconds silent = rig.now();
+  while (rig.state() == MachineState::run && rig.now() < silent + 5 * ps_per_s) rig.run(ps_per_ms);
   // Its last frame was sent up to one status period ago.
-  expect_figure("hold after the last call of a host", rig.board.now() - silent, 1800, 2001);
+  expect_figure("hold after the last call of a host", rig.now() - silent, 1800, 2001);
 }
 
 /// Time until the machine reports a missing lamp.
-Picoseconds no_lamp_after(settings::LampMode mode) {
+Picoseconds no_lamp_after(LampMode mode) {
   sim::LampConfig dark;
   dark.on_after_s = 100;
   Rig rig(lamp_profile(100, mode), dark);
   ProgramHost host(rig);
-  const Picoseconds begun = rig.board.now();
+  const Picoseconds begun = rig.now();
   host.send("M3 S500\nM130 P0\nG1 X0.1 F600\n");
   while (!host.has_said("[MSG:No lamp: LAMP SYNC is missing or not at $901]") &&
-         rig.board.now() < begun + 5 * ps_per_s)
+         rig.now() < begun + 5 * ps_per_s)
     host.run(ps_per_ms / 4);
-  return rig.board.now() - begun;
+  return rig.now() - begun;
 }
 
 TEST(SafetyFigures, ADeadLampIsNoticed) {
-  expect_figure("no lamp, as slave", no_lamp_after(settings::LampMode::slave), 300, 350);
-  expect_figure("no lamp, as master", no_lamp_after(settings::LampMode::master), 300, 350);
+  expect_figure("no lamp, as slave", no_lamp_after(LampMode::slave), 300, 350);
+  expect_figure("no lamp, as master", no_lamp_after(LampMode::master), 300, 350);
 }
 
 }  // namespace

@@ -11,27 +11,26 @@ namespace lamplock::test {
 class LampScript {
  public:
   /// The lamp flashes with this period for that long.
-  LampScript& flash(sim::Picoseconds period, sim::Picoseconds time) {
-    for (const sim::Picoseconds end = now_ + time; now_ < end; now_ += period)
-      edges_.push_back(now_);
+  LampScript& flash(Picoseconds period, Picoseconds time) {
+    for (const Picoseconds end = now_ + time; now_ < end; now_ += period) edges_.push_back(now_);
     return *this;
   }
-  LampScript& dark(sim::Picoseconds time) {
+  LampScript& dark(Picoseconds time) {
     now_ += time;
     return *this;
   }
   /// Connects the script to a board whose own lamp does not flash.
   void connect(sim::VirtualBoard& board) const {
-    constexpr sim::Picoseconds width = 20 * ps_per_us;
-    for (const sim::Picoseconds edge : edges_) {
+    constexpr Picoseconds width = 20 * ps_per_us;
+    for (const Picoseconds edge : edges_) {
       board.world().schedule(sim::Pin::lamp_sync, true, edge);
       board.world().schedule(sim::Pin::lamp_sync, false, edge + width);
     }
   }
 
  private:
-  sim::Picoseconds now_ = ps_per_ms;
-  std::vector<sim::Picoseconds> edges_;
+  Picoseconds now_ = ps_per_ms;
+  std::vector<Picoseconds> edges_;
 };
 
 /// World whose lamp waits for a trigger that a slave never gives.

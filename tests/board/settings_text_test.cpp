@@ -1,40 +1,16 @@
 // Settings as text: changes are listed, kept over a restart, and refused when invalid.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
-#include "tests/board/board_cable.hpp"
+#include "tests/board/program_host.hpp"
 
 namespace lamplock::test {
 namespace {
-
-using testing::AllOf;
-using testing::EndsWith;
-using testing::HasSubstr;
-
-/// A user at a terminal.
-struct Terminal {
-  explicit Terminal(Rig& board) : rig(board) { answer(""); }
-
-  /// The machine's complete answer to a line.
-  std::string answer(const std::string& line) {
-    const std::string typed = line + "\n";
-    rig.board.write({reinterpret_cast<const std::uint8_t*>(typed.data()), typed.size()});
-    rig.run(10 * ps_per_ms);
-    std::string text;
-    std::array<std::uint8_t, 4096> bytes;
-    const std::size_t count = rig.board.read(bytes);
-    for (std::size_t i = 0; i < count; ++i) text.push_back(static_cast<char>(bytes[i]));
-    return text;
-  }
-
-  Rig& rig;
-};
 
 std::string milli_text(std::int32_t milli) { return fmt::format("{:.3f}", milli / 1000.0); }
 
 TEST(SettingsText, EverySettingIsListedAndReadsBack) {
   Rig rig(lamp_profile());
-  Terminal user(rig);
+  ProgramHost user(rig);
   const std::string list = user.answer("$$");
   EXPECT_THAT(list, EndsWith("ok\r\n"));
   std::size_t lines = 0;
@@ -51,7 +27,7 @@ TEST(SettingsText, RandomValuesAreKeptOverARestart) {
   wanted.set_milli(Id::hard_limits, 0);  // else an alarm as soon as $5 makes a switch engaged
   for (int round = 0; round < scaled(20); ++round) {
     Rig rig(wanted, world_for(lamp_profile()));
-    Terminal user(rig);
+    ProgramHost user(rig);
     for (int i = 0; i < 30; ++i) {
       const auto id = static_cast<Id>(random() % settings::setting_count);
       // core_xy_test.cpp tests the settings of motors that axes share.
@@ -78,7 +54,7 @@ TEST(SettingsText, RandomValuesAreKeptOverARestart) {
 
 TEST(SettingsText, ValuesBeyondTheLasersLimitsAreRefused) {
   Rig rig(lamp_profile(50));
-  Terminal user(rig);
+  ProgramHost user(rig);
   EXPECT_EQ(user.answer("$922=20"), "ok\r\n");  // 20 J at 50 Hz: 1000 W
   EXPECT_EQ(user.answer("$901=50.001"), "error:52\r\n");
   EXPECT_EQ(user.answer("$922=20.001"), "error:52\r\n");
@@ -104,10 +80,10 @@ TEST(SettingsText, ValuesBeyondTheLasersLimitsAreRefused) {
 
 TEST(SettingsText, AnIncompleteLineEndsWithItsConnectionAndAtAReset) {
   Rig rig(lamp_profile());
-  Terminal user(rig);
-  const auto type = [&rig](std::string_view text) {
-    rig.board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-    rig.run(10 * ps_per_ms);
+  ProgramHost user(rig);
+  const auto type = [&user](std::string_view text) {
+    user.send(text);
+    user.run_ms(10);
   };
   type("$110=6");
   rig.board.reconnect();
@@ -131,7 +107,7 @@ TEST(SettingsText, AnIncompleteLineEndsWithItsConnectionAndAtAReset) {
 
 TEST(SettingsText, UnknownSettingsAreRefusedByNumber) {
   Rig rig(lamp_profile());
-  Terminal user(rig);
+  ProgramHost user(rig);
   for (const char* line : {"$q", "$=1", "$901", "$901x=1", "$902345=1", "$99999999999=1", "$7=1"})
     EXPECT_EQ(user.answer(line), "error:3\r\n") << line;
   for (const char* line :
@@ -145,7 +121,7 @@ TEST(SettingsText, UnknownSettingsAreRefusedByNumber) {
 
 TEST(SettingsText, GarbageChangesNothingItDoesNotName) {
   Rig rig(lamp_profile());
-  Terminal user(rig);
+  ProgramHost user(rig);
   std::mt19937_64 random(6);
   const std::string letters = "$=.0123456789-+eRSTXI\t ";
   for (int i = 0; i < scaled(300); ++i) {
@@ -163,25 +139,23 @@ TEST(SettingsText, GarbageChangesNothingItDoesNotName) {
 TEST(SettingsText, NothingIsChangedWhileTheMachineIsBusy) {
   const job::Profile profile = lamp_profile();
   Rig rig(profile);
-  Terminal user(rig);
+  ProgramHost user(rig);
   const job::Job job = job::make_job(histogram_walk(200, 3), profile, {});
   link::SimulatedTransport transport(rig.board);
-  link::SenderOptions options;
-  options.session = 1;
-  link::JobSender sender(transport, job, options);
+  link::JobSender sender(transport, job, session(1));
   while (rig.shots().size() < 50 && sender.step()) {
   }
   for (const char* line : {"$901=50", "$RST=$", "$RST=*", "$BOOT"})
     EXPECT_THAT(user.answer(line), HasSubstr("error:8\r\n")) << line;
   EXPECT_FALSE(rig.board.controller().loader_requested());
   EXPECT_EQ(rig.board.stored_settings(), profile.settings);
-  EXPECT_EQ(sender.run().end, link::JobEnd::done);
+  EXPECT_EQ(sender.run().end, JobEnd::done);
   expect_each_once(rig, job, false);
 }
 
 TEST(SettingsText, DefaultsAreRestored) {
   Rig rig(lamp_profile(50));
-  Terminal user(rig);
+  ProgramHost user(rig);
   EXPECT_EQ(user.answer("$RST=$"), "[MSG:Restoring defaults]\r\nok\r\n");
   EXPECT_EQ(rig.board.stored_settings(), settings::Values());
 }
@@ -189,7 +163,7 @@ TEST(SettingsText, DefaultsAreRestored) {
 TEST(SettingsText, TheLoaderIsEnteredAtRestAndEndsEverything) {
   const job::Profile profile = lamp_profile();
   Rig rig(profile);
-  Terminal user(rig);
+  ProgramHost user(rig);
   EXPECT_EQ(user.answer("$BOOT"), "ok\r\n");
   EXPECT_TRUE(rig.board.controller().loader_requested());
   EXPECT_ANY_THROW(run_job(rig, job::make_job(histogram_walk(5, 3), profile, {})));
@@ -199,9 +173,9 @@ TEST(SettingsText, TheLoaderIsEnteredAtRestAndEndsEverything) {
 TEST(SettingsText, TheLoaderIsEnteredAtAnEStopToo) {
   const job::Profile profile = lamp_profile();
   Rig rig(profile);
-  Terminal user(rig);
-  rig.board.world().schedule(sim::Pin::estop, true, rig.board.now() + ps_per_ms);
-  rig.board.run_until(rig.board.now() + 100 * ps_per_ms);
+  ProgramHost user(rig);
+  rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_ms);
+  rig.board.run_until(rig.now() + 100 * ps_per_ms);
   ASSERT_EQ(rig.board.controller().state(), MachineState::estop);
   EXPECT_THAT(user.answer("$901=50"), HasSubstr("error:8\r\n")) << "any other command is refused";
   EXPECT_EQ(user.answer("$BOOT"), "ok\r\n");

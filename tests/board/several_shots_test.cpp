@@ -16,7 +16,7 @@ TEST(SeveralShots, FiredAsOftenAsOrdered) {
     Rig rig(profile, {.dropout = dropouts ? 0.05 : 0.0, .seed = number + 1});
     rig.board.set_planning_time(seed % 5 * 5 * ps_per_ms);
     const link::JobResult result = run_job(rig, job);
-    ASSERT_EQ(result.end, link::JobEnd::done);
+    ASSERT_EQ(result.end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
     expect_sound(rig, profile.settings);
     expect_ledger(rig, result.status);
@@ -35,7 +35,7 @@ TEST(SeveralShots, FireOnEveryBeatAtRest) {
   options.shots = 255;
   const job::Job job = job::make_job({{1, 2, 3}}, profile, options);
   Rig rig(profile);
-  ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+  ASSERT_EQ(run_job(rig, job).end, JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
   for (std::size_t i = 3; i <= 252; ++i)
     ASSERT_EQ(rig.shots()[i].beat, rig.shots()[i - 1].beat + 1) << i;
@@ -50,7 +50,7 @@ TEST(SeveralShots, NoFasterThanTheHighestRate) {
   options.shots = 5;
   const job::Job job = job::make_job(histogram_walk(30, 3), profile, options);
   Rig rig(profile);
-  ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+  ASSERT_EQ(run_job(rig, job).end, JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
   for (std::size_t i = 1; i < rig.shots().size(); ++i)
     ASSERT_GE(rig.shots()[i].beat, rig.shots()[i - 1].beat + 3) << i;
@@ -72,7 +72,7 @@ TEST(Dwell, CostsExactlyItsBeats) {
       job.header.points_total = static_cast<std::uint32_t>(job.targets.size());
       Rig rig(profile);
       const link::JobResult result = run_job(rig, job);
-      ASSERT_EQ(result.end, link::JobEnd::done);
+      ASSERT_EQ(result.end, JobEnd::done);
       ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
       ASSERT_NO_FATAL_FAILURE(expect_dwells(rig, job, 100));
       beats.push_back(result.status.beats - 3 * dwell);
@@ -91,15 +91,15 @@ TEST(Dwell, BeginsAfterTheMoveToItsPlace) {
   link::SenderOptions options;
   options.first_index = 2;
   const link::JobResult result = run_job(rig, job, options);
-  ASSERT_EQ(result.end, link::JobEnd::done);
+  ASSERT_EQ(result.end, JobEnd::done);
   ASSERT_EQ(rig.shots().size(), 1u);
   expect_sound(rig, profile.settings);
   // X is at rest from the end of that move on, while Y waits.
-  const sim::Picoseconds there = rig.monitor.steps(0).back().at;
+  const Picoseconds there = rig.monitor.steps(0).back().at;
   const auto& y = rig.monitor.steps(1);
   const auto next = std::find_if(y.begin(), y.end(), [&](const auto& s) { return s.at > there; });
   ASSERT_NE(next, y.end());
-  sim::Picoseconds from = 0;
+  Picoseconds from = 0;
   for (const auto& s : y)
     if (s.position <= 1000) from = s.at;
   EXPECT_NEAR(static_cast<double>(next->at - from), 200e9, 12e9);
@@ -117,9 +117,7 @@ TEST(FixedBeats, TooFewNameThePoint) {
     if (wrong > 3) job.targets[3].shots = 20;
     Rig rig(profile);
     link::SimulatedTransport transport(rig.board);
-    link::SenderOptions sending;
-    sending.session = 1;
-    link::JobSender sender(transport, job, sending);
+    link::JobSender sender(transport, job, session(1));
     try {
       sender.run();
       FAIL() << "the machine moved to the point";
@@ -135,12 +133,11 @@ TEST(FixedBeats, TooFewNameThePoint) {
     // Another job fires exactly the rest.
     job.targets[wrong].beats = 0;
     job::Job rest = job;
-    link::SenderOptions again;
-    again.session = 2;
+    link::SenderOptions again = session(2);
     again.first_index = rig.status().first_unfired;
     wire::Target& next = rest.targets[again.first_index];
     next.shots = static_cast<std::uint8_t>(next.shots - sender.result().flashes_fired);
-    EXPECT_EQ(run_job(rig, rest, again).end, link::JobEnd::done);
+    EXPECT_EQ(run_job(rig, rest, again).end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
   }
 }
@@ -155,7 +152,7 @@ TEST(FixedBeats, DoNotApplyFromAnotherPlace) {
   Rig rig(profile);
   link::SenderOptions sending;
   sending.first_index = 10;
-  ASSERT_EQ(run_job(rig, job, sending).end, link::JobEnd::done);
+  ASSERT_EQ(run_job(rig, job, sending).end, JobEnd::done);
   ASSERT_EQ(rig.shots().size(), 20u);
   for (std::size_t i = 1; i < 20; ++i)
     ASSERT_EQ(rig.shots()[i].beat, rig.shots()[i - 1].beat + 2) << i;
@@ -166,7 +163,7 @@ TEST(FixedBeats, DoNotApplyFromAnotherPlace) {
 TEST(FixedBeats, ApplyOnlyFromTheTargetBefore) {
   for (int seed = 0; seed < scaled(30); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const job::Profile profile = lamp_profile(100, settings::LampMode::slave, 10);
+    const job::Profile profile = lamp_profile(100, LampMode::slave, 10);
     job::Job job = job_for(histogram_walk(60, static_cast<std::uint64_t>(seed)), profile,
                            both_modes[seed % 2]);
     // The maximum is 16 mm, from rest to rest in 8 beats of 10 ms.
@@ -179,17 +176,15 @@ TEST(FixedBeats, ApplyOnlyFromTheTargetBefore) {
     }
     Rig rig(profile);
     BoardCable cable(rig);
-    link::SenderOptions sending;
-    sending.session = 1;
-    link::JobSender sender(cable, job, sending);
+    link::JobSender sender(cable, job, session(1));
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
     for (int i = 0; i < 12; ++i) {
-      const auto at = std::uniform_int_distribution<sim::Picoseconds>(200 * ps_per_ms,
-                                                                      4000 * ps_per_ms)(random);
+      const auto at =
+          std::uniform_int_distribution<Picoseconds>(200 * ps_per_ms, 4000 * ps_per_ms)(random);
       cable.at(at, [&cable] { cable.type("!"); });
       cable.at(at + 30 * ps_per_ms, [&cable] { cable.type("~"); });
     }
-    ASSERT_EQ(sender.run().end, link::JobEnd::done);
+    ASSERT_EQ(sender.run().end, JobEnd::done);
     ASSERT_NO_FATAL_FAILURE(expect_as_ordered(rig, job));
     expect_sound(rig, profile.settings);
   }

@@ -1,29 +1,14 @@
 // The status line of a working machine in grbl's format: state, position, speed, switches.
-#include <gmock/gmock.h>
 
 #include "tests/board/board_cable.hpp"
+#include "tests/board/program_host.hpp"
 
 namespace lamplock::test {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
-using testing::StartsWith;
-
 class StatusLine : public testing::Test {
  protected:
-  /// The board's answer to a '?' or a line, without frames.
-  std::string ask(const std::string& text = "?") {
-    rig_.board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-    rig_.run(ps_per_ms);
-    std::array<std::uint8_t, 8192> bytes{};
-    const std::size_t size = rig_.board.read(bytes);
-    std::string heard(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
-    if (text != "?") return heard;
-    const std::size_t from = heard.rfind('<');
-    return from == std::string::npos ? "" : heard.substr(from, heard.find('>', from) - from + 1);
-  }
+  std::string ask() { return user_.status(); }
   static double number_behind(const std::string& line, const std::string& field) {
     const std::size_t at = line.find(field);
     return at == std::string::npos ? -1 : std::stod(line.substr(at + field.size()));
@@ -33,16 +18,15 @@ class StatusLine : public testing::Test {
     job_ = job::make_job(histogram_walk(150, 5), profile_, {});
     BoardCable cable(rig_);
     for (const auto& [second, question] : questions)
-      cable.at(static_cast<sim::Picoseconds>(second * static_cast<double>(ps_per_s)), question);
-    link::SenderOptions options;
-    options.session = 1;
-    link::JobSender sender(cable, job_, options);
+      cable.at(static_cast<Picoseconds>(second * static_cast<double>(ps_per_s)), question);
+    link::JobSender sender(cable, job_, session(1));
     sender_ = &sender;
-    EXPECT_EQ(sender.run().end, link::JobEnd::done);
+    EXPECT_EQ(sender.run().end, JobEnd::done);
   }
 
   job::Profile profile_ = lamp_profile();
   Rig rig_{profile_};
+  ProgramHost user_{rig_};
   job::Job job_;
   link::JobSender* sender_ = nullptr;
 };
@@ -51,7 +35,7 @@ TEST_F(StatusLine, AtRest) {
   EXPECT_THAT(ask(), AllOf(StartsWith("<Idle|MPos:0.000,0.000,0.000|Bf:"),
                            HasSubstr(",1024|FS:0,0|WCO:0.000,0.000,0.000|Lamp:")));
   EXPECT_THAT(ask(), AllOf(HasSubstr("|FS:0,0|Ov:100,100,100|Lamp:"), Not(HasSubstr("WCO"))));
-  EXPECT_THAT(ask("$10=0\n$13=1\n"), HasSubstr("ok\r\nok\r\n"));
+  EXPECT_THAT(user_.ask("$10=0\n$13=1\n"), ElementsAre("ok", "ok"));
   EXPECT_THAT(ask(), AllOf(StartsWith("<Idle|WPos:0.0000,0.0000,0.0000|FS:0.0,0|Lamp:")));
 }
 
@@ -91,11 +75,11 @@ TEST_F(StatusLine, InAHoldAndAtAnOpenDoor) {
     sender_->resume();
   };
   questions[1.15] = note;
-  questions[1.2] = [this] { rig_.board.world().schedule(sim::Pin::door, true, rig_.board.now()); };
+  questions[1.2] = [this] { rig_.set(sim::Pin::door, true); };
   note_from(1.2);
   questions[1.5] = [this, &line] {
     EXPECT_THAT(line, HasSubstr("|FS:0,0|Pn:D|"));
-    rig_.board.world().schedule(sim::Pin::door, false, rig_.board.now());
+    rig_.set(sim::Pin::door, false);
   };
   note_from(1.5);
   questions[1.8] = [this, &line] {
@@ -103,8 +87,8 @@ TEST_F(StatusLine, InAHoldAndAtAnOpenDoor) {
     sender_->resume();
   };
   run_job(questions);
-  EXPECT_THAT(states, testing::ElementsAre("<Run", "<Hold:1", "<Hold:0", "<Run", "<Door:2",
-                                           "<Door:1", "<Hold:0"));
+  EXPECT_THAT(states,
+              ElementsAre("<Run", "<Hold:1", "<Hold:0", "<Run", "<Door:2", "<Door:1", "<Hold:0"));
 }
 
 TEST_F(StatusLine, ReportsThePosition) {

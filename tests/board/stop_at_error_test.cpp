@@ -1,18 +1,10 @@
 // $981: after an error in a program line the board accepts no further line until `~` or a reset;
 // also the bytes that switch flood and mist by hand.
-#include <gmock/gmock.h>
 
 #include "tests/board/program_host.hpp"
 
 namespace lamplock::test::stop_at_error_test {
 namespace {
-
-using testing::Contains;
-using testing::Each;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Not;
-using testing::StartsWith;
 
 constexpr std::uint8_t reset_byte = 0x18, flood_byte = 0xa0, mist_byte = 0xa1;
 
@@ -23,7 +15,7 @@ class ErrorsInPrograms : public testing::Test {
     return rig_.board.world().drives().position()[0];
   }
 
-  job::Profile profile_ = lamp_profile(100, settings::LampMode::free_beat);
+  job::Profile profile_ = program_profile();
   Rig rig_{profile_};
   ProgramHost host_{rig_};
 };
@@ -63,11 +55,11 @@ TEST_F(ErrorsInPrograms, LeaveTheLaserOff) {
   ASSERT_TRUE(host_.stream("M3 S1000\nG1 X5 F6000\nG1 X6 H\nG1 X40\n"));
   EXPECT_EQ(x(), 1000);
   const sim::Beam& beam = rig_.board.world().beam();
-  EXPECT_TRUE(beam.shone(0, rig_.board.now()));
-  const auto from = rig_.board.now();
+  EXPECT_TRUE(beam.shone(0, rig_.now()));
+  const auto from = rig_.now();
   host_.send("G1 X30\nS500\n");
   host_.run_ms(500);
-  EXPECT_FALSE(beam.shone(from, rig_.board.now()));
+  EXPECT_FALSE(beam.shone(from, rig_.now()));
 }
 
 /// A line that is too long counts as a lost program line.
@@ -117,7 +109,7 @@ TEST_F(ErrorsInPrograms, CoolantIsSwitchedByHand) {
   EXPECT_THAT(host_.status(), HasSubstr("|A:FM"));
   host_.send("~");
   ASSERT_TRUE(host_.wait_for_rest());
-  rig_.board.world().schedule(sim::Pin::estop, true, rig_.board.now());
+  rig_.set(sim::Pin::estop, true);
   host_.run_ms(2);
   host_.send(flood_byte);
   EXPECT_THAT(host_.ask("$G\n"), Contains(HasSubstr(" M9 ")));

@@ -38,4 +38,16 @@ inline job::Job turning_job(const job::Profile& profile, std::uint64_t seed) {
   return job::make_job(points, profile, options);
 }
 
+/// Sets the pulses as in the settings table.
+inline void set_pulses(settings::Values& values, const PerAxis<PulseMode>& modes, int step_invert,
+                       int direction_invert, std::int32_t setup_ns, std::int32_t hold_ns) {
+  for (int axis = 0; axis < max_axes; ++axis)
+    values.set_milli(settings::for_axis(Id::pulse_mode_x, axis),
+                     static_cast<int>(modes[index(axis)]) * 1000);
+  values.set_milli(Id::step_invert, step_invert * 1000);
+  values.set_milli(Id::direction_invert, direction_invert * 1000);
+  values.set_milli(Id::direction_setup, setup_ns);
+  values.set_milli(Id::direction_hold, hold_ns);
+}
+
 }  // namespace lamplock::test

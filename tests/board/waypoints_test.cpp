@@ -21,8 +21,8 @@ TEST(Waypoints, PointsWithoutAShotCostNoFlash) {
     }
     Rig rig(profile);
     // Plans are ready while the last one still runs.
-    rig.board.set_planning_time((1 + static_cast<sim::Picoseconds>(seed) % 4 * 10) * ps_per_ms);
-    ASSERT_EQ(run_job(rig, job).end, link::JobEnd::done);
+    rig.board.set_planning_time((1 + static_cast<Picoseconds>(seed) % 4 * 10) * ps_per_ms);
+    ASSERT_EQ(run_job(rig, job).end, JobEnd::done);
     ASSERT_EQ(rig.shots().size(), wanted.size());
     for (std::size_t i = 0; i < wanted.size(); ++i)
       ASSERT_EQ(rig.board.lattice_shots()[i].steps, wanted[i]) << "shot " << i;

@@ -16,7 +16,6 @@ TEST_P(BeatBudgets, OverAJobWithABusyLink) {
   job::Profile profile = chip_profile(GetParam());
   job::set_acceleration(profile, 10);
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   const sim::BoardTiming timing(rig.board, flash_image());
   const sim::chip::Profile& measured = timing.profile();
   const job::Job job =
@@ -27,7 +26,7 @@ TEST_P(BeatBudgets, OverAJobWithABusyLink) {
     if (rig.board.usb_host().unsent() < 64) rig.type("?");
     more = running.sender.step();
   }
-  EXPECT_EQ(running.sender.result().end, link::JobEnd::done);
+  EXPECT_EQ(running.sender.result().end, JobEnd::done);
   expect_fired(rig, job);
   const sim::chip::Cycle job_cycles = measured.cycles();
   const Picoseconds delay = profile.settings.milli(Id::q_switch_delay) * ps_per_us / 1000;
@@ -54,7 +53,6 @@ TEST_P(BeatBudgets, OverAJobWithABusyLink) {
   }
   EXPECT_EQ(found, 4);
   EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
-  expect_no_violations(rig);
 }
 
 INSTANTIATE_TEST_SUITE_P(Lamps, BeatBudgets, testing::Values(100, 1000, 4000),
@@ -66,7 +64,6 @@ INSTANTIATE_TEST_SUITE_P(Lamps, BeatBudgets, testing::Values(100, 1000, 4000),
 // interrupt comes 100 us after the end of the one before.
 TEST(Budgets, TheMainLoopSleepsBetweenInterrupts) {
   ChipRig rig(chip_profile());
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   rig.run(10 * ps_per_ms);
   const SleepWatch sleeps(rig.core());
   const sim::chip::Cycle from = rig.board.chip().now();

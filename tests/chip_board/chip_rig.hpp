@@ -2,8 +2,6 @@
 // of its pins, and a user at its USB cable.
 #pragma once
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -11,29 +9,20 @@
 #include <map>
 #include <optional>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <tuple>
 #include <vector>
 
 #include "host/error.hpp"
-#include "host/job/job.hpp"
-#include "host/link/sender.hpp"
 #include "shared/boards/pico_pins.hpp"
 #include "sim/chip/profile/function_table.hpp"
 #include "sim/chip_board/chip_board.hpp"
-#include "sim/world/drive_settings.hpp"
-#include "tests/judges/pin_monitor.hpp"
-#include "tests/scale.hpp"
-#include "tests/step_histogram.hpp"
+#include "tests/board/rig.hpp"
+#include "tests/program_sender.hpp"
 
 namespace lamplock::test {
-
-using settings::Id;
-using sim::Picoseconds;
-using sim::ps_per_ms;
-using sim::ps_per_s;
-using sim::ps_per_us;
 
 /// The image under test, read once.
 inline const sim::chip::Image& flash_image() {
@@ -46,16 +35,6 @@ inline job::Profile chip_profile(double lamp_hz = 500) {
   job::Profile profile = job::default_profile();
   job::set_lamp_hz(profile, lamp_hz);
   return profile;
-}
-
-inline sim::WorldConfig chip_world(const job::Profile& profile) {
-  sim::WorldConfig world;
-  world.lamp.frequency_hz = profile.settings.milli(Id::lamp_frequency) / 1000.0;
-  world.drives = sim::drives_of(profile.settings);
-  for (int axis = 0; axis < max_axes; ++axis)
-    world.drives.lag_us[static_cast<std::size_t>(axis)] =
-        profile.settings.milli(Id::drive_lag_x, axis) / 1000.0;
-  return world;
 }
 
 /// A PC that finds a device at once.
@@ -127,69 +106,56 @@ class EnergyPads final : public sim::chip::PadListener {
   std::vector<Edge> edges_;
 };
 
-/// The board with its monitors.
+/// The board with its monitors. The simulator must find no violation up to the end.
 struct ChipRig {
-  explicit ChipRig(const job::Profile& machine = chip_profile())
-      : ChipRig(machine.settings, chip_world(machine)) {}
-  ChipRig(const settings::Values& stored, const sim::WorldConfig& world)
+  enum class Power { on, off };
+
+  explicit ChipRig(const job::Profile& machine = chip_profile(), Power power = Power::on)
+      : ChipRig(machine.settings, world_for(machine), power) {}
+  ChipRig(const settings::Values& stored, const sim::WorldConfig& world, Power power = Power::on)
       : board(flash_image(), stored, world, quick_host()),
         monitor(board.bus(), board.world().lamp()),
-        energy(board.chip()) {}
+        energy(board.chip()) {
+    if (power == Power::on) boot();
+  }
+  ChipRig(const ChipRig&) = delete;
+  ChipRig& operator=(const ChipRig&) = delete;
+  ~ChipRig() {
+    EXPECT_THAT(board.chip().usb().violations(), IsEmpty());
+    EXPECT_THAT(board.usb_host().violations(), IsEmpty());
+    EXPECT_THAT(board.chip().not_modelled(), IsEmpty());
+    EXPECT_EQ(board.world().drives().total_faults(), 0u);
+  }
 
   sim::ChipBoard board;
   PinMonitor monitor;
   EnergyPads energy;
+  ProgramSender user{board};
   /// Text from the machine so far.
-  std::string heard;
+  std::string& heard = user.heard;
 
   sim::chip::Core& core() { return board.chip().core(0); }
   Picoseconds now() const { return board.now(); }
   void run(Picoseconds time) { board.run_until(now() + time); }
+  /// Changes an input of the board now.
+  void set(sim::Pin pin, bool level) { board.world().schedule(pin, level, now()); }
+  /// An input is active for some time.
+  void press(sim::Pin pin, Picoseconds from, Picoseconds to) {
+    board.world().schedule(pin, true, from);
+    board.world().schedule(pin, false, to);
+  }
   /// Runs until the serial port exists and has sent the banner and the messages of the start.
   void boot() {
-    ASSERT_TRUE(board.run_until_found(1000 * ps_per_ms));
+    if (!board.run_until_found(ps_per_s)) throw std::runtime_error("the board is not found");
     run(10 * ps_per_ms);
     listen();
   }
-  void listen() {
-    std::array<std::uint8_t, 4096> bytes;
-    while (const std::size_t n = board.read(bytes))
-      heard.append(reinterpret_cast<const char*>(bytes.data()), n);
-  }
+  void listen() { user.listen(); }
   /// Returns the number of characters that the PC's buffers accepted.
-  std::size_t type(std::string_view text) {
-    return board.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-  }
-  /// The machine's answer to a line, up to its ok or error.
+  std::size_t type(std::string_view text) { return user.send_some(text); }
+  std::string status() { return user.status(); }
   std::string answer(std::string_view line, Picoseconds limit = 600 * ps_per_ms) {
-    listen();
-    const std::size_t begin = heard.size();
-    type(line);
-    type("\n");
-    const Picoseconds end = now() + limit;
-    while (now() < end) {
-      run(ps_per_ms);
-      listen();
-      const std::string_view said = std::string_view(heard).substr(begin);
-      if (!said.ends_with("\r\n")) continue;
-      if (said.ends_with("ok\r\n") || said.rfind("error:") != std::string_view::npos)
-        return std::string(said);
-    }
-    return heard.substr(begin) + "<silence>";
-  }
-  /// The status line.
-  std::string status() {
-    listen();
-    const std::size_t begin = heard.size();
-    type("?");
-    for (int i = 0; i < 50; ++i) {
-      run(ps_per_ms);
-      listen();
-      const std::size_t from = heard.find('<', begin), to = heard.find('>', begin);
-      if (from != std::string::npos && to != std::string::npos)
-        return heard.substr(from, to - from + 1);
-    }
-    return "<silence>";
+    return user.answer(line, limit);
   }
   /// Position as the board reports it, mm.
   std::array<double, max_axes> reported_mm(const settings::Values& values) {
@@ -217,13 +183,7 @@ struct ChipRig {
           place[static_cast<std::size_t>(axis)] * values.milli(Id::steps_per_mm_x, axis) / 1000.0));
     return steps;
   }
-  /// Time of the last step of any axis.
-  Picoseconds last_step() const {
-    Picoseconds last = 0;
-    for (int axis = 0; axis < 3; ++axis)
-      if (!monitor.steps(axis).empty()) last = std::max(last, monitor.steps(axis).back().at);
-    return last;
-  }
+  Picoseconds last_step() const { return monitor.last_step(); }
   const sim::Shots& shots() const { return board.world().laser().shots(); }
   bool step_high() {
     for (int axis = 0; axis < 3; ++axis)
@@ -255,10 +215,7 @@ class BootedRig : public testing::Test {
   explicit BootedRig(std::uint64_t seed) : random_(seed) {}
   void SetUp() override { boot_anew(); }
   /// Boots a new machine of the same kind.
-  void boot_anew() {
-    rig_.emplace(profile_);
-    rig_->boot();
-  }
+  void boot_anew() { rig_.emplace(profile_); }
   ChipRig& rig() { return *rig_; }
   Picoseconds up_to(Picoseconds most) {
     return std::uniform_int_distribution<Picoseconds>(0, most)(random_);
@@ -359,7 +316,7 @@ struct RunningJob {
     return true;
   }
   /// Runs to the end of the job; fails the test if it does not end.
-  link::JobEnd finish() {
+  JobEnd finish() {
     const Picoseconds end = rig.now() + limit();
     while (sender.step())
       if (rig.now() > end) {
@@ -403,9 +360,16 @@ inline void expect_fired(const ChipRig& rig, const job::Job& job, std::size_t fi
   expect_fired_so_far(rig, job, first_shot, first_point);
 }
 
+/// Runs a job to its end; every point was fired once, in order, at its place.
+inline void run_to_the_end(ChipRig& rig, const job::Job& job, std::uint32_t session = 1) {
+  const std::size_t fired = rig.shots().size();
+  ASSERT_EQ(RunningJob(rig, job, session).finish(), JobEnd::done);
+  expect_fired(rig, job, fired);
+}
+
 inline constexpr Picoseconds ps_per_tick = ps_per_us;
 /// From the tick to STEP on its pad (firmware: step_latency_clocks; found again by the first step).
-inline constexpr Picoseconds step_latency = 6 * 8 * sim::ps_per_ns;
+inline constexpr Picoseconds step_latency = 6 * 8 * ps_per_ns;
 
 /// A step: its axis, tick and direction, counted from the lamp edge of the first shot. The lamp is
 /// steady and nominal, so that a tick is a microsecond.
@@ -420,14 +384,6 @@ inline std::vector<Step> steps_of(const PinMonitor& monitor, Picoseconds latency
       steps.emplace_back(axis, at / ps_per_tick - (at < 0 ? 1 : 0), step.position);
     }
   return steps;
-}
-
-/// The simulator itself has found no violations.
-inline void expect_no_violations(ChipRig& rig) {
-  EXPECT_THAT(rig.board.chip().usb().violations(), testing::IsEmpty());
-  EXPECT_THAT(rig.board.usb_host().violations(), testing::IsEmpty());
-  EXPECT_THAT(rig.board.chip().not_modelled(), testing::IsEmpty());
-  EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
 }
 
 }  // namespace lamplock::test

@@ -36,7 +36,6 @@ unsigned expect_no_flash_source(ChipRig& rig) {
 TEST(DmaSources, AreNeverInFlash) {
   const job::Profile profile = chip_profile(250);
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   const job::Job job =
       job::make_job(chip_points(static_cast<std::size_t>(scaled(10)), 4), profile, {});
   RunningJob running(rig, job, 1);

@@ -4,19 +4,12 @@
 namespace lamplock::test {
 namespace {
 
-using sim::ps_per_ns;
-using testing::HasSubstr;
-
 /// Presses the e-stop for some time.
-void press(ChipRig& rig, Picoseconds at) {
-  rig.board.world().schedule(sim::Pin::estop, true, at);
-  rig.board.world().schedule(sim::Pin::estop, false, at + 100 * ps_per_us);
-}
+void press(ChipRig& rig, Picoseconds at) { rig.press(sim::Pin::estop, at, at + 100 * ps_per_us); }
 
 /// FIRE reports the result of an edge 2.2 us after it; the firmware reads it slightly later.
 TEST(EmergencyStop, BetweenAResultOfTheFireStageAndItsReader) {
   ChipRig rig;
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   rig.run(20 * ps_per_ms);
   for (Picoseconds offset = 1800 * ps_per_ns; offset <= 2600 * ps_per_ns;
        offset += 40 * ps_per_ns) {

@@ -25,7 +25,6 @@ struct Engraving {
 Engraving engrave(bool every_clock) {
   const job::Profile profile = chip_profile(250);
   ChipRig rig(profile);
-  rig.boot();
   // From here on; the program's own tests compare the boot.
   rig.board.chip().pio_dma().set_step_every_clock(every_clock);
   AllEdges edges;
@@ -33,7 +32,7 @@ Engraving engrave(bool every_clock) {
   const job::Job job =
       job::make_job(chip_points(static_cast<std::size_t>(scaled(6)), 5), profile, {});
   RunningJob running(rig, job, 7);
-  EXPECT_EQ(running.finish(), link::JobEnd::done);
+  EXPECT_EQ(running.finish(), JobEnd::done);
   rig.board.chip().gpio().catch_up(rig.board.chip().now());
   // Edges of different pads may be reported out of order.
   std::stable_sort(edges.edges.begin(), edges.edges.end());

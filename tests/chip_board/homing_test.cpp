@@ -9,9 +9,6 @@
 namespace lamplock::test {
 namespace {
 
-using testing::HasSubstr;
-using testing::StartsWith;
-
 constexpr std::int32_t steps_per_mm = 200, end_steps = 50 * steps_per_mm;
 const std::string jog_cancel = "\x85";
 
@@ -35,7 +32,7 @@ sim::WireConfig bouncing_limit(int axis, std::int32_t place, std::uint64_t seed)
 }
 
 sim::WorldConfig world_with(const job::Profile& profile, const StepPosition& places) {
-  sim::WorldConfig world = chip_world(profile);
+  sim::WorldConfig world = world_for(profile);
   for (int axis = 0; axis < 3; ++axis)
     world.switches.push_back(
         bouncing_limit(axis, places[index(axis)], static_cast<std::uint64_t>(axis) + 1));
@@ -51,36 +48,44 @@ void expect_homed(ChipRig& rig, const settings::Values& values, const StepPositi
         << "axis " << axis;
 }
 
-/// From power-up to "ok", with switches at these places.
-void expect_homes(const job::Profile& profile, const StepPosition& places) {
-  ChipRig rig(profile.settings, world_with(profile, places));
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
+/// A machine and the places of its switches.
+struct Homes {
+  const char* name;
+  Id id;  ///< a setting
+  std::int32_t milli;
+  StepPosition places;
+  bool cut_map = true;  ///< else one circuit has all switches
+  friend void PrintTo(const Homes& c, std::ostream* out) { *out << c.name; }
+};
+
+class ChipHomes : public testing::TestWithParam<Homes> {};
+
+/// From power-up to "ok". In any pulse mode the place is found in the ticks that were output; in a
+/// CoreXY both motors turn for either axis.
+TEST_P(ChipHomes, ToAStep) {
+  job::Profile profile = homing_profile(GetParam().cut_map);
+  for (int axis = 0; axis < (GetParam().id == Id::pulse_mode_x ? 3 : 1); ++axis)
+    profile.settings.set_milli(settings::for_axis(GetParam().id, axis), GetParam().milli);
+  ChipRig rig(profile.settings, world_with(profile, GetParam().places));
   EXPECT_THAT(rig.status(), StartsWith("<Alarm|"));
-  EXPECT_THAT(rig.answer("$H", 6000 * ps_per_ms), testing::EndsWith("ok\r\n"));
-  expect_homed(rig, profile.settings, places);
+  EXPECT_THAT(rig.answer("$H", 6000 * ps_per_ms), EndsWith("ok\r\n"));
+  expect_homed(rig, profile.settings, GetParam().places);
   EXPECT_THAT(rig.status(), StartsWith("<Idle|MPos:49.700,49.700,49.700|"));
 }
 
-class ChipHomingPulses : public testing::TestWithParam<int> {};
+/// At 400 mm/s on two axes at once nearly every word in the rings has steps: searching them takes
+/// long, and ticks must not run out meanwhile.
+constexpr std::int32_t full_speed = 24'000'000;
 
-/// In any pulse mode the place is found in the ticks that were output.
-TEST_P(ChipHomingPulses, OneSwitchForEachAxis) {
-  job::Profile profile = homing_profile(true);
-  for (int axis = 0; axis < 3; ++axis)
-    profile.settings.set_milli(settings::for_axis(Id::pulse_mode_x, axis), GetParam() * 1000);
-  expect_homes(profile, {700, 400, 500, 0});
-}
-
-INSTANTIATE_TEST_SUITE_P(ChipHoming, ChipHomingPulses, testing::Values(0, 1, 2));
-
-TEST(ChipHoming, OneCircuitForAll) { expect_homes(homing_profile(false), {300, 600, 400, 0}); }
-
-/// Both motors turn for either axis; contact places are read from both.
-TEST(ChipHoming, OnACoreXy) {
-  job::Profile profile = homing_profile(true);
-  profile.settings.set_milli(Id::kinematics, 1000);
-  expect_homes(profile, {700, 400, 500, 0});
-}
+INSTANTIATE_TEST_SUITE_P(
+    Machines, ChipHomes,
+    testing::Values(Homes{"StepDir", Id::pulse_mode_x, 0, {700, 400, 500, 0}},
+                    Homes{"CwCcw", Id::pulse_mode_x, 1000, {700, 400, 500, 0}},
+                    Homes{"Quadrature", Id::pulse_mode_x, 2000, {700, 400, 500, 0}},
+                    Homes{"CoreXy", Id::kinematics, 1000, {700, 400, 500, 0}},
+                    Homes{"FullSpeed", Id::homing_seek, full_speed, {8000, 8100, 4000, 0}},
+                    Homes{"OneCircuit", Id::homing, 1000, {300, 600, 400, 0}, false}),
+    [](const auto& c) { return std::string(c.param.name); });
 
 /// Two motors of Y, no Z: the second side's switch uses the input of Z. Either side may be ahead.
 TEST(ChipHoming, SquaresAGantry) {
@@ -90,14 +95,13 @@ TEST(ChipHoming, SquaresAGantry) {
   profile.settings.set_milli(Id::axes, 2000);
   profile.settings.set_milli(Id::ganged_axis, 2000);
   for (const std::int32_t skew : {-160, 160}) {  // 0.8 mm
-    sim::WorldConfig world = chip_world(profile);
+    sim::WorldConfig world = world_for(profile);
     world.drives.start[side] = skew;
     sim::WireConfig second = bouncing_limit(side, place, 3);
     second.pin = sim::Pin::limit_z;
     world.switches = {bouncing_limit(0, 300, 1), bouncing_limit(1, place, 2), second};
     ChipRig rig(profile.settings, world);
-    ASSERT_NO_FATAL_FAILURE(rig.boot());
-    EXPECT_THAT(rig.answer("$H", 6000 * ps_per_ms), testing::EndsWith("ok\r\n"));
+    EXPECT_THAT(rig.answer("$H", 6000 * ps_per_ms), EndsWith("ok\r\n"));
     const StepPosition loads = rig.board.world().drives().position();
     EXPECT_NEAR(loads[1], place - 60, 1);
     EXPECT_NEAR(loads[side], place - 60, 1);
@@ -110,20 +114,11 @@ TEST(ChipHoming, SquaresAGantry) {
   }
 }
 
-/// At 400 mm/s on two axes at once nearly every word in the rings has steps: searching them takes
-/// long, and ticks must not run out meanwhile.
-TEST(ChipHoming, FindsASwitchAtFullSpeed) {
-  job::Profile profile = homing_profile(true);
-  profile.settings.set_milli(Id::homing_seek, 24'000'000);
-  expect_homes(profile, {8000, 8100, 4000, 0});
-}
-
 TEST(ChipHoming, ABrokenWireNeverOpens) {
   const job::Profile profile = homing_profile(true);
   sim::WorldConfig world = world_with(profile, {300, 300, 300, 0});
   world.switches[2].broken_from = 0;
   ChipRig rig(profile.settings, world);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   EXPECT_THAT(rig.answer("$HZ", 3000 * ps_per_ms), HasSubstr("ALARM:8\r\nerror:9\r\n"));
 }
 
@@ -133,14 +128,13 @@ TEST(ChipProbe, ReportsWhereItTouched) {
   std::mt19937_64 random(2);
   for (int round = 0; round < 5; ++round) {
     const auto z = static_cast<std::int32_t>(-100 - static_cast<int>(random() % 300));
-    sim::WorldConfig world = chip_world(profile);
+    sim::WorldConfig world = world_for(profile);
     sim::ContactConfig contact = sim::ContactConfig::below(2, z);
     const double rattles_us = round % 2 == 0 ? 0 : 2000;
     contact.bounce = {.make_us = rattles_us, .break_us = rattles_us, .seed = random()};
     world.switches.push_back(
         {.pin = sim::Pin::probe, .contacts = {contact}, .normally_closed = false});
     ChipRig rig(profile.settings, world);
-    ASSERT_NO_FATAL_FAILURE(rig.boot());
     // 2000 steps/s: exact within the polling period of 100 us, which may miss the first bounces.
     const double most_steps = 1.1 + rattles_us * 2000 / 1e6;
     const std::string said = rig.answer("G38.2 Z-5 F600", 3000 * ps_per_ms);
@@ -157,7 +151,6 @@ TEST(ChipJog, ReleaseStopsAtOnce) {
   job::Profile profile = homing_profile(true);
   profile.settings.set_milli(Id::homing, 0);
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   const auto x = [&rig] { return rig.board.world().drives().position()[0]; };
   for (const double mm_s : {10.0, 40.0}) {
     rig.answer(fmt::format("$J=G91X20F{}", mm_s * 60));

@@ -7,12 +7,11 @@ namespace {
 
 TEST(ChipLampTrigger, EchoEndsInItsCycle) {
   job::Profile profile = chip_profile(100);
-  profile.settings.set_milli(Id::lamp_mode, static_cast<int>(settings::LampMode::master) * 1000);
+  profile.settings.set_milli(Id::lamp_mode, static_cast<int>(LampMode::master) * 1000);
   profile.settings.set_milli(Id::lamp_energy, 1'000);
-  sim::WorldConfig world = chip_world(profile);
+  sim::WorldConfig world = world_for(profile);
   world.lamp.triggered = true;
   ChipRig rig(profile.settings, world);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   struct Sync final : sim::PinListener {
     void pin_changed(sim::Pin, bool level, Picoseconds) override {
       edges.emplace_back(level, chip.time());
@@ -32,7 +31,7 @@ TEST(ChipLampTrigger, EchoEndsInItsCycle) {
   for (std::size_t i = 0; i + 1 < sync.edges.size(); i += 2) {
     ASSERT_TRUE(sync.edges[i].first);
     EXPECT_NEAR(static_cast<double>(sync.edges[i + 1].second - sync.edges[i].second),
-                static_cast<double>(pulse), 2.0 * 8 * sim::ps_per_ns)
+                static_cast<double>(pulse), 2.0 * 8 * ps_per_ns)
         << i;
   }
 }

@@ -6,12 +6,9 @@
 namespace lamplock::test {
 namespace {
 
-using testing::HasSubstr;
-
 TEST(ChipLink, GarbageNeverMovesNorFires) {
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   std::mt19937_64 random(3);
   const settings::Values before = rig.board.stored_settings();
   std::array<std::uint8_t, 1024> bytes;
@@ -26,16 +23,12 @@ TEST(ChipLink, GarbageNeverMovesNorFires) {
   EXPECT_EQ(rig.board.stored_settings(), before);
   expect_garbage_did_nothing(rig);
   const job::Job job = job::make_job(chip_points(30, 1), profile, {});
-  RunningJob running(rig, job, 1);
-  EXPECT_EQ(running.finish(), link::JobEnd::done);
-  expect_fired(rig, job);
-  expect_no_violations(rig);
+  ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job));
 }
 
 TEST(ChipLink, PulledAndPluggedInAJobAtRandomMoments) {
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   sim::chip::UsbHost& host = rig.board.usb_host();
   CableCuts cuts{.seed = 5, .longest_wait = 60 * ps_per_ms};
   cuts.pull = [&host](int cut) { cut % 2 == 1 ? host.suspend() : host.unplug(); };
@@ -49,7 +42,6 @@ TEST(ChipLink, PulledAndPluggedInAJobAtRandomMoments) {
 TEST(ChipLink, AnIncompleteLineIsNotCompletedByANewConnection) {
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   rig.type("$110=6");
   rig.run(10 * ps_per_ms);
   rig.board.usb_host().unplug();
@@ -58,19 +50,17 @@ TEST(ChipLink, AnIncompleteLineIsNotCompletedByANewConnection) {
   ASSERT_TRUE(rig.board.run_until_found(1000 * ps_per_ms));
   EXPECT_THAT(rig.answer("0"), HasSubstr("error:1\r"));
   EXPECT_EQ(rig.board.stored_settings(), profile.settings);
-  expect_no_violations(rig);
 }
 
 TEST(ChipLink, TheBootLoaderStartsAtRestWithEverythingOff) {
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   EXPECT_THAT(rig.heard, HasSubstr("[MSG:Started by power on]"));
   RunningJob running(rig, job::make_job(chip_points(40, 4), profile, {}), 1);
   ASSERT_TRUE(running.run_until_fired(5));
   rig.heard.clear();
   EXPECT_THAT(rig.answer("$BOOT"), HasSubstr("error:8"));
-  EXPECT_EQ(running.finish(), link::JobEnd::done);
+  EXPECT_EQ(running.finish(), JobEnd::done);
   ASSERT_NO_FATAL_FAILURE(expect_fired(rig, running.job));
   open_gate(rig);
   rig.run(2 * ps_per_ms);

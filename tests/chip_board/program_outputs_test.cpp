@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include "tests/chip_board/chip_rig.hpp"
-#include "tests/chip_board/program_sender.hpp"
 
 namespace lamplock::test {
 namespace {
 
 using sim::Pin;
-using testing::HasSubstr;
 
 job::Profile outputs_profile() {
   job::Profile profile = chip_profile(500);
@@ -19,33 +17,18 @@ job::Profile outputs_profile() {
   return profile;
 }
 
-/// Edges of a wire; must outlive the bus's use.
-class WireLog final : public sim::PinListener {
- public:
-  WireLog(ChipRig& rig, Pin pin) { rig.board.bus().listen(pin, *this); }
-  void pin_changed(Pin /*pin*/, bool level, Picoseconds at) override {
-    edges.push_back({level, at});
-  }
-  struct Edge {
-    bool level;
-    Picoseconds at;
-  };
-  std::vector<Edge> edges;
-};
-
 class ChipOutputs : public testing::Test {
  protected:
   ChipOutputs() : ChipOutputs(outputs_profile()) {}
   explicit ChipOutputs(const job::Profile& profile)
       : rig_(profile),
-        aux_(rig_, Pin::aux_out),
-        air_(rig_, Pin::air),
-        gate_(rig_, Pin::laser_gate) {}
-  void SetUp() override { rig_.boot(); }
+        aux_(rig_.board.bus(), Pin::aux_out),
+        air_(rig_.board.bus(), Pin::air),
+        gate_(rig_.board.bus(), Pin::laser_gate) {}
 
   bool level(Pin pin) { return rig_.board.bus().level(pin); }
   void set(Pin pin, bool level) {
-    rig_.board.world().schedule(pin, level, rig_.now());
+    rig_.set(pin, level);
     rig_.run(ps_per_us);
   }
   bool run_until(Pin pin, bool wanted, Picoseconds limit) {
@@ -55,13 +38,13 @@ class ChipOutputs : public testing::Test {
   }
 
   ChipRig rig_;
-  WireLog aux_, air_, gate_;
+  EdgeLog aux_, air_, gate_;
 };
 
 /// A hanging Z would fall if its drive were released.
 TEST_F(ChipOutputs, ALimitSwitchStopsTheMachineAndDrivesHoldOn) {
   ASSERT_TRUE(level(Pin::enable_z) && level(Pin::enable));
-  const WireLog z(rig_, Pin::enable_z), drives(rig_, Pin::enable);
+  const EdgeLog z(rig_.board.bus(), Pin::enable_z), drives(rig_.board.bus(), Pin::enable);
   rig_.type("M62 P0\nG91 M3 S1000 F3000\nG1 X20\n");
   rig_.run(200 * ps_per_ms);
   ASSERT_TRUE(level(Pin::aux_out) && level(Pin::laser_gate));
@@ -72,13 +55,12 @@ TEST_F(ChipOutputs, ALimitSwitchStopsTheMachineAndDrivesHoldOn) {
   rig_.listen();
   EXPECT_THAT(rig_.heard, HasSubstr("ALARM:1\r"));
   EXPECT_FALSE(level(Pin::aux_out) || level(Pin::laser_gate));
-  EXPECT_TRUE(z.edges.empty());
-  EXPECT_TRUE(drives.edges.empty());
+  EXPECT_TRUE(z.edges().empty());
+  EXPECT_TRUE(drives.edges().empty());
 }
 
 /// LASER GATE opens and closes exactly at the tick at which a line begins.
 TEST_F(ChipOutputs, ChangeWithin100MicrosecondsOfTheTick) {
-  ProgramSender sender(rig_.board);
   std::string text = "G91 M3 S0 F3000\nG1 X1\n";
   const int lines = scaled(60);
   std::mt19937 random(2);
@@ -88,16 +70,16 @@ TEST_F(ChipOutputs, ChangeWithin100MicrosecondsOfTheTick) {
         "M6{} P0\nG1 X{:.2f} S{}\n", i % 2 == 0 ? 2 : 3,
         (i / 60 % 2 == 0 ? 1 : -1) * std::uniform_int_distribution<>(2, 60)(random) / 100.0,
         i % 2 == 0 ? 1000 : 0);
-  sender.give(text);
-  ASSERT_TRUE(sender.run_until_answered(rig_.now() + 20 * ps_per_s));
-  ASSERT_TRUE(sender.run_until_idle(rig_.now() + 20 * ps_per_s));
-  EXPECT_EQ(sender.errors(), 0u);
-  ASSERT_EQ(aux_.edges.size(), static_cast<std::size_t>(lines));
-  ASSERT_EQ(gate_.edges.size(), aux_.edges.size());
+  rig_.user.give(text);
+  ASSERT_TRUE(rig_.user.run_until_answered(rig_.now() + 20 * ps_per_s));
+  ASSERT_TRUE(rig_.user.run_until_idle(rig_.now() + 20 * ps_per_s));
+  EXPECT_EQ(rig_.user.errors(), 0u);
+  ASSERT_EQ(aux_.edges().size(), static_cast<std::size_t>(lines));
+  ASSERT_EQ(gate_.edges().size(), aux_.edges().size());
   Picoseconds latest = 0, soonest = ps_per_s;
-  for (std::size_t i = 0; i < aux_.edges.size(); ++i) {
-    EXPECT_EQ(aux_.edges[i].level, gate_.edges[i].level);
-    const Picoseconds late = aux_.edges[i].at - gate_.edges[i].at;
+  for (std::size_t i = 0; i < aux_.edges().size(); ++i) {
+    EXPECT_EQ(aux_.edges()[i].level, gate_.edges()[i].level);
+    const Picoseconds late = aux_.edges()[i].at - gate_.edges()[i].at;
     latest = std::max(latest, late);
     soonest = std::min(soonest, late);
   }
@@ -132,11 +114,11 @@ TEST_F(ChipOutputs, AreOffWithTheEstop) {
 TEST_F(ChipOutputs, HaveTheirDutyAsPwm) {
   EXPECT_THAT(rig_.answer("M68 E0 Q30"), HasSubstr("ok"));
   rig_.run(2 * ps_per_ms);
-  const std::size_t from = aux_.edges.size();
+  const std::size_t from = aux_.edges().size();
   rig_.run(10 * ps_per_ms);
   Picoseconds high = 0, rose = 0, begin = 0, end = 0;
-  for (std::size_t i = from; i < aux_.edges.size(); ++i) {
-    const WireLog::Edge& edge = aux_.edges[i];
+  for (std::size_t i = from; i < aux_.edges().size(); ++i) {
+    const EdgeLog::Edge& edge = aux_.edges()[i];
     if (edge.level) {
       if (begin == 0) begin = edge.at;
       rose = end = edge.at;
@@ -157,18 +139,18 @@ TEST_F(ChipOutputs, AreOffWithTheEstopAsPwm) {
     ASSERT_THAT(rig_.answer(fmt::format("M68 E0 Q{}", percent)), HasSubstr("ok"));
     rig_.run(2 * ps_per_ms +
              std::uniform_int_distribution<Picoseconds>(0, 100)(random) * ps_per_us / 3);
-    rig_.board.world().schedule(Pin::estop, true, rig_.now());
+    rig_.set(Pin::estop, true);
     rig_.run(2 * ps_per_us);
-    ASSERT_FALSE(aux_.edges.empty());
+    ASSERT_FALSE(aux_.edges().empty());
     EXPECT_FALSE(level(Pin::aux_out));
-    const std::size_t edges = aux_.edges.size();
+    const std::size_t edges = aux_.edges().size();
     rig_.run(5 * ps_per_ms);
-    EXPECT_EQ(aux_.edges.size(), edges);
+    EXPECT_EQ(aux_.edges().size(), edges);
     set(Pin::estop, false);
     rig_.run(30 * ps_per_ms);
     ASSERT_THAT(rig_.answer("$X"), HasSubstr("ok"));
     rig_.run(5 * ps_per_ms);
-    EXPECT_EQ(aux_.edges.size(), edges);
+    EXPECT_EQ(aux_.edges().size(), edges);
     EXPECT_FALSE(level(Pin::aux_out));
   }
 }
@@ -220,11 +202,10 @@ TEST(ChipDrives, HoldBeforeAJobOfPoints) {
   profile.settings.set_milli(Id::idle_delay, 50'000);
   const job::Job job = job::make_job(chip_points(30, 3), profile, {});
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   rig.run(150 * ps_per_ms);
   EXPECT_FALSE(rig.board.bus().level(Pin::enable));
   RunningJob running(rig, job, 1);
-  ASSERT_EQ(running.finish(), link::JobEnd::done);
+  ASSERT_EQ(running.finish(), JobEnd::done);
   EXPECT_EQ(rig.shots().size(), job.targets.size());
   EXPECT_EQ(rig.board.world().drives().total_faults(), 0u);
 }

@@ -1,5 +1,5 @@
-// G-code programs on the chip: lines per second; end positions and times equal those of the virtual
-// board.
+// G-code programs on the chip: lines per second, and the path at any requested speed.
+// ticks_test.cpp compares programs with the virtual board.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,16 +9,12 @@
 #include "host/program/program_run.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 #include "tests/chip_board/chip_rig.hpp"
-#include "tests/chip_board/program_sender.hpp"
 
 namespace lamplock::test {
 namespace {
 
-using testing::HasSubstr;
-using testing::StartsWith;
-
 /// A machine with 5 um steps, 10 m/s2, 1 m/s, and no lamp.
-job::Profile program_profile() {
+job::Profile quick_machine() {
   job::Profile profile = chip_profile(500);
   job::set_acceleration(profile, 10);
   job::set_speed(profile, 1);
@@ -39,52 +35,32 @@ std::string spiral(std::size_t lines, double mm, double feed_mm_min) {
 }
 
 /// Runs until the machine is at rest again; no line is refused.
-void run(ProgramSender& sender, std::string_view text, Picoseconds end) {
-  sender.give(text);
-  EXPECT_TRUE(sender.run_until_answered(end));
-  EXPECT_EQ(sender.errors(), 0u);
-  EXPECT_TRUE(sender.run_until_idle(end));
+void run(ChipRig& rig, std::string_view text, Picoseconds end) {
+  rig.user.give(text);
+  EXPECT_TRUE(rig.user.run_until_answered(end));
+  EXPECT_EQ(rig.user.errors(), 0u);
+  EXPECT_TRUE(rig.user.run_until_idle(end));
 }
 
 /// 50 um at 100 mm/s are 2000 lines per second: the machine reaches the speed only if lines are
 /// parsed and planned at that rate.
 TEST(ChipProgram, RunsTwoThousandLinesASecond) {
-  const job::Profile profile = program_profile();
+  const job::Profile profile = quick_machine();
   const auto lines = static_cast<std::size_t>(scaled(1000));
   const std::string text = spiral(lines, 0.05, 6000);
   const auto plan = program_run::run_program(text, profile.settings, 1);
   ASSERT_TRUE(plan.problems.empty());
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   const Picoseconds begin = rig.now();
-  ProgramSender sender(rig.board);
-  run(sender, text, begin + 60 * ps_per_s);
-  EXPECT_EQ(sender.answers().size(), lines + 2);
+  run(rig, text, begin + 60 * ps_per_s);
+  EXPECT_EQ(rig.user.answers().size(), lines + 2);
   const double seconds = sim::seconds(rig.now() - begin);
   const double answered =
-      sim::seconds(sender.answer_times().back() - sender.answer_times().front());
+      sim::seconds(rig.user.answer_times().back() - rig.user.answer_times().front());
   std::cout << fmt::format(
       "{} lines of 50 um in {:.3f} s, planned {:.3f} s; answered {:.0f} lines/s\n", lines, seconds,
       plan.seconds(), static_cast<double>(lines) / answered);
   EXPECT_LE(seconds, 1.05 * plan.seconds() + 0.02);
-}
-
-/// Ends at the place and time of the virtual board.
-TEST(ChipProgram, EndsWhereAndWhenTheVirtualBoardDoes) {
-  const job::Profile profile = program_profile();
-  const std::string text =
-      "G21 G90 G17\nG0 X3 Y1\nG1 X5 F3000\nG2 X7 Y3 I0 J2\nG3 X5 Y5 R2\nG91 G1 Z-0.5 F600\n"
-      "G90 G5 I0 J1 P0 Q-1 X8 Y5\nG0 X1.005 Y2.0\nM2\n";
-  const auto plan = program_run::run_program(text, profile.settings, 1);
-  ASSERT_TRUE(plan.problems.empty());
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  const Picoseconds begin = rig.now();
-  ProgramSender sender(rig.board);
-  run(sender, text, begin + 20 * ps_per_s);
-  EXPECT_NEAR(sim::seconds(rig.now() - begin), plan.seconds(), 0.03);
-  EXPECT_EQ(rig.reported_position(profile.settings), (StepPosition{201, 400, -100, 0}));
-  EXPECT_THAT(sender.heard(), HasSubstr("[MSG:Pgm End]"));
 }
 
 /// Largest distance of the machine from the spiral of spiral() in lines of 20 um, mm. The radius
@@ -109,15 +85,13 @@ double way_off(const ChipRig& rig, double steps_per_mm) {
 
 /// 20 um at 100 mm/s are 5000 lines a second.
 TEST(ChipProgram, RunsFiveThousandLinesASecond) {
-  const job::Profile profile = program_profile();
+  const job::Profile profile = quick_machine();
   const auto lines = static_cast<std::size_t>(scaled(1500));
   const std::string text = spiral(lines, 0.02, 6000);
   const auto plan = program_run::run_program(text, profile.settings, 1);
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
   const Picoseconds begin = rig.now();
-  ProgramSender sender(rig.board);
-  run(sender, text, begin + 60 * ps_per_s);
+  run(rig, text, begin + 60 * ps_per_s);
   const double seconds = sim::seconds(rig.now() - begin);
   std::cout << fmt::format("{} lines of 20 um in {:.3f} s, planned {:.3f} s\n", lines, seconds,
                            plan.seconds());
@@ -128,14 +102,12 @@ TEST(ChipProgram, RunsFiveThousandLinesASecond) {
 /// batch is late, also while that batch is handed out, resumes from its place, and stays on its
 /// path.
 TEST(ChipProgram, KeepsItsPathAtAnyRequestedSpeed) {
-  const job::Profile profile = program_profile();
+  const job::Profile profile = quick_machine();
   ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  ProgramSender sender(rig.board);
   // The first tenth of a second fills the buffers.
   const auto lines = static_cast<std::size_t>(scaled(2000, 2000));
   const Picoseconds begin = rig.now();
-  run(sender, spiral(lines, 0.02, 30'000), begin + 60 * ps_per_s);
+  run(rig, spiral(lines, 0.02, 30'000), begin + 60 * ps_per_s);
   // Two steps of 5 um, and the deviation at junctions and chords.
   EXPECT_LE(way_off(rig, 200), 0.025);
   EXPECT_GE(static_cast<double>(lines) / sim::seconds(rig.now() - begin), 3500);
@@ -145,17 +117,15 @@ TEST(ChipProgram, KeepsItsPathAtAnyRequestedSpeed) {
 /// With motors that combine two axes the board reads fewer lines per second, but not even fewer
 /// when more are requested.
 TEST(ChipProgram, ACoreXyIsNotSlowerAtExcessiveSpeeds) {
-  job::Profile profile = program_profile();
+  job::Profile profile = quick_machine();
   profile.settings.set_milli(Id::kinematics, 1000);
   std::vector<double> rates;
   for (const double feed_mm_s : {100, 500}) {
     ChipRig rig(profile);
-    ASSERT_NO_FATAL_FAILURE(rig.boot());
-    ProgramSender sender(rig.board);
     // The first tenth of a second fills the buffers.
     const auto lines = static_cast<std::size_t>(scaled(2000, 2000));
     const Picoseconds begin = rig.now();
-    run(sender, spiral(lines, 0.02, feed_mm_s * 60), begin + 60 * ps_per_s);
+    run(rig, spiral(lines, 0.02, feed_mm_s * 60), begin + 60 * ps_per_s);
     rates.push_back(static_cast<double>(lines) / sim::seconds(rig.now() - begin));
     std::cout << feed_mm_s << " mm/s: " << rates.back() << " lines/s\n";
   }
@@ -163,73 +133,16 @@ TEST(ChipProgram, ACoreXyIsNotSlowerAtExcessiveSpeeds) {
 }
 
 TEST(ChipProgram, EndsAtItsPlaceThoughLinesAreLate) {
-  const job::Profile profile = program_profile();
+  const job::Profile profile = quick_machine();
   for (const double feed_mm_s : {80, 100, 250}) {
     SCOPED_TRACE(feed_mm_s);
     const std::string text =
         spiral(static_cast<std::size_t>(scaled(600)), 0.02, feed_mm_s * 60) + "X1 Y2\n";
     ChipRig rig(profile);
-    ASSERT_NO_FATAL_FAILURE(rig.boot());
-    ProgramSender sender(rig.board);
-    run(sender, text, rig.now() + 60 * ps_per_s);
+    run(rig, text, rig.now() + 60 * ps_per_s);
     EXPECT_EQ(rig.board.world().drives().position(), (StepPosition{200, 400, 0, 0}));
     EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
   }
-}
-
-TEST(ChipProgram, HoldsAndResets) {
-  const job::Profile profile = program_profile();
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  rig.type("G1 X20 F3000\nG1 Y10\n");
-  rig.run(100 * ps_per_ms);
-  rig.type("!");
-  rig.run(150 * ps_per_ms);
-  EXPECT_THAT(rig.status(), StartsWith("<Hold:0|"));
-  rig.type("~");
-  rig.run(100 * ps_per_ms);
-  EXPECT_THAT(rig.status(), StartsWith("<Run|"));
-  rig.type("\x18");
-  rig.run(150 * ps_per_ms);
-  EXPECT_THAT(rig.status(), StartsWith("<Alarm|"));
-  EXPECT_THAT(rig.heard, HasSubstr("ALARM:3"));
-}
-
-/// Points on the beat, in path mode and free, with lines before, between and after them: the same
-/// shots as on the virtual board.
-TEST(ChipProgram, FiresPointsOnTheBeatAsTheVirtualBoardDoes) {
-  const job::Profile profile = chip_profile();
-  std::string text = "G21 G90\nG0 X1\nM130 P0\nF6000\n";
-  for (int i = 1; i <= 60; ++i)
-    text += fmt::format("G1 X{:.2f} Y{:.2f}\n", 1 + i * 0.1, i % 7 * 0.05);
-  text += "M131\nG1 X5\nM130 P1\n";
-  for (int i = 1; i <= 40; ++i)
-    text += fmt::format("G{} X{:.2f} Z{:.2f}\n", i % 10 == 0 ? 0 : 1, 5 - i * 0.08, i % 5 * 0.03);
-  text += "M2\n";
-  sim::VirtualBoard other(profile.settings, chip_world(profile));
-  for (std::size_t sent = 0; sent < text.size();) {
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
-    sent += other.write({bytes + sent, std::min<std::size_t>(text.size() - sent, 200)});
-    other.run_until(other.now() + 50 * ps_per_ms);
-  }
-  other.run_until(other.now() + 3 * ps_per_s);
-  ChipRig rig(profile);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  ProgramSender sender(rig.board);
-  run(sender, text, rig.now() + 20 * ps_per_s);
-  const sim::Shots& wanted = other.world().laser().shots();
-  ASSERT_EQ(wanted.size(), 96u);
-  ASSERT_EQ(rig.shots().size(), wanted.size());
-  for (std::size_t i = 0; i < wanted.size(); ++i)
-    for (std::size_t a = 0; a < 3; ++a)
-      EXPECT_NEAR(rig.shots()[i].steps[a], wanted[i].steps[a], 1) << "shot " << i << " axis " << a;
-  // Each row takes the same beats.
-  const auto beats = [](const sim::Shots& shots, std::size_t from, std::size_t to) {
-    return shots[to].beat - shots[from].beat;
-  };
-  EXPECT_EQ(beats(rig.shots(), 0, 59), beats(wanted, 0, 59));
-  EXPECT_EQ(beats(rig.shots(), 60, 95), beats(wanted, 60, 95));
-  EXPECT_THAT(sender.heard(), HasSubstr("[MSG:Pgm End]"));
 }
 
 }  // namespace

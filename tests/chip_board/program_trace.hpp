@@ -50,15 +50,6 @@ struct ProgramTrace {
   }
 };
 
-inline ProgramTrace trace_of(const PinMonitor& monitor, const sim::Beam& beam,
-                             sim::Picoseconds now) {
-  ProgramTrace trace;
-  for (int a = 0; a < max_axes; ++a) trace.steps[static_cast<std::size_t>(a)] = monitor.steps(a);
-  trace.light = beam.changes();
-  trace.end = now;
-  return trace;
-}
-
 /// A stretch of time without a rest, by the steps of one board.
 struct Stretch {
   sim::Picoseconds first = 0, last = 0;  ///< times of its first and last step

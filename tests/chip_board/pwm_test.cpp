@@ -9,7 +9,7 @@ namespace lamplock::test {
 namespace {
 
 constexpr std::uint32_t period_counts = 2000;  // laser_pwm.hpp
-constexpr Picoseconds clock = 8 * sim::ps_per_ns;
+constexpr Picoseconds clock = 8 * ps_per_ns;
 constexpr Picoseconds period = period_counts * clock;
 
 /// Total time with the pin high.
@@ -75,7 +75,7 @@ class PowerLog final : public sim::PowerListener {
 class LaserPwm : public testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_NO_FATAL_FAILURE(rig_.boot());
+    rig_.boot();
     ASSERT_EQ(log_.power(), 0);
   }
   /// Sets the high counts per period, from the next period on.
@@ -91,7 +91,7 @@ class LaserPwm : public testing::Test {
   /// Runs until the last duty is at the pin and reported.
   void settle() { rig_.run(3 * period); }
 
-  ChipRig rig_;
+  ChipRig rig_{chip_profile(), ChipRig::Power::off};
   HighTime pin_{rig_.board.chip()};
   PowerLog log_{rig_.board.bus()};
 };
@@ -128,9 +128,7 @@ TEST_F(LaserPwm, OffIsReportedFromTheEndOfTheLastPeriodAndFullFromItsBegin) {
 /// Duties of a program that follows the speed, and pulses of one period or none.
 TEST_F(LaserPwm, EnergyIsTheTimeThatThePinIsHigh) {
   std::mt19937_64 random(1);
-  const auto pick = [&random](std::uint32_t least, std::uint32_t most) {
-    return std::uniform_int_distribution<std::uint32_t>(least, most)(random);
-  };
+  const Pick<std::uint32_t> pick(random);
   const Picoseconds begin = rig_.now();
   const int changes = scaled(400);
   for (int i = 0; i < changes; ++i) {

@@ -1,5 +1,5 @@
-// Raster engraving on the chip: 0.1 mm pixels in both directions at 300 mm/s and 2 m/s2, power at
-// the pin within a step of its place.
+// Raster engraving on the chip after an e-stop, and the power at the pin over a ramp.
+// ticks_test.cpp has its rasters.
 #include <fmt/format.h>
 
 #include "tests/board/raster.hpp"
@@ -7,66 +7,29 @@
 #include <algorithm>
 
 #include "tests/chip_board/chip_rig.hpp"
-#include "tests/chip_board/program_sender.hpp"
 
 namespace lamplock::test::raster_test {
 namespace {
-
-/// Engraves on a booted board.
-void expect_engraved(ChipRig& rig, const Raster& raster, double lead_us, bool lists) {
-  ProgramSender sender(rig.board);
-  sender.give(raster.program(lists));
-  const Picoseconds end = rig.now() + (10 + static_cast<Picoseconds>(raster.rows())) * ps_per_s;
-  ASSERT_TRUE(sender.run_until_answered(end));
-  ASSERT_TRUE(sender.run_until_idle(end));
-  EXPECT_EQ(sender.errors(), 0u);
-  const Raster::Judgement judgement = raster.judge(rig.monitor, rig.board.world().beam(),
-                                                   static_cast<Picoseconds>(lead_us * ps_per_us));
-  std::cout << fmt::format(
-      "{} changes of light, at most {:.2f} steps from their places; {:.1f} mm/s\n",
-      judgement.changes, judgement.largest_shift, judgement.slowest_mm_s);
-  EXPECT_EQ(judgement.lit_as_wanted, raster.pixels());
-  EXPECT_LE(judgement.largest_shift, 1);
-  EXPECT_GT(judgement.changes, raster.pixels() / 10);
-  EXPECT_GT(judgement.slowest_mm_s, 0.98 * Raster::speed_mm_s);
-  EXPECT_FALSE(rig.board.bus().level(sim::Pin::laser_gate));
-  expect_no_violations(rig);
-}
-
-TEST(ChipRaster, LightChangesAtTheEdgesOfPixels) {
-  ChipRig rig(raster_machine());
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  expect_engraved(rig, sized_raster(1, 200, 4), 0, false);
-}
-
-TEST(ChipRaster, OfListsOfPowersWithALeadOfTheLaserIsTheSame) {
-  ChipRig rig(raster_machine(180));
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  expect_engraved(rig, sized_raster(2, 200, 4), 180, true);
-}
-
-/// Every pixel has another power, at full speed.
-TEST(ChipRaster, OfGreyPixelsKeepsItsSpeed) {
-  ChipRig rig(raster_machine());
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  expect_engraved(rig, sized_raster(3, 400, 1), 0, true);
-}
 
 /// An e-stop with light on restarts the lattice, at any tick, and LASER PWM with it.
 TEST(ChipRaster, IsInItsPlaceAfterAnEStop) {
   std::mt19937_64 random(1);
   for (int i = 0; i < scaled(2); ++i) {
     ChipRig rig(raster_machine());
-    ASSERT_NO_FATAL_FAILURE(rig.boot());
     rig.type("G21 G90 G0 X-40\nM3 S700\nG1 X-35 F9000\n");
     while (!rig.board.bus().level(sim::Pin::laser_gate)) rig.run(100 * ps_per_us);
     rig.run(static_cast<Picoseconds>(random() % 20'000) * ps_per_us);
-    rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_us);
-    rig.board.world().schedule(sim::Pin::estop, false, rig.now() + 5 * ps_per_ms);
+    rig.press(sim::Pin::estop, rig.now() + ps_per_us, rig.now() + 5 * ps_per_ms);
     rig.run(100 * ps_per_ms);
     EXPECT_FALSE(rig.board.world().beam().shone(rig.now() - 90 * ps_per_ms, rig.now()));
-    ASSERT_THAT(rig.answer("$X"), testing::HasSubstr("ok"));
-    expect_engraved(rig, Raster(random(), 1, std::min(100, scaled(100)), 4), 0, false);
+    ASSERT_THAT(rig.answer("$X"), HasSubstr("ok"));
+    const Raster raster(random(), 1, std::min(100, scaled(100)), 4);
+    const std::size_t errors = rig.user.errors();
+    rig.user.give(raster.program());
+    ASSERT_TRUE(rig.user.run_until_answered(rig.now() + 11 * ps_per_s));
+    ASSERT_TRUE(rig.user.run_until_idle(rig.now() + ps_per_s));
+    EXPECT_EQ(rig.user.errors(), errors);
+    expect_engraved(raster, rig.monitor, rig.board);
   }
 }
 
@@ -77,11 +40,9 @@ TEST(ChipRaster, PowerInProportionFollowsTheSpeedInEachPeriod) {
   job::Profile machine = raster_machine();
   job::set_acceleration(machine, accel_mm_s2 / 1000);
   ChipRig rig(machine);
-  ASSERT_NO_FATAL_FAILURE(rig.boot());
-  ProgramSender sender(rig.board);
-  sender.give(fmt::format("M4 S1000 F{}\nG1 X20\nM5\nM2\n", 60 * feed_mm_s));
+  rig.user.give(fmt::format("M4 S1000 F{}\nG1 X20\nM5\nM2\n", 60 * feed_mm_s));
   const Picoseconds end = rig.now() + ps_per_s;
-  ASSERT_TRUE(sender.run_until_answered(end) && sender.run_until_idle(end));
+  ASSERT_TRUE(rig.user.run_until_answered(end) && rig.user.run_until_idle(end));
   const auto& x = rig.monitor.steps(0);
   const sim::Beam& beam = rig.board.world().beam();
   const auto light = beam.changes();

@@ -8,8 +8,6 @@ namespace {
 
 using sim::chip::Master;
 using sim::chip::Width;
-using testing::HasSubstr;
-using testing::Not;
 
 constexpr std::uint32_t sram = 0x2000'0000;
 constexpr const char* alone = "[MSG:Core 1 does not answer: core 0 plans]";
@@ -28,25 +26,22 @@ TEST(SecondCore, WithItAndWithoutTheJobIsTheSame) {
       job::make_job(histogram_walk(static_cast<std::size_t>(scaled(40)), 5), profile, {});
   std::array<std::vector<Step>, 2> steps;
   for (const bool there : {false, true}) {
-    ChipRig rig(profile);
+    ChipRig rig(profile, ChipRig::Power::off);
     if (!there) {
       ASSERT_NO_FATAL_FAILURE(hold_second_core(rig));
     }
-    ASSERT_NO_FATAL_FAILURE(rig.boot());
+    rig.boot();
     if (there)
       EXPECT_THAT(rig.heard, Not(HasSubstr(alone)));
     else
       EXPECT_THAT(rig.heard, HasSubstr(alone));
     const SleepWatch second(rig.board.chip().core(1));
-    RunningJob running(rig, job, 1);
-    ASSERT_EQ(running.finish(), link::JobEnd::done);
-    expect_fired(rig, job);
+    ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job));
     if (there) {
       EXPECT_GT(second.awake(), rig.board.chip().now() / 20);
     }
     EXPECT_EQ(second.interrupts(), 0);
     steps[there ? 1 : 0] = steps_of(rig.monitor, step_latency);
-    expect_no_violations(rig);
   }
   ASSERT_GT(steps[0].size(), 100u);
   EXPECT_EQ(steps[0], steps[1]);
@@ -89,21 +84,19 @@ TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
         // An e-stop stops the machine at once: the times before and after it are judged.
         EXPECT_EQ(rig().monitor.violation(profile_.settings, judged_from, rig().now()), "");
         judged_from = rig().now() + 10 * ps_per_ms;
-        rig().board.world().schedule(sim::Pin::estop, true, rig().now() + ps_per_us);
-        rig().board.world().schedule(sim::Pin::estop, false, judged_from);
+        rig().press(sim::Pin::estop, rig().now() + ps_per_us, judged_from);
       } else {
-        rig().board.world().schedule(sim::Pin::door, true, rig().now() + ps_per_us);
-        rig().board.world().schedule(sim::Pin::door, false, rig().now() + 20 * ps_per_ms);
+        rig().press(sim::Pin::door, rig().now() + ps_per_us, rig().now() + 20 * ps_per_ms);
         rig().run(100 * ps_per_ms);
         running.sender.resume();
       }
-      const link::JobEnd end = running.finish();
+      const JobEnd end = running.finish();
       if (what != 2 && what != 3) {
-        EXPECT_EQ(end, link::JobEnd::done);
+        EXPECT_EQ(end, JobEnd::done);
         expect_fired(rig(), job, before);
         continue;
       }
-      EXPECT_EQ(end, what == 2 ? link::JobEnd::stopped : link::JobEnd::alarm);
+      EXPECT_EQ(end, what == 2 ? JobEnd::stopped : JobEnd::alarm);
     }
     // Settings are written to flash and a new job begins, perhaps before the slice is over.
     if (round % 5 == 3) {
@@ -114,13 +107,12 @@ TEST_F(WhileItPlans, HoldResetStopAndEmergencyStopLoseNoPoint) {
     const std::size_t fired = rig().shots().size() - before;
     if (round % 5 == 3) continue;  // its position differs from the job's
     RunningJob rest(rig(), job, ++session, fired);
-    EXPECT_EQ(rest.finish(), link::JobEnd::done);
+    EXPECT_EQ(rest.finish(), JobEnd::done);
     expect_fired(rig(), job, before);
   }
   EXPECT_GT(in_a_plan_, 0);
   EXPECT_EQ(rig().board.chip().watchdog_resets(), 0u);
   EXPECT_EQ(rig().monitor.violation(profile_.settings, judged_from), "");
-  expect_no_violations(rig());
 }
 
 /// A debugger restarts only core 0. Core 1, which still runs code that is overwritten, must stop.
@@ -134,14 +126,14 @@ TEST_F(WhileItPlans, TheFirstCoreAloneIsRestarted) {
   rig().heard.clear();
   rig().core().on_reset_request();
   rig().run(100 * ps_per_ms);
-  ASSERT_NO_FATAL_FAILURE(rig().boot());
+  rig().boot();
   EXPECT_THAT(rig().heard, HasSubstr("Started by"));
   EXPECT_THAT(rig().heard, Not(HasSubstr(alone)));
   const std::size_t fired = rig().shots().size();
   const job::Job job = job::make_job(chip_points(60, random_()), profile_, {});
   const SleepWatch second(rig().board.chip().core(1));
   RunningJob running(rig(), job, 2);
-  ASSERT_EQ(running.finish(), link::JobEnd::done);
+  ASSERT_EQ(running.finish(), JobEnd::done);
   EXPECT_EQ(rig().shots().size() - fired, job.targets.size());
   EXPECT_GT(second.awake(), 0u);
   EXPECT_EQ(second.interrupts(), 0);

@@ -22,6 +22,7 @@ PinMonitor::PinMonitor(sim::PinBus& bus, const sim::Lamp& lamp) : bus_(bus), lam
   for (int axis = 0; axis < max_axes; ++axis) bus.listen(sim::dir_pin(axis), *this);
   bus.listen(sim::Pin::q_switch, *this);
   bus.listen(sim::Pin::lamp_sync, *this);
+  for (int c = 0; c < sim::beam_channels; ++c) bus.listen(sim::shutter_pin(c), *this);
 }
 
 void PinMonitor::pin_changed(sim::Pin pin, bool level, sim::Picoseconds at) {
@@ -32,6 +33,11 @@ void PinMonitor::pin_changed(sim::Pin pin, bool level, sim::Picoseconds at) {
       fires_.push_back({at, sim::never, lamp_.periods(), edges_.empty() ? -1 : edges_.back()});
     else if (!fires_.empty())
       fires_.back().fall = at;
+  } else if (static_cast<std::size_t>(pin) >= 2 * max_axes) {
+    int open = 0;
+    for (int c = 0; c < sim::beam_channels; ++c) open += bus_.level(sim::shutter_pin(c)) ? 1 : 0;
+    openings_ += level ? 1 : 0;
+    overlaps_ += open > 1 ? 1 : 0;
   } else {
     const auto axis = static_cast<std::size_t>(pin) / 2;
     if (static_cast<std::size_t>(pin) % 2 == 0) {
@@ -45,6 +51,27 @@ void PinMonitor::pin_changed(sim::Pin pin, bool level, sim::Picoseconds at) {
 bool PinMonitor::nothing_happened() const {
   return fires_.empty() &&
          std::all_of(steps_.begin(), steps_.end(), [](const auto& steps) { return steps.empty(); });
+}
+
+std::int32_t PinMonitor::position_at(int axis, sim::Picoseconds at) const {
+  const std::vector<Step>& all = steps(axis);
+  const auto next =
+      std::partition_point(all.begin(), all.end(), [at](const Step& s) { return s.at <= at; });
+  return next == all.begin() ? 0 : std::prev(next)->position;
+}
+
+sim::Picoseconds PinMonitor::first_step() const {
+  sim::Picoseconds first = sim::never;
+  for (const auto& steps : steps_)
+    if (!steps.empty()) first = std::min(first, steps.front().at);
+  return first;
+}
+
+sim::Picoseconds PinMonitor::last_step() const {
+  sim::Picoseconds last = 0;
+  for (const auto& steps : steps_)
+    if (!steps.empty()) last = std::max(last, steps.back().at);
+  return last;
 }
 
 bool PinMonitor::stepped(sim::Picoseconds from, sim::Picoseconds to) const {
