@@ -1,0 +1,139 @@
+// The commands of README.md run as printed, each block in a fresh folder.
+//
+// A fenced block without a label is a script for a shell, so that a new block is run without an
+// entry here; a block that is no script has a label (```text). A script whose commands all begin
+// with a word of `building` sets the project up or builds it, and is not run.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/cli/program.hpp"
+#include "tests/docs/page.hpp"
+
+namespace lamplock::cli::test::readme {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// First words of commands that set up or build the project.
+constexpr std::array<std::string_view, 7> building{"toolchain/", "cmake", "cpack", "ctest",
+                                                   "git",        "apt",   "sudo"};
+
+/// A fenced block of the page.
+struct Block {
+  std::string name;  ///< letters and digits of the heading, and the number of the line
+  std::string label, script;
+};
+
+std::string letters_of(const std::string& heading) {
+  std::string letters;
+  for (const char c : heading)
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) letters += c;
+  return letters;
+}
+
+/// True for a line that begins with such a command.
+bool is_building(const std::string& line) {
+  return std::any_of(building.begin(), building.end(),
+                     [&line](std::string_view word) { return line.starts_with(word); });
+}
+
+/// True if every line of a script sets up or builds the project.
+bool is_building_only(const std::string& script) {
+  const std::vector<std::string> all = lines(script);
+  return std::all_of(all.begin(), all.end(), is_building);
+}
+
+/// Blocks of the page, in its order.
+std::vector<Block> blocks_of_page() {
+  std::vector<Block> blocks;
+  std::string heading;
+  bool is_inside = false;
+  std::size_t number = 0;
+  for (const std::string& line : lines(lamplock::test::read_repository_file("README.md"))) {
+    ++number;
+    if (line.starts_with("```")) {
+      is_inside = !is_inside;
+      if (is_inside)
+        blocks.push_back({letters_of(heading) + "_" + std::to_string(number), line.substr(3), ""});
+    } else if (is_inside) {
+      blocks.back().script += line + '\n';
+    } else if (line.starts_with("## ")) {
+      heading = line;
+    }
+  }
+  return blocks;
+}
+
+/// Those that a user of the built program runs.
+std::vector<Block> blocks_to_run() {
+  std::vector<Block> blocks = blocks_of_page();
+  std::erase_if(blocks, [](const Block& block) {
+    return !block.label.empty() || is_building_only(block.script);
+  });
+  return blocks;
+}
+
+/// Runs a script until its first command that fails; returns its output.
+Finished run_script(const Folder& folder, const std::string& script) {
+  folder.write("script", script);
+  const fs::path program(LAMPLOCK_PROGRAM);
+  std::ostringstream shell;
+  shell << "cd '" << folder.path().string() << "' && PATH='" << program.parent_path().string()
+        << "':\"$PATH\" bash -eu -o pipefail script >out 2>err </dev/null";
+  const int status = std::system(shell.str().c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(folder / "out"), read(folder / "err")};
+}
+
+class ReadmeBlock : public testing::TestWithParam<Block> {};
+
+TEST_P(ReadmeBlock, runs_as_printed) {
+  const Folder folder;
+  const Finished finished = run_script(folder, GetParam().script);
+  EXPECT_EQ(finished.status, 0) << GetParam().script << finished.out << finished.err;
+  EXPECT_THAT(finished.err, testing::Not(testing::HasSubstr("error:")));
+}
+
+INSTANTIATE_TEST_SUITE_P(page, ReadmeBlock, testing::ValuesIn(blocks_to_run()),
+                         [](const auto& block) { return block.param.name; });
+
+/// True if a line of a script begins with such a command.
+bool has_line(const std::string& script, bool (*is_wanted)(const std::string&)) {
+  const std::vector<std::string> all = lines(script);
+  return std::any_of(all.begin(), all.end(), is_wanted);
+}
+
+TEST(Readme, a_block_that_builds_has_no_other_commands) {
+  for (const Block& block : blocks_of_page())
+    EXPECT_EQ(has_line(block.script, is_building), is_building_only(block.script)) << block.name;
+}
+
+TEST(Readme, a_block_with_a_label_has_no_commands) {
+  const auto is_command = [](const std::string& line) { return line.starts_with("lamplock "); };
+  std::size_t with_commands = 0;
+  for (const Block& block : blocks_of_page()) {
+    const bool has_commands = has_line(block.script, is_command);
+    EXPECT_TRUE(block.label.empty() || !has_commands) << block.name;
+    with_commands += has_commands ? 1 : 0;
+  }
+  EXPECT_EQ(with_commands, blocks_to_run().size());
+  EXPECT_GE(with_commands, 1u);
+}
+
+TEST(Readme, a_script_ends_at_its_first_command_that_fails) {
+  const Folder folder;
+  EXPECT_EQ(run_script(folder, "lamplock points none.stl -o none.ply\ntrue\n").status, 2);
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test::readme
