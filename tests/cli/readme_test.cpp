@@ -2,7 +2,10 @@
 //
 // A fenced block without a label is a script for a shell, so that a new block is run without an
 // entry here; a block that is no script has a label (```text). A script whose commands all begin
-// with a word of `building` sets the project up or builds it, and is not run.
+// with a word of `building` sets the project up or builds it, and is not run. The folder has a copy
+// of `examples`. A command for a board that is connected is run with the option that the page gives
+// for those without a board: `--board virtual` instead of `--board auto`, `lamplock flash --board
+// chip`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -17,6 +20,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/text.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/docs/page.hpp"
 
@@ -62,12 +66,13 @@ std::vector<Block> blocks_of_page() {
   std::size_t number = 0;
   for (const std::string& line : lines(lamplock::test::read_repository_file("README.md"))) {
     ++number;
-    if (line.starts_with("```")) {
+    const std::string text(trimmed(line));  // a block of a list is indented
+    if (text.starts_with("```")) {
       is_inside = !is_inside;
       if (is_inside)
-        blocks.push_back({letters_of(heading) + "_" + std::to_string(number), line.substr(3), ""});
+        blocks.push_back({letters_of(heading) + "_" + std::to_string(number), text.substr(3), ""});
     } else if (is_inside) {
-      blocks.back().script += line + '\n';
+      blocks.back().script += text + '\n';
     } else if (line.starts_with("## ")) {
       heading = line;
     }
@@ -84,9 +89,25 @@ std::vector<Block> blocks_to_run() {
   return blocks;
 }
 
+constexpr std::string_view real_board = "--board auto", simulated_board = "--board virtual";
+constexpr std::string_view flash = "lamplock flash", flash_chip = "lamplock flash --board chip";
+
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+}
+
+/// The same script without a board.
+std::string on_simulated_boards(std::string script) {
+  replace_all(script, real_board, simulated_board);
+  replace_all(script, flash, flash_chip);
+  return script;
+}
+
 /// Runs a script until its first command that fails; returns its output.
 Finished run_script(const Folder& folder, const std::string& script) {
   folder.write("script", script);
+  fs::copy(LAMPLOCK_ROOT "/examples", folder / "examples", fs::copy_options::recursive);
   const fs::path program(LAMPLOCK_PROGRAM);
   std::ostringstream shell;
   shell << "cd '" << folder.path().string() << "' && PATH='" << program.parent_path().string()
@@ -99,7 +120,7 @@ class ReadmeBlock : public testing::TestWithParam<Block> {};
 
 TEST_P(ReadmeBlock, runs_as_printed) {
   const Folder folder;
-  const Finished finished = run_script(folder, GetParam().script);
+  const Finished finished = run_script(folder, on_simulated_boards(GetParam().script));
   EXPECT_EQ(finished.status, 0) << GetParam().script << finished.out << finished.err;
   EXPECT_THAT(finished.err, testing::Not(testing::HasSubstr("error:")));
 }
@@ -111,6 +132,24 @@ INSTANTIATE_TEST_SUITE_P(page, ReadmeBlock, testing::ValuesIn(blocks_to_run()),
 bool has_line(const std::string& script, bool (*is_wanted)(const std::string&)) {
   const std::vector<std::string> all = lines(script);
   return std::any_of(all.begin(), all.end(), is_wanted);
+}
+
+TEST(Readme, gives_the_options_of_those_without_a_board) {
+  const std::string page = lamplock::test::read_repository_file("README.md");
+  for (const std::string_view option : {simulated_board, real_board, flash_chip})
+    EXPECT_THAT(page, testing::HasSubstr("`" + std::string(option) + "`"));
+}
+
+/// After the image is written, every command of a first job is for the connected board.
+TEST(Readme, commands_of_a_first_job_are_for_the_connected_board) {
+  std::size_t commands = 0;
+  for (const Block& block : blocks_to_run())
+    if (block.name.starts_with("Fromboardtofirstjob"))
+      for (const std::string& line : lines(block.script)) {
+        EXPECT_TRUE(line.starts_with(flash) || line.find(real_board) != std::string::npos) << line;
+        ++commands;
+      }
+  EXPECT_EQ(commands, 6u);
 }
 
 TEST(Readme, a_block_that_builds_has_no_other_commands) {

@@ -28,7 +28,6 @@ std::vector<Row> table_of(const std::string& page, const std::string& heading) {
   std::getline(lines, line);
   std::vector<Row> rows;
   while (std::getline(lines, line) && line.rfind("## ", 0) != 0) {
-    line = trimmed(line);  // a table of a list is indented
     if (line.rfind('|', 0) != 0) continue;
     std::istringstream cells(line.substr(1));
     Row row;
@@ -98,9 +97,9 @@ bool is_ground(int contact) {
   return std::find(grounds.begin(), grounds.end(), contact) != grounds.end();
 }
 
-TEST(Readme, ItsWiringEqualsTheMapOfANewBoard) {
+TEST(Wiring, OfAFirstJobEqualsTheMapOfANewBoard) {
   const std::vector<Row> rows =
-      table_of(test::read_repository_file("README.md"), "From board to first job");
+      table_of(test::read_repository_file("docs/wiring.md"), "A first job");
   ASSERT_EQ(rows.size(), 8u);
   std::size_t grounds = 0;
   for (const Row& row : rows) {
@@ -122,20 +121,6 @@ TEST(Readme, ItsWiringEqualsTheMapOfANewBoard) {
     EXPECT_EQ(row[2], names);
   }
   EXPECT_EQ(grounds, 1u);
-}
-
-/// The checks of a first job must use the real board, not the virtual one.
-TEST(Readme, StepsOfAFirstJobUseTheRealBoard) {
-  const std::string page = test::read_repository_file("README.md");
-  const std::size_t begin = page.find("4. **Set the machine up.**");
-  const std::string steps = page.substr(begin, page.find("\n## ", begin) - begin);
-  std::size_t commands = 0;
-  for (std::size_t at = steps.find("`lamplock "); at != std::string::npos;
-       at = steps.find("`lamplock ", at + 1), ++commands) {
-    const std::string command = steps.substr(at + 1, steps.find('`', at + 1) - at - 1);
-    EXPECT_NE(command.find("--board auto"), std::string::npos) << command;
-  }
-  EXPECT_EQ(commands, 4u);
 }
 
 TEST(Safety, ThePageHasTheTimesOfTheFirmware) {
