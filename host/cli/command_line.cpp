@@ -88,6 +88,11 @@ Option& Option::bare(std::string text) {
   return *this;
 }
 
+Option& Option::for_version() {
+  is_for_version_ = true;
+  return *this;
+}
+
 Option& Option::help(std::string text) {
   help_ = std::move(text);
   return *this;

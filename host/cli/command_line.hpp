@@ -62,6 +62,8 @@ class Option {
   /// The option may be given without a value, as `--name` alone, and is this text then; a value is
   /// written `--name=VALUE`. Texts only.
   Option& bare(std::string text);
+  /// The option can be given with --version only.
+  Option& for_version();
   Option& help(std::string text);
 
   const std::string& names() const { return names_; }  ///< "-o,--output" or "INPUT"
@@ -77,6 +79,7 @@ class Option {
   const std::string& environment() const { return environment_; }
   const std::vector<const Option*>& excluded() const { return excluded_; }
   const std::string& bare() const { return bare_; }
+  bool is_for_version() const { return is_for_version_; }
 
   bool is_positional() const { return !names_.starts_with('-'); }
   bool is_flag() const;
@@ -96,6 +99,7 @@ class Option {
   std::optional<Count> count_;
   std::vector<const Option*> excluded_;
   bool is_required_ = false, is_comma_separated_ = false, is_given_ = false;
+  bool is_for_version_ = false;
 };
 
 /// What a command does; returns the exit status or throws lamplock::Error.
@@ -121,6 +125,8 @@ class Command {
   void action(Action action) { action_ = std::move(action); }
   /// What --version prints; without it the command has no --version.
   void version(std::string text) { version_ = std::move(text); }
+  /// What --version does instead of printing that text.
+  void version_action(Action action) { version_action_ = std::move(action); }
   /// The command is a program of its own beside this one, which gets all of its arguments.
   void separate_program(std::string name) { separate_program_ = std::move(name); }
 
@@ -128,6 +134,7 @@ class Command {
   const std::string& description() const { return description_; }
   const std::string& footer() const { return footer_; }
   const std::string& version() const { return version_; }
+  const Action& version_action() const { return version_action_; }
   const std::string& separate_program() const { return separate_program_; }
   const std::list<Option>& options() const { return options_; }
   std::list<Option>& options() { return options_; }
@@ -142,7 +149,7 @@ class Command {
   std::string name_, description_, footer_, version_, separate_program_;
   std::list<Option> options_;
   std::list<Command> commands_;
-  Action action_;
+  Action action_, version_action_;
 };
 
 /// Options that the parser handles itself: -h of every command, --version of those that have one.

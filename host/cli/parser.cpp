@@ -24,6 +24,9 @@ struct Bound {
       if (ours == &option) return theirs;
     return nullptr;
   }
+  void set_given() const {
+    for (const auto& [option, parsed] : options) option->set_given(parsed->count() > 0);
+  }
 };
 
 std::string count_text(const Count& count) {
@@ -110,9 +113,14 @@ void bind(CLI::App& app, Option& option, Bound& bound) {
 void bind(CLI::App& app, Command& command, Bound& bound) {
   if (!command.footer().empty()) app.footer(command.footer());  // else that of the outer command
   app.set_help_flag(help_option().names(), help_option().help());
+  CLI::Option* version = nullptr;
   if (!command.version().empty())
-    app.set_version_flag(version_option().names(), command.version(), version_option().help());
-  for (Option& option : command.options()) bind(app, option, bound);
+    version =
+        app.set_version_flag(version_option().names(), command.version(), version_option().help());
+  for (Option& option : command.options()) {
+    bind(app, option, bound);
+    if (option.is_for_version()) bound.parsed(option)->needs(version);
+  }
   for (const Option& option : command.options())
     for (const Option* other : option.excluded())
       bound.parsed(option)->excludes(bound.parsed(*other));
@@ -175,13 +183,18 @@ Exit run(Command& program, const std::vector<std::string>& arguments) {
   bind(app, program, bound);
   try {
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::CallForVersion& version) {
+    bound.set_given();
+    if (program.version_action()) return program.version_action()();
+    app.exit(version);
+    return Exit::done;
   } catch (const CLI::Success& help) {
     app.exit(help);
     return Exit::done;
   } catch (const CLI::ParseError& error) {
     throw usage_error(app, error, arguments);
   }
-  for (const auto& [option, parsed] : bound.options) option->set_given(parsed->count() > 0);
+  bound.set_given();
   return chosen(bound).action()();
 }
 

@@ -2,6 +2,7 @@
 
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/version_report.hpp"
 #include "host/version.hpp"
 
 namespace lamplock::cli {
@@ -19,6 +20,7 @@ std::unique_ptr<Command> make_own_commands() {
       "Example:\n  lamplock example model.stl\n"
       "  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n\n"
       "Each command has its own help: lamplock engrave --help");
+  add_version_report(*program);
   add_example(*program);
   add_estimate(*program);
   add_engrave(*program);

@@ -2,7 +2,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include "host/version.hpp"
+#include "shared/wire/messages.hpp"
 #include "tests/cli/program.hpp"
 
 namespace lamplock::cli::test {
@@ -42,6 +45,34 @@ TEST(Usage, version_is_one_line) {
   EXPECT_EQ(finished.out, fmt::format("lamplock {}\n", version()));
 }
 
+TEST(Usage, version_with_verbose_has_the_build) {
+  const Finished finished = run({"--version", "--verbose"});
+  EXPECT_EQ(finished.status, 0);
+  EXPECT_EQ(finished.err, "");
+  EXPECT_THAT(finished.out, testing::StartsWith(fmt::format("lamplock {}\n", version())));
+  EXPECT_THAT(finished.out,
+              HasSubstr(fmt::format("\ncompiler  {}, {}\n", compiler(), build_type())));
+  EXPECT_THAT(finished.out, HasSubstr(fmt::format("\nprotocol  {}\n", wire::protocol_version)));
+  EXPECT_THAT(finished.out, HasSubstr("\nboard     rp2040: "));
+  for (const char* library :
+       {"assimp", "Boost", "CLI11", "fmt", "hidapi-hidraw", "libgpiod", "libpng", "libusb-1.0",
+        "minizip", "nanoflann", "nlohmann_json", "pugixml", "stb", "tomlplusplus"})
+    EXPECT_THAT(finished.out,
+                testing::ContainsRegex(fmt::format("\nlibrary   {} [0-9.]+\n", library)));
+}
+
+TEST(Usage, version_as_json_has_the_build) {
+  const Finished finished = run({"--json", "--version"});
+  EXPECT_EQ(finished.status, 0);
+  const auto document = nlohmann::json::parse(finished.out);
+  EXPECT_EQ(document["version"], version());
+  EXPECT_EQ(document["protocol"], wire::protocol_version);
+  EXPECT_EQ(document["libraries"].size(), libraries().size());
+  for (const auto& board : document["boards"])
+    for (const auto& image : board["images"])
+      EXPECT_NE(read(image.get<std::string>()), "") << image;
+}
+
 /// Invalid arguments, and a word that the error must have.
 struct Wrong {
   std::vector<std::string> arguments;
@@ -59,23 +90,23 @@ TEST_P(WrongUsage, is_one_line_with_status_2) {
 
 INSTANTIATE_TEST_SUITE_P(
     all, WrongUsage,
-    testing::Values(Wrong{{}, "command"}, Wrong{{"carve"}, "carve"}, Wrong{{"engrave"}, "INPUT"},
-                    Wrong{{"engrave", "a.stl", "--colour", "red"}, "--colour"},
-                    Wrong{{"engrave", "a.stl", "--spacing", "wide"}, "wide"},
-                    Wrong{{"engrave", "a.stl", "--mode", "fast"}, "--mode"},
-                    Wrong{{"engrave", "a.stl", "--from", "-1"}, "--from"},
-                    Wrong{{"engrave", "a.xyz", "--drive-lag", "1,2,3,4,5"}, "--drive-lag"},
-                    Wrong{{"engrave", "--drive-lag", "1,2", "--drive-lag", "3,4,5", "a.xyz"},
-                          "--drive-lag"},
-                    Wrong{{"engrave", "a.xyz", "--drive-lag", "5001"}, "--drive-lag"},
-                    Wrong{{"order", "a.xyz"}, "--output"}, Wrong{{"compare", "a"}, "SECOND"},
-                    Wrong{{"job"}, "--show"}, Wrong{{"bench", "--rows", "glass"}, "--rows"},
-                    Wrong{{"bench", "--points", "0"}, "--points"},
-                    Wrong{{"bench", "--seed", "-3"}, "--seed"},
-                    Wrong{{"bench", "--chart", ""}, "--chart"},
-                    Wrong{{"engrave", "a.xyz", "--vcd", ""}, "--vcd"},
-                    Wrong{{"engrave", "a.xyz", "--report", ""}, "--report"},
-                    Wrong{{"settings", "get"}, "SETTING"}, Wrong{{"settings", "set"}, "CHANGE"}));
+    testing::Values(
+        Wrong{{}, "command"}, Wrong{{"--verbose"}, "--version"},
+        Wrong{{"--json", "example", "a.stl"}, "--version"}, Wrong{{"carve"}, "carve"},
+        Wrong{{"engrave"}, "INPUT"}, Wrong{{"engrave", "a.stl", "--colour", "red"}, "--colour"},
+        Wrong{{"engrave", "a.stl", "--spacing", "wide"}, "wide"},
+        Wrong{{"engrave", "a.stl", "--mode", "fast"}, "--mode"},
+        Wrong{{"engrave", "a.stl", "--from", "-1"}, "--from"},
+        Wrong{{"engrave", "a.xyz", "--drive-lag", "1,2,3,4,5"}, "--drive-lag"},
+        Wrong{{"engrave", "--drive-lag", "1,2", "--drive-lag", "3,4,5", "a.xyz"}, "--drive-lag"},
+        Wrong{{"engrave", "a.xyz", "--drive-lag", "5001"}, "--drive-lag"},
+        Wrong{{"order", "a.xyz"}, "--output"}, Wrong{{"compare", "a"}, "SECOND"},
+        Wrong{{"job"}, "--show"}, Wrong{{"bench", "--rows", "glass"}, "--rows"},
+        Wrong{{"bench", "--points", "0"}, "--points"}, Wrong{{"bench", "--seed", "-3"}, "--seed"},
+        Wrong{{"bench", "--chart", ""}, "--chart"},
+        Wrong{{"engrave", "a.xyz", "--vcd", ""}, "--vcd"},
+        Wrong{{"engrave", "a.xyz", "--report", ""}, "--report"},
+        Wrong{{"settings", "get"}, "SETTING"}, Wrong{{"settings", "set"}, "CHANGE"}));
 
 }  // namespace
 }  // namespace lamplock::cli::test
