@@ -35,7 +35,7 @@ enum class Id : std::uint8_t {
   homing_seek,
   homing_debounce,
   homing_pull_off,
-  highest_speed,
+  max_spindle_speed,
   laser_mode,
   idle_release,
   parking,
@@ -187,7 +187,7 @@ inline constexpr std::array<Row, setting_count> table{{
      "time after pulling off within which a switch must have released"},
     {27, "homing_pull_off", "mm", 10, 100'000, 1'000, false,
      "distance of the machine from a switch after homing"},
-    {30, "highest_speed", "S", 1'000, 1'000'000'000, 1'000'000, true,
+    {30, "max_spindle_speed", "S", 1'000, 1'000'000'000, 1'000'000, true,
      "S word for full speed of the spindle or full power of the laser"},
     {32, "laser_mode", "on/off", 0, 1'000, 0, true,
      "the spindle is a laser: its power changes with the motion, off in rapids and at rest"},
@@ -379,7 +379,7 @@ constexpr bool of_jobs(Id id) {
     case Id::junction_deviation:
     case Id::arc_tolerance:
     case Id::report_inches:
-    case Id::highest_speed:
+    case Id::max_spindle_speed:
     case Id::laser_mode:
     case Id::stop_at_error:
     case Id::program_dead_man:

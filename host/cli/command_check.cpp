@@ -71,7 +71,7 @@ Exit check(const CheckOptions& options) {
   throw Error(Exit::bad_input, options.input,
               fmt::format("{} {} wrong{}", run.problems.size(),
                           run.problems.size() == 1 ? "line is" : "lines are",
-                          more ? ", the maximum of --most: the check stopped there" : ""),
+                          more ? ", the maximum of --max-problems: the check stopped there" : ""),
               "correct the lines listed above");
 }
 
@@ -92,7 +92,7 @@ void add_check(Command& program) {
                  "Write a picture (SVG) of the path, coloured by laser power")
       .check(file_name())
       .value_name("FILE");
-  app.add_option("--most", &options->max_problems,
+  app.add_option("--max-problems", &options->max_problems,
                  "Stop after this number of wrong lines, 1 to 1000000")
       .check(number_in({1, 1'000'000}))
       .value_name("N")

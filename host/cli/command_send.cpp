@@ -64,8 +64,8 @@ Json program_json(const run::ProgramOutcome& outcome) {
 
 /// A job contains its machine; of a profile only the lines of the computer are used.
 void check_job_options(const run::ProgramOptions& program) {
-  if (program.go_on)
-    throw Error(Exit::bad_input, "--go-on", "is for programs of G-code, not for jobs",
+  if (program.ignore_errors)
+    throw Error(Exit::bad_input, "--ignore-errors", "is for programs of G-code, not for jobs",
                 "leave it out");
   if (!program.machine.machine.empty()) program.machine.profile();  // a broken one is an error
 }
@@ -122,7 +122,7 @@ void add_send(Command& program) {
   add_board(app, options->board);
   add_job_run(app, options->board);
   add_resume(app, options->board);
-  app.add_option("--go-on", &options->program.go_on,
+  app.add_option("--ignore-errors", &options->program.ignore_errors,
                  "Programs: continue after lines that the board refused")
       .group("Board");
   add_machine(app, options->program.machine);

@@ -69,7 +69,7 @@ Exit list(const SettingsOptions& options) {
 
 Exit get(const SettingsOptions& options) {
   Console console(options.board.json);
-  const auto number = link::find_number(options.name);
+  const auto number = link::find_number(options.name, "lamplock settings");
   if (!number)
     throw Error(Exit::bad_input, options.name, "there is no such setting",
                 "lamplock settings list shows their names and numbers");

@@ -10,6 +10,7 @@
 
 #include "host/cli/command_line.hpp"
 #include "host/cli/separate_program.hpp"
+#include "host/former_names.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -173,6 +174,40 @@ const Command* separate_program(const Command& program, const std::vector<std::s
   return nullptr;
 }
 
+/// The command that arguments name, as far as they name one.
+const Command& named(const Command& program, const std::vector<std::string>& arguments) {
+  const Command* command = &program;
+  for (const std::string& argument : arguments)
+    for (const Command& inner : command->commands())
+      if (inner.name() == argument) {
+        command = &inner;
+        break;
+      }
+  return *command;
+}
+
+bool has_option(const Command& command, std::string_view name) {
+  return std::any_of(command.options().begin(), command.options().end(),
+                     [name](const auto& option) {
+                       const auto names = option.typed_names();
+                       return std::find(names.begin(), names.end(), name) != names.end();
+                     });
+}
+
+/// The arguments with the present names of options, and a note for each former one.
+std::vector<std::string> with_present_names(const Command& program,
+                                            std::vector<std::string> arguments) {
+  const Command& command = named(program, arguments);
+  for (std::string& argument : arguments) {
+    const std::string former = argument.substr(0, argument.find('='));
+    const std::string_view present = present_name(former);
+    if (present == former || !has_option(command, present)) continue;
+    note_former_name("lamplock " + command.name(), former);
+    argument.replace(0, former.size(), present);
+  }
+  return arguments;
+}
+
 }  // namespace
 
 Exit run(Command& program, const std::vector<std::string>& arguments) {
@@ -181,8 +216,10 @@ Exit run(Command& program, const std::vector<std::string>& arguments) {
   CLI::App app(program.description(), program.name());
   Bound bound;
   bind(app, program, bound);
+  auto reversed = with_present_names(program, arguments);
+  std::reverse(reversed.begin(), reversed.end());
   try {
-    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    app.parse(reversed);
   } catch (const CLI::CallForVersion& version) {
     bound.set_given();
     if (program.version_action()) return program.version_action()();

@@ -13,7 +13,8 @@
 
 namespace lamplock::cli {
 
-/// Parses the arguments that follow the program's name, then runs the command that they name;
+/// Parses the arguments that follow the program's name, former names of options included
+/// (host/former_names.hpp), then runs the command that they name;
 /// prints the help or the version if that is what they ask for. Throws Error(bad_input) for
 /// arguments that cannot be understood, and what the command throws.
 Exit run(Command& program, const std::vector<std::string>& arguments);

@@ -6,7 +6,9 @@
 #include <string_view>
 
 #include "host/file.hpp"
+#include "host/former_names.hpp"
 #include "host/toml_file.hpp"
+#include "shared/units.hpp"
 
 namespace lamplock::job {
 namespace {
@@ -57,14 +59,28 @@ void read_key(Profile& profile, std::string_view key, const toml::node& node,
   }
 }
 
+/// The present name of a key, with a note if the file has its former one.
+std::string_view name_of_key(const toml::table& table, std::string_view key,
+                             const std::string& where) {
+  const std::string_view name = present_name(key);
+  if (name == key) return key;
+  if (table.contains(name))
+    refuse(where, fmt::format("'{}' is the former name of '{}', which is given too", key, name),
+           fmt::format("give '{}' only", name));
+  note_former_name(where, key);
+  return name;
+}
+
 }  // namespace
 
 Profile read_profile(const std::filesystem::path& file) {
   const toml::table table = read_toml(file);
   Profile profile;
   profile.name = file.stem().string();
-  for (const auto& [key, node] : table)
-    read_key(profile, key.str(), node, toml_location(file, key.source()));
+  for (const auto& [key, node] : table) {
+    const std::string where = toml_location(file, key.source());
+    read_key(profile, name_of_key(table, key.str(), where), node, where);
+  }
   return profile;
 }
 

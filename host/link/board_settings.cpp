@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/former_names.hpp"
 #include "host/text.hpp"
 #include "host/units.hpp"
 #include "shared/settings_text.hpp"
@@ -95,9 +96,13 @@ BoardSettings read_settings(LinePort& port, const Patience& patience) {
   return settings;
 }
 
-std::optional<std::uint32_t> find_number(std::string_view name) {
+std::optional<std::uint32_t> find_number(std::string_view name, std::string_view where) {
   name = trimmed(name);
-  if (const Id id = settings::find_name(name); id != Id::count) return settings::row(id).number;
+  const std::string_view present = present_name(name);
+  if (const Id id = settings::find_name(present); id != Id::count) {
+    if (present != name) note_former_name(where, name);
+    return settings::row(id).number;
+  }
   if (name.starts_with('$')) name.remove_prefix(1);
   return number_of<std::uint32_t>(name);
 }
@@ -126,7 +131,7 @@ Change parse_change(std::string_view text, const std::string& where) {
                 "write NAME=VALUE or NUMBER=VALUE");
   const std::string_view name = trimmed(text.substr(0, equals));
   const std::string_view value = trimmed(text.substr(equals + 1));
-  const auto number = find_number(name);
+  const auto number = find_number(name, where);
   if (!number)
     throw Error(Exit::bad_input, where, fmt::format("there is no setting '{}'", name),
                 "lamplock settings list shows their names and numbers");

@@ -46,8 +46,9 @@ struct Change {
 
 /// Row of a setting; Id::count if the table has none with this number.
 settings::Id find_setting(std::uint32_t number);
-/// The number of a setting given by number, $number or name; empty if it is neither.
-std::optional<std::uint32_t> find_number(std::string_view name);
+/// The number of a setting given by number, $number, name or former name; empty if it is none of
+/// them. `where` is for the note about a former name.
+std::optional<std::uint32_t> find_number(std::string_view name, std::string_view where);
 
 /// "120 acceleration_x", or the number alone.
 std::string setting_name(std::uint32_t number);

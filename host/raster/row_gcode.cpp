@@ -34,7 +34,7 @@ std::string number(double value, int decimals) {
 class Writer {
  public:
   Writer(const job::Job& job, PowerForm form)
-      : job_(job), form_(form), full_s_(in_units(job.settings, Id::highest_speed)) {}
+      : job_(job), form_(form), full_s_(in_units(job.settings, Id::max_spindle_speed)) {}
 
   std::string program() {
     text_ = "(Rows of pixels, by lamplock raster)\nG21 G90 G94\nM4 S0\n";

@@ -110,7 +110,7 @@ void check_board_lines(const Program& program) {
     if (is_for_board(line) && !may_be_in_program(line.text))
       throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, line.number),
                   fmt::format("'{}' must not be in a program, nothing was sent", line.text),
-                  "send it before the program, or send it anyhow with --go-on");
+                  "send it before the program, or send it anyhow with --ignore-errors");
 }
 
 /// Homing ends at a place that the host does not know.
@@ -121,10 +121,11 @@ bool homes(const Program& program) {
 }
 
 /// Runs the program as the board will. Returns its time [s]; nothing if a line of it is wrong.
-/// Throws Error(bad_input) at the first line that the board would refuse, unless `go_on`.
+/// Throws Error(bad_input) at the first line that the board would refuse, unless `ignore_errors`.
 std::optional<double> predict(const Program& program, const link::BoardSettings& settings,
-                              const std::optional<program_run::BoardState>& state, bool go_on) {
-  if (!go_on) check_board_lines(program);
+                              const std::optional<program_run::BoardState>& state,
+                              bool ignore_errors) {
+  if (!ignore_errors) check_board_lines(program);
   std::string sent;
   for (const link::ProgramLine& line : program.lines) sent += line.text + "\n";
   // Without its state and position, places outside of the work space are left to the board.
@@ -134,12 +135,12 @@ std::optional<double> predict(const Program& program, const link::BoardSettings&
     const bool timed = run.outside == 0 && (run.locked == 0 || run.beats.seconds > 0);
     return timed ? std::optional(run.seconds()) : std::nullopt;
   }
-  if (go_on) return std::nullopt;
+  if (ignore_errors) return std::nullopt;
   const program_run::Problem& problem = run.problems.front();
   const std::size_t at = std::min(problem.line, program.lines.size()) - 1;
   throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, program.lines[at].number),
               problem.text + ", nothing was sent",
-              "correct it, see all with lamplock check, or send it anyhow with --go-on");
+              "correct it, see all with lamplock check, or send it anyhow with --ignore-errors");
 }
 
 std::string place_text(const link::BoardStatus& status) {
@@ -173,11 +174,11 @@ struct Sent {
   std::string ended_by;
 };
 
-Sent send(const Program& program, BoardLink& board, const BoardOptions& options, bool go_on,
+Sent send(const Program& program, BoardLink& board, const BoardOptions& options, bool ignore_errors,
           Frontend& frontend) {
   const std::unique_ptr<Progress> progress = frontend.progress("sending", program.lines.size(), 0);
   link::LineOptions sending;
-  sending.go_on = go_on;
+  sending.go_on = ignore_errors;
   sending.on_text = [&progress](const std::string& text) { progress->note("machine: " + text); };
   link::LineSender sender(board.port(), program.lines, sending);
   ProgramControl control(sender, frontend, *progress, board.clocking(), program.planned_s);
@@ -188,13 +189,13 @@ Sent send(const Program& program, BoardLink& board, const BoardOptions& options,
     try {
       control.poll();
       supervisor.poll(control, AtDoor::holds);
-      if (go_on) refused.show(sender.errors());
+      if (ignore_errors) refused.show(sender.errors());
     } catch (...) {  // a terminal that has gone must not leave the machine running
       sender.fail(std::current_exception());
     }
   }
   supervisor.end();
-  if (go_on) refused.show(sender.errors());
+  if (ignore_errors) refused.show(sender.errors());
   return {sender.result(), supervisor.ended_by()};
 }
 
@@ -301,10 +302,10 @@ ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
     state = program_run::read_state(board.port(), status,
                                     of_board->values.whole(settings::Id::report_inches) != 0);
   choose_lines(program, options, of_board ? of_board->values : values, state);
-  if (of_board) program.planned_s = predict(program, *of_board, state, asked.go_on);
+  if (of_board) program.planned_s = predict(program, *of_board, state, asked.ignore_errors);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
-  auto [result, ended_by] = send(program, board, options, asked.go_on, frontend);
+  auto [result, ended_by] = send(program, board, options, asked.ignore_errors, frontend);
   if (trace) trace->finish();
   if (!options.shots.empty()) write_shots(options.shots, *board.simulated(), values);
   frontend.say("{:<8}  {} of {} lines in {:.1f} s, at {}", end_name(result.end), result.answered,

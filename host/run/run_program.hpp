@@ -19,7 +19,7 @@ namespace lamplock::run {
 
 /// What is about programs alone.
 struct ProgramOptions {
-  bool go_on = false;  ///< after errors
+  bool ignore_errors = false;  ///< continues after lines that the board refused
   MachineOptions machine{};
 };
 

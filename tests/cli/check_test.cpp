@@ -93,8 +93,21 @@ TEST(Check, ErrorsAreReportedByLineColumnAndNumber) {
   EXPECT_THAT(done.err, MatchesRegex("error: [^\n]*a.ngc: 3 lines are wrong; [^\n]+\n"));
   // Lines without errors are run.
   EXPECT_THAT(done.out, HasSubstr("Y         0.000 to 2.000 mm"));
-  EXPECT_THAT(run({"check", file, "--most", "2"}).err,
-              HasSubstr("2 lines are wrong, the maximum of --most"));
+  EXPECT_THAT(run({"check", file, "--max-problems", "2"}).err,
+              HasSubstr("2 lines are wrong, the maximum of --max-problems"));
+}
+
+TEST(Check, AFormerNameOfAnOptionWorksWithANote) {
+  const Folder folder;
+  const std::string file = folder.write("a.ngc", "G1 X1\nG1 X2\n");
+  const Finished former = run({"check", file, "--most", "1"});
+  const Finished present = run({"check", file, "--max-problems=1"});
+  EXPECT_EQ(former.status, 2);
+  EXPECT_EQ(former.out, present.out);
+  EXPECT_EQ(former.err,
+            "note: lamplock check: '--most' is now named '--max-problems'\n" + present.err);
+  EXPECT_EQ(run({"check", file, "--most=1"}).err, former.err);
+  EXPECT_EQ(run({"order", file, "--most=1"}).status, 2);  // it has no such option
 }
 
 TEST(Check, AdditionsOfEditorsAndSendersAreIgnored) {
@@ -150,7 +163,7 @@ TEST(Check, BadRequestsAreRefused) {
   refused({"check", folder / "none.ngc"}, "none.ngc");
   refused({"check", file, "--picture", folder / "a.png"}, "a.png");
   refused({"check", file, "--picture", folder / "none/a.svg"}, "none");
-  refused({"check", file, "--most", "0"}, "--most");
+  refused({"check", file, "--max-problems", "0"}, "--max-problems");
   refused({"check", folder.write("empty.ngc", "")}, "empty.ngc");
 }
 
@@ -160,7 +173,7 @@ TEST(Check, AnyBytesAreReadWithoutHarm) {
   for (int i = 0; i < 5000; ++i) bytes += static_cast<char>((i * 7919) >> 3);
   bytes += "\nG1 " + std::string(300, '1') + "\n";
   const std::string file = folder.write("noise.ngc", bytes);
-  EXPECT_EQ(run({"check", file, "--most", "100000"}).status, 2);
+  EXPECT_EQ(run({"check", file, "--max-problems", "100000"}).status, 2);
 }
 
 }  // namespace

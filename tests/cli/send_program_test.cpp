@@ -154,7 +154,8 @@ TEST(SendProgram, continues_after_errors_if_requested) {
   auto model = std::make_unique<GrblModel>();
   model->refused["bad"] = 1;
   Served board(std::move(model));
-  const Finished wrong = run({"send", file, "--board", board.address(), "--yes", "--go-on"});
+  const Finished wrong =
+      run({"send", file, "--board", board.address(), "--yes", "--ignore-errors"});
   EXPECT_EQ(wrong.status, 1);
   EXPECT_THAT(wrong.err, HasSubstr(file + ":2: error:1 "));
   EXPECT_THAT(wrong.err, HasSubstr(file + ":4: error:1 "));
@@ -243,7 +244,8 @@ TEST(SendProgram, what_cannot_be_sent) {
   EXPECT_THAT(refused({good, "--fired", "3"}), HasSubstr("--fired: is for jobs"));
   EXPECT_THAT(refused({folder.write("b.ngc", "G1 X1\nM130 P0\n"), "--dry"}),
               HasSubstr("b.ngc:2: --dry cannot leave 'M130' out"));
-  EXPECT_THAT(refused({folder.write("a.llj", "x"), "--go-on"}), HasSubstr("--go-on: is for prog"));
+  EXPECT_THAT(refused({folder.write("a.llj", "x"), "--ignore-errors"}),
+              HasSubstr("--ignore-errors: is for prog"));
 }
 
 /// The firmware on a simulated board at a port; the board keeps its state between programs.
@@ -320,7 +322,7 @@ TEST(SendProgram, lines_for_the_board_are_refused_beforehand) {
   const std::string alone = folder.write("c.ngc", "$20=0\n$130=90\n");
   EXPECT_EQ(run({"send", alone, "--board", "virtual"}).status, 0);
   const std::string wrong = folder.write("d.ngc", "G21\n$bogus\n");
-  const Finished sent = run({"send", wrong, "--board", "virtual", "--go-on"});
+  const Finished sent = run({"send", wrong, "--board", "virtual", "--ignore-errors"});
   EXPECT_EQ(sent.status, 1);
   EXPECT_THAT(sent.err, HasSubstr("d.ngc:2: error:3 "));
 }

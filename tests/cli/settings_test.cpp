@@ -41,6 +41,21 @@ TEST(Settings, gets_one) {
   EXPECT_EQ(run(settings({"get", "12345"})).status, 2);
 }
 
+TEST(Settings, are_set_by_former_names_with_a_note) {
+  const Finished set = run(settings({"set", "highest_speed=255"}));
+  EXPECT_EQ(set.status, 0);
+  EXPECT_EQ(lines(set.out)[0], "$30 max_spindle_speed: 1000 -> 255 S");
+  EXPECT_EQ(set.err, "note: highest_speed=255: 'highest_speed' is now named 'max_spindle_speed'\n");
+  const Finished get = run(settings({"get", "highest_speed"}));
+  EXPECT_EQ(get.out, "1000\n");
+  EXPECT_EQ(get.err, "note: lamplock settings: 'highest_speed' is now named 'max_spindle_speed'\n");
+  const Folder folder;
+  const std::string machine = folder.write("m.toml", "highest_speed = 255\n");
+  const Finished restored = run(settings({"restore", machine}));
+  EXPECT_EQ(lines(restored.out)[0], "$30 max_spindle_speed: 1000 -> 255 S");
+  EXPECT_EQ(lines(restored.err).size(), 1u) << restored.err;
+}
+
 TEST(Settings, sets_several_or_none) {
   const Finished done = run(settings({"set", "acceleration_x=500", "901=50", "axes=3"}));
   EXPECT_EQ(done.status, 0) << done.err;

@@ -44,6 +44,19 @@ TEST(Profile, DefaultEqualsTheDesign) {
   EXPECT_EQ(values.whole(Id::lamp_frequency), 100);
 }
 
+TEST(Profile, AFormerNameWorksWithANote) {
+  testing::internal::CaptureStderr();
+  const Profile profile = read("axes = 3\nhighest_speed = 255\n");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::MatchesRegex("note: [^\n]*profile.toml:2: 'highest_speed' is now named "
+                                    "'max_spindle_speed'\n"));
+  EXPECT_EQ(profile.settings.whole(Id::max_spindle_speed), 255);
+  EXPECT_TRUE(profile.stated.test(static_cast<std::size_t>(Id::max_spindle_speed)));
+  EXPECT_THAT(error_of("highest_speed = 255\nmax_spindle_speed = 1000\n"),
+              HasSubstr("profile.toml:1: 'highest_speed' is the former name of "
+                        "'max_spindle_speed', which is given too"));
+}
+
 TEST(Profile, ReadsArraysScalarsAndNames) {
   const Profile profile = read(R"(
 name = "glass engraver"

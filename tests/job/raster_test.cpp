@@ -195,7 +195,7 @@ TEST(RowGcode, GivesTheSameLightAndThePlannersTime) {
   for (int i = 0; i < test::scaled(25); ++i) {
     job::Profile profile = laser();
     if (i % 3 == 1) job::state_setting(profile, Id::jerk_x, 600, "test");
-    if (i % 3 == 2) job::state_setting(profile, Id::highest_speed, 255, "test");
+    if (i % 3 == 2) job::state_setting(profile, Id::max_spindle_speed, 255, "test");
     const Pixels pixels =
         random_pixels(1 + random() % 300, 1 + random() % 8, random, random() % 2 == 0 ? 1 : 40);
     RowOptions options = fast_rows(profile, 3000 + static_cast<double>(random() % 12'000));

@@ -84,7 +84,7 @@ TEST(ProgramMotion, PowerIsRelativeToTheHighestSWord) {
   EXPECT_EQ(power_of(500'000, values), 32768);
   EXPECT_EQ(power_of(999'999, values), full_power);  // rounded to the nearest
   EXPECT_EQ(power_of(4'000'000'000, values), full_power);
-  ASSERT_TRUE(values.set_milli(Id::highest_speed, 255'000));
+  ASSERT_TRUE(values.set_milli(Id::max_spindle_speed, 255'000));
   for (std::uint32_t s = 0; s <= 255; ++s) EXPECT_EQ(power_of(s * 1000, values), s * 257);
 }
 

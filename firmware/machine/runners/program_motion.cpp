@@ -86,7 +86,7 @@ std::int64_t place_of(const stepper::AxisState& axis, const settings::Values& va
 }
 
 [[gnu::hot]] std::uint16_t power_of(std::uint32_t speed_milli, const settings::Values& values) {
-  const auto full = static_cast<std::uint32_t>(values.milli(Id::highest_speed));
+  const auto full = static_cast<std::uint32_t>(values.milli(Id::max_spindle_speed));
   if (speed_milli >= full) return full_power;
   const std::uint64_t product = std::uint64_t{speed_milli} * full_power + full / 2;
   return static_cast<std::uint16_t>(product / full);
