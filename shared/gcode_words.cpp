@@ -22,8 +22,8 @@ class Digits {
   void add(std::uint32_t digit, bool point) {
     any_ = true;
     if (point) {
-      if (behind_++ >= most_decimals) return round(digit);
-    } else if ((digit != 0 || before_ != 0) && ++before_ > most_digits) {
+      if (behind_++ >= max_decimals) return round(digit);
+    } else if ((digit != 0 || before_ != 0) && ++before_ > max_digits) {
       return;
     }
     if (grouped_ == group_digits) close_group();
@@ -35,8 +35,8 @@ class Digits {
     if (all_ == 0) return std::int64_t{group_} + carry_;
     return all_ * std::int64_t{power_of_ten_of(grouped_)} + group_ + carry_;
   }
-  int decimals() const { return behind_ < most_decimals ? behind_ : most_decimals; }
-  bool good() const { return any_ && before_ <= most_digits; }
+  int decimals() const { return behind_ < max_decimals ? behind_ : max_decimals; }
+  bool good() const { return any_ && before_ <= max_digits; }
 
  private:
   static constexpr int group_digits = 9;
@@ -52,7 +52,7 @@ class Digits {
   }
   /// The first dropped digit decides.
   void round(std::uint32_t digit) {
-    if (behind_ == most_decimals + 1 && digit >= 5) carry_ = 1;
+    if (behind_ == max_decimals + 1 && digit >= 5) carry_ = 1;
   }
 
   std::int64_t all_ = 0;

@@ -31,16 +31,16 @@ struct Fault {
 };
 
 /// More decimals than these are rounded away, half away from zero.
-inline constexpr int most_decimals = 7;
+inline constexpr int max_decimals = 7;
 /// Maximum number of digits before the point: numbers are below 10^9.
-inline constexpr int most_digits = 9;
+inline constexpr int max_digits = 9;
 
 /// A letter and its number, mantissa / 10^decimals.
 struct Word {
-  std::int64_t mantissa;  ///< below 10^(most_digits + most_decimals)
+  std::int64_t mantissa;  ///< below 10^(max_digits + max_decimals)
   std::uint16_t column;   ///< of the letter, from 1
   char letter;            ///< upper case; 0 after the last word
-  std::uint8_t decimals;  ///< 0..most_decimals
+  std::uint8_t decimals;  ///< 0..max_decimals
 };
 
 /// Number of the word times `factor` times 10^digits, to the nearest whole number, half away from

@@ -17,16 +17,16 @@ constexpr double lowest_beats = 0.95;
 
 /// Converts numbers to positions: a / f^2 on a logarithmic scale, beats on a linear one.
 struct Scale {
-  double least_um, most_um, most_beats;
+  double min_um, max_um, max_beats;
 
   double x(double way_um) const {
-    return chart_left + (width - chart_left - chart_right) * std::log(way_um / least_um) /
-                            std::log(most_um / least_um);
+    return chart_left + (width - chart_left - chart_right) * std::log(way_um / min_um) /
+                            std::log(max_um / min_um);
   }
   double y(double beats) const {
     return height - chart_bottom -
            (height - chart_top - chart_bottom) * (beats - lowest_beats) /
-               (most_beats - lowest_beats);
+               (max_beats - lowest_beats);
   }
 };
 
@@ -35,12 +35,12 @@ constexpr const char* grid_colour = "#ddd";
 std::string grid(const Scale& scale) {
   std::string picture;
   for (const double um : {100.0, 200.0, 300.0, 500.0, 1000.0, 2000.0, 3000.0, 5000.0}) {
-    if (um < scale.least_um || um > scale.most_um) continue;
+    if (um < scale.min_um || um > scale.max_um) continue;
     picture += svg::line(scale.x(um), chart_top, scale.x(um), height - chart_bottom, grid_colour);
     picture +=
         svg::text_at(scale.x(um), height - chart_bottom + 18, "middle", fmt::format("{:g}", um));
   }
-  for (int tenth = 10; tenth / 10.0 < scale.most_beats; ++tenth) {
+  for (int tenth = 10; tenth / 10.0 < scale.max_beats; ++tenth) {
     const double beats = tenth / 10.0;
     picture +=
         svg::line(chart_left, scale.y(beats), width - chart_right, scale.y(beats), grid_colour);
@@ -82,10 +82,10 @@ std::string chart_svg(const BenchReport& report) {
       {"exact optimum, walk", "#083", 1.5, [](const auto& m) { return m.walk.optimum; }}};
   Scale scale{1e9, 0, 0};
   for (const MeasuredFigures& row : report.measured) {
-    scale.least_um = std::min(scale.least_um, row.machine().way_um() * 0.93);
-    scale.most_um = std::max(scale.most_um, row.machine().way_um() * 1.07);
+    scale.min_um = std::min(scale.min_um, row.machine().way_um() * 0.93);
+    scale.max_um = std::max(scale.max_um, row.machine().way_um() * 1.07);
     for (const Series& series : all)
-      scale.most_beats = std::max(scale.most_beats, series.beats(row) + 0.05);
+      scale.max_beats = std::max(scale.max_beats, series.beats(row) + 0.05);
   }
   std::string picture = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "

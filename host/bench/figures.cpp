@@ -62,19 +62,19 @@ Figures figures_of(const motion::Limits& limits, const std::vector<wire::Target>
   const std::size_t count = targets.size();
   // Three plans and the search, each counted as a third of the points except the shortest.
   std::size_t reported = 0;
-  const auto tell = [&](std::size_t done) {
+  const auto report = [&](std::size_t done) {
     if (planned) planned(done - reported);
     reported = done;
   };
   Figures figures;
   figures.start_stop = beats_per_point(limits, targets, JoinMode::start_stop);
   figures.path = beats_per_point(limits, targets, JoinMode::path);
-  tell(count / 3);
+  report(count / 3);
   figures.free = beats_per_point(limits, targets, JoinMode::free);
-  tell(count / 3 * 2);
+  report(count / 3 * 2);
   const ReferenceResult best = fewest_beats(
-      problem_of(limits, targets), [&](std::size_t done) { tell(count / 3 * 2 + done / 3); });
-  tell(count);
+      problem_of(limits, targets), [&](std::size_t done) { report(count / 3 * 2 + done / 3); });
+  report(count);
   figures.optimum = static_cast<double>(best.beats) / static_cast<double>(count);
   figures.labels = static_cast<double>(best.labels) / static_cast<double>(count);
   return figures;

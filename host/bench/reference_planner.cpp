@@ -8,7 +8,7 @@ namespace lamplock::bench {
 namespace {
 
 /// Longer sequences are searched as streams, because errors of lower bounds add up.
-constexpr std::size_t longest_sequence = 40;
+constexpr std::size_t max_sequence_size = 40;
 /// Labels kept by the search for an upper bound.
 constexpr std::size_t beam_width = 8;
 /// Hulls over a whole sequence for a first lower bound.
@@ -22,13 +22,13 @@ struct Label {
 };
 
 /// Minimum start speed for the displacement in time, with constant acceleration.
-double least_start(double way, double beats, double limit) {
+double min_start(double way, double beats, double limit) {
   const double v = way / beats - beats / 2;
   return v + beats <= limit ? v : limit - std::sqrt(2 * std::max(0.0, limit * beats - way));
 }
 
 /// Maximum end speed from start speed `v`.
-double highest_end(double v, double way, double beats, double limit) {
+double max_end(double v, double way, double beats, double limit) {
   const double u = -beats + std::sqrt(std::max(0.0, 2 * beats * beats + 4 * (way - v * beats)));
   if (v - (beats - u) / 2 >= -limit) return std::min(limit, v + u);
   const double square = 2 * (way + limit * beats) - (v + limit) * (v + limit);
@@ -51,7 +51,7 @@ bool extend(const ReferenceProblem& problem, std::size_t i, const SpeedBox& from
 }
 
 /// Lower bound of beats, at full speed.
-int least_beats(const ReferenceProblem& problem, std::size_t i) {
+int min_beats(const ReferenceProblem& problem, std::size_t i) {
   double least = 1;
   for (std::size_t a = 0; a < problem.axes; ++a)
     least = std::max(least, std::ceil(std::fabs(problem.way[i][a]) / problem.limit[a]));
@@ -183,7 +183,7 @@ bool BeatsLeft::hull(const ReferenceProblem& problem, std::size_t i, int beats,
                      SpeedBox& out) const {
   const Point& next = points_[i + 1];
   bool any = false;
-  for (int k = least_beats(problem, i); k <= beats - next.least; ++k) {
+  for (int k = min_beats(problem, i); k <= beats - next.least; ++k) {
     SpeedBox from;
     if (!extend(problem, i, next.at(beats - k, spacing_), k, from)) continue;
     if (any) include(axes_, out, from);
@@ -195,7 +195,7 @@ bool BeatsLeft::hull(const ReferenceProblem& problem, std::size_t i, int beats,
 
 void BeatsLeft::fill(const ReferenceProblem& problem, std::size_t i, int last) {
   Point& point = points_[i];
-  const int start = points_[i + 1].least + least_beats(problem, i);
+  const int start = points_[i + 1].least + min_beats(problem, i);
   for (int beats = start; beats < last + spacing_; beats += spacing_) {
     SpeedBox box;
     if (!hull(problem, i, beats, box)) continue;
@@ -229,8 +229,7 @@ std::vector<int> earliest_beats(const ReferenceProblem& problem, int most) {
   ReferenceProblem back = problem;
   std::reverse(back.way.begin(), back.way.end());
   std::vector<int> at_full_speed(n + 1, 0), earliest(n + 1, 0);
-  for (std::size_t i = 0; i < n; ++i)
-    at_full_speed[i + 1] = at_full_speed[i] + least_beats(back, i);
+  for (std::size_t i = 0; i < n; ++i) at_full_speed[i + 1] = at_full_speed[i] + min_beats(back, i);
   const int spacing = 1 + most / coarse_hulls;
   const BeatsLeft coarse(back, most, at_full_speed, spacing);
   for (std::size_t i = 0; i <= n; ++i) earliest[i] = std::min(coarse.least(n - i), most);
@@ -239,7 +238,7 @@ std::vector<int> earliest_beats(const ReferenceProblem& problem, int most) {
 
 void count(ReferenceResult& result, const std::vector<Label>& labels) {
   result.labels += labels.size();
-  result.most_labels = std::max(result.most_labels, labels.size());
+  result.max_labels = std::max(result.max_labels, labels.size());
 }
 
 /// A good plan, maybe not the best: an upper bound. At each point the labels with the fewest beats
@@ -256,7 +255,7 @@ long beam_search(const ReferenceProblem& problem) {
     const int most = rest_to_rest(problem, i) + 2;
     for (const Ranked& from : beam) {
       int tried = 0;
-      for (int k = least_beats(problem, i); tried < 2 * most; ++k, ++tried) {
+      for (int k = min_beats(problem, i); tried < 2 * most; ++k, ++tried) {
         Ranked to;
         if (!extend(problem, i, from.label.box, k, to.label.box)) continue;
         to.label.beats = from.label.beats + k;
@@ -297,7 +296,7 @@ bool plan_exists(const ReferenceProblem& problem, const BeatsLeft& left, int tot
   for (std::size_t i = 0; i < problem.way.size(); ++i) {
     next.clear();
     const int latest = total - left.least(i + 1);
-    const int least = least_beats(problem, i);
+    const int least = min_beats(problem, i);
     if (labels.all().empty()) return false;
     for (int beats = labels.all().front().beats + least; beats <= latest; ++beats) {
       for (const Label& from : labels.all()) {
@@ -321,15 +320,15 @@ bool plan_exists(const ReferenceProblem& problem, const BeatsLeft& left, int tot
 
 bool reach(const SpeedRange& from, double way, double beats, double limit, SpeedRange& to) {
   if (std::fabs(way) > limit * beats) return false;
-  const double lo = std::max(from.lo, least_start(way, beats, limit));
-  const double hi = std::min(from.hi, -least_start(-way, beats, limit));
+  const double lo = std::max(from.lo, min_start(way, beats, limit));
+  const double hi = std::min(from.hi, -min_start(-way, beats, limit));
   if (lo > hi) return false;
-  to = {-highest_end(-hi, -way, beats, limit), highest_end(lo, way, beats, limit)};
+  to = {-max_end(-hi, -way, beats, limit), max_end(lo, way, beats, limit)};
   return to.lo <= to.hi;
 }
 
 int rest_to_rest(const ReferenceProblem& problem, std::size_t i) {
-  for (int k = least_beats(problem, i);; ++k) {
+  for (int k = min_beats(problem, i);; ++k) {
     SpeedBox to;
     if (extend(problem, i, SpeedBox{}, k, to) && contains_rest(problem.axes, to)) return k;
   }
@@ -362,7 +361,7 @@ ReferenceResult fewest_beats_of_stream(const ReferenceProblem& problem, const Po
   for (std::size_t i = 0; i < n; ++i) {
     next.clear();
     Loops loops(problem);
-    const int least = least_beats(problem, i);
+    const int least = min_beats(problem, i);
     for (int beats = labels.all().front().beats + least; !loops.everything(); ++beats) {
       loops.go_on(beats);
       for (const Label& from : labels.all()) {
@@ -388,8 +387,8 @@ ReferenceResult fewest_beats_of_stream(const ReferenceProblem& problem, const Po
 }
 
 ReferenceResult fewest_beats(const ReferenceProblem& problem, const PointsDone& done) {
-  return problem.way.size() <= longest_sequence ? fewest_beats_of_sequence(problem)
-                                                : fewest_beats_of_stream(problem, done);
+  return problem.way.size() <= max_sequence_size ? fewest_beats_of_sequence(problem)
+                                                 : fewest_beats_of_stream(problem, done);
 }
 
 }  // namespace lamplock::bench

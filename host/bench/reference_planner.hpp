@@ -47,9 +47,9 @@ struct ReferenceProblem {
 
 /// Result and cost of the search.
 struct ReferenceResult {
-  long beats = 0;               ///< the optimum
-  std::size_t labels = 0;       ///< labels kept, all points together
-  std::size_t most_labels = 0;  ///< at one point
+  long beats = 0;              ///< the optimum
+  std::size_t labels = 0;      ///< labels kept, all points together
+  std::size_t max_labels = 0;  ///< at one point
   std::size_t segments_tried = 0;
 };
 

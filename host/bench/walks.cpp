@@ -12,9 +12,9 @@
 namespace lamplock::bench {
 namespace {
 
-using Place = std::array<double, max_axes>;
+using Position = std::array<double, max_axes>;
 
-wire::Target target_at(const Place& at_mm, double steps_per_mm) {
+wire::Target target_at(const Position& at_mm, double steps_per_mm) {
   wire::Target target;
   for (std::size_t a = 0; a < max_axes; ++a)
     target.steps[a] = static_cast<std::int32_t>(std::lround(at_mm[a] * steps_per_mm));
@@ -22,7 +22,7 @@ wire::Target target_at(const Place& at_mm, double steps_per_mm) {
 }
 
 /// Distances between points of the thesis, mm.
-constexpr double least_spacing_mm = 0.1, most_spacing_mm = 0.15;
+constexpr double min_spacing_mm = 0.1, max_spacing_mm = 0.15;
 
 /// Direction of a course with corners before a point.
 double direction(Course shape, int point) {
@@ -61,9 +61,9 @@ std::vector<wire::Target> histogram_walk(int points, int axes, double steps_per_
   std::shuffle(lengths_mm.begin(), lengths_mm.end(), random);
   std::normal_distribution<double> normal;
   std::vector<wire::Target> targets;
-  Place at{};
+  Position at{};
   for (const double length : lengths_mm) {
-    Place way{};
+    Position way{};
     double square = 0;
     for (std::size_t a = 0; a < static_cast<std::size_t>(axes); ++a) {
       way[a] = normal(random);
@@ -78,11 +78,11 @@ std::vector<wire::Target> histogram_walk(int points, int axes, double steps_per_
 std::vector<wire::Target> course(Course shape, int points, double steps_per_mm,
                                  std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> spacing(least_spacing_mm, most_spacing_mm);
-  const double mean_mm = (least_spacing_mm + most_spacing_mm) / 2;
+  std::uniform_real_distribution<double> spacing(min_spacing_mm, max_spacing_mm);
+  const double mean_mm = (min_spacing_mm + max_spacing_mm) / 2;
   const double radius_mm = points * mean_mm / (2 * std::numbers::pi);
   std::vector<wire::Target> targets;
-  Place at{};
+  Position at{};
   double way_mm = 0;
   for (int i = 0; i < points; ++i) {
     const double step_mm = spacing(random);

@@ -20,10 +20,10 @@ Json json_of(const ServoErrors& errors) {
   for (std::size_t a = 0; a < errors.axis.size(); ++a) {
     const program_run::ServoAxisErrors& axis = errors.axis[a];
     axes.push_back({{"axis", std::string(1, "XY"[a])},
-                    {"max_positive_mm", axis.most_mm},
-                    {"max_negative_mm", axis.least_mm},
+                    {"max_positive_mm", axis.max_mm},
+                    {"max_negative_mm", axis.min_mm},
                     {"rms_mm", axis.rms_mm},
-                    {"most_pulses", axis.most_pulses},
+                    {"max_pulses", axis.max_pulses},
                     {"end_pulses", axis.end_pulses},
                     {"programmed_end_mm", axis.programmed_end_mm},
                     {"measured_end_mm", axis.measured_end_mm}});

@@ -7,8 +7,8 @@
 #include "host/cli/console.hpp"
 #include "host/gpio/board_lines.hpp"
 #include "host/gpio/host_lines.hpp"
+#include "host/gpio/line_address.hpp"
 #include "host/gpio/line_table.hpp"
-#include "host/gpio/place.hpp"
 #include "host/gpio/read_line_table.hpp"
 
 namespace lamplock::cli {

@@ -76,7 +76,7 @@ class Trial {
 };
 
 /// Minimum beats from one shot to the next at the maximum shot rate.
-std::int32_t least_beats(const settings::Values& values) {
+std::int32_t min_beats(const settings::Values& values) {
   const std::int64_t rate = values.milli(Id::max_shot_rate);
   return static_cast<std::int32_t>((values.milli(Id::lamp_frequency) + rate - 1) / rate);
 }
@@ -84,12 +84,12 @@ std::int32_t least_beats(const settings::Values& values) {
 /// Counts the beats of a plan by their reasons, as the shot scheduler does.
 class BeatCount {
  public:
-  BeatCount(std::int32_t least_beats, Estimate& estimate)
-      : least_beats_(least_beats), estimate_(estimate) {}
+  BeatCount(std::int32_t min_beats, Estimate& estimate)
+      : min_beats_(min_beats), estimate_(estimate) {}
 
   void add(const Way& way) {
     // Beats in which the shot rate permits no shot.
-    const std::int64_t kept_back = fired_ ? least_beats_ - 1 - since_shot_ : 0;
+    const std::int64_t kept_back = fired_ ? min_beats_ - 1 - since_shot_ : 0;
     const auto between = static_cast<std::uint32_t>(way.beats - 1);
     const auto kept = static_cast<std::uint32_t>(std::clamp<std::int64_t>(kept_back, 0, between));
     ledger_.count(BeatReason::protection, kept);
@@ -122,7 +122,7 @@ class BeatCount {
     ticks_at_shot_q16_ = ticks_q16_;
   }
 
-  std::int32_t least_beats_;
+  std::int32_t min_beats_;
   Estimate& estimate_;
   lamp::BeatLedger ledger_;
   std::int64_t since_shot_ = 0;
@@ -133,7 +133,7 @@ class BeatCount {
 
 void add_plan(const job::Job& job, const EstimateOptions& options, const StartState& standing,
               Estimate& estimate) {
-  const std::int32_t least = least_beats(job.settings);
+  const std::int32_t least = min_beats(job.settings);
   BeatCount count(least, estimate);
   std::size_t news = options.first + points_per_news;
   plan_job(job, {standing, options.first, options.job_speed, least}, [&](const Way& way) {

@@ -26,7 +26,7 @@ class WindowStream {
     decoder_.begin(job::header_from(job, options.first));
     run_.mode = static_cast<wire::JoinMode>(job.header.mode);
     run_.points_total = static_cast<std::uint32_t>(job.targets.size());
-    run_.least_beats = options.least_beats;
+    run_.least_beats = options.min_beats;
     queue_.reset(static_cast<std::uint32_t>(options.first));
     window_.go_on_at({queue_.begin(), 0});
     plan_.begin_job(job.settings, beat_ticks(job.settings), options.standing.shortest_tick_q16);

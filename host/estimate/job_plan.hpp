@@ -40,7 +40,7 @@ struct PlanOptions {
   StartState standing;
   std::size_t first = 0;          ///< point to begin with
   std::uint32_t job_speed = 100;  ///< percent
-  std::int32_t least_beats = 1;   ///< between two shots
+  std::int32_t min_beats = 1;     ///< between two shots
 };
 
 /// Called with every move of a plan.

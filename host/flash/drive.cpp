@@ -22,7 +22,7 @@ constexpr const char* copy_name = "LAMPLOCK.UF2";  // a name of FAT without exte
 /// The line of the RP2040's loader; the RP2350's loader has another name.
 constexpr std::string_view board_line = "Board-ID: RPI-RP2";
 /// The ROM writes some 100 KB in a second.
-constexpr milliseconds restart_time{20'000}, look_again{100};
+constexpr milliseconds restart_time{20'000}, drive_poll_interval{100};
 
 /// Folders in a folder; none if it may not be read.
 std::vector<fs::path> folders_in(const fs::path& folder) {
@@ -61,15 +61,15 @@ bool is_loader_drive(const fs::path& folder) {
 
 std::vector<fs::path> find_loader_drives(const std::vector<fs::path>& roots) {
   std::vector<fs::path> found;
-  const auto look = [&](const fs::path& folder) {
+  const auto add_drive = [&](const fs::path& folder) {
     if (!is_loader_drive(folder)) return false;
     found.push_back(folder);
     return true;
   };
   for (const fs::path& root : roots)
     for (const fs::path& folder : folders_in(root))
-      if (!look(folder))
-        for (const fs::path& below : folders_in(folder)) look(below);
+      if (!add_drive(folder))
+        for (const fs::path& below : folders_in(folder)) add_drive(below);
   return found;
 }
 
@@ -110,7 +110,7 @@ std::error_code copy_to_drive(const fs::path& folder, std::string_view uf2,
                   failure ? "the copy failed: " + failure.message()
                           : "the file was copied but the board did not restart",
                   "unplug the board, hold BOOTSEL while plugging it in, then flash again");
-    actions.sleep(look_again);
+    actions.sleep(drive_poll_interval);
   }
   return failure;
 }

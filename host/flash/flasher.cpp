@@ -28,7 +28,7 @@ bool is_blank(std::span<const std::uint8_t> bytes) {
 Flasher::Flasher(Picoboot& loader, const FlashImage& image, OnFlashProgress on_progress)
     : loader_(loader), image_(image), on_progress_(std::move(on_progress)) {}
 
-void Flasher::tell(Step step, std::size_t done, std::size_t total) const {
+void Flasher::report(Step step, std::size_t done, std::size_t total) const {
   if (on_progress_) on_progress_({step, done, total});
 }
 
@@ -46,12 +46,12 @@ FlashResult Flasher::run() {
   std::size_t done = 0;
   for (const Sector* sector : sectors) {
     if (sector == &boot) continue;
-    tell(Step::writing, done++, result.written);
+    report(Step::writing, done++, result.written);
     write(*sector);
   }
-  tell(Step::writing, done, result.written);
+  report(Step::writing, done, result.written);
   write_boot_sector();
-  tell(Step::writing, result.written, result.written);
+  report(Step::writing, result.written, result.written);
   return result;
 }
 
@@ -60,11 +60,11 @@ std::vector<const Sector*> Flasher::differing() {
   std::array<std::uint8_t, sector_size> present{};
   for (std::size_t i = 0; i < image_.sectors.size(); ++i) {
     const Sector& sector = image_.sectors[i];
-    tell(Step::reading, i, image_.sectors.size());
+    report(Step::reading, i, image_.sectors.size());
     loader_.read(sector.address, present);
     if (present != sector.bytes) found.push_back(&sector);
   }
-  tell(Step::reading, image_.sectors.size(), image_.sectors.size());
+  report(Step::reading, image_.sectors.size(), image_.sectors.size());
   return found;
 }
 

@@ -51,7 +51,7 @@ class Flasher {
   void write_boot_sector();
   void write_pages(const Sector& sector, std::size_t first, std::size_t end);
   void verify(const Sector& sector, std::size_t first, std::size_t end);
-  void tell(FlashProgress::Step step, std::size_t done, std::size_t total) const;
+  void report(FlashProgress::Step step, std::size_t done, std::size_t total) const;
 
   Picoboot& loader_;
   const FlashImage& image_;

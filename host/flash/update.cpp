@@ -29,12 +29,12 @@ constexpr milliseconds restart_delay{100};
 constexpr const char* take_in_hand =
     "plug it in again; if it does not start, hold BOOTSEL while plugging in and flash again";
 
-/// Calls `look` until it returns a result; gives up after `time`.
-template <class Look>
-auto poll(usb::Bus& bus, milliseconds time, Look&& look) -> decltype(look()) {
+/// Calls `find` until it returns a result; gives up after `time`.
+template <class Find>
+auto poll(usb::Bus& bus, milliseconds time, Find&& find) -> decltype(find()) {
   const milliseconds end = bus.now() + time;
   for (;;) {
-    if (auto found = look()) return found;
+    if (auto found = find()) return found;
     if (bus.now() >= end) return {};
     bus.sleep(poll_interval);
   }
@@ -152,8 +152,8 @@ std::unique_ptr<usb::Device> Update::take_stream(const DeviceInfo& board) {
 }
 
 DeviceInfo Update::wait_for_loader(const std::string& place) {
-  const auto look = [&] { return find_at(site_.bus, Kind::boot_loader, place); };
-  const auto loader = poll(site_.bus, enumeration_time, look);
+  const auto find = [&] { return find_at(site_.bus, Kind::boot_loader, place); };
+  const auto loader = poll(site_.bus, enumeration_time, find);
   if (!loader)
     throw Error(
         Exit::no_device, "boot loader",
@@ -162,7 +162,7 @@ DeviceInfo Update::wait_for_loader(const std::string& place) {
   if (loader->problem.empty()) return *loader;
   // The system's rules may grant the permission in a moment.
   const auto permitted = poll(site_.bus, settling_time, [&] {
-    auto now = look();
+    auto now = find();
     return now && now->problem.empty() ? now : std::nullopt;
   });
   return permitted.value_or(*loader);

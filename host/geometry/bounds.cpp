@@ -4,7 +4,7 @@
 
 namespace lamplock::geometry {
 
-double Bounds::longest_side() const {
+double Bounds::max_side() const {
   return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
 }
 

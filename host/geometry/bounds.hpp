@@ -13,7 +13,7 @@ struct Bounds {
   Point low, high;
 
   /// The longest of the three sides, mm.
-  double longest_side() const;
+  double max_side() const;
   Point centre() const;
   bool contains(const Point& point) const;
 };

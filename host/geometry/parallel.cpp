@@ -29,9 +29,9 @@ void for_each_index(std::size_t count, unsigned threads,
       next = count;
     }
   };
-  constexpr std::size_t most_threads = 256;
+  constexpr std::size_t max_threads = 256;
   const std::size_t wanted = threads > 0 ? threads : std::thread::hardware_concurrency();
-  const std::size_t useful = std::min(most_threads, count / batch + 1);
+  const std::size_t useful = std::min(max_threads, count / batch + 1);
   {
     std::vector<std::jthread> others;
     for (std::size_t i = 1; i < std::min(wanted, useful); ++i) others.emplace_back(run);

@@ -17,11 +17,11 @@ namespace {
 using settings::Id;
 using Names = std::vector<std::string>;
 
-constexpr double most_int = std::numeric_limits<int>::max();
-constexpr double most_flashes = std::numeric_limits<std::uint8_t>::max();  ///< of a target
-constexpr double most_beats = std::numeric_limits<std::uint16_t>::max();   ///< of a target
-constexpr double most_energy = std::numeric_limits<std::uint16_t>::max();  ///< of a target
-constexpr double lightest_grey = 255, most_layers = 10'000, most_shells = 255;
+constexpr double max_int = std::numeric_limits<int>::max();
+constexpr double max_flashes = std::numeric_limits<std::uint8_t>::max();  ///< of a target
+constexpr double max_beats = std::numeric_limits<std::uint16_t>::max();   ///< of a target
+constexpr double max_energy = std::numeric_limits<std::uint16_t>::max();  ///< of a target
+constexpr double lightest_grey = 255, max_layers = 10'000, max_shells = 255;
 constexpr double steepest_deg = 89.9;
 
 /// The range of a setting, in a unit that is `own_units` of its own units.
@@ -138,7 +138,7 @@ std::vector<Parameter> method_parameters(Object& o) {
                     "drawings and bitmaps; the other methods keep the spacing themselves",
                     "MM", not_negative}),
       of(shaped(),
-         {"seed", "--point-seed", &o.seed, "Seed of the random points", "N", {0, most_int, true}}),
+         {"seed", "--point-seed", &o.seed, "Seed of the random points", "N", {0, max_int, true}}),
   };
 }
 
@@ -202,7 +202,7 @@ std::vector<Parameter> picture_parameters(Object& o) {
                                              &o.layers,
                                              "Bitmaps, drawings: number of layers",
                                              "N",
-                                             {1, most_layers, true}}),
+                                             {1, max_layers, true}}),
       of({way_of_bitmaps}, {"plane",
                             "--plane",
                             &o.plane,
@@ -230,7 +230,7 @@ std::vector<Parameter> depth_parameters(Object& o) {
                    "Number of shells (parallel surfaces) among which neighbouring points are "
                    "distributed, to avoid cracks; 1: off",
                    "N",
-                   {1, most_shells, true}}),
+                   {1, max_shells, true}}),
       with("shells",
            of(skins(), {"shell", "--shell", &o.shell_mm,
                         "Distance between shells; default: the spacing", "MM", positive})),
@@ -294,7 +294,7 @@ std::vector<Parameter> parameters(GlassChoice& g) {
        &g.index,
        "Refractive index, used instead of a material",
        "N",
-       {1, highest_index, true}},
+       {1, max_index, true}},
       {"block", "--block", &g.block_mm,
        "Size of the block; objects must lie inside it; default: no block, objects must lie in the "
        "work space",
@@ -366,13 +366,13 @@ std::vector<Parameter> parameters(PauseChoice& p) {
        &p.every_points,
        "Pause after this number of points to let the glass cool; 0: no pauses",
        "N",
-       {0, most_int, true}},
+       {0, max_int, true}},
       with("every", {"beats",
                      "--pause-beats",
                      &p.beats,
                      "Duration of a pause",
                      "BEATS",
-                     {1, most_beats, true}}),
+                     {1, max_beats, true}}),
   };
 }
 
@@ -383,14 +383,14 @@ std::vector<Parameter> parameters(OutputChoice& o) {
        &o.flashes,
        "Number of flashes at each point",
        "N",
-       {1, most_flashes, true}},
+       {1, max_flashes, true}},
       {"channel", "--channel", &o.channel, "Beam channel", "N", {0, wire::highest_channel, true}},
       {"energy",
        "--energy",
        &o.energy,
        "Energy or attenuator value; 0: keep the machine's current value",
        "N",
-       {0, most_energy, true}},
+       {0, max_energy, true}},
   };
 }
 

@@ -34,9 +34,9 @@ double index_of(const std::string& material) {
 }
 
 void require_index(double index, const std::string& where) {
-  if (index >= 1 && index <= highest_index) return;
+  if (index >= 1 && index <= max_index) return;
   throw Error(Exit::bad_input, where, fmt::format("refractive index {:g}", index),
-              fmt::format("give 1 (none) to {:g}; K9 has 1.5168", highest_index));
+              fmt::format("give 1 (none) to {:g}; K9 has 1.5168", max_index));
 }
 
 }  // namespace lamplock::glass

@@ -19,7 +19,7 @@ struct Material {
 };
 
 /// The maximum refractive index that is accepted; diamond has 2.4.
-inline constexpr double highest_index = 4;
+inline constexpr double max_index = 4;
 
 /// All materials with a name.
 std::span<const Material> materials();
@@ -27,7 +27,7 @@ std::span<const Material> materials();
 std::vector<std::string> material_names();
 /// The index of a material by its name. Throws Error(bad_input) for an unknown one.
 double index_of(const std::string& material);
-/// Throws Error(bad_input), at `where`, unless the index is 1..highest_index.
+/// Throws Error(bad_input), at `where`, unless the index is 1..max_index.
 void require_index(double index, const std::string& where);
 
 }  // namespace lamplock::glass

@@ -19,7 +19,7 @@ namespace lamplock::glass {
 using Triple = std::array<double, 3>;
 
 /// Reference to the value of a parameter. The default of an optional one depends on others.
-using Place =
+using ValuePointer =
     std::variant<double*, std::optional<double>*, int*, bool*, std::optional<bool>*, std::string*,
                  std::optional<std::string>*, std::optional<Triple>*, std::vector<std::string>*>;
 
@@ -44,7 +44,7 @@ using TextCheck = std::string (*)(const std::string&);
 struct Parameter {
   std::string key;     ///< in the description
   std::string option;  ///< on the command line, with its dashes
-  Place place;
+  ValuePointer place;
   std::string about;                 ///< for the help
   std::string unit{};                ///< or kind of value, for the help: MM
   Range range = any_number;          ///< of numbers

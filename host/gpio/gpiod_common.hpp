@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/gpio/line_address.hpp"
 #include "host/gpio/lines.hpp"
-#include "host/gpio/place.hpp"
 
 namespace lamplock::gpio {
 

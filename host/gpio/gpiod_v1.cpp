@@ -19,7 +19,7 @@ struct Line {
 };
 
 Line find(const std::string& text) {
-  const Place place = parse_place(text);
+  const LineAddress place = parse_line_address(text);
   if (!place.name.empty())
     return find_on_chips(place.name, [&place](Chip chip) -> std::optional<Line> {
       gpiod_line* line = ::gpiod_chip_find_line(chip.get(), place.name.c_str());

@@ -44,7 +44,7 @@ struct Line {
 };
 
 Found find(const std::string& text) {
-  const Place place = parse_place(text);
+  const LineAddress place = parse_line_address(text);
   if (!place.name.empty())
     return find_on_chips(place.name, [&place](Chip chip) -> std::optional<Found> {
       const int number = ::gpiod_chip_get_line_offset_from_name(chip.get(), place.name.c_str());

@@ -8,16 +8,16 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
-#include "host/gpio/place.hpp"
+#include "host/gpio/line_address.hpp"
 #include "host/toml_file.hpp"
 
 namespace lamplock::gpio {
 namespace {
 
 /// Contacts bounce for some milliseconds; a longer debounce time would only delay the user.
-constexpr std::int64_t longest_debounce_ms = 1'000;
+constexpr std::int64_t max_debounce_ms = 1'000;
 /// A beat must be longer than the rounds of a job (20 ms at most), and short for a fast stop.
-constexpr std::int64_t shortest_beat_ms = 20, longest_beat_ms = 1'000;
+constexpr std::int64_t shortest_beat_ms = 20, max_beat_ms = 1'000;
 
 enum class Way : std::uint8_t { input, output, open_drain };
 
@@ -68,11 +68,11 @@ class Reader {
   void read_key(const toml::key& key, const toml::node& node) {
     const std::string where = place(key.source());
     if (key == "debounce_ms") {
-      table_.debounce = time_of(key, node, 0, longest_debounce_ms);
+      table_.debounce = time_of(key, node, 0, max_debounce_ms);
       return;
     }
     if (key == "interlock_beat_ms") {
-      table_.interlock_beat = time_of(key, node, shortest_beat_ms, longest_beat_ms);
+      table_.interlock_beat = time_of(key, node, shortest_beat_ms, max_beat_ms);
       return;
     }
     for (const Role& role : roles)
@@ -157,7 +157,7 @@ class Reader {
   }
 
   static bool same_place(const std::string& a, const std::string& b) {
-    const Place one = parse_place(a), other = parse_place(b);
+    const LineAddress one = parse_line_address(a), other = parse_line_address(b);
     return one.name == other.name && one.chip == other.chip && one.number == other.number;
   }
 

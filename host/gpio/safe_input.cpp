@@ -4,16 +4,16 @@
 
 namespace lamplock::gpio {
 
-void SafeInput::look(Time now) {
+void SafeInput::poll(Time now) {
   if (lost_) return;
-  // Edges first: a pulse that ends between the two calls leaves edges for the next look. An edge to
+  // Edges first: a pulse that ends between the two calls leaves edges for the next poll. An edge to
   // the safe level counts too: the level was active before it.
   const bool moved = input_->moved();
   const std::optional<bool> level = input_->active();
   lost_ = !level;
   const bool tripped = !level || *level || moved;
-  if (tripped || !looked_) quiet_since_ = now;
-  looked_ = true;
+  if (tripped || !polled_) quiet_since_ = now;
+  polled_ = true;
   well_ = !tripped && now - quiet_since_ >= debounce_;
 }
 

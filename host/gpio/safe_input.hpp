@@ -21,12 +21,12 @@ class SafeInput {
  public:
   using Time = std::chrono::microseconds;
 
-  /// Not well until look() was called for the debounce time.
+  /// Not well until poll() was called for the debounce time.
   SafeInput(std::unique_ptr<Input> input, std::string place, Time debounce)
       : input_(std::move(input)), place_(std::move(place)), debounce_(debounce) {}
 
   /// Call it in every round. `now`: any monotonic clock.
-  void look(Time now);
+  void poll(Time now);
 
   bool well() const { return well_; }
   /// The chip is unplugged.
@@ -39,7 +39,7 @@ class SafeInput {
   std::string place_;
   Time debounce_;
   Time quiet_since_{};
-  bool looked_ = false, well_ = false, lost_ = false;
+  bool polled_ = false, well_ = false, lost_ = false;
 };
 
 }  // namespace lamplock::gpio

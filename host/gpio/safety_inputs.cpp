@@ -52,12 +52,12 @@ SafetyInputs::SafetyInputs(Lines& lines, const LineTable& table)
 
 SafetyInputs::~SafetyInputs() { end(); }
 
-Verdict SafetyInputs::look(Time now) {
-  if (estop_) estop_->look(now);
-  if (door_) door_->look(now);
+SafetyState SafetyInputs::poll(Time now) {
+  if (estop_) estop_->poll(now);
+  if (door_) door_->poll(now);
   judge();
   switch_outputs(now);
-  return verdict_;
+  return state_;
 }
 
 std::string SafetyInputs::unsettled() const {
@@ -69,29 +69,29 @@ std::string SafetyInputs::unsettled() const {
 bool SafetyInputs::settled() const { return unsettled().empty(); }
 
 void SafetyInputs::judge() {
-  if (!working_ || verdict_ == Verdict::stop) return;
+  if (!working_ || state_ == SafetyState::stop) return;
   if (estop_ && !estop_->well()) return stop(estop_->lost() ? lost : pressed, estop_->place());
   if (door_ && door_->lost()) return stop(lost, door_->place());
   const bool closed = !door_ || door_->well();
   if (!closed) waits_ = true;
-  verdict_ = closed ? Verdict::clear : Verdict::door;
+  state_ = closed ? SafetyState::clear : SafetyState::door;
   reason_ = closed ? "" : trouble(*door_, open);
 }
 
 void SafetyInputs::stop(const char* what, const std::string& place) {
-  verdict_ = Verdict::stop;
+  state_ = SafetyState::stop;
   reason_ = fmt::format("{} ({})", what, place);
 }
 
 void SafetyInputs::switch_outputs(Time now) {
-  const bool well = working_ && verdict_ == Verdict::clear && !waits_;
+  const bool well = working_ && state_ == SafetyState::clear && !waits_;
   const bool beat = interlock_beat_ == Time{0} || first_half(now, interlock_beat_);
   if (interlock_ && !interlock_->set(well && fires_ && beat) && working_)
     stop(lost, interlock_place_);
   const bool light = well || (working_ && first_half(now, lamp_half_period));
   if (lamp_ && !lamp_->set(light) && working_) stop(lost, lamp_place_);
   // A line lost in this function turns off the interlock in the same call.
-  if (interlock_ && verdict_ == Verdict::stop) interlock_->set(false);
+  if (interlock_ && state_ == SafetyState::stop) interlock_->set(false);
 }
 
 void SafetyInputs::begin(LaserUse work) {

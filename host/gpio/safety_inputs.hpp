@@ -25,7 +25,7 @@
 namespace lamplock::gpio {
 
 /// The reaction that the lines require.
-enum class Verdict : std::uint8_t {
+enum class SafetyState : std::uint8_t {
   clear,  ///< none
   door,   ///< laser off and no motion until the door is closed and the user resumes
   stop    ///< end of the job: e-stop, or a lost line
@@ -50,20 +50,20 @@ class SafetyInputs {
   SafetyInputs& operator=(const SafetyInputs&) = delete;
 
   /// Reads every line and switches the outputs. `now`: any monotonic clock.
-  Verdict look(Time now);
-  /// Result of the last look().
-  Verdict verdict() const { return verdict_; }
+  SafetyState poll(Time now);
+  /// Result of the last poll().
+  SafetyState state() const { return state_; }
   /// Why it is not clear, for the user: "door open (GPIO27)".
   const std::string& reason() const { return reason_; }
 
-  /// Begins work: from the next look() on inputs count, and the interlock is on if all are well.
+  /// Begins work: from the next poll() on inputs count, and the interlock is on if all are well.
   void begin(LaserUse work);
   /// Resumes work after an open door: the interlock may turn on again.
   void go_on();
   /// Ends work: outputs off.
   void end();
 
-  /// Every input is well, so that work may begin; call look() for debounce() first.
+  /// Every input is well, so that work may begin; call poll() for debounce() first.
   bool settled() const;
   /// The input that is not well, for the user: "e-stop pressed (GPIO17)"; empty if settled.
   std::string unsettled() const;
@@ -81,7 +81,7 @@ class SafetyInputs {
   std::unique_ptr<Output> interlock_, lamp_;
   bool working_ = false, fires_ = false;
   bool waits_ = false;  ///< for go_on(), after an open door
-  Verdict verdict_ = Verdict::clear;
+  SafetyState state_ = SafetyState::clear;
   std::string reason_{};
 };
 

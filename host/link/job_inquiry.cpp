@@ -18,7 +18,7 @@ using Time = std::chrono::microseconds;
 
 constexpr Time answer_timeout{3'000'000};  ///< until an answer
 constexpr Time ask_again{250'000};         ///< until a question or its answer counts as lost
-constexpr Time look_interval{5'000};       ///< between two reads
+constexpr Time inquiry_interval{5'000};    ///< between two reads
 constexpr Time stop_timeout{10'000'000};   ///< for the board to come to rest
 constexpr std::uint32_t no_session = 0;
 
@@ -59,7 +59,7 @@ std::optional<wire::Status> JobInquiry::wait_for_answer(Time until) {
   while (transport_.now() < until) {
     connection_.flush();
     if (const auto status = receive()) return status;
-    transport_.wait(look_interval);
+    transport_.wait(inquiry_interval);
   }
   return std::nullopt;
 }

@@ -40,7 +40,7 @@ constexpr std::array words{Word{"?", realtime::status},
                            Word{":power +10", realtime::power_plus_10},
                            Word{":power -10", realtime::power_minus_10}};
 
-constexpr Time longest_wait{20'000};
+constexpr Time max_wait{20'000};
 /// Interval of status requests during the wait for an answer; any reply shows that the board lives.
 constexpr Time alive_interval{1'000'000};
 constexpr Time silence_limit{5'000'000};
@@ -106,7 +106,7 @@ void LineConsole::step() {
   if (waiting_ == Waiting::nothing && !held_ && !(in_order_ && failure_)) send_next();
   if (input_ended_ && done() && !at_rest_) ask_for_rest();
   port_.flush();
-  port_.transport().wait(longest_wait);
+  port_.transport().wait(max_wait);
 }
 
 void LineConsole::take(const std::string& line) {

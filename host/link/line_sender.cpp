@@ -18,7 +18,7 @@ constexpr Time shortest_wait{1'000};
 constexpr int idle_reports_at_end = 2;
 constexpr double us_per_s = 1e6;
 /// Limit for P words that are not dwell times, which could make the sender wait for days.
-constexpr double longest_dwell_us = 3'600 * us_per_s;
+constexpr double max_dwell_us = 3'600 * us_per_s;
 
 /// Bytes of a line in the board's buffer, with its end.
 std::size_t size_of(const std::string& text) { return text.size() + 1; }
@@ -178,9 +178,8 @@ void LineSender::check_answers() {
 LineSender::Time LineSender::answers_due() const {
   double dwell_us = 0;
   for (std::size_t i = answered_; i < sent_; ++i)
-    dwell_us += longest_dwell_s(lines_[i].text) * us_per_s;
-  return options_.answer_timeout +
-         Time(static_cast<Time::rep>(std::min(dwell_us, longest_dwell_us)));
+    dwell_us += max_dwell_s(lines_[i].text) * us_per_s;
+  return options_.answer_timeout + Time(static_cast<Time::rep>(std::min(dwell_us, max_dwell_us)));
 }
 
 void LineSender::hold() {

@@ -25,8 +25,8 @@ constexpr const char* wait_for_rest = "G4 P0";
 constexpr const char* home_line = "$H";
 
 using Time = std::chrono::microseconds;
-/// A hold or reset byte may be lost and is repeated; longest_stop includes braking.
-constexpr Time look_again{1'000}, repeat_stop{50'000}, longest_stop{5'000'000};
+/// A hold or reset byte may be lost and is repeated; max_stop_time includes braking.
+constexpr Time state_poll_interval{1'000}, repeat_stop{50'000}, max_stop_time{5'000'000};
 
 /// Numbers of "[G54:1.000,2.000,0.000]"; empty if the line is another one.
 std::optional<std::vector<double>> parse_place(std::string_view line, std::string_view name) {
@@ -133,7 +133,7 @@ bool seen_standing(LinePort& port, Time time) {
       const auto status = parse_status(*line);
       if (status) at_rest = status->is_at_rest();
     }
-    port.transport().wait(look_again);
+    port.transport().wait(state_poll_interval);
   }
   return at_rest;
 }
@@ -142,7 +142,7 @@ bool seen_standing(LinePort& port, Time time) {
 /// homing ignores a hold. Throws Error(job_failed) if it does not stop.
 void stop(LinePort& port, bool homes) {
   port.drop_unbegun_lines();
-  const Time end = port.transport().now() + longest_stop;
+  const Time end = port.transport().now() + max_stop_time;
   bool was_at_rest = false;
   while (port.transport().now() < end) {
     if (!was_at_rest) port.send_realtime(homes ? realtime::reset : realtime::hold);

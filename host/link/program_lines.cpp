@@ -89,7 +89,7 @@ bool is_pause(std::string_view line) {
   return pause;
 }
 
-double longest_dwell_s(std::string_view line) {
+double max_dwell_s(std::string_view line) {
   double sum = 0;
   each_word(line, 'P', [&](double number) { sum += std::max(0.0, number); });
   return sum;

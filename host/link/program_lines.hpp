@@ -33,6 +33,6 @@ std::vector<ProgramLine> program_lines(std::string_view text, const std::string&
 bool is_pause(std::string_view line);
 
 /// Sum of the P words of a line, at least 0: its longest possible dwell time in seconds.
-double longest_dwell_s(std::string_view line);
+double max_dwell_s(std::string_view line);
 
 }  // namespace lamplock::link

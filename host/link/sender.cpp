@@ -20,18 +20,18 @@ using std::chrono::microseconds;
 
 /// Points in one DATA frame at most: an acknowledgement every few dozen points keeps free space
 /// and progress up to date, and the header of a frame costs a quarter of a byte per point.
-constexpr std::size_t most_points_per_frame = 64;
+constexpr std::size_t max_points_per_frame = 64;
 /// Bytes queued in the transport: more would only delay a hold.
-constexpr std::size_t most_backlog = 2 * wire::max_frame;
+constexpr std::size_t max_backlog = 2 * wire::max_frame;
 /// Bytes of frames sent and not acknowledged. A port buffers 4 KiB between two reads of a firmware
 /// that plans meanwhile (firmware/boards/rp2040/usb/usb_serial.hpp); the rest is for queries and
 /// commands, of some 40 bytes at most, which more frames would delay.
-constexpr std::size_t most_on_the_way = 4096 - 512;
+constexpr std::size_t max_in_flight = 4096 - 512;
 constexpr microseconds reconnect_interval{200'000};
 /// Time until the machine must be at rest after the last shot or a stop.
 constexpr microseconds rest_timeout{10'000'000};
 /// Refusals of points for a temporary reason before the job fails.
-constexpr int most_soft_refusals = 20;
+constexpr int max_soft_refusals = 20;
 constexpr microseconds max_frame_wait{10'000};
 constexpr microseconds min_frame_wait{500};
 constexpr std::int64_t us_per_ms = 1'000;
@@ -113,7 +113,7 @@ void JobSender::advance() {
   if (phase_ == Phase::stream) {
     steer();
     stream();
-    tell_progress_in_time();
+    report_progress_in_time();
     check_end();
   } else if (phase_ == Phase::begin) {
     begin();
@@ -193,7 +193,7 @@ void JobSender::handle(const wire::Status& status) {
     phase_ = Phase::stream;
     started_at_ = heard_at_;
     finish_by_.reset();
-    const std::size_t most = job_.is_rows() ? wire::most_lines_a_frame : most_points_per_frame;
+    const std::size_t most = job_.is_rows() ? wire::most_lines_a_frame : max_points_per_frame;
     frame_points_ = std::clamp<std::size_t>(status.free_points / 4, 1, most);
   }
   if (phase_ == Phase::stopping && stop_end_ != JobEnd::restarted && status.session == session_)
@@ -245,7 +245,7 @@ void JobSender::handle(const RefusedFrame& frame) {
   const bool numbered =
       refused.type == wire::FrameType::data || refused.type == wire::FrameType::end;
   if (!numbered || phase_ != Phase::stream) return;
-  if (is_soft(refused.result) && ++soft_refusals_ < most_soft_refusals) return;
+  if (is_soft(refused.result) && ++soft_refusals_ < max_soft_refusals) return;
   // Thrown once the machine is at rest: only then it is known where the job can continue.
   stop_refusal_ = frame;
   begin_stop(JobEnd::stopped);
@@ -373,7 +373,7 @@ void JobSender::begin() {
   if (cut_ || !synced_) return;
   const Time now = transport_.now();
   if (begin_sent_ && now - begin_at_ < options_.reply_timeout) return;
-  if (!begin_sent_) tell_progress(handed_over_);
+  if (!begin_sent_) report_progress(handed_over_);
   std::array<std::uint8_t, wire::max_job_header_size> payload{};
   wire::ByteWriter out(payload);
   wire::write_job_header(out, job::header_from(job_, options_.first_index));
@@ -455,11 +455,11 @@ void JobSender::stream() {
   // No motion before the machine has the job speed.
   const bool speed_known = job_speed_ == machine_job_speed_ && command_taken();
   if (written_ == 0 && !speed_known) return;
-  while (connection_.backlog() < most_backlog) {
+  while (connection_.backlog() < max_backlog) {
     if (cursor_ == frames_.size() && !build_frame()) return;
     const Frame& frame = frames_[cursor_];
     if (!has_room(frame)) return;
-    if (frame.end_index > progress_.may_have_fired) tell_progress(end_of_room());
+    if (frame.end_index > progress_.may_have_fired) report_progress(end_of_room());
     handed_over_ = std::max(handed_over_, frame.end_index);
     connection_.send(frame.bytes);
     if (frame.number <= written_) ++resent_;
@@ -472,7 +472,7 @@ void JobSender::stream() {
 bool JobSender::has_room(const Frame& frame) const {
   std::size_t on_the_way = frame.bytes.size();
   for (std::size_t i = 0; i < cursor_; ++i) on_the_way += frames_[i].bytes.size();
-  if (on_the_way > most_on_the_way) return false;
+  if (on_the_way > max_in_flight) return false;
   if (frame.end_index > end_of_room()) return false;
   return frame.end_places <= places_ + status_.free_runs || !job_.is_rows();
 }
@@ -505,7 +505,7 @@ bool JobSender::build_frame() {
 }
 
 /// Reports progress: no point from `may_have_fired` on is sent before the next report.
-void JobSender::tell_progress(std::size_t may_have_fired) {
+void JobSender::report_progress(std::size_t may_have_fired) {
   if (!options_.on_progress) return;
   progress_ = {session_, job_status_.first_unfired,
                static_cast<std::uint32_t>(std::clamp(may_have_fired, handed_over_, job_.size()))};
@@ -514,10 +514,10 @@ void JobSender::tell_progress(std::size_t may_have_fired) {
 }
 
 /// Keeps the lower bound up to date, also after all points were sent.
-void JobSender::tell_progress_in_time() {
+void JobSender::report_progress_in_time() {
   const bool is_behind = job_status_.first_unfired > progress_.first_unfired;
   if (progress_.session != 0 && is_behind && transport_.now() - progress_at_ >= progress_interval)
-    tell_progress(progress_.may_have_fired);
+    report_progress(progress_.may_have_fired);
 }
 
 void JobSender::check_end() {

@@ -175,8 +175,8 @@ class JobSender {
   bool has_room(const Frame& frame) const;
   std::size_t end_of_room() const;
   bool build_frame();
-  void tell_progress(std::size_t may_have_fired);
-  void tell_progress_in_time();
+  void report_progress(std::size_t may_have_fired);
+  void report_progress_in_time();
   void check_end();
   void end(JobEnd how);
 

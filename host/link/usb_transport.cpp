@@ -17,7 +17,7 @@ using std::chrono::milliseconds;
 /// Bytes for an earlier program arrive within a frame or two of 1 ms.
 constexpr milliseconds leftover_wait{5};
 /// More than a board buffers: ring of 2 KiB, buffers of the core and of the endpoint.
-constexpr std::size_t most_leftovers = 16384;
+constexpr std::size_t max_leftovers = 16384;
 
 std::string name_of(const usb::DeviceInfo& board) {
   return fmt::format("board {} (USB {})", board.serial, board.place);
@@ -99,7 +99,7 @@ void UsbTransport::open(const usb::DeviceInfo& board) {
 
 void UsbTransport::drain() {
   std::array<std::uint8_t, 1024> bytes{};
-  for (std::size_t drained = 0; drained < most_leftovers;) {
+  for (std::size_t drained = 0; drained < max_leftovers;) {
     stream_->wait(leftover_wait);
     const std::size_t count = stream_->read(bytes);
     if (count == 0) return;

@@ -12,7 +12,7 @@
 namespace lamplock::manual {
 namespace {
 
-constexpr std::size_t longest_line = 78;
+constexpr std::size_t max_line_size = 78;
 
 /// Escapes text: it has no escapes of roff, and its dashes are those of the keyboard.
 std::string escaped(std::string_view text) {
@@ -52,7 +52,7 @@ class Writer {
       const std::string word(text.substr(0, blank));
       text.remove_prefix(std::min(blank + 1, text.size()));
       if (word.empty()) continue;
-      if (!line.empty() && line.size() + 1 + word.size() > longest_line) flush(line);
+      if (!line.empty() && line.size() + 1 + word.size() > max_line_size) flush(line);
       line += (line.empty() ? "" : " ") + word;
     }
     flush(line);

@@ -105,8 +105,8 @@ double ArcLength::parameter_at(const Stretch& stretch, double along) const {
   if (!(stretch.length > 0)) return from;
   double low = 0, high = 1;  // bounds of the solution, in the stretch's range
   double part = std::clamp(along / stretch.length, 0.0, 1.0);
-  constexpr int most_steps = 60;  // pure bisection ends after 53
-  for (int step = 0; step < most_steps; ++step) {
+  constexpr int max_steps = 60;  // pure bisection ends after 53
+  for (int step = 0; step < max_steps; ++step) {
     const double t = from + part * (to - from);
     const double excess = quadrature(piece, {from, t}) - along;
     if (std::abs(excess) <= agree_mm) break;

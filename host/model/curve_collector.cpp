@@ -38,7 +38,7 @@ struct IsWithinReach {
   }
 };
 
-[[noreturn]] void refuse_far(const Place& place) {
+[[noreturn]] void refuse_far(const FilePosition& place) {
   place.refuse(
       fmt::format("a coordinate or angle is not a number, or the curve is further than {:g} mm",
                   farthest_mm),
@@ -58,7 +58,7 @@ std::size_t cost_of(const Path& path) {
 }  // namespace
 
 void CurveCollector::add(Path path, const geometry::Affine& map, const std::string& layer,
-                         const Place& place) {
+                         const FilePosition& place) {
   if (path.pieces.empty()) return leave_out("curve without length");
   spend(cost_of(path), place);
   for (Piece& piece : path.pieces) {
@@ -70,7 +70,8 @@ void CurveCollector::add(Path path, const geometry::Affine& map, const std::stri
   curves_.paths.push_back(std::move(path));
 }
 
-void CurveCollector::add(const Point& point, const geometry::Affine& map, const Place& place) {
+void CurveCollector::add(const Point& point, const geometry::Affine& map,
+                         const FilePosition& place) {
   // Without applying the identity even signs of zeros are kept: point lists are read back exactly.
   const Point placed = map == geometry::Affine{} ? point : map(point);
   if (!is_within_reach(placed)) refuse_far(place);
@@ -79,10 +80,10 @@ void CurveCollector::add(const Point& point, const geometry::Affine& map, const 
   curves_.points.push_back(placed);
 }
 
-void CurveCollector::spend(std::size_t pieces, const Place& place) {
+void CurveCollector::spend(std::size_t pieces, const FilePosition& place) {
   spent_ += pieces;
-  if (spent_ > most_pieces)
-    place.refuse(fmt::format("the drawing has more than {} pieces of curves", most_pieces),
+  if (spent_ > max_pieces)
+    place.refuse(fmt::format("the drawing has more than {} pieces of curves", max_pieces),
                  "simplify it or divide it");
 }
 

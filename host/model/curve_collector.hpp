@@ -12,7 +12,7 @@
 
 #include "host/geometry/affine.hpp"
 #include "host/model/curves.hpp"
-#include "host/model/place.hpp"
+#include "host/model/file_position.hpp"
 
 namespace lamplock::model {
 
@@ -21,11 +21,12 @@ class CurveCollector {
   /// Both throw Error (bad_input) for coordinates that are not finite or beyond farthest_mm, and
   /// for more pieces or points than allowed. A path without pieces is left out; one that returns to
   /// its start is closed.
-  void add(Path path, const geometry::Affine& map, const std::string& layer, const Place& place);
-  void add(const geometry::Point& point, const geometry::Affine& map, const Place& place);
+  void add(Path path, const geometry::Affine& map, const std::string& layer,
+           const FilePosition& place);
+  void add(const geometry::Point& point, const geometry::Affine& map, const FilePosition& place);
 
   /// Counts copies of blocks, which cost time even if they draw nothing. Throws as add().
-  void spend(std::size_t pieces, const Place& place);
+  void spend(std::size_t pieces, const FilePosition& place);
   void leave_out(const std::string& name, std::size_t count = 1);
 
   /// The drawing. Throws Error (bad_input) if there is nothing in it.

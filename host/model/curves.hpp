@@ -64,7 +64,7 @@ struct Curves {
 inline constexpr double flat_mm = 0.001;
 
 /// Maximum number of pieces and points of one drawing, copies of blocks included.
-inline constexpr std::size_t most_pieces = 2'000'000;
+inline constexpr std::size_t max_pieces = 2'000'000;
 
 /// Up to this coordinate (mm) the resolution is far finer than flat_mm.
 inline constexpr double farthest_mm = 1e9;

@@ -19,11 +19,11 @@ using geometry::radians_per_degree;
 using std::numbers::pi;
 
 // Flatter arcs deviate from their chord by less than a billionth of its length.
-constexpr double least_bulge = 1e-9;
+constexpr double min_bulge = 1e-9;
 
 [[noreturn]] void refuse_entity(const DxfGroups& dxf, const DxfEntity& entity,
                                 const std::string& what) {
-  dxf.place_of(entity.kind).refuse(what, "repair the drawing");
+  dxf.position_of(entity.kind).refuse(what, "repair the drawing");
 }
 
 /// The normal of an entity's plane.
@@ -53,7 +53,7 @@ Piece in_world(Piece piece, const geometry::Affine& world) {
 void append_bulged(Path& path, const Point& p, const Point& q, double bulge,
                    const geometry::Affine& world) {
   if (p == q) return;
-  if (std::abs(bulge) < least_bulge) {
+  if (std::abs(bulge) < min_bulge) {
     path.pieces.push_back(in_world(Line{p, q}, world));
     return;
   }
@@ -111,9 +111,9 @@ Path arc_of(const DxfGroups& dxf, const DxfEntity& entity, bool whole) {
   if (!whole) {
     const double start = dxf.number(entity, 50), sweep = dxf.number(entity, 51) - start;
     const double part = sweep - 360 * std::floor(sweep / 360);
-    constexpr double least_deg = 1e-9;  // a smaller angle is a rounded full turn
+    constexpr double min_deg = 1e-9;  // a smaller angle is a rounded full turn
     arc.start = start * radians_per_degree;
-    arc.end = arc.start + (part < least_deg ? 360 : part) * radians_per_degree;
+    arc.end = arc.start + (part < min_deg ? 360 : part) * radians_per_degree;
   }
   return {{in_world(arc, world_of(extrusion_of(dxf, entity)))}, whole};
 }

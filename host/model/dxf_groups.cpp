@@ -57,8 +57,8 @@ DxfGroup DxfGroups::next() {
     const std::string_view code = content_of(*code_line);
     const auto number = to_integer(code);
     if (!number || *number < -5 || *number > 1071) {  // the range of codes
-      place_of(code).refuse(fmt::format("'{:.20}' is not a group code", code),
-                            std::string(export_again));
+      position_of(code).refuse(fmt::format("'{:.20}' is not a group code", code),
+                               std::string(export_again));
     }
     if (*number != comment) return {static_cast<int>(*number), content_of(*value_line)};
   }
@@ -75,7 +75,7 @@ const DxfGroup& DxfGroups::peek() {
 void DxfGroups::next_entity(DxfEntity& entity) {
   const DxfGroup first = next();
   if (first.code != 0) {
-    place_of(first.value)
+    position_of(first.value)
         .refuse(fmt::format("group {} is not the begin of an entity", first.code),
                 std::string(export_again));
   }
@@ -85,14 +85,14 @@ void DxfGroups::next_entity(DxfEntity& entity) {
   while (peek().code != 0) entity.groups.push_back(next());
 }
 
-Place DxfGroups::place_of(std::string_view value) const {
+FilePosition DxfGroups::position_of(std::string_view value) const {
   return {file_, bytes_, static_cast<std::size_t>(value.data() - bytes_.data())};
 }
 
 double DxfGroups::number(const DxfGroup& group) const {
   const auto number = to_double(group.value);
   if (!number || !std::isfinite(*number)) {
-    place_of(group.value)
+    position_of(group.value)
         .refuse(fmt::format("'{:.20}' is not a usable number", group.value),
                 std::string(export_again));
   }
@@ -103,7 +103,7 @@ int DxfGroups::integer(const DxfGroup& group) const {
   const auto number = to_integer(group.value);
   if (!number || *number < std::numeric_limits<int>::min() ||
       *number > std::numeric_limits<int>::max()) {
-    place_of(group.value)
+    position_of(group.value)
         .refuse(fmt::format("'{:.20}' is not a usable whole number", group.value),
                 std::string(export_again));
   }

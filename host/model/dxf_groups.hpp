@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "host/geometry/point.hpp"
-#include "host/model/place.hpp"
+#include "host/model/file_position.hpp"
 #include "host/model/text.hpp"
 
 namespace lamplock::model {
@@ -43,7 +43,7 @@ class DxfGroups {
   /// reused. Throws Error (bad_input) if there is none.
   void next_entity(DxfEntity& entity);
 
-  Place place_of(std::string_view value) const;
+  FilePosition position_of(std::string_view value) const;
   /// The value of a group as a finite number, an integer. Throws Error (bad_input).
   double number(const DxfGroup& group) const;
   int integer(const DxfGroup& group) const;

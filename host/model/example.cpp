@@ -25,7 +25,7 @@ constexpr double septum_thickness = 0.012;
 constexpr int septa = 22;
 constexpr double wall = 0.93;  // inner radius of the open chamber against the outer one
 constexpr double ribs_per_turn = 30, rib_height = 0.03;
-constexpr double longest_side_mm = 60;
+constexpr double max_side_mm = 60;
 // Whorls touch if the tube's radius is (g - 1)/(g + 1) of the spiral's; a little less separates
 // them.
 constexpr double tube_radius = 0.985 * (growth_per_turn - 1) / (growth_per_turn + 1);
@@ -114,7 +114,7 @@ Mesh example_model() {
   for (int i = 1; i <= septa; ++i) {
     add_surface(mesh, septum_profile(chamber - i * septum_distance), round_septum);
   }
-  return centred_and_scaled(std::move(mesh), longest_side_mm);
+  return centred_and_scaled(std::move(mesh), max_side_mm);
 }
 
 void write_stl(const std::filesystem::path& path, const Mesh& mesh) {

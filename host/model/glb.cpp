@@ -22,7 +22,7 @@ using std::filesystem::path;
 
 /// Maximum depth of nodes, and of lists in the description; deeper ones would overflow the stack of
 /// the mesh library.
-constexpr int most_depth = 100;
+constexpr int max_depth = 100;
 
 constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
 
@@ -116,7 +116,7 @@ class Checker {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       int depth = 0;
       for (std::size_t at = i; parents[at] != none; at = parents[at])
-        require(++depth < most_depth, "nodes that are nested too deeply");
+        require(++depth < max_depth, "nodes that are nested too deeply");
     }
   }
 
@@ -139,8 +139,8 @@ class Checker {
     require_here(count <= room && fits(number_of(accessor, "byteOffset"),
                                        count == 0 ? 0 : (count - 1) * stride + bytes, room),
                  "is beyond its view");
-    constexpr std::uint64_t longest_stride = 252;  // by the specification
-    require_here(stride <= longest_stride, "has too long a stride");
+    constexpr std::uint64_t max_stride = 252;  // by the specification
+    require_here(stride <= max_stride, "has too long a stride");
   }
 
   void require(bool condition, const std::string& what) const {
@@ -168,7 +168,7 @@ void check_glb(const path& file, std::string_view bytes) {
   const json document = json::parse(
       text,
       [&too_deep](int depth, json::parse_event_t, const json&) {
-        too_deep = too_deep || depth > most_depth;
+        too_deep = too_deep || depth > max_depth;
         return !too_deep;
       },
       false);

@@ -119,7 +119,7 @@ class Obj {
   }
 
   void end() {
-    number_ = highest_line_;
+    number_ = max_line_;
     if (highest_ > vertices_)
       damaged(fmt::format("a face names vertex {} of {}", highest_, vertices_));
   }
@@ -135,7 +135,7 @@ class Obj {
       }
       if (*index > 0 && static_cast<std::size_t>(*index) > highest_) {
         highest_ = static_cast<std::size_t>(*index);
-        highest_line_ = number_;
+        max_line_ = number_;
       }
       ++corners;
     }
@@ -145,7 +145,7 @@ class Obj {
   [[noreturn]] void damaged(std::string_view what) const { refuse_line(file_, number_, what); }
 
   const path& file_;
-  std::size_t number_ = 0, vertices_ = 0, highest_ = 0, highest_line_ = 0;
+  std::size_t number_ = 0, vertices_ = 0, highest_ = 0, max_line_ = 0;
 };
 
 }  // namespace

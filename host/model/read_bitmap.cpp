@@ -16,7 +16,7 @@ namespace lamplock::model {
 namespace {
 
 // Far more than a glass block can show, and few enough for the memory (4 bytes a pixel).
-constexpr long long most_pixels = 100'000'000;
+constexpr long long max_pixels = 100'000'000;
 
 std::uint32_t u32_at(const std::string& bytes, std::size_t offset,
                      std::endian order = std::endian::little) {
@@ -80,7 +80,7 @@ Bitmap decode_bitmap(const std::filesystem::path& path, const std::string& bytes
   }
   // A negative height marks a BMP whose rows begin at the top.
   const long long height = std::abs(static_cast<long long>(bitmap.height));
-  if (bitmap.width <= 0 || height == 0 || bitmap.width * height > most_pixels) {
+  if (bitmap.width <= 0 || height == 0 || bitmap.width * height > max_pixels) {
     refuse(path, fmt::format("has {} x {} pixels", bitmap.width, height),
            "give an image of at most 100 million pixels");
   }

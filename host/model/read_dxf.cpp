@@ -29,7 +29,7 @@ constexpr std::size_t deepest_block = 64;
 struct Item {
   std::variant<Path, Point, DxfInsert> what;
   std::string layer;
-  Place place;
+  FilePosition place;
 };
 
 struct Block {
@@ -89,7 +89,7 @@ class DxfReader {
       dxf_.next_entity(entity_);
       if (entity_.kind == "EOF") return std::move(curves_).finished(file_);
       if (entity_.kind != "SECTION" || entity_.groups.empty()) {
-        dxf_.place_of(entity_.kind)
+        dxf_.position_of(entity_.kind)
             .refuse(fmt::format("'{:.20}' outside of a section", entity_.kind),
                     "export the drawing again");
       }
@@ -112,7 +112,7 @@ class DxfReader {
   bool next_in_section() {
     dxf_.next_entity(entity_);
     if (entity_.kind == "EOF") {
-      dxf_.place_of(entity_.kind)
+      dxf_.position_of(entity_.kind)
           .refuse("the drawing is cut off: a section has no end", "export the drawing again");
     }
     return entity_.kind != "ENDSEC";
@@ -126,7 +126,7 @@ class DxfReader {
       if (variable != "$INSUNITS" || group.code != 70) continue;
       const double mm = mm_in_unit(dxf_.integer(group));
       if (mm == 0)
-        dxf_.place_of(group.value)
+        dxf_.position_of(group.value)
             .refuse(fmt::format("$INSUNITS is {:.20}, not a usable unit of length", group.value),
                     "set the drawing's unit to mm");
       unit_ = geometry::scaled(mm, mm, mm);
@@ -163,7 +163,7 @@ class DxfReader {
   /// Appends entity_, with the entities that belong to it.
   void read_item(Block& block) {
     constexpr int on_paper = 67, is_invisible = 60;
-    Item item{{}, std::string(dxf_.text(entity_, 8, "0")), dxf_.place_of(entity_.kind)};
+    Item item{{}, std::string(dxf_.text(entity_, 8, "0")), dxf_.position_of(entity_.kind)};
     const std::string kind(entity_.kind);
     const bool paper = dxf_.integer(entity_, on_paper) == 1;
     const bool invisible = dxf_.integer(entity_, is_invisible) == 1;
@@ -217,7 +217,7 @@ class DxfReader {
   }
 
   void draw_copies(const DxfInsert& insert, const geometry::Affine& map, const std::string& layer,
-                   const Place& place) {
+                   const FilePosition& place) {
     const auto found = blocks_.find(key(insert.block));
     if (found == blocks_.end())
       place.refuse(fmt::format("there is no block '{:.40}'", insert.block), "repair the drawing");

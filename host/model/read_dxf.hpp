@@ -17,7 +17,7 @@ namespace lamplock::model {
 
 /// Throws Error (bad_input) naming the file, and the line if possible: missing or empty file,
 /// binary DXF or DWG, cut off, not a number, not finite or beyond farthest_mm, an invalid spline, a
-/// block that contains itself or does not exist, more than most_pieces, nothing to draw.
+/// block that contains itself or does not exist, more than max_pieces, nothing to draw.
 Curves read_dxf(const std::filesystem::path& path);
 
 }  // namespace lamplock::model

@@ -71,28 +71,28 @@ class SvgReader {
     const pugi::xml_parse_result result = document.load_buffer(
         bytes_.data(), bytes_.size(), pugi::parse_default, pugi::encoding_utf8);
     if (!result) {
-      Place{file_, bytes_, static_cast<std::size_t>(result.offset)}.refuse(
+      FilePosition{file_, bytes_, static_cast<std::size_t>(result.offset)}.refuse(
           fmt::format("not valid XML ({})", result.description()), "export the drawing again");
     }
     const xml_node root = document.document_element();
     if (local_name(root) != "svg")
-      place_of(root).refuse(fmt::format("the document is '{:.40}', not svg", root.name()),
-                            "give an SVG drawing");
+      position_of(root).refuse(fmt::format("the document is '{:.40}', not svg", root.name()),
+                               "give an SVG drawing");
     number_ids(root, 0);
     draw_root(root);
     return std::move(curves_).finished(file_);
   }
 
  private:
-  Place place_of(const xml_node& node) const {
+  FilePosition position_of(const xml_node& node) const {
     return {file_, bytes_,
             static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0))};
   }
 
   void number_ids(const xml_node& node, int depth) {
     if (depth > deepest_group)
-      place_of(node).refuse(fmt::format("groups are nested deeper than {}", deepest_group),
-                            "ungroup some");
+      position_of(node).refuse(fmt::format("groups are nested deeper than {}", deepest_group),
+                               "ungroup some");
     const char* id = node.attribute("id").value();
     if (*id != '\0') by_id_.try_emplace(id, node);
     for (const xml_node& child : node.children()) number_ids(child, depth + 1);
@@ -106,10 +106,10 @@ class SvgReader {
       context.map = context.map * geometry::moved(port.x, port.y, 0);
       return;
     }
-    const std::vector<double> view = svg_numbers(text, place_of(node));
+    const std::vector<double> view = svg_numbers(text, position_of(node));
     if (view.size() != 4 || !(view[2] > 0) || !(view[3] > 0))
-      place_of(node).refuse(fmt::format("the viewBox '{:.40}' is not valid", text),
-                            "repair the drawing");
+      position_of(node).refuse(fmt::format("the viewBox '{:.40}' is not valid", text),
+                               "repair the drawing");
     context.port = {view[0], view[1], view[2], view[3]};
     context.map =
         context.map * svg_fit(context.port, port, node.attribute("preserveAspectRatio").value());
@@ -118,10 +118,11 @@ class SvgReader {
   /// Draws the page: its size in px, its lower left corner in the origin, y upwards.
   void draw_root(const xml_node& root) {
     // Without a size the page, the reference of percentages, has the size of the view.
-    const std::vector<double> view = svg_numbers(root.attribute("viewBox").value(), place_of(root));
+    const std::vector<double> view =
+        svg_numbers(root.attribute("viewBox").value(), position_of(root));
     const bool has_view = view.size() == 4;
     const SvgBox whole{0, 0, has_view ? view[2] : 0, has_view ? view[3] : 0};
-    const Place place = place_of(root);
+    const FilePosition place = position_of(root);
     const SvgBox page{0, 0, svg_length_of(root, "width", whole.width, whole.width, place),
                       svg_length_of(root, "height", whole.height, whole.height, place)};
     const bool is_empty = has_view && (page.width == 0 || page.height == 0);
@@ -146,7 +147,7 @@ class SvgReader {
     const std::string_view name = local_name(node);
     if (draws_nothing(name)) return;
     if (is_hidden(node)) return curves_.leave_out("hidden");
-    const Place place = place_of(node);
+    const FilePosition place = position_of(node);
     curves_.spend(1, place);
     if (++context.depth > deepest_group)
       place.refuse(fmt::format("groups are nested deeper than {}", deepest_group), "ungroup some");
@@ -192,13 +193,13 @@ class SvgReader {
     if (!target.starts_with('#')) return curves_.leave_out("use of another file");
     const auto found = by_id_.find(std::string(target.substr(1)));
     if (found == by_id_.end())
-      place_of(node).refuse(fmt::format("there is no element '{:.40}'", target.substr(1)),
-                            "repair the drawing");
+      position_of(node).refuse(fmt::format("there is no element '{:.40}'", target.substr(1)),
+                               "repair the drawing");
     const xml_node used = found->second;
     if (std::find(open_uses_.begin(), open_uses_.end(), used) != open_uses_.end())
-      place_of(node).refuse(fmt::format("'{:.40}' uses itself", target.substr(1)),
-                            "repair the drawing");
-    const SvgBox at = svg_box_of(node, context.port, place_of(node));
+      position_of(node).refuse(fmt::format("'{:.40}' uses itself", target.substr(1)),
+                               "repair the drawing");
+    const SvgBox at = svg_box_of(node, context.port, position_of(node));
     context.map = context.map * geometry::moved(at.x, at.y, 0);
     open_uses_.push_back(used);
     if (local_name(used) == "symbol" || local_name(used) == "svg") {
@@ -210,7 +211,7 @@ class SvgReader {
   }
 
   void draw_shape(const xml_node& node, std::string_view name, const Context& context) {
-    const Place place = place_of(node);
+    const FilePosition place = position_of(node);
     auto paths = svg_shape(node, name, context.port, place);
     if (!paths) return curves_.leave_out(std::string(name));
     for (Path& path : *paths) curves_.add(std::move(path), context.map, context.layer, place);

@@ -19,7 +19,7 @@ namespace lamplock::model {
 
 /// Throws Error (bad_input) naming the file and the line: missing or empty file, invalid XML or
 /// path data, not finite or beyond farthest_mm, a use that contains itself or names no element,
-/// groups nested too deeply, more than most_pieces, nothing to draw.
+/// groups nested too deeply, more than max_pieces, nothing to draw.
 Curves read_svg(const std::filesystem::path& path);
 
 }  // namespace lamplock::model

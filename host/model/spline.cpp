@@ -12,7 +12,7 @@ namespace {
 using geometry::Point;
 
 // Outside this range a double has too few digits for the curve.
-constexpr double least_range = 1e-12, greatest_range = 1e12;
+constexpr double min_range = 1e-12, greatest_range = 1e12;
 constexpr double greatest_weight_ratio = 1e9;
 // Knots closer than this part of the range differ by rounding.
 constexpr double same_knot = 1e-12;
@@ -58,16 +58,16 @@ std::string fault_of_weights(const Spline& spline) {
 }  // namespace
 
 std::string fault_of(Spline& spline) {
-  if (spline.degree < 1 || spline.degree > highest_degree)
+  if (spline.degree < 1 || spline.degree > max_degree)
     return fmt::format("a spline has degree {}, only 1 to {} are possible", spline.degree,
-                       highest_degree);
+                       max_degree);
   const auto degree = static_cast<std::size_t>(spline.degree);
   std::vector<double>& knots = spline.knots;
   if (spline.poles.size() < degree + 1 || knots.size() != spline.poles.size() + degree + 1)
     return fmt::format("a spline of degree {} has {} knots for {} poles", degree, knots.size(),
                        spline.poles.size());
   const double range = knots[spline.poles.size()] - knots[degree];
-  if (!(range >= least_range && range <= greatest_range))
+  if (!(range >= min_range && range <= greatest_range))
     return fmt::format("the knots of a spline have the range {}", range);
   for (std::size_t i = 1; i < knots.size(); ++i) {
     if (knots[i] < knots[i - 1] - same_knot * range)
@@ -82,7 +82,7 @@ Motion spline_motion(const Spline& spline, double parameter) {
   const std::vector<double>& knots = spline.knots;
   const double t = std::clamp(parameter, knots[degree], knots[spline.poles.size()]);
   const std::size_t k = stretch_at(spline, t);
-  std::array<Weighted, highest_degree + 1> d{};
+  std::array<Weighted, max_degree + 1> d{};
   for (std::size_t i = 0; i <= degree; ++i) d[i] = weighted_pole(spline, k - degree + i);
   for (std::size_t level = 1; level < degree; ++level) {
     for (std::size_t i = degree; i >= level; --i) {

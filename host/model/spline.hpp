@@ -13,7 +13,7 @@
 namespace lamplock::model {
 
 /// CAD programs write 1 to 5, some formats allow this much.
-inline constexpr int highest_degree = 25;
+inline constexpr int max_degree = 25;
 
 /// The fault of the spline, empty if it can be evaluated. Knots that differ only by rounding are
 /// made equal.

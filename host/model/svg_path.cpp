@@ -60,7 +60,7 @@ Arc arc_between(const Point& from, const Point& to, const ArcShape& shape) {
 /// A pen that executes the commands.
 class Pen {
  public:
-  Pen(std::string_view data, const Place& place) : scanner_(data, place) {}
+  Pen(std::string_view data, const FilePosition& place) : scanner_(data, place) {}
 
   std::vector<Path> draw() {
     while (!scanner_.at_end()) {
@@ -96,7 +96,7 @@ class Pen {
       origin_ = relative ? at_ : Point{};
       step(kind);
       if (kind == 'M') kind = 'L';  // further pairs are lines
-      if (path_.pieces.size() > most_pieces)
+      if (path_.pieces.size() > max_pieces)
         scanner_.place().refuse("a path has too many pieces", "simplify the drawing");
     } while (scanner_.begins_number());
   }
@@ -196,7 +196,7 @@ class Pen {
 
 }  // namespace
 
-std::vector<Path> svg_path(std::string_view data, const Place& place) {
+std::vector<Path> svg_path(std::string_view data, const FilePosition& place) {
   return Pen(data, place).draw();
 }
 

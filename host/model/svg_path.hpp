@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "host/model/curves.hpp"
-#include "host/model/place.hpp"
+#include "host/model/file_position.hpp"
 
 namespace lamplock::model {
 
 /// Subpaths that draw nothing are left out. Throws Error (bad_input) naming file and line for
-/// invalid data, or more than most_pieces.
-std::vector<Path> svg_path(std::string_view data, const Place& place);
+/// invalid data, or more than max_pieces.
+std::vector<Path> svg_path(std::string_view data, const FilePosition& place);
 
 }  // namespace lamplock::model

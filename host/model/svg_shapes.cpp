@@ -23,7 +23,7 @@ Arc ellipse(const Point& centre, double x_radius, double y_radius) {
 }
 
 Paths round_shape(const pugi::xml_node& node, bool is_circle, const SvgBox& port,
-                  const Place& place) {
+                  const FilePosition& place) {
   const auto value = [&](const char* name, double whole) {
     return svg_length_of(node, name, whole, 0, place);
   };
@@ -38,7 +38,7 @@ Paths round_shape(const pugi::xml_node& node, bool is_circle, const SvgBox& port
   return {{{ellipse(centre, rx, ry)}, true}};
 }
 
-Paths polyline(const pugi::xml_node& node, bool closed, const Place& place) {
+Paths polyline(const pugi::xml_node& node, bool closed, const FilePosition& place) {
   const std::vector<double> numbers = svg_numbers(node.attribute("points").value(), place);
   if (numbers.size() % 2 != 0)
     place.refuse(fmt::format("the points have {} coordinates, an odd number", numbers.size()),
@@ -56,7 +56,7 @@ Paths polyline(const pugi::xml_node& node, bool closed, const Place& place) {
 /// The two radii of a rectangle's corners: a missing one equals the other; each is at most half a
 /// side.
 Point corner_of(const pugi::xml_node& node, const SvgBox& box, const SvgBox& port,
-                const Place& place) {
+                const FilePosition& place) {
   constexpr double missing = -1;
   double rx = svg_length_of(node, "rx", port.width, missing, place);
   double ry = svg_length_of(node, "ry", port.height, missing, place);
@@ -67,7 +67,7 @@ Point corner_of(const pugi::xml_node& node, const SvgBox& box, const SvgBox& por
 }
 
 /// Begins at the upper left, as in SVG; corners are quarters of ellipses.
-Paths rectangle(const pugi::xml_node& node, const SvgBox& port, const Place& place) {
+Paths rectangle(const pugi::xml_node& node, const SvgBox& port, const FilePosition& place) {
   const SvgBox box = svg_box_of(node, port, place);
   if (box.width == 0 || box.height == 0) return {};
   const Point cut = corner_of(node, box, port, place);
@@ -94,7 +94,7 @@ Paths rectangle(const pugi::xml_node& node, const SvgBox& port, const Place& pla
   return {path};
 }
 
-Paths line(const pugi::xml_node& node, const SvgBox& port, const Place& place) {
+Paths line(const pugi::xml_node& node, const SvgBox& port, const FilePosition& place) {
   const auto value = [&](const char* name, double whole) {
     return svg_length_of(node, name, whole, 0, place);
   };
@@ -105,12 +105,12 @@ Paths line(const pugi::xml_node& node, const SvgBox& port, const Place& place) {
 }  // namespace
 
 double svg_length_of(const pugi::xml_node& node, const char* name, double whole_px,
-                     double otherwise, const Place& place) {
+                     double otherwise, const FilePosition& place) {
   const std::string_view text = node.attribute(name).value();
   return text.empty() || text == "auto" ? otherwise : svg_length(text, whole_px, place);
 }
 
-SvgBox svg_box_of(const pugi::xml_node& node, const SvgBox& port, const Place& place) {
+SvgBox svg_box_of(const pugi::xml_node& node, const SvgBox& port, const FilePosition& place) {
   const SvgBox box{svg_length_of(node, "x", port.width, 0, place),
                    svg_length_of(node, "y", port.height, 0, place),
                    svg_length_of(node, "width", port.width, 0, place),
@@ -122,7 +122,7 @@ SvgBox svg_box_of(const pugi::xml_node& node, const SvgBox& port, const Place& p
 }
 
 std::optional<Paths> svg_shape(const pugi::xml_node& node, std::string_view name,
-                               const SvgBox& port, const Place& place) {
+                               const SvgBox& port, const FilePosition& place) {
   if (name == "path") return svg_path(node.attribute("d").value(), place);
   if (name == "rect") return rectangle(node, port, place);
   if (name == "circle" || name == "ellipse")

@@ -11,22 +11,22 @@
 #include <vector>
 
 #include "host/model/curves.hpp"
-#include "host/model/place.hpp"
+#include "host/model/file_position.hpp"
 #include "host/model/svg_values.hpp"
 
 namespace lamplock::model {
 
 /// A length attribute in px; `otherwise` if there is none. Throws Error (bad_input).
 double svg_length_of(const pugi::xml_node& node, const char* name, double whole_px,
-                     double otherwise, const Place& place);
+                     double otherwise, const FilePosition& place);
 
 /// The rectangle of attributes x, y, width and height inside `port`; 0 for missing ones.
 /// Throws Error (bad_input) for negative sizes.
-SvgBox svg_box_of(const pugi::xml_node& node, const SvgBox& port, const Place& place);
+SvgBox svg_box_of(const pugi::xml_node& node, const SvgBox& port, const FilePosition& place);
 
 /// The paths of path, rect, circle, ellipse, line, polyline and polygon, by `name`; empty for any
 /// other element. Shapes without extent have no path. Throws Error (bad_input) naming the place.
 std::optional<std::vector<Path>> svg_shape(const pugi::xml_node& node, std::string_view name,
-                                           const SvgBox& port, const Place& place);
+                                           const SvgBox& port, const FilePosition& place);
 
 }  // namespace lamplock::model

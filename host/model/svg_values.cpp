@@ -106,14 +106,14 @@ std::string_view SvgScanner::word() {
   return letters;
 }
 
-std::vector<double> svg_numbers(std::string_view text, const Place& place) {
+std::vector<double> svg_numbers(std::string_view text, const FilePosition& place) {
   SvgScanner scanner(text, place);
   std::vector<double> numbers;
   while (!scanner.at_end()) numbers.push_back(scanner.number());
   return numbers;
 }
 
-double svg_length(std::string_view text, double whole_px, const Place& place) {
+double svg_length(std::string_view text, double whole_px, const FilePosition& place) {
   struct Unit {
     std::string_view name;
     double px;
@@ -138,7 +138,7 @@ double svg_length(std::string_view text, double whole_px, const Place& place) {
   place.refuse(fmt::format("a length has the unsupported unit '{:.20}'", unit), "use mm or px");
 }
 
-geometry::Affine svg_transform(std::string_view text, const Place& place) {
+geometry::Affine svg_transform(std::string_view text, const FilePosition& place) {
   geometry::Affine map;
   SvgScanner scanner(text, place);
   while (!scanner.at_end()) {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/geometry/affine.hpp"
-#include "host/model/place.hpp"
+#include "host/model/file_position.hpp"
 
 namespace lamplock::model {
 
@@ -18,7 +18,7 @@ namespace lamplock::model {
 /// points ("1-2.5.5" is three).
 class SvgScanner {
  public:
-  SvgScanner(std::string_view text, const Place& place) : rest_(text), place_(place) {}
+  SvgScanner(std::string_view text, const FilePosition& place) : rest_(text), place_(place) {}
 
   /// Skips blanks and one comma.
   void skip_separator();
@@ -33,24 +33,24 @@ class SvgScanner {
   /// Reads letters; empty if there are none.
   std::string_view word();
   std::string_view rest() const { return rest_; }
-  const Place& place() const { return place_; }
+  const FilePosition& place() const { return place_; }
 
  private:
   void skip_blanks();
 
   std::string_view rest_;
-  Place place_;
+  FilePosition place_;
 };
 
 /// All numbers of a text. Throws Error (bad_input) if it contains other text.
-std::vector<double> svg_numbers(std::string_view text, const Place& place);
+std::vector<double> svg_numbers(std::string_view text, const FilePosition& place);
 
 /// A length in px (96 an inch); a percentage refers to `whole_px`. Throws Error (bad_input) for
 /// units of fonts and other text.
-double svg_length(std::string_view text, double whole_px, const Place& place);
+double svg_length(std::string_view text, double whole_px, const FilePosition& place);
 
 /// The map of a transform attribute. Throws Error (bad_input).
-geometry::Affine svg_transform(std::string_view text, const Place& place);
+geometry::Affine svg_transform(std::string_view text, const FilePosition& place);
 
 /// A rectangle of the page or the user's own units.
 struct SvgBox {

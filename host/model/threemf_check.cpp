@@ -30,7 +30,7 @@ constexpr const char* damaged = "the file is cut off or damaged: export it again
 
 /// Elements and attributes, which take up to 64 bytes each once they are read: 2 GB. A triangle has
 /// four, a vertex too.
-constexpr std::ptrdiff_t most_marks = 30'000'000;
+constexpr std::ptrdiff_t max_marks = 30'000'000;
 
 /// Reads the XML of a part with the parser of the mesh library. `text` must outlive the call only.
 void read_xml(const path& file, const std::string& name, const std::string& text,
@@ -39,7 +39,7 @@ void read_xml(const path& file, const std::string& name, const std::string& text
     refuse(file, fmt::format("part '{}' is not valid UTF-8", name), damaged);
   const auto marks =
       std::count(text.begin(), text.end(), '<') + std::count(text.begin(), text.end(), '=');
-  if (marks > most_marks)
+  if (marks > max_marks)
     refuse(file, fmt::format("part '{}' has {} elements and attributes", name, marks),
            "reduce the mesh, or export it as binary STL");
   const pugi::xml_parse_result result = document.load_string(text.c_str(), pugi::parse_full);

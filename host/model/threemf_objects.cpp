@@ -15,9 +15,9 @@ using std::filesystem::path;
 /// As for GLB: deeper ones would overflow the stack of the mesh library.
 constexpr int max_object_depth = 100;
 /// The mesh library needs more than a kilobyte for each.
-constexpr std::uint64_t most_objects = 100'000;
+constexpr std::uint64_t max_objects = 100'000;
 /// 72 bytes each: 1.4 GB.
-constexpr std::uint64_t most_triangles = 20'000'000;
+constexpr std::uint64_t max_triangles = 20'000'000;
 
 /// Size of an object with all objects inside.
 struct Whole {
@@ -60,10 +60,10 @@ class Placed {
     sum.depth = std::max(sum.depth, one.depth + 1);
     sum.objects += one.objects;
     sum.triangles += one.triangles;
-    if (sum.objects > most_objects)
-      refuse(file_, fmt::format("more than {} placed objects", most_objects), "place fewer");
-    if (sum.triangles > most_triangles)
-      refuse(file_, fmt::format("more than {} placed triangles", most_triangles),
+    if (sum.objects > max_objects)
+      refuse(file_, fmt::format("more than {} placed objects", max_objects), "place fewer");
+    if (sum.triangles > max_triangles)
+      refuse(file_, fmt::format("more than {} placed triangles", max_triangles),
              "place fewer objects, or reduce their meshes");
   }
 

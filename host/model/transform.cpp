@@ -61,23 +61,23 @@ std::optional<geometry::Affine> inverse(const geometry::Affine& map) {
   return back;
 }
 
-geometry::Affine centring_and_scaling(const Bounds& box, double longest_side_mm) {
-  if (!(longest_side_mm > 0) || !std::isfinite(longest_side_mm)) {
-    throw Error(Exit::bad_input, "size", fmt::format("{} mm", longest_side_mm),
+geometry::Affine centring_and_scaling(const Bounds& box, double max_side_mm) {
+  if (!(max_side_mm > 0) || !std::isfinite(max_side_mm)) {
+    throw Error(Exit::bad_input, "size", fmt::format("{} mm", max_side_mm),
                 "give the longest side in mm, greater than 0");
   }
-  const double side = box.longest_side();
+  const double side = box.max_side();
   if (!(side > 0) || !std::isfinite(side)) {
     throw Error(Exit::bad_input, "model", "it has no extent and cannot be scaled",
                 "give a model of more than one point");
   }
-  const double scale = longest_side_mm / side;
+  const double scale = max_side_mm / side;
   const Point centre = box.centre();
   return geometry::scaled(scale, scale, scale) * geometry::moved(-centre.x, -centre.y, -centre.z);
 }
 
-Mesh centred_and_scaled(Mesh mesh, double longest_side_mm) {
-  const geometry::Affine map = centring_and_scaling(bounds(mesh.vertices), longest_side_mm);
+Mesh centred_and_scaled(Mesh mesh, double max_side_mm) {
+  const geometry::Affine map = centring_and_scaling(bounds(mesh.vertices), max_side_mm);
   return transformed(std::move(mesh), map);
 }
 

@@ -28,12 +28,12 @@ double determinant(const geometry::Affine& map);
 std::optional<geometry::Affine> inverse(const geometry::Affine& map);
 
 /// The mesh with the middle of its box in the origin, scaled evenly so that the longest side of the
-/// box is `longest_side_mm`. Throws Error (bad_input) if the size is not positive or the mesh has
+/// box is `max_side_mm`. Throws Error (bad_input) if the size is not positive or the mesh has
 /// no extent.
-Mesh centred_and_scaled(Mesh mesh, double longest_side_mm);
+Mesh centred_and_scaled(Mesh mesh, double max_side_mm);
 
 /// The map that does the same to any object with this box.
-geometry::Affine centring_and_scaling(const Bounds& box, double longest_side_mm);
+geometry::Affine centring_and_scaling(const Bounds& box, double max_side_mm);
 
 /// The map for a program whose y axis points up (usual for OBJ): (x, y, z) -> (x, -z, y).
 geometry::Affine y_up_to_z_up();

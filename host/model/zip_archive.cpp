@@ -14,10 +14,10 @@ namespace lamplock::model {
 namespace {
 
 /// The mesh library's buffer is too small for longer names.
-constexpr std::size_t most_name_bytes = 255;
+constexpr std::size_t max_name_bytes = 255;
 /// Text of models is compressed to a tenth, with equal numbers at most to a thirtieth; zeros to a
 /// thousandth. Small parts are not limited.
-constexpr std::uint64_t most_packed = 200, small_bytes = 1u << 20;
+constexpr std::uint64_t max_packed = 200, small_bytes = 1u << 20;
 
 constexpr const char* damaged_archive = "the file is cut off or damaged: export it again";
 
@@ -43,12 +43,12 @@ void ZipArchive::read_directory() {
   std::uint64_t bytes = 0;
   int result = unzGoToFirstFile(archive_.get());
   for (; result == UNZ_OK; result = unzGoToNextFile(archive_.get())) {
-    std::array<char, most_name_bytes + 1> name{};
+    std::array<char, max_name_bytes + 1> name{};
     unz_file_info64 info{};
     if (unzGetCurrentFileInfo64(archive_.get(), &info, name.data(), name.size(), nullptr, 0,
                                 nullptr, 0) != UNZ_OK)
       break;
-    if (info.size_filename > most_name_bytes)
+    if (info.size_filename > max_name_bytes)
       refuse(file_, fmt::format("a part has a name of {} letters", info.size_filename),
              "export it with shorter names");
     const ZipPart part{
@@ -62,9 +62,9 @@ void ZipArchive::read_directory() {
   for (const ZipPart& part : parts_)
     if (!names.insert(part.name).second)
       refuse(file_, fmt::format("two parts are named '{}'", part.name), "export it again");
-  if (bytes > most_unpacked_bytes)
+  if (bytes > max_unpacked_bytes)
     refuse(file_,
-           fmt::format("unpacks to {} MB, more than {}", bytes >> 20, most_unpacked_bytes >> 20),
+           fmt::format("unpacks to {} MB, more than {}", bytes >> 20, max_unpacked_bytes >> 20),
            "reduce the mesh, or export it as binary STL");
 }
 
@@ -72,12 +72,12 @@ void ZipArchive::check(const ZipPart& part) const {
   if (!is_plain(part.name))
     refuse(file_, fmt::format("a part has the unsafe name '{}'", part.name), "export it again");
   // Written so that no sum overflows for any values in the directory.
-  if (part.bytes > most_unpacked_bytes)
+  if (part.bytes > max_unpacked_bytes)
     refuse(file_,
            fmt::format("part '{}' unpacks to {} MB, more than {}", part.name, part.bytes >> 20,
-                       most_unpacked_bytes >> 20),
+                       max_unpacked_bytes >> 20),
            "reduce the mesh, or export it as binary STL");
-  if (part.bytes > small_bytes && part.bytes / most_packed > part.packed_bytes)
+  if (part.bytes > small_bytes && part.bytes / max_packed > part.packed_bytes)
     refuse(file_,
            fmt::format("part '{}' unpacks to {} times its size, which no model does", part.name,
                        part.bytes / std::max<std::uint64_t>(1, part.packed_bytes)),

@@ -15,7 +15,7 @@ namespace lamplock::model {
 
 /// Maximum bytes of all parts of an archive: a mesh of about three million triangles, for which the
 /// mesh library needs 2 GB.
-inline constexpr std::uint64_t most_unpacked_bytes = 256u << 20;
+inline constexpr std::uint64_t max_unpacked_bytes = 256u << 20;
 
 /// A file in an archive.
 struct ZipPart {

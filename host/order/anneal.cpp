@@ -20,7 +20,7 @@ namespace {
 
 using geometry::Point;
 using Node = std::uint32_t;
-using Place = std::int32_t;  // in a stretch
+using Index = std::int32_t;  // in a stretch
 
 // Values tuned on the torus of docs/ordering.md at 100 Hz and 2 m/s2; its other clouds, and clouds
 // of other sizes and shapes, were used as a check only.
@@ -31,32 +31,32 @@ constexpr std::size_t stretch_points = 4000;
 constexpr std::size_t passes = 2;
 // Points on either side of a change that are planned again, as in the local search; as many at the
 // ends of a stretch keep their places.
-constexpr Place window = 6;
+constexpr Index window = 6;
 // The longest piece that is reversed: 50 leaves 0.4 % more beats, 1000 saves none.
-constexpr Place longest_turned = 300;
+constexpr Index max_turned = 300;
 // Maximum lengths of long and short moved pieces, maximum distance; share of moves of long pieces.
-constexpr Place longest_moved = 100, short_moved = 3, longest_way = 1000;
+constexpr Index max_moved = 100, short_moved = 3, max_exchange = 1000;
 constexpr double long_share = 0.3;
 // Exchanges that are tried for each node in a round.
 constexpr int tries = 4;
 // The temperature at the beginning and at the end, in beats that an exchange may waste.
 constexpr double hot = 0.15, cold = 0.05;
 // Weight of the cost of a tour against a beat of the model, and the maximum rise of the cost.
-constexpr double cost_weight = 0.3, most_loss = 1.5;
+constexpr double cost_weight = 0.3, max_loss = 1.5;
 
 /// Places first .. first + count - 1 of the path, maybe reversed.
 struct AnnealedPiece {
-  Place first = 0, count = 0;
+  Index first = 0, count = 0;
   bool turned = false;
 
-  Place at(Place i) const { return first + (turned ? count - 1 - i : i); }
+  Index at(Index i) const { return first + (turned ? count - 1 - i : i); }
 };
 using AnnealedPieces = std::array<AnnealedPiece, 2>;
 
 /// Two consecutive pieces, and the pieces that replace them. The second may be empty.
 struct Exchange {
   AnnealedPieces now{}, then{};
-  Place first = 0, end = 0;  // of both
+  Index first = 0, end = 0;  // of both
 };
 
 /// One stretch of an order.
@@ -69,7 +69,7 @@ class Stretch {
         cost_(model),
         tangent_(tangent),
         asks_(asks),
-        size_(static_cast<Place>(path.size())),
+        size_(static_cast<Index>(path.size())),
         neighbours_(find_neighbours(path, few_beats_neighbours)),
         path_(path.size()),
         place_(path.size()),
@@ -101,19 +101,19 @@ class Stretch {
   }
 
  private:
-  Node node(Place place) const { return path_[static_cast<std::size_t>(place)]; }
-  const Point& at(Place place) const { return points_[node(place)]; }
+  Node node(Index place) const { return path_[static_cast<std::size_t>(place)]; }
+  const Point& at(Index place) const { return points_[node(place)]; }
   /// 0 to count - 1.
-  Place random_below(std::size_t count) { return static_cast<Place>(random_.next() % count); }
+  Index random_below(std::size_t count) { return static_cast<Index>(random_.next() % count); }
 
   /// Beats of the whole path; notes the nodes near steps that take several.
   long find_wasted() {
-    constexpr Place near = 3;
+    constexpr Index near = 3;
     wasted_.clear();
-    Place noted = window;
+    Index noted = window;
     PlanState state = model_.any_speed();
     long sum = 0;
-    for (Place i = 1; i < size_; ++i) {
+    for (Index i = 1; i < size_; ++i) {
       const int step = model_.step(state, at(i - 1), at(i));
       sum += step;
       if (step == 1) continue;
@@ -126,7 +126,7 @@ class Stretch {
   /// Tries to place a node beside one of its neighbours.
   void try_one(Node a) {
     const auto near = neighbours_.of(a);
-    const Place p = place_[a],
+    const Index p = place_[a],
                 q = place_[near[static_cast<std::size_t>(random_below(near.size()))]];
     switch (random_below(4)) {
       case 0:
@@ -139,26 +139,26 @@ class Stretch {
   }
 
   /// Considers reversing the piece between two places (2-opt).
-  void turn(Place first, Place last) {
-    const Place count = last - first + 1;
-    if (count < 2 || count > longest_turned) return;
+  void turn(Index first, Index last) {
+    const Index count = last - first + 1;
+    if (count < 2 || count > max_turned) return;
     consider({{{{first, count, false}, {}}}, {{{first, count, true}, {}}}, first, last + 1});
   }
 
   /// Considers moving a piece that begins or ends at p so that its node at p follows or precedes
   /// the node at q.
-  void move(Place p, Place q) {
+  void move(Index p, Index q) {
     const bool is_long = random_.uniform() < long_share;
-    const Place most = is_long ? longest_moved : short_moved;
-    const Place count = 1 + random_below(static_cast<std::size_t>(most));
+    const Index most = is_long ? max_moved : short_moved;
+    const Index count = 1 + random_below(static_cast<std::size_t>(most));
     const bool ahead = random_below(2) == 1, after_q = random_below(2) == 1;
-    const Place first = ahead ? p : p - count + 1, end = first + count;
-    const Place gap = after_q ? q + 1 : q;  // the piece goes before this place
+    const Index first = ahead ? p : p - count + 1, end = first + count;
+    const Index gap = after_q ? q + 1 : q;  // the piece goes before this place
     if (gap >= first && gap <= end) return;
     const AnnealedPiece piece{first, count, false}, moved{first, count, ahead != after_q};
     const AnnealedPiece way =
         gap > end ? AnnealedPiece{end, gap - end} : AnnealedPiece{gap, first - gap};
-    if (way.count > longest_way) return;
+    if (way.count > max_exchange) return;
     if (gap > end)
       consider({{{piece, way}}, {{way, moved}}, first, gap});
     else
@@ -168,7 +168,7 @@ class Stretch {
   void consider(const Exchange& exchange) {
     if (exchange.first < window || exchange.end > size_ - window) return;
     const double gain = cost(exchange, exchange.now) - cost(exchange, exchange.then);
-    if (gain < -most_loss) return;
+    if (gain < -max_loss) return;
     ++asked_;
     const long saved = beats(exchange, exchange.now) - beats(exchange, exchange.then);
     const double better = static_cast<double>(saved) + cost_weight * gain;
@@ -181,19 +181,19 @@ class Stretch {
   bool keeps_rule(const Exchange& exchange) const {
     for (const AnnealedPiece& piece : exchange.then) {
       if (!piece.turned) continue;
-      for (Place i = 1; i < piece.count; ++i)
+      for (Index i = 1; i < piece.count; ++i)
         if (shadows_any(piece.first + i, {piece.first, i})) return false;
     }
     const auto& [one, two] = exchange.now;
-    for (Place i = 0; i < two.count; ++i)
+    for (Index i = 0; i < two.count; ++i)
       if (shadows_any(two.first + i, one)) return false;
     return true;
   }
 
   /// True if a defect at place `upper` shadows a point of the piece.
-  bool shadows_any(Place upper, const AnnealedPiece& piece) const {
+  bool shadows_any(Index upper, const AnnealedPiece& piece) const {
     const Point& apex = at(upper);
-    for (Place i = piece.first; i < piece.first + piece.count; ++i)
+    for (Index i = piece.first; i < piece.first + piece.count; ++i)
       if (shadows(apex, at(i), tangent_)) return true;
     return false;
   }
@@ -201,8 +201,8 @@ class Stretch {
   void carry_out(const Exchange& exchange) {
     changed_.clear();
     for (const AnnealedPiece& piece : exchange.then)
-      for (Place i = 0; i < piece.count; ++i) changed_.push_back(node(piece.at(i)));
-    Place place = exchange.first;
+      for (Index i = 0; i < piece.count; ++i) changed_.push_back(node(piece.at(i)));
+    Index place = exchange.first;
     for (const Node one : changed_) {
       path_[static_cast<std::size_t>(place)] = one;
       place_[one] = place++;
@@ -212,12 +212,12 @@ class Stretch {
   /// Visits the points of pieces and `around` points on either side, each with the number of
   /// consecutive points visited before it: the middles of long pieces are left out.
   template <class Visit>
-  void walk(const Exchange& exchange, const AnnealedPieces& pieces, Place around,
+  void walk(const Exchange& exchange, const AnnealedPieces& pieces, Index around,
             Visit&& visit) const {
     int known = 0;
-    for (Place i = exchange.first - around; i < exchange.first; ++i) visit(at(i), known++);
+    for (Index i = exchange.first - around; i < exchange.first; ++i) visit(at(i), known++);
     for (const AnnealedPiece& piece : pieces) {
-      for (Place i = 0; i < piece.count; ++i) {
+      for (Index i = 0; i < piece.count; ++i) {
         if (i == around && piece.count > 2 * around) {
           i = piece.count - around;
           known = 0;
@@ -225,11 +225,11 @@ class Stretch {
         visit(at(piece.at(i)), known++);
       }
     }
-    for (Place i = exchange.end; i < exchange.end + around; ++i) visit(at(i), known++);
+    for (Index i = exchange.end; i < exchange.end + around; ++i) visit(at(i), known++);
   }
 
   double cost(const Exchange& exchange, const AnnealedPieces& pieces) const {
-    constexpr Place felt = 2;  // a turn is between three points
+    constexpr Index felt = 2;  // a turn is between three points
     double sum = 0;
     const Point *last = nullptr, *before = nullptr;
     walk(exchange, pieces, felt, [&](const Point& p, int known) {
@@ -261,11 +261,11 @@ class Stretch {
   TourCost cost_;
   double tangent_;
   std::size_t asks_, asked_ = 0;
-  Place size_;
+  Index size_;
   double temperature_ = hot;
   Neighbours neighbours_;
   Indices path_;  // nodes by their places, and the other way round
-  std::vector<Place> place_;
+  std::vector<Index> place_;
   std::vector<Node> wasted_, changed_;
   geometry::Random random_;
 };

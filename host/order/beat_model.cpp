@@ -9,12 +9,12 @@ namespace lamplock::order {
 namespace {
 
 // Limit for one step: weeks at 100 Hz. Keeps infinite values out of conversions.
-constexpr int most_beats = 100'000'000;
+constexpr int max_beats = 100'000'000;
 
 // Units of one axis: acceleration limit 1, time in beats; `limit` is that of the speed.
 
 /// The minimum start speed for a displacement `way` in `time`; |way| <= limit * time.
-double least_start(double way, double time, double limit) {
+double min_start(double way, double time, double limit) {
   const double speed = way / time - time / 2;
   if (speed + time <= limit) return speed;
   return limit - std::sqrt(std::max(0.0, 2 * (limit * time - way)));
@@ -22,7 +22,7 @@ double least_start(double way, double time, double limit) {
 
 /// The maximum end speed of a displacement that starts with `speed`: first slow, then at full
 /// acceleration.
-double highest_end(double speed, double way, double time, double limit) {
+double max_end(double speed, double way, double time, double limit) {
   const double gain = -time + std::sqrt(std::max(0.0, 2 * time * time + 4 * (way - speed * time)));
   if (speed - (time - gain) / 2 < -limit) {
     const double turn = speed + limit;
@@ -34,11 +34,11 @@ double highest_end(double speed, double way, double time, double limit) {
 bool reach_axis(double low, double high, double way, double time, double limit, double& to_low,
                 double& to_high) {
   if (std::abs(way) > limit * time) return false;
-  low = std::max(low, least_start(way, time, limit));
-  high = std::min(high, -least_start(-way, time, limit));
+  low = std::max(low, min_start(way, time, limit));
+  high = std::min(high, -min_start(-way, time, limit));
   if (low > high) return false;
-  to_high = highest_end(low, way, time, limit);
-  to_low = -highest_end(-high, -way, time, limit);
+  to_high = max_end(low, way, time, limit);
+  to_low = -max_end(-high, -way, time, limit);
   return to_low <= to_high;
 }
 
@@ -79,7 +79,7 @@ bool BeatModel::reach(const SpeedBox& from, const Way& way, double beats, SpeedB
   return true;
 }
 
-int BeatModel::least_beats(const SpeedBox& speeds, const Way& way) const {
+int BeatModel::min_beats(const SpeedBox& speeds, const Way& way) const {
   double least = 1;
   for (std::size_t a = 0; a < 3; ++a) {
     const double size = std::abs(way[a]);
@@ -88,18 +88,18 @@ int BeatModel::least_beats(const SpeedBox& speeds, const Way& way) const {
         {least, size / limit_[a], -speed + std::sqrt(std::max(0.0, speed * speed + 2 * size))});
   }
   constexpr double rounding = 1e-12;
-  return static_cast<int>(std::min(std::ceil(least * (1 - rounding)), double{most_beats}));
+  return static_cast<int>(std::min(std::ceil(least * (1 - rounding)), double{max_beats}));
 }
 
 /// The minimum number of beats, at least `first`, for the displacement, and the speeds after it.
 int BeatModel::feasible_beats(const SpeedBox& speeds, const Way& way, int first,
                               SpeedBox& to) const {
   if (reach(speeds, way, first, to)) return first;
-  const int least = std::max(first + 1, least_beats(speeds, way));
+  const int least = std::max(first + 1, min_beats(speeds, way));
   // From any speed an axis can stop and return. Long times need not be exact to the beat.
   constexpr int exact_up_to = 32;
   int beats = least;
-  for (; beats < most_beats; beats += std::max(1, beats / exact_up_to)) {
+  for (; beats < max_beats; beats += std::max(1, beats / exact_up_to)) {
     if (reach(speeds, way, beats, to)) return beats;
   }
   to = {};

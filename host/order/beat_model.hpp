@@ -51,7 +51,7 @@ class BeatModel {
  private:
   using Way = std::array<double, 3>;
   int feasible_beats(const SpeedBox& speeds, const Way& way, int first, SpeedBox& to) const;
-  int least_beats(const SpeedBox& speeds, const Way& way) const;
+  int min_beats(const SpeedBox& speeds, const Way& way) const;
   bool reach(const SpeedBox& from, const Way& way, double beats, SpeedBox& to) const;
 
   std::array<double, 3> unit_mm_{}, per_mm_{}, limit_{};

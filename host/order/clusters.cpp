@@ -97,8 +97,8 @@ Starts split_into_parts(PointCloud& cloud, const Starts& starts, double apart_mm
     const geometry::Bounds box = geometry::bounds(layer);
     const double cell_mm = std::max(apart_mm, (box.high.z - box.low.z) * tangent);
     // With cells of size zero only coincident points would share a part: the result is one part.
-    constexpr double least_mm = 1e-9;
-    if (cell_mm >= least_mm) {
+    constexpr double min_mm = 1e-9;
+    if (cell_mm >= min_mm) {
       split(layer, cell_mm, starts[i], parts);
     } else {
       parts.push_back(starts[i]);

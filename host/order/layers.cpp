@@ -41,8 +41,8 @@ Starts starts_where(std::size_t points, const auto& begins) {
 }  // namespace
 
 double usual_spacing_mm(const PointCloud& cloud) {
-  constexpr std::size_t most_asked = 20'000;  // consecutive, so that their neighbours are included
-  const std::size_t count = std::min(cloud.size(), most_asked);
+  constexpr std::size_t max_asked = 20'000;  // consecutive, so that their neighbours are included
+  const std::size_t count = std::min(cloud.size(), max_asked);
   const std::size_t first = (cloud.size() - count) / 2;
   const std::span<const Point> part = std::span(cloud).subspan(first, count);
   const Neighbours neighbours = find_neighbours(part, 1);

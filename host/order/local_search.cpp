@@ -12,11 +12,11 @@ using Node = std::uint32_t;
 using Slot = std::int64_t;  // in the tour, modulo its length
 
 // The longest piece of the tour that one exchange may reverse: bounds the time of an exchange.
-constexpr Slot longest_piece = 1000;
+constexpr Slot max_piece = 1000;
 // The longest piece that is moved (Or-opt).
 constexpr Slot max_moved = 3;
 // Gains below this are rounding, and would let exchanges undo each other.
-constexpr double least_gain = 1e-9;
+constexpr double min_gain = 1e-9;
 
 // For the search by the planner's model:
 // Points on either side of a changed edge that are planned again; a change has no effect further
@@ -28,9 +28,9 @@ constexpr double max_search_loss = 1.5;
 // possible next.
 constexpr double search_cost_weight = 0.1;
 // The minimum saving, beats.
-constexpr double least_saving = 1e-3;
+constexpr double min_saving = 1e-3;
 // Windows measure the whole tour only roughly, so exchanges might repeat for ever.
-constexpr std::size_t most_rounds = 30;
+constexpr std::size_t max_rounds = 30;
 
 class LocalSearch {
  public:
@@ -56,12 +56,12 @@ class LocalSearch {
   }
 
   /// The same where beats are wasted, by the model.
-  void run_judged(const BeatModel& model, std::size_t most_asked) {
+  void run_judged(const BeatModel& model, std::size_t max_asked) {
     judge_ = &model;
-    asks_left_ = most_asked;
+    asks_left_ = max_asked;
     is_waiting_.assign(points_.size() + 1, false);
     wake_wasted();
-    search(most_rounds);
+    search(max_rounds);
     cut_at_free_node();
   }
 
@@ -151,14 +151,14 @@ class LocalSearch {
   /// `second`, which end before node `end`, become `moved_first` and `moved_second`.
   bool accepts(double gain, Slot from, Slot step, Slot end, const Piece& first, const Piece& second,
                const Piece& moved_first, const Piece& moved_second) {
-    if (judge_ == nullptr) return gain >= least_gain;
+    if (judge_ == nullptr) return gain >= min_gain;
     if (gain < -max_search_loss || exhausted()) return false;
     --asks_left_;
     const Slot around = std::min(search_window, (size_ - end) / 2);
     const Piece before{-around, around}, after{end, around};
     const int saved = beats(from, step, {before, first, second, after}) -
                       beats(from, step, {before, moved_first, moved_second, after});
-    return saved + search_cost_weight * gain >= least_saving;
+    return saved + search_cost_weight * gain >= min_saving;
   }
 
   bool exhausted() const { return judge_ != nullptr && asks_left_ == 0; }
@@ -200,7 +200,7 @@ class LocalSearch {
       first = wrap(first + 1);
       last = wrap(last - 1);
     }
-    if (piece(first, last) > longest_piece) return false;
+    if (piece(first, last) > max_piece) return false;
     reverse(first, last);
     wake({a, b, c, d, before_a, after_b, before_c, after_d});
     return true;
@@ -218,7 +218,7 @@ class LocalSearch {
     double now = joint(before_u, u, a, second) + joint(last_but_one, end, w, after_w);
     if (length == 1) now -= turn(u, a, w);
     const double freed = now - joint(before_u, u, w, after_w);
-    if (freed < least_gain - loss()) return false;
+    if (freed < min_gain - loss()) return false;
     for (const Node c : neighbours_.of(a)) {
       if (edge(a, c) >= freed + loss()) break;
       const Slot q = place_[c];
@@ -247,7 +247,7 @@ class LocalSearch {
     const Slot first = step > 0 ? p : wrap(p - length + 1), last = wrap(first + length - 1);
     const Slot low = side > 0 ? q : wrap(q - 1);  // the piece goes between low and low + 1
     const Slot forward = wrap(low - last), backward = wrap(first - low - 1);
-    if (std::min(forward, backward) > longest_piece) return false;
+    if (std::min(forward, backward) > max_piece) return false;
     const bool turned = step != side;
     if (forward <= backward) {
       reverse(first, low);  // swaps piece and gap, both reversed; each is then reversed again
@@ -305,10 +305,10 @@ void improve(std::span<const geometry::Point> points, const Neighbours& neighbou
 }
 
 void save_beats(std::span<const geometry::Point> points, const Neighbours& neighbours,
-                Closing closing, const BeatModel& model, std::size_t most_asked,
+                Closing closing, const BeatModel& model, std::size_t max_asked,
                 std::vector<std::uint32_t>& tour) {
   if (points.size() < 2 * static_cast<std::size_t>(search_window)) return;
-  LocalSearch(points, neighbours, closing, TourCost(model), tour).run_judged(model, most_asked);
+  LocalSearch(points, neighbours, closing, TourCost(model), tour).run_judged(model, max_asked);
 }
 
 }  // namespace lamplock::order

@@ -43,10 +43,10 @@ void improve(std::span<const geometry::Point> points, const Neighbours& neighbou
              const TourCost& cost, std::vector<std::uint32_t>& tour);
 
 /// The same by the model of the planner, where it finds wasted beats: several times slower, for a
-/// tour that is good already. Afterwards the tour may cost more by `TourCost`. `most_asked` bounds
+/// tour that is good already. Afterwards the tour may cost more by `TourCost`. `max_asked` bounds
 /// the time: the maximum number of evaluations of the model, about 4 us each.
 void save_beats(std::span<const geometry::Point> points, const Neighbours& neighbours,
-                Closing closing, const BeatModel& model, std::size_t most_asked,
+                Closing closing, const BeatModel& model, std::size_t max_asked,
                 std::vector<std::uint32_t>& tour);
 
 }  // namespace lamplock::order

@@ -88,15 +88,15 @@ class Run {
         starts, [&](std::span<Point> layer) { permute(layer, beat_tour(layer, model, asked)); },
         cut_by(TourCost(model)), layers_part);
     join_pieces(cloud_, starts, options_.start, jump, model, tangent_,
-                tell(layers_part, pieces_part));
+                reporter(layers_part, pieces_part));
     anneal(cloud_, model, tangent_, annealed_a_point(cloud_.size()), options_.threads,
-           tell(pieces_part, 1));
+           reporter(pieces_part, 1));
   }
 
   void nearest() {
     const Starts starts = sort_into_layers(cloud_, options_.layer_mm);
     Point from = options_.start;
-    const auto report = tell(0, 1);
+    const auto report = reporter(0, 1);
     for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
       const std::span<Point> layer =
           std::span(cloud_).subspan(starts[i], starts[i + 1] - starts[i]);
@@ -109,7 +109,7 @@ class Run {
 
   void cone() {
     permute(std::span(cloud_),
-            cone_first(cloud_, options_.start, options_.cone, tangent_, tell(0, 1)));
+            cone_first(cloud_, options_.start, options_.cone, tangent_, reporter(0, 1)));
   }
 
  private:
@@ -117,7 +117,8 @@ class Run {
   /// shadow rule inside it. `end` is the progress after it.
   void by_layers(const Starts& starts, const LayerWork& arrange_layer, const Fit& fit, double end) {
     constexpr double arranged_part = 0.95;
-    for_each_layer(cloud_, starts, options_.threads, arrange_layer, tell(0, arranged_part * end));
+    for_each_layer(cloud_, starts, options_.threads, arrange_layer,
+                   reporter(0, arranged_part * end));
     const std::span<Point> all(cloud_);
     for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
       fit(all.subspan(starts[i], starts[i + 1] - starts[i]), all.first(starts[i]), options_.start);
@@ -125,11 +126,11 @@ class Run {
     for_each_layer(
         cloud_, starts, options_.threads,
         [this](std::span<Point> layer) { pull_ahead(layer, tangent_); },
-        tell(arranged_part * end, end));
+        reporter(arranged_part * end, end));
   }
 
   /// A function that converts points done to progress from `first` to `last` and reports it.
-  std::function<void(std::size_t)> tell(double first, double last) const {
+  std::function<void(std::size_t)> reporter(double first, double last) const {
     return [this, first, last](std::size_t done) {
       if (!options_.progress) return;
       const double part = static_cast<double>(done) / static_cast<double>(cloud_.size());

@@ -40,7 +40,7 @@ float above(double value) {
 std::vector<std::pair<std::uint64_t, std::uint32_t>> places_along_curve(
     std::span<const Point> points) {
   const Bounds box = geometry::bounds(points);
-  const double side = box.longest_side();
+  const double side = box.max_side();
   const double scale = side > 0 ? ((1u << code_bits) - 1) / side : 0;
   const auto cell = [&](double value, double low) {
     return spread(static_cast<std::uint64_t>((value - low) * scale));
@@ -64,11 +64,11 @@ bool may_be_under(const Point& apex, const Bounds& box, double tangent) {
 }  // namespace
 
 void require_coordinates(std::span<const Point> points) {
-  constexpr double most_mm = 1e6;
+  constexpr double max_mm = 1e6;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Point& p = points[i];
     // Written so that NaN fails.
-    if (std::abs(p.x) <= most_mm && std::abs(p.y) <= most_mm && std::abs(p.z) <= most_mm) continue;
+    if (std::abs(p.x) <= max_mm && std::abs(p.y) <= max_mm && std::abs(p.z) <= max_mm) continue;
     throw Error(
         Exit::bad_input, "order",
         fmt::format("point {} has a coordinate that is not finite or too large: ({}, {}, {}) mm", i,

@@ -77,7 +77,7 @@ std::size_t distinct(std::vector<double> values) {
 /// True if the points fill a large part of a lattice parallel to x and y.
 bool is_lattice(Points nodes) {
   constexpr std::size_t fewest_points = 16;
-  constexpr double least_part = 0.2;  // below, rows are mostly gaps
+  constexpr double min_part = 0.2;  // below, rows are mostly gaps
   if (nodes.size() < fewest_points) return false;
   std::vector<double> x, y;
   for (const geometry::Point& node : nodes) {
@@ -86,7 +86,7 @@ bool is_lattice(Points nodes) {
   }
   const double cells =
       static_cast<double>(distinct(std::move(x))) * static_cast<double>(distinct(std::move(y)));
-  return static_cast<double>(nodes.size()) >= least_part * cells;
+  return static_cast<double>(nodes.size()) >= min_part * cells;
 }
 
 /// Rows of equal `major`, to and fro along `minor`.

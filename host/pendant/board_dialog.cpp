@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 constexpr Time idle_interval = 100ms, hurried_interval = 20ms;
 /// No increment is sent after this silence: a silent board may not receive a cancel either.
 constexpr Time silence = 250ms;
-constexpr Time longest_silence = 5s;
+constexpr Time max_silence = 5s;
 
 }  // namespace
 
@@ -54,7 +54,7 @@ std::vector<Answered> BoardDialog::poll(bool hurry) {
     take(*line, answers);
   }
   link::expect_connected(port_);
-  if (now() - heard_at_ >= longest_silence)
+  if (now() - heard_at_ >= max_silence)
     throw Error(Exit::no_device, "machine", "no longer answers",
                 "check power and cable; if it moves, press its emergency stop");
   if (now() - asked_at_ >= (hurry ? hurried_interval : idle_interval)) {

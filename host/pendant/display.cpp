@@ -7,19 +7,19 @@ namespace lamplock::pendant {
 namespace {
 
 constexpr std::uint8_t report_id = 6;
-constexpr long most_of_word = 0xffff;
+constexpr long max_word = 0xffff;
 constexpr double decimals = 10'000;
 
 }  // namespace
 
 void XhcFrame::word(long value) {
-  const auto cut = static_cast<unsigned>(std::clamp(value, 0l, most_of_word));
+  const auto cut = static_cast<unsigned>(std::clamp(value, 0l, max_word));
   byte(static_cast<std::uint8_t>(cut & 0xff));
   byte(static_cast<std::uint8_t>(cut >> 8));
 }
 
 void XhcFrame::number(double value) {
-  constexpr double most = static_cast<double>(most_of_word) + 0.9999;
+  constexpr double most = static_cast<double>(max_word) + 0.9999;
   constexpr long minus = 0x8000;
   const double size = std::isfinite(value) ? std::min(std::fabs(value), most) : most;
   const auto parts = std::lround(size * decimals);

@@ -30,7 +30,7 @@ class HidDevice {
 };
 
 /// Length of the longest report of a known pendant, with margin.
-inline constexpr std::size_t longest_report = 64;
+inline constexpr std::size_t max_report_size = 64;
 
 /// A connected pendant of a known model.
 struct HidInfo {

@@ -24,7 +24,7 @@ constexpr Time lead = 60ms, increment = 10ms;
 /// Steps are accepted that far ahead.
 constexpr Time step_lead = 250ms;
 /// Increments without answer.
-constexpr std::size_t most_unanswered = 8;
+constexpr std::size_t max_unanswered = 8;
 /// Maximum age of a reported position.
 constexpr double report_age_s = 0.15;
 /// The last digit of a line.
@@ -55,7 +55,7 @@ JogLimits jog_limits(const settings::Values& values) {
 
 /// The feed along the path is limited so that no axis exceeds its rate: the board would slow down,
 /// and the time sent ahead would be wrong.
-double JogStream::highest_feed(const Direction& direction, double feed_mm_min) const {
+double JogStream::max_feed(const Direction& direction, double feed_mm_min) const {
   int axes = 0;
   double feed = std::numeric_limits<double>::max();
   for (int a = 0; a < max_axes; ++a) {
@@ -67,7 +67,7 @@ double JogStream::highest_feed(const Direction& direction, double feed_mm_min) c
 }
 
 void JogStream::run(const Direction& direction, double feed_mm_min, Time until) {
-  const double feed = highest_feed(direction, feed_mm_min);
+  const double feed = max_feed(direction, feed_mm_min);
   if (!(feed > 0) || direction == Direction{}) return stop();
   wanted_ = Run{direction, feed / s_per_min, until};
 }
@@ -77,11 +77,11 @@ int JogStream::step(int axis, double step_mm, int count, double feed_mm_min) {
   if (count == 0 || !(step_mm > 0)) return 0;
   Direction direction{};
   direction[index(axis)] = count > 0 ? 1 : -1;
-  const double feed = highest_feed(direction, feed_mm_min);
+  const double feed = max_feed(direction, feed_mm_min);
   if (!(feed > 0)) return 0;
   const Time begin = std::max(busy_until_, talk_.now());
   const Time room = talk_.now() + step_lead - begin;
-  if (room <= Time(0) || talk_.unanswered(LineKind::jog) >= most_unanswered) return 0;
+  if (room <= Time(0) || talk_.unanswered(LineKind::jog) >= max_unanswered) return 0;
   const double fit = std::floor(seconds(room) * feed / s_per_min / step_mm);
   const int taken = std::min(std::abs(count), std::max(1, static_cast<int>(std::min(fit, 1e6))));
   Way way{};
@@ -145,7 +145,7 @@ void JogStream::poll() {
   if (wanted_ && (now >= wanted_->until || !talk_.answers())) stop();
   if (moves_ && !stopping_ && !talk_.answers()) stop();
   if (wanted_ && !stopping_) feed();
-  look_whether_it_stands();
+  check_at_rest();
 }
 
 void JogStream::keep_stopping() {
@@ -157,7 +157,7 @@ void JogStream::keep_stopping() {
 }
 
 /// The machine is at rest when all lines are answered and later reports say so.
-void JogStream::look_whether_it_stands() {
+void JogStream::check_at_rest() {
   const MachineNow& machine = talk_.machine();
   if (talk_.unanswered(LineKind::jog) == 0) unanswered_.clear();
   if (!unanswered_.empty() || (wanted_ && !stopping_) || cancel_again_) return;
@@ -180,7 +180,7 @@ void JogStream::feed() {
   const Time now = talk_.now();
   const Time begin = std::max(busy_until_, now);
   Time duration = now + lead + increment - begin;
-  if (duration < increment || talk_.unanswered(LineKind::jog) >= most_unanswered) return;
+  if (duration < increment || talk_.unanswered(LineKind::jog) >= max_unanswered) return;
   if (moves_ && too_far_ahead()) return;
   // The motion missed in a long pause of this program is not sent later.
   duration = std::min(duration, lead + increment);

@@ -78,13 +78,13 @@ class JogStream {
   };
   using Way = PerAxis<double>;
 
-  double highest_feed(const Direction& direction, double feed_mm_min) const;
+  double max_feed(const Direction& direction, double feed_mm_min) const;
   void feed();
   bool too_far_ahead() const;
   void send(const Way& way, double feed_mm_min, Time duration);
   void send_cancel();
   void keep_stopping();
-  void look_whether_it_stands();
+  void check_at_rest();
 
   BoardDialog& talk_;
   JogLimits limits_;

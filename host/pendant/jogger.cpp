@@ -19,15 +19,15 @@ namespace realtime = link::realtime;
 constexpr Time wheel_silence = 250ms;
 /// A spring ring reports changes only: a ring that is held still cannot be distinguished from a
 /// dead receiver. To move for longer, the user moves the ring a little.
-constexpr Time longest_spring = 30s;
-constexpr double most_of_spring = 7;
+constexpr Time max_spring_time = 30s;
+constexpr double max_spring_position = 7;
 constexpr double percent = 0.01;
 /// Interval of stop bytes until the commands have ended.
 constexpr Time ending_interval = 50ms;
 /// A note is repeated only after its cause was absent for this time.
 constexpr Time note_interval = 2s;
 /// A click of the wheel as a knob is 1 %; a fast turn is limited.
-constexpr int most_knob_clicks = 10;
+constexpr int max_knob_clicks = 10;
 
 /// Limits a number to the range of displays; a board may report any value.
 int shown_number(double value) {
@@ -198,12 +198,12 @@ void Jogger::move_wheel(int clicks) {
 void Jogger::turn_spring(int place) {
   if (place == 0) return stream_.stop();
   if (axis() < 0) return note("select an axis first");
-  jog_on(axis(), place > 0 ? 1 : -1, map_.feed_mm_min * std::abs(place) / most_of_spring,
-         talk_.now() + longest_spring);
+  jog_on(axis(), place > 0 ? 1 : -1, map_.feed_mm_min * std::abs(place) / max_spring_position,
+         talk_.now() + max_spring_time);
 }
 
 void Jogger::turn_override(int clicks, std::uint8_t more, std::uint8_t less) {
-  const int count = std::min(std::abs(clicks), most_knob_clicks);
+  const int count = std::min(std::abs(clicks), max_knob_clicks);
   for (int i = 0; i < count; ++i) talk_.send_byte(clicks > 0 ? more : less);
 }
 

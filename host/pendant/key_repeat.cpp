@@ -7,8 +7,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Time longest_interval = 150ms;
-constexpr Time shortest_trust = 100ms, longest_trust = 300ms;
+constexpr Time max_interval = 150ms;
+constexpr Time shortest_trust = 100ms, max_trust = 300ms;
 
 }  // namespace
 
@@ -17,13 +17,13 @@ KeyRepeat::Press KeyRepeat::press(const std::string& key, Time now) {
   const Time gap = now - at_;
   key_ = key;
   at_ = now;
-  if (!same || gap > longest_interval) {
+  if (!same || gap > max_interval) {
     interval_ = Time(0);
     return {};
   }
   // Remote terminals send several at a time, so the interval shrinks slowly.
   interval_ = std::max(gap, interval_ * 3 / 4);
-  return {true, now + std::clamp<Time>(interval_ * 5 / 2, shortest_trust, longest_trust)};
+  return {true, now + std::clamp<Time>(interval_ * 5 / 2, shortest_trust, max_trust)};
 }
 
 }  // namespace lamplock::pendant

@@ -14,7 +14,7 @@ namespace lamplock::pendant {
 namespace {
 
 /// Length of a line, without its end, that every version of grbl 1.1 accepts.
-constexpr std::size_t longest_line = 78;
+constexpr std::size_t max_line_size = 78;
 
 /// M codes that neither turn on or fire a laser nor switch outputs other than air (docs/gcode.md).
 constexpr std::array dark_codes{0, 1, 2, 5, 7, 8, 9, 30, 60};
@@ -43,9 +43,9 @@ std::string macro_line(std::string_view line, bool laser, const std::string& whe
   std::string upper = text;
   std::transform(upper.begin(), upper.end(), upper.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  if (text.size() > longest_line)
+  if (text.size() > max_line_size)
     throw Error(Exit::bad_input, where, "a line is too long for a board",
-                fmt::format("shorten it to {} characters", longest_line));
+                fmt::format("shorten it to {} characters", max_line_size));
   if (upper.starts_with('$')) {
     const bool known =
         upper.starts_with("$J=") || upper == "$X" || (upper.starts_with("$H") && upper.size() <= 3);

@@ -10,14 +10,14 @@ using namespace std::chrono_literals;
 
 constexpr Time display_interval = 100ms;
 /// More than a pendant sends in a round; endless reports must not block the loop.
-constexpr int most_reports = 16;
+constexpr int max_reports = 16;
 
 }  // namespace
 
 Events Pendant::poll() {
   Events events;
-  std::array<std::uint8_t, longest_report> report{};
-  for (int i = 0; i < most_reports; ++i) {
+  std::array<std::uint8_t, max_report_size> report{};
+  for (int i = 0; i < max_reports; ++i) {
     const std::size_t size = device_->read(report, 0ms);
     if (size == 0) break;
     const Events more = decoder_->take(std::span(report).first(size));

@@ -10,7 +10,7 @@ namespace {
 
 constexpr char escape = 0x1b;
 /// A longer sequence is noise.
-constexpr std::size_t longest_sequence = 16;
+constexpr std::size_t max_sequence_size = 16;
 
 struct Sequence {
   std::string_view bytes;  ///< after the escape
@@ -58,10 +58,10 @@ std::size_t sequence_length(std::string_view bytes) {
   if (bytes[0] != '[') return 1;
   // The Linux console's function keys have a second bracket.
   if (bytes.substr(1).starts_with('[')) return bytes.size() < 3 ? 0 : 3;
-  const std::size_t looked_at = std::min(bytes.size(), longest_sequence);
+  const std::size_t looked_at = std::min(bytes.size(), max_sequence_size);
   for (std::size_t i = 1; i < looked_at; ++i)
     if (bytes[i] >= '@' && bytes[i] <= '~') return i + 1;
-  return bytes.size() < longest_sequence ? 0 : longest_sequence;
+  return bytes.size() < max_sequence_size ? 0 : max_sequence_size;
 }
 
 }  // namespace

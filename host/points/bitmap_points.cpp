@@ -73,10 +73,10 @@ void require_valid(const model::Bitmap& bitmap, const BitmapOptions& options) {
   geometry::require_positive(options.size_mm, "bitmap", "size");
   geometry::require_positive(options.spacing_mm, "bitmap", "spacing");
   geometry::require_positive(options.layers, "bitmap", "number of layers");
-  constexpr int most_layers = 10'000;  // a metre at 0.1 mm
-  if (options.layers > most_layers) {
+  constexpr int max_layers = 10'000;  // a metre at 0.1 mm
+  if (options.layers > max_layers) {
     throw Error(Exit::bad_input, "bitmap", fmt::format("{} layers", options.layers),
-                fmt::format("give at most {}", most_layers));
+                fmt::format("give at most {}", max_layers));
   }
   if (options.layers > 1) geometry::require_positive(options.layer_mm, "bitmap", "layer distance");
   if (options.threshold < 0 || options.threshold > 255) {

@@ -27,7 +27,7 @@ constexpr double saturated = 0.547 / (3.14159265358979 / 4);
 constexpr std::array<double, 4> rounds{0.25, 0.5, 1, 2};
 
 /// Pieces longer than this fraction of the distance are hardly ever covered by one point.
-constexpr double longest_piece = 0.75;
+constexpr double max_piece = 0.75;
 /// Shorter pieces are dropped: their places are further than the distance from a point by at most
 /// this.
 constexpr double shortest_piece = 1.0 / 32;
@@ -45,7 +45,7 @@ geometry::Point between(const geometry::Point& p, const geometry::Point& q) {
 }
 
 /// Index i of the longest side, from corner i to i + 1, and its length.
-std::pair<std::size_t, double> longest_side(const Corners& corners) {
+std::pair<std::size_t, double> max_side(const Corners& corners) {
   std::size_t longest = 0;
   double square = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -92,7 +92,7 @@ class Surface {
                geometry::Random& random) const {
     if (!tone_) return {place, distance_, true};
     const double density = density_at(place, triangle);
-    const double part = density * most_radius_distances * most_radius_distances;
+    const double part = density * max_radius_distances * max_radius_distances;
     return {place, radius_for(density), part >= 1 || random.uniform() < part};
   }
 
@@ -101,10 +101,10 @@ class Surface {
   }
 
   void split(const TrianglePiece& piece, std::vector<TrianglePiece>& smaller) const {
-    const auto [longest, length] = longest_side(piece.corners);
+    const auto [longest, length] = max_side(piece.corners);
     if (length <= shortest_piece * piece.radius_mm) return;
     for (const Corners& half : halves(piece.corners, longest)) {
-      for (const Corners& quarter : halves(half, longest_side(half).first)) {
+      for (const Corners& quarter : halves(half, max_side(half).first)) {
         smaller.push_back(piece_of(quarter, piece.triangle));
       }
     }
@@ -112,7 +112,7 @@ class Surface {
 
   TrianglePiece piece_of(const Corners& corners, std::uint32_t triangle) const {
     if (!tone_) return {corners, triangle, distance_};
-    double radius = most_radius_distances * distance_;
+    double radius = max_radius_distances * distance_;
     for (const geometry::Point& corner : corners) {
       radius = std::min(radius, radius_for(density_at(corner, triangle)));
     }
@@ -123,7 +123,7 @@ class Surface {
 
  private:
   double radius_for(double density) const {
-    return distance_ / std::max(std::sqrt(density), 1 / most_radius_distances);
+    return distance_ / std::max(std::sqrt(density), 1 / max_radius_distances);
   }
 
   double density_at(const geometry::Point& place, std::uint32_t triangle) const {
@@ -176,16 +176,16 @@ void throw_darts(BlockDarts& block, const BlockSurface& part, const Surface& sur
 
 /// Halves a piece until its parts are short or covered.
 void gather_open(const BlockDarts& block, const Surface& surface, const TrianglePiece& piece,
-                 double longest_mm, std::vector<TrianglePiece>& open) {
-  const auto [longest, length] = longest_side(piece.corners);
+                 double max_mm, std::vector<TrianglePiece>& open) {
+  const auto [longest, length] = max_side(piece.corners);
   // Larger pieces are hardly ever covered: the search would not pay.
-  if (length < 2 * longest_mm && piece.is_covered(block)) return;
-  if (length <= longest_mm) {
+  if (length < 2 * max_mm && piece.is_covered(block)) return;
+  if (length <= max_mm) {
     open.push_back(piece);
     return;
   }
   for (const Corners& half : halves(piece.corners, longest)) {
-    gather_open(block, surface, surface.piece_of(half, piece.triangle), longest_mm, open);
+    gather_open(block, surface, surface.piece_of(half, piece.triangle), max_mm, open);
   }
 }
 
@@ -194,7 +194,7 @@ void fill_block(BlockDarts& block, const BlockSurface& part, const Surface& surf
   std::vector<TrianglePiece> open;
   for (std::size_t i = 0; i < part.pieces.size(); ++i) {
     gather_open(block, surface, surface.piece_of(part.pieces[i], part.triangles[i]),
-                longest_piece * distance_mm, open);
+                max_piece * distance_mm, open);
   }
   fill_gaps(block, std::move(open), random, surface);
 }

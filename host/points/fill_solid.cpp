@@ -94,7 +94,7 @@ class Body {
                                 low.z + side * random.uniform()};
     if (at_surface && !contains(place)) return std::nullopt;
     const double radius = radius_at(place);
-    const double most = most_radius_distances * options_.distance_mm;
+    const double most = max_radius_distances * options_.distance_mm;
     if (radius <= most) return Dart{place, radius, true};
     return Dart{place, most, random.uniform() < std::pow(most / radius, 3)};
   }
@@ -105,7 +105,7 @@ class Body {
 
   CubePiece piece_of(const geometry::Point& low, double side, bool at_surface) const {
     CubePiece piece{low, side, at_surface, options_.distance_mm};
-    const double most = most_radius_distances * options_.distance_mm;
+    const double most = max_radius_distances * options_.distance_mm;
     if (options_.light_depth_mm > 0) {
       piece.radius_mm = std::min(radius_at(centre_of(low, side)), most);
     }

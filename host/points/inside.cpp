@@ -63,10 +63,10 @@ Inside::Inside(const model::Mesh& mesh) : mesh_(mesh), box_(bounds(mesh.vertices
 
 /// As many columns as triangles, fewer if large triangles would be listed too often.
 void Inside::choose_columns() {
-  constexpr double most_in_a_row = 2048, most_entries_per_triangle = 16;
+  constexpr double max_in_a_row = 2048, max_entries_per_triangle = 16;
   const double wide = std::max(box_.high.x - box_.low.x, box_.high.y - box_.low.y);
   const auto triangles = static_cast<double>(mesh_.triangles.size());
-  double side = std::clamp(std::floor(std::sqrt(triangles)), 1.0, most_in_a_row);
+  double side = std::clamp(std::floor(std::sqrt(triangles)), 1.0, max_in_a_row);
   for (;; side = std::max(1.0, std::floor(side / 2))) {
     side_ = static_cast<std::size_t>(side);
     width_mm_ = wide > 0 ? wide / side : 1;
@@ -76,7 +76,7 @@ void Inside::choose_columns() {
       entries += static_cast<double>((columns.x_to - columns.x_from + 1) *
                                      (columns.y_to - columns.y_from + 1));
     }
-    if (side_ == 1 || entries <= most_entries_per_triangle * triangles) return;
+    if (side_ == 1 || entries <= max_entries_per_triangle * triangles) return;
   }
 }
 

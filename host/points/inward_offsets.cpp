@@ -46,11 +46,11 @@ double square_to(const geometry::Point& place, const Corners& t, const geometry:
 
 /// Blocks of about the size of a few triangles, and at least the reach of a search.
 double block_side(const model::Mesh& mesh, const geometry::Bounds& box, double reach_mm) {
-  constexpr double triangles_wide = 4, most_in_a_row = 4096;
+  constexpr double triangles_wide = 4, max_in_a_row = 4096;
   double area = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) area += area_of(corners_of(mesh, i));
   const double triangle = std::sqrt(area / static_cast<double>(mesh.triangles.size()));
-  return std::max({2 * reach_mm, triangles_wide * triangle, box.longest_side() / most_in_a_row});
+  return std::max({2 * reach_mm, triangles_wide * triangle, box.max_side() / max_in_a_row});
 }
 
 /// Searches the blocks within reach of a place.

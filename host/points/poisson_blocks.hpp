@@ -23,7 +23,7 @@
 namespace lamplock::points {
 
 inline constexpr double block_distances = 16;  // side of a block
-inline constexpr double most_radius_distances = 6;
+inline constexpr double max_radius_distances = 6;
 
 struct Dart {
   geometry::Point place;

@@ -24,9 +24,9 @@ struct Rank {
 
 Rank rank_for(double low, double high, double pitch) {
   // With more rays in a row, edge products would not fit into 64 bits.
-  constexpr double most_rays = 1 << 20;
+  constexpr double max_rays = 1 << 20;
   const double count = std::max(1.0, std::floor((high - low) / pitch));
-  geometry::require_count(count * static_cast<double>(geometry::max_points) / most_rays, "rays");
+  geometry::require_count(count * static_cast<double>(geometry::max_points) / max_rays, "rays");
   return {low + (high - low - (count - 1) * pitch) / 2, static_cast<std::int64_t>(count)};
 }
 

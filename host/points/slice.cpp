@@ -177,14 +177,14 @@ LostFaces lost_faces(const model::Mesh& mesh, const SliceOptions& options, doubl
   model::Mesh turned;
   const model::Mesh& framed = in_frame(mesh, map_of(options.frame), turned);
   const Planes planes = planes_for(framed, options);
-  const double least_cosine = std::cos(within_deg * std::numbers::pi / 180);
+  const double min_cosine = std::cos(within_deg * std::numbers::pi / 180);
   double whole = 0;
   for (const auto& triangle : framed.triangles) {
     const geometry::Point normal = doubled_area_vector(framed, triangle);
     const double doubled = std::hypot(normal.x, normal.y, normal.z);
     whole += doubled / 2;
     // Rounding must not hide a face that is parallel to the planes.
-    if (doubled <= 0 || std::abs(normal.z) < doubled * (least_cosine - 1e-12)) continue;
+    if (doubled <= 0 || std::abs(normal.z) < doubled * (min_cosine - 1e-12)) continue;
     const auto [low, high] =
         std::minmax({framed.vertices[triangle[0]].z, framed.vertices[triangle[1]].z,
                      framed.vertices[triangle[2]].z});

@@ -134,19 +134,18 @@ geometry::Bounds BlockGrid::box(const BlockIndex& block) const {
 }
 
 BlockGrid grid_over(const geometry::Bounds& box, double side_mm, const std::string& where) {
-  constexpr double most_in_a_row = 1 << 20;
-  if (!(box.longest_side() / side_mm < most_in_a_row)) {
-    throw Error(
-        Exit::bad_input, where,
-        fmt::format("a size of {:.3g} mm is too large for this spacing", box.longest_side()),
-        "use a larger spacing or a smaller size");
+  constexpr double max_in_a_row = 1 << 20;
+  if (!(box.max_side() / side_mm < max_in_a_row)) {
+    throw Error(Exit::bad_input, where,
+                fmt::format("a size of {:.3g} mm is too large for this spacing", box.max_side()),
+                "use a larger spacing or a smaller size");
   }
   // Far from the origin neighbouring points have the same coordinates.
-  constexpr double most_sides_away = 1e9;
+  constexpr double max_sides_away = 1e9;
   double furthest = 0;
   for (const geometry::Point& corner : {box.low, box.high})
     furthest = std::max({furthest, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
-  if (!(furthest / side_mm < most_sides_away)) {
+  if (!(furthest / side_mm < max_sides_away)) {
     throw Error(Exit::bad_input, where,
                 fmt::format("a point {:.3g} mm from the origin is too far away", furthest),
                 "move it nearer");

@@ -15,9 +15,9 @@ namespace {
 constexpr double view = 720, left = 70, top = 44, right = 120, below = 50;
 constexpr double bar_gap = 24, bar_width = 16, tick_length = 5;
 /// Ends of pieces that are closer are merged.
-constexpr double least_way = 0.15;
+constexpr double min_distance = 0.15;
 constexpr int shades = 32;
-constexpr double most_ticks = 8;
+constexpr double max_ticks = 8;
 
 /// Light yellow over orange to dark purple, by power: three stops, linear between them.
 struct Colour {
@@ -67,8 +67,8 @@ class Stroke {
   void add(const View& v, const Piece& piece) {
     const double x0 = v.px(piece.from[0]), y0 = v.py(piece.from[1]);
     const double x1 = v.px(piece.to[0]), y1 = v.py(piece.to[1]);
-    const bool joined = !d_.empty() && std::hypot(x0 - x_, y0 - y_) < least_way;
-    if (joined && std::hypot(x1 - x_, y1 - y_) < least_way) return;
+    const bool joined = !d_.empty() && std::hypot(x0 - x_, y0 - y_) < min_distance;
+    if (joined && std::hypot(x1 - x_, y1 - y_) < min_distance) return;
     if (!joined) d_ += fmt::format("M{:.1f} {:.1f}", x0, y0);
     d_ += fmt::format("L{:.1f} {:.1f}", x1, y1);
     x_ = x1, y_ = y1;
@@ -86,7 +86,7 @@ std::string axes(const View& v) {
   std::string out = fmt::format(
       "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#fff\" stroke=\"#999\"/>\n", left,
       top, view, view);
-  const double step = svg::nice_step(v.size_mm(), most_ticks);
+  const double step = svg::nice_step(v.size_mm(), max_ticks);
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
   // Not "-0".
   const auto number = [&](double k) { return fmt::format("{:.{}f}", k * step + 0.0, decimals); };

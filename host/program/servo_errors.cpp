@@ -50,11 +50,11 @@ ServoErrors servo_errors(const ServoRun& run, double pulses_per_mm, const std::s
     for (const ServoSample& sample : run.samples) {
       const ServoPlace& place = sample.axis[a];
       const double error = place.programmed - place.measured;
-      axis.most_mm = std::max(axis.most_mm, error);
-      axis.least_mm = std::min(axis.least_mm, error);
+      axis.max_mm = std::max(axis.max_mm, error);
+      axis.min_mm = std::min(axis.min_mm, error);
       squares += error * error;
-      axis.most_pulses = std::max(axis.most_pulses, std::abs(place.programmed * run.steps_per_mm -
-                                                             place.commanded * pulses_per_mm));
+      axis.max_pulses = std::max(axis.max_pulses, std::abs(place.programmed * run.steps_per_mm -
+                                                           place.commanded * pulses_per_mm));
     }
     axis.rms_mm = std::sqrt(squares / static_cast<double>(run.samples.size()));
     axis.programmed_end_mm = run.samples.back().axis[a].programmed;
@@ -77,8 +77,8 @@ std::string servo_table(const std::vector<ServoErrors>& rows) {
       const ServoAxisErrors& axis = row.axis[a];
       text +=
           fmt::format("{:<{}}  {}     {:9.4f}  {:9.4f}  {:7.4f}  {:10.3f}  {:10.4f}  {:10.4f}\n",
-                      a == 0 ? row.name : "", width, axis_names[a], axis.most_mm, axis.least_mm,
-                      axis.rms_mm, axis.most_pulses, axis.programmed_end_mm, axis.measured_end_mm);
+                      a == 0 ? row.name : "", width, axis_names[a], axis.max_mm, axis.min_mm,
+                      axis.rms_mm, axis.max_pulses, axis.programmed_end_mm, axis.measured_end_mm);
     }
     text += fmt::format("{:<{}}  at most {:.4f} mm beside the path, {:.3f} s\n", "", width,
                         row.beside_mm, row.moving_s);

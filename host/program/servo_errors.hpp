@@ -18,9 +18,9 @@
 namespace lamplock::program_run {
 
 struct ServoAxisErrors {
-  double most_mm = 0, least_mm = 0;  ///< largest positive and negative error
+  double max_mm = 0, min_mm = 0;  ///< largest positive and negative error
   double rms_mm = 0;
-  double most_pulses = 0;  ///< between the program, as the controller counts it, and the pulses
+  double max_pulses = 0;  ///< between the program, as the controller counts it, and the pulses
   double programmed_end_mm = 0, measured_end_mm = 0;
   long end_pulses = 0;
 };

@@ -15,9 +15,9 @@ namespace {
 constexpr double side = 360, chart_width = 520, picture_left = 64, picture_gap = 84,
                  picture_right = 28;
 constexpr double head = 40, foot = 52, row_height = head + side + foot;
-constexpr double most_ticks = 7, tick_length = 5;
+constexpr double max_ticks = 7, tick_length = 5;
 /// Points of a curve that are closer are merged.
-constexpr double least_way = 0.7;
+constexpr double min_distance = 0.7;
 constexpr double range_margin = 1.06;  ///< of the drawn values
 constexpr const char* servo_frame_colour = "#999";
 constexpr const char* programmed_colour = "#999999";
@@ -37,7 +37,7 @@ struct ServoScale {
 class Curve {
  public:
   void add(double x, double y) {
-    if (!d_.empty() && std::hypot(x - x_, y - y_) < least_way) return;
+    if (!d_.empty() && std::hypot(x - x_, y - y_) < min_distance) return;
     d_ += fmt::format("{}{:.1f} {:.1f}", d_.empty() ? 'M' : 'L', x, y);
     x_ = x, y_ = y;
   }
@@ -94,13 +94,13 @@ std::string frame(const ServoScale& x, const ServoScale& y) {
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" "
       "fill=\"#fff\" stroke=\"{}\"/>\n",
       x.at_low, y.at_high, x.at_high - x.at_low, y.at_low - y.at_high, servo_frame_colour);
-  const double x_step = svg::nice_step(x.high - x.low, most_ticks);
+  const double x_step = svg::nice_step(x.high - x.low, max_ticks);
   for (double k = std::ceil(x.low / x_step); k * x_step <= x.high; ++k) {
     out += svg::line(x(k * x_step), y.at_low, x(k * x_step), y.at_low + tick_length,
                      servo_frame_colour);
     out += svg::text_at(x(k * x_step), y.at_low + 18, "middle", number(k * x_step, x_step));
   }
-  const double y_step = svg::nice_step(y.high - y.low, most_ticks);
+  const double y_step = svg::nice_step(y.high - y.low, max_ticks);
   for (double k = std::ceil(y.low / y_step); k * y_step <= y.high; ++k) {
     out += svg::line(x.at_low - tick_length, y(k * y_step), x.at_low, y(k * y_step),
                      servo_frame_colour);

@@ -24,7 +24,7 @@ using sim::Picoseconds;
 constexpr auto pulse_mode = settings::PulseMode::cw_ccw;
 constexpr double ps_per_second = 1e12;
 /// Maximum pulse rate of a drive, independent of its motor.
-constexpr double most_pulses_per_s = 500'000;
+constexpr double max_pulses_per_s = 500'000;
 
 /// Position of an axis of the tick generator at a tick, steps; a step appears half a step ahead.
 double planned_steps(const stepper::TickBlock& block, std::size_t axis, double ticks) {
@@ -99,11 +99,11 @@ settings::Values ServoMachine::settings() const {
   job::state_setting(profile, Id::axes, servo_axes, where);
   job::state_setting(profile, Id::lamp_mode, 0, where);
   job::state_setting(profile, Id::soft_limits, 0, where);
-  const double most_mm_min = std::min(in_units(profile.settings, Id::max_rate_x),
-                                      most_pulses_per_s / pulses_per_mm() * 60);
+  const double max_mm_min =
+      std::min(in_units(profile.settings, Id::max_rate_x), max_pulses_per_s / pulses_per_mm() * 60);
   for (int a = 0; a < static_cast<int>(servo_axes); ++a) {
     job::state_setting(profile, settings::for_axis(Id::steps_per_mm_x, a), pulses_per_mm(), where);
-    job::state_setting(profile, settings::for_axis(Id::max_rate_x, a), most_mm_min, where);
+    job::state_setting(profile, settings::for_axis(Id::max_rate_x, a), max_mm_min, where);
     job::state_setting(profile, settings::for_axis(Id::acceleration_x, a), accel_mm_s2, where);
     job::state_setting(profile, settings::for_axis(Id::pulse_mode_x, a),
                        static_cast<int>(pulse_mode), where);

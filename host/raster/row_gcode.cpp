@@ -19,7 +19,7 @@ using settings::Id;
 
 constexpr double max_s_word = 65'535;
 /// Maximum decimals of a G-code number (docs/gcode.md).
-constexpr int most_decimals = 7;
+constexpr int max_decimals = 7;
 
 /// A number without trailing zeros.
 std::string number(double value, int decimals) {
@@ -57,7 +57,7 @@ class Writer {
     std::string text;
     for (int axis = 0; axis < job_.header.axes; ++axis)
       text += fmt::format(" {}{}", axis_letters[index(axis)],
-                          number(mm(steps[index(axis)], axis), most_decimals));
+                          number(mm(steps[index(axis)], axis), max_decimals));
     return text;
   }
 
@@ -68,7 +68,7 @@ class Writer {
       std::string text = number(wire::run_power(run) / max_s_word * full_s_, decimals);
       const double power = std::stod(text) / full_s_ * max_s_word;
       const auto heard = wire::longest_run(static_cast<std::uint16_t>(std::lround(power)), 1);
-      if (heard >> wire::run_code_bits == run >> wire::run_code_bits || decimals == most_decimals)
+      if (heard >> wire::run_code_bits == run >> wire::run_code_bits || decimals == max_decimals)
         word = std::move(text);
     }
     return word;
@@ -92,7 +92,7 @@ class Writer {
   /// The move to the end of this part of a row. Rows are parallel to X.
   void add_move(const job::Line& line, double part) {
     const double to = at_[0] + part * (static_cast<double>(line.to.steps[0]) - at_[0]);
-    text_ += fmt::format("G1 X{}", number(mm(to, 0), most_decimals));
+    text_ += fmt::format("G1 X{}", number(mm(to, 0), max_decimals));
     if (std::exchange(feed_milli_, line.to.feed_milli) != line.to.feed_milli)
       text_ += fmt::format(" F{}", number(line.to.feed_milli / milli_per_unit, 3));
   }
@@ -115,10 +115,10 @@ class Writer {
     const std::uint32_t all = cells_of(runs);
     std::uint32_t done = 0;
     // Room for the words before the list.
-    constexpr std::size_t other_words = 64, most_list = wire::max_line - other_words;
+    constexpr std::size_t other_words = 64, max_list_size = wire::max_line - other_words;
     while (!runs.empty()) {
       std::string list;
-      while (!runs.empty() && list.size() < most_list) {
+      while (!runs.empty() && list.size() < max_list_size) {
         list += (list.empty() ? "S" : ":") + s_word(runs.front());
         const std::uint32_t cells = take_stretch(runs);
         if (cells != 1) list += fmt::format("*{}", cells);

@@ -22,7 +22,7 @@ using settings::Id;
 /// The board plans only complete lines: sixteen of them fit into its run table of 1024 entries,
 /// with their headers, so that an incomplete line uses little of the table.
 constexpr std::size_t runs_a_line = 63;
-static_assert(runs_a_line <= wire::most_runs_a_line);
+static_assert(runs_a_line <= wire::max_runs_a_line);
 /// Rounding tolerance, in pixels.
 constexpr double rounding = 1e-9;
 
@@ -85,9 +85,9 @@ class RowMaker {
 
   void add(std::uint16_t power, std::uint32_t cells) {
     while (cells != 0) {
-      const std::uint16_t run = wire::longest_run(power, std::min(cells, wire::most_cells_a_line));
+      const std::uint16_t run = wire::longest_run(power, std::min(cells, wire::max_cells_a_line));
       const std::uint32_t length = wire::run_cells(run);
-      if (runs_ == runs_a_line || length > wire::most_cells_a_line - cells_) end_line();
+      if (runs_ == runs_a_line || length > wire::max_cells_a_line - cells_) end_line();
       rows_.runs.push_back(run);
       ++runs_;
       cells_ += length;

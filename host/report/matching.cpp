@@ -136,9 +136,9 @@ class Matcher {
   /// Shot tolerance in steps (0 in the settings: the larger of half a step and 5 um) plus half a
   /// step of rounding at each end.
   static double reach_steps(const JobRun& run) {
-    constexpr double mm_per_um = 1e-3, least_um = 5;
+    constexpr double mm_per_um = 1e-3, min_um = 5;
     const double set_um = in_units(run.settings, settings::Id::shot_tolerance);
-    const double tolerance_mm = (set_um > 0 ? set_um : least_um) * mm_per_um;
+    const double tolerance_mm = (set_um > 0 ? set_um : min_um) * mm_per_um;
     double reach = 0.5;
     for (std::size_t axis = 0; axis < point_axes; ++axis)
       reach = std::max(reach, tolerance_mm * run.steps_per_mm[axis]);

@@ -24,7 +24,7 @@ constexpr double tolerance = 0.12;
 /// Smaller changes of ticks are not drawn: the clock is counted in whole cycles.
 constexpr double seen_tick_spread = 5e-4;
 /// Narrower beats get neither a ring without a shot nor dots on the curves with one.
-constexpr double least_ring_width = 4;
+constexpr double min_ring_width = 4;
 /// A limit is drawn if the curve reaches this part of it.
 constexpr double near_limit = 0.4;
 
@@ -168,7 +168,7 @@ class Drawing {
   }
   /// Draws shots on the curves of the last panel.
   void shots_on_curves(double height) {
-    if (beat_width() < least_ring_width) return;
+    if (beat_width() < min_ring_width) return;
     const double top = y_ - plot_gap - height;
     for (const ShotMark& shot : series_.shots)
       for (const AxisSeries& axis : series_.axes)
@@ -273,7 +273,7 @@ void Drawing::strip() {
     } else if (beat.shot) {
       dot(at, radius(), "#000");
       dots_ = true;
-    } else if (beat_width() >= least_ring_width) {
+    } else if (beat_width() >= min_ring_width) {
       ring(at, 0.8 * radius());
       rings_ = true;
     }
@@ -403,8 +403,8 @@ std::string motion_svg(const MotionSeries& series, const std::string& title) {
   std::vector<Drawing::Shown> positions, speeds, accelerations;
   for (const AxisSeries& axis : series.axes) {
     positions.push_back({axis, axis.position_mm, 0});
-    speeds.push_back({axis, axis.speed_m_s, axis.most_speed_m_s});
-    accelerations.push_back({axis, axis.accel_m_s2, axis.most_accel_m_s2});
+    speeds.push_back({axis, axis.speed_m_s, axis.max_speed_m_s});
+    accelerations.push_back({axis, axis.accel_m_s2, axis.max_accel_m_s2});
   }
   drawing.panel(position_height, "position, mm", positions);
   drawing.shots_on_curves(position_height);

@@ -18,7 +18,7 @@ using sim::Picoseconds;
 
 constexpr double mm_per_m = 1000;
 /// Number of pieces of a parabola as long as the window.
-constexpr double most_parts = 600;
+constexpr double max_parts = 600;
 
 /// Converts ticks and times to beats.
 class Beats {
@@ -72,8 +72,8 @@ class AxisWriter {
     steps_per_mm_ = in_units(values, Id::steps_per_mm_x, axis);
     series_.number = axis;
     series_.name = std::string(1, axis_letters[axis_]);
-    series_.most_speed_m_s = in_units(values, Id::max_rate_x, axis) / mm_min_per_m_s;
-    series_.most_accel_m_s2 = in_units(values, Id::acceleration_x, axis) / mm_s2_per_m_s2;
+    series_.max_speed_m_s = in_units(values, Id::max_rate_x, axis) / mm_min_per_m_s;
+    series_.max_accel_m_s2 = in_units(values, Id::acceleration_x, axis) / mm_s2_per_m_s2;
   }
 
   void add(const MotionPiece& piece) {
@@ -222,7 +222,7 @@ MotionSeries motion_series(const MotionTrace& trace, const settings::Values& val
       return run.rate_q62 != 0 || run.accel_q62 != 0;
     };
     if (std::none_of(pieces.begin(), pieces.end(), moves)) continue;
-    AxisWriter writer(beats, values, axis, (series.to - series.from) / most_parts);
+    AxisWriter writer(beats, values, axis, (series.to - series.from) / max_parts);
     for (const MotionPiece& piece : pieces) writer.add(piece);
     series.axes.push_back(writer.take());
   }

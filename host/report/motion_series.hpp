@@ -33,7 +33,7 @@ struct AxisSeries {
   int number = 0;
   std::string name;  ///< X, Y, Z, A
   Curve position_mm, speed_m_s, accel_m_s2;
-  double most_speed_m_s = 0, most_accel_m_s2 = 0;  ///< limits
+  double max_speed_m_s = 0, max_accel_m_s2 = 0;  ///< limits
 };
 
 /// A beat of the lattice.

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint32_t most_beats_told = 254;
+constexpr std::uint32_t max_beats_shown = 254;
 /// Places of the job with a time; between them the page interpolates.
 constexpr std::size_t clock_places = 256;
 
@@ -61,12 +61,12 @@ std::uint8_t beats_to(const PointBeats& beats, std::size_t point) {
   if (!beats.known || point == 0) return 0;
   const std::uint32_t from = beats.beat[point - 1], to = beats.beat[point];
   return to <= from ? std::uint8_t{0}
-                    : static_cast<std::uint8_t>(std::min(to - from, most_beats_told));
+                    : static_cast<std::uint8_t>(std::min(to - from, max_beats_shown));
 }
 
 /// Every n-th point is shown, or one of the next n that was missed.
 std::size_t stride_of(const JobRun& run) {
-  return (run.points.size() + most_points_shown - 1) / most_points_shown;
+  return (run.points.size() + max_points_shown - 1) / max_points_shown;
 }
 
 std::vector<std::uint32_t> shown_points(const JobRun& run, const PointBeats& beats) {

@@ -8,7 +8,7 @@
 // Data: JSON for numbers and charts, and for the cloud eight bytes per point in base64: x y z as
 // fractions of the bounding box (16 bits each, little endian), the beats from the point before (0:
 // none or unknown, 254: as many or more) and 1 if it was missed. Of clouds of more than
-// `most_points_shown` every n-th point is shown, or one of the next n that was missed.
+// `max_points_shown` every n-th point is shown, or one of the next n that was missed.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@
 namespace lamplock::report {
 
 /// A page with more points would be too large a file.
-inline constexpr std::size_t most_points_shown = 1'000'000;
+inline constexpr std::size_t max_points_shown = 1'000'000;
 
 /// The page as text. A run with predicted beats is shown as an estimate.
 std::string page(const Report& report, const JobRun& run);

@@ -18,7 +18,7 @@ constexpr std::size_t beat_bins = 33;
 /// Distances beyond this quantile are in the last bin.
 constexpr double shown_share = 0.99;
 /// Finer than any laser's spot; smaller differences are rounding.
-constexpr double least_bin_mm = 1e-4;
+constexpr double min_bin_mm = 1e-4;
 
 std::uint32_t shots_ordered(const JobRun& run, std::size_t point) {
   return run.shots_ordered.empty() ? 1 : run.shots_ordered[point];
@@ -99,7 +99,7 @@ Histogram spacing_histogram(const geometry::PointCloud& cloud, std::size_t most)
   if (2 * result.least > shown) result.from = result.least;
   const double width = (shown - result.from) / (spacing_bins - 1);
   // If all distances are equal any width is possible.
-  result.bin = width > least_bin_mm ? width : least_bin_mm;
+  result.bin = width > min_bin_mm ? width : min_bin_mm;
   result.counts.resize(spacing_bins);
   for (const double distance : distances) {
     const double bin = std::min<double>((distance - result.from) / result.bin, spacing_bins - 1);

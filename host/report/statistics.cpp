@@ -57,9 +57,9 @@ constexpr std::array columns{
 };
 
 /// Number of columns in the first version of these files.
-constexpr std::size_t least_columns = 2 + 15;
+constexpr std::size_t min_columns = 2 + 15;
 /// Maximum length of the line of names.
-constexpr std::size_t longest_names = 1 << 16;
+constexpr std::size_t max_names_size = 1 << 16;
 
 std::vector<std::string> names() {
   std::vector<std::string> all{"date", "end"};
@@ -96,7 +96,7 @@ Begun begun_file(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file, ignored)) return {};
   if (std::filesystem::file_size(file, ignored) == 0) return {};
   std::ifstream in(file, std::ios::binary);
-  std::string line(longest_names, '\0');
+  std::string line(max_names_size, '\0');
   in.read(line.data(), static_cast<std::streamsize>(line.size()));
   line.resize(static_cast<std::size_t>(in.gcount()));
   line.resize(std::min(line.size(), line.find('\n')));
@@ -106,7 +106,7 @@ Begun begun_file(const std::filesystem::path& file) {
   std::istringstream fields(line);
   for (std::string name; std::getline(fields, name, ','); ++begun.columns)
     if (begun.columns < known.size() && name != known[begun.columns]) refuse_other(file);
-  if (begun.columns < least_columns) refuse_other(file);
+  if (begun.columns < min_columns) refuse_other(file);
   in.clear();
   in.seekg(-1, std::ios::end);
   begun.line_open = in.get() != '\n';

@@ -16,7 +16,7 @@ using settings::Id;
 
 constexpr std::chrono::microseconds loop_interval = 2ms;
 /// Interval between two searches for a missing pendant, at rest.
-constexpr auto look_interval = 1s;
+constexpr auto search_interval = 1s;
 /// An escape byte that no other follows for so long is the key Esc.
 constexpr auto escape_time = 50ms;
 /// A simulated board that lags more does not catch up with the wall clock.
@@ -41,7 +41,7 @@ JogSession::JogSession(SupervisedBoard& board, const JogChoice& choice, Frontend
       interrupts_(frontend.interrupts()),
       view_(view) {
   const bool with_pendant = choice.pendant != "none";
-  if (with_pendant) look_for_pendant(choice.pendant != "auto");
+  if (with_pendant) find_pendant(choice.pendant != "auto");
   // Without a terminal keys come from a pipe, but not beside a pendant, whose user has none.
   if (view.has_keyboard() || !pendant_) keyboard_ = view.open_keys();
   jogger_.emplace(board.link.port(), limits_of(board.link.port()), choice.map);
@@ -74,8 +74,8 @@ void JogSession::run() {
                 "plug it in and begin again");
 }
 
-void JogSession::look_for_pendant(bool must_be) {
-  looked_at_ = Clock::now();
+void JogSession::find_pendant(bool must_be) {
+  searched_at_ = Clock::now();
   const auto found = pendant::find_pendants(choice_.pendant);
   for (const pendant::HidInfo& info : found) {
     try {
@@ -103,7 +103,7 @@ void JogSession::use(const pendant::HidInfo& info) {
 void JogSession::take_pendant() {
   if (!pendant_) {
     const bool wanted = choice_.pendant != "none" && pendant_lost_ && jogger_->rests();
-    if (wanted && Clock::now() - looked_at_ >= look_interval) look_for_pendant(false);
+    if (wanted && Clock::now() - searched_at_ >= search_interval) find_pendant(false);
     return;
   }
   for (const Event& event : pendant_->poll()) jogger_->take(event);

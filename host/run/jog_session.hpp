@@ -73,7 +73,7 @@ class JogSession {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void look_for_pendant(bool must_be);
+  void find_pendant(bool must_be);
   void use(const pendant::HidInfo& info);
   void take_pendant();
   void take_keys();
@@ -93,7 +93,7 @@ class JogSession {
   std::optional<pendant::Pendant> pendant_;
   std::string pendant_name_;
   bool pendant_lost_ = false;
-  Clock::time_point looked_at_{};
+  Clock::time_point searched_at_{};
   Clock::time_point passed_until_ = Clock::now();  ///< in simulated time
   std::optional<pendant::Jogger> jogger_;
 };

@@ -69,7 +69,7 @@ Model placed(Model model, const Affine& first, const Object& object, const Volum
 /// Into the middle of the block, in the size that is wanted.
 Affine into_the_middle(const Bounds& box, const std::optional<double>& size_mm,
                        const Volume& volume) {
-  const double size = size_mm.value_or(box.longest_side());
+  const double size = size_mm.value_or(box.max_side());
   const Point middle = volume.middle();
   return geometry::moved(middle.x, middle.y, middle.z) * model::centring_and_scaling(box, size);
 }
@@ -81,7 +81,7 @@ void check_size(const Object& object, const Bounds& box, const Volume& volume) {
   room.high = {room.high.x + rounding_mm, room.high.y + rounding_mm, room.high.z + rounding_mm};
   const double scale = glass::fitting_scale(box, room);
   if (scale >= 1) return;
-  const double size = std::floor(scale * box.longest_side() * 10) / 10;
+  const double size = std::floor(scale * box.max_side() * 10) / 10;
   std::string remedy = "check travel in the machine profile";
   if (size > 0)
     remedy = object.transform.empty() ? fmt::format("give --size {:g} or less", size)

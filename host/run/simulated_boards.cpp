@@ -13,7 +13,7 @@ namespace lamplock::run {
 namespace {
 
 /// Boot takes about 0.08 s, enumeration as much again.
-constexpr sim::Picoseconds longest_boot = 2 * sim::ps_per_s;
+constexpr sim::Picoseconds max_boot_time = 2 * sim::ps_per_s;
 
 /// The chip's image: the file that was given, or that of this program.
 std::string image_file(const std::string& image) {
@@ -59,7 +59,7 @@ SimulatedBoard make_board(const std::string& name, const std::string& image,
     refuse(error.what());
   }
   made.timing = std::make_unique<sim::BoardTiming>(*board, *made.image);
-  if (!board->run_until_found(longest_boot))
+  if (!board->run_until_found(max_boot_time))
     throw Error(Exit::no_device, image_file(image), "its USB port was not found within 2 s",
                 "check that it is an image of lamplock");
   board->talk_over(function);

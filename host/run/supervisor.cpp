@@ -11,7 +11,7 @@
 namespace lamplock::run {
 namespace {
 
-using gpio::Verdict;
+using gpio::SafetyState;
 
 constexpr std::chrono::milliseconds round{1};
 /// An input that is well is quiet after the debounce time; a contact may bounce once more.
@@ -62,15 +62,15 @@ void Supervisor::end() {
   guard_.reset();
 }
 
-gpio::Verdict Supervisor::read_lines() { return guard_->look(transport_.now()); }
+gpio::SafetyState Supervisor::read_lines() { return guard_->poll(transport_.now()); }
 
 void Supervisor::poll(JobControl& control, AtDoor at_door) {
   if (!guard_) return;
-  const Verdict verdict = read_lines();
-  if (verdict == Verdict::stop || (verdict == Verdict::door && at_door == AtDoor::ends)) {
+  const SafetyState state = read_lines();
+  if (state == SafetyState::stop || (state == SafetyState::door && at_door == AtDoor::ends)) {
     if (ended_by_.empty()) ended_by_ = guard_->reason();
     control.end(ended_by_);
-  } else if (verdict == Verdict::door) {
+  } else if (state == SafetyState::door) {
     door_was_open_ = true;
     control.block(guard_->reason());
   } else {
@@ -88,10 +88,10 @@ void Supervisor::resume_after_door() {
 
 void Supervisor::poll(link::LinePort& port) {
   if (!guard_) return;
-  const Verdict verdict = read_lines();
-  if (verdict == Verdict::clear) return;
+  const SafetyState state = read_lines();
+  if (state == SafetyState::clear) return;
   ended_by_ = guard_->reason();
-  const bool door = verdict == Verdict::door;
+  const bool door = state == SafetyState::door;
   // A line that was queued in this round must not follow the byte.
   if (door)
     port.drop_unbegun_lines();

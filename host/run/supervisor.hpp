@@ -51,7 +51,7 @@ class Supervisor {
   const std::string& ended_by() const { return ended_by_; }
 
  private:
-  gpio::Verdict read_lines();
+  gpio::SafetyState read_lines();
   void resume_after_door();
 
   link::Transport& transport_;

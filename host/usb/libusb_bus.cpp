@@ -95,9 +95,9 @@ class LibusbDevice final : public Device {
 
 /// "1-4.2", the kernel's name; root hubs are "usb1".
 std::string place_of(libusb_device* device) {
-  constexpr int most_ports = 7;  // USB 3.2, 10.16.2.8: five hubs in series, and margin
-  std::array<std::uint8_t, most_ports> ports{};
-  const int count = libusb_get_port_numbers(device, ports.data(), most_ports);
+  constexpr int max_ports = 7;  // USB 3.2, 10.16.2.8: five hubs in series, and margin
+  std::array<std::uint8_t, max_ports> ports{};
+  const int count = libusb_get_port_numbers(device, ports.data(), max_ports);
   const unsigned bus = libusb_get_bus_number(device);
   if (count <= 0) return fmt::format("usb{}", bus);
   std::string place = fmt::format("{}-{}", bus, ports[0]);

@@ -17,12 +17,12 @@ constexpr std::size_t in_count = 4;
 constexpr std::size_t out_size = 1024;
 constexpr std::size_t out_count = 4;
 /// Bytes received and not read, after which the device must wait.
-constexpr std::size_t most_received = std::size_t{1} << 16;
+constexpr std::size_t max_received = std::size_t{1} << 16;
 /// The kernel returns cancelled transfers at once, unless it has a fault.
-constexpr std::chrono::seconds longest_end{2};
+constexpr std::chrono::seconds max_end_time{2};
 /// Accepted bytes are still sent, for they may end with a hold or reset: a board receives them
 /// within ms, unless the computer is busy.
-constexpr std::chrono::milliseconds longest_farewell{500};
+constexpr std::chrono::milliseconds max_farewell_time{500};
 
 timeval to_timeval(std::chrono::microseconds time) {
   constexpr std::int64_t us_per_s = 1'000'000;
@@ -42,7 +42,7 @@ class LibusbStream final : public Stream {
 
   ~LibusbStream() override {
     const auto busy = [](const Slot& slot) { return slot.busy; };
-    const Clock::time_point sent_by = Clock::now() + longest_farewell;
+    const Clock::time_point sent_by = Clock::now() + max_farewell_time;
     while (alive_ && std::any_of(out_.begin(), out_.end(), busy) && Clock::now() < sent_by)
       handle_events(std::chrono::milliseconds(10));
     alive_ = false;
@@ -51,7 +51,7 @@ class LibusbStream final : public Stream {
     };
     std::for_each(in_.begin(), in_.end(), cancel);
     std::for_each(out_.begin(), out_.end(), cancel);
-    const Clock::time_point end = Clock::now() + longest_end;
+    const Clock::time_point end = Clock::now() + max_end_time;
     while (any_busy() && Clock::now() < end) handle_events(std::chrono::milliseconds(10));
     const auto release = [](Slot& slot) {
       // A transfer that was not returned still belongs to the kernel: it is leaked, not freed.
@@ -135,7 +135,7 @@ class LibusbStream final : public Stream {
   /// Submits transfers in their order, which is that of the bytes.
   void ask_again() {
     for (Slot& slot : in_)
-      if (!slot.busy && alive_ && received_.size() < most_received) submit(slot, in_size);
+      if (!slot.busy && alive_ && received_.size() < max_received) submit(slot, in_size);
   }
 
   static void LIBUSB_CALL on_in(libusb_transfer* transfer) {

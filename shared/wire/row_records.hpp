@@ -40,10 +40,10 @@ struct RowState {
 
 inline constexpr std::uint8_t head_feed = 0xC3;
 inline constexpr std::uint8_t head_runs = 0xC4;
-inline constexpr std::size_t most_runs_a_record = 200;
+inline constexpr std::size_t max_runs_a_record = 200;
 /// So that two lines, each with its header, fit into the board's 1024 places.
-inline constexpr std::uint32_t most_runs_a_line = 511;
-inline constexpr std::uint32_t most_cells_a_line = 0xffff;
+inline constexpr std::uint32_t max_runs_a_line = 511;
+inline constexpr std::uint32_t max_cells_a_line = 0xffff;
 inline constexpr std::size_t most_lines_a_frame = 16;
 
 /// Longest coding of one line: feed 5, head 2, four deltas of 4 [bytes].
@@ -77,11 +77,11 @@ constexpr std::size_t put_runs(ByteWriter& out, RowState& state,
                                std::span<const std::uint16_t> runs) {
   if (out.room() < runs_record_size) return 0;
   const std::size_t room = (out.room() - runs_record_size) / sizeof(std::uint16_t);
-  const std::size_t most = std::min({runs.size(), room, most_runs_a_record,
-                                     static_cast<std::size_t>(most_runs_a_line - state.runs)});
+  const std::size_t most = std::min({runs.size(), room, max_runs_a_record,
+                                     static_cast<std::size_t>(max_runs_a_line - state.runs)});
   std::size_t count = 0;
   std::uint32_t cells = state.cells;
-  while (count < most && run_cells(runs[count]) <= most_cells_a_line - cells)
+  while (count < most && run_cells(runs[count]) <= max_cells_a_line - cells)
     cells += run_cells(runs[count++]);
   if (count == 0) return 0;
   out.put(head_runs);
@@ -98,11 +98,11 @@ template <class EmitRun>
 constexpr Result take_runs(ByteReader& in, RowState& state, EmitRun& emit_run) {
   const auto count = in.take<std::uint8_t>();
   if (!in.ok() || in.left() < count * sizeof(std::uint16_t)) return Result::bad_frame;
-  if (count == 0 || count > most_runs_a_record) return Result::bad_value;
-  if (count > most_runs_a_line - state.runs) return Result::bad_value;
+  if (count == 0 || count > max_runs_a_record) return Result::bad_value;
+  if (count > max_runs_a_line - state.runs) return Result::bad_value;
   for (int i = 0; i < count; ++i) {
     const auto run = in.take<std::uint16_t>();
-    if (run_cells(run) > most_cells_a_line - state.cells) return Result::bad_value;
+    if (run_cells(run) > max_cells_a_line - state.cells) return Result::bad_value;
     state.cells += run_cells(run);
     if (const Result r = emit_run(run); r != Result::ok) return r;
   }

@@ -26,20 +26,20 @@ void PioDmaClock::set_step_every_clock(bool on) {
   bring_up_to_date();
   every_clock_ = on;
   for (PioBlock& block : pio_) block.set_every_clock(on, next_);
-  tell_wheel();
+  update_wheel();
 }
 
 void PioDmaClock::set_pio_clock(std::size_t block, bool runs) {
   bring_up_to_date();
   pio_[block].set_clock(runs, next_);
   if (runs) pio_[block].set_inputs(gpio_.inputs(), next_ - 1);
-  tell_wheel();
+  update_wheel();
 }
 
 void PioDmaClock::set_dma_clock(bool runs) {
   bring_up_to_date();
   dma_.set_clock(runs, next_);
-  tell_wheel();
+  update_wheel();
 }
 
 Cycle PioDmaClock::next_due() const {
@@ -47,7 +47,7 @@ Cycle PioDmaClock::next_due() const {
   return std::max(next_, std::min({pio_[0].due(), pio_[1].due(), dma_.due()}));
 }
 
-void PioDmaClock::tell_wheel() { wheel_.set(slot_, next_due()); }
+void PioDmaClock::update_wheel() { wheel_.set(slot_, next_due()); }
 
 // Run by the wheel, clocks are its time: what the DMA writes to a block takes effect then, and may
 // make that block due before `to`.
@@ -89,7 +89,7 @@ void PioDmaClock::one_clock(Cycle clock) {
 
 void PioDmaClock::run(Cycle to) {
   through(to, true);
-  tell_wheel();
+  update_wheel();
 }
 
 Cycle PioDmaClock::bring_up_to_date() {
@@ -101,13 +101,13 @@ void PioDmaClock::changed() {
   if (running_) return;
   const bool first_changed = pio_[0].take_fifo_changed();
   if (pio_[1].take_fifo_changed() || first_changed) dma_.levels_changed(next_);
-  tell_wheel();
+  update_wheel();
 }
 
 void PioDmaClock::catch_up(Cycle at) {
   if (running_) return;
   through(at);
-  tell_wheel();
+  update_wheel();
 }
 
 /// The first flip-flop takes over levels that change in cycle `at` at the end of that cycle,
@@ -116,7 +116,7 @@ void PioDmaClock::inputs_changed(Cycle at) {
   if (!running_) {
     through(at);
     for (PioBlock& block : pio_) block.set_inputs(gpio_.inputs(), at);
-    tell_wheel();
+    update_wheel();
   } else {
     for (PioBlock& block : pio_) block.set_inputs(gpio_.inputs(), next_ - 1);
   }

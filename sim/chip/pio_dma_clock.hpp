@@ -64,7 +64,7 @@ class PioDmaClock final : private Timed,
   void one_clock(Cycle clock);
   void put_on_pads(Cycle clock);
   Cycle next_due() const;
-  void tell_wheel();
+  void update_wheel();
 
   TimeWheel& wheel_;
   Gpio& gpio_;

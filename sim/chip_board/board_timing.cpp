@@ -131,7 +131,7 @@ TimingTable BoardTiming::table(Picoseconds delay) const {
                                 us(static_cast<double>(entry.longest)), load});
     table.interrupt_load += load;
   }
-  table.masked_longest_us = us(static_cast<double>(profile_.longest_masked()));
+  table.max_masked_us = us(static_cast<double>(profile_.max_masked()));
   const auto& one = profile1_;
   table.planner_load = 1 - static_cast<double>(one.asleep()) /
                                static_cast<double>(std::max<chip::Cycle>(one.cycles(), 1));
@@ -172,8 +172,8 @@ std::string timing_text(const TimingTable& t) {
                  t.step_error_worst_ns, static_cast<unsigned long long>(t.steps));
   for (const TimingTable::Interrupt& each : t.interrupts)
     text += format("  interrupt %-14s mean %7.2f us, longest %7.2f us, %5.1f %% of the time\n",
-                   each.name.c_str(), each.mean_us, each.longest_us, 100 * each.load);
-  text += format("  interrupts off: at most %.2f us\n", t.masked_longest_us);
+                   each.name.c_str(), each.mean_us, each.max_us, 100 * each.load);
+  text += format("  interrupts off: at most %.2f us\n", t.max_masked_us);
   text += format("  CPU load of interrupts: %.1f %%\n", 100 * t.interrupt_load);
   text += format("  planner (core 1): %.1f %% of the time\n", 100 * t.planner_load);
   text +=

@@ -39,11 +39,11 @@ struct TimingTable {
   struct Interrupt {
     std::string name;
     std::uint64_t count = 0;
-    double mean_us = 0, longest_us = 0, load = 0;  ///< load: share of all cycles
+    double mean_us = 0, max_us = 0, load = 0;  ///< load: share of all cycles
   };
   std::vector<Interrupt> interrupts;
   double interrupt_load = 0;  ///< of all interrupts, nested ones once
-  double masked_longest_us = 0;
+  double max_masked_us = 0;
   double planner_load = 0;  ///< time core 1 is awake; 0 if core 0 plans
   struct Stack {
     std::uint32_t used = 0, size = 0;

@@ -8,7 +8,7 @@ namespace lamplock::sim {
 namespace {
 
 /// Position_after() counts in 32 bits.
-constexpr std::uint64_t longest_piece = std::uint64_t{1} << 30;
+constexpr std::uint64_t max_piece = std::uint64_t{1} << 30;
 /// Beats kept after the window.
 constexpr std::int64_t beats_behind = 2;
 
@@ -33,7 +33,7 @@ MotionPiece piece_of(const PlayedTicks& played, wire::MachineState state,
 /// True if `next` continues the motion of `piece` without a change.
 bool goes_on(const MotionPiece& piece, const MotionPiece& next) {
   if (next.first_tick != piece.end_tick() || next.state != piece.state) return false;
-  if (std::uint64_t{piece.ticks} + next.ticks > longest_piece) return false;
+  if (std::uint64_t{piece.ticks} + next.ticks > max_piece) return false;
   for (std::size_t a = 0; a < piece.axis.size(); ++a) {
     const stepper::AxisRun &run = piece.axis[a], &next_run = next.axis[a];
     if (next_run.accel_q62 != run.accel_q62) return false;

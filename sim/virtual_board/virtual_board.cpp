@@ -77,7 +77,7 @@ VirtualBoard::VirtualBoard(const settings::Values& stored, const WorldConfig& wo
     bus_.listen(photosensor_pin(channel), *this);
   const stepper::PulseOutput output = stepper::pulse_output(stored);
   for (int axis = 0; axis < max_axes; ++axis) {
-    longest_lag_ = std::max(longest_lag_, world_->drives().lag(axis));
+    max_lag_ = std::max(max_lag_, world_->drives().lag(axis));
     axes_[index(axis)].start(bus_, axis, output);
   }
 }
@@ -126,14 +126,14 @@ void VirtualBoard::pin_changed(Pin pin, bool level, Picoseconds at) {
       break;
     }
     default:
-      tell_input(pin);
+      report_input(pin);
       break;
   }
   check_outputs();
 }
 
 /// Reports an input to the core after a change of its level or of its polarity in the settings.
-void VirtualBoard::tell_input(Pin pin) {
+void VirtualBoard::report_input(Pin pin) {
   using machine::Input;
   const auto* found = std::find_if(input_pins.begin(), input_pins.end(),
                                    [pin](const InputPin& known) { return known.pin == pin; });
@@ -222,7 +222,7 @@ void VirtualBoard::run_until(Picoseconds until) {
 void VirtualBoard::service() {
   next_service_ = now_ + service_period;
   controller_->photosensors(0, static_cast<std::uint64_t>(now_ / ps_per_clock));
-  for (const InputPin& input : input_pins) tell_input(input.pin);
+  for (const InputPin& input : input_pins) report_input(input.pin);
   if (planned_at_ == never) {
     main_loop();
   } else if (planned_at_ <= now_) {
@@ -317,7 +317,7 @@ void VirtualBoard::play(Picoseconds until) {
 /// Drops ticks that are older than any look-back.
 void VirtualBoard::forget() {
   // A tick is not shorter than three quarters of a microsecond.
-  const auto lag_ticks = static_cast<std::uint64_t>(longest_lag_ / (ps_per_us * 3 / 4));
+  const auto lag_ticks = static_cast<std::uint64_t>(max_lag_ / (ps_per_us * 3 / 4));
   const std::uint64_t before = played_ > lag_ticks ? played_ - lag_ticks : 0;
   while (recent_blocks_.size() > remembered_blocks &&
          recent_blocks_[recent_blocks_.size() - remembered_blocks].first_tick < before)
@@ -337,7 +337,7 @@ void VirtualBoard::play_block(const stepper::TickBlock& block, std::uint64_t to_
   for (int a = 0; a < max_axes; ++a)
     axes_[index(a)].play(block, cursors_[index(a)], played_, to_tick, step_pulse_, time_of);
   play_power(block, to_tick);
-  if (listener_ != nullptr) tell_ticks(block, to_tick);
+  if (listener_ != nullptr) report_ticks(block, to_tick);
   played_ = to_tick;
 }
 
@@ -358,7 +358,7 @@ void VirtualBoard::play_power(const stepper::TickBlock& block, std::uint64_t to_
   }
 }
 
-void VirtualBoard::tell_ticks(const stepper::TickBlock& block, std::uint64_t to_tick) {
+void VirtualBoard::report_ticks(const stepper::TickBlock& block, std::uint64_t to_tick) {
   if (to_tick == played_) return;
   listener_->ticks_played(
       {block, played_, to_tick, ticks_.time_of(played_), ticks_.time_of(to_tick)});

@@ -70,7 +70,7 @@ class VirtualBoard final : public Board, private PinListener {
 
  private:
   void pin_changed(Pin pin, bool level, Picoseconds at) override;
-  void tell_input(Pin pin);
+  void report_input(Pin pin);
   StepPosition present_position() const;
   Picoseconds next_event() const;
   Picoseconds next_look() const;
@@ -86,7 +86,7 @@ class VirtualBoard final : public Board, private PinListener {
   void forget();
   void begin_block(const stepper::TickBlock& block);
   void play_block(const stepper::TickBlock& block, std::uint64_t to_tick);
-  void tell_ticks(const stepper::TickBlock& block, std::uint64_t to_tick);
+  void report_ticks(const stepper::TickBlock& block, std::uint64_t to_tick);
   void apply_bits(std::uint8_t bits, Picoseconds at);
   void play_power(const stepper::TickBlock& block, std::uint64_t to_tick);
   void put_gate(Picoseconds at);
@@ -124,7 +124,7 @@ class VirtualBoard final : public Board, private PinListener {
   Verdict shot_;  ///< decided, its pulse has not begun
   bool own_edges_ = false;
   Picoseconds step_pulse_ = 0;
-  Picoseconds longest_lag_ = 0;  ///< of the drives: so far back the board's ticks are asked for
+  Picoseconds max_lag_ = 0;  ///< of the drives: so far back the board's ticks are asked for
   Picoseconds now_ = 0;
   Picoseconds next_service_ = 0;
   Picoseconds planning_time_ = 0;

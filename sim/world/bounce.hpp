@@ -28,13 +28,13 @@ struct BounceConfig {
 /// The bounces of one contact.
 class BounceMaker {
  public:
-  static constexpr std::size_t most_bounces = 6;
+  static constexpr std::size_t max_bounces = 6;
 
   explicit BounceMaker(const BounceConfig& config) : config_(config), random_(config.seed) {}
 
   /// Times of a burst after a change at `at`, in order; empty if it does not bounce.
   std::span<const Picoseconds> burst(bool makes, Picoseconds at) {
-    const std::size_t bounces = 1 + random_() % most_bounces;
+    const std::size_t bounces = 1 + random_() % max_bounces;
     const double length = (makes ? config_.make_us : config_.break_us) * double{ps_per_us};
     for (Picoseconds& time : times_) {
       const double share = random_.uniform();
@@ -49,7 +49,7 @@ class BounceMaker {
  private:
   BounceConfig config_;
   Random random_;
-  std::array<Picoseconds, 2 * most_bounces> times_{};
+  std::array<Picoseconds, 2 * max_bounces> times_{};
 };
 
 }  // namespace lamplock::sim

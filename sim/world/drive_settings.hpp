@@ -26,8 +26,8 @@ inline DriveConfig drives_of(const settings::Values& values) {
   drives.dir_setup_ns = values.milli(Id::direction_setup);
   drives.dir_hold_ns = values.milli(Id::direction_hold);
   // The pin of a board may change up to a round of its main loop later than the board assumes.
-  constexpr double most_round_ms = 3;
-  drives.wake_ms = drive_wake_ms - most_round_ms;
+  constexpr double max_round_ms = 3;
+  drives.wake_ms = drive_wake_ms - max_round_ms;
   drives.axes_of_enable_z =
       boards::axes_of_z_enable(static_cast<boards::PinMap>(values.whole(Id::pin_map)));
   return drives;

@@ -69,7 +69,7 @@ void Drives::special_changed(Axis& axis, std::size_t wire, bool level, Picosecon
 }
 
 /// A motor has made a step in direction `way`.
-void Drives::tell(const Axis& axis, std::int32_t way, Picoseconds at) const {
+void Drives::report(const Axis& axis, std::int32_t way, Picoseconds at) const {
   const StepPosition now = motors();
   StepPosition before = now;
   before[index(axis.number)] -= way;

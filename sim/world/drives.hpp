@@ -173,9 +173,9 @@ class Drives final : public PinListener {
     axis.last_step = at;
     axis.recent[axis.steps++ % remembered_steps] = {at, axis.position};
     axis.position += way;
-    if (axis.heard) tell(axis, way, at);
+    if (axis.heard) report(axis, way, at);
   }
-  void tell(const Axis& axis, std::int32_t way, Picoseconds at) const;
+  void report(const Axis& axis, std::int32_t way, Picoseconds at) const;
   void power(Pin pin, bool on, Picoseconds at);
   void special_changed(Axis& axis, std::size_t wire, bool level, Picoseconds at);
   void pulse_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at);

@@ -83,8 +83,8 @@ void Lamp::make_period(Picoseconds ideal, Picoseconds next_ideal) {
   if (dropout_draw < config_.dropout) {
     add(edge, Kind::dropped);
   } else if (doubled_draw < config_.doubled && echo_room_us >= echo_min_us) {
-    const double longest_us = std::min(echo_max_us, echo_room_us);
-    const Picoseconds echo = edge + from_us(echo_min_us + echo_draw * (longest_us - echo_min_us));
+    const double max_us = std::min(echo_max_us, echo_room_us);
+    const Picoseconds echo = edge + from_us(echo_min_us + echo_draw * (max_us - echo_min_us));
     add_pulse(edge, std::min(edge + pulse_, echo - shortest_gap), Kind::flash);
     add_pulse(echo, echo + pulse_, Kind::rise);
     quiet_from = echo + pulse_;

@@ -36,7 +36,7 @@ constexpr double grbl_avr = 343, grblhal_rp2040 = 2339;
 constexpr int row_pixels = 2000;
 /// Part of the row in which the rate is measured: after acceleration, before braking.
 constexpr double measured_from = 0.3, measured_to = 0.8;
-constexpr std::size_t longest_list = 240;  // of 256 characters
+constexpr std::size_t max_list_size = 240;  // of 256 characters
 /// For a row job: the planner needs whole lines, and the table has 1024 places.
 constexpr std::size_t runs_a_line = 48;
 
@@ -79,7 +79,7 @@ std::string row(double pixel_mm, double feed_mm_s, bool lists, unsigned longest_
     list += fmt::format("{}{}", list.empty() ? "S" : ":", run.power);
     if (lists && run.pixels > 1) list += fmt::format("*{}", run.pixels);
     i += run.pixels;
-    if (lists && list.size() < longest_list && i != row_pixels) continue;
+    if (lists && list.size() < max_list_size && i != row_pixels) continue;
     text += fmt::format("G1X{:.2f}{}\n", pixel_mm * i, list);
     list.clear();
   }

@@ -75,8 +75,8 @@ TEST(DriveLag, RandomLagsUpToTheLongest) {
     const Pick<double> up_to(random);
     const Machine& machine = machines[static_cast<std::size_t>(i) % std::size(machines)];
     job::Profile profile = lamp_profile(machine.hz, machine.mode, machine.accel_m_s2);
-    const double most_us = i % 4 == 0 ? 5000 : i % 4 == 1 ? 30 : 1000;
-    set_lag(profile, {i % 3 == 0 ? most_us : up_to(most_us), std::floor(up_to(most_us)), 0});
+    const double max_us = i % 4 == 0 ? 5000 : i % 4 == 1 ? 30 : 1000;
+    set_lag(profile, {i % 3 == 0 ? max_us : up_to(max_us), std::floor(up_to(max_us)), 0});
     if (i % 7 == 6) set_lag(profile, {5000, 5000, 5000});
     sim::LampConfig lamp;
     lamp.seed = static_cast<std::uint64_t>(i) + 1;
@@ -84,7 +84,7 @@ TEST(DriveLag, RandomLagsUpToTheLongest) {
     const bool faults = machine.mode == LampMode::slave && i % 2 == 1;
     if (faults) {
       lamp.jitter_us = 20;
-      lamp.wander = most_us < 100 ? 0.01 : 0;  // a lag is turned into ticks at rest
+      lamp.wander = max_us < 100 ? 0.01 : 0;  // a lag is turned into ticks at rest
       lamp.dropout = 0.02;
       lamp.runt = 0.1;
       lamp.doubled = 0.05;

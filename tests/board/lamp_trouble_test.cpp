@@ -42,7 +42,7 @@ class ScriptedLamp : public testing::Test {
 
   /// Flashes during the move to a point from rest to rest.
   double flashes_of_way(std::size_t point, Picoseconds flash) const {
-    double longest_s = 0;
+    double max_s = 0;
     for (int axis = 0; axis < job_.header.axes; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
       const std::int32_t from = point == 0 ? 0 : job_.targets[point - 1].steps[a];
@@ -52,9 +52,9 @@ class ScriptedLamp : public testing::Test {
       const double v = setting(Id::max_rate_x) / 60, accel = setting(Id::acceleration_x);
       const double s =
           way_mm < v * v / accel ? 2 * std::sqrt(way_mm / accel) : way_mm / v + v / accel;
-      longest_s = std::max(longest_s, s);
+      max_s = std::max(max_s, s);
     }
-    return std::ceil(longest_s * 1e12 / static_cast<double>(flash));
+    return std::ceil(max_s * 1e12 / static_cast<double>(flash));
   }
 
   job::Profile profile_;

@@ -19,12 +19,12 @@ namespace lamplock::test {
 inline constexpr int flicker = 40;
 inline constexpr std::uint32_t raster_feed_milli = 60'000u * Raster::speed_mm_s;
 
-/// Rows as lines with at most `most_runs` runs, with run-up and run-out as dark cells, and a rapid
+/// Rows as lines with at most `max_runs` runs, with run-up and run-out as dark cells, and a rapid
 /// between rows.
 class PixelLines {
  public:
-  explicit PixelLines(const Raster& raster, std::size_t most_runs = wire::most_runs_a_line)
-      : most_runs_(most_runs) {
+  explicit PixelLines(const Raster& raster, std::size_t max_runs = wire::max_runs_a_line)
+      : max_runs_(max_runs) {
     rapid(-Raster::run_up_pixels, 0);
     for (row_ = 0; row_ < raster.rows(); ++row_) {
       way_ = raster.backwards(row_) ? -1 : 1;
@@ -58,7 +58,7 @@ class PixelLines {
       open_.runs.push_back(run);
       at_ += way_ * static_cast<int>(wire::run_cells(run));
       left -= wire::run_cells(run);
-      if (open_.runs.size() == most_runs_) end_line();
+      if (open_.runs.size() == max_runs_) end_line();
     }
   }
   void end_line() {
@@ -67,7 +67,7 @@ class PixelLines {
     lines_.push_back(std::exchange(open_, {}));
   }
 
-  std::size_t most_runs_;
+  std::size_t max_runs_;
   std::vector<PixelLine> lines_;
   PixelLine open_;
   std::size_t row_ = 0;

@@ -146,7 +146,7 @@ class Fuzz : public testing::Test {
     host.run_ms(50);
     const std::size_t banners = host.count(Said::banner);
     host.send(0x18);
-    const double limit_ms = 1500 + 1000 * longest_stop_s(rig.board.stored_settings());
+    const double limit_ms = 1500 + 1000 * max_stop_s(rig.board.stored_settings());
     for (int ms = 0; ms < limit_ms && host.count(Said::banner) == banners; ++ms) host.run_ms(1);
     host.run_ms(50);
     host.send("$X\n");
@@ -159,7 +159,7 @@ class Fuzz : public testing::Test {
   /// Longest time in which an axis comes to rest by its settings, in moves of at most 0.1 mm or a
   /// step and with only the acceleration that jerk permits at once: the same fraction of it on
   /// every axis, as for lines (line/rise.hpp).
-  static double longest_stop_s(const settings::Values& values) {
+  static double max_stop_s(const settings::Values& values) {
     constexpr double at_once_s = motion::flat_rise_ticks * 1e-6;
     double share = 1;
     for (int a = 0; a < values.whole(Id::axes); ++a) {

@@ -85,7 +85,7 @@ class GoldenRun {
   }
 
   void run() {
-    sim::MotionTrace trace(rig_.board, {-most_beats, most_beats},
+    sim::MotionTrace trace(rig_.board, {-max_beats, max_beats},
                            sim::MotionTrace::Zero::first_motion);
     StepRecord record(rig_.board);
     send();
@@ -102,8 +102,8 @@ class GoldenRun {
   }
 
  private:
-  static constexpr std::int64_t most_beats = 1'000'000;
-  static constexpr double most_ms = 30'000;
+  static constexpr std::int64_t max_beats = 1'000'000;
+  static constexpr double max_ms = 30'000;
 
   void send() {
     std::string text;
@@ -132,7 +132,7 @@ class GoldenRun {
   }
   template <class Done>
   void run_until(Done done) {
-    for (double ms = 0; ms < most_ms && !done(); ms += 1) host_.run_ms(1);
+    for (double ms = 0; ms < max_ms && !done(); ms += 1) host_.run_ms(1);
   }
 
   void expect_answers() const {

@@ -181,7 +181,7 @@ class Raster {
   }
 
   void judge_row(std::size_t row, const Way& way, const std::vector<sim::BeamChange>& light,
-                 sim::Picoseconds lead, int least_change, Judgement& result) const {
+                 sim::Picoseconds lead, int min_change, Judgement& result) const {
     const std::vector<int> pixels = passed(row);
     const auto commanded = [lead](sim::Picoseconds at) { return at - lead; };
     const auto after = [&light](sim::Picoseconds at) {
@@ -197,7 +197,7 @@ class Raster {
     for (auto c = after(commanded(way.times[1]));
          c != light.end() && c->at < commanded(way.times.back()); ++c) {
       const int now = c->light();
-      if (std::abs(now - before) <= least_change) continue;
+      if (std::abs(now - before) <= min_change) continue;
       before = now;
       ++result.changes;
       result.largest_shift = std::max(result.largest_shift, shift_of(way, pixels, c->at + lead));

@@ -39,7 +39,7 @@ struct RowFrame {
 /// The frames of the lines from the header's first index, which begins at its origin.
 inline std::vector<RowFrame> row_frames(const std::vector<PixelLine>& lines,
                                         const wire::JobHeader& header,
-                                        std::size_t most_bytes = wire::max_payload) {
+                                        std::size_t max_bytes = wire::max_payload) {
   std::vector<RowFrame> frames;
   std::array<std::uint8_t, wire::max_payload> bytes{};
   wire::ByteWriter out({});
@@ -48,7 +48,7 @@ inline std::vector<RowFrame> row_frames(const std::vector<PixelLine>& lines,
   wire::RowState state;
   state.steps = header.origin_steps;
   const auto begin = [&] {
-    out = wire::ByteWriter(std::span(bytes).first(most_bytes));
+    out = wire::ByteWriter(std::span(bytes).first(max_bytes));
     in_frame = 0;
   };
   const auto end = [&] {
@@ -85,11 +85,11 @@ inline std::vector<RowFrame> row_frames(const std::vector<PixelLine>& lines,
 class RowHost {
  public:
   RowHost(link::Transport& transport, const std::vector<PixelLine>& lines, wire::JobHeader header,
-          std::uint32_t session = 77, std::size_t most_bytes = wire::max_payload)
+          std::uint32_t session = 77, std::size_t max_bytes = wire::max_payload)
       : transport_(transport), connection_(transport), header_(header), session_(session) {
     header_.points_total = static_cast<std::uint32_t>(lines.size());
     header_.mode = wire::mode_rows;
-    frames_ = row_frames(lines, header_, most_bytes);
+    frames_ = row_frames(lines, header_, max_bytes);
   }
 
   /// One round: receives, sends what the board has room for, and lets time pass.
@@ -166,7 +166,7 @@ class RowHost {
     connection_.send({wire::FrameType::begin, session_, 0}, out.written());
   }
   void send_frames() {
-    constexpr std::size_t most_backlog = 2000;
+    constexpr std::size_t max_backlog = 2000;
     const std::uint32_t taken = status_.next_number - 1;
     const std::uint32_t lines =
         taken == 0 || taken > frames_.size() ? header_.first_index : frames_[taken - 1].lines;
@@ -174,7 +174,7 @@ class RowHost {
         taken == 0 || taken > frames_.size() ? 0 : frames_[taken - 1].places;
     bool sent = false;
     while (sent_ < frames_.size() + 1 && sent_ < taken + 16 &&
-           connection_.backlog() < most_backlog) {
+           connection_.backlog() < max_backlog) {
       if (sent_ == frames_.size()) {
         send_end();
       } else {

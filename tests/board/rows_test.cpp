@@ -21,18 +21,18 @@ wire::JobHeader row_header(const job::Profile& machine) {
 struct Sending {
   Faults faults = {};
   std::uint64_t seed = 1;
-  std::size_t most_runs = wire::most_runs_a_line;
-  std::size_t most_bytes = wire::max_payload;
+  std::size_t max_runs = wire::max_runs_a_line;
+  std::size_t max_bytes = wire::max_payload;
 };
 
 /// A machine, a cable and a sender of a raster.
 struct RowRig {
   explicit RowRig(const Raster& picture, const Sending& sending = {})
       : raster(picture),
-        lines(PixelLines(picture, sending.most_runs).lines()),
+        lines(PixelLines(picture, sending.max_runs).lines()),
         rig(machine),
         cable(rig, sending.faults, sending.seed),
-        host(cable, lines, row_header(machine), 77, sending.most_bytes) {}
+        host(cable, lines, row_header(machine), 77, sending.max_bytes) {}
 
   /// Every cell got its light, nothing else did, and no shot was fired.
   void expect_burnt() {
@@ -101,9 +101,9 @@ TEST(Rows, ShineAsListsOfPowersDo) {
 /// 3000 runs per second, in lines of any length that the board accepts.
 TEST(Rows, OfGreyPixelsKeepTheirSpeed) {
   for (int i = 0; i < scaled(3); ++i) {
-    const std::size_t most_runs[] = {wire::most_runs_a_line, 300, 100};
+    const std::size_t max_runs[] = {wire::max_runs_a_line, 300, 100};
     RowRig rows(Raster(static_cast<std::uint64_t>(i + 10), 3, 700, 1),
-                {.most_runs = most_runs[i % 3]});
+                {.max_runs = max_runs[i % 3]});
     ASSERT_TRUE(rows.host.run(30));
     rows.expect_burnt();
     expect_engraved(rows.raster, rows.rig.monitor, rows.rig.board, 0, flicker);
@@ -123,17 +123,17 @@ TEST(Rows, InShortLinesDoNotRestBetweenThem) {
     for (int k = 0; k < cells; ++k) line.runs.push_back(wire::longest_run(20'000, 1));
     lines.push_back(line);
   }
-  for (const std::size_t most_bytes : {120u, 200u, 499u}) {
+  for (const std::size_t max_bytes : {120u, 200u, 499u}) {
     Rig rig(machine);
     BoardCable cable(rig);
-    RowHost host(cable, lines, row_header(machine), 77, most_bytes);
+    RowHost host(cable, lines, row_header(machine), 77, max_bytes);
     ASSERT_TRUE(host.run(5));
     const auto& x = rig.monitor.steps(0);
     ASSERT_EQ(x.size(), static_cast<std::size_t>(lines_in_all * cells * steps_per_cell));
     // Without the first four and the last four lines.
     const std::size_t from = 4 * cells * steps_per_cell, to = x.size() - from;
     const double mm = 0.005 * static_cast<double>(to - from);
-    EXPECT_GT(mm / sim::seconds(x[to].at - x[from].at), 0.9 * Raster::speed_mm_s) << most_bytes;
+    EXPECT_GT(mm / sim::seconds(x[to].at - x[from].at), 0.9 * Raster::speed_mm_s) << max_bytes;
   }
 }
 
@@ -153,8 +153,8 @@ TEST(Rows, AreBurntOnceWhateverTheCableDoes) {
     RowRig rows(Raster(seed + 30, 5, 300, i % 2 == 0 ? 1 : 5),
                 {.faults = kinds[i % 3],
                  .seed = seed,
-                 .most_runs = i % 2 == 0 ? wire::most_runs_a_line : 60,
-                 .most_bytes = i % 4 < 2 ? wire::max_payload : 60});
+                 .max_runs = i % 2 == 0 ? wire::max_runs_a_line : 60,
+                 .max_bytes = i % 4 < 2 ? wire::max_payload : 60});
     SCOPED_TRACE(testing::Message() << "seed " << i);
     ASSERT_TRUE(rows.host.run(100));
     rows.expect_burnt();
@@ -168,8 +168,8 @@ TEST(Rows, ResumeInTheCellWhereTheyWereHeld) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i));
     RowRig rows(Raster(static_cast<std::uint64_t>(i + 50), 4, 300, i % 2 == 0 ? 1 : 5));
     int holds = 0;
-    const auto wait = [&](std::uint64_t most_ms) {
-      for (auto ms = 2 * (random() % most_ms); ms != 0 && !rows.host.done(); --ms) rows.host.step();
+    const auto wait = [&](std::uint64_t max_ms) {
+      for (auto ms = 2 * (random() % max_ms); ms != 0 && !rows.host.done(); --ms) rows.host.step();
     };
     while (!rows.host.done() && rows.rig.now() < 60 * ps_per_s) {
       wait(100);
@@ -215,7 +215,7 @@ TEST(Rows, WaitForLateLines) {
   for (int i = 0; i < scaled(4); ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i));
     RowRig rows(Raster(static_cast<std::uint64_t>(i + 60), 12, 300, 1),
-                {.most_runs = 20, .most_bytes = 60});
+                {.max_runs = 20, .max_bytes = 60});
     int rests = 0;
     for (int k = 0; !rows.host.done() && k < 100; ++k) {
       const bool starve = k % 2 != 0;
@@ -278,7 +278,7 @@ TEST(Rows, AreDarkAtOnceWhenTheyAreEnded) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i));
     const Ending& ending = endings[i % 3];
     SCOPED_TRACE(testing::Message() << ending.name << ' ' << i);
-    RowRig rows(Raster(static_cast<std::uint64_t>(i + 80), 12, 200, 5), {.most_runs = 30});
+    RowRig rows(Raster(static_cast<std::uint64_t>(i + 80), 12, 200, 5), {.max_runs = 30});
     rows.host.do_not_resume();
     for (auto k = 400 + random() % 2400; k != 0; --k) rows.host.step();
     ASSERT_EQ(rows.rig.state(), MachineState::run);
@@ -334,7 +334,7 @@ TEST(Rows, ContinueAtTheFirstLineNotRun) {
     SCOPED_TRACE(i);
     // A row is one line or two.
     RowRig rows(Raster(static_cast<std::uint64_t>(i + 90), 10, 200, 3),
-                {.most_runs = i % 2 == 0 ? wire::most_runs_a_line : 70});
+                {.max_runs = i % 2 == 0 ? wire::max_runs_a_line : 70});
     rows.host.do_not_resume();
     for (auto k = 2000 + random() % 3000; k != 0; --k) rows.host.step();
     if (i % 3 != 0) rows.host.command(wire::Command::hold);
@@ -373,7 +373,7 @@ TEST(Rows, ContinueAtTheFirstLineNotRun) {
 
 /// A line is reported as run never before it is, and soon after.
 TEST(Rows, ReportTheirProgress) {
-  RowRig rows(Raster(7, 6, 200, 3), {.most_runs = 40});
+  RowRig rows(Raster(7, 6, 200, 3), {.max_runs = 40});
   std::uint32_t reported = 0;
   while (!rows.host.done() && rows.rig.now() < 60 * ps_per_s) {
     rows.host.step();

@@ -29,7 +29,7 @@ Picoseconds dark_since(const Rig& rig) {
 
 /// The longest light after an event while the laser burns, over several moments.
 template <class Happens>
-Picoseconds longest_light(Happens&& happens) {
+Picoseconds max_light(Happens&& happens) {
   std::mt19937_64 random(1);
   Picoseconds longest = 0;
   for (int i = 0; i < 10; ++i) {
@@ -46,17 +46,17 @@ Picoseconds longest_light(Happens&& happens) {
   }
   return longest;
 }
-Picoseconds longest_light_after(sim::Pin pin) {
-  return longest_light([pin](Rig& rig, ProgramHost&) { rig.set(pin, true); });
+Picoseconds max_light_after(sim::Pin pin) {
+  return max_light([pin](Rig& rig, ProgramHost&) { rig.set(pin, true); });
 }
 
 TEST(SafetyFigures, LightOff) {
   for (const std::uint8_t byte : {std::uint8_t{0x18}, std::uint8_t{0x84}})
     expect_figure(byte == 0x18 ? "light after a reset" : "light after 0x84",
-                  longest_light([byte](Rig&, ProgramHost& host) { host.send(byte); }), 0, 1);
-  expect_figure("light after the door has opened", longest_light_after(sim::Pin::door), 0, 2);
-  expect_figure("light after a limit switch", longest_light_after(sim::Pin::limit_y), 0, 2);
-  expect_figure("light after the e-stop", longest_light_after(sim::Pin::estop), 0, 0.01);
+                  max_light([byte](Rig&, ProgramHost& host) { host.send(byte); }), 0, 1);
+  expect_figure("light after the door has opened", max_light_after(sim::Pin::door), 0, 2);
+  expect_figure("light after a limit switch", max_light_after(sim::Pin::limit_y), 0, 2);
+  expect_figure("light after the e-stop", max_light_after(sim::Pin::estop), 0, 0.01);
 }
 
 TEST(SafetyFigures, DrivesHoldBeforeTheyStep) {

@@ -70,12 +70,12 @@ std::vector<Edge> without_stop(std::vector<Edge> edges, Cycle after) {
 
 /// Runs with and without a stop at several moments and compares.
 template <class Setup>
-void expect_stands_still(ClockGate gate, Cycle length, std::size_t least_edges, Setup setup) {
+void expect_stands_still(ClockGate gate, Cycle length, std::size_t min_edges, Setup setup) {
   Gated whole;
   setup(whole);
   whole.begin();
   whole.run(gate, 0, length, false);
-  ASSERT_GE(whole.edges.size(), least_edges);
+  ASSERT_GE(whole.edges.size(), min_edges);
   for (Cycle after = 1; after < length; after += length / 13) {
     Gated stopped;
     setup(stopped);

@@ -413,13 +413,13 @@ class Programs {
 // Unicorn 2.0 crashes when its translated code fills a gigabyte, in a run of 20 million
 // instructions; no run is that long.
 TEST(CoreInstructions, RandomProgramsEqualUnicorn) {
-  constexpr std::uint64_t most_of_one_machine = 2'000'000;
+  constexpr std::uint64_t max_of_one_machine = 2'000'000;
   const auto wanted = static_cast<std::uint64_t>(scaled(1'000'000));
   std::array<std::uint64_t, 256> seen{};
   std::uint64_t executed = 0;
   for (std::uint64_t seed = 20240611; executed < wanted; ++seed) {
     Programs programs(seed);
-    const std::uint64_t part = std::min(wanted - executed, most_of_one_machine);
+    const std::uint64_t part = std::min(wanted - executed, max_of_one_machine);
     while (programs.executed() < part) ASSERT_TRUE(programs.run_one());
     executed += programs.executed();
     for (std::size_t top = 0; top < seen.size(); ++top) seen[top] += programs.histogram()[top];

@@ -39,7 +39,7 @@ struct CableCuts {
   std::size_t first_after_shots = 0;    ///< no cut before this many shots; 0: from the begin on
   std::function<void(int cut)> pull{};  ///< numbers of cuts count from 0 over all jobs
   std::function<void()> plug{};
-  Picoseconds longest_wait = 0;  ///< to the first cut
+  Picoseconds max_wait = 0;  ///< to the first cut
   /// Adds further actions after the cable is back, at `back`.
   std::function<void(ChipCable& cable, Picoseconds back)> beside{};
 };
@@ -55,7 +55,7 @@ inline void run_jobs_with_cuts(ChipRig& rig, const job::Profile& profile, const 
     const std::size_t fired = rig.shots().size();
     RunningJob running(rig, job, static_cast<std::uint32_t>(round + 1));
     ASSERT_TRUE(running.run_until_fired(cuts.first_after_shots));
-    Picoseconds at = rig.now() + up_to(cuts.longest_wait);
+    Picoseconds at = rig.now() + up_to(cuts.max_wait);
     for (int i = 0; i < 3; ++i, ++cut) {
       running.cable.at(at, [&rig, &cuts, &pulled, cut] {
         if (!rig.board.usb_host().enumerated()) return;

@@ -158,9 +158,9 @@ TEST(ChipJog, ReleaseStopsAtOnce) {
     const std::int32_t at = x();
     rig.type(jog_cancel);
     rig.run(60 * ps_per_ms);
-    const double most_mm = mm_s * mm_s / 2 / 4000 + mm_s * 0.020;
+    const double max_mm = mm_s * mm_s / 2 / 4000 + mm_s * 0.020;
     EXPECT_GT(x(), at);
-    EXPECT_LE(x() - at, most_mm * steps_per_mm + 2);
+    EXPECT_LE(x() - at, max_mm * steps_per_mm + 2);
     EXPECT_THAT(rig.status(), StartsWith("<Idle|"));
     EXPECT_EQ(rig.reported_position(profile.settings)[0], x());
   }

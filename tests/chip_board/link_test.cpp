@@ -30,7 +30,7 @@ TEST(ChipLink, PulledAndPluggedInAJobAtRandomMoments) {
   const job::Profile profile = chip_profile();
   ChipRig rig(profile);
   sim::chip::UsbHost& host = rig.board.usb_host();
-  CableCuts cuts{.seed = 5, .longest_wait = 60 * ps_per_ms};
+  CableCuts cuts{.seed = 5, .max_wait = 60 * ps_per_ms};
   cuts.pull = [&host](int cut) { cut % 2 == 1 ? host.suspend() : host.unplug(); };
   cuts.plug = [&host] {
     if (host.suspended()) host.resume();

@@ -122,7 +122,7 @@ TEST(ChipPulseStream, PulledAndPluggedInAJobAtRandomMoments) {
   FunctionRig rig(profile, UsbFunction::vendor);
   rig.open_both();
   std::mt19937_64 random(16);
-  CableCuts cuts{.seed = 15, .first_after_shots = 1, .longest_wait = 40 * ps_per_ms};
+  CableCuts cuts{.seed = 15, .first_after_shots = 1, .max_wait = 40 * ps_per_ms};
   cuts.pull = [&rig](int) { rig.host().unplug(); };
   cuts.plug = [&rig] { rig.host().plug(); };
   cuts.beside = [&](ChipCable& cable, Picoseconds back) {

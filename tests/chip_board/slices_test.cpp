@@ -22,7 +22,7 @@ class SliceWatch final : private sim::chip::StackView {
   SliceWatch& operator=(const SliceWatch&) = delete;
 
   int count() const { return count_; }
-  double longest_ms() const { return static_cast<double>(longest_) / cycles_per_ms; }
+  double max_ms() const { return static_cast<double>(longest_) / cycles_per_ms; }
   double mean_ms() const { return static_cast<double>(total_) / count_ / cycles_per_ms; }
 
  private:
@@ -45,9 +45,9 @@ class SliceWatch final : private sim::chip::StackView {
   sim::chip::Cycle total_ = 0, longest_ = 0;
 };
 
-/// Runs a job to its end. `longest_ms`: the limit in the headers (controller.hpp).
+/// Runs a job to its end. `max_ms`: the limit in the headers (controller.hpp).
 void expect_short_slices(const job::Profile& profile, JoinMode mode,
-                         const geometry::PointCloud& cloud, double longest_ms) {
+                         const geometry::PointCloud& cloud, double max_ms) {
   ChipRig rig(profile);
   const SliceWatch slices(rig);
   job::JobOptions options;
@@ -55,9 +55,9 @@ void expect_short_slices(const job::Profile& profile, JoinMode mode,
   const job::Job job = job::make_job(cloud, profile, options);
   ASSERT_NO_FATAL_FAILURE(run_to_the_end(rig, job));
   std::printf("%d slices, mean %.2f ms, longest %.2f ms\n", slices.count(), slices.mean_ms(),
-              slices.longest_ms());
+              slices.max_ms());
   EXPECT_GT(slices.count(), static_cast<int>(cloud.size()));
-  EXPECT_LE(slices.longest_ms(), longest_ms);
+  EXPECT_LE(slices.max_ms(), max_ms);
   EXPECT_EQ(rig.board.chip().watchdog_resets(), 0u);
 }
 

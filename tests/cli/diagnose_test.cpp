@@ -24,7 +24,7 @@ TEST(Diagnose, RunsTheTwoTrajectoriesOfThePaper) {
     for (std::size_t a = 0; a < 2; ++a) {
       const nlohmann::json& axis = seen["trajectories"][i]["axes"][a];
       EXPECT_EQ(axis["end_pulses"], ends[i][a]);
-      EXPECT_LT(axis["most_pulses"], 0.55);
+      EXPECT_LT(axis["max_pulses"], 0.55);
       EXPECT_GT(axis["max_positive_mm"], 0.05);
       EXPECT_LT(axis["max_positive_mm"], 0.3);
       EXPECT_LE(axis["max_negative_mm"], 0);

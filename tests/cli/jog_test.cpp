@@ -57,8 +57,8 @@ class MovingMachine {
     while (::poll(&watched, 1, quiet_ms) > 0 && ::read(port, &byte, 1) == 1) continue;
     EXPECT_EQ(::write(port, "?", 1), 1);
     std::string text;
-    constexpr int longest_ms = 20'000;
-    while (text.find('>') == std::string::npos && ::poll(&watched, 1, longest_ms) > 0 &&
+    constexpr int max_ms = 20'000;
+    while (text.find('>') == std::string::npos && ::poll(&watched, 1, max_ms) > 0 &&
            ::read(port, &byte, 1) == 1)
       text += byte;
     ::close(port);

@@ -168,7 +168,7 @@ TEST(Words, FitTouchesTheMargin) {
     for (int k = 0; k < 6; ++k) corners.push_back(random_point(random, 300));
     const Affine map = map_of({"rotate 1 2 3 50", "fit"}, corners);
     const Bounds box = geometry::bounds(model::transformed(corners, map));
-    double slack = room.longest_side();
+    double slack = room.max_side();
     for (const auto& [low, high, room_low, room_high] :
          {std::array{box.low.x, box.high.x, room.low.x, room.high.x},
           std::array{box.low.y, box.high.y, room.low.y, room.high.y},

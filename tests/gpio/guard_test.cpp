@@ -32,17 +32,17 @@ struct Bench {
                  std::shared_ptr<ModelPins> at = std::make_shared<ModelPins>())
       : pins(std::move(at)), guard(lines, of) {}
 
-  Verdict look(Time by = 1ms) {
+  SafetyState poll(Time by = 1ms) {
     now += by;
-    return guard.look(now);
+    return guard.poll(now);
   }
   void settle() {
-    for (int i = 0; i < 30; ++i) look();
+    for (int i = 0; i < 30; ++i) poll();
   }
   void start(LaserUse work = LaserUse::laser) {
     settle();
     guard.begin(work);
-    look();
+    poll();
   }
   /// True if the level has changed.
   bool move(const std::string& place, bool level) {
@@ -64,11 +64,11 @@ TEST(SafetyInputs, InterlockIsOnWhileLaserWorkRunsAndAllInputsAreClear) {
   EXPECT_TRUE(bench.guard.settled());
   EXPECT_FALSE(bench.interlock());
   bench.guard.begin(LaserUse::laser);
-  EXPECT_EQ(bench.look(), Verdict::clear);
+  EXPECT_EQ(bench.poll(), SafetyState::clear);
   EXPECT_TRUE(bench.interlock());
   bench.guard.end();
   EXPECT_FALSE(bench.interlock());
-  bench.look();
+  bench.poll();
   EXPECT_FALSE(bench.interlock());
 }
 
@@ -78,16 +78,16 @@ TEST(SafetyInputs, MotionAloneNeedsNoInterlock) {
   EXPECT_FALSE(bench.interlock());
   EXPECT_TRUE(bench.pins->level("L"));
   bench.pins->set("E", true);
-  EXPECT_EQ(bench.look(), Verdict::stop);
+  EXPECT_EQ(bench.poll(), SafetyState::stop);
 }
 
 TEST(SafetyInputs, InputsAreClearOnlyAfterTheDebounceTime) {
   Bench bench;
-  bench.look();
+  bench.poll();
   EXPECT_EQ(bench.guard.unsettled(), "e-stop pressed (E)");
-  for (int i = 0; i < 19; ++i) bench.look();
+  for (int i = 0; i < 19; ++i) bench.poll();
   EXPECT_FALSE(bench.guard.settled());
-  bench.look();
+  bench.poll();
   EXPECT_TRUE(bench.guard.settled());
 }
 
@@ -96,7 +96,7 @@ TEST(SafetyInputs, APulseBetweenTwoLooksIsSeen) {
   bench.start();
   bench.pins->set("E", true);
   bench.pins->set("E", false);
-  EXPECT_EQ(bench.look(), Verdict::stop);
+  EXPECT_EQ(bench.poll(), SafetyState::stop);
   EXPECT_FALSE(bench.interlock());
   EXPECT_EQ(bench.guard.reason(), "e-stop pressed (E)");
 }
@@ -109,15 +109,15 @@ TEST(SafetyInputs, WithoutEdgesThePollSeesTheLevel) {
   bench.start();
   bench.pins->set("E", true);
   bench.pins->set("E", false);
-  EXPECT_EQ(bench.look(), Verdict::clear) << "documented: shorter than the poll";
+  EXPECT_EQ(bench.poll(), SafetyState::clear) << "documented: shorter than the poll";
   bench.pins->set("D", true);
-  EXPECT_EQ(bench.look(), Verdict::door);
+  EXPECT_EQ(bench.poll(), SafetyState::door);
   EXPECT_FALSE(bench.interlock());
   bench.pins->set("D", false);
-  for (int i = 1; i < 20; ++i) EXPECT_EQ(bench.look(), Verdict::door) << "still debounced";
-  EXPECT_EQ(bench.look(), Verdict::clear);
+  for (int i = 1; i < 20; ++i) EXPECT_EQ(bench.poll(), SafetyState::door) << "still debounced";
+  EXPECT_EQ(bench.poll(), SafetyState::clear);
   bench.pins->set("E", true);
-  EXPECT_EQ(bench.look(), Verdict::stop);
+  EXPECT_EQ(bench.poll(), SafetyState::stop);
   EXPECT_EQ(bench.guard.reason(), "e-stop pressed (E)");
 }
 
@@ -125,11 +125,11 @@ TEST(SafetyInputs, AnEstopIsKeptAfterItsRelease) {
   Bench bench;
   bench.start();
   bench.pins->set("E", true);
-  bench.look();
+  bench.poll();
   bench.pins->set("E", false);
   bench.guard.go_on();
   bench.settle();
-  EXPECT_EQ(bench.guard.verdict(), Verdict::stop);
+  EXPECT_EQ(bench.guard.state(), SafetyState::stop);
   EXPECT_FALSE(bench.interlock());
 }
 
@@ -137,16 +137,16 @@ TEST(SafetyInputs, AfterADoorTheInterlockWaitsForTheUser) {
   Bench bench;
   bench.start();
   bench.pins->set("D", true);
-  EXPECT_EQ(bench.look(), Verdict::door);
+  EXPECT_EQ(bench.poll(), SafetyState::door);
   EXPECT_EQ(bench.guard.reason(), "door open (D)");
   EXPECT_FALSE(bench.interlock());
   bench.pins->set("D", false);
-  EXPECT_EQ(bench.look(), Verdict::door) << "it may still bounce";
+  EXPECT_EQ(bench.poll(), SafetyState::door) << "it may still bounce";
   bench.settle();
-  EXPECT_EQ(bench.guard.verdict(), Verdict::clear);
+  EXPECT_EQ(bench.guard.state(), SafetyState::clear);
   EXPECT_FALSE(bench.interlock()) << "the user has not resumed";
   bench.guard.go_on();
-  bench.look();
+  bench.poll();
   EXPECT_TRUE(bench.interlock());
 }
 
@@ -155,7 +155,7 @@ TEST(SafetyInputs, EveryLostLineStops) {
     Bench bench;
     bench.start();
     bench.pins->unplug(place);
-    EXPECT_EQ(bench.look(), Verdict::stop) << place;
+    EXPECT_EQ(bench.poll(), SafetyState::stop) << place;
     EXPECT_EQ(bench.guard.reason(), "line lost (" + std::string(place) + ")");
     if (*place != 'I') {
       EXPECT_FALSE(bench.interlock()) << place;
@@ -172,7 +172,7 @@ TEST(SafetyInputs, ActiveLowInvertsALine) {
   bench.start();
   EXPECT_FALSE(bench.interlock()) << "active low: on is low";
   bench.pins->set("E", false);
-  EXPECT_EQ(bench.look(), Verdict::stop);
+  EXPECT_EQ(bench.poll(), SafetyState::stop);
   EXPECT_TRUE(bench.interlock());
 }
 
@@ -184,13 +184,13 @@ TEST(SafetyInputs, AToggledInterlockStopsWithinOnePeriodOfTheEstop) {
   bench.pins->on_output = [&](const std::string& place, bool) { changes += place == "I" ? 1 : 0; };
   bench.start();
   changes = 0;
-  for (int i = 0; i < 1000; ++i) bench.look();
+  for (int i = 0; i < 1000; ++i) bench.poll();
   EXPECT_EQ(changes, 50);
   bench.pins->set("E", true);
-  bench.look();
+  bench.poll();
   EXPECT_FALSE(bench.interlock());
   changes = 0;
-  for (int i = 0; i < 1000; ++i) bench.look();
+  for (int i = 0; i < 1000; ++i) bench.poll();
   EXPECT_EQ(changes, 0);
 }
 
@@ -200,10 +200,10 @@ TEST(SafetyInputs, TheLampIsSteadyInNormalWorkAndBlinksForTheUser) {
   bench.start();
   bench.pins->on_output = [&](const std::string& place, bool) { changes += place == "L" ? 1 : 0; };
   EXPECT_TRUE(bench.pins->level("L"));
-  for (int i = 0; i < 2000; ++i) bench.look();
+  for (int i = 0; i < 2000; ++i) bench.poll();
   EXPECT_EQ(changes, 0);
   bench.pins->set("D", true);
-  for (int i = 0; i < 2000; ++i) bench.look();
+  for (int i = 0; i < 2000; ++i) bench.poll();
   EXPECT_NEAR(changes, 8, 1) << "2 Hz";
 }
 
@@ -217,9 +217,9 @@ TEST(SafetyInputs, OutputsAreOffWhenTheGuardEndsInAnyWay) {
     ModelLines lines(pins);
     SafetyInputs guard(lines, table());
     Time now{1s};
-    for (int i = 0; i < 30; ++i) guard.look(now += 1ms);
+    for (int i = 0; i < 30; ++i) guard.poll(now += 1ms);
     guard.begin(LaserUse::laser);
-    guard.look(now);
+    guard.poll(now);
     EXPECT_TRUE(pins->level("I"));
     throw std::runtime_error("something else");
   } catch (const std::runtime_error&) {
@@ -250,7 +250,7 @@ TEST(SafetyInputs, RandomHistoriesNeverLeaveTheInterlockOn) {
     const auto one_in = [&](int n) { return std::uniform_int_distribution(1, n)(random) == 1; };
     const std::chrono::milliseconds debounce(std::uniform_int_distribution(0, 50)(random));
     Bench bench(table(debounce));
-    bench.look();
+    bench.poll();
     Oracle oracle{.debounce = debounce, .estop_quiet = bench.now, .door_quiet = bench.now};
     for (int round = 0; round < 2000; ++round) {
       bool estop_touched = false, door_touched = false;
@@ -275,7 +275,7 @@ TEST(SafetyInputs, RandomHistoriesNeverLeaveTheInterlockOn) {
       }
       const bool unplugged = one_in(3000);
       if (unplugged) bench.pins->unplug(one_in(2) ? "E" : "D");
-      bench.look(Time(std::uniform_int_distribution(0, 20'000)(random)));
+      bench.poll(Time(std::uniform_int_distribution(0, 20'000)(random)));
       if (estop_touched || bench.pins->level("E")) oracle.estop_quiet = bench.now;
       if (door_touched || bench.pins->level("D")) oracle.door_quiet = bench.now;
       const bool lost = !bench.pins->pins["E"].plugged || !bench.pins->pins["D"].plugged;

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "host/error.hpp"
-#include "host/gpio/place.hpp"
+#include "host/gpio/line_address.hpp"
 #include "host/gpio/read_line_table.hpp"
 #include "tests/error_of.hpp"
 #include "tests/scale.hpp"
@@ -122,18 +122,18 @@ TEST(LineTable, RandomDamageIsRefusedOrUnderstood) {
   }
 }
 
-TEST(Place, IsANameOrAChipAndANumber) {
-  EXPECT_EQ(parse_place("GPIO17").name, "GPIO17");
-  EXPECT_EQ(parse_place("gpiochip0:17").chip, "/dev/gpiochip0");
-  EXPECT_EQ(parse_place("gpiochip0:17").number, 17u);
-  EXPECT_EQ(parse_place("/tmp/chip:0").chip, "/tmp/chip");
-  EXPECT_EQ(parse_place("usb:in:a").name, "usb:in:a");
-  EXPECT_EQ(parse_place(":5").name, ":5");
-  EXPECT_EQ(parse_place("gpiochip0:-1").name, "gpiochip0:-1");
-  EXPECT_THAT(error_of([] { parse_place(""); }), HasSubstr("the name is empty"));
+TEST(LineAddress, IsANameOrAChipAndANumber) {
+  EXPECT_EQ(parse_line_address("GPIO17").name, "GPIO17");
+  EXPECT_EQ(parse_line_address("gpiochip0:17").chip, "/dev/gpiochip0");
+  EXPECT_EQ(parse_line_address("gpiochip0:17").number, 17u);
+  EXPECT_EQ(parse_line_address("/tmp/chip:0").chip, "/tmp/chip");
+  EXPECT_EQ(parse_line_address("usb:in:a").name, "usb:in:a");
+  EXPECT_EQ(parse_line_address(":5").name, ":5");
+  EXPECT_EQ(parse_line_address("gpiochip0:-1").name, "gpiochip0:-1");
+  EXPECT_THAT(error_of([] { parse_line_address(""); }), HasSubstr("the name is empty"));
 }
 
-TEST(Place, ChipsAreListedByNumber) {
+TEST(LineAddress, ChipsAreListedByNumber) {
   const test::TemporaryFolder folder;
   for (const char* name : {"gpiochip10", "gpiochip2", "gpiochip", "gpiochipx", "tty0"})
     folder.write(name, "");
@@ -144,7 +144,7 @@ TEST(Place, ChipsAreListedByNumber) {
   EXPECT_TRUE(chip_files("/no/such/folder").empty());
 }
 
-TEST(Place, LinesAreSearchedWithoutRequestingThem) {
+TEST(LineAddress, LinesAreSearchedWithoutRequestingThem) {
   const std::vector<ChipInfo> chips{
       {.file = "/dev/gpiochip0", .lines = {{0, "FREE", "", false}, {1, "TAKEN", "led", true}}},
       {.file = "/dev/gpiochip1", .problem = "may not be opened"}};
@@ -167,7 +167,7 @@ TEST(Place, LinesAreSearchedWithoutRequestingThem) {
       << "the line may be on that chip";
 }
 
-TEST(Place, ErrorsAreOneLineWithARemedy) {
+TEST(LineAddress, ErrorsAreOneLineWithARemedy) {
   EXPECT_THAT(chip_error("/dev/gpiochip0", EACCES).what(), HasSubstr("rule for lines"));
   EXPECT_THAT(chip_problem("/dev/gpiochip0", EPERM), HasSubstr("60-lamplock.rules"));
   EXPECT_EQ(chip_error("/dev/gpiochip9", ENOENT).exit(), Exit::no_device);

@@ -77,11 +77,11 @@ class Burnt {
     if (!before.to.light) close_row(), rows.push_back({0, 0, way}), dark_ = 0, seen_ = false;
     ASSERT_EQ(rows.back().way, way) << "reverses within the row";
     const auto runs = job_.rows.runs_of(line);
-    ASSERT_LE(runs.size(), wire::most_runs_a_line);
+    ASSERT_LE(runs.size(), wire::max_runs_a_line);
     std::uint32_t all = 0, done = 0;
     for (const std::uint16_t run : runs) all += wire::run_cells(run);
     ASSERT_NE(all, 0u);
-    ASSERT_LE(all, wire::most_cells_a_line);
+    ASSERT_LE(all, wire::max_cells_a_line);
     const double cell = (static_cast<double>(to[0]) - from[0]) / all;
     for (const std::uint16_t run : runs) {
       const std::uint32_t cells = wire::run_cells(run);

@@ -32,7 +32,7 @@ inline job::Job random_row_job(std::size_t lines, std::uint64_t seed) {
     } while (at[0] == before[0]);
     line.to.steps = at;
     if (light) {
-      const auto count = pick(0, 3) == 0 ? pick(1, wire::most_runs_a_line) : pick(1, 20);
+      const auto count = pick(0, 3) == 0 ? pick(1, wire::max_runs_a_line) : pick(1, 20);
       for (std::int64_t i = 0; i < count; ++i)
         job.rows.runs.push_back(wire::longest_run(static_cast<std::uint16_t>(pick(0, 65'535)),
                                                   static_cast<std::uint32_t>(pick(1, 70))));

@@ -92,7 +92,7 @@ TEST(RowEncoder, LinesThatRecordsCannotEncodeAreErrors) {
   EXPECT_THAT(error([](Rows& r) { r.lines[1].to.feed_milli = 0; }), HasSubstr("line 1"));
   EXPECT_THAT(error([](Rows& r) {
                 r.lines[1].first_run = r.runs.size();
-                r.lines[1].runs = wire::most_runs_a_line + 1;
+                r.lines[1].runs = wire::max_runs_a_line + 1;
                 r.runs.resize(r.runs.size() + r.lines[1].runs);
               }),
               HasSubstr("line 1"));

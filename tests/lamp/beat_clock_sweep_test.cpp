@@ -36,7 +36,7 @@ struct Lamp {
   double slew = 0.002;
   double first_off = 0;  ///< relative deviation of the period at the start
   double drop = 0;       ///< probability of a burst of drop-outs
-  int longest_burst = 1;
+  int max_burst = 1;
   double doubled = 0;  ///< probability of a second edge before the next flash
   double period_s() const { return 1 / hz; }
 };
@@ -100,7 +100,7 @@ std::vector<LampEdge> edges_of(const Lamp& lamp, long clean, long flashes,
     const double period = lamp.period_s() * (1 + off);
     const double at = t + uniform(-1, 1, random) * lamp.jitter_us * 1e-6;
     if (flash >= clean && dark == 0 && uniform(0, 1, random) < lamp.drop)
-      dark = 1 + static_cast<int>(random() % static_cast<unsigned>(lamp.longest_burst));
+      dark = 1 + static_cast<int>(random() % static_cast<unsigned>(lamp.max_burst));
     if (dark == 0) {
       edges.push_back({static_cast<std::uint64_t>(std::llround(at * clock_hz)), flash, false});
       if (flash >= clean && uniform(0, 1, random) < lamp.doubled) {
@@ -335,12 +335,12 @@ TEST(BeatClockSweep, SurvivesDropOutsAndDoubledEdges) {
   for (int i = 0; i < lamps; ++i) {
     Lamp lamp = any_lamp(random);
     lamp.drop = uniform(0, 0.05, random);
-    lamp.longest_burst = i % 2 == 0 ? 1 : 10;
+    lamp.max_burst = i % 2 == 0 ? 1 : 10;
     lamp.doubled = uniform(0, 0.1, random);
     // A burst ends before drift carries an edge into another beat.
-    const double beats = lamp.longest_burst + 2.0;
+    const double beats = lamp.max_burst + 2.0;
     lamp.drift = std::min(lamp.drift, 0.05 / (beats * beats * lamp.period_s()));
-    lamp.slew = slew_for(lamp, lamp.longest_burst);
+    lamp.slew = slew_for(lamp, lamp.max_burst);
     SCOPED_TRACE(describe(lamp, i));
     Chase run(lamp, 20, flashes_of(lamp, 400), random);
     ASSERT_NO_FATAL_FAILURE(run.run());

@@ -119,9 +119,9 @@ TEST(ProgramLines, pauses_and_dwells) {
   EXPECT_TRUE(is_pause("T2 M00"));
   EXPECT_FALSE(is_pause("M30"));
   EXPECT_FALSE(is_pause("G0 X0"));
-  EXPECT_DOUBLE_EQ(longest_dwell_s("G4 P2.5"), 2.5);
-  EXPECT_DOUBLE_EQ(longest_dwell_s("g4p10"), 10);
-  EXPECT_DOUBLE_EQ(longest_dwell_s("G10 L2 P-1"), 0);
+  EXPECT_DOUBLE_EQ(max_dwell_s("G4 P2.5"), 2.5);
+  EXPECT_DOUBLE_EQ(max_dwell_s("g4p10"), 10);
+  EXPECT_DOUBLE_EQ(max_dwell_s("G10 L2 P-1"), 0);
 }
 
 }  // namespace

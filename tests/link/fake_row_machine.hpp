@@ -19,7 +19,7 @@ namespace lamplock::test {
 /// Sink of a link with queued lines and a table of runs that fills and drains.
 class FakeRowMachine {
  public:
-  static constexpr std::uint32_t table_places = 1024, most_lines = 32;
+  static constexpr std::uint32_t table_places = 1024, max_lines = 32;
 
   // Called by the link.
   void on_realtime(std::uint8_t byte) {
@@ -75,7 +75,7 @@ class FakeRowMachine {
   }
   std::uint32_t refused_value() const { return received_end(); }
   wire::StatusSummary standing() const {
-    wire::StatusSummary standing{state, reason, 0, false, most_lines - waiting()};
+    wire::StatusSummary standing{state, reason, 0, false, max_lines - waiting()};
     standing.free_runs = table_places - used_;
     standing.rows = true;
     return standing;
@@ -146,7 +146,7 @@ class FakeRowMachine {
     };
     const Result result = wire::walk_row_records(records, header.axes, trial, line, run);
     if (result != Result::ok) return result;
-    const bool fits = places <= table_places - used_ && lines <= most_lines - waiting();
+    const bool fits = places <= table_places - used_ && lines <= max_lines - waiting();
     return fits ? Result::ok : Result::no_space;
   }
 

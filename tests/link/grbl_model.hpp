@@ -24,14 +24,14 @@
 
 namespace lamplock::test {
 
-/// The board. Motions last 1 to `longest_move`; lines take 0 to `longest_answer` to be answered.
+/// The board. Motions last 1 to `max_move`; lines take 0 to `max_answer` to be answered.
 class GrblModel : public BadCable {
  public:
   explicit GrblModel(std::uint64_t seed = 1, Faults faults = {})
       : BadCable(faults, seed), random_(seed + 1) {}
 
   std::size_t write(std::span<const std::uint8_t> bytes) override {
-    const std::size_t count = BadCable::write(bytes.first(std::min(bytes.size(), most_written)));
+    const std::size_t count = BadCable::write(bytes.first(std::min(bytes.size(), max_written)));
     lines_written += static_cast<std::size_t>(
         std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count), '\n'));
     return count;
@@ -39,8 +39,8 @@ class GrblModel : public BadCable {
 
   // Configuration.
   std::size_t window = 128, planner_blocks = 15;
-  std::size_t most_written = 4096;  ///< bytes that the cable takes at a time
-  Time longest_answer{2'000}, longest_move{20'000}, braking{30'000};
+  std::size_t max_written = 4096;  ///< bytes that the cable takes at a time
+  Time max_answer{2'000}, max_move{20'000}, braking{30'000};
   std::map<std::string, int> refused;  ///< lines with their error numbers
   std::string alarm_line;              ///< a line that causes ALARM:1
   std::string lost_ok_line;            ///< a line whose ok is lost
@@ -54,7 +54,7 @@ class GrblModel : public BadCable {
   // Record of events.
   std::vector<std::string> lines;        ///< lines executed or refused, without `$I`
   std::vector<std::uint8_t> bytes_seen;  ///< real-time bytes without `?`
-  std::size_t most_used = 0;
+  std::size_t max_used = 0;
   std::size_t lines_written = 0;  ///< written to the cable by the host
   bool overrun = false, reset_in_motion = false;
   int resets = 0, polls = 0;
@@ -80,7 +80,7 @@ class GrblModel : public BadCable {
         realtime(byte);
       else
         rx_.push_back(static_cast<char>(byte));
-    most_used = std::max(most_used, rx_.size());
+    max_used = std::max(max_used, rx_.size());
     overrun = overrun || rx_.size() > window;
   }
   void machine_reconnected() override {}
@@ -110,7 +110,7 @@ class GrblModel : public BadCable {
     if (end == rx_.end()) return;
     line_.assign(rx_.begin(), end);
     busy_ = true;
-    answer_at_ = now() + random_time(longest_answer);
+    answer_at_ = now() + random_time(max_answer);
     if (line_.starts_with("G4 P"))
       answer_at_ += Time(static_cast<Time::rep>(std::stod(line_.substr(4)) * 1e6));
   }
@@ -146,8 +146,8 @@ class GrblModel : public BadCable {
       return say(fmt::format("error:{}", found->second));
     if (line_.starts_with('$') && line_.find('=') != std::string::npos) return change_setting();
     if (motion) {
-      if (moves_.empty()) move_until_ = now() + longest_move;
-      moves_.push_back(random_time(longest_move));
+      if (moves_.empty()) move_until_ = now() + max_move;
+      moves_.push_back(random_time(max_move));
     }
     if (line_ != lost_ok_line) say("ok");
   }

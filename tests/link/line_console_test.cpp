@@ -128,7 +128,7 @@ TEST(LineConsole, an_alarm_is_a_failure) {
 
 TEST(LineConsole, by_hand_it_continues_after_errors_and_a_hold_is_sent_at_once) {
   GrblModel board;
-  board.longest_move = 5s;
+  board.max_move = 5s;
   board.planner_blocks = 1;
   board.refused["bad"] = 1;
   Talk talk(board, false);
@@ -182,7 +182,7 @@ TEST(LineConsole, by_hand_a_jog_cancel_discards_the_jogs_before_it) {
 
 TEST(LineConsole, by_hand_a_hold_overtakes_the_lines_that_wait) {
   RecordingBoard board;
-  board.longest_move = 5s;
+  board.max_move = 5s;
   Talk talk(board, false);
   for (int i = 0; i < 1000; ++i) talk.console.type("G1 X40");
   talk.run_for(500ms);
@@ -198,7 +198,7 @@ TEST(LineConsole, by_hand_a_hold_overtakes_the_lines_that_wait) {
 
 TEST(LineConsole, by_hand_a_reset_discards_the_lines_before_it) {
   GrblModel board;
-  board.longest_move = 5s;
+  board.max_move = 5s;
   Talk talk(board, false);
   for (int i = 0; i < 1000; ++i) talk.console.type("G1 X40");
   talk.run_for(500ms);

@@ -105,7 +105,7 @@ TEST(LineSender, an_empty_program_is_over_at_once) {
 
 TEST(LineSender, ends_only_after_the_last_move) {
   GrblModel board;
-  board.longest_move = 3s;
+  board.max_move = 3s;
   Sending sending(board, numbered({"G1 X1"}));
   EXPECT_EQ(sending.run().end, LineEnd::done);
   EXPECT_GE(board.now(), 3s);
@@ -113,7 +113,7 @@ TEST(LineSender, ends_only_after_the_last_move) {
 
 TEST(LineSender, asks_for_the_status_five_times_a_second) {
   GrblModel board;
-  board.longest_move = 10s;
+  board.max_move = 10s;
   Sending sending(board, numbered({"G1 X1"}));
   sending.run();
   EXPECT_NEAR(board.polls, 52, 4);
@@ -125,8 +125,8 @@ TEST(LineSender, random_programs_arrive_complete_and_the_window_is_never_exceede
     GrblModel board(static_cast<std::uint64_t>(seed));
     board.window = 64 + random() % 1000;
     board.planner_blocks = 1 + random() % 20;
-    board.longest_move = std::chrono::microseconds(1 + random() % 30'000);
-    board.longest_answer = std::chrono::microseconds(1 + random() % 30'000);
+    board.max_move = std::chrono::microseconds(1 + random() % 30'000);
+    board.max_answer = std::chrono::microseconds(1 + random() % 30'000);
     const auto program = random_program(random, random() % 200);
     Sending sending(board, program);
     ASSERT_EQ(sending.run().end, LineEnd::done) << seed;
@@ -143,7 +143,7 @@ TEST(LineSender, fills_the_window_to_the_byte) {
   // Ten lines of 10 characters, line end included, fill the window.
   Sending sending(board, numbered(std::vector<std::string>(50, "G1 X12345")));
   sending.run();
-  EXPECT_EQ(board.most_used, 100u);
+  EXPECT_EQ(board.max_used, 100u);
   EXPECT_FALSE(board.overrun);
 }
 
@@ -154,12 +154,12 @@ TEST(LineSender, uses_grbls_buffer_size_if_the_board_does_not_report_one) {
   Sending sending(board, numbered(std::vector<std::string>(100, "G1 X12345")));
   EXPECT_EQ(sending.run().end, LineEnd::done);
   EXPECT_FALSE(board.overrun);
-  EXPECT_GT(board.most_used, 110u);
+  EXPECT_GT(board.max_used, 110u);
 }
 
 TEST(LineSender, system_lines_are_sent_alone) {
   GrblModel board;
-  board.longest_answer = 50ms;
+  board.max_answer = 50ms;
   Sending sending(board, numbered({"G1 X1", "$H", "G1 X2"}));
   while (sending.sender.step()) ASSERT_LE(board.waiting(), 6u);
   EXPECT_EQ(board.lines.size(), 3u);
@@ -244,7 +244,7 @@ TEST(LineSender, a_stop_holds_then_resets_and_leaves_nothing_running) {
 TEST(LineSender, a_stop_discards_lines_that_the_cable_has_not_accepted) {
   GrblModel board;
   board.window = 2000;
-  board.most_written = 3;
+  board.max_written = 3;
   Sending sending(board, numbered(std::vector<std::string>(300, "G1 X1")));
   ASSERT_TRUE(sending.run_until("Run"));
   const std::size_t written = board.lines_written;
@@ -257,7 +257,7 @@ TEST(LineSender, a_stop_discards_lines_that_the_cable_has_not_accepted) {
 TEST(LineSender, a_board_that_does_not_hold_is_reported) {
   GrblModel board;
   board.obeys_hold = false;
-  board.longest_move = 60s;
+  board.max_move = 60s;
   Sending sending(board, numbered({"G1 X1", "G1 X2"}));
   sending.run_until("Run");
   sending.sender.stop();

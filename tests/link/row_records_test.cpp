@@ -37,10 +37,10 @@ std::vector<Row> random_rows(std::mt19937_64& random, int axes, int count) {
     row.line.steps = at;
     row.line.light = random() % 4 != 0;
     std::uint32_t cells = 0;
-    for (auto n = row.line.light ? 1 + random() % most_runs_a_line : 0; n != 0; --n) {
+    for (auto n = row.line.light ? 1 + random() % max_runs_a_line : 0; n != 0; --n) {
       const auto run = longest_run(static_cast<std::uint16_t>(random()),
                                    1 + static_cast<std::uint32_t>(random() % 200));
-      if (cells + run_cells(run) > most_cells_a_line) break;
+      if (cells + run_cells(run) > max_cells_a_line) break;
       cells += run_cells(run);
       row.runs.push_back(run);
     }
@@ -166,9 +166,9 @@ TEST(RowRecords, WriterRefusesWhatCannotBeEncoded) {
       << "the machine has no such axis";
   EXPECT_EQ(out.size(), 0u);
   const std::vector<std::uint16_t> runs(600, longest_run(1, 1));
-  EXPECT_EQ(put_runs(out, state, runs), most_runs_a_record);
-  EXPECT_EQ(put_runs(out, state, runs), most_runs_a_record);
-  EXPECT_EQ(put_runs(out, state, runs), most_runs_a_line - 2 * most_runs_a_record);
+  EXPECT_EQ(put_runs(out, state, runs), max_runs_a_record);
+  EXPECT_EQ(put_runs(out, state, runs), max_runs_a_record);
+  EXPECT_EQ(put_runs(out, state, runs), max_runs_a_line - 2 * max_runs_a_record);
   EXPECT_EQ(put_runs(out, state, runs), 0u);
   EXPECT_FALSE(put_row_line(out, state, {{1, 0, 0, 0}, false, 0}, 3)) << "dark, with runs";
   EXPECT_FALSE(put_row_line(out, state, {{1, 0, 0, 0}, true, 0}, 3)) << "without feed";
@@ -222,7 +222,7 @@ TEST(RowRecords, MalformedRecordsAreRefused) {
 
 TEST(RowRecords, ALineHasAtMostTheMaximumOfRuns) {
   std::vector<std::uint8_t> bytes;
-  for (std::uint32_t runs = 0; runs < most_runs_a_line; ++runs)
+  for (std::uint32_t runs = 0; runs < max_runs_a_line; ++runs)
     bytes.insert(bytes.end(), {head_runs, 1, 0, 0});
   EXPECT_EQ(walk(bytes), Result::ok);
   bytes.insert(bytes.end(), {head_runs, 1, 0, 0});
@@ -285,8 +285,8 @@ TEST(RowRecords, GarbageKeepsToTheLimits) {
     for (const Row& row : rows) {
       std::uint32_t cells = 0;
       for (const std::uint16_t run : row.runs) cells += run_cells(run);
-      ASSERT_LE(row.runs.size(), most_runs_a_line);
-      ASSERT_LE(cells, most_cells_a_line);
+      ASSERT_LE(row.runs.size(), max_runs_a_line);
+      ASSERT_LE(cells, max_cells_a_line);
       ASSERT_EQ(row.line.light, cells != 0);
       ASSERT_TRUE(!row.line.light || row.line.feed_milli != 0);
     }

@@ -120,7 +120,7 @@ TEST(RowSender, AGreyPixelCostsTwoBytesPlusItsShareOfTheFrame) {
 
 TEST(RowSender, LinesOfTheMaximumNumberOfRuns) {
   RowCable board({}, 1);
-  const job::Job job = grey_rows(20, wire::most_runs_a_line);
+  const job::Job job = grey_rows(20, wire::max_runs_a_line);
   EXPECT_EQ(JobSender(board, job, fixed_session()).run().end, JobEnd::done);
   EXPECT_EQ(board.machine.refused_frames, 0);
   expect_each_once(board, job);

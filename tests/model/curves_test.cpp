@@ -275,7 +275,7 @@ TEST(CurveBounds, OfArcsAndSplines) {
     EXPECT_LT(distance(box.low, expected.low), 0.003);
     EXPECT_LT(distance(box.high, expected.high), 0.003);
   }
-  EXPECT_EQ(model::bounds(Curves{}).longest_side(), 0);
+  EXPECT_EQ(model::bounds(Curves{}).max_side(), 0);
 }
 
 TEST(CurveMaps, KeepPointsOfTheCurveAtTheirPlace) {

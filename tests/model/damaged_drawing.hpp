@@ -22,7 +22,7 @@ void expect_damaged_drawings_fail_at_most(const TemporaryFolder& folder, const s
                                           Read&& read) {
   expect_damaged_read_or_refused(scaled(600), whole, bites, [&](const std::string& bytes) {
     const model::Curves curves = read(folder.write(name, bytes));
-    EXPECT_TRUE(std::isfinite(model::bounds(curves).longest_side()));
+    EXPECT_TRUE(std::isfinite(model::bounds(curves).max_side()));
     for (const model::Path& p : curves.paths)
       EXPECT_TRUE(std::isfinite(model::ArcLength(p).total()));
   });

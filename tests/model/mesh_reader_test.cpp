@@ -303,7 +303,7 @@ TEST(Example, IsClosedAndUnchangedByItsFile) {
   const TemporaryFolder folder;
   const Mesh mesh = model::example_model();
   EXPECT_TRUE(test::is_closed(mesh));
-  EXPECT_NEAR(model::bounds(mesh.vertices).longest_side(), 60, 1e-9);
+  EXPECT_NEAR(model::bounds(mesh.vertices).max_side(), 60, 1e-9);
   model::write_stl(folder.file("a.stl"), mesh);
   const Mesh read = read_mesh(folder.file("a.stl"));
   EXPECT_EQ(read.triangles.size(), mesh.triangles.size());

@@ -56,13 +56,12 @@ inline Chain random_path(std::mt19937_64& random, std::size_t points, bool jerk 
 }
 
 /// True if a line takes more ticks than a segment or a point may have.
-inline bool has_endless_line(const Chain& chain, double longest_ticks = 1 << 30) {
-  longest_ticks =
-      std::min(longest_ticks, 1.0 * motion::max_beats_per_point * chain.limits.beat_ticks);
+inline bool has_endless_line(const Chain& chain, double max_ticks = 1 << 30) {
+  max_ticks = std::min(max_ticks, 1.0 * motion::max_beats_per_point * chain.limits.beat_ticks);
   for (std::size_t i = 0; i < chain.targets.size(); ++i)
     for (std::size_t a = 0; a < static_cast<std::size_t>(chain.limits.axes); ++a)
       if (std::fabs(way_to(chain, i)[a]) / from_q62(chain.limits.axis[a].speed_q62) >
-          0.9 * longest_ticks)
+          0.9 * max_ticks)
         return true;
   return false;
 }

@@ -130,7 +130,7 @@ inline Fault tick_fault(const motion::Limits& limits, const stepper::MotionState
     if (sum.largest_accel_q62 > axis.accel_q62)
       return {"accelerates too hard at a tick", s.point, a};
     if (!in_work_space(axis, start + (to_int128(sum.lowest_q62) << 2)) ||
-        !in_work_space(axis, start + (to_int128(sum.highest_q62) << 2)))
+        !in_work_space(axis, start + (to_int128(sum.max_q62) << 2)))
       return {"leaves the work space at a tick", s.point, a};
     if (s.end.axis[index(a)].position_q64 != start + (to_int128(sum.end_q62) << 2))
       return {"end is not where the ticks lead", s.point, a};

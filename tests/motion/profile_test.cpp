@@ -99,7 +99,7 @@ TEST(Profile, KeepsEveryLimitAtEveryTick) {
     ASSERT_EQ(native(displacement_q62(p)), sum.end_q62) << text(d);
     const Excursion e = excursion(p);
     ASSERT_EQ(native(e.low_q62), sum.lowest_q62) << text(d);
-    ASSERT_EQ(native(e.high_q62), sum.highest_q62) << text(d);
+    ASSERT_EQ(native(e.high_q62), sum.max_q62) << text(d);
     ASSERT_EQ(sum.sign_changes_outside_turns, 0) << text(d);
   }
   // A ramp of a few ticks at both limits at once can be too coarse, some times in a million; this

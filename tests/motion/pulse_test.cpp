@@ -99,7 +99,7 @@ TEST(Pulse, EqualsTheSumOfItsTicks) {
     ASSERT_EQ(native(displacement_q62(p)), sum.end_q62);
     const Excursion e = excursion(p);
     ASSERT_EQ(native(e.low_q62), sum.lowest_q62);
-    ASSERT_EQ(native(e.high_q62), sum.highest_q62);
+    ASSERT_EQ(native(e.high_q62), sum.max_q62);
     ASSERT_EQ(sum.sign_changes_outside_turns, 0);
     if (!fits) continue;
     ASSERT_LE(sum.largest_accel_q62, std::max(abs64(p.lead_accel_q62), abs64(p.tail_accel_q62)));

@@ -59,13 +59,13 @@ const std::vector<Walk> walks{
 
 /// Ten points: lengths over three decades, directions uniform or correlated, 2-D and 3-D, lamps
 /// between two frequencies, machines of all kinds, unlimited work space.
-Chain random_sequence(double lowest_hz, double highest_hz, std::mt19937_64& random) {
+Chain random_sequence(double lowest_hz, double max_hz, std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> normal;
   const auto log_uniform = [&](double lo, double hi) {
     return lo * std::pow(hi / lo, unit(random));
   };
-  const double lamp_hz = log_uniform(lowest_hz, highest_hz), accel_m_s2 = log_uniform(1, 30);
+  const double lamp_hz = log_uniform(lowest_hz, max_hz), accel_m_s2 = log_uniform(1, 30);
   const double steps_per_mm = log_uniform(200, 800);
   const double speed_m_s = std::min(log_uniform(0.05, 1), 900 / steps_per_mm);
   const auto axes = static_cast<std::size_t>(2 + random() % 2);
@@ -100,7 +100,7 @@ Chain random_sequence(double lowest_hz, double highest_hz, std::mt19937_64& rand
 struct Grade {
   long optimum = 0, planned = 0, start_stop = 0;
   int sequences = 0, longer = 0;
-  long most_more = 0;           ///< largest excess of a sequence, in beats
+  long max_more = 0;            ///< largest excess of a sequence, in beats
   int beyond_tenth_or_two = 0;  ///< sequences more than the larger of 10 % and 2 beats longer
 
   double gap_percent() const {
@@ -108,12 +108,12 @@ struct Grade {
   }
 };
 
-Grade grade(double lowest_hz, double highest_hz, int sequences, std::uint64_t seed) {
+Grade grade(double lowest_hz, double max_hz, int sequences, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto planner = std::make_unique<Planner>();
   Grade grade;
   for (; grade.sequences < sequences; ++grade.sequences) {
-    const Chain chain = random_sequence(lowest_hz, highest_hz, random);
+    const Chain chain = random_sequence(lowest_hz, max_hz, random);
     const bench::ReferenceProblem problem = bench::problem_of(chain.limits, chain.targets);
     const long best = bench::fewest_beats(problem).beats;
     const test::ChainPlan plan = test::plan_chain(chain, *planner);
@@ -124,13 +124,13 @@ Grade grade(double lowest_hz, double highest_hz, int sequences, std::uint64_t se
     grade.planned += plan.total_beats();
     grade.start_stop += bench::start_stop_beats(problem);
     grade.longer += more > 0 ? 1 : 0;
-    grade.most_more = std::max(grade.most_more, more);
+    grade.max_more = std::max(grade.max_more, more);
     grade.beyond_tenth_or_two += more > 2 && 10 * more > best ? 1 : 0;
   }
-  std::cout << lowest_hz << " to " << highest_hz << " Hz, " << sequences
+  std::cout << lowest_hz << " to " << max_hz << " Hz, " << sequences
             << " sequences of 10 points: optimum " << grade.optimum << " beats, planner "
             << grade.planned << " (+" << grade.gap_percent() << " %, " << grade.longer
-            << " sequences longer, none by more than " << grade.most_more << ", "
+            << " sequences longer, none by more than " << grade.max_more << ", "
             << grade.beyond_tenth_or_two << " by more than a tenth and two), start-stop "
             << grade.start_stop << "\n";
   testing::Test::RecordProperty("gap_percent", std::to_string(grade.gap_percent()));
@@ -140,7 +140,7 @@ Grade grade(double lowest_hz, double highest_hz, int sequences, std::uint64_t se
 TEST(Planner, NeedsNoMoreBeatsThanTheExactOptimumAtLampsOf50To200Hz) {
   const Grade result = grade(50, 200, std::max(1'000, test::scaled(1'000)), 52);
   EXPECT_LE(result.gap_percent(), 0.05);
-  EXPECT_LE(result.most_more, 1);
+  EXPECT_LE(result.max_more, 1);
   EXPECT_LT(result.optimum, result.start_stop);
 }
 

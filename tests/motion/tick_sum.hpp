@@ -12,7 +12,7 @@ namespace lamplock::test {
 
 /// Results of a profile, evaluated after every tick.
 struct TickSum {
-  Native end_q62 = 0, lowest_q62 = 0, highest_q62 = 0;
+  Native end_q62 = 0, lowest_q62 = 0, max_q62 = 0;
   std::int64_t largest_speed_q62 = 0, largest_accel_q62 = 0;
   int sign_changes_outside_turns = 0;  ///< the rate may change sign only where the profile allows
 };
@@ -70,7 +70,7 @@ inline TickSum sum_ticks(const stepper::AxisProfile& p) {
     if (!turn && now * sign < 0) ++sum.sign_changes_outside_turns;
     if (now != 0 || turn) sign = now;
     sum.lowest_q62 = std::min(sum.lowest_q62, way);
-    sum.highest_q62 = std::max(sum.highest_q62, way);
+    sum.max_q62 = std::max(sum.max_q62, way);
     sum.largest_speed_q62 = std::max(sum.largest_speed_q62, abs64(speed));
     sum.largest_accel_q62 = std::max(sum.largest_accel_q62, abs64(accel));
     before = way;

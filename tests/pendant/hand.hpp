@@ -24,7 +24,7 @@ class ListenedCable final : public link::Transport {
   explicit ListenedCable(sim::Board& board) : inner_(board) {}
 
   std::size_t write(std::span<const std::uint8_t> bytes) override {
-    const std::size_t room = std::min(bytes.size(), most_written());
+    const std::size_t room = std::min(bytes.size(), max_written());
     for (const std::uint8_t byte : bytes.first(room)) {
       keep(byte);
       if (!cut && !loses(byte)) inner_.write(std::span(&byte, 1));
@@ -39,7 +39,7 @@ class ListenedCable final : public link::Transport {
   std::chrono::microseconds now() const override { return inner_.now(); }
   bool reconnect() override { return true; }
 
-  std::function<std::size_t()> most_written = [] { return std::size_t{4096}; };
+  std::function<std::size_t()> max_written = [] { return std::size_t{4096}; };
   std::function<bool(std::uint8_t)> loses = [](std::uint8_t) { return false; };
   bool cut = false, mute = false;
   std::vector<std::string> lines;      ///< complete lines written

@@ -28,7 +28,7 @@ using testing::Not;
 constexpr std::uint8_t cancel = 0x85;
 
 /// Distance to rest from a speed, including the time allowed for the reaction to a loss.
-double longest_way(double mm_s, double reaction_s) {
+double max_distance(double mm_s, double reaction_s) {
   return mm_s * mm_s / (2 * accel_mm_s2) + mm_s * reaction_s + 0.01;
 }
 
@@ -121,7 +121,7 @@ TEST(Continuous, the_wheel_moves_at_the_feed_and_silence_stops) {
     EXPECT_NEAR((hand.at(1) - from) / 0.09, mm_s, mm_s * 0.03 + 0.1);
     const double at = hand.at(1);
     hand.run_ms(400);
-    EXPECT_LE(hand.at(1) - at, longest_way(mm_s, 0.25 + 0.02)) << mm_s;
+    EXPECT_LE(hand.at(1) - at, max_distance(mm_s, 0.25 + 0.02)) << mm_s;
     EXPECT_TRUE(hand.jogger.rests());
     hand.expect_sound();
   }
@@ -148,7 +148,7 @@ TEST(Continuous, an_axis_moves_no_faster_than_it_can) {
   const double at = hand.x();
   hand.jogger.stop_motion();
   ASSERT_TRUE(hand.come_to_rest());
-  EXPECT_LE(hand.x() - at, longest_way(10, 0.05));
+  EXPECT_LE(hand.x() - at, max_distance(10, 0.05));
 }
 
 /// The machine is slower than its settings say; the jogger uses the reported positions.
@@ -161,7 +161,7 @@ TEST(Continuous, the_distance_ahead_is_bounded_by_reported_positions) {
   hand.keep_turning(1, 900);
   const double at = hand.x();
   hand.run_alone_ms(10'000);
-  EXPECT_LE(hand.x() - at, longest_way(100, 0.35)) << "the jogs add up to 90 mm";
+  EXPECT_LE(hand.x() - at, max_distance(100, 0.35)) << "the jogs add up to 90 mm";
 }
 
 TEST(Continuous, a_reversal_begins_where_the_machine_came_to_rest) {
@@ -191,7 +191,7 @@ TEST(Continuous, a_spring_ring_jogs_until_it_is_released) {
   const double at = hand.x();
   hand.jogger.take(count_event(Event::Kind::spring, 0));
   ASSERT_TRUE(hand.come_to_rest());
-  EXPECT_LE(hand.x() - at, longest_way(20, 0.05));
+  EXPECT_LE(hand.x() - at, max_distance(20, 0.05));
 }
 
 TEST(Continuous, a_silent_spring_ring_is_released_after_a_timeout) {
@@ -249,7 +249,7 @@ TEST(Loss, stops_the_machine_within_its_braking_distance_and_50_ms) {
         hand.key(Key::stop);
     }
     ASSERT_TRUE(hand.come_to_rest());
-    EXPECT_LE(std::fabs(hand.at(axis) - at), longest_way(mm_s, 0.05)) << mm_s << " mm/s";
+    EXPECT_LE(std::fabs(hand.at(axis) - at), max_distance(mm_s, 0.05)) << mm_s << " mm/s";
     hand.expect_sound();
   }
 }
@@ -265,7 +265,7 @@ TEST(Loss, increments_end_by_themselves) {
     hand.keep_turning(1, 50 + static_cast<double>(random() % 200));
     const double at = hand.x();
     hand.run_alone_ms(500);
-    EXPECT_LE(hand.x() - at, longest_way(mm_s, 0.1)) << mm_s << " mm/s";
+    EXPECT_LE(hand.x() - at, max_distance(mm_s, 0.1)) << mm_s << " mm/s";
     const double at_rest = hand.x();
     hand.run_alone_ms(100);
     EXPECT_EQ(hand.x(), at_rest);
@@ -282,7 +282,7 @@ TEST(Loss, a_silent_board_gets_no_more_lines_and_is_an_error) {
   hand.keep_turning(1, 600);
   EXPECT_THAT(hand.cable.realtime, Contains(cancel));
   const std::size_t lines = hand.cable.lines.size();
-  EXPECT_LE(hand.x() - at, longest_way(50, 0.25 + 0.05));
+  EXPECT_LE(hand.x() - at, max_distance(50, 0.25 + 0.05));
   hand.keep_turning(1, 600);
   EXPECT_EQ(hand.cable.lines.size(), lines);
   try {
@@ -299,7 +299,7 @@ TEST(Loss, over_a_cable_that_accepts_a_few_bytes_at_a_time) {
   for (int round = 0; round < scaled(60); ++round) {
     const double mm_s = 20 + static_cast<double>(random() % 50);
     Hand hand(map_with(mm_s * 60));
-    hand.cable.most_written = [&random] { return 3 + random() % 12; };
+    hand.cable.max_written = [&random] { return 3 + random() % 12; };
     hand.jogger.set_mode(Mode::continuous);
     hand.select(Selector::x);
     hand.keep_turning(1, 60 + static_cast<double>(random() % 200));
@@ -307,7 +307,7 @@ TEST(Loss, over_a_cable_that_accepts_a_few_bytes_at_a_time) {
     hand.jogger.stop_motion();
     hand.run_ms(mm_s / accel_mm_s2 * 1000 + 150);
     const double at_rest = hand.x();
-    EXPECT_LE(at_rest - at, longest_way(mm_s, 0.1)) << round;
+    EXPECT_LE(at_rest - at, max_distance(mm_s, 0.1)) << round;
     ASSERT_TRUE(hand.come_to_rest());
     EXPECT_EQ(hand.x(), at_rest) << round;
     hand.expect_sound();
@@ -319,7 +319,7 @@ TEST(Loss, in_the_middle_of_a_line) {
   std::mt19937_64 random(8);
   for (int round = 0; round < scaled(30); ++round) {
     Hand hand(map_with(3000));
-    hand.cable.most_written = [&random] { return 3 + random() % 3; };
+    hand.cable.max_written = [&random] { return 3 + random() % 3; };
     hand.jogger.choose_step(1);
     hand.select(Selector::x);
     hand.turn(10);
@@ -412,7 +412,7 @@ TEST(Loss, stops_every_kind_of_motion) {
     Hand hand = moving_hand();
     unlock(hand);
     if (pick(0, 1) == 0) {
-      hand.cable.most_written = [&random] { return 1 + random() % 3; };
+      hand.cable.max_written = [&random] { return 1 + random() % 3; };
     }
     mover.begin(hand);
     // The first moments count: lines that are partly sent, motion that is not yet reported.
@@ -423,7 +423,7 @@ TEST(Loss, stops_every_kind_of_motion) {
     else
       hand.jogger.take(plain_event(Event::Kind::asleep));
     hand.run_ms(300);
-    EXPECT_LE(way.mm(), longest_way(some_mm_s, 0.1));
+    EXPECT_LE(way.mm(), max_distance(some_mm_s, 0.1));
     const WaySince more(hand);
     hand.run_ms(2000);
     EXPECT_EQ(more.mm(), 0);
@@ -465,7 +465,7 @@ TEST(Loss, a_lost_byte_is_sent_again) {
     hand.jogger.stop_motion();
     hand.run_ms(500);
     EXPECT_TRUE(lost);
-    EXPECT_LE(way.mm(), longest_way(some_mm_s, 0.15));
+    EXPECT_LE(way.mm(), max_distance(some_mm_s, 0.15));
     EXPECT_TRUE(hand.jogger.machine().status.is_at_rest());
   }
 }
@@ -530,7 +530,7 @@ TEST(Keyboard, a_key_is_one_step_and_a_held_key_jogs_smoothly) {
       EXPECT_NEAR((places[i + window] - places[i]) / 0.04, 20, 1) << hz << " Hz, " << i;
     const double at = hand.x();
     ASSERT_TRUE(hand.come_to_rest());
-    EXPECT_LE(hand.x() - at, longest_way(20, 0.3));
+    EXPECT_LE(hand.x() - at, max_distance(20, 0.3));
     hand.expect_sound();
   }
 }
@@ -545,7 +545,7 @@ TEST(Keyboard, another_key_ends_the_jog) {
   const double at = hand.at(1);
   hand.jogger.press("?");
   ASSERT_TRUE(hand.come_to_rest());
-  EXPECT_LE(hand.at(1) - at, longest_way(50, 0.05));
+  EXPECT_LE(hand.at(1) - at, max_distance(50, 0.05));
   EXPECT_THAT(hand.cable.realtime, Contains(cancel));
 }
 
@@ -598,7 +598,7 @@ TEST(Keys, a_move_to_zero_stops_with_the_stop_key) {
   const double at = hand.x();
   hand.key(Key::stop);
   ASSERT_TRUE(hand.come_to_rest());
-  EXPECT_LE(std::fabs(hand.x() - at), longest_way(50, 0.05));
+  EXPECT_LE(std::fabs(hand.x() - at), max_distance(50, 0.05));
   EXPECT_GT(hand.x(), 1);
 }
 

@@ -78,9 +78,9 @@ double angle_error(test::Native x, test::Native y) {
   return static_cast<double>(abs(Exact(got) - angle / two_pi() * Exact(turn_q48)));
 }
 
-test::Native any_number(std::mt19937_64& random, int most_bits) {
+test::Native any_number(std::mt19937_64& random, int max_bits) {
   const auto wide = static_cast<test::UnsignedNative>(random()) << 64 | random();
-  const auto v = static_cast<test::Native>(wide >> (128 - most_bits));
+  const auto v = static_cast<test::Native>(wide >> (128 - max_bits));
   return random() % 2 != 0 ? v : -v;
 }
 

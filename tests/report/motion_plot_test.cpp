@@ -154,7 +154,7 @@ TEST(MotionPlot, CurvesStayInsideTheirPanels) {
   series.from = 0, series.to = 10, series.beat_ms = 10;
   report::AxisSeries axis;
   axis.name = "X";
-  axis.most_speed_m_s = 1, axis.most_accel_m_s2 = 2;
+  axis.max_speed_m_s = 1, axis.max_accel_m_s2 = 2;
   for (int beat = 0; beat <= 10; ++beat) {
     axis.position_mm.push_back({1.0 * beat, beat * 1e3});
     axis.speed_m_s.push_back({1.0 * beat, beat % 2 - 0.5});

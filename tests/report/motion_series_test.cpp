@@ -55,8 +55,8 @@ TEST(MotionSeries, SpeedsAndAccelerationsStayInsideTheLimits) {
       const double slew = 1 + 2 * profile.settings.milli(Id::slew_limit) * 1e-5;
       double most = 0;
       for (const AxisSeries& axis : series.axes) {
-        EXPECT_DOUBLE_EQ(axis.most_speed_m_s, 1);
-        EXPECT_DOUBLE_EQ(axis.most_accel_m_s2, 3);
+        EXPECT_DOUBLE_EQ(axis.max_speed_m_s, 1);
+        EXPECT_DOUBLE_EQ(axis.max_accel_m_s2, 3);
         for (const report::Vertex& v : axis.speed_m_s) ASSERT_LE(std::fabs(v.value), slew);
         for (const report::Vertex& v : axis.accel_m_s2) {
           ASSERT_LE(std::fabs(v.value), 3 * slew * slew);

@@ -194,7 +194,7 @@ TEST(Page, OfNoPointsAndOfPointsAtOnePlace) {
 TEST(Page, ShowsSomeOfVeryManyPoints) {
   JobRun run;
   run.shots_known = false;
-  run.points.resize(2 * most_points_shown + 5);
+  run.points.resize(2 * max_points_shown + 5);
   for (std::size_t i = 0; i < run.points.size(); ++i) run.points[i].x = static_cast<double>(i);
   const std::string text = page_of(run);
   const Json cloud = data_of(text)["cloud"];

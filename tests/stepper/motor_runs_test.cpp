@@ -23,11 +23,11 @@ class RandomRuns {
   }
   /// Up to 0.4 steps per tick, with accelerations that reverse it in some thousand ticks or never.
   AxisRun run() {
-    const std::int64_t most_rate = std::int64_t{1} << between(20, 55);
-    const std::int64_t most_accel = most_rate / between(100, 20'000);
+    const std::int64_t max_rate = std::int64_t{1} << between(20, 55);
+    const std::int64_t max_accel = max_rate / between(100, 20'000);
     const Int128 step = Int128(between(-100'000, 100'000)) << 64;
-    return {step + Int128(between(0, std::int64_t{1} << 62)), between(-most_rate, most_rate),
-            between(-most_accel, most_accel)};
+    return {step + Int128(between(0, std::int64_t{1} << 62)), between(-max_rate, max_rate),
+            between(-max_accel, max_accel)};
   }
 
  private:

@@ -30,8 +30,8 @@ struct Put {
   bool operator==(const Put&) const = default;
 };
 
-/// Ticks of one axis with reversals and random rates below `most_rate` steps per tick.
-std::vector<Wanted> random_motion(std::mt19937_64& random, double most_rate, bool abrupt) {
+/// Ticks of one axis with reversals and random rates below `max_rate` steps per tick.
+std::vector<Wanted> random_motion(std::mt19937_64& random, double max_rate, bool abrupt) {
   std::vector<Wanted> all;
   Int128 position = middle_of_step(0);
   double rate = 0;
@@ -39,7 +39,7 @@ std::vector<Wanted> random_motion(std::mt19937_64& random, double most_rate, boo
     return std::uniform_real_distribution<>(from, to)(random);
   };
   while (all.size() < 3000) {
-    double target = pick(-most_rate, most_rate) * (random() % 3 == 0 ? 0.01 : 1);
+    double target = pick(-max_rate, max_rate) * (random() % 3 == 0 ? 0.01 : 1);
     if (random() % 5 == 0) target = 0;
     const int ticks = static_cast<int>(1 + random() % (random() % 3 == 0 ? 400 : 30));
     if (abrupt) rate = target;

@@ -12,7 +12,7 @@ using Clock = std::chrono::steady_clock;
 /// Polling interval of the host controller.
 constexpr microseconds slice{500};
 /// A computer that is busy for longer than this also stops the board's time.
-constexpr microseconds longest_slice{5'000};
+constexpr microseconds max_slice{5'000};
 constexpr std::size_t piece_size = 512;
 
 }  // namespace
@@ -67,7 +67,7 @@ void CabledBoard::serve() {
     last = now;
     const std::lock_guard lock(mutex_);
     move_bytes();
-    board_.run_until(board_.now() + std::min(passed, longest_slice).count() * sim::ps_per_us);
+    board_.run_until(board_.now() + std::min(passed, max_slice).count() * sim::ps_per_us);
   }
 }
 

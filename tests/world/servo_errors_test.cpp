@@ -30,13 +30,13 @@ TEST(ServoErrors, AreTheExtremesOfBothSigns) {
                  {0.002, {{{0.5, 0.6, 0.625}, {-0.5, -0.5, -0.5}}}}};
   const ServoErrors errors = servo_errors(run, 2, "by hand");
   EXPECT_EQ(errors.samples, 3u);
-  EXPECT_DOUBLE_EQ(errors.axis[0].most_mm, 0.25);
-  EXPECT_DOUBLE_EQ(errors.axis[0].least_mm, -0.125);
+  EXPECT_DOUBLE_EQ(errors.axis[0].max_mm, 0.25);
+  EXPECT_DOUBLE_EQ(errors.axis[0].min_mm, -0.125);
   EXPECT_DOUBLE_EQ(errors.axis[0].rms_mm, std::sqrt((0.0625 + 0.015625) / 3));
-  EXPECT_DOUBLE_EQ(errors.axis[1].most_mm, 0.125);
-  EXPECT_DOUBLE_EQ(errors.axis[1].least_mm, 0);
-  EXPECT_NEAR(errors.axis[0].most_pulses, 0.2, 1e-12);
-  EXPECT_NEAR(errors.axis[1].most_pulses, 0.5, 1e-12);
+  EXPECT_DOUBLE_EQ(errors.axis[1].max_mm, 0.125);
+  EXPECT_DOUBLE_EQ(errors.axis[1].min_mm, 0);
+  EXPECT_NEAR(errors.axis[0].max_pulses, 0.2, 1e-12);
+  EXPECT_NEAR(errors.axis[1].max_pulses, 0.5, 1e-12);
   EXPECT_DOUBLE_EQ(errors.axis[0].measured_end_mm, 0.625);
   EXPECT_EQ(errors.axis[1].end_pulses, -3);
   EXPECT_THAT(servo_table({errors}), HasSubstr("by hand     X        0.2500    -0.1250"));
@@ -59,7 +59,7 @@ TEST(ServoErrors, LagAlongThePathIsNotDeviation) {
     }
     const ServoErrors errors = servo_errors(run, 1, "late");
     EXPECT_NEAR(errors.beside_mm, std::abs(beside), 1e-9);
-    EXPECT_GE(errors.axis[0].most_mm - errors.axis[0].least_mm,
+    EXPECT_GE(errors.axis[0].max_mm - errors.axis[0].min_mm,
               std::abs(vx) * late_s - std::abs(beside));
   }
 }
@@ -84,8 +84,8 @@ TEST(ServoRun, PulsesStayWithinHalfAPulseAndEndAtTheNearest) {
     const ServoErrors errors = servo_errors(run, machine.pulses_per_mm(), "test");
     for (const ServoAxisErrors& axis : errors.axis) {
       // Plus the distance of some ticks of 1 us at 10 mm/s.
-      EXPECT_LE(axis.most_pulses, 0.5 + 10 * 6.6e-6);
-      EXPECT_GT(axis.most_pulses, 0.45);
+      EXPECT_LE(axis.max_pulses, 0.5 + 10 * 6.6e-6);
+      EXPECT_GT(axis.max_pulses, 0.45);
       EXPECT_NEAR(axis.measured_end_mm, static_cast<double>(axis.end_pulses) * pulse_mm,
                   count_mm / 2 + 1e-9);
     }
@@ -102,8 +102,8 @@ TEST(ServoRun, LoadsLagByTheirTimeConstants) {
     const std::array<double, 2> speed{10 * 100 / length, 10 * 150 / length};
     const ServoErrors errors = servo_errors(run, machine.pulses_per_mm(), "test");
     for (std::size_t a = 0; a < 2; ++a) {
-      EXPECT_LE(errors.axis[a].most_mm, speed[a] * late_s + (pulse_mm + count_mm) / 2 + 0.02);
-      EXPECT_GE(errors.axis[a].least_mm, -(pulse_mm + count_mm) / 2 - 0.02);
+      EXPECT_LE(errors.axis[a].max_mm, speed[a] * late_s + (pulse_mm + count_mm) / 2 + 0.02);
+      EXPECT_GE(errors.axis[a].min_mm, -(pulse_mm + count_mm) / 2 - 0.02);
       double sum = 0;
       std::size_t count = 0;
       for (const ServoSample& sample : run.samples) {

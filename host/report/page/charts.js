@@ -46,13 +46,13 @@ function make_chart(holder, options) {
   const svg = svg_part(holder, 'svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': options.label});
   const {left, right, top, bottom} = chart_size;
   const from_x = options.from_x ?? 0;
-  const x = (value) => left + ((value - from_x) / (options.most_x - from_x)) * (width - left - right);
-  const y = (value) => height - bottom - (value / options.most_y) * (height - top - bottom);
-  for (const value of ticks(options.most_y, 4)) {
+  const x = (value) => left + ((value - from_x) / (options.max_x - from_x)) * (width - left - right);
+  const y = (value) => height - bottom - (value / options.max_y) * (height - top - bottom);
+  for (const value of ticks(options.max_y, 4)) {
     svg_part(svg, 'line', {class: 'grid', x1: left, x2: width - right, y1: y(value), y2: y(value)});
     svg_part(svg, 'text', {x: left - 7, y: y(value) + 4, 'text-anchor': 'end'}, options.y_text(value));
   }
-  for (const value of options.x_ticks ?? ticks(options.most_x, width / 90, from_x))
+  for (const value of options.x_ticks ?? ticks(options.max_x, width / 90, from_x))
     svg_part(svg, 'text', {x: x(value + (options.x_shift ?? 0)), y: height - bottom + 17, 'text-anchor': 'middle'},
              (options.x_text ?? tick_text)(value));
   svg_part(svg, 'text', {x: width - right, y: height - 4, 'text-anchor': 'end'}, options.x_unit);
@@ -60,7 +60,7 @@ function make_chart(holder, options) {
 }
 
 // A text at the pointer while it is over a part of a chart.
-function tell_on_hover(part, text) {
+function show_on_hover(part, text) {
   svg_part(part, 'title', {}, text);
 }
 
@@ -81,7 +81,7 @@ function draw_histogram(holder, histogram, options) {
   const start = histogram.from + (options.from ?? 0) * histogram.bin;
   const chart = make_chart(holder, {
     height: 220, label: options.label, from_x: options.each ? 0 : start,
-    most_x: (options.each ? 0 : start) + counts.length * histogram.bin, most_y: top_tick(Math.max(...counts) / all, 4), y_text: (share) => `${Number((100 * share).toPrecision(3))} %`,
+    max_x: (options.each ? 0 : start) + counts.length * histogram.bin, max_y: top_tick(Math.max(...counts) / all, 4), y_text: (share) => `${Number((100 * share).toPrecision(3))} %`,
     x_unit: options.unit, x_ticks: options.each ? counts.map((_, i) => i).filter((i) => counts.length < 14 || i % 4 === 0) : undefined,
     x_shift: options.each ? 0.5 : 0, x_text: options.each ? (i) => bin_name(i + (options.from ?? 0)) : undefined,
   });
@@ -99,7 +99,7 @@ function draw_histogram(holder, histogram, options) {
     if (options.each && count > 0 && high - low > 24)
       svg_part(chart.svg, 'text', {x: (low + high) / 2, y: top - 5, 'text-anchor': 'middle'}, share_text(count / all));
     const hit = svg_part(chart.svg, 'rect', {class: 'hit', x: low, width: high - low, y: chart_size.top, height: chart.y(0) - chart_size.top});
-    tell_on_hover(hit, `${options.bin_text(start + i * histogram.bin, histogram.bin, i === counts.length - 1)}: ${grouped(count)}, ${short((100 * count) / all)} %`);
+    show_on_hover(hit, `${options.bin_text(start + i * histogram.bin, histogram.bin, i === counts.length - 1)}: ${grouped(count)}, ${short((100 * count) / all)} %`);
   });
 }
 
@@ -111,7 +111,7 @@ function draw_utilisation(holder, use, mean) {
   const whole = seconds * use.share.length;
   const [unit, scale] = whole < 180 ? ['s', 1] : whole < 3 * 3600 ? ['min', 60] : ['h', 3600];
   const chart = make_chart(holder, {
-    height: 240, most_x: whole / scale, most_y: Math.max(1, ...use.share), x_unit: `machine time, ${unit}`,
+    height: 240, max_x: whole / scale, max_y: Math.max(1, ...use.share), x_unit: `machine time, ${unit}`,
     label: `Utilisation over time: ${fixed(100 * mean, 1)} % on average`, y_text: (share) => `${Math.round(100 * share)} %`,
   });
   const place = (i, share) => `${chart.x((i * seconds) / scale).toFixed(1)} ${chart.y(share).toFixed(1)}`;
@@ -124,6 +124,6 @@ function draw_utilisation(holder, use, mean) {
     const from = chart.x((i * seconds) / scale);
     const hit = svg_part(chart.svg, 'rect', {class: 'hit', x: from, width: chart.x(((i + 1) * seconds) / scale) - from,
                                              y: chart_size.top, height: chart.y(0) - chart_size.top});
-    tell_on_hover(hit, `${time_text(i * seconds)}: ${fixed(100 * share, 1)} %`);
+    show_on_hover(hit, `${time_text(i * seconds)}: ${fixed(100 * share, 1)} %`);
   });
 }

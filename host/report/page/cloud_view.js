@@ -73,7 +73,7 @@ function uniforms_of(gl, program) {
 }
 
 // With more points than this, edges need not be smooth.
-const most_smooth = 300000;
+const max_smooth = 300000;
 const tan_half_view = Math.tan((30 / 2) * (Math.PI / 180));
 
 class Camera {
@@ -141,7 +141,7 @@ class CloudView {
     const longest = Math.max(...this.size, 1e-3);
     this.camera = new Camera(0.5 * Math.hypot(...this.size) || 0.5 * longest);
     this.dot_mm = spacing_mm > 0 ? 0.7 * spacing_mm * Math.sqrt(cloud.stride) : 0.02 * longest;
-    this.gl = canvas.getContext('webgl2', {antialias: this.count < most_smooth, alpha: true, powerPreference: 'high-performance'});
+    this.gl = canvas.getContext('webgl2', {antialias: this.count < max_smooth, alpha: true, powerPreference: 'high-performance'});
     if (!this.gl) throw new Error('no WebGL 2');
     this.set_up();
     canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());

@@ -65,7 +65,7 @@ Core::Core(int id, Bus& bus, TimeWheel& wheel, IrqLines& irqs, const Timing& tim
       not_modelled_(std::move(not_modelled)),
       systick_(wheel, [this] { systick_expired(); }) {
   bus_.share_code_windows(window_, memory_, pc_);
-  bus_.arbiter().tell(static_cast<Requester>(master_), attention_);
+  bus_.arbiter().attach_flag(static_cast<Requester>(master_), attention_);
 }
 
 void Core::reset(std::uint32_t vector_table) {

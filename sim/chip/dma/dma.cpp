@@ -21,7 +21,7 @@ constexpr std::uint32_t error_bits = 3u
 
 // TREQ_SEL.
 constexpr unsigned first_timer = 0x3b, permanent = 0x3f;
-constexpr unsigned most_credits = 63;
+constexpr unsigned max_credits = 63;
 
 /// The four registers of a channel in the order of each of its four layouts (2.5.2.1).
 enum class Role : std::uint8_t { read_address, write_address, count, control };
@@ -69,7 +69,7 @@ void Dma::advance_to(Cycle clock) {
         clocks >= 63 ? channel.arriving : channel.arriving & ((std::uint64_t{2} << clocks) - 1);
     if (there != 0)
       channel.credits =
-          std::min(most_credits, channel.credits + static_cast<unsigned>(std::popcount(there)));
+          std::min(max_credits, channel.credits + static_cast<unsigned>(std::popcount(there)));
     channel.arriving = clocks >= 63 ? 0 : (channel.arriving & ~there) >> clocks;
   }
   for (unsigned i = 0; i < dma_timer_count; ++i) {

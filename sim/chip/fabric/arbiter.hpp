@@ -60,7 +60,9 @@ class Arbiter {
     return 0;
   }
   /// Sets `flag` whenever that master owes cycles.
-  void tell(Requester requester, bool& flag) { told_[static_cast<std::size_t>(requester)] = &flag; }
+  void attach_flag(Requester requester, bool& flag) {
+    flags_[static_cast<std::size_t>(requester)] = &flag;
+  }
   /// Cycles that a master must add because an access of another one was served first.
   bool owes(Requester requester) const { return owed_[static_cast<std::size_t>(requester)] != 0; }
   std::uint32_t take_owed(Requester requester) {
@@ -73,7 +75,7 @@ class Arbiter {
 
  private:
   static constexpr std::size_t no_master = 4;
-  static constexpr int most_moves = 64;
+  static constexpr int max_moves = 64;
   /// The cycles in which a master has a port: a bit for each, bit 0 the latest.
   struct User {
     std::uint64_t bits = 0;
@@ -140,12 +142,12 @@ class Arbiter {
   [[gnu::noinline]] std::uint32_t clash(Port& here, std::size_t me, Cycle at,
                                         std::uint32_t cycles) {
     Cycle start = at;
-    for (int moved = 0; moved < most_moves; ++moved) {
+    for (int moved = 0; moved < max_moves; ++moved) {
       const std::size_t other = occupant(here, me, start);
       if (other == no_master) break;
       if (start == at && here.users[other].begins(at) && wins(here, me, other, at)) {
         owed_[other] += cycles;
-        if (told_[other] != nullptr) *told_[other] = true;
+        if (flags_[other] != nullptr) *flags_[other] = true;
         here.users[other].put_off(at, cycles);
         here.latest = std::max(here.latest, here.users[other].latest);
         break;
@@ -160,7 +162,7 @@ class Arbiter {
 
   std::array<Port, bus_port_count> ports_{};
   std::array<std::uint32_t, 4> owed_{};
-  std::array<bool*, 4> told_{};
+  std::array<bool*, 4> flags_{};
   std::uint32_t priorities_ = 0;
 };
 

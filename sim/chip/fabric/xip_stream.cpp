@@ -24,7 +24,7 @@ void XipStream::run(Cycle) {
   if (in_flight_ && end_ <= now) finish();
   if (!in_flight_ && needs() && std::max(end_, resume_) <= now) begin(now);
   plan();
-  tell_level();
+  report_level();
 }
 
 void XipStream::begin(Cycle at) {
@@ -48,7 +48,7 @@ void XipStream::plan() {
 }
 
 // The DMA may read the FIFO within this call.
-void XipStream::tell_level() {
+void XipStream::report_level() {
   if (dreqs_ != nullptr) dreqs_->set_level(Dreq::xip_stream, level_);
 }
 
@@ -85,7 +85,7 @@ std::uint32_t XipStream::pop() {
   const std::uint32_t word = std::exchange(fifo_[0], fifo_[1]);
   --level_;
   plan();
-  tell_level();
+  report_level();
   return word;
 }
 
@@ -94,7 +94,7 @@ void XipStream::reset() {
   level_ = 0;
   in_flight_ = false;
   plan();
-  tell_level();
+  report_level();
 }
 
 }  // namespace lamplock::sim::chip

@@ -81,7 +81,7 @@ class XipStream final : private Timed {
   void begin(Cycle at);
   void finish();
   void plan();
-  void tell_level();
+  void report_level();
 
   TimeWheel& wheel_;
   TimeWheel::Slot slot_;

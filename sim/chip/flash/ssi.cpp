@@ -87,7 +87,7 @@ void Ssi::settle() {
   catch_up();
   update_mapping();
   plan();
-  tell_levels();
+  report_levels();
 }
 
 void Ssi::plan() {
@@ -97,7 +97,7 @@ void Ssi::plan() {
 // DMACR, DMATDLR and DMARDLR (4.10.13): a request while the transmit FIFO holds at most as many
 // entries as its level, the receive FIFO more. It is assumed that a request is worth as many
 // transfers as the FIFO can take or give. The DMA may access the FIFOs within this call.
-void Ssi::tell_levels() {
+void Ssi::report_levels() {
   if (dreqs_ == nullptr) return;
   const bool sends = (dma_control_ & dma_transmit) != 0 && enabled_ && tx_.size() <= dma_tx_level_;
   const bool receives = (dma_control_ & dma_receive) != 0 && rx_.size() > dma_rx_level_;
@@ -378,7 +378,7 @@ std::uint32_t Ssi::read(std::uint32_t offset) {
     }
     const std::uint32_t value = rx_.front();
     rx_.pop_front();
-    tell_levels();
+    report_levels();
     return value;
   }
   if (offset >= txoicr && offset <= icr) {

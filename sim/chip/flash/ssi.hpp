@@ -57,7 +57,7 @@ class Ssi final : public Peripheral, private Timed {
   void catch_up();
   std::uint32_t transfer_cycles(unsigned data_bits) const;
   void plan();
-  void tell_levels();
+  void report_levels();
   /// Applies all consequences of the registers, the FIFOs and the time.
   void settle();
   void write_data(std::uint32_t value);

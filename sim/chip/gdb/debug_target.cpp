@@ -63,7 +63,7 @@ void DebugTarget::clear_breakpoint(std::uint32_t address, bool hardware) {
 void DebugTarget::set_watch(std::uint32_t address, std::uint32_t size, WatchKind kind) {
   clear_watch(address, size, kind);
   watches_.push_back({address, std::max(size, 1u), kind, {}});
-  look_at_memory(watches_.back());
+  poll_memory(watches_.back());
 }
 
 void DebugTarget::clear_watch(std::uint32_t address, std::uint32_t size, WatchKind kind) {
@@ -90,7 +90,7 @@ const DebugTarget::Breakpoint* DebugTarget::breakpoint_at(std::uint32_t address)
   return found == breakpoints_.end() ? nullptr : &*found;
 }
 
-void DebugTarget::look_at_memory(Watch& watch) {
+void DebugTarget::poll_memory(Watch& watch) {
   const auto memory = chip_.bus().memory_at(canonical_address(watch.address));
   watch.contents.assign(memory.begin(),
                         memory.begin() + static_cast<std::ptrdiff_t>(
@@ -106,7 +106,7 @@ const DebugTarget::Watch* DebugTarget::watch_changed() {
     if (memory.size() >= watch.contents.size() &&
         std::equal(watch.contents.begin(), watch.contents.end(), memory.begin()))
       continue;
-    look_at_memory(watch);
+    poll_memory(watch);
     if (changed == nullptr) changed = &watch;
   }
   return changed;
@@ -153,7 +153,7 @@ void DebugTarget::resume(std::optional<int> step) {
     core.set_reg(15, *at + 2);
     if (step == id) stepped_ = *at;
   }
-  for (Watch& watch : watches_) look_at_memory(watch);
+  for (Watch& watch : watches_) poll_memory(watch);
 }
 
 Stop DebugTarget::run(Cycle until) {

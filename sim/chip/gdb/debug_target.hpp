@@ -100,7 +100,7 @@ class DebugTarget final : private StepWatcher {
   const Watch* watch_before(Core& core);
   const Watch* watch_hit(Core& core);
   const Watch* watch_changed();
-  void look_at_memory(Watch& watch);
+  void poll_memory(Watch& watch);
   std::optional<std::uint32_t> register_word(int core, std::uint32_t address);
   void place_filter();
 

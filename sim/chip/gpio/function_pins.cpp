@@ -20,18 +20,18 @@ void FunctionPins::put(unsigned signal, bool level, bool enable, Cycle at) {
 }
 
 void FunctionPins::inputs_changed(Cycle at) {
-  if (((gpio_.inputs() & selected() & sensed_) ^ seen_) != 0) tell(at);
+  if (((gpio_.inputs() & selected() & sensed_) ^ seen_) != 0) report(at);
 }
 
 void FunctionPins::connections_changed(Cycle at) {
-  if (selected() != connections_seen_) tell(at);
+  if (selected() != connections_seen_) report(at);
 }
 
 void FunctionPins::connections_changing(Cycle at) {
   for (User* user : users_) user->pins_connecting(at);
 }
 
-void FunctionPins::tell(Cycle at) {
+void FunctionPins::report(Cycle at) {
   connections_seen_ = selected();
   seen_ = gpio_.inputs() & connections_seen_ & sensed_;
   for (User* user : users_) user->pins_changed(at);

@@ -82,7 +82,7 @@ class FunctionPins final : private FunctionListener {
   void inputs_changed(Cycle at) override;
   void connections_changing(Cycle at) override;
   void connections_changed(Cycle at) override;
-  void tell(Cycle at);
+  void report(Cycle at);
   std::uint32_t selected() const { return gpio_.selected(function_); }
 
   Gpio& gpio_;

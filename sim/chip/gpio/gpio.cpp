@@ -103,7 +103,7 @@ void Gpio::update(Cycle at) {
   const std::uint32_t from_pad = pads_ & input_enable_;
   inputs_ = input_override_.apply(from_pad) & all_pins;
   record(at, interrupt_override_.apply(from_pad) & all_pins);
-  tell(at);
+  report(at);
 }
 
 void Gpio::join(unsigned one, unsigned other, Cycle at) {
@@ -141,19 +141,19 @@ void Gpio::level_wires(std::uint32_t out, std::uint32_t before) {
 }
 
 void Gpio::report_contention(std::uint32_t pins) {
-  pins &= ~contention_told_;
-  contention_told_ |= pins;
+  pins &= ~contention_reported_;
+  contention_reported_ |= pins;
   for (; pins != 0; pins &= pins - 1)
     not_modelled_("GPIO" + std::to_string(std::countr_zero(pins)) +
                   ": the chip and the outside drive it to different levels");
 }
 
-void Gpio::tell(Cycle at) {
+void Gpio::report(Cycle at) {
   // A listener may change pins in turn: each change is recorded as reported before the call.
-  while (const std::uint32_t changed = pads_ ^ pads_told_) {
+  while (const std::uint32_t changed = pads_ ^ pads_reported_) {
     const auto gpio = static_cast<unsigned>(std::countr_zero(changed));
-    pads_told_ ^= 1u << gpio;
-    const bool level = (pads_told_ >> gpio & 1u) != 0;
+    pads_reported_ ^= 1u << gpio;
+    const bool level = (pads_reported_ >> gpio & 1u) != 0;
     for (PadListener* listener : pad_listeners_) listener->pad_changed(gpio, level, at);
   }
   if (inputs_told_ == inputs_) return;
@@ -163,7 +163,7 @@ void Gpio::tell(Cycle at) {
     if ((changed & selected(each.function)) != 0) each.listener->inputs_changed(at);
 }
 
-void Gpio::tell_connections(Cycle at) {
+void Gpio::report_connections(Cycle at) {
   for (InputListener* listener : input_listeners_) listener->connections_changed(at);
   for (const OfFunction& each : function_listeners_) each.listener->connections_changed(at);
 }
@@ -297,7 +297,7 @@ void Gpio::IoBank::write(std::uint32_t offset, std::uint32_t value) {
         each.listener->connections_changing(now);
     gpio_.write_control(offset / 8, value & control_mask);
     gpio_.update(now);
-    if (reconnects) gpio_.tell_connections(now);
+    if (reconnects) gpio_.report_connections(now);
     return;
   }
   if (offset >= io_end) {
@@ -335,7 +335,7 @@ void Gpio::IoBank::reset() {
   gpio_.watched_ = 0;
   const Cycle now = gpio_.wheel_.now();
   gpio_.update(now);
-  gpio_.tell_connections(now);
+  gpio_.report_connections(now);
   gpio_.synchronise(now);
   gpio_.edges_low_ = 0;
   gpio_.edges_high_ = 0;

@@ -187,8 +187,8 @@ class Gpio : private Timed {
   }
   void update(Cycle at);
   void level_wires(std::uint32_t out, std::uint32_t before);
-  void tell(Cycle at);
-  void tell_connections(Cycle at);
+  void report(Cycle at);
+  void report_connections(Cycle at);
   void report_contention(std::uint32_t pins);
   void record(Cycle at, std::uint32_t interrupt_inputs);
   void synchronise(Cycle to);
@@ -228,11 +228,11 @@ class Gpio : private Timed {
   std::uint32_t external_driven_ = 0, external_high_ = 0;
   std::vector<std::uint32_t> wires_;  ///< pins that are joined
   std::uint32_t driven_over_wires_ = 0;
-  std::uint32_t contention_told_ = 0;
+  std::uint32_t contention_reported_ = 0;
 
   std::uint32_t out_from_peripheral_ = 0, enable_from_peripheral_ = 0;
   std::uint32_t driven_ = 0;  ///< by the chip
-  std::uint32_t pads_ = 0, pads_told_ = 0;
+  std::uint32_t pads_ = 0, pads_reported_ = 0;
   std::uint32_t inputs_ = 0, inputs_told_ = 0;
 
   std::array<Change, history_size> history_{};  ///< a ring; history_last_ is the newest

@@ -18,12 +18,12 @@ unsigned threshold(std::uint32_t field) { return (field & 31u) == 0 ? 32u : fiel
 /// A sleep in a loop shorter than this many executions is not worth its bookkeeping.
 constexpr std::uint64_t shortest_loop_sleep = 8;
 /// Maximum number of jumps in a loop.
-constexpr int longest_loop = 8;
+constexpr int max_loop = 8;
 /// Rounds after which a sleep in a loop ends: times then fit 64 bits even if each round takes 8
 /// jumps with all delays, divided by 65536.
-constexpr std::uint64_t most_rounds = std::uint64_t{1} << 28;
+constexpr std::uint64_t max_rounds = std::uint64_t{1} << 28;
 /// Maximum number of instructions that run at once, because an unnoticed loop has no end.
-constexpr int most_at_once = 16;
+constexpr int max_at_once = 16;
 
 }  // namespace
 
@@ -182,12 +182,12 @@ void StateMachine::try_loop(Cycle clock) {
   if (!is_jump(ops_[pc_].operation) || !enabled_) return;
   std::uint32_t x = x_, y = y_;
   const bool pin = (shared_.in >> jmp_pin_ & 1u) != 0;
-  std::array<std::uint32_t, longest_loop> x_tests{}, y_tests{};
+  std::array<std::uint32_t, max_loop> x_tests{}, y_tests{};
   std::size_t x_count = 0, y_count = 0;
   bool uses_pin = false, compares = false, closed = false;
   std::uint32_t ticks = 0;
   unsigned pc = pc_;
-  for (int i = 0; i < longest_loop && !closed; ++i) {
+  for (int i = 0; i < max_loop && !closed; ++i) {
     const Decoded& op = ops_[pc];
     if (!is_jump(op.operation)) return;
     if (op.side_mask != 0) {
@@ -213,7 +213,7 @@ void StateMachine::try_loop(Cycle clock) {
   const std::uint32_t dx = x_ - x, dy = y_ - y;
   if (compares && dx != dy) return;
   // Rounds in which every test has the same result as in this one.
-  std::uint64_t rounds = most_rounds;
+  std::uint64_t rounds = max_rounds;
   const auto bound = [&rounds](std::uint32_t value, std::uint32_t step) {
     if (step != 0)
       rounds = std::min<std::uint64_t>(rounds, value == 0 ? 1 : (value - 1) / step + 1);
@@ -336,7 +336,7 @@ bool StateMachine::sleep_in_wait(const Decoded& op, Cycle clock) {
 }
 
 void StateMachine::run_at_once(Cycle clock) {
-  for (int i = 0; i < most_at_once; ++i) {
+  for (int i = 0; i < max_at_once; ++i) {
     const Decoded& op = ops_[pc_];
     const unsigned old = pc_;
     if (!at_once_) before_ = {next_q8_, x_, y_, isr_, osr_, isr_count_, osr_count_, pc_};

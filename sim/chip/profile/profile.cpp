@@ -49,7 +49,7 @@ void Profile::handled(unsigned exception, Cycle cycles) {
 }
 
 void Profile::masked(bool interrupts_off, Cycle at) {
-  if (masked_ && !interrupts_off) longest_masked_ = std::max(longest_masked_, at - masked_since_);
+  if (masked_ && !interrupts_off) max_masked_ = std::max(max_masked_, at - masked_since_);
   if (!masked_ && interrupts_off) masked_since_ = at;
   masked_ = interrupts_off;
 }
@@ -82,7 +82,7 @@ std::string Profile::text(std::size_t lines) const {
       "core %d: %llu cycles, %.2f%% asleep, interrupts off at most %llu cycles\n",
       stack_.core().id(), static_cast<unsigned long long>(cycles()),
       cycles() == 0 ? 0.0 : 100.0 * static_cast<double>(asleep()) / static_cast<double>(cycles()),
-      static_cast<unsigned long long>(longest_masked_));
+      static_cast<unsigned long long>(max_masked_));
   std::string result = head.data();
   constexpr const char* columns = "       count         cycles         mean      longest   share  ";
   result += std::string(columns) + "interrupt (with those nested in it)\n";

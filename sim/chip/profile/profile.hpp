@@ -43,7 +43,7 @@ class Profile final : private StackView {
   Cycle cycles() const { return stack_.cycles(); }
   Cycle asleep() const { return stack_.asleep(); }
   /// Longest time with PRIMASK set.
-  Cycle longest_masked() const { return longest_masked_; }
+  Cycle max_masked() const { return max_masked_; }
   /// The whole profile as a table, with the `lines` most expensive functions.
   std::string text(std::size_t lines = 40) const;
 
@@ -57,7 +57,7 @@ class Profile final : private StackView {
   std::vector<ProfileEntry> entries_;  ///< one for each function, and one for code without a symbol
   std::array<ProfileEntry, 48> exceptions_{};
   bool masked_ = false;
-  Cycle masked_since_ = 0, longest_masked_ = 0;
+  Cycle masked_since_ = 0, max_masked_ = 0;
 };
 
 /// Measures the depth of a stack: fills it with a pattern and looks for changes.

@@ -8,9 +8,9 @@
 namespace lamplock::sim::chip::script {
 namespace {
 
-using State = Verdict::State;
+using State = CheckResult::State;
 
-/// Interval of looks in a window, so that its edges need not all be kept.
+/// Interval of polls in a window, so that its edges need not all be kept.
 constexpr Picoseconds window_interval = ps_per_ms;
 /// Maximum number of a port's bytes that are shown.
 constexpr std::size_t shown_bytes = 60;
@@ -61,7 +61,7 @@ class WithinCheck : public Check {
       : scene_(scene), start_(start), end_(after(scene.wheel(), start, limit)), limit_(limit) {}
   Cycle due(Cycle now) const override {
     const Cycle end = cycle_after(scene_.wheel(), start_, limit_) + settle_cycles;
-    return std::max(now + 1, std::min(later(scene_.wheel(), now, look_interval), end));
+    return std::max(now + 1, std::min(later(scene_.wheel(), now, poll_interval), end));
   }
   Cycle needs_from() const override { return start_.cycle; }
 
@@ -69,7 +69,7 @@ class WithinCheck : public Check {
   bool over(Cycle now) const {
     return now >= cycle_after(scene_.wheel(), start_, limit_) + settle_cycles;
   }
-  Verdict nothing(std::string seen) const { return {State::failed, end_, std::move(seen)}; }
+  CheckResult nothing(std::string seen) const { return {State::failed, end_, std::move(seen)}; }
 
   Scene scene_;
   Moment start_, end_;
@@ -80,7 +80,7 @@ class EdgeCheck final : public WithinCheck {
  public:
   EdgeCheck(const ExpectEdge& what, const Scene& scene, const Moment& start)
       : WithinCheck(scene, start, what.limit), edge_(what.edge) {}
-  Verdict look(Cycle now) override {
+  CheckResult poll(Cycle now) override {
     const PadLog& pads = scene_.pads;
     for (std::size_t i = pads.first_after(edge_.gpio, start_.cycle); i < pads.end(edge_.gpio);
          ++i) {
@@ -101,12 +101,12 @@ class EdgeCheck final : public WithinCheck {
 class PortCheck final : public WithinCheck {
  public:
   using WithinCheck::WithinCheck;
-  Verdict look(Cycle now) override {
+  CheckResult poll(Cycle now) override {
     if (scene_.ports.ready(Port::usb)) {
       const Moment at = moment_of(scene_.wheel(), now);
       return {State::met, at.cycle > start_.cycle ? at : start_, {}};
     }
-    return over(now) ? nothing("no serial port on the USB") : Verdict{};
+    return over(now) ? nothing("no serial port on the USB") : CheckResult{};
   }
 };
 
@@ -114,7 +114,7 @@ class TextCheck final : public WithinCheck {
  public:
   TextCheck(ExpectText what, const Scene& scene, const Moment& start)
       : WithinCheck(scene, start, what.limit), what_(std::move(what)) {}
-  Verdict look(Cycle now) override {
+  CheckResult poll(Cycle now) override {
     const std::uint64_t count = scene_.ports.count(what_.port);
     if (std::exchange(looked_through_, count) != count) {
       const std::optional<Moment> found = scene_.ports.find(what_.port, what_.text);
@@ -140,7 +140,7 @@ class ReactionCheck final : public Check {
     if (const auto last = scene.pads.last(what.cause, start.cycle)) found_cause(*last);
     next_ = scene.pads.first_after(what.cause.gpio, start.cycle);
   }
-  Verdict look(Cycle now) override {
+  CheckResult poll(Cycle now) override {
     const unsigned gpio = what_.cause.gpio;
     if (next_ < scene_.pads.begin(gpio))
       return {State::failed, moment_of(scene_.wheel(), now),
@@ -150,14 +150,14 @@ class ReactionCheck final : public Check {
         from_ = now;
         return {};
       }
-      Verdict verdict = judge(now);
-      if (verdict.state != State::met) return verdict;
-      if (--what_.times == 0) return verdict;
+      CheckResult result = judge(now);
+      if (result.state != State::met) return result;
+      if (--what_.times == 0) return result;
       from_ = cause_->cycle;
       cause_.reset();
     }
   }
-  Cycle due(Cycle now) const override { return later(scene_.wheel(), now, look_interval); }
+  Cycle due(Cycle now) const override { return later(scene_.wheel(), now, poll_interval); }
   Cycle needs_from() const override { return cause_ ? cause_->cycle : from_; }
 
  private:
@@ -174,7 +174,7 @@ class ReactionCheck final : public Check {
     return false;
   }
   /// The first edge after the cause, if it has come or is too late.
-  Verdict judge(Cycle now) const {
+  CheckResult judge(Cycle now) const {
     const PadLog& pads = scene_.pads;
     const unsigned gpio = what_.edge.gpio;
     const std::string after_cause =
@@ -211,7 +211,7 @@ class WindowCheck : public Check {
         window_(window),
         next_(scene.pads.first_after(gpio, start.cycle)) {}
 
-  Verdict look(Cycle now) override {
+  CheckResult poll(Cycle now) override {
     const PadLog& pads = scene_.pads;
     for (; next_ < pads.end(gpio_); ++next_) {
       const PadEdge& edge = pads.edge(gpio_, next_);
@@ -219,10 +219,10 @@ class WindowCheck : public Check {
       count(edge);
     }
     needs_ = next_ < pads.end(gpio_) ? pads.edge(gpio_, next_).at.cycle : now;
-    Verdict verdict = early();
-    if (verdict.state == State::open && now >= last_look())
-      verdict = judge(after(scene_.wheel(), start_, window_));
-    return verdict;
+    CheckResult result = early();
+    if (result.state == State::open && now >= last_look())
+      result = judge(after(scene_.wheel(), start_, window_));
+    return result;
   }
   Cycle due(Cycle now) const override {
     return std::max(now + 1, std::min(later(scene_.wheel(), now, window_interval), last_look()));
@@ -231,8 +231,8 @@ class WindowCheck : public Check {
 
  protected:
   virtual void count(const PadEdge& edge) = 0;
-  virtual Verdict early() const { return {}; }
-  virtual Verdict judge(const Moment& end) const = 0;
+  virtual CheckResult early() const { return {}; }
+  virtual CheckResult judge(const Moment& end) const = 0;
 
   Scene scene_;
   unsigned gpio_;
@@ -254,7 +254,7 @@ class CountCheck final : public WindowCheck {
   void count(const PadEdge& edge) override {
     if (edge.is(what_.edge.kind)) ++seen_;
   }
-  Verdict judge(const Moment& end) const override {
+  CheckResult judge(const Moment& end) const override {
     if (seen_ >= what_.least && seen_ <= what_.most) return {State::met, end, {}};
     return {State::failed, end, std::to_string(seen_)};
   }
@@ -274,11 +274,11 @@ class NeverCheck final : public WindowCheck {
   void count(const PadEdge& edge) override {
     if (edge.level == level_ && !broken_) broken_ = edge.at;
   }
-  Verdict early() const override {
+  CheckResult early() const override {
     if (!broken_) return {};
     return {State::failed, *broken_, level_word(level_)};
   }
-  Verdict judge(const Moment& end) const override { return {State::met, end, {}}; }
+  CheckResult judge(const Moment& end) const override { return {State::met, end, {}}; }
   bool level_;
   std::optional<Moment> broken_;
 };
@@ -294,7 +294,7 @@ class FrequencyCheck final : public WindowCheck {
     if (rises_++ == 0) first_ = edge.at;
     last_ = edge.at;
   }
-  Verdict judge(const Moment& end) const override {
+  CheckResult judge(const Moment& end) const override {
     if (rises_ < 2) return {State::failed, end, std::to_string(rises_) + " rising edges"};
     const double hz = static_cast<double>(rises_ - 1) / seconds(last_.time - first_.time);
     if (std::abs(hz - what_.hz) <= what_.tolerance * what_.hz) return {State::met, end, {}};
@@ -312,7 +312,7 @@ class LevelCheck final : public Check {
  public:
   LevelCheck(const ExpectLevel& what, const Scene& scene, const Moment& start)
       : what_(what), scene_(scene), start_(start) {}
-  Verdict look(Cycle now) override {
+  CheckResult poll(Cycle now) override {
     if (now < due(0)) return {};
     const PadLog& pads = scene_.pads;
     const bool level = pads.level_before(what_.gpio, pads.first_after(what_.gpio, start_.cycle));

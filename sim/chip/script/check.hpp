@@ -2,7 +2,7 @@
 //
 // In:  the edges of pads and the bytes of ports so far, up to the present cycle.
 // Out: open, met (and when), or not met (and what was seen instead).
-// Who: the runner, which calls look() at due() after everything up to then is known.
+// Who: the runner, which calls poll() at due() after everything up to then is known.
 #pragma once
 
 #include <memory>
@@ -13,13 +13,13 @@
 
 namespace lamplock::sim::chip::script {
 
-/// Maximum delay in simulated time until an edge is found: the interval of a script's looks.
-inline constexpr Picoseconds look_interval = ps_per_us;
+/// Maximum delay in simulated time until an edge is found: the interval at which a script polls.
+inline constexpr Picoseconds poll_interval = ps_per_us;
 /// Wait at the end of a window for the instruction in progress to finish its access.
 inline constexpr Cycle settle_cycles = 16;
 
 /// Result so far.
-struct Verdict {
+struct CheckResult {
   enum class State : std::uint8_t { open, met, failed };
   State state = State::open;
   Moment at{};       ///< met or failed: when
@@ -38,8 +38,8 @@ class Check {
  public:
   virtual ~Check() = default;
   /// Checks with everything before cycle `now` known.
-  virtual Verdict look(Cycle now) = 0;
-  /// Cycle of the next look, later than `now`.
+  virtual CheckResult poll(Cycle now) = 0;
+  /// Cycle of the next poll, later than `now`.
   virtual Cycle due(Cycle now) const = 0;
   /// Edges before this cycle are not needed any more.
   virtual Cycle needs_from() const = 0;

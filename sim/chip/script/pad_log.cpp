@@ -2,7 +2,7 @@
 
 namespace lamplock::sim::chip::script {
 namespace {
-constexpr std::size_t most_edges = 1'000'000;
+constexpr std::size_t max_edges = 1'000'000;
 }  // namespace
 
 PadLog::PadLog(Chip& chip, std::uint32_t pins) : chip_(chip), pins_(pins) {
@@ -38,7 +38,7 @@ std::optional<PadEdge> PadLog::last(PinEdge of, Cycle cycle) const {
 void PadLog::forget_before(Cycle cycle) {
   for (Pad& pad : pads_)
     while (!pad.edges.empty() &&
-           (pad.edges.front().at.cycle < cycle || pad.edges.size() > most_edges)) {
+           (pad.edges.front().at.cycle < cycle || pad.edges.size() > max_edges)) {
       pad.before[pad.edges.front().level ? 1 : 0] = pad.edges.front();
       pad.edges.pop_front();
       ++pad.dropped;

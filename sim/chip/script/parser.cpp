@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::string_view blanks = " \t\r";
 /// Longer spans do not fit in 64 bits of picoseconds, and no simulation lasts as long.
-constexpr double longest_span_ps = 1e6 * 1e12;
-constexpr std::uint64_t most_times = 1'000'000'000;
+constexpr double max_span_ps = 1e6 * 1e12;
+constexpr std::uint64_t max_times = 1'000'000'000;
 constexpr unsigned first_adc_gpio = 26;  // RP2040 datasheet, 4.9
 
 [[noreturn]] void fail(const std::string& where, const std::string& what,
@@ -56,14 +56,13 @@ std::optional<Span> span(std::string_view word) {
   const std::optional<Number> read = number(word);
   if (!read) return std::nullopt;
   if (read->unit == "cycles") {
-    if (read->value != std::floor(read->value) || read->value > longest_span_ps)
-      return std::nullopt;
+    if (read->value != std::floor(read->value) || read->value > max_span_ps) return std::nullopt;
     return Span{static_cast<std::int64_t>(read->value), true};
   }
   for (const auto& [name, ps] : units) {
     if (read->unit != name) continue;
     const double value = read->value * static_cast<double>(ps);
-    if (value > longest_span_ps) return std::nullopt;
+    if (value > max_span_ps) return std::nullopt;
     return Span{std::llround(value), false};
   }
   return std::nullopt;
@@ -191,7 +190,7 @@ class Line {
     static const std::string possible = "give a whole number from 1 to 1000000000";
     const std::string_view text = word(possible);
     const std::optional<std::uint64_t> value = whole(text);
-    if (!value || *value == 0 || *value > most_times)
+    if (!value || *value == 0 || *value > max_times)
       refuse(quoted(text) + " is not a number of times", possible);
     return *value;
   }

@@ -37,7 +37,7 @@ void Runner::run(Cycle /*to*/) {
   chip_.gpio().catch_up(now);
   ports_.poll(now);
   drive_trains(now);
-  look_beside(now);
+  poll_beside(now);
   while (!done_ && advance(now)) {
   }
   forget();
@@ -50,7 +50,7 @@ Cycle Runner::due(Cycle now) const {
   Cycle due = never_cycle;
   if (open_.check) due = open_.check->due(now);
   if (way_) due = cycle_after(wheel_, way_->from, way_->span);
-  if (sending_) due = wheel_.cycle_at(wheel_.time_of(now) + look_interval);
+  if (sending_) due = wheel_.cycle_at(wheel_.time_of(now) + poll_interval);
   for (const Open& each : beside_) due = std::min(due, each.check->due(now));
   for (const std::optional<Train>& train : trains_)
     if (train) due = std::min(due, this->due(*train));
@@ -59,7 +59,7 @@ Cycle Runner::due(Cycle now) const {
 
 /// Makes one step; false: time has to pass first, or the script is done.
 bool Runner::advance(Cycle now) {
-  if (open_.check) return look(open_, now);
+  if (open_.check) return poll(open_, now);
   if (way_) return arrive(now);
   if (sending_) return finish_sending(now);
   if (next_ < script_.size() && !std::holds_alternative<End>(script_[next_].action)) {
@@ -150,21 +150,21 @@ void Runner::take_step(Cycle now) {
 }
 
 /// Whether the expectation is met; otherwise it is open or the script has failed.
-bool Runner::look(Open& open, Cycle now) {
-  const Verdict verdict = open.check->look(now);
-  if (verdict.state == Verdict::State::open) return false;
-  if (verdict.state == Verdict::State::failed) {
-    fail(open.step, verdict.seen, verdict.at.time);
+bool Runner::poll(Open& open, Cycle now) {
+  const CheckResult result = open.check->poll(now);
+  if (result.state == CheckResult::State::open) return false;
+  if (result.state == CheckResult::State::failed) {
+    fail(open.step, result.seen, result.at.time);
     return false;
   }
   open.check.reset();
-  if (&open == &open_) time_ = verdict.at;
+  if (&open == &open_) time_ = result.at;
   return true;
 }
 
-void Runner::look_beside(Cycle now) {
+void Runner::poll_beside(Cycle now) {
   for (Open& each : beside_)
-    if (!done_) look(each, now);
+    if (!done_) poll(each, now);
   std::erase_if(beside_, [](const Open& each) { return !each.check; });
 }
 

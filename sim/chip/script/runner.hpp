@@ -71,8 +71,8 @@ class Runner final : private Timed {
   bool finish_sending(Cycle now);
   void take_step(Cycle now);
   void act_now(Cycle now);
-  bool look(Open& open, Cycle now);
-  void look_beside(Cycle now);
+  bool poll(Open& open, Cycle now);
+  void poll_beside(Cycle now);
   void drive_trains(Cycle now);
   Cycle due(const Train& train) const;
   void fail(std::size_t step, std::string seen, Picoseconds at);

@@ -6,7 +6,7 @@ namespace lamplock::sim::chip::script {
 namespace {
 
 /// Bytes kept of output that is neither searched nor taken.
-constexpr std::size_t most_kept = 1 << 20;
+constexpr std::size_t max_kept = 1 << 20;
 
 std::size_t index_of(Port port) { return static_cast<std::size_t>(port); }
 
@@ -40,11 +40,11 @@ void SerialPorts::heard(Port port, std::uint8_t byte, Cycle at) {
   heard.unused += static_cast<char>(byte);
   heard.times.push_back(moment_of(chip_.wheel(), at));
   heard.to_take += static_cast<char>(byte);
-  if (heard.unused.size() > 2 * most_kept) {
-    heard.unused.erase(0, most_kept);
-    heard.times.erase(heard.times.begin(), heard.times.begin() + most_kept);
+  if (heard.unused.size() > 2 * max_kept) {
+    heard.unused.erase(0, max_kept);
+    heard.times.erase(heard.times.begin(), heard.times.begin() + max_kept);
   }
-  if (heard.to_take.size() > 2 * most_kept) heard.to_take.erase(0, most_kept);
+  if (heard.to_take.size() > 2 * max_kept) heard.to_take.erase(0, max_kept);
 }
 
 void SerialPorts::poll(Cycle now) {

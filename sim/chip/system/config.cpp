@@ -25,7 +25,7 @@ constexpr std::uint32_t priority_mask = 0x1111;
 constexpr std::uint32_t perfsel_reset = 0x1f;
 constexpr std::uint32_t offset_perfctr0 = 0x08;
 constexpr std::uint32_t busctrl_end = 0x28;
-constexpr std::uint32_t most_count = 0xff'ffff;  // 24 bits, saturating
+constexpr std::uint32_t max_count = 0xff'ffff;  // 24 bits, saturating
 
 // Even events are contested accesses of a port (2.1.5, PERFSEL).
 constexpr bool counts(std::uint32_t event) {
@@ -64,7 +64,7 @@ Syscfg::Syscfg(Callbacks callbacks, NotModelled not_modelled)
 
 void Syscfg::reset() {
   registers_ = syscfg_resets;
-  for (std::uint32_t index = 0; index < registers_.size(); ++index) tell(4 * index);
+  for (std::uint32_t index = 0; index < registers_.size(); ++index) report(4 * index);
 }
 
 std::uint32_t Syscfg::read(std::uint32_t offset) {
@@ -76,7 +76,7 @@ std::uint32_t Syscfg::peek(std::uint32_t offset) const {
   return offset / 4 < registers_.size() ? registers_[offset / 4] : 0;
 }
 
-void Syscfg::tell(std::uint32_t offset) const {
+void Syscfg::report(std::uint32_t offset) const {
   const std::uint32_t value = registers_[offset / 4];
   if (offset < 8 && callbacks_.nmi_mask) callbacks_.nmi_mask(static_cast<int>(offset / 4), value);
   if (offset == offset_sync_bypass && callbacks_.synchroniser_bypass)
@@ -88,7 +88,7 @@ void Syscfg::write(std::uint32_t offset, std::uint32_t value) {
   registers_[offset / 4] = value & syscfg_masks[offset / 4];
   if (offset > offset_sync_bypass && registers_[offset / 4] != syscfg_resets[offset / 4])
     not_modelled_("SYSCFG PROC_IN_SYNC_BYPASS_HI, DBGFORCE, MEMPOWERDOWN: without effect");
-  tell(offset);
+  report(offset);
 }
 
 Busctrl::Busctrl(NotModelled not_modelled) : not_modelled_(std::move(not_modelled)) { reset(); }
@@ -108,7 +108,7 @@ std::uint32_t Busctrl::events(std::size_t counter) const {
 }
 
 std::uint32_t Busctrl::count(std::size_t counter) const {
-  return std::min(held_[counter] + events(counter) - since_[counter], most_count);
+  return std::min(held_[counter] + events(counter) - since_[counter], max_count);
 }
 
 std::uint32_t Busctrl::peek(std::uint32_t offset) const {

@@ -54,7 +54,7 @@ class Syscfg final : public Peripheral {
   void reset() override;
 
  private:
-  void tell(std::uint32_t offset) const;
+  void report(std::uint32_t offset) const;
 
   Callbacks callbacks_;
   NotModelled not_modelled_;

@@ -291,7 +291,7 @@ void Rosc::write(std::uint32_t offset, std::uint32_t value) {
 Pll::Pll(std::string_view name, TimeWheel& wheel, const Xosc& xosc, NotModelled not_modelled)
     : name_(name), xosc_(xosc), not_modelled_(std::move(not_modelled)), lock_(wheel, [this] {
         locked_ = true;
-        tell();
+        report();
       }) {
   reset();
 }
@@ -330,10 +330,10 @@ void Pll::relock() {
     lock_.start(static_cast<Picoseconds>(lock_reference_cycles) * ps_per_s /
                 static_cast<Picoseconds>(reference));
   }
-  tell();
+  report();
 }
 
-void Pll::tell() {
+void Pll::report() {
   if (changed_) changed_();
 }
 
@@ -382,7 +382,7 @@ void Pll::write(std::uint32_t offset, std::uint32_t value) {
       not_modelled_(name_ + ": no register at this offset");
       return;
   }
-  tell();
+  report();
 }
 
 }  // namespace lamplock::sim::chip

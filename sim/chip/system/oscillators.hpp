@@ -154,7 +154,7 @@ class Pll final : public Peripheral {
   std::uint64_t reference_hz() const;
   bool powered() const;
   void relock();
-  void tell();
+  void report();
 
   std::string name_;
   const Xosc& xosc_;

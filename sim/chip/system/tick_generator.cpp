@@ -29,17 +29,17 @@ void TickGenerator::configure(std::uint32_t cycles, bool enabled) {
   counter_.set_frequency(clocks_.hz(Clock::ref), wheel_.time());
   cycles_ = cycles;
   enabled_ = enabled;
-  tell();
+  report();
 }
 
 void TickGenerator::clocks_changed() {
   const std::uint64_t hz = clocks_.hz(Clock::ref);
   if (hz == counter_.hz()) return;
   counter_.set_frequency(hz, wheel_.time());
-  tell();
+  report();
 }
 
-void TickGenerator::tell() {
+void TickGenerator::report() {
   for (TickListener* listener : listeners_) listener->ticks_moved();
 }
 

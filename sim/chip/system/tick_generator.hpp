@@ -42,7 +42,7 @@ class TickGenerator final : private ClockListener {
  private:
   void clocks_changed() override;
   bool counting() const { return enabled_ && cycles_ != 0 && counter_.hz() != 0; }
-  void tell();
+  void report();
 
   TimeWheel& wheel_;
   Clocks& clocks_;

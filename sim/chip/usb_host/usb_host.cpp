@@ -105,7 +105,7 @@ void UsbHost::stop_frames() {
 /// SOF has just ended.
 void UsbHost::frame(Picoseconds at) {
   if (last_frame_ >= 0)
-    statistics_.longest_frame_gap = std::max(statistics_.longest_frame_gap, at - last_frame_);
+    statistics_.max_frame_gap = std::max(statistics_.max_frame_gap, at - last_frame_);
   last_frame_ = at;
   next_frame_ = at + frame_length;
   ++statistics_.frames;
@@ -730,8 +730,8 @@ void UsbHost::bulk_in_result(BulkFunction& function, const Result& result) {
   function.in_data1 = !function.in_data1;
   ++statistics_.in_packets;
   statistics_.in_bytes += result.data.size;
-  statistics_.most_bulk_packets_in_frame =
-      std::max(statistics_.most_bulk_packets_in_frame, ++bulk_in_frame_);
+  statistics_.max_bulk_packets_in_frame =
+      std::max(statistics_.max_bulk_packets_in_frame, ++bulk_in_frame_);
   if (result.data.size > function.ends.in_size)
     violation("bulk IN packet longer than wMaxPacketSize");
   function.take(result.data.payload(), options_.read_transfer);
@@ -745,15 +745,15 @@ void UsbHost::bulk_out_result(BulkFunction& function, const Result& result) {
     if (function.refused_since < 0) function.refused_since = result.end;
   }
   if (function.refused_since >= 0)
-    statistics_.longest_refused =
-        std::max(statistics_.longest_refused, result.end - function.refused_since);
+    statistics_.max_refused =
+        std::max(statistics_.max_refused, result.end - function.refused_since);
   if (*result.answer == Pid::nak) return;
   function.refused_since = -1;
   function.out_data1 = !function.out_data1;
   ++statistics_.out_packets;
   statistics_.out_bytes += function.packet->size;
-  statistics_.most_bulk_packets_in_frame =
-      std::max(statistics_.most_bulk_packets_in_frame, ++bulk_in_frame_);
+  statistics_.max_bulk_packets_in_frame =
+      std::max(statistics_.max_bulk_packets_in_frame, ++bulk_in_frame_);
   function.packet.reset();
 }
 

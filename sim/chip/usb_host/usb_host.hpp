@@ -63,9 +63,9 @@ struct UsbHostStatistics {
   std::uint64_t repeated = 0;  ///< IN packets with an unchanged toggle: dropped
   std::uint64_t stalls = 0;
   std::uint64_t notifications = 0;  ///< packets of the interrupt endpoint
-  std::uint32_t most_bulk_packets_in_frame = 0;
-  Picoseconds longest_refused = 0;    ///< first NAK of an OUT packet to its ACK, or until now
-  Picoseconds longest_frame_gap = 0;  ///< SOF to SOF, suspension left out
+  std::uint32_t max_bulk_packets_in_frame = 0;
+  Picoseconds max_refused = 0;    ///< first NAK of an OUT packet to its ACK, or until now
+  Picoseconds max_frame_gap = 0;  ///< SOF to SOF, suspension left out
 };
 
 class UsbHost final : public Timed, public usb::HostEnd {

@@ -1,6 +1,6 @@
 // Address of a line, a name or a chip and a number, and errors for lines that cannot be used.
 //
-// In:  the text of a place, error numbers of the kernel. Out: its parts; errors with a remedy.
+// In:  the text of an address, error numbers of the kernel. Out: its parts; errors with a remedy.
 // Who: both bindings to libgpiod.
 #pragma once
 
@@ -13,15 +13,15 @@
 
 namespace lamplock::gpio {
 
-/// A parsed place: either the name alone, or chip and number.
-struct Place {
+/// A parsed address: either the name alone, or chip and number.
+struct LineAddress {
   std::string name{};
   std::string chip{};  ///< file of the chip, "/dev/gpiochip0"
   unsigned number = 0;
 };
 
 /// Parses "GPIO17", "gpiochip0:17", "/dev/gpiochip0:17". Throws Error(bad_input) for an empty text.
-Place parse_place(const std::string& text);
+LineAddress parse_line_address(const std::string& text);
 
 /// Files of all chips, by number. `folder`: of device files.
 std::vector<std::string> chip_files(const std::string& folder = "/dev");

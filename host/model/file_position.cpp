@@ -1,4 +1,4 @@
-#include "host/model/place.hpp"
+#include "host/model/file_position.hpp"
 
 #include <fmt/format.h>
 
@@ -8,12 +8,12 @@
 
 namespace lamplock::model {
 
-std::size_t Place::line() const {
+std::size_t FilePosition::line() const {
   const std::string_view before = text.substr(0, offset);
   return static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
 }
 
-void Place::refuse(const std::string& what, const std::string& remedy) const {
+void FilePosition::refuse(const std::string& what, const std::string& remedy) const {
   lamplock::refuse(file, fmt::format("line {}: {}", line(), what), remedy);
 }
 

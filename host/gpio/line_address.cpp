@@ -1,4 +1,4 @@
-#include "host/gpio/place.hpp"
+#include "host/gpio/line_address.hpp"
 
 #include <fmt/format.h>
 
@@ -22,7 +22,7 @@ constexpr const char* chip_prefix = "gpiochip";
 
 }  // namespace
 
-Place parse_place(const std::string& text) {
+LineAddress parse_line_address(const std::string& text) {
   if (text.empty())
     throw Error(Exit::bad_input, "GPIO line", "the name is empty",
                 "give a name such as GPIO17, or chip and number such as gpiochip0:17");
@@ -95,7 +95,7 @@ Error request_error(const std::string& place, int error) {
 }
 
 void check_free(const std::vector<ChipInfo>& chips, const std::string& text) {
-  const Place place = parse_place(text);
+  const LineAddress place = parse_line_address(text);
   std::string closed;
   bool has_chip = false;
   for (const ChipInfo& chip : chips) {

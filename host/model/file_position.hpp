@@ -1,4 +1,4 @@
-// A place in a text file, for errors. In: file, text and an offset into it. Out: an Error that
+// A position in a text file, for errors. In: file, text and an offset into it. Out: an Error that
 // names file and line. Called by the readers of curves.
 #pragma once
 
@@ -10,7 +10,7 @@
 namespace lamplock::model {
 
 /// Cheap to construct; lines are counted only on request.
-struct Place {
+struct FilePosition {
   const std::filesystem::path& file;
   std::string_view text;
   std::size_t offset = 0;
