@@ -99,10 +99,10 @@ void add_board_choice(Command& app, run::BoardOptions& options) {
       .group(board_group);
 }
 
-void add_board(Command& app, run::BoardOptions& options) {
+void add_board(Command& app, run::BoardOptions& options, bool& json) {
   add_board_choice(app, options);
   app.add_option("--yes", &options.yes, "Do not ask before the first shot").group(board_group);
-  app.add_json(options.json).group(board_group);
+  app.add_json(json).group(board_group);
 }
 
 void add_job_speed(Command& app, run::BoardOptions& options) {

@@ -15,7 +15,10 @@ namespace {
 
 using program_run::Problem;
 using program_run::ProgramRun;
-using run::CheckOptions;
+
+struct CheckOptions : run::CheckOptions {
+  bool json = false;
+};
 
 /// Hours, minutes, seconds.
 std::string time_text(double seconds) {

@@ -13,7 +13,10 @@ namespace {
 
 using program_run::ServoErrors;
 using program_run::ServoMachine;
-using run::DiagnoseOptions;
+
+struct DiagnoseOptions : run::DiagnoseOptions {
+  bool json = false;
+};
 
 Json json_of(const ServoErrors& errors) {
   Json axes = Json::array();

@@ -14,13 +14,14 @@ namespace lamplock::cli {
 namespace {
 
 struct EngraveOptions {
+  bool json = false;
   EngravingOptions engraving;
   run::BoardOptions board;
   std::string origin = run::origin_machine;
 };
 
 Exit engrave(EngraveOptions options) {
-  Console console(options.board.json);
+  Console console(options.json);
   run::JobRequest request = options.engraving.request();
   request.origin = options.origin;
   const run::JobOutcome outcome = run::engrave(request, options.board, console);
@@ -50,7 +51,7 @@ void add_engrave(Command& program) {
   const auto options = std::make_shared<EngraveOptions>();
   options->engraving.add(app, true);
   options->engraving.add_save(app);
-  add_board(app, options->board);
+  add_board(app, options->board, options->json);
   add_job_run(app, options->board);
   add_resume(app, options->board);
   add_origin(app, options->origin);

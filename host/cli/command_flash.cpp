@@ -11,6 +11,10 @@
 namespace lamplock::cli {
 namespace {
 
+struct FlashOptions : run::FlashOptions {
+  bool json = false;
+};
+
 Json as_json(const flash::UpdateReport& report, const std::string& image) {
   const auto text = [](const std::string& value) { return value.empty() ? Json() : Json(value); };
   Json document = {{"image", image},
@@ -30,7 +34,7 @@ Json as_json(const flash::UpdateReport& report, const std::string& image) {
   return document;
 }
 
-Exit flash_board(const run::FlashOptions& options) {
+Exit flash_board(const FlashOptions& options) {
   Console console(options.json);
   const run::Flashed flashed = run::flash_board(options, console);
   console.document(as_json(flashed.report, flashed.file));
@@ -54,7 +58,7 @@ void add_flash(Command& program) {
       "  lamplock flash --lines examples/lines.toml\n"
       "  lamplock flash new.uf2 --drive /media/$USER/RPI-RP2\n"
       "  lamplock flash --board chip");
-  const auto options = std::make_shared<run::FlashOptions>();
+  const auto options = std::make_shared<FlashOptions>();
   app.add_option("IMAGE", &options->image,
                  "UF2 or ELF file; default: lamplock-rp2040.uf2 of this build");
   const Option& serial =

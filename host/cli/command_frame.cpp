@@ -17,6 +17,7 @@ namespace lamplock::cli {
 namespace {
 
 struct FrameOptions {
+  bool json = false;
   double speed_m_s = run::default_frame_speed_m_s;
   EngravingOptions engraving;
   run::BoardOptions board;
@@ -24,7 +25,7 @@ struct FrameOptions {
 };
 
 Exit frame(const FrameOptions& options) {
-  Console console(options.board.json);
+  Console console(options.json);
   run::JobRequest request = options.engraving.request();
   request.origin = options.origin;
   const run::Framed framed = run::frame(request, options.speed_m_s, options.board, console);
@@ -53,7 +54,7 @@ void add_frame(Command& program) {
   add_origin(app, options->origin);
   add_board_choice(app, options->board);
   add_job_speed(app, options->board);
-  app.add_json(options->board.json).group("Board");
+  app.add_json(options->json).group("Board");
   app.action([options] { return frame(*options); });
 }
 

@@ -18,6 +18,7 @@ namespace lamplock::cli {
 namespace {
 
 struct JogOptions : run::BoardChoice {
+  bool json = false;
   std::string pendant = "auto";
   std::optional<std::string> mode;
   std::optional<double> feed_mm_min, step_mm;
@@ -55,7 +56,7 @@ Json document_of(const run::JogSession& session) {
 }
 
 Exit jog(const JogOptions& options) {
-  Console console(options.board.json);
+  Console console(options.json);
   const run::JogChoice choice = choice_of(options);
   run::SupervisedBoard board(options);
   JogScreen screen(console);
@@ -91,7 +92,7 @@ void add_options(Command& app, const std::shared_ptr<JogOptions>& options) {
   app.add_option("--step", &options->step_mm, "Step length at the start; default: 0.1")
       .check(number_in({least, greatest_step_mm}))
       .value_name("MM");
-  app.add_json(options->board.json);
+  app.add_json(options->json);
 }
 
 }  // namespace

@@ -18,7 +18,10 @@ namespace {
 
 using link::Operation;
 using link::Places;
-using run::OperateOptions;
+
+struct OperateOptions : run::OperateOptions {
+  bool json = false;
+};
 
 constexpr unsigned max_flashes = std::numeric_limits<std::uint8_t>::max();
 
@@ -43,17 +46,17 @@ Exit show(const Places& places, const std::string& done, Console& console) {
 }
 
 Exit operate(const OperateOptions& options, Operation operation, const std::string& name) {
-  Console console(options.board.json);
+  Console console(options.json);
   return show(run::operate(options, operation, console), name, console);
 }
 
 Exit status(const OperateOptions& options) {
-  Console console(options.board.json);
+  Console console(options.json);
   return show(run::ask_places(options), "status", console);
 }
 
 Exit pulse(const OperateOptions& options) {
-  Console console(options.board.json);
+  Console console(options.json);
   return finish_job(run::fire_test_flashes(options, console), options.board, console);
 }
 
@@ -63,7 +66,7 @@ Command& add(Command& app, const std::shared_ptr<OperateOptions>& options, const
   Command& command = app.add_command(name, help);
   add_board_choice(command, options->board);
   add_machine(command, options->machine);
-  command.add_json(options->board.json).group("Board");
+  command.add_json(options->json).group("Board");
   command.action([options, what] {
     options->board.profile = options->machine.machine;
     return what();

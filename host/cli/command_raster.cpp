@@ -14,7 +14,9 @@
 namespace lamplock::cli {
 namespace {
 
-using run::RasterOptions;
+struct RasterOptions : run::RasterOptions {
+  bool json = false;
+};
 
 constexpr const char* burning_group = "Burning";
 

@@ -17,6 +17,7 @@ namespace lamplock::cli {
 namespace {
 
 struct SendOptions {
+  bool json = false;
   std::string file;
   run::BoardOptions board;
   run::ProgramOptions program;
@@ -87,7 +88,7 @@ Exit send_job(const SendOptions& options, Console& console) {
 }
 
 Exit send_file(const SendOptions& options) {
-  Console console(options.board.json);
+  Console console(options.json);
   return run::is_program(options.file) ? send_program(options, console)
                                        : send_job(options, console);
 }
@@ -119,7 +120,7 @@ void add_send(Command& program) {
   app.add_option("FILE", &options->file, "Job file (.llj) of points or rows, or G-code program")
       .required()
       .value_name("FILE");
-  add_board(app, options->board);
+  add_board(app, options->board, options->json);
   add_job_run(app, options->board);
   add_resume(app, options->board);
   app.add_option("--ignore-errors", &options->program.ignore_errors,

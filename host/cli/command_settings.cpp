@@ -19,6 +19,7 @@ using link::Change;
 using settings::Id;
 
 struct SettingsOptions {
+  bool json = false;
   run::BoardOptions board;
   run::MachineOptions machine;
   std::string name, file;
@@ -54,7 +55,7 @@ void say_setting(Console& console, std::uint32_t number, const std::string& text
 }
 
 Exit list(const SettingsOptions& options) {
-  Console console(options.board.json);
+  Console console(options.json);
   const run::SettingsSession board = open(options);
   Json document = Json::array();
   if (!console.json())
@@ -68,7 +69,7 @@ Exit list(const SettingsOptions& options) {
 }
 
 Exit get(const SettingsOptions& options) {
-  Console console(options.board.json);
+  Console console(options.json);
   const auto number = link::find_number(options.name, "lamplock settings");
   if (!number)
     throw Error(Exit::bad_input, options.name, "there is no such setting",
@@ -87,7 +88,7 @@ Exit get(const SettingsOptions& options) {
 
 /// Changes the settings that differ, and lists them.
 Exit bring_to(const SettingsOptions& options, const std::vector<Change>& wanted) {
-  Console console(options.board.json);
+  Console console(options.json);
   run::SettingsSession board = open(options);
   BoardSettings after;
   const std::vector<Change> changes = board.bring_to(wanted, after);
@@ -112,7 +113,7 @@ Exit set(const SettingsOptions& options) {
 }
 
 Exit backup(const SettingsOptions& options) {
-  Console console(options.board.json);
+  Console console(options.json);
   check_target(options.file);
   const run::SettingsSession board = open(options);
   run::write_backup(board.settings(), options.file);
@@ -132,7 +133,7 @@ Command& add(Command& app, const std::shared_ptr<SettingsOptions>& options, cons
   Command& sub = app.add_command(name, what);
   sub.footer("Example:\n  lamplock settings " + example);
   add_board_choice(sub, options->board);
-  sub.add_json(options->board.json);
+  sub.add_json(options->json);
   add_machine(sub, options->machine);
   sub.action([options, run] { return run(*options); });
   return sub;

@@ -13,7 +13,11 @@
 namespace lamplock::cli {
 namespace {
 
-Exit simulate(const run::SimOptions& options) {
+struct SimOptions : run::SimOptions {
+  bool json = false;
+};
+
+Exit simulate(const SimOptions& options) {
   Console console(options.json);
   const run::Simulated result = run::simulate(options, console);
   console.document({{"shots", result.shots}, {"flashes", result.flashes}});
@@ -28,7 +32,7 @@ void add_sim(Command& program) {
   app.footer(
       "Example:\n  lamplock sim --pty /tmp/engraver --lamp 100\n"
       "  lamplock engrave model.stl --size 5 --board /tmp/engraver     # in another terminal");
-  const auto options = std::make_shared<run::SimOptions>();
+  const auto options = std::make_shared<SimOptions>();
   app.add_option("--board", &options->board,
                  "virtual: simulation of the firmware core; chip: cycle-accurate simulation of the "
                  "flash image")

@@ -50,7 +50,7 @@ struct BoardOptions {
   unsigned baud = boards::uart_baud;
   std::size_t run_up_lines = 0;  ///< lines from there on that are dark; the use case fills it in
   std::uint32_t fired = 0, job_speed = 100;
-  bool yes = false, dry = false, json = false, auto_resume = false, discard = false;
+  bool yes = false, dry = false, auto_resume = false, discard = false;
   std::string report{}, statistics{}, vcd{}, shots{}, timing{};
   bool resume = false;
   std::string progress{};   ///< journal of the job; empty = beside its input

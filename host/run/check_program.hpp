@@ -15,7 +15,6 @@ struct CheckOptions {
   std::string input{}, picture{};  ///< picture: SVG; empty: none
   MachineOptions machine{};
   std::size_t max_problems = 20;
-  bool json = false;
 };
 
 /// Throws Error if a file cannot be read or written; wrong lines are in the result.

@@ -17,7 +17,6 @@ struct DiagnoseOptions {
   std::string picture{};  ///< SVG; empty: none
   program_run::ServoMachine machine{};
   double feed_mm_min = 600;  ///< of the two trajectories
-  bool json = false;
 };
 
 /// Throws Error.

@@ -13,7 +13,6 @@ namespace lamplock::run {
 struct FlashOptions {
   std::string image, serial, drive, lines;
   std::string board = "usb";  ///< or "chip", a simulated one with an empty flash
-  bool json = false;
 };
 
 struct Flashed {

@@ -20,7 +20,7 @@ struct RasterOptions {
   std::optional<double> pitch_mm{}, width_mm{}, overscan_mm{};
   double feed_mm_min = 0, power_min = 0, power_max = 100;  ///< powers in percent
   std::vector<double> origin_mm{};  ///< lower left corner, height; empty: middle of the work space
-  bool one_way = false, invert = false, dry = false, json = false, power_lists = false;
+  bool one_way = false, invert = false, dry = false, power_lists = false;
   MachineOptions machine{};
 };
 

@@ -19,7 +19,6 @@ namespace lamplock::run {
 struct SimOptions {
   std::string board = virtual_board, image, pty, tcp, vcd, shots;
   std::optional<double> seconds;
-  bool json = false;
   MachineOptions machine;
   LampFaults faults;
   SimulatedDrives drives;
