@@ -6,6 +6,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/validators.hpp"
+#include "host/error.hpp"
 #include "host/run/flash_board.hpp"
 
 namespace lamplock::cli {
@@ -34,7 +35,16 @@ Json as_json(const flash::UpdateReport& report, const std::string& image) {
   return document;
 }
 
+void refuse_for_chip(const FlashOptions& options) {
+  const auto refuse = [](const std::string& value, const char* name, const char* what) {
+    if (!value.empty()) throw Error(Exit::bad_input, name, what, "see lamplock flash --help");
+  };
+  refuse(options.drive, "--drive", "a simulated board has no drive");
+  refuse(options.lines, "--lines", "a simulated board has no lines of this computer");
+}
+
 Exit flash_board(const FlashOptions& options) {
+  if (options.board == "chip") refuse_for_chip(options);
   Console console(options.json);
   const run::Flashed flashed = run::flash_board(options, console);
   console.document(as_json(flashed.report, flashed.file));

@@ -9,6 +9,8 @@
 #include "host/cli/documents.hpp"
 #include "host/cli/machine_options.hpp"
 #include "host/cli/validators.hpp"
+#include "host/error.hpp"
+#include "host/file/output_files.hpp"
 #include "host/run/raster.hpp"
 
 namespace lamplock::cli {
@@ -37,8 +39,19 @@ Json document(const RasterOptions& options, const run::RasterResult& result) {
   return json;
 }
 
+void check_options(const RasterOptions& options) {
+  if (options.output.empty() && options.gcode.empty())
+    throw Error(Exit::bad_input, "lamplock raster", "no output file is given",
+                "give -o FILE.llj or --gcode FILE.ngc");
+  if (options.power_lists && options.gcode.empty())
+    throw Error(Exit::bad_input, "--power-lists", "needs --gcode",
+                "add --gcode FILE.ngc, or leave it out");
+  check_distinct({{"-o", options.output}, {"--gcode", options.gcode}}, options.input);
+}
+
 Exit make_raster(const RasterOptions& options) {
   Console console(options.json);
+  check_options(options);
   console.document(document(options, run::make_raster(options, console)));
   return Exit::done;
 }

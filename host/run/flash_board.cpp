@@ -6,7 +6,6 @@
 #include <memory>
 #include <utility>
 
-#include "host/error.hpp"
 #include "host/flash/drive.hpp"
 #include "host/gpio/board_lines.hpp"
 #include "host/gpio/host_lines.hpp"
@@ -95,19 +94,10 @@ flash::UpdateReport flash_site(const flash::UpdateSite& site, const FlashFile& f
   return report;
 }
 
-void refuse_for_chip(const FlashOptions& options) {
-  const auto refuse = [](const std::string& value, const char* name, const char* what) {
-    if (!value.empty()) throw Error(Exit::bad_input, name, what, "see lamplock flash --help");
-  };
-  refuse(options.drive, "--drive", "a simulated board has no drive");
-  refuse(options.lines, "--lines", "a simulated board has no lines of this computer");
-}
-
 }  // namespace
 
 Flashed flash_board(const FlashOptions& options, Frontend& frontend) {
   const bool is_chip = options.board == "chip";
-  if (is_chip) refuse_for_chip(options);
   const FlashFile file = read_flash_file(options.image);
   std::function<void()> pull = loader_lines(options.lines);
   frontend.phase("image", fmt::format("{}, {} bytes", file.file, file.image.size));

@@ -10,7 +10,6 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
-#include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/job/job_file.hpp"
 #include "host/model/bitmap.hpp"
@@ -60,13 +59,6 @@ geometry::Point corner_of(const RasterOptions& options, const RasterSize& size,
 }
 
 void check_outputs(const RasterOptions& options) {
-  if (options.output.empty() && options.gcode.empty())
-    throw Error(Exit::bad_input, "lamplock raster", "no output file is given",
-                "give -o FILE.llj or --gcode FILE.ngc");
-  if (options.power_lists && options.gcode.empty())
-    throw Error(Exit::bad_input, "--power-lists", "needs --gcode",
-                "add --gcode FILE.ngc, or leave it out");
-  check_distinct({{"-o", options.output}, {"--gcode", options.gcode}}, options.input);
   for (const std::string& file : {options.output, options.gcode})
     if (!file.empty()) check_target(file);
 }
