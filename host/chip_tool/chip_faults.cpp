@@ -6,6 +6,7 @@
 
 #include <string_view>
 
+#include "host/chip_tool/chip_run.hpp"
 #include "sim/chip/fabric/hex.hpp"
 #include "sim/chip/script/script_time.hpp"
 

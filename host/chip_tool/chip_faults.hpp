@@ -6,10 +6,15 @@
 
 #include <string>
 
-#include "host/chip_tool/chip_run.hpp"
 #include "host/cli/json.hpp"
 
+namespace lamplock::sim::chip {
+struct Fault;
+}
+
 namespace lamplock::chip_tool {
+
+class ChipRun;
 
 /// "HardFault on core 0, undefined instruction, pc 0x10000200 (die + 0x4), lr ..., cycle ...": one
 /// line without an end.

@@ -1,15 +1,24 @@
 #include "host/chip_tool/chip_run.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <stdexcept>
 
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/file/output_files.hpp"
+#include "host/file/staged_file.hpp"
 #include "host/run/endpoints.hpp"
 #include "host/run/simulated_boards.hpp"
 #include "host/run/simulator_error.hpp"
+#include "sim/chip/gdb/server.hpp"
+#include "sim/chip/profile/call_stacks.hpp"
+#include "sim/chip/profile/profile.hpp"
+#include "sim/chip/profile/shadow_stack.hpp"
 #include "sim/chip/script/parser.hpp"
+#include "sim/chip/script/runner.hpp"
+#include "sim/chip/trace/pad_trace.hpp"
+#include "sim/endpoint/tcp_endpoint.hpp"
 
 namespace lamplock::chip_tool {
 namespace {
@@ -42,11 +51,23 @@ std::unique_ptr<sim::TcpEndpoint> open_door(const std::string& port) {
 
 }  // namespace
 
-ChipRun::Trace::Trace(const std::string& name, chip::Chip& chip)
-    : file(name), stream(file.path(), std::ios::binary), writer(stream, chip) {}
+/// A file that is written while the chip runs.
+struct ChipRun::Trace {
+  Trace(const std::string& name, chip::Chip& chip)
+      : file(name), stream(file.path(), std::ios::binary), writer(stream, chip) {}
+  StagedFile file;
+  std::ofstream stream;
+  chip::PadTrace writer;
+};
 
-ChipRun::CoreProfile::CoreProfile(chip::Core& core, const chip::Image& image)
-    : stack(core, image.symbols), table(stack), ways(stack) {}
+/// Both views of the use of a core's cycles.
+struct ChipRun::CoreProfile {
+  CoreProfile(chip::Core& core, const chip::Image& image)
+      : stack(core, image.symbols), table(stack), ways(stack) {}
+  chip::ShadowStack stack;
+  chip::Profile table;
+  chip::CallStacks ways;
+};
 
 ChipRun::ChipRun(const ChipRunOptions& options)
     : options_(options),
@@ -61,7 +82,7 @@ ChipRun::ChipRun(const ChipRunOptions& options)
   check_distinct({{"--vcd", options.vcd}, {"--profile", options.profile}}, options.image);
   for (const std::string& file : {options.vcd, options.profile})
     if (!file.empty()) check_target(file);
-  if (!options.vcd.empty()) trace_.emplace(options.vcd, chip_);
+  if (!options.vcd.empty()) trace_ = std::make_unique<Trace>(options.vcd, chip_);
   if (!options.profile.empty())
     for (std::size_t core = 0; core < profiles_.size(); ++core)
       profiles_[core] = std::make_unique<CoreProfile>(chip_.core(static_cast<int>(core)), image_);
@@ -75,6 +96,14 @@ ChipRun::ChipRun(const ChipRunOptions& options)
   if (options.gdb.empty()) return;
   door_ = open_door(options.gdb);
   debugger_ = std::make_unique<chip::gdb::Server>(chip_, *door_, chip::gdb::Start::halted);
+}
+
+ChipRun::~ChipRun() = default;
+
+std::string ChipRun::debugger_address() const { return door_ ? door_->address() : std::string(); }
+
+const chip::Profile* ChipRun::profile(std::size_t core) const {
+  return profiles_[core] ? &profiles_[core]->table : nullptr;
 }
 
 bool ChipRun::advance(chip::Cycle target, const std::function<bool()>& give_up) {

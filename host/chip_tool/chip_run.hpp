@@ -10,25 +10,29 @@
 #pragma once
 
 #include <array>
-#include <fstream>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
-#include "host/file/staged_file.hpp"
 #include "sim/chip/chip.hpp"
-#include "sim/chip/gdb/server.hpp"
 #include "sim/chip/image/image.hpp"
-#include "sim/chip/profile/call_stacks.hpp"
 #include "sim/chip/profile/function_table.hpp"
-#include "sim/chip/profile/profile.hpp"
-#include "sim/chip/profile/shadow_stack.hpp"
-#include "sim/chip/script/runner.hpp"
+#include "sim/chip/script/serial_ports.hpp"
 #include "sim/chip/trace/pad_counter.hpp"
-#include "sim/chip/trace/pad_trace.hpp"
 #include "sim/chip/usb_host/usb_host.hpp"
-#include "sim/endpoint/tcp_endpoint.hpp"
+
+namespace lamplock::sim {
+class TcpEndpoint;
+}
+namespace lamplock::sim::chip {
+class Profile;
+}
+namespace lamplock::sim::chip::gdb {
+class Server;
+}
+namespace lamplock::sim::chip::script {
+class Runner;
+}
 
 namespace lamplock::chip_tool {
 
@@ -55,11 +59,12 @@ class ChipRun {
  public:
   /// Reads the files and switches the power on. Throws Error(bad_input).
   explicit ChipRun(const ChipRunOptions& options);
+  ~ChipRun();
   ChipRun(const ChipRun&) = delete;
   ChipRun& operator=(const ChipRun&) = delete;
 
   /// Address of the chip for a debugger, HOST:PORT; empty without one.
-  std::string debugger_address() const { return door_ ? door_->address() : std::string(); }
+  std::string debugger_address() const;
   /// Runs to a simulated time, and the instructions in progress to their ends. A debugger may halt
   /// the chip; `give_up` is called meanwhile. False: the debugger or give_up has ended the run.
   bool run_until(sim::Picoseconds until, const std::function<bool()>& give_up);
@@ -82,25 +87,11 @@ class ChipRun {
   /// Null without a script.
   const sim::chip::script::Runner* script() const { return runner_.get(); }
   /// The profile of a core; null without one.
-  const sim::chip::Profile* profile(std::size_t core) const {
-    return profiles_[core] ? &profiles_[core]->table : nullptr;
-  }
+  const sim::chip::Profile* profile(std::size_t core) const;
 
  private:
-  /// A file that is written while the chip runs.
-  struct Trace {
-    Trace(const std::string& name, sim::chip::Chip& chip);
-    StagedFile file;
-    std::ofstream stream;
-    sim::chip::PadTrace writer;
-  };
-  /// Both views of the use of a core's cycles.
-  struct CoreProfile {
-    CoreProfile(sim::chip::Core& core, const sim::chip::Image& image);
-    sim::chip::ShadowStack stack;
-    sim::chip::Profile table;
-    sim::chip::CallStacks ways;
-  };
+  struct Trace;
+  struct CoreProfile;
 
   bool advance(sim::chip::Cycle target, const std::function<bool()>& give_up);
 
@@ -112,7 +103,7 @@ class ChipRun {
   sim::chip::script::SerialPorts ports_;
   sim::chip::PadCounter pads_;
   std::unique_ptr<sim::chip::script::Runner> runner_;
-  std::optional<Trace> trace_;
+  std::unique_ptr<Trace> trace_;
   std::array<std::unique_ptr<CoreProfile>, 2> profiles_;
   std::unique_ptr<sim::TcpEndpoint> door_;
   std::unique_ptr<sim::chip::gdb::Server> debugger_;

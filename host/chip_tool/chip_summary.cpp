@@ -10,6 +10,9 @@
 #include <vector>
 
 #include "host/chip_tool/chip_faults.hpp"
+#include "host/chip_tool/chip_run.hpp"
+#include "sim/chip/profile/profile.hpp"
+#include "sim/chip/script/runner.hpp"
 #include "sim/chip/script/script_time.hpp"
 
 namespace lamplock::chip_tool {

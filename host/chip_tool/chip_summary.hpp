@@ -6,10 +6,16 @@
 
 #include <string>
 
-#include "host/chip_tool/chip_run.hpp"
 #include "host/cli/json.hpp"
 
+namespace lamplock::sim::chip::script {
+struct Failure;
+}
+
 namespace lamplock::chip_tool {
+
+class ChipRun;
+struct RunResult;
 
 /// Times, reason of the end, cycles, edges, faults, resets, and accesses that are not modelled.
 std::string chip_summary(ChipRun& run, const RunResult& result);

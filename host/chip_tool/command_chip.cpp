@@ -23,6 +23,7 @@
 #include "host/run/endpoints.hpp"
 #include "host/run/simulator_error.hpp"
 #include "sim/chip/script/parser.hpp"
+#include "sim/chip/script/runner.hpp"
 
 namespace lamplock::chip_tool {
 namespace {

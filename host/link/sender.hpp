@@ -25,7 +25,7 @@
 
 #include "host/job/job.hpp"
 #include "host/link/connection.hpp"
-#include "host/link/continuation.hpp"
+#include "host/link/job_result.hpp"
 #include "host/link/restart_mark.hpp"
 #include "host/link/transport.hpp"
 #include "shared/wire/job_header.hpp"
@@ -62,28 +62,6 @@ struct SenderOptions {
   /// Called before BEGIN is sent, before points are sent, and at most twice a second while the
   /// machine fires. An exception stops the job.
   std::function<void(const JobProgress&)> on_progress;
-};
-
-/// How a job ended.
-enum class JobEnd : std::uint8_t {
-  done,       ///< every point fired
-  stopped,    ///< by the user of this program
-  alarm,      ///< alarm or e-stop, see status.state and status.alarm
-  lost,       ///< the connection is lost
-  restarted,  ///< the machine has lost the job by a power loss or a watchdog reset
-  replaced,   ///< the machine has a job of another program
-};
-
-/// Result of a job that was begun.
-struct JobResult {
-  JobEnd end = JobEnd::done;
-  wire::Status status;              ///< last one of this session, before any restart
-  std::uint32_t flashes_fired = 0;  ///< of the point status.first_unfired
-  Continuation rest;                ///< where a next run continues
-  std::uint64_t resent = 0;         ///< frames retransmitted
-  std::uint64_t bad_frames = 0;     ///< corrupt frames from the machine
-  std::uint64_t reconnects = 0;
-  std::chrono::microseconds elapsed{0};
 };
 
 /// Sends one job. Construct, run(), read the result.

@@ -7,7 +7,7 @@
 #include <exception>
 #include <string>
 
-#include "host/link/sender.hpp"
+#include "host/link/job_result.hpp"
 #include "host/report/report.hpp"
 
 namespace lamplock::run {
