@@ -1,91 +1,12 @@
 // Jobs in frames: their settings against those of the machine, begin, data, commands.
 #include "firmware/machine/work.hpp"
+#include "shared/job_limits.hpp"
 
 namespace lamplock::machine {
 namespace {
 
 using settings::Id;
 using wire::HoldReason;
-
-/// The firmware's settings define the machine, its limits and protections: true if a job needs
-/// another machine or more than the machine's own setting allows. With other steps/mm every limit
-/// would mean another length.
-bool oversteps(Id id, std::int32_t asked, std::int32_t own) {
-  switch (id) {
-    case Id::step_pulse:
-    case Id::step_invert:
-    case Id::direction_invert:
-    case Id::enable_invert:
-    case Id::pulse_mode_x:
-    case Id::pulse_mode_y:
-    case Id::pulse_mode_z:
-    case Id::pulse_mode_a:
-    case Id::direction_setup:
-    case Id::direction_hold:
-    case Id::steps_per_mm_x:
-    case Id::steps_per_mm_y:
-    case Id::steps_per_mm_z:
-    case Id::steps_per_mm_a:
-    case Id::axes:
-    case Id::kinematics:
-    case Id::ganged_axis:
-    case Id::pin_map:
-      return asked != own;
-    case Id::soft_limits:
-    case Id::hard_limits:
-    case Id::lamp_warm_up:
-      return asked < own;
-    case Id::dead_man:
-    case Id::jerk_x:
-    case Id::jerk_y:
-    case Id::jerk_z:
-    case Id::jerk_a:
-      return own != 0 && (asked == 0 || asked > own);
-    case Id::max_shot_rate:
-    case Id::lamp_power:
-    case Id::speed_jump_x:
-    case Id::speed_jump_y:
-    case Id::speed_jump_z:
-    case Id::speed_jump_a:
-    case Id::period_tolerance:
-      return asked > own;
-    case Id::lamp_energy:
-    case Id::shutter_open:
-    case Id::shutter_close:
-    case Id::attenuator_settle:
-      return asked < own;
-    case Id::channels:
-      return ((asked / 1000) & ~(own / 1000)) != 0;
-    default:
-      return id >= Id::max_rate_x && id <= Id::travel_a && asked > own;
-  }
-}
-
-/// The work space of a job must be inside the machine's own.
-bool inside_work_space(const settings::Values& job, const settings::Values& own, int a) {
-  const auto low = [a](const settings::Values& v) { return v.milli(Id::min_corner_x, a); };
-  const auto high = [&](const settings::Values& v) { return low(v) + v.milli(Id::travel_x, a); };
-  return low(job) >= low(own) && high(job) <= high(own);
-}
-
-/// Number of the setting by which a job would use the lamp in a way that the machine does not; 0 =
-/// none. Free beats pulse LAMP TRIGGER too: on a machine with a lamp a job may use them only to
-/// move, at most at the permitted frequency of the lamp.
-std::uint16_t misused_lamp(const wire::JobHeader& header, const settings::Values& job,
-                           const settings::Values& own) {
-  using settings::LampMode;
-  const auto mode = [](const settings::Values& v) {
-    return static_cast<LampMode>(v.whole(Id::lamp_mode));
-  };
-  if (mode(job) == LampMode::slave || mode(own) == LampMode::free_beat) {
-    const bool allowed = mode(job) == LampMode::slave || mode(job) == mode(own);
-    return allowed ? 0 : settings::number(Id::lamp_mode);
-  }
-  const bool moves_only = mode(job) == LampMode::free_beat && header.dry;
-  if (mode(job) != mode(own) && !moves_only) return settings::number(Id::lamp_mode);
-  const bool too_fast = job.milli(Id::lamp_frequency) > own.milli(Id::max_lamp_frequency);
-  return too_fast ? settings::number(Id::lamp_frequency) : 0;
-}
 
 /// Maximum sum of the speeds of two axes that share motors, in hundredths of a step per tick: half
 /// of it each. A tick that follows the lamp ($905, $910, $906) is up to a sixth too long, and a

@@ -23,7 +23,6 @@ void add_override(wire::JobHeader& header, Id id, const settings::Values& values
   const std::uint16_t number = settings::row(id).number;
   for (const wire::Override& item : header.used_overrides())
     if (item.number == number) return;
-  static_assert(settings::job_setting_count <= wire::max_overrides);
   header.overrides[header.override_count++] = {number, values.milli(id)};
 }
 

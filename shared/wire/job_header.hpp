@@ -8,14 +8,15 @@
 #include <span>
 
 #include "shared/result.hpp"
+#include "shared/settings_table.hpp"
 #include "shared/units.hpp"
 #include "shared/wire/bytes.hpp"
 #include "shared/wire/messages.hpp"
 
 namespace lamplock::wire {
 
-/// Enough for all settings of the table that a job may override.
-inline constexpr std::size_t max_overrides = 77;
+/// All settings of the table that a job may override.
+inline constexpr std::size_t max_overrides = settings::job_setting_count;
 
 /// Speed of a job, percent of the speed that it was made for.
 inline constexpr std::uint32_t full_job_speed = 100;

@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "shared/wire/job_header.hpp"
 #include "tests/docs/page.hpp"
 
 namespace lamplock::settings {
@@ -28,6 +29,12 @@ TEST(SettingsPage, HasTheTableOfTheCode) {
   const std::size_t at = page.find(head);
   ASSERT_NE(at, std::string::npos);
   EXPECT_EQ(page.substr(at + head.size()), wanted);
+}
+
+TEST(WireFormatPage, HasTheNumberOfOverrides) {
+  EXPECT_NE(test::read_repository_file("docs/wire-format.md")
+                .find(fmt::format("number of overrides n, 0..{}:", wire::max_overrides)),
+            std::string::npos);
 }
 
 }  // namespace
