@@ -1,4 +1,6 @@
 // `lamplock raster`: a picture becomes rows of pixels for a continuous laser.
+#include <fmt/format.h>
+
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
 #include "host/file/output_files.hpp"
+#include "host/model/input.hpp"
 #include "host/run/raster.hpp"
 
 namespace lamplock::cli {
@@ -112,7 +115,8 @@ void add_raster(Command& program) {
       "      --machine examples/laser.toml -o rows.llj\n"
       "  lamplock send rows.llj --board /dev/ttyACM0");
   const auto options = std::make_shared<RasterOptions>();
-  app.add_option("PICTURE", &options->input, "Picture (png, bmp, jpeg)")
+  app.add_option("PICTURE", &options->input,
+                 fmt::format("Picture ({})", model::extensions(model::InputKind::bitmap)))
       .required()
       .value_name("FILE");
   app.add_option("-o,--output", &options->output, "Job file to write").value_name("FILE.llj");

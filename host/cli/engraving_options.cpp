@@ -1,5 +1,8 @@
 #include "host/cli/engraving_options.hpp"
 
+#include <fmt/format.h>
+
+#include <string>
 #include <utility>
 
 #include "host/cli/command_line.hpp"
@@ -9,14 +12,20 @@
 #include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/glass/description_file.hpp"
+#include "host/model/input.hpp"
 #include "host/run/origin.hpp"
 
 namespace lamplock::cli {
 namespace {
 
-constexpr const char* input_help =
-    "Mesh (stl, obj, ply, 3mf, glb), drawing (dxf, svg), bitmap (png, bmp, jpg), point list (xyz, "
-    "csv, cad, ply, dxf), or job description (toml)";
+std::string input_help() {
+  using model::extensions;
+  using model::InputKind;
+  return fmt::format(
+      "Mesh ({}), drawing ({}), bitmap ({}), point list ({}), or job description (toml)",
+      extensions(InputKind::mesh), extensions(InputKind::curves), extensions(InputKind::bitmap),
+      extensions(InputKind::points));
+}
 
 }  // namespace
 
@@ -26,7 +35,7 @@ void EngravingOptions::add_section(Command& app, const std::vector<glass::Parame
 }
 
 void EngravingOptions::add_place(Command& app, bool input_required) {
-  app.add_option("INPUT", &input, input_help).required(input_required).value_name("FILE");
+  app.add_option("INPUT", &input, input_help()).required(input_required).value_name("FILE");
   std::vector<glass::Parameter> object = glass::parameters(said_.objects.front());
   object.erase(object.begin());  // the file is INPUT
   add_section(app, object, "Points");

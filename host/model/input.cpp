@@ -2,52 +2,100 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <filesystem>
+#include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include "host/file.hpp"
 #include "host/model/ply.hpp"
+#include "host/model/read_bitmap.hpp"
 #include "host/model/read_dxf.hpp"
+#include "host/model/read_mesh.hpp"
+#include "host/model/read_points.hpp"
+#include "host/model/read_svg.hpp"
 
 namespace lamplock::model {
+namespace {
 
-InputKind classify(const std::string& file) {
-  const std::filesystem::path path(file);
-  struct Extension {
-    std::string_view name;
-    InputKind kind;
-  };
-  constexpr std::array<Extension, 14> extensions{{{".stl", InputKind::mesh},
-                                                  {".obj", InputKind::mesh},
-                                                  {".3mf", InputKind::mesh},
-                                                  {".glb", InputKind::mesh},
-                                                  {".png", InputKind::bitmap},
-                                                  {".bmp", InputKind::bitmap},
-                                                  {".jpg", InputKind::bitmap},
-                                                  {".jpeg", InputKind::bitmap},
-                                                  {".svg", InputKind::curves},
-                                                  {".xyz", InputKind::points},
-                                                  {".txt", InputKind::points},
-                                                  {".csv", InputKind::points},
-                                                  {".asc", InputKind::points},
-                                                  {".cad", InputKind::points}}};
+using std::filesystem::path;
+
+template <auto read>
+Input read_as(const path& file) {
+  return read(file);
+}
+
+Input read_mesh_or_points(const path& file) {
+  std::string bytes = read_file(file);
+  if (read_ply_header(file, bytes).count("face") > 0) return decode_mesh(file, std::move(bytes));
+  return decode_point_list(file, bytes);
+}
+
+Input read_curves_or_points(const path& file) {
+  Curves drawing = read_dxf(file);
+  if (drawing.paths.empty()) return points_of_drawing(file, std::move(drawing));
+  return drawing;
+}
+
+struct Format {
+  std::string_view extension;
+  InputKind kind;
+  Input (*read)(const path&);
+};
+
+/// An extension whose files are of one of two kinds has two rows with the same reader.
+constexpr Format formats[] = {
+    {".stl", InputKind::mesh, read_as<read_mesh>},
+    {".obj", InputKind::mesh, read_as<read_mesh>},
+    {".ply", InputKind::mesh, read_mesh_or_points},
+    {".3mf", InputKind::mesh, read_as<read_mesh>},
+    {".glb", InputKind::mesh, read_as<read_mesh>},
+    {".dxf", InputKind::curves, read_curves_or_points},
+    {".svg", InputKind::curves, read_as<read_svg>},
+    {".png", InputKind::bitmap, read_as<read_bitmap>},
+    {".bmp", InputKind::bitmap, read_as<read_bitmap>},
+    {".jpg", InputKind::bitmap, read_as<read_bitmap>},
+    {".jpeg", InputKind::bitmap, read_as<read_bitmap>},
+    {".xyz", InputKind::points, read_as<read_point_list>},
+    {".txt", InputKind::points, read_as<read_point_list>},
+    {".csv", InputKind::points, read_as<read_point_list>},
+    {".asc", InputKind::points, read_as<read_point_list>},
+    {".cad", InputKind::points, read_as<read_point_list>},
+    {".ply", InputKind::points, read_mesh_or_points},
+    {".dxf", InputKind::points, read_curves_or_points},
+};
+
+/// The first row of the extension of a file that exists.
+const Format& format_of(const path& file) {
   std::error_code failure;
-  if (!std::filesystem::exists(path, failure)) refuse(path, "no such file", "check the name");
-  const std::string extension = lower_extension(path);
-  if (extension == ".ply") {
-    const PlyHeader header = read_ply_header(path, read_file(path));
-    return header.count("face") > 0 ? InputKind::mesh : InputKind::points;
+  if (!std::filesystem::exists(file, failure)) refuse(file, "no such file", "check the name");
+  const std::string extension = lower_extension(file);
+  const auto* const found = std::ranges::find(formats, extension, &Format::extension);
+  if (found == std::end(formats))
+    refuse(file, fmt::format("unknown kind of file '{}'", extension),
+           fmt::format("give a mesh ({}), a drawing ({}), a picture ({}) or points ({})",
+                       extensions(InputKind::mesh), extensions(InputKind::curves),
+                       extensions(InputKind::bitmap), extensions(InputKind::points)));
+  return *found;
+}
+
+}  // namespace
+
+Input read_input(const path& file) { return format_of(file).read(file); }
+
+bool may_hold(const path& file, InputKind kind) {
+  const std::string_view extension = format_of(file).extension;
+  return std::ranges::any_of(
+      formats, [&](const Format& row) { return row.extension == extension && row.kind == kind; });
+}
+
+std::string extensions(InputKind kind) {
+  std::string names;
+  for (const Format& row : formats) {
+    if (row.kind != kind) continue;
+    if (!names.empty()) names += ", ";
+    names += row.extension.substr(1);
   }
-  if (extension == ".dxf")
-    return read_dxf(path).paths.empty() ? InputKind::points : InputKind::curves;
-  for (const Extension& known : extensions) {
-    if (known.name == extension) return known.kind;
-  }
-  refuse(
-      path, fmt::format("unknown kind of file '{}'", extension),
-      "give a mesh (stl, obj, ply, 3mf, glb), a drawing (dxf, svg), a picture (png, bmp, jpg) or "
-      "points (xyz, txt, csv, asc, cad)");
+  return names;
 }
 
 }  // namespace lamplock::model

@@ -14,6 +14,7 @@
 
 #include "host/file.hpp"
 #include "host/model/glb.hpp"
+#include "host/model/input.hpp"
 #include "host/model/mesh_checks.hpp"
 #include "host/model/mtl.hpp"
 #include "host/model/ply.hpp"
@@ -39,7 +40,7 @@ std::size_t check(const path& file, const std::string& bytes) {
     check_3mf(file);
   } else {
     refuse(file, fmt::format("'{}' is not a mesh format", extension),
-           "give STL, OBJ, PLY, GLB or 3MF");
+           fmt::format("give a mesh ({})", extensions(InputKind::mesh)));
   }
   return bytes.size();
 }
@@ -134,8 +135,9 @@ Mesh merge_corners(const std::vector<geometry::Point>& corners, std::vector<std:
 
 }  // namespace
 
-Mesh read_mesh(const path& file) {
-  std::string bytes = read_file(file);
+Mesh read_mesh(const path& file) { return decode_mesh(file, read_file(file)); }
+
+Mesh decode_mesh(const path& file, std::string bytes) {
   const std::size_t length = check(file, bytes);
   const std::string extension = lower_extension(file);
   std::map<std::string, std::string> pictures;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "host/model/mesh.hpp"
 
@@ -17,5 +18,8 @@ namespace lamplock::model {
 /// (bad_input): missing, unreadable or truncated file, a vertex that is not finite (named by its
 /// index in the file, from 0), no triangle.
 Mesh read_mesh(const std::filesystem::path& path);
+
+/// The same for a file whose bytes were read already.
+Mesh decode_mesh(const std::filesystem::path& path, std::string bytes);
 
 }  // namespace lamplock::model

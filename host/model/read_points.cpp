@@ -147,13 +147,8 @@ geometry::PointCloud read_text(const path& file, const std::string& bytes, Colum
   return cloud;
 }
 
-geometry::PointCloud read_dxf_points(const path& file) {
-  Curves drawing = read_dxf(file);
-  if (!drawing.paths.empty()) refuse(file, "it has curves besides points", "use it as a drawing");
-  if (!drawing.left_out.empty())
-    refuse(file, fmt::format("it has other entities besides points: {}", left_out_text(drawing)),
-           "export the points alone");
-  return std::move(drawing.points);
+void require_points(const path& file, const geometry::PointCloud& cloud) {
+  if (cloud.empty()) refuse(file, "it has no points", "give at least one point");
 }
 
 geometry::PointCloud read_ply(const path& file, const std::string& bytes) {
@@ -167,13 +162,26 @@ geometry::PointCloud read_ply(const path& file, const std::string& bytes) {
 }  // namespace
 
 geometry::PointCloud read_point_list(const path& file) {
+  if (lower_extension(file) == ".dxf") return points_of_drawing(file, read_dxf(file));
+  return decode_point_list(file, read_file(file));
+}
+
+geometry::PointCloud decode_point_list(const path& file, const std::string& bytes) {
   const std::string extension = lower_extension(file);
-  geometry::PointCloud cloud = extension == ".dxf"   ? read_dxf_points(file)
-                               : extension == ".ply" ? read_ply(file, read_file(file))
-                               : extension == ".cad" ? read_text(file, read_file(file), cad_columns)
-                                                     : read_text(file, read_file(file), {});
-  if (cloud.empty()) refuse(file, "it has no points", "give at least one point");
+  geometry::PointCloud cloud = extension == ".ply"   ? read_ply(file, bytes)
+                               : extension == ".cad" ? read_text(file, bytes, cad_columns)
+                                                     : read_text(file, bytes, {});
+  require_points(file, cloud);
   return cloud;
+}
+
+geometry::PointCloud points_of_drawing(const path& file, Curves drawing) {
+  if (!drawing.paths.empty()) refuse(file, "it has curves besides points", "use it as a drawing");
+  if (!drawing.left_out.empty())
+    refuse(file, fmt::format("it has other entities besides points: {}", left_out_text(drawing)),
+           "export the points alone");
+  require_points(file, drawing.points);
+  return std::move(drawing.points);
 }
 
 }  // namespace lamplock::model

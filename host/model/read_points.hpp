@@ -3,8 +3,10 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "host/geometry/point.hpp"
+#include "host/model/curves.hpp"
 
 namespace lamplock::model {
 
@@ -15,5 +17,11 @@ namespace lamplock::model {
 /// a comment. Throws Error (bad_input) naming file and line, for a file that is missing, damaged,
 /// not finite or without points.
 geometry::PointCloud read_point_list(const std::filesystem::path& path);
+
+/// The same for a file whose bytes were read already; not for .dxf.
+geometry::PointCloud decode_point_list(const std::filesystem::path& path, const std::string& bytes);
+
+/// The points of a .dxf that has nothing else. Throws Error (bad_input) naming the file.
+geometry::PointCloud points_of_drawing(const std::filesystem::path& path, Curves drawing);
 
 }  // namespace lamplock::model

@@ -2,16 +2,30 @@
 
 #include <fmt/format.h>
 
+#include <string>
+#include <utility>
+#include <variant>
+
 #include "host/error.hpp"
 #include "host/file/output_files.hpp"
 #include "host/geometry/bounds.hpp"
 #include "host/model/input.hpp"
-#include "host/model/read_points.hpp"
 #include "host/run/bounds_text.hpp"
 #include "host/run/ordering.hpp"
 #include "host/run/point_file.hpp"
 
 namespace lamplock::run {
+namespace {
+
+geometry::PointCloud point_list(const std::string& file) {
+  if (model::may_hold(file, model::InputKind::points)) {
+    model::Input input = model::read_input(file);
+    if (auto* cloud = std::get_if<geometry::PointCloud>(&input)) return std::move(*cloud);
+  }
+  throw Error(Exit::bad_input, file, "is not a point list", "make one with lamplock points");
+}
+
+}  // namespace
 
 Cloud make_points(const JobRequest& request, const std::string& output, Frontend& frontend) {
   check_point_file(output);
@@ -28,10 +42,7 @@ Cloud make_points(const JobRequest& request, const std::string& output, Frontend
 
 geometry::PointCloud order_point_list(const OrderRequest& request, Frontend& frontend) {
   check_point_file(request.output);
-  if (model::classify(request.input) != model::InputKind::points)
-    throw Error(Exit::bad_input, request.input, "is not a point list",
-                "make one with lamplock points");
-  geometry::PointCloud cloud = model::read_point_list(request.input);
+  geometry::PointCloud cloud = point_list(request.input);
   frontend.phase("points",
                  fmt::format("{} in {}", cloud.size(), bounds_text(geometry::bounds(cloud))));
   const order::Motion motion = motion_of(request.machine.profile().settings, {});

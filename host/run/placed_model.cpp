@@ -4,20 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <optional>
 #include <utility>
 
 #include "host/error.hpp"
-#include "host/file.hpp"
 #include "host/glass/transformation.hpp"
 #include "host/model/bitmap.hpp"
 #include "host/model/mesh_faults.hpp"
-#include "host/model/read_bitmap.hpp"
-#include "host/model/read_dxf.hpp"
-#include "host/model/read_mesh.hpp"
-#include "host/model/read_points.hpp"
-#include "host/model/read_svg.hpp"
 #include "host/model/transform.hpp"
 #include "host/points/bitmap_points.hpp"
 
@@ -101,8 +94,7 @@ Model fitted(Model model, const Object& object, const Volume& volume) {
   return model;
 }
 
-PlacedModel placed_mesh(const Object& object, const Volume& volume) {
-  model::Mesh mesh = model::read_mesh(object.file);
+PlacedModel placed_mesh(model::Mesh mesh, const Object& object, const Volume& volume) {
   PlacedModel result;
   result.kind = InputKind::mesh;
   result.warnings = model::warnings(model::find_faults(mesh));
@@ -113,9 +105,7 @@ PlacedModel placed_mesh(const Object& object, const Volume& volume) {
   return result;
 }
 
-PlacedModel placed_curves(const Object& object, const Volume& volume) {
-  const bool svg = lower_extension(object.file) == ".svg";
-  model::Curves curves = svg ? model::read_svg(object.file) : model::read_dxf(object.file);
+PlacedModel placed_curves(model::Curves curves, const Object& object, const Volume& volume) {
   PlacedModel result;
   result.kind = InputKind::curves;
   for (const auto& [name, count] : curves.left_out)
@@ -147,8 +137,8 @@ points::BitmapOptions bitmap_options(const Object& object, double spacing_mm) {
   return options;
 }
 
-PlacedModel placed_bitmap(const Object& object, double spacing_mm, const Volume& volume) {
-  const model::Bitmap bitmap = model::read_bitmap(object.file);
+PlacedModel placed_bitmap(const model::Bitmap& bitmap, const Object& object, double spacing_mm,
+                          const Volume& volume) {
   PlacedModel result;
   result.kind = InputKind::bitmap;
   result.what = fmt::format("{} x {} pixels", bitmap.width, bitmap.height);
@@ -159,9 +149,8 @@ PlacedModel placed_bitmap(const Object& object, double spacing_mm, const Volume&
   return result;
 }
 
-PlacedModel placed_points(const Object& object, const Volume& volume) {
+PlacedModel placed_points(PointCloud cloud, const Object& object, const Volume& volume) {
   PlacedModel result;
-  PointCloud cloud = model::read_point_list(object.file);
   result.what = fmt::format("{} points", cloud.size());
   result.model = placed(std::move(cloud), {}, object, volume);
   return result;
@@ -174,17 +163,14 @@ Bounds PlacedModel::box() const {
 }
 
 PlacedModel placed_model(const Object& object, double spacing_mm, const Volume& volume) {
-  switch (model::classify(object.file)) {
-    case InputKind::mesh:
-      return placed_mesh(object, volume);
-    case InputKind::curves:
-      return placed_curves(object, volume);
-    case InputKind::bitmap:
-      return placed_bitmap(object, spacing_mm, volume);
-    case InputKind::points:
-      break;
-  }
-  return placed_points(object, volume);
+  model::Input input = model::read_input(object.file);
+  if (auto* mesh = std::get_if<model::Mesh>(&input))
+    return placed_mesh(std::move(*mesh), object, volume);
+  if (auto* curves = std::get_if<model::Curves>(&input))
+    return placed_curves(std::move(*curves), object, volume);
+  if (const auto* bitmap = std::get_if<model::Bitmap>(&input))
+    return placed_bitmap(*bitmap, object, spacing_mm, volume);
+  return placed_points(std::move(std::get<PointCloud>(input)), object, volume);
 }
 
 std::string size_text(const Bounds& box) {

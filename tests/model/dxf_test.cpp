@@ -351,10 +351,11 @@ TEST_F(Dxf, DamagedFilesAtWorstFail) {
 
 TEST_F(Dxf, PointsAloneAreAPointList) {
   const auto points = folder_.write("points.dxf", drawing("0 POINT 10 1 20 2 30 3 0 POINT 10 4"));
-  EXPECT_EQ(model::classify(points), model::InputKind::points);
-  EXPECT_EQ(model::read_point_list(points), (geometry::PointCloud{{1, 2, 3}, {4, 0, 0}}));
+  const geometry::PointCloud wanted{{1, 2, 3}, {4, 0, 0}};
+  EXPECT_EQ(model::read_point_list(points), wanted);
+  EXPECT_EQ(std::get<geometry::PointCloud>(model::read_input(points)), wanted);
   const auto mixed = folder_.write("mixed.dxf", drawing("0 POINT 10 1 0 CIRCLE 40 1"));
-  EXPECT_EQ(model::classify(mixed), model::InputKind::curves);
+  EXPECT_EQ(std::get<Curves>(model::read_input(mixed)).paths.size(), 1u);
   EXPECT_THAT(error_of([&] { model::read_point_list(mixed); }), HasSubstr("curves"));
 }
 

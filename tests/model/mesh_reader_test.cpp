@@ -258,28 +258,43 @@ TEST(ReadMesh, DamagedFilesAtWorstFail) {
   }
 }
 
-TEST(Classify, UsesTheExtensionAndForPlyTheFaces) {
+TEST(Input, HasAKindForEveryExtension) {
   const TemporaryFolder folder;
-  using model::classify;
   using model::InputKind;
-  EXPECT_EQ(classify(folder.write("a.STL", "x")), InputKind::mesh);
-  EXPECT_EQ(classify(folder.write("a.obj", "x")), InputKind::mesh);
-  EXPECT_EQ(classify(folder.write("a.png", "x")), InputKind::bitmap);
-  EXPECT_EQ(classify(folder.write("a.bmp", "x")), InputKind::bitmap);
-  EXPECT_EQ(classify(folder.write("a.xyz", "x")), InputKind::points);
-  EXPECT_EQ(classify(folder.write("a.csv", "x")), InputKind::points);
-  EXPECT_EQ(classify(folder.write("a.cad", "x")), InputKind::points);
-  EXPECT_EQ(classify(folder.write("a.3mf", "x")), InputKind::mesh);
-  EXPECT_EQ(classify(folder.write("a.glb", "x")), InputKind::mesh);
-  EXPECT_EQ(classify(folder.write("a.JPG", "x")), InputKind::bitmap);
-  EXPECT_EQ(classify(folder.write("a.jpeg", "x")), InputKind::bitmap);
-  const Mesh mesh = test::torus(10, 3, 5, 4);
-  EXPECT_EQ(classify(folder.write("a.ply", ascii_ply_of(mesh))), InputKind::mesh);
-  Mesh no_faces = mesh;
-  no_faces.triangles.clear();
-  EXPECT_EQ(classify(folder.write("b.ply", ascii_ply_of(no_faces))), InputKind::points);
-  EXPECT_THAT(error_of([&] { classify(folder.write("a.dwg", "x")); }), HasSubstr(".dwg"));
-  EXPECT_THAT(error_of([&] { classify(folder.file("none.stl")); }), HasSubstr("no such file"));
+  using model::may_hold;
+  const std::pair<const char*, InputKind> kinds[]{
+      {"a.STL", InputKind::mesh},    {"a.obj", InputKind::mesh},   {"a.3mf", InputKind::mesh},
+      {"a.glb", InputKind::mesh},    {"a.ply", InputKind::mesh},   {"a.ply", InputKind::points},
+      {"a.png", InputKind::bitmap},  {"a.bmp", InputKind::bitmap}, {"a.JPG", InputKind::bitmap},
+      {"a.jpeg", InputKind::bitmap}, {"a.xyz", InputKind::points}, {"a.csv", InputKind::points},
+      {"a.cad", InputKind::points},  {"a.dxf", InputKind::curves}, {"a.dxf", InputKind::points},
+      {"a.svg", InputKind::curves}};
+  for (const auto& [name, kind] : kinds) EXPECT_TRUE(may_hold(folder.write(name, "x"), kind));
+  EXPECT_FALSE(may_hold(folder.file("a.STL"), InputKind::points));
+  EXPECT_FALSE(may_hold(folder.file("a.dxf"), InputKind::mesh));
+  EXPECT_EQ(model::extensions(InputKind::mesh), "stl, obj, ply, 3mf, glb");
+  EXPECT_EQ(model::extensions(InputKind::points), "xyz, txt, csv, asc, cad, ply, dxf");
+}
+
+TEST(Input, OfPlyDependsOnTheFaces) {
+  const TemporaryFolder folder;
+  Mesh mesh = test::torus(10, 3, 5, 4);
+  const model::Input with = model::read_input(folder.write("a.ply", ascii_ply_of(mesh)));
+  ASSERT_TRUE(std::holds_alternative<Mesh>(with));
+  EXPECT_EQ(std::get<Mesh>(with).triangles.size(), mesh.triangles.size());
+  mesh.triangles.clear();
+  const model::Input without = model::read_input(folder.write("b.ply", ascii_ply_of(mesh)));
+  ASSERT_TRUE(std::holds_alternative<geometry::PointCloud>(without));
+  EXPECT_EQ(std::get<geometry::PointCloud>(without).size(), mesh.vertices.size());
+}
+
+TEST(Input, RefusesUnknownExtensionsAndMissingFiles) {
+  const TemporaryFolder folder;
+  const std::string unknown = error_of([&] { model::read_input(folder.write("a.dwg", "x")); });
+  EXPECT_THAT(unknown, HasSubstr("unknown kind of file '.dwg'"));
+  EXPECT_THAT(unknown, HasSubstr("a drawing (dxf, svg), a picture (png, bmp, jpg, jpeg)"));
+  EXPECT_THAT(error_of([&] { model::read_input(folder.file("none.stl")); }),
+              HasSubstr("no such file"));
 }
 
 TEST(Transform, CentresAndScalesByTheLongestSide) {
