@@ -22,7 +22,7 @@ TEST(ChipCoreXy, KeepsItsPositionAfterAnImmediateStop) {
   ChipRig rig(profile);
   const sim::Drives& drives = rig.board.world().drives();
   const double steps_per_mm = profile.settings.milli(Id::steps_per_mm_x) / 1000.0;
-  for (int round = 0; round < scaled(4); ++round) {
+  for (int round = 0; round < scaled(4, 4); ++round) {
     rig.type("G1 X7 Y-3 F3000\nG0 X-4 Y5\nG1 X0.3 Y0.4 F2000\n");
     rig.run(static_cast<Picoseconds>(40 + random() % 150) * ps_per_ms);
     rig.board.world().schedule(sim::Pin::estop, true, rig.now() + ps_per_us);
