@@ -1,3 +1,4 @@
+// A job from its points to its plans: outcomes, missed points, the next plan, brake and stop.
 #include "firmware/machine/runners/job_runner.hpp"
 
 #include "firmware/motion/profile/pulse.hpp"
@@ -9,9 +10,6 @@ namespace {
 constexpr std::uint32_t job_start_margin_ticks = 500 * (ticks_per_second / 1'000'000);
 /// At rest the host has this long after the last points to complete a window.
 constexpr std::uint64_t patience_ticks = 200 * std::uint64_t{ticks_per_second / 1000};
-/// A plan is slow if it takes more than half of the duration of its motion: the next one may take
-/// twice as long.
-constexpr std::uint64_t slow_plan_divisor = 2;
 /// Limits are recalculated when the shortest tick has changed by more than this: 1/512.
 constexpr std::uint32_t limits_step_q16 = full_tick_q16 / 512;
 
@@ -125,14 +123,6 @@ std::uint32_t JobRunner::first_unfired() {
   return count_.point;
 }
 
-bool JobRunner::starts_late() const {
-  const motion::PlanRequest& request = plan_.request();
-  if (!at_rest() || request.count != window_points) return false;
-  const std::uint64_t lasts =
-      plan_.segment(request.commits() - 1).end.tick - plan_.segment(0).start_tick;
-  return plan_ticks_ * slow_plan_divisor > lasts;
-}
-
 std::uint64_t JobRunner::start_beat(std::uint64_t later_ticks) const {
   const std::uint64_t head = generator_.head() + job_start_margin_ticks + later_ticks;
   return clock_.beat_at_or_after(plan_state_.tick > head ? plan_state_.tick : head);
@@ -190,22 +180,6 @@ bool JobRunner::may_plan() {
   return !window_.empty() && !patient;
 }
 
-/// Segments of the plan that can be handed out now. Planning is ahead of the queues.
-std::uint32_t JobRunner::part() const {
-  const std::uint32_t left = plan_.request().commits() - handed_;
-  const std::uint32_t next = left < part_segments ? left : part_segments;
-  const std::uint32_t free = segments_.free() + provisional_;
-  const std::uint32_t room = free < shots_.free() ? free : shots_.free();
-  return room > next ? next : 0;  // a brake follows them
-}
-
-JobRunner::PlanStands JobRunner::plan_stands() const {
-  if (!work_exchange_.asked()) return PlanStands::none;
-  if (!work_exchange_.complete()) return PlanStands::at_work;
-  if (!plan_.found()) return PlanStands::no_way;
-  return part() == 0 ? PlanStands::full : PlanStands::part;
-}
-
 bool JobRunner::prepare(bool go) {
   waiting_for_beam_ = false;
   // In this order: an edge may occur in between.
@@ -235,127 +209,6 @@ void JobRunner::begin_plan() {
   asked_tick_ = generator_.tick();
   handed_ = staged_ = 0;
   work_exchange_.hand_out();
-}
-
-Committed JobRunner::commit() {
-  switch (plan_stands()) {
-    case PlanStands::part:
-      // Completed after stage(): hand it out next time.
-      if (parts_ == HandoutMode::staged && staged_ == 0) return Committed::nothing;
-      // Planning took too long, and its start has passed.
-      if (provisional_begun())
-        keep_provisional();
-      else
-        commit_plan();
-      return Committed::part;
-    case PlanStands::no_way:
-      if (provisional_ != 0) {  // no way from there, but perhaps from rest
-        keep_provisional();
-        return Committed::nothing;
-      }
-      failed_point_ = plan_.request().points[plan_.failed()];
-      work_exchange_.recall();
-      return Committed::no_way;
-    default:
-      return Committed::nothing;
-  }
-}
-
-void JobRunner::take_back_provisional() {
-  segments_.take_back(provisional_);
-  shots_.cancel_after(plan_beat_);
-  provisional_ = 0;
-}
-
-void JobRunner::keep_provisional() {
-  work_exchange_.recall();
-  staged_ = 0;
-  provisional_ = 0;
-  plan_state_ = rest_state_;
-  from_rest_ = true;
-  window_.go_on_at(rest_next_);
-  if (returning_) return;
-  ++starvations_;
-  starving_ = true;
-}
-
-void JobRunner::start_later() {
-  if (!from_rest_) return;
-  const std::uint64_t beat = start_beat(handed_ == 0 && starts_late() ? plan_ticks_ : 0);
-  if (beat == plan_beat_) return;
-  plan_beat_ = beat;
-  plan_state_.tick = clock_.tick_of_beat(beat);
-}
-
-void JobRunner::commit_plan() {
-  const std::uint32_t first = handed_, end = handed_ + (staged_ != 0 ? staged_ : part());
-  brake_limits_ = plan_.brake_limits();
-  if (first == 0) plan_ticks_ = generator_.tick() - asked_tick_;
-  take_back_provisional();
-  const std::uint64_t staged_tick = plan_state_.tick;
-  start_later();
-  if (plan_state_.tick != staged_tick) staged_ = 0;  // will be staged again
-  clock_.set_least_tick(plan_state_.tick, plan_.least_tick_q16());
-  clock_.set_tick_length(plan_state_.tick, plan_.tick_length_q16());
-  const std::uint64_t late_ticks = plan_state_.tick - plan_.segment(first).start_tick;
-  for (std::uint32_t i = first; i < end; ++i) push(i, late_ticks, plan_beat_);
-  plan_state_ = plan_.segment(end - 1).end;
-  plan_state_.tick += late_ticks;
-  window_.go_on_at(window_.place_after(first, end));
-  returning_ = off_target_ = false;
-  from_rest_ = plan_state_.at_rest();
-  rest_state_ = plan_state_;
-  rest_next_ = window_.place();
-  clock_.set_motion_end(rest_state_.tick);
-  clock_.set_tick_length(rest_state_.tick, full_tick_q16);
-  if (!from_rest_) commit_brake();
-  staged_ = 0;
-  handed_ = end;
-  if (handed_ == plan_.request().commits()) work_exchange_.recall();
-}
-
-void JobRunner::write_segment(std::uint32_t i, std::uint64_t late_ticks,
-                              stepper::Segment& segment) const {
-  segment = plan_.segment(i);
-  segment.start_tick += late_ticks;
-  segment.end.tick += late_ticks;
-  segment.reason = returning_ && i == 0 ? BeatReason::returning
-                   : options_.dry       ? BeatReason::dry
-                                        : BeatReason::moving;
-  if (window_.gone_to() && i == 0) segment.ends_point = false;
-  if (options_.dry) segment.shot.present = false;
-}
-
-void JobRunner::stage() {
-  if (staged_ != 0 || !part_waits()) return;
-  staged_ = part();
-  // Later parts of a plan are as late as its first part.
-  const std::uint64_t late_ticks = plan_state_.tick - plan_.segment(handed_).start_tick;
-  // The first one may replace a brake, which may still begin.
-  for (std::uint32_t i = 1; i < staged_; ++i)
-    write_segment(handed_ + i, late_ticks, segments_.stage(i - provisional_));
-  stepper::MotionState end = plan_.segment(handed_ + staged_ - 1).end;
-  end.tick += late_ticks;
-  segments_.stage(staged_ - provisional_) = motion::make_brake(end, plan_.brake_limits());
-}
-
-void JobRunner::push(std::uint32_t i, std::uint64_t late_ticks, std::uint64_t& beat) {
-  if (staged_ == 0 || i == handed_) write_segment(i, late_ticks, segments_.stage());
-  const auto beats = static_cast<std::uint64_t>(plan_.beats(i));
-  shots_.commit(segments_.stage(), beat + 1, beat + beats);
-  segments_.publish();
-  beat += beats;
-}
-
-void JobRunner::commit_brake() {
-  clock_.keep_tick_length(plan_state_.tick);
-  stepper::Segment& s = segments_.stage();
-  if (staged_ == 0) s = motion::make_brake(plan_state_, brake_limits_);
-  segments_.publish();
-  provisional_ = 1;
-  rest_state_ = s.end;
-  rest_next_ = window_.place();
-  clock_.set_motion_end(s.end.tick);
 }
 
 /// Brakes the present motion. Where jerk is limited a brake can go further than the plan; if it
