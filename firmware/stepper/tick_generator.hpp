@@ -191,7 +191,11 @@ class TickGenerator {
   void open_window();
   static void pass(Reader& reader, std::uint32_t ticks);
   void cut_windows();
-  static std::uint32_t limit_to(std::uint64_t change, std::uint64_t tick, std::uint32_t ticks);
+  /// Up to a change, if it is among these ticks.
+  static std::uint32_t limit_to(std::uint64_t change, std::uint64_t tick, std::uint32_t ticks) {
+    return change > tick && change - tick < ticks ? static_cast<std::uint32_t>(change - tick)
+                                                  : ticks;
+  }
   std::uint32_t limit_by(const Reader& reader, std::uint64_t tick, std::uint32_t ticks) const;
   std::uint32_t wait(Run& run, int axis, std::uint64_t tick, std::uint32_t ticks) const;
   std::uint32_t limit_by_motion(std::uint32_t ticks);

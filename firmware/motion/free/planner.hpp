@@ -73,6 +73,9 @@ class Planner {
   /// State of detours: a short window is searched again without them, if there are any.
   enum class Detours : std::uint8_t { unknown, forbidden, accepted };
 
+  /// Additional beats tried after those from rest to rest.
+  static constexpr std::int32_t beats_beyond_rest = 2;
+
   void begin_search(bool run_ups);
   [[gnu::noinline]] bool set_up();
   void give_up(std::uint32_t place);
