@@ -1,3 +1,7 @@
+// Checks the words of a block and what follows from them, in the order of RS274/NGC.
+//
+// This file stays whole: its functions follow each other for every line, and in several files they
+// lie in the flash so that the cache loses them (-1 % lines per second).
 #include "firmware/program/statement.hpp"
 
 #include "shared/fixed_point.hpp"

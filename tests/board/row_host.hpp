@@ -107,7 +107,7 @@ class RowHost {
       send_frames();
     }
     if (resumes_ && status_.state == wire::MachineState::hold && status_.session == session_ &&
-        status_.hold_reason != HoldReason::host)
+        status_.hold_reason != wire::HoldReason::host)
       command(wire::Command::resume);
     repeat_command();
     ask();
