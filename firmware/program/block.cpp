@@ -37,7 +37,7 @@ constexpr Code g_codes[] = {
     Code{385, Group::motion, AxisUse::motion},
     Code{400, Group::cutter},
     Code{431, Group::tool_length, AxisUse::tool_length},
-    Code{490, Group::tool_length, AxisUse::tool_length},
+    Code{490, Group::tool_length},
     Code{530, Group::once},
     Code{540, Group::system},
     Code{550, Group::system},
@@ -85,6 +85,7 @@ constexpr Code m_codes[] = {
     Code{128, Group::pulses},    Code{130, Group::beat_lock}, Code{131, Group::beat_lock},
 };
 
+constexpr std::uint16_t no_motion = 800;
 constexpr std::uint32_t largest_code = 999;
 constexpr std::int64_t one_million = 1'000'000;
 
@@ -180,9 +181,18 @@ Fault Block::add_m(const Word& word) {
   return add_code(code->group, code->code, code->use, word.column);
 }
 
+/// A motion may be beside G80, as in the first lines of many programs: G80 then has no effect.
+bool Block::replaces_no_motion(Group group, std::uint16_t code) const {
+  return group == Group::motion && this->code(group) == no_motion && code != no_motion;
+}
+
 [[gnu::hot]] Fault Block::add_code(Group group, std::uint16_t code, AxisUse use,
                                    std::uint16_t column) {
-  if (has(group)) return {GcodeError::modal_conflict, column};
+  if (has(group) && !replaces_no_motion(group, code)) {
+    const bool beside_motion =
+        group == Group::motion && code == no_motion && this->code(group) != no_motion;
+    return beside_motion ? Fault{} : Fault{GcodeError::modal_conflict, column};
+  }
   if (use != AxisUse::none) {
     if (axis_use_ != AxisUse::none) return {GcodeError::axis_conflict, column};
     axis_use_ = use;

@@ -22,7 +22,8 @@
 //   * M1 pauses like M0. M2 and M30 are the same.
 //   * G92 and G43.1 are inactive after a reset; G92.3 activates the stored shift again.
 //   * S with a list of powers divides a G1 into as many pieces (power_list.hpp); the last stays.
-//   * Cycles: R, Z, Q and P stay until another cycle begins; A moves together with X and Y.
+//   * Cycles: R, Z, Q and P stay until another cycle begins; in G91 R counts from where the series
+//     began. A moves together with X and Y.
 //
 // Position: the interpreter has the position of the program, which the machine reaches later. After
 // homing, a probe, an interrupted jog and the like the machine calls set_position().

@@ -150,7 +150,8 @@ void Statement::turn(const Rotation& rotation) {
     if (is_probe(motion) && !options_.probe)
       return fail(GcodeError::unsupported, block_.column(Group::motion));
     if (motion != modal.motion)
-      after_.cycle = {.initial_e7 = after_.cycle.initial_e7, .series = after_.cycle.series};
+      after_.cycle = {.initial_e7 = after_.cycle.initial_e7,
+                      .series = after_.cycle.series && is_cycle(motion)};
     modal.motion = motion;
   }
   return true;
@@ -334,7 +335,7 @@ bool Statement::pulse_length() {
       changes_.add(static_cast<int>(ParameterRow::tool_length));
     }
     after_.modal.tool_length = false;
-    return block_.axes() == 0 || fail_axes(GcodeError::axis_words_unused, block_.axes());
+    return true;
   }
   if (block_.axes() == 0) return fail(GcodeError::tool_length_axis, column);
   if (block_.axes() != z) return fail_axes(GcodeError::tool_length_axis, block_.axes() & ~z);

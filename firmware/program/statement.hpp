@@ -203,6 +203,7 @@ class Statement {
 
   bool feed_in_force();
   bool straight();
+  bool full_circle() const;
   bool arc();
   bool arc_of_radius(const Place& end);
   bool arc_of_centre(const Place& end);
@@ -231,6 +232,7 @@ class Statement {
   bool integer(char letter, std::uint32_t& number);
   bool move_is_asked() const;
   std::uint16_t motion_column() const;
+  std::uint16_t centre_column() const;
   std::int64_t fine_length(char letter, int digits) const;
   std::int64_t axis_e7(int axis) const;
   std::int64_t offset_e7(int axis) const;

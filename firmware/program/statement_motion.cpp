@@ -23,8 +23,17 @@ constexpr std::int64_t two_thirds(std::int64_t e7) { return (2 * e7 + (e7 < 0 ? 
 
 /// Column for errors of the motion as a whole.
 std::uint16_t Statement::motion_column() const {
-  return block_.has(Group::motion) ? block_.column(Group::motion)
-                                   : block_.axis_column(block_.axes());
+  if (block_.has(Group::motion)) return block_.column(Group::motion);
+  return block_.axes() != 0 ? block_.axis_column(block_.axes()) : centre_column();
+}
+
+/// Column of the first word of a centre; the line has one.
+std::uint16_t Statement::centre_column() const {
+  std::uint16_t column = 0;
+  for (const char letter : centre_letters)
+    if (block_.has(letter) && (column == 0 || block_.word(letter).column < column))
+      column = block_.word(letter).column;
+  return column;
 }
 
 bool Statement::fail_motion(GcodeError error) { return fail(error, motion_column()); }
@@ -98,7 +107,8 @@ bool Statement::at_home() {
   if (machine_move && motion != Motion::rapid && motion != Motion::line)
     return fail(GcodeError::machine_move_needs_line, block_.column(Group::once));
   const AxisUse use = block_.axis_use();
-  if (use != AxisUse::motion && (use != AxisUse::none || block_.axes() == 0)) return true;
+  if (use != AxisUse::motion && (use != AxisUse::none || (block_.axes() == 0 && !full_circle())))
+    return true;
   if (motion == Motion::none)
     return block_.axes() == 0 || fail_axes(GcodeError::axis_words_unused, block_.axes());
   return motion == Motion::rapid ? move() : cut_move();
@@ -112,7 +122,7 @@ bool Statement::at_home() {
   const Motion motion = after_.modal.motion;
   if (!feed_in_force()) return false;
   if (motion == Motion::line) return move();
-  if (block_.axes() == 0) return fail_motion(GcodeError::no_axis_words);
+  if (block_.axes() == 0 && !full_circle()) return fail_motion(GcodeError::no_axis_words);
   if (is_arc(motion)) return arc();
   if (motion == Motion::spline) return spline();
   if (motion == Motion::parabola) return parabola();
@@ -147,11 +157,21 @@ bool Statement::at_home() {
 
 // --- arcs -------------------------------------------------------------------------------------
 
+/// The line has a centre of an arc and no end in its plane: the arc ends where it starts, as in
+/// LinuxCNC.
+bool Statement::full_circle() const {
+  if (!is_arc(after_.modal.motion)) return false;
+  const PlaneAxes plane = axes_of(after_.modal.plane);
+  const std::uint32_t in_plane = 1u << plane.first | 1u << plane.second;
+  return (block_.axes() & in_plane) == 0 &&
+         (block_.has(centre_letters[plane.first]) || block_.has(centre_letters[plane.second]));
+}
+
 bool Statement::arc() {
   plan_.start = after_.programmed_e7;
   const PlaneAxes plane = axes_of(after_.modal.plane);
   const std::uint32_t in_plane = 1u << plane.first | 1u << plane.second;
-  if ((block_.axes() & in_plane) == 0)
+  if ((block_.axes() & in_plane) == 0 && !full_circle())
     return fail_axes(GcodeError::no_axis_in_plane, block_.axes());
   plan_.motion = after_.modal.motion;
   plan_.add(Stage::curve);
@@ -327,16 +347,16 @@ bool Statement::drill_levels() {
   }
   if (!words.has_depth) return fail_motion(GcodeError::value_missing);
   const std::int64_t now = plan_.start[index(normal)];
+  if (!words.series) words.initial_e7 = now;
   const bool relative = after_.modal.relative;
   const std::int64_t offset = offset_e7(normal);
-  cycle_.retract_e7 = words.retract_e7 + (relative ? now : offset);
+  cycle_.retract_e7 = words.retract_e7 + (relative ? words.initial_e7 : offset);
   cycle_.depth_e7 = words.depth_e7 + (relative ? cycle_.retract_e7 : offset);
   const std::uint16_t column = named             ? block_.axis(normal).column
                                : block_.has('R') ? block_.word('R').column
                                                  : motion_column();
   if (cycle_.depth_e7 > cycle_.retract_e7) return fail(GcodeError::bad_target, column);
   if (!all_inside({cycle_.depth_e7, cycle_.retract_e7, 0, 0}, column)) return false;
-  if (!words.series) words.initial_e7 = now;
   const bool to_initial = !after_.modal.retract_to_r && words.initial_e7 > cycle_.retract_e7;
   cycle_.end_e7 = to_initial ? words.initial_e7 : cycle_.retract_e7;
   return true;

@@ -47,6 +47,9 @@ TEST(Cycles, Drill) {
       {"G99 G81 X1 R1 Z-2|G0 X3|G98 G81 X2 R1 Z-2",
        "rapid to 2 0 1; feed 60 to 2 0 -2; rapid to 2 0 1"},
       {"G81 X1 R1 Z-2|G80|G0 X0", "rapid to 0 0 5"},
+      // G80 ends the series.
+      {"G99 G81 X1 R1 Z-2|G80|G98 G81 X2 R0 Z-2",
+       "rapid to 2 0 1; rapid to 2 0 0; feed 60 to 2 0 -2; rapid to 2 0 1"},
   });
 }
 
@@ -61,6 +64,8 @@ TEST(Cycles, Repeated) {
       {"G99 G81 X1 R1 Z0 L2",
        "rapid to 1 0 5; rapid to 1 0 1; feed 60 to 1 0 0; rapid to 1 0 1; "
        "feed 60 to 1 0 0; rapid to 1 0 1"},
+      // R counts from where the series began.
+      {"G91 G99 G81 X1 R-4 Z-3|X1", "rapid to 2 0 1; feed 60 to 2 0 -2; rapid to 2 0 1"},
       {"G91 G81 X1 R-4 Z-3 L2|X1",
        "rapid to 3 0 5; rapid to 3 0 1; feed 60 to 3 0 -2; rapid to 3 0 5"},
   });

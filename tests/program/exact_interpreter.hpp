@@ -162,7 +162,7 @@ class ExactInterpreter {
     if (has('R')) retract_ = word('R');
     const Rational level = position_[normal_];
     if (!series_) initial_ = level;
-    const Rational r = relative_ ? level + retract_ : offset(normal_) + retract_;
+    const Rational r = relative_ ? initial_ + retract_ : offset(normal_) + retract_;
     const int holes = has('L') ? words_['L'].convert_to<int>() : 1;
     for (int i = 0; i < holes; ++i) {
       Point over = target();
