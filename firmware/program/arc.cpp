@@ -82,6 +82,26 @@ std::int64_t sweep_of(const Ends& ends, const ArcRequest& request) {
   return angle + turns * turn_q48;
 }
 
+/// Whether an arc passes the directions of the axes, seen from its centre.
+struct Quarters {
+  bool right, up, left, down;
+};
+
+Quarters quarters_of(const Ends& ends, const ArcRequest& request) {
+  const Vector from = request.clockwise ? ends.end : ends.start;
+  const Vector to = request.clockwise ? ends.start : ends.end;
+  const Int128 across = cross(from, to);
+  const bool straight = across == Int128{}, same_direction = straight && !dot(from, to).negative();
+  if (same_direction || request.turns > 1) return {true, true, true, true};
+  // Anticlockwise from `from` to `to`: up to half a turn, or all but less than half a turn.
+  const bool short_way = straight || !across.negative();
+  const auto passes = [&](std::int64_t from_across, std::int64_t across_to) {
+    return short_way ? from_across >= 0 && across_to >= 0 : from_across >= 0 || across_to >= 0;
+  };
+  return {passes(-from.y, to.y), passes(from.x, -to.x), passes(from.y, -to.y),
+          passes(-from.x, to.x)};
+}
+
 /// 2 r' of a spiral: twice the change of the radius per radian; at least that.
 std::int64_t twice_slope(std::int64_t change, std::int64_t sweep_q48) {
   // A shorter sweep deviates from its chord by at most a quarter of the sweep times the change: 1
@@ -185,6 +205,27 @@ bool arc_fits(const ArcRequest& request) {
   const std::int64_t apart = abs64(ends.end_radius - ends.start_radius);
   if (apart <= radii_alike_e7) return true;
   return apart <= radii_apart_e7 && apart * radius_share <= ends.start_radius;
+}
+
+ArcRange arc_range(const ArcRequest& request) {
+  const CurvePlane& plane = request.plane;
+  const auto of_ends = [&](std::uint8_t axis) {
+    Range range{request.start[axis], request.start[axis]};
+    range.add(request.end[axis]);
+    return range;
+  };
+  ArcRange range{of_ends(plane.first), of_ends(plane.second)};
+  if (!is_arc(request)) return range;
+  const Ends ends = ends_of(request);
+  if (ends.start_radius == 0 || ends.end_radius == 0) return range;
+  const Quarters passed = quarters_of(ends, request);
+  const std::int64_t radius = std::max(ends.start_radius, ends.end_radius);
+  const std::int64_t first = request.centre[plane.first], second = request.centre[plane.second];
+  if (passed.right) range.first.add(first + radius);
+  if (passed.up) range.second.add(second + radius);
+  if (passed.left) range.first.add(first - radius);
+  if (passed.down) range.second.add(second - radius);
+  return range;
 }
 
 Division Arc::begin(const ArcRequest& request, std::int64_t other_way_e7) {

@@ -64,6 +64,13 @@ bool centre_of_radius(const Place& start, const Place& end, const CurvePlane& pl
 /// at the start.
 bool arc_fits(const ArcRequest& request);
 
+/// What the arc reaches on both axes of its plane, within 2 10^-7 mm; of a spiral as if all of it
+/// had the larger radius. A few hundred cycles and two roots of 128 bits.
+struct ArcRange {
+  Range first, second;
+};
+ArcRange arc_range(const ArcRequest& request);
+
 /// The shape. A plain struct without initial values, because it lives in the union of Curve.
 class Arc {
  public:

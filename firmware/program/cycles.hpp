@@ -43,6 +43,8 @@ struct CycleMove {
 class DrillCycle {
  public:
   void begin(const CycleRequest& request);
+  /// The cycle that has begun last.
+  const CycleRequest& request() const { return request_; }
   /// The next move; false when there is none left.
   bool next(CycleMove& move);
 

@@ -34,7 +34,7 @@ Fault Interpreter::jog(std::string_view line) {
   }
   std::swap(state_, next_);
   change_parameters(statement.changes());
-  if (plan_.has(Stage::curve)) begin_curve(statement);
+  if (plan_.has(Stage::curve)) begin_curve();
   if (plan_.has(Stage::cycle)) cycle_.begin(statement.cycle());
   if (plan_.pieces != 0) begin_pieces(statement.powers());
 }
@@ -46,18 +46,44 @@ void Interpreter::begin_pieces(std::string_view powers) {
   pieces_ = 0;
 }
 
-void Interpreter::begin_curve(const Statement& statement) {
-  const PlaneAxes axes = axes_of(statement.after().modal.plane);
-  const CurvePlane plane{axes.first, axes.second, axes.normal};
+CurvePlane Interpreter::curve_plane() const {
+  const PlaneAxes axes = axes_of(state_->modal.plane);
+  return {axes.first, axes.second, axes.normal};
+}
+
+ArcRequest Interpreter::arc_request() const {
+  return {plan_.start,
+          state_->programmed_e7,
+          plan_.points[0],
+          curve_plane(),
+          plan_.motion == Motion::arc_clockwise,
+          plan_.turns,
+          options_.arc_tolerance_e7};
+}
+
+SplineRequest Interpreter::spline_request() const {
+  return {plan_.start,           plan_.points[0], plan_.points[1],
+          state_->programmed_e7, curve_plane(),   options_.arc_tolerance_e7};
+}
+
+void Interpreter::begin_curve() {
   if (is_arc(plan_.motion))
-    curve_.begin_arc({plan_.start, state_->programmed_e7, plan_.points[0], plane,
-                      plan_.motion == Motion::arc_clockwise, plan_.turns,
-                      options_.arc_tolerance_e7});
+    curve_.begin_arc(arc_request());
   else
-    curve_.begin_spline({plan_.start, plan_.points[0], plan_.points[1], state_->programmed_e7,
-                         plane, options_.arc_tolerance_e7});
+    curve_.begin_spline(spline_request());
   if (plan_.time_us != 0)
     share_.begin(plan_.start, curve_.length_e7(), curve_.pieces(), plan_.time_us);
+}
+
+Extent Interpreter::extent() const {
+  const Rotation& rotation = state_->modal.rotation;
+  if (plan_.has(Stage::cycle)) return extent_of(cycle_.request(), rotation);
+  if (plan_.has(Stage::curve))
+    return is_arc(plan_.motion) ? extent_of(arc_request(), rotation)
+                                : extent_of(spline_request(), rotation);
+  Extent extent(state_->machine_e7);
+  extent.add(rotation.turned(plan_.points[0]));
+  return extent;
 }
 
 [[gnu::hot]] void Interpreter::change_parameters(const Changes& changes) {

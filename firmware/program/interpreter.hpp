@@ -37,6 +37,7 @@
 #include "firmware/program/curve.hpp"
 #include "firmware/program/curve_timing.hpp"
 #include "firmware/program/cycles.hpp"
+#include "firmware/program/extent.hpp"
 #include "firmware/program/modal.hpp"
 #include "firmware/program/parameters.hpp"
 #include "firmware/program/power_list.hpp"
@@ -62,6 +63,13 @@ class Interpreter {
   /// The next action of the line; false if there are no more. The action of M2 and M30 also resets
   /// the modal state.
   bool next(Action& action);
+  /// After run(): the line is a curve, a cycle, or moves to an intermediate place first; what it
+  /// reaches is extent().
+  bool has_extent() const {
+    return plan_.has(Stage::curve) || plan_.has(Stage::cycle) || plan_.has(Stage::via);
+  }
+  /// What the line reaches, if has_extent() and no action has been taken.
+  [[gnu::cold]] Extent extent() const;
   /// next() has more actions.
   bool busy() const { return plan_.stages != 0; }
 
@@ -98,7 +106,10 @@ class Interpreter {
 
  private:
   void take_over(const Statement& statement);
-  void begin_curve(const Statement& statement);
+  void begin_curve();
+  CurvePlane curve_plane() const;
+  ArcRequest arc_request() const;
+  SplineRequest spline_request() const;
   void begin_pieces(std::string_view powers);
   void change_parameters(const Changes& changes);
   void begin_action(Action& action, ActionKind kind) const;

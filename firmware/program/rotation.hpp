@@ -22,6 +22,10 @@ class Rotation {
   Rotation(int first, int second, const Place& centre_e7, std::int64_t angle_e7);
 
   bool active() const { return active_; }
+  /// It turns the plane of these two axes.
+  bool turns(int a, int b) const {
+    return (first_ == a && second_ == b) || (first_ == b && second_ == a);
+  }
   /// 10^-7 degrees, as programmed.
   std::int64_t angle_e7() const { return angle_e7_; }
   /// Position on the machine of a programmed place.

@@ -28,6 +28,16 @@ struct PlanePoint {
   std::int64_t first_e7, second_e7;
 };
 
+/// The lowest and highest coordinates that something reaches.
+struct Range {
+  std::int64_t low_e7, high_e7;
+
+  constexpr void add(std::int64_t e7) {
+    if (e7 < low_e7) low_e7 = e7;
+    if (e7 > high_e7) high_e7 = e7;
+  }
+};
+
 /// Coordinates and tolerances above this (7 km) are invalid.
 inline constexpr std::int64_t most_coordinate_e7 = std::int64_t{1} << 46;
 

@@ -1,6 +1,7 @@
 #include "firmware/program/spline.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "firmware/program/spline_length.hpp"
 #include "firmware/program/wide_number.hpp"
@@ -35,6 +36,19 @@ std::uint32_t pieces_for(std::int64_t second_difference, std::int64_t tolerance_
   return std::clamp<std::uint32_t>(root_up(square), 1, most_spline_pieces);
 }
 
+constexpr std::int64_t one_q48 = std::int64_t{1} << 48;
+/// The error of an extreme is the square of that of its parameter.
+constexpr std::int64_t extreme_precision_q48 = one_q48 >> 24;
+
+/// Where c + 3 d t is 0, between 0 and 1; 1 if there is no such place.
+std::int64_t turning_point_q48(std::int64_t c, std::int64_t d) {
+  auto above = static_cast<std::uint64_t>(abs64(c)),
+       below = 3 * static_cast<std::uint64_t>(abs64(d));
+  if ((c < 0) == (d < 0) || above >= below) return one_q48;
+  const int shift = std::max(0, static_cast<int>(std::bit_width(below)) - 47);
+  return quotient_q48(above >> shift, below >> shift);
+}
+
 }  // namespace
 
 Spline::Cubic Spline::cubic_of(const SplineRequest& request, std::uint8_t axis) {
@@ -48,6 +62,34 @@ std::int64_t Spline::at(const Cubic& cubic, std::int64_t t_q48) {
   const std::int64_t cd = cubic.c + times_q48(cubic.d, t_q48);
   const std::int64_t bcd = cubic.b + times_q48(cd, t_q48);
   return cubic.a + ((times_q48(bcd, t_q48) + fine / 2) >> spline_fine_bits);
+}
+
+Range spline_range(const SplineRequest& request, std::uint8_t axis) {
+  Range range{request.start[axis], request.start[axis]};
+  range.add(request.end[axis]);
+  if (!is_spline(request)) return range;
+  // The curve lies between the lowest and the highest of its control points.
+  Range hull = range;
+  hull.add(request.first_control[axis]);
+  hull.add(request.second_control[axis]);
+  if (hull.low_e7 == range.low_e7 && hull.high_e7 == range.high_e7) return range;
+  const Spline::Cubic cubic = Spline::cubic_of(request, axis);
+  const auto slope = [&](std::int64_t t_q48) {
+    return cubic.b + times_q48(2 * cubic.c + times_q48(3 * cubic.d, t_q48), t_q48);
+  };
+  // On either side of the turning point of the slope there is at most one extreme.
+  const std::int64_t middle = turning_point_q48(cubic.c, cubic.d);
+  for (const auto& [from, to] : {Range{0, middle}, Range{middle, one_q48}}) {
+    std::int64_t low = from, high = to;
+    const bool rises = slope(low) > 0;
+    if (rises == (slope(high) > 0)) continue;
+    while (high - low > extreme_precision_q48) {
+      const std::int64_t half = (low + high) / 2;
+      (rises == (slope(half) > 0) ? low : high) = half;
+    }
+    range.add(Spline::at(cubic, low));
+  }
+  return range;
 }
 
 Division Spline::begin(const SplineRequest& request, std::int64_t other_way_e7) {

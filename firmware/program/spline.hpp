@@ -30,6 +30,10 @@ struct SplineRequest {
 
 inline constexpr std::uint32_t most_spline_pieces = 65536;
 
+/// What the spline reaches on an axis, within 4 10^-7 mm or 10^-12 of its size. Up to 20 000
+/// cycles, if it goes beyond both of its ends.
+Range spline_range(const SplineRequest& request, std::uint8_t axis);
+
 /// The shape. A plain struct without initial values, because it lives in the union of Curve.
 class Spline {
  public:
@@ -39,6 +43,8 @@ class Spline {
   PlanePoint next(std::uint32_t pieces);
 
  private:
+  friend Range spline_range(const SplineRequest& request, std::uint8_t axis);
+
   /// a + b t + c t^2 + d t^3.
   struct Cubic {
     std::int64_t a, b, c, d;  ///< all but a in 2^-4 e7

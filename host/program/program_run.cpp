@@ -64,6 +64,18 @@ class Machine {
   /// A line of the text arrives over the cable.
   void receive(std::size_t bytes) { lines_.receive(bytes); }
 
+  /// Whether a line that is a curve or a cycle stays inside; if not, it is a problem of the line.
+  bool inside(const program::Extent& extent, std::size_t line) {
+    if (passes_outside_) return true;
+    for (const program::Place& corner : {extent.low(), extent.high()}) {
+      const int outside = axis_outside(corner, machine::steps_of(corner, values_));
+      if (outside < 0) continue;
+      problem_outside(corner, line, outside);
+      return false;
+    }
+    return true;
+  }
+
   /// Executes an action of the interpreter; false at the end of the program.
   bool take(const Action& action, std::size_t line) {
     switch (action.kind) {
@@ -111,12 +123,12 @@ class Machine {
   void move(const Action& action, std::size_t line) {
     motion::LineTarget target = machine::line_target(action, values_);
     target.pixels = target.pulses = false;
-    const int outside = axis_outside(action, target.steps);
+    const int outside = axis_outside(action.target_e7, target.steps);
     if (outside >= 0) {
       if (passes_outside_)
         ++run_.outside;
       else
-        problem_outside(action, line, outside);
+        problem_outside(action.target_e7, line, outside);
       return;
     }
     note_row(action);
@@ -124,10 +136,10 @@ class Machine {
   }
 
   /// First axis that is outside by more than the tolerance; -1 if there is none.
-  int axis_outside(const Action& action, const StepPosition& steps) const {
+  int axis_outside(const program::Place& place_e7, const StepPosition& steps) const {
     const int outside = machine::axis_outside(steps, space_, run_.axes);
     if (outside < 0 || tolerance_e7_ == 0) return outside;
-    program::Place inner = action.target_e7;
+    program::Place inner = place_e7;
     for (std::size_t a = 0; a < inner.size(); ++a)
       inner[a] += steps[a] > space_.max[a]   ? -tolerance_e7_
                   : steps[a] < space_.min[a] ? tolerance_e7_
@@ -135,14 +147,13 @@ class Machine {
     return machine::axis_outside(machine::steps_of(inner, values_), space_, run_.axes);
   }
 
-  void problem_outside(const Action& action, std::size_t line, int axis) {
+  void problem_outside(const program::Place& place_e7, std::size_t line, int axis) {
     const double low = values_.milli(Id::min_corner_x, axis) / 1e3;
     run_.problems.push_back(
         {line, 0, 0,
          fmt::format("{} {:.3f} mm is outside of the work space, {:.3f} to {:.3f} mm",
-                     axis_letters[index(axis)],
-                     static_cast<double>(action.target_e7[index(axis)]) / e7, low,
-                     low + values_.milli(Id::travel_x, axis) / 1e3)});
+                     axis_letters[index(axis)], static_cast<double>(place_e7[index(axis)]) / e7,
+                     low, low + values_.milli(Id::travel_x, axis) / 1e3)});
   }
 
   /// Records a move, or each run of equal pixels of one.
@@ -268,6 +279,9 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     if (fault)
       run.problems.push_back(
           {number, fault.column, static_cast<int>(fault.error), text_of(fault.error)});
+    const bool outside =
+        !fault && interpreter.has_extent() && !machine.inside(interpreter.extent(), number);
+    if (outside) interpreter.set_position(interpreter.machine_e7());
     Action action;
     while (more && interpreter.next(action))
       more = machine.take(action, number) || board != nullptr;

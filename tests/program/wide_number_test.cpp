@@ -11,7 +11,8 @@
 namespace lamplock::program::wide_number_test {
 namespace {
 
-using test::Native;
+using lamplock::test::Native;
+using lamplock::test::UnsignedNative;
 
 /// A random number of random width, up to `most` bits.
 std::uint64_t of_any_size(std::mt19937_64& random, int most) {
@@ -21,7 +22,7 @@ std::uint64_t of_any_size(std::mt19937_64& random, int most) {
 
 TEST(WideNumber, ProductsAreRoundedToNearest) {
   std::mt19937_64 random(1);
-  for (int i = 0; i < test::scaled(20000); ++i) {
+  for (int i = 0; i < lamplock::test::scaled(20000); ++i) {
     auto a = static_cast<std::int64_t>(of_any_size(random, 62));
     auto b = static_cast<std::int64_t>(of_any_size(random, 62));
     if (random() % 2 != 0) a = -a;
@@ -34,7 +35,7 @@ TEST(WideNumber, ProductsAreRoundedToNearest) {
 
 TEST(WideNumber, ShortProductsAreRoundedTowardsZero) {
   std::mt19937_64 random(4);
-  for (int i = 0; i < test::scaled(20000); ++i) {
+  for (int i = 0; i < lamplock::test::scaled(20000); ++i) {
     const auto a = static_cast<std::int64_t>(of_any_size(random, 55));
     const auto b =
         i % 100 == 0 ? std::int64_t{1} << 48 : static_cast<std::int64_t>(of_any_size(random, 48));
@@ -50,39 +51,38 @@ TEST(WideNumber, ShortProductsAreRoundedTowardsZero) {
 
 TEST(WideNumber, QuotientsAreRoundedDown) {
   std::mt19937_64 random(2);
-  for (int i = 0; i < test::scaled(20000); ++i) {
+  for (int i = 0; i < lamplock::test::scaled(20000); ++i) {
     const std::uint64_t b = of_any_size(random, 48) | 1;
     const std::uint64_t a = random() % (b + 1);
-    const auto exact = (static_cast<test::UnsignedNative>(a) << 48) / b;
-    ASSERT_EQ(static_cast<test::UnsignedNative>(quotient_q48(a, b)), exact) << a << " " << b;
+    const auto exact = (static_cast<UnsignedNative>(a) << 48) / b;
+    ASSERT_EQ(static_cast<UnsignedNative>(quotient_q48(a, b)), exact) << a << " " << b;
   }
   EXPECT_EQ(quotient_q48(7, 7), std::int64_t{1} << 48);
   EXPECT_EQ(quotient_q48(0, 7), 0);
   EXPECT_EQ(quotient_q48(0, 0), 0);
 }
 
-void expect_root(test::UnsignedNative x) {
-  const std::uint64_t root = wide_root(test::to_int128(static_cast<Native>(x)));
-  const test::UnsignedNative r = root;
+void expect_root(UnsignedNative x) {
+  const std::uint64_t root = wide_root(lamplock::test::to_int128(static_cast<Native>(x)));
+  const UnsignedNative r = root;
   ASSERT_LE(r * r, x);
   ASSERT_GT((r + 1) * (r + 1), x);
 }
 
 TEST(WideNumber, RootsAreRoundedDown) {
   std::mt19937_64 random(3);
-  for (int i = 0; i < test::scaled(20000); ++i) {
-    const test::UnsignedNative any =
-        static_cast<test::UnsignedNative>(random()) << 62 | random() >> 2;
+  for (int i = 0; i < lamplock::test::scaled(20000); ++i) {
+    const UnsignedNative any = static_cast<UnsignedNative>(random()) << 62 | random() >> 2;
     expect_root(any >> (random() % 126));
     // Squares and their neighbours.
-    const test::UnsignedNative r = of_any_size(random, 63);
+    const UnsignedNative r = of_any_size(random, 63);
     if (r == 0) continue;
     expect_root(r * r);
     expect_root(r * r - 1);
     expect_root(r * r + r + r);
   }
   expect_root(0);
-  expect_root((static_cast<test::UnsignedNative>(1) << 126) - 1);
+  expect_root((static_cast<UnsignedNative>(1) << 126) - 1);
 }
 
 TEST(WideNumber, LengthOfAVector) {

@@ -46,7 +46,22 @@ void ProgramReader::end_lock() {
   const program::Fault fault = interpreter_.run(line);
   open_ = !fault;
   jogs_ = false;
+  unchecked_ = open_ && interpreter_.has_extent();
   return fault;
+}
+
+/// A curve or a cycle must be inside as a whole before anything of its line acts. Earlier moves are
+/// valid and finish first.
+ProgramReader::Step ProgramReader::check_extent(const settings::Values& values,
+                                                const StepLimits& space, bool check) {
+  const program::Extent extent = interpreter_.extent();
+  const bool inside = axis_outside(steps_of(extent.low(), values), space, options_.axes) < 0 &&
+                      axis_outside(steps_of(extent.high(), values), space, options_.axes) < 0;
+  if (!inside && !check && !rests()) return Step::waits;
+  unchecked_ = false;
+  if (inside) return Step::done;
+  drop_line();
+  return Step::outside;
 }
 
 program::Fault ProgramReader::begin_jog(std::string_view line, const settings::Values& values,
@@ -75,6 +90,10 @@ program::Fault ProgramReader::begin_jog(std::string_view line, const settings::V
                                                      bool check) {
   if (!open_) return Step::nothing;
   if (paused_) return Step::waits;
+  if (unchecked_) {
+    const Step step = check_extent(values, space, check);
+    if (step != Step::done) return step;
+  }
   while (next_action()) {
     const Step step = act(values, space, clock, check);
     if (step != Step::done) return step;
@@ -224,7 +243,7 @@ ProgramReader::Step ProgramReader::dwell(std::uint64_t clock) {
 
 bool ProgramReader::drop_line() {
   const bool was_open = open_;
-  open_ = pending_ = paused_ = dwells_ = probing_ = false;
+  open_ = pending_ = paused_ = dwells_ = probing_ = unchecked_ = false;
   runner_.drop_pixels();
   interpreter_.set_position(interpreter_.machine_e7());
   return was_open;

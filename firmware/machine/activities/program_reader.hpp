@@ -149,6 +149,8 @@ class ProgramReader {
 
  private:
   bool next_action();
+  [[gnu::cold]] Step check_extent(const settings::Values& values, const StepLimits& space,
+                                  bool check);
   Step act(const settings::Values& values, const StepLimits& space, std::uint64_t clock,
            bool check);
   Step move(const settings::Values& values, const StepLimits& space, bool check);
@@ -183,6 +185,7 @@ class ProgramReader {
   motion::LineTarget target_;  ///< of a move
   bool open_ = false;          ///< a line is in progress
   bool jogs_ = false;          ///< the line is a jog
+  bool unchecked_ = false;     ///< the extent of the line was not compared with the work space yet
   bool pending_ = false;       ///< action_ was not accepted yet
   bool prepared_ = false;      ///< target_ is that of action_
   bool listed_ = false;        ///< its pixels are complete

@@ -1,0 +1,94 @@
+#include "firmware/program/extent.hpp"
+
+#include <algorithm>
+
+namespace lamplock::program {
+namespace {
+
+/// The box round the corners of a box after a rotation.
+Extent turned_box(const Extent& box, const Rotation& rotation) {
+  Extent turned(rotation.turned(box.low()));
+  constexpr unsigned corners = 1u << max_axes;
+  for (unsigned corner = 0; corner < corners; ++corner) {
+    Place place = box.low();
+    for (std::size_t i = 0; i < place.size(); ++i)
+      if ((corner >> i & 1u) != 0) place[i] = box.high()[i];
+    turned.add(rotation.turned(place));
+  }
+  return turned;
+}
+
+}  // namespace
+
+void Extent::add(const Place& place) {
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    low_[i] = std::min(low_[i], place[i]);
+    high_[i] = std::max(high_[i], place[i]);
+  }
+}
+
+Extent extent_of(const ArcRequest& arc, const Rotation& rotation) {
+  ArcRequest turned = arc;
+  const bool in_plane = rotation.active() && rotation.turns(arc.plane.first, arc.plane.second);
+  if (in_plane) {
+    turned.start = rotation.turned(arc.start);
+    turned.end = rotation.turned(arc.end);
+    turned.centre = rotation.turned(arc.centre);
+  }
+  const ArcRange range = arc_range(turned);
+  // The other axes are between their ends.
+  Extent extent(turned.start);
+  extent.add(turned.end);
+  Extent box = extent;
+  for (const std::int64_t first : {range.first.low_e7, range.first.high_e7})
+    for (const std::int64_t second : {range.second.low_e7, range.second.high_e7})
+      for (Place corner : {extent.low(), extent.high()}) {
+        corner[arc.plane.first] = first;
+        corner[arc.plane.second] = second;
+        box.add(corner);
+      }
+  if (in_plane || !rotation.active()) return box;
+  return turned_box(box, rotation);
+}
+
+Extent extent_of(const SplineRequest& spline, const Rotation& rotation) {
+  // The other axes move evenly, which is a spline as well; here they do not move.
+  SplineRequest turned = spline;
+  for (Place* const control : {&turned.first_control, &turned.second_control}) {
+    (*control)[spline.plane.normal] = spline.start[spline.plane.normal];
+    *control = rotation.turned(*control);
+  }
+  turned.start = rotation.turned(spline.start);
+  turned.end = rotation.turned(spline.end);
+  Extent extent(turned.start);
+  extent.add(turned.end);
+  Place low = extent.low(), high = extent.high();
+  for (const std::uint8_t axis : {spline.plane.first, spline.plane.second, spline.plane.normal}) {
+    const Range range = spline_range(turned, axis);
+    low[axis] = range.low_e7;
+    high[axis] = range.high_e7;
+  }
+  extent.add(low);
+  extent.add(high);
+  return extent;
+}
+
+Extent extent_of(const CycleRequest& cycle, const Rotation& rotation) {
+  const std::uint8_t normal = cycle.normal;
+  Place last = cycle.first;
+  for (std::size_t i = 0; i < last.size(); ++i)
+    last[i] += cycle.step[i] * std::int64_t{cycle.holes - 1};
+  const std::int64_t start = cycle.start[normal];
+  const std::int64_t top = std::max({start, cycle.retract_e7, cycle.end_e7});
+  Extent extent(rotation.turned(cycle.start));
+  const auto add = [&](Place place, std::int64_t level) {
+    place[normal] = level;
+    extent.add(rotation.turned(place));
+  };
+  add(cycle.start, std::max(start, cycle.retract_e7));
+  for (const Place& hole : {cycle.first, last})
+    for (const std::int64_t level : {top, cycle.depth_e7}) add(hole, level);
+  return extent;
+}
+
+}  // namespace lamplock::program

@@ -1,0 +1,39 @@
+// The extent of a line: the box of all places that it reaches, before anything moves.
+//
+// In:  the plan of a line with a curve, a cycle or an intermediate place, and its rotation.
+// Out: the lowest and highest coordinate of each axis, in machine coordinates, in closed form: the
+//      quarters of an arc, the extremes of a spline, the levels of a cycle.
+// Who: the interpreter, for the check of soft limits; main loop, once for a line that is no single
+//      straight move.
+//
+// The box is exact, but for two rare cases in which it is larger than what is reached: a spiral
+// counts with its larger radius, and an arc that G68 turns out of its plane with the corners of the
+// box before the rotation.
+#pragma once
+
+#include "firmware/program/arc.hpp"
+#include "firmware/program/cycles.hpp"
+#include "firmware/program/rotation.hpp"
+#include "firmware/program/spline.hpp"
+
+namespace lamplock::program {
+
+/// Machine coordinates, 10^-7 mm.
+class Extent {
+ public:
+  explicit Extent(const Place& place) : low_(place), high_(place) {}
+
+  void add(const Place& place);
+  const Place& low() const { return low_; }
+  const Place& high() const { return high_; }
+
+ private:
+  Place low_, high_;
+};
+
+/// Extents of programmed curves and cycles, on a machine with this rotation.
+Extent extent_of(const ArcRequest& arc, const Rotation& rotation);
+Extent extent_of(const SplineRequest& spline, const Rotation& rotation);
+Extent extent_of(const CycleRequest& cycle, const Rotation& rotation);
+
+}  // namespace lamplock::program
