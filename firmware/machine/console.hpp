@@ -55,6 +55,7 @@ class MachineConsole : public MachineWork {
   bool finish_line();
   [[gnu::cold]] void leave_work_space();
   [[gnu::cold]] void tell_end();
+  [[gnu::cold]] void name_ignored_words();
   void begin_line(std::string_view line);
   void stop_after(GcodeError error);
   GcodeError keep_start_up_line(std::string_view line);

@@ -93,6 +93,11 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
       case Step::ended:
         tell_end();
         break;
+      case Step::overrides: {
+        const Masked masked(mask_);
+        use_overrides();
+        break;
+      }
     }
   }
 }
@@ -129,12 +134,23 @@ void MachineConsole::tell_end() {
   const GcodeError error = starts_up             ? keep_start_up_line(line)
                            : line.front() == '$' ? begin_jog(line.substr(3))
                                                  : begin_program_line(line);
+  if (reader_.has_ignored()) name_ignored_words();
   if (error == GcodeError::none && reader_.line_open()) {
     finish_line();
     return;
   }
   answer(error);
   if (line.front() != '$') stop_after(error);
+}
+
+/// Each word once in a program.
+void MachineConsole::name_ignored_words() {
+  const unsigned words = reader_.take_ignored();
+  TextLine text;
+  text.add("No effect:");
+  for (std::size_t i = 0; i < std::size(program::ignored_words); ++i)
+    if ((words >> i & 1u) != 0) text.add(" ").add(program::ignored_words[i]);
+  say(text.view());
 }
 
 /// A line of a program was refused: with $981 no other is accepted; accepted lines run to their

@@ -198,12 +198,13 @@ void MachineEvents::outputs_off() {
 
 /// As in grbl a jog, homing and a probe run at their own feed rate (jog.c, limits.c and gcode.c of
 /// grbl 1.1h: PL_COND_FLAG_NO_FEED_OVERRIDE). Before and after each of them the machine is at rest.
+/// After M49 none acts.
 void MachineEvents::use_overrides() {
+  const Overrides used = reader_.overrides_off() ? Overrides{} : overrides_;
   const bool own_feed = machine_.jogs() || machine_.homes() || reader_.probing();
   constexpr std::uint8_t full_percent = 100;
-  program_.set_overrides(own_feed ? full_percent : overrides_.feed, overrides_.rapid,
-                         overrides_.spindle);
-  runner_.set_overrides(overrides_.feed, overrides_.rapid);
+  program_.set_overrides(own_feed ? full_percent : used.feed, used.rapid, used.spindle);
+  runner_.set_overrides(used.feed, used.rapid);
 }
 
 /// Overrides end with the program, as in grbl.

@@ -20,6 +20,7 @@ enum class ActionKind : std::uint8_t {
   pause,        ///< M0 and M1: until the user resumes
   tool_change,  ///< M6: the same, while the tool of the T word is inserted
   program_end,  ///< M2 and M30
+  overrides,    ///< M48, M49: `overrides_off` from here on
   beat_lock,    ///< M130, M131: `beat_lock` from here on
   output,       ///< M62 to M65, M67, M68: `io`
   wait_input,   ///< M66: `io`, for at most `time_us`
@@ -59,6 +60,7 @@ struct Action {
   bool probe_away = false, probe_must = false;
   bool flood = false, mist = false;
   bool pulses = false;                 ///< the laser shines in pulses (M126)
+  bool overrides_off = false;          ///< feed, rapids and power as programmed
   std::uint16_t pixels = 0;            ///< of a move: its last ones, with this power; 0 = none
   Spindle spindle = Spindle::off;      ///< active during this move
   BeatLock beat_lock = BeatLock::off;  ///< active during this move

@@ -58,6 +58,9 @@ constexpr Code g_codes[] = {
     Code{810, Group::motion, AxisUse::motion},
     Code{820, Group::motion, AxisUse::motion},
     Code{830, Group::motion, AxisUse::motion},
+    Code{850, Group::motion, AxisUse::motion},
+    Code{860, Group::motion, AxisUse::motion},
+    Code{890, Group::motion, AxisUse::motion},
     Code{900, Group::distance},
     Code{901, Group::arc_distance},
     Code{910, Group::distance},
@@ -74,15 +77,17 @@ constexpr Code g_codes[] = {
 };
 
 constexpr Code m_codes[] = {
-    Code{0, Group::stopping},    Code{1, Group::stopping},    Code{2, Group::stopping},
-    Code{3, Group::spindle},     Code{4, Group::spindle},     Code{5, Group::spindle},
-    Code{6, Group::tool_change}, Code{7, Group::coolant},     Code{8, Group::coolant},
-    Code{9, Group::coolant},     Code{30, Group::stopping},   Code{62, Group::io},
-    Code{63, Group::io},         Code{64, Group::io},         Code{65, Group::io},
-    Code{66, Group::io},         Code{67, Group::io},         Code{68, Group::io},
-    Code{70, Group::saving},     Code{71, Group::saving},     Code{72, Group::saving},
-    Code{73, Group::saving},     Code{126, Group::pulses},    Code{127, Group::pulses},
-    Code{128, Group::pulses},    Code{130, Group::beat_lock}, Code{131, Group::beat_lock},
+    Code{0, Group::stopping},    Code{1, Group::stopping},  Code{2, Group::stopping},
+    Code{3, Group::spindle},     Code{4, Group::spindle},   Code{5, Group::spindle},
+    Code{6, Group::tool_change}, Code{7, Group::coolant},   Code{8, Group::coolant},
+    Code{9, Group::coolant},     Code{30, Group::stopping}, Code{48, Group::overrides},
+    Code{49, Group::overrides},  Code{60, Group::stopping}, Code{61, Group::tool_change},
+    Code{62, Group::io},         Code{63, Group::io},       Code{64, Group::io},
+    Code{65, Group::io},         Code{66, Group::io},       Code{67, Group::io},
+    Code{68, Group::io},         Code{70, Group::saving},   Code{71, Group::saving},
+    Code{72, Group::saving},     Code{73, Group::saving},   Code{126, Group::pulses},
+    Code{127, Group::pulses},    Code{128, Group::pulses},  Code{130, Group::beat_lock},
+    Code{131, Group::beat_lock},
 };
 
 constexpr std::uint16_t no_motion = 800;
@@ -133,13 +138,70 @@ constexpr bool may_jog(const Code& code) {
   WordReader reader(line);
   Word word;
   for (;;) {
-    if (const Fault fault = reader.next(word)) return fault;
-    if (word.letter == 0) return {};
-    if (const Fault fault = add(word, axes, jog)) return fault;
+    if (const Fault fault = reader.next(word)) {
+      if (!jog && ignore_program_number(reader)) continue;
+      return fault;
+    }
+    if (word.letter == 0) return ignored_ == 0 ? Fault{} : check_ignored();
+    if (const Fault fault = add(word, axes, jog)) {
+      if (!ignore_word(word, line, jog)) return fault;
+      if (ignores(Ignored::m117)) return check_ignored();
+    }
     if (word.letter != 'S') continue;
     if (const char next = reader.peek(); next != ':' && next != '*') continue;
     if (const Fault fault = add_powers(line, word, reader)) return fault;
   }
+}
+
+/// Whether the program works without a word that the machine does not know; then it is noted.
+bool Block::ignore_word(const Word& word, std::string_view line, bool jog) {
+  if (jog || word.mantissa < 0) return false;
+  constexpr std::string_view message = "117";
+  switch (word.letter) {
+    case 'O':
+      ignore(Ignored::program_number);
+      return true;
+    case 'D':
+      ignore(Ignored::d);
+      return true;
+    case 'H':
+      ignore(Ignored::h);
+      return true;
+    case 'M': {
+      // The text of a message is not read; its first letters may look like digits of the code.
+      std::string_view text = line;
+      text.remove_prefix(word.column);
+      if (!text.starts_with(message)) return false;
+      if (text.size() > message.size() && text[message.size()] != ' ') return false;
+      ignore(Ignored::m117);
+      return true;
+    }
+    case 'G':
+      break;
+    default:
+      return false;
+  }
+  const std::uint32_t code = tenfold(word);
+  if (code != 150 && code != 500 && code != 970) return false;
+  ignore(code == 150 ? Ignored::g15 : code == 500 ? Ignored::g50 : Ignored::g97);
+  return true;
+}
+
+/// ":1000" is a program number, as O1000 is.
+bool Block::ignore_program_number(WordReader& reader) {
+  Word number;
+  if (words_ != 0 || groups_ != 0 || ignored_ != 0) return false;
+  if (!reader.take(':') || !reader.number(number)) return false;
+  ignore(Ignored::program_number);
+  return true;
+}
+
+/// With axes G50 is no end of scaling but a shift of coordinates, with S a limit of a lathe's
+/// spindle: neither may be ignored.
+Fault Block::check_ignored() const {
+  if (ignores(Ignored::g50) && (axes_ != 0 || has('S')))
+    return {GcodeError::unsupported, has('S') ? word('S').column : axis_column(axes_)};
+  return {};
 }
 
 /// The S word was the first number of a list: the reader continues after it.

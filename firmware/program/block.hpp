@@ -40,10 +40,16 @@ enum class Group : std::uint8_t {
   coolant,
   saving,  ///< M70 .. M73
   beat_lock,
-  io,      ///< M62 .. M68
-  pulses,  ///< M126 .. M128
+  io,         ///< M62 .. M68
+  pulses,     ///< M126 .. M128
+  overrides,  ///< M48 M49
   count
 };
+
+/// Words that programs of other controllers have and that have no effect here. Each is accepted and
+/// reported once.
+enum class Ignored : std::uint8_t { program_number, d, h, g15, g50, g97, m117, count };
+inline constexpr std::string_view ignored_words[] = {"O", "D", "H", "G15", "G50", "G97", "M117"};
 
 /// The command of the line that uses its axis words.
 enum class AxisUse : std::uint8_t { none, motion, data, tool_length, rotation };
@@ -82,6 +88,9 @@ class Block {
   std::string_view powers() const { return powers_; }
   std::uint32_t last_power_milli() const { return last_power_milli_; }
 
+  /// Words without effect, a bit for each (Ignored).
+  std::uint8_t ignored() const { return ignored_; }
+
   static constexpr std::uint16_t no_code = 0xffff;
 
  private:
@@ -101,6 +110,11 @@ class Block {
   static constexpr std::uint32_t bit(char letter) { return 1u << slot(letter); }
 
   Fault add(const Word& word, int axes, bool jog);
+  [[gnu::cold]] bool ignore_word(const Word& word, std::string_view line, bool jog);
+  [[gnu::cold]] bool ignore_program_number(WordReader& reader);
+  [[gnu::cold]] Fault check_ignored() const;
+  void ignore(Ignored word) { ignored_ |= static_cast<std::uint8_t>(1u << static_cast<int>(word)); }
+  bool ignores(Ignored word) const { return (ignored_ >> static_cast<int>(word) & 1u) != 0; }
   Fault add_g(const Word& word, bool jog);
   Fault add_m(const Word& word);
   bool replaces_no_motion(Group group, std::uint16_t code) const;
@@ -113,6 +127,7 @@ class Block {
   std::uint32_t words_ = 0, unused_ = 0;  ///< a bit for each slot
   std::uint32_t axes_ = 0;
   AxisUse axis_use_ = AxisUse::none;
+  std::uint8_t ignored_ = 0;
   std::uint32_t pieces_ = 0, last_power_milli_ = 0;
   std::string_view powers_;
   std::array<std::uint16_t, groups> codes_;

@@ -40,11 +40,23 @@ bool DrillCycle::cut(CycleMove& move) {
     phase_ = Phase::clear;
   } else {
     last_depth_e7_ = request_.depth_e7;
-    phase_ = request_.kind == Motion::drill_dwell ? Phase::dwell : Phase::leave;
+    phase_ = has_dwell(request_.kind) ? Phase::dwell : after_dwell();
   }
   to_level(move, last_depth_e7_, CycleMove::Kind::cut);
   move.bottom = phase_ != Phase::clear;
   return true;
+}
+
+DrillCycle::Phase DrillCycle::after_dwell() const {
+  switch (request_.kind) {
+    case Motion::bore:
+    case Motion::bore_dwell:
+      return Phase::bore_out;
+    case Motion::bore_stop:
+      return Phase::stop;
+    default:
+      return Phase::leave;
+  }
 }
 
 std::int64_t DrillCycle::above_last_peck() const {
@@ -85,14 +97,29 @@ bool DrillCycle::advance(CycleMove& move) {
       phase_ = Phase::cut;
       return to_level(move, above_last_peck(), rapid);
     case Phase::dwell:
-      phase_ = Phase::leave;
+      phase_ = after_dwell();
       move = {CycleMove::Kind::dwell, false, here_};
       return true;
+    case Phase::stop:
+      phase_ = Phase::leave;
+      move = {CycleMove::Kind::spindle_off, false, here_};
+      return true;
+    case Phase::bore_out:
+      phase_ = Phase::leave;
+      return to_level(move, request_.kind == Motion::bore ? request_.retract_e7 : request_.end_e7,
+                      CycleMove::Kind::cut);
     case Phase::leave: {
       const bool moves = to_level(move, request_.end_e7, rapid);
-      next_hole();
+      if (request_.kind == Motion::bore_stop)
+        phase_ = Phase::start;
+      else
+        next_hole();
       return moves;
     }
+    case Phase::start:
+      next_hole();
+      move = {CycleMove::Kind::spindle_on, false, here_};
+      return true;
     case Phase::done:
       break;
   }

@@ -1,4 +1,5 @@
-// Canned cycles: drilling, with a dwell, in pecks, breaking chips (G81, G82, G83, G73).
+// Canned cycles: drilling, with a dwell, in pecks, breaking chips (G81, G82, G83, G73), boring
+// (G85, G86, G89).
 //
 // In:  a hole, its repetitions and their distance, the levels along the axis of the tool.
 // Out: the moves, one at a time.
@@ -8,7 +9,9 @@
 // retract level if below it, then for each hole: across, down to the retract level, the cut, and
 // back to the retract level (G99) or to where the series began (G98). G83 and G73 are LinuxCNC's:
 // after each peck G83 leaves the hole and returns to a clearance above the last depth, G73 only
-// rises by the clearance. Moves of no length are left out, but a hole is always cut.
+// rises by the clearance. G85 leaves the hole at the feed up to the retract level, G89 up to the
+// end, G86 as a rapid while the spindle rests. Moves of no length are left out, but a hole is
+// always cut.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +37,7 @@ struct CycleRequest {
 
 /// One move of a cycle.
 struct CycleMove {
-  enum class Kind : std::uint8_t { rapid, cut, dwell };
+  enum class Kind : std::uint8_t { rapid, cut, dwell, spindle_off, spindle_on };
   Kind kind;
   bool bottom;  ///< the end of a cut is the bottom of the hole
   Place to;
@@ -49,13 +52,27 @@ class DrillCycle {
   bool next(CycleMove& move);
 
  private:
-  enum class Phase : std::uint8_t { rise, cross, approach, cut, clear, enter, dwell, leave, done };
+  enum class Phase : std::uint8_t {
+    rise,
+    cross,
+    approach,
+    cut,
+    clear,
+    enter,
+    dwell,
+    stop,
+    bore_out,
+    leave,
+    start,
+    done
+  };
 
   /// Advances by one phase; returns whether it makes a move.
   bool advance(CycleMove& move);
   bool cross(CycleMove& move);
   bool cut(CycleMove& move);
   bool clear(CycleMove& move);
+  Phase after_dwell() const;
   void next_hole();
   bool to_level(CycleMove& move, std::int64_t level_e7, CycleMove::Kind kind);
   std::int64_t above_last_peck() const;

@@ -33,10 +33,16 @@ Fault Interpreter::jog(std::string_view line) {
       break;
   }
   std::swap(state_, next_);
+  if (statement.ignored() != 0) ignore(statement.ignored());
   change_parameters(statement.changes());
   if (plan_.has(Stage::curve)) begin_curve();
   if (plan_.has(Stage::cycle)) cycle_.begin(statement.cycle());
   if (plan_.pieces != 0) begin_pieces(statement.powers());
+}
+
+void Interpreter::ignore(std::uint8_t words) {
+  new_ignored_ = static_cast<std::uint8_t>(new_ignored_ | (words & ~ignored_));
+  ignored_ |= words;
 }
 
 /// Copies the powers: the line no longer exists when its pieces are made.
@@ -147,6 +153,10 @@ Extent Interpreter::extent() const {
     case Stage::coolant:
       begin_action(action, ActionKind::coolant);
       break;
+    case Stage::overrides:
+      begin_action(action, ActionKind::overrides);
+      action.overrides_off = state_->modal.overrides_off;
+      break;
     case Stage::beat_lock:
       begin_action(action, ActionKind::beat_lock);
       break;
@@ -247,10 +257,18 @@ bool Interpreter::give_cycle(Action& action) {
     done(Stage::cycle);
     return false;
   }
-  if (move.kind == CycleMove::Kind::dwell) {
-    begin_action(action, ActionKind::dwell);
-    action.time_us = plan_.dwell_us;
-    return true;
+  switch (move.kind) {
+    case CycleMove::Kind::dwell:
+      begin_action(action, ActionKind::dwell);
+      action.time_us = plan_.dwell_us;
+      return true;
+    case CycleMove::Kind::spindle_off:
+    case CycleMove::Kind::spindle_on:
+      begin_action(action, ActionKind::spindle);
+      if (move.kind == CycleMove::Kind::spindle_off) action.spindle = Spindle::off;
+      return true;
+    default:
+      break;
   }
   fill_move(action, move.kind == CycleMove::Kind::rapid);
   action.target_e7 = state_->modal.rotation.turned(move.to);
@@ -280,9 +298,10 @@ void Interpreter::end_program() {
   modal.system = 0;
   modal.rotation = {};
   modal.spindle = Spindle::off;
-  modal.flood = modal.mist = false;
+  modal.flood = modal.mist = modal.overrides_off = false;
   modal.beat_lock = BeatLock::off;
   modal.pulses = {};
+  ignored_ = 0;
   if (saved_.valid && saved_.restore_at_end) restore_saved();
   state_->programmed_e7 = modal.rotation.turned_back(state_->machine_e7);
   state_->cycle = {};
@@ -296,7 +315,7 @@ void Interpreter::restore_saved() {
   modal.motion = ended.motion;
   modal.tool = ended.tool;
   modal.spindle = Spindle::off;
-  modal.flood = modal.mist = false;
+  modal.flood = modal.mist = modal.overrides_off = false;
   modal.beat_lock = BeatLock::off;
   modal.pulses = {};
   saved_ = {};
@@ -319,6 +338,7 @@ void Interpreter::reset() {
   state_->modal = {};
   state_->modal.tool_length = parameters_.tool_length_e7 != 0;
   saved_ = {};
+  ignored_ = new_ignored_ = 0;
   set_position(state_->machine_e7);
 }
 

@@ -32,6 +32,7 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 
 #include "firmware/program/action.hpp"
 #include "firmware/program/curve.hpp"
@@ -70,6 +71,10 @@ class Interpreter {
   }
   /// What the line reaches, if has_extent() and no action has been taken.
   [[gnu::cold]] Extent extent() const;
+  /// Words without effect that the program has used for the first time since the last call, a bit
+  /// for each (Ignored).
+  std::uint8_t take_ignored() { return std::exchange(new_ignored_, std::uint8_t{0}); }
+  bool has_ignored() const { return new_ignored_ != 0; }
   /// next() has more actions.
   bool busy() const { return plan_.stages != 0; }
 
@@ -110,6 +115,7 @@ class Interpreter {
   CurvePlane curve_plane() const;
   ArcRequest arc_request() const;
   SplineRequest spline_request() const;
+  [[gnu::cold]] void ignore(std::uint8_t words);
   void begin_pieces(std::string_view powers);
   void change_parameters(const Changes& changes);
   void begin_action(Action& action, ActionKind kind) const;
@@ -144,7 +150,8 @@ class Interpreter {
   DrillCycle cycle_;
   std::array<char, PowerList::most_characters> power_text_;  ///< of the pieces of a line
   PowerList powers_;
-  std::uint32_t pieces_ = 0;  ///< already returned
+  std::uint32_t pieces_ = 0;                    ///< already returned
+  std::uint8_t ignored_ = 0, new_ignored_ = 0;  ///< in this program; not reported yet
   Parameters& parameters_;
   const Options& options_;
 };

@@ -28,12 +28,19 @@ enum class Motion : std::uint16_t {
   drill = 810,
   drill_dwell = 820,
   drill_peck = 830,
+  bore = 850,        ///< out at the feed, to the retract level
+  bore_stop = 860,   ///< out as a rapid, the spindle at rest
+  bore_dwell = 890,  ///< out at the feed, after a dwell
 };
 constexpr bool is_arc(Motion motion) {
   return motion == Motion::arc_clockwise || motion == Motion::arc_counterclockwise;
 }
 constexpr bool is_cycle(Motion motion) {
   return motion == Motion::drill_chip_break || motion >= Motion::drill;
+}
+/// Cycles that rest at the bottom of a hole.
+constexpr bool has_dwell(Motion cycle) {
+  return cycle == Motion::drill_dwell || cycle == Motion::bore_stop || cycle == Motion::bore_dwell;
 }
 constexpr bool is_probe(Motion motion) {
   return motion >= Motion::probe_toward && motion <= Motion::probe_away_quiet;
@@ -70,6 +77,7 @@ struct Modal {
   bool tool_length = false;       ///< the offset of G43.1 is active
   bool mist = false;              ///< M7
   bool flood = false;             ///< M8
+  bool overrides_off = false;     ///< M49
   std::uint8_t system = 0;        ///< 0 is G54
   Spindle spindle = Spindle::off;
   BeatLock beat_lock = BeatLock::off;

@@ -38,8 +38,9 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
 [[gnu::hot]] bool Statement::before_motion() {
   return saved_state() && codes() && line_number() && feed() && speed() && tool() &&
          (block_.has(Group::io) ? io() : no_io()) && spindle() && tool_change() && coolant() &&
-         beat_lock() && (!block_.has(Group::pulses) || pulses()) && dwell() && path() &&
-         tool_length() && system() && rotation();
+         (!block_.has(Group::overrides) || overrides()) && beat_lock() &&
+         (!block_.has(Group::pulses) || pulses()) && dwell() && path() && tool_length() &&
+         system() && rotation();
 }
 
 // --- values -----------------------------------------------------------------------------------
@@ -126,6 +127,7 @@ void Statement::turn(const Rotation& rotation) {
     plan_.add(Stage::spindle);
   if (saved_.modal.flood != before.flood || saved_.modal.mist != before.mist)
     plan_.add(Stage::coolant);
+  if (saved_.modal.overrides_off != before.overrides_off) plan_.add(Stage::overrides);
   if (saved_.modal.beat_lock != before.beat_lock) plan_.add(Stage::beat_lock);
   if (!(saved_.modal.rotation == before.rotation)) turn(saved_.modal.rotation);
   return true;
@@ -217,8 +219,25 @@ bool Statement::inverse_time() {
 /// 3.6.3).
 [[gnu::hot]] bool Statement::tool_change() {
   if (!block_.has(Group::tool_change)) return true;
+  if (block_.code(Group::tool_change) == 61) return set_tool();
   plan_.add(Stage::tool_change);
   if (!block_.has(Group::spindle)) after_.modal.spindle = Spindle::off;
+  return true;
+}
+
+/// M61 Q: the spindle has this tool.
+bool Statement::set_tool() {
+  std::uint32_t number = 0;
+  if (!needed('Q', block_.column(Group::tool_change)) || !integer('Q', number)) return false;
+  if (number > most_tool) return fail_at('Q', GcodeError::tool_too_large);
+  after_.modal.tool = number;
+  return true;
+}
+
+/// M48, M49.
+bool Statement::overrides() {
+  after_.modal.overrides_off = block_.code(Group::overrides) == 49;
+  plan_.add(Stage::overrides);
   return true;
 }
 
@@ -319,8 +338,13 @@ bool Statement::pulse_length() {
   modal.blend_um = 0;
   if (modal.path != PathMode::blend) return true;
   modal.blend_um = options_.blend_um;
-  return !block_.has('P') ||
-         unsigned_value('P', fine_length('P', 3), GcodeError::out_of_range, modal.blend_um);
+  if (block_.has('P') &&
+      !unsigned_value('P', fine_length('P', 3), GcodeError::out_of_range, modal.blend_um))
+    return false;
+  // LinuxCNC joins lines that are straight within Q; the planner needs no help with those.
+  std::uint32_t unused = 0;
+  return !block_.has('Q') ||
+         unsigned_value('Q', fine_length('Q', 3), GcodeError::out_of_range, unused);
 }
 
 // --- offsets ----------------------------------------------------------------------------------

@@ -68,6 +68,7 @@ enum class Stage : std::uint8_t {
   tool_change,
   spindle,
   coolant,
+  overrides,
   beat_lock,
   dwell,
   via,   ///< G28, G30: the intermediate place
@@ -151,6 +152,8 @@ class Statement {
   std::string_view powers() const { return block_.powers(); }
   /// M code of group `saving`, or Block::no_code.
   std::uint16_t saving() const { return block_.code(Group::saving); }
+  /// Words without effect, a bit for each (Ignored).
+  std::uint8_t ignored() const { return block_.ignored(); }
 
  private:
   void read(std::string_view line, bool jog);
@@ -170,6 +173,7 @@ class Statement {
   bool speed();
   bool tool();
   bool tool_change();
+  [[gnu::cold]] bool set_tool();
   bool line_number();
   [[gnu::cold]] bool io();
   bool no_io();
@@ -179,6 +183,7 @@ class Statement {
   bool wait_input();
   bool spindle();
   bool coolant();
+  bool overrides();
   bool beat_lock();
   bool pulses();
   bool pulses_on();

@@ -317,7 +317,7 @@ bool Statement::drill_values() {
     if (!length('R', words.retract_e7)) return false;
     words.has_retract = true;
   }
-  if (kind == Motion::drill_dwell && block_.has('P')) {
+  if (has_dwell(kind) && block_.has('P')) {
     if (!seconds('P', words.dwell_us)) return false;
     words.has_dwell = true;
   }
@@ -328,8 +328,8 @@ bool Statement::drill_values() {
     if (words.peck_e7 == 0) return fail_at('Q', GcodeError::not_positive);
     words.has_peck = true;
   }
-  const bool complete = words.has_retract && (kind != Motion::drill_dwell || words.has_dwell) &&
-                        (!pecks || words.has_peck);
+  const bool complete =
+      words.has_retract && (!has_dwell(kind) || words.has_dwell) && (!pecks || words.has_peck);
   if (!complete) return fail_motion(GcodeError::value_missing);
   plan_.dwell_us = words.dwell_us;
   cycle_.peck_e7 = words.peck_e7;

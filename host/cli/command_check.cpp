@@ -1,4 +1,6 @@
 // `lamplock check`: what a program of G-code does, without a machine.
+#include <fmt/format.h>
+
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -42,6 +44,8 @@ void say_result(Console& console, const ProgramRun& run) {
     console.say("{}         {:.3f} to {:.3f} mm", axis_letters[index(a)], run.bounds.low[index(a)],
                 run.bounds.high[index(a)]);
   if (run.locked != 0) console.say("shots     {} on the beat", run.beats.shots);
+  if (!run.ignored.empty())
+    console.say("ignored   {}: no effect on this machine", fmt::join(run.ignored, ", "));
   if (run.pauses != 0) console.say("pauses    {}, not included in the time", run.pauses);
 }
 
@@ -59,7 +63,8 @@ Json document(const CheckOptions& options, const ProgramRun& run) {
           {"feed_mm", run.feed_mm}, {"rapid_mm", run.rapid_mm},
           {"low_mm", low},          {"high_mm", high},
           {"pauses", run.pauses},   {"shots", run.beats.shots},
-          {"ended", run.ended},     {"problems", problems}};
+          {"ended", run.ended},     {"ignored", run.ignored},
+          {"problems", problems}};
 }
 
 Exit check(const CheckOptions& options) {

@@ -32,9 +32,9 @@ constexpr std::array<std::string_view, 4> partly_reported{"G68", "G51", "G7", "M
 constexpr std::array<std::string_view, 8> passed_over{"G43.1", "G49", "M0", "M1",
                                                       "M2",    "M30", "M6", "M60"};
 /// Modal motion modes that need words that the board does not report.
-constexpr std::array<std::string_view, 13> cycles{"G5",    "G5.1", "G38.2", "G38.3", "G38.4",
-                                                  "G38.5", "G73",  "G80",   "G81",   "G82",
-                                                  "G83",   "G76",  "G33"};
+constexpr std::array<std::string_view, 16> cycles{"G5",  "G5.1", "G38.2", "G38.3", "G38.4", "G38.5",
+                                                  "G73", "G80",  "G81",   "G82",   "G83",   "G85",
+                                                  "G86", "G89",  "G76",   "G33"};
 
 template <class List>
 bool has(const List& list, std::string_view word) {

@@ -109,6 +109,7 @@ class Machine {
         finish();
         return true;
       case ActionKind::output:
+      case ActionKind::overrides:
         return true;
     }
     return true;
@@ -241,6 +242,11 @@ program::Fault run_beside(program::Interpreter& interpreter, std::string_view li
   return fault;
 }
 
+void note_ignored(ProgramRun& run, unsigned words) {
+  for (std::size_t i = 0; i < std::size(program::ignored_words); ++i)
+    if ((words >> i & 1u) != 0) run.ignored.emplace_back(program::ignored_words[i]);
+}
+
 /// Runs a program through the interpreter: of a file, or as a board will run it.
 ProgramRun run_lines(std::string_view text, const settings::Values& values,
                      std::size_t max_problems, const OnBoard* board) {
@@ -279,6 +285,7 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     if (fault)
       run.problems.push_back(
           {number, fault.column, static_cast<int>(fault.error), text_of(fault.error)});
+    if (interpreter.has_ignored()) note_ignored(run, interpreter.take_ignored());
     const bool outside =
         !fault && interpreter.has_extent() && !machine.inside(interpreter.extent(), number);
     if (outside) interpreter.set_position(interpreter.machine_e7());

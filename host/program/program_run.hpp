@@ -60,6 +60,7 @@ struct ProgramRun {
   int axes = 3;
   Bounds bounds;  ///< of all moves, with the start
   std::vector<Problem> problems;
+  std::vector<std::string> ignored;  ///< words without effect, each once
   std::vector<Piece> pieces;
 
   double seconds() const;

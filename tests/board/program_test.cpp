@@ -158,6 +158,32 @@ TEST_F(Program, ResetInMotionStopsOnThePathAndLocks) {
   EXPECT_EQ(host_.position(), at_mm(0, 0));
 }
 
+/// M49: feed and rapids are as programmed, whatever the user sets; M48, the end of the program and
+/// a reset let the overrides act again.
+TEST_F(Program, OverridesActOrNot) {
+  const auto seconds = [&](const std::string& lines) {
+    const auto begin = rig_.now();
+    EXPECT_TRUE(host_.stream(lines));
+    return static_cast<double>(rig_.now() - begin) / 1e12;
+  };
+  constexpr char faster = '\x91', rapid_25 = '\x97';
+  const std::string there_and_back = "G1 X20 F1200\nG0 X0\n";
+  const double plain = seconds("G21 G90 G1 X20 F1200\nG0 X0\n");
+  for (int i = 0; i < 10; ++i) host_.send(std::string(1, faster));
+  host_.send(std::string(1, rapid_25));
+  const double changed = seconds(there_and_back);
+  EXPECT_LT(changed, plain - 0.2);
+  EXPECT_NEAR(seconds("M49\n" + there_and_back), plain, 0.01);
+  EXPECT_NEAR(seconds("M48\n" + there_and_back), changed, 0.01);
+  EXPECT_NEAR(seconds("M49\n" + there_and_back), plain, 0.01);
+  EXPECT_NEAR(seconds("M70\nM48\n" + there_and_back), changed, 0.01);
+  EXPECT_NEAR(seconds("M72\n" + there_and_back), plain, 0.01);
+  // The end of a program ends M49 and the overrides, too.
+  host_.ask("M2\n");
+  host_.send(std::string(1, faster));
+  EXPECT_LT(seconds(there_and_back), plain - 0.05);
+}
+
 TEST_F(Program, NeverLeavesTheWorkArea) {
   host_.send("G1 X10 F6000\nG1 X60\nG1 X0\n");
   host_.run_ms(1000);

@@ -97,6 +97,23 @@ TEST(Cycles, DwellAndPecks) {
   });
 }
 
+/// G85 and G89 leave at the feed, as in LinuxCNC; G86 with the spindle at rest.
+TEST(Cycles, Bores) {
+  expect_rows({
+      {"G85 X1 R1 Z-2",
+       "rapid to 1 0 5; rapid to 1 0 1; feed 60 to 1 0 -2; feed 60 to 1 0 1 on the way; "
+       "rapid to 1 0 5"},
+      {"G99 G85 R1 Z-2|X2", "rapid to 2 0 1; feed 60 to 2 0 -2; feed 60 to 2 0 1 on the way"},
+      {"G89 P.5 R1 Z-2",
+       "rapid to 0 0 1; feed 60 to 0 0 -2; dwell 500000us; feed 60 to 0 0 5 on the way"},
+      {"M3 S9|G86 P.5 R1 Z-2 L2",
+       "rapid to 0 0 1 M3 S9; feed 60 to 0 0 -2 M3 S9; dwell 500000us; spindle M5; "
+       "rapid to 0 0 5 M3 S9; spindle M3 S9; rapid to 0 0 1 M3 S9; feed 60 to 0 0 -2 M3 S9; "
+       "dwell 500000us; spindle M5; rapid to 0 0 5 M3 S9; spindle M3 S9"},
+      {"G86 R1 Z-2", "28@1"},
+  });
+}
+
 TEST(Cycles, InOtherPlanes) {
   expect_rows({
       {"Y5|G18 G81 X1 Z2 R1 Y-2",

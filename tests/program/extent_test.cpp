@@ -58,7 +58,7 @@ std::string spline() {
 }
 
 std::string cycle() {
-  const std::string kind = one_of({"G81", "G82 P0", "G83 Q0.9", "G73 Q1.1"});
+  const std::string kind = one_of({"G81", "G82 P0", "G83 Q0.9", "G73 Q1.1", "G85", "G86 P0"});
   const std::string plane = one_of({"G17", "G18", "G19"});
   const char normal = plane == "G17" ? 'Z' : plane == "G18" ? 'Y' : 'X';
   std::string line = fmt::format("{} {} {} {} R{} {}-{:.3f}", plane, one_of({"G98", "G99"}),

@@ -183,6 +183,11 @@ TEST(Interpreter, CodesThatChangeNothing) {
       {"G40", ""},
       {"G40 X1", "rapid to 1 0 0"},
       {"G49", ""},
+      {"M48", "overrides on"},
+      {"M49", "overrides off"},
+      {"M60", "pause"},
+      {"M61 Q3", ""},
+      {"G64 P0.1 Q0.02", ""},
       {"G80", ""},
       {"G21 G90 G94 G17 G54 G91.1 G98 G69", ""},
       {"G1.0 F100 X1", "feed 100 to 1 0 0"},
@@ -191,6 +196,42 @@ TEST(Interpreter, CodesThatChangeNothing) {
       {"M05", "spindle M5"},
       {"M5.0", "spindle M5"},
   });
+}
+
+/// Words of other controllers: each is noted once in a program, and the rest of the line acts.
+TEST(Interpreter, WordsWithoutEffect) {
+  struct Case {
+    const char* line;
+    const char* actions;
+    const char* noted;
+  };
+  constexpr Case cases[] = {
+      {"O1000", "", "O "},
+      {"o12 (a part)", "", "O "},
+      {":1000", "", "O "},
+      {":1000 G0 X1", "rapid to 1 0 0", "O "},
+      {"G0 X1 D1", "rapid to 1 0 0", "D "},
+      {"H2 G0 X1", "rapid to 1 0 0", "H "},
+      {"G15 G97 G0 X1 S9", "rapid to 1 0 0", "G15 G97 "},
+      {"G50", "", "G50 "},
+      {"G0 X1 M117 50% of X2", "rapid to 1 0 0", "M117 "},
+      {"m117", "", "M117 "},
+      {"M117", "", "M117 "},
+  };
+  for (const Case& c : cases) {
+    Rig rig;
+    EXPECT_EQ(rig.run(c.line), c.actions) << c.line;
+    const unsigned words = rig.interpreter.take_ignored();
+    std::string noted;
+    for (std::size_t i = 0; i < std::size(ignored_words); ++i)
+      if ((words >> i & 1u) != 0) noted += std::string(ignored_words[i]) + " ";
+    EXPECT_EQ(noted, c.noted) << c.line;
+    rig.run(c.line);
+    EXPECT_FALSE(rig.interpreter.has_ignored()) << c.line;
+    rig.run("M2");
+    rig.run(c.line);
+    EXPECT_EQ(rig.interpreter.has_ignored(), noted != "") << c.line;
+  }
 }
 
 TEST(Interpreter, SavedState) {

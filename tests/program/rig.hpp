@@ -89,6 +89,8 @@ inline std::string text_of(const Action& action) {
                          static_cast<int>(action.io.event), action.time_us);
     case ActionKind::pixels:
       return fmt::format("{} pixels", action.pixels);
+    case ActionKind::overrides:
+      return action.overrides_off ? "overrides off" : "overrides on";
     case ActionKind::beat_lock:
       return action.beat_lock == BeatLock::off    ? "beat off"
              : action.beat_lock == BeatLock::path ? "beat path"

@@ -31,7 +31,8 @@ const Rs274::Program zero_offsets = {"G10 L2 P1 X0 Y0 Z0 A0",
                                      "G10 L2 P9 X0 Y0 Z0 A0",
                                      "G0 X0 Y0 Z5 A0",
                                      "G28.1",
-                                     "G30.1"};
+                                     "G30.1",
+                                     "M3 S100"};
 
 /// Makes programs of lines that both interpreters know.
 class Programs {
@@ -70,7 +71,7 @@ class Programs {
       case 9:
         return cycle_line();
       case 10:
-        return one_of({"G61", "G61.1", "G64", "G64 P.05", "G98", "G99", "M3 S100", "M5", "G80"});
+        return one_of({"G61", "G61.1", "G64", "G64 P.05 Q.01", "G98", "G99", "M3 S100", "G80"});
       default:
         return one_of({"G0", "G1", "G1 F200", "G80 G0", "G1 G80"}) + axes();
     }
@@ -91,10 +92,10 @@ class Programs {
       case 4:
       case 5: {
         series_ = true;
-        const std::string kind = one_of({"G81", "G82", "G83", "G73"});
+        const std::string kind = one_of({"G81", "G82", "G83", "G73", "G85", "G86", "G89"});
         std::string line = one_of({"", "G98 ", "G99 "}) + kind;
         line += " R" + retract() + " X" + number(4, -4) + " Z" + number(-5, -9);
-        if (kind == "G82") line += " P.5";
+        if (kind == "G82" || kind == "G86" || kind == "G89") line += " P.5";
         // Where the depth is a multiple of Q, rounding makes rs274 peck once more.
         if (kind == "G83" || kind == "G73") line += " Q" + number(3, 1) + "73";
         if (random_() % 3 == 0) line += " L" + std::to_string(1 + random_() % 3);

@@ -145,7 +145,13 @@ ProgramReader::Step ProgramReader::wait_for_rest() { return rests() ? taken() : 
       paused_ = true;
       return Step::pauses;
     case ActionKind::program_end:
-      return wait_for_rest() == Step::waits ? Step::waits : Step::ended;
+      if (wait_for_rest() == Step::waits) return Step::waits;
+      overrides_off_ = false;
+      return Step::ended;
+    case ActionKind::overrides:
+      if (wait_for_rest() == Step::waits) return Step::waits;
+      overrides_off_ = action_.overrides_off;
+      return Step::overrides;
     case ActionKind::beat_lock:
       return action_.beat_lock == lock_ ? taken() : wait_for_rest();
     default:
@@ -256,6 +262,7 @@ void ProgramReader::clear() {
 
 void ProgramReader::reset() {
   clear();
+  overrides_off_ = false;
   interpreter_.reset();
   off_target_ = true;
 }

@@ -39,15 +39,16 @@ class ProgramReader {
  public:
   /// Result of a step.
   enum class Step : std::uint8_t {
-    nothing,  ///< no line is under way
-    waits,    ///< for room, rest, time, or a resume
-    done,     ///< the line: to be answered
-    outside,  ///< the line would have left the work space: the rest of it is dropped
-    pauses,   ///< M0, M1, M6: waits for go_on() from now on
-    changes,  ///< at rest: a change to wanted_lock() is due before the next move
-    inputs,   ///< at rest: M66 waits for its input, until end_wait()
-    probes,   ///< at rest, before and after the move of a probe, until end_probe()
-    ended     ///< M2, M30; then done
+    nothing,    ///< no line is under way
+    waits,      ///< for room, rest, time, or a resume
+    done,       ///< the line: to be answered
+    outside,    ///< the line would have left the work space: the rest of it is dropped
+    pauses,     ///< M0, M1, M6: waits for go_on() from now on
+    changes,    ///< at rest: a change to wanted_lock() is due before the next move
+    overrides,  ///< M48, M49: overrides_off() has changed
+    inputs,     ///< at rest: M66 waits for its input, until end_wait()
+    probes,     ///< at rest, before and after the move of a probe, until end_probe()
+    ended       ///< M2, M30; then done
   };
 
   [[gnu::cold]] ProgramReader(ProgramRunner& runner, JobRunner& points, ProgramOutputs& outputs)
@@ -92,6 +93,10 @@ class ProgramReader {
   Step step(const settings::Values& values, const StepLimits& space, std::uint64_t clock,
             bool check);
   bool line_open() const { return open_; }
+  /// Overrides have no effect (M49).
+  bool overrides_off() const { return overrides_off_; }
+  bool has_ignored() const { return interpreter_.has_ignored(); }
+  std::uint8_t take_ignored() { return interpreter_.take_ignored(); }
   void go_on() { paused_ = false; }
   /// The pause is for a tool change.
   bool changes_tool() const { return action_.kind == program::ActionKind::tool_change; }
@@ -188,7 +193,8 @@ class ProgramReader {
   bool unchecked_ = false;     ///< the extent of the line was not compared with the work space yet
   bool pending_ = false;       ///< action_ was not accepted yet
   bool prepared_ = false;      ///< target_ is that of action_
-  bool listed_ = false;        ///< its pixels are complete
+  bool overrides_off_ = false;
+  bool listed_ = false;  ///< its pixels are complete
   bool paused_ = false;
   bool probing_ = false;  ///< the move of action_ is in progress
   bool off_target_ = true;
