@@ -1,4 +1,5 @@
-// A triangle mesh in the units of its file: output of the mesh readers, input of the discretisers.
+// A triangle mesh: output of the mesh readers, input of the discretisers. Its unit is a mm if the
+// format of the file has a unit (3MF, GLB), otherwise that of the file.
 #pragma once
 
 #include <array>
@@ -16,10 +17,12 @@ namespace lamplock::model {
 struct Mesh {
   std::vector<geometry::Point> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  /// Present if the file has colours of vertices or textures.
+  /// Present if the file has colours or textures.
   std::optional<Brightness> brightness{};
   /// Pictures named in the file that could not be read, each with the reason.
   std::vector<std::string> unread_pictures{};
+  /// Lines for the user about parts of the file that were left out or lost precision.
+  std::vector<std::string> reader_warnings{};
 };
 
 }  // namespace lamplock::model

@@ -15,11 +15,12 @@
 #include "host/file.hpp"
 #include "host/model/glb.hpp"
 #include "host/model/input.hpp"
+#include "host/model/mesh_builder.hpp"
 #include "host/model/mesh_checks.hpp"
 #include "host/model/mtl.hpp"
 #include "host/model/ply.hpp"
+#include "host/model/read_3mf.hpp"
 #include "host/model/scene_brightness.hpp"
-#include "host/model/threemf_check.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -36,8 +37,6 @@ std::size_t check(const path& file, const std::string& bytes) {
     read_ply_vertices(file, bytes, read_ply_header(file, bytes));
   } else if (extension == ".glb") {
     check_glb(file, bytes);
-  } else if (extension == ".3mf") {
-    check_3mf(file);
   } else {
     refuse(file, fmt::format("'{}' is not a mesh format", extension),
            fmt::format("give a mesh ({})", extensions(InputKind::mesh)));
@@ -104,7 +103,7 @@ void require_finite_corners(const path& file, const std::vector<geometry::Point>
 
 /// Corners of equal position become one vertex, numbered in order of first use. `kept`: the
 /// remaining triangles.
-Mesh merge_corners(const std::vector<geometry::Point>& corners, std::vector<std::uint32_t>& kept) {
+Mesh merged_corners(const std::vector<geometry::Point>& corners, std::vector<std::uint32_t>& kept) {
   std::vector<std::uint32_t> by_position(corners.size());
   std::iota(by_position.begin(), by_position.end(), 0u);
   std::sort(by_position.begin(), by_position.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -138,6 +137,11 @@ Mesh merge_corners(const std::vector<geometry::Point>& corners, std::vector<std:
 Mesh read_mesh(const path& file) { return decode_mesh(file, read_file(file)); }
 
 Mesh decode_mesh(const path& file, std::string bytes) {
+  if (lower_extension(file) == ".3mf") {
+    MeshBuilder builder(file);
+    read_3mf(file, builder);
+    return builder.take();
+  }
   const std::size_t length = check(file, bytes);
   const std::string extension = lower_extension(file);
   std::map<std::string, std::string> pictures;
@@ -160,7 +164,7 @@ Mesh decode_mesh(const path& file, std::string bytes) {
   }
   require_finite_corners(file, corners);
   std::vector<std::uint32_t> kept;
-  Mesh mesh = merge_corners(corners, kept);
+  Mesh mesh = merged_corners(corners, kept);
   if (mesh.triangles.empty()) {
     refuse(file, "the mesh is empty: it has no triangle", "give a model with a surface");
   }

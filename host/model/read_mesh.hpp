@@ -1,7 +1,7 @@
 // Reads mesh files. In: STL (binary or ASCII), OBJ, PLY, GLB or 3MF, with the pictures that OBJ and
-// GLB name. Out: one triangle mesh in the file's units. Called by the command line. The mesh
-// library (assimp) reads the formats; because it accepts truncated files and invalid numbers, each
-// file is checked first (mesh_checks.hpp, glb.hpp, threemf_check.hpp).
+// GLB name. Out: one triangle mesh in the file's units. Called by the command line. 3MF has a reader
+// of its own (read_3mf.hpp). The mesh library (assimp) reads the other formats; because it accepts
+// truncated files and invalid numbers, each file is checked first (mesh_checks.hpp, glb.hpp).
 #pragma once
 
 #include <filesystem>

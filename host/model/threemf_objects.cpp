@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <map>
 #include <optional>
 
 #include "host/file.hpp"
@@ -12,12 +14,11 @@ namespace {
 
 using std::filesystem::path;
 
-/// As for GLB: deeper ones would overflow the stack of the mesh library.
+/// Deeper ones would overflow the stack of the reader, which copies them by recursion.
 constexpr int max_object_depth = 100;
-/// The mesh library needs more than a kilobyte for each.
 constexpr std::uint64_t max_objects = 100'000;
-/// 72 bytes each: 1.4 GB.
-constexpr std::uint64_t max_triangles = 20'000'000;
+/// A triangle takes about 200 bytes while corners are merged: 1.6 GB.
+constexpr std::uint64_t max_triangles = 8'000'000;
 
 /// Size of an object with all objects inside.
 struct Whole {
@@ -27,31 +28,31 @@ struct Whole {
 
 class Placed {
  public:
-  Placed(const path& file, const ThreemfObjects& objects) : file_(file), objects_(objects) {}
+  Placed(const path& file, const ThreemfModel& model) : file_(file), model_(model) {}
 
-  void add(int item) { add_to(all_, whole(item, 0)); }
+  void add(const ThreemfKey& item) { add_to(all_, whole(item, 0)); }
 
  private:
   /// Never deeper than `max_object_depth`, so that the check itself does not overflow the stack.
-  const Whole& whole(int id, int depth) {
-    const auto [known, is_new] = wholes_.try_emplace(id);
+  const Whole& whole(const ThreemfKey& key, int depth) {
+    const auto [known, is_new] = wholes_.try_emplace(key);
     if (!is_new) {
       if (!known->second)
-        refuse(file_, fmt::format("object {} contains itself", id), "repair the model");
-      require_depth(id, depth + known->second->depth);
+        refuse(file_, model_.name_of(key) + " contains itself", "repair the model");
+      require_depth(key, depth + known->second->depth);
       return *known->second;
     }
-    require_depth(id, depth);
-    const ThreemfObject& object = at(id);
-    Whole sum{0, 1, object.triangles};
-    for (const int inner : object.inside) add_to(sum, whole(inner, depth + 1));
+    require_depth(key, depth);
+    const ThreemfObject& object = at(key);
+    Whole sum{0, 1, object.triangles.size()};
+    for (const ThreemfComponent& inner : object.inside) add_to(sum, whole(inner.object, depth + 1));
     return known->second.emplace(sum);
   }
 
-  const ThreemfObject& at(int id) const {
-    const auto found = objects_.find(id);
-    if (found == objects_.end())
-      refuse(file_, fmt::format("object {} is placed but does not exist", id), "repair the model");
+  const ThreemfObject& at(const ThreemfKey& key) const {
+    const auto found = model_.objects.find(key);
+    if (found == model_.objects.end())
+      refuse(file_, model_.name_of(key) + " is placed but does not exist", "repair the model");
     return found->second;
   }
 
@@ -67,24 +68,25 @@ class Placed {
              "place fewer objects, or reduce their meshes");
   }
 
-  void require_depth(int id, int depth) const {
+  void require_depth(const ThreemfKey& key, int depth) const {
     if (depth > max_object_depth)
       refuse(file_,
-             fmt::format("object {} is nested in others, deeper than {}", id, max_object_depth),
+             fmt::format("{} is nested in others, deeper than {}", model_.name_of(key),
+                         max_object_depth),
              "join some of them");
   }
 
   const path& file_;
-  const ThreemfObjects& objects_;
-  std::map<int, std::optional<Whole>> wholes_;  // empty: its sum is being computed
+  const ThreemfModel& model_;
+  std::map<ThreemfKey, std::optional<Whole>> wholes_;  // empty: its sum is being computed
   Whole all_{0, 0, 0};
 };
 
 }  // namespace
 
-void check_placed(const path& file, const ThreemfObjects& objects, const std::vector<int>& items) {
-  Placed placed(file, objects);
-  for (const int item : items) placed.add(item);
+void check_placed(const path& file, const ThreemfModel& model) {
+  Placed placed(file, model);
+  for (const ThreemfComponent& item : model.items) placed.add(item.object);
 }
 
 }  // namespace lamplock::model

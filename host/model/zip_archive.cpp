@@ -13,7 +13,7 @@
 namespace lamplock::model {
 namespace {
 
-/// The mesh library's buffer is too small for longer names.
+/// Longer than any name that programs write.
 constexpr std::size_t max_name_bytes = 255;
 /// Text of models is compressed to a tenth, with equal numbers at most to a thirtieth; zeros to a
 /// thousandth. Small parts are not limited.
@@ -21,11 +21,18 @@ constexpr std::uint64_t max_packed = 200, small_bytes = 1u << 20;
 
 constexpr const char* damaged_archive = "the file is cut off or damaged: export it again";
 
-/// False for names that the mesh library would change.
+/// False for names that lead out of the archive, or that two programs could read differently.
 bool is_plain(std::string_view name) {
   return !name.starts_with('.') && !name.starts_with('/') &&
          name.find('\\') == std::string_view::npos && name.find("/..") == std::string_view::npos &&
          name.find('\0') == std::string_view::npos;
+}
+
+bool equal_names(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  };
+  return std::ranges::equal(a, b, {}, lower, lower);
 }
 
 }  // namespace
@@ -85,10 +92,13 @@ void ZipArchive::check(const ZipPart& part) const {
 }
 
 std::string ZipArchive::unpacked(const std::string& name) const {
-  const auto part = std::find_if(parts_.begin(), parts_.end(),
-                                 [&](const ZipPart& one) { return one.name == name; });
+  auto part = std::ranges::find(parts_, name, &ZipPart::name);
+  if (part == parts_.end())
+    part = std::ranges::find_if(parts_,
+                                [&](const ZipPart& one) { return equal_names(one.name, name); });
   constexpr int by_exact_name = 1;
-  if (part == parts_.end() || unzLocateFile(archive_.get(), name.c_str(), by_exact_name) != UNZ_OK)
+  if (part == parts_.end() ||
+      unzLocateFile(archive_.get(), part->name.c_str(), by_exact_name) != UNZ_OK)
     refuse(file_, fmt::format("there is no part '{}'", name), damaged_archive);
   std::string bytes(part->bytes, '\0');
   const auto size = static_cast<unsigned>(part->bytes);

@@ -1,8 +1,5 @@
 // ZIP archives of 3MF files. In: a file. Out: its parts by name, and the bytes of a part after a
-// check that they do not fill the memory. Called by the check of 3MF files (threemf_check.hpp).
-//
-// Archives are read with minizip, like in the mesh library, so that it reads the same data that
-// were checked here.
+// check that they do not fill the memory. Called by the 3MF reader (threemf_package.hpp).
 #pragma once
 
 #include <cstdint>
@@ -14,7 +11,7 @@
 namespace lamplock::model {
 
 /// Maximum bytes of all parts of an archive: a mesh of about three million triangles, for which the
-/// mesh library needs 2 GB.
+/// reader needs 2 GB.
 inline constexpr std::uint64_t max_unpacked_bytes = 256u << 20;
 
 /// A file in an archive.
@@ -30,7 +27,8 @@ class ZipArchive {
   /// impossible compression ratio.
   explicit ZipArchive(const std::filesystem::path& file);
 
-  /// The bytes of a part. Throws Error (bad_input) if there is none of that name, if it is
+  /// The bytes of a part; upper and lower case are equal (ECMA-376 part 2, 9.1.1) unless a part has
+  /// exactly this name. Throws Error (bad_input) if there is none of that name, if it is
   /// encrypted, packed by a method unknown to minizip or damaged (CRC).
   std::string unpacked(const std::string& name) const;
 
