@@ -99,7 +99,7 @@ std::vector<Parameter> model_parameters(Object& o) {
       of(methods(), {"up",
                      "--up",
                      &o.up,
-                     "Meshes: axis of the file that points up (often y in OBJ)",
+                     "Meshes: axis of the file that points up (often y in OBJ; GLB always y)",
                      "",
                      {},
                      {"y", "z"}}),

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -21,7 +20,7 @@ using nlohmann::json;
 using std::filesystem::path;
 
 /// Maximum depth of nodes, and of lists in the description; deeper ones would overflow the stack of
-/// the mesh library.
+/// the reader.
 constexpr int max_depth = 100;
 
 constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
@@ -56,7 +55,7 @@ std::uint64_t component_bytes(std::uint64_t type) {
   return type >= first && type - first < bytes.size() ? bytes[type - first] : 0;
 }
 
-std::uint64_t components(const std::string& type) {
+std::uint64_t components_of(const std::string& type) {
   if (type == "SCALAR") return 1;
   if (type == "VEC2") return 2;
   if (type == "VEC3") return 3;
@@ -71,6 +70,7 @@ class Checker {
       : file_(file), document_(document), buffer_bytes_(buffer_bytes) {}
 
   void check() const {
+    check_extensions();
     for (const json& buffer : list("buffers")) {
       require(!buffer.contains("uri"), "its numbers are in another file");
       require(number_of(buffer, "byteLength") <= buffer_bytes_, "fewer numbers than announced");
@@ -99,7 +99,22 @@ class Checker {
     return offset <= room && length <= room - offset;
   }
 
-  /// Nodes must be trees that are not too deep for the library, which walks them by recursion.
+  void check_extensions() const {
+    constexpr std::array<std::string_view, 6> read{
+        "KHR_mesh_quantization",  // integers as positions
+        // Light, pictures and their places change no geometry.
+        "KHR_lights_punctual", "KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp",
+        "EXT_texture_avif"};
+    for (const json& extension : list("extensionsRequired")) {
+      const auto name = extension.get<std::string>();
+      if (name.starts_with("KHR_materials_") || std::ranges::find(read, name) != read.end())
+        continue;
+      refuse(file_, fmt::format("it requires the extension '{:.40}', which is not read", name),
+             "export it without compression and extensions");
+    }
+  }
+
+  /// Nodes must be trees that are not too deep for the reader, which walks them by recursion.
   void check_nodes() const {
     const json& nodes = list("nodes");
     constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
@@ -126,7 +141,7 @@ class Checker {
     };
     require_here(!accessor.contains("sparse"), "is sparse, which cannot be read");
     const std::uint64_t bytes = component_bytes(number_of(accessor, "componentType")) *
-                                components(accessor.value("type", std::string()));
+                                components_of(accessor.value("type", std::string()));
     require_here(bytes > 0, "has an unknown type");
     const std::uint64_t count = number_of(accessor, "count");
     require_here(accessor.contains("bufferView"), "has no numbers");
@@ -141,6 +156,8 @@ class Checker {
                  "is beyond its view");
     constexpr std::uint64_t max_stride = 252;  // by the specification
     require_here(stride <= max_stride, "has too long a stride");
+    const std::uint64_t given = number_of(of, "byteStride");
+    require_here(given == 0 || given >= bytes, "has a stride shorter than an element");
   }
 
   void require(bool condition, const std::string& what) const {
@@ -154,7 +171,7 @@ class Checker {
 
 }  // namespace
 
-void check_glb(const path& file, std::string_view bytes) {
+Glb open_glb(const path& file, std::string_view bytes) {
   if (bytes.size() < header_bytes || !bytes.starts_with("glTF")) refuse_glb(file, "is not a GLB");
   if (load<std::uint32_t>(bytes.data() + 4) != 2) {
     refuse(file, "is not a GLB of version 2", "export it as glTF 2.0");
@@ -163,20 +180,60 @@ void check_glb(const path& file, std::string_view bytes) {
   if (length < header_bytes || length > bytes.size()) refuse_glb(file, "the file is cut off");
   std::string_view rest = bytes.substr(header_bytes, length - header_bytes);
   const std::string_view text = next_chunk(file, rest, "JSON");
-  const std::string_view buffer = next_chunk(file, rest, std::string_view("BIN\0", 4));
+  Glb glb;
+  glb.buffer = next_chunk(file, rest, std::string_view("BIN\0", 4));
   bool too_deep = false;
-  const json document = json::parse(
+  glb.document = json::parse(
       text,
       [&too_deep](int depth, json::parse_event_t, const json&) {
         too_deep = too_deep || depth > max_depth;
         return !too_deep;
       },
       false);
-  if (too_deep || !document.is_object()) refuse_glb(file, "its description cannot be read");
+  if (too_deep || !glb.document.is_object()) refuse_glb(file, "its description cannot be read");
   try {
-    Checker(file, document, buffer.size()).check();
+    Checker(file, glb.document, glb.buffer.size()).check();
   } catch (const json::exception&) {
     refuse_glb(file, "its description has values of a wrong kind");
+  }
+  return glb;
+}
+
+GlbAccessor::GlbAccessor(const Glb& glb, std::size_t index) {
+  const json& accessor = glb.document.at("accessors").at(index);
+  const json& view = glb.document.at("bufferViews").at(number_of(accessor, "bufferView"));
+  data_ = glb.buffer.data() + number_of(view, "byteOffset") + number_of(accessor, "byteOffset");
+  type_ = number_of(accessor, "componentType");
+  count_ = number_of(accessor, "count");
+  components_ = components_of(accessor.value("type", std::string()));
+  stride_ = number_of(view, "byteStride");
+  if (stride_ == 0) stride_ = component_bytes(type_) * components_;
+  normalized_ = accessor.value("normalized", false);
+}
+
+double GlbAccessor::at(std::size_t index, std::size_t component) const {
+  const char* here = data_ + index * stride_ + component * component_bytes(type_);
+  // The largest integer is 1, the smallest negative one is -1 ("glTF 2.0 Specification", 3.11).
+  const auto integer = [&](auto value) {
+    const auto number = static_cast<double>(value);
+    if (!normalized_) return number;
+    return std::max(number / static_cast<double>(std::numeric_limits<decltype(value)>::max()),
+                    -1.0);
+  };
+  enum : std::uint64_t { int8 = 5120, uint8, int16, uint16, uint32 = 5125 };
+  switch (type_) {
+    case int8:
+      return integer(load<std::int8_t>(here));
+    case uint8:
+      return integer(load<std::uint8_t>(here));
+    case int16:
+      return integer(load<std::int16_t>(here));
+    case uint16:
+      return integer(load<std::uint16_t>(here));
+    case uint32:
+      return integer(load<std::uint32_t>(here));
+    default:
+      return load<float>(here);
   }
 }
 

@@ -1,8 +1,10 @@
-// Checks mesh files before the mesh library reads them. In: the bytes of a file. Out: an Error
-// (bad_input) that names `path` for a bad file. Called by read_mesh() and the PLY reader.
+// Errors that several mesh readers share. In: a part of a file. Out: an Error (bad_input) that
+// names the file. Called by the STL, OBJ and PLY readers.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 
 #include "host/geometry/point.hpp"
@@ -13,12 +15,11 @@ namespace lamplock::model {
 void require_finite(const std::filesystem::path& path, std::size_t index,
                     const geometry::Point& vertex);
 
-/// Binary: the count must agree with the triangles; ASCII: every facet and solid must be closed;
-/// all coordinates must be finite. Returns the length that the library may read (some programs
-/// append bytes to binary STL).
-std::size_t check_stl(const std::filesystem::path& path, std::string_view bytes);
+/// Refuses a line of a text format, from 1.
+[[noreturn]] void refuse_mesh_line(const std::filesystem::path& path, std::size_t line,
+                                   std::string_view what);
 
-/// Every `v` must have three finite numbers and every `f` three or more existing corners.
-void check_obj(const std::filesystem::path& path, std::string_view bytes);
+/// Removes three numbers from `text`; empty if it does not begin with three.
+std::optional<geometry::Point> take_point(std::string_view& text);
 
 }  // namespace lamplock::model

@@ -5,6 +5,7 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/model/mesh_builder.hpp"
 #include "host/model/text.hpp"
 #include "host/text.hpp"
 
@@ -32,44 +33,44 @@ std::string_view picture_name(std::string_view text) {
   return text;
 }
 
-void read_library(const path& file, std::map<std::string, std::string>& pictures) {
+/// False if the library is missing.
+bool read_library(const path& file, Materials& materials) {
   std::string bytes;
   try {
     bytes = read_file(file);
   } catch (const Error&) {
-    return;
+    return false;
   }
   Lines lines(bytes);
-  std::string material;
+  Material* material = &materials[""];
   while (const auto line = lines.next()) {
     std::string_view rest = *line;
     const std::string_view word = next_field(rest);
-    if (word == "newmtl") material = trimmed(rest);
-    if (word == "map_Kd") pictures[material] = picture_name(rest);
+    if (word == "newmtl") material = &materials[std::string(trimmed(rest))];
+    if (word == "map_Kd") material->picture = picture_name(rest);
+    if (word != "Kd") continue;
+    const auto red = to_double(next_field(rest));
+    if (!red) continue;  // a spectrum or a colour of CIE
+    // The manual: green and blue are equal to red if they are missing.
+    const double green = to_double(next_field(rest)).value_or(*red);
+    material->light = luma(*red, green, to_double(next_field(rest)).value_or(*red));
   }
+  return true;
+}
+
+path beside(const path& obj, std::string_view name) {
+  std::string text(name);
+  std::replace(text.begin(), text.end(), '\\', '/');
+  return obj.parent_path() / text;
 }
 
 }  // namespace
 
-std::map<std::string, std::string> pictures_of_materials(const path& file, const std::string& obj) {
-  std::map<std::string, std::string> pictures;
-  Lines lines(obj);
-  while (const auto line = lines.next()) {
-    std::string_view rest = *line;
-    if (next_field(rest) != "mtllib") continue;
-    std::string beside(trimmed(rest));
-    std::replace(beside.begin(), beside.end(), '\\', '/');
-    read_library(file.parent_path() / beside, pictures);
-  }
-  return pictures;
-}
-
-std::string without_material_libraries(std::string obj) {
-  constexpr std::string_view word = "mtllib";
-  for (std::size_t at = obj.find(word); at != std::string::npos; at = obj.find(word, at + 1)) {
-    obj[at] = '#';
-  }
-  return obj;
+void read_material_libraries(const path& obj, std::string_view names, Materials& materials) {
+  names = trimmed(names);
+  if (names.empty() || read_library(beside(obj, names), materials)) return;
+  for (auto name = next_field(names); !name.empty(); name = next_field(names))
+    read_library(beside(obj, name), materials);
 }
 
 }  // namespace lamplock::model

@@ -1,20 +1,26 @@
-// Pictures of the materials of an OBJ (Wavefront, "Advanced Visualizer Manual", appendix B), for
-// brightness. In: the text of an OBJ. Out: pictures by name of material. Called by read_mesh(); the
-// mesh library is not used for materials, because damaged ones make it crash.
+// Materials of an OBJ (Wavefront, "Advanced Visualizer Manual", appendix B), for brightness. In: the
+// names of material libraries. Out: colours and pictures by name of material. Called by read_obj().
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace lamplock::model {
 
-/// The picture (map_Kd) of each material in the libraries that the OBJ names, as written there.
-/// A library that is missing has no materials. Never throws for a damaged one.
-std::map<std::string, std::string> pictures_of_materials(const std::filesystem::path& path,
-                                                         const std::string& obj);
+struct Material {
+  std::optional<float> light{};  // brightness of the diffuse colour (Kd)
+  std::string picture{};         // name of the picture (map_Kd) as written; empty if there is none
+};
 
-/// The text with its `mtllib` lines made comments.
-std::string without_material_libraries(std::string obj);
+using Materials = std::map<std::string, Material, std::less<>>;
+
+/// Adds the materials of the libraries that a line `mtllib` names: one name with spaces, or several
+/// names. A library that is missing has no materials. Never throws for a damaged one.
+void read_material_libraries(const std::filesystem::path& obj, std::string_view names,
+                             Materials& materials);
 
 }  // namespace lamplock::model

@@ -3,155 +3,97 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
+#include <utility>
 
-#include "host/bytes.hpp"
 #include "host/file.hpp"
 #include "host/model/mesh_checks.hpp"
-#include "host/model/text.hpp"
+#include "host/model/ply_values.hpp"
+#include "host/model/polygon_triangles.hpp"
+#include "host/model/read_bitmap.hpp"
 
 namespace lamplock::model {
 namespace {
 
 using std::filesystem::path;
 
-[[noreturn]] void refuse_header(const path& file, std::size_t line, const std::string& what) {
-  refuse(file, fmt::format("PLY header, line {}: {}", line, what), "export the file again");
-}
-
-std::optional<PlyType> type_named(std::string_view name) {
-  struct Name {
-    std::string_view name;
-    PlyType type;
+/// What the elements of a file describe.
+struct PlyContent {
+  geometry::PointCloud vertices;
+  std::vector<float> lights;         // of vertices, or empty
+  std::vector<TexturePlace> places;  // of vertices, or empty
+  struct Face {
+    std::size_t end = 0;  // of its corners
+    std::optional<float> light{};
   };
-  // The names of the original format and those with sizes that later programs write.
-  constexpr std::array<Name, 16> names{{{"char", PlyType::int8},
-                                        {"int8", PlyType::int8},
-                                        {"uchar", PlyType::uint8},
-                                        {"uint8", PlyType::uint8},
-                                        {"short", PlyType::int16},
-                                        {"int16", PlyType::int16},
-                                        {"ushort", PlyType::uint16},
-                                        {"uint16", PlyType::uint16},
-                                        {"int", PlyType::int32},
-                                        {"int32", PlyType::int32},
-                                        {"uint", PlyType::uint32},
-                                        {"uint32", PlyType::uint32},
-                                        {"float", PlyType::float32},
-                                        {"float32", PlyType::float32},
-                                        {"double", PlyType::float64},
-                                        {"float64", PlyType::float64}}};
-  for (const Name& entry : names) {
-    if (entry.name == name) return entry.type;
+  std::vector<Face> faces;
+  std::vector<std::uint32_t> corners;
+  std::vector<TexturePlace> corner_places;  // of corners, or shorter
+};
+
+/// The column of a property that is not a list, by one of its names.
+std::optional<std::size_t> column_of(const PlyElement& element,
+                                     std::initializer_list<std::string_view> names) {
+  for (std::size_t i = 0; i < element.properties.size(); ++i) {
+    const PlyProperty& property = element.properties[i];
+    if (!property.list_count && std::ranges::find(names, property.name) != names.end()) return i;
   }
   return std::nullopt;
 }
 
-std::optional<PlyFormat> format_named(std::string_view name) {
-  if (name == "ascii") return PlyFormat::ascii;
-  if (name == "binary_little_endian") return PlyFormat::little_endian;
-  if (name == "binary_big_endian") return PlyFormat::big_endian;
-  return std::nullopt;
-}
-
-/// The rest of a line that began with `property`.
-std::optional<PlyProperty> parse_property(std::string_view rest) {
-  PlyProperty property;
-  std::string_view type = next_field(rest);
-  if (type == "list") {
-    property.list_count = type_named(next_field(rest));
-    if (!property.list_count || *property.list_count >= PlyType::float32) return std::nullopt;
-    type = next_field(rest);
+/// The value of a colour of full brightness.
+double full_value(PlyType type) {
+  switch (type) {
+    case PlyType::int8:
+      return 127;
+    case PlyType::uint8:
+      return 255;
+    case PlyType::int16:
+      return 32767;
+    case PlyType::uint16:
+      return 65535;
+    case PlyType::int32:
+      return 2147483647.0;
+    case PlyType::uint32:
+      return 4294967295.0;
+    case PlyType::float32:
+    case PlyType::float64:
+      break;
   }
-  const auto known = type_named(type);
-  property.name = next_field(rest);
-  if (!known || property.name.empty()) return std::nullopt;
-  property.type = *known;
-  return property;
+  return 1;
 }
 
-/// The values after the header in order, in any format.
-class Values {
+/// The columns of the colour of an element.
+class PlyColour {
  public:
-  Values(std::string_view data, PlyFormat format)
-      : rest_(data),
-        ascii_(format == PlyFormat::ascii),
-        order_(format == PlyFormat::big_endian ? std::endian::big : std::endian::little) {}
+  explicit PlyColour(const PlyElement& element)
+      : element_(element),
+        red_(column_of(element, {"red", "r", "diffuse_red"})),
+        green_(column_of(element, {"green", "g", "diffuse_green"})),
+        blue_(column_of(element, {"blue", "b", "diffuse_blue"})) {}
 
-  /// Empty at the end of the data or of the line, or if the text is not a number.
-  std::optional<double> next(PlyType type) {
-    if (ascii_) return next_in_line();
-    const std::size_t size = size_of(type);
-    if (rest_.size() < size) return std::nullopt;
-    const char* bytes = rest_.data();
-    rest_.remove_prefix(size);
-    switch (type) {
-      case PlyType::int8:
-        return load<std::int8_t>(bytes, order_);
-      case PlyType::uint8:
-        return load<std::uint8_t>(bytes, order_);
-      case PlyType::int16:
-        return load<std::int16_t>(bytes, order_);
-      case PlyType::uint16:
-        return load<std::uint16_t>(bytes, order_);
-      case PlyType::int32:
-        return load<std::int32_t>(bytes, order_);
-      case PlyType::uint32:
-        return load<std::uint32_t>(bytes, order_);
-      case PlyType::float32:
-        return load<float>(bytes, order_);
-      case PlyType::float64:
-        return load<double>(bytes, order_);
-    }
-    return std::nullopt;
-  }
+  bool is_there() const { return red_ && green_ && blue_; }
 
-  /// Text: moves to the next line that is not blank. False if numbers are left in this one.
-  bool end_element() {
-    if (!ascii_) return true;
-    skip_blanks();
-    if (!rest_.empty() && rest_.front() != '\n') return false;
-    const std::size_t next = rest_.find_first_not_of(" \t\r\n");
-    rest_.remove_prefix(std::min(next, rest_.size()));
-    return true;
+  float light(const std::vector<double>& row) const {
+    const auto share = [&](std::size_t column) {
+      return row[column] / full_value(element_.properties[column].type);
+    };
+    return luma(share(*red_), share(*green_), share(*blue_));
   }
 
  private:
-  void skip_blanks() {
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r"), rest_.size()));
-  }
-
-  std::optional<double> next_in_line() {
-    skip_blanks();
-    if (rest_.empty() || rest_.front() == '\n') return std::nullopt;
-    return to_double(next_field(rest_));
-  }
-
-  static std::size_t size_of(PlyType type) {
-    switch (type) {
-      case PlyType::int8:
-      case PlyType::uint8:
-        return 1;
-      case PlyType::int16:
-      case PlyType::uint16:
-        return 2;
-      case PlyType::int32:
-      case PlyType::uint32:
-      case PlyType::float32:
-        return 4;
-      case PlyType::float64:
-        break;
-    }
-    return 8;
-  }
-
-  std::string_view rest_;
-  bool ascii_;
-  std::endian order_;
+  const PlyElement& element_;
+  std::optional<std::size_t> red_, green_, blue_;
 };
+
+bool has_single_coordinates(const PlyHeader& header) {
+  for (const PlyElement& element : header.elements)
+    if (const auto x = column_of(element, {"x"}); element.name == "vertex" && x)
+      return element.properties[*x].type == PlyType::float32;
+  return false;
+}
 
 /// Reads all elements of one file.
 class Reader {
@@ -162,16 +104,15 @@ class Reader {
         values_(bytes.substr(header.data_offset), header.format),
         vertex_count_(header.count("vertex")) {}
 
-  geometry::PointCloud read() {
-    geometry::PointCloud vertices;
+  PlyContent read() {
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex") {
-        read_vertices(element, vertices);
+        read_vertices(element);
       } else {
         read_others(element);
       }
     }
-    return vertices;
+    return std::move(content_);
   }
 
  private:
@@ -195,21 +136,22 @@ class Reader {
            "the file is damaged: export it again");
   }
 
-  void read_vertices(const PlyElement& element, geometry::PointCloud& vertices) {
-    std::array<std::size_t, 3> column{};
-    constexpr std::array<std::string_view, 3> names{"x", "y", "z"};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto found =
-          std::find_if(element.properties.begin(), element.properties.end(),
-                       [&](const auto& p) { return p.name == names[axis] && !p.list_count; });
-      if (found == element.properties.end()) {
-        refuse(file_, fmt::format("its vertices have no property {}", names[axis]),
-               "export points with x, y and z");
-      }
-      column[axis] = static_cast<std::size_t>(found - element.properties.begin());
-    }
+  std::size_t coordinate(const PlyElement& element, std::string_view name) const {
+    const auto column = column_of(element, {name});
+    if (!column)
+      refuse(file_, fmt::format("its vertices have no property {}", name),
+             "export points with x, y and z");
+    return *column;
+  }
+
+  void read_vertices(const PlyElement& element) {
+    const std::size_t x = coordinate(element, "x"), y = coordinate(element, "y"),
+                      z = coordinate(element, "z");
+    const PlyColour colour(element);
+    const auto u = column_of(element, {"u", "s", "texture_u"}),
+               v = column_of(element, {"v", "t", "texture_v"});
     std::vector<double> row(element.properties.size());
-    vertices.reserve(element.count);  // no more than the file has bytes (read_ply_header)
+    content_.vertices.reserve(element.count);  // no more than the file has bytes (read_ply_header)
     for (std::size_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < row.size(); ++p) {
         const PlyProperty& property = element.properties[p];
@@ -220,9 +162,12 @@ class Reader {
         }
       }
       end_element(element, i);
-      const geometry::Point point{row[column[0]], row[column[1]], row[column[2]]};
+      const geometry::Point point{row[x], row[y], row[z]};
       require_finite(file_, i, point);
-      vertices.push_back(point);
+      content_.vertices.push_back(point);
+      if (colour.is_there()) content_.lights.push_back(colour.light(row));
+      if (u && v)
+        content_.places.push_back({static_cast<float>(row[*u]), static_cast<float>(row[*v])});
     }
   }
 
@@ -243,24 +188,33 @@ class Reader {
   }
 
   void read_others(const PlyElement& element) {
+    const bool is_face = element.name == "face";
+    const PlyColour colour(element);
+    std::vector<double> row(element.properties.size());
     for (std::size_t i = 0; i < element.count; ++i) {
-      for (const PlyProperty& property : element.properties) {
+      const std::size_t before = content_.corners.size();
+      for (std::size_t p = 0; p < row.size(); ++p) {
+        const PlyProperty& property = element.properties[p];
         if (!property.list_count) {
-          value(element, i, property.type);
-        } else if (element.name == "face" &&
+          row[p] = value(element, i, property.type);
+        } else if (is_face &&
                    (property.name == "vertex_indices" || property.name == "vertex_index")) {
-          check_face(element, i, property);
+          read_corners(element, i, property);
+        } else if (is_face && property.name == "texcoord") {
+          read_places(element, i, property, before);
         } else {
           skip_list(element, i, property);
         }
       }
       end_element(element, i);
+      if (!is_face) continue;
+      content_.faces.push_back({content_.corners.size(), std::nullopt});
+      if (colour.is_there()) content_.faces.back().light = colour.light(row);
     }
   }
 
-  void check_face(const PlyElement& element, std::size_t index, const PlyProperty& list) {
+  void read_corners(const PlyElement& element, std::size_t index, const PlyProperty& list) {
     const std::size_t corners = list_size(element, index, list);
-    // The mesh library terminates the program at such a face.
     if (corners == 0)
       refuse(file_, fmt::format("face {} has no corners", index), "repair the model");
     for (std::size_t n = corners; n > 0; --n) {
@@ -270,68 +224,105 @@ class Reader {
         refuse(file_, fmt::format("face {} names vertex {} of {}", index, vertex, vertex_count_),
                "repair the model");
       }
+      content_.corners.push_back(static_cast<std::uint32_t>(vertex));
     }
+  }
+
+  /// Two numbers for each corner of the face, whose corners begin at `first`. MeshLab writes them
+  /// after the corners; faces without pictures have an empty list.
+  void read_places(const PlyElement& element, std::size_t index, const PlyProperty& list,
+                   std::size_t first) {
+    std::vector<TexturePlace>& places = content_.corner_places;
+    places.resize(first);
+    const std::size_t size = list_size(element, index, list);
+    for (std::size_t n = 0; n < size; ++n) {
+      const auto number = static_cast<float>(value(element, index, list.type));
+      if (n % 2 == 0) places.push_back({number, 0});
+      if (n % 2 == 1) places.back().v = number;
+    }
+    places.resize(std::min(places.size(), std::max(first, content_.corners.size())));
   }
 
   const path& file_;
   const PlyHeader& header_;
-  Values values_;
+  PlyValues values_;
   std::size_t vertex_count_;
+  PlyContent content_;
+};
+
+/// Adds the faces to a mesh.
+class PlyFaces {
+ public:
+  PlyFaces(const path& file, const PlyHeader& header, const PlyContent& content, MeshBuilder& mesh)
+      : file_(file), content_(content), mesh_(mesh) {
+    if (!header.picture.empty() && (!content.places.empty() || !content.corner_places.empty()))
+      texture_ = mesh.texture(header.picture,
+                              [&] { return read_bitmap(file.parent_path() / header.picture); });
+  }
+
+  void add_all() {
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < content_.faces.size(); ++i) {
+      add(i, begin);
+      begin = content_.faces[i].end;
+    }
+  }
+
+ private:
+  void add(std::size_t index, std::size_t begin) {
+    const PlyContent::Face& face = content_.faces[index];
+    polygon_.clear();
+    for (std::size_t i = begin; i < face.end; ++i)
+      polygon_.push_back(content_.vertices[content_.corners[i]]);
+    if (polygon_.size() < 3) return;  // a point or a line
+    const auto triangles = triangles_of(polygon_);
+    if (triangles.empty())
+      refuse(file_, fmt::format("face {} is concave and has {} corners", index, polygon_.size()),
+             "split the faces into triangles before the export");
+    for (const auto& indices : triangles) {
+      MeshTriangle triangle;
+      triangle.textured.texture = texture_;
+      if (face.light || !content_.lights.empty()) triangle.lights = {1, 1, 1};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t corner = begin + indices[i];
+        const std::uint32_t vertex = content_.corners[corner];
+        triangle.corners[i] = polygon_[indices[i]];
+        // Programs that write both write the same colour twice.
+        if (face.light) {
+          (*triangle.lights)[i] = *face.light;
+        } else if (!content_.lights.empty()) {
+          (*triangle.lights)[i] = content_.lights[vertex];
+        }
+        if (corner < content_.corner_places.size()) {
+          triangle.textured.corners[i] = content_.corner_places[corner];
+        } else if (vertex < content_.places.size()) {
+          triangle.textured.corners[i] = content_.places[vertex];
+        }
+      }
+      mesh_.add(triangle);
+    }
+  }
+
+  const path& file_;
+  const PlyContent& content_;
+  MeshBuilder& mesh_;
+  std::uint32_t texture_ = Brightness::no_texture;
+  geometry::PointCloud polygon_;
 };
 
 }  // namespace
 
-std::size_t PlyHeader::count(std::string_view name) const {
-  for (const PlyElement& element : elements) {
-    if (element.name == name) return element.count;
-  }
-  return 0;
-}
-
-PlyHeader read_ply_header(const path& file, std::string_view bytes) {
-  PlyHeader header;
-  bool has_format = false;
-  Lines lines(bytes);
-  const auto magic = lines.next();
-  if (!magic || *magic != "ply") refuse_header(file, 1, "it does not begin with 'ply'");
-  while (const auto line = lines.next()) {
-    std::string_view rest = *line;
-    const std::string_view keyword = next_field(rest);
-    if (keyword == "format") {
-      const auto format = format_named(next_field(rest));
-      if (!format) refuse_header(file, lines.number(), "unknown format");
-      header.format = *format;
-      has_format = true;
-    } else if (keyword == "element") {
-      const std::string_view name = next_field(rest);
-      const auto count = to_integer(next_field(rest));
-      // An element takes a byte at least, so a greater count is damage and must not take memory.
-      if (name.empty() || !count || *count < 0 || static_cast<std::size_t>(*count) > bytes.size()) {
-        refuse_header(file, lines.number(), "an element without a valid count");
-      }
-      header.elements.push_back({std::string(name), static_cast<std::size_t>(*count), {}});
-    } else if (keyword == "property") {
-      const auto property = parse_property(rest);
-      if (!property || header.elements.empty()) {
-        refuse_header(file, lines.number(), "a property that cannot be read");
-      }
-      header.elements.back().properties.push_back(*property);
-    } else if (keyword == "end_header") {
-      if (!has_format) refuse_header(file, lines.number(), "no format");
-      header.data_offset = static_cast<std::size_t>(line->data() - bytes.data()) + line->size();
-      const std::size_t line_end = bytes.find('\n', header.data_offset);
-      header.data_offset = line_end == std::string_view::npos ? bytes.size() : line_end + 1;
-      return header;
-    } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
-      refuse_header(file, lines.number(), fmt::format("unknown word '{:.20}'", keyword));
-    }
-  }
-  refuse_header(file, lines.number(), "the file ends before end_header");
-}
-
 geometry::PointCloud read_ply_vertices(const path& file, std::string_view bytes,
                                        const PlyHeader& header) {
-  return Reader(file, bytes, header).read();
+  return Reader(file, bytes, header).read().vertices;
+}
+
+void read_ply(const path& file, std::string_view bytes, MeshBuilder& mesh) {
+  const PlyHeader header = read_ply_header(file, bytes);
+  const PlyContent content = Reader(file, bytes, header).read();
+  if (header.format != PlyFormat::ascii && has_single_coordinates(header))
+    for (const geometry::Point& vertex : content.vertices) mesh.stored_in_single(vertex, 1);
+  PlyFaces(file, header, content, mesh).add_all();
 }
 
 }  // namespace lamplock::model

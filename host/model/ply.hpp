@@ -1,8 +1,6 @@
-// The PLY format (Greg Turk, "The PLY Polygon File Format", Stanford, 1994), as far as points and
-// the check of a file need it. In: the bytes of a file. Out: the header, or the vertices in full
-// precision after a check that every element is present. Called by the readers of point lists and
-// meshes: a mesh is passed to the mesh library only after this check, because the library silently
-// completes truncated files.
+// The PLY format (Greg Turk, "The PLY Polygon File Format", Stanford, 1994). In: the bytes of a
+// file. Out: the header, points, or triangles with brightness, in full precision; every element
+// must be present. Called by the readers of point lists and meshes.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "host/geometry/point.hpp"
+#include "host/model/mesh_builder.hpp"
 
 namespace lamplock::model {
 
@@ -35,6 +34,7 @@ struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
   std::size_t data_offset = 0;  // of the first byte after end_header
+  std::string picture{};        // of a comment "TextureFile", as MeshLab writes it
 
   /// Elements of that name in the file, 0 if there is no such element.
   std::size_t count(std::string_view name) const;
@@ -48,5 +48,9 @@ PlyHeader read_ply_header(const std::filesystem::path& path, std::string_view by
 /// face names a vertex that does not exist.
 geometry::PointCloud read_ply_vertices(const std::filesystem::path& path, std::string_view bytes,
                                        const PlyHeader& header);
+
+/// Reads the faces as triangles, with colours of vertices and faces and a picture as brightness.
+/// Throws the same errors.
+void read_ply(const std::filesystem::path& path, std::string_view bytes, MeshBuilder& mesh);
 
 }  // namespace lamplock::model

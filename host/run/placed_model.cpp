@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/file.hpp"
 #include "host/glass/transformation.hpp"
 #include "host/model/bitmap.hpp"
 #include "host/model/mesh_faults.hpp"
@@ -97,8 +98,15 @@ Model fitted(Model model, const Object& object, const Volume& volume) {
 PlacedModel placed_mesh(model::Mesh mesh, const Object& object, const Volume& volume) {
   PlacedModel result;
   result.kind = InputKind::mesh;
-  result.warnings = model::warnings(model::find_faults(mesh));
-  if (object.up == "y") mesh = model::y_up_to_z_up(std::move(mesh));
+  result.warnings = mesh.reader_warnings;
+  for (const std::string& picture : mesh.unread_pictures)
+    result.warnings.push_back(
+        fmt::format("the picture {} is not read: its surface is white", picture));
+  for (std::string& warning : model::warnings(model::find_faults(mesh)))
+    result.warnings.push_back(std::move(warning));
+  // The reader has turned a GLB, whose y axis always points up.
+  if (object.up == "y" && lower_extension(object.file) != ".glb")
+    mesh = model::y_up_to_z_up(std::move(mesh));
   mesh = fitted(std::move(mesh), object, volume);
   result.what = fmt::format("{} triangles", mesh.triangles.size());
   result.model = std::move(mesh);

@@ -227,8 +227,7 @@ TEST(ReadMesh, BrokenFilesAreRefusedWithAReason) {
   EXPECT_THAT(message("a.step", "ISO-10303-21;"), HasSubstr("not a mesh format"));
 }
 
-// The mesh library must not receive bytes that crash it: damaged files are either read or refused
-// in one line.
+// Damaged files are either read or refused in one line.
 TEST(ReadMesh, DamagedFilesAtWorstFail) {
   const TemporaryFolder folder;
   const Mesh mesh = test::torus(10, 3, 5, 4);
