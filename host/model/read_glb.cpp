@@ -27,8 +27,8 @@ constexpr double glb_unit_mm = 1000;
 /// As for 3MF (threemf_objects.cpp), unless the file itself is larger: six bytes of indices are the
 /// least that a triangle takes without copies.
 constexpr std::size_t max_placed_triangles = 8'000'000, min_triangle_bytes = 6;
-/// Nodes and primitives with all their copies; more take minutes.
-constexpr std::size_t max_placed_parts = 500'000;
+/// Nodes and primitives with all their copies; as for objects of 3MF.
+constexpr std::size_t max_placed_parts = 100'000;
 
 [[noreturn]] void refuse_value(const path& file, const std::string& what) {
   refuse(file, what, "the file is damaged: export it again");
