@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -13,65 +10,13 @@
 #include "host/geometry/limits.hpp"
 #include "host/geometry/random.hpp"
 #include "host/geometry/vector.hpp"
+#include "host/points/point_grid.hpp"
 
 namespace lamplock::points {
 namespace {
 
-constexpr std::uint32_t no_shell = std::numeric_limits<std::uint32_t>::max();
-
 /// Neighbours on one shell count up to this many distances.
 constexpr double reach_distances = 2;
-
-/// Points placed so far, by cells that are hashed into buckets without storing the cell: two cells
-/// in one bucket only cost more comparisons.
-class Placed {
- public:
-  Placed(std::size_t most, double reach_mm)
-      : reach_(reach_mm),
-        heads_(std::bit_ceil(std::max<std::size_t>(most, 2)), no_shell),
-        next_(most, no_shell) {}
-
-  void add(const geometry::PointCloud& points) {
-    const auto index = static_cast<std::uint32_t>(points.size() - 1);
-    const geometry::Point& point = points.back();
-    std::uint32_t& head = heads_[bucket(cell(point.x), cell(point.y), cell(point.z))];
-    next_[index] = head;
-    head = index;
-  }
-
-  /// Calls `visit(index)` at least once for every point within the reach, and for some others.
-  template <class Visit>
-  void for_each_near(const geometry::Point& place, const Visit& visit) const {
-    // Cells are two reaches wide, so a ball touches at most two per axis.
-    const std::array<double, 2> x = cells_round(place.x), y = cells_round(place.y),
-                                z = cells_round(place.z);
-    for (std::size_t i = 0; i < 8; ++i) {
-      const std::size_t a = i & 1, b = i >> 1 & 1, c = i >> 2;
-      const bool repeated =
-          (a != 0 && x[0] == x[1]) || (b != 0 && y[0] == y[1]) || (c != 0 && z[0] == z[1]);
-      if (repeated) continue;
-      for (std::uint32_t k = heads_[bucket(x[a], y[b], z[c])]; k != no_shell; k = next_[k])
-        visit(k);
-    }
-  }
-
- private:
-  double cell(double coordinate) const { return std::floor(coordinate / (2 * reach_)); }
-  std::array<double, 2> cells_round(double coordinate) const {
-    return {cell(coordinate - reach_), cell(coordinate + reach_)};
-  }
-  std::size_t bucket(double x, double y, double z) const {
-    // + 0.0 makes -0 and 0 one cell.
-    std::uint64_t hash = 0;
-    for (const double rank : {x, y, z}) {
-      hash = geometry::Random(hash ^ std::bit_cast<std::uint64_t>(rank + 0.0)).next();
-    }
-    return static_cast<std::size_t>(hash) & (heads_.size() - 1);
-  }
-
-  double reach_;
-  std::vector<std::uint32_t> heads_, next_;
-};
 
 class Spreader {
  public:
@@ -104,7 +49,7 @@ class Spreader {
     ++members_[*best];
     result_.points.push_back(moved(point, inward, *best));
     result_.shell.push_back(static_cast<std::uint8_t>(*best));
-    placed_.add(result_.points);
+    placed_.add(static_cast<std::uint32_t>(result_.points.size() - 1), result_.points.back());
   }
 
   Shells take() { return std::move(result_); }
@@ -119,20 +64,19 @@ class Spreader {
   /// Square of the distance to the nearest point on that shell, at most that of the reach; 0 if
   /// any point is closer than the smallest distance.
   double apart_on(std::size_t shell, const geometry::Point& place) const {
-    const double least = options_.distance_mm * options_.distance_mm;
+    const double min_square = options_.distance_mm * options_.distance_mm;
     double apart = reach_ * reach_;
-    bool free = true;
-    placed_.for_each_near(place, [&](std::uint32_t i) {
+    const bool is_taken = placed_.any_near(place, [&](std::uint32_t i) {
       const double square = square_of_distance(place, result_.points[i]);
-      free = free && square >= least;
       if (result_.shell[i] == shell) apart = std::min(apart, square);
+      return square < min_square;
     });
-    return free ? apart : 0;
+    return is_taken ? 0 : apart;
   }
 
   const ShellOptions& options_;
   double reach_;
-  Placed placed_;
+  PointGrid placed_;
   std::vector<std::size_t> members_;  // of each shell
   Shells result_;
 };

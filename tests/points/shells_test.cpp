@@ -49,6 +49,25 @@ TEST(Shells, NeighboursOnAGridAreOnDifferentShells) {
   }
 }
 
+/// Points of a lattice of half the distance, each of them twice: coordinates near odd multiples of
+/// the reach are where rounding puts the ends of a search two cells apart.
+TEST(Shells, NeverTooCloseOnLatticesOfTheDistance) {
+  std::mt19937_64 random(5);
+  for (int i = 0; i < test::scaled(40); ++i) {
+    const double distance = 0.05 + static_cast<double>(test::below(random, 1000)) / 4000;
+    PointCloud cloud;
+    for (int k = -25; k <= 25; ++k) {
+      for (int l = 0; l < 3; ++l) {
+        cloud.push_back({k * distance, l * 4 * distance, k * distance / 2});
+        cloud.push_back(cloud.back());
+      }
+    }
+    const auto shells = spread_over_shells(
+        cloud, {}, {.shells = 2, .shell_mm = distance * 2, .distance_mm = distance});
+    ASSERT_GE(test::smallest_square(shells.points), distance * distance) << distance;
+  }
+}
+
 /// Pairs closer than 1.2 distances on one shell.
 std::size_t near_pairs(const PointCloud& cloud, const std::vector<std::uint8_t>& shell,
                        double distance) {

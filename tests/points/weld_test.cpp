@@ -47,6 +47,39 @@ TEST(Weld, AgreesWithComparingAllPairs) {
   }
 }
 
+/// Lattices of the distance itself, with duplicates: coordinates near odd multiples of the distance
+/// are where the ends of a ball round to cells two apart.
+TEST(Weld, AgreesWithComparingAllPairsOnLatticesOfTheDistance) {
+  std::mt19937_64 random(11);
+  for (int i = 0; i < test::scaled(200); ++i) {
+    const double distance = std::ldexp(1 + static_cast<double>(test::below(random, 1000)) / 1000,
+                                       -static_cast<int>(test::below(random, 12)));
+    const double shift = i % 3 == 0 ? 0 : static_cast<double>(test::below(random, 7)) - 3;
+    const auto rank = [&] {
+      return static_cast<double>(test::below(random, 24)) - 12 + shift * 1000;
+    };
+    PointCloud cloud;
+    for (int k = 0; k < 150; ++k) {
+      cloud.push_back({rank() * distance, rank() * distance, i % 2 == 0 ? 0 : rank() * distance});
+      cloud.push_back(cloud[test::below(random, static_cast<std::uint32_t>(cloud.size()))]);
+    }
+    ASSERT_EQ(weld(cloud, distance).points, weld_slowly(cloud, distance)) << distance;
+    ASSERT_EQ(weld(cloud, distance / 3).points, weld_slowly(cloud, distance / 3)) << distance;
+  }
+}
+
+/// Exact duplicates at every multiple of the distance, on each axis.
+TEST(Weld, ExactDuplicatesAreAlwaysFound) {
+  for (const double distance : {0.1, 0.09, 0.081, 0.3, 1.0 / 3, 0.13}) {
+    for (int k = -3000; k <= 3000; ++k) {
+      const double at = k * distance;
+      for (const geometry::Point& p :
+           {geometry::Point{at, 0, 0}, geometry::Point{0, at, 0}, geometry::Point{0, 0, at}})
+        ASSERT_EQ(weld({p, p}, distance).removed, 1u) << k << " x " << distance;
+    }
+  }
+}
+
 TEST(Weld, IsIdempotentAndKeepsTheFirst) {
   rc::check([] {
     PointCloud cloud;
