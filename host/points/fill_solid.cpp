@@ -16,6 +16,7 @@
 #include "host/model/mesh_faults.hpp"
 #include "host/points/dart_gaps.hpp"
 #include "host/points/inside.hpp"
+#include "host/points/mesh_parts.hpp"
 #include "host/points/poisson_blocks.hpp"
 #include "host/points/surface_blocks.hpp"
 
@@ -66,9 +67,9 @@ geometry::Point centre_of(const geometry::Point& low, double side) {
 /// The body, its distance and density.
 class Body {
  public:
-  Body(const model::Mesh& mesh, const SolidOptions& options)
+  Body(const model::Mesh& mesh, const Inside& inside, const SolidOptions& options)
       : options_(options),
-        inside_(mesh),
+        inside_(inside),
         cells_(surface_blocks(mesh, grid_over(bounds(mesh.vertices), options.distance_mm, "solid"),
                               "solid")) {}
 
@@ -148,7 +149,7 @@ class Body {
   }
 
   const SolidOptions& options_;
-  Inside inside_;
+  const Inside& inside_;
   SurfaceBlocks cells_;
 };
 
@@ -163,25 +164,26 @@ void require_valid(const model::Mesh& mesh, const SolidOptions& options) {
                 "give more than 0, at most 1");
   }
   require_sound(mesh, "solid");
+}
+
+/// The mesh, or if it is not closed, the mesh without duplicates of triangles.
+model::Mesh closed_mesh(const model::Mesh& mesh) {
   const model::MeshFaults faults = model::find_faults(mesh);
-  if (faults.closed || mesh.triangles.empty()) return;
+  model::Mesh result;
+  result.vertices = mesh.vertices;
+  result.triangles = mesh.triangles;
+  if (faults.closed || mesh.triangles.empty()) return result;
+  result.triangles = without_duplicates(result.triangles);
+  if (result.triangles.size() < mesh.triangles.size() && model::find_faults(result).closed)
+    return result;
   const std::vector<std::string> lines = model::warnings(faults);
   throw Error(Exit::bad_input, "solid",
               fmt::format("the mesh is not closed ({})", lines.empty() ? "" : lines.front()),
               "repair the model or fill its surface");
 }
 
-/// Volume as the sum of the pyramids between the triangles and a corner of the box.
-double volume_of(const model::Mesh& mesh) {
-  const geometry::Point from = bounds(mesh.vertices).low;
-  double volume = 0;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    auto [a, b, c] = corners_of(mesh, i);
-    for (geometry::Point* p : {&a, &b, &c}) *p = {p->x - from.x, p->y - from.y, p->z - from.z};
-    volume += a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) +
-              a.z * (b.x * c.y - b.y * c.x);
-  }
-  return std::abs(volume) / 6;
+double volume_of(const geometry::Bounds& box) {
+  return (box.high.x - box.low.x) * (box.high.y - box.low.y) * (box.high.z - box.low.z);
 }
 
 /// Blocks with surface and blocks wholly inside.
@@ -231,16 +233,18 @@ void fill_block(BlockDarts& block, std::span<const Cell> cells, const Body& body
 
 }  // namespace
 
-geometry::PointCloud fill_solid(const model::Mesh& mesh, const SolidOptions& options) {
-  require_valid(mesh, options);
+geometry::PointCloud fill_solid(const model::Mesh& any_mesh, const SolidOptions& options) {
+  require_valid(any_mesh, options);
+  const model::Mesh mesh = closed_mesh(any_mesh);
   if (mesh.triangles.empty()) return {};
   const double distance_mm = options.distance_mm;
   const BlockGrid grid = grid_over(bounds(mesh.vertices), block_distances * distance_mm, "solid");
   const double thinnest = options.light_depth_mm > 0 ? options.lowest_density : 1;
+  const Inside inside(mesh);
+  const double volume_mm3 = std::min(inside.volume_mm3(), volume_of(bounds(mesh.vertices)));
   geometry::require_count(
-      thinnest * saturated_solid * volume_of(mesh) / distance_mm / distance_mm / distance_mm,
-      "solid");
-  const Body body(mesh, options);
+      thinnest * saturated_solid * volume_mm3 / distance_mm / distance_mm / distance_mm, "solid");
+  const Body body(mesh, inside, options);
   DartBlocks darts(grid, blocks_of(mesh, grid, body), distance_mm);
   const geometry::Random seeds(options.seed);
   for (std::size_t round = 0; round <= solid_rounds.size(); ++round) {

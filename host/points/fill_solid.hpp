@@ -2,11 +2,12 @@
 // many others. In: a closed mesh in mm. Out: points inside it with a guaranteed minimum distance.
 // Called by the command line; needs no weld().
 //
-// A place is inside if a ray upwards crosses the surface an odd number of times. Points are thrown
-// as random darts and gaps are filled from an octree of the places that no point covers, by the
-// blocks and groups of blue_noise(). Measured: 480 000 points in a body of 280 000 triangles in 24
-// s of processor time of all threads, on a busy computer; a million should take 25 s on two free
-// cores, less in simple bodies.
+// A place is inside if the winding number of the surface round it is not zero: overlapping and
+// duplicated bodies are one, cavities stay empty, and bodies may be inside out (bodies.hpp). Points
+// are thrown as random darts and gaps are filled from an octree of the places that no point covers,
+// by the blocks and groups of blue_noise(). Measured: 480 000 points in a body of 280 000 triangles
+// in 24 s of processor time of all threads, on a busy computer; a million should take 25 s on two
+// free cores, less in simple bodies.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +28,9 @@ struct SolidOptions {
 };
 
 /// About 0.65 * volume / distance^3 points; every place well inside is closer than 1.45 distances
-/// to one. Throws Error (bad_input) for options out of range, a mesh that is not closed (names the
-/// first open edge), a vertex that is not finite, or too many points.
+/// to one. Throws Error (bad_input) for options out of range, a mesh that is not closed even
+/// without duplicates of triangles (names the first open edge), a vertex that is not finite, or too
+/// many points.
 geometry::PointCloud fill_solid(const model::Mesh& mesh, const SolidOptions& options);
 
 }  // namespace lamplock::points

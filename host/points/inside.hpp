@@ -1,48 +1,46 @@
 // Tests whether places are inside a closed mesh, and the thickness above them. In: a mesh and
-// places. Out: the crossings of a ray upwards from the place. Called by fill_solid().
+// places. Out: what the crossings of a ray upwards from the place say. Called by fill_solid().
 //
-// Triangles are listed by the cells of a grid in x and y that they may cover; a ray needs one cell.
-// The side on which it passes an edge is computed the same way for both triangles of the edge, so
-// that a ray never passes between them. Memory is linear in the triangles.
+// Inside is where the winding number is not zero: the union of overlapping bodies, without their
+// cavities (bodies.hpp).
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
-#include "host/geometry/bounds.hpp"
 #include "host/geometry/point.hpp"
 #include "host/model/mesh.hpp"
+#include "host/points/bodies.hpp"
+#include "host/points/vertical_crossings.hpp"
 
 namespace lamplock::points {
 
 class Inside {
  public:
-  /// The mesh must be closed, with finite coordinates, and must outlive this.
+  /// The mesh must be closed, with finite coordinates; its vertices must outlive this.
   explicit Inside(const model::Mesh& mesh);
+  Inside(const Inside&) = delete;
+  Inside& operator=(const Inside&) = delete;
 
-  /// True if a ray upwards crosses the surface an odd number of times.
   bool contains(const geometry::Point& place) const;
   /// Thickness of the body straight above `place` in mm, without gaps between its parts.
   double filled_above_mm(const geometry::Point& place) const;
+  /// The sum of the volumes of all bodies; more than that of their union if they overlap.
+  double volume_mm3() const { return volume_mm3_; }
 
  private:
-  struct Columns {  // cells from, to (included) of a triangle
-    std::size_t x_from, x_to, y_from, y_to;
+  /// State of a ray after the crossings so far.
+  struct Passed {
+    int winding = 0;   // of oriented triangles
+    bool odd = false;  // of the others
+    bool inside() const { return winding != 0 || odd; }
   };
-  Columns columns_of(std::size_t triangle) const;
-  std::size_t column_rank(double coordinate, double from) const;
-  void choose_columns();
-  /// Calls `hit(z)` for every triangle above or below the place.
-  template <class Hit>
-  void for_each_crossing(const geometry::Point& place, const Hit& hit) const;
+  void pass(const Crossing& crossing, Passed& passed) const;
 
-  const model::Mesh& mesh_;
-  geometry::Bounds box_;
-  std::size_t side_ = 1;  // columns in x and in y
-  double width_mm_ = 1;   // of a column
-  std::vector<std::uint32_t> first_, triangles_;
+  std::vector<Triangle> triangles_;  // oriented ones first
+  std::size_t oriented_ = 0;
+  double volume_mm3_ = 0;
+  VerticalCrossings crossings_;
 };
 
 }  // namespace lamplock::points

@@ -98,21 +98,24 @@ TEST(FillFaces, WrongInputIsRefused) {
   EXPECT_EQ(fill_faces(mesh, {.distance_mm = 0.1}).rejected, 1u);
 }
 
-/// A ball with a spherical hole whose surface is oriented either way.
-Mesh hollow_ball(bool turned) {
+/// A ball with a spherical hole: its surface is oriented the other way. The whole may be inside
+/// out.
+Mesh hollow_ball(bool inside_out) {
   Mesh mesh = test::sphere(5, 40, 80);
   const Mesh hole = test::sphere(3, 40, 80);
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), hole.vertices.begin(), hole.vertices.end());
   for (const auto& [a, b, c] : hole.triangles) {
-    mesh.triangles.push_back({first + a, first + (turned ? c : b), first + (turned ? b : c)});
+    mesh.triangles.push_back({first + a, first + c, first + b});
   }
+  if (inside_out)
+    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   return mesh;
 }
 
 TEST(FillSolid, PointsAreInsideAndApart) {
-  for (const bool turned : {false, true}) {
-    const PointCloud cloud = fill_solid(hollow_ball(turned), {.distance_mm = 0.5});
+  for (const bool inside_out : {false, true}) {
+    const PointCloud cloud = fill_solid(hollow_ball(inside_out), {.distance_mm = 0.5});
     EXPECT_GE(test::smallest_square(cloud), 0.25);
     for (const auto& p : cloud) {
       const double r = std::hypot(p.x, p.y, p.z);
