@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,14 +28,21 @@ using std::filesystem::path;
          "write one point per line: x y z in mm, # for comments");
 }
 
+[[noreturn]] void refuse_decimal_comma(const path& file, std::size_t line) {
+  refuse(file, fmt::format("line {}: has decimal commas", line),
+         "write decimal points: 1.5 instead of 1,5");
+}
+
 /// Which fields of a line are the coordinates, and what separates fields.
 struct Columns {
   std::array<std::size_t, 3> of_axis{0, 1, 2};
-  char separator = ' ';     ///< ' ' means blanks and commas, otherwise the only separator
-  std::size_t count = 0;    ///< exact number in a line, 0: at least those of the axes
-  bool all_numbers = true;  ///< unused columns are numbers too
+  char separator = ' ';   ///< ' ' means blanks and commas, otherwise the only separator
+  std::size_t count = 3;  ///< of a line; a line of names may be longer than the lines of points
+  bool has_names = false;
 
-  std::size_t least() const { return std::max({of_axis[0], of_axis[1], of_axis[2]}) + 1; }
+  std::size_t min_count() const {
+    return has_names ? std::max({of_axis[0], of_axis[1], of_axis[2]}) + 1 : count;
+  }
 };
 
 /// A row of `.cad`: flag, layer, X, Y, Z.
@@ -70,11 +78,12 @@ std::string axis_name(std::string_view field) {
 Columns named_columns(const path& file, std::size_t line, std::string_view names) {
   constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
   Columns columns;
-  columns.all_numbers = false;
+  columns.has_names = true;
   for (const char separator : {',', ';'}) {
     if (names.find(separator) != std::string_view::npos) columns.separator = separator;
   }
   const std::vector<std::string_view> fields = fields_of(names, columns.separator);
+  columns.count = fields.size();
   for (std::size_t axis = 0; axis < axes.size(); ++axis) {
     const auto found = std::find_if(fields.begin(), fields.end(), [&](std::string_view field) {
       return axis_name(field) == axes[axis];
@@ -86,27 +95,64 @@ Columns named_columns(const path& file, std::size_t line, std::string_view names
   return columns;
 }
 
+/// True if a comma is between two digits.
+bool has_inner_comma(std::string_view text) {
+  const auto is_digit = [](char letter) { return letter >= '0' && letter <= '9'; };
+  for (std::size_t i = 1; i + 1 < text.size(); ++i)
+    if (text[i] == ',' && is_digit(text[i - 1]) && is_digit(text[i + 1])) return true;
+  return false;
+}
+
+/// True if blanks alone separate two fields.
+bool has_blank_separator(std::string_view text) {
+  char before = ',';
+  bool blank = false;
+  for (const char letter : trimmed(text)) {
+    const bool is_blank = letter == ' ' || letter == '\t' || letter == '\r';
+    if (!is_blank && blank && before != ',' && letter != ',') return true;
+    blank = is_blank;
+    if (!is_blank) before = letter;
+  }
+  return false;
+}
+
+void check_count(const path& file, std::size_t line, std::span<const std::string_view> fields,
+                 const Columns& columns) {
+  const std::size_t min_count = columns.min_count();
+  if (fields.size() < min_count) {
+    refuse_line(file, line,
+                columns.count == 3 && !columns.has_names
+                    ? fmt::format("has {} of 3 coordinates", fields.size())
+                    : fmt::format("has {} of {} columns", fields.size(), min_count));
+  }
+  // A separator at the end of a line makes an empty field.
+  while (!fields.empty() && fields.back().empty()) fields = fields.first(fields.size() - 1);
+  if (fields.size() <= columns.count) return;
+  if (columns.has_names)
+    refuse_line(file, line,
+                fmt::format("has {} columns, and names for {}", fields.size(), columns.count));
+  if (columns.count != 3)
+    refuse_line(file, line, fmt::format("has {} of {} columns", fields.size(), columns.count));
+  refuse(file, fmt::format("line {}: has {} numbers, and 3 are a point", line, fields.size()),
+         "begin the file with a line of names, as: x y z red green blue");
+}
+
 geometry::Point parse_point(const path& file, std::size_t line, std::string_view text,
                             const Columns& columns) {
   const std::vector<std::string_view> fields = fields_of(text, columns.separator);
   std::array<double, 3> coordinates{};
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const auto axis = std::find(columns.of_axis.begin(), columns.of_axis.end(), i);
-    if (axis == columns.of_axis.end() && !columns.all_numbers) continue;
+    if (axis == columns.of_axis.end() && columns.has_names) continue;
     const auto number = to_double(fields[i]);
+    if (!number && has_inner_comma(fields[i])) refuse_decimal_comma(file, line);
     if (!number || !std::isfinite(*number)) {
       refuse_line(file, line, fmt::format("'{:.20}' is not a usable number", fields[i]));
     }
     if (axis != columns.of_axis.end())
       coordinates[static_cast<std::size_t>(axis - columns.of_axis.begin())] = *number;
   }
-  const std::size_t wanted = columns.count > 0 ? columns.count : columns.least();
-  if (fields.size() < wanted || (columns.count > 0 && fields.size() > wanted)) {
-    refuse_line(file, line,
-                columns.all_numbers && columns.count == 0
-                    ? fmt::format("has {} of 3 coordinates", fields.size())
-                    : fmt::format("has {} of {} columns", fields.size(), wanted));
-  }
+  check_count(file, line, fields, columns);
   return {coordinates[0], coordinates[1], coordinates[2]};
 }
 
@@ -120,25 +166,39 @@ bool is_names(std::string_view content) {
   return is_letter && !to_double(next_field(rest));  // nan is a number
 }
 
+/// The line without its comment.
+std::string_view content_of(std::string_view line) { return line.substr(0, line.find('#')); }
+
+/// True if a line of points or names has a semicolon: then a comma is no separator.
+bool has_semicolons(std::string_view text) {
+  Lines lines(text);
+  while (const auto line = lines.next())
+    if (content_of(*line).find(';') != std::string_view::npos) return true;
+  return false;
+}
+
 geometry::PointCloud read_text(const path& file, const std::string& bytes, Columns columns) {
-  // In a file with semicolons a comma is a decimal point: an error, not a separator.
-  const char extra_separator = bytes.find(';') == std::string::npos ? ',' : ';';
-  std::string spaced = bytes;
-  std::replace(spaced.begin(), spaced.end(), extra_separator, ' ');
   const std::string_view text = bytes;
+  const bool semicolons = has_semicolons(without_byte_order_mark(text));
+  std::string spaced = bytes;
+  std::replace(spaced.begin(), spaced.end(), semicolons ? ';' : ',', ' ');
   geometry::PointCloud cloud;
   Lines lines(without_byte_order_mark(text));
-  bool names_may_follow = columns.count == 0;
+  bool names_may_follow = columns.count == 3;
   while (const auto line = lines.next()) {
-    std::string_view content = line->substr(0, line->find('#'));
+    std::string_view content = content_of(*line);
     if (names_may_follow && is_names(content)) {
       columns = named_columns(file, lines.number(), content);
       names_may_follow = false;
       continue;
     }
-    if (columns.separator == ' ')
+    if (columns.separator == ' ') {
+      // "1,5 2,5 3,5": a comma that separates would be with or instead of the blanks.
+      if (!semicolons && has_inner_comma(content) && has_blank_separator(content))
+        refuse_decimal_comma(file, lines.number());
       content = std::string_view(spaced).substr(
           static_cast<std::size_t>(content.data() - text.data()), content.size());
+    }
     std::string_view rest = content;
     if (next_field(rest).empty()) continue;
     names_may_follow = false;

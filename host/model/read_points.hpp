@@ -12,10 +12,11 @@ namespace lamplock::model {
 
 /// Reads by extension. .ply: no faces. .dxf: POINT entities only. .cad (a common program of glass
 /// engravers): rows `flag layer X Y Z`. All other files are text: one point per line, three numbers
-/// separated by white space, commas or semicolons; more columns (normals, colours) must be numbers
-/// and are ignored. A first line of names selects the columns x, y and z (or x_mm, ...). `#` begins
-/// a comment. Throws Error (bad_input) naming file and line, for a file that is missing, damaged,
-/// not finite or without points.
+/// separated by white space, commas or semicolons. A first line of names selects the columns x, y
+/// and z (or x_mm, ...); only with it there may be more columns (normals, colours), which are
+/// ignored.
+/// `#` begins a comment. Throws Error (bad_input) naming file and line, for a file that is missing,
+/// damaged, not finite or without points, for decimal commas, and for more columns than names.
 geometry::PointCloud read_point_list(const std::filesystem::path& path);
 
 /// The same for a file whose bytes were read already; not for .dxf.

@@ -85,21 +85,63 @@ TEST(PointList, ColumnNamesIdentifyCoordinates) {
   EXPECT_EQ(read("\"name\";\"z\";\"y\";\"x\"\na b;3;2;1\n;6; 5 ;4\n"),
             (PointCloud{{1, 2, 3}, {4, 5, 6}}));
   EXPECT_EQ(read("z x y\n3 1 2\n"), (PointCloud{{1, 2, 3}}));
-  EXPECT_EQ(read("1;2;3\n4; 5;6;7\n"), (PointCloud{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(read("1;2;3\n4; 5;6;\n"), (PointCloud{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(read("x y z red green blue\n1 2 3 9 9 9\n4,5,6,9,9,9\n7 8 9\n"),
+            (PointCloud{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}));
+  EXPECT_EQ(read("x,y,z\n1,2,3,\n"), (PointCloud{{1, 2, 3}}));
+  EXPECT_EQ(read("# a;b\n1,2,3\n"), (PointCloud{{1, 2, 3}}));
   const auto message = [&](const std::string& bytes) { return error_of([&] { read(bytes); }); };
   EXPECT_THAT(message("a,b,c\n1,2,3\n"), HasSubstr("line 1: the names of columns lack 'x'"));
   EXPECT_THAT(message("x,y,z\n1,2\n"), HasSubstr("line 2: has 2 of 3"));
   EXPECT_THAT(message("x,y,z\n1,,3\n"), HasSubstr("line 2: ''"));
   EXPECT_THAT(message("x,y,z\nx,y,z\n"), HasSubstr("line 2: 'x'"));
-  EXPECT_THAT(message("1,5;2;3\n"), HasSubstr("'1,5'"));
+  EXPECT_THAT(message("x,y,z\n1,2,3,4\n"), HasSubstr("line 2: has 4 columns, and names for 3"));
 }
 
 TEST(PointList, ReadsVariantsOfText) {
   const TemporaryFolder folder;
   const auto path = folder.write("a.txt",
                                  "\xEF\xBB\xBF# x y z\r\n1 2 3\r\n\r\n 4,5 , 6 # a comment\n"
-                                 "+7\t-8e0\t.5 255 0 0\n1,2,3");
+                                 "+7\t-8e0\t.5\n1,2,3");
   EXPECT_EQ(read_point_list(path), (PointCloud{{1, 2, 3}, {4, 5, 6}, {7, -8, 0.5}, {1, 2, 3}}));
+}
+
+TEST(PointList, DecimalCommasAreRefused) {
+  const TemporaryFolder folder;
+  const auto message = [&](const std::string& name, const std::string& bytes) {
+    const auto path = folder.write(name, bytes);
+    return error_of([&] { read_point_list(path); });
+  };
+  for (const char* line :
+       {"1,5;2,5;3,5", "1,5\t2,25\t3,75", "1,5\t2,5", "1,5\t2", "1,5 2,5 3,5", "1,5 2 3", "1 2 3,5",
+        "1,5; 2; 3", "\"1,5\";\"2,5\";\"3,5\"", "-1,5\t-2,5\t-3,5 # 1"})
+    for (const char* names : {"", "x;y;z\n", "x\ty\tz\n", "x y z\n"})
+      EXPECT_THAT(message("a.txt", std::string("# list\n") + names + line + "\n"),
+                  testing::AnyOf(HasSubstr("has decimal commas"), HasSubstr("is not a usable")))
+          << names << line;
+  for (const char* line : {"1,5;2,5;3,5", "1,5\t2,25\t3,75", "1,5\t2,5", "1,5 2 3"})
+    EXPECT_THAT(message("a.csv", std::string("1 2 3\n") + line + "\n"),
+                HasSubstr("line 2: has decimal commas; write decimal points: 1.5 instead of 1,5"));
+  EXPECT_THAT(message("a.csv", "1,5,2,5,3,5\n"), HasSubstr("line 1: has 6 numbers"));
+  EXPECT_THAT(message("a.csv", "x,y,z\n1,5,2,5,3,5\n"), HasSubstr("line 2: has 6 columns"));
+  EXPECT_THAT(message("a.cad", "1 0 1,5 2\n"), HasSubstr("decimal commas"));
+  EXPECT_THAT(message("a.cad", "1;0;1,5;2,5;3,5\n"), HasSubstr("decimal commas"));
+}
+
+TEST(PointList, MoreThanThreeNumbersNeedNames) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.xyz", "a.txt", "a.csv", "a.asc"}) {
+    for (const char* line : {"1 2 3 4", "1,2,3,4", "1;2;3;4", "1\t2\t3\t255\t0\t0"}) {
+      const auto path = folder.write(name, std::string("1 2 3\n") + line + "\n");
+      EXPECT_THAT(
+          error_of([&] { read_point_list(path); }),
+          testing::AllOf(HasSubstr("line 2: has "), HasSubstr(" numbers, and 3 are a point"),
+                         HasSubstr("line of names")));
+    }
+  }
+  // Lines that end as those of old Macs are one line for this reader.
+  const auto mac = folder.write("a.xyz", "1 2 3\r4 5 6\r");
+  EXPECT_THAT(error_of([&] { read_point_list(mac); }), HasSubstr("has 6 numbers"));
 }
 
 TEST(PointList, ReadsPlyOfEveryKind) {
@@ -151,6 +193,28 @@ TEST(PointList, DamagedPlyAtWorstFails) {
       [&](const std::string& bytes) {
         EXPECT_FALSE(read_point_list(folder.write("a.ply", bytes)).empty());
       });
+}
+
+/// Mutated files of one list; at a scale of 20 there are 10 000.
+void expect_mutated_lists(const std::string& name, const std::string& whole) {
+  EXPECT_FALSE(model::decode_point_list(name, whole).empty());
+  int read = 0;
+  test::expect_damaged_read_or_refused(
+      test::scaled(500), whole, "0123456789.,;-+eE \t\r\n#xyzXnaif\"" + test::any_byte(),
+      [&](const std::string& bytes) {
+        for (const auto& p : model::decode_point_list(name, bytes))
+          ASSERT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+        ++read;
+      });
+  EXPECT_GT(read, 0);
+}
+
+TEST(PointList, DamagedTextAtWorstFails) {
+  expect_mutated_lists("a.xyz", "# list\n1.5 -2 3e0\n4 5 6\n.1 +.2 -.3\n7 8 9");
+  expect_mutated_lists("a.txt", "\xEF\xBB\xBFz y x\r\n1.5\t2\t3\r\n4\t5\t6\r\n");
+  expect_mutated_lists("a.csv", "name,x_mm,y_mm,z_mm\n\"a\",1,2,3\nb,4,5,6\n,7,8,9\n");
+  expect_mutated_lists("a.asc", "1;2;3\n4 ; 5; 6\n7;8;9;\n");
+  expect_mutated_lists("a.cad", "1 0 1.5 2 3\n1,1,4,5,6\n0 2 7 8 9\n");
 }
 
 }  // namespace
