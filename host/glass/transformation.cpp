@@ -128,6 +128,16 @@ Affine fitting(const Bounds& box, const Bounds& room, const std::string& where) 
          centring(box, room.centre());
 }
 
+/// The room less a margin on each side.
+Bounds narrowed(Bounds room, const Point& margin, const std::string& where) {
+  room.low = {room.low.x + margin.x, room.low.y + margin.y, room.low.z + margin.z};
+  room.high = {room.high.x - margin.x, room.high.y - margin.y, room.high.z - margin.z};
+  if (room.low.x > room.high.x || room.low.y > room.high.y || room.low.z > room.high.z)
+    throw Error(Exit::bad_input, where, "has layers that are thicker together than the room",
+                "use fewer layers, or a smaller distance between them");
+  return room;
+}
+
 }  // namespace
 
 void check_transformation(const std::string& words, const std::string& where) {
@@ -146,7 +156,8 @@ double fitting_scale(const Bounds& box, const Bounds& room) {
 }
 
 Affine placement(const Affine& first, std::span<const std::string> transformations,
-                 const Volume& volume, const BoxUnder& box_under, const std::string& where) {
+                 const Volume& volume, const BoxUnder& box_under, const std::string& where,
+                 const MarginUnder& margin_under) {
   const Point middle = volume.middle();
   Affine map = first;
   for (const std::string& words : transformations) {
@@ -159,7 +170,10 @@ Affine placement(const Affine& first, std::span<const std::string> transformatio
         map = centring(box_under(map), middle) * map;
         break;
       case Kind::fit:
-        map = fitting(box_under(map), volume.room(), where) * map;
+        map = fitting(box_under(map),
+                      narrowed(volume.room(), margin_under ? margin_under(map) : Point{}, where),
+                      where) *
+              map;
         break;
     }
   }

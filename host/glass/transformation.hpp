@@ -30,11 +30,17 @@ void check_transformation(const std::string& words, const std::string& where);
 /// The box of an object under a map.
 using BoxUnder = std::function<geometry::Bounds(const geometry::Affine&)>;
 
+/// What an object has on each side of its box under a map, mm along x, y and z, in any scale: the
+/// layers of a picture.
+using MarginUnder = std::function<geometry::Point(const geometry::Affine&)>;
+
 /// `first`, then the transformations in their order, in this volume. Throws Error(bad_input), at
-/// `where`, for wrong words, and for `fit` of an object without extent.
+/// `where`, for wrong words, for `fit` of an object without extent, and of one whose margin fills
+/// the room.
 geometry::Affine placement(const geometry::Affine& first,
                            std::span<const std::string> transformations, const Volume& volume,
-                           const BoxUnder& box_under, const std::string& where);
+                           const BoxUnder& box_under, const std::string& where,
+                           const MarginUnder& margin_under = nullptr);
 
 /// The largest scale factor of a box whose sides then fit into `room`; infinite for a box without
 /// extent.

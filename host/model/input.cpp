@@ -64,11 +64,15 @@ constexpr Format formats[] = {
     {".dxf", InputKind::points, read_curves_or_points},
 };
 
+/// Pictures of other formats: the reader refuses them with a hint, unless their extension is wrong.
+constexpr Format foreign_picture{"", InputKind::bitmap, read_as<read_bitmap>};
+
 /// The first row of the extension of a file that exists.
 const Format& format_of(const path& file) {
   std::error_code failure;
   if (!std::filesystem::exists(file, failure)) refuse(file, "no such file", "check the name");
   const std::string extension = lower_extension(file);
+  if (is_foreign_picture(extension)) return foreign_picture;
   const auto* const found = std::ranges::find(formats, extension, &Format::extension);
   if (found == std::end(formats))
     refuse(file, fmt::format("unknown kind of file '{}'", extension),

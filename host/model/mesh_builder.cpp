@@ -87,7 +87,7 @@ std::uint32_t MeshBuilder::texture(const std::string& name, const std::function<
   if (!is_new) return known->second;
   try {
     if (pixels_ > max_pixels) refuse(name, "too many pixels", "use smaller pictures");
-    Bitmap bitmap = read();
+    Bitmap bitmap = flattened(read(), white);  // a surface has no holes
     pixels_ += bitmap.grey.size();
     known->second = static_cast<std::uint32_t>(all_.textures.size());
     all_.textures.push_back(std::move(bitmap));

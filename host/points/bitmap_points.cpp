@@ -8,69 +8,91 @@
 #include <vector>
 
 #include "host/error.hpp"
+#include "host/geometry/affine.hpp"
 #include "host/geometry/limits.hpp"
 #include "host/geometry/random.hpp"
+#include "host/geometry/vector.hpp"
 
 namespace lamplock::points {
 namespace {
 
-/// Sums of all pixels above and left of a corner, so that the mean of a square needs four reads.
+/// Sums of all pixels above and left of a corner, so that the sum of a box needs four reads.
+template <class Sum>
 class PixelSums {
  public:
-  explicit PixelSums(const model::Bitmap& bitmap)
-      : stride_(static_cast<std::size_t>(bitmap.width) + 1),
-        sums_(stride_ * (static_cast<std::size_t>(bitmap.height) + 1), 0) {
-    for (std::size_t i = 0; i < bitmap.grey.size(); ++i) {
+  PixelSums() = default;
+  /// `value(pixel)` for every pixel of a picture.
+  template <class Value>
+  PixelSums(int width, int height, const Value& value)
+      : stride_(static_cast<std::size_t>(width) + 1),
+        sums_(stride_ * (static_cast<std::size_t>(height) + 1), 0) {
+    const std::size_t pixels = (stride_ - 1) * static_cast<std::size_t>(height);
+    for (std::size_t i = 0; i < pixels; ++i) {
       const std::size_t corner = (i / (stride_ - 1) + 1) * stride_ + i % (stride_ - 1) + 1;
-      sums_[corner] = bitmap.grey[i] + sums_[corner - 1] + sums_[corner - stride_] -
-                      sums_[corner - stride_ - 1];
+      sums_[corner] =
+          value(i) + sums_[corner - 1] + sums_[corner - stride_] - sums_[corner - stride_ - 1];
     }
   }
 
-  /// Mean grey of the pixels left <= x < right, top <= y < bottom.
-  double mean(std::size_t left, std::size_t right, std::size_t top, std::size_t bottom) const {
-    const std::uint64_t sum = sums_[bottom * stride_ + right] - sums_[bottom * stride_ + left] -
-                              sums_[top * stride_ + right] + sums_[top * stride_ + left];
-    return static_cast<double>(sum) / static_cast<double>((right - left) * (bottom - top));
+  /// Of the pixels left <= x < right, top <= y < bottom.
+  Sum of(std::size_t left, std::size_t right, std::size_t top, std::size_t bottom) const {
+    return sums_[bottom * stride_ + right] - sums_[bottom * stride_ + left] -
+           sums_[top * stride_ + right] + sums_[top * stride_ + left];
   }
 
  private:
-  std::size_t stride_;
-  std::vector<std::uint64_t> sums_;
+  std::size_t stride_ = 0;
+  std::vector<Sum> sums_;
 };
 
-/// Grid points along one side of the picture, each with its pixels.
-struct Side {
-  Side(int pixels, double length_mm, double spacing_mm)
+std::size_t to_index(double value) { return static_cast<std::size_t>(value); }
+
+/// The grid along one axis, round 0.
+struct GridAxis {
+  GridAxis(double length_mm, double spacing_mm)
       : count(std::max(1.0, std::floor(length_mm / spacing_mm + 1e-9))),
         first_mm(-(count - 1) / 2 * spacing_mm),
-        pixel_mm(length_mm / pixels),
-        half_mm(length_mm / 2),
         spacing(spacing_mm),
-        last_pixel(pixels - 1) {}
+        max_shift_mm(std::min(spacing_mm, length_mm)) {}
 
   double position(std::size_t i) const { return first_mm + static_cast<double>(i) * spacing; }
 
-  /// Begin and end of the pixels in grid point i's square; at least one pixel.
-  std::pair<std::size_t, std::size_t> pixels(std::size_t i) const {
-    // Rounding must not move an edge of a square from an edge of a pixel into the next pixel.
-    constexpr double rounding = 1e-6;
-    const double low = (position(i) - spacing / 2 + half_mm) / pixel_mm + rounding;
-    const double high = (position(i) + spacing / 2 + half_mm) / pixel_mm - rounding;
-    const double middle = std::clamp(std::floor((low + high) / 2), 0.0, last_pixel);
-    if (high - low <= 1) return {to_index(middle), to_index(middle) + 1};
-    const double first = std::clamp(std::floor(low), 0.0, middle);
-    const double last = std::clamp(std::floor(high), middle, last_pixel);
-    return {to_index(first), to_index(last) + 1};
-  }
-
-  static std::size_t to_index(double value) { return static_cast<std::size_t>(value); }
-
-  double count, first_mm, pixel_mm, half_mm, spacing, last_pixel;
+  double count, first_mm, spacing;
+  double max_shift_mm;  ///< from end to end; a point stays within the length
 };
 
-void require_valid(const model::Bitmap& bitmap, const BitmapOptions& options) {
-  geometry::require_positive(options.size_mm, "bitmap", "size");
+/// Pixels along one side of the picture, whose middle is 0.
+struct PixelSide {
+  /// The pixels of a grid point: begin, end, and the one that it is in.
+  struct Covered {
+    std::size_t begin, end, middle;
+  };
+
+  PixelSide(int pixels, double length_mm, double spacing_mm)
+      : pixel_mm(length_mm / pixels),
+        half_mm(length_mm / 2),
+        reach_mm(spacing_mm / 2),
+        last_pixel(pixels - 1) {}
+
+  /// The pixels in the square of a grid point; at least one.
+  Covered at(double position) const {
+    // Rounding must not move an edge of a square from an edge of a pixel into the next pixel.
+    constexpr double rounding = 1e-6;
+    const double low = (position - reach_mm + half_mm) / pixel_mm + rounding;
+    const double high = (position + reach_mm + half_mm) / pixel_mm - rounding;
+    const double middle = std::clamp(std::floor((low + high) / 2), 0.0, last_pixel);
+    if (high - low <= 1) return {to_index(middle), to_index(middle) + 1, to_index(middle)};
+    const double first = std::clamp(std::floor(low), 0.0, middle);
+    const double last = std::clamp(std::floor(high), middle, last_pixel);
+    return {to_index(first), to_index(last) + 1, to_index(middle)};
+  }
+
+  bool contains(double position) const { return std::abs(position) <= half_mm; }
+
+  double pixel_mm, half_mm, reach_mm, last_pixel;
+};
+
+void require_valid(const BitmapOptions& options) {
   geometry::require_positive(options.spacing_mm, "bitmap", "spacing");
   geometry::require_positive(options.layers, "bitmap", "number of layers");
   constexpr int max_layers = 10'000;  // a metre at 0.1 mm
@@ -84,67 +106,121 @@ void require_valid(const model::Bitmap& bitmap, const BitmapOptions& options) {
                 "give 0 to 255");
   }
   if (options.tone) require_valid(*options.tone, "bitmap");
-  if (bitmap.width <= 0 || bitmap.height <= 0) {
-    throw Error(Exit::bad_input, "bitmap", "it has no pixels", "give a picture");
-  }
 }
+
+/// The frame's plane: unit vectors, of which the first is along the lower side.
+struct PicturePlane {
+  explicit PicturePlane(const PictureFrame& frame)
+      : centre(frame.centre),
+        width_mm(geometry::norm(frame.right)),
+        along(geometry::times(frame.right, 1 / width_mm)),
+        lean_mm(geometry::dot(frame.up, along)),
+        normal(frame.normal) {
+    const geometry::Point upright = geometry::difference(frame.up, geometry::times(along, lean_mm));
+    height_mm = geometry::norm(upright);
+    across = geometry::times(upright, 1 / height_mm);
+    // Rounding of a rotation.
+    if (std::abs(lean_mm) < 1e-9 * (width_mm + height_mm)) lean_mm = 0;
+  }
+
+  geometry::Point at(double x, double y, double depth) const {
+    return geometry::Affine{along, across, normal, centre}({x, y, depth});
+  }
+
+  geometry::Point centre;
+  double width_mm;
+  geometry::Point along;
+  double lean_mm;  ///< the left side leans to the right by this, after rotation and uneven scale
+  geometry::Point normal, across{};
+  double height_mm = 0;
+};
+
+/// What a grid point is in the picture.
+struct Sample {
+  double grey = 0;   ///< mean of the visible pixels over the background, 0..255
+  double alpha = 0;  ///< of the pixel in which it is, 0..1; 0: no point may be here
+};
 
 /// The picture sampled at grid points, row by row from the lowest.
 class Grid {
  public:
-  Grid(const model::Bitmap& bitmap, const BitmapOptions& options)
-      : scale_(options.size_mm / std::max(bitmap.width, bitmap.height)),
-        across_(bitmap.width, bitmap.width * scale_, options.spacing_mm),
-        up_(bitmap.height, bitmap.height * scale_, options.spacing_mm),
-        sums_(bitmap),
+  Grid(const model::Bitmap& bitmap, const PicturePlane& plane, double spacing_mm,
+       std::uint8_t background)
+      : bitmap_(bitmap),
+        plane_(plane),
+        across_(plane.width_mm + std::abs(plane.lean_mm), spacing_mm),
+        up_(plane.height_mm, spacing_mm),
+        columns_(bitmap.width, plane.width_mm, spacing_mm),
+        rows_(bitmap.height, plane.height_mm, spacing_mm),
         pixel_rows_(static_cast<std::size_t>(bitmap.height)) {
     geometry::require_count(across_.count * up_.count, "bitmap");
+    grey_ = {bitmap.width, bitmap.height, [&](std::size_t i) {
+               return bitmap.is_visible(i) ? bitmap.grey_over(i, background) : std::uint8_t{0};
+             }};
+    if (bitmap.alpha.empty()) return;
+    visible_ = {bitmap.width, bitmap.height,
+                [&](std::size_t i) { return bitmap.is_visible(i) ? 1U : 0U; }};
   }
 
-  std::size_t columns() const { return Side::to_index(across_.count); }
-  std::size_t rows() const { return Side::to_index(up_.count); }
+  std::size_t columns() const { return to_index(across_.count); }
+  std::size_t rows() const { return to_index(up_.count); }
+
+  /// Moves all grid points by parts of the spacing, from -0.5 to 0.5, and out of the picture's
+  /// plane.
+  void set_layer(double shift_across, double shift_up, double depth_mm) {
+    shift_across_ = shift_across * across_.max_shift_mm;
+    shift_up_ = shift_up * up_.max_shift_mm;
+    depth_mm_ = depth_mm;
+  }
+
   geometry::Point place(std::size_t i, std::size_t j) const {
-    return {across_.position(i), up_.position(j), 0};
+    return plane_.at(across_.position(i) + shift_across_, up_.position(j) + shift_up_, depth_mm_);
   }
 
-  /// Mean of the pixels under a grid point, 0..255.
-  double grey(std::size_t i, std::size_t j) const {
-    const auto [left, right] = across_.pixels(i);
-    const auto [bottom, top] = up_.pixels(j);  // counted from the bottom of the picture
-    return sums_.mean(left, right, pixel_rows_ - top, pixel_rows_ - bottom);
+  Sample sample(std::size_t i, std::size_t j) const {
+    const double y = up_.position(j) + shift_up_;
+    const double x = across_.position(i) + shift_across_ - plane_.lean_mm * (y / plane_.height_mm);
+    if (plane_.lean_mm != 0 && !columns_.contains(x)) return {};
+    const auto [left, right, column] = columns_.at(x);
+    const auto [bottom, top, row] = rows_.at(y);  // counted from the bottom of the picture
+    const std::size_t first = pixel_rows_ - top, last = pixel_rows_ - bottom;
+    const auto sum = static_cast<double>(grey_.of(left, right, first, last));
+    const std::size_t all = (right - left) * (top - bottom);
+    if (bitmap_.alpha.empty()) return {sum / static_cast<double>(all), 1};
+    const std::size_t pixel =
+        (pixel_rows_ - 1 - row) * static_cast<std::size_t>(bitmap_.width) + column;
+    if (!bitmap_.is_visible(pixel)) return {};
+    const std::size_t count = visible_.of(left, right, first, last);
+    return {sum / static_cast<double>(count), bitmap_.alpha[pixel] / double{model::opaque}};
   }
 
  private:
-  double scale_;
-  Side across_, up_;
-  PixelSums sums_;
+  const model::Bitmap& bitmap_;
+  PicturePlane plane_;
+  GridAxis across_, up_;
+  PixelSide columns_, rows_;
   std::size_t pixel_rows_;
+  PixelSums<std::uint64_t> grey_;
+  PixelSums<std::uint32_t> visible_;
+  double shift_across_ = 0, shift_up_ = 0, depth_mm_ = 0;
 };
 
-/// The points of one layer at z = 0.
-geometry::PointCloud threshold_layer(const Grid& grid, const BitmapOptions& options) {
-  geometry::PointCloud cloud;
+void threshold_layer(const Grid& grid, const BitmapOptions& options, geometry::PointCloud& cloud) {
   for (std::size_t j = 0; j < grid.rows(); ++j) {
     for (std::size_t i = 0; i < grid.columns(); ++i) {
-      const bool dark = grid.grey(i, j) < options.threshold;
-      if (dark != options.invert) cloud.push_back(grid.place(i, j));
+      const Sample sample = grid.sample(i, j);
+      const bool dark = sample.grey < options.threshold;
+      if (sample.alpha > 0 && dark != options.invert) cloud.push_back(grid.place(i, j));
     }
   }
-  return cloud;
 }
 
-/// Wanted share of points, row by row.
-std::vector<float> densities(const Grid& grid, const BitmapOptions& options) {
-  std::vector<float> wanted;
-  wanted.reserve(grid.rows() * grid.columns());
-  for (std::size_t j = 0; j < grid.rows(); ++j) {
-    for (std::size_t i = 0; i < grid.columns(); ++i) {
-      const double bright = grid.grey(i, j) / 255;
-      wanted.push_back(
-          static_cast<float>(options.tone->density(options.invert ? bright : 1 - bright)));
-    }
-  }
-  return wanted;
+/// Wanted share of points at a sample. Of transparent pixels the lowest density is less too.
+double density(const Sample& sample, const BitmapOptions& options) {
+  if (sample.alpha <= 0) return 0;
+  const double bright = sample.grey / model::white;
+  return options.tone->density(options.invert ? bright : 1 - bright) -
+         options.tone->lowest * (1 - sample.alpha);
 }
 
 /// Error diffusion, every other row backwards, with weights and threshold moved at random.
@@ -193,50 +269,59 @@ class Dither {
   bool backwards_ = false;
 };
 
-geometry::PointCloud tone_layer(const Grid& grid, const std::vector<float>& wanted,
-                                geometry::Random random) {
-  geometry::PointCloud cloud;
+void tone_layer(const Grid& grid, const BitmapOptions& options, geometry::Random random,
+                geometry::PointCloud& cloud) {
   Dither dither(grid.columns(), random);
+  std::vector<double> wanted(grid.columns());
   for (std::size_t j = 0; j < grid.rows(); ++j) {
-    const std::size_t first = j * grid.columns(), begin = cloud.size();
+    for (std::size_t i = 0; i < grid.columns(); ++i)
+      wanted[i] = density(grid.sample(i, j), options);
+    const std::size_t begin = cloud.size();
     dither.row(
-        grid.columns(), [&](std::size_t i) { return double{wanted[first + i]}; },
+        grid.columns(), [&](std::size_t i) { return wanted[i]; },
         [&](std::size_t i) { cloud.push_back(grid.place(i, j)); });
     if (j % 2 != 0) std::reverse(cloud.begin() + static_cast<std::ptrdiff_t>(begin), cloud.end());
   }
-  return cloud;
 }
 
-/// Converts coordinates along the picture's own axes (right, up, layer).
-geometry::Point in_plane(const geometry::Point& point, double layer_mm, Plane plane) {
-  switch (plane) {
-    case Plane::xz:
-      return {point.x, layer_mm, point.y};
-    case Plane::yz:
-      return {layer_mm, point.x, point.y};
-    case Plane::xy:
-      break;
-  }
-  return {point.x, point.y, layer_mm};
+/// The shift of layer k along one axis, -0.5..0.5 of the spacing; 0 for the first. Multiples of a
+/// badly approximable number never come close to each other.
+double shift_of(int k, double ratio) {
+  const double turns = k * ratio;
+  return turns - std::floor(turns + 0.5);
+}
+
+/// Grid points to look at, so that pictures without points end in time as well.
+void require_work(const Grid& grid, int layers) {
+  constexpr double max_samples = 100.0 * geometry::max_points;
+  const double samples = static_cast<double>(grid.columns()) * static_cast<double>(grid.rows());
+  if (samples * layers <= max_samples) return;
+  throw Error(Exit::bad_input, "bitmap",
+              fmt::format("{} layers of {:.3g} grid points", layers, samples),
+              "use a larger spacing, a smaller size or fewer layers");
 }
 
 }  // namespace
 
-geometry::PointCloud bitmap_points(const model::Bitmap& bitmap, const BitmapOptions& options) {
-  require_valid(bitmap, options);
-  const Grid grid(bitmap, options);
-  const std::vector<float> wanted = options.tone ? densities(grid, options) : std::vector<float>{};
-  geometry::PointCloud layer =
-      options.tone ? geometry::PointCloud{} : threshold_layer(grid, options);
+geometry::PointCloud bitmap_points(const model::Bitmap& bitmap, const PictureFrame& frame,
+                                   const BitmapOptions& options) {
+  require_valid(options);
+  const PicturePlane plane(frame);
+  geometry::require_positive(plane.width_mm, "bitmap", "width");
+  geometry::require_positive(plane.height_mm, "bitmap", "height");
+  Grid grid(bitmap, plane, options.spacing_mm, options.invert ? model::black : model::white);
+  require_work(grid, options.layers);
+  constexpr double golden_ratio = 0.618033988749895, silver_ratio = 0.414213562373095;
   const geometry::Random seeds(options.seed);
   geometry::PointCloud cloud;
   for (int k = 0; k < options.layers; ++k) {
+    grid.set_layer(shift_of(k, golden_ratio), shift_of(k, silver_ratio),
+                   (k - (options.layers - 1) / 2.0) * options.layer_mm);
     if (options.tone)
-      layer = tone_layer(grid, wanted, geometry::Random(seeds.fork(static_cast<unsigned>(k))));
-    geometry::require_count(static_cast<double>(cloud.size() + layer.size()), "bitmap");
-    const double depth = (k - (options.layers - 1) / 2.0) * options.layer_mm;
-    for (const geometry::Point& point : layer)
-      cloud.push_back(in_plane(point, depth, options.plane));
+      tone_layer(grid, options, geometry::Random(seeds.fork(static_cast<unsigned>(k))), cloud);
+    else
+      threshold_layer(grid, options, cloud);
+    geometry::require_count(static_cast<double>(cloud.size()), "bitmap");
   }
   return cloud;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "host/error.hpp"
 #include "shared/wire/runs.hpp"
@@ -12,7 +11,7 @@
 namespace lamplock::raster {
 namespace {
 
-constexpr double white = 255, full_power = 65'535;
+constexpr double max_grey = 255, full_power = 65'535;
 
 /// Calls `take(source, share)` for the sources that destination `i` of `to` covers; the sum of the
 /// shares is 1.
@@ -27,14 +26,16 @@ void for_covered(std::size_t i, std::size_t to, std::size_t from, const Take& ta
   }
 }
 
-/// Row `row` of `rows`, from the top, as wide as the picture.
-std::vector<double> mean_row(const model::Bitmap& bitmap, std::size_t row, std::size_t rows) {
+/// Row `row` of `rows`, from the top, as wide as the picture. Transparent pixels get the grey of
+/// power 0, `dark`.
+std::vector<double> mean_row(const model::Bitmap& bitmap, std::size_t row, std::size_t rows,
+                             std::uint8_t dark) {
   const auto width = static_cast<std::size_t>(bitmap.width);
   std::vector<double> mean(width);
   for_covered(row, rows, static_cast<std::size_t>(bitmap.height),
               [&](std::size_t source, double share) {
-                const auto grey = std::span(bitmap.grey).subspan(source * width, width);
-                for (std::size_t x = 0; x < width; ++x) mean[x] += share * grey[x];
+                for (std::size_t x = 0; x < width; ++x)
+                  mean[x] += share * bitmap.grey_over(source * width + x, dark);
               });
   return mean;
 }
@@ -61,12 +62,13 @@ Pixels make_pixels(const model::Bitmap& bitmap, std::size_t columns, std::size_t
   check(bitmap, columns, rows, range);
   Pixels pixels{columns, rows, std::vector<std::uint16_t>(columns * rows)};
   const auto power = [&range](double grey) {
-    const double share = (range.invert ? grey : white - grey) / white;
+    const double share = (range.invert ? grey : max_grey - grey) / max_grey;
     return share <= 0 ? std::uint16_t{0}
                       : power_of_run(range.lightest + share * (range.black - range.lightest));
   };
   for (std::size_t row = 0; row < rows; ++row) {
-    const std::vector<double> grey = mean_row(bitmap, rows - 1 - row, rows);
+    const std::vector<double> grey =
+        mean_row(bitmap, rows - 1 - row, rows, range.invert ? model::black : model::white);
     for (std::size_t column = 0; column < columns; ++column) {
       double mean = 0;
       for_covered(column, columns, grey.size(),
@@ -75,7 +77,7 @@ Pixels make_pixels(const model::Bitmap& bitmap, std::size_t columns, std::size_t
       constexpr double rounding = 1e-9;
       const double near = std::round(mean);
       pixels.power[row * columns + column] =
-          power(std::abs(mean - near) < rounding * white ? near : mean);
+          power(std::abs(mean - near) < rounding * max_grey ? near : mean);
     }
   }
   return pixels;

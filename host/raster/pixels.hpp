@@ -1,7 +1,7 @@
 // Converts a picture to powers of a continuous laser.
 //
 // In:  grey values, the number of pixels to engrave, the powers of black and of the lightest grey.
-// Out: one power per pixel; 0 for white.
+// Out: one power per pixel; 0 for white and for what is transparent.
 // Who: `lamplock raster`, before it makes rows.
 #pragma once
 

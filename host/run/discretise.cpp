@@ -9,6 +9,7 @@
 #include "host/error.hpp"
 #include "host/glass/lens.hpp"
 #include "host/glass/unused_parameters.hpp"
+#include "host/points/bitmap_points.hpp"
 #include "host/points/bounds_check.hpp"
 #include "host/points/divide.hpp"
 #include "host/points/shells.hpp"
@@ -80,6 +81,19 @@ PointCloud curve_points(const model::Curves& curves, const Object& object, doubl
   return points::divide(curves, options);
 }
 
+points::BitmapOptions bitmap_options(const Object& object, double spacing) {
+  points::BitmapOptions options;
+  options.spacing_mm = spacing;
+  options.threshold = object.threshold;
+  options.invert = object.invert;
+  options.layers = object.layers;
+  options.layer_mm = object.layer_mm.value_or(spacing);
+  options.seed = static_cast<std::uint64_t>(object.seed);
+  if (object.tone)
+    options.tone = points::ToneCurve{object.gamma, false, object.tone_lowest, object.tone_highest};
+  return options;
+}
+
 /// Points by the method of the model. True: the method itself keeps them apart.
 bool make_points(PlacedModel& model, const Object& object, double spacing, ObjectPoints& made) {
   if (auto* mesh = std::get_if<model::Mesh>(&model.model)) {
@@ -91,6 +105,9 @@ bool make_points(PlacedModel& model, const Object& object, double spacing, Objec
   }
   if (auto* curves = std::get_if<model::Curves>(&model.model))
     made.points = curve_points(*curves, object, spacing);
+  else if (const auto* picture = std::get_if<PlacedPicture>(&model.model))
+    made.points =
+        points::bitmap_points(picture->bitmap, picture->frame, bitmap_options(object, spacing));
   else
     made.points = std::move(std::get<PointCloud>(model.model));
   return false;
@@ -177,7 +194,7 @@ ObjectPoints object_points(const Object& object, const glass::GlassChoice& glass
                            const Volume& volume, Frontend& frontend) {
   frontend.restart_clock();
   const double spacing = spacing_mm(object, glass);
-  PlacedModel model = placed_model(object, spacing, volume);
+  PlacedModel model = placed_model(object, object.layer_mm.value_or(spacing), volume);
   if (model.kind != InputKind::points)
     frontend.phase("model",
                    fmt::format("{}: {}, {}", object.file, model.what, size_text(model.box())));
@@ -188,7 +205,7 @@ ObjectPoints object_points(const Object& object, const glass::GlassChoice& glass
 
 Bounds object_bounds(const Object& object, const glass::GlassChoice& glass, const Volume& volume) {
   const double spacing = spacing_mm(object, glass);
-  PlacedModel model = placed_model(object, spacing, volume);
+  PlacedModel model = placed_model(object, object.layer_mm.value_or(spacing), volume);
   if (model.kind != InputKind::mesh)
     return geometry::bounds(checked_points(model, object, spacing, volume).points);
   const Bounds box = model.box();

@@ -2,10 +2,10 @@
 //
 //   read -> place (size, transformations) -> points by a method -> shells, depth, weld -> check
 //
-// Meshes and drawings are placed before they become points, so that spacings hold in the glass;
-// bitmaps and point lists are points that are placed. Meshes, drawings and bitmaps begin in the
-// middle of the block; point lists begin where they are and are engraved exactly as given unless
-// there is a transformation.
+// Meshes, drawings and bitmaps are placed before they become points, so that spacings hold in the
+// glass; point lists are points that are placed. Meshes, drawings and bitmaps begin in the middle
+// of the block; point lists begin where they are and are engraved exactly as given unless there is
+// a transformation.
 //
 // In:  an object of a description, the volume. Out: its points and what is to be known about them.
 // Who: prepare.cpp.

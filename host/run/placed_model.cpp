@@ -10,10 +10,9 @@
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/glass/transformation.hpp"
-#include "host/model/bitmap.hpp"
 #include "host/model/mesh_faults.hpp"
+#include "host/model/picture.hpp"
 #include "host/model/transform.hpp"
-#include "host/points/bitmap_points.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -32,6 +31,21 @@ constexpr double rounding_mm = 1e-6;
 Bounds box_of(const PointCloud& cloud) { return geometry::bounds(cloud); }
 Bounds box_of(const model::Mesh& mesh) { return geometry::bounds(mesh.vertices); }
 Bounds box_of(const model::Curves& curves) { return model::bounds(curves); }
+
+/// Half of the thickness of the layers, along x, y and z.
+Point half_thickness(const points::PictureFrame& frame, double thickness_mm) {
+  const double half = thickness_mm / 2;
+  return {half * std::abs(frame.normal.x), half * std::abs(frame.normal.y),
+          half * std::abs(frame.normal.z)};
+}
+
+Bounds box_of(const PlacedPicture& picture) {
+  Bounds box = geometry::bounds(points::corners(picture.frame));
+  const Point half = half_thickness(picture.frame, picture.thickness_mm);
+  box.low = {box.low.x - half.x, box.low.y - half.y, box.low.z - half.z};
+  box.high = {box.high.x + half.x, box.high.y + half.y, box.high.z + half.z};
+  return box;
+}
 
 /// The box of a model under a map, without a copy of the model.
 Bounds box_under(const PointCloud& cloud, const Affine& map) {
@@ -128,32 +142,46 @@ PlacedModel placed_curves(model::Curves curves, const Object& object, const Volu
   return result;
 }
 
-points::BitmapOptions bitmap_options(const Object& object, double spacing_mm) {
-  points::BitmapOptions options;
-  options.size_mm = object.size_mm.value_or(options.size_mm);
-  options.spacing_mm = spacing_mm;
-  options.threshold = object.threshold;
-  options.invert = object.invert;
-  options.layers = object.layers;
-  options.layer_mm = object.layer_mm.value_or(spacing_mm);
-  options.plane = object.plane == "xy"   ? points::Plane::xy
-                  : object.plane == "xz" ? points::Plane::xz
-                                         : points::Plane::yz;
-  options.seed = static_cast<std::uint64_t>(object.seed);
-  if (object.tone)
-    options.tone = points::ToneCurve{object.gamma, false, object.tone_lowest, object.tone_highest};
-  return options;
+points::Plane plane_of(const Object& object) {
+  return object.plane == "xy"   ? points::Plane::xy
+         : object.plane == "xz" ? points::Plane::xz
+                                : points::Plane::yz;
 }
 
-PlacedModel placed_bitmap(const model::Bitmap& bitmap, const Object& object, double spacing_mm,
+/// The frame of a picture in the middle of the block, and from there as the object says. Points are
+/// put into the frame later, so that every way to one size gives the same points.
+points::PictureFrame placed_frame(const PlacedPicture& picture, const Object& object,
+                                  const Volume& volume) {
+  const auto box_under = [&picture](const Affine& map) {
+    return geometry::bounds(points::corners(points::transformed(picture.frame, map)));
+  };
+  const auto margin_under = [&picture](const Affine& map) {
+    return half_thickness(points::transformed(picture.frame, map), picture.thickness_mm);
+  };
+  const Point middle = volume.middle();
+  const Affine map =
+      glass::placement(geometry::moved(middle.x, middle.y, middle.z), object.transform, volume,
+                       box_under, object.file, margin_under);
+  return points::transformed(picture.frame, map);
+}
+
+PlacedModel placed_bitmap(model::Bitmap bitmap, const Object& object, double layer_mm,
                           const Volume& volume) {
+  constexpr double default_size_mm = 50;  // as the table of parameters says
   PlacedModel result;
   result.kind = InputKind::bitmap;
   result.what = fmt::format("{} x {} pixels", bitmap.width, bitmap.height);
-  PointCloud cloud = points::bitmap_points(bitmap, bitmap_options(object, spacing_mm));
-  const Point middle = volume.middle();
-  result.model =
-      placed(std::move(cloud), geometry::moved(middle.x, middle.y, middle.z), object, volume);
+  if (!object.tone && model::is_photo(bitmap))
+    result.warnings.emplace_back(
+        "the picture has many greys, as photos have, and each pixel becomes a point or none; turn "
+        "on tone, which makes densities of points from greys");
+  PlacedPicture picture;
+  picture.frame =
+      points::picture_frame(bitmap, object.size_mm.value_or(default_size_mm), plane_of(object));
+  picture.bitmap = std::move(bitmap);
+  picture.thickness_mm = (object.layers - 1) * layer_mm;
+  picture.frame = placed_frame(picture, object, volume);
+  result.model = std::move(picture);
   return result;
 }
 
@@ -170,14 +198,14 @@ Bounds PlacedModel::box() const {
   return std::visit([](const auto& one) { return box_of(one); }, model);
 }
 
-PlacedModel placed_model(const Object& object, double spacing_mm, const Volume& volume) {
+PlacedModel placed_model(const Object& object, double layer_mm, const Volume& volume) {
   model::Input input = model::read_input(object.file);
   if (auto* mesh = std::get_if<model::Mesh>(&input))
     return placed_mesh(std::move(*mesh), object, volume);
   if (auto* curves = std::get_if<model::Curves>(&input))
     return placed_curves(std::move(*curves), object, volume);
-  if (const auto* bitmap = std::get_if<model::Bitmap>(&input))
-    return placed_bitmap(*bitmap, object, spacing_mm, volume);
+  if (auto* bitmap = std::get_if<model::Bitmap>(&input))
+    return placed_bitmap(std::move(*bitmap), object, layer_mm, volume);
   return placed_points(std::move(std::get<PointCloud>(input)), object, volume);
 }
 

@@ -10,8 +10,8 @@
 
 #include "host/file.hpp"
 #include "host/model/read_mesh.hpp"
-#include "host/points/bitmap_points.hpp"
 #include "tests/damaged.hpp"
+#include "tests/points/picture_points.hpp"
 #include "tests/points/sampling.hpp"
 #include "tests/scale.hpp"
 
@@ -22,10 +22,10 @@ using geometry::PointCloud;
 using model::Bitmap;
 using model::Mesh;
 using model::read_mesh;
-using points::bitmap_points;
 using points::Plane;
 using points::ToneCurve;
 using test::error_of;
+using test::picture_points;
 using test::TemporaryFolder;
 using ::testing::HasSubstr;
 
@@ -60,9 +60,8 @@ TEST(BitmapTone, ShareOfPointsFollowsTheCurve) {
     for (const int grey : {10, 60, 128, 200, 250}) {
       for (const bool invert : {false, true}) {
         const ToneCurve tone{.gamma = gamma};
-        const PointCloud cloud =
-            bitmap_points(even_grey(100, grey),
-                          {.size_mm = 100, .spacing_mm = 1, .invert = invert, .tone = tone});
+        const PointCloud cloud = picture_points(even_grey(100, grey), 100,
+                                                {.spacing_mm = 1, .invert = invert, .tone = tone});
         const double bright = grey / 255.0;
         EXPECT_NEAR(static_cast<double>(cloud.size()) / 10'000,
                     tone.density(invert ? bright : 1 - bright), 0.01)
@@ -77,8 +76,7 @@ TEST(BitmapTone, BlackIsFullAndWhiteIsEmptyBesideEachOther) {
   for (std::size_t i = 0; i < halves.grey.size(); ++i) {
     halves.grey[i] = i % 40 < 13 ? 0 : i % 40 < 27 ? 100 : 255;
   }
-  const PointCloud cloud =
-      bitmap_points(halves, {.size_mm = 40, .spacing_mm = 1, .tone = ToneCurve{}});
+  const PointCloud cloud = picture_points(halves, 40, {.spacing_mm = 1, .tone = ToneCurve{}});
   int black = 0, white = 0;
   for (const auto& p : cloud) {
     black += p.x < -7 ? 1 : 0;
@@ -90,8 +88,8 @@ TEST(BitmapTone, BlackIsFullAndWhiteIsEmptyBesideEachOther) {
 
 TEST(BitmapTone, PointsOfAGreyAreSpreadAndLayersDiffer) {
   const points::BitmapOptions options{
-      .size_mm = 64, .spacing_mm = 1, .layers = 3, .layer_mm = 2, .tone = ToneCurve{.gamma = 1}};
-  const PointCloud cloud = bitmap_points(even_grey(64, 191), options);  // a quarter
+      .spacing_mm = 1, .layers = 3, .layer_mm = 2, .tone = ToneCurve{.gamma = 1}};
+  const PointCloud cloud = picture_points(even_grey(64, 191), 64, options);  // a quarter
   std::array<std::vector<std::pair<double, double>>, 3> layers;
   for (const auto& p : cloud) layers[static_cast<std::size_t>(p.z / 2 + 1)].emplace_back(p.x, p.y);
   EXPECT_NE(layers[0], layers[1]);
@@ -107,14 +105,14 @@ TEST(BitmapTone, PointsOfAGreyAreSpreadAndLayersDiffer) {
     for (const double count : squares) deviation += (count - 16) * (count - 16) / 64;
     EXPECT_LT(std::sqrt(deviation), 2);
   }
-  EXPECT_EQ(bitmap_points(even_grey(64, 191), options), cloud);
+  EXPECT_EQ(picture_points(even_grey(64, 191), 64, options), cloud);
   EXPECT_GE(test::smallest_square(cloud), 1 - 1e-12);
 }
 
 // Half grey by plain error diffusion is a chequerboard, in which defects are visible.
 TEST(BitmapTone, HalfGreyIsNoChequerboard) {
-  const PointCloud cloud = bitmap_points(
-      even_grey(64, 127), {.size_mm = 64, .spacing_mm = 1, .tone = ToneCurve{.gamma = 1}});
+  const PointCloud cloud =
+      picture_points(even_grey(64, 127), 64, {.spacing_mm = 1, .tone = ToneCurve{.gamma = 1}});
   std::size_t beside = 0;
   for (std::size_t i = 1; i < cloud.size(); ++i) {
     if (test::distance(cloud[i - 1], cloud[i]) < 1.1) ++beside;
@@ -124,11 +122,10 @@ TEST(BitmapTone, HalfGreyIsNoChequerboard) {
 
 TEST(BitmapPoints, PlanesAreTheSamePictureRotated) {
   const Bitmap bitmap{2, 2, {0, 200, 10, 127}};
-  points::BitmapOptions options{.size_mm = 2, .spacing_mm = 1, .layers = 2, .layer_mm = 3};
-  const PointCloud upright = bitmap_points(bitmap, options);
+  const points::BitmapOptions options{.spacing_mm = 1, .layers = 2, .layer_mm = 3};
+  const PointCloud upright = picture_points(bitmap, 2, options);
   for (const Plane plane : {Plane::xz, Plane::yz}) {
-    options.plane = plane;
-    const PointCloud turned = bitmap_points(bitmap, options);
+    const PointCloud turned = picture_points(bitmap, 2, options, plane);
     ASSERT_EQ(turned.size(), upright.size());
     for (std::size_t i = 0; i < turned.size(); ++i) {
       const auto& p = upright[i];

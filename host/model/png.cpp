@@ -1,0 +1,118 @@
+#include "host/model/png.hpp"
+
+#include <fmt/format.h>
+#include <png.h>
+#include <zlib.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "host/bytes.hpp"
+#include "host/file.hpp"
+#include "host/model/exif.hpp"
+#include "host/model/picture.hpp"
+
+namespace lamplock::model {
+namespace {
+
+using std::filesystem::path;
+
+constexpr std::string_view png_signature("\x89PNG\r\n\x1a\n", 8);
+
+std::uint32_t big_u32(std::string_view bytes, std::size_t offset) {
+  return load<std::uint32_t>(bytes.data() + offset, std::endian::big);
+}
+
+/// A chunk: length, type, data, CRC of type and data.
+struct PngChunk {
+  static constexpr std::size_t before_data = 8, around_data = 12;
+  std::string_view whole, type, data;
+};
+
+/// The chunk at an offset, checked.
+PngChunk chunk_at(const path& file, std::string_view bytes, std::size_t at) {
+  const std::string_view rest = bytes.substr(at);
+  if (rest.size() < PngChunk::around_data) refuse_cut_off(file);
+  const std::size_t length = big_u32(rest, 0);
+  if (length > rest.size() - PngChunk::around_data) refuse_cut_off(file);
+  PngChunk chunk{rest.substr(0, PngChunk::around_data + length), rest.substr(4, 4),
+                 rest.substr(PngChunk::before_data, length)};
+  const std::string_view sum_of = rest.substr(4, 4 + length);
+  const auto sum = crc32_z(0, reinterpret_cast<const Bytef*>(sum_of.data()), sum_of.size());
+  if (sum != big_u32(rest, PngChunk::before_data + length))
+    refuse_damaged(file, fmt::format("wrong checksum of the chunk at byte {}", at).c_str());
+  return chunk;
+}
+
+/// A checked file.
+struct PngParts {
+  std::string image{};  ///< the file with only the chunks that the colours need
+  std::size_t packed_bytes = 0;
+  int orientation = upright;
+};
+
+PngParts checked_parts(const path& file, std::string_view bytes) {
+  PngParts parts;
+  parts.image.reserve(bytes.size());
+  parts.image = png_signature;
+  for (std::size_t at = png_signature.size();;) {
+    const PngChunk chunk = chunk_at(file, bytes, at);
+    at += chunk.whole.size();
+    // Chunks with lower case are ancillary. Without them the library has no profile or gamma to
+    // apply and no text to unpack.
+    const bool is_critical = (static_cast<unsigned char>(chunk.type[0]) & 0x20U) == 0;
+    if (is_critical || chunk.type == "tRNS") parts.image += chunk.whole;
+    if (chunk.type == "IDAT") parts.packed_bytes += chunk.data.size();
+    if (chunk.type == "eXIf") parts.orientation = exif_orientation(chunk.data);
+    if (chunk.type != "IEND") continue;
+    if (at == bytes.size()) return parts;
+    refuse_damaged(file, fmt::format("{} bytes after its end", bytes.size() - at).c_str());
+  }
+}
+
+/// Refuses a header whose size the rest of the file cannot fill, before memory is reserved for it.
+void check_png_header(const path& file, const PngParts& parts) {
+  constexpr std::size_t header_bytes = 13, chunk = png_signature.size();
+  const std::string_view image = parts.image;
+  if (image.size() < chunk + PngChunk::around_data + header_bytes ||
+      image.substr(chunk + 4, 4) != "IHDR")
+    refuse_damaged(file, "no header");
+  const std::string_view header = image.substr(chunk + PngChunk::before_data, header_bytes);
+  const std::uint64_t width = big_u32(header, 0), height = big_u32(header, 4);
+  require_size(file, static_cast<long long>(width), static_cast<long long>(height));
+  // Samples of a pixel by colour type.
+  constexpr std::array<std::uint64_t, 7> samples{1, 0, 3, 1, 2, 0, 4};
+  const auto depth = static_cast<unsigned char>(header[8]);
+  const auto type = static_cast<unsigned char>(header[9]);
+  if (type >= samples.size() || samples[type] == 0) refuse_damaged(file, "unknown colour type");
+  constexpr std::uint64_t max_ratio = 1032;  // of deflate: 258 bytes from 2 bits
+  const std::uint64_t row_bytes = (width * samples[type] * depth + 7) / 8;
+  if (row_bytes * height > max_ratio * parts.packed_bytes) refuse_cut_off(file);
+}
+
+}  // namespace
+
+bool is_png(const std::string& bytes) { return bytes.starts_with("\x89PNG"); }
+
+Bitmap decode_png(const path& file, const std::string& bytes) {
+  if (bytes.size() < png_signature.size()) refuse_cut_off(file);
+  if (!bytes.starts_with(png_signature)) refuse_damaged(file, "wrong signature");
+  const PngParts parts = checked_parts(file, bytes);
+  check_png_header(file, parts);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_memory(&image, parts.image.data(), parts.image.size()) == 0)
+    refuse_damaged(file, image.message);
+  image.format = PNG_FORMAT_RGBA;
+  image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // otherwise 16 bits are taken for linear light
+  const auto width = static_cast<int>(image.width), height = static_cast<int>(image.height);
+  std::vector<std::uint8_t> colours(PNG_IMAGE_SIZE(image));
+  const int read = png_image_finish_read(&image, nullptr, colours.data(), 0, nullptr);
+  if (read == 0) refuse_damaged(file, image.message);
+  return oriented(bitmap_of_colours(colours, width, height, 4), parts.orientation);
+}
+
+}  // namespace lamplock::model
