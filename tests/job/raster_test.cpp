@@ -159,6 +159,18 @@ TEST(Pixels, PowerIsProportionalToGreyAndWhiteIsDark) {
   EXPECT_THAT(test::error_of([&] { make_pixels({}, 1, 1, {}); }), HasSubstr("no pixels"));
 }
 
+TEST(Pixels, TransparentPixelsAreDark) {
+  // Invisible, a quarter of black, black; then the same of white.
+  const model::Bitmap bitmap{6, 1, {0, 0, 0, 255, 255, 255}, {0, 64, 255, 0, 64, 255}};
+  EXPECT_EQ(make_pixels(bitmap, 6, 1, {0.3, 1}).power,
+            (std::vector<std::uint16_t>{0, power_of_run(0.3 + 0.7 * 64 / 255), power_of_run(1), 0,
+                                        0, 0}));
+  EXPECT_EQ(make_pixels(bitmap, 6, 1, {0.3, 1, true}).power,
+            (std::vector<std::uint16_t>{0, 0, 0, 0, power_of_run(0.3 + 0.7 * 64 / 255),
+                                        power_of_run(1)}));
+  EXPECT_EQ(make_pixels(bitmap, 2, 1, {0, 1}).at(1, 0), 0);
+}
+
 TEST(Pixels, OtherSizesAreMeansOfTheCoveredPixels) {
   std::mt19937_64 random(3);
   for (int i = 0; i < test::scaled(100); ++i) {
