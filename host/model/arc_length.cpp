@@ -86,8 +86,13 @@ void ArcLength::add_smooth(std::size_t index, const Range& range, double length,
 }
 
 Point ArcLength::at(double s) {
-  if (!(s < total_)) return end_of(path_);
-  if (s <= 0) return start_of(path_);
+  const Place found = place(s);
+  return motion_at(path_.pieces[found.piece], found.parameter).at;
+}
+
+ArcLength::Place ArcLength::place(double s) {
+  if (!(s < total_)) return {path_.pieces.size() - 1, range_of(path_.pieces.back()).to};
+  if (s <= 0) return {0, range_of(path_.pieces.front()).from};
   if (s < stretches_[last_].begins_at) last_ = 0;
   if (last_ + 1 < stretches_.size() && stretches_[last_ + 1].begins_at <= s) {
     const auto after =
@@ -96,7 +101,7 @@ Point ArcLength::at(double s) {
     last_ = static_cast<std::size_t>(after - stretches_.begin()) - 1;
   }
   const Stretch& stretch = stretches_[last_];
-  return motion_at(path_.pieces[stretch.piece], parameter_at(stretch, s - stretch.begins_at)).at;
+  return {stretch.piece, parameter_at(stretch, s - stretch.begins_at)};
 }
 
 double ArcLength::parameter_at(const Stretch& stretch, double along) const {

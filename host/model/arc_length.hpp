@@ -27,6 +27,14 @@ class ArcLength {
   /// and a few evaluations of the curve.
   geometry::Point at(double s);
 
+  /// A place on the path: a piece and the parameter on it.
+  struct Place {
+    std::size_t piece = 0;
+    double parameter = 0;
+  };
+  /// The place `s` mm from the start, as at().
+  Place place(double s);
+
  private:
   /// A stretch of one piece over which the speed is smooth.
   struct Stretch {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -59,15 +60,20 @@ std::size_t cost_of(const Path& path) {
 
 void CurveCollector::add(Path path, const geometry::Affine& map, const std::string& layer,
                          const FilePosition& place) {
+  spend(std::max<std::size_t>(1, cost_of(path)), place);
   if (path.pieces.empty()) return leave_out("curve without length");
-  spend(cost_of(path), place);
+  path = placed(std::move(path), map, place);
+  path.closed = path.closed || returns_to_start(path);
+  path.layer = layer_number(layer);
+  curves_.paths.push_back(std::move(path));
+}
+
+Path CurveCollector::placed(Path path, const geometry::Affine& map, const FilePosition& place) {
   for (Piece& piece : path.pieces) {
     piece = transformed(std::move(piece), map);
     if (!std::visit(IsWithinReach{}, piece)) refuse_far(place);
   }
-  path.closed = path.closed || returns_to_start(path);
-  path.layer = layer_number(layer);
-  curves_.paths.push_back(std::move(path));
+  return path;
 }
 
 void CurveCollector::add(const Point& point, const geometry::Affine& map,
@@ -90,6 +96,8 @@ void CurveCollector::spend(std::size_t pieces, const FilePosition& place) {
 void CurveCollector::leave_out(const std::string& name, std::size_t count) {
   curves_.left_out[name] += count;
 }
+
+void CurveCollector::warn(std::string warning) { curves_.warnings.push_back(std::move(warning)); }
 
 std::uint32_t CurveCollector::layer_number(const std::string& name) {
   const auto [entry, is_new] =

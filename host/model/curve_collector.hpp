@@ -25,9 +25,13 @@ class CurveCollector {
            const FilePosition& place);
   void add(const geometry::Point& point, const geometry::Affine& map, const FilePosition& place);
 
+  /// The path in mm. Throws Error (bad_input) as add().
+  static Path placed(Path path, const geometry::Affine& map, const FilePosition& place);
+
   /// Counts copies of blocks, which cost time even if they draw nothing. Throws as add().
   void spend(std::size_t pieces, const FilePosition& place);
   void leave_out(const std::string& name, std::size_t count = 1);
+  void warn(std::string warning);
 
   /// The drawing. Throws Error (bad_input) if there is nothing in it.
   Curves finished(const std::filesystem::path& file) &&;

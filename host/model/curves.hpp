@@ -57,6 +57,7 @@ struct Curves {
   geometry::PointCloud points;      ///< single points (DXF POINT)
   /// Count of entities that were not read, by their name in the file ("TEXT", "image", ...).
   std::map<std::string, std::size_t> left_out;
+  std::vector<std::string> warnings;  ///< what the user has to know about the file
 };
 
 /// Tolerance of polylines and ends: a tenth of the repeatability of the positioners in "Mechatronic

@@ -66,22 +66,6 @@ void append_bulged(Path& path, const Point& p, const Point& q, double bulge,
       Arc{centre, {radius, 0, 0}, {0, radius, 0}, start, start + 4 * std::atan(bulge)}, world));
 }
 
-struct Vertex {
-  Point at;
-  double bulge = 0;
-};
-
-Path path_through(const std::vector<Vertex>& vertices, bool closed, const geometry::Affine& world) {
-  Path path;
-  for (std::size_t i = 0; i + 1 < vertices.size(); ++i) {
-    append_bulged(path, vertices[i].at, vertices[i + 1].at, vertices[i].bulge, world);
-  }
-  path.closed = closed;
-  if (closed && !vertices.empty()) {
-    append_bulged(path, vertices.back().at, vertices.front().at, vertices.back().bulge, world);
-  }
-  return path;
-}
 
 Path line_of(const DxfGroups& dxf, const DxfEntity& entity) {
   // Kept even without length: it may be a dot.
@@ -90,7 +74,7 @@ Path line_of(const DxfGroups& dxf, const DxfEntity& entity) {
 
 Path light_polyline_of(const DxfGroups& dxf, const DxfEntity& entity) {
   const double elevation = dxf.number(entity, 38);
-  std::vector<Vertex> vertices;
+  std::vector<DxfVertex> vertices;
   for (const DxfGroup& group : entity.groups) {
     if (group.code == 10) {
       vertices.push_back({{dxf.number(group), 0, elevation}});
@@ -100,7 +84,7 @@ Path light_polyline_of(const DxfGroups& dxf, const DxfEntity& entity) {
       vertices.back().bulge = dxf.number(group);
     }
   }
-  return path_through(vertices, (dxf.integer(entity, 70) & 1) != 0,
+  return dxf_outline(vertices, (dxf.integer(entity, 70) & 1) != 0,
                       world_of(extrusion_of(dxf, entity)));
 }
 
@@ -157,7 +141,57 @@ std::optional<Path> spline_of(const DxfGroups& dxf, const DxfEntity& entity) {
   return Path{{std::move(spline)}};
 }
 
+/// The four corners by their group codes; three-cornered ones repeat the third or leave out the
+/// fourth.
+std::vector<Point> corners_of(const DxfGroups& dxf, const DxfEntity& entity) {
+  std::vector<Point> corners;
+  for (const int code : {10, 11, 12, 13})
+    corners.push_back(dxf.point(entity, code, corners.empty() ? Point{} : corners.back()));
+  if (corners[3] == corners[2]) corners.pop_back();
+  return corners;
+}
+
 }  // namespace
+
+geometry::Affine dxf_world(const DxfGroups& dxf, const DxfEntity& entity) {
+  return world_of(extrusion_of(dxf, entity));
+}
+
+Path dxf_outline(const std::vector<DxfVertex>& vertices, bool closed,
+                 const geometry::Affine& world) {
+  Path path;
+  for (std::size_t i = 0; i + 1 < vertices.size(); ++i) {
+    append_bulged(path, vertices[i].at, vertices[i + 1].at, vertices[i].bulge, world);
+  }
+  path.closed = closed;
+  if (closed && !vertices.empty()) {
+    append_bulged(path, vertices.back().at, vertices.front().at, vertices.back().bulge, world);
+  }
+  return path;
+}
+
+std::vector<Path> dxf_face(const DxfGroups& dxf, const DxfEntity& face) {
+  const std::vector<Point> corners = corners_of(dxf, face);
+  const auto invisible = static_cast<unsigned>(dxf.integer(face, 70));
+  std::vector<Path> edges;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Point &from = corners[i], &to = corners[(i + 1) % corners.size()];
+    // The flag of a triangle's last edge may be that of the fourth one.
+    const bool is_last = i + 1 == corners.size();
+    const unsigned flags = is_last && corners.size() == 3 ? 4U | 8U : 1U << i;
+    if ((invisible & flags) == 0 && from != to) edges.push_back({{Line{from, to}}});
+  }
+  return edges;
+}
+
+Path dxf_solid(const DxfGroups& dxf, const DxfEntity& solid) {
+  std::vector<Point> corners = corners_of(dxf, solid);
+  // Stored as two pairs of opposite sides.
+  if (corners.size() == 4) std::swap(corners[2], corners[3]);
+  std::vector<DxfVertex> vertices;
+  for (const Point& corner : corners) vertices.push_back({corner});
+  return dxf_outline(vertices, true, dxf_world(dxf, solid));
+}
 
 std::optional<Path> dxf_path(const DxfGroups& dxf, const DxfEntity& entity) {
   if (entity.kind == "LINE") return line_of(dxf, entity);
@@ -166,6 +200,7 @@ std::optional<Path> dxf_path(const DxfGroups& dxf, const DxfEntity& entity) {
   if (entity.kind == "CIRCLE") return arc_of(dxf, entity, true);
   if (entity.kind == "ELLIPSE") return ellipse_of(dxf, entity);
   if (entity.kind == "SPLINE") return spline_of(dxf, entity);
+  if (entity.kind == "SOLID" || entity.kind == "TRACE") return dxf_solid(dxf, entity);
   return std::nullopt;
 }
 
@@ -180,14 +215,14 @@ Path dxf_polyline(const DxfGroups& dxf, const DxfEntity& polyline,
   const int flags = dxf.integer(polyline, 70);
   const bool flat = (flags & in_space) == 0;
   const double elevation = dxf.number(polyline, 30);
-  std::vector<Vertex> corners;
+  std::vector<DxfVertex> corners;
   for (const DxfEntity& vertex : vertices) {
     if ((dxf.integer(vertex, 70) & frame_of_spline) != 0) continue;
-    Vertex corner{dxf.point(vertex, 10), flat ? dxf.number(vertex, 42) : 0};
+    DxfVertex corner{dxf.point(vertex, 10), flat ? dxf.number(vertex, 42) : 0};
     if (flat) corner.at.z = elevation;
     corners.push_back(corner);
   }
-  return path_through(corners, (flags & closed) != 0,
+  return dxf_outline(corners, (flags & closed) != 0,
                       flat ? world_of(extrusion_of(dxf, polyline)) : geometry::Affine{});
 }
 

@@ -28,18 +28,16 @@ std::string_view content_of(std::string_view line) {
 }
 
 std::string_view without_mark(const std::filesystem::path& file, std::string_view bytes) {
-  if (bytes.starts_with("AutoCAD Binary DXF"))
-    refuse(file, "it is a binary DXF", "save it as a text DXF (ASCII)");
   // "AC1032" and similar: version of a DWG.
   if (bytes.starts_with("AC1") && bytes.substr(0, 32).find('\0') != std::string_view::npos)
-    refuse(file, "it is a DWG file with the name of a DXF", "save it as a text DXF (ASCII)");
+    refuse(file, "it is a DWG file with the name of a DXF", "save it as a DXF");
   return without_byte_order_mark(bytes);
 }
 
 }  // namespace
 
-DxfGroups::DxfGroups(const std::filesystem::path& file, std::string_view bytes)
-    : file_(file), bytes_(bytes), lines_(without_mark(file, bytes)) {}
+DxfGroups::DxfGroups(const std::filesystem::path& file, std::string_view bytes, bool was_binary)
+    : file_(file), bytes_(bytes), was_binary_(was_binary), lines_(without_mark(file, bytes)) {}
 
 DxfGroup DxfGroups::next() {
   if (has_ahead_) {
@@ -86,7 +84,8 @@ void DxfGroups::next_entity(DxfEntity& entity) {
 }
 
 FilePosition DxfGroups::position_of(std::string_view value) const {
-  return {file_, bytes_, static_cast<std::size_t>(value.data() - bytes_.data())};
+  return {file_, bytes_, static_cast<std::size_t>(value.data() - bytes_.data()),
+          was_binary_};
 }
 
 double DxfGroups::number(const DxfGroup& group) const {

@@ -31,8 +31,8 @@ struct DxfEntity {
 /// Returns groups in order; the bytes must outlive it.
 class DxfGroups {
  public:
-  /// Throws Error (bad_input) for binary DXF and DWG.
-  DxfGroups(const std::filesystem::path& file, std::string_view bytes);
+  /// `was_binary`: the text was made of a binary DXF. Throws Error (bad_input) for DWG.
+  DxfGroups(const std::filesystem::path& file, std::string_view bytes, bool was_binary = false);
 
   /// Reads the next group; comments (999) are skipped. Throws Error (bad_input) if the file ends or
   /// there is no pair of code and value.
@@ -58,6 +58,7 @@ class DxfGroups {
  private:
   const std::filesystem::path& file_;
   std::string_view bytes_;
+  bool was_binary_;
   Lines lines_;
   DxfGroup ahead_;
   bool has_ahead_ = false;

@@ -14,6 +14,8 @@ struct FilePosition {
   const std::filesystem::path& file;
   std::string_view text;
   std::size_t offset = 0;
+  /// The text was made of a binary DXF, two lines of each group: errors count groups.
+  bool counts_groups = false;
 
   /// From 1.
   std::size_t line() const;

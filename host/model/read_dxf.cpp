@@ -14,8 +14,10 @@
 
 #include "host/file.hpp"
 #include "host/model/curve_collector.hpp"
+#include "host/model/dxf_binary.hpp"
 #include "host/model/dxf_entities.hpp"
 #include "host/model/dxf_groups.hpp"
+#include "host/model/dxf_hatch.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -25,16 +27,18 @@ using geometry::Point;
 // Nested blocks; drawings have a handful of levels.
 constexpr std::size_t deepest_block = 64;
 
-/// A drawn item, with its name for errors.
+/// A drawn item, with its place for errors.
 struct Item {
-  std::variant<Path, Point, DxfInsert> what;
+  std::variant<std::vector<Path>, Point, DxfInsert, std::vector<DxfBoundary>> what;
   std::string layer;
   FilePosition place;
 };
 
 struct Block {
   Point base;
+  bool is_of_another_file = false;
   std::vector<Item> items;
+  std::map<std::string, std::string> layers_of_handles;  ///< of the items
   std::map<std::string, std::size_t> left_out;
 };
 
@@ -81,13 +85,13 @@ double mm_in_unit(int unit) {
 
 class DxfReader {
  public:
-  DxfReader(const std::filesystem::path& file, std::string_view bytes)
-      : file_(file), dxf_(file, bytes) {}
+  DxfReader(const std::filesystem::path& file, std::string_view bytes, bool was_binary)
+      : file_(file), dxf_(file, bytes, was_binary) {}
 
   Curves read() {
     while (true) {
       dxf_.next_entity(entity_);
-      if (entity_.kind == "EOF") return std::move(curves_).finished(file_);
+      if (entity_.kind == "EOF") return finished();
       if (entity_.kind != "SECTION" || entity_.groups.empty()) {
         dxf_.position_of(entity_.kind)
             .refuse(fmt::format("'{:.20}' outside of a section", entity_.kind),
@@ -108,6 +112,15 @@ class DxfReader {
   }
 
  private:
+  Curves finished() {
+    if (!has_unit_) {
+      curves_.warn(fmt::format(
+          "the drawing names no unit ($INSUNITS){}: its numbers are taken as mm",
+          is_imperial_ ? ", though it was drawn in inches and feet ($MEASUREMENT)" : ""));
+    }
+    return std::move(curves_).finished(file_);
+  }
+
   /// The next entity, false at the end of the section.
   bool next_in_section() {
     dxf_.next_entity(entity_);
@@ -123,41 +136,43 @@ class DxfReader {
     std::string_view variable;
     for (const DxfGroup& group : entity_.groups) {
       if (group.code == 9) variable = group.value;
-      if (variable != "$INSUNITS" || group.code != 70) continue;
+      if (group.code != 70) continue;
+      if (variable == "$MEASUREMENT") is_imperial_ = dxf_.integer(group) == 0;
+      if (variable != "$INSUNITS") continue;
       const double mm = mm_in_unit(dxf_.integer(group));
       if (mm == 0)
         dxf_.position_of(group.value)
             .refuse(fmt::format("$INSUNITS is {:.20}, not a usable unit of length", group.value),
                     "set the drawing's unit to mm");
       unit_ = geometry::scaled(mm, mm, mm);
+      has_unit_ = dxf_.integer(group) != 0;
     }
   }
 
   void read_table_entry() {
     constexpr int frozen = 1;
     if (entity_.kind != "LAYER") return;
+    const std::string name = key(dxf_.text(entity_, 2));
+    if ((dxf_.integer(entity_, 70) & frozen) != 0) frozen_layers_.insert(name);
     // A layer that is off has a negative colour.
-    if ((dxf_.integer(entity_, 70) & frozen) != 0 || dxf_.integer(entity_, 62) < 0)
-      hidden_layers_.insert(key(dxf_.text(entity_, 2)));
+    if (dxf_.integer(entity_, 62) < 0) off_layers_.insert(name);
   }
 
   void read_block() {
     if (entity_.kind != "BLOCK") return;
     Block block;
+    constexpr int of_another_file = 4;
     block.base = dxf_.point(entity_, 10);
+    block.is_of_another_file = (dxf_.integer(entity_, 70) & of_another_file) != 0;
     const std::string name = key(dxf_.text(entity_, 2));
     while (next_in_section() && entity_.kind != "ENDBLK") read_item(block);
     blocks_.insert_or_assign(name, std::move(block));
   }
 
   void read_entities() {
-    Block one;
-    while (next_in_section()) {
-      one.items.clear();
-      one.left_out.clear();
-      read_item(one);
-      draw(one, unit_, "0");
-    }
+    Block all;
+    while (next_in_section()) read_item(all);
+    draw(all, unit_, "0");
   }
 
   /// Appends entity_, with the entities that belong to it.
@@ -167,12 +182,14 @@ class DxfReader {
     const std::string kind(entity_.kind);
     const bool paper = dxf_.integer(entity_, on_paper) == 1;
     const bool invisible = dxf_.integer(entity_, is_invisible) == 1;
+    const std::string handle(dxf_.text(entity_, 5));
     if (kind == "SEQEND") return;
     if (!read_shape(item)) {
       ++block.left_out[kind == "SPLINE" ? "SPLINE without poles" : kind];
     } else if (paper || invisible) {
       ++block.left_out[paper ? "paper space" : "hidden"];
     } else {
+      if (!handle.empty()) block.layers_of_handles.insert_or_assign(handle, item.layer);
       block.items.push_back(std::move(item));
     }
   }
@@ -183,8 +200,12 @@ class DxfReader {
       item.what = dxf_.point(entity_, 10);
     } else if (entity_.kind == "INSERT") {
       item.what = dxf_insert(dxf_, entity_);
+    } else if (entity_.kind == "3DFACE") {
+      item.what = dxf_face(dxf_, entity_);
+    } else if (entity_.kind == "HATCH") {
+      item.what = dxf_hatch(dxf_, entity_);
     } else if (auto path = dxf_path(dxf_, entity_)) {
-      item.what = std::move(*path);
+      item.what = std::vector<Path>{std::move(*path)};
     } else {
       return false;
     }
@@ -195,24 +216,64 @@ class DxfReader {
     std::vector<DxfEntity> vertices;
     while (dxf_.peek().value == "VERTEX") dxf_.next_entity(vertices.emplace_back());
     if (is_dxf_surface(dxf_, entity_)) return false;
-    item.what = dxf_polyline(dxf_, entity_, vertices);
+    item.what = std::vector<Path>{dxf_polyline(dxf_, entity_, vertices)};
     return true;
   }
 
-  /// Items on layer 0 of a block get the layer of the block.
+  /// Items on layer 0 of a block get the layer of the block. A layer that is off hides its own
+  /// items, a frozen one also what is in the blocks inserted on it.
   void draw(const Block& block, const geometry::Affine& map, const std::string& layer_of_block) {
     for (const auto& [name, count] : block.left_out) curves_.leave_out(name, count);
     for (const Item& item : block.items) {
       const std::string& layer = item.layer == "0" ? layer_of_block : item.layer;
-      if (hidden_layers_.contains(key(layer))) {
+      const auto* insert = std::get_if<DxfInsert>(&item.what);
+      if (insert == nullptr ? is_hidden(layer) : frozen_layers_.contains(key(layer))) {
+        curves_.spend(1, item.place);
         curves_.leave_out("hidden");
-      } else if (const auto* path = std::get_if<Path>(&item.what)) {
-        curves_.add(*path, map, layer, item.place);
-      } else if (const auto* point = std::get_if<Point>(&item.what)) {
-        curves_.add(*point, map, item.place);
+      } else if (insert != nullptr) {
+        draw_copies(*insert, map, layer, item.place);
       } else {
-        draw_copies(std::get<DxfInsert>(item.what), map, layer, item.place);
+        draw_item(item, block, map, layer, layer_of_block);
       }
+    }
+  }
+
+  bool is_hidden(const std::string& layer) const {
+    return frozen_layers_.contains(key(layer)) || off_layers_.contains(key(layer));
+  }
+
+  void draw_item(const Item& item, const Block& block, const geometry::Affine& map,
+                 const std::string& layer, const std::string& layer_of_block) {
+    if (const auto* point = std::get_if<Point>(&item.what)) {
+      curves_.add(*point, map, item.place);
+    } else if (const auto* paths = std::get_if<std::vector<Path>>(&item.what)) {
+      if (paths->empty()) curves_.leave_out("3DFACE without visible edges");
+      for (const Path& path : *paths) curves_.add(path, map, layer, item.place);
+    } else {
+      const auto is_drawn = [&](const std::string& handle) {
+        const auto found = block.layers_of_handles.find(handle);
+        return found != block.layers_of_handles.end() &&
+               !is_hidden(found->second == "0" ? layer_of_block : found->second);
+      };
+      draw_hatch(std::get<std::vector<DxfBoundary>>(item.what), is_drawn, map, layer, item.place);
+    }
+  }
+
+  /// A boundary whose source objects are drawn themselves is drawn already.
+  template <class IsDrawn>
+  void draw_hatch(const std::vector<DxfBoundary>& boundaries, const IsDrawn& is_drawn,
+                  const geometry::Affine& map, const std::string& layer,
+                  const FilePosition& place) {
+    if (boundaries.empty()) {
+      curves_.spend(1, place);
+      curves_.leave_out("HATCH");
+    }
+    for (const DxfBoundary& boundary : boundaries) {
+      curves_.spend(1, place);
+      if (!boundary.sources.empty() &&
+          std::all_of(boundary.sources.begin(), boundary.sources.end(), is_drawn))
+        continue;
+      for (const Path& path : boundary.paths) curves_.add(path, map, layer, place);
     }
   }
 
@@ -222,6 +283,10 @@ class DxfReader {
     if (found == blocks_.end())
       place.refuse(fmt::format("there is no block '{:.40}'", insert.block), "repair the drawing");
     const Block& block = found->second;
+    if (block.is_of_another_file) {
+      curves_.spend(1, place);
+      return curves_.leave_out("INSERT of another file");
+    }
     if (std::find(open_blocks_.begin(), open_blocks_.end(), &block) != open_blocks_.end())
       place.refuse(fmt::format("the block '{:.40}' contains itself", insert.block),
                    "repair the drawing");
@@ -233,7 +298,7 @@ class DxfReader {
         insert.scale * geometry::moved(-block.base.x, -block.base.y, -block.base.z);
     for (int row = 0; row < insert.rows; ++row) {
       for (int column = 0; column < insert.columns; ++column) {
-        curves_.spend(1, place);
+        curves_.spend(1 + block.left_out.size(), place);
         const geometry::Affine cell = geometry::moved(column * insert.column, row * insert.row, 0);
         draw(block, map * insert.frame * cell * from_base, layer);
       }
@@ -245,7 +310,8 @@ class DxfReader {
   DxfGroups dxf_;
   DxfEntity entity_;
   geometry::Affine unit_;
-  std::set<std::string> hidden_layers_;
+  bool has_unit_ = false, is_imperial_ = false;
+  std::set<std::string> frozen_layers_, off_layers_;
   std::map<std::string, Block> blocks_;
   std::vector<const Block*> open_blocks_;
   CurveCollector curves_;
@@ -254,8 +320,10 @@ class DxfReader {
 }  // namespace
 
 Curves read_dxf(const std::filesystem::path& path) {
-  const std::string bytes = read_file(path);
-  return DxfReader(path, bytes).read();
+  std::string bytes = read_file(path);
+  const bool is_binary = is_binary_dxf(bytes);
+  if (is_binary) bytes = text_of_binary_dxf(path, bytes);
+  return DxfReader(path, bytes, is_binary).read();
 }
 
 }  // namespace lamplock::model

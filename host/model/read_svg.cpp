@@ -4,16 +4,25 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "host/file.hpp"
+#include "host/model/arc_length.hpp"
+#include "host/model/clip.hpp"
 #include "host/model/curve_collector.hpp"
+#include "host/model/dashes.hpp"
+#include "host/model/svg_clips.hpp"
+#include "host/model/svg_document.hpp"
+#include "host/model/svg_paint.hpp"
 #include "host/model/svg_shapes.hpp"
+#include "host/model/svg_style.hpp"
 #include "host/model/svg_values.hpp"
 
 namespace lamplock::model {
@@ -21,14 +30,14 @@ namespace {
 
 using pugi::xml_node;
 
-// Nested groups and uses; drawings have a dozen levels.
-constexpr int deepest_group = 200;
 constexpr double mm_per_px = 25.4 / 96;
 
-/// Inherited properties of an element.
+/// What an element inherits.
 struct Context {
-  geometry::Affine map;   ///< to mm
-  SvgBox port;            ///< reference of percentages, in the element's units
+  geometry::Affine map;  ///< to mm
+  SvgUnits units{};
+  SvgPaint paint{};
+  ClipRegions clips{};
   std::string layer{};    ///< name, empty outside of layers
   bool is_named = false;  ///< the layer has a name by Inkscape
   int depth = 0;
@@ -44,96 +53,93 @@ bool draws_nothing(std::string_view name) {
          name.find(':') != std::string_view::npos;  // of editors
 }
 
-/// The name without the prefix that some programs give all elements of SVG.
-std::string_view local_name(const xml_node& node) {
-  const std::string_view name = node.name();
-  return name.starts_with("svg:") ? name.substr(4) : name;
+/// The factor of lengths of a map of the plane: the root of that of areas.
+double scale_of(const geometry::Affine& map) {
+  return std::sqrt(std::abs(map.x.x * map.y.y - map.x.y * map.y.x));
 }
 
-bool is_hidden(const xml_node& node) {
-  const auto says = [&](const char* property, std::string_view value) {
-    if (node.attribute(property).value() == value) return true;
-    std::string style = node.attribute("style").value();
-    style.erase(std::remove_if(style.begin(), style.end(), [](char c) { return c == ' '; }),
-                style.end());
-    return style.find(fmt::format("{}:{}", property, value)) != std::string::npos;
-  };
-  return says("display", "none") || says("visibility", "hidden") || says("visibility", "collapse");
+/// The first element of a `switch` whose conditions hold: no extension is known, and every language
+/// is read.
+xml_node chosen_of(const xml_node& node) {
+  for (const xml_node& child : node.children()) {
+    if (child.type() == pugi::node_element && *child.attribute("requiredExtensions").value() == 0)
+      return child;
+  }
+  return {};
+}
+
+bool has_markers(const xml_node& node) {
+  for (const char* name : {"marker-start", "marker-mid", "marker-end"}) {
+    const std::string_view value = svg_value(node, name);
+    if (!value.empty() && value != "none") return true;
+  }
+  return false;
 }
 
 class SvgReader {
  public:
-  SvgReader(const std::filesystem::path& file, std::string_view bytes)
-      : file_(file), bytes_(bytes) {}
+  SvgReader(const std::filesystem::path& file, std::string bytes)
+      : file_(file), document_(file, std::move(bytes)), clips_(document_) {}
 
   Curves read() {
-    pugi::xml_document document;
-    const pugi::xml_parse_result result = document.load_buffer(
-        bytes_.data(), bytes_.size(), pugi::parse_default, pugi::encoding_utf8);
-    if (!result) {
-      FilePosition{file_, bytes_, static_cast<std::size_t>(result.offset)}.refuse(
-          fmt::format("not valid XML ({})", result.description()), "export the drawing again");
-    }
-    const xml_node root = document.document_element();
-    if (local_name(root) != "svg")
-      position_of(root).refuse(fmt::format("the document is '{:.40}', not svg", root.name()),
-                               "give an SVG drawing");
-    number_ids(root, 0);
-    draw_root(root);
+    if (document_.unread_rules() > 0)
+      curves_.leave_out("rule of a style sheet", document_.unread_rules());
+    draw_root(document_.root());
+    settle_background();
     return std::move(curves_).finished(file_);
   }
 
  private:
-  FilePosition position_of(const xml_node& node) const {
-    return {file_, bytes_,
-            static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0))};
-  }
-
-  void number_ids(const xml_node& node, int depth) {
-    if (depth > deepest_group)
-      position_of(node).refuse(fmt::format("groups are nested deeper than {}", deepest_group),
-                               "ungroup some");
-    const char* id = node.attribute("id").value();
-    if (*id != '\0') by_id_.try_emplace(id, node);
-    for (const xml_node& child : node.children()) number_ids(child, depth + 1);
-  }
-
   /// Changes to the units of the node's viewBox, if it has one, fitted into `port`.
   void enter_view(const xml_node& node, const SvgBox& port, Context& context) const {
-    context.port = port;
+    const FilePosition place = document_.position_of(node);
+    context.units.port = port;
     const char* text = node.attribute("viewBox").value();
     if (*text == '\0') {
       context.map = context.map * geometry::moved(port.x, port.y, 0);
       return;
     }
-    const std::vector<double> view = svg_numbers(text, position_of(node));
+    const std::vector<double> view = svg_numbers(text, place);
     if (view.size() != 4 || !(view[2] > 0) || !(view[3] > 0))
-      position_of(node).refuse(fmt::format("the viewBox '{:.40}' is not valid", text),
-                               "repair the drawing");
-    context.port = {view[0], view[1], view[2], view[3]};
-    context.map =
-        context.map * svg_fit(context.port, port, node.attribute("preserveAspectRatio").value());
+      place.refuse(fmt::format("the viewBox '{:.40}' is not valid", text), "repair the drawing");
+    context.units.port = {view[0], view[1], view[2], view[3]};
+    context.map = context.map * svg_fit(context.units.port, port,
+                                        node.attribute("preserveAspectRatio").value());
   }
 
-  /// Draws the page: its size in px, its lower left corner in the origin, y upwards.
-  void draw_root(const xml_node& root) {
-    // Without a size the page, the reference of percentages, has the size of the view.
-    const std::vector<double> view =
-        svg_numbers(root.attribute("viewBox").value(), position_of(root));
+  /// The page in px. Without a size the page, the reference of percentages, has that of the view.
+  SvgBox page_of(const xml_node& root, SvgUnits& units) const {
+    const FilePosition place = document_.position_of(root);
+    const std::vector<double> view = svg_numbers(root.attribute("viewBox").value(), place);
     const bool has_view = view.size() == 4;
     const SvgBox whole{0, 0, has_view ? view[2] : 0, has_view ? view[3] : 0};
-    const FilePosition place = position_of(root);
-    const SvgBox page{0, 0, svg_length_of(root, "width", whole.width, whole.width, place),
-                      svg_length_of(root, "height", whole.height, whole.height, place)};
+    units.port = whole;
+    units.page_width_px = whole.width;
+    units.page_height_px = whole.height;
+    const SvgBox page{0, 0, svg_length_of(root, "width", whole.width, whole.width, units, place),
+                      svg_length_of(root, "height", whole.height, whole.height, units, place)};
     const bool is_empty = has_view && (page.width == 0 || page.height == 0);
     if (page.width < 0 || page.height < 0 || is_empty)
       place.refuse(fmt::format("the page has the size {} x {}", page.width, page.height),
                    "repair the drawing");
+    units.page_width_px = page.width;
+    units.page_height_px = page.height;
+    return page;
+  }
+
+  /// Draws the page: its size in px, its lower left corner in the origin, y upwards.
+  void draw_root(const xml_node& root) {
     Context context;
-    context.map =
-        geometry::moved(0, page.height * mm_per_px, 0) * geometry::scaled(mm_per_px, -mm_per_px, 1);
-    enter_view(root, page, context);
-    if (is_hidden(root)) return curves_.leave_out("hidden");
+    context.units.font_px = svg_font_size(svg_value(root, "font-size"), context.units);
+    context.units.root_font_px = context.units.font_px;
+    page_ = page_of(root, context.units);
+    context.map = geometry::moved(0, page_.height * mm_per_px, 0) *
+                  geometry::scaled(mm_per_px, -mm_per_px, 1);
+    if (is_not_rendered(root)) return curves_.leave_out("hidden");
+    inherit_paint(root, context.units, document_, context.paint);
+    enter_view(root, page_, context);
+    if (!clips_.append(root, {context.map, context.units, {}}, context.clips))
+      return curves_.leave_out("element with a clip path or mask that cannot be applied");
     draw_children(root, context);
   }
 
@@ -143,35 +149,92 @@ class SvgReader {
     }
   }
 
-  void draw(const xml_node& node, Context context) {
-    const std::string_view name = local_name(node);
-    if (draws_nothing(name)) return;
-    if (is_hidden(node)) return curves_.leave_out("hidden");
-    const FilePosition place = position_of(node);
+  /// Applies the properties of an element. False if nothing of it is drawn.
+  bool enter(const xml_node& node, Context& context) {
+    const FilePosition place = document_.position_of(node);
     curves_.spend(1, place);
-    if (++context.depth > deepest_group)
-      place.refuse(fmt::format("groups are nested deeper than {}", deepest_group), "ungroup some");
-    context.map = context.map * svg_transform(node.attribute("transform").value(), place);
-    if (name == "g" || name == "a" || name == "switch") {
-      enter_layer(node, context);
-      draw_children(node, context);
-    } else if (name == "svg") {
-      draw_view(node, with_default_size(svg_box_of(node, context.port, place), context.port),
-                context);
-    } else if (name == "use") {
-      draw_use(node, context);
-    } else {
-      draw_shape(node, name, context);
+    if (++context.depth > max_svg_depth)
+      place.refuse(fmt::format("groups are nested deeper than {}", max_svg_depth), "ungroup some");
+    if (is_not_rendered(node)) {
+      curves_.leave_out("hidden");
+      return false;
     }
+    SvgUnits& units = context.units;
+    units.font_px = svg_font_size(svg_value(node, "font-size"), units);
+    context.map = context.map * own_map(node, units, place);
+    inherit_paint(node, units, document_, context.paint);
+    if (scale_of(context.map) == 0) {  // flattened to a line by its transform
+      curves_.leave_out("hidden");
+      return false;
+    }
+    return true;
   }
 
-  static SvgBox with_default_size(SvgBox port, const SvgBox& outer) {
-    if (port.width == 0) port.width = outer.width;
-    if (port.height == 0) port.height = outer.height;
-    return port;
+  /// The transform of an element about its origin, and the single properties of CSS before it.
+  static geometry::Affine own_map(const xml_node& node, const SvgUnits& units,
+                                  const FilePosition& place) {
+    geometry::Affine map;
+    for (const char* name : {"translate", "rotate", "scale"}) {
+      const std::string_view value = svg_value(node, name);
+      if (value.empty() || value == "none") continue;
+      map = map * svg_transform(fmt::format("{}({})", name, value), units, place);
+    }
+    map = map * svg_transform(svg_value(node, "transform"), units, place);
+    const std::string origin(svg_value(node, "transform-origin"));
+    if (origin.empty() || map == geometry::Affine{}) return map;
+    const std::size_t blank = origin.find(' ');
+    const auto part = [&](std::string_view text, double whole) {
+      if (text == "left" || text == "top") return 0.0;
+      if (text == "center" || text.empty()) return whole / 2;
+      if (text == "right" || text == "bottom") return whole;
+      return svg_length(text, whole, units, place);
+    };
+    const std::string y =
+        blank == std::string::npos ? "" : origin.substr(origin.find_first_not_of(' ', blank));
+    const SvgBox& port = units.port;
+    const double about_x = port.x + part(origin.substr(0, blank), port.width);
+    const double about_y = port.y + part(y.substr(0, y.find(' ')), port.height);
+    return geometry::moved(about_x, about_y, 0) * map * geometry::moved(-about_x, -about_y, 0);
   }
 
-  void draw_view(const xml_node& node, const SvgBox& port, Context context) {
+  bool clip(const xml_node& node, const std::optional<geometry::Bounds>& box, Context& context) {
+    if (clips_.append(node, {context.map, context.units, box}, context.clips)) return true;
+    curves_.leave_out("element with a clip path or mask that cannot be applied");
+    return false;
+  }
+
+  void draw(const xml_node& node, Context context) {
+    const std::string_view name = svg_name(node);
+    if (draws_nothing(name) || !enter(node, context)) return;
+    const bool is_group =
+        name == "g" || name == "a" || name == "switch" || name == "svg" || name == "use";
+    if (!is_group) return draw_shape(node, name, context);
+    if (!clip(node, {}, context)) return;
+    if (name == "use") return draw_use(node, context);
+    if (name == "svg") {
+      const SvgBox box = svg_box_of(node, context.units, document_.position_of(node));
+      return draw_view(node, node, box, context);
+    }
+    enter_layer(node, context);
+    if (name != "switch") return draw_children(node, context);
+    if (const xml_node chosen = chosen_of(node)) draw(chosen, context);
+  }
+
+  /// Draws a nested svg or a symbol; `sized` has the attributes of its size, which is 100 % by
+  /// default. What leaves the view is hidden unless the property overflow shows it.
+  void draw_view(const xml_node& node, const xml_node& sized, SvgBox port, Context context) {
+    const SvgBox& outer = context.units.port;
+    const auto size = [&](const char* name, double given, double whole) {
+      const std::string_view text = svg_value(sized, name);
+      return text.empty() || text == "auto" ? whole : given;
+    };
+    port.width = size("width", port.width, outer.width);
+    port.height = size("height", port.height, outer.height);
+    const bool has_size = outer.width > 0 && outer.height > 0;
+    if (has_size && (port.width == 0 || port.height == 0)) return curves_.leave_out("hidden");
+    const std::string_view overflow = svg_value(node, "overflow");
+    if (has_size && overflow != "visible" && overflow != "auto")
+      clips_.append(port, context.map, document_.position_of(node), context.clips);
     enter_view(node, port, context);
     draw_children(node, context);
   }
@@ -188,47 +251,143 @@ class SvgReader {
   }
 
   void draw_use(const xml_node& node, Context context) {
-    std::string_view target = node.attribute("href").value();
-    if (target.empty()) target = node.attribute("xlink:href").value();
-    if (!target.starts_with('#')) return curves_.leave_out("use of another file");
-    const auto found = by_id_.find(std::string(target.substr(1)));
-    if (found == by_id_.end())
-      position_of(node).refuse(fmt::format("there is no element '{:.40}'", target.substr(1)),
-                               "repair the drawing");
-    const xml_node used = found->second;
+    const FilePosition place = document_.position_of(node);
+    const xml_node used = document_.used_by(node);
+    if (!used) return curves_.leave_out("use of another file");
     if (std::find(open_uses_.begin(), open_uses_.end(), used) != open_uses_.end())
-      position_of(node).refuse(fmt::format("'{:.40}' uses itself", target.substr(1)),
-                               "repair the drawing");
-    const SvgBox at = svg_box_of(node, context.port, position_of(node));
+      place.refuse(fmt::format("'{:.40}' uses itself", used.attribute("id").value()),
+                   "repair the drawing");
+    const SvgBox at = svg_box_of(node, context.units, place);
     context.map = context.map * geometry::moved(at.x, at.y, 0);
     open_uses_.push_back(used);
-    if (local_name(used) == "symbol" || local_name(used) == "svg") {
-      draw_view(used, with_default_size({0, 0, at.width, at.height}, context.port), context);
+    if (svg_name(used) == "symbol" || svg_name(used) == "svg") {
+      if (enter(used, context) && clip(used, {}, context)) {
+        const bool has_size = node.attribute("width") || node.attribute("height");
+        SvgBox port = svg_box_of(used, context.units, place);
+        if (has_size) port = {port.x, port.y, at.width, at.height};
+        draw_view(used, has_size ? node : used, port, context);
+      }
     } else {
       draw(used, context);
     }
     open_uses_.pop_back();
   }
 
-  void draw_shape(const xml_node& node, std::string_view name, const Context& context) {
-    const FilePosition place = position_of(node);
-    auto paths = svg_shape(node, name, context.port, place);
+  void draw_shape(const xml_node& node, std::string_view name, Context context) {
+    const FilePosition place = document_.position_of(node);
+    const SvgPaint& paint = context.paint;
+    auto paths = svg_shape(node, name, context.units, place);
+    if (!paint.is_visible || (paths && !paint.shows_fill() && !paint.shows_stroke()))
+      return curves_.leave_out("hidden");
     if (!paths) return curves_.leave_out(std::string(name));
-    for (Path& path : *paths) curves_.add(std::move(path), context.map, context.layer, place);
+    if (has_markers(node)) curves_.leave_out("marker");
+    std::optional<geometry::Bounds> box;
+    if (*node.attribute("clip-path").value() != 0 || *node.attribute("mask").value() != 0)
+      box = box_of(*paths, place);
+    if (!clip(node, box, context)) return;
+    const bool is_background = may_be_background(name, paint, *paths, context, place);
+    for (Path& path : dashed(node, std::move(*paths), context, place)) {
+      path = CurveCollector::placed(std::move(path), context.map, place);
+      std::vector<Path> parts = clipped(std::move(path), context.clips, clips_.work(), place);
+      if (parts.empty()) curves_.leave_out("clipped curve");
+      for (Path& part : parts) {
+        if (is_background)
+          background_.emplace(Background{std::move(part), context.layer, place});
+        else
+          add(std::move(part), context.layer, place);
+      }
+    }
   }
 
+  static geometry::Bounds box_of(const std::vector<Path>& paths, const FilePosition& place) {
+    Curves curves;
+    for (const Path& path : paths)
+      curves.paths.push_back(CurveCollector::placed(path, {}, place));
+    return bounds(curves);
+  }
+
+  /// The dashes of the paths where the stroke has some; the edge of a fill in another colour than
+  /// the page's is whole.
+  std::vector<Path> dashed(const xml_node& node, std::vector<Path> paths, const Context& context,
+                           const FilePosition& place) {
+    const SvgPaint& paint = context.paint;
+    const bool shows_edge = paint.shows_fill() && !paint.fill_is_default && !paint.fill_is_white &&
+                            svg_name(node) != "line";
+    if (paint.dashes.empty() || !paint.shows_stroke() || shows_edge) return paths;
+    // Lengths are measured in mm, which the precision of arc lengths refers to.
+    const double scale = scale_of(context.map);
+    const geometry::Affine larger = geometry::scaled(scale, scale, scale);
+    std::vector<double> lengths;
+    for (Path& path : paths) {
+      path = CurveCollector::placed(std::move(path), larger, place);
+      lengths.push_back(ArcLength(path).total());
+    }
+    const double total = std::accumulate(lengths.begin(), lengths.end(), 0.0);
+    const auto stated = find_svg_length(svg_value(node, "pathLength"), 0, {});
+    const double factor = stated && *stated > 0 ? total / *stated : scale;
+    DashPattern pattern{paint.dashes, paint.dash_offset * factor, paint.has_long_ends};
+    for (double& length : pattern.lengths) length *= factor;
+    double count = 0;
+    for (const double length : lengths) count += dash_count(pattern, length);
+    if (!(count <= static_cast<double>(max_pieces)))
+      place.refuse(fmt::format("the curve has more than {} dashes", max_pieces),
+                   "use longer dashes");
+    curves_.spend(static_cast<std::size_t>(count), place);
+    const geometry::Affine smaller = geometry::scaled(1 / scale, 1 / scale, 1 / scale);
+    std::vector<Path> all;
+    for (const Path& path : paths) {
+      for (Path& dash : dashes(path, pattern))
+        all.push_back(CurveCollector::placed(std::move(dash), smaller, place));
+    }
+    return all;
+  }
+
+  /// A coloured rectangle without a stroke under everything else, as large as the page: its edge is
+  /// that of the page.
+  bool may_be_background(std::string_view name, const SvgPaint& paint,
+                         const std::vector<Path>& paths, const Context& context,
+                         const FilePosition& place) const {
+    if (name != "rect" || has_drawn_ || background_ || paint.shows_stroke() ||
+        paint.fill_is_default || paths.empty() || page_.width == 0 || page_.height == 0)
+      return false;
+    Curves curves;
+    curves.paths.push_back(CurveCollector::placed(paths.front(), context.map, place));
+    const geometry::Bounds box = bounds(curves);
+    return box.low.x <= flat_mm && box.low.y <= flat_mm &&
+           box.high.x >= page_.width * mm_per_px - flat_mm &&
+           box.high.y >= page_.height * mm_per_px - flat_mm;
+  }
+
+  /// The background is a curve only if it is the whole drawing.
+  void settle_background() {
+    if (!background_) return;
+    if (has_drawn_) return curves_.leave_out("background of the page");
+    curves_.add(std::move(background_->path), {}, background_->layer, background_->place);
+  }
+
+  void add(Path path, const std::string& layer, const FilePosition& place) {
+    has_drawn_ = true;
+    curves_.add(std::move(path), {}, layer, place);
+  }
+
+  struct Background {
+    Path path;
+    std::string layer;
+    FilePosition place;
+  };
+
   const std::filesystem::path& file_;
-  std::string_view bytes_;
-  std::unordered_map<std::string, xml_node> by_id_;
+  SvgDocument document_;
+  SvgClips clips_;
+  SvgBox page_;
   std::vector<xml_node> open_uses_;
+  std::optional<Background> background_;
+  bool has_drawn_ = false;
   CurveCollector curves_;
 };
 
 }  // namespace
 
-Curves read_svg(const std::filesystem::path& path) {
-  const std::string bytes = read_file(path);
-  return SvgReader(path, bytes).read();
-}
+Curves read_svg(const std::filesystem::path& path) { return SvgReader(path, read_file(path)).read(); }
 
 }  // namespace lamplock::model

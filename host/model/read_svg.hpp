@@ -5,10 +5,14 @@
 // Who: the command line.
 //
 // It reads path, rect, circle, ellipse, line, polyline and polygon in groups, nested svg, symbols
-// and use, with all transforms, view boxes and units (96 px an inch, as in CSS). The paint of a
-// shape does not matter. A path's layer is that of Inkscape, otherwise the outermost group by its
-// id. Left out and counted: text, images and other drawn elements; those with display:none
-// ("hidden").
+// and use, with all transforms, view boxes and units (96 px an inch, as in CSS), with the styles of
+// style sheets, style attributes and presentation attributes. Drawn is what is visible: the outline
+// of a shape whose fill or stroke is, within its clip paths, masks that are plain shapes and the
+// views of nested svg; a dashed stroke as its dashes. The colour does not matter, except that a
+// rectangle of the page's size under all others is its background. A path's layer is that of
+// Inkscape, otherwise the outermost group by its id. Left out and counted: text, images and other
+// drawn elements; what is invisible ("hidden"); elements with a clip path or mask that cannot be
+// applied; rules of style sheets that are not understood.
 #pragma once
 
 #include <filesystem>

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include "host/model/curve_collector.hpp"
 #include "host/model/svg_path.hpp"
@@ -22,16 +24,39 @@ Arc ellipse(const Point& centre, double x_radius, double y_radius) {
   return {centre, {x_radius, 0, 0}, {0, y_radius, 0}, 0, 2 * pi};
 }
 
-Paths round_shape(const pugi::xml_node& node, bool is_circle, const SvgBox& port,
+/// The two radii of ellipses and of a rectangle's corners: a missing one equals the other; negative
+/// if both are missing.
+std::pair<double, double> radii_of(const pugi::xml_node& node, const SvgUnits& units,
+                                   const FilePosition& place) {
+  constexpr double missing = -1;
+  const double rx = svg_length_of(node, "rx", units.port.width, missing, units, place);
+  const double ry = svg_length_of(node, "ry", units.port.height, missing, units, place);
+  const auto is_missing = [&](const char* name) {
+    const std::string_view text = node.attribute(name).value();
+    return text.empty() || text == "auto";
+  };
+  if (rx < 0 && !is_missing("rx"))
+    place.refuse(fmt::format("the radii {} and {} are not allowed", rx, ry), "repair the drawing");
+  if (ry < 0 && !is_missing("ry"))
+    place.refuse(fmt::format("the radii {} and {} are not allowed", rx, ry), "repair the drawing");
+  return {rx < 0 ? ry : rx, ry < 0 ? rx : ry};
+}
+
+Paths round_shape(const pugi::xml_node& node, bool is_circle, const SvgUnits& units,
                   const FilePosition& place) {
+  const SvgBox& port = units.port;
   const auto value = [&](const char* name, double whole) {
-    return svg_length_of(node, name, whole, 0, place);
+    return svg_length_of(node, name, whole, 0, units, place);
   };
   const Point centre{value("cx", port.width), value("cy", port.height), 0};
-  // A percentage of a radius refers to the diagonal over the root of 2.
-  const double across = std::hypot(port.width, port.height) / std::numbers::sqrt2;
-  const double rx = is_circle ? value("r", across) : value("rx", port.width);
-  const double ry = is_circle ? rx : value("ry", port.height);
+  double rx = 0, ry = 0;
+  if (is_circle) {
+    rx = ry = value("r", svg_diagonal(port));
+  } else {
+    std::tie(rx, ry) = radii_of(node, units, place);
+    rx = std::max(rx, 0.0);
+    ry = std::max(ry, 0.0);
+  }
   if (rx < 0 || ry < 0)
     place.refuse(fmt::format("the radii {} and {} are not allowed", rx, ry), "repair the drawing");
   if (rx == 0 || ry == 0) return {};
@@ -53,24 +78,19 @@ Paths polyline(const pugi::xml_node& node, bool closed, const FilePosition& plac
   return {path};
 }
 
-/// The two radii of a rectangle's corners: a missing one equals the other; each is at most half a
-/// side.
-Point corner_of(const pugi::xml_node& node, const SvgBox& box, const SvgBox& port,
+/// The radii of a rectangle's corners, each at most half a side.
+Point corner_of(const pugi::xml_node& node, const SvgBox& box, const SvgUnits& units,
                 const FilePosition& place) {
-  constexpr double missing = -1;
-  double rx = svg_length_of(node, "rx", port.width, missing, place);
-  double ry = svg_length_of(node, "ry", port.height, missing, place);
-  if (rx < 0) rx = ry;
-  if (ry < 0) ry = rx;
+  const auto [rx, ry] = radii_of(node, units, place);
   if (!(rx > 0) || !(ry > 0)) return {};
   return {std::min(rx, box.width / 2), std::min(ry, box.height / 2), 0};
 }
 
 /// Begins at the upper left, as in SVG; corners are quarters of ellipses.
-Paths rectangle(const pugi::xml_node& node, const SvgBox& port, const FilePosition& place) {
-  const SvgBox box = svg_box_of(node, port, place);
+Paths rectangle(const pugi::xml_node& node, const SvgUnits& units, const FilePosition& place) {
+  const SvgBox box = svg_box_of(node, units, place);
   if (box.width == 0 || box.height == 0) return {};
-  const Point cut = corner_of(node, box, port, place);
+  const Point cut = corner_of(node, box, units, place);
   const double left = box.x, right = box.x + box.width, top = box.y, bottom = box.y + box.height;
   // For each side: start, end, and the centre of the corner after it.
   struct Side {
@@ -94,27 +114,42 @@ Paths rectangle(const pugi::xml_node& node, const SvgBox& port, const FilePositi
   return {path};
 }
 
-Paths line(const pugi::xml_node& node, const SvgBox& port, const FilePosition& place) {
+Paths line(const pugi::xml_node& node, const SvgUnits& units, const FilePosition& place) {
+  const SvgBox& port = units.port;
   const auto value = [&](const char* name, double whole) {
-    return svg_length_of(node, name, whole, 0, place);
+    return svg_length_of(node, name, whole, 0, units, place);
   };
   return {{{Line{{value("x1", port.width), value("y1", port.height), 0},
                  {value("x2", port.width), value("y2", port.height), 0}}}}};
 }
 
+/// The data in the form of CSS, path("..."), too; "none" is no data.
+std::string_view path_data(std::string_view text) {
+  if (text == "none") return {};
+  if (!text.starts_with("path(")) return text;
+  const std::size_t begin = text.find_first_of("'\""), end = text.find_last_of("'\"");
+  return begin < end && end != std::string_view::npos ? text.substr(begin + 1, end - begin - 1)
+                                                      : std::string_view{};
+}
+
 }  // namespace
 
 double svg_length_of(const pugi::xml_node& node, const char* name, double whole_px,
-                     double otherwise, const FilePosition& place) {
+                     double otherwise, const SvgUnits& units, const FilePosition& place) {
   const std::string_view text = node.attribute(name).value();
-  return text.empty() || text == "auto" ? otherwise : svg_length(text, whole_px, place);
+  return text.empty() || text == "auto" ? otherwise : svg_length(text, whole_px, units, place);
 }
 
-SvgBox svg_box_of(const pugi::xml_node& node, const SvgBox& port, const FilePosition& place) {
-  const SvgBox box{svg_length_of(node, "x", port.width, 0, place),
-                   svg_length_of(node, "y", port.height, 0, place),
-                   svg_length_of(node, "width", port.width, 0, place),
-                   svg_length_of(node, "height", port.height, 0, place)};
+double svg_diagonal(const SvgBox& port) {
+  return std::hypot(port.width, port.height) / std::numbers::sqrt2;
+}
+
+SvgBox svg_box_of(const pugi::xml_node& node, const SvgUnits& units, const FilePosition& place) {
+  const SvgBox& port = units.port;
+  const SvgBox box{svg_length_of(node, "x", port.width, 0, units, place),
+                   svg_length_of(node, "y", port.height, 0, units, place),
+                   svg_length_of(node, "width", port.width, 0, units, place),
+                   svg_length_of(node, "height", port.height, 0, units, place)};
   if (box.width < 0 || box.height < 0)
     place.refuse(fmt::format("the size {} x {} is not allowed", box.width, box.height),
                  "repair the drawing");
@@ -122,12 +157,12 @@ SvgBox svg_box_of(const pugi::xml_node& node, const SvgBox& port, const FilePosi
 }
 
 std::optional<Paths> svg_shape(const pugi::xml_node& node, std::string_view name,
-                               const SvgBox& port, const FilePosition& place) {
-  if (name == "path") return svg_path(node.attribute("d").value(), place);
-  if (name == "rect") return rectangle(node, port, place);
+                               const SvgUnits& units, const FilePosition& place) {
+  if (name == "path") return svg_path(path_data(node.attribute("d").value()), place);
+  if (name == "rect") return rectangle(node, units, place);
   if (name == "circle" || name == "ellipse")
-    return round_shape(node, name == "circle", port, place);
-  if (name == "line") return line(node, port, place);
+    return round_shape(node, name == "circle", units, place);
+  if (name == "line") return line(node, units, place);
   if (name == "polyline" || name == "polygon") return polyline(node, name == "polygon", place);
   return std::nullopt;
 }

@@ -18,15 +18,18 @@ namespace lamplock::model {
 
 /// A length attribute in px; `otherwise` if there is none. Throws Error (bad_input).
 double svg_length_of(const pugi::xml_node& node, const char* name, double whole_px,
-                     double otherwise, const FilePosition& place);
+                     double otherwise, const SvgUnits& units, const FilePosition& place);
 
-/// The rectangle of attributes x, y, width and height inside `port`; 0 for missing ones.
-/// Throws Error (bad_input) for negative sizes.
-SvgBox svg_box_of(const pugi::xml_node& node, const SvgBox& port, const FilePosition& place);
+/// The rectangle of attributes x, y, width and height; 0 for missing ones. Throws Error (bad_input)
+/// for negative sizes.
+SvgBox svg_box_of(const pugi::xml_node& node, const SvgUnits& units, const FilePosition& place);
+
+/// What percentages of radii and dashes refer to: the diagonal over the root of 2.
+double svg_diagonal(const SvgBox& port);
 
 /// The paths of path, rect, circle, ellipse, line, polyline and polygon, by `name`; empty for any
 /// other element. Shapes without extent have no path. Throws Error (bad_input) naming the place.
 std::optional<std::vector<Path>> svg_shape(const pugi::xml_node& node, std::string_view name,
-                                           const SvgBox& port, const FilePosition& place);
+                                           const SvgUnits& units, const FilePosition& place);
 
 }  // namespace lamplock::model

@@ -22,21 +22,31 @@ struct Transform {
   std::string_view name;
   std::size_t least, most;
 };
-constexpr std::array<Transform, 6> transforms{{{"matrix", 6, 6},
-                                               {"translate", 1, 2},
-                                               {"scale", 1, 2},
-                                               {"rotate", 1, 3},
-                                               {"skewX", 1, 1},
-                                               {"skewY", 1, 1}}};
+constexpr std::array<Transform, 11> transforms{{{"matrix", 6, 6},
+                                                {"translate", 1, 2},
+                                                {"translateX", 1, 1},
+                                                {"translateY", 1, 1},
+                                                {"scale", 1, 2},
+                                                {"scaleX", 1, 1},
+                                                {"scaleY", 1, 1},
+                                                {"rotate", 1, 3},
+                                                {"skew", 1, 2},
+                                                {"skewX", 1, 1},
+                                                {"skewY", 1, 1}}};
 
 geometry::Affine map_of(std::string_view name, const std::vector<double>& a) {
   const auto second = [&](double otherwise) { return a.size() > 1 ? a[1] : otherwise; };
-  const auto tangent = [&] { return std::tan(a[0] * std::numbers::pi / 180); };
+  const auto tangent = [&](double angle) { return std::tan(angle * std::numbers::pi / 180); };
   if (name == "matrix") return {{a[0], a[1], 0}, {a[2], a[3], 0}, {0, 0, 1}, {a[4], a[5], 0}};
   if (name == "translate") return geometry::moved(a[0], second(0), 0);
+  if (name == "translateX") return geometry::moved(a[0], 0, 0);
+  if (name == "translateY") return geometry::moved(0, a[0], 0);
   if (name == "scale") return geometry::scaled(a[0], second(a[0]), 1);
-  if (name == "skewX") return {{1, 0, 0}, {tangent(), 1, 0}, {0, 0, 1}, {}};
-  if (name == "skewY") return {{1, tangent(), 0}, {0, 1, 0}, {0, 0, 1}, {}};
+  if (name == "scaleX") return geometry::scaled(a[0], 1, 1);
+  if (name == "scaleY") return geometry::scaled(1, a[0], 1);
+  if (name == "skew") return {{1, tangent(second(0)), 0}, {tangent(a[0]), 1, 0}, {0, 0, 1}, {}};
+  if (name == "skewX") return {{1, 0, 0}, {tangent(a[0]), 1, 0}, {0, 0, 1}, {}};
+  if (name == "skewY") return {{1, tangent(a[0]), 0}, {0, 1, 0}, {0, 0, 1}, {}};
   const geometry::Affine turn = geometry::turned_about_z(a[0]);
   return a.size() == 3 ? geometry::moved(a[1], a[2], 0) * turn * geometry::moved(-a[1], -a[2], 0)
                        : turn;
@@ -113,33 +123,105 @@ std::vector<double> svg_numbers(std::string_view text, const FilePosition& place
   return numbers;
 }
 
-double svg_length(std::string_view text, double whole_px, const FilePosition& place) {
+std::optional<double> find_svg_length(std::string_view text, double whole_px,
+                                      const SvgUnits& units) {
   struct Unit {
     std::string_view name;
     double px;
   };
   constexpr double inch = 96, mm = inch / 25.4;
-  constexpr std::array<Unit, 8> units{{{"", 1},
-                                       {"px", 1},
-                                       {"mm", mm},
-                                       {"cm", 10 * mm},
-                                       {"in", inch},
-                                       {"pt", inch / 72},
-                                       {"pc", inch / 6},
-                                       {"Q", mm / 4}}};
-  SvgScanner scanner(text, place);
-  const double value = scanner.number();
-  const std::string_view unit = scanner.rest().substr(
-      0, scanner.rest().find_last_not_of(blanks) + 1);  // npos + 1 is 0: nothing but blanks
-  if (unit == "%") return value / 100 * whole_px;
-  for (const Unit& known : units) {
-    if (known.name == unit) return value * known.px;
-  }
-  place.refuse(fmt::format("a length has the unsupported unit '{:.20}'", unit), "use mm or px");
+  const double width = units.page_width_px / 100, height = units.page_height_px / 100;
+  // An x and a figure are half as high as wide in most fonts, which CSS suggests too.
+  const double half_font = units.font_px / 2;
+  const std::array<Unit, 18> known{{{"", 1},
+                                    {"px", 1},
+                                    {"mm", mm},
+                                    {"cm", 10 * mm},
+                                    {"in", inch},
+                                    {"pt", inch / 72},
+                                    {"pc", inch / 6},
+                                    {"q", mm / 4},
+                                    {"em", units.font_px},
+                                    {"rem", units.root_font_px},
+                                    {"ex", half_font},
+                                    {"ch", half_font},
+                                    {"vw", width},
+                                    {"vh", height},
+                                    {"vmin", std::min(width, height)},
+                                    {"vmax", std::max(width, height)},
+                                    {"%", whole_px / 100},
+                                    {"ic", units.font_px}}};
+  const std::size_t begin = text.find_first_not_of(blanks);
+  if (begin == std::string_view::npos) return std::nullopt;
+  text = text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc{} || !std::isfinite(value)) return std::nullopt;
+  // "2em" is no number with an exponent: from_chars() leaves the letter.
+  std::string unit(end, text.data() + text.size());
+  std::transform(unit.begin(), unit.end(), unit.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  const auto* const found = std::find_if(known.begin(), known.end(),
+                                         [&](const Unit& one) { return one.name == unit; });
+  if (found == known.end()) return std::nullopt;
+  return value * found->px;
 }
 
-geometry::Affine svg_transform(std::string_view text, const FilePosition& place) {
+double svg_length(std::string_view text, double whole_px, const SvgUnits& units,
+                  const FilePosition& place) {
+  if (const auto length = find_svg_length(text, whole_px, units)) return *length;
+  place.refuse(fmt::format("'{:.40}' is not a length in a supported unit", text), "use mm or px");
+}
+
+double svg_font_size(std::string_view text, const SvgUnits& units) {
+  struct Size {
+    std::string_view name;
+    double px;
+  };
+  // Sizes of browsers (HTML, "Rendering"); smaller and larger by one step of the scale.
+  constexpr double step = 1.2;
+  const std::array<Size, 9> named{{{"xx-small", 9},
+                                   {"x-small", 10},
+                                   {"small", 13},
+                                   {"medium", 16},
+                                   {"large", 18},
+                                   {"x-large", 24},
+                                   {"xx-large", 32},
+                                   {"smaller", units.font_px / step},
+                                   {"larger", units.font_px * step}}};
+  for (const Size& size : named) {
+    if (size.name == text) return size.px;
+  }
+  const auto length = find_svg_length(text, units.font_px, units);
+  return length && *length >= 0 ? *length : units.font_px;
+}
+
+namespace {
+
+/// Reads an argument of a transform, in px, degrees or without a unit.
+double transform_argument(SvgScanner& scanner, const SvgUnits& units) {
+  const double value = scanner.number();
+  const std::string_view unit = scanner.rest().substr(
+      0, static_cast<std::size_t>(
+             std::find_if_not(scanner.rest().begin(), scanner.rest().end(), is_letter) -
+             scanner.rest().begin()));
+  if (unit.empty()) return value;
+  scanner.word();
+  if (unit == "deg") return value;
+  if (unit == "rad") return value * 180 / std::numbers::pi;
+  if (unit == "grad") return value * 0.9;
+  if (unit == "turn") return value * 360;
+  return value * svg_length("1" + std::string(unit), 0, units, scanner.place());
+}
+
+}  // namespace
+
+geometry::Affine svg_transform(std::string_view text, const SvgUnits& units,
+                               const FilePosition& place) {
   geometry::Affine map;
+  if (text == "none") return map;
   SvgScanner scanner(text, place);
   while (!scanner.at_end()) {
     const std::string_view name = scanner.word();
@@ -150,7 +232,7 @@ geometry::Affine svg_transform(std::string_view text, const FilePosition& place)
                    "export the drawing again");
     std::vector<double> arguments;
     while (scanner.begins_number() && arguments.size() < known->most)
-      arguments.push_back(scanner.number());
+      arguments.push_back(transform_argument(scanner, units));
     const bool centre_is_half = name == "rotate" && arguments.size() == 2;
     if (arguments.size() < known->least || centre_is_half || scanner.take() != ')')
       place.refuse(fmt::format("{} has the wrong arguments: '{:.40}'", name, text),

@@ -45,17 +45,32 @@ class SvgScanner {
 /// All numbers of a text. Throws Error (bad_input) if it contains other text.
 std::vector<double> svg_numbers(std::string_view text, const FilePosition& place);
 
-/// A length in px (96 an inch); a percentage refers to `whole_px`. Throws Error (bad_input) for
-/// units of fonts and other text.
-double svg_length(std::string_view text, double whole_px, const FilePosition& place);
-
-/// The map of a transform attribute. Throws Error (bad_input).
-geometry::Affine svg_transform(std::string_view text, const FilePosition& place);
-
 /// A rectangle of the page or the user's own units.
 struct SvgBox {
   double x = 0, y = 0, width = 0, height = 0;
 };
+
+/// What relative lengths of an element refer to, in px.
+struct SvgUnits {
+  SvgBox port{};                          ///< of percentages, in the element's units
+  double font_px = 16, root_font_px = 16;  ///< em, rem; the default of browsers
+  double page_width_px = 0, page_height_px = 0;  ///< of vw and vh
+};
+
+/// A length in px (96 an inch); a percentage refers to `whole_px`. Empty if it is not a length.
+std::optional<double> find_svg_length(std::string_view text, double whole_px,
+                                      const SvgUnits& units);
+/// The same. Throws Error (bad_input) for other text.
+double svg_length(std::string_view text, double whole_px, const SvgUnits& units,
+                  const FilePosition& place);
+
+/// The font size of an element by its attribute; that of the parent is in `units`.
+double svg_font_size(std::string_view text, const SvgUnits& units);
+
+/// The map of a transform attribute or of the property of CSS, whose numbers have units. Throws
+/// Error (bad_input).
+geometry::Affine svg_transform(std::string_view text, const SvgUnits& units,
+                               const FilePosition& place);
 
 /// Fits `view` into `port` by preserveAspectRatio; empty: centred and whole.
 geometry::Affine svg_fit(const SvgBox& view, const SvgBox& port, std::string_view aspect);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/order/shadow.hpp"
 #include "host/run/frontend.hpp"
 #include "host/units.hpp"
 
@@ -50,6 +51,18 @@ double way_mm(const PointCloud& cloud) {
   return way;
 }
 
+/// The shadow rule of an order that is engraved as it is (docs/ordering.md).
+std::vector<std::string> shadow_warnings(const PointCloud& cloud, double half_angle_deg) {
+  const auto found = order::first_shadowed(cloud, half_angle_deg);
+  if (!found) return {};
+  const geometry::Point &upper = cloud[found->first], &lower = cloud[found->second];
+  return {fmt::format(
+      "the order of the points lets earlier points shadow later ones: point {} at ({:.4g}, {:.4g}, "
+      "{:.4g}) mm is engraved before point {} at ({:.4g}, {:.4g}, {:.4g}) mm, which lies under it in "
+      "the beam; choose another order than 'given'",
+      found->first + 1, upper.x, upper.y, upper.z, found->second + 1, lower.x, lower.y, lower.z)};
+}
+
 }  // namespace
 
 order::Motion motion_of(const settings::Values& values, const glass::Refraction& refraction) {
@@ -79,12 +92,16 @@ order::OrderOptions order_options(const glass::OrderChoice& choice, std::optiona
   return options;
 }
 
-void order_points(PointCloud& cloud, const std::string& name, order::OrderOptions options,
-                  Frontend& frontend) {
+std::vector<std::string> order_points(PointCloud& cloud, const std::string& name,
+                                      order::OrderOptions options, Frontend& frontend) {
   frontend.restart_clock();
   const Ordering ordering = order_named(name);
-  if (ordering == Ordering::given)
-    return frontend.phase("order", fmt::format("as given, path length {:.1f} mm", way_mm(cloud)));
+  if (ordering == Ordering::given) {
+    std::vector<std::string> warnings = shadow_warnings(cloud, options.half_angle_deg);
+    frontend.phase("order", fmt::format("as given, path length {:.1f} mm", way_mm(cloud)));
+    for (const std::string& warning : warnings) frontend.say("warning  {}", warning);
+    return warnings;
+  }
   const double before = way_mm(cloud);
   {
     const std::unique_ptr<Progress> progress = frontend.progress("ordering", cloud.size(), 0);
@@ -96,6 +113,7 @@ void order_points(PointCloud& cloud, const std::string& name, order::OrderOption
   }
   frontend.phase("order", fmt::format("{}, path length {:.1f} mm (before: {:.1f} mm)",
                                       text_of(ordering), way_mm(cloud), before));
+  return {};
 }
 
 }  // namespace lamplock::run

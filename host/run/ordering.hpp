@@ -1,11 +1,12 @@
 // Brings points into an order of firing by its name, and reports the result.
 //
 // In:  a cloud, an order by name with what it needs to know. Out: the cloud in that order; a line
-//      for people. Who: prepare.cpp, `order`.
+//      for people, warnings. Who: prepare.cpp, `order`.
 #pragma once
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/geometry/point.hpp"
 #include "host/glass/description.hpp"
@@ -27,8 +28,9 @@ order::Motion motion_of(const settings::Values& values, const glass::Refraction&
 order::OrderOptions order_options(const glass::OrderChoice& choice, std::optional<double> layer_mm,
                                   const order::Motion& motion);
 
-/// Brings points into an order by its name. Throws Error(bad_input).
-void order_points(geometry::PointCloud& cloud, const std::string& name, order::OrderOptions options,
+/// Brings points into an order by its name, and returns warnings: an order that is not changed may
+/// engrave points before others that they shadow. Throws Error(bad_input).
+std::vector<std::string> order_points(geometry::PointCloud& cloud, const std::string& name, order::OrderOptions options,
                   Frontend& frontend);
 
 }  // namespace lamplock::run

@@ -130,9 +130,9 @@ PlacedModel placed_mesh(model::Mesh mesh, const Object& object, const Volume& vo
 PlacedModel placed_curves(model::Curves curves, const Object& object, const Volume& volume) {
   PlacedModel result;
   result.kind = InputKind::curves;
-  for (const auto& [name, count] : curves.left_out)
-    result.warnings.push_back(
-        fmt::format("{} x {} cannot be engraved and is left out", count, name));
+  result.warnings = curves.warnings;
+  if (const std::string rest = model::left_out_text(curves); !rest.empty())
+    result.warnings.push_back(fmt::format("left out: {}", rest));
   if (curves.paths.empty() && curves.points.empty())
     throw Error(Exit::bad_input, object.file, "has no curves",
                 "draw lines, arcs or splines; convert text to paths");

@@ -173,8 +173,10 @@ void order_cloud(Cloud& cloud, const glass::Description& description,
                  const settings::Values& values, const glass::Volume& volume, Frontend& frontend) {
   const glass::OrderChoice& choice = description.order;
   const auto layer_mm = cloud.only_lists ? std::nullopt : std::optional(cloud.layer_mm);
-  order_points(cloud.points, order_name(cloud, choice),
-               order_options(choice, layer_mm, motion_of(values, volume.refraction)), frontend);
+  std::vector<std::string> warnings =
+      order_points(cloud.points, order_name(cloud, choice),
+                   order_options(choice, layer_mm, motion_of(values, volume.refraction)), frontend);
+  for (std::string& warning : warnings) cloud.warnings.push_back(std::move(warning));
 }
 
 }  // namespace lamplock::run

@@ -265,7 +265,7 @@ TEST_F(Svg, ErrorsNameTheLine) {
   EXPECT_THAT(data_error("M0 0A1 1 0 2 0 5 5"), HasSubstr("flag"));
   EXPECT_THAT(error(page("\n<circle r='-1'/>")), HasSubstr("line 4: the radii -1"));
   EXPECT_THAT(error(page("<rect width='-1' height='1'/>")), HasSubstr("the size -1"));
-  EXPECT_THAT(error(page("<line x2='3em'/>")), HasSubstr("unit 'em'"));
+  EXPECT_THAT(error(page("<line x2='3lh'/>")), HasSubstr("not a length"));
   EXPECT_THAT(error(page("<g transform='spin(3)'/>")), HasSubstr("transform"));
   EXPECT_THAT(error(page("<g transform='rotate(3 4)'/>")), HasSubstr("rotate has the wrong"));
   EXPECT_THAT(error(page("<g transform='scale(1'/>")), HasSubstr("scale has the wrong"));

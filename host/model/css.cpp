@@ -1,0 +1,247 @@
+#include "host/model/css.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "host/text.hpp"
+
+namespace lamplock::model {
+namespace {
+
+std::string in_lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return lower;
+}
+
+/// The text with spaces for comments and line ends.
+std::string without_comments(std::string_view text) {
+  std::string result;
+  while (true) {
+    const std::size_t begin = text.find("/*");
+    result += text.substr(0, begin);
+    if (begin == std::string_view::npos) break;
+    const std::size_t end = text.find("*/", begin + 2);
+    result += ' ';
+    if (end == std::string_view::npos) break;
+    text.remove_prefix(end + 2);
+  }
+  for (const std::string_view mark : {"<!--", "-->"}) {
+    for (auto at = result.find(mark); at != std::string::npos; at = result.find(mark, at))
+      std::fill_n(result.begin() + static_cast<std::ptrdiff_t>(at), mark.size(), ' ');
+  }
+  std::replace_if(
+      result.begin(), result.end(), [](char c) { return c == '\n' || c == '\r' || c == '\f'; },
+      ' ');
+  return result;
+}
+
+/// The position of the first of `ends` outside of quotes and brackets; the size if there is none.
+std::size_t find_outside(std::string_view text, std::string_view ends, std::size_t from = 0) {
+  char quote = 0;
+  int depth = 0;
+  for (std::size_t i = from; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quote != 0) {
+      if (c == '\\') ++i;
+      if (c == quote) quote = 0;
+    } else if (depth == 0 && ends.find(c) != std::string_view::npos) {
+      return i;
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (c == '(' || c == '[') {
+      ++depth;
+    } else if ((c == ')' || c == ']') && depth > 0) {
+      --depth;
+    }
+  }
+  return text.size();
+}
+
+bool is_name_character(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+         c == '_' || static_cast<unsigned char>(c) >= 0x80;
+}
+
+std::string take_name(std::string_view& text) {
+  const auto end = std::find_if_not(text.begin(), text.end(), is_name_character);
+  const std::string name(text.begin(), end);
+  text.remove_prefix(name.size());
+  return name;
+}
+
+/// "[name]" or "[name=value]", the value with or without quotes.
+std::optional<CssCompound::Attribute> take_attribute(std::string_view& text) {
+  const std::size_t end = text.find(']');
+  if (end == std::string_view::npos) return std::nullopt;
+  std::string_view inner = trimmed(text.substr(1, end - 1));
+  text.remove_prefix(end + 1);
+  CssCompound::Attribute attribute{take_name(inner), {}};
+  inner = trimmed(inner);
+  if (attribute.name.empty()) return std::nullopt;
+  if (inner.empty()) return attribute;
+  if (!inner.starts_with('=')) return std::nullopt;
+  inner = trimmed(inner.substr(1));
+  const bool quoted = inner.size() >= 2 && (inner.front() == '"' || inner.front() == '\'') &&
+                      inner.back() == inner.front();
+  attribute.value = std::string(quoted ? inner.substr(1, inner.size() - 2) : inner);
+  return attribute;
+}
+
+enum class Reading { fits, never, unknown };
+
+/// Pseudo-classes of an interaction, which a drawing at rest does not have.
+bool is_interaction(std::string_view name) {
+  constexpr std::array<std::string_view, 6> names{"hover",  "active",        "focus",
+                                                  "target", "focus-visible", "visited"};
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+Reading take_pseudo_class(std::string_view& text, CssCompound& compound) {
+  text.remove_prefix(1);
+  const std::string name = in_lower_case(take_name(text));
+  if (name == "root" && !text.starts_with('(')) {
+    compound.is_root = true;
+    return Reading::fits;
+  }
+  return is_interaction(name) ? Reading::never : Reading::unknown;
+}
+
+/// Reads one compound from the front of `text`.
+Reading take_compound(std::string_view& text, CssCompound& compound) {
+  const std::size_t before = text.size();
+  Reading reading = Reading::fits;
+  if (text.starts_with('*'))
+    text.remove_prefix(1);
+  else
+    compound.element = take_name(text);
+  while (!text.empty() && reading == Reading::fits) {
+    if (text.front() == '.' || text.front() == '#') {
+      auto& names = text.front() == '.' ? compound.classes : compound.ids;
+      text.remove_prefix(1);
+      names.push_back(take_name(text));
+      if (names.back().empty()) return Reading::unknown;
+    } else if (text.front() == '[') {
+      auto attribute = take_attribute(text);
+      if (!attribute) return Reading::unknown;
+      compound.attributes.push_back(std::move(*attribute));
+    } else if (text.front() == ':') {
+      reading = take_pseudo_class(text, compound);
+    } else {
+      break;
+    }
+  }
+  return text.size() == before ? Reading::unknown : reading;
+}
+
+Reading read_selector(std::string_view text, CssSelector& selector) {
+  constexpr std::size_t ids = 1'000'000, classes = 1000;
+  // A compound for each level of a drawing is more than any drawing has.
+  constexpr std::size_t max_compounds = 64;
+  for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
+    CssCompound compound;
+    if (text.starts_with('>') && !selector.compounds.empty()) {
+      compound.is_child = true;
+      text = trimmed(text.substr(1));
+    }
+    const Reading reading = take_compound(text, compound);
+    if (reading != Reading::fits) return reading;
+    selector.specificity += ids * compound.ids.size() +
+                            classes * (compound.classes.size() + compound.attributes.size() +
+                                       (compound.is_root ? 1 : 0)) +
+                            (compound.element.empty() ? 0 : 1);
+    selector.compounds.push_back(std::move(compound));
+    if (selector.compounds.size() > max_compounds) return Reading::unknown;
+  }
+  return selector.compounds.empty() ? Reading::unknown : Reading::fits;
+}
+
+void read_rule(std::string_view selectors, std::string_view content, StyleSheet& sheet) {
+  sheet.declarations.push_back(css_declarations(content));
+  while (true) {
+    const std::size_t end = find_outside(selectors, ",");
+    CssSelector selector;
+    selector.declarations = sheet.declarations.size() - 1;
+    const Reading reading = read_selector(selectors.substr(0, end), selector);
+    if (reading == Reading::fits) sheet.selectors.push_back(std::move(selector));
+    if (reading == Reading::unknown) ++sheet.unread;
+    if (end == selectors.size()) return;
+    selectors.remove_prefix(end + 1);
+  }
+}
+
+/// The end of a block that begins before `from`: the place of its closing brace.
+std::size_t end_of_block(std::string_view text, std::size_t from) {
+  int depth = 1;
+  for (std::size_t at = find_outside(text, "{}", from); at < text.size();
+       at = find_outside(text, "{}", at + 1)) {
+    depth += text[at] == '{' ? 1 : -1;
+    if (depth == 0) return at;
+  }
+  return text.size();
+}
+
+bool is_for_screens(std::string_view media) {
+  const std::string_view name = trimmed(media);
+  return name == "all" || name == "screen";
+}
+
+void read_rules(std::string_view text, StyleSheet& sheet, int depth) {
+  constexpr int max_depth = 8;  // of nested @media
+  for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
+    const std::size_t end = find_outside(text, "{;");
+    const std::string_view head = trimmed(text.substr(0, end));
+    if (end == text.size() || text[end] == ';') {
+      if (head.starts_with("@import")) ++sheet.unread;
+      text.remove_prefix(std::min(end + 1, text.size()));
+      continue;
+    }
+    const std::size_t close = end_of_block(text, end + 1);
+    const std::string_view content = text.substr(end + 1, close - end - 1);
+    text.remove_prefix(std::min(close + 1, text.size()));
+    if (!head.starts_with('@')) {
+      read_rule(head, content, sheet);
+    } else if (head.starts_with("@media")) {
+      const bool is_read = is_for_screens(head.substr(6)) && depth < max_depth;
+      if (is_read)
+        read_rules(content, sheet, depth + 1);
+      else
+        ++sheet.unread;
+    }  // fonts, animations and the like
+  }
+}
+
+}  // namespace
+
+std::vector<CssDeclaration> css_declarations(std::string_view text) {
+  const std::string plain = without_comments(text);
+  std::vector<CssDeclaration> declarations;
+  for (std::string_view rest = plain; !rest.empty();) {
+    const std::size_t end = find_outside(rest, ";");
+    const std::string_view declaration = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    const std::size_t colon = declaration.find(':');
+    if (colon == std::string_view::npos) continue;
+    CssDeclaration one{in_lower_case(trimmed(declaration.substr(0, colon))), {}};
+    std::string_view value = trimmed(declaration.substr(colon + 1));
+    const std::size_t mark = value.rfind('!');
+    if (mark != std::string_view::npos &&
+        in_lower_case(trimmed(value.substr(mark + 1))) == "important") {
+      one.important = true;
+      value = trimmed(value.substr(0, mark));
+    }
+    one.value = value;
+    if (!one.name.empty() && !one.value.empty()) declarations.push_back(std::move(one));
+  }
+  return declarations;
+}
+
+void read_css(std::string_view text, StyleSheet& sheet) {
+  const std::string plain = without_comments(text);
+  read_rules(plain, sheet, 0);
+}
+
+}  // namespace lamplock::model

@@ -1,0 +1,174 @@
+#include "host/model/svg_clips.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "host/model/curve_collector.hpp"
+#include "host/model/svg_paint.hpp"
+#include "host/model/svg_shapes.hpp"
+#include "host/model/svg_style.hpp"
+
+namespace lamplock::model {
+namespace {
+
+using pugi::xml_node;
+
+/// The map from a box of 1 by 1 to that of an element.
+geometry::Affine from_unit_box(const geometry::Bounds& box) {
+  return geometry::moved(box.low.x, box.low.y, 0) *
+         geometry::scaled(box.high.x - box.low.x, box.high.y - box.low.y, 1);
+}
+
+/// True if a shape of a mask lets everything through where it is, and nothing else is painted.
+bool is_opaque(const xml_node& node, const SvgPaint& paint, bool is_alpha) {
+  const std::string_view opacity = svg_value(node, "opacity");
+  const bool is_solid = paint.fill_opacity >= 1 && !svg_value(node, "fill").starts_with("url(") &&
+                        (opacity.empty() || find_svg_length(opacity, 1, {}).value_or(0) >= 1);
+  return is_solid && paint.shows_fill() && !paint.shows_stroke() &&
+         (is_alpha || paint.fill_is_white);
+}
+
+}  // namespace
+
+bool SvgClips::append(const xml_node& node, const Frame& frame, ClipRegions& regions) {
+  for (const bool is_mask : {false, true}) {
+    const std::string_view value = svg_value(node, is_mask ? "mask" : "clip-path");
+    if (value.empty() || value == "none") continue;
+    if (!value.starts_with("url(")) return false;  // basic shapes of CSS
+    const xml_node element = document_.find_url(value);
+    // A reference to nothing clips nothing, as in SVG 2.
+    if (!element || svg_name(element) != (is_mask ? "mask" : "clipPath")) continue;
+    Region region = region_of(element, frame, is_mask);
+    if (!region) return false;
+    regions.push_back(std::move(region));
+    if (is_mask && !append_mask_box(element, frame, regions)) return false;
+    // The clip path may be clipped itself, in the same units.
+    if (svg_name(element) != "clipPath") continue;
+    open_.push_back(element);
+    const bool applied = append(element, frame, regions);
+    open_.pop_back();
+    if (!applied) return false;
+  }
+  return true;
+}
+
+void SvgClips::append(const SvgBox& box, const geometry::Affine& map, const FilePosition& place,
+                      ClipRegions& regions) {
+  const geometry::Point a{box.x, box.y, 0}, b{box.x + box.width, box.y, 0},
+      c{box.x + box.width, box.y + box.height, 0}, d{box.x, box.y + box.height, 0};
+  const Path outline = CurveCollector::placed({{Line{a, b}, Line{b, c}, Line{c, d}, Line{d, a}}, true},
+                                              map, place);
+  Shapes shapes;
+  shapes.emplace_back(std::vector<Path>{outline}, false, ClipRegions{}, work_, place);
+  regions.push_back(std::make_shared<const ClipRegion>(std::move(shapes)));
+}
+
+SvgClips::Region SvgClips::region_of(const xml_node& element, const Frame& frame, bool is_mask) {
+  if (std::find(open_.begin(), open_.end(), element) != open_.end())
+    document_.position_of(element).refuse(
+        fmt::format("the clip path '{:.40}' uses itself", element.attribute("id").value()),
+        "repair the drawing");
+  const char* units = is_mask ? "maskContentUnits" : "clipPathUnits";
+  const bool depends_on_box = svg_value(element, units) == "objectBoundingBox";
+  if (depends_on_box && !frame.box) return nullptr;
+  Frame own = frame;
+  if (depends_on_box) {
+    own.map = frame.map * from_unit_box(*frame.box);
+    own.units.port = {0, 0, 1, 1};
+  }
+  // Many elements of a drawing refer to the same clip path in the same place.
+  const auto known = known_.find(element.hash_value());
+  if (known != known_.end() && known->second.map == own.map) return known->second.region;
+  const geometry::Affine map = own.map;
+  Region region = new_region(element, std::move(own), is_mask);
+  known_[element.hash_value()] = {map, region};
+  return region;
+}
+
+SvgClips::Region SvgClips::new_region(const xml_node& element, Frame frame, bool is_mask) {
+  const FilePosition place = document_.position_of(element);
+  frame.map = frame.map * svg_transform(svg_value(element, "transform"), frame.units, place);
+  frame.box.reset();
+  const Inherited inherited{std::move(frame), svg_value(element, "clip-rule"), {}, is_mask,
+                            svg_value(element, "mask-type") == "alpha"};
+  Shapes shapes;
+  open_.push_back(element);
+  const bool applied = add_children(element, inherited, shapes);
+  open_.pop_back();
+  return applied ? std::make_shared<const ClipRegion>(std::move(shapes)) : nullptr;
+}
+
+/// The box of a mask cuts it off. By default it is larger than the element.
+bool SvgClips::append_mask_box(const xml_node& mask, const Frame& frame, ClipRegions& regions) {
+  const FilePosition place = document_.position_of(mask);
+  const bool in_user_units = svg_value(mask, "maskUnits") == "userSpaceOnUse";
+  const bool has_box = mask.attribute("width") && mask.attribute("height");
+  if (!has_box) return true;
+  if (in_user_units) {
+    append(svg_box_of(mask, frame.units, place), frame.map, place, regions);
+    return true;
+  }
+  if (!frame.box) return false;
+  SvgUnits units = frame.units;
+  units.port = {0, 0, 1, 1};
+  append(svg_box_of(mask, units, place), frame.map * from_unit_box(*frame.box), place, regions);
+  return true;
+}
+
+bool SvgClips::add_children(const xml_node& node, const Inherited& inherited, Shapes& shapes) {
+  for (const xml_node& child : node.children()) {
+    if (child.type() == pugi::node_element && !add_shape(child, inherited, shapes)) return false;
+  }
+  return true;
+}
+
+bool SvgClips::add_shape(const xml_node& node, Inherited inherited, Shapes& shapes) {
+  const std::string_view name = svg_name(node);
+  const FilePosition place = document_.position_of(node);
+  constexpr std::size_t tests_per_shape = 1000;  // reading one takes as long
+  work_.spend(tests_per_shape, place);
+  if (svg_value(node, "display") == "none" || name == "title" || name == "desc") return true;
+  Frame& frame = inherited.frame;
+  frame.units.font_px = svg_font_size(svg_value(node, "font-size"), frame.units);
+  frame.map = frame.map * svg_transform(svg_value(node, "transform"), frame.units, place);
+  if (const std::string_view rule = svg_value(node, "clip-rule"); !rule.empty())
+    inherited.rule = rule;
+  if (name == "use") {
+    if (!append(node, frame, inherited.clips)) return false;
+    const xml_node used = document_.used_by(node);
+    if (!used || std::find(open_.begin(), open_.end(), used) != open_.end()) return false;
+    const SvgBox at = svg_box_of(node, frame.units, place);
+    frame.map = frame.map * geometry::moved(at.x, at.y, 0);
+    open_.push_back(used);
+    const bool applied = add_shape(used, inherited, shapes);
+    open_.pop_back();
+    return applied;
+  }
+  if (inherited.is_mask && name == "g") {
+    const bool is_plain = svg_value(node, "opacity").empty() && svg_value(node, "mask").empty() &&
+                          svg_value(node, "filter").empty();
+    return is_plain && append(node, frame, inherited.clips) &&
+           add_children(node, inherited, shapes);
+  }
+  const auto paths = svg_shape(node, name, frame.units, place);
+  if (!paths) return false;  // text
+  SvgPaint paint;
+  for (const xml_node& one : {node.parent(), node})
+    inherit_paint(one, frame.units, document_, paint);
+  if (!paint.is_visible) return true;
+  if (inherited.is_mask && !is_opaque(node, paint, inherited.is_alpha)) return false;
+  if (!append(node, frame, inherited.clips)) return false;
+  std::vector<Path> outlines;
+  for (const Path& path : *paths)
+    outlines.push_back(CurveCollector::placed(path, frame.map, place));
+  const std::string_view rule =
+      inherited.is_mask ? svg_value(node, "fill-rule") : inherited.rule;
+  shapes.emplace_back(outlines, rule == "evenodd", inherited.clips, work_, place);
+  return true;
+}
+
+}  // namespace lamplock::model

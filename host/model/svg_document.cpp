@@ -1,0 +1,72 @@
+#include "host/model/svg_document.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "host/model/svg_style.hpp"
+#include "host/model/xml_text.hpp"
+
+namespace lamplock::model {
+
+using pugi::xml_node;
+
+SvgDocument::SvgDocument(const std::filesystem::path& file, std::string bytes)
+    : file_(file), text_(xml_in_utf8(std::move(bytes))) {
+  const pugi::xml_parse_result result = document_.load_buffer(
+      text_.data(), text_.size(), pugi::parse_default, pugi::encoding_utf8);
+  if (!result) {
+    FilePosition{file_, text_, static_cast<std::size_t>(result.offset)}.refuse(
+        fmt::format("not valid XML ({})", result.description()), "export the drawing again");
+  }
+  root_ = document_.document_element();
+  if (svg_name(root_) != "svg")
+    position_of(root_).refuse(fmt::format("the document is '{:.40}', not svg", root_.name()),
+                              "give an SVG drawing");
+  number_ids(root_, 0);
+  const StyleOutcome outcome = apply_styles(root_);
+  if (outcome.too_complex)
+    position_of(root_).refuse("the style sheet has too many rules for so many elements",
+                              "export the drawing without a style sheet");
+  unread_rules_ = outcome.unread_rules;
+}
+
+FilePosition SvgDocument::position_of(const xml_node& node) const {
+  return {file_, text_,
+          static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0))};
+}
+
+void SvgDocument::number_ids(const xml_node& node, int depth) {
+  if (depth > max_svg_depth)
+    position_of(node).refuse(fmt::format("groups are nested deeper than {}", max_svg_depth),
+                             "ungroup some");
+  const char* id = node.attribute("id").value();
+  if (*id != '\0') by_id_.try_emplace(id, node);
+  for (const xml_node& child : node.children()) number_ids(child, depth + 1);
+}
+
+xml_node SvgDocument::find(std::string_view id) const {
+  const auto found = by_id_.find(std::string(id));
+  return found == by_id_.end() ? xml_node{} : found->second;
+}
+
+xml_node SvgDocument::find_url(std::string_view value) const {
+  const std::size_t hash = value.find('#');
+  if (!value.starts_with("url(") || hash == std::string_view::npos) return {};
+  value.remove_prefix(hash + 1);
+  return find(value.substr(0, value.find_first_of("\"') ")));
+}
+
+xml_node SvgDocument::used_by(const xml_node& use) const {
+  std::string_view target = use.attribute("href").value();
+  if (target.empty()) target = use.attribute("xlink:href").value();
+  if (!target.starts_with('#')) return {};
+  const xml_node used = find(target.substr(1));
+  if (!used)
+    position_of(use).refuse(fmt::format("there is no element '{:.40}'", target.substr(1)),
+                            "repair the drawing");
+  return used;
+}
+
+}  // namespace lamplock::model

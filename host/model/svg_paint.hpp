@@ -1,0 +1,47 @@
+// What of an SVG element is visible (W3C, "Scalable Vector Graphics (SVG) 2", chapter 13).
+//
+// In:  attributes with resolved styles, the paint of the parent. Out: whether fill and stroke are
+//      visible, the dashes of the stroke.
+// Who: read_svg(), its clip paths.
+#pragma once
+
+#include <optional>
+#include <pugixml.hpp>
+#include <string_view>
+#include <vector>
+
+#include "host/model/svg_document.hpp"
+#include "host/model/svg_values.hpp"
+
+namespace lamplock::model {
+
+/// The inherited properties of painting, as computed for an element.
+struct SvgPaint {
+  bool is_visible = true;       ///< by the property visibility
+  bool has_fill = true;         ///< black by default
+  bool fill_is_default = true;  ///< no element has set it
+  bool fill_is_white = false;   ///< the colour of the page
+  bool has_stroke = false;
+  double fill_opacity = 1, stroke_opacity = 1;
+  double stroke_width = 1;       ///< user's units
+  std::vector<double> dashes{};  ///< dash, gap, ... in user's units; empty: none
+  double dash_offset = 0;
+  bool has_long_ends = false;    ///< round or square line ends
+
+  bool shows_fill() const { return is_visible && has_fill && fill_opacity > 0; }
+  bool shows_stroke() const {
+    return is_visible && has_stroke && stroke_opacity > 0 && stroke_width > 0;
+  }
+};
+
+/// Replaces what the element sets itself. Invalid values are ignored, as in CSS.
+void inherit_paint(const pugi::xml_node& node, const SvgUnits& units, const SvgDocument& document,
+                   SvgPaint& paint);
+
+/// True for display:none and an opacity of 0, which hide an element with all that is in it.
+bool is_not_rendered(const pugi::xml_node& node);
+
+/// An attribute without blanks at its ends.
+std::string_view svg_value(const pugi::xml_node& node, const char* name);
+
+}  // namespace lamplock::model
