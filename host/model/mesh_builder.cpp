@@ -21,7 +21,7 @@ namespace {
 constexpr double max_step_of_size = 1e-4;
 
 /// Pixels of the pictures after which no further one is read; each has at most 100 million.
-constexpr std::size_t max_pixels = 200'000'000;
+constexpr std::size_t max_texture_pixels = 200'000'000;
 
 /// Corners of equal position become one vertex, numbered in order of first use. `kept`: the
 /// remaining triangles.
@@ -86,7 +86,7 @@ std::uint32_t MeshBuilder::texture(const std::string& name, const std::function<
   const auto [known, is_new] = textures_.try_emplace(name, Brightness::no_texture);
   if (!is_new) return known->second;
   try {
-    if (pixels_ > max_pixels) refuse(name, "too many pixels", "use smaller pictures");
+    if (pixels_ > max_texture_pixels) refuse(name, "too many pixels", "use smaller pictures");
     Bitmap bitmap = flattened(read(), white);  // a surface has no holes
     pixels_ += bitmap.grey.size();
     known->second = static_cast<std::uint32_t>(all_.textures.size());

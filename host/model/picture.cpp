@@ -16,7 +16,7 @@ namespace lamplock::model {
 namespace {
 
 /// Rec. ITU-R BT.601 in 1/1000; the sum of products fits easily.
-std::uint8_t luma(const std::uint8_t* colour) {
+std::uint8_t grey_of(const std::uint8_t* colour) {
   return static_cast<std::uint8_t>((299 * colour[0] + 587 * colour[1] + 114 * colour[2] + 500) /
                                    1000);
 }
@@ -78,7 +78,7 @@ Bitmap bitmap_of_colours(std::span<const std::uint8_t> colours, int width, int h
   bool is_opaque = true;
   for (std::size_t i = 0; i < bitmap.grey.size(); ++i) {
     const std::uint8_t* colour = colours.data() + i * stride;
-    bitmap.grey[i] = luma(colour);
+    bitmap.grey[i] = grey_of(colour);
     is_opaque = is_opaque && (!has_alpha || colour[3] == opaque);
   }
   if (is_opaque) return bitmap;
