@@ -187,9 +187,9 @@ inline constexpr std::array<Row, setting_count> table{{
      "limits in one circuit use X"},
     {6, "probe_invert", "on/off", 0, 1'000, 0, true, Scope::machine, Rule::any,
      "the probe opens its circuit when it touches instead of closing it"},
-    {10, "report_mask", "0..3", 0, 3'000, 3'000, true, Scope::machine, Rule::any,
+    {10, "report_mask", "0..511", 0, 511'000, 3'000, true, Scope::machine, Rule::any,
      "contents of a status report, added up: 1 machine position, else work position; 2 room for "
-     "lines"},
+     "lines; what 4 to 256 ask for in grblHAL is always there"},
     {11, "junction_deviation", "mm", 0, 10'000, 10, false, Scope::programs, Rule::any,
      "maximum distance from a corner of a program to the circle that sets its speed"},
     {12, "arc_tolerance", "mm", 1, 1'000, 2, false, Scope::programs, Rule::any,

@@ -105,6 +105,17 @@ TEST(SystemLines, CommentsDoNotCountTowardsTheLengthOfALine) {
   EXPECT_THAT(host.ask("G21\n"), ElementsAre("ok"));
 }
 
+/// Senders for grblHAL write $10=511; what its further bits ask for is always reported.
+TEST(SystemLines, TheReportMaskOfGrblHalIsAccepted) {
+  Rig rig(profile());
+  ProgramHost host(rig);
+  EXPECT_THAT(host.ask("$10=511\n$10=512\n"), ElementsAre("ok", "error:52"));
+  EXPECT_THAT(host.ask("$$\n"), Contains("$10=511"));
+  EXPECT_THAT(host.status(), AllOf(HasSubstr("|MPos:"), HasSubstr("|Bf:"), HasSubstr("|FS:")));
+  host.ask("$10=508\n");
+  EXPECT_THAT(host.status(), AllOf(HasSubstr("|WPos:"), Not(HasSubstr("|Bf:"))));
+}
+
 TEST(SystemLines, TheAlarmOfASoftLimitComesBeforeItsError) {
   Rig rig(profile());
   ProgramHost host(rig);
