@@ -1,5 +1,6 @@
-// Materials of an OBJ (Wavefront, "Advanced Visualizer Manual", appendix B), for brightness. In: the
-// names of material libraries. Out: colours and pictures by name of material. Called by read_obj().
+// Materials of an OBJ (Wavefront, "Advanced Visualizer Manual", appendix B), for brightness. In:
+// the names of material libraries. Out: colours and pictures by name of material. Called by
+// read_obj().
 #pragma once
 
 #include <filesystem>
