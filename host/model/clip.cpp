@@ -74,9 +74,8 @@ class Crossings {
 
  private:
   bool contains(const Point& point) {
-    return std::all_of(regions_.begin(), regions_.end(), [&](const auto& region) {
-      return region->contains(point, work_, place_);
-    });
+    return std::all_of(regions_.begin(), regions_.end(),
+                       [&](const auto& region) { return region->contains(point, work_, place_); });
   }
 
   /// Both ends and all crossings, in the direction of the piece.
@@ -132,8 +131,8 @@ class Stretches {
   std::vector<Path> paths() const {
     std::vector<Path> parts;
     for (const auto& [from, to] : kept_) parts.push_back(part_of(path_, from, to));
-    const bool wraps = path_.closed && parts.size() > 1 &&
-                       is_start_of_path(kept_.front().first) && is_end_of_path(kept_.back().second);
+    const bool wraps = path_.closed && parts.size() > 1 && is_start_of_path(kept_.front().first) &&
+                       is_end_of_path(kept_.back().second);
     if (wraps) {
       std::vector<Piece>& last = parts.back().pieces;
       last.insert(last.end(), parts.front().pieces.begin(), parts.front().pieces.end());
@@ -162,8 +161,8 @@ class Stretches {
 }  // namespace
 
 void ClipWork::spend(std::size_t tests, const FilePosition& place) {
-  // About a second.
-  constexpr std::size_t max_tests = 200'000'000;
+  // One to two seconds.
+  constexpr std::size_t max_tests = 60'000'000;
   spent_ += tests;
   if (spent_ > max_tests)
     place.refuse("the clip paths of the drawing are too complex",
@@ -267,9 +266,8 @@ void ClipShape::cross(const Point& p, const Point& q, std::vector<double>& parts
 }
 
 bool ClipRegion::contains(const Point& point, ClipWork& work, const FilePosition& place) const {
-  return std::any_of(shapes_.begin(), shapes_.end(), [&](const ClipShape& shape) {
-    return shape.contains(point, work, place);
-  });
+  return std::any_of(shapes_.begin(), shapes_.end(),
+                     [&](const ClipShape& shape) { return shape.contains(point, work, place); });
 }
 
 void ClipRegion::cross(const Point& p, const Point& q, std::vector<double>& parts, ClipWork& work,

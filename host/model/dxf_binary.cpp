@@ -26,21 +26,16 @@ struct CodeRange {
   ValueType type;
 };
 constexpr std::array<CodeRange, 29> code_ranges{{
-    {-5, 9, ValueType::text},       {10, 59, ValueType::number},
-    {60, 79, ValueType::int16},     {90, 99, ValueType::int32},
-    {100, 109, ValueType::text},    {110, 149, ValueType::number},
-    {160, 169, ValueType::int64},   {170, 179, ValueType::int16},
-    {210, 239, ValueType::number},  {270, 289, ValueType::int16},
-    {290, 299, ValueType::byte},    {300, 309, ValueType::text},
-    {310, 319, ValueType::chunk},   {320, 369, ValueType::text},
-    {370, 389, ValueType::int16},   {390, 399, ValueType::text},
-    {400, 409, ValueType::int16},   {410, 419, ValueType::text},
-    {420, 429, ValueType::int32},   {430, 439, ValueType::text},
-    {440, 459, ValueType::int32},   {460, 469, ValueType::number},
-    {470, 481, ValueType::text},    {999, 1003, ValueType::text},
-    {1004, 1004, ValueType::chunk}, {1005, 1009, ValueType::text},
-    {1010, 1059, ValueType::number}, {1060, 1070, ValueType::int16},
-    {1071, 1071, ValueType::int32},
+    {-5, 9, ValueType::text},       {10, 59, ValueType::number},    {60, 79, ValueType::int16},
+    {90, 99, ValueType::int32},     {100, 109, ValueType::text},    {110, 149, ValueType::number},
+    {160, 169, ValueType::int64},   {170, 179, ValueType::int16},   {210, 239, ValueType::number},
+    {270, 289, ValueType::int16},   {290, 299, ValueType::byte},    {300, 309, ValueType::text},
+    {310, 319, ValueType::chunk},   {320, 369, ValueType::text},    {370, 389, ValueType::int16},
+    {390, 399, ValueType::text},    {400, 409, ValueType::int16},   {410, 419, ValueType::text},
+    {420, 429, ValueType::int32},   {430, 439, ValueType::text},    {440, 459, ValueType::int32},
+    {460, 469, ValueType::number},  {470, 481, ValueType::text},    {999, 1003, ValueType::text},
+    {1004, 1004, ValueType::chunk}, {1005, 1009, ValueType::text},  {1010, 1059, ValueType::number},
+    {1060, 1070, ValueType::int16}, {1071, 1071, ValueType::int32},
 }};
 
 class BinaryDxf {
@@ -88,8 +83,7 @@ class BinaryDxf {
     const auto* const range =
         std::find_if(code_ranges.begin(), code_ranges.end(),
                      [&](const CodeRange& r) { return code >= r.first && code <= r.last; });
-    if (range == code_ranges.end())
-      refuse_here(fmt::format("{} is not a group code", code));
+    if (range == code_ranges.end()) refuse_here(fmt::format("{} is not a group code", code));
     return range->type;
   }
 
@@ -124,8 +118,7 @@ class BinaryDxf {
   void append_text() {
     const std::size_t end = bytes_.find('\0', at_);
     if (end == std::string_view::npos) refuse_here("the drawing is cut off: no EOF");
-    for (const char c : bytes_.substr(at_, end - at_))
-      text_ += c == '\n' || c == '\r' ? ' ' : c;
+    for (const char c : bytes_.substr(at_, end - at_)) text_ += c == '\n' || c == '\r' ? ' ' : c;
     at_ = end + 1;
   }
 

@@ -14,7 +14,8 @@ namespace lamplock::model {
 bool is_binary_dxf(std::string_view bytes);
 
 /// The groups up to EOF; binary chunks (310, 1004) become empty values. Time and memory grow with
-/// the bytes. Throws Error (bad_input) naming the file and the byte: cut off, an unknown group code.
+/// the bytes. Throws Error (bad_input) naming the file and the byte: cut off, an unknown group
+/// code.
 std::string text_of_binary_dxf(const std::filesystem::path& file, std::string_view bytes);
 
 }  // namespace lamplock::model

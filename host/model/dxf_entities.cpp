@@ -66,7 +66,6 @@ void append_bulged(Path& path, const Point& p, const Point& q, double bulge,
       Arc{centre, {radius, 0, 0}, {0, radius, 0}, start, start + 4 * std::atan(bulge)}, world));
 }
 
-
 Path line_of(const DxfGroups& dxf, const DxfEntity& entity) {
   // Kept even without length: it may be a dot.
   return {{Line{dxf.point(entity, 10), dxf.point(entity, 11)}}};
@@ -85,7 +84,7 @@ Path light_polyline_of(const DxfGroups& dxf, const DxfEntity& entity) {
     }
   }
   return dxf_outline(vertices, (dxf.integer(entity, 70) & 1) != 0,
-                      world_of(extrusion_of(dxf, entity)));
+                     world_of(extrusion_of(dxf, entity)));
 }
 
 Path arc_of(const DxfGroups& dxf, const DxfEntity& entity, bool whole) {
@@ -223,7 +222,7 @@ Path dxf_polyline(const DxfGroups& dxf, const DxfEntity& polyline,
     corners.push_back(corner);
   }
   return dxf_outline(corners, (flags & closed) != 0,
-                      flat ? world_of(extrusion_of(dxf, polyline)) : geometry::Affine{});
+                     flat ? world_of(extrusion_of(dxf, polyline)) : geometry::Affine{});
 }
 
 DxfInsert dxf_insert(const DxfGroups& dxf, const DxfEntity& insert) {

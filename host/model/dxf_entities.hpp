@@ -14,8 +14,8 @@
 
 namespace lamplock::model {
 
-/// The map from an entity's own coordinates to the world's, by its extrusion direction. Throws Error
-/// (bad_input) if the direction is zero.
+/// The map from an entity's own coordinates to the world's, by its extrusion direction. Throws
+/// Error (bad_input) if the direction is zero.
 geometry::Affine dxf_world(const DxfGroups& dxf, const DxfEntity& entity);
 
 /// A corner of a polyline; the bulge is that of the arc to the next one.
@@ -33,8 +33,9 @@ std::vector<Path> dxf_face(const DxfGroups& dxf, const DxfEntity& face);
 /// The outline of a SOLID or TRACE.
 Path dxf_solid(const DxfGroups& dxf, const DxfEntity& solid);
 
-/// The curve of a LINE, LWPOLYLINE, ARC, CIRCLE, ELLIPSE, SPLINE, SOLID or TRACE; empty for any other
-/// kind and for splines without poles. Throws Error (bad_input) for numbers that define no curve.
+/// The curve of a LINE, LWPOLYLINE, ARC, CIRCLE, ELLIPSE, SPLINE, SOLID or TRACE; empty for any
+/// other kind and for splines without poles. Throws Error (bad_input) for numbers that define no
+/// curve.
 std::optional<Path> dxf_path(const DxfGroups& dxf, const DxfEntity& entity);
 
 /// True if a POLYLINE is a surface, a mesh of vertices.

@@ -84,8 +84,7 @@ void DxfGroups::next_entity(DxfEntity& entity) {
 }
 
 FilePosition DxfGroups::position_of(std::string_view value) const {
-  return {file_, bytes_, static_cast<std::size_t>(value.data() - bytes_.data()),
-          was_binary_};
+  return {file_, bytes_, static_cast<std::size_t>(value.data() - bytes_.data()), was_binary_};
 }
 
 double DxfGroups::number(const DxfGroup& group) const {

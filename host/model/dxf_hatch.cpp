@@ -202,8 +202,8 @@ class HatchReader {
   void skip_fit_data() {
     if (!is_next(97)) return;
     const std::size_t count = at_++;
-    const bool has_fit_data = is_next(11) || is_next(12) || is_next(13) || is_next(72) ||
-                              is_next(97);
+    const bool has_fit_data =
+        is_next(11) || is_next(12) || is_next(13) || is_next(72) || is_next(97);
     if (!has_fit_data) {
       at_ = count;
       return;
@@ -234,7 +234,9 @@ class HatchReader {
     // Files have about 15 digits; programs that export drawings write fewer.
     constexpr double rounding = 1e-6;
     const double near = rounding * (1 + norm(from));
-    const auto meets = [&](const Point& end) { return std::min(gap(end, from), gap(end, to)) <= near; };
+    const auto meets = [&](const Point& end) {
+      return std::min(gap(end, from), gap(end, to)) <= near;
+    };
     if (chain.pieces.size() == 1 && !meets(end_of(chain)) && meets(start_of(chain)))
       chain.pieces.front() = reversed(std::move(chain.pieces.front()));
     if (!meets(end_of(chain))) return false;

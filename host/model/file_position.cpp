@@ -14,8 +14,8 @@ std::size_t FilePosition::line() const {
 }
 
 void FilePosition::refuse(const std::string& what, const std::string& remedy) const {
-  const std::string place = counts_groups ? fmt::format("group {}", (line() + 1) / 2)
-                                          : fmt::format("line {}", line());
+  const std::string place =
+      counts_groups ? fmt::format("group {}", (line() + 1) / 2) : fmt::format("line {}", line());
   lamplock::refuse(file, fmt::format("{}: {}", place, what), remedy);
 }
 

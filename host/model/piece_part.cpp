@@ -39,8 +39,7 @@ Piece part_of_bezier(const Spline& spline, double from, double to) {
 Piece part_of(const Piece& piece, double from, double to) {
   if (std::holds_alternative<Line>(piece))
     return Line{motion_at(piece, from).at, motion_at(piece, to).at};
-  if (const auto* arc = std::get_if<Arc>(&piece))
-    return Arc{arc->centre, arc->u, arc->v, from, to};
+  if (const auto* arc = std::get_if<Arc>(&piece)) return Arc{arc->centre, arc->u, arc->v, from, to};
   return part_of_bezier(std::get<Spline>(piece), from, to);
 }
 

@@ -6,9 +6,9 @@
 // It reads LINE, LWPOLYLINE and POLYLINE with their bulges, ARC, CIRCLE, ELLIPSE, SPLINE, the
 // outlines of HATCH, SOLID and TRACE, the visible edges of 3DFACE, POINT and INSERT of blocks,
 // turned, scaled and in arrays; $INSUNITS gives the unit, none means mm with a warning. Boundaries
-// of a HATCH whose source objects are in the drawing are drawn once. Left out and counted: all other
-// entities, those on layers that are off or frozen ("hidden") or on paper ("paper space"), splines
-// without poles, blocks of other files.
+// of a HATCH whose source objects are in the drawing are drawn once. Left out and counted: all
+// other entities, those on layers that are off or frozen ("hidden") or on paper ("paper space"),
+// splines without poles, blocks of other files.
 #pragma once
 
 #include <filesystem>

@@ -18,6 +18,7 @@
 #include "host/model/clip.hpp"
 #include "host/model/curve_collector.hpp"
 #include "host/model/dashes.hpp"
+#include "host/model/svg_background.hpp"
 #include "host/model/svg_clips.hpp"
 #include "host/model/svg_document.hpp"
 #include "host/model/svg_paint.hpp"
@@ -103,8 +104,8 @@ class SvgReader {
     if (view.size() != 4 || !(view[2] > 0) || !(view[3] > 0))
       place.refuse(fmt::format("the viewBox '{:.40}' is not valid", text), "repair the drawing");
     context.units.port = {view[0], view[1], view[2], view[3]};
-    context.map = context.map * svg_fit(context.units.port, port,
-                                        node.attribute("preserveAspectRatio").value());
+    context.map = context.map *
+                  svg_fit(context.units.port, port, node.attribute("preserveAspectRatio").value());
   }
 
   /// The page in px. Without a size the page, the reference of percentages, has that of the view.
@@ -285,7 +286,7 @@ class SvgReader {
     if (*node.attribute("clip-path").value() != 0 || *node.attribute("mask").value() != 0)
       box = box_of(*paths, place);
     if (!clip(node, box, context)) return;
-    const bool is_background = may_be_background(name, paint, *paths, context, place);
+    const bool is_background = may_be_background(paint, *paths, context, place);
     for (Path& path : dashed(node, std::move(*paths), context, place)) {
       path = CurveCollector::placed(std::move(path), context.map, place);
       std::vector<Path> parts = clipped(std::move(path), context.clips, clips_.work(), place);
@@ -301,8 +302,7 @@ class SvgReader {
 
   static geometry::Bounds box_of(const std::vector<Path>& paths, const FilePosition& place) {
     Curves curves;
-    for (const Path& path : paths)
-      curves.paths.push_back(CurveCollector::placed(path, {}, place));
+    for (const Path& path : paths) curves.paths.push_back(CurveCollector::placed(path, {}, place));
     return bounds(curves);
   }
 
@@ -344,18 +344,14 @@ class SvgReader {
 
   /// A coloured rectangle without a stroke under everything else, as large as the page: its edge is
   /// that of the page.
-  bool may_be_background(std::string_view name, const SvgPaint& paint,
-                         const std::vector<Path>& paths, const Context& context,
-                         const FilePosition& place) const {
-    if (name != "rect" || has_drawn_ || background_ || paint.shows_stroke() ||
-        paint.fill_is_default || paths.empty() || page_.width == 0 || page_.height == 0)
+  bool may_be_background(const SvgPaint& paint, const std::vector<Path>& paths,
+                         const Context& context, const FilePosition& place) const {
+    if (has_drawn_ || background_ || paint.shows_stroke() || paint.fill_is_default ||
+        paths.size() != 1 || page_.width == 0 || page_.height == 0)
       return false;
-    Curves curves;
-    curves.paths.push_back(CurveCollector::placed(paths.front(), context.map, place));
-    const geometry::Bounds box = bounds(curves);
-    return box.low.x <= flat_mm && box.low.y <= flat_mm &&
-           box.high.x >= page_.width * mm_per_px - flat_mm &&
-           box.high.y >= page_.height * mm_per_px - flat_mm;
+    const Path outline = CurveCollector::placed(paths.front(), context.map, place);
+    return is_filled_box(outline,
+                         {{0, 0, 0}, {page_.width * mm_per_px, page_.height * mm_per_px, 0}});
   }
 
   /// The background is a curve only if it is the whole drawing.
@@ -388,6 +384,8 @@ class SvgReader {
 
 }  // namespace
 
-Curves read_svg(const std::filesystem::path& path) { return SvgReader(path, read_file(path)).read(); }
+Curves read_svg(const std::filesystem::path& path) {
+  return SvgReader(path, read_file(path)).read();
+}
 
 }  // namespace lamplock::model

@@ -60,8 +60,8 @@ void SvgClips::append(const SvgBox& box, const geometry::Affine& map, const File
                       ClipRegions& regions) {
   const geometry::Point a{box.x, box.y, 0}, b{box.x + box.width, box.y, 0},
       c{box.x + box.width, box.y + box.height, 0}, d{box.x, box.y + box.height, 0};
-  const Path outline = CurveCollector::placed({{Line{a, b}, Line{b, c}, Line{c, d}, Line{d, a}}, true},
-                                              map, place);
+  const Path outline =
+      CurveCollector::placed({{Line{a, b}, Line{b, c}, Line{c, d}, Line{d, a}}, true}, map, place);
   Shapes shapes;
   shapes.emplace_back(std::vector<Path>{outline}, false, ClipRegions{}, work_, place);
   regions.push_back(std::make_shared<const ClipRegion>(std::move(shapes)));
@@ -93,7 +93,10 @@ SvgClips::Region SvgClips::new_region(const xml_node& element, Frame frame, bool
   const FilePosition place = document_.position_of(element);
   frame.map = frame.map * svg_transform(svg_value(element, "transform"), frame.units, place);
   frame.box.reset();
-  const Inherited inherited{std::move(frame), svg_value(element, "clip-rule"), {}, is_mask,
+  const Inherited inherited{std::move(frame),
+                            svg_value(element, "clip-rule"),
+                            {},
+                            is_mask,
                             svg_value(element, "mask-type") == "alpha"};
   Shapes shapes;
   open_.push_back(element);
@@ -165,8 +168,7 @@ bool SvgClips::add_shape(const xml_node& node, Inherited inherited, Shapes& shap
   std::vector<Path> outlines;
   for (const Path& path : *paths)
     outlines.push_back(CurveCollector::placed(path, frame.map, place));
-  const std::string_view rule =
-      inherited.is_mask ? svg_value(node, "fill-rule") : inherited.rule;
+  const std::string_view rule = inherited.is_mask ? svg_value(node, "fill-rule") : inherited.rule;
   shapes.emplace_back(outlines, rule == "evenodd", inherited.clips, work_, place);
   return true;
 }

@@ -1,12 +1,13 @@
 // Clip paths and simple masks of an SVG as regions (W3C, "CSS Masking Module Level 1").
 //
-// In:  an element with the properties clip-path and mask, its map to mm. Out: the regions that it is
+// In:  an element with the properties clip-path and mask, its map to mm. Out: the regions that it
+// is
 //      visible in.
 // Who: read_svg().
 //
 // Clip paths consist of shapes and uses of shapes, with their rules, transforms and own clip paths.
-// A mask is a region if all its shapes are filled with opaque white (or, with mask-type: alpha, with
-// any opaque colour) and have no stroke. Others cannot be applied.
+// A mask is a region if all its shapes are filled with opaque white (or, with mask-type: alpha,
+// with any opaque colour) and have no stroke. Others cannot be applied.
 #pragma once
 
 #include <optional>

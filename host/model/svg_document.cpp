@@ -14,8 +14,8 @@ using pugi::xml_node;
 
 SvgDocument::SvgDocument(const std::filesystem::path& file, std::string bytes)
     : file_(file), text_(xml_in_utf8(std::move(bytes))) {
-  const pugi::xml_parse_result result = document_.load_buffer(
-      text_.data(), text_.size(), pugi::parse_default, pugi::encoding_utf8);
+  const pugi::xml_parse_result result =
+      document_.load_buffer(text_.data(), text_.size(), pugi::parse_default, pugi::encoding_utf8);
   if (!result) {
     FilePosition{file_, text_, static_cast<std::size_t>(result.offset)}.refuse(
         fmt::format("not valid XML ({})", result.description()), "export the drawing again");
@@ -33,8 +33,7 @@ SvgDocument::SvgDocument(const std::filesystem::path& file, std::string bytes)
 }
 
 FilePosition SvgDocument::position_of(const xml_node& node) const {
-  return {file_, text_,
-          static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0))};
+  return {file_, text_, static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0))};
 }
 
 void SvgDocument::number_ids(const xml_node& node, int depth) {

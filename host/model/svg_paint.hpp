@@ -26,7 +26,7 @@ struct SvgPaint {
   double stroke_width = 1;       ///< user's units
   std::vector<double> dashes{};  ///< dash, gap, ... in user's units; empty: none
   double dash_offset = 0;
-  bool has_long_ends = false;    ///< round or square line ends
+  bool has_long_ends = false;  ///< round or square line ends
 
   bool shows_fill() const { return is_visible && has_fill && fill_opacity > 0; }
   bool shows_stroke() const {

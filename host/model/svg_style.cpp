@@ -232,8 +232,8 @@ class Cascade {
     const std::string_view value = trimmed(attribute.value());
     const bool inherits = value == "inherit" || (value == "unset" && property.inherited) ||
                           ((value == "revert" || value == "revert-layer") && property.inherited);
-    const bool is_initial = value == "initial" || value == "unset" || value == "revert" ||
-                            value == "revert-layer";
+    const bool is_initial =
+        value == "initial" || value == "unset" || value == "revert" || value == "revert-layer";
     if (inherits && property.inherited) {
       node.remove_attribute(attribute);
     } else if (inherits) {

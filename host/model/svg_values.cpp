@@ -163,8 +163,8 @@ std::optional<double> find_svg_length(std::string_view text, double whole_px,
   std::transform(unit.begin(), unit.end(), unit.begin(), [](char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   });
-  const auto* const found = std::find_if(known.begin(), known.end(),
-                                         [&](const Unit& one) { return one.name == unit; });
+  const auto* const found =
+      std::find_if(known.begin(), known.end(), [&](const Unit& one) { return one.name == unit; });
   if (found == known.end()) return std::nullopt;
   return value * found->px;
 }

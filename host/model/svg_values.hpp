@@ -52,8 +52,8 @@ struct SvgBox {
 
 /// What relative lengths of an element refer to, in px.
 struct SvgUnits {
-  SvgBox port{};                          ///< of percentages, in the element's units
-  double font_px = 16, root_font_px = 16;  ///< em, rem; the default of browsers
+  SvgBox port{};                                 ///< of percentages, in the element's units
+  double font_px = 16, root_font_px = 16;        ///< em, rem; the default of browsers
   double page_width_px = 0, page_height_px = 0;  ///< of vw and vh
 };
 

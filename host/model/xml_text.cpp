@@ -94,14 +94,13 @@ std::string xml_in_utf8(std::string bytes) {
   };
   using namespace std::string_view_literals;
   // Those of UTF-32 first: that of little-endian UTF-16 begins the other.
-  constexpr Mark marks[] = {
-      {"\xFF\xFE\0\0"sv, 4, false, 4}, {"\0\0\xFE\xFF"sv, 4, true, 4}, {"<\0\0\0"sv, 4, false, 0},
-      {"\0\0\0<"sv, 4, true, 0},       {"\xFF\xFE"sv, 2, false, 2},    {"\xFE\xFF"sv, 2, true, 2},
-      {"<\0"sv, 2, false, 0},          {"\0<"sv, 2, true, 0}};
+  constexpr Mark marks[] = {{"\xFF\xFE\0\0"sv, 4, false, 4}, {"\0\0\xFE\xFF"sv, 4, true, 4},
+                            {"<\0\0\0"sv, 4, false, 0},      {"\0\0\0<"sv, 4, true, 0},
+                            {"\xFF\xFE"sv, 2, false, 2},     {"\xFE\xFF"sv, 2, true, 2},
+                            {"<\0"sv, 2, false, 0},          {"\0<"sv, 2, true, 0}};
   for (const Mark& mark : marks) {
     if (!bytes.starts_with(mark.bytes)) continue;
-    return from_units(
-        {std::string_view(bytes).substr(mark.skipped), mark.width, mark.big_endian});
+    return from_units({std::string_view(bytes).substr(mark.skipped), mark.width, mark.big_endian});
   }
   if (bytes.starts_with("\xEF\xBB\xBF")) return bytes.substr(3);
   return declares_latin1(bytes) ? from_latin1(bytes) : std::move(bytes);

@@ -58,7 +58,8 @@ std::vector<std::string> shadow_warnings(const PointCloud& cloud, double half_an
   const geometry::Point &upper = cloud[found->first], &lower = cloud[found->second];
   return {fmt::format(
       "the order of the points lets earlier points shadow later ones: point {} at ({:.4g}, {:.4g}, "
-      "{:.4g}) mm is engraved before point {} at ({:.4g}, {:.4g}, {:.4g}) mm, which lies under it in "
+      "{:.4g}) mm is engraved before point {} at ({:.4g}, {:.4g}, {:.4g}) mm, which lies under it "
+      "in "
       "the beam; choose another order than 'given'",
       found->first + 1, upper.x, upper.y, upper.z, found->second + 1, lower.x, lower.y, lower.z)};
 }

@@ -30,7 +30,7 @@ order::OrderOptions order_options(const glass::OrderChoice& choice, std::optiona
 
 /// Brings points into an order by its name, and returns warnings: an order that is not changed may
 /// engrave points before others that they shadow. Throws Error(bad_input).
-std::vector<std::string> order_points(geometry::PointCloud& cloud, const std::string& name, order::OrderOptions options,
-                  Frontend& frontend);
+std::vector<std::string> order_points(geometry::PointCloud& cloud, const std::string& name,
+                                      order::OrderOptions options, Frontend& frontend);
 
 }  // namespace lamplock::run

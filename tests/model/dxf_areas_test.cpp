@@ -52,8 +52,8 @@ double length(const Path& path) { return ArcLength(path).total(); }
 
 /// A HATCH with these boundary paths.
 std::string hatch(int paths, const std::string& boundaries, const std::string& before = "") {
-  return "0 HATCH 8 0 10 0 20 0 30 0 " + before + " 2 SOLID 70 1 71 0 91 " +
-         std::to_string(paths) + " " + boundaries + " 75 0 76 1 98 1 10 1 20 1";
+  return "0 HATCH 8 0 10 0 20 0 30 0 " + before + " 2 SOLID 70 1 71 0 91 " + std::to_string(paths) +
+         " " + boundaries + " 75 0 76 1 98 1 10 1 20 1";
 }
 
 const std::string slot_boundary =
@@ -67,8 +67,9 @@ TEST_F(DxfAreas, HatchesAreOutlined) {
   EXPECT_THAT(slot.left_out, IsEmpty());
   // A half disc of a line and an arc, and a circle in it.
   const std::string arc = "72 2 10 0 20 0 40 5 50 0 51 180 73 1";
-  const Curves two = entities(hatch(2, "92 1 93 2 " + arc + " 72 1 10 -5 20 0 11 5 21 0 97 0 92 16 "
-                                       "93 1 72 2 10 0 20 2 40 1 50 0 51 360 73 1 97 0"));
+  const Curves two = entities(hatch(2, "92 1 93 2 " + arc +
+                                           " 72 1 10 -5 20 0 11 5 21 0 97 0 92 16 "
+                                           "93 1 72 2 10 0 20 2 40 1 50 0 51 360 73 1 97 0"));
   ASSERT_EQ(two.paths.size(), 2u);
   EXPECT_TRUE(two.paths[0].closed);
   EXPECT_NEAR(length(two.paths[0]), 10 + 5 * pi, 1e-9);
@@ -97,10 +98,10 @@ TEST_F(DxfAreas, EllipsesAndSplinesOfAHatch) {
   const double root = std::sqrt(0.5);
   const double ray = 10 * 5 / std::hypot(10 * root, 5 * root) * root;
   for (const Point end : {Point{10 * root, 5 * root, 0}, Point{ray, ray, 0}}) {
-    const Curves curves = entities(hatch(
-        1, fmt::format("92 1 93 3 72 3 10 0 20 0 11 10 21 0 40 0.5 50 0 51 45 73 1 "
-                       "72 1 10 {0} 20 {1} 11 0 21 0 72 1 10 0 20 0 11 10 21 0 97 0",
-                       end.x, end.y)));
+    const Curves curves =
+        entities(hatch(1, fmt::format("92 1 93 3 72 3 10 0 20 0 11 10 21 0 40 0.5 50 0 51 45 73 1 "
+                                      "72 1 10 {0} 20 {1} 11 0 21 0 72 1 10 0 20 0 11 10 21 0 97 0",
+                                      end.x, end.y)));
     ASSERT_EQ(curves.paths.size(), 1u);
     EXPECT_TRUE(curves.paths[0].closed);
     EXPECT_EQ(curves.paths[0].pieces.size(), 3u);
@@ -118,8 +119,7 @@ TEST_F(DxfAreas, EllipsesAndSplinesOfAHatch) {
 
 TEST_F(DxfAreas, HatchesAreDrawnOnceWithTheirSource) {
   const std::string circle = "0 CIRCLE 5 A1 8 edge 10 0 20 0 40 5 ";
-  const std::string filled =
-      hatch(1, "92 1 93 1 72 2 10 0 20 0 40 5 50 0 51 360 73 1 97 1 330 A1");
+  const std::string filled = hatch(1, "92 1 93 1 72 2 10 0 20 0 40 5 50 0 51 360 73 1 97 1 330 A1");
   EXPECT_EQ(entities(circle + filled).paths.size(), 1u);
   EXPECT_EQ(entities(filled + " " + circle).paths.size(), 1u);
   EXPECT_EQ(entities(filled).paths.size(), 1u);
@@ -170,7 +170,8 @@ TEST_F(DxfAreas, SolidsAndTracesAreOutlined) {
     EXPECT_EQ(model::bounds(curves).low.z, 2);
   }
   EXPECT_NEAR(
-      length(entities("0 SOLID 10 0 20 0 11 3 21 0 12 3 22 4 13 3 23 4 230 -1 210 0 220 0").paths[0]),
+      length(
+          entities("0 SOLID 10 0 20 0 11 3 21 0 12 3 22 4 13 3 23 4 230 -1 210 0 220 0").paths[0]),
       12, 1e-12);
 }
 
@@ -201,8 +202,8 @@ TEST_F(DxfAreas, LayersThatAreOffKeepTheirInserts) {
 }
 
 TEST_F(DxfAreas, BlocksOfOtherFilesAreCounted) {
-  const Curves curves = read(dxf_drawing("0 INSERT 2 X 0 LINE 11 1 21 0",
-                                         dxf_section("BLOCKS", "0 BLOCK 2 X 70 4 1 x.dwg 0 ENDBLK")));
+  const Curves curves = read(dxf_drawing(
+      "0 INSERT 2 X 0 LINE 11 1 21 0", dxf_section("BLOCKS", "0 BLOCK 2 X 70 4 1 x.dwg 0 ENDBLK")));
   EXPECT_THAT(curves.left_out, ElementsAre(Pair("INSERT of another file", 1u)));
 }
 

@@ -37,14 +37,16 @@ class SvgClip : public test::SvgPage {
 TEST_F(SvgClip, CurvesEndAtTheClipPath) {
   EXPECT_NEAR(clipped_length("<rect width='10' height='20'/>", "<circle cx='10' cy='10' r='8'/>"),
               8 * pi, 2e-3);
-  EXPECT_NEAR(clipped_length("<circle cx='50' cy='40' r='10'/>", "<line y1='40' x2='100' y2='40'/>"),
-              20, 2e-3);
+  EXPECT_NEAR(
+      clipped_length("<circle cx='50' cy='40' r='10'/>", "<line y1='40' x2='100' y2='40'/>"), 20,
+      2e-3);
   EXPECT_NEAR(clipped_length("<path d='M0 0H50V80H0Z'/>",
                              "<path d='M0 40C33 40 67 40 100 40' fill='none' stroke='red'/>"),
               50, 0.5);
   // The halves of a circle that is cut twice stay closed or become two.
-  const Curves two = shapes("<clipPath id='c'><rect y='30' width='99' height='20'/></clipPath>"
-                            "<circle cx='50' cy='40' r='20' clip-path='url(#c)'/>");
+  const Curves two = shapes(
+      "<clipPath id='c'><rect y='30' width='99' height='20'/></clipPath>"
+      "<circle cx='50' cy='40' r='20' clip-path='url(#c)'/>");
   ASSERT_EQ(two.paths.size(), 2u);
   EXPECT_NEAR(length(two), 4 * 20 * std::asin(0.5), 4e-3);
   for (const Path& path : two.paths) EXPECT_FALSE(path.closed);
@@ -76,13 +78,14 @@ TEST_F(SvgClip, WhatIsOutsideIsNotDrawn) {
 
 TEST_F(SvgClip, AClipPathHasItsOwnTransformsUnitsAndClips) {
   const std::string line = "<line y1='40' x2='100' y2='40'/>";
-  EXPECT_NEAR(clipped_length("<rect width='10' height='80' transform='translate(5) scale(2 1)'/>",
-                             line),
-              20, 1e-6);
-  EXPECT_NEAR(length("<clipPath id='c' transform='scale(3 1)'><use href='#r' x='1'/></clipPath><defs>"
-                     "<rect id='r' width='10' height='80'/></defs><g clip-path='url(#c)'>" +
-                     line + "</g>"),
-              30, 1e-6);
+  EXPECT_NEAR(
+      clipped_length("<rect width='10' height='80' transform='translate(5) scale(2 1)'/>", line),
+      20, 1e-6);
+  EXPECT_NEAR(
+      length("<clipPath id='c' transform='scale(3 1)'><use href='#r' x='1'/></clipPath><defs>"
+             "<rect id='r' width='10' height='80'/></defs><g clip-path='url(#c)'>" +
+             line + "</g>"),
+      30, 1e-6);
   EXPECT_NEAR(length("<clipPath id='c' clipPathUnits='objectBoundingBox'><rect width='.5' "
                      "height='1'/></clipPath><rect x='10' y='10' width='20' height='10' "
                      "clip-path='url(#c)'/>"),
@@ -95,11 +98,13 @@ TEST_F(SvgClip, AClipPathHasItsOwnTransformsUnitsAndClips) {
                      "clip-path='url(#a)'/></clipPath>"),
               30, 1e-6);
   EXPECT_NEAR(length("<style>.k{clip-path:url('#c')}</style><clipPath id='c'><rect width='7' "
-                     "height='80'/></clipPath><g class='k'>" + line + "</g>"),
+                     "height='80'/></clipPath><g class='k'>" +
+                     line + "</g>"),
               7, 1e-6);
   // The clip path moves with its element.
   EXPECT_NEAR(length("<clipPath id='c'><rect width='10' height='80'/></clipPath>"
-                     "<g transform='translate(50 0)' clip-path='url(#c)'>" + line + "</g>"),
+                     "<g transform='translate(50 0)' clip-path='url(#c)'>" +
+                     line + "</g>"),
               10, 1e-6);
   EXPECT_NEAR(length("<g clip-path='url(#missing)'>" + line + "</g>"), 100, 1e-9);
 }
@@ -135,12 +140,15 @@ TEST_F(SvgClip, WhatCannotBeAppliedIsLeftOut) {
 
 TEST_F(SvgClip, PlainMasksClip) {
   const std::string line = "<line y1='40' x2='100' y2='40'/>";
-  EXPECT_NEAR(length("<mask id='m' style='mask-type:luminance' maskUnits='userSpaceOnUse' x='0' y='0' "
-                     "width='30' height='80'><g><path d='M10 0H50V80H10Z' fill='white'/></g></mask>"
-                     "<g mask='url(#m)'>" + line + "</g>"),
-              20, 1e-6);
+  EXPECT_NEAR(
+      length("<mask id='m' style='mask-type:luminance' maskUnits='userSpaceOnUse' x='0' y='0' "
+             "width='30' height='80'><g><path d='M10 0H50V80H10Z' fill='white'/></g></mask>"
+             "<g mask='url(#m)'>" +
+             line + "</g>"),
+      20, 1e-6);
   EXPECT_NEAR(length("<mask id='m' style='mask-type:alpha'><rect width='30' height='80' "
-                     "fill='#D9D9D9'/></mask><g mask='url(#m)'>" + line + "</g>"),
+                     "fill='#D9D9D9'/></mask><g mask='url(#m)'>" +
+                     line + "</g>"),
               30, 1e-6);
 }
 
@@ -157,9 +165,7 @@ TEST_F(SvgClip, EqualsTheDefinitionAtManyPlaces) {
                 return p.x > a && p.x < a + w && 80 - p.y > b && 80 - p.y < b + h;
               }};
     return {fmt::format("<ellipse cx='{}' cy='{}' rx='{}' ry='{}'/>", a, b, w, h),
-            [=](const Point& p) {
-              return std::hypot((p.x - a) / w, (80 - p.y - b) / h) < 1;
-            }};
+            [=](const Point& p) { return std::hypot((p.x - a) / w, (80 - p.y - b) / h) < 1; }};
   };
   const auto shape = [&] {
     switch (random() % 4) {
@@ -187,11 +193,13 @@ TEST_F(SvgClip, EqualsTheDefinitionAtManyPlaces) {
     constexpr int places = 4000;
     ArcLength along(whole.paths.at(0));
     int visible = 0;
-    for (int k = 0; k < places; ++k) visible += inside(along.at((k + 0.5) / places * along.total()));
-    const Curves part =
-        shapes("<circle r='.01'/><clipPath id='c'>" + first.first + second.first +
-               "</clipPath><clipPath id='o'>" + outer.first + "</clipPath><g clip-path='url(#o)'><g "
-               "clip-path='url(#c)'>" + drawn + "</g></g>");
+    for (int k = 0; k < places; ++k)
+      visible += inside(along.at((k + 0.5) / places * along.total()));
+    const Curves part = shapes("<circle r='.01'/><clipPath id='c'>" + first.first + second.first +
+                               "</clipPath><clipPath id='o'>" + outer.first +
+                               "</clipPath><g clip-path='url(#o)'><g "
+                               "clip-path='url(#c)'>" +
+                               drawn + "</g></g>");
     const double expected = visible * along.total() / places;
     EXPECT_NEAR(length(part) - 0.02 * pi, expected, 8 * along.total() / places + 0.01) << drawn;
     cut += visible > 0 && visible < places;
@@ -211,8 +219,8 @@ TEST_F(SvgClip, ComplexClipPathsAreRefused) {
     clip += fmt::format("L{} {}", i % 2 * 100, i % 3 * 40);
     drawn += fmt::format("L{} {}", i % 3 * 50, i % 2 * 80);
   }
-  EXPECT_THAT(error("<clipPath id='c'><path d='" + clip + "'/></clipPath><path clip-path='url(#c)' d='" +
-                    drawn + "'/>"),
+  EXPECT_THAT(error("<clipPath id='c'><path d='" + clip +
+                    "'/></clipPath><path clip-path='url(#c)' d='" + drawn + "'/>"),
               HasSubstr("too complex"));
 }
 
@@ -240,7 +248,8 @@ TEST_F(SvgClip, DashesAreParts) {
   EXPECT_THAT(error("<path fill='none' stroke='red' stroke-dasharray='0 4' d='M0 0H41'/>"),
               HasSubstr("empty"));
   EXPECT_NEAR(length("<path fill='none' stroke='red' pathLength='4' stroke-dasharray='1' "
-                     "d='M0 0H50'/>"), 25, 1e-6);
+                     "d='M0 0H50'/>"),
+              25, 1e-6);
   // Across corners, over arcs and Bezier curves; on each subpath from its start.
   EXPECT_NEAR(length(dashed("stroke-dasharray:7 3", "M0 0H12V12H0")), 7 * 3 + 6, 1e-6);
   EXPECT_NEAR(length("<circle r='10' cx='50' cy='40' fill='none' stroke='red' "
@@ -252,10 +261,13 @@ TEST_F(SvgClip, DashesAreParts) {
                      "stroke-dasharray='3 1'><line x2='16'/></g>"),
               24, 1e-6);
   EXPECT_EQ(shapes("<g transform='scale(4 1)'><path fill='none' stroke='red' stroke-dasharray='1' "
-                   "d='M0 0H6V6'/></g>").paths.size(), 6u);
+                   "d='M0 0H6V6'/></g>")
+                .paths.size(),
+            6u);
   // A coloured area has its whole edge; without a stroke there are no dashes.
   EXPECT_EQ(shapes("<rect width='9' height='9' fill='red' stroke='blue' stroke-dasharray='1'/>")
-                .paths.size(), 1u);
+                .paths.size(),
+            1u);
   EXPECT_EQ(shapes("<rect width='9' height='9' stroke-dasharray='1'/>").paths.size(), 1u);
   EXPECT_EQ(shapes("<rect width='9' height='9' stroke='red' stroke-dasharray='1'/>").paths.size(),
             18u);
@@ -266,14 +278,16 @@ TEST_F(SvgClip, DashesAndGapsAreTheWhole) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> x(5, 95), y(5, 75), part(0.3, 9);
   for (int i = 0; i < test::scaled(60, 6); ++i) {
-    const std::string d = fmt::format("M{} {}C{} {} {} {} {} {}A9 5 20 0 1 {} {}L{} {}", x(random),
-                                      y(random), x(random), y(random), x(random), y(random),
-                                      x(random), y(random), x(random), y(random), x(random),
-                                      y(random));
+    const std::string d =
+        fmt::format("M{} {}C{} {} {} {} {} {}A9 5 20 0 1 {} {}L{} {}", x(random), y(random),
+                    x(random), y(random), x(random), y(random), x(random), y(random), x(random),
+                    y(random), x(random), y(random));
     const double dash = part(random), gap = part(random);
     const auto with = [&](double offset, double first, double second) {
-      return length(fmt::format("<path d='{}' fill='none' stroke='red' stroke-dasharray='{} {}' "
-                                "stroke-dashoffset='{}'/>", d, first, second, offset));
+      return length(
+          fmt::format("<path d='{}' fill='none' stroke='red' stroke-dasharray='{} {}' "
+                      "stroke-dashoffset='{}'/>",
+                      d, first, second, offset));
     };
     const double whole = length("<path d='" + d + "'/>");
     EXPECT_NEAR(with(0, dash, gap) + with(gap, gap, dash), whole, 1e-5 * whole) << d;

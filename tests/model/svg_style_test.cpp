@@ -47,8 +47,9 @@ TEST_F(SvgStyle, InvisibleByAnyPropertyIsNotDrawn) {
         "fill:url(#missing)", "fill:url(#missing) none", "transform:scale(0)"}) {
     EXPECT_FALSE(is_drawn("style='" + hiding + "'")) << hiding;
     EXPECT_FALSE(is_drawn_by(".a {" + hiding + "}")) << hiding;
-    EXPECT_FALSE(is_drawn_by("rect.a.b\n{\n" + hiding + " !important ;}", "style='opacity:1' "
-                                                                         "class='b a'"))
+    EXPECT_FALSE(is_drawn_by("rect.a.b\n{\n" + hiding + " !important ;}",
+                             "style='opacity:1' "
+                             "class='b a'"))
         << hiding;
   }
   for (const std::string showing :
@@ -58,8 +59,9 @@ TEST_F(SvgStyle, InvisibleByAnyPropertyIsNotDrawn) {
     EXPECT_TRUE(is_drawn("style='" + showing + "'")) << showing;
     EXPECT_TRUE(is_drawn_by(".a{" + showing + "}")) << showing;
   }
-  const Curves hidden = shapes("<rect width='1' height='1'/><g visibility='hidden'><circle r='1'/></g>"
-                               "<g opacity='0'><circle r='1'/><circle r='2'/></g>");
+  const Curves hidden = shapes(
+      "<rect width='1' height='1'/><g visibility='hidden'><circle r='1'/></g>"
+      "<g opacity='0'><circle r='1'/><circle r='2'/></g>");
   EXPECT_THAT(hidden.left_out, ElementsAre(Pair("hidden", 2u)));
 }
 
@@ -95,8 +97,9 @@ TEST_F(SvgStyle, SelectorsChooseElements) {
         "rect:hover", "[id=a]", "[width='8']", "@media print{rect", ".A"}) {
     EXPECT_TRUE(is_drawn_by(selector + hide, "class='a b' id='i'")) << selector;
   }
-  const std::string nested = "<g class='p'><g><rect class='a' width='1' height='1'/></g></g>"
-                             "<circle r='1'/>";
+  const std::string nested =
+      "<g class='p'><g><rect class='a' width='1' height='1'/></g></g>"
+      "<circle r='1'/>";
   EXPECT_EQ(shapes("<style>.p .a{display:none}</style>" + nested).paths.size(), 1u);
   EXPECT_EQ(shapes("<style>.p > .a{display:none}</style>" + nested).paths.size(), 2u);
   EXPECT_EQ(shapes("<style>.p > g > .a{display:none}</style>" + nested).paths.size(), 1u);
@@ -110,8 +113,8 @@ TEST_F(SvgStyle, TheCascadeHasItsOrder) {
   EXPECT_FALSE(is_drawn_by("#i{display:none}.a.b{display:inline}", "id='i' class='a b'"));
   EXPECT_TRUE(is_drawn_by(".a{display:none}", "class='a' style='display:inline'"));
   EXPECT_FALSE(is_drawn_by(".a{display:none!important}", "class='a' style='display:inline'"));
-  EXPECT_TRUE(is_drawn_by(".a{display:none!important}",
-                          "class='a' style='display:inline ! important'"));
+  EXPECT_TRUE(
+      is_drawn_by(".a{display:none!important}", "class='a' style='display:inline ! important'"));
   EXPECT_FALSE(is_drawn_by(".a{display:none}", "class='a' display='inline'"));
   EXPECT_FALSE(is_drawn_by(".a{display:none !important}.b{display:inline}"));
   EXPECT_FALSE(is_drawn("style='display:inline' class='a'",
@@ -122,8 +125,9 @@ TEST_F(SvgStyle, StyleSheetsGiveGeometry) {
   EXPECT_NEAR(length("<style>.t{transform:translate(20px,0) scale(2)}</style>"
                      "<circle class='t' r='1'/>"),
               4 * pi, 1e-8);
-  const auto box = model::bounds(shapes("<circle style='transform:translate(20px,1cm) "
-                                        "rotate(0.25turn)' cx='10' cy='0' r='5'/>"));
+  const auto box =
+      model::bounds(shapes("<circle style='transform:translate(20px,1cm) "
+                           "rotate(0.25turn)' cx='10' cy='0' r='5'/>"));
   EXPECT_NEAR(box.low.x, 15, 1e-3);
   EXPECT_NEAR(box.high.y, 80 - 10 * 96 / 25.4 - 10 + 5, 1e-3);
   EXPECT_NEAR(length("<style>circle{r:2px;cx:9px}</style><circle r='9'/>"), 4 * pi, 1e-8);
@@ -135,10 +139,10 @@ TEST_F(SvgStyle, StyleSheetsGiveGeometry) {
 }
 
 TEST_F(SvgStyle, UnreadRulesAreCounted) {
-  const Curves curves =
-      shapes("<style>@import 'x.css'; @font-face{a:b} a+b{display:none} rect:nth-child(2){fill:none} "
-             "rect:hover{fill:none} @media print{rect{display:none}} {} rect</style>"
-             "<rect width='1' height='1'/>");
+  const Curves curves = shapes(
+      "<style>@import 'x.css'; @font-face{a:b} a+b{display:none} rect:nth-child(2){fill:none} "
+      "rect:hover{fill:none} @media print{rect{display:none}} {} rect</style>"
+      "<rect width='1' height='1'/>");
   EXPECT_EQ(curves.paths.size(), 1u);
   EXPECT_THAT(curves.left_out, ElementsAre(Pair("rule of a style sheet", 5u)));
 }
@@ -165,11 +169,13 @@ TEST_F(SvgStyle, RelativeUnits) {
   EXPECT_NEAR(line("10vw"), 10 * 96 / 25.4, 1e-9);  // user's units, not mm
   EXPECT_NEAR(line("10VH"), 8 * 96 / 25.4, 1e-9);
   EXPECT_NEAR(line("50%"), 50, 1e-9);
-  const Curves root = read("<svg font-size='10' width='10em' height='5em' viewBox='0 0 100 50'>"
-                           "<line x2='1rem'/></svg>");
+  const Curves root = read(
+      "<svg font-size='10' width='10em' height='5em' viewBox='0 0 100 50'>"
+      "<line x2='1rem'/></svg>");
   EXPECT_NEAR(length(root), 10 * 25.4 / 96, 1e-9);
-  EXPECT_NEAR(length(read("<svg style='width:100%' width='50mm' height='50mm'><line x2='50%'/></svg>")),
-              25, 1e-9);
+  EXPECT_NEAR(
+      length(read("<svg style='width:100%' width='50mm' height='50mm'><line x2='50%'/></svg>")), 25,
+      1e-9);
 }
 
 std::string in_utf16(const std::string& text, bool big_endian, bool has_mark) {
@@ -210,10 +216,15 @@ TEST_F(SvgStyle, BackgroundsAreLeftOut) {
   EXPECT_NEAR(length(curves), 10 * pi, 1e-8);
   EXPECT_THAT(curves.left_out, ElementsAre(Pair("background of the page", 1u)));
   EXPECT_NEAR(length(white), 360, 1e-9);  // the whole drawing
+  for (const std::string area :
+       {"<polygon points='-1,81 -1,-1 101,-1 101,81 -1,81' fill='white' stroke='transparent'/>",
+        "<path d='M0 0h100v80H0z' style='fill:#EEE'/>"})
+    EXPECT_EQ(shapes(area + "<circle cx='50' cy='40' r='5'/>").paths.size(), 1u) << area;
   for (const std::string frame :
        {"<rect width='100' height='80' fill='white' stroke='black'/>",
         "<rect width='100' height='80' fill='none' stroke='black'/>",
-        "<rect width='99' height='80' fill='white'/>", "<rect width='100' height='80'/>"})
+        "<path d='M0 0H100L50 80Z' fill='red'/>", "<rect width='99' height='80' fill='white'/>",
+        "<rect width='100' height='80'/>"})
     EXPECT_EQ(shapes(frame + "<circle cx='50' cy='40' r='5'/>").paths.size(), 2u) << frame;
   EXPECT_EQ(shapes("<circle cx='50' cy='40' r='5'/>" + white).paths.size(), 2u);
 }
@@ -248,8 +259,10 @@ TEST_F(SvgStyle, DamagedFilesAtWorstFail) {
       "</clipPath><mask id='m'><path d='M0 0H50V50Z' fill='white'/></mask>"
       "<g class='a' font-size='2em' mask='url(#m)'><path class='b' "
       "d='M1 2L3 4C1 2 3 4 5 6A3 4 30 0 1 9 9Z' stroke-dasharray='1 .5' pathLength='20'/></g>"
-      "<rect id='r' x='1em' width='30' height='20' rx='3'/><use href='#r' x='5' clip-path='url(#c)'/>"
-      "<svg x='3' width='20%' height='9vh' viewBox='0 0 9 9'><ellipse cx='5' cy='5' rx='5'/></svg>");
+      "<rect id='r' x='1em' width='30' height='20' rx='3'/><use href='#r' x='5' "
+      "clip-path='url(#c)'/>"
+      "<svg x='3' width='20%' height='9vh' viewBox='0 0 9 9'><ellipse cx='5' cy='5' "
+      "rx='5'/></svg>");
   ASSERT_GE(read(whole).paths.size(), 5u);
   const auto read_file = [](const auto& path) { return model::read_svg(path); };
   test::expect_damaged_drawings_fail_at_most(
