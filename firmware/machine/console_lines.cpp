@@ -93,6 +93,11 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
       case Step::ended:
         tell_end();
         break;
+      case Step::lights: {
+        const Masked masked(mask_);
+        program_.shine_at_rest(reader_.light_power(values_), reader_.light_ticks(values_));
+        break;
+      }
       case Step::overrides: {
         const Masked masked(mask_);
         use_overrides();

@@ -187,6 +187,7 @@ bool Interpreter::give_io(Stage stage, Action& action) {
 
 bool Interpreter::give_dwell(Action& action) {
   begin_action(action, ActionKind::dwell);
+  action.rapid = state_->modal.motion == Motion::rapid || state_->modal.motion == Motion::none;
   action.time_us = plan_.dwell_us;
   done(Stage::dwell);
   return true;
@@ -260,6 +261,7 @@ bool Interpreter::give_cycle(Action& action) {
   switch (move.kind) {
     case CycleMove::Kind::dwell:
       begin_action(action, ActionKind::dwell);
+      action.rapid = true;
       action.time_us = plan_.dwell_us;
       return true;
     case CycleMove::Kind::spindle_off:

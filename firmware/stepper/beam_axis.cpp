@@ -28,7 +28,8 @@ std::uint64_t shifted(std::uint64_t value, int right) {
 
 void BeamAxis::enter(const Segment& segment) {
   if (kind_ == BeamKind::even) since_edge_ = least_cell_ticks;
-  kind_ = segment.shines ? segment.beam_kind : BeamKind::even;
+  const bool cells = segment.shines && segment.beam_kind != BeamKind::at_rest;
+  kind_ = cells ? segment.beam_kind : BeamKind::even;
   if (kind_ != BeamKind::pulses) pulse_left_ = 0;
   if (kind_ == BeamKind::even) return;
   segment_ = &segment;

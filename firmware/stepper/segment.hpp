@@ -185,7 +185,8 @@ enum class BeamKind : std::uint8_t {
   even,             ///< by SegmentPower
   pixels,           ///< each cell has its power
   pixels_by_speed,  ///< the same times actual over programmed speed
-  pulses            ///< a pulse at every edge of a cell
+  pulses,           ///< a pulse at every edge of a cell
+  at_rest           ///< by SegmentPower, while no axis moves: a dwell with light
 };
 
 /// Fraction bits of the position, in cells, where a segment begins. The upper bits are the number

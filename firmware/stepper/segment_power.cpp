@@ -20,10 +20,24 @@ std::uint32_t slope_q16(std::uint32_t from, std::uint32_t to, std::uint32_t tick
 
 }  // namespace
 
-bool moves(const Segment& segment) { return moving_axis(segment) != none; }
+Segment rest_with_light(const MotionState& at, std::uint32_t ticks, std::uint16_t power) {
+  Segment segment;
+  segment.ticks = ticks;
+  for (AxisProfile& axis : segment.axis) axis.cruise_ticks = ticks;
+  segment.end = at;
+  segment.shines = true;
+  segment.beam_kind = BeamKind::at_rest;
+  segment.power = {power, power, 0, 0};
+  return segment;
+}
+
+bool may_shine(const Segment& segment) {
+  return moving_axis(segment) != none || (segment.shines && segment.beam_kind == BeamKind::at_rest);
+}
 
 int power_axis(const Segment& segment) {
   if (!segment.shines) return none;
+  if (segment.beam_kind == BeamKind::at_rest) return 0;  // all axes have the same phase
   return segment.beam_kind == BeamKind::even ? moving_axis(segment) : int{segment.beam_axis};
 }
 

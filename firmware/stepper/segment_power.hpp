@@ -7,7 +7,8 @@
 //      power_from() once a power cell, one product.
 //
 // Lead, cruise and tail are those of the first axis that moves; on a line all axes that move have
-// the same. The laser is dark where no axis moves, because a beam at rest burns.
+// the same. The laser is dark where no axis moves, because a beam at rest burns: only a segment
+// made by rest_with_light() shines at rest.
 //
 // Slopes are rounded towards zero, so that power never leaves the range between its ends: it is
 // counted modulo 2^32 and would wrap. The deficit at the end of a phase is less than one bit for
@@ -29,8 +30,12 @@ struct PowerPoints {
 /// powers are 0, the segment does not change.
 void set_power(Segment& segment, const PowerPoints& power);
 
-/// Some axis moves.
-bool moves(const Segment& segment);
+/// Makes a segment of `ticks` ticks in which every axis rests at `at` and the laser has one power.
+/// Its start and the tick of its end are set by its user.
+Segment rest_with_light(const MotionState& at, std::uint32_t ticks, std::uint16_t power);
+
+/// Some axis moves, or the segment is made for light at rest.
+bool may_shine(const Segment& segment);
 
 /// The axis whose phases the power of a segment follows; negative if it does not shine.
 int power_axis(const Segment& segment);

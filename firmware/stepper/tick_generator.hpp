@@ -167,9 +167,10 @@ class TickGenerator {
   [[gnu::noinline]] void fill_power(std::uint32_t tick, std::uint32_t ticks, Board& board) const;
   template <class Board>
   static void put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board);
-  /// The laser is in a segment with power, and the lattice is in a segment that moves.
+  /// The laser is in a segment with power, and the lattice is in a segment that moves or is made
+  /// for light at rest.
   bool shines() const {
-    return laser_.left != 0 && power_axis_ >= 0 && lattice_.left != 0 && moves_ && beam_.lit();
+    return laser_.left != 0 && power_axis_ >= 0 && lattice_.left != 0 && may_shine_ && beam_.lit();
   }
   /// Power at a tick of the lattice (lower half of its number) and how it changes from there.
   PowerStretch power_stretch(std::uint32_t tick) const;
@@ -213,7 +214,7 @@ class TickGenerator {
   std::uint32_t lead_ = 0;  ///< the longest of all axes
   bool running_ = false;
   bool underrun_ = false;
-  bool moves_ = false;           ///< in the segment of the lattice
+  bool may_shine_ = false;       ///< in the segment of the lattice
   std::int8_t power_axis_ = -1;  ///< of the segment of the laser
   std::uint32_t left_ = 0;       ///< ticks left in the segment at the head
   PerAxis<Run> runs_{};

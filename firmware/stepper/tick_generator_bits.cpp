@@ -5,7 +5,7 @@ namespace lamplock::stepper {
 
 void TickGenerator::enter_lattice() {
   const Segment& segment = queue_.at(lattice_.segment);
-  moves_ = moves(segment);
+  may_shine_ = may_shine(segment);
   if (segment.changes != 0 && changes_ != nullptr)
     changes_->grant(segment.changes, segment.start_tick);
   open_window();

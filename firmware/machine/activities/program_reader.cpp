@@ -129,7 +129,7 @@ ProgramReader::Step ProgramReader::wait_for_rest() { return rests() ? taken() : 
   }
   switch (action_.kind) {
     case ActionKind::dwell:
-      return dwell(clock);
+      return dwell(values, clock);
     case ActionKind::coolant:
       return coolant();
     case ActionKind::output:
@@ -236,11 +236,34 @@ ProgramReader::Step ProgramReader::output() {
   return taken();
 }
 
-ProgramReader::Step ProgramReader::dwell(std::uint64_t clock) {
+/// With M3 a continuous laser may shine in a dwell between cuts, to pierce and to focus: at most
+/// with the power and for the time that the settings permit.
+bool ProgramReader::wants_light(const settings::Values& values) const {
+  return options_.laser && lock_ == BeatLock::off && !action_.rapid &&
+         action_.spindle == program::Spindle::constant && values.milli(Id::focus_power) != 0;
+}
+
+std::uint16_t ProgramReader::light_power(const settings::Values& values) const {
+  const auto permitted = static_cast<std::uint16_t>(
+      wide_product(motion::full_power, static_cast<std::uint32_t>(values.milli(Id::focus_power))) /
+      static_cast<std::uint32_t>(settings::range(Id::focus_power).max_milli));
+  const std::uint16_t power = power_of(action_.speed_milli, values);
+  return power < permitted ? power : permitted;
+}
+
+std::uint32_t ProgramReader::light_ticks(const settings::Values& values) const {
+  const std::uint32_t permitted_us =
+      static_cast<std::uint32_t>(values.milli(Id::focus_time)) * 1000;
+  const std::uint32_t us = action_.time_us < permitted_us ? action_.time_us : permitted_us;
+  return us * (ticks_per_second / 1'000'000);
+}
+
+ProgramReader::Step ProgramReader::dwell(const settings::Values& values, std::uint64_t clock) {
   if (!dwells_) {
     if (!rests()) return Step::waits;
     dwells_ = true;
     dwell_end_ = clock + std::uint64_t{action_.time_us} * clocks_per_us;
+    if (wants_light(values)) return Step::lights;
   }
   if (clock < dwell_end_ || runner_.held()) return Step::waits;
   dwells_ = false;

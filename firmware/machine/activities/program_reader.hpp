@@ -45,6 +45,7 @@ class ProgramReader {
     outside,    ///< the line would have left the work space: the rest of it is dropped
     pauses,     ///< M0, M1, M6: waits for go_on() from now on
     changes,    ///< at rest: a change to wanted_lock() is due before the next move
+    lights,     ///< at rest: the laser shines with light_power() for light_ticks()
     overrides,  ///< M48, M49: overrides_off() has changed
     inputs,     ///< at rest: M66 waits for its input, until end_wait()
     probes,     ///< at rest, before and after the move of a probe, until end_probe()
@@ -108,6 +109,9 @@ class ProgramReader {
     taken();
     paused_ = pauses;
   }
+  /// Of a dwell with light: power, full_power = all, and ticks.
+  [[gnu::cold]] std::uint16_t light_power(const settings::Values& values) const;
+  [[gnu::cold]] std::uint32_t light_ticks(const settings::Values& values) const;
   /// Gives the move of the probe to the planner.
   void begin_probe() {
     outputs_.apply_next();
@@ -163,7 +167,8 @@ class ProgramReader {
   bool prepare_beam();
   bool planned() const { return runner_.begun() && !runner_.broken_off(); }
   bool take(const settings::Values& values);
-  Step dwell(std::uint64_t clock);
+  Step dwell(const settings::Values& values, std::uint64_t clock);
+  [[gnu::cold]] bool wants_light(const settings::Values& values) const;
   bool rests();
   Step wait_for_rest();
   [[gnu::cold]] Step coolant();

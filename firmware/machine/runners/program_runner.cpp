@@ -39,7 +39,7 @@ Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q
   tick_q16_ = tick_q16;
   begun_ = drained_ = stands_ = resting_ = true;
   pace_percent_ = full_pace;
-  lost_ = staged_ = broken_off_ = false;
+  lost_ = staged_ = broken_off_ = shines_at_rest_ = false;
   brakes_ = 0;
   end_tick_ = offset_ticks_ = 0;
   orders_.held = orders_.cancel = false;
@@ -158,6 +158,25 @@ void ProgramRunner::run_detour(const stepper::Segment& motion) {
   clock_.set_motion_end(end_tick_);
 }
 
+void ProgramRunner::shine_at_rest(std::uint16_t power, std::uint32_t ticks) {
+  const stepper::Segment light =
+      stepper::rest_with_light(generator_.state(), ticks, overridden(power));
+  if (ticks == 0 || light.power.cruise == 0 || orders_.held) return;
+  run_detour(light);
+  shines_at_rest_ = true;
+}
+
+void ProgramRunner::end_light() {
+  shines_at_rest_ = false;
+  abort_detour();
+}
+
+/// Power after the override.
+std::uint16_t ProgramRunner::overridden(std::uint32_t power) const {
+  const std::uint32_t wanted = power * power_percent_ / 100;
+  return static_cast<std::uint16_t>(wanted < motion::full_power ? wanted : motion::full_power);
+}
+
 void ProgramRunner::abort_detour() { brake_at_once(end_tick_, false); }
 
 bool ProgramRunner::detour_finished() const {
@@ -227,6 +246,7 @@ bool ProgramRunner::prepare() {
   if (!begun_) return false;
   if (brake_begun()) miss();
   stands_ = is_at_rest();
+  if (stands_) shines_at_rest_ = false;
   WorkExchange& work_exchange = planning_.work_exchange();
   if (work_exchange.is_owned() && wants_batch()) hand_out();
   return work_exchange.asked();
@@ -248,16 +268,12 @@ void ProgramRunner::write(std::uint32_t i, stepper::Segment& segment) const {
   segment.end.tick += offset_ticks_;
   segment.ends_point = false;  // only used in jobs
   if (segment.shines && segment.beam_kind != stepper::BeamKind::pulses) return;
-  const auto power = [this](std::uint32_t planned) {
-    const std::uint32_t wanted = planned * power_percent_ / 100;
-    return static_cast<std::uint16_t>(wanted < motion::full_power ? wanted : motion::full_power);
-  };
   if (segment.shines) {
-    segment.beam.power = power(segment.beam.power);
+    segment.beam.power = overridden(segment.beam.power);
     return;
   }
-  stepper::set_power(segment,
-                     {power(made.power_start), power(made.power_cruise), power(made.power_end)});
+  stepper::set_power(segment, {overridden(made.power_start), overridden(made.power_cruise),
+                               overridden(made.power_end)});
 }
 
 /// All of it or nothing: a lost batch can be planned again only from its start.

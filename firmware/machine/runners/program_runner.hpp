@@ -78,7 +78,10 @@ class ProgramRunner {
   void set_overrides(std::uint32_t feed_percent, std::uint32_t rapid_percent,
                      std::uint32_t power_percent);
   /// Stops on the path and stays there.
-  void hold() { orders_.held = true; }
+  void hold() {
+    orders_.held = true;
+    if (shines_at_rest_) end_light();
+  }
   void resume() { orders_.held = false; }
   bool held() const { return orders_.held; }
   /// Stops on the path and drops all lines; none are accepted until idle().
@@ -89,6 +92,10 @@ class ProgramRunner {
   /// In other cases a brake does not leave the work space.
   [[gnu::cold]] void abort_move(bool at_contact = false);
   bool broken_off() const { return broken_off_; }
+
+  /// At rest: the laser has this power, full_power = all, for this number of ticks, or until a hold
+  /// or a reset. Masked.
+  [[gnu::cold]] void shine_at_rest(std::uint16_t power, std::uint32_t ticks);
 
   /// A motion beside the program, held and at rest: begins as soon as possible. Before resume() the
   /// caller must move the machine back. Masked.
@@ -147,6 +154,8 @@ class ProgramRunner {
   void write(std::uint32_t i, stepper::Segment& segment) const;
   void miss();
   void finish_batch();
+  [[gnu::cold]] void end_light();
+  std::uint16_t overridden(std::uint32_t power) const;
   [[gnu::cold]] void brake_at_once(std::uint64_t rest_tick, bool anywhere);
   [[gnu::cold]] bool brake_after_segment();
 
@@ -163,6 +172,7 @@ class ProgramRunner {
   bool resting_ = true;             ///< motion handed out ends at rest, without a brake
   bool lost_ = false;               ///< the brake was run: the next batch returns to the path
   bool broken_off_ = false;         ///< the planner does not know the position
+  bool shines_at_rest_ = false;     ///< the motion handed out is a dwell with light
   bool staged_ = false;             ///< the batch is in the queue, except for its first segment
   std::uint32_t brakes_ = 0;        ///< at the end of the queue: 0 or 1
   std::uint64_t offset_ticks_ = 0;  ///< lattice minus planner
