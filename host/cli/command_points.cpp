@@ -28,6 +28,7 @@ Exit make_points(const PointsOptions& options) {
                     {"points", cloud.points.size()},
                     {"welded", cloud.welded},
                     {"rejected", cloud.rejected},
+                    {"empty_share", cloud.empty_share},
                     {"spacing", spacing_json(cloud.spacing)},
                     {"bounds", bounds_json(geometry::bounds(cloud.points))},
                     {"warnings", cloud.warnings}});

@@ -133,10 +133,12 @@ std::vector<Parameter> method_parameters(Object& o) {
       of(layered(), {"layer", "--layer", &o.layer_mm,
                      "Slices, drawings, bitmaps: distance between layers; default: the spacing",
                      "MM", positive}),
-      of(shaped(), {"weld", "--weld", &o.weld_mm,
-                    "Merge points closer than this; default: 0.9 x spacing for slice, rays, "
-                    "drawings and bitmaps; the other methods keep the spacing themselves",
-                    "MM", not_negative}),
+      of(shaped(),
+         {"weld", "--weld", &o.weld_mm,
+          "Merge points closer than this; default: 0.9 x spacing for rays and inside each "
+          "layer of slices, drawings and bitmaps; the other methods keep the spacing "
+          "themselves",
+          "MM", not_negative}),
       of(shaped(),
          {"seed", "--point-seed", &o.seed, "Seed of the random points", "N", {0, max_int, true}}),
   };
@@ -172,8 +174,8 @@ std::vector<Parameter> mesh_parameters(Object& o) {
                     {},
                     {"x", "y", "z"}}),
       of({"faces"}, {"smallest", "--smallest", &o.smallest_mm,
-                     "Faces: skip triangles whose sides are all shorter than this; 0: the spacing",
-                     "MM", not_negative}),
+                     "Faces: skip triangles whose sides are all shorter than this; 0: none", "MM",
+                     not_negative}),
       of({"solid"}, {"light_depth", "--light-depth", &o.light_depth_mm,
                      "Solid: thickness of the solid above a point at which the density falls to "
                      "1/e; 0: constant density",

@@ -303,8 +303,8 @@ void require_work(const Grid& grid, int layers) {
 
 }  // namespace
 
-geometry::PointCloud bitmap_points(const model::Bitmap& bitmap, const PictureFrame& frame,
-                                   const BitmapOptions& options) {
+LayeredPoints bitmap_points(const model::Bitmap& bitmap, const PictureFrame& frame,
+                            const BitmapOptions& options) {
   require_valid(options);
   const PicturePlane plane(frame);
   geometry::require_positive(plane.width_mm, "bitmap", "width");
@@ -313,8 +313,10 @@ geometry::PointCloud bitmap_points(const model::Bitmap& bitmap, const PictureFra
   require_work(grid, options.layers);
   constexpr double golden_ratio = 0.618033988749895, silver_ratio = 0.414213562373095;
   const geometry::Random seeds(options.seed);
-  geometry::PointCloud cloud;
+  LayeredPoints layered;
+  geometry::PointCloud& cloud = layered.points;
   for (int k = 0; k < options.layers; ++k) {
+    layered.first.push_back(cloud.size());
     grid.set_layer(shift_of(k, golden_ratio), shift_of(k, silver_ratio),
                    (k - (options.layers - 1) / 2.0) * options.layer_mm);
     if (options.tone)
@@ -323,7 +325,7 @@ geometry::PointCloud bitmap_points(const model::Bitmap& bitmap, const PictureFra
       threshold_layer(grid, options, cloud);
     geometry::require_count(static_cast<double>(cloud.size()), "bitmap");
   }
-  return cloud;
+  return layered;
 }
 
 }  // namespace lamplock::points

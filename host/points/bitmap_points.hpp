@@ -22,8 +22,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "host/geometry/point.hpp"
 #include "host/model/bitmap.hpp"
+#include "host/points/layered_points.hpp"
 #include "host/points/picture_frame.hpp"
 #include "host/points/tone.hpp"
 
@@ -45,7 +45,7 @@ struct BitmapOptions {
 /// The middle layer is in the frame. The value of a grid point is the mean of the visible pixels in
 /// its square, or its pixel if that is larger. Throws Error (bad_input) for options out of range or
 /// too many points.
-geometry::PointCloud bitmap_points(const model::Bitmap& bitmap, const PictureFrame& frame,
-                                   const BitmapOptions& options);
+LayeredPoints bitmap_points(const model::Bitmap& bitmap, const PictureFrame& frame,
+                            const BitmapOptions& options);
 
 }  // namespace lamplock::points

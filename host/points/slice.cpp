@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -136,64 +135,31 @@ void sample_contour(const Contour& contour, double twist, const SliceOptions& op
   sample(v, length, spread, cloud);
 }
 
-/// Twice a triangle's area as a vector along its normal.
-geometry::Point doubled_area_vector(const model::Mesh& mesh,
-                                    const std::array<std::uint32_t, 3>& triangle) {
-  const geometry::Point &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]],
-                        &c = mesh.vertices[triangle[2]];
-  const geometry::Point p{b.x - a.x, b.y - a.y, b.z - a.z}, q{c.x - a.x, c.y - a.y, c.z - a.z};
-  return {p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
-}
-
 }  // namespace
 
 geometry::PointCloud slice(const model::Mesh& mesh, const SliceOptions& options) {
+  return slice_in_layers(mesh, options).points;
+}
+
+LayeredPoints slice_in_layers(const model::Mesh& mesh, const SliceOptions& options) {
   check(options);
-  geometry::PointCloud cloud;
-  if (mesh.triangles.empty()) return cloud;
+  LayeredPoints result;
+  geometry::PointCloud& cloud = result.points;
+  if (mesh.triangles.empty()) return result;
   const geometry::Affine frame = map_of(options.frame);
   model::Mesh turned;
   const model::Mesh& framed = in_frame(mesh, frame, turned);
   for_each_plane(framed, planes_for(framed, options),
                  [&](std::size_t k, std::span<const Contour> contours) {
                    const double twist = static_cast<double>(k) * options.twist_mm;
+                   if (!contours.empty()) result.first.push_back(cloud.size());
                    for (const Contour& contour : contours) {
                      sample_contour(contour, twist, options, cloud);
                    }
                  });
-  if (&framed == &mesh) return cloud;
+  if (&framed == &mesh) return result;
   for (geometry::Point& point : cloud) point = frame(point);
-  return cloud;
-}
-
-LostFaces lost_faces(const model::Mesh& mesh, const SliceOptions& options, double within_deg) {
-  check(options);
-  if (!(within_deg >= 0 && within_deg <= 90)) {
-    throw Error(Exit::bad_input, "slice", fmt::format("the angle of lost faces is {}", within_deg),
-                "give 0 to 90 degrees");
-  }
-  LostFaces lost;
-  if (mesh.triangles.empty()) return lost;
-  model::Mesh turned;
-  const model::Mesh& framed = in_frame(mesh, map_of(options.frame), turned);
-  const Planes planes = planes_for(framed, options);
-  const double min_cosine = std::cos(within_deg * std::numbers::pi / 180);
-  double whole = 0;
-  for (const auto& triangle : framed.triangles) {
-    const geometry::Point normal = doubled_area_vector(framed, triangle);
-    const double doubled = std::hypot(normal.x, normal.y, normal.z);
-    whole += doubled / 2;
-    // Rounding must not hide a face that is parallel to the planes.
-    if (doubled <= 0 || std::abs(normal.z) < doubled * (min_cosine - 1e-12)) continue;
-    const auto [low, high] =
-        std::minmax({framed.vertices[triangle[0]].z, framed.vertices[triangle[1]].z,
-                     framed.vertices[triangle[2]].z});
-    if (planes.not_above(low) != planes.not_above(high)) continue;
-    ++lost.triangles;
-    lost.area_mm2 += doubled / 2;
-  }
-  if (whole > 0) lost.share = lost.area_mm2 / whole;
-  return lost;
+  return result;
 }
 
 }  // namespace lamplock::points

@@ -1,20 +1,20 @@
 // Slicing ("Mechatronic positioning of a pulsed laser beam in devices forming 3-D objects in
 // glass"): parallel planes cut the mesh, each contour becomes points at equal arc length. In: a
-// mesh in mm. Out: points, plane by plane along the axis, contour by contour along each, and on
-// request what got lost. Called by the command line; weld() follows, because neighbouring contours
-// may touch.
+// mesh in mm. Out: points, plane by plane along the axis, contour by contour along each.
+// Called by the command line; weld() of each layer follows, because contours
+// of a plane may touch.
 //
 // A vertex on a plane counts as above it. So each triangle is cut in exactly two edges or none,
 // neighbours agree about their common edge, and the contours of a closed mesh are closed. A flat
 // bottom in a plane gives no contour, a flat top gives its rim.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 
 #include "host/geometry/axis.hpp"
 #include "host/geometry/point.hpp"
 #include "host/model/mesh.hpp"
+#include "host/points/layered_points.hpp"
 
 namespace lamplock::points {
 
@@ -51,21 +51,7 @@ struct SliceOptions {
 /// points.
 geometry::PointCloud slice(const model::Mesh& mesh, const SliceOptions& options);
 
-/// Faces without points: nearly parallel to the planes and cut by none.
-struct LostFaces {
-  std::size_t triangles = 0;
-  double area_mm2 = 0;
-  double share = 0;  ///< of the area of the mesh, 0..1
-};
-
-/// On a face with less tilt, contours are more than ten times as far apart as planes: asin(1/10).
-inline constexpr double flat_face_deg = 5.739;
-
-/// Faces that slice() with these options loses, such as the caps of a cylinder. `within_deg` is the
-/// maximum angle between a lost face's normal and the axis. The poles of a sphere count too, half a
-/// per cent of its area; the caller should warn of larger losses. Throws as slice(), and for an
-/// angle outside 0..90.
-LostFaces lost_faces(const model::Mesh& mesh, const SliceOptions& options,
-                     double within_deg = flat_face_deg);
+/// The same with the planes that have points as layers.
+LayeredPoints slice_in_layers(const model::Mesh& mesh, const SliceOptions& options);
 
 }  // namespace lamplock::points

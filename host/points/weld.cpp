@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 #include "host/error.hpp"
@@ -37,6 +38,18 @@ WeldResult weld(geometry::PointCloud cloud, double min_distance_mm, std::size_t 
   result.removed = cloud.size() - count;
   cloud.resize(count);
   result.points = std::move(cloud);
+  return result;
+}
+
+WeldResult weld_in_layers(const LayeredPoints& cloud, double min_distance_mm) {
+  WeldResult result;
+  result.points.reserve(cloud.points.size());
+  for (std::size_t i = 0; i < cloud.first.size(); ++i) {
+    const std::span<const geometry::Point> layer = cloud.layer(i);
+    const WeldResult welded = weld({layer.begin(), layer.end()}, min_distance_mm);
+    result.points.insert(result.points.end(), welded.points.begin(), welded.points.end());
+    result.removed += welded.removed;
+  }
   return result;
 }
 

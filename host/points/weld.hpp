@@ -8,6 +8,7 @@
 #include <cstddef>
 
 #include "host/geometry/point.hpp"
+#include "host/points/layered_points.hpp"
 
 namespace lamplock::points {
 
@@ -22,5 +23,8 @@ struct WeldResult {
 /// points. Coordinates must be finite. Throws Error (bad_input) for a distance that is negative or
 /// not finite.
 WeldResult weld(geometry::PointCloud cloud, double min_distance_mm, std::size_t always_kept = 0);
+
+/// The same in each layer alone: points of different layers never remove each other.
+WeldResult weld_in_layers(const LayeredPoints& cloud, double min_distance_mm);
 
 }  // namespace lamplock::points

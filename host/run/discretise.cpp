@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -12,10 +13,11 @@
 #include "host/points/bitmap_points.hpp"
 #include "host/points/bounds_check.hpp"
 #include "host/points/divide.hpp"
+#include "host/points/layered_points.hpp"
 #include "host/points/shells.hpp"
-#include "host/points/weld.hpp"
 #include "host/run/bounds_text.hpp"
 #include "host/run/frontend.hpp"
+#include "host/run/keep_apart.hpp"
 #include "host/run/mesh_points.hpp"
 #include "host/run/placed_model.hpp"
 
@@ -30,9 +32,6 @@ using glass::Volume;
 using model::InputKind;
 
 constexpr double default_spacing_mm = 0.1;
-/// Arc lengths are the spacing, chords a little less: a weld at the spacing itself would thin out
-/// every bend.
-constexpr double weld_per_spacing = 0.9;
 /// Rounding of scaled coordinates; far below a step.
 constexpr double rounding_mm = 1e-6;
 
@@ -94,23 +93,47 @@ points::BitmapOptions bitmap_options(const Object& object, double spacing) {
   return options;
 }
 
-/// Points by the method of the model. True: the method itself keeps them apart.
-bool make_points(PlacedModel& model, const Object& object, double spacing, ObjectPoints& made) {
+/// Layers of a drawing are apart only if the drawing is flat: others reach into each other, and are
+/// one layer.
+std::vector<std::size_t> first_of_layers(const PointCloud& cloud, int layers) {
+  const std::size_t size = cloud.size() / static_cast<std::size_t>(layers);  // all are equal
+  if (size == 0) return {0};
+  const Bounds box = geometry::bounds(std::span(cloud).first(size));
+  if (box.high.z - box.low.z > rounding_mm) return {0};
+  std::vector<std::size_t> first;
+  for (std::size_t i = 0; i < cloud.size(); i += size) first.push_back(i);
+  return first;
+}
+
+/// Points before they are kept apart.
+struct RawPoints {
+  points::LayeredPoints cloud{};
+  double layer_mm = 0;
+  bool keeps_spacing = false;  ///< the method itself keeps them apart
+};
+
+/// Points by the method of the model.
+RawPoints make_points(PlacedModel& model, const Object& object, double spacing,
+                      ObjectPoints& made) {
+  RawPoints raw;
+  raw.layer_mm = object.layer_mm.value_or(spacing);
   if (auto* mesh = std::get_if<model::Mesh>(&model.model)) {
     MeshPoints result = mesh_points(*mesh, object, spacing);
-    made.points = std::move(result.points);
     made.rejected = result.rejected;
+    made.empty_share = result.empty_share;
     for (std::string& warning : result.warnings) made.warnings.push_back(std::move(warning));
-    return result.keeps_spacing;
-  }
-  if (auto* curves = std::get_if<model::Curves>(&model.model))
-    made.points = curve_points(*curves, object, spacing);
-  else if (const auto* picture = std::get_if<PlacedPicture>(&model.model))
-    made.points =
+    raw.cloud = {std::move(result.points), std::move(result.first_of_layers)};
+    raw.keeps_spacing = result.keeps_spacing;
+  } else if (auto* curves = std::get_if<model::Curves>(&model.model)) {
+    raw.cloud.points = curve_points(*curves, object, spacing);
+    raw.cloud.first = first_of_layers(raw.cloud.points, object.layers);
+  } else if (const auto* picture = std::get_if<PlacedPicture>(&model.model)) {
+    raw.cloud =
         points::bitmap_points(picture->bitmap, picture->frame, bitmap_options(object, spacing));
-  else
-    made.points = std::move(std::get<PointCloud>(model.model));
-  return false;
+  } else {
+    raw.cloud.points = std::move(std::get<PointCloud>(model.model));
+  }
+  return raw;
 }
 
 void spread_over_shells(const PlacedModel& model, const Object& object, double spacing,
@@ -145,14 +168,17 @@ void compensate_depth(const Object& object, const Volume& volume, ObjectPoints& 
 }
 
 /// What makes defects of points: apart from each other, on shells, thinned by depth.
-void finish(const PlacedModel& model, const Object& object, bool keeps_spacing, double spacing,
-            const Volume& volume, ObjectPoints& made) {
-  made.distance_mm = keeps_spacing ? std::max(spacing, object.weld_mm.value_or(0))
-                                   : object.weld_mm.value_or(weld_per_spacing * spacing);
-  if (!keeps_spacing || made.distance_mm > spacing) {
-    points::WeldResult welded = points::weld(std::move(made.points), made.distance_mm);
-    made.points = std::move(welded.points);
-    made.welded += welded.removed;
+void finish(const PlacedModel& model, const Object& object, RawPoints raw, double spacing,
+            const glass::GlassChoice& glass, const Volume& volume, ObjectPoints& made) {
+  if (raw.keeps_spacing && object.weld_mm.value_or(0) <= spacing) {
+    made.distance_mm = spacing;
+    made.points = std::move(raw.cloud.points);
+  } else {
+    PointsApart apart = keep_apart(std::move(raw.cloud), raw.layer_mm, object, spacing, glass);
+    made.points = std::move(apart.points);
+    made.distance_mm = apart.distance_mm;
+    made.welded += apart.removed;
+    for (std::string& warning : apart.warnings) made.warnings.push_back(std::move(warning));
   }
   spread_over_shells(model, object, spacing, made);
   compensate_depth(object, volume, made);
@@ -160,7 +186,7 @@ void finish(const PlacedModel& model, const Object& object, bool keeps_spacing, 
 
 /// All that is engraved of a model, checked. Throws Error(bad_input).
 ObjectPoints checked_points(PlacedModel& model, const Object& object, double spacing,
-                            const Volume& volume) {
+                            const glass::GlassChoice& glass, const Volume& volume) {
   ObjectPoints made;
   made.kind = model.kind;
   const std::string way = way_of(model.kind, object);
@@ -168,9 +194,12 @@ ObjectPoints checked_points(PlacedModel& model, const Object& object, double spa
   made.warnings = std::move(model.warnings);
   for (std::string& warning : glass::unused(object, way))
     made.warnings.push_back(std::move(warning));
-  const bool keeps_spacing = make_points(model, object, spacing, made);
-  require_points(made.points, made.kind, object.file);
-  if (made.kind != InputKind::points) finish(model, object, keeps_spacing, spacing, volume, made);
+  RawPoints raw = make_points(model, object, spacing, made);
+  require_points(raw.cloud.points, made.kind, object.file);
+  if (made.kind == InputKind::points)
+    made.points = std::move(raw.cloud.points);
+  else
+    finish(model, object, std::move(raw), spacing, glass, volume, made);
   require_points(made.points, made.kind, object.file);
   check_place(made.points, volume, object.file);
   return made;
@@ -198,7 +227,7 @@ ObjectPoints object_points(const Object& object, const glass::GlassChoice& glass
   if (model.kind != InputKind::points)
     frontend.phase("model",
                    fmt::format("{}: {}, {}", object.file, model.what, size_text(model.box())));
-  ObjectPoints made = checked_points(model, object, spacing, volume);
+  ObjectPoints made = checked_points(model, object, spacing, glass, volume);
   frontend.phase("points", result_text(made));
   return made;
 }
@@ -207,7 +236,7 @@ Bounds object_bounds(const Object& object, const glass::GlassChoice& glass, cons
   const double spacing = spacing_mm(object, glass);
   PlacedModel model = placed_model(object, object.layer_mm.value_or(spacing), volume);
   if (model.kind != InputKind::mesh)
-    return geometry::bounds(checked_points(model, object, spacing, volume).points);
+    return geometry::bounds(checked_points(model, object, spacing, glass, volume).points);
   const Bounds box = model.box();
   check_place({box.low, box.high}, volume, object.file);
   return box;

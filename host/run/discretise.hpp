@@ -31,7 +31,8 @@ struct ObjectPoints {
   double distance_mm = 0;    ///< no two of them are closer; 0 for point lists
   double layer_mm = 0;       ///< from layer to layer
   std::size_t welded = 0;    ///< points left out because too close to another
-  std::size_t rejected = 0;  ///< triangles that no point was put on
+  std::size_t rejected = 0;  ///< triangles that the method leaves out
+  double empty_share = 0;    ///< of the surface of a mesh, 0..1, without points near it
   std::vector<std::string> warnings{};
 };
 

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "host/error.hpp"
 #include "host/glass/unused_parameters.hpp"
 #include "host/model/transform.hpp"
 #include "host/points/blue_noise.hpp"
+#include "host/points/empty_surface.hpp"
 #include "host/points/fill_faces.hpp"
 #include "host/points/fill_solid.hpp"
 #include "host/points/rays.hpp"
@@ -19,8 +21,10 @@ namespace {
 using glass::Object;
 using model::Mesh;
 
+/// A place is empty if no point is within so many spacings: the largest gap of a filled face is 2.
+constexpr double empty_spacings = 3;
 /// Poles of round bodies always lose as much.
-constexpr double lost_share_to_warn_of = 0.01;
+constexpr double empty_share_to_warn_of = 0.01;
 
 geometry::Axis axis_named(const std::string& name) {
   return name == "x" ? geometry::Axis::x : name == "y" ? geometry::Axis::y : geometry::Axis::z;
@@ -37,7 +41,7 @@ MeshPoints by_blue_noise(const Mesh& mesh, const Object& object, double spacing_
     options.tone =
         points::ToneCurve{object.gamma, object.invert, object.tone_lowest, object.tone_highest};
   }
-  return {points::blue_noise(mesh, options), true, 0, {}};
+  return {points::blue_noise(mesh, options), {}, true};
 }
 
 MeshPoints by_slices(const Mesh& mesh, const Object& object, double spacing_mm) {
@@ -53,33 +57,30 @@ MeshPoints by_slices(const Mesh& mesh, const Object& object, double spacing_mm) 
   options.frame.turn_x_deg = turn[0];
   options.frame.turn_y_deg = turn[1];
   options.frame.turn_z_deg = turn[2];
-  MeshPoints result{points::slice(mesh, options), false, 0, {}};
-  const points::LostFaces lost = points::lost_faces(mesh, options);
-  if (lost.share > lost_share_to_warn_of)
-    result.warnings.push_back(fmt::format(
-        "{} triangles lie along the planes and get no points: {:.4g} mm2, {:.1f} % of the surface",
-        lost.triangles, lost.area_mm2, lost.share * 100));
+  points::LayeredPoints slices = points::slice_in_layers(mesh, options);
+  MeshPoints result{std::move(slices.points), std::move(slices.first)};
   return result;
 }
 
 MeshPoints by_faces(const Mesh& mesh, const Object& object, double spacing_mm) {
   points::FaceFill fill = points::fill_faces(mesh, {spacing_mm, object.smallest_mm});
-  MeshPoints result{std::move(fill.points), true, fill.rejected, {}};
+  MeshPoints result{std::move(fill.points), {}, true, fill.rejected};
   if (fill.rejected != 0)
-    result.warnings.push_back(fmt::format("{} of {} triangles are too small to be filled",
-                                          fill.rejected, mesh.triangles.size()));
+    result.warnings.push_back(
+        fmt::format("{} of {} triangles are smaller than the smallest side or have no area",
+                    fill.rejected, mesh.triangles.size()));
   return result;
 }
 
 /// Rays along an axis, or along an axis turned: the mesh is turned back under them.
 MeshPoints by_rays(const Mesh& mesh, const Object& object, double spacing_mm) {
   const points::RayOptions options{spacing_mm, axis_named(object.direction)};
-  if (!object.turn_deg) return {points::rays(mesh, options), false, 0, {}};
+  if (!object.turn_deg) return {points::rays(mesh, options)};
   const auto [x, y, z] = *object.turn_deg;
   const geometry::Affine turn =
       geometry::turned_about_z(z) * geometry::turned_about_y(y) * geometry::turned_about_x(x);
   const Mesh turned = model::transformed(mesh, geometry::turned_back(turn));
-  return {model::transformed(points::rays(turned, options), turn), false, 0, {}};
+  return {model::transformed(points::rays(turned, options), turn)};
 }
 
 MeshPoints by_solid(const Mesh& mesh, const Object& object, double spacing_mm) {
@@ -88,7 +89,38 @@ MeshPoints by_solid(const Mesh& mesh, const Object& object, double spacing_mm) {
   options.seed = static_cast<std::uint64_t>(object.seed);
   options.light_depth_mm = object.light_depth_mm;
   options.lowest_density = object.light_lowest;
-  return {points::fill_solid(mesh, options), true, 0, {}};
+  return {points::fill_solid(mesh, options), {}, true};
+}
+
+MeshPoints by_method(const std::string& method, const Mesh& mesh, const Object& object,
+                     double spacing_mm) {
+  if (method == "slice") return by_slices(mesh, object, spacing_mm);
+  if (method == "faces") return by_faces(mesh, object, spacing_mm);
+  if (method == "rays") return by_rays(mesh, object, spacing_mm);
+  if (method == "solid") return by_solid(mesh, object, spacing_mm);
+  return by_blue_noise(mesh, object, spacing_mm);
+}
+
+/// What fills the surface that a method leaves empty.
+std::string remedy_for(const std::string& method) {
+  if (method == "slice")
+    return "faces along the planes get none: turn the planes, or use --method blue-noise";
+  if (method == "rays")
+    return "faces along the rays get none: turn the rays, or use --method blue-noise";
+  if (method == "faces") return "use a smaller --smallest, or --method blue-noise";
+  return "use a smaller --spacing";
+}
+
+/// Measures how much of the surface is empty. Tone and light depth leave parts empty on purpose.
+void judge_surface(const std::string& method, const Mesh& mesh, const Object& object,
+                   double spacing_mm, MeshPoints& made) {
+  if (object.tone || (method == "solid" && object.light_depth_mm > 0)) return;
+  const double layer_mm = method == "slice" ? object.layer_mm.value_or(spacing_mm) : spacing_mm;
+  const double reach_mm = empty_spacings * std::max(spacing_mm, layer_mm);
+  made.empty_share = points::empty_share(mesh, made.points, reach_mm);
+  if (made.empty_share > empty_share_to_warn_of)
+    made.warnings.push_back(fmt::format("{:.1f} % of the surface has no point within {:.3g} mm; {}",
+                                        made.empty_share * 100, reach_mm, remedy_for(method)));
 }
 
 }  // namespace
@@ -98,11 +130,9 @@ MeshPoints mesh_points(const Mesh& mesh, const Object& object, double spacing_mm
   if (object.tone && method != "blue-noise")
     throw Error(Exit::bad_input, object.file, "only blue noise knows of a tone",
                 "leave tone out, or use --method blue-noise");
-  if (method == "slice") return by_slices(mesh, object, spacing_mm);
-  if (method == "faces") return by_faces(mesh, object, spacing_mm);
-  if (method == "rays") return by_rays(mesh, object, spacing_mm);
-  if (method == "solid") return by_solid(mesh, object, spacing_mm);
-  return by_blue_noise(mesh, object, spacing_mm);
+  MeshPoints made = by_method(method, mesh, object, spacing_mm);
+  judge_surface(method, mesh, object, spacing_mm, made);
+  return made;
 }
 
 }  // namespace lamplock::run

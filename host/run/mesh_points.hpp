@@ -17,12 +17,15 @@ namespace lamplock::run {
 /// Points of a mesh.
 struct MeshPoints {
   geometry::PointCloud points{};
-  bool keeps_spacing = false;  ///< the method itself keeps points apart
-  std::size_t rejected = 0;    ///< triangles without a point
+  std::vector<std::size_t> first_of_layers{};  ///< of slices: index of the first point of each
+  bool keeps_spacing = false;                  ///< the method itself keeps points apart
+  std::size_t rejected = 0;                    ///< triangles that the method leaves out
+  double empty_share = 0;  ///< of the surface, 0..1; 0 where the density is meant to vary
   std::vector<std::string> warnings{};
 };
 
-/// By the object's method, blue noise if it has none. Throws Error(bad_input).
+/// By the object's method, blue noise if it has none. Warns if a part of the surface has no point
+/// near it. Throws Error(bad_input).
 MeshPoints mesh_points(const model::Mesh& mesh, const glass::Object& object, double spacing_mm);
 
 }  // namespace lamplock::run

@@ -49,6 +49,7 @@ class Merger {
       cloud_.warnings.push_back(fmt::format("{}: {}", file, warning));
     cloud_.welded += made.welded;
     cloud_.rejected += made.rejected;
+    cloud_.empty_share = std::max(cloud_.empty_share, made.empty_share);
     if (made.kind == InputKind::points) {
       append(lists_, std::move(made.points));
       return;

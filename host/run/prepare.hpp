@@ -28,7 +28,8 @@ struct Cloud {
   bool only_lists = true;    ///< to be engraved in the order in which they came
   double layer_mm = 0;       ///< of the objects, the least
   std::size_t welded = 0;    ///< left out because too close to another
-  std::size_t rejected = 0;  ///< triangles that no point was put on
+  std::size_t rejected = 0;  ///< triangles that a method leaves out
+  double empty_share = 0;    ///< of the surface, 0..1, without points near it; of the worst mesh
   points::SpacingReport spacing{};
   std::vector<std::string> warnings{};
 };

@@ -73,14 +73,52 @@ TEST(FillFaces, EveryPlaceIsNearAPoint) {
   }
 }
 
-TEST(FillFaces, SmallTrianglesAreRejectedAndCounted) {
+/// A plate of one piece and of pieces far smaller than the distance.
+TEST(FillFaces, APlateHasOneDensityForAnyTriangles) {
+  const double densest = 20 * 10 / (0.2 * 0.2 * std::numbers::sqrt3 / 2);
+  for (const std::uint32_t pieces : {1u, 7u, 100u, 300u}) {
+    Mesh mesh;
+    test::add_plate(mesh, 0, 0, 20, 10, pieces, pieces);
+    const auto fill = fill_faces(mesh, {.distance_mm = 0.2});
+    EXPECT_NEAR(static_cast<double>(fill.points.size()) / densest, 1, 0.03) << pieces;
+    EXPECT_EQ(fill.rejected, 0u);
+  }
+}
+
+TEST(FillFaces, ABallHasOneDensityForAnyTriangles) {
+  std::mt19937_64 random(4);
+  const auto density = [](const Mesh& mesh, const points::FaceFill& fill) {
+    return static_cast<double>(fill.points.size()) / test::area(mesh);
+  };
+  const Mesh coarse = test::sphere(5, 19, 40);
+  const double wanted = density(coarse, fill_faces(coarse, {.distance_mm = 0.15}));
+  for (const auto& [rings, around] : {std::pair{59u, 120u}, {199u, 400u}}) {
+    const Mesh fine = test::sphere(5, rings, around);
+    const auto fill = fill_faces(fine, {.distance_mm = 0.15});
+    EXPECT_NEAR(density(fine, fill) / wanted, 1, 0.06) << rings;
+    EXPECT_GE(test::smallest_square(fill.points), 0.15 * 0.15);
+    for (const auto& place : test::random_places(fine, test::scaled(200), random))
+      EXPECT_LT(test::nearest_distance(place, fill.points), 2 * 0.15);
+  }
+}
+
+TEST(FillFaces, TurnedTrianglesAreFilledAsTheOthers) {
+  std::mt19937_64 random(5);
+  Mesh mesh = test::sphere(2, 30, 60);
+  const auto points = fill_faces(mesh, {.distance_mm = 0.2}).points;
+  for (auto& triangle : mesh.triangles)
+    if (random() % 2 == 0) std::swap(triangle[1], triangle[2]);
+  EXPECT_EQ(fill_faces(mesh, {.distance_mm = 0.2}).points.size(), points.size());
+}
+
+TEST(FillFaces, TrianglesBelowTheSmallestSideAreRejectedAndCounted) {
   const Mesh mesh = test::sphere(1, 99, 200);  // sides of 0.03 and less
-  const auto none = fill_faces(mesh, {.distance_mm = 0.1});
+  const auto none = fill_faces(mesh, {.distance_mm = 0.1, .smallest_side_mm = 0.1});
   EXPECT_EQ(none.rejected, mesh.triangles.size());
   EXPECT_TRUE(none.points.empty());
-  const auto all = fill_faces(mesh, {.distance_mm = 0.1, .smallest_side_mm = 1e-6});
+  const auto all = fill_faces(mesh, {.distance_mm = 0.1});
   EXPECT_EQ(all.rejected, 0u);
-  EXPECT_GT(all.points.size(), 600u);
+  EXPECT_GT(all.points.size(), 900u);
 }
 
 TEST(FillFaces, WrongInputIsRefused) {

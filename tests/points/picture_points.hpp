@@ -9,7 +9,8 @@ namespace lamplock::test {
 inline geometry::PointCloud picture_points(const model::Bitmap& bitmap, double size_mm,
                                            const points::BitmapOptions& options,
                                            points::Plane plane = points::Plane::xy) {
-  return points::bitmap_points(bitmap, points::picture_frame(bitmap, size_mm, plane), options);
+  return points::bitmap_points(bitmap, points::picture_frame(bitmap, size_mm, plane), options)
+      .points;
 }
 
 }  // namespace lamplock::test

@@ -3,11 +3,14 @@
 
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include "host/geometry/affine.hpp"
 #include "host/points/contours.hpp"
+#include "host/points/empty_surface.hpp"
+#include "host/points/rays.hpp"
 #include "host/points/slice.hpp"
-#include "tests/points/shapes.hpp"
+#include "tests/points/sampling.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock {
@@ -265,48 +268,41 @@ model::Mesh cylinder(double radius, double half, std::uint32_t around) {
   return mesh;
 }
 
-TEST(LostFaces, AreTheCapsOfACylinder) {
+TEST(EmptyShare, OfASlicedCylinderIsThatOfItsCaps) {
   const model::Mesh mesh = cylinder(5, 10, 360);
   ASSERT_TRUE(test::is_closed(mesh));
-  const double cap = 180 * 25 * std::sin(2 * std::numbers::pi / 360);
-  const auto upright = points::lost_faces(mesh, {.layer_mm = 0.1});
-  EXPECT_EQ(upright.triangles, 720u);
-  EXPECT_NEAR(upright.area_mm2, 2 * cap, 1e-9);
-  EXPECT_NEAR(upright.share, 2 * cap / (2 * cap + 360 * 20 * 10 * std::sin(std::numbers::pi / 360)),
-              1e-9);
-  // A plane through a cap gives its rim, which does not show the cap either.
-  EXPECT_EQ(points::lost_faces(mesh, {.layer_mm = 1, .first_mm = -10}).triangles, 720u);
-  // Sliced from the side, the caps are cut; so they are in any frame that is rotated enough.
-  points::SliceOptions options{.layer_mm = 0.1};
-  options.frame.axis = geometry::Axis::x;
-  // Strips of asin(1/10) to both sides of the highest and the lowest line, 0.025 mm high, remain.
-  EXPECT_NEAR(points::lost_faces(mesh, options).area_mm2, 4 * 5 * std::asin(0.1) * 20, 4);
-  options.frame = {.turn_x_deg = 45};
-  EXPECT_EQ(points::lost_faces(mesh, options).triangles, 0u);
-  // The same cylinder and planes, both rotated.
-  options.frame = {.turn_x_deg = 33, .turn_z_deg = -70};
-  const geometry::Affine turn = geometry::turned_about_z(-70) * geometry::turned_about_x(33);
-  model::Mesh turned = mesh;
-  for (auto& v : turned.vertices) v = turn(v);
-  EXPECT_NEAR(points::lost_faces(turned, options).area_mm2, 2 * cap, 1e-6);
+  const double reach = 0.3;
+  // A rim of the reach belongs to the points of the side.
+  const double caps = 2 * std::numbers::pi * (5 - reach) * (5 - reach);
+  const double all = 2 * std::numbers::pi * 5 * (20 + 5);
+  const auto share = [&](const points::SliceOptions& options) {
+    return points::empty_share(mesh, slice(mesh, options), reach);
+  };
+  EXPECT_NEAR(share({.layer_mm = 0.1, .vertex_mm = 0.1}), caps / all, 0.01);
+  // Turned enough, all faces are cut.
+  EXPECT_EQ(share({.layer_mm = 0.1, .vertex_mm = 0.1, .frame = {.turn_x_deg = 45}}), 0);
 }
 
-TEST(LostFaces, AreNotFacesCutByPlanes) {
-  // A box with its caps tilted by 3 degrees: each triangle is cut by some planes.
-  const geometry::Affine turn = geometry::turned_about_x(3);
-  model::Mesh mesh = test::box(5, 5, 5);
-  for (auto& v : mesh.vertices) v = turn(v);
-  EXPECT_EQ(points::lost_faces(mesh, {.layer_mm = 0.1}).triangles, 0u);
-  EXPECT_EQ(points::lost_faces(mesh, {.layer_mm = 4, .first_mm = -2}).triangles, 4u);
+TEST(EmptyShare, OfABoxUnderRaysIsThatOfItsSides) {
+  const model::Mesh mesh = test::box(3, 2, 1);
+  const auto cloud = points::rays(mesh, {.pitch_mm = 0.1});
+  // The outermost rays are half a pitch from the sides.
+  const double sides = 4 * (3 + 2) * (2 - 2 * std::sqrt(0.09 - 0.0025)), all = 8 * (6 + 3 + 2);
+  EXPECT_NEAR(points::empty_share(mesh, cloud, 0.3), sides / all, 0.02);
 }
 
-TEST(LostFaces, AreFewOnARoundBody) {
-  const auto lost = points::lost_faces(test::sphere(10, 199, 400), {.layer_mm = 0.1});
-  EXPECT_GT(lost.triangles, 0u);
-  EXPECT_LT(lost.share, 0.006);
-  EXPECT_EQ(points::lost_faces({}, {}).share, 0);
-  EXPECT_EQ(points::lost_faces(test::box(5, 5, 5), {}, 0).triangles, 4u);
-  EXPECT_NE(error_of([&] { points::lost_faces(test::box(5, 5, 5), {}, 91); }), "");
+/// The whole surface without points, and a part that is as large as wanted.
+TEST(EmptyShare, IsTheShareOfTheAreaWithoutPoints) {
+  std::mt19937_64 random(8);
+  const model::Mesh mesh = test::sphere(10, 39, 80);
+  EXPECT_EQ(points::empty_share(mesh, {}, 1), 1);
+  EXPECT_EQ(points::empty_share({}, {}, 1), 0);
+  EXPECT_EQ(points::empty_share(mesh, test::random_places(mesh, 40'000, random), 0.5), 0);
+  for (const double height : {-8.0, 0.0, 5.0, 9.0}) {
+    auto cloud = test::random_places(mesh, 40'000, random);
+    std::erase_if(cloud, [&](const geometry::Point& p) { return p.z > height; });
+    EXPECT_NEAR(points::empty_share(mesh, cloud, 0.5), (10 - height) / 20, 0.04) << height;
+  }
 }
 
 TEST(Slice, WrongOptionsAreRefused) {
