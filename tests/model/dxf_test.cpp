@@ -268,7 +268,7 @@ TEST_F(Dxf, UnreadEntitiesAreCounted) {
   EXPECT_THAT(curves.left_out, ElementsAre(Pair("ATTRIB", 1u), Pair("HATCH", 1u), Pair("MTEXT", 1u),
                                            Pair("POLYLINE", 1u), Pair("SPLINE without poles", 1u),
                                            Pair("TEXT", 2u), Pair("curve without length", 1u),
-                                           Pair("hidden", 4u), Pair("paper space", 1u)));
+                                           Pair("hidden", 5u), Pair("paper space", 1u)));
 }
 
 TEST_F(Dxf, VariantsOfTheFormat) {
