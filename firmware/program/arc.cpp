@@ -87,7 +87,7 @@ struct Quarters {
   bool right, up, left, down;
 };
 
-Quarters quarters_of(const Ends& ends, const ArcRequest& request) {
+[[gnu::cold]] Quarters quarters_of(const Ends& ends, const ArcRequest& request) {
   const Vector from = request.clockwise ? ends.end : ends.start;
   const Vector to = request.clockwise ? ends.start : ends.end;
   const Int128 across = cross(from, to);

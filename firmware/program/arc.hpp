@@ -69,7 +69,7 @@ bool arc_fits(const ArcRequest& request);
 struct ArcRange {
   Range first, second;
 };
-ArcRange arc_range(const ArcRequest& request);
+[[gnu::cold]] ArcRange arc_range(const ArcRequest& request);
 
 /// The shape. A plain struct without initial values, because it lives in the union of Curve.
 class Arc {

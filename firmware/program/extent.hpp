@@ -23,7 +23,7 @@ class Extent {
  public:
   explicit Extent(const Place& place) : low_(place), high_(place) {}
 
-  void add(const Place& place);
+  [[gnu::cold]] void add(const Place& place);
   const Place& low() const { return low_; }
   const Place& high() const { return high_; }
 
@@ -32,8 +32,8 @@ class Extent {
 };
 
 /// Extents of programmed curves and cycles, on a machine with this rotation.
-Extent extent_of(const ArcRequest& arc, const Rotation& rotation);
-Extent extent_of(const SplineRequest& spline, const Rotation& rotation);
-Extent extent_of(const CycleRequest& cycle, const Rotation& rotation);
+[[gnu::cold]] Extent extent_of(const ArcRequest& arc, const Rotation& rotation);
+[[gnu::cold]] Extent extent_of(const SplineRequest& spline, const Rotation& rotation);
+[[gnu::cold]] Extent extent_of(const CycleRequest& cycle, const Rotation& rotation);
 
 }  // namespace lamplock::program

@@ -32,7 +32,7 @@ inline constexpr std::uint32_t most_spline_pieces = 65536;
 
 /// What the spline reaches on an axis, within 4 10^-7 mm or 10^-12 of its size. Up to 20 000
 /// cycles, if it goes beyond both of its ends.
-Range spline_range(const SplineRequest& request, std::uint8_t axis);
+[[gnu::cold]] Range spline_range(const SplineRequest& request, std::uint8_t axis);
 
 /// The shape. A plain struct without initial values, because it lives in the union of Curve.
 class Spline {

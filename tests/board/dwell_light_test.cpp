@@ -100,7 +100,7 @@ TEST_F(DwellLight, EndsWithEveryStop) {
     host_->run_ms(1500);
     EXPECT_EQ(energy_ms(), spent) << int{byte};
     if (byte == 0x18) continue;
-    // The program goes on with the rest of the dwell dark, and with the next one.
+    // The program continues with the rest of the dwell, dark, and with the next one.
     host_->send("~");
     host_->run_ms(500);
     EXPECT_NEAR(energy_ms(), spent + 10, 0.2) << int{byte};

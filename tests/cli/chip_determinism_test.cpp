@@ -25,8 +25,8 @@ constexpr const char* busy_script =
 
 /// Without USB, whose host is slow, for slow runs: boot, the lamp, steps of time.
 constexpr const char* short_script =
-    "at 160ms pulse gpio8 10us every 1ms times 10\n"
-    "at 170ms\n"
+    "at 170ms pulse gpio8 10us every 1ms times 10\n"
+    "at 180ms\n"
     "expect gpio25 frequency 1MHz +-0.1% in 1ms\n"
     "end\n";
 

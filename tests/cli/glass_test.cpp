@@ -339,7 +339,8 @@ TEST(Warnings, OfFacesThatSlicesMiss) {
                            options))["warnings"]
         .dump();
   };
-  EXPECT_THAT(warnings({}), AllOf(HasSubstr("4 triangles"), HasSubstr("33.3 %")));
+  // The middle of the caps, 2 mm of 5 mm square: farther from the edges than 3 spacings.
+  EXPECT_THAT(warnings({}), AllOf(HasSubstr("5.9 % of the surface"), HasSubstr("1.5 mm")));
   EXPECT_EQ(warnings({"--turn", "30,30,0"}), "[]");
 }
 
