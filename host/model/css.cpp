@@ -4,18 +4,11 @@
 #include <array>
 #include <utility>
 
+#include "host/model/text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {
 namespace {
-
-std::string in_lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return lower;
-}
 
 /// The text with spaces for comments and line ends.
 std::string without_comments(std::string_view text) {
@@ -161,6 +154,9 @@ Reading read_selector(std::string_view text, CssSelector& selector) {
 
 void read_rule(std::string_view selectors, std::string_view content, StyleSheet& sheet) {
   sheet.declarations.push_back(css_declarations(content));
+  // Variables are not resolved: what they show or hide is not known.
+  for (const CssDeclaration& one : sheet.declarations.back())
+    if (one.value.find("var(") != std::string::npos) ++sheet.unread;
   while (true) {
     const std::size_t end = find_outside(selectors, ",");
     CssSelector selector;

@@ -12,6 +12,7 @@
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/geometry/bounds.hpp"
+#include "host/geometry/vector.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -52,6 +53,58 @@ Mesh merge_corners(const std::vector<geometry::Point>& corners, std::vector<std:
     kept.push_back(static_cast<std::uint32_t>(i / 3));
   }
   return mesh;
+}
+
+bool has_area(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+  const geometry::Point &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]],
+                        &c = mesh.vertices[triangle[2]];
+  const geometry::Point normal =
+      geometry::cross(geometry::difference(b, a), geometry::difference(c, a));
+  return normal.x != 0 || normal.y != 0 || normal.z != 0;
+}
+
+/// Removes vertices that no triangle uses.
+void drop_unused_vertices(Mesh& mesh) {
+  constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number(mesh.vertices.size(), unused);
+  std::vector<geometry::Point> vertices;
+  for (auto& triangle : mesh.triangles)
+    for (std::uint32_t& vertex : triangle) {
+      std::uint32_t& now = number[vertex];
+      if (now == unused) {
+        now = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(mesh.vertices[vertex]);
+      }
+      vertex = now;
+    }
+  mesh.vertices = std::move(vertices);
+}
+
+/// Drops triangles without area that reach out of the box of all others, whose size and place they
+/// would change; the rest of them may close seams. Returns their number.
+std::size_t drop_strays(Mesh& mesh, std::vector<std::uint32_t>& kept) {
+  const auto area = [&](const auto& triangle) { return has_area(mesh, triangle); };
+  if (std::all_of(mesh.triangles.begin(), mesh.triangles.end(), area)) return 0;
+  std::vector<geometry::Point> solid;
+  for (const auto& triangle : mesh.triangles)
+    if (area(triangle))
+      for (const std::uint32_t vertex : triangle) solid.push_back(mesh.vertices[vertex]);
+  if (solid.empty()) return 0;
+  const geometry::Bounds box = geometry::bounds(solid);
+  const auto is_outside = [&](std::uint32_t vertex) {
+    return !box.contains(mesh.vertices[vertex]);
+  };
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (std::any_of(mesh.triangles[i].begin(), mesh.triangles[i].end(), is_outside)) continue;
+    mesh.triangles[left] = mesh.triangles[i];
+    kept[left++] = kept[i];
+  }
+  const std::size_t strays = mesh.triangles.size() - left;
+  mesh.triangles.resize(left);
+  kept.resize(left);
+  if (strays != 0) drop_unused_vertices(mesh);
+  return strays;
 }
 
 /// Keeps the entries of `list` that `kept` numbers; `kept` ascends.
@@ -112,6 +165,9 @@ Mesh MeshBuilder::take() {
   Mesh mesh = merge_corners(corners_, kept);
   if (mesh.triangles.empty())
     refuse(file_, "the mesh is empty: it has no triangle", "give a model with a surface");
+  if (const std::size_t strays = drop_strays(mesh, kept); strays != 0)
+    warn(fmt::format("{} triangles without area reach out of the object: they are left out",
+                     strays));
   mesh.brightness = brightness_of(kept);
   mesh.unread_pictures = std::move(unread_);
   warn_of_precision(mesh);

@@ -66,11 +66,14 @@ path beside(const path& obj, std::string_view name) {
 
 }  // namespace
 
-void read_material_libraries(const path& obj, std::string_view names, Materials& materials) {
+std::vector<std::string> read_material_libraries(const path& obj, std::string_view names,
+                                                 Materials& materials) {
+  std::vector<std::string> missing;
   names = trimmed(names);
-  if (names.empty() || read_library(beside(obj, names), materials)) return;
+  if (names.empty() || read_library(beside(obj, names), materials)) return missing;
   for (auto name = next_field(names); !name.empty(); name = next_field(names))
-    read_library(beside(obj, name), materials);
+    if (!read_library(beside(obj, name), materials)) missing.emplace_back(name);
+  return missing;
 }
 
 }  // namespace lamplock::model

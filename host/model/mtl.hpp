@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace lamplock::model {
 
@@ -20,8 +21,8 @@ struct Material {
 using Materials = std::map<std::string, Material, std::less<>>;
 
 /// Adds the materials of the libraries that a line `mtllib` names: one name with spaces, or several
-/// names. A library that is missing has no materials. Never throws for a damaged one.
-void read_material_libraries(const std::filesystem::path& obj, std::string_view names,
-                             Materials& materials);
+/// names. Returns the names of those that cannot be opened. Never throws for a damaged one.
+std::vector<std::string> read_material_libraries(const std::filesystem::path& obj,
+                                                 std::string_view names, Materials& materials);
 
 }  // namespace lamplock::model

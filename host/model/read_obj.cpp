@@ -46,7 +46,8 @@ class ObjReader {
     } else if (word == "mtllib") {
       const std::string names(trimmed(text));
       if (libraries_.size() < max_libraries && libraries_.try_emplace(names, true).second)
-        read_material_libraries(file_, names, materials_);
+        for (const std::string& missing : read_material_libraries(file_, names, materials_))
+          mesh_.warn(fmt::format("{} cannot be opened: its materials are white", missing));
     }
   }
 
@@ -85,19 +86,11 @@ class ObjReader {
       more[count] = *value;
     }
     vertices_.push_back(*point);
-    if (count == 1) weigh(more[0]);
+    // One further number is the weight of a rational curve, which has no effect on faces.
     if (count == 3) {  // a colour: an extension that many programs write
       lights_.resize(vertices_.size() - 1, 1.0F);
       lights_.push_back(luma(more[0], more[1], more[2]));
     }
-  }
-
-  /// A fourth number is the weight of a homogeneous point.
-  void weigh(double weight) {
-    if (weight == 0 || !std::isfinite(weight)) return;
-    geometry::Point& p = vertices_.back();
-    p = {p.x / weight, p.y / weight, p.z / weight};
-    require_finite(file_, vertices_.size() - 1, p);
   }
 
   void face(std::string_view text) {

@@ -9,6 +9,7 @@
 #include "host/file.hpp"
 #include "host/model/mesh_checks.hpp"
 #include "host/model/text.hpp"
+#include "host/text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -70,18 +71,31 @@ class AsciiStl {
  public:
   AsciiStl(const path& file, MeshBuilder& mesh) : file_(file), mesh_(mesh) {}
 
+  /// Usually a line has one statement; some programs write a file into one line.
   void line(std::size_t number, std::string_view text) {
     number_ = number;
-    const std::string_view word = next_field(text);
+    in_name_ = false;
+    for (auto word = next_field(text); !word.empty(); word = next_field(text))
+      statement(in_lower_case(word), text);
+  }
+
+  void end() { require(!in_solid_, "the file ends before endsolid"); }
+
+ private:
+  void statement(const std::string& word, std::string_view& rest) {
+    // A name may have any words; a normal follows from the corners.
+    if (in_name_ && word != "facet" && word != "endsolid" && word != "outer" && word != "vertex")
+      return;
+    in_name_ = false;
     if (word == "solid") {
       require(!in_solid_, "a solid inside a solid");
-      in_solid_ = true;
+      in_solid_ = in_name_ = true;
     } else if (word == "facet") {
       require(in_solid_ && !in_facet_, "a facet that does not follow a finished one");
-      in_facet_ = true;
+      in_facet_ = in_name_ = true;
       corners_ = 0;
     } else if (word == "vertex") {
-      vertex(text);
+      vertex(rest);
     } else if (word == "endfacet") {
       require(in_facet_ && corners_ == 3, "a facet without three corners");
       in_facet_ = false;
@@ -89,16 +103,14 @@ class AsciiStl {
     } else if (word == "endsolid") {
       require(in_solid_ && !in_facet_, "an endsolid at the wrong place");
       in_solid_ = false;
+      in_name_ = true;
     } else {
-      require(word.empty() || word == "outer" || word == "endloop",
+      require(word == "outer" || word == "loop" || word == "endloop",
               fmt::format("unknown word '{:.20}'", word));
     }
   }
 
-  void end() { require(!in_solid_, "the file ends before endsolid"); }
-
- private:
-  void vertex(std::string_view text) {
+  void vertex(std::string_view& text) {
     require(in_facet_ && corners_ < 3, "a vertex outside a facet");
     const auto point = take_point(text);
     require(point.has_value(), "a vertex without three numbers");
@@ -114,6 +126,7 @@ class AsciiStl {
   MeshBuilder& mesh_;
   MeshTriangle triangle_;
   bool in_solid_ = false, in_facet_ = false;
+  bool in_name_ = false;  // words up to the end of the line or the next statement have no meaning
   std::size_t corners_ = 0, number_ = 0, vertices_ = 0;
 };
 
@@ -123,9 +136,9 @@ void read_stl(const path& file, std::string_view bytes, MeshBuilder& mesh) {
   // Binary files may begin with "solid" too: then the count decides.
   const bool counted = bytes.size() >= stl_data_offset &&
                        bytes.size() == stl_data_offset + stl_triangle_bytes * stl_count(bytes);
-  const std::size_t begin = bytes.find_first_not_of(" \t\r\n");
-  const bool text = begin != std::string_view::npos && bytes.substr(begin).starts_with("solid") &&
-                    bytes.find('\0') == std::string_view::npos;
+  std::string_view start = without_byte_order_mark(bytes);
+  const bool text =
+      in_lower_case(next_field(start)) == "solid" && bytes.find('\0') == std::string_view::npos;
   if (counted || !text) return read_binary_stl(file, bytes, mesh);
   AsciiStl reader(file, mesh);
   Lines lines(bytes);

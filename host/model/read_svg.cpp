@@ -59,12 +59,17 @@ double scale_of(const geometry::Affine& map) {
   return std::sqrt(std::abs(map.x.x * map.y.y - map.x.y * map.y.x));
 }
 
-/// The first element of a `switch` whose conditions hold: no extension is known, and every language
-/// is read.
+/// The first element of a `switch` whose conditions hold: no extension is known, and the language
+/// is English.
 xml_node chosen_of(const xml_node& node) {
   for (const xml_node& child : node.children()) {
-    if (child.type() == pugi::node_element && *child.attribute("requiredExtensions").value() == 0)
-      return child;
+    if (child.type() != pugi::node_element) continue;
+    const bool extends = *child.attribute("requiredExtensions").value() != 0;
+    const std::string_view languages = child.attribute("systemLanguage").value();
+    const bool fits = !child.attribute("systemLanguage") || languages.starts_with("en") ||
+                      languages.find(",en") != std::string_view::npos ||
+                      languages.find(" en") != std::string_view::npos;
+    if (!extends && fits) return child;
   }
   return {};
 }

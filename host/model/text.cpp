@@ -15,9 +15,13 @@ std::optional<Number> to_number(std::string_view field) {
 
 }  // namespace
 
+Lines::Lines(std::string_view text)
+    : rest_(without_byte_order_mark(text)),
+      line_end_(rest_.find('\n') == std::string_view::npos ? '\r' : '\n') {}
+
 std::optional<std::string_view> Lines::next() {
   if (rest_.empty()) return std::nullopt;
-  const std::size_t end = rest_.find('\n');
+  const std::size_t end = rest_.find(line_end_);
   std::string_view line = rest_.substr(0, end);
   rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
@@ -35,6 +39,13 @@ std::string_view next_field(std::string_view& text) {
   const std::string_view field = text.substr(0, text.find_first_of(white_space));
   text.remove_prefix(field.size());
   return field;
+}
+
+std::string in_lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return lower;
 }
 
 std::optional<double> to_double(std::string_view field) { return to_number<double>(field); }

@@ -4,14 +4,16 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace lamplock::model {
 
-/// Removes the next line, without its line end (LF or CRLF), from `text`.
+/// The lines of a text without its byte-order mark. They end with LF or CRLF, in a text without any
+/// LF with CR.
 class Lines {
  public:
-  explicit Lines(std::string_view text) : rest_(text) {}
+  explicit Lines(std::string_view text);
   /// The next line; empty at the end of the text.
   std::optional<std::string_view> next();
   /// Number of the line that next() returned last, from 1.
@@ -19,12 +21,16 @@ class Lines {
 
  private:
   std::string_view rest_;
+  char line_end_;
   std::size_t number_ = 0;
 };
 
 /// Removes the next field, separated by white space (line ends included), from `text`; empty at the
 /// end.
 std::string_view next_field(std::string_view& text);
+
+/// The text with the letters A to Z as a to z.
+std::string in_lower_case(std::string_view text);
 
 /// The whole field as a number (`nan` and `inf` are numbers); empty if it is not one or does not
 /// fit a double.

@@ -36,7 +36,10 @@ MeshPoints by_blue_noise(const Mesh& mesh, const Object& object, double spacing_
   options.seed = static_cast<std::uint64_t>(object.seed);
   if (object.tone) {
     if (!mesh.brightness)
-      throw Error(Exit::bad_input, object.file, "has neither colours nor a texture",
+      throw Error(Exit::bad_input, object.file,
+                  fmt::format("has neither colours nor a texture{}{}",
+                              mesh.reader_warnings.empty() ? "" : "; ",
+                              fmt::join(mesh.reader_warnings, "; ")),
                   "leave tone out");
     options.tone =
         points::ToneCurve{object.gamma, object.invert, object.tone_lowest, object.tone_highest};

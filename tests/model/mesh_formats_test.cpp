@@ -52,16 +52,18 @@ TEST(ReadObj, ColoursOfMaterialsAreBrightness) {
   const Mesh grey =
       read_mesh(folder.write("b.obj", std::string("mtllib none.mtl grey.mtl\n") + two_squares));
   ASSERT_TRUE(grey.brightness);
+  EXPECT_THAT(grey.reader_warnings, ::testing::ElementsAre(HasSubstr("none.mtl cannot be opened")));
   EXPECT_NEAR(grey.brightness->at(0, 0.2, 0.2), 1, 1e-6);
   EXPECT_NEAR(grey.brightness->at(2, 0.2, 0.2), 0.5, 1e-6);
   EXPECT_FALSE(read_mesh(folder.write("c.obj", two_squares)).brightness);
 }
 
-TEST(ReadObj, ColoursAndWeightsOfVerticesCount) {
+/// The weight of a rational curve has no effect on faces.
+TEST(ReadObj, ColoursOfVerticesCountAndWeightsDoNot) {
   const TemporaryFolder folder;
   const Mesh mesh =
       read_mesh(folder.write("a.obj", "v 0 0 0\nv 4 0 0 2\nv 0 1 0 0 1 0\nf 1 2 3\n"));
-  EXPECT_EQ(mesh.vertices[1], (Point{2, 0, 0}));
+  EXPECT_EQ(mesh.vertices[1], (Point{4, 0, 0}));
   ASSERT_TRUE(mesh.brightness);
   EXPECT_NEAR(mesh.brightness->at(0, 0, 0), 1, 1e-6);
   EXPECT_NEAR(mesh.brightness->at(0, 0, 1), 0.587, 1e-6);
@@ -340,7 +342,9 @@ TEST(ReadMesh, MutatedFilesAreReadOrRefused) {
                    })});
   folder.write("b.mtl", "newmtl white\nKd 1 1 1\nmap_Kd none.png\nnewmtl black\nKd 0 0 0\n");
   std::mt19937_64 random(11);
-  for (const auto& [name, bytes] : files) {
+  for (const auto& file : files) {
+    const auto& name = file.first;
+    const auto& bytes = file.second;
     ASSERT_FALSE(read_mesh(folder.write(name, bytes)).triangles.empty()) << name;
     for (int i = 0; i < test::scaled(100, 10); ++i) {
       test::expect_read_or_refused([&] {

@@ -145,6 +145,10 @@ TEST_F(SvgStyle, UnreadRulesAreCounted) {
       "<rect width='1' height='1'/>");
   EXPECT_EQ(curves.paths.size(), 1u);
   EXPECT_THAT(curves.left_out, ElementsAre(Pair("rule of a style sheet", 5u)));
+  EXPECT_THAT(shapes("<style>:root{--c:none} .k{fill:var(--c)}</style><rect class='k' width='1' "
+                     "height='1'/>")
+                  .left_out,
+              ElementsAre(Pair("rule of a style sheet", 1u)));
 }
 
 TEST_F(SvgStyle, DrawingsWithTooManyRulesAreRefused) {
@@ -249,6 +253,9 @@ TEST_F(SvgStyle, SwitchesDrawOneElement) {
   EXPECT_NEAR(length("<switch><foreignObject requiredExtensions='x'/><g><line x2='3'/></g>"
                      "<line x2='9'/></switch>"),
               3, 1e-9);
+  EXPECT_NEAR(length("<switch><line x2='9' systemLanguage='xx'/><line x2='4' "
+                     "systemLanguage='de,en-GB'/><line x2='8'/></switch>"),
+              4, 1e-9);
 }
 
 TEST_F(SvgStyle, DamagedFilesAtWorstFail) {
