@@ -210,7 +210,7 @@ TEST_F(SvgClip, EqualsTheDefinitionAtManyPlaces) {
       EXPECT_TRUE(on.total() < 0.05 || inside(middle)) << drawn;
     }
   }
-  EXPECT_GT(cut, 4);
+  EXPECT_GT(cut, test::scaled(120, 12) / 15);
 }
 
 TEST_F(SvgClip, ComplexClipPathsAreRefused) {
