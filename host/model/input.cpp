@@ -26,7 +26,7 @@ Input read_as(const path& file) {
 
 Input read_mesh_or_points(const path& file) {
   const std::string bytes = read_file(file);
-  if (read_ply_header(file, bytes).count("face") > 0) return decode_mesh(file, bytes);
+  if (read_ply_header(file, bytes).has_surface()) return decode_mesh(file, bytes);
   return decode_point_list(file, bytes);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
@@ -93,6 +94,14 @@ bool has_single_coordinates(const PlyHeader& header) {
     if (const auto x = column_of(element, {"x"}); element.name == "vertex" && x)
       return element.properties[*x].type == PlyType::float32;
   return false;
+}
+
+/// Vertices joined by edges are neither a mesh nor a list of points.
+void require_more_than_edges(const path& file, const PlyHeader& header) {
+  const std::size_t edges = header.count("edge");
+  if (edges > 0 && !header.has_surface())
+    refuse(file, fmt::format("it has {} edges and no faces", edges),
+           "export it with faces, or its vertices alone as a list of points");
 }
 
 /// Reads all elements of one file.
@@ -188,7 +197,7 @@ class Reader {
   }
 
   void read_others(const PlyElement& element) {
-    const bool is_face = element.name == "face";
+    const bool is_face = element.name == "face", is_strip = element.name == ply_strips;
     const PlyColour colour(element);
     std::vector<double> row(element.properties.size());
     for (std::size_t i = 0; i < element.count; ++i) {
@@ -197,9 +206,10 @@ class Reader {
         const PlyProperty& property = element.properties[p];
         if (!property.list_count) {
           row[p] = value(element, i, property.type);
-        } else if (is_face &&
-                   (property.name == "vertex_indices" || property.name == "vertex_index")) {
+        } else if (is_face && has_corners(property)) {
           read_corners(element, i, property);
+        } else if (is_strip && has_corners(property)) {
+          read_strips(element, i, property);
         } else if (is_face && property.name == "texcoord") {
           read_places(element, i, property, before);
         } else {
@@ -213,19 +223,48 @@ class Reader {
     }
   }
 
+  static bool has_corners(const PlyProperty& property) {
+    return property.name == "vertex_indices" || property.name == "vertex_index";
+  }
+
+  std::uint32_t vertex_of(const PlyElement& element, std::size_t index, double vertex) const {
+    if (!(vertex >= 0) || vertex >= static_cast<double>(vertex_count_) ||
+        vertex != std::floor(vertex)) {
+      refuse(file_,
+             fmt::format("{} {} names vertex {} of {}", element.name, index, vertex, vertex_count_),
+             "repair the model");
+    }
+    return static_cast<std::uint32_t>(vertex);
+  }
+
+  /// Strips of triangles: each corner after the first two forms a triangle with its two
+  /// predecessors, of which every other one is turned. -1 begins a new strip.
+  void read_strips(const PlyElement& element, std::size_t index, const PlyProperty& list) {
+    std::array<std::uint32_t, 2> last{};
+    std::size_t length = 0;
+    for (std::size_t n = list_size(element, index, list); n > 0; --n) {
+      const double number = value(element, index, list.type);
+      if (number == -1) {
+        length = 0;
+        continue;
+      }
+      const std::uint32_t corner = vertex_of(element, index, number);
+      if (length >= 2) {
+        const std::size_t first = length % 2;
+        content_.corners.insert(content_.corners.end(), {last[first], last[1 - first], corner});
+        content_.faces.push_back({content_.corners.size(), std::nullopt});
+      }
+      last = {last[1], corner};
+      ++length;
+    }
+  }
+
   void read_corners(const PlyElement& element, std::size_t index, const PlyProperty& list) {
     const std::size_t corners = list_size(element, index, list);
     if (corners == 0)
       refuse(file_, fmt::format("face {} has no corners", index), "repair the model");
-    for (std::size_t n = corners; n > 0; --n) {
-      const double vertex = value(element, index, list.type);
-      if (!(vertex >= 0) || vertex >= static_cast<double>(vertex_count_) ||
-          vertex != std::floor(vertex)) {
-        refuse(file_, fmt::format("face {} names vertex {} of {}", index, vertex, vertex_count_),
-               "repair the model");
-      }
-      content_.corners.push_back(static_cast<std::uint32_t>(vertex));
-    }
+    for (std::size_t n = corners; n > 0; --n)
+      content_.corners.push_back(vertex_of(element, index, value(element, index, list.type)));
   }
 
   /// Two numbers for each corner of the face, whose corners begin at `first`. MeshLab writes them
@@ -314,11 +353,13 @@ class PlyFaces {
 
 geometry::PointCloud read_ply_vertices(const path& file, std::string_view bytes,
                                        const PlyHeader& header) {
+  require_more_than_edges(file, header);
   return Reader(file, bytes, header).read().vertices;
 }
 
 void read_ply(const path& file, std::string_view bytes, MeshBuilder& mesh) {
   const PlyHeader header = read_ply_header(file, bytes);
+  require_more_than_edges(file, header);
   const PlyContent content = Reader(file, bytes, header).read();
   if (header.format != PlyFormat::ascii && has_single_coordinates(header))
     for (const geometry::Point& vertex : content.vertices) mesh.stored_in_single(vertex, 1);

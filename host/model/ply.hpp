@@ -30,6 +30,9 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 };
 
+/// The element with strips of triangles, as scanners write it.
+inline constexpr std::string_view ply_strips = "tristrips";
+
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
@@ -38,19 +41,21 @@ struct PlyHeader {
 
   /// Elements of that name in the file, 0 if there is no such element.
   std::size_t count(std::string_view name) const;
+  /// True for a mesh: the file has faces or strips of triangles.
+  bool has_surface() const { return count("face") > 0 || count(ply_strips) > 0; }
 };
 
 /// Throws Error (bad_input, naming `path`) for a header that is damaged or cut off.
 PlyHeader read_ply_header(const std::filesystem::path& path, std::string_view bytes);
 
 /// Reads every element and returns the vertices. Throws Error (bad_input, naming `path`) if
-/// elements are missing, a vertex is not finite (named by index from 0), x, y or z is missing, or a
-/// face names a vertex that does not exist.
+/// elements are missing, a vertex is not finite (named by index from 0), x, y or z is missing, a
+/// face names a vertex that does not exist, or the vertices are joined by edges only.
 geometry::PointCloud read_ply_vertices(const std::filesystem::path& path, std::string_view bytes,
                                        const PlyHeader& header);
 
-/// Reads the faces as triangles, with colours of vertices and faces and a picture as brightness.
-/// Throws the same errors.
+/// Reads the faces and strips as triangles, with colours of vertices and faces and a picture as
+/// brightness. Throws the same errors.
 void read_ply(const std::filesystem::path& path, std::string_view bytes, MeshBuilder& mesh);
 
 }  // namespace lamplock::model

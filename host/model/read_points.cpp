@@ -213,7 +213,7 @@ void require_points(const path& file, const geometry::PointCloud& cloud) {
 
 geometry::PointCloud read_ply(const path& file, const std::string& bytes) {
   const PlyHeader header = read_ply_header(file, bytes);
-  if (header.count("face") > 0) {
+  if (header.has_surface()) {
     refuse(file, "it has faces and is a mesh, not a point list", "use it as a mesh");
   }
   return read_ply_vertices(file, bytes, header);
