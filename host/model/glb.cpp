@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/bytes.hpp"
@@ -64,12 +65,28 @@ std::uint64_t components_of(const std::string& type) {
   return type == "MAT4" ? 16 : 0;
 }
 
+/// A number of an index, in the types that indices may have.
+std::uint64_t load_index(const char* bytes, std::uint64_t type) {
+  constexpr std::uint64_t uint8 = 5121, uint16 = 5123;
+  if (type == uint8) return load<std::uint8_t>(bytes);
+  return type == uint16 ? load<std::uint16_t>(bytes) : load<std::uint32_t>(bytes);
+}
+
+/// Indices have types without a sign.
+bool is_index_type(std::uint64_t type) { return type == 5121 || type == 5123 || type == 5125; }
+
+/// The first byte of the numbers that `place` describes with a view and an offset.
+const char* data_at(const Glb& glb, const json& place) {
+  const json& view = glb.document.at("bufferViews").at(number_of(place, "bufferView"));
+  return glb.buffer.data() + number_of(view, "byteOffset") + number_of(place, "byteOffset");
+}
+
 class Checker {
  public:
-  Checker(const path& file, const json& document, std::size_t buffer_bytes)
-      : file_(file), document_(document), buffer_bytes_(buffer_bytes) {}
+  Checker(const path& file, const Glb& glb)
+      : file_(file), glb_(glb), document_(glb.document), buffer_bytes_(glb.buffer.size()) {}
 
-  void check() const {
+  void check() {
     check_extensions();
     for (const json& buffer : list("buffers")) {
       require(!buffer.contains("uri"), "its numbers are in another file");
@@ -135,16 +152,22 @@ class Checker {
     }
   }
 
-  void check_accessor(const json& accessor, std::size_t index) const {
+  void check_accessor(const json& accessor, std::size_t index) {
     const auto require_here = [&](bool condition, const char* what) {
-      require(condition, fmt::format("accessor {} {}", index, what));
+      if (!condition) refuse_glb(file_, fmt::format("accessor {} {}", index, what));
     };
-    require_here(!accessor.contains("sparse"), "is sparse, which cannot be read");
     const std::uint64_t bytes = component_bytes(number_of(accessor, "componentType")) *
                                 components_of(accessor.value("type", std::string()));
     require_here(bytes > 0, "has an unknown type");
     const std::uint64_t count = number_of(accessor, "count");
-    require_here(accessor.contains("bufferView"), "has no numbers");
+    const auto sparse = accessor.find("sparse");
+    if (sparse != accessor.end()) check_sparse(*sparse, count, bytes, require_here);
+    if (!accessor.contains("bufferView")) {
+      // All other elements are zeros, and no view limits their count.
+      require_here(sparse != accessor.end(), "has no numbers");
+      require_here(count <= std::numeric_limits<std::uint32_t>::max(), "has too many elements");
+      return;
+    }
     const std::uint64_t view = number_of(accessor, "bufferView");
     require_here(view < list("bufferViews").size(), "has no such view");
     const json& of = list("bufferViews")[view];
@@ -160,13 +183,44 @@ class Checker {
     require_here(given == 0 || given >= bytes, "has a stride shorter than an element");
   }
 
+  /// `count` and `bytes` are those of the accessor: elements, and bytes of one.
+  template <class Require>
+  void check_sparse(const json& sparse, std::uint64_t count, std::uint64_t bytes,
+                    const Require& require_here) {
+    const std::uint64_t replaced = number_of(sparse, "count");
+    const json &indices = sparse.at("indices"), &values = sparse.at("values");
+    const std::uint64_t type = number_of(indices, "componentType");
+    require_here(is_index_type(type), "has sparse indices of an unknown type");
+    for (const auto& [place, size] :
+         {std::pair{&indices, component_bytes(type)}, {&values, bytes}}) {
+      require_here(place->contains("bufferView"), "has no sparse numbers");
+      const std::uint64_t view = number_of(*place, "bufferView");
+      require_here(view < list("bufferViews").size(), "has no such view");
+      const std::uint64_t room = number_of(list("bufferViews")[view], "byteLength");
+      require_here(replaced <= room && fits(number_of(*place, "byteOffset"), replaced * size, room),
+                   "has sparse numbers beyond their view");
+    }
+    // Accessors that share a view must not make the check below quadratic.
+    replaced_ += replaced;
+    require_here(replaced_ <= buffer_bytes_, "repeats sparse numbers");
+    const char* data = data_at(glb_, indices);
+    std::uint64_t min_index = 0;
+    for (std::uint64_t i = 0; i < replaced; ++i) {
+      const std::uint64_t index = load_index(data + i * component_bytes(type), type);
+      require_here(index >= min_index && index < count, "has sparse indices out of order");
+      min_index = index + 1;
+    }
+  }
+
   void require(bool condition, const std::string& what) const {
     if (!condition) refuse_glb(file_, what);
   }
 
   const path& file_;
+  const Glb& glb_;
   const json& document_;
   std::size_t buffer_bytes_;
+  std::uint64_t replaced_ = 0;  // elements of all sparse accessors
 };
 
 }  // namespace
@@ -192,7 +246,7 @@ Glb open_glb(const path& file, std::string_view bytes) {
       false);
   if (too_deep || !glb.document.is_object()) refuse_glb(file, "its description cannot be read");
   try {
-    Checker(file, glb.document, glb.buffer.size()).check();
+    Checker(file, glb).check();
   } catch (const json::exception&) {
     refuse_glb(file, "its description has values of a wrong kind");
   }
@@ -201,18 +255,41 @@ Glb open_glb(const path& file, std::string_view bytes) {
 
 GlbAccessor::GlbAccessor(const Glb& glb, std::size_t index) {
   const json& accessor = glb.document.at("accessors").at(index);
-  const json& view = glb.document.at("bufferViews").at(number_of(accessor, "bufferView"));
-  data_ = glb.buffer.data() + number_of(view, "byteOffset") + number_of(accessor, "byteOffset");
   type_ = number_of(accessor, "componentType");
   count_ = number_of(accessor, "count");
   components_ = components_of(accessor.value("type", std::string()));
-  stride_ = number_of(view, "byteStride");
-  if (stride_ == 0) stride_ = component_bytes(type_) * components_;
   normalized_ = accessor.value("normalized", false);
+  if (accessor.contains("bufferView")) {
+    data_ = data_at(glb, accessor);
+    stride_ =
+        number_of(glb.document["bufferViews"][number_of(accessor, "bufferView")], "byteStride");
+  }
+  if (stride_ == 0) stride_ = component_bytes(type_) * components_;
+  if (const auto sparse = accessor.find("sparse"); sparse != accessor.end()) {
+    const json& indices = sparse->at("indices");
+    sparse_ = {number_of(*sparse, "count"), number_of(indices, "componentType"),
+               data_at(glb, indices), data_at(glb, sparse->at("values"))};
+  }
+}
+
+const char* GlbAccessor::element(std::size_t index) const {
+  // Binary search for the index among those that are replaced.
+  std::size_t begin = 0, end = sparse_.count;
+  while (begin < end) {
+    const std::size_t middle = begin + (end - begin) / 2;
+    const std::uint64_t replaced = load_index(
+        sparse_.indices + middle * component_bytes(sparse_.index_type), sparse_.index_type);
+    if (replaced == index) return sparse_.values + middle * component_bytes(type_) * components_;
+    if (replaced < index) begin = middle + 1;
+    if (replaced > index) end = middle;
+  }
+  return data_ == nullptr ? nullptr : data_ + index * stride_;
 }
 
 double GlbAccessor::at(std::size_t index, std::size_t component) const {
-  const char* here = data_ + index * stride_ + component * component_bytes(type_);
+  const char* here = element(index);
+  if (here == nullptr) return 0;
+  here += component * component_bytes(type_);
   // The largest integer is 1, the smallest negative one is -1 ("glTF 2.0 Specification", 3.11).
   const auto integer = [&](auto value) {
     const auto number = static_cast<double>(value);

@@ -18,7 +18,7 @@ struct Glb {
 };
 
 /// Throws Error (bad_input, naming `path`) for a file that is cut off, damaged, has its numbers
-/// elsewhere (other files, sparse accessors) or requires an extension that is not read.
+/// elsewhere (in other files) or requires an extension that is not read.
 Glb open_glb(const std::filesystem::path& path, std::string_view bytes);
 
 /// Numbers of an accessor; the Glb must outlive it.
@@ -38,7 +38,18 @@ class GlbAccessor {
  private:
   static constexpr std::uint64_t float_type = 5126;
 
-  const char* data_ = nullptr;
+  /// Elements that replace others ("glTF 2.0 Specification", 3.6.2.3): their indices in ascending
+  /// order, and their numbers.
+  struct Sparse {
+    std::size_t count = 0;
+    std::uint64_t index_type = 0;
+    const char *indices = nullptr, *values = nullptr;
+  };
+  /// The first byte of an element; null for an element of zeros.
+  const char* element(std::size_t index) const;
+
+  const char* data_ = nullptr;  // null: all elements are zeros but those of sparse_
+  Sparse sparse_{};
   std::uint64_t type_ = 0;
   std::size_t count_ = 0, components_ = 0, stride_ = 0;
   bool normalized_ = false;

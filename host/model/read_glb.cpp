@@ -8,7 +8,9 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "host/file.hpp"
 #include "host/model/glb.hpp"
@@ -101,23 +103,71 @@ class GlbReader {
   void read() {
     const geometry::Affine to_mm =
         y_up_to_z_up() * geometry::scaled(glb_unit_mm, glb_unit_mm, glb_unit_mm);
-    const json& scenes = list(glb_.document, "scenes");
     const json& nodes = list(glb_.document, "nodes");
-    if (scenes.empty()) refuse_value(file_, "it has no scene");
-    const auto first = glb_.document.find("scene");
-    const std::size_t scene =
-        first == glb_.document.end() ? 0 : index_in(file_, *first, scenes.size(), "scene");
-    for (const json& root : list(scenes[scene], "nodes"))
-      add_node(nodes[index_in(file_, root, nodes.size(), "node")], to_mm);
+    for (const std::size_t root : roots()) add_node(nodes[root], to_mm);
+    report_unread();
   }
 
  private:
+  /// Throws Error if nothing but points and lines is drawn.
+  void report_unread() const {
+    const auto counted = [](std::size_t count, const char* what) {
+      return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+    };
+    const std::string lines = counted(unread_.primitives, "primitive") + " of points or lines";
+    if (placed_ == 0 && unread_.primitives > 0)
+      refuse(file_, fmt::format("it has {} and no triangles", lines),
+             "export it as a mesh of triangles");
+    if (unread_.primitives > 0) mesh_.warn(lines + " not read: points and lines have no surface");
+    if (!unread_.skins.empty())
+      mesh_.warn(counted(unread_.skins.size(), "skin") + " not read: the mesh is in its rest pose");
+    if (unread_.morphs > 0)
+      mesh_.warn(fmt::format("morph targets of {} not read: the mesh has its base shape",
+                             counted(unread_.morphs, "shape")));
+  }
+
   const json& list(const json& object, const char* key) const {
     static const json none = json::array();
     const auto found = object.find(key);
     if (found == object.end()) return none;
     if (!found->is_array()) refuse_value(file_, fmt::format("'{}' is not a list", key));
     return *found;
+  }
+
+  /// The nodes of the scene; without scenes, all nodes that are not children.
+  std::vector<std::size_t> roots() const {
+    const json& scenes = list(glb_.document, "scenes");
+    const json& nodes = list(glb_.document, "nodes");
+    const auto first = glb_.document.find("scene");
+    std::vector<std::size_t> roots;
+    if (scenes.empty() && first == glb_.document.end()) {
+      std::vector<bool> is_child(nodes.size());
+      for (const json& node : nodes)
+        for (const json& child : list(node, "children"))
+          is_child[index_in(file_, child, nodes.size(), "node")] = true;
+      for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (!is_child[i]) roots.push_back(i);
+      return roots;
+    }
+    const std::size_t scene =
+        first == glb_.document.end() ? 0 : index_in(file_, *first, scenes.size(), "scene");
+    for (const json& root : list(scenes[scene], "nodes"))
+      roots.push_back(index_in(file_, root, nodes.size(), "node"));
+    return roots;
+  }
+
+  /// Notes a skin and morph targets with a weight that change the mesh of a node.
+  void note_unread_shape(const json& node, const json& mesh) {
+    if (node.contains("skin")) unread_.skins.insert(node.at("skin").get<std::uint64_t>());
+    const json& primitives = list(mesh, "primitives");
+    if (std::ranges::none_of(primitives,
+                             [&](const json& one) { return !list(one, "targets").empty(); }))
+      return;
+    const json& weights = list(node.contains("weights") ? node : mesh, "weights");
+    // Copies of a mesh share one list, which may be long.
+    if (!unread_.weights.insert(&weights).second) return;
+    if (std::ranges::any_of(weights, [](const json& one) { return one.get<double>() != 0; }))
+      ++unread_.morphs;
   }
 
   /// By recursion, to the depth that open_glb() permits.
@@ -128,6 +178,7 @@ class GlbReader {
     if (const auto index = node.find("mesh"); index != node.end()) {
       const json& meshes = list(glb_.document, "meshes");
       const json& mesh = meshes[index_in(file_, *index, meshes.size(), "mesh")];
+      note_unread_shape(node, mesh);
       for (const json& primitive : list(mesh, "primitives")) add_primitive(primitive, map);
     }
     for (const json& child : list(node, "children"))
@@ -151,7 +202,11 @@ class GlbReader {
     count_part();
     enum : std::uint64_t { triangles = 4, strip, fan };
     const auto mode = primitive.value<std::uint64_t>("mode", triangles);
-    if (mode < triangles || mode > fan) return;  // points and lines have no surface
+    if (mode > fan) refuse_value(file_, fmt::format("a primitive has the mode {}", mode));
+    if (mode < triangles) {
+      ++unread_.primitives;
+      return;
+    }
     const auto found = primitive.find("attributes");
     if (found == primitive.end()) refuse_value(file_, "a primitive has no attributes");
     const json& attributes = *found;
@@ -271,6 +326,13 @@ class GlbReader {
   Glb glb_;
   MeshBuilder& mesh_;
   std::size_t max_triangles_, placed_ = 0, parts_ = 0;
+  /// What the drawn nodes have and the reader does not read.
+  struct Unread {
+    std::size_t primitives = 0, morphs = 0;
+    std::set<std::uint64_t> skins{};
+    std::set<const json*> weights{};  // of morph targets
+  };
+  Unread unread_{};
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "host/model/read_mesh.hpp"
 #include "host/model/transform.hpp"
 #include "tests/damaged.hpp"
+#include "tests/model/glb_file.hpp"
 #include "tests/points/shapes.hpp"
 #include "tests/scale.hpp"
 
@@ -162,46 +163,8 @@ TEST(ReadMesh, ObjectsFarFromTheOriginKeepTheirShape) {
   EXPECT_TRUE(read_mesh(folder.write("d.stl", stl_of(near, "", 0))).reader_warnings.empty());
 }
 
+using mesh_files::glb_of;
 using nlohmann::json;
-
-/// A GLB of one mesh; `change` edits its description.
-std::string glb_of(
-    const Mesh& mesh, const std::function<void(json&)>& change = [](json&) {}) {
-  std::string buffer;
-  for (const Point& v : mesh.vertices)
-    for (const double c : {v.x, v.y, v.z}) append(buffer, static_cast<float>(c));
-  const std::size_t positions = buffer.size();
-  for (const auto& t : mesh.triangles)
-    for (const std::uint32_t v : t) append(buffer, v);
-  json d = {
-      {"asset", {{"version", "2.0"}}},
-      {"scenes", {{{"nodes", {0}}}}},
-      {"nodes", {{{"mesh", 0}}}},
-      {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"indices", 1}}}}}}},
-      {"buffers", {{{"byteLength", buffer.size()}}}},
-      {"bufferViews",
-       {{{"buffer", 0}, {"byteLength", positions}},
-        {{"buffer", 0}, {"byteOffset", positions}, {"byteLength", buffer.size() - positions}}}},
-      {"accessors",
-       {{{"bufferView", 0},
-         {"componentType", 5126},
-         {"count", mesh.vertices.size()},
-         {"type", "VEC3"}},
-        {{"bufferView", 1},
-         {"componentType", 5125},
-         {"count", 3 * mesh.triangles.size()},
-         {"type", "SCALAR"}}}}};
-  change(d);
-  std::string text = d.dump();
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  std::string bytes = "glTF";
-  append(bytes, std::uint32_t{2});
-  append(bytes, static_cast<std::uint32_t>(28 + text.size() + buffer.size()));
-  append(bytes, static_cast<std::uint32_t>(text.size()));
-  bytes += "JSON" + text;
-  append(bytes, static_cast<std::uint32_t>(buffer.size()));
-  return bytes + std::string("BIN\0", 4) + buffer;
-}
 
 TEST(ReadGlb, MetresWithYUpBecomeMillimetresWithZUp) {
   const TemporaryFolder folder;
