@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <pugixml.hpp>
+#include <string>
 #include <utility>
 
 #include "host/file.hpp"
@@ -11,6 +12,7 @@
 #include "host/model/threemf_objects.hpp"
 #include "host/model/threemf_package.hpp"
 #include "host/model/threemf_part.hpp"
+#include "host/model/threemf_settings.hpp"
 #include "host/model/transform.hpp"
 
 namespace lamplock::model {
@@ -53,6 +55,7 @@ class Placing {
   }
 
   int left_out() const { return left_out_; }
+  std::size_t triangles() const { return triangles_; }
 
  private:
   void add_triangle(const ThreemfObject& object, const ThreemfTriangle& triangle,
@@ -78,6 +81,7 @@ class Placing {
       if (placed.lights) std::swap((*placed.lights)[1], (*placed.lights)[2]);
     }
     mesh_.add(placed);
+    ++triangles_;
   }
 
   const path& file_;
@@ -85,6 +89,7 @@ class Placing {
   const ThreemfModel& model_;
   MeshBuilder& mesh_;
   int left_out_ = 0;
+  std::size_t triangles_ = 0;
 };
 
 }  // namespace
@@ -92,10 +97,20 @@ class Placing {
 void read_3mf(const path& file, MeshBuilder& mesh) {
   check_is_file(file);
   const ThreemfPackage package(file);
-  const ThreemfModel model = read_model(file, package);
+  ThreemfModel model = read_model(file, package);
+  const LeftOutVolumes left_out = leave_out_modifiers(package, model);
   check_placed(file, model);
   Placing placing(file, package, model, mesh);
   for (const ThreemfComponent& item : model.items) placing.add(item, {});
+  for (const std::string& warning : left_out.warnings) mesh.warn(warning);
+  if (placing.triangles() == 0 && (placing.left_out() > 0 || left_out.count > 0))
+    refuse(
+        file,
+        fmt::format("nothing is left to engrave: {}",
+                    placing.left_out() > 0
+                        ? fmt::format("{} objects are of type support or other", placing.left_out())
+                        : left_out.warnings.back()),
+        "export the objects as models");
   if (placing.left_out() > 0)
     mesh.warn(fmt::format("{} objects of type support or other are left out", placing.left_out()));
   if (model.has_unprinted_items) mesh.warn("objects that are not to be printed are left out");

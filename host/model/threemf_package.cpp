@@ -43,7 +43,7 @@ std::string part_name(std::string_view target) {
   return name;
 }
 
-void ThreemfPackage::read_xml(const std::string& part, pugi::xml_document& document) const {
+void ThreemfPackage::load_xml(const std::string& part, pugi::xml_document& document) const {
   const std::string text = archive_.unpacked(part);
   if (text.find('\0') != std::string::npos && !is_utf16(text))
     refuse(file_, fmt::format("part '{}' is not valid UTF-8", part), damaged_package);
@@ -56,7 +56,19 @@ void ThreemfPackage::read_xml(const std::string& part, pugi::xml_document& docum
   if (!result)
     refuse(file_, fmt::format("part '{}' is not valid XML: {}", part, result.description()),
            damaged_package);
+}
+
+void ThreemfPackage::read_xml(const std::string& part, pugi::xml_document& document) const {
+  load_xml(part, document);
   use_own_prefixes(file_, document);
+}
+
+pugi::xml_node ThreemfPackage::settings(const std::string& part,
+                                        pugi::xml_document& document) const {
+  load_xml(part, document);
+  const pugi::xml_node config = document.child("config");
+  if (!config) refuse(file_, fmt::format("part '{}' has no settings", part), damaged_package);
+  return config;
 }
 
 std::string ThreemfPackage::model_part() const {

@@ -24,10 +24,18 @@ class ThreemfPackage {
   /// that is required and not read.
   pugi::xml_node model(const std::string& part, pugi::xml_document& document) const;
 
+  /// Reads a part with settings of a slicer and returns its element `config`. Throws Error: as
+  /// model(), or no such element.
+  pugi::xml_node settings(const std::string& part, pugi::xml_document& document) const;
+
+  bool has(const std::string& part) const { return archive_.has(part); }
+
   /// The bytes of a part.
   std::string bytes(const std::string& part) const { return archive_.unpacked(part); }
 
  private:
+  void load_xml(const std::string& part, pugi::xml_document& document) const;
+  /// As load_xml(), with the prefixes of threemf_namespaces.hpp.
   void read_xml(const std::string& part, pugi::xml_document& document) const;
 
   const std::filesystem::path& file_;

@@ -91,11 +91,15 @@ void ZipArchive::check(const ZipPart& part) const {
            "do not open this file");
 }
 
+std::vector<ZipPart>::const_iterator ZipArchive::find(const std::string& name) const {
+  const auto part = std::ranges::find(parts_, name, &ZipPart::name);
+  if (part != parts_.end()) return part;
+  return std::ranges::find_if(parts_,
+                              [&](const ZipPart& one) { return equal_names(one.name, name); });
+}
+
 std::string ZipArchive::unpacked(const std::string& name) const {
-  auto part = std::ranges::find(parts_, name, &ZipPart::name);
-  if (part == parts_.end())
-    part = std::ranges::find_if(parts_,
-                                [&](const ZipPart& one) { return equal_names(one.name, name); });
+  const auto part = find(name);
   constexpr int by_exact_name = 1;
   if (part == parts_.end() ||
       unzLocateFile(archive_.get(), part->name.c_str(), by_exact_name) != UNZ_OK)

@@ -32,11 +32,15 @@ class ZipArchive {
   /// encrypted, packed by a method unknown to minizip or damaged (CRC).
   std::string unpacked(const std::string& name) const;
 
+  /// True if unpacked() finds a part of that name.
+  bool has(const std::string& name) const { return find(name) != parts_.end(); }
+
  private:
   struct Close {
     void operator()(void* archive) const;
   };
   void read_directory();
+  std::vector<ZipPart>::const_iterator find(const std::string& name) const;
   void check(const ZipPart& part) const;
 
   std::filesystem::path file_;
