@@ -117,7 +117,7 @@ class Block {
   bool ignores(Ignored word) const { return (ignored_ >> static_cast<int>(word) & 1u) != 0; }
   Fault add_g(const Word& word, bool jog);
   Fault add_m(const Word& word);
-  [[gnu::cold]] bool replaces_no_motion(Group group, std::uint16_t code) const;
+  bool replaces_no_motion(Group group, std::uint16_t code) const;
   Fault add_code(Group group, std::uint16_t code, AxisUse use, std::uint16_t column);
   Fault add_powers(std::string_view line, const Word& word, WordReader& reader);
   Fault add_value(const Word& word, int axes, bool jog);

@@ -183,7 +183,7 @@ class Statement {
   bool wait_input();
   bool spindle();
   bool coolant();
-  [[gnu::cold]] bool overrides();
+  bool overrides();
   bool beat_lock();
   bool pulses();
   bool pulses_on();
@@ -237,7 +237,7 @@ class Statement {
   bool integer(char letter, std::uint32_t& number);
   bool move_is_asked() const;
   std::uint16_t motion_column() const;
-  [[gnu::cold]] std::uint16_t centre_column() const;
+  std::uint16_t centre_column() const;
   std::int64_t fine_length(char letter, int digits) const;
   std::int64_t axis_e7(int axis) const;
   std::int64_t offset_e7(int axis) const;
