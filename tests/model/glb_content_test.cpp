@@ -44,9 +44,9 @@ class GlbContent : public ::testing::Test {
 };
 
 TEST_F(GlbContent, SkinsAreNamed) {
-  const auto skins = [&](int count) {
+  const auto skins = [&](unsigned count) {
     return read([&](json& d) {
-             for (int i = 0; i < 4; ++i) {
+             for (unsigned i = 0; i < 4; ++i) {
                d["nodes"][i] = {{"mesh", 0}, {"translation", {10 * i, 0, 0}}, {"skin", i % count}};
                d["scenes"][0]["nodes"][i] = i;
                d["skins"][i] = {{"joints", {0}}};
