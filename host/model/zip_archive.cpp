@@ -1,10 +1,9 @@
 #include "host/model/zip_archive.hpp"
 
 #include <fmt/format.h>
-#include <minizip/unzip.h>
+#include <zip.h>
 
 #include <algorithm>
-#include <array>
 #include <set>
 #include <string_view>
 
@@ -37,10 +36,10 @@ bool equal_names(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-void ZipArchive::Close::operator()(void* archive) const { unzClose(archive); }
+void ZipArchive::Close::operator()(zip* archive) const { zip_discard(archive); }
 
 ZipArchive::ZipArchive(const std::filesystem::path& file)
-    : file_(file), archive_(unzOpen64(file.c_str())) {
+    : file_(file), archive_(zip_open(file.c_str(), ZIP_RDONLY, nullptr)) {
   if (!archive_) refuse(file_, "not a ZIP archive, as a 3MF must be", damaged_archive);
   read_directory();
 }
@@ -48,24 +47,23 @@ ZipArchive::ZipArchive(const std::filesystem::path& file)
 void ZipArchive::read_directory() {
   std::set<std::string_view> names;
   std::uint64_t bytes = 0;
-  int result = unzGoToFirstFile(archive_.get());
-  for (; result == UNZ_OK; result = unzGoToNextFile(archive_.get())) {
-    std::array<char, max_name_bytes + 1> name{};
-    unz_file_info64 info{};
-    if (unzGetCurrentFileInfo64(archive_.get(), &info, name.data(), name.size(), nullptr, 0,
-                                nullptr, 0) != UNZ_OK)
-      break;
-    if (info.size_filename > max_name_bytes)
-      refuse(file_, fmt::format("a part has a name of {} letters", info.size_filename),
+  const zip_int64_t count = zip_get_num_entries(archive_.get(), 0);
+  for (zip_int64_t i = 0; i < count; ++i) {
+    const auto index = static_cast<zip_uint64_t>(i);
+    zip_stat_t info{};
+    constexpr zip_uint64_t needed = ZIP_STAT_NAME | ZIP_STAT_SIZE | ZIP_STAT_COMP_SIZE;
+    if (zip_stat_index(archive_.get(), index, ZIP_FL_ENC_RAW, &info) != 0 ||
+        (info.valid & needed) != needed)
+      refuse(file_, "its directory cannot be read", damaged_archive);
+    const std::string_view name = info.name;
+    if (name.size() > max_name_bytes)
+      refuse(file_, fmt::format("a part has a name of {} letters", name.size()),
              "export it with shorter names");
-    const ZipPart part{
-        {name.data(), info.size_filename}, info.uncompressed_size, info.compressed_size};
+    const ZipPart part{std::string(name), info.size, info.comp_size, index};
     check(part);
     bytes += part.bytes;
     parts_.push_back(part);
   }
-  if (result != UNZ_END_OF_LIST_OF_FILE)
-    refuse(file_, "its directory cannot be read", damaged_archive);
   for (const ZipPart& part : parts_)
     if (!names.insert(part.name).second)
       refuse(file_, fmt::format("two parts are named '{}'", part.name), "export it again");
@@ -100,17 +98,18 @@ std::vector<ZipPart>::const_iterator ZipArchive::find(const std::string& name) c
 
 std::string ZipArchive::unpacked(const std::string& name) const {
   const auto part = find(name);
-  constexpr int by_exact_name = 1;
-  if (part == parts_.end() ||
-      unzLocateFile(archive_.get(), part->name.c_str(), by_exact_name) != UNZ_OK)
+  if (part == parts_.end())
     refuse(file_, fmt::format("there is no part '{}'", name), damaged_archive);
   std::string bytes(part->bytes, '\0');
-  const auto size = static_cast<unsigned>(part->bytes);
-  const bool read =
-      unzOpenCurrentFile(archive_.get()) == UNZ_OK &&
-      unzReadCurrentFile(archive_.get(), bytes.data(), size) == static_cast<int>(size);
-  const bool sound = unzCloseCurrentFile(archive_.get()) == UNZ_OK;  // compares the CRC
-  if (!read || !sound)
+  zip_file_t* const packed = zip_fopen_index(archive_.get(), part->index, 0);
+  // The last read compares the CRC, after the end of the part.
+  char beyond = 0;
+  const bool sound =
+      packed != nullptr &&
+      zip_fread(packed, bytes.data(), bytes.size()) == static_cast<zip_int64_t>(bytes.size()) &&
+      zip_fread(packed, &beyond, 1) == 0;
+  const bool closed = packed != nullptr && zip_fclose(packed) == 0;
+  if (!sound || !closed)
     refuse(file_, fmt::format("part '{}' cannot be unpacked", name), damaged_archive);
   return bytes;
 }

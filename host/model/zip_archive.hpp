@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+struct zip;  // of libzip
+
 namespace lamplock::model {
 
 /// Maximum bytes of all parts of an archive: a mesh of about three million triangles, for which the
@@ -18,6 +20,7 @@ inline constexpr std::uint64_t max_unpacked_bytes = 256u << 20;
 struct ZipPart {
   std::string name;
   std::uint64_t bytes = 0, packed_bytes = 0;  ///< by the directory
+  std::uint64_t index = 0;                    ///< in the directory
 };
 
 class ZipArchive {
@@ -29,7 +32,7 @@ class ZipArchive {
 
   /// The bytes of a part; upper and lower case are equal (ECMA-376 part 2, 9.1.1) unless a part has
   /// exactly this name. Throws Error (bad_input) if there is none of that name, if it is
-  /// encrypted, packed by a method unknown to minizip or damaged (CRC).
+  /// encrypted, packed by a method unknown to libzip or damaged (CRC).
   std::string unpacked(const std::string& name) const;
 
   /// True if unpacked() finds a part of that name.
@@ -37,14 +40,14 @@ class ZipArchive {
 
  private:
   struct Close {
-    void operator()(void* archive) const;
+    void operator()(zip* archive) const;
   };
   void read_directory();
   std::vector<ZipPart>::const_iterator find(const std::string& name) const;
   void check(const ZipPart& part) const;
 
   std::filesystem::path file_;
-  std::unique_ptr<void, Close> archive_;
+  std::unique_ptr<zip, Close> archive_;
   std::vector<ZipPart> parts_;
 };
 

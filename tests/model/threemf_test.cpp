@@ -3,12 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host/bytes.hpp"
 #include "host/file.hpp"
 #include "host/model/mesh_faults.hpp"
 #include "host/model/transform.hpp"
@@ -89,6 +92,47 @@ TEST_F(Threemf, DepthAndCopiesAreBounded) {
   const std::string fine = mesh_text(test::torus(10, 3, 200, 100));  // 40 000 triangles
   EXPECT_THAT(error(object(2, fine) + object(3, holding(many)), item(3)),
               HasSubstr("placed triangles"));
+}
+
+/// An archive of stored parts whose sizes are in fields of ZIP64, as lib3mf writes them for parts
+/// of any size ("APPNOTE.TXT - .ZIP File Format Specification", 4.3 and 4.5.3).
+std::string zip64_archive(const std::vector<std::pair<std::string, std::string>>& parts) {
+  constexpr std::uint32_t in_extra = 0xFFFFFFFF, local_mark = 0x04034B50, entry_mark = 0x02014B50,
+                          end_mark = 0x06054B50;
+  constexpr std::uint16_t version = 45, extra_id = 1, two_sizes = 16;
+  const auto put = [](std::string& out, auto... values) { (append(out, values), ...); };
+  constexpr std::uint16_t none = 0;
+  std::string archive, directory;
+  for (const auto& [name, bytes] : parts) {
+    const auto crc =
+        static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const unsigned char*>(bytes.data()),
+                                         static_cast<unsigned>(bytes.size())));
+    const auto offset = static_cast<std::uint32_t>(archive.size());
+    const auto letters = static_cast<std::uint16_t>(name.size());
+    const auto size = static_cast<std::uint64_t>(bytes.size());
+    constexpr std::uint16_t extra_bytes = two_sizes + 4;
+    std::string extra;
+    put(extra, extra_id, two_sizes, size, size);
+    put(archive, local_mark, version, none, none, none, none, crc, in_extra, in_extra, letters,
+        extra_bytes);
+    archive += name + extra + bytes;
+    put(directory, entry_mark, version, version, none, none, none, none, crc, in_extra, in_extra,
+        letters, extra_bytes, none, none, none, std::uint32_t{0}, offset);
+    directory += name + extra;
+  }
+  const auto count = static_cast<std::uint16_t>(parts.size());
+  std::string end;
+  put(end, end_mark, none, none, count, count, static_cast<std::uint32_t>(directory.size()),
+      static_cast<std::uint32_t>(archive.size()), none);
+  return archive + directory + end;
+}
+
+TEST_F(Threemf, SizesOfZip64AreRead) {
+  const std::string model = model_text(object(1, box_text()), item(1), "unit=\"inch\"");
+  const auto file = folder_.write(
+      "a.3mf", zip64_archive({{model_name, model}, {"_rels/.rels", relations(model_name)}}));
+  const auto box = model::bounds(read_mesh(file).vertices);
+  EXPECT_NEAR(box.high.x - box.low.x, 25.4, 1e-9);
 }
 
 TEST_F(Threemf, BombsAreRefusedBeforeUnpacking) {
