@@ -100,7 +100,7 @@ inline std::string item(int id, const std::string& more = "") {
   return fmt::format("<item objectid=\"{}\" {}/>", id, more);
 }
 
-/// A box of 1 x 1 x 1 mm round the origin.
+/// A box of 2 x 2 x 2 units round the origin.
 inline std::string box_text() { return mesh_text(test::box(1, 1, 1)); }
 
 class Threemf : public ::testing::Test {

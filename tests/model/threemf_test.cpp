@@ -132,7 +132,7 @@ TEST_F(Threemf, SizesOfZip64AreRead) {
   const auto file = folder_.write(
       "a.3mf", zip64_archive({{model_name, model}, {"_rels/.rels", relations(model_name)}}));
   const auto box = model::bounds(read_mesh(file).vertices);
-  EXPECT_NEAR(box.high.x - box.low.x, 25.4, 1e-9);
+  EXPECT_NEAR(box.high.x - box.low.x, 2 * 25.4, 1e-9);
 }
 
 TEST_F(Threemf, BombsAreRefusedBeforeUnpacking) {
