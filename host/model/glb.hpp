@@ -31,7 +31,7 @@ class GlbAccessor {
   /// Numbers of an element: 3 for VEC3.
   std::size_t components() const { return components_; }
   bool is_single() const { return type_ == float_type; }
-  /// Number `component` of element `index`, both less than the counts. Integers that stand for
+  /// Number `component` of element `index`, both less than the counts. Integers that mean
   /// numbers from -1 or 0 to 1 are converted.
   double at(std::size_t index, std::size_t component) const;
 
