@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -77,14 +79,14 @@ bool is_index_type(std::uint64_t type) { return type == 5121 || type == 5123 || 
 
 /// The first byte of the numbers that `place` describes with a view and an offset.
 const char* data_at(const Glb& glb, const json& place) {
-  const json& view = glb.document.at("bufferViews").at(number_of(place, "bufferView"));
+  const json& view = glb.document->at("bufferViews").at(number_of(place, "bufferView"));
   return glb.buffer.data() + number_of(view, "byteOffset") + number_of(place, "byteOffset");
 }
 
 class Checker {
  public:
   Checker(const path& file, const Glb& glb)
-      : file_(file), glb_(glb), document_(glb.document), buffer_bytes_(glb.buffer.size()) {}
+      : file_(file), glb_(glb), document_(*glb.document), buffer_bytes_(glb.buffer.size()) {}
 
   void check() {
     check_extensions();
@@ -237,14 +239,14 @@ Glb open_glb(const path& file, std::string_view bytes) {
   Glb glb;
   glb.buffer = next_chunk(file, rest, std::string_view("BIN\0", 4));
   bool too_deep = false;
-  glb.document = json::parse(
+  glb.document = std::make_shared<const json>(json::parse(
       text,
       [&too_deep](int depth, json::parse_event_t, const json&) {
         too_deep = too_deep || depth > max_depth;
         return !too_deep;
       },
-      false);
-  if (too_deep || !glb.document.is_object()) refuse_glb(file, "its description cannot be read");
+      false));
+  if (too_deep || !glb.document->is_object()) refuse_glb(file, "its description cannot be read");
   try {
     Checker(file, glb).check();
   } catch (const json::exception&) {
@@ -254,15 +256,15 @@ Glb open_glb(const path& file, std::string_view bytes) {
 }
 
 GlbAccessor::GlbAccessor(const Glb& glb, std::size_t index) {
-  const json& accessor = glb.document.at("accessors").at(index);
+  const json& accessor = glb.document->at("accessors").at(index);
   type_ = number_of(accessor, "componentType");
   count_ = number_of(accessor, "count");
   components_ = components_of(accessor.value("type", std::string()));
   normalized_ = accessor.value("normalized", false);
   if (accessor.contains("bufferView")) {
     data_ = data_at(glb, accessor);
-    stride_ =
-        number_of(glb.document["bufferViews"][number_of(accessor, "bufferView")], "byteStride");
+    stride_ = number_of(glb.document->at("bufferViews").at(number_of(accessor, "bufferView")),
+                        "byteStride");
   }
   if (stride_ == 0) stride_ = component_bytes(type_) * components_;
   if (const auto sparse = accessor.find("sparse"); sparse != accessor.end()) {

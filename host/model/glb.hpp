@@ -7,13 +7,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string_view>
 
 namespace lamplock::model {
 
 struct Glb {
-  nlohmann::json document;
+  std::shared_ptr<const nlohmann::json> document;  // never null
   std::string_view buffer;  // part of the bytes of the file
 };
 

@@ -103,7 +103,7 @@ class GlbReader {
   void read() {
     const geometry::Affine to_mm =
         y_up_to_z_up() * geometry::scaled(glb_unit_mm, glb_unit_mm, glb_unit_mm);
-    const json& nodes = list(glb_.document, "nodes");
+    const json& nodes = list(*glb_.document, "nodes");
     for (const std::size_t root : roots()) add_node(nodes[root], to_mm);
     report_unread();
   }
@@ -136,11 +136,11 @@ class GlbReader {
 
   /// The nodes of the scene; without scenes, all nodes that are not children.
   std::vector<std::size_t> roots() const {
-    const json& scenes = list(glb_.document, "scenes");
-    const json& nodes = list(glb_.document, "nodes");
-    const auto first = glb_.document.find("scene");
+    const json& scenes = list(*glb_.document, "scenes");
+    const json& nodes = list(*glb_.document, "nodes");
+    const auto first = glb_.document->find("scene");
     std::vector<std::size_t> roots;
-    if (scenes.empty() && first == glb_.document.end()) {
+    if (scenes.empty() && first == glb_.document->end()) {
       std::vector<bool> is_child(nodes.size());
       for (const json& node : nodes)
         for (const json& child : list(node, "children"))
@@ -150,7 +150,7 @@ class GlbReader {
       return roots;
     }
     const std::size_t scene =
-        first == glb_.document.end() ? 0 : index_in(file_, *first, scenes.size(), "scene");
+        first == glb_.document->end() ? 0 : index_in(file_, *first, scenes.size(), "scene");
     for (const json& root : list(scenes[scene], "nodes"))
       roots.push_back(index_in(file_, root, nodes.size(), "node"));
     return roots;
@@ -173,10 +173,10 @@ class GlbReader {
   /// By recursion, to the depth that open_glb() permits.
   void add_node(const json& node, const geometry::Affine& outside) {
     count_part();
-    const json& nodes = list(glb_.document, "nodes");
+    const json& nodes = list(*glb_.document, "nodes");
     const geometry::Affine map = outside * map_of_node(file_, node);
     if (const auto index = node.find("mesh"); index != node.end()) {
-      const json& meshes = list(glb_.document, "meshes");
+      const json& meshes = list(*glb_.document, "meshes");
       const json& mesh = meshes[index_in(file_, *index, meshes.size(), "mesh")];
       note_unread_shape(node, mesh);
       for (const json& primitive : list(mesh, "primitives")) add_primitive(primitive, map);
@@ -194,7 +194,7 @@ class GlbReader {
   std::optional<GlbAccessor> accessor(const json& owner, const std::string& key) const {
     const auto found = owner.find(key);
     if (found == owner.end()) return std::nullopt;
-    const std::size_t count = list(glb_.document, "accessors").size();
+    const std::size_t count = list(*glb_.document, "accessors").size();
     return GlbAccessor(glb_, index_in(file_, *found, count, "accessor"));
   }
 
@@ -283,7 +283,7 @@ class GlbReader {
   }
 
   Surface surface_of(const json& index) {
-    const json& materials = list(glb_.document, "materials");
+    const json& materials = list(*glb_.document, "materials");
     const json& material = materials[index_in(file_, index, materials.size(), "material")];
     Surface surface;
     const auto found = material.find("pbrMetallicRoughness");
@@ -298,8 +298,8 @@ class GlbReader {
   }
 
   std::uint32_t texture_of(const json& picture) {
-    const json& textures = list(glb_.document, "textures");
-    const json& images = list(glb_.document, "images");
+    const json& textures = list(*glb_.document, "textures");
+    const json& images = list(*glb_.document, "images");
     const json& texture =
         textures[index_in(file_, picture.at("index"), textures.size(), "texture")];
     const auto source = texture.find("source");
@@ -313,7 +313,7 @@ class GlbReader {
                            [&] { return read_bitmap(file_.parent_path() / name); });
     }
     return mesh_.texture(fmt::format("image {}", number), [&] {
-      const json& views = list(glb_.document, "bufferViews");
+      const json& views = list(*glb_.document, "bufferViews");
       const json& view =
           views[index_in(file_, image.at("bufferView"), views.size(), "buffer view")];
       return decode_bitmap(
