@@ -53,7 +53,8 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
   }
   if (!reader_.lines_wait()) lines_at_cancel_ = 0;
   const bool points = beat_locked() && runner_.queue().size() != 0;
-  const bool busy = reader_.line_open() || !program_.drained() || points;
+  const bool runs = !program_.drained() || program_.shines_at_rest();
+  const bool busy = reader_.line_open() || runs || points;
   if (!busy || machine_.activity() != Activity::none) return;
   const Masked masked(mask_);
   handle(Event::begin_program);

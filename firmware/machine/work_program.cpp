@@ -107,6 +107,10 @@ void MachineWork::configure_reader() {
   if (machine_.locked() || machine_.sleeps() || machine_.jogs() || refusal_ != Refusal::none)
     return GcodeError::locked;
   if (!start_program()) return GcodeError::not_idle;
+  if (program_.shines_at_rest()) {
+    const Masked masked(mask_);
+    program_.end_light();
+  }
   return reader_.begin(line).error;
 }
 

@@ -149,6 +149,7 @@ Extent Interpreter::extent() const {
       break;
     case Stage::spindle:
       begin_action(action, ActionKind::spindle);
+      action.rapid = plan_.moves() || !is_feed(state_->modal.motion);
       break;
     case Stage::coolant:
       begin_action(action, ActionKind::coolant);
@@ -187,7 +188,7 @@ bool Interpreter::give_io(Stage stage, Action& action) {
 
 bool Interpreter::give_dwell(Action& action) {
   begin_action(action, ActionKind::dwell);
-  action.rapid = state_->modal.motion == Motion::rapid || state_->modal.motion == Motion::none;
+  action.rapid = !is_feed(state_->modal.motion);
   action.time_us = plan_.dwell_us;
   done(Stage::dwell);
   return true;
@@ -267,6 +268,7 @@ bool Interpreter::give_cycle(Action& action) {
     case CycleMove::Kind::spindle_off:
     case CycleMove::Kind::spindle_on:
       begin_action(action, ActionKind::spindle);
+      action.rapid = true;
       if (move.kind == CycleMove::Kind::spindle_off) action.spindle = Spindle::off;
       return true;
     default:

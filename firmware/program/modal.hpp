@@ -35,6 +35,11 @@ enum class Motion : std::uint16_t {
 constexpr bool is_arc(Motion motion) {
   return motion == Motion::arc_clockwise || motion == Motion::arc_counterclockwise;
 }
+/// Moves at the feed rate along a path: where a laser cuts.
+constexpr bool is_feed(Motion motion) {
+  return motion == Motion::line || is_arc(motion) || motion == Motion::spline ||
+         motion == Motion::parabola;
+}
 constexpr bool is_cycle(Motion motion) {
   return motion == Motion::drill_chip_break || motion >= Motion::drill;
 }

@@ -254,7 +254,8 @@ bool Statement::overrides() {
                            : code == 4 ? Spindle::proportional
                                        : Spindle::off;
     plan_.add(Stage::spindle);
-  } else if (block_.has('S') && after_.modal.spindle != Spindle::off &&
+  } else if (after_.modal.spindle != Spindle::off &&
+             (block_.has('S') || (options_.laser && block_.has(Group::motion))) &&
              !(options_.laser && move_is_asked())) {
     plan_.add(Stage::spindle);
   }

@@ -1,4 +1,5 @@
-// Light in dwells (G4 after M3): its power, its time, and what ends it.
+// Light while the machine rests, in dwells (G4 after M3) and between lines (M3, S or G1 without a
+// move): its power, its time, and what ends it.
 #include <fmt/format.h>
 
 #include "tests/board/machine_with_switches.hpp"
@@ -66,10 +67,16 @@ TEST_F(DwellLight, ChangesWithThePowerOverride) {
 }
 
 TEST_F(DwellLight, IsDarkOtherwise) {
-  const std::vector<std::pair<std::string, std::string>> dark = {
-      {"M4 S100", "G4 P0.1"},     {"M5 S100", "G4 P0.1"},      {"M3 S0", "G4 P0.1"},
-      {"M3 S100", "G0\nG4 P0.1"}, {"M3 S100", "G80\nG4 P0.1"}, {"M3 S100", "G4 P0"},
-      {"M3 S100", "M5\nG4 P0.1"}, {"M3 S100", "$C\nG4 P0.1"}};
+  const std::vector<std::pair<std::string, std::string>> dark = {{"M4 S100", "G4 P0.1"},
+                                                                 {"M5 S100", "G4 P0.1"},
+                                                                 {"M3 S0", "G4 P0.1"},
+                                                                 {"M3 S100", "G0\nG4 P0.1"},
+                                                                 {"M3 S100", "G80\nG4 P0.1"},
+                                                                 {"M3 S100", "G4 P0"},
+                                                                 {"M3 S100", "G81 Z0 R0\nG4 P0.1"},
+                                                                 {"M3 S100", "M5\nG4 P0.1"},
+                                                                 {"M3 S100", "M130 P0\nG4 P0.1"},
+                                                                 {"M3 S100", "$C\nG4 P0.1"}};
   for (const auto& [spindle, dwell] : dark) {
     begin(spindle, dwell);
     host_->run_ms(200);
@@ -127,6 +134,109 @@ TEST_F(DwellLight, IsCompleteBeforeWhatFollows) {
   EXPECT_GT(energy_ms(), 20 + 0.1 * moved_ms);
   EXPECT_LT(energy_ms(), 20 + 0.1 * 10 * moved_ms);
   EXPECT_EQ(power_now(), 0);
+}
+
+class RestLight : public DwellLight {};
+
+/// Lines after "M3 S100 G1 X1", and the power at rest after them.
+TEST_F(RestLight, FollowsTheModalState) {
+  const std::vector<std::pair<std::string, double>> lines = {{"M3", 0.1},
+                                                             {"S50", 0.05},
+                                                             {"S1000", 0.2},
+                                                             {"G1", 0.1},
+                                                             {"G2 X2 I0.5\nG3 X1 I-0.5\nM3", 0.1},
+                                                             {"M5\nM3", 0.1},
+                                                             {"G0\nG1", 0.1},
+                                                             {"G0\nS20", 0},
+                                                             {"G0 X2\nM3", 0},
+                                                             {"G0\nM3 S20\nG1", 0.02},
+                                                             {"M3\nG0", 0},
+                                                             {"M3\nM5", 0},
+                                                             {"M3\nS0", 0},
+                                                             {"M4", 0},
+                                                             {"M4\nS50", 0},
+                                                             {"M5\nS50", 0},
+                                                             {"M3\nG1 X2", 0},
+                                                             {"M3\nG4 P0.01", 0},
+                                                             {"M3\nM2", 0},
+                                                             {"S50 G1 X2", 0},
+                                                             {"G80\nM3", 0},
+                                                             {"G81 Z0 R0\nM3", 0},
+                                                             {"M130 P0\nM3", 0},
+                                                             {"S50 G4 P0.01", 0},
+                                                             {"M3\nG90", 0},
+                                                             {"$C\nM3", 0},
+                                                             {"S50 M2", 0},
+                                                             {"M3 M0", 0}};
+  for (const auto& [line, power] : lines) {
+    begin("M3 S100", line);
+    EXPECT_EQ(power_now(), 0);  // M3 alone does not leave light after a move
+    host_->run_ms(150);
+    EXPECT_NEAR(power_now(), power, 0.0005) << line;
+  }
+  for (const Id id : {Id::focus_power, Id::focus_time, Id::laser_mode}) {
+    profile_.settings.set_milli(id, 0);
+    begin("M3 S100", "S50");
+    host_->run_ms(150);
+    EXPECT_EQ(energy_ms(), 0);
+  }
+}
+
+TEST_F(RestLight, EndsAfterTheTimeOfTheSetting) {
+  begin("M3 S100", "M3");
+  host_->run_ms(1000);
+  EXPECT_NEAR(energy_ms(), 0.1 * 300, 0.1);
+  EXPECT_TRUE(host_->wait_for_rest());
+  EXPECT_THAT(host_->ask("G1 X2\n"), Contains("ok"));
+  ASSERT_TRUE(host_->wait_for_rest());
+  EXPECT_EQ(host_->position()[0], 400);
+}
+
+/// It begins after the moves before it and ends before the moves after it, which keep their power.
+TEST_F(RestLight, LiesBetweenMoves) {
+  begin("M3 S100", "G1 X2 F600\nS1000");
+  host_->run_ms(50);
+  EXPECT_NEAR(power_now(), 0.1, 0.0005);
+  host_->run_ms(150);
+  EXPECT_NEAR(power_now(), 0.2, 0.0005);
+  host_->send("G1 X3 F600\n");
+  host_->run_ms(50);
+  EXPECT_NEAR(power_now(), 1, 0.0005);
+  ASSERT_TRUE(host_->wait_for_rest());
+  EXPECT_EQ(power_now(), 0);
+  EXPECT_EQ(host_->position()[0], 600);
+}
+
+/// Whatever stops the machine ends the light at once, and it does not come back.
+TEST_F(RestLight, EndsWithEveryStop) {
+  profile_.settings.set_milli(Id::focus_time, 10'000);
+  const auto shining = [&] {
+    begin("M3 S100", "M3");
+    host_->run_ms(100);
+    ASSERT_GT(power_now(), 0);
+  };
+  const auto dark = [&](const std::string& what) {
+    host_->run_ms(5);
+    EXPECT_EQ(power_now(), 0) << what;
+    const double spent = energy_ms();
+    host_->run_ms(1000);
+    host_->send("~");
+    host_->run_ms(1000);
+    EXPECT_EQ(energy_ms(), spent) << what;
+  };
+  for (const std::uint8_t byte : {std::uint8_t{'!'}, std::uint8_t{0x84}, std::uint8_t{0x18}}) {
+    shining();
+    host_->send(byte);
+    dark(fmt::format("byte {}", int{byte}));
+  }
+  for (const sim::Pin pin : {sim::Pin::door, sim::Pin::estop}) {
+    shining();
+    rig_->board.world().schedule(pin, true, rig_->now());
+    dark(fmt::format("pin {}", static_cast<int>(pin)));
+  }
+  shining();
+  rig_->board.set_host_present(false);
+  dark("host gone");
 }
 
 }  // namespace

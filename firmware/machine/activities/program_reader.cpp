@@ -137,8 +137,7 @@ ProgramReader::Step ProgramReader::wait_for_rest() { return rests() ? taken() : 
     case ActionKind::wait_input:
       return rests() ? Step::inputs : Step::waits;
     case ActionKind::spindle:
-      // The power of a laser is part of the moves.
-      return options_.laser ? taken() : wait_for_rest();
+      return spindle(values);
     case ActionKind::pause:
     case ActionKind::tool_change:
       if (wait_for_rest() == Step::waits) return Step::waits;
@@ -157,6 +156,15 @@ ProgramReader::Step ProgramReader::wait_for_rest() { return rests() ? taken() : 
     default:
       return taken();
   }
+}
+
+/// The power of a laser is part of the moves, but for the light at rest after a line without a
+/// move.
+ProgramReader::Step ProgramReader::spindle(const settings::Values& values) {
+  const bool lights = wants_light(values);
+  if (options_.laser && !lights) return taken();
+  if (wait_for_rest() == Step::waits) return Step::waits;
+  return lights ? Step::lights : Step::done;
 }
 
 /// Adds pixels to the next move; with M5 there are none.
@@ -236,10 +244,10 @@ ProgramReader::Step ProgramReader::output() {
   return taken();
 }
 
-/// With M3 a continuous laser may shine in a dwell between cuts, to pierce and to focus: at most
-/// with the power and for the time that the settings permit.
+/// With M3 a continuous laser may shine in a dwell between cuts and at rest, to pierce and to
+/// focus: at most with the power and for the time that the settings permit.
 bool ProgramReader::wants_light(const settings::Values& values) const {
-  return options_.laser && lock_ == BeatLock::off && !action_.rapid &&
+  return options_.laser && lock_ == BeatLock::off && action_.beat_lock == lock_ && !action_.rapid &&
          action_.spindle == program::Spindle::constant && values.milli(Id::focus_power) != 0;
 }
 
@@ -254,7 +262,9 @@ std::uint16_t ProgramReader::light_power(const settings::Values& values) const {
 std::uint32_t ProgramReader::light_ticks(const settings::Values& values) const {
   const std::uint32_t permitted_us =
       static_cast<std::uint32_t>(values.milli(Id::focus_time)) * 1000;
-  const std::uint32_t us = action_.time_us < permitted_us ? action_.time_us : permitted_us;
+  const bool dwells = action_.kind == ActionKind::dwell;
+  const std::uint32_t us =
+      dwells && action_.time_us < permitted_us ? action_.time_us : permitted_us;
   return us * (ticks_per_second / 1'000'000);
 }
 

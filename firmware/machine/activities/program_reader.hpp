@@ -109,7 +109,7 @@ class ProgramReader {
     taken();
     paused_ = pauses;
   }
-  /// Of a dwell with light: power, full_power = all, and ticks.
+  /// Of a dwell with light, or of light until the next line: power, full_power = all, and ticks.
   [[gnu::cold]] std::uint16_t light_power(const settings::Values& values) const;
   [[gnu::cold]] std::uint32_t light_ticks(const settings::Values& values) const;
   /// Gives the move of the probe to the planner.
@@ -168,6 +168,7 @@ class ProgramReader {
   bool planned() const { return runner_.begun() && !runner_.broken_off(); }
   bool take(const settings::Values& values);
   Step dwell(const settings::Values& values, std::uint64_t clock);
+  [[gnu::cold]] Step spindle(const settings::Values& values);
   [[gnu::cold]] bool wants_light(const settings::Values& values) const;
   bool rests();
   Step wait_for_rest();

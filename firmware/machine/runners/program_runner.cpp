@@ -164,10 +164,11 @@ void ProgramRunner::shine_at_rest(std::uint16_t power, std::uint32_t ticks) {
   if (ticks == 0 || light.power.cruise == 0 || orders_.held) return;
   run_detour(light);
   shines_at_rest_ = true;
+  stands_ = false;
 }
 
 void ProgramRunner::end_light() {
-  shines_at_rest_ = false;
+  shines_at_rest_ = stands_ = false;
   abort_detour();
 }
 

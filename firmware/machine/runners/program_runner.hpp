@@ -82,6 +82,7 @@ class ProgramRunner {
     orders_.held = true;
     if (shines_at_rest_) end_light();
   }
+  bool shines_at_rest() const { return shines_at_rest_; }
   void resume() { orders_.held = false; }
   bool held() const { return orders_.held; }
   /// Stops on the path and drops all lines; none are accepted until idle().
@@ -93,9 +94,10 @@ class ProgramRunner {
   [[gnu::cold]] void abort_move(bool at_contact = false);
   bool broken_off() const { return broken_off_; }
 
-  /// At rest: the laser has this power, full_power = all, for this number of ticks, or until a hold
-  /// or a reset. Masked.
+  /// At rest: the laser has this power, full_power = all, for this number of ticks, or until
+  /// end_light(), a hold or a reset. Masked.
   [[gnu::cold]] void shine_at_rest(std::uint16_t power, std::uint32_t ticks);
+  [[gnu::cold]] void end_light();
 
   /// A motion beside the program, held and at rest: begins as soon as possible. Before resume() the
   /// caller must move the machine back. Masked.
@@ -154,7 +156,6 @@ class ProgramRunner {
   void write(std::uint32_t i, stepper::Segment& segment) const;
   void miss();
   void finish_batch();
-  [[gnu::cold]] void end_light();
   std::uint16_t overridden(std::uint32_t power) const;
   [[gnu::cold]] void brake_at_once(std::uint64_t rest_tick, bool anywhere);
   [[gnu::cold]] bool brake_after_segment();
