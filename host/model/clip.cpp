@@ -81,13 +81,15 @@ class Crossings {
   /// Both ends and all crossings, in the direction of the piece.
   std::vector<double> parameters(const Piece& piece) {
     const Range range = range_of(piece);
-    const double count = std::max(1.0, chords_of(piece));
-    work_.spend(static_cast<std::size_t>(std::min(count, max_chords)), place_);
+    const auto count =
+        static_cast<std::size_t>(std::min(std::max(1.0, chords_of(piece)), max_chords));
+    work_.spend(count, place_);
     std::vector<double> found{range.from, range.to};
     Point p = motion_at(piece, range.from).at;
-    for (double i = 0; i < count; ++i) {
-      const double to = range.from + (range.to - range.from) * ((i + 1) / count);
-      const double from = range.from + (range.to - range.from) * (i / count);
+    const double step = (range.to - range.from) / static_cast<double>(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double from = range.from + step * static_cast<double>(i);
+      const double to = i + 1 < count ? from + step : range.to;
       const Point q = motion_at(piece, to).at;
       parts_.clear();
       for (const auto& region : regions_) region->cross(p, q, parts_, work_, place_);

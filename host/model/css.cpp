@@ -61,7 +61,7 @@ bool is_name_character(char c) {
 
 std::string take_name(std::string_view& text) {
   const auto end = std::find_if_not(text.begin(), text.end(), is_name_character);
-  const std::string name(text.begin(), end);
+  std::string name(text.begin(), end);
   text.remove_prefix(name.size());
   return name;
 }

@@ -188,6 +188,7 @@ Path dxf_solid(const DxfGroups& dxf, const DxfEntity& solid) {
   // Stored as two pairs of opposite sides.
   if (corners.size() == 4) std::swap(corners[2], corners[3]);
   std::vector<DxfVertex> vertices;
+  vertices.reserve(corners.size());
   for (const Point& corner : corners) vertices.push_back({corner});
   return dxf_outline(vertices, true, dxf_world(dxf, solid));
 }

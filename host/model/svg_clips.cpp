@@ -84,7 +84,7 @@ SvgClips::Region SvgClips::region_of(const xml_node& element, const Frame& frame
   const auto known = known_.find(element.hash_value());
   if (known != known_.end() && known->second.map == own.map) return known->second.region;
   const geometry::Affine map = own.map;
-  Region region = new_region(element, std::move(own), is_mask);
+  Region region = new_region(element, own, is_mask);
   known_[element.hash_value()] = {map, region};
   return region;
 }
@@ -93,7 +93,7 @@ SvgClips::Region SvgClips::new_region(const xml_node& element, Frame frame, bool
   const FilePosition place = document_.position_of(element);
   frame.map = frame.map * svg_transform(svg_value(element, "transform"), frame.units, place);
   frame.box.reset();
-  const Inherited inherited{std::move(frame),
+  const Inherited inherited{frame,
                             svg_value(element, "clip-rule"),
                             {},
                             is_mask,

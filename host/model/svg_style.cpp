@@ -234,13 +234,12 @@ class Cascade {
                           ((value == "revert" || value == "revert-layer") && property.inherited);
     const bool is_initial =
         value == "initial" || value == "unset" || value == "revert" || value == "revert-layer";
-    if (inherits && property.inherited) {
+    const bool is_default = inherits ? property.inherited : is_initial && property.initial.empty();
+    if (is_default) {
       node.remove_attribute(attribute);
     } else if (inherits) {
       const std::string above = node.parent().attribute(property.name.data()).value();
       attribute.set_value(above.c_str());
-    } else if (is_initial && property.initial.empty()) {
-      node.remove_attribute(attribute);
     } else if (is_initial) {
       attribute.set_value(property.initial.data());
     }
