@@ -10,20 +10,15 @@
 
 #include "host/cli/interrupt.hpp"
 #include "host/cli/keyboard.hpp"
+#include "host/cli/live_line.hpp"
 #include "host/cli/progress.hpp"
 #include "host/printable.hpp"
 
 namespace lamplock::cli {
 
-void Console::line(const std::string& text) {
-  fmt::print(out_, "{}\n", printable(text));
-  std::fflush(out_);
-}
+void Console::line(const std::string& text) { LiveLine::print(out_, printable(text) + '\n'); }
 
-void Console::text(const std::string& text) {
-  fmt::print(out_, "{}", text);
-  std::fflush(out_);
-}
+void Console::text(const std::string& text) { LiveLine::print(out_, text); }
 
 void Console::phase(const std::string& name, const std::string& what) {
   const std::chrono::duration<double> taken = Clock::now() - phase_start_;
@@ -31,10 +26,7 @@ void Console::phase(const std::string& name, const std::string& what) {
   restart_clock();
 }
 
-void Console::notice(const std::string& text) {
-  fmt::print(stderr, "{}\n", printable(text));
-  std::fflush(stderr);
-}
+void Console::notice(const std::string& text) { LiveLine::print(stderr, printable(text) + '\n'); }
 
 std::unique_ptr<run::Progress> Console::progress(std::string title, std::size_t total,
                                                  std::size_t first) {
@@ -43,7 +35,13 @@ std::unique_ptr<run::Progress> Console::progress(std::string title, std::size_t 
 
 std::unique_ptr<run::Interrupts> Console::interrupts() { return std::make_unique<Interrupt>(); }
 
-std::unique_ptr<run::LineInput> Console::line_input() { return std::make_unique<Keyboard>(); }
+std::unique_ptr<run::LineInput> Console::line_input() {
+  return std::make_unique<Keyboard>(Keyboard::Beside::progress);
+}
+
+std::unique_ptr<run::LineInput> Console::dialogue_input() {
+  return std::make_unique<Keyboard>(Keyboard::Beside::nothing);
+}
 
 bool Console::can_ask() const { return ::isatty(STDIN_FILENO) == 1; }
 

@@ -31,6 +31,7 @@ class Console : public run::Frontend {
                                           std::size_t first) override;
   std::unique_ptr<run::Interrupts> interrupts() override;
   std::unique_ptr<run::LineInput> line_input() override;
+  std::unique_ptr<run::LineInput> dialogue_input() override;
   bool can_ask() const override;
   bool confirms(const std::string& question) override;
 

@@ -3,22 +3,19 @@
 #include "host/cli/console.hpp"
 #include "host/cli/keyboard.hpp"
 #include "host/cli/raw_terminal.hpp"
+#include "host/printable.hpp"
 #include "shared/units.hpp"
 
-#include <unistd.h>
-
+#include <algorithm>
 #include <array>
 
 namespace lamplock::cli {
 namespace {
 
-using namespace std::chrono_literals;
 using pendant::Mode;
 
-constexpr auto draw_interval = 50ms;
+constexpr int max_decimals = 3;  ///< of a position in mm
 constexpr std::array selector_names{"no axis", "X", "Y", "Z", "A", "B", "C", "feed", "power"};
-/// To the left edge, and clear (ECMA-48: EL).
-constexpr const char* clear_line = "\r\x1b[K";
 
 std::string mode_text(const pendant::Display& display) {
   switch (display.mode) {
@@ -32,44 +29,63 @@ std::string mode_text(const pendant::Display& display) {
   return "";
 }
 
-}  // namespace
-
-std::string jog_line(const pendant::Display& display, const link::BoardStatus& status) {
-  std::string line;
-  const std::size_t axes = std::min(status.position.size(), axis_letters.size());
-  for (std::size_t a = 0; a < axes; ++a)
-    line += fmt::format("{} {:.3f}  ", axis_letters[a], display.work_mm[a]);
-  return line + fmt::format("| {} | {} | {} | feed {} %", status.state, mode_text(display),
-                            selector_names[static_cast<std::size_t>(display.selector)],
-                            display.feed_percent);
+const char* selector_name(const pendant::Display& display) {
+  return selector_names[static_cast<std::size_t>(display.selector)];
 }
 
-JogScreen::JogScreen(Console& console)
-    : console_(console), terminal_(!console.json() && ::isatty(STDOUT_FILENO) == 1) {}
+std::string position_text(const pendant::Display& display, const link::BoardStatus& status,
+                          int decimals) {
+  std::string text;
+  const std::size_t axes = std::min(status.position.size(), axis_letters.size());
+  for (std::size_t a = 0; a < axes; ++a)
+    text += fmt::format("{} {:.{}f}  ", axis_letters[a], display.work_mm[a], decimals);
+  return text;
+}
+
+}  // namespace
+
+std::string jog_line(const pendant::Display& display, const link::BoardStatus& status,
+                     std::size_t columns) {
+  if (status.state.empty()) return "";
+  const std::array last_fields{std::string(), " | " + mode_text(display),
+                               fmt::format(" | {}", selector_name(display)),
+                               fmt::format(" | feed {} %", display.feed_percent)};
+  for (int decimals = max_decimals; decimals >= 0; --decimals) {
+    std::string line = position_text(display, status, decimals) + "| " + printable(status.state);
+    if (line.size() > columns && decimals > 0) continue;
+    for (const std::string& field : last_fields) {
+      if (line.size() + field.size() > columns) break;
+      line += field;
+    }
+    return line.substr(0, columns);
+  }
+  return "";
+}
+
+JogScreen::JogScreen(Console& console) : console_(console) {
+  if (!console.json() && LiveLine::can_show(stdout))
+    line_.emplace(stdout,
+                  [this](std::size_t columns) { return jog_line(display_, status_, columns); });
+}
 
 JogScreen::~JogScreen() {
-  if (terminal_ && !drawn_.empty()) console_.text("\n");
+  if (line_ && !status_.state.empty()) line_->keep();
 }
 
 void JogScreen::show(const pendant::Jogger& jogger) {
   const link::BoardStatus& status = jogger.machine().status;
   if (status.state.empty()) return;
-  if (!terminal_) {
-    if (status.state == state_) return;
-    state_ = status.state;
-    return console_.line(jog_line(jogger.display(), status));
-  }
-  if (Clock::now() - drawn_at_ < draw_interval) return;
-  drawn_at_ = Clock::now();
-  const std::string line = jog_line(jogger.display(), status);
-  if (line == drawn_) return;
-  drawn_ = line;
-  console_.text(clear_line + line);
+  display_ = jogger.display();
+  status_ = status;
+  if (line_) return line_->refresh();
+  if (status.state == state_) return;
+  state_ = status.state;
+  console_.line(jog_line(display_, status, std::string::npos));
 }
 
 void JogScreen::note(const std::string& text) {
-  if (!terminal_) return console_.line(text);
-  console_.text(fmt::format("{}{}\n{}", clear_line, text, drawn_));
+  if (line_) return line_->note(printable(text));
+  console_.line(text);
 }
 
 bool JogScreen::has_keyboard() const { return Keyboard::at_terminal(); }

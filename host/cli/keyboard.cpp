@@ -6,6 +6,7 @@
 #include <array>
 #include <cerrno>
 #include <thread>
+#include <utility>
 
 namespace lamplock::cli {
 namespace {
@@ -13,19 +14,68 @@ namespace {
 /// Limit of one call in bytes: an input that never pauses must not stop the caller's own work.
 constexpr std::size_t max_read = 65536;
 
+constexpr char end_of_input = 4, backspace = 8, erase_line = 21, escape_key = 27;
+constexpr char delete_key = 127;  ///< what most keyboards send for Backspace
+
+/// Further bytes of one character in UTF-8.
+bool is_continuation(unsigned char byte) { return (byte & 0xC0u) == 0x80u; }
+
 }  // namespace
 
-bool Keyboard::at_terminal() {
-  return ::isatty(STDIN_FILENO) == 1 && ::tcgetpgrp(STDIN_FILENO) == ::getpgrp();
+bool KeyLine::take(char key, std::vector<std::string>& lines) {
+  if (take_escape(key)) return true;
+  if (key == '\n' || key == '\r')
+    lines.push_back(std::exchange(text_, {}));
+  else if (key == end_of_input)
+    return !text_.empty();
+  else if (key == erase_line)
+    text_.clear();
+  else if (key == backspace || key == delete_key)
+    text_.resize(text_.empty() ? 0 : text_.size() - 1);
+  else if (const auto byte = static_cast<unsigned char>(key); byte >= ' ' && !is_continuation(byte))
+    text_ += byte < delete_key ? key : '?';
+  return true;
 }
 
+/// Keys like the arrows send ESC [ and more, up to a letter or `~` (ECMA-48: CSI), or ESC O and a
+/// letter.
+bool KeyLine::take_escape(char key) {
+  if (key == escape_key) {
+    escape_ = Escape::begun;
+    return true;
+  }
+  if (escape_ == Escape::none) return false;
+  if (escape_ == Escape::begun)
+    escape_ = key == '[' || key == 'O' ? Escape::inside : Escape::none;
+  else if (key >= '@' && key <= '~')
+    escape_ = Escape::none;
+  return true;
+}
+
+Keyboard::Keyboard(Beside beside) {
+  if (beside == Beside::progress && at_terminal()) quiet_.emplace(QuietTerminal::Reads::keys);
+}
+
+bool Keyboard::at_terminal() { return QuietTerminal::in_foreground(STDIN_FILENO); }
+
 std::vector<std::string> Keyboard::lines(std::chrono::milliseconds wait) {
-  std::vector<std::string> result;
   if (ended_) {
     std::this_thread::sleep_for(wait);
-    return result;
+    return {};
   }
   read_waiting(wait);
+  return quiet_ && QuietTerminal::reads_keys() ? take_keys() : take_lines();
+}
+
+std::vector<std::string> Keyboard::take_keys() {
+  std::vector<std::string> result;
+  for (const char key : std::exchange(typed_, {}))
+    if (!keys_.take(key, result)) ended_ = true;
+  return result;
+}
+
+std::vector<std::string> Keyboard::take_lines() {
+  std::vector<std::string> result;
   std::size_t start = 0;
   for (auto end = typed_.find('\n'); end != std::string::npos; end = typed_.find('\n', start)) {
     result.push_back(typed_.substr(start, end - start));

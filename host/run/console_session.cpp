@@ -60,7 +60,7 @@ void run_script(SupervisedBoard& board, LineInput& input, Frontend& frontend) {
 
 void run_console(const BoardChoice& choice, Frontend& frontend) {
   SupervisedBoard board(choice);
-  const std::unique_ptr<LineInput> input = frontend.line_input();
+  const std::unique_ptr<LineInput> input = frontend.dialogue_input();
   if (input->is_typed())
     run_typed(board, *input, frontend);
   else

@@ -17,6 +17,13 @@
 
 namespace lamplock::run {
 
+/// What a user has to know of a running job beside its progress.
+struct ProgressState {
+  std::string word;   ///< "held", "door open", "stopping"; empty while the machine works
+  std::string speed;  ///< "speed 150 %"; empty at the speed of the job
+  std::string typed;  ///< keys that the user has typed, before Enter
+};
+
 /// The progress of one thing, shown until the object is destroyed.
 class Progress {
  public:
@@ -24,10 +31,11 @@ class Progress {
   virtual void update(std::size_t done) = 0;
   /// Replaces the time left that follows from the pace so far; nullopt: use the pace again.
   virtual void set_left(std::optional<double> seconds) = 0;
+  /// While the machine does not work, its time is not part of the pace; another speed begins
+  /// another pace.
+  virtual void set_state(const ProgressState& state) = 0;
   /// Shows a line that stays.
   virtual void note(const std::string& line) = 0;
-  /// Excludes a time in which the machine waited from the pace.
-  virtual void pause_ended(std::chrono::steady_clock::duration pause) = 0;
 };
 
 /// Requests of the user to end what runs, counted as long as the object exists.
@@ -51,6 +59,8 @@ class LineInput {
   virtual bool ended() const = 0;
   /// A user types the lines; false for a file or a pipe, and in the background.
   virtual bool is_typed() const = 0;
+  /// The line that the user has begun to type, where the input does not show it by itself.
+  virtual std::string begun() const = 0;
 };
 
 /// The user's side of one use case.
@@ -77,7 +87,10 @@ class Frontend {
                                              std::size_t first) = 0;
 
   virtual std::unique_ptr<Interrupts> interrupts() = 0;
+  /// Lines beside a progress.
   virtual std::unique_ptr<LineInput> line_input() = 0;
+  /// Lines of a dialogue, without a progress.
+  virtual std::unique_ptr<LineInput> dialogue_input() = 0;
   /// A user can answer a question.
   virtual bool can_ask() const = 0;
   /// Asks a question that only the word "yes" affirms.

@@ -17,6 +17,7 @@ class SilentFrontend : public run::Frontend {
   }
   std::unique_ptr<run::Interrupts> interrupts() override { return nullptr; }
   std::unique_ptr<run::LineInput> line_input() override { return nullptr; }
+  std::unique_ptr<run::LineInput> dialogue_input() override { return nullptr; }
   bool can_ask() const override { return false; }
   bool confirms(const std::string&) override { return false; }
 };
