@@ -45,9 +45,11 @@ void add_engrave(Command& program) {
       "command with --resume continues after any end, also a power loss, and fires no point "
       "twice.\n"
       "Ctrl-C holds the machine with the laser off; Enter resumes. A second Ctrl-C stops the job.\n"
+      "Without a terminal the first one stops it. SIGTERM and SIGHUP always stop it.\n"
       "In a terminal, a number and Enter sets the job speed in percent; + or - and Enter changes\n"
       "it by one step.\n"
-      "Exit status: 0 done, 1 job failed, 2 bad input, 3 no device, 130 interrupted.");
+      "Exit status: 0 done, 1 job failed, 2 bad input, 3 no device; after a signal: 130 SIGINT\n"
+      "(Ctrl-C), 143 SIGTERM, 129 SIGHUP.");
   const auto options = std::make_shared<EngraveOptions>();
   options->engraving.add(app, true);
   options->engraving.add_save(app);

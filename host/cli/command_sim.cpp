@@ -6,6 +6,7 @@
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/interrupt.hpp"
 #include "host/cli/machine_options.hpp"
 #include "host/cli/validators.hpp"
 #include "host/run/simulate.hpp"
@@ -21,7 +22,8 @@ Exit simulate(const SimOptions& options) {
   Console console(options.json);
   const run::Simulated result = run::simulate(options, console);
   console.document({{"shots", result.shots}, {"flashes", result.flashes}});
-  return Exit::done;
+  // Ctrl-C is the usual end of a simulation.
+  return is_ended_by_signal() ? Exit::interrupted : Exit::done;
 }
 
 }  // namespace

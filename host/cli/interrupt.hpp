@@ -1,12 +1,25 @@
 // Ctrl-C while something runs.
 //
-// In:  SIGINT, SIGTERM, SIGHUP. Out: the number of requests. Who: jobs (one: hold, two: stop),
-// `sim` and `jog` (one: end).
+// In:  SIGINT, SIGTERM, SIGHUP. Out: the number of requests; the exit status that belongs to the
+//      signal. Who: jobs (one: hold, two: stop), `sim` and `jog` (one: end); the main functions.
 #pragma once
 
+#include "host/error.hpp"
 #include "host/run/frontend.hpp"
 
 namespace lamplock::cli {
+
+/// Outside of an Interrupt, SIGINT, SIGTERM and SIGHUP end the program at once, with the status of
+/// the signal and the terminal restored. Called once, at the start. A SIGHUP that is ignored then
+/// (nohup) is ignored for good; SIGINT is not: also a job in the background must be stopped by it.
+void end_at_signals();
+
+/// The exit status of a command that returned `exit`: after an end by a signal, interrupted becomes
+/// the status of the signal, as shells report it: 130 SIGINT, 143 SIGTERM, 129 SIGHUP.
+int status_of(Exit exit);
+
+/// SIGTERM or SIGHUP has come.
+bool is_ended_by_signal();
 
 /// Counts interrupts as long as it lives; before and after, an interrupt ends the program. One at
 /// a time.

@@ -1,5 +1,6 @@
 #include "host/cli/program_main.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,19 +15,24 @@
 #include <vector>
 
 #include "host/cli/command_line.hpp"
+#include "host/cli/interrupt.hpp"
 #include "host/cli/parser.hpp"
 #include "host/error.hpp"
 
 namespace lamplock::cli {
 namespace {
 
-/// Outside jobs there is nothing to hold: Ctrl-C ends the program.
-void leave(int) { ::_exit(static_cast<int>(Exit::interrupted)); }
+/// A standard stream that the caller has closed becomes one that is at its end and refuses output.
+/// Otherwise the next file to be opened, such as the port of a board, would take its number.
+void open_standard_streams() {
+  for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
+    if (::fcntl(descriptor, F_GETFD) < 0 && ::open("/dev/null", O_RDONLY) < 0) return;
+}
 
 /// The terminal may have gone: what cannot be written is left out.
 int fail(const Error& error) {
   std::fputs((std::string(error.what()) + '\n').c_str(), stderr);
-  return static_cast<int>(error.exit());
+  return status_of(error.exit());
 }
 
 /// What was printed may wait in buffers still. A reader that has seen enough is no error to speak
@@ -46,12 +52,13 @@ int check_output(int status) {
 }  // namespace
 
 int program_main(Command& program, int argc, char** argv) {
-  std::signal(SIGINT, leave);
+  open_standard_streams();
+  end_at_signals();
   // A connection that breaks is an error of write(), not the end of the program.
   std::signal(SIGPIPE, SIG_IGN);
   try {
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
-    return check_output(static_cast<int>(run(program, arguments)));
+    return check_output(status_of(run(program, arguments)));
   } catch (const Error& error) {
     return fail(error);
   } catch (const std::bad_alloc&) {

@@ -239,13 +239,31 @@ Page command_page(const cli::Command& app, const Edition& edition) {
 }
 
 /// Exit status of the program (host/error.hpp).
-constexpr std::array<std::pair<const char*, const char*>, 6> exits{
+constexpr std::array<std::pair<const char*, const char*>, 7> exits{
     {{"0", "Done."},
      {"1", "The job failed, or was stopped by the machine or by a line of the computer."},
      {"2", "Bad input or usage: nothing was done."},
      {"3", "No device, or no link to it."},
-     {"130", "Interrupted by the user."},
-     {"143", "Ended by SIGTERM: lamplock chip."}}};
+     {"129", "Ended by SIGHUP: the terminal was closed."},
+     {"130", "Interrupted by SIGINT (Ctrl-C), or not permitted by the user."},
+     {"143", "Ended by SIGTERM."}}};
+
+/// What signals do (host/cli/interrupt.hpp, host/run/job_control.hpp).
+constexpr std::array<std::pair<const char*, const char*>, 4> signals{
+    {{"SIGINT (130)",
+      "Ctrl-C. A job of points or rows: in a terminal the first one holds the machine with the "
+      "laser "
+      "off, Enter resumes, the second one stops. If nobody can type an answer - standard input is "
+      "a "
+      "file, a pipe, /dev/null, closed or at its end, or the program runs in the background - the "
+      "first one stops. A program of G-code: holds, then resets. A simulation (lamplock sim) ends "
+      "with status 0. In lamplock jog the key Ctrl-C quits with status 0."},
+     {"SIGTERM (143)", "Stops at once, with any standard input."},
+     {"SIGHUP (129)",
+      "Stops at once, with any standard input; a program that was started by nohup ignores it."},
+     {"After a stop",
+      "the machine is at rest with the laser off, and the program prints where to continue. If the "
+      "machine does not report that it is at rest, the status is 1."}}};
 
 Page program_page(const cli::Command& program, const Edition& edition) {
   Writer page;
@@ -266,6 +284,12 @@ Page program_page(const cli::Command& program, const Edition& edition) {
   for (const auto& [status, what] : exits) {
     page.request(".TP");
     page.request(bold(status));
+    page.words(what);
+  }
+  page.section("signals");
+  for (const auto& [signal, what] : signals) {
+    page.request(".TP");
+    page.request(bold(signal));
     page.words(what);
   }
   FooterWriter(page).write(program.footer());

@@ -19,6 +19,19 @@ void JobControl::poll() {
   if (asking_ || holding_ || input_->is_typed()) take_input(std::chrono::milliseconds(0));
 }
 
+void JobControl::show_progress() {
+  ProgressState shown = state();
+  shown.typed = input_->begun();
+  progress_.set_state(shown);
+  update_progress();
+}
+
+void JobControl::ask_user(const std::string& question, const std::string& keys) {
+  if (can_answer()) return note(question + "; " + keys);
+  note(question + (input_->ended() ? "; without a terminal only the machine resumes, SIGINT stops"
+                                   : "; a line of the input resumes, SIGINT stops"));
+}
+
 void JobControl::block(const std::string& why) {
   if (stopping_) return;
   const bool is_new = obstacle_ != why;
@@ -38,6 +51,7 @@ void JobControl::end(const std::string& why) {
 /// Simulated time does not pass until the user has answered.
 void JobControl::wait_for_user() {
   while (asking_ && interrupts_->count() < interrupts_to_stop()) {
+    show_progress();
     take_input(input_interval);
     if (asking_ && input_->ended()) return take_end_of_input();
   }

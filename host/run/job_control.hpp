@@ -5,7 +5,8 @@
 // Who: run_job() and run_program(), after every step of the sender.
 //
 // A blank line or `~` resumes after a hold. A file or a pipe is read only while the machine waits
-// for an answer: a script that feeds itself by stdin keeps its lines.
+// for an answer: a script that feeds itself by stdin keeps its lines. An interrupt never waits for
+// an answer of such an input: it stops the machine.
 #pragma once
 
 #include <chrono>
@@ -50,11 +51,11 @@ class JobControl {
  protected:
   using Clock = std::chrono::steady_clock;
 
-  virtual void show_progress() = 0;
+  virtual void update_progress() = 0;
   /// Interrupts since the user resumed last; holds or stops.
   virtual void take_interrupts(int count) = 0;
-  /// So many interrupts end a wait for the user.
-  virtual int interrupts_to_stop() const = 0;
+  /// So many interrupts stop the machine; without a user who can resume, the first one does.
+  virtual int interrupts_to_stop() const { return can_answer() ? 2 : 1; }
   /// Asks the user, or ends the question, by the state of the machine.
   virtual void watch_machine() = 0;
   /// A typed word that is not a resume.
@@ -67,7 +68,12 @@ class JobControl {
 
   void note(const std::string& text) { progress_.note(text); }
   void resume();
-  void stop_by_user() { stopping_ = true; }
+  /// A user can type an answer. An input that is not typed is no user: nobody sees the question.
+  bool can_answer() const { return input_->is_typed() && !input_->ended(); }
+  /// Shows a question, and how to answer it: `keys` by keys of the terminal.
+  void ask_user(const std::string& question, const std::string& keys);
+  /// What the machine does, and its speed, for the progress; empty while it works at full speed.
+  virtual ProgressState state() const = 0;
 
   Progress& progress_;
   Clocking clocking_;
@@ -78,6 +84,7 @@ class JobControl {
   std::string obstacle_{};  ///< why the user cannot resume now
 
  private:
+  void show_progress();
   void wait_for_user();
   void take_input(std::chrono::milliseconds wait);
   void take_line(const std::string& line);

@@ -114,9 +114,9 @@ TEST(JogAtItsEnd, the_machine_rests_and_the_terminal_is_restored) {
                                }},
                               {"Ctrl-C", 0, [](InTerminal& jog) { jog.type("\x03"); }},
                               {"SIGINT", 130, [](InTerminal& jog) { jog.send_signal(SIGINT); }},
-                              {"SIGTERM", 130, [](InTerminal& jog) { jog.send_signal(SIGTERM); }},
-                              {"SIGHUP", 130, [](InTerminal& jog) { jog.send_signal(SIGHUP); }},
-                              {"hangup", 130, [](InTerminal& jog) { jog.hang_up(); }}};
+                              {"SIGTERM", 143, [](InTerminal& jog) { jog.send_signal(SIGTERM); }},
+                              {"SIGHUP", 129, [](InTerminal& jog) { jog.send_signal(SIGHUP); }},
+                              {"hangup", 129, [](InTerminal& jog) { jog.hang_up(); }}};
   for (const End& end : ends) {
     SCOPED_TRACE(end.name);
     const MovingMachine machine;
