@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "firmware/machine/runners/program_horizon.hpp"
 #include "host/error.hpp"
@@ -45,6 +46,7 @@ void LineRun::receive(std::size_t bytes) {
 void LineRun::take(const motion::LineTarget& line) {
   while (work_->inbox().full()) round();
   work_->inbox().push(line);
+  last_line_ = std::max(last_line_, line.line);
 }
 
 void LineRun::finish() {
@@ -54,6 +56,32 @@ void LineRun::finish() {
 void LineRun::dwell(std::uint32_t us) {
   finish();
   now_ += us / us_per_tick;
+  dwelt_ticks_ += us / us_per_tick;
+}
+
+void LineRun::change_speed(std::vector<SpeedChange> changes) {
+  changes_begin_ = ticks_ + dwelt_ticks_;
+  changes_ = std::move(changes);
+}
+
+/// The last change that is due.
+machine::LineOrders LineRun::orders() const {
+  machine::LineOrders orders;
+  const double now_s =
+      static_cast<double>(ticks_ + dwelt_ticks_ - changes_begin_) / ticks_per_second;
+  for (const SpeedChange& change : changes_) {
+    if (change.at_s > now_s) break;
+    orders.feed_percent = change.feed_percent;
+    orders.rapid_percent = change.rapid_percent;
+  }
+  return orders;
+}
+
+void LineRun::note_ends() {
+  StepPosition end{};
+  const std::uint32_t first = work_->first_line(end);
+  line_ends_.resize(std::max<std::size_t>(line_ends_.size(), first == 0 ? last_line_ : first - 1),
+                    ticks_);
 }
 
 /// One round of the main loop: see ProgramRunner::wants_batch() and start_tick().
@@ -62,7 +90,7 @@ void LineRun::round() {
   const std::uint64_t head = now_ + filled_ticks;
   if (work_->drained() || end_ >= head + machine::horizon_ticks) return;
   if (work_->ends_at_rest()) end_ = std::max(end_, head + machine::start_margin_ticks);
-  work_->start({});
+  work_->start(orders());
   while (work_->advance()) {
   }
   for (std::uint32_t i = 0; i < work_->count(); ++i) {
@@ -70,6 +98,7 @@ void LineRun::round() {
     end_ += work_->segment(i).segment.ticks;
   }
   work_->accept();
+  note_ends();
 }
 
 }  // namespace lamplock::program_run

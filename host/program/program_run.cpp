@@ -61,6 +61,8 @@ class Machine {
   /// Motion outside of the work space is only counted, not reported as a problem.
   void pass_outside() { passes_outside_ = true; }
 
+  void change_speed(const std::vector<SpeedChange>& changes) { lines_.change_speed(changes); }
+
   /// A line of the text arrives over the cable.
   void receive(std::size_t bytes) { lines_.receive(bytes); }
 
@@ -261,6 +263,7 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     machine.begin_at(state->machine_e7);
   }
   if (board != nullptr && (state == nullptr || !board->space_known)) machine.pass_outside();
+  if (board != nullptr) machine.change_speed(board->changes);
   const auto run_line = [&](std::string_view line) {
     const program::Fault fault = interpreter.run(line);
     const bool of_arc =

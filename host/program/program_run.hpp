@@ -21,6 +21,7 @@
 
 #include "host/program/board_state.hpp"
 #include "host/program/locked_run.hpp"
+#include "host/program/speed_change.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
 
@@ -74,6 +75,8 @@ ProgramRun run_program(std::string_view text, const settings::Values& values,
 struct OnBoard {
   std::optional<BoardState> state;  ///< empty: unknown, the run begins at machine zero
   bool space_known = false;         ///< the work space is by the board's own settings
+  /// Overrides that the user has changed. The time of points on the beat does not include them.
+  std::vector<SpeedChange> changes{};
 };
 
 /// Runs all lines, also those after M2 and M30, like the board. Motion outside of the work space is

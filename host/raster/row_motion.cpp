@@ -47,10 +47,17 @@ double run_up_mm(const settings::Values& values, double feed_mm_min) {
   return speed / 2 * change_s(rise_of(values), speed / in_units(values, Id::acceleration_x));
 }
 
-double seconds_of(const job::Job& job) {
-  program_run::LineRun run(job.settings);
+namespace {
+
+/// The least feed override of a board.
+constexpr std::uint32_t min_feed_percent = 10;
+
+void run_rows(const job::Job& job, std::uint32_t job_speed, program_run::LineRun& run) {
+  run.change_speed({{0, std::max(job_speed, min_feed_percent), wire::full_job_speed}});
+  std::uint32_t number = 0;
   for (const job::Line& line : job.rows.lines) {
     motion::LineTarget target;
+    target.line = ++number;
     target.steps = line.to.steps;
     target.feed_um_min = line.to.feed_milli;
     target.rapid = !line.to.light;
@@ -58,7 +65,25 @@ double seconds_of(const job::Job& job) {
     run.take(target);
   }
   run.finish();
-  return static_cast<double>(run.ticks()) / ticks_per_second;
+}
+
+double seconds(std::uint64_t ticks) { return static_cast<double>(ticks) / ticks_per_second; }
+
+}  // namespace
+
+double seconds_of(const job::Job& job) {
+  program_run::LineRun run(job.settings);
+  run_rows(job, wire::full_job_speed, run);
+  return seconds(run.ticks());
+}
+
+std::vector<double> line_ends_s(const job::Job& job, std::uint32_t job_speed) {
+  program_run::LineRun run(job.settings);
+  run_rows(job, job_speed, run);
+  std::vector<double> ends;
+  ends.reserve(run.line_ends().size());
+  for (const std::uint64_t ticks : run.line_ends()) ends.push_back(seconds(ticks));
+  return ends;
 }
 
 }  // namespace lamplock::raster

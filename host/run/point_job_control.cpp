@@ -12,7 +12,23 @@ constexpr std::uint32_t job_speed_step = 10;  ///< percent
 
 }  // namespace
 
-void PointJobControl::show_progress() { progress_.update(sender_.points_fired()); }
+void PointJobControl::update_progress() { progress_.update(sender_.points_fired()); }
+
+ProgressState PointJobControl::state() const {
+  ProgressState shown;
+  const wire::MachineState machine = sender_.job_status().state;
+  if (stopping_)
+    shown.word = "stopping";
+  else if (machine == wire::MachineState::door)
+    shown.word = "door open";
+  else if (machine == wire::MachineState::hold)
+    shown.word = "held";
+  else if (holding_)
+    shown.word = "holding";
+  if (sender_.job_speed() != wire::full_job_speed)
+    shown.speed = "speed " + std::to_string(sender_.job_speed()) + " %";
+  return shown;
+}
 
 void PointJobControl::take_interrupts(int count) {
   if (count >= interrupts_to_stop()) return stop();
@@ -39,7 +55,7 @@ void PointJobControl::ask_about_hold() {
   const bool is_new = reason != asked_about_;
   asked_about_ = reason;
   // A button at the machine, or another program, may have resumed.
-  if (asking_ && !holding_ && status.state == wire::MachineState::run) end_question();
+  if (asking_ && !holding_ && status.state == wire::MachineState::run) asking_ = false;
   if (!is_new || asking_) return;
   if (reason == wire::HoldReason::not_made) ask("shot not made, held, laser off");
   if (reason == wire::HoldReason::lamp) ask("lamp does not answer its trigger, held, laser off");
@@ -49,16 +65,9 @@ void PointJobControl::ask_about_hold() {
 
 void PointJobControl::ask(const std::string& why) {
   asking_ = true;
-  asked_at_ = Clock::now();
   // The advice where to continue follows the stop: points that the last status did not count may
   // have been fired since.
-  note(why + "; Enter to resume, Ctrl-C again to stop");
-}
-
-void PointJobControl::end_question() {
-  asking_ = false;
-  if (asked_at_) progress_.pause_ended(Clock::now() - *asked_at_);
-  asked_at_.reset();
+  ask_user(why, "Enter to resume, Ctrl-C again to stop");
 }
 
 void PointJobControl::take_word(const std::string& word) {
@@ -82,7 +91,7 @@ void PointJobControl::change_job_speed(std::uint32_t percent) {
 
 void PointJobControl::resume_machine() {
   interrupts_->forget();
-  end_question();
+  asking_ = false;
   sender_.resume();
 }
 

@@ -1,13 +1,12 @@
 // The user's control of a running job of points or rows.
 //
 // In:  as JobControl; a number is the job speed in percent, + and - change it by a step. The first
-//      Ctrl-C holds, the second one stops.
+//      Ctrl-C holds, the second one stops; without a user who can resume, the first one stops.
 // Out: requests to the job's sender, notes.
 // Who: run_job(), after every step of the sender.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
 #include "host/run/job_control.hpp"
 #include "shared/wire/status.hpp"
@@ -28,9 +27,9 @@ class PointJobControl : public JobControl {
   bool waits_for_user() const override { return holding_ || asking_ || stopping_; }
 
  private:
-  void show_progress() override;
+  void update_progress() override;
+  ProgressState state() const override;
   void take_interrupts(int count) override;
-  int interrupts_to_stop() const override { return 2; }
   void watch_machine() override;
   void take_word(const std::string& word) override;
   void resume_machine() override;
@@ -40,13 +39,11 @@ class PointJobControl : public JobControl {
 
   void ask_about_hold();
   void ask(const std::string& why);
-  void end_question();
   void change_job_speed(std::uint32_t percent);
   void stop();
 
   link::JobSender& sender_;
   wire::HoldReason asked_about_ = wire::HoldReason::none;  ///< of the present hold
-  std::optional<Clock::time_point> asked_at_{};
 };
 
 }  // namespace lamplock::run

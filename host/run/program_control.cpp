@@ -12,6 +12,9 @@ namespace {
 /// Until the door byte is sent again to a board that does not show the door state.
 constexpr std::chrono::milliseconds door_interval{500};
 
+/// Feed overrides of grbl, percent.
+constexpr int feed_step = 10, min_feed_percent = 10, max_feed_percent = 200;
+
 /// Why the machine waits, in words of its user.
 std::string why_it_waits(const link::LineSender& sender) {
   const std::size_t next = sender.next_line();
@@ -23,14 +26,35 @@ std::string why_it_waits(const link::LineSender& sender) {
 
 }  // namespace
 
+/// Time of the machine without waits [s].
+double ProgramControl::run_s() const {
+  auto run = sender_.elapsed() - waited_;
+  if (asking_) run -= sender_.elapsed() - waiting_since_;
+  return std::chrono::duration<double>(run).count();
+}
+
 /// The plan counts the machine's time; that of a simulated machine is not ours.
-void ProgramControl::show_progress() {
-  if (planned_s_ && clocking_ == Clocking::wall) {
-    auto run = sender_.elapsed() - waited_;
-    if (asking_) run -= sender_.elapsed() - waiting_since_;
-    progress_.set_left(std::max(0.0, *planned_s_ - std::chrono::duration<double>(run).count()));
+void ProgramControl::update_progress() {
+  const std::vector<int>& reported = sender_.status().overrides;
+  if (reported.size() > 1 && reported[0] > 0 && reported[1] > 0) {
+    feed_percent_ = reported[0];
+    rapid_percent_ = reported[1];
   }
+  if (clocking_ == Clocking::wall)
+    progress_.set_left(time_.left_s(run_s(), feed_percent_, rapid_percent_));
   progress_.update(sender_.answered());
+}
+
+ProgressState ProgramControl::state() const {
+  ProgressState shown;
+  if (stopping_)
+    shown.word = "stopping";
+  else if (sender_.status().is("Door"))
+    shown.word = "door open";
+  else if (asking_ || sender_.status().is("Hold"))
+    shown.word = sender_.at_pause() ? "pause" : "held";
+  if (feed_percent_ != full_percent) shown.speed = fmt::format("feed {} %", feed_percent_);
+  return shown;
 }
 
 void ProgramControl::take_interrupts(int count) {
@@ -46,7 +70,7 @@ void ProgramControl::watch_machine() {
   asking_ = waits;
   if (waits) {
     waiting_since_ = sender_.elapsed();
-    note(why_it_waits(sender_) + "; Enter resumes, Ctrl-C stops");
+    ask_user(why_it_waits(sender_), "Enter resumes, Ctrl-C stops");
   } else {  // a button at the machine has resumed
     waited_ += sender_.elapsed() - waiting_since_;
     blocked_ = holding_ = !obstacle_.empty();
@@ -76,11 +100,11 @@ void ProgramControl::take_word(const std::string& word) {
       sender_.hold();
       return note("holding");
     case '+':
-      return feed(link::realtime::feed_plus_10, "feed + 10 %");
+      return feed(link::realtime::feed_plus_10, feed_percent_ + feed_step);
     case '-':
-      return feed(link::realtime::feed_minus_10, "feed - 10 %");
+      return feed(link::realtime::feed_minus_10, feed_percent_ - feed_step);
     case '=':
-      return feed(link::realtime::feed_full, "feed 100 %");
+      return feed(link::realtime::feed_full, full_percent);
     default:
       note(
           "! and Enter holds, Enter alone resumes, + - or = and Enter changes the feed; Ctrl-C "
@@ -88,11 +112,11 @@ void ProgramControl::take_word(const std::string& word) {
   }
 }
 
-void ProgramControl::feed(std::uint8_t byte, const std::string& what) {
+/// A board that reports its overrides corrects the value with its next report.
+void ProgramControl::feed(std::uint8_t byte, int percent) {
   sender_.realtime(byte);
-  note(what);
-  planned_s_.reset();  // it holds for the feed of the program
-  progress_.set_left(std::nullopt);
+  feed_percent_ = std::clamp(percent, min_feed_percent, max_feed_percent);
+  note(fmt::format("feed {} %", feed_percent_));
 }
 
 void ProgramControl::resume_machine() {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "host/error.hpp"
 #include "host/estimate/estimate.hpp"
+#include "host/raster/row_motion.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -23,23 +25,79 @@ constexpr std::array of_the_beat{Id::lamp_mode,     Id::lamp_frequency,   Id::q_
 constexpr std::array of_axes{Id::max_rate_x, Id::acceleration_x, Id::speed_jump_x, Id::drive_lag_x,
                              Id::jerk_x};
 
+/// Ends an estimate that is not needed any more.
+struct Cancelled {};
+
 }  // namespace
 
-RemainingTime::RemainingTime(const job::Job& job, std::size_t first, std::uint32_t job_speed)
-    : first_(first) {
-  if (job.is_rows()) return;
+RemainingTime::RemainingTime(job::Job job, std::size_t first, std::uint32_t job_speed)
+    : job_(std::make_shared<const job::Job>(std::move(job))),
+      plan_(plan_of(*job_, first, job_speed, is_cancelled_)) {}
+
+RemainingTime::~RemainingTime() { is_cancelled_ = true; }
+
+/// A job that cannot be planned has no times; its run finds out why.
+RemainingTime::Plan RemainingTime::plan_of(const job::Job& job, std::size_t first,
+                                           std::uint32_t job_speed,
+                                           const std::atomic<bool>& is_cancelled) {
+  try {
+    return job.is_rows() ? plan_rows(job, job_speed)
+                         : plan_points(job, first, job_speed, is_cancelled);
+  } catch (const Error&) {
+  } catch (const Cancelled&) {
+  }
+  return {job_speed, first, {}};
+}
+
+RemainingTime::Plan RemainingTime::plan_points(const job::Job& job, std::size_t first,
+                                               std::uint32_t job_speed,
+                                               const std::atomic<bool>& is_cancelled) {
+  Plan plan{job_speed, first, {}};
   estimate::EstimateOptions options;
   options.first = first;
   options.job_speed = job_speed;
+  options.progress = [&is_cancelled](std::size_t) {
+    if (is_cancelled) throw Cancelled();
+  };
   const estimate::Estimate estimated = estimate::estimate_job(job, options);
-  if (estimated.beats == 0) return;
-  beat_s_ = estimated.time_s / static_cast<double>(estimated.beats);
-  beat_.reserve(job.targets.size() - first);
+  if (estimated.beats == 0) return plan;
+  const double beat_s = estimated.time_s / static_cast<double>(estimated.beats);
+  const auto last = static_cast<double>(estimated.beats - 1);
+  plan.left_s.reserve(job.targets.size() - first);
   std::size_t shots = 0;
   for (std::size_t i = first; i < job.targets.size(); ++i) {
     shots = std::min<std::size_t>(shots + job.targets[i].shots, estimated.beat_of_shot.size());
-    beat_.push_back(shots == 0 ? 0 : estimated.beat_of_shot[shots - 1]);
+    const std::uint32_t beat = shots == 0 ? 0 : estimated.beat_of_shot[shots - 1];
+    plan.left_s.push_back(static_cast<float>((last - beat) * beat_s));
   }
+  return plan;
+}
+
+RemainingTime::Plan RemainingTime::plan_rows(const job::Job& job, std::uint32_t job_speed) {
+  Plan plan{job_speed, 0, {}};
+  const std::vector<double> ends = raster::line_ends_s(job, job_speed);
+  double begin = 0;
+  for (const double end : ends) {
+    plan.left_s.push_back(static_cast<float>(ends.back() - begin));
+    begin = end;
+  }
+  return plan;
+}
+
+std::optional<double> RemainingTime::Plan::at(std::size_t done) const {
+  if (left_s.empty() || done < first) return std::nullopt;
+  return done - first < left_s.size() ? left_s[done - first] : 0.0;
+}
+
+std::optional<double> RemainingTime::left_s(std::size_t done, std::uint32_t job_speed) {
+  if (auto made = next_.take()) plan_ = std::move(*made);
+  const auto left = plan_.at(done);
+  if (!left || plan_.job_speed == job_speed) return left;
+  if (!next_.is_busy())
+    next_.start([this, done, job_speed, job = job_] {
+      return plan_of(*job, std::min(done, job->size() - 1), job_speed, is_cancelled_);
+    });
+  return *left * plan_.job_speed / job_speed;
 }
 
 settings::Values settings_in_job(const job::Job& job, const link::BoardSettings& machine) {
@@ -53,9 +111,7 @@ settings::Values settings_in_job(const job::Job& job, const link::BoardSettings&
   return job::apply_overrides(values, job.header);
 }
 
-RemainingTime remaining_time(const job::Job& job, link::Transport& port, std::size_t first,
-                             std::uint32_t job_speed) {
-  if (job.is_rows()) return {};
+job::Job job_on_machine(const job::Job& job, link::Transport& port) {
   job::Job on_machine = job;
   try {
     link::LinePort lines(port);
@@ -63,13 +119,7 @@ RemainingTime remaining_time(const job::Job& job, link::Transport& port, std::si
   } catch (const Error&) {
     // Whether it is there at all the sender finds out.
   }
-  return {on_machine, first, job_speed};
-}
-
-std::optional<double> RemainingTime::left_s(std::size_t done) const {
-  if (beat_.empty() || done < first_) return std::nullopt;
-  if (done - first_ >= beat_.size()) return 0.0;
-  return static_cast<double>(beat_.back() - beat_[done - first_]) * beat_s_;
+  return on_machine;
 }
 
 }  // namespace lamplock::run

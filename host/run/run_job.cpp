@@ -140,7 +140,7 @@ bool keeps_to_lamp(const job::Job& job) {
 
 /// Runs a job; what goes wrong once it has begun is in the outcome.
 JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
-                const BoardOptions& options, Clocking clocking, const RemainingTime& remaining,
+                const BoardOptions& options, Clocking clocking, RemainingTime& remaining,
                 Frontend& frontend, link::KeptJob* kept = nullptr) {
   link::SenderOptions sending = sender_options(options, clocking);
   if (kept != nullptr) kept->keep(sending);
@@ -159,9 +159,7 @@ JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
   supervisor.begin(prepared.job.header.dry ? gpio::LaserUse::motion : gpio::LaserUse::laser);
   const auto supervise = [&] {
     try {
-      // The estimate does not hold at another speed: the pace so far is used.
-      const bool as_foreseen = sender.job_speed() == options.job_speed;
-      progress.set_left(as_foreseen ? remaining.left_s(sender.points_fired()) : std::nullopt);
+      progress.set_left(remaining.left_s(sender.points_fired(), sender.job_speed()));
       // Before the user is asked what to do: a simulated lamp does not come back.
       if (lamp) lamp->poll(sender, transport.now());
       control.poll();
@@ -271,7 +269,8 @@ JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& option
       virtual_one != nullptr && options.plot.any())
     plot.emplace(options.plot, *virtual_one, prepared.job.header.dry);
   link::SimulatedTransport transport(board);
-  JobOutcome outcome = send(transport, prepared, options, Clocking::lock_step, {}, frontend);
+  RemainingTime unknown;  // the wall clock does not pass as the machine's does
+  JobOutcome outcome = send(transport, prepared, options, Clocking::lock_step, unknown, frontend);
   if (!prepared.job.is_rows()) {
     outcome.run = run_of(prepared, options, outcome.result);
     add_shots(board, outcome.run);
@@ -305,14 +304,15 @@ JobOutcome run_job(const PreparedJob& prepared, const BoardOptions& options,
                 last > options.from
                     ? fmt::format("give a number from {} to {}", options.from + 1, last)
                     : "leave it out");
-  const RemainingTime remaining =
-      port && !prepared.job.header.dry
-          ? remaining_time(prepared.job, *port, options.from, options.job_speed)
-          : RemainingTime();
+  std::optional<RemainingTime> remaining;
+  if (port && !prepared.job.header.dry)
+    remaining.emplace(job_on_machine(prepared.job, *port), options.from, options.job_speed);
+  else
+    remaining.emplace();
   ask_permission(prepared, options, frontend);
   frontend.restart_clock();
   if (!port) return run_simulated(prepared, options, frontend);
-  JobOutcome outcome = send(*port, prepared, options, Clocking::wall, remaining, frontend, kept);
+  JobOutcome outcome = send(*port, prepared, options, Clocking::wall, *remaining, frontend, kept);
   if (!prepared.job.is_rows()) outcome.run = run_of(prepared, options, outcome.result);
   frontend.phase("run", "on " + options.board);
   return outcome;

@@ -21,6 +21,7 @@
 #include "host/run/frontend.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/program_control.hpp"
+#include "host/run/program_time.hpp"
 #include "host/run/supervisor.hpp"
 #include "shared/units.hpp"
 
@@ -37,6 +38,7 @@ struct Program {
   std::string file;
   std::vector<link::ProgramLine> lines;
   std::optional<double> planned_s;
+  ProgramTime::Plan plan;  ///< the same with other overrides; empty if it is not known
 };
 
 /// Refuses options that are for jobs.
@@ -120,22 +122,47 @@ bool homes(const Program& program) {
   });
 }
 
-/// Runs the program as the board will. Returns its time [s]; nothing if a line of it is wrong.
-/// Throws Error(bad_input) at the first line that the board would refuse, unless `ignore_errors`.
-std::optional<double> predict(const Program& program, const link::BoardSettings& settings,
-                              const std::optional<program_run::BoardState>& state,
-                              bool ignore_errors) {
-  if (!ignore_errors) check_board_lines(program);
+/// The program as the board receives it.
+std::string text_of(const Program& program) {
   std::string sent;
   for (const link::ProgramLine& line : program.lines) sent += line.text + "\n";
+  return sent;
+}
+
+/// The time of a run without problems [s]; nothing if it is not known.
+std::optional<double> time_of(const program_run::ProgramRun& run) {
+  const bool timed = run.outside == 0 && (run.locked == 0 || run.beats.seconds > 0);
+  return timed ? std::optional(run.seconds()) : std::nullopt;
+}
+
+/// Plans the program again, with other overrides; those of points on the beat are not planned.
+ProgramTime::Plan plan_of(const Program& program, const link::BoardSettings& settings,
+                          const program_run::OnBoard& board) {
+  return [text = text_of(program), values = settings.values,
+          board](const ProgramTime::Changes& changes) -> std::optional<double> {
+    program_run::OnBoard changed = board;
+    changed.changes = changes;
+    const auto run = program_run::run_on_board(text, values, changed);
+    return run.locked == 0 && run.problems.empty() ? time_of(run) : std::nullopt;
+  };
+}
+
+/// Runs the program as the board will and stores its time and its plan, unless a line of it is
+/// wrong. Throws Error(bad_input) at the first line that the board would refuse, unless
+/// `ignore_errors`.
+void predict(Program& program, const link::BoardSettings& settings,
+             const std::optional<program_run::BoardState>& state, bool ignore_errors) {
+  if (!ignore_errors) check_board_lines(program);
   // Without its state and position, places outside of the work space are left to the board.
   const bool space_known = !homes(program) && knows_space(settings);
-  const auto run = program_run::run_on_board(sent, settings.values, {state, space_known});
+  const program_run::OnBoard board{state, space_known};
+  const auto run = program_run::run_on_board(text_of(program), settings.values, board);
   if (run.problems.empty()) {
-    const bool timed = run.outside == 0 && (run.locked == 0 || run.beats.seconds > 0);
-    return timed ? std::optional(run.seconds()) : std::nullopt;
+    program.planned_s = time_of(run);
+    program.plan = plan_of(program, settings, board);
+    return;
   }
-  if (ignore_errors) return std::nullopt;
+  if (ignore_errors) return;
   const program_run::Problem& problem = run.problems.front();
   const std::size_t at = std::min(problem.line, program.lines.size()) - 1;
   throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, program.lines[at].number),
@@ -181,7 +208,8 @@ Sent send(const Program& program, BoardLink& board, const BoardOptions& options,
   sending.go_on = ignore_errors;
   sending.on_text = [&progress](const std::string& text) { progress->note("machine: " + text); };
   link::LineSender sender(board.port(), program.lines, sending);
-  ProgramControl control(sender, frontend, *progress, board.clocking(), program.planned_s);
+  ProgramTime time(program.planned_s, program.plan);
+  ProgramControl control(sender, frontend, *progress, board.clocking(), time);
   RefusedLines refused(program.file, *progress);
   Supervisor supervisor(options, board.port().transport());
   supervisor.begin(gpio::LaserUse::laser);
@@ -220,7 +248,7 @@ std::string alarm_of(const LineResult& result) {
 bool was_stopped(LineEnd end) { return end == LineEnd::stopped || end == LineEnd::alarm; }
 
 Program read_program(const std::string& file) {
-  Program program{file, link::program_lines(read_file(file), file), {}};
+  Program program{file, link::program_lines(read_file(file), file), {}, {}};
   if (program.lines.empty())
     throw Error(Exit::bad_input, file, "has no line to send", "is this the right file?");
   return program;
@@ -302,7 +330,7 @@ ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
     state = program_run::read_state(board.port(), status,
                                     of_board->values.whole(settings::Id::report_inches) != 0);
   choose_lines(program, options, of_board ? of_board->values : values, state);
-  if (of_board) program.planned_s = predict(program, *of_board, state, asked.ignore_errors);
+  if (of_board) predict(program, *of_board, state, asked.ignore_errors);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
   auto [result, ended_by] = send(program, board, options, asked.ignore_errors, frontend);

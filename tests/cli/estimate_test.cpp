@@ -180,12 +180,12 @@ TEST(RemainingTime, is_of_the_machine_that_runs_the_job) {
   EXPECT_EQ(on_machine.settings.milli(settings::Id::acceleration_x), 500'000);
   EXPECT_EQ(on_machine.settings.milli(settings::Id::max_rate_x),
             job.settings.milli(settings::Id::max_rate_x));
-  const double slow_s = *run::RemainingTime(on_machine, 0, 100).left_s(0);
+  const double slow_s = *run::RemainingTime(on_machine, 0, 100).left_s(0, 100);
   job::set_acceleration(at_home, 0.5);
   job::set_lamp_hz(at_home, 40);
   const job::Job stated = job::make_job(walk(300, 9), at_home, {});
-  EXPECT_NEAR(slow_s, *run::RemainingTime(stated, 0, 100).left_s(0), 1e-9);
-  EXPECT_GT(slow_s, 1.5 * *run::RemainingTime(job, 0, 100).left_s(0));
+  EXPECT_NEAR(slow_s, *run::RemainingTime(stated, 0, 100).left_s(0, 100), 1e-9);
+  EXPECT_GT(slow_s, 1.5 * *run::RemainingTime(job, 0, 100).left_s(0, 100));
   // Settings stated by the job apply on any machine.
   EXPECT_EQ(run::settings_in_job(stated, machine).milli(settings::Id::lamp_frequency), 40'000);
   machine.values.set_milli(settings::Id::lamp_frequency, 200'000);

@@ -1,0 +1,36 @@
+// One computation beside the caller, which must not wait: it keeps a machine busy.
+//
+// In:  a function that uses nothing of the caller. Out: its result, once. Who: times that are left
+//      (remaining_time.hpp, program_time.hpp).
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <future>
+#include <optional>
+#include <utility>
+
+namespace lamplock::run {
+
+/// Its destructor waits for the end of the computation.
+template <class Result>
+class Background {
+ public:
+  /// A computation was begun, and its result not taken.
+  bool is_busy() const { return future_.valid(); }
+  /// Only while it is not busy.
+  void start(std::function<Result()> work) {
+    future_ = std::async(std::launch::async, std::move(work));
+  }
+  /// The result of a computation that has ended. Throws what the computation has thrown.
+  std::optional<Result> take() {
+    if (!is_busy() || future_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+      return std::nullopt;
+    return future_.get();
+  }
+
+ private:
+  std::future<Result> future_;
+};
+
+}  // namespace lamplock::run
