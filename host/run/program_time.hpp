@@ -30,6 +30,8 @@ class ProgramTime {
   ProgramTime(std::optional<double> planned_s, Plan plan)
       : planned_s_(planned_s), plan_(std::move(plan)) {}
 
+  /// The time of another plan is scaled until this ends.
+  bool is_planning() const { return next_.is_busy(); }
   /// Seconds to the end of a program that has run for `run_s`, without its waits, and has these
   /// overrides from now on; nothing where that is not known. Never waits for a plan.
   std::optional<double> left_s(double run_s, int feed_percent, int rapid_percent);

@@ -35,6 +35,8 @@ class RemainingTime {
   RemainingTime(const RemainingTime&) = delete;
   RemainingTime& operator=(const RemainingTime&) = delete;
 
+  /// The time of another plan is scaled until this ends.
+  bool is_planning() const { return next_.is_busy(); }
   /// Seconds from target or line `done` (not done yet) to the end at a job speed in percent;
   /// nothing where that is not known. Never waits for a plan.
   std::optional<double> left_s(std::size_t done, std::uint32_t job_speed);
@@ -54,8 +56,8 @@ class RemainingTime {
   static Plan plan_rows(const job::Job& job, std::uint32_t job_speed);
 
   std::shared_ptr<const job::Job> job_;
+  std::atomic<bool> is_cancelled_{false};  ///< before plan_, whose making reads it
   Plan plan_;
-  std::atomic<bool> is_cancelled_{false};
   Background<Plan> next_;  ///< the last member: it ends before the others
 };
 
