@@ -1,9 +1,11 @@
 #include "host/file.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <fstream>
 
 #include "host/error.hpp"
+#include "host/output_error.hpp"
 
 namespace lamplock {
 
@@ -34,7 +36,7 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
   std::ofstream file(path, std::ios::binary);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
-  if (!file) refuse(path, "cannot be written", "check folder, permissions and free space");
+  if (!file) throw OutputError(path, errno);
 }
 
 std::string lower_extension(const std::filesystem::path& path) {

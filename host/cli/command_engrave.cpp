@@ -24,7 +24,7 @@ Exit engrave(EngraveOptions options) {
   Console console(options.json);
   run::JobRequest request = options.engraving.request();
   request.origin = options.origin;
-  const run::JobOutcome outcome = run::engrave(request, options.board, console);
+  run::JobOutcome outcome = run::engrave(request, options.board, console);
   return finish_job(outcome, options.board, console);
 }
 

@@ -57,7 +57,8 @@ Exit status(const OperateOptions& options) {
 
 Exit pulse(const OperateOptions& options) {
   Console console(options.json);
-  return finish_job(run::fire_test_flashes(options, console), options.board, console);
+  run::JobOutcome outcome = run::fire_test_flashes(options, console);
+  return finish_job(outcome, options.board, console);
 }
 
 /// Adds an operation, with the options of the board.

@@ -38,7 +38,8 @@ Json rows_json(const run::SentJob& sent, const std::string& board) {
           {"starvations", result.status.starvations},
           {"resent", result.resent},
           {"bad_frames", result.bad_frames + result.status.link.bad_frames},
-          {"reconnects", result.reconnects}};
+          {"reconnects", result.reconnects},
+          {"not_written", sent.outcome.lost.names()}};
 }
 
 Json program_json(const run::ProgramOutcome& outcome) {
@@ -49,7 +50,7 @@ Json program_json(const run::ProgramOutcome& outcome) {
   const auto or_null = [](bool there, auto value) { return there ? Json(value) : Json(nullptr); };
   return {
       {"program", outcome.file},
-      {"end", run::end_name(result.end)},
+      {"end", run::end_name(outcome)},
       {"lines", outcome.lines},
       {"answered", result.answered},
       {"last_line", or_null(result.last_line != 0, result.last_line)},
@@ -60,7 +61,8 @@ Json program_json(const run::ProgramOutcome& outcome) {
       {"state", result.status.state},
       {"position", result.status.position},
       {"of_work", result.status.of_work},
-      {"work_offset", result.status.work_offset}};
+      {"work_offset", result.status.work_offset},
+      {"not_written", outcome.lost.names()}};
 }
 
 /// A job contains its machine; of a profile only the lines of the computer are used.
@@ -81,7 +83,7 @@ Exit send_program(const SendOptions& options, Console& console) {
 Exit send_job(const SendOptions& options, Console& console) {
   check_job_options(options.program);
   run::BoardOptions board = options.board;
-  const run::SentJob sent = run::send_job(options.file, board, console);
+  run::SentJob sent = run::send_job(options.file, board, console);
   if (!sent.prepared.job.is_rows()) return finish_job(sent.outcome, board, console);
   console.document(rows_json(sent, board.board));
   return run::judge_end(sent.outcome, board, sent.prepared.job.item(), console);

@@ -21,9 +21,11 @@ struct SimOptions : run::SimOptions {
 Exit simulate(const SimOptions& options) {
   Console console(options.json);
   const run::Simulated result = run::simulate(options, console);
-  console.document({{"shots", result.shots}, {"flashes", result.flashes}});
+  console.document(
+      {{"shots", result.shots}, {"flashes", result.flashes}, {"not_written", result.lost.names()}});
   // Ctrl-C is the usual end of a simulation.
-  return is_ended_by_signal() ? Exit::interrupted : Exit::done;
+  const Exit end = is_ended_by_signal() ? Exit::interrupted : Exit::done;
+  return result.lost.report(end, "the simulation was run", console);
 }
 
 }  // namespace

@@ -7,11 +7,10 @@
 
 namespace lamplock::cli {
 
-Exit finish_job(const run::JobOutcome& outcome, const run::BoardOptions& options,
-                Console& console) {
-  const report::Report report = run::report_job(outcome, options, console);
-  if (console.json()) console.document(job_json(report, outcome));
-  return run::judge_points(outcome, report, options, console);
+Exit finish_job(run::JobOutcome& outcome, const run::BoardOptions& options, Console& console) {
+  run::report_job(outcome, options, console);
+  if (console.json()) console.document(job_json(outcome));
+  return run::judge_points(outcome, options, console);
 }
 
 }  // namespace lamplock::cli

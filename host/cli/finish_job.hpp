@@ -9,6 +9,6 @@
 namespace lamplock::cli {
 
 /// Throws Error for a job that did not end well.
-Exit finish_job(const run::JobOutcome& outcome, const run::BoardOptions& options, Console& console);
+Exit finish_job(run::JobOutcome& outcome, const run::BoardOptions& options, Console& console);
 
 }  // namespace lamplock::cli

@@ -1,20 +1,40 @@
 #include "host/file/staged_file.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <utility>
 
-#include "host/error.hpp"
+#include "host/file/reserved_file.hpp"
+#include "host/output_error.hpp"
 
 namespace lamplock {
 namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& path, const std::string& what) {
-  throw Error(Exit::bad_input, path.string(), what,
-              "give a file name in an existing folder; check permissions and free space");
+/// Free space that an output needs at least: a block of common file systems.
+constexpr off_t trial_bytes = 4096;
+
+/// In a folder such as /tmp only the owner of a file may replace it, although every user may add
+/// files.
+bool is_of_another_user(const fs::path& target, const fs::path& folder) {
+  struct stat file {};
+  struct stat of_folder {};
+  if (::lstat(target.c_str(), &file) != 0 || ::stat(folder.c_str(), &of_folder) != 0) return false;
+  const uid_t user = ::geteuid();
+  return (of_folder.st_mode & S_ISVTX) != 0 && user != 0 && file.st_uid != user &&
+         of_folder.st_uid != user;
+}
+
+void check_parent(const fs::path& target) {
+  std::error_code ignored;
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  if (fs::is_directory(target, ignored)) throw OutputError(target, "is a folder, not a file");
+  if (!fs::is_directory(folder, ignored)) throw OutputError(target, "its folder does not exist");
+  if (is_of_another_user(target, folder)) throw OutputError(target, EPERM);
 }
 
 }  // namespace
@@ -25,19 +45,25 @@ bool is_special(const fs::path& path) {
   return fs::exists(status) && !fs::is_regular_file(status);
 }
 
+fs::path staged_path(const fs::path& target) {
+  // Two runs at a time must not write into each other's file.
+  fs::path staged = target;
+  staged += fmt::format(".{}.part", ::getpid());
+  return staged;
+}
+
 void check_target(const fs::path& target) {
-  std::error_code ignored;
-  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  if (fs::is_directory(target, ignored)) refuse(target, "is a folder, not a file");
-  if (!fs::is_directory(folder, ignored)) refuse(target, "its folder does not exist");
-  if (::access(folder.c_str(), W_OK) != 0 && !is_special(target))
-    refuse(target, "cannot be written");
+  check_parent(target);
+  if (!is_special(target)) {
+    const ReservedFile trial(target, trial_bytes);
+    return;
+  }
+  if (::access(target.c_str(), W_OK) != 0) throw OutputError(target, errno);
 }
 
 StagedFile::StagedFile(fs::path target) : target_(std::move(target)), staged_(target_) {
-  check_target(target_);
-  // Two runs at a time must not write into each other's file.
-  if (!is_special(target_)) staged_ += fmt::format(".{}.part", ::getpid());
+  check_parent(target_);
+  if (!is_special(target_)) staged_ = staged_path(target_);
 }
 
 StagedFile::~StagedFile() {
@@ -49,15 +75,17 @@ void StagedFile::commit() {
   if (staged_ == target_) return;
   std::error_code error;
   fs::rename(staged_, target_, error);
-  if (error) refuse(target_, "cannot be written (" + error.message() + ")");
+  if (error) throw OutputError(target_, error.value());
 }
 
 void write_whole(const fs::path& target, const std::function<void(const fs::path&)>& write) {
   StagedFile file(target);
   try {
     write(file.path());
+  } catch (const OutputError& error) {
+    throw OutputError(target, error.problem());  // the writer's error names the other path
   } catch (const Error&) {
-    refuse(target, "cannot be written");  // the writer's error would name the other path
+    throw OutputError(target, "cannot be written");
   }
   file.commit();
 }

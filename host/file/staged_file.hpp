@@ -32,8 +32,11 @@ class StagedFile {
 /// True for what is there and no file: a device, a pipe, a folder.
 bool is_special(const std::filesystem::path& path);
 
-/// Throws Error(bad_input) unless there is a folder to write `target` in: before hours of work, not
-/// after them.
+/// The name under which this process writes a file before the file is put in its place.
+std::filesystem::path staged_path(const std::filesystem::path& target);
+
+/// Proves that `target` can be written: makes a file of a block beside it and removes it. Throws
+/// Error(bad_input) if that fails: before hours of work, not after them.
 void check_target(const std::filesystem::path& target);
 
 /// Writes a file by `write`, which is given the path to use and throws Error if it cannot.

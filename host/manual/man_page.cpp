@@ -241,9 +241,12 @@ Page command_page(const cli::Command& app, const Edition& edition) {
 /// Exit status of the program (host/error.hpp).
 constexpr std::array<std::pair<const char*, const char*>, 7> exits{
     {{"0", "Done."},
-     {"1", "The job failed, or was stopped by the machine or by a line of the computer."},
-     {"2", "Bad input or usage: nothing was done."},
-     {"3", "No device, or no link to it."},
+     {"1",
+      "The job failed, or was stopped by the machine or by a line of the computer, or an output "
+      "was "
+      "lost. Points may have been fired."},
+     {"2", "Bad input or usage, or an output that cannot be written: nothing was fired."},
+     {"3", "No device, or no link to it: nothing was fired."},
      {"129", "Ended by SIGHUP: the terminal was closed."},
      {"130", "Interrupted by SIGINT (Ctrl-C), or not permitted by the user."},
      {"143", "Ended by SIGTERM."}}};
@@ -252,10 +255,9 @@ constexpr std::array<std::pair<const char*, const char*>, 7> exits{
 constexpr std::array<std::pair<const char*, const char*>, 4> signals{
     {{"SIGINT (130)",
       "Ctrl-C. A job of points or rows: in a terminal the first one holds the machine with the "
-      "laser "
-      "off, Enter resumes, the second one stops. If nobody can type an answer - standard input is "
-      "a "
-      "file, a pipe, /dev/null, closed or at its end, or the program runs in the background - the "
+      "laser off, Enter resumes, the second one stops. Without terminal input - standard input is "
+      "a file, a pipe, /dev/null, closed or at its end, or the program runs in the background - "
+      "the "
       "first one stops. A program of G-code: holds, then resets. A simulation (lamplock sim) ends "
       "with status 0. In lamplock jog the key Ctrl-C quits with status 0."},
      {"SIGTERM (143)", "Stops at once, with any standard input."},

@@ -82,17 +82,28 @@ void write_shots_csv(const JobRun& run, const fs::path& path) {
   write_file(path, text);
 }
 
+const std::vector<ReportFile>& report_files() {
+  static const std::vector<ReportFile> files{
+      {"report.json", [](const Report& report, const JobRun&,
+                         const fs::path& path) { write_file(path, to_json(report)); }},
+      {"shots.csv",
+       [](const Report&, const JobRun& run, const fs::path& path) { write_shots_csv(run, path); },
+       true},
+      {"shots.ply",
+       [](const Report&, const JobRun& run, const fs::path& path) { write_ply(run, path); }, true},
+      {"report.html", write_page},
+      {"cloud.png", [](const Report&, const JobRun& run, const fs::path& path) {
+         write_cloud_picture(path, engraved(run));
+       }}};
+  return files;
+}
+
 void write_report(const Report& report, const JobRun& run, const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) refuse(folder, "cannot be created (" + error.message() + ")", "choose another folder");
-  write_file(folder / "report.json", to_json(report));
-  write_page(report, run, folder / "report.html");
-  if (run.shots_known) {
-    write_shots_csv(run, folder / "shots.csv");
-    write_ply(run, folder / "shots.ply");
-  }
-  write_cloud_picture(folder / "cloud.png", engraved(run));
+  for (const ReportFile& file : report_files())
+    if (run.shots_known || !file.needs_shots) file.write(report, run, folder / file.name);
 }
 
 }  // namespace lamplock::report

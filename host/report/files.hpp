@@ -1,10 +1,12 @@
 // The files of a report.
 //
 // In:  the run of a job. Out: report.json, report.html, shots.csv, shots.ply, cloud.png.
-// Who: the command line after a job.
+// Who: report folders of the use cases (host/run/report_folder.hpp).
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <vector>
 
 #include "host/report/report.hpp"
 
@@ -18,9 +20,20 @@ void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_m
 /// job of the point of each. Throws as the other.
 void write_shots_csv(const JobRun& run, const std::filesystem::path& path);
 
-/// Writes report.json, report.html (page.hpp), shots.csv, shots.ply and cloud.png into `folder`,
-/// which is made if needed. Without known shots there is no shots.csv and no shots.ply, and the
-/// picture shows the ordered points. Throws lamplock::Error if a file cannot be written.
+/// A file of a report.
+struct ReportFile {
+  const char* name;
+  /// Throws lamplock::Error if the file cannot be written.
+  std::function<void(const Report&, const JobRun&, const std::filesystem::path&)> write;
+  bool needs_shots = false;  ///< there is no such file without known shots
+};
+
+/// All files in the order of writing: the numbers first, pictures last. Without known shots the
+/// picture shows the ordered points.
+const std::vector<ReportFile>& report_files();
+
+/// Writes the files into `folder`, which is made if needed. Throws lamplock::Error if one cannot be
+/// written.
 void write_report(const Report& report, const JobRun& run, const std::filesystem::path& folder);
 
 }  // namespace lamplock::report

@@ -2,11 +2,12 @@
 
 #include <png.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
-#include "host/file.hpp"
+#include "host/output_error.hpp"
 #include "host/report/camera.hpp"
 #include "host/report/cloud_light.hpp"
 #include "host/report/glass_scene.hpp"
@@ -117,8 +118,10 @@ void write_png(const std::filesystem::path& path, const std::vector<std::uint8_t
   png.height = static_cast<png_uint_32>(height);
   png.format = PNG_FORMAT_RGB;
   png.flags = PNG_IMAGE_FLAG_FAST;
-  if (png_image_write_to_file(&png, path.c_str(), 0, bytes.data(), 0, nullptr) == 0)
-    refuse(path, std::string("cannot be written (") + png.message + ")", "choose another folder");
+  errno = 0;
+  if (png_image_write_to_file(&png, path.c_str(), 0, bytes.data(), 0, nullptr) != 0) return;
+  if (errno != 0) throw OutputError(path, errno);
+  throw OutputError(path, std::string("cannot be written (") + png.message + ")");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/file.hpp"
+#include "host/file/append_file.hpp"
 
 namespace lamplock::report {
 namespace {
@@ -126,7 +127,10 @@ std::string statistics_line(const Report& report, const std::string& end, const 
   return line_of(values(report, end, date));
 }
 
-void check_statistics(const std::filesystem::path& file) { begun_file(file); }
+void check_statistics(const std::filesystem::path& file) {
+  begun_file(file);
+  check_appendable(file);
+}
 
 void append_statistics(const std::filesystem::path& file, const Report& report,
                        const std::string& end, std::chrono::system_clock::time_point when) {
@@ -138,11 +142,7 @@ void append_statistics(const std::filesystem::path& file, const Report& report,
   else
     fields.resize(begun.columns);
   text += line_of(fields);
-  // One write: several machines may share a file.
-  std::ofstream out(file, std::ios::app | std::ios::binary);
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  out.flush();
-  if (!out) refuse(file, "cannot be written", "choose another file with --statistics");
+  append_whole(file, text);  // several machines may share a file
 }
 
 }  // namespace lamplock::report

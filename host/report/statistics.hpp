@@ -23,7 +23,8 @@ std::string date_text(std::chrono::system_clock::time_point when);
 std::string statistics_names();
 std::string statistics_line(const Report& report, const std::string& end, const std::string& date);
 
-/// Throws lamplock::Error (bad_input) if the file exists and is not a statistics file.
+/// Throws lamplock::Error (bad_input) if the file exists and is not a statistics file, or if it
+/// cannot be written.
 void check_statistics(const std::filesystem::path& file);
 
 /// Appends a job to the file, which is created if necessary. Throws lamplock::Error if it cannot be

@@ -1,6 +1,8 @@
 #include "host/run/board_files.hpp"
 
-#include "host/error.hpp"
+#include <cerrno>
+
+#include "host/output_error.hpp"
 #include "host/report/files.hpp"
 #include "host/report/report.hpp"
 #include "host/units.hpp"
@@ -17,9 +19,7 @@ PinTrace::PinTrace(const std::filesystem::path& file, sim::Board& board)
 void PinTrace::finish() {
   writer_.finish(board_.now());
   stream_.close();
-  if (!stream_)
-    throw Error(Exit::bad_input, file_.target().string(), "cannot be written",
-                "check permissions and free space");
+  if (!stream_) throw OutputError(file_.target(), errno);
   file_.commit();
 }
 

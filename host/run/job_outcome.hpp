@@ -1,21 +1,28 @@
 // What came of a job on a board.
 //
 // In:  the run (run_job.hpp). Out: reports and exit statuses (report_job.hpp), documents of
-// commands.
+// commands. Who: the use cases that run jobs.
 #pragma once
 
 #include <exception>
+#include <memory>
 #include <string>
 
 #include "host/link/job_result.hpp"
 #include "host/report/report.hpp"
+#include "host/run/lost_files.hpp"
+#include "host/run/report_folder.hpp"
 
 namespace lamplock::run {
 
-/// `run` is what a report is made of; empty for rows.
+/// `run` is what `report` is made of; both are empty for rows.
 struct JobOutcome {
   link::JobResult result;
   report::JobRun run;
+  report::Report report;
+  /// Of the report; its numbers are written, the rest is not. Null if no report was requested.
+  std::unique_ptr<ReportFolder> folder{};
+  LostFiles lost{};
   /// Why it ended before its end, if an error was the reason: part of the job was done before.
   std::exception_ptr error{};
   bool is_kept = false;    ///< its progress is in a journal: --resume continues it

@@ -1,14 +1,14 @@
 #include "host/run/report_folder.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/file/staged_file.hpp"
+#include "host/output_error.hpp"
 #include "host/report/files.hpp"
 #include "host/units.hpp"
 
@@ -17,24 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array report_files{"report.json", "report.html", "shots.csv", "shots.ply",
-                                  "cloud.png"};
-
-/// Removes a folder of its own making when it goes.
-class TemporaryFolder {
- public:
-  explicit TemporaryFolder(fs::path path) : path_(std::move(path)) {}
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
+/// More than report.json needs: settings and counters, each by name.
+constexpr std::size_t numbers_bytes = 64 << 10;
 
 template <class T>
 void read_optional(const nlohmann::json& json, const char* key, std::optional<T>& value) {
@@ -92,39 +76,65 @@ report::Report parse(const std::string& text) {
 std::vector<fs::path> files_of_report(const fs::path& folder) {
   std::vector<fs::path> files;
   if (folder.empty()) return files;
-  files.reserve(report_files.size());
-  for (const char* name : report_files) files.push_back(folder / name);
+  for (const report::ReportFile& file : report::report_files()) files.push_back(folder / file.name);
   return files;
 }
 
 void check_report_folder(const fs::path& folder) {
-  // The nearest folder that is there decides about those that will be made in it.
-  std::error_code ignored;
-  fs::path there = fs::absolute(folder, ignored);
-  while (!fs::exists(there, ignored) && there.has_relative_path()) there = there.parent_path();
-  if (!fs::is_directory(there, ignored)) refuse_folder(folder, "is not a folder");
-  if (::access(there.c_str(), W_OK) != 0) refuse_folder(folder, "the folder cannot be written in");
-  for (const char* name : report_files)
-    if (fs::is_directory(folder / name, ignored)) refuse_folder(folder / name, "is a folder");
+  const ReportFolder trial(folder);
+  for (const fs::path& file : files_of_report(folder)) check_target(file);
 }
 
-void write_report_whole(const report::Report& report, const report::JobRun& run,
-                        const fs::path& folder) {
-  // Next to its place, not inside it: a rename must not cross file systems.
-  fs::path whole = folder;
-  if (!whole.has_filename()) whole = whole.parent_path();
-  const TemporaryFolder staged(whole.string() + fmt::format(".{}.part", ::getpid()));
+ReportFolder::ReportFolder(fs::path folder) : folder_(std::move(folder)) {
+  if (!folder_.has_filename()) folder_ = folder_.parent_path();
+  make_folders();
   try {
-    report::write_report(report, run, staged.path());
-    fs::create_directories(folder);
-    for (const char* name : report_files) {
-      if (fs::exists(staged.path() / name))
-        fs::rename(staged.path() / name, folder / name);
-      else
-        fs::remove(folder / name);
-    }
-  } catch (const std::exception&) {
-    refuse_folder(folder, "the report cannot be written");
+    numbers_.emplace(folder_ / report::report_files().front().name, numbers_bytes);
+  } catch (const OutputError& error) {
+    remove_folders();
+    refuse_folder(folder_, error.problem());
+  }
+}
+
+ReportFolder::~ReportFolder() {
+  numbers_.reset();
+  remove_folders();
+}
+
+void ReportFolder::make_folders() {
+  std::error_code error;
+  fs::path there = fs::absolute(folder_, error);
+  for (; !fs::exists(there, error) && there.has_relative_path(); there = there.parent_path())
+    made_.push_back(there);
+  if (!fs::is_directory(there, error)) refuse_folder(folder_, "is not a folder");
+  fs::create_directories(folder_, error);
+  if (!error) return;
+  remove_folders();
+  refuse_folder(folder_, "cannot be made (" + error.message() + ")");
+}
+
+/// Folders with files in them remain.
+void ReportFolder::remove_folders() {
+  std::error_code ignored;
+  for (const fs::path& made : made_) fs::remove(made, ignored);
+}
+
+void ReportFolder::write_numbers(const report::Report& report, LostFiles& lost) {
+  std::error_code ignored;
+  for (const fs::path& file : files_of_report(folder_)) fs::remove(file, ignored);
+  fs::create_directories(folder_, ignored);  // it may be gone since
+  lost.attempt(numbers_->target().string(), [&] { numbers_->write(report::to_json(report)); });
+}
+
+void ReportFolder::write_rest(const report::Report& report, const report::JobRun& run,
+                              LostFiles& lost) const {
+  const auto& files = report::report_files();
+  for (auto file = files.begin() + 1; file != files.end(); ++file) {
+    if (file->needs_shots && !run.shots_known) continue;
+    const fs::path target = folder_ / file->name;
+    lost.attempt(target.string(), [&] {
+      write_whole(target, [&](const fs::path& path) { file->write(report, run, path); });
+    });
   }
 }
 

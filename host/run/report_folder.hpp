@@ -1,25 +1,51 @@
-// A report folder that is whole or not there, and reports read back from it.
+// A report folder, which is proved writable before a job and filled after it, and reports read
+// back.
 //
-// In:  a judged run, or a folder. Out: the folder, or the report. Who: engrave, send, compare.
+// In:  a judged run, or a folder. Out: the folder with its files, or the report. Who: run_job(),
+// report_job(), compare.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
+#include "host/file/reserved_file.hpp"
 #include "host/report/report.hpp"
+#include "host/run/lost_files.hpp"
 
 namespace lamplock::run {
 
 /// The files of a report in a folder; none of no folder ("").
 std::vector<std::filesystem::path> files_of_report(const std::filesystem::path& folder);
 
-/// Throws Error(bad_input) if no report can be written there, before there is one.
+/// Proves that a report can be written there, before there is one, and leaves nothing. Throws
+/// Error(bad_input).
 void check_report_folder(const std::filesystem::path& folder);
 
-/// Writes the files of a report; files of an older report in the folder go. Throws
-/// Error(bad_input).
-void write_report_whole(const report::Report& report, const report::JobRun& run,
-                        const std::filesystem::path& folder);
+/// The folder of a report that will be written once a job has been run. Without write_numbers()
+/// nothing is left of it.
+class ReportFolder {
+ public:
+  /// Makes the folder if needed and reserves space for report.json. Throws Error(bad_input).
+  explicit ReportFolder(std::filesystem::path folder);
+  ~ReportFolder();
+  ReportFolder(const ReportFolder&) = delete;
+  ReportFolder& operator=(const ReportFolder&) = delete;
+
+  /// Writes report.json, once. All files of an older report in the folder go first: files of two
+  /// jobs must not be mixed.
+  void write_numbers(const report::Report& report, LostFiles& lost);
+  /// Writes the other files, each whole or not at all; pictures last.
+  void write_rest(const report::Report& report, const report::JobRun& run, LostFiles& lost) const;
+
+ private:
+  void make_folders();
+  void remove_folders();
+
+  std::filesystem::path folder_;
+  std::vector<std::filesystem::path> made_;  ///< by this object, the innermost one first
+  std::optional<ReservedFile> numbers_;
+};
 
 /// Reads report.json of a folder. Throws Error(bad_input) if it is not there or not ours.
 report::Report read_report(const std::filesystem::path& folder);

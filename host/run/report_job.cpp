@@ -15,13 +15,15 @@ namespace {
 
 using link::JobEnd;
 
-/// A refusal of the machine after the first shot is a failed job, not only bad input.
+/// An error after the first shot is a failed job, whatever it is an error of.
 Exit judge_failure(const std::exception_ptr& error, Frontend& frontend) {
   try {
     std::rethrow_exception(error);
-  } catch (const Error& refusal) {
-    if (refusal.exit() != Exit::bad_input) throw;
-    frontend.notice(refusal.what());
+  } catch (const Error& failure) {
+    const bool says_nothing_was_done =
+        failure.exit() == Exit::bad_input || failure.exit() == Exit::no_device;
+    if (!says_nothing_was_done) throw;
+    frontend.notice(failure.what());
   }
   return Exit::job_failed;
 }
@@ -36,40 +38,9 @@ std::string bound_text(const link::Continuation& rest, const char* item) {
   return fmt::format("first {} not done is {}", item, rest.first);
 }
 
-}  // namespace
-
-report::Report report_job(const JobOutcome& outcome, const BoardOptions& options,
-                          Frontend& frontend) {
-  report::Report report = report::evaluate(outcome.run);
-  if (end_name(outcome) != "done")  // known even if the report cannot be written
-    frontend.say("{}; {}", bound_text(outcome.result.rest, "point"), go_on_text(outcome, "point"));
-  frontend.line("");
-  frontend.text(report::summary(report));
-  if (!options.report.empty()) {
-    frontend.restart_clock();
-    write_report_whole(report, outcome.run, options.report);
-    frontend.line("");
-    frontend.phase("report", options.report);
-  }
-  if (!options.statistics.empty())
-    report::append_statistics(options.statistics, report, end_name(outcome),
-                              std::chrono::system_clock::now());
-  return report;
-}
-
-Exit judge_points(const JobOutcome& outcome, const report::Report& report,
-                  const BoardOptions& options, Frontend& frontend) {
-  const Exit exit = judge_end(outcome, options, "point", frontend);
-  if (exit != Exit::done) return exit;
-  const auto missed = report.missed.value_or(0), doubled = report.doubled.value_or(0);
-  if (missed == 0 && doubled == 0) return Exit::done;
-  throw Error(Exit::job_failed, "job",
-              fmt::format("{} points not fired, {} shots too many", missed, doubled),
-              "do not continue with this glass; please report it with its input");
-}
-
-Exit judge_end(const JobOutcome& outcome, const BoardOptions& options, const char* item,
-               Frontend& frontend) {
+/// The exit status without regard to files.
+Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const char* item,
+                   Frontend& frontend) {
   if (outcome.error) return judge_failure(outcome.error, frontend);
   const link::JobResult& result = outcome.result;
   const std::size_t next = result.rest.first;
@@ -107,6 +78,50 @@ Exit judge_end(const JobOutcome& outcome, const BoardOptions& options, const cha
       break;
   }
   throw Error(Exit::job_failed, options.board, what, remedy + go_on);
+}
+
+}  // namespace
+
+void write_numbers(JobOutcome& outcome, const BoardOptions& options) {
+  outcome.report = report::evaluate(outcome.run);
+  if (outcome.folder) outcome.folder->write_numbers(outcome.report, outcome.lost);
+  if (options.statistics.empty()) return;
+  outcome.lost.attempt(options.statistics, [&] {
+    report::append_statistics(options.statistics, outcome.report, end_name(outcome),
+                              std::chrono::system_clock::now());
+  });
+}
+
+void report_job(JobOutcome& outcome, const BoardOptions& options, Frontend& frontend) {
+  if (end_name(outcome) != "done")
+    frontend.say("{}; {}", bound_text(outcome.result.rest, "point"), go_on_text(outcome, "point"));
+  frontend.line("");
+  frontend.text(report::summary(outcome.report));
+  if (!outcome.folder) return;
+  frontend.restart_clock();
+  outcome.folder->write_rest(outcome.report, outcome.run, outcome.lost);
+  frontend.line("");
+  frontend.phase("report", options.report);
+}
+
+Exit judge_points(const JobOutcome& outcome, const BoardOptions& options, Frontend& frontend) {
+  const Exit exit = judge_end(outcome, options, "point", frontend);
+  if (exit == Exit::interrupted) return exit;
+  const auto missed = outcome.report.missed.value_or(0),
+             doubled = outcome.report.doubled.value_or(0);
+  if (missed == 0 && doubled == 0) return exit;
+  throw Error(Exit::job_failed, "job",
+              fmt::format("{} points not fired, {} shots too many", missed, doubled),
+              "do not continue with this glass; please report it with its input");
+}
+
+Exit judge_end(const JobOutcome& outcome, const BoardOptions& options, const char* item,
+               Frontend& frontend) {
+  const char* const done =
+      outcome.result.status.shots != 0 ? "the job was fired" : "the job was run";
+  const Exit exit = outcome.lost.report(Exit::done, done, frontend);
+  const Exit of_machine = judge_machine(outcome, options, item, frontend);
+  return of_machine == Exit::done ? exit : of_machine;
 }
 
 }  // namespace lamplock::run

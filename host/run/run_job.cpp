@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -22,6 +23,7 @@
 #include "host/run/permission.hpp"
 #include "host/run/point_job_control.hpp"
 #include "host/run/remaining_time.hpp"
+#include "host/run/report_job.hpp"
 #include "host/run/simulated_boards.hpp"
 #include "host/run/supervisor.hpp"
 #include "host/units.hpp"
@@ -115,11 +117,13 @@ link::SenderOptions sender_options(const BoardOptions& options, Clocking clockin
   return sending;
 }
 
-/// The machine has fired, or passed a point of a dry run: there is something to report.
+/// The machine has fired, or passed a point of a dry run, or may have done so after its last
+/// report: there is something to report.
 bool has_begun(const link::JobSender& sender, const BoardOptions& options) {
   const wire::Status& status = sender.job_status();
-  return status.session == sender.session() &&
-         (status.shots != 0 || sender.points_fired() > options.from + options.run_up_lines);
+  if (status.session != sender.session()) return false;
+  return status.shots != 0 || sender.points_fired() > options.from + options.run_up_lines ||
+         !sender.result().rest.settled;
 }
 
 /// The journal is closed whatever has ended the job.
@@ -228,14 +232,16 @@ void add_shots(const sim::Board& board, report::JobRun& run) {
 
 /// The timing table on the frontend, and with the profile in the file that was asked for.
 void report_timing(const sim::BoardTiming& timing, const PreparedJob& prepared,
-                   const BoardOptions& options, Frontend& frontend) {
+                   const BoardOptions& options, JobOutcome& outcome, Frontend& frontend) {
   const sim::Picoseconds delay =
       prepared.job.settings.milli(Id::q_switch_delay) * sim::ps_per_us / 1000;
   const std::string table = sim::timing_text(timing.table(delay));
   frontend.text(table);
   if (options.timing.empty()) return;
-  write_whole(options.timing, [&](const std::filesystem::path& path) {
-    write_file(path, table + "\n" + timing.profile_text());
+  outcome.lost.attempt(options.timing, [&] {
+    write_whole(options.timing, [&](const std::filesystem::path& path) {
+      write_file(path, table + "\n" + timing.profile_text());
+    });
   });
 }
 
@@ -254,8 +260,22 @@ settings::Values machine_of(const job::Job& job) {
   return values;
 }
 
+/// Writes the files that are about the simulated board; what cannot be written is lost.
+void write_board_files(JobOutcome& outcome, const BoardOptions& options, PinTrace* trace,
+                       const std::function<void()>& write_plot) {
+  LostFiles& lost = outcome.lost;
+  if (trace != nullptr) lost.attempt(options.vcd, [trace] { trace->finish(); });
+  if (!options.shots.empty())
+    lost.attempt(options.shots, [&] {
+      write_whole(options.shots, [&outcome](const std::filesystem::path& path) {
+        report::write_shots_csv(outcome.run, path);
+      });
+    });
+  if (write_plot) lost.attempt(options.plot.file, write_plot);
+}
+
 JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& options,
-                         Frontend& frontend) {
+                         std::unique_ptr<ReportFolder> folder, Frontend& frontend) {
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(prepared.job.settings);
   world.drives = options.drives.drives(prepared.job.settings);
@@ -273,18 +293,17 @@ JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& option
   JobOutcome outcome = send(transport, prepared, options, Clocking::lock_step, unknown, frontend);
   if (!prepared.job.is_rows()) {
     outcome.run = run_of(prepared, options, outcome.result);
+    outcome.folder = std::move(folder);
     add_shots(board, outcome.run);
+    write_numbers(outcome, options);
   }
-  if (trace) trace->finish();
-  if (!options.shots.empty())
-    write_whole(options.shots, [&outcome](const std::filesystem::path& path) {
-      report::write_shots_csv(outcome.run, path);
-    });
-  if (plot) plot->write(prepared.job.settings, plot_title(prepared));
+  const auto write_plot = [&] { plot->write(prepared.job.settings, plot_title(prepared)); };
+  write_board_files(outcome, options, trace ? &*trace : nullptr,
+                    plot ? std::function<void()>(write_plot) : nullptr);
   frontend.phase("run", fmt::format("{:.1f} s of machine time on the {} board",
                                     sim::seconds(board.now()), board.name()));
   if (made.timing && !prepared.job.is_rows())
-    report_timing(*made.timing, prepared, options, frontend);
+    report_timing(*made.timing, prepared, options, outcome, frontend);
   return outcome;
 }
 
@@ -310,10 +329,15 @@ JobOutcome run_job(const PreparedJob& prepared, const BoardOptions& options,
   else
     remaining.emplace();
   ask_permission(prepared, options, frontend);
+  auto folder = options.report.empty() ? nullptr : std::make_unique<ReportFolder>(options.report);
   frontend.restart_clock();
-  if (!port) return run_simulated(prepared, options, frontend);
+  if (!port) return run_simulated(prepared, options, std::move(folder), frontend);
   JobOutcome outcome = send(*port, prepared, options, Clocking::wall, *remaining, frontend, kept);
-  if (!prepared.job.is_rows()) outcome.run = run_of(prepared, options, outcome.result);
+  if (!prepared.job.is_rows()) {
+    outcome.run = run_of(prepared, options, outcome.result);
+    outcome.folder = std::move(folder);
+    write_numbers(outcome, options);
+  }
   frontend.phase("run", "on " + options.board);
   return outcome;
 }

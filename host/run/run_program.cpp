@@ -195,14 +195,10 @@ class RefusedLines {
   std::size_t shown_ = 0;
 };
 
-/// A program that was sent to its end, and the line of the computer that has stopped it.
-struct Sent {
-  LineResult result;
-  std::string ended_by;
-};
-
-Sent send(const Program& program, BoardLink& board, const BoardOptions& options, bool ignore_errors,
-          Frontend& frontend) {
+/// Sends the program to its end. Throws Error if an error has ended it before its first line; later
+/// errors are part of the outcome.
+ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions& options,
+                    bool ignore_errors, Frontend& frontend) {
   const std::unique_ptr<Progress> progress = frontend.progress("sending", program.lines.size(), 0);
   link::LineOptions sending;
   sending.go_on = ignore_errors;
@@ -213,7 +209,7 @@ Sent send(const Program& program, BoardLink& board, const BoardOptions& options,
   RefusedLines refused(program.file, *progress);
   Supervisor supervisor(options, board.port().transport());
   supervisor.begin(gpio::LaserUse::laser);
-  while (sender.step()) {
+  const auto supervise = [&] {
     try {
       control.poll();
       supervisor.poll(control, AtDoor::holds);
@@ -221,10 +217,27 @@ Sent send(const Program& program, BoardLink& board, const BoardOptions& options,
     } catch (...) {  // a terminal that has gone must not leave the machine running
       sender.fail(std::current_exception());
     }
+  };
+  ProgramOutcome outcome{program.file, program.lines.size(), program.planned_s};
+  try {
+    while (sender.step()) supervise();
+    supervisor.end();
+    if (ignore_errors) refused.show(sender.errors());
+  } catch (...) {
+    if (sender.result().sent == 0) throw;
+    outcome.error = std::current_exception();
   }
-  supervisor.end();
-  if (ignore_errors) refused.show(sender.errors());
-  return {sender.result(), supervisor.ended_by()};
+  outcome.result = sender.result();
+  outcome.ended_by = supervisor.ended_by();
+  return outcome;
+}
+
+/// Writes the files about a simulated board; what cannot be written is lost.
+void write_files(ProgramOutcome& outcome, PinTrace* trace, const BoardOptions& options,
+                 const sim::Board* board, const settings::Values& values) {
+  if (trace != nullptr) outcome.lost.attempt(options.vcd, [trace] { trace->finish(); });
+  if (!options.shots.empty())
+    outcome.lost.attempt(options.shots, [&] { write_shots(options.shots, *board, values); });
 }
 
 /// How far it came. What the machine has taken is not all done: it plans ahead.
@@ -262,11 +275,23 @@ void choose_lines(Program& program, const BoardOptions& options, const settings:
   if (options.dry) program.lines = program_run::without_laser(program.lines, program.file);
 }
 
-/// Exit status of a program, with a notice if the user has stopped it. Throws Error for every other
-/// end before its last line.
+/// An error after the first line is a failed job, whatever it is an error of.
+Exit judge_failure(const std::exception_ptr& error, const std::string& reach, Frontend& frontend) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const Error& failure) {
+    frontend.notice(failure.what());
+  }
+  frontend.notice(reach);
+  return Exit::job_failed;
+}
+
+/// Exit status of a program without regard to files, with a notice if the user has stopped it.
+/// Throws Error for every other end before its last line.
 Exit judge(const ProgramOutcome& outcome, const std::string& board, Frontend& frontend) {
   const LineResult& result = outcome.result;
   const std::string reach = reach_text(outcome);
+  if (outcome.error) return judge_failure(outcome.error, reach, frontend);
   std::string what, remedy;
   switch (result.end) {
     case LineEnd::done:
@@ -308,16 +333,17 @@ bool is_program(const std::string& file) {
          program_extensions.end();
 }
 
-const char* end_name(link::LineEnd end) {
+const char* end_name(const ProgramOutcome& outcome) {
+  if (outcome.error) return "failed";
   constexpr std::array names{"done", "error",      "stopped",  "alarm",
                              "lost", "unanswered", "restarted"};
-  return names[static_cast<std::size_t>(end)];
+  return names[static_cast<std::size_t>(outcome.result.end)];
 }
 
 ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
                            const ProgramOptions& asked, Frontend& frontend) {
   check_options(options);
-  options.check();
+  options.check(file);
   require_askable(options, frontend);
   Program program = read_program(file);
   const settings::Values values = asked.machine.profile().settings;
@@ -333,20 +359,22 @@ ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
   if (of_board) predict(program, *of_board, state, asked.ignore_errors);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
-  auto [result, ended_by] = send(program, board, options, asked.ignore_errors, frontend);
-  if (trace) trace->finish();
-  if (!options.shots.empty()) write_shots(options.shots, *board.simulated(), values);
-  frontend.say("{:<8}  {} of {} lines in {:.1f} s, at {}", end_name(result.end), result.answered,
-               program.lines.size(), std::chrono::duration<double>(result.elapsed).count(),
+  ProgramOutcome outcome = send(program, board, options, asked.ignore_errors, frontend);
+  write_files(outcome, trace ? &*trace : nullptr, options, board.simulated(), values);
+  const LineResult& result = outcome.result;
+  frontend.say("{:<8}  {} of {} lines in {:.1f} s, at {}", end_name(outcome), result.answered,
+               outcome.lines, std::chrono::duration<double>(result.elapsed).count(),
                place_text(result.status));
-  return {file, program.lines.size(), program.planned_s, std::move(result), std::move(ended_by)};
+  return outcome;
 }
 
 Exit judge_program(const ProgramOutcome& outcome, const std::string& board, Frontend& frontend) {
-  if (!outcome.ended_by.empty() && was_stopped(outcome.result.end))
+  const Exit exit = outcome.lost.report(Exit::done, "the program was run", frontend);
+  if (!outcome.error && !outcome.ended_by.empty() && was_stopped(outcome.result.end))
     throw_stopped(outcome.ended_by, reach_text(outcome),
                   "release it, then unlock the machine with $X or home it with $H");
-  return judge(outcome, board, frontend);
+  const Exit of_machine = judge(outcome, board, frontend);
+  return of_machine == Exit::done ? exit : of_machine;
 }
 
 }  // namespace lamplock::run

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <exception>
 #include <optional>
 #include <string>
 
@@ -13,6 +14,7 @@
 #include "host/link/line_sender.hpp"
 #include "host/run/board_options.hpp"
 #include "host/run/frontend.hpp"
+#include "host/run/lost_files.hpp"
 #include "host/run/machine_options.hpp"
 
 namespace lamplock::run {
@@ -30,20 +32,22 @@ struct ProgramOutcome {
   std::optional<double> planned_s{};
   link::LineResult result{};
   std::string ended_by{};  ///< the line of the computer that stopped it; empty if none did
+  LostFiles lost{};
+  std::exception_ptr error{};  ///< why it ended, after lines were sent, if by an error
 };
 
 /// True for the names that programs of G-code have: .gcode .nc .ngc .gc .tap .cnc
 bool is_program(const std::string& file);
 
-/// The end of a program, for scripts.
-const char* end_name(link::LineEnd end);
+/// The end of a program, for scripts; "failed": by an error of the host.
+const char* end_name(const ProgramOutcome& outcome);
 
 /// Sends it and waits for its end. Throws Error where nothing was sent.
 ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
                            const ProgramOptions& asked, Frontend& frontend);
 
-/// Exit status of a program, with a notice if the user has stopped it. Throws Error for every other
-/// end before its last line.
+/// Exit status of a program, with a notice if the user has stopped it, and for each file that is
+/// lost. Throws Error for every other end before its last line.
 Exit judge_program(const ProgramOutcome& outcome, const std::string& board, Frontend& frontend);
 
 }  // namespace lamplock::run

@@ -131,11 +131,12 @@ Simulated simulate(const SimOptions& options, Frontend& frontend) {
   for (const auto& port : ports.all()) frontend.say("listening on {}", port->address());
   if (!options.seconds) frontend.say("Ctrl-C ends the simulation");
   run_at_wall_pace(board, ports, options, frontend);
-  const Simulated result{board.world().laser().shots().size(), board.world().lamp().flashes()};
+  Simulated result{board.world().laser().shots().size(), board.world().lamp().flashes()};
   frontend.say("{} shots, {} lamp flashes in {:.1f} s", result.shots, result.flashes,
                sim::seconds(board.now()));
-  if (trace) trace->finish();
-  if (!options.shots.empty()) write_shots(options.shots, board, values);
+  if (trace) result.lost.attempt(options.vcd, [&trace] { trace->finish(); });
+  if (!options.shots.empty())
+    result.lost.attempt(options.shots, [&] { write_shots(options.shots, board, values); });
   return result;
 }
 

@@ -11,6 +11,7 @@
 
 #include "host/run/board_options.hpp"
 #include "host/run/frontend.hpp"
+#include "host/run/lost_files.hpp"
 #include "host/run/machine_options.hpp"
 #include "host/run/simulated_boards.hpp"
 
@@ -27,9 +28,11 @@ struct SimOptions {
 struct Simulated {
   std::size_t shots = 0;
   std::int64_t flashes = 0;
+  LostFiles lost{};
 };
 
-/// Throws Error if a port cannot be opened or a file cannot be written.
+/// Throws Error if a port cannot be opened or a file cannot be written. A file that cannot be
+/// written after the simulation is lost.
 Simulated simulate(const SimOptions& options, Frontend& frontend);
 
 }  // namespace lamplock::run
