@@ -23,6 +23,9 @@ void add_console(Command& program) {
   Command& app = program.add_command(
       "console", "Talk to a board in a terminal: send lines and show the replies");
   app.footer(
+      "In a terminal lines can be edited; the arrow keys up and down recall earlier ones; help "
+      "lists\n"
+      "keys and words.\n"
       "Real-time commands are ? ! ~ or the words :status :hold :resume :reset :jogcancel,\n"
       ":feed 100 (+10 -10 +1 -1), :rapid 100 (50 25), :power 100 (+10 -10). In a terminal, a word\n"
       "and Enter acts before lines that were typed earlier but are not sent yet. After a hold "

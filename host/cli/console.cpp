@@ -10,15 +10,26 @@
 
 #include "host/cli/interrupt.hpp"
 #include "host/cli/keyboard.hpp"
+#include "host/cli/line_editor.hpp"
 #include "host/cli/live_line.hpp"
 #include "host/cli/progress.hpp"
 #include "host/printable.hpp"
 
 namespace lamplock::cli {
+namespace {
 
-void Console::line(const std::string& text) { LiveLine::print(out_, printable(text) + '\n'); }
+/// Prints text that ends with a line end, above what is shown at the bottom of the terminal.
+void print(std::FILE* out, const std::string& text) {
+  LineEditor* const editor = LineEditor::shown();
+  if (editor != nullptr && ::isatty(::fileno(out)) == 1) return editor->print(text);
+  LiveLine::print(out, text);
+}
 
-void Console::text(const std::string& text) { LiveLine::print(out_, text); }
+}  // namespace
+
+void Console::line(const std::string& text) { print(out_, printable(text) + '\n'); }
+
+void Console::text(const std::string& text) { print(out_, text); }
 
 void Console::phase(const std::string& name, const std::string& what) {
   const std::chrono::duration<double> taken = Clock::now() - phase_start_;
@@ -26,7 +37,7 @@ void Console::phase(const std::string& name, const std::string& what) {
   restart_clock();
 }
 
-void Console::notice(const std::string& text) { LiveLine::print(stderr, printable(text) + '\n'); }
+void Console::notice(const std::string& text) { print(stderr, printable(text) + '\n'); }
 
 std::unique_ptr<run::Progress> Console::progress(std::string title, std::size_t total,
                                                  std::size_t first) {
@@ -40,6 +51,7 @@ std::unique_ptr<run::LineInput> Console::line_input() {
 }
 
 std::unique_ptr<run::LineInput> Console::dialogue_input() {
+  if (out_ == stdout && LineEditor::can_edit()) return std::make_unique<LineEditor>();
   return std::make_unique<Keyboard>(Keyboard::Beside::nothing);
 }
 

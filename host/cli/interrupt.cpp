@@ -30,7 +30,7 @@ void count_signal(int signal) {
 }
 
 void leave(int signal) {
-  QuietTerminal::restore();
+  QuietTerminal::leave();
   ::_exit(signal_status + signal);
 }
 

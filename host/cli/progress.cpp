@@ -49,8 +49,9 @@ std::pair<std::string, std::string> left_and_end(double seconds, std::time_t now
 /// The fields in their order on the line.
 enum Field : std::size_t { title, bar, percentage, count, state, speed, left, ends, typed, fields };
 
-/// The order in which they are left out.
+/// The order in which they are left out; the time left of a machine that is held can wait.
 constexpr std::array left_out_first{bar, ends, count, speed, left, title, state, typed};
+constexpr std::array left_out_first_at_rest{bar, ends, count, left, speed, title, state, typed};
 
 using FieldTexts = std::array<std::string, fields>;
 
@@ -88,7 +89,7 @@ std::string progress_line(const ProgressFields& shown, std::size_t columns) {
   const std::size_t others = length_of(texts) + frame;
   if (others + min_bar_width <= columns)
     texts[bar] = bar_text(shown.done, shown.total, std::min(max_bar_width, columns - others));
-  for (const Field field : left_out_first)
+  for (const Field field : shown.state.empty() ? left_out_first : left_out_first_at_rest)
     if (length_of(texts) > columns) texts[field].clear();
   std::string line;
   for (const std::string& text : texts) line += text;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <string_view>
 
 namespace lamplock::cli {
 namespace {
@@ -64,6 +65,15 @@ void QuietTerminal::refresh() {
 void QuietTerminal::restore() noexcept {
   if (modes_changed && in_foreground(STDIN_FILENO))
     ::tcsetattr(STDIN_FILENO, TCSANOW, &modes_before);
+}
+
+void QuietTerminal::leave() noexcept {
+  if (!modes_changed || !in_foreground(STDIN_FILENO)) return;
+  // To the first column, and clear from there (ECMA-48: CR, ED).
+  constexpr std::string_view clear_below = "\r\033[J";
+  [[maybe_unused]] const ssize_t written =
+      ::write(STDIN_FILENO, clear_below.data(), clear_below.size());
+  restore();
 }
 
 bool QuietTerminal::in_foreground(int descriptor) {

@@ -24,14 +24,17 @@ class QuietTerminal {
   static bool reads_keys();
   /// Sets the modes again if the shell has changed them while the program was stopped (Ctrl-Z).
   static void refresh();
-  /// Restores the terminal; may be called in a signal handler.
-  static void restore() noexcept;
+  /// Restores the terminal and clears the line that is redrawn; for a signal handler that ends the
+  /// program.
+  static void leave() noexcept;
 
   /// `descriptor` is a terminal, and this program is not in its background: reading would stop the
   /// program there, and its output would disturb another program.
   static bool in_foreground(int descriptor);
 
  private:
+  static void restore() noexcept;
+
   Reads reads_;
 };
 

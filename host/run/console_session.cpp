@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "host/error.hpp"
 #include "host/link/line_console.hpp"
@@ -19,7 +22,44 @@ constexpr std::chrono::milliseconds pace{20};
 /// It is far above what a user pastes, because words after the limit cannot act at once.
 constexpr std::size_t max_queued_lines = 100'000;
 
+constexpr const char* keys_text =
+    "keys: Enter sends, arrows edit and recall lines, Ctrl-D leaves; help lists all";
+
+/// Words in lines of a terminal.
+std::string in_lines(const std::string& words) {
+  constexpr std::size_t max_length = 76;
+  const std::string separator = ", ";
+  std::string text, line;
+  for (std::size_t begin = 0; begin < words.size();) {
+    const std::size_t end = std::min(words.find(separator, begin), words.size());
+    const std::string word = words.substr(begin, end - begin) + (end < words.size() ? "," : "");
+    if (line.size() + word.size() > max_length) text += std::exchange(line, "") + "\n";
+    line += (line.empty() ? "  " : " ") + word;
+    begin = end + separator.size();
+  }
+  return text + line;
+}
+
+std::string help_text() {
+  return fmt::format(
+      "Lines are sent to the board one after the other: G-code, or\n"
+      "  $$ settings   $I version   $G modes   $# offsets   $N startup lines\n"
+      "  $H home       $X unlock    $J=... jog $C check mode\n"
+      "These words act at once, before the lines that wait:\n"
+      "{}\n"
+      "Keys: left, right, Home, End edit the line; up and down recall earlier lines;\n"
+      "  Ctrl-R searches them; Ctrl-U clears the line; Ctrl-D or Ctrl-C leaves.\n",
+      in_lines(link::realtime_words()));
+}
+
+bool is_help(std::string_view line) {
+  const std::size_t begin = line.find_first_not_of(" \t");
+  const std::size_t end = line.find_last_not_of(" \t\r");
+  return begin != std::string_view::npos && line.substr(begin, end + 1 - begin) == "help";
+}
+
 void take_typed(link::LineConsole& talk, Frontend& frontend, const std::string& line) {
+  if (is_help(line)) return frontend.text(help_text());
   try {
     talk.type(line);
   } catch (const Error& error) {
@@ -30,6 +70,7 @@ void take_typed(link::LineConsole& talk, Frontend& frontend, const std::string& 
 void run_typed(SupervisedBoard& board, LineInput& input, Frontend& frontend) {
   link::LineConsole talk(board.link.port(), false,
                          [&frontend](const std::string& text) { frontend.line(text); });
+  frontend.notice(keys_text);
   const auto wait = board.link.simulated() != nullptr ? pace : std::chrono::milliseconds(0);
   while (!input.ended()) {
     if (talk.queued() < max_queued_lines)

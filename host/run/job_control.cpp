@@ -4,10 +4,13 @@ namespace lamplock::run {
 namespace {
 
 constexpr std::chrono::milliseconds input_interval{50};
+/// A simulated job that takes longer can be controlled by keys.
+constexpr std::chrono::milliseconds long_simulation{1000};
 
 }  // namespace
 
 void JobControl::poll() {
+  if (!keys_shown_) show_keys();
   show_progress();
   if (stopping_) return;
   take_interrupts(interrupts_->count());
@@ -17,6 +20,13 @@ void JobControl::poll() {
   if (Clock::now() - polled_at_ < input_interval) return;
   polled_at_ = Clock::now();
   if (asking_ || holding_ || input_->is_typed()) take_input(std::chrono::milliseconds(0));
+}
+
+/// A simulated job is over before a user would press a key, unless it is long.
+void JobControl::show_keys() {
+  if (clocking_ == Clocking::lock_step && Clock::now() - begun_at_ < long_simulation) return;
+  keys_shown_ = true;
+  if (can_answer()) note(keys());
 }
 
 void JobControl::show_progress() {

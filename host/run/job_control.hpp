@@ -68,10 +68,12 @@ class JobControl {
 
   void note(const std::string& text) { progress_.note(text); }
   void resume();
-  /// A user can type an answer. An input that is not typed is no user: nobody sees the question.
+  /// A user can type an answer. An input that is not typed is not a user.
   bool can_answer() const { return input_->is_typed() && !input_->ended(); }
   /// Shows a question, and how to answer it: `keys` by keys of the terminal.
   void ask_user(const std::string& question, const std::string& keys);
+  /// The keys of the terminal, in one line.
+  virtual std::string keys() const = 0;
   /// What the machine does, and its speed, for the progress; empty while it works at full speed.
   virtual ProgressState state() const = 0;
 
@@ -84,6 +86,7 @@ class JobControl {
   std::string obstacle_{};  ///< why the user cannot resume now
 
  private:
+  void show_keys();
   void show_progress();
   void wait_for_user();
   void take_input(std::chrono::milliseconds wait);
@@ -92,6 +95,8 @@ class JobControl {
   std::unique_ptr<LineInput> input_;
   bool ended_ = false;  ///< by end()
   Clock::time_point polled_at_{};
+  Clock::time_point begun_at_ = Clock::now();
+  bool keys_shown_ = false;
 };
 
 }  // namespace lamplock::run

@@ -28,6 +28,7 @@ class PointJobControl : public JobControl {
 
  private:
   void update_progress() override;
+  std::string keys() const override;
   ProgressState state() const override;
   void take_interrupts(int count) override;
   void watch_machine() override;

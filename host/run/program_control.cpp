@@ -45,6 +45,10 @@ void ProgramControl::update_progress() {
   progress_.update(sender_.answered());
 }
 
+std::string ProgramControl::keys() const {
+  return "keys, each with Enter: ! holds, Enter resumes, + - = feed override; Ctrl-C stops";
+}
+
 ProgressState ProgramControl::state() const {
   ProgressState shown;
   if (stopping_)

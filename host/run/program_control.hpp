@@ -30,6 +30,7 @@ class ProgramControl : public JobControl {
   static constexpr int full_percent = 100;
 
   void update_progress() override;
+  std::string keys() const override;
   ProgressState state() const override;
   void take_interrupts(int count) override;
   int interrupts_to_stop() const override { return 1; }

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "tests/cli/program.hpp"
+#include "tests/cli/screen.hpp"
 
 namespace lamplock::cli::test {
 namespace {
@@ -129,6 +130,58 @@ TEST(ConsoleCommand, reports_how_many_pasted_lines_were_not_sent) {
   const Finished left = terminal.finish();
   EXPECT_EQ(left.status, 0);
   EXPECT_THAT(left.out, HasSubstr("typed lines that were not sent: "));
+}
+
+/// What the user sees, without the spaces at line ends.
+std::vector<std::string> seen(InTerminal& terminal, Screen& screen) {
+  screen.write(terminal.watch(300ms));
+  return screen.lines();
+}
+
+TEST(ConsoleCommand, edits_and_recalls_lines_below_the_replies) {
+  Screen screen(80, 30, Screen::Resizing::wraps);
+  InTerminal terminal({"console", "--board", "virtual"});
+  ASSERT_TRUE(terminal.wait_for("> "));
+  terminal.type("$nonsnse");
+  terminal.type("\x1b[D\x1b[D\x1b[De\n");  // left, three times
+  ASSERT_TRUE(terminal.wait_for("error:3 no such $ command"));
+  terminal.type("?\n");
+  ASSERT_TRUE(terminal.wait_for("<Idle|"));
+  terminal.type("\x1b[A\x1b[A");  // up, up
+  const auto lines = seen(terminal, screen);
+  ASSERT_GE(lines.size(), 5u);
+  EXPECT_THAT(lines[0], testing::StartsWith("keys: "));
+  EXPECT_EQ(lines[1], "> $nonsense");
+  EXPECT_THAT(lines[2], HasSubstr("error:3"));
+  EXPECT_EQ(lines[3], "> ?");
+  EXPECT_THAT(lines[4], testing::StartsWith("<Idle|"));
+  EXPECT_EQ(lines.back(), "> $nonsense");
+  terminal.type("\x15help\n");  // Ctrl-U
+  ASSERT_TRUE(terminal.wait_for(":feed"));
+  EXPECT_EQ(seen(terminal, screen).back(), ">");
+  EXPECT_EQ(screen.unknown(), "");
+  terminal.type("\x04");
+  EXPECT_EQ(terminal.finish().status, 0);
+}
+
+/// Replies of a moving machine arrive while the user types.
+TEST(ConsoleCommand, replies_do_not_disturb_the_line_that_is_typed) {
+  Screen screen(40, 30, Screen::Resizing::wraps);
+  ConsoleToPort console;
+  InTerminal& terminal = console.terminal;
+  terminal.resize(40);
+  ASSERT_TRUE(terminal.wait_for("> "));
+  terminal.type("G1 X1 F60\nG1 X2\nG1 X0\n");
+  std::string typed = "(a line that is longer than the terminal is wide) ";
+  terminal.type(typed);
+  for (int i = 0; i < 4; ++i) {
+    screen.write(terminal.watch(150ms));
+    terminal.type("?");
+    typed += "?";
+  }
+  EXPECT_EQ(seen(terminal, screen).back(), "> " + typed);
+  terminal.type("\x03");
+  EXPECT_EQ(terminal.finish().status, 130);
 }
 
 /// A simulated machine that homes has its switches at the places of its settings.

@@ -161,7 +161,7 @@ TEST(ProgressLine, leaves_out_fields_where_columns_are_few) {
   EXPECT_EQ(progress_line(fields, 79),
             "engraving  31 %, 2123 of 6773, held, speed 150 %, 3:12 left, ends 15:42 > 20");
   EXPECT_EQ(progress_line(fields, 59), "engraving  31 %, held, speed 150 %, 3:12 left > 20");
-  EXPECT_EQ(progress_line(fields, 39), "engraving  31 %, held, 3:12 left > 20");
+  EXPECT_EQ(progress_line(fields, 39), "engraving  31 %, held, speed 150 % > 20");
   EXPECT_EQ(progress_line(fields, 5), "  31 ");
   fields.state = fields.typed = "";
   EXPECT_EQ(progress_line(fields, 39), "engraving  31 %, speed 150 %, 3:12 left");

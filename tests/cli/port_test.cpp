@@ -194,7 +194,7 @@ TEST(Port, held_by_its_user_during_a_hold_of_a_second) {
   EXPECT_EQ(sim.finish().status, 0);
 }
 
-/// Without a terminal nobody can resume: the first interrupt stops.
+/// Without a terminal the job cannot be resumed: the first interrupt stops it.
 TEST(Port, interrupted_and_continued) {
   const Folder folder;
   const auto points = walk(400, 4, 0.05);

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <pty.h>
+#include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -31,6 +32,8 @@ struct Words {
   std::vector<std::string> texts{LAMPLOCK_PROGRAM};
   std::vector<char*> argv;
 };
+
+constexpr unsigned short terminal_rows = 30;
 
 int exit_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
 
@@ -125,8 +128,10 @@ InTerminal::InTerminal(const std::vector<std::string>& arguments, const termios&
 
 void InTerminal::start(const std::vector<std::string>& arguments, const termios* modes) {
   const Words words(arguments);
-  process_ = ::forkpty(&terminal_, nullptr, modes, nullptr);
+  const winsize size{terminal_rows, 80, 0, 0};
+  process_ = ::forkpty(&terminal_, nullptr, modes, &size);
   if (process_ != 0) return;
+  ::setenv("TERM", "xterm", 1);
   ::execv(LAMPLOCK_PROGRAM, words.argv.data());
   ::_exit(127);
 }
@@ -164,8 +169,33 @@ bool InTerminal::wait_for(const std::string& text) {
   return false;
 }
 
-void InTerminal::type(const std::string& text) const {
-  if (::write(terminal_, text.data(), text.size()) < 0) ::kill(process_, SIGKILL);
+/// A terminal takes no more keys while its buffers are full.
+void InTerminal::type(const std::string& text) {
+  std::size_t written = 0;
+  while (written < text.size()) {
+    pollfd watched{terminal_, POLLIN | POLLOUT, 0};
+    ::poll(&watched, 1, -1);
+    if ((watched.revents & POLLIN) != 0 && !read_more(0)) return;
+    if ((watched.revents & POLLOUT) == 0) continue;
+    constexpr std::size_t piece = 256;
+    const ssize_t count =
+        ::write(terminal_, text.data() + written, std::min(piece, text.size() - written));
+    if (count < 0) return;
+    written += static_cast<std::size_t>(count);
+  }
+}
+
+std::string InTerminal::watch(std::chrono::milliseconds time) {
+  const auto until = std::chrono::steady_clock::now() + time;
+  while (std::chrono::steady_clock::now() < until && read_more(5)) continue;
+  const std::string shown = shown_.substr(watched_);
+  watched_ = shown_.size();
+  return shown;
+}
+
+void InTerminal::resize(unsigned short columns) const {
+  const winsize size{terminal_rows, columns, 0, 0};
+  ::ioctl(terminal_, TIOCSWINSZ, &size);
 }
 
 void InTerminal::send_signal(int signal) const { ::kill(process_, signal); }

@@ -7,6 +7,7 @@
 #include <sys/types.h>
 #include <termios.h>
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -74,7 +75,12 @@ class InTerminal {
 
   /// Waits until this appears after the last text waited for; false after some seconds.
   bool wait_for(const std::string& text);
-  void type(const std::string& text) const;
+  /// Types all of it; the program may write meanwhile.
+  void type(const std::string& text);
+  /// Reads for this time. Returns all that was shown since the last call.
+  std::string watch(std::chrono::milliseconds time);
+  /// The width of the terminal; 80 columns at the start.
+  void resize(unsigned short columns) const;
   void send_signal(int signal) const;
   /// Closes the terminal, as a closed window or a cut line does.
   void hang_up();
@@ -91,6 +97,7 @@ class InTerminal {
   pid_t process_ = -1;
   std::string shown_;
   std::size_t seen_ = 0;
+  std::size_t watched_ = 0;
 };
 
 /// Runs the program to its end.

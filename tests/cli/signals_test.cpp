@@ -92,7 +92,7 @@ std::vector<std::string> long_job(const Folder& folder) {
   return {"engrave", list, "--pause-every", "1", "--pause-beats", "15000", "--hold-at", "1"};
 }
 
-TEST(Signals, stop_a_job_at_once_where_nobody_can_resume) {
+TEST(Signals, stop_a_job_at_once_without_terminal_input) {
   const Folder folder;
   const auto job = long_job(folder);
   for (const int signal : ending_signals)
@@ -124,7 +124,7 @@ TEST(Signals, hold_only_by_ctrl_c_in_a_terminal) {
   const Finished stopped = held.finish();
   EXPECT_EQ(stopped.status, 130);
   EXPECT_THAT(stopped.out, HasSubstr("--from "));
-  // Ctrl-D: nobody can resume any more.
+  // Ctrl-D ends the input: the job cannot be resumed any more.
   InTerminal left(job);
   ASSERT_TRUE(left.wait_for("engraving"));
   left.type("\x04");
@@ -152,11 +152,14 @@ TEST(Signals, end_other_commands_with_the_same_statuses) {
   }
 }
 
-/// A closed standard input must not become the number of the first file that is opened.
+/// A closed standard input must not become the number of the port, which is a terminal too.
 TEST(Signals, a_closed_input_is_an_input_at_its_end) {
   const Folder folder;
   const std::string list = folder.write("p.xyz", xyz(walk(20, 4, 0.05)));
-  WithInput engrave({"engrave", list, "--report", folder / "report"}, Input::closed);
+  Running sim({"sim", "--pty", folder / "port", "--lamp", "200"});
+  ASSERT_TRUE(sim.wait_for("Ctrl-C"));
+  WithInput engrave({"engrave", list, "--lamp", "200", "--board", folder / "port", "--yes"},
+                    Input::closed);
   EXPECT_EQ(engrave.end_by(0), 0) << engrave.output();
 }
 

@@ -55,8 +55,8 @@ TEST(Usage, version_with_verbose_has_the_build) {
   EXPECT_THAT(finished.out, HasSubstr(fmt::format("\nprotocol  {}\n", wire::protocol_version)));
   EXPECT_THAT(finished.out, HasSubstr("\nboard     rp2040: "));
   for (const char* library :
-       {"Boost", "CLI11", "fmt", "hidapi-hidraw", "libgpiod", "libpng", "libusb-1.0", "libzip",
-        "nanoflann", "nlohmann_json", "pugixml", "stb", "tomlplusplus"})
+       {"Boost", "CLI11", "fmt", "hidapi-hidraw", "libedit", "libgpiod", "libpng", "libusb-1.0",
+        "libzip", "nanoflann", "nlohmann_json", "pugixml", "stb", "tomlplusplus"})
     EXPECT_THAT(finished.out,
                 testing::ContainsRegex(fmt::format("\nlibrary   {} [0-9.]+\n", library)));
 }

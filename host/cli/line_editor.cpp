@@ -1,0 +1,132 @@
+#include "host/cli/line_editor.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "host/cli/live_line.hpp"
+#include "host/error.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+constexpr std::string_view prompt = "> ";
+constexpr int history_lines = 500;
+/// Limit of one call: an input that never pauses must not stop the caller's own work.
+constexpr int max_keys = 4096;
+
+LineEditor* shown_editor = nullptr;
+
+/// libedit does not change the text.
+char* prompt_text(EditLine*) {
+  static std::string text(prompt);
+  return text.data();
+}
+
+}  // namespace
+
+LineEditor::LineEditor()
+    : history_(history_init()),
+      editor_(el_init("lamplock", stdin, stdout, stderr)),
+      columns_(columns_of(stdout)) {
+  if (!editor_ || !history_)
+    throw Error(Exit::job_failed, "terminal", "cannot be used for editing lines",
+                "set TERM=dumb to type without editing");
+  HistEvent event;
+  ::history(history_.get(), &event, H_SETSIZE, history_lines);
+  ::history(history_.get(), &event, H_SETUNIQUE, 1);
+  el_set(editor_.get(), EL_PROMPT, &prompt_text);
+  el_set(editor_.get(), EL_EDITOR, "emacs");
+  el_set(editor_.get(), EL_HIST, &::history, history_.get());
+  shown_editor = this;
+  begin_line();
+}
+
+LineEditor::~LineEditor() {
+  shown_editor = nullptr;
+  erase_line();
+  el_set(editor_.get(), EL_UNBUFFERED, 0);
+}
+
+bool LineEditor::can_edit() {
+  return LiveLine::can_show(stdout) && QuietTerminal::in_foreground(STDIN_FILENO);
+}
+
+LineEditor* LineEditor::shown() { return shown_editor; }
+
+std::vector<std::string> LineEditor::lines(std::chrono::milliseconds wait) {
+  std::vector<std::string> result;
+  follow_terminal();
+  pollfd watched{STDIN_FILENO, POLLIN, 0};
+  int timeout = static_cast<int>(wait.count());
+  for (int keys = 0; !ended_ && keys<max_keys&& ::poll(&watched, 1, timeout)> 0; ++keys) {
+    if ((watched.revents & POLLIN) == 0 || (watched.revents & POLLHUP) != 0)
+      ended_ = true;  // the terminal has gone
+    else
+      take_key(result);
+    timeout = 0;
+  }
+  return result;
+}
+
+/// The width may have changed, and a shell may have reset the modes while the program was stopped.
+void LineEditor::follow_terminal() {
+  termios present{};
+  const bool was_reset = ::tcgetattr(STDIN_FILENO, &present) == 0 &&
+                         (present.c_lflag & static_cast<tcflag_t>(ICANON)) != 0;
+  if (was_reset && QuietTerminal::in_foreground(STDIN_FILENO)) {
+    el_set(editor_.get(), EL_UNBUFFERED, 0);
+    begin_line();
+  }
+  const std::size_t columns = columns_of(stdout);
+  if (columns == columns_) return;
+  erase_line();
+  columns_ = columns;
+  el_resize(editor_.get());
+  el_set(editor_.get(), EL_REFRESH);
+}
+
+void LineEditor::print(const std::string& text) {
+  erase_line();
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  el_set(editor_.get(), EL_REFRESH);
+  std::fflush(stdout);
+}
+
+/// To the begin of the line, which may have several rows, and clear from there (ECMA-48: CUU, ED).
+void LineEditor::erase_line() {
+  const LineInfo* const line = el_line(editor_.get());
+  const std::size_t cursor = prompt.size() + static_cast<std::size_t>(line->cursor - line->buffer);
+  if (const std::size_t rows = cursor / columns_; rows > 0) fmt::print("\033[{}A", rows);
+  std::fputs("\r\033[J", stdout);
+  std::fflush(stdout);
+}
+
+/// libedit takes one key at each call; a line is complete at its end.
+void LineEditor::take_key(std::vector<std::string>& lines) {
+  int size = 0;
+  const char* const text = el_gets(editor_.get(), &size);
+  if (text == nullptr) {
+    // -1: the key has left the line empty, or nothing could be read.
+    ended_ = size == 0;
+    return;
+  }
+  std::string line(text, static_cast<std::size_t>(size));
+  if (line.back() != '\n' && line.back() != '\r') return;
+  line.pop_back();
+  if (!line.empty()) {
+    HistEvent event;
+    ::history(history_.get(), &event, H_ENTER, line.c_str());
+  }
+  lines.push_back(line);
+  el_set(editor_.get(), EL_UNBUFFERED, 0);
+  begin_line();
+}
+
+/// Shows the prompt, and reads key by key from now on.
+void LineEditor::begin_line() { el_set(editor_.get(), EL_UNBUFFERED, 1); }
+
+}  // namespace lamplock::cli
