@@ -13,6 +13,7 @@
 #include "host/cli/line_editor.hpp"
 #include "host/cli/live_line.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/standard_streams.hpp"
 #include "host/printable.hpp"
 
 namespace lamplock::cli {
@@ -58,8 +59,7 @@ std::unique_ptr<run::LineInput> Console::dialogue_input() {
 bool Console::can_ask() const { return ::isatty(STDIN_FILENO) == 1; }
 
 bool Console::confirms(const std::string& question) {
-  fmt::print(stderr, "{}", question);
-  std::fflush(stderr);
+  write_text(stderr, question);
   std::string answer;
   return std::getline(std::cin, answer) && answer == "yes";
 }
@@ -67,7 +67,7 @@ bool Console::confirms(const std::string& question) {
 void Console::document(const Json& json) {
   if (!json_) return;
   // A file name need not be valid UTF-8.
-  fmt::print(stdout, "{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  write_text(stdout, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace lamplock::cli

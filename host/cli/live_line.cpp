@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "host/cli/quiet_terminal.hpp"
+#include "host/cli/standard_streams.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -76,8 +77,7 @@ void LiveLine::print(std::FILE* out, const std::string& text) {
     shown_line->waiting_ += text;
     return shown_line->refresh();
   }
-  std::fwrite(text.data(), 1, text.size(), out);
-  std::fflush(out);
+  write_text(out, text);
 }
 
 bool LiveLine::is_due() const { return now_() - drawn_at_ >= redraw_interval; }

@@ -1,0 +1,195 @@
+// Outputs that cannot be written: before the first shot nothing is done, after it the exit status
+// never says so.
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/inputs.hpp"
+#include "tests/cli/program.hpp"
+#include "tests/cli/run_json.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::cli::test::outputs {
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+using OptionsAndFiles = std::vector<std::pair<std::string, std::string>>;
+using testing::HasSubstr;
+using testing::Not;
+
+/// Files that programs started meanwhile can write grow to this size only, as on a full disk.
+class SizeLimit {
+ public:
+  explicit SizeLimit(rlim_t bytes) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~SizeLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  SizeLimit(const SizeLimit&) = delete;
+  SizeLimit& operator=(const SizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+class Outputs : public testing::Test {
+ protected:
+  Outputs() {
+    list_ = folder_.write("p.xyz", xyz(walk(60, 1)));
+    fs::create_symlink("/dev/full", folder_ / "full.svg");
+  }
+  /// Options and files in a folder.
+  static OptionsAndFiles files_in(const std::string& folder) {
+    return {{"--report", folder + "/new/report"},
+            {"--statistics", folder + "/jobs.csv"},
+            {"--vcd", folder + "/v.vcd"},
+            {"--shots", folder + "/s.csv"},
+            {"--plot", folder + "/m.svg"}};
+  }
+  Finished engrave(const Arguments& more) const {
+    Arguments all{"engrave", list_};
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all);
+  }
+
+  Folder folder_;
+  std::string list_;
+};
+
+TEST_F(Outputs, AreProvedWritableBeforeTheFirstShot) {
+  const auto before = folder_.files();
+  for (const auto& [option, file] : files_in("/proc")) {
+    const Finished refused = engrave({option, file});
+    EXPECT_EQ(refused.status, 2) << option;
+    EXPECT_THAT(refused.err, testing::MatchesRegex("error: /proc/[^\n]+; [^\n]+\n"));
+    EXPECT_EQ(refused.out, "") << "work was done before the refusal of " << option;
+  }
+  for (const auto& [option, file] : files_in(folder_.path())) {
+    const SizeLimit full(0);
+    EXPECT_EQ(engrave({option, file}).status, 2) << option;
+    EXPECT_EQ(folder_.files(), before) << option;
+  }
+}
+
+TEST_F(Outputs, ThatAreLostAfterTheShotsGiveOne) {
+  for (const auto& [option, file] : OptionsAndFiles{{"--statistics", "/dev/full"},
+                                                    {"--vcd", "/dev/full"},
+                                                    {"--shots", "/dev/full"},
+                                                    {"--plot", folder_ / "full.svg"}}) {
+    const Finished fired = engrave({option, file, "--json"});
+    EXPECT_EQ(fired.status, 1) << option;
+    EXPECT_THAT(fired.err, HasSubstr("error: " + file + ": the job was fired, but this file "));
+    EXPECT_THAT(fired.err, HasSubstr("do not run it a second time"));
+    const Json json = Json::parse(fired.out, nullptr, false);
+    EXPECT_EQ(json["end"], "done");
+    EXPECT_EQ(json["points_fired"], 60);
+    EXPECT_EQ(json["not_written"], Json::array({file}));
+  }
+}
+
+/// The disk is full after some kilobytes: the files that fit are whole, the others are not there.
+TEST_F(Outputs, ThatAreTooLargeAreMissingAsAWhole) {
+  constexpr std::size_t limit = 90'000;
+  list_ = folder_.write("many.xyz", xyz(walk(2000, 1)));
+  fs::create_directory(folder_ / "report");
+  std::ofstream(folder_ / "report/cloud.png") << "of an older job";
+  {
+    const SizeLimit full(limit);
+    const Finished fired = engrave({"--report", folder_ / "report", "--json"});
+    EXPECT_EQ(fired.status, 1);
+    EXPECT_THAT(fired.err, HasSubstr("report/cloud.png: the job was fired, but this file cannot be "
+                                     "written (File too large)"));
+    EXPECT_EQ(Json::parse(fired.out, nullptr, false)["not_written"].size(), 3u);
+  }
+  EXPECT_EQ(Folder::files(folder_ / "report"), (Arguments{"report.json", "shots.ply"}));
+  EXPECT_EQ(Json::parse(read(folder_ / "report/report.json"))["points_fired"], 2000);
+  EXPECT_GT(read(folder_ / "report/shots.ply").size(), 2000u * 17);
+}
+
+TEST_F(Outputs, OfProgramsAndSimulations) {
+  const std::string program = folder_.write("p.ngc", "G21 G91\nG1 X1 F6000\nM2\n");
+  for (const std::string option : {"--vcd", "--shots"}) {
+    const Finished sent = run({"send", program, option, "/dev/full", "--json"});
+    EXPECT_EQ(sent.status, 1) << sent.err;
+    EXPECT_THAT(sent.err, HasSubstr("error: /dev/full: the program was run, but"));
+    EXPECT_EQ(Json::parse(sent.out, nullptr, false)["not_written"], Json::array({"/dev/full"}));
+    EXPECT_EQ(run({"send", program, option, "/proc/x.csv"}).status, 2);
+    const std::string before = read(program);
+    EXPECT_EQ(run({"send", program, option, program}).status, 2);
+    EXPECT_EQ(read(program), before);
+    const Finished simulated =
+        run({"sim", "--pty", folder_ / "pty", "--seconds", "0.02", option, "/dev/full"});
+    EXPECT_EQ(simulated.status, 1);
+    EXPECT_THAT(simulated.err, HasSubstr("error: /dev/full: the simulation was run, but"));
+  }
+}
+
+/// Runs the program in a shell, which redirects. Returns the exit status.
+int status_in_shell(const std::string& arguments, const std::string& redirections) {
+  const std::string line = LAMPLOCK_PROGRAM + (" " + arguments + " " + redirections);
+  const int status = std::system(line.c_str());  // NOLINT(cert-env33-c)
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+TEST_F(Outputs, OfEveryCommandToAFullDisk) {
+  const std::string ball = folder_.write("ball.stl", octahedron_stl());
+  const std::string program = folder_.write("p.ngc", "G21 G91\nG1 X1 F6000\nM2\n");
+  const std::string picture = folder_.write("disc.bmp", disc_bmp(12));
+  const std::string job = folder_ / "j.llj", err = folder_ / "err";
+  ASSERT_EQ(run({"job", list_, "-o", job}).status, 0);
+  ASSERT_EQ(engrave({"--report", folder_ / "r"}).status, 0);
+  const Arguments commands{"--help",
+                           "--version",
+                           "engrave --help",
+                           "engrave " + list_,
+                           "engrave --json " + list_,
+                           "estimate " + list_,
+                           "frame " + list_,
+                           "send " + job,
+                           "send " + program,
+                           "check " + program,
+                           "points " + ball + " --spacing 0.4 -o " + (folder_ / "o.xyz"),
+                           "order " + list_ + " -o " + (folder_ / "o.xyz"),
+                           "job " + list_ + " -o " + (folder_ / "o.llj"),
+                           "job --show " + job,
+                           "raster " + picture + " --feed 6000 -o " + (folder_ / "r.llj"),
+                           "diagnose " + program,
+                           "compare " + (folder_ / "r") + " " + (folder_ / "r"),
+                           "example " + (folder_ / "e.stl"),
+                           "settings list",
+                           "settings get max_rate_x",
+                           "devices",
+                           "lines",
+                           "operate status",
+                           "operate pulse",
+                           "console --board virtual </dev/null",
+                           "sim --seconds 0.01 --pty " + (folder_ / "pty"),
+                           "flash --help",
+                           "bench --help",
+                           "chip --help"};
+  for (const std::string& command : commands) {
+    EXPECT_EQ(status_in_shell(command, ">/dev/full 2>" + err), 1) << command;
+    EXPECT_THAT(read(err), HasSubstr("error: standard output: cannot be written (No space"))
+        << command;
+  }
+}
+
+/// The next file that the program opens must not become its standard output.
+TEST_F(Outputs, OfACallerThatHasClosedStandardOutput) {
+  const std::string vcd = folder_ / "v.vcd", err = folder_ / "err";
+  EXPECT_EQ(status_in_shell("engrave " + list_ + " --vcd " + vcd, "<&- >&- 2>" + err), 1);
+  EXPECT_THAT(read(err), HasSubstr("error: standard output: cannot be written"));
+  EXPECT_THAT(read(vcd), testing::StartsWith("$"));
+  EXPECT_THAT(read(vcd), Not(HasSubstr("points")));
+  EXPECT_EQ(status_in_shell("engrave " + list_ + " --vcd " + vcd, "<&- >/dev/null 2>&-"), 0);
+  EXPECT_THAT(read(vcd), testing::StartsWith("$"));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test::outputs
