@@ -234,7 +234,7 @@ void add_bench(Command& program) {
       .value_name("TABLE,...");
   app.add_option(
          "--points", &options->points,
-         "Number of points of each walk, 10 to 10000000; default: as many as the source has")
+         "Number of points of each walk; default: as many as the source has")
       .check(number_in({10, 10'000'000}))
       .value_name("N");
   app.add_option("--seed", &options->seed,

@@ -74,7 +74,8 @@ void add_board_choice(Command& app, run::BoardOptions& options) {
                  "otherwise a serial port or HOST:PORT")
       .value_name("virtual|chip|auto|usb|PORT")
       .show_default()
-      .group(board_group);
+      .group(board_group)
+      .common();
   app.add_option("--image", &options.image,
                  "Flash image for the chip; default: the image of this build")
       .value_name("FILE")
@@ -101,18 +102,21 @@ void add_board_choice(Command& app, run::BoardOptions& options) {
 
 void add_board(Command& app, run::BoardOptions& options, bool& json) {
   add_board_choice(app, options);
-  app.add_option("--yes", &options.yes, "Do not ask before the first shot").group(board_group);
+  app.add_option("--yes", &options.yes, "Do not ask before the first shot")
+      .group(board_group)
+      .common();
   app.add_json(json).group(board_group);
 }
 
 void add_job_speed(Command& app, run::BoardOptions& options) {
   app.add_option("--job-speed", &options.job_speed,
-                 "Job speed in percent, 1 to 140; accelerations change with its square; the "
+                 "Job speed in percent; accelerations change with its square; the "
                  "machine's own limits still apply")
       .check(number_in({1u, wire::max_job_speed}))
       .value_name("PERCENT")
       .show_default()
-      .group(board_group);
+      .group(board_group)
+      .common();
 }
 
 void add_part(Command& app, run::BoardOptions& options) {
@@ -121,9 +125,10 @@ void add_part(Command& app, run::BoardOptions& options) {
                  "as points; programs: line of the file, reached with the laser off")
       .check(number_from(0, true))
       .value_name("N")
-      .group(board_group);
+      .group(board_group)
+      .common();
   app.add_option("--fired", &options.fired,
-                 "Number of flashes already fired at the point of --from, 0 to 255")
+                 "Number of flashes already fired at the point of --from")
       .check(number_in({0u, max_shots}))
       .value_name("N")
       .group(board_group);
@@ -134,7 +139,8 @@ void add_resume(Command& app, run::BoardOptions& options) {
          "--resume", &options.resume,
          "Continue the last run of this job after any end, at the point that the machine or the "
          "progress journal reports; points that may have been fired are listed and skipped")
-      .group(board_group);
+      .group(board_group)
+      .common();
   app.add_option("--progress", &options.progress,
                  "Progress journal of the job on a real board; default: INPUT.progress")
       .check(file_name())
@@ -147,7 +153,8 @@ void add_job_run(Command& app, run::BoardOptions& options) {
   add_job_speed(app, options);
   app.add_option("--dry", &options.dry,
                  "Move without firing; M3, M4 and S of a program are not sent")
-      .group(board_group);
+      .group(board_group)
+      .common();
   app.add_option("--discard", &options.discard,
                  "Discard the unfinished job that the machine holds, and the progress of the last "
                  "run of this job")
@@ -168,7 +175,8 @@ void add_job_run(Command& app, run::BoardOptions& options) {
          "Write report.html, report.json, shots.csv, shots.ply and cloud.png to this folder")
       .check(file_name())
       .value_name("DIR")
-      .group(board_group);
+      .group(board_group)
+      .common();
   app.add_option("--statistics", &options.statistics,
                  "Append a line about the job to this CSV file")
       .check(file_name())

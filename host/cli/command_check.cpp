@@ -100,8 +100,7 @@ void add_check(Command& program) {
                  "Write a picture (SVG) of the path, coloured by laser power")
       .check(file_name())
       .value_name("FILE");
-  app.add_option("--max-problems", &options->max_problems,
-                 "Stop after this number of wrong lines, 1 to 1000000")
+  app.add_option("--max-problems", &options->max_problems, "Stop after this number of wrong lines")
       .check(number_in({1, 1'000'000}))
       .value_name("N")
       .show_default();

@@ -80,6 +80,7 @@ void add_estimate(Command& program) {
   add_job_speed(app, options->estimate.job);
   add_origin(app, options->estimate.request.origin);
   app.add_option("--page", &options->estimate.page, "Write a page (HTML) that shows the job")
+      .common()
       .check(file_name())
       .value_name("FILE");
   app.add_json(options->json);

@@ -8,11 +8,12 @@
 #include "host/cli/console.hpp"
 #include "host/cli/documents.hpp"
 #include "host/cli/engraving_options.hpp"
-#include "host/job/job_file.hpp"
+#include "host/job/job.hpp"
 #include "host/run/bounds_text.hpp"
 #include "host/run/job_points.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/prepare_job.hpp"
+#include "host/run/read_job.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::cli {
@@ -71,7 +72,7 @@ Exit make_or_show(const JobOptions& options) {
                 "see lamplock job --help");
   if (show) {
     check_show(options);
-    describe(job::read_job_file(options.show), options.show, console);
+    describe(run::read_job(options.show), options.show, console);
     return Exit::done;
   }
   if (options.output.empty())
@@ -92,7 +93,9 @@ void add_job(Command& program) {
   const auto options = std::make_shared<JobOptions>();
   options->engraving.add(app, false);
   options->engraving.add_save(app);
-  app.add_option("-o,--output", &options->output, "Job file to write").value_name("FILE.llj");
+  app.add_option("-o,--output", &options->output, "Job file to write")
+      .value_name("FILE.llj")
+      .common();
   app.add_option("--show", &options->show, "Show the contents of a job file")
       .value_name("FILE.llj");
   app.add_option("--dry", &options->dry, "Make a job that moves without firing");

@@ -32,6 +32,13 @@ struct ValueName {
 
 }  // namespace
 
+std::string count_text(const Count& count) {
+  if (count.min == count.max)
+    return fmt::format("{} number{}", count.min, count.min == 1 ? "" : "s");
+  if (count.min == 0) return fmt::format("at most {} numbers", count.max);
+  return fmt::format("{} to {} numbers", count.min, count.max);
+}
+
 Option::Option(std::string names, Target target, std::string help)
     : names_(std::move(names)),
       help_(std::move(help)),
@@ -93,6 +100,16 @@ Option& Option::for_version() {
   return *this;
 }
 
+Option& Option::common() {
+  is_common_ = true;
+  return *this;
+}
+
+Option& Option::completions(std::vector<std::string> words) {
+  completions_ = std::move(words);
+  return *this;
+}
+
 Option& Option::help(std::string text) {
   help_ = std::move(text);
   return *this;
@@ -132,7 +149,7 @@ Option& Command::add_option(std::string names, Target target, std::string help) 
 }
 
 Option& Command::add_json(bool& json, std::string help) {
-  return add_option("--json", &json, std::move(help));
+  return add_option("--json", &json, std::move(help)).common();
 }
 
 const Option& Command::option(const std::string& name) const {
@@ -145,14 +162,15 @@ const Option& Command::option(const std::string& name) const {
 
 const Option& help_option() {
   static bool is_asked = false;
-  static const Option option("-h,--help", &is_asked, "Print this help message and exit");
+  static const Option option =
+      Option("-h,--help", &is_asked, "Show the common options (-h) or all options (--help)")
+          .common();
   return option;
 }
 
 const Option& version_option() {
   static bool is_asked = false;
-  static const Option option("--version", &is_asked,
-                             "Display program version information and exit");
+  static const Option option("--version", &is_asked, "Show the version of the program");
   return option;
 }
 

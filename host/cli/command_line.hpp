@@ -29,13 +29,20 @@ using Target =
                  std::optional<std::string>*, std::optional<std::array<double, 3>>*,
                  std::vector<double>*, std::vector<std::int64_t>*, std::vector<std::string>*>;
 
-/// Judges the text of a value: empty, or what is wrong with it.
-using Check = std::function<std::string(const std::string& text)>;
+/// What a value may be.
+struct Check {
+  /// Empty, or what is wrong with the text. Null: every text is accepted.
+  std::function<std::string(const std::string& text)> refusal{};
+  std::string range{};               ///< of numbers: "1 to 140"; empty: none
+  std::vector<std::string> names{};  ///< allowed texts; empty: others too
+};
 
 /// How many numbers a list takes.
 struct Count {
   std::size_t min = 0, max = 0;
 };
+/// "2 numbers", "at most 4 numbers", "2 to 3 numbers".
+std::string count_text(const Count& count);
 
 /// One option, flag or positional.
 class Option {
@@ -64,6 +71,10 @@ class Option {
   Option& bare(std::string text);
   /// The option can be given with --version only.
   Option& for_version();
+  /// One of the dozen options of its command that -h shows.
+  Option& common();
+  /// Words that shells offer for the value.
+  Option& completions(std::vector<std::string> words);
   Option& help(std::string text);
 
   const std::string& names() const { return names_; }  ///< "-o,--output" or "INPUT"
@@ -80,6 +91,8 @@ class Option {
   const std::vector<const Option*>& excluded() const { return excluded_; }
   const std::string& bare() const { return bare_; }
   bool is_for_version() const { return is_for_version_; }
+  bool is_common() const { return is_common_; }
+  const std::vector<std::string>& completions() const { return completions_; }
 
   bool is_positional() const { return !names_.starts_with('-'); }
   bool is_flag() const;
@@ -99,7 +112,8 @@ class Option {
   std::optional<Count> count_;
   std::vector<const Option*> excluded_;
   bool is_required_ = false, is_comma_separated_ = false, is_given_ = false;
-  bool is_for_version_ = false;
+  bool is_for_version_ = false, is_common_ = false;
+  std::vector<std::string> completions_;
 };
 
 /// What a command does; returns the exit status or throws lamplock::Error.

@@ -85,13 +85,13 @@ void add_pulse(Command& app, const std::shared_ptr<OperateOptions>& options) {
       add(app, options, "pulse",
           "Fire test flashes at the current position, one per beat, after confirmation",
           [options] { return pulse(*options); });
-  command.add_option("--flashes", &options->flashes, "Number of flashes, 1 to 255")
+  command.add_option("--flashes", &options->flashes, "Number of flashes")
       .check(number_in({1u, max_flashes}))
       .value_name("N")
       .show_default();
   command.add_option("--channel", &options->channel, "Beam channel")
       .check(number_in({0u, unsigned{wire::highest_channel}}))
-      .value_name("0..3")
+      .value_name("N")
       .show_default();
   command.add_option("--energy", &options->energy, "Flash energy; 0: keep the current value")
       .check(number_in({0, std::numeric_limits<std::uint16_t>::max()}))

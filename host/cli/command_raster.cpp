@@ -66,7 +66,8 @@ void add_corner(Command& app, std::vector<double>& origin_mm) {
                  "centre of the work space")
       .count({2, 3})
       .value_name("X,Y[,Z]")
-      .group(burning_group);
+      .group(burning_group)
+      .common();
 }
 
 void add_burning(Command& app, RasterOptions& options) {
@@ -76,13 +77,16 @@ void add_burning(Command& app, RasterOptions& options) {
   };
   add("--feed", &options.feed_mm_min, "Feed rate along the rows", "MM_MIN")
       .required()
-      .check(number_from(0, false));
+      .check(number_from(0, false))
+      .common();
   add("--pitch-mm", &options.pitch_mm,
       "Pixel size, also the distance between rows; default: from --width-mm, otherwise 0.1", "MM")
-      .check(number_from(0, false));
+      .check(number_from(0, false))
+      .common();
   add("--width-mm", &options.width_mm,
       "Width of the picture; together with --pitch-mm the picture is resampled (mean values)", "MM")
-      .check(number_from(0, false));
+      .check(number_from(0, false))
+      .common();
   add("--overscan-mm", &options.overscan_mm,
       "Distance before and after each row to speed up and brake; default: the distance needed to "
       "reach the feed rate",
@@ -90,7 +94,8 @@ void add_burning(Command& app, RasterOptions& options) {
       .check(number_from(0, true));
   add("--power-max", &options.power_max, "Laser power for black", "PERCENT")
       .show_default()
-      .check(number_in({0.0, 100.0}));
+      .check(number_in({0.0, 100.0}))
+      .common();
   add("--power-min", &options.power_min, "Laser power for the lightest grey; white is not burned",
       "PERCENT")
       .show_default()
@@ -100,7 +105,8 @@ void add_burning(Command& app, RasterOptions& options) {
                  "Burn all rows from left to right, not back and forth")
       .group(burning_group);
   app.add_option("--invert", &options.invert, "Burn light pixels instead of dark pixels")
-      .group(burning_group);
+      .group(burning_group)
+      .common();
   app.add_option("--dry", &options.dry, "Make a job that moves without switching the laser on")
       .group(burning_group);
 }
@@ -119,7 +125,9 @@ void add_raster(Command& program) {
                  fmt::format("Picture ({})", model::extensions(model::InputKind::bitmap)))
       .required()
       .value_name("FILE");
-  app.add_option("-o,--output", &options->output, "Job file to write").value_name("FILE.llj");
+  app.add_option("-o,--output", &options->output, "Job file to write")
+      .value_name("FILE.llj")
+      .common();
   app.add_option(
          "--gcode", &options->gcode,
          "Write the same rows as G-code for any grbl board, one line for each change of power")

@@ -1,4 +1,6 @@
 // `lamplock settings`: what a board keeps, shown, changed, saved and brought back.
+#include <fmt/format.h>
+
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -22,8 +24,9 @@ struct SettingsOptions {
   bool json = false;
   run::BoardOptions board;
   run::MachineOptions machine;
-  std::string name, file;
-  std::vector<std::string> changes;
+  std::string file;
+  std::vector<std::string> names, changes;
+  bool values_only = false;
 };
 
 run::SettingsSession open(const SettingsOptions& options) {
@@ -68,21 +71,34 @@ Exit list(const SettingsOptions& options) {
   return Exit::done;
 }
 
+/// "$901 lamp_frequency: 100.000 Hz"
+std::string value_line(std::uint32_t number, const std::string& text) {
+  const Id id = link::find_setting(number);
+  const std::string name = link::setting_name(number);
+  if (id == Id::count) return fmt::format("{}: {} (not known to this program)", name, text);
+  const std::string_view unit = settings::row(id).unit;
+  return fmt::format("{}: {}{}{}", name, text, unit.empty() ? "" : " ", unit);
+}
+
+/// All names are checked before the board is opened.
 Exit get(const SettingsOptions& options) {
   Console console(options.json);
-  const auto number = link::find_number(options.name, "lamplock settings");
-  if (!number)
-    throw Error(Exit::bad_input, options.name, "there is no such setting",
-                "lamplock settings list shows their names and numbers");
+  std::vector<std::uint32_t> numbers;
+  for (const std::string& name : options.names)
+    numbers.push_back(link::number_of_setting(name, "lamplock settings get"));
   const run::SettingsSession board = open(options);
-  const auto found = board.settings().texts.find(*number);
-  if (found == board.settings().texts.end())
-    throw Error(Exit::bad_input, link::setting_name(*number), "the board has no such setting",
-                "lamplock settings list shows the settings of the board");
-  if (console.json())
-    console.document(as_json(*number, found->second, link::find_setting(*number)));
-  else
-    console.line(found->second);
+  const auto& texts = board.settings().texts;
+  for (const std::uint32_t number : numbers)
+    if (!texts.contains(number))
+      throw Error(Exit::bad_input, link::setting_name(number), "the board has no such setting",
+                  "lamplock settings list shows the settings of the board");
+  Json document = Json::array();
+  for (const std::uint32_t number : numbers) {
+    const std::string& text = texts.at(number);
+    if (!console.json()) console.line(options.values_only ? text : value_line(number, text));
+    document.push_back(as_json(number, text, link::find_setting(number)));
+  }
+  console.document(numbers.size() == 1 ? document.front() : document);
   return Exit::done;
 }
 
@@ -126,6 +142,13 @@ Exit restore(const SettingsOptions& options) {
   return bring_to(options, run::read_settings_file(options.file));
 }
 
+/// What begins a change, for shells.
+std::vector<std::string> names_with_equals() {
+  std::vector<std::string> names = link::setting_names();
+  for (std::string& name : names) name += '=';
+  return names;
+}
+
 /// Adds one of the things to do, with the options of the board.
 Command& add(Command& app, const std::shared_ptr<SettingsOptions>& options, const std::string& name,
              const std::string& what, const std::string& example,
@@ -154,14 +177,19 @@ void add_settings(Command& program) {
   const auto options = std::make_shared<SettingsOptions>();
   add(app, options, "list", "List all settings; * marks a value that differs from its default",
       "list --board /dev/ttyACM0", list);
-  add(app, options, "get", "Show one setting", "get lamp_frequency --board /dev/ttyACM0", get)
-      .add_option("SETTING", &options->name, "Number or name of the setting")
-      .required();
+  Command& get_command = add(app, options, "get", "Show settings: number, name, value and unit",
+                             "get lamp_frequency travel_x --board /dev/ttyACM0", get);
+  get_command.add_option("SETTING", &options->names, "Number or name of a setting")
+      .required()
+      .completions(link::setting_names());
+  get_command.add_option("--value", &options->values_only,
+                         "Print the values alone, one on each line, for scripts");
   add(app, options, "set",
       "Change settings, all or none; the values are checked, sent and read back",
       "set lamp_frequency=50 travel_x=300 --board /dev/ttyACM0", set)
       .add_option("CHANGE", &options->changes, "NAME=VALUE or NUMBER=VALUE")
-      .required();
+      .required()
+      .completions(names_with_equals());
   add(app, options, "backup",
       "Write all settings to a file: TOML (.toml), otherwise lines $NUMBER=VALUE",
       "backup board.toml --board /dev/ttyACM0", backup)

@@ -28,5 +28,7 @@ void add_jog(Command& program);
 void add_lines(Command& program);
 void add_compare(Command& program);
 void add_sim(Command& program);
+/// After all others, whose names it offers.
+void add_help(Command& program);
 
 }  // namespace lamplock::cli

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
@@ -31,7 +33,13 @@ std::string input_help() {
 
 void EngravingOptions::add_section(Command& app, const std::vector<glass::Parameter>& parameters,
                                    const std::string& group) {
-  for (Option* option : add_parameters(app, parameters, group)) options_.push_back(option);
+  // Those that most jobs need; the others refine them.
+  constexpr std::array common{"--size",  "--spacing", "--method", "--material",
+                              "--order", "--machine", "--flashes"};
+  for (Option* option : add_parameters(app, parameters, group)) {
+    if (std::find(common.begin(), common.end(), option->name()) != common.end()) option->common();
+    options_.push_back(option);
+  }
 }
 
 void EngravingOptions::add_place(Command& app, bool input_required) {
@@ -59,7 +67,8 @@ void EngravingOptions::add_save(Command& app) {
   app.add_option("--save", &save_,
                  "Save the options of this command as a job description, to run it again")
       .check(file_name())
-      .value_name("FILE.toml");
+      .value_name("FILE.toml")
+      .common();
 }
 
 glass::Description EngravingOptions::description() const {

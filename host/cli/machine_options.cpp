@@ -13,7 +13,8 @@ void add_machine(Command& app, run::MachineOptions& options) {
   app.add_option("--machine", &options.machine,
                  "Machine profile (TOML); default: built-in settings")
       .value_name("FILE")
-      .group(machine_group);
+      .group(machine_group)
+      .common();
 }
 
 void add_machine_overrides(Command& app, run::MachineOptions& options) {

@@ -23,7 +23,7 @@ std::string kind_of_value(const Parameter& parameter) {
 
 Check text_for(const Parameter& parameter) {
   if (!parameter.names.empty()) return one_of(parameter.names);
-  return parameter.check == nullptr ? Check() : Check(parameter.check);
+  return {parameter.check == nullptr ? nullptr : Check{parameter.check}.refusal};
 }
 
 /// Describes an option by the kind of its value.

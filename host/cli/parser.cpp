@@ -8,8 +8,12 @@
 #include <string_view>
 #include <utility>
 
+#include "host/cli/arguments.hpp"
 #include "host/cli/command_line.hpp"
+#include "host/cli/help.hpp"
 #include "host/cli/separate_program.hpp"
+#include "host/cli/terminal_width.hpp"
+#include "host/cli/usage_error.hpp"
 #include "host/former_names.hpp"
 
 namespace lamplock::cli {
@@ -29,12 +33,6 @@ struct Bound {
     for (const auto& [option, parsed] : options) option->set_given(parsed->count() > 0);
   }
 };
-
-std::string count_text(const Count& count) {
-  if (count.min == count.max) return fmt::format("{}", count.min);
-  if (count.min == 0) return fmt::format("at most {}", count.max);
-  return fmt::format("{} to {}", count.min, count.max);
-}
 
 /// Adds one option, by the kind of its value.
 class Binder {
@@ -88,7 +86,7 @@ class Binder {
     const auto counted = [take, &option = option_](const std::vector<Number>& numbers) {
       if (const auto& count = option.count();
           count && (numbers.size() < count->min || numbers.size() > count->max))
-        throw CLI::ArgumentMismatch(fmt::format("{}: takes {} numbers: {}", option.name(),
+        throw CLI::ArgumentMismatch(fmt::format("{}: takes {}: {}", option.name(),
                                                 count_text(*count), option.value_name()));
       take(numbers);
     };
@@ -107,13 +105,13 @@ void bind(CLI::App& app, Option& option, Bound& bound) {
   if (!option.value_name().empty() && option.bare().empty()) made->type_name(option.value_name());
   if (!option.default_text().empty()) made->default_str(option.default_text());
   if (!option.environment().empty()) made->envname(option.environment());
-  if (option.check()) made->check(CLI::Validator(option.check(), ""));
+  if (option.check().refusal) made->check(CLI::Validator(option.check().refusal, ""));
   bound.options.emplace_back(&option, made);
 }
 
 void bind(CLI::App& app, Command& command, Bound& bound) {
   if (!command.footer().empty()) app.footer(command.footer());  // else that of the outer command
-  app.set_help_flag(help_option().names(), help_option().help());
+  app.set_help_flag();                                          // the parser answers it first
   CLI::Option* version = nullptr;
   if (!command.version().empty())
     version =
@@ -134,27 +132,16 @@ void bind(CLI::App& app, Command& command, Bound& bound) {
     bind(*app.add_subcommand(inner.name(), inner.description()), inner, bound);
 }
 
-/// What CLI11 found wrong, in our form: it says `Could not convert: --option = value`,
-/// `--option: what` or just what.
-Error usage_error(const CLI::App& program, const CLI::ParseError& error,
-                  const std::vector<std::string>& arguments) {
+/// What CLI11 found wrong, for rules that only CLI11 knows.
+Error error_of_parser(const CLI::App& program, const CLI::ParseError& error) {
   const auto commands = program.get_subcommands();
   const std::string name = commands.empty() ? "lamplock" : "lamplock " + commands[0]->get_name();
   std::string where = name, what = error.what();
-  constexpr std::string_view unconverted = "Could not convert: ";
-  if (const auto equals = what.find(" = "); what.starts_with(unconverted) && equals != what.npos)
-    what = fmt::format("{}: '{}' is not valid",
-                       what.substr(unconverted.size(), equals - unconverted.size()),
-                       what.substr(equals + 3));
   const auto colon = what.find(": ");
   if (what.starts_with("-") && colon != std::string::npos) {
     where = what.substr(0, colon);
     what.erase(0, colon + 2);
   }
-  if (what == "A subcommand is required")
-    what = commands.empty() && !arguments.empty()
-               ? fmt::format("unknown command '{}'", arguments[0])
-               : "a command is missing";
   return {Exit::bad_input, where, what, "see " + name + " --help"};
 }
 
@@ -208,15 +195,31 @@ std::vector<std::string> with_present_names(const Command& program,
   return arguments;
 }
 
+/// Prints the help of the command before the first -h or --help; false without one.
+bool print_help(const Command& program, const std::vector<std::string>& arguments) {
+  const std::vector<Argument> all = understood(program, arguments);
+  const auto asked = std::find_if(all.begin(), all.end(), [](const Argument& argument) {
+    return argument.kind == ArgumentKind::option && argument.option == &help_option();
+  });
+  if (asked == all.end()) return false;
+  const auto place = static_cast<std::size_t>(asked - all.begin());
+  const HelpKind kind = asked->text == "--help" ? HelpKind::all : HelpKind::common;
+  fmt::print("{}",
+             help_text(*asked->command, path_of(program, all, place), kind, terminal_width()));
+  return true;
+}
+
 }  // namespace
 
 Exit run(Command& program, const std::vector<std::string>& arguments) {
   if (const Command* command = separate_program(program, arguments))
     run_separate_program(*command, arguments);
+  const std::vector<std::string> present = with_present_names(program, arguments);
+  if (print_help(program, present)) return Exit::done;
   CLI::App app(program.description(), program.name());
   Bound bound;
   bind(app, program, bound);
-  auto reversed = with_present_names(program, arguments);
+  std::vector<std::string> reversed = present;
   std::reverse(reversed.begin(), reversed.end());
   try {
     app.parse(reversed);
@@ -225,11 +228,9 @@ Exit run(Command& program, const std::vector<std::string>& arguments) {
     if (program.version_action()) return program.version_action()();
     app.exit(version);
     return Exit::done;
-  } catch (const CLI::Success& help) {
-    app.exit(help);
-    return Exit::done;
   } catch (const CLI::ParseError& error) {
-    throw usage_error(app, error, arguments);
+    if (const auto found = usage_error(program, present)) throw Error(*found);
+    throw error_of_parser(app, error);
   }
   bound.set_given();
   return chosen(bound).action()();

@@ -19,7 +19,8 @@ std::unique_ptr<Command> make_own_commands() {
   program->footer(
       "Example:\n  lamplock example model.stl\n"
       "  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n\n"
-      "Each command has its own help: lamplock engrave --help");
+      "Each command has its own help: lamplock engrave -h shows the common options, lamplock\n"
+      "engrave --help all of them.");
   add_version_report(*program);
   add_example(*program);
   add_estimate(*program);
@@ -48,6 +49,7 @@ std::unique_ptr<Command> make_program() {
   auto program = make_own_commands();
   add_chip_command(*program).separate_program("lamplock-chip");
   add_bench_command(*program).separate_program("lamplock-bench");
+  add_help(*program);
   return program;
 }
 

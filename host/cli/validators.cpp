@@ -12,12 +12,14 @@
 namespace lamplock::cli {
 
 Check number_in(const glass::Range& range) {
-  return [range](const std::string& text) -> std::string {
+  const auto refusal = [range](const std::string& text) -> std::string {
     std::string_view digits = text;
     if (digits.starts_with('+')) digits.remove_prefix(1);
     const auto value = number_of<double>(digits);
-    return value ? range.refusal(*value) : text + " is not a number";
+    if (!value) return fmt::format("'{}' is not a number", text);
+    return range.has(*value) ? "" : fmt::format("{} is out of range", text);
   };
+  return {refusal, range.text()};
 }
 
 Check number_from(double low, bool included) {
@@ -25,14 +27,15 @@ Check number_from(double low, bool included) {
 }
 
 Check file_name() {
-  return [](const std::string& text) { return std::string(text.empty() ? "has no name" : ""); };
+  return {[](const std::string& text) { return std::string(text.empty() ? "has no name" : ""); }};
 }
 
 Check one_of(std::vector<std::string> names) {
-  return [names = std::move(names)](const std::string& text) -> std::string {
+  const auto refusal = [names](const std::string& text) -> std::string {
     if (std::find(names.begin(), names.end(), text) != names.end()) return "";
     return fmt::format("'{}' is not one of {}", text, fmt::join(names, ", "));
   };
+  return {refusal, "", std::move(names)};
 }
 
 }  // namespace lamplock::cli

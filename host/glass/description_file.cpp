@@ -11,6 +11,7 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/suggestion.hpp"
 #include "host/toml_file.hpp"
 
 namespace lamplock::glass {
@@ -21,11 +22,11 @@ namespace fs = std::filesystem;
 constexpr std::string_view object_section = "object";
 
 /// Names of keys, for the remedy of an error.
-std::string keys_of(const std::vector<Parameter>& parameters) {
+std::vector<std::string> keys_of(const std::vector<Parameter>& parameters) {
   std::vector<std::string> keys;
   keys.reserve(parameters.size());
   for (const Parameter& parameter : parameters) keys.push_back(parameter.key);
-  return fmt::format("{}", fmt::join(keys, ", "));
+  return keys;
 }
 
 /// Reads the value of one parameter from the file.
@@ -47,15 +48,19 @@ class ValueReader {
   double number(const toml::node& node) const {
     const auto value = node.value<double>();
     if (!value || !node.is_number()) refuse("must be a number", "write it without quotes");
-    if (const std::string wrong = parameter_.range.refusal(*value); !wrong.empty())
-      refuse("is out of range", wrong);
-    return *value;
+    if (parameter_.range.has(*value)) return *value;
+    const std::string range = parameter_.range.text();
+    refuse("is out of range", "give " + (range.empty() ? "a finite number" : range));
   }
   std::string text(const toml::node& node) const {
     const auto* value = node.as_string();
     if (value == nullptr) refuse("must be a text", "write it in quotes");
-    if (const std::string wrong = refusal(parameter_, value->get()); !wrong.empty())
-      refuse("is not valid", wrong);
+    const std::vector<std::string>& names = parameter_.names;
+    if (!names.empty() && std::find(names.begin(), names.end(), value->get()) == names.end())
+      refuse(fmt::format("cannot be '{}'", value->get()),
+             did_you_mean(value->get(), names, fmt::format("give {}", fmt::join(names, ", "))));
+    const std::string wrong = parameter_.check == nullptr ? "" : parameter_.check(value->get());
+    if (!wrong.empty()) refuse("is not valid", wrong);
     if (!parameter_.is_file || value->get().empty()) return value->get();
     return (file_.parent_path() / value->get()).lexically_normal().string();
   }
@@ -104,7 +109,9 @@ void read_section(const toml::table& table, std::string_view name,
     });
     if (found == known.end())
       refuse(toml_location(file, key.source()),
-             fmt::format("unknown key '{}' in {}", key.str(), name), "use " + keys_of(known));
+             fmt::format("unknown key '{}' in {}", key.str(), name),
+             did_you_mean(key.str(), keys_of(known),
+                          fmt::format("use {}", fmt::join(keys_of(known), ", "))));
     ValueReader(*found, node, file).read();
   }
 }
@@ -131,6 +138,10 @@ std::optional<std::vector<Parameter>> section_named(Description& d, std::string_
   if (name == "pause") return parameters(d.pause);
   if (name == "output") return parameters(d.output);
   return std::nullopt;
+}
+
+std::vector<std::string> section_names() {
+  return {"machine", "glass", std::string(object_section), "order", "pause", "output"};
 }
 
 std::string quoted(const std::string& text) {
@@ -199,7 +210,8 @@ Description read_description(const fs::path& file) {
     const auto section = section_named(description, name);
     if (!section || !node.is_table())
       refuse(toml_location(file, key.source()), fmt::format("unknown section or key '{}'", name),
-             "use [machine], [glass], [[object]], [order], [pause] and [output]");
+             did_you_mean(name, section_names(),
+                          "use [machine], [glass], [[object]], [order], [pause] and [output]"));
     read_section(*node.as_table(), fmt::format("[{}]", name), *section, file);
   }
   if (description.objects.empty())

@@ -183,7 +183,7 @@ std::vector<Parameter> mesh_parameters(Object& o) {
       with("light_depth", of({"solid"}, {"light_lowest",
                                          "--light-lowest",
                                          &o.light_lowest,
-                                         "Solid: minimum density, 0..1",
+                                         "Solid: minimum density",
                                          "SHARE",
                                          {0, 1, false}})),
   };
@@ -194,7 +194,7 @@ std::vector<Parameter> picture_parameters(Object& o) {
       of({way_of_bitmaps}, {"threshold",
                             "--threshold",
                             &o.threshold,
-                            "Bitmaps: grey values below this become points, 0..255",
+                            "Bitmaps: grey values below this become points",
                             "GREY",
                             {0, lightest_grey, true}}),
       of(toned(), {"invert", "--invert", &o.invert,
@@ -218,9 +218,9 @@ std::vector<Parameter> picture_parameters(Object& o) {
       with("tone", of(toned(), {"gamma", "--gamma", &o.gamma,
                                 "Tone: exponent from brightness to density", "N", positive})),
       with("tone", of(toned(), {"tone_lowest", "--tone-lowest", &o.tone_lowest,
-                                "Tone: density of the darkest parts, 0..1", "SHARE", share})),
+                                "Tone: density of the darkest parts", "SHARE", share})),
       with("tone", of(toned(), {"tone_highest", "--tone-highest", &o.tone_highest,
-                                "Tone: density of the brightest parts, 0..1", "SHARE", share})),
+                                "Tone: density of the brightest parts", "SHARE", share})),
   };
 }
 
@@ -237,11 +237,11 @@ std::vector<Parameter> depth_parameters(Object& o) {
            of(skins(), {"shell", "--shell", &o.shell_mm,
                         "Distance between shells; default: the spacing", "MM", positive})),
       of(shaped(), {"face_density", "--face-density", &o.face_density,
-                    "Fraction of points kept near the face where the beam enters, 0..1; less than "
+                    "Fraction of points kept near the face where the beam enters; less than "
                     "1 balances the weaker look of deep points",
                     "SHARE", share}),
       of(shaped(), {"depth_density", "--depth-density", &o.depth_density,
-                    "Fraction of points kept at the bottom of the block, 0..1", "SHARE", share}),
+                    "Fraction of points kept at the bottom of the block", "SHARE", share}),
   };
 }
 

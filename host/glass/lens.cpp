@@ -5,6 +5,7 @@
 #include <array>
 
 #include "host/error.hpp"
+#include "host/suggestion.hpp"
 
 namespace lamplock::glass {
 namespace {
@@ -27,7 +28,8 @@ std::vector<std::string> lens_names() {
 const Lens& lens_named(const std::string& name) {
   for (const Lens& lens : known)
     if (lens.name == name) return lens;
-  throw Error(Exit::bad_input, "lens", fmt::format("'{}' is not known", name), "use f43 or f70");
+  throw Error(Exit::bad_input, "lens", fmt::format("'{}' is not known", name),
+              did_you_mean(name, lens_names(), "use f43 or f70"));
 }
 
 }  // namespace lamplock::glass

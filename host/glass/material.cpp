@@ -5,6 +5,7 @@
 #include <array>
 
 #include "host/error.hpp"
+#include "host/suggestion.hpp"
 
 namespace lamplock::glass {
 namespace {
@@ -29,8 +30,9 @@ std::vector<std::string> material_names() {
 double index_of(const std::string& material) {
   for (const Material& one : known_materials)
     if (one.name == material) return one.index;
-  throw Error(Exit::bad_input, "material", fmt::format("'{}' is not known", material),
-              "use k9, bk7 or fused-silica, or give the index");
+  throw Error(
+      Exit::bad_input, "material", fmt::format("'{}' is not known", material),
+      did_you_mean(material, material_names(), "use k9, bk7 or fused-silica, or give the index"));
 }
 
 void require_index(double index, const std::string& where) {

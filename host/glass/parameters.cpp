@@ -1,26 +1,30 @@
 #include "host/glass/parameters.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace lamplock::glass {
+namespace {
 
-std::string Range::refusal(double value) const {
-  const bool above = value > low || (low_included && value == low);
-  if (std::isfinite(value) && above && value <= high) return "";
-  if (std::isinf(low)) return fmt::format("{:g} is not a finite number", value);
-  if (!std::isinf(high)) return fmt::format("{:g} is not in {:g}..{:g}", value, low, high);
-  return fmt::format("{:g} is not {} {:g}", value, low_included ? "at least" : "greater than", low);
+/// Whole numbers in full, others without the noise of the last digits.
+std::string number_text(double number) {
+  return number == std::floor(number) ? fmt::format("{:.0f}", number)
+                                      : fmt::format("{:.9g}", number);
 }
 
-std::string refusal(const Parameter& parameter, const std::string& text) {
-  if (parameter.check != nullptr) return parameter.check(text);
-  const std::vector<std::string>& names = parameter.names;
-  if (names.empty() || std::find(names.begin(), names.end(), text) != names.end()) return "";
-  return fmt::format("'{}' is not one of {}", text, fmt::join(names, ", "));
+}  // namespace
+
+bool Range::has(double value) const {
+  const bool above = value > low || (low_included && value == low);
+  return std::isfinite(value) && above && value <= high;
+}
+
+std::string Range::text() const {
+  const std::string from = number_text(low), to = number_text(high);
+  if (std::isinf(low)) return std::isinf(high) ? "" : "at most " + to;
+  if (std::isinf(high)) return (low_included ? "at least " : "greater than ") + from;
+  return low_included ? from + " to " + to : "greater than " + from + ", at most " + to;
 }
 
 bool same_value(const Parameter& parameter, const Parameter& other) {

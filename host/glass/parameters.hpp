@@ -29,8 +29,10 @@ struct Range {
   double high = std::numeric_limits<double>::infinity();
   bool low_included = true;
 
-  /// Empty, or the error of a number: "-1 is not at least 0".
-  std::string refusal(double value) const;
+  bool has(double value) const;
+  /// The range in the words of all messages and help texts: "1 to 140", "at least 0", "greater than
+  /// 0", "greater than 0, at most 1"; empty for any number.
+  std::string text() const;
 };
 inline constexpr Range any_number{};
 inline constexpr Range positive{0, std::numeric_limits<double>::infinity(), false};
@@ -55,9 +57,6 @@ struct Parameter {
   std::vector<std::string> used_by{};
   std::string needs{};  ///< key of the parameter in its section that must be set too
 };
-
-/// Empty, or the error of a text for this parameter.
-std::string refusal(const Parameter& parameter, const std::string& text);
 
 /// True if a parameter has the same value in two sections of one kind.
 bool same_value(const Parameter& parameter, const Parameter& other);

@@ -1,6 +1,7 @@
 #include "host/gpio/read_line_table.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <string>
@@ -9,6 +10,7 @@
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/gpio/line_address.hpp"
+#include "host/suggestion.hpp"
 #include "host/toml_file.hpp"
 
 namespace lamplock::gpio {
@@ -77,9 +79,12 @@ class Reader {
     }
     for (const Role& role : roles)
       if (key == role.name) return read_role(role, node, where);
+    std::vector<std::string> names{"debounce_ms", "interlock_beat_ms"};
+    for (const Role& role : roles) names.emplace_back(role.name);
     fail(where, fmt::format("unknown key '{}'", key.str()),
-         "use [estop], [door], [interlock], [lamp], [run], [bootsel], debounce_ms, "
-         "interlock_beat_ms");
+         did_you_mean(key.str(), names,
+                      "use [estop], [door], [interlock], [lamp], [run], [bootsel], debounce_ms, "
+                      "interlock_beat_ms"));
   }
 
   std::chrono::milliseconds time_of(const toml::key& key, const toml::node& node,
@@ -87,7 +92,7 @@ class Reader {
     const auto ms = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
     if (!ms || *ms < least || *ms > most)
       fail(place(key.source()), fmt::format("'{}' must be milliseconds", key.str()),
-           fmt::format("give a whole number from {} to {}", least, most));
+           fmt::format("give a whole number, {} to {}", least, most));
     return std::chrono::milliseconds(*ms);
   }
 
@@ -124,10 +129,11 @@ class Reader {
     } else if (key == "bias" && role.way == Way::input) {
       wanted.bias = bias_named(text_of(key, value), where);
     } else {
+      std::vector<std::string> names{"line"};
+      if (role.way != Way::open_drain) names.emplace_back("active_low");
+      if (role.way == Way::input) names.emplace_back("bias");
       fail(where, fmt::format("unknown key '{}' of [{}]", key.str(), role.name),
-           role.way == Way::input    ? "use line, active_low, bias"
-           : role.way == Way::output ? "use line, active_low"
-                                     : "use line");
+           did_you_mean(key.str(), names, fmt::format("use {}", fmt::join(names, ", "))));
     }
   }
 
@@ -140,9 +146,13 @@ class Reader {
   }
 
   static Bias bias_named(const std::string& name, const std::string& where) {
-    for (const NamedBias& known : biases)
+    std::vector<std::string> names;
+    for (const NamedBias& known : biases) {
       if (name == known.name) return known.bias;
-    fail(where, fmt::format("unknown bias '{}'", name), "use pull-up, pull-down, none or as-is");
+      names.emplace_back(known.name);
+    }
+    fail(where, fmt::format("unknown bias '{}'", name),
+         did_you_mean(name, names, "use pull-up, pull-down, none or as-is"));
   }
 
   /// A name and a number may still mean the same line: the system refuses the second request then.

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "host/error.hpp"
+#include "host/job/setting_range.hpp"
 #include "host/units.hpp"
 #include "shared/units.hpp"
 
@@ -14,18 +15,6 @@ namespace {
 
 using settings::Id;
 using settings::Row;
-
-/// Formats a value in thousandths without trailing zeros.
-std::string format_milli(std::int32_t milli) {
-  const std::string text = fmt::format("{:.3f}", milli / milli_per_unit);
-  const auto last = text.find_last_not_of('0');
-  return text.substr(0, text[last] == '.' ? last : last + 1);
-}
-
-std::string range_of(const Row& row) {
-  return fmt::format("{} is {}..{} {}{}", row.name, format_milli(row.min_milli),
-                     format_milli(row.max_milli), row.unit, row.whole ? ", a whole number" : "");
-}
 
 }  // namespace
 
@@ -38,7 +27,7 @@ void state_setting(Profile& profile, Id id, double value, const std::string& whe
                     milli <= static_cast<double>(std::numeric_limits<std::int32_t>::max());
   if (!fits || !profile.settings.set_milli(id, static_cast<std::int32_t>(milli)))
     throw Error(Exit::bad_input, where, fmt::format("{} = {} is out of range", row.name, value),
-                range_of(row));
+                setting_range(row));
   // For many settings 0 means none, or no limit; a small number must not become 0.
   if (value != 0 && milli == 0)
     throw Error(Exit::bad_input, where,

@@ -7,6 +7,7 @@
 
 #include "host/file.hpp"
 #include "host/former_names.hpp"
+#include "host/suggestion.hpp"
 #include "host/toml_file.hpp"
 #include "shared/units.hpp"
 
@@ -41,6 +42,18 @@ void read_axes(Profile& profile, Id x_row, std::string_view key, const toml::nod
                   number_of(*values->get(axis), where, key), where);
 }
 
+/// Keys of a profile: settings, those that exist once per axis without the suffix of the axis too.
+std::vector<std::string> profile_keys() {
+  std::vector<std::string> keys{"name", "pendant", "lines"};
+  for (const settings::Row& row : settings::table) {
+    const std::string_view name = row.name;
+    if (name.ends_with(axis_x_suffix))
+      keys.emplace_back(name.substr(0, name.size() - axis_x_suffix.size()));
+  }
+  for (const settings::Row& row : settings::table) keys.emplace_back(row.name);
+  return keys;
+}
+
 void read_key(Profile& profile, std::string_view key, const toml::node& node,
               const std::string& where) {
   // Not settings: host/pendant/read_key_map.hpp and host/gpio/read_line_table.hpp read these.
@@ -55,7 +68,8 @@ void read_key(Profile& profile, std::string_view key, const toml::node& node,
     state_setting(profile, id, number_of(node, where, key), where);
   } else {
     refuse(where, fmt::format("unknown key '{}'", key),
-           "use the names of the settings table (examples/machine.toml lists them)");
+           did_you_mean(key, profile_keys(),
+                        "use the names of the settings table (examples/machine.toml lists them)"));
   }
 }
 

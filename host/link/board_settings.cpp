@@ -8,6 +8,8 @@
 
 #include "host/error.hpp"
 #include "host/former_names.hpp"
+#include "host/job/setting_range.hpp"
+#include "host/suggestion.hpp"
 #include "host/text.hpp"
 #include "host/units.hpp"
 #include "shared/settings_text.hpp"
@@ -24,10 +26,8 @@ std::string command(std::uint32_t number, std::string_view value) {
 [[noreturn]] void refuse_value(const settings::Row& row, std::string_view value,
                                const std::string& where, GcodeError error) {
   if (error == GcodeError::setting_out_of_range)
-    throw Error(
-        Exit::bad_input, where, fmt::format("{} = {} is out of range", row.name, value),
-        fmt::format("it is {:g} to {:g} {}{}", row.min_milli / milli_per_unit,
-                    row.max_milli / milli_per_unit, row.unit, row.whole ? ", a whole number" : ""));
+    throw Error(Exit::bad_input, where, fmt::format("{} = {} is out of range", row.name, value),
+                job::setting_range(row));
   throw Error(Exit::bad_input, where, fmt::format("{} = '{}' is not a number", row.name, value),
               "write digits with up to three decimals");
 }
@@ -96,15 +96,30 @@ BoardSettings read_settings(LinePort& port, const Patience& patience) {
   return settings;
 }
 
-std::optional<std::uint32_t> find_number(std::string_view name, std::string_view where) {
+std::uint32_t number_of_setting(std::string_view name, const std::string& where) {
   name = trimmed(name);
   const std::string_view present = present_name(name);
   if (const Id id = settings::find_name(present); id != Id::count) {
     if (present != name) note_former_name(where, name);
     return settings::row(id).number;
   }
-  if (name.starts_with('$')) name.remove_prefix(1);
-  return number_of<std::uint32_t>(name);
+  std::string_view digits = name;
+  if (digits.starts_with('$')) digits.remove_prefix(1);
+  const auto number = number_of<std::uint32_t>(digits);
+  // Another spelling, as 00 of 0, is a slip: of 100, perhaps.
+  if (number && fmt::format("{}", *number) == digits) return *number;
+  throw Error(Exit::bad_input, where,
+              number ? fmt::format("'{}' has leading zeros", name)
+                     : fmt::format("there is no setting '{}'", name),
+              number ? fmt::format("give {}, if that is the setting that is meant", *number)
+                     : did_you_mean(name, setting_names(),
+                                    "lamplock settings list shows their names and numbers"));
+}
+
+std::vector<std::string> setting_names() {
+  std::vector<std::string> names;
+  for (const settings::Row& row : settings::table) names.emplace_back(row.name);
+  return names;
 }
 
 Id find_setting(std::uint32_t number) {
@@ -131,18 +146,15 @@ Change parse_change(std::string_view text, const std::string& where) {
                 "write NAME=VALUE or NUMBER=VALUE");
   const std::string_view name = trimmed(text.substr(0, equals));
   const std::string_view value = trimmed(text.substr(equals + 1));
-  const auto number = find_number(name, where);
-  if (!number)
-    throw Error(Exit::bad_input, where, fmt::format("there is no setting '{}'", name),
-                "lamplock settings list shows their names and numbers");
-  const Id id = find_setting(*number);
+  const std::uint32_t number = number_of_setting(name, where);
+  const Id id = find_setting(number);
   if (id == Id::count) {
-    check_unknown(*number, value, where);
-    return {*number, std::string(value)};
+    check_unknown(number, value, where);
+    return {number, std::string(value)};
   }
-  const settings::SettingLine line = settings::read_setting(command(*number, value));
+  const settings::SettingLine line = settings::read_setting(command(number, value));
   if (line.error != GcodeError::none) refuse_value(settings::row(id), value, where, line.error);
-  return {*number, value_text(id, line.milli)};
+  return {number, value_text(id, line.milli)};
 }
 
 std::vector<Change> differing(const BoardSettings& board, const std::vector<Change>& wanted) {

@@ -12,7 +12,6 @@
 #include <bitset>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,9 +45,12 @@ struct Change {
 
 /// Row of a setting; Id::count if the table has none with this number.
 settings::Id find_setting(std::uint32_t number);
-/// The number of a setting given by number, $number, name or former name; empty if it is none of
-/// them. `where` is for the note about a former name.
-std::optional<std::uint32_t> find_number(std::string_view name, std::string_view where);
+/// The number of a setting given by number, $number, name or former name. `where` is for errors and
+/// for the note about a former name. Throws Error(bad_input) for other texts, such as 00.
+std::uint32_t number_of_setting(std::string_view name, const std::string& where);
+
+/// The names of all settings, in the order of their numbers.
+std::vector<std::string> setting_names();
 
 /// "120 acceleration_x", or the number alone.
 std::string setting_name(std::uint32_t number);

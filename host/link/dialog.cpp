@@ -22,6 +22,12 @@ constexpr std::size_t usual_window_bytes = 127;
 
 double seconds(Time time) { return std::chrono::duration<double>(time).count(); }
 
+/// The beginning of what a board sent, for an error: with another baud rate it is noise.
+std::string head_of(const std::string& line) {
+  constexpr std::size_t max_bytes = 40;
+  return line.size() <= max_bytes ? line : line.substr(0, max_bytes) + "...";
+}
+
 /// The next line; empty if none arrives before `until`.
 std::optional<std::string> receive_until(LinePort& port, Time until) {
   for (;;) {
@@ -65,7 +71,7 @@ class Asked {
   }
 
   void take(const std::string& line) {
-    heard_ = true;
+    if (first_.empty()) first_ = line;
     if (auto status = parse_status(line)) status_ = std::move(status);
     take_identity(line, identity_);
     // An ok before the version answers a line of another program.
@@ -88,13 +94,15 @@ class Asked {
 
   [[noreturn]] void refuse() const {
     const double s = seconds(patience_.give_up);
-    if (!heard_)
+    if (first_.empty())
       throw Error(Exit::no_device, "machine", fmt::format("does not answer within {:g} s", s),
                   "check power, cable and the name of the port");
     if (identity_.version.empty())
       throw Error(Exit::no_device, "machine",
-                  fmt::format("answers but reports no version ([VER:]) within {:g} s", s),
-                  "check that it runs lamplock or grbl and that no other program uses the port");
+                  fmt::format("answers '{}' but reports no version ([VER:]) within {:g} s",
+                              head_of(first_), s),
+                  "check that it runs lamplock or grbl, its baud rate (--baud), and that no other "
+                  "program uses the port");
     throw Error(Exit::no_device, "machine", "does not report its status", "reset it and try again");
   }
 
@@ -102,7 +110,8 @@ class Asked {
   const Patience& patience_;
   BoardIdentity identity_;
   std::optional<BoardStatus> status_;
-  bool answered_ = false, heard_ = false;
+  std::string first_;  ///< the first line heard; empty if none
+  bool answered_ = false;
   int asked_ = 0;
 };
 
@@ -134,9 +143,14 @@ Answer ask(LinePort& port, const std::string& line, const Patience& patience) {
     until = port.transport().now() + patience.give_up;
     answer.lines.push_back(std::move(*heard));
   }
-  throw Error(Exit::no_device, "machine",
-              fmt::format("does not answer '{}' within {:g} s", line, seconds(patience.give_up)),
-              "check the cable, reset the machine and try again");
+  const std::string heard = answer.lines.empty()
+                                ? ""
+                                : fmt::format(", only {} lines that begin with '{}' came",
+                                              answer.lines.size(), head_of(answer.lines.front()));
+  throw Error(
+      Exit::no_device, "machine",
+      fmt::format("does not answer '{}' within {:g} s{}", line, seconds(patience.give_up), heard),
+      "check the cable, reset the machine and try again");
 }
 
 }  // namespace lamplock::link

@@ -10,6 +10,7 @@
 #include "host/link/board_text.hpp"
 #include "host/link/dialog.hpp"
 #include "host/link/program_lines.hpp"
+#include "host/suggestion.hpp"
 
 namespace lamplock::link {
 namespace {
@@ -63,6 +64,12 @@ std::string squeezed(std::string_view text) {
   return result;
 }
 
+std::vector<std::string> realtime_names() {
+  std::vector<std::string> names;
+  for (const Word& known : words) names.emplace_back(known.name);
+  return names;
+}
+
 bool is_jog(std::string_view line) { return line.starts_with("$J") || line.starts_with("$j"); }
 
 }  // namespace
@@ -72,7 +79,8 @@ std::optional<std::uint8_t> realtime_word(std::string_view typed) {
   for (const Word& known : words)
     if (known.name == word) return known.byte;
   if (word.starts_with(':'))
-    throw Error(Exit::bad_input, word, "unknown word", "there are " + realtime_words());
+    throw Error(Exit::bad_input, word, "unknown word",
+                did_you_mean(word, realtime_names(), "there are " + realtime_words()));
   return std::nullopt;
 }
 

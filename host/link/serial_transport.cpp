@@ -7,11 +7,14 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/serial_port.hpp>
+#include <cerrno>
 #include <utility>
 
 #include "host/access.hpp"
 #include "host/error.hpp"
 #include "host/link/port_lock.hpp"
+#include "host/similar_files.hpp"
+#include "host/suggestion.hpp"
 #include "host/usb/known_devices.hpp"
 #include "host/usb/sysfs.hpp"
 
@@ -52,6 +55,12 @@ void ask_low_latency(int descriptor) {
 
 }  // namespace
 
+Error missing_port(const std::string& port) {
+  const std::string question = question_of(similar_paths(port, PathKind::port));
+  return {Exit::no_device, port, "there is no such port",
+          question.empty() ? "plug in the board, then lamplock devices shows its port" : question};
+}
+
 SerialTransport::SerialTransport(std::string port, unsigned baud)
     : port_(std::make_unique<Port>(std::move(port), baud)) {
   if (SerialTransport::open()) {
@@ -62,6 +71,7 @@ SerialTransport::SerialTransport(std::string port, unsigned baud)
     throw Error(Exit::no_device, port_->name,
                 "another program uses the port (" + port_->lock.user() + ")",
                 "end that program first");
+  if (port_->failure.value() == ENOENT) throw missing_port(port_->name);
   throw Error(
       Exit::no_device, port_->name, "cannot open the port (" + port_->failure.message() + ")",
       is_denied(port_->failure.value()) ? access_remedy(port_->name) : "check cable and name");

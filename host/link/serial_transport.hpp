@@ -4,10 +4,14 @@
 #include <memory>
 #include <string>
 
+#include "host/error.hpp"
 #include "host/link/descriptor_transport.hpp"
 #include "shared/boards/pico_uart.hpp"
 
 namespace lamplock::link {
+
+/// The error about a port that does not exist: no_device, with ports of a similar name.
+Error missing_port(const std::string& port);
 
 /// Opens a port raw, 8N1, without flow control. Opening it does not drop DTR, by which some boards
 /// are reset; closing it does on the USB of a lamplock board alone, which holds its machine then.

@@ -31,8 +31,20 @@ std::vector<std::string> next_words(const cli::Command& app) {
   return words;
 }
 
-/// The command has arguments that are no options, usually files.
-bool takes_names(const cli::Command& app) { return !positionals_of(app).empty(); }
+/// Words offered for the arguments of a command that are no options.
+std::vector<std::string> offered_words(const cli::Command& app) {
+  std::vector<std::string> words;
+  for (const cli::Option* option : positionals_of(app))
+    words.insert(words.end(), option->completions().begin(), option->completions().end());
+  return words;
+}
+
+/// The command has an argument whose values are not all known: usually files.
+bool takes_names(const cli::Command& app) {
+  const auto positionals = positionals_of(app);
+  return std::any_of(positionals.begin(), positionals.end(),
+                     [](const cli::Option* option) { return option->completions().empty(); });
+}
 
 /// The lines of bash that complete the argument of an option.
 std::string bash_argument(const cli::Option& option) {
@@ -56,7 +68,9 @@ std::string bash_completion(const cli::Command& program) {
       const std::string before = blank == std::string::npos ? "" : path.substr(0, blank);
       paths += fmt::format("      \"{} {}\") command=\"{}\" ;;\n", before, app.name(), path);
     }
-    words += fmt::format("    \"{}\") words=\"{}\"{} ;;\n", path, fmt::join(next_words(app), " "),
+    std::vector<std::string> next = next_words(app), offered = offered_words(app);
+    next.insert(next.end(), offered.begin(), offered.end());
+    words += fmt::format("    \"{}\") words=\"{}\"{} ;;\n", path, fmt::join(next, " "),
                          takes_names(app) ? " names=yes" : "");
     for (const cli::Option* option : options_of(app))
       if (!argument_of(*option).empty())
@@ -72,11 +86,11 @@ std::string bash_completion(const cli::Command& program) {
          "}\n"
          "_lamplock() {\n"
          "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
-         "  local command='' words='' names='' i\n"
+         "  local command='' words='' names='' value='' i\n"
          "  COMPREPLY=()\n"
          // Bash splits words at the sign: --board = usb.
-         "  if [[ $word == = ]]; then word=''\n"
-         "  elif [[ $before == = ]]; then before=${COMP_WORDS[COMP_CWORD - 2]}\n"
+         "  if [[ $word == = ]]; then word='' value=yes\n"
+         "  elif [[ $before == = ]]; then before=${COMP_WORDS[COMP_CWORD - 2]} value=yes\n"
          "  fi\n"
          "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
          "    case \"$command ${COMP_WORDS[i]}\" in\n" +
@@ -86,10 +100,14 @@ std::string bash_completion(const cli::Command& program) {
          "  case \"$command $before\" in\n" +
          arguments +
          "  esac\n"
+         "  [[ -n $value ]] && return 0\n"
          "  case $command in\n" +
          words +
          "  esac\n"
          "  _lamplock_words \"$words\"\n"
+         // NAME= is followed by its value at once.
+         "  [[ ${#COMPREPLY[@]} == 1 && ${COMPREPLY[0]} == *= ]] && compopt -o nospace "
+         "2>/dev/null\n"
          "  [[ -n $names && $word != -* ]] && _lamplock_files\n"
          "  return 0\n"
          "}\n"
@@ -151,6 +169,9 @@ std::string fish_completion(const cli::Command& program) {
       script += fmt::format("complete -c lamplock -n {} -f -a {} -d {}\n", quoted(condition),
                             command.name(), quoted(command.description()));
     for (const cli::Option* option : options_of(app)) script += fish_option(*option, condition);
+    if (const auto words = offered_words(app); !words.empty())
+      script += fmt::format("complete -c lamplock -n {} -f -a {}\n", quoted(condition),
+                            quoted(fmt::format("{}", fmt::join(words, " "))));
   });
   return script;
 }

@@ -158,6 +158,7 @@ void write_option(Writer& page, const cli::Option& option) {
     what += variable.empty()
                 ? " Required."
                 : fmt::format(" Required, here or in the environment variable {}.", variable);
+  if (!option.check().range.empty()) what += fmt::format(" Range: {}.", option.check().range);
   if (!option.default_text().empty()) what += fmt::format(" Default: {}.", option.default_text());
   if (!variable.empty() && !option.is_required())
     what += fmt::format(" Without it, the environment variable {} gives the value.", variable);

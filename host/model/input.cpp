@@ -13,6 +13,7 @@
 #include "host/model/read_mesh.hpp"
 #include "host/model/read_points.hpp"
 #include "host/model/read_svg.hpp"
+#include "host/similar_files.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -70,7 +71,8 @@ constexpr Format foreign_picture{"", InputKind::bitmap, read_as<read_bitmap>};
 /// The first row of the extension of a file that exists.
 const Format& format_of(const path& file) {
   std::error_code failure;
-  if (!std::filesystem::exists(file, failure)) refuse(file, "no such file", "check the name");
+  if (!std::filesystem::exists(file, failure))
+    refuse(file, "no such file", missing_path_remedy(file));
   const std::string extension = lower_extension(file);
   if (is_foreign_picture(extension)) return foreign_picture;
   const auto* const found = std::ranges::find(formats, extension, &Format::extension);
@@ -90,6 +92,12 @@ bool may_hold(const path& file, InputKind kind) {
   const std::string_view extension = format_of(file).extension;
   return std::ranges::any_of(
       formats, [&](const Format& row) { return row.extension == extension && row.kind == kind; });
+}
+
+std::optional<InputKind> kind_of(const path& file) {
+  const auto* const found = std::ranges::find(formats, lower_extension(file), &Format::extension);
+  if (found == std::end(formats)) return std::nullopt;
+  return found->kind;
 }
 
 std::string extensions(InputKind kind) {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -31,6 +32,9 @@ Input read_input(const std::filesystem::path& path);
 /// True if files with this extension may be of this kind. Throws Error (bad_input) for an unknown
 /// extension or a missing file; does not read the file.
 bool may_hold(const std::filesystem::path& path, InputKind kind);
+
+/// The kind of file that its extension says; empty for unknown extensions. The file need not exist.
+std::optional<InputKind> kind_of(const std::filesystem::path& file);
 
 /// Extensions of a kind for texts: "stl, obj, ply, 3mf, glb".
 std::string extensions(InputKind kind);

@@ -10,10 +10,20 @@
 #include "host/error.hpp"
 #include "host/pendant/terminal_keys.hpp"
 #include "host/printable.hpp"
+#include "host/suggestion.hpp"
 #include "host/toml_file.hpp"
 
 namespace lamplock::pendant {
 namespace {
+
+/// Names of keys of pendants.
+std::vector<std::string> key_names() {
+  std::vector<std::string> names;
+  for (auto key = static_cast<std::size_t>(Key::none) + 1;
+       key < static_cast<std::size_t>(Key::count); ++key)
+    if (const auto name = key_name(static_cast<Key>(key)); !name.empty()) names.emplace_back(name);
+  return names;
+}
 
 constexpr double max_step_mm = 100, max_feed_mm_min = 1e6;
 constexpr std::size_t max_steps = 16, max_macro_lines = 100;
@@ -55,8 +65,10 @@ class Reader {
         fail(key.source(), "'hb04_keys' is neither 16 nor 18",
              "write the number of keys of the pendant");
     } else {
-      fail(key.source(), fmt::format("unknown key '{}' in [pendant]", printable(name)),
-           "use keys, keyboard, macros, steps, feed, safe_z or hb04_keys");
+      fail(
+          key.source(), fmt::format("unknown key '{}' in [pendant]", printable(name)),
+          did_you_mean(name, {"keys", "keyboard", "macros", "steps", "feed", "safe_z", "hb04_keys"},
+                       "use keys, keyboard, macros, steps, feed, safe_z or hb04_keys"));
     }
   }
 
@@ -72,7 +84,8 @@ class Reader {
     const auto known = key_named(key.str());
     if (!known)
       fail(key.source(), fmt::format("no pendant has a key '{}'", printable(key.str())),
-           "use a name from docs/pendants.md, such as safe-z, macro-1, button-1");
+           did_you_mean(key.str(), key_names(),
+                        "use a name from docs/pendants.md, such as safe-z, macro-1, button-1"));
     map_.keys[*known] = binding(key, node);
   }
 
@@ -80,7 +93,9 @@ class Reader {
     const std::string name(key.str());
     if (!is_keyboard_name(name))
       fail(key.source(), fmt::format("a keyboard has no key '{}'", printable(name)),
-           "use one character, or a name from docs/pendants.md, such as page-up, f1, ctrl-x");
+           did_you_mean(
+               name, keyboard_names(),
+               "use one character, or a name from docs/pendants.md, such as page-up, f1, ctrl-x"));
     map_.keyboard[name] = binding(key, node);
   }
 
@@ -91,7 +106,15 @@ class Reader {
     for (std::size_t i = 0; i < map_.macros.size(); ++i)
       if (map_.macros[i].name == *name) return {Action::none, i};
     fail(key.source(), fmt::format("there is no action and no macro '{}'", *name),
-         "see docs/pendants.md for actions, and [pendant.macros] for macros");
+         did_you_mean(*name, action_and_macro_names(),
+                      "see docs/pendants.md for actions, and [pendant.macros] for macros"));
+  }
+
+  std::vector<std::string> action_and_macro_names() const {
+    std::vector<std::string> names;
+    for (const ActionRow& row : action_rows()) names.emplace_back(row.name);
+    for (const Macro& macro : map_.macros) names.push_back(macro.name);
+    return names;
   }
 
   void read_macro(const toml::key& key, const toml::node& node) {

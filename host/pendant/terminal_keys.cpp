@@ -74,6 +74,14 @@ bool is_keyboard_name(std::string_view name) {
          std::any_of(controls.begin(), controls.end(), named);
 }
 
+std::vector<std::string> keyboard_names() {
+  std::vector<std::string> names{"escape"};
+  for (const Sequence& sequence : sequences) names.emplace_back(sequence.name);
+  for (const Control& control : controls) names.emplace_back(control.name);
+  for (char letter = 'a'; letter <= 'z'; ++letter) names.push_back(fmt::format("ctrl-{}", letter));
+  return names;
+}
+
 std::vector<std::string> TerminalKeys::take(std::string_view bytes) {
   std::vector<std::string> keys;
   pending_ += bytes;

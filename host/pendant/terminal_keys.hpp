@@ -17,6 +17,8 @@ namespace lamplock::pendant {
 /// True for a printable ASCII character other than a blank, and for names: "up", "page-down",
 /// "space", "f1", "ctrl-x" and so on.
 bool is_keyboard_name(std::string_view name);
+/// The names that are no single characters.
+std::vector<std::string> keyboard_names();
 
 /// The decoder of one terminal.
 class TerminalKeys {

@@ -116,7 +116,7 @@ class RowMaker {
          fmt::format("with an overscan of {:g} mm they reach ({:g}, {:g}, {:g}) mm, outside the "
                      "work space",
                      overscan_ * pitch, mm.x, mm.y, mm.z),
-         fmt::format("keep to {}, or use a lower feed", job::describe_work_space(values_)));
+         fmt::format("{}: {}", job::describe_work_space(values_), options_.remedy_outside));
   }
 
   const Pixels& pixels_;

@@ -25,6 +25,8 @@ struct RowOptions {
   double overscan_mm = 0;  ///< dark distance before and after a row: run_up_mm(); whole pixels
   bool one_way = false;    ///< all rows to the right
   bool dry = false;        ///< move with the laser off
+  /// What to do if rows lie outside the work space, for the error.
+  std::string remedy_outside = "move it, make it smaller, or use a lower feed rate";
 };
 
 /// Makes a job. Edges of pixels are within half a step of their position, and exact if the pitch is

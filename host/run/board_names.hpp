@@ -4,15 +4,10 @@
 //      nearest, and the ports. Who: everything that opens a board.
 #pragma once
 
-#include <cstddef>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace lamplock::run {
-
-/// Changes of one letter (inserted, left out, replaced) from one word to the other.
-std::size_t letters_apart(std::string_view a, std::string_view b);
 
 /// What to do about an unknown name: "did you mean 'virtual'? (serial ports of this computer:
 /// /dev/ttyACM0)".

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 
 #include "host/error.hpp"
 #include "host/link/serial_transport.hpp"
@@ -55,6 +57,19 @@ std::unique_ptr<link::Transport> open_board(const std::string& board, unsigned b
   const bool path = board.find('/') != std::string::npos;
   if (!path && sim::parse_tcp_address(board)) return std::make_unique<link::TcpTransport>(board);
   return std::make_unique<link::SerialTransport>(board, baud);
+}
+
+void check_is_connected(const BoardOptions& options) {
+  const std::string& board = options.board;
+  if (options.is_simulated()) return;
+  const auto serial = usb_serial(board);
+  if (board == auto_board || serial) {
+    usb::LibusbBus bus;
+    link::find_board(bus, serial.value_or(""));
+  } else if (std::error_code ignored;
+             board.find('/') != std::string::npos && !std::filesystem::exists(board, ignored)) {
+    throw link::missing_port(board);
+  }
 }
 
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {

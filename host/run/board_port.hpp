@@ -28,7 +28,11 @@ std::optional<std::string> usb_serial(const std::string& board);
 std::unique_ptr<link::Transport> open_board(const std::string& board,
                                             unsigned baud = boards::uart_baud);
 
-/// The same of a choice; nothing for simulated boards.
+/// Throws Error(no_device) for a port that does not exist and for a USB board that is not plugged
+/// in, without opening it. Simulated boards and HOST:PORT are not checked.
+void check_is_connected(const BoardOptions& options);
+
+/// Opens the board of a choice; nothing for simulated boards.
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options);
 
 }  // namespace lamplock::run

@@ -1,11 +1,13 @@
 #include "host/run/permission.hpp"
 
 #include "host/error.hpp"
+#include "host/run/board_port.hpp"
 
 namespace lamplock::run {
 
 void require_askable(const BoardOptions& options, const Frontend& frontend) {
   if (options.is_simulated() || options.dry || options.yes || frontend.can_ask()) return;
+  check_is_connected(options);  // else the remedy would lead to the next error
   throw Error(Exit::bad_input, "--board " + options.board,
               "firing needs a confirmation, and there is no terminal to ask in",
               "run it in a terminal, or give --yes or --dry");

@@ -11,7 +11,8 @@
 
 namespace lamplock::run {
 
-/// Refuses before any work what needs a permission that no user can give. Throws Error(bad_input).
+/// Refuses before any work what needs a permission that no user can give. Throws Error(bad_input),
+/// or no_device if the board is not connected either.
 void require_askable(const BoardOptions& options, const Frontend& frontend);
 
 /// Asks `question` unless --yes was given or the board is simulated. Throws Error(interrupted) with

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "host/job/job_file.hpp"
+#include "host/job/job.hpp"
 #include "host/link/kept_job.hpp"
 #include "host/link/transport.hpp"
 #include "host/raster/row_motion.hpp"
@@ -13,6 +13,7 @@
 #include "host/run/kept_progress.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/permission.hpp"
+#include "host/run/read_job.hpp"
 #include "host/run/run_job.hpp"
 #include "host/run/run_rows.hpp"
 
@@ -22,7 +23,7 @@ SentJob send_job(const std::string& file, BoardOptions& options, Frontend& front
   options.check(file);
   require_askable(options, frontend);
   auto port = open_job_port(options);
-  SentJob sent{{file, {}, job::read_job_file(file), {}}, {}, 0};
+  SentJob sent{{file, {}, read_job(file), {}}, {}, 0};
   PreparedJob& prepared = sent.prepared;
   job::Job& job = prepared.job;
   job.header.dry = job.header.dry || options.dry;

@@ -67,7 +67,7 @@ TEST(LineTable, ErrorsNameTheLineAndARemedy) {
   EXPECT_THAT(error("[interlock]\nline = 'a'\nbias = 'none'"),
               HasSubstr("unknown key 'bias' of [interlock]"));
   EXPECT_THAT(error("[run]\nline = 'a'\nactive_low = false"), HasSubstr("of [run]; use line"));
-  EXPECT_THAT(error("debounce_ms = 2000"), HasSubstr("from 0 to 1000"));
+  EXPECT_THAT(error("debounce_ms = 2000"), HasSubstr("a whole number, 0 to 1000"));
   EXPECT_THAT(error("debounce_ms = 1.5"), HasSubstr("whole number"));
   EXPECT_THAT(error("interlock_beat_ms = 50"), HasSubstr("add [interlock]"));
   EXPECT_THAT(error("[door]\nline = 'gpiochip0:4'\n[lamp]\nline = '/dev/gpiochip0:4'"),

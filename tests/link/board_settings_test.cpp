@@ -105,7 +105,7 @@ TEST(Change, by_number_or_name) {
 
 TEST(Change, is_refused_if_the_table_does_not_allow_it) {
   const auto error = [](const char* text) { return error_of([=] { parse_change(text, "f:3"); }); };
-  EXPECT_THAT(error("lamp_mode=3"), HasSubstr("f:3: lamp_mode = 3 is out of range; it is 0 to 2"));
+  EXPECT_THAT(error("lamp_mode=3"), HasSubstr("f:3: lamp_mode = 3 is out of range; give 0 to 2"));
   EXPECT_THAT(error("lamp_mode=0.5"), HasSubstr("a whole number"));
   EXPECT_THAT(error("120=fast"), HasSubstr("is not a number"));
   EXPECT_THAT(error("120=1.0001"), HasSubstr("is not a number"));

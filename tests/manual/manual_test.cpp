@@ -10,6 +10,7 @@
 
 #include "host/bench/command_bench.hpp"
 #include "host/chip_tool/command_chip.hpp"
+#include "host/cli/commands.hpp"
 #include "host/cli/program.hpp"
 #include "host/file.hpp"
 #include "host/manual/commands.hpp"
@@ -30,6 +31,7 @@ struct RealProgram {
   RealProgram() {
     chip_tool::add_chip(*app);
     bench::add_bench(*app);
+    cli::add_help(*app);
   }
   std::unique_ptr<cli::Command> app = cli::make_own_commands();
 };
@@ -187,6 +189,12 @@ TEST(Completion, BashKnowsEveryCommandOfTheProgram) {
   }
   EXPECT_THAT(shell.offers("lamplock operate ze"), HasSubstr("zero"));
   EXPECT_THAT(shell.offers("lamplock engrave --mod"), HasSubstr("--mode"));
+  EXPECT_EQ(shell.offers("lamplock settings get lamp_f"), "lamp_frequency\n");
+  EXPECT_EQ(shell.offers("lamplock settings get travel_x lamp_f"), "lamp_frequency\n");
+  EXPECT_EQ(shell.offers("lamplock settings set lamp_f"), "lamp_frequency=\n");
+  EXPECT_EQ(shell.offers("lamplock settings set lamp_frequency ="), "\n") << "a value is next";
+  EXPECT_EQ(shell.offers("lamplock help engr"), "engrave\n");
+  EXPECT_THAT(fish_completion(*program.app), HasSubstr("-f -a 'step_pulse "));
   EXPECT_THAT(bash_completion(*program.app), Not(HasSubstr(":{")))
       << "a set of values was not split";
 }

@@ -54,6 +54,14 @@ std::string printable(std::string_view bytes) {
   return text + '"';
 }
 
+/// The beginning of what came instead of a text: there it first differs from what was expected.
+std::string shown(std::string_view heard) {
+  if (heard.empty()) return "nothing";
+  const std::string head = printable(heard.substr(0, shown_bytes));
+  if (heard.size() <= shown_bytes) return head;
+  return head + " and " + std::to_string(heard.size() - shown_bytes) + " more bytes";
+}
+
 /// An event must come within a time.
 class WithinCheck : public Check {
  public:
@@ -124,8 +132,7 @@ class TextCheck final : public WithinCheck {
         return nothing("it came " + distance_text(start_, *found) + " after the step began");
     }
     if (!over(now)) return {};
-    const std::string heard = scene_.ports.unused(what_.port, shown_bytes);
-    return nothing(heard.empty() ? "nothing" : printable(heard));
+    return nothing(shown(scene_.ports.unused(what_.port)));
   }
 
  private:

@@ -76,10 +76,7 @@ std::optional<Moment> SerialPorts::find(Port port, std::string_view text) {
   return result;
 }
 
-std::string SerialPorts::unused(Port port, std::size_t most) const {
-  const std::string& all = heard_[index_of(port)].unused;
-  return all.substr(all.size() - std::min(all.size(), most));
-}
+std::string_view SerialPorts::unused(Port port) const { return heard_[index_of(port)].unused; }
 
 std::string SerialPorts::take(Port port) {
   return std::exchange(heard_[index_of(port)].to_take, {});

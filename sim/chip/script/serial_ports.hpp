@@ -42,8 +42,8 @@ class SerialPorts {
   std::optional<Moment> find(Port port, std::string_view text);
   /// Bytes that the port has sent since power-up.
   std::uint64_t count(Port port) const { return heard_[static_cast<std::size_t>(port)].count; }
-  /// The port's last output, at most so many bytes, not used up by find().
-  std::string unused(Port port, std::size_t most) const;
+  /// The port's output that find() has not used up; of very much output only the end.
+  std::string_view unused(Port port) const;
   /// The port's output since the last take(), for a terminal.
   std::string take(Port port);
 

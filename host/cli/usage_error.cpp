@@ -1,0 +1,265 @@
+#include "host/cli/usage_error.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+#include <type_traits>
+
+#include "host/cli/arguments.hpp"
+#include "host/suggestion.hpp"
+#include "host/text.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+template <class Value>
+constexpr bool is_whole =
+    std::is_same_v<Value, int> || std::is_same_v<Value, std::uint32_t> ||
+    std::is_same_v<Value, std::uint64_t> || std::is_same_v<Value, std::optional<int>> ||
+    std::is_same_v<Value, std::vector<std::int64_t>>;
+template <class Value>
+constexpr bool is_number =
+    is_whole<Value> || std::is_same_v<Value, double> ||
+    std::is_same_v<Value, std::optional<double>> || std::is_same_v<Value, std::vector<double>> ||
+    std::is_same_v<Value, std::optional<std::array<double, 3>>>;
+template <class Value>
+constexpr bool is_number_list = std::is_same_v<Value, std::vector<double>> ||
+                                std::is_same_v<Value, std::vector<std::int64_t>> ||
+                                std::is_same_v<Value, std::optional<std::array<double, 3>>>;
+
+/// True for numbers that are written with commas.
+bool takes_numbers(const Option& option) {
+  return std::visit(
+      [](auto* place) { return is_number_list<std::remove_pointer_t<decltype(place)>>; },
+      option.target());
+}
+
+bool repeats(const Option& option) {
+  return option.is_flag() || std::holds_alternative<std::vector<std::string>*>(option.target());
+}
+
+std::vector<std::string> parts_of(const Option& option, const std::string& text) {
+  if (!takes_numbers(option) && !option.is_comma_separated()) return {text};
+  std::vector<std::string> parts(1);
+  for (const char c : text)
+    if (c == ',')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
+
+/// Empty, or why the text is no value of this type.
+std::string type_refusal(const Option& option, const std::string& text) {
+  std::string_view digits = text;
+  if (digits.starts_with('+')) digits.remove_prefix(1);
+  const bool number = number_of<double>(digits).has_value();
+  const bool whole =
+      number_of<std::int64_t>(digits) || number_of<std::uint64_t>(digits).has_value();
+  return std::visit(
+      [&](auto* place) -> std::string {
+        using Value = std::remove_pointer_t<decltype(place)>;
+        if (is_number<Value> && !number) return fmt::format("'{}' is not a number", text);
+        if (is_whole<Value> && !whole) return fmt::format("'{}' is not a whole number", text);
+        return "";
+      },
+      option.target());
+}
+
+class Usage {
+ public:
+  Usage(const Command& program, const std::vector<std::string>& typed)
+      : program_(program), arguments_(understood(program, typed)) {}
+
+  std::optional<Error> error() {
+    for (at_ = 0; at_ < arguments_.size(); ++at_)
+      if (auto error = error_at(arguments_[at_])) return error;
+    const Command& command = arguments_.empty() ? program_ : *arguments_.back().command;
+    if (command.needs_command())
+      return refusal(here(), "a command is missing", "see " + here() + " --help");
+    if (auto error = contradiction()) return error;
+    return missing(command);
+  }
+
+ private:
+  static Error refusal(const std::string& where, const std::string& what,
+                       const std::string& remedy) {
+    return {Exit::bad_input, where, what, remedy};
+  }
+  /// "lamplock engrave" of the argument that is judged.
+  std::string here() const {
+    return path_of(program_, arguments_, std::min(at_ + 1, arguments_.size()));
+  }
+  std::string see_help() const { return fmt::format("see {} --help", here()); }
+
+  std::optional<Error> error_at(const Argument& argument) const {
+    switch (argument.kind) {
+      case ArgumentKind::unknown_option:
+        return refusal(here(), fmt::format("unknown option '{}'", argument.text),
+                       remedy_for_option(argument));
+      case ArgumentKind::unknown_command:
+        return refusal(here(), fmt::format("unknown command '{}'", argument.text),
+                       remedy_for_command(argument));
+      case ArgumentKind::surplus:
+        return surplus(argument);
+      case ArgumentKind::option:
+        return option_error(argument);
+      case ArgumentKind::value:
+      case ArgumentKind::positional:
+        return value_error(argument);
+      case ArgumentKind::command:
+        return std::nullopt;
+    }
+    return std::nullopt;
+  }
+
+  /// Names that may have been meant by an option.
+  static std::vector<std::string> names_in(const Command& command) {
+    std::vector<std::string> names = help_option().typed_names();
+    if (!command.version().empty()) names.push_back(version_option().name());
+    for (const Option& option : command.options())
+      if (!option.group().empty())
+        for (const std::string& name : option.typed_names()) names.push_back(name);
+    for (const Command& inner : command.commands()) names.push_back(inner.name());
+    return names;
+  }
+
+  std::string remedy_for_option(const Argument& argument) const {
+    const std::string question =
+        question_of(similar_names(argument.text, names_in(*argument.command)));
+    if (!question.empty()) return question;
+    for (const Command& other : program_.commands())
+      if (find_option(other, argument.text) != nullptr)
+        return fmt::format("lamplock {} has it; {}", other.name(), see_help());
+    return see_help();
+  }
+
+  std::string remedy_for_command(const Argument& argument) const {
+    std::vector<std::string> names;
+    for (const Command& inner : argument.command->commands()) names.push_back(inner.name());
+    std::error_code ignored;
+    const bool is_file = std::filesystem::is_regular_file(argument.text, ignored);
+    if (is_file)
+      return fmt::format("give the command before the file, such as {} {} {}; {}", here(),
+                         names.size() > 1 ? "engrave" : names.front(), argument.text, see_help());
+    return did_you_mean(argument.text, names, see_help());
+  }
+
+  std::optional<Error> surplus(const Argument& argument) const {
+    std::vector<std::string> words;
+    for (const Argument& one : arguments_)
+      if (one.kind == ArgumentKind::surplus) words.push_back(fmt::format("'{}'", one.text));
+    std::vector<std::string> names;
+    for (const Option& option : argument.command->options())
+      for (const std::string& name : option.typed_names())
+        if (name == "--" + argument.text) names.push_back(name);
+    return refusal(
+        here(),
+        fmt::format("unexpected argument{} {}", words.size() == 1 ? "" : "s",
+                    fmt::join(words, " ")),
+        names.empty() ? "quote names that have blanks; " + see_help() : question_of(names));
+  }
+
+  std::optional<Error> option_error(const Argument& argument) const {
+    const Option& option = *argument.option;
+    if (takes_value(option) &&
+        (at_ + 1 == arguments_.size() || arguments_[at_ + 1].kind != ArgumentKind::value))
+      return missing_value(option, argument.text);
+    if (repeats(option)) return std::nullopt;
+    for (std::size_t i = 0; i < at_; ++i)
+      if (arguments_[i].kind == ArgumentKind::option && arguments_[i].option == &option)
+        return refusal(argument.text, "is given twice", "give it once");
+    return std::nullopt;
+  }
+
+  Error missing_value(const Option& option, const std::string& name) const {
+    return refusal(name, "its value is missing",
+                   fmt::format("write {} {}; {}", name, option.value_name(), see_help()));
+  }
+
+  std::optional<Error> value_error(const Argument& argument) const {
+    const Option& option = *argument.option;
+    if (argument.kind == ArgumentKind::value && argument.text.starts_with("--") &&
+        find_option(*argument.command, argument.text.substr(0, argument.text.find('='))) != nullptr)
+      return missing_value(option, option.name());
+    const std::vector<std::string> parts = parts_of(option, argument.text);
+    for (const std::string& part : parts) {
+      std::string wrong = type_refusal(option, part);
+      if (wrong.empty() && option.check().refusal) wrong = option.check().refusal(part);
+      if (!wrong.empty()) return refusal(option.name(), wrong, remedy_for_value(option, part));
+    }
+    if (const auto& count = option.count();
+        takes_numbers(option) && count && (parts.size() < count->min || parts.size() > count->max))
+      return refusal(
+          option.name(),
+          fmt::format("{} {} given", parts.size(), parts.size() == 1 ? "number is" : "numbers are"),
+          fmt::format("give {}: {}", count_text(*count), option.value_name()));
+    return std::nullopt;
+  }
+
+  std::string remedy_for_value(const Option& option, const std::string& text) const {
+    const Check& check = option.check();
+    if (!check.names.empty())
+      return did_you_mean(text, check.names,
+                          fmt::format("give {}; {}", fmt::join(check.names, ", "), see_help()));
+    if (!check.range.empty()) return fmt::format("give {}; {}", check.range, see_help());
+    return see_help();
+  }
+
+  bool is_given(const Option& option) const {
+    return std::any_of(arguments_.begin(), arguments_.end(),
+                       [&](const Argument& one) { return one.option == &option; });
+  }
+
+  /// Options that cannot be given together, or not alone.
+  std::optional<Error> contradiction() const {
+    for (const Argument& argument : arguments_) {
+      if (argument.kind != ArgumentKind::option) continue;
+      for (const Option* other : argument.option->excluded())
+        if (is_given(*other))
+          return refusal(argument.text,
+                         fmt::format("cannot be given together with {}", other->name()),
+                         "leave out one of them");
+      if (argument.option->is_for_version() && !is_given(version_option()))
+        return refusal(
+            argument.text, fmt::format("needs {}", version_option().name()),
+            fmt::format("write {} --version {}; {}", program_.name(), argument.text, see_help()));
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Error> missing(const Command& command) const {
+    std::vector<std::string> names, uses;
+    for (const Option& option : command.options()) {
+      const bool in_environment =
+          !option.environment().empty() && std::getenv(option.environment().c_str()) != nullptr;
+      if (!option.is_required() || is_given(option) || in_environment) continue;
+      names.push_back(option.name());
+      uses.push_back(option.is_positional() ? option.name()
+                                            : option.name() + " " + option.value_name());
+    }
+    if (names.empty()) return std::nullopt;
+    return refusal(
+        here(),
+        fmt::format("{} {} missing", fmt::join(names, " and "), names.size() == 1 ? "is" : "are"),
+        fmt::format("give {}; {}", fmt::join(uses, " "), see_help()));
+  }
+
+  const Command& program_;
+  const std::vector<Argument> arguments_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace
+
+std::optional<Error> usage_error(const Command& program,
+                                 const std::vector<std::string>& arguments) {
+  return Usage(program, arguments).error();
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,42 @@
+#include "host/run/read_job.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/glass/description_file.hpp"
+#include "host/job/job_file.hpp"
+#include "host/model/input.hpp"
+
+namespace lamplock::run {
+namespace {
+
+/// How to make a job of this file; empty for a file of another kind.
+std::string way_to_job(const std::string& file) {
+  using model::InputKind;
+  const std::optional<InputKind> kind = model::kind_of(file);
+  if (!kind && !glass::is_description(file)) return "";
+  const std::string job = std::filesystem::path(file).replace_extension(".llj").string();
+  const std::string points = fmt::format("make a job of it: lamplock job {} -o {}", file, job);
+  if (kind != InputKind::bitmap) return points;
+  return fmt::format("{} (points in glass), or lamplock raster {} --feed MM_MIN -o {} (rows)",
+                     points, file, job);
+}
+
+}  // namespace
+
+job::Job read_job(const std::string& file) {
+  check_is_file(file);
+  try {
+    return job::read_job_file(file);
+  } catch (const Error&) {
+    const std::string remedy = way_to_job(file);
+    if (remedy.empty()) throw;
+    throw Error(Exit::bad_input, file, "is not a lamplock job file", remedy);
+  }
+}
+
+}  // namespace lamplock::run

@@ -1,0 +1,16 @@
+// Reads a job file that the user named.
+//
+// In:  the name of a file. Out: the job, or an error that says how to make a job of a model or a
+//      picture. Who: `send`, `job --show`.
+#pragma once
+
+#include <string>
+
+#include "host/job/job.hpp"
+
+namespace lamplock::run {
+
+/// Throws Error(bad_input) if the file is not a valid job file.
+job::Job read_job(const std::string& file);
+
+}  // namespace lamplock::run
