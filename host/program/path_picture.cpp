@@ -12,7 +12,7 @@ namespace lamplock::program_run {
 namespace {
 
 // All lengths are pixels.
-constexpr double view = 720, left = 70, top = 44, right = 120, below = 50;
+constexpr double view = 720, left = 70, top = 44, right = 132, below = 50;
 constexpr double bar_gap = 24, bar_width = 16, tick_length = 5;
 /// Ends of pieces that are closer are merged.
 constexpr double min_distance = 0.15;
@@ -113,20 +113,22 @@ std::string legend() {
                        x, top + 20 + height - (shade + 1) * step, bar_width, step + 0.5,
                        shade_colour(shade));
   out += svg::text_at(x + bar_width + 6, top + 30, "start", "100 %");
-  out += svg::text_at(x + bar_width + 6, top + 20 + height, "start", "0 %");
+  out += svg::text_at(x + bar_width + 6, top + 20 + height, "start", "> 0 %");
   const double y = top + height + 50;
   out += svg::line(x, y, x + 30, y, "#4a7fb5", "4 3");
-  return out + svg::text_at(x + 36, y + 4, "start", "rapid");
+  return out + svg::text_at(x + 36, y + 4, "start", "rapid, 0 %");
 }
 
 }  // namespace
 
 std::string path_svg(const ProgramRun& run, const std::string& title) {
   const View v(run.bounds);
-  Stroke rapids;
+  Stroke dark;  // rapids, and moves without power
   std::array<Stroke, shades> strokes;
-  for (const Piece& piece : run.pieces)
-    (piece.rapid ? rapids : strokes[static_cast<std::size_t>(shade_of(piece.power))]).add(v, piece);
+  for (const Piece& piece : run.pieces) {
+    const bool is_dark = piece.rapid || piece.power <= 0;
+    (is_dark ? dark : strokes[static_cast<std::size_t>(shade_of(piece.power))]).add(v, piece);
+  }
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
       "{1}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" "
@@ -134,7 +136,7 @@ std::string path_svg(const ProgramRun& run, const std::string& title) {
       left + view + right, top + view + below);
   out += "<g font-weight=\"bold\">" + svg::text_at(left, 26, "start", title) + "</g>\n";
   out += axes(v);
-  out += rapids.element("stroke=\"#4a7fb5\" stroke-width=\"0.8\" stroke-dasharray=\"4 3\"");
+  out += dark.element("stroke=\"#4a7fb5\" stroke-width=\"0.8\" stroke-dasharray=\"4 3\"");
   for (int shade = 0; shade < shades; ++shade)
     out += strokes[static_cast<std::size_t>(shade)].element(fmt::format(
         "stroke=\"{}\" stroke-width=\"1.2\" stroke-linejoin=\"round\"", shade_colour(shade)));

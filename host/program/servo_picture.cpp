@@ -20,9 +20,11 @@ constexpr double max_ticks = 7, tick_length = 5;
 constexpr double min_distance = 0.7;
 constexpr double range_margin = 1.06;  ///< of the drawn values
 constexpr const char* servo_frame_colour = "#999";
-constexpr const char* programmed_colour = "#999999";
+constexpr const char* programmed_colour = "#222222";
 constexpr std::array<const char*, servo_axes> axis_colours{"#0072b2", "#d55e00"};
-constexpr const char* measured_colour = "#009e73";
+constexpr const char* measured_colour = "#8fd9c0";
+/// The measured path is broad and pale below the programmed one: both are visible where they agree.
+constexpr double programmed_width = 1, measured_width = 4;
 
 /// Converts a range of values to a range of pixels.
 struct ServoScale {
@@ -130,8 +132,8 @@ std::string path_panel(const NamedServoRun& named, double top) {
     programmed.add(x(sample.axis[0].programmed), y(sample.axis[1].programmed));
     measured.add(x(sample.axis[0].measured), y(sample.axis[1].measured));
   }
-  return frame(x, y) + programmed.element(programmed_colour, 3) +
-         measured.element(measured_colour, 1) +
+  return frame(x, y) + measured.element(measured_colour, measured_width) +
+         programmed.element(programmed_colour, programmed_width) +
          svg::text_at(picture_left + side / 2, top + side + 38, "middle", "X / mm") +
          svg::turned_text(16, top + side / 2, "Y / mm");
 }
@@ -147,7 +149,6 @@ std::string error_panel(const NamedServoRun& named, double top, double pulse_mm)
   std::string out = frame(x, y);
   for (const double mm : {-pulse_mm, 0.0, pulse_mm})
     out += svg::line(x.at_low, y(mm), x.at_high, y(mm), servo_frame_colour, mm == 0 ? "" : "4 3");
-  out += svg::text_at(x.at_high - 4, y(pulse_mm) + 14, "end", "one pulse");
   for (std::size_t a = 0; a < servo_axes; ++a) {
     DenseCurve curve;
     for (const ServoSample& sample : named.run.samples)
@@ -158,9 +159,11 @@ std::string error_panel(const NamedServoRun& named, double top, double pulse_mm)
   return out + svg::turned_text(from - 56, top + side / 2, "programmed less measured / mm");
 }
 
-/// An entry of the legend: a line of a colour with its meaning.
-std::string key(double x, double y, const char* colour, const char* text) {
-  return svg::line(x, y - 4, x + 24, y - 4, colour) + svg::text_at(x + 30, y, "start", text);
+/// An entry of the legend: a line with its meaning.
+std::string key(double x, double y, const char* colour, double width, const char* text) {
+  return fmt::format("<g stroke-width=\"{}\">{}</g>", width,
+                     svg::line(x, y - 4, x + 24, y - 4, colour)) +
+         svg::text_at(x + 30, y, "start", text);
 }
 
 }  // namespace
@@ -176,10 +179,13 @@ std::string servo_svg(const std::vector<NamedServoRun>& runs, double pulse_mm) {
     const double row = row_height * static_cast<double>(i), top = row + head;
     out += fmt::format("<g font-weight=\"bold\">{}</g>\n",
                        svg::text_at(picture_left, row + 26, "start", runs[i].name));
-    out += key(picture_left + side - 150, row + 26, programmed_colour, "program");
-    out += key(picture_left + side - 60, row + 26, measured_colour, "encoders");
-    out += key(width - picture_right - 120, row + 26, axis_colours[0], "X");
-    out += key(width - picture_right - 60, row + 26, axis_colours[1], "Y");
+    out += key(picture_left + side - 180, row + 26, programmed_colour, programmed_width, "program");
+    out += key(picture_left + side - 84, row + 26, measured_colour, measured_width, "encoders");
+    out += svg::line(width - picture_right - 224, row + 22, width - picture_right - 200, row + 22,
+                     servo_frame_colour, "4 3");
+    out += svg::text_at(width - picture_right - 194, row + 26, "start", "one pulse");
+    out += key(width - picture_right - 110, row + 26, axis_colours[0], 2, "X");
+    out += key(width - picture_right - 54, row + 26, axis_colours[1], 2, "Y");
     out += path_panel(runs[i], top) + error_panel(runs[i], top, pulse_mm);
   }
   return out + "</svg>\n";

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -147,6 +148,27 @@ TEST(Check, DrawsThePathWithPowerInColour) {
   const std::string half = drawn.substr(drawn.find("stroke-dasharray"));
   EXPECT_THAT(half,
               Not(HasSubstr("stroke=\"#f5c85a\"")));  // only rapids have no power
+}
+
+/// Number of separate lines that a picture draws with this look.
+std::size_t strokes(const std::string& drawn, const std::string& look) {
+  const std::size_t at = drawn.find("fill=\"none\" " + look);
+  if (at == std::string::npos) return 0;
+  const std::size_t begin = drawn.rfind("<path", at);
+  const std::string path = drawn.substr(begin, at - begin);
+  return static_cast<std::size_t>(std::count(path.begin(), path.end(), 'M'));
+}
+
+TEST(Check, MovesWithoutPowerAreDrawnAsRapids) {
+  const Folder folder;
+  // A rapid, and moves without power by S0 and by M5, each apart from the others.
+  const std::string file = folder.write(
+      "a.ngc", "G0 X5\nM3 S1000\nG1 Y10 F600\nS0 G1 X0\nS10 G1 Y4\nM5\nG1 X-9\nM3 S1\nG1 Y0\n");
+  const std::string picture = folder / "a.svg";
+  ASSERT_EQ(run({"check", file, "--picture", picture}).status, 0);
+  const std::string drawn = read(picture);
+  EXPECT_EQ(strokes(drawn, "stroke=\"#4a7fb5\""), 3u) << drawn;
+  EXPECT_EQ(strokes(drawn, "stroke=\"#f5c85a\""), 2u) << "1 % and 0.1 % are light";
 }
 
 TEST(Check, BadRequestsAreRefused) {
