@@ -9,6 +9,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/machine_options.hpp"
 #include "host/cli/validators.hpp"
+#include "host/duration_text.hpp"
 #include "host/run/check_program.hpp"
 #include "shared/units.hpp"
 
@@ -22,13 +23,6 @@ struct CheckOptions : run::CheckOptions {
   bool json = false;
 };
 
-/// Hours, minutes, seconds.
-std::string time_text(double seconds) {
-  const auto minutes = static_cast<long>(seconds / 60);
-  return fmt::format("{}:{:02}:{:06.3f}", minutes / 60, minutes % 60,
-                     seconds - 60 * static_cast<double>(minutes));
-}
-
 std::string problem_text(const std::string& file, const Problem& p) {
   std::string text = fmt::format("{}:{}", file, p.line);
   if (p.column != 0) text += fmt::format(":{}", p.column);
@@ -36,7 +30,7 @@ std::string problem_text(const std::string& file, const Problem& p) {
 }
 
 void say_result(Console& console, const ProgramRun& run) {
-  console.say("time      {}", time_text(run.seconds()));
+  console.say("time      {}", duration_text(run.seconds()));
   console.say("moves     {} from {} lines", run.moves, run.lines);
   console.say("feed      {:.3f} mm", run.feed_mm);
   console.say("rapid     {:.3f} mm", run.rapid_mm);

@@ -7,6 +7,7 @@
 #include "host/cli/console.hpp"
 #include "host/report/summary.hpp"
 #include "host/run/report_folder.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -16,16 +17,27 @@ struct CompareOptions {
   bool json = false;
 };
 
+/// The two values of each setting that differs, by its name.
+Json settings_json(const report::Report& first, const report::Report& second) {
+  Json json = Json::object();
+  for (const settings::Id id : report::differing_settings(first, second))
+    json[std::string(settings::row(id).name)] = {in_units(first.settings, id),
+                                                 in_units(second.settings, id)};
+  return json;
+}
+
 Exit compare(const CompareOptions& options) {
   Console console(options.json);
   const report::Report first = run::read_report(options.first),
                        second = run::read_report(options.second);
-  console.text(report::summary(first, second));
+  console.text(report::summary(first, second, run::report_names(options.first, options.second)));
   const auto beats = [](const report::Report& r) { return static_cast<double>(r.beats); };
   Json ratio = nullptr;
   if (first.beats > 0) ratio = beats(second) / beats(first);
   console.document({{"first", Json::parse(report::to_json(first))},
                     {"second", Json::parse(report::to_json(second))},
+                    {"folders", {options.first, options.second}},
+                    {"differing_settings", settings_json(first, second)},
                     {"beats_ratio", ratio}});
   return Exit::done;
 }
@@ -33,7 +45,8 @@ Exit compare(const CompareOptions& options) {
 }  // namespace
 
 void add_compare(Command& program) {
-  Command& app = program.add_command("compare", "Show two reports side by side");
+  Command& app =
+      program.add_command("compare", "Show two reports side by side, and the settings that differ");
   app.footer(
       "Example:\n  lamplock engrave model.stl --mode start-stop --report stop\n"
       "  lamplock engrave model.stl --mode free --report free\n  lamplock compare stop free");

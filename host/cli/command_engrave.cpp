@@ -57,7 +57,10 @@ void add_engrave(Command& program) {
   add_job_run(app, options->board);
   add_resume(app, options->board);
   add_origin(app, options->origin);
-  app.action([options] { return engrave(*options); });
+  app.action([options, &program] {
+    options->board.command = program.typed();
+    return engrave(*options);
+  });
 }
 
 }  // namespace lamplock::cli

@@ -84,7 +84,10 @@ void add_estimate(Command& program) {
       .check(file_name())
       .value_name("FILE");
   app.add_json(options->json);
-  app.action([options] { return estimate(*options); });
+  app.action([options, &program] {
+    options->estimate.job.command = program.typed();
+    return estimate(*options);
+  });
 }
 
 }  // namespace lamplock::cli

@@ -65,7 +65,8 @@ Json program_json(const run::ProgramOutcome& outcome) {
       {"not_written", outcome.lost.names()}};
 }
 
-/// A job contains its machine; of a profile only the lines of the computer are used.
+/// A job contains its machine. A profile is that of the simulated board; for a real board only the
+/// lines of the computer are used.
 void check_job_options(const run::ProgramOptions& program) {
   if (program.ignore_errors)
     throw Error(Exit::bad_input, "--ignore-errors", "is for programs of G-code, not for jobs",
@@ -107,7 +108,8 @@ void add_send(Command& program) {
       "Enter alone resumes. + or - and Enter changes the feed override by 10 %; = and Enter sets "
       "it\n"
       "to 100 %.\n"
-      "For jobs, lamplock reads only the table [lines] (GPIO) of --machine.\n"
+      "For jobs, --machine is the machine that a simulated board has; for a real board, lamplock\n"
+      "reads only its table [lines] (GPIO).\n"
       "The progress of a job is kept in FILE.progress until the job is done. --resume continues\n"
       "after any end, also a power loss, and fires no point twice: points that may have been "
       "fired\n"
@@ -129,7 +131,8 @@ void add_send(Command& program) {
                  "Programs: continue after lines that the board refused")
       .group("Board");
   add_machine(app, options->program.machine);
-  app.action([options] {
+  app.action([options, &program] {
+    options->board.command = program.typed();
     options->board.profile = options->program.machine.machine;
     return send_file(*options);
   });

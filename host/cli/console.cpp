@@ -14,6 +14,7 @@
 #include "host/cli/live_line.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/standard_streams.hpp"
+#include "host/duration_text.hpp"
 #include "host/printable.hpp"
 
 namespace lamplock::cli {
@@ -34,7 +35,7 @@ void Console::text(const std::string& text) { print(out_, text); }
 
 void Console::phase(const std::string& name, const std::string& what) {
   const std::chrono::duration<double> taken = Clock::now() - phase_start_;
-  say("{:<8} {} ({:.2f} s)", name, what, taken.count());
+  say("{:<8} {} ({})", name, what, duration_text(taken.count()));
   restart_clock();
 }
 

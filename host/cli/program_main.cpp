@@ -12,6 +12,7 @@
 #include "host/cli/command_line.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/parser.hpp"
+#include "host/cli/shell_text.hpp"
 #include "host/cli/standard_streams.hpp"
 #include "host/error.hpp"
 
@@ -35,6 +36,7 @@ int program_main(Command& program, int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   try {
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    program.set_typed(shell_text(program.name(), arguments));
     return check_output(status_of(run(program, arguments)));
   } catch (const Error& error) {
     return fail(error);

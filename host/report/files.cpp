@@ -82,15 +82,27 @@ void write_shots_csv(const JobRun& run, const fs::path& path) {
   write_file(path, text);
 }
 
+bool ReportFile::belongs_to(const JobRun& run) const {
+  return needs == ReportNeeds::shots         ? run.shots_known
+         : needs == ReportNeeds::description ? !run.making.description.empty()
+                                             : true;
+}
+
 const std::vector<ReportFile>& report_files() {
   static const std::vector<ReportFile> files{
       {"report.json", [](const Report& report, const JobRun&,
                          const fs::path& path) { write_file(path, to_json(report)); }},
+      {description_name,
+       [](const Report&, const JobRun& run, const fs::path& path) {
+         write_file(path, run.making.description);
+       },
+       ReportNeeds::description},
       {"shots.csv",
        [](const Report&, const JobRun& run, const fs::path& path) { write_shots_csv(run, path); },
-       true},
+       ReportNeeds::shots},
       {"shots.ply",
-       [](const Report&, const JobRun& run, const fs::path& path) { write_ply(run, path); }, true},
+       [](const Report&, const JobRun& run, const fs::path& path) { write_ply(run, path); },
+       ReportNeeds::shots},
       {"report.html", write_page},
       {"cloud.png", [](const Report&, const JobRun& run, const fs::path& path) {
          write_cloud_picture(path, engraved(run));
@@ -103,7 +115,7 @@ void write_report(const Report& report, const JobRun& run, const fs::path& folde
   fs::create_directories(folder, error);
   if (error) refuse(folder, "cannot be created (" + error.message() + ")", "choose another folder");
   for (const ReportFile& file : report_files())
-    if (run.shots_known || !file.needs_shots) file.write(report, run, folder / file.name);
+    if (file.belongs_to(run)) file.write(report, run, folder / file.name);
 }
 
 }  // namespace lamplock::report

@@ -1,9 +1,10 @@
 // The files of a report.
 //
-// In:  the run of a job. Out: report.json, report.html, shots.csv, shots.ply, cloud.png.
+// In:  the run of a job. Out: report.json, job.toml, report.html, shots.csv, shots.ply, cloud.png.
 // Who: report folders of the use cases (host/run/report_folder.hpp).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <vector>
@@ -20,16 +21,26 @@ void write_shots_csv(const sim::Shots& shots, const PerAxis<double>& steps_per_m
 /// job of the point of each. Throws as the other.
 void write_shots_csv(const JobRun& run, const std::filesystem::path& path);
 
+/// What a run must have for a file of its report.
+enum class ReportNeeds : std::uint8_t {
+  nothing,
+  shots,       ///< known shots
+  description  ///< the description of how the job was made
+};
+
 /// A file of a report.
 struct ReportFile {
   const char* name;
   /// Throws lamplock::Error if the file cannot be written.
   std::function<void(const Report&, const JobRun&, const std::filesystem::path&)> write;
-  bool needs_shots = false;  ///< there is no such file without known shots
+  ReportNeeds needs = ReportNeeds::nothing;
+
+  /// Whether there is such a file for this run.
+  bool belongs_to(const JobRun& run) const;
 };
 
-/// All files in the order of writing: the numbers first, pictures last. Without known shots the
-/// picture shows the ordered points.
+/// All files in the order of writing: the numbers first, pictures last. Without known shots there
+/// is no shots.csv and no shots.ply, and the picture shows the ordered points.
 const std::vector<ReportFile>& report_files();
 
 /// Writes the files into `folder`, which is made if needed. Throws lamplock::Error if one cannot be

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/error.hpp"
+#include "host/geometry/bounds.hpp"
 #include "host/report/matching.hpp"
 #include "host/units.hpp"
 #include "host/version.hpp"
@@ -70,6 +71,18 @@ void add_ratios(Report& report) {
   report.points_per_s = ratio(fired, report.time_s);
 }
 
+/// Sides of the box round the points, if all of them are finite.
+std::optional<std::array<double, 3>> size_of(const geometry::PointCloud& points) {
+  if (points.empty() || !std::all_of(points.begin(), points.end(), geometry::is_finite))
+    return std::nullopt;
+  const geometry::Bounds box = geometry::bounds(points);
+  return std::array{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
+}
+
+nlohmann::ordered_json text_or_null(const std::string& text) {
+  return text.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(text);
+}
+
 template <class T>
 nlohmann::ordered_json or_null(const std::optional<T>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
@@ -98,6 +111,8 @@ Report evaluate(const JobRun& run) {
   report.input = run.input;
   report.mode = run.mode;
   report.board = run.board;
+  report.making = run.making;
+  report.size_mm = size_of(run.points);
   report.lamp_hz = in_units(run.settings, settings::Id::lamp_frequency);
   report.points = run.points.size();
   report.points_fired = run.points_fired;
@@ -131,6 +146,12 @@ std::string to_json(const Report& report) {
       {"input", report.input},
       {"mode", report.mode},
       {"board", report.board},
+      {"command", text_or_null(report.making.command)},
+      {"size_mm", or_null(report.size_mm)},
+      {"spacing_mm", or_null(report.making.spacing_mm)},
+      {"method", text_or_null(report.making.method)},
+      {"order", text_or_null(report.making.order)},
+      {"material", text_or_null(report.making.material)},
       {"lamp_hz", report.lamp_hz},
       {"points", report.points},
       {"points_fired", report.points_fired},

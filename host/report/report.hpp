@@ -14,6 +14,7 @@
 // Shots of a real board are not recorded: unknown values are empty here and null in the file.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -22,6 +23,7 @@
 
 #include "host/geometry/point.hpp"
 #include "host/glass/refraction.hpp"
+#include "host/report/making.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
 #include "sim/world/shots.hpp"
@@ -47,6 +49,7 @@ struct JobRun {
   std::string input;  ///< file that was engraved
   std::string mode;   ///< "free", "start-stop"
   std::string board;  ///< "virtual" or the port
+  Making making{};
 
   geometry::PointCloud points;               ///< in firing order, coordinates of the glass
   std::vector<std::uint16_t> shots_ordered;  ///< per point; empty: one each
@@ -86,6 +89,8 @@ struct JobRun {
 /// Result of the evaluation.
 struct Report {
   std::string version, input, mode, board;
+  Making making;
+  std::optional<std::array<double, 3>> size_mm;  ///< of the box round the ordered points
   double lamp_hz = 0;
   std::uint64_t points = 0;        ///< ordered
   std::uint64_t points_fired = 0;  ///< of these: as often as ordered

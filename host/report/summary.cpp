@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
+
+#include "host/duration_text.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::report {
 namespace {
@@ -34,14 +37,6 @@ std::string error_text(const std::optional<double>& steps) {
   return steps ? fmt::format("{:.2f} step", *steps) : "unknown";
 }
 
-std::string time_text(double seconds) {
-  if (seconds < 60) return fmt::format("{:.2f} s", seconds);
-  const auto whole = static_cast<std::uint64_t>(std::llround(seconds));
-  const std::uint64_t hours = whole / 3600, minutes = whole / 60 % 60;
-  if (hours == 0) return fmt::format("{} min {:02} s", minutes, whole % 60);
-  return fmt::format("{} h {:02} min {:02} s", hours, minutes, whole % 60);
-}
-
 std::string mode_of(const Report& r) { return r.mode; }
 
 constexpr std::array result_lines{
@@ -53,7 +48,7 @@ constexpr std::array result_lines{
          [](const Report& r) { return fmt::format("{:.3f}", r.beats_per_point); }},
     Line{"utilisation",
          [](const Report& r) { return fmt::format("{:.1f} %", 100 * r.utilisation); }},
-    Line{"machine time", [](const Report& r) { return time_text(r.time_s); }},
+    Line{"machine time", [](const Report& r) { return duration_text(r.time_s); }},
     Line{"points per second",
          [](const Report& r) { return fmt::format("{:.1f}", r.points_per_s); }},
     Line{"largest error", [](const Report& r) { return error_text(r.largest_error_steps); }, false},
@@ -92,7 +87,55 @@ std::vector<Row> result_rows(std::span<const std::reference_wrapper<const Report
   return rows;
 }
 
+std::string or_unknown(const std::string& text) { return text.empty() ? "unknown" : text; }
+
+std::string size_text(const Report& r) {
+  if (!r.size_mm) return "unknown";
+  const auto& [x, y, z] = *r.size_mm;
+  return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", x, y, z);
+}
+
+std::string spacing_text(const Report& r) {
+  return r.making.spacing_mm ? fmt::format("{:.4g} mm", *r.making.spacing_mm) : "unknown";
+}
+
+/// How the job was made.
+constexpr std::array making_lines{
+    Line{"input", [](const Report& r) { return r.input; }},
+    Line{"board", [](const Report& r) { return r.board; }},
+    Line{"size", size_text},
+    Line{"spacing", spacing_text},
+    Line{"method", [](const Report& r) { return or_unknown(r.making.method); }},
+    Line{"order", [](const Report& r) { return or_unknown(r.making.order); }},
+    Line{"material", [](const Report& r) { return or_unknown(r.making.material); }},
+};
+
+std::string setting_text(const settings::Values& values, settings::Id id) {
+  return fmt::format("{:.10g} {}", in_units(values, id), settings::row(id).unit);
+}
+
+/// What the two jobs do not have in common.
+std::vector<Row> differing_rows(const Report& first, const Report& second) {
+  std::vector<Row> rows;
+  for (const Line& line : making_lines)
+    if (Row row{line.label, line.value(first), line.value(second)}; row[1] != row[2])
+      rows.push_back(std::move(row));
+  for (const settings::Id id : differing_settings(first, second))
+    rows.push_back({std::string(settings::row(id).name), setting_text(first.settings, id),
+                    setting_text(second.settings, id)});
+  return rows;
+}
+
 }  // namespace
+
+std::vector<settings::Id> differing_settings(const Report& first, const Report& second) {
+  std::vector<settings::Id> differing;
+  for (std::size_t i = 0; i < settings::setting_count; ++i) {
+    const auto id = static_cast<settings::Id>(i);
+    if (first.settings.milli(id) != second.settings.milli(id)) differing.push_back(id);
+  }
+  return differing;
+}
 
 std::string summary(const Report& report) {
   const std::array reports{std::cref(report)};
@@ -123,15 +166,19 @@ std::string estimate_summary(const Report& report) {
          aligned(rows);
 }
 
-std::string summary(const Report& first, const Report& second) {
+std::string summary(const Report& first, const Report& second,
+                    const std::array<std::string, 2>& headings) {
   const std::array reports{std::cref(first), std::cref(second)};
-  std::vector<Row> rows{{"", mode_of(first), mode_of(second)}};
+  std::vector<Row> rows;
+  if (!headings[0].empty()) rows.push_back({"", headings[0], headings[1]});
+  rows.push_back({"mode", mode_of(first), mode_of(second)});
   for (Row& row : result_rows(reports)) rows.push_back(std::move(row));
   const std::string ratio = first.beats > 0
                                 ? fmt::format("{:.3f}", static_cast<double>(second.beats) /
                                                             static_cast<double>(first.beats))
                                 : "unknown";
   rows.push_back({"beats, ratio", "", ratio});
+  for (Row& row : differing_rows(first, second)) rows.push_back(std::move(row));
   return aligned(rows);
 }
 

@@ -4,7 +4,9 @@
 //      to print. Who: the command line.
 #pragma once
 
+#include <array>
 #include <string>
+#include <vector>
 
 #include "host/report/report.hpp"
 
@@ -16,8 +18,13 @@ std::string summary(const Report& report);
 /// The same for an estimate: without the values that only a run has.
 std::string estimate_summary(const Report& report);
 
-/// Two reports side by side, each headed by its mode, and the ratio of their beats (second to
-/// first).
-std::string summary(const Report& first, const Report& second);
+/// Settings whose values differ, in the order of the table.
+std::vector<settings::Id> differing_settings(const Report& first, const Report& second);
+
+/// Two reports side by side: their results, the ratio of their beats (second to first), and what
+/// differs in how their jobs were made and in their settings. `headings`: of the columns; empty: no
+/// line of headings.
+std::string summary(const Report& first, const Report& second,
+                    const std::array<std::string, 2>& headings = {});
 
 }  // namespace lamplock::report

@@ -47,6 +47,7 @@ struct BoardOptions {
   std::string board = "virtual", image{}, usb = "serial", lines{};
   std::string profile{};  ///< of the machine, which may name lines too; the command fills it in
   std::size_t from = 0;
+  std::string command{};  ///< command line that repeats the run, for its report
   unsigned baud = boards::uart_baud;
   std::size_t run_up_lines = 0;  ///< lines from there on that are dark; the use case fills it in
   std::uint32_t fired = 0, job_speed = 100;

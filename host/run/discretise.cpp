@@ -20,6 +20,7 @@
 #include "host/run/keep_apart.hpp"
 #include "host/run/mesh_points.hpp"
 #include "host/run/placed_model.hpp"
+#include "host/run/size_hints.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -189,7 +190,8 @@ ObjectPoints checked_points(PlacedModel& model, const Object& object, double spa
                             const glass::GlassChoice& glass, const Volume& volume) {
   ObjectPoints made;
   made.kind = model.kind;
-  const std::string way = way_of(model.kind, object);
+  made.way = way_of(model.kind, object);
+  const std::string& way = made.way;
   made.layer_mm = glass::uses(way, "layer") ? object.layer_mm.value_or(spacing) : spacing;
   made.warnings = std::move(model.warnings);
   for (std::string& warning : glass::unused(object, way))
@@ -224,10 +226,12 @@ ObjectPoints object_points(const Object& object, const glass::GlassChoice& glass
   frontend.restart_clock();
   const double spacing = spacing_mm(object, glass);
   PlacedModel model = placed_model(object, object.layer_mm.value_or(spacing), volume);
+  const Bounds box = model.kind == InputKind::points ? Bounds{} : model.box();
   if (model.kind != InputKind::points)
-    frontend.phase("model",
-                   fmt::format("{}: {}, {}", object.file, model.what, size_text(model.box())));
+    frontend.phase("model", fmt::format("{}: {}, {}", object.file, model.what, size_text(box)));
   ObjectPoints made = checked_points(model, object, spacing, glass, volume);
+  if (made.kind != InputKind::points) made.spacing_mm = spacing;
+  made.hints = size_hints(object, made.kind, box, made.points.size());
   frontend.phase("points", result_text(made));
   return made;
 }

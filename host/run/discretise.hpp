@@ -28,12 +28,15 @@ namespace lamplock::run {
 struct ObjectPoints {
   model::InputKind kind = model::InputKind::points;
   geometry::PointCloud points{};
+  std::string way{};         ///< method of a mesh, otherwise the kind of the file
+  double spacing_mm = 0;     ///< that was asked for; 0 for point lists
   double distance_mm = 0;    ///< no two of them are closer; 0 for point lists
   double layer_mm = 0;       ///< from layer to layer
   std::size_t welded = 0;    ///< points left out because too close to another
   std::size_t rejected = 0;  ///< triangles that the method leaves out
   double empty_share = 0;    ///< of the surface of a mesh, 0..1, without points near it
   std::vector<std::string> warnings{};
+  std::vector<std::string> hints{};  ///< questions about size and position (size_hints.hpp)
 };
 
 /// The spacing of an object: as said, else that of the lens, else 0.1 mm.

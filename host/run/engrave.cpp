@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "host/glass/description_file.hpp"
 #include "host/link/kept_job.hpp"
 #include "host/link/transport.hpp"
 #include "host/run/job_board.hpp"
@@ -18,6 +19,9 @@ JobOutcome engrave(const JobRequest& request, BoardOptions& options, Frontend& f
   auto port = open_job_port(options);
   PreparedJob prepared =
       prepare_job(request, options.dry, ask_origin(request.origin, port.get()), frontend);
+  prepared.making.command = options.command;
+  if (!options.report.empty())
+    prepared.making.description = glass::to_text(request.description, options.report);
   const auto kept = keep_progress(prepared, options, port.get(), frontend);
   subtract_fired(prepared, options);
   return run_job(prepared, options, std::move(port), frontend, kept.get());

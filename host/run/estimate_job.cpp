@@ -78,6 +78,7 @@ Estimated estimate_job(const EstimateOptions& options, Frontend& frontend) {
   if (!options.page.empty()) check_target(options.page);
   PreparedJob prepared = read_job(options, frontend);
   prepared.job.header.dry = false;
+  prepared.making.command = options.job.command;
   subtract_fired(prepared, options.job);
   estimate::Estimate estimate = estimate_prepared(prepared, options, frontend);
   const double seconds = estimate.time_before_s + estimate.time_s;

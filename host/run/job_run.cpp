@@ -14,6 +14,7 @@ report::JobRun begin_run(const PreparedJob& prepared, geometry::PointCloud point
   run.input = prepared.input;
   run.mode = mode_name(job.header.mode);
   run.board = board;
+  run.making = prepared.making;
   run.first_number = from;
   run.points = std::move(points);
   run.shots_ordered.reserve(run.points.size());

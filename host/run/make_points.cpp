@@ -37,6 +37,7 @@ Cloud make_points(const JobRequest& request, const std::string& output, Frontend
   write_point_file(output, cloud.points);
   frontend.phase("written", output);
   save_description(request, frontend);
+  show_hints(cloud, frontend);
   return cloud;
 }
 

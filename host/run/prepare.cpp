@@ -45,6 +45,11 @@ class Merger {
   void add(ObjectPoints made, const std::string& file, bool alone) {
     const std::string kind = kind_name(made.kind);
     cloud_.kind = alone || cloud_.kind == kind || cloud_.kind.empty() ? kind : "several";
+    if (std::find(cloud_.ways.begin(), cloud_.ways.end(), made.way) == cloud_.ways.end())
+      cloud_.ways.push_back(made.way);
+    for (std::string& hint : made.hints)
+      if (std::find(cloud_.hints.begin(), cloud_.hints.end(), hint) == cloud_.hints.end())
+        cloud_.hints.push_back(std::move(hint));
     for (const std::string& warning : made.warnings)
       cloud_.warnings.push_back(fmt::format("{}: {}", file, warning));
     cloud_.welded += made.welded;
@@ -55,6 +60,7 @@ class Merger {
       return;
     }
     cloud_.only_lists = false;
+    cloud_.spacing_mm = std::min(made.spacing_mm, cloud_.spacing_mm.value_or(made.spacing_mm));
     // An object that is not welded itself is kept apart from the others all the same.
     if (made.distance_mm > 0) distance_mm_ = std::min(distance_mm_, made.distance_mm);
     layer_mm_ = std::min(layer_mm_, made.layer_mm);
@@ -128,12 +134,12 @@ void judge_margin(Cloud& cloud, const glass::Volume& volume) {
                                        volume.block->margin_mm, glass::default_margin_mm));
 }
 
+}  // namespace
+
 /// Lists keep their order unless the description names another.
 std::string order_name(const Cloud& cloud, const glass::OrderChoice& choice) {
   return choice.name.value_or(cloud.only_lists ? "given" : default_order);
 }
-
-}  // namespace
 
 Bounds work_space_mm(const settings::Values& values) {
   std::array<double, 3> low{}, high{};
@@ -158,6 +164,10 @@ Cloud make_cloud(const glass::Description& description, const glass::Volume& vol
     cloud.warnings.push_back(std::move(warning));
   for (const std::string& warning : cloud.warnings) frontend.say("warning  {}", warning);
   return cloud;
+}
+
+void show_hints(const Cloud& cloud, Frontend& frontend) {
+  for (const std::string& hint : cloud.hints) frontend.notice("warning  " + hint);
 }
 
 Bounds input_bounds(const glass::Description& description, const glass::Volume& volume) {

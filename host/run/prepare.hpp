@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,14 +25,17 @@ namespace lamplock::run {
 /// All points of a job, those of point lists first.
 struct Cloud {
   geometry::PointCloud points{};
-  std::string kind{};        ///< of the object; "several" of several kinds
-  bool only_lists = true;    ///< to be engraved in the order in which they came
-  double layer_mm = 0;       ///< of the objects, the least
-  std::size_t welded = 0;    ///< left out because too close to another
-  std::size_t rejected = 0;  ///< triangles that a method leaves out
-  double empty_share = 0;    ///< of the surface, 0..1, without points near it; of the worst mesh
+  std::string kind{};                  ///< of the object; "several" of several kinds
+  std::vector<std::string> ways{};     ///< methods of the objects, each once
+  std::optional<double> spacing_mm{};  ///< that was asked for, the smallest; none of point lists
+  bool only_lists = true;              ///< to be engraved in the order in which they came
+  double layer_mm = 0;                 ///< of the objects, the least
+  std::size_t welded = 0;              ///< left out because too close to another
+  std::size_t rejected = 0;            ///< triangles that a method leaves out
+  double empty_share = 0;  ///< of the surface, 0..1, without points near it; of the worst mesh
   points::SpacingReport spacing{};
   std::vector<std::string> warnings{};
+  std::vector<std::string> hints{};  ///< questions to the user, each once
 };
 
 /// The work space of a machine, mm.
@@ -44,6 +48,12 @@ Cloud make_cloud(const glass::Description& description, const glass::Volume& vol
 
 /// The box round what would be engraved. Throws Error(bad_input).
 geometry::Bounds input_bounds(const glass::Description& description, const glass::Volume& volume);
+
+/// Name of the order that the description or the kind of the points chooses.
+std::string order_name(const Cloud& cloud, const glass::OrderChoice& choice);
+
+/// Shows the questions to the user, once the job is made: an error comes alone.
+void show_hints(const Cloud& cloud, Frontend& frontend);
 
 /// Brings points into the order of firing of the description, for a machine with these
 /// settings.

@@ -1,5 +1,8 @@
 #include "host/run/prepare_job.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <filesystem>
 #include <utility>
 
@@ -35,6 +38,16 @@ job::JobOptions job_options(const glass::Description& d, const glass::Volume& vo
   return options;
 }
 
+/// What the report says about the job.
+report::Making making_of(const glass::Description& description, const Cloud& cloud) {
+  report::Making making;
+  making.spacing_mm = cloud.spacing_mm;
+  making.method = fmt::format("{}", fmt::join(cloud.ways, ", "));
+  making.order = order_name(cloud, description.order);
+  making.material = description.glass.material.value_or("");
+  return making;
+}
+
 }  // namespace
 
 glass::Volume volume_at(const std::optional<geometry::Point>& origin,
@@ -61,9 +74,14 @@ PreparedJob prepare_job(const JobRequest& request, bool dry,
   Cloud cloud = make_cloud(description, volume, frontend);
   order_cloud(cloud, description, profile.settings, volume, frontend);
   move_to(origin, cloud.points, volume);
-  PreparedJob prepared{request.input, std::move(cloud.points), {}, std::move(cloud.warnings)};
+  PreparedJob prepared{request.input,
+                       std::move(cloud.points),
+                       {},
+                       std::move(cloud.warnings),
+                       making_of(description, cloud)};
   prepared.job = job::make_job(prepared.points, profile, job_options(description, volume, dry));
   save_description(request, frontend);
+  show_hints(cloud, frontend);
   return prepared;
 }
 

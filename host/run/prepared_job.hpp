@@ -3,11 +3,13 @@
 // In:  the commands that make or read jobs. Out: what runs, reports and foresees them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/geometry/point.hpp"
 #include "host/job/job.hpp"
+#include "host/report/making.hpp"
 #include "host/run/board_options.hpp"
 
 namespace lamplock::run {
@@ -16,7 +18,9 @@ struct PreparedJob {
   std::string input;            ///< file
   geometry::PointCloud points;  ///< as ordered, one per target that is no pause; none of rows
   job::Job job;
-  std::vector<std::string> warnings{};  ///< about the points
+  std::vector<std::string> warnings{};        ///< about the points
+  report::Making making{};                    ///< for the report
+  std::optional<settings::Values> machine{};  ///< simulated; default: the one that the job is for
 };
 
 /// With --fired: takes the flashes that were fired off the first point. Throws Error(bad_input).

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "host/error.hpp"
@@ -35,6 +37,20 @@ void read_settings(const nlohmann::json& json, settings::Values& values) {
   }
 }
 
+/// Reports of older programs have no such keys.
+void read_making(const nlohmann::json& json, report::Report& report) {
+  const auto read_text = [&json](const char* key, std::string& text) {
+    const auto found = json.find(key);
+    if (found != json.end() && !found->is_null()) found->get_to(text);
+  };
+  read_text("command", report.making.command);
+  read_text("method", report.making.method);
+  read_text("order", report.making.order);
+  read_text("material", report.making.material);
+  if (json.contains("spacing_mm")) read_optional(json, "spacing_mm", report.making.spacing_mm);
+  if (json.contains("size_mm")) read_optional(json, "size_mm", report.size_mm);
+}
+
 report::Report parse(const std::string& text) {
   const auto json = nlohmann::json::parse(text);
   report::Report report;
@@ -42,6 +58,7 @@ report::Report parse(const std::string& text) {
   json.at("input").get_to(report.input);
   json.at("mode").get_to(report.mode);
   json.at("board").get_to(report.board);
+  read_making(json, report);
   json.at("lamp_hz").get_to(report.lamp_hz);
   json.at("points").get_to(report.points);
   json.at("shots").get_to(report.shots);
@@ -65,6 +82,14 @@ report::Report parse(const std::string& text) {
   report.link = {link.at("resent"), link.at("bad"), link.at("reconnects")};
   read_settings(json.at("settings"), report.settings);
   return report;
+}
+
+/// The folder of a report that is named by its folder or by its file.
+fs::path folder_of_report(const fs::path& named) {
+  std::error_code ignored;
+  fs::path path = fs::absolute(named, ignored).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  return path.filename() == report::report_files().front().name ? path.parent_path() : path;
 }
 
 [[noreturn]] void refuse_folder(const fs::path& folder, const std::string& why) {
@@ -130,12 +155,31 @@ void ReportFolder::write_rest(const report::Report& report, const report::JobRun
                               LostFiles& lost) const {
   const auto& files = report::report_files();
   for (auto file = files.begin() + 1; file != files.end(); ++file) {
-    if (file->needs_shots && !run.shots_known) continue;
+    if (!file->belongs_to(run)) continue;
     const fs::path target = folder_ / file->name;
     lost.attempt(target.string(), [&] {
       write_whole(target, [&](const fs::path& path) { file->write(report, run, path); });
     });
   }
+}
+
+std::array<std::string, 2> report_names(const fs::path& first, const fs::path& second) {
+  const std::array paths{folder_of_report(first), folder_of_report(second)};
+  const auto end_of = [](const fs::path& path, std::ptrdiff_t parts) {
+    const std::ptrdiff_t all = std::distance(path.begin(), path.end());
+    fs::path end;
+    for (auto part = std::next(path.begin(), std::max<std::ptrdiff_t>(0, all - parts));
+         part != path.end(); ++part)
+      end /= *part;
+    return end.string();
+  };
+  std::array<std::string, 2> names;
+  // No path has more parts than characters.
+  const auto max_parts =
+      static_cast<std::ptrdiff_t>(std::max(paths[0].native().size(), paths[1].native().size()));
+  for (std::ptrdiff_t parts = 1; parts <= max_parts && names[0] == names[1]; ++parts)
+    names = {end_of(paths[0], parts), end_of(paths[1], parts)};
+  return names;
 }
 
 report::Report read_report(const fs::path& folder) {

@@ -5,8 +5,10 @@
 // report_job(), compare.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "host/file/reserved_file.hpp"
@@ -46,6 +48,10 @@ class ReportFolder {
   std::vector<std::filesystem::path> made_;  ///< by this object, the innermost one first
   std::optional<ReservedFile> numbers_;
 };
+
+/// Names of two reports for people: the ends of their paths, as long as needed to differ.
+std::array<std::string, 2> report_names(const std::filesystem::path& first,
+                                        const std::filesystem::path& second);
 
 /// Reads report.json of a folder. Throws Error(bad_input) if it is not there or not ours.
 report::Report read_report(const std::filesystem::path& folder);

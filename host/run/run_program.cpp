@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/duration_text.hpp"
 #include "host/file.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/line_sender.hpp"
@@ -362,8 +363,8 @@ ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
   ProgramOutcome outcome = send(program, board, options, asked.ignore_errors, frontend);
   write_files(outcome, trace ? &*trace : nullptr, options, board.simulated(), values);
   const LineResult& result = outcome.result;
-  frontend.say("{:<8}  {} of {} lines in {:.1f} s, at {}", end_name(outcome), result.answered,
-               outcome.lines, std::chrono::duration<double>(result.elapsed).count(),
+  frontend.say("{:<8}  {} of {} lines in {}, at {}", end_name(outcome), result.answered,
+               outcome.lines, duration_text(std::chrono::duration<double>(result.elapsed).count()),
                place_text(result.status));
   return outcome;
 }

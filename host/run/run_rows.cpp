@@ -1,5 +1,6 @@
 #include "host/run/run_rows.hpp"
 
+#include "host/duration_text.hpp"
 #include "host/error.hpp"
 #include "host/link/kept_job.hpp"
 #include "host/link/transport.hpp"
@@ -43,15 +44,16 @@ JobOutcome run_rows(PreparedJob& prepared, BoardOptions options, double planned_
                     link::KeptJob* kept) {
   check_row_options(options);
   frontend.phase("job",
-                 fmt::format("{}: {}, about {:.1f} s{}", prepared.input, rows_text(prepared.job),
-                             planned_s, prepared.job.header.dry ? ", dry" : ""));
+                 fmt::format("{}: {}, about {}{}", prepared.input, rows_text(prepared.job),
+                             duration_text(planned_s), prepared.job.header.dry ? ", dry" : ""));
   const std::size_t ordered_from = options.from;
   options.from = job::go_on_at(prepared.job.rows, ordered_from);
   options.run_up_lines = ordered_from - options.from;
   JobOutcome outcome = run_job(prepared, options, std::move(port), frontend, kept);
   const link::JobResult& result = outcome.result;
-  frontend.say("{:<8}  {} of {} lines in {:.1f} s", end_name(outcome), result.status.first_unfired,
-               prepared.job.size(), std::chrono::duration<double>(result.elapsed).count());
+  frontend.say("{:<8}  {} of {} lines in {}", end_name(outcome), result.status.first_unfired,
+               prepared.job.size(),
+               duration_text(std::chrono::duration<double>(result.elapsed).count()));
   return outcome;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host/job/job.hpp"
+#include "host/job/read_profile.hpp"
 #include "host/link/kept_job.hpp"
 #include "host/link/transport.hpp"
 #include "host/raster/row_motion.hpp"
@@ -25,8 +26,11 @@ SentJob send_job(const std::string& file, BoardOptions& options, Frontend& front
   auto port = open_job_port(options);
   SentJob sent{{file, {}, read_job(file), {}}, {}, 0};
   PreparedJob& prepared = sent.prepared;
+  prepared.making.command = options.command;
   job::Job& job = prepared.job;
   job.header.dry = job.header.dry || options.dry;
+  if (options.is_simulated() && !options.profile.empty())
+    prepared.machine = job::read_profile(options.profile).settings;
   if (!job.is_rows()) prepared.points = points_of(job);
   const auto kept = keep_progress(prepared, options, port.get(), frontend);
   if (job.is_rows()) {

@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "host/duration_text.hpp"
 #include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/run/board_files.hpp"
@@ -132,8 +133,8 @@ Simulated simulate(const SimOptions& options, Frontend& frontend) {
   if (!options.seconds) frontend.say("Ctrl-C ends the simulation");
   run_at_wall_pace(board, ports, options, frontend);
   Simulated result{board.world().laser().shots().size(), board.world().lamp().flashes()};
-  frontend.say("{} shots, {} lamp flashes in {:.1f} s", result.shots, result.flashes,
-               sim::seconds(board.now()));
+  frontend.say("{} shots, {} lamp flashes in {}", result.shots, result.flashes,
+               duration_text(sim::seconds(board.now())));
   if (trace) result.lost.attempt(options.vcd, [&trace] { trace->finish(); });
   if (!options.shots.empty())
     result.lost.attempt(options.shots, [&] { write_shots(options.shots, board, values); });

@@ -47,6 +47,22 @@ TEST(Summary, TwoReportsSideBySideWithTheirRatio) {
   EXPECT_THAT(text, ContainsRegex("ratio +0\\.750\n"));
 }
 
+TEST(Summary, TwoReportsShowWhatDiffers) {
+  Report first = example("free", 4000), second = example("free", 3000);
+  second.settings.set_milli(settings::Id::lamp_frequency, 120'500);
+  first.making.method = "slice";
+  second.making.method = "faces";
+  first.making.spacing_mm = second.making.spacing_mm = 0.25;
+  const std::string text = summary(first, second, {"stop", "a/free"});
+  EXPECT_EQ(text.find("stop"), text.find_first_not_of(' ')) << "the first line has the headings";
+  EXPECT_THAT(text, ContainsRegex("stop +a/free\n"));
+  EXPECT_THAT(text, ContainsRegex("lamp_frequency +100 Hz +120\\.5 Hz\n"));
+  EXPECT_THAT(text, ContainsRegex("method +slice +faces\n"));
+  EXPECT_THAT(text, Not(HasSubstr("spacing")));
+  EXPECT_THAT(text, Not(HasSubstr("acceleration")));
+  EXPECT_EQ(differing_settings(first, second), std::vector{settings::Id::lamp_frequency});
+}
+
 TEST(Summary, ColumnsAreAligned) {
   std::istringstream lines(summary(example("start-stop", 400'000), example("free", 3000)));
   std::size_t width = 0;

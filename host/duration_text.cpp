@@ -1,0 +1,25 @@
+#include "host/duration_text.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+
+namespace lamplock {
+namespace {
+
+constexpr double s_per_min = 60, hundredths_per_s = 100;
+
+}  // namespace
+
+std::string duration_text(double seconds) {
+  // What would be rounded to 60.00 s is a minute.
+  if (std::round(seconds * hundredths_per_s) < s_per_min * hundredths_per_s)
+    return fmt::format("{:.2f} s", seconds);
+  const auto whole = static_cast<std::uint64_t>(std::llround(seconds));
+  const std::uint64_t hours = whole / 3600, minutes = whole / 60 % 60;
+  if (hours == 0) return fmt::format("{} min {:02} s", minutes, whole % 60);
+  return fmt::format("{} h {:02} min {:02} s", hours, minutes, whole % 60);
+}
+
+}  // namespace lamplock

@@ -1,0 +1,59 @@
+#include "host/run/size_hints.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/file.hpp"
+#include "host/run/placed_model.hpp"
+
+namespace lamplock::run {
+namespace {
+
+using model::InputKind;
+
+/// Smaller objects and clouds are rarely what the user has in mind.
+constexpr double min_usual_side_mm = 5;
+constexpr std::size_t min_usual_points = 500;
+/// A size for the question: that of a usual block.
+constexpr int usual_size_mm = 40;
+/// Height of a flat-lying model, as a share of its depth.
+constexpr double max_flat_share = 0.5;
+
+/// The size of a bitmap is the user's or the default, never that of the file.
+bool has_size_of_file(const glass::Object& object, InputKind kind) {
+  return (kind == InputKind::mesh || kind == InputKind::curves) && !object.size_mm;
+}
+
+/// These formats define which axis points up.
+bool defines_up(const std::string& file) {
+  const std::string extension = lower_extension(file);
+  return extension == ".glb" || extension == ".3mf";
+}
+
+bool is_upright_by_choice(const glass::Object& object) {
+  const auto turns = [](const std::string& step) { return step.find("rotate") != step.npos; };
+  return object.up != "z" || defines_up(object.file) ||
+         std::any_of(object.transform.begin(), object.transform.end(), turns);
+}
+
+}  // namespace
+
+std::vector<std::string> size_hints(const glass::Object& object, InputKind kind,
+                                    const geometry::Bounds& box, std::size_t points) {
+  std::vector<std::string> hints;
+  const double x = box.high.x - box.low.x, y = box.high.y - box.low.y, z = box.high.z - box.low.z;
+  const bool is_small = std::max({x, y, z}) < min_usual_side_mm || points < min_usual_points;
+  if (has_size_of_file(object, kind) && is_small)
+    hints.push_back(
+        fmt::format("{} is {} and has {} points: is the file in mm? --size {} makes its "
+                    "longest side {} mm",
+                    object.file, size_text(box), points, usual_size_mm, usual_size_mm));
+  if (kind == InputKind::mesh && !is_upright_by_choice(object) && z < x && z < max_flat_share * y)
+    hints.push_back(
+        fmt::format("{} lies flat, {}: does its y axis point up? --up y puts it upright",
+                    object.file, size_text(box)));
+  return hints;
+}
+
+}  // namespace lamplock::run
