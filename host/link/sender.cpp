@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/link/refused_setting.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/job_header.hpp"
 #include "shared/wire/realtime_inbox.hpp"
@@ -286,8 +287,8 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
       throw Error(Exit::no_device, where, "its firmware has another protocol version",
                   "install the firmware and the program of the same release");
     case Result::settings_mismatch:
-      throw Error(Exit::bad_input, where, "the job was made for other settings",
-                  "make the job again with this machine's profile" + then);
+      throw RefusedSetting(0, where, "the job was made for other settings",
+                           "make the job again with this machine's profile" + then);
     case Result::out_of_bounds:
       throw Error(Exit::bad_input, where, "is outside the machine's work space",
                   "check travel and corner in the machine profile" + then);
@@ -295,10 +296,15 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
       throw Error(Exit::bad_input, where, "cannot be reached within the machine's limits",
                   "check speed, acceleration and beats" + then);
     case Result::bad_value:
-      throw Error(Exit::bad_input, where,
-                  fmt::format("{} has a value that the machine does not allow",
-                              of_point ? "its record" : describe_setting(refused.value)),
-                  "use the machine's own settings, which $$ lists" + then);
+      if (of_point)
+        throw Error(Exit::bad_input, where,
+                    "its record has a value that the machine does not allow",
+                    "use the machine's own settings, which $$ lists" + then);
+      throw RefusedSetting(
+          refused.value, where,
+          fmt::format("{} has a value that the machine does not allow",
+                      describe_setting(refused.value)),
+          "make the job with the machine's own settings, which lamplock settings list shows");
     case Result::unsupported:
       throw Error(Exit::bad_input, where,
                   "the job uses a channel or axis that the machine lacks or has disabled",

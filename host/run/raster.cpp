@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "host/duration_text.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/file/staged_file.hpp"
@@ -100,9 +101,26 @@ raster::PowerForm form_of(const RasterOptions& options) {
   return options.power_lists ? raster::PowerForm::lists : raster::PowerForm::plain;
 }
 
+/// A board runs rows only with a continuous laser. G-code is for boards of any kind.
+void require_laser(const RasterOptions& options, const job::Profile& profile) {
+  if (options.output.empty() || profile.settings.whole(settings::Id::laser_mode) != 0) return;
+  const std::string& file = options.machine.machine;
+  if (!file.empty())
+    throw Error(Exit::bad_input, file,
+                "describes a machine with a pulsed laser (laser_mode = 0), rows of pixels need a "
+                "continuous one",
+                "for a continuous laser set laser_mode = 1 in it and on the board");
+  throw Error(Exit::bad_input, "machine",
+              "the built-in settings are those of a pulsed laser, rows of pixels need a continuous "
+              "one",
+              "give the profile of a machine with laser_mode = 1 with --machine FILE.toml; "
+              "lamplock settings backup FILE.toml --board PORT writes that of a board");
+}
+
 /// Reads the picture and makes rows of it.
 job::Job make_job(const RasterOptions& options, Frontend& frontend, RasterResult& result) {
   const job::Profile profile = options.machine.profile();
+  require_laser(options, profile);
   const model::Bitmap bitmap = model::read_bitmap(options.input);
   const RasterSize size = size_of(options, bitmap);
   const raster::Pixels pixels =
@@ -155,7 +173,7 @@ RasterResult make_raster(const RasterOptions& options, Frontend& frontend) {
     result.gcode_bytes =
         write_result(options.gcode, raster::row_gcode(job, form_of(options)), frontend);
   result.seconds = raster::seconds_of(job);
-  frontend.say("time      about {:.1f} s", result.seconds);
+  frontend.say("time      about {}", duration_text(result.seconds));
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "host/duration_text.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/link/kept_job.hpp"
@@ -24,6 +25,7 @@
 #include "host/run/point_job_control.hpp"
 #include "host/run/remaining_time.hpp"
 #include "host/run/report_job.hpp"
+#include "host/run/setting_refusal.hpp"
 #include "host/run/simulated_boards.hpp"
 #include "host/run/supervisor.hpp"
 #include "host/units.hpp"
@@ -142,6 +144,16 @@ bool keeps_to_lamp(const job::Job& job) {
   return !job.is_rows() && mode != settings::LampMode::free_beat;
 }
 
+/// The machine has not begun the job.
+[[noreturn]] void throw_refusal(const std::exception_ptr& error, link::Transport& transport,
+                                const job::Job& job, const BoardOptions& options) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const link::RefusedSetting& refusal) {
+    explain_refusal(refusal, job, transport, options);
+  }
+}
+
 /// Runs a job; what goes wrong once it has begun is in the outcome.
 JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
                 const BoardOptions& options, Clocking clocking, RemainingTime& remaining,
@@ -184,7 +196,8 @@ JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
   }
   outcome.result = sender.result();
   finish_journal(kept, outcome);
-  if (outcome.error && !has_begun(sender, options)) std::rethrow_exception(outcome.error);
+  if (outcome.error && !has_begun(sender, options))
+    throw_refusal(outcome.error, transport, prepared.job, options);
   outcome.ended_by = supervisor.ended_by();
   return outcome;
 }
@@ -252,9 +265,11 @@ std::string plot_title(const PreparedJob& prepared) {
                      mode_name(prepared.job.header.mode), lamp_hz(values));
 }
 
-/// The machine that a job is for. A job does not contain the kind of the laser, so it follows from
-/// the job.
-settings::Values machine_of(const job::Job& job) {
+/// The simulated machine: the one that was given, as a port has one, otherwise the one that the job
+/// is for. A job does not contain the kind of the laser, so it follows from the job.
+settings::Values machine_of(const PreparedJob& prepared) {
+  if (prepared.machine) return *prepared.machine;
+  const job::Job& job = prepared.job;
   settings::Values values = job.settings;
   if (job.is_rows()) values.set_milli(Id::laser_mode, settings::row(Id::laser_mode).max_milli);
   return values;
@@ -276,11 +291,12 @@ void write_board_files(JobOutcome& outcome, const BoardOptions& options, PinTrac
 
 JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& options,
                          std::unique_ptr<ReportFolder> folder, Frontend& frontend) {
+  const settings::Values machine = machine_of(prepared);
   sim::WorldConfig world;
-  world.lamp = options.faults.lamp(prepared.job.settings);
-  world.drives = options.drives.drives(prepared.job.settings);
-  const SimulatedBoard made = make_board(options.board, options.image, machine_of(prepared.job),
-                                         world, options.usb_function());
+  world.lamp = options.faults.lamp(machine);
+  world.drives = options.drives.drives(machine);
+  const SimulatedBoard made =
+      make_board(options.board, options.image, machine, world, options.usb_function());
   sim::Board& board = *made.board;
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, board);
@@ -300,8 +316,8 @@ JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& option
   const auto write_plot = [&] { plot->write(prepared.job.settings, plot_title(prepared)); };
   write_board_files(outcome, options, trace ? &*trace : nullptr,
                     plot ? std::function<void()>(write_plot) : nullptr);
-  frontend.phase("run", fmt::format("{:.1f} s of machine time on the {} board",
-                                    sim::seconds(board.now()), board.name()));
+  frontend.phase("run", fmt::format("{} of machine time on the {} board",
+                                    duration_text(sim::seconds(board.now())), board.name()));
   if (made.timing && !prepared.job.is_rows())
     report_timing(*made.timing, prepared, options, outcome, frontend);
   return outcome;

@@ -97,6 +97,73 @@ TEST(Raster, refuses_invalid_options) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+/// A laser machine as in examples/laser.toml, with other values.
+std::string other_laser(const Folder& folder, const std::string& name, const char* changes) {
+  return folder.write(name, std::string("axes = 3\ntravel = [100, 100, 50]\n"
+                                        "min_corner = [-50, -50, -50]\n") +
+                                changes);
+}
+
+TEST(Raster, rows_need_the_profile_of_a_continuous_laser) {
+  const Folder folder;
+  const std::string picture = disc(folder), out = folder / "a.llj", text = folder / "a.ngc";
+  const std::string pulsed = other_laser(folder, "pulsed.toml", "steps_per_mm = [80, 80, 400]\n");
+  const Arguments bare{"raster", picture, "--width-mm", "20", "--feed", "6000"};
+  const auto refused = [&](const Arguments& more, const char* names) {
+    Arguments all = bare;
+    all.insert(all.end(), more.begin(), more.end());
+    const Finished wrong = run(all);
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_EQ(lines(wrong.err).size(), 1u) << wrong.err;
+    EXPECT_THAT(wrong.err, HasSubstr(names));
+    EXPECT_THAT(wrong.err, HasSubstr("laser_mode = 1"));
+    EXPECT_FALSE(std::filesystem::exists(out));
+  };
+  refused({"-o", out}, "--machine FILE.toml");
+  refused({"-o", out, "--gcode", text, "--dry"}, "continuous");
+  refused({"-o", out, "--machine", pulsed}, "pulsed.toml");
+  Arguments gcode = bare;
+  gcode.insert(gcode.end(), {"--gcode", text});
+  EXPECT_EQ(run(gcode).status, 0) << "G-code is for boards of any kind";
+}
+
+/// A board at the end of a port, and the same machine as the virtual board.
+TEST(Raster, refusals_name_both_values_on_a_port_and_on_the_virtual_board) {
+  const Folder folder;
+  const std::string port = folder / "port", job = folder / "rows.llj";
+  const std::string machine =
+      other_laser(folder, "m.toml", "steps_per_mm = [100, 80, 400]\nlaser_mode = 1\n");
+  const std::string pulsed =
+      other_laser(folder, "p.toml",
+                  "steps_per_mm = [80, 80, 400]\nmax_rate = [12000, 12000, 600]\n"
+                  "acceleration = [2000, 2000, 200]\n");
+  ASSERT_EQ(run(raster(disc(folder), {"-o", job})).status, 0);
+  const auto refusal = [&](const Arguments& board) {
+    Arguments all{"send", job, "--yes", "--board"};
+    all.insert(all.end(), board.begin(), board.end());
+    const Finished wrong = run(all);
+    EXPECT_EQ(wrong.status, 2) << wrong.err;
+    return wrong.err;
+  };
+  const auto steps = HasSubstr("the job is for steps_per_mm_x = 80 step/mm, the board has 100");
+  const auto kind = HasSubstr("set up for a pulsed laser (laser_mode = 0)");
+  EXPECT_THAT(refusal({"virtual", "--machine", machine}), steps);
+  EXPECT_THAT(refusal({"virtual", "--machine", pulsed}), kind);
+  Running sim({"sim", "--pty", port, "--machine", machine});
+  ASSERT_TRUE(sim.wait_for("listening"));
+  EXPECT_THAT(refusal({port}), steps);
+  // What the message advises.
+  const std::string board = folder / "board.toml";
+  ASSERT_EQ(run({"settings", "backup", board, "--board", port}).status, 0);
+  const Arguments again{"raster", disc(folder), "--machine", board, "--width-mm",
+                        "1",      "--feed",     "6000",      "-o",  job};
+  ASSERT_EQ(run(again).status, 0);
+  const Finished sent = run({"send", job, "--yes", "--board", port});
+  EXPECT_EQ(sent.status, 0) << sent.err;
+  ASSERT_EQ(run({"settings", "set", "laser_mode=0", "--board", port}).status, 0);
+  EXPECT_THAT(refusal({port}), HasSubstr("lamplock settings set laser_mode=1 --board " + port));
+}
+
 TEST(Raster, its_job_is_sent) {
   const Folder folder;
   const std::string job = folder / "rows.llj";
