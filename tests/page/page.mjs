@@ -201,6 +201,60 @@ async function check_charts(page) {
     check(`${name} is drawn and has a text`, bars > 0 && label.length > 10, [bars, label]);
 }
 
+// Pairs of texts that overlap in a chart, cards without contents, tiles alone in a row, and open
+// bars without a label that says so.
+async function check_layout(page, what) {
+  const found = await page.ask(`(() => {
+    const overlap = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+    const overlapping = [];
+    for (const svg of document.querySelectorAll('.chart svg')) {
+      const texts = [...svg.querySelectorAll('text')];
+      texts.forEach((a, i) => texts.slice(i + 1).forEach((b) => {
+        if (overlap(a.getBoundingClientRect(), b.getBoundingClientRect())) overlapping.push([a.textContent, b.textContent]);
+      }));
+    }
+    const shown = [...document.querySelectorAll('.card')].filter((card) => card.offsetParent !== null);
+    const empty = shown.filter((card) => !card.querySelector('canvas, svg, tbody tr, .reason, details')).map((card) => card.id);
+    const tiles = [...document.querySelectorAll('.tile')].map((tile) => tile.getBoundingClientRect());
+    const row = tiles.filter((tile) => Math.abs(tile.top - tiles[tiles.length - 1].top) < 1);
+    const alone = tiles.length > 1 && row.length === 1 && row[0].width < 0.9 * document.getElementById('tiles').clientWidth;
+    const labels = [...document.querySelectorAll('#spacing-chart text')].map((text) => text.textContent);
+    const closed = lamplock.data.spacing_mm.counts?.at(-1) > 0 && !labels.some((text) => text.startsWith('\u2265'));
+    return {overlapping, empty, alone, closed};
+  })()`);
+  check(`${what}: texts of charts do not overlap`, found.overlapping.length === 0, found.overlapping);
+  check(`${what}: no card is empty`, found.empty.length === 0, found.empty);
+  check(`${what}: no tile is alone`, !found.alone);
+  check(`${what}: the last bar is labelled as open`, !found.closed);
+}
+
+// The sizes of the box at its edges, seen from all sides.
+async function check_dimensions(page) {
+  const overlapping = await page.ask(`(() => {
+    const {view} = lamplock.cloud, bad = [];
+    for (let turn = 0; turn < 24; ++turn) {
+      view.camera.turn(0.27, turn % 5 === 0 ? 0.4 : -0.1);
+      view.draw();
+      const boxes = [...document.querySelectorAll('#dimensions span')].filter((label) => !label.hidden).map((label) => label.getBoundingClientRect());
+      boxes.forEach((a, i) => boxes.slice(i + 1).forEach((b) => {
+        if (a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom) bad.push(turn);
+      }));
+    }
+    view.camera.reset();
+    return bad;
+  })()`);
+  check('sizes at the box do not overlap', overlapping.length === 0, overlapping);
+}
+
+// How the job was made, and that the folder has what repeats it.
+async function check_making(page, report, out) {
+  const shown = await page.ask(`Object.fromEntries([...document.querySelectorAll('[data-making]')].map((e) => [e.dataset.making, e.textContent]))`);
+  for (const key of ['input', 'order', 'method', 'command'])
+    check(`${key} is that of report.json`, shown[key] === report[key], [shown[key], report[key]]);
+  check('the command is the one of the run', /^lamplock engrave .*small\.xyz --order given --report /.test(report.command ?? ''), report.command);
+  check('the description is in the folder', readFileSync(join(out, 'job.toml'), 'utf8').includes('small.xyz'));
+}
+
 // Elements that need a name but have none. Clipped text needs a visual check.
 async function check_access(page) {
   const nameless = await page.ask(`[...document.querySelectorAll('button, input, canvas, section, svg')].filter((e) =>
@@ -218,8 +272,11 @@ async function small_job(browser) {
   const url = `file://${out}/report.html`;
   const page = await browser.open(url);
   await check_numbers(page, report);
+  await check_making(page, report, out);
   await check_charts(page);
+  await check_layout(page, 'a small job');
   await check_access(page);
+  await check_dimensions(page);
   await keep_picture(page, 'light');
   await check_cloud(page);
   await check_hands(page);
@@ -234,6 +291,9 @@ async function small_job(browser) {
   const phone = await browser.open(url, { dark: true, width: 390, height: 844, scale: 2, touch: true });
   const width = await phone.ask(`document.documentElement.scrollWidth`);
   check('nothing is wider than a phone', width <= 390, width);
+  await check_layout(phone, 'a phone');
+  const tablet = await browser.open(url, { width: 820, height: 1180 });
+  await check_layout(tablet, 'a tablet');
   check('the cloud is drawn on a phone', (await drawn(phone)).painted > 2000);
   await keep_picture(phone, 'phone');
   check_silence(phone, 'a phone');

@@ -1,7 +1,7 @@
 // Charts as SVG: one series each, with axes in round numbers and a text for screen readers.
 
 const svg_name = 'http://www.w3.org/2000/svg';
-const chart_size = {left: 46, right: 12, top: 12, bottom: 38};
+const chart_size = {left: 46, right: 12, top: 12, bottom: 41};
 
 function svg_part(parent, name, attributes, text) {
   const part = document.createElementNS(svg_name, name);
@@ -52,9 +52,12 @@ function make_chart(holder, options) {
     svg_part(svg, 'line', {class: 'grid', x1: left, x2: width - right, y1: y(value), y2: y(value)});
     svg_part(svg, 'text', {x: left - 7, y: y(value) + 4, 'text-anchor': 'end'}, options.y_text(value));
   }
-  for (const value of options.x_ticks ?? ticks(options.max_x, width / 90, from_x))
-    svg_part(svg, 'text', {x: x(value + (options.x_shift ?? 0)), y: height - bottom + 17, 'text-anchor': 'middle'},
-             (options.x_text ?? tick_text)(value));
+  const label = (value, text) => svg_part(svg, 'text', {x: x(value), y: height - bottom + 20, 'text-anchor': 'middle'}, text);
+  const labels = (options.x_ticks ?? ticks(options.max_x, width / 90, from_x)).map((value) =>
+    label(value + (options.x_shift ?? 0), (options.x_text ?? tick_text)(value)));
+  // The label of an open bar is needed more than those of the axis.
+  if (options.x_open) labels.unshift(label(options.x_open.at, options.x_open.text));
+  drop_overlapping(labels);
   svg_part(svg, 'text', {x: width - right, y: height - 4, 'text-anchor': 'end'}, options.x_unit);
   return {svg, x, y, width, height};
 }
@@ -64,49 +67,71 @@ function show_on_hover(part, text) {
   svg_part(part, 'title', {}, text);
 }
 
-function no_chart(holder, text) {
-  const note = document.createElement('p');
-  note.className = 'empty';
-  note.textContent = text;
-  holder.append(note);
+// Removes texts that overlap one before them in the list.
+function drop_overlapping(texts, gap = 6) {
+  const kept = [];
+  for (const text of texts) {
+    const box = text.getBBox();
+    if (kept.some((other) => box.x < other.x + other.width + gap && other.x < box.x + box.width + gap))
+      text.remove();
+    else
+      kept.push(box);
+  }
 }
 
 // Bars of a histogram; the last bin has all larger values too.
 function draw_histogram(holder, histogram, options) {
   holder.replaceChildren();
-  if (!histogram.counts || histogram.values === 0) return no_chart(holder, options.none);
+  if (!histogram.counts || histogram.values === 0) return;
   const counts = histogram.counts.slice(options.from ?? 0);
   while (options.trim && counts.length > options.trim && counts[counts.length - 1] === 0) counts.pop();
   const all = counts.reduce((sum, n) => sum + n, 0);
   const start = histogram.from + (options.from ?? 0) * histogram.bin;
+  const first_x = options.each ? 0 : start, last = counts.length - 1;
+  // The last bin of the program has all larger values too.
+  const is_open = counts.length + (options.from ?? 0) === histogram.counts.length && counts[last] > 0;
   const chart = make_chart(holder, {
-    height: 220, label: options.label, from_x: options.each ? 0 : start,
-    max_x: (options.each ? 0 : start) + counts.length * histogram.bin, max_y: top_tick(Math.max(...counts) / all, 4), y_text: (share) => `${Number((100 * share).toPrecision(3))} %`,
+    height: 220, label: options.label, from_x: first_x,
+    max_x: first_x + counts.length * histogram.bin, max_y: top_tick(Math.max(...counts) / all, 4), y_text: (share) => `${Number((100 * share).toPrecision(3))} %`,
     x_unit: options.unit, x_ticks: options.each ? counts.map((_, i) => i).filter((i) => counts.length < 14 || i % 4 === 0) : undefined,
-    x_shift: options.each ? 0.5 : 0, x_text: options.each ? (i) => bin_name(i + (options.from ?? 0)) : undefined,
+    x_shift: options.each ? 0.5 : 0, x_text: options.each ? (i) => String(i + (options.from ?? 0)) : undefined,
+    x_open: is_open && {at: first_x + (last + 0.5) * histogram.bin, text: options.open(start + last * histogram.bin)},
   });
-  function bin_name(i) {
-    return i === histogram.counts.length - 1 ? `${i}+` : String(i);
-  }
+  const bars = [];
   counts.forEach((count, i) => {
-    const from = options.each ? 0 : start;
-    const [low, high] = [chart.x(from + i * histogram.bin), chart.x(from + (i + 1) * histogram.bin)];
+    const [low, high] = [chart.x(first_x + i * histogram.bin), chart.x(first_x + (i + 1) * histogram.bin)];
     const top = chart.y(count / all);
     const gap = Math.min(2, 0.15 * (high - low));
     if (count > 0)
       svg_part(chart.svg, 'rect', {class: 'bar', x: low + gap / 2, width: Math.max(high - low - gap, 0.6), rx: 1.5,
                                    y: Math.min(top, chart.y(0) - 1), height: Math.max(chart.y(0) - top, 1)});
-    if (options.each && count > 0 && high - low > 24)
-      svg_part(chart.svg, 'text', {x: (low + high) / 2, y: top - 5, 'text-anchor': 'middle'}, share_text(count / all));
+    bars.push({low, high, top, count});
     const hit = svg_part(chart.svg, 'rect', {class: 'hit', x: low, width: high - low, y: chart_size.top, height: chart.y(0) - chart_size.top});
     show_on_hover(hit, `${options.bin_text(start + i * histogram.bin, histogram.bin, i === counts.length - 1)}: ${grouped(count)}, ${short((100 * count) / all)} %`);
   });
+  if (options.each) label_bars(chart, bars, all);
+}
+
+// The share of each bar over it, of the high bars first: no text is on another text or bar.
+function label_bars(chart, bars, all) {
+  const kept = [], gap = 4;
+  for (const bar of [...bars].sort((a, b) => b.count - a.count)) {
+    if (bar.count === 0) break;
+    const text = svg_part(chart.svg, 'text', {class: 'share', x: (bar.low + bar.high) / 2, y: bar.top - 5, 'text-anchor': 'middle'}, share_text(bar.count / all));
+    const box = text.getBBox(), end = box.x + box.width, bottom = box.y + box.height;
+    const hits = (low, high, from, to) => low < end + gap && box.x < high + gap && from < bottom && box.y < to;
+    const on_bar = bars.some((other) => other !== bar && hits(other.low + gap, other.high - gap, other.top + 2, Infinity));
+    if (on_bar || kept.some((other) => hits(other.x, other.x + other.width, other.y, other.y + other.height)))
+      text.remove();
+    else
+      kept.push(box);
+  }
 }
 
 // Shots per beat over time, with the mean.
 function draw_utilisation(holder, use, mean) {
   holder.replaceChildren();
-  if (use.share.length === 0) return no_chart(holder, 'The times of the shots were not recorded.');
+  if (use.share.length === 0) return;
   const seconds = use.beats_per_bin * seconds_per_beat;
   const whole = seconds * use.share.length;
   const [unit, scale] = whole < 180 ? ['s', 1] : whole < 3 * 3600 ? ['min', 60] : ['h', 3600];

@@ -31,13 +31,14 @@ function short(number) {
   return Number(number).toFixed(Math.min(digits, 6));
 }
 
+// As duration_text() of the program.
 function time_text(seconds) {
-  if (seconds < 60) return `${fixed(seconds, 2)} s`;
+  if (Math.round(100 * seconds) < 6000) return `${fixed(seconds, 2)} s`;
   const whole = Math.round(seconds);
   const two = (n) => String(n).padStart(2, '0');
   const minutes = Math.floor(whole / 60) % 60;
   if (whole < 3600) return `${minutes} min ${two(whole % 60)} s`;
-  return `${Math.floor(whole / 3600)} h ${two(minutes)} min`;
+  return `${Math.floor(whole / 3600)} h ${two(minutes)} min ${two(whole % 60)} s`;
 }
 
 // Beat at a place of the job, a fraction from 0 to 1; null if unknown.

@@ -53,6 +53,43 @@ function fill_tiles() {
     add_tile('largest_error_steps', 'Largest error', `${fixed(report.largest_error_steps, 2)} step`, report.largest_jitter_error_steps === null ? '' : `${fixed(report.largest_jitter_error_steps, 2)} with lamp jitter`);
 }
 
+// Columns for tiles: as few rows as fit, all of them about equally long.
+function tile_columns(count, width) {
+  const min_tile_px = 150;
+  const fit = Math.min(count, Math.max(2, Math.floor(width / min_tile_px)));
+  return Math.ceil(count / Math.ceil(count / fit));
+}
+
+function arrange_tiles() {
+  const tiles = [...$('tiles').children];
+  const columns = tile_columns(tiles.length, $('tiles').clientWidth);
+  $('tiles').style.setProperty('--columns', columns);
+  // A tile that is alone in the last row gets the whole row.
+  tiles.forEach((tile, i) => {
+    tile.style.gridColumn = i === tiles.length - 1 && i % columns === 0 ? '1 / -1' : '';
+  });
+}
+
+// How the job was made, as far as it is known.
+function fill_making() {
+  const body = $('making').tBodies[0];
+  const row = (label, text, name) => {
+    if (text === null || text === undefined || text === '') return;
+    const line = add(body, 'tr');
+    add(line, 'td', label);
+    const cell = add(line, 'td', name === 'command' ? undefined : text);
+    if (name === 'command') add(cell, 'code', text);
+    cell.dataset.making = name;
+  };
+  const size = (report.size_mm ?? data.cloud.size_mm).map((side) => short(side)).join(' \u00d7 ');
+  row('Input', report.input, 'input');
+  row('Size', `${size} mm`, 'size_mm');
+  row('Spacing', report.spacing_mm === null ? null : `${short(report.spacing_mm)} mm`, 'spacing_mm');
+  for (const name of ['method', 'order', 'material', 'command'])
+    row(name[0].toUpperCase() + name.slice(1), report[name], name);
+  row('Description', data.description && `${data.description} in the folder of this page; lamplock engrave ${data.description} repeats the job`, 'description');
+}
+
 function fill_numbers() {
   const body = $('numbers').tBodies[0];
   const row = (label, text, key) => {
@@ -61,8 +98,6 @@ function fill_numbers() {
     const cell = add(line, 'td', text, 'number');
     if (key) cell.dataset.key = key, cell.dataset.value = report[key];
   };
-  const size = data.cloud.size_mm.map((side) => short(side)).join(' \u00d7 ');
-  row('Size of the cloud', `${size} mm`);
   row('Points', grouped(report.points), 'points');
   if (!data.estimate) row('Points fired', grouped(report.points_fired), 'points_fired');
   row('Shots', grouped(report.shots), 'shots');
@@ -97,7 +132,7 @@ function fill_reasons() {
     value.dataset.reason = name;
     value.dataset.value = beats;
   }
-  if (reasons.length === 0) add($('reasons'), 'p', 'No beats were counted.', 'empty');
+  $('reasons-card').hidden = reasons.length === 0;
 }
 
 function fill_settings() {
@@ -116,15 +151,27 @@ function fill_settings() {
   });
 }
 
+// A card without a chart is left out, and its neighbour gets its place.
+function show_cards() {
+  const has = (histogram) => Boolean(histogram.counts) && histogram.values > 0;
+  const pair = {'beats-card': has(data.beats), 'spacing-card': has(data.spacing_mm)};
+  for (const [name, shown] of Object.entries(pair)) {
+    $(name).hidden = !shown;
+    $(name).classList.toggle('wide', Object.values(pair).includes(false));
+  }
+  $('use-card').hidden = data.utilisation.share.length === 0;
+  $('unrecorded').hidden = data.cloud.beats_known;
+}
+
 function draw_charts() {
   draw_utilisation($('use-chart'), data.utilisation, report.utilisation);
   draw_histogram($('beats-chart'), data.beats, {
-    from: data.beats.counts && data.beats.counts[0] > 0 ? 0 : 1, trim: 6, each: true, unit: 'beats', label: `Beats per point, median ${data.beats.median}`,
-    none: 'The times of the shots were not recorded.', bin_text: (low, bin, last) => `${low}${last && low >= 32 ? ' or more' : ''} beats`,
+    from: data.beats.counts && data.beats.counts[0] > 0 ? 0 : 1, trim: 6, each: true, open: (low) => `${low}+`, unit: 'beats', label: `Beats per point, median ${data.beats.median}`,
+    bin_text: (low, bin, last) => `${low}${last && low >= 32 ? ' or more' : ''} beats`,
   });
   draw_histogram($('spacing-chart'), data.spacing_mm, {
-    unit: 'mm', label: `Distance to the nearest neighbour, median ${short(data.spacing_mm.median)} mm`,
-    none: 'The cloud has fewer than two points.', bin_text: (low, bin, last) => (last ? `${short(low)} mm and more` : `${short(low)} to ${short(low + bin)} mm`),
+    open: (low) => `\u2265${short(low)}`, unit: 'mm', label: `Distance to the nearest neighbour, median ${short(data.spacing_mm.median)} mm`,
+    bin_text: (low, bin, last) => (last ? `${short(low)} mm and more` : `${short(low)} to ${short(low + bin)} mm`),
   });
   if (data.spacing_mm.values > 0 && data.spacing_mm.values < report.points)
     $('spacing-note').textContent = `Distance to the nearest neighbour, of ${grouped(data.spacing_mm.values)} of the points.`;
@@ -325,6 +372,7 @@ class Dimensions {
     this.labels = [0, 1, 2].map(() => add($('dimensions'), 'span'));
   }
   update() {
+    const taken = [];
     this.labels.forEach((label, axis) => {
       label.textContent = `${'xyz'[axis]} ${short(this.view.size[axis])} mm`;
       let best = null;
@@ -338,8 +386,18 @@ class Dimensions {
       }
       const {clientWidth: width, clientHeight: height} = this.view.canvas;
       label.hidden = best.x < 0 || best.y < 0 || best.x > width || best.y > height;
-      label.style.left = `${Math.min(Math.max(best.x, label.offsetWidth / 2 + 4), width - label.offsetWidth / 2 - 4)}px`;
-      label.style.top = `${Math.min(best.y, height - 14)}px`;
+      if (label.hidden) return;
+      const half = {x: label.offsetWidth / 2 + 2, y: label.offsetHeight / 2 + 1};
+      const x = Math.min(Math.max(best.x, half.x + 2), width - half.x - 2);
+      const free = (y) => y > half.y && y < height - half.y && !taken.some((t) => Math.abs(t.x - x) < t.half.x + half.x && Math.abs(t.y - y) < t.half.y + half.y);
+      const at = Math.min(best.y, height - 14);
+      const y = [0, 1, -1, 2, -2, 3, -3].map((rows) => at + 2 * half.y * rows).find(free);
+      // Three labels need at most three rows.
+      label.hidden ||= y === undefined;
+      if (label.hidden) return;
+      taken.push({x, y, half});
+      label.style.left = `${x}px`;
+      label.style.top = `${y}px`;
     });
   }
 }
@@ -435,9 +493,12 @@ function start_cloud() {
 fill_head();
 fill_warnings();
 fill_tiles();
+fill_making();
 fill_numbers();
 fill_reasons();
 fill_settings();
+arrange_tiles();
+show_cards();
 const cloud = start_cloud();
 const theme = new Theme((name) => cloud.paint(name));
 draw_charts();
@@ -445,6 +506,7 @@ let drawn_width = innerWidth;
 addEventListener('resize', () => {
   if (innerWidth === drawn_width) return;
   drawn_width = innerWidth;
+  arrange_tiles();
   draw_charts();
 });
 // For tests and for use in the browser's console.
