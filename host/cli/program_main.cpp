@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/cli/command_line.hpp"
+#include "host/cli/document_paths.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/parser.hpp"
 #include "host/cli/shell_text.hpp"
@@ -36,6 +37,7 @@ int program_main(Command& program, int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   try {
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+    name_documents(program, installed_documents());
     program.set_typed(shell_text(program.name(), arguments));
     return check_output(status_of(run(program, arguments)));
   } catch (const Error& error) {

@@ -9,6 +9,7 @@
 #include "host/bench/command_bench.hpp"
 #include "host/chip_tool/command_chip.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/document_paths.hpp"
 #include "host/cli/program.hpp"
 #include "host/file.hpp"
 #include "host/manual/completion.hpp"
@@ -26,6 +27,7 @@ int main(int argc, char** argv) {
     lamplock::chip_tool::add_chip(*program);
     lamplock::bench::add_bench(*program);
     lamplock::cli::add_help(*program);
+    lamplock::cli::name_documents(*program, lamplock::cli::package_documents);
     std::filesystem::create_directories(folder / "man");
     for (const auto& [file, text] :
          lamplock::manual::man_pages(*program, {lamplock::version(), argv[2]}))

@@ -268,6 +268,17 @@ constexpr std::array<std::pair<const char*, const char*>, 4> signals{
       "the machine is at rest with the laser off, and the program prints where to continue. If the "
       "machine does not report that it is at rest, the status is 1."}}};
 
+/// What is installed; of an installation with another prefix than /usr, below that prefix.
+constexpr std::array<std::pair<const char*, const char*>, 5> installed_files{
+    {{"/usr/share/doc/lamplock/README.md", "What lamplock is, and the first job."},
+     {"/usr/share/doc/lamplock/docs",
+      "Guides and reference: install.md, wiring.md, safety.md, files.md, glass.md, gcode.md, "
+      "settings.md, devices.md, pendants.md, lines.md, and others."},
+     {"/usr/share/doc/lamplock/examples", "Machine profiles, job descriptions, programs."},
+     {"/usr/share/lamplock", "The flash image of the RP2040 (ELF and UF2)."},
+     {"/usr/lib/udev/rules.d/60-lamplock.rules, 60-lamplock-serial.rules",
+      "Access to boards, boot loaders, pendants and serial chips."}}};
+
 Page program_page(const cli::Command& program, const Edition& edition) {
   Writer page;
   write_head(page, program.name(), edition, "motion locked to the lamp of a laser");
@@ -283,6 +294,14 @@ Page program_page(const cli::Command& program, const Edition& edition) {
     page.words(app.description() + ".");
   }
   write_options(page, program, "options");
+  page.section("files");
+  for (const auto& [file, what] : installed_files) {
+    page.request(".TP");
+    page.request(italic(file));
+    page.words(what);
+  }
+  page.request(".PP");
+  page.words("With another prefix than /usr, these files are below that prefix.");
   page.section("exit status");
   for (const auto& [status, what] : exits) {
     page.request(".TP");

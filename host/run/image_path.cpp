@@ -4,6 +4,7 @@
 #include <sys/auxv.h>
 
 #include <filesystem>
+#include <span>
 #include <system_error>
 
 #include "host/error.hpp"
@@ -15,6 +16,7 @@ namespace fs = std::filesystem;
 
 /// From the folder of the program: a build, an installation.
 constexpr const char* folders[] = {".", "../share/lamplock"};
+constexpr const char* document_folders[] = {"../share/doc/lamplock"};
 
 /// This program's file; empty if the system does not report it.
 fs::path own_file() {
@@ -27,17 +29,27 @@ fs::path own_file() {
   return name == nullptr ? fs::path() : fs::path(name);
 }
 
-}  // namespace
-
-std::string file_of_program_at(const std::string& program, const std::string& name) {
+/// The first of these folders, given from that of the program, that has the file.
+std::string find_file(const fs::path& program, std::span<const char* const> folders_there,
+                      const std::string& name) {
   std::error_code failed;
   const fs::path folder = fs::canonical(program, failed).parent_path();
   if (failed) return {};
-  for (const char* const there : folders) {
+  for (const char* const there : folders_there) {
     const fs::path file = (folder / there / name).lexically_normal();
     if (fs::is_regular_file(file, failed)) return file.string();
   }
   return {};
+}
+
+}  // namespace
+
+std::string file_of_program_at(const std::string& program, const std::string& name) {
+  return find_file(program, folders, name);
+}
+
+std::string document_of_program(const std::string& name) {
+  return find_file(own_file(), document_folders, name);
 }
 
 std::string file_of_program(const std::string& name) {

@@ -24,4 +24,7 @@ std::string file_of_program_at(const std::string& program, const std::string& na
 /// names the option in the Error(bad_input) that is thrown if there is none.
 std::string image_path(const std::string& given, const char* name, const std::string& where);
 
+/// A guide or example that was installed with this program; empty if there is none.
+std::string document_of_program(const std::string& name);
+
 }  // namespace lamplock::run

@@ -19,6 +19,9 @@ namespace {
 using testing::HasSubstr;
 
 std::string rules() { return read_file(LAMPLOCK_ROOT "/toolchain/udev/60-lamplock.rules"); }
+std::string serial_rules() {
+  return read_file(LAMPLOCK_ROOT "/toolchain/udev/60-lamplock-serial.rules");
+}
 
 TEST(UdevRules, NameTheBoardByItsProductName) {
   const std::string vendor = fmt::format("{:04x}", boards::usb_vendor_id);
@@ -110,9 +113,33 @@ TEST(UdevRules, TheTableOfTheDocumentHasTheSameIdentifiers) {
   EXPECT_EQ(listed, expected);
 }
 
+/// Chips of other boards: those of the rules and of the paragraph in the document.
+TEST(UdevRules, TheSerialChipsOfOtherBoardsAreThoseOfTheDocument) {
+  static const std::regex chip(
+      R"re(\{idVendor\}=="([0-9a-f]{4})", ATTRS\{idProduct\}=="([0-9a-f|]+)"(.*))re");
+  std::set<std::string> ruled;
+  std::istringstream text(serial_rules());
+  for (std::string line; std::getline(text, line);) {
+    std::smatch found;
+    if (line.starts_with('#') || !std::regex_search(line, found, chip)) continue;
+    EXPECT_THAT(found[3].str(), HasSubstr(R"(TAG+="uaccess")"));
+    EXPECT_THAT(found[3].str(), HasSubstr(R"(ENV{ID_MM_PORT_IGNORE}="1")"));
+    std::istringstream products(found[2]);
+    for (std::string product; std::getline(products, product, '|');)
+      EXPECT_TRUE(ruled.insert(found[1].str() + ":" + product).second) << product;
+  }
+  static const std::regex number("(1a86|10c4|0403):[0-9a-f]{4}");
+  const std::string page = read_file(LAMPLOCK_ROOT "/docs/install.md");
+  const std::set<std::string> listed(std::sregex_token_iterator(page.begin(), page.end(), number),
+                                     {});
+  EXPECT_EQ(ruled, listed);
+  for (const char* usual : {"1a86:7523", "10c4:ea60", "0403:6001"})
+    EXPECT_EQ(ruled.count(usual), 1u) << usual;
+}
+
 /// Every rule is one line of matches and assignments, each with a known operator.
 TEST(UdevRules, AreLinesThatUdevUnderstands) {
-  const std::string text = rules();
+  const std::string text = rules() + serial_rules();
   std::size_t from = 0, count = 0;
   while (from < text.size()) {
     const std::size_t end = text.find('\n', from);
@@ -122,7 +149,7 @@ TEST(UdevRules, AreLinesThatUdevUnderstands) {
     if (line.empty() || line.starts_with('#')) continue;
     ++count;
     EXPECT_THAT(line,
-                testing::MatchesRegex("([A-Z_]+(\\{[A-Za-z_]+\\})?(==|\\+=|=)\"[^\"]*\"(, )?)+"))
+                testing::MatchesRegex("([A-Z_]+(\\{[A-Za-z_]+\\})?(==|!=|\\+=|=)\"[^\"]*\"(, )?)+"))
         << line;
   }
   EXPECT_GE(count, 6u);
