@@ -93,7 +93,7 @@ std::string mismatch_words(const job::Job& job, const settings::Values& board) {
   if (first == Id::count) return "the job was made for other settings";
   std::string text = setting_words(first, job.settings, in_job);
   for (std::size_t i = 0; i < std::min(names.size(), max_named - 1); ++i)
-    text += (i == 0 ? "; other values of the job are those of " : ", ") + names[i];
+    text += (i == 0 ? ", also different: " : ", ") + names[i];
   if (names.size() >= max_named) text += fmt::format(" and {} more", names.size() - max_named + 1);
   return text;
 }

@@ -140,7 +140,7 @@ TEST(Port, a_simulation_is_engraved_like_hardware) {
   EXPECT_TRUE(report["missed"].is_null());
   EXPECT_TRUE(report["largest_error_steps"].is_null());
   EXPECT_EQ(Folder::files(folder.path() / "report"),
-            (std::vector<std::string>{"cloud.png", "report.html", "report.json"}));
+            (std::vector<std::string>{"cloud.png", "job.toml", "report.html", "report.json"}));
 }
 
 TEST(Port, another_job_speed_from_the_keyboard) {
