@@ -8,6 +8,7 @@
 #include "host/cli/engraving_options.hpp"
 #include "host/cli/finish_job.hpp"
 #include "host/cli/origin.hpp"
+#include "host/cli/typed_command.hpp"
 #include "host/run/engrave.hpp"
 
 namespace lamplock::cli {
@@ -24,6 +25,7 @@ Exit engrave(EngraveOptions options) {
   Console console(options.json);
   run::JobRequest request = options.engraving.request();
   request.origin = options.origin;
+  options.board.command = typed_command();
   run::JobOutcome outcome = run::engrave(request, options.board, console);
   return finish_job(outcome, options.board, console);
 }

@@ -8,6 +8,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/finish_job.hpp"
 #include "host/cli/machine_options.hpp"
+#include "host/cli/typed_command.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/report_job.hpp"
 #include "host/run/run_program.hpp"
@@ -31,7 +32,7 @@ Json rows_json(const run::SentJob& sent, const std::string& board) {
           {"mode", run::mode_name(prepared.job.header.mode)},
           {"end", end_name(sent.outcome)},
           {"lines", prepared.job.size()},
-          {"first_unfired", result.status.first_unfired},
+          {"first_unfired", result.rest.first},
           {"may_have_fired", result.rest.from},
           {"seconds", std::chrono::duration<double>(result.elapsed).count()},
           {"planned_seconds", sent.planned_s},
@@ -84,6 +85,7 @@ Exit send_program(const SendOptions& options, Console& console) {
 Exit send_job(const SendOptions& options, Console& console) {
   check_job_options(options.program);
   run::BoardOptions board = options.board;
+  board.command = typed_command();
   run::SentJob sent = run::send_job(options.file, board, console);
   if (!sent.prepared.job.is_rows()) return finish_job(sent.outcome, board, console);
   console.document(rows_json(sent, board.board));

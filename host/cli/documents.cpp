@@ -17,10 +17,7 @@ Json spacing_json(const points::SpacingReport& spacing) {
 
 Json job_json(const run::JobOutcome& outcome) {
   Json json = Json::parse(report::to_json(outcome.report));
-  json["end"] = end_name(outcome);
-  json["first_unfired"] = outcome.result.status.first_unfired;
   json["flashes_fired"] = outcome.result.flashes_fired;
-  json["may_have_fired"] = outcome.result.rest.from;
   json["warnings"] = outcome.run.warnings;
   json["not_written"] = outcome.lost.names();
   return json;

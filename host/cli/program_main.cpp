@@ -15,6 +15,7 @@
 #include "host/cli/parser.hpp"
 #include "host/cli/shell_text.hpp"
 #include "host/cli/standard_streams.hpp"
+#include "host/cli/typed_command.hpp"
 #include "host/error.hpp"
 
 namespace lamplock::cli {
@@ -36,6 +37,7 @@ int program_main(Command& program, int argc, char** argv) {
   // So is a file that reaches the size limit of the shell.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
+    set_typed_command({argv, argv + argc});
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     name_documents(program, installed_documents());
     program.set_typed(shell_text(program.name(), arguments));

@@ -182,4 +182,20 @@ Image cloud_light(const std::vector<Vec>& points, const Box& block, const Camera
   return image;
 }
 
+void add_grey_points(Image& image, const std::vector<Vec>& points, const Camera& camera) {
+  constexpr Vec grey{0.075f, 0.078f, 0.082f};
+  constexpr int dot_px = 2;  // at 1200 pixels
+  const int side = std::max(1, dot_px * std::min(image.width, image.height) / 1200);
+  for (const Vec& point : points) {
+    const Camera::Projected place = camera.project(point);
+    const int left = static_cast<int>(std::floor(place.x)),
+              top = static_cast<int>(std::floor(place.y));
+    for (int y = std::max(top, 0); y < std::min(top + side, image.height); ++y)
+      for (int x = std::max(left, 0); x < std::min(left + side, image.width); ++x) {
+        Vec& pixel = image.at(x, y);
+        pixel = {std::max(pixel.x, grey.x), std::max(pixel.y, grey.y), std::max(pixel.z, grey.z)};
+      }
+  }
+}
+
 }  // namespace lamplock::report

@@ -14,4 +14,7 @@ namespace lamplock::report {
 Image cloud_light(const std::vector<Vec>& points, const Box& block, const Camera& camera, int width,
                   int height);
 
+/// Adds points that give no light: grey dots, whose brightness does not grow with their number.
+void add_grey_points(Image& image, const std::vector<Vec>& points, const Camera& camera);
+
 }  // namespace lamplock::report

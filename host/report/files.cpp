@@ -40,13 +40,24 @@ void write_ply(const JobRun& run, const fs::path& path) {
   write_file(path, data);
 }
 
+/// The points that were fired as far as it is known.
 geometry::PointCloud engraved(const JobRun& run) {
-  if (!run.shots_known) return run.points;
+  if (!run.shots_known) {
+    const auto end = static_cast<std::ptrdiff_t>(run.stopped_before.value_or(run.points.size()));
+    return {run.points.begin(), run.points.begin() + end};
+  }
   geometry::PointCloud cloud(run.shots.size());
   std::transform(run.shots.begin(), run.shots.end(), cloud.begin(), [&run](const sim::Shot& shot) {
     return position_mm(shot, run.steps_per_mm, run.refraction);
   });
   return cloud;
+}
+
+/// The points that the job had not reached when it ended. A point after the end may have been
+/// fired: its light hides the grey dot.
+geometry::PointCloud not_reached(const JobRun& run) {
+  if (!run.stopped_before) return {};
+  return {run.points.begin() + static_cast<std::ptrdiff_t>(*run.stopped_before), run.points.end()};
 }
 
 constexpr const char* shot_columns = "index,channel,beat,time_us,x_mm,y_mm,z_mm";
@@ -105,7 +116,7 @@ const std::vector<ReportFile>& report_files() {
        ReportNeeds::shots},
       {"report.html", write_page},
       {"cloud.png", [](const Report&, const JobRun& run, const fs::path& path) {
-         write_cloud_picture(path, engraved(run));
+         write_cloud_picture(path, engraved(run), not_reached(run));
        }}};
   return files;
 }

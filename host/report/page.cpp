@@ -14,6 +14,7 @@
 #include "host/file.hpp"
 #include "host/report/page_series.hpp"
 #include "host/report/page_template.hpp"
+#include "host/report/summary.hpp"
 
 namespace lamplock::report {
 namespace {
@@ -64,6 +65,25 @@ std::uint8_t beats_to(const PointBeats& beats, std::size_t point) {
                     : static_cast<std::uint8_t>(std::min(to - from, max_beats_shown));
 }
 
+/// What became of a point.
+enum class Fate : std::uint8_t { fired, missed, not_reached };
+
+Fate fate_of(const JobRun& run, const PointBeats& beats, std::size_t point) {
+  const bool is_after_end = run.stopped_before && point >= *run.stopped_before;
+  if (!run.shots_known || !beats.known) return is_after_end ? Fate::not_reached : Fate::fired;
+  const bool has_shots = run.shots_ordered.empty() || run.shots_ordered[point] != 0;
+  const bool is_missed = beats.missed[point] != 0;
+  if (is_after_end && (is_missed || !has_shots)) return Fate::not_reached;
+  return is_missed ? Fate::missed : Fate::fired;
+}
+
+std::uint64_t count_not_reached(const JobRun& run, const PointBeats& beats) {
+  std::uint64_t count = 0;
+  for (std::size_t i = run.stopped_before.value_or(run.points.size()); i < run.points.size(); ++i)
+    if (fate_of(run, beats, i) == Fate::not_reached) ++count;
+  return count;
+}
+
 /// Every n-th point is shown, or one of the next n that was missed.
 std::size_t stride_of(const JobRun& run) {
   return (run.points.size() + max_points_shown - 1) / max_points_shown;
@@ -93,7 +113,7 @@ std::string cloud_bytes(const JobRun& run, const PointBeats& beats, const CloudB
     const auto at = coordinates(run.points[i]);
     for (std::size_t a = 0; a < 3; ++a) append(bytes, share(at[a], box.low[a], box.size[a]));
     append(bytes, beats_to(beats, i));
-    append(bytes, beats.known ? beats.missed[i] : std::uint8_t{0});
+    append(bytes, static_cast<std::uint8_t>(fate_of(run, beats, i)));
   }
   return bytes;
 }
@@ -143,9 +163,12 @@ Json settings_table() {
   return rows;
 }
 
-/// Warnings about the points, and about faults in the run.
-std::vector<std::string> warnings_of(const Report& report, const JobRun& run) {
-  std::vector<std::string> warnings = run.warnings;
+/// How the job ended early; warnings about the points, and about faults in the run.
+std::vector<std::string> warnings_of(const Report& report, const JobRun& run,
+                                     std::uint64_t not_reached) {
+  std::vector<std::string> warnings;
+  if (const std::string end = headline(report); !end.empty()) warnings.push_back(end);
+  warnings.insert(warnings.end(), run.warnings.begin(), run.warnings.end());
   const auto warn = [&warnings](std::uint64_t count, const char* what) {
     if (count > 0) warnings.push_back(fmt::format("{} {}", count, what));
   };
@@ -153,7 +176,8 @@ std::vector<std::string> warnings_of(const Report& report, const JobRun& run) {
     const auto found = report.beats_by_reason.find(reason);
     return found == report.beats_by_reason.end() ? 0 : found->second;
   };
-  warn(report.missed.value_or(0), "points were not fired");
+  const std::uint64_t missed = report.missed.value_or(0);
+  warn(missed - std::min(missed, not_reached), "points were not fired");
   warn(report.doubled.value_or(0), "shots were fired in addition to those ordered");
   warn(report.checks.not_made, "shots were not detected by their photosensor");
   warn(beats("starved"), "beats were lost because the computer sent points too late");
@@ -165,16 +189,18 @@ std::vector<std::string> warnings_of(const Report& report, const JobRun& run) {
 Json page_json(const Report& report, const JobRun& run, const PointBeats& beats,
                const CloudBox& box, const std::vector<std::uint32_t>& shown) {
   const Utilisation use = utilisation_over_time(beats, report.beats);
+  const std::uint64_t not_reached = count_not_reached(run, beats);
   return {{"report", Json::parse(to_json(report))},
           {"estimate", !run.foreseen_beats.empty()},
           {"first", run.first_number},
           {"pauses", run.pauses},
           {"description", run.making.description.empty() ? Json(nullptr) : Json(description_name)},
-          {"warnings", warnings_of(report, run)},
+          {"warnings", warnings_of(report, run, not_reached)},
           {"settings_table", settings_table()},
           {"cloud",
            {{"count", shown.size()},
             {"of", run.points.size()},
+            {"not_reached", not_reached},
             {"stride", stride_of(run)},
             {"low_mm", box.low},
             {"size_mm", box.size},

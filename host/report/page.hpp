@@ -7,7 +7,8 @@
 //
 // Data: JSON for numbers and charts, and for the cloud eight bytes per point in base64: x y z as
 // fractions of the bounding box (16 bits each, little endian), the beats from the point before (0:
-// none or unknown, 254: as many or more) and 1 if it was missed. Of clouds of more than
+// none or unknown, 254: as many or more) and its fate: 0 fired or unknown, 1 missed, 2 not reached
+// before the job ended. Of clouds of more than
 // `max_points_shown` every n-th point is shown, or one of the next n that was missed.
 #pragma once
 

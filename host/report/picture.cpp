@@ -22,18 +22,19 @@ constexpr unsigned threads = 2;
 
 /// Points moved so that their middle is the origin: so floats have enough resolution.
 struct CentredCloud {
-  std::vector<Vec> points;
+  std::vector<Vec> points, grey;
   Vec half;  ///< half the size
 };
 
-CentredCloud centred(const geometry::PointCloud& cloud) {
+CentredCloud centred(const geometry::PointCloud& cloud, const geometry::PointCloud& not_fired) {
   constexpr double far = std::numeric_limits<double>::max();
   geometry::Point low{far, far, far}, high{-far, -far, -far};
-  for (const geometry::Point& p : cloud) {
-    if (!is_finite(p)) continue;
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
+  for (const geometry::PointCloud* part : {&cloud, &not_fired})
+    for (const geometry::Point& p : *part) {
+      if (!is_finite(p)) continue;
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
   CentredCloud result;
   if (low.x > high.x) return result;
   const geometry::Point middle{low.x / 2 + high.x / 2, low.y / 2 + high.y / 2,
@@ -45,6 +46,9 @@ CentredCloud centred(const geometry::PointCloud& cloud) {
   result.points.reserve(cloud.size());
   for (const geometry::Point& p : cloud)
     if (is_finite(p)) result.points.push_back(relative(p));
+  result.grey.reserve(not_fired.size());
+  for (const geometry::Point& p : not_fired)
+    if (is_finite(p)) result.grey.push_back(relative(p));
   result.half = relative(high);
   return result;
 }
@@ -128,14 +132,20 @@ void write_png(const std::filesystem::path& path, const std::vector<std::uint8_t
 
 void write_cloud_picture(const std::filesystem::path& path, const geometry::PointCloud& cloud,
                          const PictureSize& size) {
-  const CentredCloud centred_cloud = centred(cloud);
+  write_cloud_picture(path, cloud, {}, size);
+}
+
+void write_cloud_picture(const std::filesystem::path& path, const geometry::PointCloud& fired,
+                         const geometry::PointCloud& not_fired, const PictureSize& size) {
+  const CentredCloud centred_cloud = centred(fired, not_fired);
   const Box block = block_round(centred_cloud);
   const Box plinth = plinth_under(block);
   const Box stage{plinth.low, {plinth.high.x, plinth.high.y, block.high.z}};
   const Camera camera(stage, natural_yaw(block), natural_elevation(block), size.width, size.height);
   Image scene(size.width, size.height);
   paint_glass_scene(scene, block, camera, threads);
-  const Image light = cloud_light(centred_cloud.points, block, camera, size.width, size.height);
+  Image light = cloud_light(centred_cloud.points, block, camera, size.width, size.height);
+  add_grey_points(light, centred_cloud.grey, camera);
   write_png(path, developed(scene, light), size.width, size.height);
 }
 

@@ -25,4 +25,8 @@ struct PictureSize {
 void write_cloud_picture(const std::filesystem::path& path, const geometry::PointCloud& cloud,
                          const PictureSize& size = {});
 
+/// The same with points that were not fired, in grey, in the same block.
+void write_cloud_picture(const std::filesystem::path& path, const geometry::PointCloud& fired,
+                         const geometry::PointCloud& not_fired, const PictureSize& size = {});
+
 }  // namespace lamplock::report

@@ -88,6 +88,11 @@ nlohmann::ordered_json or_null(const std::optional<T>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
+/// Null instead of the keys of an end: an estimate has none.
+nlohmann::ordered_json of_end(const Report& report, const nlohmann::ordered_json& value) {
+  return report.end.name.empty() ? nlohmann::ordered_json(nullptr) : value;
+}
+
 nlohmann::ordered_json settings_json(const settings::Values& values) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (std::size_t i = 0; i < settings::setting_count; ++i) {
@@ -114,6 +119,8 @@ Report evaluate(const JobRun& run) {
   report.making = run.making;
   report.size_mm = size_of(run.points);
   report.lamp_hz = in_units(run.settings, settings::Id::lamp_frequency);
+  report.end = run.end;
+  report.items = run.items;
   report.points = run.points.size();
   report.points_fired = run.points_fired;
   report.shots = run.shots_known ? run.shots.size() : run.shots_fired;
@@ -153,6 +160,10 @@ std::string to_json(const Report& report) {
       {"order", text_or_null(report.making.order)},
       {"material", text_or_null(report.making.material)},
       {"lamp_hz", report.lamp_hz},
+      {"end", of_end(report, report.end.name)},
+      {"first_unfired", of_end(report, report.end.first_unfired)},
+      {"may_have_fired", of_end(report, report.end.may_have_fired)},
+      {"continue_with", of_end(report, report.end.continue_with)},
       {"points", report.points},
       {"points_fired", report.points_fired},
       {"shots", report.shots},

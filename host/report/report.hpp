@@ -44,6 +44,14 @@ struct ShotChecks {
   std::uint64_t repeats = 0;  ///< shots at a point whose last shot was not made
 };
 
+/// How and where a run ended. Numbers count points and pauses of the job.
+struct RunEnd {
+  std::string name;                  ///< "done", "stopped", ...; empty for an estimate
+  std::uint64_t first_unfired = 0;   ///< all before it are done
+  std::uint64_t may_have_fired = 0;  ///< none from here on was fired
+  std::string continue_with;         ///< the command that continues the job; empty if it is done
+};
+
 /// Record of one run of a job.
 struct JobRun {
   std::string input;  ///< file that was engraved
@@ -66,6 +74,11 @@ struct JobRun {
   std::vector<std::uint32_t> foreseen_beats;
 
   std::size_t first_number = 0;  ///< of the point or pause that the run began with, in the job
+  std::size_t items = 0;         ///< points and pauses of the whole job
+  RunEnd end{};
+  /// The index of the first point that the job had not reached when it ended; empty: it reached
+  /// all.
+  std::optional<std::size_t> stopped_before{};
   /// For each pause of the run the index of the point after it, in order. Pauses are numbered in
   /// the job together with the points.
   std::vector<std::uint32_t> pauses;
@@ -92,6 +105,8 @@ struct Report {
   Making making;
   std::optional<std::array<double, 3>> size_mm;  ///< of the box round the ordered points
   double lamp_hz = 0;
+  RunEnd end{};
+  std::uint64_t items = 0;         ///< points and pauses of the whole job
   std::uint64_t points = 0;        ///< ordered
   std::uint64_t points_fired = 0;  ///< of these: as often as ordered
   std::uint64_t shots = 0;         ///< fired

@@ -6,6 +6,7 @@
 #include <array>
 #include <functional>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,20 @@ std::string error_text(const std::optional<double>& steps) {
 }
 
 std::string mode_of(const Report& r) { return r.mode; }
+
+/// The begin of a headline by the name of the end (host/run/job_outcome.cpp).
+std::string end_text(const std::string& end) {
+  constexpr std::array<std::pair<std::string_view, const char*>, 6> texts{
+      {{"stopped", "Stopped"},
+       {"failed", "Failed"},
+       {"alarm", "Stopped by an alarm"},
+       {"lost", "Connection lost"},
+       {"restarted", "The machine restarted"},
+       {"replaced", "Replaced by a job of another program"}}};
+  for (const auto& [name, text] : texts)
+    if (name == end) return text;
+  return "Ended";
+}
 
 constexpr std::array result_lines{
     Line{"points", [](const Report& r) { return grouped(r.points); }},
@@ -137,6 +152,19 @@ std::vector<settings::Id> differing_settings(const Report& first, const Report& 
   return differing;
 }
 
+std::string headline(const Report& report) {
+  const RunEnd& end = report.end;
+  if (end.name.empty() || end.name == "done") return "";
+  std::string text = fmt::format("{} at {} of {}", end_text(end.name), grouped(end.first_unfired),
+                                 grouped(report.items));
+  if (end.may_have_fired == end.first_unfired + 1)
+    text += fmt::format(" (point {} may have been fired)", end.first_unfired);
+  else if (end.may_have_fired > end.first_unfired)
+    text += fmt::format(" (points {} to {} may have been fired)", end.first_unfired,
+                        end.may_have_fired - 1);
+  return end.continue_with.empty() ? text : text + "; continue with: " + end.continue_with;
+}
+
 std::string summary(const Report& report) {
   const std::array reports{std::cref(report)};
   std::vector<Row> rows = result_rows(reports);
@@ -152,7 +180,8 @@ std::string summary(const Report& report) {
   rows.push_back({"link: reconnects", grouped(report.link.reconnects)});
   const std::string title = fmt::format("{}: {}, {} board, lamp {:g} Hz\n", report.input,
                                         report.mode, report.board, report.lamp_hz);
-  return title + aligned(rows);
+  const std::string head = headline(report);
+  return (head.empty() ? "" : head + "\n") + title + aligned(rows);
 }
 
 std::string estimate_summary(const Report& report) {

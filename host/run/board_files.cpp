@@ -14,7 +14,9 @@ PinTrace::PinTrace(const std::filesystem::path& file, sim::Board& board)
     : board_(board),
       file_(file),
       stream_(file_.path(), std::ios::binary),
-      writer_(stream_, board.bus()) {}
+      writer_(stream_, board.bus()) {
+  if (!stream_) throw OutputError(file_.target(), errno);
+}
 
 void PinTrace::finish() {
   writer_.finish(board_.now());

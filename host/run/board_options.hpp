@@ -59,6 +59,8 @@ struct BoardOptions {
   PlotOptions plot{};
   LampFaults faults{};
   SimulatedDrives drives{};
+  /// The words of the command that runs the job, for the report; empty if there is none.
+  std::vector<std::string> command{};
 
   bool is_simulated() const { return board == "virtual" || board == "chip"; }
   /// Lines of this computer for a real board: those of --lines, else of the profile. Throws

@@ -1,7 +1,7 @@
 // What a report is made of, as far as the job itself decides it.
 //
-// In:  a job with its points, where in it the run begins. Out: a JobRun without what the machine
-//      did. Who: run_job, for what was run, and `estimate`, for what is foreseen.
+// In:  a job with its points, where in it the run begins; how it ended. Out: a JobRun.
+// Who: run_job, for what was run, and `estimate`, for what is foreseen.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,8 @@
 
 #include "host/geometry/point.hpp"
 #include "host/report/report.hpp"
+#include "host/run/board_options.hpp"
+#include "host/run/job_outcome.hpp"
 #include "host/run/prepared_job.hpp"
 
 namespace lamplock::run {
@@ -18,5 +20,9 @@ namespace lamplock::run {
 /// the caller's last copy if it can be, of ten million there is hardly room for two.
 report::JobRun begin_run(const PreparedJob& prepared, geometry::PointCloud points,
                          const std::string& board, std::size_t from);
+
+/// The run by the counters of a board, and where it ended.
+report::JobRun run_on_board(const PreparedJob& prepared, const BoardOptions& options,
+                            const JobOutcome& outcome);
 
 }  // namespace lamplock::run

@@ -60,6 +60,13 @@ report::Report parse(const std::string& text) {
   json.at("board").get_to(report.board);
   read_making(json, report);
   json.at("lamp_hz").get_to(report.lamp_hz);
+  // Reports of older programs have no end, and estimates have none either.
+  if (const auto end = json.find("end"); end != json.end() && !end->is_null()) {
+    end->get_to(report.end.name);
+    json.at("first_unfired").get_to(report.end.first_unfired);
+    json.at("may_have_fired").get_to(report.end.may_have_fired);
+    json.at("continue_with").get_to(report.end.continue_with);
+  }
   json.at("points").get_to(report.points);
   json.at("shots").get_to(report.shots);
   // Reports of older programs have it not; there "points" may be more than were fired.

@@ -93,8 +93,6 @@ void write_numbers(JobOutcome& outcome, const BoardOptions& options) {
 }
 
 void report_job(JobOutcome& outcome, const BoardOptions& options, Frontend& frontend) {
-  if (end_name(outcome) != "done")
-    frontend.say("{}; {}", bound_text(outcome.result.rest, "point"), go_on_text(outcome, "point"));
   frontend.line("");
   frontend.text(report::summary(outcome.report));
   if (!outcome.folder) return;

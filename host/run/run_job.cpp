@@ -29,7 +29,6 @@
 #include "host/run/simulated_boards.hpp"
 #include "host/run/supervisor.hpp"
 #include "host/units.hpp"
-#include "shared/beat_reason.hpp"
 #include "sim/chip_board/board_timing.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 
@@ -202,34 +201,6 @@ JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
   return outcome;
 }
 
-/// Points of which the machine has fired all flashes; a dry run fires none.
-std::uint64_t points_fired(const job::Job& job, std::size_t from, const link::JobResult& result) {
-  const std::size_t next = std::clamp<std::size_t>(result.status.first_unfired, from, job.size());
-  return job.header.dry ? 0 : job.points_before(next) - job.points_before(from);
-}
-
-/// What is known on any board.
-report::JobRun run_of(const PreparedJob& prepared, const BoardOptions& options,
-                      const link::JobResult& result) {
-  const auto before = static_cast<std::ptrdiff_t>(prepared.job.points_before(options.from));
-  report::JobRun run =
-      begin_run(prepared, {prepared.points.begin() + before, prepared.points.end()}, options.board,
-                options.from);
-  run.shots_fired = result.status.shots;
-  run.points_fired = points_fired(prepared.job, options.from, result);
-  run.beats = result.status.beats;
-  run.beats_before = result.status.beats_before;
-  run.time_s = static_cast<double>(run.beats) / lamp_hz(run.settings);
-  for (std::size_t i = 0; i < beat_reason_count; ++i) {
-    const std::string reason(beat_reason_names[i]);
-    run.beats_by_reason[reason] = result.status.beats_by_reason[i];
-    run.beats_outside[reason] = result.status.beats_outside[i];
-  }
-  run.checks = {result.status.shots_made, result.status.shots_not_made, result.status.repeats};
-  run.link = {result.resent, result.bad_frames + result.status.link.bad_frames, result.reconnects};
-  return run;
-}
-
 /// What only the simulated world knows.
 void add_shots(const sim::Board& board, report::JobRun& run) {
   run.shots_known = true;
@@ -308,7 +279,7 @@ JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& option
   RemainingTime unknown;  // the wall clock does not pass as the machine's does
   JobOutcome outcome = send(transport, prepared, options, Clocking::lock_step, unknown, frontend);
   if (!prepared.job.is_rows()) {
-    outcome.run = run_of(prepared, options, outcome.result);
+    outcome.run = run_on_board(prepared, options, outcome);
     outcome.folder = std::move(folder);
     add_shots(board, outcome.run);
     write_numbers(outcome, options);
@@ -350,7 +321,7 @@ JobOutcome run_job(const PreparedJob& prepared, const BoardOptions& options,
   if (!port) return run_simulated(prepared, options, std::move(folder), frontend);
   JobOutcome outcome = send(*port, prepared, options, Clocking::wall, *remaining, frontend, kept);
   if (!prepared.job.is_rows()) {
-    outcome.run = run_of(prepared, options, outcome.result);
+    outcome.run = run_on_board(prepared, options, outcome);
     outcome.folder = std::move(folder);
     write_numbers(outcome, options);
   }

@@ -51,7 +51,7 @@ JobOutcome run_rows(PreparedJob& prepared, BoardOptions options, double planned_
   options.run_up_lines = ordered_from - options.from;
   JobOutcome outcome = run_job(prepared, options, std::move(port), frontend, kept);
   const link::JobResult& result = outcome.result;
-  frontend.say("{:<8}  {} of {} lines in {}", end_name(outcome), result.status.first_unfired,
+  frontend.say("{:<8}  {} of {} lines in {}", end_name(outcome), result.rest.first,
                prepared.job.size(),
                duration_text(std::chrono::duration<double>(result.elapsed).count()));
   return outcome;

@@ -64,6 +64,25 @@ TEST(StoppedJobs, ARefusalInMidJobIsReported) {
   EXPECT_THAT(jobs[1], testing::EndsWith(fmt::format(",{}", fired)));
 }
 
+TEST(StoppedJobs, TextKeysAndPageAgreeOnTheEnd) {
+  const Refused job;
+  const Finished refused = job.engrave({"--report", job.folder / "report"});
+  const int fired = Refused::go_on_at(refused);
+  const Json report = Json::parse(read(job.folder / "report/report.json"));
+  EXPECT_EQ(report["end"], "failed");
+  EXPECT_EQ(report["first_unfired"], fired);
+  EXPECT_EQ(report["may_have_fired"], fired);
+  const std::string command = report["continue_with"];
+  EXPECT_THAT(command, testing::EndsWith(fmt::format(" --from {}", fired)));
+  EXPECT_THAT(command, HasSubstr(" engrave " + job.list));
+  const std::string headline =
+      fmt::format("Failed at {} of {}; continue with: {}", fired, Refused::near + 1, command);
+  EXPECT_THAT(refused.err, HasSubstr("\n" + headline + "\n"));  // stdout has the document
+  const std::string page = read(job.folder / "report/report.html");
+  EXPECT_THAT(page, HasSubstr(Json(headline).dump()));
+  EXPECT_THAT(page, HasSubstr(fmt::format("\"not_reached\":{},", Refused::near + 1 - fired)));
+}
+
 TEST(StoppedJobs, ARefusalBeforeTheFirstShotLeavesNothing) {
   const Refused job;
   const auto before = job.folder.files();

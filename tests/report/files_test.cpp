@@ -49,6 +49,10 @@ TEST_F(ReportFiles, JsonHasExactlyTheDocumentedKeys) {
                                        "mode",
                                        "board",
                                        "lamp_hz",
+                                       "end",
+                                       "first_unfired",
+                                       "may_have_fired",
+                                       "continue_with",
                                        "points",
                                        "points_fired",
                                        "shots",
@@ -244,6 +248,26 @@ TEST_F(ReportFiles, PictureShowsFewAndManyPoints) {
     EXPECT_GT(some.brighter(180), none.brighter(180) + 200) << count;
     EXPECT_LT(some.brighter(250), some.bytes.size() / 50) << count;
   }
+}
+
+TEST_F(ReportFiles, PicturePaintsPointsThatWereNotFiredGrey) {
+  fs::create_directories(folder_);
+  const PictureSize small{.width = 400, .height = 300};
+  const auto fired = sphere(1000);
+  auto not_fired = fired;
+  for (geometry::Point& p : not_fired) p = {p.x / 2 + 500, p.y / 2 - 250, p.z / 2};
+  write_cloud_picture(folder_ / "fired.png", fired, small);
+  write_cloud_picture(folder_ / "both.png", fired, not_fired, small);
+  const Pixels all(folder_ / "fired.png"), both(folder_ / "both.png");
+  constexpr int grey_low = 70, grey_high = 120;  // brighter than the glass, darker than light
+  int greyed = 0, others = 0;
+  for (std::size_t i = 0; i < all.bytes.size(); ++i) {
+    if (all.bytes[i] == both.bytes[i]) continue;
+    const bool is_grey = both.bytes[i] >= grey_low && both.bytes[i] <= grey_high;
+    ++(is_grey && all.bytes[i] < both.bytes[i] ? greyed : others);
+  }
+  EXPECT_GT(greyed, 300);
+  EXPECT_LT(others, greyed / 10);
 }
 
 TEST_F(ReportFiles, PictureAcceptsAnyCloud) {

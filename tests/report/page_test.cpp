@@ -104,6 +104,32 @@ TEST(Page, ReportsMissedPoints) {
   EXPECT_THAT(data_of(text)["warnings"].dump(), testing::HasSubstr("2 points were not fired"));
 }
 
+/// A job that ended before point k: with known shots, and on a board whose shots are counted only.
+TEST(Page, PointsAfterAnEarlyEndAreNotReached) {
+  for (int i = 0; i < scaled(20); ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i));
+    const std::size_t count = 2 + random() % 60, k = random() % count, missed = random() % count;
+    for (const bool shots_known : {true, false}) {
+      JobRun run = job(static_cast<int>(count), static_cast<std::uint64_t>(i));
+      run.items = count;
+      run.end = {"stopped", k, k, "lamplock send j.llj --from " + std::to_string(k)};
+      run.stopped_before = k;
+      run.shots_known = shots_known;
+      for (std::size_t p = 0; p < k && shots_known; ++p)
+        if (p != missed) add_shot_at_point(run, p);
+      const std::string text = page_of(run);
+      const std::string bytes = cloud_of(text);
+      const bool is_missed = shots_known && missed < k;
+      for (std::size_t p = 0; p < count; ++p)
+        EXPECT_EQ(bytes[8 * p + 7], p >= k ? 2 : is_missed && p == missed ? 1 : 0) << p;
+      const Json data = data_of(text);
+      EXPECT_EQ(data["cloud"]["not_reached"], count - k);
+      EXPECT_THAT(data["warnings"][0], testing::StartsWith(fmt::format("Stopped at {} of ", k)));
+      EXPECT_EQ(data["warnings"].size(), is_missed ? 2u : 1u) << data["warnings"];
+    }
+  }
+}
+
 TEST(Page, ClockNeverRunsBackwards) {
   for (int i = 0; i < scaled(20); ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i));

@@ -86,5 +86,28 @@ TEST(EstimateSummary, HasOnlyPredictableValues) {
     EXPECT_EQ(text.find(label), std::string::npos) << label;
 }
 
+TEST(Summary, BeginsWithTheEndOfAJobThatEndedEarly) {
+  Report report = example("free", 6773);
+  report.items = 6773;
+  const auto headline_of = [&report](const char* end, std::uint64_t first, std::uint64_t from) {
+    report.end = {end, first, from, first < report.items ? "lamplock send j.llj --from 1" : ""};
+    const std::string text = summary(report), head = headline(report);
+    EXPECT_TRUE(text.starts_with(head.empty() ? report.input : head + "\n")) << text;
+    return head;
+  };
+  EXPECT_EQ(headline_of("stopped", 2123, 2123),
+            "Stopped at 2 123 of 6 773; continue with: lamplock send j.llj --from 1");
+  EXPECT_EQ(
+      headline_of("lost", 503, 687),
+      "Connection lost at 503 of 6 773 (points 503 to 686 may have been fired); continue with: "
+      "lamplock send j.llj --from 1");
+  EXPECT_EQ(headline_of("restarted", 3, 4),
+            "The machine restarted at 3 of 6 773 (point 3 may have been fired); continue with: "
+            "lamplock send j.llj --from 1");
+  EXPECT_EQ(headline_of("failed", 6773, 6773), "Failed at 6 773 of 6 773");
+  EXPECT_EQ(headline_of("done", 6773, 6773), "");
+  EXPECT_EQ(headline_of("", 0, 0), "");
+}
+
 }  // namespace
 }  // namespace lamplock::report

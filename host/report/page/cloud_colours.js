@@ -13,6 +13,8 @@ const beat_colours = {
   light: ['#8fb0d4', '#1f9e77', '#d69a00', '#dc5f16', '#b3123f'],
   dark: ['#35557d', '#3fd0a0', '#ffd24d', '#ff8f45', '#ff4f7b'],
 };
+// Points that the job had not reached when it ended, in every mode.
+const not_reached_colours = {light: '#c3c8ce', dark: '#343a43'};
 const fate_colours = {light: ['#8fa3b8', '#c8102e'], dark: ['#4b5f78', '#ff5a5f']};
 
 function rgb_of(text) {

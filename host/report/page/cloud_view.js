@@ -5,23 +5,26 @@
 
 const point_shader = `#version 300 es
 in vec3 place;
-in vec2 tags;  // beats, missed
+in vec2 tags;  // beats, fate
 uniform mat4 camera;
 uniform vec3 size;
 uniform float dot_px, first, step_points, last_point;
 uniform int mode;
 uniform sampler2D colours;
+uniform vec3 not_reached_colour;
 out vec3 colour;
 out float nearness;
 void main() {
   gl_Position = camera * vec4((place - 0.5) * size, 1.0);
   float at = mode == 0 ? float(gl_VertexID) * step_points / max(last_point, 1.0)
                        : mode == 1 ? tags.x : sign(tags.y);
-  colour = texture(colours, vec2(at * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb;
-  bool stands_out = (mode == 2 && tags.y > 0.0) || (mode == 1 && tags.x > 1.5 / 255.0);
+  bool not_reached = tags.y > 1.5 / 255.0, missed = tags.y > 0.0 && !not_reached;
+  colour = not_reached ? not_reached_colour
+                       : texture(colours, vec2(at * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb;
+  bool stands_out = (mode == 2 && missed) || (mode == 1 && tags.x > 1.5 / 255.0);
   nearness = clamp(0.5 - 0.5 * gl_Position.z / gl_Position.w, 0.0, 1.0);
   // Missed points are visible through the cloud.
-  if (mode == 2 && tags.y > 0.0) gl_Position.z = -0.99 * gl_Position.w;
+  if (mode == 2 && missed) gl_Position.z = -0.99 * gl_Position.w;
   gl_PointSize = max(dot_px / gl_Position.w * (stands_out ? 2.0 : 1.0), stands_out ? 3.0 * first : first);
 }`;
 const point_paint = `#version 300 es
@@ -268,6 +271,7 @@ class CloudView {
     gl.uniform1f(at.step_points, every);
     gl.uniform1f(at.last_point, this.count - 1);
     gl.uniform1i(at.mode, {order: 0, beats: 1, missed: 2}[this.mode]);
+    gl.uniform3fv(at.not_reached_colour, rgb_of(not_reached_colours[this.theme ?? 'light']).map((c) => c / 255));
     gl.uniform3fv(at.far_colour, rgb_of(style.getPropertyValue('--stage-2').trim()).map((c) => c / 255));
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
     const place = gl.getAttribLocation(this.points, 'place'), tags = gl.getAttribLocation(this.points, 'tags');

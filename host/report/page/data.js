@@ -3,7 +3,7 @@
 const data = JSON.parse(document.getElementById('data').textContent);
 const report = data.report;
 
-const bytes_per_point = 8;  // x y z of 16 bits, beats, missed
+const bytes_per_point = 8;  // x y z of 16 bits, beats, fate: 0 fired, 1 missed, 2 not reached
 
 // The bytes of the cloud. One pass, no copy but the text itself, which is released.
 function cloud_bytes() {

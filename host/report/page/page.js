@@ -46,8 +46,8 @@ function fill_tiles() {
   add_tile('utilisation', 'Utilisation', `${fixed(100 * report.utilisation, 1)} %`, 'of the lamp\u2019s flashes');
   add_tile('beats_per_point', 'Beats per point', fixed(report.beats_per_point, 3), `${grouped(report.beats)} beats`);
   if (report.missed !== null) {
-    const wrong = report.missed + report.doubled;
-    add_tile('missed', 'Missed', grouped(report.missed), `${grouped(report.doubled)} doubled`, wrong ? 'bad' : 'good');
+    const late = data.cloud.not_reached, wrong = report.missed - late + report.doubled;
+    add_tile('missed', 'Missed', grouped(report.missed), `${late > 0 ? `${grouped(late)} of them not reached, ` : ''}${grouped(report.doubled)} doubled`, wrong ? 'bad' : 'good');
   }
   if (report.largest_error_steps !== null)
     add_tile('largest_error_steps', 'Largest error', `${fixed(report.largest_error_steps, 2)} step`, report.largest_jitter_error_steps === null ? '' : `${fixed(report.largest_jitter_error_steps, 2)} with lamp jitter`);
@@ -201,8 +201,9 @@ function fill_legend(mode, theme, counts) {
     beat_names.forEach((name, i) => legend_dot(beat_colours[theme][i], `${name}: ${grouped(counts.beats[i])}`));
   } else {
     legend_dot(fate_colours[theme][0], `fired: ${grouped(report.points_fired)}`);
-    legend_dot(fate_colours[theme][1], `missed: ${grouped(report.missed)}`);
+    legend_dot(fate_colours[theme][1], `missed: ${grouped(report.missed - data.cloud.not_reached)}`);
   }
+  if (data.cloud.not_reached > 0) legend_dot(not_reached_colours[theme], `not reached: ${grouped(data.cloud.not_reached)}`);
   if (data.cloud.stride > 1) add($('legend'), 'span', `shown: one point in ${data.cloud.stride}`);
 }
 
@@ -359,9 +360,9 @@ function point_text(view, i) {
   const stride = data.cloud.stride;
   const index = `${stride > 1 ? 'about ' : ''}${grouped(number_in_job(i * stride))}`;
   const lines = [`point ${index}`, `${at.join('  ')} mm`];
-  const beats = view.bytes[bytes_per_point * i + 6], missed = view.bytes[bytes_per_point * i + 7];
+  const beats = view.bytes[bytes_per_point * i + 6], fate = view.bytes[bytes_per_point * i + 7];
   if (data.cloud.beats_known && beats > 0) lines.push(`${beats}${beats === 254 ? ' or more' : ''} ${beats === 1 ? 'beat' : 'beats'} from the point before`);
-  if (missed) lines.push('missed');
+  if (fate) lines.push(fate === 1 ? 'missed' : 'not reached before the job ended');
   return lines.join('\n');
 }
 
