@@ -15,6 +15,7 @@
 #include "host/report/statistics.hpp"
 #include "host/report/summary.hpp"
 #include "host/run/estimate_job.hpp"
+#include "host/run/sent_file.hpp"
 
 namespace lamplock::cli {
 namespace {

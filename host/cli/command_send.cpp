@@ -13,6 +13,7 @@
 #include "host/run/report_job.hpp"
 #include "host/run/run_program.hpp"
 #include "host/run/send_job.hpp"
+#include "host/run/sent_file.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -94,8 +95,9 @@ Exit send_job(const SendOptions& options, Console& console) {
 
 Exit send_file(const SendOptions& options) {
   Console console(options.json);
-  return run::is_program(options.file) ? send_program(options, console)
-                                       : send_job(options, console);
+  return run::kind_of_sent_file(options.file) == run::SentKind::program
+             ? send_program(options, console)
+             : send_job(options, console);
 }
 
 }  // namespace
@@ -104,6 +106,7 @@ void add_send(Command& program) {
   Command& app = program.add_command(
       "send", "Send a job or a G-code program to a machine and follow it to its end");
   app.footer(
+      "The contents of FILE decide whether it is a job or a program, not its name.\n"
       "Programs (.gcode .nc .ngc .gc .tap .cnc) stop at their first error. While a program runs,\n"
       "Ctrl-C holds the machine and resets it when it is at rest. In a terminal, ! and Enter "
       "holds;\n"

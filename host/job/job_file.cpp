@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 #include "host/error.hpp"
@@ -26,6 +27,10 @@ constexpr std::size_t payload_bytes = 1 << 16;
   throw Error(Exit::bad_input, name, what, "make the job again with `lamplock job`");
 }
 
+bool has_magic(std::span<const std::uint8_t> bytes) {
+  return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+}
+
 std::vector<std::uint8_t> encode_records(const Job& job) {
   std::vector<std::uint8_t> stream;
   RecordEncoder encoder(job, 0);
@@ -43,8 +48,7 @@ struct Contents {
 
 /// Checks magic, version and checksum.
 Contents open_envelope(std::span<const std::uint8_t> bytes, const std::string& name) {
-  if (bytes.size() < magic.size() || !std::equal(magic.begin(), magic.end(), bytes.begin()))
-    fail(name, "is not a lamplock job file");
+  if (!has_magic(bytes)) fail(name, "is not a lamplock job file");
   if (bytes.size() < magic.size() + sizeof plain_version + sizeof(std::uint32_t))
     fail(name, "is truncated");
   wire::ByteReader tail(bytes.last(sizeof(std::uint32_t)));
@@ -163,6 +167,15 @@ Job decode_job_file(std::span<const std::uint8_t> bytes, const std::string& name
     job.targets = decode_targets(stream, job.header, name);
   if (job.size() == 0) fail(name, fmt::format("has no {}s", job.item()));
   return job;
+}
+
+bool starts_with_job(const std::filesystem::path& file) {
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(file, failure)) return false;
+  std::array<std::uint8_t, magic.size()> bytes{};
+  std::ifstream in(file, std::ios::binary);
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  return in && has_magic(bytes);
 }
 
 void write_job_file(const std::filesystem::path& file, const Job& job) {

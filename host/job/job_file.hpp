@@ -17,6 +17,9 @@ std::vector<std::uint8_t> encode_job_file(const Job& job);
 /// truncated, corrupt, of another version, or made with another settings table.
 Job decode_job_file(std::span<const std::uint8_t> bytes, const std::string& name);
 
+/// The first bytes of the file are those of a job, maybe a damaged one; false if it cannot be read.
+bool starts_with_job(const std::filesystem::path& file);
+
 /// Writes a job file. Throws Error(bad_input) if it cannot be written.
 void write_job_file(const std::filesystem::path& file, const Job& job);
 

@@ -6,6 +6,7 @@
 #include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/program/path_picture.hpp"
+#include "host/run/sent_file.hpp"
 
 namespace lamplock::run {
 
@@ -17,6 +18,7 @@ program_run::ProgramRun check_program(const CheckOptions& options) {
                   "name it something.svg");
     check_target(options.picture);
   }
+  require_program(options.input);
   const std::string text = read_file(options.input);
   program_run::ProgramRun run =
       program_run::run_program(text, profile.settings, options.max_problems);

@@ -9,6 +9,7 @@
 #include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/program/servo_picture.hpp"
+#include "host/run/sent_file.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -36,6 +37,7 @@ std::vector<Trajectory> two_trajectories(double feed_mm_min) {
 
 std::vector<Trajectory> trajectories(const DiagnoseOptions& options) {
   if (options.input.empty()) return two_trajectories(options.feed_mm_min);
+  require_program(options.input);
   return {{std::filesystem::path(options.input).filename().string(), read_file(options.input)}};
 }
 

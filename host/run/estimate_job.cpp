@@ -7,13 +7,13 @@
 #include <utility>
 
 #include "host/estimate/estimate.hpp"
-#include "host/file.hpp"
 #include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/job/job_file.hpp"
 #include "host/report/page.hpp"
 #include "host/run/job_points.hpp"
 #include "host/run/job_run.hpp"
+#include "host/run/sent_file.hpp"
 #include "shared/beat_reason.hpp"
 
 namespace lamplock::run {
@@ -70,8 +70,6 @@ void write_page_file(const report::Report& report, const report::JobRun& run,
 }
 
 }  // namespace
-
-bool is_job_file(const std::string& file) { return lower_extension(file) == ".llj"; }
 
 Estimated estimate_job(const EstimateOptions& options, Frontend& frontend) {
   check_distinct({{"--page", options.page}}, options.request.input);

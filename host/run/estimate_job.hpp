@@ -14,7 +14,7 @@
 namespace lamplock::run {
 
 struct EstimateOptions {
-  JobRequest request{};  ///< without a description if its input is a job file
+  JobRequest request{};  ///< without a description if its input is a job (sent_file.hpp)
   BoardOptions job{};    ///< of these: which part of the job, and its speed
   std::string page{};    ///< HTML file; empty: none
 };
@@ -23,9 +23,6 @@ struct Estimated {
   report::Report report;
   double seconds = 0;  ///< from the start to the last shot, lock and approach included
 };
-
-/// True for job files, which need no description.
-bool is_job_file(const std::string& file);
 
 /// Throws Error.
 Estimated estimate_job(const EstimateOptions& options, Frontend& frontend);

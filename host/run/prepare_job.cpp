@@ -15,6 +15,7 @@
 #include "host/run/machine_options.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/prepare.hpp"
+#include "host/run/sent_file.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -87,6 +88,7 @@ PreparedJob prepare_job(const JobRequest& request, bool dry,
 
 job::Job make_job_file(const JobRequest& request, bool dry, const std::string& output,
                        Frontend& frontend) {
+  check_job_name(output);
   check_target(output);
   check_distinct({{"-o", output}, {"--save", request.save}}, request.input);
   PreparedJob prepared = prepare_job(request, dry, std::nullopt, frontend);

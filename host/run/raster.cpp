@@ -23,6 +23,7 @@
 #include "host/run/job_points.hpp"
 #include "host/run/prepare.hpp"
 #include "host/run/run_rows.hpp"
+#include "host/run/sent_file.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -93,6 +94,8 @@ std::string remedy_outside(const RasterOptions& options, const RasterSize& size,
 }
 
 void check_outputs(const RasterOptions& options) {
+  if (!options.output.empty()) check_job_name(options.output);
+  if (!options.gcode.empty()) check_program_name(options.gcode);
   for (const std::string& file : {options.output, options.gcode})
     if (!file.empty()) check_target(file);
 }

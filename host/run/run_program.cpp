@@ -32,8 +32,6 @@ namespace {
 using link::LineEnd;
 using link::LineResult;
 
-constexpr std::array program_extensions{".gcode", ".nc", ".ngc", ".gc", ".tap", ".cnc"};
-
 /// A program and what is known of it before it is sent.
 struct Program {
   std::string file;
@@ -327,12 +325,6 @@ Exit judge(const ProgramOutcome& outcome, const std::string& board, Frontend& fr
 }
 
 }  // namespace
-
-bool is_program(const std::string& file) {
-  const std::string extension = lower_extension(file);
-  return std::find(program_extensions.begin(), program_extensions.end(), extension) !=
-         program_extensions.end();
-}
 
 const char* end_name(const ProgramOutcome& outcome) {
   if (outcome.error) return "failed";

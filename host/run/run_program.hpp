@@ -36,9 +36,6 @@ struct ProgramOutcome {
   std::exception_ptr error{};  ///< why it ended, after lines were sent, if by an error
 };
 
-/// True for the names that programs of G-code have: .gcode .nc .ngc .gc .tap .cnc
-bool is_program(const std::string& file);
-
 /// The end of a program, for scripts; "failed": by an error of the host.
 const char* end_name(const ProgramOutcome& outcome);
 

@@ -1,0 +1,97 @@
+#include "host/run/sent_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/file/staged_file.hpp"
+#include "host/job/job_file.hpp"
+#include "host/text.hpp"
+
+namespace lamplock::run {
+namespace {
+
+constexpr const char* job_extension = ".llj";
+constexpr std::array program_extensions{".gcode", ".nc", ".ngc", ".gc", ".tap", ".cnc"};
+/// So many lines with words show what a file is.
+constexpr int lines_to_judge = 50;
+
+bool has_program_name(const std::string& file) {
+  const std::string extension = lower_extension(file);
+  return std::find(program_extensions.begin(), program_extensions.end(), extension) !=
+         program_extensions.end();
+}
+
+/// The line without comments, block delete and blanks at its ends.
+std::string without_comments(std::string_view line) {
+  std::string text;
+  bool in_comment = false;
+  for (const char c : line.substr(0, line.find(';'))) {
+    in_comment = (in_comment || c == '(') && c != ')';
+    if (!in_comment && c != ')') text += c;
+  }
+  std::string_view rest = trimmed(text);
+  if (rest.starts_with('/')) rest = trimmed(rest.substr(1));
+  return std::string(rest);
+}
+
+/// Words of G-code: letters, each with a number after it.
+bool has_words(std::string_view line) {
+  while (!line.empty()) {
+    if (std::isalpha(static_cast<unsigned char>(line.front())) == 0) return false;
+    line = trimmed(line.substr(1));
+    const std::size_t size = std::min(line.find_first_not_of("+-.0123456789"), line.size());
+    if (size == 0) return false;
+    line = trimmed(line.substr(size));
+  }
+  return true;
+}
+
+/// The first lines are words of G-code, lines for the board, or the % round a program.
+bool looks_like_program(std::string_view text) {
+  int judged = 0;
+  for (text = without_byte_order_mark(text); !text.empty() && judged < lines_to_judge;) {
+    const std::string line = without_comments(take_line(text));
+    if (line.empty() || line == "%") continue;
+    if (!line.starts_with('$') && !has_words(line)) return false;
+    ++judged;
+  }
+  return judged > 0;
+}
+
+}  // namespace
+
+SentKind kind_of_sent_file(const std::string& file) {
+  if (is_job_file(file)) return SentKind::job;
+  const std::string text = read_file(file);
+  if (has_program_name(file) || looks_like_program(text)) return SentKind::program;
+  throw Error(Exit::bad_input, file, "is neither a job nor a program of G-code",
+              "make a job of a model or of points with lamplock job, and send that");
+}
+
+bool is_job_file(const std::string& file) {
+  return lower_extension(file) == job_extension || job::starts_with_job(file);
+}
+
+void require_program(const std::string& file) {
+  if (job::starts_with_job(file))
+    throw Error(Exit::bad_input, file, "is a job, not a program of G-code",
+                "see it with lamplock job --show, predict it with lamplock estimate");
+}
+
+void check_job_name(const std::string& output) {
+  if (is_special(output) || lower_extension(output) == job_extension) return;
+  throw Error(Exit::bad_input, output, "is not a name for a job, which is a binary file",
+              "give a name that ends in .llj");
+}
+
+void check_program_name(const std::string& output) {
+  if (lower_extension(output) == job_extension)
+    throw Error(Exit::bad_input, output, "is a name for a job, not for G-code",
+                "give a name that ends in .ngc");
+}
+
+}  // namespace lamplock::run
