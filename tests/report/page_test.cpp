@@ -2,6 +2,7 @@
 // (tests/page).
 #include "host/report/page.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -124,7 +125,8 @@ TEST(Page, PointsAfterAnEarlyEndAreNotReached) {
         EXPECT_EQ(bytes[8 * p + 7], p >= k ? 2 : is_missed && p == missed ? 1 : 0) << p;
       const Json data = data_of(text);
       EXPECT_EQ(data["cloud"]["not_reached"], count - k);
-      EXPECT_THAT(data["warnings"][0], testing::StartsWith(fmt::format("Stopped at {} of ", k)));
+      EXPECT_THAT(data["warnings"][0].get<std::string>(),
+                  testing::StartsWith(fmt::format("Stopped at {} of ", k)));
       EXPECT_EQ(data["warnings"].size(), is_missed ? 2u : 1u) << data["warnings"];
     }
   }
