@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::string_view prompt = "> ";
 constexpr int history_lines = 500;
+constexpr char ctrl_d = 4;
 /// Limit of one call: an input that never pauses must not stop the caller's own work.
 constexpr int max_keys = 4096;
 
@@ -109,12 +110,10 @@ void LineEditor::erase_line() {
 void LineEditor::take_key(std::vector<std::string>& lines) {
   int size = 0;
   const char* const text = el_gets(editor_.get(), &size);
-  if (text == nullptr) {
-    // -1: the key has left the line empty, or nothing could be read.
-    ended_ = size == 0;
-    return;
-  }
+  if (text == nullptr || size <= 0) return;  // the key has left the line empty
   std::string line(text, static_cast<std::size_t>(size));
+  // Ctrl-D at the begin of a line.
+  if (line.size() == 1 && line.front() == ctrl_d) ended_ = true;
   if (line.back() != '\n' && line.back() != '\r') return;
   line.pop_back();
   if (!line.empty()) {
