@@ -3,14 +3,19 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
 
 namespace lamplock::glass {
 namespace {
 
-/// Whole numbers in full, others without the noise of the last digits.
-std::string number_text(double number) {
-  return number == std::floor(number) ? fmt::format("{:.0f}", number)
-                                      : fmt::format("{:.9g}", number);
+/// A bound with six digits, whole numbers in full. Rounding leaves it inside the range: `inwards`
+/// is 1 for the lower bound, -1 for the upper one.
+std::string bound_text(double bound, double inwards) {
+  if (bound == std::floor(bound)) return fmt::format("{:.0f}", bound);
+  constexpr double last_digit = 1e-5;
+  const std::string text = fmt::format("{:.6g}", bound);
+  if ((std::stod(text) - bound) * inwards >= 0) return text;
+  return fmt::format("{:.6g}", bound + inwards * std::abs(bound) * last_digit);
 }
 
 }  // namespace
@@ -21,7 +26,7 @@ bool Range::has(double value) const {
 }
 
 std::string Range::text() const {
-  const std::string from = number_text(low), to = number_text(high);
+  const std::string from = bound_text(low, 1), to = bound_text(high, -1);
   if (std::isinf(low)) return std::isinf(high) ? "" : "at most " + to;
   if (std::isinf(high)) return (low_included ? "at least " : "greater than ") + from;
   return low_included ? from + " to " + to : "greater than " + from + ", at most " + to;

@@ -195,7 +195,7 @@ TEST_F(Operate, refuses_what_it_cannot_do_in_one_line) {
   expect(operate({"home"}), 1, "homing is switched off");
   expect(operate({"pulse", "--channel", "5"}), 2, "--channel");
   expect(run({"operate"}), 2, "a command is missing");
-  expect(run({"operate", "init", "--board", folder_ / "none"}), 3, "cannot open");
+  expect(run({"operate", "init", "--board", folder_ / "none"}), 3, "there is no such port");
   go("G0 X1");
   ASSERT_EQ(run({"console", "--board", port_}, ":reset\n").status, 0);
   EXPECT_EQ(places({"status"})["machine_mm"], (Place{1, 0, 0}));

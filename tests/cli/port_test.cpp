@@ -73,7 +73,7 @@ void expect_no_device(const std::string& port, const std::string& what) {
 
 TEST(Port, that_does_not_exist) {
   const Folder folder;
-  expect_no_device(folder / "none", "cannot open");
+  expect_no_device(folder / "none", "there is no such port");
 }
 
 TEST(Port, that_has_no_listener) {

@@ -33,12 +33,26 @@ TEST(Settings, lists_the_whole_table) {
 TEST(Settings, gets_one) {
   const Folder folder;
   const std::string machine = folder.write("m.toml", "lamp_frequency = 55\n");
-  EXPECT_EQ(run(settings({"get", "lamp_frequency", "--machine", machine})).out, "55.000\n");
-  EXPECT_EQ(run(settings({"get", "$901"})).out, "100.000\n");
+  EXPECT_EQ(run(settings({"get", "lamp_frequency", "--machine", machine})).out,
+            "$901 lamp_frequency: 55.000 Hz\n");
+  EXPECT_EQ(run(settings({"get", "$901", "30"})).out,
+            "$901 lamp_frequency: 100.000 Hz\n$30 max_spindle_speed: 1000 S\n");
+  EXPECT_EQ(run(settings({"get", "901", "30", "--value"})).out, "100.000\n1000\n");
+  const auto both = nlohmann::json::parse(run(settings({"get", "901", "30", "--json"})).out);
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_EQ(both[1]["name"], "max_spindle_speed");
+  EXPECT_EQ(nlohmann::json::parse(run(settings({"get", "901", "--json"})).out)["unit"], "Hz");
   const Finished none = run(settings({"get", "colour"}));
   EXPECT_EQ(none.status, 2);
-  EXPECT_THAT(none.err, HasSubstr("no such setting"));
+  EXPECT_THAT(none.err, HasSubstr("there is no setting 'colour'"));
+  EXPECT_THAT(run(settings({"get", "lamp_frequencey"})).err,
+              HasSubstr("did you mean 'lamp_frequency'?"));
   EXPECT_EQ(run(settings({"get", "12345"})).status, 2);
+  for (const char* zeros : {"00", "0901", "$00"}) {
+    const Finished refused = run(settings({"get", zeros}));
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_THAT(refused.err, HasSubstr("leading zeros"));
+  }
 }
 
 TEST(Settings, are_set_by_former_names_with_a_note) {
@@ -47,8 +61,9 @@ TEST(Settings, are_set_by_former_names_with_a_note) {
   EXPECT_EQ(lines(set.out)[0], "$30 max_spindle_speed: 1000 -> 255 S");
   EXPECT_EQ(set.err, "note: highest_speed=255: 'highest_speed' is now named 'max_spindle_speed'\n");
   const Finished get = run(settings({"get", "highest_speed"}));
-  EXPECT_EQ(get.out, "1000\n");
-  EXPECT_EQ(get.err, "note: lamplock settings: 'highest_speed' is now named 'max_spindle_speed'\n");
+  EXPECT_EQ(get.out, "$30 max_spindle_speed: 1000 S\n");
+  EXPECT_EQ(get.err,
+            "note: lamplock settings get: 'highest_speed' is now named 'max_spindle_speed'\n");
   const Folder folder;
   const std::string machine = folder.write("m.toml", "highest_speed = 255\n");
   const Finished restored = run(settings({"restore", machine}));
@@ -114,13 +129,13 @@ TEST(Settings, persist_on_a_board_at_a_port) {
   const std::string port = folder / "port";
   const Finished done = run(settings({"set", "lamp_frequency=50", "--board", port}));
   EXPECT_EQ(done.status, 0) << done.err;
-  EXPECT_EQ(run(settings({"get", "901", "--board", port})).out, "50.000\n");
+  EXPECT_EQ(run(settings({"get", "901", "--board", port, "--value"})).out, "50.000\n");
 }
 
 TEST(Settings, without_a_board) {
   const Finished none = run(settings({"list", "--board", "/dev/no-such-port"}));
   EXPECT_EQ(none.status, 3);
-  EXPECT_THAT(none.err, HasSubstr("cannot open"));
+  EXPECT_THAT(none.err, HasSubstr("there is no such port"));
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ TEST_P(WrongUsage, is_one_line_with_status_2) {
   const Finished wrong = run(GetParam().arguments);
   EXPECT_EQ(wrong.status, 2);
   EXPECT_EQ(wrong.out, "");
-  EXPECT_THAT(wrong.err, testing::MatchesRegex("error: [^\n]+: [^\n]+; see lamplock [^\n]*\n"));
+  EXPECT_THAT(wrong.err, testing::MatchesRegex("error: [^\n]+: [^\n]+; [^\n]*\n"));
   EXPECT_THAT(wrong.err, HasSubstr(GetParam().names));
 }
 

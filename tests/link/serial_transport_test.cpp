@@ -52,7 +52,7 @@ TEST(SerialTransport, without_permission_it_names_the_rule_or_the_group) {
 TEST(SerialTransport, a_missing_port_is_not_reported_as_a_permission_problem) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(said_to_nobody(folder.file("ttyACM0")),
-              AllOf(HasSubstr("check cable and name"), Not(HasSubstr("rules"))));
+              AllOf(HasSubstr("there is no such port"), Not(HasSubstr("rules"))));
 }
 
 }  // namespace
