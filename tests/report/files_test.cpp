@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <filesystem>
@@ -48,6 +49,12 @@ TEST_F(ReportFiles, JsonHasExactlyTheDocumentedKeys) {
                                        "input",
                                        "mode",
                                        "board",
+                                       "command",
+                                       "size_mm",
+                                       "spacing_mm",
+                                       "method",
+                                       "order",
+                                       "material",
                                        "lamp_hz",
                                        "end",
                                        "first_unfired",
@@ -101,6 +108,26 @@ TEST_F(ReportFiles, UnknownIsNull) {
   EXPECT_TRUE(fs::exists(folder_ / "cloud.png"));
   EXPECT_FALSE(fs::exists(folder_ / "shots.csv"));
   EXPECT_FALSE(fs::exists(folder_ / "shots.ply"));
+}
+
+TEST_F(ReportFiles, TheDescriptionOfTheJobIsInTheFolderIfItIsKnown) {
+  JobRun run = perfect_run(5, 1);
+  write_report(evaluate(run), run, folder_);
+  EXPECT_FALSE(fs::exists(folder_ / "job.toml"));
+  run.making = {
+      "lamplock engrave a.stl", "[[object]]\nfile = \"a.stl\"\n", 0.25, "slice", "best", ""};
+  const Report report = evaluate(run);
+  write_report(report, run, folder_);
+  EXPECT_EQ(read("job.toml"), run.making.description);
+  const auto json = nlohmann::json::parse(to_json(report));
+  EXPECT_EQ(json["command"], run.making.command);
+  EXPECT_EQ(json["spacing_mm"], 0.25);
+  EXPECT_EQ(json["method"], "slice");
+  EXPECT_TRUE(json["material"].is_null());
+  ASSERT_EQ(json["size_mm"].size(), 3u);
+  double low = run.points[0].y, high = low;
+  for (const geometry::Point& p : run.points) low = std::min(low, p.y), high = std::max(high, p.y);
+  EXPECT_DOUBLE_EQ(json["size_mm"][1].get<double>(), high - low);
 }
 
 TEST_F(ReportFiles, ANameThatIsInvalidUtf8IsAccepted) {
