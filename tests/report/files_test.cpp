@@ -118,7 +118,7 @@ TEST_F(ReportFiles, TheDescriptionOfTheJobIsInTheFolderIfItIsKnown) {
       "lamplock engrave a.stl", "[[object]]\nfile = \"a.stl\"\n", 0.25, "slice", "best", ""};
   const Report report = evaluate(run);
   write_report(report, run, folder_);
-  EXPECT_EQ(read("job.toml"), run.making.description);
+  EXPECT_EQ(read(folder_ / "job.toml"), run.making.description);
   const auto json = nlohmann::json::parse(to_json(report));
   EXPECT_EQ(json["command"], run.making.command);
   EXPECT_EQ(json["spacing_mm"], 0.25);
