@@ -117,6 +117,8 @@ void add_raster(Command& program) {
   Command& app = program.add_command(
       "raster", "Convert a picture to rows of pixels for a continuous laser ($32=1)");
   app.footer(
+      "A job (-o) needs the profile of a machine with a continuous laser: laser_mode = 1. G-code\n"
+      "can be made without one.\n"
       "Example:\n  lamplock raster photo.png --width-mm 60 --pitch-mm 0.1 --feed 12000 \\\n"
       "      --machine examples/laser.toml -o rows.llj\n"
       "  lamplock send rows.llj --board /dev/ttyACM0");
