@@ -25,7 +25,7 @@ Exit engrave(EngraveOptions options) {
   Console console(options.json);
   run::JobRequest request = options.engraving.request();
   request.origin = options.origin;
-  options.board.command = typed_command();
+  options.board.command_words = typed_command();
   run::JobOutcome outcome = run::engrave(request, options.board, console);
   return finish_job(outcome, options.board, console);
 }

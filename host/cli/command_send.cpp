@@ -86,7 +86,7 @@ Exit send_program(const SendOptions& options, Console& console) {
 Exit send_job(const SendOptions& options, Console& console) {
   check_job_options(options.program);
   run::BoardOptions board = options.board;
-  board.command = typed_command();
+  board.command_words = typed_command();
   run::SentJob sent = run::send_job(options.file, board, console);
   if (!sent.prepared.job.is_rows()) return finish_job(sent.outcome, board, console);
   console.document(rows_json(sent, board.board));

@@ -60,7 +60,7 @@ struct BoardOptions {
   LampFaults faults{};
   SimulatedDrives drives{};
   /// The words of the command that runs the job, for the report; empty if there is none.
-  std::vector<std::string> command{};
+  std::vector<std::string> command_words{};
 
   bool is_simulated() const { return board == "virtual" || board == "chip"; }
   /// Lines of this computer for a real board: those of --lines, else of the profile. Throws

@@ -20,16 +20,16 @@ namespace lamplock::cli::test {
 namespace {
 
 using lamplock::test::scaled;
-using Words = std::vector<std::string>;
+using CommandWords = std::vector<std::string>;
 
 /// A command line and the word in it that is wrong, or the one to be misspelt.
 struct Row {
-  Words words;
+  CommandWords words;
   std::size_t wrong = 0;
 };
 
 /// Valid commands; "@NAME" is a file of the folder.
-const std::vector<Words> valid{
+const std::vector<CommandWords> valid{
     {"points", "@ball.stl", "-o", "@out.xyz", "--spacing", "0.4", "--method", "blue-noise"},
     {"points", "@ball.stl", "-o", "@out.ply", "--spacing", "0.5", "--material", "bk7", "--size",
      "2"},
@@ -83,7 +83,7 @@ class Remedies : public testing::Test {
     folder_.write("part.ngc", "G1 X1 F600\nM2\n");
     folder_.write("machine.toml", "laser_mode = 1\n");
   }
-  Words filled(Words words) const {
+  CommandWords filled(CommandWords words) const {
     for (std::string& word : words)
       if (word.starts_with('@')) word = folder_ / word.substr(1);
     return words;
@@ -110,14 +110,14 @@ class Remedies : public testing::Test {
   std::mt19937_64 random_{33};
 };
 
-std::string shown_words(const Words& words) {
+std::string shown_words(const CommandWords& words) {
   std::string text;
   for (const std::string& word : words) text += word + " ";
   return text;
 }
 
 /// The message of a run that must fail.
-std::string refusal_of(const Words& words) {
+std::string refusal_of(const CommandWords& words) {
   const Finished refused = run(words);
   EXPECT_GT(refused.status, 0) << shown_words(words);
   EXPECT_THAT(refused.err, testing::MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+\n"))
@@ -126,8 +126,8 @@ std::string refusal_of(const Words& words) {
 }
 
 /// The names in "did you mean 'A' or 'B'?".
-Words suggestions_in(const std::string& message) {
-  Words names;
+CommandWords suggestions_in(const std::string& message) {
+  CommandWords names;
   const std::string question =
       message.substr(std::min(message.find("did you mean"), message.size()));
   const std::regex quoted("'([^']*)'");
@@ -137,14 +137,14 @@ Words suggestions_in(const std::string& message) {
   return names;
 }
 
-bool any_works(Words words, std::size_t wrong, const Words& replacements) {
+bool any_works(CommandWords words, std::size_t wrong, const CommandWords& replacements) {
   return std::any_of(replacements.begin(), replacements.end(), [&](const std::string& right) {
     words[wrong] = right;
     return run(words).status == 0;
   });
 }
 
-/// Words that can be misspelt: no numbers, no outputs.
+/// CommandWords that can be misspelt: no numbers, no outputs.
 bool can_be_misspelt(const std::string& word) {
   return word.size() > 2 && !word.starts_with("@out") && word.find_first_of("0123456789") != 0;
 }
@@ -152,8 +152,8 @@ bool can_be_misspelt(const std::string& word) {
 TEST_F(Remedies, TheSuggestedNameWorks) {
   int tried = 0, works = 0;
   for (int i = 0; i < scaled(80, 20); ++i) {
-    const Words& row = valid[static_cast<std::size_t>(i) % valid.size()];
-    Words words = filled(row);
+    const CommandWords& row = valid[static_cast<std::size_t>(i) % valid.size()];
+    CommandWords words = filled(row);
     std::size_t wrong = 0;
     do wrong = random_() % row.size();
     while (!can_be_misspelt(row[wrong]));
@@ -173,7 +173,7 @@ TEST_F(Remedies, TheSuggestedNameWorks) {
 
 TEST_F(Remedies, ANumberOfTheRangeWorks) {
   for (const Row& row : out_of_range) {
-    const Words words = filled(row.words);
+    const CommandWords words = filled(row.words);
     const std::string message = refusal_of(words);
     std::smatch found;
     ASSERT_TRUE(std::regex_search(
@@ -195,7 +195,7 @@ TEST_F(Remedies, TheCommandOfTheRemedyWorks) {
         std::regex(
             "(see lamplock|lamplock)((?: [^ ;\n]+)* --help| job [^ ]+ -o [^ \n]+| settings list)")))
         << message;
-    Words words;
+    CommandWords words;
     std::istringstream text(found[2]);
     for (std::string word; text >> word;) words.push_back(word);
     const Finished followed = run(words);
@@ -204,10 +204,11 @@ TEST_F(Remedies, TheCommandOfTheRemedyWorks) {
 }
 
 TEST_F(Remedies, TheGreatestWidthFits) {
-  for (const Words& more : {Words{}, Words{"--pitch-mm", "0.5"}, Words{"--origin", "20,5"},
-                            Words{"--overscan-mm", "3"}}) {
-    Words words = filled({"raster", "@disc.bmp", "--feed", "900", "-o", "@rows.llj", "--machine",
-                          "@machine.toml", "--width-mm", "500"});
+  for (const CommandWords& more :
+       {CommandWords{}, CommandWords{"--pitch-mm", "0.5"}, CommandWords{"--origin", "20,5"},
+        CommandWords{"--overscan-mm", "3"}}) {
+    CommandWords words = filled({"raster", "@disc.bmp", "--feed", "900", "-o", "@rows.llj",
+                                 "--machine", "@machine.toml", "--width-mm", "500"});
     words.insert(words.end(), more.begin(), more.end());
     const std::string message = refusal_of(words);
     std::smatch found;

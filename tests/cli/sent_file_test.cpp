@@ -52,9 +52,10 @@ TEST_F(SentFile, IsAProgramUnderAnyNameButThatOfAJob) {
   for (const std::string text :
        {"G21 G91\nG1 X1 F6000\nM2\n", "%\n(a comment)\n\n/G1X.5F6000\ng1 x-1 ; back\n%\n",
         "\xEF\xBB\xBF; made by a slicer\r\nG0 X1\r\nM30\r\n", "$G\nG4 P0\n"})
-    for (const std::string& name : names_)
-      if (fs::path(name).extension() != ".LLJ")
-        EXPECT_EQ(run_json({"send", folder_.write(name, text)})["end"], "done") << name << text;
+    for (const std::string& name : names_) {
+      if (fs::path(name).extension() == ".LLJ") continue;
+      EXPECT_EQ(run_json({"send", folder_.write(name, text)})["end"], "done") << name << text;
+    }
   // A program with an error keeps its name and the line.
   expect_refused({"send", folder_.write("wrong.ngc", "hello\n")}, "wrong.ngc:1");
 }

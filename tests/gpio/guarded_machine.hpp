@@ -66,7 +66,8 @@ class GuardedMachine {
     link::LinePort port(transport_);
     const auto progress = console_.progress("test", 1, 0);
     link::LineSender sender(port, link::program_lines(program, "test"));
-    run::ProgramControl control(sender, console_, *progress, run::Clocking::wall, std::nullopt);
+    run::ProgramTime time(std::nullopt, [](const auto&) { return std::optional<double>(); });
+    run::ProgramControl control(sender, console_, *progress, run::Clocking::wall, time);
     supervisor.begin(gpio::LaserUse::laser);
     while (sender.step()) {
       control.poll();
