@@ -18,6 +18,8 @@ struct BoardFeatures {
   std::uint8_t second_wire = 0;  ///< a bit for each axis whose drive has the second enable
   /// How it accepts motion; HandoutMode::staged with stage() before each commit().
   HandoutMode parts = HandoutMode::straight;
+  /// It has memory for one planner at a time, and loads Controller::missing_planner().
+  bool loads_planners = false;
 };
 
 /// Outputs that may be on.

@@ -17,6 +17,8 @@
 //   prepare             main loop             1 ms              state; true: a plan is due
 //   plan                main loop, or         when due          a slice of planning, up to 10 ms,
 //                       another core alone                      of a path with jerk 20 ms
+//   missing_planner,    main loop             before prepare    the planner to load before anything
+//   set_loaded_planner                                          is planned (planning.hpp)
 //   stage               main loop             before commit     unmasked part of commit
 //   commit              main loop             after prepare     hands motion out
 //   part_waits          main loop             after commit      stage and commit again at once
@@ -154,6 +156,13 @@ class Controller : private MachineConsole {
   /// The user has requested the boot loader of the board; the machine is at rest and stays so.
   bool loader_requested() const { return loader_requested_; }
   using MachineParts::say;
+
+  /// The planner that the board must load, none if there is no need
+  /// (BoardFeatures::loads_planners). Until it is loaded nothing is planned: no slice runs, and
+  /// none begins.
+  PlannerKind missing_planner() const { return planning_.missing_planner(); }
+  /// The planner that may run: none from the first change of its memory on.
+  void set_loaded_planner(PlannerKind kind) { planning_.set_loaded(kind); }
 
   // Main loop, or another core that does nothing else.
   /// True if there is more to do: call it again, with other work in between.

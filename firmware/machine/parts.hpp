@@ -68,6 +68,7 @@ class MachineParts {
         board_(board),
         stored_(stored),
         values_(stored),
+        planning_(board.loads_planners),
         runner_(clock_, shots_, motion_, planning_, board.parts),
         drives_(board.second_wire) {}
 

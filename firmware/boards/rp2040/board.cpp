@@ -46,7 +46,8 @@ Board::Board(const Rings& rings)
              .inputs = Inputs(map_).all(),
              .outputs = boards::program_outputs(map_),
              .second_wire = boards::axes_of_z_enable(map_),
-             .parts = machine::HandoutMode::staged}),
+             .parts = machine::HandoutMode::staged,
+             .loads_planners = true}),
       ports_(uart_send_gpio),
       real_time_(map_, rings) {}
 
@@ -127,6 +128,14 @@ bool Board::pass() {
   return more;
 }
 
+bool Board::load_planner() {
+  const machine::PlannerKind missing = core_.missing_planner();
+  if (missing == machine::PlannerKind::none) return false;
+  core_.set_loaded_planner(machine::PlannerKind::none);
+  core_.set_loaded_planner(planners_.load(missing));
+  return true;
+}
+
 void Board::sign() {
   watchdog_.sign(Signer::main_loop);
   if (!second_core_ || !core_.planning()) watchdog_.sign(Signer::planner);
@@ -177,9 +186,10 @@ bool Board::prepare() {
     real_time_.top_up(core_);
     plan = core_.prepare(real_time_.now());
   }
-  if (!second_core_) return plan;
+  if (!plan) return load_planner();  // while it is missing no plan is handed out
+  if (!second_core_) return true;
   if (core_.plan_waits()) send_event();
-  return plan && !core_.planning();
+  return !core_.planning();
 }
 
 bool Board::hand_out() {

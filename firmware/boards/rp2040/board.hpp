@@ -23,6 +23,7 @@
 #include "firmware/boards/rp2040/base/watchdog.hpp"
 #include "firmware/boards/rp2040/ports.hpp"
 #include "firmware/boards/rp2040/real_time.hpp"
+#include "firmware/boards/rp2040/storage/planner_loader.hpp"
 #include "firmware/boards/rp2040/storage/restart_record.hpp"
 #include "firmware/boards/rp2040/storage/storage.hpp"
 #include "firmware/boards/rp2040/uart/uart_hardware.hpp"
@@ -99,9 +100,11 @@ class Board {
   bool pass();
   void receive();
   [[gnu::cold]] void receive_realtime();
+  /// Copies a piece of the planner that is missing; true if one was.
+  bool load_planner();
   /// Motion and state; true while this core plans, or if a plan was complete.
   bool work();
-  /// Decides what to plan; returns as work().
+  /// Decides what to plan, or loads the planner for it; returns as work().
   bool prepare();
   /// Hands out all parts with room; true if there was one.
   bool hand_out();
@@ -122,6 +125,7 @@ class Board {
   machine::Controller core_;
   Ports ports_;
   Watchdog watchdog_;
+  PlannerLoader planners_;
   std::uint32_t noted_shots_ = 0;
   bool noted_shot_out_ = false;
   bool second_core_ = false;  ///< core 1 plans

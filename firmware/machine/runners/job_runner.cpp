@@ -40,7 +40,7 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
   starvations_ = misses_ = 0;
   job_speed_ = wire::full_job_speed;
   output_.set_lags(values);
-  planning_.use_windows();
+  planning_.use_windows(options.mode);
   plan_.begin_job(values, clock_.beat_ticks(), options.shortest_tick_q16);
   brake_limits_ = plan_.brake_limits();
 }
@@ -188,7 +188,7 @@ bool JobRunner::prepare(bool go) {
   if (provisional_begun()) keep_provisional();
   if (!go || braked_)
     work_exchange_.recall();
-  else if (work_exchange_.is_owned())
+  else if (planning_.may_hand_out())
     begin_plan();
   window_.forget();  // more points will be known
   const PlanStands state = plan_stands();

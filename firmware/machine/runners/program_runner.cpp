@@ -249,7 +249,7 @@ bool ProgramRunner::prepare() {
   stands_ = is_at_rest();
   if (stands_) shines_at_rest_ = false;
   WorkExchange& work_exchange = planning_.work_exchange();
-  if (work_exchange.is_owned() && wants_batch()) hand_out();
+  if (planning_.may_hand_out() && wants_batch()) hand_out();
   return work_exchange.asked();
 }
 

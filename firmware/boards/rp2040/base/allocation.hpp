@@ -3,7 +3,7 @@
 //
 //   state machines   PIO0: AXIS X, Y, Z, FIRE         PIO1: AXIS A, BITS, TICK, STAMP
 //   DMA channels     0-3 AXIS, 4 BITS, 5 TICK, 6 STAMP, 7 starts any of them again,
-//                    8 LASER PWM, in turn with BITS
+//                    8 LASER PWM, in turn with BITS; 11 checks planners
 //   alarms           1: lengths of ticks, tokens
 #pragma once
 
@@ -23,6 +23,7 @@ inline constexpr unsigned tick_channel = 5;
 inline constexpr unsigned stamp_channel = 6;
 inline constexpr unsigned again_channel = 7;
 inline constexpr unsigned power_channel = 8;
+inline constexpr unsigned check_channel = 11;
 
 inline constexpr unsigned beat_alarm = 1;
 

@@ -21,7 +21,6 @@
 // From the linker script. The CRC is the last word of the image; toolchain/image writes it.
 extern "C" {
 extern const std::uint32_t loader_begin[];
-extern const std::uint32_t resident_end[];
 extern const std::uint32_t image_in_flash[];
 extern std::uint32_t image_begin[];
 extern std::uint32_t image_crc[];
@@ -65,7 +64,7 @@ LAMPLOCK_LOADER void load_image() {
   const std::uint32_t* from = image_in_flash;
   for (std::uint32_t* to = image_begin; to <= image_crc; ++to) *to = *from++;
   release_second_core();
-  const std::uint32_t flash_crc = crc_words(loader_begin, resident_end, ~0u);
+  const std::uint32_t flash_crc = crc_words(loader_begin, image_in_flash, ~0u);
   if (~crc_words(image_begin, image_crc, flash_crc) != *image_crc)
     for (;;) reset_to_usb_boot();
 

@@ -68,7 +68,17 @@ inline constexpr std::uint32_t ring_write = 1u << 10;
 constexpr std::uint32_t chain_to(unsigned channel) { return channel << 11; }
 constexpr std::uint32_t treq(unsigned request) { return request << 15; }
 inline constexpr std::uint32_t irq_quiet = 1u << 21;
+inline constexpr std::uint32_t sniff_en = 1u << 23;
+inline constexpr std::uint32_t busy = 1u << 24;
 }  // namespace dma_ctrl
+
+/// The sniffer: a checksum of the data of one channel (2.5.5.2).
+namespace dma_sniff {
+inline constexpr std::uint32_t en = 1u << 0;
+constexpr std::uint32_t channel(unsigned number) { return number << 1; }
+/// CRC-32 of IEEE 802.3, lowest bit first.
+inline constexpr std::uint32_t crc32_reversed = 1u << 5;
+}  // namespace dma_sniff
 
 /// Data requests (2.5.3.1).
 namespace dreq {
