@@ -94,6 +94,7 @@ bool PlannerLoader::copy_is_right(std::uint32_t bytes) {
   while ((channel.ctrl_trig & dma_ctrl::busy) != 0) {
   }
   const std::uint32_t crc = dma().sniff_data;
+  channel.al1_ctrl = 0;
   dma().sniff_ctrl = 0;
   return crc == right_crc;
 }
