@@ -60,8 +60,10 @@ struct Action {
   /// Of a probe: the move ends when contact is lost; it is an error if it ends by itself.
   bool probe_away = false, probe_must = false;
   bool flood = false, mist = false;
-  bool pulses = false;                 ///< the laser shines in pulses (M126)
-  bool overrides_off = false;          ///< feed, rapids and power as programmed
+  bool pulses = false;         ///< the laser shines in pulses (M126)
+  bool overrides_off = false;  ///< feed, rapids and power as programmed
+  /// Of a straight feed move: the last decimal of its numbers; 0 = exact.
+  std::uint8_t digit_um = 0;
   std::uint16_t pixels = 0;            ///< of a move: its last ones, with this power; 0 = none
   Spindle spindle = Spindle::off;      ///< active during this move
   BeatLock beat_lock = BeatLock::off;  ///< active during this move

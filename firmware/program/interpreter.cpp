@@ -221,6 +221,14 @@ bool Interpreter::give_dwell(Action& action) {
   return true;
 }
 
+/// The last decimal that the program writes. Trailing zeros are often left out, so the most
+/// decimals so far count, and at least 0.01 mm or 1/1000 inch.
+static std::uint8_t digit_um(const Modal& modal) {
+  const bool is_coarse = modal.decimals <= (modal.inches ? 3 : 2);
+  if (modal.inches) return is_coarse ? 25 : modal.decimals == 4 ? 3 : 1;
+  return is_coarse ? 10 : 1;
+}
+
 [[gnu::hot]] bool Interpreter::give_move(Stage stage, Action& action) {
   if (stage == Stage::move && plan_.pieces != 0) return give_piece(action);
   fill_move(action, stage != Stage::move || plan_.motion == Motion::rapid);
@@ -234,6 +242,8 @@ bool Interpreter::give_dwell(Action& action) {
     action.probe_away = plan_.motion >= Motion::probe_away;
     action.probe_must = plan_.motion == Motion::probe_toward || plan_.motion == Motion::probe_away;
   }
+  if (stage == Stage::move && plan_.motion == Motion::line && !plan_.jog)
+    action.digit_um = digit_um(state_->modal);
   done(stage);
   return true;
 }
@@ -305,6 +315,7 @@ void Interpreter::end_program() {
   modal.flood = modal.mist = modal.overrides_off = false;
   modal.beat_lock = BeatLock::off;
   modal.pulses = {};
+  modal.decimals = 0;
   ignored_ = 0;
   if (saved_.valid && saved_.restore_at_end) restore_saved();
   state_->programmed_e7 = modal.rotation.turned_back(state_->machine_e7);

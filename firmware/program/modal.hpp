@@ -86,6 +86,7 @@ struct Modal {
   std::uint8_t system = 0;        ///< 0 is G54
   Spindle spindle = Spindle::off;
   BeatLock beat_lock = BeatLock::off;
+  std::uint8_t decimals = 0;      ///< most decimals of an axis word so far
   std::uint32_t blend_um = 0;     ///< P of G64
   std::uint32_t feed = 0;         ///< um/min; in G95 nm per turn; not used in G93
   std::uint32_t speed_milli = 0;  ///< S, thousandths

@@ -107,7 +107,8 @@ struct Plan {
     stop = 0;
     in_machine = exact_stop = jog = false;
   }
-  /// Whether anything follows the change of the spindle for which the machine moves, rests or stops.
+  /// Whether anything follows the change of the spindle for which the machine moves, rests or
+  /// stops.
   bool moves() const { return stages >> static_cast<int>(Stage::dwell) != 0; }
   bool has(Stage stage) const { return (stages >> static_cast<int>(stage) & 1u) != 0; }
 };

@@ -47,6 +47,8 @@ bool Statement::needed(char letter) { return needed(letter, motion_column()); }
     if ((block_.axes() >> i & 1u) == 0) continue;
     std::int64_t& value = place[index(i)];
     const std::int64_t word = axis_e7(i);
+    const std::uint8_t decimals = block_.axis(i).decimals;
+    if (decimals > after_.modal.decimals) after_.modal.decimals = decimals;
     value = in_machine ? word : word + (after_.modal.relative ? value : offset_e7(i));
     if (!inside(value, most_position_e7, GcodeError::bad_target, block_.axis(i).column))
       return false;

@@ -43,6 +43,7 @@ class LineReference {
       if (!lines_.empty() && !stop) {
         const double v = std::min({lines_.back().speed, line.speed});
         line.entry_2 = std::min(v * v, turn_2(lines_.back().way, line.way, true));
+        line.clear = is_clear(lines_.back().way, line.way);
       }
       lines_.push_back(line);
       stop = target.exact_stop;
@@ -73,6 +74,7 @@ class LineReference {
     LineVector start{}, end{}, way{};
     std::uint32_t target = 0;
     double length = 0, speed = 0, accel = 0, entry_2 = 0;
+    bool clear = false;  ///< the corner at its start
   };
 
   std::size_t axes() const { return static_cast<std::size_t>(m_.axes); }
@@ -87,25 +89,47 @@ class LineReference {
     return std::min(1 / m_.steps_mm[a], 1 / m_.steps_mm[a] / 16 + 0.0254);
   }
 
+  /// A change of direction, beyond rounding; `back`: it reverses.
+  struct Change {
+    LineVector axis{};
+    double squares = 0;
+    bool back = false;
+  };
+  Change change_of(const LineVector& from, const LineVector& to) const {
+    const double l0 = norm(from), l1 = norm(to);
+    double dot = 0;
+    for (std::size_t a = 0; a < axes(); ++a) dot += from[a] * to[a] / l0 / l1;
+    const bool sharp = dot < -6.2e-8;
+    Change change;
+    change.back = sharp;
+    for (std::size_t a = 0; a < axes(); ++a) {
+      const double u = from[a] / l0, v = to[a] / l1;
+      const double noise = 1.5e-8, rounding = (1 / l0 + 1 / l1) * rounding_mm(a) + noise;
+      if (std::fabs(u + v) > rounding) change.back = false;
+      const double all = std::fabs(v - u);
+      if (all <= (sharp ? noise : rounding)) continue;
+      change.axis[a] = all - (sharp ? 0 : rounding);
+      change.squares += change.axis[a] * change.axis[a];
+    }
+    return change;
+  }
+
+  /// A corner of more than 10 degrees and 3 roundings, or a reversal: no bend of a curve.
+  bool is_clear(const LineVector& from, const LineVector& to) const {
+    const double l0 = norm(from), l1 = norm(to);
+    double coarsest = 0;
+    for (std::size_t a = 0; a < axes(); ++a) coarsest = std::max(coarsest, rounding_mm(a));
+    const Change change = change_of(from, to);
+    const double least = 3 * coarsest * (1 / l0 + 1 / l1);
+    return change.back || (change.squares >= 0.03 && change.squares > least * least);
+  }
+
   /// Highest squared speed of a change of direction: a corner, or the bend of two chords.
   double turn_2(const LineVector& from, const LineVector& to, bool corner,
                 double gentle = 10) const {
     const double l0 = norm(from), l1 = norm(to);
-    LineVector change{};
-    double dot = 0, squares = 0;
-    bool back = true;
-    for (std::size_t a = 0; a < axes(); ++a) dot += from[a] * to[a] / l0 / l1;
-    const bool sharp = dot < -6.2e-8;
-    for (std::size_t a = 0; a < axes(); ++a) {
-      const double u = from[a] / l0, v = to[a] / l1;
-      const double noise = 1.5e-8, rounding = (1 / l0 + 1 / l1) * rounding_mm(a) + noise;
-      if (std::fabs(u + v) > rounding) back = false;
-      const double all = std::fabs(v - u);
-      if (all <= (sharp ? noise : rounding)) continue;
-      change[a] = all - (sharp ? 0 : rounding);
-      squares += change[a] * change[a];
-    }
-    if (sharp && back && corner) return 0;
+    const auto [change, squares, back] = change_of(from, to);
+    if (back && corner) return 0;
     if (squares == 0 || squares > gentle * gentle) return 1e300;
     const double chord = std::sqrt(squares), sine = std::min(1.0, chord / 2);
     const double cosine = std::sqrt(1 - sine * sine);
@@ -128,6 +152,12 @@ class LineReference {
     if (!lines_.empty()) mark = lines_[0].start;
     double way = 0;
     for (std::size_t i = 0; i < lines_.size(); ++i) {
+      if (lines_[i].clear) {
+        first = i;
+        mark = lines_[i].start;
+        before = {};
+        way = 0;
+      }
       way += lines_[i].length;
       if (way < window * (1 - 1e-9)) continue;
       // A line that is long enough is a chord by itself.

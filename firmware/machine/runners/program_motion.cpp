@@ -101,6 +101,7 @@ std::int64_t place_of(const stepper::AxisState& axis, const settings::Values& va
   line.rapid = move.rapid;
   line.timed = move.timed;
   line.exact_stop = move.exact_stop;
+  line.digit_um = move.digit_um;
   if (values.whole(Id::laser_mode) != 0 && move.kind != program::ActionKind::probe) {
     line.laser = laser_of(move);
     line.power = power_of(move.speed_milli, values);

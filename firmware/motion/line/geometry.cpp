@@ -24,6 +24,9 @@ constexpr std::int64_t dot_noise_q60 = std::int64_t{noise_q30} << 32;
 constexpr std::int64_t one_q60 = std::int64_t{1} << 60;
 /// Square of the gentlest change of direction that is not gentle, 0.7.
 constexpr std::uint64_t gentle_turn_q60 = one_q60 / 100 * 49;
+/// Square of the smallest change of direction of a corner, and its size in roundings.
+constexpr std::uint64_t clear_turn_q60 = one_q60 / 100 * 3;
+constexpr std::uint32_t clear_roundings = 3;
 /// Squares of sines below 2^-10 are small.
 constexpr std::uint64_t small_sine_q60 = std::uint64_t{1} << 50;
 /// Square of a speed above all others: no limit.
@@ -79,6 +82,17 @@ Turn make_turn(const LineShape& from, const LineShape& to, const LineLimits& lim
     turn.square_q60 += wide_product(left, left);
   }
   return turn;
+}
+
+/// A corner rather than a bend: a turn of more than 10 degrees of which rounding is a small part.
+bool is_clear(const Turn& turn, const LineShape& from, const LineShape& to,
+              const LineLimits& limits) {
+  if (turn.square_q60 < clear_turn_q60) return false;
+  const std::uint32_t rounding_q30 = whole_down(
+      times_power(limits.rounding * (from.per_length + to.per_length), 30), most_rounding_q30);
+  const std::uint32_t least_q30 = rounding_q30 * clear_roundings;
+  return rounding_q30 < most_rounding_q30 / clear_roundings &&
+         turn.square_q60 > wide_product(least_q30, least_q30);
 }
 
 /// 1 / acceleration of the axes in the direction of the change, times its length.
@@ -139,6 +153,7 @@ LineLimits make_line_limits(const Limits& limits, std::int32_t coarsest_milli,
   // um/min: / 1000 um / (60 s).
   out.um_min = per_mm / UFloat(1000u) / UFloat(60u * ticks_per_second);
   out.deviation = per_mm * UFloat(deviation_nm) / UFloat(1'000'000u);
+  out.um_q8 = whole_down(times_power(per_mm / UFloat(1000u), 8), 0xffffu);
   const UFloat written = per_mm * UFloat(written_nm) / UFloat(1'000'000u);
   for (int a = 0; a < limits.axes; ++a) {
     const AxisLimits& axis = limits.axis[index(a)];
@@ -211,18 +226,19 @@ LineBounds make_bounds(const LineShape& shape, const LineLimits& limits) {
   return {one / per_speed, one / per_accel};
 }
 
-UFloat corner_speed_2(const LineShape& from, const LineShape& to, const LineLimits& limits) {
+LineCorner corner_of(const LineShape& from, const LineShape& to, const LineLimits& limits) {
   const Turn turn = make_turn(from, to, limits);
-  if (turn.back) return {};
-  if (turn.square_q60 == 0) return endless();
+  if (turn.back) return {{}, true};
+  if (turn.square_q60 == 0) return {endless()};
   const HalfTurn half = half_of(turn);
   UFloat shorter = least(from.length, to.length);
   // The radius by the deviation is d s/(1 - s) with s the cosine, d s (1 + s) / sine^2: as if the
   // lines were 2 d (1 + s) / sine long.
   const UFloat twice = times_power(limits.deviation * (UFloat::power(0) + half.cosine), 1);
   if (twice * twice < shorter * shorter * half.sine_2) shorter = twice / square_root(half.sine_2);
-  return most(middle_speed_2(shorter, half, change_per_accel(turn, limits)),
-              jump_speed_2(turn, limits));
+  return {most(middle_speed_2(shorter, half, change_per_accel(turn, limits)),
+               jump_speed_2(turn, limits)),
+          is_clear(turn, from, to, limits)};
 }
 
 UFloat curve_speed_2(const LineShape& from, const LineShape& to, LineBends bends,

@@ -44,9 +44,10 @@ struct LineLimits {
   int axes = 0;
   LineRise rise;  ///< how accelerations rise, the same for every line
   PerAxis<LineAxis> axis{};
-  UFloat um_min;     ///< speed of 1 um/min
-  UFloat deviation;  ///< junction deviation
-  UFloat rounding;   ///< maximum of all axes
+  UFloat um_min;            ///< speed of 1 um/min
+  UFloat deviation;         ///< junction deviation
+  UFloat rounding;          ///< maximum of all axes
+  std::uint32_t um_q8 = 0;  ///< length of 1 um, Q8
   /// 1 / minimum ticks of `paced_lines` lines, so that planning keeps ahead; 0 = no minimum.
   UFloat per_pace;
 };
@@ -73,8 +74,11 @@ struct LineBounds {
 };
 LineBounds make_bounds(const LineShape& shape, const LineLimits& limits);
 
-/// Square of the highest speed through a corner; 2^40 or more = no limit.
-UFloat corner_speed_2(const LineShape& from, const LineShape& to, const LineLimits& limits);
+struct LineCorner {
+  UFloat speed_2;      ///< square of the highest speed through it; 2^40 or more = no limit
+  bool clear = false;  ///< it turns by far more than rounding can
+};
+LineCorner corner_of(const LineShape& from, const LineShape& to, const LineLimits& limits);
 /// Which turns are those of a curve.
 enum class LineBends : std::uint8_t {
   any,

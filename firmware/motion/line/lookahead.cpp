@@ -45,6 +45,14 @@ UFloat nominal_speed(const Line& line, const LineOverride& factor) {
   return least(line.speed.real(), line.feed.real() * factor.feed);
 }
 
+void LineLookahead::extend(const LineRing& ring, const LineRise& rise) {
+  const std::uint32_t last = ring.end() - 1;
+  const Line& line = ring.at(last);
+  if (is_before(last, end_)) end_ = last;
+  const UFloat entry_2 = line.entry_2.real();
+  if (line.corner_2 < line.entry_2 || brakes_from_2(line, {}, rise) < entry_2) stale_ = true;
+}
+
 UFloat LineLookahead::exit_speed_2(LineRing& ring, const LineOverride& factor,
                                    const LineRise& rise) {
   const std::uint32_t joint = ring.begin() + 1;

@@ -33,6 +33,8 @@ UFloat nominal_speed(const Line& line, const LineOverride& factor);
 
 class LineLookahead {
  public:
+  /// The last line of the ring has become longer, and the corner at its start may have changed.
+  void extend(const LineRing& ring, const LineRise& rise);
   /// Limits have changed: no joint is settled.
   void reset() { stale_ = true; }
   /// Squared speed at the end of the first line in the ring.

@@ -62,7 +62,7 @@ void LinePlanner::start(const stepper::MotionState& at) {
 void LinePlanner::forget() {
   ring_.clear();
   lookahead_.reset();
-  begun_ = stop_ = settles_ = returns_ = false;
+  begun_ = stop_ = settles_ = returns_ = open_ = clear_ = false;
   ++forgets_;
   speed_ = {};
   last_ = {};
@@ -95,9 +95,26 @@ bool LinePlanner::push(const LineTarget& target) {
     stop_ = stop_ || target.exact_stop;
     return true;
   }
-  LineBounds bounds = make_bounds(shape, limits_);
   const bool paced = !is_zero(limits_.per_pace);
-  if (paced) bounds.speed = least(bounds.speed, paced_speed(shape.length));
+  const UFloat pace = paced ? paced_speed(shape.length) : UFloat();
+  if (!join(target, pace)) {
+    close_line();
+    before_ = last_;
+    joint_stops_ = stop_;
+    join_.start(end_);
+    put(target, shape, pace);
+    ring_.push();
+    open_ = true;
+  }
+  end_ = target;
+  stop_ = target.exact_stop;
+  return true;
+}
+
+/// Fills the place after the last line, or the last one again; it begins at the end of `before_`.
+void LinePlanner::put(const LineTarget& target, const LineShape& shape, UFloat pace) {
+  LineBounds bounds = make_bounds(shape, limits_);
+  if (!is_zero(pace)) bounds.speed = least(bounds.speed, pace);
   Line& line = ring_.next();
   line.set_place(target);
   line.set_length(shape.length);
@@ -110,23 +127,61 @@ bool LinePlanner::push(const LineTarget& target) {
   line.pixels = target.pixels && line.laser != LinePower::off;
   line.pulses = target.pulses && line.laser != LinePower::off;
   line.timed = target.timed && target.time_us != 0;
+  feed_um_min_ = target.feed_um_min;
   UFloat feed = UFloat(target.feed_um_min) * limits_.um_min;
   if (line.timed)
     feed = shape.length / (UFloat(target.time_us) * UFloat(ticks_per_second / 1'000'000));
   // An override also slows down a line that is slow for its pace.
-  if (is_zero(feed) || (paced && bounds.speed < feed)) feed = bounds.speed;
+  if (is_zero(feed) || (!is_zero(pace) && bounds.speed < feed)) feed = bounds.speed;
   line.feed = LinePacked(feed);
-  line.corner_2 = LinePacked(corner_2(line, shape));
+  const LineCorner corner = corner_at_end(line, shape);
+  line.corner_2 = LinePacked(corner.speed_2);
+  clear_ = corner.clear;
   line.entry_2 = {};
-  const std::uint32_t number = ring_.end();
-  ring_.push();
-  end_ = target;
   last_ = shape;
-  stop_ = target.exact_stop;
-  LineCap limit;
-  for (LineChords* chords : {&short_chords_, &long_chords_, &gentle_chords_})
-    if (chords->add(number, end_, shape, limits_, limit)) cap(limit);
+}
+
+/// Whether the target is more of the last line: nothing but its place differs.
+bool LinePlanner::continues(const LineTarget& target) const {
+  // The corner at the start of the last line may change: the machine must be far from it.
+  if (!open_ || stop_ || ring_.size() < 3 || target.changes != 0) return false;
+  if (target.digit_um == 0 || target.timed || target.pixels || target.pulses) return false;
+  const Line& line = ring_.at(ring_.end() - 1);
+  if (line.timed || line.pixels || line.pulses) return false;
+  const LinePower laser = target.rapid ? LinePower::off : target.laser;
+  return line.line == (target.line & 0xffffffu) && line.rapid == target.rapid &&
+         line.laser == laser && line.power == target.power && feed_um_min_ == target.feed_um_min;
+}
+
+/// Extends the last line to the target; false if that is a line of its own.
+bool LinePlanner::join(const LineTarget& target, UFloat pace) {
+  if (!continues(target)) return false;
+  const LineShape shape = make_shape(way_between(join_.from(), target), limits_);
+  if (is_zero(shape.length) || !join_.reaches(end_, target, shape, limits_)) return false;
+  Line& line = ring_.at(ring_.end() - 1);
+  const LinePacked entry_2 = line.entry_2;
+  const std::uint8_t changes = static_cast<std::uint8_t>(line.changes);
+  ring_.unpush();
+  join_.pass(end_);
+  put(target, shape, pace);
+  ring_.push();
+  line.changes = changes;
+  line.entry_2 = entry_2;
+  lookahead_.extend(ring_, limits_.rise);
   return true;
+}
+
+/// The last line is complete: its turn counts. A turn that is clear in itself is a corner, and no
+/// bend of the path before and after it.
+void LinePlanner::close_line() {
+  if (!open_) return;
+  open_ = false;
+  const std::uint32_t number = ring_.end() - 1;
+  LineCap limit;
+  for (LineChords* chords : {&short_chords_, &long_chords_, &gentle_chords_}) {
+    if (clear_) chords->reset(join_.from(), number, limits_);
+    if (chords->add(number, end_, last_, limits_, limit)) cap(limit);
+  }
 }
 
 /// Maximum speed for lines like the last ones: a short one among long ones costs nothing. It is
@@ -143,10 +198,13 @@ UFloat LinePlanner::paced_speed(UFloat length) {
   return pace_;
 }
 
-UFloat LinePlanner::corner_2(const Line& line, const LineShape& shape) const {
-  if (ring_.empty() || stop_ || is_zero(last_.length)) return {};
+/// The corner at the start of a line that is next in the ring.
+LineCorner LinePlanner::corner_at_end(const Line& line, const LineShape& shape) const {
+  if (ring_.empty() || joint_stops_ || is_zero(before_.length)) return {};
   const UFloat slower = least(line.speed.real(), ring_.at(ring_.end() - 1).speed.real());
-  return least(slower * slower, corner_speed_2(last_, shape, limits_));
+  LineCorner corner = corner_of(before_, shape, limits_);
+  corner.speed_2 = least(slower * slower, corner.speed_2);
+  return corner;
 }
 
 void LinePlanner::cap(const LineCap& cap) {
@@ -308,6 +366,7 @@ void LinePlanner::measure_again() {
   if (ring_.empty()) {
     end_ = back_;
     last_ = {};
+    open_ = false;
     reset_chords();
     return;
   }
@@ -324,7 +383,7 @@ void LinePlanner::measure_again() {
   if (!is_zero(shape.length)) {
     const LineShape after = make_shape(way_between(line, second), limits_);
     const UFloat slower = least(line.speed.real(), second.speed.real());
-    most_2 = least(slower * slower, corner_speed_2(shape, after, limits_));
+    most_2 = least(slower * slower, corner_of(shape, after, limits_).speed_2);
   }
   const LinePacked corner_2(most_2);
   if (corner_2 < second.corner_2) second.corner_2 = corner_2;

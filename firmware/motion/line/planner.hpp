@@ -41,6 +41,7 @@
 
 #include "firmware/motion/line/beam.hpp"
 #include "firmware/motion/line/chords.hpp"
+#include "firmware/motion/line/join.hpp"
 #include "firmware/motion/line/lookahead.hpp"
 #include "firmware/motion/line/ring.hpp"
 #include "firmware/motion/line/segment.hpp"
@@ -122,7 +123,11 @@ class LinePlanner {
   void reset_chords();
   void begin_line();
   UFloat paced_speed(UFloat length);
-  UFloat corner_2(const Line& line, const LineShape& shape) const;
+  LineCorner corner_at_end(const Line& line, const LineShape& shape) const;
+  void put(const LineTarget& target, const LineShape& shape, UFloat pace);
+  bool continues(const LineTarget& target) const;
+  bool join(const LineTarget& target, UFloat pace);
+  void close_line();
   void cap(const LineCap& cap);
   LineTask task();
   UFloat task_speed(const Line& line, const LineTask& task) const;
@@ -146,10 +151,16 @@ class LinePlanner {
 
   // The end of the ring.
   LinePlace end_;
-  LineShape last_;     ///< of the last line; no length = none
-  bool stop_ = false;  ///< at its end
-  UFloat pace_;        ///< paced_speed() of the previous line
-  UFloat recent_;      ///< mean length of the last lines, times their number
+  LineShape last_;                 ///< of the last line; no length = none
+  LineShape before_;               ///< of the one before it
+  bool stop_ = false;              ///< at the end of the last line
+  bool joint_stops_ = false;       ///< at its start
+  bool open_ = false;              ///< targets may still extend the last line
+  bool clear_ = false;             ///< the corner at its start is clearly one
+  std::uint32_t feed_um_min_ = 0;  ///< of the last line, as programmed
+  LineJoin join_;
+  UFloat pace_;    ///< paced_speed() of the previous line
+  UFloat recent_;  ///< mean length of the last lines, times their number
   LineChords short_chords_, long_chords_, gentle_chords_;
 
   LinePlace back_;  ///< where the machine left the path

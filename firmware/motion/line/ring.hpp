@@ -40,6 +40,8 @@ struct LineTarget : LinePlace {
   bool timed = false;
   bool exact_stop = false;   ///< a stop at its end
   std::uint8_t changes = 0;  ///< of outputs, due at its start (stepper/change_queue.hpp)
+  /// The last decimal of its numbers: it may be joined to the line before it; 0 = never.
+  std::uint8_t digit_um = 0;
 };
 
 /// A line in the ring, and where it ends.
@@ -87,6 +89,8 @@ class LineRing {
   /// The place after the last line; push() appends it.
   Line& next() { return at(end_); }
   void push() { ++end_; }
+  /// The last line is next() again.
+  void unpush() { --end_; }
   void pop() { ++begin_; }
   /// Restores the lines that were popped since begin() had this value; no line may have been pushed
   /// meanwhile.
