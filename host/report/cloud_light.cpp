@@ -183,15 +183,25 @@ Image cloud_light(const std::vector<Vec>& points, const Box& block, const Camera
 }
 
 void add_grey_points(Image& image, const std::vector<Vec>& points, const Camera& camera) {
-  constexpr Vec grey{0.075f, 0.078f, 0.082f};
-  constexpr int dot_px = 2;  // at 1200 pixels
-  const int side = std::max(1, dot_px * std::min(image.width, image.height) / 1200);
+  if (points.empty()) return;
+  constexpr Vec grey{0.105f, 0.11f, 0.115f};
+  // The fewer the points, the larger: in pixels of a picture of 1200.
+  constexpr float min_size = 2, max_size = 6, size_of_one = 120;
+  const float scale = static_cast<float>(std::min(image.width, image.height)) / 1200;
+  const float size =
+      std::clamp(size_of_one / std::sqrt(static_cast<float>(points.size())), min_size, max_size);
+  const float radius = std::max(0.75f, 0.5f * size * scale);  // one pixel at least
   for (const Vec& point : points) {
     const Camera::Projected place = camera.project(point);
-    const int left = static_cast<int>(std::floor(place.x)),
-              top = static_cast<int>(std::floor(place.y));
-    for (int y = std::max(top, 0); y < std::min(top + side, image.height); ++y)
-      for (int x = std::max(left, 0); x < std::min(left + side, image.width); ++x) {
+    const auto low = [&](float at) { return std::max(0, static_cast<int>(at - radius)); };
+    const auto high = [&](float at, int end) {
+      return std::min(end, static_cast<int>(std::ceil(at + radius)));
+    };
+    for (int y = low(place.y); y < high(place.y, image.height); ++y)
+      for (int x = low(place.x); x < high(place.x, image.width); ++x) {
+        const float dx = static_cast<float>(x) + 0.5f - place.x;
+        const float dy = static_cast<float>(y) + 0.5f - place.y;
+        if (dx * dx + dy * dy > radius * radius) continue;
         Vec& pixel = image.at(x, y);
         pixel = {std::max(pixel.x, grey.x), std::max(pixel.y, grey.y), std::max(pixel.z, grey.z)};
       }
