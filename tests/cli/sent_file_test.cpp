@@ -19,9 +19,12 @@ class SentFile : public testing::Test {
  protected:
   SentFile() {
     EXPECT_EQ(run({"job", list_, "-o", job_}).status, 0);
-    EXPECT_EQ(run({"raster", folder_.write("disc.bmp", disc_bmp(8)), "--feed", "6000", "-o", rows_})
-                  .status,
-              0);
+    EXPECT_EQ(run(raster({"-o", rows_})).status, 0);
+  }
+  std::vector<std::string> raster(const std::vector<std::string>& more) const {
+    std::vector<std::string> all{"raster", picture_, "--feed", "6000", "--machine", laser_};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
   }
   void expect_refused(const std::vector<std::string>& arguments, const std::string& what) const {
     const Finished refused = run(arguments);
@@ -32,6 +35,8 @@ class SentFile : public testing::Test {
 
   Folder folder_;
   std::string list_ = folder_.write("p.xyz", xyz(walk(12, 1)));
+  std::string picture_ = folder_.write("disc.bmp", disc_bmp(8));
+  std::string laser_ = folder_.write("laser.toml", "laser_mode = 1\n");
   std::string job_ = folder_ / "j.llj", rows_ = folder_ / "rows.llj";
   std::vector<std::string> names_{"a.ngc", "a.gcode", "a.txt", "a.stl", "a", "a.LLJ", "a.llj.bak"};
 };
@@ -74,11 +79,9 @@ TEST_F(SentFile, IsWrittenUnderANameOfItsKind) {
   const auto before = folder_.files();
   for (const char* const name : {"k.ngc", "k.txt", "k", "k.llj.txt"}) {
     expect_refused({"job", list_, "-o", folder_ / name}, "name that ends in .llj");
-    expect_refused({"raster", folder_ / "disc.bmp", "--feed", "6000", "-o", folder_ / name},
-                   ".llj");
+    expect_refused(raster({"-o", folder_ / name}), ".llj");
   }
-  expect_refused({"raster", folder_ / "disc.bmp", "--feed", "6000", "--gcode", folder_ / "k.llj"},
-                 ".ngc");
+  expect_refused(raster({"--gcode", folder_ / "k.llj"}), ".ngc");
   EXPECT_EQ(folder_.files(), before);
   EXPECT_EQ(run({"job", list_, "-o", folder_ / "K.LLJ"}).status, 0);
   EXPECT_EQ(run({"job", list_, "-o", "/dev/null"}).status, 0);
