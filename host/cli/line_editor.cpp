@@ -21,6 +21,17 @@ constexpr int max_keys = 4096;
 
 LineEditor* shown_editor = nullptr;
 
+ssize_t append(void* output, const char* bytes, std::size_t size) {
+  static_cast<std::string*>(output)->append(bytes, size);
+  return static_cast<ssize_t>(size);
+}
+
+std::FILE* open_collector(std::string& output) {
+  cookie_io_functions_t functions{};
+  functions.write = append;
+  return ::fopencookie(&output, "w", functions);
+}
+
 /// libedit does not change the text.
 char* prompt_text(EditLine*) {
   static std::string text(prompt);
@@ -30,8 +41,10 @@ char* prompt_text(EditLine*) {
 }  // namespace
 
 LineEditor::LineEditor()
-    : history_(history_init()),
-      editor_(el_init("lamplock", stdin, stdout, stderr)),
+    : collector_(open_collector(output_)),
+      history_(history_init()),
+      editor_(el_init_fd("lamplock", stdin, collector_.get(), stderr, STDIN_FILENO, STDOUT_FILENO,
+                         STDERR_FILENO)),
       columns_(columns_of(stdout)) {
   if (!editor_ || !history_)
     throw Error(Exit::job_failed, "terminal", "cannot be used for editing lines",
@@ -44,12 +57,14 @@ LineEditor::LineEditor()
   el_set(editor_.get(), EL_HIST, &::history, history_.get());
   shown_editor = this;
   begin_line();
+  flush();
 }
 
 LineEditor::~LineEditor() {
   shown_editor = nullptr;
   erase_line();
   el_set(editor_.get(), EL_UNBUFFERED, 0);
+  flush();
 }
 
 bool LineEditor::can_edit() {
@@ -70,6 +85,7 @@ std::vector<std::string> LineEditor::lines(std::chrono::milliseconds wait) {
       take_key(result);
     timeout = 0;
   }
+  flush();
   return result;
 }
 
@@ -92,18 +108,18 @@ void LineEditor::follow_terminal() {
 
 void LineEditor::print(const std::string& text) {
   erase_line();
-  std::fwrite(text.data(), 1, text.size(), stdout);
+  output_ += text;
   el_set(editor_.get(), EL_REFRESH);
-  std::fflush(stdout);
+  flush();
 }
 
 /// To the begin of the line, which may have several rows, and clear from there (ECMA-48: CUU, ED).
 void LineEditor::erase_line() {
   const LineInfo* const line = el_line(editor_.get());
   const std::size_t cursor = prompt.size() + static_cast<std::size_t>(line->cursor - line->buffer);
-  if (const std::size_t rows = cursor / columns_; rows > 0) fmt::print("\033[{}A", rows);
-  std::fputs("\r\033[J", stdout);
-  std::fflush(stdout);
+  if (const std::size_t rows = cursor / columns_; rows > 0)
+    output_ += fmt::format("\033[{}A", rows);
+  output_ += "\r\033[J";
 }
 
 /// libedit takes one key at each call; a line is complete at its end.
@@ -127,5 +143,12 @@ void LineEditor::take_key(std::vector<std::string>& lines) {
 
 /// Shows the prompt, and reads key by key from now on.
 void LineEditor::begin_line() { el_set(editor_.get(), EL_UNBUFFERED, 1); }
+
+void LineEditor::flush() {
+  std::fflush(collector_.get());
+  std::fwrite(output_.data(), 1, output_.size(), stdout);
+  std::fflush(stdout);
+  output_.clear();
+}
 
 }  // namespace lamplock::cli

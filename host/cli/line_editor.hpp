@@ -12,6 +12,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -47,14 +48,18 @@ class LineEditor : public run::LineInput {
   struct End {
     void operator()(EditLine* editor) const { el_end(editor); }
     void operator()(History* history) const { history_end(history); }
+    void operator()(std::FILE* stream) const { std::fclose(stream); }
   };
 
   void follow_terminal();
   void erase_line();
   void take_key(std::vector<std::string>& lines);
   void begin_line();
+  void flush();
 
   QuietTerminal quiet_{QuietTerminal::Reads::lines};  ///< restores the terminal after a signal
+  std::string output_;                                ///< not sent to the terminal yet
+  std::unique_ptr<std::FILE, End> collector_;         ///< appends to output_
   std::unique_ptr<History, End> history_;
   std::unique_ptr<EditLine, End> editor_;
   std::size_t columns_;

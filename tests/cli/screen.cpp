@@ -92,6 +92,8 @@ void Screen::execute(char last) {
     column_ = std::min(column_ + number(1), columns_ - 1);
   } else if (last == 'D') {
     column_ -= std::min(column_, number(1));
+  } else if (last == 'G') {
+    column_ = std::min(number(1), columns_) - 1;
   } else if (last == 'P') {
     cells.erase(std::min(column_, cells.size()), number(1));
   } else if (last == '@') {
