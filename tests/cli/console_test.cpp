@@ -119,7 +119,7 @@ TEST(ConsoleCommand, ctrl_c_overtakes_pasted_lines) {
   const auto start = Clock::now();
   terminal.type("\x03");
   EXPECT_EQ(terminal.finish().status, 128 + SIGINT);
-  EXPECT_LT(Clock::now() - start, 1s);
+  EXPECT_LT(Clock::now() - start, 3s) << "the moves take hours";
 }
 
 TEST(ConsoleCommand, reports_how_many_pasted_lines_were_not_sent) {
