@@ -25,7 +25,7 @@ constexpr auto max_lag = 100ms;
 constexpr auto rest_time = 5s;
 
 constexpr const char* keys_text =
-    "keys: arrows PgUp PgDn move, m mode, + - step, h home, ! hold, Esc stop, q quit";
+    "keys: arrows PgUp/Dn move, m mode, + - step, h home, ! hold, Esc stop, q quit";
 
 pendant::JogLimits limits_of(link::LinePort& port) {
   const link::BoardSettings settings = link::read_settings(port);

@@ -15,7 +15,7 @@ constexpr std::uint32_t job_speed_step = 10;  ///< percent
 void PointJobControl::update_progress() { progress_.update(sender_.points_fired()); }
 
 std::string PointJobControl::keys() const {
-  return "keys: Ctrl-C holds, Enter resumes, Ctrl-C again stops; 80, + or - and Enter: speed";
+  return "keys: Ctrl-C holds, again stops; Enter resumes; + - or 80 and Enter: job speed";
 }
 
 ProgressState PointJobControl::state() const {

@@ -46,7 +46,7 @@ void ProgramControl::update_progress() {
 }
 
 std::string ProgramControl::keys() const {
-  return "keys, each with Enter: ! holds, Enter resumes, + - = feed override; Ctrl-C stops";
+  return "keys: ! and Enter holds, Enter resumes, + - = and Enter feed, Ctrl-C stops";
 }
 
 ProgressState ProgramControl::state() const {
