@@ -79,10 +79,9 @@ class Usage {
   std::optional<Error> error() {
     for (at_ = 0; at_ < arguments_.size(); ++at_)
       if (auto error = error_at(arguments_[at_])) return error;
-    const Command& command = arguments_.empty() ? program_ : *arguments_.back().command;
-    if (command.needs_command())
-      return refusal(here(), "a command is missing", "see " + here() + " --help");
     if (auto error = contradiction()) return error;
+    const Command& command = arguments_.empty() ? program_ : *arguments_.back().command;
+    if (command.needs_command()) return refusal(here(), "a command is missing", see_help());
     return missing(command);
   }
 

@@ -28,8 +28,8 @@ bool Range::has(double value) const {
 std::string Range::text() const {
   const std::string from = bound_text(low, 1), to = bound_text(high, -1);
   if (std::isinf(low)) return std::isinf(high) ? "" : "at most " + to;
-  if (std::isinf(high)) return (low_included ? "at least " : "greater than ") + from;
-  return low_included ? from + " to " + to : "greater than " + from + ", at most " + to;
+  if (std::isinf(high)) return (low_included ? "at least " : "more than ") + from;
+  return low_included ? from + " to " + to : "more than " + from + ", at most " + to;
 }
 
 bool same_value(const Parameter& parameter, const Parameter& other) {

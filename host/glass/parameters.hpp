@@ -30,8 +30,8 @@ struct Range {
   bool low_included = true;
 
   bool has(double value) const;
-  /// The range in the words of all messages and help texts: "1 to 140", "at least 0", "greater than
-  /// 0", "greater than 0, at most 1"; empty for any number.
+  /// The range in the words of all messages and help texts: "1 to 140", "at least 0", "more than
+  /// 0", "more than 0, at most 1"; empty for any number.
   std::string text() const;
 };
 inline constexpr Range any_number{};

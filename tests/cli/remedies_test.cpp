@@ -177,9 +177,9 @@ TEST_F(Remedies, ANumberOfTheRangeWorks) {
     const std::string message = refusal_of(words);
     std::smatch found;
     ASSERT_TRUE(std::regex_search(
-        message, found, std::regex("out of range; give (at least |greater than )?([-0-9.e]+)")))
+        message, found, std::regex("out of range; give (at least |more than )?([-0-9.e]+)")))
         << message;
-    const bool excluded = found[1] == "greater than ";
+    const bool excluded = found[1] == "more than ";
     EXPECT_TRUE(any_works(words, row.wrong,
                           {excluded ? std::to_string(std::stod(found[2]) + 1) : found[2].str()}))
         << message;
