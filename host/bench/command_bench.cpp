@@ -232,9 +232,8 @@ void add_bench(Command& program) {
       .check(one_of({"measured", "walks", "example", "jerk", "orders", "angles"}))
       .comma_separated()
       .value_name("TABLE,...");
-  app.add_option(
-         "--points", &options->points,
-         "Number of points of each walk; default: as many as the source has")
+  app.add_option("--points", &options->points,
+                 "Number of points of each walk; default: as many as the source has")
       .check(number_in({10, 10'000'000}))
       .value_name("N");
   app.add_option("--seed", &options->seed,
