@@ -44,7 +44,9 @@ TEST(Help, HasEveryOptionInItsGroup) {
       EXPECT_THAT(text, HasSubstr("\n  " + (option.is_positional() ? option.names()
                                                                    : option.typed_names().front())))
           << command.name();
-      if (!option.is_positional()) EXPECT_THAT(text, HasSubstr("\n" + option.group() + ":\n"));
+      if (!option.is_positional()) {
+        EXPECT_THAT(text, HasSubstr("\n" + option.group() + ":\n"));
+      }
     }
   }
 }
@@ -76,7 +78,7 @@ TEST(Help, IsShownByTheCommandHelp) {
 
 TEST(Help, ShowsRangesAndDefaultsInOneForm) {
   const std::string text = run({"engrave", "--help"}).out;
-  EXPECT_THAT(text, testing::ContainsRegex("\\(1 to 140; default: 100\\)|1 to 140;"));
+  EXPECT_THAT(text, HasSubstr("1 to 140;"));
   EXPECT_THAT(text, Not(HasSubstr("0..1")));
 }
 

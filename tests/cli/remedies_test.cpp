@@ -44,14 +44,11 @@ const std::vector<CommandWords> valid{
 
 /// Numbers out of range.
 const std::vector<Row> out_of_range{
-    {{"engrave", "@ball.stl", "--spacing", "0.5", "--dry", "--job-speed", "141"}, 6},
     {{"engrave", "@ball.stl", "--spacing", "0.5", "--dry", "--flashes", "256"}, 6},
-    {{"points", "@ball.stl", "-o", "@out.xyz", "--spacing", "0.5", "--face-density", "7"}, 7},
+    {{"points", "@disc.bmp", "-o", "@out.xyz", "--tone", "--tone-lowest", "7"}, 6},
     {{"points", "@ball.stl", "-o", "@out.xyz", "--spacing", "0.5", "--size", "0"}, 7},
     {{"points", "@disc.bmp", "-o", "@out.xyz", "--layers", "0"}, 5},
-    {{"points", "@ball.stl", "-o", "@out.xyz", "--spacing", "0.5", "--index", "0.5"}, 7},
-    {{"estimate", "@ball.stl", "--spacing", "0.5", "--speed", "1e9"}, 5},
-    {{"estimate", "@ball.stl", "--spacing", "0.5", "--accel", "-1"}, 5},
+    {{"points", "@ball.stl", "-o", "@out.xyz", "--spacing", "0.5", "--shells", "0"}, 7},
     {{"check", "@part.ngc", "--max-problems", "0"}, 3},
     {{"settings", "list", "--baud", "0"}, 3}};
 
