@@ -12,6 +12,7 @@
 #include "host/cli/command_line.hpp"
 #include "host/cli/help.hpp"
 #include "host/cli/separate_program.hpp"
+#include "host/cli/standard_streams.hpp"
 #include "host/cli/terminal_width.hpp"
 #include "host/cli/usage_error.hpp"
 #include "host/former_names.hpp"
@@ -204,7 +205,7 @@ bool print_help(const Command& program, const std::vector<std::string>& argument
   if (asked == all.end()) return false;
   const auto place = static_cast<std::size_t>(asked - all.begin());
   const HelpKind kind = asked->text == "--help" ? HelpKind::all : HelpKind::common;
-  fmt::print("{}",
+  write_text(stdout,
              help_text(*asked->command, path_of(program, all, place), kind, terminal_width()));
   return true;
 }

@@ -12,9 +12,7 @@
 #include "host/model/input.hpp"
 
 namespace lamplock::run {
-namespace {
 
-/// How to make a job of this file; empty for a file of another kind.
 std::string way_to_job(const std::string& file) {
   using model::InputKind;
   const std::optional<InputKind> kind = model::kind_of(file);
@@ -25,8 +23,6 @@ std::string way_to_job(const std::string& file) {
   return fmt::format("{} (points in glass), or lamplock raster {} --feed MM_MIN -o {} (rows)",
                      points, file, job);
 }
-
-}  // namespace
 
 job::Job read_job(const std::string& file) {
   check_is_file(file);

@@ -13,4 +13,7 @@ namespace lamplock::run {
 /// Throws Error(bad_input) if the file is not a valid job file.
 job::Job read_job(const std::string& file);
 
+/// How to make a job of this file, for a remedy; empty for a file of which none is made.
+std::string way_to_job(const std::string& file);
+
 }  // namespace lamplock::run

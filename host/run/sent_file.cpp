@@ -9,6 +9,7 @@
 #include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/job/job_file.hpp"
+#include "host/run/read_job.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::run {
@@ -68,8 +69,9 @@ SentKind kind_of_sent_file(const std::string& file) {
   if (is_job_file(file)) return SentKind::job;
   const std::string text = read_file(file);
   if (has_program_name(file) || looks_like_program(text)) return SentKind::program;
+  const std::string way = way_to_job(file);
   throw Error(Exit::bad_input, file, "is neither a job nor a program of G-code",
-              "make a job of a model or of points with lamplock job, and send that");
+              way.empty() ? "make a job of a model or of points: lamplock job --help" : way);
 }
 
 bool is_job_file(const std::string& file) {

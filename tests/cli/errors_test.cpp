@@ -13,7 +13,8 @@ void expect_refused(const Folder& folder, const std::vector<std::string>& argume
   const auto before = folder.files();
   const Finished refused = run(arguments);
   EXPECT_EQ(refused.status, 2) << refused.err;
-  EXPECT_THAT(refused.err, testing::MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+\n"));
+  EXPECT_THAT(refused.err,
+              testing::MatchesRegex("(warning  [^\n]+\n)?error: [^\n]+: [^\n]+; [^\n]+\n"));
   EXPECT_THAT(refused.err, testing::HasSubstr(names));
   EXPECT_EQ(folder.files(), before);
 }
@@ -154,7 +155,9 @@ TEST(Errors, only_the_virtual_board_has_faults_and_traces) {
   expect_refused(folder, {"engrave", list, "--board", port, "--yes", "--jitter", "5"}, "--jitter");
   expect_refused(folder, {"engrave", list, "--board", port, "--yes", "--vcd", folder / "a.vcd"},
                  "--vcd");
-  expect_refused(folder, {"send", list, "--board", port, "--yes", "--shots", folder / "a.csv"},
+  const std::string job = folder / "p.llj";
+  ASSERT_EQ(run({"job", list, "-o", job}).status, 0);
+  expect_refused(folder, {"send", job, "--board", port, "--yes", "--shots", folder / "a.csv"},
                  "--shots");
   expect_refused(folder, {"engrave", list, "--usb", "stream"}, "--usb stream");
 }

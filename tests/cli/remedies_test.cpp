@@ -35,7 +35,7 @@ const std::vector<CommandWords> valid{
      "2"},
     {"points", "@disc.bmp", "-o", "@out.xyz", "--threshold", "200", "--layers", "2"},
     {"engrave", "@ball.stl", "--spacing", "0.5", "--dry", "--board", "virtual"},
-    {"estimate", "@ball.stl", "--spacing", "0.5", "--lamp-mode", "master", "--job-speed", "90"},
+    {"estimate", "@ball.stl", "--spacing", "0.5", "--lamp-mode", "slave", "--job-speed", "90"},
     {"settings", "get", "lamp_frequency", "travel_x"},
     {"settings", "list", "--board", "virtual"},
     {"check", "@part.ngc", "--machine", "@machine.toml"},
@@ -148,7 +148,7 @@ bool can_be_misspelt(const std::string& word) {
 
 TEST_F(Remedies, TheSuggestedNameWorks) {
   int tried = 0, works = 0;
-  for (int i = 0; i < scaled(80, 20); ++i) {
+  for (int i = 0; i < scaled(40, 20); ++i) {
     const CommandWords& row = valid[static_cast<std::size_t>(i) % valid.size()];
     CommandWords words = filled(row);
     std::size_t wrong = 0;

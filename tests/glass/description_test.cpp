@@ -87,7 +87,7 @@ TEST_F(DescriptionTest, ErrorsNameTheLine) {
   expect_line("margin = 3\n" + object, 1, "margin");
   expect_line(object + "size = \n", 3, "");
   expect_line(object + "size = \"40\"\n", 3, "number");
-  expect_line(object + "size = 0\n", 3, "greater than 0");
+  expect_line(object + "size = 0\n", 3, "more than 0");
   expect_line(object + "size = nan\n", 3, "size");
   expect_line(object + "size = inf\n", 3, "size");
   expect_line(object + "layers = 1.5\n", 3, "whole");

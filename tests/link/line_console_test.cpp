@@ -235,7 +235,7 @@ TEST(LineConsole, words) {
   EXPECT_EQ(realtime_word(":power -10"), 0x9B);
   EXPECT_FALSE(realtime_word("G1 X1"));
   EXPECT_FALSE(realtime_word(""));
-  EXPECT_THAT(error_of([] { realtime_word(":holdd"); }), HasSubstr(":hold,"));
+  EXPECT_THAT(error_of([] { realtime_word(":holdd"); }), HasSubstr("':hold'"));
 }
 
 }  // namespace
