@@ -16,7 +16,8 @@ void refuse(const std::filesystem::path& path, const std::string& what, const st
 
 void check_is_file(const std::filesystem::path& path) {
   std::error_code failure;
-  if (!std::filesystem::exists(path, failure)) refuse(path, "no such file", missing_path_remedy(path));
+  if (!std::filesystem::exists(path, failure))
+    refuse(path, "no such file", missing_path_remedy(path));
   if (!std::filesystem::is_regular_file(path, failure))
     refuse(path, "not a file", "give a file, not a folder or device");
 }

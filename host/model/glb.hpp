@@ -15,7 +15,7 @@ namespace lamplock::model {
 
 struct Glb {
   std::shared_ptr<const nlohmann::json> document;  // never null
-  std::string_view buffer;  // part of the bytes of the file
+  std::string_view buffer;                         // part of the bytes of the file
 };
 
 /// Throws Error (bad_input, naming `path`) for a file that is cut off, damaged, has its numbers

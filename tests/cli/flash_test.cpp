@@ -23,7 +23,8 @@ TEST(FlashCommand, HasAHelpText) {
     EXPECT_THAT(help.out, HasSubstr(std::string("Example:\n  lamplock ") + command));
     EXPECT_THAT(run({"--help"}).out, HasSubstr(command));
   }
-  EXPECT_THAT(run({"flash", "--help"}).out, testing::ContainsRegex("--board usb\\|chip +usb: a real board"));
+  EXPECT_THAT(run({"flash", "--help"}).out,
+              testing::ContainsRegex("--board usb\\|chip +usb: a real board"));
 }
 
 /// A valid image, with the bytes that the flash has.

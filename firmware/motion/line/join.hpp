@@ -6,9 +6,10 @@
 //
 // Programs divide curves, and straight runs too, into lines far shorter than the look-ahead needs:
 // 128 lines of 0.02 mm are 2.6 mm, in which a machine cannot brake from its speed; and between
-// lines of a few steps a turn cannot be told from the rounding of their numbers. So lines become
-// one that passes them in order, each as close as their rounding explains: a place and the ends of
-// the line are off by half the last decimal, and the resolution of places comes on top.
+// lines of a few steps a turn cannot be distinguished from the rounding of their numbers. So lines
+// become one that passes their places in order, each as close as their rounding explains: a place
+// and the ends of the line are off by half the last decimal, and the resolution of places comes on
+// top.
 #pragma once
 
 #include <array>
