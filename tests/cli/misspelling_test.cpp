@@ -30,7 +30,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// Every word that differs by one letter deleted, added or swapped with the next one, after
-/// `begin`.
+/// `begin`. Small runs add fewer letters.
 std::set<std::string> slips_of(const std::string& name, std::size_t begin) {
   constexpr std::string_view letters = "abcdefghijklmnopqrstuvwxyz_-0";
   std::set<std::string> slips;
@@ -42,10 +42,11 @@ std::set<std::string> slips_of(const std::string& name, std::size_t begin) {
     std::swap(slip[i], slip[i + 1]);
     slips.insert(slip);
   }
+  const auto shares = static_cast<std::size_t>(std::min(16, scaled(16)));
   for (std::size_t i = begin; i <= name.size(); ++i)
-    for (const char letter : letters) {
+    for (std::size_t k = i % (16 / shares); k < letters.size(); k += 16 / shares) {
       std::string slip = name;
-      slips.insert(slip.insert(i, 1, letter));
+      slips.insert(slip.insert(i, 1, letters[k]));
     }
   slips.erase(name);
   return slips;
@@ -88,7 +89,7 @@ TEST(Misspelling, CommandsAreSuggested) {
   Score score;
   for (const std::string& name : names)
     score.add(name, names, [&](const auto& slip) { return remedy_of(*program, {slip}); });
-  EXPECT_GT(score.tried(), 1000u);
+  EXPECT_GT(score.tried(), 100u);
   EXPECT_GE(score.share(), wanted_share);
 }
 
@@ -114,7 +115,7 @@ TEST(Misspelling, OptionsOfEveryCommandAreSuggested) {
       if (inner.name() == "get" || inner.name() == "pulse")
         add(inner, {command.name(), inner.name()});
   }
-  EXPECT_GT(score.tried(), 10'000u);
+  EXPECT_GT(score.tried(), 1000u);
   EXPECT_GE(score.share(), wanted_share);
 }
 
@@ -130,7 +131,7 @@ TEST(Misspelling, SettingsAreSuggested) {
         return error.what();
       }
     });
-  EXPECT_GT(score.tried(), 10'000u);
+  EXPECT_GT(score.tried(), 1000u);
   EXPECT_GE(score.share(), wanted_share);
 }
 
