@@ -36,17 +36,16 @@ RemainingTime::RemainingTime(job::Job job, std::size_t first, std::uint32_t job_
 
 RemainingTime::~RemainingTime() { is_cancelled_ = true; }
 
-/// A job that cannot be planned has no times; its run finds out why.
+/// Throws Error for a job that cannot be planned: it must not begin.
 RemainingTime::Plan RemainingTime::plan_of(const job::Job& job, std::size_t first,
                                            std::uint32_t job_speed,
                                            const std::atomic<bool>& is_cancelled) {
   try {
     return job.is_rows() ? plan_rows(job, job_speed)
                          : plan_points(job, first, job_speed, is_cancelled);
-  } catch (const Error&) {
   } catch (const Cancelled&) {
+    return {job_speed, first, {}};
   }
-  return {job_speed, first, {}};
 }
 
 RemainingTime::Plan RemainingTime::plan_points(const job::Job& job, std::size_t first,
