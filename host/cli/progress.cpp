@@ -30,15 +30,15 @@ std::string clock_text(double seconds) {
   return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
-constexpr double told_from_s = 60;
+constexpr double end_shown_from_s = 60;
 constexpr std::time_t day_s = 24 * 3600;
 /// What takes longer has no end that is worth telling.
-constexpr double told_to_s = 1e8;
+constexpr double end_shown_to_s = 1e8;
 
 /// The time left and the time of the end; an empty text where it is not known or not of use.
 std::pair<std::string, std::string> left_and_end(double seconds, std::time_t now) {
-  if (!(seconds >= told_from_s)) return {clock_text(std::max(0.0, seconds)) + " left", ""};
-  if (seconds > told_to_s) return {"years left", ""};
+  if (!(seconds >= end_shown_from_s)) return {clock_text(std::max(0.0, seconds)) + " left", ""};
+  if (seconds > end_shown_to_s) return {"years left", ""};
   const std::time_t end = now + static_cast<std::time_t>(seconds);
   const std::tm local = fmt::localtime(end);
   return {clock_text(seconds) + " left", end - now < day_s
