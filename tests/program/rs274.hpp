@@ -15,6 +15,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -78,10 +79,12 @@ class Rs274 {
 
   void read() {
     const std::string library = (root() / "usr/lib").string();
-    // Mode 0 continues after a line with an error.
+    // Mode 0 continues after a line with an error. rs274 maps $HOME/.tool.mmap into its memory and
+    // truncates that file when it begins: two that share a home end each other with SIGBUS.
     const std::string command = fmt::format(
-        "LD_LIBRARY_PATH={0}:{0}/x86_64-linux-gnu timeout 60 {1} -t {2} -n 0 -g {3} 2>&1", library,
-        binary().string(), folder_.file("tools").string(), folder_.file("program").string());
+        "HOME={4} LD_LIBRARY_PATH={0}:{0}/x86_64-linux-gnu timeout 60 {1} -t {2} -n 0 -g {3} 2>&1",
+        library, binary().string(), folder_.file("tools").string(),
+        folder_.file("program").string(), folder_.file("").string());
     std::FILE* const pipe = ::popen(command.c_str(), "r");
     std::array<char, 1024> text{};
     std::string message;
@@ -99,7 +102,8 @@ class Rs274 {
         message = line;
       }
     }
-    ::pclose(pipe);
+    if (const int status = ::pclose(pipe); status != 0)
+      throw std::runtime_error(fmt::format("rs274 ended with wait status {}", status));
   }
 
   void add(int number, const std::string& command) {
