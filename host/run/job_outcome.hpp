@@ -11,9 +11,10 @@
 #include "host/link/job_result.hpp"
 #include "host/report/report.hpp"
 #include "host/run/lost_files.hpp"
-#include "host/run/report_folder.hpp"
 
 namespace lamplock::run {
+
+class ReportFolder;
 
 /// `run` is what `report` is made of; both are empty for rows.
 struct JobOutcome {
@@ -21,7 +22,7 @@ struct JobOutcome {
   report::JobRun run;
   report::Report report;
   /// Of the report; its numbers are written, the rest is not. Null if no report was requested.
-  std::unique_ptr<ReportFolder> folder{};
+  std::shared_ptr<ReportFolder> folder{};
   LostFiles lost{};
   /// Why it ended before its end, if an error was the reason: part of the job was done before.
   std::exception_ptr error{};

@@ -24,6 +24,7 @@
 #include "host/run/permission.hpp"
 #include "host/run/point_job_control.hpp"
 #include "host/run/remaining_time.hpp"
+#include "host/run/report_folder.hpp"
 #include "host/run/report_job.hpp"
 #include "host/run/setting_refusal.hpp"
 #include "host/run/simulated_boards.hpp"

@@ -129,7 +129,7 @@ class Programs {
                        number(4, -4), relative_ ? number(4, 0) : number(9, 5));
   }
   std::string retract() {
-    const std::string text = number(relative_ ? retract_mm_ - 4 : retract_mm_, relative_ ? -4 : 0);
+    std::string text = number(relative_ ? retract_mm_ - 4 : retract_mm_, relative_ ? -4 : 0);
     retract_mm_ = static_cast<int>(std::floor(std::stod(text))) + (relative_ ? 4 : 0);
     return text;
   }
