@@ -32,7 +32,7 @@ std::string clock_text(double seconds) {
 
 constexpr double end_shown_from_s = 60;
 constexpr std::time_t day_s = 24 * 3600;
-/// What takes longer has no end that is worth telling.
+/// The time of the end is not shown for what takes longer.
 constexpr double end_shown_to_s = 1e8;
 
 /// The time left and the time of the end; an empty text where it is not known or not of use.
