@@ -1,5 +1,5 @@
 // Size of random tests: LAMPLOCK_TEST_SCALE scales every count (toolchain/test: 0.5, under
-// sanitizers 0.1; with --full 20 and 2).
+// sanitizers 0.1; with --full 2 and 0.4).
 #pragma once
 
 #include <algorithm>

@@ -214,7 +214,7 @@ class PlannersInTurn : public BootedRig {
 
 TEST_F(PlannersInTurn, MakeTheStepsOfTheVirtualBoard) {
   std::size_t kind = 0;
-  // 1000 at full size, six every day: each takes a third of a second.
+  // 100 in a full run, six every day: each takes a third of a second.
   const int rounds = scaled(1) > 1 ? scaled(50) : scaled(12, 6);
   for (int round = 0; round < rounds && !HasFailure(); ++round) {
     kind = (kind + 1 + random_() % (kinds.size() - 1)) % kinds.size();  // always another one

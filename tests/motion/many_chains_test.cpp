@@ -1,4 +1,4 @@
-// Very many random chains through the planner: 25 000 in an everyday run, a million in the full
+// Very many random chains through the planner: 25 000 in an everyday run, 100 000 in the full
 // one.
 //
 // Each is checked for speed and acceleration of every axis, work space, exact end points, exact
