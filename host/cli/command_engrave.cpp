@@ -8,7 +8,6 @@
 #include "host/cli/engraving_options.hpp"
 #include "host/cli/finish_job.hpp"
 #include "host/cli/origin.hpp"
-#include "host/cli/typed_command.hpp"
 #include "host/run/engrave.hpp"
 
 namespace lamplock::cli {
@@ -25,7 +24,6 @@ Exit engrave(EngraveOptions options) {
   Console console(options.json);
   run::JobRequest request = options.engraving.request();
   request.origin = options.origin;
-  options.board.command_words = typed_command();
   run::JobOutcome outcome = run::engrave(request, options.board, console);
   return finish_job(outcome, options.board, console);
 }

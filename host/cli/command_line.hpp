@@ -137,9 +137,10 @@ class Command {
   /// Text after the options: explanations, and examples after a line "Example:".
   void footer(std::string text) { footer_ = std::move(text); }
   void action(Action action) { action_ = std::move(action); }
-  /// The command line of the program, as a shell reads it. Set by program_main() in its command.
-  const std::string& typed() const { return typed_; }
-  void set_typed(std::string typed) { typed_ = std::move(typed); }
+  /// The words of the command line, the program's name as it was typed first. Set by program_main()
+  /// in its command.
+  const std::vector<std::string>& typed() const { return typed_; }
+  void set_typed(std::vector<std::string> words) { typed_ = std::move(words); }
   /// What --version prints; without it the command has no --version.
   void version(std::string text) { version_ = std::move(text); }
   /// What --version does instead of printing that text.
@@ -163,7 +164,8 @@ class Command {
   const Option& option(const std::string& name) const;
 
  private:
-  std::string name_, description_, footer_, version_, separate_program_, typed_;
+  std::string name_, description_, footer_, version_, separate_program_;
+  std::vector<std::string> typed_;
   std::list<Option> options_;
   std::list<Command> commands_;
   Action action_, version_action_;

@@ -8,7 +8,6 @@
 #include "host/cli/console.hpp"
 #include "host/cli/finish_job.hpp"
 #include "host/cli/machine_options.hpp"
-#include "host/cli/typed_command.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/report_job.hpp"
 #include "host/run/run_program.hpp"
@@ -86,7 +85,6 @@ Exit send_program(const SendOptions& options, Console& console) {
 Exit send_job(const SendOptions& options, Console& console) {
   check_job_options(options.program);
   run::BoardOptions board = options.board;
-  board.command_words = typed_command();
   run::SentJob sent = run::send_job(options.file, board, console);
   if (!sent.prepared.job.is_rows()) return finish_job(sent.outcome, board, console);
   console.document(rows_json(sent, board.board));

@@ -13,9 +13,7 @@
 #include "host/cli/document_paths.hpp"
 #include "host/cli/interrupt.hpp"
 #include "host/cli/parser.hpp"
-#include "host/cli/shell_text.hpp"
 #include "host/cli/standard_streams.hpp"
-#include "host/cli/typed_command.hpp"
 #include "host/error.hpp"
 
 namespace lamplock::cli {
@@ -37,10 +35,9 @@ int program_main(Command& program, int argc, char** argv) {
   // So is a file that reaches the size limit of the shell.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
-    set_typed_command({argv, argv + argc});
     const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
     name_documents(program, installed_documents());
-    program.set_typed(shell_text(program.name(), arguments));
+    program.set_typed({argv, argv + argc});
     return check_output(status_of(run(program, arguments)));
   } catch (const Error& error) {
     return fail(error);

@@ -47,7 +47,6 @@ struct BoardOptions {
   std::string board = "virtual", image{}, usb = "serial", lines{};
   std::string profile{};  ///< of the machine, which may name lines too; the command fills it in
   std::size_t from = 0;
-  std::string command{};  ///< command line that repeats the run, for its report
   unsigned baud = boards::uart_baud;
   std::size_t run_up_lines = 0;  ///< lines from there on that are dark; the use case fills it in
   std::uint32_t fired = 0, job_speed = 100;
@@ -59,8 +58,8 @@ struct BoardOptions {
   PlotOptions plot{};
   LampFaults faults{};
   SimulatedDrives drives{};
-  /// The words of the command that runs the job, for the report; empty if there is none.
-  std::vector<std::string> command_words{};
+  /// The words of the command that runs the job, for its report; empty if there is none.
+  std::vector<std::string> command{};
 
   bool is_simulated() const { return board == "virtual" || board == "chip"; }
   /// Lines of this computer for a real board: those of --lines, else of the profile. Throws

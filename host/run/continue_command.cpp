@@ -4,6 +4,8 @@
 #include <array>
 #include <string_view>
 
+#include "host/shell_text.hpp"
+
 namespace lamplock::run {
 namespace {
 
@@ -16,22 +18,12 @@ bool is_in(const List& list, std::string_view word) {
   return std::find(list.begin(), list.end(), word) != list.end();
 }
 
-/// A word that a shell reads as it is written.
-std::string quoted(const std::string& word) {
-  constexpr std::string_view plain =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_@%+=:,./-";
-  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 }  // namespace
 
 std::string continue_command(const std::vector<std::string>& words, const link::Continuation& rest,
                              bool is_kept) {
   if (words.empty()) return "";
-  std::string text;
+  std::vector<std::string> kept;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view name = std::string_view(words[i]).substr(0, words[i].find('='));
     if (is_in(flags, words[i])) continue;
@@ -39,9 +31,10 @@ std::string continue_command(const std::vector<std::string>& words, const link::
       if (name == words[i]) ++i;  // its value is the next word
       continue;
     }
-    text += quoted(words[i]) + " ";
+    kept.push_back(words[i]);
   }
-  return text + (!rest.settled && is_kept ? "--resume" : link::go_on_options(rest));
+  return shell_text(kept) + " " +
+         (!rest.settled && is_kept ? "--resume" : link::go_on_options(rest));
 }
 
 }  // namespace lamplock::run

@@ -9,6 +9,7 @@
 #include "host/run/kept_progress.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/run_job.hpp"
+#include "host/shell_text.hpp"
 
 namespace lamplock::run {
 
@@ -19,7 +20,7 @@ JobOutcome engrave(const JobRequest& request, BoardOptions& options, Frontend& f
   auto port = open_job_port(options);
   PreparedJob prepared =
       prepare_job(request, options.dry, ask_origin(request.origin, port.get()), frontend);
-  prepared.making.command = options.command;
+  prepared.making.command = shell_text(options.command);
   if (!options.report.empty())
     prepared.making.description = glass::to_text(request.description, options.report);
   const auto kept = keep_progress(prepared, options, port.get(), frontend);

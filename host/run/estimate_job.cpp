@@ -9,24 +9,21 @@
 #include "host/estimate/estimate.hpp"
 #include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
-#include "host/job/job_file.hpp"
 #include "host/report/page.hpp"
-#include "host/run/job_points.hpp"
 #include "host/run/job_run.hpp"
+#include "host/run/read_job.hpp"
 #include "host/run/sent_file.hpp"
+#include "host/shell_text.hpp"
 #include "shared/beat_reason.hpp"
 
 namespace lamplock::run {
 namespace {
 
 /// A job as `send` would run it, or made as `engrave` would make it.
-PreparedJob read_job(const EstimateOptions& options, Frontend& frontend) {
+PreparedJob job_of(const EstimateOptions& options, Frontend& frontend) {
   const JobRequest& request = options.request;
-  if (!is_job_file(request.input))
-    return prepare_job(request, false, ask_origin(request.origin, nullptr), frontend);
-  PreparedJob prepared{request.input, {}, job::read_job_file(request.input)};
-  if (!prepared.job.is_rows()) prepared.points = points_of(prepared.job);
-  return prepared;
+  if (is_job_file(request.input)) return read_prepared_job(request.input);
+  return prepare_job(request, false, ask_origin(request.origin, nullptr), frontend);
 }
 
 /// The estimate in the form of a run, as far as a run can be predicted. Memory has no room for two
@@ -74,9 +71,9 @@ void write_page_file(const report::Report& report, const report::JobRun& run,
 Estimated estimate_job(const EstimateOptions& options, Frontend& frontend) {
   check_distinct({{"--page", options.page}}, options.request.input);
   if (!options.page.empty()) check_target(options.page);
-  PreparedJob prepared = read_job(options, frontend);
+  PreparedJob prepared = job_of(options, frontend);
   prepared.job.header.dry = false;
-  prepared.making.command = options.job.command;
+  prepared.making.command = shell_text(options.job.command);
   subtract_fired(prepared, options.job);
   estimate::Estimate estimate = estimate_prepared(prepared, options, frontend);
   const double seconds = estimate.time_before_s + estimate.time_s;

@@ -61,7 +61,7 @@ void add_end(const PreparedJob& prepared, const BoardOptions& options, const Job
   const bool is_complete = rest.first >= prepared.job.size();
   if (!is_complete) run.stopped_before = points_done(prepared.job, options.from, outcome.result);
   if (!is_complete && run.end.name != "done")
-    run.end.continue_with = continue_command(options.command_words, rest, outcome.is_kept);
+    run.end.continue_with = continue_command(options.command, rest, outcome.is_kept);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "host/glass/description_file.hpp"
 #include "host/job/job_file.hpp"
 #include "host/model/input.hpp"
+#include "host/run/job_points.hpp"
 
 namespace lamplock::run {
 
@@ -33,6 +34,12 @@ job::Job read_job(const std::string& file) {
     if (remedy.empty()) throw;
     throw Error(Exit::bad_input, file, "is not a lamplock job file", remedy);
   }
+}
+
+PreparedJob read_prepared_job(const std::string& file) {
+  PreparedJob prepared{file, {}, read_job(file)};
+  if (!prepared.job.is_rows()) prepared.points = points_of(prepared.job);
+  return prepared;
 }
 
 }  // namespace lamplock::run

@@ -10,13 +10,13 @@
 #include "host/link/transport.hpp"
 #include "host/raster/row_motion.hpp"
 #include "host/run/job_board.hpp"
-#include "host/run/job_points.hpp"
 #include "host/run/kept_progress.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/read_job.hpp"
 #include "host/run/run_job.hpp"
 #include "host/run/run_rows.hpp"
+#include "host/shell_text.hpp"
 
 namespace lamplock::run {
 
@@ -24,14 +24,13 @@ SentJob send_job(const std::string& file, BoardOptions& options, Frontend& front
   options.check(file);
   require_askable(options, frontend);
   auto port = open_job_port(options);
-  SentJob sent{{file, {}, read_job(file), {}}, {}, 0};
+  SentJob sent{read_prepared_job(file), {}, 0};
   PreparedJob& prepared = sent.prepared;
-  prepared.making.command = options.command;
+  prepared.making.command = shell_text(options.command);
   job::Job& job = prepared.job;
   job.header.dry = job.header.dry || options.dry;
   if (options.is_simulated() && !options.profile.empty())
     prepared.machine = job::read_profile(options.profile).settings;
-  if (!job.is_rows()) prepared.points = points_of(job);
   const auto kept = keep_progress(prepared, options, port.get(), frontend);
   if (job.is_rows()) {
     sent.planned_s = raster::seconds_of(job);

@@ -36,7 +36,7 @@ TEST(RunOnBoard, AfterARestartHasThePointsOfTheMark) {
     const PreparedJob prepared = job_of(count, shots);
     BoardOptions options;
     options.from = from;
-    options.command_words = {"lamplock", "send", "j.llj"};
+    options.command = {"lamplock", "send", "j.llj"};
     JobOutcome outcome;
     outcome.result.end = link::JobEnd::restarted;
     outcome.result.status.first_unfired = static_cast<std::uint32_t>(reported);

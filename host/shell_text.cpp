@@ -1,9 +1,9 @@
-#include "host/cli/shell_text.hpp"
+#include "host/shell_text.hpp"
 
 #include <algorithm>
 #include <string_view>
 
-namespace lamplock::cli {
+namespace lamplock {
 namespace {
 
 /// Characters without a special meaning in any place of a word.
@@ -13,10 +13,10 @@ bool is_plain(char c) {
          others.find(c) != std::string_view::npos;
 }
 
-std::string word(const std::string& argument) {
-  if (!argument.empty() && std::all_of(argument.begin(), argument.end(), is_plain)) return argument;
+std::string quoted_if_special(const std::string& word) {
+  if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
   std::string quoted = "'";
-  for (const char c : argument) {
+  for (const char c : word) {
     if (c == '\'')
       quoted += "'\\''";
     else
@@ -27,10 +27,10 @@ std::string word(const std::string& argument) {
 
 }  // namespace
 
-std::string shell_text(const std::string& program, const std::vector<std::string>& arguments) {
-  std::string text = program;
-  for (const std::string& argument : arguments) text += " " + word(argument);
+std::string shell_text(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + quoted_if_special(word);
   return text;
 }
 
-}  // namespace lamplock::cli
+}  // namespace lamplock
