@@ -115,6 +115,7 @@ void MachineEvents::unlock() {
 /// 0x18 discards typed lines and the rest of a program.
 void MachineEvents::begin_reset() {
   leave_guarded_motion();
+  program_.end_light();
   reader_.clear();
   lines_at_cancel_ = 0;
   shots_.permit(false, idle_reason());

@@ -7,7 +7,8 @@ Conditions MachineEvents::conditions() const {
   unsigned now = 0;
   if (door_open()) now |= door_is_open;
   if (host_lives()) now |= job_host_lives;
-  if (!motion_.at_rest()) now |= is_moving;
+  // Light at rest is a motion without steps.
+  if (!motion_.at_rest() && !program_.shines_at_rest()) now |= is_moving;
   if (parking_.stage() != Parking::Stage::off) now |= tool_is_away;
   if (program_.begun()) now |= lines_have_begun;
   return static_cast<Conditions>(now);

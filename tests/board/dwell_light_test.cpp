@@ -125,6 +125,29 @@ TEST_F(DwellLight, EndsWithEveryStop) {
   }
 }
 
+/// A reset in the light loses no position, as one at rest: no alarm, and the next line moves.
+TEST_F(DwellLight, AfterAResetTheMachineIsReady) {
+  profile_.settings.set_milli(Id::focus_time, 10'000);
+  for (const char* line : {"G4 P2", "M3", "S90", "G4 P2\nG1 X3"})
+    for (const bool slept : {false, true}) {
+      SCOPED_TRACE(line + std::string(slept ? ", then $SLP" : ""));
+      begin("M3 S100", line);
+      host_->run_ms(100);
+      ASSERT_GT(power_now(), 0);
+      if (slept) host_->send("$SLP\n");
+      host_->run_ms(1);
+      host_->send(std::uint8_t{0x18});
+      host_->run_ms(50);
+      EXPECT_TRUE(host_->has_said("Grbl 1.1h ['$' for help]"));
+      EXPECT_FALSE(host_->has_said("ALARM:3"));
+      EXPECT_EQ(power_now(), 0);
+      EXPECT_THAT(host_->status(), HasSubstr("<Idle"));
+      EXPECT_THAT(host_->ask("G90 G1 X2 F6000\n"), Contains("ok"));
+      ASSERT_TRUE(host_->wait_for_rest());
+      EXPECT_EQ(host_->position()[0], 400);
+    }
+}
+
 /// The next move follows the light, and the end of the program waits for it.
 TEST_F(DwellLight, IsCompleteBeforeWhatFollows) {
   begin("M3 S100", "G4 P0.1\nG1 X2 F6000\nG4 P0.1\nM2");

@@ -209,6 +209,14 @@ TEST_F(Parking, ResetAndEstopOnTheWay) {
       EXPECT_THAT(host_->said(), Contains("ALARM:10"));
     }
     EXPECT_THAT(state(), AnyOf(StartsWith("Alarm"), StartsWith("Idle")));
+    // It works on: no motion that was broken off leaves it busy.
+    rig_->set(sim::Pin::estop, false);
+    set_door(false);
+    host_->run_ms(100);
+    host_->ask("$X\n");
+    EXPECT_THAT(host_->ask("G91 G1 X1 F1200\n"), Contains("ok"));
+    ASSERT_TRUE(host_->wait_for_rest());
+    EXPECT_EQ(host_->position()[0] - stood[0], 200);
   }
 }
 

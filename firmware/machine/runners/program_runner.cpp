@@ -97,6 +97,8 @@ bool ProgramRunner::set_pulses(std::uint32_t milli_per_mm, std::uint32_t length_
 }
 
 void ProgramRunner::cancel() {
+  // In the light the planner has nothing that it could drop.
+  if (shines_at_rest_) return end_light();
   if (begun_ && !idle() && !broken_off_) orders_.cancel = true;
 }
 
@@ -168,6 +170,7 @@ void ProgramRunner::shine_at_rest(std::uint16_t power, std::uint32_t ticks) {
 }
 
 void ProgramRunner::end_light() {
+  if (!shines_at_rest_) return;
   shines_at_rest_ = stands_ = false;
   abort_detour();
 }

@@ -80,7 +80,7 @@ class ProgramRunner {
   /// Stops on the path and stays there.
   void hold() {
     orders_.held = true;
-    if (shines_at_rest_) end_light();
+    end_light();
   }
   bool shines_at_rest() const { return shines_at_rest_; }
   void resume() { orders_.held = false; }
@@ -95,8 +95,9 @@ class ProgramRunner {
   bool broken_off() const { return broken_off_; }
 
   /// At rest: the laser has this power, full_power = all, for this number of ticks, or until
-  /// end_light(), a hold or a reset. Masked.
+  /// end_light(), a hold or a cancel. Masked.
   [[gnu::cold]] void shine_at_rest(std::uint16_t power, std::uint32_t ticks);
+  /// Ends that light, if it shines. Masked.
   [[gnu::cold]] void end_light();
 
   /// A motion beside the program, held and at rest: begins as soon as possible. Before resume() the
