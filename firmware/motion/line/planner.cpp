@@ -220,6 +220,9 @@ void LinePlanner::cap(const LineCap& cap) {
 }
 
 void LinePlanner::begin_line() {
+  // The end of the program, or a late host: the chords that end there limit lines soon to be run.
+  constexpr std::uint32_t max_lines_before_open = 8;
+  if (ring_.size() <= max_lines_before_open) close_line();
   const Line& line = ring_.at(ring_.begin());
   way_.target = line;
   if (returns_) way_.target = back_;
