@@ -230,6 +230,7 @@ std::string row(int pixels, double x, double pixel_mm) {
 
 /// Some seconds with all kinds of motion and light.
 std::string mixed_program() {
+  const int pixels = std::min(scaled(60), 60);  // more do not fit into a line
   return "G21 G90 G17 G94\nM127 P3.3\nM128 P71\nG0 X30 Y10\n"
          "M3 S400\nG1 X38 F9000\nG2 X46 Y18 I0 J8\nG3 X38 Y26 R8\nG1 X34 S900\n"
          "G0 X20 Y26\nM4 S1000\nG1 X20 Y20 F6000\nG5 I0 J-4 P0 Q4 X26 Y12\n"
@@ -237,7 +238,7 @@ std::string mixed_program() {
          wave(scaled(80), 26, 12) +
          "G4 P0.02\nG91 G1 X-3 Y1 Z1 F4000\nG18 G3 X-8 Z0 R6\nM5\nG90 G17 G0 X0 Y0\n"
          "M3 S700\nG1 X2 F8000\n" +
-         row(scaled(60), 2, 0.13) + "M4\n" + row(scaled(60), 2 + scaled(60) * 0.13, -0.1) +
+         row(pixels, 2, 0.13) + "M4\n" + row(pixels, 2 + pixels * 0.13, -0.1) +
          "M126 P1\nG1 X20 S350\nG2 X28 Y8 I0 J8\nG1 X15 Y3 F12000\nM126 P0\nX0\nM2\n";
 }
 
