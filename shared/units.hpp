@@ -24,8 +24,13 @@ inline constexpr std::uint32_t shortest_tick_ns = tick_ns * 3 / 4;
 
 inline constexpr std::int64_t um_per_inch = 25'400;
 
-/// System clock of the reference board; the unit of times that cross the board interface.
-inline constexpr std::uint32_t clock_hz = 125'000'000;
+/// System clock of the board in MHz. An image for another clock is built with another value
+/// (toolchain/arm/CMakeLists.txt); everything else is derived from it, and a tick stays a tick.
+#ifndef LAMPLOCK_CLOCK_MHZ
+#define LAMPLOCK_CLOCK_MHZ 125
+#endif
+/// The same in Hz: the unit of times that cross the board interface.
+inline constexpr std::uint32_t clock_hz = LAMPLOCK_CLOCK_MHZ * 1'000'000;
 inline constexpr std::uint32_t clocks_per_tick = clock_hz / ticks_per_second;
 inline constexpr std::uint32_t clocks_per_us = clock_hz / 1'000'000;
 

@@ -59,7 +59,7 @@ struct ResumePoint {
 };
 
 /// Clocks from the edge to the decision whether to fire: runt filter (2 us) and latency of the fire
-/// stage. Calculated for the PIO of the RP2040; the virtual board does the same.
-inline constexpr std::uint32_t fire_decision_clocks = 269;
+/// stage (19 clocks). Calculated for the PIO of the RP2040; the virtual board does the same.
+inline constexpr std::uint32_t fire_decision_clocks = 2 * clocks_per_us + 19;
 
 }  // namespace lamplock::machine

@@ -5,6 +5,7 @@
 #include "host/link/sender.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "sim/chip_board/chip_board.hpp"
+#include "tests/flash_image_path.hpp"
 #include "tests/step_histogram.hpp"
 
 namespace lamplock {
@@ -44,7 +45,7 @@ class Meter {
 /// Runs `what` on boards that a host has just detected.
 template <typename What>
 void on_board(benchmark::State& state, What what) {
-  const sim::chip::Image image = sim::chip::load_image(LAMPLOCK_IMAGE);
+  const sim::chip::Image image = sim::chip::load_image(test::flash_image_path());
   Meter meter;
   for (auto _ : state) {
     state.PauseTiming();

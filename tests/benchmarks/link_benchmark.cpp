@@ -10,6 +10,7 @@
 #include "host/link/simulated_transport.hpp"
 #include "sim/chip_board/chip_board.hpp"
 #include "sim/world/drive_settings.hpp"
+#include "tests/flash_image_path.hpp"
 
 namespace lamplock {
 namespace {
@@ -26,7 +27,8 @@ job::Profile profile() {
 
 /// A board that a host has just detected, with the USB function of the benchmark's argument.
 struct Desk {
-  explicit Desk(const benchmark::State& state) : image(sim::chip::load_image(LAMPLOCK_IMAGE)) {
+  explicit Desk(const benchmark::State& state)
+      : image(sim::chip::load_image(test::flash_image_path())) {
     sim::WorldConfig world;
     world.lamp.frequency_hz = 4000;
     world.drives = sim::drives_of(profile().settings);

@@ -25,6 +25,7 @@
 #include "sim/chip_board/chip_board.hpp"
 #include "tests/board/row_host.hpp"
 #include "tests/chip_board/sleep_watch.hpp"
+#include "tests/flash_image_path.hpp"
 #include "tests/program_sender.hpp"
 
 namespace lamplock {
@@ -174,7 +175,7 @@ void chip_pixels(benchmark::State& state) {
   const auto feed_mm_s = static_cast<double>(state.range(1));
   const auto form = static_cast<Form>(state.range(2));
   const auto longest_run = static_cast<unsigned>(state.range(3));
-  const sim::chip::Image image = sim::chip::load_image(LAMPLOCK_IMAGE);
+  const sim::chip::Image image = sim::chip::load_image(test::flash_image_path());
   Rate rate;
   for (auto _ : state) {
     sim::ChipBoard board(image, machine(), {});

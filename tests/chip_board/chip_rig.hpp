@@ -20,13 +20,14 @@
 #include "sim/chip/profile/function_table.hpp"
 #include "sim/chip_board/chip_board.hpp"
 #include "tests/board/rig.hpp"
+#include "tests/flash_image_path.hpp"
 #include "tests/program_sender.hpp"
 
 namespace lamplock::test {
 
 /// The image under test, read once.
 inline const sim::chip::Image& flash_image() {
-  static const sim::chip::Image image = sim::chip::load_image(LAMPLOCK_IMAGE);
+  static const sim::chip::Image image = sim::chip::load_image(flash_image_path());
   return image;
 }
 
@@ -127,6 +128,12 @@ struct ChipRig {
     EXPECT_THAT(board.usb_host().violations(), IsEmpty());
     EXPECT_THAT(board.chip().not_modelled(), IsEmpty());
     EXPECT_EQ(board.world().drives().total_faults(), 0u);
+  }
+
+  /// Length of a system clock, after boot.
+  Picoseconds clock() {
+    return ps_per_s /
+           static_cast<Picoseconds>(board.chip().system().clocks.hz(sim::chip::Clock::sys));
   }
 
   bool is_broken = false;
@@ -371,7 +378,8 @@ inline void run_to_the_end(ChipRig& rig, const job::Job& job, std::uint32_t sess
 }
 
 inline constexpr Picoseconds ps_per_tick = ps_per_us;
-/// From the tick to STEP on its pad (firmware: step_latency_clocks; found again by the first step).
+/// From the tick to STEP on its pad (firmware: step_latency_clocks; found again by the first step)
+/// at 125 MHz; at 200 MHz it is 30 ns. Either is far less than a tick.
 inline constexpr Picoseconds step_latency = 6 * 8 * ps_per_ns;
 
 /// A step: its axis, tick and direction, counted from the lamp edge of the first shot. The lamp is

@@ -9,9 +9,9 @@ namespace {
 constexpr std::uint32_t max_queued_lines = 2 * LineWork::most_segments;
 
 constexpr std::uint32_t nm_per_milli_mm = 1000;
-/// Minimum average duration of a line where very many are very short: reading one takes some 190 us
-/// of the chip, planning and handing out 150 us of its other core (docs/testing.md).
-constexpr std::uint32_t least_line_ticks = 195;
+/// Minimum average duration of a line where very many are very short: at 125 MHz reading one takes
+/// some 190 us of the chip, planning and handing out 150 us of its other core (docs/testing.md).
+constexpr std::uint32_t min_line_ticks = clock_hz == 200'000'000 ? 128 : 195;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ Result LineWork::begin(const settings::Values& values, std::uint32_t beat_ticks,
       static_cast<std::uint32_t>(values.milli(settings::Id::junction_deviation)) * nm_per_milli_mm;
   line_limits_ = motion::make_line_limits(limits_, coarsest, deviation);
   line_limits_.per_pace =
-      motion::UFloat::power(0) / motion::UFloat(least_line_ticks << motion::paced_lines_log2);
+      motion::UFloat::power(0) / motion::UFloat(min_line_ticks << motion::paced_lines_log2);
   coarsest_milli_ = static_cast<std::uint32_t>(coarsest);
   inbox_.clear();
   planner_.set_powers(&powers);

@@ -27,8 +27,7 @@
 namespace lamplock::rp2040 {
 
 /// 62.5 kHz.
-inline constexpr std::uint32_t laser_pwm_counts = 2000;
-static_assert(laser_pwm_counts == stepper::power_cell_ticks * clocks_per_tick);
+inline constexpr std::uint32_t laser_pwm_counts = stepper::power_cell_ticks * clocks_per_tick;
 
 /// Counts high for a power or a value of the attenuator: 65535 is always high.
 constexpr std::uint16_t laser_duty(std::uint16_t power) {

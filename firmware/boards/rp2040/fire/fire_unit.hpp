@@ -27,19 +27,20 @@
 namespace lamplock::rp2040 {
 
 static_assert(lamp::shot_delay_clocks(settings::range(settings::Id::q_switch_delay).min_milli) >=
-              pio::least_delay_clocks);
+              pio::min_delay_clocks);
+static_assert(lamp::shot_delay_clocks(settings::range(settings::Id::q_switch_delay).max_milli) <=
+              pio::max_delay_clocks);
 
 /// Delay and width in the words of FIRE.
 constexpr std::uint32_t token_word(const machine::FireTiming& timing) {
-  const std::uint32_t delay =
-      timing.delay_clocks < pio::least_delay_clocks  ? pio::least_delay_clocks
-      : timing.delay_clocks > pio::most_delay_clocks ? pio::most_delay_clocks
-                                                     : timing.delay_clocks;
+  const std::uint32_t delay = timing.delay_clocks < pio::min_delay_clocks   ? pio::min_delay_clocks
+                              : timing.delay_clocks > pio::max_delay_clocks ? pio::max_delay_clocks
+                                                                            : timing.delay_clocks;
   const std::uint32_t width =
       timing.width_clocks > pio::fire_width_fixed_clocks
           ? (timing.width_clocks - pio::fire_width_fixed_clocks) / pio::clocks_per_width_count
           : 0;
-  return (delay - pio::fire_fixed_clocks) | width << 16;
+  return (delay - pio::fire_fixed_clocks) / pio::clocks_per_delay_count | width << 16;
 }
 
 class FireUnit {

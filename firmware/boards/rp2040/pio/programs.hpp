@@ -19,6 +19,7 @@
 #include "firmware/machine/controller.hpp"
 #include "shared/boards/pico_pins.hpp"
 #include "shared/settings_table.hpp"
+#include "shared/units.hpp"
 
 namespace lamplock::rp2040::pio {
 
@@ -153,11 +154,11 @@ inline constexpr StampProgram stamp_program = make_stamp();
 inline constexpr unsigned clocks_per_stamp = 2;
 
 /// FIRE: the fire stage. IN pin: LAMP SYNC; JMP pin: ARM; SET pin: Q-switch. An edge is accepted if
-/// 32 samples 8 clocks apart are high; then one decision: a word present (the token: delay count,
-/// width count) and ARM high. Results: all ones when a pulse has begun, the delay count if a token
-/// was consumed without a shot, 0 if there was none. While it waits to push a result without a shot
-/// it misses edges; the result of a shot never waits: there is room, since a token is only loaded
-/// after all results were read.
+/// 32 samples, evenly over 2 us but for the first gap, are high; then one decision: a word present
+/// (the token: delay count, width count) and ARM high. Results: all ones when a pulse has begun,
+/// the delay count if a token was consumed without a shot, 0 if there was none. While it waits to
+/// push a result without a shot it misses edges; the result of a shot never waits: there is room,
+/// since a token is only loaded after all results were read.
 struct FireProgram {
   Program program;
   std::uint8_t delay = 0;  ///< before the pulse: from here ...
@@ -165,16 +166,24 @@ struct FireProgram {
   std::uint8_t after = 0;  ///< first instruction with the Q-switch off again
 };
 inline constexpr unsigned filter_samples = 32;
-inline constexpr unsigned filter_raster = 8;
+/// Two clocks pass between the edge and the first gap.
+inline constexpr unsigned filter_raster = (2 * clocks_per_us - 2) / (filter_samples - 1);
+/// What the raster leaves of 2 us: before the first sample.
+inline constexpr unsigned filter_first_gap =
+    2 * clocks_per_us - 2 - (filter_samples - 1) * filter_raster;
 /// Between the last sample and the decision, so that it is at the time that the core expects.
-inline constexpr unsigned decision_padding = 4;
+inline constexpr unsigned decision_padding = 12 - filter_raster;
+static_assert(filter_raster <= 12);
+/// One count of the delay and of the width: 16 bits must hold the maxima of $902 and $903.
+inline constexpr unsigned clocks_per_delay_count = clock_hz > 131'000'000 ? 2 : 1;
+inline constexpr unsigned clocks_per_width_count = 2 * clocks_per_delay_count;
 consteval FireProgram make_fire() {
   Assembler a;
   a.wrap_target();
   const Label start = a.here();
   a.wait(false, WaitFor::pin, 0);
   a.wait(true, WaitFor::pin, 0);
-  a.set(SetTo::y, filter_samples - 1);
+  a.set(SetTo::y, filter_samples - 1).delay(filter_first_gap);
   const Label sample = a.here();
   a.in(InFrom::pins, 1);
   a.jump(Jump::y_nonzero_decrement, sample).delay(filter_raster - 2);
@@ -195,13 +204,13 @@ consteval FireProgram make_fire() {
   a.jump(Jump::x_zero, report);
   a.out(OutTo::y, 16);
   const Label delay = a.here();
-  a.jump(Jump::x_nonzero_decrement, delay);
+  a.jump(Jump::x_nonzero_decrement, delay).delay(clocks_per_delay_count - 1);
   a.set(SetTo::pins, 1);
   const Label pulse = a.here();
   a.move(MoveTo::isr, MoveFrom::null, Operation::invert);
   a.push(false);
   const Label width = a.here();
-  a.jump(Jump::y_nonzero_decrement, width).delay(1);
+  a.jump(Jump::y_nonzero_decrement, width).delay(clocks_per_width_count - 1);
   a.set(SetTo::pins, 0);
   const Label after = a.here();
   a.jump(start);
@@ -211,20 +220,21 @@ inline constexpr FireProgram fire_program = make_fire();
 
 /// LAMP SYNC on its pad to the instruction that tests ARM: synchroniser, wait, Y, samples, the
 /// test, its padding, pull, out.
-inline constexpr unsigned fire_decision_clock =
-    synchroniser_clocks + 2 + filter_samples * filter_raster + 2 + decision_padding + 2;
+inline constexpr unsigned fire_decision_clock = synchroniser_clocks + 2 + filter_first_gap +
+                                                filter_samples * filter_raster + 2 +
+                                                decision_padding + 2;
 static_assert(fire_decision_clock == machine::fire_decision_clocks);
 /// Pulses up to this many clocks are runts: the last sample must be high.
-inline constexpr unsigned longest_runt_clocks = 2 + (filter_samples - 1) * filter_raster;
+inline constexpr unsigned longest_runt_clocks =
+    2 + filter_first_gap + (filter_samples - 1) * filter_raster;
 static_assert(longest_runt_clocks == lamp::min_sync_clocks);
-/// Edge to Q-switch = this + delay count, delay count at least 1: decision, token test, width,
-/// one more than the count, set, pad.
-inline constexpr unsigned fire_fixed_clocks = fire_decision_clock + 5;
-/// Width of the pulse = this + 2 per width count: result (2), one more than the count, fall.
-inline constexpr unsigned fire_width_fixed_clocks = 5;
-inline constexpr unsigned clocks_per_width_count = 2;
-inline constexpr unsigned least_delay_clocks = fire_fixed_clocks + 1;
-inline constexpr unsigned most_delay_clocks = fire_fixed_clocks + 0xffff;
+/// Edge to Q-switch = this + delay counts, at least one: decision, token test, width, one round
+/// more than the count, set, pad.
+inline constexpr unsigned fire_fixed_clocks = fire_decision_clock + 4 + clocks_per_delay_count;
+/// Width of the pulse = this + width counts: result (2), one round more than the count, fall.
+inline constexpr unsigned fire_width_fixed_clocks = 3 + clocks_per_width_count;
+inline constexpr unsigned min_delay_clocks = fire_fixed_clocks + clocks_per_delay_count;
+inline constexpr unsigned max_delay_clocks = fire_fixed_clocks + 0xffff * clocks_per_delay_count;
 
 inline constexpr std::uint32_t fired_result = 0xffffffffu;
 
