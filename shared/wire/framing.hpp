@@ -35,7 +35,7 @@ inline constexpr std::size_t max_frame = 2 * max_content + 2;
 inline constexpr std::size_t max_line = 256;
 
 /// Commands of one byte: those of grbl 1.1 and grblHAL, with their whole block reserved.
-constexpr bool is_realtime(std::uint8_t byte) {
+[[gnu::always_inline]] constexpr bool is_realtime(std::uint8_t byte) {
   return byte == 0x18 || byte == '?' || byte == '!' || byte == '~' ||
          (byte >= 0x80 && byte <= 0xAF);
 }

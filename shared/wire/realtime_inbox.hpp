@@ -41,7 +41,7 @@ constexpr int stop_rank(std::uint8_t byte) {
 }
 
 /// Jogs that were sent before it are void.
-constexpr bool ends_jogs(std::uint8_t byte) {
+[[gnu::always_inline]] constexpr bool ends_jogs(std::uint8_t byte) {
   return byte == byte_jog_cancel || byte == byte_hold || byte == byte_door;
 }
 

@@ -163,6 +163,33 @@ TEST(ChipFlood, AResetDropsWaitingLines) {
   EXPECT_EQ(rig.answer("G91 G1 X1 F6000"), "ok\r\n");
 }
 
+/// Packets that the link's interrupt examines byte by byte come as fast as the bus carries them.
+/// They must not keep the interrupts below it from filling ticks: the lattice would stop dead.
+TEST(ChipFlood, RealTimeBytesStopNoMotion) {
+  for (const std::string& bytes :
+       {std::string(1, '?'), std::string("\x90\x99"), std::string("X\x90")}) {
+    SCOPED_TRACE(testing::PrintToString(bytes));
+    ChipRig rig(quick_profile());
+    rig.type("G1 F6000 X12\nX0\n");
+    rig.run(30 * ps_per_ms);
+    const Picoseconds begin = rig.now();
+    std::string packets;
+    while (packets.size() < 8192) packets += bytes;
+    for (std::size_t i = 200; i < packets.size(); i += 200) packets[i] = '\n';
+    while (rig.now() < begin + 150 * ps_per_ms) {
+      rig.type(packets);
+      rig.run(ps_per_ms / 4);
+    }
+    EXPECT_TRUE(rig.monitor.stepped(begin, begin + 50 * ps_per_ms));
+    EXPECT_TRUE(rig.user.run_until_idle(rig.now() + 10 * ps_per_s));
+    EXPECT_EQ(rig.heard.find("ALARM"), std::string::npos);
+    EXPECT_EQ(rig.heard.find("Started by"), rig.heard.rfind("Started by"));
+    EXPECT_EQ(turns(rig.monitor).back(),
+              0);  // a plan that was late brakes, and returns to its path
+    EXPECT_EQ(rig.monitor.violation(quick_profile().settings), "");
+  }
+}
+
 /// A byte waits in the PC's buffers once the board's buffers are full. Closing the port takes
 /// effect at once.
 TEST(ChipFlood, AFullCableIsStoppedByClosingThePort) {

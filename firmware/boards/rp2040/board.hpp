@@ -79,7 +79,11 @@ class Board {
     real_time_.fill_interrupt(core_);
     watchdog_.sign(Signer::fill);
   }
-  void usb_interrupt() { ports_.usb().interrupt(); }
+  void usb_interrupt() {
+    const std::uint32_t begun_us = timer().timerawl;
+    ports_.usb().interrupt();
+    real_time_.usb_served(begun_us);
+  }
   void uart_interrupt() { ports_.uart().interrupt(); }
 
  private:

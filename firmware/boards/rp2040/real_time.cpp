@@ -13,6 +13,9 @@ using boards::Role;
 constexpr std::uint32_t fill_lead_ticks = 2000;
 /// Small portions cost every axis a cut, large ones delay brakes; whole words.
 constexpr std::uint32_t filled_at_once = 512;
+/// Ticks filled beyond those with a length, below which USB waits. The latter run out 0.8 ms after
+/// the former.
+constexpr std::int32_t min_filled_ticks = 1000;
 /// Minimum time between two alarms: retries must not use all the time.
 constexpr std::uint32_t least_wait_us = 5;
 constexpr std::uint32_t beat_period_us = 100;
@@ -148,6 +151,14 @@ void RealTime::go(std::uint64_t at_us, std::uint32_t first_tick_clocks) {
   BeamOutput::set_count(count);
 }
 
+void RealTime::admit_usb() {
+  if (!usb_waits_) return;
+  if (static_cast<std::int32_t>(filled_end_ - timed_end_) < min_filled_ticks) return;
+  if (static_cast<std::int32_t>(timer().timerawl - usb_after_us_) < 0) return;
+  usb_waits_ = false;
+  nvic().iser = irq_bit(Irq::usbctrl);
+}
+
 /// Relative to now: other levels get that time.
 void RealTime::set_alarm(std::uint32_t wait_us) {
   alarm_us_ = timer().timerawl + wait_us;
@@ -228,6 +239,7 @@ void RealTime::beat_interrupt(machine::Controller& core) {
   const bool result = FireUnit::has_result();
   if (!result) tell_answers(core);
   const bool enough = feed_spans(core, most_spans);
+  admit_usb();
   const std::uint64_t present = now();
   played_ = feed_.tick_before(static_cast<std::uint32_t>(present));
   nvic().ispr = irq_bit(Irq::spare_0);

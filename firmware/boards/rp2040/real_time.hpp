@@ -69,6 +69,18 @@ class RealTime {
   void edge_interrupt(machine::Controller& core);
   void beat_interrupt(machine::Controller& core);
   void fill_interrupt(machine::Controller& core);
+  /// Called after the interrupt of USB, which is above that which fills ticks, and which preempts
+  /// masked code: a host that sends packets faster than they can be examined must stop neither, nor
+  /// the main loop. After a long one the next waits three times as long, and until enough ticks are
+  /// filled.
+  void usb_served(std::uint32_t begun_us) {
+    constexpr std::uint32_t max_short_us = 50;
+    const std::uint32_t now_us = timer().timerawl, took_us = now_us - begun_us;
+    if (took_us < max_short_us) return;
+    usb_after_us_ = now_us + 3 * took_us;
+    usb_waits_ = true;
+    nvic().icer = irq_bit(Irq::usbctrl);
+  }
   /// Main loop with beat and fill masked, before a long masked section: feeds the full lead of
   /// ticks.
   void top_up(machine::Controller& core);
@@ -108,6 +120,7 @@ class RealTime {
   std::uint32_t high_clocks(const machine::Controller& core) const;
   void catch_answers() { answered_ = static_cast<std::uint8_t>(answered_ | beam_.answered()); }
   void tell_answers(machine::Controller& core);
+  void admit_usb();
   void set_alarm(std::uint32_t wait_us);
   void call_for_token();
   void call_at(std::uint64_t clock);
@@ -132,9 +145,11 @@ class RealTime {
   std::uint32_t now_us_ = 0;    ///< lower half of the timer at that call
   std::uint32_t alarm_us_ = 0;  ///< time of the alarm, in the same format
   // Data between the two levels, single words: the lower halves of two tick numbers.
-  volatile std::uint32_t filled_end_ = 0;  ///< written by fill, read by beat
-  volatile std::uint32_t timed_end_ = 0;   ///< written by beat, read by fill
-  volatile std::uint32_t played_ = 0;      ///< written by beat, read by fill
+  volatile std::uint32_t filled_end_ = 0;    ///< written by fill, read by beat
+  volatile std::uint32_t timed_end_ = 0;     ///< written by beat, read by fill
+  volatile bool usb_waits_ = false;          ///< its interrupt is off ...
+  volatile std::uint32_t usb_after_us_ = 0;  ///< ... until then at least
+  volatile std::uint32_t played_ = 0;        ///< written by beat, read by fill
   bool pads_released_ = false;
   bool drives_active_high_ = false;
   bool ask_ = false;           ///< request a token this time

@@ -42,11 +42,11 @@ struct ReceiveLosses {
   std::uint32_t gaps = 0;   ///< places where bytes are missing
 };
 
-/// False if none of four bytes is a real-time byte. True for any of 0x80 to 0xbf, a few too many.
-constexpr bool may_have_realtime(std::uint32_t word) {
+/// True if one of four bytes is a real-time byte: frames escape them, so their packets have none.
+constexpr bool has_realtime(std::uint32_t word) {
   constexpr std::uint32_t ones = 0x01010101, tops = 0x80808080;
-  // 0x80 to 0xbf: the highest bit is set and the next one is not.
-  std::uint32_t found = word & ~(word << 1);
+  // 0x80 to 0xaf: the highest bit is set, the next one is not, nor both of the two after it.
+  std::uint32_t found = word & ~(word << 1) & ~(word << 2 & word << 3);
   for (const std::uint32_t byte :
        {wire::byte_reset, wire::byte_hold, wire::byte_status, wire::byte_resume}) {
     // Classic test for a zero byte, exact about whether there is one.
@@ -69,6 +69,10 @@ class ReceiveRing {
     if (is_plain(words, size)) return false;
     bool reset = false, jog_cancel = false;
     for (std::uint32_t i = 0; i < size; ++i) {
+      if (i % 4 == 0 && !has_realtime(words[i / 4])) {
+        i += 3;
+        continue;
+      }
       const std::uint8_t byte = byte_of(words, i);
       if (!wire::is_realtime(byte)) continue;
       take_realtime(byte);
@@ -239,7 +243,7 @@ class ReceiveRing {
   static bool is_plain(const volatile std::uint32_t* words, std::uint32_t size) {
     // A loop, because an algorithm with a function argument may call it through a pointer.
     for (std::uint32_t i = 0; i < (size + 3) / 4; ++i) {
-      if (may_have_realtime(words[i])) return false;
+      if (has_realtime(words[i])) return false;
     }
     return true;
   }
