@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -170,10 +171,9 @@ class Stretch {
     const double gain = cost(exchange, exchange.now) - cost(exchange, exchange.then);
     if (gain < -max_loss) return;
     ++asked_;
-    const long saved = beats(exchange, exchange.now) - beats(exchange, exchange.then);
-    const double better = static_cast<double>(saved) + cost_weight * gain;
     // 1 - uniform() is never 0.
-    if (better < temperature_ * std::log(1 - random_.uniform())) return;
+    const double worst = temperature_ * std::log(1 - random_.uniform());
+    if (!saves(exchange, static_cast<long>(std::ceil(worst - cost_weight * gain)))) return;
     if (keeps_rule(exchange)) carry_out(exchange);
   }
 
@@ -209,49 +209,66 @@ class Stretch {
     }
   }
 
-  /// Visits the points of pieces and `around` points on either side, each with the number of
-  /// consecutive points visited before it: the middles of long pieces are left out.
+  /// Visits the points of pieces and of up to `around` points after them, each with the number of
+  /// consecutive points visited before it, the first with `known`: the middles of long pieces are
+  /// left out. Ends when a visit returns false, and returns whether none did.
   template <class Visit>
-  void walk(const Exchange& exchange, const AnnealedPieces& pieces, Index around,
+  bool walk(const Exchange& exchange, const AnnealedPieces& pieces, Index around, int known,
             Visit&& visit) const {
-    int known = 0;
-    for (Index i = exchange.first - around; i < exchange.first; ++i) visit(at(i), known++);
     for (const AnnealedPiece& piece : pieces) {
       for (Index i = 0; i < piece.count; ++i) {
         if (i == around && piece.count > 2 * around) {
           i = piece.count - around;
           known = 0;
         }
-        visit(at(piece.at(i)), known++);
+        if (!visit(at(piece.at(i)), known++)) return false;
       }
     }
-    for (Index i = exchange.end; i < exchange.end + around; ++i) visit(at(i), known++);
+    for (Index i = exchange.end; i < exchange.end + around; ++i)
+      if (!visit(at(i), known++)) return false;
+    return true;
   }
 
   double cost(const Exchange& exchange, const AnnealedPieces& pieces) const {
     constexpr Index felt = 2;  // a turn is between three points
     double sum = 0;
-    const Point *last = nullptr, *before = nullptr;
-    walk(exchange, pieces, felt, [&](const Point& p, int known) {
+    const Point *last = &at(exchange.first - 1), *before = &at(exchange.first - felt);
+    walk(exchange, pieces, felt, felt, [&](const Point& p, int known) {
       if (known >= 1) sum += cost_.edge(*last, p);
       if (known >= 2) sum += cost_.turn(*before, *last, p);
       before = last;
       last = &p;
+      return true;
     });
     return sum;
   }
 
-  long beats(const Exchange& exchange, const AnnealedPieces& pieces) const {
-    PlanState state;
+  /// True if an exchange saves at least `min_saved` beats. The points before it are planned once,
+  /// and the new pieces only as long as they can still save enough.
+  bool saves(const Exchange& exchange, long min_saved) const {
+    PlanState before = model_.any_speed();
+    for (Index i = exchange.first - window + 1; i < exchange.first; ++i)
+      model_.step(before, at(i - 1), at(i));
+    constexpr long unlimited = std::numeric_limits<long>::max();
+    const long allowed = wasted(exchange, exchange.now, before, unlimited) - min_saved;
+    return allowed >= 0 && wasted(exchange, exchange.then, before, allowed) <= allowed;
+  }
+
+  /// Beats above one a step in the pieces and in the points after them, from the state in the point
+  /// before them; some number above `allowed` if there are more. Both sides of an exchange have as
+  /// many steps.
+  long wasted(const Exchange& exchange, const AnnealedPieces& pieces, PlanState state,
+              long allowed) const {
     long sum = 0;
-    const Point* last = nullptr;
-    walk(exchange, pieces, window, [&](const Point& p, int known) {
+    const Point* last = &at(exchange.first - 1);
+    walk(exchange, pieces, window, window, [&](const Point& p, int known) {
       if (known == 0) {
         state = model_.any_speed();
       } else {
-        sum += model_.step(state, *last, p);
+        sum += model_.step(state, *last, p) - 1;
       }
       last = &p;
+      return sum <= allowed;
     });
     return sum;
   }

@@ -1,6 +1,6 @@
 // Predicts the beats that the planner will need for points in a given order. In: limits of the
 // machine, points. Out: beats. Called by the search for an order with few beats, from several
-// threads: tens of nanoseconds a point.
+// threads: tens of nanoseconds a point. All axes are computed at once, as floats (lanes.hpp).
 //
 // In free mode each axis moves on its own with |a| <= A and |v| <= V, and axes meet at the points
 // only. For a displacement in k beats the speeds reachable from an interval of speeds are an
@@ -14,13 +14,14 @@
 #include <span>
 
 #include "host/geometry/point.hpp"
+#include "host/order/lanes.hpp"
 #include "host/order/motion.hpp"
 
 namespace lamplock::order {
 
 /// The reachable speeds at a point, per axis, in units of A * beat.
 struct SpeedBox {
-  std::array<double, 3> low{}, high{};
+  Lanes low, high;
   friend bool operator==(const SpeedBox&, const SpeedBox&) = default;
 };
 
@@ -49,12 +50,12 @@ class BeatModel {
   PlanState any_speed() const;
 
  private:
-  using Way = std::array<double, 3>;
-  int feasible_beats(const SpeedBox& speeds, const Way& way, int first, SpeedBox& to) const;
-  int min_beats(const SpeedBox& speeds, const Way& way) const;
-  bool reach(const SpeedBox& from, const Way& way, double beats, SpeedBox& to) const;
+  int feasible_beats(const SpeedBox& speeds, const Lanes& way, int first, SpeedBox& to) const;
+  int min_beats(const SpeedBox& speeds, const Lanes& way) const;
+  bool reach(const SpeedBox& from, const Lanes& way, int beats, SpeedBox& to) const;
 
-  std::array<double, 3> unit_mm_{}, per_mm_{}, limit_{};
+  std::array<double, 3> unit_mm_{};
+  Lanes per_mm_, limit_;
 };
 
 }  // namespace lamplock::order

@@ -1,6 +1,7 @@
 #include "host/order/local_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "host/order/cost.hpp"
@@ -123,28 +124,34 @@ class LocalSearch {
     bool turned = false;
   };
 
-  /// Beats of the pieces in this order. The middles of long ones are left out.
-  int beats(Slot from, Slot step, std::initializer_list<Piece> pieces) const {
-    PlanState state;
-    Node before = free_node_;
-    int sum = 0;
-    for (const Piece& piece : pieces) {
-      for (Slot i = 0; i < piece.count; ++i) {
-        if (i == search_window && piece.count > 2 * search_window) {
-          i = piece.count - search_window;
-          before = free_node_;
-        }
-        const Slot place = piece.first + (piece.turned ? piece.count - 1 - i : i);
-        const Node node = at(wrap(from + step * place));
-        if (before == free_node_ || node == free_node_) {
-          state = judge_->any_speed();
-        } else {
-          sum += judge_->step(state, points_[before], points_[node]);
-        }
-        before = node;
+  /// A plan through one piece after the other.
+  struct Ride {
+    PlanState state{};
+    Node last = 0;  // free_node_: the next point may have any speed
+    bool has_free_node = false;
+    int steps = 0, wasted = 0;  // beats above one a step
+  };
+
+  /// Continues a plan through a piece until it wastes more than `allowed` beats. The middle of a
+  /// long piece is left out.
+  void plan(Ride& ride, Slot from, Slot step, const Piece& piece, int allowed) const {
+    for (Slot i = 0; i < piece.count; ++i) {
+      if (i == search_window && piece.count > 2 * search_window) {
+        i = piece.count - search_window;
+        ride.last = free_node_;
       }
+      const Slot place = piece.first + (piece.turned ? piece.count - 1 - i : i);
+      const Node node = at(wrap(from + step * place));
+      ride.has_free_node |= node == free_node_;
+      if (ride.last == free_node_ || node == free_node_) {
+        ride.state = judge_->any_speed();
+      } else {
+        ride.wasted += judge_->step(ride.state, points_[ride.last], points_[node]) - 1;
+        ++ride.steps;
+        if (ride.wasted > allowed) return;
+      }
+      ride.last = node;
     }
-    return sum;
   }
 
   /// Decides on an exchange that saves `gain` of the cost: the consecutive pieces `first` and
@@ -156,9 +163,21 @@ class LocalSearch {
     --asks_left_;
     const Slot around = std::min(search_window, (size_ - end) / 2);
     const Piece before{-around, around}, after{end, around};
-    const int saved = beats(from, step, {before, first, second, after}) -
-                      beats(from, step, {before, moved_first, moved_second, after});
-    return saved + search_cost_weight * gain >= min_saving;
+    constexpr int unlimited = std::numeric_limits<int>::max();
+    Ride now;
+    now.last = free_node_;
+    plan(now, from, step, before, unlimited);
+    Ride then = now;
+    for (const Piece& piece : {first, second, after}) plan(now, from, step, piece, unlimited);
+    const auto min_saved = static_cast<int>(std::ceil(min_saving - search_cost_weight * gain));
+    // The free node takes away steps, and not the same number on both sides of an exchange.
+    const int allowed = now.has_free_node ? unlimited : now.wasted - min_saved;
+    if (then.wasted > allowed) return false;
+    for (const Piece& piece : {moved_first, moved_second, after}) {
+      plan(then, from, step, piece, allowed);
+      if (then.wasted > allowed) return false;
+    }
+    return now.steps + now.wasted - then.steps - then.wasted >= min_saved;
   }
 
   bool exhausted() const { return judge_ != nullptr && asks_left_ == 0; }

@@ -37,7 +37,11 @@ struct TrianglePiece {
   std::uint32_t triangle = 0;
   double radius_mm = 0;
   double measure() const { return area_of(corners); }
-  bool is_covered(const BlockDarts& block) const { return block.is_covered(corners, radius_mm); }
+  geometry::Bounds box() const { return geometry::bounds(corners); }
+  template <class Darts>
+  bool is_covered(const Darts& darts) const {
+    return darts.is_covered(corners, radius_mm);
+  }
 };
 
 geometry::Point between(const geometry::Point& p, const geometry::Point& q) {

@@ -49,8 +49,12 @@ struct CubePiece {
   bool at_surface = false;
   double radius_mm = 0;
   double measure() const { return side_mm * side_mm * side_mm; }
-  bool is_covered(const BlockDarts& block) const {
-    return block.is_covered(low, side_mm, radius_mm);
+  geometry::Bounds box() const {
+    return {low, {low.x + side_mm, low.y + side_mm, low.z + side_mm}};
+  }
+  template <class Darts>
+  bool is_covered(const Darts& darts) const {
+    return darts.is_covered(low, side_mm, radius_mm);
   }
 };
 

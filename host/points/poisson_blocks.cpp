@@ -30,7 +30,54 @@ unsigned group_of(const BlockIndex& block) {
   return static_cast<unsigned>((block.x & 1) | (block.y & 1) << 1 | (block.z & 1) << 2);
 }
 
+/// A dart with `other` as radius is too near to one with `radius` at `place`.
+bool is_too_near(const geometry::Point& place, double radius, const geometry::Point& point,
+                 double other) {
+  const double apart = std::min(radius, other) * (1 + block_rounding);
+  return square_of_distance(place, point) < apart * apart;
+}
+
+/// A dart covers the triangle.
+bool covers(const geometry::Point& point, double other, const Corners& triangle, double radius) {
+  const double apart = std::min(radius, other), square = apart * apart;
+  return square_of_distance(triangle[0], point) < square &&
+         square_of_distance(triangle[1], point) < square &&
+         square_of_distance(triangle[2], point) < square;
+}
+
+/// A dart covers the cube with this centre and half of this side.
+bool covers(const geometry::Point& point, double other, const geometry::Point& centre, double half,
+            double radius) {
+  const double apart = std::min(radius, other);
+  // To the furthest corner.
+  const double x = std::abs(point.x - centre.x) + half, y = std::abs(point.y - centre.y) + half,
+               z = std::abs(point.z - centre.z) + half;
+  return x * x + y * y + z * z < apart * apart;
+}
+
+/// From a point to the nearest point of a box.
+double square_to_box(const geometry::Point& p, const geometry::Bounds& box) {
+  const double x = std::max({box.low.x - p.x, p.x - box.high.x, 0.0}),
+               y = std::max({box.low.y - p.y, p.y - box.high.y, 0.0}),
+               z = std::max({box.low.z - p.z, p.z - box.high.z, 0.0});
+  return x * x + y * y + z * z;
+}
+
 }  // namespace
+
+bool NearDarts::is_covered(const Corners& triangle, double radius) const {
+  return std::any_of(darts_.begin(), darts_.end(), [&](const NearDart& dart) {
+    return covers(dart.place, dart.radius, triangle, radius);
+  });
+}
+
+bool NearDarts::is_covered(const geometry::Point& low, double side_mm, double radius) const {
+  const double half = side_mm / 2;
+  const geometry::Point centre = moved(low, half);
+  return std::any_of(darts_.begin(), darts_.end(), [&](const NearDart& dart) {
+    return covers(dart.place, dart.radius, centre, half, radius);
+  });
+}
 
 DartBlocks::DartBlocks(const BlockGrid& grid, std::vector<BlockIndex> blocks, double distance_mm)
     : grid_(grid), blocks_(std::move(blocks)), distance_(distance_mm), contents_(blocks_.size()) {
@@ -120,8 +167,7 @@ bool BlockDarts::is_free(const geometry::Point& place, double radius) const {
   const double reach = radius + rounded_into_next_cell * all_.distance_;
   return !any_within(moved(place, -reach), moved(place, reach),
                      [&](const geometry::Point& point, double other) {
-                       const double apart = std::min(radius, other) * (1 + block_rounding);
-                       return square_of_distance(place, point) < apart * apart;
+                       return is_too_near(place, radius, point, other);
                      });
 }
 
@@ -133,12 +179,10 @@ bool BlockDarts::is_covered(const Corners& triangle, double radius) const {
                             std::max({a.z, b.z, c.z})};
   const geometry::Point high{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}),
                              std::min({a.z, b.z, c.z})};
-  return any_within(
-      moved(low, -reach), moved(high, reach), [&](const geometry::Point& point, double other) {
-        const double apart = std::min(radius, other), square = apart * apart;
-        return square_of_distance(a, point) < square && square_of_distance(b, point) < square &&
-               square_of_distance(c, point) < square;
-      });
+  return any_within(moved(low, -reach), moved(high, reach),
+                    [&](const geometry::Point& point, double other) {
+                      return covers(point, other, triangle, radius);
+                    });
 }
 
 bool BlockDarts::is_covered(const geometry::Point& low, double side_mm, double radius) const {
@@ -147,13 +191,18 @@ bool BlockDarts::is_covered(const geometry::Point& low, double side_mm, double r
   const geometry::Point centre = moved(low, half);
   return any_within(moved(low, side_mm - reach), moved(low, reach),
                     [&](const geometry::Point& point, double other) {
-                      const double apart = std::min(radius, other);
-                      // To the furthest corner.
-                      const double x = std::abs(point.x - centre.x) + half,
-                                   y = std::abs(point.y - centre.y) + half,
-                                   z = std::abs(point.z - centre.z) + half;
-                      return x * x + y * y + z * z < apart * apart;
+                      return covers(point, other, centre, half, radius);
                     });
+}
+
+void BlockDarts::find_near(const geometry::Bounds& box, double radius, NearDarts& near) const {
+  near.clear();
+  const double reach = radius + rounded_into_next_cell * all_.distance_;
+  any_within(moved(box.low, -reach), moved(box.high, reach),
+             [&](const geometry::Point& point, double other) {
+               if (square_to_box(point, box) < reach * reach) near.add(point, other);
+               return false;
+             });
 }
 
 void BlockDarts::add(const Dart& dart) {

@@ -73,6 +73,23 @@ class DartBlocks {
   std::array<std::vector<std::uint32_t>, 8> groups_;  // of blocks by parity
 };
 
+/// Copies of the darts near a piece. The questions are those of BlockDarts, for its parts.
+class NearDarts {
+ public:
+  bool is_covered(const Corners& triangle, double radius) const;
+  bool is_covered(const geometry::Point& low, double side_mm, double radius) const;
+
+  void clear() { darts_.clear(); }
+  void add(const geometry::Point& place, double radius) { darts_.push_back({place, radius}); }
+
+ private:
+  struct NearDart {
+    geometry::Point place;
+    double radius = 0;
+  };
+  std::vector<NearDart> darts_;
+};
+
 /// One block during its processing, with those round it.
 class BlockDarts {
  public:
@@ -84,6 +101,8 @@ class BlockDarts {
   bool is_covered(const Corners& triangle, double radius) const;
   /// The same for a cube with this lowest corner.
   bool is_covered(const geometry::Point& low, double side_mm, double radius) const;
+  /// Replaces `near` by the darts nearer than `radius` to a box, and maybe a few more.
+  void find_near(const geometry::Bounds& box, double radius, NearDarts& near) const;
   /// Adds a dart that is free.
   void add(const Dart& dart);
 

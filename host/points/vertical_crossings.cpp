@@ -2,8 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lamplock::points {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+// Two steps of a float outside: a place that rounding moves out of a triangle is still in its box.
+float float_below(double value) {
+  return std::nextafter(std::nextafter(static_cast<float>(value), -infinity), -infinity);
+}
+float float_above(double value) {
+  return std::nextafter(std::nextafter(static_cast<float>(value), infinity), infinity);
+}
+
+}  // namespace
 
 VerticalCrossings::VerticalCrossings(std::span<const geometry::Point> vertices,
                                      std::span<const Triangle> triangles)
@@ -21,10 +35,9 @@ VerticalCrossings::VerticalCrossings(std::span<const geometry::Point> vertices,
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
   listed_.resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for (std::size_t i = 0; i < triangles_.size(); ++i) {
-    for_each_column(triangles_[i], [&](std::size_t column) {
-      listed_[next[column]++] = static_cast<std::uint32_t>(i);
-    });
+  for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+    const Listed entry = listed(i);
+    for_each_column(triangles_[i], [&](std::size_t column) { listed_[next[column]++] = entry; });
   }
 }
 
@@ -59,6 +72,15 @@ VerticalCrossings::Columns VerticalCrossings::columns_of(const Triangle& triangl
   const auto [y_low, y_high] = std::minmax({a.y, b.y, c.y});
   return {column_rank(x_low, box_.low.x), column_rank(x_high, box_.low.x),
           column_rank(y_low, box_.low.y), column_rank(y_high, box_.low.y)};
+}
+
+VerticalCrossings::Listed VerticalCrossings::listed(std::uint32_t triangle) const {
+  const auto& [i, j, k] = triangles_[triangle];
+  const geometry::Point &a = vertices_[i], &b = vertices_[j], &c = vertices_[k];
+  const auto [x_low, x_high] = std::minmax({a.x, b.x, c.x});
+  const auto [y_low, y_high] = std::minmax({a.y, b.y, c.y});
+  return {triangle,           float_below(x_low),  float_above(x_high),
+          float_below(y_low), float_above(y_high), float_above(std::max({a.z, b.z, c.z}))};
 }
 
 /// True if the place is to the left of the edge seen from above. The edge always begins at the

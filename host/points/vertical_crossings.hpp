@@ -37,16 +37,30 @@ class VerticalCrossings {
     const std::size_t column =
         column_rank(place.y, box_.low.y) * side_ + column_rank(place.x, box_.low.x);
     for (std::size_t i = first_[column]; i < first_[column + 1]; ++i) {
-      const auto crossing = crossing_of(listed_[i], place);
+      const Listed& listed = listed_[i];
+      if (!listed.may_be_above(place)) continue;
+      const auto crossing = crossing_of(listed.triangle, place);
       if (crossing && crossing->z > place.z) hit(*crossing);
     }
   }
 
  private:
+  /// A triangle in a column, with bounds that are rounded outwards: most triangles of a column are
+  /// passed over without a look at their vertices.
+  struct Listed {
+    std::uint32_t triangle = 0;
+    float x_low = 0, x_high = 0, y_low = 0, y_high = 0, z_high = 0;
+
+    bool may_be_above(const geometry::Point& place) const {
+      return place.z <= z_high && place.x >= x_low && place.x <= x_high && place.y >= y_low &&
+             place.y <= y_high;
+    }
+  };
   struct Columns {  // cells from, to (included) of a triangle
     std::size_t x_from, x_to, y_from, y_to;
   };
   Columns columns_of(const Triangle& triangle) const;
+  Listed listed(std::uint32_t triangle) const;
   std::size_t column_rank(double coordinate, double from) const;
   void choose_columns();
   bool is_left(std::uint32_t from, std::uint32_t to, const geometry::Point& place) const;
@@ -57,7 +71,8 @@ class VerticalCrossings {
   geometry::Bounds box_;
   std::size_t side_ = 1;  // columns in x and in y
   double width_mm_ = 1;   // of a column
-  std::vector<std::uint32_t> first_, listed_;
+  std::vector<std::uint32_t> first_;
+  std::vector<Listed> listed_;
 };
 
 }  // namespace lamplock::points
