@@ -43,6 +43,8 @@ enum class FaultKind {
   dot,                ///< a curve that was removed because its length is 0
   self_intersection,  ///< size: length of the shorter loop that the crossing cuts off
   crossing,           ///< of two contours; size: 0
+  narrow,             ///< the beam does not fit; size: its width
+  vanished,           ///< a contour that has no offset; size: its length
   overlap             ///< edges on the same line or arc; size: length of the common part
 };
 struct Fault {

@@ -1,13 +1,12 @@
 // join_contours(): chains of edges from paths, joined at their ends, the nearest ends first.
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <unordered_map>
 #include <utility>
 
 #include "host/cutting/box_tree.hpp"
 #include "host/cutting/contour.hpp"
+#include "host/cutting/place_grid.hpp"
 #include "host/geometry/limits.hpp"
 
 namespace lamplock::cutting {
@@ -19,35 +18,6 @@ constexpr double rounding_mm = model::flat_mm;
 constexpr double min_edge_mm = 1e-9;
 // An end with more ends near it is the centre of a star; each is joined with one other anyway.
 constexpr std::size_t max_candidates = 64;
-
-/// Groups numbers by places, so that those near a place are found at once.
-class PlaceGrid {
- public:
-  explicit PlaceGrid(double cell_mm) : cell_(cell_mm) {}
-  void add(const Vec& at, std::size_t number) {
-    cells_[key(cell(at.x), cell(at.y))].push_back(number);
-  }
-  /// Calls found(number) for all places within a cell's width of `at`, and some that are further.
-  template <class Found>
-  void visit(const Vec& at, const Found& found) const {
-    for (std::int64_t x = cell(at.x) - 1; x <= cell(at.x) + 1; ++x) {
-      for (std::int64_t y = cell(at.y) - 1; y <= cell(at.y) + 1; ++y) {
-        const auto entry = cells_.find(key(x, y));
-        if (entry == cells_.end()) continue;
-        for (const std::size_t number : entry->second) found(number);
-      }
-    }
-  }
-
- private:
-  std::int64_t cell(double x) const { return std::llround(std::floor(x / cell_)); }
-  static std::uint64_t key(std::int64_t x, std::int64_t y) {
-    constexpr std::uint64_t odd = 0x9E3779B97F4A7C15u;  // spreads the bits; splitmix64
-    return static_cast<std::uint64_t>(x) * odd + static_cast<std::uint64_t>(y);
-  }
-  double cell_;
-  std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
-};
 
 bool is_nothing(const Edge& edge) {
   return distance(edge.from, edge.to) < min_edge_mm && length_of(edge) < 2 * min_edge_mm;
