@@ -1,12 +1,14 @@
 // Compensation: printed lengths, polygon offsets by libpolyclipping, narrow places, open contours.
 #include "host/cutting/offset.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "host/error.hpp"
 #include "tests/cutting/polygon_offset.hpp"
@@ -124,31 +126,38 @@ Topology topology_of(const std::vector<Area>& areas) {
   return topology;
 }
 
+/// How the offset differs from libpolyclipping's of polygons with chords of this error; empty: by
+/// at most 0.002 mm, with the same numbers of outside contours and holes.
+std::string difference(const std::vector<Contour>& part, const std::vector<Contour>& result,
+                       double distance_mm, double chords_mm) {
+  std::vector<double> areas, expected_areas;
+  for (const Contour& contour : result) areas.push_back(signed_area(contour));
+  const std::vector<Polygon> expected =
+      clipper_offset(polygons_of(part, chords_mm), distance_mm, chords_mm);
+  for (const Polygon& polygon : expected) expected_areas.push_back(area_of(polygon));
+  const Topology topology = topology_of(areas), wanted = topology_of(expected_areas);
+  if (topology.outside != wanted.outside || topology.holes != wanted.holes) return "topology";
+  const std::vector<Polygon> ours = polygons_of(result, chords_mm);
+  const double away = std::max(furthest(ours, expected), furthest(expected, ours));
+  return away <= 0.002 ? "" : fmt::format("{} mm", away);
+}
+
 TEST(offset, agrees_with_polygon_offsets) {
   Random random(11);
-  // Where two arcs meet at a small angle, chords move the corner by many times their error.
-  constexpr double chords_mm = 1e-5, allowed_mm = 0.002;
   int split = 0;
   for (int i = 0; i < scaled(250, 20); ++i) {
     const std::vector<Contour> part = random_part(random);
     const double distance_mm = (random.uniform() < 0.5 ? 1 : -1) * (0.05 + 2 * random.uniform());
     const std::vector<Contour> result = moved(part, distance_mm);
-    std::vector<double> areas;
     for (const Contour& contour : result) {
       expect_connected(contour);
       ASSERT_TRUE(contour.closed);
-      areas.push_back(signed_area(contour));
     }
-    const std::vector<Polygon> ours = polygons_of(result, chords_mm),
-                               polygons = polygons_of(part, chords_mm);
-    const std::vector<Polygon> expected = clipper_offset(polygons, distance_mm, chords_mm);
-    std::vector<double> expected_areas;
-    for (const Polygon& polygon : expected) expected_areas.push_back(area_of(polygon));
-    const Topology topology = topology_of(areas), wanted = topology_of(expected_areas);
-    EXPECT_EQ(topology.outside, wanted.outside) << i;
-    EXPECT_EQ(topology.holes, wanted.holes) << i;
-    EXPECT_LE(furthest(ours, expected), allowed_mm) << i;
-    EXPECT_LE(furthest(expected, ours), allowed_mm) << i;
+    // Where two arcs meet at a small angle, chords move the corner by many times their error. The
+    // time of the library grows with the square of their number.
+    if (!difference(part, result, distance_mm, 2e-4).empty()) {
+      EXPECT_EQ(difference(part, result, distance_mm, 1e-5), "") << i;
+    }
     split += result.size() != part.size() ? 1 : 0;
   }
   EXPECT_GT(split, 0) << "some parts must fall apart or lose a hole";
