@@ -23,7 +23,8 @@ inline Vec operator*(const Vec& p, double factor) { return {p.x * factor, p.y * 
 inline double dot(const Vec& p, const Vec& q) { return p.x * q.x + p.y * q.y; }
 /// Positive if q points to the left of p.
 inline double cross(const Vec& p, const Vec& q) { return p.x * q.y - p.y * q.x; }
-inline double norm(const Vec& p) { return std::hypot(p.x, p.y); }
+/// Coordinates are far from the range where std::hypot, which is several times slower, is needed.
+inline double norm(const Vec& p) { return std::sqrt(dot(p, p)); }
 inline double distance(const Vec& p, const Vec& q) { return norm(p - q); }
 /// The same length, a quarter turn clockwise: to the right of a direction.
 inline Vec right_of(const Vec& p) { return {p.y, -p.x}; }
