@@ -73,7 +73,7 @@ std::vector<OffsetPiece> pieces_of(const std::vector<RawEdge>& raw) {
   return pieces;
 }
 
-/// Tells which points are at least at the distance from all contours, and in no mitre.
+/// Finds the points that are at least at the distance from all contours, and in no mitre.
 class Clearance {
  public:
   Clearance(const std::vector<Contour>& contours, const std::vector<Mitre>& mitres,
