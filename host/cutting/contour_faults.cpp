@@ -17,7 +17,6 @@ constexpr double probe_mm = 1e-3;
 
 struct EdgeNumber {
   std::size_t contour, edge;
-  friend bool operator==(const EdgeNumber&, const EdgeNumber&) = default;
 };
 
 class FaultFinder {

@@ -238,7 +238,8 @@ void report_gaps(const std::vector<Contour>& contours, double tolerance_mm,
   for (const auto& [at, number] : ends) boxes.push_back({at, at});
   const BoxTree tree(std::move(boxes));
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    const auto& [at, number] = ends[i];
+    const Vec at = ends[i].first;
+    const std::size_t number = ends[i].second;
     const double furthest = distance(all.low, all.high);
     double nearest = std::numeric_limits<double>::infinity();
     // The square is doubled until it holds the nearest end for certain.
