@@ -1,0 +1,36 @@
+#include "host/cutting/contour.hpp"
+
+#include <algorithm>
+
+namespace lamplock::cutting {
+
+double length_of(const Contour& contour) {
+  double length = 0;
+  for (const Edge& edge : contour.edges) length += length_of(edge);
+  return length;
+}
+
+double signed_area(const Contour& contour) {
+  if (!contour.closed) return 0;
+  // About the first point: far from the origin the products would lose the digits of the area.
+  const Vec origin = contour.edges.front().from;
+  double area = 0;
+  for (const Edge& edge : contour.edges)
+    area += area_below({edge.from - origin, edge.to - origin, edge.centre - origin, edge.sweep});
+  return area;
+}
+
+Box box_of(const Contour& contour) {
+  Box box;
+  for (const Edge& edge : contour.edges) box.add(box_of(edge));
+  return box;
+}
+
+Contour reversed(const Contour& contour) {
+  Contour back = contour;
+  std::reverse(back.edges.begin(), back.edges.end());
+  for (Edge& edge : back.edges) edge = reversed(edge);
+  return back;
+}
+
+}  // namespace lamplock::cutting

@@ -1,0 +1,154 @@
+// contour_faults(): where contours cross themselves or others, and where edges overlap.
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "host/cutting/box_tree.hpp"
+#include "host/cutting/contour.hpp"
+
+namespace lamplock::cutting {
+namespace {
+
+// Differences below this are rounding: a thousandth of the resolution of the coordinates.
+constexpr double coincident_mm = 1e-6;
+// How far from a common point the two contours are compared to see whether they cross there.
+constexpr double probe_mm = 1e-3;
+
+struct EdgeNumber {
+  std::size_t contour, edge;
+};
+
+class FaultFinder {
+ public:
+  FaultFinder(const std::vector<Contour>& contours, std::size_t max_faults)
+      : contours_(contours), max_faults_(max_faults) {
+    for (std::size_t i = 0; i < contours.size(); ++i) {
+      double along = 0;
+      std::vector<double>& starts = starts_.emplace_back();
+      for (std::size_t j = 0; j < contours[i].edges.size(); ++j) {
+        const Edge& edge = contours[i].edges[j];
+        numbers_.push_back({i, j});
+        boxes_.push_back(box_of(edge).grown(coincident_mm));
+        starts.push_back(along);
+        along += length_of(edge);
+      }
+      starts.push_back(along);
+    }
+  }
+
+  std::vector<Fault> find() {
+    const BoxTree tree(boxes_);
+    for (std::size_t i = 0; i < numbers_.size(); ++i) {
+      tree.visit(boxes_[i], [&](std::size_t j) {
+        if (j > i && faults_.size() < max_faults_) compare(numbers_[i], numbers_[j]);
+      });
+    }
+    return std::move(faults_);
+  }
+
+ private:
+  const Edge& edge(const EdgeNumber& number) const {
+    return contours_[number.contour].edges[number.edge];
+  }
+
+  bool follows(const EdgeNumber& a, const EdgeNumber& b) const {
+    if (a.contour != b.contour) return false;
+    const Contour& contour = contours_[a.contour];
+    if (a.edge + 1 == b.edge) return true;
+    return contour.closed && a.edge + 1 == contour.edges.size() && b.edge == 0;
+  }
+
+  void compare(const EdgeNumber& a, const EdgeNumber& b) {
+    const Overlap overlap = overlap_of(edge(a), edge(b), coincident_mm);
+    if (overlap.length_mm > probe_mm) {
+      faults_.push_back({FaultKind::overlap, overlap.middle, overlap.length_mm, a.contour});
+      return;
+    }
+    for (const Vec& at : intersections(edge(a), edge(b), coincident_mm)) {
+      const bool is_joint = (follows(a, b) && distance(at, edge(a).to) <= probe_mm / 10) ||
+                            (follows(b, a) && distance(at, edge(b).to) <= probe_mm / 10);
+      if (!is_joint && cross_at(at, a, b)) report_crossing(at, a, b);
+    }
+  }
+
+  /// A place on a contour, mm along it.
+  double along(const EdgeNumber& number, const Vec& at) const {
+    const double part = std::clamp(part_at(edge(number), at), 0.0, 1.0);
+    return starts_[number.contour][number.edge] + part * length_of(edge(number));
+  }
+
+  /// The point of a contour at a distance along it; false beyond the ends of an open one.
+  bool point_along(std::size_t number, double along, Vec& point) const {
+    const Contour& contour = contours_[number];
+    const std::vector<double>& starts = starts_[number];
+    const double total = starts.back();
+    if (contour.closed) along -= std::floor(along / total) * total;
+    if (along < 0 || along > total) return false;
+    const auto next = std::upper_bound(starts.begin(), starts.end() - 1, along);
+    const auto i = static_cast<std::size_t>(next - starts.begin()) - 1;
+    const double length = starts[i + 1] - starts[i];
+    point =
+        point_at(contour.edges[i], length > 0 ? std::min(1.0, (along - starts[i]) / length) : 0);
+    return true;
+  }
+
+  /// True if the two branches of b leave the point on different sides of a.
+  bool cross_at(const Vec& at, const EdgeNumber& a, const EdgeNumber& b) const {
+    const double on_a = along(a, at), on_b = along(b, at);
+    Vec back_a, ahead_a, back_b, ahead_b;
+    if (!point_along(a.contour, on_a - probe_mm, back_a) ||
+        !point_along(a.contour, on_a + probe_mm, ahead_a) ||
+        !point_along(b.contour, on_b - probe_mm, back_b) ||
+        !point_along(b.contour, on_b + probe_mm, ahead_b))
+      return false;
+    const auto angle = [&](const Vec& point) {
+      const Vec from = ahead_a - at, to = point - at;
+      const double turn = std::atan2(cross(from, to), dot(from, to));
+      return turn < 0 ? turn + 2 * std::acos(-1.0) : turn;
+    };
+    // Branches that run into each other touch.
+    constexpr double same = 1e-6;
+    const double end = angle(back_a), first = angle(back_b), second = angle(ahead_b);
+    const auto side = [&](double turn) {
+      if (turn < same || std::abs(turn - end) < same || turn > 2 * std::acos(-1.0) - same) return 0;
+      return turn < end ? 1 : -1;
+    };
+    return side(first) * side(second) < 0;
+  }
+
+  void report_crossing(const Vec& at, const EdgeNumber& a, const EdgeNumber& b) {
+    Fault fault{FaultKind::crossing, at, 0, a.contour};
+    if (a.contour == b.contour) {
+      fault.kind = FaultKind::self_intersection;
+      fault.size_mm = std::abs(along(a, at) - along(b, at));
+      if (contours_[a.contour].closed)
+        fault.size_mm = std::min(fault.size_mm, starts_[a.contour].back() - fault.size_mm);
+    }
+    // A crossing at a corner is found with each of the edges that meet there.
+    for (const auto& [known, other] : crossings_) {
+      if (other == b.contour && known.contour == fault.contour && known.kind == fault.kind &&
+          distance(known.at, at) <= probe_mm)
+        return;
+    }
+    crossings_.emplace_back(fault, b.contour);
+    faults_.push_back(fault);
+  }
+
+  const std::vector<Contour>& contours_;
+  std::size_t max_faults_;
+  std::vector<EdgeNumber> numbers_;
+  std::vector<Box> boxes_;
+  std::vector<std::vector<double>>
+      starts_;  ///< of the edges, mm along each contour, and its length
+  std::vector<Fault> faults_;
+  std::vector<std::pair<Fault, std::size_t>> crossings_;
+};
+
+}  // namespace
+
+std::vector<Fault> contour_faults(const std::vector<Contour>& contours, std::size_t max_faults) {
+  return FaultFinder(contours, max_faults).find();
+}
+
+}  // namespace lamplock::cutting

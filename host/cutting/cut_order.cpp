@@ -1,0 +1,148 @@
+#include "host/cutting/cut_order.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "host/cutting/cut_stops.hpp"
+#include "host/error.hpp"
+
+namespace lamplock::cutting {
+namespace {
+
+// Each round improves the order for its start points and the start points for the order, until it
+// gains less than this part. A last one tries to exchange pieces of the order.
+constexpr int max_rounds = 6;
+constexpr double min_round_gain = 1e-3;
+constexpr std::size_t exchanges_per_stop = 10, max_exchanges = 10'000;
+
+/// A place on a closed contour.
+struct StartPlace {
+  std::size_t edge;
+  double part;
+};
+
+std::size_t parts_of_edges(const Contour& contour) {
+  return (starts_of_closed + contour.edges.size() - 1) / contour.edges.size();
+}
+
+/// The place of a start point by its number.
+StartPlace start_place(const Contour& contour, std::size_t start) {
+  const std::size_t count = contour.edges.size();
+  if (count >= starts_of_closed) return {start * count / starts_of_closed, 0};
+  const std::size_t parts = parts_of_edges(contour);
+  return {start / parts, static_cast<double>(start % parts) / static_cast<double>(parts)};
+}
+
+std::size_t count_of_starts(const Contour& contour) {
+  const std::size_t count = contour.edges.size();
+  return count >= starts_of_closed ? starts_of_closed : count * parts_of_edges(contour);
+}
+
+[[noreturn]] void refuse_tree(const char* what) {
+  throw Error(Exit::bad_input, "cut order", what, "make the tree from the same contours");
+}
+
+/// Refuses contours that are around themselves: none of them could be cut first.
+void require_tree(const std::vector<CutStop>& stops) {
+  std::vector<std::size_t> open(stops.size()), ready;
+  for (std::size_t i = 0; i < stops.size(); ++i) {
+    open[i] = stops[i].children;
+    if (open[i] == 0) ready.push_back(i);
+  }
+  std::size_t done = 0;
+  while (!ready.empty()) {
+    const std::size_t parent = stops[ready.back()].parent;
+    ready.pop_back();
+    ++done;
+    if (parent != CutStop::none && --open[parent] == 0) ready.push_back(parent);
+  }
+  if (done != stops.size()) refuse_tree("some contours are inside each other");
+}
+
+std::vector<CutStop> stops_of(const std::vector<Contour>& contours,
+                              const std::vector<ContourPlace>& places) {
+  if (places.size() != contours.size()) refuse_tree("the tree has another number of contours");
+  std::vector<CutStop> stops(contours.size());
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    const Contour& contour = contours[i];
+    CutStop& stop = stops[i];
+    stop.open = !contour.closed;
+    if (stop.open) {
+      stop.starts = {contour.edges.front().from, contour.edges.back().to};
+    } else {
+      for (std::size_t start = 0; start < count_of_starts(contour); ++start) {
+        const StartPlace place = start_place(contour, start);
+        stop.starts.push_back(point_at(contour.edges[place.edge], place.part));
+      }
+    }
+    if (!places[i].parent) continue;
+    if (*places[i].parent >= stops.size())
+      refuse_tree("a contour is inside of one that is missing");
+    stop.parent = *places[i].parent;
+    ++stops[stop.parent].children;
+  }
+  require_tree(stops);
+  return stops;
+}
+
+CutOrder order_of(const std::vector<Contour>& contours, const std::vector<CutStop>& stops,
+                  const std::vector<CutVisit>& visits, const Vec& position) {
+  CutOrder order;
+  order.rapid_mm = rapid_way(stops, visits, position);
+  for (const CutVisit& visit : visits) {
+    CutStep step{visit.stop, stops[visit.stop].open && visit.start == 1, 0, 0};
+    if (!stops[visit.stop].open) {
+      const StartPlace place = start_place(contours[visit.stop], visit.start);
+      step.edge = place.edge;
+      step.part = place.part;
+    }
+    order.steps.push_back(step);
+  }
+  return order;
+}
+
+}  // namespace
+
+CutOrder nearest_order(const std::vector<Contour>& contours,
+                       const std::vector<ContourPlace>& places, const Vec& position) {
+  const std::vector<CutStop> stops = stops_of(contours, places);
+  return order_of(contours, stops, nearest_visits(stops, position), position);
+}
+
+CutOrder cut_order(const std::vector<Contour>& contours, const std::vector<ContourPlace>& places,
+                   const Vec& position) {
+  const std::vector<CutStop> stops = stops_of(contours, places);
+  if (stops.size() <= max_exact)
+    return order_of(contours, stops, exact_visits(stops, position), position);
+  std::vector<CutVisit> best = nearest_visits(stops, position);
+  double shortest = rapid_way(stops, best, position);
+  const std::size_t last_exchanges = std::min(exchanges_per_stop * stops.size(), max_exchanges);
+  for (int round = 0; round <= max_rounds; ++round) {
+    const std::size_t exchanges = round == max_rounds ? last_exchanges : 0;
+    std::vector<CutVisit> visits = improved_visits(stops, best, position, exchanges);
+    choose_starts(stops, visits, position);
+    const double way = rapid_way(stops, visits, position);
+    const bool is_done = way > shortest * (1 - min_round_gain);
+    if (way < shortest) {
+      best = std::move(visits);
+      shortest = way;
+    }
+    if (is_done) round = std::max(round, max_rounds - 1);
+  }
+  return order_of(contours, stops, best, position);
+}
+
+Contour as_cut(const Contour& contour, const CutStep& step) {
+  if (!contour.closed) return step.backwards ? reversed(contour) : contour;
+  Contour turned = contour;
+  std::rotate(turned.edges.begin(), turned.edges.begin() + static_cast<std::ptrdiff_t>(step.edge),
+              turned.edges.end());
+  if (step.part == 0) return turned;
+  const Edge first = turned.edges.front();
+  const Vec start = point_at(first, step.part);
+  turned.edges.front() = cut_out(first, step.part, 1, start, first.to);
+  turned.edges.push_back(cut_out(first, 0, step.part, first.from, start));
+  return turned;
+}
+
+}  // namespace lamplock::cutting

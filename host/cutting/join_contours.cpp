@@ -1,0 +1,335 @@
+// join_contours(): chains of edges from paths, joined at their ends, the nearest ends first.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "host/cutting/box_tree.hpp"
+#include "host/cutting/contour.hpp"
+#include "host/cutting/place_grid.hpp"
+#include "host/geometry/limits.hpp"
+
+namespace lamplock::cutting {
+namespace {
+
+// Larger differences of ends are reported: smaller ones are the rounding of the file.
+constexpr double rounding_mm = model::flat_mm;
+// Edges below this length have no direction.
+constexpr double min_edge_mm = 1e-9;
+// An end with more ends near it is the centre of a star; each is joined with one other anyway.
+constexpr std::size_t max_candidates = 64;
+
+bool is_nothing(const Edge& edge) {
+  return distance(edge.from, edge.to) < min_edge_mm && length_of(edge) < 2 * min_edge_mm;
+}
+
+/// Moves the end of `a` and the start of `b` to one point: that of the arc if the other is a line.
+void weld(Edge& a, Edge& b) {
+  Vec meet = (a.to + b.from) * 0.5;
+  if (a.to == b.from) return;
+  if (a.is_line() && !b.is_line()) meet = b.from;
+  if (b.is_line() && !a.is_line()) meet = a.to;
+  a = with_ends(a, a.from, meet);
+  b = with_ends(b, meet, b.to);
+}
+
+/// Removes edges without length and makes neighbours meet exactly.
+void connect(Contour& contour) {
+  std::vector<Edge>& edges = contour.edges;
+  std::erase_if(edges, is_nothing);
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) weld(edges[i], edges[i + 1]);
+  if (contour.closed && edges.size() > 1) weld(edges.back(), edges.front());
+  // A dot that the reader took for a closed path.
+  if (edges.size() == 1 && edges.front().from != edges.front().to) contour.closed = false;
+  std::erase_if(edges, [](const Edge& edge) { return edge.from == edge.to && is_nothing(edge); });
+}
+
+bool is_covered(const Contour& contour, const Contour& by, double tolerance_mm) {
+  std::vector<Box> boxes;
+  boxes.reserve(by.edges.size());
+  for (const Edge& edge : by.edges) boxes.push_back(box_of(edge));
+  const BoxTree tree(std::move(boxes));
+  return std::all_of(contour.edges.begin(), contour.edges.end(), [&](const Edge& edge) {
+    for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+      const Vec point = point_at(edge, part);
+      bool is_near = false;
+      tree.visit(Box{point, point}.grown(tolerance_mm), [&](std::size_t i) {
+        is_near = is_near || distance_to(by.edges[i], point) <= tolerance_mm;
+      });
+      if (!is_near) return false;
+    }
+    return true;
+  });
+}
+
+/// Removes contours that are the same as an earlier one of their layer, wherever they begin and
+/// in whatever direction they run.
+class DuplicateFilter {
+ public:
+  DuplicateFilter(double tolerance_mm, std::vector<Fault>& faults)
+      : tolerance_(tolerance_mm), faults_(faults) {}
+
+  /// The numbers of the contours that remain, in order.
+  std::vector<std::size_t> keep(const std::vector<Contour>& contours) {
+    PlaceGrid corners(2 * tolerance_);
+    std::vector<std::size_t> kept;
+    std::vector<Box> boxes;
+    for (std::size_t i = 0; i < contours.size(); ++i) {
+      const Contour& contour = contours[i];
+      boxes.push_back(box_of(contour));
+      bool is_repeated = false;
+      corners.visit(boxes[i].low, [&](std::size_t other) {
+        is_repeated = is_repeated || is_same(contour, boxes[i], contours[other], boxes[other]);
+      });
+      if (is_repeated) {
+        faults_.push_back(
+            {FaultKind::duplicate, contour.edges.front().from, length_of(contour), {}});
+        continue;
+      }
+      corners.add(boxes[i].low, i);
+      kept.push_back(i);
+    }
+    return kept;
+  }
+
+ private:
+  bool is_same(const Contour& a, const Box& box_a, const Contour& b, const Box& box_b) const {
+    return a.layer == b.layer && a.closed == b.closed &&
+           distance(box_a.low, box_b.low) <= tolerance_ * 2 &&
+           distance(box_a.high, box_b.high) <= tolerance_ * 2 && is_covered(a, b, tolerance_) &&
+           is_covered(b, a, tolerance_);
+  }
+
+  double tolerance_;
+  std::vector<Fault>& faults_;
+};
+
+/// Joins open chains. Ends are numbered: 2 i is the start of chain i, 2 i + 1 its end.
+class Joiner {
+ public:
+  Joiner(std::vector<Contour> chains, double tolerance_mm, std::vector<Fault>& faults)
+      : chains_(std::move(chains)),
+        tolerance_(tolerance_mm),
+        faults_(faults),
+        partner_(2 * chains_.size(), none) {}
+
+  /// Contours with the number of their first chain.
+  std::vector<std::pair<std::size_t, Contour>> joined() {
+    choose_partners();
+    std::vector<bool> used(chains_.size(), false);
+    std::vector<std::pair<std::size_t, Contour>> contours;
+    for (std::size_t i = 0; i < chains_.size(); ++i) {
+      if (used[i]) continue;
+      contours.emplace_back(i, contour_with(i, used));
+    }
+    return contours;
+  }
+
+ private:
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+
+  struct Candidate {
+    std::size_t a, b;
+    double distance_mm, turn;
+  };
+
+  Vec place(std::size_t end) const {
+    const std::vector<Edge>& edges = chains_[end / 2].edges;
+    return end % 2 == 0 ? edges.front().from : edges.back().to;
+  }
+  /// The direction out of the chain at this end.
+  Vec outwards(std::size_t end) const {
+    const std::vector<Edge>& edges = chains_[end / 2].edges;
+    return end % 2 == 0 ? direction_at(edges.front(), 0) * -1 : direction_at(edges.back(), 1);
+  }
+  bool may_join(std::size_t a, std::size_t b) const {
+    if (chains_[a / 2].layer != chains_[b / 2].layer) return false;
+    // A chain shorter than a few tolerances would close upon itself.
+    constexpr double min_loop = 4;
+    const Contour& chain = chains_[a / 2];
+    return a / 2 != b / 2 || (chain.edges.size() > 1 && length_of(chain) > min_loop * tolerance_);
+  }
+
+  void choose_partners() {
+    PlaceGrid grid(tolerance_);
+    std::vector<Candidate> candidates;
+    for (std::size_t end = 0; end < partner_.size(); ++end) {
+      std::size_t count = 0;
+      grid.visit(place(end), [&](std::size_t other) {
+        if (count >= max_candidates) return;
+        const double gap = distance(place(end), place(other));
+        if (gap > tolerance_ || !may_join(other, end)) return;
+        ++count;
+        candidates.push_back({other, end, gap, 1 + dot(outwards(end), outwards(other))});
+      });
+      grid.add(place(end), end);
+    }
+    // Of ends at about the same distance those that continue most straightly are joined.
+    const double step = tolerance_ / 8;
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [step](const Candidate& p, const Candidate& q) {
+                       const double p_step = std::floor(p.distance_mm / step),
+                                    q_step = std::floor(q.distance_mm / step);
+                       return p_step != q_step ? p_step < q_step : p.turn < q.turn;
+                     });
+    for (const Candidate& pair : candidates) {
+      if (partner_[pair.a] != none || partner_[pair.b] != none) continue;
+      partner_[pair.a] = pair.b;
+      partner_[pair.b] = pair.a;
+    }
+  }
+
+  /// The contour that contains this chain, in its direction.
+  Contour contour_with(std::size_t first, std::vector<bool>& used) {
+    std::size_t begin = 2 * first;
+    while (partner_[begin] != none) {
+      begin = partner_[begin] ^ 1;
+      if (begin == 2 * first) break;
+    }
+    Contour contour;
+    contour.layer = chains_[first].layer;
+    contour.closed = partner_[begin] != none;
+    for (std::size_t end = begin;;) {
+      append(contour, end);
+      used[end / 2] = true;
+      const std::size_t next = partner_[end ^ 1];
+      if (next == none) break;
+      report_bridge(end ^ 1, next);
+      if (next == begin) break;
+      end = next;
+    }
+    connect(contour);
+    return contour;
+  }
+
+  void append(Contour& contour, std::size_t start) const {
+    const Contour& chain = chains_[start / 2];
+    const Contour along = start % 2 == 0 ? chain : reversed(chain);
+    contour.edges.insert(contour.edges.end(), along.edges.begin(), along.edges.end());
+  }
+
+  void report_bridge(std::size_t end, std::size_t next) {
+    const double gap = distance(place(end), place(next));
+    if (gap > rounding_mm)
+      faults_.push_back({FaultKind::bridged_gap, (place(end) + place(next)) * 0.5, gap, {}});
+  }
+
+  std::vector<Contour> chains_;
+  double tolerance_;
+  std::vector<Fault>& faults_;
+  std::vector<std::size_t> partner_;
+};
+
+/// One fault for each end of an open contour, with the distance to the nearest other end of its
+/// layer.
+void report_gaps(const std::vector<Contour>& contours, double tolerance_mm,
+                 std::vector<Fault>& faults) {
+  std::vector<std::pair<Vec, std::size_t>> ends;
+  Box all;
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    if (contours[i].closed) continue;
+    for (const Vec& end : {contours[i].edges.front().from, contours[i].edges.back().to}) {
+      ends.emplace_back(end, i);
+      all.add(end);
+    }
+  }
+  std::vector<Box> boxes;
+  boxes.reserve(ends.size());
+  for (const auto& [at, number] : ends) boxes.push_back({at, at});
+  const BoxTree tree(std::move(boxes));
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const Vec at = ends[i].first;
+    const std::size_t number = ends[i].second;
+    const double furthest = distance(all.low, all.high);
+    double nearest = std::numeric_limits<double>::infinity();
+    // The square is doubled until it holds the nearest end for certain.
+    for (double reach = tolerance_mm * 2;; reach *= 2) {
+      tree.visit(Box{at, at}.grown(reach), [&](std::size_t j) {
+        if (j != i && contours[ends[j].second].layer == contours[number].layer)
+          nearest = std::min(nearest, distance(at, ends[j].first));
+      });
+      if (nearest <= reach || reach > furthest) break;
+    }
+    faults.push_back({FaultKind::gap, at, nearest, number});
+  }
+}
+
+struct Numbered {
+  std::size_t path;  ///< the first one of the contour in the file
+  Contour contour;
+};
+
+/// Sets the contour of each fault to that with an edge at its place.
+void number_faults(std::vector<Fault>& faults, const std::vector<Contour>& contours,
+                   double reach_mm) {
+  std::vector<Box> boxes;
+  std::vector<std::pair<std::size_t, std::size_t>> edges;
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    for (std::size_t j = 0; j < contours[i].edges.size(); ++j) {
+      boxes.push_back(box_of(contours[i].edges[j]));
+      edges.emplace_back(i, j);
+    }
+  }
+  const BoxTree tree(std::move(boxes));
+  for (Fault& fault : faults) {
+    fault.contour.reset();
+    if (fault.kind == FaultKind::dot) continue;
+    double nearest = reach_mm;
+    tree.visit(Box{fault.at, fault.at}.grown(reach_mm), [&](std::size_t number) {
+      const auto [i, j] = edges[number];
+      const double away = distance_to(contours[i].edges[j], fault.at);
+      if (away > nearest || (away == nearest && fault.contour)) return;
+      nearest = away;
+      fault.contour = i;
+    });
+  }
+}
+
+std::vector<Contour> contours_of(std::vector<Numbered> numbered) {
+  std::stable_sort(numbered.begin(), numbered.end(),
+                   [](const Numbered& p, const Numbered& q) { return p.path < q.path; });
+  std::vector<Contour> contours;
+  contours.reserve(numbered.size());
+  for (Numbered& entry : numbered) contours.push_back(std::move(entry.contour));
+  return contours;
+}
+
+}  // namespace
+
+JoinedContours join_contours(const model::Curves& curves, const JoinOptions& options) {
+  geometry::require_positive(options.tolerance_mm, "contours", "tolerance");
+  JoinedContours result;
+  std::vector<Numbered> all;
+  std::vector<Contour> open;
+  std::vector<std::size_t> open_paths;
+  for (std::size_t i = 0; i < curves.paths.size(); ++i) {
+    const model::Path& path = curves.paths[i];
+    Contour chain{edges_of(path, options.curve_tolerance_mm), path.closed, path.layer};
+    connect(chain);
+    if (chain.edges.empty()) {
+      const geometry::Point at = model::start_of(path);
+      result.faults.push_back({FaultKind::dot, {at.x, at.y}, 0, {}});
+    } else if (chain.closed) {
+      all.push_back({i, std::move(chain)});
+    } else {
+      open.push_back(std::move(chain));
+      open_paths.push_back(i);
+    }
+  }
+  DuplicateFilter filter(options.tolerance_mm, result.faults);
+  const std::vector<std::size_t> kept = filter.keep(open);
+  std::vector<Contour> chains;
+  for (const std::size_t i : kept) chains.push_back(std::move(open[i]));
+  Joiner joiner(std::move(chains), options.tolerance_mm, result.faults);
+  for (auto& [first, contour] : joiner.joined()) {
+    if (!contour.edges.empty()) all.push_back({open_paths[kept[first]], std::move(contour)});
+  }
+  std::vector<Contour> contours = contours_of(std::move(all));
+  for (const std::size_t i : filter.keep(contours))
+    result.contours.push_back(std::move(contours[i]));
+  number_faults(result.faults, result.contours, 2 * options.tolerance_mm);
+  report_gaps(result.contours, options.tolerance_mm, result.faults);
+  return result;
+}
+
+}  // namespace lamplock::cutting

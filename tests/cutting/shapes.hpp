@@ -1,0 +1,107 @@
+// Contours for tests: polylines with bulges, circles, paths of drawings; random shapes.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "host/cutting/contour.hpp"
+#include "host/geometry/random.hpp"
+#include "host/model/curves.hpp"
+
+namespace lamplock::test {
+
+using cutting::Contour;
+using cutting::Edge;
+using cutting::Vec;
+
+inline model::Path line_path(Vec from, Vec to) {
+  return {{model::Line{{from.x, from.y, 0}, {to.x, to.y, 0}}}};
+}
+
+inline model::Path arc_path(Vec centre, double radius, double start, double end) {
+  return {{model::Arc{{centre.x, centre.y, 0}, {radius, 0, 0}, {0, radius, 0}, start, end}}};
+}
+
+inline model::Path circle_path(Vec centre, double radius) {
+  model::Path path = arc_path(centre, radius, 0, 2 * std::numbers::pi);
+  path.closed = true;
+  return path;
+}
+
+inline Contour polygon(const std::vector<Vec>& corners) {
+  Contour contour;
+  contour.closed = true;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    contour.edges.push_back({corners[i], corners[(i + 1) % corners.size()], {}, 0});
+  return contour;
+}
+
+/// Counter-clockwise.
+inline Contour circle(Vec centre, double radius) {
+  const Edge half = cutting::arc_from(centre, centre + Vec{radius, 0}, std::numbers::pi);
+  Edge back = cutting::arc_from(centre, half.to, std::numbers::pi);
+  back.to = half.from;
+  return {{half, back}, true};
+}
+
+/// Counter-clockwise, with its lower left corner at `low`.
+inline Contour rounded_rectangle(Vec low, double width, double height, double radius) {
+  const Vec high = low + Vec{width, height};
+  const double quarter = std::numbers::pi / 2;
+  const auto corner = [&](Vec centre, Vec out, Vec end) {
+    return Edge{centre + out * radius, centre + end * radius, centre, quarter};
+  };
+  Contour contour;
+  const std::vector<Edge> corners{corner({high.x - radius, low.y + radius}, {0, -1}, {1, 0}),
+                                  corner({high.x - radius, high.y - radius}, {1, 0}, {0, 1}),
+                                  corner({low.x + radius, high.y - radius}, {0, 1}, {-1, 0}),
+                                  corner({low.x + radius, low.y + radius}, {-1, 0}, {0, -1})};
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec before = corners[(i + 3) % 4].to;
+    if (before != corners[i].from) contour.edges.push_back({before, corners[i].from, {}, 0});
+    contour.edges.push_back(corners[i]);
+  }
+  contour.closed = true;
+  return contour;
+}
+
+/// The arc between two points by its bulge, the tangent of a quarter of its sweep; a line for 0.
+inline Edge bulged(Vec from, Vec to, double bulge) {
+  if (bulge == 0) return {from, to, {}, 0};
+  const Vec chord = to - from;
+  const double aside = (1 / bulge - bulge) / 4;
+  return {from, to, (from + to) * 0.5 - cutting::right_of(chord) * aside, 4 * std::atan(bulge)};
+}
+
+/// A counter-clockwise star-shaped contour of lines and arcs in the ring between two radii; never
+/// crosses itself. Some corners are deep, some arcs bulge inwards.
+inline Contour random_star(geometry::Random& random, Vec centre, double inner, double outer,
+                           int corners) {
+  std::vector<Vec> points;
+  for (int i = 0; i < corners; ++i) {
+    const double turn = 2 * std::numbers::pi * (i + 0.6 * random.uniform()) / corners;
+    const double radius = inner + (outer - inner) * random.uniform();
+    points.push_back(centre + Vec{std::cos(turn), std::sin(turn)} * radius);
+  }
+  Contour contour = polygon(points);
+  for (Edge& edge : contour.edges) {
+    if (random.uniform() < 0.5) continue;
+    // A bulge this small keeps the arc inside the sector of its chord, so that arcs do not cross.
+    const Vec chord = edge.to - edge.from;
+    const auto angle_to = [&](Vec radial) {
+      return std::abs(std::atan2(cutting::cross(chord, radial), cutting::dot(chord, radial)));
+    };
+    const double room = std::min(
+        {angle_to(edge.to - centre), std::numbers::pi - angle_to(edge.from - centre),
+         angle_to(edge.from - centre), std::numbers::pi - angle_to(edge.to - centre), 1.2});
+    edge = bulged(edge.from, edge.to, std::tan(0.45 * room) * (random.uniform() < 0.5 ? 1 : -1));
+  }
+  return contour;
+}
+
+}  // namespace lamplock::test
