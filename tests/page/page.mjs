@@ -251,7 +251,7 @@ async function check_making(page, report, out) {
   const shown = await page.ask(`Object.fromEntries([...document.querySelectorAll('[data-making]')].map((e) => [e.dataset.making, e.textContent]))`);
   for (const key of ['input', 'order', 'method', 'command'])
     check(`${key} is that of report.json`, shown[key] === report[key], [shown[key], report[key]]);
-  check('the command is the one of the run', /^lamplock engrave .*small\.xyz --order given --report /.test(report.command ?? ''), report.command);
+  check('the command is the one of the run', /lamplock engrave .*small\.xyz --order given --report /.test(report.command ?? ''), report.command);
   check('the description is in the folder', readFileSync(join(out, 'job.toml'), 'utf8').includes('small.xyz'));
 }
 
