@@ -1,4 +1,4 @@
-// nearest_visits(): start points in the cells of a grid that is made anew as they get fewer.
+// nearest_visits(): start points in the cells of a grid that is made again as they get fewer.
 #include <algorithm>
 #include <cmath>
 #include <limits>

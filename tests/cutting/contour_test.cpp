@@ -197,9 +197,9 @@ TEST(contour, ellipses_and_splines_become_arcs_within_the_tolerance) {
     }
     const std::vector<Edge> edges = edges_of(path, 0.001);
     EXPECT_LT(edges.size(), 400u);
-    double longest_arc = 0;
-    for (const Edge& edge : edges) longest_arc = std::max(longest_arc, std::abs(edge.sweep));
-    EXPECT_GT(longest_arc, 0.01);
+    double max_sweep_rad = 0;
+    for (const Edge& edge : edges) max_sweep_rad = std::max(max_sweep_rad, std::abs(edge.sweep));
+    EXPECT_GT(max_sweep_rad, 0.01);
     // Both ways: each point of the curve is near an edge, each point of an edge near the curve.
     geometry::PointCloud vertices = model::flattened(path, 0.0002);
     for (std::size_t k = 0; k < vertices.size(); k += 5) {
