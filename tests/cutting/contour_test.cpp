@@ -98,6 +98,7 @@ TEST(contour, scattered_edges_become_the_same_contours) {
   Random random(2);
   for (int i = 0; i < scaled(100, 10); ++i) {
     std::vector<Contour> parts;
+    parts.reserve(6);
     for (int k = 0; k < 6; ++k) parts.push_back(random_star(random, {50.0 * k, 0}, 5, 20, 5 + k));
     const double noise = i % 2 == 0 ? 0 : 0.002;
     const JoinedContours joined = join_contours(scattered(parts, random, noise), {});
@@ -192,6 +193,7 @@ TEST(contour, ellipses_and_splines_become_arcs_within_the_tolerance) {
       path.closed = true;
     } else {
       std::vector<geometry::Point> poles;
+      poles.reserve(4);
       for (int k = 0; k < 4; ++k) poles.push_back({any(), any(), 0});
       path.pieces = {model::bezier(std::move(poles))};
     }
