@@ -187,7 +187,7 @@ TEST(JogLine, leaves_out_fields_where_columns_are_few) {
   EXPECT_EQ(jog_line(display, status, 59), "X -100.500  Y 0.000  Z 12.250  | Idle | step 0.1 mm");
   EXPECT_EQ(jog_line(display, status, 39), "X -100.500  Y 0.000  Z 12.250  | Idle");
   EXPECT_EQ(jog_line(display, status, 31), "X -100.5  Y 0.0  Z 12.2  | Idle");
-  EXPECT_EQ(jog_line(display, status, 25), "X -100.5  Y 0.0  | Idle");
+  EXPECT_EQ(jog_line(display, status, 25), "X -100.50  Y 0.00  | Idle");
   EXPECT_EQ(jog_line(display, status, 19), "X -100.500  | Idle");
   EXPECT_EQ(jog_line(display, status, 15), "X -100.500");
   EXPECT_EQ(jog_line(display, status, 8), "X -100.5");
