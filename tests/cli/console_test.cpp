@@ -196,16 +196,20 @@ struct HalfTyped : ConsoleToPort {
   bool is_in(const std::string& state) {
     for (int i = 0; i < 20; ++i) {
       terminal.type("?");
-      if (terminal.wait_for("<") && terminal.watch(50ms).find("<" + state) != std::string::npos)
-        return true;
+      if (!terminal.wait_for("<")) return false;
+      const std::string bytes = terminal.watch(50ms);
+      screen.write(bytes);
+      if (bytes.find("<" + state) != std::string::npos) return true;
     }
     return false;
   }
+
+  Screen screen{80, 60, Screen::Resizing::wraps};
 };
 
 TEST(ConsoleCommand, realtime_keys_act_while_a_line_is_typed) {
-  Screen screen(80, 30, Screen::Resizing::wraps);
   HalfTyped console;
+  Screen& screen = console.screen;
   InTerminal& terminal = console.terminal;
   ASSERT_TRUE(console.is_in("Run|"));
   terminal.type("!");
@@ -219,7 +223,6 @@ TEST(ConsoleCommand, realtime_keys_act_while_a_line_is_typed) {
   ASSERT_TRUE(console.is_in("Run|"));
   terminal.type("\x1b!");  // Esc before it
   ASSERT_TRUE(console.is_in("Hold:"));
-  screen.write(terminal.watch(50ms));
   EXPECT_EQ(seen(terminal, screen).back(), "> G0 X") << "the line is kept";
   terminal.type("\x18");
   ASSERT_TRUE(terminal.wait_for("Grbl"));
