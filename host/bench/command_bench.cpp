@@ -240,7 +240,7 @@ void add_bench(Command& program) {
                  "Seed of the random points; the same seed gives the same points")
       .check(number_from(0, true))
       .show_default()
-      .value_name("S");
+      .value_name("N");
   app.add_option("--chart", &options->chart, "Write a chart of beats per point against a/f^2 (SVG)")
       .check(file_name())
       .value_name("FILE");

@@ -12,8 +12,10 @@ namespace {
 
 using settings::Id;
 
-constexpr unsigned max_shots = 255;       ///< at one point, of the pulse stream
-constexpr unsigned max_baud = 4'000'000;  ///< of what the kernel knows (termbits.h)
+constexpr unsigned max_shots = 255;  ///< at one point, of the pulse stream
+constexpr double full_percent = 100;
+constexpr double max_wander_percent = 50;  ///< of the simulated lamp (sim/world/lamp.cpp)
+constexpr unsigned max_baud = 4'000'000;   ///< of what the kernel knows (termbits.h)
 constexpr const char* board_group = "Board";
 constexpr const char* lamp_group = "Lamp of a simulated board";
 constexpr const char* drives_group = "Drives of a simulated board";
@@ -37,18 +39,23 @@ void add_plot(Command& app, run::PlotOptions& options, const char* group) {
 
 void add_lamp_faults(Command& app, run::LampFaults& faults) {
   app.add_option("--jitter", &faults.jitter_us,
-                 "Maximum deviation of each flash from its nominal time")
+                 "Maximum deviation of each flash from its nominal time, at most an eighth of the "
+                 "lamp period")
+      .check(number_from(0, true))
       .value_name("US")
       .group(lamp_group);
   app.add_option("--wander", &faults.wander_percent,
                  "Slow variation of the lamp period, peak to peak, as a sine of 10 s")
+      .check(number_in({0.0, max_wander_percent}))
       .value_name("PERCENT")
       .group(lamp_group);
   app.add_option("--dropouts", &faults.dropouts_percent, "Percentage of flashes that are missing")
+      .check(number_in({0.0, full_percent}))
       .value_name("PERCENT")
       .group(lamp_group);
   app.add_option("--runts", &faults.runts_percent,
                  "Percentage of flashes with an added noise pulse")
+      .check(number_in({0.0, full_percent}))
       .value_name("PERCENT")
       .group(lamp_group);
   app.add_option("--seed", &faults.seed, "Seed of the random faults")

@@ -73,13 +73,13 @@ void add_servo_drives(Command& app, ServoMachine& machine) {
   number("--time-constant", machine.drive.time_constant_ms, "Time constant of the position loop",
          "MS");
   number("--damping", machine.drive.damping, "Damping ratio of the position loop, for --order 2",
-         "D");
+         "N");
   app.add_option("--order", &machine.drive.order, "Order of the position loop")
       .check(number_in({1, 2}))
-      .value_name("1|2")
+      .value_name("N")
       .show_default()
       .group("Drives");
-  number("--accel", machine.accel_mm_s2, "Acceleration of the machine", "MM/S2");
+  number("--accel", machine.accel_mm_s2, "Acceleration of the machine", "MM_S2");
 }
 
 }  // namespace
@@ -100,7 +100,7 @@ void add_diagnose(Command& program) {
   app.add_option("--feed", &options->feed_mm_min,
                  "Feed rate of the two trajectories, without PROGRAM")
       .check(number_from(0, false))
-      .value_name("MM/MIN")
+      .value_name("MM_MIN")
       .show_default();
   add_servo_drives(app, options->machine);
   app.add_option("--picture", &options->picture, "Write a picture (SVG) of paths and errors")

@@ -77,6 +77,8 @@ void add_estimate(Command& program) {
       "  lamplock estimate model.llj --from 5120 --job-speed 80");
   const auto options = std::make_shared<EstimateOptions>();
   options->engraving.add(app, true);
+  for (Option& option : app.options())
+    if (option.is_positional()) option.help(option.help() + "; or a job file (llj)");
   add_part(app, options->estimate.job);
   add_job_speed(app, options->estimate.job);
   add_origin(app, options->estimate.request.origin);

@@ -79,7 +79,7 @@ void add_flash(Command& program) {
       app.add_option(
              "--drive", &options->drive,
              "Copy the file to this drive of a boot loader (RPI-RP2), without access to USB")
-          .value_name("FOLDER")
+          .value_name("DIR")
           .excludes(serial);
   app.add_option(
          "--board", &options->board,

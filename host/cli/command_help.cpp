@@ -23,7 +23,7 @@ Exit help(const Command& program, const std::vector<std::string>& words) {
         argument.kind == ArgumentKind::unknown_option)
       if (const auto error = usage_error(program, words)) throw Error(*error);
   const Command& command = arguments.empty() ? program : *arguments.back().command;
-  if (!command.separate_program().empty())
+  if (!command.separate_program().empty() && has_separate_program(command))
     run_separate_program(command, {command.name(), "--help"});
   fmt::print("{}", help_text(command, path_of(program, arguments, arguments.size()), HelpKind::all,
                              terminal_width()));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string_view>
 #include <type_traits>
 
 namespace lamplock::cli {
@@ -40,10 +41,9 @@ std::string count_text(const Count& count) {
 }
 
 Option::Option(std::string names, Target target, std::string help)
-    : names_(std::move(names)),
-      help_(std::move(help)),
-      value_name_(std::visit(ValueName(), target)),
-      target_(target) {}
+    : names_(std::move(names)), value_name_(std::visit(ValueName(), target)), target_(target) {
+  this->help(std::move(help));
+}
 
 Option& Option::value_name(std::string name) {
   value_name_ = std::move(name);
@@ -111,7 +111,12 @@ Option& Option::completions(std::vector<std::string> words) {
 }
 
 Option& Option::help(std::string text) {
+  constexpr std::string_view begin_of_default = "; default: ";
   help_ = std::move(text);
+  if (const auto at = help_.rfind(begin_of_default); at != std::string::npos) {
+    default_ = help_.substr(at + begin_of_default.size());
+    help_.resize(at);
+  }
   return *this;
 }
 

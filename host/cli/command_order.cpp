@@ -62,9 +62,10 @@ void add_order(Command& program) {
   for (Option* option : add_parameters(app, parameters_of(options->request.choice), "Order"))
     if (option->name() == "--order")
       option->help(
-          "best (default): fewest beats; layers: lowest layer first, a short path in each; "
+          "best: fewest beats; layers: lowest layer first, a short path in each; "
           "serpentine: back and forth in each layer; nearest: nearest point of the layer; cone: "
-          "point with the lowest cost of distance and height; given: order of the file");
+          "point with the lowest cost of distance and height; given: order of the file; default: "
+          "best");
   add_machine(app, options->request.machine);
   add_machine_overrides(app, options->request.machine);
   app.add_json(options->json);

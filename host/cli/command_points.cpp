@@ -51,6 +51,10 @@ void add_points(Command& program) {
       .value_name("FILE");
   app.add_json(options->json);
   options->engraving.add_save(app);
+  // Those that matter more for points than for a whole job.
+  for (Option& option : app.options())
+    for (const char* name : {"--up", "--transform", "--layer", "--block"})
+      if (option.name() == name) option.common();
   app.action([options] { return make_points(*options); });
 }
 

@@ -62,7 +62,7 @@ Exit make_raster(const RasterOptions& options) {
 /// --origin: two numbers or three.
 void add_corner(Command& app, std::vector<double>& origin_mm) {
   app.add_option("--origin", &origin_mm,
-                 "Lower left corner in machine coordinates; Z default: 0; default: picture in the "
+                 "Lower left corner in machine coordinates, Z0 without Z; default: picture in the "
                  "centre of the work space")
       .count({2, 3})
       .value_name("X,Y[,Z]")
@@ -103,12 +103,14 @@ void add_burning(Command& app, RasterOptions& options) {
   add_corner(app, options.origin_mm);
   app.add_option("--one-way", &options.one_way,
                  "Burn all rows from left to right, not back and forth")
-      .group(burning_group);
+      .group(burning_group)
+      .common();
   app.add_option("--invert", &options.invert, "Burn light pixels instead of dark pixels")
       .group(burning_group)
       .common();
   app.add_option("--dry", &options.dry, "Make a job that moves without switching the laser on")
-      .group(burning_group);
+      .group(burning_group)
+      .common();
 }
 
 }  // namespace
@@ -134,7 +136,8 @@ void add_raster(Command& program) {
          "--gcode", &options->gcode,
          "Write the same rows as G-code for any grbl board, one line for each change of power")
       .check(file_name())
-      .value_name("FILE.ngc");
+      .value_name("FILE.ngc")
+      .common();
   app.add_option("--power-lists", &options->power_lists,
                  "Write the G-code as lists of powers: shorter, but read only by lamplock boards");
   add_burning(app, *options);

@@ -42,22 +42,29 @@ void add_sim(Command& program) {
                  "flash image")
       .check(one_of({run::virtual_board, run::chip_board}))
       .value_name("virtual|chip")
-      .show_default();
+      .show_default()
+      .common();
   app.add_option("--image", &options->image,
                  "Flash image for the chip; default: the image of this build")
       .value_name("FILE");
   app.add_option("--pty", &options->pty,
                  "Open a pseudo-terminal and create a link of this name to it")
-      .value_name("LINK");
+      .value_name("LINK")
+      .common();
   app.add_option("--tcp", &options->tcp,
                  "Listen for TCP connections at this address; port 0: any free port")
-      .value_name("HOST:PORT");
+      .value_name("HOST:PORT")
+      .common();
   app.add_option("--seconds", &options->seconds, "Stop after this time; default: run until Ctrl-C")
       .check(number_from(0, false))
-      .value_name("S");
+      .value_name("S")
+      .common();
   app.add_option("--vcd", &options->vcd, "Write a trace of all pins (VCD, for GTKWave)")
-      .value_name("FILE");
-  app.add_option("--shots", &options->shots, "Write the laser shots (CSV)").value_name("FILE");
+      .value_name("FILE")
+      .common();
+  app.add_option("--shots", &options->shots, "Write the laser shots (CSV)")
+      .value_name("FILE")
+      .common();
   app.add_json(options->json);
   add_machine(app, options->machine);
   add_machine_overrides(app, options->machine);

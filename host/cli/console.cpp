@@ -14,6 +14,7 @@
 #include "host/cli/live_line.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/standard_streams.hpp"
+#include "host/cli/wrapped_text.hpp"
 #include "host/duration_text.hpp"
 #include "host/printable.hpp"
 
@@ -29,7 +30,9 @@ void print(std::FILE* out, const std::string& text) {
 
 }  // namespace
 
-void Console::line(const std::string& text) { print(out_, printable(text) + '\n'); }
+void Console::line(const std::string& text) {
+  print(out_, wrapped_for(out_, printable(text)) + '\n');
+}
 
 void Console::text(const std::string& text) { print(out_, text); }
 
@@ -39,7 +42,9 @@ void Console::phase(const std::string& name, const std::string& what) {
   restart_clock();
 }
 
-void Console::notice(const std::string& text) { print(stderr, printable(text) + '\n'); }
+void Console::notice(const std::string& text) {
+  print(stderr, wrapped_for(stderr, printable(text)) + '\n');
+}
 
 std::unique_ptr<run::Progress> Console::progress(std::string title, std::size_t total,
                                                  std::size_t first) {

@@ -24,7 +24,7 @@ std::string input_help() {
   using model::extensions;
   using model::InputKind;
   return fmt::format(
-      "Mesh ({}), drawing ({}), bitmap ({}), point list ({}), or job description (toml)",
+      "Mesh ({}), drawing ({}), bitmap ({}), point list ({}) or job description (toml)",
       extensions(InputKind::mesh), extensions(InputKind::curves), extensions(InputKind::bitmap),
       extensions(InputKind::points));
 }

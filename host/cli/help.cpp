@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "host/cli/wrapped_text.hpp"
+
 namespace lamplock::cli {
 namespace {
 
@@ -20,19 +22,14 @@ constexpr std::size_t indent = 2, column = 26, narrow_column = 6;
 constexpr std::size_t max_common = 14;
 constexpr std::string_view example = "Example:";
 
-/// Columns of a text in UTF-8, whose characters have one column each here.
-std::size_t columns_of(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char byte) {
-    constexpr unsigned continuation_mask = 0xC0, continuation = 0x80;
-    return (static_cast<unsigned char>(byte) & continuation_mask) != continuation;
-  }));
-}
-
-std::vector<std::string> words_of(std::string_view text) {
+/// Words between blanks; what is in quotes is one word with its neighbours if `keep_quotes`.
+std::vector<std::string> words_of(std::string_view text, bool keep_quotes) {
   std::vector<std::string> words;
   std::string word;
+  char quote = 0;
   for (const char c : text) {
-    if (c != ' ' && c != '\n') {
+    if (keep_quotes && (c == '"' || c == '\'')) quote = quote == 0 ? c : quote == c ? 0 : quote;
+    if (quote != 0 || (c != ' ' && c != '\n')) {
       word += c;
     } else if (!word.empty()) {
       words.push_back(std::move(word));
@@ -41,6 +38,18 @@ std::vector<std::string> words_of(std::string_view text) {
   }
   if (!word.empty()) words.push_back(std::move(word));
   return words;
+}
+
+/// Bytes of the begin of a long word that fits into so many columns: up to one of the marks between
+/// its parts, otherwise as much as fits.
+std::size_t length_that_fits(std::string_view word, std::size_t columns) {
+  std::size_t end = 0;
+  for (std::size_t used = 0; end < word.size() && used < columns; ++used) {
+    ++end;
+    while (end < word.size() && (static_cast<unsigned char>(word[end]) & 0xC0u) == 0x80u) ++end;
+  }
+  const std::size_t mark = word.substr(0, end).find_last_of("|,/");
+  return mark == std::string_view::npos ? end : mark + 1;
 }
 
 /// Writes text to a width.
@@ -60,8 +69,8 @@ class Page {
     const std::string head = std::string(indent, ' ') + name;
     const bool has_columns = width_ >= min_width_of_columns;
     const std::size_t margin = has_columns ? column : narrow_column;
-    if (has_columns && columns_of(head) + indent <= column)
-      return wrap(head + std::string(column - columns_of(head), ' '), text, margin, "", 0);
+    if (has_columns && text_columns(head) + indent <= column)
+      return wrap(head + std::string(column - text_columns(head), ' '), text, margin, "", 0);
     wrap("", name, indent, "", indent);
     if (!text.empty()) wrap("", text, margin, "", 0);
   }
@@ -70,11 +79,11 @@ class Page {
   /// above it if it does not fit.
   void command(std::string_view text) {
     const auto comment = text.find(" # ");
-    if (columns_of(text) > width_ && comment != std::string_view::npos) {
+    if (text_columns(text) > width_ && comment != std::string_view::npos) {
       wrap("", text.substr(comment + 1), indent, "", indent);
-      text = text.substr(0, comment);
+      text = text.substr(0, text.find_last_not_of(' ', comment) + 1);
     }
-    if (columns_of(text) <= width_) return line(text);
+    if (text_columns(text) <= width_) return line(text);
     wrap("", text, indent, " \\", 2 * indent);
   }
 
@@ -86,12 +95,20 @@ class Page {
   void wrap(std::string start, std::string_view text, std::size_t margin, std::string_view tail,
             std::size_t further) {
     std::string row = start.empty() ? std::string(margin, ' ') : std::move(start);
+    const bool is_command = !tail.empty();
     bool is_begun = false;
-    for (const std::string& word : words_of(text)) {
-      if (is_begun && columns_of(row) + 1 + columns_of(word) + tail.size() > width_) {
+    for (std::string word : words_of(text, is_command)) {
+      if (is_begun && text_columns(row) + 1 + text_columns(word) + tail.size() > width_) {
         line(row + std::string(tail));
         row = std::string(margin + further, ' ');
         is_begun = false;
+      }
+      // A list of names, such as a|b|c, may be longer than a line. A command stays as it is.
+      while (!is_command && !is_begun && text_columns(row) + text_columns(word) > width_) {
+        const std::size_t size = length_that_fits(word, width_ - text_columns(row));
+        line(row + word.substr(0, size));
+        word.erase(0, size);
+        row = std::string(margin + further, ' ');
       }
       row += (is_begun ? " " : "") + word;
       is_begun = true;
@@ -217,6 +234,9 @@ std::string help_text(const Command& command, const std::string& path, HelpKind 
   if (!command.commands().empty()) {
     page.heading("Commands:");
     for (const Command& inner : command.commands()) page.entry(inner.name(), inner.description());
+    page.line("");
+    page.paragraph(
+        fmt::format("{} COMMAND -h shows the common options of a command, --help all.", path));
   }
   const std::vector<const Option*> options = options_of(command);
   const bool shortened = kind == HelpKind::common && options.size() > max_common &&

@@ -33,13 +33,30 @@ const char* selector_name(const pendant::Display& display) {
   return selector_names[static_cast<std::size_t>(display.selector)];
 }
 
-std::string position_text(const pendant::Display& display, const link::BoardStatus& status,
-                          int decimals) {
+std::string position_text(const pendant::Display& display, std::size_t axes, int decimals) {
   std::string text;
-  const std::size_t axes = std::min(status.position.size(), axis_letters.size());
   for (std::size_t a = 0; a < axes; ++a)
-    text += fmt::format("{} {:.{}f}  ", axis_letters[a], display.work_mm[a], decimals);
+    text += fmt::format("{}{} {:.{}f}", a == 0 ? "" : "  ", axis_letters[a], display.work_mm[a],
+                        decimals);
   return text;
+}
+
+/// Position and state in so many columns. If they are few, decimal places are left out, then axes
+/// from the last one on, then the state; the digits of X stay whole.
+std::string position_and_state(const pendant::Display& display, const link::BoardStatus& status,
+                               std::size_t columns) {
+  const std::string state = "  | " + printable(status.state);
+  const std::size_t axes = std::min(status.position.size(), axis_letters.size());
+  for (std::size_t shown = axes; shown > 0; --shown)
+    for (int decimals = max_decimals; decimals > 0; --decimals)
+      if (const std::string line = position_text(display, shown, decimals) + state;
+          line.size() <= columns)
+        return line;
+  for (int decimals = max_decimals; decimals >= 0; --decimals)
+    if (const std::string line = position_text(display, std::min<std::size_t>(axes, 1), decimals);
+        line.size() <= columns)
+      return line;
+  return printable(status.state).substr(0, columns);
 }
 
 }  // namespace
@@ -47,19 +64,15 @@ std::string position_text(const pendant::Display& display, const link::BoardStat
 std::string jog_line(const pendant::Display& display, const link::BoardStatus& status,
                      std::size_t columns) {
   if (status.state.empty()) return "";
-  const std::array last_fields{std::string(), " | " + mode_text(display),
+  const std::array last_fields{" | " + mode_text(display),
                                fmt::format(" | {}", selector_name(display)),
                                fmt::format(" | feed {} %", display.feed_percent)};
-  for (int decimals = max_decimals; decimals >= 0; --decimals) {
-    std::string line = position_text(display, status, decimals) + "| " + printable(status.state);
-    if (line.size() > columns && decimals > 0) continue;
-    for (const std::string& field : last_fields) {
-      if (line.size() + field.size() > columns) break;
-      line += field;
-    }
-    return line.substr(0, columns);
+  std::string line = position_and_state(display, status, columns);
+  for (const std::string& field : last_fields) {
+    if (line.size() + field.size() > columns) break;
+    line += field;
   }
-  return "";
+  return line;
 }
 
 JogScreen::JogScreen(Console& console) : console_(console) {

@@ -16,7 +16,8 @@ namespace lamplock::cli {
 class Console;
 
 /// "X 1.000  Y 0.000  | Idle | step 0.1 mm | X | feed 100 %", work coordinates of so many axes, in
-/// at most so many columns: if they are few, fields at the end are left out, then decimal places.
+/// at most so many columns: if they are few, fields at the end are left out, then decimal places,
+/// then axes after X. No number is cut off.
 std::string jog_line(const pendant::Display& display, const link::BoardStatus& status,
                      std::size_t columns);
 

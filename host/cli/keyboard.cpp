@@ -14,6 +14,12 @@ namespace {
 /// Limit of one call in bytes: an input that never pauses must not stop the caller's own work.
 constexpr std::size_t max_read = 65536;
 
+/// Users type Enter after `!` within this time, before they have read that the machine is held.
+constexpr std::chrono::seconds enter_time{2};
+/// The rest of a key's sequence arrives within this time.
+constexpr std::chrono::milliseconds max_escape_time{200};
+
+constexpr char hold_key = '!';
 constexpr char end_of_input = 4, backspace = 8, erase_line = 21, escape_key = 27;
 constexpr char delete_key = 127;  ///< what most keyboards send for Backspace
 
@@ -22,28 +28,39 @@ bool is_continuation(unsigned char byte) { return (byte & 0xC0u) == 0x80u; }
 
 }  // namespace
 
-bool KeyLine::take(char key, std::vector<std::string>& lines) {
-  if (take_escape(key)) return true;
-  if (key == '\n' || key == '\r')
-    lines.push_back(std::exchange(text_, {}));
-  else if (key == end_of_input)
-    return !text_.empty();
-  else if (key == erase_line)
+bool KeyLine::take(char key, std::vector<std::string>& lines, Clock::time_point now) {
+  const bool is_after_hold = held_at_ && now - *held_at_ < enter_time;
+  held_at_.reset();
+  if (take_escape(key, now)) return true;
+  if (key == hold_key) {
     text_.clear();
-  else if (key == backspace || key == delete_key)
+    held_at_ = now;
+    lines.emplace_back(1, hold_key);
+  } else if (key == '\n' || key == '\r') {
+    if (!is_after_hold) lines.push_back(std::exchange(text_, {}));
+  } else if (key == end_of_input) {
+    return !text_.empty();
+  } else if (key == erase_line) {
+    text_.clear();
+  } else if (key == backspace || key == delete_key) {
     text_.resize(text_.empty() ? 0 : text_.size() - 1);
-  else if (const auto byte = static_cast<unsigned char>(key); byte >= ' ' && !is_continuation(byte))
+  } else if (const auto byte = static_cast<unsigned char>(key);
+             byte >= ' ' && !is_continuation(byte)) {
     text_ += byte < delete_key ? key : '?';
+  }
   return true;
 }
 
 /// Keys like the arrows send ESC [ and more, up to a letter or `~` (ECMA-48: CSI), or ESC O and a
-/// letter.
-bool KeyLine::take_escape(char key) {
+/// letter. A hold is never part of a sequence that has only begun.
+bool KeyLine::take_escape(char key, Clock::time_point now) {
   if (key == escape_key) {
     escape_ = Escape::begun;
+    escape_at_ = now;
     return true;
   }
+  if (now - escape_at_ >= max_escape_time || (escape_ == Escape::begun && key == hold_key))
+    escape_ = Escape::none;
   if (escape_ == Escape::none) return false;
   if (escape_ == Escape::begun)
     escape_ = key == '[' || key == 'O' ? Escape::inside : Escape::none;

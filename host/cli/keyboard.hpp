@@ -3,7 +3,8 @@
 // In:  stdin. Out: whole lines, after at most the given wait. Who: the console, for use cases.
 //
 // Beside a line that is redrawn, a terminal must not echo keys. Then this class reads keys, edits
-// the line (Backspace, Ctrl-U), and gives the line that the user has begun to the progress.
+// the line (Backspace, Ctrl-U), and gives the line that the user has begun to the progress. The key
+// `!` is a line at once: a hold does not wait for Enter.
 #pragma once
 
 #include <chrono>
@@ -20,17 +21,22 @@ namespace lamplock::cli {
 /// Makes lines of keys, as a terminal does that edits lines itself.
 class KeyLine {
  public:
+  using Clock = std::chrono::steady_clock;
+
   /// Adds the line to `lines` if this key ends it. Returns false for Ctrl-D at the begin of a line:
-  /// the input has ended.
-  bool take(char key, std::vector<std::string>& lines);
+  /// the input has ended. `!` is the line "!" and discards what was typed before; an Enter that
+  /// follows within two seconds belongs to it, for Enter alone would resume.
+  bool take(char key, std::vector<std::string>& lines, Clock::time_point now = Clock::now());
   /// The line so far: printable ASCII; other characters are '?'.
   const std::string& text() const { return text_; }
 
  private:
   enum class Escape : std::uint8_t { none, begun, inside };
-  bool take_escape(char key);
+  bool take_escape(char key, Clock::time_point now);
 
   std::string text_{};
+  std::optional<Clock::time_point> held_at_;  ///< the key before was `!`
+  Clock::time_point escape_at_{};
   Escape escape_ = Escape::none;
 };
 

@@ -5,10 +5,15 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cstdio>
+#include <cwchar>
 
 #include "host/cli/live_line.hpp"
 #include "host/error.hpp"
+#include "host/run/console_session.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -17,9 +22,13 @@ constexpr std::string_view prompt = "> ";
 constexpr int history_lines = 500;
 constexpr char ctrl_d = 4;
 /// Limit of one call: an input that never pauses must not stop the caller's own work.
-constexpr int max_keys = 4096;
+constexpr std::size_t max_bytes = 4096;
+/// The rest of a key's sequence arrives within this time.
+constexpr std::chrono::milliseconds escape_time{50};
 
 LineEditor* shown_editor = nullptr;
+/// The rest of the key that libedit reads.
+std::string_view key_bytes;
 
 ssize_t append(void* output, const char* bytes, std::size_t size) {
   static_cast<std::string*>(output)->append(bytes, size);
@@ -36,6 +45,19 @@ std::FILE* open_collector(std::string& output) {
 char* prompt_text(EditLine*) {
   static std::string text(prompt);
   return text.data();
+}
+
+/// libedit reads characters here, of one key only; 0: there is no more, without waiting.
+int read_character(EditLine*, wchar_t* character) {
+  std::mbstate_t state{};
+  if (key_bytes.empty()) return 0;
+  const std::size_t size = std::mbrtowc(character, key_bytes.data(), key_bytes.size(), &state);
+  if (size > key_bytes.size()) {  // not a character of this locale
+    key_bytes = {};
+    return 0;
+  }
+  key_bytes.remove_prefix(std::max<std::size_t>(size, 1));
+  return 1;
 }
 
 }  // namespace
@@ -55,6 +77,12 @@ LineEditor::LineEditor()
   el_set(editor_.get(), EL_PROMPT, &prompt_text);
   el_set(editor_.get(), EL_EDITOR, "emacs");
   el_set(editor_.get(), EL_HIST, &::history, history_.get());
+  el_set(editor_.get(), EL_GETCFN, &read_character);
+  // The usual search, and the key that takes the next one literally, would wait for further keys.
+  el_set(editor_.get(), EL_BIND, "^R", "ed-search-prev-history", nullptr);
+  el_set(editor_.get(), EL_BIND, "^_", "ed-delete-next-char", nullptr);
+  el_set(editor_.get(), EL_BIND, "^V", "ed-unassigned", nullptr);
+  el_set(editor_.get(), EL_BIND, "^Q", "ed-unassigned", nullptr);
   shown_editor = this;
   begin_line();
   flush();
@@ -77,16 +105,28 @@ std::vector<std::string> LineEditor::lines(std::chrono::milliseconds wait) {
   std::vector<std::string> result;
   follow_terminal();
   pollfd watched{STDIN_FILENO, POLLIN, 0};
-  int timeout = static_cast<int>(wait.count());
-  for (int keys = 0; !ended_ && keys<max_keys&& ::poll(&watched, 1, timeout)> 0; ++keys) {
+  if (!ended_ && ::poll(&watched, 1, static_cast<int>(wait.count())) > 0) {
     if ((watched.revents & POLLIN) == 0 || (watched.revents & POLLHUP) != 0)
       ended_ = true;  // the terminal has gone
     else
-      take_key(result);
-    timeout = 0;
+      read_keys(result);
+  } else if (keys_.inside() && std::chrono::steady_clock::now() - key_at_ >= escape_time) {
+    keys_.pause();
   }
   flush();
   return result;
+}
+
+void LineEditor::read_keys(std::vector<std::string>& lines) {
+  std::array<char, max_bytes> bytes{};
+  const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
+  if (count <= 0) {
+    ended_ = count == 0 || (errno != EINTR && errno != EAGAIN);
+    return;
+  }
+  key_at_ = std::chrono::steady_clock::now();
+  for (const std::string& key : keys_.take({bytes.data(), static_cast<std::size_t>(count)}))
+    if (!ended_) take_key(key, lines);
 }
 
 /// The width may have changed, and a shell may have reset the modes while the program was stopped.
@@ -122,10 +162,26 @@ void LineEditor::erase_line() {
   output_ += "\r\033[J";
 }
 
+/// A real-time key, and none of the text of a comment.
+bool LineEditor::is_realtime(std::string_view key) const {
+  if (realtime_word_of(key).empty()) return false;
+  const LineInfo* const line = el_line(editor_.get());
+  const auto before = static_cast<std::size_t>(line->cursor - line->buffer);
+  constexpr char first_printable = ' ';
+  return key[0] < first_printable || !run::is_in_comment({line->buffer, before});
+}
+
 /// libedit takes one key at each call; a line is complete at its end.
-void LineEditor::take_key(std::vector<std::string>& lines) {
+void LineEditor::take_key(const std::string& key, std::vector<std::string>& lines) {
+  if (is_realtime(key)) {
+    lines.emplace_back(realtime_word_of(key));
+    return;
+  }
   int size = 0;
+  key_bytes = editing_key_of(key);
+  if (key_bytes.empty()) return;
   const char* const text = el_gets(editor_.get(), &size);
+  key_bytes = {};
   if (text == nullptr || size <= 0) return;  // the key has left the line empty
   std::string line(text, static_cast<std::size_t>(size));
   // Ctrl-D at the begin of a line.

@@ -4,8 +4,9 @@
 //      text of the program is printed above it. Who: the console, for `lamplock console`.
 //
 // Reading never waits for the end of a line, because the program talks to a board meanwhile.
-// Ctrl-C and Ctrl-Z remain signals. Long pastes are read in pieces, so that a pasted hold acts
-// soon.
+// The real-time keys (editor_keys.hpp) are lines of their own at once, whatever is typed, which is
+// kept; in a comment they are text. Ctrl-C and Ctrl-Z remain signals. Long pastes are read in
+// pieces, so that a pasted hold acts soon.
 #pragma once
 
 #include <histedit.h>
@@ -15,8 +16,10 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "host/cli/editor_keys.hpp"
 #include "host/cli/quiet_terminal.hpp"
 #include "host/run/frontend.hpp"
 
@@ -53,7 +56,9 @@ class LineEditor : public run::LineInput {
 
   void follow_terminal();
   void erase_line();
-  void take_key(std::vector<std::string>& lines);
+  void read_keys(std::vector<std::string>& lines);
+  void take_key(const std::string& key, std::vector<std::string>& lines);
+  bool is_realtime(std::string_view key) const;
   void begin_line();
   void flush();
 
@@ -63,6 +68,8 @@ class LineEditor : public run::LineInput {
   std::unique_ptr<History, End> history_;
   std::unique_ptr<EditLine, End> editor_;
   std::size_t columns_;
+  EditorKeys keys_;
+  std::chrono::steady_clock::time_point key_at_{};
   bool ended_ = false;
 };
 

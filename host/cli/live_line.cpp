@@ -8,6 +8,7 @@
 
 #include "host/cli/quiet_terminal.hpp"
 #include "host/cli/standard_streams.hpp"
+#include "host/cli/wrapped_text.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -62,7 +63,7 @@ void LiveLine::refresh() {
 }
 
 void LiveLine::note(const std::string& line) {
-  waiting_ += line + '\n';
+  waiting_ += wrapped_for(out_, line) + '\n';
   refresh();
 }
 

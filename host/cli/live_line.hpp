@@ -43,7 +43,7 @@ class LiveLine {
 
   /// Redraws the line if it is time.
   void refresh();
-  /// Prints a line, without its end, above this one with the next redraw.
+  /// Prints a line, without its end, above this one with the next redraw, wrapped at words.
   void note(const std::string& line);
   /// Shows the present text and leaves it on the terminal.
   void keep();

@@ -1,11 +1,23 @@
 #include "host/cli/machine_options.hpp"
 
+#include <stdexcept>
+#include <string>
+
 #include "host/cli/validators.hpp"
+#include "host/glass/description.hpp"
 
 namespace lamplock::cli {
 namespace {
 
 constexpr const char* machine_group = "Machine";
+
+/// The range of the option in a job description.
+Check range_of_machine(const std::string& option) {
+  glass::MachineChoice choice;
+  for (const glass::Parameter& parameter : glass::parameters(choice))
+    if (parameter.option == option) return number_in(parameter.range);
+  throw std::logic_error("a description has no " + option);
+}
 
 }  // namespace
 
@@ -19,8 +31,10 @@ void add_machine(Command& app, run::MachineOptions& options) {
 
 void add_machine_overrides(Command& app, run::MachineOptions& options) {
   app.add_option("--lamp", &options.lamp_hz, "Lamp frequency")
+      .check(range_of_machine("--lamp"))
       .value_name("HZ")
-      .group(machine_group);
+      .group(machine_group)
+      .common();
   app.add_option("--lamp-mode", &options.lamp_mode,
                  "slave: follow a free-running lamp; master: trigger the lamp; none: the board "
                  "generates the beat itself, without a lamp")
@@ -28,9 +42,11 @@ void add_machine_overrides(Command& app, run::MachineOptions& options) {
       .value_name("slave|master|none")
       .group(machine_group);
   app.add_option("--accel", &options.accel_m_s2, "Maximum acceleration of every axis")
+      .check(range_of_machine("--accel"))
       .value_name("M_S2")
       .group(machine_group);
   app.add_option("--speed", &options.speed_m_s, "Maximum speed of every axis")
+      .check(range_of_machine("--speed"))
       .value_name("M_S")
       .group(machine_group);
 }

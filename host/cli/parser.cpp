@@ -162,6 +162,12 @@ const Command* separate_program(const Command& program, const std::vector<std::s
   return nullptr;
 }
 
+bool asks_for_help(const std::vector<std::string>& arguments) {
+  return std::any_of(arguments.begin(), arguments.end(), [](const std::string& argument) {
+    return argument == "-h" || argument == "--help";
+  });
+}
+
 /// The command that arguments name, as far as they name one.
 const Command& named(const Command& program, const std::vector<std::string>& arguments) {
   const Command* command = &program;
@@ -214,7 +220,8 @@ bool print_help(const Command& program, const std::vector<std::string>& argument
 
 Exit run(Command& program, const std::vector<std::string>& arguments) {
   if (const Command* command = separate_program(program, arguments))
-    run_separate_program(*command, arguments);
+    if (has_separate_program(*command) || !asks_for_help(arguments))
+      run_separate_program(*command, arguments);
   const std::vector<std::string> present = with_present_names(program, arguments);
   if (print_help(program, present)) return Exit::done;
   CLI::App app(program.description(), program.name());

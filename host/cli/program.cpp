@@ -1,5 +1,7 @@
 #include "host/cli/program.hpp"
 
+#include <fmt/format.h>
+
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/version_report.hpp"
@@ -18,9 +20,7 @@ std::unique_ptr<Command> make_own_commands() {
   auto program = make_empty_program();
   program->footer(
       "Example:\n  lamplock example model.stl\n"
-      "  lamplock engrave model.stl --size 40 --spacing 0.3 --report report\n\n"
-      "Each command has its own help: lamplock engrave -h shows the common options, lamplock\n"
-      "engrave --help all of them.");
+      "  lamplock engrave model.stl --size 40 --spacing 0.3 --report report");
   add_version_report(*program);
   add_example(*program);
   add_estimate(*program);
@@ -45,10 +45,24 @@ std::unique_ptr<Command> make_own_commands() {
   return program;
 }
 
+namespace {
+
+/// Has a help of its own for a build without the program, which has the help with the options.
+void make_separate(Command& command, const std::string& name) {
+  command.separate_program(name);
+  command.footer(fmt::format(
+      "The program {0} runs this command and has the help with its options. This build of\n"
+      "lamplock does not have it. The Debian package contains it; in the source tree build it:\n"
+      "  cmake --build build --target {0}",
+      name));
+}
+
+}  // namespace
+
 std::unique_ptr<Command> make_program() {
   auto program = make_own_commands();
-  add_chip_command(*program).separate_program("lamplock-chip");
-  add_bench_command(*program).separate_program("lamplock-bench");
+  make_separate(add_chip_command(*program), "lamplock-chip");
+  make_separate(add_bench_command(*program), "lamplock-bench");
   add_help(*program);
   return program;
 }

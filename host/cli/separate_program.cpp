@@ -8,6 +8,10 @@
 
 namespace lamplock::cli {
 
+bool has_separate_program(const Command& command) {
+  return !run::file_of_program(command.separate_program()).empty();
+}
+
 void run_separate_program(const Command& command, const std::vector<std::string>& arguments) {
   const std::string& name = command.separate_program();
   const std::string where = "lamplock " + command.name();

@@ -11,6 +11,9 @@
 
 namespace lamplock::cli {
 
+/// The command's program is beside this one.
+bool has_separate_program(const Command& command);
+
 /// Replaces this process by the command's program, found beside this one. `arguments`: those of
 /// this program, the command's name first; the program gets all of them. Throws Error(bad_input) if
 /// there is no such program.

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -69,6 +70,25 @@ std::string type_refusal(const Option& option, const std::string& text) {
         return "";
       },
       option.target());
+}
+
+struct Unit {
+  std::string_view name;  ///< of the value in the help
+  std::string_view text;
+};
+constexpr std::array units{
+    Unit{"MM", "mm"},       Unit{"HZ", "Hz"},       Unit{"US", "us"},
+    Unit{"MS", "ms"},       Unit{"S", "s"},         Unit{"M_S", "m/s"},
+    Unit{"M_S2", "m/s2"},   Unit{"MM_S2", "mm/s2"}, Unit{"MM_MIN", "mm/min"},
+    Unit{"MM_MM", "mm/mm"}, Unit{"DEG", "degrees"}, Unit{"PERCENT", "percent"},
+    Unit{"BEATS", "beats"}, Unit{"BAUD", "baud"}};
+
+/// " mm", from the name of the value; empty for numbers without a unit.
+std::string unit_of(const Option& option) {
+  const std::string name = option.value_name().substr(0, option.value_name().find(','));
+  for (const Unit& unit : units)
+    if (unit.name == name) return fmt::format(" {}", unit.text);
+  return "";
 }
 
 class Usage {
@@ -206,7 +226,8 @@ class Usage {
     if (!check.names.empty())
       return did_you_mean(text, check.names,
                           fmt::format("give {}; {}", fmt::join(check.names, ", "), see_help()));
-    if (!check.range.empty()) return fmt::format("give {}; {}", check.range, see_help());
+    if (!check.range.empty())
+      return fmt::format("give {}{}; {}", check.range, unit_of(option), see_help());
     return see_help();
   }
 

@@ -24,6 +24,10 @@ constexpr double max_energy = std::numeric_limits<std::uint16_t>::max();  ///< o
 constexpr double lightest_grey = 255, max_layers = 10'000, max_shells = 255;
 constexpr double steepest_deg = 89.9;
 
+/// Only the remainder by the length of a curve has an effect, and the product with the number of
+/// layers must stay exact.
+constexpr double max_twist_mm = 1000;
+
 /// The range of a setting, in a unit that is `own_units` of its own units.
 Range range_of(Id id, double own_units) {
   const settings::Row& row = settings::row(id);
@@ -159,10 +163,13 @@ std::vector<Parameter> mesh_parameters(Object& o) {
          {"last", "--last", &o.last_mm,
           "Slices: minimum distance from the last plane to the highest point; default: 0", "MM",
           not_negative}),
-      of({"slice", way_of_drawings}, {"twist", "--twist", &o.twist_mm,
+      of({"slice", way_of_drawings}, {"twist",
+                                      "--twist",
+                                      &o.twist_mm,
                                       "Slices, drawings: offset of the start point along each "
                                       "closed curve, added in each layer",
-                                      "MM"}),
+                                      "MM",
+                                      {-max_twist_mm, max_twist_mm}}),
       of({"slice", way_of_drawings}, {"end_points", "--end-points", &o.end_points,
                                       "Slices, drawings: place a point at both ends of open "
                                       "contours and curves; default: drawings only"}),
@@ -348,11 +355,11 @@ std::vector<Parameter> parameters(OrderChoice& o) {
       of(orders({"cone"}),
          {"cone_up", "--cone-up", &o.cone_up,
           "Cone order: 1 mm upward counts as this many mm sideways when the next point is chosen",
-          "MM_MM"}),
+          "MM_MM", not_negative}),
       of(orders({"cone"}),
          {"cone_down", "--cone-down", &o.cone_down,
-          "Cone order: 1 mm downward reduces the cost of a point by this many mm sideways",
-          "MM_MM"}),
+          "Cone order: 1 mm downward reduces the cost of a point by this many mm sideways", "MM_MM",
+          not_negative}),
       of(orders({"layers", "serpentine", "nearest"}),
          {"layer", "--order-layer", &o.layer_mm,
           "Layer thickness used to sort the points; default: layer distance of the points, 0.1 mm "

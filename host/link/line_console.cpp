@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <utility>
 
 #include "host/error.hpp"
@@ -70,6 +71,25 @@ std::vector<std::string> realtime_names() {
   return names;
 }
 
+/// Words at the end of a line that stop the machine.
+constexpr std::array stop_words{std::string_view(":hold"), std::string_view(":reset"),
+                                std::string_view(":jogcancel")};
+
+/// In a comment a character is text, but not at the end of a bracket that was not closed: its user
+/// may have typed `!` for a hold.
+bool is_hold_at(std::string_view line, std::size_t at) {
+  const char comment = open_comment(line.substr(0, at));
+  return comment == 0 || (comment == '(' && at + 1 == line.size());
+}
+
+/// A word of letters alone, which no G-code begins with.
+bool is_plain_word(std::string_view word) {
+  constexpr std::size_t min_letters = 3;
+  return word.size() >= min_letters && std::all_of(word.begin(), word.end(), [](char c) {
+           return std::isalpha(static_cast<unsigned char>(c)) != 0;
+         });
+}
+
 bool is_jog(std::string_view line) { return line.starts_with("$J") || line.starts_with("$j"); }
 
 }  // namespace
@@ -94,10 +114,48 @@ void LineConsole::type(const std::string& line) {
   const auto byte = realtime_word(line);
   ++typed_;
   if (byte && !in_order_) return send_byte(*byte);
+  if (!byte && !in_order_ && stop_by(line)) return;
   std::string_view text = line;
   if (text.ends_with('\r')) text.remove_suffix(1);
   const std::string where = fmt::format("line {}", typed_);
-  queue_.push_back({typed_, byte ? std::string(text) : line_to_send(text, where)});
+  if (!byte) refuse_word(line, where);
+  queue_.push_back(
+      {typed_, byte ? std::string(text)
+                    : line_to_send(text, where, "remove it; a real-time command is a line alone")});
+}
+
+/// Beside a laser, a user who types `!` means a hold, whatever else the line has.
+bool LineConsole::stop_by(std::string_view line) {
+  const std::string text = squeezed(line);
+  for (const std::string_view word : stop_words) {
+    if (!text.ends_with(word)) continue;
+    const std::string rest = squeezed(std::string_view(text).substr(0, text.size() - word.size()));
+    if (open_comment(rest) == ';') continue;
+    send_byte(*realtime_word(word), rest);
+    return true;
+  }
+  for (auto at = text.find('!'); at != std::string::npos; at = text.find('!', at + 1)) {
+    if (!is_hold_at(text, at)) continue;
+    const std::string rest = text.substr(0, at) + text.substr(at + 1);
+    send_byte(realtime::hold, squeezed(rest));
+    return true;
+  }
+  return false;
+}
+
+/// "hold" and "hlep" are no G-code: the board would answer a number that explains nothing.
+void LineConsole::refuse_word(const std::string& line, const std::string& where) const {
+  const std::string text = squeezed(line);
+  if (!is_plain_word(text.substr(0, text.find(' ')))) return;
+  std::vector<std::string> names;
+  if (!in_order_) names.emplace_back("help");
+  for (const Word& known : words)
+    if (known.name.starts_with(':')) names.emplace_back(known.name.substr(1));
+  std::vector<std::string> similar = similar_names(text, names);
+  if (similar.empty()) return;
+  for (std::string& name : similar)
+    if (name != "help") name.insert(0, ":");
+  throw Error(Exit::bad_input, where, fmt::format("unknown word '{}'", text), question_of(similar));
 }
 
 bool LineConsole::done() const {
@@ -164,7 +222,7 @@ void LineConsole::send_word_behind_pause() {
   send_byte(*byte);
 }
 
-void LineConsole::send_byte(std::uint8_t byte) {
+void LineConsole::send_byte(std::uint8_t byte, const std::string& discarded) {
   port_.send_realtime(byte);
   sent_at_ = heard_at_ = port_.transport().now();
   if (byte == realtime::status) {
@@ -176,9 +234,9 @@ void LineConsole::send_byte(std::uint8_t byte) {
     held_ = false;
     port_.drop_lines();
     waiting_ = Waiting::banner;
-  } else if (!in_order_) {
-    hold_queue(byte);
   }
+  if (!in_order_) hold_queue(byte);
+  if (!in_order_) show_sent(byte, discarded);
 }
 
 /// A board at rest may ignore a hold, so that the lines after it would move the machine.
@@ -186,10 +244,20 @@ void LineConsole::hold_queue(std::uint8_t byte) {
   if (byte == realtime::resume) held_ = false;
   if (byte == realtime::jog_cancel)
     std::erase_if(queue_, [](const Typed& typed) { return is_jog(typed.text); });
-  if (byte != realtime::hold || queue_.empty()) return;
-  held_ = true;
-  show_(fmt::format("typed lines that wait for ~ (:resume): {}; :reset discards them",
-                    queue_.size()));
+  if (byte == realtime::hold && !queue_.empty()) held_ = true;
+}
+
+/// One line for what the board does not answer.
+void LineConsole::show_sent(std::uint8_t byte, const std::string& discarded) {
+  std::string text = discarded.empty() ? "" : fmt::format("; '{}' was not sent", discarded);
+  if (byte == realtime::hold && held_)
+    text += fmt::format("; typed lines that wait for ~ (:resume): {}; :reset discards them",
+                        queue_.size());
+  else if (byte == realtime::hold)
+    text += "; ~ resumes";
+  if (byte == realtime::hold) return show_("hold" + text);
+  if (byte == realtime::resume) return show_("resume");
+  if (!discarded.empty()) show_((byte == realtime::reset ? "reset" : "jog cancel") + text);
 }
 
 /// A board that does not answer is taken to be at rest.

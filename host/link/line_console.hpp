@@ -5,8 +5,9 @@
 // Who: `lamplock console`. It uses a port of the caller and no terminal, so that tests can use it.
 //
 // Interactive: real-time words are sent at once, before queued lines. A hold also stops the queue
-// until a resume, a jog cancel discards the jogs in it, and a reset discards all of it. In order,
-// for scripts: words wait in the queue like lines, and the first error or alarm ends the
+// until a resume, a jog cancel discards the jogs in it, and a reset discards all of it. A line that
+// has `!` in it, or ends in a word that stops the machine, stops it; the rest of it is discarded.
+// In order, for scripts: words wait in the queue like lines, and the first error or alarm ends the
 // conversation; but while the machine pauses within a line, the word after this line is sent, or
 // the machine would wait for ever.
 #pragma once
@@ -42,7 +43,8 @@ class LineConsole {
   LineConsole(LinePort& port, bool in_order, Show show)
       : port_(port), in_order_(in_order), show_(std::move(show)) {}
 
-  /// Takes a typed line. Throws Error(bad_input) as realtime_word() and line_to_send().
+  /// Takes a typed line. Throws Error(bad_input) as realtime_word() and line_to_send(), and for a
+  /// real-time word without its colon.
   void type(const std::string& line);
   /// One round: reads, shows, sends, waits a little. Throws Error(no_device) if the board is
   /// disconnected or does not answer.
@@ -71,8 +73,11 @@ class LineConsole {
   void fail(const std::string& text);
   void send_next();
   void send_word_behind_pause();
-  void send_byte(std::uint8_t byte);
+  void send_byte(std::uint8_t byte, const std::string& discarded = "");
+  bool stop_by(std::string_view line);
+  void refuse_word(const std::string& line, const std::string& where) const;
   void hold_queue(std::uint8_t byte);
+  void show_sent(std::uint8_t byte, const std::string& discarded);
   void check_silence();
   void ask_for_rest();
 

@@ -30,14 +30,14 @@ std::string without_comments(std::string_view line) {
   return result;
 }
 
-void check(const std::string& line, const std::string& where) {
+void check(const std::string& line, const std::string& where, const std::string& remedy) {
   for (const char c : line) {
     const auto byte = static_cast<unsigned char>(c);
     if (wire::is_realtime(byte) || byte >= 0x80 || byte == del || (byte < ' ' && byte != '\t'))
       throw Error(
           Exit::bad_input, where,
           fmt::format("the byte 0x{:02X} outside of a comment is a real-time command", byte),
-          "remove it, and check that the file is a G-code program");
+          remedy);
   }
 }
 
@@ -61,12 +61,25 @@ void each_word(std::string_view line, char letter, Use use) {
 
 }  // namespace
 
-std::string line_to_send(std::string_view line, const std::string& where) {
+std::string line_to_send(std::string_view line, const std::string& where,
+                         const std::string& remedy) {
   line = trimmed(line);
   std::string text(line);
   if (!line.starts_with('$')) text = trimmed(without_comments(line));
-  check(text, where);
+  check(text, where, remedy);
   return text;
+}
+
+char open_comment(std::string_view line) {
+  line = trimmed(line);
+  if (line.starts_with('$')) return 0;
+  while (true) {
+    const auto start = line.find_first_of("(;");
+    if (start == std::string_view::npos) return 0;
+    const auto end = line.find(')', start);
+    if (line[start] == ';' || end == std::string_view::npos) return line[start];
+    line.remove_prefix(end + 1);
+  }
 }
 
 std::vector<ProgramLine> program_lines(std::string_view text, const std::string& file) {

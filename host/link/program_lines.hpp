@@ -22,8 +22,15 @@ struct ProgramLine {
 
 /// The line without comments (brackets, semicolon) and white space at both ends; in `$` lines text
 /// that looks like a comment stays. Throws Error(bad_input) about `where` if it has a byte that a
-/// board would execute as a real-time command.
-std::string line_to_send(std::string_view line, const std::string& where);
+/// board would execute as a real-time command, with this remedy.
+std::string line_to_send(
+    std::string_view line, const std::string& where,
+    const std::string& remedy = "remove it, and check that the file is a G-code program");
+
+/// The character, `(` or `;`, of the comment that has begun in this text, the begin of a line, and
+/// has not ended: a character that is added would be part of it. 0 without such a comment; `$`
+/// lines have none.
+char open_comment(std::string_view line);
 
 /// Splits a program; lines end in CR, LF or both. Blank lines and lines of `%` are left out. Throws
 /// Error(bad_input) about FILE:LINE as line_to_send().

@@ -13,6 +13,7 @@
 #include "host/model/read_mesh.hpp"
 #include "host/model/read_points.hpp"
 #include "host/model/read_svg.hpp"
+#include "host/shell_text.hpp"
 #include "host/similar_files.hpp"
 
 namespace lamplock::model {
@@ -68,11 +69,19 @@ constexpr Format formats[] = {
 /// Pictures of other formats: the reader refuses them with a hint, unless their extension is wrong.
 constexpr Format foreign_picture{"", InputKind::bitmap, read_as<read_bitmap>};
 
+/// The example model is the one that guides and examples name: it is written by a command.
+std::string missing_model_remedy(const path& file) {
+  const std::string remedy = missing_path_remedy(file);
+  if (remedy.ends_with('?') || lower_extension(file) != ".stl") return remedy;
+  return fmt::format("{}; {} writes the example model", remedy,
+                     shell_text({"lamplock", "example", file.string()}));
+}
+
 /// The first row of the extension of a file that exists.
 const Format& format_of(const path& file) {
   std::error_code failure;
   if (!std::filesystem::exists(file, failure))
-    refuse(file, "no such file", missing_path_remedy(file));
+    refuse(file, "no such file", missing_model_remedy(file));
   const std::string extension = lower_extension(file);
   if (is_foreign_picture(extension)) return foreign_picture;
   const auto* const found = std::ranges::find(formats, extension, &Format::extension);

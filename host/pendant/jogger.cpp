@@ -84,7 +84,10 @@ void Jogger::take(const Event& event) {
 void Jogger::press(const std::string& key) {
   const auto bound = map_.keyboard.find(key);
   // Any other key, even an unused one, shows that the key before was released.
-  if (bound == map_.keyboard.end()) return stream_.stop();
+  if (bound == map_.keyboard.end()) {
+    stream_.stop();
+    return note(fmt::format("'{}' has no action; {}", key, keys_text));
+  }
   act(bound->second, key);
 }
 
@@ -329,7 +332,10 @@ bool Jogger::jog_key(Action action, const std::string& key) {
   if (action < Action::jog_x_plus || action > Action::jog_a_minus) return false;
   const int number = static_cast<int>(action) - static_cast<int>(Action::jog_x_plus);
   const int axis = number / 2, sign = number % 2 == 0 ? 1 : -1;
-  if (axis >= stream_.limits().axes) return true;
+  if (axis >= stream_.limits().axes) {
+    note(fmt::format("the machine has no axis {}", axis_letters[index(axis)]));
+    return true;
+  }
   const KeyRepeat::Press press = repeat_.press(key, talk_.now());
   if (press.held && mode_ != Mode::step) {
     jog_on(axis, sign, map_.feed_mm_min, press.until);

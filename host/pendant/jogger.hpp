@@ -27,6 +27,10 @@
 
 namespace lamplock::pendant {
 
+/// The keys of a terminal that a user needs first, in one line.
+inline constexpr const char* keys_text =
+    "keys: arrows PgUp/Dn move, m mode, + - step, h home, ! hold, Esc stop, q quit";
+
 class Jogger {
  public:
   /// The port must outlive it. `map` is kept.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -11,6 +12,8 @@
 
 #include "host/error.hpp"
 #include "host/link/line_console.hpp"
+#include "host/link/program_lines.hpp"
+#include "host/text.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -23,7 +26,7 @@ constexpr std::chrono::milliseconds pace{20};
 constexpr std::size_t max_queued_lines = 100'000;
 
 constexpr const char* keys_text =
-    "keys: Enter sends, arrows edit and recall lines, Ctrl-D leaves; help lists all";
+    "keys: ! hold, ~ resume, Ctrl-X reset, ? status; Ctrl-D leaves; help lists all";
 
 /// Words in lines of a terminal.
 std::string in_lines(const std::string& words) {
@@ -45,21 +48,36 @@ std::string help_text() {
       "Lines are sent to the board one after the other: G-code, or\n"
       "  $$ settings   $I version   $G modes   $# offsets   $N startup lines\n"
       "  $H home       $X unlock    $J=... jog $C check mode\n"
-      "These words act at once, before the lines that wait:\n"
+      "These keys act at once, without Enter, and keep the line that is typed:\n"
+      "  ! hold   ~ resume   ? status   Ctrl-X reset\n"
+      "These words and Enter act before the lines that wait. A stop also acts at the\n"
+      "end of a line, which is then not sent:\n"
       "{}\n"
-      "Keys: left, right, Home, End edit the line; up and down recall earlier lines;\n"
-      "  Ctrl-R searches them; Ctrl-U clears the line; Ctrl-D or Ctrl-C leaves.\n",
+      "Keys: left, right, Home, End, Delete edit the line; up and down recall earlier\n"
+      "  lines; Ctrl-R recalls the last line with the typed text; Ctrl-U clears the\n"
+      "  line; Ctrl-D or Ctrl-C leaves.\n",
       in_lines(link::realtime_words()));
 }
 
-bool is_help(std::string_view line) {
-  const std::size_t begin = line.find_first_not_of(" \t");
-  const std::size_t end = line.find_last_not_of(" \t\r");
-  return begin != std::string_view::npos && line.substr(begin, end + 1 - begin) == "help";
+/// Line by line, so that the frontend can wrap them.
+void show_help(Frontend& frontend) {
+  const std::string all = help_text();
+  for (std::string_view rest = all; !rest.empty();) frontend.line(std::string(take_line(rest)));
+}
+
+/// The word without blanks and a colon, in small letters: users type help in many ways.
+std::string plain_word(std::string_view line) {
+  std::string word(trimmed(line));
+  if (word.starts_with(':')) word.erase(0, 1);
+  std::transform(word.begin(), word.end(), word.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return word;
 }
 
 void take_typed(link::LineConsole& talk, Frontend& frontend, const std::string& line) {
-  if (is_help(line)) return frontend.text(help_text());
+  const std::string word = plain_word(line);
+  if (word == "help") return show_help(frontend);
+  if (word == "quit" || word == "exit") return frontend.line("Ctrl-D leaves the console");
   try {
     talk.type(line);
   } catch (const Error& error) {
@@ -98,6 +116,8 @@ void run_script(SupervisedBoard& board, LineInput& input, Frontend& frontend) {
 }
 
 }  // namespace
+
+bool is_in_comment(std::string_view begin) { return link::open_comment(begin) != 0; }
 
 void run_console(const BoardChoice& choice, Frontend& frontend) {
   SupervisedBoard board(choice);

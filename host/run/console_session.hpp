@@ -4,6 +4,8 @@
 // Who: `console`.
 #pragma once
 
+#include <string_view>
+
 #include "host/run/frontend.hpp"
 #include "host/run/supervised_board.hpp"
 
@@ -13,5 +15,8 @@ namespace lamplock::run {
 /// and the session continues. Lines of a file or a pipe: each is sent after the answer to the line
 /// before; the first error or alarm is thrown as Error(job_failed). Throws Error.
 void run_console(const BoardChoice& choice, Frontend& frontend);
+
+/// A character that is added to the begin of a line is text of a comment, not a real-time command.
+bool is_in_comment(std::string_view begin);
 
 }  // namespace lamplock::run

@@ -24,9 +24,6 @@ constexpr auto max_lag = 100ms;
 /// Longest wait for the end of braking.
 constexpr auto rest_time = 5s;
 
-constexpr const char* keys_text =
-    "keys: arrows PgUp/Dn move, m mode, + - step, h home, ! hold, Esc stop, q quit";
-
 pendant::JogLimits limits_of(link::LinePort& port) {
   const link::BoardSettings settings = link::read_settings(port);
   if (settings.values.whole(Id::report_inches) != 0)
@@ -66,7 +63,7 @@ JogSession::~JogSession() {
 }
 
 void JogSession::run() {
-  if (view_.has_keyboard()) view_.note(keys_text);
+  if (view_.has_keyboard()) view_.note(pendant::keys_text);
   while (!is_to_end()) {
     round();
     take_pendant();

@@ -15,7 +15,7 @@ constexpr std::uint32_t job_speed_step = 10;  ///< percent
 void PointJobControl::update_progress() { progress_.update(sender_.points_fired()); }
 
 std::string PointJobControl::keys() const {
-  return "keys: Ctrl-C holds, again stops; Enter resumes; + - or 80 and Enter: job speed";
+  return "keys: ! holds, Enter resumes, Ctrl-C twice stops; + - or 80 and Enter: job speed";
 }
 
 ProgressState PointJobControl::state() const {
@@ -36,7 +36,10 @@ ProgressState PointJobControl::state() const {
 
 void PointJobControl::take_interrupts(int count) {
   if (count >= interrupts_to_stop()) return stop();
-  if (count == 0 || holding_) return;
+  if (count > 0 && !holding_) hold();
+}
+
+void PointJobControl::hold() {
   holding_ = true;
   sender_.pause();
   note("holding");
@@ -71,10 +74,16 @@ void PointJobControl::ask(const std::string& why) {
   asking_ = true;
   // The advice where to continue follows the stop: points that the last status did not count may
   // have been fired since.
-  ask_user(why, "Enter to resume, Ctrl-C again to stop");
+  ask_user(why, held_by_key_ ? "Enter to resume, Ctrl-C to stop"
+                             : "Enter to resume, Ctrl-C again to stop");
 }
 
 void PointJobControl::take_word(const std::string& word) {
+  if (word.front() == '!') {
+    held_by_key_ = held_by_key_ || !holding_;
+    if (!holding_) return hold();
+    return note("held; Enter resumes");
+  }
   const std::uint32_t present = sender_.job_speed();
   const auto percent = number_of<std::uint32_t>(word.substr(0, word.find_last_not_of(" \t%") + 1));
   if (word == "+")
@@ -84,7 +93,8 @@ void PointJobControl::take_word(const std::string& word) {
   else if (percent && *percent > 0)
     change_job_speed(*percent);
   else
-    note("type a job speed in percent, + or -; a blank line resumes after a hold");
+    note(
+        "! holds, Enter alone resumes; a job speed in percent, + or - and Enter changes the speed");
 }
 
 void PointJobControl::change_job_speed(std::uint32_t percent) {
@@ -95,7 +105,7 @@ void PointJobControl::change_job_speed(std::uint32_t percent) {
 
 void PointJobControl::resume_machine() {
   interrupts_->forget();
-  asking_ = false;
+  asking_ = held_by_key_ = false;
   sender_.resume();
 }
 

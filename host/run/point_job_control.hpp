@@ -1,7 +1,8 @@
 // The user's control of a running job of points or rows.
 //
-// In:  as JobControl; a number is the job speed in percent, + and - change it by a step. The first
-//      Ctrl-C holds, the second one stops; without a user who can resume, the first one stops.
+// In:  as JobControl; a number is the job speed in percent, + and - change it by a step. `!` or the
+//      first Ctrl-C holds, the next Ctrl-C stops; without a user who can resume, the first one
+//      stops.
 // Out: requests to the job's sender, notes.
 // Who: run_job(), after every step of the sender.
 #pragma once
@@ -31,6 +32,9 @@ class PointJobControl : public JobControl {
   std::string keys() const override;
   ProgressState state() const override;
   void take_interrupts(int count) override;
+  int interrupts_to_stop() const override {
+    return held_by_key_ ? 1 : JobControl::interrupts_to_stop();
+  }
   void watch_machine() override;
   void take_word(const std::string& word) override;
   void resume_machine() override;
@@ -38,12 +42,14 @@ class PointJobControl : public JobControl {
   void end_machine(bool is_ended) override;
   void take_end_of_input() override;
 
+  void hold();
   void ask_about_hold();
   void ask(const std::string& why);
   void change_job_speed(std::uint32_t percent);
   void stop();
 
   link::JobSender& sender_;
+  bool held_by_key_ = false;                               ///< by `!`, not by an interrupt
   wire::HoldReason asked_about_ = wire::HoldReason::none;  ///< of the present hold
 };
 

@@ -46,7 +46,7 @@ void ProgramControl::update_progress() {
 }
 
 std::string ProgramControl::keys() const {
-  return "keys: ! and Enter holds, Enter resumes, + - = and Enter feed, Ctrl-C stops";
+  return "keys: ! holds, Enter resumes, + - = and Enter feed, Ctrl-C stops";
 }
 
 ProgressState ProgramControl::state() const {
@@ -110,9 +110,7 @@ void ProgramControl::take_word(const std::string& word) {
     case '=':
       return feed(link::realtime::feed_full, full_percent);
     default:
-      note(
-          "! and Enter holds, Enter alone resumes, + - or = and Enter changes the feed; Ctrl-C "
-          "stops");
+      note("! holds, Enter alone resumes, + - or = and Enter changes the feed; Ctrl-C stops");
   }
 }
 

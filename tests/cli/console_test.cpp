@@ -145,7 +145,7 @@ TEST(ConsoleCommand, edits_and_recalls_lines_below_the_replies) {
   terminal.type("$nonsnse");
   terminal.type("\x1b[D\x1b[D\x1b[De\n");  // left, three times
   ASSERT_TRUE(terminal.wait_for("error:3 no such $ command"));
-  terminal.type("?\n");
+  terminal.type(":status\n");
   ASSERT_TRUE(terminal.wait_for("<Idle|"));
   terminal.type("\x1b[A\x1b[A");  // up, up
   const auto lines = seen(terminal, screen);
@@ -153,7 +153,7 @@ TEST(ConsoleCommand, edits_and_recalls_lines_below_the_replies) {
   EXPECT_THAT(lines[0], testing::StartsWith("keys: "));
   EXPECT_EQ(lines[2], "> $nonsense");
   EXPECT_THAT(lines[3], HasSubstr("error:3"));
-  EXPECT_EQ(lines[4], "> ?");
+  EXPECT_EQ(lines[4], "> :status");
   EXPECT_THAT(lines[5], testing::StartsWith("<Idle|"));
   EXPECT_EQ(lines.back(), "> $nonsense");
   terminal.type("\x15help\n");  // Ctrl-U
@@ -172,7 +172,7 @@ TEST(ConsoleCommand, replies_do_not_disturb_the_line_that_is_typed) {
   terminal.resize(40);
   ASSERT_TRUE(terminal.wait_for("> "));
   terminal.type("G1 X1 F60\nG1 X2\nG1 X0\n");
-  std::string typed = "(a line that is longer than the terminal is wide) ";
+  std::string typed = "(a line that is longer than the terminal is wide ";
   terminal.type(typed);
   for (int i = 0; i < 4; ++i) {
     screen.write(terminal.watch(150ms));
@@ -180,6 +180,70 @@ TEST(ConsoleCommand, replies_do_not_disturb_the_line_that_is_typed) {
     typed += "?";
   }
   EXPECT_EQ(seen(terminal, screen).back(), "> " + typed);
+  terminal.type("\x03");
+  EXPECT_EQ(terminal.finish().status, 130);
+}
+
+/// A machine that moves for minutes, and a line that is half typed.
+struct HalfTyped : ConsoleToPort {
+  HalfTyped() {
+    EXPECT_TRUE(terminal.wait_for("> "));
+    terminal.type("G1 X40 F60\n");
+    EXPECT_TRUE(terminal.wait_for("ok"));
+    terminal.type("G0 X");
+  }
+  /// What the machine does, by a real-time key.
+  bool is_in(const std::string& state) {
+    for (int i = 0; i < 20; ++i) {
+      terminal.type("?");
+      if (!terminal.wait_for("<")) return false;
+      const std::string bytes = terminal.watch(50ms);
+      screen.write(bytes);
+      if (bytes.find("<" + state) != std::string::npos) return true;
+    }
+    return false;
+  }
+
+  Screen screen{80, 60, Screen::Resizing::wraps};
+};
+
+TEST(ConsoleCommand, realtime_keys_act_while_a_line_is_typed) {
+  HalfTyped console;
+  Screen& screen = console.screen;
+  InTerminal& terminal = console.terminal;
+  ASSERT_TRUE(console.is_in("Run|"));
+  terminal.type("!");
+  ASSERT_TRUE(terminal.wait_for("hold; ~ resumes"));
+  ASSERT_TRUE(console.is_in("Hold:"));
+  // Keys whose sequences end in '~' resume nothing.
+  for (const char* key : {"\x1b[5~", "\x1b[6~", "\x1b[3~", "\x1b[15~", "\x1b[1;5C"})
+    terminal.type(key);
+  EXPECT_TRUE(console.is_in("Hold:"));
+  terminal.type("~");
+  ASSERT_TRUE(console.is_in("Run|"));
+  terminal.type("\x1b!");  // Esc before it
+  ASSERT_TRUE(console.is_in("Hold:"));
+  EXPECT_EQ(seen(terminal, screen).back(), "> G0 X") << "the line is kept";
+  terminal.type("\x18");
+  ASSERT_TRUE(terminal.wait_for("Grbl"));
+  EXPECT_EQ(seen(terminal, screen).back(), "> G0 X");
+  terminal.type("\x15G4 P0 (wow! ~)\n");
+  EXPECT_TRUE(terminal.wait_for("ok"));
+  EXPECT_EQ(screen.unknown(), "");
+  terminal.type("\x03");
+  EXPECT_THAT(terminal.finish().out, Not(HasSubstr("error: line")));
+}
+
+TEST(ConsoleCommand, a_stop_at_the_end_of_a_line_acts_and_the_rest_is_discarded) {
+  HalfTyped console;
+  InTerminal& terminal = console.terminal;
+  terminal.type("5 :hold\n");
+  ASSERT_TRUE(terminal.wait_for("hold; 'G0 X5' was not sent; ~ resumes"));
+  EXPECT_TRUE(console.is_in("Hold:"));
+  terminal.type("hold\n");
+  EXPECT_TRUE(terminal.wait_for("unknown word 'hold'; did you mean ':hold'?"));
+  terminal.type("hlep\n");
+  EXPECT_TRUE(terminal.wait_for("did you mean 'help'?"));
   terminal.type("\x03");
   EXPECT_EQ(terminal.finish().status, 130);
 }

@@ -187,7 +187,13 @@ TEST(JogLine, leaves_out_fields_where_columns_are_few) {
   EXPECT_EQ(jog_line(display, status, 59), "X -100.500  Y 0.000  Z 12.250  | Idle | step 0.1 mm");
   EXPECT_EQ(jog_line(display, status, 39), "X -100.500  Y 0.000  Z 12.250  | Idle");
   EXPECT_EQ(jog_line(display, status, 31), "X -100.5  Y 0.0  Z 12.2  | Idle");
-  EXPECT_LE(jog_line(display, status, 10).size(), 10u);
+  EXPECT_EQ(jog_line(display, status, 25), "X -100.50  Y 0.00  | Idle");
+  EXPECT_EQ(jog_line(display, status, 19), "X -100.500  | Idle");
+  EXPECT_EQ(jog_line(display, status, 15), "X -100.500");
+  EXPECT_EQ(jog_line(display, status, 8), "X -100.5");
+  EXPECT_EQ(jog_line(display, status, 4), "Idle");
+  for (std::size_t columns = 0; columns < 100; ++columns)
+    EXPECT_LE(jog_line(display, status, columns).size(), columns);
 }
 
 std::vector<std::string> typed(KeyLine& line, const std::string& keys) {
@@ -212,6 +218,35 @@ TEST(KeyLines, are_edited_as_a_terminal_does) {
   EXPECT_THAT(typed(line, "7\x04\n"), ElementsAre("7"));
   std::vector<std::string> none;
   EXPECT_FALSE(line.take('\x04', none)) << "Ctrl-D at the begin of a line ends the input";
+}
+
+/// Enter alone resumes: the one after `!`, which users type out of habit, must not.
+TEST(KeyLines, hold_without_enter) {
+  using namespace std::chrono_literals;
+  const auto start = KeyLine::Clock::now();
+  KeyLine line;
+  std::vector<std::string> lines;
+  const auto type = [&](const std::string& keys, std::chrono::milliseconds at) {
+    lines.clear();
+    for (const char key : keys) line.take(key, lines, start + at);
+  };
+  type("8!", 0ms);
+  EXPECT_THAT(lines, ElementsAre("!"));
+  EXPECT_EQ(line.text(), "");
+  type("\n", 1900ms);
+  EXPECT_THAT(lines, ElementsAre());
+  type("\n", 1950ms);
+  EXPECT_THAT(lines, ElementsAre(""));
+  type("!", 2000ms);
+  type("\n", 4100ms);
+  EXPECT_THAT(lines, ElementsAre(""));
+  type("!1\n", 4200ms);
+  EXPECT_THAT(lines, ElementsAre("!", "1"));
+  type("\x1b!\x1b[!~", 4300ms);
+  EXPECT_THAT(lines, ElementsAre("!")) << "'!' is an intermediate byte of a sequence";
+  type("\x1b[", 4400ms);
+  type("!", 4700ms);
+  EXPECT_THAT(lines, ElementsAre("!"));
 }
 
 }  // namespace

@@ -133,6 +133,25 @@ TEST(Signals, hold_only_by_ctrl_c_in_a_terminal) {
   EXPECT_EQ(left.finish().status, 130);
 }
 
+/// `!` is a hold in jobs too; Ctrl-C remains one.
+TEST(Signals, the_key_of_a_hold_holds_a_job) {
+  const Folder folder;
+  InTerminal job(long_job(folder));
+  ASSERT_TRUE(job.wait_for("engraving"));
+  for (const char* hold : {"!\n", "8!"}) {
+    job.type(hold);
+    ASSERT_TRUE(job.wait_for("held, laser off; Enter to resume, Ctrl-C to stop")) << hold;
+    job.type("\x1b[A\n");  // another key ends the time in which Enter belongs to the hold
+    ASSERT_TRUE(job.wait_for("resuming")) << hold;
+  }
+  job.type("!");
+  ASSERT_TRUE(job.wait_for("held, laser off"));
+  job.type("\x03");
+  const Finished stopped = job.finish();
+  EXPECT_EQ(stopped.status, 130);
+  EXPECT_THAT(stopped.out, testing::Not(HasSubstr("job speed 8 %")));
+}
+
 TEST(Signals, end_other_commands_with_the_same_statuses) {
   for (const int signal : ending_signals)
     for (const Input input : {Input::null_device, Input::pipe}) {

@@ -171,6 +171,41 @@ TEST(LineConsole, by_hand_a_hold_overtakes_the_lines_before_it) {
   EXPECT_EQ(talk.console.queued(), 999u);
 }
 
+/// Whatever is typed before or after it; only comments may have the character.
+TEST(LineConsole, by_hand_a_line_with_a_hold_holds_and_is_not_sent) {
+  for (const char* line : {"G0 X!", "G0 X5 !", "G0 ! X5", "G0 X :hold", "G0 (a) X!", "G0 (slow!",
+                           "$J=G91 X5 F100 !", "G0 X1 (b) ! ; c"}) {
+    SCOPED_TRACE(line);
+    RecordingBoard board;
+    Talk talk(board, false);
+    talk.console.type(line);
+    talk.run_for(100ms);
+    EXPECT_EQ(board.written, "!");
+    ASSERT_EQ(talk.shown.size(), 1u);
+    EXPECT_THAT(talk.shown[0], testing::AllOf(StartsWith("hold; '"), HasSubstr("was not sent")));
+  }
+  for (const char* line : {"G0 X5 (wow!)", "G0 X5 ; done!", "G0 X5 ; then :hold"}) {
+    SCOPED_TRACE(line);
+    RecordingBoard board;
+    Talk talk(board, false);
+    talk.console.type(line);
+    talk.run_for(100ms);
+    EXPECT_EQ(board.written, "G0 X5\n");
+  }
+}
+
+TEST(LineConsole, suggests_the_word_without_its_colon) {
+  GrblModel board;
+  Talk talk(board, false);
+  const auto error = [&](const char* line) { return error_of([&] { talk.console.type(line); }); };
+  EXPECT_THAT(error("hold"), HasSubstr("did you mean ':hold'?"));
+  EXPECT_THAT(error("Rseet"), HasSubstr("did you mean ':reset'?"));
+  EXPECT_THAT(error("feed +10"), HasSubstr("did you mean ':feed +10'?"));
+  EXPECT_THAT(error("hlep"), HasSubstr("did you mean 'help'?"));
+  EXPECT_THAT(error("G1 ~ X1"), testing::Not(HasSubstr("G-code program")));
+  EXPECT_EQ(talk.console.queued(), 0u);
+}
+
 TEST(LineConsole, by_hand_a_jog_cancel_discards_the_jogs_before_it) {
   RecordingBoard board;
   Talk talk(board, false);
