@@ -75,6 +75,7 @@ TEST(RunOnBoard, OfADoneJobHasNoHeadline) {
 TEST(RunOnBoard, CountsPointsWithoutPauses) {
   PreparedJob prepared = job_of(9, 1);
   wire::Target pause;
+  pause.shots = 0;
   pause.beats = 50;
   for (const int at : {8, 6, 4, 2})
     prepared.job.targets.insert(prepared.job.targets.begin() + at, pause);
@@ -121,7 +122,7 @@ TEST(RunOnBoard, ADryRunHasTheBeatsOfItsMotion) {
   EXPECT_EQ(run.beats_by_reason["hold"], 3u);
   EXPECT_EQ(run.beats_outside["not_locked"], 7u);
   EXPECT_DOUBLE_EQ(report.time_s, 17 / report.lamp_hz);
-  EXPECT_DOUBLE_EQ(report.beats_per_point, 17 / 5.0);
+  EXPECT_DOUBLE_EQ(report.beats_per_point, 14 / 5.0);  // without the hold
   EXPECT_EQ(report.points_fired, 0u);
   EXPECT_EQ(report::headline(report), "Dry run: nothing was fired");
 }
@@ -145,7 +146,7 @@ TEST(ContinueCommand, ReplacesTheBegin) {
 TEST(ContinueCommand, NamesNewOutputs) {
   const lamplock::test::TemporaryFolder folder;
   const link::Continuation at_12{12, 0, 12, true};
-  const std::string report = folder.file("r.1").string(), shots = folder.file("s-9.csv").string();
+  const std::string report = folder.file("r.a").string(), shots = folder.file("s-9.csv").string();
   const auto advice = [&](const std::string& folder_name) {
     return continue_command({"l", "--report", folder_name, "--shots=" + shots, "--vcd"}, at_12,
                             false);
@@ -153,8 +154,8 @@ TEST(ContinueCommand, NamesNewOutputs) {
   const std::string rest = " --shots=" + folder.file("s-10.csv").string() + " --vcd --from 12";
   EXPECT_EQ(advice(report), "l --report " + report + "-2" + rest);
   EXPECT_EQ(advice(report + "//"), "l --report " + report + "-2" + rest);
-  folder.write("r.1-2/report.json", "");
-  folder.write("r.1-3", "");
+  folder.write("r.a-2", "");
+  folder.write("r.a-3", "");
   EXPECT_EQ(advice(report), "l --report " + report + "-4" + rest);
   EXPECT_EQ(advice(report + "-2"), "l --report " + report + "-4" + rest);
   EXPECT_EQ(next_free_folder("."), "./report-2");
