@@ -11,4 +11,10 @@ namespace lamplock {
 /// Below a minute with hundredths, otherwise in whole seconds.
 std::string duration_text(double seconds);
 
+/// In the form of the longest of several, so that they can be compared: "0 min 40 s".
+std::string duration_text(double seconds, double longest);
+
+/// The same without hundredths, rounded up, for a time that is shown while it passes: "12 s".
+std::string whole_seconds_text(double seconds);
+
 }  // namespace lamplock

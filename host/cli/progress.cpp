@@ -10,6 +10,8 @@
 #include <tuple>
 #include <utility>
 
+#include "host/duration_text.hpp"
+#include "host/number_text.hpp"
 #include "host/printable.hpp"
 
 namespace lamplock::cli {
@@ -24,12 +26,6 @@ std::size_t percent(std::size_t done, std::size_t total) {
   return total == 0 ? 100 : done * 100 / total;
 }
 
-std::string clock_text(double seconds) {
-  const auto s = static_cast<long long>(std::ceil(seconds));
-  if (s < 3600) return fmt::format("{}:{:02}", s / 60, s % 60);
-  return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
-}
-
 constexpr double end_shown_from_s = 60;
 constexpr std::time_t day_s = 24 * 3600;
 /// The time of the end is not shown for what takes longer.
@@ -37,13 +33,14 @@ constexpr double end_shown_to_s = 1e8;
 
 /// The time left and the time of the end; an empty text where it is not known or not of use.
 std::pair<std::string, std::string> left_and_end(double seconds, std::time_t now) {
-  if (!(seconds >= end_shown_from_s)) return {clock_text(std::max(0.0, seconds)) + " left", ""};
+  if (!(seconds >= end_shown_from_s))
+    return {whole_seconds_text(std::max(0.0, seconds)) + " left", ""};
   if (seconds > end_shown_to_s) return {"years left", ""};
   const std::time_t end = now + static_cast<std::time_t>(seconds);
   const std::tm local = fmt::localtime(end);
-  return {clock_text(seconds) + " left", end - now < day_s
-                                             ? fmt::format("ends {:%H:%M}", local)
-                                             : fmt::format("ends {:%F %H:%M}", local)};
+  return {whole_seconds_text(seconds) + " left", end - now < day_s
+                                                     ? fmt::format("ends {:%H:%M}", local)
+                                                     : fmt::format("ends {:%F %H:%M}", local)};
 }
 
 /// The fields in their order on the line.
@@ -80,7 +77,7 @@ std::string progress_line(const ProgressFields& shown, std::size_t columns) {
   FieldTexts texts{shown.title,
                    "",
                    fmt::format(" {:3} %", percent(shown.done, shown.total)),
-                   fmt::format(", {} of {}", shown.done, shown.total),
+                   fmt::format(", {} of {}", grouped(shown.done), grouped(shown.total)),
                    after_comma(shown.state),
                    after_comma(shown.speed),
                    after_comma(shown.left),
@@ -115,7 +112,7 @@ void ProgressBar::update(std::size_t done) {
   printed_at_ = Clock::now();
   next_line_percent_ = (now / line_every_percent + 1) * line_every_percent;
   const auto left = left_s(done);
-  fmt::print(stderr, "{}: {} %, {} of {}{}\n", title_, now, done, total_,
+  fmt::print(stderr, "{}: {} %, {} of {}{}\n", title_, now, grouped(done), grouped(total_),
              left ? left_text(*left, std::time(nullptr)) : "");
 }
 

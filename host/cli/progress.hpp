@@ -16,7 +16,8 @@
 
 namespace lamplock::cli {
 
-/// ", 3:12 left, ends 15:42": the end, by the clock of this place, of what takes a minute and more.
+/// ", 3 min 12 s left, ends 15:42": the end, by the clock of this place, of what takes a minute and
+/// more.
 std::string left_text(double seconds, std::time_t now);
 
 /// What a line of progress shows.
@@ -24,7 +25,7 @@ struct ProgressFields {
   std::string title;
   std::size_t done = 0, total = 0;
   std::string state, speed;  ///< "held", "speed 150 %"; empty: not shown
-  std::string left, ends;    ///< "3:12 left", "ends 15:42"; empty: not known
+  std::string left, ends;    ///< "3 min 12 s left", "ends 15:42"; empty: not known
   std::string typed;         ///< by the user, before Enter
 };
 

@@ -29,8 +29,8 @@ void check_distinct(const std::vector<Output>& outputs, const std::string& input
     if (file.empty() || is_special(file)) continue;
     if (!input.empty() && place_of(file) == place_of(input))
       throw Error(Exit::bad_input, file,
-                  fmt::format("is what is read, {} would replace it", option),
-                  "choose another name");
+                  fmt::format("is the input of this command, and {} would replace it", option),
+                  option == "--report" ? "give another folder" : "give another file name");
     for (const Output& other : seen)
       if (place_of(file) == place_of(other.file))
         throw Error(Exit::bad_input, file,

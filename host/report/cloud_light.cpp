@@ -182,9 +182,9 @@ Image cloud_light(const std::vector<Vec>& points, const Box& block, const Camera
   return image;
 }
 
-void add_grey_points(Image& image, const std::vector<Vec>& points, const Camera& camera) {
+void add_dots(Image& image, const std::vector<Vec>& points, const Vec& colour,
+              const Camera& camera) {
   if (points.empty()) return;
-  constexpr Vec grey{0.105f, 0.11f, 0.115f};
   // The fewer the points, the larger: in pixels of a picture of 1200.
   constexpr float min_size = 2, max_size = 6, size_of_one = 120;
   const float scale = static_cast<float>(std::min(image.width, image.height)) / 1200;
@@ -203,7 +203,8 @@ void add_grey_points(Image& image, const std::vector<Vec>& points, const Camera&
         const float dy = static_cast<float>(y) + 0.5f - place.y;
         if (dx * dx + dy * dy > radius * radius) continue;
         Vec& pixel = image.at(x, y);
-        pixel = {std::max(pixel.x, grey.x), std::max(pixel.y, grey.y), std::max(pixel.z, grey.z)};
+        pixel = {std::max(pixel.x, colour.x), std::max(pixel.y, colour.y),
+                 std::max(pixel.z, colour.z)};
       }
   }
 }

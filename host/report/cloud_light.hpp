@@ -14,7 +14,9 @@ namespace lamplock::report {
 Image cloud_light(const std::vector<Vec>& points, const Box& block, const Camera& camera, int width,
                   int height);
 
-/// Adds points that give no light: grey dots, whose brightness does not grow with their number.
-void add_grey_points(Image& image, const std::vector<Vec>& points, const Camera& camera);
+/// Adds points that give no light: dots of one colour, whose brightness does not grow with their
+/// number.
+void add_dots(Image& image, const std::vector<Vec>& points, const Vec& colour,
+              const Camera& camera);
 
 }  // namespace lamplock::report

@@ -43,7 +43,7 @@ void write_ply(const JobRun& run, const fs::path& path) {
 /// The points that were fired as far as it is known.
 geometry::PointCloud engraved(const JobRun& run) {
   if (!run.shots_known) {
-    const auto end = static_cast<std::ptrdiff_t>(run.stopped_before.value_or(run.points.size()));
+    const auto end = static_cast<std::ptrdiff_t>(first_not_fired(run));
     return {run.points.begin(), run.points.begin() + end};
   }
   geometry::PointCloud cloud(run.shots.size());
@@ -53,11 +53,10 @@ geometry::PointCloud engraved(const JobRun& run) {
   return cloud;
 }
 
-/// The points that the job had not reached when it ended. A point after the end may have been
-/// fired: its light hides the grey dot.
-geometry::PointCloud not_reached(const JobRun& run) {
-  if (!run.stopped_before) return {};
-  return {run.points.begin() + static_cast<std::ptrdiff_t>(*run.stopped_before), run.points.end()};
+/// The points after the last one fired. One of them may have been fired after all: its light hides
+/// the grey dot.
+geometry::PointCloud not_fired(const JobRun& run) {
+  return {run.points.begin() + static_cast<std::ptrdiff_t>(first_not_fired(run)), run.points.end()};
 }
 
 constexpr const char* shot_columns = "index,channel,beat,time_us,x_mm,y_mm,z_mm";
@@ -116,7 +115,7 @@ const std::vector<ReportFile>& report_files() {
        ReportNeeds::shots},
       {"report.html", write_page},
       {"cloud.png", [](const Report&, const JobRun& run, const fs::path& path) {
-         write_cloud_picture(path, engraved(run), not_reached(run));
+         write_cloud_picture(path, engraved(run), not_fired(run), run.points_before);
        }}};
   return files;
 }

@@ -32,19 +32,20 @@ struct CloudBox {
 
 std::array<double, 3> coordinates(const geometry::Point& p) { return {p.x, p.y, p.z}; }
 
-CloudBox box_round(const geometry::PointCloud& cloud) {
+CloudBox box_round(const JobRun& run) {
   CloudBox box;
   bool first = true;
   std::array<double, 3> high{};
-  for (const geometry::Point& point : cloud) {
-    if (!is_finite(point)) continue;
-    const auto at = coordinates(point);
-    for (std::size_t a = 0; a < 3; ++a) {
-      box.low[a] = first ? at[a] : std::min(box.low[a], at[a]);
-      high[a] = first ? at[a] : std::max(high[a], at[a]);
+  for (const geometry::PointCloud* cloud : {&run.points_before, &run.points})
+    for (const geometry::Point& point : *cloud) {
+      if (!is_finite(point)) continue;
+      const auto at = coordinates(point);
+      for (std::size_t a = 0; a < 3; ++a) {
+        box.low[a] = first ? at[a] : std::min(box.low[a], at[a]);
+        high[a] = first ? at[a] : std::max(high[a], at[a]);
+      }
+      first = false;
     }
-    first = false;
-  }
   for (std::size_t a = 0; a < 3; ++a) box.size[a] = high[a] - box.low[a];
   return box;
 }
@@ -66,10 +67,10 @@ std::uint8_t beats_to(const PointBeats& beats, std::size_t point) {
 }
 
 /// What became of a point.
-enum class Fate : std::uint8_t { fired, missed, not_reached };
+enum class Fate : std::uint8_t { fired, missed, not_reached, fired_before };
 
 Fate fate_of(const JobRun& run, const PointBeats& beats, std::size_t point) {
-  const bool is_after_end = run.stopped_before && point >= *run.stopped_before;
+  const bool is_after_end = point >= first_not_fired(run);
   if (!run.shots_known || !beats.known) return is_after_end ? Fate::not_reached : Fate::fired;
   const bool has_shots = run.shots_ordered.empty() || run.shots_ordered[point] != 0;
   const bool is_missed = beats.missed[point] != 0;
@@ -79,14 +80,15 @@ Fate fate_of(const JobRun& run, const PointBeats& beats, std::size_t point) {
 
 std::uint64_t count_not_reached(const JobRun& run, const PointBeats& beats) {
   std::uint64_t count = 0;
-  for (std::size_t i = run.stopped_before.value_or(run.points.size()); i < run.points.size(); ++i)
+  for (std::size_t i = first_not_fired(run); i < run.points.size(); ++i)
     if (fate_of(run, beats, i) == Fate::not_reached) ++count;
   return count;
 }
 
 /// Every n-th point is shown, or one of the next n that was missed.
 std::size_t stride_of(const JobRun& run) {
-  return (run.points.size() + max_points_shown - 1) / max_points_shown;
+  const std::size_t all = run.points_before.size() + run.points.size();
+  return std::max<std::size_t>(1, (all + max_points_shown - 1) / max_points_shown);
 }
 
 std::vector<std::uint32_t> shown_points(const JobRun& run, const PointBeats& beats) {
@@ -105,16 +107,27 @@ std::vector<std::uint32_t> shown_points(const JobRun& run, const PointBeats& bea
   return shown;
 }
 
+/// Number of points shown among those of an earlier run.
+std::size_t count_before(const JobRun& run) {
+  return (run.points_before.size() + stride_of(run) - 1) / stride_of(run);
+}
+
+void append_point(const geometry::Point& point, const CloudBox& box, std::uint8_t beats, Fate fate,
+                  std::string& bytes) {
+  const auto at = coordinates(point);
+  for (std::size_t a = 0; a < 3; ++a) append(bytes, share(at[a], box.low[a], box.size[a]));
+  append(bytes, beats);
+  append(bytes, static_cast<std::uint8_t>(fate));
+}
+
 std::string cloud_bytes(const JobRun& run, const PointBeats& beats, const CloudBox& box,
                         const std::vector<std::uint32_t>& shown) {
   std::string bytes;
-  bytes.reserve(8 * shown.size());
-  for (const std::uint32_t i : shown) {
-    const auto at = coordinates(run.points[i]);
-    for (std::size_t a = 0; a < 3; ++a) append(bytes, share(at[a], box.low[a], box.size[a]));
-    append(bytes, beats_to(beats, i));
-    append(bytes, static_cast<std::uint8_t>(fate_of(run, beats, i)));
-  }
+  bytes.reserve(8 * (count_before(run) + shown.size()));
+  for (std::size_t i = 0; i < run.points_before.size(); i += stride_of(run))
+    append_point(run.points_before[i], box, 0, Fate::fired_before, bytes);
+  for (const std::uint32_t i : shown)
+    append_point(run.points[i], box, beats_to(beats, i), fate_of(run, beats, i), bytes);
   return bytes;
 }
 
@@ -134,7 +147,8 @@ void append_base64(std::string_view bytes, std::string& text) {
 
 Json histogram_json(const Histogram& histogram) {
   return {{"from", histogram.from},   {"bin", histogram.bin},       {"counts", histogram.counts},
-          {"least", histogram.least}, {"median", histogram.median}, {"values", histogram.values}};
+          {"least", histogram.least}, {"median", histogram.median}, {"values", histogram.values},
+          {"open", histogram.open}};
 }
 
 /// Beats at places evenly spread over the points, for a clock: the beat when all points up to there
@@ -199,13 +213,14 @@ Json page_json(const Report& report, const JobRun& run, const PointBeats& beats,
           {"settings_table", settings_table()},
           {"cloud",
            {{"count", shown.size()},
+            {"before", count_before(run)},
             {"of", run.points.size()},
             {"not_reached", not_reached},
             {"stride", stride_of(run)},
             {"low_mm", box.low},
             {"size_mm", box.size},
             {"beats_known", beats.known},
-            {"fates_known", run.shots_known}}},
+            {"fates_known", run.shots_known && !run.dry}}},
           {"clock", clock_json(beats)},
           {"spacing_mm", histogram_json(spacing_histogram(run.points))},
           {"beats", histogram_json(beats_histogram(beats))},
@@ -230,7 +245,7 @@ std::string in_script(const Json& json) {
 
 std::string page(const Report& report, const JobRun& run) {
   const PointBeats beats = point_beats(run);
-  const CloudBox box = box_round(run.points);
+  const CloudBox box = box_round(run);
   const std::vector<std::uint32_t> shown = shown_points(run, beats);
   const std::string_view whole = page_template();
   const std::size_t data = whole.find(data_place), cloud = whole.find(cloud_place);

@@ -8,7 +8,7 @@
 // Data: JSON for numbers and charts, and for the cloud eight bytes per point in base64: x y z as
 // fractions of the bounding box (16 bits each, little endian), the beats from the point before (0:
 // none or unknown, 254: as many or more) and its fate: 0 fired or unknown, 1 missed, 2 not reached
-// before the job ended. Of clouds of more than
+// before the job ended, 3 fired by an earlier run. The latter come first. Of clouds of more than
 // `max_points_shown` every n-th point is shown, or one of the next n that was missed.
 #pragma once
 

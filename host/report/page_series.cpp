@@ -64,7 +64,7 @@ double quantile(std::vector<double>& values, double share) {
 
 PointBeats point_beats(const JobRun& run) {
   PointBeats result;
-  result.known = run.shots_known || !run.foreseen_beats.empty();
+  result.known = !run.dry && (run.shots_known || !run.foreseen_beats.empty());
   if (!result.known) return result;
   result.beat.resize(run.points.size());
   result.missed.resize(run.points.size());
@@ -101,7 +101,9 @@ Histogram spacing_histogram(const geometry::PointCloud& cloud, std::size_t most)
   // If all distances are equal any width is possible.
   result.bin = width > min_bin_mm ? width : min_bin_mm;
   result.counts.resize(spacing_bins);
+  const double end = result.from + spacing_bins * result.bin;
   for (const double distance : distances) {
+    result.open |= distance > end;
     const double bin = std::min<double>((distance - result.from) / result.bin, spacing_bins - 1);
     ++result.counts[static_cast<std::size_t>(bin)];
   }
@@ -120,6 +122,7 @@ Histogram beats_histogram(const PointBeats& beats) {
     // The point was missed, or fired before its predecessor, which was missed at first.
     if (to < from || beats.missed[i] != 0) continue;
     all.push_back(to - from);
+    result.open |= to - from >= beat_bins;
     ++result.counts[std::min<std::size_t>(to - from, beat_bins - 1)];
   }
   result.values = all.size();

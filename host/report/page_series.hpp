@@ -16,7 +16,8 @@ namespace lamplock::report {
 
 /// Values of every point, in firing order.
 struct PointBeats {
-  bool known = false;  ///< the shots were recorded or predicted; otherwise the lists are empty
+  /// There were shots, recorded or predicted; otherwise the lists are empty.
+  bool known = false;
   std::vector<std::uint32_t> beat;  ///< of its last shot, from the first of the job; without a shot
                                     ///< that of the point before
   std::vector<std::uint8_t> missed;  ///< 1: fired less often than ordered
@@ -31,6 +32,7 @@ struct Histogram {
   double from = 0;                    ///< begin of the first bin
   double bin = 0;                     ///< width; 0: no values
   std::vector<std::uint64_t> counts;  ///< the last bin has all larger values too
+  bool open = false;                  ///< there are larger values in it
   double least = 0, median = 0;
   std::size_t values = 0;
 };

@@ -22,14 +22,15 @@ constexpr unsigned threads = 2;
 
 /// Points moved so that their middle is the origin: so floats have enough resolution.
 struct CentredCloud {
-  std::vector<Vec> points, grey;
+  std::vector<Vec> points, grey, before;
   Vec half;  ///< half the size
 };
 
-CentredCloud centred(const geometry::PointCloud& cloud, const geometry::PointCloud& not_fired) {
+CentredCloud centred(const geometry::PointCloud& fired, const geometry::PointCloud& not_fired,
+                     const geometry::PointCloud& fired_before) {
   constexpr double far = std::numeric_limits<double>::max();
   geometry::Point low{far, far, far}, high{-far, -far, -far};
-  for (const geometry::PointCloud* part : {&cloud, &not_fired})
+  for (const geometry::PointCloud* part : {&fired, &not_fired, &fired_before})
     for (const geometry::Point& p : *part) {
       if (!is_finite(p)) continue;
       low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -43,12 +44,14 @@ CentredCloud centred(const geometry::PointCloud& cloud, const geometry::PointClo
     return Vec{static_cast<float>(p.x - middle.x), static_cast<float>(p.y - middle.y),
                static_cast<float>(p.z - middle.z)};
   };
-  result.points.reserve(cloud.size());
-  for (const geometry::Point& p : cloud)
-    if (is_finite(p)) result.points.push_back(relative(p));
-  result.grey.reserve(not_fired.size());
-  for (const geometry::Point& p : not_fired)
-    if (is_finite(p)) result.grey.push_back(relative(p));
+  const auto move = [&relative](const geometry::PointCloud& cloud, std::vector<Vec>& to) {
+    to.reserve(cloud.size());
+    for (const geometry::Point& p : cloud)
+      if (is_finite(p)) to.push_back(relative(p));
+  };
+  move(fired, result.points);
+  move(not_fired, result.grey);
+  move(fired_before, result.before);
   result.half = relative(high);
   return result;
 }
@@ -137,15 +140,23 @@ void write_cloud_picture(const std::filesystem::path& path, const geometry::Poin
 
 void write_cloud_picture(const std::filesystem::path& path, const geometry::PointCloud& fired,
                          const geometry::PointCloud& not_fired, const PictureSize& size) {
-  const CentredCloud centred_cloud = centred(fired, not_fired);
-  const Box block = block_round(centred_cloud);
+  write_cloud_picture(path, fired, not_fired, {}, size);
+}
+
+void write_cloud_picture(const std::filesystem::path& path, const geometry::PointCloud& fired,
+                         const geometry::PointCloud& not_fired,
+                         const geometry::PointCloud& fired_before, const PictureSize& size) {
+  constexpr Vec grey{0.105f, 0.11f, 0.115f}, sand{0.20f, 0.15f, 0.08f};
+  const CentredCloud cloud = centred(fired, not_fired, fired_before);
+  const Box block = block_round(cloud);
   const Box plinth = plinth_under(block);
   const Box stage{plinth.low, {plinth.high.x, plinth.high.y, block.high.z}};
   const Camera camera(stage, natural_yaw(block), natural_elevation(block), size.width, size.height);
   Image scene(size.width, size.height);
   paint_glass_scene(scene, block, camera, threads);
-  Image light = cloud_light(centred_cloud.points, block, camera, size.width, size.height);
-  add_grey_points(light, centred_cloud.grey, camera);
+  Image light = cloud_light(cloud.points, block, camera, size.width, size.height);
+  add_dots(light, cloud.grey, grey, camera);
+  add_dots(light, cloud.before, sand, camera);
   write_png(path, developed(scene, light), size.width, size.height);
 }
 

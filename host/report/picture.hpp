@@ -29,4 +29,9 @@ void write_cloud_picture(const std::filesystem::path& path, const geometry::Poin
 void write_cloud_picture(const std::filesystem::path& path, const geometry::PointCloud& fired,
                          const geometry::PointCloud& not_fired, const PictureSize& size = {});
 
+/// The same with points that an earlier run has fired, in a shade of their own.
+void write_cloud_picture(const std::filesystem::path& path, const geometry::PointCloud& fired,
+                         const geometry::PointCloud& not_fired,
+                         const geometry::PointCloud& fired_before, const PictureSize& size = {});
+
 }  // namespace lamplock::report

@@ -10,6 +10,7 @@
 #include "host/report/matching.hpp"
 #include "host/units.hpp"
 #include "host/version.hpp"
+#include "shared/beat_reason.hpp"
 
 namespace lamplock::report {
 namespace {
@@ -61,22 +62,45 @@ void judge_shots(const JobRun& run, Report& report) {
         largest_error(run, matching, [&run](std::size_t i) { return run.lattice_steps[i]; });
 }
 
-/// Ratios per point and per second, by the points that were fired: a job may have been stopped.
-void add_ratios(Report& report) {
-  const auto ratio = [](double a, double b) { return b > 0 ? a / b : 0.0; };
-  const auto fired = static_cast<double>(report.points_fired);
-  const auto beats = static_cast<double>(report.beats);
-  report.beats_per_point = ratio(beats, fired);
-  report.utilisation = ratio(static_cast<double>(report.shots), beats);
-  report.points_per_s = ratio(fired, report.time_s);
+/// Beats in which the user or the door held the machine; they say nothing about the job.
+std::uint64_t held_beats(const Report& report) {
+  std::uint64_t held = 0;
+  for (const BeatReason reason : {BeatReason::hold, BeatReason::door}) {
+    const auto found = report.beats_by_reason.find(std::string(name(reason)));
+    if (found != report.beats_by_reason.end()) held += found->second;
+  }
+  return std::min(held, report.beats);
 }
 
-/// Sides of the box round the points, if all of them are finite.
-std::optional<std::array<double, 3>> size_of(const geometry::PointCloud& points) {
-  if (points.empty() || !std::all_of(points.begin(), points.end(), geometry::is_finite))
-    return std::nullopt;
-  const geometry::Bounds box = geometry::bounds(points);
-  return std::array{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
+/// Ratios per point and per second, by the points that were fired, or passed in a dry run: a job
+/// may have been stopped.
+void add_ratios(const JobRun& run, Report& report) {
+  const auto ratio = [](double a, double b) { return b > 0 ? a / b : 0.0; };
+  const auto done = static_cast<double>(run.dry ? run.stopped_before.value_or(run.points.size())
+                                                : report.points_fired);
+  const auto beats = static_cast<double>(report.beats - held_beats(report));
+  report.beats_per_point = ratio(beats, done);
+  report.utilisation = ratio(static_cast<double>(report.shots), beats);
+  report.points_per_s = ratio(done, report.time_s);
+}
+
+/// Sides of the box round all points of the job, if all of them are finite.
+std::optional<std::array<double, 3>> size_of(const JobRun& run) {
+  std::optional<geometry::Bounds> box;
+  for (const geometry::PointCloud* points : {&run.points_before, &run.points}) {
+    if (!std::all_of(points->begin(), points->end(), geometry::is_finite)) return std::nullopt;
+    if (points->empty()) continue;
+    geometry::Bounds part = geometry::bounds(*points);
+    if (box) {
+      part.low = {std::min(part.low.x, box->low.x), std::min(part.low.y, box->low.y),
+                  std::min(part.low.z, box->low.z)};
+      part.high = {std::max(part.high.x, box->high.x), std::max(part.high.y, box->high.y),
+                   std::max(part.high.z, box->high.z)};
+    }
+    box = part;
+  }
+  if (!box) return std::nullopt;
+  return std::array{box->high.x - box->low.x, box->high.y - box->low.y, box->high.z - box->low.z};
 }
 
 nlohmann::ordered_json text_or_null(const std::string& text) {
@@ -86,6 +110,12 @@ nlohmann::ordered_json text_or_null(const std::string& text) {
 template <class T>
 nlohmann::ordered_json or_null(const std::optional<T>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+/// The number of a point where firing ended; null if nothing could be fired.
+nlohmann::ordered_json of_firing(const Report& report, std::uint64_t number) {
+  return report.end.name.empty() || report.dry ? nlohmann::ordered_json(nullptr)
+                                               : nlohmann::ordered_json(number);
 }
 
 /// Null instead of the keys of an end: an estimate has none.
@@ -117,10 +147,15 @@ Report evaluate(const JobRun& run) {
   report.mode = run.mode;
   report.board = run.board;
   report.making = run.making;
-  report.size_mm = size_of(run.points);
+  report.dry = run.dry;
+  report.size_mm = size_of(run);
   report.lamp_hz = in_units(run.settings, settings::Id::lamp_frequency);
   report.end = run.end;
-  report.items = run.items;
+  report.from = run.first_number;
+  report.points_before = run.points_before.size();
+  report.flashes_per_point = run.flashes_per_point;
+  report.pauses = run.pauses.size();
+  report.pause_beats = run.pause_beats;
   report.points = run.points.size();
   report.points_fired = run.points_fired;
   report.shots = run.shots_known ? run.shots.size() : run.shots_fired;
@@ -133,8 +168,12 @@ Report evaluate(const JobRun& run) {
   report.link = run.link;
   report.settings = run.settings;
   if (run.shots_known) judge_shots(run, report);
-  add_ratios(report);
+  add_ratios(run, report);
   return report;
+}
+
+std::size_t first_not_fired(const JobRun& run) {
+  return run.dry ? 0 : run.stopped_before.value_or(run.points.size());
 }
 
 std::vector<std::uint64_t> point_numbers(const JobRun& run) {
@@ -154,15 +193,21 @@ std::string to_json(const Report& report) {
       {"mode", report.mode},
       {"board", report.board},
       {"command", text_or_null(report.making.command)},
+      {"dry", report.dry},
       {"size_mm", or_null(report.size_mm)},
       {"spacing_mm", or_null(report.making.spacing_mm)},
       {"method", text_or_null(report.making.method)},
       {"order", text_or_null(report.making.order)},
       {"material", text_or_null(report.making.material)},
       {"lamp_hz", report.lamp_hz},
+      {"flashes_per_point", report.flashes_per_point},
+      {"pauses", report.pauses},
+      {"pause_beats", report.pause_beats},
+      {"from", report.from},
+      {"points_before", report.points_before},
       {"end", of_end(report, report.end.name)},
-      {"first_unfired", of_end(report, report.end.first_unfired)},
-      {"may_have_fired", of_end(report, report.end.may_have_fired)},
+      {"first_unfired", of_firing(report, report.end.first_unfired)},
+      {"may_have_fired", of_firing(report, report.end.may_have_fired)},
       {"continue_with", of_end(report, report.end.continue_with)},
       {"points", report.points},
       {"points_fired", report.points_fired},

@@ -44,12 +44,14 @@ struct ShotChecks {
   std::uint64_t repeats = 0;  ///< shots at a point whose last shot was not made
 };
 
-/// How and where a run ended. Numbers count points and pauses of the job.
+/// How and where a run ended. Numbers count points and pauses of the job, as --from does.
 struct RunEnd {
   std::string name;                  ///< "done", "stopped", ...; empty for an estimate
   std::uint64_t first_unfired = 0;   ///< all before it are done
   std::uint64_t may_have_fired = 0;  ///< none from here on was fired
   std::string continue_with;         ///< the command that continues the job; empty if it is done
+  /// Pauses of the job before each of the two numbers: readers are shown the number of a point.
+  std::uint64_t pauses_before = 0, pauses_before_end = 0;
 };
 
 /// Record of one run of a job.
@@ -58,6 +60,7 @@ struct JobRun {
   std::string mode;   ///< "free", "start-stop"
   std::string board;  ///< "virtual" or the port
   Making making{};
+  bool dry = false;  ///< the machine moved and fired nothing
 
   geometry::PointCloud points;               ///< in firing order, coordinates of the glass
   std::vector<std::uint16_t> shots_ordered;  ///< per point; empty: one each
@@ -74,7 +77,9 @@ struct JobRun {
   std::vector<std::uint32_t> foreseen_beats;
 
   std::size_t first_number = 0;  ///< of the point or pause that the run began with, in the job
-  std::size_t items = 0;         ///< points and pauses of the whole job
+  geometry::PointCloud points_before{};  ///< of the job, before that; fired by an earlier run
+  std::uint64_t flashes_per_point = 1;   ///< ordered, also of a dry run; the maximum
+  std::uint64_t pause_beats = 0;         ///< of the longest pause
   RunEnd end{};
   /// The index of the first point that the job had not reached when it ended; empty: it reached
   /// all.
@@ -87,8 +92,9 @@ struct JobRun {
   PerAxis<double> steps_per_mm{200, 200, 200, 200};
   glass::Refraction refraction{};  ///< converts steps of the stage to the glass
 
-  std::uint64_t beats = 0;         ///< lamp periods from the first shot to the last, both included
-  std::uint64_t beats_before = 0;  ///< lamp periods before the first shot
+  /// Lamp periods from the first shot to the last, both included; of a dry run those of its motion.
+  std::uint64_t beats = 0;
+  std::uint64_t beats_before = 0;  ///< lamp periods before these
   double time_s = 0;               ///< machine time of `beats`
   std::map<std::string, std::uint64_t>
       beats_by_reason;  ///< every beat by its reason; their sum is `beats`
@@ -103,19 +109,22 @@ struct JobRun {
 struct Report {
   std::string version, input, mode, board;
   Making making;
-  std::optional<std::array<double, 3>> size_mm;  ///< of the box round the ordered points
+  bool dry = false;                              ///< nothing was fired
+  std::optional<std::array<double, 3>> size_mm;  ///< of the box round all points of the job
   double lamp_hz = 0;
+  std::uint64_t from = 0;           ///< number of the point or pause that the run began with
+  std::uint64_t points_before = 0;  ///< points of the job before that
+  std::uint64_t flashes_per_point = 1, pauses = 0, pause_beats = 0;
   RunEnd end{};
-  std::uint64_t items = 0;         ///< points and pauses of the whole job
-  std::uint64_t points = 0;        ///< ordered
+  std::uint64_t points = 0;        ///< ordered in this run
   std::uint64_t points_fired = 0;  ///< of these: as often as ordered
   std::uint64_t shots = 0;         ///< fired
   std::uint64_t beats = 0;
   std::uint64_t beats_before = 0;
-  double beats_per_point = 0;  ///< fired
-  double utilisation = 0;      ///< shots / beats
+  double beats_per_point = 0;  ///< fired; of a dry run: passed; without beats in which it was held
+  double utilisation = 0;      ///< shots / beats, without those either
   double time_s = 0;
-  double points_per_s = 0;  ///< fired
+  double points_per_s = 0;  ///< fired; of a dry run: passed
   /// Largest over axes and shots of |steps at the lattice tick - wanted mm x steps per mm|.
   std::optional<double> largest_error_steps;
   /// The same with the position at the real shot: lamp jitter included.
@@ -130,6 +139,10 @@ struct Report {
 
 /// Evaluates a run. Throws lamplock::Error if the lengths of its lists are inconsistent.
 Report evaluate(const JobRun& run);
+
+/// The index of the first point of a run that was not fired because the job had ended before it;
+/// the number of points if there is none. A dry run fires no point.
+std::size_t first_not_fired(const JobRun& run);
 
 /// The number in the job of each point of a run, for --from. Points and pauses are counted
 /// together, from 0.

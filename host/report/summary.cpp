@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/duration_text.hpp"
+#include "host/number_text.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::report {
@@ -23,12 +24,7 @@ struct Line {
   bool foreseen = true;  ///< also in an estimate
 };
 
-/// 1234567 -> "1 234 567".
-std::string grouped(std::uint64_t number) {
-  std::string digits = fmt::to_string(number);
-  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, 1, ' ');
-  return digits;
-}
+using lamplock::grouped;
 
 std::string grouped(const std::optional<std::uint64_t>& number) {
   return number ? grouped(*number) : "unknown";
@@ -52,6 +48,22 @@ std::string end_text(const std::string& end) {
   for (const auto& [name, text] : texts)
     if (name == end) return text;
   return "Ended";
+}
+
+/// The points that may or may not have been fired, in parentheses; empty if there is none.
+std::string doubt_text(const RunEnd& end) {
+  const std::uint64_t first = end.first_unfired - end.pauses_before,
+                      from = end.may_have_fired - end.pauses_before_end;
+  if (from == first + 1) return fmt::format(" (point {} may have been fired)", first);
+  if (from > first) return fmt::format(" (points {} to {} may have been fired)", first, from - 1);
+  return "";
+}
+
+/// ", continued at point 333 of 871"; empty for a run from the first point on.
+std::string part_text(const Report& report) {
+  if (report.from == 0) return "";
+  return fmt::format(", continued at point {} of {}", grouped(report.points_before),
+                     grouped(report.points_before + report.points));
 }
 
 constexpr std::array result_lines{
@@ -92,12 +104,25 @@ std::string aligned(const std::vector<Row>& rows) {
   return text;
 }
 
+/// One form for the whole row.
+Row time_row(std::span<const std::reference_wrapper<const Report>> reports) {
+  double longest = 0;
+  for (const Report& report : reports) longest = std::max(longest, report.time_s);
+  Row row{"machine time"};
+  for (const Report& report : reports) row.push_back(duration_text(report.time_s, longest));
+  return row;
+}
+
 std::vector<Row> result_rows(std::span<const std::reference_wrapper<const Report>> reports) {
   std::vector<Row> rows;
   for (const Line& line : result_lines) {
+    if (std::string_view(line.label) == "machine time") {
+      rows.push_back(time_row(reports));
+      continue;
+    }
     Row row{line.label};
     for (const Report& report : reports) row.push_back(line.value(report));
-    rows.push_back(row);
+    rows.push_back(std::move(row));
   }
   return rows;
 }
@@ -114,8 +139,18 @@ std::string spacing_text(const Report& r) {
   return r.making.spacing_mm ? fmt::format("{:.4g} mm", *r.making.spacing_mm) : "unknown";
 }
 
-/// How the job was made.
+std::string pauses_text(const Report& r) {
+  if (r.pauses == 0) return "0";
+  return fmt::format("{} of {} beats", grouped(r.pauses), grouped(r.pause_beats));
+}
+
+/// How the job was made and run.
 constexpr std::array making_lines{
+    Line{"end", [](const Report& r) { return or_unknown(r.end.name); }},
+    Line{"from", [](const Report& r) { return fmt::to_string(r.from); }},
+    Line{"dry run", [](const Report& r) { return std::string(r.dry ? "yes" : "no"); }},
+    Line{"flashes per point", [](const Report& r) { return grouped(r.flashes_per_point); }},
+    Line{"pauses", pauses_text},
     Line{"input", [](const Report& r) { return r.input; }},
     Line{"board", [](const Report& r) { return r.board; }},
     Line{"size", size_text},
@@ -154,21 +189,26 @@ std::vector<settings::Id> differing_settings(const Report& first, const Report& 
 
 std::string headline(const Report& report) {
   const RunEnd& end = report.end;
-  if (end.name.empty() || end.name == "done") return "";
-  std::string text = fmt::format("{} at {} of {}", end_text(end.name), grouped(end.first_unfired),
-                                 grouped(report.items));
-  if (end.may_have_fired == end.first_unfired + 1)
-    text += fmt::format(" (point {} may have been fired)", end.first_unfired);
-  else if (end.may_have_fired > end.first_unfired)
-    text += fmt::format(" (points {} to {} may have been fired)", end.first_unfired,
-                        end.may_have_fired - 1);
+  const std::string dry = report.dry ? "Dry run: nothing was fired" : "";
+  if (end.name.empty() || end.name == "done") return dry;
+  std::string text =
+      (dry.empty() ? "" : dry + ". ") + fmt::format("{} at {} of {}", end_text(end.name),
+                                                    grouped(end.first_unfired - end.pauses_before),
+                                                    grouped(report.points_before + report.points));
+  if (!report.dry) text += doubt_text(end);
   return end.continue_with.empty() ? text : text + "; continue with: " + end.continue_with;
 }
 
 std::string summary(const Report& report) {
+  const std::string head = headline(report);
+  return (head.empty() ? "" : head + "\n") + table(report);
+}
+
+std::string table(const Report& report) {
   const std::array reports{std::cref(report)};
   std::vector<Row> rows = result_rows(reports);
-  rows.push_back({"beats before the first shot", grouped(report.beats_before)});
+  rows.push_back({report.dry ? "beats before the motion" : "beats before the first shot",
+                  grouped(report.beats_before)});
   for (const auto& [reason, beats] : report.beats_by_reason)
     if (beats > 0) rows.push_back({"beats: " + reason, grouped(beats)});
   if (report.checks.made + report.checks.not_made > 0) {
@@ -178,10 +218,10 @@ std::string summary(const Report& report) {
   rows.push_back({"link: frames resent", grouped(report.link.resent)});
   rows.push_back({"link: bad frames", grouped(report.link.bad)});
   rows.push_back({"link: reconnects", grouped(report.link.reconnects)});
-  const std::string title = fmt::format("{}: {}, {} board, lamp {:g} Hz\n", report.input,
-                                        report.mode, report.board, report.lamp_hz);
-  const std::string head = headline(report);
-  return (head.empty() ? "" : head + "\n") + title + aligned(rows);
+  const std::string title =
+      fmt::format("{}: {}, {} board, lamp {:g} Hz{}\n", report.input, report.mode, report.board,
+                  report.lamp_hz, part_text(report));
+  return title + aligned(rows);
 }
 
 std::string estimate_summary(const Report& report) {
@@ -191,7 +231,8 @@ std::string estimate_summary(const Report& report) {
   rows.push_back({"beats before the first shot", grouped(report.beats_before)});
   for (const auto& [reason, beats] : report.beats_by_reason)
     if (beats > 0) rows.push_back({"beats: " + reason, grouped(beats)});
-  return fmt::format("{}: {}, lamp {:g} Hz\n", report.input, report.mode, report.lamp_hz) +
+  return fmt::format("{}: {}, lamp {:g} Hz{}\n", report.input, report.mode, report.lamp_hz,
+                     part_text(report)) +
          aligned(rows);
 }
 

@@ -12,12 +12,15 @@
 
 namespace lamplock::report {
 
-/// "Stopped at 2 123 of 6 773; continue with: COMMAND": how a job ended before its last point;
-/// empty if it is done, and for an estimate.
+/// "Stopped at 2 123 of 6 773; continue with: COMMAND": how a job ended before its last point, and
+/// that a dry run fired nothing; empty if the job is done, and for an estimate.
 std::string headline(const Report& report);
 
 /// Table of one report, below its headline; unknown values are shown as "unknown".
 std::string summary(const Report& report);
+
+/// The same without the headline.
+std::string table(const Report& report);
 
 /// The same for an estimate: without the values that only a run has.
 std::string estimate_summary(const Report& report);

@@ -118,6 +118,7 @@ void BoardOptions::check(const std::string& input, const std::string& save) cons
   if (!vcd.empty()) check_target(vcd);
   if (!shots.empty()) check_target(shots);
   if (!report.empty()) check_report_folder(report);
+  if (!report.empty() && (from != 0 || fired != 0 || resume)) refuse_first_part(report);
   if (!statistics.empty()) {
     check_target(statistics);
     report::check_statistics(statistics);

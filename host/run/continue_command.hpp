@@ -1,8 +1,7 @@
 // The command that continues a job which has ended early.
 //
-// In:  the words of the command that ran the job, where the job continues. Out: text to paste into
-// a
-//      shell. Who: reports.
+// In:  the words of the command that ran the job, where the job continues. Out: text to paste
+//      into a shell. Who: reports.
 #pragma once
 
 #include <string>
@@ -12,8 +11,9 @@
 
 namespace lamplock::run {
 
-/// The command without the options that say where it begins, then those that continue; empty
-/// without words. `is_kept`: the journal has the progress of the job.
+/// The command without the options that say where it begins and without the permission to fire,
+/// with new names for the report and the files that the run has written, then the options that
+/// continue; empty without words. `is_kept`: the journal has the progress of the job.
 std::string continue_command(const std::vector<std::string>& words, const link::Continuation& rest,
                              bool is_kept);
 

@@ -1,5 +1,7 @@
 #include "host/run/engrave.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "host/glass/description_file.hpp"
@@ -13,6 +15,22 @@
 
 namespace lamplock::run {
 
+namespace {
+
+/// The description of a job that was continued makes the whole job again: it says so at its begin.
+void warn_in_description(report::Making& making, const BoardOptions& options) {
+  if (making.description.empty() || (options.from == 0 && options.fired == 0)) return;
+  const std::string fired = options.fired == 0 ? "" : fmt::format(" --fired {}", options.fired);
+  making.description =
+      fmt::format(
+          "# This report is about the rest of a job: --from {}{}. Without these options\n"
+          "# this description fires the whole job, also the points that were fired before.\n\n",
+          options.from, fired) +
+      making.description;
+}
+
+}  // namespace
+
 JobOutcome engrave(const JobRequest& request, BoardOptions& options, Frontend& frontend) {
   options.profile = request.description.machine.profile;
   options.check(request.input, request.save);
@@ -24,6 +42,7 @@ JobOutcome engrave(const JobRequest& request, BoardOptions& options, Frontend& f
   if (!options.report.empty())
     prepared.making.description = glass::to_text(request.description, options.report);
   const auto kept = keep_progress(prepared, options, port.get(), frontend);
+  warn_in_description(prepared.making, options);
   subtract_fired(prepared, options);
   return run_job(prepared, options, std::move(port), frontend, kept.get());
 }

@@ -11,6 +11,7 @@
 #include "host/file/staged_file.hpp"
 #include "host/report/page.hpp"
 #include "host/run/job_run.hpp"
+#include "host/run/pause_beats.hpp"
 #include "host/run/read_job.hpp"
 #include "host/run/sent_file.hpp"
 #include "host/shell_text.hpp"
@@ -31,9 +32,11 @@ PreparedJob job_of(const EstimateOptions& options, Frontend& frontend) {
 report::JobRun run_of(PreparedJob prepared, const EstimateOptions& options,
                       estimate::Estimate estimate) {
   const auto before = static_cast<std::ptrdiff_t>(prepared.job.points_before(options.job.from));
+  geometry::PointCloud points_before(prepared.points.begin(), prepared.points.begin() + before);
   prepared.points.erase(prepared.points.begin(), prepared.points.begin() + before);
   report::JobRun run =
       begin_run(prepared, std::move(prepared.points), "estimate", options.job.from);
+  run.points_before = std::move(points_before);
   run.shots_fired = estimate.shots;
   run.points_fired = run.points.size();
   run.foreseen_beats = std::move(estimate.beat_of_shot);
@@ -42,6 +45,8 @@ report::JobRun run_of(PreparedJob prepared, const EstimateOptions& options,
   run.time_s = estimate.time_s;
   for (std::size_t i = 0; i < beat_reason_count; ++i)
     run.beats_by_reason[std::string(beat_reason_names[i])] = estimate.beats_by_reason[i];
+  count_pauses(prepared.job, options.job.from, prepared.job.size(), run.beats_by_reason,
+               run.beats_outside);
   return run;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/job/job.hpp"
 #include "host/link/sender.hpp"
 #include "host/text.hpp"
 
@@ -12,7 +13,22 @@ constexpr std::uint32_t job_speed_step = 10;  ///< percent
 
 }  // namespace
 
-void PointJobControl::update_progress() { progress_.update(sender_.points_fired()); }
+std::vector<std::size_t> pauses_of(const job::Job& job) {
+  std::vector<std::size_t> pauses;
+  for (std::size_t i = 0; i < job.targets.size(); ++i)
+    if (job.is_pause(i)) pauses.push_back(i);
+  return pauses;
+}
+
+std::size_t PointJobControl::pauses_before(std::size_t target) const {
+  return static_cast<std::size_t>(std::lower_bound(pauses_.begin(), pauses_.end(), target) -
+                                  pauses_.begin());
+}
+
+void PointJobControl::update_progress() {
+  const std::size_t next = sender_.points_fired();
+  progress_.update(next - pauses_before(next));
+}
 
 std::string PointJobControl::keys() const {
   return "keys: ! holds, Enter resumes, Ctrl-C twice stops; + - or 80 and Enter: job speed";
@@ -29,6 +45,8 @@ ProgressState PointJobControl::state() const {
     shown.word = "held";
   else if (holding_)
     shown.word = "holding";
+  else if (std::binary_search(pauses_.begin(), pauses_.end(), sender_.points_fired()))
+    shown.word = "pause";
   if (sender_.job_speed() != wire::full_job_speed)
     shown.speed = "speed " + std::to_string(sender_.job_speed()) + " %";
   return shown;

@@ -7,7 +7,10 @@
 // Who: run_job(), after every step of the sender.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "host/run/job_control.hpp"
 #include "shared/wire/status.hpp"
@@ -16,14 +19,22 @@ namespace lamplock::link {
 class JobSender;
 }  // namespace lamplock::link
 
+namespace lamplock::job {
+struct Job;
+}  // namespace lamplock::job
+
 namespace lamplock::run {
 
-/// Controls one job; sender, progress and frontend must outlive it.
+/// Indices of the pauses among the targets of a job, in order; none of rows.
+std::vector<std::size_t> pauses_of(const job::Job& job);
+
+/// Controls one job; sender, progress and frontend must outlive it. The progress counts points or
+/// lines, without `pauses`, from pauses_of().
 class PointJobControl : public JobControl {
  public:
   PointJobControl(link::JobSender& sender, Frontend& frontend, Progress& progress,
-                  Clocking clocking)
-      : JobControl(frontend, progress, clocking), sender_(sender) {}
+                  Clocking clocking, std::vector<std::size_t> pauses = {})
+      : JobControl(frontend, progress, clocking), sender_(sender), pauses_(std::move(pauses)) {}
 
   bool waits_for_user() const override { return holding_ || asking_ || stopping_; }
 
@@ -47,8 +58,11 @@ class PointJobControl : public JobControl {
   void ask(const std::string& why);
   void change_job_speed(std::uint32_t percent);
   void stop();
+  /// Number of pauses before this target.
+  std::size_t pauses_before(std::size_t target) const;
 
   link::JobSender& sender_;
+  std::vector<std::size_t> pauses_;
   bool held_by_key_ = false;                               ///< by `!`, not by an interrupt
   wire::HoldReason asked_about_ = wire::HoldReason::none;  ///< of the present hold
 };

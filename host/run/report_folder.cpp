@@ -12,6 +12,8 @@
 #include "host/file/staged_file.hpp"
 #include "host/output_error.hpp"
 #include "host/report/files.hpp"
+#include "host/run/free_name.hpp"
+#include "host/shell_text.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::run {
@@ -60,13 +62,22 @@ report::Report parse(const std::string& text) {
   json.at("board").get_to(report.board);
   read_making(json, report);
   json.at("lamp_hz").get_to(report.lamp_hz);
+  report.dry = json.value("dry", false);
   // Reports of older programs have no end, and estimates have none either.
   if (const auto end = json.find("end"); end != json.end() && !end->is_null()) {
     end->get_to(report.end.name);
-    json.at("first_unfired").get_to(report.end.first_unfired);
-    json.at("may_have_fired").get_to(report.end.may_have_fired);
+    // A dry run has no such numbers.
+    if (!json.at("first_unfired").is_null()) {
+      json.at("first_unfired").get_to(report.end.first_unfired);
+      json.at("may_have_fired").get_to(report.end.may_have_fired);
+    }
     json.at("continue_with").get_to(report.end.continue_with);
   }
+  report.from = json.value("from", report.from);
+  report.points_before = json.value("points_before", report.points_before);
+  report.flashes_per_point = json.value("flashes_per_point", report.flashes_per_point);
+  report.pauses = json.value("pauses", report.pauses);
+  report.pause_beats = json.value("pause_beats", report.pause_beats);
   json.at("points").get_to(report.points);
   json.at("shots").get_to(report.shots);
   // Reports of older programs have it not; there "points" may be more than were fired.
@@ -115,6 +126,23 @@ std::vector<fs::path> files_of_report(const fs::path& folder) {
 void check_report_folder(const fs::path& folder) {
   const ReportFolder trial(folder);
   for (const fs::path& file : files_of_report(folder)) check_target(file);
+}
+
+void refuse_first_part(const fs::path& folder) {
+  std::error_code ignored;
+  const fs::path numbers = folder / report::report_files().front().name;
+  if (!fs::exists(numbers, ignored)) return;
+  report::Report older;
+  try {
+    older = read_report(folder);
+  } catch (const Error&) {
+    return;  // not a report that could be compared with the rest of the job
+  }
+  const bool has_ended_early = !older.end.name.empty() && older.end.name != "done";
+  if (!has_ended_early || older.dry) return;
+  throw Error(
+      Exit::bad_input, folder.string(), "has the report of the part that was engraved before",
+      "keep it and give a new folder: --report " + shell_text({next_free_folder(folder.string())}));
 }
 
 ReportFolder::ReportFolder(fs::path folder) : folder_(std::move(folder)) {
@@ -191,7 +219,11 @@ std::array<std::string, 2> report_names(const fs::path& first, const fs::path& s
 
 report::Report read_report(const fs::path& folder) {
   std::error_code ignored;
-  const fs::path file = fs::is_directory(folder, ignored) ? folder / "report.json" : folder;
+  const bool is_folder = fs::is_directory(folder, ignored);
+  const fs::path file = is_folder ? folder / report::report_files().front().name : folder;
+  if (is_folder && !fs::exists(file, ignored))
+    throw Error(Exit::bad_input, folder.string(), "has no report of lamplock (report.json)",
+                "give a folder written with --report");
   const std::string text = read_file(file);
   try {
     return parse(text);

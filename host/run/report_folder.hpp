@@ -24,6 +24,10 @@ std::vector<std::filesystem::path> files_of_report(const std::filesystem::path& 
 /// Error(bad_input).
 void check_report_folder(const std::filesystem::path& folder);
 
+/// Refuses a folder with the report of a run that ended early: the report of the rest of the job
+/// would replace it. Throws Error(bad_input), which names a free folder.
+void refuse_first_part(const std::filesystem::path& folder);
+
 /// The folder of a report that will be written once a job has been run. Without write_numbers()
 /// nothing is left of it.
 class ReportFolder {

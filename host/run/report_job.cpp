@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 
@@ -28,8 +29,27 @@ Exit judge_failure(const std::exception_ptr& error, Frontend& frontend) {
   return Exit::job_failed;
 }
 
+/// The headline of a job that the user has stopped is the last line, after the table.
+bool says_end_last(const JobOutcome& outcome) {
+  return outcome.result.end == JobEnd::stopped && outcome.ended_by.empty() && !outcome.error &&
+         !outcome.report.end.continue_with.empty();
+}
+
+/// The rest of a job in numbers for readers: pauses are not counted with the points.
+link::Continuation shown_rest(const JobOutcome& outcome) {
+  link::Continuation rest = outcome.result.rest;
+  rest.first -= std::min(rest.first, static_cast<std::size_t>(outcome.run.end.pauses_before));
+  rest.from -= std::min(rest.from, static_cast<std::size_t>(outcome.run.end.pauses_before_end));
+  return rest;
+}
+
+/// The argument of --from counts pauses too.
 std::string go_on_text(const JobOutcome& outcome, const char* item) {
-  return link::go_on_text(outcome.result.rest, item, outcome.is_kept);
+  const link::Continuation& rest = outcome.result.rest;
+  const std::string doubt = link::doubt_text(shown_rest(outcome), item);
+  if (doubt.empty() || (!rest.settled && outcome.is_kept))
+    return link::go_on_text(rest, item, outcome.is_kept);
+  return fmt::format("continue with {} ({})", link::go_on_options(rest), doubt);
 }
 
 /// If the machine was not at rest at its last report, the number in it is a lower bound.
@@ -43,7 +63,7 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
                    Frontend& frontend) {
   if (outcome.error) return judge_failure(outcome.error, frontend);
   const link::JobResult& result = outcome.result;
-  const std::size_t next = result.rest.first;
+  const std::size_t next = shown_rest(outcome).first;
   const std::string go_on = go_on_text(outcome, item);
   std::string what, remedy;
   switch (result.end) {
@@ -53,7 +73,9 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
       if (!outcome.ended_by.empty())
         throw_stopped(outcome.ended_by, fmt::format("stopped before {} {}", item, next),
                       "release it, close it, and " + go_on);
-      frontend.notice(fmt::format("stopped: first {} not fired is {}; {}", item, next, go_on));
+      frontend.notice(says_end_last(outcome) ? report::headline(outcome.report)
+                                             : fmt::format("stopped: first {} not fired is {}; {}",
+                                                           item, next, go_on));
       return Exit::interrupted;
     case JobEnd::alarm:
       what = fmt::format("{} before {} {}",
@@ -65,15 +87,17 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
       break;
     case JobEnd::lost:
       what = "connection lost, so that the machine could not be stopped; " +
-             bound_text(result.rest, item);
+             bound_text(shown_rest(outcome), item);
       remedy = "check that it is at rest, check the cable and ";
       break;
     case JobEnd::replaced:
-      what = "another program has begun a job on the machine; " + bound_text(result.rest, item);
+      what = "another program has begun a job on the machine; " +
+             bound_text(shown_rest(outcome), item);
       remedy = "end that and ";
       break;
     case JobEnd::restarted:
-      what = "the machine has restarted, its position is lost; " + bound_text(result.rest, item);
+      what = "the machine has restarted, its position is lost; " +
+             bound_text(shown_rest(outcome), item);
       remedy = "home it and ";
       break;
   }
@@ -94,7 +118,8 @@ void write_numbers(JobOutcome& outcome, const BoardOptions& options) {
 
 void report_job(JobOutcome& outcome, const BoardOptions& options, Frontend& frontend) {
   frontend.line("");
-  frontend.text(report::summary(outcome.report));
+  frontend.text(says_end_last(outcome) ? report::table(outcome.report)
+                                       : report::summary(outcome.report));
   if (!outcome.folder) return;
   frontend.restart_clock();
   outcome.folder->write_rest(outcome.report, outcome.run, outcome.lost);

@@ -160,13 +160,16 @@ JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
                 Frontend& frontend, link::KeptJob* kept = nullptr) {
   link::SenderOptions sending = sender_options(options, clocking);
   if (kept != nullptr) kept->keep(sending);
-  const std::unique_ptr<Progress> shown = frontend.progress(
-      prepared.job.header.dry ? "dry run" : "engraving", prepared.job.size(), options.from);
+  const job::Job& job = prepared.job;
+  const std::unique_ptr<Progress> shown =
+      frontend.progress(job.header.dry ? "dry run" : "engraving",
+                        job.is_rows() ? job.size() : job.points_before(job.size()),
+                        job.is_rows() ? options.from : job.points_before(options.from));
   Progress& progress = *shown;
   if (clocking == Clocking::wall)
     sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };
   link::JobSender sender(transport, prepared.job, sending);
-  PointJobControl control(sender, frontend, progress, clocking);
+  PointJobControl control(sender, frontend, progress, clocking, pauses_of(job));
   HoldOnce hold(sender, control, progress, transport, options.hold_at);
   std::optional<LockTimeout> lamp;
   if (clocking == Clocking::lock_step && keeps_to_lamp(prepared.job))

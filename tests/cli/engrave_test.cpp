@@ -167,7 +167,8 @@ TEST(Engrave, dry_moves_and_never_fires) {
   const std::string list = folder.write("p.xyz", xyz(walk(100, 3)));
   const Json report = run_json({"engrave", list, "--dry", "--shots", folder / "shots.csv"});
   EXPECT_EQ(report["shots"], 0);
-  EXPECT_EQ(report["first_unfired"], 100);
+  EXPECT_EQ(report["dry"], true);
+  EXPECT_EQ(report["first_unfired"], nullptr);
   EXPECT_TRUE(read_shots(folder / "shots.csv").empty());
 }
 

@@ -140,6 +140,8 @@ TEST(Errors, broken_job_files) {
 
 TEST(Errors, invalid_reports) {
   const Folder folder;
+  expect_refused(folder, {"compare", folder.path().string(), folder.path().string()},
+                 "has no report of lamplock (report.json); give a folder written with --report");
   folder.write("report.json", "{\"version\": 3}");
   const std::string here = folder.path().string();
   expect_refused(folder, {"compare", here, here}, "report.json");

@@ -196,10 +196,10 @@ TEST(ProgressText, reports_the_end_of_long_jobs) {
   ::setenv("TZ", "UTC", 1);
   ::tzset();
   constexpr std::time_t now = 1'774'690'200;  // 2026-03-28 09:30
-  EXPECT_EQ(left_text(12, now), ", 0:12 left");
-  EXPECT_EQ(left_text(600, now), ", 10:00 left, ends 09:40");
-  EXPECT_EQ(left_text(86400, now), ", 24:00:00 left, ends 2026-03-29 09:30");
-  EXPECT_EQ(left_text(-1, now), ", 0:00 left");
+  EXPECT_EQ(left_text(12, now), ", 12 s left");
+  EXPECT_EQ(left_text(600, now), ", 10 min 00 s left, ends 09:40");
+  EXPECT_EQ(left_text(86400, now), ", 24 h 00 min 00 s left, ends 2026-03-29 09:30");
+  EXPECT_EQ(left_text(-1, now), ", 0 s left");
   EXPECT_EQ(left_text(1e300, now), ", years left");
 }
 

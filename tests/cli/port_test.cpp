@@ -186,7 +186,7 @@ TEST(Port, held_by_its_user_during_a_hold_of_a_second) {
   engrave.type("\x03");
   const Finished stopped = engrave.finish();
   EXPECT_EQ(stopped.status, 130);
-  const std::string intro = "first point not fired is ";
+  const std::string intro = "Stopped at ";
   const auto at = stopped.out.find(intro);
   ASSERT_NE(at, std::string::npos) << stopped.out;
   EXPECT_LT(std::stoi(stopped.out.substr(at + intro.size())), 100) << "it resumed by itself";

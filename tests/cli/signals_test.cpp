@@ -102,7 +102,7 @@ TEST(Signals, stop_a_job_at_once_without_terminal_input) {
       WithInput engrave(job, input);
       ASSERT_TRUE(engrave.wait_for("holding for a second"));
       EXPECT_EQ(engrave.end_by(signal), 128 + signal);
-      EXPECT_THAT(engrave.output(), HasSubstr("stopped: first point not fired is "));
+      EXPECT_THAT(engrave.output(), HasSubstr("Stopped at "));
       EXPECT_THAT(engrave.output(), HasSubstr("--from "));
     }
 }
@@ -118,6 +118,7 @@ TEST(Signals, hold_only_by_ctrl_c_in_a_terminal) {
   }
   InTerminal held(job);
   ASSERT_TRUE(held.wait_for("engraving"));
+  ASSERT_TRUE(held.wait_for(", pause"));
   held.type("\x03");
   ASSERT_TRUE(held.wait_for("held, laser off; Enter to resume, Ctrl-C again to stop"));
   held.type("\x03");

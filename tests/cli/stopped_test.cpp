@@ -83,6 +83,41 @@ TEST(StoppedJobs, TextKeysAndPageAgreeOnTheEnd) {
   EXPECT_THAT(page, HasSubstr(fmt::format("\"not_reached\":{},", Refused::near + 1 - fired)));
 }
 
+TEST(StoppedJobs, ADryRunReportsItsMotionAndNoShot) {
+  const Folder folder;
+  const std::string list = folder.write("s.xyz", "0 0 0\n1 0 0\n1 1 0\n0 1 1\n");
+  const Finished done = run({"engrave", list, "--yes", "--dry", "--report", folder / "dry"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("Dry run: nothing was fired\n"));
+  const Json report = Json::parse(read(folder / "dry/report.json"));
+  EXPECT_EQ(report["dry"], true);
+  EXPECT_EQ(report["first_unfired"], nullptr);
+  EXPECT_EQ(report["points_fired"], 0);
+  EXPECT_GE(report["beats"], 4);
+  EXPECT_EQ(report["beats"], report["beats_by_reason"]["dry"]);
+  EXPECT_GT(report["time_s"], 0);
+  ASSERT_EQ(run({"engrave", list, "--report", folder / "fired"}).status, 0);
+  const Finished compared = run({"compare", folder / "dry", folder / "fired"});
+  EXPECT_EQ(compared.status, 0) << compared.err;
+  EXPECT_THAT(compared.out, testing::ContainsRegex("dry run +yes +no\n"));
+}
+
+TEST(StoppedJobs, TheAdviceKeepsTheReportOfTheFirstPart) {
+  const Refused job;
+  const std::string report = job.folder / "report";
+  const int fired = Refused::go_on_at(job.engrave({"--yes", "--report", report}));
+  const std::string first_part = read(report + "/report.json");
+  EXPECT_THAT(Json::parse(first_part)["continue_with"].get<std::string>(),
+              testing::EndsWith(fmt::format(" --json --report {}-2 --from {}", report, fired)));
+  const std::string from = std::to_string(fired);
+  const Finished refused = job.engrave({"--from", from, "--report", report});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("give a new folder: --report " + report + "-2\n"));
+  EXPECT_EQ(read(report + "/report.json"), first_part);
+  // From its beginning the job may replace the report, as every job may.
+  EXPECT_EQ(job.engrave({"--report", report}).status, 1);
+}
+
 TEST(StoppedJobs, ARefusalBeforeTheFirstShotLeavesNothing) {
   const Refused job;
   const auto before = job.folder.files();
@@ -111,6 +146,10 @@ TEST(StoppedJobs, NumbersCountPausesEverywhere) {
   for (int i = 0; i < fired; ++i)
     EXPECT_THAT(shots[static_cast<std::size_t>(i) + 1],
                 testing::EndsWith(fmt::format(",{}", i + i / 5)));
+  const std::string headline = fmt::format("Failed at {} of {};", fired, Refused::near + 1);
+  EXPECT_THAT(refused.err, HasSubstr(headline));
+  EXPECT_THAT(read(job.folder / "report/report.html"), HasSubstr(headline));
+  EXPECT_EQ(report["beats_by_reason"]["pause"], 3 * ((fired - 1) / 5));
   // The rest of the job begins with that number, on its page too.
   const Finished rest = run({"engrave", job.list, "--pause-every", "5", "--pause-beats", "3",
                              "--from", std::to_string(next), "--report", job.folder / "rest"});
@@ -118,6 +157,13 @@ TEST(StoppedJobs, NumbersCountPausesEverywhere) {
   EXPECT_EQ(lines(read(job.folder / "rest/shots.csv")).size(),
             static_cast<std::size_t>(Refused::near + 1 - fired) + 1);
   EXPECT_THAT(read(job.folder / "rest/report.html"), HasSubstr(fmt::format("\"first\":{},", next)));
+  const Json of_rest = Json::parse(read(job.folder / "rest/report.json"));
+  EXPECT_EQ(of_rest["from"], next);
+  EXPECT_EQ(of_rest["points_before"], fired);
+  EXPECT_EQ(of_rest["size_mm"], report["size_mm"]);
+  EXPECT_THAT(read(job.folder / "rest/job.toml"),
+              testing::StartsWith(
+                  fmt::format("# This report is about the rest of a job: --from {}.", next)));
 }
 
 TEST(StoppedJobs, ALampThatTheClockCannotFollow) {

@@ -162,7 +162,7 @@ async function check_tip(page) {
   await page.mouse('mouseMoved', wanted.x, wanted.y);
   await page.frames(3);
   const tip = await page.ask(`document.getElementById('tip').hidden ? '' : document.getElementById('tip').textContent`);
-  check('a tip names the point under the mouse', tip.replace(/\u202f/g, '').startsWith(`point ${wanted.i}\n`), [tip, wanted]);
+  check('a tip names the point under the mouse', tip.replace(/\u00a0/g, '').startsWith(`point ${wanted.i}\n`), [tip, wanted]);
 }
 
 async function check_controls(page) {
@@ -219,7 +219,7 @@ async function check_layout(page, what) {
     const row = tiles.filter((tile) => Math.abs(tile.top - tiles[tiles.length - 1].top) < 1);
     const alone = tiles.length > 1 && row.length === 1 && row[0].width < 0.9 * document.getElementById('tiles').clientWidth;
     const labels = [...document.querySelectorAll('#spacing-chart text')].map((text) => text.textContent);
-    const closed = lamplock.data.spacing_mm.counts?.at(-1) > 0 && !labels.some((text) => text.startsWith('\u2265'));
+    const closed = lamplock.data.spacing_mm.open && !labels.some((text) => text.startsWith('\u2265'));
     return {overlapping, empty, alone, closed};
   })()`);
   check(`${what}: texts of charts do not overlap`, found.overlapping.length === 0, found.overlapping);
@@ -300,6 +300,40 @@ async function small_job(browser) {
   return url;
 }
 
+// A dry run, and the rest of a job with pauses: which points are shown as what, and where the labels
+// of the sizes are.
+async function parts_of_jobs(browser) {
+  const input = join(folder, 'flat.xyz');
+  writeFileSync(input, '0 0 0\n8 0 0\n8 8 0\n0 8 0\n4 4 0\n');
+  const legend = (page) => page.ask(`document.getElementById('legend').textContent`);
+  const dry = join(folder, 'dry'), rest = join(folder, 'rest');
+  lamplock('engrave', input, '--order', 'given', '--dry', '--report', dry);
+  const page = await browser.open(`file://${dry}/report.html`);
+  check('a dry run says so', (await page.ask(`document.getElementById('warnings').textContent`)) === 'Dry run: nothing was fired');
+  check('no point of it is fired', (await legend(page)).includes('dry run, not fired: 5'), await legend(page));
+  await check_layout(page, 'a dry run');
+  check_silence(page, 'a dry run');
+  await keep_picture(page, 'dry');
+
+  lamplock('engrave', input, '--order', 'given', '--pause-every', '2', '--pause-beats', '9', '--from', '3', '--report', rest);
+  const other = await browser.open(`file://${rest}/report.html`);
+  check('the rest of a job begins at a point', (await other.ask(`document.getElementById('subtitle').textContent`)).endsWith('continued at point 2 of 5'));
+  check('the points before it are shown', (await legend(other)).includes('fired before this run: 2') && (await other.ask(`lamplock.cloud.view.count`)) === 5, await legend(other));
+  check('the description leads to no point twice', (await other.ask(`document.querySelector('[data-making=description]').textContent`)).includes('--board virtual --from 3 repeats this part'));
+  const covered = await other.ask(`(() => {
+    const {view} = lamplock.cloud, canvas = view.canvas.getBoundingClientRect();
+    view.draw();
+    const labels = [...document.querySelectorAll('#dimensions span')].filter((label) => !label.hidden);
+    const boxes = labels.map((label) => label.getBoundingClientRect());
+    const points = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5], [0, 0]].map(([x, y]) => view.project(x, y, 0));
+    return {texts: labels.map((label) => label.textContent), covers: points.some((p) => boxes.some((box) =>
+      p.x + canvas.left > box.left && p.x + canvas.left < box.right && p.y + canvas.top > box.top && p.y + canvas.top < box.bottom))};
+  })()`);
+  check('labels of the sizes cover no point', !covered.covers && covered.texts.length === 2, covered);
+  check_silence(other, 'the rest of a job');
+  await keep_picture(other, 'rest');
+}
+
 async function large_job(browser) {
   const input = join(folder, 'many.xyz'), file = join(folder, 'many.html');
   writeFileSync(input, vase(many));
@@ -338,6 +372,7 @@ async function without_webgl(url) {
 const browser = new Browser(chromium);
 try {
   const url = await small_job(browser);
+  await parts_of_jobs(browser);
   await large_job(browser);
   await without_webgl(url);
 } catch (error) {

@@ -259,5 +259,16 @@ TEST(PointNumbers, CountPausesWithThePoints) {
   EXPECT_EQ(point_numbers(run), (std::vector<std::uint64_t>{12, 13, 14, 16, 17, 18}));
 }
 
+/// A hold is the user's time: it says nothing about the job.
+TEST(Evaluate, RatiosHaveNoHeldBeats) {
+  JobRun run = test::perfect_run(100, 3);
+  run.beats = 400;
+  run.beats_by_reason = {{"fired", 100}, {"moving", 100}, {"hold", 150}, {"door", 50}};
+  const Report report = evaluate(run);
+  EXPECT_DOUBLE_EQ(report.beats_per_point, 2);
+  EXPECT_DOUBLE_EQ(report.utilisation, 0.5);
+  EXPECT_EQ(report.beats, 400u);
+}
+
 }  // namespace
 }  // namespace lamplock::report

@@ -112,7 +112,6 @@ TEST(Page, PointsAfterAnEarlyEndAreNotReached) {
     const std::size_t count = 2 + random() % 60, k = random() % count, missed = random() % count;
     for (const bool shots_known : {true, false}) {
       JobRun run = job(static_cast<int>(count), static_cast<std::uint64_t>(i));
-      run.items = count;
       run.end = {"stopped", k, k, "lamplock send j.llj --from " + std::to_string(k)};
       run.stopped_before = k;
       run.shots_known = shots_known;
@@ -130,6 +129,65 @@ TEST(Page, PointsAfterAnEarlyEndAreNotReached) {
       EXPECT_EQ(data["warnings"].size(), is_missed ? 2u : 1u) << data["warnings"];
     }
   }
+}
+
+/// With a simulated board, which records that there was no shot, and with a real one.
+TEST(Page, NoPointOfADryRunIsFired) {
+  for (const bool shots_known : {true, false}) {
+    JobRun run = job(20, 7);
+    run.dry = true;
+    run.shots_ordered.assign(20, 0);
+    run.shots_known = shots_known;
+    run.end = {"done", 20, 20, ""};
+    const std::string text = page_of(run), bytes = cloud_of(text);
+    for (std::size_t p = 0; p < 20; ++p) EXPECT_EQ(bytes[8 * p + 7], 2) << p;
+    const Json data = data_of(text);
+    EXPECT_EQ(data["cloud"]["not_reached"], 20);
+    EXPECT_EQ(data["warnings"], Json({"Dry run: nothing was fired"}));
+    EXPECT_EQ(data["report"]["dry"], true);
+    EXPECT_EQ(data["report"]["first_unfired"], nullptr);
+    EXPECT_EQ(data["report"]["may_have_fired"], nullptr);
+  }
+}
+
+/// The whole object is shown, and the points of the run keep their places and beats.
+TEST(Page, PointsOfAnEarlierRunComeFirst) {
+  const JobRun whole = perfect_run(30, 8);
+  JobRun run = job(30, 8);
+  constexpr std::ptrdiff_t before = 12;
+  run.points_before.assign(run.points.begin(), run.points.begin() + before);
+  run.points.erase(run.points.begin(), run.points.begin() + before);
+  run.first_number = before;
+  for (std::size_t p = 0; p < run.points.size(); ++p) add_shot_at_point(run, p);
+  const std::string bytes = cloud_of(page_of(run)), all = cloud_of(page_of(whole));
+  ASSERT_EQ(bytes.size(), all.size());
+  for (std::size_t p = 0; p < 30; ++p) {
+    EXPECT_EQ(bytes.substr(8 * p, 6), all.substr(8 * p, 6)) << p;
+    EXPECT_EQ(bytes[8 * p + 6], p <= before ? 0 : 1) << p;
+    EXPECT_EQ(bytes[8 * p + 7], p < before ? 3 : 0) << p;
+  }
+  const Json data = data_of(page_of(run));
+  EXPECT_EQ(data["cloud"]["before"], before);
+  EXPECT_EQ(data["report"]["from"], before);
+  EXPECT_EQ(data["report"]["points_before"], before);
+  EXPECT_EQ(data["report"]["points"], 30 - before);
+  EXPECT_EQ(data["report"]["size_mm"], data_of(page_of(whole))["report"]["size_mm"]);
+}
+
+/// A bar is open only if it has larger values than those of its width.
+TEST(Page, LastBarsAreOpenOnlyWithLargerValues) {
+  geometry::PointCloud even;
+  for (int i = 0; i < 200; ++i) even.push_back({0.5 * i, 0, 0});
+  EXPECT_FALSE(spacing_histogram(even).open);
+  even.push_back({500, 0, 0});
+  EXPECT_TRUE(spacing_histogram(even).open);
+  PointBeats beats;
+  beats.known = true;
+  beats.beat = {0, 1, 33};
+  beats.missed = {0, 0, 0};
+  EXPECT_FALSE(beats_histogram(beats).open);
+  beats.beat.back() = 34;
+  EXPECT_TRUE(beats_histogram(beats).open);
 }
 
 TEST(Page, ClockNeverRunsBackwards) {

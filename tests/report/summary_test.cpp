@@ -47,6 +47,29 @@ TEST(Summary, TwoReportsSideBySideWithTheirRatio) {
   EXPECT_THAT(text, ContainsRegex("ratio +0\\.750\n"));
 }
 
+TEST(Summary, ARowOfTimesHasOneForm) {
+  EXPECT_THAT(summary(example("free", 4000), example("free", 12'345)),
+              ContainsRegex("machine time +0 min 40 s +2 min 03 s\n"));
+  EXPECT_THAT(summary(example("free", 12'345), example("free", 400'000)),
+              ContainsRegex("machine time +0 h 02 min 03 s +1 h 06 min 40 s\n"));
+}
+
+TEST(Summary, TwoReportsShowHowTheyWereRun) {
+  Report first = example("free", 4000), second = first;
+  EXPECT_THAT(summary(first, second), Not(ContainsRegex("end|from|flashes|pauses|dry")));
+  first.end = {"stopped", 12, 12, "lamplock"};
+  second.end = {"done", 2000, 2000, ""};
+  second.from = 12;
+  second.flashes_per_point = 3;
+  second.pauses = 4;
+  second.pause_beats = 500;
+  const std::string text = summary(first, second);
+  EXPECT_THAT(text, ContainsRegex("end +stopped +done\n"));
+  EXPECT_THAT(text, ContainsRegex("from +0 +12\n"));
+  EXPECT_THAT(text, ContainsRegex("flashes per point +1 +3\n"));
+  EXPECT_THAT(text, ContainsRegex("pauses +0 +4 of 500 beats\n"));
+}
+
 TEST(Summary, TwoReportsShowWhatDiffers) {
   Report first = example("free", 4000), second = example("free", 3000);
   second.settings.set_milli(settings::Id::lamp_frequency, 120'500);
@@ -88,9 +111,9 @@ TEST(EstimateSummary, HasOnlyPredictableValues) {
 
 TEST(Summary, BeginsWithTheEndOfAJobThatEndedEarly) {
   Report report = example("free", 6773);
-  report.items = 6773;
+  report.points = 6773;
   const auto headline_of = [&report](const char* end, std::uint64_t first, std::uint64_t from) {
-    report.end = {end, first, from, first < report.items ? "lamplock send j.llj --from 1" : ""};
+    report.end = {end, first, from, first < report.points ? "lamplock send j.llj --from 1" : ""};
     const std::string text = summary(report), head = headline(report);
     EXPECT_TRUE(text.starts_with(head.empty() ? report.input : head + "\n")) << text;
     return head;
@@ -107,6 +130,12 @@ TEST(Summary, BeginsWithTheEndOfAJobThatEndedEarly) {
   EXPECT_EQ(headline_of("failed", 6773, 6773), "Failed at 6 773 of 6 773");
   EXPECT_EQ(headline_of("done", 6773, 6773), "");
   EXPECT_EQ(headline_of("", 0, 0), "");
+  report.dry = true;
+  EXPECT_EQ(headline_of("done", 6773, 6773), "Dry run: nothing was fired");
+  EXPECT_EQ(headline_of("lost", 503, 687),
+            "Dry run: nothing was fired. Connection lost at 503 of 6 773; continue with: lamplock "
+            "send j.llj --from 1");
+  EXPECT_THAT(summary(report, example("free", 6773)), ContainsRegex("dry run +yes +no\n"));
 }
 
 }  // namespace

@@ -88,8 +88,8 @@ function draw_histogram(holder, histogram, options) {
   const all = counts.reduce((sum, n) => sum + n, 0);
   const start = histogram.from + (options.from ?? 0) * histogram.bin;
   const first_x = options.each ? 0 : start, last = counts.length - 1;
-  // The last bin of the program has all larger values too.
-  const is_open = counts.length + (options.from ?? 0) === histogram.counts.length && counts[last] > 0;
+  // Trailing empty bins are trimmed, so the last bar is that of the larger values, if there are any.
+  const is_open = histogram.open;
   const chart = make_chart(holder, {
     height: 220, label: options.label, from_x: first_x,
     max_x: first_x + counts.length * histogram.bin, max_y: top_tick(Math.max(...counts) / all, 4), y_text: (share) => `${Number((100 * share).toPrecision(3))} %`,
@@ -107,7 +107,7 @@ function draw_histogram(holder, histogram, options) {
                                    y: Math.min(top, chart.y(0) - 1), height: Math.max(chart.y(0) - top, 1)});
     bars.push({low, high, top, count});
     const hit = svg_part(chart.svg, 'rect', {class: 'hit', x: low, width: high - low, y: chart_size.top, height: chart.y(0) - chart_size.top});
-    show_on_hover(hit, `${options.bin_text(start + i * histogram.bin, histogram.bin, i === counts.length - 1)}: ${grouped(count)}, ${short((100 * count) / all)} %`);
+    show_on_hover(hit, `${options.bin_text(start + i * histogram.bin, histogram.bin, is_open && i === last)}: ${grouped(count)}, ${short((100 * count) / all)} %`);
   });
   if (options.each) label_bars(chart, bars, all);
 }

@@ -15,6 +15,8 @@ const beat_colours = {
 };
 // Points that the job had not reached when it ended, in every mode.
 const not_reached_colours = {light: '#c3c8ce', dark: '#343a43'};
+// Points of an earlier run of the job, in every mode.
+const before_colours = {light: '#c9b48a', dark: '#6f603f'};
 const fate_colours = {light: ['#8fa3b8', '#c8102e'], dark: ['#4b5f78', '#ff5a5f']};
 
 function rgb_of(text) {

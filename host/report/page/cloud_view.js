@@ -8,18 +8,19 @@ in vec3 place;
 in vec2 tags;  // beats, fate
 uniform mat4 camera;
 uniform vec3 size;
-uniform float dot_px, first, step_points, last_point;
+uniform float dot_px, first, step_points, before_points, last_point;
 uniform int mode;
 uniform sampler2D colours;
-uniform vec3 not_reached_colour;
+uniform vec3 not_reached_colour, before_colour;
 out vec3 colour;
 out float nearness;
 void main() {
   gl_Position = camera * vec4((place - 0.5) * size, 1.0);
-  float at = mode == 0 ? float(gl_VertexID) * step_points / max(last_point, 1.0)
+  float at = mode == 0 ? (float(gl_VertexID) * step_points - before_points) / max(last_point - before_points, 1.0)
                        : mode == 1 ? tags.x : sign(tags.y);
-  bool not_reached = tags.y > 1.5 / 255.0, missed = tags.y > 0.0 && !not_reached;
-  colour = not_reached ? not_reached_colour
+  bool before = tags.y > 2.5 / 255.0, not_reached = tags.y > 1.5 / 255.0 && !before;
+  bool missed = tags.y > 0.0 && !not_reached && !before;
+  colour = before ? before_colour : not_reached ? not_reached_colour
                        : texture(colours, vec2(at * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb;
   bool stands_out = (mode == 2 && missed) || (mode == 1 && tags.x > 1.5 / 255.0);
   nearness = clamp(0.5 - 0.5 * gl_Position.z / gl_Position.w, 0.0, 1.0);
@@ -134,6 +135,7 @@ class CloudView {
     this.canvas = canvas;
     this.bytes = bytes;
     this.count = bytes.length / bytes_per_point;
+    this.before = cloud.before;  // points of an earlier run, the first ones
     this.shown = this.count;
     this.size = cloud.size_mm;
     this.mode = 'order';
@@ -270,7 +272,9 @@ class CloudView {
     gl.uniform1f(at.round_dots, dot_px > 2.5 ? 1 : 0);
     gl.uniform1f(at.step_points, every);
     gl.uniform1f(at.last_point, this.count - 1);
+    gl.uniform1f(at.before_points, this.before);
     gl.uniform1i(at.mode, {order: 0, beats: 1, missed: 2}[this.mode]);
+    gl.uniform3fv(at.before_colour, rgb_of(before_colours[this.theme ?? 'light']).map((c) => c / 255));
     gl.uniform3fv(at.not_reached_colour, rgb_of(not_reached_colours[this.theme ?? 'light']).map((c) => c / 255));
     gl.uniform3fv(at.far_colour, rgb_of(style.getPropertyValue('--stage-2').trim()).map((c) => c / 255));
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);

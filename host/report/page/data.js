@@ -3,7 +3,7 @@
 const data = JSON.parse(document.getElementById('data').textContent);
 const report = data.report;
 
-const bytes_per_point = 8;  // x y z of 16 bits, beats, fate: 0 fired, 1 missed, 2 not reached
+const bytes_per_point = 8;  // x y z of 16 bits, beats, fate: 0 fired, 1 missed, 2 not reached, 3 fired before
 
 // The bytes of the cloud. One pass, no copy but the text itself, which is released.
 function cloud_bytes() {
@@ -15,9 +15,9 @@ function cloud_bytes() {
   return bytes;
 }
 
-// 1234567 -> 1 234 567, with narrow spaces that do not break.
+// 1234567 -> 1 234 567, with spaces that do not break.
 function grouped(number) {
-  return String(number).replace(/\B(?=(\d{3})+(?!\d))/g, '\u202f');
+  return String(number).replace(/\B(?=(\d{3})+(?!\d))/g, '\u00a0');
 }
 
 function fixed(number, digits) {

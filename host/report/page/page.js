@@ -18,7 +18,7 @@ function fill_head() {
   $('kind').textContent = data.estimate ? 'lamplock estimate' : 'lamplock report';
   $('title').textContent = file;
   const where = data.estimate ? 'as the machine will run it' : `on ${report.board === 'virtual' || report.board === 'chip' ? `the simulated board (${report.board})` : report.board}`;
-  const rest = data.first > 0 ? `, from point ${grouped(data.first)} on` : '';
+  const rest = report.from > 0 ? `, continued at point ${grouped(report.points_before)} of ${grouped(report.points_before + report.points)}` : '';
   $('subtitle').textContent = `mode ${report.mode}, lamp ${Number(report.lamp_hz)} Hz, ${where}${rest}`;
   $('footer').textContent = `Made by lamplock ${report.version}. This page is one file and needs no network.`;
 }
@@ -41,12 +41,12 @@ function add_tile(key, label, text, note, kind) {
 
 function fill_tiles() {
   const shots = report.shots === report.points ? 'one shot each' : `${grouped(report.shots)} shots`;
-  add_tile('points', 'Points', grouped(report.points), report.points_fired === report.points ? shots : `${grouped(report.points_fired)} of them fired`);
+  add_tile('points', 'Points', grouped(report.points), report.points_fired === report.points ? shots : report.dry ? 'none of them fired: dry run' : `${grouped(report.points_fired)} of them fired`);
   add_tile('time_s', 'Machine time', time_text(report.time_s), `${fixed(report.points_per_s, 1)} points/s`);
   add_tile('utilisation', 'Utilisation', `${fixed(100 * report.utilisation, 1)} %`, 'of the lamp\u2019s flashes');
   add_tile('beats_per_point', 'Beats per point', fixed(report.beats_per_point, 3), `${grouped(report.beats)} beats`);
   if (report.missed !== null) {
-    const late = data.cloud.not_reached, wrong = report.missed - late + report.doubled;
+    const late = report.dry ? 0 : data.cloud.not_reached, wrong = report.missed - late + report.doubled;
     add_tile('missed', 'Missed', grouped(report.missed), `${late > 0 ? `${grouped(late)} of them not reached, ` : ''}${grouped(report.doubled)} doubled`, wrong ? 'bad' : 'good');
   }
   if (report.largest_error_steps !== null)
@@ -70,6 +70,14 @@ function arrange_tiles() {
   });
 }
 
+// How to repeat the job. Points of an earlier part must not be fired twice in one glass.
+function description_text() {
+  const command = `lamplock engrave ${data.description} --board ${report.board}${report.dry ? ' --dry' : ''}`;
+  const place = `${data.description} in the folder of this page; `;
+  if (report.from === 0) return `${place}${command} repeats the job from its first point on, on ${report.board}`;
+  return `${place}${command} --from ${report.from} repeats this part, on ${report.board}; without --from it fires the whole job, also the points that were fired before`;
+}
+
 // How the job was made, as far as it is known.
 function fill_making() {
   const body = $('making').tBodies[0];
@@ -87,7 +95,7 @@ function fill_making() {
   row('Spacing', report.spacing_mm === null ? null : `${short(report.spacing_mm)} mm`, 'spacing_mm');
   for (const name of ['method', 'order', 'material', 'command'])
     row(name[0].toUpperCase() + name.slice(1), report[name], name);
-  row('Description', data.description && `${data.description} in the folder of this page; lamplock engrave ${data.description} repeats the job`, 'description');
+  row('Description', data.description && description_text(), 'description');
 }
 
 function fill_numbers() {
@@ -102,7 +110,7 @@ function fill_numbers() {
   if (!data.estimate) row('Points fired', grouped(report.points_fired), 'points_fired');
   row('Shots', grouped(report.shots), 'shots');
   row('Beats', grouped(report.beats), 'beats');
-  row('Beats before the first shot', grouped(report.beats_before), 'beats_before');
+  row(report.dry ? 'Beats before the motion' : 'Beats before the first shot', grouped(report.beats_before), 'beats_before');
   if (data.spacing_mm.values > 0) {
     row('Smallest distance of two points', `${short(data.spacing_mm.least)} mm`);
     row('Median distance', `${short(data.spacing_mm.median)} mm`);
@@ -117,7 +125,7 @@ function fill_numbers() {
 
 const reason_names = {
   fired: 'a shot', moving: 'moving', no_point_due: 'no point due', outside_tolerance: 'outside tolerance',
-  no_edge: 'no flash', returning: 'moving back', not_locked: 'not locked', hold: 'held', door: 'door open',
+  no_edge: 'no flash', returning: 'moving back', not_locked: 'not locked', hold: 'held', pause: 'pause', door: 'door open',
   alarm: 'alarm', starved: 'waited for points', warm_up: 'warming up', protection: 'protection', dry: 'dry',
 };
 
@@ -161,13 +169,14 @@ function show_cards() {
   }
   $('use-card').hidden = data.utilisation.share.length === 0;
   $('unrecorded').hidden = data.cloud.beats_known;
+  if (report.dry) $('unrecorded').textContent = 'A dry run fires no shots, so there are no charts of them.';
 }
 
 function draw_charts() {
   draw_utilisation($('use-chart'), data.utilisation, report.utilisation);
   draw_histogram($('beats-chart'), data.beats, {
     from: data.beats.counts && data.beats.counts[0] > 0 ? 0 : 1, trim: 6, each: true, open: (low) => `${low}+`, unit: 'beats', label: `Beats per point, median ${data.beats.median}`,
-    bin_text: (low, bin, last) => `${low}${last && low >= 32 ? ' or more' : ''} beats`,
+    bin_text: (low, bin, last) => `${low}${last ? ' or more' : ''} beats`,
   });
   draw_histogram($('spacing-chart'), data.spacing_mm, {
     open: (low) => `\u2265${short(low)}`, unit: 'mm', label: `Distance to the nearest neighbour, median ${short(data.spacing_mm.median)} mm`,
@@ -194,16 +203,17 @@ function fill_legend(mode, theme, counts) {
   $('legend').replaceChildren();
   if (mode === 'order') {
     const ramp = add($('legend'), 'span', undefined, 'ramp');
-    add(ramp, 'span', 'fired first');
+    add(ramp, 'span', report.dry ? 'first' : 'fired first');
     add(ramp, 'b').style.background = `linear-gradient(90deg, ${order_ramps[theme].join(',')})`;
     add(ramp, 'span', 'last');
   } else if (mode === 'beats') {
     beat_names.forEach((name, i) => legend_dot(beat_colours[theme][i], `${name}: ${grouped(counts.beats[i])}`));
   } else {
     legend_dot(fate_colours[theme][0], `fired: ${grouped(report.points_fired)}`);
-    legend_dot(fate_colours[theme][1], `missed: ${grouped(report.missed - data.cloud.not_reached)}`);
+    legend_dot(fate_colours[theme][1], `missed: ${grouped(report.dry ? 0 : report.missed - data.cloud.not_reached)}`);
   }
-  if (data.cloud.not_reached > 0) legend_dot(not_reached_colours[theme], `not reached: ${grouped(data.cloud.not_reached)}`);
+  if (data.cloud.not_reached > 0) legend_dot(not_reached_colours[theme], `${report.dry ? 'dry run, not fired' : 'not reached'}: ${grouped(data.cloud.not_reached)}`);
+  if (report.points_before > 0) legend_dot(before_colours[theme], `fired before this run: ${grouped(report.points_before)}`);
   if (data.cloud.stride > 1) add($('legend'), 'span', `shown: one point in ${data.cloud.stride}`);
 }
 
@@ -342,8 +352,8 @@ class Hands {
   }
 }
 
-// The number of a point in the job, for --from: pauses are counted with the points.
-function number_in_job(point) {
+// The number of a point of this run for --from: pauses are counted with the points.
+function number_for_from(point) {
   let low = 0, high = data.pauses.length;
   while (low < high) {
     const middle = (low + high) >> 1;
@@ -357,12 +367,13 @@ function number_in_job(point) {
 function point_text(view, i) {
   const places = new Uint16Array(view.bytes.buffer, view.bytes.byteOffset + bytes_per_point * i, 3);
   const at = [...places].map((share, axis) => fixed(data.cloud.low_mm[axis] + (share / 65535) * data.cloud.size_mm[axis], 3));
-  const stride = data.cloud.stride;
-  const index = `${stride > 1 ? 'about ' : ''}${grouped(number_in_job(i * stride))}`;
-  const lines = [`point ${index}`, `${at.join('  ')} mm`];
+  if (i < view.before) return ['fired before this run', `${at.join('  ')} mm`].join('\n');
+  const stride = data.cloud.stride, point = (i - view.before) * stride, about = stride > 1 ? 'about ' : '';
+  const lines = [`point ${about}${grouped(report.points_before + point)}`, `${at.join('  ')} mm`];
+  if (report.points_before + point !== number_for_from(point)) lines.push(`${about}--from ${number_for_from(point)}`);
   const beats = view.bytes[bytes_per_point * i + 6], fate = view.bytes[bytes_per_point * i + 7];
   if (data.cloud.beats_known && beats > 0) lines.push(`${beats}${beats === 254 ? ' or more' : ''} ${beats === 1 ? 'beat' : 'beats'} from the point before`);
-  if (fate) lines.push(fate === 1 ? 'missed' : 'not reached before the job ended');
+  if (fate) lines.push(fate === 1 ? 'missed' : report.dry ? 'not fired: dry run' : 'not reached before the job ended');
   return lines.join('\n');
 }
 
@@ -386,9 +397,16 @@ class Dimensions {
         if (!best || rank > best.rank) best = {...place, rank};
       }
       const {clientWidth: width, clientHeight: height} = this.view.canvas;
+      // An object without extent has no edge for the label: it would be on a point.
+      if ((label.hidden = this.view.size[axis] === 0)) return;
       label.hidden = best.x < 0 || best.y < 0 || best.x > width || best.y > height;
       if (label.hidden) return;
       const half = {x: label.offsetWidth / 2 + 2, y: label.offsetHeight / 2 + 1};
+      // Away from the middle of the box, so that the label is beside its points.
+      const middle = this.view.project(0, 0, 0), far = Math.hypot(best.x - middle.x, best.y - middle.y) || 1;
+      const out = {x: (best.x - middle.x) / far, y: (best.y - middle.y) / far};
+      const gap = 8 + Math.abs(out.x) * half.x + Math.abs(out.y) * half.y;
+      best = {x: best.x + gap * out.x, y: best.y + gap * out.y};
       const x = Math.min(Math.max(best.x, half.x + 2), width - half.x - 2);
       const free = (y) => y > half.y && y < height - half.y && !taken.some((t) => Math.abs(t.x - x) < t.half.x + half.x && Math.abs(t.y - y) < t.half.y + half.y);
       const at = Math.min(best.y, height - 14);
@@ -432,7 +450,7 @@ class Motion {
   show(share, moving = false) {
     this.share = share;
     const view = this.view;
-    view.shown = Math.round(share * view.count);
+    view.shown = view.before + Math.round(share * (view.count - view.before));
     $('progress').value = 1000 * share;
     const beat = beat_at(share);
     const time = beat === null ? '' : `, ${time_text(beat * seconds_per_beat)}`;
