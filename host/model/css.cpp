@@ -180,11 +180,6 @@ std::size_t end_of_block(std::string_view text, std::size_t from) {
   return text.size();
 }
 
-bool is_for_screens(std::string_view media) {
-  const std::string_view name = trimmed(media);
-  return name == "all" || name == "screen";
-}
-
 void read_rules(std::string_view text, StyleSheet& sheet, int depth) {
   constexpr int max_depth = 8;  // of nested @media
   for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
@@ -210,7 +205,30 @@ void read_rules(std::string_view text, StyleSheet& sheet, int depth) {
   }
 }
 
+/// One query without the conditions in brackets, which depend on the screen.
+bool is_screen_query(std::string_view query) {
+  const std::string plain = in_lower_case(trimmed(query));
+  std::string_view name = plain;
+  const bool is_negated = name.starts_with("not ");
+  if (is_negated) name.remove_prefix(std::string_view("not ").size());
+  if (name.starts_with("only ")) name.remove_prefix(std::string_view("only ").size());
+  name = trimmed(name);
+  const bool is_known = !name.empty() && std::all_of(name.begin(), name.end(), is_name_character);
+  return is_known && (name == "all" || name == "screen") != is_negated;
+}
+
 }  // namespace
+
+bool is_for_screens(std::string_view media) {
+  media = trimmed(media);
+  if (media.empty()) return true;
+  while (true) {
+    const std::size_t end = find_outside(media, ",");
+    if (is_screen_query(media.substr(0, end))) return true;
+    if (end == media.size()) return false;
+    media.remove_prefix(end + 1);
+  }
+}
 
 std::vector<CssDeclaration> css_declarations(std::string_view text) {
   const std::string plain = without_comments(text);

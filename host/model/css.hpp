@@ -51,6 +51,10 @@ struct StyleSheet {
 /// The declarations of a style attribute or a rule. Invalid ones are left out, as in CSS.
 std::vector<CssDeclaration> css_declarations(std::string_view text);
 
+/// True if a list of media, of @media or of an attribute, has the screen: "screen", "all", "print,
+/// screen", "not print", nothing. Conditions in brackets are not known to hold.
+bool is_for_screens(std::string_view media);
+
 /// Appends the rules of a text to a style sheet. Time grows with the text.
 void read_css(std::string_view text, StyleSheet& sheet);
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "host/file.hpp"
+#include "host/model/text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {
@@ -89,6 +90,9 @@ FilePosition DxfGroups::position_of(std::string_view value) const {
 
 double DxfGroups::number(const DxfGroup& group) const {
   const auto number = to_double(group.value);
+  if (!number && has_decimal_comma(group.value))
+    position_of(group.value)
+        .refuse(fmt::format("'{:.20}' has a decimal comma", group.value), write_decimal_points);
   if (!number || !std::isfinite(*number)) {
     position_of(group.value)
         .refuse(fmt::format("'{:.20}' is not a usable number", group.value),

@@ -13,6 +13,7 @@
 #include "host/file.hpp"
 #include "host/geometry/bounds.hpp"
 #include "host/geometry/vector.hpp"
+#include "host/model/join_seams.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -165,6 +166,7 @@ Mesh MeshBuilder::take() {
   Mesh mesh = merge_corners(corners_, kept);
   if (mesh.triangles.empty())
     refuse(file_, "the mesh is empty: it has no triangle", "give a model with a surface");
+  if (join_seams(mesh, kept) != 0) drop_unused_vertices(mesh);
   if (const std::size_t strays = drop_strays(mesh, kept); strays != 0)
     warn(fmt::format("{} triangles without area reach out of the object: they are left out",
                      strays));

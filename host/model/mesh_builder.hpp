@@ -45,8 +45,9 @@ class MeshBuilder {
   /// Adds a line to the warnings of the mesh.
   void warn(std::string line) { warnings_.push_back(std::move(line)); }
 
-  /// The mesh: equal corners merged, triangles without area by shared corners dropped. Throws Error
-  /// (bad_input): no triangle, too many, a corner that is not finite. Call it once, at the end.
+  /// The mesh: equal corners merged, seams of rounding joined, triangles without area by shared
+  /// corners dropped. Throws Error (bad_input): no triangle, too many, a corner that is not finite.
+  /// Call it once, at the end.
   Mesh take();
 
  private:

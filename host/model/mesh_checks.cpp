@@ -20,11 +20,15 @@ void refuse_mesh_line(const path& file, std::size_t line, std::string_view what)
          "the file is cut off or damaged: export it again");
 }
 
-std::optional<geometry::Point> take_point(std::string_view& text) {
+geometry::Point take_point(const path& file, std::size_t line, std::string_view& text,
+                           std::string_view what) {
+  const std::string_view whole = text;
   const auto x = to_double(next_field(text)), y = to_double(next_field(text)),
              z = to_double(next_field(text));
-  if (!x || !y || !z) return std::nullopt;
-  return geometry::Point{*x, *y, *z};
+  if (x && y && z) return {*x, *y, *z};
+  if (has_decimal_comma(whole))
+    refuse(file, fmt::format("line {}: has decimal commas", line), write_decimal_points);
+  refuse_mesh_line(file, line, what);
 }
 
 }  // namespace lamplock::model

@@ -19,7 +19,9 @@ void require_finite(const std::filesystem::path& path, std::size_t index,
 [[noreturn]] void refuse_mesh_line(const std::filesystem::path& path, std::size_t line,
                                    std::string_view what);
 
-/// Removes three numbers from `text`; empty if it does not begin with three.
-std::optional<geometry::Point> take_point(std::string_view& text);
+/// Removes three numbers from the rest of a line. Throws Error (bad_input) with `what` unless it
+/// begins with three; decimal commas are named.
+geometry::Point take_point(const std::filesystem::path& path, std::size_t line,
+                           std::string_view& text, std::string_view what);
 
 }  // namespace lamplock::model

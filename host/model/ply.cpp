@@ -128,6 +128,9 @@ class Reader {
   double value(const PlyElement& element, std::size_t index, PlyType type) {
     const auto number = values_.next(type);
     if (!number) {
+      if (values_.failed_at_comma())
+        refuse(file_, fmt::format("element '{}' {} has decimal commas", element.name, index),
+               write_decimal_points);
       refuse(file_,
              fmt::format("the header announces {} elements '{}', the data end or are unreadable in "
                          "number {}",

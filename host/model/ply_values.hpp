@@ -50,6 +50,9 @@ class PlyValues {
     return std::nullopt;
   }
 
+  /// True if the text that was no number has a decimal comma.
+  bool failed_at_comma() const { return failed_at_comma_; }
+
   /// Text: moves to the next line that is not blank. False if numbers are left in this one.
   bool end_element() {
     if (!ascii_) return true;
@@ -68,7 +71,10 @@ class PlyValues {
   std::optional<double> next_in_line() {
     skip_blanks();
     if (rest_.empty() || rest_.front() == '\n') return std::nullopt;
-    return to_double(next_field(rest_));
+    const std::string_view field = next_field(rest_);
+    const auto number = to_double(field);
+    failed_at_comma_ = !number && has_decimal_comma(field);
+    return number;
   }
 
   static std::size_t size_of(PlyType type) {
@@ -91,6 +97,7 @@ class PlyValues {
 
   std::string_view rest_;
   bool ascii_;
+  bool failed_at_comma_ = false;
   std::endian order_;
 };
 

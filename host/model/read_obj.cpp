@@ -74,9 +74,9 @@ class ObjReader {
   };
 
   void vertex(std::string_view text) {
-    const auto point = take_point(text);
-    if (!point) damaged(fmt::format("vertex {} without three numbers", vertices_.size()));
-    require_finite(file_, vertices_.size(), *point);
+    const geometry::Point point =
+        take_point(file_, number_, text, "a vertex without three numbers");
+    require_finite(file_, vertices_.size(), point);
     std::array<double, 3> more{};
     std::size_t count = 0;
     for (auto field = next_field(text); count < more.size() && !field.empty();
@@ -85,7 +85,7 @@ class ObjReader {
       if (!value) break;
       more[count] = *value;
     }
-    vertices_.push_back(*point);
+    vertices_.push_back(point);
     // One further number is the weight of a rational curve, which has no effect on faces.
     if (count == 3) {  // a colour: an extension that many programs write
       lights_.resize(vertices_.size() - 1, 1.0F);

@@ -29,8 +29,7 @@ using std::filesystem::path;
 }
 
 [[noreturn]] void refuse_decimal_comma(const path& file, std::size_t line) {
-  refuse(file, fmt::format("line {}: has decimal commas", line),
-         "write decimal points: 1.5 instead of 1,5");
+  refuse(file, fmt::format("line {}: has decimal commas", line), write_decimal_points);
 }
 
 /// Which fields of a line are the coordinates, and what separates fields.
@@ -95,14 +94,6 @@ Columns named_columns(const path& file, std::size_t line, std::string_view names
   return columns;
 }
 
-/// True if a comma is between two digits.
-bool has_inner_comma(std::string_view text) {
-  const auto is_digit = [](char letter) { return letter >= '0' && letter <= '9'; };
-  for (std::size_t i = 1; i + 1 < text.size(); ++i)
-    if (text[i] == ',' && is_digit(text[i - 1]) && is_digit(text[i + 1])) return true;
-  return false;
-}
-
 /// True if blanks alone separate two fields.
 bool has_blank_separator(std::string_view text) {
   char before = ',';
@@ -145,7 +136,7 @@ geometry::Point parse_point(const path& file, std::size_t line, std::string_view
     const auto axis = std::find(columns.of_axis.begin(), columns.of_axis.end(), i);
     if (axis == columns.of_axis.end() && columns.has_names) continue;
     const auto number = to_double(fields[i]);
-    if (!number && has_inner_comma(fields[i])) refuse_decimal_comma(file, line);
+    if (!number && has_decimal_comma(fields[i])) refuse_decimal_comma(file, line);
     if (!number || !std::isfinite(*number)) {
       refuse_line(file, line, fmt::format("'{:.20}' is not a usable number", fields[i]));
     }
@@ -194,7 +185,7 @@ geometry::PointCloud read_text(const path& file, const std::string& bytes, Colum
     }
     if (columns.separator == ' ') {
       // "1,5 2,5 3,5": a comma that separates would be with or instead of the blanks.
-      if (!semicolons && has_inner_comma(content) && has_blank_separator(content))
+      if (!semicolons && has_decimal_comma(content) && has_blank_separator(content))
         refuse_decimal_comma(file, lines.number());
       content = std::string_view(spaced).substr(
           static_cast<std::size_t>(content.data() - text.data()), content.size());

@@ -112,10 +112,10 @@ class AsciiStl {
 
   void vertex(std::string_view& text) {
     require(in_facet_ && corners_ < 3, "a vertex outside a facet");
-    const auto point = take_point(text);
-    require(point.has_value(), "a vertex without three numbers");
-    require_finite(file_, vertices_++, *point);
-    triangle_.corners[corners_++] = *point;
+    const geometry::Point point =
+        take_point(file_, number_, text, "a vertex without three numbers");
+    require_finite(file_, vertices_++, point);
+    triangle_.corners[corners_++] = point;
   }
 
   void require(bool condition, std::string_view what) const {

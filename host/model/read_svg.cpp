@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -21,6 +21,7 @@
 #include "host/model/svg_background.hpp"
 #include "host/model/svg_clips.hpp"
 #include "host/model/svg_document.hpp"
+#include "host/model/svg_elements.hpp"
 #include "host/model/svg_paint.hpp"
 #include "host/model/svg_shapes.hpp"
 #include "host/model/svg_style.hpp"
@@ -44,42 +45,9 @@ struct Context {
   int depth = 0;
 };
 
-/// Elements that draw nothing by themselves.
-bool draws_nothing(std::string_view name) {
-  constexpr std::array<std::string_view, 15> names{
-      "defs",           "metadata", "title",    "desc",   "style",
-      "script",         "symbol",   "clipPath", "mask",   "linearGradient",
-      "radialGradient", "pattern",  "marker",   "filter", "view"};
-  return std::find(names.begin(), names.end(), name) != names.end() ||
-         name.find(':') != std::string_view::npos;  // of editors
-}
-
 /// The factor of lengths of a map of the plane: the root of that of areas.
 double scale_of(const geometry::Affine& map) {
   return std::sqrt(std::abs(map.x.x * map.y.y - map.x.y * map.y.x));
-}
-
-/// The first element of a `switch` whose conditions hold: no extension is known, and the language
-/// is English.
-xml_node chosen_of(const xml_node& node) {
-  for (const xml_node& child : node.children()) {
-    if (child.type() != pugi::node_element) continue;
-    const bool extends = *child.attribute("requiredExtensions").value() != 0;
-    const std::string_view languages = child.attribute("systemLanguage").value();
-    const bool fits = !child.attribute("systemLanguage") || languages.starts_with("en") ||
-                      languages.find(",en") != std::string_view::npos ||
-                      languages.find(" en") != std::string_view::npos;
-    if (!extends && fits) return child;
-  }
-  return {};
-}
-
-bool has_markers(const xml_node& node) {
-  for (const char* name : {"marker-start", "marker-mid", "marker-end"}) {
-    const std::string_view value = svg_value(node, name);
-    if (!value.empty() && value != "none") return true;
-  }
-  return false;
 }
 
 class SvgReader {
@@ -88,14 +56,17 @@ class SvgReader {
       : file_(file), document_(file, std::move(bytes)), clips_(document_) {}
 
   Curves read() {
-    if (document_.unread_rules() > 0)
-      curves_.leave_out("rule of a style sheet", document_.unread_rules());
+    for (const auto& [name, count] : document_.left_out()) curves_.leave_out(name, count);
     draw_root(document_.root());
     settle_background();
     return std::move(curves_).finished(file_);
   }
 
  private:
+  void leave_out(const std::string& name) {
+    if (!measured_) curves_.leave_out(name);
+  }
+
   /// Changes to the units of the node's viewBox, if it has one, fitted into `port`.
   void enter_view(const xml_node& node, const SvgBox& port, Context& context) const {
     const FilePosition place = document_.position_of(node);
@@ -141,11 +112,10 @@ class SvgReader {
     page_ = page_of(root, context.units);
     context.map = geometry::moved(0, page_.height * mm_per_px, 0) *
                   geometry::scaled(mm_per_px, -mm_per_px, 1);
-    if (is_not_rendered(root)) return curves_.leave_out("hidden");
+    if (is_not_rendered(root)) return leave_out("hidden");
     inherit_paint(root, context.units, document_, context.paint);
     enter_view(root, page_, context);
-    if (!clips_.append(root, {context.map, context.units, {}}, context.clips))
-      return curves_.leave_out("element with a clip path or mask that cannot be applied");
+    if (!clip(root, context)) return;
     draw_children(root, context);
   }
 
@@ -162,60 +132,92 @@ class SvgReader {
     if (++context.depth > max_svg_depth)
       place.refuse(fmt::format("groups are nested deeper than {}", max_svg_depth), "ungroup some");
     if (is_not_rendered(node)) {
-      curves_.leave_out("hidden");
+      leave_out("hidden");
       return false;
     }
     SvgUnits& units = context.units;
     units.font_px = svg_font_size(svg_value(node, "font-size"), units);
-    context.map = context.map * own_map(node, units, place);
+    if (const auto filter = svg_value(node, "filter"); !filter.empty() && filter != "none")
+      leave_out("filter");
+    context.map = context.map * own_map(node, context);
     inherit_paint(node, units, document_, context.paint);
     if (scale_of(context.map) == 0) {  // flattened to a line by its transform
-      curves_.leave_out("hidden");
+      leave_out("hidden");
       return false;
     }
     return true;
   }
 
   /// The transform of an element about its origin, and the single properties of CSS before it.
-  static geometry::Affine own_map(const xml_node& node, const SvgUnits& units,
-                                  const FilePosition& place) {
-    geometry::Affine map;
-    for (const char* name : {"translate", "rotate", "scale"}) {
-      const std::string_view value = svg_value(node, name);
-      if (value.empty() || value == "none") continue;
-      map = map * svg_transform(fmt::format("{}({})", name, value), units, place);
+  geometry::Affine own_map(const xml_node& node, const Context& context) {
+    const FilePosition place = document_.position_of(node);
+    const geometry::Affine map = svg_own_transform(node, context.units, place);
+    if (map == geometry::Affine{}) return map;
+    SvgBox reference = context.units.port;
+    const std::string_view box_name = svg_value(node, "transform-box");
+    if (box_name == "fill-box" || box_name == "stroke-box" || box_name == "content-box") {
+      const auto box = box_of(node, context);
+      if (!box) leave_out("transform-box");
+      if (box)
+        reference = {box->low.x, box->low.y, box->high.x - box->low.x, box->high.y - box->low.y};
+    } else if (svg_value(node, "transform-origin").empty()) {
+      return map;
     }
-    map = map * svg_transform(svg_value(node, "transform"), units, place);
-    const std::string origin(svg_value(node, "transform-origin"));
-    if (origin.empty() || map == geometry::Affine{}) return map;
-    const std::size_t blank = origin.find(' ');
-    const auto part = [&](std::string_view text, double whole) {
-      if (text == "left" || text == "top") return 0.0;
-      if (text == "center" || text.empty()) return whole / 2;
-      if (text == "right" || text == "bottom") return whole;
-      return svg_length(text, whole, units, place);
-    };
-    const std::string y =
-        blank == std::string::npos ? "" : origin.substr(origin.find_first_not_of(' ', blank));
-    const SvgBox& port = units.port;
-    const double about_x = port.x + part(origin.substr(0, blank), port.width);
-    const double about_y = port.y + part(y.substr(0, y.find(' ')), port.height);
-    return geometry::moved(about_x, about_y, 0) * map * geometry::moved(-about_x, -about_y, 0);
+    const geometry::Point about = svg_transform_origin(node, reference, context.units, place);
+    return geometry::moved(about.x, about.y, 0) * map * geometry::moved(-about.x, -about.y, 0);
   }
 
-  bool clip(const xml_node& node, const std::optional<geometry::Bounds>& box, Context& context) {
+  /// The box of what an element draws, in its own units; empty without a shape, or with elements
+  /// whose shape is not known, such as text.
+  std::optional<geometry::Bounds> box_of(const xml_node& node, Context context) {
+    context.map = {};
+    context.clips = {};
+    // Groups in groups would be measured again for each of them.
+    const auto known = boxes_.find(node.hash_value());
+    if (known != boxes_.end() && known->second.units == context.units) return known->second.box;
+    const auto outer = std::exchange(measured_, Measured{});
+    draw_content(node, svg_name(node), context);
+    const auto measured = std::exchange(measured_, outer);
+    std::optional<geometry::Bounds> box;
+    if (measured->is_known && !measured->corners.empty()) box = geometry::bounds(measured->corners);
+    boxes_[node.hash_value()] = {context.units, box};
+    return box;
+  }
+
+  void measure(const std::optional<std::vector<Path>>& paths, const Context& context,
+               const FilePosition& place) {
+    measured_->is_known = measured_->is_known && paths;
+    if (!paths || paths->empty()) return;
+    Curves curves;
+    for (const Path& path : *paths) {
+      curves_.spend(path.pieces.size(), place);
+      curves.paths.push_back(CurveCollector::placed(path, context.map, place));
+    }
+    const geometry::Bounds box = bounds(curves);
+    measured_->corners.insert(measured_->corners.end(), {box.low, box.high});
+  }
+
+  bool clip(const xml_node& node, Context& context) {
+    if (measured_) return true;
+    std::optional<geometry::Bounds> box;
+    if (clips_.needs_box(node)) box = box_of(node, context);
     if (clips_.append(node, {context.map, context.units, box}, context.clips)) return true;
-    curves_.leave_out("element with a clip path or mask that cannot be applied");
+    leave_out("element with a clip path or mask that cannot be applied");
     return false;
   }
 
   void draw(const xml_node& node, Context context) {
     const std::string_view name = svg_name(node);
-    if (draws_nothing(name) || !enter(node, context)) return;
+    if (!svg_draws_nothing(name) && enter(node, context))
+      draw_content(node, name, std::move(context));
+  }
+
+  /// Draws an element whose properties are applied.
+  void draw_content(const xml_node& node, std::string_view name, Context context) {
     const bool is_group =
         name == "g" || name == "a" || name == "switch" || name == "svg" || name == "use";
     if (!is_group) return draw_shape(node, name, context);
-    if (!clip(node, {}, context)) return;
+    if (!clip(node, context)) return;
     if (name == "use") return draw_use(node, context);
     if (name == "svg") {
       const SvgBox box = svg_box_of(node, context.units, document_.position_of(node));
@@ -223,11 +225,11 @@ class SvgReader {
     }
     enter_layer(node, context);
     if (name != "switch") return draw_children(node, context);
-    if (const xml_node chosen = chosen_of(node)) draw(chosen, context);
+    if (const xml_node chosen = svg_chosen_of(node)) draw(chosen, context);
   }
 
-  /// Draws a nested svg or a symbol; `sized` has the attributes of its size, which is 100 % by
-  /// default. What leaves the view is hidden unless the property overflow shows it.
+  /// Draws a nested svg or a symbol; `sized` has the attributes of its size, by default 100 %. What
+  /// leaves the view is hidden unless the property overflow shows it.
   void draw_view(const xml_node& node, const xml_node& sized, SvgBox port, Context context) {
     const SvgBox& outer = context.units.port;
     const auto size = [&](const char* name, double given, double whole) {
@@ -237,7 +239,7 @@ class SvgReader {
     port.width = size("width", port.width, outer.width);
     port.height = size("height", port.height, outer.height);
     const bool has_size = outer.width > 0 && outer.height > 0;
-    if (has_size && (port.width == 0 || port.height == 0)) return curves_.leave_out("hidden");
+    if (has_size && (port.width == 0 || port.height == 0)) return leave_out("hidden");
     const std::string_view overflow = svg_value(node, "overflow");
     if (has_size && overflow != "visible" && overflow != "auto")
       clips_.append(port, context.map, document_.position_of(node), context.clips);
@@ -259,7 +261,7 @@ class SvgReader {
   void draw_use(const xml_node& node, Context context) {
     const FilePosition place = document_.position_of(node);
     const xml_node used = document_.used_by(node);
-    if (!used) return curves_.leave_out("use of another file");
+    if (!used) return leave_out("use of another file");
     if (std::find(open_uses_.begin(), open_uses_.end(), used) != open_uses_.end())
       place.refuse(fmt::format("'{:.40}' uses itself", used.attribute("id").value()),
                    "repair the drawing");
@@ -267,7 +269,7 @@ class SvgReader {
     context.map = context.map * geometry::moved(at.x, at.y, 0);
     open_uses_.push_back(used);
     if (svg_name(used) == "symbol" || svg_name(used) == "svg") {
-      if (enter(used, context) && clip(used, {}, context)) {
+      if (enter(used, context) && clip(used, context)) {
         const bool has_size = node.attribute("width") || node.attribute("height");
         SvgBox port = svg_box_of(used, context.units, place);
         if (has_size) port = {port.x, port.y, at.width, at.height};
@@ -283,19 +285,17 @@ class SvgReader {
     const FilePosition place = document_.position_of(node);
     const SvgPaint& paint = context.paint;
     auto paths = svg_shape(node, name, context.units, place);
+    if (measured_) return measure(paths, context, place);
     if (!paint.is_visible || (paths && !paint.shows_fill() && !paint.shows_stroke()))
-      return curves_.leave_out("hidden");
-    if (!paths) return curves_.leave_out(std::string(name));
-    if (has_markers(node)) curves_.leave_out("marker");
-    std::optional<geometry::Bounds> box;
-    if (*node.attribute("clip-path").value() != 0 || *node.attribute("mask").value() != 0)
-      box = box_of(*paths, place);
-    if (!clip(node, box, context)) return;
+      return leave_out("hidden");
+    if (!paths) return leave_out(std::string(name));
+    if (svg_has_markers(node)) leave_out("marker");
+    if (!clip(node, context)) return;
     const bool is_background = may_be_background(paint, *paths, context, place);
     for (Path& path : dashed(node, std::move(*paths), context, place)) {
       path = CurveCollector::placed(std::move(path), context.map, place);
       std::vector<Path> parts = clipped(std::move(path), context.clips, clips_.work(), place);
-      if (parts.empty()) curves_.leave_out("clipped curve");
+      if (parts.empty()) leave_out("clipped curve");
       for (Path& part : parts) {
         if (is_background)
           background_.emplace(Background{std::move(part), context.layer, place});
@@ -303,12 +303,6 @@ class SvgReader {
           add(std::move(part), context.layer, place);
       }
     }
-  }
-
-  static geometry::Bounds box_of(const std::vector<Path>& paths, const FilePosition& place) {
-    Curves curves;
-    for (const Path& path : paths) curves.paths.push_back(CurveCollector::placed(path, {}, place));
-    return bounds(curves);
   }
 
   /// The dashes of the paths where the stroke has some; the edge of a fill in another colour than
@@ -362,7 +356,7 @@ class SvgReader {
   /// The background is a curve only if it is the whole drawing.
   void settle_background() {
     if (!background_) return;
-    if (has_drawn_) return curves_.leave_out("background of the page");
+    if (has_drawn_) return leave_out("background of the page");
     curves_.add(std::move(background_->path), {}, background_->layer, background_->place);
   }
 
@@ -371,6 +365,14 @@ class SvgReader {
     curves_.add(std::move(path), {}, layer, place);
   }
 
+  struct Measured {
+    bool is_known = true;
+    std::vector<geometry::Point> corners{};
+  };
+  struct Boxed {
+    SvgUnits units{};
+    std::optional<geometry::Bounds> box{};
+  };
   struct Background {
     Path path;
     std::string layer;
@@ -384,6 +386,8 @@ class SvgReader {
   std::vector<xml_node> open_uses_;
   std::optional<Background> background_;
   bool has_drawn_ = false;
+  std::optional<Measured> measured_;  ///< while an element is measured: nothing is drawn
+  std::unordered_map<std::size_t, Boxed> boxes_;  ///< by the hash of the node
   CurveCollector curves_;
 };
 

@@ -34,6 +34,22 @@ bool is_opaque(const xml_node& node, const SvgPaint& paint, bool is_alpha) {
 
 }  // namespace
 
+bool SvgClips::needs_box(const xml_node& node) const {
+  const auto refers_to_box = [](const xml_node& element, const char* units) {
+    return svg_value(element, units) == "objectBoundingBox";
+  };
+  if (const xml_node mask = document_.find_url(svg_value(node, "mask"));
+      mask &&
+      (refers_to_box(mask, "maskContentUnits") || svg_value(mask, "maskUnits") != "userSpaceOnUse"))
+    return true;
+  xml_node clip = document_.find_url(svg_value(node, "clip-path"));
+  for (int chain = 0; clip && chain < max_svg_depth; ++chain) {
+    if (refers_to_box(clip, "clipPathUnits")) return true;
+    clip = document_.find_url(svg_value(clip, "clip-path"));
+  }
+  return false;
+}
+
 bool SvgClips::append(const xml_node& node, const Frame& frame, ClipRegions& regions) {
   for (const bool is_mask : {false, true}) {
     const std::string_view value = svg_value(node, is_mask ? "mask" : "clip-path");

@@ -34,6 +34,9 @@ class SvgClips {
     SvgUnits units;
     std::optional<geometry::Bounds> box;
   };
+  /// True if the clip path or mask of an element, or one that clips these, refers to its box.
+  bool needs_box(const pugi::xml_node& node) const;
+
   /// Appends the regions of an element's own clip path and mask. False if one of them cannot be
   /// applied. Throws Error (bad_input) for a clip path that contains itself, invalid shapes, and by
   /// the limits of ClipWork.

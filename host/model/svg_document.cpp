@@ -5,31 +5,49 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/model/svg_namespaces.hpp"
 #include "host/model/svg_style.hpp"
+#include "host/model/xml_entities.hpp"
 #include "host/model/xml_text.hpp"
 
 namespace lamplock::model {
 
 using pugi::xml_node;
 
-SvgDocument::SvgDocument(const std::filesystem::path& file, std::string bytes)
-    : file_(file), text_(xml_in_utf8(std::move(bytes))) {
-  const pugi::xml_parse_result result =
-      document_.load_buffer(text_.data(), text_.size(), pugi::parse_default, pugi::encoding_utf8);
+SvgDocument::SvgDocument(const std::filesystem::path& file, std::string bytes) : file_(file) {
+  ExpandedXml expanded = expand_entities(file, xml_in_utf8(std::move(bytes)));
+  text_ = std::move(expanded.text);
+  left_out_["entity of another file"] = expanded.external;
+  left_out_["entity without a declaration"] = expanded.undeclared;
+  const pugi::xml_parse_result result = document_.load_buffer(
+      text_.data(), text_.size(), pugi::parse_default | pugi::parse_pi, pugi::encoding_utf8);
   if (!result) {
     FilePosition{file_, text_, static_cast<std::size_t>(result.offset)}.refuse(
         fmt::format("not valid XML ({})", result.description()), "export the drawing again");
   }
   root_ = document_.document_element();
-  if (svg_name(root_) != "svg")
-    position_of(root_).refuse(fmt::format("the document is '{:.40}', not svg", root_.name()),
-                              "give an SVG drawing");
+  for (const xml_node& node : document_.children("xml-stylesheet"))
+    left_out_["style sheet of another file"] += node.type() == pugi::node_pi ? 1U : 0U;
+  keep_svg();
   number_ids(root_, 0);
   const StyleOutcome outcome = apply_styles(root_);
   if (outcome.too_complex)
     position_of(root_).refuse("the style sheet has too many rules for so many elements",
                               "export the drawing without a style sheet");
-  unread_rules_ = outcome.unread_rules;
+  left_out_["rule of a style sheet"] = outcome.unread_rules;
+  std::erase_if(left_out_, [](const auto& one) { return one.second == 0; });
+}
+
+void SvgDocument::keep_svg() {
+  const NamespaceOutcome outcome = keep_svg_elements(root_, max_svg_depth);
+  if (!outcome.is_svg) {
+    const std::string space =
+        outcome.root_uri.empty() ? "" : fmt::format(" of the namespace '{:.60}'", outcome.root_uri);
+    position_of(root_).refuse(
+        fmt::format("the document is '{:.40}'{}, not svg", root_.name(), space),
+        "give an SVG drawing; its namespace is http://www.w3.org/2000/svg");
+  }
+  left_out_["element of another namespace"] = outcome.foreign;
 }
 
 FilePosition SvgDocument::position_of(const xml_node& node) const {

@@ -1,10 +1,11 @@
-// The elements of an SVG file with their styles resolved into attributes.
+// The elements of an SVG file with entities expanded and styles resolved into attributes.
 //
 // In:  the bytes of a file. Out: its root, elements by id, their places for errors.
 // Who: read_svg(), its clip paths.
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
@@ -20,7 +21,8 @@ inline constexpr int max_svg_depth = 200;
 class SvgDocument {
  public:
   /// `file` must outlive it. Throws Error (bad_input) naming file and line: invalid XML, another
-  /// document than svg, elements nested too deeply, style sheets that are too complex.
+  /// document than svg, entities without bounds, elements nested too deeply, style sheets that are
+  /// too complex.
   SvgDocument(const std::filesystem::path& file, std::string bytes);
   SvgDocument(const SvgDocument&) = delete;
   SvgDocument& operator=(const SvgDocument&) = delete;
@@ -34,9 +36,12 @@ class SvgDocument {
   /// The element that a `use` refers to by its attribute href, "#id" in it. Throws Error
   /// (bad_input) if there is none; null for an element of another file.
   pugi::xml_node used_by(const pugi::xml_node& use) const;
-  std::size_t unread_rules() const { return unread_rules_; }
+  /// What of the document is not read, by kind: rules of style sheets, elements of other
+  /// namespaces, entities and style sheets of other files.
+  const std::map<std::string, std::size_t>& left_out() const { return left_out_; }
 
  private:
+  void keep_svg();
   void number_ids(const pugi::xml_node& node, int depth);
 
   const std::filesystem::path& file_;
@@ -44,7 +49,7 @@ class SvgDocument {
   pugi::xml_document document_;
   pugi::xml_node root_;
   std::unordered_map<std::string, pugi::xml_node> by_id_;
-  std::size_t unread_rules_ = 0;
+  std::map<std::string, std::size_t> left_out_;
 };
 
 }  // namespace lamplock::model

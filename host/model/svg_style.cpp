@@ -20,7 +20,7 @@ struct Property {
   bool inherited;
   std::string_view initial;
 };
-constexpr std::array<Property, 38> properties{{{"display", false, "inline"},
+constexpr std::array<Property, 39> properties{{{"display", false, "inline"},
                                                {"visibility", true, "visible"},
                                                {"opacity", false, "1"},
                                                {"fill", true, "black"},
@@ -44,6 +44,7 @@ constexpr std::array<Property, 38> properties{{{"display", false, "inline"},
                                                {"overflow", false, ""},
                                                {"transform", false, ""},
                                                {"transform-origin", false, ""},
+                                               {"transform-box", false, "view-box"},
                                                {"translate", false, ""},
                                                {"rotate", false, ""},
                                                {"scale", false, ""},
@@ -119,6 +120,10 @@ class Cascade {
     if (svg_name(node) == "style") {
       const std::string_view type = node.attribute("type").value();
       if (!type.empty() && type != "text/css") return;
+      if (!is_for_screens(node.attribute("media").value())) {
+        ++sheet_.unread;
+        return;
+      }
       std::string text;
       for (const xml_node& child : node.children()) text += child.value();
       read_css(text, sheet_);
@@ -186,6 +191,8 @@ class Cascade {
   }
 
   void apply_to(xml_node node) {
+    // Attributes with these names belong to text and filters.
+    for (const char* name : {"translate", "rotate", "scale"}) node.remove_attribute(name);
     const std::vector<std::size_t> selectors = selectors_of(node);
     const std::vector<CssDeclaration> own = css_declarations(node.attribute("style").value());
     for (const bool important : {false, true}) {
@@ -253,10 +260,7 @@ class Cascade {
 
 }  // namespace
 
-std::string_view svg_name(const xml_node& node) {
-  const std::string_view name = node.name();
-  return name.starts_with("svg:") ? name.substr(4) : name;
-}
+std::string_view svg_name(const xml_node& node) { return node.name(); }
 
 StyleOutcome apply_styles(const xml_node& root) { return Cascade().apply(root); }
 

@@ -16,7 +16,7 @@
 
 namespace lamplock::model {
 
-/// The name of an element without the prefix that some programs give all elements of SVG.
+/// The name of an element, which SvgDocument has freed from its prefix.
 std::string_view svg_name(const pugi::xml_node& node);
 
 struct StyleOutcome {

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <string>
 
+#include "host/model/text.hpp"
+
 namespace lamplock::model {
 namespace {
 
@@ -172,6 +174,8 @@ std::optional<double> find_svg_length(std::string_view text, double whole_px,
 double svg_length(std::string_view text, double whole_px, const SvgUnits& units,
                   const FilePosition& place) {
   if (const auto length = find_svg_length(text, whole_px, units)) return *length;
+  if (has_decimal_comma(text))
+    place.refuse(fmt::format("'{:.40}' has a decimal comma", text), write_decimal_points);
   place.refuse(fmt::format("'{:.40}' is not a length in a supported unit", text), "use mm or px");
 }
 

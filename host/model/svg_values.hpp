@@ -48,6 +48,7 @@ std::vector<double> svg_numbers(std::string_view text, const FilePosition& place
 /// A rectangle of the page or the user's own units.
 struct SvgBox {
   double x = 0, y = 0, width = 0, height = 0;
+  friend bool operator==(const SvgBox&, const SvgBox&) = default;
 };
 
 /// What relative lengths of an element refer to, in px.
@@ -55,6 +56,7 @@ struct SvgUnits {
   SvgBox port{};                                 ///< of percentages, in the element's units
   double font_px = 16, root_font_px = 16;        ///< em, rem; the default of browsers
   double page_width_px = 0, page_height_px = 0;  ///< of vw and vh
+  friend bool operator==(const SvgUnits&, const SvgUnits&) = default;
 };
 
 /// A length in px (96 an inch); a percentage refers to `whole_px`. Empty if it is not a length.

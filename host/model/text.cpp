@@ -52,4 +52,11 @@ std::optional<double> to_double(std::string_view field) { return to_number<doubl
 
 std::optional<long long> to_integer(std::string_view field) { return to_number<long long>(field); }
 
+bool has_decimal_comma(std::string_view text) {
+  const auto is_digit = [](char letter) { return letter >= '0' && letter <= '9'; };
+  for (std::size_t i = 1; i + 1 < text.size(); ++i)
+    if (text[i] == ',' && is_digit(text[i - 1]) && is_digit(text[i + 1])) return true;
+  return false;
+}
+
 }  // namespace lamplock::model

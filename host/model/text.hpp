@@ -36,6 +36,11 @@ std::string in_lower_case(std::string_view text);
 /// fit a double.
 std::optional<double> to_double(std::string_view field);
 
+/// True if a comma is between two digits, as in numbers with decimal commas.
+bool has_decimal_comma(std::string_view text);
+/// The remedy for such numbers.
+inline constexpr const char* write_decimal_points = "write decimal points: 1.5 instead of 1,5";
+
 /// The whole field as an integer; empty if it is not one.
 std::optional<long long> to_integer(std::string_view field);
 

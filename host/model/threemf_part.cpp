@@ -54,7 +54,8 @@ class PartReader {
 
  private:
   [[noreturn]] void fail(const std::string& of, const std::string& what) const {
-    refuse(file_, fmt::format("{} {}", of, what), "repair the model");
+    refuse(file_, fmt::format("{} {}", of, what),
+           has_decimal_comma(what) ? write_decimal_points : "repair the model");
   }
 
   int number(xml_node node, const char* name, const std::string& of) const {
@@ -132,7 +133,8 @@ class PartReader {
       const auto value = length(text);
       if (!value)
         fail(fmt::format("vertex {} of {}", index, object),
-             fmt::format("has {} '{:.20}'", axes[axis], text));
+             fmt::format("has {} '{:.20}'{}", axes[axis], text,
+                         has_decimal_comma(text) ? ", a decimal comma" : ""));
       values[axis] = *value;
     }
     return {values[0], values[1], values[2]};

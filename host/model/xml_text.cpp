@@ -6,32 +6,10 @@
 #include <string_view>
 #include <utility>
 
+#include "host/model/utf8.hpp"
+
 namespace lamplock::model {
 namespace {
-
-constexpr std::uint32_t replacement = 0xFFFD;
-
-void append_utf8(std::string& text, std::uint32_t code) {
-  if (code > 0x10FFFF || (code >= 0xD800 && code < 0xE000)) code = replacement;
-  const auto tail = [&](unsigned shift) {
-    text += static_cast<char>(0x80U | ((code >> shift) & 0x3FU));
-  };
-  if (code < 0x80) {
-    text += static_cast<char>(code);
-  } else if (code < 0x800) {
-    text += static_cast<char>(0xC0U | (code >> 6U));
-    tail(0);
-  } else if (code < 0x10000) {
-    text += static_cast<char>(0xE0U | (code >> 12U));
-    tail(6);
-    tail(0);
-  } else {
-    text += static_cast<char>(0xF0U | (code >> 18U));
-    tail(12);
-    tail(6);
-    tail(0);
-  }
-}
 
 /// Units of `width` bytes.
 struct Units {
@@ -42,7 +20,7 @@ struct Units {
   std::size_t count() const { return (bytes.size() + width - 1) / width; }
   std::uint32_t operator[](std::size_t i) const {
     const std::string_view unit = bytes.substr(i * width, width);
-    if (unit.size() < width) return replacement;
+    if (unit.size() < width) return replacement_character;
     std::uint32_t value = 0;
     for (std::size_t k = 0; k < width; ++k)
       value = value << 8U | static_cast<unsigned char>(unit[big_endian ? k : width - 1 - k]);

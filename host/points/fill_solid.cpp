@@ -13,6 +13,7 @@
 #include "host/geometry/bounds.hpp"
 #include "host/geometry/limits.hpp"
 #include "host/geometry/random.hpp"
+#include "host/model/join_seams.hpp"
 #include "host/model/mesh_faults.hpp"
 #include "host/points/dart_gaps.hpp"
 #include "host/points/inside.hpp"
@@ -171,7 +172,7 @@ void require_valid(const model::Mesh& mesh, const SolidOptions& options) {
 }
 
 /// The mesh, or if it is not closed, the mesh without duplicates of triangles.
-model::Mesh closed_mesh(const model::Mesh& mesh) {
+model::Mesh closed_mesh(const model::Mesh& mesh, const std::string& name) {
   const model::MeshFaults faults = model::find_faults(mesh);
   model::Mesh result;
   result.vertices = mesh.vertices;
@@ -181,8 +182,9 @@ model::Mesh closed_mesh(const model::Mesh& mesh) {
   if (result.triangles.size() < mesh.triangles.size() && model::find_faults(result).closed)
     return result;
   const std::vector<std::string> lines = model::warnings(faults);
-  throw Error(Exit::bad_input, "solid",
-              fmt::format("the mesh is not closed ({})", lines.empty() ? "" : lines.front()),
+  throw Error(Exit::bad_input, name,
+              fmt::format("the mesh is not closed ({}; the widest gap is about {:.2g} mm)",
+                          lines.empty() ? "" : lines.front(), model::widest_gap_mm(mesh)),
               "repair the model or fill its surface");
 }
 
@@ -239,7 +241,7 @@ void fill_block(BlockDarts& block, std::span<const Cell> cells, const Body& body
 
 geometry::PointCloud fill_solid(const model::Mesh& any_mesh, const SolidOptions& options) {
   require_valid(any_mesh, options);
-  const model::Mesh mesh = closed_mesh(any_mesh);
+  const model::Mesh mesh = closed_mesh(any_mesh, options.name);
   if (mesh.triangles.empty()) return {};
   const double distance_mm = options.distance_mm;
   const BlockGrid grid = grid_over(bounds(mesh.vertices), block_distances * distance_mm, "solid");

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "host/geometry/point.hpp"
 #include "host/model/mesh.hpp"
@@ -25,11 +26,13 @@ struct SolidOptions {
   /// the light come from +z); the distance grows with the cube root. 0: constant density.
   double light_depth_mm = 0;
   double lowest_density = 0.05;  // at any depth; more than 0, at most 1
+  std::string name = "solid";    // of the mesh in errors, such as its file
 };
 
 /// About 0.65 * volume / distance^3 points; every place well inside is closer than 1.45 distances
 /// to one. Throws Error (bad_input) for options out of range, a mesh that is not closed even
-/// without duplicates of triangles (names the first open edge), a vertex that is not finite, or too
+/// without duplicates of triangles (names the first open edge and
+/// the widest gap), a vertex that is not finite, or too
 /// many points.
 geometry::PointCloud fill_solid(const model::Mesh& mesh, const SolidOptions& options);
 

@@ -162,4 +162,10 @@ LayeredPoints slice_in_layers(const model::Mesh& mesh, const SliceOptions& optio
   return result;
 }
 
+double height_across(const model::Mesh& mesh, const SliceFrame& frame) {
+  model::Mesh turned;
+  const geometry::Bounds box = bounds(in_frame(mesh, map_of(frame), turned).vertices);
+  return box.high.z - box.low.z;
+}
+
 }  // namespace lamplock::points

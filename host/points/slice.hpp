@@ -54,4 +54,7 @@ geometry::PointCloud slice(const model::Mesh& mesh, const SliceOptions& options)
 /// The same with the planes that have points as layers.
 LayeredPoints slice_in_layers(const model::Mesh& mesh, const SliceOptions& options);
 
+/// The extent of a mesh across the planes, mm.
+double height_across(const model::Mesh& mesh, const SliceFrame& frame);
+
 }  // namespace lamplock::points

@@ -2,11 +2,16 @@
 
 #include <fmt/format.h>
 
+#include "host/number_text.hpp"
+
 namespace lamplock::run {
 
 std::string bounds_text(const geometry::Bounds& b) {
-  return fmt::format("x {:.4g}..{:.4g}, y {:.4g}..{:.4g}, z {:.4g}..{:.4g} mm", b.low.x, b.high.x,
-                     b.low.y, b.high.y, b.low.z, b.high.z);
+  const auto side = [](double low, double high) {
+    return number_text(low) + ".." + number_text(high);
+  };
+  return fmt::format("x {}, y {}, z {} mm", side(b.low.x, b.high.x), side(b.low.y, b.high.y),
+                     side(b.low.z, b.high.z));
 }
 
 }  // namespace lamplock::run

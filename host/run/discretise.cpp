@@ -19,6 +19,7 @@
 #include "host/run/frontend.hpp"
 #include "host/run/keep_apart.hpp"
 #include "host/run/mesh_points.hpp"
+#include "host/run/no_points.hpp"
 #include "host/run/placed_model.hpp"
 #include "host/run/size_hints.hpp"
 
@@ -62,13 +63,6 @@ std::string way_of(InputKind kind, const Object& object) {
       break;
   }
   return glass::way_of_lists;
-}
-
-void require_points(const PointCloud& cloud, InputKind kind, const std::string& file) {
-  if (!cloud.empty()) return;
-  throw Error(Exit::bad_input, file, "gives no points",
-              kind == InputKind::bitmap ? "try --threshold or --invert"
-                                        : "use a smaller --spacing or a greater --size");
 }
 
 PointCloud curve_points(const model::Curves& curves, const Object& object, double spacing) {
@@ -197,12 +191,12 @@ ObjectPoints checked_points(PlacedModel& model, const Object& object, double spa
   for (std::string& warning : glass::unused(object, way))
     made.warnings.push_back(std::move(warning));
   RawPoints raw = make_points(model, object, spacing, made);
-  require_points(raw.cloud.points, made.kind, object.file);
+  if (raw.cloud.points.empty()) refuse_without_points(model, object, spacing);
   if (made.kind == InputKind::points)
     made.points = std::move(raw.cloud.points);
   else
     finish(model, object, std::move(raw), spacing, glass, volume, made);
-  require_points(made.points, made.kind, object.file);
+  if (made.points.empty()) refuse_thinned_out(object);
   check_place(made.points, volume, object.file);
   return made;
 }

@@ -9,6 +9,7 @@
 #include "host/estimate/estimate.hpp"
 #include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
+#include "host/number_text.hpp"
 #include "host/report/page.hpp"
 #include "host/run/job_run.hpp"
 #include "host/run/pause_beats.hpp"
@@ -84,7 +85,7 @@ Estimated estimate_job(const EstimateOptions& options, Frontend& frontend) {
   const double seconds = estimate.time_before_s + estimate.time_s;
   const report::JobRun run = run_of(std::move(prepared), options, std::move(estimate));
   Estimated estimated{report::evaluate(run), seconds};
-  frontend.phase("estimate", fmt::format("{} points", estimated.report.points));
+  frontend.phase("estimate", count_text(estimated.report.points, "point"));
   write_page_file(estimated.report, run, options.page, frontend);
   return estimated;
 }

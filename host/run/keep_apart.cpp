@@ -11,8 +11,8 @@
 namespace lamplock::run {
 namespace {
 
-/// Arc lengths are the spacing, chords a little less: a weld at the spacing itself would thin out
-/// every bend.
+/// Arc lengths are the spacing, chords a little less, and distances on a grid are less by rounding:
+/// a weld at the spacing itself thins out every bend by 4 to 7 %, and a box by 38 %.
 constexpr double weld_per_spacing = 0.9;
 
 /// A layer distance that is less by rounding only is not less.
@@ -65,7 +65,7 @@ PointsApart keep_apart(points::LayeredPoints cloud, double layer_mm, const glass
     if (!object.weld_mm && is_less(layer_mm, spacing_mm))
       result.warnings.push_back(fmt::format(
           "layers are {:g} mm apart, closer than the spacing of {:g} mm, and keep all their "
-          "points; state a minimum distance with weld if the glass cracks",
+          "points; state a minimum distance with --weld if the glass cracks",
           layer_mm, spacing_mm));
   }
   result.points = std::move(welded.points);

@@ -55,11 +55,7 @@ MeshPoints by_slices(const Mesh& mesh, const Object& object, double spacing_mm) 
   options.last_offset_mm = object.last_mm;
   options.twist_mm = object.twist_mm;
   options.end_points = object.end_points.value_or(false);
-  options.frame.axis = axis_named(object.axis);
-  const glass::Triple turn = object.turn_deg.value_or(glass::Triple{});
-  options.frame.turn_x_deg = turn[0];
-  options.frame.turn_y_deg = turn[1];
-  options.frame.turn_z_deg = turn[2];
+  options.frame = slice_frame_of(object);
   points::LayeredPoints slices = points::slice_in_layers(mesh, options);
   MeshPoints result{std::move(slices.points), std::move(slices.first)};
   return result;
@@ -88,6 +84,7 @@ MeshPoints by_rays(const Mesh& mesh, const Object& object, double spacing_mm) {
 
 MeshPoints by_solid(const Mesh& mesh, const Object& object, double spacing_mm) {
   points::SolidOptions options;
+  options.name = object.file;
   options.distance_mm = spacing_mm;
   options.seed = static_cast<std::uint64_t>(object.seed);
   options.light_depth_mm = object.light_depth_mm;
@@ -127,6 +124,11 @@ void judge_surface(const std::string& method, const Mesh& mesh, const Object& ob
 }
 
 }  // namespace
+
+points::SliceFrame slice_frame_of(const Object& object) {
+  const glass::Triple turn = object.turn_deg.value_or(glass::Triple{});
+  return {axis_named(object.axis), turn[0], turn[1], turn[2]};
+}
 
 MeshPoints mesh_points(const Mesh& mesh, const Object& object, double spacing_mm) {
   const std::string method = object.method.value_or(glass::default_method);

@@ -11,6 +11,7 @@
 #include "host/geometry/point.hpp"
 #include "host/glass/description.hpp"
 #include "host/model/mesh.hpp"
+#include "host/points/slice.hpp"
 
 namespace lamplock::run {
 
@@ -27,5 +28,8 @@ struct MeshPoints {
 /// By the object's method, blue noise if it has none. Warns if a part of the surface has no point
 /// near it. Throws Error(bad_input).
 MeshPoints mesh_points(const model::Mesh& mesh, const glass::Object& object, double spacing_mm);
+
+/// The planes of slices.
+points::SliceFrame slice_frame_of(const glass::Object& object);
 
 }  // namespace lamplock::run

@@ -13,6 +13,7 @@
 #include "host/model/mesh_faults.hpp"
 #include "host/model/picture.hpp"
 #include "host/model/transform.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -76,10 +77,28 @@ Model placed(Model model, const Affine& first, const Object& object, const Volum
 
 /// Into the middle of the block, in the size that is wanted.
 Affine into_the_middle(const Bounds& box, const std::optional<double>& size_mm,
-                       const Volume& volume) {
+                       const Volume& volume, const std::string& file) {
   const double size = size_mm.value_or(box.max_side());
+  if (!(box.max_side() > 0))
+    throw Error(Exit::bad_input, file, "has no extent: all its points are in one place",
+                "draw something longer, or give a list of points");
   const Point middle = volume.middle();
   return geometry::moved(middle.x, middle.y, middle.z) * model::centring_and_scaling(box, size);
+}
+
+/// The number of digits that shows which side of a box is longer than that of another.
+int telling_digits(const Bounds& box, const Bounds& room) {
+  constexpr int usual = 4, max_digits = 9;
+  const auto shows = [](double side, double limit, int digits) {
+    return side > limit && number_text(side, digits) != number_text(limit, digits);
+  };
+  int digits = usual;
+  for (; digits < max_digits; ++digits)
+    if (shows(box.high.x - box.low.x, room.high.x - room.low.x, digits) ||
+        shows(box.high.y - box.low.y, room.high.y - room.low.y, digits) ||
+        shows(box.high.z - box.low.z, room.high.z - room.low.z, digits))
+      break;
+  return digits;
 }
 
 /// Refuses an object that is too large before the work.
@@ -94,16 +113,18 @@ void check_size(const Object& object, const Bounds& box, const Volume& volume) {
   if (size > 0)
     remedy = object.transform.empty() ? fmt::format("give --size {:g} or less", size)
                                       : "make it smaller, or end its transformations with fit";
+  const int digits = telling_digits(box, volume.room());
   throw Error(Exit::bad_input, object.file,
-              fmt::format("is {}, the {} {}", size_text(box),
-                          volume.block ? "block has room for" : "work space", size_text(room)),
+              fmt::format("is {}, the {} {}", size_text(box, digits),
+                          volume.block ? "block has room for" : "work space",
+                          size_text(volume.room(), digits)),
               remedy);
 }
 
 /// In the middle of the block, and from there as the object says.
 template <class Model>
 Model fitted(Model model, const Object& object, const Volume& volume) {
-  const Affine first = into_the_middle(box_of(model), object.size_mm, volume);
+  const Affine first = into_the_middle(box_of(model), object.size_mm, volume, object.file);
   model = placed(std::move(model), first, object, volume);
   check_size(object, box_of(model), volume);
   return model;
@@ -122,7 +143,7 @@ PlacedModel placed_mesh(model::Mesh mesh, const Object& object, const Volume& vo
   if (object.up == "y" && lower_extension(object.file) != ".glb")
     mesh = model::y_up_to_z_up(std::move(mesh));
   mesh = fitted(std::move(mesh), object, volume);
-  result.what = fmt::format("{} triangles", mesh.triangles.size());
+  result.what = count_text(mesh.triangles.size(), "triangle");
   result.model = std::move(mesh);
   return result;
 }
@@ -137,7 +158,7 @@ PlacedModel placed_curves(model::Curves curves, const Object& object, const Volu
     throw Error(Exit::bad_input, object.file, "has no curves",
                 "draw lines, arcs or splines; convert text to paths");
   curves = fitted(std::move(curves), object, volume);
-  result.what = fmt::format("{} curves", curves.paths.size());
+  result.what = count_text(curves.paths.size(), "curve");
   result.model = std::move(curves);
   return result;
 }
@@ -187,7 +208,7 @@ PlacedModel placed_bitmap(model::Bitmap bitmap, const Object& object, double lay
 
 PlacedModel placed_points(PointCloud cloud, const Object& object, const Volume& volume) {
   PlacedModel result;
-  result.what = fmt::format("{} points", cloud.size());
+  result.what = count_text(cloud.size(), "point");
   result.model = placed(std::move(cloud), {}, object, volume);
   return result;
 }
@@ -209,9 +230,10 @@ PlacedModel placed_model(const Object& object, double layer_mm, const Volume& vo
   return placed_points(std::move(std::get<PointCloud>(input)), object, volume);
 }
 
-std::string size_text(const Bounds& box) {
-  return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", box.high.x - box.low.x, box.high.y - box.low.y,
-                     box.high.z - box.low.z);
+std::string size_text(const Bounds& box, int digits) {
+  return fmt::format("{} x {} x {} mm", number_text(box.high.x - box.low.x, digits),
+                     number_text(box.high.y - box.low.y, digits),
+                     number_text(box.high.z - box.low.z, digits));
 }
 
 }  // namespace lamplock::run

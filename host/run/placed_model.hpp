@@ -41,6 +41,6 @@ struct PlacedModel {
 PlacedModel placed_model(const glass::Object& object, double layer_mm, const glass::Volume& volume);
 
 /// "40 x 30.5 x 12 mm".
-std::string size_text(const geometry::Bounds& box);
+std::string size_text(const geometry::Bounds& box, int digits = 4);
 
 }  // namespace lamplock::run

@@ -11,6 +11,7 @@
 
 #include "host/glass/lens.hpp"
 #include "host/glass/unused_parameters.hpp"
+#include "host/number_text.hpp"
 #include "host/points/weld.hpp"
 #include "host/run/discretise.hpp"
 #include "host/run/frontend.hpp"
@@ -114,10 +115,9 @@ void judge_spacing(Cloud& cloud, const glass::GlassChoice& glass, Frontend& fron
   if (cloud.points.size() < 2) return;
   frontend.phase("spacing", spacing_text(spacing));
   if (spacing.duplicates > 0)
-    cloud.warnings.push_back(
-        fmt::format("{} points lie exactly where another one does, the first "
-                    "are points {} and {}",
-                    spacing.duplicates, spacing.first, spacing.second));
+    cloud.warnings.push_back(fmt::format(
+        "{} exactly where another one does, the first are points {} and {}",
+        count_text(spacing.duplicates, "point lies", "points lie"), spacing.first, spacing.second));
   if (!glass.lens) return;
   const double wanted = glass::lens_named(*glass.lens).spacing_mm;
   constexpr double rounding = 1e-9;

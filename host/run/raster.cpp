@@ -15,6 +15,7 @@
 #include "host/job/job_file.hpp"
 #include "host/model/bitmap.hpp"
 #include "host/model/read_bitmap.hpp"
+#include "host/number_text.hpp"
 #include "host/raster/pixels.hpp"
 #include "host/raster/row_gcode.hpp"
 #include "host/raster/row_motion.hpp"
@@ -157,7 +158,7 @@ job::Job make_job(const RasterOptions& options, Frontend& frontend, RasterResult
 /// Writes one of the results. Returns its size in bytes.
 std::size_t write_result(const std::string& file, std::string_view bytes, Frontend& frontend) {
   write_whole(file, [&](const std::filesystem::path& path) { write_file(path, bytes); });
-  frontend.phase("written", fmt::format("{}, {} bytes", file, bytes.size()));
+  frontend.phase("written", fmt::format("{}, {}", file, count_text(bytes.size(), "byte")));
   return bytes.size();
 }
 

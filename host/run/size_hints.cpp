@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "host/file.hpp"
+#include "host/number_text.hpp"
 #include "host/run/placed_model.hpp"
 
 namespace lamplock::run {
@@ -31,6 +32,9 @@ bool defines_up(const std::string& file) {
   return extension == ".glb" || extension == ".3mf";
 }
 
+/// These formats have a unit.
+bool defines_unit(const std::string& file) { return defines_up(file); }
+
 bool is_upright_by_choice(const glass::Object& object) {
   const auto turns = [](const std::string& step) { return step.find("rotate") != step.npos; };
   return object.up != "z" || defines_up(object.file) ||
@@ -45,10 +49,11 @@ std::vector<std::string> size_hints(const glass::Object& object, InputKind kind,
   const double x = box.high.x - box.low.x, y = box.high.y - box.low.y, z = box.high.z - box.low.z;
   const bool is_small = std::max({x, y, z}) < min_usual_side_mm || points < min_usual_points;
   if (has_size_of_file(object, kind) && is_small)
-    hints.push_back(
-        fmt::format("{} is {} and has {} points: is the file in mm? --size {} makes its "
-                    "longest side {} mm",
-                    object.file, size_text(box), points, usual_size_mm, usual_size_mm));
+    hints.push_back(fmt::format(
+        "{} is {} and has {}: {} --size {} makes its longest side {} mm", object.file,
+        size_text(box), count_text(points, "point"),
+        defines_unit(object.file) ? "is it meant to be so small?" : "is the file in mm?",
+        usual_size_mm, usual_size_mm));
   if (kind == InputKind::mesh && !is_upright_by_choice(object) && z < x && z < max_flat_share * y)
     hints.push_back(
         fmt::format("{} lies flat, {}: does its y axis point up? --up y puts it upright",
