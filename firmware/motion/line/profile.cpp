@@ -188,11 +188,19 @@ void fit(const LineTask& task, bool brakes, LineRun& run) {
   run.end = run.end * factor;
 }
 
+/// Ticks in which a slice reaches its speed. A change that takes less than a tick needs one if it
+/// matters: a very slow line would crawl at the speed of its start, or rest there for ever.
+std::uint32_t lead_of_slice(const Phases& p, std::uint32_t ticks) {
+  const std::uint32_t lead = whole_down(p.lead, ticks);
+  const bool hardly = difference(p.vc, p.v0) < times_power(p.vc, -hardly_bits);
+  return lead == 0 && !p.brakes && !hardly ? 1 : lead;
+}
+
 /// The first `ticks` of a run; phases end a part of a tick early.
 LineRun cut(const LineTask& task, const Phases& p, std::uint32_t ticks) {
   LineRun run;
   run.start = p.v0;
-  run.lead_ticks = whole_down(p.lead, ticks);
+  run.lead_ticks = lead_of_slice(p, ticks);
   const UFloat change = task.accel * UFloat(run.lead_ticks);
   run.cruise = p.brakes ? difference(p.v0, change) : least(p.v0 + change, p.vc);
   run.cruise_ticks = whole_down(p.cruise, ticks - run.lead_ticks);
