@@ -90,13 +90,18 @@ std::size_t join_seams(Mesh& mesh, std::vector<std::uint32_t>& kept) {
   const std::vector<std::uint32_t> becomes = joined(mesh, open, tolerance);
   std::size_t count = 0;
   for (std::uint32_t i = 0; i < becomes.size(); ++i) count += becomes[i] != i ? 1U : 0U;
-  if (count == 0) return 0;
+  const auto keeps_its_corners = [&](const auto& triangle) {
+    const std::array corners{becomes[triangle[0]], becomes[triangle[1]], becomes[triangle[2]]};
+    return corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0];
+  };
+  // Where all triangles are smaller than the rounding they are no seams.
+  if (count == 0 || std::none_of(mesh.triangles.begin(), mesh.triangles.end(), keeps_its_corners))
+    return 0;
   std::size_t left = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     auto triangle = mesh.triangles[i];
+    if (!keeps_its_corners(triangle)) continue;
     for (std::uint32_t& vertex : triangle) vertex = becomes[vertex];
-    const auto [a, b, c] = triangle;
-    if (a == b || b == c || c == a) continue;
     mesh.triangles[left] = triangle;
     kept[left++] = kept[i];
   }

@@ -166,10 +166,10 @@ Mesh MeshBuilder::take() {
   Mesh mesh = merge_corners(corners_, kept);
   if (mesh.triangles.empty())
     refuse(file_, "the mesh is empty: it has no triangle", "give a model with a surface");
-  if (join_seams(mesh, kept) != 0) drop_unused_vertices(mesh);
   if (const std::size_t strays = drop_strays(mesh, kept); strays != 0)
     warn(fmt::format("{} triangles without area reach out of the object: they are left out",
                      strays));
+  if (join_seams(mesh, kept) != 0) drop_unused_vertices(mesh);
   mesh.brightness = brightness_of(kept);
   mesh.unread_pictures = std::move(unread_);
   warn_of_precision(mesh);

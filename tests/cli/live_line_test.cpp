@@ -159,12 +159,13 @@ TEST(ProgressLine, leaves_out_fields_where_columns_are_few) {
             "engraving [#########---------------------]  31 %, 2 123 of 6 773, held, speed 150 %, "
             "3 min 12 s left, ends 15:42 > 20");
   EXPECT_EQ(progress_line(fields, 79),
-            "engraving  31 %, 2 123 of 6 773, held, speed 150 %, 3 min 12 s left, ends 15:42 > 20");
+            "engraving  31 %, 2 123 of 6 773, held, speed 150 %, 3 min 12 s left > 20");
   EXPECT_EQ(progress_line(fields, 59), "engraving  31 %, held, speed 150 %, 3 min 12 s left > 20");
   EXPECT_EQ(progress_line(fields, 39), "engraving  31 %, held, speed 150 % > 20");
   EXPECT_EQ(progress_line(fields, 5), "  31 ");
   fields.state = fields.typed = "";
-  EXPECT_EQ(progress_line(fields, 39), "engraving  31 %, speed 150 %, 3 min 12 s left");
+  EXPECT_EQ(progress_line(fields, 49), "engraving  31 %, speed 150 %, 3 min 12 s left");
+  EXPECT_EQ(progress_line(fields, 39), "engraving  31 %, 3 min 12 s left");
   std::size_t before = 0;
   for (std::size_t columns = 0; columns < 150; ++columns) {
     const std::size_t length = progress_line(fields, columns).size();

@@ -89,7 +89,7 @@ TEST(NoPoints, name_their_cause_and_remedies_that_work) {
       {flat, {"--method", "slice", "--turn", "0,0,30"}, "high across the turned planes", 1},
       {thin, {"--method", "slice"}, "half a layer", 2},
       {cube, {"--method", "slice", "--first", "20"}, "20 mm above its lowest point", 1},
-      {cube, {"--method", "slice", "--first", "10"}, "10 mm above", 1},
+      {cube, {"--method", "slice", "--first", "10.5"}, "10.5 mm above", 1},
       {flat,
        {"--method", "rays", "--direction", "x"},
        "along the rays, which have the direction x",

@@ -159,7 +159,7 @@ TEST(Port, another_job_speed_from_the_keyboard) {
   ASSERT_TRUE(engrave.wait_for("job speed 70 %"));
   ASSERT_TRUE(engrave.wait_for("job speed 60 %"));
   engrave.type("slower\n");
-  ASSERT_TRUE(engrave.wait_for("type a job speed in percent"));
+  ASSERT_TRUE(engrave.wait_for("a job speed in percent, + or -"));
   engrave.type("\x03");
   ASSERT_TRUE(engrave.wait_for("Enter to resume"));
   engrave.type("1000 %\n");
