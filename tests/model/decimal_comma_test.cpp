@@ -27,7 +27,8 @@ TEST(DecimalComma, IsNamedByEveryReader) {
        "endloop\nendfacet\nendsolid a\n"},
       {"a.obj", "v 0 0 0\nv 1,25 0 0\nv 0 1 0\nf 1 2 3\n"},
       {"a.ply",
-       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+       "float "
        "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1,5 0 0\n0 1 "
        "0\n3 0 1 2\n"},
       {"a.dxf", test::dxf_drawing("0 LINE 10 0,5 20 0 11 1 21 0")},
