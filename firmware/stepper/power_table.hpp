@@ -10,20 +10,21 @@
 //   released | list that is run | lists that wait | list being written
 //            begin_             ^ header, runs    end_              written_
 //
-// A run is coded as on the wire (shared/wire/runs.hpp). 1024 runs are 100 mm of grey pixels of 0.1
-// mm, four times the distance that 300 mm/s need to stop at 2 m/s2.
+// A run is coded as on the wire (shared/wire/runs.hpp). 2048 runs are 51 mm of grey pixels of 0.025
+// mm; to stop from 750 mm/s at 10 m/s2 takes 28 mm.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
+#include "shared/wire/run_pace.hpp"
 #include "shared/wire/runs.hpp"
 
 namespace lamplock::stepper {
 
 class PowerTable {
  public:
-  static constexpr std::uint32_t capacity = 1024;
+  static constexpr std::uint32_t capacity = 2048;
 
   // Main loop.
   /// Appends this many cells of one power, 65535 = full, to the list being written, or begins a
@@ -39,8 +40,14 @@ class PowerTable {
   }
   /// As add() for a run as it was received; there must be room for it, and for a header.
   void put(std::uint16_t run) {
-    if (header() != 0) cells_ = 0, ++written_;
-    cells_ += wire::run_cells(run);
+    if (header() != 0) {
+      cells_ = 0;
+      pace_.begin_list();
+      ++written_;
+    }
+    const std::uint32_t cells = wire::run_cells(run);
+    cells_ += cells;
+    pace_.add(cells);
     at(written_++) = run;
   }
   /// Places for runs, and for the header of each list.
@@ -52,6 +59,8 @@ class PowerTable {
     end_ = written_;
     return static_cast<std::uint16_t>(header);
   }
+  /// Minimum time of a line with the list that was completed last.
+  std::uint32_t min_us() const { return pace_.min_us(); }
   /// Drops the list being written.
   void drop_list() { written_ = end_; }
   /// Drops the complete lists; nothing must run them, now or later.
@@ -86,6 +95,7 @@ class PowerTable {
   std::uint32_t end_ = 0;
   std::uint32_t written_ = 0;
   std::uint32_t cells_ = 0;  ///< of the list being written
+  wire::RunPace pace_;       ///< of the same
 };
 
 }  // namespace lamplock::stepper

@@ -15,6 +15,8 @@
 #include "shared/line_comments.hpp"
 #include "shared/units.hpp"
 #include "shared/wire/framing.hpp"
+#include "shared/wire/run_pace.hpp"
+#include "shared/wire/runs.hpp"
 
 namespace lamplock::program_run {
 namespace {
@@ -125,6 +127,7 @@ class Machine {
  private:
   void move(const Action& action, std::size_t line) {
     motion::LineTarget target = machine::line_target(action, values_);
+    if (target.pixels) set_row_time(action, target);
     target.pixels = target.pulses = false;
     const int outside = axis_outside(action.target_e7, target.steps);
     if (outside >= 0) {
@@ -157,6 +160,21 @@ class Machine {
          fmt::format("{} {:.3f} mm is outside of the work space, {:.3f} to {:.3f} mm",
                      axis_letters[index(axis)], static_cast<double>(place_e7[index(axis)]) / e7,
                      low, low + values_.milli(Id::travel_x, axis) / 1e3)});
+  }
+
+  /// The minimum time of a move with pixels, as on the board.
+  void set_row_time(const Action& move, motion::LineTarget& target) const {
+    wire::RunPace pace;
+    const auto add = [&pace](std::uint32_t cells) {
+      while (cells != 0) {
+        const std::uint32_t part = wire::run_cells(wire::longest_run(0, cells));
+        pace.add(part);
+        cells -= part;
+      }
+    };
+    for (const Action& run : row_) add(run.pixels);
+    add(move.pixels);
+    if (!target.timed || target.time_us < pace.min_us()) target.time_us = pace.min_us();
   }
 
   /// Records a move, or each run of equal pixels of one.

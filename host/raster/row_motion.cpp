@@ -9,6 +9,8 @@
 #include "host/error.hpp"
 #include "host/program/line_run.hpp"
 #include "host/units.hpp"
+#include "shared/wire/run_pace.hpp"
+#include "shared/wire/runs.hpp"
 
 namespace lamplock::raster {
 namespace {
@@ -61,6 +63,9 @@ void run_rows(const job::Job& job, std::uint32_t job_speed, program_run::LineRun
     target.steps = line.to.steps;
     target.feed_um_min = line.to.feed_milli;
     target.rapid = !line.to.light;
+    wire::RunPace pace;
+    for (const std::uint16_t pixels : job.rows.runs_of(line)) pace.add(wire::run_cells(pixels));
+    target.time_us = pace.min_us();
     run.receive(line.runs * sizeof(std::uint16_t));
     run.take(target);
   }

@@ -19,7 +19,7 @@ namespace {
 
 using settings::Id;
 
-/// The board plans only complete lines: sixteen of them fit into its run table of 1024 entries,
+/// The board plans only complete lines: 32 of them fit into its run table of 2048 entries,
 /// with their headers, so that an incomplete line uses little of the table.
 constexpr std::size_t runs_a_line = 63;
 static_assert(runs_a_line <= wire::max_runs_a_line);

@@ -41,7 +41,7 @@ struct RowState {
 inline constexpr std::uint8_t head_feed = 0xC3;
 inline constexpr std::uint8_t head_runs = 0xC4;
 inline constexpr std::size_t max_runs_a_record = 200;
-/// So that two lines, each with its header, fit into the board's 1024 places.
+/// So that four lines, each with its header, fit into the board's 2048 places.
 inline constexpr std::uint32_t max_runs_a_line = 511;
 inline constexpr std::uint32_t max_cells_a_line = 0xffff;
 inline constexpr std::size_t most_lines_a_frame = 16;

@@ -34,18 +34,24 @@ namespace {
 /// Pixels per second of other firmware, its own images in emulation, a line per pixel.
 constexpr double grbl_avr = 343, grblhal_rp2040 = 2339;
 
-constexpr int row_pixels = 2000;
+constexpr double accel_mm_s2 = 10'000;
 /// Part of the row in which the rate is measured: after acceleration, before braking.
 constexpr double measured_from = 0.3, measured_to = 0.8;
+/// Pixels of a row, long enough for that.
+int row_pixels(double pixel_mm, double feed_mm_s) {
+  constexpr int min_pixels = 2000;
+  const double ramp_mm = feed_mm_s * feed_mm_s / (2 * accel_mm_s2);
+  return std::max(min_pixels, static_cast<int>(ramp_mm / (1 - measured_to) / pixel_mm));
+}
 constexpr std::size_t max_list_size = 240;  // of 256 characters
-/// For a row job: the planner needs whole lines, and the table has 1024 places.
+/// For a row job: the planner needs whole lines, and the table has 2048 places.
 constexpr std::size_t runs_a_line = 48;
 
 /// 10 m/s2, 1 m/s, no lamp, 200 steps/mm.
 settings::Values machine() {
   using settings::Id;
   job::Profile profile = job::default_profile();
-  job::set_acceleration(profile, 10);
+  job::set_acceleration(profile, accel_mm_s2 / 1000);
   job::set_speed(profile, 1);
   job::state_setting(profile, Id::lamp_mode, 0, "benchmark");
   job::state_setting(profile, Id::laser_mode, 1, "benchmark");
@@ -62,7 +68,7 @@ struct Run {
   unsigned power = 0;
 };
 
-std::vector<Run> random_runs(unsigned longest_run) {
+std::vector<Run> random_runs(int row_pixels, unsigned longest_run) {
   std::mt19937 random(1);
   std::vector<Run> runs;
   unsigned odd = 0;
@@ -75,13 +81,14 @@ std::vector<Run> random_runs(unsigned longest_run) {
 
 std::string row(double pixel_mm, double feed_mm_s, bool lists, unsigned longest_run) {
   std::string text = fmt::format("M3 S0\nF{}\n", feed_mm_s * 60), list;
+  const int pixels = row_pixels(pixel_mm, feed_mm_s);
   int i = 0;
-  for (const Run& run : random_runs(longest_run)) {
+  for (const Run& run : random_runs(pixels, longest_run)) {
     list += fmt::format("{}{}", list.empty() ? "S" : ":", run.power);
     if (lists && run.pixels > 1) list += fmt::format("*{}", run.pixels);
     i += run.pixels;
-    if (lists && list.size() < max_list_size && i != row_pixels) continue;
-    text += fmt::format("G1X{:.2f}{}\n", pixel_mm * i, list);
+    if (lists && list.size() < max_list_size && i != pixels) continue;
+    text += fmt::format("G1X{:.3f}{}\n", pixel_mm * i, list);
     list.clear();
   }
   return text;
@@ -91,12 +98,13 @@ std::string row(double pixel_mm, double feed_mm_s, bool lists, unsigned longest_
 std::vector<test::PixelLine> row_lines(double pixel_mm, double feed_mm_s, unsigned longest_run) {
   std::vector<test::PixelLine> lines;
   test::PixelLine line;
+  const int pixels = row_pixels(pixel_mm, feed_mm_s);
   int i = 0;
-  for (const Run& run : random_runs(longest_run)) {
+  for (const Run& run : random_runs(pixels, longest_run)) {
     const auto power = static_cast<std::uint16_t>(run.power * 65'535 / 1000);
     line.runs.push_back(wire::longest_run(power, static_cast<std::uint32_t>(run.pixels)));
     i += run.pixels;
-    if (line.runs.size() != runs_a_line && i != row_pixels) continue;
+    if (line.runs.size() != runs_a_line && i != pixels) continue;
     line.line.steps[0] = static_cast<std::int32_t>(std::lround(pixel_mm * 200 * i));
     line.line.light = true;
     line.line.feed_milli = static_cast<std::uint32_t>(std::lround(feed_mm_s * 60'000));
@@ -150,7 +158,7 @@ Rate measure(sim::ChipBoard& board, double pixel_mm, double feed_mm_s, Form form
              unsigned longest_run) {
   const sim::Picoseconds end = board.now() + 20 * sim::ps_per_s;
   RowSender sender(board, pixel_mm, feed_mm_s, form, longest_run);
-  const double row_steps = row_pixels * pixel_mm * 200;
+  const double row_steps = row_pixels(pixel_mm, feed_mm_s) * pixel_mm * 200;
   const auto x = [&board] { return board.world().drives().position()[0]; };
   const auto run_to = [&](double part) {
     while (x() < part * row_steps && board.now() < end) sender.step();
@@ -199,7 +207,7 @@ BENCHMARK(chip_pixels)
     ->ArgsProduct({{50}, {200, 300}, {0, 1, 2}, {1}})
     ->ArgsProduct({{100}, {800}, {1, 2}, {1}})
     ->ArgsProduct({{50}, {500, 800}, {1, 2}, {1}})
-    ->ArgsProduct({{25}, {300, 500}, {1, 2}, {1}})
+    ->ArgsProduct({{25}, {300, 500, 750}, {1, 2}, {1}})
     ->ArgsProduct({{100}, {800}, {0, 1, 2}, {4}})
     ->ArgsProduct({{50}, {400, 500}, {0, 1, 2}, {4}})
     ->Iterations(1)

@@ -137,6 +137,43 @@ TEST(Rows, InShortLinesDoNotRestBetweenThem) {
   }
 }
 
+/// Short runs in succession slow their lines to the rate of the processor, and the light with them;
+/// longer ones do not.
+TEST(Rows, OfDenseRunsAreSlowedToTheRateOfTheBoard) {
+  job::Profile machine = raster_machine();
+  job::set_acceleration(machine, 10);
+  constexpr int lines_a_part = 30, runs_a_line = 60, cell_steps = 2;  // 10 um
+  constexpr std::uint16_t power = 20'000;
+  std::vector<PixelLine> lines;
+  std::int32_t x_steps = 0;
+  for (const int cells_a_run : {1, 4}) {
+    for (int i = 0; i < lines_a_part; ++i) {
+      x_steps += runs_a_line * cells_a_run * cell_steps;
+      PixelLine line{{{x_steps, 0, 0, 0}, true, raster_feed_milli}, {}};
+      line.runs.assign(runs_a_line,
+                       wire::longest_run(power, static_cast<std::uint32_t>(cells_a_run)));
+      lines.push_back(line);
+    }
+  }
+  Rig rig(machine);
+  BoardCable cable(rig);
+  RowHost host(cable, lines, row_header(machine));
+  ASSERT_TRUE(host.run(5));
+  const auto& x = rig.monitor.steps(0);
+  ASSERT_EQ(x.size(), static_cast<std::size_t>(x_steps));
+  const auto expect_speed = [&](std::size_t from, std::size_t to, double mm_s) {
+    const double mm = 0.005 * static_cast<double>(to - from);
+    EXPECT_NEAR(mm / sim::seconds(x[to].at - x[from].at), mm_s, 0.01 * mm_s);
+    const double light = rig.board.world().beam().at((x[from].at + x[to].at) / 2).light();
+    EXPECT_NEAR(light, power * mm_s / Raster::speed_mm_s, 0.01 * power);
+  };
+  constexpr std::size_t dense_steps = lines_a_part * runs_a_line * cell_steps;
+  const double dense_mm_s = 0.01 / (wire::min_run_us * 1e-6);
+  ASSERT_LT(dense_mm_s, 0.8 * Raster::speed_mm_s);
+  expect_speed(dense_steps / 3, 2 * dense_steps / 3, dense_mm_s);
+  expect_speed(2 * dense_steps, x.size() - 2 * dense_steps, Raster::speed_mm_s);
+}
+
 /// Lost, flipped and doubled bytes, invented holds and resets, cut cables.
 TEST(Rows, AreBurntOnceWhateverTheCableDoes) {
   const Faults all{.drop = 5e-4,
@@ -220,8 +257,8 @@ TEST(Rows, WaitForLateLines) {
     for (int k = 0; !rows.host.done() && k < 100; ++k) {
       const bool starve = k % 2 != 0;
       rows.host.starve(starve);
-      // The lines on the board last two seconds.
-      for (auto n = (starve ? 3000 : 200) + random() % 2000; n != 0; --n) rows.host.step();
+      // The lines on the board last four seconds.
+      for (auto n = (starve ? 7000 : 200) + random() % 2000; n != 0; --n) rows.host.step();
       const bool starved = rows.rig.board.controller().program().idle();
       if (!starved || rows.rig.status().received == rows.lines.size()) continue;
       ++rests;
@@ -488,18 +525,21 @@ TEST(Rows, AreNotTakenWithoutRoom) {
   header.mode = wire::mode_rows;
   header.points_total = 1000;
   ASSERT_EQ(core.on_begin(header), Result::ok);
-  EXPECT_EQ(rig.status().free_runs, 1024u);
+  constexpr std::uint32_t places = stepper::PowerTable::capacity, places_a_line = 201;
+  constexpr std::uint32_t lines = places / places_a_line;
+  EXPECT_EQ(rig.status().free_runs, places);
   std::vector<std::uint8_t> frame{0xC3, 0, 0x87, 0x93, 3, 0xC4, 200};
   frame.resize(frame.size() + 400, 0);
   frame.insert(frame.end(), {0x01, 100});
-  for (std::uint32_t taken = 1; taken <= 5; ++taken) {
+  for (std::uint32_t taken = 1; taken <= lines; ++taken) {
     ASSERT_EQ(core.on_data(frame), Result::ok);
-    EXPECT_EQ(rig.status().free_runs, 1024 - 201 * taken);
+    EXPECT_EQ(rig.status().free_runs, places - places_a_line * taken);
     EXPECT_EQ(rig.status().received, taken);
   }
   const std::uint32_t free_points = rig.status().free_points;
   EXPECT_EQ(core.on_data(frame), Result::no_space);
-  // Each of the two lines needs one of the 19 places for itself.
+  // Each of the two lines needs a place for itself.
+  constexpr std::uint32_t left = places % places_a_line;
   const auto two_lines = [](std::uint8_t runs) {
     std::vector<std::uint8_t> bytes;
     for (int i = 0; i < 2; ++i) {
@@ -509,12 +549,12 @@ TEST(Rows, AreNotTakenWithoutRoom) {
     }
     return bytes;
   };
-  EXPECT_EQ(core.on_data(two_lines(9)), Result::no_space);
+  EXPECT_EQ(core.on_data(two_lines(left / 2)), Result::no_space);
   EXPECT_EQ(rig.status().free_points, free_points);
-  EXPECT_EQ(rig.status().received, 5u);
+  EXPECT_EQ(rig.status().received, lines);
   rig.run(ps_per_s);
-  EXPECT_EQ(rig.status().free_runs, 1024u);
-  EXPECT_EQ(rig.status().first_unfired, 5u);
+  EXPECT_EQ(rig.status().free_runs, places);
+  EXPECT_EQ(rig.status().first_unfired, lines);
   EXPECT_EQ(core.on_data(frame), Result::ok);
   // Lines without light need no runs, but they need room.
   std::vector<std::uint8_t> rapids;

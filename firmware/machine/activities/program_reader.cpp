@@ -181,7 +181,7 @@ bool ProgramReader::prepare_beam() {
     return runner_.set_pulses(interpreter_.pulses_milli(), interpreter_.pulse_ns());
   if (!target_.pixels || listed_) return true;
   if (!runner_.add_pixels(target_.power, action_.pixels)) return false;
-  target_.power = runner_.end_pixels();
+  runner_.end_pixels(target_);
   listed_ = true;
   return true;
 }

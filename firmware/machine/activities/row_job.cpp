@@ -63,7 +63,7 @@ void RowJob::take_line(const wire::RowLine& line) {
     target.feed_um_min = line.feed_milli;
     target.pixels = !dry_;
     target.laser = dry_ ? motion::LinePower::off : motion::LinePower::proportional;
-    if (!dry_) target.power = runner_.end_pixels();
+    if (!dry_) runner_.end_pixels(target);
   }
   runner_.take(target);
 }

@@ -96,7 +96,7 @@ std::int64_t place_of(const stepper::AxisState& axis, const settings::Values& va
                                             const settings::Values& values) {
   motion::LineTarget line{line_place(move.target_e7, values)};
   line.feed_um_min = move.feed_um_min;
-  line.time_us = move.time_us;
+  line.time_us = move.timed ? move.time_us : 0;
   line.line = move.line;
   line.rapid = move.rapid;
   line.timed = move.timed;

@@ -83,6 +83,13 @@ bool ProgramRunner::add_pixels(std::uint16_t power, std::uint32_t count) {
   return table.add(power, count);
 }
 
+void ProgramRunner::end_pixels(motion::LineTarget& line) {
+  stepper::PowerTable& table = generator_.beam().table();
+  line.power = table.end_list();
+  const std::uint32_t min_us = table.min_us();
+  if (!line.timed || line.time_us < min_us) line.time_us = min_us;
+}
+
 bool ProgramRunner::set_pulses(std::uint32_t milli_per_mm, std::uint32_t length_ns) {
   if (milli_per_mm == orders_.pulses_milli && length_ns == pulse_ns_) return true;
   // Lines that were accepted have other pulses, or a batch begins without these.

@@ -59,15 +59,15 @@ class ProgramRunner {
 
   /// Adds pixels of one power, full_power = all, to the next line that has pixels; false if there
   /// is no room now.
-  [[gnu::cold]] bool add_pixels(std::uint16_t power, std::uint32_t count);
+  [[gnu::hot]] bool add_pixels(std::uint16_t power, std::uint32_t count);
   /// The same for a run as it was received; there must be room.
   void add_run(std::uint16_t run) { generator_.beam().table().put(run); }
   /// Room for runs of pixels and for a header before the first of each line.
   std::uint32_t free_runs() const { return generator_.beam().table().free(); }
   /// Drops the pixels that were not run: only while idle().
   void forget_pixels() { generator_.beam().table().forget(); }
-  /// The line of these pixels is about to be taken; returns where its powers are.
-  std::uint16_t end_pixels() { return generator_.beam().table().end_list(); }
+  /// The line of these pixels is about to be taken: sets where its powers are, and its time.
+  void end_pixels(motion::LineTarget& line);
   /// The line of these pixels is not taken.
   void drop_pixels() { generator_.beam().table().drop_list(); }
   /// Pulses of lines: thousandths of a pulse per millimetre, and their length. False while accepted

@@ -113,8 +113,13 @@ bool LinePlanner::push(const LineTarget& target) {
 
 /// Fills the place after the last line, or the last one again; it begins at the end of `before_`.
 void LinePlanner::put(const LineTarget& target, const LineShape& shape, UFloat pace) {
+  const bool has_time = target.time_us != 0;
+  const UFloat speed_for_time =
+      has_time ? shape.length / (UFloat(target.time_us) * UFloat(ticks_per_second / 1'000'000))
+               : UFloat();
   LineBounds bounds = make_bounds(shape, limits_);
   if (!is_zero(pace)) bounds.speed = least(bounds.speed, pace);
+  if (has_time && !target.timed) bounds.speed = least(bounds.speed, speed_for_time);
   Line& line = ring_.next();
   line.set_place(target);
   line.set_length(shape.length);
@@ -126,13 +131,13 @@ void LinePlanner::put(const LineTarget& target, const LineShape& shape, UFloat p
   line.rapid = target.rapid;
   line.pixels = target.pixels && line.laser != LinePower::off;
   line.pulses = target.pulses && line.laser != LinePower::off;
-  line.timed = target.timed && target.time_us != 0;
+  line.timed = target.timed && has_time;
   feed_um_min_ = target.feed_um_min;
-  UFloat feed = UFloat(target.feed_um_min) * limits_.um_min;
-  if (line.timed)
-    feed = shape.length / (UFloat(target.time_us) * UFloat(ticks_per_second / 1'000'000));
-  // An override also slows down a line that is slow for its pace.
-  if (is_zero(feed) || (!is_zero(pace) && bounds.speed < feed)) feed = bounds.speed;
+  UFloat feed = line.timed ? speed_for_time : UFloat(target.feed_um_min) * limits_.um_min;
+  // An override also slows down a line that is slow for its pace. The power of pixels is that at
+  // their feed.
+  const bool slow = !line.pixels && !is_zero(pace) && bounds.speed < feed;
+  if (is_zero(feed) || slow) feed = bounds.speed;
   line.feed = LinePacked(feed);
   const LineCorner corner = corner_at_end(line, shape);
   line.corner_2 = LinePacked(corner.speed_2);
@@ -376,7 +381,11 @@ void LinePlanner::measure_again() {
   Line& line = ring_.at(ring_.begin());
   const LineShape shape = make_shape(way_between(back_, line), limits_);
   line.set_length(shape.length);
-  if (!is_zero(shape.length)) set_bounds(make_bounds(shape, limits_), line);
+  if (!is_zero(shape.length)) {
+    LineBounds bounds = make_bounds(shape, limits_);
+    if (line.pixels) bounds.speed = least(bounds.speed, line.speed.real());
+    set_bounds(bounds, line);
+  }
   if (ring_.size() == 1) {
     last_ = shape;
     return;

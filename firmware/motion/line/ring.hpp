@@ -30,7 +30,7 @@ inline constexpr std::uint32_t full_power = 65535;
 /// A straight line as programmed: where it ends, and how.
 struct LineTarget : LinePlace {
   std::uint32_t feed_um_min = 0;  ///< speed along it; not of rapids, not if timed
-  std::uint32_t time_us = 0;      ///< time for it, if timed
+  std::uint32_t time_us = 0;      ///< time for it, if timed; else the minimum
   std::uint32_t line = 0;         ///< N word or row index, for reports
   std::uint16_t power = 0;        ///< of the laser, 0..full_power; of pixels: their list
   LinePower laser = LinePower::off;
