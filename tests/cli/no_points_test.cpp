@@ -45,7 +45,8 @@ std::string grey_bmp(int grey) {
     for (int i = 0; i < count; ++i) bytes.push_back(static_cast<char>(value >> (8 * i) & 0xff));
   };
   put(head + 3 * side * side, 4), put(0, 4), put(head, 4), put(40, 4), put(side, 4), put(side, 4);
-  put(1, 2), put(24, 2), put(0, 4), put(3 * side * side, 4), put(2835, 4), put(2835, 4), put(0, 8);
+  put(1, 2), put(24, 2), put(0, 4), put(3 * side * side, 4), put(2835, 4), put(2835, 4), put(0, 4),
+      put(0, 4);
   return bytes + std::string(std::size_t{3} * side * side, static_cast<char>(grey));
 }
 
