@@ -7,6 +7,7 @@
 // offset, so that no curve has to be replaced by chords between the drawing and the machine.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -73,8 +74,14 @@ Overlap overlap_of(const Edge& a, const Edge& b, double near_mm);
 /// An axis-parallel rectangle; by default an empty one that any other enlarges.
 struct Box {
   Vec low{1e300, 1e300}, high{-1e300, -1e300};
-  void add(const Vec& point);
-  void add(const Box& box);
+  void add(const Vec& point) {
+    low = {std::min(low.x, point.x), std::min(low.y, point.y)};
+    high = {std::max(high.x, point.x), std::max(high.y, point.y)};
+  }
+  void add(const Box& box) {
+    low = {std::min(low.x, box.low.x), std::min(low.y, box.low.y)};
+    high = {std::max(high.x, box.high.x), std::max(high.y, box.high.y)};
+  }
   Box grown(double by_mm) const {
     return {{low.x - by_mm, low.y - by_mm}, {high.x + by_mm, high.y + by_mm}};
   }
