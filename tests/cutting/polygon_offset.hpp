@@ -1,5 +1,4 @@
-// Offsets of polygons by libpolyclipping, the oracle of the offset of lines and arcs. (GEOS is no
-// oracle for it: its buffer simplifies the input by a hundredth of the distance first.)
+// Offsets of polygons by libpolyclipping, an oracle of the offset of lines and arcs.
 #pragma once
 
 #include <algorithm>
