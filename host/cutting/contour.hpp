@@ -53,6 +53,8 @@ struct Fault {
   double size_mm = 0;
   /// Number of the contour; that of its equal for a duplicate, none for a dot.
   std::optional<std::size_t> contour;
+  /// The other contour of a crossing or an overlap.
+  std::optional<std::size_t> other = std::nullopt;
 };
 
 struct JoinOptions {

@@ -1,34 +1,13 @@
 #include "host/cutting/contour_groups.hpp"
 
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "host/cutting/box_tree.hpp"
+#include "host/cutting/union_find.hpp"
 
 namespace lamplock::cutting {
 namespace {
-
-/// Joins groups of numbers (Tarjan, "Efficiency of a good but not linear set union algorithm",
-/// Journal of the ACM 22, 1975; halved paths, the lowest number represents a group).
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::size_t i, std::size_t j) {
-    i = find(i);
-    j = find(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 std::vector<Box> boxes_of(const std::vector<Contour>& contours) {
   std::vector<Box> boxes;
@@ -57,17 +36,7 @@ std::vector<std::vector<std::size_t>> contour_groups(const std::vector<Contour>&
         group.join(i, j);
     });
   }
-  std::vector<std::vector<std::size_t>> groups;
-  std::vector<std::size_t> place(contours.size());
-  for (std::size_t i = 0; i < contours.size(); ++i) {
-    const std::size_t first = group.find(i);
-    if (first == i) {
-      place[i] = groups.size();
-      groups.emplace_back();
-    }
-    groups[place[first]].push_back(i);
-  }
-  return groups;
+  return group.sets();
 }
 
 }  // namespace lamplock::cutting
