@@ -140,6 +140,12 @@ class TreeBuilder {
 
 }  // namespace
 
+bool is_inside(const Contour& contour, const Vec& at) {
+  int crossed = 0;
+  for (const Edge& edge : contour.edges) crossed += crossings(edge, at);
+  return contour.closed && crossed % 2 == 1;
+}
+
 std::vector<ContourPlace> contour_tree(const std::vector<Contour>& contours) {
   TreeBuilder builder(contours);
   std::vector<ContourPlace> places;

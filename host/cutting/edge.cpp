@@ -131,6 +131,12 @@ double distance_to(const Edge& edge, const Vec& point) {
   return std::abs(distance(point, edge.centre) - radius_of(edge));
 }
 
+Vec nearest_on(const Edge& edge, const Vec& point) {
+  const double part = part_at(edge, point);
+  if (part > 0 && part < 1) return point_at(edge, part);
+  return distance(point, edge.from) <= distance(point, edge.to) ? edge.from : edge.to;
+}
+
 Edge reversed(const Edge& edge) { return {edge.to, edge.from, edge.centre, -edge.sweep}; }
 
 Edge cut_out(const Edge& edge, double from, double to, const Vec& start, const Vec& end) {

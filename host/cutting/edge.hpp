@@ -53,6 +53,8 @@ Vec direction_at(const Edge& edge, double part);
 /// The part of the length at which the point projects onto the edge; beyond 0..1 outside of it.
 double part_at(const Edge& edge, const Vec& point);
 double distance_to(const Edge& edge, const Vec& point);
+/// The point of the edge that is nearest to another.
+Vec nearest_on(const Edge& edge, const Vec& point);
 
 Edge reversed(const Edge& edge);
 /// The edge from one part of the length to another, with these exact ends.

@@ -18,7 +18,7 @@ namespace lamplock::cutting {
 namespace {
 
 // A group with more crossings is not meant to be cut; all its contours are treated as one area.
-constexpr std::size_t max_faults = 1000;
+constexpr std::size_t max_crossings = 1000;
 
 OffsetContours offset_right(const std::vector<Contour>& contours, const OffsetOptions& options) {
   const RawOffset raw = raw_offset(contours, options);
@@ -51,7 +51,7 @@ std::vector<std::vector<std::size_t>> crossing_sets(const std::vector<Contour>& 
     first = fault.contour;
   }
   // Faults beyond the limit are not known: any two contours may cross.
-  for (std::size_t i = 0; first && faults.size() >= max_faults && i < contours.size(); ++i) {
+  for (std::size_t i = 0; first && faults.size() >= max_crossings && i < contours.size(); ++i) {
     if (!contours[i].closed) continue;
     is_crossed[i] = true;
     joined.join(i, *first);
@@ -101,7 +101,7 @@ OffsetContours offset_group(const std::vector<Contour>& contours,
   Group group{{}, numbers};
   group.contours.reserve(numbers.size());
   for (const std::size_t i : numbers) group.contours.push_back(contours[i]);
-  std::vector<Fault> crossings = contour_faults(group.contours, max_faults);
+  std::vector<Fault> crossings = contour_faults(group.contours, max_crossings);
   if (!crossings.empty()) group = without_crossings(std::move(group), crossings);
   const bool is_left = options.distance_mm < 0;
   if (is_left) {

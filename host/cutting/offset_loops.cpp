@@ -191,7 +191,15 @@ class LoopBuilder {
       const std::size_t step = (b.place + places - a.place) % places;
       if (step <= 1 || (step == 2 && a.place % 2 == 0)) return;
     }
-    result_.faults.push_back({FaultKind::narrow, piece.edge.to, width_, a.contour});
+    const Vec& at = piece.edge.to;
+    const double width = distance(touched_by(a, at), touched_by(b, at));
+    result_.faults.push_back({FaultKind::narrow, at, width, a.contour});
+  }
+
+  /// The point of the contour that a beam at a point of its raw edge touches.
+  Vec touched_by(const RawEdge& raw, const Vec& at) const {
+    const Edge& edge = contours_[raw.contour].edges[raw.place / 2];
+    return raw.place % 2 == 0 ? nearest_on(edge, at) : edge.to;
   }
 
   const std::vector<Contour>& contours_;

@@ -24,7 +24,7 @@ constexpr double min_side_mm = 8 * union_grid_mm;
 constexpr double max_shift_mm = 100 * chords_mm;
 
 // An area that is smaller, in parts of the square of the length, is 0.
-constexpr double rounding = 1e-12;
+constexpr double zero_area = 1e-12;
 
 constexpr std::size_t no_edge = std::numeric_limits<std::size_t>::max();
 
@@ -90,7 +90,7 @@ class Simplifier {
       double area = 0;
       for (const Polygon& polygon : filled) area += area_of(polygon);
       const double length = length_of(contours_[i]);
-      const bool is_right = signed_area(contours_[i]) < -rounding * length * length;
+      const bool is_right = signed_area(contours_[i]) < -zero_area * length * length;
       if (area > std::abs(largest)) largest = is_right ? -area : area;
       for (Polygon& polygon : filled) {
         if (is_right) std::reverse(polygon.begin(), polygon.end());

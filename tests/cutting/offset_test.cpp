@@ -258,7 +258,7 @@ TEST(offset, narrow_places_and_vanished_contours_are_reported) {
   ASSERT_EQ(narrow.size(), 2u);
   for (const Fault& fault : narrow) {
     EXPECT_EQ(fault.kind, FaultKind::narrow);
-    EXPECT_NEAR(fault.size_mm, 0.6, 1e-12);
+    EXPECT_NEAR(fault.size_mm, 0.4, 1e-9) << "the passage";
     EXPECT_NEAR(fault.at.y, 5, 0.001);
     EXPECT_LT(std::min(std::abs(fault.at.x - 10), std::abs(fault.at.x - 14)), 0.31);
   }
@@ -271,6 +271,47 @@ TEST(offset, narrow_places_and_vanished_contours_are_reported) {
   EXPECT_NEAR(gone[0].size_mm, 0.4 * pi, 1e-9);
   EXPECT_TRUE(moved({reversed(circle({0, 0}, 0.25))}, 0.25).empty()) << "exactly the beam";
   EXPECT_TRUE(moved({square}, -5).empty()) << "shrinks to a point";
+}
+
+TEST(offset, a_passage_is_narrow_if_the_beam_is_wider) {
+  Random random(14);
+  for (int i = 0; i < scaled(100, 10); ++i) {
+    // Two discs with a passage between them, anywhere and in any direction.
+    const double half = 0.05 + 0.5 * random.uniform(), radius = 3 + random.uniform();
+    const double length = 1 + 3 * random.uniform(),
+                 mouth = std::sqrt(radius * radius - half * half);
+    const Vec left{-length / 2 - mouth, 0}, right{length / 2 + mouth, 0};
+    const double sweep = 2 * pi - 2 * std::asin(half / radius);
+    const Edge disc = arc_from(right, {length / 2, -half}, sweep);
+    const Edge other = arc_from(left, {-length / 2, half}, sweep);
+    Contour dumbbell{
+        {{{-length / 2, -half}, disc.from, {}, 0}, disc, {disc.to, other.from, {}, 0}, other},
+        true};
+    dumbbell.edges[0].from = other.to;
+    const double turn = 2 * pi * random.uniform();
+    const Vec away{100 * random.uniform(), 0};
+    for (Edge& edge : dumbbell.edges) {
+      edge = {turned(edge.from, turn) + away, turned(edge.to, turn) + away,
+              turned(edge.centre, turn) + away, edge.sweep};
+    }
+    const double distance_mm = 0.02 + random.uniform();
+    const std::vector<Fault> faults = faults_of({dumbbell}, -distance_mm);
+    if (distance_mm < half) {
+      EXPECT_TRUE(faults.empty());
+      continue;
+    }
+    ASSERT_EQ(faults.size(), 2u);
+    for (const Fault& fault : faults) {
+      EXPECT_EQ(fault.kind, FaultKind::narrow);
+      EXPECT_EQ(fault.contour, 0u);
+      // The beam touches both sides of the mouth, which is where the disc ends.
+      EXPECT_NEAR(fault.size_mm, 2 * half, 1e-6);
+      const Vec at = turned(fault.at - away, -turn);
+      EXPECT_NEAR(at.y, 0, 1e-6);
+      EXPECT_NEAR(std::abs(at.x) - length / 2, std::sqrt(distance_mm * distance_mm - half * half),
+                  1e-6);
+    }
+  }
 }
 
 TEST(offset, open_contours_are_moved_to_one_side) {
