@@ -107,7 +107,9 @@ std::vector<Edge> lead_out(const Contour& contour, double along_mm, const LeadOp
                            const CutSheet& sheet) {
   if (options.shape.shape == LeadShape::none) return {};
   require_shape(contour, options.shape);
-  const ContourPoint end = point_along(contour, along_mm);
+  // At the begin the beam arrives in the direction of the last edge.
+  const ContourPoint end =
+      along_mm > 0 ? point_along(contour, along_mm) : ContourPoint{contour.edges.size() - 1, 1};
   const Edge& edge = contour.edges[end.edge];
   const Edge away = lead_from(point_at(edge, end.part), direction_at(edge, end.part), options.shape,
                               options.waste);

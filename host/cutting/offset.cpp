@@ -69,11 +69,11 @@ Group without_crossings(Group group, const std::vector<Fault>& faults) {
   std::vector<bool> is_replaced(group.contours.size(), false);
   for (const std::vector<std::size_t>& set : sets) {
     std::vector<Contour> crossed;
-    for (const std::size_t i : set) {
-      crossed.push_back(std::move(group.contours[i]));
-      is_replaced[i] = true;
-    }
+    for (const std::size_t i : set) crossed.push_back(group.contours[i]);
     SimpleContours result = simple_contours(crossed);
+    // A line that is drawn forth and back has no area; it is cut around as it is.
+    if (result.contours.empty()) continue;
+    for (const std::size_t i : set) is_replaced[i] = true;
     append(simple.contours, result.contours);
     for (const std::size_t from : result.from) simple.numbers.push_back(group.numbers[set[from]]);
   }

@@ -170,6 +170,16 @@ TEST(crossing, a_hole_over_the_edge_of_a_part_leaves_a_bite) {
     if (!edge.is_line() && distance(edge.centre, {10, 5}) < 1e-6) radius = radius_of(edge);
   }
   EXPECT_NEAR(radius, 1.9, 1e-6);
+  // A line forth and back has no area, and is cut around.
+  const OffsetContours slot = offset({polygon({{0, 0}, {8, 0}})}, {.distance_mm = 0.5});
+  ASSERT_EQ(slot.contours.size(), 1u);
+  EXPECT_NEAR(std::abs(signed_area(slot.contours[0])), 8 + pi / 4, 1e-6);
+  // A spur on a square is no part of its area.
+  const Contour spur = polygon({{0, 0}, {10, 0}, {10, 10}, {5, 10}, {5, 14}, {5, 10}, {0, 10}});
+  const OffsetContours without = offset({spur}, {.distance_mm = 0.5});
+  ASSERT_EQ(without.contours.size(), 1u);
+  EXPECT_NEAR(length_of(without.contours[0]), 40 + pi, 1e-5);
+  EXPECT_FALSE(without.faults.empty());
   // Two bow ties, one drawn the other way round, whose signed areas are 0.
   const Contour bow = polygon({{0, 0}, {10, 10}, {10, 0}, {0, 10}});
   for (const Contour& tie : {bow, reversed(bow)}) {

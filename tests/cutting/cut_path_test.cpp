@@ -95,6 +95,9 @@ TEST(cut_path, leads_of_a_square) {
   EXPECT_NEAR(length_of_kind(moves, CutKind::overcut), 3, 1e-9);
   EXPECT_EQ(moves.back().kind, CutKind::lead_out);
   EXPECT_NEAR(distance(moves.back().edge.to, {4, -1}), 0, 1e-9);
+  // Without an overcut it leaves in the direction in which the last side arrives.
+  options.overcut_mm = 0;
+  EXPECT_NEAR(distance(cut_path(square, options, sheet).back().edge.to, {-1, -1}), 0, 1e-9);
   // An arc touches the contour: it arrives in its direction.
   options.lead_in = arc_lead(1);
   const Edge arc = cut_path(square, options, sheet).front().edge;
