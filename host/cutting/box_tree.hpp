@@ -7,7 +7,9 @@
 // for which a grid has no good size, cost no more than others.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "host/cutting/edge.hpp"
@@ -18,39 +20,68 @@ class BoxTree {
  public:
   explicit BoxTree(std::vector<Box> boxes);
 
+  /// True if test(number) is true for a rectangle that meets `box`; ends at the first.
+  template <class Test>
+  bool any(const Box& box, const Test& test) const {
+    return !nodes_.empty() && any_in_node(
+                                  0, [&](const Box& one) { return one.meets(box); }, test);
+  }
+
+  /// True if test(number) is true for a rectangle within a distance of a point.
+  template <class Test>
+  bool any_near(const Vec& at, double reach_mm, const Test& test) const {
+    const double square = reach_mm * reach_mm;
+    return !nodes_.empty() &&
+           any_in_node(
+               0, [&](const Box& one) { return square_to(one, at) <= square; }, test);
+  }
+
   /// Calls `found(number)` for each rectangle that meets `box`.
   template <class Found>
   void visit(const Box& box, const Found& found) const {
-    if (!nodes_.empty()) visit_node(0, box, found);
+    any(box, [&](std::size_t number) {
+      found(number);
+      return false;
+    });
   }
+
+  const Box& box(std::size_t number) const { return boxes_[number]; }
 
  private:
   struct Node {
     Box box;
-    std::size_t begin = 0, end = 0;   ///< in order_
-    std::size_t left = 0, right = 0;  ///< 0: a leaf
+    std::uint32_t begin = 0, end = 0;   ///< in order_
+    std::uint32_t left = 0, right = 0;  ///< 0: a leaf
   };
-  static constexpr std::size_t leaf_size = 8;
+  static constexpr std::uint32_t leaf_size = 8;
 
-  std::size_t build(std::size_t begin, std::size_t end);
+  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
 
-  template <class Found>
-  void visit_node(std::size_t number, const Box& box, const Found& found) const {
+  static double square_to(const Box& box, const Vec& at) {
+    const double x = std::max({box.low.x - at.x, at.x - box.high.x, 0.0});
+    const double y = std::max({box.low.y - at.y, at.y - box.high.y, 0.0});
+    return x * x + y * y;
+  }
+
+  template <class Meets, class Test>
+  bool any_in_node(std::uint32_t number, const Meets& meets, const Test& test) const {
     const Node& node = nodes_[number];
-    if (!node.box.meets(box)) return;
-    if (node.left != 0) {
-      visit_node(node.left, box, found);
-      visit_node(node.right, box, found);
-      return;
+    if (!meets(node.box)) return false;
+    if (node.left != 0)
+      return any_in_node(node.left, meets, test) || any_in_node(node.right, meets, test);
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      const std::size_t found = order_[i];
+      if (meets(boxes_[found]) && test(found)) return true;
     }
-    for (std::size_t i = node.begin; i < node.end; ++i) {
-      if (boxes_[order_[i]].meets(box)) found(order_[i]);
-    }
+    return false;
   }
 
   std::vector<Box> boxes_;
-  std::vector<std::size_t> order_;
+  std::vector<std::uint32_t> order_;
   std::vector<Node> nodes_;
 };
+
+/// A tree of the boxes of edges, with their numbers.
+BoxTree tree_of(const std::vector<Edge>& edges);
 
 }  // namespace lamplock::cutting

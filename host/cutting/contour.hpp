@@ -34,6 +34,8 @@ double length_of(const Contour& contour);
 double signed_area(const Contour& contour);
 Box box_of(const Contour& contour);
 Contour reversed(const Contour& contour);
+/// True if the point is inside of a closed contour that does not cross itself.
+bool is_inside(const Contour& contour, const Vec& at);
 
 /// How a contour or its place in the drawing differs from what the user expects of it.
 enum class FaultKind {
@@ -43,9 +45,9 @@ enum class FaultKind {
   dot,                ///< a curve that was removed because its length is 0
   self_intersection,  ///< size: length of the shorter loop that the crossing cuts off
   crossing,           ///< of two contours; size: 0
-  narrow,             ///< the beam does not fit; size: its width
-  vanished,           ///< a contour that has no offset; size: its length
-  overlap             ///< edges on the same line or arc; size: length of the common part
+  narrow,    ///< the beam does not fit; size: between the points where it touches both sides
+  vanished,  ///< a contour that has no offset; size: its length
+  overlap    ///< edges on the same line or arc; size: length of the common part
 };
 struct Fault {
   FaultKind kind = FaultKind::gap;
@@ -53,6 +55,8 @@ struct Fault {
   double size_mm = 0;
   /// Number of the contour; that of its equal for a duplicate, none for a dot.
   std::optional<std::size_t> contour;
+  /// The other contour of a crossing or an overlap.
+  std::optional<std::size_t> other = std::nullopt;
 };
 
 struct JoinOptions {

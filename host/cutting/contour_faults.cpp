@@ -1,11 +1,11 @@
 // contour_faults(): where contours cross themselves or others, and where edges overlap.
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "host/cutting/box_tree.hpp"
 #include "host/cutting/contour.hpp"
+#include "host/cutting/place_grid.hpp"
 
 namespace lamplock::cutting {
 namespace {
@@ -14,6 +14,8 @@ namespace {
 constexpr double coincident_mm = 1e-6;
 // How far from a common point the two contours are compared to see whether they cross there.
 constexpr double probe_mm = 1e-3;
+// More of them are found more slowly.
+constexpr std::size_t usual_crossings = 1024;
 
 struct EdgeNumber {
   std::size_t contour, edge;
@@ -22,7 +24,9 @@ struct EdgeNumber {
 class FaultFinder {
  public:
   FaultFinder(const std::vector<Contour>& contours, std::size_t max_faults)
-      : contours_(contours), max_faults_(max_faults) {
+      : contours_(contours),
+        max_faults_(max_faults),
+        crossings_(probe_mm, std::min(max_faults, usual_crossings)) {
     for (std::size_t i = 0; i < contours.size(); ++i) {
       double along = 0;
       std::vector<double>& starts = starts_.emplace_back();
@@ -62,7 +66,8 @@ class FaultFinder {
   void compare(const EdgeNumber& a, const EdgeNumber& b) {
     const Overlap overlap = overlap_of(edge(a), edge(b), coincident_mm);
     if (overlap.length_mm > probe_mm) {
-      faults_.push_back({FaultKind::overlap, overlap.middle, overlap.length_mm, a.contour});
+      faults_.push_back(
+          {FaultKind::overlap, overlap.middle, overlap.length_mm, a.contour, b.contour});
       return;
     }
     for (const Vec& at : intersections(edge(a), edge(b), coincident_mm)) {
@@ -118,7 +123,7 @@ class FaultFinder {
   }
 
   void report_crossing(const Vec& at, const EdgeNumber& a, const EdgeNumber& b) {
-    Fault fault{FaultKind::crossing, at, 0, a.contour};
+    Fault fault{FaultKind::crossing, at, 0, a.contour, b.contour};
     if (a.contour == b.contour) {
       fault.kind = FaultKind::self_intersection;
       fault.size_mm = std::abs(along(a, at) - along(b, at));
@@ -126,12 +131,13 @@ class FaultFinder {
         fault.size_mm = std::min(fault.size_mm, starts_[a.contour].back() - fault.size_mm);
     }
     // A crossing at a corner is found with each of the edges that meet there.
-    for (const auto& [known, other] : crossings_) {
-      if (other == b.contour && known.contour == fault.contour && known.kind == fault.kind &&
-          distance(known.at, at) <= probe_mm)
-        return;
-    }
-    crossings_.emplace_back(fault, b.contour);
+    if (crossings_.any(at, [&](std::size_t i) {
+          const Fault& known = faults_[i];
+          return known.contour == fault.contour && known.other == fault.other &&
+                 distance(known.at, at) <= probe_mm;
+        }))
+      return;
+    crossings_.add(at, faults_.size());
     faults_.push_back(fault);
   }
 
@@ -142,7 +148,7 @@ class FaultFinder {
   std::vector<std::vector<double>>
       starts_;  ///< of the edges, mm along each contour, and its length
   std::vector<Fault> faults_;
-  std::vector<std::pair<Fault, std::size_t>> crossings_;
+  PlaceGrid crossings_;  ///< numbers of faults
 };
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include "host/cutting/box_tree.hpp"
@@ -48,28 +47,74 @@ int crossings(const Edge& edge, const Vec& at) {
   return found;
 }
 
+/// The closed contours around points.
+class Surroundings {
+ public:
+  explicit Surroundings(const std::vector<Contour>& contours) : contours_(contours), tree_({}) {
+    std::vector<Box> boxes;
+    for (std::size_t i = 0; i < contours.size(); ++i) {
+      if (!contours[i].closed) continue;
+      numbers_.push_back(i);
+      boxes.push_back(box_of(contours[i]).grown(box_slack_mm));
+    }
+    edges_.reserve(numbers_.size());
+    for (const std::size_t i : numbers_) edges_.push_back(tree_of(contours[i].edges));
+    tree_ = BoxTree(std::move(boxes));
+  }
+
+  /// Calls found(number, is_inside) for all contours whose boxes contain this box.
+  template <class Found>
+  void visit(const Vec& at, const Box& inner, const Found& found) const {
+    tree_.visit({at, at}, [&](std::size_t i) {
+      if (tree_.box(i).contains(inner)) found(numbers_[i], is_inside(i, at));
+    });
+  }
+
+ private:
+  bool is_inside(std::size_t i, const Vec& at) const {
+    int crossed = 0;
+    const Box ray{at, {std::numeric_limits<double>::max(), at.y}};
+    edges_[i].visit(ray, [&](std::size_t edge) {
+      crossed += crossings(contours_[numbers_[i]].edges[edge], at);
+    });
+    return crossed % 2 == 1;
+  }
+
+  const std::vector<Contour>& contours_;
+  std::vector<std::size_t> numbers_;  ///< of the closed contours
+  BoxTree tree_;                      ///< of their boxes
+  std::vector<BoxTree> edges_;        ///< of the edges of each
+};
+
 class TreeBuilder {
  public:
   explicit TreeBuilder(const std::vector<Contour>& contours)
-      : contours_(contours), tree_(closed_edge_boxes()) {
-    for (const Contour& contour : contours) {
-      boxes_.push_back(box_of(contour));
-      areas_.push_back(std::abs(signed_area(contour)));
-    }
+      : contours_(contours), surroundings_(contours) {
+    areas_.reserve(contours.size());
+    for (const Contour& contour : contours) areas_.push_back(std::abs(signed_area(contour)));
   }
 
-  ContourPlace place(std::size_t number) const {
+  ContourPlace place(std::size_t number) {
     // A contour is around another if it is around most of these points.
-    std::map<std::size_t, int> votes;
-    const std::vector<Edge>& edges = contours_[number].edges;
     constexpr std::size_t samples = 3;
     constexpr double part = 0.382;  // of an edge: not a point that drawings are symmetric about
-    for (std::size_t i = 0; i < samples; ++i)
-      vote(point_at(edges[i * edges.size() / samples], part + 0.1 * static_cast<double>(i)), votes);
+    const std::vector<Edge>& edges = contours_[number].edges;
+    const Box box = box_of(contours_[number]);
+    around_.clear();
+    for (std::size_t i = 0; i < samples; ++i) {
+      const Vec at =
+          point_at(edges[i * edges.size() / samples], part + 0.1 * static_cast<double>(i));
+      surroundings_.visit(at, box, [&](std::size_t other, bool is_inside) {
+        if (is_inside && may_contain(other, number)) around_.push_back(other);
+      });
+    }
+    std::sort(around_.begin(), around_.end());
     ContourPlace place;
     double smallest = std::numeric_limits<double>::infinity();
-    for (const auto& [other, count] : votes) {
-      if (2 * count < static_cast<int>(samples) || !may_contain(other, number)) continue;
+    for (std::size_t i = 0; i + 1 < around_.size(); ++i) {
+      const std::size_t other = around_[i];
+      // Two of three points; the third one is skipped.
+      if (around_[i + 1] != other || (i > 0 && around_[i - 1] == other)) continue;
       ++place.depth;
       if (areas_[other] >= smallest) continue;
       smallest = areas_[other];
@@ -83,44 +128,26 @@ class TreeBuilder {
   }
 
  private:
-  std::vector<Box> closed_edge_boxes() {
-    std::vector<Box> boxes;
-    for (std::size_t i = 0; i < contours_.size(); ++i) {
-      if (!contours_[i].closed) continue;
-      for (const Edge& edge : contours_[i].edges) {
-        boxes.push_back(box_of(edge));
-        edges_.emplace_back(i, &edge);
-      }
-    }
-    return boxes;
-  }
-
   bool may_contain(std::size_t outer, std::size_t inner) const {
-    return outer != inner && boxes_[outer].grown(box_slack_mm).contains(boxes_[inner]) &&
-           (!contours_[inner].closed || areas_[outer] > areas_[inner]);
-  }
-
-  void vote(const Vec& at, std::map<std::size_t, int>& votes) const {
-    std::map<std::size_t, int> crossed;
-    const Box ray{at, {std::numeric_limits<double>::max(), at.y}};
-    tree_.visit(
-        ray, [&](std::size_t i) { crossed[edges_[i].first] += crossings(*edges_[i].second, at); });
-    for (const auto& [number, count] : crossed) {
-      if (count % 2 == 1) ++votes[number];
-    }
+    return outer != inner && (!contours_[inner].closed || areas_[outer] > areas_[inner]);
   }
 
   const std::vector<Contour>& contours_;
-  std::vector<std::pair<std::size_t, const Edge*>> edges_;  ///< of closed contours, as in tree_
-  BoxTree tree_;
-  std::vector<Box> boxes_;
+  Surroundings surroundings_;
   std::vector<double> areas_;
+  std::vector<std::size_t> around_;  ///< once for each point
 };
 
 }  // namespace
 
+bool is_inside(const Contour& contour, const Vec& at) {
+  int crossed = 0;
+  for (const Edge& edge : contour.edges) crossed += crossings(edge, at);
+  return contour.closed && crossed % 2 == 1;
+}
+
 std::vector<ContourPlace> contour_tree(const std::vector<Contour>& contours) {
-  const TreeBuilder builder(contours);
+  TreeBuilder builder(contours);
   std::vector<ContourPlace> places;
   places.reserve(contours.size());
   for (std::size_t i = 0; i < contours.size(); ++i) places.push_back(builder.place(i));

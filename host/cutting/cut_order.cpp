@@ -9,12 +9,6 @@
 namespace lamplock::cutting {
 namespace {
 
-// Each round improves the order for its start points and the start points for the order, until it
-// gains less than this part. A last one tries to exchange pieces of the order.
-constexpr int max_rounds = 6;
-constexpr double min_round_gain = 1e-3;
-constexpr std::size_t exchanges_per_stop = 10, max_exchanges = 10'000;
-
 /// A place on a closed contour.
 struct StartPlace {
   std::size_t edge;
@@ -114,22 +108,8 @@ CutOrder cut_order(const std::vector<Contour>& contours, const std::vector<Conto
   const std::vector<CutStop> stops = stops_of(contours, places);
   if (stops.size() <= max_exact)
     return order_of(contours, stops, exact_visits(stops, position), position);
-  std::vector<CutVisit> best = nearest_visits(stops, position);
-  double shortest = rapid_way(stops, best, position);
-  const std::size_t last_exchanges = std::min(exchanges_per_stop * stops.size(), max_exchanges);
-  for (int round = 0; round <= max_rounds; ++round) {
-    const std::size_t exchanges = round == max_rounds ? last_exchanges : 0;
-    std::vector<CutVisit> visits = improved_visits(stops, best, position, exchanges);
-    choose_starts(stops, visits, position);
-    const double way = rapid_way(stops, visits, position);
-    const bool is_done = way > shortest * (1 - min_round_gain);
-    if (way < shortest) {
-      best = std::move(visits);
-      shortest = way;
-    }
-    if (is_done) round = std::max(round, max_rounds - 1);
-  }
-  return order_of(contours, stops, best, position);
+  const std::vector<CutVisit> nearest = nearest_visits(stops, position);
+  return order_of(contours, stops, improved_visits(stops, nearest, position), position);
 }
 
 Contour as_cut(const Contour& contour, const CutStep& step) {

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <utility>
+#include <vector>
 
 #include "host/cutting/cut_stops.hpp"
 #include "host/geometry/kd_tree.hpp"
@@ -26,28 +28,59 @@ constexpr std::size_t max_piece = 30;
 // A gain below this is rounding. mm.
 constexpr double min_gain_mm = 1e-9;
 
+// Rounds of start points and orders, until one gains less than this part; then pieces are
+// exchanged.
+constexpr int max_rounds = 6;
+constexpr double min_round_gain = 1e-3;
+constexpr std::size_t exchanges_per_stop = 10, max_exchanges = 10'000;
+
 class CutSearch {
  public:
-  CutSearch(const std::vector<CutStop>& stops, std::vector<CutVisit> visits, const Vec& position)
-      : stops_(stops),
-        visits_(std::move(visits)),
-        place_(stops.size()),
-        position_(position),
-        is_queued_(stops.size(), true) {
-    for (std::size_t i = 0; i < visits_.size(); ++i) {
-      place_[visits_[i].stop] = i;
-      queue_.push_back(visits_[i].stop);
+  CutSearch(const std::vector<CutStop>& stops, const std::vector<CutVisit>& visits,
+            const Vec& position)
+      : stops_(stops), place_(stops.size()), position_(position), is_queued_(stops.size(), false) {
+    visits_.reserve(visits.size());
+    for (const CutVisit& visit : visits) {
+      place_[visit.stop] = visits_.size();
+      visits_.push_back(spot(visit.stop, visit.start));
     }
     find_neighbours();
   }
 
-  std::vector<CutVisit> improved(std::size_t exchanges) {
+  /// Improves the order for its start points and the start points for the order in turns.
+  std::vector<CutVisit> improved() {
+    for (Place i = 0; i < count(); ++i) queue(i);
     work();
+    double way = whole_way();
+    for (int round = 0; round < max_rounds; ++round) {
+      choose_all_starts();
+      work();
+      const double shorter = whole_way();
+      const bool is_done = shorter > way * (1 - min_round_gain);
+      way = shorter;
+      if (is_done) break;
+    }
+    const std::size_t exchanges = std::min(exchanges_per_stop * stops_.size(), max_exchanges);
+    is_on_trial_ = true;
     for (std::size_t i = 0; i < exchanges; ++i) exchange();
-    return std::move(visits_);
+    is_on_trial_ = false;
+    choose_all_starts();
+    return order();
   }
 
  private:
+  // Places are signed: -1 is the position of the machine, that after the last one nowhere.
+  using Place = std::ptrdiff_t;
+
+  /// A visit with its points, so that a way is found without looking at the stops.
+  struct Spot {
+    std::size_t stop, start;
+    Vec entry, exit;
+  };
+  Spot spot(std::size_t stop, std::size_t start) const {
+    return {stop, start, stops_[stop].entry(start), stops_[stop].exit(start)};
+  }
+
   /// Visits `begin` to `end`, both included, moved to after `target`; with `target` = begin - 1
   /// they are turned in their place.
   struct Move {
@@ -55,6 +88,28 @@ class CutSearch {
     std::ptrdiff_t target;
     bool is_turned;
   };
+
+  std::vector<CutVisit> order() const {
+    std::vector<CutVisit> order;
+    order.reserve(visits_.size());
+    for (const Spot& one : visits_) order.push_back({one.stop, one.start});
+    return order;
+  }
+
+  double whole_way() const {
+    double sum = 0;
+    for (Place i = -1; i < count(); ++i) sum += gap(i);
+    return sum;
+  }
+
+  void choose_all_starts() {
+    std::vector<CutVisit> chosen = order();
+    choose_starts(stops_, chosen, position_);
+    for (Place i = 0; i < count(); ++i) {
+      const CutVisit& one = chosen[static_cast<std::size_t>(i)];
+      if (one.start != visit(i).start) restart_at(i, one.start);
+    }
+  }
 
   /// Improves until no move gains anything.
   void work() {
@@ -75,18 +130,40 @@ class CutSearch {
     const auto begin = static_cast<Place>(random_.next() % visits_.size());
     const Place end = begin + random_length() - 1, target = end + random_length();
     if (target >= count() || !may_shift(begin, end, target, false)) return;
-    const std::vector<CutVisit> before = visits_;
+    changes_.clear();
+    changed_.clear();
     gained_mm_ = gap(begin - 1) + gap(end) + gap(target) - way(exit(begin - 1), end + 1) -
                  distance(exit(target), entry(begin)) - way(exit(end), target + 1);
     apply({static_cast<std::size_t>(begin), static_cast<std::size_t>(end), target, false});
     work();
-    if (gained_mm_ >= 0) return;
-    visits_ = before;
-    for (std::size_t i = 0; i < visits_.size(); ++i) place_[visits_[i].stop] = i;
+    if (gained_mm_ < 0) take_back();
+  }
+
+  /// Stores the visits `low` to `high` before they change.
+  void remember(Place low, Place high) {
+    if (!is_on_trial_) return;
+    changes_.emplace_back(low, high);
+    changed_.insert(changed_.end(), visits_.begin() + low, visits_.begin() + high + 1);
+  }
+
+  /// Undoes all changes since the last exchange.
+  void take_back() {
+    while (!changes_.empty()) {
+      const auto [low, high] = changes_.back();
+      changes_.pop_back();
+      for (Place i = high; i >= low; --i) {
+        visits_[static_cast<std::size_t>(i)] = changed_.back();
+        changed_.pop_back();
+        place_[visit(i).stop] = static_cast<std::size_t>(i);
+      }
+    }
   }
 
   void find_neighbours() {
     geometry::PointCloud points;
+    points.reserve(stops_.size());
+    centres_.reserve(stops_.size());
+    reaches_.reserve(stops_.size());
     for (const CutStop& stop : stops_) {
       Vec sum;
       for (const Vec& start : stop.starts) sum = sum + start;
@@ -98,25 +175,24 @@ class CutSearch {
       reaches_.push_back(reach);
     }
     const auto tree = geometry::kd_tree_of(points);
-    neighbours_.resize(stops_.size());
+    neighbours_.reserve(max_neighbours * stops_.size());
+    first_neighbour_.reserve(stops_.size() + 1);
     std::array<std::uint32_t, max_neighbours + 1> numbers;
     std::array<double, max_neighbours + 1> squares;
     for (std::size_t i = 0; i < stops_.size(); ++i) {
+      first_neighbour_.push_back(neighbours_.size());
       const std::size_t found = tree.nearest(points[i], numbers.size(), numbers, squares);
       for (std::size_t k = 0; k < found; ++k) {
-        if (numbers[k] != i) neighbours_[i].push_back(numbers[k]);
+        if (numbers[k] != i) neighbours_.push_back(numbers[k]);
       }
     }
+    first_neighbour_.push_back(neighbours_.size());
   }
 
-  // Places are signed: -1 is the position of the machine, that after the last one nowhere.
-  using Place = std::ptrdiff_t;
   Place count() const { return static_cast<Place>(visits_.size()); }
-  const CutVisit& visit(Place i) const { return visits_[static_cast<std::size_t>(i)]; }
-  const Vec& entry(Place i) const { return stops_[visit(i).stop].entry(visit(i).start); }
-  const Vec& exit(Place i) const {
-    return i < 0 ? position_ : stops_[visit(i).stop].exit(visit(i).start);
-  }
+  const Spot& visit(Place i) const { return visits_[static_cast<std::size_t>(i)]; }
+  const Vec& entry(Place i) const { return visit(i).entry; }
+  const Vec& exit(Place i) const { return i < 0 ? position_ : visit(i).exit; }
   /// The way from an exit to the entry of a place; none after the last.
   double way(const Vec& from, Place to) const {
     return to >= count() ? 0 : distance(from, entry(to));
@@ -125,8 +201,8 @@ class CutSearch {
 
   bool improve(std::size_t stop) {
     const auto i = static_cast<Place>(place_[stop]);
-    for (const std::size_t neighbour : neighbours_[stop]) {
-      const auto j = static_cast<Place>(place_[neighbour]);
+    for (std::size_t k = first_neighbour_[stop]; k < first_neighbour_[stop + 1]; ++k) {
+      const auto j = static_cast<Place>(place_[neighbours_[k]]);
       const auto [low, high] = std::minmax(i, j);
       // 2-opt: the exits, or the entries, of both become neighbours.
       if (turn(low + 1, high) || turn(low, high - 1)) return true;
@@ -173,9 +249,14 @@ class CutSearch {
     const double gain = gap(i - 1) + gap(i) - length;
     if (gain <= min_gain_mm) return false;
     gained_mm_ += gain;
-    visits_[static_cast<std::size_t>(i)].start = start;
-    for (const Place near : {i - 1, i, i + 1}) queue(near);
+    restart_at(i, start);
     return true;
+  }
+
+  void restart_at(Place i, std::size_t start) {
+    remember(i, i);
+    visits_[static_cast<std::size_t>(i)] = spot(visit(i).stop, start);
+    for (const Place near : {i - 1, i, i + 1}) queue(near);
   }
 
   /// Moves a closed contour to after `target` with the best start point there.
@@ -191,7 +272,7 @@ class CutSearch {
     const double gain = freed - (length - gap(target));
     if (gain <= min_gain_mm || !may_shift(i, i, target, false)) return false;
     gained_mm_ += gain;
-    visits_[static_cast<std::size_t>(i)].start = start;
+    restart_at(i, start);
     apply({static_cast<std::size_t>(i), static_cast<std::size_t>(i), target, false});
     return true;
   }
@@ -244,21 +325,19 @@ class CutSearch {
   void apply(const Move& move) {
     const auto at = [&](Place i) { return visits_.begin() + i; };
     const auto begin = static_cast<Place>(move.begin), end = static_cast<Place>(move.end);
+    const Place low = std::min(begin, move.target + 1), high = std::max(end, move.target);
+    remember(low, high);
     if (move.is_turned) {
       std::reverse(at(begin), at(end + 1));
       for (Place i = begin; i <= end; ++i) {
-        CutVisit& turned = visits_[static_cast<std::size_t>(i)];
-        if (stops_[turned.stop].open) turned.start = 1 - turned.start;
+        Spot& turned = visits_[static_cast<std::size_t>(i)];
+        if (!stops_[turned.stop].open) continue;
+        turned.start = 1 - turned.start;
+        std::swap(turned.entry, turned.exit);
       }
     }
-    Place low = begin, high = end;
-    if (move.target > end) {
-      std::rotate(at(begin), at(end + 1), at(move.target + 1));
-      high = move.target;
-    } else if (move.target < begin - 1) {
-      std::rotate(at(move.target + 1), at(begin), at(end + 1));
-      low = move.target + 1;
-    }
+    if (move.target > end) std::rotate(at(begin), at(end + 1), at(move.target + 1));
+    if (move.target < begin - 1) std::rotate(at(move.target + 1), at(begin), at(end + 1));
     for (Place i = low; i <= high; ++i) place_[visit(i).stop] = static_cast<std::size_t>(i);
     // The ends of the changed pieces: of the block in its new place, and of what it passed.
     const Place length = end - begin;
@@ -274,24 +353,27 @@ class CutSearch {
   }
 
   const std::vector<CutStop>& stops_;
-  std::vector<CutVisit> visits_;
+  std::vector<Spot> visits_;
   std::vector<std::size_t> place_;  ///< of each stop among the visits
   Vec position_;
   std::vector<bool> is_queued_;
   std::deque<std::size_t> queue_;
-  std::vector<std::vector<std::size_t>> neighbours_;
+  std::vector<std::uint32_t> neighbours_;
+  std::vector<std::size_t> first_neighbour_;  ///< of each stop, and their number
   std::vector<Vec> centres_;
   std::vector<double> reaches_;  ///< largest distance of a start point from the centre
   double gained_mm_ = 0;         ///< since the last exchange
+  bool is_on_trial_ = false;     ///< changes may be undone
+  std::vector<std::pair<Place, Place>> changes_;  ///< since then: places in order of time ...
+  std::vector<Spot> changed_;                     ///< ... and what they were before
   geometry::Random random_{1};
 };
 
 }  // namespace
 
 std::vector<CutVisit> improved_visits(const std::vector<CutStop>& stops,
-                                      std::vector<CutVisit> visits, const Vec& position,
-                                      std::size_t exchanges) {
-  return CutSearch(stops, std::move(visits), position).improved(exchanges);
+                                      const std::vector<CutVisit>& visits, const Vec& position) {
+  return CutSearch(stops, visits, position).improved();
 }
 
 }  // namespace lamplock::cutting

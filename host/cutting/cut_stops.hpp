@@ -41,10 +41,9 @@ std::vector<CutVisit> nearest_visits(const std::vector<CutStop>& stops, const Ve
 std::vector<CutVisit> exact_visits(const std::vector<CutStop>& stops, const Vec& position);
 
 /// The order after all improvements by other start points, 2-opt and Or-opt that keep children
-/// before their parents; open contours may be turned.
+/// before their parents; open contours may be turned. At least one visit.
 std::vector<CutVisit> improved_visits(const std::vector<CutStop>& stops,
-                                      std::vector<CutVisit> visits, const Vec& position,
-                                      std::size_t exchanges);
+                                      const std::vector<CutVisit>& visits, const Vec& position);
 
 /// The best start points for this order.
 void choose_starts(const std::vector<CutStop>& stops, std::vector<CutVisit>& visits,

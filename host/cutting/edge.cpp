@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 namespace lamplock::cutting {
 namespace {
@@ -63,6 +64,15 @@ void cross_arcs(std::vector<Vec>& points, const Edge& a, const Edge& b, double n
   if (half > 0) add_if_on_both(points, middle - right_of(along) * half, a, b, near_mm);
 }
 
+/// True if an arc has a point in this direction from its centre, other than its ends. Without the
+/// angle of that point, which takes longer.
+bool is_within_sweep(const Edge& arc, const Vec& out) {
+  Vec first = arc.from - arc.centre, last = arc.to - arc.centre;
+  if (arc.sweep < 0) std::swap(first, last);
+  if (std::abs(arc.sweep) <= pi) return cross(first, out) > 0 && cross(out, last) > 0;
+  return !(cross(last, out) > 0 && cross(out, first) > 0);
+}
+
 }  // namespace
 
 Vec turned(const Vec& p, double radians) {
@@ -119,6 +129,12 @@ double distance_to(const Edge& edge, const Vec& point) {
   if (edge.is_line())
     return std::abs(cross(edge.to - edge.from, point - edge.from)) / length_of(edge);
   return std::abs(distance(point, edge.centre) - radius_of(edge));
+}
+
+Vec nearest_on(const Edge& edge, const Vec& point) {
+  const double part = part_at(edge, point);
+  if (part > 0 && part < 1) return point_at(edge, part);
+  return distance(point, edge.from) <= distance(point, edge.to) ? edge.from : edge.to;
 }
 
 Edge reversed(const Edge& edge) { return {edge.to, edge.from, edge.centre, -edge.sweep}; }
@@ -182,16 +198,6 @@ Overlap overlap_of(const Edge& a, const Edge& b, double near_mm) {
   return overlap;
 }
 
-void Box::add(const Vec& point) {
-  low = {std::min(low.x, point.x), std::min(low.y, point.y)};
-  high = {std::max(high.x, point.x), std::max(high.y, point.y)};
-}
-
-void Box::add(const Box& box) {
-  add(box.low);
-  add(box.high);
-}
-
 Box box_of(const Edge& edge) {
   Box box;
   box.add(edge.from);
@@ -199,9 +205,7 @@ Box box_of(const Edge& edge) {
   if (edge.is_line()) return box;
   const double radius = radius_of(edge);
   for (const Vec& out : {Vec{1, 0}, Vec{0, 1}, Vec{-1, 0}, Vec{0, -1}}) {
-    const Vec extreme = edge.centre + out * radius;
-    const double part = part_at(edge, extreme);
-    if (part > 0 && part < 1) box.add(extreme);
+    if (is_within_sweep(edge, out)) box.add(edge.centre + out * radius);
   }
   return box;
 }

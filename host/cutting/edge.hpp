@@ -7,6 +7,7 @@
 // offset, so that no curve has to be replaced by chords between the drawing and the machine.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -52,6 +53,8 @@ Vec direction_at(const Edge& edge, double part);
 /// The part of the length at which the point projects onto the edge; beyond 0..1 outside of it.
 double part_at(const Edge& edge, const Vec& point);
 double distance_to(const Edge& edge, const Vec& point);
+/// The point of the edge that is nearest to another.
+Vec nearest_on(const Edge& edge, const Vec& point);
 
 Edge reversed(const Edge& edge);
 /// The edge from one part of the length to another, with these exact ends.
@@ -73,8 +76,14 @@ Overlap overlap_of(const Edge& a, const Edge& b, double near_mm);
 /// An axis-parallel rectangle; by default an empty one that any other enlarges.
 struct Box {
   Vec low{1e300, 1e300}, high{-1e300, -1e300};
-  void add(const Vec& point);
-  void add(const Box& box);
+  void add(const Vec& point) {
+    low = {std::min(low.x, point.x), std::min(low.y, point.y)};
+    high = {std::max(high.x, point.x), std::max(high.y, point.y)};
+  }
+  void add(const Box& box) {
+    low = {std::min(low.x, box.low.x), std::min(low.y, box.low.y)};
+    high = {std::max(high.x, box.high.x), std::max(high.y, box.high.y)};
+  }
   Box grown(double by_mm) const {
     return {{low.x - by_mm, low.y - by_mm}, {high.x + by_mm, high.y + by_mm}};
   }

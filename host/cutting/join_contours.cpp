@@ -45,16 +45,12 @@ void connect(Contour& contour) {
 }
 
 bool is_covered(const Contour& contour, const Contour& by, double tolerance_mm) {
-  std::vector<Box> boxes;
-  boxes.reserve(by.edges.size());
-  for (const Edge& edge : by.edges) boxes.push_back(box_of(edge));
-  const BoxTree tree(std::move(boxes));
+  const BoxTree tree = tree_of(by.edges);
   return std::all_of(contour.edges.begin(), contour.edges.end(), [&](const Edge& edge) {
     for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
       const Vec point = point_at(edge, part);
-      bool is_near = false;
-      tree.visit(Box{point, point}.grown(tolerance_mm), [&](std::size_t i) {
-        is_near = is_near || distance_to(by.edges[i], point) <= tolerance_mm;
+      const bool is_near = tree.any_near(point, tolerance_mm, [&](std::size_t i) {
+        return distance_to(by.edges[i], point) <= tolerance_mm;
       });
       if (!is_near) return false;
     }
@@ -71,28 +67,36 @@ class DuplicateFilter {
 
   /// The numbers of the contours that remain, in order.
   std::vector<std::size_t> keep(const std::vector<Contour>& contours) {
-    PlaceGrid corners(2 * tolerance_);
+    // Both corners in one place: of many lines from one point, or rings about it, each has another.
+    const auto key = [](const Box& box) {
+      return box.low + Vec{box.high.y, box.high.x} * part_of_corner;
+    };
+    PlaceGrid grid(2 * (1 + part_of_corner) * tolerance_, contours.size());
     std::vector<std::size_t> kept;
+    kept.reserve(contours.size());
     std::vector<Box> boxes;
+    boxes.reserve(contours.size());
     for (std::size_t i = 0; i < contours.size(); ++i) {
       const Contour& contour = contours[i];
       boxes.push_back(box_of(contour));
-      bool is_repeated = false;
-      corners.visit(boxes[i].low, [&](std::size_t other) {
-        is_repeated = is_repeated || is_same(contour, boxes[i], contours[other], boxes[other]);
-      });
-      if (is_repeated) {
+      const Vec at = key(boxes[i]);
+      if (grid.any(at, [&](std::size_t other) {
+            return is_same(contour, boxes[i], contours[other], boxes[other]);
+          })) {
         faults_.push_back(
             {FaultKind::duplicate, contour.edges.front().from, length_of(contour), {}});
         continue;
       }
-      corners.add(boxes[i].low, i);
+      grid.add(at, i);
       kept.push_back(i);
     }
     return kept;
   }
 
  private:
+  // Without a meaning for drawings.
+  static constexpr double part_of_corner = 0.618;
+
   bool is_same(const Contour& a, const Box& box_a, const Contour& b, const Box& box_b) const {
     return a.layer == b.layer && a.closed == b.closed &&
            distance(box_a.low, box_b.low) <= tolerance_ * 2 &&
@@ -129,7 +133,7 @@ class Joiner {
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
   struct Candidate {
-    std::size_t a, b;
+    std::uint32_t a, b;
     double distance_mm, turn;
   };
 
@@ -151,18 +155,20 @@ class Joiner {
   }
 
   void choose_partners() {
-    PlaceGrid grid(tolerance_);
+    PlaceGrid grid(tolerance_, partner_.size());
     std::vector<Candidate> candidates;
+    candidates.reserve(partner_.size() / 2);
     for (std::size_t end = 0; end < partner_.size(); ++end) {
+      const Vec at = place(end);
       std::size_t count = 0;
-      grid.visit(place(end), [&](std::size_t other) {
-        if (count >= max_candidates) return;
-        const double gap = distance(place(end), place(other));
-        if (gap > tolerance_ || !may_join(other, end)) return;
-        ++count;
-        candidates.push_back({other, end, gap, 1 + dot(outwards(end), outwards(other))});
+      grid.any(at, [&](std::size_t other) {
+        const double gap = distance(at, place(other));
+        if (gap > tolerance_ || !may_join(other, end)) return false;
+        candidates.push_back({static_cast<std::uint32_t>(other), static_cast<std::uint32_t>(end),
+                              gap, 1 + dot(outwards(end), outwards(other))});
+        return ++count >= max_candidates;
       });
-      grid.add(place(end), end);
+      grid.add(at, end);
     }
     // Of ends at about the same distance those that continue most straightly are joined.
     const double step = tolerance_ / 8;
@@ -262,6 +268,7 @@ struct Numbered {
 /// Sets the contour of each fault to that with an edge at its place.
 void number_faults(std::vector<Fault>& faults, const std::vector<Contour>& contours,
                    double reach_mm) {
+  if (faults.empty()) return;
   std::vector<Box> boxes;
   std::vector<std::pair<std::size_t, std::size_t>> edges;
   for (std::size_t i = 0; i < contours.size(); ++i) {

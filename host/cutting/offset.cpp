@@ -1,309 +1,123 @@
 #include "host/cutting/offset.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
+#include <optional>
 #include <utility>
 
-#include "host/cutting/box_tree.hpp"
-#include "host/cutting/place_grid.hpp"
+#include "host/cutting/contour_groups.hpp"
+#include "host/cutting/offset_loops.hpp"
+#include "host/cutting/offset_pieces.hpp"
 #include "host/cutting/raw_offset.hpp"
+#include "host/cutting/simple_contours.hpp"
+#include "host/cutting/union_find.hpp"
 #include "host/error.hpp"
-#include "host/geometry/limits.hpp"
+#include "host/geometry/parallel.hpp"
 
 namespace lamplock::cutting {
 namespace {
 
-// Rounding of intersections: points nearer than this to both edges are on them.
-constexpr double on_edge_mm = 1e-9;
-// Intersections this near to an end of an edge are that end, pieces this short are nothing, and a
-// piece may be nearer to the contours by this; a hundredth of what a fine positioner repeats to.
-constexpr double end_mm = 1e-7;
-// Ends of pieces this near are one point: the sum of a few of the above.
-constexpr double joint_mm = 2e-6;
-// Loops of smaller mean width are the two sides of a slot just as wide as the beam.
-constexpr double min_width_mm = 1e-5;
-
-constexpr std::size_t no_piece = std::numeric_limits<std::size_t>::max();
-
-/// A part of a raw edge.
-struct OffsetPiece {
-  Edge edge;
-  std::size_t raw;
-  double begin, end;  ///< parts of the length of the raw edge
-  bool is_gone = false;
-};
-
-/// Pieces of raw edges between their intersections.
-std::vector<OffsetPiece> pieces_of(const std::vector<RawEdge>& raw) {
-  std::vector<Box> boxes;
-  boxes.reserve(raw.size());
-  for (const RawEdge& one : raw) boxes.push_back(box_of(one.edge).grown(on_edge_mm));
-  const BoxTree tree(boxes);
-  std::vector<std::vector<std::pair<double, Vec>>> cuts(raw.size());
-  const auto cut = [&](std::size_t i, const Vec& at) {
-    const Edge& edge = raw[i].edge;
-    if (distance(at, edge.from) > end_mm && distance(at, edge.to) > end_mm)
-      cuts[i].emplace_back(part_at(edge, at), at);
-  };
-  for (std::size_t i = 0; i < raw.size(); ++i) {
-    tree.visit(boxes[i], [&](std::size_t j) {
-      if (j <= i) return;
-      for (const Vec& at : intersections(raw[i].edge, raw[j].edge, on_edge_mm)) {
-        cut(i, at);
-        cut(j, at);
-      }
-    });
-  }
-  std::vector<OffsetPiece> pieces;
-  for (std::size_t i = 0; i < raw.size(); ++i) {
-    const Edge& edge = raw[i].edge;
-    std::sort(cuts[i].begin(), cuts[i].end(),
-              [](const auto& p, const auto& q) { return p.first < q.first; });
-    cuts[i].emplace_back(1, edge.to);
-    double begin = 0;
-    Vec from = edge.from;
-    for (const auto& [end, to] : cuts[i]) {
-      if ((end - begin) * length_of(edge) <= end_mm) continue;
-      pieces.push_back({cut_out(edge, begin, end, from, to), i, begin, end});
-      begin = end;
-      from = to;
-    }
-  }
-  return pieces;
-}
-
-/// Finds the points that are at least at the distance from all contours, and in no mitre.
-class Clearance {
- public:
-  Clearance(const std::vector<Contour>& contours, const std::vector<Mitre>& mitres,
-            double distance_mm)
-      : mitres_(mitres), distance_(distance_mm), edge_tree_({}), mitre_tree_({}) {
-    std::vector<Box> boxes, mitre_boxes;
-    for (const Contour& contour : contours) {
-      for (const Edge& edge : contour.edges) {
-        edges_.push_back(&edge);
-        boxes.push_back(box_of(edge));
-      }
-    }
-    for (const Mitre& mitre : mitres) {
-      Box& box = mitre_boxes.emplace_back();
-      for (const Vec& corner : mitre.corners) box.add(corner);
-    }
-    edge_tree_ = BoxTree(std::move(boxes));
-    mitre_tree_ = BoxTree(std::move(mitre_boxes));
-  }
-
-  bool has_room(const Vec& at) const {
-    bool is_near = false;
-    edge_tree_.visit(Box{at, at}.grown(distance_), [&](std::size_t i) {
-      is_near = is_near || distance_to(*edges_[i], at) < distance_ - end_mm;
-    });
-    mitre_tree_.visit(Box{at, at},
-                      [&](std::size_t i) { is_near = is_near || mitres_[i].contains(at, end_mm); });
-    return !is_near;
-  }
-
- private:
-  const std::vector<Mitre>& mitres_;
-  double distance_;
-  std::vector<const Edge*> edges_;
-  BoxTree edge_tree_, mitre_tree_;
-};
-
-/// Joins pieces to loops and chains.
-class LoopBuilder {
- public:
-  LoopBuilder(const std::vector<Contour>& contours, const std::vector<RawEdge>& raw,
-              std::vector<OffsetPiece> pieces, double width_mm)
-      : contours_(contours),
-        raw_(raw),
-        pieces_(std::move(pieces)),
-        width_(width_mm),
-        starts_(joint_mm),
-        ends_(joint_mm) {
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      starts_.add(pieces_[i].edge.from, i);
-      ends_.add(pieces_[i].edge.to, i);
-    }
-  }
-
-  OffsetContours build() {
-    remove_loose();
-    std::vector<bool> used(contours_.size(), false);
-    // Chains begin at pieces without one before them, loops anywhere.
-    for (const bool is_chain : {true, false}) {
-      for (std::size_t i = 0; i < pieces_.size(); ++i) {
-        if (pieces_[i].is_gone || (is_chain && before(i) != no_piece)) continue;
-        walk(i, used);
-      }
-    }
-    for (std::size_t i = 0; i < contours_.size(); ++i) {
-      if (used[i]) continue;
-      result_.faults.push_back(
-          {FaultKind::vanished, contours_[i].edges.front().from, length_of(contours_[i]), i});
-    }
-    return std::move(result_);
-  }
-
- private:
-  /// Of the pieces that continue at the end of this one, that with the least change of direction.
-  std::size_t after(std::size_t piece) const {
-    return nearest_direction(starts_, pieces_[piece].edge.to, direction_at(pieces_[piece].edge, 1),
-                             0, piece);
-  }
-  std::size_t before(std::size_t piece) const {
-    return nearest_direction(ends_, pieces_[piece].edge.from, direction_at(pieces_[piece].edge, 0),
-                             1, piece);
-  }
-  std::size_t nearest_direction(const PlaceGrid& places, const Vec& at, const Vec& direction,
-                                double part, std::size_t self) const {
-    std::size_t best = no_piece;
-    double straightest = -2;
-    places.visit(at, [&](std::size_t i) {
-      const Edge& edge = pieces_[i].edge;
-      if (pieces_[i].is_gone || distance(point_at(edge, part), at) > joint_mm) return;
-      // A piece by itself is a loop if it is a full turn only.
-      if (i == self && length_of(edge) <= 2 * joint_mm) return;
-      const double along = dot(direction, direction_at(edge, part));
-      if (along <= straightest) return;
-      straightest = along;
-      best = i;
-    });
-    return best;
-  }
-
-  bool is_begin_of_open(std::size_t piece) const {
-    const RawEdge& raw = raw_[pieces_[piece].raw];
-    return !contours_[raw.contour].closed && raw.place == 0 && pieces_[piece].begin == 0;
-  }
-  bool is_end_of_open(std::size_t piece) const {
-    const RawEdge& raw = raw_[pieces_[piece].raw];
-    const Contour& contour = contours_[raw.contour];
-    return !contour.closed && raw.place + 2 == 2 * contour.edges.size() && pieces_[piece].end == 1;
-  }
-
-  /// Removes pieces that end nowhere: too short for the clearance to see that they are too near.
-  void remove_loose() {
-    std::vector<std::size_t> check(pieces_.size());
-    for (std::size_t i = 0; i < check.size(); ++i) check[i] = i;
-    while (!check.empty()) {
-      const std::size_t i = check.back();
-      check.pop_back();
-      if (pieces_[i].is_gone) continue;
-      const bool is_fast = (before(i) != no_piece || is_begin_of_open(i)) &&
-                           (after(i) != no_piece || is_end_of_open(i));
-      if (is_fast) continue;
-      pieces_[i].is_gone = true;
-      starts_.visit(pieces_[i].edge.to, [&](std::size_t next) { check.push_back(next); });
-      ends_.visit(pieces_[i].edge.from, [&](std::size_t last) { check.push_back(last); });
-    }
-  }
-
-  void walk(std::size_t first, std::vector<bool>& used) {
-    std::vector<std::size_t> chain;
-    bool closed = false;
-    for (std::size_t piece = first; piece != no_piece;) {
-      chain.push_back(piece);
-      // Gone now: a loop ends when nothing but its first piece continues it.
-      const Vec end = pieces_[piece].edge.to;
-      const Vec direction = direction_at(pieces_[piece].edge, 1);
-      pieces_[piece].is_gone = true;
-      piece = nearest_direction(starts_, end, direction, 0, no_piece);
-      closed = distance(end, pieces_[first].edge.from) <= joint_mm;
-      if (closed && (piece == no_piece || dot(direction, direction_at(pieces_[piece].edge, 0)) <=
-                                              dot(direction, direction_at(pieces_[first].edge, 0))))
-        break;
-      closed = false;
-    }
-    finish(chain, closed, used);
-  }
-
-  void finish(const std::vector<std::size_t>& chain, bool closed, std::vector<bool>& used) {
-    Contour contour;
-    contour.closed = closed;
-    const std::size_t source = raw_[pieces_[chain.front()].raw].contour;
-    contour.layer = contours_[source].layer;
-    double length = 0;
-    for (const std::size_t piece : chain) length += length_of(pieces_[piece].edge);
-    append_edges(chain, contour);
-    const bool is_open_source = std::any_of(chain.begin(), chain.end(), [&](std::size_t piece) {
-      return !contours_[raw_[pieces_[piece].raw].contour].closed;
-    });
-    if (!closed && !is_open_source) return;
-    if (closed && std::abs(signed_area(contour)) <= min_width_mm * length) {
-      if (length > min_width_mm)
-        result_.faults.push_back({FaultKind::narrow, contour.edges.front().from, width_, source});
-      return;
-    }
-    for (std::size_t i = 0; i < chain.size(); ++i) {
-      used[raw_[pieces_[chain[i]].raw].contour] = true;
-      if (i + 1 < chain.size() || closed)
-        report_narrow(pieces_[chain[i]], pieces_[chain[(i + 1) % chain.size()]]);
-    }
-    result_.contours.push_back(std::move(contour));
-    result_.from.push_back(source);
-  }
-
-  /// Edges that meet exactly; pieces of one raw edge are one edge again.
-  void append_edges(const std::vector<std::size_t>& chain, Contour& contour) const {
-    struct Run {
-      std::size_t raw;
-      double begin, end;
-      Vec from, to;
-    };
-    std::vector<Run> runs;
-    for (const std::size_t number : chain) {
-      const OffsetPiece& piece = pieces_[number];
-      if (!runs.empty() && runs.back().raw == piece.raw && runs.back().end == piece.begin) {
-        runs.back().end = piece.end;
-        runs.back().to = piece.edge.to;
-      } else {
-        runs.push_back({piece.raw, piece.begin, piece.end, piece.edge.from, piece.edge.to});
-      }
-    }
-    if (contour.closed && runs.size() > 1 && runs.front().raw == runs.back().raw &&
-        runs.back().end == runs.front().begin) {
-      runs.front().begin = runs.back().begin;
-      runs.front().from = runs.back().from;
-      runs.pop_back();
-    }
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      const Run& run = runs[i];
-      const bool is_last = i + 1 == runs.size();
-      const Vec end = !is_last ? runs[i + 1].from : contour.closed ? runs.front().from : run.to;
-      const Edge edge = cut_out(raw_[run.raw].edge, run.begin, run.end, run.from, run.to);
-      contour.edges.push_back(with_ends(edge, run.from, end));
-    }
-  }
-
-  /// A joint of edges whose originals do not follow each other: between them is no room.
-  void report_narrow(const OffsetPiece& piece, const OffsetPiece& next) {
-    const RawEdge &a = raw_[piece.raw], &b = raw_[next.raw];
-    const std::size_t places = 2 * contours_[a.contour].edges.size();
-    if (a.contour == b.contour) {
-      const std::size_t step = (b.place + places - a.place) % places;
-      if (step <= 1 || (step == 2 && a.place % 2 == 0)) return;
-    }
-    result_.faults.push_back({FaultKind::narrow, piece.edge.to, width_, a.contour});
-  }
-
-  const std::vector<Contour>& contours_;
-  const std::vector<RawEdge>& raw_;
-  std::vector<OffsetPiece> pieces_;
-  double width_;
-  PlaceGrid starts_, ends_;
-  OffsetContours result_;
-};
+// A group with more crossings is not meant to be cut; all its contours are treated as one area.
+constexpr std::size_t max_crossings = 1000;
 
 OffsetContours offset_right(const std::vector<Contour>& contours, const OffsetOptions& options) {
   const RawOffset raw = raw_offset(contours, options);
-  std::vector<OffsetPiece> pieces = pieces_of(raw.edges);
-  const Clearance clearance(contours, raw.mitres, options.distance_mm);
-  std::erase_if(pieces, [&](const OffsetPiece& piece) {
-    return !clearance.has_room(point_at(piece.edge, 0.5));
-  });
-  return LoopBuilder(contours, raw.edges, std::move(pieces), 2 * options.distance_mm).build();
+  return loops_of(contours, raw.edges, pieces_at_distance(contours, raw, options.distance_mm),
+                  2 * options.distance_mm);
+}
+
+template <class T>
+void append(std::vector<T>& all, std::vector<T>& more) {
+  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+/// Contours to be offset, with their numbers among those of the call.
+struct Group {
+  std::vector<Contour> contours;
+  std::vector<std::size_t> numbers;
+};
+
+/// Sets of closed contours that cross or overlap each other, or themselves.
+std::vector<std::vector<std::size_t>> crossing_sets(const std::vector<Contour>& contours,
+                                                    const std::vector<Fault>& faults) {
+  const auto is_closed = [&](std::optional<std::size_t> i) { return i && contours[*i].closed; };
+  std::vector<bool> is_crossed(contours.size(), false);
+  UnionFind joined(contours.size());
+  std::optional<std::size_t> first;
+  for (const Fault& fault : faults) {
+    if (!is_closed(fault.contour) || !is_closed(fault.other)) continue;
+    is_crossed[*fault.contour] = is_crossed[*fault.other] = true;
+    joined.join(*fault.contour, *fault.other);
+    first = fault.contour;
+  }
+  // Faults beyond the limit are not known: any two contours may cross.
+  for (std::size_t i = 0; first && faults.size() >= max_crossings && i < contours.size(); ++i) {
+    if (!contours[i].closed) continue;
+    is_crossed[i] = true;
+    joined.join(i, *first);
+  }
+  std::vector<std::vector<std::size_t>> sets = joined.sets();
+  std::erase_if(sets, [&](const auto& set) { return !is_crossed[set.front()]; });
+  return sets;
+}
+
+/// Replaces closed contours that cross each other or themselves by the boundary of their area.
+Group without_crossings(Group group, const std::vector<Fault>& faults) {
+  const auto sets = crossing_sets(group.contours, faults);
+  if (sets.empty()) return group;
+  Group simple, rest;
+  std::vector<bool> is_replaced(group.contours.size(), false);
+  for (const std::vector<std::size_t>& set : sets) {
+    std::vector<Contour> crossed;
+    for (const std::size_t i : set) crossed.push_back(group.contours[i]);
+    SimpleContours result = simple_contours(crossed);
+    // A line that is drawn forth and back has no area; it is cut around as it is.
+    if (result.contours.empty()) continue;
+    for (const std::size_t i : set) is_replaced[i] = true;
+    append(simple.contours, result.contours);
+    for (const std::size_t from : result.from) simple.numbers.push_back(group.numbers[set[from]]);
+  }
+  for (std::size_t i = 0; i < is_replaced.size(); ++i) {
+    if (is_replaced[i]) continue;
+    rest.contours.push_back(std::move(group.contours[i]));
+    rest.numbers.push_back(group.numbers[i]);
+  }
+  append(rest.contours, simple.contours);
+  append(rest.numbers, simple.numbers);
+  return rest;
+}
+
+/// Sets the numbers of contours in faults to those of the call.
+void renumber(std::vector<Fault>& faults, const std::vector<std::size_t>& numbers) {
+  for (Fault& fault : faults) {
+    if (fault.contour) fault.contour = numbers[*fault.contour];
+    if (fault.other) fault.other = numbers[*fault.other];
+  }
+}
+
+/// The offset of some of the contours, with their numbers.
+OffsetContours offset_group(const std::vector<Contour>& contours,
+                            const std::vector<std::size_t>& numbers, const OffsetOptions& options) {
+  Group group{{}, numbers};
+  group.contours.reserve(numbers.size());
+  for (const std::size_t i : numbers) group.contours.push_back(contours[i]);
+  std::vector<Fault> crossings = contour_faults(group.contours, max_crossings);
+  if (!crossings.empty()) group = without_crossings(std::move(group), crossings);
+  const bool is_left = options.distance_mm < 0;
+  if (is_left) {
+    for (Contour& contour : group.contours) contour = reversed(contour);
+  }
+  OffsetOptions right = options;
+  right.distance_mm = std::abs(options.distance_mm);
+  OffsetContours result = offset_right(group.contours, right);
+  if (is_left) {
+    for (Contour& contour : result.contours) contour = reversed(contour);
+  }
+  for (std::size_t& from : result.from) from = group.numbers[from];
+  renumber(result.faults, group.numbers);
+  renumber(crossings, numbers);
+  append(result.faults, crossings);
+  return result;
 }
 
 }  // namespace
@@ -312,19 +126,25 @@ OffsetContours offset(const std::vector<Contour>& contours, const OffsetOptions&
   if (!std::isfinite(options.distance_mm) || !(options.max_mitre >= 1))
     throw Error(Exit::bad_input, "compensation", "the distance or the mitre limit is not a number",
                 "give half the beam width in mm and a mitre limit of at least 1");
-  if (options.distance_mm > 0) return offset_right(contours, options);
-  std::vector<Contour> backwards;
   OffsetContours result;
   if (options.distance_mm == 0) {
     result.contours = contours;
     for (std::size_t i = 0; i < contours.size(); ++i) result.from.push_back(i);
     return result;
   }
-  for (const Contour& contour : contours) backwards.push_back(reversed(contour));
-  OffsetOptions right = options;
-  right.distance_mm = -options.distance_mm;
-  result = offset_right(backwards, right);
-  for (Contour& contour : result.contours) contour = reversed(contour);
+  // Offsets reach as far as the tips of mitres.
+  const double reach_mm =
+      std::abs(options.distance_mm) * (options.join == Join::mitre ? options.max_mitre : 1);
+  const auto groups = contour_groups(contours, 2 * reach_mm);
+  std::vector<OffsetContours> parts(groups.size());
+  geometry::for_each_index(groups.size(), 0, [&](std::size_t i) {
+    parts[i] = offset_group(contours, groups[i], options);
+  });
+  for (OffsetContours& part : parts) {
+    append(result.contours, part.contours);
+    append(result.from, part.from);
+    append(result.faults, part.faults);
+  }
   return result;
 }
 

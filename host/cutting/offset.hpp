@@ -1,8 +1,7 @@
 // Compensation of the beam: contours moved aside by half its width.
 //
-// In:  contours of lines and arcs without self-intersections. Out: the contours of all points at
-// the
-//      distance, lines and arcs again, and where the beam does not fit.
+// In:  contours of lines and arcs. Out: the contours of all points at the distance, lines and arcs
+//      again, and where the beam does not fit.
 // Who: the preparation of a cut.
 //
 // A laser on the drawn contour removes half of its width on both sides: the part gets smaller by
@@ -10,6 +9,9 @@
 // d, a convex corner an arc of radius d (or a mitre), a concave one the intersection. Every point
 // of the result lies on one of these raw edges. So all raw edges are cut at their intersections,
 // and of the pieces those remain whose distance from all contours is d; the rest is nearer.
+//
+// Closed contours that cross themselves or others are replaced by the boundary of their area before
+// (simple_contours.hpp), and reported.
 //
 //   contours -> raw edges -> pieces between intersections -> pieces at distance d -> loops
 #pragma once
@@ -39,7 +41,8 @@ struct OffsetOptions {
 struct OffsetContours {
   std::vector<Contour> contours;  ///< in the directions of the originals
   std::vector<std::size_t> from;  ///< number of the original of each
-  std::vector<Fault> faults;      ///< narrow, vanished; numbers of originals
+  std::vector<Fault>
+      faults;  ///< narrow, vanished, and those of contour_faults(); numbers of originals
 };
 
 /// Contours of one call act together: where two of them are nearer than twice the distance, their

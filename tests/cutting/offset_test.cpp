@@ -1,4 +1,5 @@
-// Compensation: printed lengths, polygon offsets by libpolyclipping, narrow places, open contours.
+// Compensation: printed lengths, polygon offsets by libpolyclipping and GEOS, narrow places, open
+// contours.
 #include "host/cutting/offset.hpp"
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include <string>
 
 #include "host/error.hpp"
+#include "tests/cutting/geos_offset.hpp"
 #include "tests/cutting/polygon_offset.hpp"
 #include "tests/cutting/shapes.hpp"
 #include "tests/scale.hpp"
@@ -126,14 +128,12 @@ Topology topology_of(const std::vector<Area>& areas) {
   return topology;
 }
 
-/// How the offset differs from libpolyclipping's of polygons with chords of this error; empty: by
-/// at most 0.002 mm, with the same numbers of outside contours and holes.
-std::string difference(const std::vector<Contour>& part, const std::vector<Contour>& result,
-                       double distance_mm, double chords_mm) {
+/// How the offset differs from that of an oracle, which has chords of this error; empty: by at most
+/// 0.002 mm, with the same numbers of outside contours and holes.
+std::string difference(const std::vector<Contour>& result, const std::vector<Polygon>& expected,
+                       double chords_mm) {
   std::vector<double> areas, expected_areas;
   for (const Contour& contour : result) areas.push_back(signed_area(contour));
-  const std::vector<Polygon> expected =
-      clipper_offset(polygons_of(part, chords_mm), distance_mm, chords_mm);
   for (const Polygon& polygon : expected) expected_areas.push_back(area_of(polygon));
   const Topology topology = topology_of(areas), wanted = topology_of(expected_areas);
   if (topology.outside != wanted.outside || topology.holes != wanted.holes) return "topology";
@@ -142,21 +142,41 @@ std::string difference(const std::vector<Contour>& part, const std::vector<Conto
   return away <= 0.002 ? "" : fmt::format("{} mm", away);
 }
 
-TEST(offset, agrees_with_polygon_offsets) {
+/// The part with short lines instead of arcs, as other programs export it.
+std::vector<Contour> with_short_lines(const std::vector<Contour>& part) {
+  std::vector<Contour> lines;
+  for (const Polygon& corners : polygons_of(part, 0.002)) lines.push_back(polygon(corners));
+  return lines;
+}
+
+// Where two arcs meet at a small angle, chords move the corner by many times their error. The time
+// of the libraries grows with the square of their number.
+constexpr double coarse_mm = 2e-4, fine_mm = 1e-5;
+
+TEST(offset, agrees_with_polygon_offsets_of_two_libraries) {
   Random random(11);
+  const GeosOffset geos(coarse_mm), fine_geos(fine_mm);
+  // The second library is slow: all parts in the full run, otherwise some of each kind.
+  const int geos_step = scaled(2) >= 4 ? 1 : 4;
   int split = 0;
   for (int i = 0; i < scaled(250, 20); ++i) {
-    const std::vector<Contour> part = random_part(random);
+    std::vector<Contour> part = random_part(random);
+    if (i % 4 == 3) part = with_short_lines(part);
     const double distance_mm = (random.uniform() < 0.5 ? 1 : -1) * (0.05 + 2 * random.uniform());
     const std::vector<Contour> result = moved(part, distance_mm);
     for (const Contour& contour : result) {
       expect_connected(contour);
       ASSERT_TRUE(contour.closed);
     }
-    // Where two arcs meet at a small angle, chords move the corner by many times their error. The
-    // time of the library grows with the square of their number.
-    if (!difference(part, result, distance_mm, 2e-4).empty()) {
-      EXPECT_EQ(difference(part, result, distance_mm, 1e-5), "") << i;
+    const auto clipper = [&](double chords_mm) {
+      return clipper_offset(polygons_of(part, chords_mm), distance_mm, chords_mm);
+    };
+    if (!difference(result, clipper(coarse_mm), coarse_mm).empty()) {
+      EXPECT_EQ(difference(result, clipper(fine_mm), fine_mm), "") << i;
+    }
+    if ((i + i / 4) % geos_step == 0 &&
+        !difference(result, geos.offset(part, distance_mm), coarse_mm).empty()) {
+      EXPECT_EQ(difference(result, fine_geos.offset(part, distance_mm), fine_mm), "") << i;
     }
     split += result.size() != part.size() ? 1 : 0;
   }
@@ -238,7 +258,7 @@ TEST(offset, narrow_places_and_vanished_contours_are_reported) {
   ASSERT_EQ(narrow.size(), 2u);
   for (const Fault& fault : narrow) {
     EXPECT_EQ(fault.kind, FaultKind::narrow);
-    EXPECT_NEAR(fault.size_mm, 0.6, 1e-12);
+    EXPECT_NEAR(fault.size_mm, 0.4, 1e-9) << "the passage";
     EXPECT_NEAR(fault.at.y, 5, 0.001);
     EXPECT_LT(std::min(std::abs(fault.at.x - 10), std::abs(fault.at.x - 14)), 0.31);
   }
@@ -251,6 +271,47 @@ TEST(offset, narrow_places_and_vanished_contours_are_reported) {
   EXPECT_NEAR(gone[0].size_mm, 0.4 * pi, 1e-9);
   EXPECT_TRUE(moved({reversed(circle({0, 0}, 0.25))}, 0.25).empty()) << "exactly the beam";
   EXPECT_TRUE(moved({square}, -5).empty()) << "shrinks to a point";
+}
+
+TEST(offset, a_passage_is_narrow_if_the_beam_is_wider) {
+  Random random(14);
+  for (int i = 0; i < scaled(100, 10); ++i) {
+    // Two discs with a passage between them, anywhere and in any direction.
+    const double half = 0.05 + 0.5 * random.uniform(), radius = 3 + random.uniform();
+    const double length = 1 + 3 * random.uniform(),
+                 mouth = std::sqrt(radius * radius - half * half);
+    const Vec left{-length / 2 - mouth, 0}, right{length / 2 + mouth, 0};
+    const double sweep = 2 * pi - 2 * std::asin(half / radius);
+    const Edge disc = arc_from(right, {length / 2, -half}, sweep);
+    const Edge other = arc_from(left, {-length / 2, half}, sweep);
+    Contour dumbbell{
+        {{{-length / 2, -half}, disc.from, {}, 0}, disc, {disc.to, other.from, {}, 0}, other},
+        true};
+    dumbbell.edges[0].from = other.to;
+    const double turn = 2 * pi * random.uniform();
+    const Vec away{100 * random.uniform(), 0};
+    for (Edge& edge : dumbbell.edges) {
+      edge = {turned(edge.from, turn) + away, turned(edge.to, turn) + away,
+              turned(edge.centre, turn) + away, edge.sweep};
+    }
+    const double distance_mm = 0.02 + random.uniform();
+    const std::vector<Fault> faults = faults_of({dumbbell}, -distance_mm);
+    if (distance_mm < half) {
+      EXPECT_TRUE(faults.empty());
+      continue;
+    }
+    ASSERT_EQ(faults.size(), 2u);
+    for (const Fault& fault : faults) {
+      EXPECT_EQ(fault.kind, FaultKind::narrow);
+      EXPECT_EQ(fault.contour, 0u);
+      // The beam touches both sides of the mouth, which is where the disc ends.
+      EXPECT_NEAR(fault.size_mm, 2 * half, 1e-6);
+      const Vec at = turned(fault.at - away, -turn);
+      EXPECT_NEAR(at.y, 0, 1e-6);
+      EXPECT_NEAR(std::abs(at.x) - length / 2, std::sqrt(distance_mm * distance_mm - half * half),
+                  1e-6);
+    }
+  }
 }
 
 TEST(offset, open_contours_are_moved_to_one_side) {

@@ -1,5 +1,4 @@
-// Offsets of polygons by libpolyclipping, the oracle of the offset of lines and arcs. (GEOS is no
-// oracle for it: its buffer simplifies the input by a hundredth of the distance first.)
+// Offsets of polygons by libpolyclipping, an oracle of the offset of lines and arcs.
 #pragma once
 
 #include <algorithm>
@@ -50,6 +49,25 @@ inline std::vector<Polygon> clipper_offset(const std::vector<Polygon>& polygons,
   clipper.Execute(offset, distance_mm * scale);
   std::vector<Polygon> result;
   for (const ClipperLib::Path& path : offset) {
+    Polygon& polygon = result.emplace_back();
+    for (const ClipperLib::IntPoint& p : path)
+      polygon.push_back({static_cast<double>(p.X) / scale, static_cast<double>(p.Y) / scale});
+  }
+  return result;
+}
+
+/// The boundary of all that the polygons run around, by libpolyclipping.
+inline std::vector<Polygon> clipper_simple(const std::vector<Polygon>& polygons) {
+  constexpr double scale = 1e7;
+  ClipperLib::Paths paths;
+  for (const Polygon& polygon : polygons) {
+    ClipperLib::Path& path = paths.emplace_back();
+    for (const cutting::Vec& p : polygon)
+      path.emplace_back(std::llround(p.x * scale), std::llround(p.y * scale));
+  }
+  ClipperLib::SimplifyPolygons(paths, ClipperLib::pftNonZero);
+  std::vector<Polygon> result;
+  for (const ClipperLib::Path& path : paths) {
     Polygon& polygon = result.emplace_back();
     for (const ClipperLib::IntPoint& p : path)
       polygon.push_back({static_cast<double>(p.X) / scale, static_cast<double>(p.Y) / scale});
