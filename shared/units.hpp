@@ -20,7 +20,7 @@ inline constexpr std::uint32_t tick_ns = 1000;
 inline constexpr std::uint32_t ticks_per_second = 1'000'000'000u / tick_ns;
 /// No tick is shorter than this, however the lamp's beat stretches the lattice: its period may be
 /// 10 % off nominal ($905, $910), a tick 5 % off that ($906).
-inline constexpr std::uint32_t shortest_tick_ns = tick_ns * 3 / 4;
+inline constexpr std::uint32_t min_tick_ns = tick_ns * 3 / 4;
 
 inline constexpr std::int64_t um_per_inch = 25'400;
 

@@ -82,7 +82,7 @@ class BeamPath {
     return ready_;
   }
   /// The beam is ready for this without prepare().
-  bool stands_for(const Beam& beam) const {
+  bool is_ready_for(const Beam& beam) const {
     return (ready_ || at_once()) && !needs_rest({channel_, attenuator_}, beam);
   }
   /// The machine must wait for shutter or attenuator between two points.
@@ -94,7 +94,7 @@ class BeamPath {
 
   /// Prepares for the token of a shot through `beam`; false if the beam is not ready for it.
   bool take(const Beam& beam) {
-    if (!stands_for(beam)) return false;
+    if (!is_ready_for(beam)) return false;
     channel_ = beam.channel;
     if (beam.energy != 0) energy_ = beam.energy;
     attenuator_ = energy_;

@@ -16,7 +16,7 @@ constexpr std::int64_t settled_q16 = std::int64_t{clocks_per_us} << 16;
 
 /// Clocks of a run of ticks, Q16; limited so that a quarter more still fits 32 bits: a tick is
 /// shorter than 160 clocks. Two products of 32 bits.
-constexpr std::uint32_t most_run_ticks = 256;
+constexpr std::uint32_t max_run_ticks = 256;
 inline std::uint32_t run_q16(std::int64_t tick_q32, std::uint32_t ticks) {
   const auto tick_q16 = static_cast<std::uint32_t>(tick_q32 >> 16);
   const std::uint32_t rest = static_cast<std::uint32_t>(tick_q32) & 0xffff;
@@ -37,7 +37,7 @@ std::uint32_t BeatClock::ticks_in(std::uint32_t clocks) const {
 
 void BeatClock::set_tick_length(std::uint64_t from_tick, std::uint32_t tick_q16) {
   if (mode_ != LampMode::master) return;
-  const std::int64_t spread = longest_tick_q16_ - full_tick_q16;
+  const std::int64_t spread = max_tick_q16_ - full_tick_q16;
   const std::int64_t length = clamped(tick_q16, full_tick_q16 - spread, full_tick_q16 + spread);
   length_.set(tick_, from_tick, length * (nominal_tick_q32 >> 16));
 }
@@ -86,7 +86,7 @@ TickSpan BeatClock::next_span(std::uint32_t max_ticks) {
   std::uint32_t run = max_ticks < left ? max_ticks : left;
   // Longer than boards request: all runs equal.
   int fold = 0;
-  for (; run > most_run_ticks; run >>= 1) ++fold;
+  for (; run > max_run_ticks; run >>= 1) ++fold;
   TickSpan span;
   span.first_tick = tick_;
   span.ticks = run << fold;

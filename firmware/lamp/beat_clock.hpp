@@ -85,7 +85,7 @@ class BeatClock {
 
   /// Motion is planned up to this tick: the slew limit holds before it.
   void set_motion_end(std::uint64_t tick) { motion_end_tick_ = tick; }
-  /// Motion from this tick on has limits for ticks that are at least this long (shortest_tick_q16()
+  /// Motion from this tick on has limits for ticks that are at least this long (min_tick_q16()
   /// at that time); before it the previous value holds. `from_tick` begins a beat.
   void set_least_tick(std::uint64_t from_tick, std::uint32_t tick_q16);
   /// Maximum ticks by which steps leave before the ticks that they are planned for; at rest only.
@@ -94,13 +94,13 @@ class BeatClock {
   std::uint32_t ticks_in(std::uint32_t clocks) const;
 
   /// As master: ticks from this one on, which begins a beat, have this length over the nominal one,
-  /// instead of earlier settings for them. At most longest_tick_q16(), and at most as much below
+  /// instead of earlier settings for them. At most max_tick_q16(), and at most as much below
   /// nominal. No effect in other modes.
   void set_tick_length(std::uint64_t from_tick, std::uint32_t tick_q16);
   /// Motion continues over that tick: no change of the length there or later.
   void keep_tick_length(std::uint64_t from_tick) { length_.keep(from_tick); }
   /// The longest tick that the tolerance of the period (setting 910) and the delay allow.
-  std::uint32_t longest_tick_q16() const { return longest_tick_q16_; }
+  std::uint32_t max_tick_q16() const { return max_tick_q16_; }
 
   std::uint32_t beat_ticks() const { return beat_ticks_; }
   /// Lattice tick of a beat, and the first beat at or after a tick (main loop: divides).
@@ -116,7 +116,7 @@ class BeatClock {
   /// Locked, and the lattice has caught up with the lamp: motion may begin.
   bool settled() const;
   /// Shortest tick to expect over the nominal one, Q16, slew included (main loop: divides).
-  [[gnu::cold]] std::uint32_t shortest_tick_q16() const;
+  [[gnu::cold]] std::uint32_t min_tick_q16() const;
 
   settings::LampMode mode() const { return mode_; }
   std::uint32_t edges() const { return edges_; }        ///< since power-up, runts not counted
@@ -260,7 +260,7 @@ class BeatClock {
   };
   Schedule<4> least_;    ///< no tick of motion is shorter
   Schedule<12> length_;  ///< as master; the queue of segments may contain as many windows
-  std::uint32_t longest_tick_q16_ = full_tick_q16;
+  std::uint32_t max_tick_q16_ = full_tick_q16;
   /// Start times of the latest beats; an edge is reported up to some beats after its lattice tick
   /// has got its time.
   std::array<ClockQ16, 16> beat_starts_{};

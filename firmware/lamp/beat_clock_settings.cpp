@@ -15,10 +15,10 @@ using settings::LampMode;
 
 /// Tracking index: below the first one the gains round to nothing, above the second the tracker
 /// follows the last two edges anyway.
-constexpr std::int64_t least_index_q16 = 16;
-constexpr std::int64_t most_index_q16 = 16 * 65536;
+constexpr std::int64_t min_index_q16 = 16;
+constexpr std::int64_t max_index_q16 = 16 * 65536;
 /// Maximum error of the shot against the lattice tick because ticks of the delay are longer: 1 us.
-constexpr std::int64_t most_delay_error_q16 = std::int64_t{clocks_per_us} << 16;
+constexpr std::int64_t max_delay_error_q16 = std::int64_t{clocks_per_us} << 16;
 /// Look-ahead of the planner, beats, for the shortest tick.
 constexpr std::int64_t planned_beats = 32;
 
@@ -59,12 +59,12 @@ void BeatClock::configure(const settings::Values& values) {
 }
 
 void BeatClock::set_longest_tick(const settings::Values& values) {
-  longest_tick_q16_ = full_tick_q16;
+  max_tick_q16_ = full_tick_q16;
   if (mode_ != LampMode::master) return;
   std::int64_t spread_q16 = mul_div(values.milli(Id::period_tolerance), 65536, 100'000);
-  const std::int64_t by_delay_q16 = (most_delay_error_q16 << 16) / delay_q16_;
+  const std::int64_t by_delay_q16 = (max_delay_error_q16 << 16) / delay_q16_;
   if (spread_q16 > by_delay_q16) spread_q16 = by_delay_q16;
-  longest_tick_q16_ = full_tick_q16 + static_cast<std::uint32_t>(spread_q16);
+  max_tick_q16_ = full_tick_q16 + static_cast<std::uint32_t>(spread_q16);
 }
 
 void BeatClock::set_gains(const settings::Values& values) {
@@ -75,7 +75,7 @@ void BeatClock::set_gains(const settings::Values& values) {
   // drift is in 1e-5 per second, the period in 1e-6 s: 1e11 below one us; sqrt 3 = 1.732.
   std::int64_t index_q16 =
       mul_div(drift_us_e11, 1732 * 65536 / 1000, 1000) / (jitter_milli_us * 100'000);
-  index_q16 = clamped(index_q16, least_index_q16, most_index_q16);
+  index_q16 = clamped(index_q16, min_index_q16, max_index_q16);
   const std::int64_t root =
       isqrt(static_cast<std::uint64_t>(8 * index_q16 * 65536 + index_q16 * index_q16));
   const std::int64_t r_q16 = (4 * 65536 + index_q16 - root) / 4;
@@ -97,7 +97,7 @@ void BeatClock::set_gates(const settings::Values& values) {
   gate_q16_ = gate_q16(0);
 }
 
-std::uint32_t BeatClock::shortest_tick_q16() const {
+std::uint32_t BeatClock::min_tick_q16() const {
   if (mode_ != LampMode::slave) return full_tick_q16;
   const std::int64_t tick = tick_q32_ < nominal_tick_q32 ? tick_q32_ : nominal_tick_q32;
   // The change of the lamp until the plan has been run, at least another slew; but the period stays

@@ -55,7 +55,7 @@ struct PointOutcome {
 
 /// Rules of the laser for the shots of a job.
 struct ShotRules {
-  std::uint32_t least_beats = 1;  ///< minimum from one shot to the next
+  std::uint32_t min_beats = 1;  ///< minimum from one shot to the next
   ShotCheck check = ShotCheck::ignore;
   std::uint32_t answer_clocks = 0;  ///< LAMP SYNC to the end of the sensor's time
   std::uint32_t repeats = 0;        ///< of a shot not made, before the job is held
@@ -168,7 +168,7 @@ class ShotScheduler {
   };
 
   bool too_soon(std::uint64_t beat) const {
-    return has_shot_ && beat - last_shot_beat_ < rules_.least_beats;
+    return has_shot_ && beat - last_shot_beat_ < rules_.min_beats;
   }
   /// The board holds the token of this shot: neither spent nor withdrawn, as far as reported.
   bool is_open(const Plan& plan) const {

@@ -54,7 +54,7 @@ class MachineConsole : public MachineWork {
  private:
   bool finish_line();
   [[gnu::cold]] void leave_work_space();
-  [[gnu::cold]] void tell_end();
+  [[gnu::cold]] void report_end();
   [[gnu::cold]] void name_ignored_words();
   void begin_line(std::string_view line);
   void stop_after(GcodeError error);
@@ -65,9 +65,9 @@ class MachineConsole : public MachineWork {
   GcodeError system_command(std::string_view line);
   GcodeError command_at_rest(std::string_view line);
   GcodeError request_loader();
-  bool tell(std::string_view command);
-  void tell_version();
-  void tell_start_up_lines();
+  bool send_report(std::string_view command);
+  void report_version();
+  void report_start_up_lines();
   void list_settings();
   GcodeError keep_build_text(std::string_view text);
   GcodeError change_setting(std::string_view line);

@@ -23,14 +23,14 @@ void MachineConsole::answer_system_command(std::string_view line) {
 
 /// Commands for every state; the others need a machine at rest.
 GcodeError MachineConsole::system_command(std::string_view line) {
-  if (tell(line)) return GcodeError::none;
+  if (send_report(line)) return GcodeError::none;
   if (line == "$X") {
     if (machine_.state() == State::estop) return GcodeError::emergency_stop;
     end_refusal();
     if (machine_.state() == State::alarm) {
       if (door_open()) return GcodeError::door_open;
       reader_.end_lock();  // no shot before it is requested again
-      say("Caution: Unlocked");
+      report_message("Caution: Unlocked");
     }
     const Masked masked(mask_);
     handle(Event::unlock);  // without an alarm: a job that is held and has no host ends
@@ -43,16 +43,16 @@ GcodeError MachineConsole::system_command(std::string_view line) {
 }
 
 /// Commands that only request a report.
-bool MachineConsole::tell(std::string_view command) {
+bool MachineConsole::send_report(std::string_view command) {
   TextLine line;
   if (command == "$$")
     list_settings();
   else if (command == "$I")
-    tell_version();
+    report_version();
   else if (command == "$#")
-    tell_offsets(0, offset_lines);
+    report_offsets(0, offset_lines);
   else if (command == "$N")
-    tell_start_up_lines();
+    report_start_up_lines();
   else if (command == "$G")
     write_modes(line, reader_.interpreter().modal(), values_.whole(Id::report_inches) != 0);
   else if (command == "$")
@@ -63,7 +63,7 @@ bool MachineConsole::tell(std::string_view command) {
   return true;
 }
 
-void MachineConsole::tell_version() {
+void MachineConsole::report_version() {
   TextLine options;
   options.add("[OPT:VN,")
       .add(std::int64_t{motion::LineRing::capacity})
@@ -77,7 +77,7 @@ void MachineConsole::tell_version() {
   link_.send_text(options.view());
 }
 
-void MachineConsole::tell_start_up_lines() {
+void MachineConsole::report_start_up_lines() {
   for (std::size_t i = 0; i < start_up_lines; ++i) {
     TextLine line;
     write_start_up_line(line, static_cast<int>(i), reader_.kept().start_up[i].view());
@@ -155,7 +155,7 @@ void MachineConsole::take_over(const settings::Values& values) {
 }
 
 void MachineConsole::restore_defaults() {
-  say("Restoring defaults");
+  report_message("Restoring defaults");
   take_over(settings::Values{});
 }
 
@@ -178,7 +178,7 @@ const PersistentState* MachineConsole::changed_kept() {
 
 void MachineConsole::set_kept(const PersistentState& kept) {
   reader_.restore(kept);
-  say_tool_length();
+  report_tool_length();
 }
 
 }  // namespace lamplock::machine

@@ -92,7 +92,7 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
         if (!work_input_wait()) return false;
         break;
       case Step::ended:
-        tell_end();
+        report_end();
         break;
       case Step::lights: {
         const Masked masked(mask_);
@@ -120,8 +120,8 @@ void MachineConsole::leave_work_space() {
 }
 
 /// M2 and M30: switches off everything that the program has switched.
-void MachineConsole::tell_end() {
-  say("Pgm End");
+void MachineConsole::report_end() {
+  report_message("Pgm End");
   end_overrides_of_program();
   const Masked masked(mask_);
   outputs_off();
@@ -156,7 +156,7 @@ void MachineConsole::name_ignored_words() {
   text.add("No effect:");
   for (std::size_t i = 0; i < std::size(program::ignored_words); ++i)
     if ((words >> i & 1u) != 0) text.add(" ").add(program::ignored_words[i]);
-  say(text.view());
+  report_message(text.view());
 }
 
 /// A line of a program was refused: with $981 no other is accepted; accepted lines run to their

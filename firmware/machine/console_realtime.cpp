@@ -14,7 +14,7 @@ constexpr std::uint8_t byte_spindle_full = 0x99;  // then as for the feed
 constexpr std::uint8_t byte_flood = 0xa0, byte_mist = 0xa1;
 
 constexpr std::uint8_t full_percent = 100;
-constexpr int least_override = 10, most_override = 200;
+constexpr int min_override = 10, max_override = 200;
 constexpr std::array<std::uint8_t, 3> rapid_percents{100, 50, 25};
 constexpr std::array<int, 5> override_changes{0, 10, -10, 1, -1};
 
@@ -22,9 +22,9 @@ constexpr std::array<int, 5> override_changes{0, 10, -10, 1, -1};
 
 void MachineConsole::change_override(std::uint8_t& percent, int by) {
   const int changed = by == 0 ? full_percent : percent + by;
-  percent = static_cast<std::uint8_t>(changed < least_override  ? least_override
-                                      : changed > most_override ? most_override
-                                                                : changed);
+  percent = static_cast<std::uint8_t>(changed < min_override   ? min_override
+                                      : changed > max_override ? max_override
+                                                               : changed);
 }
 
 void MachineConsole::override_byte(std::uint8_t byte) {
@@ -72,7 +72,7 @@ void MachineConsole::on_realtime(std::uint8_t byte) {
       if (!machine_.framed() || (machine_.hold_reason() != HoldReason::host && host_lives()))
         handle(Event::resume);
       else if (!host_lives() && !machine_.running())
-        say("No host: 0x18 ends the job");
+        report_message("No host: 0x18 ends the job");
       break;
     case wire::byte_reset:
       link_.drop_input();

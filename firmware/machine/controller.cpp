@@ -17,11 +17,11 @@ Controller::Controller(const settings::Values& stored, const InterruptMask& mask
   configure_reader();
   shots_.permit(false, BeatReason::no_point_due);
   send_banner();
-  if (!ganged) say("No second motor: $966 needs a board with outputs for A");
+  if (!ganged) report_message("No second motor: $966 needs a board with outputs for A");
   if (stored.whole(Id::homing) == 0) return;
   // The position is unknown until the machine is homed.
   handle(Event::power_up_unhomed, alarm_homing_wanted);
-  say(unlock_text);
+  report_message(unlock_text);
 }
 
 void Controller::receive(std::span<const std::uint8_t> bytes, bool before_jog_cancel) {
@@ -47,7 +47,7 @@ bool Controller::prepare(std::uint64_t clock) {
   if (!runner_.begun()) runner_.read_outcomes();
   if (!program_.begun()) return runner_.begun() && runner_.prepare(go);
   const bool plans = program_.prepare();
-  if (rows_.active()) rows_.look();
+  if (rows_.active()) rows_.poll();
   return plans;
 }
 
@@ -69,9 +69,9 @@ void Controller::input_changed(Input input, bool active, const StepPosition& at)
   if (input == Input::limit_z && second_switch_at_z(kinematics, stored_)) input = Input::limit_a;
   const InputSet bit = set_of(input);
   inputs_ = static_cast<InputSet>(active ? inputs_ | bit : inputs_ & ~unsigned{bit});
-  if (!parking_.holds_machine() && guard_.see(input, active, kinematics.loads_of(at)))
+  if (!parking_.holds_machine() && guard_.check_change(input, active, kinematics.loads_of(at)))
     program_.abort_move(true);
-  input_wait_.see(input, active);
+  input_wait_.note_change(input, active);
   switch (input) {
     case Input::estop:
       handle(active ? Event::estop_pressed : Event::estop_released, alarm_estop);

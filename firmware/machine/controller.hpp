@@ -10,7 +10,7 @@
 //   receive, transmit   main loop             1 ms              bytes of the host
 //   receive_room        main loop             before receive    maximum size of the next receive
 //   lose_lines          main loop             on a loss         bytes of the host are missing
-//   see_host            main loop             1 ms              the host is present, or not
+//   set_host_present            main loop             1 ms              the host is present, or not
 //   new_connection      main loop             on change         before the first bytes of another
 //                                                               host, or of one that was absent
 //   look_ahead          main loop             before prepare    unmasked part of prepare
@@ -87,7 +87,7 @@ class Controller : private MachineConsole {
   using MachineWork::lose_lines;
   /// Whether the host can stop the machine: `present` is false if its cable is out, its computer
   /// sleeps, or its program has closed the port. Its motion is held then.
-  void see_host(bool present) {
+  void set_host_present(bool present) {
     if (present == host_present_) return;
     host_present_ = present;
     if (!present) lose_host();
@@ -117,7 +117,7 @@ class Controller : private MachineConsole {
   bool part_waits() const { return moving_ && !runner_.underrun() && runner_.part_waits(); }
   /// Not masked: continues the lines of a program, and makes a STATUS that is due, masking only to
   /// read the machine's part.
-  void tell() {
+  void service_host() {
     if (parking_.stage() != Parking::Stage::off) work_parking();
     if (lines_due()) work_lines();
     if (status_line_due_) send_status_line();
@@ -155,7 +155,7 @@ class Controller : private MachineConsole {
   using MachineWork::change_beat;
   /// The user has requested the boot loader of the board; the machine is at rest and stays so.
   bool loader_requested() const { return loader_requested_; }
-  using MachineParts::say;
+  using MachineParts::report_message;
 
   /// The planner that the board must load, none if there is no need
   /// (BoardFeatures::loads_planners). Until it is loaded nothing is planned: no slice runs, and

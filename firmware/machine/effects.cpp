@@ -176,7 +176,7 @@ void MachineEvents::refuse_lines(Refusal until, std::string_view reason) {
   refusal_ = until;
   program_outputs_.drop_next();
   if (beat_locked()) runner_.close();
-  say(reason);
+  report_message(reason);
 }
 
 /// No line is left, or none continues.

@@ -31,7 +31,7 @@ void MachineEvents::perform(Effect effect) {
       break;
     case Effect::hold_program_at_door:
       program_.hold();
-      say("Check Door");
+      report_message("Check Door");
       break;
     case Effect::keep_parked:
       if (parking_.cancel_return()) program_.abort_detour();
@@ -52,15 +52,15 @@ void MachineEvents::perform(Effect effect) {
       lines_at_cancel_ = reader_.lines();
       break;
     case Effect::begin_check:
-      say("Enabled");
+      report_message("Enabled");
       break;
     case Effect::end_check:
-      say("Disabled");
+      report_message("Disabled");
       reader_.reset();
       greet();
       break;
     case Effect::switch_off:
-      say("Sleeping");
+      report_message("Sleeping");
       outputs_off();
       break;
     default:
@@ -78,7 +78,7 @@ void MachineEvents::perform_end(Effect effect) {
       return stop_motion();
     case Effect::end_job:
       stop_motion();
-      return say("Job ended by a reset");
+      return report_message("Job ended by a reset");
     case Effect::stop_program:
       return stop_program();
     case Effect::refuse_program:
@@ -92,7 +92,7 @@ void MachineEvents::perform_end(Effect effect) {
     case Effect::raise_alarm:
       return begin_alarm(true);
     case Effect::release_estop:
-      return say(unlock_text);
+      return report_message(unlock_text);
     case Effect::begin_reset:
       return begin_reset();
     case Effect::abort_program:

@@ -52,9 +52,9 @@ void MachineParts::end_overrides() {
 
 FireTiming MachineParts::fire_timing() const {
   // In 32 bits, because it is called in every round of the main loop.
-  constexpr std::uint32_t most_milli = settings::range(Id::q_switch_width).max_milli;
-  static_assert(settings::range(Id::q_switch_delay).max_milli <= most_milli &&
-                most_milli <= (0xffffffff - 500) / clocks_per_us);
+  constexpr std::uint32_t max_milli = settings::range(Id::q_switch_width).max_milli;
+  static_assert(settings::range(Id::q_switch_delay).max_milli <= max_milli &&
+                max_milli <= (0xffffffff - 500) / clocks_per_us);
   const auto clocks = [this](Id id) {
     return (static_cast<std::uint32_t>(values_.milli(id)) * clocks_per_us + 500) / 1000;
   };

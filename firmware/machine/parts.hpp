@@ -81,11 +81,11 @@ class MachineParts {
 
   // Answers to the host (parts_replies.cpp).
   /// Sends "[MSG:text]" to the host.
-  void say(std::string_view text);
+  void report_message(std::string_view text);
   void answer(GcodeError error);
   void send_banner();
   void greet();
-  [[gnu::cold]] void say_tool_length();
+  [[gnu::cold]] void report_tool_length();
 
   // What follows from the state of the parts (parts_at_rest.cpp).
   bool door_open() const { return (inputs_ & set_of(Input::door)) != 0; }

@@ -8,7 +8,7 @@ constexpr std::string_view ok_line = "ok\r\n";
 
 }  // namespace
 
-void MachineParts::say(std::string_view text) {
+void MachineParts::report_message(std::string_view text) {
   TextLine line;
   line.add("[MSG:").add(text).add("]\r\n");
   link_.send_text(line.view());
@@ -29,18 +29,18 @@ void MachineParts::send_banner() { link_.send_text("\r\nGrbl 1.1h ['$' for help]
 /// What a terminal shows after power-up and a reset.
 void MachineParts::greet() {
   send_banner();
-  if (machine_.state() == State::alarm) say(unlock_text);
-  say_tool_length();
+  if (machine_.state() == State::alarm) report_message(unlock_text);
+  report_tool_length();
 }
 
 /// It survives a reset and power-off.
-void MachineParts::say_tool_length() {
+void MachineParts::report_tool_length() {
   if (!reader_.interpreter().modal().tool_length) return;
   TextLine text;
   text.add("Tool length offset ");
   add_length(text, reader_.kept().parameters.tool_length_e7, false);
   text.add(" mm is active: G49 ends it");
-  say(text.view());
+  report_message(text.view());
 }
 
 }  // namespace lamplock::machine

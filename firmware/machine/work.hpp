@@ -51,7 +51,7 @@ class MachineWork : public MachineEvents {
   bool work_input_wait();
   [[gnu::cold]] void pause();
   void work_parking();
-  void tell_offsets(int first, int end);
+  void report_offsets(int first, int end);
 
   // Watched in each round, masked (work_watches.cpp).
   bool ready_to_move() const;
@@ -89,7 +89,7 @@ class MachineWork : public MachineEvents {
   void end_homing();
   void begin_probe();
   bool end_probe();
-  void say_tool();
+  void report_tool();
   [[gnu::cold]] void hold_without_host();
   [[gnu::cold]] void miss_lamp();
 };

@@ -40,7 +40,7 @@ GcodeError MachineWork::begin_homing(std::string_view axes) {
     inputs = static_cast<InputSet>(inputs | set_of(Input::limit_a));
   if (!homing_.begin(stored_, inputs, wanted, ganged)) return GcodeError::homing_disabled;
   if (ganged >= 0 && (wanted >> ganged & 1u) != 0 && homing_.squared_axis() < 0)
-    say("Not squared: A has no limit switch");
+    report_message("Not squared: A has no limit switch");
   reader_.end_lock();
   const Masked masked(mask_);
   handle(Event::begin_homing);

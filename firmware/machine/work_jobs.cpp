@@ -11,7 +11,7 @@ using wire::HoldReason;
 /// Maximum sum of the speeds of two axes that share motors, in hundredths of a step per tick: half
 /// of it each. A tick that follows the lamp ($905, $910, $906) is up to a sixth too long, and a
 /// motor can make only one step in it.
-constexpr std::int64_t most_together_percent = 80;
+constexpr std::int64_t max_together_percent = 80;
 
 /// Number of the setting that shared motors do not permit, in the present or the requested
 /// kinematics; 0 = none.
@@ -20,7 +20,7 @@ std::uint16_t broken_motors(const settings::Values& values, const motion::Limits
   if (const std::uint16_t setting = broken_kinematics(values); setting != 0) return setting;
   if (!in_force.core_xy() && !Kinematics(values).core_xy()) return 0;
   const std::int64_t together_q62 = limits.axis[0].speed_q62 + limits.axis[1].speed_q62;
-  const bool too_fast = together_q62 > one_q62 / 100 * most_together_percent;
+  const bool too_fast = together_q62 > one_q62 / 100 * max_together_percent;
   return too_fast ? settings::number(Id::max_rate_y) : 0;
 }
 
@@ -69,7 +69,7 @@ lamp::ShotRules MachineWork::shot_rules(const settings::Values& values) const {
   };
   const std::int64_t rate = values.milli(Id::max_shot_rate);
   lamp::ShotRules rules;
-  rules.least_beats =
+  rules.min_beats =
       static_cast<std::uint32_t>((values.milli(Id::lamp_frequency) + rate - 1) / rate);
   rules.check = lamp::shot_check(values);
   rules.answer_clocks = clocks(Id::q_switch_delay) + clocks(Id::sensor_time);
@@ -116,18 +116,18 @@ Result MachineWork::may_begin_job() const {
     overridden_ = !(values == stored_);
     if (!(values == values_)) use_settings(values);
     shots_.begin_job(rules);
-    options.shortest_tick_q16 = runner_.shortest_tick_q16();
+    options.min_tick_q16 = runner_.min_tick_q16();
   }
   dry_ = header.dry;
   points_total_ = header.points_total;
   if (of_rows) {
-    const Result r = begin_rows(header, values, options.shortest_tick_q16);
+    const Result r = begin_rows(header, values, options.min_tick_q16);
     if (r != Result::ok) return r;
   } else {
     options.mode = static_cast<wire::JoinMode>(header.mode);
     options.dry = header.dry;
     options.points_total = header.points_total;
-    options.least_beats = static_cast<std::int32_t>(rules.least_beats);
+    options.min_beats = static_cast<std::int32_t>(rules.min_beats);
     rows_.forget();
     runner_.begin(options, values, header.first_index);
     decoder_.begin(header, static_cast<std::uint8_t>(values.whole(Id::channels)) & board_.channels);

@@ -50,7 +50,7 @@ bool MachineWork::begin_lines(const settings::Values& values) {
   {
     const Masked masked(mask_);
     runner_.read_outcomes();  // the rest of a job must not move the machine back
-    tick_q16 = runner_.shortest_tick_q16();
+    tick_q16 = runner_.min_tick_q16();
   }
   return program_.begin(values, tick_q16) == Result::ok;
 }
@@ -64,14 +64,14 @@ void MachineWork::begin_points(program::BeatLock lock) {
   options.mode = lock == program::BeatLock::free ? wire::JoinMode::free : wire::JoinMode::path;
   options.of_program = true;
   options.points_total = JobRunner::open_end;
-  options.least_beats = static_cast<std::int32_t>(rules.least_beats);
+  options.min_beats = static_cast<std::int32_t>(rules.min_beats);
   options.feed_percent = overrides_.feed;
   options.rapid_percent = overrides_.rapid;
   {
     const Masked masked(mask_);
     runner_.read_outcomes();
     shots_.begin_job(rules);
-    options.shortest_tick_q16 = runner_.shortest_tick_q16();
+    options.min_tick_q16 = runner_.min_tick_q16();
   }
   runner_.begin(options, values_, 0);
   link_.forget_session();

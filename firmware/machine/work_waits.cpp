@@ -40,14 +40,14 @@ bool MachineWork::end_probe() {
     const Masked masked(mask_);
     use_overrides();
   }
-  tell_offsets(probe_line, probe_line + 1);
+  report_offsets(probe_line, probe_line + 1);
   if (!failed) return true;
   const Masked masked(mask_);
   raise_alarm(alarm_probe_nothing);
   return true;
 }
 
-void MachineWork::tell_offsets(int first, int end) {
+void MachineWork::report_offsets(int first, int end) {
   const ReportedOffsets offsets{reader_.kept().parameters, reader_.interpreter().modal(), probe_,
                                 values_.whole(Id::axes), values_.whole(Id::report_inches) != 0};
   for (int i = first; i < end; ++i) {
@@ -66,13 +66,13 @@ bool MachineWork::work_input_wait() {
     input_wait_.begin(wanted.event, wanted.port, active(InputWait::inputs[wanted.port]),
                       now_ + std::uint64_t{reader_.wait_us()} * clocks_per_us);
   }
-  const InputWait::State state = input_wait_.look(now_);
+  const InputWait::State state = input_wait_.poll(now_);
   if (state == InputWait::State::waits) return false;
   const bool late = state == InputWait::State::late;
   TextLine text;
   text.add("Input ").add(std::int64_t{wanted.port});
   text.add(late ? " not met: " : " ").add(active(input_wait_.input()) ? "on" : "off");
-  say(text.view());
+  report_message(text.view());
   input_wait_.end();
   reader_.end_wait(late);
   if (late) pause();
@@ -81,16 +81,16 @@ bool MachineWork::work_input_wait() {
 
 /// The program waits for a resume.
 void MachineWork::pause() {
-  if (reader_.changes_tool()) say_tool();
+  if (reader_.changes_tool()) report_tool();
   const Masked masked(mask_);
   handle(Event::pause, HoldReason::realtime);
 }
 
 /// Reports the tool to be inserted.
-void MachineWork::say_tool() {
+void MachineWork::report_tool() {
   TextLine text;
   text.add("Tool ").add(std::int64_t{reader_.interpreter().modal().tool});
-  say(text.view());
+  report_message(text.view());
 }
 
 /// Continues when the machine is at rest.
@@ -102,7 +102,7 @@ void MachineWork::work_parking() {
   if (moves) return program_.run_detour(move);
   if (parking_.stage() != Parking::Stage::off) return;
   // Moves of the parked tool do not count for a probe; its contact may have changed meanwhile.
-  if (guard_.see(Input::probe, (inputs_ & set_of(Input::probe)) != 0, steps_at_rest()))
+  if (guard_.check_change(Input::probe, (inputs_ & set_of(Input::probe)) != 0, steps_at_rest()))
     program_.abort_move(true);
   handle(Event::resume);
 }

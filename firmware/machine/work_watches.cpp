@@ -50,7 +50,7 @@ void MachineWork::follow_new_beat() {
   use_settings(values);
   const lamp::ShotRules rules = shot_rules(values);
   shots_.change_rules(rules);
-  runner_.change_beat(values, static_cast<std::int32_t>(rules.least_beats));
+  runner_.change_beat(values, static_cast<std::int32_t>(rules.min_beats));
 }
 
 void MachineWork::hold_after_failed_shots() {
@@ -59,7 +59,7 @@ void MachineWork::hold_after_failed_shots() {
   handle(Event::hold, HoldReason::not_made);
   TextLine text;
   text.add("Point ").add(std::int64_t{point}).add(" not made");
-  say(text.view());
+  report_message(text.view());
 }
 
 /// The next point cannot be reached.
@@ -99,7 +99,7 @@ void MachineWork::lose_host() {
 void MachineWork::hold_without_host() {
   if (machine_.activity() == Activity::program) {
     if (values_.whole(Id::run_on) != 0 && reader_.ends_itself()) return;
-    say(held_without_host);
+    report_message(held_without_host);
   }
   handle(Event::hold, HoldReason::dead_man);
 }
@@ -122,7 +122,7 @@ void MachineWork::check_lamp() {
 /// the lamp does not respond to the triggers, it is held until the user resumes it.
 void MachineWork::miss_lamp() {
   no_lamp_said_ = true;
-  say(no_lamp);
+  report_message(no_lamp);
   if (clock_.mode() == settings::LampMode::master) handle(Event::hold, HoldReason::lamp);
 }
 

@@ -33,9 +33,9 @@ struct PlanRequest {
   /// always give the same plan: up to the horizon or the end of the job.
   std::uint32_t known_end = 0;
   wire::JoinMode mode = wire::JoinMode::free;
-  bool follows = false;          ///< the start is where the previous plan ended, on the same way
-  bool rest_at_end = true;       ///< no point is known after the last one
-  std::int32_t least_beats = 1;  ///< between points, from the maximum shot rate
+  bool follows = false;        ///< the start is where the previous plan ended, on the same way
+  bool rest_at_end = true;     ///< no point is known after the last one
+  std::int32_t min_beats = 1;  ///< between points, from the maximum shot rate
   /// Rest at points[i], in every mode.
   std::array<bool, window_points> rest{};
   /// 0: the beats of the target hold. Otherwise the planner chooses at least this many.

@@ -10,9 +10,9 @@ namespace lamplock::program {
 namespace {
 
 /// Limits of a piece.
-constexpr std::int64_t least_tolerance_e7 = 50;
-constexpr std::int64_t largest_piece_q48 = turn_q48 / 4;
-constexpr int most_pieces_bits = 30;
+constexpr std::int64_t min_tolerance_e7 = 50;
+constexpr std::int64_t max_piece_q48 = turn_q48 / 4;
+constexpr int max_pieces_bits = 30;
 
 /// Vectors are turned with this many additional bits, so that a point is rounded once; they have at
 /// most 2^47 on each axis, and times_q48() accepts 2^55.
@@ -78,7 +78,7 @@ std::int64_t sweep_of(const Ends& ends, const ArcRequest& request) {
     // Rounding must not give no turn or a full turn.
     angle = std::clamp<std::int64_t>(angle, 1, turn_q48 - 1);
   }
-  const std::uint32_t turns = request.turns > 1 ? std::min(request.turns - 1, most_turns) : 0;
+  const std::uint32_t turns = request.turns > 1 ? std::min(request.turns - 1, max_turns) : 0;
   return angle + turns * turn_q48;
 }
 
@@ -111,33 +111,33 @@ std::int64_t twice_slope(std::int64_t change, std::int64_t sweep_q48) {
   const int shift = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(sweep_q48))) - 32;
   const auto divisor =
       static_cast<std::uint32_t>(shift < 0 ? sweep_q48 << -shift : sweep_q48 >> shift);
-  constexpr std::int64_t most_change = std::int64_t{1} << 40;  // the result has at most 61 bits
-  const Int128 dividend = Int128(std::min(change, most_change)) << (49 - shift);
+  constexpr std::int64_t max_change = std::int64_t{1} << 40;  // the result has at most 61 bits
+  const Int128 dividend = Int128(std::min(change, max_change)) << (49 - shift);
   return times_q62(dividend.divided_by(divisor).to_int64(), turns_of_radian_q62) + 1;
 }
 
 /// The largest angle whose chord keeps the tolerance, on a circle.
-std::int64_t largest_angle(std::int64_t radius, std::int64_t tolerance) {
-  if (tolerance >= radius) return largest_piece_q48;
+std::int64_t max_angle(std::int64_t radius, std::int64_t tolerance) {
+  if (tolerance >= radius) return max_piece_q48;
   constexpr int more_bits = 15;  // 2^15 2^47 and (2^30 2^47 2^48) fit
   const Int128 square = Int128::product(tolerance, 2 * radius - tolerance) << (2 * more_bits);
   const auto half_chord = static_cast<std::int64_t>(wide_root(square));
   const Int128 to_chord = Int128(radius - tolerance) << more_bits;
   const std::int64_t angle = 2 * angle_of(to_chord, half_chord);
-  return std::min(angle, largest_piece_q48);
+  return std::min(angle, max_piece_q48);
 }
 
 std::uint32_t pieces_of(const Ends& ends, std::int64_t sweep_q48, std::int64_t tolerance_e7) {
   std::int64_t radius = std::max(ends.start_radius, ends.end_radius);
-  const std::int64_t tolerance = std::clamp(tolerance_e7, least_tolerance_e7, most_coordinate_e7);
+  const std::int64_t tolerance = std::clamp(tolerance_e7, min_tolerance_e7, max_coordinate_e7);
   const std::int64_t change = abs64(ends.end_radius - ends.start_radius);
   if (change > round_e7) {
     radius = length_of(radius, twice_slope(change, sweep_q48));
     // The product of a tolerance and this radius must have 96 bits.
-    radius = std::min(radius, 2 * most_coordinate_e7);
+    radius = std::min(radius, 2 * max_coordinate_e7);
   }
   const std::int64_t piece =
-      std::max(largest_angle(radius, tolerance), (sweep_q48 >> most_pieces_bits) + 1);
+      std::max(max_angle(radius, tolerance), (sweep_q48 >> max_pieces_bits) + 1);
   return static_cast<std::uint32_t>((sweep_q48 + piece - 1) / piece);
 }
 

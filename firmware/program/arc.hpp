@@ -18,7 +18,7 @@
 // share of e/12r; of 400 000 narrow spirals tried, none used it up.)
 //   * A tolerance below 5 10^-6 mm counts as that: 62832 pieces a turn at 4 m.
 //   * A piece is never more than a quarter of a turn, however large the tolerance.
-//   * At most `most_turns` further turns are made.
+//   * At most `max_turns` further turns are made.
 //   * There are 2^30 pieces at most, longer ones if that is not enough, which needs a radius larger
 //     than the machine.
 //
@@ -51,7 +51,7 @@ struct ArcRequest {
   std::int64_t tolerance_e7;
 };
 
-inline constexpr std::uint32_t most_turns = 9999;
+inline constexpr std::uint32_t max_turns = 9999;
 
 /// Centre of an arc of given radius; a negative radius means the arc of more than half a turn. Its
 /// axes outside the plane are those of the start. False: start and end are the same place or

@@ -91,7 +91,7 @@ constexpr Code m_codes[] = {
 };
 
 constexpr std::uint16_t no_motion = 800;
-constexpr std::uint32_t largest_code = 999;
+constexpr std::uint32_t max_code = 999;
 constexpr std::int64_t one_million = 1'000'000;
 
 template <std::size_t size>
@@ -107,12 +107,12 @@ const Code* find(const Code (&table)[size], std::uint32_t code) {
   return low < size && table[low].code == code ? &table[low] : nullptr;
 }
 
-/// G code times ten; more than largest_code if there is no such code.
+/// G code times ten; more than max_code if there is no such code.
 std::uint32_t tenfold(const Word& word) {
-  constexpr std::uint32_t none = largest_code + 1;
-  if (word.mantissa < 0 || word.mantissa > std::int64_t{largest_code} * one_million) return none;
+  constexpr std::uint32_t none = max_code + 1;
+  if (word.mantissa < 0 || word.mantissa > std::int64_t{max_code} * one_million) return none;
   auto mantissa = static_cast<std::uint32_t>(word.mantissa);
-  if (word.decimals == 0) return mantissa <= largest_code ? mantissa * 10 : none;
+  if (word.decimals == 0) return mantissa <= max_code ? mantissa * 10 : none;
   for (int i = word.decimals; i > 1; --i) {
     if (mantissa % 10 != 0) return none;
     mantissa /= 10;
@@ -212,10 +212,10 @@ Fault Block::add_powers(std::string_view line, const Word& word, WordReader& rea
     if (const GcodeError error = list.next(run); error != GcodeError::none)
       return {error, word.column};
     if (run.pieces == 0) break;
-    if (pieces_ + run.pieces > PowerList::most_pieces)
+    if (pieces_ + run.pieces > PowerList::max_pieces)
       return {GcodeError::out_of_range, word.column};
   }
-  if (list.size() > PowerList::most_characters) return {GcodeError::line_too_long, word.column};
+  if (list.size() > PowerList::max_characters) return {GcodeError::line_too_long, word.column};
   powers_ = {line.data(), list.size()};
   reader.go_to(static_cast<std::uint16_t>(word.column + list.size()));
   return {};

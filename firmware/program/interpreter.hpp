@@ -148,7 +148,7 @@ class Interpreter {
   Curve curve_;
   CurveTiming share_;
   DrillCycle cycle_;
-  std::array<char, PowerList::most_characters> power_text_;  ///< of the pieces of a line
+  std::array<char, PowerList::max_characters> power_text_;  ///< of the pieces of a line
   PowerList powers_;
   std::uint32_t pieces_ = 0;                    ///< already returned
   std::uint8_t ignored_ = 0, new_ignored_ = 0;  ///< in this program; not reported yet

@@ -7,7 +7,7 @@ namespace lamplock::program {
   if (!reader_.number(word)) return GcodeError::bad_number;
   if (const GcodeError error = whole(word, pieces); error != GcodeError::none) return error;
   if (pieces == 0) return GcodeError::not_positive;
-  return pieces > most_pieces ? GcodeError::out_of_range : GcodeError::none;
+  return pieces > max_pieces ? GcodeError::out_of_range : GcodeError::none;
 }
 
 /// One value of the list; none after the last.
@@ -35,7 +35,7 @@ namespace lamplock::program {
     error = entry(ahead_);
     if (ahead_.pieces == 0 || ahead_.speed_milli != run.speed_milli) break;
     run.pieces += ahead_.pieces;
-    if (run.pieces > most_pieces) return GcodeError::out_of_range;
+    if (run.pieces > max_pieces) return GcodeError::out_of_range;
   }
   return error;
 }

@@ -28,9 +28,9 @@ struct PowerRun {
 class PowerList {
  public:
   /// Maximum per line.
-  static constexpr std::uint32_t most_pieces = 0xffff;
+  static constexpr std::uint32_t max_pieces = 0xffff;
   /// Maximum length of a line of the link (shared/wire/framing.hpp).
-  static constexpr std::size_t most_characters = 256;
+  static constexpr std::size_t max_characters = 256;
 
   PowerList() : PowerList(std::string_view{}) {}
   explicit PowerList(std::string_view text) : reader_(text) {}

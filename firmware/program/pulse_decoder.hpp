@@ -35,7 +35,7 @@ class PulseDecoder {
   std::uint32_t refused_index() const { return refused_index_; }
 
  private:
-  static constexpr std::uint8_t all_channels = (2u << wire::highest_channel) - 1;
+  static constexpr std::uint8_t all_channels = (2u << wire::max_channel) - 1;
   wire::RecordState state_;
   std::uint32_t points_total_ = 0;
   std::uint32_t refused_index_ = 0;

@@ -45,7 +45,7 @@ Result RowDecoder::check(std::span<const std::uint8_t> records, RowRoom room,
       records, axes_, trial,
       [&](const wire::RowLine& line) {
         if (index_ + count.lines >= lines_total_) return Result::bad_value;
-        if (count.lines == wire::most_lines_a_frame) return Result::bad_value;
+        if (count.lines == wire::max_lines_a_frame) return Result::bad_value;
         // The first line may begin elsewhere than at the end of another.
         const bool well = within_travel(line.steps, limits, axes_) &&
                           (!line.light || within_travel(before, limits, axes_));

@@ -39,10 +39,10 @@ struct Range {
 };
 
 /// Coordinates and tolerances above this (7 km) are invalid.
-inline constexpr std::int64_t most_coordinate_e7 = std::int64_t{1} << 46;
+inline constexpr std::int64_t max_coordinate_e7 = std::int64_t{1} << 46;
 
 constexpr bool sane(std::int64_t coordinate_e7) {
-  return abs64(coordinate_e7) <= most_coordinate_e7;
+  return abs64(coordinate_e7) <= max_coordinate_e7;
 }
 /// Both axes of the plane are valid.
 constexpr bool sane(const Place& place, const CurvePlane& plane) {

@@ -30,10 +30,10 @@ std::uint64_t quotient_up(std::uint64_t x, std::uint64_t y) { return (x + y - 1)
 
 /// 3/4 of the longer second difference over the tolerance, and its root.
 std::uint32_t pieces_for(std::int64_t second_difference, std::int64_t tolerance_e7) {
-  const std::int64_t tolerance = std::clamp<std::int64_t>(tolerance_e7, 1, most_coordinate_e7);
+  const std::int64_t tolerance = std::clamp<std::int64_t>(tolerance_e7, 1, max_coordinate_e7);
   const std::uint64_t square = quotient_up(3 * static_cast<std::uint64_t>(second_difference),
                                            4 * static_cast<std::uint64_t>(tolerance));
-  return std::clamp<std::uint32_t>(root_up(square), 1, most_spline_pieces);
+  return std::clamp<std::uint32_t>(root_up(square), 1, max_spline_pieces);
 }
 
 constexpr std::int64_t one_q48 = std::int64_t{1} << 48;

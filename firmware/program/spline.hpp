@@ -28,7 +28,7 @@ struct SplineRequest {
   std::int64_t tolerance_e7;
 };
 
-inline constexpr std::uint32_t most_spline_pieces = 65536;
+inline constexpr std::uint32_t max_spline_pieces = 65536;
 
 /// What the spline reaches on an axis, within 4 10^-7 mm or 10^-12 of its size. Up to 20 000
 /// cycles, if it goes beyond both of its ends.

@@ -7,7 +7,7 @@ namespace {
 
 /// 2^13 per edge on each of three axes: the chord is below 3 sqrt(3) 2^13, its square below 2^31.
 constexpr int edge_bits = 13;
-constexpr int most_depth = 7;
+constexpr int max_depth = 7;
 /// Chord and polygon are close when they differ by less than a 512th of the polygon; a part is
 /// negligible when they differ by less than a 4096th of the whole. Tried on 3000 curves: the
 /// maximum error of the length is 0.07 %.
@@ -56,7 +56,7 @@ Bounds bounds_of(const Edges& x, const Edges& y, std::int32_t z) {
           norm(x.first, y.first, z) + norm(x.middle, y.middle, z) + norm(x.last, y.last, z)};
 }
 
-/// Twice 2^most_depth times the length.
+/// Twice 2^max_depth times the length.
 std::uint32_t scaled_length(const Edges& x, const Edges& y, std::int32_t z) {
   const std::uint32_t whole = bounds_of(x, y, z).polygon;
   std::uint32_t sum = 0;
@@ -67,12 +67,12 @@ std::uint32_t scaled_length(const Edges& x, const Edges& y, std::int32_t z) {
     const std::uint32_t between = part.polygon > part.chord ? part.polygon - part.chord : 0;
     const bool close =
         between <= part.polygon >> close_bits || between <= whole << depth >> short_bits;
-    if (!close && depth < most_depth) {
+    if (!close && depth < max_depth) {
       k *= 2;
       ++depth;
       continue;
     }
-    sum += (part.chord + part.polygon) << (most_depth - depth);
+    sum += (part.chord + part.polygon) << (max_depth - depth);
     for (++k; depth > 0 && k % 2 == 0; --depth) k /= 2;
   } while (k == 0 || depth > 0);
   return sum;
@@ -109,7 +109,7 @@ std::int64_t spline_length(const SplineRequest& request, std::int64_t other_way_
   if (bits == 0) return other_way_e7;
   const int shift = static_cast<int>(std::bit_width(bits)) - edge_bits;
   const std::uint64_t length = scaled_length(x.scaled(shift), y.scaled(shift), shortened(z, shift));
-  constexpr int more = most_depth + 1;
+  constexpr int more = max_depth + 1;
   return static_cast<std::int64_t>(shift > more ? length << (shift - more)
                                                 : length >> (more - shift));
 }

@@ -9,7 +9,7 @@
 namespace lamplock::program {
 namespace {
 
-constexpr std::int64_t most_word = 0xffffffff;
+constexpr std::int64_t max_word = 0xffffffff;
 constexpr std::uint32_t us_per_minute = 60'000'000;
 
 }  // namespace
@@ -66,7 +66,7 @@ bool Statement::length(char letter, std::int64_t& e7) {
   if (!take(letter)) return false;
   const Word& word = block_.word(letter);
   e7 = length_e7(word, after_.modal.inches);
-  return inside(e7, most_centre_e7, GcodeError::out_of_range, word.column);
+  return inside(e7, max_centre_e7, GcodeError::out_of_range, word.column);
 }
 
 bool Statement::integer(char letter, std::uint32_t& number) {
@@ -84,7 +84,7 @@ bool Statement::seconds(char letter, std::uint32_t& us) {
                                             std::uint32_t& number) {
   if (!take(letter)) return false;
   if (value < 0) return fail_at(letter, GcodeError::negative_value);
-  if (value > most_word) return fail_at(letter, too_large);
+  if (value > max_word) return fail_at(letter, too_large);
   number = static_cast<std::uint32_t>(value);
   return true;
 }
@@ -205,7 +205,7 @@ bool Statement::inverse_time() {
   if (!block_.has('T')) return true;
   std::uint32_t number = 0;
   if (!integer('T', number)) return false;
-  if (number > most_tool) return fail_at('T', GcodeError::tool_too_large);
+  if (number > max_tool) return fail_at('T', GcodeError::tool_too_large);
   after_.modal.tool = number;
   return true;
 }
@@ -229,7 +229,7 @@ bool Statement::inverse_time() {
 bool Statement::set_tool() {
   std::uint32_t number = 0;
   if (!needed('Q', block_.column(Group::tool_change)) || !integer('Q', number)) return false;
-  if (number > most_tool) return fail_at('Q', GcodeError::tool_too_large);
+  if (number > max_tool) return fail_at('Q', GcodeError::tool_too_large);
   after_.modal.tool = number;
   return true;
 }
@@ -244,7 +244,7 @@ bool Statement::overrides() {
 [[gnu::hot]] bool Statement::line_number() {
   if (!block_.has('N')) return true;
   if (!integer('N', plan_.line)) return false;
-  return plan_.line <= most_line_number || fail_at('N', GcodeError::bad_line_number);
+  return plan_.line <= max_line_number || fail_at('N', GcodeError::bad_line_number);
 }
 
 [[gnu::hot]] bool Statement::spindle() {
@@ -314,14 +314,14 @@ bool Statement::pulse_rate() {
       after_.modal.inches ? (milli * 10 + tenths_mm_per_inch / 2) / tenths_mm_per_inch : milli;
   std::uint32_t& rate = after_.modal.pulses.milli_per_mm;
   if (!unsigned_value('P', per_mm, GcodeError::out_of_range, rate)) return false;
-  return rate <= most_pulses_milli || fail_at('P', GcodeError::out_of_range);
+  return rate <= max_pulses_milli || fail_at('P', GcodeError::out_of_range);
 }
 
 bool Statement::pulse_length() {
   std::uint32_t& length = after_.modal.pulses.length_ns;
   if (!unsigned_value('P', scaled(block_.word('P'), 1, 3), GcodeError::out_of_range, length))
     return false;
-  return (length >= least_pulse_ns && length <= most_pulse_ns) ||
+  return (length >= min_pulse_ns && length <= max_pulse_ns) ||
          fail_at('P', GcodeError::out_of_range);
 }
 
@@ -368,7 +368,7 @@ bool Statement::pulse_length() {
   changes_.tool_length_e7 = axis_e7(2);
   changes_.add(static_cast<int>(ParameterRow::tool_length));
   after_.modal.tool_length = true;
-  return inside(changes_.tool_length_e7, most_position_e7, GcodeError::out_of_range,
+  return inside(changes_.tool_length_e7, max_position_e7, GcodeError::out_of_range,
                 block_.axis(2).column);
 }
 
@@ -395,7 +395,7 @@ bool Statement::pulse_length() {
     if ((block_.axes() >> axis & 1u) == 0) continue;
     centre[index(axis)] =
         axis_e7(axis) + (after_.modal.relative ? after_.machine_e7[index(axis)] : offset_e7(axis));
-    if (!inside(centre[index(axis)], most_position_e7, GcodeError::bad_target,
+    if (!inside(centre[index(axis)], max_position_e7, GcodeError::bad_target,
                 block_.axis(axis).column))
       return false;
   }
@@ -455,7 +455,7 @@ bool Statement::set_system() {
     const std::int64_t others =
         offset_e7(i) - parameters_.systems_e7[after_.modal.system][index(i)];
     value = kind == 2 ? axis_e7(i) : after_.programmed_e7[index(i)] - others - axis_e7(i);
-    if (!inside(value, 2 * most_position_e7, GcodeError::out_of_range, block_.axis(i).column))
+    if (!inside(value, 2 * max_position_e7, GcodeError::out_of_range, block_.axis(i).column))
       return false;
   }
   changes_.add(static_cast<int>(row));
@@ -472,7 +472,7 @@ bool Statement::shift() {
     std::int64_t& value = place[index(i)];
     const std::int64_t others = offset_e7(i) - value;
     value = after_.programmed_e7[index(i)] - others - axis_e7(i);
-    if (!inside(value, 2 * most_position_e7, GcodeError::out_of_range, block_.axis(i).column))
+    if (!inside(value, 2 * max_position_e7, GcodeError::out_of_range, block_.axis(i).column))
       return false;
   }
   changes_.place = place;

@@ -43,15 +43,15 @@ struct Options {
 };
 
 /// Maximum values of words, as in grbl 1.1.
-inline constexpr std::uint32_t most_line_number = 10'000'000;
-inline constexpr std::uint32_t most_tool = 255;
+inline constexpr std::uint32_t max_line_number = 10'000'000;
+inline constexpr std::uint32_t max_tool = 255;
 /// Pulses of a laser: up to a thousand per millimetre, from a microsecond to a second each.
-inline constexpr std::uint32_t most_pulses_milli = 1'000'000;
-inline constexpr std::uint32_t least_pulse_ns = 1'000, most_pulse_ns = 1'000'000'000;
+inline constexpr std::uint32_t max_pulses_milli = 1'000'000;
+inline constexpr std::uint32_t min_pulse_ns = 1'000, max_pulse_ns = 1'000'000'000;
 /// Repetitions of a cycle.
-inline constexpr std::uint32_t most_repeats = 9999;
+inline constexpr std::uint32_t max_repeats = 9999;
 /// Centres of arcs and control points must be within +-1 km of the machine's zero.
-inline constexpr std::int64_t most_centre_e7 = 100 * most_position_e7;
+inline constexpr std::int64_t max_centre_e7 = 100 * max_position_e7;
 
 /// Modal state saved by M70 or M73.
 struct Saved {

@@ -7,7 +7,7 @@ namespace {
 /// Q of an analogue output is a percentage: 10^-7 % to 65535 = full.
 constexpr std::int64_t full_e7 = 100 * one_e7;
 /// Maximum of all maps of pins.
-constexpr std::uint32_t most_outputs = 1, most_inputs = 2;
+constexpr std::uint32_t max_outputs = 1, max_inputs = 2;
 constexpr std::uint32_t last_event = static_cast<std::uint32_t>(InputEvent::off);
 
 }  // namespace
@@ -44,14 +44,14 @@ bool Statement::digital_output() {
   plan_.io.at_once = code >= 64;
   plan_.wait_us = 0;
   plan_.add(Stage::output);
-  return port('P', options_.outputs, most_outputs);
+  return port('P', options_.outputs, max_outputs);
 }
 
 bool Statement::analog_output() {
   plan_.io.at_once = block_.code(Group::io) == 68;
   plan_.wait_us = 0;
   plan_.add(Stage::output);
-  if (!port('E', options_.outputs, most_outputs)) return false;
+  if (!port('E', options_.outputs, max_outputs)) return false;
   if (!needed('Q', block_.column(Group::io)) || !take('Q')) return false;
   const std::int64_t part_e7 = scaled(block_.word('Q'), 1, 7);
   if (part_e7 < 0) return fail_at('Q', GcodeError::negative_value);
@@ -63,7 +63,7 @@ bool Statement::analog_output() {
 bool Statement::wait_input() {
   const std::uint16_t column = block_.column(Group::io);
   plan_.add(Stage::wait_input);
-  if (!port('P', options_.inputs, most_inputs)) return false;
+  if (!port('P', options_.inputs, max_inputs)) return false;
   std::uint32_t event = 0;
   if (block_.has('L') && !integer('L', event)) return false;
   if (event > last_event) return fail_at('L', GcodeError::out_of_range);

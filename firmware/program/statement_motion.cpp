@@ -50,7 +50,7 @@ bool Statement::needed(char letter) { return needed(letter, motion_column()); }
     const std::uint8_t decimals = block_.axis(i).decimals;
     if (decimals > after_.modal.decimals) after_.modal.decimals = decimals;
     value = in_machine ? word : word + (after_.modal.relative ? value : offset_e7(i));
-    if (!inside(value, most_position_e7, GcodeError::bad_target, block_.axis(i).column))
+    if (!inside(value, max_position_e7, GcodeError::bad_target, block_.axis(i).column))
       return false;
   }
   block_.take_axes();
@@ -72,7 +72,7 @@ bool Statement::needed(char letter) { return needed(letter, motion_column()); }
 
 bool Statement::all_inside(const Place& place, std::uint16_t column) {
   for (const std::int64_t e7 : place)
-    if (!inside(e7, most_position_e7, GcodeError::bad_target, column)) return false;
+    if (!inside(e7, max_position_e7, GcodeError::bad_target, column)) return false;
   return true;
 }
 
@@ -187,7 +187,7 @@ bool Statement::arc_turns() {
   if (!block_.has('P')) return true;
   if (!integer('P', plan_.turns)) return false;
   if (plan_.turns == 0) return fail_at('P', GcodeError::not_positive);
-  return plan_.turns <= most_repeats || fail_at('P', GcodeError::out_of_range);
+  return plan_.turns <= max_repeats || fail_at('P', GcodeError::out_of_range);
 }
 
 bool Statement::arc_of_radius(const Place& end) {
@@ -369,7 +369,7 @@ bool Statement::drill_holes(const Place& first) {
   if (block_.has('L')) {
     if (!integer('L', cycle_.holes)) return false;
     if (cycle_.holes == 0) return fail_at('L', GcodeError::not_positive);
-    if (cycle_.holes > most_repeats) return fail_at('L', GcodeError::out_of_range);
+    if (cycle_.holes > max_repeats) return fail_at('L', GcodeError::out_of_range);
   }
   cycle_.first = first;
   Place last = first;

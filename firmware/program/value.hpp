@@ -16,7 +16,7 @@ inline constexpr std::int64_t one_e7 = 10'000'000;
 /// An inch, by its definition of 25.4 mm.
 inline constexpr std::int64_t inch_e7 = 254'000'000;
 /// Positions are within +-10 m: squares of distances fit twice into 128 bits.
-inline constexpr std::int64_t most_position_e7 = 10'000 * one_e7;
+inline constexpr std::int64_t max_position_e7 = 10'000 * one_e7;
 
 /// A position or a distance of all axes, X Y Z A, 10^-7 mm.
 using Place = PerAxis<std::int64_t>;

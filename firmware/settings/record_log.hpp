@@ -86,7 +86,7 @@ class RecordLog {
   /// Searches the whole area; true if a record was found: items() returns its items then.
   bool load() {
     newest_ = next_ = valid_ = rejected_ = 0;
-    for (std::uint32_t offset = 0; offset < size; offset += look_at(offset)) {
+    for (std::uint32_t offset = 0; offset < size; offset += classify_page(offset)) {
     }
     // A torn record may become readable: its number is not used again.
     used_ = newest_ + rejected_;
@@ -114,7 +114,7 @@ class RecordLog {
     finish(count);
     const std::uint32_t pages = format_.pages_of(count);
     // If it cannot be read back, try the next page, and then the next sector.
-    for (std::uint32_t attempt = 0; attempt < most_attempts && make_room(pages); ++attempt) {
+    for (std::uint32_t attempt = 0; attempt < max_attempts && make_room(pages); ++attempt) {
       const std::uint32_t offset = next_;
       for (std::uint32_t i = 0; i < pages; ++i) program(offset, i);
       next_ += pages * flash_page;
@@ -136,7 +136,7 @@ class RecordLog {
  private:
   static constexpr std::uint32_t size = Flash::sectors * flash_sector;
   static constexpr std::uint32_t pages_a_sector = flash_sector / flash_page;
-  static constexpr std::uint32_t most_attempts = Flash::sectors * pages_a_sector;
+  static constexpr std::uint32_t max_attempts = Flash::sectors * pages_a_sector;
   /// Bytes that are compared at once.
   static constexpr std::uint32_t piece = 64;
 
@@ -170,7 +170,7 @@ class RecordLog {
   }
 
   /// Classifies the page at an offset; returns the distance to the next.
-  std::uint32_t look_at(std::uint32_t offset) {
+  std::uint32_t classify_page(std::uint32_t offset) {
     if (!read_record(offset)) {
       if (!blank(offset)) ++rejected_;
       return flash_page;

@@ -9,9 +9,9 @@ namespace {
 
 constexpr std::uint32_t forever = 0xffffffffu;
 /// Edges that follow each other faster are handled together.
-constexpr std::uint32_t least_cell_ticks = 32;
+constexpr std::uint32_t min_cell_ticks = 32;
 /// The longest run that is searched at once: the squares of its ticks fit.
-constexpr std::uint32_t most_ticks = 0x1fff;
+constexpr std::uint32_t max_ticks = 0x1fff;
 
 constexpr int place_bits = 48;
 constexpr std::int64_t one_q48 = std::int64_t{1} << place_bits;
@@ -27,7 +27,7 @@ std::uint64_t shifted(std::uint64_t value, int right) {
 }  // namespace
 
 void BeamAxis::enter(const Segment& segment) {
-  if (kind_ == BeamKind::even) since_edge_ = least_cell_ticks;
+  if (kind_ == BeamKind::even) since_edge_ = min_cell_ticks;
   const bool cells = segment.shines && segment.beam_kind != BeamKind::at_rest;
   kind_ = cells ? segment.beam_kind : BeamKind::even;
   if (kind_ != BeamKind::pulses) pulse_left_ = 0;
@@ -70,7 +70,7 @@ void BeamAxis::enter_pulses() {
   if (segment_->beam_begins) {
     edges_ = edges;
     pulse_left_ = 0;
-  } else if (missed && since_edge_ >= least_cell_ticks) {
+  } else if (missed && since_edge_ >= min_cell_ticks) {
     edges_ = edges;
     since_edge_ = 0;
     begin_pulse();
@@ -129,7 +129,7 @@ bool BeamAxis::next_piece() {
   return false;
 }
 
-/// n r + n (n - 1) / 2 a, n at most most_ticks.
+/// n r + n (n - 1) / 2 a, n at most max_ticks.
 std::int64_t BeamAxis::way_q48(std::uint32_t n) const {
   if (n == 0) return 0;
   const std::int64_t way = times_short(rate_q48_, n);
@@ -160,12 +160,12 @@ std::uint32_t BeamAxis::ticks_to_q48(std::int64_t way_q48, std::uint32_t most) c
 
 /// Finds for how many ticks nothing changes, and whether an edge ends them.
 void BeamAxis::find_edge() {
-  const std::uint32_t most = piece_left_ < most_ticks ? piece_left_ : most_ticks;
+  const std::uint32_t most = piece_left_ < max_ticks ? piece_left_ : max_ticks;
   const auto to_edge = static_cast<std::int64_t>(one_q48 - (place_q48_ & fraction_mask));
   edge_ = way_q48(most) >= to_edge;
   span_ = edge_ ? ticks_to_q48(to_edge, most) : most;
-  if (edge_ && since_edge_ + span_ < least_cell_ticks) {
-    span_ = least_cell_ticks - since_edge_;
+  if (edge_ && since_edge_ + span_ < min_cell_ticks) {
+    span_ = min_cell_ticks - since_edge_;
     if (span_ > most) span_ = most, edge_ = false;  // the edge is handled with the next one
   }
   left_ = span_;
@@ -180,9 +180,9 @@ void BeamAxis::change() {
   rate_q48_ += times_short(accel_q48_, span_);
   if (piece_left_ != forever) piece_left_ -= span_;
   since_edge_ += span_;
-  if (since_edge_ > least_cell_ticks) since_edge_ = least_cell_ticks;
+  if (since_edge_ > min_cell_ticks) since_edge_ = min_cell_ticks;
   const bool passed = before >> place_bits != place_q48_ >> place_bits;
-  if (edge_ || (passed && since_edge_ == least_cell_ticks)) pass_edge();
+  if (edge_ || (passed && since_edge_ == min_cell_ticks)) pass_edge();
   if (piece_left_ == 0) next_piece();
   find_edge();
 }

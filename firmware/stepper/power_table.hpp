@@ -32,7 +32,7 @@ class PowerTable {
   bool add(std::uint16_t power, std::uint32_t cells) {
     if (header() + wire::runs_of(cells) > free()) return false;
     while (cells != 0) {
-      const std::uint16_t run = wire::longest_run(power, cells);
+      const std::uint16_t run = wire::max_run(power, cells);
       put(run);
       cells -= wire::run_cells(run);
     }

@@ -8,10 +8,10 @@ using settings::Id;
 /// Whole ticks that last at least this long, even the shortest ticks.
 std::uint8_t ticks_of_ns(std::int32_t ns) {
   const auto least = static_cast<std::uint32_t>(ns);
-  return static_cast<std::uint8_t>((least + shortest_tick_ns - 1) / shortest_tick_ns);
+  return static_cast<std::uint8_t>((least + min_tick_ns - 1) / min_tick_ns);
 }
-static_assert(settings::range(Id::direction_setup).max_milli / shortest_tick_ns < 255);
-static_assert(settings::range(Id::direction_hold).max_milli / shortest_tick_ns < 255);
+static_assert(settings::range(Id::direction_setup).max_milli / min_tick_ns < 255);
+static_assert(settings::range(Id::direction_hold).max_milli / min_tick_ns < 255);
 // Rounded up this is at least one tick.
 static_assert(settings::range(Id::direction_setup).min_milli > 0);
 static_assert(settings::range(Id::direction_hold).min_milli > 0);

@@ -3,10 +3,10 @@
 namespace lamplock::stepper {
 
 Ramp ramp_of(std::uint32_t n, std::uint8_t ramp) {
-  if (ramp == falling_ramp) return {most_log_stairs, n >> most_log_stairs};
+  if (ramp == falling_ramp) return {max_log_stairs, n >> max_log_stairs};
   const auto r = static_cast<std::uint32_t>(wide_product(n, ramp) >> 8);
   int log_stairs = 0;
-  while (log_stairs < most_log_stairs && r >> (log_stairs + 1) >= least_stair_ticks) ++log_stairs;
+  while (log_stairs < max_log_stairs && r >> (log_stairs + 1) >= min_stair_ticks) ++log_stairs;
   return {log_stairs, r >> log_stairs};
 }
 
@@ -47,7 +47,7 @@ Int128 ramp_displacement_q62(std::int64_t speed_q62, std::int64_t accel_q62, std
   const Int128 steady = Int128::product(speed_q62, n);
   if (accel_q62 == 0) return steady;
   // A n (n - r) / 2; the stairs of a fall: A s^2 (4 K^2 - 1)/12 with K = 4.
-  static_assert(most_log_stairs == 2);
+  static_assert(max_log_stairs == 2);
   const std::uint64_t quarters = ramp == falling_ramp ? 21 * wide_product(n / 4, n / 4)
                                                       : 2 * wide_product(n, full_ticks(n, ramp));
   return steady + (Int128::product(accel_q62, static_cast<std::int64_t>(quarters)) >> 2);

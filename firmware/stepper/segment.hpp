@@ -39,16 +39,16 @@ struct Ramp {
 };
 
 /// Length of the longest ramp, half a pulse, in 256ths of the phase.
-inline constexpr std::uint8_t longest_ramp = 128;
+inline constexpr std::uint8_t max_ramp = 128;
 /// Ramp of a phase that is the second half of a pulse, of a motion that was interrupted: it only
 /// falls.
 inline constexpr std::uint8_t falling_ramp = 255;
 /// At most four stairs, none shorter than this unless the phase is: each stair costs the board a
 /// block, some 40 us on the Cortex-M0+.
-inline constexpr int most_log_stairs = 2;
-inline constexpr std::uint32_t least_stair_ticks = 256 * (ticks_per_second / 1'000'000);
+inline constexpr int max_log_stairs = 2;
+inline constexpr std::uint32_t min_stair_ticks = 256 * (ticks_per_second / 1'000'000);
 /// Accelerations of pulses are whole multiples of this, so that every stair is an even number.
-inline constexpr std::int64_t pulse_accel_unit = std::int64_t{4} << most_log_stairs;
+inline constexpr std::int64_t pulse_accel_unit = std::int64_t{4} << max_log_stairs;
 
 /// The ramps of a phase of n ticks that is a pulse or the second half of one.
 Ramp ramp_of(std::uint32_t n, std::uint8_t ramp);
@@ -67,7 +67,7 @@ struct Stair {
 
 /// Number of the first stair of a phase; some may be empty.
 inline std::uint32_t first_stair(std::uint8_t ramp) {
-  return ramp == falling_ramp ? 1u << most_log_stairs : 0;
+  return ramp == falling_ramp ? 1u << max_log_stairs : 0;
 }
 /// Stair i of a phase of n ticks that has ramps; false after the last one.
 bool next_ramp_stair(std::int64_t accel_q62, std::uint32_t n, std::uint8_t ramp, std::uint32_t i,
@@ -197,7 +197,7 @@ inline constexpr int pixel_place_bits = 16, pulse_place_bits = 24;
 /// 12 bits, of which the highest one, always set, is not stored; always above 0.
 class CellTicks {
  public:
-  static constexpr int mantissa_bits = 11, most_exponent = 31;
+  static constexpr int mantissa_bits = 11, max_exponent = 31;
   constexpr explicit CellTicks(std::uint16_t bits) : bits_(bits) {}
   /// mantissa() 2^(exponent() - mantissa_bits), the mantissa with its highest bit.
   static constexpr std::uint16_t of(std::uint32_t mantissa, int exponent) {

@@ -90,7 +90,7 @@ void add_pulse(Command& app, const std::shared_ptr<OperateOptions>& options) {
       .value_name("N")
       .show_default();
   command.add_option("--channel", &options->channel, "Beam channel")
-      .check(number_in({0u, unsigned{wire::highest_channel}}))
+      .check(number_in({0u, unsigned{wire::max_channel}}))
       .value_name("N")
       .show_default();
   command.add_option("--energy", &options->energy, "Flash energy; 0: keep the current value")

@@ -53,10 +53,10 @@ class Trial {
 
   StartState standing() const {
     const machine::JobRunner& runner = board_.controller().runner();
-    StartState standing{runner.shortest_tick_q16(), full_tick_q16};
+    StartState standing{runner.min_tick_q16(), full_tick_q16};
     // As in the runner: axes with different leads never reach the same tick.
     if (runner.generator().lead() == 0)
-      standing.longest_tick_q16 = board_.controller().clock().longest_tick_q16();
+      standing.max_tick_q16 = board_.controller().clock().max_tick_q16();
     return standing;
   }
 

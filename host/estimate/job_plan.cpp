@@ -20,16 +20,16 @@ class WindowStream {
   WindowStream(const job::Job& job, const PlanOptions& options)
       : job_(job),
         options_(options),
-        pace_{options.standing.shortest_tick_q16, options.job_speed},
+        pace_{options.standing.min_tick_q16, options.job_speed},
         encoder_(job, options.first),
         limits_(work_space(job.settings)) {
     decoder_.begin(job::header_from(job, options.first));
     run_.mode = static_cast<wire::JoinMode>(job.header.mode);
     run_.points_total = static_cast<std::uint32_t>(job.targets.size());
-    run_.least_beats = options.min_beats;
+    run_.min_beats = options.min_beats;
     queue_.reset(static_cast<std::uint32_t>(options.first));
     window_.go_on_at({queue_.begin(), 0});
-    plan_.begin_job(job.settings, beat_ticks(job.settings), options.standing.shortest_tick_q16);
+    plan_.begin_job(job.settings, beat_ticks(job.settings), options.standing.min_tick_q16);
     for (stepper::AxisState& axis : start_.axis) axis.position_q64 = stepper::middle_of_step(0);
   }
 
@@ -53,14 +53,15 @@ class WindowStream {
   }
 
   void make_plan() {
-    window_.look({start_.at_rest(), off_target_, options_.job_speed < wire::full_job_speed});
+    window_.fill_request(
+        {start_.at_rest(), off_target_, options_.job_speed < wire::full_job_speed});
     motion::PlanRequest& request = plan_.request();
     request.queue = &queue_;
     request.mode = run_.mode;
-    request.least_beats = run_.least_beats;
+    request.min_beats = run_.min_beats;
     request.start = start_;
     request.follows = !off_target_;
-    plan_.start(pace_, options_.standing.longest_tick_q16);
+    plan_.start(pace_, options_.standing.max_tick_q16);
     while (plan_.advance(job_.settings, job_.settings)) {
     }
     if (plan_.found()) return;

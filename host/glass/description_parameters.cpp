@@ -393,7 +393,7 @@ std::vector<Parameter> parameters(OutputChoice& o) {
        "Number of flashes at each point",
        "N",
        {1, max_flashes, true}},
-      {"channel", "--channel", &o.channel, "Beam channel", "N", {0, wire::highest_channel, true}},
+      {"channel", "--channel", &o.channel, "Beam channel", "N", {0, wire::max_channel, true}},
       {"energy",
        "--energy",
        &o.energy,

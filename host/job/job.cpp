@@ -36,7 +36,7 @@ void check(const geometry::PointCloud& points, const JobOptions& options) {
     throw Error(Exit::bad_input, "job", "there are no points",
                 "check the model, the method and the spacing");
   require_size(points.size());
-  if (options.shots == 0 || options.channel > wire::highest_channel)
+  if (options.shots == 0 || options.channel > wire::max_channel)
     throw Error(Exit::bad_input, "job", "the number of flashes or the channel is out of range",
                 "use 1..255 flashes and channel 0..3");
   if (options.pause_every != 0 && options.pause_beats == 0)

@@ -12,7 +12,7 @@ std::size_t go_on_at(Rows& rows, std::size_t from) {
   if (!before.to.light) return from;
   before.first_run = rows.runs.size();
   before.runs = 1;
-  rows.runs.push_back(wire::longest_run(0, 1));
+  rows.runs.push_back(wire::max_run(0, 1));
   return from - 1;
 }
 

@@ -194,7 +194,7 @@ void JobSender::handle(const wire::Status& status) {
     phase_ = Phase::stream;
     started_at_ = heard_at_;
     finish_by_.reset();
-    const std::size_t most = job_.is_rows() ? wire::most_lines_a_frame : max_points_per_frame;
+    const std::size_t most = job_.is_rows() ? wire::max_lines_a_frame : max_points_per_frame;
     frame_points_ = std::clamp<std::size_t>(status.free_points / 4, 1, most);
   }
   if (phase_ == Phase::stopping && stop_end_ != JobEnd::restarted && status.session == session_)

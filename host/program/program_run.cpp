@@ -167,7 +167,7 @@ class Machine {
     wire::RunPace pace;
     const auto add = [&pace](std::uint32_t cells) {
       while (cells != 0) {
-        const std::uint32_t part = wire::run_cells(wire::longest_run(0, cells));
+        const std::uint32_t part = wire::run_cells(wire::max_run(0, cells));
         pace.add(part);
         cells -= part;
       }

@@ -54,7 +54,7 @@ void check(const model::Bitmap& bitmap, std::size_t columns, std::size_t rows,
 
 std::uint16_t power_of_run(double power) {
   const auto wanted = static_cast<std::uint16_t>(std::lround(power * full_power));
-  return wire::run_power(wire::longest_run(wanted, 1));
+  return wire::run_power(wire::max_run(wanted, 1));
 }
 
 Pixels make_pixels(const model::Bitmap& bitmap, std::size_t columns, std::size_t rows,

@@ -67,7 +67,7 @@ class Writer {
     for (int decimals = 0; word.empty(); ++decimals) {
       std::string text = number(wire::run_power(run) / max_s_word * full_s_, decimals);
       const double power = std::stod(text) / full_s_ * max_s_word;
-      const auto heard = wire::longest_run(static_cast<std::uint16_t>(std::lround(power)), 1);
+      const auto heard = wire::max_run(static_cast<std::uint16_t>(std::lround(power)), 1);
       if (heard >> wire::run_code_bits == run >> wire::run_code_bits || decimals == max_decimals)
         word = std::move(text);
     }

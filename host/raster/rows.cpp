@@ -85,7 +85,7 @@ class RowMaker {
 
   void add(std::uint16_t power, std::uint32_t cells) {
     while (cells != 0) {
-      const std::uint16_t run = wire::longest_run(power, std::min(cells, wire::max_cells_a_line));
+      const std::uint16_t run = wire::max_run(power, std::min(cells, wire::max_cells_a_line));
       const std::uint32_t length = wire::run_cells(run);
       if (runs_ == runs_a_line || length > wire::max_cells_a_line - cells_) end_line();
       rows_.runs.push_back(run);

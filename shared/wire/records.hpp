@@ -42,7 +42,7 @@ inline constexpr std::uint8_t head_shots = 0xC0;
 inline constexpr std::uint8_t head_beats = 0xC1;
 inline constexpr std::uint8_t head_dwell = 0xC2;
 inline constexpr std::uint8_t fourth_axis_mark = 0x40;
-inline constexpr std::uint8_t highest_channel = 3;
+inline constexpr std::uint8_t max_channel = 3;
 
 /// Longest coding of one target: shots 5, beats 3, head 2, four deltas of 4 [bytes].
 inline constexpr std::size_t max_record_size = 5 + 3 + 2 + 4 * max_axes;
@@ -149,7 +149,7 @@ constexpr Result take_shots(ByteReader& in, RecordState& state) {
   state.shots = in.take<std::uint8_t>();
   state.energy = in.take<std::uint16_t>();
   if (!in.ok()) return Result::bad_frame;
-  return state.channel > highest_channel || state.shots == 0 ? Result::bad_value : Result::ok;
+  return state.channel > max_channel || state.shots == 0 ? Result::bad_value : Result::ok;
 }
 
 }  // namespace detail

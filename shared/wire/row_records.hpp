@@ -44,7 +44,7 @@ inline constexpr std::size_t max_runs_a_record = 200;
 /// So that four lines, each with its header, fit into the board's 2048 places.
 inline constexpr std::uint32_t max_runs_a_line = 511;
 inline constexpr std::uint32_t max_cells_a_line = 0xffff;
-inline constexpr std::size_t most_lines_a_frame = 16;
+inline constexpr std::size_t max_lines_a_frame = 16;
 
 /// Longest coding of one line: feed 5, head 2, four deltas of 4 [bytes].
 inline constexpr std::size_t max_row_line_size = 5 + 2 + 4 * max_axes;

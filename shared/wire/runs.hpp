@@ -44,7 +44,7 @@ constexpr std::uint32_t run_cells(std::uint16_t run) {
 }
 
 /// The first run for this number of cells of one power, at least one: as long as possible.
-constexpr std::uint16_t longest_run(std::uint16_t power, std::uint32_t cells) {
+constexpr std::uint16_t max_run(std::uint16_t power, std::uint32_t cells) {
   // Rounded to the nearest of 2048, of which the last is full power.
   const std::uint32_t steps =
       (power - (std::uint32_t{power} >> run_power_bits) + run_short_codes) >> run_code_bits;

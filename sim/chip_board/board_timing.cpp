@@ -85,11 +85,11 @@ void BoardTiming::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   // The first edges come when the pin gets its function.
   if (step_edges_[gpio][level ? 1 : 0] && pads_[tick_gpio].rises != 0) measure_steps(at);
   if (!level) {
-    if (pad.rises != 0) pad.shortest_high = std::min(pad.shortest_high, at - pad.rose);
+    if (pad.rises != 0) pad.min_high = std::min(pad.min_high, at - pad.rose);
     pad.fell = at;
     return;
   }
-  if (pad.rises != 0) pad.shortest_low = std::min(pad.shortest_low, at - pad.fell);
+  if (pad.rises != 0) pad.min_low = std::min(pad.min_low, at - pad.fell);
   ++pad.rises;
   pad.rose = at;
   if (gpio == q_switch_gpio)
@@ -157,7 +157,7 @@ TimingTable BoardTiming::table(Picoseconds delay) const {
                  : static_cast<Picoseconds>(static_cast<double>(cycles) * table.cycle_ns * 1000);
     };
     table.pins.push_back(
-        {std::string(use.name), use.gpio, pad.rises, ps(pad.shortest_high), ps(pad.shortest_low)});
+        {std::string(use.name), use.gpio, pad.rises, ps(pad.min_high), ps(pad.min_low)});
   }
   return table;
 }
@@ -181,11 +181,10 @@ std::string timing_text(const TimingTable& t) {
              kib(t.ram_used), kib(t.ram_size), kib(t.flash_used), kib(t.flash_size),
              t.stacks[0].used, t.stacks[0].size, t.stacks[1].used, t.stacks[1].size);
   for (const PinEdges& pin : t.pins)
-    text += format(
-        "  pin %-13s GPIO %2u: %9llu pulses, shortest high %8.3f us, low %8.3f us\n",
-        pin.name.c_str(), pin.gpio, static_cast<unsigned long long>(pin.rises),
-        pin.shortest_high == never ? 0.0 : static_cast<double>(pin.shortest_high) / ps_per_us,
-        pin.shortest_low == never ? 0.0 : static_cast<double>(pin.shortest_low) / ps_per_us);
+    text += format("  pin %-13s GPIO %2u: %9llu pulses, shortest high %8.3f us, low %8.3f us\n",
+                   pin.name.c_str(), pin.gpio, static_cast<unsigned long long>(pin.rises),
+                   pin.min_high == never ? 0.0 : static_cast<double>(pin.min_high) / ps_per_us,
+                   pin.min_low == never ? 0.0 : static_cast<double>(pin.min_low) / ps_per_us);
   return text;
 }
 

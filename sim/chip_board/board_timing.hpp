@@ -24,8 +24,8 @@ struct PinEdges {
   std::string name;
   unsigned gpio = 0;
   std::uint64_t rises = 0;
-  Picoseconds shortest_high = never;
-  Picoseconds shortest_low = never;
+  Picoseconds min_high = never;
+  Picoseconds min_low = never;
 };
 
 /// Results of the measurement.
@@ -72,7 +72,7 @@ class BoardTiming final : private chip::PadListener {
   struct Pad {
     std::uint64_t rises = 0;
     chip::Cycle rose = 0, fell = 0;
-    chip::Cycle shortest_high = chip::never_cycle, shortest_low = chip::never_cycle;
+    chip::Cycle min_high = chip::never_cycle, min_low = chip::never_cycle;
   };
   void pad_changed(unsigned gpio, bool level, chip::Cycle at) override;
   void find_step_edges();

@@ -99,12 +99,12 @@ std::size_t VirtualBoard::read(std::span<std::uint8_t> bytes) {
 void VirtualBoard::reconnect() {
   from_host_.clear();
   to_host_.clear();
-  controller_->see_host(false);
+  controller_->set_host_present(false);
   controller_->new_connection();
-  controller_->see_host(true);
+  controller_->set_host_present(true);
 }
 
-void VirtualBoard::set_host_present(bool present) { controller_->see_host(present); }
+void VirtualBoard::set_host_present(bool present) { controller_->set_host_present(present); }
 
 void VirtualBoard::pin_changed(Pin pin, bool level, Picoseconds at) {
   switch (pin) {
@@ -228,7 +228,7 @@ void VirtualBoard::service() {
   } else if (planned_at_ <= now_) {
     planned_at_ = never;
     controller_->commit();
-    controller_->tell();
+    controller_->service_host();
   }
   feed_lattice();
   check_outputs();
@@ -251,7 +251,7 @@ void VirtualBoard::main_loop() {
     if (planning_time_ != 0) planned_at_ = now_ + planning_time_;
   }
   if (planned_at_ == never) controller_->commit();
-  controller_->tell();
+  controller_->service_host();
   const std::size_t free = host_buffer - std::min(host_buffer, to_host_.size());
   const std::size_t sent =
       controller_->transmit(std::span(packet).first(std::min(packet.size(), free)));

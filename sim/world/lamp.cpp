@@ -15,7 +15,7 @@ constexpr double echo_min_us = 3;
 constexpr double echo_max_us = 200;
 /// Minimum low time between two pulses, so that each remains a pulse of its own: a first pulse cut
 /// short by its echo is still at least 2.5 us wide, a valid LAMP SYNC.
-constexpr Picoseconds shortest_gap = 500 * ps_per_ns;
+constexpr Picoseconds min_gap = 500 * ps_per_ns;
 
 Picoseconds from_us(double us) {
   return static_cast<Picoseconds>(std::llround(us * static_cast<double>(ps_per_us)));
@@ -77,15 +77,14 @@ void Lamp::make_period(Picoseconds ideal, Picoseconds next_ideal) {
                               std::llround((2 * jitter_draw - 1) * static_cast<double>(jitter_)));
   const Picoseconds edge = std::max<Picoseconds>(0, ideal + jitter);
   const Picoseconds period_end = next_ideal - (config_.triggered ? 0 : jitter_);
-  const double echo_room_us =
-      static_cast<double>(period_end - edge - pulse_ - shortest_gap) / ps_per_us;
+  const double echo_room_us = static_cast<double>(period_end - edge - pulse_ - min_gap) / ps_per_us;
   Picoseconds quiet_from = edge;
   if (dropout_draw < config_.dropout) {
     add(edge, Kind::dropped);
   } else if (doubled_draw < config_.doubled && echo_room_us >= echo_min_us) {
     const double max_us = std::min(echo_max_us, echo_room_us);
     const Picoseconds echo = edge + from_us(echo_min_us + echo_draw * (max_us - echo_min_us));
-    add_pulse(edge, std::min(edge + pulse_, echo - shortest_gap), Kind::flash);
+    add_pulse(edge, std::min(edge + pulse_, echo - min_gap), Kind::flash);
     add_pulse(echo, echo + pulse_, Kind::rise);
     quiet_from = echo + pulse_;
   } else {
@@ -94,8 +93,8 @@ void Lamp::make_period(Picoseconds ideal, Picoseconds next_ideal) {
   }
   if (runt_draw >= config_.runt) return;
   const Picoseconds width = from_us(runt_min_us + runt_width_draw * (runt_max_us - runt_min_us));
-  const Picoseconds first = quiet_from + shortest_gap;
-  const Picoseconds last = period_end - shortest_gap - width;
+  const Picoseconds first = quiet_from + min_gap;
+  const Picoseconds last = period_end - min_gap - width;
   if (last < first) return;
   const Picoseconds rise =
       first + static_cast<Picoseconds>(runt_phase_draw * static_cast<double>(last - first));

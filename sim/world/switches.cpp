@@ -8,7 +8,7 @@ namespace lamplock::sim {
 namespace {
 
 /// For drives without a minimum period.
-constexpr Picoseconds shortest_look = 100 * ps_per_ns;
+constexpr Picoseconds min_poll_period = 100 * ps_per_ns;
 
 bool is_bounce(double us) { return us >= 0 && us <= 1e6; }
 
@@ -57,7 +57,7 @@ ContactConfig ContactConfig::below(int axis, std::int32_t from, std::int32_t hys
 
 Switches::Switches(const std::vector<WireConfig>& wires, PinBus& bus, Drives& drives)
     : bus_(bus),
-      min_period_(std::max(drives.min_period(), shortest_look)),
+      min_period_(std::max(drives.min_period(), min_poll_period)),
       place_(drives.position()) {
   for (const WireConfig& wire : wires) add(wire);
   for (int axis = 0; axis < max_axes; ++axis)

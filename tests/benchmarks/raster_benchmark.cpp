@@ -68,22 +68,22 @@ struct Run {
   unsigned power = 0;
 };
 
-std::vector<Run> random_runs(int row_pixels, unsigned longest_run) {
+std::vector<Run> random_runs(int row_pixels, unsigned max_run) {
   std::mt19937 random(1);
   std::vector<Run> runs;
   unsigned odd = 0;
   for (int left = row_pixels; left != 0; left -= runs.back().pixels) {
-    const int pixels = std::min(left, static_cast<int>(1 + random() % longest_run));
+    const int pixels = std::min(left, static_cast<int>(1 + random() % max_run));
     runs.push_back({pixels, static_cast<unsigned>(2 * (random() % 500) + (odd ^= 1))});
   }
   return runs;
 }
 
-std::string row(double pixel_mm, double feed_mm_s, bool lists, unsigned longest_run) {
+std::string row(double pixel_mm, double feed_mm_s, bool lists, unsigned max_run) {
   std::string text = fmt::format("M3 S0\nF{}\n", feed_mm_s * 60), list;
   const int pixels = row_pixels(pixel_mm, feed_mm_s);
   int i = 0;
-  for (const Run& run : random_runs(pixels, longest_run)) {
+  for (const Run& run : random_runs(pixels, max_run)) {
     list += fmt::format("{}{}", list.empty() ? "S" : ":", run.power);
     if (lists && run.pixels > 1) list += fmt::format("*{}", run.pixels);
     i += run.pixels;
@@ -95,14 +95,14 @@ std::string row(double pixel_mm, double feed_mm_s, bool lists, unsigned longest_
 }
 
 /// The row as lines of a row job.
-std::vector<test::PixelLine> row_lines(double pixel_mm, double feed_mm_s, unsigned longest_run) {
+std::vector<test::PixelLine> row_lines(double pixel_mm, double feed_mm_s, unsigned max_run) {
   std::vector<test::PixelLine> lines;
   test::PixelLine line;
   const int pixels = row_pixels(pixel_mm, feed_mm_s);
   int i = 0;
-  for (const Run& run : random_runs(pixels, longest_run)) {
+  for (const Run& run : random_runs(pixels, max_run)) {
     const auto power = static_cast<std::uint16_t>(run.power * 65'535 / 1000);
-    line.runs.push_back(wire::longest_run(power, static_cast<std::uint32_t>(run.pixels)));
+    line.runs.push_back(wire::max_run(power, static_cast<std::uint32_t>(run.pixels)));
     i += run.pixels;
     if (line.runs.size() != runs_a_line && i != pixels) continue;
     line.line.steps[0] = static_cast<std::int32_t>(std::lround(pixel_mm * 200 * i));
@@ -116,14 +116,12 @@ std::vector<test::PixelLine> row_lines(double pixel_mm, double feed_mm_s, unsign
 /// A sender of text or of frames.
 class RowSender {
  public:
-  RowSender(sim::ChipBoard& board, double pixel_mm, double feed_mm_s, Form form,
-            unsigned longest_run)
+  RowSender(sim::ChipBoard& board, double pixel_mm, double feed_mm_s, Form form, unsigned max_run)
       : form_(form),
         text_(board),
         transport_(board),
-        frames_(transport_, row_lines(pixel_mm, feed_mm_s, longest_run), {}) {
-    if (form != Form::frames)
-      text_.give(row(pixel_mm, feed_mm_s, form == Form::lists, longest_run));
+        frames_(transport_, row_lines(pixel_mm, feed_mm_s, max_run), {}) {
+    if (form != Form::frames) text_.give(row(pixel_mm, feed_mm_s, form == Form::lists, max_run));
   }
   void step() {
     if (form_ == Form::frames) return frames_.step(std::chrono::microseconds(100));
@@ -155,9 +153,9 @@ double share(const test::SleepWatch& core) {
 }
 
 Rate measure(sim::ChipBoard& board, double pixel_mm, double feed_mm_s, Form form,
-             unsigned longest_run) {
+             unsigned max_run) {
   const sim::Picoseconds end = board.now() + 20 * sim::ps_per_s;
-  RowSender sender(board, pixel_mm, feed_mm_s, form, longest_run);
+  RowSender sender(board, pixel_mm, feed_mm_s, form, max_run);
   const double row_steps = row_pixels(pixel_mm, feed_mm_s) * pixel_mm * 200;
   const auto x = [&board] { return board.world().drives().position()[0]; };
   const auto run_to = [&](double part) {
@@ -182,7 +180,7 @@ void chip_pixels(benchmark::State& state) {
   const double pixel_mm = static_cast<double>(state.range(0)) / 1000;
   const auto feed_mm_s = static_cast<double>(state.range(1));
   const auto form = static_cast<Form>(state.range(2));
-  const auto longest_run = static_cast<unsigned>(state.range(3));
+  const auto max_run = static_cast<unsigned>(state.range(3));
   const sim::chip::Image image = sim::chip::load_image(test::flash_image_path());
   Rate rate;
   for (auto _ : state) {
@@ -191,7 +189,7 @@ void chip_pixels(benchmark::State& state) {
       state.SkipWithError("the host has not found the board");
       break;
     }
-    rate = measure(board, pixel_mm, feed_mm_s, form, longest_run);
+    rate = measure(board, pixel_mm, feed_mm_s, form, max_run);
     if (!rate.complete) state.SkipWithError("the row was not run to its end");
   }
   state.counters["pixels_per_s"] = rate.pixels_per_s;
@@ -202,7 +200,7 @@ void chip_pixels(benchmark::State& state) {
   state.counters["core1"] = rate.core1;
 }
 BENCHMARK(chip_pixels)
-    ->ArgNames({"pixel_um", "feed_mm_s", "form", "longest_run"})
+    ->ArgNames({"pixel_um", "feed_mm_s", "form", "max_run"})
     ->ArgsProduct({{100}, {300, 500}, {0, 1, 2}, {1}})
     ->ArgsProduct({{50}, {200, 300}, {0, 1, 2}, {1}})
     ->ArgsProduct({{100}, {800}, {1, 2}, {1}})

@@ -227,7 +227,7 @@ TEST(Gantry, WithoutASecondSwitchItFollows) {
   controller.receive({reinterpret_cast<const std::uint8_t*>(home.data()), home.size()});
   controller.prepare(0);
   controller.commit();
-  controller.tell();
+  controller.service_host();
   listen();
   EXPECT_THAT(said, HasSubstr("[MSG:Not squared: A has no limit switch]"));
   EXPECT_EQ(controller.state(), MachineState::home);

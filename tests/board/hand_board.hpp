@@ -66,7 +66,7 @@ class HandBoard {
     while (plans_itself && plan && core.plan()) {
     }
     ASSERT_NO_FATAL_FAILURE(hand_out());
-    core.tell();
+    core.service_host();
     if (gap == 3) interrupt();
     feed();
     withdraw();

@@ -32,7 +32,7 @@ void expect_as_fresh(const Looking& it, const Departure& departure) {
   motion::PlanRequest request;
   NextWindow fresh(it.queue, it.beam, it.options, request);
   fresh.go_on_at(it.window.place());
-  fresh.look(departure);
+  fresh.fill_request(departure);
   ASSERT_EQ(it.window.ready(), fresh.ready());
   ASSERT_EQ(it.request.count, request.count);
   if (request.count == 0) return;
@@ -65,7 +65,7 @@ TEST(NextWindow, IsThatOfThePlaceWhereHandingOutContinues) {
           it->window.go_on_at({it->queue.begin(), 0});
           break;
         case 2:
-          it->window.look(departure);
+          it->window.fill_request(departure);
           if (it->window.empty()) break;
           it->window.go_on_at(it->window.place_after(
               0, 1 + static_cast<std::uint32_t>(random() % it->request.commits())));
@@ -79,7 +79,7 @@ TEST(NextWindow, IsThatOfThePlaceWhereHandingOutContinues) {
             it->window.go_on_at({it->queue.begin(), 0});
         }
       }
-      it->window.look(departure);
+      it->window.fill_request(departure);
       ASSERT_NO_FATAL_FAILURE(expect_as_fresh(*it, departure));
     }
   }
@@ -90,13 +90,13 @@ TEST(NextWindow, IsSearchedOnceUntilForgotten) {
   Looking it;
   it.options.points_total = 2;
   it.queue.push({});
-  it.window.look({});
+  it.window.fill_request({});
   it.queue.push({});
-  it.window.look({});
+  it.window.fill_request({});
   EXPECT_EQ(it.request.count, 1u);
   EXPECT_FALSE(it.window.ready());
   it.window.forget();
-  it.window.look({});
+  it.window.fill_request({});
   EXPECT_EQ(it.request.count, 2u);
   EXPECT_TRUE(it.window.ready());
 }

@@ -54,7 +54,7 @@ class PixelLines {
   }
   void add_cells(int power, int cells) {
     for (auto left = static_cast<std::uint32_t>(cells); left != 0;) {
-      const std::uint16_t run = wire::longest_run(Raster::light_of(power), left);
+      const std::uint16_t run = wire::max_run(Raster::light_of(power), left);
       open_.runs.push_back(run);
       at_ += way_ * static_cast<int>(wire::run_cells(run));
       left -= wire::run_cells(run);

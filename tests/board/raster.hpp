@@ -50,13 +50,13 @@ class Raster {
   /// At least 22.5 mm.
   static constexpr int run_up_pixels = 250;
 
-  /// Runs of one to `longest_run` equal pixels, dark ones and lit ones.
-  Raster(std::uint64_t seed, int rows, int columns, int longest_run) : columns_(columns) {
+  /// Runs of one to `max_run` equal pixels, dark ones and lit ones.
+  Raster(std::uint64_t seed, int rows, int columns, int max_run) : columns_(columns) {
     std::mt19937_64 random(seed);
     for (int row = 0; row < rows; ++row) {
       std::vector<int> pixels;
       while (static_cast<int>(pixels.size()) < columns) {
-        const auto run = 1 + random() % static_cast<std::uint64_t>(longest_run);
+        const auto run = 1 + random() % static_cast<std::uint64_t>(max_run);
         const int power = random() % 3 == 0 ? 0 : static_cast<int>(1 + random() % 1000);
         pixels.insert(pixels.end(), run, power);
       }
@@ -91,7 +91,7 @@ class Raster {
   /// Result of a board.
   struct Judgement {
     int lit_as_wanted = 0;      ///< pixels, including dark ones
-    double largest_shift = 0;   ///< from a pixel's edge to its light change, steps
+    double max_shift = 0;       ///< from a pixel's edge to its light change, steps
     double slowest_mm_s = 1e9;  ///< mean of the slowest row
     int changes = 0;
   };
@@ -200,7 +200,7 @@ class Raster {
       if (std::abs(now - before) <= min_change) continue;
       before = now;
       ++result.changes;
-      result.largest_shift = std::max(result.largest_shift, shift_of(way, pixels, c->at + lead));
+      result.max_shift = std::max(result.max_shift, shift_of(way, pixels, c->at + lead));
     }
     // A duty has 2000 counts, each 33 of 65535; in M4 it follows the speed within 0.04 %.
     constexpr int rounding = 60;
@@ -248,8 +248,8 @@ class Raster {
 };
 
 /// A larger test scale adds rows, not columns: rows must fit the work area.
-inline Raster sized_raster(std::uint64_t seed, int columns, int longest_run) {
-  return {seed, std::max(2, scaled(2)), std::min(columns, scaled(columns)), longest_run};
+inline Raster sized_raster(std::uint64_t seed, int columns, int max_run) {
+  return {seed, std::max(2, scaled(2)), std::min(columns, scaled(columns)), max_run};
 }
 
 /// Every pixel has its light, which changes at the edges of pixels, at full speed. The laser
@@ -261,9 +261,9 @@ inline void expect_engraved(const Raster& raster, const PinMonitor& monitor, sim
                    static_cast<sim::Picoseconds>(lead_us * sim::ps_per_us), rounding);
   std::cout << fmt::format(
       "{} changes of light, at most {:.2f} steps from their places; {:.1f} mm/s\n",
-      judgement.changes, judgement.largest_shift, judgement.slowest_mm_s);
+      judgement.changes, judgement.max_shift, judgement.slowest_mm_s);
   EXPECT_EQ(judgement.lit_as_wanted, raster.pixels());
-  EXPECT_LE(judgement.largest_shift, 1);
+  EXPECT_LE(judgement.max_shift, 1);
   EXPECT_GT(judgement.changes, raster.pixels() / 10);
   EXPECT_GT(judgement.slowest_mm_s, 0.98 * Raster::speed_mm_s);
   EXPECT_FALSE(board.bus().level(sim::Pin::laser_gate));

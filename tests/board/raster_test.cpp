@@ -58,7 +58,7 @@ TEST(Raster, ResumesInThePixelWhereItWasHeld) {
     const Raster::Judgement judgement = raster.judge(rig.monitor, rig.board.world().beam(),
                                                      static_cast<Picoseconds>(lead_us * ps_per_us));
     EXPECT_EQ(judgement.lit_as_wanted, raster.pixels()) << i;
-    EXPECT_LE(judgement.largest_shift, 1) << i;
+    EXPECT_LE(judgement.max_shift, 1) << i;
     EXPECT_GT(judgement.changes, raster.pixels() / 10);
     EXPECT_LT(judgement.slowest_mm_s, Raster::speed_mm_s / 2);
     EXPECT_GT(holds, 5);

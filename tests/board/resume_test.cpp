@@ -98,7 +98,7 @@ class Workpiece {
   /// A run of the job begins on this board.
   virtual void begin(const Rig& rig, std::size_t from, std::uint32_t fired) = 0;
   /// Counts what this board has done; called before the board is replaced or after the job.
-  virtual void see(const Rig& rig) = 0;
+  virtual void count_done(const Rig& rig) = 0;
   /// The amount of item `i` that was done, and its full amount.
   virtual std::pair<double, double> done(std::size_t i) const = 0;
 
@@ -119,11 +119,11 @@ class Points final : public Workpiece {
     fired_.resize(job.size());
   }
   void begin(const Rig& rig, std::size_t from, std::uint32_t fired) override {
-    see(rig);
+    count_done(rig);
     at_ = from;
     flashes_ = fired;
   }
-  void see(const Rig& rig) override {
+  void count_done(const Rig& rig) override {
     if (&rig != seen_of_) seen_ = 0;
     seen_of_ = &rig;
     for (; seen_ < rig.shots().size(); ++seen_) {
@@ -167,7 +167,7 @@ class Rows final : public Workpiece {
   }
   void begin(const Rig&, std::size_t, std::uint32_t) override {}
   /// Assigns light to the line on which the machine was.
-  void see(const Rig& rig) override {
+  void count_done(const Rig& rig) override {
     const std::vector<sim::BeamChange> light = rig.board.world().beam().changes();
     const auto &x = rig.monitor.steps(0), &y = rig.monitor.steps(1);
     std::size_t next_y = 0, change = 0;
@@ -208,7 +208,7 @@ class Rows final : public Workpiece {
         // Dark where the machine accelerates and brakes, and at the borders between lines.
         const bool dark = cell < 4 || cell >= cells - 4;
         const auto power = static_cast<std::uint16_t>(dark ? 0 : 10'000 + random() % 50'000);
-        job.rows.runs.push_back(wire::longest_run(power, 1));
+        job.rows.runs.push_back(wire::max_run(power, 1));
       }
       job.rows.lines.push_back({{{line * line_steps, y, 0, 0}, true, feed_milli}, first, cells});
     }
@@ -280,7 +280,7 @@ class Story {
     ASSERT_TRUE(over_) << "the advice did not finish the job" << log_;
     EXPECT_NE(is_done_, std::filesystem::exists(journal_));
     bench_.run(ps_per_s);
-    piece_.see(*bench_.rig);
+    piece_.count_done(*bench_.rig);
     check();
   }
 
@@ -289,7 +289,7 @@ class Story {
   Picoseconds up_to(Picoseconds time) {
     return std::uniform_int_distribution<Picoseconds>(0, time)(random_);
   }
-  void gone() { piece_.see(*bench_.rig); }
+  void gone() { piece_.count_done(*bench_.rig); }
 
   /// Runs `send` with these options to its end; returns the options that it advises.
   Options run_once(const Options& options, End end) {
@@ -460,7 +460,7 @@ class Story {
       text += ", job " + std::to_string(mark.session) + " first point not fired " +
               std::to_string(mark.first_unfired) + (mark.shot_out ? ", which may have been" : "");
     machine::Controller& core = bench_.rig->board.controller();
-    core.say(text);
+    core.report_message(text);
     if (mark.session != 0) core.start_in_alarm();
     bench_.run(ps_per_ms);
   }

@@ -70,7 +70,7 @@ inline std::vector<RowFrame> row_frames(const std::vector<PixelLine>& lines,
       places += header_place + static_cast<std::uint32_t>(count);
       left = left.subspan(count);
     }
-    if (in_frame == wire::most_lines_a_frame) end();
+    if (in_frame == wire::max_lines_a_frame) end();
     while (!wire::put_row_line(out, state, lines[i].line, header.axes)) {
       if (out.size() == 0) throw std::logic_error("a line cannot be coded");
       end();

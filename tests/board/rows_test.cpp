@@ -120,7 +120,7 @@ TEST(Rows, InShortLinesDoNotRestBetweenThem) {
   std::vector<PixelLine> lines;
   for (int i = 1; i <= lines_in_all; ++i) {
     PixelLine line{{{i * cells * steps_per_cell, 0, 0, 0}, true, raster_feed_milli}, {}};
-    for (int k = 0; k < cells; ++k) line.runs.push_back(wire::longest_run(20'000, 1));
+    for (int k = 0; k < cells; ++k) line.runs.push_back(wire::max_run(20'000, 1));
     lines.push_back(line);
   }
   for (const std::size_t max_bytes : {120u, 200u, 499u}) {
@@ -150,8 +150,7 @@ TEST(Rows, OfDenseRunsAreSlowedToTheRateOfTheBoard) {
     for (int i = 0; i < lines_a_part; ++i) {
       x_steps += runs_a_line * cells_a_run * cell_steps;
       PixelLine line{{{x_steps, 0, 0, 0}, true, raster_feed_milli}, {}};
-      line.runs.assign(runs_a_line,
-                       wire::longest_run(power, static_cast<std::uint32_t>(cells_a_run)));
+      line.runs.assign(runs_a_line, wire::max_run(power, static_cast<std::uint32_t>(cells_a_run)));
       lines.push_back(line);
     }
   }
@@ -506,7 +505,7 @@ TEST(Rows, ThatAreInvalidAreRefusedWhole) {
   EXPECT_EQ(value, 1u);
   EXPECT_EQ(refusal(machine, good, &value, 0), Result::bad_value);
   std::vector<std::uint8_t> lines;
-  for (std::size_t i = 0; i < wire::most_lines_a_frame; ++i)
+  for (std::size_t i = 0; i < wire::max_lines_a_frame; ++i)
     lines.insert(lines.end(), {0x41, static_cast<std::uint8_t>(i % 2 == 0 ? 1 : 255)});
   EXPECT_EQ(refusal(machine, lines), Result::ok);
   lines.insert(lines.end(), {0x41, 1});
@@ -558,11 +557,11 @@ TEST(Rows, AreNotTakenWithoutRoom) {
   EXPECT_EQ(core.on_data(frame), Result::ok);
   // Lines without light need no runs, but they need room.
   std::vector<std::uint8_t> rapids;
-  for (std::size_t i = 0; i < wire::most_lines_a_frame; ++i)
+  for (std::size_t i = 0; i < wire::max_lines_a_frame; ++i)
     rapids.insert(rapids.end(), {0x41, static_cast<std::uint8_t>(i % 2 == 0 ? 1 : 255)});
   while (core.on_data(rapids) == Result::ok) {
   }
-  EXPECT_LT(rig.status().free_points, wire::most_lines_a_frame);
+  EXPECT_LT(rig.status().free_points, wire::max_lines_a_frame);
 }
 
 /// Corrupted frames with a correct checksum are accepted whole or not at all and never lead out of

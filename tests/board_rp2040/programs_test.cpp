@@ -275,7 +275,7 @@ TEST(Programs, RuntsAreIgnoredUpToTheClock) {
   }
   Fire f;
   f.rig.put(Fire::sm, 10 | 4u << 16);
-  f.pulse(100, longest_runt_clocks + 1, 60, 9000, 2000);
+  f.pulse(100, max_runt_clocks + 1, 60, 9000, 2000);
   EXPECT_EQ(f.rig.edges[q_switch].size(), 2u);
 }
 

@@ -333,12 +333,12 @@ TEST(StepExpander, TwoLightsInACellNeverExceedTheirPowers) {
         expander.put_power(0, begin - end);
         expander.put_power(other, 2 * cell);
         const auto count = power->counts[(1 + power_ahead_cells) % power_ring_cells];
-        const auto most_near = [&](std::uint32_t t) {
+        const auto max_near = [&](std::uint32_t t) {
           return std::max(t < end + cell / 2 ? one : 0, t + cell / 2 >= begin ? other : 0);
         };
         for (std::uint32_t t = 0; t < cell; ++t)
           if (t < end || t >= begin) {
-            ASSERT_LE(count, laser_duty(static_cast<std::uint16_t>(most_near(t)))) << t;
+            ASSERT_LE(count, laser_duty(static_cast<std::uint16_t>(max_near(t)))) << t;
           }
       }
     }

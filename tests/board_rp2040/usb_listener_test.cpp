@@ -27,8 +27,8 @@ constexpr Function stream = Function::stream;
 struct Ear {
   explicit Ear(std::uint32_t start_us = 0) : now_us(start_us) { listener.reset(now_us); }
   /// Receives a packet that ends a line.
-  Verdict hear(Function from, bool tied = false) { return say(from, "?\n", tied); }
-  Verdict say(Function from, std::string_view text, bool tied = false) {
+  Verdict hear(Function from, bool tied = false) { return send(from, "?\n", tied); }
+  Verdict send(Function from, std::string_view text, bool tied = false) {
     std::array<std::uint32_t, 16> words{};
     std::memcpy(words.data(), text.data(), text.size());
     return listener.packet(
@@ -114,23 +114,23 @@ TEST(UsbListener, LinesThatBeganInDroppedBytesAreMarked) {
         Case{"\x02\x45\x03$I", Verdict::take_over_broken}}) {
     Ear ear;
     ear.hear(stream);
-    ASSERT_EQ(ear.say(serial, one.dropped), Verdict::drop);
-    ear.say(serial, "?");  // does not affect the line around it
+    ASSERT_EQ(ear.send(serial, one.dropped), Verdict::drop);
+    ear.send(serial, "?");  // does not affect the line around it
     ear.pass(1'000'000);
     EXPECT_EQ(ear.hear(serial), one.then) << one.dropped;
     EXPECT_EQ(ear.hear(serial), Verdict::take);
   }
   // A line begun while a function was active is never completed later.
   Ear turns;
-  ASSERT_EQ(turns.say(serial, "$110=6"), Verdict::take);
+  ASSERT_EQ(turns.send(serial, "$110=6"), Verdict::take);
   ASSERT_EQ(turns.hear(stream), Verdict::take_over);
   turns.pass(1'000'000);
-  EXPECT_EQ(turns.say(serial, "0\n"), Verdict::take_over_broken);
+  EXPECT_EQ(turns.send(serial, "0\n"), Verdict::take_over_broken);
   // The port that gets the answers is marked as well, if it was not active.
   Ear ear;
   ear.hear(stream);
   ear.listener.reset(ear.now_us);
-  EXPECT_EQ(ear.say(serial, "G1X", true), Verdict::drop);
+  EXPECT_EQ(ear.send(serial, "G1X", true), Verdict::drop);
   ear.pass(10'000'000);
   EXPECT_EQ(ear.hear(serial, true), Verdict::take_over_broken);
 }
@@ -148,7 +148,7 @@ std::string heard(UsbHost& host) {
   return text;
 }
 
-Handshake say(UsbHost& host, std::uint8_t endpoint, std::string_view text) {
+Handshake send(UsbHost& host, std::uint8_t endpoint, std::string_view text) {
   host.endpoint = endpoint;
   return host.bulk_out(bytes_of(text));
 }
@@ -164,14 +164,14 @@ TEST(UsbFunctionsTogether, AnswersGoToTheActiveFunction) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
   const std::uint32_t start = host.serial.generation();
-  ASSERT_EQ(say(host, 2, "$I\n"), Handshake::ack);
+  ASSERT_EQ(send(host, 2, "$I\n"), Handshake::ack);
   EXPECT_EQ(host.serial.generation(), start);
   EXPECT_EQ(heard(host), "$I\n");
   host.serial.write(bytes_of("one"));
   host.serve();
   EXPECT_EQ(ask(host, 3), "");
   EXPECT_EQ(ask(host, 2), "one");
-  ASSERT_EQ(say(host, 3, "$G\n"), Handshake::ack);
+  ASSERT_EQ(send(host, 3, "$G\n"), Handshake::ack);
   EXPECT_NE(host.serial.generation(), start) << "a new connection";
   EXPECT_EQ(heard(host), "$G\n");
   host.serial.write(bytes_of("two"));
@@ -183,9 +183,9 @@ TEST(UsbFunctionsTogether, AnswersGoToTheActiveFunction) {
 TEST(UsbFunctionsTogether, IncompleteLinesAndAnswersEndWithTheirConnection) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
-  say(host, 2, "$110=6");
+  send(host, 2, "$110=6");
   host.serial.write(bytes_of("answer to the serial port"));
-  say(host, 3, "0\n");
+  send(host, 3, "0\n");
   EXPECT_EQ(heard(host), "0\n") << "the generation shows that it is not the end of a line";
   host.serve();
   EXPECT_EQ(ask(host, 3), "");
@@ -197,12 +197,12 @@ TEST(UsbFunctionsTogether, TheFirstLineAfterASwitchIsWhole) {
     for (const bool was_heard : {false, true}) {
       UsbHost host;
       ASSERT_TRUE(host.enumerate());
-      if (!was_heard) say(host, 3, "$G\n");
-      say(host, 2, before);
-      say(host, 3, "$G\n");
+      if (!was_heard) send(host, 3, "$G\n");
+      send(host, 2, before);
+      send(host, 3, "$G\n");
       heard(host);
       host.usb.now_us += Listener::idle_lease_us;
-      say(host, 2, "$I\n?");
+      send(host, 2, "$I\n?");
       EXPECT_EQ(heard(host), "$I\n?") << before;
     }
   }
@@ -212,10 +212,10 @@ TEST(UsbFunctionsTogether, TheFirstLineAfterASwitchIsWhole) {
 TEST(UsbFunctionsTogether, TheFirstReadOfANewConnectionIsEmpty) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
-  say(host, 2, "$I\n");
+  send(host, 2, "$I\n");
   EXPECT_EQ(heard(host), "$I\n");
   const std::uint32_t generation = host.serial.generation();
-  say(host, 3, "$110=60\n");
+  send(host, 3, "$110=60\n");
   std::array<std::uint8_t, 64> bytes{};
   EXPECT_EQ(host.serial.read(bytes), 0u);
   EXPECT_NE(host.serial.generation(), generation);
@@ -226,17 +226,17 @@ TEST(UsbFunctionsTogether, TheInactiveFunctionNeverWaitsAndIsNeverReadLater) {
   UsbHost host;
   ASSERT_TRUE(host.enumerate());
   host.serial.set_tied(false);
-  ASSERT_EQ(say(host, 3, "job"), Handshake::ack);
+  ASSERT_EQ(send(host, 3, "job"), Handshake::ack);
   host.serial.set_tied(true);
   EXPECT_EQ(heard(host), "job");
   const std::uint32_t generation = host.serial.generation();
-  for (int i = 0; i < 500; ++i) ASSERT_EQ(say(host, 2, "!\x18~ G1 X1\n"), Handshake::ack);
+  for (int i = 0; i < 500; ++i) ASSERT_EQ(send(host, 2, "!\x18~ G1 X1\n"), Handshake::ack);
   EXPECT_EQ(heard(host), "");
   EXPECT_EQ(host.serial.generation(), generation);
   EXPECT_EQ(host.serial.counters().packets_unheard, 500u);
   host.serial.set_tied(false);
   EXPECT_EQ(heard(host), "");
-  ASSERT_EQ(say(host, 3, "more"), Handshake::ack);
+  ASSERT_EQ(send(host, 3, "more"), Handshake::ack);
   EXPECT_EQ(heard(host), "more");
 }
 
@@ -278,7 +278,7 @@ TEST(UsbFunctionsTogether, NoLineIsEverMadeOfTwo) {
     Sender& sender = senders[random() % 2];
     if (sender.rest.empty()) sender.rest = std::string(20, sender.letter) + '\n';
     const std::size_t size = 1 + random() % sender.rest.size();
-    if (say(host, sender.endpoint, sender.rest.substr(0, size)) == Handshake::ack)
+    if (send(host, sender.endpoint, sender.rest.substr(0, size)) == Handshake::ack)
       sender.rest.erase(0, size);
     take();
     if (random() % 8 == 0) host.usb.now_us += static_cast<std::uint32_t>(random() % 2'000'000);

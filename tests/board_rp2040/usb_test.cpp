@@ -681,7 +681,7 @@ TEST(UsbBulk, APacketThatArrivesMeanwhileIsScannedBeforeItIsRead) {
   struct Taker {
     FakeUsb& usb;
     std::string events{};
-    rp2040::usb::PacketLook look(const volatile std::uint32_t*, std::uint32_t size) {
+    rp2040::usb::PacketLook inspect(const volatile std::uint32_t*, std::uint32_t size) {
       events += "look" + std::to_string(size) + " ";
       return rp2040::usb::PacketLook::take;
     }

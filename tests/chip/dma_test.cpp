@@ -42,7 +42,7 @@ struct DmaTest : testing::Test {
     rig.dma(ch(channel, 0x08), count);
     rig.dma(ch(channel, 0x10), control.word());
   }
-  bool busy(unsigned channel) { return (rig.dma_look(ch(channel, 0x10)) >> 24 & 1u) != 0; }
+  bool busy(unsigned channel) { return (rig.read_dma(ch(channel, 0x10)) >> 24 & 1u) != 0; }
   std::uint32_t word(std::uint32_t offset) {
     std::uint32_t value;
     std::memcpy(&value, rig.bus.sram().data() + offset, 4);
@@ -63,17 +63,17 @@ TEST_F(DmaTest, OneTransferAClockAfterTheStart) {
   // Reads in start + dma_start .. + 9, writes one later.
   rig.run_to(at + rig.timing.dma_start + 9);
   EXPECT_TRUE(busy(0));
-  EXPECT_EQ(rig.dma_look(ch(0, 0x08)), 1u);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x08)), 1u);
   rig.run(1);
   EXPECT_FALSE(busy(0));
   for (unsigned i = 0; i < 10; ++i) EXPECT_EQ(word(0x100 + 4 * i), 0x1000'0000u + i);
-  EXPECT_EQ(rig.dma_look(intr_dma), 1u);
-  EXPECT_EQ(rig.dma_look(ch(0, 0x00)), ram + 40);
-  EXPECT_EQ(rig.dma_look(ch(0, 0x04)), ram + 0x100 + 40);
-  EXPECT_EQ(rig.dma_look(ch(0, 0x804 - 0x000)), 10u);  // DBG_TCR
+  EXPECT_EQ(rig.read_dma(intr_dma), 1u);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x00)), ram + 40);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x04)), ram + 0x100 + 40);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x804 - 0x000)), 10u);  // DBG_TCR
   // Triggered again it continues from there with the same count.
   rig.dma(multi, 1);
-  EXPECT_EQ(rig.dma_look(ch(0, 0x08)), 10u);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x08)), 10u);
 }
 
 TEST_F(DmaTest, SizesAndByteSwap) {
@@ -129,7 +129,7 @@ TEST_F(DmaTest, ChainStartsTheNextAndControlBlocksWork) {
   EXPECT_FALSE(busy(1));
   const std::uint32_t wanted[] = {0, 1, 16, 17, 18};
   for (unsigned i = 0; i < 5; ++i) EXPECT_EQ(word(0x800 + 4 * i), 0x1000'0000u + wanted[i]);
-  EXPECT_EQ(rig.dma_look(intr_dma), 3u);  // 0 at each end; 1 only at the null trigger
+  EXPECT_EQ(rig.read_dma(intr_dma), 3u);  // 0 at each end; 1 only at the null trigger
 }
 
 TEST_F(DmaTest, DisabledIgnoresTriggersAndPausesWhileBusy) {
@@ -140,10 +140,10 @@ TEST_F(DmaTest, DisabledIgnoresTriggersAndPausesWhileBusy) {
   rig.run(20);
   rig.dma(ch(3, 0x10), Control{.chain = 3, .enable = false}.word());
   rig.run(10);
-  const std::uint32_t left = rig.dma_look(ch(3, 0x08));
+  const std::uint32_t left = rig.read_dma(ch(3, 0x08));
   rig.run(1000);
   EXPECT_TRUE(busy(3));
-  EXPECT_EQ(rig.dma_look(ch(3, 0x08)), left);
+  EXPECT_EQ(rig.read_dma(ch(3, 0x08)), left);
   rig.dma(ch(3, 0x10), Control{.chain = 3}.word());
   rig.run(200);
   EXPECT_FALSE(busy(3));
@@ -154,26 +154,26 @@ TEST_F(DmaTest, AbortEndsASequence) {
   start(2, ram, ram + 0x400, 1'000'000, {.write = false});
   rig.run(50);
   rig.dma(chan_abort, 1u << 2);
-  EXPECT_EQ(rig.dma_look(chan_abort), 1u << 2);  // one read is not written yet
+  EXPECT_EQ(rig.read_dma(chan_abort), 1u << 2);  // one read is not written yet
   rig.run(5);
-  EXPECT_EQ(rig.dma_look(chan_abort), 0u);
+  EXPECT_EQ(rig.read_dma(chan_abort), 0u);
   EXPECT_FALSE(busy(2));
-  EXPECT_EQ(rig.dma_look(ch(2, 0x08)), 0u);
-  EXPECT_EQ(rig.dma_look(levels), 0u);
-  EXPECT_EQ(rig.dma_look(intr_dma), 1u << 2);  // RP2040-E13
+  EXPECT_EQ(rig.read_dma(ch(2, 0x08)), 0u);
+  EXPECT_EQ(rig.read_dma(levels), 0u);
+  EXPECT_EQ(rig.read_dma(intr_dma), 1u << 2);  // RP2040-E13
 }
 
 TEST_F(DmaTest, BusErrorsHaltAndInterrupt) {
   start(0, 0x3000'0000, ram, 5, {.quiet = true});
   rig.run(20);
-  EXPECT_EQ(rig.dma_look(ch(0, 0x10)) >> 29, 0b110u);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x10)) >> 29, 0b110u);
   EXPECT_FALSE(busy(0));
-  EXPECT_EQ(rig.dma_look(intr_dma), 1u);
+  EXPECT_EQ(rig.read_dma(intr_dma), 1u);
   rig.dma(ch(0, 0x10), Control{}.word() | 1u << 30);
-  EXPECT_EQ(rig.dma_look(ch(0, 0x10)) >> 29, 0u);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x10)) >> 29, 0u);
   start(1, ram, 0x3000'0000, 5, {.chain = 1});
   rig.run(20);
-  EXPECT_EQ(rig.dma_look(ch(1, 0x10)) >> 29, 0b101u);
+  EXPECT_EQ(rig.read_dma(ch(1, 0x10)) >> 29, 0b101u);
 }
 
 TEST_F(DmaTest, InterruptRegisters) {
@@ -186,13 +186,13 @@ TEST_F(DmaTest, InterruptRegisters) {
   rig.run(10);
   EXPECT_TRUE(line(Irq::dma_0));
   EXPECT_FALSE(line(Irq::dma_1));
-  EXPECT_EQ(rig.dma_look(ints0), 1u << 4);
+  EXPECT_EQ(rig.read_dma(ints0), 1u << 4);
   rig.dma(ints0, 1u << 4);
   EXPECT_FALSE(line(Irq::dma_0));
   rig.dma(intf0 + 0x10, 1);
   EXPECT_TRUE(line(Irq::dma_1));
-  EXPECT_EQ(rig.dma_look(ints0 + 0x10), 1u);
-  EXPECT_EQ(rig.dma_look(n_channels), 12u);
+  EXPECT_EQ(rig.read_dma(ints0 + 0x10), 1u);
+  EXPECT_EQ(rig.read_dma(n_channels), 12u);
 }
 
 // A set alias on INTS acknowledges only the written bits, not all pending ones.
@@ -200,21 +200,21 @@ TEST_F(DmaTest, AliasesClearOnlyTheWrittenBitsOfInterruptRegisters) {
   rig.dma(inte0, 3);
   for (const unsigned channel : {0u, 1u}) start(channel, ram, ram + 0x100, 1, {.chain = channel});
   rig.run(10);
-  ASSERT_EQ(rig.dma_look(ints0), 3u);
+  ASSERT_EQ(rig.read_dma(ints0), 3u);
   rig.dma(0x2000 + ints0, 1);  // set
-  EXPECT_EQ(rig.dma_look(ints0), 2u);
+  EXPECT_EQ(rig.read_dma(ints0), 2u);
   rig.dma(0x3000 + intr_dma, 2);  // clear
-  EXPECT_EQ(rig.dma_look(intr_dma), 0u);
+  EXPECT_EQ(rig.read_dma(intr_dma), 0u);
 }
 
 TEST_F(DmaTest, ErrorsSurviveAChangeOfOtherBitsOfControl) {
   start(0, 0x3000'0000, ram, 4, {});
   rig.run(10);
-  ASSERT_NE(rig.dma_look(ch(0, 0x10)) & 1u << 30, 0u);
+  ASSERT_NE(rig.read_dma(ch(0, 0x10)) & 1u << 30, 0u);
   rig.dma(0x3000 + ch(0, 0x10), 1);  // clears EN
-  EXPECT_EQ(rig.dma_look(ch(0, 0x10)) & (1u << 30 | 1u), 1u << 30);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x10)) & (1u << 30 | 1u), 1u << 30);
   rig.dma(0x2000 + ch(0, 0x10), 1u << 30);
-  EXPECT_EQ(rig.dma_look(ch(0, 0x10)) & 1u << 30, 0u);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x10)) & 1u << 30, 0u);
 }
 
 TEST_F(DmaTest, PacingTimerSpreadsTransfers) {
@@ -222,9 +222,9 @@ TEST_F(DmaTest, PacingTimerSpreadsTransfers) {
   rig.dma(timer0 + 4, 3u << 16 | 100);
   start(0, ram, ram + 0x100, 1000, {.write = false, .treq = 0x3c});
   rig.run(100);
-  const std::uint32_t before = rig.dma_look(ch(0, 0x08));
+  const std::uint32_t before = rig.read_dma(ch(0, 0x08));
   rig.run(10'000);
-  EXPECT_EQ(before - rig.dma_look(ch(0, 0x08)), 300u);
+  EXPECT_EQ(before - rig.read_dma(ch(0, 0x08)), 300u);
 }
 
 TEST_F(DmaTest, PwmWrapIsOneTransferEach) {
@@ -235,18 +235,18 @@ TEST_F(DmaTest, PwmWrapIsOneTransferEach) {
     rig.fabric.dreqs().pwm_wrap(3);
   }
   rig.run(20);
-  EXPECT_EQ(rig.dma_look(ch(0, 0x08)), 993u);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x08)), 993u);
 }
 
 TEST_F(DmaTest, LevelOfAnotherBlockGivesThatManyTransfers) {
   start(0, ram, ram + 0x100, 1000, {.write = false, .treq = 21});  // UART0 RX
   rig.run(50);
-  EXPECT_EQ(rig.dma_look(ch(0, 0x08)), 1000u);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x08)), 1000u);
   rig.fabric.dreqs().set_level(Dreq::uart0_rx, 1);
   rig.run(2);
   rig.fabric.dreqs().set_level(Dreq::uart0_rx, 0);
   rig.run(50);
-  EXPECT_EQ(rig.dma_look(ch(0, 0x08)), 999u);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x08)), 999u);
 }
 
 TEST_F(DmaTest, HighPriorityPrecedesEachOtherChannel) {
@@ -257,7 +257,7 @@ TEST_F(DmaTest, HighPriorityPrecedesEachOtherChannel) {
   rig.dma(multi, 0xf);
   rig.run(6000);
   const auto done = [&](unsigned i) {
-    return static_cast<double>(100'000 - rig.dma_look(ch(i, 0x08)));
+    return static_cast<double>(100'000 - rig.read_dma(ch(i, 0x08)));
   };
   EXPECT_NEAR(done(1), 3000, 10);
   EXPECT_NEAR(done(0), 1000, 10);
@@ -282,7 +282,7 @@ TEST_F(DmaTest, SnifferMatchesKnownChecksums) {
     rig.dma(sniff_data, c.seed);
     start(6, ram, ram + 0x100, 9, {.size = 0, .chain = 6, .sniff = true});
     rig.run(30);
-    EXPECT_EQ(rig.dma_look(sniff_data), c.wanted) << c.calculation;
+    EXPECT_EQ(rig.read_dma(sniff_data), c.wanted) << c.calculation;
   }
 }
 
@@ -294,7 +294,7 @@ TEST_F(DmaTest, SnifferOverWordsIsSnifferOverBytes) {
     rig.dma(sniff_data, ~0u);
     start(0, ram, ram + 0x100, words != 0 ? 4 : 16, {.size = words != 0 ? 2u : 0u, .sniff = true});
     rig.run(40);
-    results[words] = rig.dma_look(sniff_data);
+    results[words] = rig.read_dma(sniff_data);
   }
   EXPECT_EQ(results[0], results[1]);
 }
@@ -306,11 +306,11 @@ TEST_F(DmaTest, PioIsFedWithoutAGapAndNeverOverrun) {
               both_right | 1u << 17);
   start(0, ram, pio_base[0] + txf, 64, {.write = false, .treq = 0});
   rig.run(30);
-  EXPECT_EQ(rig.look(flevel), 4u);
-  EXPECT_EQ(rig.dma_look(ch(0, 0x800)), 0u);
+  EXPECT_EQ(rig.read_pio(flevel), 4u);
+  EXPECT_EQ(rig.read_dma(ch(0, 0x800)), 0u);
   const Cycle first = rig.start(1);
   rig.run(400);
-  EXPECT_EQ(rig.look(fdebug) >> 16 & 1u, 0u);
+  EXPECT_EQ(rig.read_pio(fdebug) >> 16 & 1u, 0u);
   const auto edges = rig.edges_of(0, first);
   ASSERT_EQ(edges.size(), 63u);  // words alternate in bit 0
   for (std::size_t i = 1; i < edges.size(); ++i) EXPECT_EQ(edges[i] - edges[i - 1], 4);
@@ -348,7 +348,7 @@ TEST(DmaProperty, DeliversExactlyOnceUnderRandomStalls) {
           Control{.chain = i, .read = hops[i].read, .write = hops[i].write, .treq = hops[i].treq}
               .word());
     }
-    for (int step = 0; step < 3000 && (rig.dma_look(intr_dma) & 0xau) != 0xau; ++step) {
+    for (int step = 0; step < 3000 && (rig.read_dma(intr_dma) & 0xau) != 0xau; ++step) {
       const auto below = [&random](std::uint32_t n) {
         return static_cast<std::uint32_t>(random() % n);
       };
@@ -366,13 +366,13 @@ TEST(DmaProperty, DeliversExactlyOnceUnderRandomStalls) {
       }
       rig.run(1 + random() % 60);
     }
-    ASSERT_EQ(rig.dma_look(intr_dma) & 0xau, 0xau);
+    ASSERT_EQ(rig.read_dma(intr_dma) & 0xau, 0xau);
     for (unsigned i = 0; i < words; ++i) {
       ASSERT_EQ(rig.read(ram + 0x1000 + 4 * i), i * 0x9e37'79b9u);
       ASSERT_EQ(rig.read(ram + 0x2000 + 4 * i), i * 0x9e37'79b9u);
     }
     for (unsigned block = 0; block < 2; ++block)
-      EXPECT_EQ(rig.look(fdebug, block) & 0x00ff'ff00u, 0u);  // no overflow, no underflow
+      EXPECT_EQ(rig.read_pio(fdebug, block) & 0x00ff'ff00u, 0u);  // no overflow, no underflow
   }
 }
 

@@ -232,7 +232,7 @@ Trace play(const std::vector<Action>& script, std::uint64_t seed, bool every_clo
     rig.gpio.join(2, 20, rig.now());
   }
   Trace trace;
-  const auto look = [&](std::uint32_t address) {
+  const auto record = [&](std::uint32_t address) {
     trace.looked.push_back({rig.now(), address, rig.read(address)});
   };
   const auto wait = [&](std::uint32_t cycles) {
@@ -265,20 +265,20 @@ Trace play(const std::vector<Action>& script, std::uint64_t seed, bool every_clo
         rig.write(action.a, action.b);
         break;
       default:
-        look(action.a);
+        record(action.a);
     }
-    if (action.kind == Action::wait && action.a % 5 == 0) look(0x4001'4000 + 8 * (action.a % 16));
+    if (action.kind == Action::wait && action.a % 5 == 0) record(0x4001'4000 + 8 * (action.a % 16));
     if (action.kind == Action::wait)
       for (unsigned block = 0; block < 2; ++block)
         for (const std::uint32_t offset : {fstat, fdebug, flevel, irq, padout, padoe})
-          look(pio_base[block] + offset);
+          record(pio_base[block] + offset);
   }
   // STATUS of the pins, and latched edges without an interrupt.
-  for (unsigned i = 0; i < 16; ++i) look(0x4001'4000 + 8 * i);
-  for (unsigned word = 0; word < 2; ++word) look(0x4001'40f0 + 4 * word);
+  for (unsigned i = 0; i < 16; ++i) record(0x4001'4000 + 8 * i);
+  for (unsigned word = 0; word < 2; ++word) record(0x4001'40f0 + 4 * word);
   for (unsigned channel = 0; channel < 12; ++channel)
     for (const std::uint32_t offset : {0x0u, 0x4u, 0x8u, 0x10u, 0x800u})
-      look(dma_base + 0x40 * channel + offset);
+      record(dma_base + 0x40 * channel + offset);
   trace.edges = rig.edges;
   const auto sram = rig.bus.sram().first(0x8000);
   trace.memory.assign(sram.begin(), sram.end());

@@ -128,11 +128,11 @@ class Rig : private PadListener {
   void pio(std::uint32_t offset, std::uint32_t value, unsigned block = 0) {
     write(pio_base[block] + offset, value);
   }
-  std::uint32_t look(std::uint32_t offset, unsigned block = 0) {
+  std::uint32_t read_pio(std::uint32_t offset, unsigned block = 0) {
     return read(pio_base[block] + offset);
   }
   void dma(std::uint32_t offset, std::uint32_t value) { write(dma_base + offset, value); }
-  std::uint32_t dma_look(std::uint32_t offset) { return read(dma_base + offset); }
+  std::uint32_t read_dma(std::uint32_t offset) { return read(dma_base + offset); }
 
   /// Connects pins to a block; they float outside from then on.
   void connect(unsigned first, unsigned count, unsigned block = 0) {

@@ -76,7 +76,8 @@ TEST(PioTiming, MachineSeesItsOwnOutputAfterFourCyclesOrTwo) {
     if (bypassed) m.rig.pio(bypass, 1);
     m.start();
     m.run_to(64);
-    for (int i = 0; i < 2; ++i) EXPECT_EQ(m.rig.look(rxf), bypassed ? 0xffffu << 2 : 0xffffu << 4);
+    for (int i = 0; i < 2; ++i)
+      EXPECT_EQ(m.rig.read_pio(rxf), bypassed ? 0xffffu << 2 : 0xffffu << 4);
   }
 }
 
@@ -196,13 +197,13 @@ TEST(PioFifo, ProgramsExchangeWords) {
     for (const std::uint32_t word : each.sent) m.rig.pio(txf, word);
     m.start();
     m.run_to(60);
-    const std::uint32_t left = m.rig.look(flevel);
+    const std::uint32_t left = m.rig.read_pio(flevel);
     EXPECT_EQ(left & 15u, each.program == status_program ? each.sent.size() : 0u);
     // Autopush continues until its FIFO is full, and then stalls.
     const bool pushes_on = (each.shift & autopush) != 0;
     EXPECT_EQ(left >> 4 & 15u, pushes_on ? 4u : each.received.size());
-    EXPECT_EQ(m.rig.look(fdebug) & 0xfu, pushes_on ? 1u : 0u);
-    for (const std::uint32_t word : each.received) EXPECT_EQ(m.rig.look(rxf), word);
+    EXPECT_EQ(m.rig.read_pio(fdebug) & 0xfu, pushes_on ? 1u : 0u);
+    for (const std::uint32_t word : each.received) EXPECT_EQ(m.rig.read_pio(rxf), word);
   }
 }
 
@@ -212,7 +213,7 @@ TEST(PioFifo, InPinsRotatesByBase) {
   m.rig.run(3);
   m.start();
   m.run_to(10);
-  EXPECT_EQ(m.rig.look(rxf), 5u);
+  EXPECT_EQ(m.rig.read_pio(rxf), 5u);
 }
 
 TEST(PioFifo, PullStallsUntilAWordArrives) {
@@ -220,9 +221,9 @@ TEST(PioFifo, PullStallsUntilAWordArrives) {
   m.start();
   m.run_to(48);
   m.rig.pio(fdebug, ~0u);
-  EXPECT_EQ(m.rig.look(fdebug), 0u);
+  EXPECT_EQ(m.rig.read_pio(fdebug), 0u);
   m.run_to(50);
-  EXPECT_EQ(m.rig.look(fdebug), 1u << 24) << "set again while the stall lasts";
+  EXPECT_EQ(m.rig.read_pio(fdebug), 1u << 24) << "set again while the stall lasts";
   m.rig.pio(txf, 1);  // written in 50: pull 51, set 52, pad 53
   m.run_to(60);
   EXPECT_EQ(m.edges(), (Longs{53}));
@@ -234,15 +235,15 @@ TEST(PioFifo, PushStallsOrDrops) {
         {set(x, 7), in(x, 32), push(false, block), set(pins, 1), set(pins, 0), jmp(always, 1)});
     m.start();
     m.run_to(200);
-    EXPECT_EQ(m.rig.look(fdebug), 1u);
-    EXPECT_EQ(m.rig.look(flevel), 4u << 4);
+    EXPECT_EQ(m.rig.read_pio(fdebug), 1u);
+    EXPECT_EQ(m.rig.read_pio(flevel), 4u << 4);
     const Longs edges = m.edges();
     if (!block) {
       EXPECT_GT(edges.size(), 60u);
       continue;
     }
     EXPECT_EQ(edges.size(), 8u);
-    EXPECT_EQ(m.rig.look(rxf), 7u);  // popped in 200: push 201, set 202, pad 203
+    EXPECT_EQ(m.rig.read_pio(rxf), 7u);  // popped in 200: push 201, set 202, pad 203
     m.run_to(300);
     ASSERT_EQ(m.edges().size(), 10u);
     EXPECT_EQ(m.edges()[8], 203);
@@ -257,7 +258,7 @@ TEST(PioFifo, AutopullFillsInTheBackground) {
   m.run_to(2);  // in the delay of the first instruction
   m.rig.pio(txf, 1);
   m.run_to(3);
-  EXPECT_EQ(m.rig.look(flevel), 0u);  // pulled in cycle 3, a tick of the delay
+  EXPECT_EQ(m.rig.read_pio(flevel), 0u);  // pulled in cycle 3, a tick of the delay
   m.run_to(20);
   EXPECT_EQ(m.edges(), (Longs{5}));  // OUT in cycle 4
 }
@@ -266,17 +267,17 @@ TEST(PioFifo, JoinGivesEightAndFlushes) {
   Rig rig;
   rig.pio(txf, 1);
   rig.pio(shiftctrl, both_right | 1u << 30);
-  EXPECT_EQ(rig.look(flevel), 0u);
+  EXPECT_EQ(rig.read_pio(flevel), 0u);
   for (int i = 0; i < 8; ++i) rig.pio(txf, 1);
-  EXPECT_EQ(rig.look(flevel), 8u);
-  EXPECT_EQ(rig.look(fdebug), 0u);
+  EXPECT_EQ(rig.read_pio(flevel), 8u);
+  EXPECT_EQ(rig.read_pio(fdebug), 0u);
   rig.pio(txf, 1);
-  EXPECT_EQ(rig.look(fdebug), 1u << 16);
-  EXPECT_EQ(rig.look(flevel), 8u);
-  rig.look(rxf);
-  EXPECT_EQ(rig.look(fdebug), 1u << 16 | 1u << 8);
+  EXPECT_EQ(rig.read_pio(fdebug), 1u << 16);
+  EXPECT_EQ(rig.read_pio(flevel), 8u);
+  rig.read_pio(rxf);
+  EXPECT_EQ(rig.read_pio(fdebug), 1u << 16 | 1u << 8);
   rig.pio(fdebug, 1u << 8);
-  EXPECT_EQ(rig.look(fdebug), 1u << 16);
+  EXPECT_EQ(rig.read_pio(fdebug), 1u << 16);
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -305,9 +306,9 @@ TEST(PioSideSet, WinsOverSetAndCanDriveDirections) {
                both_right, 1u << 29);
   d.start();
   d.run_to(1);
-  EXPECT_EQ(d.rig.look(padoe) >> 5 & 1u, 0u);
+  EXPECT_EQ(d.rig.read_pio(padoe) >> 5 & 1u, 0u);
   d.run_to(2);
-  EXPECT_EQ(d.rig.look(padoe) >> 5 & 1u, 1u);
+  EXPECT_EQ(d.rig.read_pio(padoe) >> 5 & 1u, 1u);
 }
 
 TEST(PioPins, HighestMachineWins) {
@@ -355,7 +356,7 @@ TEST(PioIrq, IrqWaitStallsUntilItIsCleared) {
   OneMachine m({irq_set(3, true, 2), set(pins, 1), jmp(always, 2)});
   m.start();
   m.run_to(50);
-  EXPECT_EQ(m.rig.look(irq), 8u);
+  EXPECT_EQ(m.rig.read_pio(irq), 8u);
   m.rig.pio(irq, 8);  // seen low in 51, two cycles of delay, SET 54
   m.run_to(60);
   EXPECT_EQ(m.edges(), (Longs{55}));
@@ -366,9 +367,9 @@ TEST(PioIrq, RelativeAddsTheMachineNumberModuloFour) {
   rig.machine(3, {irq_set(0x10 | 2), irq_set(0x10 | 6), jmp(always, 2)}, Pins{}, 0);
   rig.start(8);
   rig.run(10);
-  EXPECT_EQ(rig.look(irq), 1u << 1 | 1u << 5);
+  EXPECT_EQ(rig.read_pio(irq), 1u << 1 | 1u << 5);
   rig.pio(irq_force, 0x80);
-  EXPECT_EQ(rig.look(irq), 1u << 1 | 1u << 5 | 0x80u);
+  EXPECT_EQ(rig.read_pio(irq), 1u << 1 | 1u << 5 | 0x80u);
 }
 
 TEST(PioIrq, LinesFollowFlagsAndFifos) {
@@ -376,13 +377,13 @@ TEST(PioIrq, LinesFollowFlagsAndFifos) {
   const auto line = [&](Irq which) {
     return (rig.irqs.levels() >> static_cast<unsigned>(which) & 1u) != 0;
   };
-  EXPECT_EQ(rig.look(intr), 0xf0u);  // TX not full
+  EXPECT_EQ(rig.read_pio(intr), 0xf0u);  // TX not full
   rig.pio(irq0_inte, 1u << 8);
   rig.pio(irq1_inte, 1u << 1);
   EXPECT_FALSE(line(Irq::pio0_0));
   rig.pio(irq_force, 1);
   EXPECT_TRUE(line(Irq::pio0_0));
-  EXPECT_EQ(rig.look(irq0_ints), 1u << 8);
+  EXPECT_EQ(rig.read_pio(irq0_ints), 1u << 8);
   rig.pio(irq, 1);
   EXPECT_FALSE(line(Irq::pio0_0));
   rig.machine(1, {push(), jmp(always, 1)}, Pins{});
@@ -390,11 +391,11 @@ TEST(PioIrq, LinesFollowFlagsAndFifos) {
   EXPECT_FALSE(line(Irq::pio0_1));
   rig.run(1);
   EXPECT_TRUE(line(Irq::pio0_1));
-  rig.look(rxf + 4);
+  rig.read_pio(rxf + 4);
   EXPECT_FALSE(line(Irq::pio0_1));
   rig.pio(irq0_intf, 4);
   EXPECT_TRUE(line(Irq::pio0_0));
-  EXPECT_EQ(rig.look(irq0_ints), 4u);
+  EXPECT_EQ(rig.read_pio(irq0_ints), 4u);
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -408,23 +409,23 @@ TEST(PioExec, ForcedInstructionIgnoresDividerAndDelayAndKeepsThePlace) {
   m.rig.pio(instr, set(pins, 1, 31));
   m.run_to(502);
   EXPECT_EQ(m.edges(), (Longs{502}));
-  EXPECT_EQ(m.rig.look(addr), 1u);
+  EXPECT_EQ(m.rig.read_pio(addr), 1u);
   m.rig.pio(instr, jmp(always, 9));
   m.rig.run(1);
-  EXPECT_EQ(m.rig.look(addr), 9u);
+  EXPECT_EQ(m.rig.read_pio(addr), 9u);
 }
 
 TEST(PioExec, StalledForcedInstructionIsLatched) {
   OneMachine m({set(pins, 1), set(pins, 0)});
   m.rig.pio(instr, pull());
   m.rig.run(5);
-  EXPECT_NE(m.rig.look(execctrl) >> 31, 0u);
+  EXPECT_NE(m.rig.read_pio(execctrl) >> 31, 0u);
   m.start();
   m.run_to(10);
   EXPECT_TRUE(m.edges().empty());  // the program waits for it
   m.rig.pio(txf, 0);               // pull in 11, SET in 12
   m.run_to(12);
-  EXPECT_EQ(m.rig.look(execctrl) >> 31, 0u);
+  EXPECT_EQ(m.rig.read_pio(execctrl) >> 31, 0u);
   m.run_to(13);
   EXPECT_EQ(m.edges(), (Longs{13}));
 }
@@ -441,9 +442,9 @@ TEST(PioExec, RestartClearsTheStateListedInTheDatasheet) {
   m.rig.run(2);
   m.rig.pio(instr, push());
   m.rig.run(2);
-  EXPECT_EQ(m.rig.look(rxf), 0u);
-  EXPECT_EQ(m.rig.look(addr), 3u);
-  EXPECT_EQ(m.rig.look(irq), 2u);
+  EXPECT_EQ(m.rig.read_pio(rxf), 0u);
+  EXPECT_EQ(m.rig.read_pio(addr), 3u);
+  EXPECT_EQ(m.rig.read_pio(irq), 2u);
 }
 
 TEST(PioExec, DisabledMachineKeepsItsDelay) {
@@ -459,14 +460,14 @@ TEST(PioExec, DisabledMachineKeepsItsDelay) {
 
 TEST(PioRegisters, ResetValues) {
   Rig rig;
-  EXPECT_EQ(rig.look(fstat), 0x0f00'0f00u);
-  EXPECT_EQ(rig.look(cfginfo), 0x0020'0404u);
-  EXPECT_EQ(rig.look(clkdiv), 0x0001'0000u);
-  EXPECT_EQ(rig.look(execctrl), 0x0001'f000u);
-  EXPECT_EQ(rig.look(shiftctrl), 0x000c'0000u);
-  EXPECT_EQ(rig.look(pinctrl), 0x1400'0000u);
+  EXPECT_EQ(rig.read_pio(fstat), 0x0f00'0f00u);
+  EXPECT_EQ(rig.read_pio(cfginfo), 0x0020'0404u);
+  EXPECT_EQ(rig.read_pio(clkdiv), 0x0001'0000u);
+  EXPECT_EQ(rig.read_pio(execctrl), 0x0001'f000u);
+  EXPECT_EQ(rig.read_pio(shiftctrl), 0x000c'0000u);
+  EXPECT_EQ(rig.read_pio(pinctrl), 0x1400'0000u);
   EXPECT_TRUE(rig.told.empty());
-  rig.look(0x200);
+  rig.read_pio(0x200);
   EXPECT_EQ(rig.told.size(), 1u);
 }
 
@@ -483,8 +484,9 @@ TEST(PioRegisters, APeekShowsThePresentAddress) {
   }
   for (int i = 0; i < 200; ++i) {
     for (const std::uint32_t offset : {addr, instr}) {
-      EXPECT_EQ(asleep.bus.peek(pio_base[0] + offset, Master::core0), stepped.look(offset)) << i;
-      EXPECT_EQ(asleep.look(offset), stepped.look(offset)) << i;
+      EXPECT_EQ(asleep.bus.peek(pio_base[0] + offset, Master::core0), stepped.read_pio(offset))
+          << i;
+      EXPECT_EQ(asleep.read_pio(offset), stepped.read_pio(offset)) << i;
     }
     asleep.run(1);
     stepped.run(1);
@@ -496,18 +498,18 @@ TEST(PioRegisters, APeekShowsThePresentAddress) {
 TEST(PioRegisters, AliasesSetAndClearBitsAndClearOnlyTheWrittenFlags) {
   Rig rig;
   rig.pio(pinctrl + 0x2000, 0x1f);
-  EXPECT_EQ(rig.look(pinctrl), 0x1400'001fu);
+  EXPECT_EQ(rig.read_pio(pinctrl), 0x1400'001fu);
   rig.pio(pinctrl + 0x3000, 0x1000'0001u);
-  EXPECT_EQ(rig.look(pinctrl), 0x0400'001eu);
+  EXPECT_EQ(rig.read_pio(pinctrl), 0x0400'001eu);
   rig.pio(irq_force, 0x0f);
   rig.pio(irq + 0x2000, 0x01);
-  EXPECT_EQ(rig.look(irq), 0x0eu);
+  EXPECT_EQ(rig.read_pio(irq), 0x0eu);
   rig.pio(irq + 0x3000, 0x02);
-  EXPECT_EQ(rig.look(irq), 0x0cu);
+  EXPECT_EQ(rig.read_pio(irq), 0x0cu);
   for (int i = 0; i < 5; ++i) rig.pio(txf, 0);  // TXOVER 0
-  rig.look(rxf + 4);                            // RXUNDER 1
+  rig.read_pio(rxf + 4);                        // RXUNDER 1
   rig.pio(fdebug + 0x3000, 1u << 16);
-  EXPECT_EQ(rig.look(fdebug), 1u << 9);
+  EXPECT_EQ(rig.read_pio(fdebug), 1u << 9);
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -626,8 +628,8 @@ TEST(PioKernel, FireFiltersAndDecidesOnce) {
     rig.drive(8, false);
     rig.run(3000);
     Longs result = rig.edges_of(9, edge);
-    result.push_back(rig.look(flevel) >> 28 & 15u);
-    result.push_back(static_cast<long>(rig.look(rxf + 12)));
+    result.push_back(rig.read_pio(flevel) >> 28 & 15u);
+    result.push_back(static_cast<long>(rig.read_pio(rxf + 12)));
     return result;
   };
   const Longs fired = shot(true, 100, 400);
@@ -668,7 +670,7 @@ TEST(PioKernel, StampTimesEdgesToTwoClocks) {
     rig.drive(8, level);
     const long real = static_cast<long>(rig.now() - first);
     rig.run(8);
-    const long counted = 2 * static_cast<long>(0xffff'ffffu - rig.look(rxf));
+    const long counted = 2 * static_cast<long>(0xffff'ffffu - rig.read_pio(rxf));
     EXPECT_GE(counted, real + 3);  // the input's flip-flops
     EXPECT_LE(counted, real + 4);  // and a poll every two clocks
   }

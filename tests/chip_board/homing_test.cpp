@@ -136,14 +136,14 @@ TEST(ChipProbe, ReportsWhereItTouched) {
         {.pin = sim::Pin::probe, .contacts = {contact}, .normally_closed = false});
     ChipRig rig(profile.settings, world);
     // 2000 steps/s: exact within the polling period of 100 us, which may miss the first bounces.
-    const double most_steps = 1.1 + rattles_us * 2000 / 1e6;
+    const double max_steps = 1.1 + rattles_us * 2000 / 1e6;
     const std::string said = rig.answer("G38.2 Z-5 F600", 3000 * ps_per_ms);
     const std::size_t at = said.find("[PRB:0.000,0.000,");
     ASSERT_NE(at, std::string::npos) << said;
     EXPECT_THAT(said, HasSubstr(":1]\r\nok\r\n"));
-    EXPECT_NEAR(std::stod(said.substr(at + 17)) * steps_per_mm, z, most_steps);
+    EXPECT_NEAR(std::stod(said.substr(at + 17)) * steps_per_mm, z, max_steps);
     // Braking from 10 mm/s at 4 m/s2, after 8 ms of reaction.
-    EXPECT_GT(rig.board.world().drives().position()[2], z - 3 - 16 - most_steps);
+    EXPECT_GT(rig.board.world().drives().position()[2], z - 3 - 16 - max_steps);
   }
 }
 

@@ -60,7 +60,7 @@ struct Stretch {
 class TraceComparison {
  public:
   /// Minimum time without steps that counts as a rest.
-  static constexpr sim::Picoseconds least_rest = 15 * sim::ps_per_ms;
+  static constexpr sim::Picoseconds min_rest = 15 * sim::ps_per_ms;
 
   /// `to_the_end`: both traces reach the end of the program; else the other one may be longer.
   TraceComparison(const ProgramTrace& one, const ProgramTrace& other, bool to_the_end)
@@ -75,8 +75,8 @@ class TraceComparison {
   std::size_t steps() const { return steps_; }
   std::size_t gate_edges() const { return gate_edges_; }
   /// Largest difference of their times, without the stretch's offset.
-  sim::Picoseconds largest_step_error() const { return step_error_; }
-  sim::Picoseconds largest_gate_error() const { return gate_error_; }
+  sim::Picoseconds max_step_error() const { return step_error_; }
+  sim::Picoseconds max_gate_error() const { return gate_error_; }
   /// The first step or edge that only one trace has or that differs; or empty.
   const std::string& difference() const { return difference_; }
 
@@ -98,7 +98,7 @@ class TraceComparison {
     std::stable_sort(places.begin(), places.end(),
                      [](const Place& a, const Place& b) { return a.at < b.at; });
     for (const Place& place : places) {
-      if (stretches_.empty() || place.at - stretches_.back().last > least_rest) {
+      if (stretches_.empty() || place.at - stretches_.back().last > min_rest) {
         const auto& theirs = other_.steps[place.axis];
         if (place.index >= theirs.size()) break;  // reported by compare_axis()
         stretches_.push_back({place.at, place.at, theirs[place.index].at - place.at});
@@ -191,7 +191,7 @@ class LightComparison {
   /// Number of samples at which both have light.
   std::size_t samples() const { return samples_; }
   /// Largest power outside the permitted range; of 65535.
-  int largest_error() const { return error_; }
+  int max_error() const { return error_; }
   /// Energy as seconds of full power.
   double energy() const { return energy_; }
   double other_energy() const { return other_energy_; }

@@ -20,7 +20,7 @@ struct FunctionRig : ChipRig {
     host().open_serial(true);
     host().claim_vendor(true);
   }
-  void say_beside(std::string_view text, UsbFunction function) {
+  void send_beside(std::string_view text, UsbFunction function) {
     host().write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, function);
   }
   std::string heard_beside(UsbFunction function) {
@@ -88,7 +88,7 @@ TEST(ChipPulseStream, ChatterOverTheOtherFunctionDisturbsNoJob) {
       rig.heard_beside(beside);
       const Picoseconds end = rig.now() + running.limit();
       while (running.sender.step() && rig.now() < end)
-        if (noisy && rig.host().unsent(beside) < 256) rig.say_beside(chatter(random), beside);
+        if (noisy && rig.host().unsent(beside) < 256) rig.send_beside(chatter(random), beside);
       ASSERT_EQ(running.sender.result().end, JobEnd::done);
       ASSERT_NO_FATAL_FAILURE(expect_fired(rig, job));
       EXPECT_EQ(running.sender.result().resent, 0u);
@@ -105,12 +105,12 @@ TEST(ChipPulseStream, TheSerialPortIsAnsweredASecondAfterTheStream) {
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
   rig.open_both();
   rig.heard_beside(UsbFunction::serial);
-  rig.say_beside("$I\n?", UsbFunction::serial);
+  rig.send_beside("$I\n?", UsbFunction::serial);
   rig.run(100 * ps_per_ms);
   EXPECT_EQ(rig.heard_beside(UsbFunction::serial), "");
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:"));
   rig.run(1100 * ps_per_ms);
-  rig.say_beside("$I\n?", UsbFunction::serial);
+  rig.send_beside("$I\n?", UsbFunction::serial);
   rig.run(100 * ps_per_ms);
   EXPECT_THAT(rig.heard_beside(UsbFunction::serial), HasSubstr("[VER:"));
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[VER:")) << "the stream is never refused at rest";
@@ -128,7 +128,7 @@ TEST(ChipPulseStream, PulledAndPluggedInAJobAtRandomMoments) {
   cuts.beside = [&](ChipCable& cable, Picoseconds back) {
     for (int word = 0; word < 20; ++word)
       cable.at(back + (5 + word) * ps_per_ms,
-               [&] { rig.say_beside(chatter(random), UsbFunction::serial); });
+               [&] { rig.send_beside(chatter(random), UsbFunction::serial); });
   };
   run_jobs_with_cuts(rig, profile, cuts);
 }
@@ -147,11 +147,11 @@ TEST(ChipPulseStream, ASilentHostTriggersTheDeadMansTimeoutAndTheSerialPortWorks
   // The machine brakes and is held.
   rig.run(limit + 100 * ps_per_ms);
   const std::size_t fired = rig.shots().size();
-  rig.say_beside("?", UsbFunction::serial);
+  rig.send_beside("?", UsbFunction::serial);
   rig.run(100 * ps_per_ms);
   EXPECT_EQ(rig.heard_beside(UsbFunction::serial), "");
   rig.run(10 * ps_per_s + silent - rig.now());
-  rig.say_beside("?", UsbFunction::serial);
+  rig.send_beside("?", UsbFunction::serial);
   rig.run(100 * ps_per_ms);
   EXPECT_THAT(rig.heard_beside(UsbFunction::serial), HasSubstr("<Hold"));
   EXPECT_EQ(rig.shots().size(), fired);

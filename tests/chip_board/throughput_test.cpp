@@ -19,7 +19,7 @@ job::Profile quick_profile(double lamp_hz) {
 }
 
 /// Largest number of shots on consecutive beats.
-std::size_t longest_run(const sim::Shots& shots) {
+std::size_t max_run(const sim::Shots& shots) {
   std::size_t longest = 0;
   for (std::size_t i = 0, run = 0; i < shots.size(); ++i) {
     run = i != 0 && shots[i].beat == shots[i - 1].beat + 1 ? run + 1 : 1;
@@ -71,7 +71,7 @@ job::Job rows(const job::Profile& profile, std::size_t count, std::size_t points
 }
 
 /// Moves of random length in random directions.
-job::Job uneven_cloud(const job::Profile& profile, std::size_t points, double shortest_mm,
+job::Job uneven_cloud(const job::Profile& profile, std::size_t points, double min_mm,
                       double max_mm) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
@@ -79,7 +79,7 @@ job::Job uneven_cloud(const job::Profile& profile, std::size_t points, double sh
   geometry::PointCloud cloud;
   std::array<double, 3> at{};
   for (std::size_t i = 0; i < points; ++i) {
-    const double length = shortest_mm * std::pow(max_mm / shortest_mm, part(random));
+    const double length = min_mm * std::pow(max_mm / min_mm, part(random));
     std::array<double, 3> way{normal(random), normal(random), normal(random)};
     const double norm = std::hypot(way[0], way[1], way[2]);
     for (std::size_t a = 0; a < 3; ++a) at[a] += length * way[a] / norm;
@@ -95,8 +95,8 @@ TEST(Throughput, ARowIsFiredAtEveryBeatOf4Kilohertz) {
   const std::size_t points = 1400;
   ChipRig rig(profile);
   ASSERT_NO_FATAL_FAILURE(run(rig, rows(profile, 1, points)));
-  std::cout << longest_run(rig.shots()) << " of " << points << " points at 4000 points/s\n";
-  EXPECT_GE(longest_run(rig.shots()), points - 32);
+  std::cout << max_run(rig.shots()) << " of " << points << " points at 4000 points/s\n";
+  EXPECT_GE(max_run(rig.shots()), points - 32);
 }
 
 TEST(Throughput, RowsFollowEachOtherWithABusyLink) {
@@ -105,9 +105,9 @@ TEST(Throughput, RowsFollowEachOtherWithABusyLink) {
   const job::Job job = rows(profile, 2, 1100);
   ASSERT_NO_FATAL_FAILURE(run(rig, job, true));
   const double beats = beats_of(rig.shots()), least = virtual_beats(profile, job);
-  std::cout << longest_run(rig.shots()) << " of 1100 points at 4000 points/s, " << beats
+  std::cout << max_run(rig.shots()) << " of 1100 points at 4000 points/s, " << beats
             << " beats; planned in no time and a quiet link " << least << " beats\n";
-  EXPECT_GE(longest_run(rig.shots()), 1000u);
+  EXPECT_GE(max_run(rig.shots()), 1000u);
   EXPECT_LE(beats, 1.1 * least);
 }
 

@@ -33,7 +33,7 @@ struct Work {
   std::optional<sim::WorldConfig> world{};           ///< by default that of the machine
   double seconds = 100;                              ///< of a program to compare
   std::size_t rests = 0;                             ///< in the program
-  std::size_t least_reversals = 0;                   ///< of X
+  std::size_t min_reversals = 0;                     ///< of X
   /// Shots between which the beats must be the same; by default the first and the last.
   std::vector<std::pair<std::size_t, std::size_t>> same_beats{};
   std::function<void(ChipRig&)> also{};
@@ -95,9 +95,8 @@ void expect_same_text(const BoardRun& ours, const BoardRun& theirs) {
 
 void print(const TraceComparison& steps, const LightComparison& light) {
   std::cout << fmt::format("{} steps: at most {:.3f} ns apart; {} edges of the gate: {:.3f} ns\n",
-                           steps.steps(), static_cast<double>(steps.largest_step_error()) / 1e3,
-                           steps.gate_edges(),
-                           static_cast<double>(steps.largest_gate_error()) / 1e3);
+                           steps.steps(), static_cast<double>(steps.max_step_error()) / 1e3,
+                           steps.gate_edges(), static_cast<double>(steps.max_gate_error()) / 1e3);
   for (const Stretch& stretch : steps.stretches())
     std::cout << fmt::format(
         "from {:.6f} to {:.6f} s: the chip {:.3f} us later\n",
@@ -105,7 +104,7 @@ void print(const TraceComparison& steps, const LightComparison& light) {
         sim::seconds(stretch.last - steps.stretches().front().first),
         static_cast<double>(stretch.offset - steps.stretches().front().offset) / 1e6);
   std::cout << fmt::format("power at {} times: off by {} of 65535; energy {:.6f} and {:.6f} s\n",
-                           light.samples(), light.largest_error(), light.energy(),
+                           light.samples(), light.max_error(), light.energy(),
                            light.other_energy());
 }
 
@@ -121,10 +120,10 @@ void expect_same_trace(const Work& work, BoardRun& ours, const BoardRun& theirs)
   print(steps, light);
   EXPECT_EQ(steps.difference(), "");
   EXPECT_EQ(steps.steps(), ours.trace.total());
-  EXPECT_EQ(steps.largest_step_error(), 0);
-  EXPECT_EQ(steps.largest_gate_error(), 0);
+  EXPECT_EQ(steps.max_step_error(), 0);
+  EXPECT_EQ(steps.max_gate_error(), 0);
   EXPECT_LE(steps.stretches().size() - 1, work.rests);
-  EXPECT_LE(light.largest_error(), 66);
+  EXPECT_LE(light.max_error(), 66);
   EXPECT_NEAR(light.energy(), light.other_energy(), 0.005 * light.energy());
 }
 
@@ -172,7 +171,7 @@ class Ticks : public testing::TestWithParam<Case> {
       our_steps_ = steps_of(monitor, 0);
       chips_steps_ = steps_of(chip_->monitor, step_latency);
     }
-    EXPECT_GE(our_log.reversals(0).size(), work_.least_reversals);
+    EXPECT_GE(our_log.reversals(0).size(), work_.min_reversals);
     EXPECT_EQ(chip_->board.world().drives().position(), board_->world().drives().position());
     EXPECT_EQ(board_->world().drives().total_faults(), 0u);
     expect_same_text(ours_, theirs_);
@@ -269,7 +268,7 @@ Work zigzag(const Pulses& pulses) {
     text += fmt::format("X{:.3f} Y{:.3f} Z{:.3f}\n", way * pick(0, 0.3), -way * pick(-0.05, 0.3),
                         pick(-0.05, 0.05));
   work.what = text;
-  work.least_reversals = 11;
+  work.min_reversals = 11;
   return work;
 }
 

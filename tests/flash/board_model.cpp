@@ -85,7 +85,7 @@ class BoardTransport final : public link::Transport {
       if (byte == '?') {
         board_.heard.emplace_back("?");
         if (!board_.status.empty() && bus_.now() >= board_.heard_from)
-          say("<" + board_.status + "|MPos:0.000,0.000,0.000>");
+          reply("<" + board_.status + "|MPos:0.000,0.000,0.000>");
       } else if (byte != '\n') {
         line_ += static_cast<char>(byte);
       } else {
@@ -110,17 +110,17 @@ class BoardTransport final : public link::Transport {
   bool reconnect() override { return false; }
 
  private:
-  void say(const std::string& line) { answer_ += line + "\r\n"; }
+  void reply(const std::string& line) { answer_ += line + "\r\n"; }
   void take(const std::string& line) {
     board_.heard.push_back(line);
     if (line == "$I" && board_.tells_version) {
       // The version of an image is the last byte of its boot code.
-      say("[VER:1." + std::to_string(board_.flash.bytes[251]) + ":]");
-      say("ok");
+      reply("[VER:1." + std::to_string(board_.flash.bytes[251]) + ":]");
+      reply("ok");
     }
     if (line != "$BOOT") return;
-    if (board_.boot_error != 0) return say("error:" + std::to_string(board_.boot_error));
-    say("ok");
+    if (board_.boot_error != 0) return reply("error:" + std::to_string(board_.boot_error));
+    reply("ok");
     board_.sent_with_stream = board_.stream_held;
     bus_.restart(board_, true);
   }

@@ -47,7 +47,7 @@ class Burnt {
     int times = 0;
   };
   std::map<std::pair<std::int64_t, std::int64_t>, Light> lit;
-  double largest_shift = 0;  ///< largest distance of an edge of a lit pixel from its place, steps
+  double max_shift = 0;  ///< largest distance of an edge of a lit pixel from its place, steps
   std::vector<RunRow> rows;
 
   /// Expects every pixel with its power once, and none outside the picture.
@@ -117,8 +117,8 @@ class Burnt {
     const auto left = static_cast<double>(column);
     for (const auto& [edge, wanted] :
          {std::pair{std::min(from, to), left}, {std::max(from, to), left + 1}})
-      largest_shift = std::max(
-          largest_shift, std::abs(edge - (options_.corner.x + wanted * pitch) * steps_per_mm_[0]));
+      max_shift = std::max(
+          max_shift, std::abs(edge - (options_.corner.x + wanted * pitch) * steps_per_mm_[0]));
   }
 
   const job::Job& job_;

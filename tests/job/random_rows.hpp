@@ -34,8 +34,8 @@ inline job::Job random_row_job(std::size_t lines, std::uint64_t seed) {
     if (light) {
       const auto count = pick(0, 3) == 0 ? pick(1, wire::max_runs_a_line) : pick(1, 20);
       for (std::int64_t i = 0; i < count; ++i)
-        job.rows.runs.push_back(wire::longest_run(static_cast<std::uint16_t>(pick(0, 65'535)),
-                                                  static_cast<std::uint32_t>(pick(1, 70))));
+        job.rows.runs.push_back(wire::max_run(static_cast<std::uint16_t>(pick(0, 65'535)),
+                                              static_cast<std::uint32_t>(pick(1, 70))));
       line.runs = static_cast<std::size_t>(count);
       if (pick(0, 9) == 0) feed_milli = static_cast<std::uint32_t>(pick(1, 60'000'000));
     }

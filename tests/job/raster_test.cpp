@@ -62,7 +62,7 @@ TEST(Rows, EveryPixelIsBurntOnceAtItsPlaceAndFeed) {
     SCOPED_TRACE(testing::Message() << "picture " << i);
     const Burnt burnt(job, pixels, options);
     burnt.expect_each_once();
-    EXPECT_LE(burnt.largest_shift, whole_steps ? 1e-6 : 0.5 + 1e-6);
+    EXPECT_LE(burnt.max_shift, whole_steps ? 1e-6 : 0.5 + 1e-6);
     ASSERT_EQ(job.size(), job.header.points_total);
     for (const job::Line& line : job.rows.lines) {
       if (line.to.light) {
@@ -89,10 +89,10 @@ TEST(Rows, BlankRowsAndMarginsAreOmitted) {
   ASSERT_EQ(job.size(), 2u);
   EXPECT_EQ(job.rows.lines[0].to.steps, (StepPosition{7 * 200, 400, 0, 0}));
   EXPECT_EQ(job.rows.lines[1].to.steps, (StepPosition{16 * 200, 400, 0, 0}));
-  const std::uint16_t half = wire::longest_run(power_of_run(0.5), 1);
+  const std::uint16_t half = wire::max_run(power_of_run(0.5), 1);
   EXPECT_EQ(job.rows.runs,
-            (std::vector<std::uint16_t>{wire::longest_run(0, 3), half, wire::longest_run(0, 1),
-                                        half, wire::longest_run(0, 3)}));
+            (std::vector<std::uint16_t>{wire::max_run(0, 3), half, wire::max_run(0, 1), half,
+                                        wire::max_run(0, 3)}));
 }
 
 TEST(Rows, LongRowsAreDividedForTheTableOfRuns) {

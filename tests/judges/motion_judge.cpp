@@ -36,7 +36,7 @@ void MotionJudge::ticks_played(const sim::PlayedTicks& played) {
   if (ticks == 0) return;
   bool moves = false;
   const PerAxis<stepper::AxisRun> runs = stepper::axis_runs(kinematics_, played.block.axis);
-  const bool motors_stay = see_motors(played.block.axis, skipped, ticks);
+  const bool motors_stay = check_motors(played.block.axis, skipped, ticks);
   for (int a = 0; a < axes_; ++a) {
     const stepper::AxisRun& run = runs[index(a)];
     Axis& axis = at_[index(a)];
@@ -64,8 +64,8 @@ void MotionJudge::ticks_played(const sim::PlayedTicks& played) {
 }
 
 /// Records the steps of the motors after some ticks; true if they begin at the recorded ones.
-bool MotionJudge::see_motors(const PerAxis<stepper::AxisRun>& motors, std::uint32_t skipped,
-                             std::uint32_t ticks) {
+bool MotionJudge::check_motors(const PerAxis<stepper::AxisRun>& motors, std::uint32_t skipped,
+                               std::uint32_t ticks) {
   bool stay = true;
   for (int a = 0; a < axes_; ++a) {
     const stepper::AxisRun& run = motors[index(a)];

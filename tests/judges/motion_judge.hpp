@@ -57,8 +57,8 @@ class MotionJudge final : public sim::TickListener {
     PerAxis<double> speed;
   };
 
-  bool see_motors(const PerAxis<stepper::AxisRun>& motors, std::uint32_t skipped,
-                  std::uint32_t ticks);
+  bool check_motors(const PerAxis<stepper::AxisRun>& motors, std::uint32_t skipped,
+                    std::uint32_t ticks);
   void judge(int a, std::uint64_t tick, double first, double last, double accel);
   void window(std::uint64_t tick);
   void note(int axis, std::uint64_t tick, const char* what, double seen, double most);

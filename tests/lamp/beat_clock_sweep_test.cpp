@@ -469,7 +469,7 @@ TEST(BeatClockSweep, NoTickIsShorterThanTheLimitsOfTheMotionAllow) {
         [&](const LampEdge& edge, const EdgeInfo& info) {
           if (edge.flash == 15) {
             ASSERT_TRUE(clock.locked() && info.valid);
-            promised = clock.shortest_tick_q16();
+            promised = clock.min_tick_q16();
             clock.set_least_tick(0, promised);
             clock.set_motion_end(ever);
           }
@@ -511,8 +511,7 @@ TEST(BeatClockSweep, TheShortestTickCoversTheDriftUntilThePlanHasEnded) {
           moving = moving || clock.settled();
           if (moving) clock.set_motion_end(ever);
           if (moving && info.valid)
-            limits.emplace_back(clock.next_tick() + 24 * clock.beat_ticks(),
-                                clock.shortest_tick_q16());
+            limits.emplace_back(clock.next_tick() + 24 * clock.beat_ticks(), clock.min_tick_q16());
         },
         [&](const TickSpan& span) {
           if (testing::Test::HasFatalFailure()) return;

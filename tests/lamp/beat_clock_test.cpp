@@ -284,7 +284,7 @@ TEST(BeatClock, NeverPassesTheSlewLimitWhileMoving) {
             at_the_limit = true;
           // The limit given to the planner: no tick is shorter.
           EXPECT_GE(span.clocks + 1.01,
-                    span.ticks * double{clocks_per_tick} * clock.shortest_tick_q16() / 65536);
+                    span.ticks * double{clocks_per_tick} * clock.min_tick_q16() / 65536);
         });
     EXPECT_GT(checked, 100u);
     if (slew > 0.005) {
@@ -303,7 +303,7 @@ TEST(BeatClock, ShortestTickHoldsWhileTheLampWanders) {
       lamp_edges({50, 0.01, 10, 20, 0.02, 0}, 0.01, 60, random), clocks(60),
       [&](const LampEdge&, const EdgeInfo&) {
         if (clock.settled()) clock.set_motion_end(ever);
-        promised = clock.shortest_tick_q16();
+        promised = clock.min_tick_q16();
       },
       [&](const TickSpan& span) {
         if (!clock.locked() || span.first_tick < 1'000'000) return;
@@ -323,7 +323,7 @@ TEST(BeatClock, ShortestTickFallsWithTheDriftToTheEndOfTheLockRange) {
     clock.configure(values);
     const double range = values.milli(settings::Id::lock_range) / 100'000.0;
     const double slew = values.milli(settings::Id::slew_limit) / 100'000.0;
-    ASSERT_NEAR(clock.shortest_tick_q16(), 65536 * (1 - range) * (1 - slew), 2) << milli_hz;
+    ASSERT_NEAR(clock.min_tick_q16(), 65536 * (1 - range) * (1 - slew), 2) << milli_hz;
   }
 }
 
@@ -335,7 +335,7 @@ TEST(BeatClock, TicksAreExactWithoutALampToFollow) {
     clock.configure(values);
     EXPECT_TRUE(clock.locked());
     EXPECT_TRUE(clock.settled());
-    EXPECT_EQ(clock.shortest_tick_q16(), 65536u);
+    EXPECT_EQ(clock.min_tick_q16(), 65536u);
     ClockBench bench(clock);
     // A lamp that follows our trigger: its edges precede the lattice ticks by the delay.
     const std::int64_t delay = delay_clocks(values);
@@ -387,7 +387,7 @@ TEST(BeatClock, AsMasterTicksHaveTheRequestedLength) {
     clock.configure(values);
     const double shot_ns = lamp::shot_delay_clocks(delay_ns) * 1000.0 / clocks_per_us;
     SCOPED_TRACE(testing::Message() << hz << " Hz, " << tolerance_milli << ", " << delay_ns);
-    const double most = clock.longest_tick_q16() / 65536.0 - 1;
+    const double most = clock.max_tick_q16() / 65536.0 - 1;
     EXPECT_LE(most, tolerance_milli / 1e5);
     EXPECT_LE(most * shot_ns, 1000.0);
     EXPECT_GE(most + 0.0001, std::min(tolerance_milli / 1e5, 1000.0 / shot_ns));

@@ -142,7 +142,7 @@ class FakeRowMachine {
     };
     const auto line = [&](const wire::RowLine&) {
       runs = 0;
-      return ++lines <= wire::most_lines_a_frame ? Result::ok : Result::bad_value;
+      return ++lines <= wire::max_lines_a_frame ? Result::ok : Result::bad_value;
     };
     const Result result = wire::walk_row_records(records, header.axes, trial, line, run);
     if (result != Result::ok) return result;

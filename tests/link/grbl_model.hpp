@@ -62,14 +62,14 @@ class GrblModel : public BadCable {
   std::size_t waiting() const { return rx_.size(); }
 
   /// Sends an unsolicited line.
-  void say(const std::string& text) { tx_ += text + "\r\n"; }
+  void reply(const std::string& text) { tx_ += text + "\r\n"; }
   void restart() {
     rx_.clear();
     moves_.clear();
     busy_ = was_paused_ = false;
     state = "Idle";
-    say("");
-    say("Grbl 1.1h ['$' for help]");
+    reply("");
+    reply("Grbl 1.1h ['$' for help]");
   }
 
  private:
@@ -136,31 +136,31 @@ class GrblModel : public BadCable {
     if (line_ == "$I") return identify();
     if (line_ == "$$") return list_settings();
     lines.push_back(line_);
-    if (state == "Alarm") return say("error:9");
+    if (state == "Alarm") return reply("error:9");
     if (line_ == alarm_line) {
       state = "Alarm";
       moves_.clear();
-      return say("ALARM:1");
+      return reply("ALARM:1");
     }
     if (const auto found = refused.find(line_); found != refused.end())
-      return say(fmt::format("error:{}", found->second));
+      return reply(fmt::format("error:{}", found->second));
     if (line_.starts_with('$') && line_.find('=') != std::string::npos) return change_setting();
     if (motion) {
       if (moves_.empty()) move_until_ = now() + max_move;
       moves_.push_back(random_time(max_move));
     }
-    if (line_ != lost_ok_line) say("ok");
+    if (line_ != lost_ok_line) reply("ok");
   }
 
   void identify() {
-    if (tells_version) say("[VER:1.1h.20190830:model]");
-    if (tells_options) say(fmt::format("[OPT:V,{},{}]", planner_blocks, window));
-    say("ok");
+    if (tells_version) reply("[VER:1.1h.20190830:model]");
+    if (tells_options) reply(fmt::format("[OPT:V,{},{}]", planner_blocks, window));
+    reply("ok");
   }
 
   void list_settings() {
-    for (const auto& [number, value] : settings) say(fmt::format("${}={}", number, value));
-    say("ok");
+    for (const auto& [number, value] : settings) reply(fmt::format("${}={}", number, value));
+    reply("ok");
   }
 
   void change_setting() {
@@ -169,15 +169,15 @@ class GrblModel : public BadCable {
     changed[static_cast<std::uint32_t>(std::stoul(line_.substr(1)))] = line_.substr(equals + 1);
     const bool allowed = !allows || allows(changed);
     if (allowed) settings = changed;
-    say(allowed ? "ok" : "error:52");
+    reply(allowed ? "ok" : "error:52");
   }
 
   void realtime(std::uint8_t byte) {
     if (byte == '?') {
       ++polls;
-      return say(fmt::format("<{}|MPos:1.500,-2.000,0.000|Bf:{},{}|FS:0,0|WCO:1.000,0.000,0.000>",
-                             state, planner_blocks - moves_.size(),
-                             window - std::min(window, rx_.size())));
+      return reply(fmt::format("<{}|MPos:1.500,-2.000,0.000|Bf:{},{}|FS:0,0|WCO:1.000,0.000,0.000>",
+                               state, planner_blocks - moves_.size(),
+                               window - std::min(window, rx_.size())));
     }
     bytes_seen.push_back(byte);
     if (byte == '!' && obeys_hold && (state == "Run" || state == "Idle")) {

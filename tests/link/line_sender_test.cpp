@@ -382,7 +382,7 @@ TEST(LineSender, forwards_messages_of_the_board) {
   options.on_text = [&heard](const std::string& text) { heard.push_back(text); };
   Sending sending(board, numbered({"G1 X1"}), options);
   ASSERT_TRUE(sending.run_until("Run"));
-  board.say("[MSG:Pgm End]");
+  board.reply("[MSG:Pgm End]");
   sending.run();
   EXPECT_THAT(heard, ElementsAre("[MSG:Pgm End]"));
 }

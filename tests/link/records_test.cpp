@@ -77,10 +77,10 @@ TEST(Records, WriterRefusesWhatCannotBeEncoded) {
 }
 
 TEST(Records, ExtremeDeltasNeverWrap) {
-  constexpr std::array<std::uint8_t, 5> largest_delta{0x03, 0xFF, 0xFF, 0xFF, 0x7F};
+  constexpr std::array<std::uint8_t, 5> max_delta{0x03, 0xFF, 0xFF, 0xFF, 0x7F};
   std::vector<std::uint8_t> bytes;
   for (int i = 0; i < 3; ++i) {
-    for (const std::uint8_t byte : largest_delta) bytes.push_back(byte);
+    for (const std::uint8_t byte : max_delta) bytes.push_back(byte);
   }
   PulseDecoder decoder;
   auto queue = std::make_unique<PointQueue>();

@@ -38,8 +38,8 @@ std::vector<Row> random_rows(std::mt19937_64& random, int axes, int count) {
     row.line.light = random() % 4 != 0;
     std::uint32_t cells = 0;
     for (auto n = row.line.light ? 1 + random() % max_runs_a_line : 0; n != 0; --n) {
-      const auto run = longest_run(static_cast<std::uint16_t>(random()),
-                                   1 + static_cast<std::uint32_t>(random() % 200));
+      const auto run = max_run(static_cast<std::uint16_t>(random()),
+                               1 + static_cast<std::uint32_t>(random() % 200));
       if (cells + run_cells(run) > max_cells_a_line) break;
       cells += run_cells(run);
       row.runs.push_back(run);
@@ -116,8 +116,7 @@ TEST(RowRecords, HaveTheseBytes) {
   ByteWriter out(bytes);
   RowState state;
   ASSERT_TRUE(put_row_line(out, state, {{-2, 300, 0, 0}, false, 0}, 3));
-  const std::array<std::uint16_t, 3> runs{longest_run(65535, 1), longest_run(0, 100),
-                                          longest_run(32768, 16)};
+  const std::array<std::uint16_t, 3> runs{max_run(65535, 1), max_run(0, 100), max_run(32768, 16)};
   ASSERT_EQ(put_runs(out, state, runs), 3u);
   ASSERT_TRUE(put_row_line(out, state, {{98, 300, 0, 0}, true, 6'000'000}, 3));
   ASSERT_EQ(put_runs(out, state, std::span(runs).first(1)), 1u);
@@ -135,7 +134,7 @@ TEST(Runs, AreTheFewestForTheirLengthAndKeepThePower) {
   for (std::uint32_t cells = 1; cells <= 0x10000; cells += cells < 300 ? 1 : 37) {
     std::uint32_t left = cells, count = 0;
     for (; left != 0; ++count) {
-      const std::uint16_t run = longest_run(40'000, left);
+      const std::uint16_t run = max_run(40'000, left);
       ASSERT_LE(run_cells(run), left);
       if (left >= 32) {
         ASSERT_GT(2 * run_cells(run), left);
@@ -150,8 +149,8 @@ TEST(Runs, AreTheFewestForTheirLengthAndKeepThePower) {
   }
   for (std::uint32_t power = 0; power <= 65'535; ++power) {
     const auto p = static_cast<std::uint16_t>(power);
-    ASSERT_NEAR(run_power(longest_run(p, 1)), p, 17);
-    ASSERT_EQ(longest_run(run_power(longest_run(p, 7)), 7), longest_run(p, 7));
+    ASSERT_NEAR(run_power(max_run(p, 1)), p, 17);
+    ASSERT_EQ(max_run(run_power(max_run(p, 7)), 7), max_run(p, 7));
   }
   EXPECT_EQ(run_power(0xffff), 65'535);
   EXPECT_EQ(run_power(0x001f), 0);
@@ -165,7 +164,7 @@ TEST(RowRecords, WriterRefusesWhatCannotBeEncoded) {
   EXPECT_FALSE(put_row_line(out, state, {{0, 0, 0, 1}, false, 0}, 3))
       << "the machine has no such axis";
   EXPECT_EQ(out.size(), 0u);
-  const std::vector<std::uint16_t> runs(600, longest_run(1, 1));
+  const std::vector<std::uint16_t> runs(600, max_run(1, 1));
   EXPECT_EQ(put_runs(out, state, runs), max_runs_a_record);
   EXPECT_EQ(put_runs(out, state, runs), max_runs_a_record);
   EXPECT_EQ(put_runs(out, state, runs), max_runs_a_line - 2 * max_runs_a_record);
@@ -174,7 +173,7 @@ TEST(RowRecords, WriterRefusesWhatCannotBeEncoded) {
   EXPECT_FALSE(put_row_line(out, state, {{1, 0, 0, 0}, true, 0}, 3)) << "without feed";
   EXPECT_FALSE(put_row_line(out, state, {{}, true, 1}, 3)) << "no motion";
   EXPECT_TRUE(put_row_line(out, state, {{1, 0, 0, 0}, true, 1}, 3));
-  const std::array<std::uint16_t, 2> long_runs{longest_run(1, 32'768), longest_run(1, 32'768)};
+  const std::array<std::uint16_t, 2> long_runs{max_run(1, 32'768), max_run(1, 32'768)};
   EXPECT_EQ(put_runs(out, state, long_runs), 1u) << "the runs have more cells than a line may have";
   std::array<std::uint8_t, 7> few{};
   ByteWriter small(few);
@@ -237,7 +236,7 @@ TEST(RowRecords, AGreyPixelCostsLessThanThreeBytesOnTheWire) {
   for (int i = 0; i < count; ++i) {
     Row row{{{i % 2 == 0 ? 10'000 : 0, 20 * i, 0, 0}, true, 18'000'000}, {}};
     for (int k = 0; k < pixels; ++k)
-      row.runs.push_back(longest_run(static_cast<std::uint16_t>(random()), 1));
+      row.runs.push_back(max_run(static_cast<std::uint16_t>(random()), 1));
     rows.push_back(row);
   }
   std::size_t bytes = 0;

@@ -79,7 +79,7 @@ job::Job grey_rows(std::size_t lines, std::size_t runs_a_line) {
     line.to.steps[1] = job.rows.lines[0].to.steps[1];
     for (std::size_t k = 0; k < runs_a_line; ++k)
       job.rows.runs.push_back(
-          wire::longest_run(static_cast<std::uint16_t>(7919 * job.rows.runs.size()), 1));
+          wire::max_run(static_cast<std::uint16_t>(7919 * job.rows.runs.size()), 1));
   }
   return job;
 }

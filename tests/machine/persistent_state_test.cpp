@@ -15,14 +15,14 @@
 namespace lamplock::machine {
 namespace {
 
-using program::most_position_e7;
+using program::max_position_e7;
 using Bytes = std::vector<std::uint8_t>;
 using Random = std::mt19937_64;
 
 Bytes packed(const PersistentState& kept) {
   Bytes bytes(PersistentStateRecord::format.most, 0xff);
   const std::uint32_t size = PersistentStateRecord::put(kept, bytes);
-  EXPECT_LE(size, PersistentStateRecord::most_bytes);
+  EXPECT_LE(size, PersistentStateRecord::max_bytes);
   bytes.resize(size);
   return bytes;
 }
@@ -58,8 +58,8 @@ Bytes record(std::initializer_list<Bytes> pieces, std::uint8_t version = 1) {
 
 PersistentState some_program() {
   PersistentState kept;
-  kept.parameters.systems_e7[0] = {1, -2, 3, -most_position_e7};
-  kept.parameters.systems_e7[8] = {0, 0, 2 * most_position_e7, 0};
+  kept.parameters.systems_e7[0] = {1, -2, 3, -max_position_e7};
+  kept.parameters.systems_e7[8] = {0, 0, 2 * max_position_e7, 0};
   kept.parameters.home_g28_e7 = {5, 6, 7, 8};
   kept.parameters.home_g30_e7 = {-1, 0, 0, 0};
   EXPECT_TRUE(kept.start_up[0].set("G21"));
@@ -68,7 +68,7 @@ PersistentState some_program() {
   return kept;
 }
 const Bytes some_bytes =
-    record({places(0, {1, -2, 3, -most_position_e7}), places(8, {0, 0, 2 * most_position_e7, 0}),
+    record({places(0, {1, -2, 3, -max_position_e7}), places(8, {0, 0, 2 * max_position_e7, 0}),
             places(9, {5, 6, 7, 8}), places(10, {-1, 0, 0, 0}), piece(32, "G21"),
             piece(33, "G54 G90"), piece(48, "the left one")});
 
@@ -104,7 +104,7 @@ TEST(PersistentState, TheLongestStateFits) {
   kept.parameters.tool_length_e7 = 1;
   for (KeptText* text : {&kept.start_up[0], &kept.start_up[1], &kept.build_text})
     ASSERT_TRUE(text->set(std::string(80, '~')));
-  EXPECT_EQ(packed(kept).size(), PersistentStateRecord::most_bytes);
+  EXPECT_EQ(packed(kept).size(), PersistentStateRecord::max_bytes);
   EXPECT_EQ(unpacked(packed(kept)).kept, kept);
 }
 
@@ -163,9 +163,9 @@ TEST(PersistentState, UnknownFieldsAreSkipped) {
   for (const Bytes& strange :
        {places(11, {1, 2, 3, 4}), piece(34, "M3"), piece(200, ""), places(0, {1, 2, 3}),
         places(9, {1, 2, 3, 4, 5}), piece(48, std::string(81, 'x')), piece(48, "a\rb"),
-        places(0, {0, 0, 0, 2 * most_position_e7 + 1}),
-        places(8, {-2 * most_position_e7 - 1, 0, 0, 0}), places(9, {0, most_position_e7 + 1, 0, 0}),
-        places(10, {0, 0, -most_position_e7 - 1, 0}),
+        places(0, {0, 0, 0, 2 * max_position_e7 + 1}),
+        places(8, {-2 * max_position_e7 - 1, 0, 0, 0}), places(9, {0, max_position_e7 + 1, 0, 0}),
+        places(10, {0, 0, -max_position_e7 - 1, 0}),
         places(10, {0, 0, std::numeric_limits<std::int64_t>::min(), 0})}) {
     EXPECT_EQ(after(strange).kept, wanted);
     EXPECT_EQ(after(strange).unknown, 1u);
@@ -207,9 +207,9 @@ TEST(PersistentState, AnyBytesGiveAStateThatAnInterpreterAccepts) {
     if (random() % 4 == 0) bytes.resize(random() % bytes.size());
     const PersistentState kept = unpacked(bytes).kept;
     for (const program::Place& origin : kept.parameters.systems_e7)
-      ASSERT_TRUE(in_range(origin, 2 * most_position_e7));
-    ASSERT_TRUE(in_range(kept.parameters.home_g28_e7, most_position_e7));
-    ASSERT_TRUE(in_range(kept.parameters.home_g30_e7, most_position_e7));
+      ASSERT_TRUE(in_range(origin, 2 * max_position_e7));
+    ASSERT_TRUE(in_range(kept.parameters.home_g28_e7, max_position_e7));
+    ASSERT_TRUE(in_range(kept.parameters.home_g30_e7, max_position_e7));
     for (const KeptText& text : {kept.start_up[0], kept.start_up[1], kept.build_text})
       for (const char c : text.view()) ASSERT_TRUE(c >= ' ' && c <= '~');
     ASSERT_EQ(unpacked(packed(kept)).kept, kept);

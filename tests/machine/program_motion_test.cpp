@@ -15,8 +15,8 @@ using settings::Id;
 
 TEST(ProgramMotion, StepsAreTheNearestOnes) {
   std::mt19937_64 random(4100);
-  std::uniform_int_distribution<std::int64_t> place(-program::most_position_e7,
-                                                    program::most_position_e7);
+  std::uniform_int_distribution<std::int64_t> place(-program::max_position_e7,
+                                                    program::max_position_e7);
   std::uniform_int_distribution<std::int32_t> resolution(
       1, settings::row(Id::steps_per_mm_x).max_milli);
   for (int i = 0; i < test::scaled(20'000); ++i) {
@@ -36,8 +36,8 @@ TEST(ProgramMotion, StepsAreTheNearestOnes) {
       __extension__ using Wide = __int128;
       const Wide product = Wide{at[index(a)]} * values.milli(Id::steps_per_mm_x, a);
       const Wide unit = Wide{program::one_e7} * 1000;
-      if (product > unit * most_steps || product < -unit * most_steps) {
-        EXPECT_TRUE(steps[index(a)] > most_steps || steps[index(a)] < -most_steps);
+      if (product > unit * max_steps || product < -unit * max_steps) {
+        EXPECT_TRUE(steps[index(a)] > max_steps || steps[index(a)] < -max_steps);
         continue;
       }
       const Wide off = product - unit * steps[index(a)];
@@ -45,8 +45,8 @@ TEST(ProgramMotion, StepsAreTheNearestOnes) {
       // To the nearest 256th except at the edges of the step; a unit of 10^10 loses its last bits.
       const int off_q8 = line.off_q8[index(a)];
       const Wide beside = 512 * off - 2 * unit * off_q8;
-      EXPECT_LE(std::abs(off_q8), motion::most_off_q8);
-      if (std::abs(off_q8) < motion::most_off_q8) {
+      EXPECT_LE(std::abs(off_q8), motion::max_off_q8);
+      if (std::abs(off_q8) < motion::max_off_q8) {
         EXPECT_LE(beside < 0 ? -beside : beside, unit + 512 * 1024);
       } else {
         EXPECT_GE(off_q8 < 0 ? -beside : beside, -unit - 512 * 1024);

@@ -227,8 +227,8 @@ TEST(ProgramText, StoredLinesAndHelp) {
 
 TEST(ProgramText, TheLongestTextFitsALine) {
   Program p;
-  p.parameters.systems_e7.fill({-program::most_position_e7, -program::most_position_e7,
-                                -program::most_position_e7, -program::most_position_e7});
+  p.parameters.systems_e7.fill({-program::max_position_e7, -program::max_position_e7,
+                                -program::max_position_e7, -program::max_position_e7});
   EXPECT_EQ(p.offset(8, 4), "[G59.3:-10000.000,-10000.000,-10000.000,-10000.000]\r\n");
   p.run("G90.1 G61.1 G99 G59.3 M7 T255 F4000000 S4000000 G18 G91");
   p.run("M8");

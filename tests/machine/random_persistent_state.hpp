@@ -24,7 +24,7 @@ inline program::Place random_place(std::mt19937_64& random, std::int64_t most) {
 
 /// Some of the fields, all of them, or all at maximum length.
 inline machine::PersistentState random_persistent_state(std::mt19937_64& random) {
-  constexpr std::int64_t most = program::most_position_e7;
+  constexpr std::int64_t most = program::max_position_e7;
   machine::PersistentState kept;
   const auto share = random() % 4;  // of 3
   const auto some = [&] { return random() % 3 < share; };

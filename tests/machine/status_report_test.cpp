@@ -113,8 +113,8 @@ TEST(StatusReport, TheLongestTextFitsALine) {
   ReportedStatus status = idle();
   status.state = "Hold:1";
   status.axes = 4;
-  status.machine_e7.fill(-program::most_position_e7);
-  status.work_offset_e7.fill(-program::most_position_e7);
+  status.machine_e7.fill(-program::max_position_e7);
+  status.work_offset_e7.fill(-program::max_position_e7);
   status.line = 9'999'999;
   status.feed_um_min = 4'000'000'000;
   status.speed_milli = 4'000'000'000;

@@ -46,7 +46,7 @@ class JerkWatch {
  private:
   double jerk_q62_, least_ = 0, most_ = 0, worst_ = 0;
   double ticks_ = 0;
-  std::uint32_t stair_ = stepper::least_stair_ticks;
+  std::uint32_t stair_ = stepper::min_stair_ticks;
 };
 
 }  // namespace lamplock::test

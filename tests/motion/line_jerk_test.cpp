@@ -17,7 +17,7 @@ TEST(LineJerk, RandomPathsKeepLimits) {
     limit_jerk(random, m);
     const auto targets = random_lines(random, m, 1 + random() % 200, between(random, 0.02, 20));
     LineRig rig(m);
-    rig.look_at_ticks(50'000);
+    rig.check_ticks(50'000);
     rig.stream(targets);
     ASSERT_NO_FATAL_FAILURE(expect_at_end(rig));
     ASSERT_GE(rig.seconds(), LineReference(m, targets, false).seconds() * (1 - 1e-5));

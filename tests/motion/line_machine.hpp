@@ -33,7 +33,7 @@ inline void put_place(motion::LinePlace& place, int axis, double steps) {
   const auto off = static_cast<int>(std::lround((steps - step) * (1 << motion::place_bits)));
   place.steps[index(axis)] = static_cast<std::int32_t>(step);
   place.off_q8[index(axis)] =
-      static_cast<std::int8_t>(std::clamp(off, -motion::most_off_q8, motion::most_off_q8));
+      static_cast<std::int8_t>(std::clamp(off, -motion::max_off_q8, motion::max_off_q8));
 }
 inline double steps_at(const motion::LinePlace& place, std::size_t axis) {
   return place.steps[axis] + std::ldexp(place.off_q8[axis], -motion::place_bits);
@@ -94,7 +94,7 @@ class LineRig {
   const motion::LineLimits& line_limits() const { return line_limits_; }
   const std::vector<LineSegment>& segments() const { return segments_; }
   /// Checks segments tick by tick for the first `ticks` ticks, then only at their ends.
-  void look_at_ticks(long ticks) { ticks_to_sum_ = ticks; }
+  void check_ticks(long ticks) { ticks_to_sum_ = ticks; }
 
   /// Line numbers are indices of targets.
   bool push(LineTarget target) {
@@ -107,7 +107,7 @@ class LineRig {
   bool step() {
     LineSegment s;
     if (!planner_.next(s)) return false;
-    look_at(s);
+    check_segment(s);
     stood_ = false;
     segments_.push_back(s);
     from_ = s.segment.end;
@@ -170,8 +170,8 @@ class LineRig {
   const std::vector<LineTarget>& targets() const { return targets_; }
 
  private:
-  void look_at(const LineSegment& line);
-  void look_at_joint(const LineSegment& line) const;
+  void check_segment(const LineSegment& line);
+  void check_joint(const LineSegment& line) const;
   double norm_mm_s(const PerAxis<std::int64_t>& speeds_q62) const {
     double squares = 0;
     for (int a = 0; a < machine_.axes; ++a)
@@ -223,7 +223,7 @@ inline void expect_cancelled(LineRig& rig) {
 }
 
 /// The speed along the path is continuous except for rounding to whole ticks of both segments.
-inline void LineRig::look_at_joint(const LineSegment& line) const {
+inline void LineRig::check_joint(const LineSegment& line) const {
   const double start = start_mm_s(line);
   const double end = segments_.empty() || stood_ ? 0 : speed_mm_s(segments_.back());
   if (end == 0) {
@@ -240,8 +240,8 @@ inline void LineRig::look_at_joint(const LineSegment& line) const {
   ASSERT_NEAR(start, end, std::max(start, end) * (share + noise) + 1e-6 + tick_of_accel());
 }
 
-inline void LineRig::look_at(const LineSegment& line) {
-  ASSERT_NO_FATAL_FAILURE(look_at_joint(line));
+inline void LineRig::check_segment(const LineSegment& line) {
+  ASSERT_NO_FATAL_FAILURE(check_joint(line));
   const stepper::Segment& s = line.segment;
   SCOPED_TRACE(testing::Message() << "segment " << segments_.size() << ", line " << line.line
                                   << " of " << targets_.size() << ", ticks " << s.ticks);
@@ -279,8 +279,8 @@ inline void LineRig::look_at(const LineSegment& line) {
       watch.tick(0);
       ASSERT_FALSE(watch.broken()) << watch.worst() << " stairs";
       const TickSum sum = sum_ticks(p);
-      ASSERT_LE(sum.largest_speed_q62, limit.speed_q62);
-      ASSERT_LE(sum.largest_accel_q62, limit.accel_q62);
+      ASSERT_LE(sum.max_speed_q62, limit.speed_q62);
+      ASSERT_LE(sum.max_accel_q62, limit.accel_q62);
       ASSERT_EQ(sum.sign_changes_outside_turns, 0);
       ASSERT_EQ(native(end.position_q64) - native(from_.axis[index(a)].position_q64),
                 sum.end_q62 << 2);

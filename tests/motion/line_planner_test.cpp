@@ -24,7 +24,7 @@ TEST(LinePlanner, ALineFromRestToRest) {
   LineMachine m;
   m.accel_mm_s2.fill(1000);
   LineRig rig(m);
-  rig.look_at_ticks(1'000'000);
+  rig.check_ticks(1'000'000);
   rig.push(to_mm(m, {30, 40, 0}, 100));
   rig.run();
   ASSERT_FALSE(testing::Test::HasFatalFailure());
@@ -77,7 +77,7 @@ TEST(LinePlanner, GentlyCurvedPathOfDensePointsKeepsItsSpeed) {
   LineMachine m;
   m.accel_mm_s2.fill(1000);
   LineRig rig(m);
-  rig.look_at_ticks(1'000'000);
+  rig.check_ticks(1'000'000);
   const double length = 200, v = 100;
   rig.stream(curve(m, 50, length, v));
   ASSERT_FALSE(testing::Test::HasFatalFailure());
@@ -166,7 +166,7 @@ TEST(LinePlanner, RandomPathsKeepLimitsAndTakeNearMinimumTime) {
     const std::vector<LineTarget> targets =
         random_lines(random, m, count, between(random, 0.02, 20));
     LineRig rig(m);
-    rig.look_at_ticks(20'000);
+    rig.check_ticks(20'000);
     for (const LineTarget& t : targets) ASSERT_TRUE(rig.push(t));
     rig.run();
     ASSERT_FALSE(testing::Test::HasFatalFailure());

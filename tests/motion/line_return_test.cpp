@@ -34,7 +34,7 @@ TEST_P(Returns, AtRandomTimesLimitsAreKeptAndTheEndIsExact) {
     if (GetParam()) limit_jerk(random, m);
     const auto targets = random_lines(random, m, 20 + random() % 100, between(random, 0.02, 10));
     LineRig rig(m);
-    rig.look_at_ticks(20'000);
+    rig.check_ticks(20'000);
     std::size_t pushed = 0;
     const std::uint64_t every = 3 + random() % 100;
     for (bool going = true; going;) {
@@ -122,7 +122,7 @@ TEST(LineReturn, ReturnsDarkToThePlaceWhereItLeftThePath) {
       t.power = 40'000;
     }
     LineRig rig(m);
-    rig.look_at_ticks(20'000);
+    rig.check_ticks(20'000);
     for (const LineTarget& t : targets) rig.push(t);
     const std::uint64_t count = 1 + random() % 60;
     for (std::uint64_t k = 0; k < count; ++k) rig.step();
@@ -198,7 +198,7 @@ TEST(LineReturn, ACancelMeanwhileStaysACancel) {
     LineRandom random(static_cast<std::uint64_t>(i) + 9990);
     const LineMachine m = random_machine(random);
     LineRig rig(m);
-    rig.look_at_ticks(20'000);
+    rig.check_ticks(20'000);
     for (int part = 0; part < 3; ++part) {
       for (const LineTarget& t : random_lines(random, m, 60, between(random, 0.05, 10)))
         rig.push(t);

@@ -23,7 +23,7 @@ LineMachine machine_of(double accel_mm_s2) {
 }
 
 /// Smallest acceleration along any direction.
-double least_accel(const LineMachine& m) {
+double min_accel(const LineMachine& m) {
   double least = 1e300;
   for (int a = 0; a < m.axes; ++a) least = std::min(least, m.accel_mm_s2[index(a)]);
   return least;
@@ -42,7 +42,7 @@ TEST_P(Overrides, AndHoldsAtRandomTimesKeepLimitsAndEndExactly) {
     const std::size_t most = jerk ? 100 : 300;
     const auto targets = random_lines(random, m, 20 + random() % most, between(random, 0.02, 10));
     LineRig rig(m);
-    rig.look_at_ticks(jerk ? 50'000 : 20'000);
+    rig.check_ticks(jerk ? 50'000 : 20'000);
     std::size_t pushed = 0;
     const std::uint64_t every = 1 + random() % 60;
     for (bool going = true; going;) {
@@ -63,7 +63,7 @@ TEST_P(Overrides, AndHoldsAtRandomTimesKeepLimitsAndEndExactly) {
         if (!jerk && rig.segments().size() != before) {
           // Start of the brake: rounding to whole ticks makes a small corner of every junction.
           const double v = rig.start_mm_s(rig.segments()[before]);
-          ASSERT_LE(rig.seconds() - t, v / least_accel(m) * 1.004 + ticks);
+          ASSERT_LE(rig.seconds() - t, v / min_accel(m) * 1.004 + ticks);
         }
         rig.planner().resume();
       }
@@ -126,7 +126,7 @@ TEST(LineStream, ALateHostCostsOnlyTime) {
     const LineMachine m = random_machine(random);
     const auto targets = random_lines(random, m, 100, between(random, 0.02, 10));
     LineRig rig(m);
-    rig.look_at_ticks(20'000);
+    rig.check_ticks(20'000);
     for (std::size_t next = 0; next < targets.size() || !rig.planner().idle();) {
       const auto lines = random() % 4 == 0 ? random() % 12 : 0;
       for (std::size_t k = 0; k < lines && next < targets.size(); ++k)

@@ -41,7 +41,7 @@ class TickRun {
     while (generator_->tick() < ticks + part) {
       const std::uint64_t left = ticks + part - generator_->tick();
       generator_->fill(block_, static_cast<std::uint32_t>(std::min<std::uint64_t>(left, 5000)));
-      look_at();
+      check_block();
       if (testing::Test::HasFatalFailure()) return false;
     }
     return true;
@@ -59,7 +59,7 @@ class TickRun {
     return true;
   }
 
-  void look_at() {
+  void check_block() {
     ASSERT_FALSE(generator_->underrun());
     for (int a = 0; a < limits_.axes; ++a) {
       const stepper::AxisRun& r = block_.axis[index(a)];

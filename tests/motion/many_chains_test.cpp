@@ -25,7 +25,7 @@ constexpr int shares = 4;
 constexpr int chains = 50'000;
 /// One chain in this many is checked tick by tick, up to a number of ticks.
 constexpr int tick_by_tick_every = 100;
-constexpr long most_ticks = 2'000'000;
+constexpr long max_ticks = 2'000'000;
 
 /// The first fault of chain `number`, in either mode.
 Fault fault_of(std::uint64_t number, Planner& planner) {
@@ -38,7 +38,7 @@ Fault fault_of(std::uint64_t number, Planner& planner) {
   ChainPlan plan;
   Fault fault = test::chain_fault(chain, planner, plan);
   if (!fault && number % tick_by_tick_every == 0)
-    fault = test::ticks_fault(chain.limits, plan.segments, most_ticks);
+    fault = test::ticks_fault(chain.limits, plan.segments, max_ticks);
   return fault;
 }
 

@@ -99,8 +99,8 @@ inline void expect_on_line(const Chain& chain, const stepper::MotionState& from,
   std::vector<Vector> at((s.ticks + 96) / 97);
   for (std::size_t a = 0; a < axes; ++a) {
     const TickSum sum = sum_ticks(s.axis[a]);
-    ASSERT_LE(sum.largest_speed_q62, chain.limits.axis[a].speed_q62);
-    ASSERT_LE(sum.largest_accel_q62, chain.limits.axis[a].accel_q62);
+    ASSERT_LE(sum.max_speed_q62, chain.limits.axis[a].speed_q62);
+    ASSERT_LE(sum.max_accel_q62, chain.limits.axis[a].accel_q62);
     ASSERT_EQ(sum.sign_changes_outside_turns, 0);
     const double start = steps_of(from.axis[a].position_q64) -
                          (i == 0 ? 0.0 : static_cast<double>(chain.targets[i - 1].steps[a]));

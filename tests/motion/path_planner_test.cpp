@@ -174,7 +174,7 @@ TEST(PathPlanner, LeastBeatsAndFixedBeatsAreKept) {
   Chain chain = row_of(10, 2);
   chain.targets[6].shots = 0;
   test::WholeRequest whole(chain);
-  whole.request.least_beats = 3;
+  whole.request.min_beats = 3;
   PathPlanner planner;
   std::uint32_t failed = 0;
   ASSERT_EQ(planner.plan(whole.request, failed), Result::ok);

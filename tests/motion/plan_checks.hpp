@@ -126,10 +126,9 @@ inline Fault tick_fault(const motion::Limits& limits, const stepper::MotionState
     const motion::AxisLimits& axis = limits.axis[index(a)];
     const Int128 start = from.axis[index(a)].position_q64;
     const TickSum sum = sum_ticks(s.axis[index(a)]);
-    if (sum.largest_speed_q62 > axis.speed_q62) return {"too fast at a tick", s.point, a};
-    if (sum.largest_accel_q62 > axis.accel_q62)
-      return {"accelerates too hard at a tick", s.point, a};
-    if (!in_work_space(axis, start + (to_int128(sum.lowest_q62) << 2)) ||
+    if (sum.max_speed_q62 > axis.speed_q62) return {"too fast at a tick", s.point, a};
+    if (sum.max_accel_q62 > axis.accel_q62) return {"accelerates too hard at a tick", s.point, a};
+    if (!in_work_space(axis, start + (to_int128(sum.min_q62) << 2)) ||
         !in_work_space(axis, start + (to_int128(sum.max_q62) << 2)))
       return {"leaves the work space at a tick", s.point, a};
     if (s.end.axis[index(a)].position_q64 != start + (to_int128(sum.end_q62) << 2))

@@ -243,7 +243,7 @@ TEST(Planner, LeastBeatsLimitTheRateOfShots) {
   }
   tighten_work_space(chain);
   test::WholeRequest whole(chain);
-  whole.request.least_beats = 3;
+  whole.request.min_beats = 3;
   Planner planner;
   std::uint32_t failed = 0;
   ASSERT_EQ(planner.plan(whole.request, failed), Result::ok);

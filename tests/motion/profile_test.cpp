@@ -36,13 +36,13 @@ struct Demand {
 };
 
 /// Random feasible demands: any share of the possible displacements, including the extremes.
-Demand random_demand(std::mt19937_64& random, double fewest_ticks, double most_ticks) {
+Demand random_demand(std::mt19937_64& random, double fewest_ticks, double max_ticks) {
   std::uniform_real_distribution<double> unit(0, 1);
   const auto log_uniform = [&](double lo, double hi) {
     return lo * std::pow(hi / lo, unit(random));
   };
   Demand d;
-  const double beat = log_uniform(fewest_ticks, most_ticks);
+  const double beat = log_uniform(fewest_ticks, max_ticks);
   const auto beats = static_cast<std::uint32_t>(1 + random() % 4);
   const auto beat_ticks = static_cast<std::uint32_t>(beat / beats) + 100;
   d.ticks = beats * beat_ticks;
@@ -91,14 +91,14 @@ TEST(Profile, KeepsEveryLimitAtEveryTick) {
     const AxisProfile p = profile_of(d);
     ASSERT_EQ(p.ticks(), d.ticks) << text(d);
     const test::TickSum sum = test::sum_ticks(p);
-    ASSERT_LE(sum.largest_speed_q62, d.speed_q62) << text(d);
-    ASSERT_EQ(within_limits(p, d.speed_q62, d.accel_q62), sum.largest_accel_q62 <= d.accel_q62)
+    ASSERT_LE(sum.max_speed_q62, d.speed_q62) << text(d);
+    ASSERT_EQ(within_limits(p, d.speed_q62, d.accel_q62), sum.max_accel_q62 <= d.accel_q62)
         << text(d);
-    if (sum.largest_accel_q62 > d.accel_q62) ++refused;
+    if (sum.max_accel_q62 > d.accel_q62) ++refused;
     // The closed form equals the sum of the ticks, and excursions equal the visited range.
     ASSERT_EQ(native(displacement_q62(p)), sum.end_q62) << text(d);
     const Excursion e = excursion(p);
-    ASSERT_EQ(native(e.low_q62), sum.lowest_q62) << text(d);
+    ASSERT_EQ(native(e.low_q62), sum.min_q62) << text(d);
     ASSERT_EQ(native(e.high_q62), sum.max_q62) << text(d);
     ASSERT_EQ(sum.sign_changes_outside_turns, 0) << text(d);
   }
@@ -155,10 +155,10 @@ TEST(Profile, DetectsABrokenLimit) {
     const Demand d = random_demand(random, 100, 2'000);
     const AxisProfile p = profile_of(d);
     const test::TickSum sum = test::sum_ticks(p);
-    if (sum.largest_accel_q62 == 0) continue;
-    EXPECT_TRUE(within_limits(p, sum.largest_speed_q62, sum.largest_accel_q62));
-    EXPECT_FALSE(within_limits(p, sum.largest_speed_q62 - 1, sum.largest_accel_q62));
-    EXPECT_FALSE(within_limits(p, sum.largest_speed_q62, sum.largest_accel_q62 - 1));
+    if (sum.max_accel_q62 == 0) continue;
+    EXPECT_TRUE(within_limits(p, sum.max_speed_q62, sum.max_accel_q62));
+    EXPECT_FALSE(within_limits(p, sum.max_speed_q62 - 1, sum.max_accel_q62));
+    EXPECT_FALSE(within_limits(p, sum.max_speed_q62, sum.max_accel_q62 - 1));
   }
 }
 
@@ -170,8 +170,8 @@ TEST(Brake, EndsAtRestAndKeepsTheLimit) {
     const std::uint32_t ticks = least + static_cast<std::uint32_t>(random() % 50);
     const AxisProfile p = make_brake(d.v0_q62, d.plan_accel_q62, ticks);
     const test::TickSum sum = test::sum_ticks(p);
-    ASSERT_LE(sum.largest_accel_q62, d.accel_q62) << text(d);
-    ASSERT_LE(sum.largest_speed_q62, abs64(d.v0_q62)) << text(d);
+    ASSERT_LE(sum.max_accel_q62, d.accel_q62) << text(d);
+    ASSERT_LE(sum.max_speed_q62, abs64(d.v0_q62)) << text(d);
     ASSERT_LE(abs64(p.end_speed_q62()), 2LL * least) << text(d);
     ASSERT_EQ(native(displacement_q62(p)), sum.end_q62);
     // Distance of a steady deceleration over whole ticks, the last of which may be half wasted.

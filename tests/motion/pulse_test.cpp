@@ -98,11 +98,11 @@ TEST(Pulse, EqualsTheSumOfItsTicks) {
     const test::TickSum sum = test::sum_ticks(p);
     ASSERT_EQ(native(displacement_q62(p)), sum.end_q62);
     const Excursion e = excursion(p);
-    ASSERT_EQ(native(e.low_q62), sum.lowest_q62);
+    ASSERT_EQ(native(e.low_q62), sum.min_q62);
     ASSERT_EQ(native(e.high_q62), sum.max_q62);
     ASSERT_EQ(sum.sign_changes_outside_turns, 0);
     if (!fits) continue;
-    ASSERT_LE(sum.largest_accel_q62, std::max(abs64(p.lead_accel_q62), abs64(p.tail_accel_q62)));
+    ASSERT_LE(sum.max_accel_q62, std::max(abs64(p.lead_accel_q62), abs64(p.tail_accel_q62)));
     test::JerkWatch watch(axis);
     watch.allow_stairs(p);
     watch.tick(0);
@@ -120,7 +120,7 @@ TEST(Pulse, StairsApproximateStraightRamps) {
     SCOPED_TRACE(i);
     const auto n = static_cast<std::uint32_t>(random() % 200'000 + 8);
     const auto ramp = static_cast<std::uint8_t>(
-        random() % 4 == 0 ? stepper::falling_ramp : 1 + random() % stepper::longest_ramp);
+        random() % 4 == 0 ? stepper::falling_ramp : 1 + random() % stepper::max_ramp);
     const auto accel =
         (static_cast<std::int64_t>(random() % (1u << 30)) - (1 << 29)) * stepper::pulse_accel_unit;
     const bool falls = ramp == stepper::falling_ramp;
@@ -202,7 +202,7 @@ TEST(Pulse, BrakesFromAnyStateWithinTheJerkLimit) {
       const test::TickSum sum = test::sum_ticks(p);
       ASSERT_EQ(native(displacement_q62(p)), sum.end_q62);
       ASSERT_EQ(sum.sign_changes_outside_turns, 0);
-      ASSERT_LE(sum.largest_accel_q62, axis.accel_q62);
+      ASSERT_LE(sum.max_accel_q62, axis.accel_q62);
       test::JerkWatch watch(axis);
       watch.allow_stairs(p);
       const auto begin = static_cast<double>(accel[a]);

@@ -37,7 +37,7 @@ bool can_start(Real v, Real q, Real t, Real limit) {
 }
 
 /// Largest end speed from a start speed that can start.
-Real largest_end(Real v, Real q, Real t, Real limit) {
+Real max_end(Real v, Real q, Real t, Real limit) {
   Real lo = std::max(v - t, -limit), hi = std::min(v + t, limit);
   if (nearest(v, hi, t, limit) <= q) return hi;
   for (int i = 0; i < 80; ++i) {
@@ -46,7 +46,7 @@ Real largest_end(Real v, Real q, Real t, Real limit) {
   }
   return lo;
 }
-Real smallest_end(Real v, Real q, Real t, Real limit) { return -largest_end(-v, -q, t, limit); }
+Real min_end(Real v, Real q, Real t, Real limit) { return -max_end(-v, -q, t, limit); }
 
 struct Truth {
   Real lo, hi;
@@ -75,8 +75,8 @@ std::optional<Truth> truth(Real a, Real b, Real q, Real t, Real limit) {
   Truth result{limit, -limit};
   for (int i = 0; i <= samples; ++i) {
     const Real v = *first + (*last - *first) * i / samples;
-    result.lo = std::min(result.lo, smallest_end(v, q, t, limit));
-    result.hi = std::max(result.hi, largest_end(v, q, t, limit));
+    result.lo = std::min(result.lo, min_end(v, q, t, limit));
+    result.hi = std::max(result.hi, max_end(v, q, t, limit));
   }
   return result;
 }

@@ -59,13 +59,13 @@ const std::vector<Walk> walks{
 
 /// Ten points: lengths over three decades, directions uniform or correlated, 2-D and 3-D, lamps
 /// between two frequencies, machines of all kinds, unlimited work space.
-Chain random_sequence(double lowest_hz, double max_hz, std::mt19937_64& random) {
+Chain random_sequence(double min_hz, double max_hz, std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> normal;
   const auto log_uniform = [&](double lo, double hi) {
     return lo * std::pow(hi / lo, unit(random));
   };
-  const double lamp_hz = log_uniform(lowest_hz, max_hz), accel_m_s2 = log_uniform(1, 30);
+  const double lamp_hz = log_uniform(min_hz, max_hz), accel_m_s2 = log_uniform(1, 30);
   const double steps_per_mm = log_uniform(200, 800);
   const double speed_m_s = std::min(log_uniform(0.05, 1), 900 / steps_per_mm);
   const auto axes = static_cast<std::size_t>(2 + random() % 2);
@@ -108,12 +108,12 @@ struct Grade {
   }
 };
 
-Grade grade(double lowest_hz, double max_hz, int sequences, std::uint64_t seed) {
+Grade grade(double min_hz, double max_hz, int sequences, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto planner = std::make_unique<Planner>();
   Grade grade;
   for (; grade.sequences < sequences; ++grade.sequences) {
-    const Chain chain = random_sequence(lowest_hz, max_hz, random);
+    const Chain chain = random_sequence(min_hz, max_hz, random);
     const bench::ReferenceProblem problem = bench::problem_of(chain.limits, chain.targets);
     const long best = bench::fewest_beats(problem).beats;
     const test::ChainPlan plan = test::plan_chain(chain, *planner);
@@ -127,7 +127,7 @@ Grade grade(double lowest_hz, double max_hz, int sequences, std::uint64_t seed) 
     grade.max_more = std::max(grade.max_more, more);
     grade.beyond_tenth_or_two += more > 2 && 10 * more > best ? 1 : 0;
   }
-  std::cout << lowest_hz << " to " << max_hz << " Hz, " << sequences
+  std::cout << min_hz << " to " << max_hz << " Hz, " << sequences
             << " sequences of 10 points: optimum " << grade.optimum << " beats, planner "
             << grade.planned << " (+" << grade.gap_percent() << " %, " << grade.longer
             << " sequences longer, none by more than " << grade.max_more << ", "

@@ -12,8 +12,8 @@ namespace lamplock::test {
 
 /// Results of a profile, evaluated after every tick.
 struct TickSum {
-  Native end_q62 = 0, lowest_q62 = 0, max_q62 = 0;
-  std::int64_t largest_speed_q62 = 0, largest_accel_q62 = 0;
+  Native end_q62 = 0, min_q62 = 0, max_q62 = 0;
+  std::int64_t max_speed_q62 = 0, max_accel_q62 = 0;
   int sign_changes_outside_turns = 0;  ///< the rate may change sign only where the profile allows
 };
 
@@ -55,7 +55,7 @@ void for_each_tick(const stepper::AxisProfile& p, Visit at) {
 
 inline TickSum sum_ticks(const stepper::AxisProfile& p) {
   TickSum sum;
-  sum.largest_speed_q62 = abs64(p.speed_q62);
+  sum.max_speed_q62 = abs64(p.speed_q62);
   std::uint32_t tick = 0;
   int sign = 0;
   Native before = 0;
@@ -69,10 +69,10 @@ inline TickSum sum_ticks(const stepper::AxisProfile& p) {
         (p.tail_turn_ticks != 0 && tick == p.lead_ticks + p.cruise_ticks + p.tail_turn_ticks);
     if (!turn && now * sign < 0) ++sum.sign_changes_outside_turns;
     if (now != 0 || turn) sign = now;
-    sum.lowest_q62 = std::min(sum.lowest_q62, way);
+    sum.min_q62 = std::min(sum.min_q62, way);
     sum.max_q62 = std::max(sum.max_q62, way);
-    sum.largest_speed_q62 = std::max(sum.largest_speed_q62, abs64(speed));
-    sum.largest_accel_q62 = std::max(sum.largest_accel_q62, abs64(accel));
+    sum.max_speed_q62 = std::max(sum.max_speed_q62, abs64(speed));
+    sum.max_accel_q62 = std::max(sum.max_accel_q62, abs64(accel));
     before = way;
     last_accel = accel;
     ++tick;

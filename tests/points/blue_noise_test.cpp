@@ -48,7 +48,7 @@ TEST(BlueNoise, NoTwoPointsAreCloserThanTheDistance) {
     const Mesh mesh = some_mesh(random);
     const double distance = 0.15 + static_cast<double>(test::below(random, 100)) / 100;
     const PointCloud cloud = blue_noise(mesh, {.distance_mm = distance, .seed = random()});
-    EXPECT_GE(test::smallest_square(cloud), distance * distance);
+    EXPECT_GE(test::min_square(cloud), distance * distance);
     EXPECT_GT(cloud.size(), 3u);
   }
 }
@@ -188,7 +188,7 @@ TEST(BlueNoise, DensityFollowsTheTone) {
   std::array<double, 4> counts{};
   const PointCloud cloud = blue_noise(mesh, {.distance_mm = 0.25, .tone = tone});
   for (const auto& p : cloud) ++counts[static_cast<std::size_t>(p.x / 10)];
-  EXPECT_GE(test::smallest_square(cloud), 0.25 * 0.25);
+  EXPECT_GE(test::min_square(cloud), 0.25 * 0.25);
   const double full = 0.697 * 400 / 0.0625;
   EXPECT_NEAR(counts[0] / full, 1, 0.03);
   EXPECT_NEAR(counts[1] / full, 0.25, 0.015);
@@ -234,7 +234,7 @@ TEST(BlueNoise, FlatAndDuplicateTrianglesAreHarmless) {
   mesh.triangles.push_back({0, 3, 4});               // on the diagonal, without area
   mesh.triangles.push_back(mesh.triangles.front());  // a duplicate
   const PointCloud cloud = blue_noise(mesh, {.distance_mm = 0.5});
-  EXPECT_GE(test::smallest_square(cloud), 0.25);
+  EXPECT_GE(test::min_square(cloud), 0.25);
   const auto expected = static_cast<double>(blue_noise(plate(5, 1), {.distance_mm = 0.5}).size());
   EXPECT_NEAR(static_cast<double>(cloud.size()), expected, 6);
   mesh.triangles = {{0, 3, 4}};

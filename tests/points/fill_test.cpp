@@ -38,7 +38,7 @@ TEST(FillFaces, SharedEdgesAreNotFilledTwice) {
   for (int i = 0; i < test::scaled(20); ++i) {
     const double distance = 0.1 + static_cast<double>(test::below(random, 100)) / 200;
     const auto fill = fill_faces(test::box(3, 2, 1), {.distance_mm = distance});
-    EXPECT_GE(test::smallest_square(fill.points), distance * distance * (1 - 1e-12));
+    EXPECT_GE(test::min_square(fill.points), distance * distance * (1 - 1e-12));
     EXPECT_GT(fill.welded, 0u);
   }
 }
@@ -96,7 +96,7 @@ TEST(FillFaces, ABallHasOneDensityForAnyTriangles) {
     const Mesh fine = test::sphere(5, rings, around);
     const auto fill = fill_faces(fine, {.distance_mm = 0.15});
     EXPECT_NEAR(density(fine, fill) / wanted, 1, 0.06) << rings;
-    EXPECT_GE(test::smallest_square(fill.points), 0.15 * 0.15);
+    EXPECT_GE(test::min_square(fill.points), 0.15 * 0.15);
     for (const auto& place : test::random_places(fine, test::scaled(200), random))
       EXPECT_LT(test::nearest_distance(place, fill.points), 2 * 0.15);
   }
@@ -154,7 +154,7 @@ Mesh hollow_ball(bool inside_out) {
 TEST(FillSolid, PointsAreInsideAndApart) {
   for (const bool inside_out : {false, true}) {
     const PointCloud cloud = fill_solid(hollow_ball(inside_out), {.distance_mm = 0.5});
-    EXPECT_GE(test::smallest_square(cloud), 0.25);
+    EXPECT_GE(test::min_square(cloud), 0.25);
     for (const auto& p : cloud) {
       const double r = std::hypot(p.x, p.y, p.z);
       EXPECT_LT(r, 5);
@@ -208,7 +208,7 @@ TEST(FillSolid, DensityDecreasesWithTheVolumeAbove) {
   const points::SolidOptions options{
       .distance_mm = 0.25, .light_depth_mm = 3, .lowest_density = 0.02};
   const PointCloud cloud = fill_solid(test::box(4, 4, 4), options);
-  EXPECT_GE(test::smallest_square(cloud), 0.0625);
+  EXPECT_GE(test::min_square(cloud), 0.0625);
   std::array<double, 4> slabs{};  // two mm each, from the top
   for (const auto& p : cloud) ++slabs[static_cast<std::size_t>((4 - p.z) / 2) % 4];
   for (std::size_t i = 1; i < slabs.size(); ++i) {

@@ -13,7 +13,7 @@
 namespace lamplock::test {
 
 /// Square of the smallest distance of two points, by comparing all that are near along x.
-inline double smallest_square(geometry::PointCloud cloud) {
+inline double min_square(geometry::PointCloud cloud) {
   std::sort(cloud.begin(), cloud.end(), [](auto& p, auto& q) { return p.x < q.x; });
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < cloud.size(); ++i) {

@@ -64,7 +64,7 @@ TEST(Shells, NeverTooCloseOnLatticesOfTheDistance) {
     }
     const auto shells = spread_over_shells(
         cloud, {}, {.shells = 2, .shell_mm = distance * 2, .distance_mm = distance});
-    ASSERT_GE(test::smallest_square(shells.points), distance * distance) << distance;
+    ASSERT_GE(test::min_square(shells.points), distance * distance) << distance;
   }
 }
 
@@ -91,7 +91,7 @@ TEST(Shells, OfASphereSeparateNeighbours) {
   for (const auto& [count, most] : {std::pair{3, 0.15}, std::pair{5, 0.03}}) {
     const auto shells = spread_over_shells(
         cloud, inward, {.shells = count, .shell_mm = 0.1, .distance_mm = distance});
-    EXPECT_GE(test::smallest_square(shells.points), distance * distance);
+    EXPECT_GE(test::min_square(shells.points), distance * distance);
     EXPECT_EQ(shells.points.size() + shells.removed, cloud.size());
     EXPECT_LT(static_cast<double>(shells.removed) / static_cast<double>(cloud.size()), 0.01);
     for (std::size_t i = 0; i < shells.points.size(); ++i) {
@@ -119,7 +119,7 @@ TEST(Shells, RandomCloudsAreApartAfterwards) {
                                        .distance_mm = 0.1 + 0.1 * test::below(random, 4)};
     PointCloud inward = test::random_cloud(random, 500, 1);
     const auto shells = spread_over_shells(cloud, inward, options);
-    EXPECT_GE(test::smallest_square(shells.points), options.distance_mm * options.distance_mm);
+    EXPECT_GE(test::min_square(shells.points), options.distance_mm * options.distance_mm);
     EXPECT_EQ(shells.points.size() + shells.removed, cloud.size());
     EXPECT_EQ(shells.points.size(), shells.shell.size());
   }

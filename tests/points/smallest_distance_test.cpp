@@ -51,7 +51,7 @@ TEST(SmallestDistance, OfEveryDiscretiserIsNeverBelowTheSpacing) {
     const double d = 0.02 + static_cast<double>(test::below(random, 1000)) / 3000;
     const Mesh mesh = i % 3 == 0 ? random_box(random, d) : random_triangles(random, d, i % 3 == 1);
     const auto expect_apart = [&](const std::string& method, const PointCloud& cloud) {
-      ASSERT_GE(test::smallest_square(cloud), d * d) << method << ' ' << i << ' ' << d;
+      ASSERT_GE(test::min_square(cloud), d * d) << method << ' ' << i << ' ' << d;
     };
     expect_apart("blue noise", points::blue_noise(mesh, {.distance_mm = d, .threads = 1}));
     expect_apart("faces", points::fill_faces(mesh, {.distance_mm = d}).points);

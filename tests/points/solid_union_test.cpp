@@ -180,7 +180,7 @@ TEST(FillSolid, HasOneDensityEverywhereInAUnion) {
     const std::vector<Shape> shapes = random_shapes(random, 4);
     const PointCloud cloud =
         points::fill_solid(mesh_of(shapes), {.distance_mm = distance, .seed = random()});
-    EXPECT_GE(test::smallest_square(cloud), distance * distance);
+    EXPECT_GE(test::min_square(cloud), distance * distance);
     for (const Point& p : cloud) {
       ASSERT_TRUE(is_inside(shapes, p, -4 * chord));
       density.add(shapes, p, density.points, skin);

@@ -27,7 +27,7 @@ TEST(Spacing, AgreesWithComparingAllPairs) {
     const auto report = spacing_of(cloud);
     EXPECT_EQ(report.points, cloud.size());
     EXPECT_EQ(report.duplicates, 0u);
-    EXPECT_DOUBLE_EQ(report.smallest_mm, std::sqrt(test::smallest_square(cloud)));
+    EXPECT_DOUBLE_EQ(report.smallest_mm, std::sqrt(test::min_square(cloud)));
     EXPECT_LT(report.first, report.second);
     EXPECT_NEAR(test::distance(cloud[report.first], cloud[report.second]), report.smallest_mm,
                 1e-15);

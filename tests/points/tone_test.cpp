@@ -106,7 +106,7 @@ TEST(BitmapTone, PointsOfAGreyAreSpreadAndLayersDiffer) {
     EXPECT_LT(std::sqrt(deviation), 2);
   }
   EXPECT_EQ(picture_points(even_grey(64, 191), 64, options), cloud);
-  EXPECT_GE(test::smallest_square(cloud), 1 - 1e-12);
+  EXPECT_GE(test::min_square(cloud), 1 - 1e-12);
 }
 
 // Half grey by plain error diffusion is a chequerboard, in which defects are visible.

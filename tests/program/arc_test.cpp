@@ -265,7 +265,7 @@ TEST(Arc, RadiiBeyondTheMachine) {
 
 TEST(Arc, SweepsThatRoundToZeroAreNeitherZeroNorATurn) {
   // 0.3 units of an angle.
-  const std::int64_t far = most_coordinate_e7;
+  const std::int64_t far = max_coordinate_e7;
   for (const bool clockwise : {false, true}) {
     const ArcRequest r{
         {0, -far, 0, 0}, {1, -far, 0, 0}, {0, far, 0, 0}, plane_xy, clockwise, 0, far};
@@ -338,7 +338,7 @@ TEST(Arc, ARadiusThatIsTooSmallIsAnError) {
   EXPECT_FALSE(centre_of_radius(a, b, plane_xy, 0, false, c));
   EXPECT_FALSE(centre_of_radius(a, a, plane_xy, mm(5), false, c));
   EXPECT_FALSE(centre_of_radius(a, {0, 0, mm(1), 0}, plane_xy, mm(5), false, c));
-  EXPECT_FALSE(centre_of_radius(a, b, plane_xy, most_coordinate_e7 + 1, false, c));
+  EXPECT_FALSE(centre_of_radius(a, b, plane_xy, max_coordinate_e7 + 1, false, c));
   EXPECT_FALSE(
       centre_of_radius(a, b, plane_xy, std::numeric_limits<std::int64_t>::max(), false, c));
 }
@@ -383,7 +383,7 @@ TEST(Arc, AShortArcTo100And120) {
 /// Degenerate requests give a single piece to the end.
 TEST(Arc, DegenerateArcsAreAStraightPiece) {
   const Place a{mm(1), mm(2), mm(3), mm(4)}, b{mm(5), mm(-6), mm(7), mm(-8)};
-  const std::int64_t far = most_coordinate_e7 + 1;
+  const std::int64_t far = max_coordinate_e7 + 1;
   const std::array<ArcRequest, 5> requests{{
       {a, b, a, plane_xy, false, 0, mm(0.002)},                       // centre = start
       {a, b, b, plane_zx, true, 7, mm(0.002)},                        // centre = end
@@ -444,7 +444,7 @@ TEST(Arc, TheSmallestArcs) {
 
 TEST(Arc, AtTheLimitsOfTheNumbers) {
   // Corners of the +-10 m machine and of the accepted range.
-  const std::array<std::int64_t, 2> sizes{most_position_e7, most_coordinate_e7};
+  const std::array<std::int64_t, 2> sizes{max_position_e7, max_coordinate_e7};
   for (const std::int64_t most : sizes) {
     for (int bits = 0; bits < 128; ++bits) {
       const auto at = [&](int bit) { return (bits >> bit & 1) != 0 ? most : -most; };

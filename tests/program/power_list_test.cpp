@@ -83,7 +83,7 @@ TEST(PowerList, ErrorsChangeNothing) {
   };
   expect_refused<Laser>(refusals);
   Laser laser;
-  const Fault fault = laser.run("G1 X1 S" + std::string(PowerList::most_characters, '0') + ":1");
+  const Fault fault = laser.run("G1 X1 S" + std::string(PowerList::max_characters, '0') + ":1");
   EXPECT_EQ(fault.error, GcodeError::line_too_long);
   EXPECT_EQ(fault.column, 7);
   // A spindle has one speed.

@@ -172,7 +172,7 @@ TEST(Spline, AnyToleranceTerminates) {
        {std::int64_t{0}, std::int64_t{-5}, std::numeric_limits<std::int64_t>::min()}) {
     r.tolerance_e7 = tolerance;
     const Errors errors = run(r, curve);
-    EXPECT_EQ(curve.pieces(), most_spline_pieces);
+    EXPECT_EQ(curve.pieces(), max_spline_pieces);
     EXPECT_LE(errors.point, point_error);
     EXPECT_LE(errors.chord, 300);
   }
@@ -182,7 +182,7 @@ TEST(Spline, AnyToleranceTerminates) {
 }
 
 TEST(Spline, AtTheLimitsOfTheNumbers) {
-  for (const std::int64_t most : {most_position_e7, most_coordinate_e7}) {
+  for (const std::int64_t most : {max_position_e7, max_coordinate_e7}) {
     for (int bits = 0; bits < 256; ++bits) {
       const auto at = [&](int bit) { return (bits >> bit & 1) != 0 ? most : -most; };
       const SplineRequest r{{at(0), at(1), -most, most},
@@ -199,7 +199,7 @@ TEST(Spline, AtTheLimitsOfTheNumbers) {
 
 TEST(Spline, OutsideTheNumbersIsAStraightPiece) {
   SplineRequest r = in_xy({0, 0, 1, 1, 2, 2, 3, 3});
-  r.second_control[1] = most_coordinate_e7 + 1;
+  r.second_control[1] = max_coordinate_e7 + 1;
   Curve curve;
   curve.begin_spline(r);
   Place at{};

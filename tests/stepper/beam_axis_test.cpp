@@ -104,7 +104,7 @@ class Lines {
       return ramp == 0 ? a & ~std::int64_t{1} : a / pulse_accel_unit * pulse_accel_unit;
     };
     const auto ramp = [&](std::uint32_t ticks) {
-      return static_cast<std::uint8_t>(ramps && ticks > 600 ? below(longest_ramp + 1) : 0);
+      return static_cast<std::uint8_t>(ramps && ticks > 600 ? below(max_ramp + 1) : 0);
     };
     if (p.lead_ticks != 0) {
       p.lead_ramp = ramp(p.lead_ticks);

@@ -229,8 +229,8 @@ TEST(ReversalGuard, ConvertsTheSettingsToTheShortestTicks) {
       ASSERT_TRUE(values.set_milli(id, ns));
       const DirectionTimes times = pulse_output(values).times;
       const std::uint32_t ticks = id == Id::direction_setup ? times.setup_ticks : times.hold_ticks;
-      ASSERT_GE(ticks * shortest_tick_ns, static_cast<std::uint32_t>(ns));
-      ASSERT_LT((ticks - 1) * shortest_tick_ns, static_cast<std::uint32_t>(ns));
+      ASSERT_GE(ticks * min_tick_ns, static_cast<std::uint32_t>(ns));
+      ASSERT_LT((ticks - 1) * min_tick_ns, static_cast<std::uint32_t>(ns));
     }
   }
 }

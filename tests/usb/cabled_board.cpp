@@ -53,9 +53,9 @@ void CabledBoard::fail(int status) {
   device_->fail(status);
 }
 
-void CabledBoard::look_away(std::chrono::milliseconds time) {
+void CabledBoard::ignore_cable(std::chrono::milliseconds time) {
   const std::lock_guard lock(mutex_);
-  looks_at_ = Clock::now() + time;
+  ignores_until_ = Clock::now() + time;
 }
 
 void CabledBoard::serve() {
@@ -72,7 +72,7 @@ void CabledBoard::serve() {
 }
 
 void CabledBoard::move_bytes() {
-  if (device_ == nullptr || Clock::now() < looks_at_) return;
+  if (device_ == nullptr || Clock::now() < ignores_until_) return;
   std::array<std::uint8_t, piece_size> piece{};
   const auto begin = piece.begin();
   for (bool more = true; more;) {

@@ -32,7 +32,7 @@ class CabledBoard {
   void unplug(int status);
   void fail(int status);
   /// Ignores the cable for this time.
-  void look_away(std::chrono::milliseconds time);
+  void ignore_cable(std::chrono::milliseconds time);
   /// Stops bytes and time, so that the board may be inspected.
   void end();
 
@@ -46,7 +46,7 @@ class CabledBoard {
   std::deque<BulkDevice> devices_;  ///< one for each plug: a program may still have an old one open
   std::mutex mutex_;                ///< protects data shared by thread and owner
   BulkDevice* device_ = nullptr;
-  std::chrono::steady_clock::time_point looks_at_{};
+  std::chrono::steady_clock::time_point ignores_until_{};
   std::vector<std::uint8_t> to_board_, to_host_;
   std::atomic<bool> ended_{false};
   std::jthread thread_;

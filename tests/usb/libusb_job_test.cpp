@@ -131,7 +131,7 @@ TEST_F(LibusbJobTest, TheLastBytesOfAProgramThatEndsArrive) {
     link::UsbTransport transport = connect();
     link::JobSender sender(transport, job_);
     while (sender.points_fired() < 50) ASSERT_TRUE(sender.step());
-    cable_->look_away(milliseconds(20));
+    cable_->ignore_cable(milliseconds(20));
     const std::uint8_t reset = 0x18;
     ASSERT_EQ(transport.write({&reset, 1}), 1u);
   }

@@ -58,27 +58,27 @@ void Board::start_ports() {
   if (boards::find_gpio(map_, boards::Role::uart_tx)) ports_.uart().start(clock_hz);
 }
 
-void Board::say_rejected(std::string_view what, std::uint32_t records) {
+void Board::report_rejected(std::string_view what, std::uint32_t records) {
   if (records == 0) return;
   TextLine line;
   line.add(what).add(": rejected records ").add(std::int64_t{records});
-  core_.say(line.view());
+  core_.report_message(line.view());
 }
 
 void Board::start_kept() {
   machine::PersistentState kept;
   storage_.load_program(kept);
   core_.set_kept(kept);
-  say_rejected("Program", storage_.rejected_programs());
+  report_rejected("Program", storage_.rejected_programs());
 }
 
 void Board::start() {
   TextLine line;
   const LastRun last = take_last_run();
   describe(last, line);
-  core_.say(line.view());
+  core_.report_message(line.view());
   if (last.in_job) core_.start_in_alarm();
-  say_rejected("Settings", storage_.rejected_settings());
+  report_rejected("Settings", storage_.rejected_settings());
   start_kept();
   for (const InterruptEntry& entry : interrupt_entries)
     set_priority(entry.irq, static_cast<std::uint32_t>(entry.level));
@@ -89,7 +89,7 @@ void Board::start() {
   nvic().iser =
       irqs_of(Level::estop) | irqs_of(Level::beat) | irqs_of(Level::link) | irqs_of(Level::fill);
   second_core_ = start_second_core(second_core);
-  if (!second_core_) core_.say("Core 1 does not answer: core 0 plans");
+  if (!second_core_) core_.report_message("Core 1 does not answer: core 0 plans");
 }
 
 void Board::run() {
@@ -144,9 +144,9 @@ void Board::sign() {
 
 void Board::receive() {
   if (ports_.take_loss()) core_.lose_lines();
-  core_.see_host(ports_.host_present());
+  core_.set_host_present(ports_.host_present());
   std::array<std::uint8_t, piece> bytes;
-  for (int i = 0; i < most_pieces; ++i) {
+  for (int i = 0; i < max_pieces; ++i) {
     if (ports_.realtime_waits()) receive_realtime();
     // Read each time: the last bytes may have begun a job, or filled the room for lines.
     const std::size_t room = core_.receive_room();
@@ -154,7 +154,7 @@ void Board::receive() {
     const std::size_t n = ports_.read(free, core_.job_unfinished());
     if (ports_.take_new_connection()) core_.new_connection();
     if (n == 0) return;
-    core_.see_host(ports_.host_present());
+    core_.set_host_present(ports_.host_present());
     core_.receive(free.first(n), ports_.before_jog_cancel());
     if (core_.batch_waits()) return;  // the other core is idle meanwhile
   }
@@ -204,7 +204,7 @@ bool Board::hand_out() {
 }
 
 void Board::transmit() {
-  core_.tell();
+  core_.service_host();
   std::array<std::uint8_t, piece> bytes;
   for (std::size_t room = ports_.room(); room != 0;) {
     const std::size_t n =
@@ -220,15 +220,15 @@ void Board::store_settings() {
   if (!core_.settings_due()) return;  // called in every round, and a copy is long
   settings::Values values;
   core_.take_settings(values);
-  watchdog_.allow(Watchdog::longest_us);
-  if (!storage_.save(values)) core_.say("Settings could not be stored");
+  watchdog_.allow(Watchdog::max_us);
+  if (!storage_.save(values)) core_.report_message("Settings could not be stored");
 }
 
 void Board::store_kept() {
   const machine::PersistentState* kept = core_.take_kept();
   if (kept == nullptr) return;
-  watchdog_.allow(Watchdog::longest_us);
-  if (!storage_.save(*kept)) core_.say("Offsets could not be stored");
+  watchdog_.allow(Watchdog::max_us);
+  if (!storage_.save(*kept)) core_.report_message("Offsets could not be stored");
 }
 
 void Board::enter_loader() {

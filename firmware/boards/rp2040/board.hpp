@@ -90,14 +90,14 @@ class Board {
   /// Bytes per piece: a packet of USB. The core masks interrupts itself.
   static constexpr std::size_t piece = 64;
   /// Pieces per pass: some 30 points. A completed plan must not wait for more of them.
-  static constexpr int most_pieces = 4;
+  static constexpr int max_pieces = 4;
   static constexpr unsigned estop_word = io_interrupt::word(boards::gpio(boards::Role::estop));
   static constexpr std::uint32_t estop_edge =
       io_interrupt::edge_high(boards::gpio(boards::Role::estop));
 
   [[gnu::cold]] void start();
   [[gnu::cold]] void start_ports();
-  [[gnu::cold]] void say_rejected(std::string_view what, std::uint32_t records);
+  [[gnu::cold]] void report_rejected(std::string_view what, std::uint32_t records);
   /// Restores the data that was kept over the power cut.
   [[gnu::cold]] void start_kept();
   /// One round of the main loop; true if there is more to do at once.

@@ -17,17 +17,17 @@ constexpr std::uint32_t filled_at_once = 512;
 /// the former.
 constexpr std::int32_t min_filled_ticks = 1000;
 /// Minimum time between two alarms: retries must not use all the time.
-constexpr std::uint32_t least_wait_us = 5;
+constexpr std::uint32_t min_wait_us = 5;
 constexpr std::uint32_t beat_period_us = 100;
 /// Spans fed in one beat interrupt, to limit its time; while more are missing the next interrupt
 /// follows at once.
-constexpr std::uint32_t most_spans = 1;
+constexpr std::uint32_t max_spans = 1;
 constexpr std::uint32_t all_spans = ~0u;
 /// From the decision to start the lattice to its first tick: mostly the time to fill the rings.
 constexpr std::uint64_t start_margin_clocks = 2000 * clocks_per_us;
 /// A tick is not shorter than three quarters of its nominal length; AXIS needs the rest of the
 /// time with the line low.
-constexpr std::uint32_t most_high_clocks = clocks_per_tick * 3 / 4 - pio::tick_low_overhead - 2;
+constexpr std::uint32_t max_high_clocks = clocks_per_tick * 3 / 4 - pio::tick_low_overhead - 2;
 /// The timer's edge seen by a waiting loop to the store that starts TICK: 6 to 14 clocks.
 constexpr std::uint64_t go_latency_clocks = 12;
 
@@ -88,7 +88,7 @@ void RealTime::start(machine::Controller& core) {
 std::uint32_t RealTime::high_clocks(const machine::Controller& core) const {
   const auto clocks = static_cast<std::uint32_t>(core.values().milli(settings::Id::step_pulse)) *
                       clocks_per_us / 1000;
-  return clocks < most_high_clocks ? clocks : most_high_clocks;
+  return clocks < max_high_clocks ? clocks : max_high_clocks;
 }
 
 void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::uint64_t filled) {
@@ -133,7 +133,7 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
   set_bits(timer().inte, 1u << beat_alarm);
   beam_.forget();  // an e-stop has closed it
   programs_.forget();
-  set_alarm(least_wait_us);
+  set_alarm(min_wait_us);
 }
 
 void RealTime::go(std::uint64_t at_us, std::uint32_t first_tick_clocks) {
@@ -175,7 +175,7 @@ void RealTime::call_for_token() {
 }
 
 void RealTime::call_at(std::uint64_t clock) {
-  std::uint32_t wait_us = least_wait_us;
+  std::uint32_t wait_us = min_wait_us;
   if (clock > now_) {
     if (clock - now_ >= beat_period_us * clocks_per_us) return;
     // This interrupt does not divide: 8389 / 2^20 = 1 / 124.99.
@@ -210,7 +210,7 @@ void RealTime::top_up(machine::Controller& core) {
   if (!estop_.is_cut()) feed_spans(core, all_spans);
 }
 
-void RealTime::tell_answers(machine::Controller& core) {
+void RealTime::report_answers(machine::Controller& core) {
   if (core.shots().wants_answer()) core.photosensors(answered_, now());
   answered_ = 0;
 }
@@ -224,7 +224,7 @@ void RealTime::edge_interrupt(machine::Controller& core) {
   // Before the results: a caught answer belongs to a shot that FIRE has reported.
   catch_answers();
   fire_.service(core, [this] { return now(); });
-  tell_answers(core);
+  report_answers(core);
   apply_pins(core);
   call_for_token();
 }
@@ -237,8 +237,8 @@ void RealTime::beat_interrupt(machine::Controller& core) {
   // A result available now has its own interrupt next, which may also handle that answer and the
   // token.
   const bool result = FireUnit::has_result();
-  if (!result) tell_answers(core);
-  const bool enough = feed_spans(core, most_spans);
+  if (!result) report_answers(core);
+  const bool enough = feed_spans(core, max_spans);
   admit_usb();
   const std::uint64_t present = now();
   played_ = feed_.tick_before(static_cast<std::uint32_t>(present));
@@ -248,7 +248,7 @@ void RealTime::beat_interrupt(machine::Controller& core) {
   if (!result && (ask_ || fire_.has_token())) fire_.handle_token(core, present);
   if (core.changes_wait()) play_changes(core);
   apply_pins(core);
-  set_alarm(enough ? beat_period_us : least_wait_us);
+  set_alarm(enough ? beat_period_us : min_wait_us);
   if (!result) call_for_token();
   if (!core.changes_wait()) return;
   if (std::uint64_t clock = 0; next_change(core, clock)) call_at(clock);

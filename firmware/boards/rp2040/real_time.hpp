@@ -119,7 +119,7 @@ class RealTime {
   }
   std::uint32_t high_clocks(const machine::Controller& core) const;
   void catch_answers() { answered_ = static_cast<std::uint8_t>(answered_ | beam_.answered()); }
-  void tell_answers(machine::Controller& core);
+  void report_answers(machine::Controller& core);
   void admit_usb();
   void set_alarm(std::uint32_t wait_us);
   void call_for_token();

@@ -14,9 +14,9 @@ using settings::Id;
 constexpr std::int64_t seek_halves = 3, locate_pull_offs = 5;
 // How far one side of a gantry moves alone: DUAL_AXIS_HOMING_FAIL_... of grbl 1.1.
 constexpr std::int32_t travels_per_bend = 20;
-constexpr std::int32_t least_bend_milli_mm = 2'500, most_bend_milli_mm = 25'000;
+constexpr std::int32_t min_bend_milli_mm = 2'500, max_bend_milli_mm = 25'000;
 /// A contact has released when it has been quiet for 20 ms (boards/rp2040/safety/inputs.hpp).
-constexpr std::uint32_t least_wait_ms = 25;
+constexpr std::uint32_t min_wait_ms = 25;
 constexpr std::uint32_t clocks_per_ms = 1000 * clocks_per_us;
 static_assert(settings::range(Id::homing_debounce).max_milli / 1000 <=
               static_cast<int>(0xffffffff / clocks_per_ms));
@@ -52,7 +52,7 @@ bool Homing::begin(const settings::Values& values, InputSet inputs, AxisSet want
   seek_um_min_ = static_cast<std::uint32_t>(values.milli(Id::homing_seek));
   locate_um_min_ = static_cast<std::uint32_t>(values.milli(Id::homing_feed));
   const auto wait_ms = static_cast<std::uint32_t>(values.whole(Id::homing_debounce));
-  wait_clocks_ = (wait_ms < least_wait_ms ? least_wait_ms : wait_ms) * clocks_per_ms;
+  wait_clocks_ = (wait_ms < min_wait_ms ? min_wait_ms : wait_ms) * clocks_per_ms;
   pull_off_milli_mm_ = values.milli(Id::homing_pull_off);
   passes_ = values.whole(Id::homing_passes);
   for (int a = 0; a < max_axes; ++a) {
@@ -105,10 +105,10 @@ bool Homing::next_phase() {
   }
   phase_axes_ = chain_ ? lowest(left_) : left_;
   left_ = without(left_, phase_axes_);
-  longest_travel_milli_mm_ = 0;
+  max_travel_milli_mm_ = 0;
   for (int a = 0; a < max_axes; ++a) {
     const std::int32_t travel = high_milli_mm_[index(a)] - low_milli_mm_[index(a)];
-    if (in_phase(a) && travel > longest_travel_milli_mm_) longest_travel_milli_mm_ = travel;
+    if (in_phase(a) && travel > max_travel_milli_mm_) max_travel_milli_mm_ = travel;
   }
   pass_ = 0;
   placed_ = 0;
@@ -150,13 +150,13 @@ Homing::Next Homing::begin_phase(const Rest& rest) {
 /// Distance of an approach.
 std::int64_t Homing::way_milli_mm() const {
   const std::int64_t way = pass_ != 0 ? std::int64_t{pull_off_milli_mm_} * locate_pull_offs
-                                      : std::int64_t{longest_travel_milli_mm_} * seek_halves / 2;
+                                      : std::int64_t{max_travel_milli_mm_} * seek_halves / 2;
   if (!side_left()) return way;
   const std::int32_t travel = high_milli_mm_[gang_motor] - low_milli_mm_[gang_motor];
   const std::int32_t bend = travel / travels_per_bend;
-  const std::int32_t most = bend < least_bend_milli_mm  ? least_bend_milli_mm
-                            : bend > most_bend_milli_mm ? most_bend_milli_mm
-                                                        : bend;
+  const std::int32_t most = bend < min_bend_milli_mm   ? min_bend_milli_mm
+                            : bend > max_bend_milli_mm ? max_bend_milli_mm
+                                                       : bend;
   return way < most ? way : most;
 }
 

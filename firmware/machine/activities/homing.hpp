@@ -116,7 +116,7 @@ class Homing {
   AxisSet downwards_ = 0;
   bool chain_ = false;
   std::uint32_t seek_um_min_ = 0, locate_um_min_ = 0, wait_clocks_ = 0;
-  std::int32_t pull_off_milli_mm_ = 0, longest_travel_milli_mm_ = 0;
+  std::int32_t pull_off_milli_mm_ = 0, max_travel_milli_mm_ = 0;
   std::int32_t passes_ = 1;
   PerAxis<std::int32_t> steps_per_mm_milli_{}, low_milli_mm_{}, high_milli_mm_{};
 

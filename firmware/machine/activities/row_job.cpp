@@ -78,7 +78,7 @@ void RowJob::pass(std::uint32_t index) {
   if (index > first_) first_ = index;
 }
 
-void RowJob::look() {
+void RowJob::poll() {
   if (runner_.idle()) {
     if (runs()) first_ = decoder_.index();
     runner_.forget_pixels();

@@ -2,7 +2,7 @@
 //
 // In:  the payloads of DATA, in order; the progress of the program runner.
 // Out: lines for the program runner, the powers of their cells; the progress of the job.
-// Who: the controller, main loop; its code is in flash. look() in every round while a job runs,
+// Who: the controller, main loop; its code is in flash. poll() in every round while a job runs,
 //      masked; take() once a frame.
 //
 //   off  -> begin()  runs  -> stop()  stops  -> end()  off
@@ -39,7 +39,7 @@ class RowJob {
   /// Accepts a payload. Errors as RowDecoder::check(); no_job if no job runs.
   [[gnu::cold]] Result take(std::span<const std::uint8_t> records, const StepLimits& space);
   /// Updates the progress from the program runner.
-  [[gnu::cold]] void look();
+  [[gnu::cold]] void poll();
   /// The laser stays off from now on, and the reported progress is frozen.
   void stop() {
     if (runs()) stage_ = Stage::stops;
@@ -62,7 +62,7 @@ class RowJob {
   bool may_shine() const { return stage_ != Stage::stops && !(dry_ && runs()); }
   /// All lines were accepted.
   bool complete() const { return decoder_.complete(); }
-  /// All lines were run, or the rest will not be. As of the last look().
+  /// All lines were run, or the rest will not be. As of the last poll().
   bool over() const { return runner_.idle() && (complete() || !runs()); }
 
   std::uint32_t refused_index() const { return decoder_.refused_index(); }

@@ -31,8 +31,8 @@ auto* text_of(Kept& kept, std::uint8_t kind) {
 /// Range of the coordinates of a place: the machine is within its own range, and the origin of a
 /// program whose range overlaps it may be twice as far away.
 std::int64_t range_of(std::uint8_t kind) {
-  return kind < program::coordinate_systems ? 2 * program::most_position_e7
-                                            : program::most_position_e7;
+  return kind < program::coordinate_systems ? 2 * program::max_position_e7
+                                            : program::max_position_e7;
 }
 
 void put_place(wire::ByteWriter& out, std::uint8_t kind, const program::Place& place) {
@@ -63,8 +63,8 @@ void put_tool_length(wire::ByteWriter& out, std::int64_t length_e7) {
 bool take_tool_length(std::span<const std::uint8_t> bytes, std::int64_t& length_e7) {
   wire::ByteReader in(bytes);
   const auto read = in.take<std::int64_t>();
-  if (bytes.size() != sizeof read || read > program::most_position_e7 ||
-      read < -program::most_position_e7)
+  if (bytes.size() != sizeof read || read > program::max_position_e7 ||
+      read < -program::max_position_e7)
     return false;
   length_e7 = read;
   return true;

@@ -78,14 +78,14 @@ struct PersistentStateRecord {
   static constexpr std::uint32_t pieces = program::coordinate_systems + 2;
   static constexpr std::uint32_t place_size = max_axes * sizeof(std::int64_t);
   /// Maximum length that this version writes.
-  static constexpr std::uint32_t most_bytes = 1 + pieces * (2 + place_size) + 2 +
-                                              sizeof(std::int64_t) +
-                                              (start_up_lines + 1) * (2 + KeptText::capacity);
+  static constexpr std::uint32_t max_bytes = 1 + pieces * (2 + place_size) + 2 +
+                                             sizeof(std::int64_t) +
+                                             (start_up_lines + 1) * (2 + KeptText::capacity);
   /// "LPTK"; as many bytes as fit into four pages.
   static constexpr settings::RecordFormat format{
       0x4b54504c, 1,
       4 * settings::flash_page - settings::RecordFormat::head - settings::RecordFormat::tail};
-  static_assert(most_bytes <= format.most);
+  static_assert(max_bytes <= format.most);
 
   /// Writes the record; returns the number of bytes.
   static std::uint32_t put(const PersistentState& kept, std::span<std::uint8_t> items);

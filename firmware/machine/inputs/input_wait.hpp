@@ -2,7 +2,7 @@
 //
 // In:  the event and the time limit; every change of the input, from the board.
 // Out: whether the event has occurred, or the time is over.
-// Who: the controller, main loop; see() with beat and fill masked, as input_changed() is.
+// Who: the controller, main loop; note_change() with beat and fill masked, as input_changed() is.
 //
 // An input is on while its contact is closed to ground: with a broken wire it is off, so that a
 // wait for "on" ends by its time limit. A change that has already reverted counts as well.
@@ -31,13 +31,13 @@ class InputWait {
   }
   void end() { state_ = State::off; }
 
-  void see(Input input, bool active) {
+  void note_change(Input input, bool active) {
     if (state_ != State::waits || input != input_) return;
     using program::InputEvent;
     const bool wants_on = event_ == InputEvent::rise || event_ == InputEvent::on;
     if (active == wants_on) state_ = State::met;
   }
-  State look(std::uint64_t clock) {
+  State poll(std::uint64_t clock) {
     if (state_ == State::waits && clock >= end_clock_) state_ = State::late;
     return state_;
   }

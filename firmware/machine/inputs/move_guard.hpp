@@ -2,7 +2,8 @@
 //
 // In:  the watched inputs and their level, their changes with the steps put out so far.
 // Out: when the machine must stop; where each axis was when its own switch, or the probe, changed.
-// Who: the controller; see() from the main loop with beat and fill masked, as input_changed() is.
+// Who: the controller; check_change() from the main loop with beat and fill masked, as
+// input_changed() is.
 //
 // A contact bounces, and the machine moves on while it brakes: of each input the first change
 // counts, until the guard is set again.
@@ -25,7 +26,7 @@ class MoveGuard {
   bool watches() const { return watched_ != 0; }
 
   /// True if the machine must stop because of this change.
-  bool see(Input input, bool active, const StepPosition& at) {
+  bool check_change(Input input, bool active, const StepPosition& at) {
     const InputSet bit = set_of(input);
     if ((watched_ & bit) == 0 || (met_ & bit) != 0 || active != wanted_) return false;
     if (met_ == 0) at_ = at;

@@ -20,7 +20,7 @@ namespace lamplock::machine {
 
 /// Drives hold at least this long after the last motion was filled, whatever $1 says: its ticks are
 /// not out yet, and drives lag.
-inline constexpr std::uint32_t least_hold_ms = 25;
+inline constexpr std::uint32_t min_hold_ms = 25;
 
 class IdleRelease {
  public:
@@ -58,7 +58,7 @@ class IdleRelease {
 
   static std::uint64_t hold_clocks(const settings::Values& values) {
     const auto ms = static_cast<std::uint32_t>(values.whole(settings::Id::idle_delay));
-    return std::uint64_t{ms < least_hold_ms ? least_hold_ms : ms} * 1000 * clocks_per_us;
+    return std::uint64_t{ms < min_hold_ms ? min_hold_ms : ms} * 1000 * clocks_per_us;
   }
   /// Wires with at least one axis that must not be released.
   Wires held(const settings::Values& values) const {

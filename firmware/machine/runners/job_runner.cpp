@@ -41,7 +41,7 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
   job_speed_ = wire::full_job_speed;
   output_.set_lags(values);
   planning_.use_windows(options.mode);
-  plan_.begin_job(values, clock_.beat_ticks(), options.shortest_tick_q16);
+  plan_.begin_job(values, clock_.beat_ticks(), options.min_tick_q16);
   brake_limits_ = plan_.brake_limits();
 }
 
@@ -57,9 +57,9 @@ void JobRunner::clear() {
 
 bool JobRunner::plan_at_home() const { return work_exchange_.is_owned(); }
 
-void JobRunner::change_beat(const settings::Values& values, std::int32_t least_beats) {
-  options_.least_beats = least_beats;
-  plan_.begin_job(values, clock_.beat_ticks(), shortest_tick_q16());
+void JobRunner::change_beat(const settings::Values& values, std::int32_t min_beats) {
+  options_.min_beats = min_beats;
+  plan_.begin_job(values, clock_.beat_ticks(), min_tick_q16());
   brake_limits_ = plan_.brake_limits();
   shots_.cancel_after(0);  // the numbers of beats have changed
   window_.go_on_at({queue_.begin(), 0});
@@ -67,9 +67,9 @@ void JobRunner::change_beat(const settings::Values& values, std::int32_t least_b
   returning_ = braked_ = false;
 }
 
-std::uint32_t JobRunner::shortest_tick_q16() const {
+std::uint32_t JobRunner::min_tick_q16() const {
   // Rounded down to a coarse grid, so that a steady lamp gives the same plan every time.
-  const std::uint32_t shortest = clock_.shortest_tick_q16();
+  const std::uint32_t shortest = clock_.min_tick_q16();
   return shortest - shortest % limits_step_q16;
 }
 
@@ -146,12 +146,12 @@ bool JobRunner::prepare_start() {
 void JobRunner::look_ahead() {
   // The request of a recalled plan belongs to the planner until the end of its slice.
   if (braked_ || !work_exchange_.is_owned()) return;
-  window_.look({from_rest_, off_target_, job_speed_ < wire::full_job_speed});
+  window_.fill_request({from_rest_, off_target_, job_speed_ < wire::full_job_speed});
 }
 
 bool JobRunner::beam_ready() {
   const lamp::Beam* first = window_.first_beam();
-  if (first == nullptr || shots_.beam().stands_for(*first)) return true;
+  if (first == nullptr || shots_.beam().is_ready_for(*first)) return true;
   // Shots handed out use the beam as it is. It is never changed in motion: the provisional brake
   // stops the machine.
   const bool ready = from_rest_ && !shots_.point_pending() && shots_.beam().prepare(*first);
@@ -200,12 +200,12 @@ void JobRunner::begin_plan() {
   motion::PlanRequest& request = plan_.request();
   request.queue = &queue_;
   request.mode = options_.mode;
-  request.least_beats = options_.least_beats;
+  request.min_beats = options_.min_beats;
   request.start = plan_state_;
   request.follows = !off_target_;
   // Axes with different leads are never at rest at the same tick: no other length can begin there.
-  plan_.start({shortest_tick_q16(), job_speed_},
-              generator_.lead() == 0 ? clock_.longest_tick_q16() : full_tick_q16);
+  plan_.start({min_tick_q16(), job_speed_},
+              generator_.lead() == 0 ? clock_.max_tick_q16() : full_tick_q16);
   asked_tick_ = generator_.tick();
   handed_ = staged_ = 0;
   work_exchange_.hand_out();

@@ -99,7 +99,7 @@ class JobRunner {
   std::uint32_t job_speed() const { return job_speed_; }
   /// Continues with another beat, which the clock has already; the machine is at rest, no plan is
   /// handed out and the board holds no token. What was planned and not fired is planned again.
-  [[gnu::cold]] void change_beat(const settings::Values& values, std::int32_t least_beats);
+  [[gnu::cold]] void change_beat(const settings::Values& values, std::int32_t min_beats);
   // Points of a program (RunOptions::of_program): their number is not known beforehand.
   static constexpr std::uint32_t open_end = ~0u;
   /// False if there is no room.
@@ -157,7 +157,7 @@ class JobRunner {
   std::uint32_t failed_point() const { return failed_point_; }
   std::uint32_t misses() const { return misses_; }
   /// Shortest tick to expect over the nominal one, rounded down to a coarse grid. Masked.
-  std::uint32_t shortest_tick_q16() const;
+  std::uint32_t min_tick_q16() const;
   /// Motion ended with speed; the provisional brake prevents that.
   bool underrun() const { return generator_.underrun(); }
 

@@ -6,7 +6,7 @@ namespace lamplock::machine {
 namespace {
 
 /// Lines taken for a batch: more than it uses, so that look-ahead fills up.
-constexpr std::uint32_t max_queued_lines = 2 * LineWork::most_segments;
+constexpr std::uint32_t max_queued_lines = 2 * LineWork::max_segments;
 
 constexpr std::uint32_t nm_per_milli_mm = 1000;
 /// Minimum average duration of a line where very many are very short: at 125 MHz reading one takes
@@ -86,7 +86,7 @@ bool LineWork::advance() {
   // A start from rest has no motion ahead, and too little ahead slows the machine down.
   const std::uint64_t wanted_ticks = planner_.at_rest() ? horizon_ticks : batch_ticks;
   std::uint64_t ticks = 0;
-  while (count_ < most_segments && ticks < wanted_ticks) {
+  while (count_ < max_segments && ticks < wanted_ticks) {
     motion::LineSegment& made = made_[count_];
     if (!planner_.next(made)) break;
     ticks += made.segment.ticks;

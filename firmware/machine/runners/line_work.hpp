@@ -4,7 +4,7 @@
 // Out: some segments, from the end of the previous batch, and the state of the planner.
 // Who: the program runner while the work is at home (work_exchange.hpp); advance(): the main loop
 // or
-//      the core that plans, a batch of at most `most_segments` segments and `batch_ticks`, two to
+//      the core that plans, a batch of at most `max_segments` segments and `batch_ticks`, two to
 //      five milliseconds on the board. Only the inbox may be filled meanwhile.
 //
 // A batch covers little time, because planned motion no longer responds to a hold or an override.
@@ -34,7 +34,7 @@ struct LineOrders {
 
 class LineWork {
  public:
-  static constexpr std::uint32_t most_segments = 16;
+  static constexpr std::uint32_t max_segments = 16;
   /// A batch is complete when it lasts at least this long [ticks], or `horizon_ticks` if it begins
   /// at rest. It exceeds that by less than one slice of a line (line/slice.hpp).
   static constexpr std::uint32_t batch_ticks = 4 * (ticks_per_second / 1000);
@@ -90,7 +90,7 @@ class LineWork {
   LineOrders orders_;
   std::uint32_t feed_percent_ = 0, rapid_percent_ = 0;   ///< in force; 0 = not set yet
   std::uint32_t pulses_milli_ = 0, coarsest_milli_ = 1;  ///< per millimetre: pulses, steps
-  std::array<motion::LineSegment, most_segments> made_{};
+  std::array<motion::LineSegment, max_segments> made_{};
   std::uint32_t count_ = 0;
 };
 

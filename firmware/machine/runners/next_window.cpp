@@ -8,7 +8,7 @@ namespace {
 constexpr std::uint32_t swings = 2;
 
 /// Maximum beats of a move of a program: well below the capacity of the planners.
-constexpr std::uint32_t most_beats_at_feed = 4096;
+constexpr std::uint32_t max_beats_at_feed = 4096;
 
 }  // namespace
 
@@ -21,10 +21,10 @@ void NextWindow::flash_fired(std::uint32_t point) {
     --place_.committed;
 }
 
-void NextWindow::look(const Departure& departure) {
-  if (looked_) return;
+void NextWindow::fill_request(const Departure& departure) {
+  if (filled_) return;
   ready_ = find(departure);
-  looked_ = true;
+  filled_ = true;
 }
 
 /// Fills the request; true if all its targets are known.
@@ -64,7 +64,7 @@ bool NextWindow::needs_another_beam(const wire::Target& target, bool from_rest, 
   const lamp::Beam beam{target.channel, target.energy};
   // For the first shot from rest the beam is made ready; in motion it must be right already.
   if (has_shot_ ? beam_.needs_rest(last, beam)
-                : !from_rest && request_.count != 0 && !beam_.stands_for(beam))
+                : !from_rest && request_.count != 0 && !beam_.is_ready_for(beam))
     return true;
   if (!has_shot_) first_beam_ = beam;
   has_shot_ = true;
@@ -84,7 +84,7 @@ bool NextWindow::add_target(std::uint32_t point, std::uint32_t flashes,
     return (!gone_to_ || add_way(point, true, 1)) && add_way(point, true, 0);
   }
   // Further flashes follow as soon as possible.
-  const std::uint32_t least = least_beats(target, first && departure.off_target, departure.slower);
+  const std::uint32_t least = min_beats(target, first && departure.off_target, departure.slower);
   const std::uint32_t fired = target.shots == 0 ? 0 : target.shots - flashes;
   bool room = true;
   for (std::uint32_t i = 0; room && i < flashes; ++i) {
@@ -98,13 +98,13 @@ bool NextWindow::add_target(std::uint32_t point, std::uint32_t flashes,
 /// The beats of a target are those of its move from the previous target, at full job speed; a
 /// slower machine uses more. In a program they are the minimum, changed by its overrides, also when
 /// the machine starts elsewhere. 0: as the target says.
-std::uint32_t NextWindow::least_beats(const wire::Target& target, bool off_target,
-                                      bool slower) const {
+std::uint32_t NextWindow::min_beats(const wire::Target& target, bool off_target,
+                                    bool slower) const {
   if (!options_.of_program) return off_target ? 1 : slower ? target.beats : 0;
   const std::uint32_t percent = target.rapid ? options_.rapid_percent : options_.feed_percent;
   const std::uint32_t full = target.beats == 0 ? 1 : target.beats;
   const std::uint32_t beats = (full * 100 + percent - 1) / percent;
-  const std::uint32_t least = beats < most_beats_at_feed ? beats : most_beats_at_feed;
+  const std::uint32_t least = beats < max_beats_at_feed ? beats : max_beats_at_feed;
   return target.beats == 0 && least == 1 && !off_target ? 0 : least;
 }
 

@@ -4,7 +4,8 @@
 //      of the beam.
 // Out: points, rests and minimum beats of a plan request; whether all targets in reach are known;
 //      the beam that must be ready first.
-// Who: the job runner, main loop. look() takes some 100 us: unmasked, directly before prepare()
+// Who: the job runner, main loop. fill_request() takes some 100 us: unmasked, directly before
+// prepare()
 //      (masked), which otherwise calls it. prepare() drops the result at its end, since more points
 //      will be known; so does a change of the next target. The rest is short. The request belongs
 //      to the planner while a plan is handed out (work_exchange.hpp).
@@ -32,8 +33,8 @@ struct RunOptions {
   wire::JoinMode mode = wire::JoinMode::free;
   bool dry = false;
   std::uint32_t points_total = 0;
-  std::int32_t least_beats = 1;                     ///< between shots, from the maximum shot rate
-  std::uint32_t shortest_tick_q16 = full_tick_q16;  ///< JobRunner::shortest_tick_q16() at the start
+  std::int32_t min_beats = 1;                  ///< between shots, from the maximum shot rate
+  std::uint32_t min_tick_q16 = full_tick_q16;  ///< JobRunner::min_tick_q16() at the start
   /// Of a program: the beats of a target are the minimum for its move, at the programmed feed rate.
   bool of_program = false;
   std::uint32_t feed_percent = 100, rapid_percent = 100;  ///< of a program
@@ -62,16 +63,16 @@ class NextWindow {
   const Place& place() const { return place_; }
   void go_on_at(const Place& place) {
     place_ = place;
-    looked_ = false;
+    filled_ = false;
   }
   /// A flash of this target was fired.
   void flash_fired(std::uint32_t point);
 
   /// Fills the request with the next window, unless that has been done.
-  void look(const Departure& departure);
-  void forget() { looked_ = false; }
+  void fill_request(const Departure& departure);
+  void forget() { filled_ = false; }
 
-  // Results of look().
+  // Results of fill_request().
   bool empty() const { return request_.count == 0; }
   /// Not empty, and all targets in it are known.
   bool ready() const { return ready_; }
@@ -87,7 +88,7 @@ class NextWindow {
   bool rows_known();
   bool needs_another_beam(const wire::Target& target, bool from_rest, lamp::Beam& last);
   bool add_target(std::uint32_t point, std::uint32_t flashes, const Departure& departure);
-  std::uint32_t least_beats(const wire::Target& target, bool off_target, bool slower) const;
+  std::uint32_t min_beats(const wire::Target& target, bool off_target, bool slower) const;
   bool add_way(std::uint32_t point, bool rest, std::uint32_t at_least);
 
   const motion::PointQueue& queue_;
@@ -96,7 +97,7 @@ class NextWindow {
   motion::PlanRequest& request_;
   Place place_;
   lamp::Beam first_beam_;
-  bool looked_ = false;  ///< the request is that of the next window
+  bool filled_ = false;  ///< the request is that of the next window
   bool ready_ = false;
   bool has_shot_ = false;
   bool gone_to_ = false;

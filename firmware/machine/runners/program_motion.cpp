@@ -9,9 +9,9 @@ using settings::Id;
 
 /// 10^-7 mm times thousandths of steps/mm.
 constexpr std::int64_t per_step = program::one_e7 * 1000;
-constexpr std::int64_t most_product =
-    program::most_position_e7 * settings::range(Id::steps_per_mm_x).max_milli;
-static_assert(most_product / per_step < most_steps);
+constexpr std::int64_t max_product =
+    program::max_position_e7 * settings::range(Id::steps_per_mm_x).max_milli;
+static_assert(max_product / per_step < max_steps);
 
 /// 10^10 = 2^10 5^10: without a division instruction a divisor of 24 bits costs half as much.
 constexpr std::uint32_t per_step_units = 9'765'625;
@@ -22,17 +22,17 @@ static_assert(per_step == std::int64_t{per_step_units} << 10);
 constexpr int reciprocal_bits = 55;
 constexpr std::uint64_t reciprocal = (std::uint64_t{1} << reciprocal_bits) / per_step_units + 1;
 static_assert(reciprocal >> 32 == 0);
-constexpr std::uint32_t most_dividend = (per_step_units << motion::place_bits) + per_step_units / 2;
-static_assert(std::uint64_t{most_dividend} * per_step_units < std::uint64_t{1} << reciprocal_bits);
+constexpr std::uint32_t max_dividend = (per_step_units << motion::place_bits) + per_step_units / 2;
+static_assert(std::uint64_t{max_dividend} * per_step_units < std::uint64_t{1} << reciprocal_bits);
 
 /// Distance from the middle of a step to `units` above its lower edge.
 [[gnu::hot]] int off_q8(std::uint32_t units) {
-  using motion::most_off_q8, motion::place_bits;
+  using motion::max_off_q8, motion::place_bits;
   const std::uint32_t dividend = (units << place_bits) + per_step_units / 2;
   const auto from_edge = static_cast<std::uint32_t>(
       wide_product(dividend, static_cast<std::uint32_t>(reciprocal)) >> reciprocal_bits);
   const int off = static_cast<int>(from_edge) - (1 << (place_bits - 1));
-  return off > most_off_q8 ? most_off_q8 : off < -most_off_q8 ? -most_off_q8 : off;
+  return off > max_off_q8 ? max_off_q8 : off < -max_off_q8 ? -max_off_q8 : off;
 }
 
 motion::LinePower laser_of(const program::Action& move) {

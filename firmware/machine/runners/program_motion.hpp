@@ -19,7 +19,7 @@
 namespace lamplock::machine {
 
 /// A place in steps: the nearest ones, half away from zero, and the offset from their middle, at
-/// most motion::most_off_q8; axes that the machine lacks stay at 0.
+/// most motion::max_off_q8; axes that the machine lacks stay at 0.
 motion::LinePlace line_place(const program::Place& place_e7, const settings::Values& values);
 /// Only its steps.
 StepPosition steps_of(const program::Place& place_e7, const settings::Values& values);

@@ -23,13 +23,13 @@ settings::Values at_job_speed(const settings::Values& job, const settings::Value
     const std::int32_t most = own.milli(id);
     values.put_milli(id, milli < least ? least : milli < most ? milli : most);
   };
-  constexpr std::int32_t least_rate = settings::range(settings::Id::max_rate_x).min_milli;
-  constexpr std::int32_t least_accel = settings::range(settings::Id::acceleration_x).min_milli;
+  constexpr std::int32_t min_rate = settings::range(settings::Id::max_rate_x).min_milli;
+  constexpr std::int32_t min_accel = settings::range(settings::Id::acceleration_x).min_milli;
   for (int axis = 0; axis < max_axes; ++axis) {
     const settings::Id rate = settings::for_axis(settings::Id::max_rate_x, axis);
     const settings::Id accel = settings::for_axis(settings::Id::acceleration_x, axis);
-    scale(rate, scaled(job.milli(rate), percent), least_rate);
-    scale(accel, scaled(scaled(job.milli(accel), percent), percent), least_accel);
+    scale(rate, scaled(job.milli(rate), percent), min_rate);
+    scale(accel, scaled(scaled(job.milli(accel), percent), percent), min_accel);
     const settings::Id jerk = settings::for_axis(settings::Id::jerk_x, axis);
     if (job.milli(jerk) == 0) continue;  // not limited
     std::int32_t third = job.milli(jerk);
@@ -59,9 +59,9 @@ bool WindowPlan::make_limits(const settings::Values& values, const settings::Val
                              limits, setting) == Result::ok;
 }
 
-void WindowPlan::start(const Pace& wanted, std::uint32_t longest_tick_q16) {
+void WindowPlan::start(const Pace& wanted, std::uint32_t max_tick_q16) {
   wanted_ = trying_ = wanted;
-  longest_tick_q16_ = longest_tick_q16;
+  max_tick_q16_ = max_tick_q16;
   tick_length_q16_ = full_tick_q16;
   attempt_ = Attempt::wanted;
   step_ = Step::ready;
@@ -141,10 +141,10 @@ void WindowPlan::end_wanted(bool found) {
 void WindowPlan::finish(bool found) {
   found_ = found;
   step_ = Step::over;
-  if (!found || longest_tick_q16_ == full_tick_q16 || !between_rests()) return;
+  if (!found || max_tick_q16_ == full_tick_q16 || !between_rests()) return;
   attempt_ = Attempt::longer;
   longer_ = 0;
-  least_time_ = planned_ticks() * full_tick_q16;
+  min_time_ = planned_ticks() * full_tick_q16;
   step_ = Step::ready;
 }
 
@@ -155,9 +155,9 @@ void WindowPlan::end_longer(bool found) {
     return;
   }
   const std::uint32_t tried = longer_tick_q16();
-  const std::uint64_t time = found && between_rests() ? planned_ticks() * tried : least_time_;
-  if (time < least_time_) {
-    least_time_ = time;
+  const std::uint64_t time = found && between_rests() ? planned_ticks() * tried : min_time_;
+  if (time < min_time_) {
+    min_time_ = time;
     tick_length_q16_ = tried;
   }
   ++longer_;
@@ -167,7 +167,7 @@ void WindowPlan::end_longer(bool found) {
 /// Length of a tick to try: a quarter, half and all of what is permitted, then the best of them.
 std::uint32_t WindowPlan::longer_tick_q16() const {
   if (longer_ == longer_tries) return tick_length_q16_;
-  return full_tick_q16 + ((longest_tick_q16_ - full_tick_q16) >> (longer_tries - 1 - longer_));
+  return full_tick_q16 + ((max_tick_q16_ - full_tick_q16) >> (longer_tries - 1 - longer_));
 }
 
 bool WindowPlan::between_rests() const {

@@ -48,8 +48,8 @@ class WindowPlan {
 
   motion::PlanRequest& request() { return request_; }
   const motion::PlanRequest& request() const { return request_; }
-  /// Begins to plan the request. `longest_tick_q16`: maximum length of a tick, as master.
-  void start(const Pace& wanted, std::uint32_t longest_tick_q16);
+  /// Begins to plan the request. `max_tick_q16`: maximum length of a tick, as master.
+  void start(const Pace& wanted, std::uint32_t max_tick_q16);
 
   /// Plans a slice; false when there is nothing left to do.
   bool advance(const settings::Values& values, const settings::Values& own);
@@ -62,7 +62,7 @@ class WindowPlan {
 
   /// The plan is for ticks of this length, its limits for this shortest tick.
   std::uint32_t tick_length_q16() const { return tick_length_q16_; }
-  std::uint32_t least_tick_q16() const { return pace_.tick_q16; }
+  std::uint32_t min_tick_q16() const { return pace_.tick_q16; }
   const motion::BrakeLimits& brake_limits() const { return brake_limits_; }
 
  private:
@@ -91,10 +91,10 @@ class WindowPlan {
   Pace trying_;
   std::uint32_t beat_ticks_ = 1;
   std::uint32_t fastest_ = wire::full_job_speed;  ///< job speed so far
-  std::uint32_t longest_tick_q16_ = full_tick_q16;
+  std::uint32_t max_tick_q16_ = full_tick_q16;
   std::uint32_t tick_length_q16_ = full_tick_q16;
-  std::uint32_t longer_ = 0;      ///< tries of longer ticks so far
-  std::uint64_t least_time_ = 0;  ///< of them; ticks times their length
+  std::uint32_t longer_ = 0;    ///< tries of longer ticks so far
+  std::uint64_t min_time_ = 0;  ///< of them; ticks times their length
   Step step_ = Step::over;
   Attempt attempt_ = Attempt::wanted;
   bool found_ = false;

@@ -35,7 +35,7 @@ std::int32_t fewest_beats(const Window& window, const Leg& way, const Box& from,
   std::int64_t last = way.first_beats + spare_beats;
   for (int a = 0; a < window.axes(); ++a)
     last += 2 * (window.scale(a).limit_qs >> window.scale(a).bits);
-  if (last > window.most_beats) last = window.most_beats;
+  if (last > window.max_beats) last = window.max_beats;
   for (std::int32_t beats = way.first_beats; beats <= last; ++beats)
     if (can_join(window, way, from, way.allowed, beats) && step(window, way, from, beats, to))
       return beats;
@@ -79,7 +79,7 @@ void Beam::extend_label(const Window& window, std::uint32_t i, std::uint8_t pare
   label.parent = parent;
   for (std::int32_t beats = from.next; beats == from.next || beats <= last;
        beats += 1 + beats / effort_.candidate_share) {
-    if (beats > window.most_beats || too_late(from.total + beats, next)) return;
+    if (beats > window.max_beats || too_late(from.total + beats, next)) return;
     if (beats == from.next) {
       label.box = from.next_box;
     } else if (!can_join(window, way, from.box, way.allowed, beats) ||

@@ -66,8 +66,8 @@ class Beam {
   Effort effort_;
   std::uint64_t disappointed_ = 0;
   std::uint32_t from_count_ = 0, to_count_ = 0;
-  std::array<Label, most_labels> from_{}, to_{};  ///< to_ is sorted, best first
-  std::array<std::array<Trace, most_labels>, window_points> traces_{};
+  std::array<Label, max_labels> from_{}, to_{};  ///< to_ is sorted, best first
+  std::array<std::array<Trace, max_labels>, window_points> traces_{};
 };
 
 /// Fewest beats of a way from some speed of a box, and the speeds at its end; 0 if there are none.

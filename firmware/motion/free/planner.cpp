@@ -10,7 +10,7 @@ namespace {
 
 /// Maximum number of times that ways too short for their jerk get more beats, and of those without
 /// rest at their ends.
-constexpr std::int32_t most_longer = 16, longer_moving = 4;
+constexpr std::int32_t max_longer = 16, longer_moving = 4;
 /// A way that takes more than this share of its beats from rest to rest may be a detour.
 constexpr std::int32_t detour_eighths = 7;
 /// Labels per point when planning again: the board lacks the time for as many as before.
@@ -211,13 +211,13 @@ void Planner::plan_path() {
 /// does not help the machine rests at both ends: then enough beats always make it feasible.
 void Planner::take_longer() {
   const auto first = static_cast<std::uint32_t>(std::countr_zero(misfits_));
-  if (++longer_ > most_longer) return give_up(first);
+  if (++longer_ > max_longer) return give_up(first);
   for (std::uint32_t i = first; i < request_->commits(); ++i) {
     if ((misfits_ >> i & 1) == 0) continue;
     Leg& way = window_.ways[i];
     if (way.fixed_beats == 0) {
       way.first_beats = beats_[i] + 1 + beats_[i] * longer_ / 8;
-      if (way.first_beats >= window_.most_beats) return give_up(i);
+      if (way.first_beats >= window_.max_beats) return give_up(i);
       if (way.last_beats <= way.first_beats) way.last_beats = way.first_beats + 1;
     }
     if (longer_ <= longer_moving && way.fixed_beats == 0) continue;

@@ -36,7 +36,7 @@ class Rows {
     Row row;
     if (!goes_on(point)) return row;
     const Steps first = way_from(point);
-    const std::int32_t longest = longest_units(first);
+    const std::int32_t longest = max_units(first);
     const auto k = [&row](std::int64_t add) { return std::int64_t{row.climbing} + add; };
     while (2 * std::int64_t{longest} > k(0) * k(1) * (2 * k(0) + 1)) ++row.climbing;
     // Most ways end here: not even at any speed above the one reached by climbing.
@@ -96,7 +96,7 @@ class Rows {
            here.energy == next.energy;
   }
   /// Longest component of a way, in units of A x beat^2.
-  std::int32_t longest_units(const Steps& way) const {
+  std::int32_t max_units(const Steps& way) const {
     std::int64_t longest = 0;
     for (int a = 0; a < window_.axes(); ++a) {
       const std::int64_t units =
@@ -116,7 +116,7 @@ class Rows {
   /// Fewest beats a way for the first ways of a row: by its length, and by its evenness.
   std::int32_t beats_of(std::uint32_t point) const {
     const Steps first = way_from(point);
-    std::int32_t beats = request_.least_beats;
+    std::int32_t beats = request_.min_beats;
     for (int a = 0; a < window_.axes(); ++a) {
       const AxisLimits& axis = request_.limits->axis[index(a)];
       const auto least = static_cast<std::int32_t>(
@@ -124,12 +124,12 @@ class Rows {
       if (least > beats) beats = least;
     }
     for (std::uint32_t n = 0; n < chain_ways && goes_on(point + n + 1); ++n)
-      while (beats < most_beats && !even(way_from(point + n), way_from(point + n + 1), beats))
+      while (beats < max_beats && !even(way_from(point + n), way_from(point + n + 1), beats))
         ++beats;
     return beats;
   }
 
-  static constexpr std::int32_t most_beats = 64;  ///< per way: more is no row
+  static constexpr std::int32_t max_beats = 64;  ///< per way: more is no row
   const PlanRequest& request_;
   const Window& window_;
   PerAxis<std::int64_t> unit_q16_{};  ///< A x beat^2 in steps
@@ -140,7 +140,7 @@ std::int32_t beats_for_run_up(const Window& window, const Leg& way) {
   std::int32_t beats = way.last_beats;
   for (int a = 0; a < window.axes(); ++a)
     beats += 4 * (window.scale(a).limit_qs >> window.scale(a).bits) + 4;
-  return beats < window.most_beats ? beats : window.most_beats;
+  return beats < window.max_beats ? beats : window.max_beats;
 }
 
 bool allow(Leg& way, const Box& box, int axes) {

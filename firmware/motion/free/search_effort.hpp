@@ -16,11 +16,11 @@
 namespace lamplock::motion {
 
 /// Maximum labels kept per point.
-inline constexpr std::uint32_t most_labels = 8;
+inline constexpr std::uint32_t max_labels = 8;
 
 /// Limits of the search.
 struct Effort {
-  std::uint32_t labels = 1;          ///< kept per point (beam.hpp), 1..most_labels
+  std::uint32_t labels = 1;          ///< kept per point (beam.hpp), 1..max_labels
   std::int32_t candidate_share = 4;  ///< candidates of k beats are 1 + k/share apart
   bool pairs = false;                ///< moves between two ways (beat_reduction.hpp)
 };
@@ -32,7 +32,7 @@ constexpr Effort effort_for(std::uint64_t ticks) {
   constexpr std::uint32_t label_ticks = thorough_ticks / 2;
   if (ticks < thorough_ticks) return {};
   const std::uint64_t labels = 1 + (ticks - thorough_ticks) / label_ticks;
-  return {labels < most_labels ? static_cast<std::uint32_t>(labels) : most_labels, 16, true};
+  return {labels < max_labels ? static_cast<std::uint32_t>(labels) : max_labels, 16, true};
 }
 
 }  // namespace lamplock::motion

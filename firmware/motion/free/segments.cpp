@@ -8,7 +8,7 @@ namespace lamplock::motion {
 namespace {
 
 /// Ticks of a segment have 31 bits.
-constexpr std::uint32_t longest_segment_ticks = 0x7fffffff;
+constexpr std::uint32_t max_segment_ticks = 0x7fffffff;
 /// Tolerance so that the end speed of a plan is a feasible start speed of the next one.
 constexpr std::int32_t start_slack_qs = 2 * hair_qs;
 /// Share of a braking distance reserved for rounding: 1/256.
@@ -28,7 +28,7 @@ bool reverses(const AxisProfile& p) {
 }
 
 /// Upper bound of the steps of a profile in any direction: all the time at its highest speed.
-std::int64_t most_steps(const AxisProfile& p) {
+std::int64_t max_way_steps(const AxisProfile& p) {
   std::int64_t speed_q62 = abs64(p.speed_q62);
   for (const std::int64_t other : {abs64(p.cruise_speed_q62()), abs64(p.end_speed_q62())})
     if (other > speed_q62) speed_q62 = other;
@@ -61,8 +61,8 @@ void Planner::begin(const PlanRequest& request) {
   }
   window_.limits = limits_;
   window_.count = request.count;
-  const std::uint32_t most = longest_segment_ticks / limits_->beat_ticks;
-  window_.most_beats =
+  const std::uint32_t most = max_segment_ticks / limits_->beat_ticks;
+  window_.max_beats =
       most < max_beats_per_point ? static_cast<std::int32_t>(most) : max_beats_per_point;
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisLimits& axis = limits_->axis[index(a)];
@@ -122,20 +122,20 @@ bool Planner::set_beats(Leg& way, std::uint32_t i) const {
   const std::int32_t at_least = request_->at_least[i];
   way.fixed_beats = at_least != 0 ? 0 : target(i).beats;
   const bool hurried = target(i).shots == 0 && way.fixed_beats != 0;
-  std::int64_t first = hurried ? 1 : request_->least_beats;
+  std::int64_t first = hurried ? 1 : request_->min_beats;
   if (at_least > first) first = at_least;
   for (int a = 0; a < limits_->axes; ++a) {
     const std::int64_t q = abs64(way.displacement_qs[index(a)]);
     const std::int32_t limit = limits_->axis[index(a)].scale.limit_qs;
     if (q >= limit * first) first = q / limit + 1;
   }
-  if (first > window_.most_beats) return false;
+  if (first > window_.max_beats) return false;
   way.first_beats = static_cast<std::int32_t>(first);
   if (way.fixed_beats != 0)
-    return way.fixed_beats >= way.first_beats && way.fixed_beats <= window_.most_beats;
-  const std::int32_t at_rest = beats_at_rest(window_, way, window_.most_beats);
+    return way.fixed_beats >= way.first_beats && way.fixed_beats <= window_.max_beats;
+  const std::int32_t at_rest = beats_at_rest(window_, way, window_.max_beats);
   way.last_beats = at_rest + beats_beyond_rest;
-  if (way.last_beats > window_.most_beats) way.last_beats = window_.most_beats;
+  if (way.last_beats > window_.max_beats) way.last_beats = window_.max_beats;
   return at_rest != 0;
 }
 
@@ -250,7 +250,7 @@ bool Planner::axis_inside(std::uint32_t i, int a, const MotionState& from) const
   if (!keeps_jerk(profile, axis.jerk_q78)) return false;
   const Int128 start = from.axis[index(a)].position_q64;
   const std::int64_t end = segments_[i].end.axis[index(a)].position_q64.hi();
-  const std::int64_t beyond = reverses(profile) ? most_steps(profile) : 0;
+  const std::int64_t beyond = reverses(profile) ? max_way_steps(profile) : 0;
   const std::int64_t low = start.hi() < end ? start.hi() : end;
   const std::int64_t high = start.hi() < end ? end : start.hi();
   if (low - beyond >= axis.min_steps && high + beyond <= axis.max_steps) return true;

@@ -10,10 +10,10 @@ constexpr std::uint32_t half_q24 = std::uint32_t{1} << (stepper::pulse_place_bit
 /// 24 bits of the mantissa above the number of its fraction bits.
 std::uint32_t packed_ratio(UFloat ratio) {
   constexpr int dropped = 8;
-  constexpr int most_places = 255;
+  constexpr int max_places = 255;
   const int places = -(ratio.exponent() + dropped);
   // A smaller ratio passes no edge; a larger one does not occur.
-  if (is_zero(ratio) || places > most_places || places < 0) return 0;
+  if (is_zero(ratio) || places > max_places || places < 0) return 0;
   return (ratio.mantissa() >> dropped) << dropped | static_cast<std::uint32_t>(places);
 }
 
@@ -22,7 +22,7 @@ std::uint16_t packed_ticks(UFloat ticks) {
   if (is_zero(ticks)) return 0;
   const int exponent = ticks.exponent() + 31;
   if (exponent < 0) return 0;
-  if (exponent > CellTicks::most_exponent) return CellTicks::of(~0u, CellTicks::most_exponent);
+  if (exponent > CellTicks::max_exponent) return CellTicks::of(~0u, CellTicks::max_exponent);
   return CellTicks::of(ticks.mantissa() >> (31 - bits), exponent);
 }
 

@@ -3,7 +3,7 @@
 namespace lamplock::motion {
 
 void LineChords::reset(const LinePlace& at, std::uint32_t line, const LineLimits& limits) {
-  least_way_ = UFloat(window_) * limits.rounding;
+  min_way_ = UFloat(window_) * limits.rounding;
   mark_ = at;
   mark_line_ = line;
   way_ = {};
@@ -13,10 +13,10 @@ void LineChords::reset(const LinePlace& at, std::uint32_t line, const LineLimits
 bool LineChords::add(std::uint32_t line, const LinePlace& end, const LineShape& shape,
                      const LineLimits& limits, LineCap& cap) {
   way_ = way_ + shape.length;
-  if (way_ < least_way_) return false;
+  if (way_ < min_way_) return false;
   // A line that is long enough is a chord by itself, and the short ones before it are dropped: a
   // corner at its far end must not slow them down.
-  const bool alone = !(shape.length < least_way_), skips = alone && line != mark_line_;
+  const bool alone = !(shape.length < min_way_), skips = alone && line != mark_line_;
   const bool single = alone || line == mark_line_;
   const LineShape chord = single ? shape : make_shape(way_between(mark_, end), limits);
   // Between two adjacent single lines the corner rule is sufficient.

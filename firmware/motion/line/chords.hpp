@@ -44,7 +44,7 @@ class LineChords {
 
  private:
   std::uint32_t window_;
-  UFloat least_way_;  ///< the window as a length
+  UFloat min_way_;  ///< the window as a length
   LineBends bends_;
   LinePlace mark_;               ///< where the present chord starts
   std::uint32_t mark_line_ = 0;  ///< its first line

@@ -19,7 +19,7 @@ constexpr std::uint32_t written_nm = 25'400;
 /// Changes of direction below this are rounding of the cosines themselves.
 constexpr std::uint32_t noise_q30 = 16;
 /// Above every change.
-constexpr std::uint32_t most_rounding_q30 = std::uint32_t{1} << 31;
+constexpr std::uint32_t max_rounding_q30 = std::uint32_t{1} << 31;
 constexpr std::int64_t dot_noise_q60 = std::int64_t{noise_q30} << 32;
 constexpr std::int64_t one_q60 = std::int64_t{1} << 60;
 /// Square of the gentlest change of direction that is not gentle, 0.7.
@@ -69,8 +69,7 @@ Turn make_turn(const LineShape& from, const LineShape& to, const LineLimits& lim
   for (int a = 0; a < limits.axes; ++a) {
     const std::int32_t u = from.cosine_q30[index(a)], v = to.cosine_q30[index(a)];
     const std::uint32_t rounding =
-        whole_down(times_power(limits.axis[index(a)].rounding * per_length, 30),
-                   most_rounding_q30) +
+        whole_down(times_power(limits.axis[index(a)].rounding * per_length, 30), max_rounding_q30) +
         noise_q30;
     if (magnitude(u + v) > rounding) turn.back = false;
     const std::uint32_t change = magnitude(v - u);
@@ -89,21 +88,21 @@ bool is_clear(const Turn& turn, const LineShape& from, const LineShape& to,
               const LineLimits& limits) {
   if (turn.square_q60 < clear_turn_q60) return false;
   const std::uint32_t rounding_q30 = whole_down(
-      times_power(limits.rounding * (from.per_length + to.per_length), 30), most_rounding_q30);
-  const std::uint32_t least_q30 = rounding_q30 * clear_roundings;
-  return rounding_q30 < most_rounding_q30 / clear_roundings &&
-         turn.square_q60 > wide_product(least_q30, least_q30);
+      times_power(limits.rounding * (from.per_length + to.per_length), 30), max_rounding_q30);
+  const std::uint32_t min_q30 = rounding_q30 * clear_roundings;
+  return rounding_q30 < max_rounding_q30 / clear_roundings &&
+         turn.square_q60 > wide_product(min_q30, min_q30);
 }
 
 /// 1 / acceleration of the axes in the direction of the change, times its length.
 UFloat change_per_accel(const Turn& turn, const LineLimits& limits) {
-  UFloat most_of_all;
+  UFloat max_of_all;
   for (int a = 0; a < limits.axes; ++a) {
     const std::uint32_t change = turn.change_q30[index(a)];
     if (change == 0) continue;
-    most_of_all = most(most_of_all, limits.axis[index(a)].per_accel * UFloat(change, -30));
+    max_of_all = most(max_of_all, limits.axis[index(a)].per_accel * UFloat(change, -30));
   }
-  return most_of_all;
+  return max_of_all;
 }
 
 /// Square of the highest speed at which no axis exceeds its jump.

@@ -43,9 +43,9 @@ bool LineJoin::reaches(const LinePlace& end, const LineTarget& to, const LineSha
     before_q8 = along_q8;
     for (int a = 0; a < limits.axes; ++a) {
       const std::int64_t on_line_q8 = (along_q8 * shape.cosine_q30[index(a)]) >> 30;
-      const std::int64_t most_q8 =
+      const std::int64_t max_q8 =
           ((resolution_q8 * limits.axis[index(a)].weight_q31) >> 31) + digit_q8;
-      if (abs64(way_q8[index(a)] - on_line_q8) > most_q8) return false;
+      if (abs64(way_q8[index(a)] - on_line_q8) > max_q8) return false;
     }
   }
   std::int64_t length_q38 = 0;

@@ -27,22 +27,22 @@ inline constexpr int place_bits = 8;
 /// Minimum distance of a place from the edge of its step: 1/32.
 inline constexpr int edge_q8 = 8;
 /// Maximum offset from the middle of its step.
-inline constexpr int most_off_q8 = (1 << (place_bits - 1)) - edge_q8;
+inline constexpr int max_off_q8 = (1 << (place_bits - 1)) - edge_q8;
 
 /// Where an axis ends a line.
 struct LinePlace {
   StepPosition steps{};
-  PerAxis<std::int8_t> off_q8{};  ///< from the middle of the step, at most `most_off_q8`
+  PerAxis<std::int8_t> off_q8{};  ///< from the middle of the step, at most `max_off_q8`
 };
 
 /// Limits X and Y so that their sum and difference are inside the steps of the motors, too.
 constexpr void keep_in_motor_steps(LinePlace& place) {
   std::int8_t &x = place.off_q8[0], &y = place.off_q8[1];
   const int size_x = x < 0 ? -x : x, size_y = y < 0 ? -y : y;
-  const int over = size_x + size_y - most_off_q8;
+  const int over = size_x + size_y - max_off_q8;
   if (over <= 0) return;
   // Reduces both equally: neither can be below half of the excess.
-  const int new_x = size_x - over / 2, new_y = most_off_q8 - new_x;
+  const int new_x = size_x - over / 2, new_y = max_off_q8 - new_x;
   x = static_cast<std::int8_t>(x < 0 ? -new_x : new_x);
   y = static_cast<std::int8_t>(y < 0 ? -new_y : new_y);
 }

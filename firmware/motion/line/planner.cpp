@@ -9,11 +9,11 @@ constexpr std::uint32_t short_chord = 12;
 constexpr std::uint32_t long_chord = 128;
 constexpr std::uint32_t gentle_chord = 512;
 
-constexpr std::uint32_t most_feed_percent = 200, least_feed_percent = 10;
+constexpr std::uint32_t max_feed_percent = 200, min_feed_percent = 10;
 constexpr std::uint32_t full_percent = 100;
 /// Ticks of half of a motion of half a step: minimum, and maximum of half a minute.
-constexpr std::uint32_t least_settling_ticks = 32;
-constexpr std::uint32_t most_settling_ticks = 30 * ticks_per_second;
+constexpr std::uint32_t min_settling_ticks = 32;
+constexpr std::uint32_t max_settling_ticks = 30 * ticks_per_second;
 
 /// The pace of lines is constant until it could be a 2^n-th higher, or should be one lower.
 constexpr int pace_rise_log2 = 4, pace_fall_log2 = 6;
@@ -29,9 +29,9 @@ bool is_before(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32
 /// Moves a place off the edges of its step: the machine reverses there.
 void keep_in_step(LinePlace& place) {
   for (std::int8_t& off : place.off_q8)
-    off = static_cast<std::int8_t>(off < -most_off_q8  ? -most_off_q8
-                                   : off > most_off_q8 ? most_off_q8
-                                                       : off);
+    off = static_cast<std::int8_t>(off < -max_off_q8  ? -max_off_q8
+                                   : off > max_off_q8 ? max_off_q8
+                                                      : off);
   keep_in_motor_steps(place);
 }
 
@@ -78,7 +78,7 @@ void LinePlanner::reset_chords() {
 }
 
 void LinePlanner::set_feed_percent(std::uint32_t percent) {
-  factor_.feed = part(within(percent, least_feed_percent, most_feed_percent));
+  factor_.feed = part(within(percent, min_feed_percent, max_feed_percent));
   factor_.plain = percent == full_percent;
   lookahead_.reset();
 }
@@ -391,13 +391,13 @@ void LinePlanner::measure_again() {
     return;
   }
   Line& second = ring_.at(ring_.begin() + 1);
-  UFloat most_2;
+  UFloat corner_speed_2;
   if (!is_zero(shape.length)) {
     const LineShape after = make_shape(way_between(line, second), limits_);
     const UFloat slower = least(line.speed.real(), second.speed.real());
-    most_2 = least(slower * slower, corner_of(shape, after, limits_).speed_2);
+    corner_speed_2 = least(slower * slower, corner_of(shape, after, limits_).speed_2);
   }
-  const LinePacked corner_2(most_2);
+  const LinePacked corner_2(corner_speed_2);
   if (corner_2 < second.corner_2) second.corner_2 = corner_2;
 }
 
@@ -415,8 +415,8 @@ std::uint32_t LinePlanner::settling_ticks() const {
   // With at most the acceleration that the jerk reaches at once.
   if (!limits_.rise.none()) longest = longest / limits_.rise.flat_share;
   // Two equal phases.
-  const std::uint32_t half = whole_up(square_root(longest), most_settling_ticks) + 1;
-  return 2 * within(half, least_settling_ticks, most_settling_ticks);
+  const std::uint32_t half = whole_up(square_root(longest), max_settling_ticks) + 1;
+  return 2 * within(half, min_settling_ticks, max_settling_ticks);
 }
 
 std::uint16_t LinePlanner::power(const Line& line, UFloat speed) const {

@@ -4,7 +4,7 @@ namespace lamplock::motion {
 namespace {
 
 /// Maximum length of a phase; longer ones are run in slices anyway.
-constexpr std::uint32_t longest_phase = std::uint32_t{1} << 29;
+constexpr std::uint32_t max_phase = std::uint32_t{1} << 29;
 /// Minimum length of a phase: 2^-4 tick.
 constexpr int no_phase_bits = 4;
 /// Minimum length of a way: 2^-25; the steps of the finest axis may be twenty times shorter.
@@ -42,7 +42,7 @@ constexpr int hardly_bits = 10;
 constexpr int search_steps = 18;
 
 /// Highest speed for which both pulses fit, at least the higher end.
-UFloat highest_middle(const LineTask& task, const LineRamps& ramps, UFloat end) {
+UFloat max_middle(const LineTask& task, const LineRamps& ramps, UFloat end) {
   const UFloat length_2 = times_power(task.length, 1);
   const auto fits = [&](UFloat v) {
     return !(length_2 < ramps.way_2(task.start, v) + ramps.way_2(v, end));
@@ -95,7 +95,7 @@ Phases make_pulse_speeds(const LineTask& task) {
   } else {
     p.v0 = least(p.v0, task.speed);
     if (p.v0 < end) end = least(end, ramps.highest(p.v0, task.length));
-    p.vc = highest_middle(task, ramps, end);
+    p.vc = max_middle(task, ramps, end);
     // A tail left by rounding is not worth a pulse.
     const bool hardly = difference(p.vc, p.v0) < times_power(p.v0, -hardly_bits);
     if (hardly && !(p.v0 < end)) p.vc = p.v0;
@@ -142,7 +142,7 @@ Phases make_speeds(const LineTask& task) {
 
 std::uint32_t phase_ticks(UFloat time, bool needed) {
   if (!needed && time < UFloat(1u, -no_phase_bits)) return 0;
-  const std::uint32_t ticks = whole_up(time, longest_phase);
+  const std::uint32_t ticks = whole_up(time, max_phase);
   return ticks == 0 ? 1 : ticks;
 }
 
@@ -212,7 +212,7 @@ LineRun cut(const LineTask& task, const Phases& p, std::uint32_t ticks) {
 
 /// Minimum rest after a cut: rounded to a few ticks, a shorter one would have a very different
 /// speed.
-std::uint32_t least_rest(std::uint32_t slice) { return slice / 16; }
+std::uint32_t min_rest(std::uint32_t slice) { return slice / 16; }
 
 /// Ticks of the next slice of a run too long for one: the last two are equally long.
 std::uint32_t part_of(std::uint32_t ticks, std::uint32_t slice) {
@@ -225,7 +225,7 @@ LineRun cut_pulses(const LineTask& task, const Phases& p) {
   const std::uint32_t slice = task.slice_ticks;
   LineRun run;
   run.start = run.cruise = p.v0;
-  const std::uint32_t lead = whole_down(p.lead, longest_phase);
+  const std::uint32_t lead = whole_down(p.lead, max_phase);
   if (lead > slice) {
     run.lead_ticks = part_of(lead, slice);
     const UFloat change =
@@ -234,14 +234,14 @@ LineRun cut_pulses(const LineTask& task, const Phases& p) {
   } else {
     run.lead_ticks = lead;
     run.cruise = p.vc;
-    const std::uint32_t left = whole_down(p.cruise + p.tail, longest_phase);
-    const std::uint32_t most = left > least_rest(slice) ? left - least_rest(slice) : 0;
+    const std::uint32_t left = whole_down(p.cruise + p.tail, max_phase);
+    const std::uint32_t most = left > min_rest(slice) ? left - min_rest(slice) : 0;
     run.cruise_ticks = whole_down(p.cruise, slice - lead < most ? slice - lead : most);
     if (lead == 0) run.start = run.cruise;
   }
   run.end = run.cruise;
   if (run.ticks() == 0) {
-    run.tail_ticks = part_of(whole_down(p.tail, longest_phase), slice);
+    run.tail_ticks = part_of(whole_down(p.tail, max_phase), slice);
     run.end = difference(p.vc, difference(p.vc, p.v1) / p.tail * UFloat(run.tail_ticks));
   }
   run.next = run.end;
@@ -251,7 +251,7 @@ LineRun cut_pulses(const LineTask& task, const Phases& p) {
 /// Brakes to rest inside the line; false if it is too long for that.
 bool make_stop(const LineTask& task, LineRun& run) {
   const LineRamps ramps{task.accel, *task.rise};
-  const std::uint32_t ticks = whole_up(ramps.ticks(task.start, UFloat()), longest_phase);
+  const std::uint32_t ticks = whole_up(ramps.ticks(task.start, UFloat()), max_phase);
   if (times_power(task.length, 1) < task.start * UFloat(ticks)) return false;
   run = {};
   run.start = task.start;
@@ -282,7 +282,7 @@ LineRun make_changing(const LineTask& task) {
     if (run.ticks() > slice) return cut(task, p, part_of(run.ticks(), slice));
   } else if (run.ticks() > slice) {
     // A pulse cannot be cut anywhere: extended a little, it includes the rest.
-    if (run.lead_ticks <= slice && run.ticks() - run.lead_ticks <= least_rest(slice)) {
+    if (run.lead_ticks <= slice && run.ticks() - run.lead_ticks <= min_rest(slice)) {
       p = change_all(task, p.v1);
       run = round_up(task, p);
     }
@@ -301,7 +301,7 @@ bool make_steady(const LineTask& task, LineRun& run) {
   if (!(difference(v, task.start) < little) || !(difference(task.start, v) < little)) return false;
   if (!(difference(v, task.end) < little)) return false;
   if (is_zero(task.start) || is_zero(task.end) || task.length < v) return false;
-  const std::uint32_t ticks = whole_up(task.length / v, longest_phase);
+  const std::uint32_t ticks = whole_up(task.length / v, max_phase);
   run.whole = ticks <= task.slice_ticks;
   run.cruise_ticks = run.whole ? ticks : part_of(ticks, task.slice_ticks);
   run.start = run.cruise = run.end = run.whole ? task.length / UFloat(ticks) : v;

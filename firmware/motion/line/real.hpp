@@ -118,7 +118,7 @@ class LinePacked {
   explicit LinePacked(UFloat value) {
     const int exponent = value.exponent() + exponent_bias;
     if (exponent < 0) return;
-    const int kept = exponent > largest_exponent ? largest_exponent : exponent;
+    const int kept = exponent > max_exponent ? max_exponent : exponent;
     // The highest bit is always set and makes room for the exponent.
     bits_ = static_cast<std::uint32_t>(kept) << (mantissa_bits - 1) |
             ((value.mantissa() << 1) >> (dropped_bits + 1));
@@ -138,7 +138,7 @@ class LinePacked {
   static constexpr int mantissa_bits = 24;
   /// Added to the exponent: numbers from 2^-160 to 2^95.
   static constexpr int exponent_bias = 192;
-  static constexpr int largest_exponent = 255;
+  static constexpr int max_exponent = 255;
 
   std::uint32_t bits_ = 0;  ///< exponent above mantissa: bits compare as the numbers do
 };

@@ -36,7 +36,7 @@ LineRise make_rise(const Limits& limits) {
   if (!(flat < rise.ticks)) return {};
   rise.flat_share = flat / rise.ticks;
   // No ramp is shorter than a stair.
-  rise.ticks = most(rise.ticks, UFloat(stepper::least_stair_ticks));
+  rise.ticks = most(rise.ticks, UFloat(stepper::min_stair_ticks));
   rise.half_slice = UFloat(line_slice_ticks / 2);
   const UFloat n(line_slice_ticks / 2 - stair_rounding);
   const UFloat steady = n < times_power(rise.ticks, 1) ? times_power(n * n / rise.ticks, -2)

@@ -6,7 +6,7 @@ namespace lamplock::motion {
 namespace {
 
 /// Less than this is earlier rounding, not a displacement: 2^-10 step.
-constexpr std::int64_t least_way_q32 = one_q32 >> 10;
+constexpr std::int64_t min_way_q32 = one_q32 >> 10;
 /// Room between the limits and the planning limits along a line: far more than 32 significant bits
 /// lose, far too little to be noticed.
 constexpr int room_bits = 22;
@@ -62,14 +62,14 @@ void measure(const PerAxis<std::int64_t>& vector, int unit, const Limits& limits
 }
 
 /// Highest speed along the line, normalised: the axis with the least limit over displacement.
-std::int64_t line_speed_q32(const PerAxis<std::int64_t>& displacement_q32, std::int64_t longest_q32,
+std::int64_t line_speed_q32(const PerAxis<std::int64_t>& displacement_q32, std::int64_t max_q32,
                             const Limits& limits) {
   Real least(std::uint64_t{1}, 62);
   for (int a = 0; a < limits.axes; ++a) {
     const std::int64_t way = displacement_q32[index(a)];
     if (way == 0) continue;
-    const Real speed = Real::of_q32(limits.axis[index(a)].speed_q32) * Real::of_q32(longest_q32) /
-                       Real::of_q32(way);
+    const Real speed =
+        Real::of_q32(limits.axis[index(a)].speed_q32) * Real::of_q32(max_q32) / Real::of_q32(way);
     if (speed < least) least = speed;
   }
   const std::int64_t speed = least.fixed(32);
@@ -82,7 +82,7 @@ std::int64_t line_speed_q32(const PerAxis<std::int64_t>& displacement_q32, std::
 /// acceleration, `steepest`, sets the peak, the axis with the least jerk how fast it rises; both
 /// over their displacements.
 Real rise_ticks(const PerAxis<std::int64_t>& steps_q32, const Limits& limits, int& steepest) {
-  Real least_jerk, longest;
+  Real min_jerk, longest;
   bool limited = false;
   for (int a = 0; a < limits.axes; ++a) {
     const Real way = Real::of_q32(abs64(steps_q32[index(a)]));
@@ -95,10 +95,10 @@ Real rise_ticks(const PerAxis<std::int64_t>& steps_q32, const Limits& limits, in
     }
     if (axis.jerk_q78 == 0) continue;
     const Real jerk = Real(magnitude(axis.jerk_q78), -16) / way;
-    if (!limited || jerk < least_jerk) least_jerk = jerk;
+    if (!limited || jerk < min_jerk) min_jerk = jerk;
     limited = true;
   }
-  return limited ? Real(1u) / (longest * least_jerk) : Real();
+  return limited ? Real(1u) / (longest * min_jerk) : Real();
 }
 
 /// For lines with ramps: normalises the line by the peak of its pulses.
@@ -111,7 +111,7 @@ void normalise_by_peak(PathLine& line, const PerAxis<std::int64_t>& steps_q32,
   const Real plan(magnitude(axis.plan_accel_q62));
   const Real peak(magnitude(pulse_peak_q62(axis, limits.beat_ticks)));
   const Real way = Real::of_q32(axis.displacement_q32(abs64(steps_q32[index(steepest)])));
-  const Real stair(stepper::least_stair_ticks);
+  const Real stair(stepper::min_stair_ticks);
   line.displacement_q32 = (way * plan / peak).fixed(32);
   line.rise_q32 = ((rise < stair ? stair : rise) / Real(limits.beat_ticks)).fixed(32) + 1;
   line.flat_q32 = (Real(flat_rise_ticks) / rise).fixed(32);
@@ -137,7 +137,7 @@ PathLine make_line(const PerAxis<std::int64_t>& steps_q32, const Limits& limits)
   bool some = false;
   for (int a = 0; a < limits.axes; ++a) {
     const std::int64_t way = abs64(steps_q32[index(a)]);
-    some = some || way >= least_way_q32;
+    some = some || way >= min_way_q32;
     displacement[index(a)] = limits.axis[index(a)].displacement_q32(way);
     if (displacement[index(a)] > longest) longest = displacement[index(a)];
   }

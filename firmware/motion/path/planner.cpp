@@ -9,12 +9,12 @@ namespace {
 /// Exact positions are stored as 64-bit offsets from the middle of a step. After this many ticks,
 /// eighteen minutes, rounding has moved them by a quarter of a step; pulses are rounded to larger
 /// units.
-constexpr std::uint32_t longest_segment_ticks = std::uint32_t{1} << 30;
-constexpr std::uint32_t longest_pulses_ticks = std::uint32_t{1} << 28;
+constexpr std::uint32_t max_segment_ticks = std::uint32_t{1} << 30;
+constexpr std::uint32_t max_pulses_ticks = std::uint32_t{1} << 28;
 /// The search for the highest speed skips this share of the beats.
 constexpr std::int32_t beats_share = 16;
 
-std::int64_t least_of(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
+std::int64_t min_of(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
 
 /// Steps, Q32, from an exact position to the middle of a step.
 std::int64_t way_q32(Int128 from_q64, std::int32_t to_step) {
@@ -35,9 +35,9 @@ void PathPlanner::begin(const PlanRequest& request) {
   request_ = &request;
   limits_ = request.limits;
   jerk_limited_ = limits_->jerk_limited();
-  const std::uint32_t ticks = jerk_limited_ ? longest_pulses_ticks : longest_segment_ticks;
+  const std::uint32_t ticks = jerk_limited_ ? max_pulses_ticks : max_segment_ticks;
   const std::uint32_t most = ticks / limits_->beat_ticks;
-  most_beats_ = most < max_beats_per_point ? static_cast<std::int32_t>(most) : max_beats_per_point;
+  max_beats_ = most < max_beats_per_point ? static_cast<std::int32_t>(most) : max_beats_per_point;
   result_ = Result::unreachable;
   phase_ = Phase::set_up;
 }
@@ -92,9 +92,9 @@ Result PathPlanner::set_up(std::uint32_t& failed) {
       Stage& previous = stages_[i - 1];
       stage.from_previous = speed_factor(before, now);
       const Real corner = corner_speed(before, now, *limits_);
-      previous.corner_q32 = least_of(normalised_speed_q32(before, corner), previous.line.speed_q32);
+      previous.corner_q32 = min_of(normalised_speed_q32(before, corner), previous.line.speed_q32);
       const std::int64_t next = scaled(stage.line.speed_q32, Real(1u) / stage.from_previous);
-      previous.corner_q32 = request_->rest[i - 1] ? 0 : least_of(previous.corner_q32, next);
+      previous.corner_q32 = request_->rest[i - 1] ? 0 : min_of(previous.corner_q32, next);
     }
     before = now;
   }
@@ -117,10 +117,10 @@ bool PathPlanner::set_start(const PathLine& first) {
   const std::int64_t slack = 64 + (start_q32_ >> (jerk_limited_ ? 22 : 28));
   const std::int64_t most = normalised_speed_q32(first, jump_speed(motion, first, *limits_));
   // If this plan follows another one, that one has checked the corner.
-  if (!request_->follows && start_q32_ - slack > least_of(most, first.speed_q32)) return false;
-  start_q32_ = least_of(start_q32_, first.speed_q32);
+  if (!request_->follows && start_q32_ - slack > min_of(most, first.speed_q32)) return false;
+  start_q32_ = min_of(start_q32_, first.speed_q32);
   start_ = {start_q32_ > slack ? start_q32_ - slack : 0,
-            least_of(start_q32_ + slack, first.speed_q32)};
+            min_of(start_q32_ + slack, first.speed_q32)};
   return true;
 }
 
@@ -142,7 +142,7 @@ void PathPlanner::look_ahead() {
   previous.end_q32 = previous.corner_q32;
   if (!stage.is_at_rest() && previous.corner_q32 != 0) {
     const std::int64_t most = scaled(start_bound_q32(at_), Real(1u) / stage.from_previous);
-    previous.end_q32 = least_of(previous.end_q32, most);
+    previous.end_q32 = min_of(previous.end_q32, most);
   }
   --at_;
 }
@@ -151,10 +151,10 @@ void PathPlanner::look_ahead() {
 std::int64_t PathPlanner::start_bound_q32(std::uint32_t i) {
   const Stage& stage = stages_[i];
   const SpeedInterval end{0, stage.end_q32};
-  std::int64_t most = highest_start_q32(i, end);
+  std::int64_t most = max_start_q32(i, end);
   // Long pulses remove more speed than short ones: rest at the end may allow more.
   if (stage.has_pulses()) {
-    const std::int64_t to_rest = highest_start_q32(i, {0, 0});
+    const std::int64_t to_rest = max_start_q32(i, {0, 0});
     if (to_rest > most) most = to_rest;
   }
   return most < 0 ? stage.line.speed_q32 : most;
@@ -163,16 +163,16 @@ std::int64_t PathPlanner::start_bound_q32(std::uint32_t i) {
 /// The same for given speeds at the end; negative if there is none. Seen from the end the fewest
 /// beats allow it; not where jerk is limited: there it rises with the length of the pulses and
 /// falls again.
-std::int64_t PathPlanner::highest_start_q32(std::uint32_t i, const SpeedInterval& end) {
+std::int64_t PathPlanner::max_start_q32(std::uint32_t i, const SpeedInterval& end) {
   const Stage& stage = stages_[i];
   const std::int32_t fixed = fixed_beats(i);
   const std::int32_t first = fixed != 0 ? fixed : fewest(i, end, stage.line.speed_q32);
   if (first == 0) return -1;
-  std::int64_t most = highest_start_q32(i, end, first);
+  std::int64_t most = max_start_q32(i, end, first);
   if (fixed != 0 || !stage.has_pulses()) return most;
   int falls = 0;
-  for (std::int32_t k = first + 1; falls < 2 && k <= most_beats_; k += 1 + k / beats_share) {
-    const std::int64_t speed = highest_start_q32(i, end, k);
+  for (std::int32_t k = first + 1; falls < 2 && k <= max_beats_; k += 1 + k / beats_share) {
+    const std::int64_t speed = max_start_q32(i, end, k);
     falls = speed > most ? 0 : falls + 1;
     if (speed > most) most = speed;
   }
@@ -180,8 +180,8 @@ std::int64_t PathPlanner::highest_start_q32(std::uint32_t i, const SpeedInterval
 }
 
 /// The same for a given number of beats; negative if there is none.
-std::int64_t PathPlanner::highest_start_q32(std::uint32_t i, const SpeedInterval& end,
-                                            std::int32_t beats) const {
+std::int64_t PathPlanner::max_start_q32(std::uint32_t i, const SpeedInterval& end,
+                                        std::int32_t beats) const {
   std::int64_t most = -1;
   for (int split = 0; split < stages_[i].splits(); ++split) {
     SpeedInterval start;
@@ -214,7 +214,7 @@ void PathPlanner::choose_speed(std::uint32_t i) {
   const std::int64_t end = next.chosen.speed_q32;
   const std::int64_t slack = 8 + 4 * next.chosen.beats + (end >> 28);
   const SpeedInterval wanted{end > slack ? end - slack : 0,
-                             least_of(end + slack, next.line.speed_q32)};
+                             min_of(end + slack, next.line.speed_q32)};
   SpeedInterval both = here.speeds;
   SpeedInterval can;
   if (step_back(i + 1, wanted, next.chosen.beats, next.chosen.split, can)) {
@@ -229,7 +229,7 @@ void PathPlanner::choose_speed(std::uint32_t i) {
 std::int64_t PathPlanner::wanted_speed_q32(std::uint32_t i) const {
   const Stage &here = stages_[i], &next = stages_[i + 1];
   const std::int64_t way_after = scaled(next.line.displacement_q32, Real(1u) / next.from_previous);
-  return (here.line.displacement_q32 + least_of(way_after, max_displacement_q32)) /
+  return (here.line.displacement_q32 + min_of(way_after, max_displacement_q32)) /
          (here.chosen.beats + next.chosen.beats);
 }
 

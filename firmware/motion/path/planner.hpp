@@ -118,9 +118,8 @@ class PathPlanner {
   void start_over();
   void look_ahead();
   std::int64_t start_bound_q32(std::uint32_t i);
-  std::int64_t highest_start_q32(std::uint32_t i, const SpeedInterval& end);
-  std::int64_t highest_start_q32(std::uint32_t i, const SpeedInterval& end,
-                                 std::int32_t beats) const;
+  std::int64_t max_start_q32(std::uint32_t i, const SpeedInterval& end);
+  std::int64_t max_start_q32(std::uint32_t i, const SpeedInterval& end, std::int32_t beats) const;
   void search();
   bool extend(std::uint32_t i, bool careful);
   void extend(std::uint32_t i, std::uint32_t parent, bool careful);
@@ -152,7 +151,7 @@ class PathPlanner {
     return request_->queue->at(request_->points[i]);
   }
   std::int32_t fixed_beats(std::uint32_t i) const;
-  std::int32_t least_beats(std::uint32_t i) const;
+  std::int32_t min_beats(std::uint32_t i) const;
   bool beats_allowed(std::uint32_t i) const;
   std::int64_t start_speed_q32(std::uint32_t i) const;
   SpeedInterval start_speeds(std::uint32_t i, const SpeedInterval& end_of_previous) const;
@@ -164,7 +163,7 @@ class PathPlanner {
   bool careful_ = false;      ///< second attempt: labels that can rest come first
   std::uint32_t at_ = 0;      ///< next point in this phase
   std::uint32_t failed_ = 0;  ///< index that cannot be reached
-  std::int32_t most_beats_ = 1;
+  std::int32_t max_beats_ = 1;
   bool jerk_limited_ = false;   ///< on any axis
   SpeedInterval start_;         ///< at the start of the window, in units of the first line
   std::int64_t start_q32_ = 0;  ///< the speed at the start

@@ -11,8 +11,8 @@ namespace {
 constexpr int ramp_room_bits = 7;
 constexpr int short_room_bits = ramp_room_bits - 1;
 
-std::int64_t least_of(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
-std::int64_t most_of(std::int64_t a, std::int64_t b) { return a > b ? a : b; }
+std::int64_t min_of(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
+std::int64_t max_of(std::int64_t a, std::int64_t b) { return a > b ? a : b; }
 
 /// a / b in Q32, rounded down except for the last bits, a >= 0 and b > 0: in two steps of 32 bits.
 std::int64_t ratio_q32(std::int64_t a, std::int64_t b) {
@@ -26,7 +26,7 @@ std::int64_t pulse_change_q32(const PulseLine& line, std::int64_t length_q32) {
   const std::int64_t rise = line.rise_q32 + (length_q32 >> ramp_room_bits);
   if (length_q32 >= 2 * rise) return length_q32 - rise;
   // Too short to reach its peak; if much too short, it needs no ramp.
-  return mul_q32(length_q32, most_of(mul_q32(length_q32, line.per_rise_q32), line.flat_q32));
+  return mul_q32(length_q32, max_of(mul_q32(length_q32, line.per_rise_q32), line.flat_q32));
 }
 
 /// A line divided for some beats.
@@ -52,20 +52,20 @@ struct Division {
   }
   /// The longest distance from at most v0 to at most v1, and the shortest one from at least v0: all
   /// distances between them are possible.
-  std::int64_t longest_q32(std::int64_t v0, std::int64_t limit, std::int64_t v1) const {
-    const std::int64_t vc = least_of(limit, least_of(v0 + first_q32, v1 + second_q32));
-    return way_q32(least_of(v0, vc + first_q32), vc, least_of(v1, vc + second_q32));
+  std::int64_t max_q32(std::int64_t v0, std::int64_t limit, std::int64_t v1) const {
+    const std::int64_t vc = min_of(limit, min_of(v0 + first_q32, v1 + second_q32));
+    return way_q32(min_of(v0, vc + first_q32), vc, min_of(v1, vc + second_q32));
   }
-  std::int64_t shortest_q32(std::int64_t v0) const {
-    const std::int64_t vc = most_of(v0 - first_q32, 0);
-    return way_q32(v0, vc, most_of(vc - second_q32, 0));
+  std::int64_t min_q32(std::int64_t v0) const {
+    const std::int64_t vc = max_of(v0 - first_q32, 0);
+    return way_q32(v0, vc, max_of(vc - second_q32, 0));
   }
 
   /// Highest speed at the end of a distance, from at least v0; negative if the distance is too
   /// short. The shortest distance to a speed v1 has the lowest possible v0 and vc: both are
   /// constant while v1 rises, then vc follows, then v0 as well.
-  std::int64_t highest_end_q32(std::int64_t way, std::int64_t v0) const {
-    const std::int64_t vc = most_of(v0 - first_q32, 0);
+  std::int64_t max_end_q32(std::int64_t way, std::int64_t v0) const {
+    const std::int64_t vc = max_of(v0 - first_q32, 0);
     const std::int64_t beyond = way - way_q32(v0, vc, 0);
     if (beyond < 0) return -1;
     const std::int64_t follows = vc + second_q32, all_follow = v0 + first_q32 + second_q32;
@@ -83,7 +83,7 @@ struct Division {
 bool goes_far_enough(const PulseLine& line, const SpeedInterval& from, std::int32_t beats,
                      std::int64_t end) {
   for (int split = 0; split < pulse_splits; ++split)
-    if (Division(line, beats, split).longest_q32(from.hi_q32, line.speed_q32, end) >
+    if (Division(line, beats, split).max_q32(from.hi_q32, line.speed_q32, end) >
         line.displacement_q32)
       return true;
   return false;
@@ -93,8 +93,8 @@ bool reaches(const PulseLine& line, const SpeedInterval& from, std::int32_t beat
              std::int64_t end) {
   for (int split = 0; split < pulse_splits; ++split) {
     const Division d(line, beats, split);
-    if (d.longest_q32(from.hi_q32, line.speed_q32, end) > line.displacement_q32 &&
-        d.shortest_q32(from.lo_q32) < line.displacement_q32)
+    if (d.max_q32(from.hi_q32, line.speed_q32, end) > line.displacement_q32 &&
+        d.min_q32(from.lo_q32) < line.displacement_q32)
       return true;
   }
   return false;
@@ -143,14 +143,14 @@ PulseLine make_pulse_line(std::int64_t displacement_q32, std::int64_t speed_q32,
   const bool long_ramps = speed_q32 > rise_q32;
   const std::int64_t time =
       long_ramps ? speed_q32 + rise_q32 : 2 * sqrt_down_q32(mul_q32(speed_q32, rise_q32));
-  line.longest_q32 = time + (time >> short_room_bits);
+  line.max_q32 = time + (time >> short_room_bits);
   return line;
 }
 
 PulseLengths pulse_lengths(const PulseLine& line, std::int32_t beats, int split) {
   const std::int64_t eighth = std::int64_t{beats} << 29;
   const std::int64_t lead = split == 0 ? 4 * eighth : split == 1 ? 6 * eighth : 2 * eighth;
-  return {least_of(lead, line.longest_q32), least_of(8 * eighth - lead, line.longest_q32)};
+  return {min_of(lead, line.max_q32), min_of(8 * eighth - lead, line.max_q32)};
 }
 
 bool pulse_reach(const PulseLine& line, const SpeedInterval& from, std::int32_t beats, int split,
@@ -158,13 +158,13 @@ bool pulse_reach(const PulseLine& line, const SpeedInterval& from, std::int32_t 
   const Division d(line, beats, split);
   const std::int64_t v = line.speed_q32;
   // The bounds of the slowest start, and, in the frame of the highest speed, of the quickest.
-  to.hi_q32 = d.highest_end_q32(line.displacement_q32, from.lo_q32);
+  to.hi_q32 = d.max_end_q32(line.displacement_q32, from.lo_q32);
   const std::int64_t mirrored = times_short(v, static_cast<std::uint32_t>(beats));
-  const std::int64_t below = d.highest_end_q32(mirrored - line.displacement_q32, v - from.hi_q32);
+  const std::int64_t below = d.max_end_q32(mirrored - line.displacement_q32, v - from.hi_q32);
   if (to.hi_q32 < 0 || below < 0) return false;
   const std::int64_t changes = d.first_q32 + d.second_q32;
-  to.lo_q32 = most_of(most_of(v - below, from.lo_q32 - changes), 0);
-  to.hi_q32 = least_of(least_of(to.hi_q32, from.hi_q32 + changes), least_of(end, v));
+  to.lo_q32 = max_of(max_of(v - below, from.lo_q32 - changes), 0);
+  to.hi_q32 = min_of(min_of(to.hi_q32, from.hi_q32 + changes), min_of(end, v));
   return to.lo_q32 <= to.hi_q32;
 }
 

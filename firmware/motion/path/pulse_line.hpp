@@ -32,7 +32,7 @@ struct PulseLine {
   std::int64_t rise_q32 = 0;          ///< beats in which the acceleration rises to its peak
   std::int64_t flat_q32 = 0;          ///< share of the peak that needs no ramp
   std::int64_t per_rise_q32 = 0;      ///< 1 / (4 rise), with some margin
-  std::int64_t longest_q32 = 0;       ///< beats from rest to the highest speed: no pulse is longer
+  std::int64_t max_q32 = 0;           ///< beats from rest to the highest speed: no pulse is longer
 };
 /// Calculates the other members; only `flat_q32` may be 0.
 PulseLine make_pulse_line(std::int64_t displacement_q32, std::int64_t speed_q32,

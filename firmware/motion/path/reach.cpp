@@ -9,7 +9,7 @@ namespace {
 std::int64_t square_q32(std::int64_t v_q32) { return mul_q32(v_q32, v_q32); }
 
 /// Least time from a speed in `from` to one in 0 ... end, Q32 beats, nearly exact.
-std::int64_t least_time_q32(const PathWay& way, const SpeedInterval& from, std::int64_t end) {
+std::int64_t min_time_q32(const PathWay& way, const SpeedInterval& from, std::int64_t end) {
   const std::int64_t start = from.hi_q32, twice = 2 * way.displacement_q32;
   const std::int64_t start_square = square_q32(start), end_square = square_q32(end);
   // Braking all the way, from the highest speed that can stop there.
@@ -44,7 +44,7 @@ bool path_reach(const PathWay& way, const SpeedInterval& from, std::int32_t beat
 std::int32_t fewest_beats(const PathWay& way, const SpeedInterval& from, std::int64_t end,
                           std::int32_t least, std::int32_t most) {
   // Despite rounding of the time, the whole beat is this one or the next.
-  const std::int64_t time = least_time_q32(way, from, end);
+  const std::int64_t time = min_time_q32(way, from, end);
   const std::int64_t first = (time - (time >> 20) + one_q32 - 64) >> 32;
   if (first > most) return 0;
   const std::int32_t beats = first > least ? static_cast<std::int32_t>(first) : least;

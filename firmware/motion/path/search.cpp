@@ -8,7 +8,7 @@ namespace {
 /// Times tried per label; with pulses each is divided in some ways, and more are no better.
 constexpr int candidates_per_label = 8, candidates_with_pulses = 3;
 
-std::int64_t least_of(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
+std::int64_t min_of(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
 
 std::int32_t larger(std::int32_t a, std::int32_t b) { return a > b ? a : b; }
 
@@ -41,23 +41,23 @@ bool PathPlanner::extend(std::uint32_t i, bool careful) {
 bool PathPlanner::beats_allowed(std::uint32_t i) const {
   const std::int32_t fixed = fixed_beats(i);
   if (fixed == 0) return true;
-  return fixed <= most_beats_ && (target(i).shots == 0 || fixed >= request_->least_beats);
+  return fixed <= max_beats_ && (target(i).shots == 0 || fixed >= request_->min_beats);
 }
 
 std::int32_t PathPlanner::fixed_beats(std::uint32_t i) const {
   return request_->at_least[i] != 0 ? 0 : target(i).beats;
 }
 
-std::int32_t PathPlanner::least_beats(std::uint32_t i) const {
+std::int32_t PathPlanner::min_beats(std::uint32_t i) const {
   const std::int32_t least = larger(1, request_->at_least[i]);
-  return target(i).shots == 0 ? least : larger(least, request_->least_beats);
+  return target(i).shots == 0 ? least : larger(least, request_->min_beats);
 }
 
 SpeedInterval PathPlanner::start_speeds(std::uint32_t i, const SpeedInterval& end) const {
   const Stage& stage = stages_[i];
   const std::int64_t lo = scaled(end.lo_q32, stage.from_previous);
   const std::int64_t hi = scaled(end.hi_q32, stage.from_previous);
-  return {least_of(lo, stage.line.speed_q32), least_of(hi, stage.line.speed_q32)};
+  return {min_of(lo, stage.line.speed_q32), min_of(hi, stage.line.speed_q32)};
 }
 
 bool PathPlanner::step(std::uint32_t i, const SpeedInterval& from, std::int32_t beats, int split,
@@ -69,7 +69,7 @@ bool PathPlanner::step(std::uint32_t i, const SpeedInterval& from, std::int32_t 
   if (stage.has_pulses() ? !pulse_reach(stage.line, from, beats, split, end, to)
                          : !path_reach(stage.way(), from, beats, end, to))
     return false;
-  to = {least_of(to.lo_q32, stage.end_q32), least_of(to.hi_q32, stage.end_q32)};
+  to = {min_of(to.lo_q32, stage.end_q32), min_of(to.hi_q32, stage.end_q32)};
   return true;
 }
 
@@ -95,11 +95,11 @@ std::int32_t PathPlanner::fewest(std::uint32_t i, const SpeedInterval& from, std
   Stage& stage = stages_[i];
   if (stage.has_pulses()) {
     const std::int32_t beats =
-        fewest_pulse_beats(stage.line, from, end, least_beats(i), most_beats_, stage.hint);
+        fewest_pulse_beats(stage.line, from, end, min_beats(i), max_beats_, stage.hint);
     if (beats != 0) stage.hint = beats;
     return beats;
   }
-  return fewest_beats(stage.way(), from, end, least_beats(i), most_beats_);
+  return fewest_beats(stage.way(), from, end, min_beats(i), max_beats_);
 }
 
 /// Fewest beats from speeds at the start of line i to its end; 0 = it cannot be reached.
@@ -110,7 +110,7 @@ std::int32_t PathPlanner::first_beats(std::uint32_t i, const SpeedInterval& from
   for (int split = 0; fixed != 0 && split < stage.splits(); ++split)
     if (step(i, from, fixed, split, to)) return fixed;
   if (fixed != 0) return 0;
-  if (stage.is_at_rest()) return from.lo_q32 == 0 ? least_beats(i) : 0;
+  if (stage.is_at_rest()) return from.lo_q32 == 0 ? min_beats(i) : 0;
   return fewest(i, from, end_asked_q32(i));
 }
 
@@ -136,7 +136,7 @@ PathPlanner::Extended PathPlanner::extend(std::uint32_t i, std::uint32_t parent,
                                           const SpeedInterval& from, std::int32_t beats,
                                           bool careful) {
   Extended what = Extended::no;
-  if (beats > most_beats_) return what;
+  if (beats > max_beats_) return what;
   for (int split = 0; split < stages_[i].splits(); ++split) {
     Label label{};
     if (!step(i, from, beats, split, label.speeds)) continue;

@@ -6,7 +6,7 @@
 namespace lamplock::motion {
 namespace {
 
-std::int64_t least_of(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
+std::int64_t min_of(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
 
 /// True if the profile moves against its displacement.
 bool goes_back(const AxisProfile& p, Int128 way) {
@@ -88,8 +88,8 @@ bool PathPlanner::can_stop(const Segment& s) const {
 
 std::int64_t PathPlanner::start_speed_q32(std::uint32_t i) const {
   if (i == 0) return start_q32_;
-  return least_of(scaled(stages_[i - 1].chosen.speed_q32, stages_[i].from_previous),
-                  stages_[i].line.speed_q32);
+  return min_of(scaled(stages_[i - 1].chosen.speed_q32, stages_[i].from_previous),
+                stages_[i].line.speed_q32);
 }
 
 /// The phases of a line, for an axis that moves forwards: as long as its pulses, or where jerk is
@@ -181,7 +181,7 @@ std::uint32_t PathPlanner::shot_window_ticks(std::uint32_t i,
   PerAxis<std::int64_t> after{};
   if (i + 1 < request_->count)
     after = axis_speeds_q62(line(i + 1), start_speed_q32(i + 1), limits_->beat_ticks);
-  std::int64_t least_q32 = one_q32 / 4;
+  std::int64_t min_q32 = one_q32 / 4;
   for (int a = 0; a < limits_->axes; ++a) {
     const AxisLimits& axis = limits_->axis[index(a)];
     const std::int64_t one = abs64(before[index(a)]), other = abs64(after[index(a)]);
@@ -189,9 +189,9 @@ std::uint32_t PathPlanner::shot_window_ticks(std::uint32_t i,
         (Int128::product(one > other ? one : other, limits_->beat_ticks) >> 30).to_int64();
     const std::int64_t v = axis.displacement_q32(per_beat_q32);
     const std::int64_t root = sqrt_down_q32(mul_q32(v, v) + 2 * axis.shot_way_q32);
-    least_q32 = least_of(least_q32, root > v ? root - v : 0);
+    min_q32 = min_of(min_q32, root > v ? root - v : 0);
   }
-  return static_cast<std::uint32_t>((least_q32 * limits_->beat_ticks) >> 32);
+  return static_cast<std::uint32_t>((min_q32 * limits_->beat_ticks) >> 32);
 }
 
 }  // namespace lamplock::motion

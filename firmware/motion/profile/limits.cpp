@@ -67,15 +67,15 @@ constexpr std::uint32_t stair_rounding = 16;
 /// Planning uses the mean acceleration of pulses of this length, the longest of: nearly half a
 /// beat, so that most ways of one beat are feasible; the time in which the jerk reaches the
 /// acceleration, for ways of many beats; and this. Found by measuring beats per point on walks.
-constexpr std::int64_t least_pulse_ticks = 2 * stepper::least_stair_ticks;
+constexpr std::int64_t min_pulse_ticks = 2 * stepper::min_stair_ticks;
 constexpr std::int64_t pulse_ticks(std::uint32_t beat, std::int64_t rise_ticks) {
   const std::int64_t half_beat = beat / 64 * 29;
   const std::int64_t longer = half_beat > rise_ticks ? half_beat : rise_ticks;
-  return longer > least_pulse_ticks ? longer : least_pulse_ticks;
+  return longer > min_pulse_ticks ? longer : min_pulse_ticks;
 }
 
 /// A slower rise, four minutes, is not a limit but a mistake.
-constexpr std::int64_t longest_rise_ticks = std::int64_t{1} << 28;
+constexpr std::int64_t max_rise_ticks = std::int64_t{1} << 28;
 
 /// Acceleration left after rounding (see set_plan_limits).
 std::int64_t steady_accel_q62(std::int64_t accel_q62, std::uint32_t beat) {
@@ -90,13 +90,12 @@ bool set_jerk_limits(AxisLimits& axis, std::uint32_t beat) {
   const auto rise = [&axis](std::int64_t accel_q62) {
     return ratio_up(Int128(accel_q62) << 16, axis.jerk_q78);
   };
-  if (axis.jerk_q78 < min_jerk_q78 || rise(most) > longest_rise_ticks) return false;
+  if (axis.jerk_q78 < min_jerk_q78 || rise(most) > max_rise_ticks) return false;
   axis.rise_ticks = stair_rounding;
   axis.brake_accel_q62 = axis.plan_accel_q62 = most;
   if (rise(most) <= flat_rise_ticks) return most >= min_accel_q62;
   // Ramps are at least a stair long: as if the jerk were no higher than this.
-  const std::int64_t softest =
-      (Int128(most) << 16).divided_by(stepper::least_stair_ticks).to_int64();
+  const std::int64_t softest = (Int128(most) << 16).divided_by(stepper::min_stair_ticks).to_int64();
   const std::int64_t jerk_q78 = axis.jerk_q78 < softest ? axis.jerk_q78 : softest;
   const std::int64_t n = pulse_ticks(beat, rise(most)) - stair_rounding;
   const Int128 product = Int128::product(jerk_q78, n) >> 16;
@@ -107,7 +106,7 @@ bool set_jerk_limits(AxisLimits& axis, std::uint32_t beat) {
   if (axis.plan_accel_q62 < flat) axis.plan_accel_q62 = flat;
   axis.brake_accel_q62 = most < 2 * axis.plan_accel_q62 ? most : 2 * axis.plan_accel_q62;
   const auto ramp = static_cast<std::uint32_t>(rise(axis.brake_accel_q62));
-  axis.rise_ticks += ramp > stepper::least_stair_ticks ? ramp : stepper::least_stair_ticks;
+  axis.rise_ticks += ramp > stepper::min_stair_ticks ? ramp : stepper::min_stair_ticks;
   return axis.plan_accel_q62 >= min_accel_q62;
 }
 

@@ -20,7 +20,7 @@
 namespace lamplock::motion {
 
 /// An acceleration that the jerk reaches in this time needs no ramp: half of the shortest stair.
-inline constexpr std::uint32_t flat_rise_ticks = stepper::least_stair_ticks / 2;
+inline constexpr std::uint32_t flat_rise_ticks = stepper::min_stair_ticks / 2;
 
 /// Limits of one axis.
 struct AxisLimits {

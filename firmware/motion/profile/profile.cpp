@@ -52,7 +52,7 @@ std::int64_t ratio_q32(std::int64_t a, std::int64_t b) {
 }
 
 /// Maximum number of times that a ramp is lengthened by a part in a thousand.
-constexpr int most_tries = 12;
+constexpr int max_tries = 12;
 
 /// Two phases without a limit can peak at several steps per tick, more than Q62 holds. One step per
 /// tick is above every limit, so that a cruise replaces such a peak.
@@ -246,7 +246,7 @@ AxisProfile make_steady_profile(Int128 distance, std::int64_t v0, std::int64_t v
   if (lead < 1) lead = 1;
   if (tail < 1) tail = 1;
   AxisProfile p;
-  for (int tries = 0; tries < most_tries; ++tries) {
+  for (int tries = 0; tries < max_tries; ++tries) {
     if (lead + tail > ticks) (lead > tail ? lead : tail) -= lead + tail - ticks;
     p = solve(distance, v0, v1, lead, ticks - lead - tail, tail);
     // Whole ticks change the steady speed a little, which affects a short ramp: lengthen it.

@@ -9,13 +9,13 @@ namespace {
 
 using stepper::falling_ramp;
 using stepper::full_ticks;
-using stepper::least_stair_ticks;
-using stepper::longest_ramp;
+using stepper::max_ramp;
+using stepper::min_stair_ticks;
 using stepper::pulse_accel_unit;
 using stepper::ramp_of;
 
 /// Maximum number of times that a brake is lengthened by an eighth; the first try is long enough.
-constexpr int most_tries = 32;
+constexpr int max_tries = 32;
 
 /// Share of a braking distance reserved for rounding: 1/32.
 constexpr int brake_share_bits = 5;
@@ -36,11 +36,11 @@ bool may_be_flat(std::int64_t accel, std::int64_t jerk_q78) {
 }
 
 /// The shortest ramp, at least a stair if the phase is long enough; 0 if there is none.
-std::uint8_t shortest_ramp(std::uint32_t n, std::int64_t change, std::int64_t jerk_q78) {
-  if (!suffices(longest_ramp, n, change, jerk_q78)) return 0;
-  const auto stair = (least_stair_ticks * (2 * longest_ramp) + n - 1) / n;
-  std::uint8_t ramp = longest_ramp;
-  for (std::uint8_t part = longest_ramp / 2; part != 0; part /= 2) {
+std::uint8_t min_ramp(std::uint32_t n, std::int64_t change, std::int64_t jerk_q78) {
+  if (!suffices(max_ramp, n, change, jerk_q78)) return 0;
+  const auto stair = (min_stair_ticks * (2 * max_ramp) + n - 1) / n;
+  std::uint8_t ramp = max_ramp;
+  for (std::uint8_t part = max_ramp / 2; part != 0; part /= 2) {
     const auto shorter = static_cast<std::uint8_t>(ramp - part);
     if (shorter >= stair && suffices(shorter, n, change, jerk_q78)) ramp = shorter;
   }
@@ -56,7 +56,7 @@ std::int64_t pulse_accel(std::int64_t change, std::uint32_t n, std::uint8_t ramp
 bool find_ramp(std::int64_t change, std::uint32_t n, std::int64_t jerk_q78, std::uint8_t& ramp) {
   ramp = 0;
   if (jerk_q78 == 0 || may_be_flat(pulse_accel(change, n, 0), jerk_q78)) return true;
-  ramp = shortest_ramp(n, abs64(change), jerk_q78);
+  ramp = min_ramp(n, abs64(change), jerk_q78);
   return ramp != 0;
 }
 
@@ -78,7 +78,7 @@ bool keeps_jerk(std::int64_t accel, std::uint32_t n, std::uint8_t ramp, std::int
 void add_brake(AxisProfile& p, const AxisBrake& axis) {
   const std::int64_t v = p.cruise_speed_q62();
   std::uint32_t n = brake_ticks(v, axis);
-  for (int tries = 0; tries < most_tries; ++tries, n += n / 8) {
+  for (int tries = 0; tries < max_tries; ++tries, n += n / 8) {
     p.tail_ticks = n;
     if (make_pulse(-v, n, axis.jerk_q78, p.tail_accel_q62, p.tail_ramp)) return;
   }
@@ -91,8 +91,8 @@ std::uint32_t fall_ticks(std::int64_t accel, std::int64_t jerk_q78) {
   for (; jerk > 0xffffffff; ++shift) jerk >>= 1;
   const std::uint64_t ticks =
       ((Int128(abs64(accel)) << 16) >> shift).divided_by(static_cast<std::uint32_t>(jerk)).lo();
-  constexpr std::uint32_t stairs = 1u << stepper::most_log_stairs;
-  const std::uint64_t least = ticks < least_stair_ticks ? least_stair_ticks : ticks;
+  constexpr std::uint32_t stairs = 1u << stepper::max_log_stairs;
+  const std::uint64_t least = ticks < min_stair_ticks ? min_stair_ticks : ticks;
   return (static_cast<std::uint32_t>(least) / stairs + 1) * stairs;
 }
 
@@ -201,9 +201,9 @@ std::uint32_t brake_ticks(std::int64_t v0, const AxisBrake& axis) {
 std::int32_t pulse_braking_speed_qs(const AxisLimits& axis, std::uint32_t beat_ticks,
                                     std::int64_t steps) {
   // Beats; with more the square below would exceed 64 bits.
-  constexpr std::int64_t most_q32 = std::int64_t{1} << 46;
+  constexpr std::int64_t max_q32 = std::int64_t{1} << 46;
   const std::int64_t half_q32 = (std::int64_t{axis.rise_ticks} << 31) / beat_ticks;
-  if (steps <= 0 || half_q32 >= most_q32) return 0;
+  if (steps <= 0 || half_q32 >= max_q32) return 0;
   // Ramps of whole ticks and stairs are too long by less than this share.
   const std::int64_t all = axis.displacement_q32(steps << 32);
   const std::int64_t way = all - (all >> brake_share_bits);

@@ -8,7 +8,7 @@
 //      brakes also the job runner (main loop), after each part it hands out and for a hold.
 //
 // Guarantee: over any time t the acceleration changes by at most J t and one stair, which is the
-// change by J in `least_stair_ticks` or in a quarter of a ramp, whichever is more. The change by J
+// change by J in `min_stair_ticks` or in a quarter of a ramp, whichever is more. The change by J
 // in half the shortest stair begins and ends at once; a ramp is within half a stair of a straight
 // one and has its speed at the end of every stair.
 #pragma once

@@ -12,16 +12,16 @@ struct Start {
 /// A way in one direction: displacement, time, limit, and values derived from them.
 class Leg {
  public:
-  /// `most_q32` = limit * beats >= |q|.
-  Leg(std::int64_t q, std::int32_t beats, std::int64_t limit, std::int64_t most_q32)
+  /// `max_q32` = limit * beats >= |q|.
+  Leg(std::int64_t q, std::int32_t beats, std::int64_t limit, std::int64_t max_q32)
       : q_(q),
         beats_(beats),
         limit_(limit),
-        most_(most_q32),
+        most_(max_q32),
         square_(std::int64_t{beats * beats} << 32),
         numerator_(q - square_ / 2),
         slack_(numerator_ >= 0 ? 1 : beats),
-        free_(suffices(most_q32 - square_)) {}
+        free_(suffices(max_q32 - square_)) {}
 
   std::int64_t way_q32(std::int64_t v) const {
     return times_short(v, static_cast<std::uint32_t>(beats_));
@@ -29,7 +29,7 @@ class Leg {
   /// True only if a start speed with this distance in the time is too slow.
   bool too_slow(std::int64_t way) const { return free_ && !suffices(way); }
   void raise(Start& start) const;
-  std::int64_t largest_end_q32(const Start& start) const;
+  std::int64_t max_end_q32(const Start& start) const;
 
  private:
   /// The least start speed, ignoring the limit, is numerator / beats, truncated, plus one unit,
@@ -61,7 +61,7 @@ void Leg::raise(Start& start) const {
 }
 
 /// Largest end speed from a start speed: brake first, then accelerate; limited.
-std::int64_t Leg::largest_end_q32(const Start& start) const {
+std::int64_t Leg::max_end_q32(const Start& start) const {
   const std::int64_t v = start.v_q32, t_q32 = std::int64_t{beats_} << 32;
   const std::int64_t u = sqrt_down_q32(2 * square_ + 4 * (q_ - start.way_q32)) - t_q32;
   const std::int64_t dip = v - (t_q32 - u + 1) / 2;
@@ -88,8 +88,8 @@ bool reach(const SpeedInterval& from, std::int64_t q, std::int32_t t, std::int64
   back.raise(hi);
   if (lo.v_q32 > -hi.v_q32) return false;
   // Both bounds fall with the start speed, hence the crossed arguments.
-  to.hi_q32 = forth.largest_end_q32(lo);
-  to.lo_q32 = -back.largest_end_q32(hi);
+  to.hi_q32 = forth.max_end_q32(lo);
+  to.lo_q32 = -back.max_end_q32(hi);
   return to.lo_q32 <= to.hi_q32;
 }
 

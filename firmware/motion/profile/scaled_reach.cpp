@@ -8,7 +8,7 @@ namespace {
 /// Bits of a speed limit.
 constexpr int limit_bits = 27;
 /// A finer scale has no benefit, and a beat must fit.
-constexpr int most_scale_bits = 28;
+constexpr int max_scale_bits = 28;
 
 std::uint32_t bits_of(std::int32_t x) { return static_cast<std::uint32_t>(x); }
 
@@ -47,8 +47,8 @@ struct Time {
 
 /// Least start speed, not below -V, from which the distance can be covered: accelerate all the way,
 /// at most to the limit.
-[[gnu::always_inline]] inline std::int32_t least_start_qs(const AxisScale& axis, const Time& time,
-                                                          std::int32_t mean_up) {
+[[gnu::always_inline]] inline std::int32_t min_start_qs(const AxisScale& axis, const Time& time,
+                                                        std::int32_t mean_up) {
   const std::int32_t limit = axis.limit_qs;
   std::int32_t least = -limit;
   if (time.t_qs != 0 && mean_up <= limit - time.t_qs / 2) {
@@ -61,8 +61,8 @@ struct Time {
 }
 
 /// Largest end speed from a start speed: brake first, then accelerate; limited.
-std::int32_t largest_end_qs(const AxisScale& axis, const Time& time, std::int32_t mean_down,
-                            std::int32_t v) {
+std::int32_t max_end_qs(const AxisScale& axis, const Time& time, std::int32_t mean_down,
+                        std::int32_t v) {
   const std::int32_t limit = axis.limit_qs;
   if (time.t_qs != 0) {
     const std::int32_t spare = time.t_qs / 2 + mean_down - v;
@@ -82,7 +82,7 @@ std::int32_t largest_end_qs(const AxisScale& axis, const Time& time, std::int32_
 
 AxisScale make_scale(std::int64_t speed_limit_q32) {
   AxisScale scale;
-  scale.bits = most_scale_bits;
+  scale.bits = max_scale_bits;
   while (scale.bits > 0 && speed_limit_q32 >> (32 - scale.bits) >= std::int64_t{1} << limit_bits)
     --scale.bits;
   scale.limit_qs = scale.scaled(speed_limit_q32);
@@ -97,15 +97,15 @@ bool reach(const AxisScale& axis, const SpeedRange& from, const MeanSpeed& mean,
            SpeedRange& to) {
   if (mean.up_qs > axis.limit_qs || mean.down_qs < -axis.limit_qs) return false;
   Time time{beats, beats < axis.lasting_beats ? beats << axis.bits : 0};
-  const std::int32_t least = least_start_qs(axis, time, mean.up_qs);
+  const std::int32_t least = min_start_qs(axis, time, mean.up_qs);
   const std::int32_t lo = from.lo_qs > least ? from.lo_qs : least;
-  const std::int32_t most = -least_start_qs(axis, time, -mean.down_qs);
+  const std::int32_t most = -min_start_qs(axis, time, -mean.down_qs);
   const std::int32_t hi = from.hi_qs < most ? from.hi_qs : most;
   if (lo > hi) return false;
   if (time.t_qs != 0) time.spare = spare_bits(time.t_qs);
   // Both bounds fall with the start speed, hence the crossed arguments.
-  to.hi_qs = largest_end_qs(axis, time, mean.down_qs, lo);
-  to.lo_qs = -largest_end_qs(axis, time, -mean.up_qs, -hi);
+  to.hi_qs = max_end_qs(axis, time, mean.down_qs, lo);
+  to.lo_qs = -max_end_qs(axis, time, -mean.up_qs, -hi);
   return to.lo_qs <= to.hi_qs;
 }
 

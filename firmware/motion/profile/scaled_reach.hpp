@@ -87,8 +87,8 @@ bool reach(const AxisScale& axis, const SpeedRange& from, const MeanSpeed& mean,
 inline bool can_join(const AxisScale& axis, const SpeedRange& from, const SpeedRange& to,
                      std::int64_t displacement_qs, std::int32_t beats) {
   constexpr int fine_bits = 8;
-  constexpr std::int32_t most_beats = 512;
-  if (beats >= axis.lasting_beats || beats >= most_beats) return true;
+  constexpr std::int32_t max_beats = 512;
+  if (beats >= axis.lasting_beats || beats >= max_beats) return true;
   const auto q = static_cast<std::int32_t>(displacement_qs >> fine_bits);
   const std::int32_t half = ((beats << axis.bits) >> (fine_bits + 1)) * beats + beats + 1;
   const std::int32_t start_hi = (from.hi_qs >> fine_bits) + 1, start_lo = from.lo_qs >> fine_bits;

@@ -39,7 +39,7 @@ bool fits_between_rests(const AxisScale& axis, std::int64_t way, std::int32_t be
 }
 
 /// Lower bound of the beats between two rests.
-std::int32_t least_between_rests(const AxisScale& axis, std::int64_t way) {
+std::int32_t min_between_rests(const AxisScale& axis, std::int64_t way) {
   const auto beats = static_cast<std::int32_t>(
       nearly_isqrt(static_cast<std::uint64_t>(way) << 2 >> axis.bits));  // t^2 / 4 = way
   if (beats < 2 * (axis.limit_qs >> axis.bits)) return beats;
@@ -70,7 +70,7 @@ bool overlap(const Box& x, const Box& y, int axes) {
 }
 
 bool step(const Window& window, const Leg& way, const Box& from, std::int32_t beats, Box& to) {
-  if (beats > window.most_beats) return false;
+  if (beats > window.max_beats) return false;
   for (int a = 0; a < window.axes(); ++a) {
     SpeedRange& side = to[index(a)];
     if (!reach(window.scale(a), from[index(a)], mean_of(way, a, beats), beats, side)) return false;
@@ -104,7 +104,7 @@ std::int32_t beats_at_rest(const Window& window, const Leg& way, std::int32_t mo
   for (int a = 0; a < window.axes(); ++a) {
     const std::int64_t q = abs64(way.displacement_qs[index(a)]);
     if (fits_between_rests(window.scale(a), q, beats)) continue;
-    const std::int32_t least = least_between_rests(window.scale(a), q);
+    const std::int32_t least = min_between_rests(window.scale(a), q);
     if (beats < least) beats = least;
     while (beats <= most && !fits_between_rests(window.scale(a), q, beats)) ++beats;
   }

@@ -39,7 +39,7 @@ struct Leg {
 struct Window {
   const Limits* limits = nullptr;
   std::uint32_t count = 0;
-  std::int32_t most_beats = 1;  ///< so that the ticks of a segment stay in 31 bits
+  std::int32_t max_beats = 1;  ///< so that the ticks of a segment stay in 31 bits
   Box start{};
   std::array<Leg, window_points> ways{};
 

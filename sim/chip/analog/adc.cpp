@@ -42,7 +42,7 @@ constexpr std::uint32_t fifo_error = 1u << 15;
 constexpr std::uint32_t interrupt_fifo = 1u << 0;
 constexpr std::uint32_t divider_mask = 0xffffff;
 
-constexpr double largest_code = 4095;
+constexpr double max_code = 4095;
 constexpr double codes = 4096;
 /// Any round robin of one to five inputs is back at its start after this many conversions.
 constexpr std::uint64_t common_round = 60;
@@ -141,7 +141,7 @@ std::uint32_t Adc::convert(std::uint32_t input) {
     return 0;
   }
   const double code = std::floor(volts_[input] / reference_volts * codes);
-  return static_cast<std::uint32_t>(std::clamp(code, 0.0, largest_code));
+  return static_cast<std::uint32_t>(std::clamp(code, 0.0, max_code));
 }
 
 void Adc::finish() {

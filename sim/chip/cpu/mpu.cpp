@@ -9,7 +9,7 @@ constexpr std::uint32_t rbar_valid = 1u << 4, rbar_region = 0xf;
 // XN, AP, S, C, B, SRD, SIZE, ENABLE.
 constexpr std::uint32_t rasr_mask = 0x1707'ff3f;
 constexpr std::uint32_t rasr_enable = 1, rasr_execute_never = 1u << 28;
-constexpr unsigned smallest_size = 7;  // 2^8 bytes
+constexpr unsigned min_region_size = 7;  // 2^8 bytes
 
 }  // namespace
 
@@ -48,7 +48,7 @@ void Mpu::write(std::uint32_t offset, std::uint32_t value) {
 bool Mpu::Region::contains(std::uint32_t address) const {
   if ((attributes & rasr_enable) == 0) return false;
   const unsigned size = attributes >> 1 & 31u;
-  if (size < smallest_size) return false;
+  if (size < min_region_size) return false;
   // 2^(size + 1) bytes at a multiple of that, in eight parts of which each may be left out.
   const std::uint32_t inside = size == 31 ? ~0u : (2u << size) - 1u;
   if (((address ^ base) & ~inside) != 0) return false;

@@ -16,7 +16,7 @@ std::uint32_t reverse_bits(std::uint32_t v) {
 unsigned threshold(std::uint32_t field) { return (field & 31u) == 0 ? 32u : field & 31u; }
 
 /// A sleep in a loop shorter than this many executions is not worth its bookkeeping.
-constexpr std::uint64_t shortest_loop_sleep = 8;
+constexpr std::uint64_t min_loop_sleep = 8;
 /// Maximum number of jumps in a loop.
 constexpr int max_loop = 8;
 /// Rounds after which a sleep in a loop ends: times then fit 64 bits even if each round takes 8
@@ -220,7 +220,7 @@ void StateMachine::try_loop(Cycle clock) {
   };
   for (std::size_t i = 0; i < x_count; ++i) bound(x_tests[i], dx);
   for (std::size_t i = 0; i < y_count; ++i) bound(y_tests[i], dy);
-  if (rounds * ticks < shortest_loop_sleep) return;
+  if (rounds * ticks < min_loop_sleep) return;
   sleep_ = Sleep::loop;
   loop_ = {ticks, dx, dy, pin};
   Cycle& due = shared_.due[index_];

@@ -118,11 +118,11 @@ constexpr std::uint32_t cut_off_while_busy = 1u << 1;
 constexpr std::uint32_t cut_off_data_lost = 1u << 2;
 
 constexpr std::uint32_t hold_transmit = 0xffff;  // IC_SDA_HOLD
-constexpr std::uint32_t shortest_high = 6, shortest_low = 8, shortest_spike = 1;
+constexpr std::uint32_t min_high = 6, min_low = 8, min_spike = 1;
 constexpr std::uint32_t high_overhead = 7, low_overhead = 1;  // 4.3.14.1
 constexpr Cycle bits_of_byte = 9;
 // Minimum hold times: IC_SDA_HOLD cannot set shorter ones.
-constexpr Cycle shortest_master_hold = 1, shortest_slave_hold = 7;
+constexpr Cycle min_master_hold = 1, min_slave_hold = 7;
 
 /// False for the gaps between the registers.
 constexpr bool is_register(std::uint32_t offset) {
@@ -291,7 +291,7 @@ void I2c::shape_wires(Phase phase, Cycle at) {
   }
   wires_.high = high_cycles();
   wires_.low = low_cycles();
-  wires_.hold = std::clamp<Cycle>(hold_ & hold_transmit, shortest_master_hold, wires_.low - 1);
+  wires_.hold = std::clamp<Cycle>(hold_ & hold_transmit, min_master_hold, wires_.low - 1);
   wires_.before = before;
   wires_since_ = at;
   stretched_since_ = never_cycle;
@@ -548,7 +548,7 @@ void I2c::begin_slave() {
   if (!is_slave()) return;
   const Cycle setup = std::max(setup_, 1u) - 1;  // IC_SDA_SETUP counts one more
   slave_.begin({slave_address_, on(con_slave_ten_bits), acknowledge_general_ != 0, slave_nack_ != 0,
-                std::max<Cycle>(hold_ & hold_transmit, shortest_slave_hold), setup},
+                std::max<Cycle>(hold_ & hold_transmit, min_slave_hold), setup},
                line(scl()), line(sda()));
 }
 
@@ -837,16 +837,16 @@ bool I2c::write_settings(std::uint32_t offset, std::uint32_t value) {
       set(slave_address_, value & 0x3ffu);
       break;
     case offset_ss_high:
-      set(slow_high_, std::max(half, shortest_high));
+      set(slow_high_, std::max(half, min_high));
       break;
     case offset_ss_low:
-      set(slow_low_, std::max(half, shortest_low));
+      set(slow_low_, std::max(half, min_low));
       break;
     case offset_fs_high:
-      set(fast_high_, std::max(half, shortest_high));
+      set(fast_high_, std::max(half, min_high));
       break;
     case offset_fs_low:
-      set(fast_low_, std::max(half, shortest_low));
+      set(fast_low_, std::max(half, min_low));
       break;
     case offset_sda_hold:
       set(hold_, value & 0xffffffu);
@@ -858,7 +858,7 @@ bool I2c::write_settings(std::uint32_t offset, std::uint32_t value) {
       set(setup_, value & 0xffu);
       break;
     case offset_spklen:
-      set(spike_, std::max(value & 0xffu, shortest_spike));
+      set(spike_, std::max(value & 0xffu, min_spike));
       break;
     default:
       return false;

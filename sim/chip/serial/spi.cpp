@@ -23,7 +23,7 @@ constexpr std::uint32_t offset_dmacr = 0x24;
 constexpr std::uint32_t cr0_format = 3u << 4;
 constexpr std::uint32_t cr0_polarity = 1u << 6;
 constexpr std::uint32_t cr0_phase = 1u << 7;
-constexpr std::uint32_t smallest_size = 3;  // four bits
+constexpr std::uint32_t min_data_size = 3;  // four bits
 // CR1: SSE 1, MS 2.
 constexpr std::uint32_t cr1_loop_back = 1u << 0;
 constexpr std::uint32_t cr1_slave_output_off = 1u << 3;
@@ -360,7 +360,7 @@ void Spi::write_control_0(std::uint32_t value) {
   control_0_ = value & 0xffffu;
   if ((control_0_ & cr0_format) != 0)
     not_modelled_(name_ + " SSPCR0 FRF: words are timed as in Motorola format");
-  if ((control_0_ & 0xfu) < smallest_size)
+  if ((control_0_ & 0xfu) < min_data_size)
     not_modelled_(name_ + " SSPCR0 DSS: a size of less than four bits");
 }
 

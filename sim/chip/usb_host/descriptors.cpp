@@ -32,9 +32,9 @@ class ConfigurationReader {
     unsigned endpoints = 0, endpoints_seen = 0;
   };
 
-  void say(const std::string& text) { violations_.push_back("configuration: " + text); }
+  void report(const std::string& text) { violations_.push_back("configuration: " + text); }
   void expect(bool good, const std::string& text) {
-    if (!good) say(text);
+    if (!good) report(text);
   }
   void head();
   void one(Bytes d);
@@ -63,7 +63,7 @@ class ConfigurationReader {
 
 Configuration ConfigurationReader::read() {
   if (bytes_.size() < 9) {
-    say("shorter than 9 bytes");
+    report("shorter than 9 bytes");
     return {};
   }
   head();
@@ -71,7 +71,7 @@ Configuration ConfigurationReader::read() {
   while (at < bytes_.size()) {
     const std::size_t length = bytes_[at];
     if (length < 2 || at + length > bytes_.size()) {
-      say("descriptor at " + std::to_string(at) + " has length " + std::to_string(length));
+      report("descriptor at " + std::to_string(at) + " has length " + std::to_string(length));
       break;
     }
     one(bytes_.subspan(at, length));
@@ -110,12 +110,12 @@ void ConfigurationReader::one(Bytes d) {
       functional(d);
       break;
     default:
-      say("descriptor of type " + std::to_string(d[1]) + " does not belong here");
+      report("descriptor of type " + std::to_string(d[1]) + " does not belong here");
   }
 }
 
 void ConfigurationReader::association(Bytes d) {
-  if (d.size() != 8) return say("interface association is not 8 bytes long");
+  if (d.size() != 8) return report("interface association is not 8 bytes long");
   close_interface();
   association_ = true;
   expect(d[3] == 2 && d[4] == 2 && d[5] == 2, "interface association is not of a CDC ACM pair");
@@ -126,7 +126,7 @@ void ConfigurationReader::association(Bytes d) {
 }
 
 void ConfigurationReader::interface(Bytes d) {
-  if (d.size() != 9) return say("interface is not 9 bytes long");
+  if (d.size() != 9) return report("interface is not 9 bytes long");
   close_interface();
   current_ = Interface{d[2], d[5], d[6], d[7], d[4], 0};
   if (d[3] == 0) expect(!interfaces_.contains(d[2]), "interface number twice");
@@ -156,8 +156,8 @@ void ConfigurationReader::close_interface() {
 }
 
 void ConfigurationReader::endpoint(Bytes d) {
-  if (d.size() != 7) return say("endpoint is not 7 bytes long");
-  if (!current_) return say("endpoint outside an interface");
+  if (d.size() != 7) return report("endpoint is not 7 bytes long");
+  if (!current_) return report("endpoint outside an interface");
   ++current_->endpoints_seen;
   const std::string name = "endpoint " + std::to_string(d[2]);
   const unsigned number = d[2] & 0x0fu;
@@ -172,7 +172,7 @@ void ConfigurationReader::endpoint(Bytes d) {
     expect(size >= 1 && size <= 64, name + ": interrupt packet size is not 1 to 64");
     expect(d[6] >= 1, name + ": interrupt interval is 0");
   }
-  if (type == isochronous || type == control) say(name + ": a serial port has no such type");
+  if (type == isochronous || type == control) report(name + ": a serial port has no such type");
   if ((current_->code == 0x0a || is_vendor()) && type == bulk) {
     BulkEndpoints& ends = is_vendor() ? static_cast<BulkEndpoints&>(vendor_) : port_;
     (in ? ends.in : ends.out) = static_cast<std::uint8_t>(number);
@@ -186,8 +186,9 @@ void ConfigurationReader::endpoint(Bytes d) {
 
 /// CDC functional descriptors (CDC 1.2, 5.2.3; PSTN 1.2, 5.3).
 void ConfigurationReader::functional(Bytes d) {
-  if (!current_ || current_->code != 2) return say("functional descriptor outside a CDC interface");
-  if (d.size() < 3) return say("functional descriptor without subtype");
+  if (!current_ || current_->code != 2)
+    return report("functional descriptor outside a CDC interface");
+  if (d.size() < 3) return report("functional descriptor without subtype");
   switch (d[2]) {
     case 0:
       header_ = true;

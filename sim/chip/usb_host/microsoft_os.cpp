@@ -52,7 +52,7 @@ class SetReader {
   MicrosoftSet read(Bytes bytes, const MicrosoftCapability& capability) {
     expect(bytes.size() == capability.set_size, "length is not what the BOS descriptor says");
     if (bytes.size() < 10 || word(bytes, 0) != 10 || word(bytes, 2) != set_header) {
-      say("does not begin with a set header of 10 bytes");
+      report("does not begin with a set header of 10 bytes");
       return {};
     }
     expect(word(bytes, 8) == bytes.size(), "wTotalLength is " + std::to_string(word(bytes, 8)));
@@ -62,9 +62,9 @@ class SetReader {
   }
 
  private:
-  void say(const std::string& text) { violations_.push_back("Microsoft set: " + text); }
+  void report(const std::string& text) { violations_.push_back("Microsoft set: " + text); }
   void expect(bool good, const std::string& text) {
-    if (!good) say(text);
+    if (!good) report(text);
   }
 
   void parts(Bytes bytes) {
@@ -72,7 +72,7 @@ class SetReader {
       const std::size_t left = bytes.size() - at;
       const std::size_t size = left < 4 ? 0 : word(bytes, at);
       if (size < 4 || size > left)
-        return say("part at " + std::to_string(at) + " has length " + std::to_string(size));
+        return report("part at " + std::to_string(at) + " has length " + std::to_string(size));
       one(bytes.subspan(at, size), left);
       at += size;
     }
@@ -80,38 +80,39 @@ class SetReader {
   void one(Bytes d, std::size_t left) {
     switch (word(d, 2)) {
       case configuration_subset:
-        if (d.size() != 8) return say("configuration subset header is not 8 bytes long");
+        if (d.size() != 8) return report("configuration subset header is not 8 bytes long");
         expect(d[4] == 0, "configuration is not counted from 0");
         expect(word(d, 6) == left, "configuration subset does not reach to the end");
         break;
       case function_subset:
-        if (d.size() != 8) return say("function subset header is not 8 bytes long");
+        if (d.size() != 8) return report("function subset header is not 8 bytes long");
         in_function_ = true;
         set_.interface = d[4];
         expect(word(d, 6) == left, "function subset does not reach to the end");
         break;
       case compatible_id:
-        if (d.size() != 20) return say("compatible ID is not 20 bytes long");
+        if (d.size() != 20) return report("compatible ID is not 20 bytes long");
         set_.compatible_id.assign(d.begin() + 4, std::find(d.begin() + 4, d.begin() + 12, 0));
         break;
       case registry_property:
         property(d);
         break;
       default:
-        say("part of type " + std::to_string(word(d, 2)));
+        report("part of type " + std::to_string(word(d, 2)));
     }
   }
   /// Only DeviceInterfaceGUIDs is known.
   void property(Bytes d) {
     const std::size_t name_size = d.size() < 10 ? 0 : word(d, 6);
-    if (d.size() < 10 + name_size) return say("name of a property does not fit");
+    if (d.size() < 10 + name_size) return report("name of a property does not fit");
     const Bytes name = d.subspan(8, name_size), data = d.subspan(10 + name_size);
-    if (word(d, 8 + name_size) != data.size()) return say("length of a property's data is wrong");
+    if (word(d, 8 + name_size) != data.size())
+      return report("length of a property's data is wrong");
     expect(word(d, 4) == 7, "property is not a list of strings");
     expect(narrow(name) == std::string("DeviceInterfaceGUIDs") + '\0', "property is unknown");
     std::string text = narrow(data);
     if (!text.ends_with(std::string(2, '\0')))
-      return say("list of GUIDs does not end with two zeros");
+      return report("list of GUIDs does not end with two zeros");
     text.pop_back();
     for (std::size_t at = 0; at < text.size();) {
       const std::string guid = text.substr(at, text.find('\0', at) - at);
@@ -136,33 +137,33 @@ std::uint16_t parse_bos_head(Bytes bytes, Violations& violations) {
 }
 
 std::optional<MicrosoftCapability> parse_bos(Bytes bytes, Violations& violations) {
-  const auto say = [&](const char* text) { violations.push_back(std::string("BOS: ") + text); };
-  if (bytes.size() < 5 || word(bytes, 2) != bytes.size()) say("wTotalLength is wrong");
+  const auto report = [&](const char* text) { violations.push_back(std::string("BOS: ") + text); };
+  if (bytes.size() < 5 || word(bytes, 2) != bytes.size()) report("wTotalLength is wrong");
   std::optional<MicrosoftCapability> found;
   unsigned capabilities = 0;
   for (std::size_t at = 5; at < bytes.size();) {
     const std::size_t size = bytes[at];
     if (size < 3 || size > bytes.size() - at) {
-      say("capability has a wrong length");
+      report("capability has a wrong length");
       return found;
     }
     const Bytes d = bytes.subspan(at, size);
     ++capabilities;
     at += size;
-    if (d[1] != descriptor::device_capability) say("a descriptor that is not a capability");
+    if (d[1] != descriptor::device_capability) report("a descriptor that is not a capability");
     if (d[2] != 5) continue;  // platform
     if (d.size() < platform_head || d[3] != 0) {
-      say("platform capability is wrong");
+      report("platform capability is wrong");
     } else if (std::equal(platform_uuid.begin(), platform_uuid.end(), d.begin() + 4)) {
       if (d.size() != microsoft_capability_size) {
-        say("capability of Microsoft is not 28 bytes long");
+        report("capability of Microsoft is not 28 bytes long");
         continue;
       }
-      if (word(d, 22) != 0x0603) say("Windows is not 8.1");
+      if (word(d, 22) != 0x0603) report("Windows is not 8.1");
       found = MicrosoftCapability{d[26], word(d, 24)};
     }
   }
-  if (bytes.size() >= 5 && bytes[4] != capabilities) say("bNumDeviceCaps is wrong");
+  if (bytes.size() >= 5 && bytes[4] != capabilities) report("bNumDeviceCaps is wrong");
   return found;
 }
 

@@ -31,7 +31,7 @@ class Watchdog {
   /// before.
   static constexpr std::uint32_t timeout_us = 100'000;
   /// The counter has 24 bits.
-  static constexpr std::uint32_t longest_us = 0xffffff / 2;
+  static constexpr std::uint32_t max_us = 0xffffff / 2;
 
   void start() {
     select_watchdog_reset();

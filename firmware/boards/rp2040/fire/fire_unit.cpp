@@ -58,7 +58,7 @@ void FireUnit::configure(const machine::FireTiming& timing) {
 bool FireUnit::has_result() { return fire_machine.rx_level() != 0; }
 
 void FireUnit::read_fifo(std::uint32_t& count) {
-  while (count < most_results && fire_machine.rx_level() != 0)
+  while (count < max_results && fire_machine.rx_level() != 0)
     results_[count++] = fire_machine.read();
 }
 
@@ -71,7 +71,7 @@ std::uint64_t FireUnit::edge_of(std::uint32_t result, std::uint64_t latest, std:
 
 void FireUnit::report(machine::Controller& core, std::uint32_t count, std::uint64_t now) {
   // The newest result belongs to the newest edge; reported in the order in which they happened.
-  std::uint64_t edges[most_results];
+  std::uint64_t edges[max_results];
   std::uint64_t latest = now + clocks_per_us;
   for (std::uint32_t i = count; i-- != 0;) {
     edges[i] = edge_of(results_[i], latest, now);

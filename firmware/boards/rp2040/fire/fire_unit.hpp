@@ -88,7 +88,7 @@ class FireUnit {
   bool next_clock(std::uint64_t& clock);
 
  private:
-  static constexpr std::uint32_t most_results = 8;
+  static constexpr std::uint32_t max_results = 8;
 
   void read_fifo(std::uint32_t& count);
   void report(machine::Controller& core, std::uint32_t count, std::uint64_t now);
@@ -115,7 +115,7 @@ class FireUnit {
   std::uint64_t due_clock_ = 0;
   machine::FireTiming timing_;
   std::uint32_t word_ = 0;  ///< delay and width in the format of FIRE
-  std::uint32_t results_[most_results] = {};
+  std::uint32_t results_[max_results] = {};
 };
 
 }  // namespace lamplock::rp2040

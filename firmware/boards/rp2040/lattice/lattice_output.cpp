@@ -34,7 +34,7 @@ void select_low(unsigned gpio, Function function) {
   io_bank0().gpio[gpio].ctrl = io_ctrl::function(function) | io_ctrl::output_low;
 }
 
-constexpr std::uint32_t most_transfers = ~0u;
+constexpr std::uint32_t max_transfers = ~0u;
 /// Channels end at different times, this many words apart.
 constexpr std::uint32_t stagger = 1u << 20;
 
@@ -59,7 +59,7 @@ void start_stream(const Stream& s) {
   DmaChannelRegisters& ch = dma().ch[s.channel];
   ch.read_addr = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(s.from));
   ch.write_addr = static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(s.to));
-  ch.trans_count = most_transfers - s.channel * stagger;
+  ch.trans_count = max_transfers - s.channel * stagger;
   ch.ctrl_trig = dma_ctrl::en | dma_ctrl::high_priority | dma_ctrl::size_word |
                  (s.to_memory ? dma_ctrl::incr_write | dma_ctrl::ring_write : dma_ctrl::incr_read) |
                  dma_ctrl::ring_size(s.ring_bits) | dma_ctrl::chain_to(again_channel) |

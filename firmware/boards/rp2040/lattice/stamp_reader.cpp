@@ -4,8 +4,8 @@ namespace lamplock::rp2040 {
 namespace {
 /// STAMP has an error of two clocks at both ends; FIRE decides what is a runt, this only matches
 /// edges.
-constexpr std::int32_t least_width_counts = (pio::longest_runt_clocks - 4) / pio::clocks_per_stamp;
-static_assert((pio::longest_runt_clocks - 4) % pio::clocks_per_stamp == 0);
+constexpr std::int32_t min_width_counts = (pio::max_runt_clocks - 4) / pio::clocks_per_stamp;
+static_assert((pio::max_runt_clocks - 4) % pio::clocks_per_stamp == 0);
 }  // namespace
 
 bool StampReader::find(std::uint32_t count, std::uint64_t latest, std::uint64_t now,
@@ -31,7 +31,7 @@ bool StampReader::find(std::uint32_t count, std::uint64_t latest, std::uint64_t 
     const std::uint64_t at =
         present - static_cast<std::uint64_t>(std::int64_t{rise} * pio::clocks_per_stamp);
     if (static_cast<std::int64_t>(at - last_edge_) <= 0) return false;
-    const bool wide = open || rise - fall >= least_width_counts;
+    const bool wide = open || rise - fall >= min_width_counts;
     open = false;
     if (!wide || static_cast<std::int64_t>(latest - at) < 0) continue;
     edge = at;

@@ -157,8 +157,8 @@ inline std::uint32_t expand_some_ticks(StepPhase& axis, std::uint32_t word, std:
 #endif
 
 /// True if 16 ticks at no more than this rate certainly make no step.
-inline bool is_stepless(const StepPhase& s, std::uint32_t most_rate_top) {
-  return most_rate_top < ~s.phase_top() >> 4;
+inline bool is_stepless(const StepPhase& s, std::uint32_t max_rate_top) {
+  return max_rate_top < ~s.phase_top() >> 4;
 }
 
 /// n ticks, 1..16, shifted into a word from below.

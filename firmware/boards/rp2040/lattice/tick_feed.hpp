@@ -23,17 +23,17 @@ namespace lamplock::rp2040 {
 /// The beat interrupt may be masked for nearly this long; with the present span less than a
 /// millisecond, after which a hung CPU moves nothing.
 inline constexpr std::uint32_t feed_lead_clocks = 800 * clocks_per_us;
-inline constexpr std::uint32_t feed_span_ticks = most_span_ticks;
+inline constexpr std::uint32_t feed_span_ticks = max_span_ticks;
 /// One word a tick at worst, and never more than this number of ticks ahead.
 inline constexpr std::uint32_t tick_ring_words = 2048;
 inline constexpr unsigned tick_ring_bits = 13;
 static_assert(tick_ring_words * 4 == 1u << tick_ring_bits);
 /// Read-ahead of DMA and FIFO at the largest slew: words that are missing by then are read as the
 /// end.
-inline constexpr std::uint32_t read_ahead_clocks = 7 * most_word_ticks * clocks_per_tick * 5 / 4;
+inline constexpr std::uint32_t read_ahead_clocks = 7 * max_word_ticks * clocks_per_tick * 5 / 4;
 /// Ticks filled beyond those that have a length: the read-ahead of the state machines, and a word
 /// more because filled means begun.
-inline constexpr std::uint32_t least_fill_lead_ticks = prefetch_ticks + ticks_per_step_word;
+inline constexpr std::uint32_t min_fill_lead_ticks = prefetch_ticks + ticks_per_step_word;
 
 struct alignas(1u << tick_ring_bits) TickRing {
   std::array<std::uint32_t, tick_ring_words> words{};
@@ -48,19 +48,19 @@ class TickFeed {
                            std::uint32_t high_clocks);
 
   /// Takes spans until `now` + lead is reached or the rings are not filled further.
-  /// `next_span(max_ticks)` is the core's. False if `most_spans` were not enough. Lower halves of a
+  /// `next_span(max_ticks)` is the core's. False if `max_spans` were not enough. Lower halves of a
   /// clock and a tick: both are near those of this feed.
   template <class NextSpan>
   bool feed(std::uint32_t now, std::uint32_t filled_end, NextSpan&& next_span,
-            std::uint32_t most_spans = ~0u) {
+            std::uint32_t max_spans = ~0u) {
     if (span_count_ != 0 && lead(now) < static_cast<std::int32_t>(read_ahead_clocks))
       starved_ = true;
     // Words after an end that TICK has read would count as ticks that never begin.
     if (starved_) return true;
     while (lead(now) < static_cast<std::int32_t>(feed_lead_clocks) &&
            static_cast<std::int32_t>(filled_end - static_cast<std::uint32_t>(end_tick_)) >=
-               static_cast<std::int32_t>(feed_span_ticks + least_fill_lead_ticks)) {
-      if (most_spans-- == 0) return false;
+               static_cast<std::int32_t>(feed_span_ticks + min_fill_lead_ticks)) {
+      if (max_spans-- == 0) return false;
       add(next_span(feed_span_ticks));
     }
     return true;
@@ -87,9 +87,9 @@ class TickFeed {
   /// More than the read-ahead of DMA and FIFO; the rest of the ring holds the longest lead, word by
   /// tick.
   static constexpr std::uint32_t cleared_words = 256;
-  static constexpr std::uint32_t longest_lead_ticks =
+  static constexpr std::uint32_t max_lead_ticks =
       feed_lead_clocks / (clocks_per_tick * 3 / 4) + feed_span_ticks;
-  static_assert(cleared_words + longest_lead_ticks < tick_ring_words);
+  static_assert(cleared_words + max_lead_ticks < tick_ring_words);
 
   std::int32_t lead(std::uint32_t now) const {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(end_clock_) - now);

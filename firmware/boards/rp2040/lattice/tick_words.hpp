@@ -38,15 +38,15 @@ struct TickLength {
 };
 
 /// Longest span that is converted to words.
-inline constexpr std::uint32_t most_span_ticks = 128;
+inline constexpr std::uint32_t max_span_ticks = 128;
 
 /// DMA and the FIFO of TICK read six words ahead, whether or not they are written. The feed is at
 /// least 200 us ahead, so words of at most 16 ticks (20 us at the largest slew) always are.
-inline constexpr std::uint32_t most_word_ticks = 16;
+inline constexpr std::uint32_t max_word_ticks = 16;
 
-/// ceil(2^15 / m): n * reciprocal / 2^15, rounded down, is n / m for n up to most_span_ticks.
-inline constexpr std::array<std::uint16_t, most_span_ticks / 2 + 1> reciprocals = [] {
-  std::array<std::uint16_t, most_span_ticks / 2 + 1> table{};
+/// ceil(2^15 / m): n * reciprocal / 2^15, rounded down, is n / m for n up to max_span_ticks.
+inline constexpr std::array<std::uint16_t, max_span_ticks / 2 + 1> reciprocals = [] {
+  std::array<std::uint16_t, max_span_ticks / 2 + 1> table{};
   for (std::uint32_t m = 1; m < table.size(); ++m)
     table[m] = static_cast<std::uint16_t>(((1u << 15) + m - 1) / m);
   return table;
@@ -63,8 +63,8 @@ constexpr void make_tick_words(const lamp::TickSpan& span, std::uint32_t high_cl
   const std::uint32_t low = length.clocks > fixed ? length.clocks - fixed : 1;
   const std::uint32_t n = span.ticks;
   const auto put_run = [&sink](std::uint32_t ticks, std::uint32_t low_count) {
-    for (; ticks > most_word_ticks; ticks -= most_word_ticks)
-      sink(tick_word(most_word_ticks, low_count));
+    for (; ticks > max_word_ticks; ticks -= max_word_ticks)
+      sink(tick_word(max_word_ticks, low_count));
     sink(tick_word(ticks, low_count));
   };
   if (length.longer == 0) {
@@ -79,7 +79,7 @@ constexpr void make_tick_words(const lamp::TickSpan& span, std::uint32_t high_cl
   // A long tick ends its run, a short one begins it: rounded up and down. If there are many runs
   // each is one word, made by a shorter loop.
   std::uint32_t sum = 0;
-  if (run <= most_word_ticks) {
+  if (run <= max_word_ticks) {
     const std::uint32_t shorter = tick_word(run - 1, common_low);
     for (std::uint32_t i = m; long_is_rare && i != 0; --i) {
       std::uint32_t word = shorter;

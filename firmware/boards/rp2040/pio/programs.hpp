@@ -225,9 +225,9 @@ inline constexpr unsigned fire_decision_clock = synchroniser_clocks + 2 + filter
                                                 decision_padding + 2;
 static_assert(fire_decision_clock == machine::fire_decision_clocks);
 /// Pulses up to this many clocks are runts: the last sample must be high.
-inline constexpr unsigned longest_runt_clocks =
+inline constexpr unsigned max_runt_clocks =
     2 + filter_first_gap + (filter_samples - 1) * filter_raster;
-static_assert(longest_runt_clocks == lamp::min_sync_clocks);
+static_assert(max_runt_clocks == lamp::min_sync_clocks);
 /// Edge to Q-switch = this + delay counts, at least one: decision, token test, width, one round
 /// more than the count, set, pad.
 inline constexpr unsigned fire_fixed_clocks = fire_decision_clock + 4 + clocks_per_delay_count;

@@ -28,7 +28,7 @@ class DebouncedInput {
   static constexpr std::uint32_t release_us = 20'000;
 
   /// The present state of the pin.
-  void look(bool active, std::uint32_t now_us) {
+  void sample(bool active, std::uint32_t now_us) {
     if (active == level_) return;
     level_ = active;
     since_us_ = now_us;
@@ -46,7 +46,7 @@ class DebouncedInput {
     active_ = level_;
     return true;
   }
-  /// Sets active at once: an interrupt has seen an edge that look() may miss.
+  /// Sets active at once: an interrupt has seen an edge that sample() may miss.
   bool force() {
     level_ = true;
     const bool change = !active_;
@@ -89,7 +89,7 @@ class Inputs {
   void watch(std::uint32_t levels, std::uint32_t now_us) {
     if (((levels ^ seen_) & pins_) == 0) return;
     seen_ = levels;
-    look(now_us);
+    sample(now_us);
   }
   /// Sets the inputs that are active low; the settings may change it.
   void set_active_low(machine::InputSet inputs) {
@@ -105,7 +105,7 @@ class Inputs {
   template <class Begins, class Changed>
   void poll(std::uint32_t levels, std::uint32_t now_us, Begins&& begins, Changed&& changed) {
     seen_ = levels;
-    look(now_us);
+    sample(now_us);
     for (std::size_t i = 0; i < count_; ++i) {
       Switch& s = switches_[i];
       if (s.input.turning() && !s.reported) begins(i, s.input.began_us());
@@ -144,10 +144,10 @@ class Inputs {
   static constexpr bool is_quick(machine::Input input) {
     return input == machine::Input::probe || input == machine::Input::aux;
   }
-  void look(std::uint32_t now_us) {
+  void sample(std::uint32_t now_us) {
     const std::uint32_t active = seen_ ^ low_pins_;
     for (std::size_t i = 0; i < count_; ++i)
-      switches_[i].input.look((active >> switches_[i].gpio & 1) != 0, now_us);
+      switches_[i].input.sample((active >> switches_[i].gpio & 1) != 0, now_us);
   }
 
   std::array<Switch, most> switches_{};

@@ -106,7 +106,7 @@ class BulkOut {
   bool filled() const { return ((halves_[0] | halves_[1]) & usb_field::buffer_full) != 0; }
 
   /// Passes received packets to `taker`, and the buffers back as soon as it has taken them:
-  ///   PacketLook look(words, size)   once for each packet when it has been received
+  ///   PacketLook inspect(words, size)   once for each packet when it has been received
   ///   bool push_packet(words, size)  false: the packet waits in its buffer, and so does the host
   template <class Taker>
   void service(Taker&& taker) {
@@ -123,8 +123,8 @@ class BulkOut {
         ++resynchronised_;
         another_follows = false;
       }
-      look(next_, taker);
-      if (another_follows) look(next_ ^ 1, taker);
+      inspect(next_, taker);
+      if (another_follows) inspect(next_ ^ 1, taker);
       const std::uint32_t size = size_of(next_);
       if (size != 0 && !void_[next_] && !taker.push_packet(words_of(next_), size)) return;
       arm(next_, 0);
@@ -166,11 +166,11 @@ class BulkOut {
 
   /// Once for each packet, in their order; the second one may arrive while the first one waits.
   template <class Taker>
-  void look(std::uint32_t half, Taker&& taker) {
+  void inspect(std::uint32_t half, Taker&& taker) {
     if (looked_at_[half]) return;
     looked_at_[half] = true;
     if (size_of(half) == 0) return;
-    const PacketLook look = taker.look(words_of(half), size_of(half));
+    const PacketLook look = taker.inspect(words_of(half), size_of(half));
     void_[half] = look == PacketLook::drop;
     if (look == PacketLook::begins_anew && half != next_) void_[next_] = true;
   }

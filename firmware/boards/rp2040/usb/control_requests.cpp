@@ -27,7 +27,7 @@ constexpr std::uint8_t get_interface = 10;
 constexpr std::uint8_t set_interface = 11;
 
 constexpr std::uint16_t feature_endpoint_halt = 0;  // USB 2.0, table 9-6
-constexpr std::uint16_t most_address = 127;
+constexpr std::uint16_t max_address = 127;
 
 // Requests of the abstract control model (PSTN 1.2, table 13).
 constexpr std::uint8_t set_line_coding = 0x20;
@@ -174,7 +174,7 @@ Reaction ControlRequests::string(const SetupPacket& setup) const {
 }
 
 Reaction ControlRequests::set_address(const SetupPacket& setup) {
-  const bool valid = setup.value <= most_address && setup.index == 0 && setup.length == 0;
+  const bool valid = setup.value <= max_address && setup.index == 0 && setup.length == 0;
   if (!valid || configured()) return stall;
   address_ = low_byte(setup.value);
   return acknowledge_with(Effect::use_address);

@@ -215,7 +215,7 @@ class BasicUsbSerial {
   struct Taker {
     BasicUsbSerial& port;
     usb::Function from;
-    usb::PacketLook look(const volatile std::uint32_t* words, std::uint32_t size) const {
+    usb::PacketLook inspect(const volatile std::uint32_t* words, std::uint32_t size) const {
       const usb::Verdict verdict = port.hear(from, words, size);
       if (verdict == usb::Verdict::drop) return usb::PacketLook::drop;
       const bool reset = port.received_.take_realtime(words, size);
