@@ -1,6 +1,7 @@
 #include "host/model/clip.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -96,6 +97,7 @@ class Crossings {
       for (const double part : parts_) found.push_back(from + part * (to - from));
       p = q;
     }
+    work_.spend_on_sorting(found.size(), place_);
     const bool forward = range.from < range.to;
     std::sort(found.begin(), found.end(),
               [&](double a, double b) { return forward ? a < b : b < a; });
@@ -171,6 +173,11 @@ void ClipWork::spend(std::size_t tests, const FilePosition& place) {
                  "apply them in the drawing program");
 }
 
+void ClipWork::spend_on_sorting(std::size_t crossings, const FilePosition& place) {
+  // A comparison takes as long as a test.
+  spend(crossings * static_cast<std::size_t>(std::bit_width(crossings)), place);
+}
+
 ClipShape::ClipShape(const std::vector<Path>& outlines, bool even_odd, ClipRegions clips,
                      ClipWork& work, const FilePosition& place)
     : even_odd_(even_odd), clips_(std::move(clips)) {
@@ -209,9 +216,8 @@ void ClipShape::build_index() {
     if (count <= 1 || entries <= max_entries_per_edge * edges_.size()) break;
   }
   for (std::uint32_t i = 0; i < edges_.size(); ++i) {
-    const auto [below, above] = std::minmax(edges_[i].p.y, edges_[i].q.y);
-    const std::size_t last = slab_of(above + on_outline_mm);
-    for (std::size_t slab = slab_of(below - on_outline_mm); slab <= last; ++slab)
+    const std::size_t last = slab_of(std::max(edges_[i].p.y, edges_[i].q.y) + on_outline_mm);
+    for (std::size_t slab = first_slab_of(edges_[i]); slab <= last; ++slab)
       slabs_[slab].push_back(i);
   }
 }
@@ -219,6 +225,10 @@ void ClipShape::build_index() {
 std::size_t ClipShape::slab_of(double y) const {
   const double slab = (y - low_) / slab_height_;
   return static_cast<std::size_t>(std::clamp(slab, 0.0, static_cast<double>(slabs_.size() - 1)));
+}
+
+std::size_t ClipShape::first_slab_of(const Edge& edge) const {
+  return slab_of(std::min(edge.p.y, edge.q.y) - on_outline_mm);
 }
 
 bool ClipShape::contains(const Point& point, ClipWork& work, const FilePosition& place) const {
@@ -249,10 +259,12 @@ void ClipShape::cross(const Point& p, const Point& q, std::vector<double>& parts
   for (const auto& clip : clips_) clip->cross(p, q, parts, work, place);
   if (edges_.empty()) return;
   const double x = q.x - p.x, y = q.y - p.y;
-  const std::size_t last = slab_of(std::max(p.y, q.y));
-  for (std::size_t slab = slab_of(std::min(p.y, q.y)); slab <= last; ++slab) {
+  const std::size_t first = slab_of(std::min(p.y, q.y)), last = slab_of(std::max(p.y, q.y));
+  for (std::size_t slab = first; slab <= last; ++slab) {
     work.spend(slabs_[slab].size() + 1, place);
     for (const std::uint32_t i : slabs_[slab]) {
+      // An edge is tested once, in the first slab that it shares with the segment.
+      if (slab != first && slab != first_slab_of(edges_[i])) continue;
       const Point &a = edges_[i].p, &b = edges_[i].q;
       const double ex = b.x - a.x, ey = b.y - a.y;
       const double area = x * ey - y * ex;

@@ -24,11 +24,13 @@ namespace lamplock::model {
 class ClipRegion;
 using ClipRegions = std::vector<std::shared_ptr<const ClipRegion>>;
 
-/// Counts tests of edges, so that no drawing takes hours.
+/// Counts tests of edges, and what is done with the crossings found, so that no drawing takes hours.
 class ClipWork {
  public:
   /// Throws Error (bad_input) if there were too many.
   void spend(std::size_t tests, const FilePosition& place);
+  /// Counts the sorting of crossings of one piece. Throws as spend().
+  void spend_on_sorting(std::size_t crossings, const FilePosition& place);
 
  private:
   std::size_t spent_ = 0;
@@ -52,6 +54,8 @@ class ClipShape {
   };
   void build_index();
   std::size_t slab_of(double y) const;
+  /// The first slab that an edge is in.
+  std::size_t first_slab_of(const Edge& edge) const;
 
   std::vector<Edge> edges_;
   bool even_odd_;

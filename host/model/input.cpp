@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include "host/file.hpp"
+#include "host/model/foreign_formats.hpp"
 #include "host/model/ply.hpp"
 #include "host/model/read_bitmap.hpp"
 #include "host/model/read_dxf.hpp"
@@ -53,6 +55,7 @@ constexpr Format formats[] = {
     {".glb", InputKind::mesh, read_as<read_mesh>},
     {".dxf", InputKind::curves, read_curves_or_points},
     {".svg", InputKind::curves, read_as<read_svg>},
+    {".svgz", InputKind::curves, read_as<read_svg>},
     {".png", InputKind::bitmap, read_as<read_bitmap>},
     {".bmp", InputKind::bitmap, read_as<read_bitmap>},
     {".jpg", InputKind::bitmap, read_as<read_bitmap>},
@@ -84,6 +87,9 @@ const Format& format_of(const path& file) {
     refuse(file, "no such file", missing_model_remedy(file));
   const std::string extension = lower_extension(file);
   if (is_foreign_picture(extension)) return foreign_picture;
+  if (const ForeignFormat* const other = find_foreign_format(extension))
+    refuse(file, fmt::format("it is {}, which is not read", other->what),
+           std::string(other->remedy));
   const auto* const found = std::ranges::find(formats, extension, &Format::extension);
   if (found == std::end(formats))
     refuse(file, fmt::format("unknown kind of file '{}'", extension),

@@ -4,6 +4,7 @@
 #include <png.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include "host/file.hpp"
 #include "host/model/exif.hpp"
 #include "host/model/picture.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -47,12 +49,26 @@ PngChunk chunk_at(const path& file, std::string_view bytes, std::size_t at) {
   return chunk;
 }
 
+/// The chunks of one type that define colours.
+struct ColourChunks {
+  std::size_t count = 0;
+  std::size_t bytes = 0;  ///< of the last
+  std::size_t at = 0;     ///< of the last in the file
+};
+
 /// A checked file.
 struct PngParts {
   std::string image{};  ///< the file with only the chunks that the colours need
   std::size_t packed_bytes = 0;
+  std::size_t pixels_at = 0;  ///< the first chunk of pixels in the file
+  ColourChunks palette{}, transparency{};
   int orientation = upright;
+  unsigned type = 0;  ///< of colours, from the header
 };
+
+void note(ColourChunks& chunks, const PngChunk& chunk, std::size_t at) {
+  chunks = {chunks.count + 1, chunk.data.size(), at};
+}
 
 PngParts checked_parts(const path& file, std::string_view bytes) {
   PngParts parts;
@@ -60,6 +76,9 @@ PngParts checked_parts(const path& file, std::string_view bytes) {
   parts.image = png_signature;
   for (std::size_t at = png_signature.size();;) {
     const PngChunk chunk = chunk_at(file, bytes, at);
+    if (chunk.type == "PLTE") note(parts.palette, chunk, at);
+    if (chunk.type == "tRNS") note(parts.transparency, chunk, at);
+    if (chunk.type == "IDAT" && parts.pixels_at == 0) parts.pixels_at = at;
     at += chunk.whole.size();
     // Chunks with lower case are ancillary. Without them the library has no profile or gamma to
     // apply and no text to unpack.
@@ -73,8 +92,47 @@ PngParts checked_parts(const path& file, std::string_view bytes) {
   }
 }
 
+// Colour types of the header.
+constexpr unsigned grey_type = 0, rgb_type = 2, palette_type = 3;
+
+/// Refuses palettes and transparencies that do not fit the pixels: the library ignores or cuts off
+/// what it cannot use, which changes colours.
+void check_colours(const path& file, const PngParts& parts, unsigned type, unsigned depth) {
+  const ColourChunks &palette = parts.palette, &transparency = parts.transparency;
+  constexpr std::size_t entry_bytes = 3;
+  const std::size_t colours =
+      std::min(palette.bytes / entry_bytes, std::size_t{1} << std::min(depth, 8U));
+  if (type == palette_type) {
+    if (palette.count == 0) refuse_damaged(file, "it has no palette");
+    if (palette.count > 1) refuse_damaged(file, "it has more than one palette");
+    if (palette.bytes == 0 || palette.bytes % entry_bytes != 0)
+      refuse_damaged(file, fmt::format("its palette has {}, not 3 for each colour",
+                                       count_text(palette.bytes, "byte"))
+                               .c_str());
+    if (parts.pixels_at < palette.at) refuse_damaged(file, "its palette follows the pixels");
+  }
+  const bool is_used = type == grey_type || type == rgb_type || type == palette_type;
+  if (!is_used || transparency.count == 0) return;
+  if (transparency.count > 1) refuse_damaged(file, "it has more than one list of transparencies");
+  if (parts.pixels_at < transparency.at)
+    refuse_damaged(file, "its transparencies follow the pixels");
+  if (type == palette_type && transparency.at < palette.at)
+    refuse_damaged(file, "its transparencies come before the palette");
+  if (type == palette_type && transparency.bytes > colours)
+    refuse_damaged(file,
+                   fmt::format("{} for a palette of {}",
+                               count_text(transparency.bytes, "transparency", "transparencies"),
+                               count_text(colours, "colour"))
+                       .c_str());
+  constexpr std::size_t grey_bytes = 2, rgb_bytes = 6;
+  if (type != palette_type && transparency.bytes != (type == grey_type ? grey_bytes : rgb_bytes))
+    refuse_damaged(
+        file, fmt::format("its transparent colour has {}", count_text(transparency.bytes, "byte"))
+                  .c_str());
+}
+
 /// Refuses a header whose size the rest of the file cannot fill, before memory is reserved for it.
-void check_png_header(const path& file, const PngParts& parts) {
+void check_png_header(const path& file, PngParts& parts) {
   constexpr std::size_t header_bytes = 13, chunk = png_signature.size();
   const std::string_view image = parts.image;
   if (image.size() < chunk + PngChunk::around_data + header_bytes ||
@@ -88,9 +146,40 @@ void check_png_header(const path& file, const PngParts& parts) {
   const auto depth = static_cast<unsigned char>(header[8]);
   const auto type = static_cast<unsigned char>(header[9]);
   if (type >= samples.size() || samples[type] == 0) refuse_damaged(file, "unknown colour type");
+  parts.type = type;
+  check_colours(file, parts, type, depth);
   constexpr std::uint64_t max_ratio = 1032;  // of deflate: 258 bytes from 2 bits
   const std::uint64_t row_bytes = (width * samples[type] * depth + 7) / 8;
   if (row_bytes * height > max_ratio * parts.packed_bytes) refuse_cut_off(file);
+}
+
+/// The colours of pixels with a palette, RGBA. Colours that the palette does not have are refused:
+/// the library paints them black.
+std::vector<std::uint8_t> palette_colours(const path& file, png_image& image) {
+  image.format = PNG_FORMAT_RGBA_COLORMAP;
+  constexpr std::size_t rgba = 4;
+  std::vector<std::uint8_t> numbers(PNG_IMAGE_SIZE(image)), palette(PNG_IMAGE_COLORMAP_SIZE(image));
+  if (png_image_finish_read(&image, nullptr, numbers.data(), 0, palette.data()) == 0)
+    refuse_damaged(file, image.message);
+  std::vector<std::uint8_t> colours(numbers.size() * rgba);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (numbers[i] >= image.colormap_entries)
+      refuse_damaged(file, fmt::format("pixel {}, {} has colour {} of a palette of {}",
+                                       i % image.width + 1, i / image.width + 1, numbers[i] + 1,
+                                       count_text(image.colormap_entries, "colour"))
+                               .c_str());
+    std::copy_n(palette.data() + numbers[i] * rgba, rgba, colours.data() + i * rgba);
+  }
+  return colours;
+}
+
+std::vector<std::uint8_t> direct_colours(const path& file, png_image& image) {
+  image.format = PNG_FORMAT_RGBA;
+  image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // otherwise 16 bits are taken for linear light
+  std::vector<std::uint8_t> colours(PNG_IMAGE_SIZE(image));
+  if (png_image_finish_read(&image, nullptr, colours.data(), 0, nullptr) == 0)
+    refuse_damaged(file, image.message);
+  return colours;
 }
 
 }  // namespace
@@ -100,18 +189,15 @@ bool is_png(const std::string& bytes) { return bytes.starts_with("\x89PNG"); }
 Bitmap decode_png(const path& file, const std::string& bytes) {
   if (bytes.size() < png_signature.size()) refuse_cut_off(file);
   if (!bytes.starts_with(png_signature)) refuse_damaged(file, "wrong signature");
-  const PngParts parts = checked_parts(file, bytes);
+  PngParts parts = checked_parts(file, bytes);
   check_png_header(file, parts);
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&image, parts.image.data(), parts.image.size()) == 0)
     refuse_damaged(file, image.message);
-  image.format = PNG_FORMAT_RGBA;
-  image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // otherwise 16 bits are taken for linear light
   const auto width = static_cast<int>(image.width), height = static_cast<int>(image.height);
-  std::vector<std::uint8_t> colours(PNG_IMAGE_SIZE(image));
-  const int read = png_image_finish_read(&image, nullptr, colours.data(), 0, nullptr);
-  if (read == 0) refuse_damaged(file, image.message);
+  const std::vector<std::uint8_t> colours =
+      parts.type == palette_type ? palette_colours(file, image) : direct_colours(file, image);
   return oriented(bitmap_of_colours(colours, width, height, 4), parts.orientation);
 }
 

@@ -19,6 +19,7 @@
 #include "host/model/jpeg.hpp"
 #include "host/model/picture.hpp"
 #include "host/model/png.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -67,6 +68,33 @@ void require_whole_bmp(const path& file, const std::string& bytes, int width, in
   if (bytes.size() < need) refuse_cut_off(file);
 }
 
+/// Refuses pixels whose colour the palette does not have: the image library paints them black. The
+/// palette is between the headers and the pixels, 4 bytes each colour (3 with the core header).
+/// `bytes` are whole.
+void require_colours_of_bmp(const path& file, const std::string& bytes, int width, int height) {
+  constexpr std::size_t file_header = 14;
+  constexpr std::uint32_t core_header = 12;
+  const auto header = load<std::uint32_t>(bytes.data() + file_header);
+  const bool core = header == core_header;
+  const unsigned bits = load<std::uint8_t>(bytes.data() + (core ? 24 : 28));
+  if (bits > 8 || 8 % bits != 0) return;  // no palette, or not read
+  const std::size_t pixels = load<std::uint32_t>(bytes.data() + 10);
+  const std::size_t before = file_header + header;
+  const std::size_t colours = pixels > before ? (pixels - before) / (core ? 3 : 4) : 0;
+  const std::size_t row_bytes = (static_cast<std::size_t>(width) * bits + 31) / 32 * 4;
+  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
+    for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
+      const auto byte = load<std::uint8_t>(bytes.data() + pixels + y * row_bytes + x * bits / 8);
+      const std::size_t shift = 8 - bits - x * bits % 8;
+      const std::size_t colour = (byte >> shift) & ((1U << bits) - 1);
+      if (colour >= colours)
+        refuse_damaged(file, fmt::format("a pixel has colour {} of a palette of {}", colour + 1,
+                                         count_text(colours, "colour"))
+                                 .c_str());
+    }
+  }
+}
+
 Bitmap decode_bmp(const path& file, const std::string& bytes) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
     refuse(file, "the image is too large", "give an image of at most 100 million pixels");
@@ -79,6 +107,7 @@ Bitmap decode_bmp(const path& file, const std::string& bytes) {
   const long long rows = std::abs(static_cast<long long>(height));
   require_size(file, width, rows);
   require_whole_bmp(file, bytes, width, static_cast<int>(rows));
+  require_colours_of_bmp(file, bytes, width, static_cast<int>(rows));
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(data, length, &width, &height, &channels, STBI_rgb_alpha),
       stbi_image_free);

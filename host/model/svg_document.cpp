@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/model/gzip.hpp"
 #include "host/model/svg_namespaces.hpp"
 #include "host/model/svg_style.hpp"
 #include "host/model/xml_entities.hpp"
@@ -15,6 +16,7 @@ namespace lamplock::model {
 using pugi::xml_node;
 
 SvgDocument::SvgDocument(const std::filesystem::path& file, std::string bytes) : file_(file) {
+  if (is_gzip(bytes)) bytes = gunzip(file, bytes);
   ExpandedXml expanded = expand_entities(file, xml_in_utf8(std::move(bytes)));
   text_ = std::move(expanded.text);
   left_out_["entity of another file"] = expanded.external;

@@ -34,6 +34,30 @@ bool equal_names(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, {}, lower, lower);
 }
 
+/// Names of compression methods that archives of other programs have (APPNOTE.TXT, 4.4.5).
+std::string method_name(unsigned method) {
+  switch (method) {
+    case ZIP_CM_SHRINK:
+      return "Shrink";
+    case ZIP_CM_IMPLODE:
+      return "Implode";
+    case ZIP_CM_DEFLATE64:
+      return "Deflate64";
+    case ZIP_CM_BZIP2:
+      return "BZIP2";
+    case ZIP_CM_LZMA:
+      return "LZMA";
+    case 93:
+      return "Zstandard";
+    case ZIP_CM_XZ:
+      return "XZ";
+    case ZIP_CM_PPMD:
+      return "PPMd";
+    default:
+      return fmt::format("method {}", method);
+  }
+}
+
 }  // namespace
 
 void ZipArchive::Close::operator()(zip* archive) const { zip_discard(archive); }
@@ -51,7 +75,8 @@ void ZipArchive::read_directory() {
   for (zip_int64_t i = 0; i < count; ++i) {
     const auto index = static_cast<zip_uint64_t>(i);
     zip_stat_t info{};
-    constexpr zip_uint64_t needed = ZIP_STAT_NAME | ZIP_STAT_SIZE | ZIP_STAT_COMP_SIZE;
+    constexpr zip_uint64_t needed = ZIP_STAT_NAME | ZIP_STAT_SIZE | ZIP_STAT_COMP_SIZE |
+                                    ZIP_STAT_COMP_METHOD | ZIP_STAT_ENCRYPTION_METHOD;
     if (zip_stat_index(archive_.get(), index, ZIP_FL_ENC_RAW, &info) != 0 ||
         (info.valid & needed) != needed)
       refuse(file_, "its directory cannot be read", damaged_archive);
@@ -59,7 +84,9 @@ void ZipArchive::read_directory() {
     if (name.size() > max_name_bytes)
       refuse(file_, fmt::format("a part has a name of {} letters", name.size()),
              "export it with shorter names");
-    const ZipPart part{std::string(name), info.size, info.comp_size, index};
+    const ZipPart part{std::string(name), info.size,
+                       info.comp_size,    index,
+                       info.comp_method,  info.encryption_method != ZIP_EM_NONE};
     check(part);
     bytes += part.bytes;
     parts_.push_back(part);
@@ -100,6 +127,16 @@ std::string ZipArchive::unpacked(const std::string& name) const {
   const auto part = find(name);
   if (part == parts_.end())
     refuse(file_, fmt::format("there is no part '{}'", name), damaged_archive);
+  if (part->is_encrypted)
+    refuse(file_, fmt::format("part '{}' is encrypted", name),
+           "save the model without a password or protection");
+  // A 3MF has no other methods (ECMA-376 part 2, annex C.3), and libzip would reserve as much
+  // memory as the data of some ask for.
+  if (part->method != ZIP_CM_STORE && part->method != ZIP_CM_DEFLATE)
+    refuse(file_,
+           fmt::format("part '{}' is compressed with {}, which a 3MF cannot be", name,
+                       method_name(part->method)),
+           "export the model again, or pack the archive again with Deflate");
   std::string bytes(part->bytes, '\0');
   zip_file_t* const packed = zip_fopen_index(archive_.get(), part->index, 0);
   // The last read compares the CRC, after the end of the part.

@@ -21,6 +21,8 @@ struct ZipPart {
   std::string name;
   std::uint64_t bytes = 0, packed_bytes = 0;  ///< by the directory
   std::uint64_t index = 0;                    ///< in the directory
+  unsigned method = 0;                        ///< of compression, its number in the directory
+  bool is_encrypted = false;
 };
 
 class ZipArchive {
@@ -32,7 +34,7 @@ class ZipArchive {
 
   /// The bytes of a part; upper and lower case are equal (ECMA-376 part 2, 9.1.1) unless a part has
   /// exactly this name. Throws Error (bad_input) if there is none of that name, if it is
-  /// encrypted, packed by a method unknown to libzip or damaged (CRC).
+  /// encrypted, compressed by another method than Deflate or damaged (CRC).
   std::string unpacked(const std::string& name) const;
 
   /// True if unpacked() finds a part of that name.

@@ -289,11 +289,26 @@ TEST(Input, OfPlyDependsOnTheFaces) {
 
 TEST(Input, RefusesUnknownExtensionsAndMissingFiles) {
   const TemporaryFolder folder;
-  const std::string unknown = error_of([&] { model::read_input(folder.write("a.dwg", "x")); });
-  EXPECT_THAT(unknown, HasSubstr("unknown kind of file '.dwg'"));
-  EXPECT_THAT(unknown, HasSubstr("a drawing (dxf, svg), a picture (png, bmp, jpg, jpeg)"));
+  const std::string unknown = error_of([&] { model::read_input(folder.write("a.xyzzy", "x")); });
+  EXPECT_THAT(unknown, HasSubstr("unknown kind of file '.xyzzy'"));
+  EXPECT_THAT(unknown, HasSubstr("a drawing (dxf, svg, svgz), a picture (png, bmp, jpg, jpeg)"));
   EXPECT_THAT(error_of([&] { model::read_input(folder.file("none.stl")); }),
               HasSubstr("no such file"));
+}
+
+TEST(Input, NamesTheFormatToExportInsteadOfAForeignOne) {
+  const TemporaryFolder folder;
+  for (const auto& [name, instead] : std::vector<std::pair<std::string, std::string>>{
+           {"a.dwg", "a DWG drawing, which is not read; save it as DXF"},
+           {"a.AI", "save it as SVG"},
+           {"a.step", "a STEP solid, which is not read; export a mesh (STL or 3MF, in mm)"},
+           {"a.stp", "export a mesh"},
+           {"a.iges", "export a mesh"},
+           {"a.f3d", "export a mesh"},
+           {"a.gltf", "export it as GLB"}}) {
+    EXPECT_THAT(error_of([&] { model::read_input(folder.write(name, "x")); }), HasSubstr(instead));
+    EXPECT_EQ(model::kind_of(name), std::nullopt);
+  }
 }
 
 TEST(Transform, CentresAndScalesByTheLongestSide) {

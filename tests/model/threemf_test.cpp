@@ -232,6 +232,39 @@ TEST_F(Threemf, DamagedModelsAtWorstFail) {
       });
 }
 
+/// The archive with a field of two bytes replaced in every local header (at `local`) and every
+/// entry of the directory (at `central`) of its last part.
+std::string with_field(std::string bytes, std::size_t local, std::size_t central, int value) {
+  const auto put = [&](std::size_t at) {
+    bytes[at] = static_cast<char>(value & 0xff);
+    bytes[at + 1] = static_cast<char>(value >> 8);
+  };
+  put(bytes.rfind("PK\3\4") + local);
+  put(bytes.rfind("PK\1\2") + central);
+  return bytes;
+}
+
+TEST_F(Threemf, OtherCompressionsAndEncryptionAreNamed) {
+  const std::string whole = read_file(write(object(1, box_text()), item(1)));
+  const auto error_after = [&](std::size_t local, std::size_t central, int value) {
+    const auto file = folder_.write("b.3mf", with_field(whole, local, central, value));
+    return error_of([&] { read_mesh(file); });
+  };
+  constexpr std::size_t method = 8, central_method = 10, flags = 6, central_flags = 8;
+  for (const auto& [number, name] : std::vector<std::pair<int, std::string>>{{9, "Deflate64"},
+                                                                             {12, "BZIP2"},
+                                                                             {14, "LZMA"},
+                                                                             {93, "Zstandard"},
+                                                                             {95, "XZ"},
+                                                                             {98, "PPMd"},
+                                                                             {77, "method 77"}})
+    EXPECT_THAT(error_after(method, central_method, number),
+                AllOf(HasSubstr("'3D/3dmodel.model' is compressed with " + name),
+                      HasSubstr("with Deflate")));
+  EXPECT_THAT(error_after(flags, central_flags, 1),
+              AllOf(HasSubstr("'3D/3dmodel.model' is encrypted"), HasSubstr("password")));
+}
+
 TEST_F(Threemf, DamagedArchivesAtWorstFail) {
   const std::string whole = read_file(write(object(1, box_text()), item(1)));
   test::expect_damaged_read_or_refused(
