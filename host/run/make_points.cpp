@@ -29,7 +29,7 @@ geometry::PointCloud point_list(const std::string& file) {
 
 Cloud make_points(const JobRequest& request, const std::string& output, Frontend& frontend) {
   check_point_file(output);
-  check_distinct({{"-o", output}, {"--save", request.save}});
+  check_distinct({{"-o", output}, {"--save", request.save}}, input_files(request));
   const glass::Description& description = request.description;
   const job::Profile profile = profile_of(description.machine);
   const glass::Volume volume = glass::volume_of(description.glass, work_space_mm(profile.settings));

@@ -336,7 +336,7 @@ const char* end_name(const ProgramOutcome& outcome) {
 ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
                            const ProgramOptions& asked, Frontend& frontend) {
   check_options(options);
-  options.check(file);
+  options.check({file});
   require_askable(options, frontend);
   Program program = read_program(file);
   const settings::Values values = asked.machine.profile().settings;
