@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <system_error>
 
@@ -10,6 +9,7 @@
 #include "host/link/serial_transport.hpp"
 #include "host/link/tcp_transport.hpp"
 #include "host/link/usb_transport.hpp"
+#include "host/remark.hpp"
 #include "host/run/board_names.hpp"
 #include "host/usb/libusb_bus.hpp"
 #include "host/usb/sysfs.hpp"
@@ -25,15 +25,16 @@ std::unique_ptr<link::Transport> open_any() {
   const usb::DeviceInfo board = link::find_board(*bus, "");
   try {
     auto stream = std::make_unique<link::UsbTransport>(bus, board);
-    fmt::print(stderr, "board {} (USB {}): talking over its pulse stream\n", board.serial,
-               board.place);
+    write_remark(fmt::format("board {} (USB {}): talking over its pulse stream\n", board.serial,
+                             board.place));
     return stream;
   } catch (const Error& error) {
     const auto ports = usb::Sysfs().serial_ports(board.place);
     const bool in_use = board.problem.empty() && link::stream_interface(board);
     if (ports.empty() || in_use) throw;
     auto port = std::make_unique<link::SerialTransport>(ports.front());
-    fmt::print(stderr, "warning: {}; talking over {} meanwhile\n", error.message(), ports.front());
+    write_remark(
+        fmt::format("warning: {}; talking over {} meanwhile\n", error.message(), ports.front()));
     return port;
   }
 }

@@ -28,7 +28,8 @@ void make_raw(int descriptor) {
   if (::tcsetattr(descriptor, TCSANOW, &settings) != 0) fail("pseudo-terminal");
 }
 
-/// Replaces a link of an earlier simulation, which leads to a terminal or nowhere, and nothing else.
+/// Replaces a link of an earlier simulation, which leads to a terminal or nowhere, and nothing
+/// else.
 void make_link(const std::string& target, const std::filesystem::path& link) {
   namespace fs = std::filesystem;
   std::error_code ignored;
