@@ -48,8 +48,9 @@ std::optional<std::string> usb_serial(const std::string& board) {
   return std::nullopt;
 }
 
-std::unique_ptr<link::Transport> open_board(const std::string& board, unsigned baud) {
-  check_board_name(board);
+namespace {
+
+std::unique_ptr<link::Transport> open_named(const std::string& board, unsigned baud) {
   if (board == auto_board) return open_any();
   if (const auto serial = usb_serial(board)) {
     const auto bus = std::make_shared<usb::LibusbBus>();
@@ -58,6 +59,15 @@ std::unique_ptr<link::Transport> open_board(const std::string& board, unsigned b
   const bool path = board.find('/') != std::string::npos;
   if (!path && sim::parse_tcp_address(board)) return std::make_unique<link::TcpTransport>(board);
   return std::make_unique<link::SerialTransport>(board, baud);
+}
+
+}  // namespace
+
+std::unique_ptr<link::Transport> open_board(const std::string& board, unsigned baud) {
+  check_board_name(board);
+  auto transport = open_named(board, baud);
+  transport->set_board(board);
+  return transport;
 }
 
 void check_is_connected(const BoardOptions& options) {
