@@ -322,7 +322,7 @@ class Usage {
           return is_huge ? range_of_type<std::remove_pointer_t<decltype(place)>>(text) : "";
         },
         option.target());
-    // A range without an upper end does not tell why a huge number is refused.
+    // A range without an upper end does not say why a huge number is refused.
     const bool by_type = check.range.empty() || (!of_type.empty() && check.refusal(text).empty());
     const std::string range = by_type ? of_type : check.range;
     if (!range.empty())
