@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <mutex>
 #include <set>
 #include <string>
 
 #include "host/printable.hpp"
+#include "host/remark.hpp"
 
 namespace lamplock {
 
@@ -25,7 +25,7 @@ void note_former_name(std::string_view where, std::string_view former) {
   const std::string note = printable(
       fmt::format("note: {}: '{}' is now named '{}'", where, former, present_name(former)));
   const std::lock_guard lock(mutex);
-  if (printed.insert(note).second) fmt::print(stderr, "{}\n", note);
+  if (printed.insert(note).second) write_remark(note + '\n');
 }
 
 }  // namespace lamplock

@@ -14,6 +14,9 @@ namespace lamplock {
 /// "FILE:LINE", for errors: refuse() of host/file.hpp.
 std::string toml_location(const std::filesystem::path& file, const toml::source_region& source);
 
+/// Throws Error(bad_input) that says in plain words what is wrong in the line.
+[[noreturn]] void refuse_toml(const std::filesystem::path& file, const toml::parse_error& error);
+
 /// Throws Error(bad_input): a file that cannot be read, or invalid TOML, with its line.
 toml::table read_toml(const std::filesystem::path& file);
 

@@ -243,7 +243,8 @@ void add_bench(Command& program) {
       .value_name("N");
   app.add_option("--chart", &options->chart, "Write a chart of beats per point against a/f^2 (SVG)")
       .check(file_name())
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(cli::FileUse::write);
   app.add_json(options->json, "Print the figures as JSON on stdout");
   app.action([options] { return run_bench(*options); });
 }

@@ -6,7 +6,6 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
-#include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/run/endpoints.hpp"
 #include "host/run/simulated_boards.hpp"
@@ -79,7 +78,6 @@ ChipRun::ChipRun(const ChipRunOptions& options)
       pads_(chip_) {
   if (!options.script.empty())
     runner_ = std::make_unique<chip::script::Runner>(chip_, ports_, read_script(options.script));
-  check_distinct({{"--vcd", options.vcd}, {"--profile", options.profile}}, options.image);
   for (const std::string& file : {options.vcd, options.profile})
     if (!file.empty()) check_target(file);
   if (!options.vcd.empty()) trace_ = std::make_unique<Trace>(options.vcd, chip_);

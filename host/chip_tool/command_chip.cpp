@@ -234,20 +234,25 @@ void add_chip(Command& program) {
       "Exit status: 0 done, 1 fault of the image or expectation not met, 2 bad input, 3 terminal\n"
       "or port cannot be opened, 130 interrupted before the end of the script, 143 SIGTERM.");
   const auto options = std::make_shared<Options>();
-  app.add_option("IMAGE", &options->run.image, "ELF, UF2 or BIN file").required();
+  app.add_option("IMAGE", &options->run.image, "ELF, UF2 or BIN file")
+      .file(cli::FileUse::read)
+      .required();
   app.add_option("--until", &options->until,
                  "Stop at this simulated time, such as 2.5s or 10ms; default: the end of the "
                  "script, at most 60s; without a script: Ctrl-C")
       .value_name("TIME");
   app.add_option("--script", &options->run.script,
                  "Script that drives pins and ports and checks them (docs/chip-script.md)")
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(cli::FileUse::read);
   app.add_option("--vcd", &options->run.vcd, "Write a trace of all pins (VCD, for GTKWave)")
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(cli::FileUse::write);
   app.add_option("--profile", &options->run.profile,
                  "Write cycles by function and interrupt as folded stacks for flame graphs, and "
                  "print a table")
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(cli::FileUse::write);
   app.add_option("--pty", &options->pty,
                  "Open a pseudo-terminal for the USB serial port of the image and run in real "
                  "time; --pty=LINK creates a link to the pseudo-terminal")

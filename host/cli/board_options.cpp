@@ -27,6 +27,7 @@ void add_plot(Command& app, run::PlotOptions& options, const char* group) {
          "Write a picture (SVG) of position, speed and acceleration over beats; virtual board only")
       .check(file_name())
       .value_name("FILE")
+      .file(FileUse::write)
       .group(group);
   app.add_option("--plot-beats", &options.beats,
                  "Beats that --plot shows, counted from the first shot; default: the first 200")
@@ -86,6 +87,7 @@ void add_board_choice(Command& app, run::BoardOptions& options) {
   app.add_option("--image", &options.image,
                  "Flash image for the chip; default: the image of this build")
       .value_name("FILE")
+      .file(FileUse::read)
       .group(board_group);
   app.add_option("--usb", &options.usb,
                  "USB interface of the simulated chip: serial port or pulse stream")
@@ -104,6 +106,7 @@ void add_board_choice(Command& app, run::BoardOptions& options) {
          "are monitored while a real board runs; default: [lines] of the machine profile")
       .environment(run::lines_variable)
       .value_name("FILE")
+      .file(FileUse::read)
       .group(board_group);
 }
 
@@ -152,6 +155,7 @@ void add_resume(Command& app, run::BoardOptions& options) {
                  "Progress journal of the job on a real board; default: INPUT.progress")
       .check(file_name())
       .value_name("FILE")
+      .file(FileUse::write)
       .group(board_group);
 }
 
@@ -182,26 +186,31 @@ void add_job_run(Command& app, run::BoardOptions& options) {
          "Write report.html, report.json, shots.csv, shots.ply and cloud.png to this folder")
       .check(file_name())
       .value_name("DIR")
+      .file(FileUse::write_report)
       .group(board_group)
       .common();
   app.add_option("--statistics", &options.statistics,
                  "Append a line about the job to this CSV file")
       .check(file_name())
       .value_name("FILE")
+      .file(FileUse::write)
       .group(board_group);
   app.add_option("--vcd", &options.vcd,
                  "Write a trace of all pins of a simulated board (VCD, for GTKWave)")
       .check(file_name())
       .value_name("FILE")
+      .file(FileUse::write)
       .group(board_group);
   app.add_option("--shots", &options.shots, "Write the laser shots of a simulated board (CSV)")
       .check(file_name())
       .value_name("FILE")
+      .file(FileUse::write)
       .group(board_group);
   app.add_option("--timing", &options.timing,
                  "Write the timing of the simulated chip by function, in cycles")
       .check(file_name())
       .value_name("FILE")
+      .file(FileUse::write)
       .group(board_group);
   add_plot(app, options.plot, board_group);
   add_lamp_faults(app, options.faults);

@@ -88,12 +88,16 @@ void add_check(Command& program) {
       "Example:\n"
       "  lamplock check part.ngc --machine machine.toml --picture part.svg");
   const auto options = std::make_shared<CheckOptions>();
-  app.add_option("PROGRAM", &options->input, "G-code program").required().value_name("FILE");
+  app.add_option("PROGRAM", &options->input, "G-code program")
+      .required()
+      .value_name("FILE")
+      .file(FileUse::read);
   add_machine(app, options->machine);
   app.add_option("--picture", &options->picture,
                  "Write a picture (SVG) of the path, coloured by laser power")
       .check(file_name())
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(FileUse::write);
   app.add_option("--max-problems", &options->max_problems, "Stop after this number of wrong lines")
       .check(number_in({1, 1'000'000}))
       .value_name("N")

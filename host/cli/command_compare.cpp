@@ -51,10 +51,14 @@ void add_compare(Command& program) {
       "Example:\n  lamplock engrave model.stl --mode start-stop --report stop\n"
       "  lamplock engrave model.stl --mode free --report free\n  lamplock compare stop free");
   const auto options = std::make_shared<CompareOptions>();
-  app.add_option("FIRST", &options->first, "Folder of a report").required().value_name("DIR");
+  app.add_option("FIRST", &options->first, "Folder of a report")
+      .required()
+      .value_name("DIR")
+      .file(FileUse::folder);
   app.add_option("SECOND", &options->second, "Folder of another report")
       .required()
-      .value_name("DIR");
+      .value_name("DIR")
+      .file(FileUse::folder);
   app.add_json(options->json, "Print both reports and the ratio of beats as JSON on stdout");
   app.action([options] { return compare(*options); });
 }

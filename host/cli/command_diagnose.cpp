@@ -96,7 +96,8 @@ void add_diagnose(Command& program) {
   const auto options = std::make_shared<DiagnoseOptions>();
   app.add_option("PROGRAM", &options->input,
                  "G-code program; it starts at X0 Y0; default: two trajectories of a paper")
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(FileUse::read);
   app.add_option("--feed", &options->feed_mm_min,
                  "Feed rate of the two trajectories, without PROGRAM")
       .check(number_from(0, false))
@@ -105,7 +106,8 @@ void add_diagnose(Command& program) {
   add_servo_drives(app, options->machine);
   app.add_option("--picture", &options->picture, "Write a picture (SVG) of paths and errors")
       .check(file_name())
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(FileUse::write);
   app.add_json(options->json);
   app.action([options] { return diagnose(*options); });
 }

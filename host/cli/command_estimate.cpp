@@ -85,7 +85,8 @@ void add_estimate(Command& program) {
   app.add_option("--page", &options->estimate.page, "Write a page (HTML) that shows the job")
       .common()
       .check(file_name())
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(FileUse::write);
   app.add_json(options->json);
   app.action([options, &program] {
     options->estimate.job.command = program.typed();

@@ -16,7 +16,10 @@ void add_example(Command& program) {
   Command& app = program.add_command("example", "Write the example model: a nautilus, 60 mm");
   app.footer("Example:\n  lamplock example model.stl");
   const auto options = std::make_shared<ExampleOptions>();
-  app.add_option("OUTPUT", &options->output, "STL file to write").required().value_name("FILE");
+  app.add_option("OUTPUT", &options->output, "STL file to write")
+      .required()
+      .value_name("FILE")
+      .file(FileUse::write);
   app.action([options] {
     check_target(options->output);
     const model::Mesh mesh = model::example_model();

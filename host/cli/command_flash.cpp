@@ -70,7 +70,8 @@ void add_flash(Command& program) {
       "  lamplock flash --board chip");
   const auto options = std::make_shared<FlashOptions>();
   app.add_option("IMAGE", &options->image,
-                 "UF2 or ELF file; default: lamplock-rp2040.uf2 of this build");
+                 "UF2 or ELF file; default: lamplock-rp2040.uf2 of this build")
+      .file(FileUse::read);
   const Option& serial =
       app.add_option("--serial", &options->serial,
                      "Flash the board with this serial number; lamplock devices shows it")
@@ -80,6 +81,7 @@ void add_flash(Command& program) {
              "--drive", &options->drive,
              "Copy the file to this drive of a boot loader (RPI-RP2), without access to USB")
           .value_name("DIR")
+          .file(FileUse::folder)
           .excludes(serial);
   app.add_option(
          "--board", &options->board,
@@ -91,6 +93,7 @@ void add_flash(Command& program) {
                  "File (TOML) that assigns the board's pins RUN and BOOTSEL to GPIO lines of this "
                  "computer; see examples/lines.toml")
       .value_name("FILE")
+      .file(FileUse::read)
       .excludes(drive);
   app.add_json(options->json);
   app.action([options] { return flash_board(*options); });

@@ -1,6 +1,4 @@
 // `lamplock help`: the help of a command, as `lamplock COMMAND --help`.
-#include <fmt/format.h>
-
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +8,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/help.hpp"
 #include "host/cli/separate_program.hpp"
+#include "host/cli/standard_streams.hpp"
 #include "host/cli/terminal_width.hpp"
 #include "host/cli/usage_error.hpp"
 
@@ -25,8 +24,8 @@ Exit help(const Command& program, const std::vector<std::string>& words) {
   const Command& command = arguments.empty() ? program : *arguments.back().command;
   if (!command.separate_program().empty() && has_separate_program(command))
     run_separate_program(command, {command.name(), "--help"});
-  fmt::print("{}", help_text(command, path_of(program, arguments, arguments.size()), HelpKind::all,
-                             terminal_width()));
+  write_text(stdout, help_text(command, path_of(program, arguments, arguments.size()),
+                               HelpKind::all, terminal_width()));
   return Exit::done;
 }
 

@@ -95,9 +95,11 @@ void add_job(Command& program) {
   options->engraving.add_save(app);
   app.add_option("-o,--output", &options->output, "Job file to write")
       .value_name("FILE.llj")
+      .file(FileUse::write)
       .common();
   app.add_option("--show", &options->show, "Show the contents of a job file")
-      .value_name("FILE.llj");
+      .value_name("FILE.llj")
+      .file(FileUse::read);
   app.add_option("--dry", &options->dry, "Make a job that moves without firing");
   app.add_json(options->json);
   app.action([options] { return make_or_show(*options); });

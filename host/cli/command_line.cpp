@@ -110,6 +110,11 @@ Option& Option::completions(std::vector<std::string> words) {
   return *this;
 }
 
+Option& Option::file(FileUse use) {
+  file_use_ = use;
+  return *this;
+}
+
 Option& Option::help(std::string text) {
   constexpr std::string_view begin_of_default = "; default: ";
   help_ = std::move(text);

@@ -44,6 +44,15 @@ struct Count {
 /// "2 numbers", "at most 4 numbers", "2 to 3 numbers".
 std::string count_text(const Count& count);
 
+/// What a command does with the file that a value names.
+enum class FileUse : std::uint8_t {
+  none,          ///< the value names no file
+  read,          ///< the command reads it
+  write,         ///< makes or replaces it, or appends to it
+  write_report,  ///< makes the files of a report in this folder
+  folder         ///< reads or fills a folder that is no report of this command
+};
+
 /// One option, flag or positional.
 class Option {
  public:
@@ -76,6 +85,8 @@ class Option {
   /// Words that shells offer for the value.
   Option& completions(std::vector<std::string> words);
   Option& help(std::string text);
+  /// The value names a file; all outputs of a command are checked together (file_options.hpp).
+  Option& file(FileUse use);
 
   const std::string& names() const { return names_; }  ///< "-o,--output" or "INPUT"
   const Target& target() const { return target_; }
@@ -93,6 +104,7 @@ class Option {
   bool is_for_version() const { return is_for_version_; }
   bool is_common() const { return is_common_; }
   const std::vector<std::string>& completions() const { return completions_; }
+  FileUse file_use() const { return file_use_; }
 
   bool is_positional() const { return !names_.starts_with('-'); }
   bool is_flag() const;
@@ -114,6 +126,7 @@ class Option {
   bool is_required_ = false, is_comma_separated_ = false, is_given_ = false;
   bool is_for_version_ = false, is_common_ = false;
   std::vector<std::string> completions_;
+  FileUse file_use_ = FileUse::none;
 };
 
 /// What a command does; returns the exit status or throws lamplock::Error.

@@ -113,10 +113,12 @@ void add_file(Command& app, LinesOptions& options) {
   app.add_option("--lines", &options.file,
                  "File (TOML) that assigns functions to GPIO lines; see examples/lines.toml")
       .environment("LAMPLOCK_LINES")
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(FileUse::read);
   app.add_option("--machine", &options.profile,
                  "Machine profile with a table [lines]; used without --lines")
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(FileUse::read);
 }
 
 void add_pull(Command& app, const std::shared_ptr<LinesOptions>& options, const char* name,

@@ -55,10 +55,14 @@ void add_order(Command& program) {
   Command& app = program.add_command("order", "Sort points into firing order");
   app.footer("Example:\n  lamplock order points.xyz --order layers --layer 0.3 -o ordered.xyz");
   const auto options = std::make_shared<OrderOptions>();
-  app.add_option("INPUT", &options->request.input, "Point list").required().value_name("FILE");
+  app.add_option("INPUT", &options->request.input, "Point list")
+      .required()
+      .value_name("FILE")
+      .file(FileUse::read);
   app.add_option("-o,--output", &options->request.output, "Point list to write: .xyz, .ply or .dxf")
       .required()
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(FileUse::write);
   for (Option* option : add_parameters(app, parameters_of(options->request.choice), "Order"))
     if (option->name() == "--order")
       option->help(

@@ -48,7 +48,8 @@ void add_points(Command& program) {
   options->engraving.add_place(app, true);
   app.add_option("-o,--output", &options->output, "Point list to write: .xyz, .ply or .dxf")
       .required()
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(FileUse::write);
   app.add_json(options->json);
   options->engraving.add_save(app);
   // Those that matter more for points than for a whole job.

@@ -12,7 +12,6 @@
 #include "host/cli/machine_options.hpp"
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
-#include "host/file/output_files.hpp"
 #include "host/model/input.hpp"
 #include "host/run/raster.hpp"
 
@@ -49,7 +48,6 @@ void check_options(const RasterOptions& options) {
   if (options.power_lists && options.gcode.empty())
     throw Error(Exit::bad_input, "--power-lists", "needs --gcode",
                 "add --gcode FILE.ngc, or leave it out");
-  check_distinct({{"-o", options.output}, {"--gcode", options.gcode}}, options.input);
 }
 
 Exit make_raster(const RasterOptions& options) {
@@ -128,15 +126,18 @@ void add_raster(Command& program) {
   app.add_option("PICTURE", &options->input,
                  fmt::format("Picture ({})", model::extensions(model::InputKind::bitmap)))
       .required()
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(FileUse::read);
   app.add_option("-o,--output", &options->output, "Job file to write")
       .value_name("FILE.llj")
+      .file(FileUse::write)
       .common();
   app.add_option(
          "--gcode", &options->gcode,
          "Write the same rows as G-code for any grbl board, one line for each change of power")
       .check(file_name())
       .value_name("FILE.ngc")
+      .file(FileUse::write)
       .common();
   app.add_option("--power-lists", &options->power_lists,
                  "Write the G-code as lists of powers: shorter, but read only by lamplock boards");

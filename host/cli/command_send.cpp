@@ -125,7 +125,8 @@ void add_send(Command& program) {
   const auto options = std::make_shared<SendOptions>();
   app.add_option("FILE", &options->file, "Job file (.llj) of points or rows, or G-code program")
       .required()
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(FileUse::read);
   add_board(app, options->board, options->json);
   add_job_run(app, options->board);
   add_resume(app, options->board);

@@ -194,11 +194,13 @@ void add_settings(Command& program) {
       "Write all settings to a file: TOML (.toml), otherwise lines $NUMBER=VALUE",
       "backup board.toml --board /dev/ttyACM0", backup)
       .add_option("FILE", &options->file, "File to write")
+      .file(FileUse::write)
       .required();
   add(app, options, "restore",
       "Restore settings from a file: write the settings that differ and list them",
       "restore board.toml --board /dev/ttyACM0", restore)
       .add_option("FILE", &options->file, "Backup file or machine profile")
+      .file(FileUse::read)
       .required();
 }
 

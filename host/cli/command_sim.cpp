@@ -46,10 +46,12 @@ void add_sim(Command& program) {
       .common();
   app.add_option("--image", &options->image,
                  "Flash image for the chip; default: the image of this build")
-      .value_name("FILE");
+      .value_name("FILE")
+      .file(FileUse::read);
   app.add_option("--pty", &options->pty,
                  "Open a pseudo-terminal and create a link of this name to it")
       .value_name("LINK")
+      .file(FileUse::write)
       .common();
   app.add_option("--tcp", &options->tcp,
                  "Listen for TCP connections at this address; port 0: any free port")
@@ -61,9 +63,11 @@ void add_sim(Command& program) {
       .common();
   app.add_option("--vcd", &options->vcd, "Write a trace of all pins (VCD, for GTKWave)")
       .value_name("FILE")
+      .file(FileUse::write)
       .common();
   app.add_option("--shots", &options->shots, "Write the laser shots (CSV)")
       .value_name("FILE")
+      .file(FileUse::write)
       .common();
   app.add_json(options->json);
   add_machine(app, options->machine);

@@ -11,7 +11,6 @@
 #include "host/cli/parameter_options.hpp"
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
-#include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/glass/description_file.hpp"
 #include "host/model/input.hpp"
@@ -43,7 +42,10 @@ void EngravingOptions::add_section(Command& app, const std::vector<glass::Parame
 }
 
 void EngravingOptions::add_place(Command& app, bool input_required) {
-  app.add_option("INPUT", &input, input_help()).required(input_required).value_name("FILE");
+  app.add_option("INPUT", &input, input_help())
+      .required(input_required)
+      .value_name("FILE")
+      .file(FileUse::read);
   std::vector<glass::Parameter> object = glass::parameters(said_.objects.front());
   object.erase(object.begin());  // the file is INPUT
   add_section(app, object, "Points");
@@ -68,6 +70,7 @@ void EngravingOptions::add_save(Command& app) {
                  "Save the options of this command as a job description, to run it again")
       .check(file_name())
       .value_name("FILE.toml")
+      .file(FileUse::write)
       .common();
 }
 
@@ -90,7 +93,6 @@ void EngravingOptions::check_save() const {
   if (save_.empty()) return;
   if (!glass::is_description(save_))
     throw Error(Exit::bad_input, save_, "is not the name of a description", "name it .toml");
-  check_distinct({{"--save", save_}}, input);
   check_target(save_);
 }
 

@@ -9,6 +9,7 @@
 #include "host/cli/quiet_terminal.hpp"
 #include "host/cli/standard_streams.hpp"
 #include "host/cli/wrapped_text.hpp"
+#include "host/remark.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -83,9 +84,11 @@ void LiveLine::print(std::FILE* out, const std::string& text) {
 
 bool LiveLine::is_due() const { return now_() - drawn_at_ >= redraw_interval; }
 
+/// A terminal that is stopped (Ctrl-S) is drawn later, because a job must not wait for it.
 /// In the background another program owns the terminal: no line, and no modes of its input.
 void LiveLine::draw() {
   drawn_at_ = now_();
+  if (!takes_text(out_)) return;
   QuietTerminal::refresh();
   if (!QuietTerminal::in_foreground(::fileno(out_))) {
     drawn_ = false;

@@ -25,6 +25,7 @@ void add_machine(Command& app, run::MachineOptions& options) {
   app.add_option("--machine", &options.machine,
                  "Machine profile (TOML); default: built-in settings")
       .value_name("FILE")
+      .file(FileUse::read)
       .group(machine_group)
       .common();
 }

@@ -54,6 +54,7 @@ std::vector<Option*> add_parameters(Command& app, const std::vector<Parameter>& 
     const Target target = std::visit([](auto* place) { return Target(place); }, parameter.place);
     Option& option = app.add_option(parameter.option, target, parameter.about);
     option.value_name(kind_of_value(parameter)).group(group);
+    if (parameter.is_file) option.file(FileUse::read);
     std::visit(Describe{option, parameter}, parameter.place);
     options.push_back(&option);
   }

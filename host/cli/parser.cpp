@@ -10,6 +10,7 @@
 
 #include "host/cli/arguments.hpp"
 #include "host/cli/command_line.hpp"
+#include "host/cli/file_options.hpp"
 #include "host/cli/help.hpp"
 #include "host/cli/separate_program.hpp"
 #include "host/cli/standard_streams.hpp"
@@ -241,7 +242,9 @@ Exit run(Command& program, const std::vector<std::string>& arguments) {
     throw error_of_parser(app, error);
   }
   bound.set_given();
-  return chosen(bound).action()();
+  const Command& command = chosen(bound);
+  check_files(command);
+  return command.action()();
 }
 
 }  // namespace lamplock::cli

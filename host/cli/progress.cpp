@@ -13,6 +13,7 @@
 #include "host/duration_text.hpp"
 #include "host/number_text.hpp"
 #include "host/printable.hpp"
+#include "host/remark.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -112,8 +113,8 @@ void ProgressBar::update(std::size_t done) {
   printed_at_ = Clock::now();
   next_line_percent_ = (now / line_every_percent + 1) * line_every_percent;
   const auto left = left_s(done);
-  fmt::print(stderr, "{}: {} %, {} of {}{}\n", title_, now, grouped(done), grouped(total_),
-             left ? left_text(*left, std::time(nullptr)) : "");
+  write_remark(fmt::format("{}: {} %, {} of {}{}\n", title_, now, grouped(done), grouped(total_),
+                           left ? left_text(*left, std::time(nullptr)) : ""));
 }
 
 void ProgressBar::set_state(const run::ProgressState& state) {
@@ -131,7 +132,7 @@ void ProgressBar::set_state(const run::ProgressState& state) {
 
 void ProgressBar::note(const std::string& line) {
   if (line_) return line_->note(printable(line));
-  fmt::print(stderr, "{}\n", printable(line));
+  write_remark(printable(line) + '\n');
 }
 
 std::optional<double> ProgressBar::left_s(std::size_t done) const {

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <string_view>
 #include <type_traits>
 
@@ -55,6 +57,52 @@ std::vector<std::string> parts_of(const Option& option, const std::string& text)
   return parts;
 }
 
+bool is_digits(std::string_view text) {
+  if (text.starts_with('-')) text.remove_prefix(1);
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+/// A number that is too large or too small for the type: 1e999, or a thousand digits.
+bool exceeds_type(const std::string& text) {
+  const std::size_t sign = text.starts_with('+') || text.starts_with('-') ? 1 : 0;
+  const bool is_decimal = text.size() > sign && text[sign] >= '0' && text[sign] <= '9' &&
+                          text.find_first_not_of("0123456789.eE+-") == std::string::npos;
+  if (!is_decimal) return false;
+  char* end = nullptr;
+  errno = 0;
+  std::strtod(text.c_str(), &end);
+  return errno == ERANGE && *end == '\0';
+}
+
+/// "0.1" for "0,1", which some languages write; empty for other texts.
+std::string with_decimal_point(const std::string& text) {
+  const auto comma = text.find(',');
+  if (comma == std::string::npos || text.find('.') != std::string::npos) return "";
+  std::string point = text;
+  point[comma] = '.';
+  return number_of<double>(point) ? point : "";
+}
+
+/// The numbers that a type of whole numbers has, if the text is none of them.
+template <class Value>
+std::string range_of_type(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto range = [text](auto type) -> std::string {
+    using Number = decltype(type);
+    using Limits = std::numeric_limits<Number>;
+    if (number_of<Number>(text)) return "";
+    return fmt::format("{} to {}", Limits::min(), Limits::max());
+  };
+  if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, std::optional<int>>)
+    return range(int{});
+  else if constexpr (std::is_same_v<Value, std::uint32_t> || std::is_same_v<Value, std::uint64_t>)
+    return range(Value{});
+  else if constexpr (std::is_same_v<Value, std::vector<std::int64_t>>)
+    return range(std::int64_t{});
+  else
+    return "";
+}
+
 /// Empty, or why the text is no value of this type.
 std::string type_refusal(const Option& option, const std::string& text) {
   std::string_view digits = text;
@@ -65,9 +113,13 @@ std::string type_refusal(const Option& option, const std::string& text) {
   return std::visit(
       [&](auto* place) -> std::string {
         using Value = std::remove_pointer_t<decltype(place)>;
+        if (is_number<Value> && !number && exceeds_type(text))
+          return fmt::format("{} is out of range", text);
         if (is_number<Value> && !number) return fmt::format("'{}' is not a number", text);
+        if (is_whole<Value> && !whole && is_digits(digits))
+          return fmt::format("{} is out of range", text);
         if (is_whole<Value> && !whole) return fmt::format("'{}' is not a whole number", text);
-        return "";
+        return range_of_type<Value>(text).empty() ? "" : fmt::format("{} is out of range", text);
       },
       option.target());
 }
@@ -101,7 +153,8 @@ class Usage {
       if (auto error = error_at(arguments_[at_])) return error;
     if (auto error = contradiction()) return error;
     const Command& command = arguments_.empty() ? program_ : *arguments_.back().command;
-    if (command.needs_command()) return refusal(here(), "a command is missing", see_help());
+    if (command.needs_command())
+      return refusal(here(), "a command is missing", give_command(command));
     return missing(command);
   }
 
@@ -152,10 +205,34 @@ class Usage {
     const std::string question =
         question_of(similar_names(argument.text, names_in(*argument.command)));
     if (!question.empty()) return question;
+    const std::string of_inner = remedy_of_inner(argument);
+    if (!of_inner.empty()) return of_inner;
     for (const Command& other : program_.commands())
       if (find_option(other, argument.text) != nullptr)
         return fmt::format("lamplock {} has it; {}", other.name(), see_help());
     return see_help();
+  }
+
+  /// For an option that the commands of a group have, not the group itself: the command that was
+  /// given later, else the first one that has it. Empty if none has it or a similar one.
+  std::string remedy_of_inner(const Argument& argument) const {
+    std::vector<std::string> names;
+    for (const Command& inner : argument.command->commands()) {
+      if (find_option(inner, argument.text) != nullptr) {
+        const Command* named = &inner;
+        for (const Argument& later : arguments_)
+          for (const Command& other : argument.command->commands())
+            if (later.text == other.name() && find_option(other, argument.text) != nullptr)
+              named = &other;
+        return fmt::format("write it after a command: {} {} {}; {}", here(), named->name(),
+                           argument.text, see_help());
+      }
+      for (const std::string& name : names_in(inner))
+        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+    const std::string question = question_of(similar_names(argument.text, names));
+    return question.empty() ? ""
+                            : fmt::format("{} Write it after a command; {}", question, see_help());
   }
 
   std::string remedy_for_command(const Argument& argument) const {
@@ -166,7 +243,15 @@ class Usage {
     if (is_file)
       return fmt::format("give the command before the file, such as {} {} {}; {}", here(),
                          names.size() > 1 ? "engrave" : names.front(), argument.text, see_help());
-    return did_you_mean(argument.text, names, see_help());
+    return did_you_mean(argument.text, names, give_command(*argument.command));
+  }
+
+  /// The commands of a group; the program itself has too many.
+  std::string give_command(const Command& command) const {
+    if (&command == &program_) return see_help();
+    std::vector<std::string> names;
+    for (const Command& inner : command.commands()) names.push_back(inner.name());
+    return fmt::format("give {}; {}", fmt::join(names, ", "), see_help());
   }
 
   std::optional<Error> surplus(const Argument& argument) const {
@@ -226,9 +311,23 @@ class Usage {
     if (!check.names.empty())
       return did_you_mean(text, check.names,
                           fmt::format("give {}; {}", fmt::join(check.names, ", "), see_help()));
-    if (!check.range.empty())
-      return fmt::format("give {}{}; {}", check.range, unit_of(option), see_help());
-    return see_help();
+    const std::string point = takes_numbers(option) ? "" : with_decimal_point(text);
+    const std::string written =
+        point.empty() || type_refusal(option, text).empty()
+            ? ""
+            : fmt::format("write a decimal point: {} {}; ", option.name(), point);
+    const bool is_huge = is_digits(text.starts_with('+') ? text.substr(1) : text);
+    const std::string of_type = std::visit(
+        [&](auto* place) {
+          return is_huge ? range_of_type<std::remove_pointer_t<decltype(place)>>(text) : "";
+        },
+        option.target());
+    // A range without an upper end does not say why a huge number is refused.
+    const bool by_type = check.range.empty() || (!of_type.empty() && check.refusal(text).empty());
+    const std::string range = by_type ? of_type : check.range;
+    if (!range.empty())
+      return fmt::format("{}give {}{}; {}", written, range, unit_of(option), see_help());
+    return written + see_help();
   }
 
   bool is_given(const Option& option) const {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 
@@ -20,19 +21,36 @@ fs::path place_of(const std::string& file) {
   return error ? fs::path(file).lexically_normal() : place;
 }
 
+/// Two names of one place, or of one file that is there: a link, or a file system that ignores
+/// capitals.
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code error;
+  return place_of(a) == place_of(b) || (fs::equivalent(a, b, error) && !error);
+}
+
+/// The input that an output would replace; null: none. An input that is missing is another error.
+const std::string* replaced_input(const std::string& output,
+                                  const std::vector<std::string>& inputs) {
+  const auto found = std::find_if(inputs.begin(), inputs.end(), [&](const std::string& input) {
+    std::error_code ignored;
+    return fs::is_regular_file(input, ignored) && is_same_file(output, input);
+  });
+  return found == inputs.end() ? nullptr : &*found;
+}
+
 }  // namespace
 
-void check_distinct(const std::vector<Output>& outputs, const std::string& input) {
+void check_distinct(const std::vector<Output>& outputs, const std::vector<std::string>& inputs) {
   std::vector<Output> seen;
   seen.reserve(outputs.size());
   for (const auto& [option, file] : outputs) {
     if (file.empty() || is_special(file)) continue;
-    if (!input.empty() && place_of(file) == place_of(input))
+    if (replaced_input(file, inputs) != nullptr)
       throw Error(Exit::bad_input, file,
-                  fmt::format("is the input of this command, and {} would replace it", option),
+                  fmt::format("is an input of this command, and {} would replace it", option),
                   option == "--report" ? "give another folder" : "give another file name");
     for (const Output& other : seen)
-      if (place_of(file) == place_of(other.file))
+      if (is_same_file(file, other.file))
         throw Error(Exit::bad_input, file,
                     fmt::format("is to be written by {} and {}", other.option, option),
                     "give each a file of its own");

@@ -1,6 +1,8 @@
 // The files that a command is to write, looked at together before any work.
 //
-// In:  options and their files. Out: nothing, or an Error. Who: commands with several outputs.
+// In:  options and their files, the files that the command reads. Out: nothing, or an Error.
+// Who: the command line, for the files that options name; the use cases that read further files,
+//      which a job description names.
 #pragma once
 
 #include <string>
@@ -14,7 +16,9 @@ struct Output {
 };
 
 /// Of two outputs in one file the later one would be all that is left, and an output in place of
-/// `input` (if there is one) would leave no input. Throws Error(bad_input).
-void check_distinct(const std::vector<Output>& outputs, const std::string& input = "");
+/// an input would replace it. Names are compared by the files that they lead to: `./a`, links and
+/// capitals count. Throws Error(bad_input).
+void check_distinct(const std::vector<Output>& outputs,
+                    const std::vector<std::string>& inputs = {});
 
 }  // namespace lamplock

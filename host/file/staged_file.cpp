@@ -1,5 +1,6 @@
 #include "host/file/staged_file.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -37,6 +38,17 @@ void check_parent(const fs::path& target) {
   if (is_of_another_user(target, folder)) throw OutputError(target, EPERM);
 }
 
+/// A device says only at a write that it takes nothing, as /dev/full does. A line end is harmless
+/// to devices that take text; terminals, which show it, and pipes are not tried.
+void try_device(const fs::path& target) {
+  const int descriptor = ::open(target.c_str(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  if (descriptor < 0) throw OutputError(target, errno);
+  const bool refuses = ::isatty(descriptor) == 0 && ::write(descriptor, "\n", 1) < 0;
+  const int error = refuses && errno != EAGAIN ? errno : 0;
+  ::close(descriptor);
+  if (error != 0) throw OutputError(target, error);
+}
+
 }  // namespace
 
 bool is_special(const fs::path& path) {
@@ -59,6 +71,8 @@ void check_target(const fs::path& target) {
     return;
   }
   if (::access(target.c_str(), W_OK) != 0) throw OutputError(target, errno);
+  std::error_code ignored;
+  if (fs::is_character_file(target, ignored)) try_device(target);
 }
 
 StagedFile::StagedFile(fs::path target) : target_(std::move(target)), staged_(target_) {

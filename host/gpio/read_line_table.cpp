@@ -182,7 +182,7 @@ LineTable parse_line_table(std::string_view text, const std::filesystem::path& f
   try {
     root = toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
-    fail(toml_location(file, error.source()), std::string(error.description()), "correct the line");
+    refuse_toml(file, error);
   }
   return Reader(file).read(root);
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/link/not_ready.hpp"
 
 namespace lamplock::link {
 namespace {
@@ -25,6 +26,13 @@ std::size_t size_of(const std::string& text) { return text.size() + 1; }
 
 /// The line changes the board's memory or state: no other line is sent until it is answered.
 bool goes_alone(const std::string& text) { return text.starts_with('$'); }
+
+/// The first line ends an alarm: homing or unlocking.
+bool unlocks(const std::vector<ProgramLine>& lines) {
+  if (lines.empty()) return false;
+  const std::string& first = lines.front().text;
+  return first.starts_with("$H") || first.starts_with("$h") || first == "$X" || first == "$x";
+}
 
 }  // namespace
 
@@ -56,12 +64,11 @@ bool LineSender::step() {
 void LineSender::begin() {
   greeting_ = greet(port_, options_.greeting);
   status_ = greeting_.status;
-  if (status_.is("Alarm"))
-    throw Error(Exit::job_failed, "machine", "is in alarm",
-                "find the cause, then unlock it with $X or home it with $H");
-  if (!status_.rests())
-    throw Error(Exit::job_failed, "machine", "is busy: " + status_.state,
-                "wait until it is idle, or reset it");
+  unlocks_ = status_.is("Alarm") && unlocks(lines_);
+  if (!status_.rests() && !unlocks_) {
+    const NotReady reason = why_not_ready(status_, port_.transport().board());
+    throw Error(Exit::job_failed, "machine", reason.what, reason.remedy);
+  }
   check_lengths();
   const Time now = port_.transport().now();
   started_at_ = heard_at_ = now;
@@ -101,7 +108,9 @@ void LineSender::take_status(BoardStatus status) {
   status_of_ = asked_;
   status_open_ = false;
   idle_reports_ = fresh() && status_.rests() ? idle_reports_ + 1 : 0;
-  if (status_.is("Alarm") && phase_ == Phase::streaming) end(LineEnd::alarm);
+  // A program that begins with $H or $X ends the alarm by its first line.
+  const bool ends_alarm = unlocks_ && answered_ == 0;
+  if (status_.is("Alarm") && phase_ == Phase::streaming && !ends_alarm) end(LineEnd::alarm);
 }
 
 void LineSender::take_answer(int error) {

@@ -169,6 +169,7 @@ class LineSender {
   std::uint64_t asked_held_ = 0;    ///< `?` before the last `~`: outdated after a resume
   Time idle_since_{};               ///< the board is idle with answers missing since then
   bool idle_short_ = false;
+  bool unlocks_ = false;  ///< the machine was locked, and the first line ends that
   int idle_reports_ = 0;
   Time heard_at_{};
   Time started_at_{}, elapsed_{};

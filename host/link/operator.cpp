@@ -13,6 +13,7 @@
 #include "host/error.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/line_console.hpp"
+#include "host/link/not_ready.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::link {
@@ -204,11 +205,8 @@ std::vector<std::string> lines_of(Operation operation, const Places& places,
 void require_ready(LinePort& port, Operation operation) {
   const BoardStatus status = greet(port).status;
   if (status.rests() || (operation == Operation::home && status.is("Alarm"))) return;
-  const bool alarm = status.is("Alarm");
-  throw Error(Exit::job_failed, "machine",
-              alarm ? "is in alarm" : fmt::format("is not idle: {}", status.state),
-              alarm ? "find the cause, then run lamplock operate home"
-                    : "wait until it is idle, or stop it");
+  const NotReady reason = why_not_ready(status, port.transport().board());
+  throw Error(Exit::job_failed, "machine", reason.what, reason.remedy);
 }
 
 void run_lines(LinePort& port, const std::vector<std::string>& lines,
@@ -222,8 +220,8 @@ void run_lines(LinePort& port, const std::vector<std::string>& lines,
     stop(port, homes);
     if (homes)
       throw Error(Exit::interrupted, "machine", "was reset during homing", "home it again");
-    throw Error(Exit::interrupted, "machine", "is in feed hold",
-                "in lamplock console, ~ resumes and :reset ends the motion");
+    const NotReady held = why_held(port.transport().board());
+    throw Error(Exit::interrupted, "machine", held.what, held.remedy);
   }
   if (!talk.failure()) return;
   const std::string& line = lines[talk.failure()->line - 1];

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/link/not_ready.hpp"
 #include "host/link/refused_setting.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/job_header.hpp"
@@ -16,6 +17,12 @@
 
 namespace lamplock::link {
 namespace {
+
+/// Throws why a machine takes no job; `then` follows the remedy.
+[[noreturn]] void throw_not_ready(const NotReady& reason, const std::string& where,
+                                  const std::string& then) {
+  throw Error(Exit::job_failed, where, reason.what, reason.remedy + then);
+}
 
 using std::chrono::microseconds;
 
@@ -272,17 +279,14 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
       throw Error(Exit::job_failed, where, "another job is running",
                   "wait until that job ends, or stop it" + then);
     case Result::held:
-      throw Error(Exit::job_failed, where, "is held although it is at rest ('!' or 0x84)",
-                  "end the hold with '~' in 'lamplock console'" + then);
+      throw_not_ready(why_held(transport_.board()), where, then);
     case Result::no_job:
       throw Error(Exit::job_failed, where, "the job was ended by the machine",
                   of_point ? go_on : "start it again");
     case Result::locked:
-      throw Error(Exit::job_failed, where, "is locked after an alarm",
-                  "unlock or home it first" + then);
+      throw_not_ready(why_locked(status_, transport_.board()), where, then);
     case Result::door_open:
-      throw Error(Exit::job_failed, where, "the door is open or the e-stop is pressed",
-                  "close the door, release the e-stop" + then);
+      throw_not_ready(why_stopped(status_, transport_.board()), where, then);
     case Result::bad_version:
       throw Error(Exit::no_device, where, "its firmware has another protocol version",
                   "install the firmware and the program of the same release");

@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
+#include <utility>
 
 namespace lamplock::link {
 
@@ -35,6 +37,13 @@ class Transport {
 
   /// Closes the connection and tries once to make a new one; true if that succeeds.
   virtual bool reconnect() = 0;
+
+  /// How users name the board after --board; empty for a simulated board.
+  const std::string& board() const { return board_; }
+  void set_board(std::string name) { board_ = std::move(name); }
+
+ private:
+  std::string board_;
 };
 
 }  // namespace lamplock::link

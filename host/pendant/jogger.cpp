@@ -456,7 +456,9 @@ bool Jogger::may_jog() {
   if (status.is("Idle") || status.is("Jog")) return true;
   if (!status.state.empty())
     note(fmt::format("the machine cannot jog in state {}{}", status.state,
-                     status.is("Alarm") ? ": home or unlock it" : ""));
+                     status.is("Alarm") ? ": home it or unlock it (keys h, u)"
+                     : status.waits()   ? ": resume it (key ~)"
+                                        : ""));
   return false;
 }
 

@@ -1,5 +1,6 @@
 #include "host/run/board_link.hpp"
 
+#include "host/link/dialog.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "host/run/board_port.hpp"
 #include "sim/world/limit_settings.hpp"
@@ -19,6 +20,14 @@ BoardLink::BoardLink(const BoardOptions& options, const settings::Values& stored
     transport_ = std::make_unique<link::SimulatedTransport>(*simulated_.board);
   }
   port_ = std::make_unique<link::LinePort>(*transport_);
+}
+
+void BoardLink::unlock_simulated() {
+  if (simulated_.board) unlock(*port_);
+}
+
+void unlock(link::LinePort& port) {
+  if (link::greet(port).status.is("Alarm")) link::ask(port, "$X");
 }
 
 }  // namespace lamplock::run

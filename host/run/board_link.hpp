@@ -23,6 +23,9 @@ class BoardLink {
   link::LinePort& port() { return *port_; }
   /// The board, if it is simulated.
   sim::Board* simulated() { return simulated_.board.get(); }
+  /// A simulated board of a machine that homes is locked at its power-up, as a real one is: unlocks
+  /// it for a command that no other command can precede. No effect on a real board.
+  void unlock_simulated();
   /// Whose time passes while the user thinks.
   Clocking clocking() const { return simulated_.board ? Clocking::lock_step : Clocking::wall; }
 
@@ -31,5 +34,8 @@ class BoardLink {
   std::unique_ptr<link::Transport> transport_;
   std::unique_ptr<link::LinePort> port_;
 };
+
+/// Ends an alarm or the lock after power-up. Throws Error(no_device).
+void unlock(link::LinePort& port);
 
 }  // namespace lamplock::run

@@ -52,6 +52,11 @@ std::vector<std::string> serial_ports() {
 void check_board_name(const std::string& name) {
   std::error_code ignored;
   if (std::find(names.begin(), names.end(), name) != names.end() || usb_serial(name)) return;
+  if (fs::is_regular_file(name, ignored) || fs::is_directory(name, ignored))
+    throw Error(Exit::bad_input, "--board",
+                fmt::format("'{}' is a {}, not the port of a board", name,
+                            fs::is_directory(name, ignored) ? "folder" : "file"),
+                remedy_for_name("", serial_ports()));
   if (name.find('/') != std::string::npos || fs::exists(name, ignored)) return;
   if (sim::parse_tcp_address(name)) return;
   throw Error(Exit::bad_input, "--board", fmt::format("there is no board '{}'", name),

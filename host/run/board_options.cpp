@@ -110,11 +110,11 @@ void BoardOptions::check_simulated_only() const {
                   "leave it out, or use --board virtual");
 }
 
-void BoardOptions::check(const std::string& input, const std::string& save) const {
+void BoardOptions::check(const std::vector<std::string>& inputs, const std::string& save) const {
   check_board_name(board);
   std::vector<Output> all = outputs();
   all.push_back({"--save", save});
-  check_distinct(all, input);
+  check_distinct(all, inputs);
   if (!vcd.empty()) check_target(vcd);
   if (!shots.empty()) check_target(shots);
   if (!report.empty()) check_report_folder(report);

@@ -67,10 +67,10 @@ struct BoardOptions {
   gpio::LineTable line_table() const;
   /// The USB function of a simulated chip that carries the data.
   sim::chip::UsbFunction usb_function() const;
-  /// Refuses options that the board cannot fulfil, and files that would replace each other or
-  /// `input`, before any work is done; `save`: another file that is written. Throws
+  /// Refuses options that the board cannot fulfil, and files that would replace each other or one
+  /// of `inputs`, before any work is done; `save`: another file that is written. Throws
   /// Error(bad_input).
-  void check(const std::string& input = "", const std::string& save = "") const;
+  void check(const std::vector<std::string>& inputs = {}, const std::string& save = "") const;
 
  private:
   std::vector<Output> outputs() const;

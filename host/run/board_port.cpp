@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <system_error>
 
@@ -10,6 +9,7 @@
 #include "host/link/serial_transport.hpp"
 #include "host/link/tcp_transport.hpp"
 #include "host/link/usb_transport.hpp"
+#include "host/remark.hpp"
 #include "host/run/board_names.hpp"
 #include "host/usb/libusb_bus.hpp"
 #include "host/usb/sysfs.hpp"
@@ -25,15 +25,16 @@ std::unique_ptr<link::Transport> open_any() {
   const usb::DeviceInfo board = link::find_board(*bus, "");
   try {
     auto stream = std::make_unique<link::UsbTransport>(bus, board);
-    fmt::print(stderr, "board {} (USB {}): talking over its pulse stream\n", board.serial,
-               board.place);
+    write_remark(fmt::format("board {} (USB {}): talking over its pulse stream\n", board.serial,
+                             board.place));
     return stream;
   } catch (const Error& error) {
     const auto ports = usb::Sysfs().serial_ports(board.place);
     const bool in_use = board.problem.empty() && link::stream_interface(board);
     if (ports.empty() || in_use) throw;
     auto port = std::make_unique<link::SerialTransport>(ports.front());
-    fmt::print(stderr, "warning: {}; talking over {} meanwhile\n", error.message(), ports.front());
+    write_remark(
+        fmt::format("warning: {}; talking over {} meanwhile\n", error.message(), ports.front()));
     return port;
   }
 }
@@ -47,8 +48,9 @@ std::optional<std::string> usb_serial(const std::string& board) {
   return std::nullopt;
 }
 
-std::unique_ptr<link::Transport> open_board(const std::string& board, unsigned baud) {
-  check_board_name(board);
+namespace {
+
+std::unique_ptr<link::Transport> open_named(const std::string& board, unsigned baud) {
   if (board == auto_board) return open_any();
   if (const auto serial = usb_serial(board)) {
     const auto bus = std::make_shared<usb::LibusbBus>();
@@ -57,6 +59,15 @@ std::unique_ptr<link::Transport> open_board(const std::string& board, unsigned b
   const bool path = board.find('/') != std::string::npos;
   if (!path && sim::parse_tcp_address(board)) return std::make_unique<link::TcpTransport>(board);
   return std::make_unique<link::SerialTransport>(board, baud);
+}
+
+}  // namespace
+
+std::unique_ptr<link::Transport> open_board(const std::string& board, unsigned baud) {
+  check_board_name(board);
+  auto transport = open_named(board, baud);
+  transport->set_board(board);
+  return transport;
 }
 
 void check_is_connected(const BoardOptions& options) {

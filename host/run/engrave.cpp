@@ -33,7 +33,7 @@ void warn_in_description(report::Making& making, const BoardOptions& options) {
 
 JobOutcome engrave(const JobRequest& request, BoardOptions& options, Frontend& frontend) {
   options.profile = request.description.machine.profile;
-  options.check(request.input, request.save);
+  options.check(input_files(request), request.save);
   require_askable(options, frontend);
   auto port = open_job_port(options);
   PreparedJob prepared =

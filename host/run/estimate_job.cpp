@@ -75,7 +75,7 @@ void write_page_file(const report::Report& report, const report::JobRun& run,
 }  // namespace
 
 Estimated estimate_job(const EstimateOptions& options, Frontend& frontend) {
-  check_distinct({{"--page", options.page}}, options.request.input);
+  check_distinct({{"--page", options.page}}, input_files(options.request));
   if (!options.page.empty()) check_target(options.page);
   PreparedJob prepared = job_of(options, frontend);
   prepared.job.header.dry = false;

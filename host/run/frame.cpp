@@ -47,7 +47,7 @@ Framed frame(const JobRequest& request, double speed_m_s, BoardOptions options,
   const glass::Description& description = request.description;
   options.dry = true;
   options.profile = description.machine.profile;
-  options.check(request.input);
+  options.check(input_files(request));
   auto port = open_job_port(options);
   const job::Profile profile = frame_profile(speed_m_s, description);
   const std::optional<geometry::Point> origin = ask_origin(request.origin, port.get());

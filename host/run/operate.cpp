@@ -46,6 +46,7 @@ PreparedJob pulse_job(link::LinePort& port, const OperateOptions& options) {
 
 Places operate(const OperateOptions& options, Operation operation, Frontend& frontend) {
   BoardLink board(options.board, options.machine.profile().settings);
+  if (operation != Operation::home) board.unlock_simulated();
   link::require_ready(board.port(), operation);
   // A machine in alarm does not report all of its places.
   const Places before = operation == Operation::home ? Places{} : link::ask_places(board.port());
@@ -76,6 +77,7 @@ JobOutcome fire_test_flashes(const OperateOptions& options, Frontend& frontend) 
     prepared = pulse_job(port, options);
   } else {
     BoardLink board(options.board, options.machine.profile().settings);
+    board.unlock_simulated();
     prepared = pulse_job(board.port(), options);
   }
   return run_job(prepared, options.board, std::move(transport), frontend);

@@ -14,6 +14,7 @@
 #include "host/model/picture.hpp"
 #include "host/model/transform.hpp"
 #include "host/number_text.hpp"
+#include "host/run/file_ways.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -220,6 +221,7 @@ Bounds PlacedModel::box() const {
 }
 
 PlacedModel placed_model(const Object& object, double layer_mm, const Volume& volume) {
+  refuse_finished(object.file);
   model::Input input = model::read_input(object.file);
   if (auto* mesh = std::get_if<model::Mesh>(&input))
     return placed_mesh(std::move(*mesh), object, volume);

@@ -67,6 +67,12 @@ void move_to(const std::optional<geometry::Point>& origin, geometry::PointCloud&
   volume.refraction.entry_mm += origin->z;
 }
 
+std::vector<std::string> input_files(const JobRequest& request) {
+  std::vector<std::string> files{request.input, request.description.machine.profile};
+  for (const glass::Object& object : request.description.objects) files.push_back(object.file);
+  return files;
+}
+
 PreparedJob prepare_job(const JobRequest& request, bool dry,
                         const std::optional<geometry::Point>& origin, Frontend& frontend) {
   const glass::Description& description = request.description;
@@ -90,7 +96,7 @@ job::Job make_job_file(const JobRequest& request, bool dry, const std::string& o
                        Frontend& frontend) {
   check_job_name(output);
   check_target(output);
-  check_distinct({{"-o", output}, {"--save", request.save}}, request.input);
+  check_distinct({{"-o", output}, {"--save", request.save}}, input_files(request));
   PreparedJob prepared = prepare_job(request, dry, std::nullopt, frontend);
   write_whole(output, [&prepared](const auto& path) { job::write_job_file(path, prepared.job); });
   frontend.phase("written", output);

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/geometry/point.hpp"
 #include "host/glass/description.hpp"
@@ -23,6 +24,9 @@ struct JobRequest {
   std::string save{};                   ///< file that the description is written to; empty: none
   std::string origin = origin_machine;  ///< or origin_zero
 };
+
+/// The files that a request reads: its input, and those that its description names.
+std::vector<std::string> input_files(const JobRequest& request);
 
 /// Reads, discretises, orders and rounds to steps; then writes the description if that was
 /// requested. `origin`: the origin of the description in machine coordinates, mm; the points of the

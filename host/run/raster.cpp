@@ -21,6 +21,7 @@
 #include "host/raster/row_motion.hpp"
 #include "host/raster/rows.hpp"
 #include "host/run/bounds_text.hpp"
+#include "host/run/file_ways.hpp"
 #include "host/run/job_points.hpp"
 #include "host/run/prepare.hpp"
 #include "host/run/run_rows.hpp"
@@ -121,11 +122,21 @@ void require_laser(const RasterOptions& options, const job::Profile& profile) {
               "lamplock settings backup FILE.toml --board PORT writes that of a board");
 }
 
+/// Files of other kinds are refused with the command that takes them.
+model::Bitmap read_picture(const std::string& file) {
+  try {
+    return model::read_bitmap(file);
+  } catch (const Error&) {
+    refuse_for_picture(file);
+    throw;
+  }
+}
+
 /// Reads the picture and makes rows of it.
 job::Job make_job(const RasterOptions& options, Frontend& frontend, RasterResult& result) {
   const job::Profile profile = options.machine.profile();
   require_laser(options, profile);
-  const model::Bitmap bitmap = model::read_bitmap(options.input);
+  const model::Bitmap bitmap = read_picture(options.input);
   const RasterSize size = size_of(options, bitmap);
   const raster::Pixels pixels =
       raster::make_pixels(bitmap, size.columns, size.rows,

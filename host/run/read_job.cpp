@@ -10,7 +10,9 @@
 #include "host/glass/description_file.hpp"
 #include "host/job/job_file.hpp"
 #include "host/model/input.hpp"
+#include "host/run/file_ways.hpp"
 #include "host/run/job_points.hpp"
+#include "host/shell_text.hpp"
 
 namespace lamplock::run {
 
@@ -18,22 +20,22 @@ std::string way_to_job(const std::string& file) {
   using model::InputKind;
   const std::optional<InputKind> kind = model::kind_of(file);
   if (!kind && !glass::is_description(file)) return "";
-  const std::string job = std::filesystem::path(file).replace_extension(".llj").string();
-  const std::string points = fmt::format("make a job of it: lamplock job {} -o {}", file, job);
+  const std::string job =
+      shell_text({std::filesystem::path(file).replace_extension(".llj").string()});
+  const std::string name = shell_text({file});
+  const std::string points = fmt::format("make a job of it: lamplock job {} -o {}", name, job);
   if (kind != InputKind::bitmap) return points;
   return fmt::format("{} (points in glass), or lamplock raster {} --feed MM_MIN -o {} (rows)",
-                     points, file, job);
+                     points, name, job);
 }
 
 job::Job read_job(const std::string& file) {
   check_is_file(file);
-  try {
-    return job::read_job_file(file);
-  } catch (const Error&) {
-    const std::string remedy = way_to_job(file);
-    if (remedy.empty()) throw;
-    throw Error(Exit::bad_input, file, "is not a lamplock job file", remedy);
-  }
+  refuse_empty(file);
+  if (!job::starts_with_job(file))
+    if (const FileWay way = way_of_file(file); way && lower_extension(file) != ".llj")
+      throw Error(Exit::bad_input, file, way.what + ", not a lamplock job file", way.remedy);
+  return job::read_job_file(file);
 }
 
 PreparedJob read_prepared_job(const std::string& file) {

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <exception>
 
+#include "host/link/board_text.hpp"
+#include "host/link/not_ready.hpp"
 #include "host/report/statistics.hpp"
 #include "host/report/summary.hpp"
 #include "host/run/report_folder.hpp"
@@ -58,6 +60,43 @@ std::string bound_text(const link::Continuation& rest, const char* item) {
   return fmt::format("first {} not done is {}", item, rest.first);
 }
 
+/// The end of a job before its last item.
+const char* early_end_text(const JobOutcome& outcome) {
+  if (outcome.error) return "the job failed";
+  switch (outcome.result.end) {
+    case JobEnd::done:
+    case JobEnd::stopped:
+      return "the job was stopped";
+    case JobEnd::alarm:
+      return "an alarm ended the job";
+    case JobEnd::lost:
+      return "the connection was lost";
+    case JobEnd::replaced:
+      return "another job replaced the job";
+    case JobEnd::restarted:
+      return "the machine restarted";
+  }
+  return "the job ended";
+}
+
+/// What was done although a file is lost: the whole job, or how far it came.
+std::string done_text(const JobOutcome& outcome, const char* item) {
+  const link::JobResult& result = outcome.result;
+  if (result.end == JobEnd::done && !outcome.error)
+    return result.status.shots != 0 ? "the job was fired" : "the job was run";
+  const link::Continuation rest = shown_rest(outcome);
+  return rest.settled ? fmt::format("{} before {} {}", early_end_text(outcome), item, rest.first)
+                      : fmt::format("{}, {}", early_end_text(outcome), bound_text(rest, item));
+}
+
+/// What ends an alarm; a simulated board has forgotten it.
+std::string way_out_of_alarm(const wire::Status& status, const BoardOptions& options) {
+  if (options.is_simulated()) return "find its cause";
+  return fmt::format("{}, then {}",
+                     status.state == wire::MachineState::estop ? "release it" : "find its cause",
+                     link::way_to_unlock(options.board));
+}
+
 /// The exit status without regard to files.
 Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const char* item,
                    Frontend& frontend) {
@@ -81,9 +120,9 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
       what = fmt::format("{} before {} {}",
                          result.status.state == wire::MachineState::estop
                              ? "e-stop"
-                             : fmt::format("alarm {}", static_cast<int>(result.status.alarm)),
+                             : link::alarm_text(result.status.alarm),
                          item, next);
-      remedy = "clear it and ";
+      remedy = way_out_of_alarm(result.status, options) + ", then ";
       break;
     case JobEnd::lost:
       what = "connection lost, so that the machine could not be stopped; " +
@@ -140,9 +179,7 @@ Exit judge_points(const JobOutcome& outcome, const BoardOptions& options, Fronte
 
 Exit judge_end(const JobOutcome& outcome, const BoardOptions& options, const char* item,
                Frontend& frontend) {
-  const char* const done =
-      outcome.result.status.shots != 0 ? "the job was fired" : "the job was run";
-  const Exit exit = outcome.lost.report(Exit::done, done, frontend);
+  const Exit exit = outcome.lost.report(Exit::done, done_text(outcome, item), frontend);
   const Exit of_machine = judge_machine(outcome, options, item, frontend);
   return of_machine == Exit::done ? exit : of_machine;
 }

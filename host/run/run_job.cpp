@@ -16,6 +16,7 @@
 #include "host/link/transport.hpp"
 #include "host/report/files.hpp"
 #include "host/run/board_files.hpp"
+#include "host/run/board_link.hpp"
 #include "host/run/frontend.hpp"
 #include "host/run/job_run.hpp"
 #include "host/run/lock_timeout.hpp"
@@ -280,6 +281,10 @@ JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& option
       virtual_one != nullptr && options.plot.any())
     plot.emplace(options.plot, *virtual_one, prepared.job.header.dry);
   link::SimulatedTransport transport(board);
+  if (machine.whole(Id::homing) != 0) {
+    link::LinePort port(transport);
+    unlock(port);  // locked at power-up; no other command can precede this one
+  }
   RemainingTime unknown;  // the wall clock does not pass as the machine's does
   JobOutcome outcome = send(transport, prepared, options, Clocking::lock_step, unknown, frontend);
   if (!prepared.job.is_rows()) {

@@ -13,6 +13,7 @@
 #include "host/file.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/line_sender.hpp"
+#include "host/link/not_ready.hpp"
 #include "host/program/board_state.hpp"
 #include "host/program/program_run.hpp"
 #include "host/program/start_at.hpp"
@@ -23,6 +24,7 @@
 #include "host/run/permission.hpp"
 #include "host/run/program_control.hpp"
 #include "host/run/program_time.hpp"
+#include "host/run/simulated_boards.hpp"
 #include "host/run/supervisor.hpp"
 #include "shared/units.hpp"
 
@@ -256,6 +258,12 @@ std::string alarm_of(const LineResult& result) {
   return result.alarm == 0 ? "alarm" : link::alarm_text(result.alarm);
 }
 
+/// The way out of an alarm, after its cause; a simulated board has forgotten it.
+std::string then_unlock(const std::string& board) {
+  const bool is_simulated = board == virtual_board || board == chip_board;
+  return is_simulated ? "" : ", then " + link::way_to_unlock(board);
+}
+
 /// A reset in motion is an alarm.
 bool was_stopped(LineEnd end) { return end == LineEnd::stopped || end == LineEnd::alarm; }
 
@@ -307,7 +315,7 @@ Exit judge(const ProgramOutcome& outcome, const std::string& board, Frontend& fr
       return Exit::interrupted;
     case LineEnd::alarm:
       fail(board, fmt::format("{}, {}", alarm_of(result), reach),
-           "see what stopped it, then unlock it with $X or home it with $H");
+           "see what stopped it" + then_unlock(board));
     case LineEnd::lost:
       what = "connection lost, so that the machine could not be stopped";
       remedy = "check that it is at rest, and check the cable";
@@ -336,12 +344,13 @@ const char* end_name(const ProgramOutcome& outcome) {
 ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
                            const ProgramOptions& asked, Frontend& frontend) {
   check_options(options);
-  options.check(file);
+  options.check({file});
   require_askable(options, frontend);
   Program program = read_program(file);
   const settings::Values values = asked.machine.profile().settings;
   BoardLink board(options, values);
   ask_permission(program, options, frontend);
+  board.unlock_simulated();
   const link::BoardStatus status = link::greet(board.port()).status;
   const auto of_board = settings_of(board.port());
   std::optional<program_run::BoardState> state;
@@ -362,10 +371,11 @@ ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
 }
 
 Exit judge_program(const ProgramOutcome& outcome, const std::string& board, Frontend& frontend) {
-  const Exit exit = outcome.lost.report(Exit::done, "the program was run", frontend);
+  const bool is_done = !outcome.error && outcome.result.end == LineEnd::done;
+  const Exit exit = outcome.lost.report(
+      Exit::done, is_done ? "the program was run" : "the program ended early", frontend);
   if (!outcome.error && !outcome.ended_by.empty() && was_stopped(outcome.result.end))
-    throw_stopped(outcome.ended_by, reach_text(outcome),
-                  "release it, then unlock the machine with $X or home it with $H");
+    throw_stopped(outcome.ended_by, reach_text(outcome), "release it" + then_unlock(board));
   const Exit of_machine = judge(outcome, board, frontend);
   return of_machine == Exit::done ? exit : of_machine;
 }

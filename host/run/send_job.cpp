@@ -21,7 +21,7 @@
 namespace lamplock::run {
 
 SentJob send_job(const std::string& file, BoardOptions& options, Frontend& frontend) {
-  options.check(file);
+  options.check({file});
   require_askable(options, frontend);
   auto port = open_job_port(options);
   SentJob sent{read_prepared_job(file), {}, 0};

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <fstream>
 #include <string_view>
 
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/job/job_file.hpp"
+#include "host/run/file_ways.hpp"
 #include "host/run/read_job.hpp"
 #include "host/text.hpp"
 
@@ -51,6 +53,17 @@ bool has_words(std::string_view line) {
   return true;
 }
 
+/// Enough of a file for so many lines.
+std::string first_lines(const std::string& file) {
+  constexpr std::size_t bytes = 1 << 16;
+  check_is_file(file);
+  std::string text(bytes, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
 /// The first lines are words of G-code, lines for the board, or the % round a program.
 bool looks_like_program(std::string_view text) {
   int judged = 0;
@@ -67,21 +80,37 @@ bool looks_like_program(std::string_view text) {
 
 SentKind kind_of_sent_file(const std::string& file) {
   if (is_job_file(file)) return SentKind::job;
-  const std::string text = read_file(file);
-  if (has_program_name(file) || looks_like_program(text)) return SentKind::program;
+  refuse_empty(file);
+  read_file(file);  // refuses a file that is missing or cannot be read
+  if (is_program_file(file)) return SentKind::program;
   const std::string way = way_to_job(file);
-  throw Error(Exit::bad_input, file, "is neither a job nor a program of G-code",
-              way.empty() ? "make a job of a model or of points: lamplock job --help" : way);
+  throw Error(
+      Exit::bad_input, file, "is neither a job nor a program of G-code",
+      way.empty() ? "make a job of a model or of points: lamplock job MODEL -o FILE.llj" : way);
 }
 
 bool is_job_file(const std::string& file) {
   return lower_extension(file) == job_extension || job::starts_with_job(file);
 }
 
+bool is_program_file(const std::string& file) {
+  if (job::starts_with_job(file)) return false;
+  if (has_program_name(file)) return true;
+  try {
+    return looks_like_program(first_lines(file));
+  } catch (const Error&) {
+    return false;  // a file that is empty or cannot be read
+  }
+}
+
+bool is_program_name(const std::string& file) { return has_program_name(file); }
+
 void require_program(const std::string& file) {
-  if (job::starts_with_job(file))
-    throw Error(Exit::bad_input, file, "is a job, not a program of G-code",
-                "see it with lamplock job --show, predict it with lamplock estimate");
+  refuse_empty(file);
+  // A text may be a program whose first line is wrong.
+  if (is_program_file(file) || lower_extension(file) == ".txt") return;
+  if (const FileWay way = way_of_file(file))
+    throw Error(Exit::bad_input, file, way.what + ", not a program of G-code", way.remedy);
 }
 
 void check_job_name(const std::string& output) {

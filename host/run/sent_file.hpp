@@ -17,7 +17,13 @@ SentKind kind_of_sent_file(const std::string& file);
 /// The file contains a job. A name that ends in .llj promises one, whatever the file contains.
 bool is_job_file(const std::string& file);
 
-/// Throws Error(bad_input) for a file that contains a job, where a program is read.
+/// The name has an ending of programs of G-code.
+bool is_program_name(const std::string& file);
+/// The name or the first lines of the file are those of a program of G-code.
+bool is_program_file(const std::string& file);
+
+/// Throws Error(bad_input) for a file that contains a job, a model or a picture, where a program is
+/// read.
 void require_program(const std::string& file);
 
 /// Throws Error(bad_input) for an output whose name does not end in .llj, for a job, or does so,

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "host/duration_text.hpp"
-#include "host/file/output_files.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/run/board_files.hpp"
 #include "host/run/endpoints.hpp"
@@ -116,7 +115,6 @@ void run_at_wall_pace(sim::Board& board, Ports& ports, const SimOptions& options
 
 Simulated simulate(const SimOptions& options, Frontend& frontend) {
   check_image(options.board, options.image);
-  check_distinct({{"--vcd", options.vcd}, {"--shots", options.shots}});
   for (const std::string& file : {options.vcd, options.shots})
     if (!file.empty()) check_target(file);
   const settings::Values values = options.machine.profile().settings;

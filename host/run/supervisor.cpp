@@ -7,6 +7,7 @@
 #include "host/error.hpp"
 #include "host/gpio/host_lines.hpp"
 #include "host/gpio/line_table.hpp"
+#include "host/link/not_ready.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -99,8 +100,8 @@ void Supervisor::poll(link::LinePort& port) {
     port.drop_lines();
   send_now(port, door ? link::realtime::door : link::realtime::reset);
   throw_stopped(ended_by_, door ? "the machine holds" : "the machine was reset",
-                door ? "close it, then resume with ~ or end it with :reset in lamplock console"
-                     : "release it, then unlock the machine with $X or home it with $H");
+                door ? "close it, then " + link::way_to_resume(port.transport().board())
+                     : "release it, then " + link::way_to_unlock(port.transport().board()));
 }
 
 void throw_stopped(const std::string& ended_by, const std::string& reach,

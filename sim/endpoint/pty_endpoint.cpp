@@ -28,10 +28,15 @@ void make_raw(int descriptor) {
   if (::tcsetattr(descriptor, TCSANOW, &settings) != 0) fail("pseudo-terminal");
 }
 
+/// Replaces a link of an earlier simulation, which leads to a terminal or nowhere, and nothing
+/// else.
 void make_link(const std::string& target, const std::filesystem::path& link) {
-  if (std::filesystem::is_symlink(std::filesystem::symlink_status(link)))
-    std::filesystem::remove(link);
-  std::filesystem::create_symlink(target, link);
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::file_status found = fs::status(link, ignored);
+  const bool is_old = !fs::exists(found) || fs::is_character_file(found);
+  if (is_old && fs::is_symlink(fs::symlink_status(link, ignored))) fs::remove(link);
+  fs::create_symlink(target, link);
 }
 
 }  // namespace

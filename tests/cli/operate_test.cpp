@@ -207,7 +207,7 @@ TEST_F(Operate, is_refused_in_an_alarm_and_while_something_runs) {
   (void)program.finish();
   const Finished busy = operate({"init"});
   EXPECT_EQ(busy.status, 1);
-  EXPECT_THAT(busy.err, HasSubstr("is not idle: Hold"));
+  EXPECT_THAT(busy.err, HasSubstr("is held"));
 }
 
 }  // namespace

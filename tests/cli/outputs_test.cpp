@@ -1,5 +1,6 @@
 // Outputs that cannot be written: before the first shot nothing is done, after it the exit status
 // never says so.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 
@@ -77,20 +78,50 @@ TEST_F(Outputs, AreProvedWritableBeforeTheFirstShot) {
   }
 }
 
-TEST_F(Outputs, ThatAreLostAfterTheShotsGiveOne) {
+/// A device that takes nothing is known before the first shot, as a full disk is.
+TEST_F(Outputs, ThatAreFullDevicesAreRefusedBeforeTheFirstShot) {
   for (const auto& [option, file] : OptionsAndFiles{{"--statistics", "/dev/full"},
                                                     {"--vcd", "/dev/full"},
                                                     {"--shots", "/dev/full"},
                                                     {"--plot", folder_ / "full.svg"}}) {
+    const Finished refused = engrave({option, file});
+    EXPECT_EQ(refused.status, 2) << option;
+    EXPECT_THAT(refused.err, HasSubstr("error: " + file + ": cannot be written (No space left"));
+    EXPECT_EQ(refused.out, "") << option;
+    EXPECT_EQ(engrave({option, option == "--plot" ? folder_ / "m.svg" : "/dev/null"}).status, 0);
+  }
+}
+
+constexpr rlim_t trial_bytes = 4096;  // of check_target(); the files of many points are larger
+
+TEST_F(Outputs, ThatAreLostAfterTheShotsGiveOne) {
+  list_ = folder_.write("many.xyz", xyz(walk(400, 1)));
+  for (const auto& [option, name] :
+       OptionsAndFiles{{"--vcd", "v.vcd"}, {"--shots", "s.csv"}, {"--plot", "m.svg"}}) {
+    const std::string file = folder_ / name;
+    const SizeLimit full(trial_bytes);
     const Finished fired = engrave({option, file, "--json"});
     EXPECT_EQ(fired.status, 1) << option;
     EXPECT_THAT(fired.err, HasSubstr("error: " + file + ": the job was fired, but this file "));
     EXPECT_THAT(fired.err, HasSubstr("do not run it a second time"));
     const Json json = Json::parse(fired.out, nullptr, false);
     EXPECT_EQ(json["end"], "done");
-    EXPECT_EQ(json["points_fired"], 60);
+    EXPECT_EQ(json["points_fired"], 400);
     EXPECT_EQ(json["not_written"], Json::array({file}));
   }
+}
+
+/// The text about a lost file does not say that the whole job was fired.
+TEST_F(Outputs, OfAJobThatFailsSayHowFarItCame) {
+  std::string points;
+  for (int i = 0; i < 300; ++i) points += fmt::format("{} 0 0\n", 0.005 * (i % 2));
+  list_ = folder_.write("far.xyz", points + "40 0 0\n");  // too far for the slow machine
+  const SizeLimit full(trial_bytes);
+  const Finished failed = engrave({"--speed", "0.0002", "--vcd", folder_ / "v.vcd"});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_THAT(failed.err, testing::ContainsRegex(
+                              "v.vcd: the job failed before point [0-9]+, but this file cannot"));
+  EXPECT_THAT(failed.err, Not(HasSubstr("the job was fired")));
 }
 
 /// The disk is full after some kilobytes: the files that fit are whole, the others are not there.
@@ -120,19 +151,19 @@ TEST_F(Outputs, ThatAreTooLargeAreMissingAsAWhole) {
 TEST_F(Outputs, OfProgramsAndSimulations) {
   const std::string program = folder_.write("p.ngc", "G21 G91\nG1 X1 F6000\nM2\n");
   for (const std::string option : {"--vcd", "--shots"}) {
-    const Finished sent = run({"send", program, option, "/dev/full", "--json"});
-    EXPECT_EQ(sent.status, 1) << sent.err;
-    EXPECT_THAT(sent.err, HasSubstr("error: /dev/full: the program was run, but"));
-    EXPECT_EQ(Json::parse(sent.out, nullptr, false)["not_written"], Json::array({"/dev/full"}));
+    EXPECT_EQ(run({"send", program, option, "/dev/full"}).status, 2);
     EXPECT_EQ(run({"send", program, option, "/proc/x.csv"}).status, 2);
+    EXPECT_EQ(run({"sim", "--seconds", "0.02", option, "/dev/full"}).status, 2);
     const std::string before = read(program);
     EXPECT_EQ(run({"send", program, option, program}).status, 2);
     EXPECT_EQ(read(program), before);
-    const Finished simulated =
-        run({"sim", "--pty", folder_ / "pty", "--seconds", "0.02", option, "/dev/full"});
-    EXPECT_EQ(simulated.status, 1);
-    EXPECT_THAT(simulated.err, HasSubstr("error: /dev/full: the simulation was run, but"));
   }
+  const std::string vcd = folder_ / "v.vcd";
+  const SizeLimit full(trial_bytes);
+  const Finished sent = run({"send", program, "--vcd", vcd, "--json"});
+  EXPECT_EQ(sent.status, 1) << sent.err;
+  EXPECT_THAT(sent.err, HasSubstr("error: " + vcd + ": the program was run, but"));
+  EXPECT_EQ(Json::parse(sent.out, nullptr, false)["not_written"], Json::array({vcd}));
 }
 
 /// Runs the program in a shell, which redirects. Returns the exit status.

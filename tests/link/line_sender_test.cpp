@@ -446,7 +446,7 @@ TEST(Greeting, refuses_a_machine_that_is_busy_or_in_alarm) {
   GrblModel door;
   door.state = "Door:1";
   Sending second(door, numbered({"G1 X1"}));
-  EXPECT_THAT(failure_of(second).what(), HasSubstr("is busy: Door"));
+  EXPECT_THAT(failure_of(second).what(), HasSubstr("its door is open"));
   EXPECT_TRUE(door.lines.empty());
 }
 

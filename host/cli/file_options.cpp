@@ -1,0 +1,50 @@
+#include "host/cli/file_options.hpp"
+
+#include <filesystem>
+#include <string>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "host/cli/command_line.hpp"
+#include "host/file/output_files.hpp"
+#include "host/run/report_folder.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+/// The name that the user gave; empty: none.
+std::string file_of(const Option& option) {
+  return std::visit(
+      [](const auto* place) -> std::string {
+        using Value = std::remove_cv_t<std::remove_pointer_t<decltype(place)>>;
+        if constexpr (std::is_same_v<Value, std::string>) return *place;
+        if constexpr (std::is_same_v<Value, std::optional<std::string>>) return place->value_or("");
+        return "";
+      },
+      option.target());
+}
+
+/// The first name of an option as users know it: "-o", "--report", "OUTPUT".
+std::string short_name(const Option& option) {
+  return option.is_positional() ? option.name() : option.typed_names().front();
+}
+
+}  // namespace
+
+void check_files(const Command& command) {
+  std::vector<Output> outputs;
+  std::vector<std::string> inputs;
+  for (const Option& option : command.options()) {
+    const std::string file = file_of(option);
+    if (file.empty()) continue;
+    if (option.file_use() == FileUse::read) inputs.push_back(file);
+    if (option.file_use() == FileUse::write) outputs.push_back({short_name(option), file});
+    if (option.file_use() == FileUse::write_report)
+      for (const std::filesystem::path& part : run::files_of_report(file))
+        outputs.push_back({short_name(option), part.string()});
+  }
+  check_distinct(outputs, inputs);
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,103 @@
+// A board that is locked, held or stopped: every command gives the same cause and a remedy that
+// works as it is written.
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "host/link/not_ready.hpp"
+#include "tests/cli/inputs.hpp"
+#include "tests/cli/program.hpp"
+
+namespace lamplock::cli::test::blocked_board {
+namespace {
+
+using Arguments = std::vector<std::string>;
+using testing::HasSubstr;
+using testing::Not;
+
+class BlockedBoard : public testing::Test {
+ protected:
+  BlockedBoard()
+      : profile_(folder_.write("m.toml", "homing = 1\n")),
+        list_(folder_.write("p.xyz", xyz(walk(10, 4, 0.05)))),
+        program_(folder_.write("p.ngc", "G21 G91\nG1 X1 F6000\n")),
+        port_(folder_ / "port"),
+        sim_({"sim", "--pty", port_, "--lamp", "200", "--machine", profile_}) {}
+
+  /// Commands that move the board, with their errors.
+  std::vector<Arguments> commands() const {
+    return {{"engrave", list_, "--lamp", "200", "--machine", profile_, "--board", port_, "--yes"},
+            {"send", program_, "--board", port_, "--yes"},
+            {"operate", "init", "--board", port_}};
+  }
+  void expect_all(const std::string& what, const std::string& remedy) const {
+    for (const Arguments& words : commands()) {
+      const Finished refused = run(words);
+      EXPECT_EQ(refused.status, 1) << words[0];
+      EXPECT_THAT(refused.err, HasSubstr("error: machine: " + what)) << words[0];
+      EXPECT_THAT(refused.err, HasSubstr(remedy)) << words[0];
+      EXPECT_THAT(refused.err, testing::MatchesRegex("error: [^\n]+\n"));
+    }
+  }
+  Finished in_console(const std::string& line) const {
+    return run({"console", "--board", port_}, line + "\n");
+  }
+
+  Folder folder_;
+  std::string profile_, list_, program_, port_;
+  Running sim_;
+};
+
+TEST_F(BlockedBoard, IsDescribedAlikeByAllCommands) {
+  ASSERT_TRUE(sim_.wait_for("Ctrl-C"));
+  expect_all("is locked", "lamplock operate home --board " + port_ +
+                              ", or unlock it with $X in lamplock console --board " + port_);
+  EXPECT_THAT(run(commands()[0]).err, HasSubstr("since power-up, as homing is on ($22)"));
+  EXPECT_THAT(run(commands()[0]).err, Not(HasSubstr("alarm")));
+  EXPECT_EQ(in_console("$X").status, 0);
+  for (const Arguments& words : commands()) EXPECT_EQ(run(words).status, 0) << words[0];
+  EXPECT_EQ(in_console("!").status, 0);
+  expect_all("is held", "resume it with ~ in lamplock console --board " + port_);
+  EXPECT_EQ(in_console("~").status, 0);
+  for (const Arguments& words : commands()) EXPECT_EQ(run(words).status, 0) << words[0];
+  EXPECT_EQ(in_console("!").status, 0);
+  EXPECT_EQ(in_console(":reset").status, 0);
+  EXPECT_THAT(run(commands()[1]).status, testing::AnyOf(0, 1));
+  // A program may unlock by itself.
+  const std::string own = folder_.write("own.ngc", "$X\nG21 G91\nG1 X1 F6000\n");
+  EXPECT_EQ(run({"send", own, "--board", port_, "--yes"}).status, 0);
+}
+
+TEST_F(BlockedBoard, ThatIsSimulatedIsUnlocked) {
+  EXPECT_EQ(run({"engrave", list_, "--machine", profile_}).status, 0);
+  EXPECT_EQ(run({"send", program_, "--machine", profile_}).status, 0);
+  EXPECT_EQ(run({"operate", "init", "--machine", profile_}).status, 0);
+  EXPECT_EQ(run({"operate", "pulse", "--machine", profile_}).status, 0);
+}
+
+TEST(NotReady, NamesOneCauseForEachState) {
+  using wire::MachineState;
+  wire::StatusSummary status;
+  status.state = MachineState::alarm;
+  EXPECT_THAT(link::why_locked(status, "").what, HasSubstr("since power-up"));
+  EXPECT_THAT(link::why_locked(status, "").remedy, Not(HasSubstr("--board")));
+  status.alarm = 11;
+  EXPECT_THAT(link::why_locked(status, "").what, HasSubstr("since power-up"));
+  status.alarm = 3;
+  EXPECT_THAT(link::why_locked(status, "p 7").what, HasSubstr("ALARM:3 reset while moving"));
+  EXPECT_THAT(link::why_locked(status, "p 7").remedy, HasSubstr("--board 'p 7'"));
+  status.state = MachineState::estop;
+  EXPECT_EQ(link::why_locked(status, "p").what, link::why_stopped(status, "p").what);
+  EXPECT_THAT(link::why_stopped(status, "p").remedy, HasSubstr("release it"));
+  status.state = MachineState::door;
+  EXPECT_EQ(link::why_stopped(status, "p").what, "its door is open");
+  for (const char* const report :
+       {"<Door:1|MPos:0,0,0>", "<Door:0|MPos:0,0,0>", "<Hold:0|MPos:0,0,0>", "<Sleep|MPos:0,0,0>"})
+    EXPECT_THAT(link::why_not_ready(*link::parse_status(report), "p").remedy,
+                HasSubstr("in lamplock console --board p"))
+        << report;
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test::blocked_board
