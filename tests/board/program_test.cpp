@@ -229,6 +229,24 @@ TEST_F(Program, ScalesPowerWithSpeed) {
   EXPECT_NEAR(rig_.board.world().beam().energy(begin, rig_.now()), 0.2 + 0.125, 0.005);
 }
 
+/// M4: whatever limits the speed, the light of a path is that of its programmed feed. Limits are
+/// those of the axes, and of many short lines.
+TEST_F(Program, ScalesPowerByTheProgrammedFeed) {
+  EXPECT_THAT(host_.ask("$32=1\n"), ElementsAre("ok"));
+  constexpr double feed_mm_s = 2000, power = 0.9, mm = 20;
+  std::string zigzag;
+  for (int i = 1; i <= 400; ++i)
+    zigzag += "X" + std::to_string(0.05 * i) + (i % 2 != 0 ? " Y0.02\n" : " Y0\n");
+  const double zigzag_mm = 400 * std::hypot(0.05, 0.02);
+  for (const auto& [path, length] : {std::pair{std::string("X20\n"), mm}, {zigzag, zigzag_mm}}) {
+    const auto begin = rig_.now();
+    ASSERT_TRUE(host_.stream("G0 X0 Y0\nM4 S900 F120000\nG1 " + path + "M5\n"));
+    host_.run_ms(20);
+    const double light_s = power * length / feed_mm_s;
+    EXPECT_NEAR(rig_.board.world().beam().energy(begin, rig_.now()), light_s, 0.03 * light_s);
+  }
+}
+
 TEST_F(Program, TheLaserIsOffWhenTheDoorOpens) {
   EXPECT_THAT(host_.ask("$32=1\n"), ElementsAre("ok"));
   host_.send("M3 S1000\nG1 X40 F1200\n");

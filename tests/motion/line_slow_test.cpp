@@ -36,7 +36,7 @@ std::vector<LineTarget> slow_lines(LineRandom& random, const LineMachine& m, dou
       moved_2 += moved_mm * moved_mm;
     }
     t.timed = random() % 4 == 0;
-    t.time_us = static_cast<std::uint32_t>(std::sqrt(moved_2) / mm_s * 1e6);
+    if (t.timed) t.time_us = static_cast<std::uint32_t>(std::sqrt(moved_2) / mm_s * 1e6);
     if (t.timed && t.time_us == 0) continue;
     t.exact_stop = random() % 4 == 0;
     seconds += std::sqrt(moved_2) / mm_s;

@@ -41,8 +41,10 @@ UFloat joint_speed_2(const Line& line, LinePacked slower, UFloat brakes_2) {
 
 UFloat nominal_speed(const Line& line, const LineOverride& factor) {
   if (line.rapid) return line.speed.real() * factor.rapid;
-  if (factor.plain) return (line.speed < line.feed ? line.speed : line.feed).real();
-  return least(line.speed.real(), line.feed.real() * factor.feed);
+  // An override also slows down a line that its limits keep from the programmed feed.
+  const UFloat speed = (line.speed < line.feed ? line.speed : line.feed).real();
+  if (factor.plain) return speed;
+  return least(line.speed.real(), speed * factor.feed);
 }
 
 void LineLookahead::extend(const LineRing& ring, const LineRise& rise) {

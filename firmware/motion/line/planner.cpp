@@ -134,10 +134,8 @@ void LinePlanner::put(const LineTarget& target, const LineShape& shape, UFloat p
   line.timed = target.timed && has_time;
   feed_um_min_ = target.feed_um_min;
   UFloat feed = line.timed ? speed_for_time : UFloat(target.feed_um_min) * limits_.um_min;
-  // An override also slows down a line that is slow for its pace. The power of pixels is that at
-  // their feed.
-  const bool slow = !line.pixels && !is_zero(pace) && bounds.speed < feed;
-  if (is_zero(feed) || slow) feed = bounds.speed;
+  // M4 scales its power by the programmed feed, whatever limits the speed.
+  if (is_zero(feed)) feed = bounds.speed;
   line.feed = LinePacked(feed);
   const LineCorner corner = corner_at_end(line, shape);
   line.corner_2 = LinePacked(corner.speed_2);
