@@ -29,7 +29,7 @@ constexpr std::int32_t steps_from_milli(std::int64_t milli_mm, std::int32_t mill
 }
 
 /// Positions beyond this are refused even without soft limits: displacements stay in 32 bits.
-inline constexpr std::int32_t max_steps = 1 << 29;
+inline constexpr std::int32_t max_position_steps = 1 << 29;
 
 /// The work space from the settings, or the maximum without soft limits; axes that the machine
 /// lacks stay at 0.
@@ -41,8 +41,8 @@ constexpr StepLimits work_space(const settings::Values& values) {
     const std::int32_t steps_per_mm = values.milli(Id::steps_per_mm_x, axis);
     const auto i = static_cast<std::size_t>(axis);
     if (values.whole(Id::soft_limits) == 0) {
-      limits.min[i] = -max_steps;
-      limits.max[i] = max_steps;
+      limits.min[i] = -max_position_steps;
+      limits.max[i] = max_position_steps;
       continue;
     }
     limits.min[i] = steps_from_milli(corner, steps_per_mm);

@@ -65,7 +65,7 @@ void MachineConsole::on_realtime(std::uint8_t byte) {
       handle(Event::door_byte, HoldReason::realtime);
       break;
     case wire::byte_hold:
-      handle(Event::feed_hold, HoldReason::realtime);
+      handle(Event::hold_byte, HoldReason::realtime);
       break;
     case wire::byte_resume:
       // A job continues under the control of its host, which ends its own holds by a frame.

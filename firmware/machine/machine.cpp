@@ -30,6 +30,10 @@ constexpr StateSet may_fault = any_state & ~unsigned{states(estop)};
 /// Nothing moves in a sleep, an alarm or an e-stop, where an axis may be pushed by hand.
 constexpr StateSet sees_limits = any_state & ~unsigned{states(sleep, alarm, estop)};
 
+/// Bytes of the user, and what the host or the switch of the door causes.
+constexpr EventSet any_hold = events(hold_byte, hold);
+constexpr EventSet any_door = events(door_byte, door_opened);
+
 /// Whose events are refused or void while a condition holds.
 struct When {
   Conditions needs = 0, excludes = 0;
@@ -43,20 +47,33 @@ constexpr When moves{is_moving, 0};
 constexpr When after_lines{lines_have_begun, 0};
 constexpr When tool_away{tool_is_away, 0};
 
+constexpr Transition row(EventSet on, StateSet from, ActivitySet of, When when, State next,
+                         Activity next_activity, Effect effect,
+                         ReasonRule reason = ReasonRule::clear) {
+  return {on, from, of, when.needs, when.excludes, next, next_activity, effect, reason};
+}
 constexpr Transition row(Event event, StateSet from, ActivitySet of, When when, State next,
                          Activity next_activity, Effect effect,
                          ReasonRule reason = ReasonRule::clear) {
-  return {event, from, of, when.needs, when.excludes, next, next_activity, effect, reason};
+  return row(events(event), from, of, when, next, next_activity, effect, reason);
 }
 /// The activity does not change.
+constexpr Transition row(EventSet on, StateSet from, ActivitySet of, When when, State next,
+                         Effect effect, ReasonRule reason = ReasonRule::clear) {
+  return row(on, from, of, when, next, same_activity, effect, reason);
+}
 constexpr Transition row(Event event, StateSet from, ActivitySet of, When when, State next,
                          Effect effect, ReasonRule reason = ReasonRule::clear) {
-  return row(event, from, of, when, next, same_activity, effect, reason);
+  return row(events(event), from, of, when, next, same_activity, effect, reason);
 }
 /// Neither state nor activity change.
+constexpr Transition stay(EventSet on, StateSet from, ActivitySet of, When when, Effect effect,
+                          ReasonRule reason = ReasonRule::keep) {
+  return row(on, from, of, when, same_state, same_activity, effect, reason);
+}
 constexpr Transition stay(Event event, StateSet from, ActivitySet of, When when, Effect effect,
                           ReasonRule reason = ReasonRule::keep) {
-  return row(event, from, of, when, same_state, same_activity, effect, reason);
+  return row(events(event), from, of, when, same_state, same_activity, effect, reason);
 }
 
 constexpr auto table = std::to_array<Transition>({
@@ -76,20 +93,19 @@ constexpr auto table = std::to_array<Transition>({
     row(begin_homing, states(alarm), of_none, always, running, Activity::homing, Effect::unlock),
     row(homed, states(running), of_homing, always, idle, Activity::none, Effect::none),
 
-    row(feed_hold, states(idle), of_none, always, holding, Effect::hold_motion, ReasonRule::set),
-    row(feed_hold, states(running), of_work, always, holding, Effect::hold_motion, ReasonRule::set),
-    stay(feed_hold, states(holding), of_any, always, Effect::none, ReasonRule::outrank),
-    stay(feed_hold, states(door), of_any, tool_away, Effect::hold_parking),
-    row(feed_hold, states(running), of_jog, always, stopping, Effect::cancel_jog),
-    row(feed_hold, states(running), of_homing, always, stopping, Effect::break_off_homing),
-
+    row(hold_byte, states(idle), of_none, always, holding, Effect::hold_motion, ReasonRule::set),
     // After a job its host has no more to hold.
     row(hold, states(idle), of_none, after_lines, holding, Effect::hold_motion, ReasonRule::set),
-    row(hold, states(running), of_work, always, holding, Effect::hold_motion, ReasonRule::set),
-    stay(hold, states(holding), of_any, always, Effect::none, ReasonRule::outrank),
-    stay(hold, states(door), of_any, tool_away, Effect::hold_parking),
-    row(hold, states(running), of_jog, always, stopping, Effect::cancel_jog),
-    row(hold, states(running), of_homing, always, stopping, Effect::break_off_homing),
+    row(any_hold, states(running), of_work, always, holding, Effect::hold_motion, ReasonRule::set),
+    stay(any_hold, states(holding), of_any, always, Effect::none, ReasonRule::outrank),
+    stay(any_hold | events(cancel_jogs), states(door), of_any, tool_away, Effect::hold_parking),
+
+    // A jog and homing do not continue after a hold.
+    row(any_hold | any_door | events(stop, cancel_jogs), states(running), of_jog, always, stopping,
+        Effect::cancel_jog),
+    row(any_hold | events(stop, cancel_jogs), states(running), of_homing, always, stopping,
+        Effect::break_off_homing),
+    row(any_door, states(running), of_homing, always, stopping, Effect::break_off_homing_at_door),
 
     row(pause, states(idle) | active, of_program | of_none, door_open_now, door, Activity::program,
         Effect::none),
@@ -104,12 +120,7 @@ constexpr auto table = std::to_array<Transition>({
     row(stop, active, of_program, always, stopping, Effect::stop_program),
     row(stop, waiting, of_none, always, stopping, Activity::program, Effect::stop_program),
     stay(stop, states(check), of_none, always, Effect::refuse_program),
-    row(stop, states(running), of_jog, always, stopping, Effect::cancel_jog),
-    row(stop, states(running), of_homing, always, stopping, Effect::break_off_homing),
 
-    row(cancel_jogs, states(running), of_jog, always, stopping, Effect::cancel_jog),
-    row(cancel_jogs, states(running), of_homing, always, stopping, Effect::break_off_homing),
-    stay(cancel_jogs, states(door), of_any, tool_away, Effect::hold_parking),
     stay(cancel_jogs, any_state, of_any, always, Effect::drop_jogs),
 
     // The host of a job of points stops it, or resumes it if the byte may have been noise
@@ -132,18 +143,10 @@ constexpr auto table = std::to_array<Transition>({
     row(door_byte, states(idle), of_none, always, door, Effect::hold_at_door),
     row(door_byte, states(running), of_job, always, holding, Effect::hold_motion, ReasonRule::set),
     stay(door_byte, states(holding), of_job, always, Effect::none, ReasonRule::outrank),
-    row(door_byte, states(running), of_program, always, door, Effect::hold_at_door),
-    row(door_byte, states(holding), of_program | of_none, always, door, Effect::hold_at_door),
-    stay(door_byte, states(door), of_any, always, Effect::keep_parked),
-    row(door_byte, states(running), of_jog, always, stopping, Effect::cancel_jog),
-    row(door_byte, states(running), of_homing, always, stopping, Effect::break_off_homing_at_door),
-
-    row(door_opened, states(running, holding), of_work | of_none, always, door,
+    row(door_opened, states(running, holding), of_job, always, door, Effect::hold_at_door),
+    row(any_door, states(running, holding), of_program | of_none, always, door,
         Effect::hold_at_door),
-    stay(door_opened, states(door), of_any, always, Effect::keep_parked),
-    row(door_opened, states(running), of_jog, always, stopping, Effect::cancel_jog),
-    row(door_opened, states(running), of_homing, always, stopping,
-        Effect::break_off_homing_at_door),
+    stay(any_door, states(door), of_any, always, Effect::keep_parked),
 
     // Then a job waits for a resume by its user; a program stays at the door.
     row(door_shut, states(door), of_job, always, holding, Effect::none, ReasonRule::set),
@@ -171,9 +174,9 @@ constexpr auto table = std::to_array<Transition>({
     row(toggle_check, states(idle), of_none, always, check, Effect::begin_check),
     row(toggle_check, states(check), of_none, always, idle, Effect::end_check),
 
-    row(settled, states(running), of_points, always, idle, Activity::none, Effect::none),
+    row(settled, states(running), of_points | of_program, always, idle, Activity::none,
+        Effect::none),
     row(settled, states(running), of_rows, always, idle, Activity::none, Effect::finish_rows),
-    row(settled, states(running), of_program, always, idle, Activity::none, Effect::none),
     row(settled, states(running, stopping), of_jog, always, idle, Activity::none,
         Effect::finish_jog),
     row(settled, states(stopping), of_points, always, idle, Activity::none, Effect::finish_job,
@@ -203,8 +206,9 @@ std::span<const Transition> transitions() { return state_table::table; }
 const Transition* find_transition(Event event, State state, Activity activity,
                                   Conditions conditions) {
   for (const Transition& t : state_table::table)
-    if (t.event == event && (t.from & states(state)) != 0 && (t.of & activities(activity)) != 0 &&
-        (conditions & t.needs) == t.needs && (conditions & t.excludes) == 0)
+    if ((t.on & events(event)) != 0 && (t.from & states(state)) != 0 &&
+        (t.of & activities(activity)) != 0 && (conditions & t.needs) == t.needs &&
+        (conditions & t.excludes) == 0)
       return &t;
   return nullptr;
 }

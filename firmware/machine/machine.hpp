@@ -66,7 +66,7 @@ enum class Event : std::uint8_t {
   begin_jog,
   begin_homing,
   homed,
-  feed_hold,  ///< `!`, also at rest
+  hold_byte,  ///< `!`, also at rest
   hold,       ///< by the host, or because of a silent host, the lamp, or a shot that was not made
   pause,      ///< M0, M1, M6, a late M66
   resume,
@@ -131,8 +131,13 @@ inline constexpr Conditions door_is_open = 1, job_host_lives = 2, is_moving = 4,
 inline constexpr int condition_count = 5;
 
 /// Sets, a bit for each.
+using EventSet = std::uint32_t;
 using StateSet = std::uint16_t;
 using ActivitySet = std::uint8_t;
+template <class... E>
+constexpr EventSet events(E... e) {
+  return ((EventSet{1} << static_cast<unsigned>(e)) | ...);
+}
 template <class... S>
 constexpr StateSet states(S... s) {
   return static_cast<StateSet>(((1u << static_cast<unsigned>(s)) | ...));
@@ -151,10 +156,10 @@ enum class ReasonRule : std::uint8_t {
 };
 
 /// A row of the table: in one of these states and activities, with all of `needs` and none of
-/// `excludes`, the event leads to `next`. The first row that fits counts; without one the event
-/// changes nothing.
+/// `excludes`, each of these events leads to `next`. The first row that fits counts; without one
+/// the event changes nothing.
 struct Transition {
-  Event event;
+  EventSet on;
   StateSet from;
   ActivitySet of;
   Conditions needs, excludes;

@@ -16,7 +16,4 @@ inline constexpr std::array<std::string_view, pin_count> pin_names{
     "photosensor_1", "photosensor_2", "photosensor_3", "photosensor_4", "probe",     "enable_z",
     "air",           "aux_out",       "aux_in"};
 
-/// Name of a wire, as in the list of pins.
-constexpr std::string_view pin_name(Pin pin) { return pin_names[static_cast<std::size_t>(pin)]; }
-
 }  // namespace lamplock::sim

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <deque>
 #include <functional>
 #include <map>
@@ -98,13 +99,27 @@ TEST(Machine, ReachesOnlyStatesThatMeanSomething) {
   EXPECT_EQ(reached, meant);
 }
 
-TEST(Machine, EveryRowOfTheTableIsUsed) {
-  std::set<const machine::Transition*> used;
+TEST(Machine, EveryRowOfTheTableIsUsedByEachOfItsEvents) {
+  std::map<const machine::Transition*, machine::EventSet> used;
   each([&](const Cell& cell, Event event, Conditions conditions, const Cell&) {
-    used.insert(row_of(cell, event, conditions));
+    if (const machine::Transition* row = row_of(cell, event, conditions))
+      used[row] |= machine::events(event);
   });
   for (const machine::Transition& row : machine::transitions())
-    EXPECT_TRUE(used.contains(&row)) << "row " << &row - machine::transitions().data();
+    EXPECT_EQ(used[&row], row.on) << "row " << &row - machine::transitions().data();
+}
+
+/// Events that lead the same way are in one row.
+TEST(Machine, NoRowIsInTheTableTwice) {
+  std::set<std::array<unsigned, 8>> rows;
+  for (const machine::Transition& row : machine::transitions()) {
+    const auto number = [](auto value) { return static_cast<unsigned>(value); };
+    const bool is_new =
+        rows.insert({row.from, row.of, row.needs, row.excludes, number(row.next),
+                     number(row.next_activity), number(row.effect), number(row.reason)})
+            .second;
+    EXPECT_TRUE(is_new) << "row " << &row - machine::transitions().data();
+  }
 }
 
 TEST(Machine, ComesBackToIdleFromEverywhere) {
@@ -157,7 +172,7 @@ TEST(Machine, StopsEveryActivity) {
 }
 
 TEST(Machine, HoldsOrEndsWhatRuns) {
-  const std::set<Event> holds{Event::feed_hold, Event::hold, Event::door_byte, Event::door_opened,
+  const std::set<Event> holds{Event::hold_byte, Event::hold, Event::door_byte, Event::door_opened,
                               Event::reset};
   each([&](const Cell& cell, Event event, Conditions, const Cell& next) {
     if (cell.state == running && holds.contains(event)) {
@@ -166,7 +181,7 @@ TEST(Machine, HoldsOrEndsWhatRuns) {
     if (event == Event::door_opened && cell.state == holding) {
       EXPECT_EQ(next.state, door);
     }
-    if (event == Event::feed_hold && cell.state == idle) {
+    if (event == Event::hold_byte && cell.state == idle) {
       EXPECT_EQ(next.state, holding);
     }
   });
@@ -212,10 +227,10 @@ TEST(Machine, AHoldByTheHostOutranksTheOthers) {
     return machine.hold_reason();
   };
   using enum HoldReason;
-  EXPECT_EQ(held_by({{Event::hold, dead_man}, {Event::feed_hold, realtime}}), realtime);
-  EXPECT_EQ(held_by({{Event::feed_hold, realtime}, {Event::hold, dead_man}}), realtime);
+  EXPECT_EQ(held_by({{Event::hold, dead_man}, {Event::hold_byte, realtime}}), realtime);
+  EXPECT_EQ(held_by({{Event::hold_byte, realtime}, {Event::hold, dead_man}}), realtime);
   EXPECT_EQ(held_by({{Event::hold, dead_man}, {Event::hold, host}}), host);
-  EXPECT_EQ(held_by({{Event::hold, host}, {Event::feed_hold, realtime}}), host);
+  EXPECT_EQ(held_by({{Event::hold, host}, {Event::hold_byte, realtime}}), host);
   EXPECT_EQ(held_by({{Event::hold, lamp}, {Event::resume, none}}), none);
   // A host that asks later learns why its job is over.
   EXPECT_EQ(held_by({{Event::reset, reset}, {Event::settled, none}}), reset);

@@ -36,8 +36,8 @@ TEST(ProgramMotion, StepsAreTheNearestOnes) {
       __extension__ using Wide = __int128;
       const Wide product = Wide{at[index(a)]} * values.milli(Id::steps_per_mm_x, a);
       const Wide unit = Wide{program::one_e7} * 1000;
-      if (product > unit * max_steps || product < -unit * max_steps) {
-        EXPECT_TRUE(steps[index(a)] > max_steps || steps[index(a)] < -max_steps);
+      if (product > unit * max_position_steps || product < -unit * max_position_steps) {
+        EXPECT_TRUE(steps[index(a)] > max_position_steps || steps[index(a)] < -max_position_steps);
         continue;
       }
       const Wide off = product - unit * steps[index(a)];

@@ -11,7 +11,7 @@ using settings::Id;
 constexpr std::int64_t per_step = program::one_e7 * 1000;
 constexpr std::int64_t max_product =
     program::max_position_e7 * settings::range(Id::steps_per_mm_x).max_milli;
-static_assert(max_product / per_step < max_steps);
+static_assert(max_product / per_step < max_position_steps);
 
 /// 10^10 = 2^10 5^10: without a division instruction a divisor of 24 bits costs half as much.
 constexpr std::uint32_t per_step_units = 9'765'625;

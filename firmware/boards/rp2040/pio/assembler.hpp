@@ -199,8 +199,6 @@ class Assembler {
   consteval Last out(OutTo to, unsigned bits) { return put(encode::out(to, bits)); }
   consteval Last push(bool block = true) { return put(encode::push(false, block)); }
   consteval Last pull(bool block = true) { return put(encode::pull(false, block)); }
-  consteval Last push_if_full(bool block = true) { return put(encode::push(true, block)); }
-  consteval Last pull_if_empty(bool block = true) { return put(encode::pull(true, block)); }
   consteval Last move(MoveTo to, MoveFrom from, Operation op = Operation::copy) {
     return put(encode::move(to, from, op));
   }
