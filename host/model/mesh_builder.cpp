@@ -14,6 +14,7 @@
 #include "host/geometry/bounds.hpp"
 #include "host/geometry/vector.hpp"
 #include "host/model/join_seams.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -168,8 +169,9 @@ Mesh MeshBuilder::take() {
     refuse(file_, "the mesh is empty: it has no triangle", "give a model with a surface");
   if (join_seams(mesh, kept) != 0) drop_unused_vertices(mesh);
   if (const std::size_t strays = drop_strays(mesh, kept); strays != 0)
-    warn(fmt::format("{} triangles without area reach out of the object: they are left out",
-                     strays));
+    warn(fmt::format(
+        "{} out of the object: left out",
+        count_text(strays, "triangle without area reaches", "triangles without area reach")));
   mesh.brightness = brightness_of(kept);
   mesh.unread_pictures = std::move(unread_);
   warn_of_precision(mesh);
