@@ -207,6 +207,11 @@ bool arc_fits(const ArcRequest& request) {
   return apart <= radii_apart_e7 && apart * radius_share <= ends.start_radius;
 }
 
+bool arc_has_radius(const ArcRequest& request) {
+  const Ends ends = ends_of(request);
+  return ends.start_radius > 0 && ends.end_radius > 0;
+}
+
 ArcRange arc_range(const ArcRequest& request) {
   const CurvePlane& plane = request.plane;
   const auto of_ends = [&](std::uint8_t axis) {

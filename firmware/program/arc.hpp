@@ -64,6 +64,9 @@ bool centre_of_radius(const Place& start, const Place& end, const CurvePlane& pl
 /// at the start.
 bool arc_fits(const ArcRequest& request);
 
+/// False if the centre is the start or the end: no direction belongs to such an arc.
+bool arc_has_radius(const ArcRequest& request);
+
 /// What the arc reaches on both axes of its plane, within 2 10^-7 mm; of a spiral as if all of it
 /// had the larger radius. A few hundred cycles and two roots of 128 bits.
 struct ArcRange {

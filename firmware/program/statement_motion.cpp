@@ -230,7 +230,9 @@ bool Statement::arc_of_centre(const Place& end) {
                            plan_.motion == Motion::arc_clockwise,
                            plan_.turns,
                            options_.arc_tolerance_e7};
-  return arc_fits(request) || fail(GcodeError::bad_target, column);
+  if (!arc_fits(request)) return fail(GcodeError::bad_target, column);
+  // As LinuxCNC: a program with such an arc has lost the centre by rounding or by mistake.
+  return arc_has_radius(request) || fail(GcodeError::bad_radius, column);
 }
 
 // --- splines ----------------------------------------------------------------------------------

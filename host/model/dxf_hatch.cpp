@@ -6,11 +6,14 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "host/geometry/vector.hpp"
 #include "host/model/dxf_entities.hpp"
 #include "host/model/spline.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -61,7 +64,8 @@ class HatchReader {
     }
     const double count = value_or(boundary_paths, 0);
     std::vector<DxfBoundary> boundaries;
-    for (double i = 0; i < count && is_next(path_type); ++i) boundaries.push_back(boundary());
+    while (is_next(path_type) && found(boundaries.size()) < count) boundaries.push_back(boundary());
+    check_count(boundaries.size(), count, "boundary", "boundaries");
     return boundaries;
   }
 
@@ -92,6 +96,15 @@ class HatchReader {
     dxf_.position_of(hatch_.kind).refuse(what, "repair the drawing");
   }
 
+  static double found(std::size_t size) { return static_cast<double>(size); }
+  /// Refuses data that end before as many of something as they announce.
+  void check_count(std::size_t size, double announced, std::string_view noun,
+                   std::string_view plural = {}) const {
+    if (found(size) < announced)
+      refuse_data(fmt::format("its data end after {} of {:.10g}", count_text(size, noun, plural),
+                              announced));
+  }
+
   DxfBoundary boundary() {
     constexpr int polyline = 2;
     const int flags = integer(92);
@@ -108,21 +121,27 @@ class HatchReader {
   }
 
   Path bulged_outline() {
-    value_or(72, 0);  // 1: bulges follow; they have their own group code
+    const bool has_bulges = value_or(72, 0) != 0;
     const bool closed = value_or(73, 1) != 0;
     const double count = value(93);
     std::vector<DxfVertex> vertices;
-    for (double i = 0; i < count && is_next(10); ++i) {
+    while (is_next(10) && found(vertices.size()) < count) {
       const Point at = point(10);
       vertices.push_back({at, value_or(42, 0)});
     }
+    check_count(vertices.size(), count, "vertex", "vertices");
+    // Programs leave out bulges of 0, but never all that follows.
+    const bool is_at_end = at_ == hatch_.groups.size();
+    if (has_bulges && is_at_end && hatch_.groups.back().code != 42)
+      refuse_data("its data end after a vertex without its bulge");
     return dxf_outline(vertices, closed, world_);
   }
 
   std::vector<Edge> edges() {
     const double count = value(93);
     std::vector<Edge> edges;
-    for (double i = 0; i < count && is_next(72); ++i) edges.push_back(edge());
+    while (is_next(72) && found(edges.size()) < count) edges.push_back(edge());
+    check_count(edges.size(), count, "edge");
     return edges;
   }
 

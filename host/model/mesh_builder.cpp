@@ -14,6 +14,7 @@
 #include "host/geometry/bounds.hpp"
 #include "host/geometry/vector.hpp"
 #include "host/model/join_seams.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -167,8 +168,9 @@ Mesh MeshBuilder::take() {
   if (mesh.triangles.empty())
     refuse(file_, "the mesh is empty: it has no triangle", "give a model with a surface");
   if (const std::size_t strays = drop_strays(mesh, kept); strays != 0)
-    warn(fmt::format("{} triangles without area reach out of the object: they are left out",
-                     strays));
+    warn(fmt::format(
+        "{} out of the object: left out",
+        count_text(strays, "triangle without area reaches", "triangles without area reach")));
   if (join_seams(mesh, kept) != 0) drop_unused_vertices(mesh);
   mesh.brightness = brightness_of(kept);
   mesh.unread_pictures = std::move(unread_);

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "host/geometry/vector.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -109,9 +110,10 @@ void judge_triangles(const Mesh& mesh, MeshFaults& faults) {
 
 std::string text_of(const Point& p) { return fmt::format("({:g}, {:g}, {:g})", p.x, p.y, p.z); }
 
-std::string edge_text(const MeshFault& fault, std::string_view what) {
-  return fmt::format("{} {}, the first at triangle {} from {} to {}", fault.count, what,
-                     fault.triangle, text_of(fault.from), text_of(fault.to));
+std::string edge_text(const MeshFault& fault, std::string_view edge, std::string_view edges) {
+  return fmt::format("{}, the first at triangle {} from {} to {}",
+                     count_text(fault.count, edge, edges), fault.triangle, text_of(fault.from),
+                     text_of(fault.to));
 }
 
 }  // namespace
@@ -141,21 +143,25 @@ std::vector<std::string> warnings(const MeshFaults& faults) {
   const auto say = [&](const MeshFault& fault, const std::string& line) {
     if (fault.count > 0) lines.push_back(line);
   };
-  say(faults.open_edges, edge_text(faults.open_edges, "open edges"));
+  say(faults.open_edges, edge_text(faults.open_edges, "open edge", "open edges"));
   say(faults.non_manifold_edges,
-      edge_text(faults.non_manifold_edges, "edges of more than two triangles"));
+      edge_text(faults.non_manifold_edges, "edge of more than two triangles",
+                "edges of more than two triangles"));
   say(faults.turned_edges,
-      edge_text(faults.turned_edges, "edges between triangles of opposite orientation"));
+      edge_text(faults.turned_edges, "edge between triangles of opposite orientation",
+                "edges between triangles of opposite orientation"));
   say(faults.flat_triangles,
-      fmt::format("{} triangles without area, the first is {} at {}", faults.flat_triangles.count,
+      fmt::format("{} without area, the first is {} at {}",
+                  count_text(faults.flat_triangles.count, "triangle"),
                   faults.flat_triangles.triangle, text_of(faults.flat_triangles.from)));
   say(faults.not_finite_vertices,
-      fmt::format("{} vertices that are not finite, the first is {} at {}",
-                  faults.not_finite_vertices.count, faults.not_finite_vertices.triangle,
-                  text_of(faults.not_finite_vertices.from)));
+      fmt::format("{} not finite, the first is {} at {}",
+                  count_text(faults.not_finite_vertices.count, "vertex is", "vertices are"),
+                  faults.not_finite_vertices.triangle, text_of(faults.not_finite_vertices.from)));
   say(faults.missing_vertices,
-      fmt::format("{} triangles name vertices that do not exist, the first is {}",
-                  faults.missing_vertices.count, faults.missing_vertices.triangle));
+      fmt::format("{} vertices that do not exist, the first is {}",
+                  count_text(faults.missing_vertices.count, "triangle names", "triangles name"),
+                  faults.missing_vertices.triangle));
   if (faults.inside_out) lines.emplace_back("the surface is inside out: its normals point inwards");
   return lines;
 }

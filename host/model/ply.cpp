@@ -14,6 +14,7 @@
 #include "host/model/ply_values.hpp"
 #include "host/model/polygon_triangles.hpp"
 #include "host/model/read_bitmap.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -131,11 +132,11 @@ class Reader {
       if (values_.failed_at_comma())
         refuse(file_, fmt::format("element '{}' {} has decimal commas", element.name, index),
                write_decimal_points);
-      refuse(file_,
-             fmt::format("the header announces {} elements '{}', the data end or are unreadable in "
-                         "number {}",
-                         element.count, element.name, index),
-             "the file is cut off or damaged: export it again");
+      refuse(
+          file_,
+          fmt::format("the header announces {} '{}', the data end or are unreadable in number {}",
+                      count_text(element.count, "element"), element.name, index),
+          "the file is cut off or damaged: export it again");
     }
     return *number;
   }

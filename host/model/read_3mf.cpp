@@ -14,6 +14,7 @@
 #include "host/model/threemf_part.hpp"
 #include "host/model/threemf_settings.hpp"
 #include "host/model/transform.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -104,15 +105,16 @@ void read_3mf(const path& file, MeshBuilder& mesh) {
   for (const ThreemfComponent& item : model.items) placing.add(item, {});
   for (const std::string& warning : left_out.warnings) mesh.warn(warning);
   if (placing.triangles() == 0 && (placing.left_out() > 0 || left_out.count > 0))
-    refuse(
-        file,
-        fmt::format("nothing is left to engrave: {}",
-                    placing.left_out() > 0
-                        ? fmt::format("{} objects are of type support or other", placing.left_out())
-                        : left_out.warnings.back()),
-        "export the objects as models");
+    refuse(file,
+           fmt::format("nothing is left to engrave: {}",
+                       placing.left_out() > 0
+                           ? fmt::format("{} of type support or other",
+                                         count_text(placing.left_out(), "object is", "objects are"))
+                           : left_out.warnings.back()),
+           "export the objects as models");
   if (placing.left_out() > 0)
-    mesh.warn(fmt::format("{} objects of type support or other are left out", placing.left_out()));
+    mesh.warn(fmt::format("{} of type support or other left out",
+                          count_text(placing.left_out(), "object")));
   if (model.has_unprinted_items) mesh.warn("objects that are not to be printed are left out");
   if (model.has_unread_colours)
     mesh.warn("colours of a kind that is not read (multiproperties or another) count as white");

@@ -150,12 +150,13 @@ class DxfReader {
   }
 
   void read_table_entry() {
-    constexpr int frozen = 1;
+    constexpr int frozen = 1, is_plotted = 290;
     if (entity_.kind != "LAYER") return;
     const std::string name = key(dxf_.text(entity_, 2));
     if ((dxf_.integer(entity_, 70) & frozen) != 0) frozen_layers_.insert(name);
     // A layer that is off has a negative colour.
     if (dxf_.integer(entity_, 62) < 0) off_layers_.insert(name);
+    if (dxf_.integer(entity_, is_plotted, 1) == 0) not_plotted_layers_.insert(name);
   }
 
   void read_block() {
@@ -220,8 +221,8 @@ class DxfReader {
     return true;
   }
 
-  /// Items on layer 0 of a block get the layer of the block. A layer that is off hides its own
-  /// items, a frozen one also what is in the blocks inserted on it.
+  /// Items on layer 0 of a block get the layer of the block. A layer that is off or not plotted
+  /// hides its own items, a frozen one also what is in the blocks inserted on it.
   void draw(const Block& block, const geometry::Affine& map, const std::string& layer_of_block) {
     for (const auto& [name, count] : block.left_out) curves_.leave_out(name, count);
     for (const Item& item : block.items) {
@@ -229,7 +230,7 @@ class DxfReader {
       const auto* insert = std::get_if<DxfInsert>(&item.what);
       if (insert == nullptr ? is_hidden(layer) : frozen_layers_.contains(key(layer))) {
         curves_.spend(1, item.place);
-        curves_.leave_out("hidden");
+        leave_out_hidden(layer);
       } else if (insert != nullptr) {
         draw_copies(*insert, map, layer, item.place);
       } else {
@@ -239,7 +240,20 @@ class DxfReader {
   }
 
   bool is_hidden(const std::string& layer) const {
+    return is_switched_off(layer) || not_plotted_layers_.contains(key(layer));
+  }
+  bool is_switched_off(const std::string& layer) const {
     return frozen_layers_.contains(key(layer)) || off_layers_.contains(key(layer));
+  }
+
+  /// A layer that is not plotted looks like any other on the screen: its name is in the notice.
+  void leave_out_hidden(const std::string& layer) {
+    constexpr std::size_t max_names = 8;
+    if (is_switched_off(layer)) return curves_.leave_out("hidden");
+    if (named_layers_.size() < max_names) named_layers_.insert(key(layer));
+    const bool is_named = named_layers_.contains(key(layer));
+    curves_.leave_out(is_named ? fmt::format("on layer '{:.40}', which is not plotted", layer)
+                               : "on other layers that are not plotted");
   }
 
   void draw_item(const Item& item, const Block& block, const geometry::Affine& map,
@@ -312,6 +326,8 @@ class DxfReader {
   geometry::Affine unit_;
   bool has_unit_ = false, is_imperial_ = false;
   std::set<std::string> frozen_layers_, off_layers_;
+  std::set<std::string> not_plotted_layers_{"defpoints"};  ///< that one by definition
+  std::set<std::string> named_layers_;                     ///< in the notice
   std::map<std::string, Block> blocks_;
   std::vector<const Block*> open_blocks_;
   CurveCollector curves_;

@@ -17,6 +17,7 @@
 #include "host/model/read_bitmap.hpp"
 #include "host/model/threemf_package.hpp"
 #include "host/model/transform.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -111,19 +112,17 @@ class GlbReader {
  private:
   /// Throws Error if nothing but points and lines is drawn.
   void report_unread() const {
-    const auto counted = [](std::size_t count, const char* what) {
-      return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-    };
-    const std::string lines = counted(unread_.primitives, "primitive") + " of points or lines";
+    const std::string lines = count_text(unread_.primitives, "primitive") + " of points or lines";
     if (placed_ == 0 && unread_.primitives > 0)
       refuse(file_, fmt::format("it has {} and no triangles", lines),
              "export it as a mesh of triangles");
     if (unread_.primitives > 0) mesh_.warn(lines + " not read: points and lines have no surface");
     if (!unread_.skins.empty())
-      mesh_.warn(counted(unread_.skins.size(), "skin") + " not read: the mesh is in its rest pose");
+      mesh_.warn(count_text(unread_.skins.size(), "skin") +
+                 " not read: the mesh is in its rest pose");
     if (unread_.morphs > 0)
       mesh_.warn(fmt::format("morph targets of {} not read: the mesh has its base shape",
-                             counted(unread_.morphs, "shape")));
+                             count_text(unread_.morphs, "shape")));
   }
 
   const json& list(const json& object, const char* key) const {

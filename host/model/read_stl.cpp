@@ -9,6 +9,7 @@
 #include "host/file.hpp"
 #include "host/model/mesh_checks.hpp"
 #include "host/model/text.hpp"
+#include "host/number_text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {
@@ -39,13 +40,16 @@ std::optional<float> stl_light(std::uint16_t attribute, bool is_magics) {
 
 void read_binary_stl(const path& file, std::string_view bytes, MeshBuilder& mesh) {
   if (bytes.size() < stl_data_offset) {
-    refuse(file, fmt::format("{} bytes are too few for an STL", bytes.size()),
+    refuse(file,
+           fmt::format("{} too few for an STL", count_text(bytes.size(), "byte is", "bytes are")),
            "the file is cut off or not an STL: export it again");
   }
   const std::size_t count = stl_count(bytes);
   const std::size_t present = (bytes.size() - stl_data_offset) / stl_triangle_bytes;
   if (present < count) {
-    refuse(file, fmt::format("{} triangles announced, {} in the file", count, present),
+    refuse(file,
+           fmt::format("{} announced, {} in the file", count_text(count, "triangle"),
+                       grouped(present)),
            "the file is cut off or not an STL: export it again");
   }
   const std::string_view header = bytes.substr(0, stl_count_offset);

@@ -11,6 +11,7 @@
 
 #include "host/model/curve_collector.hpp"
 #include "host/model/svg_path.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -66,8 +67,9 @@ Paths round_shape(const pugi::xml_node& node, bool is_circle, const SvgUnits& un
 Paths polyline(const pugi::xml_node& node, bool closed, const FilePosition& place) {
   const std::vector<double> numbers = svg_numbers(node.attribute("points").value(), place);
   if (numbers.size() % 2 != 0)
-    place.refuse(fmt::format("the points have {} coordinates, an odd number", numbers.size()),
-                 "repair the drawing");
+    place.refuse(
+        fmt::format("the points have {}, an odd number", count_text(numbers.size(), "coordinate")),
+        "repair the drawing");
   Path path;
   path.closed = closed;
   const std::size_t count = numbers.size() / 2;

@@ -20,7 +20,7 @@ constexpr std::size_t max_levels = 16;
 constexpr std::size_t max_added_bytes = 32U << 20U;
 constexpr std::size_t max_references = 1'000'000;
 
-constexpr std::string_view blanks = " \t\r\n";
+constexpr std::string_view xml_blanks = " \t\r\n";
 
 bool is_name_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
@@ -35,7 +35,7 @@ std::string_view take_name(std::string_view& text) {
 }
 
 bool skip_blanks(std::string_view& text) {
-  const std::size_t count = std::min(text.find_first_not_of(blanks), text.size());
+  const std::size_t count = std::min(text.find_first_not_of(xml_blanks), text.size());
   text.remove_prefix(count);
   return count > 0;
 }

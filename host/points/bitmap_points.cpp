@@ -12,6 +12,7 @@
 #include "host/geometry/limits.hpp"
 #include "host/geometry/random.hpp"
 #include "host/geometry/vector.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::points {
 namespace {
@@ -297,7 +298,8 @@ void require_work(const Grid& grid, int layers) {
   const double samples = static_cast<double>(grid.columns()) * static_cast<double>(grid.rows());
   if (samples * layers <= max_samples) return;
   throw Error(Exit::bad_input, "bitmap",
-              fmt::format("{} layers of {:.3g} grid points", layers, samples),
+              fmt::format("{} of {:.3g} grid points",
+                          count_text(static_cast<std::size_t>(layers), "layer"), samples),
               "use a larger spacing, a smaller size or fewer layers");
 }
 

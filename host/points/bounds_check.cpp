@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/error.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::points {
 
@@ -19,9 +20,11 @@ void check_bounds(std::span<const geometry::Point> cloud, const geometry::Bounds
   const geometry::Point &low = room.low, &high = room.high;
   throw Error(
       Exit::bad_input, where,
-      fmt::format("{} of {} points {}, the first is point {} at ({:.6g}, {:.6g}, {:.6g}) mm", bad,
-                  cloud.size(),
-                  geometry::is_finite(point) ? "lie outside " + place : "are not finite or outside",
+      fmt::format("{} of {} {}, the first is point {} at ({:.6g}, {:.6g}, {:.6g}) mm", grouped(bad),
+                  count_text(cloud.size(), "point"),
+                  geometry::is_finite(point) ? (bad == 1 ? "lies outside " : "lie outside ") + place
+                  : bad == 1                 ? "is not finite or outside"
+                                             : "are not finite or outside",
                   first, point.x, point.y, point.z),
       fmt::format("make the object fit x {:g}..{:g}, y {:g}..{:g}, z {:g}..{:g} mm", low.x, high.x,
                   low.y, high.y, low.z, high.z));

@@ -10,6 +10,7 @@
 #include "host/geometry/limits.hpp"
 #include "host/geometry/random.hpp"
 #include "host/geometry/vector.hpp"
+#include "host/number_text.hpp"
 #include "host/points/point_grid.hpp"
 
 namespace lamplock::points {
@@ -93,7 +94,8 @@ void require_valid(std::span<const geometry::Point> cloud, std::span<const geome
   geometry::require_count(static_cast<double>(cloud.size()), "shells");
   if (!inward.empty() && inward.size() != cloud.size()) {
     throw Error(Exit::bad_input, "shells",
-                fmt::format("{} inward directions for {} points", inward.size(), cloud.size()),
+                fmt::format("{} for {}", count_text(inward.size(), "inward direction"),
+                            count_text(cloud.size(), "point")),
                 "give one for each point");
   }
   for (std::size_t i = 0; i < cloud.size(); ++i) {

@@ -8,6 +8,7 @@
 
 #include "host/error.hpp"
 #include "host/geometry/limits.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::points {
 namespace {
@@ -207,8 +208,8 @@ void require_sound(const model::Mesh& mesh, const std::string& where) {
     for (const std::uint32_t corner : mesh.triangles[i]) {
       if (corner < mesh.vertices.size()) continue;
       throw Error(Exit::bad_input, where,
-                  fmt::format("triangle {} refers to vertex {}, but the model has {} vertices", i,
-                              corner, mesh.vertices.size()),
+                  fmt::format("triangle {} refers to vertex {}, but the model has {}", i, corner,
+                              count_text(mesh.vertices.size(), "vertex", "vertices")),
                   "repair the model");
     }
   }

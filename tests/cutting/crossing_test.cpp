@@ -88,7 +88,7 @@ TEST(crossing, the_area_of_a_scribble_is_what_it_runs_around) {
     }
     for (const Contour& part : simple.contours) {
       edges += part.edges.size();
-      for (const Edge& edge : part.edges) arcs += edge.is_line() ? 0u : 1u;
+      for (const Edge& edge : part.edges) arcs += edge.is_line() ? 0U : 1U;
     }
   }
   EXPECT_GT(crossed, 10u);

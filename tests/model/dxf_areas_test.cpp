@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <sstream>
 #include <string>
 
 #include "host/geometry/bounds.hpp"
@@ -30,6 +31,7 @@ using test::binary_dxf;
 using test::dxf_drawing;
 using test::dxf_section;
 using test::error_of;
+using ::testing::AnyOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -199,6 +201,59 @@ TEST_F(DxfAreas, LayersThatAreOffKeepTheirInserts) {
   EXPECT_EQ(paths("70 0 62 7"), 3u);
   EXPECT_EQ(paths("70 0 62 -7"), 2u);
   EXPECT_EQ(paths("70 1 62 7"), 1u);
+}
+
+TEST_F(DxfAreas, LayersThatAreNotPlottedAreLeftOutByName) {
+  const std::string line = " 11 1 21 0 ";
+  const auto drawn = [&](const std::string& layer, const std::string& of_line) {
+    return read(dxf_drawing(
+        "0 LINE 8 x" + line + "0 LINE 8 " + of_line + line + "0 POINT 8 " + of_line + " 10 1 20 1",
+        dxf_section("TABLES",
+                    "0 TABLE 2 LAYER 0 LAYER " + layer + " 0 LAYER 2 x 70 0 290 1 0 ENDTAB")));
+  };
+  const Curves construction = drawn("2 Guide 70 0 62 7 290 0", "GUIDE");
+  EXPECT_EQ(construction.paths.size(), 1u);
+  EXPECT_THAT(construction.left_out,
+              ElementsAre(Pair("on layer 'GUIDE', which is not plotted", 2u)));
+  // Defpoints is never plotted, with or without an entry and whatever its flag.
+  for (const std::string layer : {"2 y 70 0", "2 DEFPOINTS 70 0 290 1", "2 Defpoints 290 0"})
+    EXPECT_THAT(drawn(layer, "Defpoints").left_out,
+                ElementsAre(Pair("on layer 'Defpoints', which is not plotted", 2u)));
+  EXPECT_THAT(drawn("2 L 70 0 290 1", "L").left_out, IsEmpty());
+  EXPECT_THAT(drawn("2 L 70 1 290 0", "L").left_out, ElementsAre(Pair("hidden", 2u)));
+  // In a block: the layer 0 is that of the insert, other layers are their own.
+  const Curves block =
+      read(dxf_drawing("0 INSERT 8 L 2 B 0 LINE 8 x" + line,
+                       dxf_section("TABLES", "0 TABLE 2 LAYER 0 LAYER 2 L 290 0 0 ENDTAB") +
+                           dxf_section("BLOCKS", "0 BLOCK 2 B 10 0 20 0 0 LINE 8 0" + line +
+                                                     "0 LINE 8 other" + line + "0 ENDBLK")));
+  EXPECT_EQ(block.paths.size(), 2u);
+  EXPECT_THAT(block.left_out, ElementsAre(Pair("on layer 'L', which is not plotted", 1u)));
+}
+
+// Every end of the data within the boundaries is an error, never a part of the outline.
+TEST_F(DxfAreas, HatchesThatAreCutOffAreRefused) {
+  const std::string kinds[] = {
+      slot_boundary,
+      "92 1 93 2 72 2 10 0 20 0 40 5 50 0 51 180 73 1 72 1 10 -5 20 0 11 5 21 0 97 0",
+  };
+  for (const std::string& boundary : kinds) {
+    const std::string text = "0 HATCH 8 0 10 0 20 0 30 0 2 SOLID 91 2 " + boundary + " " + boundary;
+    std::istringstream words(text);
+    std::string code, value, part;
+    int groups = 0;
+    while (words >> code >> value) {
+      part += code + " " + value + " ";
+      const bool has_boundaries = ++groups > 6;
+      const bool is_whole = part.size() == text.size() + 1;
+      const bool is_last_count = part.size() + 5 == text.size() + 1;  // 97 0
+      if (!has_boundaries || is_whole || is_last_count) continue;
+      const std::string drawing = dxf_drawing("0 LINE 11 1 21 0 " + part);
+      EXPECT_THAT(error(drawing), AnyOf(HasSubstr("its data end after"), HasSubstr("is missing")))
+          << part;
+    }
+    EXPECT_EQ(entities(text).paths.size(), 2u);
+  }
 }
 
 TEST_F(DxfAreas, BlocksOfOtherFilesAreCounted) {

@@ -96,7 +96,7 @@ TEST_F(Threemf, SupportsAreLeftOut) {
     ASSERT_EQ(read.reader_warnings.size(), 1u);
     EXPECT_THAT(read.reader_warnings[0], HasSubstr("2 objects of type support or other"));
     EXPECT_THAT(error(object(2, wide, type), item(2)),
-                HasSubstr("1 objects are of type support or other"));
+                HasSubstr("1 object is of type support or other"));
   }
   const Mesh read = read_mesh(
       write(object(1, box_text()) + object(2, wide), item(1) + item(2, "printable=\"0\"")));

@@ -31,7 +31,7 @@ Controller* construct(void* memory) { return new (memory) Controller; }
     &Controller::job_mark,
     &Controller::stopped_at,
     &Controller::lattice_stopped,
-    &Controller::say,
+    &Controller::report_message,
     &Controller::clock,
     &Controller::start_in_alarm,
     &Controller::shots,
