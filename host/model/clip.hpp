@@ -24,7 +24,8 @@ namespace lamplock::model {
 class ClipRegion;
 using ClipRegions = std::vector<std::shared_ptr<const ClipRegion>>;
 
-/// Counts tests of edges, and what is done with the crossings found, so that no drawing takes hours.
+/// Counts tests of edges, and what is done with the crossings found, so that no drawing takes
+/// hours.
 class ClipWork {
  public:
   /// Throws Error (bad_input) if there were too many.

@@ -12,7 +12,7 @@ constexpr std::string_view as_mesh = "export a mesh (STL or 3MF, in mm) from the
 constexpr std::string_view as_plain_mesh = "export it as STL, 3MF or GLB";
 constexpr std::string_view as_program = "check and send it with the commands for G-code";
 
-constexpr ForeignFormat formats[] = {
+constexpr ForeignFormat foreign_formats[] = {
     {".dwg", "a DWG drawing", as_dxf},
     {".dwt", "a template of DWG drawings", as_dxf},
     {".dgn", "a drawing of MicroStation", as_dxf},
@@ -65,8 +65,9 @@ constexpr ForeignFormat formats[] = {
 }  // namespace
 
 const ForeignFormat* find_foreign_format(std::string_view extension) {
-  const auto* const found = std::ranges::find(formats, extension, &ForeignFormat::extension);
-  return found == std::end(formats) ? nullptr : found;
+  const auto* const found =
+      std::ranges::find(foreign_formats, extension, &ForeignFormat::extension);
+  return found == std::end(foreign_formats) ? nullptr : found;
 }
 
 }  // namespace lamplock::model

@@ -307,7 +307,7 @@ TEST(Input, NamesTheFormatToExportInsteadOfAForeignOne) {
            {"a.f3d", "export a mesh"},
            {"a.gltf", "export it as GLB"}}) {
     EXPECT_THAT(error_of([&] { model::read_input(folder.write(name, "x")); }), HasSubstr(instead));
-    EXPECT_EQ(model::kind_of(name), std::nullopt);
+    EXPECT_FALSE(model::kind_of(name).has_value());
   }
 }
 
