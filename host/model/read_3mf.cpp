@@ -109,12 +109,13 @@ void read_3mf(const path& file, MeshBuilder& mesh) {
            fmt::format("nothing is left to engrave: {}",
                        placing.left_out() > 0
                            ? fmt::format("{} of type support or other",
-                                         count_text(placing.left_out(), "object is", "objects are"))
+                                         count_text(static_cast<std::size_t>(placing.left_out()),
+                                                    "object is", "objects are"))
                            : left_out.warnings.back()),
            "export the objects as models");
   if (placing.left_out() > 0)
     mesh.warn(fmt::format("{} of type support or other left out",
-                          count_text(placing.left_out(), "object")));
+                          count_text(static_cast<std::size_t>(placing.left_out()), "object")));
   if (model.has_unprinted_items) mesh.warn("objects that are not to be printed are left out");
   if (model.has_unread_colours)
     mesh.warn("colours of a kind that is not read (multiproperties or another) count as white");
