@@ -54,7 +54,7 @@ void run_slow_path(std::uint64_t seed, bool jerk) {
   const std::vector<LineTarget> targets = slow_lines(random, m, seconds);
   if (targets.empty()) return;
   LineRig rig(m);
-  rig.look_at_ticks(50'000);
+  rig.check_ticks(50'000);
   const std::uint32_t percent =
       random() % 2 == 0 ? 100 : 10 + static_cast<std::uint32_t>(random() % 191);
   rig.planner().set_feed_percent(percent);
