@@ -24,7 +24,8 @@ constexpr std::size_t glass_bytes = 2 * sizeof(double);
 constexpr std::size_t payload_bytes = 1 << 16;
 
 [[noreturn]] void fail(const std::string& name, const std::string& what) {
-  throw Error(Exit::bad_input, name, what, "make the job again with lamplock job (points) or lamplock raster (rows)");
+  throw Error(Exit::bad_input, name, what,
+              "make the job again with lamplock job (points) or lamplock raster (rows)");
 }
 
 bool has_magic(std::span<const std::uint8_t> bytes) {
