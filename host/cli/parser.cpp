@@ -17,6 +17,7 @@
 #include "host/cli/terminal_width.hpp"
 #include "host/cli/usage_error.hpp"
 #include "host/former_names.hpp"
+#include "host/text.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -49,6 +50,15 @@ class Binder {
   template <class Value>
   CLI::Option* add(Value& value) const {
     return app_.add_option(option_.names(), value, option_.help());
+  }
+  /// CLI11 takes the greatest number for one that is greater still.
+  CLI::Option* add(std::uint64_t& value) const {
+    const auto refusal = [](const std::string& text) -> std::string {
+      const bool plus = text.starts_with('+');
+      return number_of<std::uint64_t>(text.substr(plus ? 1 : 0)) ? "" : text + " is out of range";
+    };
+    return app_.add_option(option_.names(), value, option_.help())
+        ->check(CLI::Validator(refusal, ""));
   }
   CLI::Option* add(bool& value) const {
     return app_.add_flag(option_.names(), value, option_.help());

@@ -7,6 +7,8 @@
 #include "firmware/lamp/shot_scheduler.hpp"
 #include "host/error.hpp"
 #include "host/estimate/job_plan.hpp"
+#include "host/link/dialog.hpp"
+#include "host/link/line_port.hpp"
 #include "host/link/sender.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "host/report/shot_beats.hpp"
@@ -34,7 +36,7 @@ class Trial {
   Trial(const job::Job& job, const EstimateOptions& options)
       : board_(job.settings, world_of(job.settings)),
         transport_(board_),
-        sender_(transport_, job, sending(options)) {}
+        sender_(unlocked(transport_, job.settings), job, sending(options)) {}
 
   /// Runs until the first shot was reported, or to the end. False if the job has ended, because it
   /// fires no shot.
@@ -61,6 +63,14 @@ class Trial {
   }
 
  private:
+  /// A machine that homes is locked at its power-up.
+  static link::Transport& unlocked(link::Transport& transport, const settings::Values& values) {
+    if (values.whole(Id::homing) != 0) {
+      link::LinePort port(transport);
+      link::unlock(port);
+    }
+    return transport;
+  }
   static link::SenderOptions sending(const EstimateOptions& options) {
     link::SenderOptions sending;
     sending.first_index = options.first;

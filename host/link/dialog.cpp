@@ -153,4 +153,8 @@ Answer ask(LinePort& port, const std::string& line, const Patience& patience) {
       "check the cable, reset the machine and try again");
 }
 
+void unlock(LinePort& port) {
+  if (greet(port).status.is("Alarm")) ask(port, "$X");
+}
+
 }  // namespace lamplock::link

@@ -41,6 +41,9 @@ struct Answer {
 /// Throws Error(no_device) if no answer arrives, or the connection breaks.
 Answer ask(LinePort& port, const std::string& line, const Patience& patience = {});
 
+/// Ends an alarm, or the lock after power-up. Throws as greet() and ask().
+void unlock(LinePort& port);
+
 /// Throws Error(no_device) if the transport is known to be cut.
 void expect_connected(LinePort& port);
 

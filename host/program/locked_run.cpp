@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/error.hpp"
+#include "host/link/dialog.hpp"
 #include "host/link/line_sender.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "host/units.hpp"
@@ -63,6 +64,7 @@ LockedRun run_locked(std::string_view text, const settings::Values& values) {
   warm_up(board, values);
   link::SimulatedTransport transport(board);
   link::LinePort port(transport);
+  if (values.whole(Id::homing) != 0) link::unlock(port);
   link::LineSender sender(port, link::program_lines(text, "program"));
   while (sender.step())
     if (sender.waits()) sender.resume();

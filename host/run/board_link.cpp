@@ -23,11 +23,7 @@ BoardLink::BoardLink(const BoardOptions& options, const settings::Values& stored
 }
 
 void BoardLink::unlock_simulated() {
-  if (simulated_.board) unlock(*port_);
-}
-
-void unlock(link::LinePort& port) {
-  if (link::greet(port).status.is("Alarm")) link::ask(port, "$X");
+  if (simulated_.board) link::unlock(*port_);
 }
 
 }  // namespace lamplock::run

@@ -35,7 +35,4 @@ class BoardLink {
   std::unique_ptr<link::LinePort> port_;
 };
 
-/// Ends an alarm or the lock after power-up. Throws Error(no_device).
-void unlock(link::LinePort& port);
-
 }  // namespace lamplock::run

@@ -10,6 +10,7 @@
 #include "host/duration_text.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/link/dialog.hpp"
 #include "host/link/kept_job.hpp"
 #include "host/link/sender.hpp"
 #include "host/link/simulated_transport.hpp"
@@ -283,7 +284,7 @@ JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& option
   link::SimulatedTransport transport(board);
   if (machine.whole(Id::homing) != 0) {
     link::LinePort port(transport);
-    unlock(port);  // locked at power-up; no other command can precede this one
+    link::unlock(port);  // locked at power-up; no other command can precede this one
   }
   RemainingTime unknown;  // the wall clock does not pass as the machine's does
   JobOutcome outcome = send(transport, prepared, options, Clocking::lock_step, unknown, frontend);

@@ -53,7 +53,7 @@ bool has_words(std::string_view line) {
   return true;
 }
 
-/// Enough of a file for so many lines.
+/// Enough of a file for so many lines, the last one whole.
 std::string first_lines(const std::string& file) {
   constexpr std::size_t bytes = 1 << 16;
   check_is_file(file);
@@ -61,6 +61,7 @@ std::string first_lines(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.size() == bytes) text.erase(text.find_last_of("\r\n") + 1);
   return text;
 }
 
@@ -108,7 +109,8 @@ bool is_program_name(const std::string& file) { return has_program_name(file); }
 void require_program(const std::string& file) {
   refuse_empty(file);
   // A text may be a program whose first line is wrong.
-  if (is_program_file(file) || lower_extension(file) == ".txt") return;
+  if (is_program_file(file)) return;
+  if (lower_extension(file) == ".txt" && !is_job_file(file)) return;
   if (const FileWay way = way_of_file(file))
     throw Error(Exit::bad_input, file, way.what + ", not a program of G-code", way.remedy);
 }

@@ -94,12 +94,15 @@ TEST_F(Outputs, ThatAreFullDevicesAreRefusedBeforeTheFirstShot) {
 
 constexpr rlim_t trial_bytes = 4096;  // of check_target(); the files of many points are larger
 
+/// More than the JSON of a job, less than each of the files.
+constexpr rlim_t max_json_bytes = 8192;
+
 TEST_F(Outputs, ThatAreLostAfterTheShotsGiveOne) {
   list_ = folder_.write("many.xyz", xyz(walk(400, 1)));
   for (const auto& [option, name] :
        OptionsAndFiles{{"--vcd", "v.vcd"}, {"--shots", "s.csv"}, {"--plot", "m.svg"}}) {
     const std::string file = folder_ / name;
-    const SizeLimit full(trial_bytes);
+    const SizeLimit full(max_json_bytes);
     const Finished fired = engrave({option, file, "--json"});
     EXPECT_EQ(fired.status, 1) << option;
     EXPECT_THAT(fired.err, HasSubstr("error: " + file + ": the job was fired, but this file "));
