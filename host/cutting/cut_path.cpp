@@ -53,6 +53,7 @@ std::vector<CutMove> cut_path(const Contour& contour, const CutPathOptions& opti
 std::vector<double> tool_passes(double final_depth_mm, double infeed_mm) {
   const int count = passes_through(final_depth_mm, infeed_mm);
   std::vector<double> z_mm;
+  z_mm.reserve(static_cast<std::size_t>(count));
   for (int i = 1; i < count; ++i) z_mm.push_back(-infeed_mm * i);
   z_mm.push_back(-final_depth_mm);
   return z_mm;
@@ -61,6 +62,7 @@ std::vector<double> tool_passes(double final_depth_mm, double infeed_mm) {
 std::vector<double> focus_passes(double thickness_mm, double depth_of_pass_mm) {
   const int count = passes_through(thickness_mm, depth_of_pass_mm);
   std::vector<double> z_mm;
+  z_mm.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) z_mm.push_back(i == 0 ? 0 : -depth_of_pass_mm * i);
   return z_mm;
 }

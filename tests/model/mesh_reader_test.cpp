@@ -306,7 +306,8 @@ TEST(Input, NamesTheFormatToExportInsteadOfAForeignOne) {
            {"a.iges", "export a mesh"},
            {"a.f3d", "export a mesh"},
            {"a.gltf", "export it as GLB"}}) {
-    EXPECT_THAT(error_of([&] { model::read_input(folder.write(name, "x")); }), HasSubstr(instead));
+    const std::string file = folder.write(name, "x");
+    EXPECT_THAT(error_of([&] { model::read_input(file); }), HasSubstr(instead));
     EXPECT_FALSE(model::kind_of(name).has_value());
   }
 }
