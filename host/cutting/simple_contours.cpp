@@ -119,7 +119,7 @@ class Simplifier {
       const std::vector<Run> runs = runs_of(polygon);
       Contour contour;
       contour.closed = true;
-      const std::size_t source = longest_source(runs);
+      const std::size_t source = source_of(runs);
       contour.layer = contours_[source].layer;
       contour.edges = is_exact ? edges_of_runs(runs) : lines_of(polygon);
       if (contour.edges.size() < 2) continue;
@@ -138,7 +138,8 @@ class Simplifier {
     return lines;
   }
 
-  std::size_t longest_source(const std::vector<Run>& runs) const {
+  /// The contour that most of their length is part of.
+  std::size_t source_of(const std::vector<Run>& runs) const {
     std::vector<double> lengths(contours_.size());
     for (const Run& run : runs) lengths[run.contour] += distance(run.from, run.to);
     return static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) -
