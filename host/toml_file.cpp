@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string_view>
+#include <vector>
 
 #include "host/file.hpp"
 
@@ -34,6 +37,8 @@ constexpr std::array wordings{
     Wording{"unknown escape sequence", "a text has a single backslash; write two for one"},
     Wording{"end-of-file", "the file ends in the middle of a value"},
     Wording{"inline table", "a '}' is missing"},
+    Wording{"is_bare_key_character", "the name before '=' or in the [ ] of a section is missing"},
+    Wording{"is_value_terminator", "a value is missing"},
 };
 
 std::string plain_text(std::string_view description) {
@@ -48,24 +53,46 @@ std::string plain_text(std::string_view description) {
   return fmt::format("is not valid TOML ({})", description);
 }
 
+/// The first line, from 1, that the parser cannot pass without one of its assertions. A part of the
+/// text that ends before that line is valid or refused as incomplete.
+std::size_t line_of_assertion(std::string_view text) {
+  std::vector<std::size_t> ends;
+  for (auto at = text.find('\n'); at != std::string_view::npos; at = text.find('\n', at + 1))
+    ends.push_back(at + 1);
+  const auto passes = [&](std::size_t end) {
+    try {
+      (void)toml::parse(text.substr(0, end));
+    } catch (const TomlAssertion&) {
+      return false;
+    } catch (const toml::parse_error&) {
+    }
+    return true;
+  };
+  return static_cast<std::size_t>(std::ranges::partition_point(ends, passes) - ends.begin()) + 1;
+}
+
+constexpr const char* remedy =
+    "correct the line: NAME = VALUE, texts in quotes, numbers with a decimal point";
+
 }  // namespace
 
 std::string toml_location(const std::filesystem::path& file, const toml::source_region& source) {
   return fmt::format("{}:{}", file.string(), source.begin.line);
 }
 
-void refuse_toml(const std::filesystem::path& file, const toml::parse_error& error) {
-  refuse(toml_location(file, error.source()), plain_text(error.description()),
-         "correct the line: NAME = VALUE, texts in quotes, numbers with a decimal point");
-}
-
-toml::table read_toml(const std::filesystem::path& file) {
-  const std::string text = read_file(file);
+toml::table parse_toml(std::string_view text, const std::filesystem::path& file) {
   try {
     return toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
-    refuse_toml(file, error);
+    refuse(toml_location(file, error.source()), plain_text(error.description()), remedy);
+  } catch (const TomlAssertion& assertion) {
+    refuse(fmt::format("{}:{}", file.string(), line_of_assertion(text)),
+           plain_text(assertion.what()), remedy);
   }
+}
+
+toml::table read_toml(const std::filesystem::path& file) {
+  return parse_toml(read_file(file), file);
 }
 
 }  // namespace lamplock

@@ -178,13 +178,7 @@ class Reader {
 }  // namespace
 
 LineTable parse_line_table(std::string_view text, const std::filesystem::path& file) {
-  toml::table root;
-  try {
-    root = toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    refuse_toml(file, error);
-  }
-  return Reader(file).read(root);
+  return Reader(file).read(parse_toml(text, file));
 }
 
 LineTable read_machine_lines(const std::filesystem::path& profile) {

@@ -97,6 +97,15 @@ TEST(LineTable, TheExampleNamesEveryRole) {
               lines.bootsel);
 }
 
+/// The library of TOML has assertions for these; they are refused as any other damage, at their
+/// line.
+TEST(LineTable, DamageThatReachesAssertionsIsRefusedAtItsLine) {
+  for (const std::string bad : {"[+]", "[[)", "[.", "[\\", "a = [}", "a = {b = 1, c = [1,}"})
+    EXPECT_THAT(error_of([&] { parse("debounce_ms = 5\n" + bad + "\n[run]\nline = 'RUN'\n"); }),
+                testing::ContainsRegex(":2: .* is missing; correct the line"))
+        << bad;
+}
+
 /// Damaged files are refused in one line or understood.
 TEST(LineTable, RandomDamageIsRefusedOrUnderstood) {
   const std::string good =
