@@ -14,7 +14,7 @@ namespace {
 using Time = std::chrono::microseconds;
 
 constexpr Time max_line_wait{20'000};
-constexpr Time shortest_wait{1'000};
+constexpr Time min_wait{1'000};
 /// Idle reports in a row at the end: one may come between an ok and the motion of its line.
 constexpr int idle_reports_at_end = 2;
 constexpr double us_per_s = 1e6;
@@ -57,7 +57,7 @@ bool LineSender::step() {
   }
   poll();
   port_.flush();
-  port_.transport().wait(port_.backlog() > 0 ? shortest_wait : max_line_wait);
+  port_.transport().wait(port_.backlog() > 0 ? min_wait : max_line_wait);
   return true;
 }
 

@@ -88,8 +88,8 @@ report::Report parse(const std::string& text) {
   json.at("utilisation").get_to(report.utilisation);
   json.at("time_s").get_to(report.time_s);
   json.at("points_per_s").get_to(report.points_per_s);
-  read_optional(json, "largest_error_steps", report.largest_error_steps);
-  read_optional(json, "largest_jitter_error_steps", report.largest_jitter_error_steps);
+  read_optional(json, "largest_error_steps", report.max_error_steps);
+  read_optional(json, "largest_jitter_error_steps", report.max_jitter_error_steps);
   read_optional(json, "missed", report.missed);
   read_optional(json, "doubled", report.doubled);
   json.at("beats_by_reason").get_to(report.beats_by_reason);
