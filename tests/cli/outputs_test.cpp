@@ -171,7 +171,7 @@ TEST_F(Outputs, OfProgramsAndSimulations) {
 
 /// Runs the program in a shell, which redirects. Returns the exit status.
 int status_in_shell(const std::string& arguments, const std::string& redirections) {
-  const std::string line = LAMPLOCK_PROGRAM + (" " + arguments + " " + redirections);
+  const std::string line = program_path() + (" " + arguments + " " + redirections);
   const int status = std::system(line.c_str());  // NOLINT(cert-env33-c)
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
