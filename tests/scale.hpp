@@ -18,8 +18,8 @@ inline int scaled(int count, int min = 1) {
   return std::max(min, static_cast<int>(count * scale()));
 }
 
-/// True if this run tries the cell of this number, of a table that is otherwise tried whole: a run of a
-/// fifth of the size or less (sanitizers, every day) takes one of seven.
+/// True if this run tries the cell of this number, of a table that is otherwise tried whole: a run
+/// of a fifth of the size or less (sanitizers, every day) takes one of seven.
 inline bool tries_cell(std::size_t number) { return scale() > 0.2 || number % 7 == 0; }
 
 }  // namespace lamplock::test

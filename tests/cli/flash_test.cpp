@@ -96,7 +96,8 @@ TEST(DevicesCommand, GivesAListToPrograms) {
 
 #ifdef LAMPLOCK_HAS_FIRMWARE
 TEST(FlashCommand, SimulatedChipGetsTheFirmwareOfThisBuild) {
-  for (const std::string& image : {std::string(), lamplock::test::in_build("lamplock-rp2040.uf2")}) {
+  for (const std::string& image :
+       {std::string(), lamplock::test::in_build("lamplock-rp2040.uf2")}) {
     std::vector<std::string> arguments = {"flash", "--board", "chip", "--json"};
     if (!image.empty()) arguments.push_back(image);
     const Finished flashed = run(arguments);
