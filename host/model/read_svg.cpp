@@ -26,6 +26,7 @@
 #include "host/model/svg_shapes.hpp"
 #include "host/model/svg_style.hpp"
 #include "host/model/svg_values.hpp"
+#include "host/model/svg_views.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -50,6 +51,14 @@ double scale_of(const geometry::Affine& map) {
   return std::sqrt(std::abs(map.x.x * map.y.y - map.x.y * map.y.x));
 }
 
+geometry::Bounds moved_back(geometry::Bounds box, const SvgBox& by) {
+  for (geometry::Point* corner : {&box.low, &box.high}) {
+    corner->x -= by.x;
+    corner->y -= by.y;
+  }
+  return box;
+}
+
 class SvgReader {
  public:
   SvgReader(const std::filesystem::path& file, std::string bytes)
@@ -67,41 +76,9 @@ class SvgReader {
     if (!measured_) curves_.leave_out(name);
   }
 
-  /// Changes to the units of the node's viewBox, if it has one, fitted into `port`.
   void enter_view(const xml_node& node, const SvgBox& port, Context& context) const {
-    const FilePosition place = document_.position_of(node);
-    context.units.port = port;
-    const char* text = node.attribute("viewBox").value();
-    if (*text == '\0') {
-      context.map = context.map * geometry::moved(port.x, port.y, 0);
-      return;
-    }
-    const std::vector<double> view = svg_numbers(text, place);
-    if (view.size() != 4 || !(view[2] > 0) || !(view[3] > 0))
-      place.refuse(fmt::format("the viewBox '{:.40}' is not valid", text), "repair the drawing");
-    context.units.port = {view[0], view[1], view[2], view[3]};
-    context.map = context.map *
-                  svg_fit(context.units.port, port, node.attribute("preserveAspectRatio").value());
-  }
-
-  /// The page in px. Without a size the page, the reference of percentages, has that of the view.
-  SvgBox page_of(const xml_node& root, SvgUnits& units) const {
-    const FilePosition place = document_.position_of(root);
-    const std::vector<double> view = svg_numbers(root.attribute("viewBox").value(), place);
-    const bool has_view = view.size() == 4;
-    const SvgBox whole{0, 0, has_view ? view[2] : 0, has_view ? view[3] : 0};
-    units.port = whole;
-    units.page_width_px = whole.width;
-    units.page_height_px = whole.height;
-    const SvgBox page{0, 0, svg_length_of(root, "width", whole.width, whole.width, units, place),
-                      svg_length_of(root, "height", whole.height, whole.height, units, place)};
-    const bool is_empty = has_view && (page.width == 0 || page.height == 0);
-    if (page.width < 0 || page.height < 0 || is_empty)
-      place.refuse(fmt::format("the page has the size {} x {}", page.width, page.height),
-                   "repair the drawing");
-    units.page_width_px = page.width;
-    units.page_height_px = page.height;
-    return page;
+    context.map =
+        context.map * svg_view_map(node, port, context.units, document_.position_of(node));
   }
 
   /// Draws the page: its size in px, its lower left corner in the origin, y upwards.
@@ -109,7 +86,7 @@ class SvgReader {
     Context context;
     context.units.font_px = svg_font_size(svg_value(root, "font-size"), context.units);
     context.units.root_font_px = context.units.font_px;
-    page_ = page_of(root, context.units);
+    page_ = svg_page(root, context.units, document_.position_of(root));
     context.map = geometry::moved(0, page_.height * mm_per_px, 0) *
                   geometry::scaled(mm_per_px, -mm_per_px, 1);
     if (is_not_rendered(root)) return leave_out("hidden");
@@ -199,9 +176,14 @@ class SvgReader {
 
   bool clip(const xml_node& node, Context& context) {
     if (measured_) return true;
-    std::optional<geometry::Bounds> box;
-    if (clips_.needs_box(node)) box = box_of(node, context);
-    if (clips_.append(node, {context.map, context.units, box}, context.clips)) return true;
+    SvgClips::Frame frame{context.map, context.units, {}};
+    if (clips_.needs_box(node)) frame.box = box_of(node, context);
+    if (svg_name(node) == "use") {  // its x and y move what clips it, too
+      const SvgBox at = svg_box_of(node, context.units, document_.position_of(node));
+      frame.map = frame.map * geometry::moved(at.x, at.y, 0);
+      if (frame.box) *frame.box = moved_back(*frame.box, at);
+    }
+    if (clips_.append(node, frame, context.clips)) return true;
     leave_out("element with a clip path or mask that cannot be applied");
     return false;
   }

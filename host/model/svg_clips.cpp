@@ -157,11 +157,11 @@ bool SvgClips::add_shape(const xml_node& node, Inherited inherited, Shapes& shap
   if (const std::string_view rule = svg_value(node, "clip-rule"); !rule.empty())
     inherited.rule = rule;
   if (name == "use") {
-    if (!append(node, frame, inherited.clips)) return false;
     const xml_node used = document_.used_by(node);
     if (!used || std::find(open_.begin(), open_.end(), used) != open_.end()) return false;
     const SvgBox at = svg_box_of(node, frame.units, place);
     frame.map = frame.map * geometry::moved(at.x, at.y, 0);
+    if (!append(node, frame, inherited.clips)) return false;
     open_.push_back(used);
     const bool applied = add_shape(used, inherited, shapes);
     open_.pop_back();

@@ -1,0 +1,73 @@
+// Elements of an SVG that are used elsewhere: their places, sizes, clip paths and masks.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+
+#include "tests/model/svg_page.hpp"
+#include "tests/scale.hpp"
+
+namespace lamplock::svg_use_test {
+namespace {
+
+using geometry::Bounds;
+using model::Curves;
+
+class SvgUse : public test::SvgPage {
+ protected:
+  static void expect_equal(const Curves& one, const Curves& other, const std::string& what) {
+    ASSERT_EQ(one.paths.size(), other.paths.size()) << what;
+    const Bounds a = model::bounds(one), b = model::bounds(other);
+    constexpr double rounding = 5e-3;  // of clipped ends
+    EXPECT_NEAR(length(one), length(other), rounding) << what;
+    EXPECT_NEAR(a.low.x, b.low.x, rounding) << what;
+    EXPECT_NEAR(a.low.y, b.low.y, rounding) << what;
+    EXPECT_NEAR(a.high.x, b.high.x, rounding) << what;
+    EXPECT_NEAR(a.high.y, b.high.y, rounding) << what;
+  }
+};
+
+// x and y are a translation after the transform, also for what clips the use.
+TEST_F(SvgUse, XAndYMoveItsClipPathAndMask) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> place(0, 20), angle(-40, 40);
+  const std::string content =
+      "<defs><g id='t'><path d='M0 10H40M0 14H40' fill='none' stroke='red'/></g>"
+      "<clipPath id='c'><circle cx='12' cy='10' r='8'/></clipPath>"
+      "<clipPath id='b' clipPathUnits='objectBoundingBox'><rect x='.2' y='-1' width='.5' "
+      "height='3'/></clipPath>"
+      "<mask id='m' maskUnits='userSpaceOnUse' x='2' y='0' width='20' height='20'>"
+      "<circle cx='12' cy='10' r='8' fill='white'/></mask>"
+      "<clipPath id='n'><use href='#k' x='3' y='1' clip-path='url(#c)'/></clipPath>"
+      "<rect id='k' width='30' height='30'/></defs>";
+  for (const std::string how :
+       {"clip-path='url(#c)'", "mask='url(#m)'", "clip-path='url(#b)'", "clip-path='url(#n)'",
+        "style='clip-path:url(#c)' mask='url(#m)'"}) {
+    for (int i = 0; i < test::scaled(6, 2); ++i) {
+      const double x = place(random), y = place(random), turn = angle(random);
+      const std::string moved =
+          fmt::format("<use href='#t' {} transform='translate(20 20) rotate({})' x='{}' y='{}'/>",
+                      how, turn, x, y);
+      const std::string plain = fmt::format(
+          "<use href='#t' {} transform='translate(20 20) rotate({}) translate({} {})'/>", how, turn,
+          x, y);
+      expect_equal(shapes(content + moved), shapes(content + plain), moved);
+    }
+  }
+}
+
+// The clip path of a use in a clip path is that of its user space, which x and y have moved.
+TEST_F(SvgUse, XAndYMoveTheClipPathOfAUseInAClipPath) {
+  const std::string line = "<line y1='40' x2='100' y2='40'/>";
+  EXPECT_NEAR(length("<clipPath id='a'><rect width='10' height='80'/></clipPath>"
+                     "<clipPath id='c'><use href='#r' x='30' clip-path='url(#a)'/></clipPath>"
+                     "<defs><rect id='r' x='5' width='40' height='80'/></defs>"
+                     "<g clip-path='url(#c)'>" +
+                     line + "</g><circle r='0'/>"),
+              5, 1e-6);
+}
+
+}  // namespace
+}  // namespace lamplock::svg_use_test
