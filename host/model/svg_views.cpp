@@ -2,24 +2,45 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
 #include <vector>
 
+#include "host/model/svg_paint.hpp"
 #include "host/model/svg_shapes.hpp"
 
 namespace lamplock::model {
 
 using pugi::xml_node;
 
-/// Without a size the page, the reference of percentages, has that of the view.
+namespace {
+
+/// The sizes of the window, which a file does not know, and no size at all.
+bool is_of_window(std::string_view size) {
+  return size.empty() || size == "auto" || size.ends_with('%') || size.ends_with("vw") ||
+         size.ends_with("vh") || size.ends_with("vmin") || size.ends_with("vmax");
+}
+
+}  // namespace
+
+/// The page of a file is a replaced element of CSS: a side without a length of its own follows from
+/// the other by the ratio of the view. Without any the page, the reference of percentages, has the
+/// size of the view.
 SvgBox svg_page(const xml_node& root, SvgUnits& units, const FilePosition& place) {
   const std::vector<double> view = svg_numbers(root.attribute("viewBox").value(), place);
-  const bool has_view = view.size() == 4;
+  const bool has_view = view.size() == 4 && view[2] > 0 && view[3] > 0;
   const SvgBox whole{0, 0, has_view ? view[2] : 0, has_view ? view[3] : 0};
   units.port = whole;
   units.page_width_px = whole.width;
   units.page_height_px = whole.height;
-  const SvgBox page{0, 0, svg_length_of(root, "width", whole.width, whole.width, units, place),
-                    svg_length_of(root, "height", whole.height, whole.height, units, place)};
+  const std::string_view width = svg_value(root, "width"), height = svg_value(root, "height");
+  const auto is_auto = [](std::string_view text) { return text.empty() || text == "auto"; };
+  // A percentage is used if the other side has no length.
+  const bool follows_x = is_of_window(width) && (!is_of_window(height) || is_auto(width));
+  const bool follows_y = is_of_window(height) && (!is_of_window(width) || is_auto(height));
+  SvgBox page{0, 0, svg_length_of(root, "width", whole.width, whole.width, units, place),
+              svg_length_of(root, "height", whole.height, whole.height, units, place)};
+  if (has_view && follows_x && !follows_y) page.width = page.height * whole.width / whole.height;
+  if (has_view && follows_y && !follows_x) page.height = page.width * whole.height / whole.width;
   const bool is_empty = has_view && (page.width == 0 || page.height == 0);
   if (page.width < 0 || page.height < 0 || is_empty)
     place.refuse(fmt::format("the page has the size {} x {}", page.width, page.height),

@@ -190,6 +190,31 @@ TEST_F(Svg, PagesAndUnits) {
   EXPECT_NEAR(box("preserveAspectRatio='xMidYMin slice'").low.y, -10, 1e-9);
 }
 
+// The page is a replaced element of CSS: a missing side follows from the ratio of the view.
+TEST_F(Svg, AMissingSideOfThePageFollowsFromTheView) {
+  const auto box = [&](const std::string& size) {
+    return model::bounds(
+        read("<svg " + size +
+             " viewBox='10 20 60 30'><rect x='10' y='20' width='60' height='30'/></svg>"));
+  };
+  for (const std::string size :
+       {"width='60mm'", "height='30mm'", "width='100%' height='30mm'", "width='60mm' height='100%'",
+        "width='auto' height='3cm'", "width='60mm' height='auto'", "width='50%' height='30mm'",
+        "style='height:30mm'", "style='width:100%' height='30mm'", "height='30mm' width='100vw'"}) {
+    EXPECT_NEAR(box(size).low.x, 0, 1e-9) << size;
+    EXPECT_NEAR(box(size).low.y, 0, 1e-9) << size;
+    EXPECT_NEAR(box(size).high.x, 60, 1e-9) << size;
+    EXPECT_NEAR(box(size).high.y, 30, 1e-9) << size;
+  }
+  constexpr double px = 25.4 / 96;
+  for (const std::string size : {"", "width='auto' height='auto'", "width='100%'"})
+    EXPECT_NEAR(box(size).high.x, 60 * px, 1e-9) << size;
+  for (const std::string size : {"width='50%'", "height='50%'", "width='50%' height='50%'"}) {
+    EXPECT_NEAR(box(size).high.x, 30 * px, 1e-9) << size;
+    EXPECT_NEAR(box(size).high.y, 15 * px, 1e-9) << size;
+  }
+}
+
 TEST_F(Svg, TransformsNest) {
   EXPECT_NEAR(ArcLength(shape("<g transform='scale(2)'><g transform='rotate(30) translate(1,2)'>"
                               "<circle r='1'/></g></g>"))
