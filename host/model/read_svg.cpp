@@ -16,6 +16,7 @@
 #include "host/file.hpp"
 #include "host/model/arc_length.hpp"
 #include "host/model/clip.hpp"
+#include "host/model/close_path.hpp"
 #include "host/model/curve_collector.hpp"
 #include "host/model/dashes.hpp"
 #include "host/model/svg_background.hpp"
@@ -273,9 +274,11 @@ class SvgReader {
     if (!paths) return leave_out(std::string(name));
     if (svg_has_markers(node)) leave_out("marker");
     if (!clip(node, context)) return;
+    const bool fills = shows_filled_edge(node, paint);
     const bool is_background = may_be_background(paint, *paths, context, place);
     for (Path& path : dashed(node, std::move(*paths), context, place)) {
       path = CurveCollector::placed(std::move(path), context.map, place);
+      if (fills) close_around_area(path);
       std::vector<Path> parts = clipped(std::move(path), context.clips, clips_.work(), place);
       if (parts.empty()) leave_out("clipped curve");
       for (Path& part : parts) {
@@ -287,14 +290,11 @@ class SvgReader {
     }
   }
 
-  /// The dashes of the paths where the stroke has some; the edge of a fill in another colour than
-  /// the page's is whole.
+  /// The dashes of the paths where has_dashes().
   std::vector<Path> dashed(const xml_node& node, std::vector<Path> paths, const Context& context,
                            const FilePosition& place) {
     const SvgPaint& paint = context.paint;
-    const bool shows_edge = paint.shows_fill() && !paint.fill_is_default && !paint.fill_is_white &&
-                            svg_name(node) != "line";
-    if (paint.dashes.empty() || !paint.shows_stroke() || shows_edge) return paths;
+    if (!has_dashes(node, paint)) return paths;
     // Lengths are measured in mm, which the precision of arc lengths refers to.
     const double scale = scale_of(context.map);
     const geometry::Affine larger = geometry::scaled(scale, scale, scale);
@@ -330,7 +330,8 @@ class SvgReader {
     if (has_drawn_ || background_ || paint.shows_stroke() || paint.fill_is_default ||
         paths.size() != 1 || page_.width == 0 || page_.height == 0)
       return false;
-    const Path outline = CurveCollector::placed(paths.front(), context.map, place);
+    Path outline = CurveCollector::placed(paths.front(), context.map, place);
+    close_around_area(outline);
     return is_filled_box(outline,
                          {{0, 0, 0}, {page_.width * mm_per_px, page_.height * mm_per_px, 0}});
   }

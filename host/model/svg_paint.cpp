@@ -126,6 +126,17 @@ void inherit_paint(const xml_node& node, const SvgUnits& units, const SvgDocumen
   inherit_stroke(node, units, document, paint);
 }
 
+bool has_dashes(const xml_node& shape, const SvgPaint& paint) {
+  const bool shows_edge = paint.shows_fill() && !paint.fill_is_default && !paint.fill_is_white &&
+                          std::string_view(shape.name()) != "line";
+  return !paint.dashes.empty() && paint.shows_stroke() && !shows_edge;
+}
+
+bool shows_filled_edge(const xml_node& shape, const SvgPaint& paint) {
+  const bool is_on_white = paint.fill_is_white && paint.shows_stroke();
+  return paint.shows_fill() && !is_on_white && !has_dashes(shape, paint);
+}
+
 bool is_not_rendered(const xml_node& node) {
   return svg_value(node, "display") == "none" ||
          part_of_one(svg_value(node, "opacity")).value_or(1) <= 0;

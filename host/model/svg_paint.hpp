@@ -38,6 +38,13 @@ struct SvgPaint {
 void inherit_paint(const pugi::xml_node& node, const SvgUnits& units, const SvgDocument& document,
                    SvgPaint& paint);
 
+/// True if a shape is drawn as the dashes of its stroke. The edge of a fill in another colour than
+/// the page's is whole.
+bool has_dashes(const pugi::xml_node& shape, const SvgPaint& paint);
+
+/// True if the edge of a shape's fill is visible, also where no stroke is: open paths are closed.
+bool shows_filled_edge(const pugi::xml_node& shape, const SvgPaint& paint);
+
 /// True for display:none and an opacity of 0, which hide an element with all that is in it.
 bool is_not_rendered(const pugi::xml_node& node);
 
