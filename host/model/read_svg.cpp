@@ -203,24 +203,18 @@ class SvgReader {
     if (!clip(node, context)) return;
     if (name == "use") return draw_use(node, context);
     if (name == "svg") {
-      const SvgBox box = svg_box_of(node, context.units, document_.position_of(node));
-      return draw_view(node, node, box, context);
+      const FilePosition place = document_.position_of(node);
+      return draw_view(node, svg_view_port(node, {}, context.units, place), context);
     }
     enter_layer(node, context);
     if (name != "switch") return draw_children(node, context);
     if (const xml_node chosen = svg_chosen_of(node)) draw(chosen, context);
   }
 
-  /// Draws a nested svg or a symbol; `sized` has the attributes of its size, by default 100 %. What
-  /// leaves the view is hidden unless the property overflow shows it.
-  void draw_view(const xml_node& node, const xml_node& sized, SvgBox port, Context context) {
+  /// Draws a nested svg or a symbol. What leaves the view is hidden unless the property overflow
+  /// shows it.
+  void draw_view(const xml_node& node, const SvgBox& port, Context context) {
     const SvgBox& outer = context.units.port;
-    const auto size = [&](const char* name, double given, double whole) {
-      const std::string_view text = svg_value(sized, name);
-      return text.empty() || text == "auto" ? whole : given;
-    };
-    port.width = size("width", port.width, outer.width);
-    port.height = size("height", port.height, outer.height);
     const bool has_size = outer.width > 0 && outer.height > 0;
     if (has_size && (port.width == 0 || port.height == 0)) return leave_out("hidden");
     const std::string_view overflow = svg_value(node, "overflow");
@@ -252,12 +246,8 @@ class SvgReader {
     context.map = context.map * geometry::moved(at.x, at.y, 0);
     open_uses_.push_back(used);
     if (svg_name(used) == "symbol" || svg_name(used) == "svg") {
-      if (enter(used, context) && clip(used, context)) {
-        const bool has_size = node.attribute("width") || node.attribute("height");
-        SvgBox port = svg_box_of(used, context.units, place);
-        if (has_size) port = {port.x, port.y, at.width, at.height};
-        draw_view(used, has_size ? node : used, port, context);
-      }
+      if (enter(used, context) && clip(used, context))
+        draw_view(used, svg_view_port(used, node, context.units, place), context);
     } else {
       draw(used, context);
     }

@@ -50,6 +50,22 @@ SvgBox svg_page(const xml_node& root, SvgUnits& units, const FilePosition& place
   return page;
 }
 
+SvgBox svg_view_port(const xml_node& node, const xml_node& use, const SvgUnits& units,
+                     const FilePosition& place) {
+  SvgBox port = svg_box_of(node, units, place);
+  const SvgBox given = use ? svg_box_of(use, units, place) : SvgBox{};
+  const auto has = [](const xml_node& one, const char* name) {
+    const std::string_view text = svg_value(one, name);
+    return !text.empty() && text != "auto";
+  };
+  const auto size = [&](const char* name, double of_use, double own, double whole) {
+    return has(use, name) ? of_use : has(node, name) ? own : whole;
+  };
+  port.width = size("width", given.width, port.width, units.port.width);
+  port.height = size("height", given.height, port.height, units.port.height);
+  return port;
+}
+
 geometry::Affine svg_view_map(const xml_node& node, const SvgBox& port, SvgUnits& units,
                               const FilePosition& place) {
   units.port = port;

@@ -17,6 +17,12 @@ namespace lamplock::model {
 /// (bad_input) naming the place for sizes that are not valid.
 SvgBox svg_page(const pugi::xml_node& root, SvgUnits& units, const FilePosition& place);
 
+/// The view port of a nested svg or symbol, in the units outside of it. Each size is that of `use`
+/// (null if it is not used) where this has it, otherwise the node's own, otherwise 100 %. Throws
+/// Error (bad_input) naming the place for sizes that are not valid.
+SvgBox svg_view_port(const pugi::xml_node& node, const pugi::xml_node& use, const SvgUnits& units,
+                     const FilePosition& place);
+
 /// The map from the coordinates in a node, those of its viewBox if it has one, fitted into `port`;
 /// percentages of `units` refer to these afterwards. Throws Error (bad_input) naming the place for
 /// an invalid viewBox.

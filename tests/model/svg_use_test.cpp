@@ -5,6 +5,7 @@
 
 #include <random>
 #include <string>
+#include <vector>
 
 #include "tests/model/svg_page.hpp"
 #include "tests/scale.hpp"
@@ -67,6 +68,31 @@ TEST_F(SvgUse, XAndYMoveTheClipPathOfAUseInAClipPath) {
                      "<g clip-path='url(#c)'>" +
                      line + "</g><circle r='0'/>"),
               5, 1e-6);
+}
+
+// A size of the use replaces that of the svg; a missing one does not.
+TEST_F(SvgUse, SizesOfAUseReplaceThoseOfTheElement) {
+  const auto length_of = [&](const std::string& element, const std::string& use) {
+    return length("<defs>" + element + "</defs><use href='#n' x='10' y='10' " + use + "/>");
+  };
+  const auto nested = [](const std::string& name, const std::string& sizes) {
+    return fmt::format(
+        "<{0} id='n' viewBox='0 0 10 10' preserveAspectRatio='none' {1} overflow='visible'>"
+        "<rect width='10' height='10'/></{0}>",
+        name, sizes);
+  };
+  for (const std::string name : {"svg", "symbol"}) {
+    const std::string sized = nested(name, "width='20' height='10'");
+    EXPECT_NEAR(length_of(sized, ""), 60, 1e-6) << name;
+    EXPECT_NEAR(length_of(sized, "width='30'"), 80, 1e-6) << name;
+    EXPECT_NEAR(length_of(sized, "height='30'"), 100, 1e-6) << name;
+    EXPECT_NEAR(length_of(sized, "width='auto' height='30'"), 100, 1e-6) << name;
+    EXPECT_NEAR(length_of(sized, "width='50%' height='50%'"), 180, 1e-6) << name;
+    // By default 100 % of 100 x 80.
+    EXPECT_NEAR(length_of(nested(name, ""), "width='30'"), 220, 1e-6) << name;
+    EXPECT_NEAR(length_of(nested(name, "height='10'"), ""), 220, 1e-6) << name;
+    EXPECT_NEAR(length_of(nested(name, "width='5'"), "height='10'"), 30, 1e-6) << name;
+  }
 }
 
 }  // namespace
