@@ -120,6 +120,7 @@ void inherit_paint(const xml_node& node, const SvgUnits& units, const SvgDocumen
   if (const auto fill = value("fill"); !fill.empty()) {
     paint.has_fill = is_visible_paint(fill, document);
     paint.fill_is_white = is_white(fill);
+    paint.fill_is_server = fill.starts_with("url(");
     paint.fill_is_default = false;
   }
   paint.fill_opacity = part_of_one(value("fill-opacity")).value_or(paint.fill_opacity);

@@ -21,6 +21,7 @@ struct SvgPaint {
   bool has_fill = true;         ///< black by default
   bool fill_is_default = true;  ///< no element has set it
   bool fill_is_white = false;   ///< the colour of the page
+  bool fill_is_server = false;  ///< a gradient or pattern
   bool has_stroke = false;
   double fill_opacity = 1, stroke_opacity = 1;
   double stroke_width = 1;       ///< user's units

@@ -95,5 +95,74 @@ TEST_F(SvgUse, SizesOfAUseReplaceThoseOfTheElement) {
   }
 }
 
+// What a mask uses inherits from the use, its groups and the mask, as elsewhere.
+TEST_F(SvgUse, MasksOfUsedShapesClip) {
+  const std::string defs =
+      "<defs><rect id='r' x='5' width='20' height='80'/><g id='g'><use href='#r'/></g>"
+      "<symbol id='s' viewBox='0 0 10 10'><rect x='-5' width='20' height='10'/></symbol>"
+      "<svg id='v' width='20' height='80'><rect width='90' height='90'/></svg>"
+      "<path id='o' d='M5 0H45V80H5ZM15 0H35V80H15Z'/>"
+      "<rect id='b' width='20' height='80' fill='black'/></defs>";
+  struct Case {
+    std::string mask;
+    double length_mm;
+  };
+  for (const Case& one : std::vector<Case>{
+           {"<mask id='m' fill='white'><use href='#r'/></mask>", 20},
+           {"<mask id='m'><use href='#r' fill='#fff'/></mask>", 20},
+           {"<mask id='m'><use href='#r' style='fill:#ffffff' x='7'/></mask>", 20},
+           {"<g fill='white'><mask id='m'><use href='#r'/></mask></g>", 20},
+           {"<mask id='m'><g fill='white'><g><use href='#g'/><use href='#g' "
+            "x='30'/></g></g></mask>",
+            40},
+           {"<mask id='m' fill='white'><g transform='scale(2 1)'><use href='#r'/></g></mask>", 40},
+           {"<mask id='m' fill='white'><use href='#s' width='30' height='80'/></mask>", 30},
+           {"<mask id='m' fill='white'><use href='#v' x='3'/></mask>", 20},
+           {"<mask id='m' fill='white'><use href='#v' x='3' width='50'/></mask>", 50},
+           {"<mask id='m' fill='white'><svg width='9'><rect width='30' height='80'/></svg></mask>",
+            9},
+           {"<mask id='m' fill='white'><a><switch><use href='#r'/></switch></a></mask>", 20},
+           {"<mask id='m' fill='white'><title>t</title><defs><text/></defs><use href='#r'/></mask>",
+            20},
+           {"<mask id='m' fill='white' fill-rule='evenodd'><use href='#o'/></mask>", 20},
+           {"<mask id='m' fill='white'><use href='#o'/></mask>", 40},
+           {"<mask id='m' fill='white'><use href='#r'/><use href='#r' x='40' opacity='0'/></mask>",
+            20},
+           {"<mask id='m' fill='white'><use href='#r'/><use href='#r' x='40' fill='none'/></mask>",
+            20},
+           {"<clipPath id='k'><rect width='15' height='80'/></clipPath><mask id='m' fill='white'>"
+            "<g clip-path='url(#k)'><use href='#r'/></g></mask>",
+            10},
+           {"<mask id='m' style='mask-type:alpha'><use href='#r'/></mask>", 20}}) {
+    const Curves curves =
+        shapes(defs + one.mask + "<g mask='url(#m)'><path d='M0 40H100' stroke='red'/></g>");
+    EXPECT_NEAR(length(curves), one.length_mm, 5e-3) << one.mask;
+    EXPECT_TRUE(curves.left_out.empty()) << one.mask;
+  }
+  for (const std::string mask :
+       {"<mask id='m'><use href='#r'/></mask>", "<mask id='m' fill='white'><use href='#b'/></mask>",
+        "<mask id='m' fill='white'><use href='#r' opacity='.5'/></mask>",
+        "<mask id='m' fill='white'><g filter='url(#f)'><use href='#r'/></g></mask>",
+        "<mask id='m' fill='white' stroke='white'><use href='#r'/></mask>",
+        "<linearGradient id='l'/><mask id='m' style='mask-type:alpha' fill='url(#l)'>"
+        "<use href='#r'/></mask>"}) {
+    const Curves curves =
+        shapes(defs + mask + "<circle r='1'/><g mask='url(#m)'><path d='M0 40H100'/></g>");
+    EXPECT_EQ(curves.paths.size(), 1u) << mask;
+    EXPECT_EQ(curves.left_out.size(), 1u) << mask;
+  }
+}
+
+// Each use of a mask is one level: a chain without end is refused.
+TEST_F(SvgUse, MasksOfManyLevelsAreRefused) {
+  std::string chain = "<rect id='u0' width='9' height='9'/>";
+  for (int i = 1; i <= 300; ++i)
+    chain += fmt::format("<g id='u{}'><use href='#u{}'/></g>", i, i - 1);
+  EXPECT_THAT(error("<defs>" + chain +
+                    "</defs><mask id='m' fill='white'><use href='#u300'/></mask>"
+                    "<g mask='url(#m)'><path d='M0 4H9'/></g>"),
+              ::testing::HasSubstr("nested deeper"));
+}
+
 }  // namespace
 }  // namespace lamplock::svg_use_test
