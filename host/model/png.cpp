@@ -133,12 +133,12 @@ void check_colours(const path& file, const PngParts& parts, unsigned type, unsig
 
 /// Refuses a header whose size the rest of the file cannot fill, before memory is reserved for it.
 void check_png_header(const path& file, PngParts& parts) {
-  constexpr std::size_t header_bytes = 13, chunk = png_signature.size();
+  constexpr std::size_t ihdr_bytes = 13, chunk = png_signature.size();
   const std::string_view image = parts.image;
-  if (image.size() < chunk + PngChunk::around_data + header_bytes ||
+  if (image.size() < chunk + PngChunk::around_data + ihdr_bytes ||
       image.substr(chunk + 4, 4) != "IHDR")
     refuse_damaged(file, "no header");
-  const std::string_view header = image.substr(chunk + PngChunk::before_data, header_bytes);
+  const std::string_view header = image.substr(chunk + PngChunk::before_data, ihdr_bytes);
   const std::uint64_t width = big_u32(header, 0), height = big_u32(header, 4);
   require_size(file, static_cast<long long>(width), static_cast<long long>(height));
   // Samples of a pixel by colour type.

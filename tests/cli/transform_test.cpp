@@ -98,7 +98,7 @@ TEST(Transforms, OfDrawingsKeepTheirSide) {
   const std::string svg =
       folder.write("l.svg",
                    "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"4mm\" height=\"8mm\" "
-                   "viewBox=\"0 0 4 8\"><path d=\"M0 0 V8 H4\"/></svg>");
+                   "viewBox=\"0 0 4 8\"><path fill=\"none\" stroke=\"red\" d=\"M0 0 V8 H4\"/></svg>");
   struct Case {
     const char* words;
     std::array<Point, 3> wanted;  ///< top, corner and foot, in the middle of the block
