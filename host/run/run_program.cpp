@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <exception>
 #include <optional>
 #include <string_view>
@@ -14,6 +13,7 @@
 #include "host/link/board_settings.hpp"
 #include "host/link/line_sender.hpp"
 #include "host/link/not_ready.hpp"
+#include "host/program/board_lines.hpp"
 #include "host/program/board_state.hpp"
 #include "host/program/program_run.hpp"
 #include "host/program/start_at.hpp"
@@ -24,6 +24,7 @@
 #include "host/run/permission.hpp"
 #include "host/run/program_control.hpp"
 #include "host/run/program_time.hpp"
+#include "host/run/sent_file.hpp"
 #include "host/run/simulated_boards.hpp"
 #include "host/run/supervisor.hpp"
 #include "shared/units.hpp"
@@ -90,30 +91,29 @@ bool knows_space(const link::BoardSettings& settings) {
   return true;
 }
 
-/// A line for the board that a program may contain: homing, unlocking, and questions.
-bool may_be_in_program(std::string_view line) {
-  constexpr std::array<std::string_view, 7> plain{"$", "$$", "$#", "$G", "$I", "$N", "$X"};
-  std::string text;
-  for (const char c : line)
-    if (c != ' ' && c != '\t')
-      text += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  constexpr std::size_t max_homing_size = 3;  // $HX
-  if (text.starts_with("$H")) return text.size() <= max_homing_size;
-  return std::find(plain.begin(), plain.end(), text) != plain.end();
-}
-
 /// Throws Error(bad_input) at the first `$` line that the board may refuse while a program runs.
 /// A file of `$` lines alone is no program.
 void check_board_lines(const Program& program) {
   const auto is_for_board = [](const link::ProgramLine& line) {
-    return line.text.starts_with('$');
+    return program_run::is_board_line(line.text);
   };
   if (std::all_of(program.lines.begin(), program.lines.end(), is_for_board)) return;
+  for (const link::ProgramLine& line : program.lines) {
+    const std::string fault = program_run::board_line_fault(line.text);
+    if (fault.empty()) continue;
+    throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, line.number),
+                fault + ", nothing was sent",
+                "send it before the program, or send it anyhow with --ignore-errors");
+  }
+}
+
+/// Throws Error(bad_input) at the first `$SLP`, after which the machine does not answer.
+void refuse_sleep(const Program& program) {
   for (const link::ProgramLine& line : program.lines)
-    if (is_for_board(line) && !may_be_in_program(line.text))
+    if (program_run::is_sleep(line.text))
       throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, line.number),
                   fmt::format("'{}' must not be in a program, nothing was sent", line.text),
-                  "send it before the program, or send it anyhow with --ignore-errors");
+                  "take it out and send it with lamplock console after the program");
 }
 
 /// Homing ends at a place that the host does not know.
@@ -269,8 +269,8 @@ bool was_stopped(LineEnd end) { return end == LineEnd::stopped || end == LineEnd
 
 Program read_program(const std::string& file) {
   Program program{file, link::program_lines(read_file(file), file), {}, {}};
-  if (program.lines.empty())
-    throw Error(Exit::bad_input, file, "has no line to send", "is this the right file?");
+  if (program.lines.empty()) throw no_line_to_send(file);
+  refuse_sleep(program);
   return program;
 }
 

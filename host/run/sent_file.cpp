@@ -115,6 +115,10 @@ void require_program(const std::string& file) {
     throw Error(Exit::bad_input, file, way.what + ", not a program of G-code", way.remedy);
 }
 
+Error no_line_to_send(const std::string& file) {
+  return {Exit::bad_input, file, "has no line to send", "is this the right file?"};
+}
+
 void check_job_name(const std::string& output) {
   if (is_special(output) || lower_extension(output) == job_extension) return;
   throw Error(Exit::bad_input, output, "is not a name for a job, which is a binary file",
