@@ -246,7 +246,10 @@ constexpr std::array<std::pair<const char*, const char*>, 8> exits{
       "The job failed, or was stopped by the machine or by a line of the computer, or an output "
       "was "
       "lost. Points may have been fired."},
-     {"2", "Bad input or usage, or an output that cannot be written: nothing was fired."},
+     {"2",
+      "Bad input or usage, an output that cannot be written, or a machine that takes no job: "
+      "nothing "
+      "was fired."},
      {"3", "No device, or no link to it: nothing was fired."},
      {"129", "Ended by SIGHUP: the terminal was closed."},
      {"130", "Interrupted by SIGINT (Ctrl-C), or not permitted by the user."},
