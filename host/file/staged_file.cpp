@@ -77,7 +77,9 @@ void check_target(const fs::path& target) {
 
 StagedFile::StagedFile(fs::path target) : target_(std::move(target)), staged_(target_) {
   check_parent(target_);
-  if (!is_special(target_)) staged_ = staged_path(target_);
+  if (is_special(target_)) return;
+  staged_ = staged_path(target_);
+  unfinished_.emplace(staged_);
 }
 
 StagedFile::~StagedFile() {

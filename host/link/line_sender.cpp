@@ -7,6 +7,7 @@
 
 #include "host/error.hpp"
 #include "host/link/not_ready.hpp"
+#include "host/link/not_stopped.hpp"
 
 namespace lamplock::link {
 namespace {
@@ -279,11 +280,12 @@ void LineSender::throw_not_stopped() {
   const std::string why = errors_.empty() ? ""
                                           : fmt::format(" after line {}, {}", errors_.back().line,
                                                         error_text(errors_.back().error));
-  throw Error(Exit::job_failed, "machine",
-              fmt::format("could not be stopped{}; it may still move and fire; the last line it "
-                          "answered is {}",
-                          why, result().last_line),
-              "press its emergency stop or switch it off");
+  throw NotStopped(
+      Exit::job_failed, "machine",
+      fmt::format("could not be stopped{}; it may still move and fire; the last line it "
+                  "answered is {}",
+                  why, result().last_line),
+      "press its emergency stop or switch it off");
 }
 
 Time LineSender::elapsed() const {

@@ -14,6 +14,7 @@
 #include "host/link/board_settings.hpp"
 #include "host/link/line_console.hpp"
 #include "host/link/not_ready.hpp"
+#include "host/link/not_stopped.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::link {
@@ -153,8 +154,8 @@ void stop(LinePort& port, bool homes) {
     if (at_rest && was_at_rest) return;
     was_at_rest = at_rest;
   }
-  throw Error(Exit::job_failed, "machine", "could not be stopped; it may still move",
-              "press its emergency stop");
+  throw NotStopped(Exit::job_failed, "machine", "could not be stopped; it may still move",
+                   "press its emergency stop");
 }
 
 }  // namespace

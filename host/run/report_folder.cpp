@@ -167,6 +167,8 @@ void ReportFolder::make_folders() {
   for (; !fs::exists(there, error) && there.has_relative_path(); there = there.parent_path())
     made_.push_back(there);
   if (!fs::is_directory(there, error)) refuse_folder(folder_, "is not a folder");
+  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder)
+    unfinished_.emplace_back(*folder);
   fs::create_directories(folder_, error);
   if (!error) return;
   remove_folders();

@@ -5,6 +5,7 @@
 #include <exception>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "host/duration_text.hpp"
@@ -16,6 +17,7 @@
 #include "host/link/simulated_transport.hpp"
 #include "host/link/transport.hpp"
 #include "host/report/files.hpp"
+#include "host/run/before_firing.hpp"
 #include "host/run/board_files.hpp"
 #include "host/run/board_link.hpp"
 #include "host/run/frontend.hpp"
@@ -149,11 +151,14 @@ bool keeps_to_lamp(const job::Job& job) {
 /// The machine has not begun the job.
 [[noreturn]] void throw_refusal(const std::exception_ptr& error, link::Transport& transport,
                                 const job::Job& job, const BoardOptions& options) {
-  try {
-    std::rethrow_exception(error);
-  } catch (const link::RefusedSetting& refusal) {
-    explain_refusal(refusal, job, transport, options);
-  }
+  before_firing([&] {
+    try {
+      std::rethrow_exception(error);
+    } catch (const link::RefusedSetting& refusal) {
+      explain_refusal(refusal, job, transport, options);
+    }
+  });
+  throw std::logic_error("a refusal is an error");  // not reached
 }
 
 /// Runs a job; what goes wrong once it has begun is in the outcome.
@@ -177,7 +182,9 @@ JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
   if (clocking == Clocking::lock_step && keeps_to_lamp(prepared.job))
     lamp.emplace(prepared.job.settings);
   Supervisor supervisor(options, transport);
-  supervisor.begin(prepared.job.header.dry ? gpio::LaserUse::motion : gpio::LaserUse::laser);
+  before_firing([&] {
+    supervisor.begin(prepared.job.header.dry ? gpio::LaserUse::motion : gpio::LaserUse::laser);
+  });
   const auto supervise = [&] {
     try {
       progress.set_left(remaining.left_s(sender.points_fired(), sender.job_speed()));

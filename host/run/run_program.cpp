@@ -18,6 +18,7 @@
 #include "host/program/program_run.hpp"
 #include "host/program/start_at.hpp"
 #include "host/program/without_laser.hpp"
+#include "host/run/before_firing.hpp"
 #include "host/run/board_files.hpp"
 #include "host/run/board_link.hpp"
 #include "host/run/frontend.hpp"
@@ -209,7 +210,7 @@ ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions
   ProgramControl control(sender, frontend, *progress, board.clocking(), time);
   RefusedLines refused(program.file, *progress);
   Supervisor supervisor(options, board.port().transport());
-  supervisor.begin(gpio::LaserUse::laser);
+  before_firing([&] { supervisor.begin(gpio::LaserUse::laser); });
   const auto supervise = [&] {
     try {
       control.poll();
@@ -225,7 +226,7 @@ ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions
     supervisor.end();
     if (ignore_errors) refused.show(sender.errors());
   } catch (...) {
-    if (sender.result().sent == 0) throw;
+    if (sender.result().sent == 0) before_firing([] { throw; });
     outcome.error = std::current_exception();
   }
   outcome.result = sender.result();

@@ -34,7 +34,7 @@ class BlockedBoard : public testing::Test {
   void expect_all(const std::string& what, const std::string& remedy) const {
     for (const Arguments& words : commands()) {
       const Finished refused = run(words);
-      EXPECT_EQ(refused.status, 1) << words[0];
+      EXPECT_EQ(refused.status, 2) << words[0];
       EXPECT_THAT(refused.err, HasSubstr("error: machine: " + what)) << words[0];
       EXPECT_THAT(refused.err, HasSubstr(remedy)) << words[0];
       // A job on a held board asks its user first, who has no terminal here.
@@ -68,6 +68,26 @@ TEST_F(BlockedBoard, IsDescribedAlikeByAllCommands) {
   // A program may unlock by itself.
   const std::string own = folder_.write("own.ngc", "$X\nG21 G91\nG1 X1 F6000\n");
   EXPECT_EQ(run({"send", own, "--board", port_, "--yes"}).status, 0);
+}
+
+/// The journal is proved like other outputs, before the first shot.
+TEST_F(BlockedBoard, JobWhoseJournalCannotBeWrittenIsRefused) {
+  ASSERT_TRUE(sim_.wait_for("Ctrl-C"));
+  ASSERT_EQ(in_console("$X").status, 0);
+  const auto refused = [&](const std::string& journal, const Arguments& more) {
+    Arguments words = commands()[0];
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished run_of_job = run(words);
+    EXPECT_EQ(run_of_job.status, 2) << journal;
+    EXPECT_THAT(run_of_job.err, testing::StartsWith("error: " + journal + ": "));
+    return run_of_job.err;
+  };
+  for (const std::string journal : {"/dev/null", "/dev/full", "/proc/a.progress"})
+    refused(journal, {"--progress", journal});
+  std::filesystem::create_directory(list_ + ".progress");
+  const std::string of_default = refused(list_ + ".progress", {});
+  EXPECT_THAT(of_default, HasSubstr(": the progress of the job is kept there, but the file is a"));
+  EXPECT_THAT(of_default, HasSubstr("--progress FILE"));
 }
 
 TEST_F(BlockedBoard, ThatIsSimulatedIsUnlocked) {
