@@ -26,7 +26,8 @@ struct CheckOptions : run::CheckOptions {
 std::string problem_text(const std::string& file, const Problem& p) {
   std::string text = fmt::format("{}:{}", file, p.line);
   if (p.column != 0) text += fmt::format(":{}", p.column);
-  return text + (p.error == 0 ? ": " : fmt::format(": error:{} ", p.error)) + p.text;
+  text += (p.error == 0 ? ": " : fmt::format(": error:{} ", p.error)) + p.text;
+  return p.remedy.empty() ? text : text + "; " + p.remedy;
 }
 
 void say_result(Console& console, const ProgramRun& run) {
@@ -50,8 +51,11 @@ Json document(const CheckOptions& options, const ProgramRun& run) {
     high.push_back(run.bounds.high[index(a)]);
   }
   for (const Problem& p : run.problems)
-    problems.push_back(
-        {{"line", p.line}, {"column", p.column}, {"error", p.error}, {"text", p.text}});
+    problems.push_back({{"line", p.line},
+                        {"column", p.column},
+                        {"error", p.error},
+                        {"text", p.text},
+                        {"remedy", p.remedy}});
   return {{"input", options.input}, {"lines", run.lines},
           {"moves", run.moves},     {"time_s", run.seconds()},
           {"feed_mm", run.feed_mm}, {"rapid_mm", run.rapid_mm},

@@ -74,6 +74,23 @@ std::string line_to_send(std::string_view line, const std::string& where,
   return text;
 }
 
+std::size_t column_in_line(std::string_view line, std::size_t column) {
+  const bool is_for_board = trimmed(line).starts_with('$');
+  char comment_end = 0;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (comment_end != 0) {
+      if (c == comment_end) comment_end = 0;
+    } else if (!is_for_board && (c == '(' || c == ';')) {
+      comment_end = c == '(' ? ')' : '\n';
+    } else if (kept > 0 || (c != ' ' && c != '\t')) {
+      if (++kept == column) return i + 1;
+    }
+  }
+  return 0;
+}
+
 char open_comment(std::string_view line) {
   line = trimmed(line);
   if (line.starts_with('$')) return 0;

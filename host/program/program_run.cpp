@@ -11,6 +11,7 @@
 #include "firmware/program/interpreter.hpp"
 #include "host/link/program_lines.hpp"
 #include "host/program/board_lines.hpp"
+#include "host/program/line_fault.hpp"
 #include "host/program/line_run.hpp"
 #include "host/text.hpp"
 #include "shared/boards/pico_pins.hpp"
@@ -228,12 +229,6 @@ class Machine {
   ProgramRun run_;
 };
 
-std::string text_of(GcodeError error) {
-  for (const GcodeErrorRow& row : gcode_errors)
-    if (row.error == error) return std::string(row.text);
-  return "unknown";
-}
-
 /// The ports of the board with these settings.
 machine::ProgramPorts ports_of(const settings::Values& values) {
   const auto map = static_cast<boards::PinMap>(values.whole(Id::pin_map));
@@ -328,9 +323,11 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
       fault = {GcodeError::line_too_long, static_cast<std::uint16_t>(wire::max_line + 1)};
     else
       fault = run_line(line);
-    if (fault)
+    if (fault) {
+      const LineFault seen = describe_fault(line, fault, run.axes);
       run.problems.push_back(
-          {number, fault.column, static_cast<int>(fault.error), text_of(fault.error)});
+          {number, fault.column, static_cast<int>(fault.error), seen.text, seen.remedy});
+    }
     if (interpreter.has_ignored()) note_ignored(run, interpreter.take_ignored());
     const bool outside =
         !fault && interpreter.has_extent() && !machine.inside(interpreter.extent(), number);

@@ -34,7 +34,8 @@ struct Problem {
   std::size_t line = 0;  ///< from 1
   unsigned column = 0;   ///< from 1
   int error = 0;         ///< the machine's error number
-  std::string text;      ///< meaning of the number
+  std::string text;      ///< what is wrong
+  std::string remedy{};  ///< empty: none but to correct the line
 };
 
 /// A straight piece of the path, mm in machine coordinates.

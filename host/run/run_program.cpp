@@ -13,7 +13,6 @@
 #include "host/link/board_settings.hpp"
 #include "host/link/line_sender.hpp"
 #include "host/link/not_ready.hpp"
-#include "host/program/board_lines.hpp"
 #include "host/program/board_state.hpp"
 #include "host/program/program_run.hpp"
 #include "host/program/start_at.hpp"
@@ -24,6 +23,7 @@
 #include "host/run/frontend.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/program_control.hpp"
+#include "host/run/program_refusal.hpp"
 #include "host/run/program_time.hpp"
 #include "host/run/sent_file.hpp"
 #include "host/run/simulated_boards.hpp"
@@ -38,8 +38,7 @@ using link::LineResult;
 
 /// A program and what is known of it before it is sent.
 struct Program {
-  std::string file;
-  std::vector<link::ProgramLine> lines;
+  ProgramText text;
   std::optional<double> planned_s;
   ProgramTime::Plan plan;  ///< the same with other overrides; empty if it is not known
 };
@@ -65,10 +64,10 @@ void check_options(const BoardOptions& options) {
 
 /// A machine that moves, and a laser, need a permission.
 void ask_permission(const Program& program, const BoardOptions& options, Frontend& frontend) {
-  const std::string question =
-      fmt::format("{}: {} lines on {}: the machine will move{}. Type yes to start: ", program.file,
-                  program.lines.size(), options.board, options.dry ? "" : ", its laser may fire");
-  require_permission(options, frontend, question, program.file, "nothing was sent");
+  const std::string question = fmt::format(
+      "{}: {} lines on {}: the machine will move{}. Type yes to start: ", program.text.file,
+      program.text.lines.size(), options.board, options.dry ? "" : ", its laser may fire");
+  require_permission(options, frontend, question, program.text.file, "nothing was sent");
 }
 
 /// Settings of a board; nothing if it has none of ours or does not tell them.
@@ -92,34 +91,9 @@ bool knows_space(const link::BoardSettings& settings) {
   return true;
 }
 
-/// Throws Error(bad_input) at the first `$` line that the board may refuse while a program runs.
-/// A file of `$` lines alone is no program.
-void check_board_lines(const Program& program) {
-  const auto is_for_board = [](const link::ProgramLine& line) {
-    return program_run::is_board_line(line.text);
-  };
-  if (std::all_of(program.lines.begin(), program.lines.end(), is_for_board)) return;
-  for (const link::ProgramLine& line : program.lines) {
-    const std::string fault = program_run::board_line_fault(line.text);
-    if (fault.empty()) continue;
-    throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, line.number),
-                fault + ", nothing was sent",
-                "send it before the program, or send it anyhow with --ignore-errors");
-  }
-}
-
-/// Throws Error(bad_input) at the first `$SLP`, after which the machine does not answer.
-void refuse_sleep(const Program& program) {
-  for (const link::ProgramLine& line : program.lines)
-    if (program_run::is_sleep(line.text))
-      throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, line.number),
-                  fmt::format("'{}' must not be in a program, nothing was sent", line.text),
-                  "take it out and send it with lamplock console after the program");
-}
-
 /// Homing ends at a place that the host does not know.
 bool homes(const Program& program) {
-  return std::any_of(program.lines.begin(), program.lines.end(), [](const auto& line) {
+  return std::any_of(program.text.lines.begin(), program.text.lines.end(), [](const auto& line) {
     return line.text.starts_with("$H") || line.text.starts_with("$h");
   });
 }
@@ -127,7 +101,7 @@ bool homes(const Program& program) {
 /// The program as the board receives it.
 std::string text_of(const Program& program) {
   std::string sent;
-  for (const link::ProgramLine& line : program.lines) sent += line.text + "\n";
+  for (const link::ProgramLine& line : program.text.lines) sent += line.text + "\n";
   return sent;
 }
 
@@ -154,7 +128,7 @@ ProgramTime::Plan plan_of(const Program& program, const link::BoardSettings& set
 /// `ignore_errors`.
 void predict(Program& program, const link::BoardSettings& settings,
              const std::optional<program_run::BoardState>& state, bool ignore_errors) {
-  if (!ignore_errors) check_board_lines(program);
+  if (!ignore_errors) check_board_lines(program.text);
   // Without its state and position, places outside of the work space are left to the board.
   const bool space_known = !homes(program) && knows_space(settings);
   const program_run::OnBoard board{state, space_known};
@@ -165,11 +139,7 @@ void predict(Program& program, const link::BoardSettings& settings,
     return;
   }
   if (ignore_errors) return;
-  const program_run::Problem& problem = run.problems.front();
-  const std::size_t at = std::min(problem.line, program.lines.size()) - 1;
-  throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, program.lines[at].number),
-              problem.text + ", nothing was sent",
-              "correct it, see all with lamplock check, or send it anyhow with --ignore-errors");
+  throw refusal_of(program.text, run.problems.front());
 }
 
 std::string place_text(const link::BoardStatus& status) {
@@ -201,14 +171,15 @@ class RefusedLines {
 /// errors are part of the outcome.
 ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions& options,
                     bool ignore_errors, Frontend& frontend) {
-  const std::unique_ptr<Progress> progress = frontend.progress("sending", program.lines.size(), 0);
+  const std::unique_ptr<Progress> progress =
+      frontend.progress("sending", program.text.lines.size(), 0);
   link::LineOptions sending;
   sending.go_on = ignore_errors;
   sending.on_text = [&progress](const std::string& text) { progress->note("machine: " + text); };
-  link::LineSender sender(board.port(), program.lines, sending);
+  link::LineSender sender(board.port(), program.text.lines, sending);
   ProgramTime time(program.planned_s, program.plan);
   ProgramControl control(sender, frontend, *progress, board.clocking(), time);
-  RefusedLines refused(program.file, *progress);
+  RefusedLines refused(program.text.file, *progress);
   Supervisor supervisor(options, board.port().transport());
   before_firing([&] { supervisor.begin(gpio::LaserUse::laser); });
   const auto supervise = [&] {
@@ -220,7 +191,7 @@ ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions
       sender.fail(std::current_exception());
     }
   };
-  ProgramOutcome outcome{program.file, program.lines.size(), program.planned_s};
+  ProgramOutcome outcome{program.text.file, program.text.lines.size(), program.planned_s};
   try {
     while (sender.step()) supervise();
     supervisor.end();
@@ -269,9 +240,10 @@ std::string then_unlock(const std::string& board) {
 bool was_stopped(LineEnd end) { return end == LineEnd::stopped || end == LineEnd::alarm; }
 
 Program read_program(const std::string& file) {
-  Program program{file, link::program_lines(read_file(file), file), {}, {}};
-  if (program.lines.empty()) throw no_line_to_send(file);
-  refuse_sleep(program);
+  Program program{{file, read_program_text(file), {}}, {}, {}};
+  program.text.lines = link::program_lines(program.text.source, file);
+  if (program.text.lines.empty()) throw no_line_to_send(file);
+  refuse_sleep(program.text);
   return program;
 }
 
@@ -279,8 +251,10 @@ Program read_program(const std::string& file) {
 void choose_lines(Program& program, const BoardOptions& options, const settings::Values& values,
                   const std::optional<program_run::BoardState>& state) {
   if (options.from != 0)
-    program.lines = program_run::start_at(program.lines, options.from, values, program.file, state);
-  if (options.dry) program.lines = program_run::without_laser(program.lines, program.file);
+    program.text.lines =
+        program_run::start_at(program.text.lines, options.from, values, program.text.file, state);
+  if (options.dry)
+    program.text.lines = program_run::without_laser(program.text.lines, program.text.file);
 }
 
 /// An error after the first line is a failed job, whatever it is an error of.

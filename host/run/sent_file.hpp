@@ -28,6 +28,9 @@ bool is_program_file(const std::string& file);
 /// read.
 void require_program(const std::string& file);
 
+/// The text of a program. Throws Error(bad_input) if it cannot be read or is UTF-16.
+std::string read_program_text(const std::string& file);
+
 /// The error for a program without a line to run.
 Error no_line_to_send(const std::string& file);
 

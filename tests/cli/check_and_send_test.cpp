@@ -16,16 +16,20 @@ using testing::Not;
 /// Expects that both refuse a program with this text about this place, FILE:LINE or
 /// FILE:LINE:COLUMN.
 void expect_both_refuse(const std::string& program, const std::string& place,
-                        const std::string& what) {
+                        const std::string& what, const std::string& remedy = "") {
   const Folder folder;
   const std::string file = folder.write("p.ngc", program);
-  const Finished checked = run({"check", file}), sent = run({"send", file, "--board", "virtual"});
+  const Finished sent = run({"send", file, "--board", "virtual"});
+  Finished checked = run({"check", file});
+  checked.out += checked.err;
   EXPECT_EQ(checked.status, 2) << program;
   EXPECT_EQ(sent.status, 2) << program;
   EXPECT_THAT(checked.out, HasSubstr(file + place + ":")) << program;
   EXPECT_THAT(sent.err, HasSubstr(file + place + ":")) << program;
   EXPECT_THAT(checked.out, HasSubstr(what)) << program;
   EXPECT_THAT(sent.err, HasSubstr(what)) << program;
+  EXPECT_THAT(checked.out, HasSubstr(remedy)) << program;
+  EXPECT_THAT(sent.err, HasSubstr(remedy)) << program;
 }
 
 TEST(CheckAndSend, RefuseTheSameBoardLines) {
@@ -52,6 +56,55 @@ TEST(CheckAndSend, RefuseTheSameBytes) {
     const std::string file = folder.write("p.ngc", std::string("G4 P0.01 (a") + byte + ")\n");
     EXPECT_EQ(run({"check", file}).status, 0) << name;
     EXPECT_EQ(run({"send", file, "--board", "virtual"}).status, 0) << name;
+  }
+}
+
+/// The word at fault, and what to do. The column is that of the file, before which a comment may
+/// be.
+TEST(CheckAndSend, NameTheWordAndARemedy) {
+  struct Case {
+    std::string line, column, what, remedy;
+  };
+  const std::string variables = ": variables, expressions and O-words are not read";
+  const std::string without = "; post the program without them";
+  for (const Case& c : std::initializer_list<Case>{
+           {"G43 H1", "1", "error:20 'G43' is not supported", "; use G43.1 or take the word out"},
+           {"G1 X1 g 43", "7", "error:20 'g 43' is not supported", "; use G43.1"},
+           {"G41 D1", "1", "error:20 'G41' is not supported", "with the offset in its path"},
+           {"N5 M98 P100", "4", "error:20 'M98' is not supported", "without subprograms"},
+           {"M84", "1", "error:20 'M84' is not supported", "; take the word out: $1 switches"},
+           {"M104 S200", "1", "error:20 'M104' is not supported", "has no heater"},
+           {"G33 Z1 K1", "1", "error:20 'G33' is not supported", "; take the word out"},
+           {"G1 B5 F100", "4", "error:20 'B5' is for an axis that the machine does not have",
+            "; take the word out: its axes are X, Y, Z"},
+           {"G1 X1 A-1.5", "7", "error:20 'A-1.5' is for an axis", "its axes are X, Y, Z"},
+           {"#1=5", "1", "error:1 '#1=5'" + variables, without},
+           {"G1 X#1", "4", "error:2 'X#1'" + variables, without},
+           {"G1 (a) X[1+2] F1", "8", "error:2 'X[1+2]'" + variables, without},
+           {"o100 sub", "6", "error:2 'o100 sub'" + variables, without},
+           {"WHILE [#1 LT 5] DO1", "1", "error:2 'WHILE'" + variables, without},
+           {"IF [1 EQ 1] THEN", "1", "error:2 'IF'" + variables, without},
+           {"N1 G1 X5*22", "9", "error:1 '*22': line checksums are not read",
+            "; switch them off in the sender"},
+           {" \tG1 X5 *22", "9", "error:1 '*22': line checksums are not read", "; switch them off"},
+           {"G1 X1,5", "6", "error:1 ','", "; write numbers with a decimal point"},
+           {"G1 @ X1", "4", "error:1 a word must begin with a letter, not with '@'",
+            "; take it out"},
+           {"(a) (b) HELLO", "9", "error:2 the number after 'H' is missing",
+            "; correct the number"}}) {
+    expect_both_refuse("G21 (units)\n" + c.line + "\n", ":2:" + c.column, c.what, c.remedy);
+  }
+}
+
+TEST(CheckAndSend, RefuseUtf16) {
+  const std::string program = "G21\nG1 X1 F100\n";
+  for (const bool high_first : {false, true}) {
+    for (const bool marked : {false, true}) {
+      std::string text;
+      if (marked) text = high_first ? "\xFE\xFF" : "\xFF\xFE";
+      for (const char c : program) text += high_first ? std::string{'\0', c} : std::string{c, '\0'};
+      expect_both_refuse(text, "", "the text is UTF-16", "; save it as UTF-8");
+    }
   }
 }
 
