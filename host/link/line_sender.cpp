@@ -67,7 +67,7 @@ void LineSender::begin() {
   status_ = greeting_.status;
   unlocks_ = status_.is("Alarm") && unlocks(lines_);
   if (!status_.rests() && !unlocks_) {
-    const NotReady reason = why_not_ready(status_, port_.transport().board());
+    const NotReady reason = why_not_ready(status_, port_.transport().board(), ask_homing(port_));
     throw Error(Exit::job_failed, "machine", reason.what, reason.remedy);
   }
   check_lengths();

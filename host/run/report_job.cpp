@@ -90,11 +90,12 @@ std::string done_text(const JobOutcome& outcome, const char* item) {
 }
 
 /// What ends an alarm; a simulated board has forgotten it.
-std::string way_out_of_alarm(const wire::Status& status, const BoardOptions& options) {
+std::string way_out_of_alarm(const JobOutcome& outcome, const BoardOptions& options) {
+  const wire::Status& status = outcome.result.status;
   if (options.is_simulated()) return "find its cause";
   return fmt::format("{}, then {}",
                      status.state == wire::MachineState::estop ? "release it" : "find its cause",
-                     link::way_to_unlock(options.board));
+                     link::way_to_unlock(options.board, outcome.homing));
 }
 
 /// The exit status without regard to files.
@@ -122,7 +123,7 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
                              ? "e-stop"
                              : link::alarm_text(result.status.alarm),
                          item, next);
-      remedy = way_out_of_alarm(result.status, options) + ", then ";
+      remedy = way_out_of_alarm(outcome, options) + ", then ";
       break;
     case JobEnd::lost:
       what = "connection lost, so that the machine could not be stopped; " +

@@ -211,6 +211,10 @@ JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
   if (outcome.error && !has_begun(sender, options))
     throw_refusal(outcome.error, transport, prepared.job, options);
   outcome.ended_by = supervisor.ended_by();
+  if (clocking == Clocking::wall && outcome.result.end == link::JobEnd::alarm) {
+    link::LinePort port(transport);
+    outcome.homing = link::ask_homing(port);
+  }
   return outcome;
 }
 

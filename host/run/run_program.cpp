@@ -231,9 +231,9 @@ std::string alarm_of(const LineResult& result) {
 }
 
 /// The way out of an alarm, after its cause; a simulated board has forgotten it.
-std::string then_unlock(const std::string& board) {
+std::string then_unlock(const std::string& board, link::Homing homing) {
   const bool is_simulated = board == virtual_board || board == chip_board;
-  return is_simulated ? "" : ", then " + link::way_to_unlock(board);
+  return is_simulated ? "" : ", then " + link::way_to_unlock(board, homing);
 }
 
 /// A reset in motion is an alarm.
@@ -290,7 +290,7 @@ Exit judge(const ProgramOutcome& outcome, const std::string& board, Frontend& fr
       return Exit::interrupted;
     case LineEnd::alarm:
       fail(board, fmt::format("{}, {}", alarm_of(result), reach),
-           "see what stopped it" + then_unlock(board));
+           "see what stopped it" + then_unlock(board, outcome.homing));
     case LineEnd::lost:
       what = "connection lost, so that the machine could not be stopped";
       remedy = "check that it is at rest, and check the cable";
@@ -337,6 +337,7 @@ ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
   ProgramOutcome outcome = send(program, board, options, asked.ignore_errors, frontend);
+  if (of_board) outcome.homing = link::homing_of(*of_board);
   write_files(outcome, trace ? &*trace : nullptr, options, board.simulated(), values);
   const LineResult& result = outcome.result;
   frontend.say("{:<8}  {} of {} lines in {}, at {}", end_name(outcome), result.answered,
@@ -350,7 +351,8 @@ Exit judge_program(const ProgramOutcome& outcome, const std::string& board, Fron
   const Exit exit = outcome.lost.report(
       Exit::done, is_done ? "the program was run" : "the program ended early", frontend);
   if (!outcome.error && !outcome.ended_by.empty() && was_stopped(outcome.result.end))
-    throw_stopped(outcome.ended_by, reach_text(outcome), "release it" + then_unlock(board));
+    throw_stopped(outcome.ended_by, reach_text(outcome),
+                  "release it" + then_unlock(board, outcome.homing));
   const Exit of_machine = judge(outcome, board, frontend);
   return of_machine == Exit::done ? exit : of_machine;
 }

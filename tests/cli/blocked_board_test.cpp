@@ -90,6 +90,22 @@ TEST_F(BlockedBoard, JobWhoseJournalCannotBeWrittenIsRefused) {
   EXPECT_THAT(of_default, HasSubstr("--progress FILE"));
 }
 
+/// Without homing ($22=0), `operate home` would be refused.
+TEST_F(BlockedBoard, WithoutHomingIsOnlyUnlocked) {
+  ASSERT_TRUE(sim_.wait_for("Ctrl-C"));
+  ASSERT_EQ(in_console("$X").status, 0);
+  ASSERT_EQ(in_console("$22=0").status, 0);
+  Running moving({"console", "--board", port_}, "G1 X40 F600\n:reset\n");
+  (void)moving.finish();
+  for (const Arguments& words : {commands()[1], commands()[2]}) {
+    const std::string err = run(words).err;
+    EXPECT_THAT(err, HasSubstr("is locked"));
+    EXPECT_THAT(err, HasSubstr("unlock it with $X in lamplock console --board " + port_));
+    EXPECT_THAT(err, Not(HasSubstr("operate home")));
+  }
+  EXPECT_THAT(run({"operate", "home", "--board", port_}).err, HasSubstr("homing is switched off"));
+}
+
 TEST_F(BlockedBoard, ThatIsSimulatedIsUnlocked) {
   EXPECT_EQ(run({"engrave", list_, "--machine", profile_}).status, 0);
   EXPECT_EQ(run({"send", program_, "--machine", profile_}).status, 0);
@@ -115,7 +131,7 @@ TEST(NotReady, NamesOneCauseForEachState) {
   EXPECT_EQ(link::why_stopped(status, "p").what, "its door is open");
   for (const char* const report :
        {"<Door:1|MPos:0,0,0>", "<Door:0|MPos:0,0,0>", "<Hold:0|MPos:0,0,0>", "<Sleep|MPos:0,0,0>"})
-    EXPECT_THAT(link::why_not_ready(*link::parse_status(report), "p").remedy,
+    EXPECT_THAT(link::why_not_ready(*link::parse_status(report), "p", link::Homing::on).remedy,
                 HasSubstr("in lamplock console --board p"))
         << report;
 }
