@@ -1,6 +1,7 @@
 // `lamplock check`: what a program of G-code does, without a machine.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -30,14 +31,17 @@ std::string problem_text(const std::string& file, const Problem& p) {
   return p.remedy.empty() ? text : text + "; " + p.remedy;
 }
 
+/// As a text has it, with three decimals; a value that rounds to 0 has no sign.
+double shown_mm(double mm) { return std::round(mm * 1e3) / 1e3 + 0.0; }
+
 void say_result(Console& console, const ProgramRun& run) {
   console.say("time      {}", duration_text(run.seconds()));
   console.say("moves     {} from {} lines", run.moves, run.lines);
   console.say("feed      {:.3f} mm", run.feed_mm);
   console.say("rapid     {:.3f} mm", run.rapid_mm);
   for (int a = 0; a < run.axes; ++a)
-    console.say("{}         {:.3f} to {:.3f} mm", axis_letters[index(a)], run.bounds.low[index(a)],
-                run.bounds.high[index(a)]);
+    console.say("{}         {:.3f} to {:.3f} mm", axis_letters[index(a)],
+                shown_mm(run.bounds.low[index(a)]), shown_mm(run.bounds.high[index(a)]));
   if (run.locked != 0) console.say("shots     {} on the beat", run.beats.shots);
   if (!run.ignored.empty())
     console.say("ignored   {}: no effect on this machine", fmt::join(run.ignored, ", "));
