@@ -104,7 +104,9 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
   if (outcome.error) return judge_failure(outcome.error, frontend);
   const link::JobResult& result = outcome.result;
   const std::size_t next = shown_rest(outcome).first;
-  const std::string go_on = go_on_text(outcome, item);
+  // A command without its words has no --from: test flashes, the frame.
+  const std::string go_on =
+      options.command.empty() ? "repeat the command if needed" : go_on_text(outcome, item);
   std::string what, remedy;
   switch (result.end) {
     case JobEnd::done:

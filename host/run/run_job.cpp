@@ -25,6 +25,7 @@
 #include "host/run/lock_timeout.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/motion_plot_file.hpp"
+#include "host/run/outside_work_space.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/point_job_control.hpp"
 #include "host/run/remaining_time.hpp"
@@ -156,6 +157,10 @@ bool keeps_to_lamp(const job::Job& job) {
       std::rethrow_exception(error);
     } catch (const link::RefusedSetting& refusal) {
       explain_refusal(refusal, job, transport, options);
+    } catch (const Error& refusal) {
+      const bool is_of_points = refusal.exit() == Exit::bad_input && !options.is_simulated();
+      if (is_of_points) require_inside_work_space(transport, options);
+      throw;
     }
   });
   throw std::logic_error("a refusal is an error");  // not reached
@@ -315,6 +320,18 @@ JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& option
   return outcome;
 }
 
+/// Plans the time of the job as the machine will; a job that the plan refuses would be refused by
+/// the machine.
+void plan_rest(std::optional<RemainingTime>& remaining, const PreparedJob& prepared,
+               link::Transport& port, const BoardOptions& options) {
+  if (prepared.job.header.dry) return void(remaining.emplace());
+  try {
+    remaining.emplace(job_on_machine(prepared.job, port), options.from, options.job_speed);
+  } catch (...) {
+    throw_refusal(std::current_exception(), port, prepared.job, options);
+  }
+}
+
 }  // namespace
 
 JobOutcome run_job(const PreparedJob& prepared, const BoardOptions& options,
@@ -332,8 +349,8 @@ JobOutcome run_job(const PreparedJob& prepared, const BoardOptions& options,
                     ? fmt::format("give a number from {} to {}", options.from + 1, last)
                     : "leave it out");
   std::optional<RemainingTime> remaining;
-  if (port && !prepared.job.header.dry)
-    remaining.emplace(job_on_machine(prepared.job, *port), options.from, options.job_speed);
+  if (port)
+    plan_rest(remaining, prepared, *port, options);
   else
     remaining.emplace();
   ask_permission(prepared, options, frontend);

@@ -2,7 +2,10 @@
 // works as it is written.
 #include <gmock/gmock.h>
 
+#include <chrono>
+#include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "host/link/not_ready.hpp"
@@ -104,6 +107,51 @@ TEST_F(BlockedBoard, WithoutHomingIsOnlyUnlocked) {
     EXPECT_THAT(err, Not(HasSubstr("operate home")));
   }
   EXPECT_THAT(run({"operate", "home", "--board", port_}).err, HasSubstr("homing is switched off"));
+}
+
+/// The command of the remedy, which follows `begin` in a message.
+std::string remedy_after(const std::string& err, const std::string& begin) {
+  const auto at = err.find(begin);
+  if (at == std::string::npos) return "";
+  const auto command = at + begin.size();
+  return err.substr(command, err.find(" in lamplock console") - command);
+}
+
+TEST_F(BlockedBoard, OutsideOfItsWorkSpaceIsMovedInsideByTheRemedy) {
+  ASSERT_TRUE(sim_.wait_for("Ctrl-C"));
+  const Finished moved = in_console("$X\n$21=0\n$20=0\nG53 G0 X-60 Y60\nG4 P0");
+  ASSERT_EQ(moved.status, 0) << moved.out << moved.err;
+  ASSERT_EQ(in_console("$20=1").status, 0);
+  const Finished refused = run(commands()[0]);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("outside its work space"));
+  EXPECT_THAT(refused.err, Not(HasSubstr("--from")));
+  ASSERT_EQ(in_console(remedy_after(refused.err, "move it inside: ") + "\nG4 P0").status, 0);
+  EXPECT_EQ(run(commands()[0]).status, 0);
+}
+
+/// A setting that the job does not have is named, before the user is asked.
+TEST_F(BlockedBoard, WithOtherSettingsNamesThem) {
+  ASSERT_TRUE(sim_.wait_for("Ctrl-C"));
+  const std::string job = folder_ / "p.llj";
+  ASSERT_EQ(run({"job", list_, "-o", job, "--machine", profile_}).status, 0);
+  ASSERT_EQ(in_console("$X\n$120=700").status, 0);
+  const Finished refused = run({"send", job, "--board", port_, "--yes"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("acceleration_x"));
+  EXPECT_THAT(refused.err, HasSubstr("lamplock settings backup board.toml --board " + port_));
+}
+
+/// `operate pulse` has no --from.
+TEST_F(BlockedBoard, StoppedTestFlashesNameNoOptionOfOtherCommands) {
+  ASSERT_TRUE(sim_.wait_for("Ctrl-C"));
+  ASSERT_EQ(in_console("$X").status, 0);
+  Running pulse({"operate", "pulse", "--flashes", "255", "--yes", "--board", port_});
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  pulse.terminate();
+  const Finished stopped = pulse.finish();
+  EXPECT_EQ(stopped.status, 143);
+  EXPECT_THAT(stopped.err, Not(HasSubstr("--from")));
 }
 
 TEST_F(BlockedBoard, ThatIsSimulatedIsUnlocked) {
