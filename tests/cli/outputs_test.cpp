@@ -105,7 +105,9 @@ TEST_F(Outputs, ThatAreLostAfterTheShotsGiveOne) {
     const SizeLimit full(max_json_bytes);
     const Finished fired = engrave({option, file, "--json"});
     EXPECT_EQ(fired.status, 1) << option;
-    EXPECT_THAT(fired.err, HasSubstr("error: " + file + ": the job was fired, but this file "));
+    EXPECT_THAT(fired.err,
+                HasSubstr("error: " + file + ": the job was fired, but this file cannot be "));
+    EXPECT_THAT(fired.err, HasSubstr("cannot be written (File too large)")) << option;
     EXPECT_THAT(fired.err, HasSubstr("do not run it a second time"));
     const Json json = Json::parse(fired.out, nullptr, false);
     EXPECT_EQ(json["end"], "done");
