@@ -33,7 +33,7 @@ constexpr std::array<std::uint32_t, 7> header_sizes{
     core_header, info_header, masks_header, alpha_header, os2_header, 108, 124};
 
 /// Values of `compression`.
-constexpr std::uint32_t plain = 0, bit_fields = 3, bit_fields_with_alpha = 6;
+constexpr std::uint32_t uncompressed = 0, bit_fields = 3, bit_fields_with_alpha = 6;
 
 /// Where a colour is in the bits of a pixel, red, green, blue and alpha; 0: it has none.
 using Masks = std::array<std::uint32_t, rgba>;
@@ -60,7 +60,7 @@ void require_uncompressed(const path& file, std::uint32_t compression, std::uint
                           unsigned bits) {
   const bool with_masks =
       header != os2_header && (compression == bit_fields || compression == bit_fields_with_alpha);
-  if (compression == plain) return;
+  if (compression == uncompressed) return;
   if (!with_masks) refuse(file, "compressed BMP is not read", "save it uncompressed or as PNG");
   if (bits != 16 && bits != 32)
     refuse_damaged(file, fmt::format("masks of colours for {} bits a pixel", bits).c_str());
@@ -69,7 +69,7 @@ void require_uncompressed(const path& file, std::uint32_t compression, std::uint
 /// The masks of a picture with 16 or 32 bits a pixel. Those of Windows 3 follow its header.
 Masks masks_of(const path& file, const std::string& bytes, std::uint32_t header,
                std::uint32_t compression, unsigned bits) {
-  if (compression == plain) return bits == 16 ? masks_of_16 : masks_of_32;
+  if (compression == uncompressed) return bits == 16 ? masks_of_16 : masks_of_32;
   const bool has_alpha = compression == bit_fields_with_alpha || header >= alpha_header;
   const std::size_t count = has_alpha ? 4 : 3, at = file_header + info_header;
   if (bytes.size() < at + count * 4) refuse_cut_off(file);
@@ -108,7 +108,7 @@ BmpHeader checked_header(const path& file, const std::string& bytes) {
   bmp.width = static_cast<std::size_t>(width);
   bmp.height = static_cast<std::size_t>(std::abs(height));
   bmp.bits = load<std::uint16_t>(data + (core ? 24 : 28));
-  const std::uint32_t compression = core ? plain : load<std::uint32_t>(data + 30);
+  const std::uint32_t compression = core ? uncompressed : load<std::uint32_t>(data + 30);
   require_uncompressed(file, compression, header, bmp.bits);
   constexpr std::array<unsigned, 7> depths{1, 2, 4, 8, 16, 24, 32};
   if (std::ranges::find(depths, bmp.bits) == depths.end())

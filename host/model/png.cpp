@@ -158,8 +158,8 @@ void check_png_header(const path& file, PngParts& parts) {
 
 /// The library's reader of one file. The interface of a whole picture in one call (png_image) is
 /// not used: libpng 1.6 reads interlaced rows of 16 bits wrongly through it.
-struct Reader {
-  explicit Reader(std::string_view bytes) : rest(bytes) {
+struct PngReader {
+  explicit PngReader(std::string_view bytes) : rest(bytes) {
     png = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, stop, ignore_warning);
     if (png != nullptr) info = png_create_info_struct(png);
     if (info == nullptr) {
@@ -169,19 +169,19 @@ struct Reader {
     png_set_read_fn(png, this, take);
     png_set_benign_errors(png, 1);
   }
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
-  ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+  ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
 
   /// Called by the library: it must not return, and it must not throw through the library.
   [[noreturn]] static void stop(png_structp png, png_const_charp message) {
-    auto* reader = static_cast<Reader*>(png_get_error_ptr(png));
+    auto* reader = static_cast<PngReader*>(png_get_error_ptr(png));
     std::snprintf(reader->message.data(), reader->message.size(), "%s", message);
     png_longjmp(png, 1);
   }
   static void ignore_warning(png_structp /*png*/, png_const_charp /*message*/) {}
   static void take(png_structp png, png_bytep to, png_size_t size) {
-    auto* reader = static_cast<Reader*>(png_get_io_ptr(png));
+    auto* reader = static_cast<PngReader*>(png_get_io_ptr(png));
     if (size > reader->rest.size()) png_error(png, "it ends too early");
     std::copy_n(reader->rest.data(), size, reinterpret_cast<char*>(to));
     reader->rest.remove_prefix(size);
@@ -199,7 +199,7 @@ struct Reader {
 /// Reads the header and sets what the rows will be: numbers of a palette with 8 bits each, or RGBA
 /// with 8 bits. False on an error. The library leaves this function by longjmp, so that it has no
 /// local object.
-bool read_header(Reader& reader, bool of_palette) {
+bool read_header(PngReader& reader, bool of_palette) {
   if (setjmp(png_jmpbuf(reader.png)) != 0) return false;
   png_read_info(reader.png, reader.info);
   if (of_palette) {
@@ -218,14 +218,15 @@ bool read_header(Reader& reader, bool of_palette) {
 }
 
 /// Reads all rows. False on an error; no local object, as in read_header().
-bool read_rows(Reader& reader, png_bytepp rows) {
+bool read_rows(PngReader& reader, png_bytepp rows) {
   if (setjmp(png_jmpbuf(reader.png)) != 0) return false;
   png_read_image(reader.png, rows);
   return true;
 }
 
 /// The samples of the whole picture, as read_header() has set them.
-std::vector<std::uint8_t> read_samples(const path& file, Reader& reader, std::size_t pixel_bytes) {
+std::vector<std::uint8_t> read_samples(const path& file, PngReader& reader,
+                                       std::size_t pixel_bytes) {
   const std::size_t height = png_get_image_height(reader.png, reader.info);
   const std::size_t row = png_get_rowbytes(reader.png, reader.info);
   if (row != png_get_image_width(reader.png, reader.info) * pixel_bytes)
@@ -240,7 +241,7 @@ std::vector<std::uint8_t> read_samples(const path& file, Reader& reader, std::si
 constexpr std::size_t rgba = 4;
 
 /// The colours of pixels with a palette, RGBA. Colours that the palette does not have are refused.
-std::vector<std::uint8_t> palette_colours(const path& file, Reader& reader, std::size_t width) {
+std::vector<std::uint8_t> palette_colours(const path& file, PngReader& reader, std::size_t width) {
   const std::vector<std::uint8_t> numbers = read_samples(file, reader, 1);
   std::vector<std::uint8_t> colours(numbers.size() * rgba);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -270,7 +271,7 @@ Bitmap decode_png(const path& file, const std::string& bytes) {
   PngParts parts = checked_parts(file, bytes);
   check_png_header(file, parts);
   const bool of_palette = parts.type == palette_type;
-  Reader reader(parts.image);
+  PngReader reader(parts.image);
   if (!read_header(reader, of_palette)) refuse_damaged(file, reader.message.data());
   const std::size_t width = png_get_image_width(reader.png, reader.info);
   const std::size_t height = png_get_image_height(reader.png, reader.info);

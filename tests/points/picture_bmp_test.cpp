@@ -96,8 +96,8 @@ Bytes random_greys(unsigned bits, std::size_t count) {
 }
 
 TEST(PictureBmp, EveryDepthAndHeaderIsReadRight) {
-  for (const std::uint32_t header : {12, 40, 52, 56, 64, 108, 124}) {
-    for (const unsigned bits : {1, 2, 4, 8, 16, 24, 32}) {
+  for (const std::uint32_t header : {12U, 40U, 52U, 56U, 64U, 108U, 124U}) {
+    for (const unsigned bits : {1U, 2U, 4U, 8U, 16U, 24U, 32U}) {
       for (const bool from_top : {false, true}) {
         if (header == core_header && from_top) continue;
         for (const int width : {1, 7, 13, 40}) {
@@ -116,8 +116,8 @@ TEST(PictureBmp, EveryDepthAndHeaderIsReadRight) {
 }
 
 TEST(PictureBmp, CutOffIsRefused) {
-  for (const std::uint32_t header : {12, 40, 124}) {
-    for (const unsigned bits : {1, 8, 24}) {
+  for (const std::uint32_t header : {12U, 40U, 124U}) {
+    for (const unsigned bits : {1U, 8U, 24U}) {
       const std::string whole = bmp_file({header, bits, 0, false}, random_greys(bits, 15), 5, 3);
       for (std::size_t size = 2; size < whole.size(); ++size)
         EXPECT_THAT(error_of([&] { decode_bitmap("a.bmp", whole.substr(0, size)); }),
@@ -151,7 +151,7 @@ TEST(PictureBmp, CompressedIsNamed) {
 TEST(PictureBmp, MasksOfColoursAreApplied) {
   // 5, 6 and 5 bits after the header of Windows 3: red, green, blue, white.
   std::string file = bmp_file({40, 16, 3, false}, Bytes(4, 0), 4, 1).substr(0, 54);
-  for (const std::uint32_t mask : {0xf800, 0x7e0, 0x1f}) append(file, mask);
+  for (const std::uint32_t mask : {0xf800U, 0x7e0U, 0x1fU}) append(file, mask);
   file[10] = static_cast<char>(file.size());
   for (const int pixel : {0xf800, 0x7e0, 0x1f, 0xffff})
     append(file, static_cast<std::uint16_t>(pixel));
