@@ -1,8 +1,7 @@
 // The error of a machine that does not confirm its stop.
 //
 // In:  what was asked of the machine. Out: the error. Who: senders of jobs and programs, the
-// inquiry
-//      about a job; host/run, which must not report such an end as harmless.
+//      inquiry about a job; host/run, which must not report such an end as harmless.
 #pragma once
 
 #include "host/error.hpp"

@@ -139,7 +139,7 @@ LineFault no_letter(std::string_view rest) {
 
 LineFault describe_fault(std::string_view line, const program::Fault& fault, int axes) {
   const GcodeErrorRow* row = find_gcode_error(static_cast<std::uint8_t>(fault.error));
-  const LineFault plain{row == nullptr ? "unknown" : std::string(row->text)};
+  LineFault plain{row == nullptr ? "unknown" : std::string(row->text)};
   const bool is_named = fault.error == GcodeError::unsupported ||
                         fault.error == GcodeError::letter_expected ||
                         fault.error == GcodeError::bad_number;

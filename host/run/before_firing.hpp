@@ -1,8 +1,7 @@
 // Errors before the first shot: a script may repeat the command after the correction (status 2).
 //
 // In:  an error of a phase in which nothing was fired and nothing has moved. Out: the same error
-// with
-//      the status of that phase. Who: run_job(), run_program(), operate(), keep_progress().
+//      with the status of that phase. Who: run_job(), run_program(), operate(), keep_progress().
 // The parts of the program that talk to a board do not know whether their caller has fired before.
 #pragma once
 

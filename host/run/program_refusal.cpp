@@ -17,7 +17,7 @@ std::string line_place(const ProgramText& program, std::size_t number) {
 
 std::string column_place(const ProgramText& program, const link::ProgramLine& sent,
                          unsigned column) {
-  const std::string place = line_place(program, sent.number);
+  std::string place = line_place(program, sent.number);
   std::string_view rest = without_byte_order_mark(program.source), line;
   for (std::size_t i = 0; i < sent.number; ++i) line = take_line(rest);
   if (column == 0 || link::text_to_send(line) != sent.text) return place;
