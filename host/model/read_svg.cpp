@@ -92,6 +92,9 @@ class SvgReader {
                   geometry::scaled(mm_per_px, -mm_per_px, 1);
     if (is_not_rendered(root)) return leave_out("hidden");
     inherit_paint(root, context.units, document_, context.paint);
+    context.units.port = page_;  // its transform is that of the page
+    context.map = context.map * own_map(root, context);
+    if (scale_of(context.map) == 0) return leave_out("hidden");
     enter_view(root, page_, context);
     if (!clip(root, context)) return;
     draw_children(root, context);

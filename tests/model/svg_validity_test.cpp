@@ -1,0 +1,44 @@
+// Values and selectors of an SVG that are not valid, conditions, references in all their forms.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/model/svg_page.hpp"
+
+namespace lamplock::svg_validity_test {
+namespace {
+
+using model::Curves;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
+
+class SvgValidity : public test::SvgPage {
+ protected:
+  /// The number of paths drawn besides one that always is.
+  std::size_t count(const std::string& content) {
+    return shapes(content + "<circle cx='90' cy='70' r='1'/>").paths.size() - 1;
+  }
+};
+
+// The transform of the page applies to px, before its view box.
+TEST_F(SvgValidity, ThePageHasATransform) {
+  const auto box = [&](const std::string& attributes) {
+    return model::bounds(read("<svg width='60mm' height='60mm' viewBox='0 0 30 30' " + attributes +
+                              "><rect x='5' y='5' width='10' height='10'/></svg>"));
+  };
+  constexpr double px = 25.4 / 96;
+  EXPECT_NEAR(box("transform='translate(10 20)'").low.x, 10 + 10 * px, 1e-9);
+  EXPECT_NEAR(box("style='transform:translate(10px,20px)'").high.y, 50 - 20 * px, 1e-9);
+  EXPECT_NEAR(box("transform='scale(.5)'").low.x, 5, 1e-9);
+  EXPECT_NEAR(box("transform='scale(.5)'").high.y, 55, 1e-9);
+  EXPECT_NEAR(box("transform='rotate(90)' transform-origin='50% 50%'").low.x, 30, 1e-9);
+  EXPECT_NEAR(box("transform='rotate(90)' transform-origin='50% 50%'").high.y, 50, 1e-9);
+}
+
+}  // namespace
+}  // namespace lamplock::svg_validity_test
