@@ -194,8 +194,9 @@ class SvgReader {
 
   void draw(const xml_node& node, Context context) {
     const std::string_view name = svg_name(node);
-    if (!svg_draws_nothing(name) && enter(node, context))
-      draw_content(node, name, std::move(context));
+    if (svg_draws_nothing(name)) return;
+    if (!svg_conditions_hold(node)) return leave_out("hidden");
+    if (enter(node, context)) draw_content(node, name, std::move(context));
   }
 
   /// Draws an element whose properties are applied.
@@ -249,7 +250,9 @@ class SvgReader {
     context.map = context.map * geometry::moved(at.x, at.y, 0);
     open_uses_.push_back(used);
     if (svg_name(used) == "symbol" || svg_name(used) == "svg") {
-      if (enter(used, context) && clip(used, context))
+      if (svg_name(used) == "svg" && !svg_conditions_hold(used))
+        leave_out("hidden");
+      else if (enter(used, context) && clip(used, context))
         draw_view(used, svg_view_port(used, node, context.units, place), context);
     } else {
       draw(used, context);

@@ -25,6 +25,23 @@ class SvgValidity : public test::SvgPage {
   }
 };
 
+TEST_F(SvgValidity, ConditionsHoldEverywhere) {
+  for (const std::string condition : {"systemLanguage='de'", "systemLanguage=''",
+                                      "systemLanguage='de, engl'", "requiredExtensions='x'"}) {
+    const std::string rect = "<rect width='5' height='5' ";
+    EXPECT_EQ(count(rect + condition + "/>"), 0u) << condition;
+    EXPECT_EQ(count("<g " + condition + ">" + rect + "/></g>"), 0u) << condition;
+    EXPECT_EQ(count("<defs>" + rect + "id='r'/></defs><use href='#r' " + condition + "/>"), 0u);
+    EXPECT_EQ(count("<defs>" + rect + "id='r' " + condition + "/></defs><use href='#r'/>"), 0u);
+    EXPECT_EQ(
+        count("<defs><svg id='r' " + condition + ">" + rect + "/></svg></defs><use href='#r'/>"),
+        0u);
+  }
+  for (const std::string condition : {"systemLanguage='en'", "systemLanguage='de, EN-gb'",
+                                      "systemLanguage='en-US,fr'", "requiredExtensions=''"})
+    EXPECT_EQ(count("<rect width='5' height='5' " + condition + "/>"), 1u) << condition;
+}
+
 // The transform of the page applies to px, before its view box.
 TEST_F(SvgValidity, ThePageHasATransform) {
   const auto box = [&](const std::string& attributes) {
