@@ -273,7 +273,6 @@ class SvgReader {
     const bool fills = shows_filled_edge(node, paint);
     const bool is_background = may_be_background(paint, *paths, context, place);
     for (Path& path : dashed(node, std::move(*paths), context, place)) {
-      path = CurveCollector::placed(std::move(path), context.map, place);
       if (fills) close_around_area(path);
       std::vector<Path> parts = clipped(std::move(path), context.clips, clips_.work(), place);
       if (parts.empty()) leave_out("clipped curve");
@@ -286,14 +285,20 @@ class SvgReader {
     }
   }
 
-  /// The dashes of the paths where has_dashes().
+  /// The paths in mm, or their dashes where has_dashes().
   std::vector<Path> dashed(const xml_node& node, std::vector<Path> paths, const Context& context,
                            const FilePosition& place) {
     const SvgPaint& paint = context.paint;
-    if (!has_dashes(node, paint)) return paths;
-    // Lengths are measured in mm, which the precision of arc lengths refers to.
-    const double scale = scale_of(context.map);
-    const geometry::Affine larger = geometry::scaled(scale, scale, scale);
+    if (!has_dashes(node, paint)) {
+      for (Path& path : paths) path = CurveCollector::placed(std::move(path), context.map, place);
+      return paths;
+    }
+    // Lengths are measured in mm, which the precision of arc lengths refers to: along the path as
+    // the user draws it, or as the page shows it.
+    const bool is_on_page = svg_value(node, "vector-effect") == "non-scaling-stroke";
+    const double scale = is_on_page ? mm_per_px : scale_of(context.map);
+    const geometry::Affine larger =
+        is_on_page ? context.map : geometry::scaled(scale, scale, scale);
     std::vector<double> lengths;
     for (Path& path : paths) {
       path = CurveCollector::placed(std::move(path), larger, place);
@@ -310,11 +315,13 @@ class SvgReader {
       place.refuse(fmt::format("the curve has more than {} dashes", max_pieces),
                    "use longer dashes");
     curves_.spend(static_cast<std::size_t>(count), place);
-    const geometry::Affine smaller = geometry::scaled(1 / scale, 1 / scale, 1 / scale);
+    const geometry::Affine rest =
+        is_on_page ? geometry::Affine{}
+                   : context.map * geometry::scaled(1 / scale, 1 / scale, 1 / scale);
     std::vector<Path> all;
     for (const Path& path : paths) {
       for (Path& dash : dashes(path, pattern))
-        all.push_back(CurveCollector::placed(std::move(dash), smaller, place));
+        all.push_back(CurveCollector::placed(std::move(dash), rest, place));
     }
     return all;
   }

@@ -20,7 +20,7 @@ struct Property {
   bool inherited;
   std::string_view initial;
 };
-constexpr std::array<Property, 39> properties{{{"display", false, "inline"},
+constexpr std::array<Property, 40> properties{{{"display", false, "inline"},
                                                {"visibility", true, "visible"},
                                                {"opacity", false, "1"},
                                                {"fill", true, "black"},
@@ -37,6 +37,7 @@ constexpr std::array<Property, 39> properties{{{"display", false, "inline"},
                                                {"filter", false, "none"},
                                                {"mask", false, "none"},
                                                {"mask-type", false, "luminance"},
+                                               {"vector-effect", false, "none"},
                                                {"marker", true, "none"},
                                                {"marker-start", true, "none"},
                                                {"marker-mid", true, "none"},

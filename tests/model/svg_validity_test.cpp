@@ -57,5 +57,35 @@ TEST_F(SvgValidity, ThePageHasATransform) {
   EXPECT_NEAR(box("transform='rotate(90)' transform-origin='50% 50%'").high.y, 50, 1e-9);
 }
 
+// Dashes of a stroke that does not scale are px of the page, however the path is mapped.
+TEST_F(SvgValidity, DashesOfStrokesThatDoNotScale) {
+  constexpr double mm = 96 / 25.4;
+  const std::string dashes =
+      fmt::format("fill='none' stroke='red' stroke-dasharray='{} {}' ", 3 * mm, 1 * mm);
+  for (const std::string map : {"scale(2)", "scale(2 5)", "rotate(30) scale(2 9)"})
+    for (const std::string how :
+         {"vector-effect='non-scaling-stroke'", "style='vector-effect:non-scaling-stroke'"}) {
+      const std::string line = "<line x2='20' transform='" + map + "' " + dashes + how + "/>";
+      EXPECT_EQ(shapes(line).paths.size(), 10u) << line;
+      EXPECT_NEAR(length(line), 30, 1e-6) << line;
+    }
+}
+
+// A dash that begins where the curve ends is no point.
+TEST_F(SvgValidity, NoDashBeginsAtTheEnd) {
+  const auto dashes = [&](const std::string& d, const std::string& pattern) {
+    return shapes("<path fill='none' stroke='red' stroke-linecap='round' d='" + d +
+                  "' stroke-dasharray='" + pattern + "'/>");
+  };
+  for (const std::string pattern : {"3 1", ".3 .1", "1 1", ".7 .1", "2 2 2 2"}) {
+    for (const std::string d : {"M0 0H40", "M7 3l24 32", "M0 0L8 0L8 8L16 8L16 16L24 16", "M0 0V8"})
+      for (const model::Path& path : dashes(d, pattern).paths)
+        EXPECT_GT(model::ArcLength(path).total(), 0.09) << d << " " << pattern;
+  }
+  EXPECT_EQ(dashes("M0 0H40", "0 4").paths.size(), 10u);
+  EXPECT_EQ(dashes("M0 0H40", "0 4 0 4").paths.size(), 10u);
+  EXPECT_EQ(dashes("M0 0H41", "0 4").paths.size(), 11u);
+}
+
 }  // namespace
 }  // namespace lamplock::svg_validity_test
