@@ -25,6 +25,27 @@ class SvgValidity : public test::SvgPage {
   }
 };
 
+// One invalid selector voids its rule; one that is valid but not understood does not.
+TEST_F(SvgValidity, InvalidSelectorsVoidTheirRule) {
+  const auto is_hidden_by = [&](const std::string& selectors) {
+    return count("<style>" + selectors +
+                 "{display:none}</style><rect class='a' width='5' height='5'/>") == 0;
+  };
+  for (const std::string invalid :
+       {":foo", "::foo", "",      "b..c", ".1b",      "#2", "b >", "> b",   "b > > c",    "b + ~ c",
+        "[",    "[=1]",  "[a!b]", "!",    "b:foo(x)", "b:", "1b",  "b @ c", ":hover:foo", "%"})
+    for (const std::string& list :
+         {".a," + invalid, invalid + ",.a", ".b,.a ," + invalid + ",rect"})
+      EXPECT_FALSE(is_hidden_by(list)) << list;
+  for (const std::string valid :
+       {"b", ":hover", "b:nth-child(2n + 1)", "b + c", "b ~ c", "[b~='c']", "[b|='c' i]",
+        "b::before", "c:after", "b:not(.c, .d)", "b:first-child > c", "svg|b", ".b\\:c", "*.z"})
+    for (const std::string& list : {".a," + valid, valid + ",.a"})
+      EXPECT_TRUE(is_hidden_by(list)) << list;
+  EXPECT_THAT(shapes("<style>.a,:foo,:bar{fill:none}</style><rect width='1' height='1'/>").left_out,
+              ElementsAre(Pair("rule of a style sheet", 1u)));
+}
+
 TEST_F(SvgValidity, ConditionsHoldEverywhere) {
   for (const std::string condition : {"systemLanguage='de'", "systemLanguage=''",
                                       "systemLanguage='de, engl'", "requiredExtensions='x'"}) {
