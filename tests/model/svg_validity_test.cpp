@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/model/svg_colour.hpp"
 #include "tests/model/svg_page.hpp"
 
 namespace lamplock::svg_validity_test {
@@ -24,6 +25,83 @@ class SvgValidity : public test::SvgPage {
     return shapes(content + "<circle cx='90' cy='70' r='1'/>").paths.size() - 1;
   }
 };
+
+TEST_F(SvgValidity, ColoursHaveManyForms) {
+  for (const std::string white :
+       {"white", "WHITE", "#fff", "#FFFFFF", "#ffff", "#ffffffff", "rgb(255,255,255)",
+        "rgb(255 255 255)", "rgb(100%, 100%, 100%)", "rgba(255,255,255,1)", "hsl(0,0%,100%)",
+        "hsl(210 50% 100%)", "hsla(9deg, 3%, 100%, 1)", "HSL(0 0% 100% / 100%)", "hwb(0 100% 0%)",
+        "oklab(100% 0 0)", "lab(100 0 0)"}) {
+    const auto colour = model::find_svg_colour(white);
+    ASSERT_TRUE(colour) << white;
+    EXPECT_TRUE(colour->is_white) << white;
+  }
+  for (const auto& [text, alpha] :
+       std::vector<std::pair<std::string, double>>{{"red", 1},
+                                                   {"#fffffe", 1},
+                                                   {"hsl(0,0%,99%)", 1},
+                                                   {"rgba(255,255,255,.5)", 0.5},
+                                                   {"#fff0", 0},
+                                                   {"#12345600", 0},
+                                                   {"transparent", 0},
+                                                   {"hsl(0 0% 100% / 25%)", 0.25},
+                                                   {"rgb(1 2 3 / none)", 0},
+                                                   {"CurrentColor", 1},
+                                                   {"color(srgb 1 1 1)", 1}}) {
+    const auto colour = model::find_svg_colour(text);
+    ASSERT_TRUE(colour) << text;
+    EXPECT_FALSE(colour->is_white) << text;
+    EXPECT_NEAR(colour->alpha, alpha, 1e-12) << text;
+  }
+  for (const std::string text :
+       {"", "bogus", "#ff", "#fffff", "#ggg", "fff", "rgb(1,2)", "rgb(1,2,3,4,5)", "rgb(a,b,c)",
+        "hsl 1 2 3", "blue2", "d b", "rgb(", "rgb(1,2,3", "blurb(1,2,3)"})
+    EXPECT_FALSE(model::find_svg_colour(text)) << text;
+}
+
+// A white fill, by any form of its colour, does not hide the dashes of a stroke.
+TEST_F(SvgValidity, WhiteFillsInAnyFormAreThePage) {
+  for (const std::string white : {"white", "hsl(0,0%,100%)", "rgb(255 255 255 / 1)", "#ffff"})
+    EXPECT_NEAR(length(fmt::format("<rect width='20' height='20' fill='{}' stroke='red' "
+                                   "stroke-dasharray='2 2'/>",
+                                   white)),
+                40, 1e-6)
+        << white;
+}
+
+// An invalid value is as none: the property is inherited, or has its initial value.
+TEST_F(SvgValidity, InvalidValuesAreIgnored) {
+  const auto line = [](const std::string& attributes) {
+    return "<path d='M0 5H20' fill='none' " + attributes + "/>";
+  };
+  const auto in_group = [](const std::string& attributes, const std::string& content) {
+    return "<g " + attributes + ">" + content + "</g>";
+  };
+  for (const std::string bad : {"stroke='bogus'", "style='stroke:bogus'", "stroke='#12'",
+                                "stroke='rgb(1,2)'", "stroke='url(#x) bogus'"}) {
+    EXPECT_EQ(count(line(bad)), 0u) << bad;
+    EXPECT_EQ(count(in_group("stroke='red'", line(bad))), 1u) << bad;
+  }
+  // A weaker valid declaration applies.
+  EXPECT_EQ(count(line("stroke='red' style='stroke:bogus'")), 1u);
+  EXPECT_EQ(count(line("style='stroke:red;stroke:bogus'")), 1u);
+  EXPECT_EQ(count("<style>.a{stroke:none} .a{stroke:12px}</style>" +
+                  in_group("stroke='red'", line("class='a'"))),
+            0u);
+  EXPECT_EQ(count("<rect width='5' height='5' fill='bogus'/>"), 1u);
+  EXPECT_EQ(count(in_group("fill='none'", "<rect width='5' height='5' fill='bogus'/>")), 0u);
+  for (const std::string bad :
+       {"stroke-width='-1'", "style='stroke-width:-2px'", "stroke-width='bogus'"}) {
+    EXPECT_EQ(count(line("stroke='red' " + bad)), 1u) << bad;
+    EXPECT_EQ(count(in_group("stroke-width='0'", line("stroke='red' " + bad))), 0u) << bad;
+  }
+  for (const std::string bad : {"stroke-dasharray='-1 2'", "stroke-dasharray='1 x'"}) {
+    EXPECT_EQ(count(line("stroke='red' " + bad)), 1u) << bad;
+    EXPECT_EQ(count(in_group("stroke-dasharray='5'", line("stroke='red' " + bad))), 2u) << bad;
+  }
+  EXPECT_EQ(count(in_group("visibility='hidden'", line("stroke='red' visibility='yes'"))), 0u);
+  EXPECT_EQ(count(in_group("stroke-opacity='0'", line("stroke='red' stroke-opacity='1px'"))), 0u);
+}
 
 // One invalid selector voids its rule; one that is valid but not understood does not.
 TEST_F(SvgValidity, InvalidSelectorsVoidTheirRule) {
