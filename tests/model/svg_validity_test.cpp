@@ -141,6 +141,24 @@ TEST_F(SvgValidity, ConditionsHoldEverywhere) {
     EXPECT_EQ(count("<rect width='5' height='5' " + condition + "/>"), 1u) << condition;
 }
 
+TEST_F(SvgValidity, ReferencesHaveManyForms) {
+  const std::string defs =
+      "<defs><rect id='a b' width='5' height='5'/><rect id='\xC3\xA9' width='5' height='5'/>"
+      "<rect id='c%20d' width='5' height='5'/><clipPath id='k l'><rect width='2' height='9'/>"
+      "</clipPath></defs>";
+  for (const std::string href : {"#a b", "#a%20b", " #a%20b ", "#%C3%A9", "#%c3%a9", "\n#\xC3\xA9",
+                                 "#c%20d", "#c%2520d", "\t#a b\n"})
+    EXPECT_EQ(count(defs + "<use href='" + href + "'/>"), 1u) << href;
+  for (const std::string href : {"#a%2", "#a%zzb", "#%"})
+    EXPECT_THAT(error(defs + "<use href='" + href + "'/>"), HasSubstr("there is no element"));
+  for (const std::string url :
+       {"url(#k%20l)", "url( #k%20l )", "url(&quot;#k l&quot;)", "url( &apos;#k%20l&apos; )"})
+    EXPECT_NEAR(
+        length(defs + "<path fill='none' stroke='red' d='M0 1H9' clip-path='" + url + "'/>"), 2,
+        1e-6)
+        << url;
+}
+
 // The transform of the page applies to px, before its view box.
 TEST_F(SvgValidity, ThePageHasATransform) {
   const auto box = [&](const std::string& attributes) {
