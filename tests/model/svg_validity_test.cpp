@@ -204,5 +204,23 @@ TEST_F(SvgValidity, NoDashBeginsAtTheEnd) {
   EXPECT_EQ(dashes("M0 0H41", "0 4").paths.size(), 11u);
 }
 
+TEST_F(SvgValidity, WhatIsLeftOutHasPlurals) {
+  Curves curves;
+  curves.left_out = {{"rule of a style sheet", 2},
+                     {"clipped curve", 1},
+                     {"entity of another file", 3},
+                     {"element of another namespace", 1},
+                     {"hidden", 2},
+                     {"use of another file", 2},
+                     {"text", 4},
+                     {"use", 2},
+                     {"style sheet of another file", 2}};
+  EXPECT_EQ(
+      left_out_text(curves),
+      "1 clipped curve, 1 element of another namespace, 3 entities of another file, 2 hidden, "
+      "2 rules of a style sheet, 2 style sheets of another file, 4 text, 2 use, 2 uses of "
+      "another file");
+}
+
 }  // namespace
 }  // namespace lamplock::svg_validity_test
