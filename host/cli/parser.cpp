@@ -10,6 +10,7 @@
 
 #include "host/cli/arguments.hpp"
 #include "host/cli/command_line.hpp"
+#include "host/cli/empty_values.hpp"
 #include "host/cli/file_options.hpp"
 #include "host/cli/help.hpp"
 #include "host/cli/separate_program.hpp"
@@ -242,6 +243,7 @@ Exit run(Command& program, const std::vector<std::string>& arguments) {
       run_separate_program(*command, arguments);
   const std::vector<std::string> present = with_present_names(program, arguments);
   if (print_help(program, present)) return Exit::done;
+  if (const auto found = empty_value(program, present)) throw Error(*found);
   CLI::App app(program.description(), program.name());
   Bound bound;
   bind(app, program, present, bound);
