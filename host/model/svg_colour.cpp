@@ -1,5 +1,7 @@
 #include "host/model/svg_colour.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -41,7 +43,7 @@ constexpr std::string_view colour_names =
 
 bool is_name(std::string_view text) {
   return !text.empty() && text.find(' ') == std::string_view::npos &&
-         colour_names.find(" " + std::string(text) + " ") != std::string_view::npos;
+         colour_names.find(fmt::format(" {} ", text)) != std::string_view::npos;
 }
 
 /// "#rgb", "#rgba", "#rrggbb", "#rrggbbaa".
