@@ -18,6 +18,9 @@ inline int scaled(int count, int min = 1) {
   return std::max(min, static_cast<int>(count * scale()));
 }
 
+/// True in the complete run of the optimised build, `toolchain/test --full`.
+inline bool is_complete_run() { return scale() >= 2; }
+
 /// True if this run tries the cell of this number, of a table that is otherwise tried whole: a run
 /// of a fifth of the size or less (sanitizers, every day) takes one of seven.
 inline bool tries_cell(std::size_t number) { return scale() > 0.2 || number % 7 == 0; }

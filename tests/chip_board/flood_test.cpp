@@ -30,25 +30,35 @@ std::vector<std::int32_t> turns(const PinMonitor& monitor) {
   return places;
 }
 
-TEST(ChipFlood, EachLineIsAnsweredAndRunOnceAndInOrder) {
-  const job::Profile profile = quick_profile();
+/// A quarter of the lines; together a million in the complete run.
+class LinesInBursts : public testing::TestWithParam<int> {
+ protected:
+  static std::size_t lines() {
+    constexpr std::size_t in_complete_run = 250'000;
+    return is_complete_run() ? in_complete_run : static_cast<std::size_t>(scaled(400));
+  }
+};
+
+TEST_P(LinesInBursts, EachIsAnsweredAndRunOnceAndInOrder) {
+  job::Profile profile = quick_profile();
+  job::set_acceleration(profile, 100);  // lines take about 1 ms
   const double per_mm = profile.settings.milli(Id::steps_per_mm_x) / 1000.0;
   ChipRig rig(profile);
-  std::mt19937_64 random(30);
-  const auto lines = static_cast<std::size_t>(scaled(1000));
+  std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
+  const std::size_t lines = this->lines();
   std::vector<std::int32_t> wanted;
   std::string text = "G1 F6000\n";
   for (std::size_t i = 0; i < lines; ++i) {
     // Forth and back, never twice in a row to the same place.
-    wanted.push_back(static_cast<std::int32_t>(i % 2 == 0 ? 12 + random() % 10 : random() % 10));
+    wanted.push_back(static_cast<std::int32_t>(i % 2 == 0 ? 4 + random() % 4 : random() % 4));
     text += fmt::format("X{:.4f} (a remark makes lines longer than they are slow)\n",
                         wanted.back() / per_mm);
   }
-  const Picoseconds limit = rig.now() + 120 * ps_per_s;
+  const Picoseconds limit = rig.now() + (10 + static_cast<Picoseconds>(lines) / 50) * ps_per_s;
   for (std::size_t sent = 0; rig.now() < limit;) {
     const std::size_t burst = std::min<std::size_t>(random() % 3000, text.size() - sent);
     sent += rig.board.write({reinterpret_cast<const std::uint8_t*>(text.data()) + sent, burst});
-    rig.run(static_cast<Picoseconds>(random() % 50) * ps_per_ms);
+    rig.run(static_cast<Picoseconds>(random() % 12) * ps_per_ms);
     if (random() % 3 == 0) rig.listen();
     if (rig.user.answers().size() == lines + 1) break;
   }
@@ -58,6 +68,8 @@ TEST(ChipFlood, EachLineIsAnsweredAndRunOnceAndInOrder) {
   EXPECT_THAT(turns(rig.monitor), testing::ElementsAreArray(wanted));
   EXPECT_GT(rig.board.usb_host().statistics().out_naks, 0u) << "the host never had to wait";
 }
+
+INSTANTIATE_TEST_SUITE_P(ChipFlood, LinesInBursts, testing::Range(0, 4));
 
 /// Begins an activity and sends slow lines after it until the queue of lines, the ring and, with
 /// enough lines, both buffers of the endpoint are full.
