@@ -194,6 +194,7 @@ class Joiner {
     }
     Contour contour;
     contour.layer = chains_[first].layer;
+    contour.colour = chains_[first].colour;
     contour.closed = partner_[begin] != none;
     for (std::size_t end = begin;;) {
       append(contour, end);
@@ -311,7 +312,7 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
   std::vector<std::size_t> open_paths;
   for (std::size_t i = 0; i < curves.paths.size(); ++i) {
     const model::Path& path = curves.paths[i];
-    Contour chain{edges_of(path, options.curve_tolerance_mm), path.closed, path.layer};
+    Contour chain{edges_of(path, options.curve_tolerance_mm), path.closed, path.layer, path.colour};
     connect(chain);
     if (chain.edges.empty()) {
       const geometry::Point at = model::start_of(path);
