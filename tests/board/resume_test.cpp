@@ -350,7 +350,7 @@ class Story {
       part.targets[rest.from].shots =
           static_cast<std::uint8_t>(part.targets[rest.from].shots - rest.flashes);
     link::SenderOptions options = session(++session_);
-    options.give_up = std::chrono::seconds(3);
+    options.reconnect_timeout = std::chrono::seconds(3);
     options.first_fired = rest.flashes;
     options.first_index = part.is_rows() ? job::go_on_at(part.rows, rest.from) : rest.from;
     options.run_up_lines = rest.from - options.first_index;
@@ -389,7 +389,7 @@ class Story {
                         sim::seconds(bench_.clock()), result.rest.first, result.rest.from, advice);
     over_ = is_done_ = advice.empty() && result.end == JobEnd::done;
     if (over_) return {};
-    if (advice.empty()) advice = link::go_on_text(result.rest, piece_.job.item(), true);
+    if (advice.empty()) advice = link::continuation_text(result.rest, piece_.job.item(), true);
     // A job that was refused before it began restarts with the same options once the cause is gone.
     if (advice.find("--from ") == std::string::npos &&
         advice.find("--resume") == std::string::npos) {
