@@ -330,7 +330,12 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
   for (const std::size_t i : kept) chains.push_back(std::move(open[i]));
   Joiner joiner(std::move(chains), options.tolerance_mm, result.faults);
   for (auto& [first, contour] : joiner.joined()) {
-    if (!contour.edges.empty()) all.push_back({open_paths[kept[first]], std::move(contour)});
+    if (contour.edges.empty()) continue;
+    // What is shorter than the gaps that are closed has no shape.
+    if (!contour.closed && length_of(contour) <= options.tolerance_mm)
+      result.faults.push_back({FaultKind::dot, contour.edges.front().from, length_of(contour), {}});
+    else
+      all.push_back({open_paths[kept[first]], std::move(contour)});
   }
   std::vector<Contour> contours = contours_of(std::move(all));
   for (const std::size_t i : filter.keep(contours))

@@ -240,7 +240,7 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   auto [drawing, result] = prepare_cut(description, frontend);
   if (post.is_checked) warn_of_pulsed(profile.settings, frontend, result);
   const CutPlan plan = cutting::plan_cuts(drawing.shapes, operations, {0, 0});
-  for (const std::string& text : fault_texts(plan.faults)) {
+  for (const std::string& text : fault_texts(plan.faults, description.drawing.tolerance_mm)) {
     frontend.say("warning  {}", text);
     result.warnings.push_back(text);
   }

@@ -166,7 +166,7 @@ const char* fault_name(FaultKind kind) {
     case FaultKind::duplicate:
       return "duplicate, left out";
     case FaultKind::dot:
-      return "curve without length, left out";
+      return "curve shorter than the tolerance, left out";
     case FaultKind::self_intersection:
       return "contour that crosses itself";
     case FaultKind::crossing:
@@ -183,7 +183,9 @@ const char* fault_name(FaultKind kind) {
 
 }  // namespace
 
-std::vector<std::string> fault_texts(const std::vector<Fault>& faults) {
+std::vector<std::string> fault_texts(const std::vector<Fault>& faults, double tolerance_mm) {
+  // Ends that are nearer than this were to meet.
+  constexpr double max_tolerances = 20;
   std::map<FaultKind, std::pair<std::size_t, const Fault*>> kinds;
   for (const Fault& fault : faults) {
     auto& [count, first] = kinds[fault.kind];
@@ -194,9 +196,11 @@ std::vector<std::string> fault_texts(const std::vector<Fault>& faults) {
     const auto& [count, fault] = found;
     std::string text = fmt::format("{} x {}, the first at ({:.3f}, {:.3f})", grouped(count),
                                    fault_name(kind), fault->at.x, fault->at.y);
-    if (kind == FaultKind::gap && fault->size_mm > 0)
+    if (kind == FaultKind::gap && fault->size_mm > 0) {
       text += fmt::format(", {} mm from the next open end", number_text(fault->size_mm));
-    else if (fault->size_mm > 0)
+      if (fault->size_mm <= max_tolerances * tolerance_mm)
+        text += ": a greater tolerance joins them";
+    } else if (fault->size_mm > 0)
       text += fmt::format(", {} mm", number_text(fault->size_mm));
     texts.push_back(std::move(text));
   }
@@ -245,7 +249,8 @@ CutDrawing read_cut_drawing(const CutDescription& description) {
   }
   std::erase_if(faults,
                 [&](const Fault& fault) { return !matters(fault, description, result.shapes); });
-  for (std::string& text : fault_texts(faults)) result.warnings.push_back(std::move(text));
+  for (std::string& text : fault_texts(faults, drawing.tolerance_mm))
+    result.warnings.push_back(std::move(text));
   return result;
 }
 

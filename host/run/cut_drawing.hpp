@@ -22,7 +22,9 @@ struct CutDrawing {
 /// a layer or colour that is not in it, nothing for an operation to do.
 CutDrawing read_cut_drawing(const CutDescription& description);
 
-/// One line for each kind of fault: how many, and where the first is.
-std::vector<std::string> fault_texts(const std::vector<cutting::Fault>& faults);
+/// One line for each kind of fault: how many, and where the first is. `tolerance_mm`: of joined
+/// ends.
+std::vector<std::string> fault_texts(const std::vector<cutting::Fault>& faults,
+                                     double tolerance_mm);
 
 }  // namespace lamplock::run
