@@ -35,6 +35,7 @@ struct Describe {
   void operator()(const std::optional<bool>*) const {}
   void operator()(const double*) const { option.check(number_in(p.range)).show_default(); }
   void operator()(const int*) const { option.check(number_in(p.range)).show_default(); }
+  void operator()(const std::optional<int>*) const { option.check(number_in(p.range)); }
   void operator()(const std::optional<double>*) const { option.check(number_in(p.range)); }
   void operator()(const std::optional<Triple>*) const {
     option.check(number_in(p.range)).count({3, 3});

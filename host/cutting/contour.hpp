@@ -26,6 +26,7 @@ struct Contour {
   std::vector<Edge> edges;
   bool closed = false;  ///< the last edge ends exactly where the first begins
   std::uint32_t layer = 0;
+  model::Colour colour = model::no_colour;  ///< of its first curve in the file
 };
 
 /// mm along lines and arcs.

@@ -194,6 +194,7 @@ class Joiner {
     }
     Contour contour;
     contour.layer = chains_[first].layer;
+    contour.colour = chains_[first].colour;
     contour.closed = partner_[begin] != none;
     for (std::size_t end = begin;;) {
       append(contour, end);
@@ -311,7 +312,7 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
   std::vector<std::size_t> open_paths;
   for (std::size_t i = 0; i < curves.paths.size(); ++i) {
     const model::Path& path = curves.paths[i];
-    Contour chain{edges_of(path, options.curve_tolerance_mm), path.closed, path.layer};
+    Contour chain{edges_of(path, options.curve_tolerance_mm), path.closed, path.layer, path.colour};
     connect(chain);
     if (chain.edges.empty()) {
       const geometry::Point at = model::start_of(path);
@@ -329,7 +330,12 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
   for (const std::size_t i : kept) chains.push_back(std::move(open[i]));
   Joiner joiner(std::move(chains), options.tolerance_mm, result.faults);
   for (auto& [first, contour] : joiner.joined()) {
-    if (!contour.edges.empty()) all.push_back({open_paths[kept[first]], std::move(contour)});
+    if (contour.edges.empty()) continue;
+    // What is shorter than the gaps that are closed has no shape.
+    if (!contour.closed && length_of(contour) <= options.tolerance_mm)
+      result.faults.push_back({FaultKind::dot, contour.edges.front().from, length_of(contour), {}});
+    else
+      all.push_back({open_paths[kept[first]], std::move(contour)});
   }
   std::vector<Contour> contours = contours_of(std::move(all));
   for (const std::size_t i : filter.keep(contours))

@@ -42,6 +42,12 @@ void require_options(const TabOptions& options) {
                 "use 0 or more mm");
 }
 
+/// An arc round a corner, for example that of a beam round the corner of a part.
+bool is_round_corner(const Edge& edge, const TabOptions& options) {
+  return !edge.is_line() && std::abs(edge.sweep) > min_corner_deg * std::numbers::pi / 180 &&
+         radius_of(edge) <= options.corner_radius_mm + tab_slack_mm;
+}
+
 /// Between corners, begin and end of the contour.
 std::vector<Stretch> stretches_of(const Contour& contour, const TabOptions& options,
                                   double skipped_mm) {
@@ -49,16 +55,24 @@ std::vector<Stretch> stretches_of(const Contour& contour, const TabOptions& opti
   const double away = options.corner_distance_mm + options.width_mm / 2;
   const double away_from_ends =
       std::max(options.corner_distance_mm, options.width_mm / 2) + options.width_mm / 2;
+  const double last = length_of(contour) - away_from_ends;
   std::vector<Stretch> stretches;
   double along = 0, begin = skipped_mm + away_from_ends;
-  for (std::size_t i = 0; i < contour.edges.size(); ++i) {
-    along += length_of(contour.edges[i]);
-    const bool is_last = i + 1 == contour.edges.size();
-    if (!is_last && !is_corner(contour.edges[i], contour.edges[i + 1])) continue;
-    const double end = along - (is_last ? away_from_ends : away);
+  // A corner is a place, or an arc as long as `length`.
+  const auto end_at_corner = [&](double at, double length) {
+    const double end = std::min(at - away, last);
     if (end >= begin - tab_slack_mm) stretches.push_back({begin, std::max(begin, end)});
-    begin = std::max(begin, along + away);
+    begin = std::max(begin, at + length + away);
+  };
+  for (std::size_t i = 0; i < contour.edges.size(); ++i) {
+    const Edge& edge = contour.edges[i];
+    const double length = length_of(edge);
+    const bool is_last = i + 1 == contour.edges.size();
+    if (is_round_corner(edge, options)) end_at_corner(along, length);
+    along += length;
+    if (!is_last && is_corner(edge, contour.edges[i + 1])) end_at_corner(along, 0);
   }
+  end_at_corner(last + away, 0);  // the end of the contour
   return stretches;
 }
 

@@ -15,6 +15,7 @@ struct TabOptions {
   double width_mm = 0;
   double power = 0;               ///< in the tab, in parts of that of the cut, 0..1
   double corner_distance_mm = 0;  ///< between a tab and corners, begin and end of the contour
+  double corner_radius_mm = 0;    ///< arcs of up to this radius are corners, too
 };
 
 struct Tab {

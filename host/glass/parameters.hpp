@@ -19,9 +19,9 @@ namespace lamplock::glass {
 using Triple = std::array<double, 3>;
 
 /// Reference to the value of a parameter. The default of an optional one depends on others.
-using ValuePointer =
-    std::variant<double*, std::optional<double>*, int*, bool*, std::optional<bool>*, std::string*,
-                 std::optional<std::string>*, std::optional<Triple>*, std::vector<std::string>*>;
+using ValuePointer = std::variant<double*, std::optional<double>*, int*, std::optional<int>*, bool*,
+                                  std::optional<bool>*, std::string*, std::optional<std::string>*,
+                                  std::optional<Triple>*, std::vector<std::string>*>;
 
 /// Allowed numbers of a parameter; for each of three, if there are three.
 struct Range {

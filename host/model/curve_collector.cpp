@@ -99,6 +99,11 @@ void CurveCollector::leave_out(const std::string& name, std::size_t count) {
 
 void CurveCollector::warn(std::string warning) { curves_.warnings.push_back(std::move(warning)); }
 
+void CurveCollector::warn_of_unit(std::string warning) {
+  warn(std::move(warning));
+  curves_.has_unit = false;
+}
+
 std::uint32_t CurveCollector::layer_number(const std::string& name) {
   const auto [entry, is_new] =
       layers_.try_emplace(name, static_cast<std::uint32_t>(curves_.layers.size()));

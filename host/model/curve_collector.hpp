@@ -32,6 +32,9 @@ class CurveCollector {
   void spend(std::size_t pieces, const FilePosition& place);
   void leave_out(const std::string& name, std::size_t count = 1);
   void warn(std::string warning);
+  /// The numbers of the file are taken as mm; the last warning.
+  void warn_of_unit(std::string warning);
+  void set_unit(double mm_per_unit) { curves_.mm_per_unit = mm_per_unit; }
 
   /// The drawing. Throws Error (bad_input) if there is nothing in it.
   Curves finished(const std::filesystem::path& file) &&;

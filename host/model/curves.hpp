@@ -19,6 +19,7 @@
 #include "host/geometry/affine.hpp"
 #include "host/geometry/bounds.hpp"
 #include "host/geometry/point.hpp"
+#include "host/model/colour.hpp"
 
 namespace lamplock::model {
 
@@ -48,6 +49,7 @@ struct Path {
   std::vector<Piece> pieces;  ///< never empty
   bool closed = false;        ///< the last piece ends where the first begins
   std::uint32_t layer = 0;    ///< of Curves::layers
+  Colour colour = no_colour;  ///< of the line, otherwise of the area
 };
 
 /// One drawing, mm.
@@ -58,6 +60,9 @@ struct Curves {
   /// Count of entities that were not read, by their name in the file ("TEXT", "image", ...).
   std::map<std::string, std::size_t> left_out;
   std::vector<std::string> warnings;  ///< what the user has to know about the file
+  /// False: the file names no unit, its numbers were taken as mm, as the last warning says.
+  bool has_unit = true;
+  double mm_per_unit = 1;  ///< of the numbers of a DXF
 };
 
 /// Tolerance of polylines and ends: a tenth of the repeatability of the positioners in "Mechatronic

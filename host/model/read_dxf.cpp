@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <map>
 #include <set>
 #include <string>
@@ -27,11 +28,21 @@ using geometry::Point;
 // Nested blocks; drawings have a handful of levels.
 constexpr std::size_t deepest_block = 64;
 
+// Colour numbers that refer to what an entity belongs to (DXF Reference, group 62).
+constexpr int by_block = 0, by_layer = 256;
+
+/// The colour of an entity as the file has it.
+struct DxfColour {
+  int number = by_layer;
+  Colour rgb = no_colour;  ///< group 420, before the number
+};
+
 /// A drawn item, with its place for errors.
 struct Item {
   std::variant<std::vector<Path>, Point, DxfInsert, std::vector<DxfBoundary>> what;
   std::string layer;
   FilePosition place;
+  DxfColour colour{};
 };
 
 struct Block {
@@ -112,9 +123,15 @@ class DxfReader {
   }
 
  private:
+  /// What items of a block inherit from where it is inserted.
+  struct Inherited {
+    std::string layer;
+    Colour colour = no_colour;
+  };
+
   Curves finished() {
     if (!has_unit_) {
-      curves_.warn(fmt::format(
+      curves_.warn_of_unit(fmt::format(
           "the drawing names no unit ($INSUNITS){}: its numbers are taken as mm",
           is_imperial_ ? ", though it was drawn in inches and feet ($MEASUREMENT)" : ""));
     }
@@ -145,6 +162,7 @@ class DxfReader {
             .refuse(fmt::format("$INSUNITS is {:.20}, not a usable unit of length", group.value),
                     "set the drawing's unit to mm");
       unit_ = geometry::scaled(mm, mm, mm);
+      curves_.set_unit(mm);
       has_unit_ = dxf_.integer(group) != 0;
     }
   }
@@ -156,7 +174,27 @@ class DxfReader {
     if ((dxf_.integer(entity_, 70) & frozen) != 0) frozen_layers_.insert(name);
     // A layer that is off has a negative colour.
     if (dxf_.integer(entity_, 62) < 0) off_layers_.insert(name);
+    DxfColour colour = colour_of(0);
+    colour.number = std::abs(std::max(colour.number, -by_layer));
+    layer_colours_[name] =
+        colour.rgb != no_colour ? colour.rgb : colour_of_aci(colour.number).value_or(no_colour);
     if (dxf_.integer(entity_, is_plotted, 1) == 0) not_plotted_layers_.insert(name);
+  }
+
+  /// The colour of entity_; `otherwise` is the number of one without.
+  DxfColour colour_of(int otherwise) const {
+    constexpr int number = 62, true_colour = 420, all_parts = 0xffffff;
+    const int rgb = dxf_.integer(entity_, true_colour, -1);
+    return {dxf_.integer(entity_, number, otherwise),
+            rgb < 0 ? no_colour : static_cast<Colour>(rgb & all_parts)};
+  }
+
+  Colour shown(const DxfColour& colour, const std::string& layer, Colour of_block) const {
+    if (colour.rgb != no_colour) return colour.rgb;
+    if (colour.number == by_block) return of_block;
+    if (colour.number != by_layer) return colour_of_aci(colour.number).value_or(no_colour);
+    const auto found = layer_colours_.find(key(layer));
+    return found == layer_colours_.end() ? no_colour : found->second;
   }
 
   void read_block() {
@@ -173,13 +211,16 @@ class DxfReader {
   void read_entities() {
     Block all;
     while (next_in_section()) read_item(all);
-    draw(all, unit_, "0");
+    draw(all, unit_, {"0", no_colour});
   }
 
   /// Appends entity_, with the entities that belong to it.
   void read_item(Block& block) {
     constexpr int on_paper = 67, is_invisible = 60;
-    Item item{{}, std::string(dxf_.text(entity_, 8, "0")), dxf_.position_of(entity_.kind)};
+    Item item{{},
+              std::string(dxf_.text(entity_, 8, "0")),
+              dxf_.position_of(entity_.kind),
+              colour_of(by_layer)};
     const std::string kind(entity_.kind);
     const bool paper = dxf_.integer(entity_, on_paper) == 1;
     const bool invisible = dxf_.integer(entity_, is_invisible) == 1;
@@ -223,18 +264,19 @@ class DxfReader {
 
   /// Items on layer 0 of a block get the layer of the block. A layer that is off or not plotted
   /// hides its own items, a frozen one also what is in the blocks inserted on it.
-  void draw(const Block& block, const geometry::Affine& map, const std::string& layer_of_block) {
+  void draw(const Block& block, const geometry::Affine& map, const Inherited& of_block) {
     for (const auto& [name, count] : block.left_out) curves_.leave_out(name, count);
     for (const Item& item : block.items) {
-      const std::string& layer = item.layer == "0" ? layer_of_block : item.layer;
+      const std::string& layer = item.layer == "0" ? of_block.layer : item.layer;
+      const Inherited own{layer, shown(item.colour, layer, of_block.colour)};
       const auto* insert = std::get_if<DxfInsert>(&item.what);
       if (insert == nullptr ? is_hidden(layer) : frozen_layers_.contains(key(layer))) {
         curves_.spend(1, item.place);
         leave_out_hidden(layer);
       } else if (insert != nullptr) {
-        draw_copies(*insert, map, layer, item.place);
+        draw_copies(*insert, map, own, item.place);
       } else {
-        draw_item(item, block, map, layer, layer_of_block);
+        draw_item(item, block, map, own, of_block.layer);
       }
     }
   }
@@ -257,27 +299,32 @@ class DxfReader {
   }
 
   void draw_item(const Item& item, const Block& block, const geometry::Affine& map,
-                 const std::string& layer, const std::string& layer_of_block) {
+                 const Inherited& own, const std::string& layer_of_block) {
     if (const auto* point = std::get_if<Point>(&item.what)) {
       curves_.add(*point, map, item.place);
     } else if (const auto* paths = std::get_if<std::vector<Path>>(&item.what)) {
       if (paths->empty()) curves_.leave_out("3DFACE without visible edges");
-      for (const Path& path : *paths) curves_.add(path, map, layer, item.place);
+      for (const Path& path : *paths) add(path, map, own, item.place);
     } else {
       const auto is_drawn = [&](const std::string& handle) {
         const auto found = block.layers_of_handles.find(handle);
         return found != block.layers_of_handles.end() &&
                !is_hidden(found->second == "0" ? layer_of_block : found->second);
       };
-      draw_hatch(std::get<std::vector<DxfBoundary>>(item.what), is_drawn, map, layer, item.place);
+      draw_hatch(std::get<std::vector<DxfBoundary>>(item.what), is_drawn, map, own, item.place);
     }
+  }
+
+  void add(Path path, const geometry::Affine& map, const Inherited& own,
+           const FilePosition& place) {
+    path.colour = own.colour;
+    curves_.add(std::move(path), map, own.layer, place);
   }
 
   /// A boundary whose source objects are drawn themselves is drawn already.
   template <class IsDrawn>
   void draw_hatch(const std::vector<DxfBoundary>& boundaries, const IsDrawn& is_drawn,
-                  const geometry::Affine& map, const std::string& layer,
-                  const FilePosition& place) {
+                  const geometry::Affine& map, const Inherited& own, const FilePosition& place) {
     if (boundaries.empty()) {
       curves_.spend(1, place);
       curves_.leave_out("HATCH");
@@ -287,11 +334,11 @@ class DxfReader {
       if (!boundary.sources.empty() &&
           std::all_of(boundary.sources.begin(), boundary.sources.end(), is_drawn))
         continue;
-      for (const Path& path : boundary.paths) curves_.add(path, map, layer, place);
+      for (const Path& path : boundary.paths) add(path, map, own, place);
     }
   }
 
-  void draw_copies(const DxfInsert& insert, const geometry::Affine& map, const std::string& layer,
+  void draw_copies(const DxfInsert& insert, const geometry::Affine& map, const Inherited& own,
                    const FilePosition& place) {
     const auto found = blocks_.find(key(insert.block));
     if (found == blocks_.end())
@@ -314,7 +361,7 @@ class DxfReader {
       for (int column = 0; column < insert.columns; ++column) {
         curves_.spend(1 + block.left_out.size(), place);
         const geometry::Affine cell = geometry::moved(column * insert.column, row * insert.row, 0);
-        draw(block, map * insert.frame * cell * from_base, layer);
+        draw(block, map * insert.frame * cell * from_base, own);
       }
     }
     open_blocks_.pop_back();
@@ -326,6 +373,7 @@ class DxfReader {
   geometry::Affine unit_;
   bool has_unit_ = false, is_imperial_ = false;
   std::set<std::string> frozen_layers_, off_layers_;
+  std::map<std::string, Colour> layer_colours_;
   std::set<std::string> not_plotted_layers_{"defpoints"};  ///< that one by definition
   std::set<std::string> named_layers_;                     ///< in the notice
   std::map<std::string, Block> blocks_;

@@ -277,6 +277,7 @@ class SvgReader {
       std::vector<Path> parts = clipped(std::move(path), context.clips, clips_.work(), place);
       if (parts.empty()) leave_out("clipped curve");
       for (Path& part : parts) {
+        part.colour = paint.colour();
         if (is_background)
           background_.emplace(Background{std::move(part), context.layer, place});
         else

@@ -8,31 +8,16 @@
 #include <string>
 #include <vector>
 
+#include "host/model/colour.hpp"
 #include "host/model/text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {
 namespace {
 
-constexpr std::string_view colour_names =
-    " aliceblue antiquewhite aqua aquamarine azure beige bisque black blanchedalmond blue "
-    "blueviolet brown burlywood cadetblue chartreuse chocolate coral cornflowerblue cornsilk "
-    "crimson cyan darkblue darkcyan darkgoldenrod darkgray darkgreen darkgrey darkkhaki "
-    "darkmagenta darkolivegreen darkorange darkorchid darkred darksalmon darkseagreen "
-    "darkslateblue darkslategray darkslategrey darkturquoise darkviolet deeppink deepskyblue "
-    "dimgray dimgrey dodgerblue firebrick floralwhite forestgreen fuchsia gainsboro ghostwhite "
-    "gold goldenrod gray green greenyellow grey honeydew hotpink indianred indigo ivory khaki "
-    "lavender lavenderblush lawngreen lemonchiffon lightblue lightcoral lightcyan "
-    "lightgoldenrodyellow lightgray lightgreen lightgrey lightpink lightsalmon lightseagreen "
-    "lightskyblue lightslategray lightslategrey lightsteelblue lightyellow lime limegreen linen "
-    "magenta maroon mediumaquamarine mediumblue mediumorchid mediumpurple mediumseagreen "
-    "mediumslateblue mediumspringgreen mediumturquoise mediumvioletred midnightblue mintcream "
-    "mistyrose moccasin navajowhite navy oldlace olive olivedrab orange orangered orchid "
-    "palegoldenrod palegreen paleturquoise palevioletred papayawhip peachpuff peru pink plum "
-    "powderblue purple rebeccapurple red rosybrown royalblue saddlebrown salmon sandybrown "
-    "seagreen seashell sienna silver skyblue slateblue slategray slategrey snow springgreen "
-    "steelblue tan teal thistle tomato transparent turquoise violet wheat white whitesmoke yellow "
-    "yellowgreen currentcolor "
+/// Words for colours whose values are not in the table of named colours.
+constexpr std::string_view other_names =
+    " transparent currentcolor "
     // System colours of CSS, also those of CSS 2.
     "accentcolor accentcolortext activetext activeborder activecaption appworkspace background "
     "buttonborder buttonface buttonhighlight buttonshadow buttontext canvas canvastext captiontext "
@@ -42,8 +27,11 @@ constexpr std::string_view colour_names =
     "threedshadow visitedtext window windowframe windowtext ";
 
 bool is_name(std::string_view text) {
-  return !text.empty() && text.find(' ') == std::string_view::npos &&
-         colour_names.find(fmt::format(" {} ", text)) != std::string_view::npos;
+  if (text.empty() ||
+      text.find_first_not_of("abcdefghijklmnopqrstuvwxyz") != std::string_view::npos)
+    return false;
+  return colour_named(text) ||
+         other_names.find(fmt::format(" {} ", text)) != std::string_view::npos;
 }
 
 /// "#rgb", "#rgba", "#rrggbb", "#rrggbbaa".

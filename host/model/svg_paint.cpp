@@ -74,8 +74,10 @@ void inherit_stroke(const xml_node& node, const SvgUnits& units, const SvgDocume
                     SvgPaint& paint) {
   const auto value = [&](const char* name) { return svg_value(node, name); };
   const double diagonal = svg_diagonal(units.port);
-  if (const auto stroke = value("stroke"); !stroke.empty())
+  if (const auto stroke = value("stroke"); !stroke.empty()) {
     paint.has_stroke = is_visible_paint(stroke, document);
+    paint.stroke_colour = colour_named(stroke).value_or(no_colour);
+  }
   paint.stroke_opacity = part_of_one(value("stroke-opacity")).value_or(paint.stroke_opacity);
   paint.stroke_width =
       find_svg_length(value("stroke-width"), diagonal, units).value_or(paint.stroke_width);
@@ -100,6 +102,7 @@ void inherit_paint(const xml_node& node, const SvgUnits& units, const SvgDocumen
   if (const auto fill = value("fill"); !fill.empty()) {
     paint.has_fill = is_visible_paint(fill, document);
     paint.fill_is_white = is_white(fill);
+    paint.fill_colour = colour_named(fill).value_or(no_colour);
     paint.fill_is_server = fill.starts_with("url(");
     paint.fill_is_default = false;
   }

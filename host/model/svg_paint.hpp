@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/model/colour.hpp"
 #include "host/model/svg_document.hpp"
 #include "host/model/svg_values.hpp"
 
@@ -23,12 +24,15 @@ struct SvgPaint {
   bool fill_is_white = false;   ///< the colour of the page
   bool fill_is_server = false;  ///< a gradient or pattern
   bool has_stroke = false;
+  Colour fill_colour = 0, stroke_colour = no_colour;
   double fill_opacity = 1, stroke_opacity = 1;
   double stroke_width = 1;       ///< user's units
   std::vector<double> dashes{};  ///< dash, gap, ... in user's units; empty: none
   double dash_offset = 0;
   bool has_long_ends = false;  ///< round or square line ends
 
+  /// Of the line, otherwise of the area.
+  Colour colour() const { return shows_stroke() ? stroke_colour : fill_colour; }
   bool shows_fill() const { return is_visible && has_fill && fill_opacity > 0; }
   bool shows_stroke() const {
     return is_visible && has_stroke && stroke_opacity > 0 && stroke_width > 0;

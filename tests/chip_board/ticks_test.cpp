@@ -20,6 +20,7 @@
 #include "host/file.hpp"
 #include "tests/board/pixel_rows.hpp"
 #include "tests/chip_board/beam_job.hpp"
+#include "tests/chip_board/cut_part.hpp"
 #include "tests/chip_board/program_trace.hpp"
 #include "tests/chip_board/pulse_kinds.hpp"
 
@@ -293,6 +294,14 @@ INSTANTIATE_TEST_SUITE_P(Motors, ProgramTicks,
                          testing::Values(Case{"Cartesian", [] { return mixed(Id::kinematics, 0); }},
                                          Case{"CoreXy", [] { return mixed(Id::kinematics, 1); }},
                                          Case{"Ganged", [] { return mixed(Id::ganged_axis, 2); }}),
+                         name_of);
+
+INSTANTIATE_TEST_SUITE_P(Cuts, ProgramTicks,
+                         testing::Values(Case{
+                             "Part",
+                             [] {
+                               return Work{laser_cutter(Id::kinematics, 0), cut_part_program()};
+                             }}),
                          name_of);
 
 INSTANTIATE_TEST_SUITE_P(Drives, ProgramTicks, testing::ValuesIn([] {

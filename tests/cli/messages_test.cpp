@@ -38,6 +38,8 @@ std::vector<Reader> readers() {
           {{"frame", "@"}, models},
           {{"order", "@", "-o", "="}, {"xyz", "ply", "dxf"}},
           {{"raster", "@", "--feed", "1000", "--gcode", "="}, {"bmp", "png", "jpg"}},
+          {{"cut", "@", "--power", "9", "--feed", "600", "-o", "="}, {"dxf", "svg"}},
+          {{"cut", "@", "-o", "="}, {"toml"}},
           {{"send", "@"}, {"llj", "ngc"}},
           {{"check", "@"}, {"ngc"}},
           {{"diagnose", "@"}, {"ngc"}},

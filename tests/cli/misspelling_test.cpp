@@ -110,7 +110,8 @@ TEST(Misspelling, OptionsOfEveryCommandAreSuggested) {
   };
   // Options that many commands share are tried once.
   for (const Command& command : program->commands()) {
-    if (command.name() == "engrave" || command.name() == "raster") add(command, {command.name()});
+    if (command.name() == "engrave" || command.name() == "raster" || command.name() == "cut")
+      add(command, {command.name()});
     for (const Command& inner : command.commands())
       if (inner.name() == "get" || inner.name() == "pulse")
         add(inner, {command.name(), inner.name()});

@@ -12,6 +12,7 @@
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/cli/run_json.hpp"
+#include "tests/drawings.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::cli::test::outputs {
@@ -183,6 +184,8 @@ TEST_F(Outputs, OfEveryCommandToAFullDisk) {
   const std::string program = folder_.write("p.ngc", "G21 G91\nG1 X1 F6000\nM2\n");
   const std::string picture = folder_.write("disc.bmp", disc_bmp(12));
   const std::string laser = folder_.write("laser.toml", "laser_mode = 1\n");
+  const std::string drawing =
+      folder_.write("d.dxf", lamplock::test::dxf_drawing(lamplock::test::dxf_circle(0, 0, 5)));
   const std::string job = folder_ / "j.llj", err = folder_ / "err";
   ASSERT_EQ(run({"job", list_, "-o", job}).status, 0);
   ASSERT_EQ(engrave({"--report", folder_ / "r"}).status, 0);
@@ -202,6 +205,8 @@ TEST_F(Outputs, OfEveryCommandToAFullDisk) {
       "job " + list_ + " -o " + (folder_ / "o.llj"),
       "job --show " + job,
       "raster " + picture + " --feed 6000 --machine " + laser + " -o " + (folder_ / "r.llj"),
+      "cut " + drawing + " --list",
+      "cut " + drawing + " --power 9 --feed 600 -o " + (folder_ / "c.ngc"),
       "diagnose " + program,
       "compare " + (folder_ / "r") + " " + (folder_ / "r"),
       "example " + (folder_ / "e.stl"),

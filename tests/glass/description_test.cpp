@@ -144,6 +144,7 @@ class RandomValue {
   void put(double& value) { value = number(); }
   void put(std::optional<double>& value) { value = number(); }
   void put(int& value) { value = static_cast<int>(std::ceil(number())); }
+  void put(std::optional<int>& value) { put(value.emplace()); }
   void put(bool& value) { value = random_() % 2 == 0; }
   void put(std::optional<bool>& value) { value = random_() % 2 == 0; }
   void put(std::string& value) { value = text(); }

@@ -18,6 +18,7 @@ struct Change {
   void operator()(double* value) const { *value = *value / 2 + 0.25; }
   void operator()(std::optional<double>* value) const { *value = 0.5; }
   void operator()(int* value) const { ++*value; }
+  void operator()(std::optional<int>* value) const { *value = 3; }
   void operator()(bool* value) const { *value = !*value; }
   void operator()(std::optional<bool>* value) const { *value = true; }
   void operator()(std::string* value) const { *value += "x"; }

@@ -1,0 +1,162 @@
+// `lamplock cut`: a drawing becomes a program that cuts it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/cli/command_line.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/console.hpp"
+#include "host/cli/documents.hpp"
+#include "host/cli/parameter_options.hpp"
+#include "host/cli/validators.hpp"
+#include "host/error.hpp"
+#include "host/glass/description_file.hpp"
+#include "host/number_text.hpp"
+#include "host/run/cut.hpp"
+
+namespace lamplock::cli {
+namespace {
+
+struct CutOptions {
+  run::CutRequest request;
+  std::string input;
+  bool list = false, json = false;
+  std::vector<const Option*> choices;  ///< that a description has keys for
+
+  CutOptions() { request.description.operations.resize(1); }
+};
+
+/// What the options say, or the description that is given instead of a drawing.
+run::CutRequest request_of(const CutOptions& options) {
+  run::CutRequest request = options.request;
+  request.description.drawing.file = options.input;
+  if (!glass::is_description(options.input)) return request;
+  for (const Option* option : options.choices)
+    if (option->is_given())
+      throw Error(Exit::bad_input, option->name(), "has its place in the description",
+                  "leave it out and change " + options.input);
+  request.description = run::read_cut_description(options.input);
+  return request;
+}
+
+Json shape_json(const run::CutShape& shape) {
+  return {{"layer", shape.layer},
+          {"colour", shape.colour},
+          {"kind", shape.kind},
+          {"direction", shape.direction},
+          {"length_mm", shape.length_mm},
+          {"area_mm2", shape.area_mm2},
+          {"bounds", bounds_json(shape.box)},
+          {"operation", shape.operation},
+          {"operation_kind", shape.operation_kind}};
+}
+
+Json cut_document(const CutOptions& options, const run::CutResult& result) {
+  Json shapes = Json::array();
+  for (const run::CutShape& shape : result.shapes) shapes.push_back(shape_json(shape));
+  Json json = {{"input", options.input}, {"shapes", shapes}, {"warnings", result.warnings}};
+  if (result.cuts == 0) return json;
+  json["cuts"] = result.cuts;
+  json["cut_mm"] = result.cut_mm;
+  json["rapid_mm"] = result.rapid_mm;
+  json["bounds"] = bounds_json(result.box);
+  if (result.program_bytes != 0)
+    json["output"] = {{"file", options.request.output}, {"bytes", result.program_bytes}};
+  if (result.seconds) json["seconds"] = *result.seconds;
+  return json;
+}
+
+void show_list(const run::CutResult& result, Console& console) {
+  constexpr const char* row = "{:>5}  {:<16} {:<8} {:<8} {:<4} {:>11} {:>12}  {}";
+  console.line(fmt::format(row, "shape", "layer", "colour", "kind", "turn", "length mm", "area mm2",
+                           "operation"));
+  for (std::size_t i = 0; i < result.shapes.size(); ++i) {
+    const run::CutShape& shape = result.shapes[i];
+    const std::string operation =
+        shape.operation.empty() ? "none" : shape.operation_kind + ", " + shape.operation;
+    console.line(fmt::format(row, i + 1, shape.layer.empty() ? "-" : shape.layer,
+                             shape.colour.empty() ? "-" : shape.colour, shape.kind,
+                             shape.direction.empty() ? "-" : shape.direction,
+                             fmt::format("{:.3f}", shape.length_mm),
+                             fmt::format("{:.3f}", shape.area_mm2), operation));
+  }
+}
+
+Exit cut_drawing(const CutOptions& options) {
+  Console console(options.json);
+  const run::CutRequest request = request_of(options);
+  const bool makes = !request.output.empty() || !request.picture.empty() || !request.save.empty();
+  if (!makes && !options.list)
+    throw Error(Exit::bad_input, "lamplock cut", "no output file is given",
+                "give -o FILE.ngc, --picture FILE.svg or --list");
+  const run::CutResult result =
+      makes ? run::make_cut(request, console) : run::list_shapes(request.description, console);
+  if (options.list) show_list(result, console);
+  console.document(cut_document(options, result));
+  return Exit::done;
+}
+
+void add_choices(Command& app, CutOptions& options, std::vector<glass::Parameter> parameters,
+                 const std::string& group) {
+  // Those that most drawings need; the others refine them.
+  constexpr std::array common{"--units",  "--machine", "--power", "--feed",  "--kerf",
+                              "--passes", "--lead-in", "--tabs",  "--layer", "--operation"};
+  // An operation that is alone needs no switch.
+  std::erase_if(parameters, [](const glass::Parameter& p) { return p.option == "--off"; });
+  for (Option* option : add_parameters(app, parameters, group)) {
+    if (std::find(common.begin(), common.end(), option->name()) != common.end()) option->common();
+    options.choices.push_back(option);
+  }
+}
+
+}  // namespace
+
+void add_cut(Command& program) {
+  Command& app = program.add_command(
+      "cut", "Cut a drawing with a continuous laser: make a G-code program of its contours");
+  app.footer(
+      "A description (TOML) has an operation for each layer or colour; --save writes one.\n"
+      "Example:\n"
+      "  lamplock cut parts.dxf --list\n"
+      "  lamplock cut parts.dxf --power 80 --feed 600 --kerf 0.15 --lead-in line -o parts.ngc\n"
+      "  lamplock send parts.ngc --board /dev/ttyACM0");
+  const auto options = std::make_shared<CutOptions>();
+  run::CutDescription& description = options->request.description;
+  app.add_option("DRAWING", &options->input, "Drawing (dxf, svg) or description of a job (toml)")
+      .required()
+      .value_name("FILE")
+      .file(FileUse::read);
+  app.add_option("-o,--output", &options->request.output, "G-code program to write")
+      .value_name("FILE.ngc")
+      .check(file_name())
+      .file(FileUse::write)
+      .common();
+  app.add_option("--list", &options->list,
+                 "Print the contours with layer, colour, length, area, direction, operation")
+      .common();
+  app.add_option("--picture", &options->request.picture,
+                 "Write a picture (SVG) of what is cut: order, kerf, leads, tabs, rapids")
+      .value_name("FILE.svg")
+      .check(file_name())
+      .file(FileUse::write)
+      .common();
+  app.add_option("--save", &options->request.save,
+                 "Save the options of this command as a description, to run it again")
+      .value_name("FILE.toml")
+      .check(file_name())
+      .file(FileUse::write);
+  std::vector<glass::Parameter> drawing = run::parameters(description.drawing);
+  drawing.erase(drawing.begin());  // the file is DRAWING
+  add_choices(app, *options, std::move(drawing), "Drawing");
+  add_choices(app, *options, run::parameters(description.operations.front()), "Operation");
+  add_choices(app, *options, run::parameters(description.machine), "Machine");
+  app.add_json(options->json);
+  app.action([options] { return cut_drawing(*options); });
+}
+
+}  // namespace lamplock::cli

@@ -1,0 +1,284 @@
+#include "host/cutting/cut_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "host/cutting/cut_order.hpp"
+#include "host/cutting/hatch.hpp"
+#include "host/cutting/offset.hpp"
+#include "host/error.hpp"
+
+namespace lamplock::cutting {
+namespace {
+
+// Longest edges on which another start point is tried if a lead or a tab does not fit.
+constexpr std::size_t max_tried_edges = 24;
+
+std::string place_text(const Vec& at) { return fmt::format("({:.3f}, {:.3f})", at.x, at.y); }
+
+/// "the contour at (x, y)", for errors.
+std::string contour_text(const Contour& contour) {
+  const Vec middle = (box_of(contour).low + box_of(contour).high) * 0.5;
+  return fmt::format("contour of {:.3f} mm at {}", length_of(contour), place_text(middle));
+}
+
+bool is_part(const ContourPlace& place) { return place.kind != ContourKind::hole; }
+
+/// mm to the right of the direction.
+double distance_of(const Shape& shape, const Contour& contour, const Operation& operation) {
+  const double half = operation.kerf_mm / 2;
+  const bool is_ccw = signed_area(contour) > 0;
+  switch (operation.compensation) {
+    case Compensation::none:
+      return 0;
+    case Compensation::left:
+      return -half;
+    case Compensation::right:
+      return half;
+    case Compensation::automatic:
+      if (!contour.closed) return 0;
+      return is_part(shape.place) == is_ccw ? half : -half;
+    case Compensation::inside:
+    case Compensation::outside:
+      break;
+  }
+  const bool is_outside = operation.compensation == Compensation::outside;
+  if (!contour.closed)
+    throw Error(Exit::bad_input, operation.name,
+                fmt::format("the open {} has no {}", contour_text(contour),
+                            is_outside ? "outside" : "inside"),
+                "close it in the drawing, or use compensation left, right, auto or none");
+  return is_outside == is_ccw ? half : -half;
+}
+
+/// The side that is thrown away: that of the beam, without compensation by the tree.
+WasteSide waste_of(const Shape& shape, const Contour& contour, double distance_mm) {
+  const bool is_right =
+      distance_mm != 0 ? distance_mm > 0 : is_part(shape.place) == (signed_area(contour) > 0);
+  return is_right ? WasteSide::right : WasteSide::left;
+}
+
+/// Contours as the beam runs along them.
+struct Beams {
+  std::vector<Contour> contours;
+  std::vector<std::size_t> shapes;  ///< of each
+  std::vector<WasteSide> waste;
+  bool are_moved = false;  ///< some run beside the drawn contour
+};
+
+class Planner {
+ public:
+  Planner(const std::vector<Shape>& shapes, const std::vector<Operation>& operations,
+          const Vec& position)
+      : shapes_(shapes), operations_(operations), position_(position) {}
+
+  CutPlan plan() {
+    for (std::size_t i = 0; i < operations_.size(); ++i)
+      if (operations_[i].kind == OperationKind::engrave) engrave(i);
+    for (const OperationKind kind : {OperationKind::score, OperationKind::cut}) follow(kind);
+    return std::move(plan_);
+  }
+
+ private:
+  void append(PlannedCut cut) {
+    for (const Stroke& stroke : cut.strokes) {
+      plan_.rapid_mm += distance(position_, stroke.front().edge.from);
+      position_ = stroke.back().edge.to;
+    }
+    plan_.cuts.push_back(std::move(cut));
+  }
+
+  /// Lines back and forth, each with its run-up and the gaps between pieces dark.
+  void engrave(std::size_t number) {
+    const Operation& operation = operations_[number];
+    PlannedCut cut{number, shapes_.size(), {}};
+    std::vector<Contour> contours;
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+      if (shapes_[i].operation != number) continue;
+      if (!shapes_[i].contour.closed)
+        throw Error(Exit::bad_input, operation.name,
+                    fmt::format("the open {} has no area", contour_text(shapes_[i].contour)),
+                    "close it in the drawing, or score it");
+      cut.shape = std::min(cut.shape, i);
+      contours.push_back(shapes_[i].contour);
+    }
+    bool is_back = false;
+    for (HatchRow row : hatch(contours, {operation.hatch_mm, operation.hatch_deg})) {
+      if (std::exchange(is_back, !is_back)) {
+        std::reverse(row.begin(), row.end());
+        for (HatchPiece& piece : row) std::swap(piece.from, piece.to);
+      }
+      cut.strokes.push_back(stroke_of(row, operation.overscan_mm));
+    }
+    if (!cut.strokes.empty()) append(std::move(cut));
+  }
+
+  static Stroke stroke_of(const HatchRow& row, double overscan_mm) {
+    Stroke stroke;
+    const Vec first = row.front().from, last = row.back().to;
+    const Vec way = last - first, unit = way * (1 / norm(way));
+    const auto add = [&stroke](const Vec& from, const Vec& to, CutKind kind, double power) {
+      stroke.push_back({{from, to, {}, 0}, kind, power});
+    };
+    if (overscan_mm > 0) add(first - unit * overscan_mm, first, CutKind::lead_in, 0);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (i > 0) add(row[i - 1].to, row[i].from, CutKind::cut, 0);
+      add(row[i].from, row[i].to, CutKind::cut, 1);
+    }
+    if (overscan_mm > 0) add(last, last + unit * overscan_mm, CutKind::lead_out, 0);
+    return stroke;
+  }
+
+  /// All operations of one kind that follow contours, in one order.
+  void follow(OperationKind kind) {
+    Beams beams;
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+      const auto number = shapes_[i].operation;
+      if (number && operations_[*number].kind == kind) compensate(i, beams);
+    }
+    if (beams.contours.empty()) return;
+    if (beams.are_moved) report_crossings(beams);
+    const CutOrder order = cut_order(beams.contours, contour_tree(beams.contours), position_);
+    const CutSheet sheet(beams.contours);
+    for (const CutStep& step : order.steps) {
+      PlannedCut cut{
+          *shapes_[beams.shapes[step.contour]].operation, beams.shapes[step.contour], {}};
+      cut.strokes.push_back(path_of(beams, step, operations_[cut.operation], sheet));
+      append(std::move(cut));
+    }
+  }
+
+  void compensate(std::size_t number, Beams& beams) {
+    const Shape& shape = shapes_[number];
+    const Operation& operation = operations_[*shape.operation];
+    const Contour contour = directed(shape, operation.direction);
+    const double distance_mm = distance_of(shape, contour, operation);
+    const WasteSide waste = waste_of(shape, contour, distance_mm);
+    beams.are_moved = beams.are_moved || distance_mm != 0;
+    OffsetContours result = offset({contour}, {distance_mm});
+    const auto vanished = std::any_of(result.faults.begin(), result.faults.end(),
+                                      [](const auto& f) { return f.kind == FaultKind::vanished; });
+    if (vanished || result.contours.empty())
+      throw Error(Exit::bad_input, operation.name,
+                  fmt::format("the {} is smaller than the beam of {:g} mm", contour_text(contour),
+                              operation.kerf_mm),
+                  "use a smaller kerf, or no compensation for it");
+    for (Fault& fault : result.faults) {
+      if (fault.kind != FaultKind::narrow) continue;  // the others are those of the drawing
+      fault.contour = number;
+      plan_.faults.push_back(fault);
+    }
+    for (Contour& beam : result.contours) {
+      beams.contours.push_back(std::move(beam));
+      beams.shapes.push_back(number);
+      beams.waste.push_back(waste);
+    }
+  }
+
+  /// Paths of the beam that cross although the drawing does not: parts that are too near.
+  void report_crossings(const Beams& beams) {
+    for (Fault& fault : contour_faults(beams.contours)) {
+      if (fault.contour) fault.contour = beams.shapes[*fault.contour];
+      if (fault.other) fault.other = beams.shapes[*fault.other];
+      plan_.faults.push_back(fault);
+    }
+  }
+
+  static Stroke path_of(const Beams& beams, const CutStep& step, const Operation& operation,
+                        const CutSheet& sheet) {
+    const Contour& contour = beams.contours[step.contour];
+    CutPathOptions options;
+    options.waste = beams.waste[step.contour];
+    options.clearance_mm = operation.kerf_mm / 2;
+    if (contour.closed) {
+      options.lead_in = operation.lead_in;
+      options.lead_out = operation.lead_out;
+      options.overcut_mm = operation.overcut_mm;
+      options.tabs = operation.tabs;
+      options.tabs.corner_radius_mm = options.clearance_mm;
+    }
+    try {
+      return cut_path(as_cut(contour, step), options, sheet);
+    } catch (const Error&) {
+      if (auto stroke = path_elsewhere(contour, step, options, sheet)) return std::move(*stroke);
+      throw;
+    }
+  }
+
+  /// The path from another start point, in the middle of long edges first.
+  static std::optional<Stroke> path_elsewhere(const Contour& contour, CutStep step,
+                                              const CutPathOptions& options,
+                                              const CutSheet& sheet) {
+    if (!contour.closed) return std::nullopt;
+    std::vector<std::size_t> edges(contour.edges.size());
+    std::iota(edges.begin(), edges.end(), std::size_t{0});
+    std::stable_sort(edges.begin(), edges.end(), [&](std::size_t a, std::size_t b) {
+      return length_of(contour.edges[a]) > length_of(contour.edges[b]);
+    });
+    edges.resize(std::min(edges.size(), max_tried_edges));
+    for (const double part : {0.5, 0.25, 0.75, 0.0}) {
+      for (const std::size_t edge : edges) {
+        step.edge = edge;
+        step.part = part;
+        try {
+          return cut_path(as_cut(contour, step), options, sheet);
+        } catch (const Error&) {
+          continue;
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
+  const std::vector<Shape>& shapes_;
+  const std::vector<Operation>& operations_;
+  Vec position_;
+  CutPlan plan_;
+};
+
+}  // namespace
+
+void place_shapes(std::vector<Shape>& shapes, const std::vector<Operation>& operations) {
+  // Numbers of trees: one for each kind, and one for each engraving.
+  constexpr std::size_t kinds = 4;
+  const auto tree_of_shape = [&](const Shape& shape) -> std::size_t {
+    if (!shape.operation) return kinds;
+    const OperationKind kind = operations[*shape.operation].kind;
+    return kind == OperationKind::engrave ? kinds + 1 + *shape.operation
+                                          : static_cast<std::size_t>(kind);
+  };
+  std::vector<std::vector<std::size_t>> trees(kinds + 1 + operations.size());
+  for (std::size_t i = 0; i < shapes.size(); ++i) trees[tree_of_shape(shapes[i])].push_back(i);
+  for (const std::vector<std::size_t>& numbers : trees) {
+    std::vector<Contour> contours;
+    contours.reserve(numbers.size());
+    for (const std::size_t i : numbers) contours.push_back(shapes[i].contour);
+    const std::vector<ContourPlace> places = contour_tree(contours);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      shapes[numbers[i]].place = places[i];
+      if (auto& parent = shapes[numbers[i]].place.parent) parent = numbers[*parent];
+    }
+  }
+}
+
+Contour directed(const Shape& shape, Direction direction) {
+  const Contour& contour = shape.contour;
+  const bool is_ccw = signed_area(contour) > 0;
+  bool turn = direction == Direction::reversed;
+  if (contour.closed) {
+    if (direction == Direction::automatic) turn = is_part(shape.place) != is_ccw;
+    if (direction == Direction::clockwise) turn = is_ccw;
+    if (direction == Direction::counter_clockwise) turn = !is_ccw;
+  }
+  return turn ? reversed(contour) : contour;
+}
+
+CutPlan plan_cuts(const std::vector<Shape>& shapes, const std::vector<Operation>& operations,
+                  const Vec& position) {
+  return Planner(shapes, operations, position).plan();
+}
+
+}  // namespace lamplock::cutting

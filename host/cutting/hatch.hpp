@@ -1,0 +1,29 @@
+// Parallel lines that fill closed contours.
+//
+// In:  closed contours, distance and angle of the lines. Out: rows of pieces inside of them.
+// Who: plan_cuts(), for engravings.
+#pragma once
+
+#include <vector>
+
+#include "host/cutting/contour.hpp"
+
+namespace lamplock::cutting {
+
+/// One line: where the beam is on, from its begin to its end.
+struct HatchPiece {
+  Vec from, to;
+};
+using HatchRow = std::vector<HatchPiece>;  ///< never empty
+
+struct HatchOptions {
+  double distance_mm = 0;
+  double angle_deg = 0;  ///< of the lines, counter-clockwise from X
+};
+
+/// Rows in the order of their distance from the first one, all in the same direction. A place is
+/// inside if an odd number of contours is around it; open contours are skipped. Throws Error
+/// (bad_input) for a distance that is not positive and for more than model::max_pieces rows.
+std::vector<HatchRow> hatch(const std::vector<Contour>& contours, const HatchOptions& options);
+
+}  // namespace lamplock::cutting

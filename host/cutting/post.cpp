@@ -1,0 +1,270 @@
+#include "host/cutting/post.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace lamplock::cutting {
+namespace {
+
+constexpr int speed_decimals = 3, time_decimals = 3;
+
+/// A number without trailing zeros.
+std::string post_number(double value, int decimals) {
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  if (decimals > 0) {
+    const auto last = text.find_last_not_of('0');
+    text.resize(text[last] == '.' ? last : last + 1);
+  }
+  return text == "-0" ? "0" : text;
+}
+
+std::optional<PostValue> value_named(std::string_view name) {
+  const auto found = std::find(post_value_names.begin(), post_value_names.end(), name);
+  if (found == post_value_names.end()) return std::nullopt;
+  return static_cast<PostValue>(found - post_value_names.begin());
+}
+
+/// Comments of G-code end at a bracket, and lines have one line.
+std::string comment_text(const std::string& text) {
+  std::string plain;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    plain += c == '(' ? '[' : c == ')' ? ']' : byte < 0x20 || byte >= 0x7f || c == ';' ? '_' : c;
+  }
+  constexpr std::size_t max_comment = 120;
+  plain.resize(std::min(plain.size(), max_comment));
+  return plain;
+}
+
+/// Fills templates, and knows which values have changed.
+class Templates {
+ public:
+  void set(PostValue value, std::string text) { values_[at(value)] = std::move(text); }
+  const std::string& value(PostValue value) const { return values_[at(value)]; }
+
+  std::string filled(const std::string& text) {
+    std::string line, part;
+    bool in_part = false, has_changed = false;
+    std::vector<std::size_t> written;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      const char c = text[i];
+      if (c == '{') {
+        const std::size_t close = text.find('}', i);
+        const std::size_t number = at(*value_named(text.substr(i + 1, close - i - 1)));
+        (in_part ? part : line) += values_[number];
+        has_changed = has_changed || values_[number] != written_[number];
+        if (!in_part) written.push_back(number);
+        if (in_part) part_values_.push_back(number);
+        i = close;
+      } else if (c == '[') {
+        in_part = true;
+        has_changed = false;
+        part.clear();
+        part_values_.clear();
+      } else if (c == ']') {
+        in_part = false;
+        if (!has_changed) continue;
+        line += part;
+        written.insert(written.end(), part_values_.begin(), part_values_.end());
+      } else {
+        (in_part ? part : line) += c;
+      }
+    }
+    for (const std::size_t number : written) written_[number] = values_[number];
+    return line;
+  }
+
+ private:
+  static std::size_t at(PostValue value) { return static_cast<std::size_t>(value); }
+
+  std::array<std::string, post_value_names.size()> values_{}, written_{};
+  std::vector<std::size_t> part_values_;
+};
+
+class ProgramWriter {
+ public:
+  ProgramWriter(const CutPlan& plan, const std::vector<Operation>& operations, const Post& post,
+                const ProgramFrame& frame)
+      : plan_(plan), operations_(operations), post_(post), frame_(frame) {}
+
+  std::string text() && {
+    comment(frame_.title);
+    write(PostEvent::begin);
+    for (std::size_t i = 0; i < plan_.cuts.size(); ++i) write_cut(i);
+    if (has_air_) write(PostEvent::air_off);
+    write(PostEvent::end);
+    return std::move(text_);
+  }
+
+ private:
+  void write(PostEvent event) {
+    for (const std::string& line : post_.of(event)) {
+      std::string filled = templates_.filled(line);
+      if (!filled.empty()) text_ += filled + "\n";
+    }
+  }
+  void comment(const std::string& text) {
+    templates_.set(PostValue::text, comment_text(text));
+    write(PostEvent::comment);
+  }
+
+  void write_cut(std::size_t number) {
+    const PlannedCut& cut = plan_.cuts[number];
+    const Operation& operation = operations_[cut.operation];
+    if (operation_ != cut.operation) begin_operation(cut.operation);
+    comment(fmt::format("{}: {}", number + 1, frame_.names[cut.shape]));
+    const std::size_t passes =
+        operation.z_mm.empty() ? static_cast<std::size_t>(operation.passes) : operation.z_mm.size();
+    for (std::size_t pass = 0; pass < passes; ++pass) {
+      for (std::size_t i = 0; i < cut.strokes.size(); ++i) {
+        go_to(cut.strokes[i].front().edge.from);
+        if (i == 0 && !operation.z_mm.empty()) go_to_height(operation.z_mm[pass]);
+        write_stroke(cut.strokes[i], operation);
+      }
+    }
+  }
+
+  void begin_operation(std::size_t number) {
+    const Operation& operation = operations_[number];
+    operation_ = number;
+    templates_.set(PostValue::tool, fmt::format("{}", number + 1));
+    templates_.set(PostValue::operation, comment_text(operation.name));
+    templates_.set(PostValue::feed, post_number(operation.feed_mm_min, speed_decimals));
+    set_power(operation.power);
+    power_ = operation.power;
+    write(PostEvent::operation);
+    if (operation.has_air != has_air_)
+      write(operation.has_air ? PostEvent::air_on : PostEvent::air_off);
+    has_air_ = operation.has_air;
+  }
+
+  void set_power(double power) {
+    templates_.set(PostValue::power, post_number(power * frame_.max_s, speed_decimals));
+  }
+
+  /// The power of the next moves. Templates whose moves have no power get a line for it.
+  void change_power(double power) {
+    set_power(power);
+    if (power != power_) write(PostEvent::power);
+    power_ = power;
+  }
+
+  /// A stroke that begins dark has no light at its begin either.
+  void write_stroke(const Stroke& stroke, const Operation& operation) {
+    change_power(operation.power * stroke.front().power);
+    write(PostEvent::shape_begin);
+    if (operation.pierce_s > 0) {
+      templates_.set(PostValue::seconds, post_number(operation.pierce_s, time_decimals));
+      write(PostEvent::pierce);
+    }
+    for (const CutMove& move : stroke) {
+      change_power(operation.power * move.power);
+      write_edge(move.edge);
+    }
+    set_power(operation.power);
+    write(PostEvent::shape_end);
+  }
+
+  double rounded(double value) const {
+    const double scale = std::pow(10, post_.decimals);
+    return std::round(value * scale) / scale;
+  }
+  Vec rounded(const Vec& at) const { return {rounded(at.x), rounded(at.y)}; }
+
+  void set_place(const Vec& at) {
+    at_ = rounded(at);
+    templates_.set(PostValue::x, post_number(at_->x, post_.decimals));
+    templates_.set(PostValue::y, post_number(at_->y, post_.decimals));
+  }
+
+  void go_to(const Vec& at) {
+    if (at_ == rounded(at)) return;
+    set_place(at);
+    set_power(0);
+    write(PostEvent::rapid);
+  }
+
+  void go_to_height(double z_mm) {
+    std::string z = post_number(z_mm, post_.decimals);
+    if (z == templates_.value(PostValue::z)) return;
+    templates_.set(PostValue::z, std::move(z));
+    set_power(0);
+    write(PostEvent::height);
+  }
+
+  /// An arc beyond half a circle becomes two, so that its end is never near its begin, where
+  /// rounding would turn a small arc into a full circle and back.
+  void write_edge(const Edge& edge) {
+    if (!edge.is_line() && std::abs(edge.sweep) > std::numbers::pi * (1 + 1e-9)) {
+      const Vec middle = point_at(edge, 0.5);
+      write_edge(cut_out(edge, 0, 0.5, edge.from, middle));
+      write_edge(cut_out(edge, 0.5, 1, middle, edge.to));
+      return;
+    }
+    if (at_ == rounded(edge.to)) return;
+    const Vec from = *at_;
+    set_place(edge.to);
+    // An arc that is as flat as the rounding is a line.
+    const double flat = 0.5 * std::pow(10, -post_.decimals);
+    const bool is_flat = edge.is_line() || radius_of(edge) * (1 - std::cos(edge.sweep / 2)) < flat;
+    if (is_flat) return write(PostEvent::line);
+    templates_.set(PostValue::i, post_number(edge.centre.x - from.x, post_.decimals));
+    templates_.set(PostValue::j, post_number(edge.centre.y - from.y, post_.decimals));
+    write(edge.sweep > 0 ? PostEvent::arc_ccw : PostEvent::arc_cw);
+  }
+
+  const CutPlan& plan_;
+  const std::vector<Operation>& operations_;
+  const Post& post_;
+  const ProgramFrame& frame_;
+  Templates templates_;
+  std::string text_;
+  std::optional<Vec> at_;
+  std::optional<std::size_t> operation_;
+  double power_ = 0;  ///< of the last line for it
+  bool has_air_ = false;
+};
+
+}  // namespace
+
+std::string template_fault(const std::string& text) {
+  bool in_part = false, has_value = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '{') {
+      const std::size_t close = text.find('}', i);
+      if (close == std::string::npos) return "a brace is not closed";
+      const std::string name = text.substr(i + 1, close - i - 1);
+      if (!value_named(name))
+        return fmt::format("there is no value '{}', but {}", name,
+                           fmt::join(post_value_names, ", "));
+      has_value = true;
+      i = close;
+    } else if (c == '}') {
+      return "a brace is closed that is not open";
+    } else if (c == '[') {
+      if (in_part) return "square brackets are inside each other";
+      in_part = true;
+      has_value = false;
+    } else if (c == ']') {
+      if (!in_part) return "a square bracket is closed that is not open";
+      if (!has_value) return "a part in square brackets has no value in braces";
+      in_part = false;
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      return "a line has a line end or a control character in it";
+    }
+  }
+  return in_part ? "a square bracket is not closed" : "";
+}
+
+std::string cut_program(const CutPlan& plan, const std::vector<Operation>& operations,
+                        const Post& post, const ProgramFrame& frame) {
+  return ProgramWriter(plan, operations, post, frame).text();
+}
+
+}  // namespace lamplock::cutting

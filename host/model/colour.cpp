@@ -1,0 +1,267 @@
+#include "host/model/colour.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "host/text.hpp"
+
+namespace lamplock::model {
+namespace {
+
+struct NamedColour {
+  std::string_view name;
+  Colour colour;
+};
+
+/// W3C, "CSS Color Module Level 4", section 6.1; in the order of the names.
+constexpr std::array<NamedColour, 148> named_colours{{{"aliceblue", 0xf0f8ff},
+                                                      {"antiquewhite", 0xfaebd7},
+                                                      {"aqua", 0x00ffff},
+                                                      {"aquamarine", 0x7fffd4},
+                                                      {"azure", 0xf0ffff},
+                                                      {"beige", 0xf5f5dc},
+                                                      {"bisque", 0xffe4c4},
+                                                      {"black", 0x000000},
+                                                      {"blanchedalmond", 0xffebcd},
+                                                      {"blue", 0x0000ff},
+                                                      {"blueviolet", 0x8a2be2},
+                                                      {"brown", 0xa52a2a},
+                                                      {"burlywood", 0xdeb887},
+                                                      {"cadetblue", 0x5f9ea0},
+                                                      {"chartreuse", 0x7fff00},
+                                                      {"chocolate", 0xd2691e},
+                                                      {"coral", 0xff7f50},
+                                                      {"cornflowerblue", 0x6495ed},
+                                                      {"cornsilk", 0xfff8dc},
+                                                      {"crimson", 0xdc143c},
+                                                      {"cyan", 0x00ffff},
+                                                      {"darkblue", 0x00008b},
+                                                      {"darkcyan", 0x008b8b},
+                                                      {"darkgoldenrod", 0xb8860b},
+                                                      {"darkgray", 0xa9a9a9},
+                                                      {"darkgreen", 0x006400},
+                                                      {"darkgrey", 0xa9a9a9},
+                                                      {"darkkhaki", 0xbdb76b},
+                                                      {"darkmagenta", 0x8b008b},
+                                                      {"darkolivegreen", 0x556b2f},
+                                                      {"darkorange", 0xff8c00},
+                                                      {"darkorchid", 0x9932cc},
+                                                      {"darkred", 0x8b0000},
+                                                      {"darksalmon", 0xe9967a},
+                                                      {"darkseagreen", 0x8fbc8f},
+                                                      {"darkslateblue", 0x483d8b},
+                                                      {"darkslategray", 0x2f4f4f},
+                                                      {"darkslategrey", 0x2f4f4f},
+                                                      {"darkturquoise", 0x00ced1},
+                                                      {"darkviolet", 0x9400d3},
+                                                      {"deeppink", 0xff1493},
+                                                      {"deepskyblue", 0x00bfff},
+                                                      {"dimgray", 0x696969},
+                                                      {"dimgrey", 0x696969},
+                                                      {"dodgerblue", 0x1e90ff},
+                                                      {"firebrick", 0xb22222},
+                                                      {"floralwhite", 0xfffaf0},
+                                                      {"forestgreen", 0x228b22},
+                                                      {"fuchsia", 0xff00ff},
+                                                      {"gainsboro", 0xdcdcdc},
+                                                      {"ghostwhite", 0xf8f8ff},
+                                                      {"gold", 0xffd700},
+                                                      {"goldenrod", 0xdaa520},
+                                                      {"gray", 0x808080},
+                                                      {"green", 0x008000},
+                                                      {"greenyellow", 0xadff2f},
+                                                      {"grey", 0x808080},
+                                                      {"honeydew", 0xf0fff0},
+                                                      {"hotpink", 0xff69b4},
+                                                      {"indianred", 0xcd5c5c},
+                                                      {"indigo", 0x4b0082},
+                                                      {"ivory", 0xfffff0},
+                                                      {"khaki", 0xf0e68c},
+                                                      {"lavender", 0xe6e6fa},
+                                                      {"lavenderblush", 0xfff0f5},
+                                                      {"lawngreen", 0x7cfc00},
+                                                      {"lemonchiffon", 0xfffacd},
+                                                      {"lightblue", 0xadd8e6},
+                                                      {"lightcoral", 0xf08080},
+                                                      {"lightcyan", 0xe0ffff},
+                                                      {"lightgoldenrodyellow", 0xfafad2},
+                                                      {"lightgray", 0xd3d3d3},
+                                                      {"lightgreen", 0x90ee90},
+                                                      {"lightgrey", 0xd3d3d3},
+                                                      {"lightpink", 0xffb6c1},
+                                                      {"lightsalmon", 0xffa07a},
+                                                      {"lightseagreen", 0x20b2aa},
+                                                      {"lightskyblue", 0x87cefa},
+                                                      {"lightslategray", 0x778899},
+                                                      {"lightslategrey", 0x778899},
+                                                      {"lightsteelblue", 0xb0c4de},
+                                                      {"lightyellow", 0xffffe0},
+                                                      {"lime", 0x00ff00},
+                                                      {"limegreen", 0x32cd32},
+                                                      {"linen", 0xfaf0e6},
+                                                      {"magenta", 0xff00ff},
+                                                      {"maroon", 0x800000},
+                                                      {"mediumaquamarine", 0x66cdaa},
+                                                      {"mediumblue", 0x0000cd},
+                                                      {"mediumorchid", 0xba55d3},
+                                                      {"mediumpurple", 0x9370db},
+                                                      {"mediumseagreen", 0x3cb371},
+                                                      {"mediumslateblue", 0x7b68ee},
+                                                      {"mediumspringgreen", 0x00fa9a},
+                                                      {"mediumturquoise", 0x48d1cc},
+                                                      {"mediumvioletred", 0xc71585},
+                                                      {"midnightblue", 0x191970},
+                                                      {"mintcream", 0xf5fffa},
+                                                      {"mistyrose", 0xffe4e1},
+                                                      {"moccasin", 0xffe4b5},
+                                                      {"navajowhite", 0xffdead},
+                                                      {"navy", 0x000080},
+                                                      {"oldlace", 0xfdf5e6},
+                                                      {"olive", 0x808000},
+                                                      {"olivedrab", 0x6b8e23},
+                                                      {"orange", 0xffa500},
+                                                      {"orangered", 0xff4500},
+                                                      {"orchid", 0xda70d6},
+                                                      {"palegoldenrod", 0xeee8aa},
+                                                      {"palegreen", 0x98fb98},
+                                                      {"paleturquoise", 0xafeeee},
+                                                      {"palevioletred", 0xdb7093},
+                                                      {"papayawhip", 0xffefd5},
+                                                      {"peachpuff", 0xffdab9},
+                                                      {"peru", 0xcd853f},
+                                                      {"pink", 0xffc0cb},
+                                                      {"plum", 0xdda0dd},
+                                                      {"powderblue", 0xb0e0e6},
+                                                      {"purple", 0x800080},
+                                                      {"rebeccapurple", 0x663399},
+                                                      {"red", 0xff0000},
+                                                      {"rosybrown", 0xbc8f8f},
+                                                      {"royalblue", 0x4169e1},
+                                                      {"saddlebrown", 0x8b4513},
+                                                      {"salmon", 0xfa8072},
+                                                      {"sandybrown", 0xf4a460},
+                                                      {"seagreen", 0x2e8b57},
+                                                      {"seashell", 0xfff5ee},
+                                                      {"sienna", 0xa0522d},
+                                                      {"silver", 0xc0c0c0},
+                                                      {"skyblue", 0x87ceeb},
+                                                      {"slateblue", 0x6a5acd},
+                                                      {"slategray", 0x708090},
+                                                      {"slategrey", 0x708090},
+                                                      {"snow", 0xfffafa},
+                                                      {"springgreen", 0x00ff7f},
+                                                      {"steelblue", 0x4682b4},
+                                                      {"tan", 0xd2b48c},
+                                                      {"teal", 0x008080},
+                                                      {"thistle", 0xd8bfd8},
+                                                      {"tomato", 0xff6347},
+                                                      {"turquoise", 0x40e0d0},
+                                                      {"violet", 0xee82ee},
+                                                      {"wheat", 0xf5deb3},
+                                                      {"white", 0xffffff},
+                                                      {"whitesmoke", 0xf5f5f5},
+                                                      {"yellow", 0xffff00},
+                                                      {"yellowgreen", 0x9acd32}}};
+
+Colour colour_of_parts(int red, int green, int blue) {
+  const auto part = [](int value) { return static_cast<Colour>(std::clamp(value, 0, 255)); };
+  return part(red) << 16 | part(green) << 8 | part(blue);
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+/// "#rgb" and "#rrggbb", also with the digits of an alpha.
+std::optional<Colour> hex_colour(std::string_view digits) {
+  const bool is_short = digits.size() == 3 || digits.size() == 4;
+  if (!is_short && digits.size() != 6 && digits.size() != 8) return std::nullopt;
+  if (std::any_of(digits.begin(), digits.end(), [](char c) { return hex_digit(c) < 0; }))
+    return std::nullopt;
+  const auto part = [&](std::size_t i) {
+    return is_short ? hex_digit(digits[i]) * 17
+                    : hex_digit(digits[2 * i]) * 16 + hex_digit(digits[2 * i + 1]);
+  };
+  return colour_of_parts(part(0), part(1), part(2));
+}
+
+/// "rgb(255, 0, 0)", "rgb(100% 0% 0%)", "rgba(...)".
+std::optional<Colour> rgb_colour(std::string_view text) {
+  const std::size_t open = text.find('(');
+  if (!text.starts_with("rgb") || open == std::string_view::npos) return std::nullopt;
+  text.remove_prefix(open + 1);
+  std::array<int, 3> parts{};
+  for (int& part : parts) {
+    text.remove_prefix(std::min(text.find_first_not_of(" ,\t"), text.size()));
+    const std::size_t end = text.find_first_of(" ,\t)/");
+    std::string_view one = text.substr(0, end);
+    const bool is_percent = one.ends_with('%');
+    if (is_percent) one.remove_suffix(1);
+    const auto value = number_of<double>(one);
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    part =
+        static_cast<int>(std::lround(std::clamp(is_percent ? *value * 2.55 : *value, 0.0, 255.0)));
+    text.remove_prefix(std::min(end, text.size()));
+  }
+  return colour_of_parts(parts[0], parts[1], parts[2]);
+}
+
+}  // namespace
+
+std::optional<Colour> colour_named(std::string_view text) {
+  std::string plain(trimmed(text));
+  std::transform(plain.begin(), plain.end(), plain.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  if (plain.starts_with('#')) return hex_colour(std::string_view(plain).substr(1));
+  if (auto colour = rgb_colour(plain)) return colour;
+  const auto found = std::lower_bound(
+      named_colours.begin(), named_colours.end(), std::string_view(plain),
+      [](const NamedColour& one, std::string_view name) { return one.name < name; });
+  if (found == named_colours.end() || found->name != plain) return std::nullopt;
+  return found->colour;
+}
+
+std::string colour_text(Colour colour) {
+  return colour == no_colour ? "" : fmt::format("#{:06x}", colour);
+}
+
+std::optional<Colour> colour_of_aci(int number) {
+  constexpr std::array<Colour, 10> first{0,        0xff0000, 0xffff00, 0x00ff00, 0x00ffff,
+                                         0x0000ff, 0xff00ff, 0x000000, 0x808080, 0xc0c0c0};
+  constexpr std::array<int, 6> greys{51, 91, 132, 173, 214, 255};
+  constexpr std::array<int, 5> lights{255, 165, 127, 76, 38};
+  constexpr int hues = 24, per_sixth = hues / 6;
+  if (number < 1 || number > 255) return std::nullopt;
+  if (number < 10) return first[static_cast<std::size_t>(number)];
+  if (number >= 250) {
+    const int grey = greys[static_cast<std::size_t>(number - 250)];
+    return colour_of_parts(grey, grey, grey);
+  }
+  // Ten shades of each hue: five of falling brightness, each full and half as saturated.
+  const int hue = number / 10 - 1, light = lights[static_cast<std::size_t>(number % 10 / 2)];
+  const int low = number % 2 == 1 ? light / 2 : 0;
+  const int rise = low + (light - low) * (hue % per_sixth) / per_sixth;
+  const int fall = low + (light - low) * (per_sixth - hue % per_sixth) / per_sixth;
+  switch (hue / per_sixth) {
+    case 0:
+      return colour_of_parts(light, rise, low);
+    case 1:
+      return colour_of_parts(fall, light, low);
+    case 2:
+      return colour_of_parts(low, light, rise);
+    case 3:
+      return colour_of_parts(low, fall, light);
+    case 4:
+      return colour_of_parts(rise, low, light);
+    default:
+      return colour_of_parts(light, low, fall);
+  }
+}
+
+}  // namespace lamplock::model

@@ -1,0 +1,275 @@
+#include "host/run/cut.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "host/cutting/plan_picture.hpp"
+#include "host/cutting/post_file.hpp"
+#include "host/duration_text.hpp"
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/file/output_files.hpp"
+#include "host/file/staged_file.hpp"
+#include "host/glass/description_file.hpp"
+#include "host/number_text.hpp"
+#include "host/program/program_run.hpp"
+#include "host/run/bounds_text.hpp"
+#include "host/run/cut_drawing.hpp"
+#include "host/run/machine_options.hpp"
+#include "host/run/prepare.hpp"
+#include "host/run/sent_file.hpp"
+#include "host/units.hpp"
+
+namespace lamplock::run {
+namespace {
+
+using cutting::CutPlan;
+using cutting::Operation;
+using cutting::OperationKind;
+using cutting::Shape;
+
+const char* kind_text(cutting::ContourKind kind) {
+  switch (kind) {
+    case cutting::ContourKind::open:
+      return "open";
+    case cutting::ContourKind::outside:
+      return "outside";
+    case cutting::ContourKind::hole:
+      return "hole";
+    case cutting::ContourKind::island:
+      return "island";
+  }
+  return "";
+}
+
+/// Operations without their values.
+std::vector<Operation> bare_operations(const CutDescription& description) {
+  std::vector<Operation> operations;
+  for (std::size_t i = 0; i < description.operations.size(); ++i) {
+    const OperationChoice& choice = description.operations[i];
+    operations.push_back(bare_operation(choice, operation_name(choice, i)));
+  }
+  return operations;
+}
+
+CutShape shape_row(const Shape& shape, const std::string& layer,
+                   const std::vector<Operation>& operations, const CutDescription& description) {
+  CutShape row;
+  row.layer = layer;
+  row.colour = model::colour_text(shape.contour.colour);
+  row.kind = kind_text(shape.place.kind);
+  row.length_mm = cutting::length_of(shape.contour);
+  row.area_mm2 = std::abs(cutting::signed_area(shape.contour));
+  const cutting::Box box = cutting::box_of(shape.contour);
+  row.box = {{box.low.x, box.low.y, 0}, {box.high.x, box.high.y, 0}};
+  cutting::Direction direction = cutting::Direction::drawn;
+  if (shape.operation) {
+    row.operation = operations[*shape.operation].name;
+    const OperationChoice& choice = description.operations[*shape.operation];
+    row.operation_kind = choice.is_off ? "off" : choice.kind;
+    if (operations[*shape.operation].kind != OperationKind::ignore)
+      direction = operations[*shape.operation].direction;
+  }
+  if (shape.contour.closed)
+    row.direction = cutting::signed_area(cutting::directed(shape, direction)) > 0 ? "ccw" : "cw";
+  return row;
+}
+
+struct Prepared {
+  CutDrawing drawing;
+  CutResult result;
+};
+
+Prepared prepare_cut(const CutDescription& description, Frontend& frontend) {
+  Prepared prepared{read_cut_drawing(description), {}};
+  CutDrawing& drawing = prepared.drawing;
+  const std::vector<Operation> bare = bare_operations(description);
+  cutting::place_shapes(drawing.shapes, bare);
+  CutResult& result = prepared.result;
+  for (std::size_t i = 0; i < drawing.shapes.size(); ++i)
+    result.shapes.push_back(shape_row(drawing.shapes[i], drawing.layers[i], bare, description));
+  result.warnings = drawing.warnings;
+  const auto without = std::count_if(drawing.shapes.begin(), drawing.shapes.end(),
+                                     [](const Shape& shape) { return !shape.operation; });
+  std::string text =
+      fmt::format("{}: {}", description.drawing.file, count_text(drawing.shapes.size(), "contour"));
+  if (without > 0) text += fmt::format(", {} without an operation", without);
+  frontend.phase("drawing", text);
+  for (const std::string& warning : result.warnings) frontend.say("warning  {}", warning);
+  return prepared;
+}
+
+std::vector<Operation> operations_of(const CutDescription& description,
+                                     const settings::Values& values) {
+  std::vector<Operation> operations;
+  for (std::size_t i = 0; i < description.operations.size(); ++i) {
+    const OperationChoice& choice = description.operations[i];
+    operations.push_back(
+        operation_of(choice, operation_name(choice, i), description.machine.surface_mm, values));
+  }
+  // After passes with depths the others return to the surface.
+  const bool has_heights = std::any_of(operations.begin(), operations.end(),
+                                       [](const Operation& one) { return !one.z_mm.empty(); });
+  for (Operation& one : operations)
+    if (has_heights && one.z_mm.empty())
+      one.z_mm.assign(static_cast<std::size_t>(one.passes), description.machine.surface_mm);
+  return operations;
+}
+
+/// Adds lengths and the box of the plan.
+void measure_plan(const CutPlan& plan, const std::vector<Operation>& operations,
+                  CutResult& result) {
+  cutting::Box box;
+  for (const cutting::PlannedCut& cut : plan.cuts) {
+    for (const cutting::Stroke& stroke : cut.strokes) {
+      for (const cutting::CutMove& move : stroke) {
+        box.add(cutting::box_of(move.edge));
+        if (move.power > 0) result.cut_mm += cutting::length_of(move.edge);
+      }
+    }
+  }
+  double low_z = 0, high_z = 0;
+  for (const Operation& operation : operations) {
+    for (const double z : operation.z_mm) {
+      low_z = std::min(low_z, z);
+      high_z = std::max(high_z, z);
+    }
+  }
+  result.cuts = plan.cuts.size();
+  result.rapid_mm = plan.rapid_mm;
+  result.box = {{box.low.x, box.low.y, low_z}, {box.high.x, box.high.y, high_z}};
+}
+
+void require_inside(const std::string& file, const geometry::Bounds& box,
+                    const settings::Values& values) {
+  const geometry::Bounds space = work_space_mm(values);
+  // A place on the edge is inside, to the rounding of positions.
+  constexpr double slack_mm = 1e-6;
+  const auto is_inside = [](double low, double high, double from, double to) {
+    return low >= from - slack_mm && high <= to + slack_mm;
+  };
+  // A program without depths does not move Z.
+  const bool moves_z = box.low.z != 0 || box.high.z != 0;
+  if (is_inside(box.low.x, box.high.x, space.low.x, space.high.x) &&
+      is_inside(box.low.y, box.high.y, space.low.y, space.high.y) &&
+      (!moves_z || is_inside(box.low.z, box.high.z, space.low.z, space.high.z)))
+    return;
+  const bool fits = box.high.x - box.low.x <= space.high.x - space.low.x &&
+                    box.high.y - box.low.y <= space.high.y - space.low.y;
+  throw Error(Exit::bad_input, file,
+              fmt::format("the beam would leave the work space: {}; the machine has {}",
+                          bounds_text(box), bounds_text(space)),
+              fits ? "give another place with x and y, or the profile of another machine"
+                   : "it is too large for this machine: give the profile of another one");
+}
+
+/// Without laser mode a board keeps the power of the beam where the machine brakes.
+void warn_of_pulsed(const settings::Values& values, Frontend& frontend, CutResult& result) {
+  if (values.whole(settings::Id::laser_mode) != 0) return;
+  result.warnings.emplace_back(
+      "the settings are those of a pulsed laser (laser_mode = 0): give the profile of the laser "
+      "cutter, and set laser_mode = 1 on its board, so that the beam is dimmed in corners");
+  frontend.say("warning  {}", result.warnings.back());
+}
+
+/// The time of the program, by the interpreter and the planner of the firmware.
+double checked_seconds(const std::string& program, const settings::Values& values,
+                       const std::string& where) {
+  const program_run::ProgramRun run = program_run::run_program(program, values, 1);
+  if (run.problems.empty()) return run.seconds();
+  const program_run::Problem& problem = run.problems.front();
+  throw Error(
+      Exit::bad_input, where,
+      fmt::format("the interpreter refuses line {} of the program: {}", problem.line, problem.text),
+      "correct the templates of the post-processor, or give the profile of the machine");
+}
+
+void check_cut_outputs(const CutRequest& request) {
+  const DrawingChoice& drawing = request.description.drawing;
+  check_distinct(
+      {{"-o", request.output}, {"--picture", request.picture}, {"--save", request.save}},
+      {drawing.file, request.description.machine.profile, request.description.machine.post});
+  if (!request.output.empty()) check_program_name(request.output);
+  if (!request.picture.empty() && lower_extension(request.picture) != ".svg")
+    throw Error(Exit::bad_input, request.picture, "pictures of a plan are written as SVG",
+                "name it something.svg");
+  if (!request.save.empty() && !glass::is_description(request.save))
+    throw Error(Exit::bad_input, request.save, "is not the name of a description", "name it .toml");
+  for (const std::string& file : {request.output, request.picture, request.save})
+    if (!file.empty()) check_target(file);
+}
+
+/// Files that are all written or none.
+class CutFiles {
+ public:
+  void add(const std::string& file, std::string_view text) {
+    if (file.empty()) return;
+    files_.push_back(std::make_unique<StagedFile>(file));
+    write_file(files_.back()->path(), text);
+  }
+  void commit() {
+    for (const auto& file : files_) file->commit();
+  }
+
+ private:
+  std::vector<std::unique_ptr<StagedFile>> files_;
+};
+
+std::string row_name(const CutShape& row) {
+  std::string name = fmt::format("{} {}", row.operation_kind, row.kind);
+  return row.layer.empty() ? name : name + fmt::format(", layer {}", row.layer);
+}
+
+}  // namespace
+
+CutResult list_shapes(const CutDescription& description, Frontend& frontend) {
+  return prepare_cut(description, frontend).result;
+}
+
+CutResult make_cut(const CutRequest& request, Frontend& frontend) {
+  const CutDescription& description = request.description;
+  check_cut_outputs(request);
+  const cutting::Post post = cutting::post_of(description.machine.post);
+  const job::Profile profile = MachineOptions{description.machine.profile}.profile();
+  const std::vector<Operation> operations = operations_of(description, profile.settings);
+  auto [drawing, result] = prepare_cut(description, frontend);
+  if (post.is_checked) warn_of_pulsed(profile.settings, frontend, result);
+  const CutPlan plan = cutting::plan_cuts(drawing.shapes, operations, {0, 0});
+  for (const std::string& text : fault_texts(plan.faults, description.drawing.tolerance_mm)) {
+    frontend.say("warning  {}", text);
+    result.warnings.push_back(text);
+  }
+  measure_plan(plan, operations, result);
+  require_inside(description.drawing.file, result.box, profile.settings);
+  frontend.phase("plan", fmt::format("{}, {} mm to cut, {} mm of rapids, {}",
+                                     count_text(result.cuts, "cut"), number_text(result.cut_mm),
+                                     number_text(result.rapid_mm), bounds_text(result.box)));
+  cutting::ProgramFrame frame;
+  frame.title = fmt::format("{}, by lamplock cut",
+                            std::filesystem::path(description.drawing.file).filename().string());
+  for (const CutShape& row : result.shapes) frame.names.push_back(row_name(row));
+  frame.max_s = in_units(profile.settings, settings::Id::max_spindle_speed);
+  const std::string program = cutting::cut_program(plan, operations, post, frame);
+  if (post.is_checked)
+    result.seconds = checked_seconds(program, profile.settings, description.machine.post);
+  CutFiles files;
+  if (!request.picture.empty())
+    files.add(request.picture, cutting::plan_svg(plan, drawing.shapes, operations, frame.title));
+  if (!request.save.empty())
+    files.add(request.save,
+              to_text(description, std::filesystem::absolute(request.save).parent_path()));
+  files.add(request.output, program);
+  files.commit();
+  if (!request.output.empty()) result.program_bytes = program.size();
+  for (const std::string& file : {request.output, request.picture, request.save})
+    if (!file.empty()) frontend.phase("written", file);
+  if (result.seconds) frontend.say("time     {}", duration_text(*result.seconds));
+  return result;
+}
+
+}  // namespace lamplock::run

@@ -1,0 +1,52 @@
+// From a drawing to a program that cuts it: contours, operations, compensation, leads, order, and
+// the check by the interpreter of the firmware.
+//
+//   drawing -> contours -> shapes with operations -> plan -> program -> check -> files
+//
+// In:  a description, names of files to write. Out: the shapes, the files. Nothing is written if
+//      anything fails. Who: `cut`.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/geometry/bounds.hpp"
+#include "host/run/cut_description.hpp"
+#include "host/run/frontend.hpp"
+
+namespace lamplock::run {
+
+struct CutRequest {
+  CutDescription description{};
+  std::string output{}, picture{}, save{};  ///< empty: none
+};
+
+/// A contour of the drawing, in the place where it is cut.
+struct CutShape {
+  std::string layer{}, colour{};  ///< colour: "#rrggbb" or empty
+  std::string kind{};             ///< open, outside, hole, island
+  std::string direction{};        ///< as it is cut: cw or ccw; empty if open
+  double length_mm = 0, area_mm2 = 0;
+  geometry::Bounds box{};
+  std::string operation{}, operation_kind{};  ///< empty: left out
+};
+
+struct CutResult {
+  std::vector<CutShape> shapes{};
+  std::vector<std::string> warnings{};
+  std::size_t cuts = 0;
+  double cut_mm = 0, rapid_mm = 0;  ///< with the laser on, between contours; in one pass
+  geometry::Bounds box{};           ///< of the program
+  std::optional<double> seconds{};  ///< none if the program is not for a board of lamplock
+  std::size_t program_bytes = 0;
+};
+
+/// The shapes of the drawing, with the operation of each. Throws Error(bad_input).
+CutResult list_shapes(const CutDescription& description, Frontend& frontend);
+
+/// Writes the files of the request. Throws Error(bad_input).
+CutResult make_cut(const CutRequest& request, Frontend& frontend);
+
+}  // namespace lamplock::run

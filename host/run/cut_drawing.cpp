@@ -1,0 +1,257 @@
+#include "host/run/cut_drawing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <variant>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/model/colour.hpp"
+#include "host/model/input.hpp"
+#include "host/number_text.hpp"
+#include "host/run/file_ways.hpp"
+#include "host/suggestion.hpp"
+
+namespace lamplock::run {
+namespace {
+
+using cutting::Fault;
+using cutting::FaultKind;
+
+model::Curves read_curves(const std::string& file) {
+  refuse_finished(file);
+  if (!model::may_hold(file, model::InputKind::curves)) {
+    const FileWay way = way_of_file(file);
+    throw Error(Exit::bad_input, file,
+                (way ? way.what : std::string("is no drawing")) + ", not a drawing to cut",
+                "give a drawing: " + model::extensions(model::InputKind::curves));
+  }
+  model::Input input = model::read_input(file);
+  auto* curves = std::get_if<model::Curves>(&input);
+  if (curves == nullptr || curves->paths.empty())
+    throw Error(Exit::bad_input, file, "has points and no curves", "draw lines, arcs or splines");
+  return std::move(*curves);
+}
+
+double mm_of(const std::string& unit) {
+  if (unit == "cm") return 10;
+  if (unit == "m") return 1000;
+  if (unit == "inch") return 25.4;
+  return unit == "foot" ? 12 * 25.4 : 1;
+}
+
+/// The factor from the mm of the reader to those of the user.
+double unit_factor(const DrawingChoice& drawing, const model::Curves& curves) {
+  if (!drawing.units && curves.has_unit) return 1;
+  if (!drawing.units)
+    throw Error(Exit::bad_input, drawing.file, "the drawing names no unit ($INSUNITS)",
+                "give its unit, mm, cm, m, inch or foot: --units mm, or units = \"mm\" in a "
+                "description");
+  if (lower_extension(drawing.file) != ".dxf")
+    throw Error(Exit::bad_input, drawing.file, "an SVG has units of its own", "leave out the unit");
+  return mm_of(*drawing.units) / curves.mm_per_unit;
+}
+
+/// Which operation is for which curves.
+class Choice {
+ public:
+  Choice(const CutDescription& description, const model::Curves& curves)
+      : description_(description), curves_(curves) {
+    for (std::size_t i = 0; i < description.operations.size(); ++i) {
+      const OperationChoice& operation = description.operations[i];
+      for (const std::string& layer : operation.layers) require_layer(layer, i);
+      auto& colours = colours_.emplace_back();
+      for (const std::string& text : operation.colours)
+        colours.insert(model::colour_named(text).value_or(model::no_colour));
+      for (const model::Colour colour : colours) require_colour(colour, i);
+    }
+  }
+
+  /// The first one whose layers and colours are those of the curve.
+  std::optional<std::size_t> of(const model::Path& path) const {
+    const std::string& layer = curves_.layers[path.layer];
+    for (std::size_t i = 0; i < description_.operations.size(); ++i) {
+      const auto& layers = description_.operations[i].layers;
+      const bool has_layer =
+          layers.empty() || std::find(layers.begin(), layers.end(), layer) != layers.end();
+      if (has_layer && (colours_[i].empty() || colours_[i].contains(path.colour))) return i;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  void require_layer(const std::string& layer, std::size_t number) const {
+    const std::vector<std::string>& all = curves_.layers;
+    if (std::find(all.begin(), all.end(), layer) != all.end()) return;
+    throw Error(Exit::bad_input, operation_name(description_.operations[number], number),
+                fmt::format("the drawing has no curves on a layer '{}'", layer),
+                did_you_mean(layer, all, "the option --list shows the layers"));
+  }
+  void require_colour(model::Colour colour, std::size_t number) const {
+    for (const model::Path& path : curves_.paths)
+      if (path.colour == colour) return;
+    throw Error(
+        Exit::bad_input, operation_name(description_.operations[number], number),
+        fmt::format("the drawing has no curves of the colour {}", model::colour_text(colour)),
+        "the option --list shows the colours");
+  }
+
+  const CutDescription& description_;
+  const model::Curves& curves_;
+  std::vector<std::set<model::Colour>> colours_;
+};
+
+bool is_worked(const CutDescription& description, const std::optional<std::size_t>& operation) {
+  return operation && !description.operations[*operation].is_off &&
+         description.operations[*operation].kind != "ignore";
+}
+
+/// The map that puts the edges of what is worked where the description says.
+geometry::Affine place_of(const DrawingChoice& drawing, const model::Curves& worked) {
+  if (!drawing.x_mm && !drawing.y_mm) return {};
+  const geometry::Bounds box = model::bounds(worked);
+  return geometry::moved(drawing.x_mm ? *drawing.x_mm - box.low.x : 0,
+                         drawing.y_mm ? *drawing.y_mm - box.low.y : 0, 0);
+}
+
+/// Curves that one layer and one operation have in common are joined.
+struct JoinGroup {
+  std::uint32_t layer = 0;
+  std::optional<std::size_t> operation;
+  friend auto operator<=>(const JoinGroup&, const JoinGroup&) = default;
+};
+
+/// Operations that are on and have no curves, because those before them have taken all of theirs.
+void warn_of_idle(const CutDescription& description, const std::vector<JoinGroup>& groups,
+                  std::vector<std::string>& warnings) {
+  for (std::size_t i = 0; i < description.operations.size(); ++i) {
+    const bool has_curves = std::any_of(groups.begin(), groups.end(),
+                                        [i](const JoinGroup& one) { return one.operation == i; });
+    if (has_curves || !is_worked(description, i)) continue;
+    warnings.push_back(
+        fmt::format("{} has no curves: a curve gets the first operation that its layer and colour "
+                    "match",
+                    operation_name(description.operations[i], i)));
+  }
+}
+
+/// The contour goes through the sheet.
+bool is_cut(const CutDescription& description, const cutting::Shape& shape) {
+  return is_worked(description, shape.operation) &&
+         description.operations[*shape.operation].kind == "cut";
+}
+
+/// Open ends and crossings are faults of what is cut through. Scores and engravings may have them.
+bool matters(const Fault& fault, const CutDescription& description,
+             const std::vector<cutting::Shape>& shapes) {
+  if (fault.kind == FaultKind::bridged_gap || fault.kind == FaultKind::duplicate ||
+      fault.kind == FaultKind::dot)
+    return true;
+  return (!fault.contour || is_cut(description, shapes[*fault.contour])) &&
+         (!fault.other || is_cut(description, shapes[*fault.other]));
+}
+
+const char* fault_name(FaultKind kind) {
+  switch (kind) {
+    case FaultKind::bridged_gap:
+      return "closed gap";
+    case FaultKind::gap:
+      return "open end";
+    case FaultKind::duplicate:
+      return "duplicate, left out";
+    case FaultKind::dot:
+      return "curve shorter than the tolerance, left out";
+    case FaultKind::self_intersection:
+      return "contour that crosses itself";
+    case FaultKind::crossing:
+      return "crossing of two contours";
+    case FaultKind::narrow:
+      return "place too narrow for the beam";
+    case FaultKind::vanished:
+      return "contour smaller than the beam";
+    case FaultKind::overlap:
+      return "overlap of two contours";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<std::string> fault_texts(const std::vector<Fault>& faults, double tolerance_mm) {
+  // Ends that are nearer than this were to meet.
+  constexpr double max_tolerances = 20;
+  std::map<FaultKind, std::pair<std::size_t, const Fault*>> kinds;
+  for (const Fault& fault : faults) {
+    auto& [count, first] = kinds[fault.kind];
+    if (count++ == 0) first = &fault;
+  }
+  std::vector<std::string> texts;
+  for (const auto& [kind, found] : kinds) {
+    const auto& [count, fault] = found;
+    std::string text = fmt::format("{} x {}, the first at ({:.3f}, {:.3f})", grouped(count),
+                                   fault_name(kind), fault->at.x, fault->at.y);
+    if (kind == FaultKind::gap && fault->size_mm > 0) {
+      text += fmt::format(", {} mm from the next open end", number_text(fault->size_mm));
+      if (fault->size_mm <= max_tolerances * tolerance_mm)
+        text += ": a greater tolerance joins them";
+    } else if (fault->size_mm > 0)
+      text += fmt::format(", {} mm", number_text(fault->size_mm));
+    texts.push_back(std::move(text));
+  }
+  return texts;
+}
+
+CutDrawing read_cut_drawing(const CutDescription& description) {
+  const DrawingChoice& drawing = description.drawing;
+  model::Curves curves = read_curves(drawing.file);
+  const double factor = unit_factor(drawing, curves);
+  CutDrawing result;
+  if (!curves.has_unit) curves.warnings.pop_back();
+  result.warnings = curves.warnings;
+  if (const std::string rest = model::left_out_text(curves); !rest.empty())
+    result.warnings.push_back(fmt::format("left out: {}", rest));
+  if (factor != 1)
+    curves = transformed(std::move(curves), geometry::scaled(factor, factor, factor));
+  const Choice choice(description, curves);
+  std::map<JoinGroup, std::uint32_t> numbers;
+  std::vector<JoinGroup> groups;
+  model::Curves worked;
+  std::vector<model::Path> paths;
+  for (model::Path& path : curves.paths) {
+    const JoinGroup group{path.layer, choice.of(path)};
+    const auto [entry, is_new] =
+        numbers.try_emplace(group, static_cast<std::uint32_t>(groups.size()));
+    if (is_new) groups.push_back(group);
+    path.layer = entry->second;
+    if (is_worked(description, group.operation)) worked.paths.push_back(path);
+  }
+  if (worked.paths.empty())
+    throw Error(Exit::bad_input, drawing.file,
+                "no curve of the drawing has an operation that is on",
+                "choose other layers or colours; the option --list shows them");
+  curves = transformed(std::move(curves), place_of(drawing, worked));
+  cutting::JoinedContours joined =
+      cutting::join_contours(curves, {drawing.tolerance_mm, model::flat_mm});
+  std::vector<Fault> faults = std::move(joined.faults);
+  const std::vector<Fault> crossings = cutting::contour_faults(joined.contours);
+  faults.insert(faults.end(), crossings.begin(), crossings.end());
+  warn_of_idle(description, groups, result.warnings);
+  for (cutting::Contour& contour : joined.contours) {
+    const JoinGroup& group = groups[contour.layer];
+    result.layers.push_back(curves.layers[group.layer]);
+    result.shapes.push_back({std::move(contour), {}, group.operation});
+  }
+  std::erase_if(faults,
+                [&](const Fault& fault) { return !matters(fault, description, result.shapes); });
+  for (std::string& text : fault_texts(faults, drawing.tolerance_mm))
+    result.warnings.push_back(std::move(text));
+  return result;
+}
+
+}  // namespace lamplock::run

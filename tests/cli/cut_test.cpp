@@ -1,0 +1,312 @@
+// `lamplock cut`: lengths of the document, operations, descriptions, and what is refused.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/cli/program.hpp"
+#include "tests/drawings.hpp"
+
+namespace lamplock::cli::test::cut {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using Arguments = std::vector<std::string>;
+using nlohmann::json;
+using namespace lamplock::test;
+
+constexpr const char* ten_ccw = "SQUARE";
+
+/// Power and feed, which every cut needs.
+Arguments cut(const std::string& drawing, const Arguments& more) {
+  Arguments all{"cut", drawing, "--power", "80", "--feed", "600"};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+class Cut : public testing::Test {
+ protected:
+  std::string drawing(const std::string& entities, int units = 4) const {
+    return folder_.write("part.dxf", dxf_drawing(entities, units));
+  }
+  json made(const std::string& drawing, const Arguments& more) const {
+    Arguments all = cut(drawing, more);
+    all.insert(all.end(), {"-o", program_, "--json"});
+    const Finished finished = run(all);
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    return json::parse(finished.out, nullptr, false);
+  }
+  /// The one line of a refusal; nothing is written.
+  std::string refused(const Arguments& arguments) const {
+    const Finished wrong = run(arguments);
+    EXPECT_EQ(wrong.status, 2) << wrong.out << wrong.err;
+    std::string error;
+    for (const std::string& line : lines(wrong.err))
+      if (line.starts_with("error: ")) error += line;
+    EXPECT_THAT(error, testing::MatchesRegex("error: [^\n]+: [^\n]+; [^\n]+"));
+    EXPECT_FALSE(std::filesystem::exists(program_));
+    return error;
+  }
+  std::string refused(const std::string& drawing, Arguments more) const {
+    more.insert(more.end(), {"-o", program_});
+    return refused(cut(drawing, more));
+  }
+
+  Folder folder_;
+  const std::string program_ = folder_ / "part.ngc";
+};
+
+const std::string rounded = dxf_rounded(-30, -10, 60, 20, 3);
+const std::string square = dxf_rectangle(0, 0, 10, 10, ten_ccw);
+const std::string ell =
+    dxf_polyline({{0, 0}, {20, 0}, {20, 10}, {10, 10}, {10, 20}, {0, 20}}, true);
+
+TEST_F(Cut, lengths_of_the_document) {
+  const auto length = [&](const std::string& entities, const std::string& compensation) {
+    return made(drawing(entities), {"--kerf", "0.5", "--compensation", compensation})["cut_mm"]
+        .get<double>();
+  };
+  constexpr double printed = 0.00005;
+  EXPECT_NEAR(length(rounded, "none"), 154.8496, printed);
+  EXPECT_NEAR(length(rounded, "outside"), 156.4204, printed);
+  EXPECT_NEAR(length(rounded, "inside"), 153.2788, printed);
+  EXPECT_NEAR(length(dxf_circle(0, 0, 4), "inside"), 23.5619, printed);
+  EXPECT_NEAR(length(square, "right"), 41.5708, printed);
+  EXPECT_NEAR(length(square, "left"), 38, printed);
+  EXPECT_NEAR(length(ell, "outside"), 81.4635, printed);
+  EXPECT_NEAR(length(ell, "inside"), 77.8927, printed);
+  EXPECT_NEAR(length(rounded + dxf_circle(0, 0, 4), "auto"), 156.4204 + 23.5619, 2 * printed);
+}
+
+TEST_F(Cut, the_program_is_that_of_grbl_with_arcs) {
+  made(drawing(rounded + dxf_circle(0, 0, 4)), {"--kerf", "0.5", "--lead-in", "arc"});
+  const std::string text = read(program_);
+  EXPECT_THAT(text, HasSubstr("M4 S0\n"));
+  EXPECT_THAT(text, HasSubstr(" F600 S800\n"));
+  EXPECT_THAT(text, HasSubstr("\nG3 "));
+  EXPECT_THAT(text, HasSubstr("\nG2 ")) << "holes are cut clockwise";
+  EXPECT_LT(text.find("cut hole"), text.find("cut outside"));
+  for (const std::string& line : lines(text))
+    if (line.starts_with("G0 ")) {
+      EXPECT_TRUE(line.ends_with(" S0")) << line;
+    }
+  EXPECT_EQ(run({"check", program_}).status, 0);
+}
+
+TEST_F(Cut, list_shows_every_contour) {
+  const std::string file =
+      drawing(rounded + dxf_circle(0, 0, 4, "HOLES", 1) + dxf_polyline({{0, 30}, {9, 42}}, false));
+  const Finished listed = run({"cut", file, "--list", "--json"});
+  ASSERT_EQ(listed.status, 0) << listed.err;
+  const json shapes = json::parse(listed.out)["shapes"];
+  ASSERT_EQ(shapes.size(), 3u);
+  EXPECT_EQ(shapes[0]["kind"], "outside");
+  EXPECT_EQ(shapes[0]["direction"], "ccw");
+  EXPECT_NEAR(shapes[0]["length_mm"].get<double>(), 154.8496, 5e-5);
+  EXPECT_NEAR(shapes[0]["area_mm2"].get<double>(), 1200 - (4 - 3.14159265) * 9, 1e-4);
+  EXPECT_EQ(shapes[1]["layer"], "HOLES");
+  EXPECT_EQ(shapes[1]["colour"], "#ff0000");
+  EXPECT_EQ(shapes[1]["kind"], "hole");
+  EXPECT_EQ(shapes[1]["direction"], "cw");
+  EXPECT_EQ(shapes[2]["kind"], "open");
+  EXPECT_EQ(shapes[2]["area_mm2"], 0);
+  const std::string table = run({"cut", file, "--list"}).out;
+  EXPECT_THAT(table, HasSubstr("HOLES"));
+  EXPECT_THAT(table, HasSubstr("154.850"));
+  EXPECT_EQ(folder_.files(), Arguments{"part.dxf"});
+}
+
+TEST_F(Cut, command_line_and_description_write_the_same_bytes) {
+  const std::string file =
+      drawing(rounded + dxf_circle(0, 0, 4) + dxf_rectangle(0, 20, 10, 10, "SQUARE"));
+  const std::string saved = folder_ / "cut.toml", again = folder_ / "again.ngc";
+  const std::vector<Arguments> variants{
+      {},
+      {"--kerf", "0.2", "--lead-in", "line", "--lead-in-mm", "0.8", "--tabs", "2"},
+      {"--layer", "CUT", "--passes", "3", "--air", "--direction", "cw"},
+      {"--infeed", "0.7", "--final-depth", "3", "--surface", "2", "--x", "-30", "--y", "-20"},
+      {"--operation", "engrave", "--hatch", "0.5", "--hatch-angle", "30"},
+      {"--post", "cut", "--overcut", "1.25", "--name", "a \"b\""}};
+  for (const Arguments& more : variants) {
+    Arguments all = more;
+    all.insert(all.end(), {"--save", saved});
+    made(file, all);
+    const std::string program = read(program_);
+    const Finished second = run({"cut", saved, "-o", again});
+    ASSERT_EQ(second.status, 0) << second.err << read(saved);
+    EXPECT_EQ(read(again), program) << read(saved);
+    std::filesystem::remove(program_);
+  }
+  EXPECT_THAT(refused({"cut", saved, "--power", "3", "-o", program_}),
+              HasSubstr("--power: has its place in the description"));
+}
+
+TEST_F(Cut, layers_and_colours_are_operations) {
+  drawing(dxf_rectangle(0, 0, 30, 20) + dxf_rectangle(5, 5, 5, 5, "FILL", 3) +
+          dxf_polyline({{15, 5}, {25, 5}}, false, "MARK", 5) + dxf_circle(20, 12, 3, "REST"));
+  const std::string job = folder_.write("job.toml", R"([drawing]
+file = "part.dxf"
+[[operation]]
+layers = ["CUT"]
+name = "through"
+power = 90
+feed = 300
+[[operation]]
+colours = ["#00f"]
+kind = "score"
+power = 20
+feed = 2000
+[[operation]]
+colours = ["lime"]
+kind = "engrave"
+power = 10
+feed = 3000
+hatch = 1
+)");
+  const Finished finished = run({"cut", job, "-o", program_, "--list", "--json"});
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const json shapes = json::parse(finished.out)["shapes"];
+  EXPECT_EQ(shapes[0]["operation"], "through");
+  EXPECT_EQ(shapes[1]["operation_kind"], "engrave");
+  EXPECT_EQ(shapes[2]["operation_kind"], "score");
+  EXPECT_EQ(shapes[3]["operation"], "") << "no operation is for it";
+  const std::string text = read(program_);
+  const std::size_t fill = text.find("(1: engrave"), mark = text.find("(2: score");
+  EXPECT_LT(fill, mark);
+  EXPECT_LT(mark, text.find("(3: cut outside, layer CUT)"));
+  EXPECT_THAT(text, HasSubstr(" F3000\n"));  // in the run-up, which is dark
+  EXPECT_THAT(text, HasSubstr(" S100\n"));
+  EXPECT_THAT(text, HasSubstr(" F2000 S200\n"));
+  EXPECT_THAT(text, HasSubstr(" F300 S900\n"));
+}
+
+TEST_F(Cut, units_are_never_guessed) {
+  const std::string file = drawing(square, 0);
+  EXPECT_THAT(refused(file, {}), HasSubstr("names no unit ($INSUNITS); give its unit"));
+  EXPECT_THAT(refused(file, {}), HasSubstr("--units"));
+  EXPECT_THAT(refused({"cut", file, "--list"}), HasSubstr("--units"));
+  EXPECT_NEAR(made(file, {"--units", "mm"})["cut_mm"].get<double>(), 40, 1e-9);
+  const std::string inch = drawing(dxf_rectangle(0, 0, 1, 1), 1);
+  EXPECT_NEAR(made(inch, {})["cut_mm"].get<double>(), 101.6, 1e-9);
+  EXPECT_NEAR(made(inch, {"--units", "cm"})["cut_mm"].get<double>(), 40, 1e-9);
+  std::filesystem::remove(program_);
+  const std::string svg = folder_.write(
+      "part.svg",
+      "<svg xmlns='http://www.w3.org/2000/svg' width='40mm' height='20mm' viewBox='0 0 40 20'>"
+      "<g id='one'><rect x='5' y='5' width='10' height='10' stroke='red' fill='none'/></g></svg>");
+  EXPECT_THAT(refused(svg, {"--units", "mm"}), HasSubstr("units of its own"));
+  const json document = made(svg, {});
+  EXPECT_NEAR(document["cut_mm"].get<double>(), 40, 1e-6);
+  EXPECT_EQ(document["shapes"][0]["colour"], "#ff0000");
+  EXPECT_EQ(document["shapes"][0]["layer"], "one");
+}
+
+TEST_F(Cut, bad_input_is_one_line_and_no_file) {
+  const std::string open = dxf_polyline({{0, 0}, {10, 0}, {10, 10}}, false);
+  EXPECT_THAT(refused(drawing(open), {"--kerf", "0.2", "--compensation", "inside"}),
+              HasSubstr("open contour"));
+  EXPECT_THAT(
+      refused(drawing(dxf_circle(0, 0, 0.1)), {"--kerf", "0.3", "--compensation", "inside"}),
+      HasSubstr("smaller than the beam"));
+  EXPECT_THAT(refused(drawing(dxf_rectangle(0, 0, 20, 20) + dxf_circle(10, 10, 2)),
+                      {"--kerf", "0.2", "--lead-in", "line", "--lead-in-mm", "9"}),
+              HasSubstr("does not fit"));
+  EXPECT_THAT(refused(drawing(square), {"--tabs", "2", "--tab-width", "12"}),
+              HasSubstr("tabs of 12 mm do not fit"));
+  EXPECT_THAT(refused(drawing(square), {"--x", "45"}), HasSubstr("would leave the work space"));
+  EXPECT_THAT(refused(drawing(dxf_rectangle(-45, -45, 120, 120)), {}), HasSubstr("too large"));
+  EXPECT_THAT(refused(drawing(square), {"--layer", "SQUAR"}), HasSubstr("did you mean 'SQUARE'"));
+  EXPECT_THAT(refused(drawing(square), {"--colour", "blue"}), HasSubstr("no curves of the colour"));
+  EXPECT_THAT(refused(drawing(square), {"--colour", "blau"}), HasSubstr("colour"));
+  EXPECT_THAT(refused(drawing(square), {"--compensation", "left"}), HasSubstr("kerf"));
+  EXPECT_THAT(refused(drawing(square), {"--infeed", "1"}), HasSubstr("final depth"));
+  EXPECT_THAT(refused(drawing(square), {"--infeed", "1", "--final-depth", "3", "--passes", "2"}),
+              HasSubstr("leave out one"));
+  EXPECT_THAT(refused(drawing(square), {"--infeed", "0.001", "--final-depth", "30"}),
+              HasSubstr("infeed"));
+  EXPECT_THAT(refused(drawing(square), {"--post", "gbrl"}), HasSubstr("did you mean 'grbl'"));
+  EXPECT_THAT(refused(drawing(open), {"--operation", "engrave"}), HasSubstr("no area"));
+  EXPECT_THAT(refused(drawing(square), {"--operation", "ignore"}), HasSubstr("no curve"));
+  const std::string file = drawing(square);
+  EXPECT_THAT(refused({"cut", file, "--feed", "600", "-o", program_}), HasSubstr("has no power"));
+  EXPECT_THAT(refused({"cut", file, "--power", "60", "-o", program_}), HasSubstr("has no feed"));
+  EXPECT_THAT(refused({"cut", file, "--power", "60", "--feed", "60001", "-o", program_}),
+              HasSubstr("give at most 60000 mm/min"));
+  EXPECT_THAT(refused({"cut", file, "--power", "101", "--feed", "60", "-o", program_}),
+              HasSubstr("--power"));
+  EXPECT_THAT(refused({"cut", file, "--power", "60", "--feed", "60"}), HasSubstr("-o FILE.ngc"));
+  EXPECT_THAT(refused(cut(file, {"-o", folder_ / "no/part.ngc"})), HasSubstr("folder"));
+  EXPECT_THAT(refused(cut(file, {"-o", folder_ / "part.llj"})), HasSubstr(".ngc"));
+  EXPECT_THAT(refused(cut(file, {"-o", program_, "--picture", folder_ / "part.txt"})),
+              HasSubstr(".svg"));
+  EXPECT_THAT(refused(folder_.write("photo.png", "x"), {}), HasSubstr("photo.png"));
+  EXPECT_THAT(refused(folder_.write("list.xyz", "0 0 0\n"), {}), HasSubstr("not a drawing"));
+  EXPECT_THAT(refused(folder_.write("empty.dxf", ""), {}), HasSubstr("empty"));
+  EXPECT_THAT(refused(folder_ / "none.dxf", {}), HasSubstr("none.dxf"));
+}
+
+TEST_F(Cut, descriptions_are_refused_at_their_line) {
+  drawing(square);
+  const auto wrong = [&](const std::string& text) {
+    return refused({"cut", folder_.write("job.toml", text), "-o", program_});
+  };
+  const std::string head = "[drawing]\nfile = \"part.dxf\"\n";
+  EXPECT_THAT(wrong(head), HasSubstr("no operation"));
+  EXPECT_THAT(wrong("[[operation]]\npower = 1\nfeed = 1\n"), HasSubstr("no drawing"));
+  EXPECT_THAT(wrong(head + "[[operation]]\npover = 1\n"), HasSubstr("job.toml:4: unknown key"));
+  EXPECT_THAT(wrong(head + "[[operation]]\npower = 101\n"),
+              HasSubstr("job.toml:4: 'power' is out"));
+  EXPECT_THAT(wrong(head + "[[operation]]\nkind = \"cutt\"\n"), HasSubstr("did you mean 'cut'"));
+  EXPECT_THAT(wrong(head + "[operation]\npower = 1\n"), HasSubstr("[[operation]]"));
+  EXPECT_THAT(wrong(head + "[tool]\nx = 1\n"), HasSubstr("unknown section"));
+  EXPECT_THAT(wrong(head + "[[operation]]\npower = \n"), HasSubstr("job.toml:4"));
+  EXPECT_THAT(wrong("[drawing]\nfile = \"no.dxf\"\n[[operation]]\npower = 1\nfeed = 1\n"),
+              HasSubstr("no.dxf"));
+}
+
+TEST_F(Cut, a_user_writes_a_post_processor) {
+  const std::string file = drawing(square);
+  const std::string post = folder_.write("mine.toml", R"(name = "mine"
+decimals = 2
+checked = false
+[lines]
+begin = ["%", "LASER READY"]
+rapid = "MOVE {x},{y}"
+line = "BURN {x},{y} AT {feed}[ POWER {power}]"
+arc_cw = "CW {x},{y} {i},{j}"
+arc_ccw = "CCW {x},{y} {i},{j}"
+end = "%"
+)");
+  const json document = made(file, {"--post", post});
+  EXPECT_FALSE(document.contains("seconds"));
+  EXPECT_EQ(read(program_),
+            "%\nLASER READY\nMOVE 0,0\nBURN 10,0 AT 600 POWER 800\nBURN 10,10 AT 600\n"
+            "BURN 0,10 AT 600\nBURN 0,0 AT 600\n%\n");
+  std::filesystem::remove(program_);
+  const auto wrong = [&](const std::string& text) {
+    return refused(file, {"--post", folder_.write("wrong.toml", text)});
+  };
+  EXPECT_THAT(wrong("[lines]\nrapid = \"G0 {xx}\"\n"), HasSubstr("wrong.toml:2: 'rapid' is not"));
+  EXPECT_THAT(wrong("[lines]\nrapids = \"\"\n"), HasSubstr("did you mean 'rapid'"));
+  EXPECT_THAT(wrong("[lines]\nrapid = 3\n"), HasSubstr("must be a line"));
+  EXPECT_THAT(wrong("decimals = 9\n"), HasSubstr("2 to 7"));
+  EXPECT_THAT(wrong("name = \"x\"\n"), HasSubstr("has no 'rapid'"));
+  // The interpreter of the firmware checks the others.
+  EXPECT_THAT(wrong("[lines]\nrapid = \"G0 X{x} Y{y}\"\nline = \"G1 X{x} Q\"\narc_cw = \"G2\"\n"
+                    "arc_ccw = \"G3\"\n"),
+              HasSubstr("the interpreter refuses line"));
+}
+
+TEST_F(Cut, the_picture_is_an_svg) {
+  const std::string picture = folder_ / "part.svg";
+  made(drawing(rounded + dxf_circle(0, 0, 4)), {"--kerf", "0.5", "--picture", picture});
+  EXPECT_THAT(read(picture), HasSubstr("<svg "));
+  EXPECT_THAT(read(picture), HasSubstr(">2</text>"));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test::cut

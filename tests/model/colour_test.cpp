@@ -1,0 +1,90 @@
+// Colours of curves: texts, AutoCAD's index, and what DXF and SVG files say of their curves.
+#include "host/model/colour.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "host/model/read_dxf.hpp"
+#include "host/model/read_svg.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace lamplock::model::colour_test {
+namespace {
+
+TEST(Colours, texts_of_css) {
+  for (const char* red :
+       {"red", "RED", " red ", "#f00", "#ff0000", "#F00f", "#ff000080", "rgb(255,0,0)",
+        "rgb(255, 0, 0)", "rgb(100% 0% 0%)", "rgba(255,0,0,.5)", "rgb(300, -5, 0)"})
+    EXPECT_EQ(colour_named(red), 0xff0000u) << red;
+  EXPECT_EQ(colour_named("aliceblue"), 0xf0f8ffu);
+  EXPECT_EQ(colour_named("yellowgreen"), 0x9acd32u);
+  EXPECT_EQ(colour_named("green"), 0x008000u);
+  EXPECT_EQ(colour_named("lime"), 0x00ff00u);
+  EXPECT_EQ(colour_named("grey"), colour_named("gray"));
+  EXPECT_EQ(colour_named("rebeccapurple"), 0x663399u);
+  for (const char* none : {"", "none", "url(#a)", "#ff", "#ggg", "#12345", "rgb(1,2)", "rgb(",
+                           "rgb(a,b,c)", "reddish", "aaaa", "zzzz", "currentColor"})
+    EXPECT_FALSE(colour_named(none)) << none;
+  EXPECT_EQ(colour_text(0x00ff7fu), "#00ff7f");
+  EXPECT_EQ(colour_text(no_colour), "");
+}
+
+/// Values of AutoCAD's table.
+TEST(Colours, index_of_autocad) {
+  const std::vector<std::pair<int, Colour>> known{
+      {1, 0xff0000},   {2, 0xffff00},  {3, 0x00ff00},   {4, 0x00ffff},   {5, 0x0000ff},
+      {6, 0xff00ff},   {7, 0x000000},  {10, 0xff0000},  {11, 0xff7f7f},  {12, 0xa50000},
+      {14, 0x7f0000},  {16, 0x4c0000}, {20, 0xff3f00},  {30, 0xff7f00},  {40, 0xffbf00},
+      {50, 0xffff00},  {90, 0x00ff00}, {130, 0x00ffff}, {170, 0x0000ff}, {210, 0xff00ff},
+      {250, 0x333333}, {255, 0xffffff}};
+  for (const auto& [number, colour] : known)
+    EXPECT_EQ(colour_of_aci(number), colour)
+        << number << " " << colour_text(*colour_of_aci(number));
+  for (const int none : {0, -1, 256, 1000}) EXPECT_FALSE(colour_of_aci(none)) << none;
+}
+
+std::vector<std::string> colours_of(const Curves& curves) {
+  std::vector<std::string> colours;
+  for (const Path& path : curves.paths) colours.push_back(colour_text(path.colour));
+  return colours;
+}
+
+std::string line_entity(const std::string& more, int y) {
+  return "0\nLINE\n" + more + "10\n0\n20\n" + std::to_string(y) + "\n11\n9\n21\n" +
+         std::to_string(y) + "\n";
+}
+
+TEST(Colours, of_a_dxf_are_by_entity_layer_or_block) {
+  const test::TemporaryFolder folder;
+  const std::string text =
+      "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n"
+      "0\nLAYER\n2\nA\n70\n0\n62\n3\n0\nLAYER\n2\nB\n70\n0\n62\n5\n420\n1193046\n0\nENDTAB\n0\n"
+      "ENDSEC\n0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nK\n" +
+      line_entity("8\n0\n62\n0\n", 1) + line_entity("8\n0\n", 2) + line_entity("8\nA\n", 3) +
+      line_entity("8\nA\n62\n2\n", 4) + "0\nENDBLK\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n" +
+      line_entity("8\nA\n", 5) + line_entity("8\nB\n62\n256\n", 6) +
+      line_entity("8\nB\n62\n6\n", 7) + line_entity("8\nB\n62\n6\n420\n255\n", 8) +
+      line_entity("8\nC\n", 9) +
+      "0\nINSERT\n8\nB\n62\n1\n2\nK\n10\n50\n20\n0\n"
+      "0\nENDSEC\n0\nEOF\n";
+  EXPECT_EQ(colours_of(read_dxf(folder.write("a.dxf", text))),
+            (std::vector<std::string>{"#00ff00", "#123456", "#ff00ff", "#0000ff", "", "#ff0000",
+                                      "#123456", "#00ff00", "#ffff00"}));
+}
+
+TEST(Colours, of_an_svg_are_those_of_the_stroke_or_the_fill) {
+  const test::TemporaryFolder folder;
+  const std::string text =
+      "<svg xmlns='http://www.w3.org/2000/svg' width='90' height='90'><g stroke='blue'>"
+      "<rect width='5' height='5'/><rect x='9' width='5' height='5' style='stroke:#0f0'/></g>"
+      "<rect x='19' width='5' height='5' fill='rgb(1,2,3)'/>"
+      "<rect x='29' width='5' height='5'/>"
+      "<rect x='39' width='5' height='5' fill='red' stroke='none'/></svg>";
+  EXPECT_EQ(colours_of(read_svg(folder.write("a.svg", text))),
+            (std::vector<std::string>{"#0000ff", "#00ff00", "#010203", "#000000", "#ff0000"}));
+}
+
+}  // namespace
+}  // namespace lamplock::model::colour_test
