@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "host/geometry/affine.hpp"
 #include "host/model/curves.hpp"
@@ -36,12 +37,15 @@ class CurveCollector {
   void warn_of_unit(std::string warning);
   void set_unit(double mm_per_unit) { curves_.mm_per_unit = mm_per_unit; }
 
+  /// The number of a layer, a new one for its first use.
+  std::uint32_t layer_number(const std::string& name);
+
+  /// The drawing, also an empty one.
+  Curves collected() && { return std::move(curves_); }
   /// The drawing. Throws Error (bad_input) if there is nothing in it.
   Curves finished(const std::filesystem::path& file) &&;
 
  private:
-  std::uint32_t layer_number(const std::string& name);
-
   Curves curves_;
   std::map<std::string, std::uint32_t> layers_;
   std::size_t spent_ = 0;

@@ -19,6 +19,7 @@
 #include "host/model/dxf_entities.hpp"
 #include "host/model/dxf_groups.hpp"
 #include "host/model/dxf_hatch.hpp"
+#include "host/model/dxf_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -39,7 +40,7 @@ struct DxfColour {
 
 /// A drawn item, with its place for errors.
 struct Item {
-  std::variant<std::vector<Path>, Point, DxfInsert, std::vector<DxfBoundary>> what;
+  std::variant<std::vector<Path>, Point, DxfInsert, std::vector<DxfBoundary>, TextBlock> what;
   std::string layer;
   FilePosition place;
   DxfColour colour{};
@@ -96,10 +97,11 @@ double mm_in_unit(int unit) {
 
 class DxfReader {
  public:
-  DxfReader(const std::filesystem::path& file, std::string_view bytes, bool was_binary)
-      : file_(file), dxf_(file, bytes, was_binary) {}
+  DxfReader(const std::filesystem::path& file, std::string_view bytes, bool was_binary,
+            bool keeps_texts)
+      : file_(file), dxf_(file, bytes, was_binary), keeps_texts_(keeps_texts) {}
 
-  Curves read() {
+  DxfDrawing read() {
     while (true) {
       dxf_.next_entity(entity_);
       if (entity_.kind == "EOF") return finished();
@@ -129,13 +131,15 @@ class DxfReader {
     Colour colour = no_colour;
   };
 
-  Curves finished() {
+  DxfDrawing finished() {
     if (!has_unit_) {
       curves_.warn_of_unit(fmt::format(
           "the drawing names no unit ($INSUNITS){}: its numbers are taken as mm",
           is_imperial_ ? ", though it was drawn in inches and feet ($MEASUREMENT)" : ""));
     }
-    return std::move(curves_).finished(file_);
+    Curves curves =
+        texts_.empty() ? std::move(curves_).finished(file_) : std::move(curves_).collected();
+    return {std::move(curves), std::move(texts_)};
   }
 
   /// The next entity, false at the end of the section.
@@ -246,6 +250,8 @@ class DxfReader {
       item.what = dxf_face(dxf_, entity_);
     } else if (entity_.kind == "HATCH") {
       item.what = dxf_hatch(dxf_, entity_);
+    } else if (auto text = keeps_texts_ ? dxf_text(dxf_, entity_) : std::nullopt) {
+      item.what = std::move(*text);
     } else if (auto path = dxf_path(dxf_, entity_)) {
       item.what = std::vector<Path>{std::move(*path)};
     } else {
@@ -302,6 +308,8 @@ class DxfReader {
                  const Inherited& own, const std::string& layer_of_block) {
     if (const auto* point = std::get_if<Point>(&item.what)) {
       curves_.add(*point, map, item.place);
+    } else if (const auto* text = std::get_if<TextBlock>(&item.what)) {
+      add(*text, map, own, item.place);
     } else if (const auto* paths = std::get_if<std::vector<Path>>(&item.what)) {
       if (paths->empty()) curves_.leave_out("3DFACE without visible edges");
       for (const Path& path : *paths) add(path, map, own, item.place);
@@ -319,6 +327,15 @@ class DxfReader {
            const FilePosition& place) {
     path.colour = own.colour;
     curves_.add(std::move(path), map, own.layer, place);
+  }
+
+  void add(TextBlock text, const geometry::Affine& map, const Inherited& own,
+           const FilePosition& place) {
+    curves_.spend(text.lines.size(), place);
+    text.frame = map * text.frame;
+    text.layer = curves_.layer_number(own.layer);
+    text.colour = own.colour;
+    texts_.push_back(std::move(text));
   }
 
   /// A boundary whose source objects are drawn themselves is drawn already.
@@ -378,16 +395,26 @@ class DxfReader {
   std::set<std::string> named_layers_;                     ///< in the notice
   std::map<std::string, Block> blocks_;
   std::vector<const Block*> open_blocks_;
+  bool keeps_texts_;
+  std::vector<TextBlock> texts_;
   CurveCollector curves_;
 };
 
 }  // namespace
 
-Curves read_dxf(const std::filesystem::path& path) {
+namespace {
+
+DxfDrawing read(const std::filesystem::path& path, bool keeps_texts) {
   std::string bytes = read_file(path);
   const bool is_binary = is_binary_dxf(bytes);
   if (is_binary) bytes = text_of_binary_dxf(path, bytes);
-  return DxfReader(path, bytes, is_binary).read();
+  return DxfReader(path, bytes, is_binary, keeps_texts).read();
 }
+
+}  // namespace
+
+Curves read_dxf(const std::filesystem::path& path) { return read(path, false).curves; }
+
+DxfDrawing read_dxf_with_texts(const std::filesystem::path& path) { return read(path, true); }
 
 }  // namespace lamplock::model

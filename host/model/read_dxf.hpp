@@ -1,7 +1,8 @@
 // Drawings in DXF, text or binary (Autodesk, "DXF Reference"), release 12 and later.
 //
 // In:  a file. Out: its curves and points in mm.
-// Who: the command line; read_point_list() for files of points only.
+// Who: read_input(); read_point_list() for files of points only; the use case of cutting, with
+// texts.
 //
 // It reads LINE, LWPOLYLINE and POLYLINE with their bulges, ARC, CIRCLE, ELLIPSE, SPLINE, the
 // outlines of HATCH, SOLID and TRACE, the visible edges of 3DFACE, POINT and INSERT of blocks,
@@ -12,8 +13,10 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "host/model/curves.hpp"
+#include "host/model/text_block.hpp"
 
 namespace lamplock::model {
 
@@ -21,5 +24,13 @@ namespace lamplock::model {
 /// DWG, cut off, not a number, not finite or beyond farthest_mm, an invalid spline, a
 /// block that contains itself or does not exist, more than max_pieces, nothing to draw.
 Curves read_dxf(const std::filesystem::path& path);
+
+struct DxfDrawing {
+  Curves curves;  ///< none of a drawing of texts alone
+  std::vector<TextBlock> texts;
+};
+
+/// The same with TEXT, MTEXT and the attributes of blocks, which are not counted as left out.
+DxfDrawing read_dxf_with_texts(const std::filesystem::path& path);
 
 }  // namespace lamplock::model

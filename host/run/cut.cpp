@@ -98,6 +98,9 @@ Prepared prepare_cut(const CutDescription& description, Frontend& frontend) {
                                      [](const Shape& shape) { return !shape.operation; });
   std::string text =
       fmt::format("{}: {}", description.drawing.file, count_text(drawing.shapes.size(), "contour"));
+  if (drawing.texts > 0)
+    text += fmt::format(", {} in {}", count_text(drawing.texts, "text"),
+                        std::filesystem::path(drawing.font).filename().string());
   if (without > 0) text += fmt::format(", {} without an operation", without);
   frontend.phase("drawing", text);
   for (const std::string& warning : result.warnings) frontend.say("warning  {}", warning);

@@ -21,10 +21,14 @@
 
 namespace lamplock::run {
 
+inline constexpr double max_cut_passes = 1000;
+
 struct DrawingChoice {
   std::string file{};
   std::optional<std::string> units{};
-  double tolerance_mm = 0.01;  ///< as cutting::JoinOptions
+  double tolerance_mm = 0.01;    ///< as cutting::JoinOptions
+  std::string text = "outline";  ///< what becomes of text: outline, none
+  std::string font = "sans";     ///< file, or name of a font of the computer
   std::optional<double> x_mm{}, y_mm{};
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -12,8 +13,10 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/lettering/text_curves.hpp"
 #include "host/model/colour.hpp"
 #include "host/model/input.hpp"
+#include "host/model/read_dxf.hpp"
 #include "host/number_text.hpp"
 #include "host/run/file_ways.hpp"
 #include "host/suggestion.hpp"
@@ -24,7 +27,9 @@ namespace {
 using cutting::Fault;
 using cutting::FaultKind;
 
-model::Curves read_curves(const std::string& file) {
+/// The curves and the texts of a drawing. Texts of an SVG are left out.
+model::DxfDrawing read_drawing(const DrawingChoice& drawing) {
+  const std::string& file = drawing.file;
   refuse_finished(file);
   if (!model::may_hold(file, model::InputKind::curves)) {
     const FileWay way = way_of_file(file);
@@ -32,11 +37,34 @@ model::Curves read_curves(const std::string& file) {
                 (way ? way.what : std::string("is no drawing")) + ", not a drawing to cut",
                 "give a drawing: " + model::extensions(model::InputKind::curves));
   }
+  if (drawing.text != "none" && lower_extension(file) == ".dxf") {
+    model::DxfDrawing read = model::read_dxf_with_texts(file);
+    if (!read.curves.paths.empty() || !read.texts.empty()) return read;
+  }
   model::Input input = model::read_input(file);
   auto* curves = std::get_if<model::Curves>(&input);
   if (curves == nullptr || curves->paths.empty())
     throw Error(Exit::bad_input, file, "has points and no curves", "draw lines, arcs or splines");
-  return std::move(*curves);
+  return {std::move(*curves), {}};
+}
+
+/// Adds the outlines of texts to the curves of a drawing.
+void add_outlines(const std::vector<model::TextBlock>& texts, const std::string& font_name,
+                  model::Curves& curves, CutDrawing& result) {
+  if (texts.empty()) return;
+  const std::unique_ptr<lettering::Font> font = lettering::font_named(font_name);
+  std::size_t missing = 0;
+  for (const model::TextBlock& text : texts) {
+    lettering::TextCurves letters = lettering::text_curves(text, *font);
+    missing += letters.missing;
+    for (model::Path& path : letters.paths) curves.paths.push_back(std::move(path));
+  }
+  result.texts = texts.size();
+  result.font = font->file().string();
+  if (missing > 0)
+    result.warnings.push_back(
+        fmt::format("{} of the texts are not in the font {}: give another font",
+                    count_text(missing, "character"), result.font));
 }
 
 double mm_of(const std::string& unit) {
@@ -209,13 +237,17 @@ std::vector<std::string> fault_texts(const std::vector<Fault>& faults, double to
 
 CutDrawing read_cut_drawing(const CutDescription& description) {
   const DrawingChoice& drawing = description.drawing;
-  model::Curves curves = read_curves(drawing.file);
+  auto [curves, texts] = read_drawing(drawing);
   const double factor = unit_factor(drawing, curves);
   CutDrawing result;
   if (!curves.has_unit) curves.warnings.pop_back();
   result.warnings = curves.warnings;
   if (const std::string rest = model::left_out_text(curves); !rest.empty())
     result.warnings.push_back(fmt::format("left out: {}", rest));
+  add_outlines(texts, drawing.font, curves, result);
+  if (curves.paths.empty())
+    throw Error(Exit::bad_input, drawing.file, "has no curves and no letters with an outline",
+                "draw lines, arcs or splines");
   if (factor != 1)
     curves = transformed(std::move(curves), geometry::scaled(factor, factor, factor));
   const Choice choice(description, curves);

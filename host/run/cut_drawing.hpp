@@ -4,6 +4,7 @@
 // Who: the use case of cutting.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -16,10 +17,12 @@ struct CutDrawing {
   std::vector<cutting::Shape> shapes;
   std::vector<std::string> layers;  ///< of each shape
   std::vector<std::string> warnings;
+  std::size_t texts = 0;  ///< that are outlines now
+  std::string font;       ///< file of the font of them
 };
 
 /// Throws Error(bad_input): a file that is no drawing or cannot be read, a drawing without a unit,
-/// a layer or colour that is not in it, nothing for an operation to do.
+/// a layer or colour that is not in it, nothing for an operation to do, text without a font.
 CutDrawing read_cut_drawing(const CutDescription& description);
 
 /// One line for each kind of fault: how many, and where the first is. `tolerance_mm`: of joined

@@ -17,10 +17,10 @@ inline std::string cut_part_program() {
   operation.power = 0.8;
   operation.feed_mm_min = 6000;
   operation.kerf_mm = 0.2;
-  operation.lead_in = {cutting::LeadShape::line, 0.5, 0.5, 90};
-  operation.tabs = {1, 0.5, 0, 0.5};
-  std::vector<cutting::Shape> shapes{{rounded_rectangle({10, 5}, 12, 8, 2), {}, 0},
-                                     {circle({16, 9}, 2), {}, 0}};
+  operation.lead_in = {cutting::LeadShape::line, 0.3, 0.3, 90};
+  operation.tabs = {1, 0.4, 0, 0.3};
+  std::vector<cutting::Shape> shapes{{rounded_rectangle({6, 3}, 5, 4, 1), {}, 0},
+                                     {circle({8.5, 5}, 1), {}, 0}};
   cutting::place_shapes(shapes, {operation});
   const cutting::CutPlan plan = cutting::plan_cuts(shapes, {operation}, {0, 0});
   return cutting::cut_program(plan, {operation}, cutting::post_of("grbl"),

@@ -1,0 +1,40 @@
+// Text of a drawing before its letters are curves.
+//
+// In:  text entities of a file. Out: lines of text with the place of each.
+// Who: the readers of drawings; text_curves(), which draws the letters.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/geometry/affine.hpp"
+#include "host/model/colour.hpp"
+
+namespace lamplock::model {
+
+/// What a height of 1 is in the coordinates of a text.
+enum class TextUnit : std::uint8_t {
+  capital,  ///< height of a capital letter (DXF)
+  em        ///< font size (SVG)
+};
+
+/// The height of the block that is at y = 0.
+enum class TextAnchor : std::uint8_t { baseline, bottom, middle, top };
+
+/// Lines of text in coordinates of their own: x along the line, y upwards, the place in the origin.
+struct TextBlock {
+  std::vector<std::string> lines;  ///< UTF-8
+  geometry::Affine frame;          ///< to mm
+  TextUnit unit = TextUnit::capital;
+  double align = 0;  ///< part of each line that is left of the origin, 0..1
+  TextAnchor anchor = TextAnchor::baseline;
+  double line_step = 0;      ///< between baselines
+  double wrap_width = 0;     ///< lines are broken at blanks; 0: never
+  double fit_width = 0;      ///< the line is stretched to it; 0: not
+  bool fits_height = false;  ///< the height changes with the stretched width
+  std::uint32_t layer = 0;   ///< as of paths
+  Colour colour = no_colour;
+};
+
+}  // namespace lamplock::model

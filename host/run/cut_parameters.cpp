@@ -1,0 +1,223 @@
+// parameters() of the sections of a cutting job: keys, options and help texts.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/cutting/post_file.hpp"
+#include "host/model/colour.hpp"
+#include "host/run/cut_description.hpp"
+
+namespace lamplock::run {
+namespace {
+
+using glass::Parameter;
+using glass::Range;
+
+constexpr Range place_range{-100'000, 100'000, true};
+constexpr double max_cut_tabs = 1000, max_pierce_s = 60;
+
+std::string colour_fault(const std::string& text) {
+  return model::colour_named(text)
+             ? ""
+             : "'" + text + "' is no colour: give a name or #rrggbb, red or #ff0000";
+}
+
+std::vector<Parameter> choice_parameters(OperationChoice& o) {
+  return {
+      {"name", "--name", &o.name, "Name of the operation in the program and in messages", "TEXT"},
+      {"layers", "--layer", &o.layers,
+       "Only curves of this layer; give it again for another one; default: all layers", "NAME"},
+      {"colours",
+       "--colour",
+       &o.colours,
+       "Only curves of this colour, #rrggbb or a name; give it again for another one; default: all "
+       "colours",
+       "COLOUR",
+       {},
+       {},
+       colour_fault},
+      {"kind",
+       "--operation",
+       &o.kind,
+       "cut: through the sheet, inner contours first; score: along the lines, before all cuts; "
+       "engrave: fill closed contours with lines, before all others; ignore: nothing",
+       "",
+       {},
+       {"cut", "score", "engrave", "ignore"}},
+      {"off", "--off", &o.is_off, "Leave the operation out, with its curves"},
+  };
+}
+
+std::vector<Parameter> material_parameters(OperationChoice& o) {
+  return {
+      {"power", "--power", &o.power_percent, "Laser power", "PERCENT", {0, 100, false}},
+      {"feed", "--feed", &o.feed_mm_min, "Feed rate along the contours", "MM_MIN", glass::positive},
+      {"kerf", "--kerf", &o.kerf_mm,
+       "Width of the beam, by half of which contours are compensated; default: no compensation",
+       "MM", glass::not_negative},
+      {"passes",
+       "--passes",
+       &o.passes,
+       "Passes of each contour at the present height; default: 1",
+       "N",
+       {1, max_cut_passes, true}},
+      {"infeed", "--infeed", &o.infeed_mm,
+       "Depth of each pass: Z follows the bottom of the groove; needs the final depth", "MM",
+       glass::positive},
+      {"final_depth", "--final-depth", &o.final_depth_mm,
+       "Depth to be reached, usually the thickness: passes = final depth / infeed", "MM",
+       glass::positive},
+      {"air", "--air", &o.has_air, "Switch on air (M8) for the operation"},
+      {"pierce",
+       "--pierce",
+       &o.pierce_s,
+       "Time with the laser on before each contour; lamplock boards need $936 for it",
+       "S",
+       {0, max_pierce_s, true}},
+  };
+}
+
+std::vector<Parameter> path_parameters(OperationChoice& o) {
+  constexpr Range angle{0, 270, false};
+  const std::vector<std::string> shapes{"none", "line", "arc"};
+  return {
+      {"compensation",
+       "--compensation",
+       &o.compensation,
+       "Side of the beam. auto: outside of parts, inside of holes; inside, outside: of closed "
+       "contours; left, right: of the direction of the cut; none",
+       "",
+       {},
+       {"auto", "none", "left", "right", "inside", "outside"}},
+      {"direction",
+       "--direction",
+       &o.direction,
+       "auto: parts counter-clockwise, holes clockwise; drawn; reversed; cw; ccw",
+       "",
+       {},
+       {"auto", "drawn", "reversed", "cw", "ccw"}},
+      {"lead_in",
+       "--lead-in",
+       &o.lead_in,
+       "Way from the pierce point, in the waste, to closed contours",
+       "",
+       {},
+       shapes},
+      {"lead_in_mm", "--lead-in-mm", &o.lead_in_mm,
+       "Length of the line or radius of the arc of the lead-in", "MM", glass::positive},
+      {"lead_in_angle", "--lead-in-angle", &o.lead_in_deg,
+       "Angle of the line to the contour, below 180, or angle that the arc turns", "DEG", angle},
+      {"lead_out",
+       "--lead-out",
+       &o.lead_out,
+       "Way from closed contours into the waste",
+       "",
+       {},
+       shapes},
+      {"lead_out_mm", "--lead-out-mm", &o.lead_out_mm,
+       "Length of the line or radius of the arc of the lead-out", "MM", glass::positive},
+      {"lead_out_angle", "--lead-out-angle", &o.lead_out_deg,
+       "Angle of the line to the contour, below 180, or angle that the arc turns", "DEG", angle},
+      {"overcut", "--overcut", &o.overcut_mm, "Closed contours are cut beyond their begin by this",
+       "MM", glass::not_negative},
+      {"tabs",
+       "--tabs",
+       &o.tabs,
+       "Tabs of each closed contour, which hold the part",
+       "N",
+       {0, max_cut_tabs, true}},
+      {"tab_width", "--tab-width", &o.tab_mm, "Width of a tab", "MM", glass::positive},
+      {"tab_power", "--tab-power", &o.tab_power, "Power in tabs, in parts of that of the cut",
+       "SHARE", glass::share},
+      {"tab_corner", "--tab-corner", &o.tab_corner_mm, "Distance of tabs from corners", "MM",
+       glass::not_negative},
+  };
+}
+
+std::vector<Parameter> hatch_parameters(OperationChoice& o) {
+  return {
+      {"hatch", "--hatch", &o.hatch_mm, "Engravings: distance between the lines", "MM",
+       glass::positive},
+      {"hatch_angle",
+       "--hatch-angle",
+       &o.hatch_deg,
+       "Engravings: angle of the lines, counter-clockwise from X",
+       "DEG",
+       {-360, 360, true}},
+      {"overscan", "--overscan", &o.overscan_mm,
+       "Engravings: dark way before and after each line; default: the way to reach the feed rate",
+       "MM", glass::not_negative},
+  };
+}
+
+void append_parameters(std::vector<Parameter>& list, std::vector<Parameter> more) {
+  for (Parameter& parameter : more) list.push_back(std::move(parameter));
+}
+
+}  // namespace
+
+std::vector<Parameter> parameters(DrawingChoice& d) {
+  return {
+      {"file", "DRAWING", &d.file, "Drawing (dxf, svg)", "FILE", {}, {}, nullptr, true},
+      {"units",
+       "--units",
+       &d.units,
+       "Unit of the numbers of a DXF; needed if the drawing names none",
+       "",
+       {},
+       {"mm", "cm", "m", "inch", "foot"}},
+      {"text",
+       "--text",
+       &d.text,
+       "outline: text of a DXF becomes the outlines of its letters; none: it is left out",
+       "",
+       {},
+       {"outline", "none"}},
+      {"font", "--font", &d.font, "Font of the text: a file (ttf, otf) or a name, \"Arial:bold\"",
+       "FONT"},
+      {"tolerance",
+       "--tolerance",
+       &d.tolerance_mm,
+       "Ends of curves nearer than this are joined to contours",
+       "MM",
+       {0, 10, false}},
+      {"x", "--x", &d.x_mm, "X of the left edge of what is drawn; default: as in the drawing", "MM",
+       place_range},
+      {"y", "--y", &d.y_mm, "Y of the lower edge of what is drawn; default: as in the drawing",
+       "MM", place_range},
+  };
+}
+
+std::vector<Parameter> parameters(CutMachineChoice& m) {
+  return {
+      {"profile",
+       "--machine",
+       &m.profile,
+       "Machine profile (TOML); default: built-in settings",
+       "FILE",
+       {},
+       {},
+       nullptr,
+       true},
+      {"post", "--post", &m.post,
+       "Post-processor: " + fmt::format("{}", fmt::join(cutting::post_names(), ", ")) +
+           " or a file of templates (TOML)",
+       "NAME"},
+      {"surface", "--surface", &m.surface_mm,
+       "Z at which the laser is in focus on the surface, for passes with depths", "MM",
+       place_range},
+  };
+}
+
+std::vector<Parameter> parameters(OperationChoice& operation) {
+  std::vector<Parameter> list = choice_parameters(operation);
+  append_parameters(list, material_parameters(operation));
+  append_parameters(list, path_parameters(operation));
+  append_parameters(list, hatch_parameters(operation));
+  return list;
+}
+
+}  // namespace lamplock::run
