@@ -18,7 +18,7 @@ using std::numbers::pi;
 /// Half of the patent's tolerance of an end point. Programs have arcs whose radii at both ends
 /// differ by the rounding of their numbers.
 constexpr double max_off_arc_mm = 0.005;
-constexpr const char* axis_names = "XYZ";
+constexpr const char* block_axis_names = "XYZ";
 
 PerAxis per_axis(const Point& p) { return {p.x, p.y, p.z}; }
 Point point_of(const PerAxis& p) { return {p[0], p[1], p[2]}; }
@@ -99,9 +99,10 @@ void require_limits(const AxisLimits& limits) {
   const auto require = [](const PerAxis& values, const char* name, const char* unit) {
     for (std::size_t a = 0; a < axes; ++a)
       if (!std::isfinite(values[a]) || values[a] <= 0)
-        throw Error(Exit::bad_input, name,
-                    fmt::format("{:g} {} for {} is not a limit", values[a], unit, axis_names[a]),
-                    "choose a finite number greater than 0");
+        throw Error(
+            Exit::bad_input, name,
+            fmt::format("{:g} {} for {} is not a limit", values[a], unit, block_axis_names[a]),
+            "choose a finite number greater than 0");
   };
   require(limits.speed_mm_s, "speed limit", "mm/s");
   require(limits.accel_mm_s2, "acceleration limit", "mm/s2");
