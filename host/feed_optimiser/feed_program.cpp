@@ -162,10 +162,11 @@ std::string optimised_program(const FeedProgram& program,
   return writer.finish();
 }
 
-std::string points_csv(const std::vector<OptimisedBlock>& optimised) {
+void points_csv(const std::vector<OptimisedBlock>& optimised,
+                const std::function<void(std::string_view)>& write) {
+  write("block,line,step,time_s,x_mm,y_mm,z_mm,distance_mm,speed_mm_s,jerk_mm_s3\n");
   fmt::memory_buffer text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "block,line,step,time_s,x_mm,y_mm,z_mm,distance_mm,speed_mm_s,jerk_mm_s3\n");
   std::size_t number = 0, steps_before = 0;
   for (const OptimisedBlock& block : optimised) {
     ++number;
@@ -180,8 +181,9 @@ std::string points_csv(const std::vector<OptimisedBlock>& optimised) {
                      at[i].y, at[i].z, s[i], speed + 0.0, i == 0 ? 0.0 : jerk[i - 1] + 0.0);
     }
     steps_before += block.profile.steps();
+    write({text.data(), text.size()});
+    text.clear();
   }
-  return fmt::to_string(text);
 }
 
 }  // namespace lamplock::feed_optimiser

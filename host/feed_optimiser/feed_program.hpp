@@ -6,7 +6,9 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/feed_optimiser/optimise.hpp"
@@ -48,7 +50,9 @@ std::string optimised_program(const FeedProgram& program,
                               const std::vector<OptimisedBlock>& optimised, const Point& origin,
                               double piece_s);
 
-/// The intermediate points, with a row of names.
-std::string points_csv(const std::vector<OptimisedBlock>& optimised);
+/// The intermediate points as CSV in parts of one block each, the row of names first: all of them
+/// may be some gigabytes.
+void points_csv(const std::vector<OptimisedBlock>& optimised,
+                const std::function<void(std::string_view)>& write);
 
 }  // namespace lamplock::feed_optimiser

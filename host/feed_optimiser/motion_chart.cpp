@@ -43,6 +43,11 @@ class ColumnCurve {
     bool rising = true;
     for (std::size_t i = 0; i < low_.size(); ++i) {
       if (low_[i] > high_[i]) continue;
+      // Within a level part only its ends are drawn.
+      const bool is_level = i > 0 && i + 1 < low_.size() && low_[i] == high_[i] &&
+                            low_[i - 1] == low_[i] && high_[i - 1] == low_[i] &&
+                            low_[i + 1] == low_[i] && high_[i + 1] == low_[i];
+      if (is_level) continue;
       const double x = chart_left + static_cast<double>(i);
       const auto point = [&](double value) {
         d += fmt::format("{}{:.0f} {:.1f}", d.empty() ? 'M' : 'L', x, y(value));

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
+#include <fstream>
+#include <string_view>
 
 #include "host/duration_text.hpp"
 #include "host/error.hpp"
@@ -12,6 +15,7 @@
 #include "host/file/staged_file.hpp"
 #include "host/geometry/limits.hpp"
 #include "host/number_text.hpp"
+#include "host/output_error.hpp"
 #include "host/run/feed_input.hpp"
 #include "host/run/sent_file.hpp"
 #include "host/units.hpp"
@@ -101,16 +105,29 @@ void require_short(double planned_s, const std::string& file) {
               "divide the program");
 }
 
+void write_points(const std::filesystem::path& path, const std::vector<OptimisedBlock>& blocks) {
+  std::ofstream out(path, std::ios::binary);
+  feed_optimiser::points_csv(blocks, [&](std::string_view text) {
+    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  });
+  out.close();
+  if (!out) throw OutputError(path, errno);
+}
+
 void write_outputs(const FeedOptions& options, const FeedProgram& program,
                    const OptimisedFeed& feed, Frontend& frontend) {
-  const auto write = [&](const std::string& file, const char* what, const auto& text) {
+  const auto write_with = [&](const std::string& file, const char* what, const auto& writer) {
     if (file.empty()) return;
-    write_whole(file, [&](const std::filesystem::path& path) { write_file(path, text()); });
+    write_whole(file, writer);
     frontend.say("{:<9} {}", what, file);
+  };
+  const auto write = [&](const std::string& file, const char* what, const auto& text) {
+    write_with(file, what, [&](const std::filesystem::path& path) { write_file(path, text()); });
   };
   write(options.output, "program",
         [&] { return optimised_program(program, feed.blocks, {}, options.piece_ms / 1e3); });
-  write(options.points, "points", [&] { return feed_optimiser::points_csv(feed.blocks); });
+  write_with(options.points, "points",
+             [&](const std::filesystem::path& path) { write_points(path, feed.blocks); });
   write(options.chart, "chart", [&] {
     return feed_optimiser::motion_chart(
         feed.blocks, feed.method,

@@ -64,6 +64,48 @@ TEST(Jerk, WritesAProgramThatCheckAccepts) {
     EXPECT_THAT(text, HasSubstr(line));
 }
 
+TEST(Jerk, KeepsTheEnergyOfALaserAndTheSpeedOfASpindle) {
+  const Folder folder;
+  const std::string file =
+                        folder.write("a.ngc", "G21 M4 S1000\nG1 X10 F600\nM3 S400 X20\nM5\nM2\n"),
+                    machine = folder.write("m.toml", "laser_mode = 0\n"), out = folder / "b.ngc";
+  const auto written = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"jerk", file, "-o", out, "--no-compare"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished done = run(arguments);
+    EXPECT_EQ(done.status, 0) << done.err;
+    return lines(read(out));
+  };
+  // With M4 the energy per mm is the same in each piece: S over F.
+  bool is_proportional = false;
+  int pieces = 0;
+  double s = 0;
+  for (const std::string& line : written({})) {
+    if (line.starts_with("M3") || line.starts_with("M4")) is_proportional = line[1] == '4';
+    if (const std::size_t at = line.find('S'); at != std::string::npos)
+      s = std::stod(line.substr(at + 1));
+    if (!line.starts_with("G1")) continue;
+    ++pieces;
+    const double feed = std::stod(line.substr(line.find('F') + 1));
+    if (is_proportional) {
+      EXPECT_NEAR(s / feed, 1000.0 / 600, 0.001) << line;
+    } else {
+      EXPECT_EQ(s, 400) << line;
+    }
+  }
+  EXPECT_GT(pieces, 50);
+  for (const std::string& line : written({"--machine", machine}))
+    EXPECT_TRUE(!line.starts_with("G1") || line.find('S') == std::string::npos) << line;
+}
+
+TEST(Jerk, RemarksOnCurvesThatAreNoArcs) {
+  const Folder folder;
+  const Finished done =
+      run({"jerk", folder.write("a.ngc", "G1 X5 F100\nG5 X10 Y5 I1 J3 P0 Q3\n"), "--no-compare"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.err, HasSubstr("a.ngc:2: the curve is no arc"));
+}
+
 /// The columns of the CSV from x_mm on, without the row of names.
 std::vector<std::array<double, 3>> csv_places(const std::string& text) {
   std::vector<std::array<double, 3>> places;
