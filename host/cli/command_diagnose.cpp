@@ -5,6 +5,7 @@
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/cli/drive_options.hpp"
 #include "host/cli/validators.hpp"
 #include "host/run/diagnose.hpp"
 
@@ -59,29 +60,6 @@ Exit diagnose(const DiagnoseOptions& options) {
   return Exit::done;
 }
 
-void add_servo_drives(Command& app, ServoMachine& machine) {
-  const auto number = [&app](const char* name, double& value, const char* text, const char* unit) {
-    app.add_option(name, &value, text)
-        .check(number_from(0, false))
-        .value_name(unit)
-        .show_default()
-        .group("Drives");
-  };
-  number("--pulses", machine.drive.steps_per_rev, "Step pulses per revolution", "N");
-  number("--mm-per-rev", machine.drive.mm_per_rev, "Travel per revolution", "MM");
-  number("--encoder", machine.drive.counts_per_rev, "Encoder counts per revolution", "N");
-  number("--time-constant", machine.drive.time_constant_ms, "Time constant of the position loop",
-         "MS");
-  number("--damping", machine.drive.damping, "Damping ratio of the position loop, for --order 2",
-         "N");
-  app.add_option("--order", &machine.drive.order, "Order of the position loop")
-      .check(number_in({1, 2}))
-      .value_name("N")
-      .show_default()
-      .group("Drives");
-  number("--accel", machine.accel_mm_s2, "Acceleration of the machine", "MM_S2");
-}
-
 }  // namespace
 
 void add_diagnose(Command& program) {
@@ -103,7 +81,12 @@ void add_diagnose(Command& program) {
       .check(number_from(0, false))
       .value_name("MM_MIN")
       .show_default();
-  add_servo_drives(app, options->machine);
+  add_servo_drives(app, options->machine, "that of X");
+  app.add_option("--accel", &options->machine.accel_mm_s2, "Acceleration of the machine")
+      .check(number_from(0, false))
+      .value_name("MM_S2")
+      .show_default()
+      .group("Drives");
   app.add_option("--picture", &options->picture, "Write a picture (SVG) of paths and errors")
       .check(file_name())
       .value_name("FILE")

@@ -39,6 +39,20 @@ double beside_path_mm(const ServoRun& run, std::size_t sample) {
   return nearest;
 }
 
+ContourError contour_error(const std::vector<double>& beside_mm) {
+  ContourError error;
+  if (beside_mm.empty()) return error;
+  const auto count = static_cast<double>(beside_mm.size());
+  for (const double mm : beside_mm) {
+    error.mean_mm += mm / count;
+    error.max_mm = std::max(error.max_mm, mm);
+  }
+  double squares = 0;
+  for (const double mm : beside_mm) squares += (mm - error.mean_mm) * (mm - error.mean_mm);
+  error.deviation_mm = std::sqrt(squares / count);
+  return error;
+}
+
 ServoErrors servo_errors(const ServoRun& run, double pulses_per_mm, const std::string& name) {
   ServoErrors errors;
   errors.name = name;

@@ -37,6 +37,12 @@ struct ServoErrors {
 /// samples.
 ServoErrors servo_errors(const ServoRun& run, double pulses_per_mm, const std::string& name);
 
+/// Contour error: distance of the load from the path, over samples.
+struct ContourError {
+  double mean_mm = 0, deviation_mm = 0, max_mm = 0;  ///< deviation: standard deviation
+};
+ContourError contour_error(const std::vector<double>& beside_mm);
+
 /// Distance of a sample's load from the path near it, mm.
 double beside_path_mm(const ServoRun& run, std::size_t sample);
 

@@ -91,6 +91,17 @@ void run_program_on(sim::VirtualBoard& board, std::string_view text, const std::
                 "run it with `lamplock send --board virtual` to find the cause");
 }
 
+void state_limits(job::Profile& profile, int axis, const ServoLimits& limits, double max_mm_min,
+                  const std::string& where) {
+  constexpr double mm_per_m = 1000, s_per_min = 60;
+  const auto state = [&](Id id, double value) {
+    job::state_setting(profile, settings::for_axis(id, axis), value, where);
+  };
+  state(Id::max_rate_x, std::min(max_mm_min, limits.speed_mm_s * s_per_min));
+  state(Id::acceleration_x, limits.accel_mm_s2);
+  state(Id::jerk_x, limits.jerk_mm_s3 / mm_per_m);
+}
+
 }  // namespace
 
 settings::Values ServoMachine::settings() const {
@@ -108,6 +119,9 @@ settings::Values ServoMachine::settings() const {
     job::state_setting(profile, settings::for_axis(Id::pulse_mode_x, a),
                        static_cast<int>(pulse_mode), where);
   }
+  if (limits)
+    for (int a = 0; a < static_cast<int>(servo_axes); ++a)
+      state_limits(profile, a, (*limits)[static_cast<std::size_t>(a)], max_mm_min, where);
   return profile.settings;
 }
 
@@ -116,6 +130,7 @@ ServoRun run_on_servos(std::string_view text, const ServoMachine& machine,
   const settings::Values values = machine.settings();
   sim::WorldConfig world{.lamp = sim::lamp_of(values), .drives = sim::drives_of(values)};
   for (std::size_t a = 0; a < servo_axes; ++a) world.servos[a] = machine.drive;
+  if (machine.time_constant_y_ms) world.servos[1]->time_constant_ms = *machine.time_constant_y_ms;
   sim::VirtualBoard board(values, world);
   PlanSampler sampler(machine);
   board.listen(sampler);

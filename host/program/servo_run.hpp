@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,11 +24,19 @@ namespace lamplock::program_run {
 
 inline constexpr std::size_t servo_axes = 2;
 
+/// Limits of the controller for one axis.
+struct ServoLimits {
+  double speed_mm_s = 0, accel_mm_s2 = 0, jerk_mm_s3 = 0;
+};
+
 struct ServoMachine {
-  sim::ServoConfig drive;    ///< of either axis
-  double accel_mm_s2 = 500;  ///< of the machine
-  double sample_s = 0.001;   ///< between two samples
-  double settle_s = 0.3;     ///< further sampling at the end until the loads are at rest
+  sim::ServoConfig drive;                      ///< of either axis
+  std::optional<double> time_constant_y_ms{};  ///< empty: that of X
+  double accel_mm_s2 = 500;                    ///< of the machine
+  /// Instead of this acceleration; empty: no other limits.
+  std::optional<std::array<ServoLimits, servo_axes>> limits{};
+  double sample_s = 0.001;  ///< between two samples
+  double settle_s = 0.3;    ///< further sampling at the end until the loads are at rest
 
   double pulses_per_mm() const { return drive.steps_per_rev / drive.mm_per_rev; }
   /// Settings of a board for the drives. Throws Error(bad_input) if they are not possible.
