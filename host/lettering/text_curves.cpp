@@ -28,54 +28,113 @@ std::vector<std::string> wrapped(const std::string& line, double width, const Fo
   return lines;
 }
 
-/// Height of the baseline of the first line; `descent` and heights are in units of the block.
-double first_baseline(const TextBlock& block, std::size_t lines, double descent) {
+/// Height of the baseline of the first line.
+double first_baseline(const TextBlock& block, std::size_t lines, double size, const Font& font) {
+  const double capital = font.capital() * size;
   const double others = static_cast<double>(lines - 1) * block.line_step;
   switch (block.anchor) {
     case TextAnchor::baseline:
       return 0;
     case TextAnchor::bottom:
-      return others + descent;
+      return others + font.descent() * size;
     case TextAnchor::middle:
-      return (others - 1) / 2;
+      return (others - capital) / 2;
     case TextAnchor::top:
-      return -1;
+      return -capital;
   }
   return 0;
 }
 
-}  // namespace
+/// Capital letters are as high as the size of the block, or the font is as large as it.
+double font_size(const TextBlock& block, const Font& font) {
+  return block.unit == TextUnit::capital ? block.size / font.capital() : block.size;
+}
 
-TextCurves text_curves(const TextBlock& block, const Font& font) {
-  // Capital letters are 1 high, or the font size is 1.
-  const double size = block.unit == TextUnit::capital ? 1 / font.capital() : 1;
-  std::vector<std::string> lines;
-  for (const std::string& line : block.lines) {
-    const std::vector<std::string> parts = block.wrap_width > 0
-                                               ? wrapped(line, block.wrap_width / size, font)
-                                               : std::vector<std::string>{line};
-    lines.insert(lines.end(), parts.begin(), parts.end());
+/// One line of a block at a place of its own.
+struct PlacedLine {
+  std::string text;
+  double x = 0, y = 0;  ///< of its begin on the baseline
+};
+
+class TextDrawing {
+ public:
+  explicit TextDrawing(const Font& font) : font_(font) {}
+
+  TextCurves curves() && { return std::move(curves_); }
+
+  /// Blocks of one line, each after the one before.
+  void add_runs(const std::vector<TextBlock>& runs) {
+    double width = 0;
+    for (const TextBlock& run : runs) width += run.shift_x + width_of(run);
+    double x = -runs.front().align * width;
+    for (const TextBlock& run : runs) {
+      x += run.shift_x;
+      const double size = font_size(run, font_);
+      add_line(run, {run.lines.front(), x, run.shift_y + first_baseline(run, 1, size, font_)});
+      x += width_of(run);
+    }
   }
-  TextCurves curves;
-  double y = first_baseline(block, lines.size(), font.descent() * size);
-  for (const std::string& line : lines) {
-    const LetteredLine letters = font.line(line);
+
+  void add_block(const TextBlock& block) {
+    const double size = font_size(block, font_);
+    std::vector<std::string> lines;
+    for (const std::string& line : block.lines) {
+      const std::vector<std::string> parts = block.wrap_width > 0
+                                                 ? wrapped(line, block.wrap_width / size, font_)
+                                                 : std::vector<std::string>{line};
+      lines.insert(lines.end(), parts.begin(), parts.end());
+    }
+    double y = first_baseline(block, lines.size(), size, font_);
+    for (const std::string& line : lines) {
+      const double width = font_.line(line).width * size;
+      add_line(block, {line, -block.align * (block.fit_width > 0 ? block.fit_width : width), y});
+      y -= block.line_step;
+    }
+  }
+
+ private:
+  double width_of(const TextBlock& run) const {
+    return font_.line(run.lines.front()).width * font_size(run, font_);
+  }
+
+  void add_line(const TextBlock& block, const PlacedLine& line) {
+    const double size = font_size(block, font_);
+    const LetteredLine letters = font_.line(line.text);
     const double width = letters.width * size;
     const double wide = block.fit_width > 0 && width > 0 ? block.fit_width / width : 1;
-    const geometry::Affine map =
-        block.frame * geometry::moved(-block.align * width * wide, y, 0) *
-        geometry::scaled(size * wide, size * (block.fits_height ? wide : 1), 1);
+    const double high = block.fits_height ? wide : 1;
+    const geometry::Affine map = block.frame * geometry::moved(line.x, line.y * high, 0) *
+                                 geometry::scaled(size * wide, size * high, 1);
+    curves_.missing += letters.missing;
+    if (!block.is_drawn) return;
     for (const model::Path& letter : letters.paths) {
       model::Path path = letter;
       for (model::Piece& piece : path.pieces) piece = transformed(std::move(piece), map);
       path.layer = block.layer;
       path.colour = block.colour;
-      curves.paths.push_back(std::move(path));
+      curves_.paths.push_back(std::move(path));
     }
-    curves.missing += letters.missing;
-    y -= block.line_step;
   }
-  return curves;
+
+  const Font& font_;
+  TextCurves curves_;
+};
+
+}  // namespace
+
+TextCurves text_curves(const std::vector<TextBlock>& blocks, const Font& font) {
+  TextDrawing drawing(font);
+  for (std::size_t i = 0; i < blocks.size();) {
+    std::size_t end = i + 1;
+    while (end < blocks.size() && blocks[end].follows) ++end;
+    if (end == i + 1)
+      drawing.add_block(blocks[i]);
+    else
+      drawing.add_runs({blocks.begin() + static_cast<std::ptrdiff_t>(i),
+                        blocks.begin() + static_cast<std::ptrdiff_t>(end)});
+    i = end;
+  }
+  return std::move(drawing).curves();
 }
 
 }  // namespace lamplock::lettering

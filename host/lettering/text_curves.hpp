@@ -13,10 +13,10 @@
 namespace lamplock::lettering {
 
 struct TextCurves {
-  std::vector<model::Path> paths;  ///< with the layer and the colour of the block
+  std::vector<model::Path> paths;  ///< with the layers and the colours of the blocks
   std::size_t missing = 0;         ///< letters that the font does not have
 };
 
-TextCurves text_curves(const model::TextBlock& block, const Font& font);
+TextCurves text_curves(const std::vector<model::TextBlock>& blocks, const Font& font);
 
 }  // namespace lamplock::lettering

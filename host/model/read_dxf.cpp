@@ -101,7 +101,7 @@ class DxfReader {
             bool keeps_texts)
       : file_(file), dxf_(file, bytes, was_binary), keeps_texts_(keeps_texts) {}
 
-  DxfDrawing read() {
+  LetteredDrawing read() {
     while (true) {
       dxf_.next_entity(entity_);
       if (entity_.kind == "EOF") return finished();
@@ -131,7 +131,7 @@ class DxfReader {
     Colour colour = no_colour;
   };
 
-  DxfDrawing finished() {
+  LetteredDrawing finished() {
     if (!has_unit_) {
       curves_.warn_of_unit(fmt::format(
           "the drawing names no unit ($INSUNITS){}: its numbers are taken as mm",
@@ -404,7 +404,7 @@ class DxfReader {
 
 namespace {
 
-DxfDrawing read(const std::filesystem::path& path, bool keeps_texts) {
+LetteredDrawing read(const std::filesystem::path& path, bool keeps_texts) {
   std::string bytes = read_file(path);
   const bool is_binary = is_binary_dxf(bytes);
   if (is_binary) bytes = text_of_binary_dxf(path, bytes);
@@ -415,6 +415,6 @@ DxfDrawing read(const std::filesystem::path& path, bool keeps_texts) {
 
 Curves read_dxf(const std::filesystem::path& path) { return read(path, false).curves; }
 
-DxfDrawing read_dxf_with_texts(const std::filesystem::path& path) { return read(path, true); }
+LetteredDrawing read_dxf_with_texts(const std::filesystem::path& path) { return read(path, true); }
 
 }  // namespace lamplock::model

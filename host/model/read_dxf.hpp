@@ -25,12 +25,7 @@ namespace lamplock::model {
 /// block that contains itself or does not exist, more than max_pieces, nothing to draw.
 Curves read_dxf(const std::filesystem::path& path);
 
-struct DxfDrawing {
-  Curves curves;  ///< none of a drawing of texts alone
-  std::vector<TextBlock> texts;
-};
-
 /// The same with TEXT, MTEXT and the attributes of blocks, which are not counted as left out.
-DxfDrawing read_dxf_with_texts(const std::filesystem::path& path);
+LetteredDrawing read_dxf_with_texts(const std::filesystem::path& path);
 
 }  // namespace lamplock::model

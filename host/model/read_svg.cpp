@@ -26,6 +26,7 @@
 #include "host/model/svg_paint.hpp"
 #include "host/model/svg_shapes.hpp"
 #include "host/model/svg_style.hpp"
+#include "host/model/svg_text.hpp"
 #include "host/model/svg_values.hpp"
 #include "host/model/svg_views.hpp"
 
@@ -62,14 +63,19 @@ geometry::Bounds moved_back(geometry::Bounds box, const SvgBox& by) {
 
 class SvgReader {
  public:
-  SvgReader(const std::filesystem::path& file, std::string bytes)
-      : file_(file), document_(file, std::move(bytes)), clips_(document_) {}
+  SvgReader(const std::filesystem::path& file, std::string bytes, bool keeps_texts)
+      : file_(file),
+        document_(file, std::move(bytes)),
+        clips_(document_),
+        keeps_texts_(keeps_texts) {}
 
-  Curves read() {
+  LetteredDrawing read() {
     for (const auto& [name, count] : document_.left_out()) curves_.leave_out(name, count);
     draw_root(document_.root());
     settle_background();
-    return std::move(curves_).finished(file_);
+    Curves curves =
+        texts_.empty() ? std::move(curves_).finished(file_) : std::move(curves_).collected();
+    return {std::move(curves), std::move(texts_)};
   }
 
  private:
@@ -260,6 +266,22 @@ class SvgReader {
     open_uses_.pop_back();
   }
 
+  /// The outlines of letters are not known here, so they cannot be clipped.
+  void draw_text(const xml_node& node, Context context) {
+    if (!clip(node, context)) return;
+    if (!context.clips.empty()) return leave_out("text that is clipped");
+    const FilePosition place = document_.position_of(node);
+    SvgText text = svg_text(node, context.units, context.paint, document_);
+    for (const std::string& name : text.left_out) leave_out(name);
+    for (TextBlock& run : text.runs) {
+      curves_.spend(run.lines.front().size(), place);
+      run.frame = context.map * run.frame;
+      run.layer = curves_.layer_number(context.layer);
+      texts_.push_back(std::move(run));
+      has_drawn_ = true;
+    }
+  }
+
   void draw_shape(const xml_node& node, std::string_view name, Context context) {
     const FilePosition place = document_.position_of(node);
     const SvgPaint& paint = context.paint;
@@ -267,6 +289,7 @@ class SvgReader {
     if (measured_) return measure(paths, context, place);
     if (!paint.is_visible || (paths && !paint.shows_fill() && !paint.shows_stroke()))
       return leave_out("hidden");
+    if (!paths && name == "text" && keeps_texts_) return draw_text(node, context);
     if (!paths) return leave_out(std::string(name));
     if (svg_has_markers(node)) leave_out("marker");
     if (!clip(node, context)) return;
@@ -373,6 +396,8 @@ class SvgReader {
   std::vector<xml_node> open_uses_;
   std::optional<Background> background_;
   bool has_drawn_ = false;
+  bool keeps_texts_;
+  std::vector<TextBlock> texts_;
   std::optional<Measured> measured_;  ///< while an element is measured: nothing is drawn
   std::unordered_map<std::size_t, Boxed> boxes_;  ///< by the hash of the node
   CurveCollector curves_;
@@ -381,7 +406,11 @@ class SvgReader {
 }  // namespace
 
 Curves read_svg(const std::filesystem::path& path) {
-  return SvgReader(path, read_file(path)).read();
+  return SvgReader(path, read_file(path), false).read().curves;
+}
+
+LetteredDrawing read_svg_with_texts(const std::filesystem::path& path) {
+  return SvgReader(path, read_file(path), true).read();
 }
 
 }  // namespace lamplock::model

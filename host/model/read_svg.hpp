@@ -18,6 +18,7 @@
 #include <filesystem>
 
 #include "host/model/curves.hpp"
+#include "host/model/text_block.hpp"
 
 namespace lamplock::model {
 
@@ -25,5 +26,8 @@ namespace lamplock::model {
 /// path data, not finite or beyond farthest_mm, a use that contains itself or names no element,
 /// groups nested too deeply, more than max_pieces, nothing to draw.
 Curves read_svg(const std::filesystem::path& path);
+
+/// The same with texts, which are not counted as left out unless they are clipped or on a path.
+LetteredDrawing read_svg_with_texts(const std::filesystem::path& path);
 
 }  // namespace lamplock::model

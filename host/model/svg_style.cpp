@@ -21,7 +21,7 @@ struct Property {
   bool inherited;
   std::string_view initial;
 };
-constexpr std::array<Property, 40> properties{{{"display", false, "inline"},
+constexpr std::array<Property, 42> properties{{{"display", false, "inline"},
                                                {"visibility", true, "visible"},
                                                {"opacity", false, "1"},
                                                {"fill", true, "black"},
@@ -51,6 +51,8 @@ constexpr std::array<Property, 40> properties{{{"display", false, "inline"},
                                                {"rotate", false, ""},
                                                {"scale", false, ""},
                                                {"font-size", true, "medium"},
+                                               {"text-anchor", true, "start"},
+                                               {"dominant-baseline", true, "auto"},
                                                {"x", false, "0"},
                                                {"y", false, "0"},
                                                {"width", false, ""},

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/geometry/affine.hpp"
-#include "host/model/colour.hpp"
+#include "host/model/curves.hpp"
 
 namespace lamplock::model {
 
@@ -27,14 +26,25 @@ struct TextBlock {
   std::vector<std::string> lines;  ///< UTF-8
   geometry::Affine frame;          ///< to mm
   TextUnit unit = TextUnit::capital;
+  double size = 1;   ///< height of the letters
   double align = 0;  ///< part of each line that is left of the origin, 0..1
   TextAnchor anchor = TextAnchor::baseline;
   double line_step = 0;      ///< between baselines
   double wrap_width = 0;     ///< lines are broken at blanks; 0: never
   double fit_width = 0;      ///< the line is stretched to it; 0: not
   bool fits_height = false;  ///< the height changes with the stretched width
-  std::uint32_t layer = 0;   ///< as of paths
+  /// Continues the line of the block before, which has one line: from its end, moved by this.
+  bool follows = false;
+  double shift_x = 0, shift_y = 0;
+  bool is_drawn = true;     ///< false: it only needs room in its line
+  std::uint32_t layer = 0;  ///< as of paths
   Colour colour = no_colour;
+};
+
+/// A drawing with its texts.
+struct LetteredDrawing {
+  Curves curves;  ///< none of a drawing of texts alone
+  std::vector<TextBlock> texts;
 };
 
 }  // namespace lamplock::model

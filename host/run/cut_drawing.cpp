@@ -17,6 +17,7 @@
 #include "host/model/colour.hpp"
 #include "host/model/input.hpp"
 #include "host/model/read_dxf.hpp"
+#include "host/model/read_svg.hpp"
 #include "host/number_text.hpp"
 #include "host/run/file_ways.hpp"
 #include "host/suggestion.hpp"
@@ -27,8 +28,8 @@ namespace {
 using cutting::Fault;
 using cutting::FaultKind;
 
-/// The curves and the texts of a drawing. Texts of an SVG are left out.
-model::DxfDrawing read_drawing(const DrawingChoice& drawing) {
+/// The curves and the texts of a drawing.
+model::LetteredDrawing read_drawing(const DrawingChoice& drawing) {
   const std::string& file = drawing.file;
   refuse_finished(file);
   if (!model::may_hold(file, model::InputKind::curves)) {
@@ -37,8 +38,10 @@ model::DxfDrawing read_drawing(const DrawingChoice& drawing) {
                 (way ? way.what : std::string("is no drawing")) + ", not a drawing to cut",
                 "give a drawing: " + model::extensions(model::InputKind::curves));
   }
-  if (drawing.text != "none" && lower_extension(file) == ".dxf") {
-    model::DxfDrawing read = model::read_dxf_with_texts(file);
+  const std::string ending = lower_extension(file);
+  if (drawing.text != "none" && (ending == ".dxf" || ending == ".svg")) {
+    model::LetteredDrawing read =
+        ending == ".dxf" ? model::read_dxf_with_texts(file) : model::read_svg_with_texts(file);
     if (!read.curves.paths.empty() || !read.texts.empty()) return read;
   }
   model::Input input = model::read_input(file);
@@ -53,18 +56,14 @@ void add_outlines(const std::vector<model::TextBlock>& texts, const std::string&
                   model::Curves& curves, CutDrawing& result) {
   if (texts.empty()) return;
   const std::unique_ptr<lettering::Font> font = lettering::font_named(font_name);
-  std::size_t missing = 0;
-  for (const model::TextBlock& text : texts) {
-    lettering::TextCurves letters = lettering::text_curves(text, *font);
-    missing += letters.missing;
-    for (model::Path& path : letters.paths) curves.paths.push_back(std::move(path));
-  }
+  lettering::TextCurves letters = lettering::text_curves(texts, *font);
+  for (model::Path& path : letters.paths) curves.paths.push_back(std::move(path));
   result.texts = texts.size();
   result.font = font->file().string();
-  if (missing > 0)
+  if (letters.missing > 0)
     result.warnings.push_back(
         fmt::format("{} of the texts are not in the font {}: give another font",
-                    count_text(missing, "character"), result.font));
+                    count_text(letters.missing, "character"), result.font));
 }
 
 double mm_of(const std::string& unit) {

@@ -172,7 +172,7 @@ std::vector<Parameter> parameters(DrawingChoice& d) {
       {"text",
        "--text",
        &d.text,
-       "outline: text of a DXF becomes the outlines of its letters; none: it is left out",
+       "outline: text becomes the outlines of its letters; none: it is left out",
        "",
        {},
        {"outline", "none"}},

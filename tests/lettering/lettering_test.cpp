@@ -37,7 +37,7 @@ TextBlock block_of(std::vector<std::string> lines) {
   return block;
 }
 
-Bounds box_of(const TextBlock& block) { return box_of(text_curves(block, font()).paths); }
+Bounds box_of(const TextBlock& block) { return box_of(text_curves({block}, font()).paths); }
 
 /// Letters with straight ends are as high as others to this.
 constexpr double overshoot = 0.03;
@@ -120,7 +120,7 @@ TEST(Lettering, EveryBlockIsAMapOfThePlainLine) {
     const auto at = [&](double x, double y) {
       return frame({(x - block.align * width) * wide, y * high, 0});
     };
-    const TextCurves curves = text_curves(block, font());
+    const TextCurves curves = text_curves({block}, font());
     const Bounds box = box_of(curves.paths);
     const geometry::Point a = at(plain.low.x, plain.low.y), b = at(plain.high.x, plain.high.y);
     EXPECT_NEAR(box.low.x, std::min(a.x, b.x), 1e-3 * height) << text;
