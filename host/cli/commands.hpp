@@ -15,6 +15,7 @@ void add_check(Command& program);
 void add_diagnose(Command& program);
 void add_job(Command& program);
 void add_raster(Command& program);
+void add_material(Command& program);
 void add_send(Command& program);
 void add_settings(Command& program);
 void add_devices(Command& program);

@@ -31,6 +31,7 @@ std::unique_ptr<Command> make_own_commands() {
   add_diagnose(*program);
   add_job(*program);
   add_raster(*program);
+  add_material(*program);
   add_send(*program);
   add_settings(*program);
   add_devices(*program);
