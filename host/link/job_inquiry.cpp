@@ -10,6 +10,7 @@
 
 #include "host/error.hpp"
 #include "host/link/continuation.hpp"
+#include "host/link/not_stopped.hpp"
 
 namespace lamplock::link {
 namespace {
@@ -38,8 +39,9 @@ wire::Status JobInquiry::end_job(std::span<const std::uint32_t> sessions) {
     if (number == 0) number = status.last_command + 1;
     if (status.last_command >= number && transport_.now() < give_up) continue;
     if (transport_.now() >= give_up)
-      throw Error(Exit::job_failed, "machine", "could not be stopped, it may still move and fire",
-                  "press its emergency stop or switch it off");
+      throw NotStopped(Exit::job_failed, "machine",
+                       "could not be stopped, it may still move and fire",
+                       "press its emergency stop or switch it off");
     const std::array payload{static_cast<std::uint8_t>(wire::Command::stop)};
     connection_.send({wire::FrameType::command, status.session, number}, payload);
   }

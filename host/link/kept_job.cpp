@@ -30,12 +30,12 @@ void KeptJob::require_ended() const {
   const auto run = journal_.read().run;
   if (!run || run->last.progress == Progress::ended) return;
   if (run->last.job != hash_)
-    throw Error(Exit::job_failed, file().string(),
+    throw Error(Exit::bad_input, file().string(),
                 "a run of this input with other options has no known end, started from its "
                 "beginning it fires points twice",
                 "continue it by --resume and its own options, or give it up with --discard");
   throw Error(
-      Exit::job_failed, file().string(),
+      Exit::bad_input, file().string(),
       "the last run of this job has no known end, started from its beginning it fires points twice",
       "continue it by --resume, or give it up with --discard");
 }

@@ -28,7 +28,7 @@ class KeptJob {
   /// The job must outlive this object. It must be as it was made, without later changes by a run.
   KeptJob(const std::filesystem::path& journal, const job::Job& job);
 
-  /// Throws Error(job_failed) if the last run of this job has no known end: a new start would fire
+  /// Throws Error(bad_input) if the last run of this job has no known end: a new start would fire
   /// points twice.
   void require_ended() const;
   /// Returns where to continue the last run, and records it; stops this run if the board still

@@ -9,6 +9,7 @@
 
 #include "host/error.hpp"
 #include "host/link/not_ready.hpp"
+#include "host/link/not_stopped.hpp"
 #include "host/link/refused_setting.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/job_header.hpp"
@@ -398,7 +399,8 @@ void JobSender::take_over() {
   if (!taking_over_) finish_by_ = now + rest_timeout;
   taking_over_ = true;
   if (now > *finish_by_)
-    throw Error(Exit::job_failed, "machine", "the other job does not stop", "reset the machine");
+    throw NotStopped(Exit::job_failed, "machine", "the other job does not stop",
+                     "reset the machine");
   const std::array payload{static_cast<std::uint8_t>(wire::Command::stop)};
   connection_.send({wire::FrameType::command, status_.session, status_.last_command + 1}, payload);
 }
@@ -613,13 +615,15 @@ void JobSender::throw_not_stopped() {
   try {
     throw_reason();
   } catch (const Error& error) {
-    throw Error(error.exit(), where, fmt::format("{} after '{}'", what, error.message()), remedy);
+    throw NotStopped(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.message()),
+                     remedy);
   } catch (const std::exception& error) {
-    throw Error(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.what()), remedy);
+    throw NotStopped(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.what()),
+                     remedy);
   }
-  throw Error(Exit::job_failed, where, what,
-              fmt::format("{}; all {}s before {} are done, maybe more; then {}", remedy,
-                          job_.item(), job_status_.first_unfired, advice()));
+  throw NotStopped(Exit::job_failed, where, what,
+                   fmt::format("{}; all {}s before {} are done, maybe more; then {}", remedy,
+                               job_.item(), job_status_.first_unfired, advice()));
 }
 
 JobSender::Time JobSender::pause_length() const {

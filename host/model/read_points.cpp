@@ -84,11 +84,12 @@ Columns named_columns(const path& file, std::size_t line, std::string_view names
   const std::vector<std::string_view> fields = fields_of(names, columns.separator);
   columns.count = fields.size();
   for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-    const auto found = std::find_if(fields.begin(), fields.end(), [&](std::string_view field) {
-      return axis_name(field) == axes[axis];
-    });
+    const auto is_axis = [&](std::string_view field) { return axis_name(field) == axes[axis]; };
+    const auto found = std::find_if(fields.begin(), fields.end(), is_axis);
     if (found == fields.end())
       refuse_line(file, line, fmt::format("the names of columns lack '{}'", axes[axis]));
+    if (std::count_if(fields.begin(), fields.end(), is_axis) > 1)
+      refuse_line(file, line, fmt::format("more than one column is named '{}'", axes[axis]));
     columns.of_axis[axis] = static_cast<std::size_t>(found - fields.begin());
   }
   return columns;

@@ -120,10 +120,22 @@ void inherit_paint(const xml_node& node, const SvgUnits& units, const SvgDocumen
   if (const auto fill = value("fill"); !fill.empty()) {
     paint.has_fill = is_visible_paint(fill, document);
     paint.fill_is_white = is_white(fill);
+    paint.fill_is_server = fill.starts_with("url(");
     paint.fill_is_default = false;
   }
   paint.fill_opacity = part_of_one(value("fill-opacity")).value_or(paint.fill_opacity);
   inherit_stroke(node, units, document, paint);
+}
+
+bool has_dashes(const xml_node& shape, const SvgPaint& paint) {
+  const bool shows_edge = paint.shows_fill() && !paint.fill_is_default && !paint.fill_is_white &&
+                          std::string_view(shape.name()) != "line";
+  return !paint.dashes.empty() && paint.shows_stroke() && !shows_edge;
+}
+
+bool shows_filled_edge(const xml_node& shape, const SvgPaint& paint) {
+  const bool is_on_white = paint.fill_is_white && paint.shows_stroke();
+  return paint.shows_fill() && !is_on_white && !has_dashes(shape, paint);
 }
 
 bool is_not_rendered(const xml_node& node) {

@@ -85,7 +85,7 @@ void PointJobControl::ask_about_hold() {
   if (reason == wire::HoldReason::not_made) ask("shot not made, held, laser off");
   if (reason == wire::HoldReason::lamp) ask("lamp does not answer its trigger, held, laser off");
   if (reason == wire::HoldReason::realtime && !sender_.auto_resume())
-    ask("held by a hold ('!') that another program or a person sent, laser off");
+    ask("held by a hold byte ('!' or 0x84) that another program or a person sent, laser off");
 }
 
 void PointJobControl::ask(const std::string& why) {

@@ -90,11 +90,12 @@ std::string done_text(const JobOutcome& outcome, const char* item) {
 }
 
 /// What ends an alarm; a simulated board has forgotten it.
-std::string way_out_of_alarm(const wire::Status& status, const BoardOptions& options) {
+std::string way_out_of_alarm(const JobOutcome& outcome, const BoardOptions& options) {
+  const wire::Status& status = outcome.result.status;
   if (options.is_simulated()) return "find its cause";
   return fmt::format("{}, then {}",
                      status.state == wire::MachineState::estop ? "release it" : "find its cause",
-                     link::way_to_unlock(options.board));
+                     link::way_to_unlock(options.board, outcome.homing));
 }
 
 /// The exit status without regard to files.
@@ -103,7 +104,9 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
   if (outcome.error) return judge_failure(outcome.error, frontend);
   const link::JobResult& result = outcome.result;
   const std::size_t next = shown_rest(outcome).first;
-  const std::string go_on = go_on_text(outcome, item);
+  // A command without its words has no --from: test flashes, the frame.
+  const std::string go_on =
+      options.command.empty() ? "repeat the command if needed" : go_on_text(outcome, item);
   std::string what, remedy;
   switch (result.end) {
     case JobEnd::done:
@@ -122,7 +125,7 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
                              ? "e-stop"
                              : link::alarm_text(result.status.alarm),
                          item, next);
-      remedy = way_out_of_alarm(result.status, options) + ", then ";
+      remedy = way_out_of_alarm(outcome, options) + ", then ";
       break;
     case JobEnd::lost:
       what = "connection lost, so that the machine could not be stopped; " +

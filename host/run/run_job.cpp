@@ -5,6 +5,7 @@
 #include <exception>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "host/duration_text.hpp"
@@ -16,6 +17,7 @@
 #include "host/link/simulated_transport.hpp"
 #include "host/link/transport.hpp"
 #include "host/report/files.hpp"
+#include "host/run/before_firing.hpp"
 #include "host/run/board_files.hpp"
 #include "host/run/board_link.hpp"
 #include "host/run/frontend.hpp"
@@ -23,6 +25,7 @@
 #include "host/run/lock_timeout.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/motion_plot_file.hpp"
+#include "host/run/outside_work_space.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/point_job_control.hpp"
 #include "host/run/remaining_time.hpp"
@@ -149,11 +152,18 @@ bool keeps_to_lamp(const job::Job& job) {
 /// The machine has not begun the job.
 [[noreturn]] void throw_refusal(const std::exception_ptr& error, link::Transport& transport,
                                 const job::Job& job, const BoardOptions& options) {
-  try {
-    std::rethrow_exception(error);
-  } catch (const link::RefusedSetting& refusal) {
-    explain_refusal(refusal, job, transport, options);
-  }
+  before_firing([&] {
+    try {
+      std::rethrow_exception(error);
+    } catch (const link::RefusedSetting& refusal) {
+      explain_refusal(refusal, job, transport, options);
+    } catch (const Error& refusal) {
+      const bool is_of_points = refusal.exit() == Exit::bad_input && !options.is_simulated();
+      if (is_of_points) require_inside_work_space(transport, options);
+      throw;
+    }
+  });
+  throw std::logic_error("a refusal is an error");  // not reached
 }
 
 /// Runs a job; what goes wrong once it has begun is in the outcome.
@@ -177,7 +187,9 @@ JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
   if (clocking == Clocking::lock_step && keeps_to_lamp(prepared.job))
     lamp.emplace(prepared.job.settings);
   Supervisor supervisor(options, transport);
-  supervisor.begin(prepared.job.header.dry ? gpio::LaserUse::motion : gpio::LaserUse::laser);
+  before_firing([&] {
+    supervisor.begin(prepared.job.header.dry ? gpio::LaserUse::motion : gpio::LaserUse::laser);
+  });
   const auto supervise = [&] {
     try {
       progress.set_left(remaining.left_s(sender.points_fired(), sender.job_speed()));
@@ -204,6 +216,10 @@ JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
   if (outcome.error && !has_begun(sender, options))
     throw_refusal(outcome.error, transport, prepared.job, options);
   outcome.ended_by = supervisor.ended_by();
+  if (clocking == Clocking::wall && outcome.result.end == link::JobEnd::alarm) {
+    link::LinePort port(transport);
+    outcome.homing = link::ask_homing(port);
+  }
   return outcome;
 }
 
@@ -304,6 +320,18 @@ JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& option
   return outcome;
 }
 
+/// Plans the time of the job as the machine will; a job that the plan refuses would be refused by
+/// the machine.
+void plan_rest(std::optional<RemainingTime>& remaining, const PreparedJob& prepared,
+               link::Transport& port, const BoardOptions& options) {
+  if (prepared.job.header.dry) return void(remaining.emplace());
+  try {
+    remaining.emplace(job_on_machine(prepared.job, port), options.from, options.job_speed);
+  } catch (...) {
+    throw_refusal(std::current_exception(), port, prepared.job, options);
+  }
+}
+
 }  // namespace
 
 JobOutcome run_job(const PreparedJob& prepared, const BoardOptions& options,
@@ -321,8 +349,8 @@ JobOutcome run_job(const PreparedJob& prepared, const BoardOptions& options,
                     ? fmt::format("give a number from {} to {}", options.from + 1, last)
                     : "leave it out");
   std::optional<RemainingTime> remaining;
-  if (port && !prepared.job.header.dry)
-    remaining.emplace(job_on_machine(prepared.job, *port), options.from, options.job_speed);
+  if (port)
+    plan_rest(remaining, prepared, *port, options);
   else
     remaining.emplace();
   ask_permission(prepared, options, frontend);

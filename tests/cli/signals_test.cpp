@@ -72,11 +72,11 @@ class WithInput {
     if (input == Input::null_device) ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
     if (input == Input::pipe) ::dup2(pipe_[0], STDIN_FILENO);
     if (input == Input::closed) ::close(STDIN_FILENO);
-    arguments.insert(arguments.begin(), LAMPLOCK_PROGRAM);
+    arguments.insert(arguments.begin(), program_path());
     std::vector<char*> words;
     for (std::string& word : arguments) words.push_back(word.data());
     words.push_back(nullptr);
-    ::execv(LAMPLOCK_PROGRAM, words.data());
+    ::execv(words[0], words.data());
     ::_exit(127);
   }
 
