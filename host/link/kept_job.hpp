@@ -51,7 +51,7 @@ class KeptJob {
   job::JournalContents read() const;
   Continuation rest_of(const job::KeptRun& run, const wire::Status& status,
                        const std::optional<RestartMark>& mark) const;
-  Continuation told_by_board(const job::KeptRun& run, const wire::Status& status) const;
+  Continuation reported_by_board(const job::KeptRun& run, const wire::Status& status) const;
   void append(job::Progress progress, const Continuation& rest);
 
   job::ProgressJournal journal_;

@@ -128,7 +128,7 @@ void LineSender::take_answer(int error) {
 void LineSender::take_error(int error) {
   if (phase_ == Phase::stopping) return;
   errors_.push_back({lines_[answered_ - 1].number, error});
-  if (!options_.go_on) begin_stop(LineEnd::error);
+  if (!options_.ignore_errors) begin_stop(LineEnd::error);
 }
 
 void LineSender::take_alarm(int number) {

@@ -163,7 +163,9 @@ void stop(LinePort& port, bool homes) {
 Places ask_places(LinePort& port) {
   require_mm(port);
   Places places;
-  places.machine = machine_place(greet(port).status);
+  const BoardStatus status = greet(port).status;
+  places.state = status.state;
+  places.machine = machine_place(status);
   const Answer answer = ask(port, "$#");
   if (answer.error != 0)
     throw Error(Exit::job_failed, "machine",
@@ -229,12 +231,12 @@ namespace {
 }  // namespace
 
 void run_lines(LinePort& port, const std::vector<std::string>& lines,
-               const std::function<bool()>& give_up) {
+               const std::function<bool()>& is_cancelled) {
   LineConsole talk(port, true, [](const std::string&) {});
   for (const std::string& line : lines) talk.type(line);
   while (!talk.failure() && !talk.done()) {
     talk.step();
-    if (!give_up()) continue;
+    if (!is_cancelled()) continue;
     const bool homes = std::find(lines.begin(), lines.end(), home_line) != lines.end();
     stop(port, homes);
     if (homes)

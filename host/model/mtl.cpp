@@ -75,12 +75,12 @@ std::vector<std::string> read_material_libraries(const path& obj, std::string_vi
   if (names.empty() || read_library(beside(obj, names), materials)) return missing;
   // A name may contain blanks: fields that are no file are joined up to the extension.
   std::string pending;
-  const auto give_up = [&] {
+  const auto keep_pending = [&] {
     if (!pending.empty()) missing.push_back(std::exchange(pending, {}));
   };
   for (auto name = next_field(names); !name.empty(); name = next_field(names)) {
     if (read_library(beside(obj, name), materials)) {
-      give_up();
+      keep_pending();
       continue;
     }
     const bool is_joined = !pending.empty();
@@ -88,9 +88,9 @@ std::vector<std::string> read_material_libraries(const path& obj, std::string_vi
     if (is_joined && read_library(beside(obj, pending), materials))
       pending.clear();
     else if (lower_extension(pending) == ".mtl")
-      give_up();
+      keep_pending();
   }
-  give_up();
+  keep_pending();
   return missing;
 }
 

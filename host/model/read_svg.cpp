@@ -92,6 +92,9 @@ class SvgReader {
                   geometry::scaled(mm_per_px, -mm_per_px, 1);
     if (is_not_rendered(root)) return leave_out("hidden");
     inherit_paint(root, context.units, document_, context.paint);
+    context.units.port = page_;  // its transform is that of the page
+    context.map = context.map * own_map(root, context);
+    if (scale_of(context.map) == 0) return leave_out("hidden");
     enter_view(root, page_, context);
     if (!clip(root, context)) return;
     draw_children(root, context);
@@ -191,8 +194,9 @@ class SvgReader {
 
   void draw(const xml_node& node, Context context) {
     const std::string_view name = svg_name(node);
-    if (!svg_draws_nothing(name) && enter(node, context))
-      draw_content(node, name, std::move(context));
+    if (svg_draws_nothing(name)) return;
+    if (!svg_conditions_hold(node)) return leave_out("hidden");
+    if (enter(node, context)) draw_content(node, name, std::move(context));
   }
 
   /// Draws an element whose properties are applied.
@@ -246,7 +250,9 @@ class SvgReader {
     context.map = context.map * geometry::moved(at.x, at.y, 0);
     open_uses_.push_back(used);
     if (svg_name(used) == "symbol" || svg_name(used) == "svg") {
-      if (enter(used, context) && clip(used, context))
+      if (svg_name(used) == "svg" && !svg_conditions_hold(used))
+        leave_out("hidden");
+      else if (enter(used, context) && clip(used, context))
         draw_view(used, svg_view_port(used, node, context.units, place), context);
     } else {
       draw(used, context);
@@ -267,7 +273,6 @@ class SvgReader {
     const bool fills = shows_filled_edge(node, paint);
     const bool is_background = may_be_background(paint, *paths, context, place);
     for (Path& path : dashed(node, std::move(*paths), context, place)) {
-      path = CurveCollector::placed(std::move(path), context.map, place);
       if (fills) close_around_area(path);
       std::vector<Path> parts = clipped(std::move(path), context.clips, clips_.work(), place);
       if (parts.empty()) leave_out("clipped curve");
@@ -280,14 +285,20 @@ class SvgReader {
     }
   }
 
-  /// The dashes of the paths where has_dashes().
+  /// The paths in mm, or their dashes where has_dashes().
   std::vector<Path> dashed(const xml_node& node, std::vector<Path> paths, const Context& context,
                            const FilePosition& place) {
     const SvgPaint& paint = context.paint;
-    if (!has_dashes(node, paint)) return paths;
-    // Lengths are measured in mm, which the precision of arc lengths refers to.
-    const double scale = scale_of(context.map);
-    const geometry::Affine larger = geometry::scaled(scale, scale, scale);
+    if (!has_dashes(node, paint)) {
+      for (Path& path : paths) path = CurveCollector::placed(std::move(path), context.map, place);
+      return paths;
+    }
+    // Lengths are measured in mm, which the precision of arc lengths refers to: along the path as
+    // the user draws it, or as the page shows it.
+    const bool is_on_page = svg_value(node, "vector-effect") == "non-scaling-stroke";
+    const double scale = is_on_page ? mm_per_px : scale_of(context.map);
+    const geometry::Affine larger =
+        is_on_page ? context.map : geometry::scaled(scale, scale, scale);
     std::vector<double> lengths;
     for (Path& path : paths) {
       path = CurveCollector::placed(std::move(path), larger, place);
@@ -304,11 +315,13 @@ class SvgReader {
       place.refuse(fmt::format("the curve has more than {} dashes", max_pieces),
                    "use longer dashes");
     curves_.spend(static_cast<std::size_t>(count), place);
-    const geometry::Affine smaller = geometry::scaled(1 / scale, 1 / scale, 1 / scale);
+    const geometry::Affine rest =
+        is_on_page ? geometry::Affine{}
+                   : context.map * geometry::scaled(1 / scale, 1 / scale, 1 / scale);
     std::vector<Path> all;
     for (const Path& path : paths) {
       for (Path& dash : dashes(path, pattern))
-        all.push_back(CurveCollector::placed(std::move(dash), smaller, place));
+        all.push_back(CurveCollector::placed(std::move(dash), rest, place));
     }
     return all;
   }

@@ -186,7 +186,8 @@ bool SvgClips::add_children(const xml_node& node, const Inherited& inherited, Sh
 
 bool SvgClips::add_element(const xml_node& node, Inherited inherited, Shapes& shapes) {
   const std::string_view name = svg_name(node);
-  if (svg_draws_nothing(name) || is_hidden(node, inherited)) return true;
+  if (svg_draws_nothing(name) || is_hidden(node, inherited) || !svg_conditions_hold(node))
+    return true;
   if (name == "use") return add_use(node, std::move(inherited), shapes);
   // Clip paths have no groups.
   if (inherited.is_mask && name == "svg") return add_view(node, {}, std::move(inherited), shapes);

@@ -35,7 +35,11 @@ struct SvgPaint {
   }
 };
 
-/// Replaces what the element sets itself. Invalid values are ignored, as in CSS.
+/// False for a value that a property of painting cannot have: it is ignored, as in CSS. True for
+/// all values of other properties.
+bool is_valid_svg_value(std::string_view property, std::string_view text);
+
+/// Replaces what the element sets itself.
 void inherit_paint(const pugi::xml_node& node, const SvgUnits& units, const SvgDocument& document,
                    SvgPaint& paint);
 

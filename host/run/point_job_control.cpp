@@ -47,6 +47,9 @@ ProgressState PointJobControl::state() const {
     shown.word = "holding";
   else if (std::binary_search(pauses_.begin(), pauses_.end(), sender_.points_fired()))
     shown.word = "pause";
+  else if (machine == wire::MachineState::run && !sender_.job_status().lamp_locked &&
+           sender_.job().keeps_to_lamp())
+    shown.word = "no lamp";
   if (sender_.job_speed() != wire::full_job_speed)
     shown.speed = "speed " + std::to_string(sender_.job_speed()) + " %";
   return shown;

@@ -46,11 +46,11 @@ link::Continuation shown_rest(const JobOutcome& outcome) {
 }
 
 /// The argument of --from counts pauses too.
-std::string go_on_text(const JobOutcome& outcome, const char* item) {
+std::string continuation_text(const JobOutcome& outcome, const char* item) {
   const link::Continuation& rest = outcome.result.rest;
   const std::string doubt = link::doubt_text(shown_rest(outcome), item);
   if (doubt.empty() || (!rest.settled && outcome.is_kept))
-    return link::go_on_text(rest, item, outcome.is_kept);
+    return link::continuation_text(rest, item, outcome.is_kept);
   return fmt::format("continue with {} ({})", link::go_on_options(rest), doubt);
 }
 
@@ -105,8 +105,8 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
   const link::JobResult& result = outcome.result;
   const std::size_t next = shown_rest(outcome).first;
   // A command without its words has no --from: test flashes, the frame.
-  const std::string go_on =
-      options.command.empty() ? "repeat the command if needed" : go_on_text(outcome, item);
+  const std::string how_to_continue =
+      options.command.empty() ? "repeat the command if needed" : continuation_text(outcome, item);
   std::string what, remedy;
   switch (result.end) {
     case JobEnd::done:
@@ -114,10 +114,10 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
     case JobEnd::stopped:
       if (!outcome.ended_by.empty())
         throw_stopped(outcome.ended_by, fmt::format("stopped before {} {}", item, next),
-                      "release it, close it, and " + go_on);
+                      "release it, close it, and " + how_to_continue);
       frontend.notice(says_end_last(outcome) ? report::headline(outcome.report)
                                              : fmt::format("stopped: first {} not fired is {}; {}",
-                                                           item, next, go_on));
+                                                           item, next, how_to_continue));
       return Exit::interrupted;
     case JobEnd::alarm:
       what = fmt::format("{} before {} {}",
@@ -143,7 +143,7 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
       remedy = "home it and ";
       break;
   }
-  throw Error(Exit::job_failed, options.board, what, remedy + go_on);
+  throw Error(Exit::job_failed, options.board, what, remedy + how_to_continue);
 }
 
 }  // namespace

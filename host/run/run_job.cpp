@@ -11,6 +11,7 @@
 #include "host/duration_text.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/link/board_text.hpp"
 #include "host/link/dialog.hpp"
 #include "host/link/kept_job.hpp"
 #include "host/link/sender.hpp"
@@ -144,11 +145,6 @@ void finish_journal(link::KeptJob* kept, JobOutcome& outcome) {
   }
 }
 
-bool keeps_to_lamp(const job::Job& job) {
-  const auto mode = static_cast<settings::LampMode>(job.settings.whole(Id::lamp_mode));
-  return !job.is_rows() && mode != settings::LampMode::free_beat;
-}
-
 /// The machine has not begun the job.
 [[noreturn]] void throw_refusal(const std::exception_ptr& error, link::Transport& transport,
                                 const job::Job& job, const BoardOptions& options) {
@@ -179,12 +175,14 @@ JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
                         job.is_rows() ? options.from : job.points_before(options.from));
   Progress& progress = *shown;
   if (clocking == Clocking::wall)
-    sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };
+    sending.on_text = [&progress](const std::string& text) {
+      progress.note("machine: " + link::message_text(text));
+    };
   link::JobSender sender(transport, prepared.job, sending);
   PointJobControl control(sender, frontend, progress, clocking, pauses_of(job));
   HoldOnce hold(sender, control, progress, transport, options.hold_at);
   std::optional<LockTimeout> lamp;
-  if (clocking == Clocking::lock_step && keeps_to_lamp(prepared.job))
+  if (clocking == Clocking::lock_step && prepared.job.keeps_to_lamp())
     lamp.emplace(prepared.job.settings);
   Supervisor supervisor(options, transport);
   before_firing([&] {

@@ -11,6 +11,7 @@
 #include "host/duration_text.hpp"
 #include "host/file.hpp"
 #include "host/link/board_settings.hpp"
+#include "host/link/board_text.hpp"
 #include "host/link/line_sender.hpp"
 #include "host/link/not_ready.hpp"
 #include "host/program/board_state.hpp"
@@ -174,8 +175,10 @@ ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions
   const std::unique_ptr<Progress> progress =
       frontend.progress("sending", program.text.lines.size(), 0);
   link::LineOptions sending;
-  sending.go_on = ignore_errors;
-  sending.on_text = [&progress](const std::string& text) { progress->note("machine: " + text); };
+  sending.ignore_errors = ignore_errors;
+  sending.on_text = [&progress](const std::string& text) {
+    progress->note("machine: " + link::message_text(text));
+  };
   link::LineSender sender(board.port(), program.text.lines, sending);
   ProgramTime time(program.planned_s, program.plan);
   ProgramControl control(sender, frontend, *progress, board.clocking(), time);

@@ -83,7 +83,7 @@ void Supervisor::poll(JobControl& control, AtDoor at_door) {
 /// The interlock is on before the machine receives the resume.
 void Supervisor::resume_after_door() {
   door_was_open_ = false;
-  guard_->go_on();
+  guard_->resume();
   read_lines();
 }
 

@@ -376,7 +376,7 @@ TEST(Sender, GivesUpOnACableThatStaysCut) {
   s.board.unplugged = true;
   const JobResult result = s.sender.run();
   EXPECT_EQ(result.end, JobEnd::lost);
-  EXPECT_GE(result.elapsed, SenderOptions{}.give_up);
+  EXPECT_GE(result.elapsed, SenderOptions{}.reconnect_timeout);
 }
 
 TEST(Sender, ASilentPortIsAnErrorAndAMachineThatSpeaksOnlyTextIsNamed) {

@@ -261,6 +261,11 @@ TEST(ReadGlb, CopiesAndExtensionsAreBounded) {
   EXPECT_THAT(refusal([](json& d) { d["extensionsRequired"] = {"KHR_draco_mesh_compression"}; }),
               HasSubstr("'KHR_draco_mesh_compression'"));
   EXPECT_THAT(refusal([](json& d) {
+                d["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+                d["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = json::object();
+              }),
+              HasSubstr("it repeats a mesh by the extension 'EXT_mesh_gpu_instancing'"));
+  EXPECT_THAT(refusal([](json& d) {
                 for (int i = 0; i < 1000; ++i) d["scenes"][0]["nodes"].push_back(0);
                 auto& primitives = d["meshes"][0]["primitives"];
                 primitives[0]["mode"] = 0;  // points

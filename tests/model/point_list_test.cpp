@@ -105,7 +105,7 @@ TEST(PointList, ReadsVariantsOfText) {
   const TemporaryFolder folder;
   const auto path = folder.write("a.txt",
                                  "\xEF\xBB\xBF# x y z\r\n1 2 3\r\n\r\n 4,5 , 6 # a comment\n"
-                                 "+7\t-8e0\t.5\n1,2,3");
+                                 "+7\t-8e0\t.5\n\"1\",\"2\",\"3\"");
   EXPECT_EQ(read_point_list(path), (PointCloud{{1, 2, 3}, {4, 5, 6}, {7, -8, 0.5}, {1, 2, 3}}));
 }
 
