@@ -106,11 +106,12 @@ Exit edit(const RecordOptions& options) {
 Exit remove_one(const RecordOptions& options) {
   Console console(options.json);
   const run::RemovedRecord removed = run::remove_record(options.choice);
-  console.say("removed {}{}", removed.title,
-              removed.settings + removed.measurements == 0
-                  ? ""
-                  : fmt::format(" with {} and {}", count_text(removed.settings, "setting"),
-                                count_text(removed.measurements, "measurement")));
+  console.say(
+      "removed {}{}", removed.title,
+      removed.settings + removed.measurements == 0
+          ? ""
+          : fmt::format(" with {} and {}", lamplock::count_text(removed.settings, "setting"),
+                        lamplock::count_text(removed.measurements, "measurement")));
   return Exit::done;
 }
 
@@ -129,10 +130,11 @@ Exit export_file(const RecordOptions& options) {
   Console console(options.json);
   const material::Records records = run::exported_records(options.choice.library, options.words);
   run::write_records(records, options.file);
-  console.say("{}: {}, {}, {}, {}", options.file, count_text(records.lasers.size(), "laser"),
-              count_text(records.materials.size(), "material"),
-              count_text(records.settings.size(), "setting"),
-              count_text(records.measurements.size(), "measurement"));
+  console.say("{}: {}, {}, {}, {}", options.file,
+              lamplock::count_text(records.lasers.size(), "laser"),
+              lamplock::count_text(records.materials.size(), "material"),
+              lamplock::count_text(records.settings.size(), "setting"),
+              lamplock::count_text(records.measurements.size(), "measurement"));
   console.document({{"file", options.file},
                     {"lasers", records.lasers.size()},
                     {"materials", records.materials.size()},

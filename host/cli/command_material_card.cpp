@@ -23,8 +23,8 @@ struct CardCommandOptions : run::CardOptions {
 Exit make_card(const CardCommandOptions& options) {
   Console console(options.json);
   const run::CardResult card = run::make_card(options);
-  console.say("card      {} on {:g} x {:g} mm", count_text(card.cuts, "cut"), card.width_mm,
-              card.height_mm);
+  console.say("card      {} on {:g} x {:g} mm", lamplock::count_text(card.cuts, "cut"),
+              card.width_mm, card.height_mm);
   console.say("time      {}", duration_text(card.seconds));
   console.say("program   {}", options.output);
   console.say(

@@ -31,11 +31,15 @@ struct CutsOptions {
   bool uses_rejected = false, json = false;
 };
 
+material::Rejected use_of(const CutsOptions& options) {
+  return options.uses_rejected ? material::Rejected::swapped_in : material::Rejected::left_out;
+}
+
 void say_fit(Console& console, const material::MaterialFit& fit) {
   console.say("fit       {}", fit_text(fit));
   console.say("measured  {}, {:g} to {:g} mm/min, {:g} to {:g} W",
-              count_text(fit.measurements, "depth"), fit.feed_mm_min.min, fit.feed_mm_min.max,
-              fit.power_w.min, fit.power_w.max);
+              lamplock::count_text(fit.measurements, "depth"), fit.feed_mm_min.min,
+              fit.feed_mm_min.max, fit.power_w.min, fit.power_w.max);
   if (fit.fit.is_poor())
     console.notice(fmt::format(
         "warning  rms {:.3f} is above 0.3: depths deviate from the model by a third and more; "
@@ -54,8 +58,15 @@ void say_best(Console& console, const material::BestCut& best, double thickness_
   console.say("time      {:.2f} min for {:g} mm ({})", best.time_s / 60, length_mm,
               duration_text(best.time_s));
   console.say("measured  {} of feed and power, {:g} to {:g} mm/min; other feeds are not considered",
-              count_text(best.candidates, "pair"), best.measured_feed_mm_min.min,
+              lamplock::count_text(best.candidates, "pair"), best.measured_feed_mm_min.min,
               best.measured_feed_mm_min.max);
+  if (best.feed_mm_min == best.measured_feed_mm_min.max && best.candidates > 1)
+    console.line("note      no faster feed was measured: a faster one may need less time");
+  if (best.rejected_depth_mm)
+    console.notice(fmt::format(
+        "warning  a rejected measurement at {:g} mm/min has a depth of {:g} mm only; make a test "
+        "cut, or add --rejected",
+        best.feed_mm_min, *best.rejected_depth_mm));
   if (best.burns)
     console.notice(
         fmt::format("warning  the edges of this material burn at {:g} mm/min", best.feed_mm_min));
@@ -66,7 +77,7 @@ Exit measure_card(const CutsOptions& options) {
   Console console(options.json);
   const run::CardFigures figures = run::measure_card(options.request, options.card);
   console.say("{} with {}: {} added, {} stored before", figures.material, figures.laser,
-              count_text(figures.added, "measurement"), figures.unchanged);
+              lamplock::count_text(figures.added, "measurement"), figures.unchanged);
   if (figures.kerf_mm) console.say("kerf      {:.3f} mm", *figures.kerf_mm);
   console.document({{"material", figures.material},
                     {"laser", figures.laser},
@@ -90,9 +101,7 @@ Exit measure(const CutsOptions& options) {
 
 Exit fit(const CutsOptions& options) {
   Console console(options.json);
-  const run::FitResult result =
-      run::fit_material(options.request, options.uses_rejected ? material::Rejected::swapped_in
-                                                               : material::Rejected::left_out);
+  const run::FitResult result = run::fit_material(options.request, use_of(options));
   console.say("material  {} with {}", result.material.name, result.laser.name);
   say_fit(console, result.fit);
   Json document{{"material", result.material.name}, {"laser", result.laser.name}};
@@ -104,7 +113,7 @@ Exit fit(const CutsOptions& options) {
 Exit best(const CutsOptions& options) {
   Console console(options.json);
   const run::BestResult result =
-      run::best_cut(options.request, options.thickness_mm, options.length_mm);
+      run::best_cut(options.request, options.thickness_mm, options.length_mm, use_of(options));
   console.say("material  {} with {}", result.material.name, result.laser.name);
   say_best(console, result.best, result.thickness_mm, options.length_mm);
   Json document{{"material", result.material.name},
@@ -189,6 +198,11 @@ void add_cut_length(Command& sub, double& length_mm) {
       .show_default();
 }
 
+void add_rejected(Command& sub, CutsOptions& options) {
+  sub.add_option("--rejected", &options.uses_rejected,
+                 "Use rejected measurements in place of others at the same feed and power");
+}
+
 void add_measure(Command& app, const CutsPointer& options) {
   Command& sub = add_cut_command(
       app, options, "measure", "Store the measured depth of a test cut, or whether it came through",
@@ -232,20 +246,21 @@ void add_measure(Command& app, const CutsPointer& options) {
 void add_material_cuts(Command& app) {
   const auto options = std::make_shared<CutsOptions>();
   add_measure(app, options);
-  add_cut_command(app, options, "fit",
-                  "Fit the depth model to measured depths: constants B and w, and the rms of ln D",
-                  "D = B a / (Q rho s) (P / v)^w: absorption a, specific energy Q, density rho,\n"
-                  "beam width s, power P, feed v. Depths of one pass count.\n"
-                  "Example:\n  lamplock material fit pmma-black",
-                  fit)
-      .add_option("--rejected", &options->uses_rejected,
-                  "Use rejected measurements in place of others at the same feed and power");
+  Command& fit_command = add_cut_command(
+      app, options, "fit",
+      "Fit the depth model to measured depths: constants B and w, and the rms of ln D",
+      "D = B a / (Q rho s) (P / v)^w: absorption a, specific energy Q, density rho,\n"
+      "beam width s, power P, feed v. Depths of one pass count.\n"
+      "Example:\n  lamplock material fit pmma-black",
+      fit);
+  add_rejected(fit_command, *options);
   Command& best_command = add_cut_command(
       app, options, "best", "Find the measured feed and power that cut a thickness fastest",
       "Example:\n  lamplock material best pmma-black --thickness 6", best);
   add_thickness(best_command, options->thickness_mm,
                 "Thickness to cut; default: that of the material");
   add_cut_length(best_command, options->length_mm);
+  add_rejected(best_command, *options);
   Command& suitable_command = add_cut_command(
       app, options, "suitable",
       "Judge whether a laser can cut or engrave a material, by a trial or by the measurements",

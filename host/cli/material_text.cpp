@@ -65,19 +65,19 @@ std::string line_of(const material::Setting& setting) {
           ? fmt::format(" ({:g} to {:g})", setting.min_feed_mm_min.value_or(setting.feed_mm_min),
                         setting.max_feed_mm_min.value_or(setting.feed_mm_min))
           : "";
-  return fmt::format("{:>5}  {:<16}  {}  {}{}  {:g} mm/min{}  {:g} W  {}{}{}", setting.number,
-                     setting.material, setting.laser, setting.operation,
-                     part("", setting.thickness_mm, "mm"), setting.feed_mm_min, range,
-                     setting.power_w,
-                     count_text(static_cast<std::size_t>(setting.passes), "pass", "passes"),
-                     setting.air ? "  air" : "", part("kerf ", setting.kerf_mm, "mm"));
+  return fmt::format(
+      "{:>5}  {:<16}  {}  {}{}  {:g} mm/min{}  {:g} W  {}{}{}", setting.number, setting.material,
+      setting.laser, setting.operation, part("", setting.thickness_mm, "mm"), setting.feed_mm_min,
+      range, setting.power_w,
+      lamplock::count_text(static_cast<std::size_t>(setting.passes), "pass", "passes"),
+      setting.air ? "  air" : "", part("kerf ", setting.kerf_mm, "mm"));
 }
 
 std::string line_of(const material::Measurement& measurement) {
   return fmt::format(
       "{:>5}  {:<16}  {}  {:g} mm/min  {:g} W  {}{}{}{}{}", measurement.number,
       measurement.material, measurement.laser, measurement.feed_mm_min, measurement.power_w,
-      count_text(static_cast<std::size_t>(measurement.passes), "pass", "passes"),
+      lamplock::count_text(static_cast<std::size_t>(measurement.passes), "pass", "passes"),
       part("depth ", measurement.depth_mm, "mm"), part("sheet of ", measurement.thickness_mm, "mm"),
       part(measurement.result), measurement.rejected ? "  rejected" : "");
 }
@@ -108,7 +108,8 @@ Json best_json(const material::BestCut& best) {
           {"burns", best.burns},
           {"candidates", best.candidates},
           {"min_feed_mm_min", best.measured_feed_mm_min.min},
-          {"max_feed_mm_min", best.measured_feed_mm_min.max}};
+          {"max_feed_mm_min", best.measured_feed_mm_min.max},
+          {"rejected_depth_mm", best.rejected_depth_mm ? Json(*best.rejected_depth_mm) : Json()}};
 }
 
 }  // namespace lamplock::cli

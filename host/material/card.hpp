@@ -1,14 +1,12 @@
 // Test cards: programs that cut at many feeds, powers and passes, each with an engraved label.
 //
-// In:  feeds, powers, numbers of passes; the machine's work area and its S of full power. Out:
-// where
-//      the cuts are, the program. Who: `lamplock material card`.
+// In:  feeds, powers, numbers of passes; the machine's work area and its S of full power.
+// Out: the places of the cuts, the program. Who: `lamplock material card`.
 //
 //   depth  a rounded rectangle of 60 x 20 mm for each combination; the depth of its groove is
 //          measured
 //   grid   a small square for each combination: feeds from left to right, powers from below, a
-//   block
-//          for each number of passes
+//          block for each number of passes
 //   kerf   parallel cuts that make slats; pushed together they are narrower by a kerf each
 #pragma once
 

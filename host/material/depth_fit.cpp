@@ -51,6 +51,18 @@ std::vector<Measurement> depths_of(const std::vector<Measurement>& all, Rejected
   return depths;
 }
 
+/// The smallest depth at the place of the best cut that is marked as wrong and would need more
+/// passes.
+std::optional<double> smaller_rejected_depth_mm(const std::vector<Measurement>& measurements,
+                                                const BestCut& best) {
+  std::optional<double> smallest;
+  for (const Measurement& one : measurements)
+    if (one.rejected && one.depth_mm && one.passes == 1 && one.feed_mm_min == best.feed_mm_min &&
+        one.power_w == best.power_w && *one.depth_mm < smallest.value_or(best.depth_mm.value_or(0)))
+      smallest = one.depth_mm;
+  return smallest;
+}
+
 }  // namespace
 
 double MaterialFit::depth_mm(double at_feed_mm_min, double at_power_w) const {
@@ -98,7 +110,7 @@ MaterialFit fit_material(const Laser& laser, const Material& material,
 }
 
 BestCut best_cut(const Material& material, const std::vector<Measurement>& measurements,
-                 double thickness_mm, double length_mm) {
+                 double thickness_mm, double length_mm, Rejected rejected) {
   if (!material.cuttable)
     refuse_fit(material, "it cannot be cut: it absorbs too little of the power",
                "use another colour or material");
@@ -110,7 +122,7 @@ BestCut best_cut(const Material& material, const std::vector<Measurement>& measu
   const auto at = [&](const Measurement& one) -> Candidate& {
     return candidates[{one.feed_mm_min, one.power_w}];
   };
-  for (const Measurement& one : depths_of(measurements, Rejected::left_out)) {
+  for (const Measurement& one : depths_of(measurements, rejected)) {
     Candidate& candidate = at(one);
     candidate.depth_mm = std::min(candidate.depth_mm.value_or(*one.depth_mm), *one.depth_mm);
     candidate.passes = cutting::passes_through(thickness_mm, *candidate.depth_mm);
@@ -144,6 +156,8 @@ BestCut best_cut(const Material& material, const std::vector<Measurement>& measu
   best.candidates = candidates.size();
   best.measured_feed_mm_min = *feeds;
   best.measured_power_w = *powers;
+  if (rejected == Rejected::left_out)
+    best.rejected_depth_mm = smaller_rejected_depth_mm(measurements, best);
   best.burns = best.feed_mm_min <= material.burn_feed_mm_min.value_or(0);
   return best;
 }

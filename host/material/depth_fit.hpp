@@ -1,4 +1,4 @@
-// What measured test cuts say about a laser and a material: the fit of the depth model, the best
+// Evaluation of measured test cuts of a laser and a material: the fit of the depth model, the best
 // feed, the suitability.
 //
 // In:  a laser, a material, its measurements. Out: constants, a feed with its passes and time, a
@@ -19,7 +19,7 @@
 
 namespace lamplock::material {
 
-/// What becomes of measurements that are marked as wrong.
+/// Use of measurements that are marked as wrong.
 enum class Rejected : std::uint8_t {
   left_out,
   swapped_in  ///< used in place of the accepted ones at the same feed and power
@@ -57,15 +57,17 @@ struct BestCut {
   bool burns = false;          ///< the edges of this material burn at this feed
   std::size_t candidates = 0;  ///< measured pairs of feed and power
   Extent measured_feed_mm_min, measured_power_w;
+  /// A smaller depth at this feed and power that is marked as wrong and was not used.
+  std::optional<double> rejected_depth_mm{};
 };
 
 /// The measured pair of feed and power with the shortest time for a cut of this length through a
 /// thickness. Of several measurements at one pair the smallest depth counts, so that the passes
-/// come through. The fitted model is not asked: beyond the measured range it prefers any faster
+/// come through. The fitted model is not used: beyond the measured range it prefers any faster
 /// feed. Throws Error(bad_input) for a material that cannot be cut, and without measurements for
 /// this thickness.
 BestCut best_cut(const Material& material, const std::vector<Measurement>& measurements,
-                 double thickness_mm, double length_mm);
+                 double thickness_mm, double length_mm, Rejected rejected);
 
 /// First stage of the procedure: a trial at the slowest feed.
 struct Trial {
@@ -85,7 +87,7 @@ inline constexpr double min_groove_mm = 0.5;
 /// engraving; else unfit.
 Suitability judge(const Trial& trial);
 
-/// The trial that measurements of a thickness stand for: the deepest groove of one pass, or a cut
+/// The trial that equals the measurements for a thickness: the deepest groove of one pass, or a cut
 /// that came through. Throws Error(bad_input) if there is no measurement.
 Trial trial_of(const Material& material, const std::vector<Measurement>& measurements,
                double thickness_mm);

@@ -30,16 +30,24 @@ struct SqlOfValue {
   SqlValue operator()(const std::string* value) const { return *value; }
 };
 
+/// A value of this kind. Damaged files, and those that another program changed, have others.
+template <class Value>
+const Value& stored(const SqlValue& sql) {
+  if (const auto* value = std::get_if<Value>(&sql)) return *value;
+  throw Error(Exit::bad_input, "material library", "a record has a value of the wrong kind",
+              "restore a copy of the library, or import an exported file into a new one");
+}
+
 struct ValueOfSql {
   const SqlValue& sql;
 
-  void operator()(double* value) const { *value = std::get<double>(sql); }
+  void operator()(double* value) const { *value = stored<double>(sql); }
   void operator()(std::optional<double>* value) const {
-    if (const auto* number = std::get_if<double>(&sql)) *value = *number;
+    if (!std::holds_alternative<std::monostate>(sql)) *value = stored<double>(sql);
   }
-  void operator()(int* value) const { *value = static_cast<int>(std::get<std::int64_t>(sql)); }
-  void operator()(bool* value) const { *value = std::get<std::int64_t>(sql) != 0; }
-  void operator()(std::string* value) const { *value = std::get<std::string>(sql); }
+  void operator()(int* value) const { *value = static_cast<int>(stored<std::int64_t>(sql)); }
+  void operator()(bool* value) const { *value = stored<std::int64_t>(sql) != 0; }
+  void operator()(std::string* value) const { *value = stored<std::string>(sql); }
 };
 
 /// The order of lists.
@@ -170,7 +178,7 @@ std::vector<Record> Library::select(const std::string& condition,
                                    condition, order_of<Record>()),
                        values)) {
     Record record;
-    record.number = std::get<std::int64_t>(row[0]);
+    record.number = stored<std::int64_t>(row[0]);
     std::size_t column = 1;
     for (const Field& field : fields(record)) std::visit(ValueOfSql{row[column++]}, field.place);
     records.push_back(std::move(record));
@@ -243,8 +251,8 @@ std::optional<Record> Library::with_same_key(const Record& record) {
   return found.empty() ? std::nullopt : std::optional<Record>(found.front());
 }
 
-void Library::check_names(const std::string& material, const std::string& laser,
-                          const std::string& where) {
+template <class Record>
+void Library::check_owners(const Record& record, const std::string& where) {
   const auto check = [&](const char* kind, const std::string& name,
                          const std::vector<std::string>& names) {
     if (std::ranges::find(names, name) != names.end()) return;
@@ -254,8 +262,30 @@ void Library::check_names(const std::string& material, const std::string& laser,
                              names.empty() ? fmt::format("add a {}", kind)
                                            : fmt::format("give {}", fmt::join(names, ", "))));
   };
-  check(kind_of<Material>(), material, names_of(all<Material>()));
-  check(kind_of<Laser>(), laser, names_of(all<Laser>()));
+  check(kind_of<Material>(), record.material, names_of(all<Material>()));
+  check(kind_of<Laser>(), record.laser, names_of(all<Laser>()));
+  const double full_power_w = laser(record.laser).power_w;
+  if (record.power_w > full_power_w)
+    throw Error(Exit::bad_input, where,
+                fmt::format("'power_w' is {:g}, more than that of the laser {}", record.power_w,
+                            record.laser),
+                fmt::format("give at most {:g}", full_power_w));
+}
+
+void Library::check_power_is_enough(const Laser& laser) {
+  const auto check = [&](const auto& records) {
+    for (const auto& one : records)
+      if (one.power_w > laser.power_w)
+        throw Error(Exit::bad_input, title_of(laser),
+                    fmt::format("'power_w' is {:g}, {} has {:g}", laser.power_w, title_of(one),
+                                one.power_w),
+                    "give at least the power that the settings and measurements have");
+  };
+  // Until the laser is stored they have its former name.
+  for (const Laser& stored : select<Laser>("number = ?", {laser.number})) {
+    check(select<Setting>("laser = ?", {stored.name}));
+    check(select<Measurement>("laser = ?", {stored.name}));
+  }
 }
 
 template <class Record>
@@ -263,7 +293,7 @@ Record Library::add(Record record) {
   record.number = 0;
   const std::string where = title_of(record);
   check_record(record, where);
-  if constexpr (requires { record.material; }) check_names(record.material, record.laser, where);
+  if constexpr (requires { record.material; }) check_owners(record, where);
   if (const auto other = with_same_key(record))
     throw Error(Exit::bad_input, title_of(*other), "the library has it already",
                 "edit it, or remove it first");
@@ -280,10 +310,11 @@ template <class Record>
 void Library::replace(const Record& record) {
   const std::string where = title_of(record);
   check_record(record, where);
-  if constexpr (requires { record.material; }) check_names(record.material, record.laser, where);
+  if constexpr (requires { record.material; }) check_owners(record, where);
   if (const auto other = with_same_key(record); other && other->number != record.number)
     throw Error(Exit::bad_input, title_of(*other), "the library has it already",
                 "change that one, or remove it first");
+  if constexpr (std::is_same_v<Record, Laser>) check_power_is_enough(record);
   std::vector<SqlValue> values = sql_values(record);
   values.emplace_back(record.number);
   database_.query(fmt::format("UPDATE {} SET {} = ? WHERE number = ?", kind_of<Record>(),

@@ -77,7 +77,11 @@ class Library {
   std::optional<Record> with_same_key(const Record& record);
   template <class Record>
   void import_kind(const std::vector<Record>& records, bool replaces, ImportCount& count);
-  void check_names(const std::string& material, const std::string& laser, const std::string& where);
+  /// Of a setting or measurement: its material and laser exist, the laser has this power.
+  template <class Record>
+  void check_owners(const Record& record, const std::string& where);
+  /// No setting and no measurement has more power.
+  void check_power_is_enough(const Laser& laser);
   void insert_delivered();
 
   Database database_;

@@ -111,6 +111,9 @@ void check_record(const Measurement& measurement, const std::string& where) {
   check_fields(measurement, where);
   if (!measurement.depth_mm && measurement.result.empty())
     refuse_field(where, "depth_mm", "is missing", "give the measured depth, or result");
+  if (measurement.depth_mm && measurement.result == "cut")
+    refuse_field(where, "depth_mm", "is given for a cut that came through",
+                 "leave it out, or the result");
   if (measurement.depth_mm && measurement.thickness_mm &&
       *measurement.depth_mm > *measurement.thickness_mm)
     refuse_field(where, "depth_mm", "is more than thickness_mm",

@@ -85,8 +85,11 @@ Measurement measure(const MeasureRequest& request) {
     stored.power_w = power_w_of(request.power, laser, title_of(stored));
     stored.passes = request.passes;
     stored.depth_mm = request.depth_mm;
-    stored.thickness_mm = request.thickness_mm;
+    stored.thickness_mm = request.thickness_mm ? request.thickness_mm : material.thickness_mm;
     stored.result = request.result;
+    if (!stored.result.empty() && !stored.thickness_mm)
+      throw Error(Exit::bad_input, title_of(stored), "'thickness_mm' is missing",
+                  "give the thickness of the sheet");
     stored.note = request.note;
     stored.source = "own measurement";
     stored = library.add(stored);
@@ -102,12 +105,13 @@ FitResult fit_material(const CutChoice& choice, material::Rejected rejected) {
   return {records.laser, records.material, fit};
 }
 
-BestResult best_cut(const CutChoice& choice, std::optional<double> thickness_mm, double length_mm) {
+BestResult best_cut(const CutChoice& choice, std::optional<double> thickness_mm, double length_mm,
+                    material::Rejected rejected) {
   Library library = library_for_reading(choice.library);
   CutRecords records = records_of(library, choice);
   const double thickness = thickness_of(records.material, thickness_mm);
   const material::BestCut best =
-      material::best_cut(records.material, records.measurements, thickness, length_mm);
+      material::best_cut(records.material, records.measurements, thickness, length_mm, rejected);
   return {records.laser, records.material, thickness, best};
 }
 
@@ -133,7 +137,7 @@ SuitableResult judge_material(const CutChoice& choice, const material::Trial& tr
   try {
     if (result.thickness_mm)
       result.best = material::best_cut(records.material, records.measurements, *result.thickness_mm,
-                                       length_mm);
+                                       length_mm, material::Rejected::left_out);
   } catch (const Error&) {
     result.best.reset();
   }

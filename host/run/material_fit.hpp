@@ -47,13 +47,14 @@ struct BestResult {
   material::BestCut best;
 };
 /// Without a thickness, that of the material. Throws Error(bad_input).
-BestResult best_cut(const CutChoice& choice, std::optional<double> thickness_mm, double length_mm);
+BestResult best_cut(const CutChoice& choice, std::optional<double> thickness_mm, double length_mm,
+                    material::Rejected rejected);
 
 struct SuitableResult {
   material::Laser laser;
   material::Material material;
   std::optional<double> thickness_mm{};
-  material::Suitability suitability;
+  material::Suitability suitability{};
   bool is_by_trial = false;                    ///< the user gave its passes or groove
   std::optional<material::MaterialFit> fit{};  ///< second stage, if there are measurements
   std::optional<material::BestCut> best{};

@@ -38,6 +38,19 @@ Record find_record(Library& library, const RecordChoice& choice) {
     return library.measurement(library.material(choice.name).name, number);
 }
 
+/// Throws unless a setting or measurement has a number, and a laser or material has none.
+template <class Record>
+void check_number_of_choice(const RecordChoice& choice) {
+  constexpr bool is_numbered = requires(Record record) { record.material; };
+  if (is_numbered == (choice.number != 0)) return;
+  const std::string kind = material::kind_of<Record>();
+  throw Error(Exit::bad_input, fmt::format("{} {}", kind, choice.name),
+              is_numbered ? fmt::format("the number of the {} of {} is missing", kind, choice.name)
+                          : fmt::format("a {} has a name and no number", kind),
+              is_numbered ? fmt::format("give the number that the list of {}s has", kind)
+                          : "leave the number out, or name the kind of record");
+}
+
 /// Calls `use` with an empty record of the kind.
 template <class Use>
 auto with_kind(const std::string& kind, Use use) {
@@ -102,8 +115,12 @@ void change_library(const std::string& given, const std::function<void(Library& 
 
 std::string add_record(const RecordChoice& choice, const std::vector<std::string>& changes) {
   return with_kind(choice.kind, [&](auto record) {
+    const std::string where = fmt::format("{} {}", choice.kind, choice.name);
+    apply_changes(record, changes, where);
+    if (const std::string& name = name_in(record); !name.empty() && name != choice.name)
+      throw Error(Exit::bad_input, where, fmt::format("a second name is given, '{}'", name),
+                  "give one name");
     name_in(record) = choice.name;
-    apply_changes(record, changes, fmt::format("{} {}", choice.kind, choice.name));
     std::string title;
     change_library(choice.library,
                    [&](Library& library) { title = title_of(library.add(record)); });
@@ -113,10 +130,13 @@ std::string add_record(const RecordChoice& choice, const std::vector<std::string
 
 std::string edit_record(const RecordChoice& choice, const std::vector<std::string>& changes) {
   return with_kind(choice.kind, [&]([[maybe_unused]] auto kind) {
+    check_number_of_choice<decltype(kind)>(choice);
     std::string title;
     change_library(choice.library, [&](Library& library) {
       auto record = find_record<decltype(kind)>(library, choice);
-      apply_changes(record, changes, title_of(record));
+      const std::string where = title_of(record);
+      apply_changes(record, changes, where);
+      check_record(record, where);
       library.replace(record);
       title = title_of(record);
     });
@@ -126,6 +146,7 @@ std::string edit_record(const RecordChoice& choice, const std::vector<std::strin
 
 RemovedRecord remove_record(const RecordChoice& choice) {
   return with_kind(choice.kind, [&]([[maybe_unused]] auto kind) {
+    check_number_of_choice<decltype(kind)>(choice);
     RemovedRecord removed;
     change_library(choice.library, [&](Library& library) {
       const auto record = find_record<decltype(kind)>(library, choice);

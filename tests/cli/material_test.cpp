@@ -66,7 +66,10 @@ TEST_F(MaterialCommand, fits_and_best_feeds_as_printed) {
   const Finished plywood = material({"fit", "plywood"});
   EXPECT_THAT(plywood.out, HasSubstr("B 0.09940  w 0.91338  rms 0.600\n"));
   EXPECT_THAT(plywood.err, HasSubstr("warning  rms 0.600 is above 0.3"));
-  EXPECT_THAT(done({"best", "pmma-black", "--thickness", "6"}),
+  const Finished fastest = material({"best", "pmma-black", "--thickness", "6"});
+  EXPECT_THAT(fastest.out, HasSubstr("no faster feed was measured"));
+  EXPECT_THAT(fastest.err, HasSubstr("a rejected measurement at 600 mm/min has a depth of 0.12"));
+  EXPECT_THAT(done({"best", "pmma-black", "--thickness", "6", "--rejected"}),
               testing::AllOf(HasSubstr("feed      360 mm/min\n"),
                              HasSubstr("passes    17, 0.36 mm"), HasSubstr("4.72 min for 100 mm"),
                              HasSubstr("30 to 600 mm/min; other feeds are not considered")));
@@ -107,7 +110,7 @@ TEST_F(MaterialCommand, exchanges_files) {
   const std::string file = folder_ / "all.toml", one = folder_ / "one.toml";
   done({"export", file});
   done({"export", one, "--material", "plywood"});
-  EXPECT_THAT(read(one), testing::AllOf(HasSubstr("name = \"diode-3w\""), Not(HasSubstr("pmma"))));
+  EXPECT_THAT(read(one), testing::AllOf(HasSubstr("[[laser]]"), Not(HasSubstr("pmma"))));
   EXPECT_EQ(document({"import", file})["added"], 0);
   done({"remove", "plywood"});
   const json imported = document({"import", one});
@@ -138,6 +141,21 @@ TEST_F(MaterialCommand, wrong_input_is_refused_whole) {
   EXPECT_THAT(refusal({"best", "plywood"}), HasSubstr("its thickness is not known"));
   EXPECT_THAT(refusal({"best", "rubber", "--thickness", "3"}), HasSubstr("no measurement"));
   EXPECT_THAT(refusal({"best", "pmma-grey", "--thickness", "3"}), HasSubstr("cannot be cut"));
+  EXPECT_THAT(refusal({"add", "oak", "name=birch"}), HasSubstr("a second name is given, 'birch'"));
+  EXPECT_THAT(refusal({"add", "oak", "density_g_cm3=nan"}), HasSubstr("'density_g_cm3' is nan"));
+  EXPECT_THAT(refusal({"add", "oak", "density_g_cm3=0.7 g/cm3"}), HasSubstr("not a number"));
+  EXPECT_THAT(refusal({"edit", "plywood", "name="}),
+              HasSubstr("material plywood: 'name' is missing"));
+  EXPECT_THAT(refusal({"add", "plywood", "--kind", "setting", "laser=diode-3w", "feed_mm_min=60",
+                       "power_w=30"}),
+              HasSubstr("'power_w' is 30, more than that of the laser diode-3w; give at most 3"));
+  EXPECT_THAT(refusal({"edit", "diode-3w", "--kind", "laser", "power_w=2"}),
+              HasSubstr("laser diode-3w: 'power_w' is 2, setting"));
+  EXPECT_THAT(refusal({"remove", "plywood", "--kind", "setting"}),
+              HasSubstr("the number of the setting of plywood is missing"));
+  EXPECT_THAT(refusal({"remove", "plywood", "--number", "3"}), HasSubstr("and no number"));
+  EXPECT_THAT(refusal({"measure", "plywood", "--feed", "60", "--result", "cut"}),
+              HasSubstr("'thickness_mm' is missing"));
   EXPECT_THAT(refusal({"edit", "plywood", "--kind", "measurement", "--number", "9999", "note=a"}),
               HasSubstr("no measurement with the number 9999"));
   EXPECT_THAT(refusal({"import", folder_ / "none.toml"}), HasSubstr("no such file"));

@@ -32,11 +32,14 @@ struct Delivered {
                        result.fit.correction.exponent, result.fit.rms, result.measurements,
                        result.fit.is_poor() ? " poor" : "");
   }
-  BestCut best(const std::string& name, double thickness_mm) {
-    return best_cut(library.material(name), library.measurements_of(name), thickness_mm, 100);
+  BestCut best(const std::string& name, double thickness_mm,
+               Rejected rejected = Rejected::left_out) {
+    return best_cut(library.material(name), library.measurements_of(name), thickness_mm, 100,
+                    rejected);
   }
-  std::string best_text(const std::string& name, double thickness_mm) {
-    const BestCut best_one = best(name, thickness_mm);
+  std::string best_text(const std::string& name, double thickness_mm,
+                        Rejected rejected = Rejected::left_out) {
+    const BestCut best_one = best(name, thickness_mm, rejected);
     return fmt::format("{:g} mm/min {} passes {:.2f} min", best_one.feed_mm_min, best_one.passes,
                        best_one.time_s / 60);
   }
@@ -58,7 +61,13 @@ TEST(depth_fit, constants_of_the_source) {
 
 TEST(depth_fit, best_feeds_of_the_source) {
   Delivered delivered;
-  EXPECT_EQ(delivered.best_text("pmma-black", 6), "360 mm/min 17 passes 4.72 min");
+  // The times of the source are those of the depth 0.12 mm at 600 mm/min, which the fit rejects.
+  EXPECT_EQ(delivered.best_text("pmma-black", 6, Rejected::swapped_in),
+            "360 mm/min 17 passes 4.72 min");
+  EXPECT_EQ(delivered.best_text("pmma-black", 6), "600 mm/min 28 passes 4.67 min");
+  EXPECT_EQ(delivered.best("pmma-black", 6).rejected_depth_mm, 0.12);
+  EXPECT_FALSE(delivered.best("pmma-black", 6, Rejected::swapped_in).rejected_depth_mm);
+  EXPECT_FALSE(delivered.best("plywood", 5).rejected_depth_mm);
   EXPECT_EQ(delivered.best_text("plywood", 5), "180 mm/min 7 passes 3.89 min");
   EXPECT_EQ(delivered.best_text("fibreboard", 5), "60 mm/min 15 passes 25.00 min");
   EXPECT_EQ(delivered.best_text("cotton-denim", 1), "120 mm/min 1 passes 0.83 min");
@@ -74,7 +83,8 @@ TEST(depth_fit, best_feeds_of_the_source) {
 TEST(depth_fit, settings_delivered_agree_with_the_best_cuts) {
   Delivered delivered;
   for (const Setting& setting : delivered.library.all<Setting>()) {
-    const BestCut best = delivered.best(setting.material, setting.thickness_mm.value_or(1));
+    const BestCut best =
+        delivered.best(setting.material, setting.thickness_mm.value_or(1), Rejected::swapped_in);
     EXPECT_EQ(setting.feed_mm_min, best.feed_mm_min) << setting.material;
     EXPECT_EQ(setting.passes, best.passes) << setting.material;
   }
@@ -137,7 +147,7 @@ TEST(depth_fit, random_measurements) {
     EXPECT_NEAR(fit.depth_mm(measured[2].feed_mm_min, measured[2].power_w), *measured[2].depth_mm,
                 1e-9);
     const double thickness_mm = any(0.5, 10);
-    const BestCut best = best_cut(material, measured, thickness_mm, 250);
+    const BestCut best = best_cut(material, measured, thickness_mm, 250, Rejected::left_out);
     double least_s = std::numeric_limits<double>::infinity();
     bool is_measured = false;
     for (const Measurement& one : measured) {

@@ -65,6 +65,7 @@ TEST(record_file, random_records_come_back) {
     records.settings.push_back(setting);
     Measurement measurement = random_record<Measurement>(random);
     measurement.thickness_mm.reset();
+    if (measurement.result == "cut") measurement.depth_mm.reset();
     records.measurements = {measurement, measurement};
     const std::string text = to_toml(records);
     const Records again = parse_records(text, "a.toml");
@@ -104,6 +105,8 @@ TEST(record_file, wrong_records_are_refused_with_line_and_field) {
       "[[measurement]]\nmaterial = \"m\"\nlaser = \"l\"\nfeed_mm_min = 60\npower_w = 3\n";
   EXPECT_THAT(refusal(cut), HasSubstr("'depth_mm' is missing"));
   EXPECT_THAT(refusal(cut + "depth_mm = 3\nthickness_mm = 2\n"), HasSubstr("more than thickness"));
+  EXPECT_THAT(refusal(cut + "depth_mm = 1\nresult = \"cut\"\n"),
+              HasSubstr("'depth_mm' is given for a cut that came through"));
   EXPECT_THAT(refusal(cut + "depth_mm = 1\npasses = 1.5\n"), HasSubstr("must be a whole number"));
   EXPECT_THAT(refusal(cut + "depth_mm = 1\npasses = 0\n"), HasSubstr("'passes' is 0"));
   EXPECT_THAT(refusal(cut + "depth_mm = 1\nrejected = 1\n"), HasSubstr("true or false"));
