@@ -23,14 +23,13 @@ struct CardCommandOptions : run::CardOptions {
 Exit make_card(const CardCommandOptions& options) {
   Console console(options.json);
   const run::CardResult card = run::make_card(options);
-  console.say("card      {} on {:g} x {:g} mm", lamplock::count_text(card.cuts, "cut"),
+  console.say("card      {} on {:.1f} x {:.1f} mm", lamplock::count_text(card.cuts, "cut"),
               card.width_mm, card.height_mm);
   console.say("time      {}", duration_text(card.seconds));
   console.say("program   {}", options.output);
-  console.say(
-      "sheet     {}: write the measured figures there, then\n"
-      "          lamplock material measure --card {}",
-      card.sheet, card.sheet);
+  console.say("sheet     {}", card.sheet);
+  console.say("next      write the measured figures into the sheet, then:");
+  console.say("          lamplock material measure --card {}", card.sheet);
   console.document({{"output", options.output},
                     {"sheet", card.sheet},
                     {"cuts", card.cuts},

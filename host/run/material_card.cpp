@@ -53,6 +53,12 @@ double list_number(const std::string& text, const std::string& where) {
   return *value;
 }
 
+/// As many digits as in the program, so that labels are short.
+double to_thousandths(double value) {
+  constexpr double thousandths = 1000;
+  return std::round(value * thousandths) / thousandths;
+}
+
 /// FROM:TO or FROM:TO:COUNT.
 void add_range(const std::vector<std::string>& ends, const std::string& part,
                const std::string& where, std::vector<double>& numbers) {
@@ -65,11 +71,9 @@ void add_range(const std::vector<std::string>& ends, const std::string& part,
     throw Error(
         Exit::bad_input, where, fmt::format("'{}' has no possible count", part),
         fmt::format("give FROM:TO:COUNT with a whole COUNT, 2 to {}", material::max_card_cuts));
-  // Rounded to thousandths, as in the program.
-  constexpr double thousandths = 1000;
   for (double i = 0; i < count; ++i) {
     const double value = count == 1 ? from : from + (to - from) * i / (count - 1);
-    numbers.push_back(std::round(value * thousandths) / thousandths);
+    numbers.push_back(to_thousandths(value));
   }
 }
 
@@ -80,9 +84,12 @@ std::vector<double> power_list(const std::string& text, const Laser& laser) {
   std::string plain;
   for (const char c : text)
     if (c != '%') plain += c;
-  for (const double value : number_list(plain, "powers"))
-    powers.push_back(
-        power_w_of(fmt::format("{}{}", value, is_percent ? "%" : ""), laser, "powers"));
+  for (const double value : number_list(plain, "powers")) {
+    const double power_w =
+        power_w_of(fmt::format("{}{}", value, is_percent ? "%" : ""), laser, "powers");
+    const double rounded_w = to_thousandths(power_w);
+    powers.push_back(rounded_w > 0 ? rounded_w : power_w);
+  }
   return powers;
 }
 

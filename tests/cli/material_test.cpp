@@ -219,6 +219,9 @@ TEST_F(MaterialCommand, grids_and_combs) {
                               "--powers", "1:3:3", "--passes", "1:2", "--machine", machine, "-o",
                               folder_ / "grid.ngc", "--label-feed", "777"});
   EXPECT_EQ(grid["cuts"], 30);
+  done({"card", "plywood", "--kind", "grid", "--feeds", "60", "--powers", "20:100:4%", "--machine",
+        machine, "-o", folder_ / "thirds.ngc"});
+  EXPECT_THAT(read(folder_ / "thirds.ngc"), HasSubstr("(F60 P1.4 N1)")) << "46.667 % of 3 W";
   // Squares of 10 mm at three powers, with one and with two passes.
   EXPECT_NEAR(length_at_feed(read(folder_ / "grid.ngc"), "300.000"), 9 * 40, 1e-6);
   EXPECT_GT(length_at_feed(read(folder_ / "grid.ngc"), "777.000"), 100);
