@@ -17,6 +17,7 @@ void add_jerk(Command& program);
 void add_job(Command& program);
 void add_raster(Command& program);
 void add_cut(Command& program);
+void add_material(Command& program);
 void add_send(Command& program);
 void add_settings(Command& program);
 void add_devices(Command& program);

@@ -33,6 +33,7 @@ std::unique_ptr<Command> make_own_commands() {
   add_job(*program);
   add_raster(*program);
   add_cut(*program);
+  add_material(*program);
   add_send(*program);
   add_settings(*program);
   add_devices(*program);

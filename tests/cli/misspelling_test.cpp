@@ -113,7 +113,7 @@ TEST(Misspelling, OptionsOfEveryCommandAreSuggested) {
     if (command.name() == "engrave" || command.name() == "raster" || command.name() == "cut")
       add(command, {command.name()});
     for (const Command& inner : command.commands())
-      if (inner.name() == "get" || inner.name() == "pulse")
+      if (inner.name() == "get" || inner.name() == "pulse" || inner.name() == "card")
         add(inner, {command.name(), inner.name()});
   }
   EXPECT_GT(score.tried(), 1000u);

@@ -27,7 +27,7 @@ TEST_P(CommandHelp, has_a_help_text_with_an_example) {
 INSTANTIATE_TEST_SUITE_P(all, CommandHelp,
                          testing::Values("example", "points", "order", "job", "send", "engrave",
                                          "frame", "compare", "sim", "chip", "bench", "check",
-                                         "settings", "console", "raster", "estimate"),
+                                         "settings", "console", "raster", "estimate", "material"),
                          [](const auto& test) { return test.param; });
 
 TEST(Usage, help_lists_every_command) {
@@ -35,7 +35,7 @@ TEST(Usage, help_lists_every_command) {
   EXPECT_EQ(help.status, 0);
   for (const char* command :
        {"example", "points", "order", "job", "send", "engrave", "frame", "compare", "sim", "chip",
-        "bench", "check", "settings", "console", "raster", "estimate", "--version"})
+        "bench", "check", "settings", "console", "raster", "estimate", "material", "--version"})
     EXPECT_THAT(help.out, HasSubstr(command));
 }
 
@@ -56,7 +56,7 @@ TEST(Usage, version_with_verbose_has_the_build) {
   EXPECT_THAT(finished.out, HasSubstr("\nboard     rp2040: "));
   for (const char* library :
        {"Boost", "CLI11", "fmt", "hidapi-hidraw", "libedit", "libgpiod", "libpng", "libusb-1.0",
-        "libzip", "nanoflann", "nlohmann_json", "pugixml", "stb", "tomlplusplus"})
+        "libzip", "nanoflann", "nlohmann_json", "pugixml", "sqlite3", "stb", "tomlplusplus"})
     EXPECT_THAT(finished.out,
                 testing::ContainsRegex(fmt::format("\nlibrary   {} [0-9.]+\n", library)));
 }
