@@ -189,7 +189,7 @@ bool ProgramReader::prepare_beam() {
 [[gnu::hot]] ProgramReader::Step ProgramReader::move(const settings::Values& values,
                                                      const StepLimits& space, bool check) {
   if (!prepared_) {
-    target_ = line_target(action_, values);
+    find_target(action_, values, target_);
     prepared_ = true;
   }
   if (axis_outside(target_.steps, space, options_.axes) >= 0) {
