@@ -23,6 +23,12 @@ class Error : public std::runtime_error {
  public:
   Error(Exit exit, const std::string& where, const std::string& what, const std::string& remedy);
   Exit exit() const { return exit_; }
+  /// The same message with another status.
+  Error with(Exit exit) const {
+    Error other = *this;
+    other.exit_ = exit;
+    return other;
+  }
   /// `WHERE: WHAT; REMEDY`, as part of another line. Lives as long as the error.
   std::string_view message() const { return std::string_view(what()).substr(prefix.size()); }
 

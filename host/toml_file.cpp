@@ -33,7 +33,6 @@ constexpr std::array wordings{
     Wording{"expected keys, tables", "the name before '=' is missing"},
     Wording{"not representable in 64 bits", "a number is too large"},
     Wording{"leading zeroes", "a number begins with 0"},
-    Wording{"invalid utf-8", "is not valid UTF-8"},
     Wording{"unknown escape sequence", "a text has a single backslash; write two for one"},
     Wording{"end-of-file", "the file ends in the middle of a value"},
     Wording{"inline table", "a '}' is missing"},
@@ -74,6 +73,13 @@ std::size_t line_of_assertion(std::string_view text) {
 constexpr const char* remedy =
     "correct the line: NAME = VALUE, texts in quotes, numbers with a decimal point";
 
+[[noreturn]] void refuse_part(const std::string& where, std::string_view description) {
+  // Pictures, models and other binary files have bytes that no text has.
+  if (description.find("invalid utf-8") != std::string_view::npos)
+    refuse(where, "is not text in UTF-8", "give a text file of the form NAME = VALUE (TOML)");
+  refuse(where, plain_text(description), remedy);
+}
+
 }  // namespace
 
 std::string toml_location(const std::filesystem::path& file, const toml::source_region& source) {
@@ -84,10 +90,9 @@ toml::table parse_toml(std::string_view text, const std::filesystem::path& file)
   try {
     return toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
-    refuse(toml_location(file, error.source()), plain_text(error.description()), remedy);
+    refuse_part(toml_location(file, error.source()), error.description());
   } catch (const TomlAssertion& assertion) {
-    refuse(fmt::format("{}:{}", file.string(), line_of_assertion(text)),
-           plain_text(assertion.what()), remedy);
+    refuse_part(fmt::format("{}:{}", file.string(), line_of_assertion(text)), assertion.what());
   }
 }
 

@@ -55,31 +55,71 @@ inline std::string stored_zlib(const std::string& bytes) {
 /// Colour types of PNG.
 enum class PngType { grey = 0, rgb = 2, palette = 3, grey_alpha = 4, rgb_alpha = 6 };
 
+/// A row of samples as PNG stores it: filter 0, then the samples packed.
+inline std::string png_row(int depth, const std::vector<std::uint32_t>& samples) {
+  std::string row(1, '\0');
+  std::uint32_t bits = 0;
+  int filled = 0;
+  for (const std::uint32_t sample : samples) {
+    bits = bits << depth | sample;
+    filled += depth;
+    for (; filled >= 8; filled -= 8) row += static_cast<char>(bits >> (filled - 8));
+  }
+  if (filled > 0) row += static_cast<char>(bits << (8 - filled));
+  return row;
+}
+
+/// All rows one after the other, or those of the seven passes of Adam7.
+enum class PngInterlace { none = 0, adam7 = 1 };
+
+/// The pixels of a pass: every `step` from `first`.
+struct PngPass {
+  int first_x, first_y, step_x, step_y;
+};
+
+/// The rows of a picture in the order of the file.
+inline std::string png_rows(int width, int height, int depth,
+                            const std::vector<std::uint32_t>& samples, PngInterlace interlace) {
+  // "Portable Network Graphics", second edition, 8.2.
+  static constexpr std::array<PngPass, 7> adam7{{{0, 0, 8, 8},
+                                                 {4, 0, 8, 8},
+                                                 {0, 4, 4, 8},
+                                                 {2, 0, 4, 4},
+                                                 {0, 2, 2, 4},
+                                                 {1, 0, 2, 2},
+                                                 {0, 1, 1, 2}}};
+  const std::vector<PngPass> passes = interlace == PngInterlace::none
+                                          ? std::vector<PngPass>{{0, 0, 1, 1}}
+                                          : std::vector<PngPass>(adam7.begin(), adam7.end());
+  const std::size_t per_pixel = samples.size() / static_cast<std::size_t>(width * height);
+  std::string rows;
+  for (const PngPass& pass : passes) {
+    for (int y = pass.first_y; y < height && pass.first_x < width; y += pass.step_y) {
+      std::vector<std::uint32_t> row;
+      for (int x = pass.first_x; x < width; x += pass.step_x)
+        for (std::size_t i = 0; i < per_pixel; ++i)
+          row.push_back(samples[static_cast<std::size_t>(y * width + x) * per_pixel + i]);
+      rows += png_row(depth, row);
+    }
+  }
+  return rows;
+}
+
 /// A PNG. `samples`: row by row from the top, each with the samples of its pixels; `chunks` follow
 /// the header, as PLTE, tRNS and eXIf do.
 inline std::string png_file(int width, int height, int depth, PngType type,
                             const std::vector<std::uint32_t>& samples,
-                            const std::string& chunks = "") {
-  std::string rows;
-  const std::size_t per_row = samples.size() / static_cast<std::size_t>(height);
-  for (std::size_t begin = 0; begin < samples.size(); begin += per_row) {
-    rows += '\0';  // no filter
-    std::uint32_t bits = 0;
-    int filled = 0;
-    for (std::size_t i = begin; i < begin + per_row; ++i) {
-      bits = bits << depth | samples[i];
-      filled += depth;
-      for (; filled >= 8; filled -= 8) rows += static_cast<char>(bits >> (filled - 8));
-    }
-    if (filled > 0) rows += static_cast<char>(bits << (8 - filled));
-  }
+                            const std::string& chunks = "",
+                            PngInterlace interlace = PngInterlace::none) {
   std::string header = big_endian(static_cast<std::uint32_t>(width), 4) +
                        big_endian(static_cast<std::uint32_t>(height), 4);
   header += static_cast<char>(depth);
   header += static_cast<char>(type);
-  header += std::string(3, '\0');
+  header += std::string(2, '\0');
+  header += static_cast<char>(interlace);
   return "\x89PNG\r\n\x1a\n" + png_chunk("IHDR", header) + chunks +
-         png_chunk("IDAT", stored_zlib(rows)) + png_chunk("IEND", "");
+         png_chunk("IDAT", stored_zlib(png_rows(width, height, depth, samples, interlace))) +
+         png_chunk("IEND", "");
 }
 
 /// A block of Exif with an orientation, in either byte order.

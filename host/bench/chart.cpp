@@ -13,7 +13,7 @@ namespace {
 
 constexpr double width = 860, height = 520, chart_left = 70, chart_right = 20, chart_top = 50,
                  chart_bottom = 60;
-constexpr double lowest_beats = 0.95;
+constexpr double min_beats_shown = 0.95;
 
 /// Converts numbers to positions: a / f^2 on a logarithmic scale, beats on a linear one.
 struct Scale {
@@ -25,8 +25,8 @@ struct Scale {
   }
   double y(double beats) const {
     return height - chart_bottom -
-           (height - chart_top - chart_bottom) * (beats - lowest_beats) /
-               (max_beats - lowest_beats);
+           (height - chart_top - chart_bottom) * (beats - min_beats_shown) /
+               (max_beats - min_beats_shown);
   }
 };
 

@@ -104,7 +104,7 @@ class Loops {
   }
 
   /// Loops until `beats` in total. Waiting at rest is a loop, so boxes only grow.
-  void go_on(int beats) {
+  void extend(int beats) {
     if (!started_ || beats == first_.beats) return;
     everything_ = true;
     for (std::size_t a = 0; a < problem_.axes; ++a) {
@@ -363,7 +363,7 @@ ReferenceResult fewest_beats_of_stream(const ReferenceProblem& problem, const Po
     Loops loops(problem);
     const int least = min_beats(problem, i);
     for (int beats = labels.all().front().beats + least; !loops.everything(); ++beats) {
-      loops.go_on(beats);
+      loops.extend(beats);
       for (const Label& from : labels.all()) {
         if (from.beats + least > beats) break;
         Label to;

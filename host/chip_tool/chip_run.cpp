@@ -104,19 +104,19 @@ const chip::Profile* ChipRun::profile(std::size_t core) const {
   return profiles_[core] ? &profiles_[core]->table : nullptr;
 }
 
-bool ChipRun::advance(chip::Cycle target, const std::function<bool()>& give_up) {
-  if (debugger_) return debugger_->run_until(target, give_up);
+bool ChipRun::advance(chip::Cycle target, const std::function<bool()>& is_cancelled) {
+  if (debugger_) return debugger_->run_until(target, is_cancelled);
   chip_.run_until(target);
   return true;
 }
 
-bool ChipRun::run_until(sim::Picoseconds until, const std::function<bool()>& give_up) {
-  bool goes_on = true;
+bool ChipRun::run_until(sim::Picoseconds until, const std::function<bool()>& is_cancelled) {
+  bool runs = true;
   chip::Cycle reached = 0;
   // A change of the clock changes the cycle of a given time.
-  for (chip::Cycle target = chip_.wheel().cycle_at(until); goes_on && target > chip_.wheel().now();
+  for (chip::Cycle target = chip_.wheel().cycle_at(until); runs && target > chip_.wheel().now();
        target = chip_.wheel().cycle_at(until)) {
-    goes_on = advance(target, give_up);
+    runs = advance(target, is_cancelled);
     reached = target;
   }
   // Instructions may have ended a little later.
@@ -126,7 +126,7 @@ bool ChipRun::run_until(sim::Picoseconds until, const std::function<bool()>& giv
   chip_.gpio().catch_up(end);
   ports_.poll(end);
   if (trace_) trace_->writer.flush(now());
-  return goes_on;
+  return runs;
 }
 
 bool ChipRun::allows(const chip::Fault& fault) const {

@@ -66,8 +66,9 @@ class ChipRun {
   /// Address of the chip for a debugger, HOST:PORT; empty without one.
   std::string debugger_address() const;
   /// Runs to a simulated time, and the instructions in progress to their ends. A debugger may halt
-  /// the chip; `give_up` is called meanwhile. False: the debugger or give_up has ended the run.
-  bool run_until(sim::Picoseconds until, const std::function<bool()>& give_up);
+  /// the chip; `is_cancelled` is called meanwhile. False: the debugger or is_cancelled has ended
+  /// the run.
+  bool run_until(sim::Picoseconds until, const std::function<bool()>& is_cancelled);
   /// The time up to which the chip has run; its last instructions may end later.
   sim::Picoseconds now() const { return reached_; }
   /// Writes the trace and the profile to their files. Throws Error(bad_input).
@@ -93,7 +94,7 @@ class ChipRun {
   struct Trace;
   struct CoreProfile;
 
-  bool advance(sim::chip::Cycle target, const std::function<bool()>& give_up);
+  bool advance(sim::chip::Cycle target, const std::function<bool()>& is_cancelled);
 
   ChipRunOptions options_;
   sim::chip::Image image_;

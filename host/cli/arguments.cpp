@@ -63,7 +63,9 @@ class Walk {
     add(ArgumentKind::option, name, option);
     const std::string attached =
         is_long ? equals == std::string::npos ? "" : text.substr(equals + 1) : text.substr(2);
-    if (!attached.empty())
+    // "--output=" has an empty value; it does not take the next word.
+    const bool has_empty_value = equals != std::string::npos && !option->is_flag();
+    if (!attached.empty() || has_empty_value)
       add(ArgumentKind::value, attached, option);
     else if (takes_value(*option) && at_ + 1 < rest_.size())
       add(ArgumentKind::value, rest_[++at_], option);

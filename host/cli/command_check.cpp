@@ -1,6 +1,7 @@
 // `lamplock check`: what a program of G-code does, without a machine.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -26,8 +27,12 @@ struct CheckOptions : run::CheckOptions {
 std::string problem_text(const std::string& file, const Problem& p) {
   std::string text = fmt::format("{}:{}", file, p.line);
   if (p.column != 0) text += fmt::format(":{}", p.column);
-  return text + (p.error == 0 ? ": " : fmt::format(": error:{} ", p.error)) + p.text;
+  text += (p.error == 0 ? ": " : fmt::format(": error:{} ", p.error)) + p.text;
+  return p.remedy.empty() ? text : text + "; " + p.remedy;
 }
+
+/// As a text has it, with three decimals; a value that rounds to 0 has no sign.
+double shown_mm(double mm) { return std::round(mm * 1e3) / 1e3 + 0.0; }
 
 void say_result(Console& console, const ProgramRun& run) {
   console.say("time      {}", duration_text(run.seconds()));
@@ -35,8 +40,8 @@ void say_result(Console& console, const ProgramRun& run) {
   console.say("feed      {:.3f} mm", run.feed_mm);
   console.say("rapid     {:.3f} mm", run.rapid_mm);
   for (int a = 0; a < run.axes; ++a)
-    console.say("{}         {:.3f} to {:.3f} mm", axis_letters[index(a)], run.bounds.low[index(a)],
-                run.bounds.high[index(a)]);
+    console.say("{}         {:.3f} to {:.3f} mm", axis_letters[index(a)],
+                shown_mm(run.bounds.low[index(a)]), shown_mm(run.bounds.high[index(a)]));
   if (run.locked != 0) console.say("shots     {} on the beat", run.beats.shots);
   if (!run.ignored.empty())
     console.say("ignored   {}: no effect on this machine", fmt::join(run.ignored, ", "));
@@ -50,8 +55,11 @@ Json document(const CheckOptions& options, const ProgramRun& run) {
     high.push_back(run.bounds.high[index(a)]);
   }
   for (const Problem& p : run.problems)
-    problems.push_back(
-        {{"line", p.line}, {"column", p.column}, {"error", p.error}, {"text", p.text}});
+    problems.push_back({{"line", p.line},
+                        {"column", p.column},
+                        {"error", p.error},
+                        {"text", p.text},
+                        {"remedy", p.remedy}});
   return {{"input", options.input}, {"lines", run.lines},
           {"moves", run.moves},     {"time_s", run.seconds()},
           {"feed_mm", run.feed_mm}, {"rapid_mm", run.rapid_mm},

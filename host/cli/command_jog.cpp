@@ -83,14 +83,14 @@ void add_options(Command& app, const std::shared_ptr<JogOptions>& options) {
                  "is held; default: step with a pendant, otherwise continuous")
       .check(one_of({mode_names.begin(), mode_names.end()}))
       .value_name("step|continuous|feed");
-  constexpr double least = 0.001, greatest_step_mm = 100, greatest_feed = 1e6;
+  constexpr double least = 0.001, max_step_mm = 100, max_feed = 1e6;
   app.add_option("--feed", &options->feed_mm_min,
                  "Feed rate of jogs; default: feed rate in [pendant] of the machine profile, "
                  "otherwise 3000")
-      .check(number_in({least, greatest_feed}))
+      .check(number_in({least, max_feed}))
       .value_name("MM_MIN");
   app.add_option("--step", &options->step_mm, "Step length at the start; default: 0.1")
-      .check(number_in({least, greatest_step_mm}))
+      .check(number_in({least, max_step_mm}))
       .value_name("MM");
   app.add_json(options->json);
 }

@@ -33,11 +33,13 @@ std::string place_text(const std::vector<double>& place) {
 
 /// Shows the places, for people and for programs.
 Exit show(const Places& places, const std::string& done, Console& console) {
+  console.say("{:<16} {}", "state", places.state);
   console.say("{:<16} {}", "position", place_text(places.machine));
   console.say("{:<16} {}", "zero", place_text(places.zero));
   console.say("{:<16} {}", "sample position", place_text(places.sample));
   console.say("{:<16} {}", "restore goes to", place_text(places.left));
   console.document({{"done", done},
+                    {"state", places.state},
                     {"machine_mm", places.machine},
                     {"zero_mm", places.zero},
                     {"sample_mm", places.sample},

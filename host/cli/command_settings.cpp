@@ -172,7 +172,7 @@ void add_settings(Command& program) {
       "with the settings of --machine and forgets changes when the command ends.\n"
       "Example:\n"
       "  lamplock settings list --board /dev/ttyACM0\n"
-      "  lamplock settings set acceleration_x=500 120=500 --board /dev/ttyACM0\n"
+      "  lamplock settings set acceleration_x=500 121=500 --board /dev/ttyACM0\n"
       "  lamplock settings backup board.toml --board /dev/ttyACM0");
   const auto options = std::make_shared<SettingsOptions>();
   add(app, options, "list", "List all settings; * marks a value that differs from its default",

@@ -9,9 +9,9 @@ Json bounds_json(const geometry::Bounds& b) {
 }
 
 Json spacing_json(const points::SpacingReport& spacing) {
-  return {{"smallest_mm", spacing.smallest_mm},
+  return {{"smallest_mm", spacing.min_mm},
           {"mean_mm", spacing.mean_mm},
-          {"largest_mm", spacing.largest_mm},
+          {"largest_mm", spacing.max_mm},
           {"duplicates", spacing.duplicates}};
 }
 

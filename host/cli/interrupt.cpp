@@ -2,10 +2,13 @@
 
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <csignal>
 
 #include "host/cli/quiet_terminal.hpp"
+#include "host/cli/raw_terminal.hpp"
+#include "host/file/unfinished_paths.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -16,8 +19,10 @@ std::atomic<int> interrupts{0};
 /// SIGTERM or SIGHUP, whichever came first; 0: none.
 std::atomic<int> ending_signal{0};
 static_assert(std::atomic<int>::is_always_lock_free);
+/// Signals that end a program by default, with or without a memory image, and that have no meaning
+/// for this one.
+constexpr std::array other_signals{SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGABRT, SIGXCPU};
 using Handler = void (*)(int);
-Handler old_interrupt = SIG_DFL, old_terminate = SIG_DFL, old_hangup = SIG_DFL;
 
 void note_ending(int signal) {
   int none = 0;
@@ -29,22 +34,35 @@ void count_signal(int signal) {
   interrupts.fetch_add(signal == SIGINT ? 1 : stops_at_once);
 }
 
-void leave(int signal) {
+/// What a program that ends at once must not leave: a terminal without echo, parts of files.
+void clean_up() {
   QuietTerminal::leave();
+  RawTerminal::leave();
+  remove_unfinished_paths();
+}
+
+void leave(int signal) {
+  clean_up();
   ::_exit(signal_status + signal);
 }
 
-/// Returns the handler before. An ignored SIGHUP stays ignored.
-Handler handle(int signal, Handler handler) {
-  const Handler before = std::signal(signal, handler);
-  if (signal == SIGHUP && before == SIG_IGN) std::signal(signal, SIG_IGN);
-  return before;
+/// The signal ends the program when the handler returns, as it does by default.
+void leave_by_default(int signal) {
+  clean_up();
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+void handle(int signal, Handler handler) {
+  if (std::signal(signal, handler) == SIG_IGN && signal != SIGINT && signal != SIGTERM)
+    std::signal(signal, SIG_IGN);
 }
 
 }  // namespace
 
 void end_at_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) handle(signal, leave);
+  for (const int signal : other_signals) handle(signal, leave_by_default);
 }
 
 int status_of(Exit exit) {
@@ -56,16 +74,10 @@ bool is_ended_by_signal() { return ending_signal != 0; }
 
 Interrupt::Interrupt() {
   interrupts = 0;
-  old_interrupt = handle(SIGINT, count_signal);
-  old_terminate = handle(SIGTERM, count_signal);
-  old_hangup = handle(SIGHUP, count_signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) handle(signal, count_signal);
 }
 
-Interrupt::~Interrupt() {
-  std::signal(SIGINT, old_interrupt);
-  std::signal(SIGTERM, old_terminate);
-  std::signal(SIGHUP, old_hangup);
-}
+Interrupt::~Interrupt() = default;
 
 int Interrupt::count() const { return interrupts; }
 

@@ -9,9 +9,10 @@
 
 namespace lamplock::cli {
 
-/// Outside of an Interrupt, SIGINT, SIGTERM and SIGHUP end the program at once, with the status of
-/// the signal and the terminal restored. Called once, at the start. A SIGHUP that is ignored then
-/// (nohup) is ignored for good; SIGINT is not: also a job in the background must be stopped by it.
+/// Before the first Interrupt, SIGINT, SIGTERM and SIGHUP end the program at once, with the status
+/// of the signal, the terminal restored and no part of a file left. SIGQUIT and other signals do so
+/// at any time. Called once, at the start. A SIGHUP that is ignored then (nohup) is ignored for
+/// good; SIGINT is not: also a job in the background must be stopped by it.
 void end_at_signals();
 
 /// The exit status of a command that returned `exit`: after an end by a signal, interrupted becomes
@@ -21,8 +22,9 @@ int status_of(Exit exit);
 /// SIGTERM or SIGHUP has come.
 bool is_ended_by_signal();
 
-/// Counts interrupts as long as it lives; before and after, an interrupt ends the program. One at
-/// a time.
+/// Counts interrupts from its begin to the end of the program; before, an interrupt ends the
+/// program. After the object, what it controlled has ended: its report must be written whole, so
+/// that a late interrupt has no effect. One at a time.
 class Interrupt : public run::Interrupts {
  public:
   Interrupt();

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t max_read = 65536;
 
 /// Users type Enter after `!` within this time, before they have read that the machine is held.
-constexpr std::chrono::seconds enter_time{2};
+constexpr std::chrono::seconds enter_time{1};
 /// The rest of a key's sequence arrives within this time.
 constexpr std::chrono::milliseconds max_escape_time{200};
 
@@ -37,7 +37,7 @@ bool KeyLine::take(char key, std::vector<std::string>& lines, Clock::time_point 
     held_at_ = now;
     lines.emplace_back(1, hold_key);
   } else if (key == '\n' || key == '\r') {
-    if (!is_after_hold) lines.push_back(std::exchange(text_, {}));
+    lines.push_back(is_after_hold ? std::string(1, hold_key) : std::exchange(text_, {}));
   } else if (key == end_of_input) {
     return !text_.empty();
   } else if (key == erase_line) {
@@ -76,11 +76,10 @@ Keyboard::Keyboard(Beside beside) {
 bool Keyboard::at_terminal() { return QuietTerminal::in_foreground(STDIN_FILENO); }
 
 std::vector<std::string> Keyboard::lines(std::chrono::milliseconds wait) {
-  if (ended_) {
+  if (ended())
     std::this_thread::sleep_for(wait);
-    return {};
-  }
-  read_waiting(wait);
+  else
+    read_waiting(wait);
   return quiet_ && QuietTerminal::reads_keys() ? take_keys() : take_lines();
 }
 

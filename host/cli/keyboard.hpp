@@ -25,7 +25,7 @@ class KeyLine {
 
   /// Adds the line to `lines` if this key ends it. Returns false for Ctrl-D at the begin of a line:
   /// the input has ended. `!` is the line "!" and discards what was typed before; an Enter that
-  /// follows within two seconds belongs to it, for Enter alone would resume.
+  /// follows within a second is the line "!" once more, for an empty line would resume.
   bool take(char key, std::vector<std::string>& lines, Clock::time_point now = Clock::now());
   /// The line so far: printable ASCII; other characters are '?'.
   const std::string& text() const { return text_; }
@@ -49,8 +49,8 @@ class Keyboard : public run::LineInput {
   /// All lines that have come, up to 64 KB, without their ends. Waits at most this time for the
   /// first one. The rest of an input that has ended without a line end is a line.
   std::vector<std::string> lines(std::chrono::milliseconds wait) override;
-  /// No further line will come.
-  bool ended() const override { return ended_; }
+  void read_ahead() override { read_waiting(std::chrono::milliseconds(0)); }
+  bool ended() const override { return ended_ && typed_.empty(); }
   bool is_typed() const override { return at_terminal(); }
 
   /// Stdin is a terminal, and this program is in its foreground.

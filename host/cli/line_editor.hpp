@@ -40,6 +40,7 @@ class LineEditor : public run::LineInput {
 
   /// Waits at most this time for the first key.
   std::vector<std::string> lines(std::chrono::milliseconds wait) override;
+  void read_ahead() override {}  ///< an editor ends by a key, which lines() reads
   bool ended() const override { return ended_; }
   bool is_typed() const override { return true; }
   std::string begun() const override { return ""; }

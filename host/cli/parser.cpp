@@ -10,6 +10,7 @@
 
 #include "host/cli/arguments.hpp"
 #include "host/cli/command_line.hpp"
+#include "host/cli/empty_values.hpp"
 #include "host/cli/file_options.hpp"
 #include "host/cli/help.hpp"
 #include "host/cli/separate_program.hpp"
@@ -121,7 +122,14 @@ void bind(CLI::App& app, Option& option, Bound& bound) {
   bound.options.emplace_back(&option, made);
 }
 
-void bind(CLI::App& app, Command& command, Bound& bound) {
+bool contains(const std::vector<std::string>& arguments, const std::string& name) {
+  return std::find(arguments.begin(), arguments.end(), name) != arguments.end();
+}
+
+/// Inner commands that no argument names get no options: to bind those of all takes longer than the
+/// rest of a short run.
+void bind(CLI::App& app, Command& command, const std::vector<std::string>& arguments,
+          Bound& bound) {
   if (!command.footer().empty()) app.footer(command.footer());  // else that of the outer command
   app.set_help_flag();                                          // the parser answers it first
   CLI::Option* version = nullptr;
@@ -140,8 +148,10 @@ void bind(CLI::App& app, Command& command, Bound& bound) {
   else if (!command.commands().empty())
     app.require_subcommand(0, 1);
   bound.commands.emplace_back(&command, &app);
-  for (Command& inner : command.commands())
-    bind(*app.add_subcommand(inner.name(), inner.description()), inner, bound);
+  for (Command& inner : command.commands()) {
+    CLI::App* added = app.add_subcommand(inner.name(), inner.description());
+    if (contains(arguments, inner.name())) bind(*added, inner, arguments, bound);
+  }
 }
 
 /// What CLI11 found wrong, for rules that only CLI11 knows.
@@ -174,9 +184,7 @@ const Command* separate_program(const Command& program, const std::vector<std::s
 }
 
 bool asks_for_help(const std::vector<std::string>& arguments) {
-  return std::any_of(arguments.begin(), arguments.end(), [](const std::string& argument) {
-    return argument == "-h" || argument == "--help";
-  });
+  return contains(arguments, "-h") || contains(arguments, "--help");
 }
 
 /// The command that arguments name, as far as they name one.
@@ -235,9 +243,10 @@ Exit run(Command& program, const std::vector<std::string>& arguments) {
       run_separate_program(*command, arguments);
   const std::vector<std::string> present = with_present_names(program, arguments);
   if (print_help(program, present)) return Exit::done;
+  if (const auto found = empty_value(program, present)) throw Error(*found);
   CLI::App app(program.description(), program.name());
   Bound bound;
-  bind(app, program, bound);
+  bind(app, program, present, bound);
   std::vector<std::string> reversed = present;
   std::reverse(reversed.begin(), reversed.end());
   try {

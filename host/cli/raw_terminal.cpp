@@ -4,14 +4,23 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 
 namespace lamplock::cli {
+namespace {
+
+termios raw_modes_before{};
+std::atomic<bool> is_raw{false};  ///< raw_modes_before is valid
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+}  // namespace
 
 RawTerminal::RawTerminal() {
   termios settings{};
   if (::tcgetattr(STDIN_FILENO, &settings) != 0) return;
-  before_ = settings;
+  raw_modes_before = settings;
+  is_raw = true;
   settings.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO | ISIG | IEXTEN);
   // Ctrl-S would stop what is shown; Enter stays what it is.
   settings.c_iflag &= ~static_cast<tcflag_t>(IXON | ICRNL);
@@ -21,7 +30,12 @@ RawTerminal::RawTerminal() {
 }
 
 RawTerminal::~RawTerminal() {
-  if (before_) ::tcsetattr(STDIN_FILENO, TCSANOW, &*before_);
+  leave();
+  is_raw = false;
+}
+
+void RawTerminal::leave() noexcept {
+  if (is_raw) ::tcsetattr(STDIN_FILENO, TCSANOW, &raw_modes_before);
 }
 
 std::string RawTerminal::read() {

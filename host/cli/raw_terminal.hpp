@@ -9,7 +9,6 @@
 
 #include <termios.h>
 
-#include <optional>
 #include <string>
 
 #include "host/run/jog_session.hpp"
@@ -28,9 +27,10 @@ class RawTerminal : public run::JogKeys {
   std::string read() override;
   /// No further byte will come.
   bool ended() const override { return ended_; }
+  /// Restores the terminal; for a signal handler that ends the program.
+  static void leave() noexcept;
 
  private:
-  std::optional<termios> before_;
   bool ended_ = false;
 };
 

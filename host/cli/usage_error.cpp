@@ -83,6 +83,15 @@ std::string with_decimal_point(const std::string& text) {
   return number_of<double>(point) ? point : "";
 }
 
+/// "0.3" for "0.3mm"; empty for other texts.
+std::string without_unit(const std::string& text) {
+  const std::size_t end = text.find_first_not_of("+-.0123456789");
+  if (end == std::string::npos || text.find_first_of("0123456789", end) != std::string::npos)
+    return "";
+  const std::string number = text.substr(0, end);
+  return number_of<double>(number) ? number : "";
+}
+
 /// The numbers that a type of whole numbers has, if the text is none of them.
 template <class Value>
 std::string range_of_type(std::string_view text) {
@@ -306,16 +315,22 @@ class Usage {
     return std::nullopt;
   }
 
+  /// How to write the number in "0,3" or "0.3mm"; empty for other texts.
+  static std::string number_meant(const Option& option, const std::string& text) {
+    if (type_refusal(option, text).empty()) return "";
+    if (const std::string point = with_decimal_point(text); !point.empty())
+      return fmt::format("write a decimal point: {} {}; ", option.name(), point);
+    const std::string number = without_unit(text);
+    if (number.empty() || !type_refusal(option, number).empty()) return "";
+    return fmt::format("leave the unit out: {} {}; ", option.name(), number);
+  }
+
   std::string remedy_for_value(const Option& option, const std::string& text) const {
     const Check& check = option.check();
     if (!check.names.empty())
       return did_you_mean(text, check.names,
                           fmt::format("give {}; {}", fmt::join(check.names, ", "), see_help()));
-    const std::string point = takes_numbers(option) ? "" : with_decimal_point(text);
-    const std::string written =
-        point.empty() || type_refusal(option, text).empty()
-            ? ""
-            : fmt::format("write a decimal point: {} {}; ", option.name(), point);
+    const std::string written = takes_numbers(option) ? "" : number_meant(option, text);
     const bool is_huge = is_digits(text.starts_with('+') ? text.substr(1) : text);
     const std::string of_type = std::visit(
         [&](auto* place) {

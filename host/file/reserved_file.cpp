@@ -33,7 +33,7 @@ bool write_at_begin(int descriptor, std::string_view text) {
 }  // namespace
 
 ReservedFile::ReservedFile(fs::path target, std::size_t bytes)
-    : target_(std::move(target)), staged_(staged_path(target_)) {
+    : target_(std::move(target)), staged_(staged_path(target_)), unfinished_(staged_) {
   descriptor_ = ::open(staged_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, for_all_to_read);
   if (descriptor_ < 0) throw OutputError(target_, errno);
   const int error = ::posix_fallocate(descriptor_, 0, static_cast<off_t>(bytes));

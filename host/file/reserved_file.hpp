@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <string_view>
 
+#include "host/file/unfinished_paths.hpp"
+
 namespace lamplock {
 
 /// A file in the making; without write() nothing is left of it.
@@ -29,6 +31,7 @@ class ReservedFile {
 
  private:
   std::filesystem::path target_, staged_;
+  UnfinishedPath unfinished_;
   int descriptor_ = -1;
 };
 

@@ -34,7 +34,8 @@ void check_parent(const fs::path& target) {
   std::error_code ignored;
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   if (fs::is_directory(target, ignored)) throw OutputError(target, "is a folder, not a file");
-  if (!fs::is_directory(folder, ignored)) throw OutputError(target, "its folder does not exist");
+  if (!fs::is_directory(folder, ignored))
+    throw OutputError(target, "is in a folder that does not exist");
   if (is_of_another_user(target, folder)) throw OutputError(target, EPERM);
 }
 
@@ -77,7 +78,9 @@ void check_target(const fs::path& target) {
 
 StagedFile::StagedFile(fs::path target) : target_(std::move(target)), staged_(target_) {
   check_parent(target_);
-  if (!is_special(target_)) staged_ = staged_path(target_);
+  if (is_special(target_)) return;
+  staged_ = staged_path(target_);
+  unfinished_.emplace(staged_);
 }
 
 StagedFile::~StagedFile() {

@@ -6,6 +6,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
+
+#include "host/file/unfinished_paths.hpp"
 
 namespace lamplock {
 
@@ -27,6 +30,7 @@ class StagedFile {
 
  private:
   std::filesystem::path target_, staged_;
+  std::optional<UnfinishedPath> unfinished_{};
 };
 
 /// True for what is there and no file: a device, a pipe, a folder.

@@ -54,7 +54,7 @@ struct Object {
   double twist_mm = 0;
   std::optional<bool> end_points{};
   std::string direction = "z";  ///< of rays
-  double smallest_mm = 0;       ///< side of a filled face
+  double min_mm = 0;            ///< side of a filled face
   double light_depth_mm = 0, light_lowest = 0.05;
 
   int threshold = 128, layers = 1;

@@ -180,7 +180,7 @@ std::vector<Parameter> mesh_parameters(Object& o) {
                     "",
                     {},
                     {"x", "y", "z"}}),
-      of({"faces"}, {"smallest", "--smallest", &o.smallest_mm,
+      of({"faces"}, {"smallest", "--smallest", &o.min_mm,
                      "Faces: skip triangles whose sides are all shorter than this; 0: none", "MM",
                      not_negative}),
       of({"solid"}, {"light_depth", "--light-depth", &o.light_depth_mm,

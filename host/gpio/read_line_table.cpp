@@ -19,7 +19,7 @@ namespace {
 /// Contacts bounce for some milliseconds; a longer debounce time would only delay the user.
 constexpr std::int64_t max_debounce_ms = 1'000;
 /// A beat must be longer than the rounds of a job (20 ms at most), and short for a fast stop.
-constexpr std::int64_t shortest_beat_ms = 20, max_beat_ms = 1'000;
+constexpr std::int64_t min_beat_ms = 20, max_beat_ms = 1'000;
 
 enum class Way : std::uint8_t { input, output, open_drain };
 
@@ -74,7 +74,7 @@ class Reader {
       return;
     }
     if (key == "interlock_beat_ms") {
-      table_.interlock_beat = time_of(key, node, shortest_beat_ms, max_beat_ms);
+      table_.interlock_beat = time_of(key, node, min_beat_ms, max_beat_ms);
       return;
     }
     for (const Role& role : roles)

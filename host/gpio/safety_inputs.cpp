@@ -99,7 +99,7 @@ void SafetyInputs::begin(LaserUse work) {
   fires_ = work == LaserUse::laser;
 }
 
-void SafetyInputs::go_on() { waits_ = false; }
+void SafetyInputs::resume() { waits_ = false; }
 
 void SafetyInputs::end() {
   working_ = false;

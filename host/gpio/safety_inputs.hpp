@@ -6,7 +6,7 @@
 //
 // The interlock opens in the same call that detects a pressed, open or lost input, before the host
 // sends to the board. It is on only between begin() and end(), while every input is well, and after
-// a door only from go_on(): closing a door does not restore the laser's power. An e-stop or a lost
+// a door only from resume(): closing a door does not restore the laser's power. An e-stop or a lost
 // line lasts until the guard is destroyed.
 //
 // The guard does not replace wires (docs/lines.md): a program that hangs reads no input.
@@ -59,7 +59,7 @@ class SafetyInputs {
   /// Begins work: from the next poll() on inputs count, and the interlock is on if all are well.
   void begin(LaserUse work);
   /// Resumes work after an open door: the interlock may turn on again.
-  void go_on();
+  void resume();
   /// Ends work: outputs off.
   void end();
 
@@ -80,7 +80,7 @@ class SafetyInputs {
   std::string interlock_place_, lamp_place_;
   std::unique_ptr<Output> interlock_, lamp_;
   bool working_ = false, fires_ = false;
-  bool waits_ = false;  ///< for go_on(), after an open door
+  bool waits_ = false;  ///< for resume(), after an open door
   SafetyState state_ = SafetyState::clear;
   std::string reason_{};
 };

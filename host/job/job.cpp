@@ -105,6 +105,11 @@ wire::JobHeader make_header(const Profile& profile, const JobOptions& options,
   return header;
 }
 
+bool Job::keeps_to_lamp() const {
+  const auto mode = static_cast<settings::LampMode>(settings.whole(Id::lamp_mode));
+  return !is_rows() && mode != settings::LampMode::free_beat;
+}
+
 bool Job::is_pause(std::size_t target) const {
   const wire::Target& t = targets[target];
   return t.shots == 0 && t.beats != 0 && target > 0 && t.steps == targets[target - 1].steps;

@@ -50,6 +50,8 @@ struct Job {
 
   /// Rows of pixels instead of points.
   bool is_rows() const { return header.mode == wire::mode_rows; }
+  /// Points at the beat of a lamp; not rows, nor points at a beat of the board's own.
+  bool keeps_to_lamp() const;
   /// Targets or lines.
   std::size_t size() const { return is_rows() ? rows.lines.size() : targets.size(); }
   /// The word for one of them in messages.

@@ -114,6 +114,11 @@ std::string progress_line(const ProgressRecord& record) {
   return fmt::format("{} {:08x}\n", text, check_of(text));
 }
 
+const ProgressRecord* JournalContents::find_offered(std::uint32_t session) const {
+  const auto found = std::ranges::find(offered, session, &ProgressRecord::session);
+  return found == offered.end() ? nullptr : &*found;
+}
+
 JournalContents contents_of(std::string_view text) {
   JournalContents contents;
   auto& [run, offered] = contents;
@@ -122,15 +127,15 @@ JournalContents contents_of(std::string_view text) {
     text.remove_prefix(end + 1);
     if (!record) continue;
     if (record->progress == Progress::begun) {
-      offered = record;
+      offered.push_back(*record);
       continue;
     }
-    if (offered && offered->session == record->session)
-      run = KeptRun{*offered, *record};
+    if (const ProgressRecord* begun = contents.find_offered(record->session))
+      run = KeptRun{*begun, *record};
     else if (!run || run->begun.session != record->session)
       run = KeptRun{*record, *record};
     run->last = *record;
-    offered.reset();
+    offered.clear();
   }
   return contents;
 }
@@ -144,7 +149,7 @@ JournalContents ProgressJournal::read() const {
   if (contents.empty() && has_whole_line(text))
     throw Error(Exit::bad_input, file_.string(), "is damaged: it has no readable record",
                 "find the first point that was not fired (last message, or the glass) and continue "
-                "with --from N, or give up this run with --discard");
+                "with --from N, or discard this run with --discard");
   return contents;
 }
 

@@ -20,6 +20,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace lamplock::job {
 
@@ -50,9 +51,11 @@ struct KeptRun {
 
 /// Contents of a journal.
 struct JournalContents {
-  std::optional<KeptRun> run;             ///< the last run that the board has accepted
-  std::optional<ProgressRecord> offered;  ///< a later one that the board may have accepted
-  bool empty() const { return !run && !offered; }
+  std::optional<KeptRun> run;           ///< the last run that the board has accepted
+  std::vector<ProgressRecord> offered;  ///< later ones; the board may have accepted one of them
+  bool empty() const { return !run && offered.empty(); }
+  /// The offered run of this session; null if there is none.
+  const ProgressRecord* find_offered(std::uint32_t session) const;
   friend bool operator==(const JournalContents&, const JournalContents&) = default;
 };
 

@@ -119,6 +119,14 @@ bool take_identity(std::string_view line, BoardIdentity& identity) {
   return true;
 }
 
+std::string message_text(std::string_view line) {
+  constexpr std::string_view begin = "[MSG:";
+  if (line.starts_with(begin) && line.ends_with(']'))
+    return std::string(line.substr(begin.size(), line.size() - begin.size() - 1));
+  if (const auto alarm = parse_alarm(line)) return alarm_text(*alarm);
+  return std::string(line);
+}
+
 std::string error_text(int number) {
   constexpr int most = 255;
   const GcodeErrorRow* row =

@@ -54,6 +54,9 @@ struct BoardIdentity {
 /// Reads a line of the answer to `$I`; false if the line is another one.
 bool take_identity(std::string_view line, BoardIdentity& identity);
 
+/// A line in words for the user: the text of "[MSG:text]", an alarm with its meaning, other lines
+/// as they are.
+std::string message_text(std::string_view line);
 /// "error:N" with its meaning.
 std::string error_text(int number);
 /// "ALARM:N" with its meaning.

@@ -48,7 +48,7 @@ std::string doubt_text(const Continuation& rest, const std::string& item) {
   return fmt::format("{}s {} to {} may have been fired", item, rest.first, rest.from - 1);
 }
 
-std::string go_on_text(const Continuation& rest, const std::string& item, bool is_kept) {
+std::string continuation_text(const Continuation& rest, const std::string& item, bool is_kept) {
   if (!rest.settled && is_kept) return "continue with --resume, which asks the machine";
   const std::string text = "continue with " + go_on_options(rest);
   return rest.in_doubt() ? fmt::format("{} ({})", text, doubt_text(rest, item)) : text;

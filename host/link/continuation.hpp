@@ -55,6 +55,6 @@ std::string doubt_text(const Continuation& rest, const std::string& item);
 
 /// "continue with --from 687 (points 503 to 686 may have been fired)". `is_kept`: the journal has
 /// the progress of the job, so that --resume can ask the board.
-std::string go_on_text(const Continuation& rest, const std::string& item, bool is_kept);
+std::string continuation_text(const Continuation& rest, const std::string& item, bool is_kept);
 
 }  // namespace lamplock::link

@@ -46,16 +46,16 @@ class Asked {
   Asked(LinePort& port, const Patience& patience) : port_(port), patience_(patience) {}
 
   Greeting answer() {
-    const Time give_up = port_.transport().now() + patience_.give_up;
+    const Time deadline = port_.transport().now() + patience_.timeout;
     while (!complete()) {
       send();
-      const Time again = std::min(give_up, port_.transport().now() + patience_.again);
+      const Time again = std::min(deadline, port_.transport().now() + patience_.again);
       while (!complete())
         if (const auto line = receive_until(port_, again))
           take(*line);
         else
           break;
-      if (!complete() && port_.transport().now() >= give_up) refuse();
+      if (!complete() && port_.transport().now() >= deadline) refuse();
     }
     if (asked_ > 1) drain();
     return result();
@@ -93,7 +93,7 @@ class Asked {
   }
 
   [[noreturn]] void refuse() const {
-    const double s = seconds(patience_.give_up);
+    const double s = seconds(patience_.timeout);
     if (first_.empty())
       throw Error(Exit::no_device, "machine", fmt::format("does not answer within {:g} s", s),
                   "check power, cable and the name of the port");
@@ -133,14 +133,14 @@ Greeting greet(LinePort& port, const Patience& patience) { return Asked(port, pa
 Answer ask(LinePort& port, const std::string& line, const Patience& patience) {
   port.send_line(line);
   Answer answer;
-  Time until = port.transport().now() + patience.give_up;
+  Time until = port.transport().now() + patience.timeout;
   while (auto heard = receive_until(port, until)) {
     if (const auto end = parse_answer(*heard)) {
       answer.error = *end;
       return answer;
     }
     if (is_aside(*heard)) continue;
-    until = port.transport().now() + patience.give_up;
+    until = port.transport().now() + patience.timeout;
     answer.lines.push_back(std::move(*heard));
   }
   const std::string heard = answer.lines.empty()
@@ -149,7 +149,7 @@ Answer ask(LinePort& port, const std::string& line, const Patience& patience) {
                                               answer.lines.size(), head_of(answer.lines.front()));
   throw Error(
       Exit::no_device, "machine",
-      fmt::format("does not answer '{}' within {:g} s{}", line, seconds(patience.give_up), heard),
+      fmt::format("does not answer '{}' within {:g} s{}", line, seconds(patience.timeout), heard),
       "check the cable, reset the machine and try again");
 }
 

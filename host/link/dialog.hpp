@@ -16,7 +16,7 @@ namespace lamplock::link {
 /// Time-outs.
 struct Patience {
   std::chrono::microseconds again{1'000'000};    ///< until `$I` is sent again
-  std::chrono::microseconds give_up{4'000'000};  ///< without an answer
+  std::chrono::microseconds timeout{4'000'000};  ///< without an answer
 };
 
 /// A board that has answered.

@@ -10,6 +10,7 @@
 
 #include "host/error.hpp"
 #include "host/link/continuation.hpp"
+#include "host/link/not_stopped.hpp"
 
 namespace lamplock::link {
 namespace {
@@ -28,7 +29,7 @@ JobInquiry::JobInquiry(Transport& transport)
     : transport_(transport), connection_(transport), tag_(std::random_device()()) {}
 
 wire::Status JobInquiry::end_job(std::span<const std::uint32_t> sessions) {
-  const Time give_up = transport_.now() + stop_timeout;
+  const Time deadline = transport_.now() + stop_timeout;
   std::uint32_t number = 0;  // of the command: the board executes it once
   for (;;) {
     const wire::Status status = ask();
@@ -36,18 +37,19 @@ wire::Status JobInquiry::end_job(std::span<const std::uint32_t> sessions) {
         std::find(sessions.begin(), sessions.end(), status.session) != sessions.end();
     if (!is_ours || is_at_rest(status.state)) return status;
     if (number == 0) number = status.last_command + 1;
-    if (status.last_command >= number && transport_.now() < give_up) continue;
-    if (transport_.now() >= give_up)
-      throw Error(Exit::job_failed, "machine", "could not be stopped, it may still move and fire",
-                  "press its emergency stop or switch it off");
+    if (status.last_command >= number && transport_.now() < deadline) continue;
+    if (transport_.now() >= deadline)
+      throw NotStopped(Exit::job_failed, "machine",
+                       "could not be stopped, it may still move and fire",
+                       "press its emergency stop or switch it off");
     const std::array payload{static_cast<std::uint8_t>(wire::Command::stop)};
     connection_.send({wire::FrameType::command, status.session, number}, payload);
   }
 }
 
 wire::Status JobInquiry::ask() {
-  const Time give_up = transport_.now() + answer_timeout;
-  while (transport_.now() < give_up) {
+  const Time deadline = transport_.now() + answer_timeout;
+  while (transport_.now() < deadline) {
     const bool cut = !transport_.connected() && !connection_.reconnect();
     if (!cut) connection_.send_query(no_session, ++tag_);
     if (const auto status = wait_for_answer(transport_.now() + ask_again)) return *status;

@@ -30,14 +30,14 @@ void KeptJob::require_ended() const {
   const auto run = journal_.read().run;
   if (!run || run->last.progress == Progress::ended) return;
   if (run->last.job != hash_)
-    throw Error(Exit::job_failed, file().string(),
+    throw Error(Exit::bad_input, file().string(),
                 "a run of this input with other options has no known end, started from its "
                 "beginning it fires points twice",
-                "continue it by --resume and its own options, or give it up with --discard");
+                "continue it by --resume and its own options, or discard it with --discard");
   throw Error(
-      Exit::job_failed, file().string(),
+      Exit::bad_input, file().string(),
       "the last run of this job has no known end, started from its beginning it fires points twice",
-      "continue it by --resume, or give it up with --discard");
+      "continue it by --resume, or discard it with --discard");
 }
 
 job::JournalContents KeptJob::read() const {
@@ -45,9 +45,9 @@ job::JournalContents KeptJob::read() const {
   if (contents.empty())
     throw Error(Exit::bad_input, file().string(), "contains no run to continue",
                 "begin the job without --resume");
-  const bool is_ours = contents.run ? contents.run->last.job == hash_
-                                    : contents.offered && contents.offered->job == hash_;
-  const bool offers_ours = contents.offered && contents.offered->job == hash_;
+  const bool is_ours = contents.run && contents.run->last.job == hash_;
+  const bool offers_ours =
+      std::ranges::count(contents.offered, hash_, &job::ProgressRecord::job) > 0;
   if (!is_ours && !offers_ours)
     throw Error(Exit::bad_input, file().string(), "contains the run of another job",
                 "give the options of that run, or discard it with --discard");
@@ -56,19 +56,22 @@ job::JournalContents KeptJob::read() const {
 
 Continuation KeptJob::find(Transport& port) {
   journal_.lock();
-  const auto [run, offered] = read();
+  const job::JournalContents contents = read();
+  const auto& [run, offered] = contents;
   std::vector<std::uint32_t> sessions;
-  if (offered) sessions.push_back(offered->session);
+  for (const job::ProgressRecord& one : offered) sessions.push_back(one.session);
   if (run) sessions.push_back(run->last.session);
   JobInquiry inquiry(port);
   const wire::Status status = inquiry.end_job(sessions);
-  // A run that was offered counts if the board reports its session, or if there is no other run.
-  const bool is_taken = offered && status.session == offered->session;
-  const job::KeptRun last = is_taken || !run ? job::KeptRun{*offered, *offered} : *run;
+  // A run that was offered counts if the board reports its session, or if no run was accepted.
+  const job::ProgressRecord* taken = contents.find_offered(status.session);
+  if (taken == nullptr && !run)
+    taken = &*std::ranges::find(offered, hash_, &job::ProgressRecord::job);
+  const job::KeptRun last = taken != nullptr ? job::KeptRun{*taken, *taken} : *run;
   if (last.last.job != hash_)
     throw Error(Exit::bad_input, file().string(), "the board has begun another job after this one",
                 "find the first point that was not fired (last message, or the glass) and continue "
-                "with --from N, or give up this run with --discard");
+                "with --from N, or discard this run with --discard");
   const Continuation rest = rest_of(last, status, inquiry.restart_mark());
   // The board loses this status as soon as it accepts another job, so it is recorded, as running:
   // until the rest of the job is begun, the job must not start from its beginning.
@@ -81,12 +84,12 @@ Continuation KeptJob::find(Transport& port) {
 /// The rest is settled: no other source can be asked.
 Continuation KeptJob::rest_of(const job::KeptRun& run, const wire::Status& status,
                               const std::optional<RestartMark>& mark) const {
-  if (status.session == run.last.session) return told_by_board(run, status);
+  if (status.session == run.last.session) return reported_by_board(run, status);
   if (mark && mark->session == run.last.session) return after_restart(job_, *mark);
   return {run.last.first_unfired, run.last.flashes, run.last.may_have_fired, true};
 }
 
-Continuation KeptJob::told_by_board(const job::KeptRun& run, const wire::Status& status) const {
+Continuation KeptJob::reported_by_board(const job::KeptRun& run, const wire::Status& status) const {
   const std::size_t from = run.begun.first_unfired;
   const std::size_t next = std::max<std::size_t>(status.first_unfired, from);
   const std::uint64_t shots = std::uint64_t{status.shots} + run.begun.flashes;

@@ -28,7 +28,7 @@ class KeptJob {
   /// The job must outlive this object. It must be as it was made, without later changes by a run.
   KeptJob(const std::filesystem::path& journal, const job::Job& job);
 
-  /// Throws Error(job_failed) if the last run of this job has no known end: a new start would fire
+  /// Throws Error(bad_input) if the last run of this job has no known end: a new start would fire
   /// points twice.
   void require_ended() const;
   /// Returns where to continue the last run, and records it; stops this run if the board still
@@ -51,7 +51,7 @@ class KeptJob {
   job::JournalContents read() const;
   Continuation rest_of(const job::KeptRun& run, const wire::Status& status,
                        const std::optional<RestartMark>& mark) const;
-  Continuation told_by_board(const job::KeptRun& run, const wire::Status& status) const;
+  Continuation reported_by_board(const job::KeptRun& run, const wire::Status& status) const;
   void append(job::Progress progress, const Continuation& rest);
 
   job::ProgressJournal journal_;

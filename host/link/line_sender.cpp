@@ -7,6 +7,7 @@
 
 #include "host/error.hpp"
 #include "host/link/not_ready.hpp"
+#include "host/link/not_stopped.hpp"
 
 namespace lamplock::link {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 using Time = std::chrono::microseconds;
 
 constexpr Time max_line_wait{20'000};
-constexpr Time shortest_wait{1'000};
+constexpr Time min_wait{1'000};
 /// Idle reports in a row at the end: one may come between an ok and the motion of its line.
 constexpr int idle_reports_at_end = 2;
 constexpr double us_per_s = 1e6;
@@ -57,7 +58,7 @@ bool LineSender::step() {
   }
   poll();
   port_.flush();
-  port_.transport().wait(port_.backlog() > 0 ? shortest_wait : max_line_wait);
+  port_.transport().wait(port_.backlog() > 0 ? min_wait : max_line_wait);
   return true;
 }
 
@@ -66,7 +67,7 @@ void LineSender::begin() {
   status_ = greeting_.status;
   unlocks_ = status_.is("Alarm") && unlocks(lines_);
   if (!status_.rests() && !unlocks_) {
-    const NotReady reason = why_not_ready(status_, port_.transport().board());
+    const NotReady reason = why_not_ready(status_, port_.transport().board(), ask_homing(port_));
     throw Error(Exit::job_failed, "machine", reason.what, reason.remedy);
   }
   check_lengths();
@@ -127,7 +128,7 @@ void LineSender::take_answer(int error) {
 void LineSender::take_error(int error) {
   if (phase_ == Phase::stopping) return;
   errors_.push_back({lines_[answered_ - 1].number, error});
-  if (!options_.go_on) begin_stop(LineEnd::error);
+  if (!options_.ignore_errors) begin_stop(LineEnd::error);
 }
 
 void LineSender::take_alarm(int number) {
@@ -279,11 +280,12 @@ void LineSender::throw_not_stopped() {
   const std::string why = errors_.empty() ? ""
                                           : fmt::format(" after line {}, {}", errors_.back().line,
                                                         error_text(errors_.back().error));
-  throw Error(Exit::job_failed, "machine",
-              fmt::format("could not be stopped{}; it may still move and fire; the last line it "
-                          "answered is {}",
-                          why, result().last_line),
-              "press its emergency stop or switch it off");
+  throw NotStopped(
+      Exit::job_failed, "machine",
+      fmt::format("could not be stopped{}; it may still move and fire; the last line it "
+                  "answered is {}",
+                  why, result().last_line),
+      "press its emergency stop or switch it off");
 }
 
 Time LineSender::elapsed() const {

@@ -42,13 +42,13 @@ struct LineOptions {
   std::chrono::microseconds stop_timeout{15'000'000};   ///< until the machine must be at rest
   /// Missing answers of an idle board count as lost after this and the dwell times of the lines.
   std::chrono::microseconds answer_timeout{10'000'000};
-  bool go_on = false;                               ///< continue after errors
+  bool ignore_errors = false;                       ///< continue after errors
   std::function<void(const std::string&)> on_text;  ///< messages of the board
 };
 
 /// How a program ended.
 enum class LineEnd : std::uint8_t {
-  done,        ///< every line executed; with go_on there may have been errors
+  done,        ///< every line executed; with ignore_errors there may have been errors
   error,       ///< at the first error
   stopped,     ///< by the user
   alarm,       ///< the board has stopped by itself

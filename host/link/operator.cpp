@@ -14,6 +14,7 @@
 #include "host/link/board_settings.hpp"
 #include "host/link/line_console.hpp"
 #include "host/link/not_ready.hpp"
+#include "host/link/not_stopped.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::link {
@@ -153,8 +154,8 @@ void stop(LinePort& port, bool homes) {
     if (at_rest && was_at_rest) return;
     was_at_rest = at_rest;
   }
-  throw Error(Exit::job_failed, "machine", "could not be stopped; it may still move",
-              "press its emergency stop");
+  throw NotStopped(Exit::job_failed, "machine", "could not be stopped; it may still move",
+                   "press its emergency stop");
 }
 
 }  // namespace
@@ -162,7 +163,9 @@ void stop(LinePort& port, bool homes) {
 Places ask_places(LinePort& port) {
   require_mm(port);
   Places places;
-  places.machine = machine_place(greet(port).status);
+  const BoardStatus status = greet(port).status;
+  places.state = status.state;
+  places.machine = machine_place(status);
   const Answer answer = ask(port, "$#");
   if (answer.error != 0)
     throw Error(Exit::job_failed, "machine",
@@ -205,17 +208,35 @@ std::vector<std::string> lines_of(Operation operation, const Places& places,
 void require_ready(LinePort& port, Operation operation) {
   const BoardStatus status = greet(port).status;
   if (status.rests() || (operation == Operation::home && status.is("Alarm"))) return;
-  const NotReady reason = why_not_ready(status, port.transport().board());
+  const NotReady reason = why_not_ready(status, port.transport().board(), ask_homing(port));
   throw Error(Exit::job_failed, "machine", reason.what, reason.remedy);
 }
 
+namespace {
+
+/// Throws the failure of a line, with the way out of an alarm.
+[[noreturn]] void throw_failure(LinePort& port, const std::string& line, const std::string& text) {
+  const std::string what = fmt::format("'{}': {}", line, text);
+  if (text.find("ALARM:") == std::string::npos)
+    throw Error(Exit::job_failed, "machine", what, "later lines were not sent");
+  const std::string cause = line == home_line
+                                ? "check the limit switches, their wiring and the settings of "
+                                  "homing ($23 to $27)"
+                                : "find the cause";
+  throw Error(
+      Exit::job_failed, "machine", what,
+      fmt::format("{}, then {}", cause, way_to_unlock(port.transport().board(), ask_homing(port))));
+}
+
+}  // namespace
+
 void run_lines(LinePort& port, const std::vector<std::string>& lines,
-               const std::function<bool()>& give_up) {
+               const std::function<bool()>& is_cancelled) {
   LineConsole talk(port, true, [](const std::string&) {});
   for (const std::string& line : lines) talk.type(line);
   while (!talk.failure() && !talk.done()) {
     talk.step();
-    if (!give_up()) continue;
+    if (!is_cancelled()) continue;
     const bool homes = std::find(lines.begin(), lines.end(), home_line) != lines.end();
     stop(port, homes);
     if (homes)
@@ -224,9 +245,7 @@ void run_lines(LinePort& port, const std::vector<std::string>& lines,
     throw Error(Exit::interrupted, "machine", held.what, held.remedy);
   }
   if (!talk.failure()) return;
-  const std::string& line = lines[talk.failure()->line - 1];
-  throw Error(Exit::job_failed, "machine", fmt::format("'{}': {}", line, talk.failure()->text),
-              "later lines were not sent");
+  throw_failure(port, lines[talk.failure()->line - 1], talk.failure()->text);
 }
 
 }  // namespace lamplock::link

@@ -33,6 +33,7 @@ enum class Operation : std::uint8_t {
 
 /// Positions that a board stores, machine coordinates in mm, one number per axis.
 struct Places {
+  std::string state;            ///< of the board: "Idle", "Alarm"
   std::vector<double> machine;  ///< current position
   std::vector<double> zero, sample, left;
   /// G92 or a tool length shifts coordinates: zero is not where the machine's zero is.
@@ -55,10 +56,10 @@ std::vector<std::string> lines_of(Operation operation, const Places& places,
 /// Throws Error(job_failed) unless the machine is idle; a machine in alarm may be homed.
 void require_ready(LinePort& port, Operation operation);
 
-/// Sends lines and waits until the last one is done. `give_up` is called every round; true holds
-/// the machine, or resets it while it homes, and ends the call. Throws Error: job_failed (refused,
-/// alarm), no_device, interrupted.
+/// Sends lines and waits until the last one is done. `is_cancelled` is called every round; true
+/// holds the machine, or resets it while it homes, and ends the call. Throws Error: job_failed
+/// (refused, alarm), no_device, interrupted.
 void run_lines(LinePort& port, const std::vector<std::string>& lines,
-               const std::function<bool()>& give_up);
+               const std::function<bool()>& is_cancelled);
 
 }  // namespace lamplock::link

@@ -30,17 +30,6 @@ std::string without_comments(std::string_view line) {
   return result;
 }
 
-void check(const std::string& line, const std::string& where, const std::string& remedy) {
-  for (const char c : line) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (wire::is_realtime(byte) || byte >= 0x80 || byte == del || (byte < ' ' && byte != '\t'))
-      throw Error(
-          Exit::bad_input, where,
-          fmt::format("the byte 0x{:02X} outside of a comment is a real-time command", byte),
-          remedy);
-  }
-}
-
 /// The number after a letter, with optional white space between them.
 std::optional<double> number_at(std::string_view text) {
   text = trimmed(text);
@@ -61,13 +50,45 @@ void each_word(std::string_view line, char letter, Use use) {
 
 }  // namespace
 
+std::string realtime_fault(std::string_view text) {
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (wire::is_realtime(byte) || byte >= 0x80 || byte == del || (byte < ' ' && byte != '\t'))
+      return fmt::format("the byte 0x{:02X} outside of a comment is a real-time command", byte);
+  }
+  return {};
+}
+
+std::string text_to_send(std::string_view line) {
+  line = trimmed(line);
+  if (line.starts_with('$')) return std::string(line);
+  const std::string text = without_comments(line);
+  return std::string(trimmed(text));
+}
+
 std::string line_to_send(std::string_view line, const std::string& where,
                          const std::string& remedy) {
-  line = trimmed(line);
-  std::string text(line);
-  if (!line.starts_with('$')) text = trimmed(without_comments(line));
-  check(text, where, remedy);
+  std::string text = text_to_send(line);
+  const std::string fault = realtime_fault(text);
+  if (!fault.empty()) throw Error(Exit::bad_input, where, fault, remedy);
   return text;
+}
+
+std::size_t column_in_line(std::string_view line, std::size_t column) {
+  const bool is_for_board = trimmed(line).starts_with('$');
+  char comment_end = 0;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (comment_end != 0) {
+      if (c == comment_end) comment_end = 0;
+    } else if (!is_for_board && (c == '(' || c == ';')) {
+      comment_end = c == '(' ? ')' : '\n';
+    } else if (kept > 0 || (c != ' ' && c != '\t')) {
+      if (++kept == column) return i + 1;
+    }
+  }
+  return 0;
 }
 
 char open_comment(std::string_view line) {

@@ -27,6 +27,16 @@ std::string line_to_send(
     std::string_view line, const std::string& where,
     const std::string& remedy = "remove it, and check that the file is a G-code program");
 
+/// Why a line of a program, without its comments, must not be sent: a byte of it is a real-time
+/// command. Empty if there is none.
+std::string realtime_fault(std::string_view text);
+
+/// The line without comments and white space at both ends, as line_to_send() but unchecked.
+std::string text_to_send(std::string_view line);
+
+/// Where a column of text_to_send(line) is in the line, both from 1. 0 for a column outside of it.
+std::size_t column_in_line(std::string_view line, std::size_t column);
+
 /// The character, `(` or `;`, of the comment that has begun in this text, the begin of a line, and
 /// has not ended: a character that is added would be part of it. 0 without such a comment; `$`
 /// lines have none.

@@ -9,6 +9,7 @@
 
 #include "host/error.hpp"
 #include "host/link/not_ready.hpp"
+#include "host/link/not_stopped.hpp"
 #include "host/link/refused_setting.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/job_header.hpp"
@@ -160,7 +161,7 @@ Continuation JobSender::rest() const {
 }
 
 std::string JobSender::advice() const {
-  return go_on_text(rest(), job_.item(), static_cast<bool>(options_.on_progress));
+  return continuation_text(rest(), job_.item(), static_cast<bool>(options_.on_progress));
 }
 
 JobResult JobSender::result() const {
@@ -265,8 +266,8 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
   const bool of_point = refused.type != wire::FrameType::begin;
   const std::string where = of_point ? fmt::format("{} {}", job_.item(), refused.value) : "machine";
   // After a refusal in mid-job the remedy must not be a new start: it would fire points twice.
-  const std::string go_on = advice();
-  const std::string then = of_point ? ", then " + go_on : "";
+  const std::string how_to_continue = advice();
+  const std::string then = of_point ? ", then " + how_to_continue : "";
   switch (refused.result) {
     case Result::busy:
       if (status_.session != 0 && status_.session != session_)
@@ -282,7 +283,7 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
       throw_not_ready(why_held(transport_.board()), where, then);
     case Result::no_job:
       throw Error(Exit::job_failed, where, "the job was ended by the machine",
-                  of_point ? go_on : "start it again");
+                  of_point ? how_to_continue : "start it again");
     case Result::locked:
       throw_not_ready(why_locked(status_, transport_.board()), where, then);
     case Result::door_open:
@@ -340,7 +341,8 @@ void JobSender::keep_connected() {
   }
   const bool begun = phase_ == Phase::stream || phase_ == Phase::stopping;
   if (wish_ == Wish::stop && !begun) return end(JobEnd::stopped);
-  if (phase_ != Phase::stopping && now - lost_at_ >= options_.give_up) return end(JobEnd::lost);
+  if (phase_ != Phase::stopping && now - lost_at_ >= options_.reconnect_timeout)
+    return end(JobEnd::lost);
   if (now < reconnect_at_) return;
   reconnect_at_ = now + reconnect_interval;
   if (!connection_.reconnect()) return;
@@ -398,7 +400,8 @@ void JobSender::take_over() {
   if (!taking_over_) finish_by_ = now + rest_timeout;
   taking_over_ = true;
   if (now > *finish_by_)
-    throw Error(Exit::job_failed, "machine", "the other job does not stop", "reset the machine");
+    throw NotStopped(Exit::job_failed, "machine", "the other job does not stop",
+                     "reset the machine");
   const std::array payload{static_cast<std::uint8_t>(wire::Command::stop)};
   connection_.send({wire::FrameType::command, status_.session, status_.last_command + 1}, payload);
 }
@@ -613,13 +616,15 @@ void JobSender::throw_not_stopped() {
   try {
     throw_reason();
   } catch (const Error& error) {
-    throw Error(error.exit(), where, fmt::format("{} after '{}'", what, error.message()), remedy);
+    throw NotStopped(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.message()),
+                     remedy);
   } catch (const std::exception& error) {
-    throw Error(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.what()), remedy);
+    throw NotStopped(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.what()),
+                     remedy);
   }
-  throw Error(Exit::job_failed, where, what,
-              fmt::format("{}; all {}s before {} are done, maybe more; then {}", remedy,
-                          job_.item(), job_status_.first_unfired, advice()));
+  throw NotStopped(Exit::job_failed, where, what,
+                   fmt::format("{}; all {}s before {} are done, maybe more; then {}", remedy,
+                               job_.item(), job_status_.first_unfired, advice()));
 }
 
 JobSender::Time JobSender::pause_length() const {

@@ -42,14 +42,14 @@ struct JobProgress {
 
 /// Time-outs of the sender, and where it starts. All times are times of the transport.
 struct SenderOptions {
-  std::chrono::microseconds hello_timeout{3'000'000};  ///< until the first answer
-  std::chrono::microseconds reply_timeout{250'000};    ///< until a QUERY is repeated
-  std::chrono::microseconds silence_limit{2'000'000};  ///< until the connection counts as cut
-  std::chrono::microseconds give_up{60'000'000};       ///< without connection until the end
-  std::chrono::microseconds status_interval{100'000};  ///< between QUERYs without losses
-  std::size_t window_frames = 16;                      ///< frames sent and not acknowledged
-  std::size_t points_ahead = ~std::size_t{0};          ///< at most, sent and not yet fired
-  std::size_t first_index = 0;                         ///< start at this point or line of the job
+  std::chrono::microseconds hello_timeout{3'000'000};       ///< until the first answer
+  std::chrono::microseconds reply_timeout{250'000};         ///< until a QUERY is repeated
+  std::chrono::microseconds silence_limit{2'000'000};       ///< until the connection counts as cut
+  std::chrono::microseconds reconnect_timeout{60'000'000};  ///< without connection until the end
+  std::chrono::microseconds status_interval{100'000};       ///< between QUERYs without losses
+  std::size_t window_frames = 16;                           ///< frames sent and not acknowledged
+  std::size_t points_ahead = ~std::size_t{0};               ///< at most, sent and not yet fired
+  std::size_t first_index = 0;    ///< start at this point or line of the job
   std::size_t run_up_lines = 0;   ///< the first lines are dark and were done in an earlier run
   std::uint32_t first_fired = 0;  ///< flashes of the first point fired in earlier runs
   std::uint32_t session = 0;      ///< 0 = choose at random
@@ -102,6 +102,7 @@ class JobSender {
   /// The last one of this job; session 0 until the machine has accepted the job.
   const wire::Status& job_status() const { return job_status_; }
   std::uint32_t session() const { return session_; }
+  const job::Job& job() const { return job_; }
   bool auto_resume() const { return options_.auto_resume; }
 
  private:

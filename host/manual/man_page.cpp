@@ -240,20 +240,24 @@ Page command_page(const cli::Command& app, const Edition& edition) {
 }
 
 /// Exit status of the program (host/error.hpp).
-constexpr std::array<std::pair<const char*, const char*>, 7> exits{
+constexpr std::array<std::pair<const char*, const char*>, 8> exits{
     {{"0", "Done."},
      {"1",
       "The job failed, or was stopped by the machine or by a line of the computer, or an output "
       "was "
       "lost. Points may have been fired."},
-     {"2", "Bad input or usage, or an output that cannot be written: nothing was fired."},
+     {"2",
+      "Bad input or usage, an output that cannot be written, or a machine that takes no job: "
+      "nothing "
+      "was fired."},
      {"3", "No device, or no link to it: nothing was fired."},
      {"129", "Ended by SIGHUP: the terminal was closed."},
      {"130", "Interrupted by SIGINT (Ctrl-C), or not permitted by the user."},
+     {"131", "Ended by SIGQUIT at once, without a report. Points may have been fired."},
      {"143", "Ended by SIGTERM."}}};
 
 /// What signals do (host/cli/interrupt.hpp, host/run/job_control.hpp).
-constexpr std::array<std::pair<const char*, const char*>, 4> signals{
+constexpr std::array<std::pair<const char*, const char*>, 5> signals{
     {{"SIGINT (130)",
       "Ctrl-C. A job of points or rows: in a terminal the first one holds the machine with the "
       "laser off, Enter resumes, the second one stops. Without terminal input - standard input is "
@@ -264,6 +268,9 @@ constexpr std::array<std::pair<const char*, const char*>, 4> signals{
      {"SIGTERM (143)", "Stops at once, with any standard input."},
      {"SIGHUP (129)",
       "Stops at once, with any standard input; a program that was started by nohup ignores it."},
+     {"SIGQUIT (131)",
+      "Ctrl-backslash. Ends the program at once, without a report, with the terminal restored. A "
+      "board whose host is silent for 2 s holds."},
      {"After a stop",
       "the machine is at rest with the laser off, and the program prints where to continue. If the "
       "machine does not report that it is at rest, the status is 1."}}};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 #include "host/model/text.hpp"
@@ -66,82 +67,142 @@ std::string take_name(std::string_view& text) {
   return name;
 }
 
+/// What can be done with a part of a selector, from the best to the worst: it applies, it never
+/// does in a drawing at rest, it is valid but not understood, it voids its rule.
+enum class Reading { fits, never, unknown, invalid };
+
+/// True for text that an identifier may be, which does not begin with a digit.
+bool is_identifier(std::string_view name) {
+  if (name.starts_with('-')) name.remove_prefix(1);
+  return !name.empty() && !(name.front() >= '0' && name.front() <= '9');
+}
+
 /// "[name]" or "[name=value]", the value with or without quotes.
-std::optional<CssCompound::Attribute> take_attribute(std::string_view& text) {
+Reading take_attribute(std::string_view& text, CssCompound& compound) {
   const std::size_t end = text.find(']');
-  if (end == std::string_view::npos) return std::nullopt;
+  if (end == std::string_view::npos) return Reading::invalid;
   std::string_view inner = trimmed(text.substr(1, end - 1));
   text.remove_prefix(end + 1);
   CssCompound::Attribute attribute{take_name(inner), {}};
   inner = trimmed(inner);
-  if (attribute.name.empty()) return std::nullopt;
-  if (inner.empty()) return attribute;
-  if (!inner.starts_with('=')) return std::nullopt;
+  if (!is_identifier(attribute.name)) return Reading::invalid;
+  if (inner.empty()) {
+    compound.attributes.push_back(std::move(attribute));
+    return Reading::fits;
+  }
+  if (!inner.starts_with('='))  // parts of values, namespaces
+    return std::string_view("~|^$*").find(inner.front()) == std::string_view::npos
+               ? Reading::invalid
+               : Reading::unknown;
   inner = trimmed(inner.substr(1));
-  const bool quoted = inner.size() >= 2 && (inner.front() == '"' || inner.front() == '\'') &&
-                      inner.back() == inner.front();
+  if (inner.empty()) return Reading::invalid;
+  const bool begins_quoted = inner.front() == '"' || inner.front() == '\'';
+  const bool quoted = inner.size() >= 2 && begins_quoted && inner.back() == inner.front();
+  if (begins_quoted && !quoted) return Reading::unknown;  // with a flag
   attribute.value = std::string(quoted ? inner.substr(1, inner.size() - 2) : inner);
-  return attribute;
+  compound.attributes.push_back(std::move(attribute));
+  return Reading::fits;
 }
 
-enum class Reading { fits, never, unknown };
-
-/// Pseudo-classes of an interaction, which a drawing at rest does not have.
-bool is_interaction(std::string_view name) {
-  constexpr std::array<std::string_view, 6> names{"hover",  "active",        "focus",
-                                                  "target", "focus-visible", "visited"};
+template <std::size_t size>
+bool is_one_of(const std::array<std::string_view, size>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+/// Pseudo-classes of an interaction, which a drawing at rest does not have.
+constexpr std::array<std::string_view, 7> interactions{
+    "hover", "active", "focus", "target", "focus-visible", "focus-within", "visited"};
+constexpr std::array<std::string_view, 13> other_pseudo_classes{
+    "first-child",  "last-child", "only-child", "first-of-type", "last-of-type",
+    "only-of-type", "empty",      "link",       "any-link",      "enabled",
+    "disabled",     "checked",    "scope"};
+constexpr std::array<std::string_view, 10> functions{
+    "not",  "is", "where", "has", "nth-child", "nth-last-child", "nth-of-type", "nth-last-of-type",
+    "lang", "dir"};
+/// Pseudo-elements are boxes of text, which drawings do not have.
+constexpr std::array<std::string_view, 4> old_pseudo_elements{"before", "after", "first-line",
+                                                              "first-letter"};
+constexpr std::array<std::string_view, 5> other_pseudo_elements{"selection", "marker",
+                                                                "placeholder", "backdrop", "cue"};
+
+/// Reads the colon, the name and the arguments.
 Reading take_pseudo_class(std::string_view& text, CssCompound& compound) {
   text.remove_prefix(1);
+  const bool is_element = text.starts_with(':');
+  if (is_element) text.remove_prefix(1);
   const std::string name = in_lower_case(take_name(text));
-  if (name == "root" && !text.starts_with('(')) {
+  if (text.starts_with('(')) {
+    const std::size_t end = find_outside(text, ")", 1);
+    if (end == text.size()) return Reading::invalid;
+    text.remove_prefix(end + 1);
+    return !is_element && is_one_of(functions, name) ? Reading::unknown : Reading::invalid;
+  }
+  if (is_one_of(old_pseudo_elements, name)) return Reading::never;
+  if (is_element) {
+    const bool is_known = is_one_of(other_pseudo_elements, name) || name.starts_with("-webkit-");
+    return is_known ? Reading::never : Reading::invalid;
+  }
+  if (name == "root") {
     compound.is_root = true;
     return Reading::fits;
   }
-  return is_interaction(name) ? Reading::never : Reading::unknown;
+  if (is_one_of(interactions, name)) return Reading::never;
+  return is_one_of(other_pseudo_classes, name) ? Reading::unknown : Reading::invalid;
+}
+
+/// Reads a class, an id, an attribute or a pseudo-class from the front of `text`.
+Reading take_condition(std::string_view& text, CssCompound& compound) {
+  if (text.front() == '[') return take_attribute(text, compound);
+  if (text.front() == ':') return take_pseudo_class(text, compound);
+  auto& names = text.front() == '.' ? compound.classes : compound.ids;
+  text.remove_prefix(1);
+  if (text.starts_with('\\')) return Reading::unknown;
+  names.push_back(take_name(text));
+  return is_identifier(names.back()) ? Reading::fits : Reading::invalid;
 }
 
 /// Reads one compound from the front of `text`.
 Reading take_compound(std::string_view& text, CssCompound& compound) {
   const std::size_t before = text.size();
   Reading reading = Reading::fits;
-  if (text.starts_with('*'))
+  if (text.starts_with('*')) {
     text.remove_prefix(1);
-  else
+  } else {
     compound.element = take_name(text);
-  while (!text.empty() && reading == Reading::fits) {
-    if (text.front() == '.' || text.front() == '#') {
-      auto& names = text.front() == '.' ? compound.classes : compound.ids;
-      text.remove_prefix(1);
-      names.push_back(take_name(text));
-      if (names.back().empty()) return Reading::unknown;
-    } else if (text.front() == '[') {
-      auto attribute = take_attribute(text);
-      if (!attribute) return Reading::unknown;
-      compound.attributes.push_back(std::move(*attribute));
-    } else if (text.front() == ':') {
-      reading = take_pseudo_class(text, compound);
-    } else {
-      break;
-    }
+    if (!compound.element.empty() && !is_identifier(compound.element)) return Reading::invalid;
   }
-  return text.size() == before ? Reading::unknown : reading;
+  constexpr std::string_view begins = ".#[:";
+  while (!text.empty() && begins.find(text.front()) != std::string_view::npos) {
+    reading = std::max(reading, take_condition(text, compound));
+    if (reading == Reading::invalid) return reading;
+  }
+  if (text.size() != before) return reading;
+  // Namespaces, escapes and nesting are valid.
+  return std::string_view("|\\&").find(text.front()) == std::string_view::npos ? Reading::invalid
+                                                                               : Reading::unknown;
+}
+
+bool begins_with_combinator(std::string_view text) {
+  return text.starts_with('>') || text.starts_with('+') || text.starts_with('~');
 }
 
 Reading read_selector(std::string_view text, CssSelector& selector) {
   constexpr std::size_t ids = 1'000'000, classes = 1000;
   // A compound for each level of a drawing is more than any drawing has.
   constexpr std::size_t max_compounds = 64;
+  Reading reading = Reading::fits;
   for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
     CssCompound compound;
-    if (text.starts_with('>') && !selector.compounds.empty()) {
-      compound.is_child = true;
+    if (begins_with_combinator(text)) {
+      compound.is_child = text.starts_with('>');
+      if (!compound.is_child) reading = std::max(reading, Reading::unknown);
       text = trimmed(text.substr(1));
+      if (selector.compounds.empty() || text.empty() || begins_with_combinator(text))
+        return Reading::invalid;
     }
-    const Reading reading = take_compound(text, compound);
-    if (reading != Reading::fits) return reading;
+    const std::size_t before = text.size();
+    reading = std::max(reading, take_compound(text, compound));
+    if (reading == Reading::invalid || text.size() == before) return reading;
     selector.specificity += ids * compound.ids.size() +
                             classes * (compound.classes.size() + compound.attributes.size() +
                                        (compound.is_root ? 1 : 0)) +
@@ -149,7 +210,7 @@ Reading read_selector(std::string_view text, CssSelector& selector) {
     selector.compounds.push_back(std::move(compound));
     if (selector.compounds.size() > max_compounds) return Reading::unknown;
   }
-  return selector.compounds.empty() ? Reading::unknown : Reading::fits;
+  return selector.compounds.empty() ? Reading::invalid : reading;
 }
 
 void read_rule(std::string_view selectors, std::string_view content, StyleSheet& sheet) {
@@ -157,16 +218,24 @@ void read_rule(std::string_view selectors, std::string_view content, StyleSheet&
   // Variables are not resolved: what they show or hide is not known.
   for (const CssDeclaration& one : sheet.declarations.back())
     if (one.value.find("var(") != std::string::npos) ++sheet.unread;
+  std::vector<CssSelector> read;
+  std::size_t unknown = 0;
   while (true) {
     const std::size_t end = find_outside(selectors, ",");
     CssSelector selector;
     selector.declarations = sheet.declarations.size() - 1;
     const Reading reading = read_selector(selectors.substr(0, end), selector);
-    if (reading == Reading::fits) sheet.selectors.push_back(std::move(selector));
-    if (reading == Reading::unknown) ++sheet.unread;
-    if (end == selectors.size()) return;
+    if (reading == Reading::invalid) {  // it voids the whole rule
+      ++sheet.unread;
+      return;
+    }
+    if (reading == Reading::fits) read.push_back(std::move(selector));
+    if (reading == Reading::unknown) ++unknown;
+    if (end == selectors.size()) break;
     selectors.remove_prefix(end + 1);
   }
+  sheet.unread += unknown;
+  std::move(read.begin(), read.end(), std::back_inserter(sheet.selectors));
 }
 
 /// The end of a block that begins before `from`: the place of its closing brace.

@@ -7,7 +7,8 @@
 //
 // Selectors have elements, *, classes, ids, attributes ([a], [a=b]), :root, and the combinators
 // "descendant" and ">". Rules under @media are read if it is for all or for the screen. Rules for
-// states of an interaction (:hover) never apply. Others are counted.
+// states of an interaction (:hover) never apply. Others are counted. A selector that is not valid
+// voids its rule; one that is valid but not understood only itself.
 #pragma once
 
 #include <cstddef>

@@ -15,7 +15,7 @@ namespace {
 using geometry::Point;
 
 // For larger angles a double has too few digits for the fraction of a turn.
-constexpr double greatest_radians = 1e6;
+constexpr double max_radians = 1e6;
 
 /// Written so that NaN is not within.
 bool is_within_reach(const Point& p) {
@@ -29,7 +29,7 @@ struct IsWithinReach {
   }
   bool operator()(const Arc& arc) const {
     return is_within_reach(arc.centre) && is_within_reach(arc.u) && is_within_reach(arc.v) &&
-           std::abs(arc.start) <= greatest_radians && std::abs(arc.end) <= greatest_radians;
+           std::abs(arc.start) <= max_radians && std::abs(arc.end) <= max_radians;
   }
   bool operator()(const Spline& spline) const {
     for (const Point& pole : spline.poles) {

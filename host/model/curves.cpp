@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "host/geometry/limits.hpp"
 #include "host/geometry/vector.hpp"
 #include "host/model/spline.hpp"
+#include "host/number_text.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -167,9 +170,18 @@ bool returns_to_start(const Path& path) {
 }
 
 std::string left_out_text(const Curves& curves) {
+  // Other names are those of the file, which have no plural.
+  constexpr std::array<std::string_view, 7> nouns{
+      "clipped curve", "curve", "element", "entity", "rule", "style sheet", "use"};
   std::string text;
   for (const auto& [name, count] : curves.left_out) {
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
+    std::string plural = name;
+    for (const std::string_view noun : nouns) {
+      const bool is_noun = name == noun || name.starts_with(std::string(noun) + " ");
+      if (!is_noun || name == "use") continue;
+      plural = (noun == "entity" ? "entities" : std::string(noun) + "s") + name.substr(noun.size());
+    }
+    text += (text.empty() ? "" : ", ") + count_text(count, name, plural);
   }
   return text;
 }

@@ -21,6 +21,9 @@ std::vector<Path> dashes(const Path& path, const DashPattern& pattern) {
   const double period = pattern.period();
   ArcLength along(path);
   std::vector<Path> drawn;
+  // A dash that begins at the end, but for rounding, draws nothing.
+  constexpr double rounding = 1e-9;
+  const double shortest = rounding * along.total();
   const double into = pattern.offset - period * std::floor(pattern.offset / period);
   // By counted periods: sums of many small lengths would drift.
   for (double count = 0;; ++count) {
@@ -30,10 +33,10 @@ std::vector<Path> dashes(const Path& path, const DashPattern& pattern) {
       const double from = std::max(at, 0.0);
       const double to = std::min(at + pattern.lengths[i], along.total());
       const bool is_dot = pattern.lengths[i] == 0 && pattern.draws_dots && at >= 0;
-      if (to > from) {
+      if (to - from > shortest) {
         Path dash = part_of(path, along.place(from), along.place(to));
         if (!dash.pieces.empty()) drawn.push_back(std::move(dash));
-      } else if (is_dot && at <= along.total()) {
+      } else if (is_dot && at < along.total() - shortest) {
         const geometry::Point dot = along.at(at);
         drawn.push_back({{Line{dot, dot}}, false, path.layer});
       }

@@ -133,12 +133,21 @@ class Checker {
     }
   }
 
+  /// A reader without this extension would show one of the copies.
+  void require_single(const json& node) const {
+    const auto extensions = node.find("extensions");
+    if (extensions == node.end() || !extensions->contains("EXT_mesh_gpu_instancing")) return;
+    refuse(file_, "it repeats a mesh by the extension 'EXT_mesh_gpu_instancing', which is not read",
+           "export it with the copies as nodes of their own");
+  }
+
   /// Nodes must be trees that are not too deep for the reader, which walks them by recursion.
   void check_nodes() const {
     const json& nodes = list("nodes");
     constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
     std::vector<std::size_t> parents(nodes.size(), none);
     for (std::size_t i = 0; i < nodes.size(); ++i) {
+      require_single(nodes[i]);
       const auto children = nodes[i].find("children");
       if (children == nodes[i].end()) continue;
       for (const json& child : *children) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "host/bytes.hpp"
@@ -132,19 +133,38 @@ void check_jpeg_header(const path& file, const JpegHeader& header, std::string_v
   refuse_damaged(file, "too many scans");
 }
 
+/// The file with all eight Huffman tables empty from its start, so that a scan without its tables
+/// fails: the library (stb_image before 2.28) would decode it by memory that has no value.
+std::string with_empty_tables(std::string_view bytes) {
+  constexpr std::size_t start_of_image = 2, lengths = 16, classes = 2, numbers = 4;
+  std::string tables{static_cast<char>(JpegMarker::prefix),
+                     static_cast<char>(JpegMarker::huffman_tables), '\0',
+                     static_cast<char>(2 + classes * numbers * (1 + lengths))};
+  for (std::size_t kind = 0; kind < classes; ++kind)
+    for (std::size_t number = 0; number < numbers; ++number)
+      tables += static_cast<char>(kind << 4 | number) + std::string(lengths, '\0');
+  std::string whole(bytes.substr(0, start_of_image));
+  whole += tables;
+  whole += bytes.substr(start_of_image);
+  return whole;
+}
+
 }  // namespace
 
 bool is_jpeg(const std::string& bytes) { return bytes.starts_with("\xFF\xD8"); }
 
 Bitmap decode_jpeg(const path& file, const std::string& bytes) {
-  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+  constexpr std::size_t max_bytes = std::numeric_limits<int>::max() / 2;
+  if (bytes.size() > max_bytes)
     refuse(file, "the image is too large", "give an image of at most 100 million pixels");
   const JpegHeader header = read_jpeg_header(file, bytes);
   check_jpeg_header(file, header, bytes);
+  const std::string decodable = with_empty_tables(bytes);
   int width = 0, height = 0, channels = 0;
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
-      stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()),
-                            static_cast<int>(bytes.size()), &width, &height, &channels, STBI_rgb),
+      stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(decodable.data()),
+                            static_cast<int>(decodable.size()), &width, &height, &channels,
+                            STBI_rgb),
       stbi_image_free);
   if (!pixels) refuse_damaged(file, stbi_failure_reason());
   // A second frame header in the file could change the size.

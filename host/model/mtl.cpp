@@ -1,7 +1,9 @@
 #include "host/model/mtl.hpp"
 
 #include <algorithm>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "host/error.hpp"
 #include "host/file.hpp"
@@ -71,8 +73,24 @@ std::vector<std::string> read_material_libraries(const path& obj, std::string_vi
   std::vector<std::string> missing;
   names = trimmed(names);
   if (names.empty() || read_library(beside(obj, names), materials)) return missing;
-  for (auto name = next_field(names); !name.empty(); name = next_field(names))
-    if (!read_library(beside(obj, name), materials)) missing.emplace_back(name);
+  // A name may contain blanks: fields that are no file are joined up to the extension.
+  std::string pending;
+  const auto keep_pending = [&] {
+    if (!pending.empty()) missing.push_back(std::exchange(pending, {}));
+  };
+  for (auto name = next_field(names); !name.empty(); name = next_field(names)) {
+    if (read_library(beside(obj, name), materials)) {
+      keep_pending();
+      continue;
+    }
+    const bool is_joined = !pending.empty();
+    pending += (is_joined ? " " : "") + std::string(name);
+    if (is_joined && read_library(beside(obj, pending), materials))
+      pending.clear();
+    else if (lower_extension(pending) == ".mtl")
+      keep_pending();
+  }
+  keep_pending();
   return missing;
 }
 

@@ -1,7 +1,7 @@
 // What the readers of pictures share: limits, grey from colours, orientation, kind of picture.
 //
 // In:  sizes, colours and the orientation that a file states. Out: a Bitmap, upright.
-// Who: png.cpp, jpeg.cpp, read_bitmap.cpp; placed_model.cpp asks whether a picture is a photo.
+// Who: png.cpp, jpeg.cpp, bmp.cpp; placed_model.cpp asks whether a picture is a photo.
 #pragma once
 
 #include <cstdint>

@@ -107,7 +107,8 @@ PlyHeader read_ply_header(const path& file, std::string_view bytes) {
     } else if (keyword == "end_header") {
       if (!has_format) refuse_header(file, lines.number(), "no format");
       header.data_offset = static_cast<std::size_t>(line->data() - bytes.data()) + line->size();
-      const std::size_t line_end = bytes.find('\n', header.data_offset);
+      const bool has_lf = bytes.substr(0, header.data_offset).find('\n') != std::string_view::npos;
+      const std::size_t line_end = bytes.find(has_lf ? '\n' : '\r', header.data_offset);
       header.data_offset = line_end == std::string_view::npos ? bytes.size() : line_end + 1;
       return header;
     } else if (keyword == "comment" && next_field(rest) == "TextureFile") {

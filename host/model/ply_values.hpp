@@ -20,6 +20,7 @@ class PlyValues {
   PlyValues(std::string_view data, PlyFormat format)
       : rest_(data),
         ascii_(format == PlyFormat::ascii),
+        line_end_(data.find('\n') == std::string_view::npos ? '\r' : '\n'),
         order_(format == PlyFormat::big_endian ? std::endian::big : std::endian::little) {}
 
   /// Empty at the end of the data or of the line, or if the text is not a number.
@@ -57,7 +58,7 @@ class PlyValues {
   bool end_element() {
     if (!ascii_) return true;
     skip_blanks();
-    if (!rest_.empty() && rest_.front() != '\n') return false;
+    if (!rest_.empty() && rest_.front() != line_end_) return false;
     const std::size_t next = rest_.find_first_not_of(" \t\r\n");
     rest_.remove_prefix(std::min(next, rest_.size()));
     return true;
@@ -65,12 +66,13 @@ class PlyValues {
 
  private:
   void skip_blanks() {
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r"), rest_.size()));
+    const std::string_view blanks = line_end_ == '\n' ? " \t\r" : " \t";
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(blanks), rest_.size()));
   }
 
   std::optional<double> next_in_line() {
     skip_blanks();
-    if (rest_.empty() || rest_.front() == '\n') return std::nullopt;
+    if (rest_.empty() || rest_.front() == line_end_) return std::nullopt;
     const std::string_view field = next_field(rest_);
     const auto number = to_double(field);
     failed_at_comma_ = !number && has_decimal_comma(field);
@@ -97,6 +99,7 @@ class PlyValues {
 
   std::string_view rest_;
   bool ascii_;
+  char line_end_;  ///< of text; CR only in a text without LF
   bool failed_at_comma_ = false;
   std::endian order_;
 };

@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <array>
+#include <csetjmp>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
+#include <new>
 #include <string_view>
 #include <vector>
 
@@ -133,12 +136,12 @@ void check_colours(const path& file, const PngParts& parts, unsigned type, unsig
 
 /// Refuses a header whose size the rest of the file cannot fill, before memory is reserved for it.
 void check_png_header(const path& file, PngParts& parts) {
-  constexpr std::size_t header_bytes = 13, chunk = png_signature.size();
+  constexpr std::size_t ihdr_bytes = 13, chunk = png_signature.size();
   const std::string_view image = parts.image;
-  if (image.size() < chunk + PngChunk::around_data + header_bytes ||
+  if (image.size() < chunk + PngChunk::around_data + ihdr_bytes ||
       image.substr(chunk + 4, 4) != "IHDR")
     refuse_damaged(file, "no header");
-  const std::string_view header = image.substr(chunk + PngChunk::before_data, header_bytes);
+  const std::string_view header = image.substr(chunk + PngChunk::before_data, ihdr_bytes);
   const std::uint64_t width = big_u32(header, 0), height = big_u32(header, 4);
   require_size(file, static_cast<long long>(width), static_cast<long long>(height));
   // Samples of a pixel by colour type.
@@ -153,32 +156,108 @@ void check_png_header(const path& file, PngParts& parts) {
   if (row_bytes * height > max_ratio * parts.packed_bytes) refuse_cut_off(file);
 }
 
-/// The colours of pixels with a palette, RGBA. Colours that the palette does not have are refused:
-/// the library paints them black.
-std::vector<std::uint8_t> palette_colours(const path& file, png_image& image) {
-  image.format = PNG_FORMAT_RGBA_COLORMAP;
-  constexpr std::size_t rgba = 4;
-  std::vector<std::uint8_t> numbers(PNG_IMAGE_SIZE(image)), palette(PNG_IMAGE_COLORMAP_SIZE(image));
-  if (png_image_finish_read(&image, nullptr, numbers.data(), 0, palette.data()) == 0)
-    refuse_damaged(file, image.message);
-  std::vector<std::uint8_t> colours(numbers.size() * rgba);
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (numbers[i] >= image.colormap_entries)
-      refuse_damaged(file, fmt::format("pixel {}, {} has colour {} of a palette of {}",
-                                       i % image.width + 1, i / image.width + 1, numbers[i] + 1,
-                                       count_text(image.colormap_entries, "colour"))
-                               .c_str());
-    std::copy_n(palette.data() + numbers[i] * rgba, rgba, colours.data() + i * rgba);
+/// The library's reader of one file. The interface of a whole picture in one call (png_image) is
+/// not used: libpng 1.6 reads interlaced rows of 16 bits wrongly through it.
+struct PngReader {
+  explicit PngReader(std::string_view bytes) : rest(bytes) {
+    png = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, stop, ignore_warning);
+    if (png != nullptr) info = png_create_info_struct(png);
+    if (info == nullptr) {
+      png_destroy_read_struct(&png, &info, nullptr);
+      throw std::bad_alloc();
+    }
+    png_set_read_fn(png, this, take);
+    png_set_benign_errors(png, 1);
   }
-  return colours;
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+  ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
+
+  /// Called by the library: it must not return, and it must not throw through the library.
+  [[noreturn]] static void stop(png_structp png, png_const_charp message) {
+    auto* reader = static_cast<PngReader*>(png_get_error_ptr(png));
+    std::snprintf(reader->message.data(), reader->message.size(), "%s", message);
+    png_longjmp(png, 1);
+  }
+  static void ignore_warning(png_structp /*png*/, png_const_charp /*message*/) {}
+  static void take(png_structp png, png_bytep to, png_size_t size) {
+    auto* reader = static_cast<PngReader*>(png_get_io_ptr(png));
+    if (size > reader->rest.size()) png_error(png, "it ends too early");
+    std::copy_n(reader->rest.data(), size, reinterpret_cast<char*>(to));
+    reader->rest.remove_prefix(size);
+  }
+
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  std::string_view rest;            ///< bytes that the library has not read
+  std::array<char, 120> message{};  ///< of the last error
+  png_colorp palette = nullptr;     ///< owned by the library, like the next ones
+  png_bytep opacities = nullptr;    ///< of the first colours of the palette
+  int colours = 0, opacity_count = 0;
+};
+
+/// Reads the header and sets what the rows will be: numbers of a palette with 8 bits each, or RGBA
+/// with 8 bits. False on an error. The library leaves this function by longjmp, so that it has no
+/// local object.
+bool read_header(PngReader& reader, bool of_palette) {
+  if (setjmp(png_jmpbuf(reader.png)) != 0) return false;
+  png_read_info(reader.png, reader.info);
+  if (of_palette) {
+    png_get_PLTE(reader.png, reader.info, &reader.palette, &reader.colours);
+    png_get_tRNS(reader.png, reader.info, &reader.opacities, &reader.opacity_count, nullptr);
+    png_set_packing(reader.png);
+  } else {
+    png_set_expand(reader.png);  // fewer than 8 bits, and a transparent colour to alpha
+    png_set_scale_16(reader.png);
+    png_set_gray_to_rgb(reader.png);
+    png_set_add_alpha(reader.png, opaque, PNG_FILLER_AFTER);
+  }
+  png_set_interlace_handling(reader.png);
+  png_read_update_info(reader.png, reader.info);
+  return true;
 }
 
-std::vector<std::uint8_t> direct_colours(const path& file, png_image& image) {
-  image.format = PNG_FORMAT_RGBA;
-  image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // otherwise 16 bits are taken for linear light
-  std::vector<std::uint8_t> colours(PNG_IMAGE_SIZE(image));
-  if (png_image_finish_read(&image, nullptr, colours.data(), 0, nullptr) == 0)
-    refuse_damaged(file, image.message);
+/// Reads all rows. False on an error; no local object, as in read_header().
+bool read_rows(PngReader& reader, png_bytepp rows) {
+  if (setjmp(png_jmpbuf(reader.png)) != 0) return false;
+  png_read_image(reader.png, rows);
+  return true;
+}
+
+/// The samples of the whole picture, as read_header() has set them.
+std::vector<std::uint8_t> read_samples(const path& file, PngReader& reader,
+                                       std::size_t pixel_bytes) {
+  const std::size_t height = png_get_image_height(reader.png, reader.info);
+  const std::size_t row = png_get_rowbytes(reader.png, reader.info);
+  if (row != png_get_image_width(reader.png, reader.info) * pixel_bytes)
+    refuse_damaged(file, "unknown samples");
+  std::vector<std::uint8_t> samples(height * row);
+  std::vector<png_bytep> rows(height);
+  for (std::size_t y = 0; y < height; ++y) rows[y] = samples.data() + y * row;
+  if (!read_rows(reader, rows.data())) refuse_damaged(file, reader.message.data());
+  return samples;
+}
+
+constexpr std::size_t rgba = 4;
+
+/// The colours of pixels with a palette, RGBA. Colours that the palette does not have are refused.
+std::vector<std::uint8_t> palette_colours(const path& file, PngReader& reader, std::size_t width) {
+  const std::vector<std::uint8_t> numbers = read_samples(file, reader, 1);
+  std::vector<std::uint8_t> colours(numbers.size() * rgba);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const int number = numbers[i];
+    if (number >= reader.colours)
+      refuse_damaged(
+          file,
+          fmt::format("pixel {}, {} has colour {} of a palette of {}", i % width + 1, i / width + 1,
+                      number + 1, count_text(static_cast<std::size_t>(reader.colours), "colour"))
+              .c_str());
+    const png_color& colour = reader.palette[number];
+    const std::uint8_t opacity =
+        number < reader.opacity_count ? reader.opacities[number] : std::uint8_t{opaque};
+    const std::array<std::uint8_t, rgba> pixel{colour.red, colour.green, colour.blue, opacity};
+    std::ranges::copy(pixel, colours.data() + i * rgba);
+  }
   return colours;
 }
 
@@ -191,14 +270,16 @@ Bitmap decode_png(const path& file, const std::string& bytes) {
   if (!bytes.starts_with(png_signature)) refuse_damaged(file, "wrong signature");
   PngParts parts = checked_parts(file, bytes);
   check_png_header(file, parts);
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  if (png_image_begin_read_from_memory(&image, parts.image.data(), parts.image.size()) == 0)
-    refuse_damaged(file, image.message);
-  const auto width = static_cast<int>(image.width), height = static_cast<int>(image.height);
+  const bool of_palette = parts.type == palette_type;
+  PngReader reader(parts.image);
+  if (!read_header(reader, of_palette)) refuse_damaged(file, reader.message.data());
+  const std::size_t width = png_get_image_width(reader.png, reader.info);
+  const std::size_t height = png_get_image_height(reader.png, reader.info);
   const std::vector<std::uint8_t> colours =
-      parts.type == palette_type ? palette_colours(file, image) : direct_colours(file, image);
-  return oriented(bitmap_of_colours(colours, width, height, 4), parts.orientation);
+      of_palette ? palette_colours(file, reader, width) : read_samples(file, reader, rgba);
+  return oriented(
+      bitmap_of_colours(colours, static_cast<int>(width), static_cast<int>(height), rgba),
+      parts.orientation);
 }
 
 }  // namespace lamplock::model

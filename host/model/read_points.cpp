@@ -63,6 +63,12 @@ std::vector<std::string_view> fields_of(std::string_view text, char separator) {
   }
 }
 
+/// Some programs write numbers as texts: "0.5" is 0.5.
+std::string_view without_quotes(std::string_view field) {
+  const bool is_quoted = field.size() >= 2 && field.front() == '"' && field.back() == '"';
+  return is_quoted ? trimmed(field.substr(1, field.size() - 2)) : field;
+}
+
 /// "X", "x_mm" and "\"x\"" are x.
 std::string axis_name(std::string_view field) {
   std::string name;
@@ -84,11 +90,12 @@ Columns named_columns(const path& file, std::size_t line, std::string_view names
   const std::vector<std::string_view> fields = fields_of(names, columns.separator);
   columns.count = fields.size();
   for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-    const auto found = std::find_if(fields.begin(), fields.end(), [&](std::string_view field) {
-      return axis_name(field) == axes[axis];
-    });
+    const auto is_axis = [&](std::string_view field) { return axis_name(field) == axes[axis]; };
+    const auto found = std::find_if(fields.begin(), fields.end(), is_axis);
     if (found == fields.end())
       refuse_line(file, line, fmt::format("the names of columns lack '{}'", axes[axis]));
+    if (std::count_if(fields.begin(), fields.end(), is_axis) > 1)
+      refuse_line(file, line, fmt::format("more than one column is named '{}'", axes[axis]));
     columns.of_axis[axis] = static_cast<std::size_t>(found - fields.begin());
   }
   return columns;
@@ -135,7 +142,7 @@ geometry::Point parse_point(const path& file, std::size_t line, std::string_view
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const auto axis = std::find(columns.of_axis.begin(), columns.of_axis.end(), i);
     if (axis == columns.of_axis.end() && columns.has_names) continue;
-    const auto number = to_double(fields[i]);
+    const auto number = to_double(without_quotes(fields[i]));
     if (!number && has_decimal_comma(fields[i])) refuse_decimal_comma(file, line);
     if (!number || !std::isfinite(*number)) {
       refuse_line(file, line, fmt::format("'{:.20}' is not a usable number", fields[i]));

@@ -16,6 +16,7 @@
 #include "host/file.hpp"
 #include "host/model/arc_length.hpp"
 #include "host/model/clip.hpp"
+#include "host/model/close_path.hpp"
 #include "host/model/curve_collector.hpp"
 #include "host/model/dashes.hpp"
 #include "host/model/svg_background.hpp"
@@ -26,6 +27,7 @@
 #include "host/model/svg_shapes.hpp"
 #include "host/model/svg_style.hpp"
 #include "host/model/svg_values.hpp"
+#include "host/model/svg_views.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -50,6 +52,14 @@ double scale_of(const geometry::Affine& map) {
   return std::sqrt(std::abs(map.x.x * map.y.y - map.x.y * map.y.x));
 }
 
+geometry::Bounds moved_back(geometry::Bounds box, const SvgBox& by) {
+  for (geometry::Point* corner : {&box.low, &box.high}) {
+    corner->x -= by.x;
+    corner->y -= by.y;
+  }
+  return box;
+}
+
 class SvgReader {
  public:
   SvgReader(const std::filesystem::path& file, std::string bytes)
@@ -67,41 +77,9 @@ class SvgReader {
     if (!measured_) curves_.leave_out(name);
   }
 
-  /// Changes to the units of the node's viewBox, if it has one, fitted into `port`.
   void enter_view(const xml_node& node, const SvgBox& port, Context& context) const {
-    const FilePosition place = document_.position_of(node);
-    context.units.port = port;
-    const char* text = node.attribute("viewBox").value();
-    if (*text == '\0') {
-      context.map = context.map * geometry::moved(port.x, port.y, 0);
-      return;
-    }
-    const std::vector<double> view = svg_numbers(text, place);
-    if (view.size() != 4 || !(view[2] > 0) || !(view[3] > 0))
-      place.refuse(fmt::format("the viewBox '{:.40}' is not valid", text), "repair the drawing");
-    context.units.port = {view[0], view[1], view[2], view[3]};
-    context.map = context.map *
-                  svg_fit(context.units.port, port, node.attribute("preserveAspectRatio").value());
-  }
-
-  /// The page in px. Without a size the page, the reference of percentages, has that of the view.
-  SvgBox page_of(const xml_node& root, SvgUnits& units) const {
-    const FilePosition place = document_.position_of(root);
-    const std::vector<double> view = svg_numbers(root.attribute("viewBox").value(), place);
-    const bool has_view = view.size() == 4;
-    const SvgBox whole{0, 0, has_view ? view[2] : 0, has_view ? view[3] : 0};
-    units.port = whole;
-    units.page_width_px = whole.width;
-    units.page_height_px = whole.height;
-    const SvgBox page{0, 0, svg_length_of(root, "width", whole.width, whole.width, units, place),
-                      svg_length_of(root, "height", whole.height, whole.height, units, place)};
-    const bool is_empty = has_view && (page.width == 0 || page.height == 0);
-    if (page.width < 0 || page.height < 0 || is_empty)
-      place.refuse(fmt::format("the page has the size {} x {}", page.width, page.height),
-                   "repair the drawing");
-    units.page_width_px = page.width;
-    units.page_height_px = page.height;
-    return page;
+    context.map =
+        context.map * svg_view_map(node, port, context.units, document_.position_of(node));
   }
 
   /// Draws the page: its size in px, its lower left corner in the origin, y upwards.
@@ -109,11 +87,14 @@ class SvgReader {
     Context context;
     context.units.font_px = svg_font_size(svg_value(root, "font-size"), context.units);
     context.units.root_font_px = context.units.font_px;
-    page_ = page_of(root, context.units);
+    page_ = svg_page(root, context.units, document_.position_of(root));
     context.map = geometry::moved(0, page_.height * mm_per_px, 0) *
                   geometry::scaled(mm_per_px, -mm_per_px, 1);
     if (is_not_rendered(root)) return leave_out("hidden");
     inherit_paint(root, context.units, document_, context.paint);
+    context.units.port = page_;  // its transform is that of the page
+    context.map = context.map * own_map(root, context);
+    if (scale_of(context.map) == 0) return leave_out("hidden");
     enter_view(root, page_, context);
     if (!clip(root, context)) return;
     draw_children(root, context);
@@ -199,17 +180,23 @@ class SvgReader {
 
   bool clip(const xml_node& node, Context& context) {
     if (measured_) return true;
-    std::optional<geometry::Bounds> box;
-    if (clips_.needs_box(node)) box = box_of(node, context);
-    if (clips_.append(node, {context.map, context.units, box}, context.clips)) return true;
+    SvgClips::Frame frame{context.map, context.units, {}};
+    if (clips_.needs_box(node)) frame.box = box_of(node, context);
+    if (svg_name(node) == "use") {  // its x and y move what clips it, too
+      const SvgBox at = svg_box_of(node, context.units, document_.position_of(node));
+      frame.map = frame.map * geometry::moved(at.x, at.y, 0);
+      if (frame.box) *frame.box = moved_back(*frame.box, at);
+    }
+    if (clips_.append(node, frame, context.clips)) return true;
     leave_out("element with a clip path or mask that cannot be applied");
     return false;
   }
 
   void draw(const xml_node& node, Context context) {
     const std::string_view name = svg_name(node);
-    if (!svg_draws_nothing(name) && enter(node, context))
-      draw_content(node, name, std::move(context));
+    if (svg_draws_nothing(name)) return;
+    if (!svg_conditions_hold(node)) return leave_out("hidden");
+    if (enter(node, context)) draw_content(node, name, std::move(context));
   }
 
   /// Draws an element whose properties are applied.
@@ -220,24 +207,18 @@ class SvgReader {
     if (!clip(node, context)) return;
     if (name == "use") return draw_use(node, context);
     if (name == "svg") {
-      const SvgBox box = svg_box_of(node, context.units, document_.position_of(node));
-      return draw_view(node, node, box, context);
+      const FilePosition place = document_.position_of(node);
+      return draw_view(node, svg_view_port(node, {}, context.units, place), context);
     }
     enter_layer(node, context);
     if (name != "switch") return draw_children(node, context);
     if (const xml_node chosen = svg_chosen_of(node)) draw(chosen, context);
   }
 
-  /// Draws a nested svg or a symbol; `sized` has the attributes of its size, by default 100 %. What
-  /// leaves the view is hidden unless the property overflow shows it.
-  void draw_view(const xml_node& node, const xml_node& sized, SvgBox port, Context context) {
+  /// Draws a nested svg or a symbol. What leaves the view is hidden unless the property overflow
+  /// shows it.
+  void draw_view(const xml_node& node, const SvgBox& port, Context context) {
     const SvgBox& outer = context.units.port;
-    const auto size = [&](const char* name, double given, double whole) {
-      const std::string_view text = svg_value(sized, name);
-      return text.empty() || text == "auto" ? whole : given;
-    };
-    port.width = size("width", port.width, outer.width);
-    port.height = size("height", port.height, outer.height);
     const bool has_size = outer.width > 0 && outer.height > 0;
     if (has_size && (port.width == 0 || port.height == 0)) return leave_out("hidden");
     const std::string_view overflow = svg_value(node, "overflow");
@@ -269,12 +250,10 @@ class SvgReader {
     context.map = context.map * geometry::moved(at.x, at.y, 0);
     open_uses_.push_back(used);
     if (svg_name(used) == "symbol" || svg_name(used) == "svg") {
-      if (enter(used, context) && clip(used, context)) {
-        const bool has_size = node.attribute("width") || node.attribute("height");
-        SvgBox port = svg_box_of(used, context.units, place);
-        if (has_size) port = {port.x, port.y, at.width, at.height};
-        draw_view(used, has_size ? node : used, port, context);
-      }
+      if (svg_name(used) == "svg" && !svg_conditions_hold(used))
+        leave_out("hidden");
+      else if (enter(used, context) && clip(used, context))
+        draw_view(used, svg_view_port(used, node, context.units, place), context);
     } else {
       draw(used, context);
     }
@@ -291,9 +270,10 @@ class SvgReader {
     if (!paths) return leave_out(std::string(name));
     if (svg_has_markers(node)) leave_out("marker");
     if (!clip(node, context)) return;
+    const bool fills = shows_filled_edge(node, paint);
     const bool is_background = may_be_background(paint, *paths, context, place);
     for (Path& path : dashed(node, std::move(*paths), context, place)) {
-      path = CurveCollector::placed(std::move(path), context.map, place);
+      if (fills) close_around_area(path);
       std::vector<Path> parts = clipped(std::move(path), context.clips, clips_.work(), place);
       if (parts.empty()) leave_out("clipped curve");
       for (Path& part : parts) {
@@ -305,17 +285,20 @@ class SvgReader {
     }
   }
 
-  /// The dashes of the paths where the stroke has some; the edge of a fill in another colour than
-  /// the page's is whole.
+  /// The paths in mm, or their dashes where has_dashes().
   std::vector<Path> dashed(const xml_node& node, std::vector<Path> paths, const Context& context,
                            const FilePosition& place) {
     const SvgPaint& paint = context.paint;
-    const bool shows_edge = paint.shows_fill() && !paint.fill_is_default && !paint.fill_is_white &&
-                            svg_name(node) != "line";
-    if (paint.dashes.empty() || !paint.shows_stroke() || shows_edge) return paths;
-    // Lengths are measured in mm, which the precision of arc lengths refers to.
-    const double scale = scale_of(context.map);
-    const geometry::Affine larger = geometry::scaled(scale, scale, scale);
+    if (!has_dashes(node, paint)) {
+      for (Path& path : paths) path = CurveCollector::placed(std::move(path), context.map, place);
+      return paths;
+    }
+    // Lengths are measured in mm, which the precision of arc lengths refers to: along the path as
+    // the user draws it, or as the page shows it.
+    const bool is_on_page = svg_value(node, "vector-effect") == "non-scaling-stroke";
+    const double scale = is_on_page ? mm_per_px : scale_of(context.map);
+    const geometry::Affine larger =
+        is_on_page ? context.map : geometry::scaled(scale, scale, scale);
     std::vector<double> lengths;
     for (Path& path : paths) {
       path = CurveCollector::placed(std::move(path), larger, place);
@@ -332,11 +315,13 @@ class SvgReader {
       place.refuse(fmt::format("the curve has more than {} dashes", max_pieces),
                    "use longer dashes");
     curves_.spend(static_cast<std::size_t>(count), place);
-    const geometry::Affine smaller = geometry::scaled(1 / scale, 1 / scale, 1 / scale);
+    const geometry::Affine rest =
+        is_on_page ? geometry::Affine{}
+                   : context.map * geometry::scaled(1 / scale, 1 / scale, 1 / scale);
     std::vector<Path> all;
     for (const Path& path : paths) {
       for (Path& dash : dashes(path, pattern))
-        all.push_back(CurveCollector::placed(std::move(dash), smaller, place));
+        all.push_back(CurveCollector::placed(std::move(dash), rest, place));
     }
     return all;
   }
@@ -348,7 +333,8 @@ class SvgReader {
     if (has_drawn_ || background_ || paint.shows_stroke() || paint.fill_is_default ||
         paths.size() != 1 || page_.width == 0 || page_.height == 0)
       return false;
-    const Path outline = CurveCollector::placed(paths.front(), context.map, place);
+    Path outline = CurveCollector::placed(paths.front(), context.map, place);
+    close_around_area(outline);
     return is_filled_box(outline,
                          {{0, 0, 0}, {page_.width * mm_per_px, page_.height * mm_per_px, 0}});
   }

@@ -12,8 +12,8 @@ namespace {
 using geometry::Point;
 
 // Outside this range a double has too few digits for the curve.
-constexpr double min_range = 1e-12, greatest_range = 1e12;
-constexpr double greatest_weight_ratio = 1e9;
+constexpr double min_range = 1e-12, max_range = 1e12;
+constexpr double max_weight_ratio = 1e9;
 // Knots closer than this part of the range differ by rounding.
 constexpr double same_knot = 1e-12;
 
@@ -50,7 +50,7 @@ std::string fault_of_weights(const Spline& spline) {
     return fmt::format("a spline has {} weights for {} poles", spline.weights.size(),
                        spline.poles.size());
   const auto [least, greatest] = std::minmax_element(spline.weights.begin(), spline.weights.end());
-  if (!(*least > 0) || !(*greatest / *least <= greatest_weight_ratio))
+  if (!(*least > 0) || !(*greatest / *least <= max_weight_ratio))
     return fmt::format("a spline has weights from {} to {}", *least, *greatest);
   return "";
 }
@@ -67,7 +67,7 @@ std::string fault_of(Spline& spline) {
     return fmt::format("a spline of degree {} has {} knots for {} poles", degree, knots.size(),
                        spline.poles.size());
   const double range = knots[spline.poles.size()] - knots[degree];
-  if (!(range >= min_range && range <= greatest_range))
+  if (!(range >= min_range && range <= max_range))
     return fmt::format("the knots of a spline have the range {}", range);
   for (std::size_t i = 1; i < knots.size(); ++i) {
     if (knots[i] < knots[i - 1] - same_knot * range)

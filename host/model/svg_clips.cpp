@@ -8,9 +8,10 @@
 #include <utility>
 
 #include "host/model/curve_collector.hpp"
-#include "host/model/svg_paint.hpp"
+#include "host/model/svg_elements.hpp"
 #include "host/model/svg_shapes.hpp"
 #include "host/model/svg_style.hpp"
+#include "host/model/svg_views.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -23,13 +24,17 @@ geometry::Affine from_unit_box(const geometry::Bounds& box) {
          geometry::scaled(box.high.x - box.low.x, box.high.y - box.low.y, 1);
 }
 
+/// True if an element of a mask changes neither the colours nor the alpha of what is in it.
+bool is_plain(const xml_node& node) {
+  const std::string_view opacity = svg_value(node, "opacity"), filter = svg_value(node, "filter");
+  return (filter.empty() || filter == "none") &&
+         (opacity.empty() || find_svg_length(opacity, 1, {}).value_or(1) >= 1);
+}
+
 /// True if a shape of a mask lets everything through where it is, and nothing else is painted.
-bool is_opaque(const xml_node& node, const SvgPaint& paint, bool is_alpha) {
-  const std::string_view opacity = svg_value(node, "opacity");
-  const bool is_solid = paint.fill_opacity >= 1 && !svg_value(node, "fill").starts_with("url(") &&
-                        (opacity.empty() || find_svg_length(opacity, 1, {}).value_or(0) >= 1);
-  return is_solid && paint.shows_fill() && !paint.shows_stroke() &&
-         (is_alpha || paint.fill_is_white);
+bool is_opaque(const SvgPaint& paint, bool is_alpha) {
+  return paint.fill_opacity >= 1 && !paint.fill_is_server && paint.shows_fill() &&
+         !paint.shows_stroke() && (is_alpha || paint.fill_is_white);
 }
 
 }  // namespace
@@ -109,11 +114,16 @@ SvgClips::Region SvgClips::new_region(const xml_node& element, Frame frame, bool
   const FilePosition place = document_.position_of(element);
   frame.map = frame.map * svg_transform(svg_value(element, "transform"), frame.units, place);
   frame.box.reset();
-  const Inherited inherited{frame,
-                            svg_value(element, "clip-rule"),
-                            {},
-                            is_mask,
-                            svg_value(element, "mask-type") == "alpha"};
+  Inherited inherited;
+  inherited.is_mask = is_mask;
+  inherited.is_alpha = svg_value(element, "mask-type") == "alpha";
+  // Properties come from the elements around it, lengths and places from the one that it clips.
+  inherited.frame = frame;
+  inherited.frame.units.font_px = SvgUnits{}.font_px;
+  std::vector<xml_node> around{element};
+  while (around.back().parent().type() == pugi::node_element)
+    around.push_back(around.back().parent());
+  for (auto one = around.rbegin(); one != around.rend(); ++one) inherit(*one, inherited);
   Shapes shapes;
   open_.push_back(element);
   const bool applied = add_children(element, inherited, shapes);
@@ -138,54 +148,102 @@ bool SvgClips::append_mask_box(const xml_node& mask, const Frame& frame, ClipReg
   return true;
 }
 
+void SvgClips::inherit(const xml_node& node, Inherited& inherited) const {
+  SvgUnits& units = inherited.frame.units;
+  units.font_px = svg_font_size(svg_value(node, "font-size"), units);
+  inherit_paint(node, units, document_, inherited.paint);
+  const char* name = inherited.is_mask ? "fill-rule" : "clip-rule";
+  if (const std::string_view rule = svg_value(node, name); !rule.empty()) inherited.rule = rule;
+}
+
+/// Applies the properties of an element of a clip path or mask. False if one of them cannot be.
+bool SvgClips::enter(const xml_node& node, Inherited& inherited) {
+  const FilePosition place = document_.position_of(node);
+  constexpr std::size_t tests_per_shape = 1000;  // reading one takes as long
+  work_.spend(tests_per_shape, place);
+  if (++inherited.depth > max_svg_depth)
+    place.refuse(fmt::format("groups are nested deeper than {}", max_svg_depth), "ungroup some");
+  inherit(node, inherited);
+  Frame& frame = inherited.frame;
+  frame.map = frame.map * svg_transform(svg_value(node, "transform"), frame.units, place);
+  if (svg_name(node) == "use") {
+    const SvgBox at = svg_box_of(node, frame.units, place);
+    frame.map = frame.map * geometry::moved(at.x, at.y, 0);
+  }
+  return (!inherited.is_mask || is_plain(node)) && append(node, frame, inherited.clips);
+}
+
+bool SvgClips::is_hidden(const xml_node& node, const Inherited& inherited) {
+  return inherited.is_mask ? is_not_rendered(node) : svg_value(node, "display") == "none";
+}
+
 bool SvgClips::add_children(const xml_node& node, const Inherited& inherited, Shapes& shapes) {
   for (const xml_node& child : node.children()) {
-    if (child.type() == pugi::node_element && !add_shape(child, inherited, shapes)) return false;
+    if (child.type() == pugi::node_element && !add_element(child, inherited, shapes)) return false;
   }
   return true;
 }
 
-bool SvgClips::add_shape(const xml_node& node, Inherited inherited, Shapes& shapes) {
+bool SvgClips::add_element(const xml_node& node, Inherited inherited, Shapes& shapes) {
   const std::string_view name = svg_name(node);
+  if (svg_draws_nothing(name) || is_hidden(node, inherited) || !svg_conditions_hold(node))
+    return true;
+  if (name == "use") return add_use(node, std::move(inherited), shapes);
+  // Clip paths have no groups.
+  if (inherited.is_mask && name == "svg") return add_view(node, {}, std::move(inherited), shapes);
+  if (inherited.is_mask && (name == "g" || name == "a" || name == "switch")) {
+    if (!enter(node, inherited)) return false;
+    if (name != "switch") return add_children(node, inherited, shapes);
+    const xml_node chosen = svg_chosen_of(node);
+    return !chosen || add_element(chosen, inherited, shapes);
+  }
+  return add_shape(node, std::move(inherited), shapes);
+}
+
+bool SvgClips::add_use(const xml_node& node, Inherited inherited, Shapes& shapes) {
+  const xml_node used = document_.used_by(node);
+  if (!used || std::find(open_.begin(), open_.end(), used) != open_.end()) return false;
+  if (!enter(node, inherited)) return false;
+  const std::string_view name = svg_name(used);
+  const bool is_view = inherited.is_mask && (name == "symbol" || name == "svg");
+  if (!is_view && svg_draws_nothing(name)) return false;
+  open_.push_back(used);
+  const bool applied = is_view ? add_view(used, node, std::move(inherited), shapes)
+                               : add_element(used, std::move(inherited), shapes);
+  open_.pop_back();
+  return applied;
+}
+
+bool SvgClips::add_view(const xml_node& node, const xml_node& use, Inherited inherited,
+                        Shapes& shapes) {
+  if (is_hidden(node, inherited)) return true;
+  if (!enter(node, inherited)) return false;
   const FilePosition place = document_.position_of(node);
-  constexpr std::size_t tests_per_shape = 1000;  // reading one takes as long
-  work_.spend(tests_per_shape, place);
-  if (svg_value(node, "display") == "none" || name == "title" || name == "desc") return true;
   Frame& frame = inherited.frame;
-  frame.units.font_px = svg_font_size(svg_value(node, "font-size"), frame.units);
-  frame.map = frame.map * svg_transform(svg_value(node, "transform"), frame.units, place);
-  if (const std::string_view rule = svg_value(node, "clip-rule"); !rule.empty())
-    inherited.rule = rule;
-  if (name == "use") {
-    if (!append(node, frame, inherited.clips)) return false;
-    const xml_node used = document_.used_by(node);
-    if (!used || std::find(open_.begin(), open_.end(), used) != open_.end()) return false;
-    const SvgBox at = svg_box_of(node, frame.units, place);
-    frame.map = frame.map * geometry::moved(at.x, at.y, 0);
-    open_.push_back(used);
-    const bool applied = add_shape(used, inherited, shapes);
-    open_.pop_back();
-    return applied;
-  }
-  if (inherited.is_mask && name == "g") {
-    const bool is_plain = svg_value(node, "opacity").empty() && svg_value(node, "mask").empty() &&
-                          svg_value(node, "filter").empty();
-    return is_plain && append(node, frame, inherited.clips) &&
-           add_children(node, inherited, shapes);
-  }
-  const auto paths = svg_shape(node, name, frame.units, place);
+  const SvgBox port = svg_view_port(node, use, frame.units, place);
+  const bool has_size = frame.units.port.width > 0 && frame.units.port.height > 0;
+  if (has_size && (port.width == 0 || port.height == 0)) return true;
+  if (const std::string_view overflow = svg_value(node, "overflow");
+      has_size && overflow != "visible" && overflow != "auto")
+    append(port, frame.map, place, inherited.clips);
+  frame.map = frame.map * svg_view_map(node, port, frame.units, place);
+  return add_children(node, inherited, shapes);
+}
+
+bool SvgClips::add_shape(const xml_node& node, Inherited inherited, Shapes& shapes) {
+  if (!enter(node, inherited)) return false;
+  const FilePosition place = document_.position_of(node);
+  const Frame& frame = inherited.frame;
+  const SvgPaint& paint = inherited.paint;
+  const auto paths = svg_shape(node, svg_name(node), frame.units, place);
   if (!paths) return false;  // text
-  SvgPaint paint;
-  for (const xml_node& one : {node.parent(), node})
-    inherit_paint(one, frame.units, document_, paint);
-  if (!paint.is_visible) return true;
-  if (inherited.is_mask && !is_opaque(node, paint, inherited.is_alpha)) return false;
-  if (!append(node, frame, inherited.clips)) return false;
+  const bool is_painted = !inherited.is_mask || paint.shows_fill() || paint.shows_stroke();
+  if (!paint.is_visible || !is_painted) return true;
+  if (inherited.is_mask && !is_opaque(paint, inherited.is_alpha)) return false;
   std::vector<Path> outlines;
   for (const Path& path : *paths)
     outlines.push_back(CurveCollector::placed(path, frame.map, place));
-  const std::string_view rule = inherited.is_mask ? svg_value(node, "fill-rule") : inherited.rule;
-  shapes.emplace_back(outlines, rule == "evenodd", inherited.clips, work_, place);
+  shapes.emplace_back(outlines, inherited.rule == "evenodd", inherited.clips, work_, place);
   return true;
 }
 

@@ -6,8 +6,9 @@
 // Who: read_svg().
 //
 // Clip paths consist of shapes and uses of shapes, with their rules, transforms and own clip paths.
-// A mask is a region if all its shapes are filled with opaque white (or, with mask-type: alpha,
-// with any opaque colour) and have no stroke. Others cannot be applied.
+// Masks have groups, symbols and nested svg, too. A mask is a region if all its shapes are filled
+// with opaque white (or, with mask-type: alpha, with any opaque colour) and have no stroke. Others
+// cannot be applied.
 #pragma once
 
 #include <optional>
@@ -20,6 +21,7 @@
 #include "host/geometry/bounds.hpp"
 #include "host/model/clip.hpp"
 #include "host/model/svg_document.hpp"
+#include "host/model/svg_paint.hpp"
 #include "host/model/svg_values.hpp"
 
 namespace lamplock::model {
@@ -53,16 +55,26 @@ class SvgClips {
   using Region = std::shared_ptr<const ClipRegion>;
   /// What the shapes of a clip path inherit.
   struct Inherited {
-    Frame frame;
-    std::string_view rule;
-    ClipRegions clips;
+    Frame frame{};
+    SvgPaint paint{};
+    std::string_view rule{};  ///< fill-rule of a mask, clip-rule of a clip path
+    ClipRegions clips{};
     bool is_mask = false, is_alpha = false;
+    int depth = 0;
   };
 
   Region region_of(const pugi::xml_node& element, const Frame& frame, bool is_mask);
   Region new_region(const pugi::xml_node& element, Frame frame, bool is_mask);
   bool append_mask_box(const pugi::xml_node& mask, const Frame& frame, ClipRegions& regions);
+  void inherit(const pugi::xml_node& node, Inherited& inherited) const;
+  bool enter(const pugi::xml_node& node, Inherited& inherited);
+  static bool is_hidden(const pugi::xml_node& node, const Inherited& inherited);
   bool add_children(const pugi::xml_node& node, const Inherited& inherited, Shapes& shapes);
+  bool add_element(const pugi::xml_node& node, Inherited inherited, Shapes& shapes);
+  bool add_use(const pugi::xml_node& node, Inherited inherited, Shapes& shapes);
+  /// Adds what is in an svg, or in a symbol or svg that `use` refers to.
+  bool add_view(const pugi::xml_node& node, const pugi::xml_node& use, Inherited inherited,
+                Shapes& shapes);
   bool add_shape(const pugi::xml_node& node, Inherited inherited, Shapes& shapes);
 
   struct Known {

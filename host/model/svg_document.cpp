@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 #include "host/model/gzip.hpp"
@@ -10,10 +11,31 @@
 #include "host/model/svg_style.hpp"
 #include "host/model/xml_entities.hpp"
 #include "host/model/xml_text.hpp"
+#include "host/text.hpp"
 
 namespace lamplock::model {
 
 using pugi::xml_node;
+
+namespace {
+
+/// "%20" as the byte of that code, in the fragment of an address.
+std::string without_percent_codes(std::string_view text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned byte = 0;
+    constexpr int hexadecimal = 16;
+    const std::string_view code = text[i] == '%' ? text.substr(i + 1, 2) : std::string_view{};
+    const auto [end, failure] =
+        std::from_chars(code.data(), code.data() + code.size(), byte, hexadecimal);
+    const bool is_code = code.size() == 2 && failure == std::errc{} && end == code.data() + 2;
+    plain += is_code ? static_cast<char>(byte) : text[i];
+    if (is_code) i += 2;
+  }
+  return plain;
+}
+
+}  // namespace
 
 SvgDocument::SvgDocument(const std::filesystem::path& file, std::string bytes) : file_(file) {
   if (is_gzip(bytes)) bytes = gunzip(file, bytes);
@@ -70,18 +92,26 @@ xml_node SvgDocument::find(std::string_view id) const {
   return found == by_id_.end() ? xml_node{} : found->second;
 }
 
+xml_node SvgDocument::find_fragment(std::string_view fragment) const {
+  const xml_node found = find(fragment);
+  return found ? found : find(without_percent_codes(fragment));
+}
+
 xml_node SvgDocument::find_url(std::string_view value) const {
+  if (!value.starts_with("url(")) return {};
+  value = trimmed(value.substr(0, value.find(')')).substr(std::string_view("url(").size()));
+  if (value.starts_with('"') || value.starts_with('\''))
+    value = value.substr(1, value.find_first_of("\"'", 1) - 1);
+  value = trimmed(value);
   const std::size_t hash = value.find('#');
-  if (!value.starts_with("url(") || hash == std::string_view::npos) return {};
-  value.remove_prefix(hash + 1);
-  return find(value.substr(0, value.find_first_of("\"') ")));
+  return hash == std::string_view::npos ? xml_node{} : find_fragment(value.substr(hash + 1));
 }
 
 xml_node SvgDocument::used_by(const xml_node& use) const {
-  std::string_view target = use.attribute("href").value();
-  if (target.empty()) target = use.attribute("xlink:href").value();
+  std::string_view target = trimmed(use.attribute("href").value());
+  if (target.empty()) target = trimmed(use.attribute("xlink:href").value());
   if (!target.starts_with('#')) return {};
-  const xml_node used = find(target.substr(1));
+  const xml_node used = find_fragment(target.substr(1));
   if (!used)
     position_of(use).refuse(fmt::format("there is no element '{:.40}'", target.substr(1)),
                             "repair the drawing");

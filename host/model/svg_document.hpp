@@ -41,6 +41,8 @@ class SvgDocument {
   const std::map<std::string, std::size_t>& left_out() const { return left_out_; }
 
  private:
+  /// By an id, as it is or with percent codes.
+  pugi::xml_node find_fragment(std::string_view fragment) const;
   void keep_svg();
   void number_ids(const pugi::xml_node& node, int depth);
 

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "host/model/svg_paint.hpp"
+#include "host/model/text.hpp"
+#include "host/text.hpp"
 
 namespace lamplock::model {
 
@@ -21,16 +23,22 @@ bool svg_draws_nothing(std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-xml_node svg_chosen_of(const xml_node& node) {
-  for (const xml_node& child : node.children()) {
-    if (child.type() != pugi::node_element) continue;
-    const bool extends = *child.attribute("requiredExtensions").value() != 0;
-    const std::string_view languages = child.attribute("systemLanguage").value();
-    const bool fits = !child.attribute("systemLanguage") || languages.starts_with("en") ||
-                      languages.find(",en") != std::string_view::npos ||
-                      languages.find(" en") != std::string_view::npos;
-    if (!extends && fits) return child;
+bool svg_conditions_hold(const xml_node& node) {
+  if (*node.attribute("requiredExtensions").value() != 0) return false;
+  const pugi::xml_attribute attribute = node.attribute("systemLanguage");
+  if (!attribute) return true;
+  const std::string tags = in_lower_case(attribute.value());
+  for (std::string_view rest = tags; !rest.empty();) {
+    const std::string_view tag = trimmed(rest.substr(0, rest.find(',')));
+    if (tag == "en" || tag.starts_with("en-")) return true;
+    rest.remove_prefix(std::min(rest.find(','), rest.size() - 1) + 1);
   }
+  return false;
+}
+
+xml_node svg_chosen_of(const xml_node& node) {
+  for (const xml_node& child : node.children())
+    if (child.type() == pugi::node_element && svg_conditions_hold(child)) return child;
   return {};
 }
 

@@ -16,8 +16,11 @@ namespace lamplock::model {
 /// True for elements that draw nothing by themselves, by their name.
 bool svg_draws_nothing(std::string_view name);
 
-/// The first element of a `switch` whose conditions hold: no extension is known, and the language
-/// is English.
+/// False if an element is for other programs or readers by its conditional attributes: no extension
+/// is known, and the language is English.
+bool svg_conditions_hold(const pugi::xml_node& node);
+
+/// The first element of a `switch` whose conditions hold.
 pugi::xml_node svg_chosen_of(const pugi::xml_node& node);
 
 bool svg_has_markers(const pugi::xml_node& node);

@@ -4,8 +4,11 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
+#include "host/model/svg_colour.hpp"
 #include "host/model/svg_shapes.hpp"
+#include "host/model/text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {
@@ -13,38 +16,10 @@ namespace {
 
 using pugi::xml_node;
 
-/// A colour in lower case without blanks.
-std::string plain_colour(std::string_view text) {
-  std::string plain;
-  for (const char c : text) {
-    if (c == ' ' || c == '\t') continue;
-    plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  return plain;
-}
-
 /// A number or a percentage, as the properties of opacity have it.
-std::optional<double> part_of_one(std::string_view text) { return find_svg_length(text, 1, {}); }
-
-/// The alpha of "rgba(...)", "#rrggbbaa" and their variants; 1 without one.
-double alpha_of(std::string_view colour) {
-  constexpr std::size_t short_alpha = 5, long_alpha = 9;  // "#rgba", "#rrggbbaa"
-  if (colour.starts_with('#')) {
-    if (colour.size() == short_alpha) return colour.back() == '0' ? 0 : 1;
-    if (colour.size() == long_alpha) return colour.ends_with("00") ? 0 : 1;
-    return 1;
-  }
-  const std::size_t open = colour.find('('), close = colour.rfind(')');
-  if (open == std::string_view::npos || close == std::string_view::npos || close < open) return 1;
-  const std::string_view arguments = colour.substr(open + 1, close - open - 1);
-  const std::size_t slash = arguments.find('/');
-  const auto commas = std::count(arguments.begin(), arguments.end(), ',');
-  std::string_view alpha;
-  if (slash != std::string_view::npos)
-    alpha = arguments.substr(slash + 1);
-  else if (commas == 3)
-    alpha = arguments.substr(arguments.rfind(',') + 1);
-  return alpha.empty() ? 1 : part_of_one(alpha).value_or(1);
+std::optional<double> part_of_one(std::string_view text) {
+  const bool has_unit = !text.empty() && text.back() >= 'a' && text.back() <= 'z';
+  return has_unit ? std::nullopt : find_svg_length(text, 1, {});
 }
 
 /// True if a paint leaves a mark. `url(#id)` needs its element, or a colour after it.
@@ -55,38 +30,44 @@ bool is_visible_paint(std::string_view text, const SvgDocument& document) {
     text = end == std::string_view::npos ? std::string_view{} : trimmed(text.substr(end + 1));
     if (text.empty()) return false;
   }
-  const std::string colour = plain_colour(text);
-  return colour != "none" && colour != "transparent" && alpha_of(colour) > 0;
+  const auto colour = find_svg_colour(text);
+  return text != "none" && (!colour || colour->alpha > 0);
 }
 
 bool is_white(std::string_view text) {
-  constexpr std::array<std::string_view, 6> white{
-      "white", "#fff", "#ffffff", "rgb(255,255,255)", "rgb(100%,100%,100%)", "rgb(255255255)"};
-  return std::find(white.begin(), white.end(), plain_colour(text)) != white.end();
+  return find_svg_colour(text).value_or(SvgColour{}).is_white;
 }
 
-/// The lengths of stroke-dasharray, an even number; empty for a solid or an invalid one.
-std::vector<double> dashes_of(std::string_view text, const SvgUnits& units) {
+/// The lengths of stroke-dasharray, an even number; empty for "none" or if all are 0. No value for
+/// an invalid list.
+std::optional<std::vector<double>> dashes_of(std::string_view text, const SvgUnits& units) {
   std::vector<double> lengths;
+  if (text == "none") return lengths;
   double sum = 0;
-  constexpr std::string_view separators = " ,\t";
+  constexpr std::string_view separators = " ,\t\r\n";
   while (true) {
     const std::size_t begin = text.find_first_not_of(separators);
     if (begin == std::string_view::npos) break;
     text.remove_prefix(begin);
     const std::string_view one = text.substr(0, text.find_first_of(separators));
     const auto length = find_svg_length(one, svg_diagonal(units.port), units);
-    if (!length || !(*length >= 0)) return {};
+    if (!length || !(*length >= 0)) return std::nullopt;
     lengths.push_back(*length);
     sum += *length;
     text.remove_prefix(one.size());
   }
-  if (!(sum > 0) || !std::isfinite(sum)) return {};
+  if (lengths.empty()) return std::nullopt;
+  if (!(sum > 0) || !std::isfinite(sum)) return std::vector<double>{};
   if (lengths.size() % 2 != 0) {
     const std::vector<double> once = lengths;
     lengths.insert(lengths.end(), once.begin(), once.end());
   }
   return lengths;
+}
+
+template <std::size_t size>
+bool is_keyword_of(const std::array<std::string_view, size>& keywords, std::string_view text) {
+  return std::find(keywords.begin(), keywords.end(), text) != keywords.end();
 }
 
 void inherit_stroke(const xml_node& node, const SvgUnits& units, const SvgDocument& document,
@@ -98,8 +79,7 @@ void inherit_stroke(const xml_node& node, const SvgUnits& units, const SvgDocume
   paint.stroke_opacity = part_of_one(value("stroke-opacity")).value_or(paint.stroke_opacity);
   paint.stroke_width =
       find_svg_length(value("stroke-width"), diagonal, units).value_or(paint.stroke_width);
-  if (const auto dashes = value("stroke-dasharray"); !dashes.empty())
-    paint.dashes = dashes_of(dashes, units);
+  if (auto dashes = dashes_of(value("stroke-dasharray"), units)) paint.dashes = std::move(*dashes);
   paint.dash_offset =
       find_svg_length(value("stroke-dashoffset"), diagonal, units).value_or(paint.dash_offset);
   if (const auto ends = value("stroke-linecap"); !ends.empty())
@@ -120,10 +100,42 @@ void inherit_paint(const xml_node& node, const SvgUnits& units, const SvgDocumen
   if (const auto fill = value("fill"); !fill.empty()) {
     paint.has_fill = is_visible_paint(fill, document);
     paint.fill_is_white = is_white(fill);
+    paint.fill_is_server = fill.starts_with("url(");
     paint.fill_is_default = false;
   }
   paint.fill_opacity = part_of_one(value("fill-opacity")).value_or(paint.fill_opacity);
   inherit_stroke(node, units, document, paint);
+}
+
+bool is_valid_svg_value(std::string_view property, std::string_view text) {
+  constexpr std::array<std::string_view, 5> of_all{"inherit", "initial", "unset", "revert",
+                                                   "revert-layer"};
+  const std::string value = in_lower_case(trimmed(text));
+  if (is_keyword_of(of_all, value) || value.find("var(") != std::string::npos) return true;
+  if (property == "fill" || property == "stroke") return is_svg_paint(value);
+  if (property == "stroke-width") return find_svg_length(value, 1, {}).value_or(-1) >= 0;
+  if (property == "stroke-dashoffset") return find_svg_length(value, 1, {}).has_value();
+  if (property == "stroke-dasharray") return dashes_of(value, {}).has_value();
+  if (property == "opacity" || property.ends_with("-opacity"))
+    return part_of_one(value).has_value();
+  if (property == "visibility")
+    return is_keyword_of(std::array<std::string_view, 3>{"visible", "hidden", "collapse"}, value);
+  if (property == "stroke-linecap")
+    return is_keyword_of(std::array<std::string_view, 3>{"butt", "round", "square"}, value);
+  if (property == "fill-rule" || property == "clip-rule")
+    return is_keyword_of(std::array<std::string_view, 2>{"nonzero", "evenodd"}, value);
+  return true;
+}
+
+bool has_dashes(const xml_node& shape, const SvgPaint& paint) {
+  const bool shows_edge = paint.shows_fill() && !paint.fill_is_default && !paint.fill_is_white &&
+                          std::string_view(shape.name()) != "line";
+  return !paint.dashes.empty() && paint.shows_stroke() && !shows_edge;
+}
+
+bool shows_filled_edge(const xml_node& shape, const SvgPaint& paint) {
+  const bool is_on_white = paint.fill_is_white && paint.shows_stroke();
+  return paint.shows_fill() && !is_on_white && !has_dashes(shape, paint);
 }
 
 bool is_not_rendered(const xml_node& node) {

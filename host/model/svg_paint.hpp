@@ -21,6 +21,7 @@ struct SvgPaint {
   bool has_fill = true;         ///< black by default
   bool fill_is_default = true;  ///< no element has set it
   bool fill_is_white = false;   ///< the colour of the page
+  bool fill_is_server = false;  ///< a gradient or pattern
   bool has_stroke = false;
   double fill_opacity = 1, stroke_opacity = 1;
   double stroke_width = 1;       ///< user's units
@@ -34,9 +35,20 @@ struct SvgPaint {
   }
 };
 
-/// Replaces what the element sets itself. Invalid values are ignored, as in CSS.
+/// False for a value that a property of painting cannot have: it is ignored, as in CSS. True for
+/// all values of other properties.
+bool is_valid_svg_value(std::string_view property, std::string_view text);
+
+/// Replaces what the element sets itself.
 void inherit_paint(const pugi::xml_node& node, const SvgUnits& units, const SvgDocument& document,
                    SvgPaint& paint);
+
+/// True if a shape is drawn as the dashes of its stroke. The edge of a fill in another colour than
+/// the page's is whole.
+bool has_dashes(const pugi::xml_node& shape, const SvgPaint& paint);
+
+/// True if the edge of a shape's fill is visible, also where no stroke is: open paths are closed.
+bool shows_filled_edge(const pugi::xml_node& shape, const SvgPaint& paint);
 
 /// True for display:none and an opacity of 0, which hide an element with all that is in it.
 bool is_not_rendered(const pugi::xml_node& node);

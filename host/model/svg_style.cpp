@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/model/css.hpp"
+#include "host/model/svg_paint.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {
@@ -20,7 +21,7 @@ struct Property {
   bool inherited;
   std::string_view initial;
 };
-constexpr std::array<Property, 39> properties{{{"display", false, "inline"},
+constexpr std::array<Property, 40> properties{{{"display", false, "inline"},
                                                {"visibility", true, "visible"},
                                                {"opacity", false, "1"},
                                                {"fill", true, "black"},
@@ -37,6 +38,7 @@ constexpr std::array<Property, 39> properties{{{"display", false, "inline"},
                                                {"filter", false, "none"},
                                                {"mask", false, "none"},
                                                {"mask-type", false, "luminance"},
+                                               {"vector-effect", false, "none"},
                                                {"marker", true, "none"},
                                                {"marker-start", true, "none"},
                                                {"marker-mid", true, "none"},
@@ -193,6 +195,11 @@ class Cascade {
   void apply_to(xml_node node) {
     // Attributes with these names belong to text and filters.
     for (const char* name : {"translate", "rotate", "scale"}) node.remove_attribute(name);
+    for (const Property& property : properties) {
+      const pugi::xml_attribute attribute = node.attribute(property.name.data());
+      if (attribute && !is_valid_svg_value(property.name, attribute.value()))
+        node.remove_attribute(attribute);
+    }
     const std::vector<std::size_t> selectors = selectors_of(node);
     const std::vector<CssDeclaration> own = css_declarations(node.attribute("style").value());
     for (const bool important : {false, true}) {
@@ -207,7 +214,7 @@ class Cascade {
     if (!spend(declarations.size())) return;
     for (const CssDeclaration& one : declarations) {
       if (one.important != important || property_named(one.name) == nullptr) continue;
-      if (is_size_of_window(node, one)) continue;
+      if (is_size_of_window(node, one) || !is_valid_svg_value(one.name, one.value)) continue;
       pugi::xml_attribute attribute = node.attribute(one.name.c_str());
       if (!attribute) attribute = node.append_attribute(one.name.c_str());
       attribute.set_value(one.value.c_str());

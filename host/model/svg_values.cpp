@@ -217,7 +217,7 @@ double transform_argument(SvgScanner& scanner, const SvgUnits& units) {
   if (unit == "rad") return value * 180 / std::numbers::pi;
   if (unit == "grad") return value * 0.9;
   if (unit == "turn") return value * 360;
-  return value * svg_length("1" + std::string(unit), 0, units, scanner.place());
+  return value * svg_length(fmt::format("1{}", unit), 0, units, scanner.place());
 }
 
 }  // namespace

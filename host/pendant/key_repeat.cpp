@@ -8,7 +8,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Time max_interval = 150ms;
-constexpr Time shortest_trust = 100ms, max_trust = 300ms;
+constexpr Time min_trust = 100ms, max_trust = 300ms;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ KeyRepeat::Press KeyRepeat::press(const std::string& key, Time now) {
   }
   // Remote terminals send several at a time, so the interval shrinks slowly.
   interval_ = std::max(gap, interval_ * 3 / 4);
-  return {true, now + std::clamp<Time>(interval_ * 5 / 2, shortest_trust, max_trust)};
+  return {true, now + std::clamp<Time>(interval_ * 5 / 2, min_trust, max_trust)};
 }
 
 }  // namespace lamplock::pendant

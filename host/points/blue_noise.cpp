@@ -30,7 +30,7 @@ constexpr std::array<double, 4> rounds{0.25, 0.5, 1, 2};
 constexpr double max_piece = 0.75;
 /// Shorter pieces are dropped: their places are further than the distance from a point by at most
 /// this.
-constexpr double shortest_piece = 1.0 / 32;
+constexpr double min_piece = 1.0 / 32;
 
 struct TrianglePiece {
   Corners corners;
@@ -106,7 +106,7 @@ class Surface {
 
   void split(const TrianglePiece& piece, std::vector<TrianglePiece>& smaller) const {
     const auto [longest, length] = max_side(piece.corners);
-    if (length <= shortest_piece * piece.radius_mm) return;
+    if (length <= min_piece * piece.radius_mm) return;
     for (const Corners& half : halves(piece.corners, longest)) {
       for (const Corners& quarter : halves(half, max_side(half).first)) {
         smaller.push_back(piece_of(quarter, piece.triangle));

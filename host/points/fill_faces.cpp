@@ -141,16 +141,16 @@ void fill(const Frame& frame, const Corners& triangle, double distance_mm,
 
 FaceFill fill_faces(const model::Mesh& mesh, const FaceFillOptions& options) {
   geometry::require_positive(options.distance_mm, "faces", "distance");
-  if (options.smallest_side_mm != 0) {
-    geometry::require_positive(options.smallest_side_mm, "faces", "smallest side");
+  if (options.min_side_mm != 0) {
+    geometry::require_positive(options.min_side_mm, "faces", "smallest side");
   }
   require_sound(mesh, "faces");
   FaceFill result;
   std::vector<bool> usable(mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Frame frame = frame_of(mesh, mesh.triangles[i]);
-    usable[i] = frame.length >= options.smallest_side_mm && frame.height > 0 &&
-                area_of(corners_of(mesh, i)) > 0;
+    usable[i] =
+        frame.length >= options.min_side_mm && frame.height > 0 && area_of(corners_of(mesh, i)) > 0;
     if (!usable[i]) ++result.rejected;
   }
   geometry::PointCloud cloud;

@@ -19,7 +19,7 @@ namespace lamplock::points {
 struct FaceFillOptions {
   double distance_mm = 0.1;  // no two points are closer
   /// Triangles whose longest side is shorter are rejected; 0: none.
-  double smallest_side_mm = 0;
+  double min_side_mm = 0;
 };
 
 struct FaceFill {

@@ -34,7 +34,7 @@ constexpr std::array<double, 4> solid_rounds{0.25, 0.5, 1, 2};
 
 /// Cubes smaller than this fraction of the distance are dropped. Half of it would give 2 % more
 /// points in three times the time.
-constexpr double smallest_cube = 1.0 / 4;
+constexpr double min_cube = 1.0 / 4;
 
 constexpr int cells_in_a_row = 16;  // cells of a distance in a block of block_distances
 
@@ -121,7 +121,7 @@ class Body {
   void split(const CubePiece& piece, std::vector<CubePiece>& smaller) const {
     const double half = piece.side_mm / 2;
     constexpr double rounding = 1e-9;
-    if (half < smallest_cube * piece.radius_mm * (1 - rounding)) return;
+    if (half < min_cube * piece.radius_mm * (1 - rounding)) return;
     for (std::size_t i = 0; i < 8; ++i) {
       smaller.push_back(piece_of(corner_of(piece.low, half, i), half, piece.at_surface));
     }
@@ -150,7 +150,7 @@ class Body {
   double radius_at(const geometry::Point& place) const {
     if (options_.light_depth_mm <= 0) return options_.distance_mm;
     const double light = std::exp(-inside_.filled_above_mm(place) / options_.light_depth_mm);
-    return options_.distance_mm / std::cbrt(std::max(light, options_.lowest_density));
+    return options_.distance_mm / std::cbrt(std::max(light, options_.min_density));
   }
 
   const SolidOptions& options_;
@@ -164,8 +164,8 @@ void require_valid(const model::Mesh& mesh, const SolidOptions& options) {
     throw Error(Exit::bad_input, "solid", fmt::format("light depth {} mm", options.light_depth_mm),
                 "give 0 or a positive depth");
   }
-  if (!(options.lowest_density > 0 && options.lowest_density <= 1)) {
-    throw Error(Exit::bad_input, "solid", fmt::format("lowest density {}", options.lowest_density),
+  if (!(options.min_density > 0 && options.min_density <= 1)) {
+    throw Error(Exit::bad_input, "solid", fmt::format("lowest density {}", options.min_density),
                 "give more than 0, at most 1");
   }
   require_sound(mesh, "solid");
@@ -245,7 +245,7 @@ geometry::PointCloud fill_solid(const model::Mesh& any_mesh, const SolidOptions&
   if (mesh.triangles.empty()) return {};
   const double distance_mm = options.distance_mm;
   const BlockGrid grid = grid_over(bounds(mesh.vertices), block_distances * distance_mm, "solid");
-  const double thinnest = options.light_depth_mm > 0 ? options.lowest_density : 1;
+  const double thinnest = options.light_depth_mm > 0 ? options.min_density : 1;
   const Inside inside(mesh);
   const double volume_mm3 = std::min(inside.volume_mm3(), volume_of(bounds(mesh.vertices)));
   geometry::require_count(

@@ -25,8 +25,8 @@ struct SolidOptions {
   /// Occlusion: density falls to 1/e per this thickness of filled glass above a place (the beam and
   /// the light come from +z); the distance grows with the cube root. 0: constant density.
   double light_depth_mm = 0;
-  double lowest_density = 0.05;  // at any depth; more than 0, at most 1
-  std::string name = "solid";    // of the mesh in errors, such as its file
+  double min_density = 0.05;   // at any depth; more than 0, at most 1
+  std::string name = "solid";  // of the mesh in errors, such as its file
 };
 
 /// About 0.65 * volume / distance^3 points; every place well inside is closer than 1.45 distances

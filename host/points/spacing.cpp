@@ -86,7 +86,7 @@ std::vector<Nearest> find_nearest(std::span<const geometry::Point> cloud,
 void fill_histogram(std::span<const Nearest> nearest, SpacingReport& report) {
   for (const Nearest& one : nearest) {
     report.mean_mm += one.distance / static_cast<double>(nearest.size());
-    report.largest_mm = std::max(report.largest_mm, one.distance);
+    report.max_mm = std::max(report.max_mm, one.distance);
   }
   report.bin_mm = bins_to_means * report.mean_mm / static_cast<double>(bins);
   if (!(report.bin_mm > 0)) return;
@@ -108,10 +108,10 @@ SpacingReport spacing_of(std::span<const geometry::Point> cloud) {
   const std::vector<Nearest> nearest = find_nearest(cloud, positions);
   fill_histogram(nearest, report);
   if (report.duplicates > 0) return report;
-  report.smallest_mm = std::numeric_limits<double>::infinity();
+  report.min_mm = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < nearest.size(); ++i) {
-    if (nearest[i].distance >= report.smallest_mm) continue;
-    report.smallest_mm = nearest[i].distance;
+    if (nearest[i].distance >= report.min_mm) continue;
+    report.min_mm = nearest[i].distance;
     std::tie(report.first, report.second) =
         std::minmax(positions[i], positions[nearest[i].position]);
   }

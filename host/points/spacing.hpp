@@ -15,10 +15,10 @@ namespace lamplock::points {
 struct SpacingReport {
   std::size_t points = 0;
   std::size_t duplicates = 0;         // points at exactly the position of an earlier one
-  double smallest_mm = 0;             // between any two points; 0 if there are duplicates
+  double min_mm = 0;                  // between any two points; 0 if there are duplicates
   std::size_t first = 0, second = 0;  // indices of two points at this distance
   /// Distance of each position to the nearest other one (duplicates are one position).
-  double mean_mm = 0, largest_mm = 0;
+  double mean_mm = 0, max_mm = 0;
   /// counts[i]: positions with i * bin_mm <= nearest distance < (i + 1) * bin_mm; the last bin
   /// also has all larger ones.
   double bin_mm = 0;

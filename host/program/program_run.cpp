@@ -9,6 +9,9 @@
 #include "firmware/machine/inputs/input_wait.hpp"
 #include "firmware/machine/runners/program_motion.hpp"
 #include "firmware/program/interpreter.hpp"
+#include "host/link/program_lines.hpp"
+#include "host/program/board_lines.hpp"
+#include "host/program/line_fault.hpp"
 #include "host/program/line_run.hpp"
 #include "host/text.hpp"
 #include "shared/boards/pico_pins.hpp"
@@ -81,43 +84,42 @@ class Machine {
     return true;
   }
 
-  /// Executes an action of the interpreter; false at the end of the program.
-  bool take(const Action& action, std::size_t line) {
+  /// Executes an action of the interpreter.
+  void take(const Action& action, std::size_t line) {
     switch (action.kind) {
       case ActionKind::move:
       case ActionKind::probe:
         move(action, line);
         row_.clear();
-        return true;
+        return;
       case ActionKind::pixels:
         row_.push_back(action);
-        return true;
+        return;
       case ActionKind::dwell:
         lines_.dwell(action.time_us);
         run_.dwell_us += action.time_us;
-        return true;
+        return;
       case ActionKind::spindle:
       case ActionKind::coolant:
         if (values_.whole(Id::laser_mode) == 0) finish();
-        return true;
+        return;
       case ActionKind::pause:
       case ActionKind::tool_change:
         finish();
         ++run_.pauses;
-        return true;
+        return;
       case ActionKind::program_end:
         finish();
         run_.ended = true;
-        return false;
+        return;
       case ActionKind::beat_lock:
       case ActionKind::wait_input:
         finish();
-        return true;
+        return;
       case ActionKind::output:
       case ActionKind::overrides:
-        return true;
+        return;
     }
-    return true;
   }
 
   void finish() {
@@ -229,12 +231,6 @@ class Machine {
   ProgramRun run_;
 };
 
-std::string text_of(GcodeError error) {
-  for (const GcodeErrorRow& row : gcode_errors)
-    if (row.error == error) return std::string(row.text);
-  return "unknown";
-}
-
 /// The ports of the board with these settings.
 machine::ProgramPorts ports_of(const settings::Values& values) {
   const auto map = static_cast<boards::PinMap>(values.whole(Id::pin_map));
@@ -269,6 +265,26 @@ void note_ignored(ProgramRun& run, unsigned words) {
     if ((words >> i & 1u) != 0) run.ignored.emplace_back(program::ignored_words[i]);
 }
 
+/// No line of the text is G-code, but some are `$` lines: no program.
+bool has_only_board_lines(std::string_view text) {
+  text = without_byte_order_mark(text);
+  while (!text.empty()) {
+    const std::string line = link::text_to_send(take_line(text));
+    if (line.find_first_not_of("% \t") != std::string::npos && !is_board_line(line)) return false;
+  }
+  return true;
+}
+
+/// Why a sender would refuse a line of a file before the interpreter reads it; empty if it would
+/// not. Notes that the program is not blank.
+std::string text_fault(std::string_view line, ProgramRun& run, bool only_board_lines) {
+  const std::string text = link::text_to_send(line);
+  if (text.find_first_not_of("% \t") != std::string::npos) run.is_blank = false;
+  std::string fault = link::realtime_fault(text);
+  if (fault.empty() && (!only_board_lines || is_sleep(text))) fault = board_line_fault(text);
+  return fault;
+}
+
 /// Runs a program through the interpreter: of a file, or as a board will run it.
 ProgramRun run_lines(std::string_view text, const settings::Values& values,
                      std::size_t max_problems, const OnBoard* board) {
@@ -292,29 +308,34 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     return run_beside(interpreter, line, state->machine_e7, values);
   };
   ProgramRun& run = machine.result();
-  bool more = true;
+  const bool only_board_lines = board == nullptr && has_only_board_lines(text);
   text = without_byte_order_mark(text);
-  for (std::size_t number = 1; more && !text.empty(); ++number) {
+  for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view line = take_line(text);
     machine.receive(line.size() + 1);
-    const std::size_t begin = line.find_first_not_of(" \t");
-    if (begin == std::string_view::npos || line[begin] == '$') continue;
+    if (trimmed(line).empty()) continue;
+    const std::string fault_of_text =
+        board == nullptr ? text_fault(line, run, only_board_lines) : "";
+    if (!fault_of_text.empty()) run.problems.push_back({number, 0, 0, fault_of_text});
+    if (run.problems.size() >= max_problems) break;
+    if (is_board_line(trimmed(line)) || !fault_of_text.empty()) continue;
     ++run.lines;
     program::Fault fault;
     if (line.size() > wire::max_line && without_comments(line).size() > wire::max_line)
       fault = {GcodeError::line_too_long, static_cast<std::uint16_t>(wire::max_line + 1)};
     else
       fault = run_line(line);
-    if (fault)
+    if (fault) {
+      const LineFault seen = describe_fault(line, fault, run.axes);
       run.problems.push_back(
-          {number, fault.column, static_cast<int>(fault.error), text_of(fault.error)});
+          {number, fault.column, static_cast<int>(fault.error), seen.text, seen.remedy});
+    }
     if (interpreter.has_ignored()) note_ignored(run, interpreter.take_ignored());
     const bool outside =
         !fault && interpreter.has_extent() && !machine.inside(interpreter.extent(), number);
     if (outside) interpreter.set_position(interpreter.machine_e7());
     Action action;
-    while (more && interpreter.next(action))
-      more = machine.take(action, number) || board != nullptr;
+    while (interpreter.next(action)) machine.take(action, number);
     if (run.problems.size() >= max_problems) break;
   }
   machine.finish();

@@ -7,9 +7,11 @@
 //      points on the beat is that of the virtual board.
 // Who: `lamplock check`; `lamplock send` before it sends; tests.
 //
-// Lines that begin with `$` are commands to the board, not part of the program: they are skipped. A
-// line with an error is skipped, as on a machine set to continue after errors; the time is that of
-// the other lines. A pause (M0) takes no time.
+// All lines are run, those after M2 and M30 too, as a board runs them. Lines that begin with `$`
+// are commands to the board, not part of the program: they are skipped; those that must not be in a
+// program (board_lines.hpp), and bytes that are real-time commands, are problems of a file. A line
+// with an error is skipped, as on a machine set to continue after errors; the time is that of the
+// other lines. A pause (M0) takes no time.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +34,8 @@ struct Problem {
   std::size_t line = 0;  ///< from 1
   unsigned column = 0;   ///< from 1
   int error = 0;         ///< the machine's error number
-  std::string text;      ///< meaning of the number
+  std::string text;      ///< what is wrong
+  std::string remedy{};  ///< empty: none but to correct the line
 };
 
 /// A straight piece of the path, mm in machine coordinates.
@@ -57,7 +60,8 @@ struct ProgramRun {
   std::size_t locked = 0;      ///< moves that are locked to the beat (M130)
   std::size_t outside = 0;     ///< moves out of the work space that are not reported as problems
   LockedRun beats;             ///< of the whole program, if it has locked moves
-  bool ended = false;          ///< by M2 or M30
+  bool ended = false;          ///< it contains M2 or M30
+  bool is_blank = true;        ///< no line is left without comments
   int axes = 3;
   Bounds bounds;  ///< of all moves, with the start
   std::vector<Problem> problems;
@@ -79,7 +83,7 @@ struct OnBoard {
   std::vector<SpeedChange> changes{};
 };
 
-/// Runs all lines, also those after M2 and M30, like the board. Motion outside of the work space is
+/// Runs the lines that a sender has chosen and checked. Motion outside of the work space is
 /// a problem only if the state and the work space are known. Stops at the first problem. The time
 /// (`beats`) of points on the beat is computed only for a board in its state after power-up.
 ProgramRun run_on_board(std::string_view text, const settings::Values& values,

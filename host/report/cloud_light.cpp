@@ -12,10 +12,10 @@ std::size_t index_of(int i) { return static_cast<std::size_t>(i); }
 constexpr Vec near_colour{1.0f, 0.98f, 0.95f};
 constexpr Vec far_colour{0.42f, 0.66f, 1.0f};
 
-constexpr float smallest_sigma = 0.62f;  ///< pixels, before perspective
-constexpr float smallest_size = 0.55f;   ///< pixels, after
-constexpr float largest_sigma = 2.4f;
-constexpr int largest_radius = 12;
+constexpr float min_sigma = 0.62f;  ///< pixels, before perspective
+constexpr float min_size = 0.55f;   ///< pixels, after
+constexpr float max_sigma = 2.4f;
+constexpr int max_radius = 12;
 
 /// Share of light that the polished bottom of the block reflects.
 constexpr float bottom_reflection = 0.07f;
@@ -45,11 +45,11 @@ float covered_pixels(const std::vector<Camera::Projected>& places, int width, in
 
 /// Adds one Gaussian sprite of total light `light`.
 void add_sprite(Image& image, const Camera::Projected& place, float sigma, Vec light) {
-  const int radius = std::min(largest_radius, static_cast<int>(std::ceil(2.6f * sigma)));
+  const int radius = std::min(max_radius, static_cast<int>(std::ceil(2.6f * sigma)));
   const int cx = static_cast<int>(std::floor(place.x)), cy = static_cast<int>(std::floor(place.y));
   if (cx < radius || cy < radius || cx + radius >= image.width || cy + radius >= image.height)
     return;
-  std::array<float, 2 * largest_radius + 1> wx{}, wy{};
+  std::array<float, 2 * max_radius + 1> wx{}, wy{};
   float sum_x = 0, sum_y = 0;
   const float narrow = 0.5f / (sigma * sigma);
   for (int i = -radius; i <= radius; ++i) {
@@ -160,9 +160,8 @@ Image cloud_light(const std::vector<Vec>& points, const Box& block, const Camera
   const float near = nearest->depth, range = std::max(farthest->depth - near, 1e-3f * near);
   const float area = covered_pixels(places, width, height);
   const float resolution = static_cast<float>(std::min(width, height)) / 1200;
-  const float sigma =
-      std::clamp(0.30f * std::sqrt(area / static_cast<float>(points.size())), smallest_sigma,
-                 std::max(smallest_sigma, largest_sigma * resolution));
+  const float sigma = std::clamp(0.30f * std::sqrt(area / static_cast<float>(points.size())),
+                                 min_sigma, std::max(min_sigma, max_sigma * resolution));
   const float middle = camera.project(block.centre()).depth;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float back = (places[i].depth - near) / range;
@@ -171,7 +170,7 @@ Image cloud_light(const std::vector<Vec>& points, const Box& block, const Camera
     const float strength = lit * (1.25f - 0.85f * back);
     const float size = sigma * (1.15f - 0.3f * back) * middle / places[i].depth;
     const Vec light = mix(near_colour, far_colour, back) * strength;
-    add_sprite(image, places[i], std::max(size, smallest_size), light);
+    add_sprite(image, places[i], std::max(size, min_size), light);
     const Vec mirrored{points[i].x, points[i].y, 2 * block.low.z - points[i].z};
     if (seen_in_bottom(mirrored, block, camera.eye()))
       add_sprite(image, camera.project(mirrored), size + 1,

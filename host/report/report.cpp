@@ -30,8 +30,7 @@ void check(const JobRun& run) {
 
 /// Largest error over all matched shots; empty if there is no shot to measure.
 template <class StepsOfShot>
-std::optional<double> largest_error(const JobRun& run, const Matching& matching,
-                                    StepsOfShot steps_of) {
+std::optional<double> max_error(const JobRun& run, const Matching& matching, StepsOfShot steps_of) {
   std::optional<double> largest;
   for (std::size_t i = 0; i < run.shots.size(); ++i) {
     const std::uint32_t point = matching.point_of_shot[i];
@@ -55,11 +54,11 @@ void judge_shots(const JobRun& run, Report& report) {
   report.points_fired = points_to_fire(run) - matching.missed;
   report.missed = matching.missed;
   report.doubled = matching.doubled - std::min(matching.doubled, run.checks.repeats);
-  report.largest_jitter_error_steps =
-      largest_error(run, matching, [&run](std::size_t i) { return run.shots[i].steps; });
+  report.max_jitter_error_steps =
+      max_error(run, matching, [&run](std::size_t i) { return run.shots[i].steps; });
   if (!run.lattice_steps.empty())
-    report.largest_error_steps =
-        largest_error(run, matching, [&run](std::size_t i) { return run.lattice_steps[i]; });
+    report.max_error_steps =
+        max_error(run, matching, [&run](std::size_t i) { return run.lattice_steps[i]; });
 }
 
 /// Beats in which the user or the door held the machine; they say nothing about the job.
@@ -218,8 +217,8 @@ std::string to_json(const Report& report) {
       {"utilisation", report.utilisation},
       {"time_s", report.time_s},
       {"points_per_s", report.points_per_s},
-      {"largest_error_steps", or_null(report.largest_error_steps)},
-      {"largest_jitter_error_steps", or_null(report.largest_jitter_error_steps)},
+      {"largest_error_steps", or_null(report.max_error_steps)},
+      {"largest_jitter_error_steps", or_null(report.max_jitter_error_steps)},
       {"missed", or_null(report.missed)},
       {"doubled", or_null(report.doubled)},
       {"beats_by_reason", report.beats_by_reason},

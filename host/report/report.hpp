@@ -126,9 +126,9 @@ struct Report {
   double time_s = 0;
   double points_per_s = 0;  ///< fired; of a dry run: passed
   /// Largest over axes and shots of |steps at the lattice tick - wanted mm x steps per mm|.
-  std::optional<double> largest_error_steps;
+  std::optional<double> max_error_steps;
   /// The same with the position at the real shot: lamp jitter included.
-  std::optional<double> largest_jitter_error_steps;
+  std::optional<double> max_jitter_error_steps;
   std::optional<std::uint64_t> missed;   ///< points fired less often than ordered
   std::optional<std::uint64_t> doubled;  ///< shots beyond those ordered and their repeats
   std::map<std::string, std::uint64_t> beats_by_reason, beats_outside;

@@ -78,9 +78,9 @@ constexpr std::array result_lines{
     Line{"machine time", [](const Report& r) { return duration_text(r.time_s); }},
     Line{"points per second",
          [](const Report& r) { return fmt::format("{:.1f}", r.points_per_s); }},
-    Line{"largest error", [](const Report& r) { return error_text(r.largest_error_steps); }, false},
-    Line{"  with lamp jitter",
-         [](const Report& r) { return error_text(r.largest_jitter_error_steps); }, false},
+    Line{"largest error", [](const Report& r) { return error_text(r.max_error_steps); }, false},
+    Line{"  with lamp jitter", [](const Report& r) { return error_text(r.max_jitter_error_steps); },
+         false},
     Line{"missed points", [](const Report& r) { return grouped(r.missed); }, false},
     Line{"doubled shots", [](const Report& r) { return grouped(r.doubled); }, false},
 };

@@ -1,5 +1,9 @@
 #include "host/run/board_files.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
 #include <cerrno>
 
 #include "host/output_error.hpp"
@@ -9,6 +13,22 @@
 #include "sim/world/world.hpp"
 
 namespace lamplock::run {
+
+namespace {
+
+/// The error of a file to which a stream could not write: streams do not keep the reason, so a
+/// block is appended, which fails for the same reason.
+[[noreturn]] void throw_write_error(const StagedFile& file) {
+  constexpr std::array<char, 4096> block{};
+  const int descriptor = ::open(file.path().c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  int error = descriptor < 0 ? errno : 0;
+  if (error == 0 && ::write(descriptor, block.data(), block.size()) < 0) error = errno;
+  if (descriptor >= 0) ::close(descriptor);
+  if (error != 0) throw OutputError(file.target(), error);
+  throw OutputError(file.target(), "cannot be written");
+}
+
+}  // namespace
 
 PinTrace::PinTrace(const std::filesystem::path& file, sim::Board& board)
     : board_(board),
@@ -21,7 +41,7 @@ PinTrace::PinTrace(const std::filesystem::path& file, sim::Board& board)
 void PinTrace::finish() {
   writer_.finish(board_.now());
   stream_.close();
-  if (!stream_) throw OutputError(file_.target(), errno);
+  if (!stream_) throw_write_error(file_);
   file_.commit();
 }
 

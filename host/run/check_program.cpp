@@ -19,9 +19,10 @@ program_run::ProgramRun check_program(const CheckOptions& options) {
     check_target(options.picture);
   }
   require_program(options.input);
-  const std::string text = read_file(options.input);
+  const std::string text = read_program_text(options.input);
   program_run::ProgramRun run =
       program_run::run_program(text, profile.settings, options.max_problems);
+  if (run.is_blank) throw no_line_to_send(options.input);
   if (!options.picture.empty())
     write_whole(options.picture, [&](const std::filesystem::path& path) {
       write_file(path, program_run::path_svg(

@@ -55,7 +55,9 @@ class LineInput {
   virtual ~LineInput() = default;
   /// All lines that have come, without their ends. Waits at most this time for the first one.
   virtual std::vector<std::string> lines(std::chrono::milliseconds wait) = 0;
-  /// No further line will come.
+  /// Reads what has come and keeps it for lines(): ended() is then right at once.
+  virtual void read_ahead() = 0;
+  /// No further line will come, as far as has been read.
   virtual bool ended() const = 0;
   /// A user types the lines; false for a file or a pipe, and in the background.
   virtual bool is_typed() const = 0;

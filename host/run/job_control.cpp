@@ -38,6 +38,7 @@ void JobControl::show_progress() {
 
 void JobControl::ask_user(const std::string& question, const std::string& keys) {
   if (can_answer()) return note(question + "; " + keys);
+  input_->read_ahead();
   note(question + (input_->ended() ? "; without a terminal only the machine resumes, SIGINT stops"
                                    : "; a line of the input resumes, SIGINT stops"));
 }

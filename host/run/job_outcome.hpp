@@ -9,6 +9,7 @@
 #include <string>
 
 #include "host/link/job_result.hpp"
+#include "host/link/not_ready.hpp"
 #include "host/report/report.hpp"
 #include "host/run/lost_files.hpp"
 
@@ -27,6 +28,7 @@ struct JobOutcome {
   /// Why it ended before its end, if an error was the reason: part of the job was done before.
   std::exception_ptr error{};
   bool is_kept = false;    ///< its progress is in a journal: --resume continues it
+  link::Homing homing{};   ///< of a real board, after an alarm
   std::string ended_by{};  ///< the line of the computer that stopped it; empty if none did
 };
 

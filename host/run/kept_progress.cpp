@@ -7,10 +7,13 @@
 #include <string>
 
 #include "host/error.hpp"
+#include "host/file/append_file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/link/kept_job.hpp"
 #include "host/link/transport.hpp"
 #include "host/model/write_points.hpp"
+#include "host/output_error.hpp"
+#include "host/run/before_firing.hpp"
 #include "host/run/frontend.hpp"
 
 namespace lamplock::run {
@@ -38,6 +41,22 @@ void list_doubtful(const PreparedJob& prepared, const link::Continuation& rest,
   frontend.phase("doubtful", text);
 }
 
+/// Proves that the journal can be written, read back and removed. Throws Error(bad_input).
+void check_journal(const std::string& file) {
+  const auto refuse = [&file](const std::string& problem) {
+    throw Error(Exit::bad_input, file,
+                fmt::format("the progress of the job is kept there, but the file {}", problem),
+                "choose another file with --progress FILE");
+  };
+  try {
+    if (is_special(file)) refuse("is a device or a folder");
+    check_target(file);
+    check_appendable(file);
+  } catch (const OutputError& error) {
+    refuse(error.problem());
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<link::KeptJob> keep_progress(const PreparedJob& prepared, BoardOptions& options,
@@ -45,13 +64,14 @@ std::unique_ptr<link::KeptJob> keep_progress(const PreparedJob& prepared, BoardO
   if (port == nullptr || options.dry || prepared.job.header.dry) return nullptr;
   const std::string file =
       options.progress.empty() ? prepared.input + ".progress" : options.progress;
+  check_journal(file);
   auto kept = std::make_unique<link::KeptJob>(file, prepared.job);
   if (options.resume) {
-    const link::Continuation rest = kept->find(*port);
+    const link::Continuation rest = before_firing([&] { return kept->find(*port); });
     list_doubtful(prepared, rest, file, frontend);
     if (rest.from >= prepared.job.size())
       throw Error(
-          Exit::job_failed, file,
+          Exit::bad_input, file,
           rest.in_doubt() ? link::doubt_text(rest, prepared.job.item()) + ", nothing else is left"
                           : "nothing is left to fire",
           fmt::format("remove the file, or fire the doubtful ones with --from {}", rest.first));

@@ -62,7 +62,7 @@ MeshPoints by_slices(const Mesh& mesh, const Object& object, double spacing_mm) 
 }
 
 MeshPoints by_faces(const Mesh& mesh, const Object& object, double spacing_mm) {
-  points::FaceFill fill = points::fill_faces(mesh, {spacing_mm, object.smallest_mm});
+  points::FaceFill fill = points::fill_faces(mesh, {spacing_mm, object.min_mm});
   MeshPoints result{std::move(fill.points), {}, true, fill.rejected};
   if (fill.rejected != 0)
     result.warnings.push_back(
@@ -88,7 +88,7 @@ MeshPoints by_solid(const Mesh& mesh, const Object& object, double spacing_mm) {
   options.distance_mm = spacing_mm;
   options.seed = static_cast<std::uint64_t>(object.seed);
   options.light_depth_mm = object.light_depth_mm;
-  options.lowest_density = object.light_lowest;
+  options.min_density = object.light_lowest;
   return {points::fill_solid(mesh, options), {}, true};
 }
 

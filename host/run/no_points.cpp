@@ -121,10 +121,10 @@ Cause cause_of_mesh(const Mesh& mesh, const Object& object, double spacing_mm) {
   const std::string method = object.method.value_or(glass::default_method);
   if (method == "slice") return cause_of_slices(mesh, object, spacing_mm);
   if (method == "rays") return cause_of_rays(areas, object, spacing_mm);
-  if (method == "faces" && object.smallest_mm > 0)
+  if (method == "faces" && object.min_mm > 0)
     return {fmt::format("gives no points: all sides of its triangles are shorter than --smallest "
                         "{:g} mm",
-                        object.smallest_mm),
+                        object.min_mm),
             "use --smallest 0, or --method blue-noise"};
   if (method == "solid")
     return {"gives no points: it is too thin or too small for points inside",

@@ -6,6 +6,7 @@
 #include "host/link/board_settings.hpp"
 #include "host/link/kept_job.hpp"
 #include "host/link/transport.hpp"
+#include "host/run/before_firing.hpp"
 #include "host/run/board_files.hpp"
 #include "host/run/board_link.hpp"
 #include "host/run/board_port.hpp"
@@ -47,14 +48,17 @@ PreparedJob pulse_job(link::LinePort& port, const OperateOptions& options) {
 Places operate(const OperateOptions& options, Operation operation, Frontend& frontend) {
   BoardLink board(options.board, options.machine.profile().settings);
   if (operation != Operation::home) board.unlock_simulated();
-  link::require_ready(board.port(), operation);
+  before_firing([&] { link::require_ready(board.port(), operation); });
   // A machine in alarm does not report all of its places.
-  const Places before = operation == Operation::home ? Places{} : link::ask_places(board.port());
+  const Places before = operation == Operation::home
+                            ? Places{}
+                            : before_firing([&] { return link::ask_places(board.port()); });
+  const auto lines = before_firing([&] { return link::lines_of(operation, before, options.axes); });
   {
     const std::unique_ptr<Interrupts> interrupts = frontend.interrupts();
     Supervisor supervisor(options.board, board.port().transport());
-    supervisor.begin(gpio::LaserUse::motion);
-    link::run_lines(board.port(), link::lines_of(operation, before, options.axes), [&] {
+    before_firing([&] { supervisor.begin(gpio::LaserUse::motion); });
+    link::run_lines(board.port(), lines, [&] {
       supervisor.poll(board.port());
       return interrupts->count() > 0;
     });
@@ -64,7 +68,7 @@ Places operate(const OperateOptions& options, Operation operation, Frontend& fro
 
 Places ask_places(const OperateOptions& options) {
   BoardLink board(options.board, options.machine.profile().settings);
-  return link::ask_places(board.port());
+  return before_firing([&] { return link::ask_places(board.port()); });
 }
 
 JobOutcome fire_test_flashes(const OperateOptions& options, Frontend& frontend) {
@@ -74,11 +78,11 @@ JobOutcome fire_test_flashes(const OperateOptions& options, Frontend& frontend) 
   PreparedJob prepared;
   if (transport) {
     link::LinePort port(*transport);
-    prepared = pulse_job(port, options);
+    prepared = before_firing([&] { return pulse_job(port, options); });
   } else {
     BoardLink board(options.board, options.machine.profile().settings);
     board.unlock_simulated();
-    prepared = pulse_job(board.port(), options);
+    prepared = before_firing([&] { return pulse_job(board.port(), options); });
   }
   return run_job(prepared, options.board, std::move(transport), frontend);
 }

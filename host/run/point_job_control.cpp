@@ -47,6 +47,9 @@ ProgressState PointJobControl::state() const {
     shown.word = "holding";
   else if (std::binary_search(pauses_.begin(), pauses_.end(), sender_.points_fired()))
     shown.word = "pause";
+  else if (machine == wire::MachineState::run && !sender_.job_status().lamp_locked &&
+           sender_.job().keeps_to_lamp())
+    shown.word = "no lamp";
   if (sender_.job_speed() != wire::full_job_speed)
     shown.speed = "speed " + std::to_string(sender_.job_speed()) + " %";
   return shown;
@@ -85,7 +88,7 @@ void PointJobControl::ask_about_hold() {
   if (reason == wire::HoldReason::not_made) ask("shot not made, held, laser off");
   if (reason == wire::HoldReason::lamp) ask("lamp does not answer its trigger, held, laser off");
   if (reason == wire::HoldReason::realtime && !sender_.auto_resume())
-    ask("held by a hold ('!') that another program or a person sent, laser off");
+    ask("held by a hold byte ('!' or 0x84) that another program or a person sent, laser off");
 }
 
 void PointJobControl::ask(const std::string& why) {

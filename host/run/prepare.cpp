@@ -102,7 +102,7 @@ class Merger {
 
 std::string spacing_text(const points::SpacingReport& spacing) {
   std::string text =
-      fmt::format("at least {:.4g} mm, on average {:.4g} mm", spacing.smallest_mm, spacing.mean_mm);
+      fmt::format("at least {:.4g} mm, on average {:.4g} mm", spacing.min_mm, spacing.mean_mm);
   if (spacing.duplicates > 0)
     text += fmt::format(", {} at the place of another", spacing.duplicates);
   return text;
@@ -121,10 +121,10 @@ void judge_spacing(Cloud& cloud, const glass::GlassChoice& glass, Frontend& fron
   if (!glass.lens) return;
   const double wanted = glass::lens_named(*glass.lens).spacing_mm;
   constexpr double rounding = 1e-9;
-  if (spacing.duplicates == 0 && spacing.smallest_mm < wanted * (1 - rounding))
+  if (spacing.duplicates == 0 && spacing.min_mm < wanted * (1 - rounding))
     cloud.warnings.push_back(
         fmt::format("points {} and {} are {:.4g} mm apart, the lens needs {:g} mm", spacing.first,
-                    spacing.second, spacing.smallest_mm, wanted));
+                    spacing.second, spacing.min_mm, wanted));
 }
 
 /// Warns of a margin that is too small for glass.

@@ -102,7 +102,7 @@ void ProgramControl::take_word(const std::string& word) {
   switch (word.front()) {
     case '!':
       sender_.hold();
-      return note("holding");
+      return note(asking_ ? "held; Enter resumes" : "holding");
     case '+':
       return feed(link::realtime::feed_plus_10, feed_percent_ + feed_step);
     case '-':

@@ -88,8 +88,8 @@ report::Report parse(const std::string& text) {
   json.at("utilisation").get_to(report.utilisation);
   json.at("time_s").get_to(report.time_s);
   json.at("points_per_s").get_to(report.points_per_s);
-  read_optional(json, "largest_error_steps", report.largest_error_steps);
-  read_optional(json, "largest_jitter_error_steps", report.largest_jitter_error_steps);
+  read_optional(json, "largest_error_steps", report.max_error_steps);
+  read_optional(json, "largest_jitter_error_steps", report.max_jitter_error_steps);
   read_optional(json, "missed", report.missed);
   read_optional(json, "doubled", report.doubled);
   json.at("beats_by_reason").get_to(report.beats_by_reason);
@@ -167,6 +167,8 @@ void ReportFolder::make_folders() {
   for (; !fs::exists(there, error) && there.has_relative_path(); there = there.parent_path())
     made_.push_back(there);
   if (!fs::is_directory(there, error)) refuse_folder(folder_, "is not a folder");
+  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder)
+    unfinished_.emplace_back(*folder);
   fs::create_directories(folder_, error);
   if (!error) return;
   remove_folders();

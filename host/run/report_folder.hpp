@@ -6,12 +6,14 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "host/file/reserved_file.hpp"
+#include "host/file/unfinished_paths.hpp"
 #include "host/report/report.hpp"
 #include "host/run/lost_files.hpp"
 
@@ -50,6 +52,8 @@ class ReportFolder {
 
   std::filesystem::path folder_;
   std::vector<std::filesystem::path> made_;  ///< by this object, the innermost one first
+  /// The same, the outermost one first, until a file is in them.
+  std::deque<UnfinishedPath> unfinished_;
   std::optional<ReservedFile> numbers_;
 };
 

@@ -46,11 +46,11 @@ link::Continuation shown_rest(const JobOutcome& outcome) {
 }
 
 /// The argument of --from counts pauses too.
-std::string go_on_text(const JobOutcome& outcome, const char* item) {
+std::string continuation_text(const JobOutcome& outcome, const char* item) {
   const link::Continuation& rest = outcome.result.rest;
   const std::string doubt = link::doubt_text(shown_rest(outcome), item);
   if (doubt.empty() || (!rest.settled && outcome.is_kept))
-    return link::go_on_text(rest, item, outcome.is_kept);
+    return link::continuation_text(rest, item, outcome.is_kept);
   return fmt::format("continue with {} ({})", link::go_on_options(rest), doubt);
 }
 
@@ -90,11 +90,12 @@ std::string done_text(const JobOutcome& outcome, const char* item) {
 }
 
 /// What ends an alarm; a simulated board has forgotten it.
-std::string way_out_of_alarm(const wire::Status& status, const BoardOptions& options) {
+std::string way_out_of_alarm(const JobOutcome& outcome, const BoardOptions& options) {
+  const wire::Status& status = outcome.result.status;
   if (options.is_simulated()) return "find its cause";
   return fmt::format("{}, then {}",
                      status.state == wire::MachineState::estop ? "release it" : "find its cause",
-                     link::way_to_unlock(options.board));
+                     link::way_to_unlock(options.board, outcome.homing));
 }
 
 /// The exit status without regard to files.
@@ -103,7 +104,9 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
   if (outcome.error) return judge_failure(outcome.error, frontend);
   const link::JobResult& result = outcome.result;
   const std::size_t next = shown_rest(outcome).first;
-  const std::string go_on = go_on_text(outcome, item);
+  // A command without its words has no --from: test flashes, the frame.
+  const std::string how_to_continue =
+      options.command.empty() ? "repeat the command if needed" : continuation_text(outcome, item);
   std::string what, remedy;
   switch (result.end) {
     case JobEnd::done:
@@ -111,10 +114,10 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
     case JobEnd::stopped:
       if (!outcome.ended_by.empty())
         throw_stopped(outcome.ended_by, fmt::format("stopped before {} {}", item, next),
-                      "release it, close it, and " + go_on);
+                      "release it, close it, and " + how_to_continue);
       frontend.notice(says_end_last(outcome) ? report::headline(outcome.report)
                                              : fmt::format("stopped: first {} not fired is {}; {}",
-                                                           item, next, go_on));
+                                                           item, next, how_to_continue));
       return Exit::interrupted;
     case JobEnd::alarm:
       what = fmt::format("{} before {} {}",
@@ -122,7 +125,7 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
                              ? "e-stop"
                              : link::alarm_text(result.status.alarm),
                          item, next);
-      remedy = way_out_of_alarm(result.status, options) + ", then ";
+      remedy = way_out_of_alarm(outcome, options) + ", then ";
       break;
     case JobEnd::lost:
       what = "connection lost, so that the machine could not be stopped; " +
@@ -140,7 +143,7 @@ Exit judge_machine(const JobOutcome& outcome, const BoardOptions& options, const
       remedy = "home it and ";
       break;
   }
-  throw Error(Exit::job_failed, options.board, what, remedy + go_on);
+  throw Error(Exit::job_failed, options.board, what, remedy + how_to_continue);
 }
 
 }  // namespace

@@ -5,17 +5,20 @@
 #include <exception>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "host/duration_text.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/link/board_text.hpp"
 #include "host/link/dialog.hpp"
 #include "host/link/kept_job.hpp"
 #include "host/link/sender.hpp"
 #include "host/link/simulated_transport.hpp"
 #include "host/link/transport.hpp"
 #include "host/report/files.hpp"
+#include "host/run/before_firing.hpp"
 #include "host/run/board_files.hpp"
 #include "host/run/board_link.hpp"
 #include "host/run/frontend.hpp"
@@ -23,6 +26,7 @@
 #include "host/run/lock_timeout.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/motion_plot_file.hpp"
+#include "host/run/outside_work_space.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/point_job_control.hpp"
 #include "host/run/remaining_time.hpp"
@@ -141,19 +145,21 @@ void finish_journal(link::KeptJob* kept, JobOutcome& outcome) {
   }
 }
 
-bool keeps_to_lamp(const job::Job& job) {
-  const auto mode = static_cast<settings::LampMode>(job.settings.whole(Id::lamp_mode));
-  return !job.is_rows() && mode != settings::LampMode::free_beat;
-}
-
 /// The machine has not begun the job.
 [[noreturn]] void throw_refusal(const std::exception_ptr& error, link::Transport& transport,
                                 const job::Job& job, const BoardOptions& options) {
-  try {
-    std::rethrow_exception(error);
-  } catch (const link::RefusedSetting& refusal) {
-    explain_refusal(refusal, job, transport, options);
-  }
+  before_firing([&] {
+    try {
+      std::rethrow_exception(error);
+    } catch (const link::RefusedSetting& refusal) {
+      explain_refusal(refusal, job, transport, options);
+    } catch (const Error& refusal) {
+      const bool is_of_points = refusal.exit() == Exit::bad_input && !options.is_simulated();
+      if (is_of_points) require_inside_work_space(transport, options);
+      throw;
+    }
+  });
+  throw std::logic_error("a refusal is an error");  // not reached
 }
 
 /// Runs a job; what goes wrong once it has begun is in the outcome.
@@ -169,15 +175,19 @@ JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
                         job.is_rows() ? options.from : job.points_before(options.from));
   Progress& progress = *shown;
   if (clocking == Clocking::wall)
-    sending.on_text = [&progress](const std::string& text) { progress.note("machine: " + text); };
+    sending.on_text = [&progress](const std::string& text) {
+      progress.note("machine: " + link::message_text(text));
+    };
   link::JobSender sender(transport, prepared.job, sending);
   PointJobControl control(sender, frontend, progress, clocking, pauses_of(job));
   HoldOnce hold(sender, control, progress, transport, options.hold_at);
   std::optional<LockTimeout> lamp;
-  if (clocking == Clocking::lock_step && keeps_to_lamp(prepared.job))
+  if (clocking == Clocking::lock_step && prepared.job.keeps_to_lamp())
     lamp.emplace(prepared.job.settings);
   Supervisor supervisor(options, transport);
-  supervisor.begin(prepared.job.header.dry ? gpio::LaserUse::motion : gpio::LaserUse::laser);
+  before_firing([&] {
+    supervisor.begin(prepared.job.header.dry ? gpio::LaserUse::motion : gpio::LaserUse::laser);
+  });
   const auto supervise = [&] {
     try {
       progress.set_left(remaining.left_s(sender.points_fired(), sender.job_speed()));
@@ -204,6 +214,10 @@ JobOutcome send(link::Transport& transport, const PreparedJob& prepared,
   if (outcome.error && !has_begun(sender, options))
     throw_refusal(outcome.error, transport, prepared.job, options);
   outcome.ended_by = supervisor.ended_by();
+  if (clocking == Clocking::wall && outcome.result.end == link::JobEnd::alarm) {
+    link::LinePort port(transport);
+    outcome.homing = link::ask_homing(port);
+  }
   return outcome;
 }
 
@@ -304,6 +318,18 @@ JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& option
   return outcome;
 }
 
+/// Plans the time of the job as the machine will; a job that the plan refuses would be refused by
+/// the machine.
+void plan_rest(std::optional<RemainingTime>& remaining, const PreparedJob& prepared,
+               link::Transport& port, const BoardOptions& options) {
+  if (prepared.job.header.dry) return void(remaining.emplace());
+  try {
+    remaining.emplace(job_on_machine(prepared.job, port), options.from, options.job_speed);
+  } catch (...) {
+    throw_refusal(std::current_exception(), port, prepared.job, options);
+  }
+}
+
 }  // namespace
 
 JobOutcome run_job(const PreparedJob& prepared, const BoardOptions& options,
@@ -321,8 +347,8 @@ JobOutcome run_job(const PreparedJob& prepared, const BoardOptions& options,
                     ? fmt::format("give a number from {} to {}", options.from + 1, last)
                     : "leave it out");
   std::optional<RemainingTime> remaining;
-  if (port && !prepared.job.header.dry)
-    remaining.emplace(job_on_machine(prepared.job, *port), options.from, options.job_speed);
+  if (port)
+    plan_rest(remaining, prepared, *port, options);
   else
     remaining.emplace();
   ask_permission(prepared, options, frontend);

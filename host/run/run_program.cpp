@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <exception>
 #include <optional>
 #include <string_view>
@@ -12,18 +11,22 @@
 #include "host/duration_text.hpp"
 #include "host/file.hpp"
 #include "host/link/board_settings.hpp"
+#include "host/link/board_text.hpp"
 #include "host/link/line_sender.hpp"
 #include "host/link/not_ready.hpp"
 #include "host/program/board_state.hpp"
 #include "host/program/program_run.hpp"
 #include "host/program/start_at.hpp"
 #include "host/program/without_laser.hpp"
+#include "host/run/before_firing.hpp"
 #include "host/run/board_files.hpp"
 #include "host/run/board_link.hpp"
 #include "host/run/frontend.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/program_control.hpp"
+#include "host/run/program_refusal.hpp"
 #include "host/run/program_time.hpp"
+#include "host/run/sent_file.hpp"
 #include "host/run/simulated_boards.hpp"
 #include "host/run/supervisor.hpp"
 #include "shared/units.hpp"
@@ -36,8 +39,7 @@ using link::LineResult;
 
 /// A program and what is known of it before it is sent.
 struct Program {
-  std::string file;
-  std::vector<link::ProgramLine> lines;
+  ProgramText text;
   std::optional<double> planned_s;
   ProgramTime::Plan plan;  ///< the same with other overrides; empty if it is not known
 };
@@ -63,10 +65,10 @@ void check_options(const BoardOptions& options) {
 
 /// A machine that moves, and a laser, need a permission.
 void ask_permission(const Program& program, const BoardOptions& options, Frontend& frontend) {
-  const std::string question =
-      fmt::format("{}: {} lines on {}: the machine will move{}. Type yes to start: ", program.file,
-                  program.lines.size(), options.board, options.dry ? "" : ", its laser may fire");
-  require_permission(options, frontend, question, program.file, "nothing was sent");
+  const std::string question = fmt::format(
+      "{}: {} lines on {}: the machine will move{}. Type yes to start: ", program.text.file,
+      program.text.lines.size(), options.board, options.dry ? "" : ", its laser may fire");
+  require_permission(options, frontend, question, program.text.file, "nothing was sent");
 }
 
 /// Settings of a board; nothing if it has none of ours or does not tell them.
@@ -90,35 +92,9 @@ bool knows_space(const link::BoardSettings& settings) {
   return true;
 }
 
-/// A line for the board that a program may contain: homing, unlocking, and questions.
-bool may_be_in_program(std::string_view line) {
-  constexpr std::array<std::string_view, 7> plain{"$", "$$", "$#", "$G", "$I", "$N", "$X"};
-  std::string text;
-  for (const char c : line)
-    if (c != ' ' && c != '\t')
-      text += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  constexpr std::size_t max_homing_size = 3;  // $HX
-  if (text.starts_with("$H")) return text.size() <= max_homing_size;
-  return std::find(plain.begin(), plain.end(), text) != plain.end();
-}
-
-/// Throws Error(bad_input) at the first `$` line that the board may refuse while a program runs.
-/// A file of `$` lines alone is no program.
-void check_board_lines(const Program& program) {
-  const auto is_for_board = [](const link::ProgramLine& line) {
-    return line.text.starts_with('$');
-  };
-  if (std::all_of(program.lines.begin(), program.lines.end(), is_for_board)) return;
-  for (const link::ProgramLine& line : program.lines)
-    if (is_for_board(line) && !may_be_in_program(line.text))
-      throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, line.number),
-                  fmt::format("'{}' must not be in a program, nothing was sent", line.text),
-                  "send it before the program, or send it anyhow with --ignore-errors");
-}
-
 /// Homing ends at a place that the host does not know.
 bool homes(const Program& program) {
-  return std::any_of(program.lines.begin(), program.lines.end(), [](const auto& line) {
+  return std::any_of(program.text.lines.begin(), program.text.lines.end(), [](const auto& line) {
     return line.text.starts_with("$H") || line.text.starts_with("$h");
   });
 }
@@ -126,7 +102,7 @@ bool homes(const Program& program) {
 /// The program as the board receives it.
 std::string text_of(const Program& program) {
   std::string sent;
-  for (const link::ProgramLine& line : program.lines) sent += line.text + "\n";
+  for (const link::ProgramLine& line : program.text.lines) sent += line.text + "\n";
   return sent;
 }
 
@@ -153,7 +129,7 @@ ProgramTime::Plan plan_of(const Program& program, const link::BoardSettings& set
 /// `ignore_errors`.
 void predict(Program& program, const link::BoardSettings& settings,
              const std::optional<program_run::BoardState>& state, bool ignore_errors) {
-  if (!ignore_errors) check_board_lines(program);
+  if (!ignore_errors) check_board_lines(program.text);
   // Without its state and position, places outside of the work space are left to the board.
   const bool space_known = !homes(program) && knows_space(settings);
   const program_run::OnBoard board{state, space_known};
@@ -164,11 +140,7 @@ void predict(Program& program, const link::BoardSettings& settings,
     return;
   }
   if (ignore_errors) return;
-  const program_run::Problem& problem = run.problems.front();
-  const std::size_t at = std::min(problem.line, program.lines.size()) - 1;
-  throw Error(Exit::bad_input, fmt::format("{}:{}", program.file, program.lines[at].number),
-              problem.text + ", nothing was sent",
-              "correct it, see all with lamplock check, or send it anyhow with --ignore-errors");
+  throw refusal_of(program.text, run.problems.front());
 }
 
 std::string place_text(const link::BoardStatus& status) {
@@ -200,16 +172,19 @@ class RefusedLines {
 /// errors are part of the outcome.
 ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions& options,
                     bool ignore_errors, Frontend& frontend) {
-  const std::unique_ptr<Progress> progress = frontend.progress("sending", program.lines.size(), 0);
+  const std::unique_ptr<Progress> progress =
+      frontend.progress("sending", program.text.lines.size(), 0);
   link::LineOptions sending;
-  sending.go_on = ignore_errors;
-  sending.on_text = [&progress](const std::string& text) { progress->note("machine: " + text); };
-  link::LineSender sender(board.port(), program.lines, sending);
+  sending.ignore_errors = ignore_errors;
+  sending.on_text = [&progress](const std::string& text) {
+    progress->note("machine: " + link::message_text(text));
+  };
+  link::LineSender sender(board.port(), program.text.lines, sending);
   ProgramTime time(program.planned_s, program.plan);
   ProgramControl control(sender, frontend, *progress, board.clocking(), time);
-  RefusedLines refused(program.file, *progress);
+  RefusedLines refused(program.text.file, *progress);
   Supervisor supervisor(options, board.port().transport());
-  supervisor.begin(gpio::LaserUse::laser);
+  before_firing([&] { supervisor.begin(gpio::LaserUse::laser); });
   const auto supervise = [&] {
     try {
       control.poll();
@@ -219,13 +194,13 @@ ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions
       sender.fail(std::current_exception());
     }
   };
-  ProgramOutcome outcome{program.file, program.lines.size(), program.planned_s};
+  ProgramOutcome outcome{program.text.file, program.text.lines.size(), program.planned_s};
   try {
     while (sender.step()) supervise();
     supervisor.end();
     if (ignore_errors) refused.show(sender.errors());
   } catch (...) {
-    if (sender.result().sent == 0) throw;
+    if (sender.result().sent == 0) before_firing([] { throw; });
     outcome.error = std::current_exception();
   }
   outcome.result = sender.result();
@@ -259,18 +234,19 @@ std::string alarm_of(const LineResult& result) {
 }
 
 /// The way out of an alarm, after its cause; a simulated board has forgotten it.
-std::string then_unlock(const std::string& board) {
+std::string then_unlock(const std::string& board, link::Homing homing) {
   const bool is_simulated = board == virtual_board || board == chip_board;
-  return is_simulated ? "" : ", then " + link::way_to_unlock(board);
+  return is_simulated ? "" : ", then " + link::way_to_unlock(board, homing);
 }
 
 /// A reset in motion is an alarm.
 bool was_stopped(LineEnd end) { return end == LineEnd::stopped || end == LineEnd::alarm; }
 
 Program read_program(const std::string& file) {
-  Program program{file, link::program_lines(read_file(file), file), {}, {}};
-  if (program.lines.empty())
-    throw Error(Exit::bad_input, file, "has no line to send", "is this the right file?");
+  Program program{{file, read_program_text(file), {}}, {}, {}};
+  program.text.lines = link::program_lines(program.text.source, file);
+  if (program.text.lines.empty()) throw no_line_to_send(file);
+  refuse_sleep(program.text);
   return program;
 }
 
@@ -278,8 +254,10 @@ Program read_program(const std::string& file) {
 void choose_lines(Program& program, const BoardOptions& options, const settings::Values& values,
                   const std::optional<program_run::BoardState>& state) {
   if (options.from != 0)
-    program.lines = program_run::start_at(program.lines, options.from, values, program.file, state);
-  if (options.dry) program.lines = program_run::without_laser(program.lines, program.file);
+    program.text.lines =
+        program_run::start_at(program.text.lines, options.from, values, program.text.file, state);
+  if (options.dry)
+    program.text.lines = program_run::without_laser(program.text.lines, program.text.file);
 }
 
 /// An error after the first line is a failed job, whatever it is an error of.
@@ -315,7 +293,7 @@ Exit judge(const ProgramOutcome& outcome, const std::string& board, Frontend& fr
       return Exit::interrupted;
     case LineEnd::alarm:
       fail(board, fmt::format("{}, {}", alarm_of(result), reach),
-           "see what stopped it" + then_unlock(board));
+           "see what stopped it" + then_unlock(board, outcome.homing));
     case LineEnd::lost:
       what = "connection lost, so that the machine could not be stopped";
       remedy = "check that it is at rest, and check the cable";
@@ -362,6 +340,7 @@ ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
   ProgramOutcome outcome = send(program, board, options, asked.ignore_errors, frontend);
+  if (of_board) outcome.homing = link::homing_of(*of_board);
   write_files(outcome, trace ? &*trace : nullptr, options, board.simulated(), values);
   const LineResult& result = outcome.result;
   frontend.say("{:<8}  {} of {} lines in {}, at {}", end_name(outcome), result.answered,
@@ -375,7 +354,8 @@ Exit judge_program(const ProgramOutcome& outcome, const std::string& board, Fron
   const Exit exit = outcome.lost.report(
       Exit::done, is_done ? "the program was run" : "the program ended early", frontend);
   if (!outcome.error && !outcome.ended_by.empty() && was_stopped(outcome.result.end))
-    throw_stopped(outcome.ended_by, reach_text(outcome), "release it" + then_unlock(board));
+    throw_stopped(outcome.ended_by, reach_text(outcome),
+                  "release it" + then_unlock(board, outcome.homing));
   const Exit of_machine = judge(outcome, board, frontend);
   return of_machine == Exit::done ? exit : of_machine;
 }

@@ -12,6 +12,7 @@
 
 #include "host/error.hpp"
 #include "host/link/line_sender.hpp"
+#include "host/link/not_ready.hpp"
 #include "host/run/board_options.hpp"
 #include "host/run/frontend.hpp"
 #include "host/run/lost_files.hpp"
@@ -31,6 +32,7 @@ struct ProgramOutcome {
   std::size_t lines = 0;
   std::optional<double> planned_s{};
   link::LineResult result{};
+  link::Homing homing{};   ///< as the board has reported it
   std::string ended_by{};  ///< the line of the computer that stopped it; empty if none did
   LostFiles lost{};
   std::exception_ptr error{};  ///< why it ended, after lines were sent, if by an error

@@ -53,6 +53,17 @@ bool has_words(std::string_view line) {
   return true;
 }
 
+/// UTF-16 with its mark, or two characters of ASCII in it.
+bool is_utf16(std::string_view text) {
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) return true;
+  if (text.size() < 4) return false;
+  const auto is_character = [](char c) { return c >= '\t' && c <= '~'; };
+  const bool low_first = text[1] == 0 && text[3] == 0;
+  const bool high_first = text[0] == 0 && text[2] == 0;
+  return (low_first && is_character(text[0]) && is_character(text[2])) ||
+         (high_first && is_character(text[1]) && is_character(text[3]));
+}
+
 /// Enough of a file for so many lines, the last one whole.
 std::string first_lines(const std::string& file) {
   constexpr std::size_t bytes = 1 << 16;
@@ -82,7 +93,10 @@ bool looks_like_program(std::string_view text) {
 SentKind kind_of_sent_file(const std::string& file) {
   if (is_job_file(file)) return SentKind::job;
   refuse_empty(file);
-  read_file(file);  // refuses a file that is missing or cannot be read
+  if (has_program_name(file) || lower_extension(file) == ".txt")
+    read_program_text(file);  // refuses a file that is missing or cannot be read, and UTF-16
+  else
+    read_file(file);
   if (is_program_file(file)) return SentKind::program;
   const std::string way = way_to_job(file);
   throw Error(
@@ -113,6 +127,16 @@ void require_program(const std::string& file) {
   if (lower_extension(file) == ".txt" && !is_job_file(file)) return;
   if (const FileWay way = way_of_file(file))
     throw Error(Exit::bad_input, file, way.what + ", not a program of G-code", way.remedy);
+}
+
+std::string read_program_text(const std::string& file) {
+  std::string text = read_file(file);
+  if (is_utf16(text)) throw Error(Exit::bad_input, file, "the text is UTF-16", "save it as UTF-8");
+  return text;
+}
+
+Error no_line_to_send(const std::string& file) {
+  return {Exit::bad_input, file, "has no line to send", "is this the right file?"};
 }
 
 void check_job_name(const std::string& output) {

@@ -6,6 +6,8 @@
 
 #include <string>
 
+#include "host/error.hpp"
+
 namespace lamplock::run {
 
 /// A kind of file that a machine can run.
@@ -25,6 +27,12 @@ bool is_program_file(const std::string& file);
 /// Throws Error(bad_input) for a file that contains a job, a model or a picture, where a program is
 /// read.
 void require_program(const std::string& file);
+
+/// The text of a program. Throws Error(bad_input) if it cannot be read or is UTF-16.
+std::string read_program_text(const std::string& file);
+
+/// The error for a program without a line to run.
+Error no_line_to_send(const std::string& file);
 
 /// Throws Error(bad_input) for an output whose name does not end in .llj, for a job, or does so,
 /// for G-code. Devices and pipes have no endings.

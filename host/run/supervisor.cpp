@@ -83,7 +83,7 @@ void Supervisor::poll(JobControl& control, AtDoor at_door) {
 /// The interlock is on before the machine receives the resume.
 void Supervisor::resume_after_door() {
   door_was_open_ = false;
-  guard_->go_on();
+  guard_->resume();
   read_lines();
 }
 
@@ -101,7 +101,8 @@ void Supervisor::poll(link::LinePort& port) {
   send_now(port, door ? link::realtime::door : link::realtime::reset);
   throw_stopped(ended_by_, door ? "the machine holds" : "the machine was reset",
                 door ? "close it, then " + link::way_to_resume(port.transport().board())
-                     : "release it, then " + link::way_to_unlock(port.transport().board()));
+                     : "release it, then " +
+                           link::way_to_unlock(port.transport().board(), link::Homing::unknown));
 }
 
 void throw_stopped(const std::string& ended_by, const std::string& reach,

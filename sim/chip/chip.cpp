@@ -335,7 +335,7 @@ bool Chip::watched_step(Cycle until) {
   const std::size_t i = alone != nullptr ? static_cast<std::size_t>(alone->id()) : earlier_core();
   Core& core = cores_[i];
   if (alone == nullptr) core.wait_for(&cores_[1 - i]);
-  bool goes_on = true;
+  bool runs = true;
   if (core.idle()) {
     const Cycle before = core.cycle();
     core.idle_to(until);
@@ -344,12 +344,12 @@ bool Chip::watched_step(Cycle until) {
     core.run_events(core.cycle());
     if (core.owes())
       core.give_back();
-    else if (core.paused() || (goes_on = watcher_->before_step(core)))
+    else if (core.paused() || (runs = watcher_->before_step(core)))
       core.step();
   }
   core.wait_for(nullptr);
-  if (goes_on && cores_[1 - i].idle()) bring_along(1 - i);
-  return goes_on;
+  if (runs && cores_[1 - i].idle()) bring_along(1 - i);
+  return runs;
 }
 
 }  // namespace lamplock::sim::chip

@@ -31,7 +31,7 @@ MotionPiece piece_of(const PlayedTicks& played, wire::MachineState state,
 }
 
 /// True if `next` continues the motion of `piece` without a change.
-bool goes_on(const MotionPiece& piece, const MotionPiece& next) {
+bool continues(const MotionPiece& piece, const MotionPiece& next) {
   if (next.first_tick != piece.end_tick() || next.state != piece.state) return false;
   if (std::uint64_t{piece.ticks} + next.ticks > max_piece) return false;
   for (std::size_t a = 0; a < piece.axis.size(); ++a) {
@@ -75,7 +75,7 @@ void MotionTrace::ticks_played(const PlayedTicks& played) {
   if (!zero_ && pieces_.empty() && !piece.moves()) return;
   if (!zero_ && zero_kind_ == Zero::first_motion && !beats_.empty())
     zero_ = nearest_beat(played.start);
-  if (!pieces_.empty() && goes_on(pieces_.back(), piece))
+  if (!pieces_.empty() && continues(pieces_.back(), piece))
     pieces_.back().ticks += piece.ticks;
   else
     pieces_.push_back(piece);

@@ -37,11 +37,11 @@ class Feeder final : public PinListener {
   }
   void advance(Picoseconds to) {
     broken_ = broken_ || config_.broken_from <= to;
-    go_on(to);
+    run_until(to);
     bus_.set(Pin::aux_in, broken_ || !covered(), to);
   }
   void pin_changed(Pin /*pin*/, bool level, Picoseconds at) override {
-    go_on(at);
+    run_until(at);
     runs_ = level;
     since_ = at;
   }
@@ -56,7 +56,7 @@ class Feeder final : public PinListener {
   Picoseconds left() const {
     return (covered() ? config_.gap + config_.sheet : config_.gap) - place_;
   }
-  void go_on(Picoseconds to) {
+  void run_until(Picoseconds to) {
     while (runs_ && to - since_ >= left()) {
       since_ += left();
       sheets_ += covered() ? 0 : 1;

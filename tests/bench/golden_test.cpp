@@ -11,6 +11,7 @@
 
 #include "host/bench/figures.hpp"
 #include "host/bench/machine.hpp"
+#include "tests/paths.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::bench {
@@ -18,7 +19,7 @@ namespace {
 
 /// Numbers of a published table, without its heading.
 std::vector<std::vector<double>> read_table(const std::string& name) {
-  std::ifstream file(std::string(LAMPLOCK_ROOT "/tests/data/") + name);
+  std::ifstream file(test::in_repository("tests/data/") + name);
   std::vector<std::vector<double>> rows;
   std::string line;
   std::getline(file, line);

@@ -82,7 +82,7 @@ class Disturbed : public testing::Test {
     return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)};
   }
   /// A new host process finishes the rest of the job.
-  void go_on(std::uint32_t session_number) {
+  void finish_job(std::uint32_t session_number) {
     const wire::Status status = rig_->status();
     ASSERT_EQ(status.first_unfired, rig_->shots().size());
     link::SenderOptions options = session(session_number);
@@ -253,7 +253,7 @@ TEST_F(Disturbed, StopAndContinueAtTheFirstPointNotFired) {
     ASSERT_EQ(result.status.first_unfired, rig_->shots().size());
     rig_->run(to_rest);
     EXPECT_EQ(rig_->state(), MachineState::idle);
-    ASSERT_NO_FATAL_FAILURE(go_on(2));
+    ASSERT_NO_FATAL_FAILURE(finish_job(2));
     expect_sound(*rig_, profile_.settings);
     ++stopped;
   }
@@ -304,7 +304,7 @@ TEST_F(Disturbed, StopWhileAShotIsDecidedButNotBegun) {
     if (after == before + 1) ++late;
     rig_->run(to_rest);
     EXPECT_EQ(rig_->shots().size(), after);
-    ASSERT_NO_FATAL_FAILURE(go_on(2));
+    ASSERT_NO_FATAL_FAILURE(finish_job(2));
   }
   EXPECT_GT(late, 0);
 }
@@ -344,7 +344,7 @@ class DeadStop : public Disturbed {
     rig_->run(5 * ps_per_ms);
     ASSERT_EQ(rig_->state(), MachineState::idle);
     const sim::Picoseconds unlocked = rig_->board.now();
-    ASSERT_NO_FATAL_FAILURE(go_on(2));
+    ASSERT_NO_FATAL_FAILURE(finish_job(2));
     EXPECT_EQ(rig_->monitor.violation(profile_.settings, unlocked), "");
     EXPECT_EQ(rig_->board.world().drives().total_faults(), 0u);
   }

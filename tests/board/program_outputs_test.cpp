@@ -8,6 +8,7 @@
 
 #include "shared/boards/pico_pins.hpp"
 #include "tests/board/program_host.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock::test::program_outputs_test {
 namespace {
@@ -345,7 +346,7 @@ TEST(ProgramInputs, AreForgottenByAReset) {
 // --- a feeder ---------------------------------------------------------------------------------
 
 std::string material_feed() {
-  std::ifstream file(std::string(LAMPLOCK_ROOT) + "/examples/material-feed.ngc");
+  std::ifstream file(test::in_repository("examples/material-feed.ngc"));
   return {std::istreambuf_iterator<char>(file), {}};
 }
 

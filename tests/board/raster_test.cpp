@@ -5,6 +5,7 @@
 
 #include "host/file.hpp"
 #include "tests/board/program_host.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -69,7 +70,7 @@ TEST(Raster, ResumesInThePixelWhereItWasHeld) {
 TEST(Raster, TheExampleForTheLeadDrawsItsBars) {
   Rig rig(raster_machine());
   ProgramHost host(rig);
-  const std::string text = read_file(LAMPLOCK_ROOT "/examples/laser-lead.ngc");
+  const std::string text = read_file(test::in_repository("examples/laser-lead.ngc"));
   ASSERT_TRUE(host.stream(text));
   for (const std::string& answer : host.answers()) ASSERT_EQ(answer, "ok");
   std::size_t rows = 0;

@@ -28,8 +28,7 @@ nlohmann::json check(const std::string& file, const std::vector<std::string>& op
 TEST(Check, ReportsTimeLengthAndBounds) {
   const Folder folder;
   // 30 mm at 600 mm/min with 4 m/s2: 3 s, and the ramps from and to rest at 10 mm/s.
-  const std::string file =
-      folder.write("a.ngc", "G21 G90 G61.1\nG1 X30 F600\nG0 Y-20\nM30\nG1 X0\n");
+  const std::string file = folder.write("a.ngc", "G21 G90 G61.1\nG1 X30 F600\nG0 Y-20\nM30\n");
   const nlohmann::json seen = check(file);
   const double rapid = 2 * std::sqrt(0.02 / 4);
   // The planner reserves a little speed and acceleration for rounding.
@@ -43,6 +42,13 @@ TEST(Check, ReportsTimeLengthAndBounds) {
   EXPECT_EQ(seen["moves"], 2);
   EXPECT_EQ(seen["ended"], true);
   EXPECT_EQ(seen["problems"], nlohmann::json::array());
+}
+
+TEST(Check, ABoundThatRoundsToZeroHasNoSign) {
+  const Folder folder;
+  const Finished done = run({"check", folder.write("a.ngc", "G1 X-0.0003 Y-1 F600\n")});
+  EXPECT_THAT(done.out, HasSubstr("X         0.000 to 0.000 mm"));
+  EXPECT_THAT(done.out, HasSubstr("Y         -1.000 to 0.000 mm"));
 }
 
 TEST(Check, DwellsArePartOfTheTime) {

@@ -8,8 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/program.hpp"
+#include "tests/paths.hpp"
 
-#ifdef LAMPLOCK_UF2
+#ifdef LAMPLOCK_HAS_FIRMWARE
 
 namespace lamplock::cli::test {
 namespace {
@@ -44,7 +45,7 @@ class ChipDeterminism : public testing::Test {
  protected:
   Left left(const std::vector<std::string>& more) { return left(busy_, more); }
   Left left(const std::string& script, const std::vector<std::string>& more) {
-    return left(LAMPLOCK_UF2, script, more);
+    return left(lamplock::test::in_build("lamplock-rp2040.uf2"), script, more);
   }
   /// Runs the image; an empty `script` means none.
   Left left(const std::string& image, const std::string& script,
@@ -109,14 +110,15 @@ class ChipImages : public ChipDeterminism {
  protected:
   static std::vector<std::filesystem::path> scripts() {
     std::vector<std::filesystem::path> found;
-    for (const auto& entry : std::filesystem::directory_iterator(LAMPLOCK_CHIP_SCRIPTS))
+    for (const auto& entry :
+         std::filesystem::directory_iterator(lamplock::test::in_repository("tests/chip_images")))
       if (entry.path().extension() == ".script") found.push_back(entry.path());
     std::sort(found.begin(), found.end());
     return found;
   }
   Left left_of(const std::filesystem::path& script, const std::vector<std::string>& more) {
-    const std::filesystem::path image =
-        std::filesystem::path(LAMPLOCK_CHIP_IMAGES) / script.stem().replace_extension(".uf2");
+    const std::filesystem::path image = std::filesystem::path(lamplock::test::in_build("images")) /
+                                        script.stem().replace_extension(".uf2");
     std::vector<std::string> options{"--until", "2s"};
     for (const auto& each : {vcd_, profile_, more})
       options.insert(options.end(), each.begin(), each.end());
@@ -141,7 +143,8 @@ TEST_F(ChipImages, SteppingEveryClockLeavesTheSameFiles) {
 TEST_F(ChipImages, EndInTheSameCycleAtAnyEndTime) {
   for (int i = 0; i < test_ends; ++i) {
     const std::string until = std::to_string(10'600'000 + 937 * i) + "ns";
-    const std::filesystem::path image = std::filesystem::path(LAMPLOCK_CHIP_IMAGES) / "nested.uf2";
+    const std::filesystem::path image =
+        std::filesystem::path(lamplock::test::in_build("images")) / "nested.uf2";
     std::vector<std::string> options{"--until", until};
     options.insert(options.end(), vcd_.begin(), vcd_.end());
     const Left skipping = left(image, {}, options);
@@ -156,4 +159,4 @@ TEST_F(ChipImages, EndInTheSameCycleAtAnyEndTime) {
 }  // namespace
 }  // namespace lamplock::cli::test
 
-#endif  // LAMPLOCK_UF2
+#endif  // LAMPLOCK_HAS_FIRMWARE

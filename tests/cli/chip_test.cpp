@@ -11,6 +11,7 @@
 
 #include "tests/chip/tiny_image.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock::cli::test {
 namespace {
@@ -267,7 +268,7 @@ TEST(Chip, has_its_uart_on_a_terminal) {
   EXPECT_FALSE(std::filesystem::exists(port));
 }
 
-#ifdef LAMPLOCK_UF2
+#ifdef LAMPLOCK_HAS_FIRMWARE
 TEST(Chip, asks_the_firmware_over_usb) {
   const Folder folder;
   const std::string script = folder.write("t.script",
@@ -275,7 +276,8 @@ TEST(Chip, asks_the_firmware_over_usb) {
                                           "expect usb \"VER:\" within 20ms\n"
                                           "expect usb \"ok\\r\\n\" within 20ms\n"
                                           "expect gpio25 frequency 1MHz +-0.1% in 1ms\n");
-  const Finished done = run({"chip", LAMPLOCK_UF2, "--script", script, "--json"});
+  const Finished done =
+      run({"chip", lamplock::test::in_build("lamplock-rp2040.uf2"), "--script", script, "--json"});
   EXPECT_EQ(done.status, 0) << done.err;
   EXPECT_EQ(summary(done)["usb_violations"], nlohmann::json::array());
   EXPECT_EQ(summary(done)["clocks_hz"]["clk_sys"], 125'000'000);

@@ -324,10 +324,10 @@ TEST(Commands, frame_goes_round_and_never_fires) {
 
 TEST(Commands, frame_goes_round_all_layers_of_a_drawing) {
   const Folder folder;
-  const std::string svg =
-      folder.write("d.svg",
-                   "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20mm\" height=\"10mm\" "
-                   "viewBox=\"0 0 20 10\"><path d=\"M0 0 H20 V10\"/></svg>");
+  const std::string svg = folder.write(
+      "d.svg",
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20mm\" height=\"10mm\" "
+      "viewBox=\"0 0 20 10\"><path fill=\"none\" stroke=\"red\" d=\"M0 0 H20 V10\"/></svg>");
   for (const auto& how :
        std::vector<std::vector<std::string>>{{},
                                              {"--layers", "5", "--layer", "0.8"},

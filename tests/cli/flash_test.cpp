@@ -7,6 +7,7 @@
 #include "host/flash/uf2.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/flash/images.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock::cli::test {
 namespace {
@@ -93,9 +94,10 @@ TEST(DevicesCommand, GivesAListToPrograms) {
   EXPECT_TRUE(nlohmann::json::parse(list.out).is_array());
 }
 
-#ifdef LAMPLOCK_UF2
+#ifdef LAMPLOCK_HAS_FIRMWARE
 TEST(FlashCommand, SimulatedChipGetsTheFirmwareOfThisBuild) {
-  for (const std::string image : {"", LAMPLOCK_UF2}) {
+  for (const std::string& image :
+       {std::string(), lamplock::test::in_build("lamplock-rp2040.uf2")}) {
     std::vector<std::string> arguments = {"flash", "--board", "chip", "--json"};
     if (!image.empty()) arguments.push_back(image);
     const Finished flashed = run(arguments);

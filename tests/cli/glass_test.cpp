@@ -12,6 +12,7 @@
 #include "tests/cli/program.hpp"
 #include "tests/cli/run_json.hpp"
 #include "tests/cli/shots.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock::cli::test {
 namespace {
@@ -209,7 +210,7 @@ TEST(Description, OfTheExamplesIsValid) {
   namespace fs = std::filesystem;
   const Folder folder;
   for (const char* file : {"block.toml", "badge.svg", "machine.toml"})
-    fs::copy_file(fs::path(LAMPLOCK_ROOT) / "examples" / file, folder / file);
+    fs::copy_file(fs::path(lamplock::test::in_repository("examples")) / file, folder / file);
   EXPECT_EQ(run({"example", folder / "nautilus.stl"}).status, 0);
   const Json made = run_json({"points", folder / "block.toml", "-o", folder / "o.ply"});
   EXPECT_GT(made["points"], 10000);

@@ -30,7 +30,7 @@ struct Bench {
     return {"engrave", list, "--lamp", "200", "--board", port, "--yes"};
   }
   std::string shell_line() const {
-    std::string line = LAMPLOCK_PROGRAM;
+    std::string line = program_path();
     for (const std::string& word : engrave()) line += " " + word;
     return line;
   }
@@ -83,14 +83,15 @@ TEST(LostRemarks, ThatAreNotReadDoNotDelayAJob) {
   const std::vector<std::string> words = bench.engrave();
   const pid_t child = ::fork();
   if (child == 0) {
-    std::vector<char*> argv{const_cast<char*>(LAMPLOCK_PROGRAM)};
+    const std::string program = program_path();
+    std::vector<char*> argv{const_cast<char*>(program.c_str())};
     for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
     argv.push_back(nullptr);
     ::dup2(::open("/dev/null", O_RDWR), STDIN_FILENO);
     ::dup2(STDIN_FILENO, STDOUT_FILENO);
     ::dup2(pipe[1], STDERR_FILENO);
     ::alarm(20);
-    ::execv(LAMPLOCK_PROGRAM, argv.data());
+    ::execv(program.c_str(), argv.data());
     ::_exit(127);
   }
   int status = -1;

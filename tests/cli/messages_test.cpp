@@ -193,7 +193,7 @@ TEST_F(Messages, OfWrongValuesAreOnePrintableLineWithARemedy) {
 
 /// Runs the program in a shell; `{}` in the line is its name. Returns its status.
 int status_in_shell(const std::string& line, const std::string& arguments) {
-  const std::string command = LAMPLOCK_PROGRAM + (" " + arguments);
+  const std::string command = program_path() + (" " + arguments);
   const std::size_t at = line.find("{}");
   const int status = std::system(
       (line.substr(0, at) + command + line.substr(at + 2)).c_str());  // NOLINT(cert-env33-c)

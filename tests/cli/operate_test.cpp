@@ -126,7 +126,7 @@ TEST_F(Operate, does_not_move_to_misread_places) {
   go("G92 X0");
   for (const char* what : {"zero", "init"}) {
     const Finished shifted = operate({what});
-    EXPECT_EQ(shifted.status, 1) << what;
+    EXPECT_EQ(shifted.status, 2) << what;
     EXPECT_THAT(shifted.err, HasSubstr("G92.1"));
   }
   go("G92.1");
@@ -134,7 +134,7 @@ TEST_F(Operate, does_not_move_to_misread_places) {
   for (const std::vector<std::string>& what :
        {std::vector<std::string>{"pulse", "--yes"}, {"init"}, {"status"}}) {
     const Finished inches = operate(what);
-    EXPECT_EQ(inches.status, 1) << what[0];
+    EXPECT_EQ(inches.status, 2) << what[0];
     EXPECT_THAT(inches.err, HasSubstr("$13=0"));
   }
   go("$13=0");
@@ -206,7 +206,7 @@ TEST_F(Operate, is_refused_in_an_alarm_and_while_something_runs) {
   ASSERT_TRUE(program.wait_for("Hold"));
   (void)program.finish();
   const Finished busy = operate({"init"});
-  EXPECT_EQ(busy.status, 1);
+  EXPECT_EQ(busy.status, 2);
   EXPECT_THAT(busy.err, HasSubstr("is held"));
 }
 

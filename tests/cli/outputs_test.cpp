@@ -105,7 +105,9 @@ TEST_F(Outputs, ThatAreLostAfterTheShotsGiveOne) {
     const SizeLimit full(max_json_bytes);
     const Finished fired = engrave({option, file, "--json"});
     EXPECT_EQ(fired.status, 1) << option;
-    EXPECT_THAT(fired.err, HasSubstr("error: " + file + ": the job was fired, but this file "));
+    EXPECT_THAT(fired.err,
+                HasSubstr("error: " + file + ": the job was fired, but this file cannot be "));
+    EXPECT_THAT(fired.err, HasSubstr("cannot be written (File too large)")) << option;
     EXPECT_THAT(fired.err, HasSubstr("do not run it a second time"));
     const Json json = Json::parse(fired.out, nullptr, false);
     EXPECT_EQ(json["end"], "done");
@@ -171,7 +173,7 @@ TEST_F(Outputs, OfProgramsAndSimulations) {
 
 /// Runs the program in a shell, which redirects. Returns the exit status.
 int status_in_shell(const std::string& arguments, const std::string& redirections) {
-  const std::string line = LAMPLOCK_PROGRAM + (" " + arguments + " " + redirections);
+  const std::string line = program_path() + (" " + arguments + " " + redirections);
   const int status = std::system(line.c_str());  // NOLINT(cert-env33-c)
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "tests/cli/program.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock::cli::test {
 namespace {
@@ -20,7 +21,7 @@ struct Picture {
 
 /// Lines "lamplock engrave ... --plot docs/images/NAME.svg ...".
 std::vector<Picture> pictures_of_the_page() {
-  std::istringstream page(read(LAMPLOCK_ROOT "/docs/planning.md"));
+  std::istringstream page(read(lamplock::test::in_repository("docs/planning.md")));
   std::vector<Picture> pictures;
   for (std::string line; std::getline(page, line);) {
     std::istringstream words(line);
@@ -42,7 +43,7 @@ std::string title_of(const std::string& svg) {
 }
 
 TEST(Pictures, OfThePageAreMadeByTheCommandsUnderThem) {
-  const std::string root = LAMPLOCK_ROOT "/";
+  const std::string root = lamplock::test::in_repository("");
   const std::string page = read(root + "docs/planning.md");
   const std::vector<Picture> pictures = pictures_of_the_page();
   ASSERT_GE(pictures.size(), 8u);

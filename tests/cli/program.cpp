@@ -17,6 +17,8 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/paths.hpp"
+
 namespace lamplock::cli::test {
 namespace {
 
@@ -29,7 +31,7 @@ struct Words {
     for (std::string& text : texts) argv.push_back(text.data());
     argv.push_back(nullptr);
   }
-  std::vector<std::string> texts{LAMPLOCK_PROGRAM};
+  std::vector<std::string> texts{program_path()};
   std::vector<char*> argv;
 };
 
@@ -44,6 +46,8 @@ void redirect(const std::string& file, int flags, int to) {
 }
 
 }  // namespace
+
+std::string program_path() { return lamplock::test::in_build("lamplock"); }
 
 Folder::Folder() {
   std::string name = (fs::temp_directory_path() / "lamplock-test-XXXXXX").string();
@@ -89,7 +93,7 @@ Running::Running(const std::vector<std::string>& arguments, const std::string& i
   redirect(in, O_RDONLY, STDIN_FILENO);
   redirect(out, O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
   redirect(err, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
-  ::execv(LAMPLOCK_PROGRAM, words.argv.data());
+  ::execv(words.argv[0], words.argv.data());
   ::_exit(127);
 }
 
@@ -132,7 +136,7 @@ void InTerminal::start(const std::vector<std::string>& arguments, const termios*
   process_ = ::forkpty(&terminal_, nullptr, modes, &size);
   if (process_ != 0) return;
   ::setenv("TERM", "xterm", 1);
-  ::execv(LAMPLOCK_PROGRAM, words.argv.data());
+  ::execv(words.argv[0], words.argv.data());
   ::_exit(127);
 }
 

@@ -14,6 +14,9 @@
 
 namespace lamplock::cli::test {
 
+/// The program `lamplock` that was built with the tests.
+std::string program_path();
+
 /// A temporary folder, removed at the end of the test.
 class Folder {
  public:

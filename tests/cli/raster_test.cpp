@@ -5,6 +5,7 @@
 
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock::cli::test {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 using testing::HasSubstr;
 using Arguments = std::vector<std::string>;
 
-const std::string laser = LAMPLOCK_ROOT "/examples/laser.toml";
+const std::string laser = lamplock::test::in_repository("examples/laser.toml");
 
 /// Options for 20 mm at 100 mm/s.
 Arguments raster(const std::string& picture, const Arguments& more) {

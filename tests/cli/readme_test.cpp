@@ -23,6 +23,7 @@
 #include "host/text.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/docs/page.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock::cli::test::readme {
 namespace {
@@ -107,8 +108,9 @@ std::string on_simulated_boards(std::string script) {
 /// Runs a script until its first command that fails; returns its output.
 Finished run_script(const Folder& folder, const std::string& script) {
   folder.write("script", script);
-  fs::copy(LAMPLOCK_ROOT "/examples", folder / "examples", fs::copy_options::recursive);
-  const fs::path program(LAMPLOCK_PROGRAM);
+  fs::copy(lamplock::test::in_repository("examples"), folder / "examples",
+           fs::copy_options::recursive);
+  const fs::path program(program_path());
   std::ostringstream shell;
   shell << "cd '" << folder.path().string() << "' && PATH='" << program.parent_path().string()
         << "':\"$PATH\" bash -eu -o pipefail script >out 2>err </dev/null";
@@ -117,9 +119,7 @@ Finished run_script(const Folder& folder, const std::string& script) {
 }
 
 /// The build with sanitizers has no flash image.
-bool has_image() {
-  return fs::exists(fs::path(LAMPLOCK_PROGRAM).parent_path() / "lamplock-rp2040.uf2");
-}
+bool has_image() { return fs::exists(lamplock::test::in_build("lamplock-rp2040.uf2")); }
 
 /// One test for all blocks: lists of tests are made when this file is compiled, not when the page
 /// changes.

@@ -54,14 +54,14 @@ TEST_F(Resumed, AfterItsProgramWasKilled) {
   killed.finish();
   ASSERT_TRUE(std::filesystem::exists(journal_));
   const Finished repeated = run(engrave());
-  EXPECT_EQ(repeated.status, 1);
+  EXPECT_EQ(repeated.status, 2);
   EXPECT_THAT(repeated.err, HasSubstr("no known end"));
   EXPECT_THAT(repeated.err, HasSubstr("--resume"));
   const Finished other = run(engrave({"--from", "1"}));
-  EXPECT_EQ(other.status, 1);
+  EXPECT_EQ(other.status, 2);
   EXPECT_THAT(other.err, HasSubstr("holds an unfinished job"));
   // Options that differ from the run's, and a resume without permission, change nothing.
-  EXPECT_EQ(run(engrave({"--flashes", "2"})).status, 1);
+  EXPECT_EQ(run(engrave({"--flashes", "2"})).status, 2);
   std::vector<std::string> unasked = engrave({"--resume"});
   unasked.erase(std::find(unasked.begin(), unasked.end(), "--yes"));
   InTerminal asked(unasked);

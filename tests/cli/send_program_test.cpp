@@ -298,7 +298,7 @@ TEST_F(SendToBoard, TheCheckBeginsWithTheStateOfTheBoard) {
   EXPECT_NEAR(x(), 17, 0.01);
   expect_refused(send("G90 G0 X2\n"), "1: X 50.800 mm is outside");
   do_first("G93\n");
-  expect_refused(send("G1 X0\n"), "1: the feed is zero");
+  expect_refused(send("G1 X0\n"), "1:1: error:22 the feed is zero");
 }
 
 TEST(SendProgram, lines_after_its_end_are_checked) {
@@ -306,7 +306,7 @@ TEST(SendProgram, lines_after_its_end_are_checked) {
   const std::string file = folder.write("a.ngc", "G21\nM30\nG1 X1 X2 F100\n");
   const Finished refused = run({"send", file, "--board", "virtual"});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("a.ngc:3: "));
+  EXPECT_THAT(refused.err, HasSubstr("a.ngc:3:7: error:25 the word occurs twice"));
 }
 
 TEST(SendProgram, lines_for_the_board_are_refused_beforehand) {
@@ -338,7 +338,7 @@ TEST(SendProgram, a_board_without_a_state_report_checks_its_work_area) {
   Served board(std::move(model));
   const Finished refused = run({"send", wrong, "--board", board.address(), "--yes"});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("wrong.ngc:1501: "));
+  EXPECT_THAT(refused.err, HasSubstr("wrong.ngc:1501:7: "));
   const Finished done = run({"send", far, "--board", board.address(), "--yes"});
   EXPECT_EQ(done.status, 0) << done.err;
   EXPECT_EQ(board.stop().lines,

@@ -72,11 +72,11 @@ class WithInput {
     if (input == Input::null_device) ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
     if (input == Input::pipe) ::dup2(pipe_[0], STDIN_FILENO);
     if (input == Input::closed) ::close(STDIN_FILENO);
-    arguments.insert(arguments.begin(), LAMPLOCK_PROGRAM);
+    arguments.insert(arguments.begin(), program_path());
     std::vector<char*> words;
     for (std::string& word : arguments) words.push_back(word.data());
     words.push_back(nullptr);
-    ::execv(LAMPLOCK_PROGRAM, words.data());
+    ::execv(words[0], words.data());
     ::_exit(127);
   }
 
@@ -151,6 +151,30 @@ TEST(Signals, the_key_of_a_hold_holds_a_job) {
   const Finished stopped = job.finish();
   EXPECT_EQ(stopped.status, 130);
   EXPECT_THAT(stopped.out, testing::Not(HasSubstr("job speed 8 %")));
+}
+
+TEST(Signals, a_lamp_that_does_not_flash_is_named) {
+  const Folder folder;
+  const std::string list = folder.write("p.xyz", xyz(walk(20, 4, 0.05)));
+  Running sim({"sim", "--pty", folder / "port", "--lamp", "200", "--dropouts", "100"});
+  ASSERT_TRUE(sim.wait_for("Ctrl-C"));
+  InTerminal job({"engrave", list, "--lamp", "200", "--board", folder / "port", "--yes"});
+  ASSERT_TRUE(job.wait_for("no lamp"));
+  job.type("\x03");
+  ASSERT_TRUE(job.wait_for("Ctrl-C again to stop"));
+  job.type("\x03");
+  EXPECT_EQ(job.finish().status, 130);
+}
+
+/// A pipe at its end is not asked for a line: the machine alone can resume.
+TEST(Signals, a_hold_without_an_input_says_so) {
+  const Folder folder;
+  const std::string list = folder.write("p.ngc", "G1 X1 F600\nM0\nG1 X2\n");
+  Running sim({"sim", "--pty", folder / "port"});
+  ASSERT_TRUE(sim.wait_for("Ctrl-C"));
+  WithInput send({"send", list, "--board", folder / "port", "--yes"}, Input::null_device);
+  ASSERT_TRUE(send.wait_for("only the machine resumes, SIGINT stops"));
+  EXPECT_EQ(send.end_by(SIGINT), 130) << send.output();
 }
 
 TEST(Signals, end_other_commands_with_the_same_statuses) {

@@ -178,7 +178,7 @@ TEST(StoppedJobs, ALampThatTheClockCannotFollow) {
     std::vector<std::string> arguments{"engrave", list, "--statistics", folder / "jobs.csv"};
     arguments.insert(arguments.end(), fault.begin(), fault.end());
     const Finished gave_up = run(arguments);
-    EXPECT_EQ(gave_up.status, 1) << fault[0];
+    EXPECT_EQ(gave_up.status, 2) << fault[0];
     EXPECT_THAT(gave_up.err, HasSubstr("error: simulated lamp: "));
     EXPECT_THAT(gave_up.err, HasSubstr("--wander"));
   }

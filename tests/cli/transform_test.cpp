@@ -95,10 +95,10 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Transforms, OfDrawingsKeepTheirSide) {
   // An L of three corners: its long leg points up, its foot to the right.
   const Folder folder;
-  const std::string svg =
-      folder.write("l.svg",
-                   "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"4mm\" height=\"8mm\" "
-                   "viewBox=\"0 0 4 8\"><path d=\"M0 0 V8 H4\"/></svg>");
+  const std::string svg = folder.write(
+      "l.svg",
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"4mm\" height=\"8mm\" "
+      "viewBox=\"0 0 4 8\"><path fill=\"none\" stroke=\"red\" d=\"M0 0 V8 H4\"/></svg>");
   struct Case {
     const char* words;
     std::array<Point, 3> wanted;  ///< top, corner and foot, in the middle of the block

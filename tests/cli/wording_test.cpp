@@ -46,6 +46,8 @@ TEST(Wording, OfNumbersNamesTheRangeAndThePoint) {
   EXPECT_THAT(refusal({"engrave", "a.stl", "--from", "1.5"}),
               HasSubstr("'1.5' is not a whole number"));
   EXPECT_THAT(refusal({"engrave", "a.stl", "--size", "1.2.3"}), HasSubstr("is not a number"));
+  EXPECT_THAT(refusal({"engrave", "a.stl", "--spacing", "0.3 mm"}),
+              HasSubstr("'0.3 mm' is not a number; leave the unit out: --spacing 0.3; give "));
 }
 
 TEST(Wording, OfBoardsAndAddresses) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "tests/docs/page.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock {
 namespace {
@@ -25,7 +26,7 @@ std::set<std::string> found(const std::string& text, const std::string& pattern)
 
 std::set<std::string> tests_in(const std::string& folder) {
   std::set<std::string> result;
-  for (const auto& file : std::filesystem::directory_iterator(LAMPLOCK_ROOT "/" + folder)) {
+  for (const auto& file : std::filesystem::directory_iterator(test::in_repository(folder))) {
     if (file.path().extension() != ".cpp") continue;
     const std::string name = folder + '/' + file.path().filename().string();
     result.merge(found(test::read_repository_file(name), R"(TEST(?:_F)?\((\w+),\s+(\w+)\))"));
@@ -40,7 +41,8 @@ TEST(ChipSimulatorPage, NamesTestsThatExist) {
   EXPECT_GE(named.size(), 50u);
   for (const std::string& name : named) EXPECT_THAT(tests, Contains(name));
   for (const std::string& file : found(page, R"(`(\w+_test)`)"))
-    EXPECT_TRUE(std::filesystem::exists(LAMPLOCK_ROOT "/tests/chip/" + file + ".cpp")) << file;
+    EXPECT_TRUE(std::filesystem::exists(test::in_repository("tests/chip/" + file + ".cpp")))
+        << file;
 }
 
 TEST(ChipSimulatorPage, NamesImagesThatExist) {
@@ -48,7 +50,8 @@ TEST(ChipSimulatorPage, NamesImagesThatExist) {
   const std::set<std::string> images = found(page, R"(`chip_images\.(\w*[a-z])`)");
   EXPECT_GE(images.size(), 5u);
   for (const std::string& image : images)
-    EXPECT_TRUE(std::filesystem::exists(LAMPLOCK_ROOT "/tests/chip_images/" + image + ".script"))
+    EXPECT_TRUE(
+        std::filesystem::exists(test::in_repository("tests/chip_images/" + image + ".script")))
         << image;
 }
 

@@ -5,11 +5,13 @@
 #include <sstream>
 #include <string>
 
+#include "tests/paths.hpp"
+
 namespace lamplock::test {
 
 /// Text of a file, named from the root of the repository; empty if it does not exist.
 inline std::string read_repository_file(const std::string& path) {
-  std::ifstream file(LAMPLOCK_ROOT "/" + path);
+  std::ifstream file(test::in_repository(path));
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();

@@ -4,6 +4,7 @@
 
 #include "host/pendant/read_key_map.hpp"
 #include "tests/docs/page.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock::pendant {
 namespace {
@@ -40,7 +41,7 @@ TEST(PendantsPage, HasEveryActionAndEveryKey) {
 }
 
 TEST(PendantsPage, ItsExampleIsValid) {
-  const KeyMap map = read_key_map(LAMPLOCK_ROOT "/examples/pendant.toml");
+  const KeyMap map = read_key_map(test::in_repository("examples/pendant.toml"));
   EXPECT_EQ(map.macros.size(), 1u);
 }
 

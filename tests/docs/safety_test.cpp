@@ -9,6 +9,7 @@
 #include <string>
 
 #include "tests/docs/page.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -17,7 +18,8 @@ namespace {
 std::string sources_of_tests() {
   namespace fs = std::filesystem;
   std::ostringstream text;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(LAMPLOCK_ROOT "/tests"))
+  for (const fs::directory_entry& entry :
+       fs::recursive_directory_iterator(test::in_repository("tests")))
     if (entry.path().extension() == ".cpp") text << std::ifstream(entry.path()).rdbuf();
   return text.str();
 }

@@ -12,15 +12,16 @@
 #include "host/pendant/pendant_ids.hpp"
 #include "host/usb/known_devices.hpp"
 #include "shared/boards/usb_ids.hpp"
+#include "tests/paths.hpp"
 
 namespace lamplock {
 namespace {
 
 using testing::HasSubstr;
 
-std::string rules() { return read_file(LAMPLOCK_ROOT "/toolchain/udev/60-lamplock.rules"); }
+std::string rules() { return read_file(test::in_repository("toolchain/udev/60-lamplock.rules")); }
 std::string serial_rules() {
-  return read_file(LAMPLOCK_ROOT "/toolchain/udev/60-lamplock-serial.rules");
+  return read_file(test::in_repository("toolchain/udev/60-lamplock-serial.rules"));
 }
 
 TEST(UdevRules, NameTheBoardByItsProductName) {
@@ -105,7 +106,7 @@ TEST(UdevRules, TheTableOfTheDocumentHasTheSameIdentifiers) {
   expected.insert(loader());
   static const std::regex number("[0-9a-f]{4}:[0-9a-f]{4}");
   std::set<std::string> listed;
-  std::istringstream page(read_file(LAMPLOCK_ROOT "/docs/install.md"));
+  std::istringstream page(read_file(test::in_repository("docs/install.md")));
   for (std::string line; std::getline(page, line);)
     if (line.starts_with('|')) {
       listed.insert(std::sregex_token_iterator(line.begin(), line.end(), number), {});
@@ -129,7 +130,7 @@ TEST(UdevRules, TheSerialChipsOfOtherBoardsAreThoseOfTheDocument) {
       EXPECT_TRUE(ruled.insert(found[1].str() + ":" + product).second) << product;
   }
   static const std::regex number("(1a86|10c4|0403):[0-9a-f]{4}");
-  const std::string page = read_file(LAMPLOCK_ROOT "/docs/install.md");
+  const std::string page = read_file(test::in_repository("docs/install.md"));
   const std::set<std::string> listed(std::sregex_token_iterator(page.begin(), page.end(), number),
                                      {});
   EXPECT_EQ(ruled, listed);

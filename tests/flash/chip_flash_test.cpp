@@ -14,6 +14,7 @@
 #include "host/flash/update.hpp"
 #include "host/usb/simulated_usb.hpp"
 #include "tests/flash/images.hpp"
+#include "tests/paths.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::flash {
@@ -49,9 +50,10 @@ FlashResult flash_loader(SimulatedUsb& bus, const FlashImage& image) {
 /// An image whose boot sector and second sector differ from the old image.
 FlashImage small_image(std::uint64_t seed) { return test::noise_image(2 * sector_size, seed); }
 
-#ifdef LAMPLOCK_UF2
+#ifdef LAMPLOCK_HAS_FIRMWARE
 TEST(ChipFlash, EmptyChipGetsTheFirmwareAndRunsIt) {
-  const FlashImage image = make_flash_image(read_uf2(read_file(LAMPLOCK_UF2), "uf2"), "uf2");
+  const FlashImage image = make_flash_image(
+      read_uf2(read_file(lamplock::test::in_build("lamplock-rp2040.uf2")), "uf2"), "uf2");
   Chip chip;
   chip.power_on();
   SimulatedUsb bus(chip);

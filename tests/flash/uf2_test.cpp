@@ -14,6 +14,7 @@
 #include "host/file.hpp"
 #include "tests/error_of.hpp"
 #include "tests/flash/images.hpp"
+#include "tests/paths.hpp"
 #include "tests/scale.hpp"
 
 namespace lamplock::flash {
@@ -254,9 +255,9 @@ TEST(FlashImage, OfOthersIsCheckedOnlyByItsBootCode) {
   EXPECT_NO_THROW(make_flash_image({part_of(bytes)}, "file"));
 }
 
-#ifdef LAMPLOCK_UF2
+#ifdef LAMPLOCK_HAS_FIRMWARE
 TEST(Uf2, TheFirmwareOfThisBuildIsRefusedWithAnyPayloadDamaged) {
-  const std::string good = read_file(LAMPLOCK_UF2);
+  const std::string good = read_file(lamplock::test::in_build("lamplock-rp2040.uf2"));
   EXPECT_NO_THROW(make_flash_image(read_uf2(good, "file"), "file"));
   std::mt19937_64 random(23);
   for (int i = 0; i < lamplock::test::scaled(50); ++i) {

@@ -127,7 +127,7 @@ TEST(SafetyInputs, AnEstopIsKeptAfterItsRelease) {
   bench.pins->set("E", true);
   bench.poll();
   bench.pins->set("E", false);
-  bench.guard.go_on();
+  bench.guard.resume();
   bench.settle();
   EXPECT_EQ(bench.guard.state(), SafetyState::stop);
   EXPECT_FALSE(bench.interlock());
@@ -145,7 +145,7 @@ TEST(SafetyInputs, AfterADoorTheInterlockWaitsForTheUser) {
   bench.settle();
   EXPECT_EQ(bench.guard.state(), SafetyState::clear);
   EXPECT_FALSE(bench.interlock()) << "the user has not resumed";
-  bench.guard.go_on();
+  bench.guard.resume();
   bench.poll();
   EXPECT_TRUE(bench.interlock());
 }
@@ -262,7 +262,7 @@ TEST(SafetyInputs, RandomHistoriesNeverLeaveTheInterlockOn) {
       if (one_in(30)) door_touched |= bench.move("D", false);
       if (one_in(30)) estop_touched |= bench.move("E", false);
       if (one_in(20)) {
-        bench.guard.go_on();
+        bench.guard.resume();
         oracle.waits = false;
       }
       if (one_in(100) && bench.guard.settled()) {

@@ -10,6 +10,7 @@
 #include "host/gpio/line_address.hpp"
 #include "host/gpio/read_line_table.hpp"
 #include "tests/error_of.hpp"
+#include "tests/paths.hpp"
 #include "tests/scale.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -92,7 +93,7 @@ TEST(LineTable, MayBePartOfAMachineProfile) {
 }
 
 TEST(LineTable, TheExampleNamesEveryRole) {
-  const LineTable lines = read_line_table(LAMPLOCK_ROOT "/examples/lines.toml");
+  const LineTable lines = read_line_table(test::in_repository("examples/lines.toml"));
   EXPECT_TRUE(lines.estop && lines.door && lines.interlock && lines.lamp && lines.run &&
               lines.bootsel);
 }

@@ -14,6 +14,7 @@
 #include "host/job/read_profile.hpp"
 #include "shared/units.hpp"
 #include "tests/error_of.hpp"
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace lamplock::job {
@@ -115,7 +116,7 @@ TEST(Profile, MissingFileIsAnError) {
 
 /// The example states the defaults and mentions every setting, so that it cannot become outdated.
 TEST(Profile, TheExampleIsTheDefaultAndNamesEverySetting) {
-  const std::filesystem::path path = LAMPLOCK_ROOT "/examples/machine.toml";
+  const std::filesystem::path path = test::in_repository("examples/machine.toml");
   const Profile example = read_profile(path);
   EXPECT_EQ(example.settings, settings::Values{});
   std::ifstream in(path);

@@ -39,9 +39,9 @@ std::string text_of(const std::vector<ProgressRecord>& records) {
 /// Expected contents after this many records.
 JournalContents contents_after(std::size_t records) {
   if (records == 0) return {};
-  if (records == 1) return {std::nullopt, two_runs[0]};
-  if (records == 5) return {KeptRun{two_runs[0], two_runs[3]}, two_runs[4]};
-  return {KeptRun{two_runs[records > 5 ? 4 : 0], two_runs[records - 1]}, std::nullopt};
+  if (records == 1) return {std::nullopt, {two_runs[0]}};
+  if (records == 5) return {KeptRun{two_runs[0], two_runs[3]}, {two_runs[4]}};
+  return {KeptRun{two_runs[records > 5 ? 4 : 0], two_runs[records - 1]}, {}};
 }
 
 std::size_t lines_in(const std::string& text) {
@@ -61,9 +61,20 @@ TEST(ProgressJournal, PowerLossAtEveryByteLosesOnlyTheUnfinishedRecord) {
 TEST(ProgressJournal, ARunThatWasOnlyOfferedDoesNotReplaceThePrecedingOne) {
   const ProgressRecord refused{Progress::begun, 7, job_hash, 5, 0, 5};
   const std::string text = text_of({two_runs[0], two_runs[2], refused});
-  EXPECT_EQ(contents_of(text), (JournalContents{KeptRun{two_runs[0], two_runs[2]}, refused}));
+  EXPECT_EQ(contents_of(text), (JournalContents{KeptRun{two_runs[0], two_runs[2]}, {refused}}));
   EXPECT_EQ(contents_of(text + progress_line(two_runs[3])),
-            (JournalContents{KeptRun{two_runs[0], two_runs[3]}, std::nullopt}));
+            (JournalContents{KeptRun{two_runs[0], two_runs[3]}, {}}));
+}
+
+/// The board may have accepted the first offer, whose answer was lost, and refused the second one.
+TEST(ProgressJournal, KeepsAllOffersUntilOneIsAccepted) {
+  const ProgressRecord first{Progress::begun, 7, job_hash, 0, 0, 0};
+  const ProgressRecord second{Progress::begun, 8, job_hash, 0, 0, 0};
+  const ProgressRecord running{Progress::running, 7, job_hash, 3, 0, 9};
+  const std::string text = text_of({first, second});
+  EXPECT_EQ(contents_of(text), (JournalContents{{}, {first, second}}));
+  EXPECT_EQ(contents_of(text + progress_line(running)),
+            (JournalContents{KeptRun{first, running}, {}}));
 }
 
 TEST(ProgressJournal, ContinuesAfterATornLine) {
@@ -73,7 +84,7 @@ TEST(ProgressJournal, ContinuesAfterATornLine) {
   for (std::size_t size = 0; size <= text.size(); size += 5) {
     const auto file = folder.write("a.llj.progress", text.substr(0, size));
     ProgressJournal(file).append(next);
-    EXPECT_EQ(ProgressJournal(file).read().offered, next) << size;
+    EXPECT_EQ(ProgressJournal(file).read().offered.back(), next) << size;
   }
 }
 

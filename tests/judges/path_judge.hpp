@@ -247,7 +247,7 @@ class StaircaseFollower {
     reached_ = {{0, 0, 0}};
     for (std::size_t i = 0; i < places.size(); ++i) {
       const std::size_t piece = reached_.front().piece;
-      go_on(places[i == 0 ? 0 : i - 1].steps, places[i].steps);
+      follow(places[i == 0 ? 0 : i - 1].steps, places[i].steps);
       if (reached_.empty())
         return fmt::format("place {} of {}, ({}), is beside the path at its piece {} of {}", i,
                            places.size(), fmt::join(places[i].steps, " "), piece + 1,
@@ -257,7 +257,7 @@ class StaircaseFollower {
       if (places.back().steps[a] != std::round(path_.back()[a]))
         return fmt::format("axis {} is at {}, not at {}", a, places.back().steps[a],
                            path_.back()[a]);
-    go_on(places.back().steps, places.back().steps);
+    follow(places.back().steps, places.back().steps);
     const bool ends = !reached_.empty() && reached_.back().piece + 2 == path_.size() &&
                       reached_.back().to >= 1 - rounding;
     return ends ? "" : "the end of the path was not met";
@@ -285,7 +285,7 @@ class StaircaseFollower {
     return stretch;
   }
   /// Follows the path as far as it is near `from`, and from there as far as it is near `to`.
-  void go_on(const StepPoint& from, const StepPoint& to) {
+  void follow(const StepPoint& from, const StepPoint& to) {
     std::vector<Stretch> next;
     std::size_t known = 0;
     bool comes = false;  // reached from the piece before

@@ -85,6 +85,9 @@ TEST(BoardText, identity) {
 TEST(BoardText, texts_of_numbers) {
   EXPECT_EQ(error_text(22), "error:22 the feed is zero or has not been set");
   EXPECT_EQ(error_text(279), "error:279 unknown to this program");
+  EXPECT_EQ(message_text("[MSG:Host lost: program held]"), "Host lost: program held");
+  EXPECT_EQ(message_text("ALARM:2"), alarm_text(2));
+  EXPECT_EQ(message_text("[PRB:0,0,0:1]"), "[PRB:0,0,0:1]");
   EXPECT_EQ(alarm_text(2), "ALARM:2 the target is outside the work space");
   EXPECT_EQ(alarm_text(99), "ALARM:99 unknown to this program");
   EXPECT_EQ(alarm_text(-1), "ALARM:-1 unknown to this program");

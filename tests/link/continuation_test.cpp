@@ -57,13 +57,14 @@ TEST(Continuation, AfterARestartTheShotInProgressAndPointsOfSeveralFlashesAreInD
 }
 
 TEST(Continuation, IsReportedAsOptions) {
-  EXPECT_EQ(go_on_text({12, 0, 12, true}, "point", true), "continue with --from 12");
-  EXPECT_EQ(go_on_text({12, 2, 12, true}, "point", false), "continue with --from 12 --fired 2");
-  EXPECT_EQ(go_on_text({12, 0, 13, true}, "line", true),
+  EXPECT_EQ(continuation_text({12, 0, 12, true}, "point", true), "continue with --from 12");
+  EXPECT_EQ(continuation_text({12, 2, 12, true}, "point", false),
+            "continue with --from 12 --fired 2");
+  EXPECT_EQ(continuation_text({12, 0, 13, true}, "line", true),
             "continue with --from 13 (line 12 may have been fired)");
-  EXPECT_EQ(go_on_text({503, 0, 687, false}, "point", false),
+  EXPECT_EQ(continuation_text({503, 0, 687, false}, "point", false),
             "continue with --from 687 (points 503 to 686 may have been fired)");
-  EXPECT_EQ(go_on_text({503, 0, 687, false}, "point", true),
+  EXPECT_EQ(continuation_text({503, 0, 687, false}, "point", true),
             "continue with --resume, which asks the machine");
 }
 

@@ -196,7 +196,7 @@ TEST(LineSender, continues_after_errors_on_request) {
   const auto program = numbered({"G1 X1", "bad", "G1 X2", "worse", "G1 X3"});
   board.refused = {{"bad", 1}, {"worse", 20}};
   LineOptions options;
-  options.go_on = true;
+  options.ignore_errors = true;
   Sending sending(board, program, options);
   const LineResult result = sending.run();
   EXPECT_EQ(result.end, LineEnd::done);

@@ -59,6 +59,23 @@ TEST(ReadObj, ColoursOfMaterialsAreBrightness) {
   EXPECT_FALSE(read_mesh(folder.write("c.obj", two_squares)).brightness);
 }
 
+/// Names of libraries may contain blanks; each that is missing gives one warning.
+TEST(ReadObj, NamesOfLibrariesMayContainBlanks) {
+  const TemporaryFolder folder;
+  folder.write("k d.mtl", "newmtl white\nKd 1 1 1\n");
+  folder.write("grey.mtl", "newmtl black\nKd 0.5\n");
+  const auto warnings = [&](const std::string& names) {
+    return read_mesh(folder.write("a.obj", "mtllib " + names + "\n" + two_squares)).reader_warnings;
+  };
+  using ::testing::ElementsAre;
+  EXPECT_THAT(warnings("no such.mtl"), ElementsAre(HasSubstr("no such.mtl cannot be opened")));
+  EXPECT_THAT(warnings("no such file"), ElementsAre(HasSubstr("no such file cannot be opened")));
+  EXPECT_THAT(warnings("no such.mtl none.mtl"),
+              ElementsAre(HasSubstr("no such.mtl cannot"), HasSubstr("none.mtl cannot")));
+  EXPECT_THAT(warnings("no such.mtl grey.mtl"), ElementsAre(HasSubstr("no such.mtl cannot")));
+  EXPECT_THAT(warnings("grey.mtl k d.mtl"), ElementsAre());
+}
+
 /// The weight of a rational curve has no effect on faces.
 TEST(ReadObj, ColoursOfVerticesCountAndWeightsDoNot) {
   const TemporaryFolder folder;
@@ -243,6 +260,11 @@ TEST(ReadGlb, CopiesAndExtensionsAreBounded) {
   };
   EXPECT_THAT(refusal([](json& d) { d["extensionsRequired"] = {"KHR_draco_mesh_compression"}; }),
               HasSubstr("'KHR_draco_mesh_compression'"));
+  EXPECT_THAT(refusal([](json& d) {
+                d["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+                d["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = json::object();
+              }),
+              HasSubstr("it repeats a mesh by the extension 'EXT_mesh_gpu_instancing'"));
   EXPECT_THAT(refusal([](json& d) {
                 for (int i = 0; i < 1000; ++i) d["scenes"][0]["nodes"].push_back(0);
                 auto& primitives = d["meshes"][0]["primitives"];

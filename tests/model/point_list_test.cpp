@@ -91,6 +91,9 @@ TEST(PointList, ColumnNamesIdentifyCoordinates) {
   EXPECT_EQ(read("x,y,z\n1,2,3,\n"), (PointCloud{{1, 2, 3}}));
   EXPECT_EQ(read("# a;b\n1,2,3\n"), (PointCloud{{1, 2, 3}}));
   const auto message = [&](const std::string& bytes) { return error_of([&] { read(bytes); }); };
+  EXPECT_THAT(message("x,y,z,x\n1,2,3,4\n"),
+              HasSubstr("line 1: more than one column is named 'x'"));
+  EXPECT_THAT(message("x_mm;y;Y;z\n1;2;3;4\n"), HasSubstr("more than one column is named 'y'"));
   EXPECT_THAT(message("a,b,c\n1,2,3\n"), HasSubstr("line 1: the names of columns lack 'x'"));
   EXPECT_THAT(message("x,y,z\n1,2\n"), HasSubstr("line 2: has 2 of 3"));
   EXPECT_THAT(message("x,y,z\n1,,3\n"), HasSubstr("line 2: ''"));
@@ -102,7 +105,7 @@ TEST(PointList, ReadsVariantsOfText) {
   const TemporaryFolder folder;
   const auto path = folder.write("a.txt",
                                  "\xEF\xBB\xBF# x y z\r\n1 2 3\r\n\r\n 4,5 , 6 # a comment\n"
-                                 "+7\t-8e0\t.5\n1,2,3");
+                                 "+7\t-8e0\t.5\n\"1\",\"2\",\"3\"");
   EXPECT_EQ(read_point_list(path), (PointCloud{{1, 2, 3}, {4, 5, 6}, {7, -8, 0.5}, {1, 2, 3}}));
 }
 

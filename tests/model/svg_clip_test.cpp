@@ -288,7 +288,7 @@ TEST_F(SvgClip, DashesAndGapsAreTheWhole) {
                       "stroke-dashoffset='{}'/>",
                       d, first, second, offset));
     };
-    const double whole = length("<path d='" + d + "'/>");
+    const double whole = length("<path fill='none' stroke='red' d='" + d + "'/>");
     EXPECT_NEAR(with(0, dash, gap) + with(gap, gap, dash), whole, 1e-5 * whole) << d;
   }
 }

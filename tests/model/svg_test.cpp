@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -51,7 +52,9 @@ class Svg : public ::testing::Test {
     EXPECT_EQ(curves.paths.size(), 1u) << content;
     return curves.paths.at(0);
   }
-  Path data(const std::string& d) { return shape("<path d='" + d + "'/>"); }
+  Path data(const std::string& d) {
+    return shape("<path fill='none' stroke='red' d='" + d + "'/>");
+  }
   std::string error(const std::string& bytes) {
     const auto path = folder_.write("a.svg", bytes);
     return error_of([&] { read_svg(path); });
@@ -84,7 +87,9 @@ TEST_F(Svg, BasicShapesAreUpright) {
               1e-8);
   // Radii are limited to half a side: a circle.
   EXPECT_NEAR(ArcLength(shape("<rect width='10' height='10' ry='99'/>")).total(), 10 * pi, 1e-8);
-  EXPECT_NEAR(ArcLength(shape("<polyline points='0,0 3,4 3 14'/>")).total(), 15, 1e-9);
+  EXPECT_NEAR(
+      ArcLength(shape("<polyline fill='none' stroke='red' points='0,0 3,4 3 14'/>")).total(), 15,
+      1e-9);
   const Path triangle = shape("<polygon points='0,0 3,0 3,4'/>");
   EXPECT_TRUE(triangle.closed);
   EXPECT_NEAR(ArcLength(triangle).total(), 12, 1e-9);
@@ -102,6 +107,46 @@ TEST_F(Svg, RoundedRectanglesAreOneClosedCurve) {
   Curves curves;
   curves.paths = {path};
   expect_box(curves, {5, 64, 0}, {35, 74, 0});
+}
+
+// A fill closes each open path; a stroke does not.
+TEST_F(Svg, FilledOpenPathsAreClosed) {
+  struct Case {
+    std::string shape;
+    double length_mm;
+    std::size_t closed;
+  };
+  const double corner = 20 + std::hypot(10, 10);
+  for (const Case& one : std::vector<Case>{
+           {"<path d='M5 5H15V15'/>", corner, 1},
+           {"<path d='M5 5H15V15' fill='red'/>", corner, 1},
+           {"<path d='M5 5H15V15' fill='red' stroke='blue'/>", corner, 1},
+           {"<path d='M5 5H15V15' stroke='blue'/>", corner, 1},
+           {"<path d='M5 5H15V15' fill='white'/>", corner, 1},
+           {"<path d='M5 5H15V15M30 5H40V15M50 5H60V15H50Z'/>", 2 * corner + 40, 3},
+           {"<polyline points='5 5 15 5 15 15'/>", corner, 1},
+           {"<path d='M30 30A10 10 0 0 1 50 30' fill='red'/>", 10 * pi + 20, 1},
+           {"<path d='M5 5C5 5 15 5 15 5Q15 15 15 15' fill='red'/>", corner, 1},
+           {"<path d='M5 5H15V15' fill='none' stroke='blue'/>", 20, 0},
+           {"<path d='M5 5H15V15' fill='red' fill-opacity='0' stroke='blue'/>", 20, 0},
+           {"<polyline points='5 5 15 5 15 15' fill='none' stroke='blue'/>", 20, 0},
+           // White on white is no edge.
+           {"<path d='M5 5H15V15' fill='white' stroke='blue'/>", 20, 0},
+           // Straight lines have no area, in any direction.
+           {"<path d='M5 5H15M5 7H20H15'/>", 30, 0},
+           {"<path transform='rotate(33)' d='M5 5L15 12L25 19' fill='red'/>", 2 * std::hypot(10, 7),
+            0},
+           {"<path d='M5 5C7 5 9 5 15 5' fill='red'/>", 10, 0},
+           {"<line x1='5' x2='15' fill='red'/>", 10, 0}}) {
+    const Curves curves = shapes(one.shape);
+    double length = 0;
+    for (const Path& path : curves.paths) length += ArcLength(path).total();
+    EXPECT_NEAR(length, one.length_mm, 1e-5) << one.shape;
+    EXPECT_EQ(static_cast<std::size_t>(std::count_if(curves.paths.begin(), curves.paths.end(),
+                                                     [](const Path& path) { return path.closed; })),
+              one.closed)
+        << one.shape;
+  }
 }
 
 TEST_F(Svg, PathsSupportAllCommands) {
@@ -188,6 +233,31 @@ TEST_F(Svg, PagesAndUnits) {
   EXPECT_NEAR(box("preserveAspectRatio='xMaxYMid'").low.x, 10, 1e-9);
   EXPECT_NEAR(box("preserveAspectRatio='none'").high.x, 20, 1e-9);
   EXPECT_NEAR(box("preserveAspectRatio='xMidYMin slice'").low.y, -10, 1e-9);
+}
+
+// The page is a replaced element of CSS: a missing side follows from the ratio of the view.
+TEST_F(Svg, AMissingSideOfThePageFollowsFromTheView) {
+  const auto box = [&](const std::string& size) {
+    return model::bounds(
+        read("<svg " + size +
+             " viewBox='10 20 60 30'><rect x='10' y='20' width='60' height='30'/></svg>"));
+  };
+  for (const std::string size :
+       {"width='60mm'", "height='30mm'", "width='100%' height='30mm'", "width='60mm' height='100%'",
+        "width='auto' height='3cm'", "width='60mm' height='auto'", "width='50%' height='30mm'",
+        "style='height:30mm'", "style='width:100%' height='30mm'", "height='30mm' width='100vw'"}) {
+    EXPECT_NEAR(box(size).low.x, 0, 1e-9) << size;
+    EXPECT_NEAR(box(size).low.y, 0, 1e-9) << size;
+    EXPECT_NEAR(box(size).high.x, 60, 1e-9) << size;
+    EXPECT_NEAR(box(size).high.y, 30, 1e-9) << size;
+  }
+  constexpr double px = 25.4 / 96;
+  for (const std::string size : {"", "width='auto' height='auto'", "width='100%'"})
+    EXPECT_NEAR(box(size).high.x, 60 * px, 1e-9) << size;
+  for (const std::string size : {"width='50%'", "height='50%'", "width='50%' height='50%'"}) {
+    EXPECT_NEAR(box(size).high.x, 30 * px, 1e-9) << size;
+    EXPECT_NEAR(box(size).high.y, 15 * px, 1e-9) << size;
+  }
 }
 
 TEST_F(Svg, TransformsNest) {

@@ -352,7 +352,7 @@ async function large_job(browser) {
   await page.click('#turn');
   await page.frames(20);
   const pace = await page.ask(`({every: lamplock.cloud.view.every, pace: lamplock.cloud.view.pace})`);
-  console.log(`        turning: one point in ${pace.every}, ${pace.pace.toFixed(0)} ms a picture`);
+  console.log(`        turning: one point in ${pace.every}, ${pace.pace?.toFixed(0)} ms a picture`);
   await page.click('#turn');
   check_silence(page, 'many points');
   await keep_picture(page, 'many');

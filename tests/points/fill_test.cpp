@@ -113,7 +113,7 @@ TEST(FillFaces, TurnedTrianglesAreFilledAsTheOthers) {
 
 TEST(FillFaces, TrianglesBelowTheSmallestSideAreRejectedAndCounted) {
   const Mesh mesh = test::sphere(1, 99, 200);  // sides of 0.03 and less
-  const auto none = fill_faces(mesh, {.distance_mm = 0.1, .smallest_side_mm = 0.1});
+  const auto none = fill_faces(mesh, {.distance_mm = 0.1, .min_side_mm = 0.1});
   EXPECT_EQ(none.rejected, mesh.triangles.size());
   EXPECT_TRUE(none.points.empty());
   const auto all = fill_faces(mesh, {.distance_mm = 0.1});
@@ -125,7 +125,7 @@ TEST(FillFaces, WrongInputIsRefused) {
   Mesh mesh = test::box(1, 1, 1);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NE(error_of([&] { fill_faces(mesh, {.distance_mm = 0}); }), "");
-  EXPECT_NE(error_of([&] { fill_faces(mesh, {.smallest_side_mm = -1}); }), "");
+  EXPECT_NE(error_of([&] { fill_faces(mesh, {.min_side_mm = -1}); }), "");
   EXPECT_NE(error_of([&] { fill_faces(mesh, {.distance_mm = 1e-5}); }), "");
   EXPECT_NE(error_of([&] { fill_faces(test::box(1e200, 1e200, 1e200), {}); }), "");
   mesh.vertices[7].z = nan;
@@ -205,8 +205,7 @@ TEST(FillSolid, CountGrowsWithTheInverseCube) {
 }
 
 TEST(FillSolid, DensityDecreasesWithTheVolumeAbove) {
-  const points::SolidOptions options{
-      .distance_mm = 0.25, .light_depth_mm = 3, .lowest_density = 0.02};
+  const points::SolidOptions options{.distance_mm = 0.25, .light_depth_mm = 3, .min_density = 0.02};
   const PointCloud cloud = fill_solid(test::box(4, 4, 4), options);
   EXPECT_GE(test::min_square(cloud), 0.0625);
   std::array<double, 4> slabs{};  // two mm each, from the top
@@ -242,7 +241,7 @@ TEST(FillSolid, OpenAndWrongInputIsRefused) {
   for (const points::SolidOptions& options :
        {points::SolidOptions{.distance_mm = 0}, points::SolidOptions{.distance_mm = 1e-3},
         points::SolidOptions{.distance_mm = 1e-12}, points::SolidOptions{.light_depth_mm = -1},
-        points::SolidOptions{.lowest_density = 0}, points::SolidOptions{.lowest_density = 2}}) {
+        points::SolidOptions{.min_density = 0}, points::SolidOptions{.min_density = 2}}) {
     EXPECT_NE(error_of([&] { fill_solid(mesh, options); }), "");
   }
   mesh.vertices[0].x = std::numeric_limits<double>::infinity();

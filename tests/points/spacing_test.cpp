@@ -27,10 +27,9 @@ TEST(Spacing, AgreesWithComparingAllPairs) {
     const auto report = spacing_of(cloud);
     EXPECT_EQ(report.points, cloud.size());
     EXPECT_EQ(report.duplicates, 0u);
-    EXPECT_DOUBLE_EQ(report.smallest_mm, std::sqrt(test::min_square(cloud)));
+    EXPECT_DOUBLE_EQ(report.min_mm, std::sqrt(test::min_square(cloud)));
     EXPECT_LT(report.first, report.second);
-    EXPECT_NEAR(test::distance(cloud[report.first], cloud[report.second]), report.smallest_mm,
-                1e-15);
+    EXPECT_NEAR(test::distance(cloud[report.first], cloud[report.second]), report.min_mm, 1e-15);
     double sum = 0, largest = 0;
     for (std::size_t k = 0; k < cloud.size(); ++k) {
       PointCloud others = cloud;
@@ -40,7 +39,7 @@ TEST(Spacing, AgreesWithComparingAllPairs) {
       largest = std::max(largest, nearest);
     }
     EXPECT_NEAR(report.mean_mm, sum / static_cast<double>(cloud.size()), 1e-12);
-    EXPECT_DOUBLE_EQ(report.largest_mm, largest);
+    EXPECT_DOUBLE_EQ(report.max_mm, largest);
   }
 }
 
@@ -50,8 +49,8 @@ TEST(Spacing, AGridHasOneDistance) {
     for (int j = 0; j < 20; ++j) cloud.push_back({i * 0.5, j * 0.5, 0});
   }
   const auto report = spacing_of(cloud);
-  EXPECT_EQ(report.smallest_mm, 0.5);
-  EXPECT_EQ(report.largest_mm, 0.5);
+  EXPECT_EQ(report.min_mm, 0.5);
+  EXPECT_EQ(report.max_mm, 0.5);
   ASSERT_FALSE(report.counts.empty());
   EXPECT_EQ(std::accumulate(report.counts.begin(), report.counts.end(), std::size_t{0}), 400u);
   EXPECT_EQ(std::count(report.counts.begin(), report.counts.end(), 400u), 1);
@@ -61,7 +60,7 @@ TEST(Spacing, DuplicatesAreCountedAndNamed) {
   PointCloud cloud{{0, 0, 0}, {1, 0, 0}, {3, 0, 0}, {1, 0, 0}, {-0.0, 0, 0}, {1, 0, 0}};
   auto report = spacing_of(cloud);
   EXPECT_EQ(report.duplicates, 3u);
-  EXPECT_EQ(report.smallest_mm, 0);
+  EXPECT_EQ(report.min_mm, 0);
   EXPECT_EQ(report.first, 1u);
   EXPECT_EQ(report.second, 3u);
   EXPECT_DOUBLE_EQ(report.mean_mm, 4.0 / 3);  // distances of the three positions: 1, 1, 2
@@ -72,7 +71,7 @@ TEST(Spacing, DuplicatesAreCountedAndNamed) {
 
 TEST(Spacing, FewPointsAndWrongOnes) {
   EXPECT_EQ(spacing_of({}).points, 0u);
-  EXPECT_EQ(spacing_of(PointCloud{{1, 1, 1}}).smallest_mm, 0);
+  EXPECT_EQ(spacing_of(PointCloud{{1, 1, 1}}).min_mm, 0);
   // Different positions whose distance is 0 in doubles.
   EXPECT_EQ(spacing_of(PointCloud{{0, 0, 0}, {1e-200, 0, 0}, {2e-200, 0, 0}}).duplicates, 0u);
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -20,6 +20,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace lamplock::program::test {
@@ -63,7 +64,7 @@ class Rs274 {
   }
 
  private:
-  static std::filesystem::path root() { return LAMPLOCK_RS274; }
+  static std::filesystem::path root() { return lamplock::test::in_repository("build/rs274"); }
   static std::filesystem::path binary() { return root() / "usr/bin/rs274"; }
 
   void write(const std::vector<Program>& programs, std::string_view reset) const {

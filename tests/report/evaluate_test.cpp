@@ -32,9 +32,9 @@ TEST(Evaluate, PerfectRun) {
   EXPECT_DOUBLE_EQ(report.beats_per_point, 1.25);
   EXPECT_DOUBLE_EQ(report.points_per_s, 80);
   EXPECT_DOUBLE_EQ(report.lamp_hz, 100);
-  ASSERT_TRUE(report.largest_error_steps);
-  EXPECT_LE(*report.largest_error_steps, 0.5);
-  EXPECT_GT(*report.largest_error_steps,
+  ASSERT_TRUE(report.max_error_steps);
+  EXPECT_LE(*report.max_error_steps, 0.5);
+  EXPECT_GT(*report.max_error_steps,
             0.45);  // with this many points rounding comes close to 0.5
 }
 
@@ -70,7 +70,7 @@ TEST(Evaluate, FindsEveryMissedAndDoubledPoint) {
     EXPECT_GT(doubled, 100u);
     EXPECT_EQ(report.missed, missed) << seed;
     EXPECT_EQ(report.doubled, doubled) << seed;
-    EXPECT_LE(*report.largest_error_steps, 0.5) << seed;
+    EXPECT_LE(*report.max_error_steps, 0.5) << seed;
   }
 }
 
@@ -94,7 +94,7 @@ TEST(Evaluate, AShotAtAWrongPlaceIsAnErrorNotAMiss) {
   const Report report = evaluate(run);
   EXPECT_EQ(report.missed, 0u);
   EXPECT_EQ(report.doubled, 0u);
-  EXPECT_NEAR(*report.largest_error_steps, 9, 0.5);
+  EXPECT_NEAR(*report.max_error_steps, 9, 0.5);
 }
 
 TEST(Evaluate, ADistantStrayShotIsReported) {
@@ -106,7 +106,7 @@ TEST(Evaluate, ADistantStrayShotIsReported) {
   const Report report = evaluate(run);
   EXPECT_EQ(report.missed, 0u);
   EXPECT_EQ(report.doubled, 1u);
-  EXPECT_GT(*report.largest_error_steps, 3000);
+  EXPECT_GT(*report.max_error_steps, 3000);
 }
 
 TEST(Evaluate, JitterIsReportedSeparately) {
@@ -114,14 +114,14 @@ TEST(Evaluate, JitterIsReportedSeparately) {
   run.shots[10].steps[0] += 1;
   run.shots[77].steps[2] -= 2;
   const Report report = evaluate(run);
-  EXPECT_LE(*report.largest_error_steps, 0.5);
-  EXPECT_NEAR(*report.largest_jitter_error_steps, 2, 0.5);
+  EXPECT_LE(*report.max_error_steps, 0.5);
+  EXPECT_NEAR(*report.max_jitter_error_steps, 2, 0.5);
   run.lattice_steps.clear();
   const Report unknown = evaluate(run);
-  EXPECT_FALSE(unknown.largest_error_steps);
+  EXPECT_FALSE(unknown.max_error_steps);
   EXPECT_EQ(unknown.missed, 0u);
   EXPECT_EQ(unknown.doubled, 0u);
-  EXPECT_EQ(unknown.largest_jitter_error_steps, report.largest_jitter_error_steps);
+  EXPECT_EQ(unknown.max_jitter_error_steps, report.max_jitter_error_steps);
 }
 
 TEST(Evaluate, EqualPointsAreEachFiredOnce) {
@@ -180,7 +180,7 @@ TEST(Evaluate, RepetitionsAfterMissedShotsAreNotDoubled) {
 TEST(Evaluate, NothingFiredOrNothingToFire) {
   JobRun run = job(100, 1);
   EXPECT_EQ(evaluate(run).missed, 100u);
-  EXPECT_FALSE(evaluate(run).largest_error_steps);
+  EXPECT_FALSE(evaluate(run).max_error_steps);
   EXPECT_EQ(evaluate(run).utilisation, 0);
   JobRun empty;
   add_shot(empty, {1, 2, 3, 0});
@@ -194,8 +194,8 @@ TEST(Evaluate, UnknownShotsStayUnknown) {
   run.shots_fired = 99;
   const Report report = evaluate(run);
   EXPECT_EQ(report.shots, 99u);
-  EXPECT_FALSE(report.missed || report.doubled || report.largest_error_steps ||
-               report.largest_jitter_error_steps);
+  EXPECT_FALSE(report.missed || report.doubled || report.max_error_steps ||
+               report.max_jitter_error_steps);
 }
 
 TEST(Evaluate, RefusesARunThatContradictsItself) {

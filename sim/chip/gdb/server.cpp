@@ -23,13 +23,13 @@ bool Server::exchange() {
   return count != 0;
 }
 
-bool Server::run_until(Cycle until, const std::function<bool()>& give_up) {
+bool Server::run_until(Cycle until, const std::function<bool()>& is_cancelled) {
   constexpr auto pause = std::chrono::milliseconds(1);
   for (;;) {
     const bool heard = exchange();
     if (stub_.killed()) return false;
     if (!stub_.running()) {
-      if (give_up && give_up()) return false;
+      if (is_cancelled && is_cancelled()) return false;
       if (!heard) std::this_thread::sleep_for(pause);
       continue;
     }

@@ -24,9 +24,9 @@ class Server {
   Server(Chip& chip, ByteEndpoint& endpoint, Start start);
 
   /// Runs the chip to `until`, as Chip::run_until() would; waits as long as the debugger halts it.
-  /// Calls `give_up` meanwhile, if not empty. False: the debugger has ended the simulation, or
-  /// give_up() has.
-  bool run_until(Cycle until, const std::function<bool()>& give_up = {});
+  /// Calls `is_cancelled` meanwhile, if not empty. False: the debugger has ended the simulation, or
+  /// is_cancelled() has.
+  bool run_until(Cycle until, const std::function<bool()>& is_cancelled = {});
 
  private:
   /// Polls the connection once; returns whether anything came.

@@ -113,7 +113,7 @@ void UsbHost::frame(Picoseconds at) {
   frame_number_ = (frame_number_ + 1) & 0x7ff;
   device_.start_of_frame(frame_number_, at);
   check_control_times(at);
-  go_on(at + bit_times(gap_bits));
+  begin_transaction(at + bit_times(gap_bits));
 }
 
 // The user's side
@@ -124,24 +124,24 @@ std::size_t UsbHost::write(std::span<const std::uint8_t> bytes, UsbFunction to) 
   const std::size_t used = function.unsent();
   const std::size_t room = options_.write_buffer > used ? options_.write_buffer - used : 0;
   const std::size_t count = function.write(bytes, room);
-  if (count != 0) go_on(wheel_.time());
+  if (count != 0) begin_transaction(wheel_.time());
   return count;
 }
 
 std::size_t UsbHost::read(std::span<std::uint8_t> bytes, UsbFunction from) {
   const std::size_t count = bulk(from).read(bytes);
-  if (count != 0) go_on(wheel_.time());
+  if (count != 0) begin_transaction(wheel_.time());
   return count;
 }
 
 void UsbHost::claim_vendor(bool claimed) {
   bulk(UsbFunction::vendor).open = claimed;
-  go_on(wheel_.time());
+  begin_transaction(wheel_.time());
 }
 
 void UsbHost::open_serial(bool open) {
   bulk(UsbFunction::serial).open = open;
-  go_on(wheel_.time());
+  begin_transaction(wheel_.time());
 }
 
 void UsbHost::plug() {
@@ -217,7 +217,7 @@ void UsbHost::control(const std::array<std::uint8_t, 8>& setup, std::vector<std:
   transfer.user = true;
   last_control_ = {};
   control_queue_.push_back(std::move(transfer));
-  go_on(wheel_.time());
+  begin_transaction(wheel_.time());
 }
 
 void UsbHost::violation(const std::string& text) {
@@ -266,7 +266,7 @@ void UsbHost::waited(Picoseconds at) {
       wait(at + options_.resume_recovery);
       break;
     case Step::running:
-      go_on(at);
+      begin_transaction(at);
       break;
     default:
       enter(step_);
@@ -338,7 +338,7 @@ void UsbHost::ask(std::array<std::uint8_t, 8> setup, std::vector<std::uint8_t> d
   transfer_now_ = ControlTransfer{};
   transfer_now_->setup = setup;
   transfer_now_->data = std::move(data);
-  go_on(wheel_.time());
+  begin_transaction(wheel_.time());
 }
 
 void UsbHost::ask_descriptor(std::uint8_t type, std::uint8_t index, std::uint16_t language,
@@ -347,7 +347,7 @@ void UsbHost::ask_descriptor(std::uint8_t type, std::uint8_t index, std::uint16_
                    length));
 }
 
-void UsbHost::give_up(const std::string& why) {
+void UsbHost::fail_enumeration(const std::string& why) {
   if (++attempts_ < max_attempts) return begin_reset(wheel_.time(), Step::reset);
   violation("enumeration failed: " + why);
   step_ = Step::failed;
@@ -363,16 +363,17 @@ void UsbHost::control_done(const ControlTransfer& transfer, const ControlAnswer&
   // Only the device qualifier may be refused, by a device without high speed.
   const bool refused = step_ == Step::qualifier ? answer.failed : answer.failed || answer.stalled;
   if (refused)
-    return give_up("request " + std::to_string(transfer.setup[1]) + " for " +
-                   std::to_string(transfer.setup[3]) +
-                   (answer.stalled ? " was refused" : " got no answer"));
+    return fail_enumeration("request " + std::to_string(transfer.setup[1]) + " for " +
+                            std::to_string(transfer.setup[3]) +
+                            (answer.stalled ? " was refused" : " got no answer"));
   enumeration_answer(answer, at);
 }
 
 void UsbHost::enumeration_answer(const ControlAnswer& answer, Picoseconds at) {
   switch (step_) {
     case Step::first_descriptor:
-      if (answer.data.size() < 8) return give_up("less than 8 bytes of the device descriptor");
+      if (answer.data.size() < 8)
+        return fail_enumeration("less than 8 bytes of the device descriptor");
       device_bytes_ = answer.data;
       if (options_.second_reset) begin_reset(at, Step::second_reset);
       device_info_.max_packet0 = device_bytes_[7];
@@ -407,7 +408,7 @@ void UsbHost::descriptor_answer(const ControlAnswer& answer) {
         violation("device: descriptor differs from the first one read");
       device_bytes_ = answer.data;
       device_info_ = parse_device(answer.data, violations_);
-      if (device_info_.max_packet0 == 0) return give_up("device descriptor is useless");
+      if (device_info_.max_packet0 == 0) return fail_enumeration("device descriptor is useless");
       return enter(Step::qualifier);
     case Step::qualifier:
       if (!answer.stalled) violation("device: has a device qualifier without high speed");
@@ -420,12 +421,12 @@ void UsbHost::descriptor_answer(const ControlAnswer& answer) {
       return;
     case Step::configuration_head:
       configuration_bytes_ = answer.data;
-      if (answer.data.size() != 9) return give_up("not 9 bytes of the configuration");
+      if (answer.data.size() != 9) return fail_enumeration("not 9 bytes of the configuration");
       return enter(Step::configuration);
     case Step::configuration:
       configuration_bytes_ = answer.data;
       configuration_ = parse_configuration(answer.data, device_info_, violations_);
-      if (!configuration_.port.found()) return give_up("no serial port");
+      if (!configuration_.port.found()) return fail_enumeration("no serial port");
       bulk(UsbFunction::serial).ends = configuration_.port;
       bulk(UsbFunction::vendor).ends = configuration_.vendor;
       strings_to_read_.assign(configuration_.strings.begin(), configuration_.strings.end());
@@ -496,7 +497,7 @@ void UsbHost::class_answer(const ControlAnswer& answer) {
 // Transactions
 
 /// Starts the next transaction, if the bus is free and the frame has room.
-void UsbHost::go_on(Picoseconds at) {
+void UsbHost::begin_transaction(Picoseconds at) {
   if (engine_.busy() || next_frame_ < 0 || last_frame_ < 0) return;
   at = std::max({at, last_frame_ + bit_times(gap_bits), bus_free_});
   if (wait_until_ >= 0) return;  // recovery
@@ -600,7 +601,7 @@ void UsbHost::done(const Transaction& transaction, const Result& result) {
     case Turn::none:
       break;
   }
-  go_on(result.end);
+  begin_transaction(result.end);
 }
 
 Transaction UsbHost::control_transaction() {

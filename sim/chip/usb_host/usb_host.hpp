@@ -208,11 +208,11 @@ class UsbHost final : public Timed, public usb::HostEnd {
   bool bos_answer(const ControlAnswer& answer);
   void class_answer(const ControlAnswer& answer);
   bool next_string();
-  void give_up(const std::string& why);
+  void fail_enumeration(const std::string& why);
   void violation(const std::string& text);
 
   // Transactions
-  void go_on(Picoseconds at);
+  void begin_transaction(Picoseconds at);
   Turn choose(Picoseconds at);
   bool can_take(Turn turn, Picoseconds at) const;
   bool fits(std::size_t payload, Picoseconds at) const;

@@ -1,0 +1,161 @@
+#include "host/program/line_fault.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "host/printable.hpp"
+#include "host/program/program_words.hpp"
+#include "host/text.hpp"
+#include "shared/gcode_errors.hpp"
+#include "shared/units.hpp"
+
+namespace lamplock::program_run {
+namespace {
+
+constexpr std::string_view number_characters = "+-.0123456789", blanks = " \t";
+
+std::string upper(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return result;
+}
+
+/// The text in quotes, short enough for a message.
+std::string quoted(std::string_view text) {
+  constexpr std::size_t max_shown = 40;
+  if (text.size() <= max_shown) return fmt::format("'{}'", printable(text));
+  return fmt::format("'{}...'", printable(text.substr(0, max_shown)));
+}
+
+/// The word at the begin of a text: its letter and its number, with blanks between them.
+std::string_view word_at(std::string_view text) {
+  std::size_t end = 1;
+  for (std::size_t i = 1; i < text.size(); ++i) {
+    if (number_characters.find(text[i]) != std::string_view::npos)
+      end = i + 1;
+    else if (blanks.find(text[i]) == std::string_view::npos)
+      break;
+  }
+  return text.substr(0, end);
+}
+
+std::string_view without_blanks_before(std::string_view text) {
+  return text.substr(std::min(text.find_first_not_of(blanks), text.size()));
+}
+
+std::string_view letters_at(std::string_view text) {
+  const auto end = std::ranges::find_if(
+      text, [](char c) { return std::isalpha(static_cast<unsigned char>(c)) == 0; });
+  return text.substr(0, static_cast<std::size_t>(end - text.begin()));
+}
+
+/// Words of control flow of LinuxCNC, Fanuc and RepRapFirmware; each begins at its fault.
+bool is_control_word(std::string_view letters) {
+  constexpr std::array<std::string_view, 16> words{
+      "WHILE", "IF",   "GOTO",   "DO",     "END",      "THEN",  "ELSE",  "ELSEIF",
+      "ENDIF", "CALL", "REPEAT", "RETURN", "CONTINUE", "BREAK", "ABORT", "VAR"};
+  return std::ranges::find(words, upper(letters)) != words.end();
+}
+
+/// The part of a line that only a language with variables has; empty if the fault is another one.
+std::string_view expression_at(std::string_view line, std::string_view rest) {
+  const std::string_view whole = trimmed(line);
+  const std::string_view after = without_blanks_before(rest.substr(word_at(rest).size()));
+  if (upper(whole.substr(0, 1)) == "O") return whole;
+  if (is_control_word(letters_at(rest))) return letters_at(rest);
+  constexpr std::string_view signs = "#[]=";
+  if (signs.find(rest.front()) == std::string_view::npos &&
+      (after.empty() || signs.find(after.front()) == std::string_view::npos))
+    return {};
+  return rest.substr(0, rest.find_first_of(blanks, rest.size() - after.size() + 1));
+}
+
+/// A checksum at the fault, `*22`; empty if there is none.
+std::string_view checksum_at(std::string_view rest) {
+  const std::string_view after = without_blanks_before(rest.substr(word_at(rest).size()));
+  if (rest.front() == '*') return word_at(rest);
+  if (after.starts_with('*')) return word_at(after);
+  return {};
+}
+
+/// Remedies for commands of other machines.
+struct Replacement {
+  char letter;
+  double number;
+  std::string_view remedy;
+};
+
+constexpr std::string_view no_compensation = "post the program with the offset in its path";
+constexpr std::string_view no_subprograms = "post the program without subprograms";
+constexpr std::string_view no_motor_switch =
+    "take the word out: $1 switches the motors off at rest";
+constexpr std::string_view no_heater = "take the word out: the machine has no heater";
+constexpr std::array replacements{
+    Replacement{'G', 43, "use G43.1 or take the word out"},
+    Replacement{'G', 43.2, "use G43.1 or take the word out"},
+    Replacement{'G', 41, no_compensation},
+    Replacement{'G', 41.1, no_compensation},
+    Replacement{'G', 42, no_compensation},
+    Replacement{'G', 42.1, no_compensation},
+    Replacement{'M', 97, no_subprograms},
+    Replacement{'M', 98, no_subprograms},
+    Replacement{'M', 99, no_subprograms},
+    Replacement{'M', 17, no_motor_switch},
+    Replacement{'M', 18, no_motor_switch},
+    Replacement{'M', 84, no_motor_switch},
+    Replacement{'M', 104, no_heater},
+    Replacement{'M', 109, no_heater},
+    Replacement{'M', 140, no_heater},
+    Replacement{'M', 190, no_heater},
+};
+
+LineFault unsupported(std::string_view word, int axes) {
+  constexpr std::string_view axes_of_others = "ABCUVW";
+  const std::string letters = upper(word.substr(0, 1));
+  const std::string_view own(axis_letters.data(), static_cast<std::size_t>(axes));
+  if (axes_of_others.find(letters) != std::string_view::npos &&
+      own.find(letters) == std::string_view::npos)
+    return {fmt::format("{} is for an axis that the machine does not have", quoted(word)),
+            fmt::format("take the word out: its axes are {}", fmt::join(own, ", "))};
+  LineFault fault{fmt::format("{} is not supported", quoted(word)),
+                  "take the word out, or post the program for grbl"};
+  for (const ProgramWord& one : words_of(word))
+    for (const Replacement& other : replacements)
+      if (one.is(other.letter, other.number)) fault.remedy = other.remedy;
+  return fault;
+}
+
+LineFault no_letter(std::string_view rest) {
+  if (rest.front() == ',')
+    return {"',' is not part of a number or a word", "write numbers with a decimal point"};
+  return {fmt::format("a word must begin with a letter, not with {}", quoted(rest.substr(0, 1))),
+          "take it out, or put text into a comment"};
+}
+
+}  // namespace
+
+LineFault describe_fault(std::string_view line, const program::Fault& fault, int axes) {
+  const GcodeErrorRow* row = find_gcode_error(static_cast<std::uint8_t>(fault.error));
+  LineFault plain{row == nullptr ? "unknown" : std::string(row->text)};
+  const bool is_named = fault.error == GcodeError::unsupported ||
+                        fault.error == GcodeError::letter_expected ||
+                        fault.error == GcodeError::bad_number;
+  if (!is_named || fault.column == 0 || fault.column > line.size()) return plain;
+  const std::string_view rest = line.substr(fault.column - 1);
+  if (fault.error == GcodeError::unsupported) return unsupported(word_at(rest), axes);
+  if (const std::string_view sum = checksum_at(rest); !sum.empty())
+    return {fmt::format("{}: line checksums are not read", quoted(sum)),
+            "switch them off in the sender"};
+  if (const std::string_view part = expression_at(line, rest); !part.empty())
+    return {fmt::format("{}: variables, expressions and O-words are not read", quoted(part)),
+            "post the program without them"};
+  if (fault.error == GcodeError::letter_expected) return no_letter(rest);
+  return {fmt::format("the number after {} is missing, malformed or too large",
+                      quoted(rest.substr(0, 1))),
+          "correct the number, or put text into a comment"};
+}
+
+}  // namespace lamplock::program_run

@@ -1,0 +1,156 @@
+// `lamplock check` and `lamplock send` judge the lines of a program alike, with the same text.
+#include <gmock/gmock.h>
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/cli/program.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/// Expects that both refuse a program with this text about this place, FILE:LINE or
+/// FILE:LINE:COLUMN.
+void expect_both_refuse(const std::string& program, const std::string& place,
+                        const std::string& what, const std::string& remedy = "") {
+  const Folder folder;
+  const std::string file = folder.write("p.ngc", program);
+  const Finished sent = run({"send", file, "--board", "virtual"});
+  Finished checked = run({"check", file});
+  checked.out += checked.err;
+  EXPECT_EQ(checked.status, 2) << program;
+  EXPECT_EQ(sent.status, 2) << program;
+  EXPECT_THAT(checked.out, HasSubstr(file + place + ":")) << program;
+  EXPECT_THAT(sent.err, HasSubstr(file + place + ":")) << program;
+  EXPECT_THAT(checked.out, HasSubstr(what)) << program;
+  EXPECT_THAT(sent.err, HasSubstr(what)) << program;
+  EXPECT_THAT(checked.out, HasSubstr(remedy)) << program;
+  EXPECT_THAT(sent.err, HasSubstr(remedy)) << program;
+}
+
+TEST(CheckAndSend, RefuseTheSameBoardLines) {
+  for (const std::string line : {"$J=G91 X1 F100", "$10=1", "$C", "$SLP", "$FOO", "$ j=x1", "$HXY",
+                                 "$N0=G21", "$RST=*", "$32"})
+    expect_both_refuse("G21\n" + line + "\nG4 P0.01\n", ":2",
+                       "'" + line + "' must not be in a program");
+  for (const std::string line : {"$", "$$", "$#", "$G", "$I", "$N", "$X", "$x", "$ G"}) {
+    const Folder folder;
+    const std::string file = folder.write("p.ngc", "G21\n" + line + "\nG4 P0.01\n");
+    EXPECT_EQ(run({"check", file}).status, 0) << line;
+    EXPECT_EQ(run({"send", file, "--board", "virtual"}).status, 0) << line;
+  }
+}
+
+TEST(CheckAndSend, RefuseTheSameBytes) {
+  for (const auto& [byte, name] :
+       {std::pair{'\x18', "0x18"}, std::pair{'!', "0x21"}, std::pair{'~', "0x7E"},
+        std::pair{'?', "0x3F"}, std::pair{'\x84', "0x84"}, std::pair{'\x7f', "0x7F"}}) {
+    const std::string what = std::string("the byte ") + name + " outside of a comment";
+    expect_both_refuse(std::string("G21\nG1 X1 F100") + byte + "\n", ":2", what);
+    expect_both_refuse(std::string("G21\n$X") + byte + "\n", ":2", what);
+    const Folder folder;
+    const std::string file = folder.write("p.ngc", std::string("G4 P0.01 (a") + byte + ")\n");
+    EXPECT_EQ(run({"check", file}).status, 0) << name;
+    EXPECT_EQ(run({"send", file, "--board", "virtual"}).status, 0) << name;
+  }
+}
+
+/// The word at fault, and what to do. The column is that of the file, before which a comment may
+/// be.
+TEST(CheckAndSend, NameTheWordAndARemedy) {
+  struct Case {
+    std::string line, column, what, remedy;
+  };
+  const std::string variables = ": variables, expressions and O-words are not read";
+  const std::string without = "; post the program without them";
+  for (const Case& c : std::initializer_list<Case>{
+           {"G43 H1", "1", "error:20 'G43' is not supported", "; use G43.1 or take the word out"},
+           {"G1 X1 g 43", "7", "error:20 'g 43' is not supported", "; use G43.1"},
+           {"G41 D1", "1", "error:20 'G41' is not supported", "with the offset in its path"},
+           {"N5 M98 P100", "4", "error:20 'M98' is not supported", "without subprograms"},
+           {"M84", "1", "error:20 'M84' is not supported", "; take the word out: $1 switches"},
+           {"M104 S200", "1", "error:20 'M104' is not supported", "has no heater"},
+           {"G33 Z1 K1", "1", "error:20 'G33' is not supported", "; take the word out"},
+           {"G1 B5 F100", "4", "error:20 'B5' is for an axis that the machine does not have",
+            "; take the word out: its axes are X, Y, Z"},
+           {"G1 X1 A-1.5", "7", "error:20 'A-1.5' is for an axis", "its axes are X, Y, Z"},
+           {"#1=5", "1", "error:1 '#1=5'" + variables, without},
+           {"G1 X#1", "4", "error:2 'X#1'" + variables, without},
+           {"G1 (a) X[1+2] F1", "8", "error:2 'X[1+2]'" + variables, without},
+           {"o100 sub", "6", "error:2 'o100 sub'" + variables, without},
+           {"WHILE [#1 LT 5] DO1", "1", "error:2 'WHILE'" + variables, without},
+           {"IF [1 EQ 1] THEN", "1", "error:2 'IF'" + variables, without},
+           {"N1 G1 X5*22", "9", "error:1 '*22': line checksums are not read",
+            "; switch them off in the sender"},
+           {" \tG1 X5 *22", "9", "error:1 '*22': line checksums are not read", "; switch them off"},
+           {"G1 X1,5", "6", "error:1 ','", "; write numbers with a decimal point"},
+           {"G1 @ X1", "4", "error:1 a word must begin with a letter, not with '@'",
+            "; take it out"},
+           {"(a) (b) HELLO", "9", "error:2 the number after 'H' is missing",
+            "; correct the number"}}) {
+    expect_both_refuse("G21 (units)\n" + c.line + "\n", ":2:" + c.column, c.what, c.remedy);
+  }
+}
+
+TEST(CheckAndSend, RefuseUtf16) {
+  const std::string program = "G21\nG1 X1 F100\n";
+  for (const bool high_first : {false, true}) {
+    for (const bool marked : {false, true}) {
+      std::string text;
+      if (marked) text = high_first ? "\xFE\xFF" : "\xFF\xFE";
+      for (const char c : program) text += high_first ? std::string{'\0', c} : std::string{c, '\0'};
+      expect_both_refuse(text, "", "the text is UTF-16", "; save it as UTF-8");
+    }
+  }
+}
+
+TEST(CheckAndSend, RefuseAFileWithoutALineToRun) {
+  const Folder folder;
+  for (const std::string text : {"\n", "(nothing)\n", "%\n; a\n%\n", " \t\n(a) (b)\n"}) {
+    const std::string file = folder.write("p.ngc", text);
+    for (const Finished& done : {run({"check", file}), run({"send", file, "--board", "virtual"})}) {
+      EXPECT_EQ(done.status, 2) << text;
+      EXPECT_THAT(done.err, HasSubstr("p.ngc: has no line to send; is this the right file?"));
+    }
+  }
+}
+
+/// A machine that sleeps does not answer.
+TEST(CheckAndSend, SleepIsNeverSent) {
+  const Folder folder;
+  for (const std::string text : {"$SLP\n", "$X\n$ slp\n", "G4 P0.01\n$SLP\n"}) {
+    const std::string file = folder.write("p.ngc", text);
+    const Finished sent = run({"send", file, "--board", "virtual", "--ignore-errors"});
+    EXPECT_EQ(sent.status, 2) << text;
+    EXPECT_THAT(sent.err, HasSubstr("must not be in a program, nothing was sent; take it out"));
+    EXPECT_EQ(run({"check", file}).status, 2) << text;
+  }
+}
+
+/// Time, bounds and errors are those of all lines, as `send` runs them.
+TEST(CheckAndSend, LinesAfterTheEndAreRun) {
+  const Folder folder;
+  for (const std::string end : {"M2", "M30"}) {
+    const std::string before = "G21 G90\nG1 X10 F600\n", after = "G1 X-20 F600\nG4 P0.5\n";
+    const auto seen = [&](const std::string& text) {
+      const Finished done = run({"check", folder.write("p.ngc", text), "--json"});
+      EXPECT_EQ(done.status, 0) << done.err;
+      return nlohmann::json::parse(done.out);
+    };
+    const nlohmann::json whole = seen(before + end + "\n" + after);
+    EXPECT_NEAR(whole["feed_mm"].get<double>(), 40, 1e-9);
+    EXPECT_NEAR(whole["low_mm"][0].get<double>(), -20, 1e-9);
+    EXPECT_NEAR(whole["time_s"].get<double>(),
+                seen(before + "G4 P0\n" + after)["time_s"].get<double>(), 1e-3);
+    EXPECT_EQ(whole["ended"], true);
+    expect_both_refuse(before + end + "\nG1 X1 X2 F100\n", ":4", "the word occurs twice");
+    expect_both_refuse(before + end + "\nG1 X60 F100\n", ":4", "X 60.000 mm is outside");
+  }
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test
