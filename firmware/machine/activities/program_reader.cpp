@@ -94,7 +94,9 @@ program::Fault ProgramReader::begin_jog(std::string_view line, const settings::V
     const Step step = check_extent(values, space, check);
     if (step != Step::done) return step;
   }
-  while (next_action()) {
+  for (bool first = true; next_action(); first = false) {
+    // A curve has many moves: no batch may wait for all of them.
+    if (!first && runner_.batch_waits()) return Step::waits;
     const Step step = act(values, space, clock, check);
     if (step != Step::done) return step;
   }

@@ -6,8 +6,10 @@ namespace lamplock::machine {
 namespace {
 
 /// Lines taken for a batch: more than it uses, so that look-ahead fills up, also where a batch has
-/// three or four segments of 16 joined lines each. The inbox is filled meanwhile.
+/// three or four segments of 16 joined lines each. The inbox is filled meanwhile. A line that is
+/// not joined takes the chip two to three times as long: with more of them a batch would be late.
 constexpr std::uint32_t max_queued_lines = 5 * LineWork::max_segments;
+constexpr std::uint32_t max_unjoined_lines = 2 * LineWork::max_segments;
 
 constexpr std::uint32_t nm_per_milli_mm = 1000;
 /// Minimum average duration of a line where very many are very short: at 125 MHz reading one takes
@@ -75,7 +77,9 @@ void LineWork::obey() {
 }
 
 void LineWork::take_lines() {
+  const std::uint32_t lines = planner_.lines();
   for (std::uint32_t i = 0; i < max_queued_lines && planner_.free() != 0 && !inbox_.empty(); ++i) {
+    if (planner_.lines() - lines == max_unjoined_lines) return;
     planner_.push(inbox_.front());
     inbox_.pop();
   }
