@@ -9,6 +9,21 @@ constexpr std::array<std::uint32_t, 8> power_of_ten{1,      10,      100,       
                                                     10'000, 100'000, 1'000'000, 10'000'000};
 
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+constexpr bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
+/// The next word, or the next part of a list of powers.
+constexpr bool begins_other(char c) { return is_letter(c) || c == ':' || c == '*'; }
+
+/// Appends the digits at the front of a text to a number; returns where they end.
+inline const char* add_digits(const char* at, const char* end, std::uint32_t& number) {
+  std::uint32_t n = number;
+  for (; at != end; ++at) {
+    const auto digit = static_cast<std::uint32_t>(*at) - '0';
+    if (digit > 9) break;
+    n = n * 10 + digit;
+  }
+  number = n;
+  return at;
+}
 
 /// Nearest whole number to value / divisor, half away from zero.
 std::int64_t nearest_quotient(std::int64_t value, std::uint32_t divisor) {
@@ -111,7 +126,35 @@ void WordReader::skip_comment() {
   return true;
 }
 
+/// A number of up to nine digits without separators, up to the next word or the end of the line:
+/// nearly all of them. False for any other.
+[[gnu::hot]] bool WordReader::read_plain_number(Word& word) {
+  constexpr std::ptrdiff_t max_digits_32 = 9;
+  const char* const text = line_.data();
+  const char* const end = text + line_.size();
+  const char* at = text + place_;
+  const bool negative = at != end && *at == '-';
+  if (negative) ++at;
+  std::uint32_t number = 0;
+  const char* const first = at;
+  at = add_digits(at, end, number);
+  std::ptrdiff_t digits = at - first, decimals = 0;
+  if (at != end && *at == '.') {
+    const char* const point = ++at;
+    at = add_digits(at, end, number);
+    decimals = at - point;
+    digits += decimals;
+  }
+  if (digits == 0 || digits > max_digits_32 || decimals > max_decimals) return false;
+  if (at != end && !begins_other(*at)) return false;
+  word.mantissa = negative ? -std::int64_t{number} : std::int64_t{number};
+  word.decimals = static_cast<std::uint8_t>(decimals);
+  place_ = static_cast<std::uint16_t>(at - text);
+  return true;
+}
+
 [[gnu::hot]] bool WordReader::read_number(Word& word) {
+  if (read_plain_number(word)) return true;
   Digits digits;
   char c = peek();
   const bool negative = c == '-';
@@ -133,7 +176,8 @@ void WordReader::skip_comment() {
 }
 
 [[gnu::hot]] Fault WordReader::next(Word& word) {
-  char c = peek();
+  char c = place_ < line_.size() ? line_[place_] : '\0';
+  if (!is_letter(c)) c = peek();
   word.letter = 0;
   word.column = static_cast<std::uint16_t>(place_ + 1);
   if (c == 0) return {};

@@ -52,6 +52,9 @@ class MachineConsole : public MachineWork {
   bool kept_due_ = false;           ///< texts or places have changed
 
  private:
+  bool lines_are_held() const;
+  bool begins_at_once(std::string_view line) const;
+  void begin_program();
   bool finish_line();
   [[gnu::cold]] void leave_work_space();
   [[gnu::cold]] void report_end();

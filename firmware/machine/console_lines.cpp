@@ -24,6 +24,10 @@ constexpr std::string_view stopped_at_error = "Stopped at an error: '$X' or rese
 
 [[gnu::hot]] void MachineConsole::on_line(std::string_view line) {
   while (!line.empty() && (line.front() == ' ' || line.front() == '\t')) line.remove_prefix(1);
+  if (begins_at_once(line)) {
+    begin_line(line);
+    return begin_program();
+  }
   if (!reader_.push(line)) return answer(GcodeError::line_too_long);
   if (line.starts_with('$') && is_jog(line)) last_jog_ = now_;
   if (before_jog_cancel_) lines_at_cancel_ = reader_.lines();
@@ -32,14 +36,35 @@ constexpr std::string_view stopped_at_error = "Stopped at an error: '$X' or rese
 
 void MachineConsole::on_line_too_long() { on_line(lost_line); }
 
+/// No line may be begun now.
+[[gnu::hot]] bool MachineConsole::lines_are_held() const {
+  if (machine_.ends() && !machine_.framed()) return true;
+  if (program_.cancelling() || program_.batch_waits()) return true;
+  // After a cancelled jog, until the machine is at rest at the start of the next line.
+  return reader_.off_target() && !program_.idle() && !rows_.active();
+}
+
+/// A received line of a program is the next one and need not be queued: usually so.
+[[gnu::hot]] bool MachineConsole::begins_at_once(std::string_view line) const {
+  if (lines_due() || before_jog_cancel_ || lines_at_cancel_ != 0) return false;
+  return !line.starts_with('$') && !lines_are_held() && link_.room() >= answer_room + status_room;
+}
+
+/// Lines have been begun: the machine runs a program from now on.
+[[gnu::hot]] void MachineConsole::begin_program() {
+  const bool points = beat_locked() && runner_.queue().size() != 0;
+  const bool runs = !program_.drained() || program_.shines_at_rest();
+  const bool busy = reader_.line_open() || runs || points;
+  if (!busy || machine_.activity() != Activity::none) return;
+  const Masked masked(mask_);
+  handle(Event::begin_program);
+}
+
 [[gnu::hot]] void MachineConsole::work_lines() {
   if (machine_.homes()) return work_homing();
   for (int i = 0; i < max_lines_at_once && !machine_.homes(); ++i) {
     if (reader_.line_open() && !finish_line()) break;
-    if (machine_.ends() && !machine_.framed()) break;
-    if (program_.cancelling() || program_.batch_waits()) break;
-    // After a cancelled jog, until the machine is at rest at the start of the next line.
-    if (reader_.off_target() && !program_.idle() && !rows_.active()) break;
+    if (lines_are_held()) break;
     if (run_start_up_line()) continue;
     if (start_up_next_ < start_up_lines && start_up_waits()) break;
     if (!reader_.lines_wait()) break;
@@ -52,12 +77,7 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
     if (lines_at_cancel_ != 0) --lines_at_cancel_;
   }
   if (!reader_.lines_wait()) lines_at_cancel_ = 0;
-  const bool points = beat_locked() && runner_.queue().size() != 0;
-  const bool runs = !program_.drained() || program_.shines_at_rest();
-  const bool busy = reader_.line_open() || runs || points;
-  if (!busy || machine_.activity() != Activity::none) return;
-  const Masked masked(mask_);
-  handle(Event::begin_program);
+  begin_program();
 }
 
 /// Continues the open line; false if it waits.

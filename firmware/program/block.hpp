@@ -70,6 +70,8 @@ class Block {
   /// Bit i: the line has a word for axis i.
   std::uint32_t axes() const { return axes_; }
   const Word& axis(int i) const { return word(axis_letters[index(i)]); }
+  /// The line has axis words, and besides at most a motion and a feed: most lines of a program.
+  bool is_plain_move() const;
   /// Column of the first word of these axes.
   std::uint16_t axis_column(std::uint32_t axes) const;
   void take_axes();
@@ -134,5 +136,11 @@ class Block {
   std::array<std::uint16_t, groups> columns_;
   std::array<Word, value_letters.size()> values_;  ///< where words_ has a bit
 };
+
+inline bool Block::is_plain_move() const {
+  constexpr std::uint32_t motion = 1u << static_cast<int>(Group::motion);
+  constexpr std::uint32_t words = bit('X') | bit('Y') | bit('Z') | bit('A') | bit('F');
+  return axes_ != 0 && (groups_ & ~motion) == 0 && (words_ & ~words) == 0;
+}
 
 }  // namespace lamplock::program

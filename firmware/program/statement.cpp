@@ -36,6 +36,11 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
 }
 
 [[gnu::hot]] bool Statement::before_motion() {
+  if (block_.is_plain_move()) {
+    // Nothing else has anything to do.
+    plan_.exact_stop = false;
+    return codes() && feed();
+  }
   return saved_state() && codes() && line_number() && feed() && speed() && tool() &&
          (block_.has(Group::io) ? io() : no_io()) && spindle() && tool_change() && coolant() &&
          (!block_.has(Group::overrides) || overrides()) && beat_lock() &&

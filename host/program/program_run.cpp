@@ -57,7 +57,8 @@ class Machine {
     Action there;
     there.rapid = true;
     there.target_e7 = place_e7;
-    const motion::LineTarget target = machine::line_target(there, values_);
+    motion::LineTarget target;
+    machine::find_target(there, values_, target);
     if (target.steps == StepPosition{}) return;
     lines_.take(target);
     lines_.finish();
@@ -128,7 +129,8 @@ class Machine {
 
  private:
   void move(const Action& action, std::size_t line) {
-    motion::LineTarget target = machine::line_target(action, values_);
+    motion::LineTarget target;
+    machine::find_target(action, values_, target);
     if (target.pixels) set_row_time(action, target);
     target.pixels = target.pulses = false;
     const int outside = axis_outside(action.target_e7, target.steps);

@@ -190,12 +190,14 @@ class StreamParser {
 
   /// Appends plain bytes to a line, nearly all of a program; returns where they end.
   const std::uint8_t* append_plain(const std::uint8_t* at, const std::uint8_t* stop) {
-    std::size_t size = size_;
-    const std::size_t limit = spoilt_ || comment_end_ != 0 ? size : max_line;
+    const std::size_t size = size_, room = spoilt_ || comment_end_ != 0 ? 0 : max_line - size;
+    const auto left = static_cast<std::size_t>(stop - at);
     const std::uint8_t* const begin = at;
-    for (; at != stop && size != limit && is_plain(*at); ++at) buffer_[size++] = *at;
-    size_ = size;
-    if (at != begin) after_cr_ = false;
+    const std::uint8_t* const last = at + (left < room ? left : room);
+    for (std::uint8_t* to = buffer_.data() + size; at != last && is_plain(*at);) *to++ = *at++;
+    if (at == begin) return at;
+    size_ = size + static_cast<std::size_t>(at - begin);
+    after_cr_ = false;
     return at;
   }
 

@@ -833,7 +833,8 @@ TEST(UsbRings, ReceiveKeepsEveryByteAtEveryPosition) {
     if (expected.size() + size <= 256 - 8) {
       std::array<std::uint32_t, 16> words{};
       // Plain bytes, and some with real-time bytes.
-      const std::uint32_t mask = random() % 2 == 0 ? 0xffffffffu : 0x17171717u;
+      constexpr std::uint32_t masks[] = {0xffffffff, 0x17171717, 0x0f0f0f0f};
+      const std::uint32_t mask = masks[random() % 3];
       for (auto& word : words) word = static_cast<std::uint32_t>(random()) & mask;
       ASSERT_NO_FATAL_FAILURE(receive(ring, words, size));
       drop_commands(ring);
@@ -876,6 +877,21 @@ TEST(UsbRings, WordsWithRealtimeBytesAreKnown) {
     EXPECT_EQ(rp2040::has_realtime(byte << 16 | 'G'),
               wire::is_realtime(static_cast<std::uint8_t>(byte)))
         << byte;
+}
+
+TEST(UsbRings, TheFastSearchMissesNoRealtimeByteAndPassesText) {
+  constexpr std::uint32_t neighbours[] = {0, 0xffffffff, 0x17182021, 0x3f7e800a};
+  const std::string text = "G1X-12.345Y0 F6000\r\nN7M3S255Z+8\tABCDEHIJKLOPQRTUVW";
+  for (unsigned byte = 0; byte < 256; ++byte)
+    for (const std::uint32_t others : neighbours)
+      for (int shift = 0; shift < 32; shift += 8) {
+        const std::uint32_t word = (others & ~(0xffu << shift)) | byte << shift;
+        const bool near = (rp2040::near_realtime(word) >> shift & 0x20u) != 0;
+        const bool in_text = text.find(static_cast<char>(byte)) != std::string::npos;
+        ASSERT_TRUE(near || !wire::is_realtime(static_cast<std::uint8_t>(byte))) << byte;
+        ASSERT_FALSE(near && in_text) << byte;
+      }
+  ASSERT_EQ(rp2040::near_realtime_mask, 0x20202020u);
 }
 
 TEST(UsbRings, OverflowMarksTheGapAndDropsNoCommand) {

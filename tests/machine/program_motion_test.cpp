@@ -13,6 +13,19 @@ namespace {
 using motion::full_power;
 using settings::Id;
 
+motion::LinePlace line_place(const program::Place& at, const settings::Values& values) {
+  motion::LinePlace place;
+  place.steps.fill(7);  // every axis is set
+  place.off_q8.fill(7);
+  find_place(at, values, place);
+  return place;
+}
+motion::LineTarget line_target(const program::Action& move, const settings::Values& values) {
+  motion::LineTarget line;
+  find_target(move, values, line);
+  return line;
+}
+
 TEST(ProgramMotion, StepsAreTheNearestOnes) {
   std::mt19937_64 random(4100);
   std::uniform_int_distribution<std::int64_t> place(-program::max_position_e7,

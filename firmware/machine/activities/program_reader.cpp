@@ -94,7 +94,9 @@ program::Fault ProgramReader::begin_jog(std::string_view line, const settings::V
     const Step step = check_extent(values, space, check);
     if (step != Step::done) return step;
   }
-  while (next_action()) {
+  for (bool first = true; next_action(); first = false) {
+    // A curve has many moves: no batch may wait for all of them.
+    if (!first && runner_.batch_waits()) return Step::waits;
     const Step step = act(values, space, clock, check);
     if (step != Step::done) return step;
   }
@@ -189,7 +191,7 @@ bool ProgramReader::prepare_beam() {
 [[gnu::hot]] ProgramReader::Step ProgramReader::move(const settings::Values& values,
                                                      const StepLimits& space, bool check) {
   if (!prepared_) {
-    target_ = line_target(action_, values);
+    find_target(action_, values, target_);
     prepared_ = true;
   }
   if (axis_outside(target_.steps, space, options_.axes) >= 0) {

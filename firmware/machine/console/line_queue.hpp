@@ -40,11 +40,15 @@ class LineQueue {
     if (line.size() + 1 > free()) return false;
     std::uint32_t at = begin_ + size_;
     if (at >= capacity) at -= capacity;
-    for (const char c : line) {
-      bytes_[at] = c;
-      if (++at == capacity) at = 0;
-    }
-    bytes_[at] = end_of_line;
+    char* to = bytes_.data() + at;
+    const char* from = line.data();
+    // Two loops: one that looks for the end of the ring takes twice as long.
+    const std::uint32_t to_end = capacity - at, size = static_cast<std::uint32_t>(line.size());
+    for (const char* const stop = from + (size < to_end ? size : to_end); from != stop;)
+      *to++ = *from++;
+    if (size >= to_end) to = bytes_.data();
+    for (const char* const stop = line.data() + size; from != stop;) *to++ = *from++;
+    *to = end_of_line;
     size_ += static_cast<std::uint32_t>(line.size()) + 1;
     return true;
   }
@@ -53,13 +57,13 @@ class LineQueue {
   std::string_view pop(std::span<char> room) {
     const char* from = bytes_.data() + begin_;
     const char* const end = bytes_.data() + capacity;
-    std::size_t size = 0;
-    for (;; ++size) {
-      const char c = *from++;
+    char* to = room.data();
+    while (*from != end_of_line) {
+      *to++ = *from++;
       if (from == end) from = bytes_.data();
-      if (c == end_of_line) break;
-      room[size] = c;
     }
+    if (++from == end) from = bytes_.data();
+    const auto size = static_cast<std::size_t>(to - room.data());
     begin_ = static_cast<std::uint32_t>(from - bytes_.data());
     size_ -= static_cast<std::uint32_t>(size) + 1;
     return {room.data(), size};

@@ -15,7 +15,7 @@ namespace lamplock::machine {
 class LineBuffer {
  public:
   /// The lines of a batch, and those that are read meanwhile.
-  static constexpr std::uint32_t capacity = 32;
+  static constexpr std::uint32_t capacity = 64;
 
   // Main loop.
   bool full() const { return end_ - load(begin_) == capacity; }

@@ -5,12 +5,17 @@
 namespace lamplock::machine {
 namespace {
 
-/// Lines taken for a batch: more than it uses, so that look-ahead fills up.
-constexpr std::uint32_t max_queued_lines = 2 * LineWork::max_segments;
+/// Lines taken for a batch: more than it uses, so that look-ahead fills up, also where a batch has
+/// three or four segments of 16 joined lines each. The inbox is filled meanwhile. A line that is
+/// not joined takes the chip two to three times as long: with more of them a batch would be late.
+constexpr std::uint32_t max_queued_lines = 5 * LineWork::max_segments;
+constexpr std::uint32_t max_unjoined_lines = 2 * LineWork::max_segments;
 
 constexpr std::uint32_t nm_per_milli_mm = 1000;
 /// Minimum average duration of a line where very many are very short: at 125 MHz reading one takes
-/// some 190 us of the chip, planning and handing out 150 us of its other core (docs/testing.md).
+/// some 100 us of the chip, handing out its segments and filling their ticks 90 us more, which
+/// lines that are joined share (docs/testing.md).
+constexpr std::uint32_t min_joined_line_ticks = clock_hz == 200'000'000 ? 62 : 98;
 constexpr std::uint32_t min_line_ticks = clock_hz == 200'000'000 ? 128 : 195;
 
 }  // namespace
@@ -29,8 +34,8 @@ Result LineWork::begin(const settings::Values& values, std::uint32_t beat_ticks,
   const auto deviation =
       static_cast<std::uint32_t>(values.milli(settings::Id::junction_deviation)) * nm_per_milli_mm;
   line_limits_ = motion::make_line_limits(limits_, coarsest, deviation);
-  line_limits_.per_pace =
-      motion::UFloat::power(0) / motion::UFloat(min_line_ticks << motion::paced_lines_log2);
+  line_limits_.joined_line_ticks = min_joined_line_ticks;
+  line_limits_.line_ticks = min_line_ticks;
   coarsest_milli_ = static_cast<std::uint32_t>(coarsest);
   inbox_.clear();
   planner_.set_powers(&powers);
@@ -72,7 +77,9 @@ void LineWork::obey() {
 }
 
 void LineWork::take_lines() {
+  const std::uint32_t lines = planner_.lines();
   for (std::uint32_t i = 0; i < max_queued_lines && planner_.free() != 0 && !inbox_.empty(); ++i) {
+    if (planner_.lines() - lines == max_unjoined_lines) return;
     planner_.push(inbox_.front());
     inbox_.pop();
   }

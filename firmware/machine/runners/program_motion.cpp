@@ -25,6 +25,20 @@ static_assert(reciprocal >> 32 == 0);
 constexpr std::uint32_t max_dividend = (per_step_units << motion::place_bits) + per_step_units / 2;
 static_assert(std::uint64_t{max_dividend} * per_step_units < std::uint64_t{1} << reciprocal_bits);
 
+/// units / per_step_units for the units of a position: estimated from their upper 32 bits by the
+/// reciprocal, at most one too low.
+constexpr int dropped_bits = 21;
+constexpr std::uint64_t max_units = (static_cast<std::uint64_t>(max_product) + per_step) >> 10;
+static_assert(max_units >> dropped_bits >> 32 == 0);
+[[gnu::hot]] std::uint32_t whole_steps(std::uint64_t units) {
+  const auto top = static_cast<std::uint32_t>(units >> dropped_bits);
+  const auto low =
+      static_cast<std::uint32_t>(wide_product(top, static_cast<std::uint32_t>(reciprocal - 1)) >>
+                                 (reciprocal_bits - dropped_bits));
+  const std::uint32_t rest = static_cast<std::uint32_t>(units) - low * per_step_units;
+  return rest < per_step_units ? low : low + 1;
+}
+
 /// Distance from the middle of a step to `units` above its lower edge.
 [[gnu::hot]] int off_q8(std::uint32_t units) {
   using motion::max_off_q8, motion::place_bits;
@@ -48,25 +62,29 @@ motion::LinePower laser_of(const program::Action& move) {
 
 }  // namespace
 
-[[gnu::hot]] motion::LinePlace line_place(const program::Place& place_e7,
-                                          const settings::Values& values) {
-  motion::LinePlace place;
+[[gnu::hot]] void find_place(const program::Place& place_e7, const settings::Values& values,
+                             motion::LinePlace& place) {
   for (int a = 0; a < values.whole(Id::axes); ++a) {
     const std::int64_t product = place_e7[index(a)] * values.milli(Id::steps_per_mm_x, a);
     const std::uint64_t magnitude = static_cast<std::uint64_t>(product < 0 ? -product : product);
     const std::uint64_t units = (magnitude + per_step / 2) >> 10;
-    const auto step = static_cast<std::int32_t>(units / per_step_units);
+    const auto step = static_cast<std::int32_t>(whole_steps(units));
     const int off = off_q8(static_cast<std::uint32_t>(units) -
                            static_cast<std::uint32_t>(step) * per_step_units);
     place.steps[index(a)] = product < 0 ? -step : step;
     place.off_q8[index(a)] = static_cast<std::int8_t>(product < 0 ? -off : off);
   }
+  for (int a = values.whole(Id::axes); a < max_axes; ++a) {
+    place.steps[index(a)] = 0;
+    place.off_q8[index(a)] = 0;
+  }
   if (values.milli(Id::kinematics) != 0) motion::keep_in_motor_steps(place);
-  return place;
 }
 
 StepPosition steps_of(const program::Place& place_e7, const settings::Values& values) {
-  return line_place(place_e7, values).steps;
+  motion::LinePlace place;
+  find_place(place_e7, values, place);
+  return place.steps;
 }
 
 std::int64_t place_of(std::int32_t step, const settings::Values& values, int axis) {
@@ -92,9 +110,9 @@ std::int64_t place_of(const stepper::AxisState& axis, const settings::Values& va
   return static_cast<std::uint16_t>(product / full);
 }
 
-[[gnu::hot]] motion::LineTarget line_target(const program::Action& move,
-                                            const settings::Values& values) {
-  motion::LineTarget line{line_place(move.target_e7, values)};
+[[gnu::hot]] void find_target(const program::Action& move, const settings::Values& values,
+                              motion::LineTarget& line) {
+  find_place(move.target_e7, values, line);
   line.feed_um_min = move.feed_um_min;
   line.time_us = move.timed ? move.time_us : 0;
   line.line = move.line;
@@ -102,13 +120,12 @@ std::int64_t place_of(const stepper::AxisState& axis, const settings::Values& va
   line.timed = move.timed;
   line.exact_stop = move.exact_stop;
   line.digit_um = move.digit_um;
-  if (values.whole(Id::laser_mode) != 0 && move.kind != program::ActionKind::probe) {
-    line.laser = laser_of(move);
-    line.power = power_of(move.speed_milli, values);
-    line.pixels = move.pixels != 0 && line.laser != motion::LinePower::off;
-    line.pulses = move.pulses && line.laser != motion::LinePower::off;
-  }
-  return line;
+  line.changes = 0;
+  const bool lit = values.whole(Id::laser_mode) != 0 && move.kind != program::ActionKind::probe;
+  line.laser = lit ? laser_of(move) : motion::LinePower::off;
+  line.power = lit ? power_of(move.speed_milli, values) : std::uint16_t{0};
+  line.pixels = move.pixels != 0 && line.laser != motion::LinePower::off;
+  line.pulses = move.pulses && line.laser != motion::LinePower::off;
 }
 
 }  // namespace lamplock::machine

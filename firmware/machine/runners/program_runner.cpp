@@ -44,7 +44,7 @@ Result ProgramRunner::begin(const settings::Values& values, std::uint32_t tick_q
   end_tick_ = offset_ticks_ = 0;
   orders_.held = orders_.cancel = false;
   given_ = orders_;
-  lines_ = starvations_ = 0;
+  lines_ = starvations_ = taken_ = 0;
   return Result::ok;
 }
 
@@ -61,6 +61,8 @@ bool ProgramRunner::take(const motion::LineTarget& line) {
   LineBuffer& inbox = planning_.lines().inbox();
   if (orders_.cancel || broken_off_ || inbox.full()) return false;
   inbox.push(line);
+  // The end of a batch in progress is seen at once.
+  if (!planning_.work_exchange().asked()) ++taken_;
   if (line.pulses) pulses_taken_ = true;
   drained_ = stands_ = false;
   return true;
@@ -260,7 +262,9 @@ bool ProgramRunner::prepare() {
   if (stands_) shines_at_rest_ = false;
   WorkExchange& work_exchange = planning_.work_exchange();
   if (planning_.may_hand_out() && wants_batch()) hand_out();
-  return work_exchange.asked();
+  const bool paused = taken_ >= max_taken;
+  taken_ = 0;
+  return paused || work_exchange.asked();
 }
 
 /// Earliest start of a batch from rest.

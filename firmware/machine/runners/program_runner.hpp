@@ -112,11 +112,13 @@ class ProgramRunner {
   /// A cancel or a abort_move() is in progress.
   bool cancelling() const { return orders_.cancel || (broken_off_ && !stands_); }
 
-  /// True if there is a batch to be planned, or one to commit. Masked.
+  /// True if there is a batch to be planned, or one to commit, or lines may be taken again. Masked.
   bool prepare();
-  /// A batch can be handed out at once; the next one cannot be planned before.
+  /// No line should be taken before the next prepare(): a batch can be handed out at once, and the
+  /// next one cannot be planned before; or one may be wanted by now.
   bool batch_waits() const {
-    return begun_ && planning_.work_exchange().complete() && batch_fits();
+    if (!begun_) return false;
+    return taken_ >= max_taken || (planning_.work_exchange().complete() && batch_fits());
   }
   void stage();
   /// True if something was handed out. Masked.
@@ -157,6 +159,10 @@ class ProgramRunner {
   void write(std::uint32_t i, stepper::Segment& segment) const;
   void miss();
   void finish_batch();
+  /// Lines between two calls of prepare(), which may want a batch: six milliseconds, where a piece
+  /// of an arc takes 250 us, so that a batch is handed out with most of the horizon left.
+  static constexpr std::uint32_t max_taken = 24;
+
   std::uint16_t overridden(std::uint32_t power) const;
   [[gnu::cold]] void brake_at_once(std::uint64_t rest_tick, bool anywhere);
   [[gnu::cold]] bool brake_after_segment();
@@ -182,6 +188,7 @@ class ProgramRunner {
   stepper::MotionState rest_;       ///< where the brake ends
   std::uint32_t power_percent_ = 100;
   std::uint32_t pulse_ns_ = 0;
+  std::uint32_t taken_ = 0;           ///< lines since prepare(), without a batch in progress
   bool pulses_taken_ = false;         ///< by lines, since the pulses were set
   std::uint32_t pace_percent_ = 100;  ///< factor on overrides that keeps planning ahead of motion
   LineOrders orders_, given_;         ///< requested; those of the last batch

@@ -175,36 +175,65 @@ LineLimits make_line_limits(const Limits& limits, std::int32_t coarsest_milli,
   return out;
 }
 
-LineShape make_shape(const WayParts& way, const LineLimits& limits) {
+namespace {
+
+/// A way in parts of 30 bits, for sums of four squares: weighted q31 parts, 2^`left` times as
+/// large.
+struct ScaledWay {
+  PerAxis<std::uint32_t> part{};
+  int left = 0;
+  std::uint32_t root = 0;  ///< of the squares: at least 2^29; 0 = no displacement
+};
+
+ScaledWay scaled_way(const WayParts& way, const LineLimits& limits) {
   PerAxis<std::uint64_t> weighted_q31{};
   std::uint64_t all = 0;
   for (int a = 0; a < limits.axes; ++a) {
     const auto size = static_cast<std::uint32_t>(magnitude(way.parts[index(a)]));
+    if (size == 0) continue;
     weighted_q31[index(a)] = wide_product(size, limits.axis[index(a)].weight_q31);
     all |= weighted_q31[index(a)];
   }
-  LineShape shape;
-  if (all == 0) return shape;
+  ScaledWay scaled;
+  if (all == 0) return scaled;
   // The longest part gets 30 bits, so that four squares fit.
-  const int left = std::countl_zero(all) - 34;
+  scaled.left = std::countl_zero(all) - 34;
   std::uint64_t squares = 0;
-  PerAxis<std::uint32_t> part{};
   for (int a = 0; a < limits.axes; ++a) {
     const std::uint64_t m = weighted_q31[index(a)];
     if (m == 0) continue;
-    part[index(a)] = static_cast<std::uint32_t>(left >= 0 ? m << left : m >> -left);
-    squares += wide_product(part[index(a)], part[index(a)]);
+    const auto part =
+        static_cast<std::uint32_t>(scaled.left >= 0 ? m << scaled.left : m >> -scaled.left);
+    scaled.part[index(a)] = part;
+    squares += wide_product(part, part);
   }
-  // At least 2^29.
-  const std::uint32_t root = isqrt(squares);
-  shape.length = UFloat(root, -31 - left - way.bits);
+  scaled.root = isqrt(squares);
+  return scaled;
+}
+
+UFloat length_of(const ScaledWay& scaled, int bits) {
+  return UFloat(scaled.root, -31 - scaled.left - bits);
+}
+
+}  // namespace
+
+UFloat length_of(const WayParts& way, const LineLimits& limits) {
+  return length_of(scaled_way(way, limits), way.bits);
+}
+
+LineShape make_shape(const WayParts& way, const LineLimits& limits) {
+  const ScaledWay scaled = scaled_way(way, limits);
+  LineShape shape;
+  if (scaled.root == 0) return shape;
+  shape.length = length_of(scaled, way.bits);
   shape.per_length = UFloat::power(0) / shape.length;
   // 2^61 / root, 32 bits.
   const std::uint32_t per_root =
-      whole_down(times_power(shape.per_length, 30 - left - way.bits), 0xffffffffu);
+      whole_down(times_power(shape.per_length, 30 - scaled.left - way.bits), 0xffffffffu);
   for (int a = 0; a < limits.axes; ++a) {
-    if (part[index(a)] == 0) continue;
-    const auto c = static_cast<std::int32_t>(wide_product(part[index(a)], per_root) >> 31);
+    const std::uint32_t part = scaled.part[index(a)];
+    if (part == 0) continue;
+    const auto c = static_cast<std::int32_t>(wide_product(part, per_root) >> 31);
     shape.cosine_q30[index(a)] = way.parts[index(a)] < 0 ? -c : c;
   }
   return shape;

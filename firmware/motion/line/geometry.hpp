@@ -48,12 +48,10 @@ struct LineLimits {
   UFloat deviation;         ///< junction deviation
   UFloat rounding;          ///< maximum of all axes
   std::uint32_t um_q8 = 0;  ///< length of 1 um, Q8
-  /// 1 / minimum ticks of `paced_lines` lines, so that planning keeps ahead; 0 = no minimum.
-  UFloat per_pace;
+  /// Minimum ticks of a line on the average of many, so that planning keeps ahead: of one that is
+  /// joined to the line before it, and of any other; 0 = no minimum.
+  std::uint32_t joined_line_ticks = 0, line_ticks = 0;
 };
-/// Power of two.
-inline constexpr int paced_lines_log2 = 3;
-
 /// `coarsest_milli`: thousandths of steps/mm of the axis with the fewest. The limits are those that
 /// hold at every tick; the beat of `limits` does not matter.
 LineLimits make_line_limits(const Limits& limits, std::int32_t coarsest_milli,
@@ -66,6 +64,8 @@ struct LineShape {
   PerAxis<std::int32_t> cosine_q30{};
 };
 LineShape make_shape(const WayParts& way, const LineLimits& limits);
+/// Its length alone.
+UFloat length_of(const WayParts& way, const LineLimits& limits);
 
 /// Limits of the axes along a direction.
 struct LineBounds {

@@ -15,6 +15,9 @@ constexpr std::uint32_t full_percent = 100;
 constexpr std::uint32_t min_settling_ticks = 32;
 constexpr std::uint32_t max_settling_ticks = 30 * ticks_per_second;
 
+/// Lines whose mean length counts for the pace, and those whose mean cost does: where lines are
+/// joined, one of 16 costs more, which must not change the pace.
+constexpr int paced_lines_log2 = 3, counted_lines_log2 = 6;
 /// The pace of lines is constant until it could be a 2^n-th higher, or should be one lower.
 constexpr int pace_rise_log2 = 4, pace_fall_log2 = 6;
 
@@ -90,19 +93,22 @@ void LinePlanner::set_rapid_percent(std::uint32_t percent) {
 
 bool LinePlanner::push(const LineTarget& target) {
   if (ring_.full()) return false;
-  const LineShape shape = make_shape(way_between(end_, target), limits_);
-  if (is_zero(shape.length)) {
+  const WayParts way = way_between(end_, target);
+  const UFloat length = length_of(way, limits_);
+  if (is_zero(length)) {
     stop_ = stop_ || target.exact_stop;
     return true;
   }
-  const bool paced = !is_zero(limits_.per_pace);
-  const UFloat pace = paced ? paced_speed(shape.length) : UFloat();
-  if (!join(target, pace)) {
+  const bool paced = limits_.line_ticks != 0;
+  const UFloat pace = paced ? paced_speed(length) : UFloat();
+  const bool joined = join(target, pace);
+  if (paced) count_line(joined);
+  if (!joined) {
     close_line();
     before_ = last_;
     joint_stops_ = stop_;
-    join_.start(end_);
-    put(target, shape, pace);
+    join_.start(end_, way, limits_);
+    put(target, make_shape(way, limits_), pace);
     ring_.push();
     open_ = true;
   }
@@ -159,13 +165,14 @@ bool LinePlanner::continues(const LineTarget& target) const {
 /// Extends the last line to the target; false if that is a line of its own.
 bool LinePlanner::join(const LineTarget& target, UFloat pace) {
   if (!continues(target)) return false;
-  const LineShape shape = make_shape(way_between(join_.from(), target), limits_);
-  if (is_zero(shape.length) || !join_.reaches(end_, target, shape, limits_)) return false;
+  const WayParts way = way_between(join_.from(), target);
+  const LineShape shape = make_shape(way, limits_);
+  if (is_zero(shape.length) || !join_.reaches(way, shape, target.digit_um, limits_)) return false;
   Line& line = ring_.at(ring_.end() - 1);
   const LinePacked entry_2 = line.entry_2;
   const std::uint8_t changes = static_cast<std::uint8_t>(line.changes);
   ring_.unpush();
-  join_.pass(end_);
+  join_.extend();
   put(target, shape, pace);
   ring_.push();
   line.changes = changes;
@@ -192,13 +199,22 @@ void LinePlanner::close_line() {
 /// several segments, for which there is no time.
 UFloat LinePlanner::paced_speed(UFloat length) {
   constexpr int n = paced_lines_log2;
-  if (is_zero(recent_)) recent_ = times_power(length, n);
+  if (is_zero(recent_)) {
+    recent_ = times_power(length, n);
+    recent_ticks_ = limits_.line_ticks << counted_lines_log2;
+  }
   recent_ = difference(recent_, times_power(recent_, -n)) + length;
-  const UFloat now = recent_ * limits_.per_pace;
+  const UFloat now = times_power(recent_, counted_lines_log2 - n) / UFloat(recent_ticks_);
   const bool like_before = difference(now, times_power(now, -pace_rise_log2)) < pace_ &&
                            pace_ < now + times_power(now, -pace_fall_log2);
   if (!like_before) pace_ = now;
   return pace_;
+}
+
+/// Joined lines are cheaper: they make no segments.
+void LinePlanner::count_line(bool joined) {
+  recent_ticks_ -= recent_ticks_ >> counted_lines_log2;
+  recent_ticks_ += joined ? limits_.joined_line_ticks : limits_.line_ticks;
 }
 
 /// The corner at the start of a line that is next in the ring.

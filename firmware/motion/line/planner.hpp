@@ -123,6 +123,7 @@ class LinePlanner {
   void reset_chords();
   void begin_line();
   UFloat paced_speed(UFloat length);
+  void count_line(bool joined);
   LineCorner corner_at_end(const Line& line, const LineShape& shape) const;
   void put(const LineTarget& target, const LineShape& shape, UFloat pace);
   bool continues(const LineTarget& target) const;
@@ -161,6 +162,8 @@ class LinePlanner {
   LineJoin join_;
   UFloat pace_;    ///< paced_speed() of the previous line
   UFloat recent_;  ///< mean length of the last lines, times their number
+  /// mean of their minimum ticks, times another number
+  std::uint32_t recent_ticks_ = 0;
   LineChords short_chords_, long_chords_, gentle_chords_;
 
   LinePlace back_;  ///< where the machine left the path
