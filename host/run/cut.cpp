@@ -180,6 +180,21 @@ void warn_of_pulsed(const settings::Values& values, Frontend& frontend, CutResul
   frontend.say("warning  {}", result.warnings.back());
 }
 
+/// A board permits light at rest up to a power and a time of its own.
+void warn_of_dark_pierce(const std::vector<Operation>& operations, const settings::Values& values,
+                         Frontend& frontend, CutResult& result) {
+  const double max_power = in_units(values, settings::Id::focus_power) / 100;
+  const double max_s = in_units(values, settings::Id::focus_time);
+  for (const Operation& one : operations) {
+    if (one.pierce_s <= 0 || (one.power <= max_power && one.pierce_s <= max_s)) continue;
+    result.warnings.push_back(
+        fmt::format("{}: the settings permit light at rest with {:g} % for {:g} s (focus_power, "
+                    "focus_time): the pierce time has no more",
+                    one.name, max_power * 100, max_s));
+    frontend.say("warning  {}", result.warnings.back());
+  }
+}
+
 /// The time of the program, by the interpreter and the planner of the firmware.
 double checked_seconds(const std::string& program, const settings::Values& values,
                        const std::string& where) {
@@ -241,7 +256,10 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   const job::Profile profile = MachineOptions{description.machine.profile}.profile();
   const std::vector<Operation> operations = operations_of(description, profile.settings);
   auto [drawing, result] = prepare_cut(description, frontend);
-  if (post.is_checked) warn_of_pulsed(profile.settings, frontend, result);
+  if (post.is_checked) {
+    warn_of_pulsed(profile.settings, frontend, result);
+    warn_of_dark_pierce(operations, profile.settings, frontend, result);
+  }
   const CutPlan plan = cutting::plan_cuts(drawing.shapes, operations, {0, 0});
   for (const std::string& text : fault_texts(plan.faults, description.drawing.tolerance_mm)) {
     frontend.say("warning  {}", text);
