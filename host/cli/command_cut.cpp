@@ -150,6 +150,13 @@ void add_cut(Command& program) {
       .value_name("FILE.toml")
       .check(file_name())
       .file(FileUse::write);
+  app.add_option("--from", &options->request.first,
+                 "Begin with this cut, by its number in the picture, after a stop")
+      .value_name("N")
+      .check(number_in({1, 1e9, true}))
+      .show_default();
+  app.add_option("--dry", &options->request.is_dry,
+                 "Make the program without light and air, to see its motion");
   std::vector<glass::Parameter> drawing = run::parameters(description.drawing);
   drawing.erase(drawing.begin());  // the file is DRAWING
   add_choices(app, *options, std::move(drawing), "Drawing");

@@ -44,7 +44,8 @@ SvgDocument::SvgDocument(const std::filesystem::path& file, std::string bytes) :
   left_out_["entity of another file"] = expanded.external;
   left_out_["entity without a declaration"] = expanded.undeclared;
   const pugi::xml_parse_result result = document_.load_buffer(
-      text_.data(), text_.size(), pugi::parse_default | pugi::parse_pi | pugi::parse_ws_pcdata, pugi::encoding_utf8);
+      text_.data(), text_.size(), pugi::parse_default | pugi::parse_pi | pugi::parse_ws_pcdata,
+      pugi::encoding_utf8);
   if (!result) {
     FilePosition{file_, text_, static_cast<std::size_t>(result.offset)}.refuse(
         fmt::format("not valid XML ({})", result.description()), "export the drawing again");

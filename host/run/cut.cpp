@@ -124,6 +124,22 @@ std::vector<Operation> operations_of(const CutDescription& description,
   return operations;
 }
 
+/// Leaves out what was cut before.
+void begin_at(std::size_t first, CutPlan& plan) {
+  if (first > plan.cuts.size())
+    throw Error(Exit::bad_input, fmt::format("cut {}", first),
+                fmt::format("the plan has {}", count_text(plan.cuts.size(), "cut")),
+                "give the number of one of them, as in the picture");
+  plan.cuts.erase(plan.cuts.begin(), plan.cuts.begin() + static_cast<std::ptrdiff_t>(first - 1));
+}
+
+void make_dark(std::vector<Operation>& operations) {
+  for (Operation& operation : operations) {
+    operation.power = operation.pierce_s = 0;
+    operation.has_air = false;
+  }
+}
+
 /// Adds lengths and the box of the plan.
 void measure_plan(const CutPlan& plan, const std::vector<Operation>& operations,
                   CutResult& result) {
@@ -178,6 +194,21 @@ void warn_of_pulsed(const settings::Values& values, Frontend& frontend, CutResul
       "the settings are those of a pulsed laser (laser_mode = 0): give the profile of the laser "
       "cutter, and set laser_mode = 1 on its board, so that the beam is dimmed in corners");
   frontend.say("warning  {}", result.warnings.back());
+}
+
+/// A board permits light at rest up to a power and a time of its own.
+void warn_of_dark_pierce(const std::vector<Operation>& operations, const settings::Values& values,
+                         Frontend& frontend, CutResult& result) {
+  const double max_power = in_units(values, settings::Id::focus_power) / 100;
+  const double max_s = in_units(values, settings::Id::focus_time);
+  for (const Operation& one : operations) {
+    if (one.pierce_s <= 0 || (one.power <= max_power && one.pierce_s <= max_s)) continue;
+    result.warnings.push_back(
+        fmt::format("{}: the settings permit light at rest with {:g} % for {:g} s (focus_power, "
+                    "focus_time): the pierce time has no more",
+                    one.name, max_power * 100, max_s));
+    frontend.say("warning  {}", result.warnings.back());
+  }
 }
 
 /// The time of the program, by the interpreter and the planner of the firmware.
@@ -239,14 +270,19 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   check_cut_outputs(request);
   const cutting::Post post = cutting::post_of(description.machine.post);
   const job::Profile profile = MachineOptions{description.machine.profile}.profile();
-  const std::vector<Operation> operations = operations_of(description, profile.settings);
+  std::vector<Operation> operations = operations_of(description, profile.settings);
+  if (request.is_dry) make_dark(operations);
   auto [drawing, result] = prepare_cut(description, frontend);
-  if (post.is_checked) warn_of_pulsed(profile.settings, frontend, result);
-  const CutPlan plan = cutting::plan_cuts(drawing.shapes, operations, {0, 0});
+  if (post.is_checked) {
+    warn_of_pulsed(profile.settings, frontend, result);
+    warn_of_dark_pierce(operations, profile.settings, frontend, result);
+  }
+  CutPlan plan = cutting::plan_cuts(drawing.shapes, operations, {0, 0});
   for (const std::string& text : fault_texts(plan.faults, description.drawing.tolerance_mm)) {
     frontend.say("warning  {}", text);
     result.warnings.push_back(text);
   }
+  begin_at(request.first, plan);
   measure_plan(plan, operations, result);
   require_inside(description.drawing.file, result.box, profile.settings);
   frontend.phase("plan", fmt::format("{}, {} mm to cut, {} mm of rapids, {}",

@@ -21,6 +21,9 @@ namespace lamplock::run {
 struct CutRequest {
   CutDescription description{};
   std::string output{}, picture{}, save{};  ///< empty: none
+  std::size_t first =
+      1;                ///< number of the first cut of the program, from 1 in the order of the plan
+  bool is_dry = false;  ///< the whole program without light and air
 };
 
 /// A contour of the drawing, in the place where it is cut.

@@ -301,6 +301,44 @@ end = "%"
               HasSubstr("the interpreter refuses line"));
 }
 
+TEST_F(Cut, texts_are_outlines_unless_they_are_left_out) {
+  const std::string text = "0\nTEXT\n8\nTXT\n62\n3\n10\n1\n20\n2\n40\n6\n1\nBi\n";
+  const std::string svg = folder_.write(
+      "text.svg",
+      "<svg xmlns='http://www.w3.org/2000/svg' width='40mm' height='20mm' viewBox='0 0 40 20'>"
+      "<g id='TXT'><text x='1' y='18' font-size='8' fill='lime'>Bi</text></g></svg>");
+  for (const std::string& file : {drawing(text), svg}) {
+    const Finished listed = run({"cut", file, "--list", "--json"});
+    ASSERT_EQ(listed.status, 0) << listed.err;
+    const json shapes = json::parse(listed.out)["shapes"];
+    ASSERT_EQ(shapes.size(), 5u) << "B has two holes, i a dot";
+    for (const json& shape : shapes) {
+      EXPECT_EQ(shape["layer"], "TXT");
+      EXPECT_EQ(shape["colour"], "#00ff00");
+    }
+    EXPECT_EQ(run({"cut", file, "--list", "--text", "none"}).status, 2) << "nothing is left";
+    EXPECT_THAT(refused({"cut", file, "--list", "--font", folder_ / "no.ttf"}),
+                HasSubstr("no.ttf"));
+  }
+  const Finished plain = run({"cut", drawing(text + square), "--list", "--text", "none"});
+  EXPECT_THAT(plain.err + plain.out, HasSubstr("left out: 1 TEXT"));
+}
+
+TEST_F(Cut, warns_of_what_the_machine_does_not_permit) {
+  const std::string file = drawing(square);
+  const auto warnings = [&](const Arguments& more, const std::string& machine) {
+    Arguments all = more;
+    all.insert(all.end(), {"--machine", folder_.write("m.toml", machine)});
+    return made(file, all)["warnings"].dump();
+  };
+  const std::string laser = "laser_mode = 1\n";
+  EXPECT_EQ(warnings({}, laser), "[]");
+  EXPECT_THAT(warnings({}, "laser_mode = 0\n"), HasSubstr("pulsed laser"));
+  EXPECT_THAT(warnings({"--pierce", "0.5"}, laser), HasSubstr("light at rest with 0 %"));
+  EXPECT_EQ(warnings({"--pierce", "0.5"}, laser + "focus_power = 80\n"), "[]");
+  EXPECT_THAT(warnings({"--pierce", "11"}, laser + "focus_power = 80\n"), HasSubstr("for 10 s"));
+}
+
 TEST_F(Cut, the_picture_is_an_svg) {
   const std::string picture = folder_ / "part.svg";
   made(drawing(rounded + dxf_circle(0, 0, 4)), {"--kerf", "0.5", "--picture", picture});
