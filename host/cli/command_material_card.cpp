@@ -112,7 +112,7 @@ void add_material_card(Command& app) {
       "card.ngc\n"
       "  lamplock material card plywood --kind grid --feeds 100:600:5 --powers 20:100:4% \\\n"
       "      --machine examples/laser.toml -o grid.ngc\n"
-      "  lamplock material card plywood --kind kerf --feeds 180 --passes 7 \\\n"
+      "  lamplock material card plywood --kind kerf --feeds 180 --passes 7 --thickness 5 \\\n"
       "      --machine examples/laser.toml -o kerf.ngc");
   const auto options = std::make_shared<CardCommandOptions>();
   sub.add_option("NAME", &options->material, "Name of the material").required();

@@ -42,6 +42,7 @@ std::string laser_of_settings(const Material& material, const std::vector<Settin
 /// "3, 5 mm": in the order of the library.
 std::string thicknesses_text(const std::vector<Setting>& settings) {
   std::vector<std::string> texts;
+  texts.reserve(settings.size());
   for (const Setting& one : settings) texts.push_back(fmt::format("{:g}", *one.thickness_mm));
   return fmt::format("{} mm", fmt::join(texts, ", "));
 }

@@ -208,6 +208,12 @@ CardResult make_card(const CardOptions& options) {
   require_continuous_laser(options, profile);
   const material::CardRequest request = request_of(options, laser, profile);
   const material::CardLayout layout = lay_out_card(request);
+  const std::optional<double> thickness_mm =
+      options.thickness_mm ? options.thickness_mm : material.thickness_mm;
+  // The kerf becomes part of a setting; one without a thickness would be for any.
+  if (request.kind == material::CardKind::kerf && !thickness_mm)
+    throw Error(Exit::bad_input, title_of(material), "its thickness is not known",
+                "give the thickness of the sheet in mm");
   const auto [x_mm, y_mm] = corner_of(options, layout, profile.settings);
   const std::string program = card_program(request, layout, x_mm, y_mm);
   CardResult result{layout.places.size(), layout.width_mm, layout.height_mm,
@@ -217,11 +223,8 @@ CardResult make_card(const CardOptions& options) {
     result.sheet = std::filesystem::path(options.output).replace_extension(".toml").string();
   check_distinct({{"the program", options.output}, {"the sheet", result.sheet}},
                  {options.machine.machine, library_file(options.library)});
-  const std::string sheet =
-      sheet_text(request, layout,
-                 {material.name, laser.name,
-                  options.thickness_mm ? options.thickness_mm : material.thickness_mm},
-                 std::filesystem::path(options.output).filename().string());
+  const std::string sheet = sheet_text(request, layout, {material.name, laser.name, thickness_mm},
+                                       std::filesystem::path(options.output).filename().string());
   check_target(result.sheet);
   // The user's figures are not replaced, nor another file of this name.
   std::error_code failure;

@@ -257,6 +257,7 @@ TEST_F(MaterialCommand, cards_that_a_machine_cannot_make_are_not_written) {
     EXPECT_THAT(card({"--feeds", feeds}), HasSubstr("feeds")) << feeds;
   EXPECT_THAT(card({"--feeds", "60", "--passes", "1.5"}), HasSubstr("passes"));
   EXPECT_THAT(card({"--kind", "kerf", "--feeds", "60,90"}), HasSubstr("one feed"));
+  EXPECT_THAT(card({"--kind", "kerf", "--feeds", "60"}), HasSubstr("its thickness is not known"));
   EXPECT_THAT(card({"--kind", "grid", "--feeds", "1:60", "--powers", "1:3:30"}),
               HasSubstr("1800 cuts"));
   EXPECT_THAT(refusal({"card", "plywood", "--feeds", "60", "-o", out}),
