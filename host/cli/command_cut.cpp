@@ -104,8 +104,9 @@ Exit cut_drawing(const CutOptions& options) {
 void add_choices(Command& app, CutOptions& options, std::vector<glass::Parameter> parameters,
                  const std::string& group) {
   // Those that most drawings need; the others refine them.
-  constexpr std::array common{"--units",  "--machine", "--power", "--feed",  "--kerf",
-                              "--passes", "--lead-in", "--tabs",  "--layer", "--operation"};
+  constexpr std::array common{"--units", "--machine",   "--power",   "--feed",
+                              "--kerf",  "--passes",    "--lead-in", "--tabs",
+                              "--layer", "--operation", "--material"};
   // An operation that is alone needs no switch.
   std::erase_if(parameters, [](const glass::Parameter& p) { return p.option == "--off"; });
   for (Option* option : add_parameters(app, parameters, group)) {
@@ -124,6 +125,7 @@ void add_cut(Command& program) {
       "Example:\n"
       "  lamplock cut parts.dxf --list\n"
       "  lamplock cut parts.dxf --power 80 --feed 600 --kerf 0.15 --lead-in line -o parts.ngc\n"
+      "  lamplock cut parts.dxf --material plywood -o parts.ngc\n"
       "  lamplock send parts.ngc --board /dev/ttyACM0");
   const auto options = std::make_shared<CutOptions>();
   run::CutDescription& description = options->request.description;
@@ -150,6 +152,11 @@ void add_cut(Command& program) {
       .value_name("FILE.toml")
       .check(file_name())
       .file(FileUse::write);
+  app.add_option("--library", &options->request.library,
+                 "Material library; default: that of lamplock material")
+      .value_name("FILE")
+      .check(file_name())
+      .file(FileUse::read);
   app.add_option("--from", &options->request.first,
                  "Begin with this cut, by its number in the picture, after a stop")
       .value_name("N")

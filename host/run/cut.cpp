@@ -20,6 +20,7 @@
 #include "host/program/program_run.hpp"
 #include "host/run/bounds_text.hpp"
 #include "host/run/cut_drawing.hpp"
+#include "host/run/cut_material.hpp"
 #include "host/run/machine_options.hpp"
 #include "host/run/prepare.hpp"
 #include "host/run/sent_file.hpp"
@@ -270,7 +271,8 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   check_cut_outputs(request);
   const cutting::Post post = cutting::post_of(description.machine.post);
   const job::Profile profile = MachineOptions{description.machine.profile}.profile();
-  std::vector<Operation> operations = operations_of(description, profile.settings);
+  std::vector<Operation> operations =
+      operations_of(with_materials(description, request.library, frontend), profile.settings);
   if (request.is_dry) make_dark(operations);
   auto [drawing, result] = prepare_cut(description, frontend);
   if (post.is_checked) {

@@ -46,6 +46,8 @@ struct OperationChoice {
   std::string kind = "cut";
   bool is_off = false;
 
+  std::optional<std::string> material{}, laser{};  ///< of the material library
+  std::optional<double> thickness_mm{};
   std::optional<double> power_percent{}, feed_mm_min{}, kerf_mm{};
   std::optional<int> passes{};
   std::optional<double> infeed_mm{}, final_depth_mm{};

@@ -53,6 +53,15 @@ std::vector<Parameter> choice_parameters(OperationChoice& o) {
 
 std::vector<Parameter> material_parameters(OperationChoice& o) {
   return {
+      {"material", "--material", &o.material,
+       "Material of the library (lamplock material): its power, feed, passes, air and kerf are "
+       "used "
+       "where none are given",
+       "NAME"},
+      {"laser", "--laser", &o.laser,
+       "Laser of the library; default: the only one with a setting for the operation", "NAME"},
+      {"thickness", "--thickness", &o.thickness_mm,
+       "Thickness of the material; default: that in the library", "MM", glass::positive},
       {"power", "--power", &o.power_percent, "Laser power", "PERCENT", {0, 100, false}},
       {"feed", "--feed", &o.feed_mm_min, "Feed rate along the contours", "MM_MIN", glass::positive},
       {"kerf", "--kerf", &o.kerf_mm,

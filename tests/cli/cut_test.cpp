@@ -120,6 +120,42 @@ TEST_F(Cut, list_shows_every_contour) {
   EXPECT_EQ(folder_.files(), Arguments{"part.dxf"});
 }
 
+/// The delivered library: 5 mm plywood with a 3 W diode needs 180 mm/min, 7 passes and air.
+TEST_F(Cut, a_material_gives_what_the_user_does_not) {
+  const std::string file = drawing(square);
+  const auto material = [&](const Arguments& more) {
+    Arguments all{"cut", file, "--library", folder_ / "none.db", "-o", program_};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  const Finished plywood = run(material({"--material", "plywood", "--thickness", "5"}));
+  ASSERT_EQ(plywood.status, 0) << plywood.err;
+  EXPECT_THAT(plywood.out, HasSubstr("plywood, 5 mm, laser diode-3w: 100 %, 180 mm/min, 7 passes"));
+  const std::string text = read(program_);
+  EXPECT_THAT(text, HasSubstr(" F180 S1000\n"));
+  EXPECT_THAT(text, HasSubstr("M8\n"));
+  ASSERT_EQ(run(material({"--material", "plywood", "--feed", "200", "--passes", "1"})).status, 0);
+  EXPECT_THAT(read(program_), HasSubstr(" F200 S1000\n"));
+  std::filesystem::remove(program_);
+  EXPECT_THAT(refused(material({"--material", "plywod"})), HasSubstr("plywod"));
+  EXPECT_THAT(refused(material({"--material", "plywood", "--thickness", "3.21"})),
+              HasSubstr("5 mm"));
+  EXPECT_THAT(refused(material({"--thickness", "5", "--power", "9", "--feed", "60"})),
+              HasSubstr("a thickness is given without a material; give"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "none.db")) << "reading makes no library";
+}
+
+TEST_F(Cut, continues_at_a_cut_and_runs_dark) {
+  const std::string file = drawing(rounded + dxf_circle(0, 0, 4));
+  made(file, {"--from", "2"});
+  EXPECT_THAT(read(program_), Not(HasSubstr("cut hole")));
+  EXPECT_THAT(read(program_), HasSubstr("cut outside"));
+  made(file, {"--dry"});
+  EXPECT_THAT(read(program_), Not(HasSubstr("S800")));
+  std::filesystem::remove(program_);
+  EXPECT_THAT(refused(file, {"--from", "3"}), HasSubstr("the plan has 2 cuts"));
+}
+
 TEST_F(Cut, command_line_and_description_write_the_same_bytes) {
   const std::string file =
       drawing(rounded + dxf_circle(0, 0, 4) + dxf_rectangle(0, 20, 10, 10, "SQUARE"));
