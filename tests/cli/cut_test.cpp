@@ -134,7 +134,10 @@ TEST_F(Cut, a_material_gives_what_the_user_does_not) {
   const std::string text = read(program_);
   EXPECT_THAT(text, HasSubstr(" F180 S1000\n"));
   EXPECT_THAT(text, HasSubstr("M8\n"));
-  ASSERT_EQ(run(material({"--material", "plywood", "--feed", "200", "--passes", "1"})).status, 0);
+  ASSERT_EQ(
+      run(material({"--material", "plywood", "--thickness", "5", "--feed", "200", "--passes", "1"}))
+          .status,
+      0);
   EXPECT_THAT(read(program_), HasSubstr(" F200 S1000\n"));
   std::filesystem::remove(program_);
   EXPECT_THAT(refused(material({"--material", "plywod"})), HasSubstr("plywod"));
