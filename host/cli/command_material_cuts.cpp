@@ -35,11 +35,17 @@ material::Rejected use_of(const CutsOptions& options) {
   return options.uses_rejected ? material::Rejected::swapped_in : material::Rejected::left_out;
 }
 
+/// "30 to 600 mm/min"; "3 W" if all values are equal.
+std::string range_text(double min, double max, const char* unit) {
+  return min == max ? fmt::format("{:g} {}", min, unit)
+                    : fmt::format("{:g} to {:g} {}", min, max, unit);
+}
+
 void say_fit(Console& console, const material::MaterialFit& fit) {
   console.say("fit       {}", fit_text(fit));
-  console.say("measured  {}, {:g} to {:g} mm/min, {:g} to {:g} W",
-              lamplock::count_text(fit.measurements, "depth"), fit.feed_mm_min.min,
-              fit.feed_mm_min.max, fit.power_w.min, fit.power_w.max);
+  console.say("measured  {}, {}, {}", lamplock::count_text(fit.measurements, "depth"),
+              range_text(fit.feed_mm_min.min, fit.feed_mm_min.max, "mm/min"),
+              range_text(fit.power_w.min, fit.power_w.max, "W"));
   if (fit.fit.is_poor())
     console.notice(fmt::format(
         "warning  rms {:.3f} is above 0.3: depths deviate from the model by a third and more; "
@@ -57,9 +63,9 @@ void say_best(Console& console, const material::BestCut& best, double thickness_
                   : fmt::format(" came through {:g} mm", thickness_mm));
   console.say("time      {:.2f} min for {:g} mm ({})", best.time_s / 60, length_mm,
               duration_text(best.time_s));
-  console.say("measured  {} of feed and power, {:g} to {:g} mm/min; other feeds are not considered",
-              lamplock::count_text(best.candidates, "pair"), best.measured_feed_mm_min.min,
-              best.measured_feed_mm_min.max);
+  console.say("measured  {} of feed and power, {}; other feeds are not considered",
+              lamplock::count_text(best.candidates, "pair"),
+              range_text(best.measured_feed_mm_min.min, best.measured_feed_mm_min.max, "mm/min"));
   if (best.feed_mm_min == best.measured_feed_mm_min.max && best.candidates > 1)
     console.line("note      no faster feed was measured: a faster one may need less time");
   if (best.rejected_depth_mm)
