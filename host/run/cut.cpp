@@ -271,10 +271,10 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   check_cut_outputs(request);
   const cutting::Post post = cutting::post_of(description.machine.post);
   const job::Profile profile = MachineOptions{description.machine.profile}.profile();
+  auto [drawing, result] = prepare_cut(description, frontend);
   std::vector<Operation> operations =
       operations_of(with_materials(description, request.library, frontend), profile.settings);
   if (request.is_dry) make_dark(operations);
-  auto [drawing, result] = prepare_cut(description, frontend);
   if (post.is_checked) {
     warn_of_pulsed(profile.settings, frontend, result);
     warn_of_dark_pierce(operations, profile.settings, frontend, result);

@@ -40,7 +40,7 @@ double needed(const std::optional<double>& value, const std::string& name, const
               const char* unit) {
   if (value) return *value;
   throw Error(Exit::bad_input, name, fmt::format("has no {}", what),
-              fmt::format("give its {} in {}", what, unit));
+              fmt::format("give its {} in {}, or a material", what, unit));
 }
 
 double feed_of(const OperationChoice& choice, const std::string& name,
