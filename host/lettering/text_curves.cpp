@@ -1,5 +1,7 @@
 #include "host/lettering/text_curves.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -18,7 +20,7 @@ std::vector<std::string> wrapped(const std::string& line, double width, const Fo
   for (std::size_t at = 0; at <= line.size();) {
     const std::size_t end = std::min(line.find(' ', at), line.size());
     const std::string word = line.substr(at, end - at);
-    const std::string longer = at == 0 ? word : begun + " " + word;
+    const std::string longer = at == 0 ? word : fmt::format("{} {}", begun, word);
     const bool fits = begun.empty() || font.line(longer).width <= width;
     if (!fits) lines.push_back(std::exchange(begun, word));
     if (fits) begun = longer;

@@ -41,7 +41,8 @@ void lay_out_depth(const CardRequest& request, CardLayout& layout) {
       std::max(1.0, std::floor((request.max_height_mm + card_gap_mm) / pitch_mm)));
   const std::size_t rows = std::min(max_rows, cuts.size());
   for (std::size_t i = 0; i < cuts.size(); ++i) {
-    const double x_mm = static_cast<double>(i / rows) * (depth_width_mm + card_gap_mm);
+    const std::size_t column = i / rows;
+    const double x_mm = static_cast<double>(column) * (depth_width_mm + card_gap_mm);
     const double y_mm = static_cast<double>(i % rows) * pitch_mm;
     layout.places.push_back({cuts[i], x_mm, y_mm});
     const double inside_mm = depth_width_mm - 2 * depth_radius_mm;

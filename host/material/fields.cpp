@@ -136,6 +136,7 @@ std::vector<Field> fields(Measurement& m) {
 
 std::vector<std::string> keys_of(const std::vector<Field>& fields) {
   std::vector<std::string> keys;
+  keys.reserve(fields.size());
   for (const Field& field : fields) keys.emplace_back(field.key);
   return keys;
 }

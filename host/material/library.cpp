@@ -88,6 +88,7 @@ std::vector<std::string> columns_of() {
 template <class Record>
 std::vector<std::string> names_of(const std::vector<Record>& records) {
   std::vector<std::string> names;
+  names.reserve(records.size());
   for (const Record& record : records) names.push_back(record.name);
   return names;
 }
