@@ -115,7 +115,7 @@ Rate measure(sim::ChipBoard& board, double feed_mm_s, double steps_per_mm) {
   while (sender.answers().size() < warm_up_lines)
     if (sender.step(); board.now() >= end) return rate;
   const std::size_t from = sender.answers().size() - 1;
-  // The machine is behind the answers by what the board holds.
+  // The machine runs a line later than the board answers it.
   const sim::Picoseconds begin = board.now();
   const double first = line_of(board, 0);
   {

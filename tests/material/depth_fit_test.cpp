@@ -148,15 +148,15 @@ TEST(depth_fit, random_measurements) {
                 1e-9);
     const double thickness_mm = any(0.5, 10);
     const BestCut best = best_cut(material, measured, thickness_mm, 250, Rejected::left_out);
-    double least_s = std::numeric_limits<double>::infinity();
+    double min_s = std::numeric_limits<double>::infinity();
     bool is_measured = false;
     for (const Measurement& one : measured) {
       if (one.rejected || one.passes != 1) continue;
       const int passes = cutting::passes_through(thickness_mm, *one.depth_mm);
-      least_s = std::min(least_s, 250 / (one.feed_mm_min / 60) * passes);
+      min_s = std::min(min_s, 250 / (one.feed_mm_min / 60) * passes);
       is_measured |= best.feed_mm_min == one.feed_mm_min && best.power_w == one.power_w;
     }
-    EXPECT_NEAR(best.time_s, least_s, 1e-9 * least_s);
+    EXPECT_NEAR(best.time_s, min_s, 1e-9 * min_s);
     EXPECT_TRUE(is_measured);
   }
 }
