@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "host/cli/command_line.hpp"
 #include "host/cli/command_material.hpp"
@@ -40,21 +41,9 @@ Json list_json(const std::vector<Record>& records, Console& console) {
 Exit list(const RecordOptions& options) {
   Console console(options.json);
   material::Library library = run::library_for_reading(options.choice.library);
-  Json document;
-  switch (run::record_kind_named(options.choice.kind)) {
-    case run::RecordKind::material:
-      document = list_json(library.all<material::Material>(), console);
-      break;
-    case run::RecordKind::laser:
-      document = list_json(library.all<material::Laser>(), console);
-      break;
-    case run::RecordKind::setting:
-      document = list_json(library.all<material::Setting>(), console);
-      break;
-    case run::RecordKind::measurement:
-      document = list_json(library.all<material::Measurement>(), console);
-      break;
-  }
+  const Json document = run::with_kind(options.choice.kind, [&](const auto& empty) {
+    return list_json(library.all<std::decay_t<decltype(empty)>>(), console);
+  });
   if (document.empty()) console.say("the library has no {}", options.choice.kind);
   console.document(document);
   return Exit::done;

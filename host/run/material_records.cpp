@@ -51,22 +51,6 @@ void check_number_of_choice(const RecordChoice& choice) {
                           : "leave the number out, or name the kind of record");
 }
 
-/// Calls `use` with an empty record of the kind.
-template <class Use>
-auto with_kind(const std::string& kind, Use use) {
-  switch (record_kind_named(kind)) {
-    case RecordKind::laser:
-      return use(Laser{});
-    case RecordKind::setting:
-      return use(Setting{});
-    case RecordKind::measurement:
-      return use(Measurement{});
-    case RecordKind::material:
-      break;
-  }
-  return use(Material{});
-}
-
 /// The name of a new record is its own, or that of its material.
 template <class Record>
 std::string& name_in(Record& record) {

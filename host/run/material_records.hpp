@@ -21,6 +21,22 @@ enum class RecordKind : std::uint8_t { material, laser, setting, measurement };
 std::vector<std::string> record_kind_names();
 /// Throws Error(bad_input).
 RecordKind record_kind_named(const std::string& name);
+/// Calls `use` with an empty record of the kind of this name and returns its result. Throws
+/// Error(bad_input).
+template <class Use>
+auto with_kind(const std::string& kind, Use use) {
+  switch (record_kind_named(kind)) {
+    case RecordKind::laser:
+      return use(material::Laser{});
+    case RecordKind::setting:
+      return use(material::Setting{});
+    case RecordKind::measurement:
+      return use(material::Measurement{});
+    case RecordKind::material:
+      break;
+  }
+  return use(material::Material{});
+}
 
 /// Which record: lasers and materials by name, settings and measurements by the name of their
 /// material and their number.
