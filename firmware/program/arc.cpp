@@ -18,8 +18,9 @@ constexpr int max_pieces_bits = 30;
 /// most 2^47 on each axis, and times_q48() accepts 2^55.
 constexpr int fine_bits = 7;
 
-/// Two radii: maximum excess between start and end in programs with rounded numbers.
-constexpr std::int64_t rounding_e7 = 20;
+/// Maximum by which a radius may be too short for its half circle, 0.00127 mm (0.00005 inches):
+/// rs274 of LinuxCNC 2.9 accepts so much, in both units.
+constexpr std::int64_t max_radius_short_e7 = 12'700;
 
 /// grbl 1.1, error 33.
 constexpr std::int64_t radii_alike_e7 = one_e7 / 200;
@@ -173,7 +174,7 @@ bool centre_of_radius(const Place& start, const Place& end, const CurvePlane& pl
   const Vector way = from_to(start, end, plane);
   const std::int64_t two_radii = 2 * abs64(radius_e7);
   const Int128 square = dot(way, way);
-  const std::int64_t reach = two_radii + rounding_e7;
+  const std::int64_t reach = two_radii + 2 * max_radius_short_e7;
   if (square == Int128{} || two_radii == 0 || Int128::product(reach, reach) < square) return false;
 
   // Twice the distance of the centre from the middle between start and end; 0 where the points are

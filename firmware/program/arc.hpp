@@ -54,9 +54,10 @@ struct ArcRequest {
 inline constexpr std::uint32_t max_turns = 9999;
 
 /// Centre of an arc of given radius; a negative radius means the arc of more than half a turn. Its
-/// axes outside the plane are those of the start. False: start and end are the same place or
-/// farther apart than two radii (by more than 2 10^-6 mm, which counts as rounding), the radius is
-/// 0 or one of the coordinates beyond 7 km.
+/// axes outside the plane are those of the start. A radius that is less than half the distance of
+/// start and end by up to 0.00127 mm counts as that half: programs have half circles with rounded
+/// numbers. False: start and end are the same place or farther apart, the radius is 0 or one of the
+/// coordinates beyond 7 km.
 bool centre_of_radius(const Place& start, const Place& end, const CurvePlane& plane,
                       std::int64_t radius_e7, bool clockwise, Place& centre);
 

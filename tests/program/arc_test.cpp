@@ -333,14 +333,58 @@ TEST(Arc, ARadiusThatIsTooSmallIsAnError) {
   // Half a distance of 3 sqrt 2, rounded to 7 decimals, is too short by rounding.
   EXPECT_TRUE(centre_of_radius(a, {mm(3), mm(3), 0, 0}, plane_xy, 21'213'203, false, c));
   EXPECT_EQ(c, (Place{mm(1.5), mm(1.5), 0, 0}));
-  EXPECT_FALSE(centre_of_radius(a, b, plane_xy, mm(4.9999), false, c));
-  EXPECT_FALSE(centre_of_radius(a, b, plane_xy, mm(-4.9999), false, c));
+  // LinuxCNC accepts 0.00127 mm: 2.9 reads R4.99873 and refuses R4.99872.
+  for (const double radius : {4.9999, 4.999, 4.99873, -4.99873}) {
+    EXPECT_TRUE(centre_of_radius(a, b, plane_xy, mm(radius), false, c)) << radius;
+    EXPECT_EQ(c, (Place{mm(5), 0, 0, 0})) << radius;
+  }
+  EXPECT_FALSE(centre_of_radius(a, b, plane_xy, mm(4.9987299), false, c));
+  EXPECT_FALSE(centre_of_radius(a, b, plane_xy, mm(-4.9987299), false, c));
+  EXPECT_FALSE(centre_of_radius(a, b, plane_xy, mm(4.995), false, c));
   EXPECT_FALSE(centre_of_radius(a, b, plane_xy, 0, false, c));
   EXPECT_FALSE(centre_of_radius(a, a, plane_xy, mm(5), false, c));
   EXPECT_FALSE(centre_of_radius(a, {0, 0, mm(1), 0}, plane_xy, mm(5), false, c));
   EXPECT_FALSE(centre_of_radius(a, b, plane_xy, max_coordinate_e7 + 1, false, c));
   EXPECT_FALSE(
       centre_of_radius(a, b, plane_xy, std::numeric_limits<std::int64_t>::max(), false, c));
+}
+
+/// A number of a program, rounded to decimals.
+std::int64_t with_decimals(long double e7, int decimals) {
+  const long double unit = std::pow(10.0L, 7 - decimals);
+  return rounded(unit * std::round(e7 / unit));
+}
+
+TEST(Arc, HalfCirclesOfRoundedNumbersAreRead) {
+  Random random(17);
+  int too_short = 0, refused = 0;
+  for (int i = 0; i < test::scaled(4000); ++i) {
+    const int decimals = 2 + static_cast<int>(random() % 3);
+    const long double radius = any_size(random, 1e6L, 1e9L), angle = between(random, 0, two_pi_l);
+    const Place start{with_decimals(between(random, -1e9L, 1e9L), decimals),
+                      with_decimals(between(random, -1e9L, 1e9L), decimals), mm(3), 0};
+    Place end = start;
+    end[0] += with_decimals(2 * radius * std::cos(angle), decimals);
+    end[1] += with_decimals(2 * radius * std::sin(angle), decimals);
+    const std::int64_t given = with_decimals(radius, decimals);
+    const Point way = in_plane(end, plane_xy) - in_plane(start, plane_xy);
+    const long double half = length(way) / 2, missing = half - static_cast<long double>(given);
+    if (std::abs(missing - 12'700) < 1e-3L) continue;  // the limit itself
+    Place centre{};
+    const bool found = centre_of_radius(start, end, plane_xy, random() % 2 == 0 ? given : -given,
+                                        random() % 2 == 0, centre);
+    ASSERT_EQ(found, missing < 12'700) << i;
+    ASSERT_TRUE(found || decimals == 2) << i;
+    refused += !found;
+    if (!found || missing <= 0) continue;
+    ++too_short;
+    // The centre is the middle, the radius half the distance of the ends.
+    const Point off = in_plane(centre, plane_xy) - in_plane(start, plane_xy);
+    ASSERT_NEAR(static_cast<double>(2 * length(off)), static_cast<double>(2 * half), 4) << i;
+    ASSERT_TRUE(arc_fits({start, end, centre, plane_xy, false, 1, mm(0.002)})) << i;
+  }
+  EXPECT_GT(too_short, 0);
+  EXPECT_GT(refused, 0);
 }
 
 TEST(Arc, RadiiAgreeAsInGrbl) {
