@@ -117,6 +117,23 @@ TEST_F(Outputs, ThatAreLostAfterTheShotsGiveOne) {
   }
 }
 
+#ifdef LAMPLOCK_HAS_FIRMWARE
+/// As above, for the table of cycles, which only the chip has.
+TEST_F(Outputs, TheLostTableOfCyclesGivesOne) {
+  list_ = folder_.write("few.xyz", xyz(walk(8, 1)));
+  const std::string file = folder_ / "t.txt";
+  const SizeLimit full(max_json_bytes);
+  const Finished fired = engrave({"--board", "chip", "--timing", file, "--json"});
+  EXPECT_EQ(fired.status, 1);
+  EXPECT_THAT(fired.err,
+              HasSubstr("error: " + file + ": the job was fired, but this file cannot "));
+  const Json json = Json::parse(fired.out, nullptr, false);
+  EXPECT_EQ(json["points_fired"], 8);
+  EXPECT_EQ(json["not_written"], Json::array({file}));
+  EXPECT_THAT(folder_.files(), Not(testing::Contains("t.txt")));
+}
+#endif
+
 /// The text about a lost file does not say that the whole job was fired.
 TEST_F(Outputs, OfAJobThatFailsSayHowFarItCame) {
   std::string points;
