@@ -22,9 +22,9 @@ constexpr const char* drives_group = "Drives of a simulated board";
 
 /// --plot and --plot-beats.
 void add_plot(Command& app, run::PlotOptions& options, const char* group) {
-  app.add_option(
-         "--plot", &options.file,
-         "Write a picture (SVG) of position, speed and acceleration over beats; virtual board only")
+  app.add_option("--plot", &options.file,
+                 "Write a picture (SVG) of position, speed and acceleration over the beats of the "
+                 "lamp; board virtual only")
       .check(file_name())
       .value_name("FILE")
       .file(FileUse::write)
@@ -172,8 +172,9 @@ void add_job_run(Command& app, run::BoardOptions& options) {
       .group(board_group);
   app.add_option(
          "--auto-resume", &options.auto_resume,
-         "Resume after a hold or reset byte that this program did not send; for serial cables "
-         "where noise may produce such a byte; not needed on USB, which has checksums")
+         "Resume after a hold or reset byte that this program did not send, also if another "
+         "program "
+         "sent it; for serial cables where noise may produce such a byte; not needed on USB")
       .group(board_group);
   app.add_option("--hold-at", &options.hold_at,
                  "Hold for 1 s when this number of points or lines of the job is done, to test "
@@ -207,7 +208,7 @@ void add_job_run(Command& app, run::BoardOptions& options) {
       .file(FileUse::write)
       .group(board_group);
   app.add_option("--timing", &options.timing,
-                 "Write the timing of the simulated chip by function, in cycles")
+                 "Write how many cycles each function of the firmware takes; board chip only")
       .check(file_name())
       .value_name("FILE")
       .file(FileUse::write)

@@ -81,7 +81,7 @@ Exit check(const CheckOptions& options) {
   throw Error(Exit::bad_input, options.input,
               fmt::format("{} {} wrong{}", run.problems.size(),
                           run.problems.size() == 1 ? "line is" : "lines are",
-                          more ? ", the maximum of --max-problems: the check stopped there" : ""),
+                          more ? ", and the check stopped there (--max-problems)" : ""),
               "correct the lines listed above");
 }
 

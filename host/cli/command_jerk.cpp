@@ -126,8 +126,8 @@ void add_law(Command& app, JerkOptions& options) {
       .common();
   number("--n", options.law.n, "Base n of the jerk (n+a)^(k+b), mm/s3", 1, "N");
   number("--k", options.law.k, "Exponent k of the jerk", 0, "K");
-  number("--step-a", options.law.step_a, "Growth of a per control period", 0, "A");
-  number("--step-b", options.law.step_b, "Growth of b per control period", 0, "B");
+  number("--step-a", options.law.step_a, "Increase of a in each control period", 0, "A");
+  number("--step-b", options.law.step_b, "Increase of b in each control period", 0, "B");
   app.add_option("--period", &options.period_ms, "Control period")
       .check(number_from(0, false))
       .value_name("MS")

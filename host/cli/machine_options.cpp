@@ -42,11 +42,11 @@ void add_machine_overrides(Command& app, run::MachineOptions& options) {
       .check(one_of({"slave", "master", "none"}))
       .value_name("slave|master|none")
       .group(machine_group);
-  app.add_option("--accel", &options.accel_m_s2, "Maximum acceleration of every axis")
+  app.add_option("--accel", &options.accel_m_s2, "Maximum acceleration of each axis in m/s2")
       .check(range_of_machine("--accel"))
       .value_name("M_S2")
       .group(machine_group);
-  app.add_option("--speed", &options.speed_m_s, "Maximum speed of every axis")
+  app.add_option("--speed", &options.speed_m_s, "Maximum speed of each axis in m/s")
       .check(range_of_machine("--speed"))
       .value_name("M_S")
       .group(machine_group);

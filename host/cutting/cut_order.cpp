@@ -33,7 +33,8 @@ std::size_t count_of_starts(const Contour& contour) {
 }
 
 [[noreturn]] void refuse_tree(const char* what) {
-  throw Error(Exit::bad_input, "cut order", what, "make the tree from the same contours");
+  throw Error(Exit::bad_input, "cut order", what,
+              "a fault of this program: report it with the drawing");
 }
 
 /// Refuses contours that are around themselves: none of them could be cut first.

@@ -24,8 +24,9 @@ class Crossings {
   Crossings(const Box& box, double distance_mm) : low_(box.low.y), distance_(distance_mm) {
     const double rows = std::ceil((box.high.y - box.low.y) / distance_mm);
     if (!(rows <= static_cast<double>(model::max_pieces)))
-      throw Error(Exit::bad_input, hatch_place, fmt::format("{:.0f} lines", rows),
-                  "give a greater distance between the lines");
+      throw Error(Exit::bad_input, hatch_place,
+                  fmt::format("{:.0f} lines, but at most {} are possible", rows, model::max_pieces),
+                  "increase the distance between the lines");
     rows_.resize(static_cast<std::size_t>(std::max(rows, 0.0)));
   }
 

@@ -48,7 +48,8 @@ class WindowStream {
       const auto payload = encoder_.next(wire::max_payload, queue_.free());
       if (decoder_.decode(payload, queue_, limits_) == Result::ok) continue;
       throw Error(Exit::bad_input, fmt::format("point {}", decoder_.refused_index()),
-                  "is refused by the machine", "check its position, channel and shots");
+                  "is refused by the decoder of the board",
+                  "correct its position, laser channel or number of shots");
     }
   }
 

@@ -34,7 +34,7 @@ void require_law(const JerkLaw& law) {
   require_number("step of b", law.step_b, 0);
   if (!std::isfinite(jerk_at(law, 0)))
     throw Error(Exit::bad_input, "jerk law",
-                fmt::format("n^k overflows: {:g}^{:g} is larger than any number", law.n, law.k),
+                fmt::format("n^k is too large to compute: {:g}^{:g}", law.n, law.k),
                 "choose a smaller n or k");
 }
 

@@ -65,7 +65,7 @@ std::string version_at_rest(link::Transport& transport, const std::string& where
   // As the firmware judges `$BOOT`: machine/controller_text.cpp.
   if (!status.is("Idle") && !status.is("Alarm"))
     throw Error(Exit::job_failed, where, fmt::format("is not idle ({})", status.state),
-                "end the job, then flash");
+                "wait for the end of the job or stop it, then flash");
   return link::greet(port).identity.version;
 }
 
@@ -84,8 +84,9 @@ void enter_boot_loader(link::Transport& transport, const std::string& where) {
                 "end its job, then flash");
   // A board that disconnects before its answer has arrived has obeyed.
   if (!answered && transport.connected())
-    throw Error(Exit::no_device, where, "does not answer $BOOT",
-                "end other programs that use its port, then flash");
+    throw Error(
+        Exit::no_device, where, "does not answer $BOOT, which starts its boot loader",
+        "end other programs that use its port, or hold BOOTSEL while you plug it in, then flash");
 }
 
 std::string version(link::Transport& transport) {

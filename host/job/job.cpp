@@ -77,7 +77,7 @@ std::vector<wire::Target> targets_of(const geometry::PointCloud& points, const P
   if (outside == 0) return targets;
   const geometry::Point& point = points[first_outside];
   throw Error(Exit::bad_input, fmt::format("point {}", first_outside),
-              fmt::format("({:g}, {:g}, {:g}) mm is outside the work space, as are {} of {} points",
+              fmt::format("({:g}, {:g}, {:g}) mm is outside the work space ({} of {} points are)",
                           point.x, point.y, point.z, outside, points.size()),
               fmt::format("keep to {}", describe_work_space(profile.settings)));
 }

@@ -57,7 +57,7 @@ TcpTransport::TcpTransport(const std::string& address) {
   connection_ = std::make_unique<Connection>(*parsed);
   if (!TcpTransport::open())
     throw Error(Exit::no_device, address, "no connection (" + connection_->failure + ")",
-                "check that the other side is running");
+                "check the address, and that the machine or `lamplock sim` is running there");
   set_connected(true);
 }
 

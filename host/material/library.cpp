@@ -358,8 +358,8 @@ void Library::import_kind(const std::vector<Record>& records, bool replaces, Imp
       replace(record);
       ++count.replaced;
     } else {
-      throw Error(Exit::bad_input, title_of(*other), "the library has it with other values",
-                  "rename or remove one of them, or replace those of the library");
+      throw Error(Exit::bad_input, title_of(*other), "is in the library with other values",
+                  "rename it, remove one of the two, or overwrite the library's with --replace");
     }
   }
 }

@@ -55,8 +55,9 @@ std::vector<Answered> BoardDialog::poll(bool hurry) {
   }
   link::expect_connected(port_);
   if (now() - heard_at_ >= max_silence)
-    throw Error(Exit::no_device, "machine", "no longer answers",
-                "check power and cable; if it moves, press its emergency stop");
+    throw Error(
+        Exit::no_device, "machine", "no longer answers",
+        "press its emergency stop if it moves or its laser is on; then check power and cable");
   if (now() - asked_at_ >= (hurry ? hurried_interval : idle_interval)) {
     asked_at_ = now();
     send_byte(link::realtime::status);

@@ -51,7 +51,7 @@ std::string macro_line(std::string_view line, bool laser, const std::string& whe
         upper.starts_with("$J=") || upper == "$X" || (upper.starts_with("$H") && upper.size() <= 3);
     if (!known)
       throw Error(Exit::bad_input, where, fmt::format("'{}' is not valid in a macro", text),
-                  "use $H, $X or $J=");
+                  "of the $ commands, macros may have $H, $X and $J=");
     return text;
   }
   if (const std::string word = laser_word(text); !laser && !word.empty())

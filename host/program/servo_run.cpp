@@ -84,8 +84,8 @@ void run_program_on(sim::VirtualBoard& board, std::string_view text, const std::
   const link::LineResult result = sender.result();
   if (!result.errors.empty())
     throw Error(Exit::bad_input, fmt::format("{}:{}", name, result.errors[0].line),
-                fmt::format("error:{} of the board", result.errors[0].error),
-                "`lamplock check` says what is wrong, and where");
+                fmt::format("the board answers error:{}", result.errors[0].error),
+                "run `lamplock check` on the program, which explains the error");
   if (result.end != link::LineEnd::done)
     throw Error(Exit::job_failed, name, "does not reach its end on the simulated board",
                 "run it with `lamplock send --board virtual` to find the cause");

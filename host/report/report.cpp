@@ -17,7 +17,10 @@ namespace {
 
 void check(const JobRun& run) {
   const auto contradiction = [](const std::string& what) {
-    throw Error(Exit::job_failed, "report", what, "the record of the run is wrong, run it again");
+    throw Error(
+        Exit::job_failed, "report", what,
+        "the recorded data contradict each other: a fault of this program; do not fire the job a "
+        "second time, and report the fault");
   };
   if (!run.lattice_steps.empty() && run.lattice_steps.size() != run.shots.size())
     contradiction(fmt::format("{} lattice positions for {} shots", run.lattice_steps.size(),

@@ -53,7 +53,7 @@ std::vector<Point> points_of(const PathMove& move, const std::string& file) {
     for (std::size_t a = feed_optimiser::axes; a < at.size(); ++a)
       if (at[a] != move.vertices.front()[a])
         throw Error(Exit::bad_input, fmt::format("{}:{}", file, move.line),
-                    "moves an axis other than X, Y and Z", "leave out its words");
+                    "moves an axis other than X, Y and Z", "remove its word (A) from the line");
   }
   return points;
 }

@@ -101,7 +101,7 @@ TEST(Check, ErrorsAreReportedByLineColumnAndNumber) {
   // Lines without errors are run.
   EXPECT_THAT(done.out, HasSubstr("Y         0.000 to 2.000 mm"));
   EXPECT_THAT(run({"check", file, "--max-problems", "2"}).err,
-              HasSubstr("2 lines are wrong, the maximum of --max-problems"));
+              HasSubstr("2 lines are wrong, and the check stopped there (--max-problems)"));
 }
 
 TEST(Check, AFormerNameOfAnOptionWorksWithANote) {

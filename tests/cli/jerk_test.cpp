@@ -203,7 +203,7 @@ TEST(Jerk, RefusesWhatItCannotOptimise) {
     EXPECT_THAT(done.err, HasSubstr(what));
     EXPECT_EQ(std::count(done.err.begin(), done.err.end(), '\n'), 1) << done.err;
   };
-  refused({line, "--n", "1e10", "--k", "100"}, "n^k overflows");
+  refused({line, "--n", "1e10", "--k", "100"}, "n^k is too large");
   refused({line, "--max-speed", "0"}, "--max-speed");
   refused({line, "--max-jerk", "10,-1,3"}, "--max-jerk");
   refused({line, "--max-accel", "1,2"}, "acceleration limit");
