@@ -19,10 +19,6 @@ using stepper::AxisState;
 using stepper::MotionState;
 using stepper::Segment;
 
-/// Maximum segments made of a window; the points after them are the look-ahead. Four are enough:
-/// with more of them the plans are no shorter.
-inline constexpr std::uint32_t commit_points = window_points - 4;
-
 /// What a window is planned for.
 struct PlanRequest {
   const PointQueue* queue = nullptr;

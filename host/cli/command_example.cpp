@@ -4,6 +4,8 @@
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
+#include "host/error.hpp"
+#include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/model/example.hpp"
 
@@ -21,6 +23,9 @@ void add_example(Command& program) {
       .value_name("FILE")
       .file(FileUse::write);
   app.action([options] {
+    if (lower_extension(options->output) != ".stl")
+      throw Error(Exit::bad_input, options->output, "the example model is written as STL",
+                  "name it something.stl");
     check_target(options->output);
     const model::Mesh mesh = model::example_model();
     write_whole(options->output, [&mesh](const auto& path) { model::write_stl(path, mesh); });

@@ -62,7 +62,7 @@ int check_output(int status) {
   if (status != static_cast<int>(Exit::done)) return status;
   const Error error(Exit::job_failed, "standard output", "cannot be written" + reason_text(),
                     "check where it is sent to and its free space");
-  if (lost_output != EPIPE) write_text(stderr, std::string(error.what()) + '\n');
+  write_text(stderr, std::string(error.what()) + '\n');
   return static_cast<int>(error.exit());
 }
 

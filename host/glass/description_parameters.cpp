@@ -42,7 +42,8 @@ std::string transformation_refusal(const std::string& words) {
     return "";
   } catch (const Error&) {
     return "'" + words +
-           "' is not one of: move X Y Z, rotate AXIS DEG, scale F, mirror AXIS, centre, fit";
+           "' has not the form of a transformation: move X Y Z, rotate AXIS DEG, scale F (not 0), "
+           "mirror AXIS, centre, fit";
   }
 }
 

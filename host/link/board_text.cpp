@@ -70,6 +70,8 @@ void take_field(std::string_view field, BoardStatus& status) {
     if (rates.size() != 2) return;
     status.feed = rates[0];
     status.speed = rates[1];
+  } else if (name == "Ln") {
+    status.line = number_of<std::size_t>(field).value_or(0);
   } else if (name == "Ov") {
     status.overrides.clear();
     while (!field.empty())

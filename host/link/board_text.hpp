@@ -23,6 +23,7 @@ struct BoardStatus {
   std::optional<std::size_t> free_bytes;  ///< Bf
   double feed = 0, speed = 0;             ///< FS: mm/min, spindle speed or power
   std::vector<int> overrides;             ///< Ov: feed, rapid, spindle, per cent
+  std::size_t line = 0;                   ///< Ln: N word of the line that is executed; 0 = none
 
   bool is(std::string_view name) const { return state == name; }
   /// The machine is at rest until the user or the host sends a command.

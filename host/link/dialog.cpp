@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/link/not_ready.hpp"
 
 namespace lamplock::link {
 namespace {
@@ -97,6 +98,11 @@ class Asked {
     if (first_.empty())
       throw Error(Exit::no_device, "machine", fmt::format("does not answer within {:g} s", s),
                   "check power, cable and the name of the port");
+    if (identity_.version.empty() && status_ && !status_->rests()) {
+      // A board answers `$I` after the lines that it has accepted before.
+      const NotReady reason = why_not_ready(*status_, port_.transport().board(), Homing::unknown);
+      throw Error(Exit::job_failed, "machine", reason.what, reason.remedy);
+    }
     if (identity_.version.empty())
       throw Error(Exit::no_device, "machine",
                   fmt::format("answers '{}' but reports no version ([VER:]) within {:g} s",
@@ -133,15 +139,23 @@ Greeting greet(LinePort& port, const Patience& patience) { return Asked(port, pa
 Answer ask(LinePort& port, const std::string& line, const Patience& patience) {
   port.send_line(line);
   Answer answer;
+  std::optional<BoardStatus> status;
   Time until = port.transport().now() + patience.timeout;
   while (auto heard = receive_until(port, until)) {
     if (const auto end = parse_answer(*heard)) {
       answer.error = *end;
       return answer;
     }
-    if (is_aside(*heard)) continue;
+    if (is_aside(*heard)) {
+      if (auto reported = parse_status(*heard)) status = std::move(reported);
+      continue;
+    }
     until = port.transport().now() + patience.timeout;
     answer.lines.push_back(std::move(*heard));
+  }
+  if (status && !status->rests()) {
+    const NotReady reason = why_not_ready(*status, port.transport().board(), Homing::unknown);
+    throw Error(Exit::job_failed, "machine", reason.what, reason.remedy);
   }
   const std::string heard = answer.lines.empty()
                                 ? ""

@@ -40,11 +40,19 @@ void KeptJob::require_ended() const {
       "continue it by --resume, or discard it with --discard");
 }
 
+std::optional<std::size_t> KeptJob::stopped_at() const {
+  const auto run = journal_.read().run;
+  if (!run || run->last.job != hash_ || run->last.progress != Progress::ended) return std::nullopt;
+  return run->last.first_unfired;
+}
+
 job::JournalContents KeptJob::read() const {
   const job::JournalContents contents = journal_.read();
   if (contents.empty())
     throw Error(Exit::bad_input, file().string(), "contains no run to continue",
-                "begin the job without --resume");
+                "if the job has fired points, find the first one that was not fired (last message, "
+                "or the glass) and continue with --from N; if it was never begun, leave out "
+                "--resume");
   const bool is_ours = contents.run && contents.run->last.job == hash_;
   const bool offers_ours =
       std::ranges::count(contents.offered, hash_, &job::ProgressRecord::job) > 0;

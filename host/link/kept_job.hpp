@@ -31,6 +31,9 @@ class KeptJob {
   /// Throws Error(bad_input) if the last run of this job has no known end: a new start would fire
   /// points twice.
   void require_ended() const;
+  /// Where the last run of this job was stopped, the first point or line not done; empty if it was
+  /// completed, never begun, or has no known end.
+  std::optional<std::size_t> stopped_at() const;
   /// Returns where to continue the last run, and records it; stops this run if the board still
   /// executes it. Throws Error: bad_input (no run, another job), and as JobInquiry::end_job().
   Continuation find(Transport& port);

@@ -70,6 +70,8 @@ void LineSender::begin() {
     const NotReady reason = why_not_ready(status_, port_.transport().board(), ask_homing(port_));
     throw Error(Exit::job_failed, "machine", reason.what, reason.remedy);
   }
+  if (greeting_.identity.version.find("lamplock") != std::string::npos)
+    lines_ = with_numbers(std::move(lines_));
   check_lengths();
   const Time now = port_.transport().now();
   started_at_ = heard_at_ = now;
@@ -108,6 +110,8 @@ void LineSender::take_status(BoardStatus status) {
   status_ = std::move(status);
   status_of_ = asked_;
   status_open_ = false;
+  // With the numbers of this program: lines before the first answer are those of another one.
+  if (status_.line != 0 && answered_ != 0) at_line_ = status_.line;
   idle_reports_ = fresh() && status_.rests() ? idle_reports_ + 1 : 0;
   // A program that begins with $H or $X ends the alarm by its first line.
   const bool ends_alarm = unlocks_ && answered_ == 0;
@@ -293,12 +297,19 @@ Time LineSender::elapsed() const {
   return phase_ == Phase::ended ? elapsed_ : port_.transport().now() - started_at_;
 }
 
+std::size_t LineSender::executed() const {
+  if (at_line_ == 0 || (answered_ == lines_.size() && status_.rests())) return answered_;
+  const auto at = std::ranges::lower_bound(lines_, at_line_, {}, &ProgramLine::number);
+  return std::min(answered_, static_cast<std::size_t>(at - lines_.begin()));
+}
+
 LineResult LineSender::result() const {
   LineResult result;
   result.end = end_;
   result.sent = sent_;
   result.answered = answered_;
   result.last_line = answered_ == 0 ? 0 : lines_[answered_ - 1].number;
+  result.at_line = at_line_;
   result.errors = errors_;
   result.alarm = alarm_;
   result.status = status_;

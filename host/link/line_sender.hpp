@@ -69,6 +69,7 @@ struct LineResult {
   std::size_t sent = 0;       ///< lines
   std::size_t answered = 0;   ///< lines
   std::size_t last_line = 0;  ///< number in the file of the last line answered; 0 = none
+  std::size_t at_line = 0;    ///< number in the file of the last line executed; 0 = not reported
   std::vector<LineError> errors;
   int alarm = 0;       ///< 0 = not reported
   BoardStatus status;  ///< last one received
@@ -109,6 +110,8 @@ class LineSender {
 
   std::size_t lines() const { return lines_.size(); }
   std::size_t answered() const { return answered_; }
+  /// Lines that the board has executed, if it reports them, else lines answered.
+  std::size_t executed() const;
   const std::vector<LineError>& errors() const { return errors_; }
   const BoardStatus& status() const { return status_; }
   /// Since the first line, by the transport's clock.
@@ -158,6 +161,7 @@ class LineSender {
   std::size_t sent_ = 0;             ///< lines, counted as in lines_
   std::size_t answered_ = 0;         ///< the same
   std::size_t bytes_under_way_ = 0;  ///< of lines_[answered_ .. sent_)
+  std::size_t at_line_ = 0;          ///< last line that a status named; 0 = none
   std::vector<LineError> errors_;
 
   BoardStatus status_;

@@ -48,7 +48,25 @@ void each_word(std::string_view line, char letter, Use use) {
       if (const auto number = number_at(line.substr(i + 1))) use(*number);
 }
 
+/// A line without its own N word at the beginning, unless nothing else is in it.
+std::string_view without_number(std::string_view line) {
+  if (line.empty() || (line.front() != 'N' && line.front() != 'n')) return line;
+  const auto end = line.find_first_not_of("0123456789", 1);
+  return end == std::string_view::npos || end == 1 ? line : trimmed(line.substr(end));
+}
+
 }  // namespace
+
+std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines) {
+  constexpr std::string_view first_letters = "GMXYZABCFSTIJKPQRgmxyzabcfstijkpqr";
+  for (ProgramLine& line : lines) {
+    const std::string_view words = without_number(line.text);
+    if (words.empty() || first_letters.find(words.front()) == std::string_view::npos) continue;
+    std::string numbered = fmt::format("N{}{}", line.number, words);
+    if (numbered.size() < wire::max_line) line.text = std::move(numbered);
+  }
+  return lines;
+}
 
 std::string realtime_fault(std::string_view text) {
   for (const char c : text) {

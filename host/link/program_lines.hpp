@@ -20,6 +20,11 @@ struct ProgramLine {
   std::string text;
 };
 
+/// The lines with their numbers in the file as N words, in place of their own, so that a board
+/// reports the line that it executes. Lines that begin otherwise than with a word of a block (`$`,
+/// `%`, `/`, `:`), or get longer than a board takes (shared/wire/framing.hpp), stay as they are.
+std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines);
+
 /// The line without comments (brackets, semicolon) and white space at both ends; in `$` lines text
 /// that looks like a comment stays. Throws Error(bad_input) about `where` if it has a byte that a
 /// board would execute as a real-time command, with this remedy.

@@ -277,6 +277,8 @@ void JobSender::refuse_job(const RefusedFrame& frame) const {
                         "first not done)",
                         status_.session, job_.item(), status_.first_unfired),
             "finish it there, continue it with --resume, or discard it with --discard" + then);
+      if (status_.state == wire::MachineState::hold)
+        throw_not_ready(why_held(transport_.board()), where, then);
       throw Error(Exit::job_failed, where, "another job is running",
                   "wait until that job ends, or stop it" + then);
     case Result::held:

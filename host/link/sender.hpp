@@ -104,6 +104,9 @@ class JobSender {
   std::uint32_t session() const { return session_; }
   const job::Job& job() const { return job_; }
   bool auto_resume() const { return options_.auto_resume; }
+  /// The machine was silent for options.silence_limit, or the port is gone: the sender tries to
+  /// connect again. The status is that of before.
+  bool is_cut() const { return cut_; }
 
  private:
   using Time = std::chrono::microseconds;

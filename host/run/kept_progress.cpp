@@ -80,6 +80,12 @@ std::unique_ptr<link::KeptJob> keep_progress(const PreparedJob& prepared, BoardO
     frontend.phase("resume", "at " + link::go_on_options(rest));
   } else if (!options.discard && options.from == 0 && options.fired == 0) {
     kept->require_ended();
+    if (const auto at = kept->stopped_at(); at && *at != 0)
+      frontend.notice(
+          fmt::format("the last run of this job was stopped before {0} {1}, and this one begins at "
+                      "{0} 0 again; "
+                      "--resume continues the last run",
+                      prepared.job.item(), *at));
   }
   kept->begin_at(options.from, options.fired);
   return kept;

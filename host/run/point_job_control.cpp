@@ -37,7 +37,9 @@ std::string PointJobControl::keys() const {
 ProgressState PointJobControl::state() const {
   ProgressState shown;
   const wire::MachineState machine = sender_.job_status().state;
-  if (stopping_)
+  if (sender_.is_cut())
+    shown.word = "no link";
+  else if (stopping_)
     shown.word = "stopping";
   else if (machine == wire::MachineState::door)
     shown.word = "door open";
@@ -67,6 +69,13 @@ void PointJobControl::hold() {
 }
 
 void PointJobControl::watch_machine() {
+  if (sender_.is_cut() && !is_cut_)
+    note(
+        "the board does not answer: trying to connect again; look at the machine, it may still "
+        "fire");
+  else if (!sender_.is_cut() && is_cut_)
+    note("connected again");
+  is_cut_ = sender_.is_cut();
   const wire::MachineState state = sender_.status().state;
   if (state == wire::MachineState::door && !asking_)
     ask("door open, laser off: close it");

@@ -63,6 +63,7 @@ class PointJobControl : public JobControl {
 
   link::JobSender& sender_;
   std::vector<std::size_t> pauses_;
+  bool is_cut_ = false;                                    ///< the user knows of a lost connection
   bool held_by_key_ = false;                               ///< by `!`, not by an interrupt
   wire::HoldReason asked_about_ = wire::HoldReason::none;  ///< of the present hold
 };

@@ -42,7 +42,7 @@ void ProgramControl::update_progress() {
   }
   if (clocking_ == Clocking::wall)
     progress_.set_left(time_.left_s(run_s(), feed_percent_, rapid_percent_));
-  progress_.update(sender_.answered());
+  progress_.update(sender_.executed());
 }
 
 std::string ProgramControl::keys() const {

@@ -7,6 +7,7 @@
 #include "host/error.hpp"
 #include "host/estimate/estimate.hpp"
 #include "host/raster/row_motion.hpp"
+#include "shared/look_ahead.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -25,6 +26,9 @@ constexpr std::array of_the_beat{Id::lamp_mode,     Id::lamp_frequency,   Id::q_
 constexpr std::array of_axes{Id::max_rate_x, Id::acceleration_x, Id::speed_jump_x, Id::drive_lag_x,
                              Id::jerk_x};
 
+/// After a change of the job speed: the window under way and the next one, which is planned.
+constexpr std::size_t windows_at_old_speed = 2;
+
 /// Ends an estimate that is not needed any more.
 struct Cancelled {};
 
@@ -32,7 +36,7 @@ struct Cancelled {};
 
 RemainingTime::RemainingTime(job::Job job, std::size_t first, std::uint32_t job_speed)
     : job_(std::make_shared<const job::Job>(std::move(job))),
-      plan_(plan_of(*job_, first, job_speed, is_cancelled_)) {}
+      plans_{plan_of(*job_, first, job_speed, is_cancelled_)} {}
 
 RemainingTime::~RemainingTime() { is_cancelled_ = true; }
 
@@ -88,15 +92,43 @@ std::optional<double> RemainingTime::Plan::at(std::size_t done) const {
   return done - first < left_s.size() ? left_s[done - first] : 0.0;
 }
 
+void RemainingTime::adopt(Plan made) {
+  std::erase_if(plans_, [&made](const Plan& plan) { return plan.first >= made.first; });
+  plans_.push_back(std::move(made));
+}
+
+std::optional<double> RemainingTime::planned_s(std::size_t done) const {
+  double left_s = 0;
+  for (std::size_t i = plans_.size(); i-- > 0;) {
+    const Plan& plan = plans_[i];
+    const auto from_here = plan.at(std::max(done, plan.first));
+    if (!from_here) return std::nullopt;
+    const bool is_last = i + 1 == plans_.size();
+    left_s += *from_here - (is_last ? 0.0 : plan.at(plans_[i + 1].first).value_or(0));
+    if (plan.first <= done) return left_s;
+  }
+  return std::nullopt;
+}
+
+/// The board plans points by windows, and is a window ahead. Lines of rows take their speed when
+/// they begin.
+std::size_t RemainingTime::first_not_planned(std::size_t done) const {
+  if (job_->is_rows()) return done;
+  const std::size_t begin = plans_.front().first;
+  return begin + commit_points * ((done - begin) / commit_points + windows_at_old_speed);
+}
+
 std::optional<double> RemainingTime::left_s(std::size_t done, std::uint32_t job_speed) {
-  if (auto made = next_.take()) plan_ = std::move(*made);
-  const auto left = plan_.at(done);
-  if (!left || plan_.job_speed == job_speed) return left;
+  if (auto made = next_.take()) adopt(std::move(*made));
+  const auto left = planned_s(done);
+  if (!left || plans_.back().job_speed == job_speed) return left;
+  const std::size_t from = std::min(first_not_planned(done), job_->size() - 1);
   if (!next_.is_busy())
-    next_.start([this, done, job_speed, job = job_] {
-      return plan_of(*job, std::min(done, job->size() - 1), job_speed, is_cancelled_);
+    next_.start([this, from, job_speed, job = job_] {
+      return plan_of(*job, from, job_speed, is_cancelled_);
     });
-  return *left * plan_.job_speed / job_speed;
+  const double after = planned_s(from).value_or(0);
+  return *left - after + after * plans_.back().job_speed / job_speed;
 }
 
 settings::Values settings_in_job(const job::Job& job, const link::BoardSettings& machine) {

@@ -3,9 +3,10 @@
 // In:  the job, how many targets or lines are done, the job speed. Out: seconds. Who: run_job.
 //
 // Another job speed is another plan, because lamp, corners and rapids do not become faster with it.
-// The rest of the job is planned in the background; until that is done, the time of the old plan is
-// scaled by the speeds. Holds and missed flashes are not planned; after them the rest is right
-// again.
+// It begins at the first point that the board has not planned yet: those before it are fired at the
+// old speed. The rest of the job is planned in the background; until that is done, the time of the
+// old plan after this point is scaled by the speeds. Holds and missed flashes are not planned;
+// after them the rest is right again.
 #pragma once
 
 #include <atomic>
@@ -49,6 +50,9 @@ class RemainingTime {
     std::vector<float> left_s;
     std::optional<double> at(std::size_t done) const;
   };
+  void adopt(Plan made);
+  std::optional<double> planned_s(std::size_t done) const;
+  std::size_t first_not_planned(std::size_t done) const;
   static Plan plan_of(const job::Job& job, std::size_t first, std::uint32_t job_speed,
                       const std::atomic<bool>& is_cancelled);
   static Plan plan_points(const job::Job& job, std::size_t first, std::uint32_t job_speed,
@@ -56,9 +60,9 @@ class RemainingTime {
   static Plan plan_rows(const job::Job& job, std::uint32_t job_speed);
 
   std::shared_ptr<const job::Job> job_;
-  std::atomic<bool> is_cancelled_{false};  ///< before plan_, whose making reads it
-  Plan plan_;
-  Background<Plan> next_;  ///< the last member: it ends before the others
+  std::atomic<bool> is_cancelled_{false};  ///< before plans_, whose making reads it
+  std::vector<Plan> plans_;                ///< each is valid up to the first item of the next one
+  Background<Plan> next_;                  ///< the last member: it ends before the others
 };
 
 /// The settings that a machine runs a job with: its own speeds and lamp, then the overrides of the

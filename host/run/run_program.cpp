@@ -216,10 +216,13 @@ void write_files(ProgramOutcome& outcome, PinTrace* trace, const BoardOptions& o
     outcome.lost.attempt(options.shots, [&] { write_shots(options.shots, *board, values); });
 }
 
-/// How far it came. What the machine has taken is not all done: it plans ahead.
+/// How far it came. What the machine has accepted is not all done: it plans ahead.
 std::string reach_text(const ProgramOutcome& outcome) {
   const LineResult& result = outcome.result;
   if (result.last_line == 0) return "no line was accepted";
+  if (result.at_line != 0)
+    return fmt::format("line {0} of {1} was under way, at {2}; --from {0} begins it again",
+                       result.at_line, outcome.file, place_text(result.status));
   return fmt::format("line {} of {} was the last one that it accepted, at {}", result.last_line,
                      outcome.file, place_text(result.status));
 }

@@ -101,7 +101,7 @@ SentKind kind_of_sent_file(const std::string& file) {
   const std::string way = way_to_job(file);
   throw Error(
       Exit::bad_input, file, "is neither a job nor a program of G-code",
-      way.empty() ? "make a job of a model or of points: lamplock job MODEL -o FILE.llj" : way);
+      way.empty() ? "give a job (lamplock job MODEL -o FILE.llj) or a program of G-code" : way);
 }
 
 bool is_job_file(const std::string& file) {
