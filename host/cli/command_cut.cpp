@@ -8,16 +8,19 @@
 #include <string>
 #include <vector>
 
+#include "host/cli/board_options.hpp"
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/documents.hpp"
 #include "host/cli/parameter_options.hpp"
+#include "host/cli/program_document.hpp"
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
 #include "host/glass/description_file.hpp"
 #include "host/number_text.hpp"
 #include "host/run/cut.hpp"
+#include "host/run/run_program.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -26,9 +29,13 @@ struct CutOptions {
   run::CutRequest request;
   std::string input;
   bool list = false, json = false;
+  run::BoardOptions board;
   std::vector<const Option*> choices;  ///< that a description has keys for
 
-  CutOptions() { request.description.operations.resize(1); }
+  CutOptions() {
+    request.description.operations.resize(1);
+    board.board.clear();
+  }
 };
 
 /// What the options say, or the description that is given instead of a drawing.
@@ -65,8 +72,8 @@ Json cut_document(const CutOptions& options, const run::CutResult& result) {
   json["cut_mm"] = result.cut_mm;
   json["rapid_mm"] = result.rapid_mm;
   json["bounds"] = bounds_json(result.box);
-  if (result.program_bytes != 0)
-    json["output"] = {{"file", options.request.output}, {"bytes", result.program_bytes}};
+  if (!options.request.output.empty())
+    json["output"] = {{"file", options.request.output}, {"bytes", result.program.size()}};
   if (result.seconds) json["seconds"] = *result.seconds;
   return json;
 }
@@ -89,16 +96,28 @@ void show_list(const run::CutResult& result, Console& console) {
 
 Exit cut_drawing(const CutOptions& options) {
   Console console(options.json);
-  const run::CutRequest request = request_of(options);
-  const bool makes = !request.output.empty() || !request.picture.empty() || !request.save.empty();
+  run::CutRequest request = request_of(options);
+  request.is_for_board = !options.board.board.empty();
+  const bool makes = !request.output.empty() || !request.picture.empty() || !request.save.empty() ||
+                     request.is_for_board;
   if (!makes && !options.list)
     throw Error(Exit::bad_input, "lamplock cut", "no output file is given",
-                "give -o FILE.ngc, --picture FILE.svg or --list");
+                "give -o FILE.ngc, --picture FILE.svg, --board NAME or --list");
   const run::CutResult result =
       makes ? run::make_cut(request, console) : run::list_shapes(request.description, console);
   if (options.list) show_list(result, console);
-  console.document(cut_document(options, result));
-  return Exit::done;
+  Json document = cut_document(options, result);
+  if (!request.is_for_board) {
+    console.document(document);
+    return Exit::done;
+  }
+  run::ProgramOptions asked;
+  asked.machine.machine = request.description.machine.profile;
+  const run::ProgramOutcome outcome = run::run_program_text(
+      request.description.drawing.file, result.program, options.board, asked, console);
+  document["run"] = program_json(outcome);
+  console.document(document);
+  return run::judge_program(outcome, options.board.board, console);
 }
 
 void add_choices(Command& app, CutOptions& options, std::vector<glass::Parameter> parameters,
@@ -126,7 +145,8 @@ void add_cut(Command& program) {
       "  lamplock cut parts.dxf --list\n"
       "  lamplock cut parts.dxf --power 80 --feed 600 --kerf 0.15 --lead-in line -o parts.ngc\n"
       "  lamplock cut parts.dxf --material plywood -o parts.ngc\n"
-      "  lamplock send parts.ngc --board /dev/ttyACM0");
+      "  lamplock cut parts.dxf --material plywood --board auto --frame\n"
+      "  lamplock cut parts.dxf --material plywood --board auto");
   const auto options = std::make_shared<CutOptions>();
   run::CutDescription& description = options->request.description;
   app.add_option("DRAWING", &options->input, "Drawing (dxf, svg) or description of a job (toml)")
@@ -164,12 +184,14 @@ void add_cut(Command& program) {
       .show_default();
   app.add_option("--dry", &options->request.is_dry,
                  "Make the program without light and air, to see its motion");
+  app.add_option("--frame", &options->request.is_frame,
+                 "Make a program that runs around the cuts instead, without light");
   std::vector<glass::Parameter> drawing = run::parameters(description.drawing);
   drawing.erase(drawing.begin());  // the file is DRAWING
   add_choices(app, *options, std::move(drawing), "Drawing");
   add_choices(app, *options, run::parameters(description.operations.front()), "Operation");
   add_choices(app, *options, run::parameters(description.machine), "Machine");
-  app.add_json(options->json);
+  add_board(app, options->board, options->json);
   app.action([options] { return cut_drawing(*options); });
 }
 

@@ -32,7 +32,9 @@ template <class Record>
 Json list_json(const std::vector<Record>& records, Console& console) {
   Json list = Json::array();
   for (const Record& record : records) {
-    console.line(line_of(record));
+    std::string line = line_of(record);
+    line.erase(line.find_last_not_of(' ') + 1);
+    console.line(line);
     list.push_back(record_json(record));
   }
   return list;

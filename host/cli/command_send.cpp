@@ -8,6 +8,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/finish_job.hpp"
 #include "host/cli/machine_options.hpp"
+#include "host/cli/program_document.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/report_job.hpp"
 #include "host/run/run_program.hpp"
@@ -41,29 +42,6 @@ Json rows_json(const run::SentJob& sent, const std::string& board) {
           {"bad_frames", result.bad_frames + result.status.link.bad_frames},
           {"reconnects", result.reconnects},
           {"not_written", sent.outcome.lost.names()}};
-}
-
-Json program_json(const run::ProgramOutcome& outcome) {
-  const link::LineResult& result = outcome.result;
-  Json errors = Json::array();
-  for (const link::LineError& e : result.errors)
-    errors.push_back({{"line", e.line}, {"error", e.error}, {"text", link::error_text(e.error)}});
-  const auto or_null = [](bool there, auto value) { return there ? Json(value) : Json(nullptr); };
-  return {
-      {"program", outcome.file},
-      {"end", run::end_name(outcome)},
-      {"lines", outcome.lines},
-      {"answered", result.answered},
-      {"last_line", or_null(result.last_line != 0, result.last_line)},
-      {"errors", errors},
-      {"alarm", or_null(result.alarm != 0, result.alarm)},
-      {"seconds", std::chrono::duration<double>(result.elapsed).count()},
-      {"planned_seconds", or_null(outcome.planned_s.has_value(), outcome.planned_s.value_or(0))},
-      {"state", result.status.state},
-      {"position", result.status.position},
-      {"of_work", result.status.of_work},
-      {"work_offset", result.status.work_offset},
-      {"not_written", outcome.lost.names()}};
 }
 
 /// A job contains its machine. A profile is that of the simulated board; for a real board only the

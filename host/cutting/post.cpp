@@ -90,12 +90,15 @@ class ProgramWriter {
  public:
   ProgramWriter(const CutPlan& plan, const std::vector<Operation>& operations, const Post& post,
                 const ProgramFrame& frame)
-      : plan_(plan), operations_(operations), post_(post), frame_(frame) {}
+      : plan_(plan), operations_(operations), post_(post), frame_(frame) {
+    if (post.machine == MachineType::lathe) safe_radius_ = safe_radius();
+  }
 
   std::string text() && {
     comment(frame_.title);
     write(PostEvent::begin);
     for (std::size_t i = 0; i < plan_.cuts.size(); ++i) write_cut(i);
+    if (post_.machine != MachineType::laser) leave();
     if (has_air_) write(PostEvent::air_off);
     write(PostEvent::end);
     return std::move(text_);
@@ -118,6 +121,7 @@ class ProgramWriter {
     const Operation& operation = operations_[cut.operation];
     if (operation_ != cut.operation) begin_operation(cut.operation);
     comment(fmt::format("{}: {}", number + 1, frame_.names[cut.shape]));
+    if (post_.machine != MachineType::laser) return write_passes(cut, operation);
     const std::size_t passes =
         operation.z_mm.empty() ? static_cast<std::size_t>(operation.passes) : operation.z_mm.size();
     for (std::size_t pass = 0; pass < passes; ++pass) {
@@ -127,6 +131,75 @@ class ProgramWriter {
         write_stroke(cut.strokes[i], operation);
       }
     }
+  }
+
+  /// The passes of a tool. It leaves the sheet between strokes.
+  void write_passes(const PlannedCut& cut, const Operation& operation) {
+    PassHeights heights{frame_.tooling.surface_mm, 0, 0};
+    if (!operation.z_mm.empty()) heights.final_mm = operation.z_mm.back();
+    const std::vector<double> passes =
+        operation.z_mm.empty() ? std::vector<double>{0} : operation.z_mm;
+    for (const double z : passes) {
+      heights.to_mm = z;
+      for (const Stroke& stroke : cut.strokes) write_moves(tool_path(stroke, heights));
+      heights.from_mm = z;
+    }
+  }
+
+  std::vector<ToolMove> tool_path(const Stroke& stroke, const PassHeights& heights) {
+    switch (post_.machine) {
+      case MachineType::knife:
+        return knife_path(stroke, heights, frame_.tooling, heading_);
+      case MachineType::lathe:
+        return lathe_path(stroke, heights, frame_.tooling);
+      case MachineType::mill:
+      case MachineType::laser:
+        break;
+    }
+    return mill_path(stroke, heights, frame_.tooling);
+  }
+
+  void write_moves(const std::vector<ToolMove>& moves) {
+    leave();
+    const bool is_lathe = post_.machine == MachineType::lathe;
+    const Vec first = moves.front().edge.from;
+    if (is_lathe) {
+      set_place({first.x, safe_radius_});
+      write(PostEvent::rapid);
+      set_place(first);
+      write(PostEvent::sink);
+    } else {
+      go_to(first);
+    }
+    write(PostEvent::shape_begin);
+    for (const ToolMove& move : moves) {
+      if (!is_lathe && set_height(move.z_from_mm)) write(PostEvent::sink);
+      set_height(move.z_to_mm);
+      write_edge(move.edge);
+    }
+    write(PostEvent::shape_end);
+  }
+
+  /// To where rapids are free: above the sheet, or around the contours of a lathe.
+  void leave() {
+    if (post_.machine == MachineType::lathe) {
+      set_place({at_ ? at_->x : 0, safe_radius_});
+      at_.reset();
+      write(PostEvent::height);
+    } else if (set_height(frame_.tooling.surface_mm + frame_.tooling.clearance_mm)) {
+      write(PostEvent::height);
+    }
+  }
+
+  double safe_radius() const {
+    double radius = 0, allowance = 0;
+    for (const PlannedCut& cut : plan_.cuts) {
+      const std::vector<double>& z_mm = operations_[cut.operation].z_mm;
+      if (!z_mm.empty()) allowance = std::max(allowance, z_mm.front() - z_mm.back());
+      for (const Stroke& stroke : cut.strokes)
+        for (const CutMove& move : stroke) radius = std::max(radius, box_of(move.edge).high.y);
+    }
+    return radius + allowance + frame_.tooling.away_mm + frame_.tooling.clearance_mm;
   }
 
   void begin_operation(std::size_t number) {
@@ -180,6 +253,8 @@ class ProgramWriter {
     at_ = rounded(at);
     templates_.set(PostValue::x, post_number(at_->x, post_.decimals));
     templates_.set(PostValue::y, post_number(at_->y, post_.decimals));
+    templates_.set(PostValue::diameter,
+                   post_number(at_->y * (frame_.has_radii ? 1 : 2), post_.decimals));
   }
 
   void go_to(const Vec& at) {
@@ -190,11 +265,16 @@ class ProgramWriter {
   }
 
   void go_to_height(double z_mm) {
-    std::string z = post_number(z_mm, post_.decimals);
-    if (z == templates_.value(PostValue::z)) return;
-    templates_.set(PostValue::z, std::move(z));
+    if (!set_height(z_mm)) return;
     set_power(0);
     write(PostEvent::height);
+  }
+  /// True if it is another one.
+  bool set_height(double z_mm) {
+    std::string z = post_number(z_mm, post_.decimals);
+    if (z == templates_.value(PostValue::z)) return false;
+    templates_.set(PostValue::z, std::move(z));
+    return true;
   }
 
   /// An arc beyond half a circle becomes two, so that its end is never near its begin, where
@@ -228,6 +308,8 @@ class ProgramWriter {
   std::optional<std::size_t> operation_;
   double power_ = 0;  ///< of the last line for it
   bool has_air_ = false;
+  double safe_radius_ = 0;  ///< of a lathe, around all contours
+  Vec heading_{1, 0};       ///< of the blade of a knife; along X at first
 };
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "host/cutting/cut_plan.hpp"
+#include "host/cutting/tool_path.hpp"
 
 namespace lamplock::cutting {
 
@@ -22,7 +22,8 @@ enum class PostEvent : std::uint8_t {
   comment,      ///< before each shape
   operation,    ///< before the first shape of an operation, and after another one
   rapid,        ///< to where a stroke begins, dark
-  height,       ///< Z of a pass
+  height,       ///< Z of a pass; of tools the clearance before a rapid
+  sink,         ///< of tools: with feed to the height where a stroke begins, or a tab
   shape_begin,  ///< at the begin of a stroke
   pierce,       ///< a wait with the laser on
   power,        ///< before the first move with another power
@@ -34,17 +35,31 @@ enum class PostEvent : std::uint8_t {
   air_off,
   end  ///< of the program
 };
-inline constexpr std::array<const char*, 15> post_event_names{
-    "begin", "comment", "operation", "rapid",     "height", "shape_begin", "pierce", "power",
-    "line",  "arc_cw",  "arc_ccw",   "shape_end", "air_on", "air_off",     "end"};
+inline constexpr std::array<const char*, 16> post_event_names{
+    "begin", "comment", "operation", "rapid",   "height",    "sink",   "shape_begin", "pierce",
+    "power", "line",    "arc_cw",    "arc_ccw", "shape_end", "air_on", "air_off",     "end"};
 
 /// Names of the values of templates.
-enum class PostValue : std::uint8_t { x, y, z, i, j, feed, power, seconds, text, tool, operation };
-inline constexpr std::array<const char*, 11> post_value_names{
-    "x", "y", "z", "i", "j", "feed", "power", "seconds", "text", "tool", "operation"};
+enum class PostValue : std::uint8_t {
+  x,
+  y,
+  z,
+  i,
+  j,
+  diameter,  ///< twice y: X of a lathe
+  feed,
+  power,
+  seconds,
+  text,
+  tool,
+  operation
+};
+inline constexpr std::array<const char*, 12> post_value_names{
+    "x", "y", "z", "i", "j", "diameter", "feed", "power", "seconds", "text", "tool", "operation"};
 
 struct Post {
   std::string name, about;
+  MachineType machine = MachineType::laser;
   int decimals = 4;  ///< of positions in mm
   /// The program is for a board of this project: its interpreter checks it.
   bool is_checked = true;
@@ -62,9 +77,13 @@ struct ProgramFrame {
   std::string title;               ///< the first comment
   std::vector<std::string> names;  ///< of each shape, for comments
   double max_s = 1000;             ///< S word of the maximum power
+  Tooling tooling{};
+  /// Diameters are radii: a program for the interpreter that checks it, which has no diameters.
+  bool has_radii = false;
 };
 
-/// The program. Moves that the rounding of positions makes nothing are left out.
+/// The program. Moves that the rounding of positions makes nothing are left out. Throws Error
+/// (bad_input) as lathe_path().
 std::string cut_program(const CutPlan& plan, const std::vector<Operation>& operations,
                         const Post& post, const ProgramFrame& frame);
 

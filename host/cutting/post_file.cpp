@@ -48,6 +48,12 @@ class PostReader {
     if (name == "name" || name == "about") {
       if (!node.is_string()) wrong("a text", "write it in quotes");
       (name == "name" ? post_.name : post_.about) = node.as_string()->get();
+    } else if (name == "machine") {
+      const auto machine = std::find(machine_type_names.begin(), machine_type_names.end(),
+                                     node.value_or(std::string_view{}));
+      if (machine == machine_type_names.end())
+        wrong("the type of a machine", "write laser, mill, knife or lathe, in quotes");
+      post_.machine = static_cast<MachineType>(machine - machine_type_names.begin());
     } else if (name == "checked") {
       if (!node.is_boolean()) wrong("true or false", "write one of them, without quotes");
       post_.is_checked = node.as_boolean()->get();
@@ -60,7 +66,8 @@ class PostReader {
       if (!node.is_table()) wrong("a table", "write [lines]");
       for (const auto& [event, lines] : *node.as_table()) read_event(event, lines);
     } else {
-      const std::vector<std::string> known{"name", "about", "decimals", "checked", "lines"};
+      const std::vector<std::string> known{"name",     "about",   "machine",
+                                           "decimals", "checked", "lines"};
       refuse(key.source(), fmt::format("unknown key '{}'", name),
              did_you_mean(name, known, fmt::format("use {}", fmt::join(known, ", "))));
     }

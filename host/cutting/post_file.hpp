@@ -3,6 +3,7 @@
 // In:  a name, or a file. Out: templates. Who: the use case of cutting.
 //
 //   name = "grbl"        about = "..."
+//   machine = "laser"    laser, mill, knife or lathe: the moves that are written
 //   decimals = 4         of positions
 //   checked = true       lamplock's interpreter checks the programs
 //   [lines]              one key for each event of post.hpp: a line or a list of lines

@@ -5,6 +5,7 @@
 #include "host/glass/description.hpp"
 #include "host/glass/lens.hpp"
 #include "host/glass/material.hpp"
+#include "host/glass/profile_parameter.hpp"
 #include "host/glass/transformation.hpp"
 #include "host/glass/unused_parameters.hpp"
 #include "host/units.hpp"
@@ -268,17 +269,15 @@ std::vector<Parameter> depth_parameters(Object& o) {
 
 }  // namespace
 
+Parameter profile_parameter(std::string& file) {
+  return {"profile", "--machine", &file, "Machine profile (TOML); default: built-in settings",
+          "FILE",    {},          {},    nullptr,
+          true};
+}
+
 std::vector<Parameter> parameters(MachineChoice& m) {
   return {
-      {"profile",
-       "--machine",
-       &m.profile,
-       "Machine profile (TOML); default: built-in settings",
-       "FILE",
-       {},
-       {},
-       nullptr,
-       true},
+      profile_parameter(m.profile),
       {"mode",
        "--mode",
        &m.mode,

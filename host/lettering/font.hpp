@@ -4,35 +4,27 @@
 // Who: text_curves().
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "host/model/curves.hpp"
+#include "host/lettering/letters.hpp"
 
 namespace lamplock::lettering {
 
-/// A line of text that begins in the origin, x along the baseline, y upwards; the font size is 1.
-struct LetteredLine {
-  std::vector<model::Path> paths;  ///< closed
-  double width = 0;                ///< to where the next letter would begin
-  std::size_t missing = 0;         ///< letters that the font does not have
-};
-
-class Font {
+/// Outlines of letters: closed paths.
+class Font final : public Letters {
  public:
   /// Throws Error(bad_input) if the file cannot be read or is not a font with outlines.
   explicit Font(const std::filesystem::path& file, unsigned index = 0);
-  ~Font();
+  ~Font() override;
   Font(const Font&) = delete;
   Font& operator=(const Font&) = delete;
 
-  LetteredLine line(const std::string& text) const;
-  const std::filesystem::path& file() const { return file_; }
-  double capital() const { return capital_; }  ///< height of a capital letter
-  double descent() const { return descent_; }  ///< from the baseline down, positive
+  LetteredLine line(const std::string& text) const override;
+  std::string name() const override { return file_.string(); }
+  double capital() const override { return capital_; }
+  double descent() const override { return descent_; }
 
  private:
   struct Shaper;

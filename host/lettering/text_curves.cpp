@@ -14,7 +14,7 @@ using model::TextBlock;
 using model::TextUnit;
 
 /// Breaks a line at blanks where it is longer than `width`, in font sizes. A longer word is whole.
-std::vector<std::string> wrapped(const std::string& line, double width, const Font& font) {
+std::vector<std::string> wrapped(const std::string& line, double width, const Letters& font) {
   std::vector<std::string> lines;
   std::string begun;
   for (std::size_t at = 0; at <= line.size();) {
@@ -31,7 +31,7 @@ std::vector<std::string> wrapped(const std::string& line, double width, const Fo
 }
 
 /// Height of the baseline of the first line.
-double first_baseline(const TextBlock& block, std::size_t lines, double size, const Font& font) {
+double first_baseline(const TextBlock& block, std::size_t lines, double size, const Letters& font) {
   const double capital = font.capital() * size;
   const double others = static_cast<double>(lines - 1) * block.line_step;
   switch (block.anchor) {
@@ -48,7 +48,7 @@ double first_baseline(const TextBlock& block, std::size_t lines, double size, co
 }
 
 /// Capital letters are as high as the size of the block, or the font is as large as it.
-double font_size(const TextBlock& block, const Font& font) {
+double font_size(const TextBlock& block, const Letters& font) {
   return block.unit == TextUnit::capital ? block.size / font.capital() : block.size;
 }
 
@@ -60,7 +60,7 @@ struct PlacedLine {
 
 class TextDrawing {
  public:
-  explicit TextDrawing(const Font& font) : font_(font) {}
+  explicit TextDrawing(const Letters& font) : font_(font) {}
 
   TextCurves curves() && { return std::move(curves_); }
 
@@ -118,13 +118,13 @@ class TextDrawing {
     }
   }
 
-  const Font& font_;
+  const Letters& font_;
   TextCurves curves_;
 };
 
 }  // namespace
 
-TextCurves text_curves(const std::vector<TextBlock>& blocks, const Font& font) {
+TextCurves text_curves(const std::vector<TextBlock>& blocks, const Letters& font) {
   TextDrawing drawing(font);
   for (std::size_t i = 0; i < blocks.size();) {
     std::size_t end = i + 1;

@@ -109,7 +109,7 @@ class CardWriter {
   /// The next move sets feed and power.
   void set(double feed_mm_min, double power_w) {
     words_ = fmt::format(" F{:.3f} S{:.3f}", feed_mm_min,
-                         power_w / request_.full_power_w * request_.full_power_s);
+                         request_.laser.share_of(power_w) * request_.full_power_s);
   }
   void cut(double x_mm, double y_mm) {
     line(

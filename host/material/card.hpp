@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "host/material/records.hpp"
+
 namespace lamplock::material {
 
 enum class CardKind : std::uint8_t { depth, grid, kerf };
@@ -30,7 +32,7 @@ struct CardRequest {
   std::string title{};  ///< a comment of the program
   std::vector<double> feeds_mm_min{}, powers_w{};
   std::vector<int> passes{1};
-  double full_power_w = 0;  ///< of the laser
+  Laser laser{};
   double full_power_s = 0;  ///< S word of full power
   double label_feed_mm_min = 0, label_power_w = 0;
   bool air = false;

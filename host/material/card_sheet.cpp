@@ -63,32 +63,33 @@ std::optional<double> unless_zero(double value) {
   return value == 0 ? std::nullopt : std::optional<double>(value);
 }
 
+/// What a measurement and a setting of a card have in common.
+template <class Record>
+Record record_of(const SheetTable& table, const CardSheet& sheet,
+                 const std::filesystem::path& file) {
+  Record record;
+  record.material = sheet.material;
+  record.laser = sheet.laser;
+  record.thickness_mm = sheet.thickness_mm;
+  record.feed_mm_min = table.number("feed_mm_min");
+  record.power_w = table.number("power_w");
+  record.passes = table.whole("passes");
+  record.source = "card " + file.filename().string();
+  return record;
+}
+
 Measurement read_cut(const SheetTable& table, const CardSheet& sheet,
                      const std::filesystem::path& file) {
-  Measurement cut;
-  cut.material = sheet.material;
-  cut.laser = sheet.laser;
-  cut.thickness_mm = sheet.thickness_mm;
-  cut.feed_mm_min = table.number("feed_mm_min");
-  cut.power_w = table.number("power_w");
-  cut.passes = table.whole("passes");
+  auto cut = record_of<Measurement>(table, sheet, file);
   cut.depth_mm = unless_zero(table.number("depth_mm"));
   cut.result = table.text("result");
   cut.note = table.text("note");
-  cut.source = "card " + file.filename().string();
   return cut;
 }
 
 Setting read_kerf(const SheetTable& table, const CardSheet& sheet,
                   const std::filesystem::path& file) {
-  Setting setting;
-  setting.material = sheet.material;
-  setting.laser = sheet.laser;
-  setting.thickness_mm = sheet.thickness_mm;
-  setting.feed_mm_min = table.number("feed_mm_min");
-  setting.power_w = table.number("power_w");
-  setting.passes = table.whole("passes");
-  setting.source = "card " + file.filename().string();
+  auto setting = record_of<Setting>(table, sheet, file);
   const int slats = table.whole("slats");
   const double pitch_mm = table.number("pitch_mm"), together_mm = table.number("together_mm");
   if (slats < 1 || !(pitch_mm > 0))

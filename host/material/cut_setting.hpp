@@ -22,8 +22,8 @@ struct CutSetting {
   std::string material{}, laser{};
   std::optional<double> thickness_mm{};  ///< of the material; none: not known
   double feed_mm_min = 0;
-  double power_w = 0;       ///< of the beam
-  double full_power_w = 0;  ///< of the laser: power_w / full_power_w is the part of the full S
+  double power_w = 0;      ///< of the beam
+  double power_share = 0;  ///< the same in parts of the power of the laser
   int passes = 1;
   bool air = false;
   std::optional<double> kerf_mm{};  ///< width of the cut; none: not measured

@@ -1,6 +1,6 @@
-// Digits and letters of one stroke, for labels that a laser engraves.
+// Letters of single strokes, for labels that a laser engraves.
 //
-// In:  a text of digits, dots, capitals F, N, P, W and blanks; the height of its letters. Out:
+// In:  a text, the height of its capitals. Out:
 // lines. Who: the test cards.
 #pragma once
 
@@ -17,7 +17,7 @@ using Stroke = std::vector<LabelPoint>;
 
 /// The strokes of a text. A character that has no strokes is left blank.
 std::vector<Stroke> label_strokes(std::string_view text, double height_mm);
-/// From the left edge of the first letter to the right edge of the last one.
+/// To the right edge of the last stroke.
 double label_width_mm(std::string_view text, double height_mm);
 
 }  // namespace lamplock::material

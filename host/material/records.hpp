@@ -7,6 +7,7 @@
 // Feeds are in mm/min, as in programs and on the command line; powers are those of the beam in W.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -30,6 +31,8 @@ struct Laser {
   std::string note{}, source{};
 
   cutting::BeamShape beam() const;
+  /// A power of the beam in parts of full power, at most 1.
+  double share_of(double beam_power_w) const { return std::min(beam_power_w / power_w, 1.0); }
 };
 
 /// A material in one colour, and in one thickness if it has one. Its name is the key.

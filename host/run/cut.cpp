@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -21,6 +22,7 @@
 #include "host/run/bounds_text.hpp"
 #include "host/run/cut_drawing.hpp"
 #include "host/run/cut_material.hpp"
+#include "host/run/frame.hpp"
 #include "host/run/machine_options.hpp"
 #include "host/run/prepare.hpp"
 #include "host/run/sent_file.hpp"
@@ -30,6 +32,7 @@ namespace lamplock::run {
 namespace {
 
 using cutting::CutPlan;
+using cutting::MachineType;
 using cutting::Operation;
 using cutting::OperationKind;
 using cutting::Shape;
@@ -108,13 +111,13 @@ Prepared prepare_cut(const CutDescription& description, Frontend& frontend) {
   return prepared;
 }
 
-std::vector<Operation> operations_of(const CutDescription& description,
+std::vector<Operation> operations_of(const CutDescription& description, MachineType machine,
                                      const settings::Values& values) {
   std::vector<Operation> operations;
   for (std::size_t i = 0; i < description.operations.size(); ++i) {
     const OperationChoice& choice = description.operations[i];
-    operations.push_back(
-        operation_of(choice, operation_name(choice, i), description.machine.surface_mm, values));
+    operations.push_back(operation_of(choice, operation_name(choice, i),
+                                      description.machine.surface_mm, machine, values));
   }
   // After passes with depths the others return to the surface.
   const bool has_heights = std::any_of(operations.begin(), operations.end(),
@@ -134,16 +137,48 @@ void begin_at(std::size_t first, CutPlan& plan) {
   plan.cuts.erase(plan.cuts.begin(), plan.cuts.begin() + static_cast<std::ptrdiff_t>(first - 1));
 }
 
-void make_dark(std::vector<Operation>& operations) {
+/// Light and air are off; tools stay above the sheet, or away from the contours of a lathe.
+void make_dry(std::vector<Operation>& operations, MachineType machine, cutting::Tooling& tooling) {
   for (Operation& operation : operations) {
     operation.power = operation.pierce_s = 0;
     operation.has_air = false;
+    if (machine == MachineType::mill || machine == MachineType::knife)
+      operation.z_mm = {tooling.surface_mm + tooling.clearance_mm};
+    if (machine == MachineType::lathe) operation.z_mm.clear();
   }
+  if (machine == MachineType::lathe) tooling.away_mm = tooling.clearance_mm;
 }
+
+/// Replaces the cuts by a run around them, without light and slow enough to watch.
+void run_around(CutPlan& plan, std::vector<Operation>& operations) {
+  constexpr double max_feed_mm_min = default_frame_speed_m_s * 1000 * 60;
+  cutting::Box box;
+  for (const cutting::PlannedCut& cut : plan.cuts)
+    for (const cutting::Stroke& stroke : cut.strokes)
+      for (const cutting::CutMove& move : stroke) box.add(cutting::box_of(move.edge));
+  const cutting::Vec low = box.low, high = box.high;
+  const std::array<cutting::Vec, 5> corners{low, {high.x, low.y}, high, {low.x, high.y}, low};
+  cutting::PlannedCut around{plan.cuts.front().operation, plan.cuts.front().shape, {{}}};
+  for (std::size_t i = 1; i < corners.size(); ++i)
+    around.strokes.front().push_back(
+        {{corners[i - 1], corners[i], {}, 0}, cutting::CutKind::cut, 1});
+  Operation& operation = operations[around.operation];
+  operation.feed_mm_min = std::min(max_feed_mm_min, operation.feed_mm_min);
+  operation.passes = 1;
+  if (!operation.z_mm.empty()) operation.z_mm.resize(1);
+  plan.rapid_mm = distance(cutting::Vec{}, low);
+  plan.cuts = {std::move(around)};
+}
+
+/// The type of the machine and its tool.
+struct ToolSetup {
+  MachineType machine = MachineType::laser;
+  cutting::Tooling tooling{};
+};
 
 /// Adds lengths and the box of the plan.
 void measure_plan(const CutPlan& plan, const std::vector<Operation>& operations,
-                  CutResult& result) {
+                  const ToolSetup& setup, CutResult& result) {
   cutting::Box box;
   for (const cutting::PlannedCut& cut : plan.cuts) {
     for (const cutting::Stroke& stroke : cut.strokes) {
@@ -162,7 +197,15 @@ void measure_plan(const CutPlan& plan, const std::vector<Operation>& operations,
   }
   result.cuts = plan.cuts.size();
   result.rapid_mm = plan.rapid_mm;
+  if (setup.machine == MachineType::mill || setup.machine == MachineType::knife)
+    high_z = std::max(high_z, setup.tooling.surface_mm + setup.tooling.clearance_mm);
+  // The axis of a knife is beside its blade.
+  box = box.grown(setup.tooling.knife_offset_mm);
   result.box = {{box.low.x, box.low.y, low_z}, {box.high.x, box.high.y, high_z}};
+  // The passes of a lathe begin farther outside by its depth.
+  const double outer = high_z - low_z + setup.tooling.away_mm + setup.tooling.clearance_mm;
+  if (setup.machine == MachineType::lathe)
+    result.box = {{box.low.y, 0, box.low.x}, {box.high.y + outer, 0, box.high.x}};
 }
 
 void require_inside(const std::string& file, const geometry::Bounds& box,
@@ -270,12 +313,20 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   const CutDescription& description = request.description;
   check_cut_outputs(request);
   const cutting::Post post = cutting::post_of(description.machine.post);
+  if (request.is_frame && post.machine == MachineType::lathe)
+    throw Error(Exit::bad_input, description.machine.post,
+                "a lathe cannot run around its workpiece", "make a dry run");
+  if (request.is_for_board && (!post.is_checked || post.machine == MachineType::lathe))
+    throw Error(Exit::bad_input, description.machine.post,
+                "programs of this post-processor are not for a lamplock board",
+                "write the program with -o, or give another post-processor");
   const job::Profile profile = MachineOptions{description.machine.profile}.profile();
   auto [drawing, result] = prepare_cut(description, frontend);
-  std::vector<Operation> operations =
-      operations_of(with_materials(description, request.library, frontend), profile.settings);
-  if (request.is_dry) make_dark(operations);
-  if (post.is_checked) {
+  ToolSetup setup{post.machine, tooling_of(description.machine, post.machine)};
+  std::vector<Operation> operations = operations_of(
+      with_materials(description, request.library, frontend), post.machine, profile.settings);
+  if (request.is_dry || request.is_frame) make_dry(operations, post.machine, setup.tooling);
+  if (post.is_checked && post.machine == MachineType::laser) {
     warn_of_pulsed(profile.settings, frontend, result);
     warn_of_dark_pierce(operations, profile.settings, frontend, result);
   }
@@ -285,7 +336,8 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
     result.warnings.push_back(text);
   }
   begin_at(request.first, plan);
-  measure_plan(plan, operations, result);
+  if (request.is_frame) run_around(plan, operations);
+  measure_plan(plan, operations, setup, result);
   require_inside(description.drawing.file, result.box, profile.settings);
   frontend.phase("plan", fmt::format("{}, {} mm to cut, {} mm of rapids, {}",
                                      count_text(result.cuts, "cut"), number_text(result.cut_mm),
@@ -295,18 +347,22 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
                             std::filesystem::path(description.drawing.file).filename().string());
   for (const CutShape& row : result.shapes) frame.names.push_back(row_name(row));
   frame.max_s = in_units(profile.settings, settings::Id::max_spindle_speed);
-  const std::string program = cutting::cut_program(plan, operations, post, frame);
-  if (post.is_checked)
-    result.seconds = checked_seconds(program, profile.settings, description.machine.post);
+  frame.tooling = setup.tooling;
+  result.program = cutting::cut_program(plan, operations, post, frame);
+  if (post.is_checked) {
+    frame.has_radii = post.machine == MachineType::lathe;
+    result.seconds = checked_seconds(
+        frame.has_radii ? cutting::cut_program(plan, operations, post, frame) : result.program,
+        profile.settings, description.machine.post);
+  }
   CutFiles files;
   if (!request.picture.empty())
     files.add(request.picture, cutting::plan_svg(plan, drawing.shapes, operations, frame.title));
   if (!request.save.empty())
     files.add(request.save,
               to_text(description, std::filesystem::absolute(request.save).parent_path()));
-  files.add(request.output, program);
+  files.add(request.output, result.program);
   files.commit();
-  if (!request.output.empty()) result.program_bytes = program.size();
   for (const std::string& file : {request.output, request.picture, request.save})
     if (!file.empty()) frontend.phase("written", file);
   if (result.seconds) frontend.say("time     {}", duration_text(*result.seconds));

@@ -25,6 +25,8 @@ struct CutRequest {
   std::size_t first =
       1;                ///< number of the first cut of the program, from 1 in the order of the plan
   bool is_dry = false;  ///< the whole program without light and air
+  bool is_frame = false;      ///< runs around what is cut instead, without light
+  bool is_for_board = false;  ///< refuses a program that is not for a board of lamplock
 };
 
 /// A contour of the drawing, in the place where it is cut.
@@ -44,13 +46,13 @@ struct CutResult {
   double cut_mm = 0, rapid_mm = 0;  ///< with the laser on, between contours; in one pass
   geometry::Bounds box{};           ///< of the program
   std::optional<double> seconds{};  ///< none if the program is not for a board of lamplock
-  std::size_t program_bytes = 0;
+  std::string program{};
 };
 
 /// The shapes of the drawing, with the operation of each. Throws Error(bad_input).
 CutResult list_shapes(const CutDescription& description, Frontend& frontend);
 
-/// Writes the files of the request. Throws Error(bad_input).
+/// Makes the program and writes the files of the request. Throws Error(bad_input).
 CutResult make_cut(const CutRequest& request, Frontend& frontend);
 
 }  // namespace lamplock::run

@@ -18,6 +18,7 @@
 namespace lamplock::run {
 namespace {
 
+using cutting::MachineType;
 using settings::Id;
 
 /// The place of a name in a list of names; the parameters accept no others.
@@ -56,9 +57,12 @@ double feed_of(const OperationChoice& choice, const std::string& name,
 
 /// Z of each pass; none without depths.
 std::vector<double> heights_of(const OperationChoice& choice, const std::string& name,
-                               double surface_mm) {
+                               double surface_mm, MachineType machine) {
+  const bool is_laser = machine == MachineType::laser;
+  if (!is_laser && machine != MachineType::lathe && !choice.final_depth_mm)
+    throw Error(Exit::bad_input, name, "has no depth", "give the final depth in mm");
   if (!choice.infeed_mm && !choice.final_depth_mm) return {};
-  if (!choice.infeed_mm || !choice.final_depth_mm)
+  if (!choice.final_depth_mm || (is_laser && !choice.infeed_mm))
     throw Error(Exit::bad_input, name,
                 choice.infeed_mm ? "has an infeed without a final depth"
                                  : "has a final depth without an infeed",
@@ -66,12 +70,38 @@ std::vector<double> heights_of(const OperationChoice& choice, const std::string&
   if (choice.passes)
     throw Error(Exit::bad_input, name, "has passes and also an infeed, which gives their number",
                 "leave out one of them");
-  std::vector<double> z_mm = cutting::focus_passes(*choice.final_depth_mm, *choice.infeed_mm);
+  const double depth_mm = *choice.final_depth_mm, infeed_mm = choice.infeed_mm.value_or(depth_mm);
+  // A laser is in focus where the pass before it has ended, a tool reaches the depth.
+  std::vector<double> z_mm = is_laser ? cutting::focus_passes(depth_mm, infeed_mm)
+                                      : cutting::tool_passes(depth_mm, infeed_mm);
   if (static_cast<double>(z_mm.size()) > max_cut_passes)
     throw Error(Exit::bad_input, name, fmt::format("has {} passes", z_mm.size()),
                 "give a greater infeed");
   for (double& z : z_mm) z += surface_mm;
   return z_mm;
+}
+
+/// Refuses what a machine of this type cannot do.
+void require_fit(const OperationChoice& choice, const std::string& name, MachineType machine) {
+  const auto refuse_unless = [&](bool fits, const char* what) {
+    if (fits) return;
+    throw Error(Exit::bad_input, name,
+                fmt::format("a {} has no {}",
+                            cutting::machine_type_names[static_cast<std::size_t>(machine)], what),
+                "leave it out, or give the post-processor of another machine");
+  };
+  const bool is_laser = machine == MachineType::laser, is_mill = machine == MachineType::mill;
+  refuse_unless(is_laser || choice.kind != "engrave", "engraving with lines");
+  refuse_unless(is_laser || choice.pierce_s == 0, "pierce time");
+  refuse_unless(is_laser || !choice.material, "settings in the material library");
+  refuse_unless(is_laser || !choice.passes, "passes without a depth");
+  const bool has_leads = choice.lead_in != "none" || choice.lead_out != "none";
+  refuse_unless(is_laser || is_mill || !has_leads, "leads");
+  refuse_unless(is_laser || is_mill || choice.tabs == 0, "tabs");
+  refuse_unless(machine != MachineType::lathe || choice.overcut_mm == 0, "overcut");
+  refuse_unless(machine != MachineType::knife || choice.kerf_mm.value_or(0) == 0, "kerf");
+  refuse_unless(machine != MachineType::knife || !choice.power_percent, "power");
+  refuse_unless(machine != MachineType::knife || !choice.has_air, "air");
 }
 
 void read_operations(const toml::node& node, CutDescription& description,
@@ -170,14 +200,19 @@ cutting::Operation bare_operation(const OperationChoice& choice, const std::stri
 }
 
 cutting::Operation operation_of(const OperationChoice& choice, const std::string& name,
-                                double surface_mm, const settings::Values& values) {
+                                double surface_mm, MachineType machine,
+                                const settings::Values& values) {
   using namespace cutting;
   constexpr double percent = 0.01;
   Operation operation = bare_operation(choice, name);
   if (operation.kind == OperationKind::ignore) return operation;
-  operation.power = needed(choice.power_percent, name, "power", "percent") * percent;
+  require_fit(choice, name, machine);
+  // A drag knife has nothing to switch on.
+  operation.power = machine == MachineType::knife
+                        ? 1
+                        : needed(choice.power_percent, name, "power", "percent") * percent;
   operation.feed_mm_min = feed_of(choice, name, values);
-  operation.z_mm = heights_of(choice, name, surface_mm);
+  operation.z_mm = heights_of(choice, name, surface_mm, machine);
   operation.passes = choice.passes.value_or(1);
   operation.has_air = choice.has_air;
   operation.kerf_mm = choice.kerf_mm.value_or(0);
@@ -203,6 +238,29 @@ cutting::Operation operation_of(const OperationChoice& choice, const std::string
   operation.overcut_mm = choice.overcut_mm;
   operation.tabs = {choice.tabs, choice.tab_mm, choice.tab_power, choice.tab_corner_mm};
   return operation;
+}
+
+cutting::Tooling tooling_of(const CutMachineChoice& choice, MachineType machine) {
+  const auto require_machine = [&](bool fits, const char* option, const char* which) {
+    if (fits) return;
+    throw Error(Exit::bad_input, option,
+                fmt::format("is for {}, not for the post-processor", which),
+                "leave it out, or give another post-processor");
+  };
+  require_machine(!choice.clearance_mm || machine != MachineType::laser, "clearance",
+                  "mills, knives and lathes");
+  require_machine(!choice.ramp_deg || machine == MachineType::mill, "ramp angle", "mills");
+  require_machine(!choice.knife_offset_mm || machine == MachineType::knife, "knife offset",
+                  "knives");
+  if (machine == MachineType::knife && !choice.knife_offset_mm)
+    throw Error(Exit::bad_input, "knife", "the distance of the blade from its axis is not known",
+                "give the knife offset in mm; 0 for a knife that is turned by its machine");
+  cutting::Tooling tooling;
+  tooling.surface_mm = choice.surface_mm;
+  tooling.clearance_mm = choice.clearance_mm.value_or(tooling.clearance_mm);
+  tooling.ramp_deg = choice.ramp_deg.value_or(tooling.ramp_deg);
+  tooling.knife_offset_mm = choice.knife_offset_mm.value_or(0);
+  return tooling;
 }
 
 }  // namespace lamplock::run

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "host/cutting/operation.hpp"
+#include "host/cutting/tool_path.hpp"
 #include "host/glass/parameters.hpp"
 #include "shared/settings_table.hpp"
 
@@ -27,7 +28,7 @@ struct DrawingChoice {
   std::string file{};
   std::optional<std::string> units{};
   double tolerance_mm = 0.01;    ///< as cutting::JoinOptions
-  std::string text = "outline";  ///< what becomes of text: outline, none
+  std::string text = "outline";  ///< what becomes of text: outline, stroke, none
   std::string font = "sans";     ///< file, or name of a font of the computer
   std::optional<double> x_mm{}, y_mm{};
 };
@@ -36,6 +37,8 @@ struct CutMachineChoice {
   std::string profile{};  ///< file; empty: the default machine
   std::string post = "grbl";
   double surface_mm = 0;
+  /// Of tools (cutting::Tooling); none: its default.
+  std::optional<double> clearance_mm{}, ramp_deg{}, knife_offset_mm{};
 };
 
 /// One operation as its user writes it. The values that have no default here are those of a
@@ -91,9 +94,14 @@ std::string operation_name(const OperationChoice& choice, std::size_t number);
 cutting::Operation bare_operation(const OperationChoice& choice, const std::string& name);
 
 /// The values for the plan, on a sheet whose surface has this height. Throws Error(bad_input) for
-/// an operation without power or feed, with more than the machine has, and for depths that do not
-/// belong together.
+/// an operation without power or feed, with more than the machine has, for depths that do not
+/// belong together, and for what a machine of this type cannot do.
 cutting::Operation operation_of(const OperationChoice& choice, const std::string& name,
-                                double surface_mm, const settings::Values& values);
+                                double surface_mm, cutting::MachineType machine,
+                                const settings::Values& values);
+
+/// Throws Error(bad_input) for values that a machine of this type does not have, and for a knife
+/// without an offset.
+cutting::Tooling tooling_of(const CutMachineChoice& choice, cutting::MachineType machine);
 
 }  // namespace lamplock::run

@@ -13,6 +13,8 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/lettering/font.hpp"
+#include "host/lettering/stroke_letters.hpp"
 #include "host/lettering/text_curves.hpp"
 #include "host/model/colour.hpp"
 #include "host/model/input.hpp"
@@ -51,19 +53,24 @@ model::LetteredDrawing read_drawing(const DrawingChoice& drawing) {
   return {std::move(*curves), {}};
 }
 
-/// Adds the outlines of texts to the curves of a drawing.
-void add_outlines(const std::vector<model::TextBlock>& texts, const std::string& font_name,
-                  model::Curves& curves, CutDrawing& result) {
+std::unique_ptr<lettering::Letters> letters_of(const DrawingChoice& drawing) {
+  if (drawing.text == "stroke") return std::make_unique<lettering::StrokeLetters>();
+  return lettering::font_named(drawing.font);
+}
+
+/// Adds the letters of texts to the curves of a drawing.
+void add_letters(const std::vector<model::TextBlock>& texts, const DrawingChoice& drawing,
+                 model::Curves& curves, CutDrawing& result) {
   if (texts.empty()) return;
-  const std::unique_ptr<lettering::Font> font = lettering::font_named(font_name);
+  const std::unique_ptr<lettering::Letters> font = letters_of(drawing);
   lettering::TextCurves letters = lettering::text_curves(texts, *font);
   for (model::Path& path : letters.paths) curves.paths.push_back(std::move(path));
   result.texts = texts.size();
-  result.font = font->file().string();
+  result.font = font->name();
   if (letters.missing > 0)
-    result.warnings.push_back(
-        fmt::format("{} of the texts are not in the font {}: give another font",
-                    count_text(letters.missing, "character"), result.font));
+    result.warnings.push_back(fmt::format(
+        "{} of the texts are not in {}: {}", count_text(letters.missing, "character"), result.font,
+        drawing.text == "stroke" ? "use outlines for them" : "give another font"));
 }
 
 double mm_of(const std::string& unit) {
@@ -243,9 +250,9 @@ CutDrawing read_cut_drawing(const CutDescription& description) {
   result.warnings = curves.warnings;
   if (const std::string rest = model::left_out_text(curves); !rest.empty())
     result.warnings.push_back(fmt::format("left out: {}", rest));
-  add_outlines(texts, drawing.font, curves, result);
+  add_letters(texts, drawing, curves, result);
   if (curves.paths.empty())
-    throw Error(Exit::bad_input, drawing.file, "has no curves and no letters with an outline",
+    throw Error(Exit::bad_input, drawing.file, "has no curves and no letters to cut",
                 "draw lines, arcs or splines");
   if (factor != 1)
     curves = transformed(std::move(curves), geometry::scaled(factor, factor, factor));

@@ -17,8 +17,8 @@ struct CutDrawing {
   std::vector<cutting::Shape> shapes;
   std::vector<std::string> layers;  ///< of each shape
   std::vector<std::string> warnings;
-  std::size_t texts = 0;  ///< that are outlines now
-  std::string font;       ///< file of the font of them
+  std::size_t texts = 0;  ///< that are curves now
+  std::string font;       ///< file of their font, or name of their letters
 };
 
 /// Throws Error(bad_input): a file that is no drawing or cannot be read, a drawing without a unit,

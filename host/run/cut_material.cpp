@@ -30,8 +30,7 @@ void require_material(const OperationChoice& choice, const std::string& name) {
 /// passes with a depth each are the user's.
 void fill(OperationChoice& choice, const material::CutSetting& setting) {
   constexpr double percent = 100;
-  if (!choice.power_percent)
-    choice.power_percent = std::min(percent * setting.power_w / setting.full_power_w, percent);
+  if (!choice.power_percent) choice.power_percent = percent * setting.power_share;
   if (!choice.feed_mm_min) choice.feed_mm_min = setting.feed_mm_min;
   if (!choice.passes && !choice.infeed_mm) choice.passes = setting.passes;
   if (!choice.kerf_mm && choice.kind == "cut") choice.kerf_mm = setting.kerf_mm;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/cutting/post_file.hpp"
+#include "host/glass/profile_parameter.hpp"
 #include "host/model/colour.hpp"
 #include "host/run/cut_description.hpp"
 
@@ -89,9 +90,7 @@ std::vector<Parameter> material_parameters(OperationChoice& o) {
   };
 }
 
-std::vector<Parameter> path_parameters(OperationChoice& o) {
-  constexpr Range angle{0, 270, false};
-  const std::vector<std::string> shapes{"none", "line", "arc"};
+std::vector<Parameter> side_parameters(OperationChoice& o) {
   return {
       {"compensation",
        "--compensation",
@@ -108,28 +107,33 @@ std::vector<Parameter> path_parameters(OperationChoice& o) {
        "",
        {},
        {"auto", "drawn", "reversed", "cw", "ccw"}},
-      {"lead_in",
-       "--lead-in",
-       &o.lead_in,
-       "Way from the pierce point, in the waste, to closed contours",
-       "",
-       {},
-       shapes},
-      {"lead_in_mm", "--lead-in-mm", &o.lead_in_mm,
-       "Length of the line or radius of the arc of the lead-in", "MM", glass::positive},
-      {"lead_in_angle", "--lead-in-angle", &o.lead_in_deg,
-       "Angle of the line to the contour, below 180, or angle that the arc turns", "DEG", angle},
-      {"lead_out",
-       "--lead-out",
-       &o.lead_out,
-       "Way from closed contours into the waste",
-       "",
-       {},
-       shapes},
-      {"lead_out_mm", "--lead-out-mm", &o.lead_out_mm,
-       "Length of the line or radius of the arc of the lead-out", "MM", glass::positive},
-      {"lead_out_angle", "--lead-out-angle", &o.lead_out_deg,
-       "Angle of the line to the contour, below 180, or angle that the arc turns", "DEG", angle},
+  };
+}
+
+/// A way into a contour or out of it.
+struct LeadChoice {
+  std::string key, option, name, about;
+  std::string& shape;
+  double& size_mm;
+  double& angle_deg;
+};
+
+std::vector<Parameter> lead_parameters(const LeadChoice& lead) {
+  return {
+      {lead.key, lead.option, &lead.shape, lead.about, "", {}, {"none", "line", "arc"}},
+      {lead.key + "_mm", lead.option + "-mm", &lead.size_mm,
+       "Length of the line or radius of the arc of the " + lead.name, "MM", glass::positive},
+      {lead.key + "_angle",
+       lead.option + "-angle",
+       &lead.angle_deg,
+       "Angle of the line to the contour, below 180, or angle that the arc turns",
+       "DEG",
+       {0, 270, false}},
+  };
+}
+
+std::vector<Parameter> end_parameters(OperationChoice& o) {
+  return {
       {"overcut", "--overcut", &o.overcut_mm, "Closed contours are cut beyond their begin by this",
        "MM", glass::not_negative},
       {"tabs",
@@ -139,8 +143,8 @@ std::vector<Parameter> path_parameters(OperationChoice& o) {
        "N",
        {0, max_cut_tabs, true}},
       {"tab_width", "--tab-width", &o.tab_mm, "Width of a tab", "MM", glass::positive},
-      {"tab_power", "--tab-power", &o.tab_power, "Power in tabs, in parts of that of the cut",
-       "SHARE", glass::share},
+      {"tab_power", "--tab-power", &o.tab_power,
+       "Power in tabs, or depth of a mill, in parts of that of the cut", "SHARE", glass::share},
       {"tab_corner", "--tab-corner", &o.tab_corner_mm, "Distance of tabs from corners", "MM",
        glass::not_negative},
   };
@@ -181,10 +185,12 @@ std::vector<Parameter> parameters(DrawingChoice& d) {
       {"text",
        "--text",
        &d.text,
-       "outline: text becomes the outlines of its letters; none: it is left out",
+       "outline: text becomes the outlines of its letters; stroke: lines along their middle; none: "
+       "it "
+       "is left out",
        "",
        {},
-       {"outline", "none"}},
+       {"outline", "stroke", "none"}},
       {"font", "--font", &d.font, "Font of the text: a file (ttf, otf) or a name, \"Arial:bold\"",
        "FONT"},
       {"tolerance",
@@ -202,29 +208,47 @@ std::vector<Parameter> parameters(DrawingChoice& d) {
 
 std::vector<Parameter> parameters(CutMachineChoice& m) {
   return {
-      {"profile",
-       "--machine",
-       &m.profile,
-       "Machine profile (TOML); default: built-in settings",
-       "FILE",
-       {},
-       {},
-       nullptr,
-       true},
+      glass::profile_parameter(m.profile),
       {"post", "--post", &m.post,
        "Post-processor: " + fmt::format("{}", fmt::join(cutting::post_names(), ", ")) +
            " or a file of templates (TOML)",
        "NAME"},
       {"surface", "--surface", &m.surface_mm,
-       "Z at which the laser is in focus on the surface, for passes with depths", "MM",
-       place_range},
+       "Z at which the laser is in focus, or the tool touches, on the surface, for passes with "
+       "depths",
+       "MM", place_range},
+      {"clearance", "--clearance", &m.clearance_mm,
+       "Tools: height of rapids above the surface; lathes: distance from the contours; default: 5",
+       "MM", glass::positive},
+      {"ramp_angle",
+       "--ramp-angle",
+       &m.ramp_deg,
+       "Mills: slope of the way into the sheet; default: 10",
+       "DEG",
+       {1, 89, true}},
+      {"knife_offset",
+       "--knife-offset",
+       &m.knife_offset_mm,
+       "Drag knives: distance of the tip of the blade from its swivel axis",
+       "MM",
+       {0, 50, true}},
   };
 }
 
 std::vector<Parameter> parameters(OperationChoice& operation) {
   std::vector<Parameter> list = choice_parameters(operation);
   append_parameters(list, material_parameters(operation));
-  append_parameters(list, path_parameters(operation));
+  append_parameters(list, side_parameters(operation));
+  append_parameters(
+      list, lead_parameters({"lead_in", "--lead-in", "lead-in",
+                             "Way from the pierce point, in the waste, to closed "
+                             "contours",
+                             operation.lead_in, operation.lead_in_mm, operation.lead_in_deg}));
+  append_parameters(list,
+                    lead_parameters({"lead_out", "--lead-out", "lead-out",
+                                     "Way from closed contours into the waste", operation.lead_out,
+                                     operation.lead_out_mm, operation.lead_out_deg}));
+  append_parameters(list, end_parameters(operation));
   append_parameters(list, hatch_parameters(operation));
   return list;
 }

@@ -136,7 +136,7 @@ material::CardRequest request_of(const CardOptions& options, const Laser& laser,
                 "give one feed, one power and one number of passes that cut through");
   request.powers_w = power_list(options.powers.empty() ? "100%" : options.powers, laser);
   request.passes = pass_list(options.passes.empty() ? "1" : options.passes);
-  request.full_power_w = laser.power_w;
+  request.laser = laser;
   request.full_power_s = in_units(values, Id::max_spindle_speed);
   request.label_feed_mm_min = options.label_feed_mm_min.value_or(default_label_feed_mm_min);
   request.label_power_w =

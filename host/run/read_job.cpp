@@ -24,6 +24,11 @@ std::string way_to_job(const std::string& file) {
       shell_text({std::filesystem::path(file).replace_extension(".llj").string()});
   const std::string name = shell_text({file});
   const std::string points = fmt::format("make a job of it: lamplock job {} -o {}", name, job);
+  if (kind == InputKind::curves) {
+    const std::string program =
+        shell_text({std::filesystem::path(file).replace_extension(".ngc").string()});
+    return fmt::format("cut it: lamplock cut {} -o {}, or {}", name, program, points);
+  }
   if (kind != InputKind::bitmap) return points;
   return fmt::format("{} (points in glass), or lamplock raster {} --feed MM_MIN -o {} (rows)",
                      points, name, job);

@@ -245,8 +245,8 @@ std::string then_unlock(const std::string& board, link::Homing homing) {
 /// A reset in motion is an alarm.
 bool was_stopped(LineEnd end) { return end == LineEnd::stopped || end == LineEnd::alarm; }
 
-Program read_program(const std::string& file) {
-  Program program{{file, read_program_text(file), {}}, {}, {}};
+Program program_of(const std::string& file, std::string text) {
+  Program program{{file, std::move(text), {}}, {}, {}};
   program.text.lines = link::program_lines(program.text.source, file);
   if (program.text.lines.empty()) throw no_line_to_send(file);
   refuse_sleep(program.text);
@@ -327,7 +327,16 @@ ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
   check_options(options);
   options.check({file});
   require_askable(options, frontend);
-  Program program = read_program(file);
+  return run_program_text(file, read_program_text(file), options, asked, frontend);
+}
+
+ProgramOutcome run_program_text(const std::string& name, std::string text,
+                                const BoardOptions& options, const ProgramOptions& asked,
+                                Frontend& frontend) {
+  check_options(options);
+  options.check();
+  require_askable(options, frontend);
+  Program program = program_of(name, std::move(text));
   const settings::Values values = asked.machine.profile().settings;
   BoardLink board(options, values);
   ask_permission(program, options, frontend);

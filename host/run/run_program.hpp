@@ -2,7 +2,7 @@
 //
 // In:  a file, where to run it. Out: how it went. Ctrl-C stops: the machine is held, and reset once
 //      it is at rest.
-// Who: `send`.
+// Who: `send`, `cut`.
 #pragma once
 
 #include <cstddef>
@@ -44,6 +44,11 @@ const char* end_name(const ProgramOutcome& outcome);
 /// Sends it and waits for its end. Throws Error where nothing was sent.
 ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
                            const ProgramOptions& asked, Frontend& frontend);
+
+/// The same of a program that is not in a file; `name` is its name in messages.
+ProgramOutcome run_program_text(const std::string& name, std::string text,
+                                const BoardOptions& options, const ProgramOptions& asked,
+                                Frontend& frontend);
 
 /// Exit status of a program, with a notice if the user has stopped it, and for each file that is
 /// lost. Throws Error for every other end before its last line.

@@ -57,7 +57,7 @@ TEST_F(CutSettings, are_those_of_the_thickness_or_of_any) {
   const CutSetting cut = found({"plywood", "diode-10w", 3});
   EXPECT_EQ(cut.feed_mm_min, 600);
   EXPECT_EQ(cut.power_w, 2);
-  EXPECT_EQ(cut.full_power_w, 10);
+  EXPECT_EQ(cut.power_share, 0.2);
   EXPECT_EQ(cut.passes, 1);
   EXPECT_EQ(found({"plywood", "diode-10w", 2.9}).feed_mm_min, 100);
   EXPECT_EQ(found({"plywood", "diode-10w", {}}).feed_mm_min, 100);
