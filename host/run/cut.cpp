@@ -295,18 +295,18 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
                             std::filesystem::path(description.drawing.file).filename().string());
   for (const CutShape& row : result.shapes) frame.names.push_back(row_name(row));
   frame.max_s = in_units(profile.settings, settings::Id::max_spindle_speed);
-  const std::string program = cutting::cut_program(plan, operations, post, frame);
+  result.program = cutting::cut_program(plan, operations, post, frame);
   if (post.is_checked)
-    result.seconds = checked_seconds(program, profile.settings, description.machine.post);
+    result.seconds = checked_seconds(result.program, profile.settings, description.machine.post);
   CutFiles files;
   if (!request.picture.empty())
     files.add(request.picture, cutting::plan_svg(plan, drawing.shapes, operations, frame.title));
   if (!request.save.empty())
     files.add(request.save,
               to_text(description, std::filesystem::absolute(request.save).parent_path()));
-  files.add(request.output, program);
+  files.add(request.output, result.program);
   files.commit();
-  if (!request.output.empty()) result.program_bytes = program.size();
+  if (!request.output.empty()) result.program_bytes = result.program.size();
   for (const std::string& file : {request.output, request.picture, request.save})
     if (!file.empty()) frontend.phase("written", file);
   if (result.seconds) frontend.say("time     {}", duration_text(*result.seconds));

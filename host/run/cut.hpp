@@ -44,7 +44,8 @@ struct CutResult {
   double cut_mm = 0, rapid_mm = 0;  ///< with the laser on, between contours; in one pass
   geometry::Bounds box{};           ///< of the program
   std::optional<double> seconds{};  ///< none if the program is not for a board of lamplock
-  std::size_t program_bytes = 0;
+  std::size_t program_bytes = 0;    ///< that were written
+  std::string program{};            ///< its text; none of list_shapes()
 };
 
 /// The shapes of the drawing, with the operation of each. Throws Error(bad_input).
