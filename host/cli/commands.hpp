@@ -13,6 +13,7 @@ void add_points(Command& program);
 void add_order(Command& program);
 void add_check(Command& program);
 void add_diagnose(Command& program);
+void add_heat(Command& program);
 void add_jerk(Command& program);
 void add_job(Command& program);
 void add_raster(Command& program);

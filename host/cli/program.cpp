@@ -30,6 +30,7 @@ std::unique_ptr<Command> make_own_commands() {
   add_check(*program);
   add_diagnose(*program);
   add_jerk(*program);
+  add_heat(*program);
   add_job(*program);
   add_raster(*program);
   add_cut(*program);

@@ -44,6 +44,10 @@ struct Material {
   std::optional<double> density_g_cm3{}, specific_energy_kj_g{}, absorption{};
   bool cuttable = true;                      ///< false: it absorbs too little power
   std::optional<double> burn_feed_mm_min{};  ///< its edges burn at this feed and below
+  /// What the temperature field needs beside density and absorption.
+  std::optional<double> conductivity_w_mk{}, specific_heat_j_gk{}, absorption_per_mm{};
+  std::optional<double> emissivity{}, latent_heat_j_g{}, molar_mass_g_mol{}, boiling_k{};
+  std::string thermal_source{};
   std::string note{}, source{};
 };
 

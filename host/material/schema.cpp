@@ -67,7 +67,19 @@ CREATE TABLE measurement (
 CREATE INDEX measurement_material ON measurement(material);
 )sql";
 
-constexpr std::array steps_of_library{first_tables};
+/// Constants of the temperature field.
+constexpr const char* thermal_columns = R"sql(
+ALTER TABLE material ADD COLUMN conductivity_w_mk REAL;
+ALTER TABLE material ADD COLUMN specific_heat_j_gk REAL;
+ALTER TABLE material ADD COLUMN absorption_per_mm REAL;
+ALTER TABLE material ADD COLUMN emissivity REAL;
+ALTER TABLE material ADD COLUMN latent_heat_j_g REAL;
+ALTER TABLE material ADD COLUMN molar_mass_g_mol REAL;
+ALTER TABLE material ADD COLUMN boiling_k REAL;
+ALTER TABLE material ADD COLUMN thermal_source TEXT NOT NULL DEFAULT '';
+)sql";
+
+constexpr std::array steps_of_library{first_tables, thermal_columns};
 
 }  // namespace
 

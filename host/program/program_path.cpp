@@ -59,7 +59,7 @@ class PathReader {
     if (const char* what = refused_kind(action.kind); what != nullptr)
       throw Error(Exit::bad_input, fmt::format("{}:{}", file_, line),
                   fmt::format("{} cannot be written into another program", what),
-                  "optimise the parts before and after this line");
+                  "give the parts before and after this line");
     switch (action.kind) {
       case ActionKind::move:
         move(action, line);

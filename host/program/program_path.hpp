@@ -3,7 +3,7 @@
 // In:  the text of a program, the settings of a machine. Out: its moves in order, each with the
 //      vertices of the chords that the interpreter makes of a curve, and G-code for dwells,
 //      coolant, pauses and the end. Who: `lamplock jerk`, which writes the program again with other
-//      feeds.
+//      feeds, and `lamplock heat`.
 //
 // The program starts at machine zero. Coordinates are those of the machine, in mm.
 #pragma once

@@ -1,0 +1,49 @@
+#include "host/run/heat_files.hpp"
+
+#include <memory>
+
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/file/staged_file.hpp"
+
+namespace lamplock::run {
+
+void check_heat_files(const HeatOptions& options) {
+  if (!options.picture.empty() && lower_extension(options.picture) != ".svg")
+    throw Error(Exit::bad_input, options.picture, "pictures of temperatures are written as SVG",
+                "name it something.svg");
+  for (const std::string& file : {options.csv, options.picture})
+    if (!file.empty()) check_target(file);
+}
+
+void write_heat_files(const HeatOptions& options, const std::function<std::string()>& csv,
+                      const std::function<std::string()>& picture, Frontend& frontend) {
+  // Both or none.
+  std::unique_ptr<StagedFile> table, drawing;
+  if (!options.csv.empty()) {
+    table = std::make_unique<StagedFile>(options.csv);
+    write_file(table->path(), csv());
+  }
+  if (!options.picture.empty()) {
+    drawing = std::make_unique<StagedFile>(options.picture);
+    write_file(drawing->path(), picture());
+  }
+  if (table) {
+    table->commit();
+    frontend.say("table     {}", options.csv);
+  }
+  if (drawing) {
+    drawing->commit();
+    frontend.say("picture   {}", options.picture);
+  }
+}
+
+void say_refinement(double change, double max_change, const std::string& remedy,
+                    Frontend& frontend) {
+  frontend.say("refined   half the mesh and step change the largest rise by {:.2g} %",
+               100 * change);
+  if (change > max_change)
+    frontend.say("warning   the result is not converged to {:g} %: {}", 100 * max_change, remedy);
+}
+
+}  // namespace lamplock::run

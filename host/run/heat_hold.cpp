@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/error.hpp"
+#include "host/run/heat.hpp"
+#include "host/run/heat_files.hpp"
+#include "host/text.hpp"
+#include "host/thermal/heat_chart.hpp"
+
+namespace lamplock::run {
+namespace {
+
+constexpr double hold_mm_min_per_mm_s = 60;
+
+/// "450K", "450", "177C".
+double temperature_of(const std::string& text) {
+  std::string_view digits = text;
+  double zero = 0;
+  if (digits.ends_with('K')) {
+    digits.remove_suffix(1);
+  } else if (digits.ends_with('C')) {
+    digits.remove_suffix(1);
+    zero = thermal::zero_celsius_k;
+  }
+  const auto value = lamplock::number_of<double>(digits);
+  if (!value)
+    throw Error(Exit::bad_input, "--hold", fmt::format("'{}' is not a temperature", text),
+                "write it as 450K or 177C");
+  return *value + zero;
+}
+
+thermal::StraightSetup straight_setup(const HeatOptions& options, const HeatCase& heat) {
+  return {heat.body, heat.surface, heat.beam, {}, options.thickness_mm};
+}
+
+std::string held_csv(const std::vector<thermal::HeldPair>& pairs) {
+  std::string text = "feed_mm_min,power_w,temperature_k,convection_w,radiation_w,evaporation_w\n";
+  for (const thermal::HeldPair& pair : pairs)
+    fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g},{:.6g},{:.6g},{:.6g}\n",
+                   pair.speed_mm_s * hold_mm_min_per_mm_s, pair.power_w, pair.at.max_k,
+                   pair.at.losses_w.convection, pair.at.losses_w.radiation,
+                   pair.at.losses_w.evaporation);
+  return text;
+}
+
+void say_pair(const thermal::HeldPair& pair, const HeatCase& heat, Frontend& frontend) {
+  const char* note = "";
+  if (!pair.at.is_steady)
+    note = "  not steady yet";
+  else if (heat.laser_w && pair.power_w > *heat.laser_w)
+    note = "  more than the laser has";
+  const double lost = pair.at.absorbed_w > 0 ? pair.at.losses_w.total() / pair.at.absorbed_w : 0;
+  frontend.say("{:>10.4g} mm/min{:>12.4g} W{:>12.1f} K{:>11.3g} %{}",
+               pair.speed_mm_s * hold_mm_min_per_mm_s, pair.power_w, pair.at.max_k, 100 * lost,
+               note);
+}
+
+std::string response_csv(const thermal::LoopResponse& a, const thermal::LoopResponse& b) {
+  std::string text = "time_s,set_point_k,set_point_output,absorption_k,absorption_output\n";
+  constexpr std::size_t each = 20;
+  for (std::size_t i = 0; i < a.times_s.size(); i += each)
+    fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", a.times_s[i],
+                   a.deviations_k[i], a.outputs[i], b.deviations_k[i], b.outputs[i]);
+  return text;
+}
+
+}  // namespace
+
+HeldHeat held_heat(const HeatOptions& options, Frontend& frontend) {
+  check_heat_files(options);
+  HeldHeat out;
+  out.hold_k = temperature_of(options.hold);
+  out.heat = heat_case(options, true);
+  const thermal::StraightSetup setup = straight_setup(options, out.heat);
+  std::vector<double> feeds = options.feeds_mm_min;
+  if (feeds.empty() && options.feed_mm_min) feeds = {*options.feed_mm_min};
+  if (feeds.empty()) feeds = {60, 120, 300, 600, 1200};
+  say_case(out.heat, frontend);
+  frontend.say("      feed           power     surface      lost");
+  for (const double feed : feeds) {
+    out.pairs.push_back(thermal::held_pair(setup, feed / hold_mm_min_per_mm_s, out.hold_k));
+    require_balance(out.pairs.back().at.balance);
+    say_pair(out.pairs.back(), out.heat, frontend);
+  }
+  double worst = 0;
+  for (const thermal::HeldPair& pair : out.pairs)
+    worst = std::max(worst, pair.at.balance.relative_error());
+  frontend.say("balance   {:.1e} of the absorbed energy is not accounted for", worst);
+  if (options.has_check) {
+    // Slow beams heat by conduction far around them, where the mesh is coarse.
+    const thermal::HeldPair& slowest =
+        *std::min_element(out.pairs.begin(), out.pairs.end(),
+                          [](const auto& a, const auto& b) { return a.speed_mm_s < b.speed_mm_s; });
+    out.refinement = thermal::straight_refinement(setup, slowest.speed_mm_s, slowest.power_w);
+    say_refinement(*out.refinement, max_body_change, "the powers are rough", frontend);
+  }
+  const auto picture = [&] {
+    thermal::Curve curve;
+    for (const thermal::HeldPair& pair : out.pairs) {
+      curve.x.push_back(pair.speed_mm_s * hold_mm_min_per_mm_s);
+      curve.y.push_back(pair.power_w);
+    }
+    return thermal::heat_chart({{"feed / mm/min", "power / W", {curve}}},
+                               fmt::format("{}: {:g} K held", out.heat.material, out.hold_k));
+  };
+  write_heat_files(
+      options, [&] { return held_csv(out.pairs); }, picture, frontend);
+  return out;
+}
+
+TunedHeat tuned_heat(const HeatOptions& options, Frontend& frontend) {
+  check_heat_files(options);
+  if (options.gain_k.has_value() != options.time_constant_s.has_value())
+    throw Error(Exit::bad_input, "--tune", "gain and time constant belong together",
+                "give --gain and --time-constant, or neither");
+  TunedHeat out;
+  if (options.gain_k) {
+    out.plant = {*options.gain_k, *options.time_constant_s};
+  } else {
+    const HeatCase heat = heat_case(options, true);
+    if (!options.feed_mm_min)
+      throw Error(Exit::bad_input, "--tune", "the feed is not known", "give --feed");
+    say_case(heat, frontend);
+    out.plant = thermal::measured_plant(straight_setup(options, heat),
+                                        *options.feed_mm_min / hold_mm_min_per_mm_s, heat.power_w);
+  }
+  constexpr double set_point_part = 0.1, absorption_part = 0.1;
+  out.loop = thermal::tuned_loop(out.plant, options.goal);
+  out.set_point =
+      thermal::set_point_step(out.plant, out.loop, options.goal, set_point_part * out.plant.gain_k);
+  out.absorption = thermal::absorption_step(out.plant, out.loop, options.goal, absorption_part);
+  frontend.say("process   gain {:.5g} K for a doubled power, time constant {:.4g} s",
+               out.plant.gain_k, out.plant.time_constant_s);
+  frontend.say("damping   zeta {:.4f}, omega {:.1f} rad/s", out.loop.zeta, out.loop.omega_rad_s);
+  frontend.say("settings  Kp {:.5g} 1/K, Ki {:.5g} 1/(K s), outputs 1 = programmed power",
+               out.loop.kp, out.loop.ki_per_s);
+  frontend.say("set point +10 %: settled after {:.4f} s, overshoot {:.2f} %",
+               out.set_point.settling_s, 100 * out.set_point.overshoot);
+  frontend.say("absorption +10 %: settled after {:.4f} s, overshoot {:.2f} % of the deviation",
+               out.absorption.settling_s, 100 * out.absorption.overshoot);
+  const auto picture = [&] {
+    const auto& s = out.set_point;
+    const auto& a = out.absorption;
+    return thermal::heat_chart(
+        {{"time / s",
+          "temperature deviation / K",
+          {{"set point", s.times_s, s.deviations_k}, {"absorption", a.times_s, a.deviations_k}}},
+         {"time / s",
+          "output, 1 = programmed power",
+          {{"set point", s.times_s, s.outputs}, {"absorption", a.times_s, a.outputs}}}},
+        fmt::format("loop with Kp {:.4g}, Ki {:.4g}: steps of 10 %", out.loop.kp,
+                    out.loop.ki_per_s));
+  };
+  write_heat_files(
+      options, [&] { return response_csv(out.set_point, out.absorption); }, picture, frontend);
+  return out;
+}
+
+}  // namespace lamplock::run

@@ -1,0 +1,221 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "host/error.hpp"
+#include "host/glass/description_file.hpp"
+#include "host/number_text.hpp"
+#include "host/program/program_path.hpp"
+#include "host/run/cut.hpp"
+#include "host/run/heat.hpp"
+#include "host/run/heat_files.hpp"
+#include "host/run/sent_file.hpp"
+#include "host/thermal/path_picture.hpp"
+#include "host/units.hpp"
+
+namespace lamplock::run {
+namespace {
+
+using program_run::PathLaser;
+using program_run::PathStep;
+using settings::Id;
+using thermal::BeamMove;
+
+/// The field is computed at each step; more would take hours.
+constexpr std::size_t max_path_steps = 50'000;
+
+/// Moves of a program in the plane; a move of Z alone is a rest.
+std::vector<BeamMove> moves_of(const std::vector<PathStep>& steps, const settings::Values& values,
+                               double full_power_w) {
+  constexpr double min_per_s = 1.0 / 60;
+  const double rapid = std::max(in_units(values, Id::max_rate_x, 0) * min_per_s, 1e-3);
+  const double max_s = in_units(values, Id::max_spindle_speed);
+  std::vector<BeamMove> moves;
+  for (const PathStep& step : steps) {
+    if (step.move.vertices.empty()) {
+      if (step.text.starts_with("G4 P"))
+        moves.push_back({.rest_s = std::stod(step.text.substr(4))});
+      continue;
+    }
+    const auto& move = step.move;
+    const bool is_lit = move.laser == PathLaser::constant || move.laser == PathLaser::proportional;
+    for (std::size_t i = 1; i < move.vertices.size(); ++i) {
+      const auto &from = move.vertices[i - 1], &to = move.vertices[i];
+      BeamMove one{.line = move.line, .x0 = from[0], .y0 = from[1], .x1 = to[0], .y1 = to[1]};
+      one.speed_mm_s = move.rapid || move.feed_mm_s <= 0 ? rapid : move.feed_mm_s;
+      one.is_proportional = move.laser == PathLaser::proportional;
+      if (is_lit) one.power_w = full_power_w * std::min(1.0, move.s / max_s);
+      if (from[0] == to[0] && from[1] == to[1])
+        one.rest_s = std::abs(to[2] - from[2]) / one.speed_mm_s;
+      if (from[0] == to[0] && from[1] == to[1]) one.power_w = 0;
+      moves.push_back(one);
+    }
+  }
+  // A rest is where the beam is.
+  for (std::size_t i = 1; i < moves.size(); ++i)
+    if (moves[i].line == 0) {
+      moves[i].x0 = moves[i].x1 = moves[i - 1].x1;
+      moves[i].y0 = moves[i].y1 = moves[i - 1].y1;
+    }
+  return moves;
+}
+
+std::string program_text(const HeatOptions& options, job::Profile& profile, Frontend& frontend) {
+  if (!glass::is_description(options.program)) {
+    require_program(options.program);
+    return read_program_text(options.program);
+  }
+  CutRequest request;
+  request.description = read_cut_description(options.program);
+  request.library = options.library;
+  if (options.machine.machine.empty())
+    profile = MachineOptions{request.description.machine.profile}.profile();
+  return make_cut(request, frontend).program;
+}
+
+thermal::PathSetup path_setup(const HeatOptions& options, const HeatCase& heat,
+                              const settings::Values& values) {
+  thermal::PathSetup setup{heat.body, heat.surface, heat.beam, {}, options.thickness_mm};
+  setup.accel_mm_s2 =
+      std::min(in_units(values, Id::acceleration_x, 0), in_units(values, Id::acceleration_x, 1));
+  setup.deviation_mm = in_units(values, Id::junction_deviation);
+  return setup;
+}
+
+/// Rows of the table: the nodes below the beam at each step.
+class ColumnTable {
+ public:
+  void add(const thermal::PathSample& sample, const thermal::MovingField& field,
+           const std::vector<BeamMove>& moves, double ambient_k) {
+    const std::vector<double> now = field.column_k(sample.x, sample.y);
+    const auto& depths = field.solver().grid().z.nodes();
+    if (last_.size() != now.size()) last_.assign(now.size(), ambient_k);
+    for (std::size_t k = 0; k < now.size(); ++k)
+      fmt::format_to(std::back_inserter(text_),
+                     "{:.9g},{},{:.6g},{:.6g},{:.6g},{:.6g},{},{:.6g},{:.9g},{:.6g}\n",
+                     sample.time_s, moves[sample.move].line, sample.x, sample.y, sample.speed_mm_s,
+                     sample.power_w, k, depths[k], now[k],
+                     (now[k] - last_[k]) / (sample.time_s - last_s_));
+    last_ = now;
+    last_s_ = sample.time_s;
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_ =
+      "time_s,line,x_mm,y_mm,speed_mm_s,power_w,node,depth_mm,temperature_k,rate_k_s\n";
+  std::vector<double> last_;
+  double last_s_ = 0;
+};
+
+std::size_t require_steps(const std::vector<BeamMove>& moves, const thermal::PathSetup& setup,
+                          const std::string& file) {
+  const std::size_t steps = thermal::path_steps(moves, setup);
+  if (steps <= max_path_steps) return steps;
+  throw Error(Exit::bad_input, file,
+              fmt::format("{} time steps are needed, at most {} are possible", grouped(steps),
+                          grouped(max_path_steps)),
+              "give a part of the program or a wider beam");
+}
+
+void say_overheated(const ProgramHeat& out, Frontend& frontend) {
+  if (out.overheated.empty()) {
+    frontend.say("no line is above {:.0f} K", out.limit_k);
+    return;
+  }
+  constexpr std::size_t max_lines = 20;
+  frontend.say("warning   {} above {:.0f} K; power or feed for each:",
+               count_text(out.overheated.size(), "line"), out.limit_k);
+  for (std::size_t i = 0; i < std::min(max_lines, out.overheated.size()); ++i) {
+    const thermal::Overheated& one = out.overheated[i];
+    frontend.say(
+        "  line {:>6}{:>9.1f} K at X{:.3f} Y{:.3f}: power {:.4g} W (S {:.0f} %) or feed "
+        "{:.0f} mm/min",
+        one.heat.line, one.heat.hottest.max_k, one.heat.hottest.x, one.heat.hottest.y,
+        one.heat.power_w * one.power_factor, 100 * one.power_factor,
+        one.heat.speed_mm_s * one.feed_factor * 60);
+  }
+  if (out.overheated.size() > max_lines)
+    frontend.say("  and {} more", out.overheated.size() - max_lines);
+  if (out.max_with_proposal_k)
+    frontend.say("with these powers the path reaches {:.1f} K", *out.max_with_proposal_k);
+}
+
+}  // namespace
+
+ProgramHeat heat_of_program(const HeatOptions& options, Frontend& frontend) {
+  check_heat_files(options);
+  ProgramHeat out;
+  out.heat = heat_case(options, true);
+  job::Profile profile = options.machine.profile();
+  const std::string text = program_text(options, profile, frontend);
+  // Without a machine, M3 and M4 are those of a laser.
+  if (options.machine.machine.empty())
+    job::state_setting(profile, Id::laser_mode, 1, options.program);
+  const std::vector<BeamMove> moves =
+      moves_of(program_run::program_path(text, profile.settings, options.program), profile.settings,
+               out.heat.power_w);
+  if (std::none_of(moves.begin(), moves.end(), [](const BeamMove& m) { return m.power_w > 0; }))
+    throw Error(Exit::bad_input, options.program, "no move has the laser on",
+                "give it M3 or M4, a power S and a feed");
+  const thermal::PathSetup setup = path_setup(options, out.heat, profile.settings);
+  const std::size_t steps = require_steps(moves, setup, options.program);
+  say_case(out.heat, frontend);
+  ColumnTable table;
+  {
+    const auto progress = frontend.progress("heat", steps, 0);
+    out.result = thermal::run_path(
+        moves, setup, [&](const thermal::PathSample& sample, const thermal::MovingField& field) {
+          if (!options.csv.empty()) table.add(sample, field, moves, setup.surface.ambient_k);
+          progress->update(out.result.samples.size());
+          return true;
+        });
+  }
+  require_balance(out.result.balance);
+  out.lines = thermal::hottest_of_lines(moves, out.result);
+  const double ambient = setup.surface.ambient_k;
+  const double usual = thermal::usual_temperature_k(moves, out.result);
+  constexpr double usual_margin = 1.15;
+  out.limit_k = options.limit_k.value_or(ambient + usual_margin * (usual - ambient));
+  out.overheated = thermal::overheated_lines(out.lines, out.limit_k, ambient);
+  double max_k = 0;
+  for (const thermal::LineHeat& line : out.lines) max_k = std::max(max_k, line.hottest.max_k);
+  frontend.say("path      {:.4g} s, usual temperature {:.1f} K, largest {:.1f} K",
+               out.result.seconds, usual, max_k);
+  say_losses(out.result.balance.lost_j, out.result.balance.absorbed_j, frontend);
+  frontend.say("balance   {:.1e} of the absorbed energy is not accounted for",
+               out.result.balance.relative_error());
+  if (!out.overheated.empty()) {
+    const auto changed = thermal::with_proposed_power(moves, out.overheated);
+    double max_changed = 0;
+    for (const thermal::PathSample& sample : thermal::run_path(changed, setup).samples)
+      max_changed = std::max(max_changed, sample.max_k);
+    out.max_with_proposal_k = max_changed;
+  }
+  say_overheated(out, frontend);
+  if (options.has_check) {
+    const auto hottest = std::max_element(
+        out.lines.begin(), out.lines.end(),
+        [](const auto& a, const auto& b) { return a.hottest.max_k < b.hottest.max_k; });
+    out.refinement = thermal::straight_refinement(
+        {setup.body, setup.surface, setup.beam, setup.meshing, setup.thickness_mm},
+        hottest->speed_mm_s, hottest->power_w);
+    say_refinement(*out.refinement, max_body_change, "temperatures are rough", frontend);
+  }
+  write_heat_files(
+      options, [&] { return table.text(); },
+      [&] {
+        return thermal::path_picture(
+            out.result, moves, out.limit_k,
+            fmt::format("{} on {}", std::filesystem::path(options.program).filename().string(),
+                        out.heat.material));
+      },
+      frontend);
+  return out;
+}
+
+}  // namespace lamplock::run

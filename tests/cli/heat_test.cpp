@@ -1,0 +1,102 @@
+// `lamplock heat`: the half space, files, a program with a dense hatch, a held temperature, the
+// controller, one-line errors.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// The constants of the half space for which the exact solution is known.
+constexpr const char* acrylic_record =
+    "[[material]]\nname = \"acrylic\"\ndensity_g_cm3 = 1.18\nabsorption = 1\n"
+    "conductivity_w_mk = 0.19\nspecific_heat_j_gk = 1.466\n";
+constexpr const char* hatch_program =
+    "G21 G90\nM4 S1000\nG1 X3 F600\nG1 Y0.2\nG1 X1\nG1 Y0.4\nG1 X2\nM5\nM2\n";
+
+nlohmann::json heat_json(const std::vector<std::string>& arguments) {
+  const Finished done = run(arguments);
+  EXPECT_EQ(done.status, 0) << done.err;
+  return done.status == 0 ? nlohmann::json::parse(done.out) : nlohmann::json();
+}
+
+TEST(Heat, HalfSpaceWithItsFiles) {
+  const Folder folder;
+  const std::string records = folder.write("acrylic.toml", acrylic_record);
+  const std::string csv = folder / "a.csv", picture = folder / "a.svg";
+  const nlohmann::json heat =
+      heat_json({"heat", "--materials", records, "--flux", "1e4", "--losses", "none", "--thickness",
+                 "4", "--csv", csv, "--picture", picture, "--json"});
+  EXPECT_NEAR(heat["surface_k"][19].get<double>() - 293.15, 19.682, 0.003 * 19.682);
+  EXPECT_NEAR(heat["surface_k"][99].get<double>() - 293.15, 44.010, 0.003 * 44.010);
+  EXPECT_LT(heat["balance"]["relative_error"].get<double>(), 1e-9);
+  EXPECT_EQ(lines(read(csv)).size(), 1u + 100 * 50);
+  EXPECT_THAT(read(csv), StartsWith("time_s,node,depth_mm,temperature_k,rate_k_s\n"));
+  EXPECT_THAT(read(picture), HasSubstr("</svg>"));
+}
+
+TEST(Heat, ProgramWithAHatch) {
+  const Folder folder;
+  const std::string records = folder.write("acrylic.toml", acrylic_record),
+                    program = folder.write("a.ngc", hatch_program), csv = folder / "a.csv",
+                    picture = folder / "a.svg";
+  const nlohmann::json heat =
+      heat_json({"heat", program, "--materials", records, "--power", "0.1", "--beam", "0.4",
+                 "--no-check", "--csv", csv, "--picture", picture, "--json"});
+  EXPECT_EQ(heat["lines"].size(), 5u);
+  EXPECT_LT(heat["balance"]["relative_error"].get<double>(), 1e-9);
+  EXPECT_GT(heat["lines"][4]["max_k"].get<double>(), heat["lines"][0]["max_k"].get<double>());
+  EXPECT_GT(lines(read(csv)).size(), 100u);
+  EXPECT_THAT(read(picture), HasSubstr("</svg>"));
+}
+
+TEST(Heat, HoldsAndTunes) {
+  const Folder folder;
+  const std::string records = folder.write("acrylic.toml", acrylic_record);
+  const nlohmann::json held =
+      heat_json({"heat", "--hold", "450K", "--feeds", "600", "--materials", records, "--power", "3",
+                 "--beam", "0.4", "--no-check", "--json"});
+  EXPECT_NEAR(held["pairs"][0]["temperature_k"].get<double>(), 450, 0.5);
+  const nlohmann::json tuned =
+      heat_json({"heat", "--tune", "--gain", "450", "--time-constant", "0.2", "--json"});
+  EXPECT_NEAR(tuned["set_point_step"]["settling_s"].get<double>(), 0.05, 5e-4);
+  EXPECT_NEAR(tuned["set_point_step"]["overshoot"].get<double>(), 0.028, 5e-4);
+  EXPECT_NEAR(tuned["zeta"].get<double>(), 0.7512, 1e-4);
+}
+
+TEST(Heat, RefusesInOneLine) {
+  const Folder folder;
+  const std::string records = folder.write("acrylic.toml", acrylic_record),
+                    dark = folder.write("dark.ngc", "G1 X1 F60\nM2\n"), out = folder / "out.csv";
+  const auto refusal = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"heat", "--csv", out});
+    const Finished done = run(arguments);
+    EXPECT_EQ(done.status, 2) << done.out;
+    EXPECT_EQ(lines(done.err).size(), 1u) << done.err;
+    EXPECT_FALSE(std::filesystem::exists(out));
+    return done.err;
+  };
+  EXPECT_THAT(refusal({"--material", "plywood", "--flux", "1e4", "--library", folder / "none.db"}),
+              HasSubstr("material plywood: it has no conductivity_w_mk"));
+  EXPECT_THAT(refusal({"--materials", records, "--flux", "1e4", "--losses", "radiation"}),
+              HasSubstr("it has no emissivity"));
+  EXPECT_THAT(refusal({"--materials", records}), HasSubstr("power and beam are not given"));
+  EXPECT_THAT(refusal({dark, "--materials", records, "--power", "1", "--beam", "0.4"}),
+              HasSubstr("no move has the laser on"));
+  EXPECT_THAT(refusal({"--hold", "warm", "--materials", records, "--power", "1", "--beam", "0.4"}),
+              HasSubstr("'warm' is not a temperature"));
+  EXPECT_THAT(refusal({"--hold", "250K", "--materials", records, "--power", "1", "--beam", "0.4"}),
+              HasSubstr("not above the ambient temperature"));
+  EXPECT_THAT(refusal({"--materials", records, "--flux", "1", "--time", "1", "--step", "2"}),
+              HasSubstr("longer than the time"));
+  EXPECT_THAT(refusal({"--tune", "--hold", "450K"}), HasSubstr("several tasks"));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test
