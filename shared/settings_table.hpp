@@ -120,6 +120,7 @@ enum class Id : std::uint8_t {
   drive_lag_a,
   direction_setup,
   direction_hold,
+  step_low,
   jerk_x,
   jerk_y,
   jerk_z,
@@ -173,8 +174,9 @@ enum class PulseMode : std::uint8_t {
 };
 
 inline constexpr std::array<Row, setting_count> table{{
-    {0, "step_pulse", "us", 400, 900, 500, false, Scope::jobs, Rule::equal,
-     "width of a step pulse, within a tick of 1 us"},
+    {0, "step_pulse", "us", 400, 10'000, 500, false, Scope::jobs, Rule::equal,
+     "minimum width of a step pulse; above 0.5 us it is whole ticks of 1 us, and the rates of the "
+     "axes must leave time for it"},
     {1, "idle_delay", "ms", 0, 255'000, 255'000, true, Scope::machine, Rule::any,
      "time after the last motion until the drives of $37 are released; 255 = never"},
     {2, "step_invert", "0..15", 0, 15'000, 0, true, Scope::jobs, Rule::equal,
@@ -390,9 +392,11 @@ inline constexpr std::array<Row, setting_count> table{{
      "lag of the drive after its steps"},
     {1075, "direction_setup", "us", 200, 50'000, 500, false, Scope::jobs, Rule::equal,
      "minimum time from a change of DIR to the next step; with hold, from a step to one in the "
-     "other direction; from the next start on"},
+     "other direction"},
     {1076, "direction_hold", "us", 200, 50'000, 500, false, Scope::jobs, Rule::equal,
-     "minimum time from a step to a change of DIR; from the next start on"},
+     "minimum time from a step to a change of DIR, which never changes during a pulse"},
+    {1077, "step_low", "us", 300, 10'000, 300, false, Scope::jobs, Rule::equal,
+     "minimum time from the end of a step pulse to the next pulse of its axis"},
     {1081, "jerk_x", "m/s3", 0, 100'000'000, 0, false, Scope::jobs, Rule::not_more_zero_unlimited,
      "highest jerk of X; 0 = no limit"},
     {1082, "jerk_y", "m/s3", 0, 100'000'000, 0, false, Scope::jobs, Rule::not_more_zero_unlimited,

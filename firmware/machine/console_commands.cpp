@@ -1,6 +1,7 @@
 // Lines that begin with "$".
 #include "firmware/machine/console.hpp"
 #include "firmware/machine/console/program_text.hpp"
+#include "shared/pulse_times.hpp"
 #include "shared/settings_text.hpp"
 
 namespace lamplock::machine {
@@ -137,9 +138,25 @@ GcodeError MachineConsole::change_setting(std::string_view line) {
   settings::Values values = stored_;
   values.set_milli(asked.id, asked.milli);
   std::uint16_t setting = 0;
-  if (check_settings(values, setting) != Result::ok) return GcodeError::setting_out_of_range;
+  if (check_settings(values, setting) != Result::ok) return refuse_settings(values, setting);
   if (!(values == stored_)) take_over(values);
   return GcodeError::none;
+}
+
+/// Reports the highest rate that the pulses of an axis permit, if the rate set is higher.
+GcodeError MachineConsole::refuse_settings(const settings::Values& values, std::uint16_t setting) {
+  const settings::RateExcess excess = settings::rate_excess(values);
+  if (excess.axis < 0) return GcodeError::setting_out_of_range;
+  const std::int64_t number = settings::number(settings::for_axis(Id::max_rate_x, excess.axis));
+  if (setting != number) return GcodeError::setting_out_of_range;
+  TextLine text;
+  if (excess.is_shared)
+    text.add("$110 and $111 together");
+  else
+    text.add("$").add(number);
+  text.add(" at most ").add_milli(excess.max_milli).add(" mm/min with $0 and $1077");
+  report_message(text.view());
+  return GcodeError::step_rate_too_high;
 }
 
 /// Applies settings that the user has changed, at rest.

@@ -1,17 +1,13 @@
 // Jobs in frames: their settings against those of the machine, begin, data, commands.
 #include "firmware/machine/work.hpp"
 #include "shared/job_limits.hpp"
+#include "shared/pulse_times.hpp"
 
 namespace lamplock::machine {
 namespace {
 
 using settings::Id;
 using wire::HoldReason;
-
-/// Maximum sum of the speeds of two axes that share motors, in hundredths of a step per tick: half
-/// of it each. A tick that follows the lamp ($905, $910, $906) is up to a sixth too long, and a
-/// motor can make only one step in it.
-constexpr std::int64_t max_together_percent = 80;
 
 /// Number of the setting that shared motors do not permit, in the present or the requested
 /// kinematics; 0 = none.
@@ -20,7 +16,9 @@ std::uint16_t broken_motors(const settings::Values& values, const motion::Limits
   if (const std::uint16_t setting = broken_kinematics(values); setting != 0) return setting;
   if (!in_force.core_xy() && !Kinematics(values).core_xy()) return 0;
   const std::int64_t together_q62 = limits.axis[0].speed_q62 + limits.axis[1].speed_q62;
-  const bool too_fast = together_q62 > one_q62 / 100 * max_together_percent;
+  const std::int64_t max_q62 =
+      one_q62 / 100 * max_shared_step_percent / pulse_times(values).period_ticks;
+  const bool too_fast = together_q62 > max_q62;
   return too_fast ? settings::number(Id::max_rate_y) : 0;
 }
 

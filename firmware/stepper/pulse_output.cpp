@@ -26,9 +26,13 @@ PulseOutput pulse_output(const settings::Values& values) {
     axis.first_inverted = (values.whole(Id::step_invert) >> a & 1) != 0;
     axis.second_inverted = (values.whole(Id::direction_invert) >> a & 1) != 0;
   }
+  output.pulses = pulse_times(values);
+  const std::uint8_t high = output.pulses.high_ticks, period = output.pulses.period_ticks;
+  const auto low = static_cast<std::uint8_t>(period - high);
   // Thousandths of a microsecond.
-  output.times.setup_ticks = ticks_of_ns(values.milli(Id::direction_setup));
-  output.times.hold_ticks = ticks_of_ns(values.milli(Id::direction_hold));
+  const std::uint8_t setup = ticks_of_ns(values.milli(Id::direction_setup));
+  const std::uint8_t hold = ticks_of_ns(values.milli(Id::direction_hold));
+  output.times = {setup > low ? setup : low, hold > high ? hold : high, period};
   return output;
 }
 

@@ -4,7 +4,8 @@
 // Out: the same steps, some of them a few ticks later after a reversal: DIR changes at least `hold`
 //      ticks after the last step of the old direction, and the first step of the new one follows at
 //      least `setup` ticks later. No step is lost or doubled: steps that wait are owed and are put
-//      out one per tick as soon as they may; owed steps of opposite directions cancel each other.
+//      out as soon as they may, at least `period` ticks apart; owed steps of opposite directions
+//      cancel each other.
 // Who: the step outputs of the boards (fill interrupt of the RP2040, the virtual board), one guard
 //      per axis; with one definition both boards step at the same ticks. Budget: some 60 cycles a
 //      tick, only in the few ticks around a reversal: while passes() is true the board puts steps
@@ -31,14 +32,25 @@ namespace lamplock::stepper {
 
 /// Times around a change of direction, in whole ticks.
 struct DirectionTimes {
-  std::uint8_t setup_ticks = 1;  ///< change of DIR to step, at least 1
-  std::uint8_t hold_ticks = 1;   ///< step to change of DIR, at least 1
+  std::uint8_t setup_ticks = 1;   ///< change of DIR to step, at least 1
+  std::uint8_t hold_ticks = 1;    ///< step to change of DIR, at least 1
+  std::uint8_t period_ticks = 1;  ///< step to step, at most the sum of the other two
+
+  /// No time counts longer than this after a step.
+  std::uint8_t after_step_ticks() const {
+    return hold_ticks > period_ticks ? hold_ticks : period_ticks;
+  }
+  friend bool operator==(const DirectionTimes&, const DirectionTimes&) = default;
 };
 
 /// One axis.
 class ReversalGuard {
  public:
-  void set_times(const DirectionTimes& times) { times_ = times; }
+  /// Settled only: at the start, or at rest.
+  void set_times(const DirectionTimes& times) {
+    times_ = times;
+    since_turn_ = times.setup_ticks;
+  }
   /// Starts again at rest: DIR is constant, no step is owed.
   void begin(bool back) {
     back_ = heading_back_ = back;
@@ -47,7 +59,8 @@ class ReversalGuard {
     settled_ = true;
   }
 
-  /// No step is owed, and DIR has been the direction of the axis for long enough.
+  /// No step is owed, DIR has been the direction of the axis for long enough, and the next tick may
+  /// step.
   bool settled() const { return settled_; }
   /// Steps in this direction may be put out without tick().
   bool passes(bool back) const { return settled_ && back_ == back; }
@@ -58,9 +71,11 @@ class ReversalGuard {
   const DirectionTimes& times() const { return times_; }
 
   /// To be called before the first tick() after steps that bypassed it. The last step was `ticks`
-  /// before that tick (1 = the tick before); values from hold_ticks on have no further effect.
+  /// before that tick (1 = the tick before); values from after_step_ticks() on have no further
+  /// effect.
   void wake(std::uint32_t ticks) {
-    since_step_ = static_cast<std::uint8_t>(ticks < times_.hold_ticks ? ticks : times_.hold_ticks);
+    const std::uint8_t most = times_.after_step_ticks();
+    since_step_ = static_cast<std::uint8_t>(ticks < most ? ticks : most);
   }
   /// The effect of tick() if hold_ticks are over and none of the next setup_ticks ticks steps: DIR
   /// changes with the first of them, and the guard is settled again after the last. It must be
@@ -76,14 +91,16 @@ class ReversalGuard {
       back_ = turn_back;
       since_turn_ = 0;
     }
-    const bool step = owed_ != 0 && turn_back == back_ && since_turn_ >= times_.setup_ticks;
+    const bool step = owed_ != 0 && turn_back == back_ && since_turn_ >= times_.setup_ticks &&
+                      since_step_ >= times_.period_ticks;
     if (step) {
       owed_ -= back_ ? -1 : 1;
       since_step_ = 0;
     }
-    if (since_step_ < times_.hold_ticks) ++since_step_;
+    if (since_step_ < times_.after_step_ticks()) ++since_step_;
     if (since_turn_ < times_.setup_ticks) ++since_turn_;
-    settled_ = owed_ == 0 && back_ == heading_back_ && since_turn_ >= times_.setup_ticks;
+    settled_ = owed_ == 0 && back_ == heading_back_ && since_turn_ >= times_.setup_ticks &&
+               since_step_ >= times_.period_ticks;
     return step;
   }
 

@@ -8,6 +8,7 @@
 
 #include "host/error.hpp"
 #include "host/former_names.hpp"
+#include "host/job/rate_excess.hpp"
 #include "host/job/setting_range.hpp"
 #include "host/suggestion.hpp"
 #include "host/text.hpp"
@@ -70,6 +71,20 @@ std::vector<std::pair<Change, int>> send_changes(LinePort& port, std::vector<Cha
     changes.clear();
     for (const auto& [change, error] : refused) changes.push_back(change);
   }
+}
+
+/// Why the board may have refused these changes, and what to do.
+std::pair<std::string, std::string> refusal_words(const BoardSettings& before,
+                                                  const std::vector<Change>& changes, int error) {
+  settings::Values values = before.values;
+  for (const Change& change : changes) {
+    const settings::SettingLine line = settings::read_setting(command(change.number, change.text));
+    if (line.error == GcodeError::none) values.set_milli(line.id, line.milli);
+  }
+  const auto excess = job::rate_excess_words(values);
+  if (excess && error == static_cast<int>(GcodeError::step_rate_too_high))
+    return {excess->limit, excess->remedy};
+  return {error_text(error), "choose a value that fits the other settings"};
 }
 
 }  // namespace
@@ -178,10 +193,11 @@ BoardSettings change_settings(LinePort& port, const BoardSettings& before,
       back.push_back({change->number, before.texts.at(change->number)});
     const bool restored = send_changes(port, back, ignored).empty();
     const auto& [change, error] = refused.front();
+    const auto [reason, remedy] = refusal_words(before, changes, error);
     throw Error(Exit::job_failed, setting_name(change.number),
-                fmt::format("the board refuses {}: {}; {}", change.text, error_text(error),
+                fmt::format("the board refuses {}: {}; {}", change.text, reason,
                             restored ? "nothing was changed" : "some settings were changed"),
-                "choose a value that fits the other settings");
+                remedy);
   }
   BoardSettings after = read_settings(port);
   for (const Change& change : changes)

@@ -1,12 +1,10 @@
 #include "host/program/line_run.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "firmware/machine/runners/program_horizon.hpp"
-#include "host/error.hpp"
+#include "host/job/rate_excess.hpp"
 
 namespace lamplock::program_run {
 namespace {
@@ -20,13 +18,11 @@ constexpr std::size_t bytes_per_round = 19 * 64 / 4;
 constexpr std::uint64_t filled_ticks = 9 * round_ticks;
 constexpr std::uint32_t us_per_tick = 1'000'000 / ticks_per_second;
 
-/// The error for impossible settings.
 Error no_motion(const settings::Values& values) {
   motion::Limits limits;
   std::uint16_t setting = 0;
   motion::make_limits(values, some_beat_ticks, full_tick_q16, limits, setting);
-  return {Exit::bad_input, fmt::format("${}", setting), "no motion is possible with its value",
-          "change it in the machine profile"};
+  return job::no_motion(values, setting);
 }
 
 }  // namespace

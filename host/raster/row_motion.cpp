@@ -1,12 +1,10 @@
 #include "host/raster/row_motion.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "firmware/motion/line/rise.hpp"
 #include "firmware/motion/profile/limits.hpp"
-#include "host/error.hpp"
+#include "host/job/rate_excess.hpp"
 #include "host/program/line_run.hpp"
 #include "host/units.hpp"
 #include "shared/wire/run_pace.hpp"
@@ -28,8 +26,7 @@ motion::LineRise rise_of(const settings::Values& values) {
   motion::Limits limits;
   std::uint16_t setting = 0;
   if (motion::make_limits(values, some_beat_ticks, full_tick_q16, limits, setting) != Result::ok)
-    throw Error(Exit::bad_input, fmt::format("${}", setting),
-                "no motion is possible with its value", "change it in the machine profile");
+    throw job::no_motion(values, setting);
   return motion::make_rise(limits);
 }
 

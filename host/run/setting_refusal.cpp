@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/job/rate_excess.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/line_port.hpp"
 #include "host/units.hpp"
@@ -138,6 +139,8 @@ void explain_refusal(const link::RefusedSetting& refusal, const job::Job& job,
   } catch (const Error&) {  // at the end of a job a board may be busy, or know frames only
     throw link::RefusedSetting(refusal);
   }
+  const auto excess = job::rate_excess_words(job::apply_overrides(board, job.header));
+  if (excess && excess->id == id) refuse_on(options, excess->limit, excess->remedy);
   refuse_on(options,
             id == Id::count ? mismatch_words(job, board) : setting_words(id, job.settings, board),
             remake(options));

@@ -1,12 +1,13 @@
 // The two wires of an axis, as a board drives them.
 //
 // In:  blocks of ticks with the steps of the axis by closed form (StepCursor), the time of a tick.
-// Out: levels on the bus: STEP and DIR, CW and CCW, or A and B, inverted or not; the pulse width is
-//      that of the board's settings. Around a reversal the guard of the firmware decides, tick by
-//      tick, when DIR changes and which steps wait (stepper/reversal_guard.hpp).
+// Out: levels on the bus: STEP and DIR, CW and CCW, or A and B, inverted or not; a pulse lasts
+//      0.5 us or whole ticks (shared/pulse_times.hpp). Around a reversal the guard of the firmware
+//      decides, tick by tick, when DIR changes and which steps wait (stepper/reversal_guard.hpp).
 // Who: VirtualBoard, for every run of ticks it puts out. Costs a comparison while no axis reverses.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "firmware/stepper/pulse_output.hpp"
@@ -23,21 +24,25 @@ class AxisOutput {
     bus_ = &bus;
     axis_ = axis;
     pulses_ = output.axis[index(axis)];
-    guard_.set_times(output.times);
+    set_times(output);
     guard_.begin(false);
     put(0, false, 0);
     put(1, false, 0);
   }
+  /// Other times; no step is owed.
+  void set_times(const stepper::PulseOutput& output) {
+    high_ticks_ = output.pulses.high_ticks;
+    guard_.set_times(output.times);
+  }
   /// Puts out ticks `from` to `to` of a block, the last one not included.
   template <class TimeOfTick>
   void play(const stepper::TickBlock& block, StepCursor& cursor, std::uint64_t from,
-            std::uint64_t to, Picoseconds pulse, TimeOfTick&& time_of) {
+            std::uint64_t to, TimeOfTick&& time_of) {
     const stepper::AxisRun& run = block.axis[index(axis_)];
-    if (!passes(block, run)) play_guarded(block, cursor, from, to, pulse, time_of);
+    if (!passes(block, run)) play_guarded(block, cursor, from, to, time_of);
     for (; cursor.tick() != StepCursor::none && block.first_tick + cursor.tick() < to;
          cursor.next()) {
-      last_step_ = block.first_tick + cursor.tick();
-      step(time_of(last_step_), pulse);
+      step(block.first_tick + cursor.tick(), time_of);
     }
   }
   /// Steps of the motion that the guard has not put out yet.
@@ -53,13 +58,12 @@ class AxisOutput {
 
   template <class TimeOfTick>
   void play_guarded(const stepper::TickBlock& block, StepCursor& cursor, std::uint64_t from,
-                    std::uint64_t to, Picoseconds pulse, TimeOfTick&& time_of) {
+                    std::uint64_t to, TimeOfTick&& time_of) {
     const stepper::AxisRun& run = block.axis[index(axis_)];
     const bool back = run.backwards();
     if (guard_.settled()) {
-      const std::uint64_t since = from - last_step_;
-      guard_.wake(since < guard_.times().hold_ticks ? static_cast<std::uint32_t>(since)
-                                                    : guard_.times().hold_ticks);
+      constexpr std::uint64_t long_ago = 1000;
+      guard_.wake(static_cast<std::uint32_t>(std::min(from - last_step_, long_ago)));
     }
     for (std::uint64_t tick = from; tick < to && !passes(block, run); ++tick) {
       const auto n = static_cast<std::uint32_t>(tick - block.first_tick);
@@ -69,16 +73,17 @@ class AxisOutput {
       const bool was_back = guard_.back();
       const bool steps = guard_.tick(wanted ? (back ? -1 : 1) : 0);
       if (guard_.back() != was_back) turn(time_of(tick));
-      if (!steps) continue;
-      last_step_ = tick;
-      step(time_of(tick), pulse);
+      if (steps) step(tick, time_of);
     }
   }
 
   void turn(Picoseconds at) {
     if (pulses_.mode == stepper::PulseMode::step_dir) put(1, guard_.back(), at);
   }
-  void step(Picoseconds at, Picoseconds pulse) {
+  template <class TimeOfTick>
+  void step(std::uint64_t tick, TimeOfTick&& time_of) {
+    last_step_ = tick;
+    const Picoseconds at = time_of(tick);
     if (pulses_.mode == stepper::PulseMode::quadrature) {
       place_ += guard_.back() ? ~0u : 1u;
       const std::uint32_t levels = stepper::quadrature_levels(place_);
@@ -88,7 +93,8 @@ class AxisOutput {
     }
     const int wire = pulses_.mode == stepper::PulseMode::cw_ccw && guard_.back() ? 1 : 0;
     put(wire, true, at);
-    put(wire, false, at + pulse);
+    put(wire, false,
+        high_ticks_ == 0 ? at + short_pulse_ns * ps_per_ns : time_of(tick + high_ticks_));
   }
   void put(int wire, bool active, Picoseconds at) {
     const bool inverted = wire == 0 ? pulses_.first_inverted : pulses_.second_inverted;
@@ -99,8 +105,9 @@ class AxisOutput {
   int axis_ = 0;
   stepper::AxisPulses pulses_;
   stepper::ReversalGuard guard_;
-  std::uint64_t last_step_ = 0;  ///< tick of it; none before tick 1
-  std::uint32_t place_ = 0;      ///< steps put out, modulo 2^32
+  std::uint32_t high_ticks_ = 0;  ///< 0: short pulses
+  std::uint64_t last_step_ = 0;   ///< tick of it; none before tick 1
+  std::uint32_t place_ = 0;       ///< steps put out, modulo 2^32
 };
 
 }  // namespace lamplock::sim

@@ -242,7 +242,8 @@ void VirtualBoard::main_loop() {
   const auto room = std::span(packet).first(std::min(packet.size(), controller_->receive_room()));
   const std::size_t received = from_host_.pop(room);
   if (received != 0) controller_->receive(room.first(received), from_host_.before_jog_cancel());
-  controller_->take_settings(stored_);
+  // Steps that are filled have the old times.
+  if (controller_->take_settings(stored_)) new_times_tick_ = filled_;
   if (const machine::PersistentState* kept = controller_->take_kept()) kept_ = *kept;
   controller_->prepare(static_cast<std::uint64_t>(now_ / ps_per_clock));
   if (controller_->plan_waits()) {
@@ -261,7 +262,6 @@ void VirtualBoard::main_loop() {
   const machine::FireTiming timing = controller_->fire_timing();
   fire_.configure(timing);
   own_edges_ = timing.own_edges;
-  step_pulse_ = controller_->values().milli(settings::Id::step_pulse) * ps_per_ns;
 }
 
 void VirtualBoard::feed_lattice() {
@@ -326,6 +326,10 @@ void VirtualBoard::forget() {
 }
 
 void VirtualBoard::begin_block(const stepper::TickBlock& block) {
+  if (block.first_tick >= new_times_tick_) {
+    for (AxisOutput& axis : axes_) axis.set_times(stepper::pulse_output(stored_));
+    new_times_tick_ = no_tick;
+  }
   if (block.bits != bits_) apply_bits(block.bits, ticks_.time_of(block.first_tick));
   for (int a = 0; a < max_axes; ++a)
     cursors_[index(a)] =
@@ -335,7 +339,7 @@ void VirtualBoard::begin_block(const stepper::TickBlock& block) {
 void VirtualBoard::play_block(const stepper::TickBlock& block, std::uint64_t to_tick) {
   const auto time_of = [this](std::uint64_t tick) { return ticks_.time_of(tick); };
   for (int a = 0; a < max_axes; ++a)
-    axes_[index(a)].play(block, cursors_[index(a)], played_, to_tick, step_pulse_, time_of);
+    axes_[index(a)].play(block, cursors_[index(a)], played_, to_tick, time_of);
   play_power(block, to_tick);
   if (listener_ != nullptr) report_ticks(block, to_tick);
   played_ = to_tick;

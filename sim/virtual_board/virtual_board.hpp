@@ -123,7 +123,8 @@ class VirtualBoard final : public Board, private PinListener {
   lamp::FireToken token_;
   Verdict shot_;  ///< decided, its pulse has not begun
   bool own_edges_ = false;
-  Picoseconds step_pulse_ = 0;
+  static constexpr std::uint64_t no_tick = ~std::uint64_t{0};
+  std::uint64_t new_times_tick_ = no_tick;  ///< from here on pulses have the stored times
   Picoseconds max_lag_ = 0;  ///< of the drives: so far back the board's ticks are asked for
   Picoseconds now_ = 0;
   Picoseconds next_service_ = 0;

@@ -1,9 +1,9 @@
 // The drives that match a machine's settings.
 //
 // In:  the settings. Out: drives that read the two wires of each axis as the machine drives them,
-//      have the enables of its pin map, need exactly the set-up, hold and wake times that it keeps,
-//      and move what its motors are coupled to. Who: simulated boards of the command line and of
-//      tests.
+//      have the enables of its pin map, need exactly the pulse, set-up, hold and wake times that it
+//      keeps, and move what its motors are coupled to. Who: simulated boards of the command line
+//      and of tests.
 #pragma once
 
 #include "shared/boards/pico_pins.hpp"
@@ -23,6 +23,8 @@ inline DriveConfig drives_of(const settings::Values& values) {
     drives.second_active_low[index(axis)] = (values.whole(Id::direction_invert) >> axis & 1) != 0;
   }
   drives.kinematics = Kinematics(values);
+  drives.min_pulse_ns = values.milli(Id::step_pulse);
+  drives.min_low_ns = values.milli(Id::step_low);
   drives.dir_setup_ns = values.milli(Id::direction_setup);
   drives.dir_hold_ns = values.milli(Id::direction_hold);
   // The pin of a board may change up to a round of its main loop later than the board assumes.

@@ -14,6 +14,7 @@ Picoseconds from_ns(double ns) {
 
 Drives::Drives(const DriveConfig& config, PinBus& bus)
     : min_pulse_(from_ns(config.min_pulse_ns)),
+      min_low_(from_ns(config.min_low_ns)),
       min_period_(from_ns(config.min_period_ns)),
       dir_setup_(from_ns(config.dir_setup_ns)),
       dir_hold_(from_ns(config.dir_hold_ns)),
@@ -63,8 +64,8 @@ void Drives::special_changed(Axis& axis, std::size_t wire, bool level, Picosecon
     turn(axis, active, at);
   else if (active)
     step(axis, at);
-  else if (at - axis.last_step < min_pulse_)
-    ++axis.faults.short_pulses;
+  else
+    fall(axis, at);
   axis.last_change[wire] = at;
 }
 
@@ -85,6 +86,7 @@ void Drives::report(const Axis& axis, std::int32_t way, Picoseconds at) const {
 /// CW is the first wire. The last change of a wire that is low is the end of its last pulse.
 void Drives::pulse_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at) {
   const std::size_t other = 1 - wire;
+  if (active && at - axis.last_change[wire] < min_low_) ++axis.faults.short_pauses;
   if (!active) {
     if (at - axis.last_change[wire] < min_pulse_) ++axis.faults.short_pulses;
     return;

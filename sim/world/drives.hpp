@@ -40,6 +40,7 @@ enum class PulseMode : std::uint8_t {
 /// Limits of the drives.
 struct DriveConfig {
   double min_pulse_ns = 400;   ///< a pulse (quadrature: any level of one wire)
+  double min_low_ns = 0;       ///< from the end of a pulse to the next one of the same wire
   double min_period_ns = 900;  ///< step to step
   double dir_setup_ns = 200;   ///< DIR stable before the rising edge of STEP; CW low before
                                ///< the rising edge of CCW and the other way round
@@ -59,6 +60,7 @@ struct DriveConfig {
 /// Pulses outside the limits of a drive. They are counted as steps all the same.
 struct DriveFaults {
   std::uint64_t short_pulses = 0;
+  std::uint64_t short_pauses = 0;  ///< between two pulses of a wire
   std::uint64_t fast_steps = 0;
   std::uint64_t late_directions = 0;    ///< too close before the step
   std::uint64_t unheld_directions = 0;  ///< too close after the step
@@ -66,8 +68,8 @@ struct DriveFaults {
   std::uint64_t quadrature_jumps = 0;   ///< A and B together
   std::uint64_t unpowered_steps = 0;    ///< while the drive was released, or had just been enabled
   std::uint64_t total() const {
-    return short_pulses + fast_steps + late_directions + unheld_directions + both_high +
-           quadrature_jumps + unpowered_steps;
+    return short_pulses + short_pauses + fast_steps + late_directions + unheld_directions +
+           both_high + quadrature_jumps + unpowered_steps;
   }
   friend bool operator==(const DriveFaults&, const DriveFaults&) = default;
 };
@@ -124,8 +126,8 @@ class Drives final : public PinListener {
       turn(axis, level, at);
     else if (level)
       step(axis, at);
-    else if (at - axis.last_step < min_pulse_)
-      ++axis.faults.short_pulses;
+    else
+      fall(axis, at);
   }
 
   static constexpr std::size_t remembered_steps = 4096;
@@ -148,6 +150,7 @@ class Drives final : public PinListener {
     std::array<bool, 2> inverted{};
     std::array<bool, 2> active{};
     Picoseconds last_step = long_ago;
+    Picoseconds last_fall = long_ago;  ///< of STEP
     Picoseconds last_turn = long_ago;
     std::array<Picoseconds, 2> last_change{long_ago, long_ago};  ///< of the other modes
     Picoseconds lag = 0;
@@ -165,7 +168,12 @@ class Drives final : public PinListener {
   }
   void step(Axis& axis, Picoseconds at) {
     if (at - axis.last_turn < dir_setup_) ++axis.faults.late_directions;
+    if (at - axis.last_fall < min_low_) ++axis.faults.short_pauses;
     move(axis, axis.direction, at);
+  }
+  void fall(Axis& axis, Picoseconds at) const {
+    axis.last_fall = at;
+    if (at - axis.last_step < min_pulse_) ++axis.faults.short_pulses;
   }
   void move(Axis& axis, std::int32_t way, Picoseconds at) {
     if (at - axis.last_step < min_period_) ++axis.faults.fast_steps;
@@ -182,6 +190,7 @@ class Drives final : public PinListener {
   void quadrature_changed(Axis& axis, std::size_t wire, bool active, Picoseconds at);
 
   Picoseconds min_pulse_;
+  Picoseconds min_low_;
   Picoseconds min_period_;
   Picoseconds dir_setup_;
   Picoseconds dir_hold_;

@@ -1,12 +1,27 @@
 // Settings as text: changes are listed, kept over a restart, and refused when invalid.
 #include <fmt/format.h>
 
+#include "shared/pulse_times.hpp"
 #include "tests/board/program_host.hpp"
 
 namespace lamplock::test {
 namespace {
 
 std::string milli_text(std::int32_t milli) { return fmt::format("{:.3f}", milli / 1000.0); }
+
+/// The setting that is refused is a rate that leaves no time for the pulses.
+bool is_rate_excess(const settings::Values& values, std::uint16_t refused) {
+  const settings::RateExcess excess = settings::rate_excess(values);
+  return excess.axis >= 0 &&
+         refused == settings::number(settings::for_axis(Id::max_rate_x, excess.axis));
+}
+
+std::string rate_refusal(const settings::Values& values) {
+  const settings::RateExcess excess = settings::rate_excess(values);
+  return fmt::format("[MSG:${} at most {:.3f} mm/min with $0 and $1077]\r\nerror:12\r\n",
+                     settings::number(settings::for_axis(Id::max_rate_x, excess.axis)),
+                     static_cast<double>(excess.max_milli) / 1000);
+}
 
 TEST(SettingsText, EverySettingIsListedAndReadsBack) {
   Rig rig(lamp_profile());
@@ -44,7 +59,9 @@ TEST(SettingsText, RandomValuesAreKeptOverARestart) {
                                                 refused) == Result::ok &&
                             lamp::broken_protection(asked) == 0;
       EXPECT_EQ(user.answer(fmt::format("${}={}", row.number, milli_text(value))),
-                possible ? "ok\r\n" : "error:52\r\n");
+                possible                         ? "ok\r\n"
+                : is_rate_excess(asked, refused) ? rate_refusal(asked)
+                                                 : "error:52\r\n");
       if (possible) wanted = asked;
       ASSERT_EQ(rig.board.stored_settings(), wanted);
     }
@@ -115,7 +132,8 @@ TEST(SettingsText, UnknownSettingsAreRefusedByNumber) {
     EXPECT_EQ(user.answer(line), "error:2\r\n") << line;
   for (const char* line : {"$901=0.999", "$901=5000.001", "$901=-100", "$960=2.5", "$900=3"})
     EXPECT_EQ(user.answer(line), "error:52\r\n") << line;
-  EXPECT_EQ(user.answer("$111=599999"), "error:52\r\n");  // more than one step per tick
+  EXPECT_EQ(user.answer("$111=599999"),  // more than one step per tick
+            "[MSG:$111 at most 294000.000 mm/min with $0 and $1077]\r\nerror:12\r\n");
   EXPECT_EQ(rig.board.stored_settings(), lamp_profile().settings);
 }
 

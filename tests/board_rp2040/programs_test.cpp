@@ -100,12 +100,13 @@ struct Lattice {
   static constexpr unsigned axis_sm = 0, bits_sm = 1, tick_sm = 2;
   static constexpr std::uint32_t high = 50;
   Rig rig;
-  explicit Lattice(settings::PulseMode mode = settings::PulseMode::step_dir) {
+  explicit Lattice(settings::PulseMode mode = settings::PulseMode::step_dir,
+                   std::uint32_t high_ticks = 0) {
     rig.load(axis_program, axis_offset);
     rig.load(bits_program, bits_offset);
     rig.load(tick_program.program, tick_offset);
     rig.machine(axis_sm, axis_program, axis_offset, 0, autopull | join_tx,
-                step | 2u << 20 | step << 5 | fallen_pins(mode) << 26);
+                step | 2u << 20 | step << 5 | fallen_pins(mode, high_ticks) << 26);
     rig.outputs(axis_sm, step, 2);
     rig.machine(bits_sm, bits_program, bits_offset, 0, autopull | join_tx, bits | 3u << 20);
     rig.outputs(bits_sm, bits, 3);
@@ -187,6 +188,31 @@ TEST(Programs, PulsesOfCwAndCcwFallWithTheTickLine) {
       wanted[pin].push_back(line[2 * tick] + step_latency_clocks + width);
   EXPECT_EQ(l.rig.edges[step], wanted[step]);
   EXPECT_EQ(l.rig.edges[dir], wanted[dir]);
+}
+
+TEST(Programs, LongPulsesEndWithTheirTick) {
+  for (const auto mode : {settings::PulseMode::step_dir, settings::PulseMode::cw_ccw}) {
+    Lattice l(mode, 3);
+    // The second pin before the first one, three ticks each.
+    l.rig.put(Lattice::axis_sm, 0b00'10'10'10'00'00'01'01'01'00u << 12);
+    l.rig.put(Lattice::axis_sm, 0);
+    for (int i = 0; i < 2; ++i) l.rig.put(Lattice::bits_sm, 0);
+    l.rig.put(Lattice::tick_sm, tick_word(12, 125 - 50 - tick_low_overhead));
+    l.start();
+    l.rig.run(100 + 12 * 125 + 60);
+    const auto& line = l.rig.edges[tick_gpio];
+    const auto at = [&line](std::size_t tick) { return line[2 * tick] + step_latency_clocks; };
+    EXPECT_EQ(l.rig.edges[dir], (std::vector<Cycle>{at(1), at(4)}));
+    EXPECT_EQ(l.rig.edges[step], (std::vector<Cycle>{at(6), at(9)}));
+  }
+}
+
+/// The pulses that shared/pulse_times.hpp calls short.
+TEST(Programs, ShortPulsesHaveTheirTimesAtThePad) {
+  constexpr unsigned high = tick_high_clocks - 1;  // as above
+  EXPECT_GE(high * 1000, short_pulse_ns * clocks_per_us);
+  EXPECT_LT((high - 1) * 1000, short_pulse_ns * clocks_per_us);
+  EXPECT_GE(min_moving_tick_ns * clocks_per_us - high * 1000, short_low_ns * clocks_per_us);
 }
 
 TEST(Programs, LevelsInQuadratureStayUntilTheNextStep) {

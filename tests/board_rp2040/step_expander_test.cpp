@@ -60,8 +60,28 @@ class Reference {
 /// A drive that reads the output of AXIS at the beginning of each tick.
 class PinReader {
  public:
-  explicit PinReader(settings::PulseMode mode) : mode_(mode) {}
-  Tick read(std::uint32_t pins) {
+  PinReader(settings::PulseMode mode, const PulseTimes& pulses)
+      : mode_(mode), high_ticks_(mode == settings::PulseMode::quadrature ? 0 : pulses.high_ticks) {}
+  Tick read(std::uint32_t pins) { return read_steps(high_ticks_ == 0 ? pins : begun(pins)); }
+
+ private:
+  /// DIR, and the pulses that begin; every pulse has its length.
+  std::uint32_t begun(std::uint32_t pins) {
+    std::uint32_t result = 0;
+    for (const std::uint32_t pin : {1u, 2u}) {
+      std::uint32_t& high = high_[pin - 1];
+      if (pin == 2 && mode_ == settings::PulseMode::step_dir) {
+        result |= pins & pin;
+      } else if ((pins & pin) != 0) {
+        if (high++ == 0) result |= pin;
+      } else if (high != 0) {
+        EXPECT_EQ(high, high_ticks_);
+        high = 0;
+      }
+    }
+    return result;
+  }
+  Tick read_steps(std::uint32_t pins) {
     const bool first = (pins & 1) != 0, second = (pins & 2) != 0;
     if (mode_ == settings::PulseMode::step_dir) return {first, second};
     if (mode_ == settings::PulseMode::cw_ccw) {
@@ -78,8 +98,9 @@ class PinReader {
     return {way != 0, way == 3};
   }
 
- private:
   settings::PulseMode mode_;
+  std::uint32_t high_ticks_;
+  std::array<std::uint32_t, 2> high_{};
   std::uint32_t place_ = 0;
 };
 
@@ -90,6 +111,13 @@ stepper::PulseOutput random_output(std::mt19937_64& random) {
     axis.mode = static_cast<settings::PulseMode>(random() % 3);
   const auto ticks = [&random] { return static_cast<std::uint8_t>(1 + random() % 25); };
   output.times = {ticks(), ticks()};
+  if (random() % 2 == 0) return output;
+  // Long pulses, or pauses that are longer than a tick.
+  const auto high = static_cast<std::uint8_t>(random() % 13);
+  const auto low = static_cast<std::uint8_t>(1 + random() % 12);
+  output.pulses = {high, static_cast<std::uint8_t>(high + low)};
+  output.times = {std::max(output.times.setup_ticks, low), std::max(output.times.hold_ticks, high),
+                  output.pulses.period_ticks};
   return output;
 }
 
@@ -102,7 +130,8 @@ std::vector<Reference> references(const stepper::PulseOutput& output, const Step
 /// Random blocks that join: rates below one step a tick, no change of direction inside a block.
 class Blocks {
  public:
-  explicit Blocks(std::uint64_t seed) : random_(seed) {
+  explicit Blocks(std::uint64_t seed, const PulseTimes& pulses = {})
+      : random_(seed), period_(pulses.period_ticks) {
     for (int a = 0; a < max_axes; ++a)
       position_[static_cast<std::size_t>(a)] = stepper::middle_of_step(100 * a - 150);
   }
@@ -129,8 +158,8 @@ class Blocks {
     if (kind == 0) return r;
     // Slow rates are as frequent as fast ones.
     const auto shift = static_cast<int>(2 + random_() % 40);
-    const auto from = static_cast<std::int64_t>(random_() >> shift);
-    const auto to = static_cast<std::int64_t>(random_() >> (2 + random_() % 40));
+    const auto from = static_cast<std::int64_t>(random_() >> shift) / period_;
+    const auto to = static_cast<std::int64_t>(random_() >> (2 + random_() % 40)) / period_;
     r.rate_q62 = from;
     r.accel_q62 = kind == 1 ? 0 : (to - from) / static_cast<std::int64_t>(ticks) & ~1ll;
     // A ramp from or to rest.
@@ -143,6 +172,7 @@ class Blocks {
   }
 
   std::mt19937_64 random_;
+  std::int64_t period_;  ///< ticks between two steps at least
   std::uint64_t tick_ = 0;
   PerAxis<Int128> position_{};
 };
@@ -184,12 +214,13 @@ TEST(StepExpander, StepsAtTheTicksOfTheClosedFormWithTheGuard) {
     auto rings = std::make_unique<LatticeRings>();
     auto power = std::make_unique<PowerRing>();
     StepExpander expander(*rings, *power);
-    Blocks blocks(seed);
     std::mt19937_64 random(seed);
     const stepper::PulseOutput output = random_output(random);
+    Blocks blocks(seed, output.pulses);
     std::vector<Reference> wanted = references(output, {});
     std::vector<PinReader> readers;
-    for (const stepper::AxisPulses& axis : output.axis) readers.emplace_back(axis.mode);
+    for (const stepper::AxisPulses& axis : output.axis)
+      readers.emplace_back(axis.mode, output.pulses);
     const std::uint64_t first = seed * 1237;
     blocks.start_at(first);
     expander.configure(output);
@@ -219,7 +250,7 @@ TEST(StepExpander, StepsAtTheTicksOfTheClosedFormWithTheGuard) {
     ASSERT_GT(read, 500u);
     for (const Reference& axis : wanted) late += axis.late();
   }
-  EXPECT_GT(late, static_cast<std::size_t>(test::scaled(60)) * 10)
+  EXPECT_GT(late, static_cast<std::size_t>(test::scaled(60)) * 5)
       << "the guard delayed too few steps";
 }
 
@@ -229,8 +260,8 @@ TEST(StepExpander, ReturnsThePositionsAtAnyTickStillInTheRings) {
     auto rings = std::make_unique<LatticeRings>();
     auto power = std::make_unique<PowerRing>();
     StepExpander expander(*rings, *power);
-    Blocks blocks(seed);
     const stepper::PulseOutput output = random_output(random);
+    Blocks blocks(seed, output.pulses);
     // Begins of the random blocks.
     std::vector<Reference> put_out = references(output, {-150, -50, 50, 150});
     expander.configure(output);
@@ -262,7 +293,7 @@ TEST(StepExpander, ContinuesWithTheLevelsOfThePins) {
     output.axis[1].mode = settings::PulseMode::step_dir;
     expander.configure(output);
     expander.begin(0, 0, {});
-    Blocks blocks(static_cast<std::uint64_t>(run));
+    Blocks blocks(static_cast<std::uint64_t>(run), output.pulses);
     for (int n = 0; n < 12; ++n) put(expander, blocks.next(), random);
     const std::uint64_t stop = expander.end_tick() - 16 - random() % 200;
     PerAxis<std::uint8_t> levels{};

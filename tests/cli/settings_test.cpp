@@ -84,6 +84,31 @@ TEST(Settings, sets_several_or_none) {
   EXPECT_EQ(run(settings({"set", "120=1", "acceleration_x=2"})).status, 2);
 }
 
+TEST(Settings, pulses_that_the_rates_leave_no_time_for_are_refused_with_the_highest_rate) {
+  constexpr const char* reason = "max_rate_x may be at most 49000 mm/min with the present pulses";
+  const Finished set = run(settings({"set", "step_pulse=2.5", "step_low=2.5"}));
+  EXPECT_EQ(set.status, 1);
+  EXPECT_THAT(set.err, HasSubstr(reason));
+  EXPECT_THAT(set.err, HasSubstr("nothing was changed; lower it, or shorten step_pulse"));
+  const Finished slower = run(
+      settings({"set", "step_pulse=2.5", "step_low=2.5", "110=49000", "111=49000", "112=49000"}));
+  EXPECT_EQ(slower.status, 0) << slower.err;
+  const Folder folder;
+  const std::string machine = folder.write("m.toml", "step_pulse = 2.5\nstep_low = 2.5\n");
+  const std::string points = folder.write("a.xyz", "0 0 0\n1 1 0\n");
+  const std::string program = folder.write("a.ngc", "G1 X5 F600\nM2\n");
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"engrave", points},
+                                                  {"estimate", points},
+                                                  {"check", program},
+                                                  {"send", program}}) {
+    std::vector<std::string> arguments = command;
+    arguments.insert(arguments.end(), {"--machine", machine});
+    const Finished refused = run(arguments);
+    EXPECT_EQ(refused.status, 2) << command[0];
+    EXPECT_THAT(refused.err, HasSubstr(reason)) << command[0];
+  }
+}
+
 TEST(Settings, are_restored_from_files) {
   const Folder folder;
   const std::string machine =

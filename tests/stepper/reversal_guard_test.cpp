@@ -88,7 +88,8 @@ std::vector<Put> ask_when_needed(ReversalGuard guard, const std::vector<Wanted>&
   return all;
 }
 
-/// Checks set-up and hold time at every change of direction, and that no step is lost or doubled.
+/// Checks set-up and hold time at every change of direction, the time between two steps, and that
+/// no step is lost or doubled.
 void expect_guarded(const std::vector<Wanted>& motion, const std::vector<Put>& out,
                     const DirectionTimes& times) {
   std::int64_t wanted = 0, put = 0, last_step = -1000, last_turn = -1000;
@@ -103,6 +104,7 @@ void expect_guarded(const std::vector<Wanted>& motion, const std::vector<Put>& o
     wanted += motion[i].step;
     if (out[i].step) {
       ASSERT_GE(tick - last_turn, int{times.setup_ticks}) << i;
+      ASSERT_GE(tick - last_step, int{times.period_ticks}) << i;
       put += back ? -1 : 1;
       last_step = tick;
     }
@@ -115,15 +117,26 @@ DirectionTimes random_times(std::mt19937_64& random) {
   return {pick(), pick()};
 }
 
+/// The same, with a time between two steps.
+DirectionTimes random_times_and_period(std::mt19937_64& random) {
+  DirectionTimes times = random_times(random);
+  const int most = times.setup_ticks + times.hold_ticks;
+  times.period_ticks = static_cast<std::uint8_t>(1 + random() % static_cast<unsigned>(most));
+  return times;
+}
+
+/// Highest rate that leaves the times between steps.
+double max_rate(const DirectionTimes& times) { return 0.95 / times.period_ticks; }
+
 TEST(ReversalGuard, KeepsSetUpAndHoldAndLosesNoStep) {
   std::mt19937_64 random(1);
   std::size_t waited = 0;
   for (int run = 0; run < test::scaled(300); ++run) {
-    const DirectionTimes times = random_times(random);
+    const DirectionTimes times = random_times_and_period(random);
     ReversalGuard guard;
     guard.set_times(times);
     guard.begin(false);
-    const std::vector<Wanted> motion = random_motion(random, 0.95, run % 2 == 0);
+    const std::vector<Wanted> motion = random_motion(random, max_rate(times), run % 2 == 0);
     const std::vector<Put> out = ask_when_needed(guard, motion);
     ASSERT_NO_FATAL_FAILURE(expect_guarded(motion, out, times)) << "run " << run;
     waited += static_cast<std::size_t>(
@@ -137,9 +150,10 @@ TEST(ReversalGuard, GivesTheSameTicksWhetherCalledAlwaysOrWhenNeeded) {
   std::mt19937_64 random(2);
   for (int run = 0; run < test::scaled(300); ++run) {
     ReversalGuard guard;
-    guard.set_times(random_times(random));
+    const DirectionTimes times = random_times_and_period(random);
+    guard.set_times(times);
     guard.begin(random() % 2 == 0);
-    const std::vector<Wanted> motion = random_motion(random, 0.95, run % 2 == 0);
+    const std::vector<Wanted> motion = random_motion(random, max_rate(times), run % 2 == 0);
     const std::vector<Put> always = ask_always(guard, motion);
     const std::vector<Put> needed = ask_when_needed(guard, motion);
     for (std::size_t i = 0; i < motion.size(); ++i) {

@@ -123,6 +123,24 @@ TEST(Drives, LimitsAreExact) {
   EXPECT_EQ(drives.total_faults(), 3u);
 }
 
+TEST(Drives, CountPausesThatAreTooShort) {
+  for (const bool active_low : {false, true}) {
+    PinBus bus;
+    bus.set(Pin::step_x, active_low, 0);
+    Drives drives({.min_low_ns = 2500, .first_active_low = {active_low}}, bus);
+    const auto pulse = [&bus, active_low](Picoseconds begin) {
+      bus.set(Pin::step_x, !active_low, begin);
+      bus.set(Pin::step_x, active_low, begin + 3'000'000);
+    };
+    pulse(10'000'000);
+    pulse(15'500'000);
+    EXPECT_EQ(drives.total_faults(), 0u);
+    pulse(20'999'999);
+    EXPECT_EQ(drives.faults(0).short_pauses, 1u);
+    EXPECT_EQ(drives.total_faults(), 1u);
+  }
+}
+
 TEST(Drives, KnowEarlierPositions) {
   PinBus bus;
   Drives drives({}, bus);

@@ -220,6 +220,7 @@ void Board::store_settings() {
   if (!core_.settings_due()) return;  // called in every round, and a copy is long
   settings::Values values;
   core_.take_settings(values);
+  real_time_.change_pulses(core_, mask_);
   watchdog_.allow(Watchdog::max_us);
   if (!storage_.save(values)) core_.report_message("Settings could not be stored");
 }

@@ -27,7 +27,9 @@ constexpr std::uint32_t all_spans = ~0u;
 constexpr std::uint64_t start_margin_clocks = 2000 * clocks_per_us;
 /// A tick is not shorter than three quarters of its nominal length; AXIS needs the rest of the
 /// time with the line low.
-constexpr std::uint32_t max_high_clocks = clocks_per_tick * 3 / 4 - pio::tick_low_overhead - 2;
+static_assert(pio::tick_high_clocks <= clocks_per_tick * 3 / 4 - pio::tick_low_overhead - 2);
+/// Ticks that are filled are put out within this time, or have run out.
+constexpr std::uint32_t max_put_out_us = 5000;
 /// The timer's edge seen by a waiting loop to the store that starts TICK: 6 to 14 clocks.
 constexpr std::uint64_t go_latency_clocks = 12;
 
@@ -85,14 +87,20 @@ void RealTime::start(machine::Controller& core) {
   if ((sio().gpio_in >> boards::gpio(Role::estop) & 1) != 0) estop_interrupt();
 }
 
-std::uint32_t RealTime::high_clocks(const machine::Controller& core) const {
-  const auto clocks = static_cast<std::uint32_t>(core.values().milli(settings::Id::step_pulse)) *
-                      clocks_per_us / 1000;
-  return clocks < max_high_clocks ? clocks : max_high_clocks;
+void RealTime::change_pulses(machine::Controller& core, const machine::InterruptMask& mask) {
+  const stepper::PulseOutput output = stepper::pulse_output(core.stored());
+  if (expander_.has_times(output)) return;
+  // The steps in the rings are before this tick.
+  const std::uint32_t end = filled_end_, begun_us = timer().timerawl;
+  while (static_cast<std::int32_t>(played_ - end) < 0 &&
+         timer().timerawl - begun_us < max_put_out_us) {
+  }
+  const machine::Masked masked(mask);
+  expander_.set_times(output);
+  lattice_.set_times(output.pulses);
 }
 
 void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::uint64_t filled) {
-  const std::uint32_t high = high_clocks(core);
   const std::uint64_t earliest = now() + start_margin_clocks;
   std::uint64_t tick = 0, clock = 0;
   do {
@@ -113,7 +121,7 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
   timed_end_ = static_cast<std::uint32_t>(tick);
   played_ = static_cast<std::uint32_t>(tick);
   // The low time of the first tick sets its rise: from here to there.
-  feed_.begin(tick, clock, 1, high);
+  feed_.begin(tick, clock, 1, pio::tick_high_clocks);
   fill_interrupt(core);
   feed_.feed(static_cast<std::uint32_t>(clock), filled_end_,
              [&core](std::uint32_t n) { return core.next_span(n); });
@@ -125,7 +133,7 @@ void RealTime::begin(machine::Controller& core, const StepPosition& steps, std::
   const std::uint64_t low = clock - go_clock - pio::tick_start_clocks - pio::step_latency_clocks;
   tick_ring_.words[0] = tick_word(1, static_cast<std::uint32_t>(low));
   stamps_.begin(go_clock);
-  lattice_.prepare(high);
+  lattice_.prepare();
   Estop::release_trigger();
   go(start_us_ + begin_us, static_cast<std::uint32_t>(clock - go_clock));
   fire_.restart();

@@ -85,6 +85,9 @@ class RealTime {
   /// ticks.
   void top_up(machine::Controller& core);
   void poll(machine::Controller& core);
+  /// Main loop, unmasked, at rest: settings have changed. Waits until the last steps are put out,
+  /// less than 3 ms.
+  [[gnu::cold]] void change_pulses(machine::Controller& core, const machine::InterruptMask& mask);
 
   /// Present clock of the core, at most 1 us late. Beat and fill masked, or at their level; at
   /// least every 34 s.
@@ -117,7 +120,6 @@ class RealTime {
     beam_.apply(core.outputs(), is_cut);
     if (programs_.any()) programs_.apply(core.switched_outputs(), is_cut);
   }
-  std::uint32_t high_clocks(const machine::Controller& core) const;
   void catch_answers() { answered_ = static_cast<std::uint8_t>(answered_ | beam_.answered()); }
   void report_answers(machine::Controller& core);
   void admit_usb();

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "firmware/motion/profile/reach.hpp"
+#include "shared/pulse_times.hpp"
 #include "shared/work_space.hpp"
 
 namespace lamplock::motion {
@@ -14,8 +15,11 @@ using settings::Id;
 constexpr std::uint32_t min_beat_ticks = 100;
 /// Maximum error of the speeds of a way in units of the search, times four: 32.
 constexpr int search_share_bits = 5;
-/// A step needs a high and a low phase inside its tick; leave the last two per cent to rounding.
-constexpr std::int64_t max_speed_q62 = one_q62 / 100 * 98;
+/// Highest speed of an axis that leaves time for its pulses.
+std::int64_t max_speed_q62(const settings::Values& values) {
+  const std::uint32_t divisor = 100u * pulse_times(values).period_ticks;
+  return Int128::product(one_q62, max_step_percent).divided_by(divisor).to_int64() + 1;
+}
 /// About 0.2 step/s2; below it the reciprocal would lose its precision.
 constexpr std::int64_t min_accel_q62 = std::int64_t{1} << 20;
 /// About 0.03 step/s3.
@@ -138,12 +142,14 @@ std::int64_t normalised_speed_q32(const AxisLimits& axis, std::uint32_t beat) {
   return v < largest ? v : largest;
 }
 
-/// Programmed speed jump, mm/s times step/mm, both in thousandths: / 10^6 / 10^6.
-std::int64_t jump_per_tick_q62(std::int32_t jump_milli, std::int32_t steps_milli) {
+/// Programmed speed jump, mm/s times step/mm, both in thousandths: / 10^6 / 10^6. Limited to the
+/// highest speed: then an axis that turns at once has half of it, and steps that wait catch up.
+std::int64_t jump_per_tick_q62(std::int32_t jump_milli, std::int32_t steps_milli,
+                               std::int64_t max_q62) {
   // 10^12 = 2^12 * 244140625
   const Int128 jump =
       (Int128::product(jump_milli, steps_milli) << (62 - 12)).divided_by(244140625u);
-  return jump > Int128(max_speed_q62) ? max_speed_q62 : jump.to_int64();
+  return jump > Int128(max_q62) ? max_q62 : jump.to_int64();
 }
 
 /// Steps/mm of the coarsest axis over those of this one: makes steps of all axes comparable.
@@ -175,21 +181,24 @@ void normalise(AxisLimits& axis, std::uint32_t beat) {
   axis.scale = make_scale(axis.speed_q32);
 }
 
-/// Speed and acceleration of an axis for this length of a tick; false if the speed is zero or too
-/// high.
+/// Speed and acceleration of an axis for this length of a tick; false if the speed is zero or, at
+/// the nominal length, too high. In longer ticks the steps per tick do not rise above the limit.
 bool set_limits(AxisLimits& axis, const settings::Values& values, int a, std::uint32_t tick_q16) {
   const std::int32_t steps_milli = values.milli(Id::steps_per_mm_x, a);
   const std::int64_t q16 = tick_q16;
-  axis.speed_q62 =
-      mul_div(speed_per_tick_q62(values.milli(Id::max_rate_x, a), steps_milli), q16, 65536);
+  const std::int64_t max_q62 = max_speed_q62(values);
+  const std::int64_t nominal_q62 = speed_per_tick_q62(values.milli(Id::max_rate_x, a), steps_milli);
+  const std::int64_t speed_q62 = mul_div(nominal_q62, q16, 65536);
+  axis.speed_q62 = speed_q62 < max_q62 ? speed_q62 : max_q62;
   axis.accel_q62 = mul_div(
       mul_div(accel_per_tick_q62(values.milli(Id::acceleration_x, a), steps_milli), q16, 65536),
       q16, 65536);
   axis.jerk_q78 = jerk_per_tick_q78(values.milli(Id::jerk_x, a), steps_milli);
   for (int power = 0; power < 3; ++power) axis.jerk_q78 = mul_div(axis.jerk_q78, q16, 65536);
-  axis.jump_q62 =
-      mul_div(jump_per_tick_q62(values.milli(Id::speed_jump_x, a), steps_milli), q16, 65536);
-  return axis.speed_q62 <= max_speed_q62 && axis.speed_q62 > 0;
+  const std::int64_t jump_q62 =
+      jump_per_tick_q62(values.milli(Id::speed_jump_x, a), steps_milli, max_q62);
+  axis.jump_q62 = mul_div(jump_q62, q16, 65536);
+  return nominal_q62 <= max_q62 && axis.speed_q62 > 0;
 }
 
 /// Sets the planning limits. Rounding switch points to whole ticks costs at most 1.02/n of the

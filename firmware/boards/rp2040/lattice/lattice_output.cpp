@@ -89,13 +89,18 @@ std::uint32_t push_of_tick(std::uint16_t move_to_isr) {
 
 }  // namespace
 
+std::uint32_t LatticeOutput::axis_pins(int axis) const {
+  const unsigned first = step_gpio(axis);
+  return pio_pinctrl::out(first, 2) |
+         pio_pinctrl::set(first, fallen_pins(modes_[index(axis)], times_.high_ticks));
+}
+
 void LatticeOutput::start_axis(int axis, const stepper::AxisPulses& pulses) const {
   const StateMachine& sm = machine_of(axis);
   const unsigned first = step_gpio(axis);
   sm.configure(axis_program, axis_offset, 0);
   sm.make_outputs_low(first, 2);
-  sm.machine().pinctrl =
-      pio_pinctrl::out(first, 2) | pio_pinctrl::set(first, fallen_pins(pulses.mode));
+  sm.machine().pinctrl = axis_pins(axis);
   // The inversion is set together with the function: the pad changes from undriven to its idle
   // level.
   const Function function = sm.block == 0 ? Function::pio0 : Function::pio1;
@@ -133,8 +138,17 @@ void LatticeOutput::start(boards::PinMap map, const stepper::PulseOutput& output
   load(pio1(), bits_program, bits_offset);
   load(pio1(), tick_program.program, tick_offset);
   load(pio1(), stamp_program.program, stamp_offset);
-  for (int a = 0; a < axes_; ++a) start_axis(a, output.axis[index(a)]);
+  times_ = output.pulses;
+  for (int a = 0; a < axes_; ++a) {
+    modes_[index(a)] = output.axis[index(a)].mode;
+    start_axis(a, output.axis[index(a)]);
+  }
   start_pins();
+}
+
+void LatticeOutput::set_times(const PulseTimes& times) {
+  times_ = times;
+  for (int a = 0; a < axes_; ++a) machine_of(a).machine().pinctrl = axis_pins(a);
 }
 
 void LatticeOutput::use_sync(unsigned gpio) const {
@@ -180,7 +194,7 @@ void LatticeOutput::start_channels() {
                 dreq::pio_rx(stamp_machine.block, stamp_machine.number), true});
 }
 
-void LatticeOutput::prepare(std::uint32_t high_clocks) {
+void LatticeOutput::prepare() {
   for (const StateMachine& sm : axis_machines) sm.disable();
   bits_machine.disable();
   tick_machine.disable();
@@ -195,7 +209,7 @@ void LatticeOutput::prepare(std::uint32_t high_clocks) {
   stamp_machine.execute(encode::move(MoveTo::x, MoveFrom::null, Operation::invert));
   tick_machine.restart(tick_shift, tick_offset + tick_program.entry);
   tick_machine.execute(encode::set(SetTo::pins, 0));
-  tick_machine.write(high_clocks - tick_high_overhead);
+  tick_machine.write(tick_high_clocks - tick_high_overhead);
   tick_machine.execute(encode::pull(false, false));
   tick_machine.execute(encode::move(MoveTo::isr, MoveFrom::osr));
   tick_machine.execute(encode::move(MoveTo::x, MoveFrom::null));

@@ -37,9 +37,10 @@ class LatticeOutput {
   /// Sets pins low, then their function, then loads programs. Nothing runs. PIO, DMA, pads out of
   /// reset.
   void start(boards::PinMap map, const stepper::PulseOutput& output);
+  /// Other times of pulses, while no step is in the rings.
+  void set_times(const PulseTimes& times);
   /// Resets everything, fills FIFOs from the rings; AXIS and BITS wait for the first tick.
-  /// `high_clocks` is the high time of the tick line.
-  void prepare(std::uint32_t high_clocks);
+  void prepare();
   /// TICK and STAMP start together with this store.
   [[gnu::always_inline]] static void go() {
     const std::uint32_t both = tick_machine.mask() | stamp_machine.mask();
@@ -78,6 +79,7 @@ class LatticeOutput {
   }
   static constexpr unsigned tick_number = 2;  ///< of TICK in PIO1
   void start_axis(int axis, const stepper::AxisPulses& pulses) const;
+  std::uint32_t axis_pins(int axis) const;
   void start_pins() const;
   void start_channels();
   void start_bits() const;
@@ -90,6 +92,8 @@ class LatticeOutput {
   /// the read.
   volatile std::uint32_t again_mask_ = 0;
   int axes_ = 3;  ///< axes that have pins
+  PerAxis<settings::PulseMode> modes_{};
+  PulseTimes times_;
 };
 
 }  // namespace lamplock::rp2040

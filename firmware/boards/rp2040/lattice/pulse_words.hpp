@@ -7,8 +7,8 @@
 //      the Cortex-M0+: nothing for STEP and DIR; at 250 kHz some 50 cycles a word for CW and CCW,
 //      90 for A and B (measured on the chip simulator).
 //
-// With the tick line AXIS lowers the pins that are pulses: STEP, or both of CW and CCW, or neither
-// of A and B, which keep their levels until the next step.
+// With the tick line AXIS lowers the pins of short pulses: STEP, or both of CW and CCW. Longer
+// pulses last whole ticks, and A and B keep their levels until the next step: AXIS lowers nothing.
 #pragma once
 
 #include <cstdint>
@@ -42,20 +42,41 @@ constexpr std::uint32_t quadrature_word(std::uint32_t word, std::uint32_t& level
   return put;
 }
 
-/// Converts a word of (DIR, STEP) for AXIS.
-constexpr std::uint32_t pulse_word(PulseMode mode, std::uint32_t word, std::uint32_t& levels) {
-  if (mode == PulseMode::step_dir) return word;
+/// Pulses of `high_ticks` ticks, at most a word, from those of one tick; they are further apart
+/// than that. `rest`: the ticks of the last pulse that belong to the next word.
+constexpr std::uint32_t long_pulses(std::uint32_t pulses, std::uint32_t high_ticks,
+                                    std::uint32_t& rest) {
+  std::uint32_t put = pulses | rest;
+  rest = 0;
+  if (pulses == 0) return put;
+  for (std::uint32_t shift = 2; shift != 2 * high_ticks; shift += 2) {
+    put |= pulses >> shift;
+    rest |= pulses << (32 - shift);
+  }
+  return put;
+}
+
+/// Converts a word of (DIR, STEP) for AXIS. `levels`: in quadrature those before the word,
+/// otherwise what long_pulses() has left.
+constexpr std::uint32_t pulse_word(PulseMode mode, std::uint32_t high_ticks, std::uint32_t word,
+                                   std::uint32_t& levels) {
   if (mode == PulseMode::quadrature) return quadrature_word(word, levels);
-  const std::uint32_t down = word & word << 1 & all_dir_bits;
-  return (word & ~(word >> 1) & all_step_bits) | down;
+  std::uint32_t pulses = word & all_step_bits, others = word & all_dir_bits;
+  if (mode == PulseMode::cw_ccw) {
+    pulses = (word & ~(word >> 1) & all_step_bits) | (word & word << 1 & all_dir_bits);
+    others = 0;
+  }
+  return others | (high_ticks == 0 ? pulses : long_pulses(pulses, high_ticks, levels));
 }
 
 /// Converts a word of AXIS back to (DIR, STEP), `levels` being those before it; DIR is undefined in
 /// ticks without a step.
-constexpr std::uint32_t step_word(PulseMode mode, std::uint32_t word, std::uint32_t levels) {
-  if (mode == PulseMode::step_dir) return word;
-  if (mode == PulseMode::cw_ccw) return word | (word >> 1 & all_step_bits);
+constexpr std::uint32_t step_word(PulseMode mode, std::uint32_t high_ticks, std::uint32_t word,
+                                  std::uint32_t levels) {
   const std::uint32_t before = word >> 2 | levels << 30;
+  const std::uint32_t begun = high_ticks == 0 ? word : word & ~before;
+  if (mode == PulseMode::step_dir) return (word & all_dir_bits) | (begun & all_step_bits);
+  if (mode == PulseMode::cw_ccw) return begun | (begun >> 1 & all_step_bits);
   const std::uint32_t change = word ^ before;
   const std::uint32_t back = change >> 1 ^ before ^ before >> 1;
   return ((change | change >> 1) & all_step_bits) | (back & all_step_bits) << 1;

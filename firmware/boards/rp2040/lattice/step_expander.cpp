@@ -26,8 +26,13 @@ void put_alike(std::array<std::uint32_t, ring_words>& ring, std::uint32_t& parti
     ticks -= n;
     if (n == left) ring[at++ % words] = finish(partial);
   }
-  const std::uint32_t all_alike = finish(pattern);
-  for (std::uint32_t whole = ticks / ticks_per_word; whole != 0;) {
+  std::uint32_t whole = ticks / ticks_per_word;
+  if (whole != 0) {  // the first may have the rest of a pulse
+    ring[at++ % words] = finish(pattern);
+    --whole;
+  }
+  const std::uint32_t all_alike = whole != 0 ? finish(pattern) : 0;
+  while (whole != 0) {
     at %= words;
     const std::uint32_t n = whole < words - at ? whole : words - at;
     std::fill_n(ring.data() + at, n, all_alike);
@@ -40,9 +45,16 @@ void put_alike(std::array<std::uint32_t, ring_words>& ring, std::uint32_t& parti
 }  // namespace
 
 void StepExpander::configure(const stepper::PulseOutput& output) {
-  for (int a = 0; a < max_axes; ++a) {
-    rows_[index(a)].mode = output.axis[index(a)].mode;
-    rows_[index(a)].guard.set_times(output.times);
+  for (int a = 0; a < max_axes; ++a) rows_[index(a)].mode = output.axis[index(a)].mode;
+  set_times(output);
+}
+
+void StepExpander::set_times(const stepper::PulseOutput& output) {
+  pulses_ = output.pulses;
+  for (Row& row : rows_) {
+    row.high_ticks = row.mode == PulseMode::quadrature ? 0 : pulses_.high_ticks;
+    row.plain = row.mode == PulseMode::step_dir && row.high_ticks == 0;
+    row.guard.set_times(output.times);
   }
 }
 
@@ -59,6 +71,7 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPo
     row.fill = {};
     row.levels = levels[index(a)];
     row.guard.begin(row.mode == PulseMode::step_dir ? (row.levels & 2) != 0 : row.guard.back());
+    if (row.mode != PulseMode::quadrature) row.levels = 0;  // a pulse that is high ends now
     // Counting back finds no steps.
     rings_.steps[index(a)].fill(row.finish(row.dir()));
   }
@@ -72,19 +85,18 @@ void StepExpander::begin(std::uint64_t first, std::uint64_t filled, const StepPo
 
 // Not inlined: three loops call it.
 [[gnu::noinline]] std::uint32_t StepExpander::Row::finish_other(std::uint32_t word) {
-  return pulse_word(mode, word, levels);
+  return pulse_word(mode, high_ticks, word, levels);
 }
 
 void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t ticks) {
   Row& row = rows_[index(axis)];
   const bool back = run.backwards();
-  if (!row.guard.passes(back) || row.mode != PulseMode::step_dir)
-    return put_other(axis, run, ticks);
+  if (!row.guard.passes(back) || !row.plain) return put_other(axis, run, ticks);
   StepPhase phase(run);
   put_words<true>(axis, phase, back ? all_dir_bits : 0, ticks);
 }
 
-/// For an axis that reverses, or pins that are not STEP and DIR.
+/// For an axis that reverses, long pulses, or pins that are not STEP and DIR.
 [[gnu::noinline]] void StepExpander::put_other(int axis, const stepper::AxisRun& run,
                                                std::uint32_t ticks) {
   Row& row = rows_[index(axis)];
@@ -95,7 +107,7 @@ void StepExpander::put_axis(int axis, const stepper::AxisRun& run, std::uint32_t
   put_words<false>(axis, phase, row.dir(), ticks);
 }
 
-/// Steps without a guard; `plain`: the pins are STEP and DIR.
+/// Steps without a guard; `plain`: Row::plain.
 template <bool plain>
 void StepExpander::put_words(int axis, StepPhase& phase, std::uint32_t dir, std::uint32_t ticks) {
   auto& ring = rings_.steps[index(axis)];
@@ -208,14 +220,15 @@ std::uint32_t StepExpander::steps_of(int axis, std::uint32_t place) const {
   if (begun != 0 && at == row.fill.place / ticks_per_step_word)
     return row.fill.partial << 2 * (ticks_per_step_word - begun);
   const auto& ring = rings_.steps[index(axis)];
-  return step_word(row.mode, ring[at], ring[(at + step_ring_words - 1) % step_ring_words] & 3);
+  return step_word(row.mode, row.high_ticks, ring[at],
+                   ring[(at + step_ring_words - 1) % step_ring_words] & 3);
 }
 
 /// Ticks since the last step, limited to what the guard needs.
 std::uint32_t StepExpander::quiet_ticks(int axis) const {
   const Row& row = rows_[index(axis)];
   std::uint32_t quiet = 0;
-  while (quiet < row.guard.times().hold_ticks) {
+  while (quiet < row.guard.times().after_step_ticks()) {
     const std::uint32_t place = (row.fill.place - 1 - quiet) & place_mask;
     const std::uint32_t in_word = place % ticks_per_step_word;
     const std::uint32_t after = ticks_per_step_word - 1 - in_word;

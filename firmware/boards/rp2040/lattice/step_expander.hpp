@@ -41,6 +41,11 @@ class StepExpander {
 
   /// Sets pins and drives; begin() must follow.
   [[gnu::cold]] void configure(const stepper::PulseOutput& output);
+  /// Other times, while no step is in the rings; pins and their meaning stay.
+  [[gnu::cold]] void set_times(const stepper::PulseOutput& output);
+  bool has_times(const stepper::PulseOutput& output) const {
+    return output.pulses == pulses_ && output.times == rows_[0].guard.times();
+  }
   /// Starts again: the first word begins with tick `first`; up to the tick `filled`, where runs
   /// begin, all axes rest. `levels`: present levels of the pins of each axis (bit 0: STEP, CW or A;
   /// bit 1: DIR, CCW or B) without inversions: they do not change.
@@ -86,12 +91,13 @@ class StepExpander {
     Fill fill;
     stepper::ReversalGuard guard;
     PulseMode mode = PulseMode::step_dir;
-    std::uint32_t levels = 0;  ///< of A and B at the end of the last complete word
+    std::uint8_t high_ticks = 0;  ///< of a pulse; 0: it ends within its tick
+    bool plain = true;            ///< AXIS has the same words: STEP and DIR, short pulses
+    /// At the end of the last complete word: levels of A and B, or the rest of a pulse.
+    std::uint32_t levels = 0;
 
     std::uint32_t dir() const { return guard.back() ? all_dir_bits : 0; }
-    std::uint32_t finish(std::uint32_t word) {
-      return mode == PulseMode::step_dir ? word : finish_other(word);
-    }
+    std::uint32_t finish(std::uint32_t word) { return plain ? word : finish_other(word); }
     std::uint32_t finish_other(std::uint32_t word);
   };
 
@@ -109,6 +115,7 @@ class StepExpander {
   LatticeRings& rings_;
   std::uint64_t end_ = 0;
   PerAxis<Row> rows_{};
+  PulseTimes pulses_;
   Fill bits_;
   StepPosition steps_{};  ///< at end_
   PowerRing& power_;

@@ -18,6 +18,7 @@
 #include "firmware/boards/rp2040/pio/assembler.hpp"
 #include "firmware/machine/controller.hpp"
 #include "shared/boards/pico_pins.hpp"
+#include "shared/pulse_times.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
 
@@ -29,10 +30,10 @@ inline constexpr unsigned tick_gpio = boards::gpio(boards::Role::tick_line);
 
 /// AXIS: per tick the levels of the two pins of the axis, the second one (DIR, CCW, B) first,
 /// autopull at 32 bits. OUT pins: both; SET pins: those that fall with the tick line, from the
-/// first one on, their number depending on the pulse mode (fallen_pins()). So a pulse is as long as
-/// the tick line is high, DIR changes at the beginning of a tick, at least one before the step
-/// (stepper/reversal_guard.hpp), and levels in quadrature are constant. Without data or without
-/// ticks it waits with pulses low.
+/// first one on, their number depending on the pulses (fallen_pins()). So a short pulse is as long
+/// as the tick line is high, a longer one ends with a tick, DIR changes at the beginning of a tick,
+/// at least one before the step (stepper/reversal_guard.hpp), and levels in quadrature are
+/// constant. Without data or without ticks it waits, with short pulses low.
 consteval Program make_axis() {
   Assembler a;
   a.wrap_target();
@@ -46,10 +47,16 @@ consteval Program make_axis() {
 inline constexpr Program axis_program = make_axis();
 /// Tick line on its pad to STEP on its pad: synchroniser, wait and its delay, out.
 inline constexpr unsigned step_latency_clocks = synchroniser_clocks + 2 + pad_clocks;
-/// SET count of AXIS: STEP alone, CW and CCW, neither of A and B.
-constexpr unsigned fallen_pins(settings::PulseMode mode) {
-  return mode == settings::PulseMode::step_dir ? 1 : mode == settings::PulseMode::cw_ccw ? 2 : 0;
+/// SET count of AXIS: of short pulses STEP alone, or CW and CCW; otherwise none.
+constexpr unsigned fallen_pins(settings::PulseMode mode, std::uint32_t high_ticks) {
+  if (mode == settings::PulseMode::quadrature || high_ticks != 0) return 0;
+  return mode == settings::PulseMode::step_dir ? 1 : 2;
 }
+/// The tick line falls on its pad to STEP falls on its pad: one clock less than at the rise.
+inline constexpr unsigned fall_latency_clocks = synchroniser_clocks + 1 + pad_clocks;
+/// High time of the tick line: that of a short pulse, rounded up, at the pad of STEP.
+inline constexpr unsigned tick_high_clocks =
+    (clocks_per_us * short_pulse_ns + 999) / 1000 + step_latency_clocks - fall_latency_clocks;
 
 /// BITS: per tick four lattice bits, most significant nibble first, autopull at 32 bits. They
 /// change on the same clock as STEP. At the end TICK clears them.
