@@ -61,6 +61,15 @@ enum class GcodeError : std::uint8_t {
   emergency_stop = 50,
   setting_out_of_range = 52,
   setting_unavailable = 53,
+  unknown_operator = 71,
+  division_by_zero = 72,
+  argument_out_of_range = 73,
+  unknown_name = 74,
+  bad_expression = 75,
+  result_too_large = 76,
+  o_word = 80,
+  nested_too_deep = 82,
+  no_room = 83,
 };
 
 struct GcodeErrorRow {
@@ -144,6 +153,22 @@ inline constexpr GcodeErrorRow gcode_errors[] = {
                   "the setting is outside its range"},
     GcodeErrorRow{GcodeError::setting_unavailable, "setting_unavailable",
                   "this board does not have the setting"},
+    GcodeErrorRow{GcodeError::unknown_operator, "unknown_operator",
+                  "no operator or function has this name"},
+    GcodeErrorRow{GcodeError::division_by_zero, "division_by_zero", "division by zero"},
+    GcodeErrorRow{GcodeError::argument_out_of_range, "argument_out_of_range",
+                  "the function or power has no value for this number"},
+    GcodeErrorRow{GcodeError::unknown_name, "unknown_name",
+                  "no value has been assigned to this name"},
+    GcodeErrorRow{GcodeError::bad_expression, "bad_expression",
+                  "the expression is incomplete: a number, an operator, a bracket or = is missing"},
+    GcodeErrorRow{GcodeError::result_too_large, "result_too_large",
+                  "a value is too large: 10^9 in a word, 9 10^9 in an expression"},
+    GcodeErrorRow{GcodeError::o_word, "o_word", "the board does not run O-words"},
+    GcodeErrorRow{GcodeError::nested_too_deep, "nested_too_deep",
+                  "the expression is nested too deep"},
+    GcodeErrorRow{GcodeError::no_room, "no_room",
+                  "no room for this parameter: 256 values, 640 characters of names, 40 of a name"},
 };
 
 /// The row of an error; null for none and for numbers that no row has.

@@ -35,7 +35,7 @@ bool MachineWork::end_probe() {
                                              : place_of(rest.axis[index(a)], values_, a);
   }
   const bool failed = !probe_.met && reader_.probe_must_meet();
-  reader_.end_probe(rest, values_);
+  reader_.end_probe(rest, values_, probe_.met, probe_.machine_e7);
   {
     const Masked masked(mask_);
     use_overrides();
@@ -71,10 +71,11 @@ bool MachineWork::work_input_wait() {
   const bool late = state == InputWait::State::late;
   TextLine text;
   text.add("Input ").add(std::int64_t{wanted.port});
-  text.add(late ? " not met: " : " ").add(active(input_wait_.input()) ? "on" : "off");
+  const bool on = active(input_wait_.input());
+  text.add(late ? " not met: " : " ").add(on ? "on" : "off");
   report_message(text.view());
   input_wait_.end();
-  reader_.end_wait(late);
+  reader_.end_wait(on, late);
   if (late) pause();
   return !late;
 }

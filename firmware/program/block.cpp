@@ -134,15 +134,18 @@ constexpr bool may_jog(const Code& code) {
 
 }  // namespace
 
-[[gnu::hot]] Fault Block::read(std::string_view line, int axes, bool jog) {
+[[gnu::hot]] Fault Block::read(std::string_view line, int axes, Expressions& expressions,
+                               bool jog) {
   WordReader reader(line);
   Word word;
   for (;;) {
     if (const Fault fault = reader.next(word)) {
-      if (!jog && ignore_program_number(reader)) continue;
-      return fault;
+      if (jog) return fault;
+      if (const Fault other = read_other(line, fault, word, reader, expressions)) return other;
+      if (word.letter == 0) continue;
+    } else if (word.letter == 0) {
+      return ignored_ == 0 ? Fault{} : check_ignored();
     }
-    if (word.letter == 0) return ignored_ == 0 ? Fault{} : check_ignored();
     if (const Fault fault = add(word, axes, jog)) {
       if (!ignore_word(word, line, jog)) return fault;
       if (ignores(Ignored::m117)) return check_ignored();
@@ -153,6 +156,38 @@ constexpr bool may_jog(const Code& code) {
   }
 }
 
+/// Reads what is not a word with a plain number: a word with an expression; an assignment or a
+/// program number, with letter 0. O-words are an error of their own.
+Fault Block::read_other(std::string_view line, const Fault& fault, Word& word, WordReader& reader,
+                        Expressions& expressions) {
+  if (is_o_word(line, word))
+    return {GcodeError::o_word, word.letter == 'O' ? word.column : program_number_};
+  if (fault.error == GcodeError::bad_number) {
+    std::uint16_t index = word.column;
+    if (!expressions.begins_at(line, index)) return fault;
+    if (const Fault other = expressions.read_word(line, index, word)) return other;
+    reader.go_to(index);
+    return {};
+  }
+  if (ignore_program_number(reader)) return {};
+  if (reader.peek() != '#') return fault;
+  std::uint16_t index = reader.place();
+  const Fault other = expressions.read_assignment(line, index);
+  reader.go_to(index);
+  return other;
+}
+
+/// O100 sub, O<name> call: letters follow an O word, or a name or an expression its letter.
+bool Block::is_o_word(std::string_view line, const Word& word) const {
+  if (word.letter == 0) return false;
+  WordReader reader(line);
+  reader.go_to(word.column);
+  const char next = reader.peek();
+  if (word.letter == 'O') return next == '<' || next == '#' || next == '[';
+  const bool is_letter = (next >= 'A' && next <= 'Z') || (next >= 'a' && next <= 'z');
+  return program_number_ != 0 && is_letter;
+}
+
 /// Whether the program works without a word that the machine does not know; then it is noted.
 bool Block::ignore_word(const Word& word, std::string_view line, bool jog) {
   if (jog || word.mantissa < 0) return false;
@@ -160,6 +195,7 @@ bool Block::ignore_word(const Word& word, std::string_view line, bool jog) {
   switch (word.letter) {
     case 'O':
       ignore(Ignored::program_number);
+      program_number_ = word.column;
       return true;
     case 'D':
       ignore(Ignored::d);

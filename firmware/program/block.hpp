@@ -1,6 +1,6 @@
 // A block: the words of one line, sorted into commands and values.
 //
-// In:  a line.
+// In:  a line; values of its expressions and parameters (expression.hpp).
 // Out: the code of each modal group in the line, the value words by letter, and the command that
 //      uses the axis words. Errors of a word by itself or together with another (unknown codes,
 //      groups, repeated words, signs) are found here; errors of values within a command are not.
@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "firmware/program/expression.hpp"
 #include "shared/gcode_words.hpp"
 #include "shared/units.hpp"
 
@@ -56,8 +57,9 @@ enum class AxisUse : std::uint8_t { none, motion, data, tool_length, rotation };
 
 class Block {
  public:
-  /// Sorts the words of a line for a machine of `axes` axes. A jog has fewer commands and words.
-  Fault read(std::string_view line, int axes, bool jog = false);
+  /// Sorts the words of a line for a machine of `axes` axes, and notes its assignments. A jog has
+  /// fewer commands and words, and no expressions.
+  Fault read(std::string_view line, int axes, Expressions& expressions, bool jog = false);
 
   bool has(Group group) const { return (groups_ >> static_cast<int>(group) & 1u) != 0; }
   /// G code times ten, or M code; 0xffff if the line has none of the group.
@@ -111,6 +113,9 @@ class Block {
   }
   static constexpr std::uint32_t bit(char letter) { return 1u << slot(letter); }
 
+  [[gnu::cold]] Fault read_other(std::string_view line, const Fault& fault, Word& word,
+                                 WordReader& reader, Expressions& expressions);
+  [[gnu::cold]] bool is_o_word(std::string_view line, const Word& word) const;
   Fault add(const Word& word, int axes, bool jog);
   [[gnu::cold]] bool ignore_word(const Word& word, std::string_view line, bool jog);
   [[gnu::cold]] bool ignore_program_number(WordReader& reader);
@@ -130,6 +135,7 @@ class Block {
   std::uint32_t axes_ = 0;
   AxisUse axis_use_ = AxisUse::none;
   std::uint8_t ignored_ = 0;
+  std::uint16_t program_number_ = 0;  ///< column of an ignored O word
   std::uint32_t pieces_ = 0, last_power_milli_ = 0;
   std::string_view powers_;
   std::array<std::uint16_t, groups> codes_;

@@ -7,14 +7,15 @@
 namespace lamplock::program {
 
 [[gnu::hot]] Fault Interpreter::run(std::string_view line) {
-  Statement statement(options_, parameters_, saved_, *state_, *next_, plan_);
+  Statement statement(options_, parameters_, saved_, expressions_, *state_, *next_, plan_);
   const Fault fault = statement.check(line);
   if (!fault) take_over(statement);
+  if (expressions_.has_assignments()) expressions_.end_line(!fault);
   return fault;
 }
 
 Fault Interpreter::jog(std::string_view line) {
-  Statement statement(options_, parameters_, saved_, *state_, *next_, plan_);
+  Statement statement(options_, parameters_, saved_, expressions_, *state_, *next_, plan_);
   const Fault fault = statement.check_jog(line);
   if (!fault) take_over(statement);
   return fault;
@@ -317,6 +318,7 @@ void Interpreter::end_program() {
   modal.pulses = {};
   modal.decimals = 0;
   ignored_ = 0;
+  expressions_.clear();
   if (saved_.valid && saved_.restore_at_end) restore_saved();
   state_->programmed_e7 = modal.rotation.turned_back(state_->machine_e7);
   state_->cycle = {};
@@ -354,6 +356,7 @@ void Interpreter::reset() {
   state_->modal.tool_length = parameters_.tool_length_e7 != 0;
   saved_ = {};
   ignored_ = new_ignored_ = 0;
+  expressions_.clear();
   set_position(state_->machine_e7);
 }
 

@@ -22,6 +22,8 @@
 //   * M1 pauses like M0. M2 and M30 are the same.
 //   * G92 and G43.1 are inactive after a reset; G92.3 activates the stored shift again.
 //   * S with a list of powers divides a G1 into as many pieces (power_list.hpp); the last stays.
+//   * Parameters (#1, #<name>) are unset at the end of a program and by a reset, so that a program
+//     does the same each time; those above #5000 can only be read.
 //   * Cycles: R, Z, Q and P stay until another cycle begins; in G91 R counts from where the series
 //     began. A moves together with X and Y.
 //
@@ -38,6 +40,7 @@
 #include "firmware/program/curve.hpp"
 #include "firmware/program/curve_timing.hpp"
 #include "firmware/program/cycles.hpp"
+#include "firmware/program/expression.hpp"
 #include "firmware/program/extent.hpp"
 #include "firmware/program/modal.hpp"
 #include "firmware/program/parameters.hpp"
@@ -101,6 +104,10 @@ class Interpreter {
   std::uint32_t pulses_milli() const;
   std::uint32_t pulse_ns() const;
   const State& state() const { return *state_; }
+  /// Parameters that the program has set.
+  const Variables& variables() const { return expressions_.variables(); }
+  /// Results of probes and inputs, which the program reads as parameters.
+  Results& results() { return expressions_.results(); }
   const Saved& saved() const { return saved_; }
   /// Present end of the program, in machine coordinates.
   const Place& machine_e7() const { return state_->machine_e7; }
@@ -154,6 +161,7 @@ class Interpreter {
   std::uint8_t ignored_ = 0, new_ignored_ = 0;  ///< in this program; not reported yet
   Parameters& parameters_;
   const Options& options_;
+  Expressions expressions_{state_, parameters_};
 };
 
 }  // namespace lamplock::program

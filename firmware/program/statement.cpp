@@ -21,7 +21,7 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
 
 [[gnu::hot]] void Statement::read(std::string_view line, bool jog) {
   plan_.clear();
-  fault_ = block_.read(line, options_.axes, jog);
+  fault_ = block_.read(line, options_.axes, expressions_, jog);
 }
 
 [[gnu::hot]] Fault Statement::check(std::string_view line) {

@@ -137,8 +137,13 @@ class Statement {
   /// The state after the line and the plan are made in place; after an error the plan has no stage
   /// and that state is undefined.
   Statement(const Options& options, const Parameters& parameters, const Saved& saved,
-            const State& before, State& after, Plan& plan)
-      : plan_(plan), options_(options), parameters_(parameters), saved_(saved), after_(after) {
+            Expressions& expressions, const State& before, State& after, Plan& plan)
+      : plan_(plan),
+        options_(options),
+        parameters_(parameters),
+        saved_(saved),
+        expressions_(expressions),
+        after_(after) {
     after_ = before;
   }
 
@@ -251,6 +256,7 @@ class Statement {
   const Options& options_;
   const Parameters& parameters_;
   const Saved& saved_;
+  Expressions& expressions_;
   State& after_;
   Block block_;
   Changes changes_;

@@ -132,9 +132,24 @@ std::vector<ProgramLine> program_lines(std::string_view text, const std::string&
   return lines;
 }
 
+namespace {
+
+/// A word of this letter has an expression: the number is not known here.
+bool has_expression(std::string_view line, char letter) {
+  const char small = static_cast<char>(letter - 'A' + 'a');
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] != letter && line[i] != small) continue;
+    const std::string_view value = trimmed(line.substr(i + 1));
+    if (value.starts_with('#') || value.starts_with('[')) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 bool is_pause(std::string_view line) {
   constexpr double optional_pause = 1, pallet_pause = 60;
-  bool pause = false;
+  bool pause = has_expression(line, 'M');
   each_word(line, 'M', [&](double number) {
     pause = pause || number == 0 || number == optional_pause || number == pallet_pause;
   });
@@ -142,7 +157,8 @@ bool is_pause(std::string_view line) {
 }
 
 double max_dwell_s(std::string_view line) {
-  double sum = 0;
+  constexpr double hour_s = 3600;
+  double sum = has_expression(line, 'P') ? hour_s : 0;
   each_word(line, 'P', [&](double number) { sum += std::max(0.0, number); });
   return sum;
 }

@@ -51,10 +51,11 @@ char open_comment(std::string_view line);
 /// Error(bad_input) about FILE:LINE as line_to_send().
 std::vector<ProgramLine> program_lines(std::string_view text, const std::string& file);
 
-/// True if the line pauses the program: M0, M1 or M60.
+/// True if the line pauses the program: M0, M1 or M60; or may, by an expression.
 bool is_pause(std::string_view line);
 
-/// Sum of the P words of a line, at least 0: its longest possible dwell time in seconds.
+/// Sum of the P words of a line, at least 0: its longest possible dwell time in seconds; an hour
+/// more if P is an expression.
 double max_dwell_s(std::string_view line);
 
 }  // namespace lamplock::link

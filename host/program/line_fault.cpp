@@ -60,19 +60,6 @@ bool is_control_word(std::string_view letters) {
   return std::ranges::find(words, upper(letters)) != words.end();
 }
 
-/// The part of a line that only a language with variables has; empty if the fault is another one.
-std::string_view expression_at(std::string_view line, std::string_view rest) {
-  const std::string_view whole = trimmed(line);
-  const std::string_view after = without_blanks_before(rest.substr(word_at(rest).size()));
-  if (upper(whole.substr(0, 1)) == "O") return whole;
-  if (is_control_word(letters_at(rest))) return letters_at(rest);
-  constexpr std::string_view signs = "#[]=";
-  if (signs.find(rest.front()) == std::string_view::npos &&
-      (after.empty() || signs.find(after.front()) == std::string_view::npos))
-    return {};
-  return rest.substr(0, rest.find_first_of(blanks, rest.size() - after.size() + 1));
-}
-
 /// A checksum at the fault, `*22`; empty if there is none.
 std::string_view checksum_at(std::string_view rest) {
   const std::string_view after = without_blanks_before(rest.substr(word_at(rest).size()));
@@ -89,7 +76,7 @@ struct Replacement {
 };
 
 constexpr std::string_view no_compensation = "post the program with the offset in its path";
-constexpr std::string_view no_subprograms = "post the program without subprograms";
+constexpr std::string_view no_subprograms = "post the program without subprograms and loops";
 constexpr std::string_view no_motor_switch =
     "take the word out: $1 switches the motors off at rest";
 constexpr std::string_view no_heater = "take the word out: the machine has no heater";
@@ -135,27 +122,47 @@ LineFault no_letter(std::string_view rest) {
           "take it out, or put text into a comment"};
 }
 
+LineFault unknown_name(std::string_view rest, const std::string& text) {
+  const std::string_view name = rest.substr(0, std::min(rest.find('>'), rest.size() - 1) + 1);
+  return {fmt::format("{}: {}", quoted(name), text),
+          fmt::format("write '{} = 0' with its value before this line", printable(name))};
+}
+
+/// What is not a word: neither a letter with a number, nor a letter with a value.
+LineFault no_word(std::string_view rest, GcodeError error) {
+  if (const std::string_view sum = checksum_at(rest); !sum.empty())
+    return {fmt::format("{}: line checksums are not read", quoted(sum)),
+            "switch them off in the sender"};
+  if (const std::string_view letters = letters_at(rest); is_control_word(letters))
+    return {fmt::format("{}: loops, branches and calls are not read", quoted(letters)),
+            std::string(no_subprograms)};
+  if (error == GcodeError::letter_expected) return no_letter(rest);
+  return {fmt::format("the number after {} is missing, malformed or too large",
+                      quoted(rest.substr(0, 1))),
+          "correct the number, or put text into a comment"};
+}
+
 }  // namespace
 
 LineFault describe_fault(std::string_view line, const program::Fault& fault, int axes) {
   const GcodeErrorRow* row = find_gcode_error(static_cast<std::uint8_t>(fault.error));
   LineFault plain{row == nullptr ? "unknown" : std::string(row->text)};
-  const bool is_named = fault.error == GcodeError::unsupported ||
-                        fault.error == GcodeError::letter_expected ||
-                        fault.error == GcodeError::bad_number;
-  if (!is_named || fault.column == 0 || fault.column > line.size()) return plain;
+  if (fault.column == 0 || fault.column > line.size()) return plain;
   const std::string_view rest = line.substr(fault.column - 1);
-  if (fault.error == GcodeError::unsupported) return unsupported(word_at(rest), axes);
-  if (const std::string_view sum = checksum_at(rest); !sum.empty())
-    return {fmt::format("{}: line checksums are not read", quoted(sum)),
-            "switch them off in the sender"};
-  if (const std::string_view part = expression_at(line, rest); !part.empty())
-    return {fmt::format("{}: variables, expressions and O-words are not read", quoted(part)),
-            "post the program without them"};
-  if (fault.error == GcodeError::letter_expected) return no_letter(rest);
-  return {fmt::format("the number after {} is missing, malformed or too large",
-                      quoted(rest.substr(0, 1))),
-          "correct the number, or put text into a comment"};
+  switch (fault.error) {
+    case GcodeError::unsupported:
+      return unsupported(word_at(rest), axes);
+    case GcodeError::unknown_name:
+      return unknown_name(rest, plain.text);
+    case GcodeError::o_word:
+      return {fmt::format("{}: O-words are not read", quoted(trimmed(rest))),
+              std::string(no_subprograms)};
+    case GcodeError::letter_expected:
+    case GcodeError::bad_number:
+      return no_word(rest, fault.error);
+    default:
+      return plain;
+  }
 }
 
 }  // namespace lamplock::program_run

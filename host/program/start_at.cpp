@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 
 #include "firmware/machine/activities/program_reader.hpp"
 #include "firmware/program/interpreter.hpp"
@@ -61,6 +62,7 @@ class Skipped {
 
   std::vector<std::string> preamble() const {
     std::vector<std::string> lines{"M5", "G21 G90 G94 G80" + codes()};
+    add_parameters(lines);
     for (const std::string_view axes : {"XYA", "Z"})
       if (const std::string place = place_of(axes); !place.empty()) lines.push_back("G0" + place);
     add_modes(lines);
@@ -133,6 +135,20 @@ class Skipped {
     if (modal.path == PathMode::stop) text += " G61.1";
     if (modal.path == PathMode::blend) text += fmt::format(" G64 P{:.3f}", modal.blend_um / 1e3);
     return text;
+  }
+
+  /// Parameters that the skipped lines have set.
+  void add_parameters(std::vector<std::string>& lines) const {
+    const program::Variables& variables = interpreter_.variables();
+    for (std::uint32_t i = 0; i < variables.size(); ++i) {
+      const std::int64_t e9 = variables.value_at(i);
+      const std::string value =
+          fmt::format("{}{}.{:09}", e9 < 0 ? "-" : "", std::abs(e9 / program::one_e9),
+                      std::abs(e9 % program::one_e9));
+      const std::uint32_t number = variables.number(i);
+      lines.push_back(number != 0 ? fmt::format("#{}={}", number, value)
+                                  : fmt::format("#<{}>={}", variables.name(i), value));
+    }
   }
 
   /// Added after the approach, because they change the meaning of its words.

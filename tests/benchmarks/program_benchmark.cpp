@@ -61,6 +61,17 @@ std::string short_lines(std::size_t count, double feed_mm_s) {
   return text;
 }
 
+/// The same lines, computed by the board: three products, two functions and a sum each.
+std::string expression_lines(std::size_t count, double feed_mm_s) {
+  constexpr double degrees = 180 / std::numbers::pi, um = 1000;
+  std::string text = fmt::format("G0 X{}\nF{}\n#1={:.9f} #2={}\n", radius_mm, feed_mm_s * 60,
+                                 angle_of(1) * degrees, radius_mm * um);
+  for (std::size_t i = 1; i <= count; ++i)
+    text += fmt::format("#1=[#1+{:.9f}]G1X[ROUND[#2*COS[#1]]/{}]Y[ROUND[#2*SIN[#1]]/{}]\n",
+                        angle_of(1) * degrees, um, um);
+  return text;
+}
+
 /// Results of a stream.
 struct Rate {
   double lines_per_s = 0, taken_per_s = 0;
@@ -105,13 +116,15 @@ double line_of(const sim::ChipBoard& board, double after) {
   return after + (angle - turn * std::floor(angle / turn)) / angle_of(1);
 }
 
-Rate measure(sim::ChipBoard& board, double feed_mm_s, double steps_per_mm) {
+using MakeLines = std::string (*)(std::size_t count, double feed_mm_s);
+
+Rate measure(sim::ChipBoard& board, MakeLines make_lines, double feed_mm_s, double steps_per_mm) {
   constexpr std::size_t lines = warm_up_lines + measured_lines;
   const sim::Picoseconds end =
       board.now() + 60 * sim::ps_per_s;  // about fifty times the needed time
   Rate rate;
   test::ProgramSender sender(board);
-  sender.give(short_lines(lines, feed_mm_s));
+  sender.give(make_lines(lines, feed_mm_s));
   while (sender.answers().size() < warm_up_lines)
     if (sender.step(); board.now() >= end) return rate;
   const std::size_t from = sender.answers().size() - 1;
@@ -133,7 +146,7 @@ Rate measure(sim::ChipBoard& board, double feed_mm_s, double steps_per_mm) {
   return rate;
 }
 
-void chip_lines(benchmark::State& state) {
+void run_lines(benchmark::State& state, MakeLines make_lines) {
   const auto steps_per_mm = static_cast<double>(state.range(0));
   const auto feed_mm_s = static_cast<double>(state.range(1));
   const sim::chip::Image image = sim::chip::load_image(test::flash_image_path());
@@ -144,7 +157,7 @@ void chip_lines(benchmark::State& state) {
       state.SkipWithError("the host has not found the board");
       break;
     }
-    rate = measure(board, feed_mm_s, steps_per_mm);
+    rate = measure(board, make_lines, feed_mm_s, steps_per_mm);
     if (!rate.complete) state.SkipWithError("lines were not run to their end");
   }
   state.counters["lines_per_s"] = rate.lines_per_s;
@@ -156,6 +169,8 @@ void chip_lines(benchmark::State& state) {
   state.counters["core0"] = rate.core0;
   state.counters["core1"] = rate.core1;
 }
+
+void chip_lines(benchmark::State& state) { run_lines(state, short_lines); }
 BENCHMARK(chip_lines)
     ->ArgNames({"steps_per_mm", "feed_mm_s"})
     ->Args({80, 100})
@@ -164,6 +179,14 @@ BENCHMARK(chip_lines)
     ->Args({200, 150})
     ->Args({200, 200})
     ->Args({200, 300})
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+
+/// Lines per second with expressions.
+void chip_expression_lines(benchmark::State& state) { run_lines(state, expression_lines); }
+BENCHMARK(chip_expression_lines)
+    ->ArgNames({"steps_per_mm", "feed_mm_s"})
+    ->Args({200, 150})
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
 

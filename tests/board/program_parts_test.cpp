@@ -95,6 +95,28 @@ TEST(ProgramParts, BeginInTheMiddleAsIfTheyHadRunFromTheBeginning) {
   }
 }
 
+TEST(ProgramParts, KeepParametersAndExpressions) {
+  const std::string text =
+      "#1 = 2.5 #<Wide One>=-1\nM3 S[#1*10] G1 F600 X[#1 + SIN[30]]\n#2=#1 Y#<wide one>\nX-#2 "
+      "S#1\n";
+  const auto lines = link::program_lines(text, "p.ngc");
+  const auto all = pieces_of(text);
+  for (std::size_t first = 2; first <= 4; ++first) {
+    const auto part = program_run::start_at(lines, first, laser_settings(), "p.ngc");
+    const auto pieces = pieces_of(text_of(part));
+    EXPECT_EQ(pieces.back().to, all.back().to) << text_of(part);
+    EXPECT_EQ(pieces.back().power, all.back().power) << text_of(part);
+  }
+  const auto dark = program_run::without_laser(
+      link::program_lines("#1=SIN[30] S#1 G1 F60 X[#1 mod 3]S [2+1] Y ATAN[1] / [#1]\n", "p.ngc"),
+      "p.ngc");
+  EXPECT_EQ(text_of(dark), "M5\n#1=SIN[30] G1 F60 X[#1 mod 3]Y ATAN[1] / [#1]\n");
+  EXPECT_THAT(error_of([] {
+                program_run::without_laser(link::program_lines("M[3] S1\n", "p.ngc"), "p.ngc");
+              }),
+              HasSubstr("p.ngc:1: --dry cannot leave 'M[3]' out"));
+}
+
 TEST(ProgramParts, RefuseToOmitWhatCannotBeReplaced) {
   const auto refusal = [](const std::string& text, std::size_t first) {
     return error_of([&] {

@@ -65,8 +65,8 @@ TEST(CheckAndSend, NameTheWordAndARemedy) {
   struct Case {
     std::string line, column, what, remedy;
   };
-  const std::string variables = ": variables, expressions and O-words are not read";
-  const std::string without = "; post the program without them";
+  const std::string control = ": loops, branches and calls are not read";
+  const std::string without = "; post the program without subprograms and loops";
   for (const Case& c : std::initializer_list<Case>{
            {"G43 H1", "1", "error:20 'G43' is not supported", "; use G43.1 or take the word out"},
            {"G1 X1 g 43", "7", "error:20 'g 43' is not supported", "; use G43.1"},
@@ -78,12 +78,13 @@ TEST(CheckAndSend, NameTheWordAndARemedy) {
            {"G1 B5 F100", "4", "error:20 'B5' is for an axis that the machine does not have",
             "; take the word out: its axes are X, Y, Z"},
            {"G1 X1 A-1.5", "7", "error:20 'A-1.5' is for an axis", "its axes are X, Y, Z"},
-           {"#1=5", "1", "error:1 '#1=5'" + variables, without},
-           {"G1 X#1", "4", "error:2 'X#1'" + variables, without},
-           {"G1 (a) X[1+2] F1", "8", "error:2 'X[1+2]'" + variables, without},
-           {"o100 sub", "6", "error:2 'o100 sub'" + variables, without},
-           {"WHILE [#1 LT 5] DO1", "1", "error:2 'WHILE'" + variables, without},
-           {"IF [1 EQ 1] THEN", "1", "error:2 'IF'" + variables, without},
+           {"G1 X#<wide>", "5", "error:74 '#<wide>': no value has been assigned to this name",
+            "; write '#<wide> = 0' with its value before this line"},
+           {"G1 (a) X[1/0] F1", "11", "error:72 division by zero", "; correct the line"},
+           {"#1=[2", "4", "error:75 the expression is incomplete", "; correct the line"},
+           {"o100 sub", "1", "error:80 'o100 sub': O-words are not read", without},
+           {"WHILE [#1 LT 5] DO1", "1", "error:2 'WHILE'" + control, without},
+           {"IF [1 EQ 1] THEN", "1", "error:2 'IF'" + control, without},
            {"N1 G1 X5*22", "9", "error:1 '*22': line checksums are not read",
             "; switch them off in the sender"},
            {" \tG1 X5 *22", "9", "error:1 '*22': line checksums are not read", "; switch them off"},

@@ -316,8 +316,11 @@ void ProgramReader::find_position(const stepper::MotionState& at, const settings
   if (off_target_) interpreter_.set_position(stand_at(at, values));
 }
 
-void ProgramReader::end_probe(const stepper::MotionState& at, const settings::Values& values) {
+void ProgramReader::end_probe(const stepper::MotionState& at, const settings::Values& values,
+                              bool met, const program::Place& place_e7) {
   interpreter_.stand_at(stand_at(at, values));
+  interpreter_.results().probe_met = met;
+  interpreter_.results().probe_e7 = place_e7;
   probing_ = false;
   taken();
 }

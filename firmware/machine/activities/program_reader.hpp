@@ -104,8 +104,10 @@ class ProgramReader {
   /// The input that M66 waits for, and the time limit.
   const program::IoRequest& wait() const { return action_.io; }
   std::uint32_t wait_us() const { return action_.time_us; }
-  /// The wait is over; `pauses`: the program continues after go_on().
-  void end_wait(bool pauses) {
+  /// The wait is over, the input is on or off; `pauses`: it came too late, and the program
+  /// continues after go_on().
+  void end_wait(bool on, bool pauses) {
+    interpreter_.results().input = pauses ? std::int8_t{-1} : static_cast<std::int8_t>(on ? 1 : 0);
     taken();
     paused_ = pauses;
   }
@@ -121,8 +123,9 @@ class ProgramReader {
   /// The move ends when contact is lost; if it ends by itself, that is an error.
   bool probes_away() const { return action_.probe_away; }
   bool probe_must_meet() const { return action_.probe_must; }
-  /// The move is over; the machine rests at `at`.
-  void end_probe(const stepper::MotionState& at, const settings::Values& values);
+  /// The move is over; the machine rests at `at`. The contact changed at `place_e7` if it was met.
+  void end_probe(const stepper::MotionState& at, const settings::Values& values, bool met,
+                 const program::Place& place_e7);
 
   /// Drops the open line; true if there was one.
   bool drop_line();
