@@ -1,8 +1,7 @@
 // The temperature in depth alone, below a flux or below the middle of a beam that passes.
 //
-// In:  a material, a source, time, nodes and steps. Out: temperatures and heating rates of each
-// node
-//      at each step, the balance of energy. Who: `lamplock heat` without a program.
+// In:  a material, a source, time, nodes and steps. Out: temperatures and heating rates of
+//      each node at each step, the balance of energy. Who: `lamplock heat` without a program.
 //
 // Heat flows in depth only: right for a source that is wide against the depth that is heated.
 // A passing Gaussian beam has the intensity I(t) = P/(pi w^2) exp(-(v (t - t0) / w)^2).

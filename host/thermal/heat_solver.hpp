@@ -1,8 +1,7 @@
 // The temperature field of a body with a heated, cooled surface: finite volumes, implicit in time.
 //
-// In:  a grid, constants, the power absorbed in each volume. Out: the temperature of each node
-// after
-//      a time step, and where the energy is. Who: the runs of this room.
+// In:  a grid, constants, the power absorbed in each volume. Out: the temperature of each
+//      node after a time step, and where the energy is. Who: the runs of this room.
 //
 //   rho c dT/dt = div(k grad T) + S,   at the surface  -k dT/dz = -losses(T),   other sides
 //   adiabatic

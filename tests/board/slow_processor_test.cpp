@@ -61,7 +61,7 @@ TEST(SlowProcessor, KeepsUpAsWellAsItCan) {
     return static_cast<double>(rig.shots().back().beat - rig.shots().front().beat);
   };
   const double beats = run(0);
-  const double window_s = beats / 100 / static_cast<double>(points) * motion::commit_points;
+  const double window_s = beats / 100 / static_cast<double>(points) * commit_points;
   const double late = run(static_cast<Picoseconds>(1.05 * window_s * ps_per_s));
   std::cout << beats << " beats, " << late << " with slow planning\n";
   EXPECT_LE(late, 1.3 * beats);

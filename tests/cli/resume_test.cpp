@@ -108,6 +108,7 @@ TEST_F(Resumed, OnlyTheSameJobThatWasBegun) {
   const Finished nothing = run(engrave({"--resume"}));
   EXPECT_EQ(nothing.status, 2);
   EXPECT_THAT(nothing.err, HasSubstr("contains no run"));
+  EXPECT_THAT(nothing.err, HasSubstr("continue with --from N")) << "a journal may have been lost";
   folder_.write("p.xyz.progress", "# torn\nbegun 0000");
   EXPECT_EQ(run(engrave({"--resume"})).status, 2);
   for (const std::vector<std::string>& wrong :
@@ -116,6 +117,30 @@ TEST_F(Resumed, OnlyTheSameJobThatWasBegun) {
   EXPECT_EQ(run({"engrave", list_, "--resume"}).status, 2)
       << "a board simulated in the program cannot resume";
   stop_board();
+}
+
+TEST_F(Resumed, ANewStartAfterAStopIsSaid) {
+  start_board("shots.csv");
+  Running stopped(engrave());
+  ASSERT_TRUE(stopped.wait_for("engraving: 20 %"));
+  stopped.terminate();
+  stopped.finish();
+  Running again(engrave());
+  EXPECT_TRUE(again.wait_for("this one begins at point 0 again"));
+  again.terminate();
+  again.finish();
+  stop_board();
+}
+
+/// The program does not look as if it engraved.
+TEST_F(Resumed, ALostLinkIsSaidAtOnce) {
+  start_board("shots.csv");
+  Running sending(engrave());
+  ASSERT_TRUE(sending.wait_for("engraving: 10 %"));
+  board_.reset();  // kills it
+  EXPECT_TRUE(sending.wait_for("the board does not answer"));
+  sending.terminate();
+  EXPECT_EQ(sending.finish().status, 1);
 }
 
 }  // namespace

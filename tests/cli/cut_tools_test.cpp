@@ -1,0 +1,107 @@
+// `lamplock cut` for mills, knives and lathes, texts of single strokes, and on a simulated board.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/cli/program.hpp"
+#include "tests/drawings.hpp"
+
+namespace lamplock::cli::test::cut_tools {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using Arguments = std::vector<std::string>;
+using nlohmann::json;
+using namespace lamplock::test;
+
+class CutTools : public testing::Test {
+ protected:
+  Finished cut(const Arguments& more) const {
+    Arguments all{"cut", part_, "--feed", "600"};
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all);
+  }
+  std::string refused(Arguments more) const {
+    more.insert(more.end(), {"-o", program_});
+    const Finished wrong = cut(more);
+    EXPECT_EQ(wrong.status, 2) << wrong.out << wrong.err;
+    EXPECT_THAT(wrong.err, testing::MatchesRegex("(.*\n)*error: [^\n]+: [^\n]+; [^\n]+\n"));
+    EXPECT_FALSE(std::filesystem::exists(program_));
+    return wrong.err;
+  }
+
+  Folder folder_;
+  const std::string part_ = folder_.write(
+      "part.dxf", dxf_drawing(dxf_rectangle(5, 5, 25, 20) + dxf_circle(15, 12, 3), 4));
+  const std::string program_ = folder_ / "part.ngc";
+};
+
+/// The interpreter of the firmware has run each of them: it gives their time.
+TEST_F(CutTools, programs_of_all_machines_are_checked) {
+  const std::vector<Arguments> machines{
+      {"--post", "mill", "--power", "50", "--infeed", "1", "--final-depth", "2.5", "--surface",
+       "-6", "--kerf", "2", "--tabs", "2"},
+      {"--post", "knife", "--knife-offset", "0.3", "--final-depth", "0.5", "--surface", "-6",
+       "--overcut", "1"}};
+  for (Arguments machine : machines) {
+    machine.insert(machine.end(), {"-o", program_, "--json"});
+    const Finished finished = cut(machine);
+    ASSERT_EQ(finished.status, 0) << finished.err;
+    EXPECT_GT(json::parse(finished.out)["seconds"].get<double>(), 5);
+    EXPECT_EQ(run({"check", program_}).status, 0);
+  }
+}
+
+TEST_F(CutTools, what_a_machine_does_not_have_is_refused) {
+  EXPECT_THAT(refused({"--post", "mill", "--power", "50"}), HasSubstr("has no depth"));
+  EXPECT_THAT(refused({"--post", "knife", "--final-depth", "1"}), HasSubstr("knife offset"));
+  const Arguments knife{"--post", "knife", "--knife-offset", "0.3", "--final-depth", "1"};
+  const auto with = [](Arguments all, const Arguments& more) {
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  EXPECT_THAT(refused(with(knife, {"--kerf", "0.2"})), HasSubstr("a knife has no kerf"));
+  EXPECT_THAT(refused(with(knife, {"--lead-in", "line"})), HasSubstr("a knife has no leads"));
+  EXPECT_THAT(refused({"--power", "50", "--ramp-angle", "5"}), HasSubstr("ramp angle"));
+  EXPECT_THAT(refused({"--power", "50", "--post", "lathe", "--tabs", "2"}),
+              HasSubstr("a lathe has no tabs"));
+  EXPECT_THAT(refused({"--power", "50", "--post", "lathe", "--board", "virtual", "--yes"}),
+              HasSubstr("not for a lamplock board"));
+}
+
+TEST_F(CutTools, texts_are_lines_of_single_strokes) {
+  const std::string file =
+      folder_.write("text.dxf", dxf_drawing("0\nTEXT\n8\nT\n10\n1\n20\n2\n40\n6\n1\nHi\n", 4));
+  const Finished listed = run({"cut", file, "--list", "--text", "stroke", "--json"});
+  ASSERT_EQ(listed.status, 0) << listed.err;
+  const json shapes = json::parse(listed.out)["shapes"];
+  ASSERT_EQ(shapes.size(), 5U) << "three strokes of H, two of i";
+  for (const json& shape : shapes) EXPECT_EQ(shape["kind"], "open");
+  EXPECT_NEAR(shapes[0]["length_mm"].get<double>(), 6, 1e-9) << "as high as the text";
+}
+
+TEST_F(CutTools, runs_on_a_simulated_board) {
+  const Finished finished =
+      cut({"--power", "50", "--kerf", "0.2", "--board", "virtual", "--yes", "--json"});
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const json document = json::parse(finished.out);
+  EXPECT_EQ(document["run"]["end"], "done");
+  EXPECT_NEAR(document["run"]["seconds"].get<double>(), document["seconds"].get<double>(), 0.5);
+  EXPECT_FALSE(std::filesystem::exists(program_));
+}
+
+TEST_F(CutTools, a_frame_runs_around_the_cuts_without_light) {
+  const Finished finished = cut({"--power", "50", "--frame", "-o", program_});
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const std::string program = read(program_);
+  for (const char* corner : {"X5 Y5", "X30", "Y25", "X5", "Y5"})
+    EXPECT_THAT(program, HasSubstr(corner));
+  EXPECT_THAT(program, Not(HasSubstr("G3")));
+  EXPECT_THAT(program, Not(testing::ContainsRegex("S[1-9]")));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test::cut_tools
