@@ -217,7 +217,7 @@ void add_heat(Command& program) {
   app.footer(
       "Without a program: temperature in depth. docs/thermal.md has the theory.\n"
       "Example:\n"
-      "  lamplock heat --material pmma-black --flux 1e4 --picture depth.svg\n"
+      "  lamplock heat --material pmma-black --flux 10000 --picture depth.svg\n"
       "  lamplock heat part.ngc --material pmma-black --laser diode-3w --picture part.svg\n"
       "  lamplock heat --hold 450K --material pmma-black --laser diode-3w --feeds 120,600\n"
       "  lamplock heat --tune --material pmma-black --power 0.05 --beam 0.5 --feed 600");

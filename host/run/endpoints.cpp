@@ -30,7 +30,7 @@ std::unique_ptr<sim::PtyEndpoint> open_pty(const std::string& option, const std:
   try {
     return std::make_unique<sim::PtyEndpoint>(link);
   } catch (const std::system_error& error) {
-    throw Error(Exit::bad_input, option, "cannot be made (" + error.code().message() + ")",
+    refuse_port(option, error.code(),
                 error.code() == std::errc::file_exists
                     ? "give a name that no file has: a link is made there"
                     : "give another name, in a folder that exists");

@@ -304,7 +304,11 @@ TEST(CoreXy, DrivesHaveTheirTimesWhereMotorsTurn) {
 TEST(CoreXy, SettingsThatDoNotGoTogetherAreRefused) {
   Rig rig(plain_core_xy());
   ProgramHost host(rig);
-  EXPECT_THAT(host.ask("$101=150\n$966=1\n$966=2\n$111=240000\n"), Each(StartsWith("error:")));
+  EXPECT_THAT(host.ask("$101=150\n$966=1\n$966=2\n"), Each(StartsWith("error:")));
+  EXPECT_THAT(
+      host.ask("$111=240000\n"),
+      ElementsAre("[MSG:$110 and $111 together at most 240000.000 mm/min with $0 and $1077]",
+                  "error:12"));
   EXPECT_THAT(host.ask("$966=3\n$111=60000\n$965=0\n"), Each("ok"));
   // Until then the machine is Cartesian.
   ASSERT_TRUE(host.stream("G0 X1\n"));

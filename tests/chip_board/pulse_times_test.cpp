@@ -212,7 +212,7 @@ TEST(PulseSettings, AreInForceWithTheirAnswerAndTheSameOnTheVirtualBoard) {
     for (const PulseWatch* each : {&watch, &other_watch}) {
       expect_kept(*each, times);
       EXPECT_EQ(each->pulses, 1400u);
-      EXPECT_GE(each->turns, 8u);
+      EXPECT_GE(each->turns, 5u) << "X turns three times, Y and Z once";
     }
     // A short pulse ends with the tick line, rounded up to a clock.
     settings::Values values = profile.settings;

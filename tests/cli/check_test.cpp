@@ -91,10 +91,10 @@ TEST(Check, ArcsAreRoundAndAsLongAsTheyShouldBe) {
 
 TEST(Check, ErrorsAreReportedByLineColumnAndNumber) {
   const Folder folder;
-  const std::string file = folder.write("a.ngc", "G1 X1 F100\nG1 X#1\nG41\nG1 Y2\nG1 X1 X2\n");
+  const std::string file = folder.write("a.ngc", "G1 X1 F100\nG1 X1#\nG41\nG1 Y2\nG1 X1 X2\n");
   const Finished done = run({"check", file});
   EXPECT_EQ(done.status, 2);
-  EXPECT_THAT(done.out, HasSubstr(file + ":2:4: error:2 "));
+  EXPECT_THAT(done.out, HasSubstr(file + ":2:6: error:75 "));
   EXPECT_THAT(done.out, HasSubstr(file + ":3:1: error:20 "));
   EXPECT_THAT(done.out, HasSubstr(file + ":5:7: error:25 "));
   EXPECT_THAT(done.err, MatchesRegex("error: [^\n]*a.ngc: 3 lines are wrong; [^\n]+\n"));

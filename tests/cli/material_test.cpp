@@ -121,8 +121,7 @@ TEST_F(MaterialCommand, exchanges_files) {
   EXPECT_EQ(read(again).size(), read(file).size());
   const std::string other =
       folder_.write("other.toml", "[[material]]\nname = \"wool\"\n[[material]]\nname = \"new\"\n");
-  EXPECT_THAT(refusal({"import", other}),
-              HasSubstr("material wool: the library has it with other"));
+  EXPECT_THAT(refusal({"import", other}), HasSubstr("material wool: is in the library with other"));
   EXPECT_EQ(document({"import", other, "--replace"})["replaced"], 1);
 }
 

@@ -212,7 +212,7 @@ TEST(BadMethod, IsRefused) {
     change(method);
     return test::error_of([&] { optimise({{straight_block({0, 0, 0}, to)}}, method, "part.ngc"); });
   };
-  EXPECT_THAT(refusal([](Method& m) { m.law = {1e10, 100, 0, 0}; }), HasSubstr("n^k overflows"));
+  EXPECT_THAT(refusal([](Method& m) { m.law = {1e10, 100, 0, 0}; }), HasSubstr("n^k is too large"));
   EXPECT_THAT(refusal([](Method& m) { m.law.n = 0.5; }), HasSubstr("n: 0.5 is not"));
   EXPECT_THAT(refusal([](Method& m) { m.law.step_b = -0.1; }), HasSubstr("step of b: -0.1"));
   EXPECT_THAT(refusal([](Method& m) { m.limits.speed_mm_s[1] = 0; }),

@@ -56,7 +56,7 @@ TEST(ProgramReach, IsWholeAtTheEnd) {
 
 /// Lines for the board, of a tape, and those that would be too long stay as they are.
 TEST(ProgramReach, NumbersOnlyBlocks) {
-  const std::string longest(250, '1');
+  const std::string longest(253, '1');
   const auto numbered = link::with_numbers({{1, "$H"},
                                             {2, "%"},
                                             {3, "/G1 X1"},
