@@ -28,6 +28,7 @@ material::Material material_in_file(const std::string& file, const std::string& 
   for (const material::Material& one : all)
     if (one.name == name) return one;
   std::vector<std::string> names;
+  names.reserve(all.size());
   for (const material::Material& one : all) names.push_back(one.name);
   throw heat_refusal(file,
                      name.empty() ? fmt::format("it has {} materials", all.size())

@@ -65,9 +65,9 @@ void absorbed_power(const Grid& grid, const Body& body, const BeamProfile& beam,
   std::vector<double> surface(grid.surface_size());
   const double length = std::hypot(way.x1 - way.x0, way.y1 - way.y0);
   const double pieces = std::max(1.0, std::ceil(length / beam.radius_mm() * places_per_half / 3));
-  for (double piece = 0; piece < pieces; ++piece) {
+  for (std::size_t piece = 0; piece < static_cast<std::size_t>(pieces); ++piece) {
     for (std::size_t g = 0; g < gauss_places.size(); ++g) {
-      const double part = (piece + gauss_places[g]) / pieces;
+      const double part = (static_cast<double>(piece) + gauss_places[g]) / pieces;
       add_place(grid,
                 lateral_shares(grid.x, beam.half_x_mm, beam.is_rectangle,
                                way.x0 + (way.x1 - way.x0) * part),

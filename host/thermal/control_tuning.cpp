@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <numbers>
 
@@ -27,12 +28,9 @@ double unit_settling(double zeta, double band) {
   constexpr double step = 1e-4;
   // Its envelope is below any band by then.
   const double end = 12 / zeta;
-  double settled = end;
-  for (double time = end; time > 0; time -= step) {
-    if (std::abs(unit_response(zeta, time) - 1) > band) break;
-    settled = time;
-  }
-  return settled;
+  auto steps = static_cast<std::uint32_t>(end / step);
+  while (steps > 1 && std::abs(unit_response(zeta, (steps - 1) * step) - 1) <= band) --steps;
+  return steps * step;
 }
 
 /// The loop from equilibrium, by the classical method of Runge and Kutta. State: deviation of the

@@ -73,7 +73,8 @@ std::vector<double> graded_nodes(double low, double high, double focus_low, doub
   }
   const double count = std::max(1.0, std::ceil((to - from) / grading.fine - 1e-9));
   if (to > from)
-    for (double i = 0; i < count; ++i) nodes.push_back(from + (to - from) * i / count);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
+      nodes.push_back(from + (to - from) * static_cast<double>(i) / count);
   nodes.push_back(to);
   at = to;
   for (const double step : growing(high - to, grading)) nodes.push_back(at += step);

@@ -109,6 +109,7 @@ std::vector<LineHeat> hottest_of_lines(const std::vector<BeamMove>& moves,
     heat = {move.line, sample, move.power_w, move.speed_mm_s};
   }
   std::vector<LineHeat> out;
+  out.reserve(lines.size());
   for (const auto& [line, heat] : lines) out.push_back(heat);
   return out;
 }
