@@ -144,7 +144,7 @@ void MachineEvents::cancel_jog() {
 /// Homing ends with an alarm when the machine is at rest.
 void MachineEvents::break_off_homing(std::uint8_t alarm) {
   guard_.drop();
-  homing_.give_up(alarm);
+  homing_.abort(alarm);
   program_.abort_move(true);
 }
 

@@ -46,7 +46,7 @@ void MachineEvents::perform(Effect effect) {
       break;
     case Effect::resume_motion:
       program_.resume();
-      reader_.go_on();
+      reader_.resume();
       break;
     case Effect::drop_jogs:
       lines_at_cancel_ = reader_.lines();

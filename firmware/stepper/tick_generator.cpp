@@ -173,7 +173,7 @@ void TickGenerator::release() {
 void TickGenerator::advance(std::uint32_t ticks) {
   tick_ += ticks;
   for (int a = 0; a < max_axes; ++a)
-    if (runs_[index(a)].at.left != 0) go_on(runs_[index(a)], a, ticks);
+    if (runs_[index(a)].at.left != 0) advance_run(runs_[index(a)], a, ticks);
   if (running_) left_ -= ticks;
   advance_bits(tick_, ticks);
   release();

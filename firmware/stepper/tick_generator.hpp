@@ -182,7 +182,7 @@ class TickGenerator {
   static void next_piece(Run& run, const AxisProfile& profile);
   void next_piece(Run& run, int axis) const;
   static void run_on(AxisRun& run, std::uint32_t ticks);
-  void go_on(Run& run, int axis, std::uint32_t ticks) const;
+  void advance_run(Run& run, int axis, std::uint32_t ticks) const;
   void run_to_head(Run& run, int axis) const;
   std::int64_t acceleration_q62(const Run& run, int axis) const;
   bool shorten(Reader& reader, std::uint32_t ticks) const;
@@ -258,7 +258,7 @@ void TickGenerator::fill_axis(int a, std::uint32_t ticks, Board& board) {
       still = 0;
       board.put_axis(a, r.run, n);
     }
-    go_on(r, a, n);
+    advance_run(r, a, n);
     tick += n;
     ticks -= n;
   }
@@ -280,8 +280,8 @@ void TickGenerator::fill_pair(const AxisPair& pair, std::uint32_t ticks, Board& 
     const std::uint32_t n = pair_ticks(pair, tick, ticks);
     for (const bool second : {false, true})
       put_motor(pair.motor(second), run_of_motor(pair, second), n, board);
-    go_on(runs_[pair.first], pair.first, n);
-    go_on(runs_[pair.second], pair.second, n);
+    advance_run(runs_[pair.first], pair.first, n);
+    advance_run(runs_[pair.second], pair.second, n);
     tick += n;
     ticks -= n;
   }

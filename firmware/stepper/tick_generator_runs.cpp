@@ -23,7 +23,7 @@ std::int64_t TickGenerator::acceleration_q62(const Run& r, int a) const {
   run.rate_q62 = run.rate_after(ticks);
 }
 
-void TickGenerator::go_on(Run& r, int a, std::uint32_t ticks) const {
+void TickGenerator::advance_run(Run& r, int a, std::uint32_t ticks) const {
   if (r.at.left == 0) return;
   if (!r.run.is_at_rest()) run_on(r.run, ticks);
   r.at.left -= ticks;
@@ -40,7 +40,7 @@ void TickGenerator::run_to_head(Run& r, int a) const {
   for (;;) {
     const std::uint32_t ticks = run_ticks(r, a, tick, static_cast<std::uint32_t>(head() - tick));
     if (ticks == 0) return;
-    go_on(r, a, ticks);
+    advance_run(r, a, ticks);
     tick += ticks;
   }
 }

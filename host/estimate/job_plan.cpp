@@ -28,7 +28,7 @@ class WindowStream {
     run_.points_total = static_cast<std::uint32_t>(job.targets.size());
     run_.min_beats = options.min_beats;
     queue_.reset(static_cast<std::uint32_t>(options.first));
-    window_.go_on_at({queue_.begin(), 0});
+    window_.continue_at({queue_.begin(), 0});
     plan_.begin_job(job.settings, beat_ticks(job.settings), options.standing.min_tick_q16);
     for (stepper::AxisState& axis : start_.axis) axis.position_q64 = stepper::middle_of_step(0);
   }
@@ -82,7 +82,7 @@ class WindowStream {
     const machine::Place next = window_.place_after(0, count);
     // Targets leave the queue with their last flash; some flashes of the next one may be planned.
     while (queue_.begin() != next.point) queue_.mark_done(queue_.begin());
-    window_.go_on_at(next);
+    window_.continue_at(next);
     start_ = plan_.segment(count - 1).end;
     if (start_.at_rest())
       for (stepper::AxisState& axis : start_.axis) axis.speed_q62 = 0;

@@ -6,7 +6,7 @@
 
 namespace lamplock::job {
 
-std::size_t go_on_at(Rows& rows, std::size_t from) {
+std::size_t continue_at(Rows& rows, std::size_t from) {
   if (from == 0 || from >= rows.lines.size() || !rows.lines[from].to.light) return from;
   Line& before = rows.lines[from - 1];
   if (!before.to.light) return from;

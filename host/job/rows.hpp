@@ -41,7 +41,7 @@ struct Rows {
 /// returns the line to start at: in the middle of a row this is one line earlier, which becomes
 /// dark and brings the machine to its speed. A board moves to the begin of its first line by
 /// itself, dark.
-std::size_t go_on_at(Rows& rows, std::size_t from);
+std::size_t continue_at(Rows& rows, std::size_t from);
 
 /// Cuts lines and runs into payloads, each to be decoded after the one before. The cells of a line
 /// may be in several of them.

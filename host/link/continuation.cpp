@@ -35,7 +35,7 @@ std::uint32_t flashes_of(std::span<const wire::Target> targets, std::size_t from
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(flashes, targets[next].shots - 1u));
 }
 
-std::string go_on_options(const Continuation& rest) {
+std::string continuation_options(const Continuation& rest) {
   const std::string from = fmt::format("--from {}", rest.from);
   return rest.flashes == 0 || rest.in_doubt() ? from
                                               : from + fmt::format(" --fired {}", rest.flashes);
@@ -50,7 +50,7 @@ std::string doubt_text(const Continuation& rest, const std::string& item) {
 
 std::string continuation_text(const Continuation& rest, const std::string& item, bool is_kept) {
   if (!rest.settled && is_kept) return "continue with --resume, which asks the machine";
-  const std::string text = "continue with " + go_on_options(rest);
+  const std::string text = "continue with " + continuation_options(rest);
   return rest.in_doubt() ? fmt::format("{} ({})", text, doubt_text(rest, item)) : text;
 }
 

@@ -48,7 +48,7 @@ std::uint32_t flashes_of(std::span<const wire::Target> targets, std::size_t from
                          std::uint64_t shots);
 
 /// "--from 12 --fired 3"
-std::string go_on_options(const Continuation& rest);
+std::string continuation_options(const Continuation& rest);
 
 /// "points 503 to 686 may have been fired"; empty if none is in doubt.
 std::string doubt_text(const Continuation& rest, const std::string& item);

@@ -51,7 +51,7 @@ std::string continue_command(const std::vector<std::string>& words, const link::
     }
   }
   return shell_text(kept) + " " +
-         (!rest.settled && is_kept ? "--resume" : link::go_on_options(rest));
+         (!rest.settled && is_kept ? "--resume" : link::continuation_options(rest));
 }
 
 }  // namespace lamplock::run

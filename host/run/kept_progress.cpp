@@ -77,7 +77,7 @@ std::unique_ptr<link::KeptJob> keep_progress(const PreparedJob& prepared, BoardO
           fmt::format("remove the file, or fire the doubtful ones with --from {}", rest.first));
     options.from = rest.from;
     options.fired = rest.flashes;
-    frontend.phase("resume", "at " + link::go_on_options(rest));
+    frontend.phase("resume", "at " + link::continuation_options(rest));
   } else if (!options.discard && options.from == 0 && options.fired == 0) {
     kept->require_ended();
     if (const auto at = kept->stopped_at(); at && *at != 0)

@@ -51,7 +51,7 @@ std::string continuation_text(const JobOutcome& outcome, const char* item) {
   const std::string doubt = link::doubt_text(shown_rest(outcome), item);
   if (doubt.empty() || (!rest.settled && outcome.is_kept))
     return link::continuation_text(rest, item, outcome.is_kept);
-  return fmt::format("continue with {} ({})", link::go_on_options(rest), doubt);
+  return fmt::format("continue with {} ({})", link::continuation_options(rest), doubt);
 }
 
 /// If the machine was not at rest at its last report, the number in it is a lower bound.

@@ -47,7 +47,7 @@ JobOutcome run_rows(PreparedJob& prepared, BoardOptions options, double planned_
                  fmt::format("{}: {}, about {}{}", prepared.input, rows_text(prepared.job),
                              duration_text(planned_s), prepared.job.header.dry ? ", dry" : ""));
   const std::size_t ordered_from = options.from;
-  options.from = job::go_on_at(prepared.job.rows, ordered_from);
+  options.from = job::continue_at(prepared.job.rows, ordered_from);
   options.run_up_lines = ordered_from - options.from;
   JobOutcome outcome = run_job(prepared, options, std::move(port), frontend, kept);
   const link::JobResult& result = outcome.result;

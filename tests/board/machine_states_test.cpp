@@ -312,7 +312,7 @@ TEST_F(Disturbed, StopWhileAShotIsDecidedButNotBegun) {
 /// An immediate stop at `at`: checks pins, laser and alarm; then unlocks and finishes the job.
 class DeadStop : public Disturbed {
  protected:
-  void stop_and_go_on(sim::Pin pin, sim::Picoseconds at, bool at_once) {
+  void stop_and_resume(sim::Pin pin, sim::Picoseconds at, bool at_once) {
     constexpr sim::Picoseconds soon = 10 * ps_per_us;
     rig_->board.world().schedule(pin, true, at);
     rig_->board.world().schedule(pin, false, at + 300 * ps_per_ms);
@@ -354,7 +354,7 @@ TEST_F(DeadStop, EStop) {
   for (int seed = 0; seed < scaled(60); ++seed) {
     set_up(seed);
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    ASSERT_NO_FATAL_FAILURE(stop_and_go_on(sim::Pin::estop, moment(), true));
+    ASSERT_NO_FATAL_FAILURE(stop_and_resume(sim::Pin::estop, moment(), true));
   }
 }
 
@@ -362,7 +362,7 @@ TEST_F(DeadStop, LimitSwitch) {
   for (int seed = 0; seed < scaled(60); ++seed) {
     set_up(seed);
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    ASSERT_NO_FATAL_FAILURE(stop_and_go_on(sim::limit_pin(seed % 3), moment(), true));
+    ASSERT_NO_FATAL_FAILURE(stop_and_resume(sim::limit_pin(seed % 3), moment(), true));
   }
 }
 
@@ -445,7 +445,7 @@ TEST_F(DeadStop, EStopInTheMiddleOfAShot) {
     set_up(4 * us + us % 2);  // a lamp without jitter: edges every 10 ms
     SCOPED_TRACE(testing::Message() << us << " us after the edge");
     const sim::Picoseconds at = (400 + 10 * us) * ps_per_ms + us * ps_per_us + 500 * sim::ps_per_ns;
-    ASSERT_NO_FATAL_FAILURE(stop_and_go_on(sim::Pin::estop, at, true));
+    ASSERT_NO_FATAL_FAILURE(stop_and_resume(sim::Pin::estop, at, true));
     const sim::Picoseconds width = profile_.settings.milli(Id::q_switch_width) * sim::ps_per_ns;
     for (const PinMonitor::Fire& fire : rig_->monitor.fires())
       cut_short += fire.fall - fire.rise < width ? 1 : 0;

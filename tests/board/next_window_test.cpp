@@ -31,7 +31,7 @@ wire::Target random_target(std::mt19937_64& random) {
 void expect_as_fresh(const Looking& it, const Departure& departure) {
   motion::PlanRequest request;
   NextWindow fresh(it.queue, it.beam, it.options, request);
-  fresh.go_on_at(it.window.place());
+  fresh.continue_at(it.window.place());
   fresh.fill_request(departure);
   ASSERT_EQ(it.window.ready(), fresh.ready());
   ASSERT_EQ(it.request.count, request.count);
@@ -62,12 +62,12 @@ TEST(NextWindow, IsThatOfThePlaceWhereHandingOutContinues) {
           it->window.forget();
           break;
         case 1:
-          it->window.go_on_at({it->queue.begin(), 0});
+          it->window.continue_at({it->queue.begin(), 0});
           break;
         case 2:
           it->window.fill_request(departure);
           if (it->window.empty()) break;
-          it->window.go_on_at(it->window.place_after(
+          it->window.continue_at(it->window.place_after(
               0, 1 + static_cast<std::uint32_t>(random() % it->request.commits())));
           break;
         default: {
@@ -76,7 +76,7 @@ TEST(NextWindow, IsThatOfThePlaceWhereHandingOutContinues) {
           it->queue.mark_done(point);
           it->window.flash_fired(point);
           if (it->window.place().point < it->queue.begin())
-            it->window.go_on_at({it->queue.begin(), 0});
+            it->window.continue_at({it->queue.begin(), 0});
         }
       }
       it->window.fill_request(departure);

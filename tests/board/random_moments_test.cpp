@@ -76,7 +76,7 @@ class Moment {
     make();
     if (what_ == What::limit || what_ == What::estop) return stops_dead();
     if (what_ == What::reset) return comes_to_rest_and_forgets();
-    comes_to_rest_and_goes_on();
+    comes_to_rest_and_resumes();
   }
 
  private:
@@ -139,7 +139,7 @@ class Moment {
     EXPECT_TRUE(lost || loads() == end_of_ticks);
     EXPECT_EQ(rig_->state(), lost ? MachineState::alarm : MachineState::idle);
   }
-  void comes_to_rest_and_goes_on() {
+  void comes_to_rest_and_resumes() {
     const bool door = what_ == What::door;
     if (door) {
       EXPECT_TRUE(dark_since(0.001));

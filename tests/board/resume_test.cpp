@@ -352,7 +352,7 @@ class Story {
     link::SenderOptions options = session(++session_);
     options.reconnect_timeout = std::chrono::seconds(3);
     options.first_fired = rest.flashes;
-    options.first_index = part.is_rows() ? job::go_on_at(part.rows, rest.from) : rest.from;
+    options.first_index = part.is_rows() ? job::continue_at(part.rows, rest.from) : rest.from;
     options.run_up_lines = rest.from - options.first_index;
     kept.keep(options);
     link::JobSender sender(bench_, part, options);

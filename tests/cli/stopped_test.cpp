@@ -28,7 +28,7 @@ struct Refused {
     return run(arguments);
   }
   /// The number after --from in the error message.
-  static int go_on_at(const Finished& refused) {
+  static int continue_at(const Finished& refused) {
     const auto at = refused.err.find("--from ");
     EXPECT_NE(at, std::string::npos) << refused.err;
     return at == std::string::npos ? -1 : std::stoi(refused.err.substr(at + 7));
@@ -43,7 +43,7 @@ TEST(StoppedJobs, ARefusalInMidJobIsReported) {
                                         job.folder / "jobs.csv", "--shots", job.folder / "s.csv"});
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("error: point 100: cannot be reached"));
-  const int fired = Refused::go_on_at(refused);
+  const int fired = Refused::continue_at(refused);
   EXPECT_GT(fired, 0);
   EXPECT_LT(fired, Refused::near);
   const Json report = Json::parse(refused.out, nullptr, false);
@@ -67,7 +67,7 @@ TEST(StoppedJobs, ARefusalInMidJobIsReported) {
 TEST(StoppedJobs, TextKeysAndPageAgreeOnTheEnd) {
   const Refused job;
   const Finished refused = job.engrave({"--report", job.folder / "report"});
-  const int fired = Refused::go_on_at(refused);
+  const int fired = Refused::continue_at(refused);
   const Json report = Json::parse(read(job.folder / "report/report.json"));
   EXPECT_EQ(report["end"], "failed");
   EXPECT_EQ(report["first_unfired"], fired);
@@ -105,7 +105,7 @@ TEST(StoppedJobs, ADryRunReportsItsMotionAndNoShot) {
 TEST(StoppedJobs, TheAdviceKeepsTheReportOfTheFirstPart) {
   const Refused job;
   const std::string report = job.folder / "report";
-  const int fired = Refused::go_on_at(job.engrave({"--yes", "--report", report}));
+  const int fired = Refused::continue_at(job.engrave({"--yes", "--report", report}));
   const std::string first_part = read(report + "/report.json");
   EXPECT_THAT(Json::parse(first_part)["continue_with"].get<std::string>(),
               testing::EndsWith(fmt::format(" --json --report {}-2 --from {}", report, fired)));
@@ -134,7 +134,7 @@ TEST(StoppedJobs, NumbersCountPausesEverywhere) {
   const Finished refused =
       job.engrave({"--pause-every", "5", "--pause-beats", "3", "--report", job.folder / "report"});
   EXPECT_EQ(refused.status, 1);
-  const int next = Refused::go_on_at(refused);
+  const int next = Refused::continue_at(refused);
   const Json report = Json::parse(refused.out, nullptr, false);
   const int fired = report["points_fired"];
   EXPECT_EQ(report["first_unfired"], next);
@@ -177,10 +177,10 @@ TEST(StoppedJobs, ALampThatTheClockCannotFollow) {
            {"--dropouts", "100", "--lamp-mode", "master", "--machine", machine}}) {
     std::vector<std::string> arguments{"engrave", list, "--statistics", folder / "jobs.csv"};
     arguments.insert(arguments.end(), fault.begin(), fault.end());
-    const Finished gave_up = run(arguments);
-    EXPECT_EQ(gave_up.status, 2) << fault[0];
-    EXPECT_THAT(gave_up.err, HasSubstr("error: simulated lamp: "));
-    EXPECT_THAT(gave_up.err, HasSubstr("--wander"));
+    const Finished refused = run(arguments);
+    EXPECT_EQ(refused.status, 2) << fault[0];
+    EXPECT_THAT(refused.err, HasSubstr("error: simulated lamp: "));
+    EXPECT_THAT(refused.err, HasSubstr("--wander"));
   }
   // The program waits for a lamp that is lost now and then, for long pauses and for long moves.
   const std::string far = folder.write("far.xyz", "0 0 0\n1.4 0 0\n");

@@ -197,7 +197,7 @@ TEST(Burn, AStoppedJobCanBeResumed) {
     ASSERT_EQ(stopped.end, link::JobEnd::stopped);
     const std::size_t from = stopped.status.first_unfired;
     job::Job rest = job;
-    const std::size_t first = job::go_on_at(rest.rows, from);
+    const std::size_t first = job::continue_at(rest.rows, from);
     ASSERT_EQ(machine.burn(rest, first).end, link::JobEnd::done);
     double again_s = 0;
     for (const std::uint16_t run : job.rows.runs_of(job.rows.lines[from]))

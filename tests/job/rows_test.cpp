@@ -141,13 +141,13 @@ TEST(RowJobFile, AWrongCountIsAnError) {
   }
 }
 
-TEST(GoOnAt, BeginsDarkAndReachesTheLineInMotion) {
+TEST(ContinueAt, BeginsDarkAndReachesTheLineInMotion) {
   std::mt19937_64 random(4);
   for (int i = 0; i < test::scaled(200); ++i) {
     const Job whole = random_row_job(30, random());
     Job job = whole;
     const std::size_t from = random() % job.size();
-    const std::size_t first = go_on_at(job.rows, from);
+    const std::size_t first = continue_at(job.rows, from);
     // Within a row, the line before runs dark at the feed.
     const bool inside =
         from >= 1 && whole.rows.lines[from].to.light && whole.rows.lines[from - 1].to.light;
@@ -166,7 +166,7 @@ TEST(GoOnAt, BeginsDarkAndReachesTheLineInMotion) {
     }
   }
   Rows none;
-  EXPECT_EQ(go_on_at(none, 7), 7u);
+  EXPECT_EQ(continue_at(none, 7), 7u);
 }
 
 }  // namespace

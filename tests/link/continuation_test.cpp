@@ -36,7 +36,7 @@ TEST(RestartMark, IsNotReadFromAnythingElse) {
 
 TEST(Continuation, OfPointsIsExactAndOfALineOfPixelsLeavesItOut) {
   const job::Job points = test::random_job(20, 1), rows = test::random_row_job(40, 1);
-  EXPECT_EQ(go_on_options(at_rest(points, 12, 3)), "--from 12 --fired 3");
+  EXPECT_EQ(continuation_options(at_rest(points, 12, 3)), "--from 12 --fired 3");
   EXPECT_FALSE(at_rest(points, 12, 3).in_doubt());
   EXPECT_EQ(at_rest(points, 25, 0).from, 20u);
   for (std::size_t line = 0; line < rows.size(); ++line) {

@@ -170,7 +170,7 @@ TEST(RowSender, ContinuesAtALine) {
   job::Job job = random_row_job(500, 5);
   std::size_t from = 300;
   while (!job.rows.lines[from].to.light || !job.rows.lines[from - 1].to.light) ++from;
-  const std::size_t first = job::go_on_at(job.rows, from);
+  const std::size_t first = job::continue_at(job.rows, from);
   RowCable board({}, 1);
   EXPECT_EQ(JobSender(board, job, fixed_session(first)).run().end, JobEnd::done);
   EXPECT_EQ(board.machine.header.first_index, from - 1);

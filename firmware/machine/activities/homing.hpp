@@ -73,7 +73,7 @@ class Homing {
   /// All axes were requested, not a single one.
   bool of_machine() const { return of_machine_; }
   /// Aborts: this alarm is due when the machine is at rest. The first one counts.
-  void give_up(std::uint8_t alarm) {
+  void abort(std::uint8_t alarm) {
     if (alarm_ == 0) alarm_ = alarm;
   }
   /// That alarm; 0 = not aborted.

@@ -43,7 +43,7 @@ class ProgramReader {
     waits,      ///< for room, rest, time, or a resume
     done,       ///< the line: to be answered
     outside,    ///< the line would have left the work space: the rest of it is dropped
-    pauses,     ///< M0, M1, M6: waits for go_on() from now on
+    pauses,     ///< M0, M1, M6: waits for resume() from now on
     changes,    ///< at rest: a change to wanted_lock() is due before the next move
     lights,     ///< at rest: the laser shines with light_power() for light_ticks()
     overrides,  ///< M48, M49: overrides_off() has changed
@@ -98,14 +98,14 @@ class ProgramReader {
   bool overrides_off() const { return overrides_off_; }
   bool has_ignored() const { return interpreter_.has_ignored(); }
   std::uint8_t take_ignored() { return interpreter_.take_ignored(); }
-  void go_on() { paused_ = false; }
+  void resume() { paused_ = false; }
   /// The pause is for a tool change.
   bool changes_tool() const { return action_.kind == program::ActionKind::tool_change; }
   /// The input that M66 waits for, and the time limit.
   const program::IoRequest& wait() const { return action_.io; }
   std::uint32_t wait_us() const { return action_.time_us; }
   /// The wait is over, the input is on or off; `pauses`: it came too late, and the program
-  /// continues after go_on().
+  /// continues after resume().
   void end_wait(bool on, bool pauses) {
     interpreter_.results().input = pauses ? std::int8_t{-1} : static_cast<std::int8_t>(on ? 1 : 0);
     taken();

@@ -36,7 +36,7 @@ void JobRunner::begin(const RunOptions& options, const settings::Values& values,
   queue_.reset(first);
   recount();
   first_ = received_ = first;
-  window_.go_on_at({first, 0});
+  window_.continue_at({first, 0});
   starvations_ = misses_ = 0;
   job_speed_ = wire::full_job_speed;
   output_.set_lags(values);
@@ -50,7 +50,7 @@ void JobRunner::clear() {
   options_ = RunOptions{};
   queue_.reset(0);
   recount();
-  window_.go_on_at({});
+  window_.continue_at({});
   from_rest_ = off_target_ = true;
   returning_ = starving_ = braked_ = waiting_for_beam_ = false;
 }
@@ -62,7 +62,7 @@ void JobRunner::change_beat(const settings::Values& values, std::int32_t min_bea
   plan_.begin_job(values, clock_.beat_ticks(), min_tick_q16());
   brake_limits_ = plan_.brake_limits();
   shots_.cancel_after(0);  // the numbers of beats have changed
-  window_.go_on_at({queue_.begin(), 0});
+  window_.continue_at({queue_.begin(), 0});
   from_rest_ = off_target_ = true;
   returning_ = braked_ = false;
 }
@@ -85,7 +85,7 @@ void JobRunner::read_outcomes() {
     if (o.point == rest_next_.point && rest_next_.committed != 0) --rest_next_.committed;
   }
   // A point fired after a brake had put it back: its place in the queue may be another's by now.
-  if (window_.place().point < queue_.begin()) window_.go_on_at({queue_.begin(), 0});
+  if (window_.place().point < queue_.begin()) window_.continue_at({queue_.begin(), 0});
   recount();
   if (missed) {
     ++misses_;
@@ -107,7 +107,7 @@ void JobRunner::go_back() {
     plan_state_ = generator_.state();  // axes with a shorter lead may still be moving
   }
   from_rest_ = !generator_.running() || plan_state_.at_rest();
-  window_.go_on_at({queue_.begin(), 0});
+  window_.continue_at({queue_.begin(), 0});
   returning_ = off_target_ = true;
   if (!from_rest_) commit_brake();
 }
@@ -242,7 +242,7 @@ void JobRunner::brake() {
     plan_state_ = brake_from(head);
     clock_.set_motion_end(plan_state_.tick);
   }
-  window_.go_on_at({queue_.begin(), 0});
+  window_.continue_at({queue_.begin(), 0});
   from_rest_ = off_target_ = true;
   returning_ = false;
   braked_ = true;
@@ -254,7 +254,7 @@ void JobRunner::halt() {
   provisional_ = 0;
   shots_.cancel_after(0);
   clock_.set_motion_end(0);
-  window_.go_on_at({queue_.begin(), 0});
+  window_.continue_at({queue_.begin(), 0});
   from_rest_ = off_target_ = true;
 }
 

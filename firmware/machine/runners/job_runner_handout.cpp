@@ -71,7 +71,7 @@ void JobRunner::keep_provisional() {
   provisional_ = 0;
   plan_state_ = rest_state_;
   from_rest_ = true;
-  window_.go_on_at(rest_next_);
+  window_.continue_at(rest_next_);
   if (returning_) return;
   ++starvations_;
   starving_ = true;
@@ -99,7 +99,7 @@ void JobRunner::commit_plan() {
   for (std::uint32_t i = first; i < end; ++i) push(i, late_ticks, plan_beat_);
   plan_state_ = plan_.segment(end - 1).end;
   plan_state_.tick += late_ticks;
-  window_.go_on_at(window_.place_after(first, end));
+  window_.continue_at(window_.place_after(first, end));
   returning_ = off_target_ = false;
   from_rest_ = plan_state_.at_rest();
   rest_state_ = plan_state_;

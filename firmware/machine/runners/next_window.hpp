@@ -61,7 +61,7 @@ class NextWindow {
       : queue_(queue), beam_(beam), options_(options), request_(request) {}
 
   const Place& place() const { return place_; }
-  void go_on_at(const Place& place) {
+  void continue_at(const Place& place) {
     place_ = place;
     filled_ = false;
   }

@@ -33,7 +33,7 @@ void Planner::begin_search(bool run_ups) {
   detours_ = Detours::unknown;
   if (!set_up()) return;
   const std::int32_t steady = run_ups ? steady_beats(window_, start_qs_) : 0;
-  if (steady != 0) return go_on_steadily(steady);
+  if (steady != 0) return keep_speed(steady);
   run_ups_ = run_ups && allow_run_ups(*request_, window_);
   begin_beam();
 }
@@ -47,7 +47,7 @@ void Planner::begin_beam() {
 }
 
 /// In the middle of an even row: keeps the speed.
-void Planner::go_on_steadily(std::int32_t beats) {
+void Planner::keep_speed(std::int32_t beats) {
   for (std::uint32_t i = 0; i < request_->count; ++i) {
     beats_[i] = beats;
     for (int a = 0; a < limits_->axes; ++a)
@@ -58,7 +58,7 @@ void Planner::go_on_steadily(std::int32_t beats) {
 }
 
 /// A run-up may lack room: without it the window may be feasible.
-void Planner::give_up(std::uint32_t place) {
+void Planner::try_simpler(std::uint32_t place) {
   if (detours_ == Detours::forbidden) return restore_first();
   if (run_ups_) return begin_search(false);
   fail(place);
@@ -120,13 +120,13 @@ bool Planner::advance() {
 }
 
 void Planner::search() {
-  if (!beam_.extend(window_, at_)) return give_up(at_);
+  if (!beam_.extend(window_, at_)) return try_simpler(at_);
   if (++at_ < request_->count) return;
   beam_.trace(window_, beats_);
   if (detours_ == Detours::unknown && request_->count <= short_window)
     for (std::uint32_t i = 0; i < request_->count; ++i)
       found_[i] = static_cast<std::uint16_t>(beats_[i]);
-  if (!improver_.begin(window_, effort_, beats_)) return give_up(0);
+  if (!improver_.begin(window_, effort_, beats_)) return try_simpler(0);
   phase_ = Phase::improve;
 }
 
@@ -211,13 +211,13 @@ void Planner::plan_path() {
 /// does not help the machine rests at both ends: then enough beats always make it feasible.
 void Planner::take_longer() {
   const auto first = static_cast<std::uint32_t>(std::countr_zero(misfits_));
-  if (++longer_ > max_longer) return give_up(first);
+  if (++longer_ > max_longer) return try_simpler(first);
   for (std::uint32_t i = first; i < request_->commits(); ++i) {
     if ((misfits_ >> i & 1) == 0) continue;
     Leg& way = window_.ways[i];
     if (way.fixed_beats == 0) {
       way.first_beats = beats_[i] + 1 + beats_[i] * longer_ / 8;
-      if (way.first_beats >= window_.max_beats) return give_up(i);
+      if (way.first_beats >= window_.max_beats) return try_simpler(i);
       if (way.last_beats <= way.first_beats) way.last_beats = way.first_beats + 1;
     }
     if (longer_ <= longer_moving && way.fixed_beats == 0) continue;

@@ -78,8 +78,8 @@ class Planner {
 
   void begin_search(bool run_ups);
   [[gnu::noinline]] bool set_up();
-  void give_up(std::uint32_t place);
-  void go_on_steadily(std::int32_t beats);
+  void try_simpler(std::uint32_t place);
+  void keep_speed(std::int32_t beats);
   bool set_up_way(std::uint32_t i);
   SpeedRange allowed_speeds(const AxisLimits& axis, std::int32_t steps) const;
   bool set_beats(Leg& way, std::uint32_t i) const;

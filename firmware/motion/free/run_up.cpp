@@ -34,17 +34,17 @@ class Rows {
 
   Row row_from(std::uint32_t point) const {
     Row row;
-    if (!goes_on(point)) return row;
+    if (!continues(point)) return row;
     const Steps first = way_from(point);
     const std::int32_t longest = max_units(first);
     const auto k = [&row](std::int64_t add) { return std::int64_t{row.climbing} + add; };
     while (2 * std::int64_t{longest} > k(0) * k(1) * (2 * k(0) + 1)) ++row.climbing;
     // Most ways end here: not even at any speed above the one reached by climbing.
-    if (goes_on(point + 1) && !even(first, way_from(point + 1), row.climbing - 1)) return {};
+    if (continues(point + 1) && !even(first, way_from(point + 1), row.climbing - 1)) return {};
     row.beats = beats_of(point);
     if (row.climbing < row.beats) row.climbing = row.beats;
     row.run_up = longest / row.beats * run_up_share / run_up_divisor;
-    for (row.ways = 1; row.climbing > row.beats && goes_on(point + row.ways); ++row.ways)
+    for (row.ways = 1; row.climbing > row.beats && continues(point + row.ways); ++row.ways)
       if (!even(way_from(point + row.ways - 1), way_from(point + row.ways), row.beats)) break;
     return row;
   }
@@ -89,7 +89,7 @@ class Rows {
     return way;
   }
   /// The next target is a single shot with the same beam, and the planner chooses its beats.
-  bool goes_on(std::uint32_t point) const {
+  bool continues(std::uint32_t point) const {
     if (point + 1 >= request_.known_end) return false;
     const wire::Target &here = target(point), &next = target(point + 1);
     return here.shots == 1 && next.shots == 1 && next.beats == 0 && here.channel == next.channel &&
@@ -123,7 +123,7 @@ class Rows {
           abs64(axis.displacement_qs(first[index(a)])) / axis.scale.limit_qs + 1);
       if (least > beats) beats = least;
     }
-    for (std::uint32_t n = 0; n < chain_ways && goes_on(point + n + 1); ++n)
+    for (std::uint32_t n = 0; n < chain_ways && continues(point + n + 1); ++n)
       while (beats < max_beats && !even(way_from(point + n), way_from(point + n + 1), beats))
         ++beats;
     return beats;

@@ -97,7 +97,7 @@ std::uint32_t fall_ticks(std::int64_t accel, std::int64_t jerk_q78) {
 }
 
 /// A brake in progress: its acceleration is constant for `stay` ticks, and then falls.
-AxisProfile brake_that_goes_on(std::int64_t v0, std::uint32_t stay, std::uint32_t fall) {
+AxisProfile extended_brake(std::int64_t v0, std::uint32_t stay, std::uint32_t fall) {
   AxisProfile p;
   p.speed_q62 = v0;
   p.lead_ticks = stay;
@@ -122,7 +122,7 @@ AxisProfile make_jerk_brake(std::int64_t v0, std::int64_t accel, const AxisBrake
     p.lead_ramp = falling_ramp;
     const std::int64_t after = p.cruise_speed_q62();
     if (v0 != 0 && (v0 < 0) != (accel < 0) && (after == 0 || (after < 0) == (v0 < 0))) {
-      const AxisProfile held = brake_that_goes_on(v0, braking_ticks(after, abs64(accel)), fall);
+      const AxisProfile held = extended_brake(v0, braking_ticks(after, abs64(accel)), fall);
       if (after == 0) return held;
       add_brake(p, axis);
       set_turns(p);
