@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -59,6 +61,35 @@ double nice_step(double range, double most) {
   for (const double factor : {1.0, 2.0, 5.0})
     if (factor * power >= least * (1 - 1e-9)) return factor * power;
   return 10 * power;
+}
+
+std::string opening(double width, double height, const char* background, int font_size) {
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
+      "viewBox=\"0 0 {0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"{3}\">\n"
+      "<rect width=\"{0:.0f}\" height=\"{1:.0f}\" fill=\"{2}\"/>\n",
+      width, height, background, font_size);
+}
+
+std::string heading(double x, double y, const std::string& text) {
+  return "<g font-weight=\"bold\">" + text_at(x, y, "start", text) + "</g>\n";
+}
+
+std::string shade(double part) {
+  struct Colour {
+    double red, green, blue;
+  };
+  // Three stops, linear between them.
+  constexpr std::array<Colour, 3> stops{{{245, 200, 90}, {216, 85, 40}, {75, 12, 90}}};
+  const double at = 2 * std::clamp(part, 0.0, 1.0);
+  const std::size_t i = at < 1 ? 0 : 1;
+  const double t = at - static_cast<double>(i);
+  const Colour &a = stops[i], &b = stops[i + 1];
+  const auto mix = [t](double x, double y) {
+    return static_cast<int>(std::lround(x + (y - x) * t));
+  };
+  return fmt::format("#{:02x}{:02x}{:02x}", mix(a.red, b.red), mix(a.green, b.green),
+                     mix(a.blue, b.blue));
 }
 
 std::string text_at(double x, double y, const char* anchor, const std::string& text) {

@@ -16,6 +16,16 @@ std::string escaped(const std::string& text);
 /// in the range.
 double nice_step(double range, double most);
 
+/// The beginning of a picture of this size in pixels, with its background: a colour as in fill.
+/// "</svg>" ends it.
+std::string opening(double width, double height, const char* background = "#fafafa",
+                    int font_size = 12);
+/// Bold text that begins at a position.
+std::string heading(double x, double y, const std::string& text);
+
+/// Colour of a part of the range, 0 to 1: light yellow over orange to dark purple.
+std::string shade(double part);
+
 /// Text at a position; anchor: start, middle or end.
 std::string text_at(double x, double y, const char* anchor, const std::string& text);
 /// Text from bottom to top, with its middle at the position.

@@ -87,11 +87,7 @@ std::string chart_svg(const BenchReport& report) {
     for (const Series& series : all)
       scale.max_beats = std::max(scale.max_beats, series.beats(row) + 0.05);
   }
-  std::string picture = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
-      "{1}\" font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"{0}\" height=\"{1}\" "
-      "fill=\"#fff\"/>\n",
-      width, height);
+  std::string picture = svg::opening(width, height, "#fff", 13);
   picture += svg::text_at(
       chart_left, 24, "start",
       "Beats per point at 50 Hz (filled) and 100 Hz (hollow): every row of the source");

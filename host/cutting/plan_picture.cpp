@@ -94,12 +94,8 @@ class PlanPicture {
 
   std::string svg(const std::string& title) const {
     const double width = left + view_width + right, height = top + view_.height() + below;
-    std::string out = fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
-        "viewBox=\"0 0 {0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"12\">\n"
-        "<rect width=\"100%\" height=\"100%\" fill=\"#fafafa\"/>\n",
-        width, height);
-    out += "<g font-weight=\"bold\">" + svg::text_at(left, 26, "start", title) + "</g>\n";
+    std::string out = svg::opening(width, height);
+    out += svg::heading(left, 26, title);
     return out + axes() + moves() + drawing() + rapids() + labels() + legend() + "</svg>\n";
   }
 

@@ -181,13 +181,8 @@ std::string motion_chart(const std::vector<OptimisedBlock>& blocks, const Method
     moves[a] = panels[0].curves[a].max() > panels[0].curves[a].min();
   const double width = chart_left + chart_width + chart_right;
   const double height = chart_top + 4 * panel_height + 3 * panel_gap + chart_foot;
-  std::string out = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
-      "{1}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" "
-      "fill=\"#fafafa\"/>\n",
-      width, height);
-  out +=
-      fmt::format("<g font-weight=\"bold\">{}</g>\n", svg::text_at(chart_left, 30, "start", title));
+  std::string out = svg::opening(width, height);
+  out += svg::heading(chart_left, 30, title);
   out += legend(moves, 30);
   double top = chart_top;
   for (const Panel& panel : panels) {

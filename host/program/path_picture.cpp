@@ -19,22 +19,8 @@ constexpr double min_distance = 0.15;
 constexpr int shades = 32;
 constexpr double max_ticks = 8;
 
-/// Light yellow over orange to dark purple, by power: three stops, linear between them.
-struct Colour {
-  double red, green, blue;
-};
-constexpr std::array<Colour, 3> stops{{{245, 200, 90}, {216, 85, 40}, {75, 12, 90}}};
-
 std::string shade_colour(int shade) {
-  const double at = 2.0 * shade / (shades - 1);
-  const std::size_t i = at < 1 ? 0 : 1;
-  const double t = at - static_cast<double>(i);
-  const Colour &a = stops[i], &b = stops[i + 1];
-  const auto mix = [t](double x, double y) {
-    return static_cast<int>(std::lround(x + (y - x) * t));
-  };
-  return fmt::format("#{:02x}{:02x}{:02x}", mix(a.red, b.red), mix(a.green, b.green),
-                     mix(a.blue, b.blue));
+  return svg::shade(static_cast<double>(shade) / (shades - 1));
 }
 
 int shade_of(double power) {
@@ -129,12 +115,8 @@ std::string path_svg(const ProgramRun& run, const std::string& title) {
     const bool is_dark = piece.rapid || piece.power <= 0;
     (is_dark ? dark : strokes[static_cast<std::size_t>(shade_of(piece.power))]).add(v, piece);
   }
-  std::string out = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
-      "{1}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" "
-      "fill=\"#fafafa\"/>\n",
-      left + view + right, top + view + below);
-  out += "<g font-weight=\"bold\">" + svg::text_at(left, 26, "start", title) + "</g>\n";
+  std::string out = svg::opening(left + view + right, top + view + below);
+  out += svg::heading(left, 26, title);
   out += axes(v);
   out += dark.element("stroke=\"#4a7fb5\" stroke-width=\"0.8\" stroke-dasharray=\"4 3\"");
   for (int shade = 0; shade < shades; ++shade)

@@ -170,15 +170,10 @@ std::string key(double x, double y, const char* colour, double width, const char
 
 std::string servo_svg(const std::vector<NamedServoRun>& runs, double pulse_mm) {
   const double width = picture_left + side + picture_gap + chart_width + picture_right;
-  std::string out = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
-      "{1}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" "
-      "fill=\"#fafafa\"/>\n",
-      width, row_height * static_cast<double>(runs.size()));
+  std::string out = svg::opening(width, row_height * static_cast<double>(runs.size()));
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const double row = row_height * static_cast<double>(i), top = row + head;
-    out += fmt::format("<g font-weight=\"bold\">{}</g>\n",
-                       svg::text_at(picture_left, row + 26, "start", runs[i].name));
+    out += svg::heading(picture_left, row + 26, runs[i].name);
     out += key(picture_left + side - 180, row + 26, programmed_colour, programmed_width, "program");
     out += key(picture_left + side - 84, row + 26, measured_colour, measured_width, "encoders");
     out += svg::line(width - picture_right - 224, row + 22, width - picture_right - 200, row + 22,

@@ -117,7 +117,7 @@ class Drawing {
     plane_ = series.axes.size() > 1 && series.axes[0].number == 0 && series.axes[1].number == 1;
     right_ = plot_width - plot_right - (plane_ ? view_size + view_gap : 0);
     y_ = panels_y;
-    body_ += "<g font-weight=\"bold\">" + text_at(plot_left, title_y, "start", title) + "</g>\n";
+    body_ += svg::heading(plot_left, title_y, title);
     strip();
   }
 
@@ -127,12 +127,7 @@ class Drawing {
     if (plane_) view();
     legend();
     const double height = bottom + below;
-    return fmt::format(
-               "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
-               "viewBox=\"0 0 {0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"12\">\n"
-               "<rect width=\"{0:.0f}\" height=\"{1:.0f}\" fill=\"#fff\"/>\n",
-               plot_width, height) +
-           body_ + "</svg>\n";
+    return svg::opening(plot_width, height, "#fff") + body_ + "</svg>\n";
   }
 
   /// Contents of a panel for an axis: its curve, its limit (0 = none).

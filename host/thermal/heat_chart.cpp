@@ -104,13 +104,8 @@ std::string heat_chart(const std::vector<ChartPanel>& panels, const std::string&
   const auto count = static_cast<double>(panels.size());
   const double width = chart_left + count * panel_width + (count - 1) * panel_gap + chart_right;
   const double height = chart_top + panel_height + chart_foot;
-  std::string out = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
-      "{1}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" "
-      "fill=\"#fafafa\"/>\n",
-      width, height);
-  out +=
-      fmt::format("<g font-weight=\"bold\">{}</g>\n", svg::text_at(chart_left, 30, "start", title));
+  std::string out = svg::opening(width, height);
+  out += svg::heading(chart_left, 30, title);
   double left = chart_left;
   for (const ChartPanel& panel : panels) {
     out += panel_svg(panel, left);

@@ -19,22 +19,9 @@ constexpr double line_width = 5, limit_width = 9, max_view_ticks = 8;
 constexpr int path_shades = 32;
 constexpr const char* view_frame = "#999";
 
-struct Shade {
-  double red, green, blue;
-};
-/// Yellow over orange to dark purple, as in pictures of programs.
-constexpr std::array<Shade, 3> shade_stops{{{245, 200, 90}, {216, 85, 40}, {75, 12, 90}}};
-
-std::string shade_text(double part) {
-  const double at = 2 * std::clamp(part, 0.0, 1.0);
-  const std::size_t i = at < 1 ? 0 : 1;
-  const double t = at - static_cast<double>(i);
-  const Shade &a = shade_stops[i], &b = shade_stops[i + 1];
-  const auto mix = [t](double x, double y) {
-    return static_cast<int>(std::lround(x + (y - x) * t));
-  };
-  return fmt::format("#{:02x}{:02x}{:02x}", mix(a.red, b.red), mix(a.green, b.green),
-                     mix(a.blue, b.blue));
+/// Of one of the shades of the path.
+std::string shade_colour(int shade) {
+  return svg::shade(static_cast<double>(shade) / (path_shades - 1));
 }
 
 struct Span {
@@ -121,8 +108,7 @@ std::string coloured_path(const PathView& v, const PathResult& result,
   };
   std::string out = element(above, "#e00000", limit_width);
   for (int s = 0; s < path_shades; ++s)
-    out += element(shades[static_cast<std::size_t>(s)],
-                   shade_text(static_cast<double>(s) / (path_shades - 1)), line_width);
+    out += element(shades[static_cast<std::size_t>(s)], shade_colour(s), line_width);
   return out;
 }
 
@@ -132,8 +118,7 @@ std::string colour_bar(const PathView& v) {
   for (int s = 0; s < path_shades; ++s)
     out += fmt::format("<rect x=\"{}\" y=\"{:.1f}\" width=\"{}\" height=\"{:.1f}\" fill=\"{}\"/>\n",
                        x, view_top + height * (path_shades - 1 - s) / path_shades, bar_width,
-                       height / path_shades + 0.5,
-                       shade_text(static_cast<double>(s) / (path_shades - 1)));
+                       height / path_shades + 0.5, shade_colour(s));
   out += svg::text_at(x + bar_width + 6, view_top + 10, "start",
                       fmt::format("{:.0f} K", v.kelvin().high));
   return out + svg::text_at(x + bar_width + 6, view_top + height, "start",
@@ -181,13 +166,8 @@ std::string path_picture(const PathResult& result, const std::vector<BeamMove>& 
   const double width = view_left + view_width + view_right;
   const double time_top = view_top + v.height() + time_gap;
   const double height = time_top + time_height + view_foot;
-  std::string out = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1:.0f}\" viewBox=\"0 0 "
-      "{0} {1:.0f}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" "
-      "height=\"{1:.0f}\" fill=\"#fafafa\"/>\n",
-      width, height);
-  out +=
-      fmt::format("<g font-weight=\"bold\">{}</g>\n", svg::text_at(view_left, 28, "start", title));
+  std::string out = svg::opening(width, height);
+  out += svg::heading(view_left, 28, title);
   out += place_ticks(v);
   out += coloured_path(v, result, moves, limit_k);
   out += colour_bar(v);
