@@ -35,7 +35,8 @@ struct Options {
 
   /// Tables of jerk limits and of orders are made only if named: few users need them.
   bool needs(const std::string& part) const {
-    const bool asked_for = part == "jerk" || part == "orders" || part == "angles";
+    const bool asked_for =
+        part == "jerk" || part == "orders" || part == "angles" || part == "cutting";
     return (rows.empty() && !asked_for) || std::find(rows.begin(), rows.end(), part) != rows.end();
   }
 };
@@ -71,6 +72,12 @@ void measure_orders(const Options& options, BenchReport& report, const PointsPla
   }
 }
 
+void measure_cuts(BenchReport& report) {
+  ProgressBar progress("orders of cuts", cut_sheet_parts.size() * cut_searches.size());
+  std::size_t done = 0;
+  report.cuts = cut_order_figures(report.seed, [&] { progress.update(++done); });
+}
+
 BenchReport measure(const Options& options) {
   BenchReport report;
   report.seed = options.seed;
@@ -101,6 +108,7 @@ BenchReport measure(const Options& options) {
            jerk_beats(machine, wire::JoinMode::free, report.walk_points, options.seed, planned),
            jerk_beats(machine, wire::JoinMode::path, report.walk_points, options.seed, planned)});
   measure_orders(options, report, planned);
+  if (options.needs("cutting")) measure_cuts(report);
   return report;
 }
 
@@ -142,6 +150,19 @@ Json angles_json(const BenchReport& report) {
                     {"measured_s", row.measured_s},
                     {"start_stop", row.start_stop},
                     {"free", row.free}});
+  return rows;
+}
+
+Json cuts_json(const BenchReport& report) {
+  Json rows = Json::array();
+  for (const CutOrderFigures& one : report.cuts) {
+    Json row{{"contours", one.contours}};
+    for (std::size_t i = 0; i < cut_searches.size(); ++i)
+      row["searches"].push_back({{"name", cut_searches[i].name},
+                                 {"rapid_mm", one.rapid_mm[i]},
+                                 {"cpu_s", one.seconds[i]}});
+    rows.push_back(row);
+  }
   return rows;
 }
 
@@ -189,6 +210,7 @@ Json document(const BenchReport& report) {
   }
   if (!report.orders.empty()) json["orders"] = orders_json(report);
   if (!report.angles.empty()) json["angles"] = angles_json(report);
+  if (!report.cuts.empty()) json["cutting"] = cuts_json(report);
   return json;
 }
 
@@ -220,16 +242,18 @@ void add_bench(Command& program) {
       "Example:\n  lamplock bench --chart beats.svg\n"
       "  lamplock bench --rows walks --points 2000 --seed 7 --json\n"
       "  lamplock bench --rows example,jerk\n"
-      "  lamplock bench --rows orders,angles\n\n"
+      "  lamplock bench --rows orders,angles\n"
+      "  lamplock bench --rows cutting\n\n"
       "The planner of the firmware plans each stream of points like on the machine, without a\n"
       "simulation, and a search finds the fewest beats that any plan needs. Rows of the example\n"
       "are means over " +
       std::to_string(pulse_draws) + " draws of their random distances.");
   const auto options = std::make_shared<Options>();
-  app.add_option("--rows", &options->rows,
-                 "Tables to print: measured, walks, example, jerk, orders, angles; default: "
-                 "measured,walks,example")
-      .check(one_of({"measured", "walks", "example", "jerk", "orders", "angles"}))
+  app.add_option(
+         "--rows", &options->rows,
+         "Tables to print: measured, walks, example, jerk, orders, angles, cutting; default: "
+         "measured,walks,example")
+      .check(one_of({"measured", "walks", "example", "jerk", "orders", "angles", "cutting"}))
       .comma_separated()
       .value_name("TABLE,...");
   app.add_option("--points", &options->points,

@@ -136,6 +136,7 @@ std::string tables(const BenchReport& report) {
   add(!report.jerks.empty(), [&] { return jerk_table(report); });
   add(!report.orders.empty(), [&] { return order_table(report); });
   add(!report.angles.empty(), [&] { return angle_table(report); });
+  add(!report.cuts.empty(), [&] { return cut_order_table(report.cuts, report.seed); });
   return text;
 }
 

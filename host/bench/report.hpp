@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/bench/cut_orders.hpp"
 #include "host/bench/figures.hpp"
 #include "host/bench/orders.hpp"
 
@@ -53,6 +54,7 @@ struct BenchReport {
   int order_points = 0;  ///< of each cloud, about
   std::vector<OrderFigures> orders;
   std::vector<SortingAngle> angles;
+  std::vector<CutOrderFigures> cuts;
 };
 
 /// Tables with a few lines that explain each column.

@@ -96,21 +96,29 @@ CutOrder order_of(const std::vector<Contour>& contours, const std::vector<CutSto
   return order;
 }
 
-}  // namespace
-
-CutOrder nearest_order(const std::vector<Contour>& contours,
-                       const std::vector<ContourPlace>& places, const Vec& position) {
-  const std::vector<CutStop> stops = stops_of(contours, places);
-  return order_of(contours, stops, nearest_visits(stops, position), position);
+std::vector<CutVisit> visits_by(const std::vector<CutStop>& stops, const Vec& position,
+                                const OrderOptions& options) {
+  if (options.search == OrderSearch::improved && stops.size() <= max_exact)
+    return exact_visits(stops, position);
+  std::vector<CutVisit> nearest = nearest_visits(stops, position);
+  if (stops.empty()) return nearest;
+  switch (options.search) {
+    case OrderSearch::nearest:
+      return nearest;
+    case OrderSearch::genetic:
+      return genetic_visits(stops, nearest, options.population, position);
+    case OrderSearch::improved:
+      return improved_visits(stops, nearest, position);
+  }
+  return nearest;
 }
 
+}  // namespace
+
 CutOrder cut_order(const std::vector<Contour>& contours, const std::vector<ContourPlace>& places,
-                   const Vec& position) {
+                   const Vec& position, const OrderOptions& options) {
   const std::vector<CutStop> stops = stops_of(contours, places);
-  if (stops.size() <= max_exact)
-    return order_of(contours, stops, exact_visits(stops, position), position);
-  const std::vector<CutVisit> nearest = nearest_visits(stops, position);
-  return order_of(contours, stops, improved_visits(stops, nearest, position), position);
+  return order_of(contours, stops, visits_by(stops, position, options), position);
 }
 
 Contour as_cut(const Contour& contour, const CutStep& step) {

@@ -10,9 +10,15 @@
 //
 //   nearest neighbour -> (2-opt, Or-opt -> best start points for this order) ... -> order
 //   up to max_exact contours: all orders, by dynamic programming over sets of contours
+//
+// Nearest neighbour alone and a genetic algorithm, that of the document on cutting, are there to be
+// compared with it: `lamplock bench --rows cutting`.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "host/cutting/contour.hpp"
@@ -38,15 +44,21 @@ struct CutOrder {
   double rapid_mm = 0;         ///< from the position of the machine to the last contour
 };
 
-/// The order by nearest neighbour alone: always the nearest contour that may be cut.
-CutOrder nearest_order(const std::vector<Contour>& contours,
-                       const std::vector<ContourPlace>& places, const Vec& position);
+enum class OrderSearch : std::uint8_t { improved, nearest, genetic };
+/// In the order of OrderSearch.
+inline constexpr std::array<std::string_view, 3> order_search_names{"improved", "nearest",
+                                                                    "genetic"};
 
-/// The improved order, never longer than the nearest one. The same input has the same result.
-/// Both throw Error (bad_input) unless there is one place for each contour and every contour is
-/// inside of its parents alone.
+struct OrderOptions {
+  OrderSearch search = OrderSearch::improved;
+  std::size_t population = 100;  ///< orders in a generation of the genetic algorithm
+};
+
+/// The order of a search; `nearest`: always the nearest contour that may be cut. The others are
+/// never longer than it. The same input has the same result. Throws Error (bad_input) unless there
+/// is one place for each contour and every contour is inside of its parents alone.
 CutOrder cut_order(const std::vector<Contour>& contours, const std::vector<ContourPlace>& places,
-                   const Vec& position);
+                   const Vec& position, const OrderOptions& options = {});
 
 /// The contour as it is cut: it begins at the start point of the step.
 Contour as_cut(const Contour& contour, const CutStep& step);

@@ -72,8 +72,8 @@ struct Beams {
 class Planner {
  public:
   Planner(const std::vector<Shape>& shapes, const std::vector<Operation>& operations,
-          const Vec& position)
-      : shapes_(shapes), operations_(operations), position_(position) {}
+          const Vec& position, const OrderOptions& order)
+      : shapes_(shapes), operations_(operations), position_(position), order_(order) {}
 
   CutPlan plan() {
     for (std::size_t i = 0; i < operations_.size(); ++i)
@@ -141,7 +141,8 @@ class Planner {
     }
     if (beams.contours.empty()) return;
     if (beams.are_moved) report_crossings(beams);
-    const CutOrder order = cut_order(beams.contours, contour_tree(beams.contours), position_);
+    const CutOrder order =
+        cut_order(beams.contours, contour_tree(beams.contours), position_, order_);
     const CutSheet sheet(beams.contours);
     for (const CutStep& step : order.steps) {
       PlannedCut cut{
@@ -236,6 +237,7 @@ class Planner {
   const std::vector<Shape>& shapes_;
   const std::vector<Operation>& operations_;
   Vec position_;
+  OrderOptions order_;
   CutPlan plan_;
 };
 
@@ -277,8 +279,8 @@ Contour directed(const Shape& shape, Direction direction) {
 }
 
 CutPlan plan_cuts(const std::vector<Shape>& shapes, const std::vector<Operation>& operations,
-                  const Vec& position) {
-  return Planner(shapes, operations, position).plan();
+                  const Vec& position, const OrderOptions& order) {
+  return Planner(shapes, operations, position, order).plan();
 }
 
 }  // namespace lamplock::cutting

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/cutting/contour.hpp"
+#include "host/cutting/cut_order.hpp"
 #include "host/cutting/cut_path.hpp"
 #include "host/cutting/operation.hpp"
 
@@ -53,6 +54,6 @@ Contour directed(const Shape& shape, Direction direction);
 /// contour that is smaller than the beam, leads and tabs that do not fit, and as cut_path() and
 /// hatch().
 CutPlan plan_cuts(const std::vector<Shape>& shapes, const std::vector<Operation>& operations,
-                  const Vec& position);
+                  const Vec& position, const OrderOptions& order = {});
 
 }  // namespace lamplock::cutting

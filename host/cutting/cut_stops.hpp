@@ -45,6 +45,12 @@ std::vector<CutVisit> exact_visits(const std::vector<CutStop>& stops, const Vec&
 std::vector<CutVisit> improved_visits(const std::vector<CutStop>& stops,
                                       const std::vector<CutVisit>& visits, const Vec& position);
 
+/// The best order that a genetic algorithm finds from random orders and this one, never longer than
+/// this one. The number of orders in a generation is at least 2.
+std::vector<CutVisit> genetic_visits(const std::vector<CutStop>& stops,
+                                     const std::vector<CutVisit>& visits, std::size_t population,
+                                     const Vec& position);
+
 /// The best start points for this order.
 void choose_starts(const std::vector<CutStop>& stops, std::vector<CutVisit>& visits,
                    const Vec& position);

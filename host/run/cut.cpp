@@ -208,6 +208,13 @@ void measure_plan(const CutPlan& plan, const std::vector<Operation>& operations,
     result.box = {{box.low.y, 0, box.low.x}, {box.high.y + outer, 0, box.high.x}};
 }
 
+cutting::OrderOptions order_of(const CutMachineChoice& machine) {
+  const auto& names = cutting::order_search_names;
+  const auto found = std::find(names.begin(), names.end(), machine.order);
+  return {static_cast<cutting::OrderSearch>(found - names.begin()),
+          static_cast<std::size_t>(machine.population)};
+}
+
 void require_inside(const std::string& file, const geometry::Bounds& box,
                     const settings::Values& values) {
   const geometry::Bounds space = work_space_mm(values);
@@ -330,7 +337,8 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
     warn_of_pulsed(profile.settings, frontend, result);
     warn_of_dark_pierce(operations, profile.settings, frontend, result);
   }
-  CutPlan plan = cutting::plan_cuts(drawing.shapes, operations, {0, 0});
+  CutPlan plan =
+      cutting::plan_cuts(drawing.shapes, operations, {0, 0}, order_of(description.machine));
   for (const std::string& text : fault_texts(plan.faults, description.drawing.tolerance_mm)) {
     frontend.say("warning  {}", text);
     result.warnings.push_back(text);

@@ -37,6 +37,8 @@ struct CutMachineChoice {
   std::string profile{};  ///< file; empty: the default machine
   std::string post = "grbl";
   double surface_mm = 0;
+  std::string order = "improved";  ///< search for the order (cutting::OrderSearch)
+  int population = 100;            ///< of the genetic one
   /// Of tools (cutting::Tooling); none: its default.
   std::optional<double> clearance_mm{}, ramp_deg{}, knife_offset_mm{};
 };

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/cutting/cut_order.hpp"
 #include "host/cutting/post_file.hpp"
 #include "host/glass/profile_parameter.hpp"
 #include "host/model/colour.hpp"
@@ -217,6 +218,20 @@ std::vector<Parameter> parameters(CutMachineChoice& m) {
        "Z at which the laser is in focus, or the tool touches, on the surface, for passes with "
        "depths",
        "MM", place_range},
+      {"order",
+       "--order",
+       &m.order,
+       "Search for the order with short rapid moves. improved: 2-opt and Or-opt, all orders of up "
+       "to 8 contours; nearest: always the nearest contour; genetic: a genetic algorithm, slower",
+       "",
+       {},
+       {cutting::order_search_names.begin(), cutting::order_search_names.end()}},
+      {"population",
+       "--population",
+       &m.population,
+       "Orders in each generation of --order genetic",
+       "N",
+       {2, 10'000, true}},
       {"clearance", "--clearance", &m.clearance_mm,
        "Tools: height of rapids above the surface; lathes: distance from the contours; default: 5",
        "MM", glass::positive},

@@ -78,7 +78,7 @@ TEST(cut_order, holes_before_parts_and_a_short_way_on_random_nestings) {
     const std::vector<ContourPlace> places = contour_tree(contours);
     const Vec position{-20, -20};
     const CutOrder order = cut_order(contours, places, position);
-    const CutOrder near = nearest_order(contours, places, position);
+    const CutOrder near = cut_order(contours, places, position, {OrderSearch::nearest});
     const double way = checked_way(contours, places, order, position);
     const double near_way = checked_way(contours, places, near, position);
     EXPECT_LE(way, near_way * (1 + 1e-12));
@@ -94,7 +94,7 @@ TEST(cut_order, a_sheet_of_many_parts) {
   const std::vector<ContourPlace> places = contour_tree(contours);
   const CutOrder order = cut_order(contours, places, {0, 0});
   const double way = checked_way(contours, places, order, {0, 0});
-  EXPECT_LE(way / nearest_order(contours, places, {0, 0}).rapid_mm, 0.85);
+  EXPECT_LE(way / cut_order(contours, places, {0, 0}, {OrderSearch::nearest}).rapid_mm, 0.85);
 }
 
 /// The shortest way over all orders of contours, each with all its start points.
@@ -185,6 +185,29 @@ TEST(cut_order, equals_the_best_of_all_orders_of_few_contours) {
   EXPECT_EQ(equal, count);
 }
 
+TEST(cut_order, the_genetic_one_is_the_best_of_few_contours_and_never_longer_than_nearest) {
+  Random random(36);
+  int equal = 0, count = 0;
+  double nearest = 0, genetic = 0;
+  for (int i = 0; i < scaled(30, 5); ++i) {
+    std::vector<Contour> contours = random_sheet(random, 1 + i % 2, 1 + int(random.next() % 3));
+    if (i % 2 == 0 && contours.size() > max_exact) contours.resize(max_exact);
+    const std::vector<ContourPlace> places = contour_tree(contours);
+    const CutOrder order = cut_order(contours, places, {-30, 10}, {OrderSearch::genetic, 40});
+    const double way = checked_way(contours, places, order, {-30, 10});
+    const double near = cut_order(contours, places, {-30, 10}, {OrderSearch::nearest}).rapid_mm;
+    EXPECT_LE(way, near * (1 + 1e-12));
+    nearest += near;
+    genetic += way;
+    if (contours.size() > max_exact) continue;
+    ++count;
+    equal += way <= cut_order(contours, places, {-30, 10}).rapid_mm * (1 + 1e-9) ? 1 : 0;
+  }
+  // Start points are the nearest ones during the search: some orders stay a little longer.
+  EXPECT_GE(equal, count / 2);
+  EXPECT_LE(genetic / nearest, 0.95);
+}
+
 TEST(cut_order, a_contour_that_begins_elsewhere_is_the_same) {
   Random random(34);
   for (int i = 0; i < scaled(200, 10); ++i) {
@@ -219,7 +242,7 @@ TEST(cut_order, nothing_and_wrong_trees) {
   places[1].parent = 0;
   EXPECT_THROW(cut_order(two, places, {0, 0}), Error);
   places[1].parent = 7;
-  EXPECT_THROW(nearest_order(two, places, {0, 0}), Error);
+  EXPECT_THROW(cut_order(two, places, {0, 0}, {OrderSearch::nearest}), Error);
 }
 
 }  // namespace
