@@ -9,6 +9,7 @@
 #include "host/cli/documents.hpp"
 #include "host/cli/engraving_options.hpp"
 #include "host/job/job.hpp"
+#include "host/job/setting_range.hpp"
 #include "host/run/bounds_text.hpp"
 #include "host/run/job_points.hpp"
 #include "host/run/mode_name.hpp"
@@ -39,7 +40,7 @@ void describe(const job::Job& job, const std::string& file, Console& console) {
     const settings::Row& row = settings::row(settings::find_number(item.number));
     const double value = item.value_milli / milli_per_unit;
     overrides[std::string(row.name)] = value;
-    console.say("    ${:<3} {} = {:g} {}", item.number, row.name, value, row.unit);
+    console.say("    ${:<3} {} = {:g}{}", item.number, row.name, value, job::unit_suffix(row));
   }
   console.document({{"file", file},
                     {fmt::format("{}s", job.item()), job.size()},

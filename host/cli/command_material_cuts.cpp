@@ -68,6 +68,11 @@ void say_best(Console& console, const material::BestCut& best, double thickness_
               range_text(best.measured_feed_mm_min.min, best.measured_feed_mm_min.max, "mm/min"));
   if (best.feed_mm_min == best.measured_feed_mm_min.max && best.candidates > 1)
     console.line("note      no faster feed was measured: a faster one may need less time");
+  if (best.depth_mm && best.passes > best.max_measured_passes)
+    console.notice(fmt::format(
+        "warning  the passes are computed, cuts of more than {} were not measured: deeper "
+        "passes may remove less; make a test cut",
+        lamplock::count_text(static_cast<std::size_t>(best.max_measured_passes), "pass")));
   if (best.rejected_depth_mm)
     console.notice(fmt::format(
         "warning  a rejected measurement at {:g} mm/min has a depth of {:g} mm only; make a test "

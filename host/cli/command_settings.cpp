@@ -10,6 +10,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/machine_options.hpp"
 #include "host/file/staged_file.hpp"
+#include "host/job/setting_range.hpp"
 #include "host/run/board_settings.hpp"
 #include "host/run/settings_file.hpp"
 
@@ -76,8 +77,7 @@ std::string value_line(std::uint32_t number, const std::string& text) {
   const Id id = link::find_setting(number);
   const std::string name = link::setting_name(number);
   if (id == Id::count) return fmt::format("{}: {} (not known to this program)", name, text);
-  const std::string_view unit = settings::row(id).unit;
-  return fmt::format("{}: {}{}{}", name, text, unit.empty() ? "" : " ", unit);
+  return fmt::format("{}: {}{}", name, text, job::unit_suffix(settings::row(id)));
 }
 
 /// All names are checked before the board is opened.
@@ -114,7 +114,7 @@ Exit bring_to(const SettingsOptions& options, const std::vector<Change>& wanted)
     const std::string &old = board.settings().texts.at(change.number),
                       &now = after.texts.at(change.number);
     console.say("{}: {} -> {}{}", link::setting_name(change.number), old, now,
-                id == Id::count ? "" : fmt::format(" {}", settings::row(id).unit));
+                id == Id::count ? "" : job::unit_suffix(settings::row(id)));
     document.push_back({{"number", change.number}, {"before", old}, {"after", now}});
   }
   if (changes.empty()) console.line("nothing differs");

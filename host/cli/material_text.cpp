@@ -104,6 +104,7 @@ Json best_json(const material::BestCut& best) {
           {"power_w", best.power_w},
           {"depth_mm", best.depth_mm ? Json(*best.depth_mm) : Json()},
           {"passes", best.passes},
+          {"max_measured_passes", best.max_measured_passes},
           {"time_s", best.time_s},
           {"burns", best.burns},
           {"candidates", best.candidates},

@@ -10,13 +10,13 @@
 
 #include "host/cli/arguments.hpp"
 #include "host/cli/command_line.hpp"
-#include "host/cli/empty_values.hpp"
 #include "host/cli/file_options.hpp"
 #include "host/cli/help.hpp"
 #include "host/cli/separate_program.hpp"
 #include "host/cli/standard_streams.hpp"
 #include "host/cli/terminal_width.hpp"
 #include "host/cli/usage_error.hpp"
+#include "host/cli/value_use.hpp"
 #include "host/former_names.hpp"
 #include "host/text.hpp"
 
@@ -243,7 +243,7 @@ Exit run(Command& program, const std::vector<std::string>& arguments) {
       run_separate_program(*command, arguments);
   const std::vector<std::string> present = with_present_names(program, arguments);
   if (print_help(program, present)) return Exit::done;
-  if (const auto found = empty_value(program, present)) throw Error(*found);
+  if (const auto found = wrong_value_use(program, present)) throw Error(*found);
   CLI::App app(program.description(), program.name());
   Bound bound;
   bind(app, program, present, bound);

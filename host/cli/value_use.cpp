@@ -1,4 +1,4 @@
-#include "host/cli/empty_values.hpp"
+#include "host/cli/value_use.hpp"
 
 #include <fmt/format.h>
 
@@ -47,14 +47,20 @@ bool is_empty_variable(const std::string& name) {
 
 }  // namespace
 
-std::optional<Error> empty_value(const Command& program,
-                                 const std::vector<std::string>& arguments) {
+std::optional<Error> wrong_value_use(const Command& program,
+                                     const std::vector<std::string>& arguments) {
   const std::vector<Argument> all = understood(program, arguments);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const bool has_value =
         all[i].kind == ArgumentKind::value || all[i].kind == ArgumentKind::positional;
     if (has_value && all[i].text.empty() && is_text(*all[i].option))
       return refusal_of_argument(*all[i].option, path_of(program, all, i));
+    // After one dash the letters are flags: -yv.
+    if (all[i].kind == ArgumentKind::value && all[i].option->is_flag() &&
+        all[i - 1].text.starts_with("--"))
+      return Error{
+          Exit::bad_input, all[i - 1].text, "takes no value",
+          fmt::format("leave out '={}'; see {} --help", all[i].text, path_of(program, all, i))};
   }
   if (all.empty()) return std::nullopt;
   for (const Option& option : all.back().command->options()) {

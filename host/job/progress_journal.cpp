@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -162,6 +163,11 @@ void ProgressJournal::append(const ProgressRecord& record) {
   if (descriptor_ < 0) open(O_RDWR | O_APPEND | O_CREAT);
   if (!write_all(descriptor_, progress_line(record)) || ::fsync(descriptor_) != 0)
     fail("cannot be written");
+  // The job could not continue from a file that was removed: the records would be lost with it.
+  struct stat state {};
+  if (::fstat(descriptor_, &state) == 0 && state.st_nlink == 0)
+    throw Error(Exit::job_failed, file_.string(), "was removed during the job",
+                "keep it until the job has ended");
 }
 
 void ProgressJournal::remove() {

@@ -13,4 +13,8 @@ namespace lamplock::job {
 /// "give 0.1 to 1000 Hz", "give 0 to 15, a whole number", "give 0 (off) or 1 (on)".
 std::string setting_range(const settings::Row& row);
 
+/// What follows a value in a text, with a space before it: " mm". Empty for choices and numbers,
+/// where the unit of the table is the range: "0..15".
+std::string unit_suffix(const settings::Row& row);
+
 }  // namespace lamplock::job

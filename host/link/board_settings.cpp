@@ -29,8 +29,9 @@ std::string command(std::uint32_t number, std::string_view value) {
   if (error == GcodeError::setting_out_of_range)
     throw Error(Exit::bad_input, where, fmt::format("{} = {} is out of range", row.name, value),
                 job::setting_range(row));
-  throw Error(Exit::bad_input, where, fmt::format("{} = '{}' is not a number", row.name, value),
-              "write digits with up to three decimals");
+  throw Error(
+      Exit::bad_input, where, fmt::format("{} = '{}' is not a number", row.name, value),
+      row.unit == "on/off" ? job::setting_range(row) : "write digits with up to three decimals");
 }
 
 /// Checks the value of a setting that the table does not have: printable, without bytes that are

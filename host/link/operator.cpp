@@ -214,11 +214,16 @@ void require_ready(LinePort& port, Operation operation) {
 
 namespace {
 
-/// Throws the failure of a line, with the way out of an alarm.
-[[noreturn]] void throw_failure(LinePort& port, const std::string& line, const std::string& text) {
+/// Throws the failure of a line, with the way out of an alarm. Nothing was done if the first line
+/// was refused.
+[[noreturn]] void throw_failure(LinePort& port, const std::string& line, bool is_first,
+                                const std::string& text) {
   const std::string what = fmt::format("'{}': {}", line, text);
   if (text.find("ALARM:") == std::string::npos)
-    throw Error(Exit::job_failed, "machine", what, "later lines were not sent");
+    throw Error(is_first ? Exit::bad_input : Exit::job_failed, "machine", what,
+                text.starts_with("error:5 ") ? "lamplock settings set homing=1 switches it on"
+                : is_first                   ? "nothing was done"
+                                             : "later lines were not sent");
   const std::string cause = line == home_line
                                 ? "check the limit switches, their wiring and the settings of "
                                   "homing ($23 to $27)"
@@ -245,7 +250,8 @@ void run_lines(LinePort& port, const std::vector<std::string>& lines,
     throw Error(Exit::interrupted, "machine", held.what, held.remedy);
   }
   if (!talk.failure()) return;
-  throw_failure(port, lines[talk.failure()->line - 1], talk.failure()->text);
+  const std::size_t failed = talk.failure()->line - 1;
+  throw_failure(port, lines[failed], failed == 0, talk.failure()->text);
 }
 
 }  // namespace lamplock::link

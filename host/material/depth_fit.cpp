@@ -153,6 +153,8 @@ BestCut best_cut(const Material& material, const std::vector<Measurement>& measu
   if (!feeds)
     refuse_fit(material, fmt::format("there is no measurement for {:g} mm", thickness_mm),
                "measure test cuts first");
+  for (const Measurement& one : measurements)
+    if (!one.rejected) best.max_measured_passes = std::max(best.max_measured_passes, one.passes);
   best.candidates = candidates.size();
   best.measured_feed_mm_min = *feeds;
   best.measured_power_w = *powers;

@@ -53,9 +53,10 @@ struct BestCut {
   double feed_mm_min = 0, power_w = 0;
   std::optional<double> depth_mm{};  ///< of a pass; none: known from a cut that came through
   int passes = 0;
-  double time_s = 0;           ///< of a cut of this length
-  bool burns = false;          ///< the edges of this material burn at this feed
-  std::size_t candidates = 0;  ///< measured pairs of feed and power
+  double time_s = 0;            ///< of a cut of this length
+  bool burns = false;           ///< the edges of this material burn at this feed
+  std::size_t candidates = 0;   ///< measured pairs of feed and power
+  int max_measured_passes = 0;  ///< of all measurements; more passes are computed from the depth
   Extent measured_feed_mm_min, measured_power_w;
   /// A smaller depth at this feed and power that is marked as wrong and was not used.
   std::optional<double> rejected_depth_mm{};

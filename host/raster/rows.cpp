@@ -40,8 +40,7 @@ class RowMaker {
         values_(values),
         rounder_(values),
         feed_milli_(static_cast<std::uint32_t>(std::lround(options.feed_mm_min * milli_per_unit))),
-        overscan_(static_cast<std::uint32_t>(
-            std::ceil(options.overscan_mm / options.pitch_mm - rounding))) {}
+        overscan_(overscan_pixels(options.overscan_mm, options.pitch_mm)) {}
 
   job::Rows make() {
     bool backwards = false;
@@ -152,6 +151,10 @@ void check(const RowOptions& options, const settings::Values& values) {
 }
 
 }  // namespace
+
+std::uint32_t overscan_pixels(double overscan_mm, double pitch_mm) {
+  return static_cast<std::uint32_t>(std::ceil(overscan_mm / pitch_mm - rounding));
+}
 
 job::Job make_rows(const Pixels& pixels, const RowOptions& options, const job::Profile& profile) {
   check(options, profile.settings);

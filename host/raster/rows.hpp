@@ -29,6 +29,9 @@ struct RowOptions {
   std::string remedy_outside = "move it, make it smaller, or use a lower feed rate";
 };
 
+/// Overscan in whole pixels, rounded up.
+std::uint32_t overscan_pixels(double overscan_mm, double pitch_mm);
+
 /// Makes a job. Edges of pixels are within half a step of their position, and exact if the pitch is
 /// a whole number of steps. Throws Error(bad_input) for pixels finer than a step, a feed above the
 /// machine's maximum, a picture without power, or rows outside the work space.

@@ -62,35 +62,47 @@ geometry::Point corner_of(const RasterOptions& options, const RasterSize& size,
   return {middle.x - size.width_mm() / 2, middle.y - size.height_mm() / 2, 0};
 }
 
-/// The greatest width at which the whole picture fits into the work space, with the overscan and
-/// the corner that were given, in steps of 0.1 mm; 0 if no width fits.
-double max_width_mm(const RasterOptions& options, const RasterSize& size, double overscan_mm,
-                    const settings::Values& values) {
+/// True if the whole picture with its overscan is inside the work space.
+bool fits(const RasterOptions& options, const RasterSize& size, double overscan_mm,
+          const settings::Values& values) {
   const geometry::Bounds space = work_space_mm(values);
-  double x_mm = space.high.x - space.low.x - 2 * overscan_mm, y_mm = space.high.y - space.low.y;
-  if (const std::vector<double>& corner = options.origin_mm; !corner.empty()) {
-    const double z = corner.size() > 2 ? corner[2] : 0;
-    const bool is_outside = corner[0] - overscan_mm < space.low.x || corner[1] < space.low.y ||
-                            z < space.low.z || z > space.high.z;
-    if (is_outside) return 0;
-    x_mm = space.high.x - overscan_mm - corner[0];
-    y_mm = space.high.y - corner[1];
-  }
-  // Overscan is rounded up to whole pixels, whose size depends on the width if none is given.
-  const auto columns = static_cast<double>(size.columns), rows = static_cast<double>(size.rows);
-  const double width_mm =
-      options.pitch_mm
-          ? std::min(x_mm - 3 * *options.pitch_mm, (y_mm - *options.pitch_mm) * columns / rows)
-          : std::min(x_mm * columns / (columns + 2), y_mm * columns / rows);
-  constexpr double per_mm = 10;
-  return std::max(0.0, std::floor(width_mm * per_mm) / per_mm);
+  const geometry::Point corner = corner_of(options, size, values);
+  const double beside_mm = raster::overscan_pixels(overscan_mm, size.pitch_mm) * size.pitch_mm;
+  // Rows are in the middle of their pixels.
+  const double above_mm = size.pitch_mm / 2;
+  constexpr double slack_mm = 1e-6;  // rounding of positions
+  return corner.x - beside_mm >= space.low.x - slack_mm &&
+         corner.x + size.width_mm() + beside_mm <= space.high.x + slack_mm &&
+         corner.y + above_mm >= space.low.y - slack_mm &&
+         corner.y + size.height_mm() - above_mm <= space.high.y + slack_mm &&
+         corner.z >= space.low.z && corner.z <= space.high.z;
 }
 
-std::string remedy_outside(const RasterOptions& options, const RasterSize& size, double overscan_mm,
-                           const settings::Values& values) {
-  const double width_mm = max_width_mm(options, size, overscan_mm, values);
-  if (width_mm > 0 && width_mm < size.width_mm())
-    return fmt::format("the greatest width that fits is --width-mm {:g}", width_mm);
+/// The greatest width in steps of 0.1 mm, below the present one, with which the picture fits; 0 if
+/// there is none. Overscan and size in pixels depend on the width, so that it is searched for.
+double max_width_mm(const RasterOptions& options, const model::Bitmap& bitmap, double width_mm,
+                    double overscan_mm, const settings::Values& values) {
+  constexpr double per_mm = 10;
+  const auto fits_with = [&](double tenths) {
+    RasterOptions smaller = options;
+    smaller.width_mm = tenths / per_mm;
+    return fits(smaller, size_of(smaller, bitmap), overscan_mm, values);
+  };
+  const geometry::Bounds space = work_space_mm(values);
+  double low = 0, high = std::ceil(std::min(width_mm, space.high.x - space.low.x) * per_mm);
+  while (high - low > 1) {
+    const double middle = std::floor((low + high) / 2);
+    (fits_with(middle) ? low : high) = middle;
+  }
+  return low / per_mm;
+}
+
+std::string remedy_outside(const RasterOptions& options, const model::Bitmap& bitmap,
+                           double overscan_mm, const settings::Values& values) {
+  const RasterSize size = size_of(options, bitmap);
+  if (fits(options, size, overscan_mm, values)) return {};
+  const double width_mm = max_width_mm(options, bitmap, size.width_mm(), overscan_mm, values);
+  if (width_mm > 0) return fmt::format("the greatest width that fits is --width-mm {:g}", width_mm);
   if (!options.origin_mm.empty()) return "leave out --origin, or give one farther inside";
   return "use a lower --feed, which needs less overscan";
 }
@@ -153,7 +165,7 @@ job::Job make_job(const RasterOptions& options, Frontend& frontend, RasterResult
                                         : raster::run_up_mm(profile.settings, options.feed_mm_min);
   how.one_way = options.one_way;
   how.dry = options.dry;
-  how.remedy_outside = remedy_outside(options, size, how.overscan_mm, profile.settings);
+  how.remedy_outside = remedy_outside(options, bitmap, how.overscan_mm, profile.settings);
   job::Job job = raster::make_rows(pixels, how, profile);
   const geometry::Bounds box = geometry::bounds(points_of(job));
   frontend.phase("rows", fmt::format("{} with {:.4g} mm overscan, {}", rows_text(job),

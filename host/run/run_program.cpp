@@ -221,8 +221,9 @@ std::string reach_text(const ProgramOutcome& outcome) {
   const LineResult& result = outcome.result;
   if (result.last_line == 0) return "no line was accepted";
   if (result.at_line != 0)
-    return fmt::format("line {0} of {1} was under way, at {2}; --from {0} begins it again",
-                       result.at_line, outcome.file, place_text(result.status));
+    return fmt::format(
+        "line {0} of {1} was under way, at {2}; the same command with --from {0} begins with it",
+        result.at_line, outcome.file, place_text(result.status));
   return fmt::format("line {} of {} was the last one that it accepted, at {}", result.last_line,
                      outcome.file, place_text(result.status));
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/job/rate_excess.hpp"
+#include "host/job/setting_range.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/line_port.hpp"
 #include "host/units.hpp"
@@ -35,14 +36,6 @@ std::string value_words(Id id, const settings::Values& values) {
   return fmt::format("{} ({})", number, lamp_modes[mode]);
 }
 
-/// What follows a value. The unit of a choice is its list of values.
-std::string unit_words(Id id) {
-  const std::string_view unit = settings::row(id).unit;
-  const bool is_choice = unit.empty() || unit == "on/off" || unit == "count" ||
-                         unit.find("..") != std::string_view::npos;
-  return is_choice ? "" : fmt::format(" {}", unit);
-}
-
 /// The work space of the job along one axis is not inside that of the board.
 std::string space_words(int axis, const settings::Values& job, const settings::Values& board) {
   const auto span = [axis](const settings::Values& values) {
@@ -58,8 +51,8 @@ std::string setting_words(Id id, const settings::Values& job, const settings::Va
     if (id == settings::for_axis(Id::min_corner_x, axis) &&
         !settings::inside_work_space(job, board, axis))
       return space_words(axis, job, board);
-  const std::string asked =
-      fmt::format("{} = {}{}", settings::row(id).name, value_words(id, job), unit_words(id));
+  const std::string asked = fmt::format("{} = {}{}", settings::row(id).name, value_words(id, job),
+                                        job::unit_suffix(settings::row(id)));
   if (job.milli(id) == board.milli(id))
     return fmt::format("{} of the job does not go with the other settings of the board", asked);
   const std::string own = value_words(id, board);

@@ -32,7 +32,7 @@ bool defines_up(const std::string& file) {
   return extension == ".glb" || extension == ".3mf";
 }
 
-/// These formats have a unit.
+/// These mesh formats have a unit; drawings have one, or are refused without --units.
 bool defines_unit(const std::string& file) { return defines_up(file); }
 
 bool is_upright_by_choice(const glass::Object& object) {
@@ -47,13 +47,21 @@ std::vector<std::string> size_hints(const glass::Object& object, InputKind kind,
                                     const geometry::Bounds& box, std::size_t points) {
   std::vector<std::string> hints;
   const double x = box.high.x - box.low.x, y = box.high.y - box.low.y, z = box.high.z - box.low.z;
-  const bool is_small = std::max({x, y, z}) < min_usual_side_mm || points < min_usual_points;
-  if (has_size_of_file(object, kind) && is_small)
-    hints.push_back(fmt::format(
-        "{} is {} and has {}: {} --size {} makes its longest side {} mm", object.file,
-        size_text(box), count_text(points, "point"),
-        defines_unit(object.file) ? "is it meant to be so small?" : "is the file in mm?",
-        usual_size_mm, usual_size_mm));
+  if (has_size_of_file(object, kind)) {
+    const bool has_unit = kind == InputKind::curves || defines_unit(object.file);
+    const double longest_mm = std::max({x, y, z});
+    const bool has_few_points = points < min_usual_points;
+    if (longest_mm < min_usual_side_mm ||
+        (has_few_points && !has_unit && longest_mm < usual_size_mm))
+      hints.push_back(fmt::format("{} is {} and has {}: {} --size {} makes its longest side {} mm",
+                                  object.file, size_text(box), count_text(points, "point"),
+                                  has_unit ? "is it meant to be so small?" : "is the file in mm?",
+                                  usual_size_mm, usual_size_mm));
+    else if (has_few_points)
+      hints.push_back(
+          fmt::format("{} is {} and has {}: a smaller --spacing gives more, --size another size",
+                      object.file, size_text(box), count_text(points, "point")));
+  }
   if (kind == InputKind::mesh && !is_upright_by_choice(object) && z < x && z < max_flat_share * y)
     hints.push_back(
         fmt::format("{} lies flat, {}: does its y axis point up? --up y puts it upright",

@@ -64,6 +64,32 @@ TEST(EmptyValue, OfEveryTextOptionIsRefused) {
   EXPECT_GT(check_options(*make_own_commands(), {}), min_options);
 }
 
+/// Every flag of a command and of its inner commands with a value. Returns how many were tried.
+std::size_t check_flags(const Command& command, const std::vector<std::string>& path) {
+  std::size_t count = 0;
+  for (const Option& option : command.options()) {
+    if (!option.is_flag() || !option.name().starts_with("--")) continue;
+    std::vector<std::string> arguments = path;
+    arguments.push_back(option.name() + "=no");
+    EXPECT_THAT(refusal_of(arguments),
+                HasSubstr("error: " + option.name() + ": takes no value; leave out '=no'"))
+        << testing::PrintToString(arguments);
+    ++count;
+  }
+  for (const Command& inner : command.commands()) {
+    std::vector<std::string> longer = path;
+    longer.push_back(inner.name());
+    count += check_flags(inner, longer);
+  }
+  return count;
+}
+
+TEST(EmptyValue, AFlagTakesNone) {
+  constexpr std::size_t min_flags = 50;
+  EXPECT_GT(check_flags(*make_own_commands(), {}), min_flags);
+  EXPECT_THAT(refusal_of({"--version=3"}), HasSubstr("--version: takes no value"));
+}
+
 TEST(EmptyValue, OfAnEnvironmentVariableIsRefused) {
   const Folder folder;
   const std::string points = folder.write("a.xyz", "0 0 0\n1 0 0\n2 0 0\n");

@@ -192,7 +192,7 @@ TEST_F(Operate, refuses_what_it_cannot_do_in_one_line) {
   };
   expect(operate({"zero", "--axes", "XQ"}), 2, "no axis 'Q'");
   expect(operate({"zero", "--axes", "XYX"}), 2, "twice");
-  expect(operate({"home"}), 1, "homing is switched off");
+  expect(operate({"home"}), 2, "lamplock settings set homing=1");
   expect(operate({"pulse", "--channel", "5"}), 2, "--channel");
   expect(run({"operate"}), 2, "a command is missing");
   expect(run({"operate", "init", "--board", folder_ / "none"}), 3, "there is no such port");

@@ -158,6 +158,15 @@ TEST(ProgressJournal, AWriteErrorIsReportedInOneLine) {
   }
 }
 
+TEST(ProgressJournal, AFileThatIsRemovedDuringTheJobIsReported) {
+  const test::TemporaryFolder folder;
+  ProgressJournal journal(folder.file("a.progress"));
+  journal.append(two_runs[0]);
+  std::filesystem::remove(folder.file("a.progress"));
+  EXPECT_THAT([&] { journal.append(two_runs[1]); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("was removed during the job")));
+}
+
 TEST(JobHash, DistinguishesJobs) {
   const Job points = test::random_job(300, 1);
   EXPECT_EQ(hash_of(points), hash_of(test::random_job(300, 1)));
