@@ -122,6 +122,35 @@ std::size_t require_steps(const std::vector<BeamMove>& moves, const thermal::Pat
               "give a part of the program or a wider beam");
 }
 
+struct ShownSteps {
+  const char* title;
+  std::size_t count;
+};
+
+/// Runs a path with its progress; `table`: null for none.
+thermal::PathResult run_shown(const ShownSteps& steps, const std::vector<BeamMove>& moves,
+                              const thermal::PathSetup& setup, ColumnTable* table,
+                              Frontend& frontend) {
+  const auto progress = frontend.progress(steps.title, steps.count, 0);
+  std::size_t done = 0;
+  return thermal::run_path(
+      moves, setup, [&](const thermal::PathSample& sample, const thermal::MovingField& field) {
+        if (table != nullptr) table->add(sample, field, moves, setup.surface.ambient_k);
+        progress->update(++done);
+        return true;
+      });
+}
+
+void say_path(const ProgramHeat& out, double usual_k, Frontend& frontend) {
+  double max_k = 0;
+  for (const thermal::LineHeat& line : out.lines) max_k = std::max(max_k, line.hottest.max_k);
+  frontend.say("path      {:.4g} s, usual temperature {:.1f} K, largest {:.1f} K",
+               out.result.seconds, usual_k, max_k);
+  say_losses(out.result.balance.lost_j, out.result.balance.absorbed_j, frontend);
+  frontend.say("balance   {:.1e} of the absorbed energy is not accounted for",
+               out.result.balance.relative_error());
+}
+
 void say_overheated(const ProgramHeat& out, Frontend& frontend) {
   if (out.overheated.empty()) {
     frontend.say("no line is above {:.0f} K", out.limit_k);
@@ -166,15 +195,8 @@ ProgramHeat heat_of_program(const HeatOptions& options, Frontend& frontend) {
   const std::size_t steps = require_steps(moves, setup, options.program);
   say_case(out.heat, frontend);
   ColumnTable table;
-  {
-    const auto progress = frontend.progress("heat", steps, 0);
-    out.result = thermal::run_path(
-        moves, setup, [&](const thermal::PathSample& sample, const thermal::MovingField& field) {
-          if (!options.csv.empty()) table.add(sample, field, moves, setup.surface.ambient_k);
-          progress->update(out.result.samples.size());
-          return true;
-        });
-  }
+  out.result =
+      run_shown({"heat", steps}, moves, setup, options.csv.empty() ? nullptr : &table, frontend);
   require_balance(out.result.balance);
   out.lines = thermal::hottest_of_lines(moves, out.result);
   const double ambient = setup.surface.ambient_k;
@@ -182,17 +204,12 @@ ProgramHeat heat_of_program(const HeatOptions& options, Frontend& frontend) {
   constexpr double usual_margin = 1.15;
   out.limit_k = options.limit_k.value_or(ambient + usual_margin * (usual - ambient));
   out.overheated = thermal::overheated_lines(out.lines, out.limit_k, ambient);
-  double max_k = 0;
-  for (const thermal::LineHeat& line : out.lines) max_k = std::max(max_k, line.hottest.max_k);
-  frontend.say("path      {:.4g} s, usual temperature {:.1f} K, largest {:.1f} K",
-               out.result.seconds, usual, max_k);
-  say_losses(out.result.balance.lost_j, out.result.balance.absorbed_j, frontend);
-  frontend.say("balance   {:.1e} of the absorbed energy is not accounted for",
-               out.result.balance.relative_error());
+  say_path(out, usual, frontend);
   if (!out.overheated.empty()) {
     const auto changed = thermal::with_proposed_power(moves, out.overheated);
     double max_changed = 0;
-    for (const thermal::PathSample& sample : thermal::run_path(changed, setup).samples)
+    for (const thermal::PathSample& sample :
+         run_shown({"heat with proposed powers", steps}, changed, setup, nullptr, frontend).samples)
       max_changed = std::max(max_changed, sample.max_k);
     out.max_with_proposal_k = max_changed;
   }
