@@ -98,11 +98,11 @@ Exit cut_drawing(const CutOptions& options) {
   Console console(options.json);
   run::CutRequest request = request_of(options);
   request.is_for_board = !options.board.board.empty();
-  const bool makes = !request.output.empty() || !request.picture.empty() || !request.save.empty() ||
-                     request.is_for_board;
+  const bool makes = !request.output.empty() || !request.picture.empty() || !request.page.empty() ||
+                     !request.save.empty() || request.is_for_board;
   if (!makes && !options.list)
     throw Error(Exit::bad_input, "lamplock cut", "no output file is given",
-                "give -o FILE.ngc, --picture FILE.svg, --board NAME or --list");
+                "give -o FILE.ngc, --picture FILE.svg, --page FILE.html, --board NAME or --list");
   const run::CutResult result =
       makes ? run::make_cut(request, console) : run::list_shapes(request.description, console);
   if (options.list) show_list(result, console);
@@ -164,6 +164,12 @@ void add_cut(Command& program) {
   app.add_option("--picture", &options->request.picture,
                  "Write a picture (SVG) of what is cut: order, kerf, leads, tabs, rapids")
       .value_name("FILE.svg")
+      .check(file_name())
+      .file(FileUse::write)
+      .common();
+  app.add_option("--page", &options->request.page,
+                 "Write a page (HTML) with the plan, its order over time and the time of each cut")
+      .value_name("FILE.html")
       .check(file_name())
       .file(FileUse::write)
       .common();

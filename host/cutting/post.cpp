@@ -94,21 +94,28 @@ class ProgramWriter {
     if (post.machine == MachineType::lathe) safe_radius_ = safe_radius();
   }
 
-  std::string text() && {
+  std::string text() {
     comment(frame_.title);
     write(PostEvent::begin);
-    for (std::size_t i = 0; i < plan_.cuts.size(); ++i) write_cut(i);
+    for (std::size_t i = 0; i < plan_.cuts.size(); ++i) {
+      first_lines_.push_back(lines_ + 1);
+      write_cut(i);
+    }
     if (post_.machine != MachineType::laser) leave();
     if (has_air_) write(PostEvent::air_off);
     write(PostEvent::end);
     return std::move(text_);
   }
+  /// Of each cut, after text().
+  const std::vector<std::size_t>& first_lines() const { return first_lines_; }
 
  private:
   void write(PostEvent event) {
     for (const std::string& line : post_.of(event)) {
       std::string filled = templates_.filled(line);
-      if (!filled.empty()) text_ += filled + "\n";
+      if (filled.empty()) continue;
+      text_ += filled + "\n";
+      ++lines_;
     }
   }
   void comment(const std::string& text) {
@@ -304,6 +311,8 @@ class ProgramWriter {
   const ProgramFrame& frame_;
   Templates templates_;
   std::string text_;
+  std::size_t lines_ = 0;
+  std::vector<std::size_t> first_lines_;
   std::optional<Vec> at_;
   std::optional<std::size_t> operation_;
   double power_ = 0;  ///< of the last line for it
@@ -345,8 +354,12 @@ std::string template_fault(const std::string& text) {
 }
 
 std::string cut_program(const CutPlan& plan, const std::vector<Operation>& operations,
-                        const Post& post, const ProgramFrame& frame) {
-  return ProgramWriter(plan, operations, post, frame).text();
+                        const Post& post, const ProgramFrame& frame,
+                        std::vector<std::size_t>* first_lines) {
+  ProgramWriter writer(plan, operations, post, frame);
+  std::string text = writer.text();
+  if (first_lines != nullptr) *first_lines = writer.first_lines();
+  return text;
 }
 
 }  // namespace lamplock::cutting

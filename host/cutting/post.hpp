@@ -82,9 +82,11 @@ struct ProgramFrame {
   bool has_radii = false;
 };
 
-/// The program. Moves that the rounding of positions makes nothing are left out. Throws Error
-/// (bad_input) as lathe_path().
+/// The program. Moves that the rounding of positions makes nothing are left out. `first_lines` gets
+/// the number of the first line of each cut, from 1, if it is not null. Throws Error (bad_input) as
+/// lathe_path().
 std::string cut_program(const CutPlan& plan, const std::vector<Operation>& operations,
-                        const Post& post, const ProgramFrame& frame);
+                        const Post& post, const ProgramFrame& frame,
+                        std::vector<std::size_t>* first_lines = nullptr);
 
 }  // namespace lamplock::cutting

@@ -127,6 +127,15 @@ class Machine {
     run_.ticks = lines_.ticks() - ticks_before_;
   }
 
+  /// At the end of the program.
+  void note_move_ends() {
+    for (std::size_t i = 0; i < dwelt_us_.size() && i < lines_.line_ends().size(); ++i) {
+      const auto ticks = static_cast<double>(lines_.line_ends()[i] - ticks_before_);
+      run_.move_ends_s.push_back(ticks / ticks_per_second +
+                                 static_cast<double>(dwelt_us_[i]) / 1e6);
+    }
+  }
+
  private:
   void move(const Action& action, std::size_t line) {
     motion::LineTarget target;
@@ -141,7 +150,9 @@ class Machine {
         problem_outside(action.target_e7, line, outside);
       return;
     }
-    note_row(action);
+    note_row(action, line);
+    dwelt_us_.push_back(run_.dwell_us);
+    target.line = static_cast<std::uint32_t>(dwelt_us_.size());
     lines_.take(target);
   }
 
@@ -182,7 +193,7 @@ class Machine {
   }
 
   /// Records a move, or each run of equal pixels of one.
-  void note_row(const Action& move) {
+  void note_row(const Action& move, std::size_t line) {
     double all = 0, passed = 0;
     for (const Action& run : row_) all += run.pixels;
     all += move.pixels;
@@ -194,13 +205,15 @@ class Machine {
         const auto to = static_cast<double>(move.target_e7[a]);
         piece.target_e7[a] = std::llround(from[a] * e7 + (to - from[a] * e7) * passed / all);
       }
-      note(piece);
+      note(piece, line);
     }
-    note(move);
+    note(move, line);
   }
 
-  void note(const Action& action) {
+  void note(const Action& action, std::size_t line) {
     Piece piece;
+    piece.line = line;
+    piece.move = dwelt_us_.size();
     piece.from = at_;
     piece.rapid = action.rapid;
     if (action.spindle != program::Spindle::off && !action.rapid)
@@ -227,7 +240,8 @@ class Machine {
   std::int64_t tolerance_e7_ = 0;
   std::uint64_t ticks_before_ = 0;  ///< of the move to the program's begin
   bool passes_outside_ = false;
-  std::vector<Action> row_;  ///< of pixels, without the last ones
+  std::vector<Action> row_;              ///< of pixels, without the last ones
+  std::vector<std::uint64_t> dwelt_us_;  ///< before each move
   ProgramRun run_;
 };
 
@@ -339,6 +353,7 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     if (run.problems.size() >= max_problems) break;
   }
   machine.finish();
+  machine.note_move_ends();
   const bool as_after_power_up = state == nullptr || state->as_after_power_up;
   if (run.locked != 0 && run.problems.empty() && run.outside == 0 && as_after_power_up)
     run.beats = run_locked(whole, values);

@@ -43,6 +43,8 @@ struct Piece {
   PerAxis<double> from{}, to{};
   double power = 0;  ///< of the laser or spindle: 0..1 of the maximum S
   bool rapid = false;
+  std::size_t line = 0;  ///< of the program, from 1
+  std::size_t move = 0;  ///< number of its move, from 0: several pieces of a row are one move
 };
 
 /// Lowest and highest position of each axis.
@@ -67,6 +69,9 @@ struct ProgramRun {
   std::vector<Problem> problems;
   std::vector<std::string> ignored;  ///< words without effect, each once
   std::vector<Piece> pieces;
+  /// Seconds from the begin of the program to the end of each move, with dwells; exact to some
+  /// 20 ms, a batch of the planner. Of programs on the beat: in motion only.
+  std::vector<double> move_ends_s;
 
   double seconds() const;
 };

@@ -1,4 +1,5 @@
 #include "host/report/page.hpp"
+#include "host/json_in_script.hpp"
 
 #include <fmt/format.h>
 
@@ -227,20 +228,6 @@ Json page_json(const Report& report, const JobRun& run, const PointBeats& beats,
           {"utilisation", {{"beats_per_bin", use.beats_per_bin}, {"share", use.share}}}};
 }
 
-/// JSON for a script element: it contains no text that ends one.
-std::string in_script(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text) {
-    if (c == '<')
-      safe += "\\u003c";
-    else
-      safe.push_back(c);
-  }
-  return safe;
-}
-
 }  // namespace
 
 std::string page(const Report& report, const JobRun& run) {
@@ -249,7 +236,7 @@ std::string page(const Report& report, const JobRun& run) {
   const std::vector<std::uint32_t> shown = shown_points(run, beats);
   const std::string_view whole = page_template();
   const std::size_t data = whole.find(data_place), cloud = whole.find(cloud_place);
-  const std::string json = in_script(page_json(report, run, beats, box, shown));
+  const std::string json = json_in_script(page_json(report, run, beats, box, shown));
   const std::string bytes = cloud_bytes(run, beats, box, shown);
   std::string text;
   text.reserve(whole.size() + json.size() + bytes.size() / 3 * 4 + 8);

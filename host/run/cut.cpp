@@ -6,26 +6,20 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <utility>
 
-#include "host/cutting/plan_picture.hpp"
 #include "host/cutting/post_file.hpp"
 #include "host/duration_text.hpp"
 #include "host/error.hpp"
-#include "host/file.hpp"
-#include "host/file/output_files.hpp"
-#include "host/file/staged_file.hpp"
-#include "host/glass/description_file.hpp"
 #include "host/number_text.hpp"
 #include "host/program/program_run.hpp"
 #include "host/run/bounds_text.hpp"
 #include "host/run/cut_drawing.hpp"
+#include "host/run/cut_files.hpp"
 #include "host/run/cut_material.hpp"
 #include "host/run/frame.hpp"
 #include "host/run/machine_options.hpp"
 #include "host/run/prepare.hpp"
-#include "host/run/sent_file.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::run {
@@ -263,47 +257,16 @@ void warn_of_dark_pierce(const std::vector<Operation>& operations, const setting
 }
 
 /// The time of the program, by the interpreter and the planner of the firmware.
-double checked_seconds(const std::string& program, const settings::Values& values,
-                       const std::string& where) {
-  const program_run::ProgramRun run = program_run::run_program(program, values, 1);
-  if (run.problems.empty()) return run.seconds();
+program_run::ProgramRun checked_run(const std::string& program, const settings::Values& values,
+                                    const std::string& where) {
+  program_run::ProgramRun run = program_run::run_program(program, values, 1);
+  if (run.problems.empty()) return run;
   const program_run::Problem& problem = run.problems.front();
   throw Error(
       Exit::bad_input, where,
       fmt::format("the interpreter refuses line {} of the program: {}", problem.line, problem.text),
       "correct the templates of the post-processor, or give the profile of the machine");
 }
-
-void check_cut_outputs(const CutRequest& request) {
-  const DrawingChoice& drawing = request.description.drawing;
-  check_distinct(
-      {{"-o", request.output}, {"--picture", request.picture}, {"--save", request.save}},
-      {drawing.file, request.description.machine.profile, request.description.machine.post});
-  if (!request.output.empty()) check_program_name(request.output);
-  if (!request.picture.empty() && lower_extension(request.picture) != ".svg")
-    throw Error(Exit::bad_input, request.picture, "pictures of a plan are written as SVG",
-                "name it something.svg");
-  if (!request.save.empty() && !glass::is_description(request.save))
-    throw Error(Exit::bad_input, request.save, "is not the name of a description", "name it .toml");
-  for (const std::string& file : {request.output, request.picture, request.save})
-    if (!file.empty()) check_target(file);
-}
-
-/// Files that are all written or none.
-class CutFiles {
- public:
-  void add(const std::string& file, std::string_view text) {
-    if (file.empty()) return;
-    files_.push_back(std::make_unique<StagedFile>(file));
-    write_file(files_.back()->path(), text);
-  }
-  void commit() {
-    for (const auto& file : files_) file->commit();
-  }
-
- private:
-  std::vector<std::unique_ptr<StagedFile>> files_;
-};
 
 std::string row_name(const CutShape& row) {
   std::string name = fmt::format("{} {}", row.operation_kind, row.kind);
@@ -356,23 +319,18 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   for (const CutShape& row : result.shapes) frame.names.push_back(row_name(row));
   frame.max_s = in_units(profile.settings, settings::Id::max_spindle_speed);
   frame.tooling = setup.tooling;
-  result.program = cutting::cut_program(plan, operations, post, frame);
+  CutProgram program;
+  program.is_lathe = post.machine == MachineType::lathe;
+  result.program = cutting::cut_program(plan, operations, post, frame, &program.first_lines);
   if (post.is_checked) {
-    frame.has_radii = post.machine == MachineType::lathe;
-    result.seconds = checked_seconds(
+    frame.has_radii = program.is_lathe;
+    program.run = checked_run(
         frame.has_radii ? cutting::cut_program(plan, operations, post, frame) : result.program,
         profile.settings, description.machine.post);
+    result.seconds = program.run->seconds();
   }
-  CutFiles files;
-  if (!request.picture.empty())
-    files.add(request.picture, cutting::plan_svg(plan, drawing.shapes, operations, frame.title));
-  if (!request.save.empty())
-    files.add(request.save,
-              to_text(description, std::filesystem::absolute(request.save).parent_path()));
-  files.add(request.output, result.program);
-  files.commit();
-  for (const std::string& file : {request.output, request.picture, request.save})
-    if (!file.empty()) frontend.phase("written", file);
+  const CutMade made{plan, drawing.shapes, operations, frame.title, frame.names, program, result};
+  write_cut_files(request, made, frontend);
   if (result.seconds) frontend.say("time     {}", duration_text(*result.seconds));
   return result;
 }

@@ -20,8 +20,8 @@ namespace lamplock::run {
 
 struct CutRequest {
   CutDescription description{};
-  std::string output{}, picture{}, save{};  ///< empty: none
-  std::string library{};                    ///< of materials; empty: the user's own
+  std::string output{}, picture{}, page{}, save{};  ///< empty: none
+  std::string library{};                            ///< of materials; empty: the user's own
   std::size_t first =
       1;                ///< number of the first cut of the program, from 1 in the order of the plan
   bool is_dry = false;  ///< the whole program without light and air

@@ -280,6 +280,8 @@ TEST_F(Cut, bad_input_is_one_line_and_no_file) {
   EXPECT_THAT(refused({"cut", file, "--power", "60", "--feed", "60"}), HasSubstr("-o FILE.ngc"));
   EXPECT_THAT(refused(cut(file, {"-o", folder_ / "no/part.ngc"})), HasSubstr("folder"));
   EXPECT_THAT(refused(cut(file, {"-o", folder_ / "part.llj"})), HasSubstr(".ngc"));
+  EXPECT_THAT(refused(cut(file, {"-o", program_, "--page", folder_ / "part.txt"})),
+              HasSubstr("name it something.html"));
   EXPECT_THAT(refused(cut(file, {"-o", program_, "--picture", folder_ / "part.txt"})),
               HasSubstr(".svg"));
   EXPECT_THAT(refused(folder_.write("photo.png", "x"), {}), HasSubstr("photo.png"));
@@ -383,6 +385,30 @@ TEST_F(Cut, the_picture_is_an_svg) {
   made(drawing(rounded + dxf_circle(0, 0, 4)), {"--kerf", "0.5", "--picture", picture});
   EXPECT_THAT(read(picture), HasSubstr("<svg "));
   EXPECT_THAT(read(picture), HasSubstr(">2</text>"));
+}
+
+TEST_F(Cut, the_page_has_the_path_and_the_times_of_each_cut) {
+  const std::string page = folder_ / "part.html";
+  const double seconds = made(drawing(rounded + dxf_circle(-10, 0, 4) + dxf_circle(10, 0, 4)),
+                              {"--page", page, "--pierce", "0.5"})["seconds"];
+  const std::string text = read(page), begin = "id=\"data\">";
+  const std::size_t from = text.find(begin) + begin.size();
+  const json data = json::parse(text.substr(from, text.find("</script>", from) - from));
+  EXPECT_THAT(text, HasSubstr("<svg "));
+  ASSERT_EQ(data["cuts"].size(), 3u);
+  EXPECT_EQ(data["cuts"][2]["name"], "cut outside, layer CUT");
+  // Holes of 25 mm and an outline of 155 mm at 10 mm/s, after 0.5 s without motion each.
+  const auto lasts = [&](std::size_t i) {
+    return data["cuts"][i]["end_s"].get<double>() - data["cuts"][i]["begin_s"].get<double>();
+  };
+  EXPECT_NEAR(lasts(0), lasts(1), 0.5);
+  EXPECT_NEAR(lasts(2), 15.5 + 0.5, 0.6);
+  EXPECT_NEAR(data["cuts"][2]["end_s"], seconds, 0.1);
+  // Five numbers a piece: the last one is its end.
+  const std::vector<double> path = data["path"];
+  ASSERT_EQ(path.size() % 5, 0u);
+  for (std::size_t i = 9; i < path.size(); i += 5) EXPECT_GE(path[i], path[i - 5]);
+  EXPECT_NEAR(path.back(), seconds, 0.1);
 }
 
 }  // namespace

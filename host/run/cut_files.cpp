@@ -1,0 +1,82 @@
+#include "host/run/cut_files.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "host/cutting/plan_picture.hpp"
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/file/output_files.hpp"
+#include "host/file/staged_file.hpp"
+#include "host/glass/description_file.hpp"
+#include "host/run/sent_file.hpp"
+
+namespace lamplock::run {
+namespace {
+
+/// Files that are all written or none.
+class CutFiles {
+ public:
+  void add(const std::string& file, std::string_view text) {
+    if (file.empty()) return;
+    files_.push_back(std::make_unique<StagedFile>(file));
+    write_file(files_.back()->path(), text);
+  }
+  void commit() {
+    for (const auto& file : files_) file->commit();
+  }
+
+ private:
+  std::vector<std::unique_ptr<StagedFile>> files_;
+};
+
+std::string page_of(const CutMade& made, const std::string& picture) {
+  cutting::PlanPage page{made.title, picture};
+  for (const cutting::PlannedCut& cut : made.plan.cuts)
+    page.cuts.push_back({made.names[cut.shape], made.operations[cut.operation].name});
+  return cut_page(std::move(page), made.operations, made.program, made.result);
+}
+
+}  // namespace
+
+void check_cut_outputs(const CutRequest& request) {
+  const DrawingChoice& drawing = request.description.drawing;
+  check_distinct(
+      {{"-o", request.output},
+       {"--picture", request.picture},
+       {"--page", request.page},
+       {"--save", request.save}},
+      {drawing.file, request.description.machine.profile, request.description.machine.post});
+  if (!request.output.empty()) check_program_name(request.output);
+  if (!request.picture.empty() && lower_extension(request.picture) != ".svg")
+    throw Error(Exit::bad_input, request.picture, "pictures of a plan are written as SVG",
+                "name it something.svg");
+  if (!request.page.empty() && lower_extension(request.page) != ".html")
+    throw Error(Exit::bad_input, request.page, "pages are written as HTML",
+                "name it something.html");
+  if (!request.save.empty() && !glass::is_description(request.save))
+    throw Error(Exit::bad_input, request.save, "is not the name of a description", "name it .toml");
+  for (const std::string& file : {request.output, request.picture, request.page, request.save})
+    if (!file.empty()) check_target(file);
+}
+
+void write_cut_files(const CutRequest& request, const CutMade& made, Frontend& frontend) {
+  CutFiles files;
+  if (!request.picture.empty() || !request.page.empty()) {
+    const std::string picture =
+        cutting::plan_svg(made.plan, made.shapes, made.operations, made.title);
+    files.add(request.picture, picture);
+    if (!request.page.empty()) files.add(request.page, page_of(made, picture));
+  }
+  if (!request.save.empty())
+    files.add(request.save,
+              to_text(request.description, std::filesystem::absolute(request.save).parent_path()));
+  files.add(request.output, made.result.program);
+  files.commit();
+  for (const std::string& file : {request.output, request.picture, request.page, request.save})
+    if (!file.empty()) frontend.phase("written", file);
+}
+
+}  // namespace lamplock::run
