@@ -14,7 +14,7 @@
 #include "host/program/line_fault.hpp"
 #include "host/program/line_run.hpp"
 #include "host/text.hpp"
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/all_boards.hpp"
 #include "shared/line_comments.hpp"
 #include "shared/units.hpp"
 #include "shared/wire/framing.hpp"

@@ -11,9 +11,6 @@ namespace {
 
 using boards::Role;
 
-constexpr unsigned sync_gpio = boards::gpio(Role::lamp_sync);
-constexpr unsigned q_switch_gpio = boards::gpio(Role::q_switch);
-constexpr unsigned tick_gpio = boards::gpio(Role::tick_line);
 /// The pattern that the image fills its stacks with (firmware/boards/rp2040/base/stack.hpp).
 constexpr std::uint32_t stack_paint = 0x5aa55aa5;
 constexpr std::uint32_t sram_base = 0x2000'0000;
@@ -57,7 +54,11 @@ BoardTiming::BoardTiming(ChipBoard& board, const chip::Image& image)
     : board_(board),
       image_(image),
       calls_(board.chip().core(0), image.symbols),
-      calls1_(board.chip().core(1), image.symbols) {
+      calls1_(board.chip().core(1), image.symbols),
+      sync_gpio_(*boards::find_gpio(board.map(), Role::lamp_sync)),
+      q_switch_gpio_(*boards::find_gpio(board.map(), Role::q_switch)),
+      tick_gpio_(*boards::find_gpio(board.map(), Role::tick_line)),
+      sync_inverted_((boards::inverted_pins(boards::pins(board.map())) >> sync_gpio_ & 1) != 0) {
   find_step_edges();
   board.chip().gpio().listen(static_cast<chip::PadListener&>(*this));
 }
@@ -68,7 +69,8 @@ void BoardTiming::find_step_edges() {
   const settings::Values values = board_.stored_settings();
   for (int axis = 0; axis < max_axes; ++axis) {
     const auto first = boards::find_gpio(board_.map(), boards::step_role(axis));
-    if (!first) continue;
+    const auto second = boards::find_gpio(board_.map(), boards::dir_role(axis));
+    if (!first || !second) continue;
     const auto mode = static_cast<PulseMode>(values.whole(Id::pulse_mode_x, axis));
     const auto mark = [&](unsigned gpio, Id invert) {
       const bool active_low = (values.whole(invert) >> axis & 1) != 0;
@@ -76,14 +78,14 @@ void BoardTiming::find_step_edges() {
       if (mode == PulseMode::quadrature) step_edges_[gpio] = {true, true};
     };
     mark(*first, Id::step_invert);
-    if (mode != PulseMode::step_dir) mark(*first + 1u, Id::direction_invert);
+    if (mode != PulseMode::step_dir) mark(*second, Id::direction_invert);
   }
 }
 
 void BoardTiming::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   Pad& pad = pads_[gpio];
   // The first edges come when the pin gets its function.
-  if (step_edges_[gpio][level ? 1 : 0] && pads_[tick_gpio].rises != 0) measure_steps(at);
+  if (step_edges_[gpio][level ? 1 : 0] && pads_[tick_gpio_].rises != 0) measure_steps(at);
   if (!level) {
     if (pad.rises != 0) pad.min_high = std::min(pad.min_high, at - pad.rose);
     pad.fell = at;
@@ -92,12 +94,14 @@ void BoardTiming::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   if (pad.rises != 0) pad.min_low = std::min(pad.min_low, at - pad.fell);
   ++pad.rises;
   pad.rose = at;
-  if (gpio == q_switch_gpio)
-    phases_.push_back(static_cast<std::int64_t>(at - pads_[sync_gpio].rose));
+  if (gpio == q_switch_gpio_) {
+    const Pad& sync = pads_[sync_gpio_];
+    phases_.push_back(static_cast<std::int64_t>(at - (sync_inverted_ ? sync.fell : sync.rose)));
+  }
 }
 
 void BoardTiming::measure_steps(chip::Cycle at) {
-  const auto latency = static_cast<std::int64_t>(at - pads_[tick_gpio].rose);
+  const auto latency = static_cast<std::int64_t>(at - pads_[tick_gpio_].rose);
   if (first_step_) step_latency_ = latency;
   first_step_ = false;
   ++steps_;

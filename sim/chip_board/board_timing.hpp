@@ -81,6 +81,8 @@ class BoardTiming final : private chip::PadListener {
   ChipBoard& board_;
   const chip::Image& image_;
   chip::ShadowStack calls_, calls1_;
+  const unsigned sync_gpio_, q_switch_gpio_, tick_gpio_;
+  const bool sync_inverted_;  ///< between the lamp and the pad is an inverter
   chip::Profile profile_{calls_}, profile1_{calls1_};
   std::array<Pad, chip::gpio_count> pads_{};
   std::vector<std::int64_t> phases_;  ///< cycles from LAMP SYNC to Q-SWITCH

@@ -112,9 +112,10 @@ void ChipBoard::connect_pads(const settings::Values& stored, const DriveConfig& 
       outputs_[*gpio] = Pad{wire.pin, wire.inverted && !enabled_high};
   for (int axis = 0; axis < max_axes; ++axis) {
     const auto first = boards::find_gpio(map_, boards::step_role(axis));
-    if (!first) continue;
+    const auto second = boards::find_gpio(map_, boards::dir_role(axis));
+    if (!first || !second) continue;
     outputs_[*first]->pulled_up = drives.first_active_low[index(axis)];
-    outputs_[*first + 1]->pulled_up = drives.second_active_low[index(axis)];
+    outputs_[*second]->pulled_up = drives.second_active_low[index(axis)];
   }
   for (const Wire& wire : input_wires) {
     if (!boards::find_gpio(map_, wire.role)) continue;
@@ -133,7 +134,8 @@ void ChipBoard::pin_changed(Pin pin, bool level, Picoseconds /*at*/) { drive(pin
 void ChipBoard::drive(Pin pin, bool level) {
   const chip::Cycle now = chip_.wheel().now();
   const auto put = [&](std::uint8_t gpio, bool high) {
-    chip_.gpio().set_external(gpio, high ? External::high : External::low, now);
+    const bool inverted = (boards::inverted_pins(boards::pins(map_)) >> gpio & 1) != 0;
+    chip_.gpio().set_external(gpio, high != inverted ? External::high : External::low, now);
   };
   for (const Wire& wire : input_wires)
     if (wire.pin == pin)
@@ -145,7 +147,7 @@ void ChipBoard::drive(Pin pin, bool level) {
 
 void ChipBoard::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   const Picoseconds time = chip_.wheel().time_of(at);
-  if (gpio == boards::gpio(Role::laser_pwm)) return measure_pwm(level, time);
+  if (gpio == boards::find_gpio(map_, Role::laser_pwm)) return measure_pwm(level, time);
   if (!outputs_[gpio]) return;
   if (outputs_[gpio]->pulled_up && (chip_.gpio().driven() >> gpio & 1) == 0) level = true;
   const Picoseconds before = world_->next_event();

@@ -2,7 +2,7 @@
 // a host.
 //
 // In:  an image, settings for its flash, a world. Out: the same facade as the virtual board's.
-// The pins are those of the map (shared/boards/pico_pins.hpp). Outside of them are the electronics
+// The pins are those of the map (shared/boards/all_boards.hpp). Outside of them are the electronics
 // that docs/wiring.md draws: switches normally closed to ground; drives enabled by a low level, or
 // by a high one if set so; active-low inputs of drives have a pull-up.
 //
@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/all_boards.hpp"
 #include "shared/settings_table.hpp"
 #include "sim/board.hpp"
 #include "sim/chip/chip.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/all_boards.hpp"
 
 namespace lamplock::sim {
 namespace {

@@ -6,7 +6,7 @@
 //      and of tests.
 #pragma once
 
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/all_boards.hpp"
 #include "shared/drive_times.hpp"
 #include "shared/settings_table.hpp"
 #include "sim/world/drives.hpp"

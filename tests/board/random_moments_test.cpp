@@ -6,7 +6,7 @@
 
 #include <random>
 
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/all_boards.hpp"
 #include "tests/board/program_host.hpp"
 #include "tests/judges/motion_judge.hpp"
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "host/error.hpp"
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/this_board.hpp"
 #include "sim/chip/profile/function_table.hpp"
 #include "sim/chip_board/chip_board.hpp"
 #include "tests/board/rig.hpp"

@@ -10,7 +10,7 @@
 #include "firmware/boards/rp2040/base/watchdog.hpp"
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
 #include "host/text.hpp"
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/all_boards.hpp"
 #include "shared/units.hpp"
 #include "tests/docs/page.hpp"
 

@@ -24,7 +24,12 @@ alignas(Board) std::byte board_memory[sizeof(Board)];
 Board& board() { return *std::launder(reinterpret_cast<Board*>(board_memory)); }
 
 /// The UART's send pin in maps that have one.
-constexpr unsigned uart_send_gpio = *boards::find_gpio(boards::PinMap::cut, boards::Role::uart_tx);
+constexpr unsigned uart_send_gpio = boards::optional_gpio(boards::Role::uart_tx);
+
+boards::Pins pins_of(const settings::Values& stored) {
+  return boards::this_board.map(static_cast<boards::PinMap>(stored.whole(settings::Id::pin_map)))
+      .pins;
+}
 
 /// Time for the last messages to reach the host before the boot loader starts.
 constexpr std::uint64_t last_words_us = 50'000;
@@ -39,7 +44,7 @@ constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | rese
 
 // The settings are read twice: a permanent copy would use SRAM.
 Board::Board(const Rings& rings)
-    : map_(static_cast<boards::PinMap>(storage_.load_settings().whole(settings::Id::pin_map))),
+    : map_(pins_of(storage_.load_settings())),
       core_(storage_.load_settings(), mask_,
             {.axes = boards::axes(map_),
              .channels = boards::channels(map_),

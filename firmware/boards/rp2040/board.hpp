@@ -47,8 +47,8 @@ class Board {
   // Interrupts.
   void estop_interrupt() {
     // The beat interrupt forces it too, to get the signature.
-    if ((io_bank0().intr[estop_word] & estop_edge) != 0) real_time_.estop_interrupt();
-    clear_bits(io_bank0().proc0_intf[estop_word], estop_edge);
+    if ((io_bank0().intr[Estop::word] & Estop::edge) != 0) real_time_.estop_interrupt();
+    clear_bits(io_bank0().proc0_intf[Estop::word], Estop::edge);
     watchdog_.sign(Signer::estop);
   }
   void edge_interrupt() {
@@ -62,7 +62,7 @@ class Board {
     // The e-stop interrupt occurs only on a press: here it is forced, to sign. From the beat
     // interrupt, because from the main loop it would prevent sleeping.
     if (!watchdog_.has_signed(Signer::estop))
-      set_bits(io_bank0().proc0_intf[estop_word], estop_edge);
+      set_bits(io_bank0().proc0_intf[Estop::word], Estop::edge);
   }
   void note_shots() {
     // A shot that was fired must not be fired again, however this run ends; a shot that was handed
@@ -91,9 +91,6 @@ class Board {
   static constexpr std::size_t piece = 64;
   /// Pieces per pass: some 30 points. A completed plan must not wait for more of them.
   static constexpr int max_pieces = 4;
-  static constexpr unsigned estop_word = io_interrupt::word(boards::gpio(boards::Role::estop));
-  static constexpr std::uint32_t estop_edge =
-      io_interrupt::edge_high(boards::gpio(boards::Role::estop));
 
   [[gnu::cold]] void start();
   [[gnu::cold]] void start_ports();
@@ -124,7 +121,7 @@ class Board {
   [[noreturn, gnu::cold]] void enter_loader();
 
   Storage storage_;
-  const boards::PinMap map_;
+  const boards::Pins map_;
   const machine::InterruptMask mask_ = core_mask();
   machine::Controller core_;
   Ports ports_;

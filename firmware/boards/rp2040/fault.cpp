@@ -5,7 +5,7 @@
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
 #include "firmware/boards/rp2040/registers/pio.hpp"
 #include "firmware/boards/rp2040/storage/restart_record.hpp"
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/this_board.hpp"
 
 namespace lamplock::rp2040 {
 namespace {

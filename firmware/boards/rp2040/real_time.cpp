@@ -48,7 +48,8 @@ void make_output(unsigned gpio, bool high) {
 }  // namespace
 
 void RealTime::set_drives(bool enabled) const {
-  const std::uint32_t pin = 1u << boards::gpio(Role::drives_enable);
+  if constexpr (!boards::has(Role::drives_enable)) return;
+  const std::uint32_t pin = boards::any_of(Role::drives_enable);
   if (enabled == drives_active_high_)
     sio().gpio_out_set = pin;
   else
@@ -57,16 +58,17 @@ void RealTime::set_drives(bool enabled) const {
 
 void RealTime::start_pads() const {
   // Outputs keep the reset state of their pads: weak pull-down, 4 mA, Schmitt trigger.
-  const std::uint32_t pulled_up = inputs_.pins();
-  for (const boards::PinUse& use : boards::pins(map_)) {
+  const std::uint32_t pulled_up = inputs_.pulled_up();
+  for (const boards::PinUse& use : map_) {
     if (use.direction != boards::Direction::input) continue;
     // An open serial line must read as idle.
     const bool up = (pulled_up >> use.gpio & 1) != 0 || use.role == Role::uart_rx;
     pads_bank0().gpio[use.gpio] =
         pad::input_enable | pad::schmitt | pad::drive_4ma | (up ? pad::pull_up : pad::pull_down);
   }
-  make_output(boards::gpio(Role::drives_enable), !drives_active_high_);  // off
-  make_output(boards::gpio(Role::status_led), false);
+  if (const auto enable = boards::find_gpio(map_, Role::drives_enable))
+    make_output(*enable, !drives_active_high_);  // off
+  if (const auto led = boards::find_gpio(map_, Role::status_led)) make_output(*led, false);
   beam_.start();
   programs_.start(drives_active_high_);
 }
@@ -84,7 +86,8 @@ void RealTime::start(machine::Controller& core) {
   estop_.start();
   begin(core, StepPosition{}, 0);  // in the state of a new core
   // Pressed already: there will be no edge.
-  if ((sio().gpio_in >> boards::gpio(Role::estop) & 1) != 0) estop_interrupt();
+  const bool is_high = (sio().gpio_in >> boards::gpio(Role::estop) & 1) != 0;
+  if (is_high != boards::is_inverted(Role::estop)) estop_interrupt();
 }
 
 void RealTime::change_pulses(machine::Controller& core, const machine::InterruptMask& mask) {
@@ -321,7 +324,7 @@ void RealTime::input_changed(machine::Controller& core, machine::Input input, bo
 void RealTime::apply_outputs(const machine::Controller& core) {
   const machine::Outputs outputs = core.outputs();
   set_drives(outputs.drives_enable);
-  constexpr std::uint32_t led = 1u << boards::gpio(Role::status_led);
+  constexpr std::uint32_t led = boards::any_of(Role::status_led);
   if (core.clock().locked())
     sio().gpio_out_set = led;
   else

@@ -31,7 +31,7 @@
 #include "firmware/boards/rp2040/safety/estop.hpp"
 #include "firmware/boards/rp2040/safety/inputs.hpp"
 #include "firmware/machine/controller.hpp"
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/this_board.hpp"
 
 namespace lamplock::rp2040 {
 
@@ -46,7 +46,7 @@ struct Rings {
 /// One per board.
 class RealTime {
  public:
-  RealTime(boards::PinMap map, const Rings& rings)
+  RealTime(boards::Pins map, const Rings& rings)
       : tick_ring_(rings.ticks),
         map_(map),
         expander_(rings.lattice, rings.power),
@@ -130,7 +130,7 @@ class RealTime {
   void play_changes(machine::Controller& core);
 
   TickRing& tick_ring_;
-  boards::PinMap map_;
+  boards::Pins map_;
   StepExpander expander_;
   TickFeed feed_;
   StampReader stamps_;

@@ -8,8 +8,7 @@
 //      masked. The e-stop interrupt switches all of them off with the shutters, whose pins they are
 //      in another map (BeamOutput::close()), and AUX OUT as PWM by end_pwm().
 //
-// Writes the pins only when the outputs have changed. Maps have all of these pins, only AIR, or
-// none.
+// Writes the pins only when the outputs have changed. A map has any of these pins, or none.
 #pragma once
 
 #include <cstdint>
@@ -20,33 +19,35 @@
 #include "firmware/boards/rp2040/registers/pwm.hpp"
 #include "firmware/boards/rp2040/registers/sio.hpp"
 #include "firmware/machine/controller.hpp"
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/this_board.hpp"
 
 namespace lamplock::rp2040 {
 
 class ProgramPins {
  public:
-  explicit ProgramPins(boards::PinMap map)
-      : has_air_(boards::find_gpio(map, boards::Role::air).has_value()),
-        has_aux_(boards::find_gpio(map, boards::Role::aux_out).has_value()) {}
+  explicit ProgramPins(boards::Pins map)
+      : air_(pin_of(map, boards::Role::air)),
+        aux_(pin_of(map, boards::Role::aux_out)),
+        z_(pin_of(map, boards::Role::z_enable)) {}
 
   /// All off: the pads were inputs before.
   [[gnu::cold]] void start(bool enable_active_high) const {
     sio().gpio_out_clr = pins();
     sio().gpio_oe_set = pins();
-    if (has_air_) io_bank0().gpio[air_gpio].ctrl = io_ctrl::function(io_ctrl::Function::sio);
-    if (!has_aux_) return;
+    if (air_ != 0) io_bank0().gpio[air_gpio].ctrl = io_ctrl::function(io_ctrl::Function::sio);
+    if (z_ != 0)
+      io_bank0().gpio[z_gpio].ctrl = io_ctrl::function(io_ctrl::Function::sio) |
+                                     (enable_active_high ? 0 : io_ctrl::output_inverted);
+    if (aux_ == 0) return;
     PwmSliceRegisters& slice = pwm().slice[pwm_slice(aux_gpio)];
     slice.top = laser_pwm_counts - 1;
     slice.cc = 0;
     slice.csr = pwm_csr::enable;
     io_bank0().gpio[aux_gpio].ctrl = io_ctrl::function(io_ctrl::Function::sio);
-    io_bank0().gpio[z_gpio].ctrl = io_ctrl::function(io_ctrl::Function::sio) |
-                                   (enable_active_high ? 0 : io_ctrl::output_inverted);
   }
 
   /// The map has at least one of these pins.
-  bool any() const { return has_air_; }
+  bool any() const { return pins() != 0; }
   /// `is_cut()`: an e-stop has switched everything off and is not handled yet.
   template <class IsCut>
   void apply(const machine::SwitchedOutputs& outputs, IsCut&& is_cut) {
@@ -62,39 +63,38 @@ class ProgramPins {
   /// which is due with the next clock, and until then the counter is above it. Other maps do not
   /// use this slice.
   [[gnu::always_inline]] static void end_pwm() {
+    if constexpr (!boards::has(boards::Role::aux_out)) return;
     PwmSliceRegisters& slice = pwm().slice[pwm_slice(aux_gpio)];
     slice.cc = 0;
     slice.ctr = laser_pwm_counts - 1;
   }
   /// Pins that stay on when the machine stops dead without an e-stop: a vertical Z would drop.
-  std::uint32_t of_drives() const { return has_aux_ ? 1u << z_gpio : 0; }
+  std::uint32_t of_drives() const { return z_; }
   /// Another function may have switched the pins off.
   void forget() { applied_ = nothing; }
 
  private:
-  static constexpr unsigned air_gpio =
-      *boards::find_gpio(boards::PinMap::cut_io, boards::Role::air);
-  static_assert(air_gpio == *boards::find_gpio(boards::PinMap::cut, boards::Role::air));
-  static constexpr unsigned aux_gpio =
-      *boards::find_gpio(boards::PinMap::cut_io, boards::Role::aux_out);
-  static_assert(pwm_slice(aux_gpio) != pwm_slice(boards::gpio(boards::Role::laser_pwm)));
-  static constexpr unsigned z_gpio =
-      *boards::find_gpio(boards::PinMap::cut_io, boards::Role::z_enable);
+  static constexpr unsigned air_gpio = boards::optional_gpio(boards::Role::air);
+  static constexpr unsigned aux_gpio = boards::optional_gpio(boards::Role::aux_out);
+  static constexpr unsigned z_gpio = boards::optional_gpio(boards::Role::z_enable);
+  static constexpr std::uint32_t pin_of(boards::Pins map, boards::Role role) {
+    const auto gpio = boards::find_gpio(map, role);
+    return gpio ? 1u << *gpio : 0;
+  }
   static constexpr std::uint32_t nothing = ~0u;  ///< no set of outputs
   static constexpr std::uint32_t z_wanted = 1u << 17, air_wanted = 1u << 16, full = 65535;
 
   std::uint32_t pins() const {
-    return (has_air_ ? 1u << air_gpio : 0) | (has_aux_ ? 1u << aux_gpio | 1u << z_gpio : 0);
+    return air_ | aux_ | z_;
   }
   [[gnu::noinline]] void put(const machine::SwitchedOutputs& outputs) const {
     // Values between off and on are PWM; both ends are levels, which change at once.
-    const bool is_pwm = has_aux_ && outputs.aux != 0 && outputs.aux != full;
-    const std::uint32_t high = (outputs.aux == full ? 1u << aux_gpio : 0) |
-                               (outputs.air ? 1u << air_gpio : 0) |
-                               (outputs.z_enable ? 1u << z_gpio : 0);
+    const bool is_pwm = aux_ != 0 && outputs.aux != 0 && outputs.aux != full;
+    const std::uint32_t high = (outputs.aux == full ? aux_ : 0) | (outputs.air ? air_ : 0) |
+                               (outputs.z_enable ? z_ : 0);
     sio().gpio_out_clr = pins() & ~high;
-    sio().gpio_out_set = pins() & high;
-    if (!has_aux_) return;
+    sio().gpio_out_set = high;
+    if (aux_ == 0) return;
     pwm().slice[pwm_slice(aux_gpio)].cc = std::uint32_t{laser_duty(outputs.aux)}
                                           << pwm_shift(aux_gpio);
     io_bank0().gpio[aux_gpio].ctrl =
@@ -102,7 +102,7 @@ class ProgramPins {
   }
 
   std::uint32_t applied_ = nothing;  ///< at the pins
-  const bool has_air_, has_aux_;
+  const std::uint32_t air_, aux_, z_;  ///< the pin of each as a bit; 0: the map has none
 };
 
 }  // namespace lamplock::rp2040

@@ -30,13 +30,13 @@
 #include "firmware/boards/rp2040/registers/pwm.hpp"
 #include "firmware/boards/rp2040/registers/sio.hpp"
 #include "firmware/machine/controller.hpp"
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/this_board.hpp"
 
 namespace lamplock::rp2040 {
 
 class BeamOutput {
  public:
-  explicit BeamOutput(boards::PinMap map) : has_shutters_(boards::channels(map) != 1) {}
+  explicit BeamOutput(boards::Pins map) : has_shutters_(boards::channels(map) != 1) {}
 
   /// Shutters closed, attenuator 0: the pads were inputs before.
   void start() const {
@@ -47,16 +47,16 @@ class BeamOutput {
     slice.csr = pwm_csr::enable;
     set_function(pwm_gpio, io_ctrl::Function::pwm);
     close();
-    if (!has_shutters_) return;
+    if (!with_shutters || !has_shutters_) return;
     sio().gpio_oe_set = all_shutters;
     for (unsigned gpio = first_shutter; gpio < first_shutter + channels; ++gpio)
       set_function(gpio, io_ctrl::Function::sio);
   }
-  /// One store (e-stop, priority 0), except for pins that are `kept`. In maps without shutters
-  /// these are the pins of programs and Z ENABLE, which are then off as well (program_pins.hpp), or
-  /// of the UART, which the store does not affect.
+  /// One store (e-stop, priority 0), except for pins that are `kept`. With the shutters it switches
+  /// the pins of programs and Z ENABLE off (program_pins.hpp). In another map some of them may be
+  /// the UART's, which the store does not affect.
   [[gnu::always_inline]] static void close(std::uint32_t kept = 0) {
-    sio().gpio_out_clr = all_shutters & ~kept;
+    sio().gpio_out_clr = switched_pins & ~kept;
   }
 
   /// `is_cut()`: an e-stop has closed everything and is not handled yet.
@@ -68,7 +68,7 @@ class BeamOutput {
     const AllMasked masked;  // an e-stop in between would be undone
     if (is_cut()) return;
     applied_ = wanted;
-    if (has_shutters_) {
+    if (with_shutters && has_shutters_) {
       const std::uint32_t open = std::uint32_t{outputs.shutters} << first_shutter & all_shutters;
       sio().gpio_out_clr = all_shutters & ~open;
       sio().gpio_out_set = open;
@@ -88,7 +88,7 @@ class BeamOutput {
 
   /// Photosensors that have answered since the last call.
   std::uint8_t answered() const {
-    if (!has_shutters_ || !any_answer()) return 0;
+    if (!with_shutters || !has_shutters_ || !any_answer()) return 0;
     std::uint8_t bits = 0;
     for (unsigned i = 0; i < channels; ++i) {
       const std::uint32_t edge = io_interrupt::edge_high(sensors[i]);
@@ -104,16 +104,19 @@ class BeamOutput {
   static constexpr unsigned channels = 4;
   static constexpr unsigned pwm_gpio = boards::gpio(boards::Role::laser_pwm);
   static constexpr unsigned gate_gpio = boards::gpio(boards::Role::laser_gate);
-  static constexpr unsigned first_shutter =
-      *boards::find_gpio(boards::PinMap::glass, boards::Role::shutter_1);
-  static_assert(*boards::find_gpio(boards::PinMap::glass, boards::Role::shutter_4) ==
-                first_shutter + channels - 1);
-  static constexpr std::uint32_t all_shutters = ((1u << channels) - 1) << first_shutter;
+  static constexpr bool with_shutters = boards::has(boards::Role::shutter_1);
+  static constexpr unsigned first_shutter = boards::optional_gpio(boards::Role::shutter_1);
+  static constexpr std::uint32_t all_shutters =
+      boards::any_of(boards::Role::shutter_1, boards::Role::shutter_2, boards::Role::shutter_3,
+                     boards::Role::shutter_4);
+  static constexpr std::uint32_t switched_pins =
+      all_shutters |
+      boards::any_of(boards::Role::air, boards::Role::aux_out, boards::Role::z_enable);
   static constexpr std::array<unsigned, channels> sensors{
-      *boards::find_gpio(boards::PinMap::glass, boards::Role::photosensor_1),
-      *boards::find_gpio(boards::PinMap::glass, boards::Role::photosensor_2),
-      *boards::find_gpio(boards::PinMap::glass, boards::Role::photosensor_3),
-      *boards::find_gpio(boards::PinMap::glass, boards::Role::photosensor_4)};
+      boards::optional_gpio(boards::Role::photosensor_1),
+      boards::optional_gpio(boards::Role::photosensor_2),
+      boards::optional_gpio(boards::Role::photosensor_3),
+      boards::optional_gpio(boards::Role::photosensor_4)};
 
   static_assert(io_interrupt::word(sensors[0]) == io_interrupt::word(sensors[1]) &&
                 io_interrupt::word(sensors[2]) == io_interrupt::word(sensors[3]));

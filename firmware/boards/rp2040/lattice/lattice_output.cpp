@@ -3,6 +3,7 @@
 #include "firmware/boards/rp2040/base/allocation.hpp"
 #include "firmware/boards/rp2040/registers/dma.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
+#include "firmware/boards/rp2040/registers/timer.hpp"
 
 namespace lamplock::rp2040 {
 namespace {
@@ -16,10 +17,18 @@ constexpr std::uint32_t axis_shift = pio_shiftctrl::autopull | pio_shiftctrl::jo
 constexpr std::uint32_t tick_shift = pio_shiftctrl::out_right;
 constexpr std::uint32_t stamp_shift = pio_shiftctrl::autopush | pio_shiftctrl::join_rx;
 
-constexpr unsigned step_gpio(int axis) {
-  return axis == max_axes - 1 ? boards::step_a_gpio : 2 * static_cast<unsigned>(axis);
-}
-static_assert(boards::gpio(Role::step_z) == 4);
+/// Pins of an axis in the maps that have it.
+struct AxisGpios {
+  std::uint8_t step = 0, dir = 0;
+};
+constexpr PerAxis<AxisGpios> axis_gpios = [] {
+  PerAxis<AxisGpios> gpios{};
+  for (int a = 0; a < max_axes; ++a)
+    gpios[index(a)] = {boards::find_gpio(boards::this_board, boards::step_role(a)).value_or(0),
+                       boards::find_gpio(boards::this_board, boards::dir_role(a)).value_or(0)};
+  return gpios;
+}();
+const AxisGpios& gpios_of(int axis) { return axis_gpios[static_cast<std::size_t>(axis)]; }
 const StateMachine& machine_of(int axis) { return axis_machines[static_cast<std::size_t>(axis)]; }
 
 void select(unsigned gpio, Function function) {
@@ -90,26 +99,56 @@ std::uint32_t push_of_tick(std::uint16_t move_to_isr) {
 }  // namespace
 
 std::uint32_t LatticeOutput::axis_pins(int axis) const {
-  const unsigned first = step_gpio(axis);
-  return pio_pinctrl::out(first, 2) |
-         pio_pinctrl::set(first, fallen_pins(modes_[index(axis)], times_.high_ticks));
+  const AxisGpios& gpios = gpios_of(axis);
+  if constexpr (!paired_axes)
+    return pio_pinctrl::out(gpios.dir, 1) | pio_pinctrl::set(gpios.step, 1);
+  return pio_pinctrl::out(gpios.step, 2) |
+         pio_pinctrl::set(gpios.step, fallen_pins(modes_[index(axis)], times_.high_ticks));
+}
+
+/// The program of the pulses as set.
+const Program& LatticeOutput::program_of_axes() const {
+  if constexpr (paired_axes) return axis_program;
+  return times_.high_ticks != 0 ? long_apart_axis_program : apart_axis_program;
+}
+
+/// Replaces the program of short pulses by that of long ones or back, while there are ticks without
+/// steps. Between the two stores both of the first instructions wait for the line to fall, so that
+/// within a tick every state machine that waits is at the first one; from there on either program
+/// does the same as long as no step is due.
+void LatticeOutput::change_program(bool was_long) const {
+  const auto put = [](unsigned place, std::uint16_t instruction) {
+    pio0().instr_mem[axis_offset + place] = instruction;
+    pio1().instr_mem[axis_offset + place] = instruction;
+  };
+  constexpr std::uint32_t max_tick_us = 2;
+  put(was_long ? 0 : 1, apart_axis_program.at(0, axis_offset));
+  const std::uint32_t begun_us = timer().timerawl;
+  while (timer().timerawl - begun_us <= max_tick_us) {
+  }
+  put(was_long ? 1 : 0, apart_axis_program.at(1, axis_offset));
+  for (int a = 0; a < axes_; ++a)
+    machine_of(a).configure(program_of_axes(), axis_offset, 0);
 }
 
 void LatticeOutput::start_axis(int axis, const stepper::AxisPulses& pulses) const {
   const StateMachine& sm = machine_of(axis);
-  const unsigned first = step_gpio(axis);
-  sm.configure(axis_program, axis_offset, 0);
-  sm.make_outputs_low(first, 2);
+  const AxisGpios& gpios = gpios_of(axis);
+  sm.configure(program_of_axes(), axis_offset, 0);
+  sm.make_outputs_low(gpios.step, 1);
+  sm.make_outputs_low(gpios.dir, 1);
   sm.machine().pinctrl = axis_pins(axis);
   // The inversion is set together with the function: the pad changes from undriven to its idle
   // level.
   const Function function = sm.block == 0 ? Function::pio0 : Function::pio1;
-  select_pulse(first, function, pulses.first_inverted);
-  select_pulse(first + 1, function, pulses.second_inverted);
+  select_pulse(gpios.step, function, pulses.first_inverted);
+  select_pulse(gpios.dir, function, pulses.second_inverted);
 }
 
 std::uint8_t LatticeOutput::levels(int axis) {
-  return static_cast<std::uint8_t>(machine_of(axis).registers().dbg_padout >> step_gpio(axis) & 3);
+  const std::uint32_t pads = machine_of(axis).registers().dbg_padout;
+  const AxisGpios& gpios = gpios_of(axis);
+  return static_cast<std::uint8_t>((pads >> gpios.step & 1) | (pads >> gpios.dir & 1) << 1);
 }
 
 void LatticeOutput::start_pins() const {
@@ -121,6 +160,9 @@ void LatticeOutput::start_pins() const {
   tick_machine.machine().pinctrl =
       pio_pinctrl::set(bits_base, lattice_pins) | pio_pinctrl::side(tick_gpio, 1);
   stamp_machine.machine().pinctrl = 0;
+  if constexpr (boards::is_inverted(Role::lamp_sync))
+    io_bank0().gpio[boards::gpio(Role::lamp_sync)].ctrl =
+        io_ctrl::function(Function::none) | io_ctrl::input_inverted;
   use_sync(boards::gpio(Role::lamp_sync));
   select(boards::gpio(Role::lamp_trigger), Function::pio1);
   select_low(boards::gpio(Role::laser_gate), Function::pio1);
@@ -128,17 +170,17 @@ void LatticeOutput::start_pins() const {
   select(tick_gpio, Function::pio1);
 }
 
-void LatticeOutput::start(boards::PinMap map, const stepper::PulseOutput& output) {
+void LatticeOutput::start(boards::Pins map, const stepper::PulseOutput& output) {
   static_assert(tick_machine.block == 1 && tick_machine.number == tick_number);
   axes_ = boards::axes(map);
   pio0().ctrl = 0;
   pio1().ctrl = 0;
-  load(pio0(), axis_program, axis_offset);
-  load(pio1(), axis_program, axis_offset);
+  times_ = output.pulses;
+  load(pio0(), program_of_axes(), axis_offset);
+  load(pio1(), program_of_axes(), axis_offset);
   load(pio1(), bits_program, bits_offset);
   load(pio1(), tick_program.program, tick_offset);
   load(pio1(), stamp_program.program, stamp_offset);
-  times_ = output.pulses;
   for (int a = 0; a < axes_; ++a) {
     modes_[index(a)] = output.axis[index(a)].mode;
     start_axis(a, output.axis[index(a)]);
@@ -147,8 +189,13 @@ void LatticeOutput::start(boards::PinMap map, const stepper::PulseOutput& output
 }
 
 void LatticeOutput::set_times(const PulseTimes& times) {
+  const bool was_long = times_.high_ticks != 0;
   times_ = times;
-  for (int a = 0; a < axes_; ++a) machine_of(a).machine().pinctrl = axis_pins(a);
+  if constexpr (paired_axes) {
+    for (int a = 0; a < axes_; ++a) machine_of(a).machine().pinctrl = axis_pins(a);
+  } else if (was_long != (times.high_ticks != 0)) {
+    change_program(was_long);
+  }
 }
 
 void LatticeOutput::use_sync(unsigned gpio) const {
@@ -201,7 +248,7 @@ void LatticeOutput::prepare() {
   stamp_machine.disable();
   stop_channels();
   for (int a = 0; a < axes_; ++a) {
-    machine_of(a).restart(axis_shift, axis_offset + axis_program.wrap_target);
+    machine_of(a).restart(axis_shift, axis_offset + axis_entry);
     machine_of(a).execute(encode::set(SetTo::pins, 0));
   }
   bits_machine.restart(axis_shift, bits_offset + bits_program.wrap_target);

@@ -21,11 +21,12 @@
 #include "firmware/boards/rp2040/lattice/lattice_rings.hpp"
 #include "firmware/boards/rp2040/lattice/stamp_reader.hpp"
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
+#include "firmware/boards/rp2040/pio/assembler.hpp"
 #include "firmware/boards/rp2040/registers/dma.hpp"
 #include "firmware/boards/rp2040/registers/pio.hpp"
 #include "firmware/boards/rp2040/registers/pwm.hpp"
 #include "firmware/stepper/pulse_output.hpp"
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/this_board.hpp"
 
 namespace lamplock::rp2040 {
 
@@ -36,7 +37,7 @@ class LatticeOutput {
 
   /// Sets pins low, then their function, then loads programs. Nothing runs. PIO, DMA, pads out of
   /// reset.
-  void start(boards::PinMap map, const stepper::PulseOutput& output);
+  void start(boards::Pins map, const stepper::PulseOutput& output);
   /// Other times of pulses, while no step is in the rings.
   void set_times(const PulseTimes& times);
   /// Resets everything, fills FIFOs from the rings; AXIS and BITS wait for the first tick.
@@ -70,9 +71,15 @@ class LatticeOutput {
   void use_sync(unsigned gpio) const;
 
  private:
-  /// A slice whose pins have other functions.
-  static constexpr unsigned unused_slice = 7;
-  static_assert(pwm_slice(boards::gpio(boards::Role::laser_pwm)) != unused_slice);
+  /// A slice whose pins have other functions: neither that of LASER PWM nor that of AUX OUT.
+  static constexpr unsigned unused_slice = [] {
+    const auto aux = boards::find_gpio(boards::this_board, boards::Role::aux_out);
+    unsigned slice = 7;
+    while (slice == pwm_slice(boards::gpio(boards::Role::laser_pwm)) ||
+           (aux && slice == pwm_slice(*aux)))
+      --slice;
+    return slice;
+  }();
   static std::uint32_t power_address(bool to_pin) {
     const unsigned slice = to_pin ? pwm_slice(boards::gpio(boards::Role::laser_pwm)) : unused_slice;
     return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(&pwm().slice[slice].cc));
@@ -80,6 +87,8 @@ class LatticeOutput {
   static constexpr unsigned tick_number = 2;  ///< of TICK in PIO1
   void start_axis(int axis, const stepper::AxisPulses& pulses) const;
   std::uint32_t axis_pins(int axis) const;
+  const pio::Program& program_of_axes() const;
+  void change_program(bool was_long) const;
   void start_pins() const;
   void start_channels();
   void start_bits() const;

@@ -4,8 +4,10 @@
 // Out: STEP, DIR (or CW and CCW, A and B), lattice bits, Q-switch; results of LAMP SYNC edges;
 // times of edges.
 //
-//   PIO0: AXIS x 3 (state machines 0..2), FIRE (3)              26 of 32 instructions
-//   PIO1: AXIS (0), BITS (1), TICK (2), STAMP (3)               29 of 32
+//   PIO0: AXIS x 3 (state machines 0..2), FIRE (3)              26 or 29 of 32 instructions
+//   PIO1: AXIS (0), BITS (1), TICK (2), STAMP (3)               29 or 32 of 32
+//
+// AXIS has 4 instructions where the pins of an axis are neighbours, else 7.
 //
 // All clock counts are system clocks, the state machines run undivided. A level on a pad at clock 0
 // is seen by an instruction that executes at clock 3 (two flip-flops, datasheet 3.5.6.3, and the
@@ -17,7 +19,7 @@
 
 #include "firmware/boards/rp2040/pio/assembler.hpp"
 #include "firmware/machine/controller.hpp"
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/this_board.hpp"
 #include "shared/pulse_times.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/units.hpp"
@@ -28,13 +30,14 @@ inline constexpr unsigned synchroniser_clocks = 3;
 inline constexpr unsigned pad_clocks = 1;
 inline constexpr unsigned tick_gpio = boards::gpio(boards::Role::tick_line);
 
-/// AXIS: per tick the levels of the two pins of the axis, the second one (DIR, CCW, B) first,
-/// autopull at 32 bits. OUT pins: both; SET pins: those that fall with the tick line, from the
-/// first one on, their number depending on the pulses (fallen_pins()). So a short pulse is as long
-/// as the tick line is high, a longer one ends with a tick, DIR changes at the beginning of a tick,
-/// at least one before the step (stepper/reversal_guard.hpp), and levels in quadrature are
-/// constant. Without data or without ticks it waits, with short pulses low.
-consteval Program make_axis() {
+/// AXIS of a board whose DIR pins are next to their STEP pins: per tick the levels of the two pins of
+/// the axis, the second one (DIR, CCW, B) first, autopull at 32 bits. OUT pins: both; SET pins:
+/// those that fall with the tick line, from the first one on, their number depending on the pulses
+/// (fallen_pins()). So a short pulse is as long as the tick line is high, a longer one ends with a
+/// tick, DIR changes at the beginning of a tick, at least one before the step
+/// (stepper/reversal_guard.hpp), and levels in quadrature are constant. Without data or without
+/// ticks it waits, with short pulses low.
+consteval Program make_paired_axis() {
   Assembler a;
   a.wrap_target();
   a.wait(true, WaitFor::gpio, tick_gpio).delay(1);
@@ -44,15 +47,47 @@ consteval Program make_axis() {
   a.wrap();
   return a.finish();
 }
-inline constexpr Program axis_program = make_axis();
-/// Tick line on its pad to STEP on its pad: synchroniser, wait and its delay, out.
-inline constexpr unsigned step_latency_clocks = synchroniser_clocks + 2 + pad_clocks;
+/// AXIS of other boards, for the same words, STEP and DIR only. OUT pin: DIR; SET pin: STEP. A short
+/// pulse falls with the tick line; a longer one is set again by each of its ticks and falls with the
+/// first tick without it. Only the first two instructions and the wrap differ, so that one can
+/// replace the other while there are ticks without steps (LatticeOutput::set_times()).
+consteval Program make_apart_axis(bool is_long) {
+  Assembler a;
+  const Label low = a.here();
+  if (is_long) {
+    a.set(SetTo::pins, 0);
+    a.wrap_target();
+    a.wait(false, WaitFor::gpio, tick_gpio);
+  } else {
+    a.wrap_target();
+    a.wait(false, WaitFor::gpio, tick_gpio);
+    a.set(SetTo::pins, 0);
+  }
+  a.wait(true, WaitFor::gpio, tick_gpio);
+  a.out(OutTo::pins, 1);
+  a.out(OutTo::x, 1);
+  a.jump(Jump::x_zero, low);
+  a.set(SetTo::pins, 1);
+  a.wrap();
+  return a.finish();
+}
+inline constexpr bool paired_axes = boards::has_paired_axes(boards::this_board);
+inline constexpr Program apart_axis_program = make_apart_axis(false);
+inline constexpr Program long_apart_axis_program = make_apart_axis(true);
+inline constexpr Program axis_program = paired_axes ? make_paired_axis() : apart_axis_program;
+/// Where AXIS waits for its first tick.
+inline constexpr unsigned axis_entry = paired_axes ? 0 : 2;
+/// Between the wait for a tick and the change of STEP: a delay, or the instructions for DIR.
+inline constexpr unsigned clocks_before_step = paired_axes ? 1 : 3;
+/// Tick line on its pad to STEP on its pad: synchroniser, wait, those clocks, out or set.
+inline constexpr unsigned step_latency_clocks =
+    synchroniser_clocks + 1 + clocks_before_step + pad_clocks;
 /// SET count of AXIS: of short pulses STEP alone, or CW and CCW; otherwise none.
 constexpr unsigned fallen_pins(settings::PulseMode mode, std::uint32_t high_ticks) {
   if (mode == settings::PulseMode::quadrature || high_ticks != 0) return 0;
   return mode == settings::PulseMode::step_dir ? 1 : 2;
 }
-/// The tick line falls on its pad to STEP falls on its pad: one clock less than at the rise.
+/// The tick line falls on its pad to STEP falls on its pad: fewer clocks than at the rise.
 inline constexpr unsigned fall_latency_clocks = synchroniser_clocks + 1 + pad_clocks;
 /// High time of the tick line: that of a short pulse, rounded up, at the pad of STEP.
 inline constexpr unsigned tick_high_clocks =
@@ -63,7 +98,7 @@ inline constexpr unsigned tick_high_clocks =
 consteval Program make_bits() {
   Assembler a;
   a.wrap_target();
-  a.wait(true, WaitFor::gpio, tick_gpio).delay(1);
+  a.wait(true, WaitFor::gpio, tick_gpio).delay(clocks_before_step);
   a.out(OutTo::pins, 4);
   a.wait(false, WaitFor::gpio, tick_gpio);
   a.wrap();

@@ -32,6 +32,7 @@ enum class Function : std::uint8_t {
   pio0 = 6,
   pio1 = 7,
   usb_debug = 8,
+  none = 31,
 };
 constexpr std::uint32_t function(Function f) { return static_cast<std::uint32_t>(f); }
 inline constexpr std::uint32_t function_mask = 0x1f;
@@ -40,14 +41,16 @@ inline constexpr std::uint32_t function_mask = 0x1f;
 inline constexpr std::uint32_t output_low = 2u << 8;
 /// OUTOVER = 1: the output is the inverse of the peripheral's.
 inline constexpr std::uint32_t output_inverted = 1u << 8;
-/// OEOVER = 2: not driven. INOVER = 3: peripherals see a high level.
+/// OEOVER = 2: not driven. INOVER = 1: peripherals see the inverse of the pad, 3: a high level.
 inline constexpr std::uint32_t output_off = 2u << 12;
+inline constexpr std::uint32_t input_inverted = 1u << 16;
 inline constexpr std::uint32_t input_high = 3u << 16;
 }  // namespace io_ctrl
 
 /// Four bits a pin in INTR, INTE, INTS.
 namespace io_interrupt {
 constexpr unsigned word(unsigned gpio) { return gpio / 8; }
+constexpr std::uint32_t edge_low(unsigned gpio) { return 4u << (4 * (gpio % 8)); }
 constexpr std::uint32_t edge_high(unsigned gpio) { return 8u << (4 * (gpio % 8)); }
 }  // namespace io_interrupt
 

@@ -1,6 +1,7 @@
 // The e-stop: everything off within a fraction of a microsecond, independent of all other code.
 //
-// In:  rising edge of the e-stop pin (normally closed contact: high = pressed or wire broken).
+// In:  rising edge of the e-stop pin (normally closed contact: high = pressed or wire broken); after
+//      an inverter of the board the falling one.
 // Out: FIRE and TICK stopped; Q-switch, trigger, gate, ARM, PWM, shutters and the outputs of
 //      programs low; a flag for the main loop, which informs the core and starts the lattice again
 //      without motion; the time of the stop, since lamp edges continue until the main loop reacts.
@@ -21,7 +22,7 @@
 #include "firmware/boards/rp2040/lattice/lattice_output.hpp"
 #include "firmware/boards/rp2040/registers/io_bank0.hpp"
 #include "firmware/boards/rp2040/registers/timer.hpp"
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/this_board.hpp"
 
 namespace lamplock::rp2040 {
 
@@ -29,10 +30,17 @@ class Estop {
  public:
   explicit Estop(const FireUnit& fire) : fire_(fire) {}
 
+  /// In the registers of the interrupt: the word, and the bit for the edge that is a press.
+  static constexpr unsigned word = io_interrupt::word(boards::gpio(boards::Role::estop));
+  static constexpr std::uint32_t edge =
+      boards::is_inverted(boards::Role::estop)
+          ? io_interrupt::edge_low(boards::gpio(boards::Role::estop))
+          : io_interrupt::edge_high(boards::gpio(boards::Role::estop));
+
   /// Enables the interrupt of the pin. The board enables it at the NVIC.
   void start() const {
-    io_bank0().intr[io_interrupt::word(gpio)] = io_interrupt::edge_high(gpio);
-    set_bits(io_bank0().proc0_inte[io_interrupt::word(gpio)], io_interrupt::edge_high(gpio));
+    io_bank0().intr[word] = edge;
+    set_bits(io_bank0().proc0_inte[word], edge);
   }
   /// Everything off, except for pins that are `kept`.
   [[gnu::always_inline]] void cut(std::uint32_t kept = 0) {
@@ -49,7 +57,7 @@ class Estop {
   }
   void interrupt() {
     cut();
-    io_bank0().intr[io_interrupt::word(gpio)] = io_interrupt::edge_high(gpio);
+    io_bank0().intr[word] = edge;
     seen_ = true;
   }
   /// The lamp continues flashing when the lattice runs again, shots or not.
@@ -73,7 +81,6 @@ class Estop {
   }
 
  private:
-  static constexpr unsigned gpio = boards::gpio(boards::Role::estop);
   const FireUnit& fire_;
   volatile bool cut_ = false;
   volatile std::uint32_t cut_us_ = 0;

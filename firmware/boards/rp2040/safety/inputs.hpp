@@ -6,7 +6,8 @@
 //      cycles while nothing changes. The rest: main loop with that masked, at least every 1 ms. The
 //      e-stop interrupt has already stopped everything; this class reports it to the core.
 //
-// All switches are contacts to ground with the pin's pull-up. A change to active counts when it has
+// All switches are contacts to ground with the pin's pull-up; after an inverter of the board the
+// levels are opposite. A change to active counts when it has
 // been quiet for 50 us; back, when it has been quiet for 20 ms (contacts bounce for 1 to 10 ms),
 // for the probe and AUX IN after 50 us as well, since a move or a program may wait for it. A change
 // begins with its first bounce, and the position at that time must be requested as soon as that is
@@ -17,7 +18,7 @@
 #include <cstdint>
 
 #include "firmware/machine/inputs/inputs.hpp"
-#include "shared/boards/pico_pins.hpp"
+#include "shared/boards/this_board.hpp"
 
 namespace lamplock::rp2040 {
 
@@ -72,9 +73,10 @@ class Inputs {
  public:
   static constexpr std::size_t most = 7;  ///< e-stop, door, probe, three limits, AUX IN
 
-  [[gnu::cold]] explicit Inputs(boards::PinMap map) {
+  [[gnu::cold]] explicit Inputs(boards::Pins map) {
     using boards::Role;
     using machine::Input;
+    low_pins_ = inverted_ = boards::inverted_pins(map);
     add(map, Role::estop, Input::estop);
     add(map, Role::door, Input::door);
     add(map, Role::probe, Input::probe);
@@ -95,10 +97,10 @@ class Inputs {
   void set_active_low(machine::InputSet inputs) {
     if (inputs == active_low_) return;
     active_low_ = inputs;
-    low_pins_ = 0;
+    low_pins_ = inverted_;
     for (std::size_t i = 0; i < count_; ++i)
       if ((inputs & machine::set_of(switches_[i].meaning)) != 0)
-        low_pins_ |= 1u << switches_[i].gpio;
+        low_pins_ ^= 1u << switches_[i].gpio;
   }
   /// Calls `begins(i, began_us)` once when switch i may be about to change, and `changed(input,
   /// active, i)` when it has. `most` is no switch.
@@ -119,8 +121,8 @@ class Inputs {
     if (switches_[0].input.force()) changed(machine::Input::estop, true, most);
   }
   bool estop() const { return switches_[0].input.active(); }
-  /// All of them need a pull-up.
-  std::uint32_t pins() const { return pins_; }
+  /// Those that need a pull-up, so that an open one is high.
+  std::uint32_t pulled_up() const { return pins_ & ~inverted_; }
   machine::InputSet all() const {
     unsigned set = 0;
     for (std::size_t i = 0; i < count_; ++i) set |= machine::set_of(switches_[i].meaning);
@@ -134,7 +136,7 @@ class Inputs {
     DebouncedInput input;
     bool reported = false;  ///< begins() was called
   };
-  void add(boards::PinMap map, boards::Role role, machine::Input meaning) {
+  void add(boards::Pins map, boards::Role role, machine::Input meaning) {
     const auto gpio = boards::find_gpio(map, role);
     if (!gpio) return;
     switches_[count_++] = {*gpio, meaning, {}};
@@ -153,6 +155,7 @@ class Inputs {
   std::array<Switch, most> switches_{};
   std::size_t count_ = 0;
   std::uint32_t pins_ = 0;
+  std::uint32_t inverted_ = 0;  ///< pins behind inverters
   std::uint32_t low_pins_ = 0;  ///< pins that are active low
   std::uint32_t seen_ = 0;
   machine::InputSet active_low_ = 0;

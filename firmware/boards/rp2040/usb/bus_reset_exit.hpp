@@ -3,8 +3,9 @@
 // They need 800 us of idle line (J) after the reset, which never occurs after a hub that forwards
 // the host's traffic to others, and the device is not found. Work-around: when the reset is over,
 // the controller's input is taken from GPIO 15 for 1 ms, which is held at J (D+ high) by its input
-// override; the pin's output is off meanwhile. So GPIO 15 is used only for the status LED. Chips
-// from B2 on do not need it, and this code does nothing there.
+// override; the pin's output is off meanwhile. So GPIO 15 is used only for the status LED; a board
+// that uses it otherwise (BoardRow::uses_e5_pin) goes without the work-around. Chips from B2 on do
+// not need it, and this code does nothing there.
 //
 // In:  bus resets, `poll` from the main loop at least every millisecond. Out: settings of GPIO 15
 //      and of the USB multiplexer. The host waits 10 ms after a reset (USB 2.0, 7.1.7.5); this

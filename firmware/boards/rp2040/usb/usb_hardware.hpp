@@ -15,6 +15,7 @@
 #include "firmware/boards/rp2040/registers/timer.hpp"
 #include "firmware/boards/rp2040/registers/usb.hpp"
 #include "firmware/boards/rp2040/usb/usb_serial.hpp"
+#include "shared/boards/this_board.hpp"
 
 namespace lamplock::rp2040 {
 
@@ -61,6 +62,7 @@ class UsbHardware {
 
   bool reset_exit_needed() const {
     constexpr std::uint32_t revision_b2 = 2;
+    if constexpr (boards::this_board.uses_e5_pin) return false;
     return sysinfo().chip_id >> 28 < revision_b2;
   }
   void hold_idle_line() {
