@@ -370,10 +370,10 @@ inline constexpr std::array<Row, setting_count> table{{
      "time after the last $J or frame at which a jog ends; 0 = it runs to its target"},
     {984, "run_on", "on/off", 0, 1'000, 0, true, Scope::programs, Rule::any,
      "a program that was received up to its M2 or M30 continues without its host"},
-    {990, "pin_map", "0..2", 0, 2'000, 0, true, Scope::jobs, Rule::equal,
+    {990, "pin_map", "0..63", 0, 63'000, 0, true, Scope::jobs, Rule::equal,
      "assignment of the pins of the board, from its next start on: 0 glass, 1 cut (fourth axis, "
      "UART, a limit switch for each axis), 2 cut with outputs and an input of programs instead of "
-     "the UART"},
+     "the UART; other boards have a number each (docs/boards)"},
     {1051, "pulse_mode_x", "0..2", 0, 2'000, 0, true, Scope::jobs, Rule::equal,
      "pulses of X: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
     {1052, "pulse_mode_y", "0..2", 0, 2'000, 0, true, Scope::jobs, Rule::equal,

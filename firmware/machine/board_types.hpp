@@ -2,15 +2,21 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "firmware/machine/inputs/inputs.hpp"
 #include "firmware/machine/runners/job_runner.hpp"
+#include "shared/settings_table.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::machine {
 
 /// Capabilities of the board.
 struct BoardFeatures {
+  std::string_view name = "virtual";  ///< in `$I`
+  std::uint8_t first_map = 0;         ///< the first of its pin maps ($990) ...
+  std::uint8_t maps = 0xff;           ///< ... and their number
+  bool step_dir_only = false;         ///< no CW and CCW, no quadrature ($1051 to $1054)
   int axes = max_axes;          ///< with outputs; jobs with more are refused
   std::uint8_t channels = 0xf;  ///< a bit for each beam channel with a shutter
   InputSet inputs = all_inputs & ~set_of(Input::limit_chain) & ~set_of(Input::aux);
@@ -21,6 +27,23 @@ struct BoardFeatures {
   /// It has memory for one planner at a time, and loads Controller::missing_planner().
   bool loads_planners = false;
 };
+
+/// First setting whose value the board does not have: its pin map or pulses of an axis; Id::count if
+/// there is none.
+constexpr settings::Id unfit_setting(const BoardFeatures& board, const settings::Values& values) {
+  using settings::Id;
+  if (static_cast<unsigned>(values.whole(Id::pin_map) - board.first_map) >= board.maps)
+    return Id::pin_map;
+  for (int axis = 0; board.step_dir_only && axis < max_axes; ++axis)
+    if (values.whole(Id::pulse_mode_x, axis) != 0)
+      return settings::for_axis(Id::pulse_mode_x, axis);
+  return Id::count;
+}
+/// Replaces such values by ones of the board: those of another board, or defaults.
+constexpr void fit_settings(const BoardFeatures& board, settings::Values& values) {
+  for (settings::Id unfit; (unfit = unfit_setting(board, values)) != settings::Id::count;)
+    values.set_milli(unfit, unfit == settings::Id::pin_map ? board.first_map * 1000 : 0);
+}
 
 /// Outputs that may be on.
 struct Outputs {

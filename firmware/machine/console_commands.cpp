@@ -76,6 +76,9 @@ void MachineConsole::report_version() {
   version.add(version_begin).add(text.empty() ? product : text).add("]\r\n");
   link_.send_text(version.view());
   link_.send_text(options.view());
+  TextLine board;
+  board.add("[BOARD:").add(board_.name).add("]\r\n");
+  link_.send_text(board.view());
 }
 
 void MachineConsole::report_start_up_lines() {
@@ -137,10 +140,21 @@ GcodeError MachineConsole::change_setting(std::string_view line) {
   if (!may_be_changed()) return GcodeError::not_idle;
   settings::Values values = stored_;
   values.set_milli(asked.id, asked.milli);
+  if (const GcodeError error = refuse_for_board(values); error != GcodeError::none) return error;
   std::uint16_t setting = 0;
   if (check_settings(values, setting) != Result::ok) return refuse_settings(values, setting);
   if (!(values == stored_)) take_over(values);
   return GcodeError::none;
+}
+
+/// Reports which setting the board does not have, if there is one.
+GcodeError MachineConsole::refuse_for_board(const settings::Values& values) {
+  const Id refused = unfit_setting(board_, values);
+  if (refused == Id::count) return GcodeError::none;
+  TextLine text;
+  text.add("$").add(settings::number(refused)).add(" of another board than ").add(board_.name);
+  report_message(text.view());
+  return GcodeError::setting_out_of_range;
 }
 
 /// Reports the highest rate that the pulses of an axis permit, if the rate set is higher.
@@ -173,7 +187,9 @@ void MachineConsole::take_over(const settings::Values& values) {
 
 void MachineConsole::restore_defaults() {
   report_message("Restoring defaults");
-  take_over(settings::Values{});
+  settings::Values values;
+  fit_settings(board_, values);
+  take_over(values);
 }
 
 void MachineConsole::restore_everything() {

@@ -7,11 +7,14 @@
 #include <array>
 
 #include "shared/boards/board_row.hpp"
+#include "shared/boards/rows/grblhal_pico.hpp"
+#include "shared/boards/rows/mrbeam.hpp"
 #include "shared/boards/rows/pico.hpp"
+#include "shared/boards/rows/picobob.hpp"
 
 namespace lamplock::boards {
 
-inline constexpr std::array<const BoardRow*, 1> all_boards{&pico};
+inline constexpr std::array all_boards{&pico, &picobob, &grblhal_pico, &mrbeam};
 
 /// The board of that name; null if there is none.
 constexpr const BoardRow* find_board(std::string_view name) {

@@ -138,13 +138,17 @@ constexpr std::optional<std::uint8_t> find_gpio(const BoardRow& row, Role role) 
     if (const auto gpio = find_gpio(map.pins, role)) return gpio;
   return std::nullopt;
 }
+/// The pin of a role as a bit; 0 if the map has none.
+constexpr std::uint32_t pin_of(Pins pins, Role role) {
+  const auto gpio = find_gpio(pins, role);
+  return gpio ? 1u << *gpio : 0;
+}
 /// A bit for each pin that has one of these roles in any map of the board.
 template <class... Roles>
 constexpr std::uint32_t pins_of(const BoardRow& row, Roles... roles) {
   std::uint32_t pins = 0;
   for (const MapRow& map : row.maps)
-    for (const Role role : {roles...})
-      if (const auto gpio = find_gpio(map.pins, role)) pins |= 1u << *gpio;
+    for (const Role role : {roles...}) pins |= pin_of(map.pins, role);
   return pins;
 }
 /// A bit for each inverted pin of the map.

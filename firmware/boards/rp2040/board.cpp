@@ -30,6 +30,25 @@ boards::Pins pins_of(const settings::Values& stored) {
   return boards::this_board.map(static_cast<boards::PinMap>(stored.whole(settings::Id::pin_map)))
       .pins;
 }
+machine::BoardFeatures features_of(boards::Pins map) {
+  return {.name = boards::this_board.name,
+          .first_map = static_cast<std::uint8_t>(boards::this_board.first_map),
+          .maps = static_cast<std::uint8_t>(boards::this_board.maps.size()),
+          .step_dir_only = !boards::has_paired_axes(boards::this_board),
+          .axes = boards::axes(map),
+          .channels = boards::channels(map),
+          .inputs = Inputs(map).all(),
+          .outputs = boards::program_outputs(map),
+          .second_wire = boards::axes_of_z_enable(map),
+          .parts = machine::HandoutMode::staged,
+          .loads_planners = true};
+}
+/// The settings in flash; those of another board are replaced.
+settings::Values settings_of(Storage& storage, const machine::BoardFeatures& features) {
+  settings::Values values = storage.load_settings();
+  machine::fit_settings(features, values);
+  return values;
+}
 
 /// Time for the last messages to reach the host before the boot loader starts.
 constexpr std::uint64_t last_words_us = 50'000;
@@ -45,14 +64,7 @@ constexpr std::uint32_t used_blocks = reset_bit::busctrl | reset_bit::dma | rese
 // The settings are read twice: a permanent copy would use SRAM.
 Board::Board(const Rings& rings)
     : map_(pins_of(storage_.load_settings())),
-      core_(storage_.load_settings(), mask_,
-            {.axes = boards::axes(map_),
-             .channels = boards::channels(map_),
-             .inputs = Inputs(map_).all(),
-             .outputs = boards::program_outputs(map_),
-             .second_wire = boards::axes_of_z_enable(map_),
-             .parts = machine::HandoutMode::staged,
-             .loads_planners = true}),
+      core_(settings_of(storage_, features_of(map_)), mask_, features_of(map_)),
       ports_(uart_send_gpio),
       real_time_(map_, rings) {}
 

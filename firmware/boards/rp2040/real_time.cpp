@@ -4,6 +4,7 @@
 #include "firmware/boards/rp2040/registers/cortex_m0plus.hpp"
 #include "firmware/boards/rp2040/registers/pads_bank0.hpp"
 #include "firmware/boards/rp2040/registers/sio.hpp"
+#include "firmware/boards/rp2040/safety/board_check.hpp"
 
 namespace lamplock::rp2040 {
 namespace {
@@ -73,12 +74,26 @@ void RealTime::start_pads() const {
   programs_.start(drives_active_high_);
 }
 
+/// On another board no pad is ever driven, and the machine stays in the e-stop.
+bool RealTime::check_board(machine::Controller& core, const stepper::PulseOutput& output) {
+  const int wrong = BoardCheck::wrong_pin(map_, output);
+  if (wrong == BoardCheck::none) return true;
+  BoardCheck::disable_outputs();
+  inputs_.hold_estop();
+  TextLine line;
+  line.add("Outputs off: GPIO ").add(std::int64_t{wrong}).add(" is not as on a board ");
+  line.add(boards::this_board.name).add("; check wiring, or flash the image of your board");
+  core.report_message(line.view());
+  return false;
+}
+
 void RealTime::start(machine::Controller& core) {
   start_us_ = microseconds();
   now_us_ = static_cast<std::uint32_t>(start_us_);
   drives_active_high_ = core.values().whole(settings::Id::enable_invert) != 0;
-  start_pads();
   const stepper::PulseOutput output = stepper::pulse_output(core.values());
+  const bool is_wrong = !check_board(core, output);
+  start_pads();
   expander_.configure(output);
   lattice_.start(map_, output);
   fire_.start();
@@ -87,7 +102,7 @@ void RealTime::start(machine::Controller& core) {
   begin(core, StepPosition{}, 0);  // in the state of a new core
   // Pressed already: there will be no edge.
   const bool is_high = (sio().gpio_in >> boards::gpio(Role::estop) & 1) != 0;
-  if (is_high != boards::is_inverted(Role::estop)) estop_interrupt();
+  if (is_wrong || is_high != boards::is_inverted(Role::estop)) estop_interrupt();
 }
 
 void RealTime::change_pulses(machine::Controller& core, const machine::InterruptMask& mask) {

@@ -26,9 +26,9 @@ namespace lamplock::rp2040 {
 class ProgramPins {
  public:
   explicit ProgramPins(boards::Pins map)
-      : air_(pin_of(map, boards::Role::air)),
-        aux_(pin_of(map, boards::Role::aux_out)),
-        z_(pin_of(map, boards::Role::z_enable)) {}
+      : air_(boards::pin_of(map, boards::Role::air)),
+        aux_(boards::pin_of(map, boards::Role::aux_out)),
+        z_(boards::pin_of(map, boards::Role::z_enable)) {}
 
   /// All off: the pads were inputs before.
   [[gnu::cold]] void start(bool enable_active_high) const {
@@ -77,10 +77,6 @@ class ProgramPins {
   static constexpr unsigned air_gpio = boards::optional_gpio(boards::Role::air);
   static constexpr unsigned aux_gpio = boards::optional_gpio(boards::Role::aux_out);
   static constexpr unsigned z_gpio = boards::optional_gpio(boards::Role::z_enable);
-  static constexpr std::uint32_t pin_of(boards::Pins map, boards::Role role) {
-    const auto gpio = boards::find_gpio(map, role);
-    return gpio ? 1u << *gpio : 0;
-  }
   static constexpr std::uint32_t nothing = ~0u;  ///< no set of outputs
   static constexpr std::uint32_t z_wanted = 1u << 17, air_wanted = 1u << 16, full = 65535;
 

@@ -27,6 +27,8 @@ inline constexpr std::uint32_t pull_down = 1u << 2;
 inline constexpr std::uint32_t pull_up = 1u << 3;
 inline constexpr std::uint32_t drive_4ma = 1u << 4;
 inline constexpr std::uint32_t input_enable = 1u << 6;
+/// Has priority over the output enable of peripherals.
+inline constexpr std::uint32_t output_disable = 1u << 7;
 }  // namespace pad
 
 }  // namespace lamplock::rp2040

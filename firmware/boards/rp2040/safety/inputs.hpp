@@ -121,6 +121,8 @@ class Inputs {
     if (switches_[0].input.force()) changed(machine::Input::estop, true, most);
   }
   bool estop() const { return switches_[0].input.active(); }
+  /// From now on the e-stop is pressed, whatever its pin says.
+  void hold_estop() { held_pins_ = 1u << switches_[0].gpio; }
   /// Those that need a pull-up, so that an open one is high.
   std::uint32_t pulled_up() const { return pins_ & ~inverted_; }
   machine::InputSet all() const {
@@ -147,7 +149,7 @@ class Inputs {
     return input == machine::Input::probe || input == machine::Input::aux;
   }
   void sample(std::uint32_t now_us) {
-    const std::uint32_t active = seen_ ^ low_pins_;
+    const std::uint32_t active = (seen_ ^ low_pins_) | held_pins_;
     for (std::size_t i = 0; i < count_; ++i)
       switches_[i].input.sample((active >> switches_[i].gpio & 1) != 0, now_us);
   }
@@ -157,6 +159,7 @@ class Inputs {
   std::uint32_t pins_ = 0;
   std::uint32_t inverted_ = 0;  ///< pins behind inverters
   std::uint32_t low_pins_ = 0;  ///< pins that are active low
+  std::uint32_t held_pins_ = 0;  ///< pins that count as active
   std::uint32_t seen_ = 0;
   machine::InputSet active_low_ = 0;
 };
