@@ -17,8 +17,8 @@ struct BoardFeatures {
   std::uint8_t first_map = 0;         ///< the first of its pin maps ($990) ...
   std::uint8_t maps = 0xff;           ///< ... and their number
   bool step_dir_only = false;         ///< no CW and CCW, no quadrature ($1051 to $1054)
-  int axes = max_axes;          ///< with outputs; jobs with more are refused
-  std::uint8_t channels = 0xf;  ///< a bit for each beam channel with a shutter
+  int axes = max_axes;                ///< with outputs; jobs with more are refused
+  std::uint8_t channels = 0xf;        ///< a bit for each beam channel with a shutter
   InputSet inputs = all_inputs & ~set_of(Input::limit_chain) & ~set_of(Input::aux);
   std::uint8_t outputs = 0;      ///< a bit for each that programs may switch
   std::uint8_t second_wire = 0;  ///< a bit for each axis whose drive has the second enable
@@ -28,8 +28,8 @@ struct BoardFeatures {
   bool loads_planners = false;
 };
 
-/// First setting whose value the board does not have: its pin map or pulses of an axis; Id::count if
-/// there is none.
+/// First setting whose value the board does not have: its pin map or pulses of an axis; Id::count
+/// if there is none.
 constexpr settings::Id unfit_setting(const BoardFeatures& board, const settings::Values& values) {
   using settings::Id;
   if (static_cast<unsigned>(values.whole(Id::pin_map) - board.first_map) >= board.maps)

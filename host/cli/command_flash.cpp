@@ -8,6 +8,7 @@
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
 #include "host/run/flash_board.hpp"
+#include "host/run/image_path.hpp"
 
 namespace lamplock::cli {
 namespace {
@@ -63,15 +64,21 @@ void add_flash(Command& program) {
       "With --lines, a board that does not answer or is not found on USB is reset into its boot\n"
       "loader through its pins RUN and BOOTSEL.\n"
       "Example:\n"
-      "  lamplock flash\n"
-      "  lamplock flash --serial E661640843322A2B\n"
-      "  lamplock flash --lines examples/lines.toml\n"
+      "  lamplock flash --for pico\n"
+      "  lamplock flash --for picobob --serial E661640843322A2B\n"
+      "  lamplock flash --for pico --lines examples/lines.toml\n"
       "  lamplock flash new.uf2 --drive /media/$USER/RPI-RP2\n"
-      "  lamplock flash --board chip");
+      "  lamplock flash --for pico --board chip");
   const auto options = std::make_shared<FlashOptions>();
-  app.add_option("IMAGE", &options->image,
-                 "UF2 or ELF file; default: lamplock-rp2040.uf2 of this build")
-      .file(FileUse::read);
+  const Option& image =
+      app.add_option("IMAGE", &options->image, "UF2 or ELF file; without one --for names the board")
+          .file(FileUse::read);
+  app.add_option("--for", &options->for_board,
+                 "Board whose image of this build is flashed; pico is a Raspberry Pi Pico wired "
+                 "by hand. One of: " +
+                     run::board_names())
+      .value_name("BOARD")
+      .excludes(image);
   const Option& serial =
       app.add_option("--serial", &options->serial,
                      "Flash the board with this serial number; lamplock devices shows it")

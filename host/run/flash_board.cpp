@@ -98,7 +98,7 @@ flash::UpdateReport flash_site(const flash::UpdateSite& site, const FlashFile& f
 
 Flashed flash_board(const FlashOptions& options, Frontend& frontend) {
   const bool is_chip = options.board == "chip";
-  const FlashFile file = read_flash_file(options.image);
+  const FlashFile file = read_flash_file(options.image, options.for_board);
   std::function<void()> pull = loader_lines(options.lines);
   frontend.phase("image", fmt::format("{}, {} bytes", file.file, file.image.size));
   if (is_chip) {

@@ -12,6 +12,7 @@ namespace lamplock::run {
 
 struct FlashOptions {
   std::string image, serial, drive, lines;
+  std::string for_board;      ///< name of the board whose image is flashed if none is given
   std::string board = "usb";  ///< or "chip", a simulated one with an empty flash
 };
 

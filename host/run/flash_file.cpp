@@ -19,8 +19,9 @@ constexpr std::string_view elf_magic =
 
 }  // namespace
 
-FlashFile read_flash_file(const std::string& name) {
-  const std::string file = image_path(name, uf2_image_name, "flash");
+FlashFile read_flash_file(const std::string& name, const std::string& board) {
+  const std::string file =
+      name.empty() ? image_path(name, uf2_name_of(board, "--for"), "flash") : name;
   const std::string bytes = read_file(file);
   std::vector<flash::Part> parts;
   if (flash::is_uf2(bytes)) {

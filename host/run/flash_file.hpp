@@ -15,7 +15,7 @@ struct FlashFile {
   flash::FlashImage image;
 };
 
-/// Without a name: lamplock-rp2040.uf2 that came with the program. Throws Error(bad_input).
-FlashFile read_flash_file(const std::string& name);
+/// Without a name: the image of that board that came with the program. Throws Error(bad_input).
+FlashFile read_flash_file(const std::string& name, const std::string& board);
 
 }  // namespace lamplock::run

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "host/error.hpp"
+#include "shared/boards/all_boards.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -56,7 +57,29 @@ std::string file_of_program(const std::string& name) {
   return file_of_program_at(own_file().string(), name);
 }
 
-std::string image_path(const std::string& given, const char* name, const std::string& where) {
+std::string board_names() {
+  std::string names;
+  for (const boards::BoardRow* row : boards::all_boards)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", row->name);
+  return names;
+}
+
+std::string uf2_name_of(const std::string& board, const std::string& where) {
+  if (const boards::BoardRow* row = boards::find_board(board))
+    return fmt::format("{}.uf2", row->image);
+  throw Error(Exit::bad_input, where,
+              board.empty() ? std::string("the board is not named")
+                            : fmt::format("there is no board '{}'", board),
+              fmt::format("use one of: {}", board_names()));
+}
+
+std::string elf_name_of(int pin_map) {
+  const boards::BoardRow* row = boards::find_board(static_cast<boards::PinMap>(pin_map));
+  return fmt::format("{}.elf", (row == nullptr ? boards::pico : *row).image);
+}
+
+std::string image_path(const std::string& given, const std::string& name,
+                       const std::string& where) {
   if (!given.empty()) return given;
   if (std::string file = file_of_program(name); !file.empty()) return file;
   throw Error(Exit::bad_input, where,

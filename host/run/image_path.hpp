@@ -13,6 +13,14 @@ namespace lamplock::run {
 inline constexpr const char* elf_image_name = "lamplock-rp2040.elf";
 inline constexpr const char* uf2_image_name = "lamplock-rp2040.uf2";
 
+/// Names of all boards: "pico, picobob, ...".
+std::string board_names();
+/// The UF2 file of a board (shared/boards/all_boards.hpp). Throws Error(bad_input) if no board has
+/// that name, or if `board` is empty: the board is asked for, never guessed. `where`: the option.
+std::string uf2_name_of(const std::string& board, const std::string& where);
+/// The ELF file for the board that has a pin map ($990).
+std::string elf_name_of(int pin_map);
+
 /// Path of a file that came with the program; empty if there is none. Links to the program are
 /// followed.
 std::string file_of_program(const std::string& name);
@@ -22,7 +30,7 @@ std::string file_of_program_at(const std::string& program, const std::string& na
 
 /// `given` if it is not empty, else the image of that name that came with the program. `where`
 /// names the option in the Error(bad_input) that is thrown if there is none.
-std::string image_path(const std::string& given, const char* name, const std::string& where);
+std::string image_path(const std::string& given, const std::string& name, const std::string& where);
 
 /// A guide or example that was installed with this program; empty if there is none.
 std::string document_of_program(const std::string& name);

@@ -16,8 +16,8 @@ namespace {
 constexpr sim::Picoseconds max_boot_time = 2 * sim::ps_per_s;
 
 /// The chip's image: the file that was given, or that of this program.
-std::string image_file(const std::string& image) {
-  return image_path(image, elf_image_name, "--board chip");
+std::string image_file(const std::string& image, int pin_map = 0) {
+  return image_path(image, elf_name_of(pin_map), "--board chip");
 }
 
 }  // namespace
@@ -51,7 +51,8 @@ SimulatedBoard make_board(const std::string& name, const std::string& image,
     made.board = std::make_unique<sim::VirtualBoard>(stored, world);
     return made;
   }
-  made.image = std::make_unique<sim::chip::Image>(read_image(image_file(image)));
+  made.image = std::make_unique<sim::chip::Image>(
+      read_image(image_file(image, stored.whole(settings::Id::pin_map))));
   std::unique_ptr<sim::ChipBoard> board;
   try {
     board = std::make_unique<sim::ChipBoard>(*made.image, stored, world);

@@ -1,4 +1,5 @@
-// What a board is for the firmware: one row, made of pin maps, and the checks that every row passes.
+// What a board is for the firmware: one row, made of pin maps, and the checks that every row
+// passes.
 //
 // In:  nothing.
 // Out: roles of pins, the type of a row, its checks. The rows are in shared/boards/rows, a file for
@@ -116,8 +117,8 @@ struct BoardRow {
   bool uses_e5_pin = false;
 
   constexpr bool has(PinMap map) const {
-    return map >= first_map && static_cast<std::size_t>(map) - static_cast<std::size_t>(first_map) <
-                                   maps.size();
+    return map >= first_map &&
+           static_cast<std::size_t>(map) - static_cast<std::size_t>(first_map) < maps.size();
   }
   /// The map of that number, or the first one if the board has no such map.
   constexpr const MapRow& map(PinMap number) const {
@@ -167,9 +168,7 @@ constexpr int axes(Pins pins) { return find_gpio(pins, Role::step_a) ? 4 : 3; }
 constexpr std::uint8_t channels(Pins pins) { return find_gpio(pins, Role::shutter_1) ? 0xf : 1; }
 
 /// Outputs that programs may switch.
-constexpr std::uint8_t program_outputs(Pins pins) {
-  return find_gpio(pins, Role::aux_out) ? 1 : 0;
-}
+constexpr std::uint8_t program_outputs(Pins pins) { return find_gpio(pins, Role::aux_out) ? 1 : 0; }
 
 /// Axes whose drives have a separate enable, Z ENABLE, a bit for each: Z, which may be vertical,
 /// and A. All others use DRIVES ENABLE.
@@ -220,7 +219,8 @@ constexpr bool is_essential(Role role) {
       return role <= Role::dir_z;
   }
 }
-/// Essential roles have a pin in every map, the same one; so have enable and LED where there is one.
+/// Essential roles have a pin in every map, the same one; so have enable and LED where there is
+/// one.
 constexpr bool fixed_alike(const BoardRow& row) {
   for (int i = 0; i < static_cast<int>(Role::count); ++i) {
     const auto role = static_cast<Role>(i);

@@ -38,9 +38,7 @@ consteval bool is_inverted(Role role) {
 /// A map of this board has such a pin.
 consteval bool has(Role role) { return find_gpio(this_board, role).has_value(); }
 /// Pin of a role in the maps that have it; 0 on a board without one, where no code uses it.
-consteval std::uint8_t optional_gpio(Role role) {
-  return find_gpio(this_board, role).value_or(0);
-}
+consteval std::uint8_t optional_gpio(Role role) { return find_gpio(this_board, role).value_or(0); }
 /// A bit for each pin of these roles in any map of this board; 0 without one.
 template <class... Roles>
 consteval std::uint32_t any_of(Roles... roles) {

@@ -87,13 +87,15 @@ ChipBoard::ChipBoard(const chip::Image& image, const settings::Values& stored,
       chip_(options.chip),
       host_(chip_.wheel(), chip_.usb(), options.usb),
       slot_(chip_.wheel().add(*this)),
-      map_(static_cast<boards::PinMap>(stored.whole(settings::Id::pin_map))) {
+      map_(options.wiring.value_or(
+          static_cast<boards::PinMap>(stored.whole(settings::Id::pin_map)))) {
   chip_.load(image, "image");
   SettingsArea area = settings_area(chip_);
   settings::Store store(area);
   store.load();
   store.save(stored);
   connect_pads(stored, world.drives);
+  if (options.wiring) connect_resistors(stored);
   plan();
   chip_.power_on();
 }
@@ -127,6 +129,17 @@ void ChipBoard::connect_pads(const settings::Values& stored, const DriveConfig& 
     drive(Pin::limit_x, false);
   }
   chip_.gpio().listen(static_cast<chip::PadListener&>(*this));
+}
+
+/// Pull-ups of the board, and those of enables that are active low.
+void ChipBoard::connect_resistors(const settings::Values& stored) {
+  const boards::Pins pins = boards::pins(map_);
+  std::uint32_t pulled_up = boards::find_board(map_)->pulled_up;
+  if (stored.whole(settings::Id::enable_invert) == 0)
+    pulled_up |= boards::pin_of(pins, Role::drives_enable) | boards::pin_of(pins, Role::z_enable);
+  for (unsigned gpio = 0; gpio < chip::gpio_count; ++gpio)
+    if ((pulled_up >> gpio & 1) != 0)
+      chip_.gpio().set_external(gpio, External::pulled_up, chip_.wheel().now());
 }
 
 void ChipBoard::pin_changed(Pin pin, bool level, Picoseconds /*at*/) { drive(pin, level); }

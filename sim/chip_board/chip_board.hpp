@@ -28,6 +28,9 @@ namespace lamplock::sim {
 struct ChipBoardOptions {
   chip::ChipOptions chip{};
   chip::UsbHostOptions usb{};
+  /// Wiring and electronics of the board with this map; default: as the wires of docs/wiring.md for
+  /// the map of the stored settings, without the resistors.
+  std::optional<boards::PinMap> wiring{};
 };
 
 /// One board in its world.
@@ -65,7 +68,7 @@ class ChipBoard final : public Board,
   const World& world() const override { return *world_; }
   const std::vector<LatticeShot>& lattice_shots() const override { return lattice_shots_; }
 
-  /// Pin map of the stored settings.
+  /// Pin map that is wired.
   boards::PinMap map() const { return map_; }
   chip::Chip& chip() { return chip_; }
   chip::UsbHost& usb_host() { return host_; }
@@ -81,6 +84,7 @@ class ChipBoard final : public Board,
   void clock_changed() override { plan(); }
   void plan();
   void connect_pads(const settings::Values& stored, const DriveConfig& drives);
+  void connect_resistors(const settings::Values& stored);
   void drive(Pin pin, bool level);
   void measure_pwm(bool level, Picoseconds at);
   std::uint16_t attenuator(Picoseconds at);

@@ -212,9 +212,9 @@ TEST_F(Protocol, Utf8BeforeOverridesDoesNoHarm) {
 }
 
 TEST_F(Protocol, ReportsItsWindowBeforeItStreams) {
-  EXPECT_THAT(host_.ask("$I\n"), ElementsAre(MatchesRegex("\\[VER:1\\.1h\\.[0-9]{8}:.*\\]"),
-                                             MatchesRegex("\\[OPT:[A-Z0]*,[0-9]+,1024\\]"),
-                                             "[BOARD:virtual]", "ok"));
+  EXPECT_THAT(host_.ask("$I\n"),
+              ElementsAre(MatchesRegex("\\[VER:1\\.1h\\.[0-9]{8}:.*\\]"),
+                          MatchesRegex("\\[OPT:[A-Z0]*,[0-9]+,1024\\]"), "[BOARD:virtual]", "ok"));
   EXPECT_THAT(host_.ask("$\n"), ElementsAre(StartsWith("[HLP:"), "ok"));
 }
 

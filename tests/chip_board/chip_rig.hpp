@@ -114,8 +114,10 @@ struct ChipRig {
 
   explicit ChipRig(const job::Profile& machine = chip_profile(), Power power = Power::on)
       : ChipRig(machine.settings, world_for(machine), power) {}
-  ChipRig(const settings::Values& stored, const sim::WorldConfig& world, Power power = Power::on)
-      : board(flash_image(), stored, world, quick_host()),
+  ChipRig(const settings::Values& stored, const sim::WorldConfig& world, Power power = Power::on,
+          const sim::chip::Image& image = flash_image(),
+          const sim::ChipBoardOptions& options = quick_host())
+      : board(image, stored, world, options),
         monitor(board.bus(), board.world().lamp()),
         energy(board.chip()) {
     if (power == Power::on) boot();

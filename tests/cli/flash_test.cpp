@@ -88,6 +88,17 @@ TEST(FlashCommand, LinesAreValidPinsOrRefused) {
   EXPECT_EQ(run({"flash", image, "--serial", no_serial, "--lines", both}).status, 3);
 }
 
+/// An image of another board may short its outputs.
+TEST(FlashCommand, AsksForTheBoardAndNeverGuesses) {
+  const Finished unnamed = run({"flash", "--board", "chip"});
+  EXPECT_EQ(unnamed.status, 2);
+  EXPECT_THAT(unnamed.err, HasSubstr("--for: the board is not named; use one of: pico, picobob"));
+  const Finished unknown = run({"flash", "--board", "chip", "--for", "picobob2"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("there is no board 'picobob2'; use one of: pico"));
+  EXPECT_EQ(run({"flash", "new.uf2", "--for", "pico"}).status, 2);
+}
+
 TEST(DevicesCommand, GivesAListToPrograms) {
   const Finished list = run({"devices", "--json"});
   EXPECT_EQ(list.status, 0) << list.err;
@@ -99,7 +110,10 @@ TEST(FlashCommand, SimulatedChipGetsTheFirmwareOfThisBuild) {
   for (const std::string& image :
        {std::string(), lamplock::test::in_build("lamplock-rp2040.uf2")}) {
     std::vector<std::string> arguments = {"flash", "--board", "chip", "--json"};
-    if (!image.empty()) arguments.push_back(image);
+    if (image.empty())
+      arguments.insert(arguments.end(), {"--for", "pico"});
+    else
+      arguments.push_back(image);
     const Finished flashed = run(arguments);
     ASSERT_EQ(flashed.status, 0) << flashed.err;
     const auto report = nlohmann::json::parse(flashed.out);

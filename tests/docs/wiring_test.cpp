@@ -67,7 +67,7 @@ class WiringMap : public testing::TestWithParam<PinMap> {};
 TEST_P(WiringMap, ThePageHasEveryPinOfTheTable) {
   const std::string heading = "Pin map " + name_of(GetParam()) + ":";
   const std::vector<Row> rows = table_of(test::read_repository_file("docs/wiring.md"), heading);
-  const PinTable& table = pins(GetParam());
+  const Pins table = pins(GetParam());
   ASSERT_EQ(rows.size(), table.size());
   for (std::size_t i = 0; i < table.size(); ++i) {
     const PinUse& use = table[i];
@@ -123,6 +123,30 @@ TEST(Wiring, OfAFirstJobEqualsTheMapOfANewBoard) {
   EXPECT_EQ(grounds, 1u);
 }
 
+/// Boards other than the Pico wired by hand have a page each.
+TEST(BoardPages, HaveEveryPinOfTheRow) {
+  for (const BoardRow* row : all_boards) {
+    const std::string page =
+        test::read_repository_file("docs/boards/" + std::string(row->name) + ".md");
+    EXPECT_NE(page.find("lamplock flash --for " + std::string(row->name)), std::string::npos);
+    EXPECT_NE(page.find("[BOARD:" + std::string(row->name) + "]"), std::string::npos);
+    if (row == &pico) continue;
+    const std::vector<Row> rows = table_of(page, "Pins");
+    const Pins table = row->maps[0].pins;
+    ASSERT_EQ(rows.size(), table.size()) << row->name;
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      ASSERT_EQ(rows[i].size(), 5u) << row->name << ' ' << table[i].name;
+      EXPECT_EQ(rows[i][0], std::to_string(table[i].gpio)) << row->name << ' ' << table[i].name;
+      EXPECT_EQ(rows[i][1], table[i].name) << row->name;
+      EXPECT_EQ(rows[i][2], table[i].direction == Direction::output ? "out" : "in") << rows[i][1];
+      EXPECT_EQ(rows[i][3], table[i].energy ? "yes" : "") << rows[i][1];
+      EXPECT_NE(rows[i][4], "") << row->name << ' ' << table[i].name;
+    }
+    const std::string map = std::to_string(static_cast<int>(row->first_map));
+    EXPECT_NE(page.find("pin_map = " + map + "`"), std::string::npos) << row->name;
+  }
+}
+
 TEST(Safety, ThePageHasTheTimesOfTheFirmware) {
   const std::string page = test::read_repository_file("docs/safety.md");
   std::ostringstream ahead;
@@ -136,7 +160,8 @@ TEST(Safety, ThePageHasTheTimesOfTheFirmware) {
   EXPECT_NE(page.find(restart.str()), std::string::npos) << restart.str();
 }
 
-INSTANTIATE_TEST_SUITE_P(Maps, WiringMap, testing::ValuesIn(all_maps),
+INSTANTIATE_TEST_SUITE_P(Maps, WiringMap,
+                         testing::Values(PinMap::glass, PinMap::cut, PinMap::cut_io),
                          [](const auto& map) { return name_of(map.param); });
 
 }  // namespace

@@ -57,8 +57,8 @@ void RealTime::set_drives(bool enabled) const {
     sio().gpio_out_clr = pin;
 }
 
-void RealTime::start_pads() const {
-  // Outputs keep the reset state of their pads: weak pull-down, 4 mA, Schmitt trigger.
+/// Outputs keep the reset state of their pads: weak pull-down, 4 mA, Schmitt trigger.
+void RealTime::start_inputs() const {
   const std::uint32_t pulled_up = inputs_.pulled_up();
   for (const boards::PinUse& use : map_) {
     if (use.direction != boards::Direction::input) continue;
@@ -67,6 +67,9 @@ void RealTime::start_pads() const {
     pads_bank0().gpio[use.gpio] =
         pad::input_enable | pad::schmitt | pad::drive_4ma | (up ? pad::pull_up : pad::pull_down);
   }
+}
+
+void RealTime::start_pads() const {
   if (const auto enable = boards::find_gpio(map_, Role::drives_enable))
     make_output(*enable, !drives_active_high_);  // off
   if (const auto led = boards::find_gpio(map_, Role::status_led)) make_output(*led, false);
@@ -93,6 +96,7 @@ void RealTime::start(machine::Controller& core) {
   drives_active_high_ = core.values().whole(settings::Id::enable_invert) != 0;
   const stepper::PulseOutput output = stepper::pulse_output(core.values());
   const bool is_wrong = !check_board(core, output);
+  if (!is_wrong) start_inputs();  // otherwise all pads stay pulled down
   start_pads();
   expander_.configure(output);
   lattice_.start(map_, output);

@@ -100,6 +100,7 @@ class RealTime {
 
  private:
   [[gnu::cold]] void start_pads() const;
+  [[gnu::cold]] void start_inputs() const;
   [[gnu::cold]] bool check_board(machine::Controller& core, const stepper::PulseOutput& output);
   void set_drives(bool enabled) const;
   /// False if `most` spans were not enough.

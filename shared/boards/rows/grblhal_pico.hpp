@@ -1,6 +1,6 @@
-// A Pico wired as the generic board of grblHAL (docs/boards/grblhal-pico.md), and boards made for that
-// pin map. Pins: grblHAL, RP2040, boards/generic_map.h; Q-SWITCH and LAMP SYNC are on pins of its
-// auxiliary ports, LAMP TRIGGER, LASER GATE and SHOT ENABLE on its outputs 12 to 14.
+// A Pico wired as the generic board of grblHAL (docs/boards/grblhal-pico.md), and boards made for
+// that pin map. Pins: grblHAL, RP2040, boards/generic_map.h; Q-SWITCH and LAMP SYNC are on pins of
+// its auxiliary ports, LAMP TRIGGER, LASER GATE and SHOT ENABLE on its outputs 12 to 14.
 #pragma once
 
 #include "shared/boards/board_row.hpp"

@@ -1,5 +1,5 @@
-// The shield for Mr Beam machines on which grblHAL runs (docs/boards/mrbeam.md): as the generic board,
-// but for E-STOP and PROBE. Pins: grblHAL, RP2040, its pin map for Mr Beam.
+// The shield for Mr Beam machines on which grblHAL runs (docs/boards/mrbeam.md): as the generic
+// board, but for E-STOP and PROBE. Pins: grblHAL, RP2040, its pin map for Mr Beam.
 #pragma once
 
 #include "shared/boards/board_row.hpp"

@@ -1,6 +1,6 @@
-// A Raspberry Pi Pico wired by hand (docs/wiring.md): three maps, glass (engraving inside glass), cut
-// (cutting, plotting) and cut_io (the same with an output and an input of programs instead of the
-// UART), from one list of roles. GPIO 23, 24 and 29 belong to the Pico itself.
+// A Raspberry Pi Pico wired by hand (docs/wiring.md): three maps, glass (engraving inside glass),
+// cut (cutting, plotting) and cut_io (the same with an output and an input of programs instead of
+// the UART), from one list of roles. GPIO 23, 24 and 29 belong to the Pico itself.
 #pragma once
 
 #include "shared/boards/board_row.hpp"
@@ -69,7 +69,6 @@ constexpr std::array<PinUse, n + m> join(const std::array<PinUse, n>& a,
   for (std::size_t i = 0; i < m; ++i) all[n + i] = b[i];
   return all;
 }
-
 
 inline constexpr auto glass = join(common, glass_only);
 inline constexpr auto cut = join(common, join(cut_common, cut_only));

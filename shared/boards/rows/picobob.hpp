@@ -1,5 +1,5 @@
-// PicoBOB by Expatria Technologies (docs/boards/picobob.md): a Pico in place of the parallel port of a
-// Mach3 breakout board. Pins: grblHAL, RP2040, boards/picobob_map.h.
+// PicoBOB by Expatria Technologies (docs/boards/picobob.md): a Pico in place of the parallel port
+// of a Mach3 breakout board. Pins: grblHAL, RP2040, boards/picobob_map.h.
 //
 // The five inputs come through inverters with Schmitt triggers, which always drive their pads. The
 // outputs of GPIO 14 and 16 end in open collectors. There is no enable of the drives, and no input

@@ -76,12 +76,16 @@ Gpio::Gpio(TimeWheel& wheel, IrqLines& irqs, NotModelled not_modelled)
 
 void Gpio::set_external(unsigned gpio, External level, Cycle at) {
   const std::uint32_t bit = 1u << gpio;
-  const std::uint32_t driven = level == External::floating ? 0 : bit;
+  const std::uint32_t driven = level == External::low || level == External::high ? bit : 0;
   const std::uint32_t high = level == External::high ? bit : 0;
-  if ((external_driven_ & bit) == driven && (external_high_ & bit) == high) return;
+  const std::uint32_t up = level == External::pulled_up ? bit : 0;
+  if ((external_driven_ & bit) == driven && (external_high_ & bit) == high &&
+      (external_pull_up_ & bit) == up)
+    return;
   catch_up(at);
   external_driven_ = (external_driven_ & ~bit) | driven;
   external_high_ = (external_high_ & ~bit) | high;
+  external_pull_up_ = (external_pull_up_ & ~bit) | up;
   update(at);
 }
 
@@ -93,7 +97,7 @@ void Gpio::update(Cycle at) {
   driven_ = driven;
   // Neither pull: the charge of the pin; both: the bus keeper (2.19.4).
   const std::uint32_t keeps = ~(pull_up_ ^ pull_down_);
-  const std::uint32_t pulled = (pull_up_ & ~pull_down_) | (keeps & pads_);
+  const std::uint32_t pulled = (pull_up_ & ~pull_down_) | (keeps & pads_) | external_pull_up_;
   const std::uint32_t outside = external_high_ | (~external_driven_ & pulled);
   const std::uint32_t before = pads_;
   pads_ = ((driven & out) | (~driven & outside)) & all_pins;

@@ -36,7 +36,12 @@ enum class PinFunction : std::uint8_t {
 };
 
 /// Level that the outside drives on a pin.
-enum class External : std::uint8_t { floating, low, high };
+enum class External : std::uint8_t {
+  floating,
+  low,
+  high,
+  pulled_up,  ///< by a resistor that is stronger than the pulls of the pad
+};
 
 /// Receives the changes of pad levels.
 class PadListener {
@@ -225,7 +230,7 @@ class Gpio : private Timed {
   std::array<std::uint32_t, gpio_count> pad_control_{};
   std::uint32_t voltage_select_ = 0, swclk_pad_ = 0, swd_pad_ = 0;
   std::uint32_t input_enable_ = 0, output_disable_ = 0, pull_up_ = 0, pull_down_ = 0;
-  std::uint32_t external_driven_ = 0, external_high_ = 0;
+  std::uint32_t external_driven_ = 0, external_high_ = 0, external_pull_up_ = 0;
   std::vector<std::uint32_t> wires_;  ///< pins that are joined
   std::uint32_t driven_over_wires_ = 0;
   std::uint32_t contention_reported_ = 0;

@@ -80,14 +80,12 @@ class ProgramPins {
   static constexpr std::uint32_t nothing = ~0u;  ///< no set of outputs
   static constexpr std::uint32_t z_wanted = 1u << 17, air_wanted = 1u << 16, full = 65535;
 
-  std::uint32_t pins() const {
-    return air_ | aux_ | z_;
-  }
+  std::uint32_t pins() const { return air_ | aux_ | z_; }
   [[gnu::noinline]] void put(const machine::SwitchedOutputs& outputs) const {
     // Values between off and on are PWM; both ends are levels, which change at once.
     const bool is_pwm = aux_ != 0 && outputs.aux != 0 && outputs.aux != full;
-    const std::uint32_t high = (outputs.aux == full ? aux_ : 0) | (outputs.air ? air_ : 0) |
-                               (outputs.z_enable ? z_ : 0);
+    const std::uint32_t high =
+        (outputs.aux == full ? aux_ : 0) | (outputs.air ? air_ : 0) | (outputs.z_enable ? z_ : 0);
     sio().gpio_out_clr = pins() & ~high;
     sio().gpio_out_set = high;
     if (aux_ == 0) return;
@@ -97,7 +95,7 @@ class ProgramPins {
         io_ctrl::function(is_pwm ? io_ctrl::Function::pwm : io_ctrl::Function::sio);
   }
 
-  std::uint32_t applied_ = nothing;  ///< at the pins
+  std::uint32_t applied_ = nothing;    ///< at the pins
   const std::uint32_t air_, aux_, z_;  ///< the pin of each as a bit; 0: the map has none
 };
 

@@ -127,8 +127,7 @@ void LatticeOutput::change_program(bool was_long) const {
   while (timer().timerawl - begun_us <= max_tick_us) {
   }
   put(was_long ? 1 : 0, apart_axis_program.at(1, axis_offset));
-  for (int a = 0; a < axes_; ++a)
-    machine_of(a).configure(program_of_axes(), axis_offset, 0);
+  for (int a = 0; a < axes_; ++a) machine_of(a).configure(program_of_axes(), axis_offset, 0);
 }
 
 void LatticeOutput::start_axis(int axis, const stepper::AxisPulses& pulses) const {

@@ -30,8 +30,8 @@ inline constexpr unsigned synchroniser_clocks = 3;
 inline constexpr unsigned pad_clocks = 1;
 inline constexpr unsigned tick_gpio = boards::gpio(boards::Role::tick_line);
 
-/// AXIS of a board whose DIR pins are next to their STEP pins: per tick the levels of the two pins of
-/// the axis, the second one (DIR, CCW, B) first, autopull at 32 bits. OUT pins: both; SET pins:
+/// AXIS of a board whose DIR pins are next to their STEP pins: per tick the levels of the two pins
+/// of the axis, the second one (DIR, CCW, B) first, autopull at 32 bits. OUT pins: both; SET pins:
 /// those that fall with the tick line, from the first one on, their number depending on the pulses
 /// (fallen_pins()). So a short pulse is as long as the tick line is high, a longer one ends with a
 /// tick, DIR changes at the beginning of a tick, at least one before the step
@@ -47,10 +47,10 @@ consteval Program make_paired_axis() {
   a.wrap();
   return a.finish();
 }
-/// AXIS of other boards, for the same words, STEP and DIR only. OUT pin: DIR; SET pin: STEP. A short
-/// pulse falls with the tick line; a longer one is set again by each of its ticks and falls with the
-/// first tick without it. Only the first two instructions and the wrap differ, so that one can
-/// replace the other while there are ticks without steps (LatticeOutput::set_times()).
+/// AXIS of other boards, for the same words, STEP and DIR only. OUT pin: DIR; SET pin: STEP. A
+/// short pulse falls with the tick line; a longer one is set again by each of its ticks and falls
+/// with the first tick without it. Only the first two instructions and the wrap differ, so that one
+/// can replace the other while there are ticks without steps (LatticeOutput::set_times()).
 consteval Program make_apart_axis(bool is_long) {
   Assembler a;
   const Label low = a.here();

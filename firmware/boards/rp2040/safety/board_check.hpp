@@ -1,11 +1,13 @@
 // Whether this image is on the board that it is for, as far as levels of undriven pins show it.
 //
-// In:  the row of the board, levels of all pads. Out: a pin that contradicts the row, if there is one.
-// Who: RealTime::start(), before any pin is driven; pads are as after a reset, inputs pulled down.
+// In:  the row of the board, levels of all pads. Out: a pin that contradicts the row, if there is
+// one. Who: RealTime::start(), before any pin is driven; pads are as after a reset, inputs pulled
+// down.
 //
 // An image of another board may drive what a buffer or a switch of this board drives, or switch
 // energy on where its own row has an enable. Contradictions are
-//   - an output that is high: a pull-up, or another driver. Except enables, which have a pull-up, the
+//   - an output that is high: a pull-up, or another driver. Except enables, which have a pull-up,
+//   the
 //     UART, and active-low pins of drives, which have one too;
 //   - LAMP SYNC active for longer than a pulse of a lamp lasts;
 //   - an input behind a buffer of the board that follows the pull of its own pad.

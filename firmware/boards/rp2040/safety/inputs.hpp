@@ -157,8 +157,8 @@ class Inputs {
   std::array<Switch, most> switches_{};
   std::size_t count_ = 0;
   std::uint32_t pins_ = 0;
-  std::uint32_t inverted_ = 0;  ///< pins behind inverters
-  std::uint32_t low_pins_ = 0;  ///< pins that are active low
+  std::uint32_t inverted_ = 0;   ///< pins behind inverters
+  std::uint32_t low_pins_ = 0;   ///< pins that are active low
   std::uint32_t held_pins_ = 0;  ///< pins that count as active
   std::uint32_t seen_ = 0;
   machine::InputSet active_low_ = 0;
