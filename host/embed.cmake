@@ -18,14 +18,14 @@ file(WRITE ${OUTPUT} "// Made of ${name} by embed.cmake.
 namespace lamplock::${ROOM} {
 namespace {
 
-constexpr unsigned char embedded_bytes[] = {
+constexpr unsigned char ${FUNCTION}_bytes[] = {
 ${bytes}
 };
 
 }  // namespace
 
 std::string_view ${FUNCTION}() {
-  return {reinterpret_cast<const char*>(embedded_bytes), sizeof embedded_bytes};
+  return {reinterpret_cast<const char*>(${FUNCTION}_bytes), sizeof ${FUNCTION}_bytes};
 }
 
 }  // namespace lamplock::${ROOM}

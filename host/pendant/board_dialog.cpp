@@ -76,6 +76,7 @@ void BoardDialog::take(const std::string& line, std::vector<Answered>& answers) 
     sent_.pop_front();
     return;
   }
+  if (on_line_) on_line_(line);
   if (link::is_banner(line)) {
     forget_lines();
     ++restarts_;

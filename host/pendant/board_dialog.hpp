@@ -8,8 +8,10 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "host/link/board_text.hpp"
@@ -63,6 +65,8 @@ class BoardDialog {
   std::vector<Answered> poll(bool hurry);
   /// Messages for the user since the last call: alarms, [MSG:...].
   std::vector<std::string> take_messages();
+  /// Calls `show` with every line that is neither a status report nor an answer.
+  void on_line(std::function<void(const std::string&)> show) { on_line_ = std::move(show); }
   /// Number of restarts of the board; each one drops the lines sent before.
   std::size_t restarts() const { return restarts_; }
 
@@ -84,6 +88,7 @@ class BoardDialog {
   std::deque<Answered> sent_;
   MachineNow machine_;
   std::vector<std::string> messages_;
+  std::function<void(const std::string&)> on_line_;
   std::size_t restarts_ = 0;
   Time heard_at_{}, asked_at_{};
 };

@@ -6,11 +6,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "host/file/output_files.hpp"
 #include "host/gpio/line_table.hpp"
+#include "host/link/transport.hpp"
 #include "host/run/motion_plot_file.hpp"
 #include "shared/boards/pico_uart.hpp"
 #include "shared/settings_table.hpp"
@@ -58,10 +61,13 @@ struct BoardOptions {
   PlotOptions plot{};
   LampFaults faults{};
   SimulatedDrives drives{};
+  /// Opens the board, in place of its name; for a program that has it open already. Such a board is
+  /// a real one for the use cases, also if it is simulated: its time passes as the wall clock's.
+  std::function<std::unique_ptr<link::Transport>()> opener{};
   /// The words of the command that runs the job, for its report; empty if there is none.
   std::vector<std::string> command{};
 
-  bool is_simulated() const { return board == "virtual" || board == "chip"; }
+  bool is_simulated() const { return !opener && (board == "virtual" || board == "chip"); }
   /// Lines of this computer for a real board: those of --lines, else of the profile. Throws
   /// Error(bad_input), also for --lines with a simulated board.
   gpio::LineTable line_table() const;

@@ -72,7 +72,7 @@ std::unique_ptr<link::Transport> open_board(const std::string& board, unsigned b
 
 void check_is_connected(const BoardOptions& options) {
   const std::string& board = options.board;
-  if (options.is_simulated()) return;
+  if (options.is_simulated() || options.opener) return;
   const auto serial = usb_serial(board);
   if (board == auto_board || serial) {
     usb::LibusbBus bus;
@@ -84,6 +84,7 @@ void check_is_connected(const BoardOptions& options) {
 }
 
 std::unique_ptr<link::Transport> open_port(const BoardOptions& options) {
+  if (options.opener) return options.opener();
   return options.is_simulated() ? nullptr : open_board(options.board, options.baud);
 }
 

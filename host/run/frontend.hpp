@@ -19,9 +19,10 @@ namespace lamplock::run {
 
 /// What a user has to know of a running job beside its progress.
 struct ProgressState {
-  std::string word;   ///< "held", "door open", "stopping"; empty while the machine works
-  std::string speed;  ///< "speed 150 %"; empty at the speed of the job
-  std::string typed;  ///< keys that the user has typed, before Enter
+  std::string word;             ///< "held", "door open", "stopping"; empty while the machine works
+  std::string speed;            ///< "speed 150 %"; empty at the speed of the job
+  std::string typed;            ///< keys that the user has typed, before Enter
+  std::vector<double> place{};  ///< of the machine, as reported, mm; empty: not known
 };
 
 /// The progress of one thing, shown until the object is destroyed.
@@ -61,6 +62,8 @@ class LineInput {
   virtual bool ended() const = 0;
   /// A user types the lines; false for a file or a pipe, and in the background.
   virtual bool is_typed() const = 0;
+  /// The user has no buttons: texts say which keys there are.
+  virtual bool needs_keys_shown() const { return is_typed(); }
   /// The line that the user has begun to type, where the input does not show it by itself.
   virtual std::string begun() const = 0;
 };

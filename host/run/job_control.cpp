@@ -16,6 +16,7 @@ void JobControl::poll() {
   take_interrupts(interrupts_->count());
   if (stopping_) return;
   watch_machine();
+  if (asking_ && resumes_at_rest_) resume();
   if (asking_ && clocking_ == Clocking::lock_step) return wait_for_user();
   if (Clock::now() - polled_at_ < input_interval) return;
   polled_at_ = Clock::now();
@@ -26,7 +27,7 @@ void JobControl::poll() {
 void JobControl::show_keys() {
   if (clocking_ == Clocking::lock_step && Clock::now() - begun_at_ < long_simulation) return;
   keys_shown_ = true;
-  if (can_answer()) note(keys());
+  if (can_answer() && input_->needs_keys_shown()) note(keys());
 }
 
 void JobControl::show_progress() {
@@ -37,7 +38,7 @@ void JobControl::show_progress() {
 }
 
 void JobControl::ask_user(const std::string& question, const std::string& keys) {
-  if (can_answer()) return note(question + "; " + keys);
+  if (can_answer()) return note(input_->needs_keys_shown() ? question + "; " + keys : question);
   input_->read_ahead();
   note(question + (input_->ended() ? "; without a terminal only the machine resumes, SIGINT stops"
                                    : "; a line of the input resumes, SIGINT stops"));
@@ -76,10 +77,14 @@ void JobControl::take_line(const std::string& line) {
   const auto first = line.find_first_not_of(" \t\r"), last = line.find_last_not_of(" \t\r");
   const std::string word = first == std::string::npos ? "" : line.substr(first, last + 1 - first);
   if (!word.empty() && word.front() != '~') return take_word(word);
-  if (asking_ || holding_) resume();
+  if (asking_ || holding_)
+    resume();
+  else
+    resumes_at_rest_ = awaits_hold();
 }
 
 void JobControl::resume() {
+  resumes_at_rest_ = false;
   if (!obstacle_.empty()) return note(obstacle_ + ": not resumed");
   holding_ = false;
   note("resuming");

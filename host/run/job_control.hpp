@@ -61,6 +61,8 @@ class JobControl {
   /// A typed word that is not a resume.
   virtual void take_word(const std::string& word) = 0;
   virtual void resume_machine() = 0;
+  /// A hold was requested, and the machine is not at rest yet.
+  virtual bool awaits_hold() const { return false; }
   virtual void hold_for_obstacle(bool is_new) = 0;
   virtual void end_machine(bool is_ended) = 0;
   /// A simulated machine waits for an answer, and the input has ended.
@@ -93,7 +95,8 @@ class JobControl {
   void take_line(const std::string& line);
 
   std::unique_ptr<LineInput> input_;
-  bool ended_ = false;  ///< by end()
+  bool ended_ = false;            ///< by end()
+  bool resumes_at_rest_ = false;  ///< the user has resumed while the machine braked for the hold
   Clock::time_point polled_at_{};
   Clock::time_point begun_at_ = Clock::now();
   bool keys_shown_ = false;

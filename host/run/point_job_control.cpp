@@ -120,6 +120,8 @@ void PointJobControl::take_word(const std::string& word) {
     change_job_speed(present + job_speed_step);
   else if (word == "-")
     change_job_speed(present > job_speed_step ? present - job_speed_step : 1);
+  else if (word == "=")
+    change_job_speed(wire::full_job_speed);
   else if (percent && *percent > 0)
     change_job_speed(*percent);
   else

@@ -12,6 +12,9 @@ namespace {
 /// Until the door byte is sent again to a board that does not show the door state.
 constexpr std::chrono::milliseconds door_interval{500};
 
+/// So many interrupts at once are a stop that is no pause (frontend.hpp).
+constexpr int urgent_interrupts = 2;
+
 /// Feed overrides of grbl, percent.
 constexpr int feed_step = 10, min_feed_percent = 10, max_feed_percent = 200;
 
@@ -57,6 +60,7 @@ ProgressState ProgramControl::state() const {
     shown.word = "door open";
   else if (asking_ || sender_.status().is("Hold"))
     shown.word = sender_.at_pause() ? "pause" : "held";
+  if (!sender_.status().of_work) shown.place = sender_.status().position;
   if (feed_percent_ != full_percent) shown.speed = fmt::format("feed {} %", feed_percent_);
   return shown;
 }
@@ -65,6 +69,8 @@ void ProgramControl::take_interrupts(int count) {
   if (count < interrupts_to_stop()) return;
   stopping_ = true;
   note("stopping");
+  // A stop that is no pause: the laser is off before the machine brakes, and the position is kept.
+  if (count >= urgent_interrupts) sender_.realtime(link::realtime::door);
   sender_.stop();
 }
 
@@ -101,6 +107,7 @@ void ProgramControl::take_end_of_input() {
 void ProgramControl::take_word(const std::string& word) {
   switch (word.front()) {
     case '!':
+      is_holding_ = true;
       sender_.hold();
       return note(asking_ ? "held; Enter resumes" : "holding");
     case '+':
@@ -123,7 +130,7 @@ void ProgramControl::feed(std::uint8_t byte, int percent) {
 
 void ProgramControl::resume_machine() {
   if (asking_) waited_ += sender_.elapsed() - waiting_since_;
-  blocked_ = asking_ = false;
+  blocked_ = asking_ = is_holding_ = false;
   sender_.resume();
 }
 

@@ -37,6 +37,7 @@ class ProgramControl : public JobControl {
   void watch_machine() override;
   void take_word(const std::string& word) override;
   void resume_machine() override;
+  bool awaits_hold() const override { return is_holding_; }
   void hold_for_obstacle(bool is_new) override;
   void end_machine(bool is_ended) override;
   void take_end_of_input() override;
@@ -47,7 +48,8 @@ class ProgramControl : public JobControl {
   link::LineSender& sender_;
   ProgramTime& time_;
   int feed_percent_ = full_percent, rapid_percent_ = full_percent;  ///< overrides, as reported last
-  bool blocked_ = false;  ///< an obstacle held the machine, and the user has not resumed since
+  bool blocked_ = false;     ///< an obstacle held the machine, and the user has not resumed since
+  bool is_holding_ = false;  ///< by a key, until the user resumes
   std::chrono::microseconds door_sent_at_{};               ///< by the sender's clock
   std::chrono::microseconds waiting_since_{}, waited_{0};  ///< by the sender's clock
 };

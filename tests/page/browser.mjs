@@ -29,7 +29,7 @@ export class Browser {
 
   constructor(program, { webgl = true } = {}) {
     this.#child = spawn(program, [...flags, ...(webgl ? software_webgl : no_webgl), `--user-data-dir=${this.#profile}`],
-                        { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
+                        { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'], detached: true });
     this.#child.stdio[4].setEncoding('utf8');
     this.#child.stdio[4].on('data', (text) => this.#receive(text));
     this.#child.stdio[3].on('error', () => {});
@@ -75,6 +75,20 @@ export class Browser {
     const page = new Page(this, sessionId);
     await page.start(url, options);
     return page;
+  }
+
+  // A signal to the processes of the browser, which are a group of their own.
+  signal(name) {
+    process.kill(-this.#child.pid, name);
+  }
+
+  async kill() {
+    const ended = new Promise((resolve) => this.#child.on('exit', resolve));
+    if (this.#child.signalCode === null) {
+      this.signal('SIGKILL');
+      await ended;
+    }
+    rmSync(this.#profile, { recursive: true, force: true, maxRetries: 5, retryDelay: 100 });
   }
 
   async close() {

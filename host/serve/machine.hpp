@@ -1,0 +1,154 @@
+// The one thread that talks to the board: status, jogs, lines of the console, jobs.
+//
+// In:  requests of the server, from its thread; a way to open the board. Out: a view of machine and
+//      job, lines of the console.
+// Who: the server. All functions return at once; none waits for the board.
+//
+//   no board --opened--> idle: reports, jogs, lines one after the other <--> job, by a use case of
+//   host/run, which borrows the open connection: the board is locked all the time
+//
+// A board that is unplugged is opened again once a second; it is connected when it reports its
+// state. Nothing but questions is sent to it.
+//
+// A jog needs a lease: run_jog() moves the machine for lease_time at most, and a held key renews
+// it. The board has increments for 60 ms only (host/pendant/jog_stream.hpp): if this program is
+// stopped or killed, the machine brakes after that time.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/link/line_port.hpp"
+#include "host/link/transport.hpp"
+#include "host/pendant/board_dialog.hpp"
+#include "host/pendant/jog_stream.hpp"
+#include "host/run/board_options.hpp"
+#include "host/run/machine_options.hpp"
+#include "host/run/supervisor.hpp"
+#include "host/serve/machine_view.hpp"
+#include "host/serve/page_frontend.hpp"
+
+namespace lamplock::serve {
+
+/// A held key moves the machine this long without a renewal, and then it brakes.
+inline constexpr std::chrono::milliseconds lease_time{200};
+
+using BoardOpener = std::function<std::unique_ptr<link::Transport>()>;
+
+/// A job or a program to run.
+struct JobStart {
+  std::string name;  ///< for users
+  std::string path;
+  bool is_dry = false;
+  bool resumes = false;  ///< the last run of this job
+  std::size_t from = 0;  ///< point or line
+};
+
+/// What the machine does at rest with the port of the board. May throw Error.
+using Work = std::function<void(link::LinePort&)>;
+/// Called once, in the thread of the machine: the error, or null.
+using Done = std::function<void(std::exception_ptr)>;
+
+class Machine {
+ public:
+  /// `options` name the board in messages and have the lines of the computer.
+  Machine(BoardOpener open, run::BoardOptions options, run::MachineOptions machine);
+  /// Stops what runs and waits until the machine is at rest.
+  ~Machine();
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
+
+  MachineView view() const;
+  /// Lines of the console after this number, oldest first; at most max_console_lines.
+  std::vector<ConsoleLine> lines_after(std::uint64_t number) const;
+
+  /// Ends a job, a jog or what lines have begun: laser off first, then the machine brakes.
+  void stop();
+  void hold();
+  void resume();
+  /// Changes the feed of a program or the speed of a job: "+", "-", or "=" for full.
+  void change_feed(const std::string& word);
+
+  // The following throw Error(job_failed) while a job runs or without a board.
+
+  void start(const JobStart& job);
+  void post(Work work, Done done);
+  /// Sends a line of G-code or a `$` command, after the answer to the one before.
+  void send_line(const std::string& line);
+  void run_jog(const pendant::Direction& direction, double feed_mm_min);
+  void step_jog(int axis, double mm, double feed_mm_min);
+  void stop_jog();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Lease {
+    pendant::Direction direction{};
+    double feed_mm_min = 0;
+    Clock::time_point until{};
+  };
+  struct Step {
+    int axis = 0;
+    double mm = 0, feed_mm_min = 0;
+  };
+  struct Posted {
+    Work work;
+    Done done;
+  };
+  class Talk;
+
+  void run();
+  void open_board();
+  void converse();
+  bool round(Talk& talk);
+  void take_jogs(Talk& talk);
+  void take_stop(Talk& talk);
+  void take_answers(Talk& talk);
+  void send_next_line(Talk& talk);
+  void supervise(Talk& talk);
+  void publish(const Talk& talk);
+  void read_limits();
+  void do_work(const Posted& posted);
+  void run_job(const JobStart& job);
+  run::BoardOptions options_for(const JobStart& job) const;
+  void end_job(const std::string& end, const std::string& message);
+  void lose_board(const std::string& why);
+  void show(const std::string& text);
+  void check_is_free() const;
+
+  BoardOpener open_;
+  run::BoardOptions options_;
+  run::MachineOptions machine_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  MachineView view_;
+  std::deque<ConsoleLine> console_;
+  std::uint64_t last_line_ = 0;
+  std::deque<Posted> posted_;
+  std::deque<std::string> lines_;
+  std::deque<std::uint8_t> bytes_;
+  std::optional<JobStart> next_job_;
+  std::optional<Lease> lease_;
+  std::optional<Step> step_;
+  std::shared_ptr<JobRequests> requests_;  ///< of the running job
+  bool stop_ = false, jog_stop_ = false, ending_ = false;
+
+  // Of the thread of the machine.
+  std::unique_ptr<link::Transport> transport_;
+  std::optional<pendant::JogLimits> limits_;
+  std::optional<run::Supervisor> supervisor_;
+  std::string complaint_;        ///< of the lines of the computer, shown last
+  bool resets_at_rest_ = false;  ///< a stop of lines: the rest is dropped by a reset
+  std::thread thread_;
+};
+
+}  // namespace lamplock::serve

@@ -1,0 +1,217 @@
+#include "host/serve/method.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace lamplock::serve {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double max_feed = 1'000'000, max_items = 4e9, max_time = 1e15;
+constexpr double max_file_name = 100, max_line_text = 250, max_secret_text = 64;
+/// A step is completed when its client has gone: it is short.
+constexpr double max_step_mm = 10;
+
+constexpr std::array login_parameters{
+    Parameter{"token", Type::text, true, 1, max_secret_text, nullptr,
+              "from the address that `serve` prints"},
+    Parameter{"client", Type::text, true, 16, max_secret_text, nullptr,
+              "random text that the client keeps: it is recognised by it after a new connection"},
+    Parameter{"name", Type::text, false, 0, 40, nullptr, "what others see"}};
+constexpr std::array pair_parameters{
+    Parameter{"code", Type::text, true, 6, 6, nullptr, "printed by `serve --pair`"}};
+constexpr std::array feed_parameters{
+    Parameter{"change", Type::text, true, 0, 0, "more|less|full", "by 10 %, or to 100 %"}};
+constexpr std::array file_parameters{
+    Parameter{"name", Type::text, true, 1, max_file_name, nullptr, "file"}};
+constexpr std::array start_parameters{
+    Parameter{"name", Type::text, true, 1, max_file_name, nullptr, "file"},
+    Parameter{"dry", Type::flag, false, 0, 0, nullptr, "moves with the laser off"},
+    Parameter{"resume", Type::flag, false, 0, 0, nullptr,
+              "continues the last run of a job; no point is fired twice"},
+    Parameter{"from", Type::whole, false, 0, max_items, nullptr,
+              "point, or line of a program, to begin at"}};
+constexpr std::array send_parameters{
+    Parameter{"line", Type::text, true, 1, max_line_text, nullptr, "G-code or a `$` command"}};
+constexpr std::array lines_parameters{
+    Parameter{"after", Type::whole, false, 0, max_time, nullptr, "number of the last line known"}};
+constexpr std::array run_parameters{
+    Parameter{"direction", Type::numbers, true, -1, 1, nullptr,
+              "-1, 0 or 1 for each axis, X first"},
+    Parameter{"feed", Type::number, true, 1, max_feed, nullptr, "mm/min"},
+    Parameter{"seen", Type::whole, true, 0, max_time, nullptr,
+              "`time` of the last notification: an old request does not move the machine"}};
+constexpr std::array step_parameters{
+    Parameter{"axis", Type::whole, true, 0, 3, nullptr, "0 is X"},
+    Parameter{"mm", Type::number, true, -max_step_mm, max_step_mm, nullptr, "distance"},
+    Parameter{"feed", Type::number, true, 1, max_feed, nullptr, "mm/min"}};
+constexpr std::array set_parameters{
+    Parameter{"changes", Type::object, true, 0, 0, nullptr, "values by name of the setting"}};
+
+constexpr std::array table{
+    Method{"login", Right::all, login_parameters, "Must be the first message of a WebSocket.",
+           "`version`, `board`, `simulated`, `paired`"},
+    Method{"pair", Right::all, pair_parameters,
+           "Permits this client to start jobs that fire on a real board. Five wrong codes end it.",
+           "nothing"},
+    Method{"status", Right::all, {}, "The whole status.", "`board`, `job`, `control`"},
+    Method{"subscribe",
+           Right::all,
+           {},
+           "From now on notifications `status` bring what differs, and `console` the new lines.",
+           "the whole status"},
+    Method{"control.take",
+           Right::all,
+           {},
+           "Takes control, also from another client, which is notified.",
+           "nothing"},
+    Method{"control.release", Right::control, {}, "Gives control up.", "nothing"},
+    Method{"machine.stop",
+           Right::all,
+           {},
+           "Stops whatever runs: laser off, then the machine brakes. Never asks.",
+           "nothing"},
+    Method{"machine.hold", Right::all, {}, "Holds the machine.", "nothing"},
+    Method{"machine.resume", Right::firing, {}, "Resumes after a hold.", "nothing"},
+    Method{"machine.feed", Right::control, feed_parameters,
+           "Changes the feed override of a program or the speed of a job.", "nothing"},
+    Method{"machine.home", Right::control, {}, "Homes the machine (`$H`).", "nothing"},
+    Method{"machine.unlock", Right::control, {}, "Ends an alarm (`$X`).", "nothing"},
+    Method{"job.list",
+           Right::all,
+           {},
+           "Files that were sent to the server.",
+           "list of `name`, `bytes`"},
+    Method{"job.check", Right::all, file_parameters,
+           "Runs a program, or reads a job, without the machine.",
+           "`kind`, `seconds`, `problems`, `bounds`, `picture` (SVG), `points` or `lines`"},
+    Method{"job.start", Right::firing, start_parameters,
+           "Runs a job or a program. A dry run needs no pairing.", "nothing"},
+    Method{"job.delete", Right::control, file_parameters, "Removes a file.", "nothing"},
+    Method{"console.send", Right::firing, send_parameters,
+           "Sends a line; the answer comes with the lines of the console.", "nothing"},
+    Method{"console.lines", Right::all, lines_parameters, "The last lines of the console.",
+           "list of `number`, `text`"},
+    Method{"jog.run", Right::control, run_parameters,
+           "Moves at a feed for 200 ms; a client repeats it while a key is held.", "nothing"},
+    Method{"jog.step", Right::control, step_parameters, "Moves one step.", "nothing"},
+    Method{"jog.stop", Right::all, {}, "Ends a jog.", "nothing"},
+    Method{"settings.get",
+           Right::all,
+           {},
+           "The settings of the board, at rest.",
+           "list of `number`, `name`, `unit`, `min`, `max`, `whole`, `default`, `value`, `about`"},
+    Method{"settings.set", Right::control, set_parameters,
+           "Changes settings, all or none, and reads them back.", "the changed settings"}};
+
+constexpr std::array type_names{"text",          "number",          "whole number",
+                                "true or false", "list of numbers", "object"};
+const char* type_name(Type type) { return type_names[static_cast<std::size_t>(type)]; }
+
+bool is_in(const Json& value, const Parameter& parameter) {
+  const double number = value.get<double>();
+  return number >= parameter.min && number <= parameter.max;
+}
+
+bool is_choice(const std::string& text, std::string_view choices) {
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = std::min(choices.find('|', begin), choices.size());
+    if (choices.substr(begin, end - begin) == text) return true;
+    if (end == choices.size()) return false;
+    begin = end + 1;
+  }
+}
+
+bool is_right_text(const std::string& text, const Parameter& parameter) {
+  if (parameter.choices != nullptr) return is_choice(text, parameter.choices);
+  return static_cast<double>(text.size()) >= parameter.min &&
+         static_cast<double>(text.size()) <= parameter.max;
+}
+
+bool is_right(const Json& value, const Parameter& parameter) {
+  constexpr std::size_t max_axes = 4, max_members = 200;
+  switch (parameter.type) {
+    case Type::text:
+      return value.is_string() && is_right_text(value.get<std::string>(), parameter);
+    case Type::number:
+      return value.is_number() && is_in(value, parameter);
+    case Type::whole:
+      return value.is_number_integer() && is_in(value, parameter);
+    case Type::flag:
+      return value.is_boolean();
+    case Type::numbers:
+      return value.is_array() && !value.empty() && value.size() <= max_axes &&
+             std::all_of(value.begin(), value.end(), [&](const Json& each) {
+               return each.is_number_integer() && is_in(each, parameter);
+             });
+    case Type::object:
+      return value.is_object() && !value.empty() && value.size() <= max_members;
+  }
+  return false;
+}
+
+std::string wanted(const Parameter& parameter) {
+  if (parameter.choices != nullptr) return parameter.choices;
+  const std::string type = type_name(parameter.type);
+  if (parameter.max <= parameter.min) return type;
+  return fmt::format("{} of {:.10g} to {:.10g}{}", type, parameter.min, parameter.max,
+                     parameter.type == Type::text ? " bytes" : "");
+}
+
+const char* right_name(Right right) {
+  constexpr std::array names{"all", "control", "firing"};
+  return names[static_cast<std::size_t>(right)];
+}
+
+}  // namespace
+
+std::span<const Method> methods() { return table; }
+
+const Method* find_method(std::string_view name) {
+  const auto* found = std::find_if(table.begin(), table.end(),
+                                   [name](const Method& method) { return method.name == name; });
+  return found == table.end() ? nullptr : found;
+}
+
+std::string refusal_of(const Method& method, const Json& parameters) {
+  if (!parameters.is_object()) return "params: must be an object";
+  for (const auto& [name, value] : parameters.items()) {
+    const auto is_it = [&n = name](const Parameter& each) { return n == each.name; };
+    if (std::none_of(method.parameters.begin(), method.parameters.end(), is_it))
+      return fmt::format("params: {} has no such parameter", method.name);
+  }
+  for (const Parameter& parameter : method.parameters) {
+    const auto found = parameters.find(parameter.name);
+    if (found == parameters.end()) {
+      if (parameter.is_required) return fmt::format("{}: is missing", parameter.name);
+    } else if (!is_right(*found, parameter)) {
+      return fmt::format("{}: must be {}", parameter.name, wanted(parameter));
+    }
+  }
+  return "";
+}
+
+std::string methods_table() {
+  std::string text = "| method | right | what it does | result |\n|---|---|---|---|\n";
+  for (const Method& method : table)
+    text += fmt::format("| `{}` | {} | {} | {} |\n", method.name, right_name(method.right),
+                        method.about, method.result);
+  text += "\n| method | parameter | value | meaning |\n|---|---|---|---|\n";
+  for (const Method& method : table)
+    for (const Parameter& parameter : method.parameters) {
+      std::string value = wanted(parameter);
+      if (parameter.choices != nullptr)
+        for (std::size_t at = 0; (at = value.find('|', at)) != std::string::npos; at += 4)
+          value.replace(at, 1, " or ");
+      text += fmt::format("| `{}` | `{}`{} | {} | {} |\n", method.name, parameter.name,
+                          parameter.is_required ? "" : " (optional)", value, parameter.about);
+    }
+  return text;
+}
+
+}  // namespace lamplock::serve

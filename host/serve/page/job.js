@@ -1,0 +1,115 @@
+// Files of the server: send, check, start, progress.
+
+const clock = (seconds) => {
+  const s = Math.round(seconds);
+  return s < 60 ? `${s} s` : `${Math.floor(s / 60)} min ${String(s % 60).padStart(2, '0')} s`;
+};
+
+export class Jobs {
+  #link;
+  #element;
+  #picture = '';
+
+  constructor(link, element, show_problem) {
+    this.#link = link;
+    this.#element = element;
+    this.show_problem = show_problem;
+    const drop = element('drop');
+    element('file').addEventListener('change', ({ target }) => this.#send([...target.files]));
+    for (const name of ['dragover', 'dragleave', 'drop'])
+      drop.addEventListener(name, (event) => {
+        event.preventDefault();
+        drop.classList.toggle('over', name === 'dragover');
+        if (name === 'drop') this.#send([...event.dataTransfer.files]);
+      });
+    element('check').addEventListener('click', () => this.check());
+    element('start').addEventListener('click', () => this.#start());
+    element('delete').addEventListener('click', () => this.#delete());
+    element('jobs').addEventListener('change', () => this.#show_nothing());
+  }
+
+  get name() { return this.#element('jobs').value; }
+
+  async list(chosen = this.name) {
+    const files = await this.#link.call('job.list');
+    this.#element('jobs').replaceChildren(...files.map(({ name }) => new Option(name, name, false, name === chosen)));
+  }
+
+  async #send(files) {
+    for (const file of files) {
+      const reply = await fetch(`/files/${file.name}`, {
+        method: 'POST', body: file,
+        headers: { 'Authorization': `Bearer ${this.#link.token}`, 'Content-Type': 'application/octet-stream' },
+      }).catch((error) => ({ ok: false, text: () => error.message }));
+      if (!reply.ok) {
+        this.show_problem(`${file.name}: ${await reply.text()}`);
+        continue;
+      }
+      await this.list(file.name);
+      await this.check();
+    }
+    this.#element('file').value = '';
+  }
+
+  #show_nothing() {
+    this.#element('checked').textContent = '';
+    this.#element('problems').replaceChildren();
+    this.#element('picture').hidden = true;
+  }
+
+  async check() {
+    if (!this.name) return;
+    this.#show_nothing();
+    this.#element('checked').textContent = 'checking';
+    const result = await this.#link.call('job.check', { name: this.name }).catch(() => null);
+    if (!result) return this.#show_nothing();
+    const facts = [result.points ? `${result.points} points` : `${result.lines} lines`];
+    if (result.seconds !== undefined) facts.push(clock(result.seconds));
+    if (result.bounds) {
+      const [low, high] = result.bounds;
+      facts.push(low.map((mm, i) => `${'XYZA'[i]} ${mm.toFixed(1)} to ${high[i].toFixed(1)}`).join(', ') + ' mm');
+    }
+    this.#element('checked').textContent = facts.join('; ');
+    this.#element('problems').replaceChildren(...result.problems.map(({ line, text }) => {
+      const item = document.createElement('li');
+      item.textContent = `line ${line}: ${text}`;
+      return item;
+    }));
+    if (!result.picture) return;
+    URL.revokeObjectURL(this.#picture);
+    this.#picture = URL.createObjectURL(new Blob([result.picture], { type: 'image/svg+xml' }));
+    this.#element('picture').src = this.#picture;
+    this.#element('picture').hidden = false;
+  }
+
+  #start() {
+    if (!this.name) return this.show_problem('send a file first');
+    this.#link.tell('job.start', {
+      name: this.name, dry: this.#element('dry').checked, resume: this.#element('continue').checked,
+      from: Number(this.#element('from').value),
+    });
+  }
+
+  async #delete() {
+    if (!this.name) return;
+    await this.#link.call('job.delete', { name: this.name });
+    this.#show_nothing();
+    await this.list('');
+  }
+
+  show(job) {
+    const bar = this.#element('progress');
+    bar.value = job.total ? job.done / job.total : 0;
+    const parts = [job.name];
+    if (job.running) {
+      parts.push(job.title || 'preparing', `${job.done} of ${job.total}`);
+      if (job.dry) parts.push('laser off');
+      if (job.word) parts.push(job.word);
+      if (job.speed) parts.push(job.speed);
+      if (job.left_s !== undefined) parts.push(`${clock(job.left_s)} left`);
+    } else if (job.end) {
+      parts.push(job.end, job.message);
+    }
+    this.#element('job-text').textContent = parts.filter(Boolean).join(' · ');
+  }
+}

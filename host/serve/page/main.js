@@ -1,0 +1,148 @@
+// The page of a machine. It shows the status of the server and asks for actions; it keeps no state
+// of the machine.
+
+import { Jobs } from '/job.js';
+import { Jogger } from '/jog.js';
+import { Link, merge, take_token } from '/link.js';
+
+const element = (id) => document.getElementById(id);
+const max_lines = 500;
+let status = {};
+
+function show_problem(text) {
+  element('problem').textContent = text;
+  element('problem').hidden = text === '';
+}
+
+function show() {
+  const { board = {}, job = {}, control = {} } = status;
+  element('state').textContent = board.connected ? board.state || 'connected' : 'no board';
+  if (!board.connected && board.problem) show_problem(board.problem);
+  element('position').tBodies[0].replaceChildren(...(board.machine ?? []).map((mm, axis) => {
+    const row = document.createElement('tr');
+    const work = board.work?.[axis] ?? mm;
+    for (const text of ['XYZA'[axis], mm.toFixed(3), work.toFixed(3)])
+      row.insertCell().textContent = text;
+    return row;
+  }));
+  const others = control.own ? 'this page has control' : control.held ? `${control.holder} has control` : 'watching';
+  element('control-text').textContent = `${others}; ${control.clients ?? 0} connected`;
+  element('control').textContent = control.own ? 'Release control' : 'Take control';
+  element('pairing').hidden = control.paired !== false;
+  for (const button of document.querySelectorAll('.needs-control')) button.disabled = !control.own;
+  element('write').disabled = !control.own || changes().length === 0;
+  element('start').disabled = !control.own || job.running;
+  jobs.show(job);
+}
+
+const link = new Link(take_token(), {
+  up(login, whole) {
+    status = whole;
+    show_problem('');
+    element('board').textContent = `${login.board}${login.simulated ? ' (simulated)' : ''}`;
+    if (!whole.control.held) link.tell('control.take');
+    jobs.list();
+    show();
+  },
+  down(text) {
+    jogger.end();
+    status = {};
+    show();
+    show_problem(text);
+  },
+  failed: show_problem,
+  status(patch) {
+    status = merge(status, patch);
+    show();
+  },
+  console(lines) {
+    const box = element('lines');
+    const is_at_end = box.scrollTop + box.clientHeight >= box.scrollHeight - 4;
+    const shown = box.textContent.split('\n').filter(Boolean).concat(lines.map(({ text }) => text));
+    box.textContent = shown.slice(-max_lines).join('\n');
+    if (is_at_end) box.scrollTop = box.scrollHeight;
+  },
+});
+const jogger = new Jogger(link, element);
+const jobs = new Jobs(link, element, show_problem);
+
+element('stop').addEventListener('click', () => {
+  jogger.end();
+  link.tell('machine.stop');
+});
+addEventListener('keydown', (event) => event.key === 'Escape' && element('stop').click());
+for (const name of ['hold', 'resume', 'home', 'unlock'])
+  element(name).addEventListener('click', () => link.tell(`machine.${name}`));
+element('control').addEventListener('click', () => {
+  show_problem('');
+  link.tell(status.control?.own ? 'control.release' : 'control.take');
+});
+for (const button of document.querySelectorAll('[data-feed]'))
+  button.addEventListener('click', () => link.tell('machine.feed', { change: button.dataset.feed }));
+element('pairing').addEventListener('submit', async (event) => {
+  event.preventDefault();
+  await link.call('pair', { code: element('code').value }).catch(() => {});
+  element('code').value = '';
+});
+element('console').addEventListener('submit', (event) => {
+  event.preventDefault();
+  if (element('line').value.trim() !== '') link.tell('console.send', { line: element('line').value });
+  element('line').value = '';
+});
+
+// Settings: read, changed here, written together.
+
+function changes() {
+  return [...element('settings').querySelectorAll('input')].filter((input) => input.value !== input.defaultValue);
+}
+
+function show_changes() {
+  for (const input of element('settings').querySelectorAll('input'))
+    input.closest('tr').classList.toggle('changed', input.value !== input.defaultValue);
+  element('changes').textContent =
+    changes().map((input) => `${input.name}: ${input.defaultValue} to ${input.value}`).join('; ');
+  element('write').disabled = !status.control?.own || changes().length === 0;
+}
+
+function setting_row(setting) {
+  const row = document.createElement('tr');
+  const [name, value] = [row.insertCell(), row.insertCell()];
+  const label = document.createElement('label'), about = document.createElement('small');
+  const input = document.createElement('input');
+  input.id = input.name = setting.name;
+  input.type = 'number';
+  input.step = setting.whole ? 1 : 0.001;
+  [input.min, input.max] = [setting.min, setting.max];
+  input.defaultValue = setting.value;
+  label.htmlFor = setting.name;
+  label.textContent = `$${setting.number} ${setting.name}`;
+  about.textContent = `${setting.about}; ${setting.min} to ${setting.max}, default ${setting.default}`;
+  name.append(label, about);
+  value.append(input, ` ${setting.unit}`);
+  return row;
+}
+
+function search() {
+  const text = element('search').value.toLowerCase();
+  for (const row of element('settings').querySelectorAll('tr'))
+    row.hidden = !row.textContent.toLowerCase().includes(text);
+}
+
+async function read_settings() {
+  const table = document.createElement('table');
+  table.append(...(await link.call('settings.get')).map(setting_row));
+  element('settings').replaceChildren(table);
+  search();
+  show_changes();
+}
+
+element('read').addEventListener('click', () => read_settings().catch(() => {}));
+element('search').addEventListener('input', search);
+element('settings').addEventListener('input', show_changes);
+element('write').addEventListener('click', async () => {
+  const wanted = changes();
+  const wrong = wanted.find((input) => !input.checkValidity() || input.value === '');
+  if (wrong) return show_problem(`${wrong.name}: ${wrong.validationMessage || 'has no value'}`);
+  const values = Object.fromEntries(wanted.map((input) => [input.name, input.value]));
+  await link.call('settings.set', { changes: values }).then(read_settings).catch(() => {});
+});

@@ -1,0 +1,15 @@
+// The files of the page, embedded in the program.
+#pragma once
+
+#include <string_view>
+
+namespace lamplock::serve {
+
+std::string_view page_html();
+std::string_view page_css();
+std::string_view page_link_js();
+std::string_view page_jog_js();
+std::string_view page_job_js();
+std::string_view page_main_js();
+
+}  // namespace lamplock::serve

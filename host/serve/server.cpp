@@ -1,0 +1,335 @@
+#include "host/serve/server.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "host/error.hpp"
+#include "host/serve/access.hpp"
+#include "host/serve/page_files.hpp"
+
+namespace lamplock::serve {
+namespace {
+
+using namespace std::chrono_literals;
+using Json = nlohmann::json;
+
+constexpr const char* api_target = "/api";
+constexpr const char* socket_target = "/ws";
+constexpr std::string_view files_target = "/files/";
+constexpr std::size_t max_call_bytes = 256 * 1024, max_file_bytes = 32 * 1024 * 1024;
+constexpr auto login_time = 5s;
+/// The holder of control gets the time of the server this often: a jog needs it.
+constexpr auto time_interval = 100ms;
+constexpr std::size_t max_persons = 600, max_answers = 64;
+constexpr std::size_t min_secret = 16, max_secret = 64;
+
+/// Codes of JSON-RPC 2.0; refused: of this server.
+namespace code {
+constexpr int parse = -32700, request = -32600, method = -32601, parameters = -32602,
+              refused = -32000;
+}
+
+struct Page {
+  std::string_view target;
+  const char* type;
+  std::string_view (*text)();
+};
+constexpr std::array pages{Page{"/", "text/html; charset=utf-8", page_html},
+                           Page{"/page.css", "text/css; charset=utf-8", page_css},
+                           Page{"/link.js", "text/javascript; charset=utf-8", page_link_js},
+                           Page{"/jog.js", "text/javascript; charset=utf-8", page_jog_js},
+                           Page{"/job.js", "text/javascript; charset=utf-8", page_job_js},
+                           Page{"/main.js", "text/javascript; charset=utf-8", page_main_js}};
+
+const Page* find_page(std::string_view target) {
+  const auto* found = std::find_if(pages.begin(), pages.end(),
+                                   [target](const Page& page) { return page.target == target; });
+  return found == pages.end() ? nullptr : found;
+}
+
+WebReply refusal(int status, const std::string& text) {
+  return {status, "text/plain; charset=utf-8", text + "\n"};
+}
+
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// What turns `from` into `to` (RFC 7396), for objects without null.
+Json difference(const Json& from, const Json& to) {
+  Json patch = Json::object();
+  for (const auto& [name, value] : to.items()) {
+    const auto before = from.find(name);
+    if (before == from.end() || !before->is_object() || !value.is_object()) {
+      if (before == from.end() || *before != value) patch[name] = value;
+    } else if (Json inner = difference(*before, value); !inner.empty()) {
+      patch[name] = std::move(inner);
+    }
+  }
+  for (const auto& [name, value] : from.items())
+    if (!to.contains(name)) patch[name] = nullptr;
+  return patch;
+}
+
+Json board_json(const BoardView& board) {
+  return {{"connected", board.is_connected},
+          {"problem", board.problem},
+          {"state", board.state},
+          {"machine", board.machine_mm},
+          {"work", board.work_mm},
+          {"overrides", board.overrides},
+          {"jogs", board.jogs}};
+}
+
+Json job_json(const JobView& job) {
+  Json json{{"running", job.is_running}, {"name", job.name},   {"dry", job.is_dry},
+            {"title", job.title},        {"done", job.done},   {"total", job.total},
+            {"word", job.word},          {"speed", job.speed}, {"end", job.end},
+            {"message", job.message}};
+  if (job.left_s) json["left_s"] = *job.left_s;
+  return json;
+}
+
+}  // namespace
+
+// HTTP.
+
+Admission Server::admit(const WebRequest& head) {
+  const std::uint16_t port = web_->port();
+  if (!is_own_host(head.host, port)) return {refusal(403, "Host is not this server")};
+  if (head.origin && !is_own_origin(*head.origin, port))
+    return {refusal(403, "Origin is not this server")};
+  if (head.target == socket_target)
+    return head.is_upgrade ? Admission{} : Admission{refusal(426, "needs a WebSocket")};
+  if (head.is_upgrade) return {refusal(404, "no WebSocket here")};
+  if (find_page(head.target) != nullptr)
+    return head.method == "GET" ? Admission{} : Admission{refusal(405, "only GET")};
+  const bool is_call = head.target == api_target;
+  if (!is_call && !head.target.starts_with(files_target)) return {refusal(404, "not found")};
+  if (head.method != "POST") return {refusal(405, "only POST")};
+  if (!is_same_secret(head.authorization, "Bearer " + options_.token))
+    return {refusal(401, "needs Authorization: Bearer and the token")};
+  // Types that a form can send are refused: a browser asks before it sends others.
+  const std::string type = is_call ? "application/json" : "application/octet-stream";
+  if (head.content_type != type) return {refusal(415, "needs Content-Type: " + type)};
+  return {std::nullopt, is_call ? max_call_bytes : max_file_bytes};
+}
+
+void Server::reply(WebRequest request, Answer answer) {
+  if (const Page* page = find_page(request.target))
+    return answer({200, page->type, std::string(page->text())});
+  if (request.target == api_target) {
+    Call call;
+    call.respond = [answer = std::move(answer)](const std::string& text) {
+      answer({200, "application/json", text});
+    };
+    return take_request(request.body, std::move(call));
+  }
+  const std::string name = request.target.substr(files_target.size());
+  try {
+    const JobView job = machine_->view().job;
+    if (job.is_running && job.name == name)
+      throw Error(Exit::job_failed, name, "the job runs", "use another name");
+    folder_.write(name, request.body);
+    answer({201, "text/plain; charset=utf-8", name + "\n"});
+  } catch (const Error& error) {
+    answer(refusal(422, std::string(error.message())));
+  } catch (const std::exception& error) {
+    answer(refusal(500, error.what()));
+  }
+}
+
+// WebSockets.
+
+void Server::opened(ClientNumber client) { clients_[client].opened_at = Clock::now(); }
+
+void Server::received(ClientNumber client, const std::string& text) {
+  Call call;
+  call.client = client;
+  call.secret = clients_[client].secret;
+  call.respond = [this, client](const std::string& answer) { web_->send(client, answer); };
+  take_request(text, std::move(call));
+}
+
+void Server::closed(ClientNumber client) {
+  const std::string secret = clients_[client].secret;
+  clients_.erase(client);
+  if (secret.empty() || secret != holder_ || has_client(secret)) return;
+  holder_.clear();
+  machine_->stop_jog();
+}
+
+bool Server::has_client(const std::string& secret) const {
+  return std::any_of(clients_.begin(), clients_.end(),
+                     [&](const auto& each) { return each.second.secret == secret; });
+}
+
+// Requests.
+
+void Server::take_request(const std::string& text, Call call) {
+  const Json request = Json::parse(text, nullptr, false);
+  call.id = nullptr;
+  if (request.is_discarded()) return fail(call, code::parse, "is not valid JSON");
+  if (!request.is_object()) return fail(call, code::request, "must be one request");
+  const Json id = request.value("id", Json());
+  const bool is_id = id.is_number_integer() ||
+                     (id.is_string() && id.get_ref<const std::string&>().size() <= max_secret);
+  if (request.value("jsonrpc", Json()) != "2.0" || !is_id)
+    return fail(call, code::request, "needs jsonrpc 2.0 and an id, a text or a whole number");
+  call.id = id;
+  const Json name = request.value("method", Json());
+  const Method* method =
+      name.is_string() ? find_method(name.get_ref<const std::string&>()) : nullptr;
+  if (method == nullptr) return fail(call, code::method, "there is no such method");
+  call.parameters = request.value("params", Json::object());
+  const std::string wrong = refusal_of(*method, call.parameters);
+  if (!wrong.empty()) return fail(call, code::parameters, wrong);
+  if (call.client == 0) {
+    const Json secret = request.value("client", Json());
+    if (secret.is_string() && secret.get_ref<const std::string&>().size() >= min_secret &&
+        secret.get_ref<const std::string&>().size() <= max_secret)
+      call.secret = secret;
+  } else if (call.secret.empty() && std::string_view(method->name) != "login") {
+    fail(call, code::refused, "login must be the first message");
+    return web_->drop(call.client);
+  }
+  if (!was_called(call)) call_method(*method, call);
+}
+
+/// A request that was sent a second time, over a new connection perhaps, gets the same answer.
+bool Server::was_called(const Call& call) {
+  if (call.secret.empty()) return false;
+  Person& caller = person(call.secret);
+  const std::string id = call.id.dump();
+  const auto [known, is_new] = caller.answers.try_emplace(id);
+  if (!is_new) {
+    if (!known->second.empty()) call.respond(known->second);
+    return true;
+  }
+  caller.ids.push_back(id);
+  if (caller.ids.size() > max_answers) {
+    caller.answers.erase(caller.ids.front());
+    caller.ids.pop_front();
+  }
+  return false;
+}
+
+void Server::call_method(const Method& method, const Call& call) {
+  try {
+    check_right(method, call);
+    (this->*handlers().at(method.name))(call);
+  } catch (const std::exception& error) {
+    fail(call, code::refused, message_of(error));
+  }
+}
+
+void Server::check_right(const Method& method, const Call& call) const {
+  if (method.right == Right::all) return;
+  if (holder_.empty() || holder_ != call.secret)
+    throw Error(Exit::job_failed, method.name, "another client, or none, holds control",
+                "take control first");
+  if (method.right != Right::firing || options_.is_simulated || keeps_dark(method, call)) return;
+  const auto caller = persons_.find(call.secret);
+  if (caller == persons_.end() || !caller->second.is_paired)
+    throw Error(Exit::job_failed, method.name, "this client may not fire",
+                "start lamplock serve with --pair at the machine, and enter its code; or run dry");
+}
+
+std::string Server::message_of(const std::exception& error) {
+  const auto* const known = dynamic_cast<const Error*>(&error);
+  return known == nullptr ? error.what() : std::string(known->message());
+}
+
+/// A dry run, or its resume.
+bool Server::keeps_dark(const Method& method, const Call& call) const {
+  if (std::string_view(method.name) == "job.start") return call.parameters.value("dry", false);
+  const JobView job = machine_->view().job;
+  return std::string_view(method.name) == "machine.resume" && job.is_running && job.is_dry;
+}
+
+void Server::succeed(const Call& call, const Json& result) {
+  finish(call, {{"jsonrpc", "2.0"}, {"id", call.id}, {"result", result}});
+}
+
+void Server::fail(const Call& call, int code, const std::string& message) {
+  finish(call,
+         {{"jsonrpc", "2.0"}, {"id", call.id}, {"error", {{"code", code}, {"message", message}}}});
+}
+
+void Server::finish(const Call& call, const Json& response) {
+  const std::string text = text_of(response);
+  if (const auto caller = persons_.find(call.secret); caller != persons_.end())
+    if (const auto open = caller->second.answers.find(call.id.dump());
+        open != caller->second.answers.end() && open->second.empty())
+      open->second = text;
+  call.respond(text);
+}
+
+Server::Person& Server::person(const std::string& secret) {
+  if (persons_.size() >= max_persons && !persons_.contains(secret))
+    std::erase_if(persons_, [this](const auto& each) {
+      return !each.second.is_paired && !has_client(each.first);
+    });
+  return persons_[secret];
+}
+
+// Notifications.
+
+std::int64_t Server::time_ms() const {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begun_at_).count();
+}
+
+Json Server::status() const {
+  const MachineView view = machine_->view();
+  const auto holder = persons_.find(holder_);
+  const std::string name = holder == persons_.end() ? "" : holder->second.name;
+  return {
+      {"board", board_json(view.board)},
+      {"job", job_json(view.job)},
+      {"control", {{"held", !holder_.empty()}, {"holder", name}, {"clients", clients_.size()}}}};
+}
+
+void Server::tick() {
+  finish_check();
+  std::vector<ClientNumber> late;
+  for (const auto& [number, client] : clients_)
+    if (client.secret.empty() && Clock::now() - client.opened_at > login_time)
+      late.push_back(number);
+  for (const ClientNumber number : late) web_->drop(number);
+  const Json now = status();
+  std::vector<ClientNumber> watching;  // sending may drop one of them
+  for (const auto& [number, client] : clients_)
+    if (client.is_subscribed && !web_->is_behind(number)) watching.push_back(number);
+  for (const ClientNumber number : watching)
+    if (const auto found = clients_.find(number); found != clients_.end())
+      notify(number, found->second, now);
+}
+
+void Server::notify(ClientNumber number, Client& client, const Json& now) {
+  Json own = now;
+  own["control"]["own"] = !holder_.empty() && client.secret == holder_;
+  own["control"]["paired"] = options_.is_simulated || person(client.secret).is_paired;
+  const Json patch = difference(client.sent, own);
+  const bool needs_time =
+      client.secret == holder_ && Clock::now() - client.told_at >= time_interval;
+  if (!patch.empty() || needs_time) {
+    client.told_at = Clock::now();
+    client.sent = std::move(own);
+    web_->send(number, text_of({{"jsonrpc", "2.0"},
+                                {"method", "status"},
+                                {"params", {{"time", time_ms()}, {"patch", patch}}}}));
+  }
+  const auto lines = machine_->lines_after(client.line);
+  if (lines.empty() || !clients_.contains(number)) return;
+  client.line = lines.back().number;
+  Json shown = Json::array();
+  for (const ConsoleLine& line : lines)
+    shown.push_back({{"number", line.number}, {"text", line.text}});
+  web_->send(number, text_of({{"jsonrpc", "2.0"},
+                              {"method", "console"},
+                              {"params", {{"lines", std::move(shown)}}}}));
+}
+
+}  // namespace lamplock::serve

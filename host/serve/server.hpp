@@ -1,0 +1,140 @@
+// The site of the web server: clients, control, methods, notifications.
+//
+// In:  requests and messages of clients, the machine. Out: replies; status as differences (JSON
+//      merge patch, RFC 7396); lines of the console.
+// Who: serve(). All functions run in the thread of the web server.
+//
+// A client that has not taken the last notification gets the next one later, with all that differs
+// then: notifications do not queue up. Answers do, and a full queue drops the client.
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "host/run/background.hpp"
+#include "host/run/machine_options.hpp"
+#include "host/serve/job_folder.hpp"
+#include "host/serve/machine.hpp"
+#include "host/serve/method.hpp"
+#include "host/serve/web_server.hpp"
+
+namespace lamplock::serve {
+
+struct SiteOptions {
+  std::string board;
+  bool is_simulated = true;
+  std::string token;
+  std::string code;  ///< for pairing; empty: no client can be paired
+  run::MachineOptions machine;
+};
+
+class Server final : public WebSite {
+ public:
+  Server(SiteOptions options, JobFolder folder)
+      : options_(std::move(options)), folder_(std::move(folder)) {}
+
+  /// To be called once, before the web server runs. The machine must end before the web server.
+  void use(WebServer& web, Machine& machine) {
+    web_ = &web;
+    machine_ = &machine;
+  }
+  /// To be called after the web server has run: drops calls that are not answered.
+  void end() { checked_.reset(); }
+  /// To be called regularly: sends what differs.
+  void tick();
+
+  Admission admit(const WebRequest& head) override;
+  void reply(WebRequest request, Answer answer) override;
+  void opened(ClientNumber client) override;
+  void received(ClientNumber client, const std::string& text) override;
+  void closed(ClientNumber client) override;
+
+ private:
+  using Json = nlohmann::json;
+  using Clock = std::chrono::steady_clock;
+  using Respond = std::function<void(const std::string&)>;
+
+  /// A user of one or several connections, known by the secret of the client.
+  struct Person {
+    std::string name;
+    bool is_paired = false;
+    std::map<std::string, std::string> answers;  ///< by id; empty while it is worked on
+    std::deque<std::string> ids;                 ///< oldest first
+  };
+  struct Client {
+    Clock::time_point opened_at{};
+    std::string secret;  ///< empty before the login
+    bool is_subscribed = false;
+    Json sent;               ///< status that it knows
+    std::uint64_t line = 0;  ///< of the console, that it knows
+    Clock::time_point told_at{};
+  };
+  struct Call {
+    ClientNumber client = 0;  ///< 0: HTTP
+    std::string secret;
+    Json id, parameters;
+    Respond respond;
+  };
+  using Handler = void (Server::*)(const Call&);
+
+  static const std::map<std::string_view, Handler>& handlers();
+  void take_request(const std::string& text, Call call);
+  void call_method(const Method& method, const Call& call);
+  void check_right(const Method& method, const Call& call) const;
+  bool keeps_dark(const Method& method, const Call& call) const;
+  void succeed(const Call& call, const Json& result);
+  void fail(const Call& call, int code, const std::string& message);
+  void finish(const Call& call, const Json& response);
+  bool was_called(const Call& call);
+  Person& person(const std::string& secret);
+  bool has_client(const std::string& secret) const;
+  Json status() const;
+  std::int64_t time_ms() const;
+  void notify(ClientNumber number, Client& client, const Json& now);
+  void finish_check();
+  static std::string message_of(const std::exception& error);
+  void finish_work(const Call& call, const Json& result, const std::exception_ptr& error);
+
+  void login(const Call& call);
+  void pair(const Call& call);
+  void send_status(const Call& call);
+  void subscribe(const Call& call);
+  void take_control(const Call& call);
+  void release_control(const Call& call);
+  void stop(const Call& call);
+  void hold(const Call& call);
+  void resume(const Call& call);
+  void change_feed(const Call& call);
+  void home(const Call& call);
+  void unlock(const Call& call);
+  void list_jobs(const Call& call);
+  void check_job(const Call& call);
+  void start_job(const Call& call);
+  void delete_job(const Call& call);
+  void send_line(const Call& call);
+  void send_lines(const Call& call);
+  void run_jog(const Call& call);
+  void step_jog(const Call& call);
+  void stop_jog(const Call& call);
+  void get_settings(const Call& call);
+  void set_settings(const Call& call);
+
+  SiteOptions options_;
+  JobFolder folder_;
+  Machine* machine_ = nullptr;
+  WebServer* web_ = nullptr;
+  std::map<ClientNumber, Client> clients_;
+  std::map<std::string, Person> persons_;
+  std::string holder_;  ///< secret of the client that holds control; empty: none
+  int wrong_codes_ = 0;
+  run::Background<Json> check_;
+  std::optional<Call> checked_;  ///< the call that waits for it
+  Clock::time_point begun_at_ = Clock::now();
+};
+
+}  // namespace lamplock::serve

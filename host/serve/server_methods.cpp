@@ -1,0 +1,294 @@
+// The methods of the server (method.hpp), one function each. Parameters have been checked.
+#include <fmt/format.h>
+
+#include <utility>
+#include <vector>
+
+#include "host/error.hpp"
+#include "host/link/board_settings.hpp"
+#include "host/link/program_lines.hpp"
+#include "host/serve/access.hpp"
+#include "host/serve/check_file.hpp"
+#include "host/serve/server.hpp"
+#include "host/units.hpp"
+#include "host/version.hpp"
+#include "shared/settings_table.hpp"
+
+namespace lamplock::serve {
+namespace {
+
+/// Wrong codes until none is right.
+constexpr int max_wrong_codes = 5;
+/// A jog request that answers an older notification was delayed on its way.
+constexpr std::int64_t max_age_ms = 250;
+
+std::string word_of(const std::string& change) {
+  return change == "more" ? "+" : change == "less" ? "-" : "=";
+}
+
+double number_of(std::int32_t milli) { return milli / milli_per_unit; }
+
+nlohmann::json settings_json(const link::BoardSettings& board) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (std::size_t i = 0; i < settings::setting_count; ++i) {
+    const auto id = static_cast<settings::Id>(i);
+    const settings::Row& row = settings::row(id);
+    if (!board.has(id)) continue;
+    rows.push_back({{"number", row.number},
+                    {"name", row.name},
+                    {"unit", row.unit},
+                    {"min", number_of(row.min_milli)},
+                    {"max", number_of(row.max_milli)},
+                    {"whole", row.whole},
+                    {"default", number_of(row.default_milli)},
+                    {"value", number_of(board.values.milli(id))},
+                    {"about", row.description}});
+  }
+  return rows;
+}
+
+std::vector<link::Change> changes_of(const nlohmann::json& wanted) {
+  std::vector<link::Change> changes;
+  for (const auto& [name, value] : wanted.items()) {
+    if (!value.is_number() && !value.is_string())
+      throw Error(Exit::bad_input, name, "is neither a number nor a text", "give a number");
+    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    changes.push_back(link::parse_change(name + "=" + text, name));
+  }
+  return changes;
+}
+
+}  // namespace
+
+const std::map<std::string_view, Server::Handler>& Server::handlers() {
+  static const std::map<std::string_view, Handler> all{
+      {"login", &Server::login},
+      {"pair", &Server::pair},
+      {"status", &Server::send_status},
+      {"subscribe", &Server::subscribe},
+      {"control.take", &Server::take_control},
+      {"control.release", &Server::release_control},
+      {"machine.stop", &Server::stop},
+      {"machine.hold", &Server::hold},
+      {"machine.resume", &Server::resume},
+      {"machine.feed", &Server::change_feed},
+      {"machine.home", &Server::home},
+      {"machine.unlock", &Server::unlock},
+      {"job.list", &Server::list_jobs},
+      {"job.check", &Server::check_job},
+      {"job.start", &Server::start_job},
+      {"job.delete", &Server::delete_job},
+      {"console.send", &Server::send_line},
+      {"console.lines", &Server::send_lines},
+      {"jog.run", &Server::run_jog},
+      {"jog.step", &Server::step_jog},
+      {"jog.stop", &Server::stop_jog},
+      {"settings.get", &Server::get_settings},
+      {"settings.set", &Server::set_settings}};
+  return all;
+}
+
+void Server::login(const Call& call) {
+  const auto client = clients_.find(call.client);
+  if (client == clients_.end())
+    throw Error(Exit::bad_input, "login", "is for WebSockets", "send the token in a header");
+  if (!is_same_secret(call.parameters["token"].get<std::string>(), options_.token)) {
+    fail(call, -32000, "the token is wrong; open the address that lamplock serve has printed");
+    return web_->drop(call.client);
+  }
+  client->second.secret = call.parameters["client"];
+  Person& caller = person(client->second.secret);
+  caller.name = call.parameters.value("name", std::string("a client"));
+  succeed(call, {{"version", version()},
+                 {"board", options_.board},
+                 {"simulated", options_.is_simulated},
+                 {"paired", options_.is_simulated || caller.is_paired}});
+}
+
+void Server::pair(const Call& call) {
+  if (options_.code.empty() || wrong_codes_ >= max_wrong_codes)
+    throw Error(Exit::job_failed, "pair", "no client can be paired now",
+                "start lamplock serve with --pair at the machine");
+  if (call.secret.empty())
+    throw Error(Exit::bad_input, "pair", "the request has no client", "send one (docs/api.md)");
+  if (!is_same_secret(call.parameters["code"].get<std::string>(), options_.code)) {
+    ++wrong_codes_;
+    throw Error(Exit::job_failed, "pair", "the code is wrong",
+                fmt::format("{} tries are left", max_wrong_codes - wrong_codes_));
+  }
+  person(call.secret).is_paired = true;
+  succeed(call, nullptr);
+}
+
+void Server::send_status(const Call& call) { succeed(call, status()); }
+
+void Server::subscribe(const Call& call) {
+  const auto client = clients_.find(call.client);
+  if (client == clients_.end())
+    throw Error(Exit::bad_input, "subscribe", "is for WebSockets", "ask for the status instead");
+  client->second.is_subscribed = true;
+  client->second.sent = status();
+  succeed(call, client->second.sent);
+}
+
+void Server::take_control(const Call& call) {
+  if (call.secret.empty())
+    throw Error(Exit::bad_input, "control", "the request has no client", "send one (docs/api.md)");
+  if (holder_ != call.secret) machine_->stop_jog();
+  holder_ = call.secret;
+  succeed(call, nullptr);
+}
+
+void Server::release_control(const Call& call) {
+  machine_->stop_jog();
+  holder_.clear();
+  succeed(call, nullptr);
+}
+
+void Server::stop(const Call& call) {
+  machine_->stop();
+  succeed(call, nullptr);
+}
+
+void Server::hold(const Call& call) {
+  machine_->hold();
+  succeed(call, nullptr);
+}
+
+void Server::resume(const Call& call) {
+  machine_->resume();
+  succeed(call, nullptr);
+}
+
+void Server::change_feed(const Call& call) {
+  machine_->change_feed(word_of(call.parameters["change"]));
+  succeed(call, nullptr);
+}
+
+void Server::home(const Call& call) {
+  machine_->send_line("$H");
+  succeed(call, nullptr);
+}
+
+void Server::unlock(const Call& call) {
+  machine_->send_line("$X");
+  succeed(call, nullptr);
+}
+
+void Server::list_jobs(const Call& call) {
+  Json files = Json::array();
+  for (const JobFile& file : folder_.list())
+    files.push_back({{"name", file.name}, {"bytes", file.bytes}});
+  succeed(call, files);
+}
+
+void Server::check_job(const Call& call) {
+  if (checked_)
+    throw Error(Exit::job_failed, "job.check", "another file is checked now", "wait for its end");
+  const std::string name = call.parameters["name"];
+  check_.start([path = folder_.path_of(name).string(), name, machine = options_.machine] {
+    return check_file(path, name, machine);
+  });
+  checked_ = call;
+}
+
+void Server::finish_check() {
+  if (!checked_) return;
+  try {
+    const std::optional<Json> result = check_.take();
+    if (!result) return;
+    succeed(*std::exchange(checked_, std::nullopt), *result);
+  } catch (const std::exception& error) {
+    fail(*std::exchange(checked_, std::nullopt), -32000, message_of(error));
+  }
+}
+
+void Server::start_job(const Call& call) {
+  JobStart job;
+  job.name = call.parameters["name"];
+  job.path = folder_.path_of(job.name).string();
+  job.is_dry = call.parameters.value("dry", false);
+  job.resumes = call.parameters.value("resume", false);
+  job.from = call.parameters.value("from", std::size_t{0});
+  machine_->start(job);
+  succeed(call, nullptr);
+}
+
+void Server::delete_job(const Call& call) {
+  const std::string name = call.parameters["name"];
+  const JobView job = machine_->view().job;
+  if (job.is_running && job.name == name)
+    throw Error(Exit::job_failed, name, "the job runs", "wait for its end");
+  folder_.remove(name);
+  succeed(call, nullptr);
+}
+
+void Server::send_line(const Call& call) {
+  const std::string line =
+      link::line_to_send(call.parameters["line"].get<std::string>(), "console", "remove it");
+  if (line.empty()) throw Error(Exit::bad_input, "console", "the line is empty", "type a command");
+  machine_->send_line(line);
+  succeed(call, nullptr);
+}
+
+void Server::send_lines(const Call& call) {
+  Json lines = Json::array();
+  for (const ConsoleLine& line :
+       machine_->lines_after(call.parameters.value("after", std::uint64_t{0})))
+    lines.push_back({{"number", line.number}, {"text", line.text}});
+  succeed(call, lines);
+}
+
+void Server::run_jog(const Call& call) {
+  if (time_ms() - call.parameters["seen"].get<std::int64_t>() > max_age_ms)
+    throw Error(Exit::job_failed, "jog", "the request came too late", "check the connection");
+  pendant::Direction direction{};
+  std::size_t axis = 0;
+  for (const Json& sign : call.parameters["direction"]) direction[axis++] = sign;
+  machine_->run_jog(direction, call.parameters["feed"]);
+  succeed(call, nullptr);
+}
+
+void Server::step_jog(const Call& call) {
+  machine_->step_jog(call.parameters["axis"], call.parameters["mm"], call.parameters["feed"]);
+  succeed(call, nullptr);
+}
+
+void Server::stop_jog(const Call& call) {
+  machine_->stop_jog();
+  succeed(call, nullptr);
+}
+
+void Server::get_settings(const Call& call) {
+  const auto rows = std::make_shared<Json>();
+  machine_->post([rows](link::LinePort& port) { *rows = settings_json(link::read_settings(port)); },
+                 [this, call, rows](const std::exception_ptr& error) {
+                   web_->post([this, call, rows, error] { finish_work(call, *rows, error); });
+                 });
+}
+
+void Server::set_settings(const Call& call) {
+  const auto made = std::make_shared<Json>(Json::object());
+  machine_->post(
+      [made, wanted = changes_of(call.parameters["changes"])](link::LinePort& port) {
+        const link::BoardSettings before = link::read_settings(port);
+        const auto changes = link::differing(before, wanted);
+        const link::BoardSettings after = link::change_settings(port, before, changes);
+        for (const link::Change& change : changes)
+          (*made)[link::setting_name(change.number)] = after.texts.at(change.number);
+      },
+      [this, call, made](const std::exception_ptr& error) {
+        web_->post([this, call, made, error] { finish_work(call, *made, error); });
+      });
+}
+
+void Server::finish_work(const Call& call, const Json& result, const std::exception_ptr& error) {
+  try {
+    if (error) std::rethrow_exception(error);
+    succeed(call, result);
+  } catch (const std::exception& failure) {
+    fail(call, -32000, message_of(failure));
+  }
+}
+
+}  // namespace lamplock::serve

@@ -1,0 +1,46 @@
+// `lamplock serve`: one server for a board, one for a port; the address with its token.
+#include <gmock/gmock.h>
+
+#include <regex>
+
+#include "tests/cli/program.hpp"
+
+namespace lamplock::cli::test::serve {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Serve, has_one_server_for_a_board_and_for_a_port) {
+  const Folder folder;
+  const std::string board = folder / "port", jobs = folder / "jobs";
+  Running sim({"sim", "--pty", board});
+  ASSERT_TRUE(sim.wait_for("press Ctrl-C") || sim.wait_for(board));
+  Running server({"serve", "--board", board, "--port", "0", "--folder", jobs, "--pair"});
+  ASSERT_TRUE(server.wait_for("code for pairing: "));
+  const std::string shown = server.out();
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(
+      shown, found, std::regex("page: http://127\\.0\\.0\\.1:([0-9]+)/#token=[0-9a-f]{32}\n")));
+  const Finished second = run({"serve", "--board", board, "--port", "0", "--folder", jobs});
+  EXPECT_EQ(second.status, 3);
+  EXPECT_THAT(second.err, HasSubstr("error: "));
+  EXPECT_EQ(second.out, "");
+  const Finished same_port =
+      run({"serve", "--board", "virtual", "--port", found[1], "--folder", jobs});
+  EXPECT_EQ(same_port.status, 3);
+  EXPECT_THAT(same_port.err, HasSubstr("give another port with --port"));
+  server.interrupt();
+  EXPECT_EQ(server.finish().status, 130);
+}
+
+TEST(Serve, refuses_what_it_cannot_use) {
+  const Folder folder;
+  EXPECT_EQ(run({"serve", "--board", folder / "none", "--folder", folder / "jobs"}).status, 3);
+  EXPECT_EQ(run({"serve", "--port", "70000"}).status, 2);
+  const Finished finished = run({"serve", "--board", "virtual", "--folder", "/dev/null"});
+  EXPECT_EQ(finished.status, 2);
+  EXPECT_THAT(finished.err, HasSubstr("give another one with --folder"));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test::serve

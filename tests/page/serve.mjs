@@ -1,0 +1,224 @@
+// The page of `lamplock serve` in a real browser, with a virtual board: connect, send, check, run,
+// hold, resume, stop, settings, console, jog by mouse, key and touch, and pages that die while they jog.
+//
+// usage: node serve.mjs LAMPLOCK [FOLDER_FOR_PICTURES]
+// exit status: 0 passed; 1 failed; 77 no Chromium (toolchain/setup test, or the variable CHROMIUM)
+
+import { spawn, spawnSync } from 'node:child_process';
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { gzipSync } from 'node:zlib';
+
+import { Browser } from './browser.mjs';
+
+const not_there = 77;
+const [program, pictures] = process.argv.slice(2);
+if (program === undefined) {
+  console.log('usage: node serve.mjs LAMPLOCK [FOLDER_FOR_PICTURES]');
+  process.exit(2);
+}
+const chromium = process.env.CHROMIUM ?? 'chromium';
+if (spawnSync(chromium, ['--version']).status !== 0) {
+  console.log(`${chromium} is not installed; run toolchain/setup`);
+  process.exit(not_there);
+}
+const folder = mkdtempSync(join(tmpdir(), 'lamplock-serve-'));
+const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
+
+// Limits of times hold on a computer with time for the test; the test prints what it measures.
+const busy_ms = 150;
+
+let failures = 0;
+function check(what, holds, more = '') {
+  console.log(`${holds ? 'ok    ' : 'FAILED'}  ${what}`);
+  if (holds) return;
+  ++failures;
+  if (more !== '') console.log(`        ${JSON.stringify(more)}`);
+}
+
+async function keep_picture(page, name) {
+  if (pictures === undefined) return;
+  mkdirSync(pictures, { recursive: true });
+  writeFileSync(join(pictures, `${name}.png`), await page.picture(true));
+}
+
+// The server; its address is in its first line.
+function start_server() {
+  const child = spawn(program, ['serve', '--board', 'virtual', '--port', '0', '--folder', join(folder, 'jobs')],
+                      { stdio: ['ignore', 'pipe', 'inherit'] });
+  return new Promise((resolve, reject) => {
+    child.on('exit', (code) => reject(new Error(`serve has ended (${code})`)));
+    child.stdout.setEncoding('utf8');
+    child.stdout.on('data', (text) => {
+      const address = /page: (\S+)/.exec(text)?.[1];
+      if (address) resolve({ child, address, origin: new URL(address).origin, token: address.split('token=')[1] });
+    });
+  });
+}
+
+let calls = 0;
+async function call(server, method, params = {}) {
+  const reply = await fetch(`${server.origin}/api`, {
+    method: 'POST', headers: { Authorization: `Bearer ${server.token}`, 'Content-Type': 'application/json' },
+    body: JSON.stringify({ jsonrpc: '2.0', id: ++calls, method, params }),
+  });
+  return (await reply.json()).result;
+}
+
+async function until(what, holds, ms = 8000) {
+  const end = Date.now() + ms;
+  let value = false;
+  while (Date.now() < end && !(value = await holds())) await sleep(20);
+  check(what, Boolean(value));
+}
+
+const text_of = (page, id) => page.ask(`document.getElementById('${id}').textContent`);
+
+async function open(browser, server, options) {
+  const page = await browser.open(server.address, options);
+  await until('the page shows the state', async () => (await text_of(page, 'state')) === 'Idle');
+  return page;
+}
+
+async function drop(page, name, text) {
+  await page.ask(`(() => {
+    const files = new DataTransfer();
+    files.items.add(new File([${JSON.stringify(text)}], ${JSON.stringify(name)}));
+    document.getElementById('drop').dispatchEvent(new DragEvent('drop', { dataTransfer: files, bubbles: true }));
+  })()`);
+}
+
+const key = (page, type, code) => page.send('Input.dispatchKeyEvent', { type, code, key: code });
+const place = async (server) => (await call(server, 'status')).board.machine;
+
+// Moves while `begin` holds, and rests after `end`; prints how long after `end` it moved.
+async function jog(server, what, begin, end) {
+  const from = (await place(server))[0];
+  await begin();
+  await sleep(500);
+  const held = (await place(server))[0];
+  check(`${what}: moves while held`, Math.abs(held - from) > 0.5, { from, held });
+  await end();
+  const released = Date.now();
+  let last = NaN, moved = released;
+  while (Date.now() < released + 900) {
+    const now = (await place(server))[0];
+    if (now !== last) moved = Date.now();
+    last = now;
+    await sleep(3);
+  }
+  console.log(`        at rest ${moved - released} ms after the end`);
+  // 1000 mm/min at 4 m/s2: 4 ms to brake.
+  check(`${what}: at rest within 250 ms`, moved - released <= 254 + busy_ms, moved - released);
+}
+
+const zigzag = ['G21G90', 'M3S500'];
+for (let i = 0; i < 40; ++i) zigzag.push(`G1X${i % 2 ? -30 : 30}Y${i - 20}F3000`);
+
+async function run_job(page, server) {
+  await drop(page, 'zigzag.ngc', `${zigzag.join('\n')}\nM5\n`);
+  await until('the file is checked', async () => /lines; .* mm/.test(await text_of(page, 'checked')));
+  check('the picture is shown', await page.ask(`document.getElementById('picture').naturalWidth > 0`));
+  await page.click('#start');
+  await until('the job runs', async () => /zigzag.*of/.test(await text_of(page, 'job-text')));
+  await sleep(800);
+  await keep_picture(page, 'serve');
+  await page.click('#hold');
+  await until('hold', async () => /held/.test(await text_of(page, 'job-text')));
+  await page.click('#resume');
+  await until('resume', async () => !/held/.test(await text_of(page, 'job-text')));
+  await page.click('[data-feed=more]');
+  await until('faster', async () => /110 %/.test(await text_of(page, 'job-text')));
+  await page.click('#stop');
+  await until('stop', async () => /stopped/.test(await text_of(page, 'job-text')));
+  await until('idle after a stop', async () => (await call(server, 'status')).board.state === 'Idle');
+}
+
+async function change_settings(page) {
+  await page.click('#read');
+  await until('settings are read', () => page.ask(`document.querySelectorAll('#settings tr').length > 50`));
+  await page.ask(`(() => {
+    const input = document.getElementById('acceleration_x');
+    input.value = 1500;
+    input.dispatchEvent(new Event('input', { bubbles: true }));
+  })()`);
+  check('changes are listed', /acceleration_x: \d+ to 1500/.test(await text_of(page, 'changes')), await text_of(page, 'changes'));
+  await page.click('#write');
+  await until('settings are written', () => page.ask(`document.getElementById('acceleration_x').defaultValue === '1500'`));
+}
+
+async function use_console(page) {
+  await page.ask(`(() => { document.getElementById('line').value = '$I'; document.getElementById('console').requestSubmit(); })()`);
+  await until('the console shows an answer', async () => /VER:/.test(await text_of(page, 'lines')));
+}
+
+async function jogs(page, server) {
+  const { x, y } = await page.place('[data-jog="1,0"]');
+  const press = () => page.mouse('mousePressed', x, y, { button: 'left', buttons: 1, clickCount: 1 });
+  const release = () => page.mouse('mouseReleased', x, y, { button: 'left', clickCount: 1 });
+  await jog(server, 'mouse', press, release);
+  await page.click('#keys');
+  await jog(server, 'key', () => key(page, 'keyDown', 'ArrowLeft'), () => key(page, 'keyUp', 'ArrowLeft'));
+  const touch = (type, points) => page.send('Input.dispatchTouchEvent', { type, touchPoints: points });
+  await jog(server, 'touch', () => touch('touchStart', [{ x, y }]), () => touch('touchEnd', []));
+  await jog(server, 'touch cancelled', () => touch('touchStart', [{ x, y }]), () => touch('touchCancel', []));
+  await jog(server, 'focus lost', press, () => page.ask(`dispatchEvent(new Event('blur'))`));
+  await release();
+}
+
+// The browser of this page is killed, or stopped, while a button is held.
+async function deaths(server) {
+  for (const [what, signal] of [['browser killed', 'SIGKILL'], ['browser stopped', 'SIGSTOP']]) {
+    const browser = new Browser(chromium, { webgl: false });
+    const page = await open(browser, server, {});
+    const { x, y } = await page.place('[data-jog="-1,0"]');
+    await jog(server, what, () => page.mouse('mousePressed', x, y, { button: 'left', buttons: 1, clickCount: 1 }),
+              () => browser.signal(signal));
+    await browser.kill();
+    await until('control has ended', async () => !(await call(server, 'status')).control.held, 30_000);
+  }
+}
+
+async function size(server) {
+  let bytes = 0;
+  for (const target of ['/', '/page.css', '/link.js', '/jog.js', '/job.js', '/main.js'])
+    bytes += gzipSync(Buffer.from(await (await fetch(server.origin + target)).arrayBuffer())).length;
+  console.log(`        ${bytes} bytes by gzip`);
+  check('the page has at most 150 kB', bytes <= 150_000, bytes);
+}
+
+try {
+  const server = await start_server();
+  await size(server);
+  const browser = new Browser(chromium, { webgl: false });
+  const page = await open(browser, server, {});
+  const first_ms = await page.ask(`performance.getEntriesByType('paint').at(-1)?.startTime ?? 0`);
+  console.log(`        first picture after ${first_ms.toFixed(0)} ms`);
+  check('the token is not in the address', !(await page.ask('location.href')).includes('token'));
+  await run_job(page, server);
+  await change_settings(page);
+  await use_console(page);
+  await jogs(page, server);
+  check('no complaints', page.complaints.length === 0, page.complaints);
+  check('no request to another server', page.requests.every((url) => url.startsWith(server.origin) || url.startsWith('blob:') || url.startsWith('ws://127.0.0.1')), page.requests);
+  const phone = await open(browser, server, { width: 360, height: 740, dark: true, touch: true });
+  check('fits into 360 px', await phone.ask('document.documentElement.scrollWidth <= 360'), await phone.ask('document.documentElement.scrollWidth'));
+  check('a second page watches', /has control/.test(await text_of(phone, 'control-text')));
+  await keep_picture(phone, 'serve-phone');
+  const unlabelled = await phone.ask(`[...document.querySelectorAll('input, select, button')].filter((each) =>
+    !each.labels?.length && !each.textContent.trim() && !each.getAttribute('aria-label')).map((each) => each.id)`);
+  check('every control has a label', unlabelled.length === 0, unlabelled);
+  await browser.close();
+  await until('control ends with the page', async () => !(await call(server, 'status')).control.held);
+  await deaths(server);
+  server.child.removeAllListeners('exit');
+  server.child.kill('SIGINT');
+  check('Ctrl-C ends the server', (await new Promise((done) => server.child.on('exit', done))) === 130);
+} catch (error) {
+  check(error.stack, false);
+} finally {
+  rmSync(folder, { recursive: true, force: true });
+}
+console.log(failures === 0 ? 'passed' : `${failures} failed`);
+process.exit(failures === 0 ? 0 : 1);
