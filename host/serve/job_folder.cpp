@@ -74,7 +74,7 @@ void JobFolder::write(const std::string& name, std::string_view bytes) const {
 
 fs::path JobFolder::path_of(const std::string& name) const {
   std::error_code ignored;
-  const fs::path path = folder_ / name;
+  fs::path path = folder_ / name;
   if (!is_name(name) || !fs::is_regular_file(path, ignored) || fs::is_symlink(path, ignored))
     throw Error(Exit::bad_input, name, "the server has no such file", "send it first");
   return path;

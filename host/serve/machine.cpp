@@ -466,6 +466,7 @@ void Machine::end_job(const std::string& end, const std::string& message) {
   view_.job.is_running = false;
   view_.job.end = end;
   view_.job.message = message;
+  if (end == "done") view_.job.done = view_.job.total;  // the last progress is not shown
   view_.job.word.clear();
   view_.job.left_s.reset();
 }

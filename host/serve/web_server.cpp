@@ -157,7 +157,7 @@ class WebServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
 
   Parts& parts_;
   ClientNumber number_;
-  websocket::stream<beast::tcp_stream> stream_;
+  websocket::stream<beast::tcp_stream, false> stream_;  // without compression
   beast::flat_buffer buffer_;
   std::deque<std::string> queue_;
   std::size_t queued_bytes_ = 0;

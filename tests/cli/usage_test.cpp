@@ -27,7 +27,8 @@ TEST_P(CommandHelp, has_a_help_text_with_an_example) {
 INSTANTIATE_TEST_SUITE_P(all, CommandHelp,
                          testing::Values("example", "points", "order", "job", "send", "engrave",
                                          "frame", "compare", "sim", "chip", "bench", "check",
-                                         "settings", "console", "raster", "estimate", "material", "serve"),
+                                         "settings", "console", "raster", "estimate", "material",
+                                         "serve"),
                          [](const auto& test) { return test.param; });
 
 TEST(Usage, help_lists_every_command) {

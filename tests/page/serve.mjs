@@ -123,6 +123,8 @@ async function run_job(page, server) {
   await page.click('#start');
   await until('the job runs', async () => /zigzag.*of/.test(await text_of(page, 'job-text')));
   await sleep(800);
+  await page.ask('scrollTo(0, 0)');
+  await page.frames(2);
   await keep_picture(page, 'serve');
   await page.click('#hold');
   await until('hold', async () => /held/.test(await text_of(page, 'job-text')));
