@@ -157,7 +157,7 @@ bool is_right(const Json& value, const Parameter& parameter) {
 
 std::string wanted(const Parameter& parameter) {
   if (parameter.choices != nullptr) return parameter.choices;
-  const std::string type = type_name(parameter.type);
+  std::string type = type_name(parameter.type);
   if (parameter.max <= parameter.min) return type;
   return fmt::format("{} of {:.10g} to {:.10g}{}", type, parameter.min, parameter.max,
                      parameter.type == Type::text ? " bytes" : "");

@@ -170,7 +170,7 @@ bool Server::has_client(const std::string& secret) const {
 
 void Server::take_request(const std::string& text, Call call) {
   const Json request = Json::parse(text, nullptr, false);
-  call.id = nullptr;
+  call.id = "null";
   if (request.is_discarded()) return fail(call, code::parse, "is not valid JSON");
   if (!request.is_object()) return fail(call, code::request, "must be one request");
   const Json id = request.value("id", Json());
@@ -178,13 +178,13 @@ void Server::take_request(const std::string& text, Call call) {
                      (id.is_string() && id.get_ref<const std::string&>().size() <= max_secret);
   if (request.value("jsonrpc", Json()) != "2.0" || !is_id)
     return fail(call, code::request, "needs jsonrpc 2.0 and an id, a text or a whole number");
-  call.id = id;
+  call.id = id.dump();
   const Json name = request.value("method", Json());
   const Method* method =
       name.is_string() ? find_method(name.get_ref<const std::string&>()) : nullptr;
   if (method == nullptr) return fail(call, code::method, "there is no such method");
-  call.parameters = request.value("params", Json::object());
-  const std::string wrong = refusal_of(*method, call.parameters);
+  call.given = std::make_shared<const Json>(request.value("params", Json::object()));
+  const std::string wrong = refusal_of(*method, call.parameters());
   if (!wrong.empty()) return fail(call, code::parameters, wrong);
   if (call.client == 0) {
     const Json secret = request.value("client", Json());
@@ -202,13 +202,12 @@ void Server::take_request(const std::string& text, Call call) {
 bool Server::was_called(const Call& call) {
   if (call.secret.empty()) return false;
   Person& caller = person(call.secret);
-  const std::string id = call.id.dump();
-  const auto [known, is_new] = caller.answers.try_emplace(id);
+  const auto [known, is_new] = caller.answers.try_emplace(call.id);
   if (!is_new) {
     if (!known->second.empty()) call.respond(known->second);
     return true;
   }
-  caller.ids.push_back(id);
+  caller.ids.push_back(call.id);
   if (caller.ids.size() > max_answers) {
     caller.answers.erase(caller.ids.front());
     caller.ids.pop_front();
@@ -244,24 +243,25 @@ std::string Server::message_of(const std::exception& error) {
 
 /// A dry run, or its resume.
 bool Server::keeps_dark(const Method& method, const Call& call) const {
-  if (std::string_view(method.name) == "job.start") return call.parameters.value("dry", false);
+  if (std::string_view(method.name) == "job.start") return call.parameters().value("dry", false);
   const JobView job = machine_->view().job;
   return std::string_view(method.name) == "machine.resume" && job.is_running && job.is_dry;
 }
 
 void Server::succeed(const Call& call, const Json& result) {
-  finish(call, {{"jsonrpc", "2.0"}, {"id", call.id}, {"result", result}});
+  finish(call, {{"jsonrpc", "2.0"}, {"id", Json::parse(call.id)}, {"result", result}});
 }
 
 void Server::fail(const Call& call, int code, const std::string& message) {
-  finish(call,
-         {{"jsonrpc", "2.0"}, {"id", call.id}, {"error", {{"code", code}, {"message", message}}}});
+  finish(call, {{"jsonrpc", "2.0"},
+                {"id", Json::parse(call.id)},
+                {"error", {{"code", code}, {"message", message}}}});
 }
 
 void Server::finish(const Call& call, const Json& response) {
   const std::string text = text_of(response);
   if (const auto caller = persons_.find(call.secret); caller != persons_.end())
-    if (const auto open = caller->second.answers.find(call.id.dump());
+    if (const auto open = caller->second.answers.find(call.id);
         open != caller->second.answers.end() && open->second.empty())
       open->second = text;
   call.respond(text);

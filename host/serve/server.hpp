@@ -12,6 +12,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -77,7 +78,9 @@ class Server final : public WebSite {
   struct Call {
     ClientNumber client = 0;  ///< 0: HTTP
     std::string secret;
-    Json id, parameters;
+    std::string id;                       ///< as JSON
+    std::shared_ptr<const Json> given{};  ///< parameters
+    const Json& parameters() const { return *given; }
     Respond respond;
   };
   using Handler = void (Server::*)(const Call&);

@@ -53,7 +53,7 @@ std::vector<link::Change> changes_of(const nlohmann::json& wanted) {
     if (!value.is_number() && !value.is_string())
       throw Error(Exit::bad_input, name, "is neither a number nor a text", "give a number");
     const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    changes.push_back(link::parse_change(name + "=" + text, name));
+    changes.push_back(link::parse_change(fmt::format("{}={}", name, text), name));
   }
   return changes;
 }
@@ -92,13 +92,13 @@ void Server::login(const Call& call) {
   const auto client = clients_.find(call.client);
   if (client == clients_.end())
     throw Error(Exit::bad_input, "login", "is for WebSockets", "send the token in a header");
-  if (!is_same_secret(call.parameters["token"].get<std::string>(), options_.token)) {
+  if (!is_same_secret(call.parameters()["token"].get<std::string>(), options_.token)) {
     fail(call, -32000, "the token is wrong; open the address that lamplock serve has printed");
     return web_->drop(call.client);
   }
-  client->second.secret = call.parameters["client"];
+  client->second.secret = call.parameters()["client"];
   Person& caller = person(client->second.secret);
-  caller.name = call.parameters.value("name", std::string("a client"));
+  caller.name = call.parameters().value("name", std::string("a client"));
   succeed(call, {{"version", version()},
                  {"board", options_.board},
                  {"simulated", options_.is_simulated},
@@ -111,7 +111,7 @@ void Server::pair(const Call& call) {
                 "start lamplock serve with --pair at the machine");
   if (call.secret.empty())
     throw Error(Exit::bad_input, "pair", "the request has no client", "send one (docs/api.md)");
-  if (!is_same_secret(call.parameters["code"].get<std::string>(), options_.code)) {
+  if (!is_same_secret(call.parameters()["code"].get<std::string>(), options_.code)) {
     ++wrong_codes_;
     throw Error(Exit::job_failed, "pair", "the code is wrong",
                 fmt::format("{} tries are left", max_wrong_codes - wrong_codes_));
@@ -161,7 +161,7 @@ void Server::resume(const Call& call) {
 }
 
 void Server::change_feed(const Call& call) {
-  machine_->change_feed(word_of(call.parameters["change"]));
+  machine_->change_feed(word_of(call.parameters()["change"]));
   succeed(call, nullptr);
 }
 
@@ -185,7 +185,7 @@ void Server::list_jobs(const Call& call) {
 void Server::check_job(const Call& call) {
   if (checked_)
     throw Error(Exit::job_failed, "job.check", "another file is checked now", "wait for its end");
-  const std::string name = call.parameters["name"];
+  const std::string name = call.parameters()["name"];
   check_.start([path = folder_.path_of(name).string(), name, machine = options_.machine] {
     return check_file(path, name, machine);
   });
@@ -205,17 +205,17 @@ void Server::finish_check() {
 
 void Server::start_job(const Call& call) {
   JobStart job;
-  job.name = call.parameters["name"];
+  job.name = call.parameters()["name"];
   job.path = folder_.path_of(job.name).string();
-  job.is_dry = call.parameters.value("dry", false);
-  job.resumes = call.parameters.value("resume", false);
-  job.from = call.parameters.value("from", std::size_t{0});
+  job.is_dry = call.parameters().value("dry", false);
+  job.resumes = call.parameters().value("resume", false);
+  job.from = call.parameters().value("from", std::size_t{0});
   machine_->start(job);
   succeed(call, nullptr);
 }
 
 void Server::delete_job(const Call& call) {
-  const std::string name = call.parameters["name"];
+  const std::string name = call.parameters()["name"];
   const JobView job = machine_->view().job;
   if (job.is_running && job.name == name)
     throw Error(Exit::job_failed, name, "the job runs", "wait for its end");
@@ -225,7 +225,7 @@ void Server::delete_job(const Call& call) {
 
 void Server::send_line(const Call& call) {
   const std::string line =
-      link::line_to_send(call.parameters["line"].get<std::string>(), "console", "remove it");
+      link::line_to_send(call.parameters()["line"].get<std::string>(), "console", "remove it");
   if (line.empty()) throw Error(Exit::bad_input, "console", "the line is empty", "type a command");
   machine_->send_line(line);
   succeed(call, nullptr);
@@ -234,23 +234,23 @@ void Server::send_line(const Call& call) {
 void Server::send_lines(const Call& call) {
   Json lines = Json::array();
   for (const ConsoleLine& line :
-       machine_->lines_after(call.parameters.value("after", std::uint64_t{0})))
+       machine_->lines_after(call.parameters().value("after", std::uint64_t{0})))
     lines.push_back({{"number", line.number}, {"text", line.text}});
   succeed(call, lines);
 }
 
 void Server::run_jog(const Call& call) {
-  if (time_ms() - call.parameters["seen"].get<std::int64_t>() > max_age_ms)
+  if (time_ms() - call.parameters()["seen"].get<std::int64_t>() > max_age_ms)
     throw Error(Exit::job_failed, "jog", "the request came too late", "check the connection");
   pendant::Direction direction{};
   std::size_t axis = 0;
-  for (const Json& sign : call.parameters["direction"]) direction[axis++] = sign;
-  machine_->run_jog(direction, call.parameters["feed"]);
+  for (const Json& sign : call.parameters()["direction"]) direction[axis++] = sign;
+  machine_->run_jog(direction, call.parameters()["feed"]);
   succeed(call, nullptr);
 }
 
 void Server::step_jog(const Call& call) {
-  machine_->step_jog(call.parameters["axis"], call.parameters["mm"], call.parameters["feed"]);
+  machine_->step_jog(call.parameters()["axis"], call.parameters()["mm"], call.parameters()["feed"]);
   succeed(call, nullptr);
 }
 
@@ -270,7 +270,7 @@ void Server::get_settings(const Call& call) {
 void Server::set_settings(const Call& call) {
   const auto made = std::make_shared<Json>(Json::object());
   machine_->post(
-      [made, wanted = changes_of(call.parameters["changes"])](link::LinePort& port) {
+      [made, wanted = changes_of(call.parameters()["changes"])](link::LinePort& port) {
         const link::BoardSettings before = link::read_settings(port);
         const auto changes = link::differing(before, wanted);
         const link::BoardSettings after = link::change_settings(port, before, changes);
