@@ -2,17 +2,12 @@
 
 #include <bit>
 
-#include "firmware/program/angle.hpp"
 #include "firmware/program/wide_number.hpp"
 #include "shared/fixed_point.hpp"
 
 namespace lamplock::program {
 namespace {
 
-/// A turn is 360 10^9 = 2^9 703125000.
-constexpr std::uint32_t degrees_of_turn = 703'125'000;
-constexpr int degrees_shift = turn_bits - 9;
-constexpr std::int64_t turn_e9 = 360 * one_e9, half_turn_e9 = 180 * one_e9;
 constexpr std::uint64_t does_not_fit = std::uint64_t{1} << 63;
 
 constexpr std::int64_t truth(bool is_true) { return is_true ? one_e9 : 0; }
@@ -31,11 +26,6 @@ GcodeError sum(std::int64_t a_e9, std::int64_t b_e9, std::int64_t& result_e9) {
   return __builtin_add_overflow(a_e9, b_e9, &result_e9) || result_e9 == INT64_MIN
              ? GcodeError::result_too_large
              : GcodeError::none;
-}
-
-std::int64_t remainder(std::int64_t a_e9, std::int64_t b_e9) {
-  const std::int64_t rest = a_e9 % b_e9;
-  return rest < 0 ? rest + abs64(b_e9) : rest;
 }
 
 bool compare(Operator op, std::int64_t a_e9, std::int64_t b_e9) {
@@ -77,40 +67,6 @@ GcodeError whole(Function function, std::int64_t a_e9, std::int64_t& result_e9) 
   return sum(towards_zero, up ? one_e9 : down ? -one_e9 : 0, result_e9);
 }
 
-SineCosine of_degrees(std::int64_t angle_e9) {
-  const std::int64_t in_turn = remainder(angle_e9, turn_e9);
-  return sine_cosine(mul_div(in_turn, std::int64_t{1} << degrees_shift, degrees_of_turn));
-}
-
-std::int64_t from_q48(std::int64_t value_q48) {
-  const Int128 half(std::int64_t{1} << (turn_bits - 1));
-  return ((Int128::product(value_q48, one_e9) + half) >> turn_bits).to_int64();
-}
-
-std::int64_t degrees_of(std::int64_t angle_q48) {
-  const Int128 half(std::int64_t{1} << (degrees_shift - 1));
-  return ((Int128::product(angle_q48, degrees_of_turn) + half) >> degrees_shift).to_int64();
-}
-
-GcodeError tangent(std::int64_t angle_e9, std::int64_t& result_e9) {
-  const SineCosine at = of_degrees(angle_e9);
-  if (at.cosine_q48 == 0) return GcodeError::division_by_zero;
-  return quotient_e9(at.sine_q48, at.cosine_q48, result_e9);
-}
-
-/// The angle of a point on a circle of radius 1.
-GcodeError arc_function(Function function, std::int64_t a_e9, std::int64_t& result_e9) {
-  if (abs64(a_e9) > one_e9 || a_e9 == INT64_MIN) return GcodeError::argument_out_of_range;
-  constexpr int more_bits = 30;  // of the root, which is small beside 1
-  const Int128 square = Int128(one_e9 * one_e9 - a_e9 * a_e9) << (2 * more_bits);
-  const Int128 other(static_cast<std::int64_t>(wide_root(square)));
-  const Int128 given = Int128(a_e9) << more_bits;
-  result_e9 =
-      degrees_of(function == Function::acos ? angle_of(given, other) : angle_of(other, given));
-  if (result_e9 > half_turn_e9) result_e9 -= turn_e9;
-  return GcodeError::none;
-}
-
 GcodeError root(std::int64_t a_e9, std::int64_t& result_e9) {
   if (a_e9 < 0) return GcodeError::argument_out_of_range;
   const Int128 square = Int128::product(a_e9, one_e9);
@@ -122,22 +78,52 @@ GcodeError root(std::int64_t a_e9, std::int64_t& result_e9) {
 
 }  // namespace
 
+namespace {
+
+/// The next 32 bits of (rest, next) / d: rest < d, d normalised; leaves the new rest. Knuth, "The
+/// Art of Computer Programming", vol. 2, 4.3.1, algorithm D.
+std::uint32_t quotient_digit(std::uint64_t& rest, std::uint32_t next, std::uint64_t d) {
+  const auto d1 = static_cast<std::uint32_t>(d >> 32), d0 = static_cast<std::uint32_t>(d);
+  std::uint64_t guess = rest / d1, left = rest % d1;
+  // At most two too large; if `left` exceeds 32 bits the guess is right.
+  while (left >> 32 == 0 && (guess >> 32 != 0 || wide_product(static_cast<std::uint32_t>(guess),
+                                                              d0) > (left << 32 | next))) {
+    --guess;
+    left += d1;
+  }
+  rest = (rest << 32 | next) - guess * d;
+  return static_cast<std::uint32_t>(guess);
+}
+
+}  // namespace
+
+std::int64_t remainder_e9(std::int64_t a_e9, std::int64_t b_e9) {
+  const std::int64_t rest = a_e9 % b_e9;
+  return rest < 0 ? rest + abs64(b_e9) : rest;
+}
+
 std::uint64_t nearest_quotient(Int128 numerator, std::uint64_t denominator) {
   if (numerator.negative()) numerator = -numerator;
   numerator = numerator + Int128(0, denominator / 2);
-  const auto high = static_cast<std::uint64_t>(numerator.hi());
-  if (high >= denominator) return does_not_fit;
-  if (high == 0) return numerator.lo() / denominator;
-  std::uint64_t rest = high, digits = numerator.lo();
-  for (int bit = 0; bit < 64; ++bit) {
-    const bool carry = rest >> 63 != 0;
-    rest = rest << 1 | digits >> 63;
-    digits <<= 1;
-    if (!carry && rest < denominator) continue;
-    rest -= denominator;
-    digits |= 1;
+  std::uint64_t rest = static_cast<std::uint64_t>(numerator.hi()), low = numerator.lo();
+  if (rest >= denominator) return does_not_fit;
+  std::uint64_t quotient = 0;
+  if (rest == 0) {
+    quotient = low / denominator;
+  } else if (denominator >> 32 == 0) {
+    rest = rest << 32 | low >> 32;
+    quotient = rest / denominator << 32;
+    quotient += (rest % denominator << 32 | static_cast<std::uint32_t>(low)) / denominator;
+  } else {
+    const int shift = std::countl_zero(denominator);
+    const Int128 n = numerator << shift;
+    denominator <<= shift;
+    rest = static_cast<std::uint64_t>(n.hi());
+    low = n.lo();
+    quotient = quotient_digit(rest, static_cast<std::uint32_t>(low >> 32), denominator);
+    quotient = quotient << 32 | quotient_digit(rest, static_cast<std::uint32_t>(low), denominator);
   }
-  return digits < does_not_fit ? digits : does_not_fit;
+  return quotient < does_not_fit ? quotient : does_not_fit;
 }
 
 GcodeError product_e9(std::int64_t a_e9, std::int64_t b_e9, std::int64_t& result_e9) {
@@ -147,8 +133,13 @@ GcodeError product_e9(std::int64_t a_e9, std::int64_t b_e9, std::int64_t& result
 }
 
 GcodeError quotient_e9(std::int64_t a_e9, std::int64_t b_e9, std::int64_t& result_e9) {
-  return with_sign(nearest_quotient(Int128::product(a_e9, one_e9), magnitude(b_e9)),
-                   (a_e9 < 0) != (b_e9 < 0), result_e9);
+  constexpr auto unit = static_cast<std::uint64_t>(one_e9);
+  const std::uint64_t a = magnitude(a_e9), b = magnitude(b_e9), whole_b = b / unit;
+  // Programs divide by whole numbers most often: 10^9 in both then has no effect.
+  const std::uint64_t size = whole_b * unit == b
+                                 ? nearest_quotient(Int128(0, a), whole_b)
+                                 : nearest_quotient(Int128::product(a_e9, one_e9), b);
+  return with_sign(size, (a_e9 < 0) != (b_e9 < 0), result_e9);
 }
 
 GcodeError calculate(Operator op, std::int64_t a_e9, std::int64_t b_e9, std::int64_t& result_e9) {
@@ -164,7 +155,7 @@ GcodeError calculate(Operator op, std::int64_t a_e9, std::int64_t b_e9, std::int
       return quotient_e9(a_e9, b_e9, result_e9);
     case Operator::modulo:
       if (b_e9 == 0) return GcodeError::division_by_zero;
-      result_e9 = remainder(a_e9, b_e9);
+      result_e9 = remainder_e9(a_e9, b_e9);
       return GcodeError::none;
     case Operator::power:
       return power_e9(a_e9, b_e9, result_e9);
@@ -181,15 +172,15 @@ GcodeError calculate(Function function, std::int64_t a_e9, std::int64_t& result_
       return GcodeError::none;
     case Function::acos:
     case Function::asin:
-      return arc_function(function, a_e9, result_e9);
+      return arc_function_e9(function, a_e9, result_e9);
     case Function::cos:
-      result_e9 = from_q48(of_degrees(a_e9).cosine_q48);
+      result_e9 = cosine_e9(a_e9);
       return GcodeError::none;
     case Function::sin:
-      result_e9 = from_q48(of_degrees(a_e9).sine_q48);
+      result_e9 = sine_e9(a_e9);
       return GcodeError::none;
     case Function::tan:
-      return tangent(a_e9, result_e9);
+      return tangent_e9(a_e9, result_e9);
     case Function::exp:
       return exponential_e9(a_e9, result_e9);
     case Function::ln:
@@ -199,11 +190,6 @@ GcodeError calculate(Function function, std::int64_t a_e9, std::int64_t& result_
     default:
       return whole(function, a_e9, result_e9);
   }
-}
-
-std::int64_t arc_tangent_e9(std::int64_t y_e9, std::int64_t x_e9) {
-  const std::int64_t degrees = degrees_of(angle_of(Int128(x_e9), Int128(y_e9)));
-  return degrees > half_turn_e9 || y_e9 < 0 ? degrees - turn_e9 : degrees;
 }
 
 }  // namespace lamplock::program

@@ -84,6 +84,16 @@ inline constexpr std::int64_t equal_tolerance_e9 = 100'000;
 [[gnu::cold]] GcodeError product_e9(std::int64_t a_e9, std::int64_t b_e9, std::int64_t& result_e9);
 [[gnu::cold]] GcodeError quotient_e9(std::int64_t a_e9, std::int64_t b_e9, std::int64_t& result_e9);
 
+/// a mod b, from 0 to |b|; b is not 0.
+[[gnu::cold]] std::int64_t remainder_e9(std::int64_t a_e9, std::int64_t b_e9);
+
+/// Sine, cosine and tangent of an angle in degrees; ASIN or ACOS (decimal_angle.cpp).
+[[gnu::cold]] std::int64_t sine_e9(std::int64_t angle_e9);
+[[gnu::cold]] std::int64_t cosine_e9(std::int64_t angle_e9);
+[[gnu::cold]] GcodeError tangent_e9(std::int64_t angle_e9, std::int64_t& result_e9);
+[[gnu::cold]] GcodeError arc_function_e9(Function function, std::int64_t a_e9,
+                                         std::int64_t& result_e9);
+
 /// a to the power of b; e to the power of a; the natural logarithm of a (decimal_power.cpp).
 [[gnu::cold]] GcodeError power_e9(std::int64_t a_e9, std::int64_t b_e9, std::int64_t& result_e9);
 [[gnu::cold]] GcodeError exponential_e9(std::int64_t a_e9, std::int64_t& result_e9);

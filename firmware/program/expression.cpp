@@ -5,7 +5,7 @@
 namespace lamplock::program {
 namespace {
 
-enum Kind : std::uint8_t { negate, fetch_parameter, bracket, first_of_two, second_of_two };
+enum Kind : std::uint8_t { negate, fetch_parameter, bracket, first_of_two, second_of_two, exists };
 constexpr std::uint8_t first_function = 8, first_operator = 32;
 
 constexpr bool is_operator(std::uint8_t waiting) { return waiting >= first_operator; }
@@ -14,31 +14,38 @@ constexpr Operator operator_of(std::uint8_t waiting) {
 }
 
 struct FunctionRow {
-  std::string_view text;
+  Letters letters;
   std::uint8_t waiting;
 };
-constexpr FunctionRow function_row(std::string_view text, Function function) {
-  return {text, static_cast<std::uint8_t>(first_function + static_cast<int>(function))};
+consteval FunctionRow function_row(std::string_view text, Function function) {
+  return {letters_of(text), static_cast<std::uint8_t>(first_function + static_cast<int>(function))};
 }
-constexpr std::string_view exists_text = "EXISTS";
-constexpr FunctionRow function_rows[] = {
-    function_row("ABS", Function::abs),   function_row("ACOS", Function::acos),
-    function_row("ASIN", Function::asin), FunctionRow{"ATAN", first_of_two},
-    function_row("COS", Function::cos),   function_row("EXP", Function::exp),
-    function_row("FIX", Function::fix),   function_row("FUP", Function::fup),
-    function_row("LN", Function::ln),     function_row("ROUND", Function::round),
-    function_row("SIN", Function::sin),   function_row("SQRT", Function::sqrt),
-    function_row("TAN", Function::tan)};
+constexpr FunctionRow function_rows[] = {function_row("COS", Function::cos),
+                                         function_row("SIN", Function::sin),
+                                         function_row("SQRT", Function::sqrt),
+                                         function_row("ROUND", Function::round),
+                                         function_row("ABS", Function::abs),
+                                         function_row("FIX", Function::fix),
+                                         function_row("FUP", Function::fup),
+                                         function_row("TAN", Function::tan),
+                                         FunctionRow{letters_of("ATAN"), first_of_two},
+                                         function_row("ACOS", Function::acos),
+                                         function_row("ASIN", Function::asin),
+                                         function_row("EXP", Function::exp),
+                                         function_row("LN", Function::ln),
+                                         FunctionRow{letters_of("EXISTS"), exists}};
 
 struct OperatorRow {
-  std::string_view text;
+  Letters letters;
   Operator op;
 };
+/// Those of two letters first.
 constexpr OperatorRow operator_rows[] = {
-    {"AND", Operator::logical_and},  {"OR", Operator::logical_or}, {"XOR", Operator::logical_xor},
-    {"EQ", Operator::equal},         {"NE", Operator::not_equal},  {"GT", Operator::greater},
-    {"GE", Operator::greater_equal}, {"LT", Operator::less},       {"LE", Operator::less_equal},
-    {"MOD", Operator::modulo}};
+    {letters_of("OR"), Operator::logical_or},    {letters_of("EQ"), Operator::equal},
+    {letters_of("NE"), Operator::not_equal},     {letters_of("GT"), Operator::greater},
+    {letters_of("GE"), Operator::greater_equal}, {letters_of("LT"), Operator::less},
+    {letters_of("LE"), Operator::less_equal},    {letters_of("AND"), Operator::logical_and},
+    {letters_of("XOR"), Operator::logical_xor},  {letters_of("MOD"), Operator::modulo}};
 
 constexpr int precedence_of(Operator op) {
   if (op == Operator::power) return 5;
@@ -48,7 +55,6 @@ constexpr int precedence_of(Operator op) {
 }
 
 constexpr bool is_digit_or_point(char c) { return (c >= '0' && c <= '9') || c == '.'; }
-constexpr bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
 
 }  // namespace
 
@@ -61,16 +67,18 @@ bool Expressions::check(GcodeError error, std::uint16_t index) {
   return error == GcodeError::none || fail(error, index);
 }
 
-/// The function that is next, its bracket included; EXISTS is none of them.
+/// The function that is next, its bracket included.
 bool Expressions::find_function(Waiting& function) {
   const std::uint16_t from = text_.index();
-  for (const FunctionRow& row : function_rows) {
-    if (text_.take_word(row.text) && text_.take('[')) {
+  const Letters letters = text_.take_letters();
+  if (letters != 0)
+    for (const FunctionRow& row : function_rows) {
+      if (row.letters != letters) continue;
       function = row.waiting;
-      return true;
+      if (function == exists || text_.take('[')) return true;
+      break;
     }
-    text_.go_to(from);
-  }
+  text_.go_to(from);
   return false;
 }
 
@@ -82,7 +90,7 @@ bool Expressions::begins_at(std::string_view line, std::uint16_t index) {
   const char c = text_.peek();
   if (c == '[' || c == '#' || (signs > 1 && is_digit_or_point(c))) return true;
   Waiting function = 0;
-  return find_function(function) || text_.take_word(exists_text);
+  return find_function(function);
 }
 
 // --- words and assignments --------------------------------------------------------------------
@@ -92,15 +100,21 @@ Fault Expressions::read_word(std::string_view line, std::uint16_t& index, Word& 
   fault_ = {};
   std::int64_t e9 = 0;
   if (!value(e9)) return fault_;
-  constexpr int digits_lost = 2;  // of nine decimals
-  constexpr std::int64_t unit = 100, limit_e9 = one_e9 * one_e9;
-  static_assert(9 - digits_lost == max_decimals && max_digits == 9);
-  std::int64_t mantissa = (e9 + (e9 < 0 ? -unit / 2 : unit / 2)) / unit;
-  if (mantissa >= limit_e9 / unit || mantissa <= -limit_e9 / unit)
-    return {GcodeError::result_too_large, word.column};
+  constexpr std::uint32_t lost = 100, kept = 10'000'000;  // two of nine decimals
+  static_assert(lost * kept == one_e9 && max_decimals == 7 && max_digits == 9);
+  const auto size = static_cast<std::uint64_t>(abs64(e9)) + lost / 2;
+  const auto whole = size / std::uint64_t{one_e9};
+  if (whole >= std::uint64_t{one_e9}) return {GcodeError::result_too_large, word.column};
+  std::uint32_t fraction = static_cast<std::uint32_t>(size - whole * std::uint64_t{one_e9}) / lost;
+  std::uint32_t unit = kept;
   word.decimals = max_decimals;
-  for (; word.decimals != 0 && mantissa % 10 == 0; --word.decimals) mantissa /= 10;
-  word.mantissa = mantissa;
+  for (; word.decimals != 0 && fraction % 10 == 0; --word.decimals) {
+    fraction /= 10;
+    unit /= 10;
+  }
+  const std::uint64_t mantissa = wide_product(static_cast<std::uint32_t>(whole), unit) + fraction;
+  word.mantissa =
+      e9 < 0 ? -static_cast<std::int64_t>(mantissa) : static_cast<std::int64_t>(mantissa);
   index = text_.index();
   return {};
 }
@@ -113,8 +127,13 @@ Fault Expressions::read_assignment(std::string_view line, std::uint16_t& index) 
   const std::uint16_t from = text_.index();
   std::int64_t e9 = 0;
   std::uint32_t number = 0;
-  if (has_name ? !check(text_.take_name(), from) : !value(e9)) return fault_;
-  if (!has_name && !parameter_number(e9, Variables::max_number, index, number)) return fault_;
+  if (has_name) {
+    if (!check(text_.take_name(), from)) return fault_;
+  } else if (text_.take_whole(number)) {
+    if (!check_number(number, Variables::max_number, index)) return fault_;
+  } else if (!value(e9) || !parameter_number(e9, Variables::max_number, index, number)) {
+    return fault_;
+  }
   if (!text_.take('=')) return {GcodeError::bad_expression, static_cast<std::uint16_t>(index + 1)};
   if (!value(e9)) return fault_;
   const std::uint16_t end = text_.index();
@@ -155,23 +174,28 @@ bool Expressions::begin_value(bool& is_complete) {
   if (text_.take('+')) return true;
   if (text_.take('-')) return push(negate, at);
   if (text_.take('[')) return push(bracket, at);
-  if (text_.take('#')) {
-    if (text_.peek() != '<') return push(fetch_parameter, at);
-    is_complete = true;
-    return check(text_.take_name(), at) && push_named(at);
-  }
-  if (text_.take_word(exists_text)) {
-    is_complete = true;
-    return exists();
-  }
+  if (text_.take('#')) return begin_parameter(is_complete, at);
   Waiting function = 0;
-  if (find_function(function)) return push(function, at);
+  if (!find_function(function))
+    return fail(is_letter(c) ? GcodeError::unknown_operator : GcodeError::bad_expression, at);
+  if (function != exists) return push(function, at);
+  is_complete = true;
+  return name_exists();
+}
 
-  return fail(is_letter(c) ? GcodeError::unknown_operator : GcodeError::bad_expression, at);
+/// After #: reads a name or a plain number, or what waits for the number.
+bool Expressions::begin_parameter(bool& is_complete, std::uint16_t index) {
+  std::uint32_t number = 0;
+  is_complete = true;
+  if (text_.peek() == '<') return check(text_.take_name(), index) && push_named(index);
+  if (text_.take_whole(number))
+    return check_number(number, max_predefined, index) && push_value(value_of(number));
+  is_complete = false;
+  return push(fetch_parameter, index);
 }
 
 /// EXISTS[#<name>], after its name.
-bool Expressions::exists() {
+bool Expressions::name_exists() {
   const std::uint16_t at = text_.index();
   if (!text_.take('[') || !text_.take('#') || text_.peek() != '<')
     return fail(GcodeError::bad_expression, at);
@@ -249,12 +273,24 @@ bool Expressions::find_operator(Operator& op) {
   else if (text_.take('-'))
     op = Operator::minus;
   else
-    for (const OperatorRow& row : operator_rows) {
-      if (!text_.take_word(row.text)) continue;
-      op = row.op;
-      return true;
+    return find_operator_word(op);
+  return true;
+}
+
+bool Expressions::find_operator_word(Operator& op) {
+  const std::uint16_t from = text_.index();
+  Letters letters = text_.take_letters(2);
+  for (const OperatorRow& row : operator_rows) {
+    constexpr Letters more_than_two = 1u << 10;
+    if (row.letters >= more_than_two && letters < more_than_two) {
+      if (!is_letter(text_.peek())) break;
+      letters = with_letter(letters, static_cast<char>(text_.take_letters(1)));
     }
-  return op != Operator{};
+    op = row.op;
+    if (row.letters == letters) return true;
+  }
+  text_.go_to(from);
+  return false;
 }
 
 /// Index of the innermost bracket that is open.
@@ -296,16 +332,24 @@ bool Expressions::parameter_number(std::int64_t e9, std::uint32_t max, std::uint
   const std::int64_t rounded = (e9 + equal_tolerance_e9) / one_e9;
   if (abs64(e9 - rounded * one_e9) > equal_tolerance_e9)
     return fail(GcodeError::not_integer, index);
-  if (rounded < 1 || rounded > std::int64_t{max}) return fail(GcodeError::out_of_range, index);
-  number = static_cast<std::uint32_t>(rounded);
-  return true;
+  number = rounded > std::int64_t{max} ? 0 : static_cast<std::uint32_t>(rounded);
+  return check_number(number, max, index);
+}
+
+bool Expressions::check_number(std::uint32_t number, std::uint32_t max, std::uint16_t index) {
+  return (number >= 1 && number <= max) || fail(GcodeError::out_of_range, index);
+}
+
+std::int64_t Expressions::value_of(std::uint32_t number) const {
+  return number <= Variables::max_number ? variables_.value_e9(number)
+                                         : predefined_.value_e9(number);
 }
 
 /// Replaces the number of a parameter by its value.
 bool Expressions::fetch(std::int64_t& e9, std::uint16_t index) {
   std::uint32_t number = 0;
   if (!parameter_number(e9, max_predefined, index, number)) return false;
-  e9 = number <= Variables::max_number ? variables_.value_e9(number) : predefined_.value_e9(number);
+  e9 = value_of(number);
   return true;
 }
 

@@ -67,7 +67,8 @@ class Expressions {
 
   bool value(std::int64_t& e9);
   bool begin_value(bool& is_complete);
-  bool exists();
+  bool begin_parameter(bool& is_complete, std::uint16_t index);
+  bool name_exists();
   bool push_named(std::uint16_t index);
   bool end_value(bool& is_over);
   bool complete_value();
@@ -75,9 +76,12 @@ class Expressions {
   std::uint16_t open_bracket() const;
   bool add_operator();
   bool find_operator(Operator& op);
+  bool find_operator_word(Operator& op);
   bool calculate_down_to(int precedence);
   bool parameter_number(std::int64_t e9, std::uint32_t max, std::uint16_t index,
                         std::uint32_t& number);
+  bool check_number(std::uint32_t number, std::uint32_t max, std::uint16_t index);
+  std::int64_t value_of(std::uint32_t number) const;
   bool fetch(std::int64_t& e9, std::uint16_t index);
   bool push(Waiting waiting, std::uint16_t index);
   bool push_value(std::int64_t e9);

@@ -12,7 +12,7 @@
 namespace lamplock::program {
 
 /// a b 2^-62, rounded to nearest; the result must fit.
-std::int64_t times_q62(std::int64_t a, std::int64_t b_q62);
+[[gnu::cold]] std::int64_t times_q62(std::int64_t a, std::int64_t b_q62);
 
 /// a b 2^-48, towards zero and up to 2 nearer to it; |a| < 2^55, |b| <= 2^48.
 std::int64_t times_q48(std::int64_t a, std::int64_t b_q48);
