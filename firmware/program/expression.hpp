@@ -42,6 +42,8 @@ class Expressions {
   [[gnu::cold]] Fault read_assignment(std::string_view line, std::uint16_t& index);
 
   const Variables& variables() const { return variables_; }
+  /// Replaces all parameters; not within a line.
+  void set_variables(const Variables& variables) { variables_ = variables; }
   bool has_assignments() const { return variables_.has_assignments(); }
   /// The line is over: its assignments are in force, or dropped after an error.
   [[gnu::cold]] void end_line(bool is_valid) {

@@ -155,8 +155,8 @@ LineFault describe_fault(std::string_view line, const program::Fault& fault, int
     case GcodeError::unknown_name:
       return unknown_name(rest, plain.text);
     case GcodeError::o_word:
-      return {fmt::format("{}: O-words are not read", quoted(trimmed(rest))),
-              std::string(no_subprograms)};
+      return {fmt::format("{}: O-words are not read here", quoted(trimmed(rest))),
+              "lamplock check and lamplock send run them"};
     case GcodeError::letter_expected:
     case GcodeError::bad_number:
       return no_word(rest, fault.error);

@@ -5,10 +5,31 @@
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/file/staged_file.hpp"
+#include "host/link/program_lines.hpp"
+#include "host/program/flow_unit.hpp"
 #include "host/program/path_picture.hpp"
+#include "host/program/program_flow.hpp"
 #include "host/run/sent_file.hpp"
 
 namespace lamplock::run {
+namespace {
+
+/// The lines that `send` would send; problems are those of the lines of the file.
+program_run::ProgramRun run_with_flow(const std::string& text, const CheckOptions& options,
+                                      const settings::Values& values) {
+  const auto lines =
+      program_run::run_flow(link::program_lines(text, options.input), options.input, values);
+  std::string sent;
+  for (const link::ProgramLine& line : lines) sent += line.text + "\n";
+  auto run = program_run::run_program(sent, values, options.max_problems);
+  for (program_run::Problem& problem : run.problems) {
+    problem.line = lines[problem.line - 1].number;
+    problem.column = 0;  // of a line whose values are numbers
+  }
+  return run;
+}
+
+}  // namespace
 
 program_run::ProgramRun check_program(const CheckOptions& options) {
   const job::Profile profile = options.machine.profile();
@@ -21,7 +42,9 @@ program_run::ProgramRun check_program(const CheckOptions& options) {
   require_program(options.input);
   const std::string text = read_program_text(options.input);
   program_run::ProgramRun run =
-      program_run::run_program(text, profile.settings, options.max_problems);
+      program_run::has_flow(text)
+          ? run_with_flow(text, options, profile.settings)
+          : program_run::run_program(text, profile.settings, options.max_problems);
   if (run.is_blank) throw no_line_to_send(options.input);
   if (!options.picture.empty())
     write_whole(options.picture, [&](const std::filesystem::path& path) {

@@ -15,6 +15,8 @@
 #include "host/link/line_sender.hpp"
 #include "host/link/not_ready.hpp"
 #include "host/program/board_state.hpp"
+#include "host/program/flow_unit.hpp"
+#include "host/program/program_flow.hpp"
 #include "host/program/program_run.hpp"
 #include "host/program/start_at.hpp"
 #include "host/program/without_laser.hpp"
@@ -254,9 +256,18 @@ Program program_of(const std::string& file, std::string text) {
   return program;
 }
 
-/// The part of the program that --from and --dry leave.
+/// The lines that O-words, --from and --dry leave.
 void choose_lines(Program& program, const BoardOptions& options, const settings::Values& values,
                   const std::optional<program_run::BoardState>& state) {
+  if (program_run::has_flow(program.text.source)) {
+    if (options.from != 0)
+      throw Error(Exit::bad_input, program.text.file,
+                  "--from does not begin within a program with O-words or M98",
+                  "send the whole program");
+    program.text.lines =
+        program_run::run_flow(std::move(program.text.lines), program.text.file, values, state);
+    if (program.text.lines.empty()) throw no_line_to_send(program.text.file);
+  }
   if (options.from != 0)
     program.text.lines =
         program_run::start_at(program.text.lines, options.from, values, program.text.file, state);

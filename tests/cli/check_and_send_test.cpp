@@ -71,7 +71,6 @@ TEST(CheckAndSend, NameTheWordAndARemedy) {
            {"G43 H1", "1", "error:20 'G43' is not supported", "; use G43.1 or take the word out"},
            {"G1 X1 g 43", "7", "error:20 'g 43' is not supported", "; use G43.1"},
            {"G41 D1", "1", "error:20 'G41' is not supported", "with the offset in its path"},
-           {"N5 M98 P100", "4", "error:20 'M98' is not supported", "without subprograms"},
            {"M84", "1", "error:20 'M84' is not supported", "; take the word out: $1 switches"},
            {"M104 S200", "1", "error:20 'M104' is not supported", "has no heater"},
            {"G33 Z1 K1", "1", "error:20 'G33' is not supported", "; take the word out"},
@@ -82,7 +81,6 @@ TEST(CheckAndSend, NameTheWordAndARemedy) {
             "; write '#<wide> = 0' with its value before this line"},
            {"G1 (a) X[1/0] F1", "11", "error:72 division by zero", "; correct "},
            {"#1=[2", "4", "error:75 the expression is incomplete", "; correct "},
-           {"o100 sub", "1", "error:80 'o100 sub': O-words are not read", without},
            {"WHILE [#1 LT 5] DO1", "1", "error:2 'WHILE'" + control, without},
            {"IF [1 EQ 1] THEN", "1", "error:2 'IF'" + control, without},
            {"N1 G1 X5*22", "9", "error:1 '*22': line checksums are not read",
@@ -95,6 +93,19 @@ TEST(CheckAndSend, NameTheWordAndARemedy) {
             "; correct the number"}}) {
     expect_both_refuse("G21 (units)\n" + c.line + "\n", ":2:" + c.column, c.what, c.remedy);
   }
+}
+
+TEST(CheckAndSend, RunLoopsAndSubroutines) {
+  const Folder folder;
+  const std::string file = folder.write(
+      "p.ngc", "o1 sub\nG0 X#1\no1 endsub\no2 repeat [3]\no1 call [2]\no2 endrepeat\nM2\n");
+  EXPECT_EQ(run({"check", file}).status, 0);
+  const Finished sent = run({"send", file, "--board", "virtual"});
+  EXPECT_EQ(sent.status, 0) << sent.err;
+  EXPECT_THAT(sent.out + sent.err, HasSubstr("4 of 4 lines"));
+  expect_both_refuse("G21\nN5 M98 P100\n", ":2", "there is no program O100",
+                     "; write it after M30");
+  expect_both_refuse("G21\no100 sub\n", ":2", "'o100 sub' has no end", "; add o100 endsub");
 }
 
 TEST(CheckAndSend, RefuseUtf16) {

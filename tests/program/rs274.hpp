@@ -47,6 +47,23 @@ class Rs274 {
 
   static bool available() { return std::filesystem::exists(binary()); }
 
+  /// Runs one program with O-words, which have no line numbers; all its moves, and the last error.
+  CanonicalLine run_whole(const Program& program) {
+    std::ofstream tools(folder_.file("tools"));
+    std::ofstream file(folder_.file("program"));
+    for (const std::string& line : program) file << line << "\n";
+    file << "M2\n";
+    file.close();
+    lines_.clear();
+    read();
+    CanonicalLine all;
+    for (auto& [number, line] : lines_) {
+      all.moves.insert(all.moves.end(), line.moves.begin(), line.moves.end());
+      if (!line.refusal.empty()) all.refusal = line.refusal;
+    }
+    return all;
+  }
+
   /// Runs the programs; the result has a list of lines for each.
   std::vector<std::vector<CanonicalLine>> run(const std::vector<Program>& programs,
                                               std::string_view reset) {

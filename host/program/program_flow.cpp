@@ -1,0 +1,366 @@
+#include "host/program/program_flow.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "firmware/program/decimal.hpp"
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/link/board_text.hpp"
+#include "host/program/flow_unit.hpp"
+#include "host/program/flow_values.hpp"
+#include "host/program/program_words.hpp"
+
+namespace lamplock::program_run {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A repeat that is under way.
+struct Repeat {
+  std::size_t begin = 0;
+  std::int64_t left = 0;
+};
+
+/// What continues after a call.
+struct FlowCall {
+  const FlowUnit* unit = nullptr;
+  std::size_t next = 0;
+  std::vector<Repeat> repeats{};
+  std::optional<FlowValues::Locals> locals{};  ///< of a sub
+  std::size_t program = 0;                     ///< of M98: its begin
+  std::int64_t left = 0;                       ///< its further runs
+};
+
+class FlowRun {
+ public:
+  FlowRun(std::vector<link::ProgramLine> lines, const std::string& file,
+          const settings::Values& values, const std::optional<BoardState>& state)
+      : main_(flow_unit_of(std::move(lines), file)),
+        unit_(&main_),
+        values_(values, state ? &*state : nullptr) {}
+
+  std::vector<link::ProgramLine> run() {
+    while (!values_.has_ended()) {
+      if (next_ == unit_->statements.size()) {
+        if (calls_.empty()) break;
+        end_of_file();
+        continue;
+      }
+      at_ = next_++;
+      if (++steps_ > max_flow_steps)
+        refuse(
+            fmt::format("the program does not end: {} statements without a line", max_flow_steps),
+            "check the conditions of its loops");
+      if (statement().word)
+        execute(*statement().word);
+      else
+        plain(statement().line.text);
+    }
+    return std::move(lines_);
+  }
+
+ private:
+  const FlowStatement& statement() const { return unit_->statements[at_]; }
+
+  [[noreturn]] void refuse(const std::string& what, const std::string& remedy) const {
+    throw Error(Exit::bad_input, fmt::format("{}:{}", unit_->file, statement().line.number), what,
+                remedy);
+  }
+  void refuse_fault(const program::Fault& fault) const {
+    if (!fault) return;
+    refuse(link::error_text(static_cast<int>(fault.error)), "correct the value");
+  }
+
+  /// The line of the program that was read, not of a file that it calls.
+  std::size_t line_number() const {
+    return calls_.empty() || unit_ == &main_ ? statement().line.number : called_at_;
+  }
+
+  void refuse_results(std::string_view text) const {
+    static constexpr std::string_view results[] = {"#5061", "#5062", "#5063",
+                                                   "#5064", "#5070", "#5399"};
+    for (const std::string_view result : results)
+      if (text.find(result) != std::string_view::npos)
+        refuse(fmt::format("{} is not known before the machine runs the program", result),
+               "use it in programs without O-words only");
+  }
+
+  void plain(const std::string& text) {
+    if (text.starts_with('$')) return emit(text);
+    refuse_results(text);
+    const int code = subprogram_code(text);
+    if (code == 98) return call_program(text);
+    if (code == 99) return end_program();
+    std::string with_numbers;
+    refuse_fault(values_.run(text, with_numbers));
+    if (!with_numbers.empty()) emit(with_numbers);
+  }
+
+  void emit(const std::string& text) {
+    if (lines_.size() == max_flow_lines)
+      refuse(fmt::format("the program has more than {} lines", max_flow_lines),
+             "check the conditions of its loops");
+    lines_.push_back({line_number(), text});
+    steps_ = 0;
+  }
+
+  // --- values ---------------------------------------------------------------------------------
+
+  std::vector<std::int64_t> arguments(const std::string& text) {
+    refuse_results(text);
+    std::vector<std::int64_t> values;
+    for (std::uint16_t index = 0; index < text.size();) {
+      std::int64_t e9 = 0;
+      if (text[index] != '[') refuse("a value is not in square brackets", "write [value]");
+      refuse_fault(values_.value(text, index, e9));
+      values.push_back(e9);
+    }
+    return values;
+  }
+  std::int64_t argument(const FlowWord& word) {
+    const auto values = arguments(word.arguments);
+    if (values.size() != 1)
+      refuse(fmt::format("{} has {} values", name_of(word.flow), values.size()),
+             "write one value in square brackets after it");
+    return values.front();
+  }
+  bool condition(std::size_t i) {
+    at_ = i;
+    return argument(*statement().word) != 0;
+  }
+  void no_arguments(const FlowWord& word) const {
+    if (!word.arguments.empty())
+      refuse(fmt::format("{} has no value", name_of(word.flow)), "remove what follows it");
+  }
+  static std::int64_t rounded(std::int64_t e9) {
+    return (e9 + program::one_e9 / 2) / program::one_e9;
+  }
+
+  // --- O-words --------------------------------------------------------------------------------
+
+  void execute(const FlowWord& word) {
+    const FlowStatement& now = statement();
+    switch (word.flow) {
+      case Flow::sub:
+        next_ = now.other + 1;
+        return;
+      case Flow::call:
+        return call(word);
+      case Flow::endsub:
+      case Flow::returning:
+        return leave(word);
+      case Flow::branch:
+        return branch();
+      case Flow::else_branch:
+      case Flow::otherwise:
+        next_ = now.end + 1;
+        return;
+      case Flow::loop:
+        if (!condition(at_)) next_ = now.other + 1;
+        return;
+      case Flow::endwhile:
+        no_arguments(word);
+        next_ = now.other;
+        return;
+      case Flow::do_while:
+        if (condition(at_)) next_ = now.other + 1;
+        return;
+      case Flow::repeat:
+        return begin_repeat(word);
+      case Flow::endrepeat:
+        no_arguments(word);
+        return end_repeat(now.other);
+      case Flow::breaking:
+        no_arguments(word);
+        leave_repeats(now.other, true);
+        next_ = unit_->statements[now.other].other + 1;
+        return;
+      case Flow::continuing:
+        return continue_loop(word, now.other);
+      case Flow::do_loop:
+      case Flow::endif:
+        no_arguments(word);
+        return;
+    }
+  }
+
+  void branch() {
+    for (std::size_t i = at_;;) {
+      const FlowStatement& one = unit_->statements[i];
+      const Flow flow = one.word->flow;
+      const bool is_condition = flow == Flow::branch || flow == Flow::else_branch;
+      next_ = i + 1;
+      if (!is_condition || condition(i)) return;
+      i = one.other;
+    }
+  }
+
+  void begin_repeat(const FlowWord& word) {
+    const std::int64_t count = rounded(argument(word));
+    if (count <= 0)
+      next_ = statement().other + 1;
+    else
+      repeats_.push_back({at_, count});
+  }
+  void end_repeat(std::size_t begin) {
+    if (repeats_.empty() || repeats_.back().begin != begin) return;
+    if (--repeats_.back().left > 0)
+      next_ = begin + 1;
+    else
+      repeats_.pop_back();
+  }
+  void leave_repeats(std::size_t loop, bool itself) {
+    while (!repeats_.empty() &&
+           (repeats_.back().begin > loop || (itself && repeats_.back().begin == loop)))
+      repeats_.pop_back();
+  }
+  void continue_loop(const FlowWord& word, std::size_t loop) {
+    no_arguments(word);
+    leave_repeats(loop, false);
+    const bool is_while = unit_->statements[loop].word->flow == Flow::loop;
+    next_ = is_while ? loop : unit_->statements[loop].other;
+  }
+
+  // --- calls ----------------------------------------------------------------------------------
+
+  void push(FlowCall call) {
+    if (calls_.size() == max_calls)
+      refuse(fmt::format("calls are nested more than {} deep", max_calls),
+             "check that the sub does not call itself without end");
+    if (unit_ == &main_) called_at_ = statement().line.number;
+    call.unit = unit_;
+    call.next = next_;
+    call.repeats = std::exchange(repeats_, {});
+    calls_.push_back(std::move(call));
+  }
+  void pop() {
+    FlowCall call = std::move(calls_.back());
+    calls_.pop_back();
+    if (call.locals) values_.leave(*call.locals);
+    unit_ = call.unit;
+    next_ = call.next;
+    repeats_ = std::move(call.repeats);
+  }
+
+  std::string label_of(const FlowWord& word) {
+    if (word.label.front() != '#' && word.label.front() != '[') return word.label;
+    std::int64_t e9 = 0;
+    std::uint16_t index = 0;
+    refuse_fault(values_.value(word.label, index, e9));
+    return fmt::format("{}", rounded(e9));
+  }
+
+  void call(const FlowWord& word) {
+    const std::string label = label_of(word);
+    std::vector<std::int64_t> values = arguments(word.arguments);
+    if (values.size() > max_arguments)
+      refuse(fmt::format("the call has {} values", values.size()),
+             fmt::format("give at most {}", max_arguments));
+    const FlowUnit* unit = unit_with(label);
+    push({});
+    calls_.back().locals = values_.enter(values);
+    values_.set("_value", 0);
+    values_.set("_value_returned", 0);
+    unit_ = unit;
+    next_ = unit->subs.at(label) + 1;
+  }
+
+  void leave(const FlowWord& word) {
+    if (calls_.empty() || !calls_.back().locals)
+      refuse("the sub was not called", "write subs before or after the lines that are executed");
+    const auto values = arguments(word.arguments);
+    if (values.size() > 1) refuse("more than one value is returned", "return one value");
+    pop();
+    if (values.empty()) return;
+    values_.set("_value", values.front());
+    values_.set("_value_returned", program::one_e9);
+  }
+
+  /// This file, or the program, or a file of its folder.
+  const FlowUnit* unit_with(const std::string& label) {
+    if (unit_->subs.contains(label)) return unit_;
+    if (main_.subs.contains(label)) return &main_;
+    std::string name = label;
+    if (name.front() == '<') name = name.substr(1, name.size() - 2);
+    const fs::path folder = fs::path(main_.file).parent_path();
+    const bool is_name = name.find_first_of("/\\") == std::string::npos && !name.starts_with('.');
+    const fs::path path = folder / (name + ".ngc");
+    std::error_code ignored;
+    if (!is_name || !fs::is_regular_file(path, ignored))
+      refuse(fmt::format("there is no sub o{}, and no file {}", label, path.string()),
+             "write the sub, or a file of this name that has it");
+    std::unique_ptr<FlowUnit>& unit = files_[label];
+    if (!unit)
+      unit = std::make_unique<FlowUnit>(
+          flow_unit_of(link::program_lines(read_file(path), path.string()), path.string()));
+    if (!unit->subs.contains(label))
+      throw Error(Exit::bad_input, path.string(), fmt::format("has no sub o{}", label),
+                  fmt::format("add a line o{} sub and a line o{} endsub", label, label));
+    return unit.get();
+  }
+
+  // --- M98, M99 -------------------------------------------------------------------------------
+
+  void call_program(const std::string& text) {
+    std::string with_numbers;
+    refuse_fault(values_.run(text, with_numbers));
+    std::optional<double> program, count = 1;
+    for (const ProgramWord& word : words_of(with_numbers)) {
+      if (word.letter == 'P')
+        program = word.number();
+      else if (word.letter == 'L')
+        count = word.number();
+      else if (word.letter != 'M' && word.letter != 'N')
+        refuse(fmt::format("M98 has a word {}", word.letter),
+               "write M98 P and L in their own line");
+    }
+    if (!program || !count) refuse("M98 has no number P", "write M98 P and the program's number");
+    const auto found = unit_->programs.find(fmt::format("{:.0f}", *program));
+    if (found == unit_->programs.end())
+      refuse(fmt::format("there is no program O{:.0f}", *program),
+             "write it after M30: a line with O and its number, then its lines and M99");
+    const auto runs = static_cast<std::int64_t>(*count);
+    if (runs <= 0) return;
+    push({.program = found->second + 1, .left = runs - 1});
+    next_ = found->second + 1;
+  }
+
+  void end_program() {
+    if (calls_.empty() || calls_.back().locals)
+      refuse("M99 ends no program: none was called", "write M30 at the end of the main program");
+    repeats_.clear();
+    if (calls_.back().left-- > 0)
+      next_ = calls_.back().program;
+    else
+      pop();
+  }
+
+  void end_of_file() {
+    at_ = unit_->statements.size() - 1;
+    refuse("the program that M98 called has no end", "add M99");
+  }
+
+  FlowUnit main_;
+  std::map<std::string, std::unique_ptr<FlowUnit>> files_;
+  const FlowUnit* unit_;
+  FlowValues values_;
+  std::size_t at_ = 0, next_ = 0, steps_ = 0, called_at_ = 0;
+  std::vector<Repeat> repeats_;
+  std::vector<FlowCall> calls_;
+  std::vector<link::ProgramLine> lines_;
+};
+
+}  // namespace
+
+std::vector<link::ProgramLine> run_flow(std::vector<link::ProgramLine> lines,
+                                        const std::string& file, const settings::Values& values,
+                                        const std::optional<BoardState>& state) {
+  return FlowRun(std::move(lines), file, values, state).run();
+}
+
+}  // namespace lamplock::program_run
