@@ -91,7 +91,8 @@ std::vector<Block> blocks_to_run() {
 }
 
 constexpr std::string_view real_board = "--board auto", simulated_board = "--board virtual";
-constexpr std::string_view flash = "lamplock flash", flash_chip = "lamplock flash --board chip";
+constexpr std::string_view flash = "lamplock flash --for pico",
+                           flash_chip = "lamplock flash --for pico --board chip";
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
   for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))

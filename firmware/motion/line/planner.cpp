@@ -150,7 +150,8 @@ void LinePlanner::put(const LineTarget& target, const LineShape& shape, UFloat p
   last_ = shape;
 }
 
-/// Whether the target is more of the last line: nothing but its place differs.
+/// Whether the target is more of the last line: nothing but its place and its number differ.
+/// Numbers are for reports: a program with them takes the same time as without.
 bool LinePlanner::continues(const LineTarget& target) const {
   // The corner at the start of the last line may change: the machine must be far from it.
   if (!open_ || stop_ || ring_.size() < 3 || target.changes != 0) return false;
@@ -158,8 +159,8 @@ bool LinePlanner::continues(const LineTarget& target) const {
   const Line& line = ring_.at(ring_.end() - 1);
   if (line.timed || line.pixels || line.pulses) return false;
   const LinePower laser = target.rapid ? LinePower::off : target.laser;
-  return line.line == (target.line & 0xffffffu) && line.rapid == target.rapid &&
-         line.laser == laser && line.power == target.power && feed_um_min_ == target.feed_um_min;
+  return line.rapid == target.rapid && line.laser == laser && line.power == target.power &&
+         feed_um_min_ == target.feed_um_min;
 }
 
 /// Extends the last line to the target; false if that is a line of its own.
@@ -171,11 +172,13 @@ bool LinePlanner::join(const LineTarget& target, UFloat pace) {
   Line& line = ring_.at(ring_.end() - 1);
   const LinePacked entry_2 = line.entry_2;
   const std::uint8_t changes = static_cast<std::uint8_t>(line.changes);
+  const std::uint32_t number = line.line;  // the first of those joined is reported
   ring_.unpush();
   join_.extend();
   put(target, shape, pace);
   ring_.push();
   line.changes = changes;
+  line.line = number & 0xffffffu;
   line.entry_2 = entry_2;
   lookahead_.extend(ring_, limits_.rise);
   return true;
