@@ -46,7 +46,7 @@ if (file === undefined) {
 }
 const first = start(read_uf2(readFileSync(file)));
 check('$I answers with version, options and ok',
-      first.ask('$I', /\[VER:1\.1h[^\]]*lamplock\][^]*\[OPT:[^\]]*\]\r\nok\r\n/), first);
+      first.ask('$I', /\[VER:1\.1h[^\]]*lamplock\][^]*\[OPT:[^\]]*\]\r\n\[BOARD:pico\]\r\nok\r\n/), first);
 console.log(`        ${first.text.match(/\[VER:[^\]]*\]/)[0]}`);
 check('it reports that there is only one core', /Core 1 does not answer/.test(first.text), first);
 check('? answers with a status', first.ask('?', /<(Idle|Alarm)[^>]*>/), first);
