@@ -249,7 +249,7 @@ std::string places_of(const std::vector<CanonicalMove>& moves) {
 TEST(ProgramFlow, MovesAsLinuxCnc) {
   if (!Rs274::available()) GTEST_SKIP() << "rs274 is not unpacked";
   std::size_t moves = 0;
-  for (int i = 0; i < lamplock::test::scaled(30); ++i) {
+  for (int i = 0; i < lamplock::test::scaled(30, 15); ++i) {
     const Rs274::Program program = FlowPrograms(static_cast<unsigned>(i)).program();
     std::string text;
     for (const std::string& line : program) text += line + "\n";
