@@ -49,10 +49,10 @@ std::vector<std::string> size_hints(const glass::Object& object, InputKind kind,
   const double x = box.high.x - box.low.x, y = box.high.y - box.low.y, z = box.high.z - box.low.z;
   if (has_size_of_file(object, kind)) {
     const bool has_unit = kind == InputKind::curves || defines_unit(object.file);
-    const double longest_mm = std::max({x, y, z});
+    const double max_side_mm = std::max({x, y, z});
     const bool has_few_points = points < min_usual_points;
-    if (longest_mm < min_usual_side_mm ||
-        (has_few_points && !has_unit && longest_mm < usual_size_mm))
+    if (max_side_mm < min_usual_side_mm ||
+        (has_few_points && !has_unit && max_side_mm < usual_size_mm))
       hints.push_back(fmt::format("{} is {} and has {}: {} --size {} makes its longest side {} mm",
                                   object.file, size_text(box), count_text(points, "point"),
                                   has_unit ? "is it meant to be so small?" : "is the file in mm?",
