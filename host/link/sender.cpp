@@ -8,9 +8,8 @@
 #include <utility>
 
 #include "host/error.hpp"
-#include "host/link/not_ready.hpp"
+#include "host/link/job_refusal.hpp"
 #include "host/link/not_stopped.hpp"
-#include "host/link/refused_setting.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/job_header.hpp"
 #include "shared/wire/realtime_inbox.hpp"
@@ -19,23 +18,10 @@
 namespace lamplock::link {
 namespace {
 
-/// Throws why a machine takes no job; `then` follows the remedy.
-[[noreturn]] void throw_not_ready(const NotReady& reason, const std::string& where,
-                                  const std::string& then) {
-  throw Error(Exit::job_failed, where, reason.what, reason.remedy + then);
-}
-
 using std::chrono::microseconds;
 
-/// Points in one DATA frame at most: an acknowledgement every few dozen points keeps free space
-/// and progress up to date, and the header of a frame costs a quarter of a byte per point.
-constexpr std::size_t max_points_per_frame = 64;
 /// Bytes queued in the transport: more would only delay a hold.
 constexpr std::size_t max_backlog = 2 * wire::max_frame;
-/// Bytes of frames sent and not acknowledged. A port buffers 4 KiB between two reads of a firmware
-/// that plans meanwhile (firmware/boards/rp2040/usb/usb_serial.hpp); the rest is for queries and
-/// commands, of some 40 bytes at most, which more frames would delay.
-constexpr std::size_t max_in_flight = 4096 - 512;
 constexpr microseconds reconnect_interval{200'000};
 /// Time until the machine must be at rest after the last shot or a stop.
 constexpr microseconds rest_timeout{10'000'000};
@@ -66,12 +52,6 @@ bool is_soft(Result result) {
          result == Result::door_open;
 }
 
-std::string describe_setting(std::uint32_t number) {
-  const auto id = settings::find_number(static_cast<std::uint16_t>(number));
-  if (number == 0 || id == settings::Id::count) return "the job header";
-  return fmt::format("${} ({})", number, settings::row(id).name);
-}
-
 }  // namespace
 
 JobSender::JobSender(Transport& transport, const job::Job& job, SenderOptions options)
@@ -79,8 +59,8 @@ JobSender::JobSender(Transport& transport, const job::Job& job, SenderOptions op
       job_(check_first(job, options.first_index)),
       options_(std::move(options)),
       connection_(transport),
-      encoder_(job, options_.first_index),
       session_(choose_session(options_.session)),
+      window_(job, options_.first_index, options_.window_frames),
       handed_over_(options_.first_index + options_.run_up_lines),
       // Tags start at random, so that an answer to another program is not taken for one to us.
       tag_(session_ & 0x7FFFFFFFu),
@@ -166,7 +146,8 @@ std::string JobSender::advice() const {
 
 JobResult JobSender::result() const {
   const Time elapsed = phase_ == Phase::ended ? elapsed_ : transport_.now() - started_at_;
-  return {end_,        job_status_, flashes_fired(), rest(), resent_, connection_.bad_frames(),
+  return {end_,        job_status_,      flashes_fired(),
+          rest(),      window_.resent(), connection_.bad_frames(),
           reconnects_, elapsed};
 }
 
@@ -202,18 +183,16 @@ void JobSender::handle(const wire::Status& status) {
     phase_ = Phase::stream;
     started_at_ = heard_at_;
     finish_by_.reset();
-    const std::size_t most = job_.is_rows() ? wire::max_lines_a_frame : max_points_per_frame;
-    frame_points_ = std::clamp<std::size_t>(status.free_points / 4, 1, most);
+    window_.choose_frame_size(status.free_points);
   }
   if (phase_ == Phase::stopping && stop_end_ != JobEnd::restarted && status.session == session_)
     keep(status);
   if (phase_ != Phase::stream) return;
-  const std::uint32_t acknowledged = built_ - static_cast<std::uint32_t>(frames_.size());
-  if (status.session != session_ || status.next_number > built_ + 1 ||
-      status.next_number <= acknowledged)
+  if (status.session != session_ || status.next_number > window_.last_built() + 1 ||
+      status.next_number <= window_.last_acknowledged())
     return begin_stop(JobEnd::restarted);
   keep(status);
-  acknowledge(status);
+  if (window_.acknowledge(status.next_number)) soft_refusals_ = 0;
 }
 
 /// True if the status answers one of our QUERYs. Frames that it proves lost are retransmitted.
@@ -225,20 +204,8 @@ bool JobSender::take_barrier(const wire::Status& status) {
   const Barrier barrier = *found;
   barriers_.erase(barriers_.begin(), found + 1);
   const bool ours = phase_ == Phase::stream && status.session == session_;
-  if (ours && status.next_number < barrier.number && !frames_.empty() &&
-      status.next_number >= frames_.front().number)
-    cursor_ = std::min<std::size_t>(cursor_, status.next_number - frames_.front().number);
+  if (ours && status.next_number < barrier.number) window_.write_again(status.next_number);
   return true;
-}
-
-/// Drops the frames that the machine has acknowledged.
-void JobSender::acknowledge(const wire::Status& status) {
-  while (!frames_.empty() && frames_.front().number < status.next_number) {
-    places_ = frames_.front().end_places;
-    frames_.pop_front();
-    if (cursor_ > 0) --cursor_;
-    soft_refusals_ = 0;
-  }
 }
 
 void JobSender::handle(const RefusedFrame& frame) {
@@ -249,84 +216,25 @@ void JobSender::handle(const RefusedFrame& frame) {
     // The hold may come from noise; BEGIN is repeated.
     if (refused.result == Result::held && options_.auto_resume)
       return connection_.send(std::array{wire::byte_resume});
-    refuse_job(frame);
+    refuse_job(refused);
   }
   const bool numbered =
       refused.type == wire::FrameType::data || refused.type == wire::FrameType::end;
   if (!numbered || phase_ != Phase::stream) return;
   if (is_soft(refused.result) && ++soft_refusals_ < max_soft_refusals) return;
   // Thrown once the machine is at rest: only then it is known where the job can continue.
-  stop_refusal_ = frame;
+  stop_refusal_ = refused;
   begin_stop(JobEnd::stopped);
 }
 
-/// Throws the refusal as an error for the user.
-void JobSender::refuse_job(const RefusedFrame& frame) const {
-  const wire::Refused& refused = frame.refused;
-  const bool of_point = refused.type != wire::FrameType::begin;
-  const std::string where = of_point ? fmt::format("{} {}", job_.item(), refused.value) : "machine";
-  // After a refusal in mid-job the remedy must not be a new start: it would fire points twice.
-  const std::string how_to_continue = advice();
-  const std::string then = of_point ? ", then " + how_to_continue : "";
-  switch (refused.result) {
-    case Result::busy:
-      if (status_.session != 0 && status_.session != session_)
-        throw Error(
-            Exit::job_failed, where,
-            fmt::format("holds an unfinished job of another program (session {:08x}, {} {} is the "
-                        "first not done)",
-                        status_.session, job_.item(), status_.first_unfired),
-            "finish it there, continue it with --resume, or discard it with --discard" + then);
-      if (status_.state == wire::MachineState::hold)
-        throw_not_ready(why_held(transport_.board()), where, then);
-      throw Error(Exit::job_failed, where, "another job is running",
-                  "wait until that job ends, or stop it" + then);
-    case Result::held:
-      throw_not_ready(why_held(transport_.board()), where, then);
-    case Result::no_job:
-      throw Error(Exit::job_failed, where, "the job was ended by the machine",
-                  of_point ? how_to_continue : "start it again");
-    case Result::locked:
-      throw_not_ready(why_locked(status_, transport_.board()), where, then);
-    case Result::door_open:
-      throw_not_ready(why_stopped(status_, transport_.board()), where, then);
-    case Result::bad_version:
-      throw Error(Exit::no_device, where, "its firmware has another protocol version",
-                  "install the firmware and the program of the same release");
-    case Result::settings_mismatch:
-      throw RefusedSetting(0, where, "the job was made for other settings",
-                           "make the job again with this machine's profile" + then);
-    case Result::out_of_bounds:
-      throw Error(Exit::bad_input, where, "is outside the machine's work space",
-                  "check travel and corner in the machine profile" + then);
-    case Result::unreachable:
-      throw Error(Exit::bad_input, where, "cannot be reached within the machine's limits",
-                  "check speed, acceleration and beats" + then);
-    case Result::bad_value:
-      if (of_point)
-        throw Error(Exit::bad_input, where,
-                    "its record has a value that the machine does not allow",
-                    "use the machine's own settings, which $$ lists" + then);
-      throw RefusedSetting(
-          refused.value, where,
-          fmt::format("{} has a value that the machine does not allow",
-                      describe_setting(refused.value)),
-          "make the job with the machine's own settings, which lamplock settings list shows");
-    case Result::unsupported:
-      throw Error(Exit::bad_input, where,
-                  "the job uses a channel or axis that the machine lacks or has disabled",
-                  "check the channel ($924) and the axes" + then);
-    default:
-      throw Error(Exit::bad_input, where,
-                  fmt::format("refuses the job (result {})", static_cast<int>(refused.result)),
-                  "install the firmware and the program of the same release" + then);
-  }
+void JobSender::refuse_job(const wire::Refused& refused) const {
+  throw_refusal(refused, {job_.item(), session_, status_, transport_.board(), advice()});
 }
 
 /// The machine has ended the job without a command of the host; its message about the reason was
 /// lost.
 void JobSender::throw_ended() const {
-  refuse_job({0, {wire::FrameType::end, Result::no_job, job_status_.first_unfired}});
+  refuse_job({wire::FrameType::end, Result::no_job, job_status_.first_unfired});
 }
 
 /// Notices a cut connection and tries to make a new one.
@@ -353,7 +261,7 @@ void JobSender::keep_connected() {
   synced_ = false;
   // Which frames the machine has is unknown: write nothing before its next STATUS.
   barriers_.clear();
-  cursor_ = 0;
+  window_.write_all_again();
   heard_at_ = now;
   asked_at_ = now - options_.reply_timeout;
 }
@@ -370,17 +278,13 @@ void JobSender::ask() {
   if (cut_) return;
   const Time now = transport_.now();
   const Time since = now - asked_at_;
-  const bool burst_open = synced_ && barriers_.empty() && cursor_ > 0;
+  const bool burst_open = synced_ && barriers_.empty() && window_.any_on_the_way();
   const Time interval =
       barriers_.empty() && synced_ ? options_.status_interval : options_.reply_timeout;
   if (!burst_open && since < interval) return;
-  barriers_.push_back({++tag_, next_to_write()});
+  barriers_.push_back({++tag_, window_.next_number()});
   connection_.send_query(session_, tag_);
   asked_at_ = now;
-}
-
-std::uint32_t JobSender::next_to_write() const {
-  return cursor_ < frames_.size() ? frames_[cursor_].number : built_ + 1;
 }
 
 void JobSender::begin() {
@@ -469,54 +373,22 @@ void JobSender::stream() {
   if (phase_ != Phase::stream || cut_ || !synced_) return;
   // No motion before the machine has the job speed.
   const bool speed_known = job_speed_ == machine_job_speed_ && command_taken();
-  if (written_ == 0 && !speed_known) return;
+  if (!window_.any_written() && !speed_known) return;
   while (connection_.backlog() < max_backlog) {
-    if (cursor_ == frames_.size() && !build_frame()) return;
-    const Frame& frame = frames_[cursor_];
-    if (!has_room(frame)) return;
-    if (frame.end_index > progress_.may_have_fired) report_progress(end_of_room());
-    handed_over_ = std::max(handed_over_, frame.end_index);
-    connection_.send(frame.bytes);
-    if (frame.number <= written_) ++resent_;
-    written_ = std::max(written_, frame.number);
-    ++cursor_;
+    const FrameWindow::Frame* frame = window_.next(session_);
+    if (!frame || !window_.has_room(*frame, end_of_room(), status_.free_runs)) return;
+    if (frame->end_index > progress_.may_have_fired) report_progress(end_of_room());
+    handed_over_ = std::max(handed_over_, frame->end_index);
+    connection_.send(frame->bytes);
+    window_.written();
   }
-}
-
-/// The machine has room for the frame and for all frames before it that it has not acknowledged.
-bool JobSender::has_room(const Frame& frame) const {
-  std::size_t on_the_way = frame.bytes.size();
-  for (std::size_t i = 0; i < cursor_; ++i) on_the_way += frames_[i].bytes.size();
-  if (on_the_way > max_in_flight) return false;
-  if (frame.end_index > end_of_room()) return false;
-  return frame.end_places <= places_ + status_.free_runs || !job_.is_rows();
 }
 
 /// Index up to which points, or lines, may be sent.
 std::size_t JobSender::end_of_room() const {
   const std::size_t of_machine = std::size_t{status_.received} + status_.free_points;
-  const std::size_t ahead = std::max(options_.points_ahead, frame_points_);
+  const std::size_t ahead = std::max(options_.points_ahead, window_.frame_points());
   return std::min(of_machine, job_status_.first_unfired + std::min(ahead, job_.size()));
-}
-
-/// Builds the next frame; false if the window is full or everything has been built.
-bool JobSender::build_frame() {
-  if (end_built_ || frames_.size() >= options_.window_frames) return false;
-  wire::FrameType type = wire::FrameType::data;
-  std::vector<std::uint8_t> payload = encoder_.next(wire::max_payload, frame_points_);
-  if (payload.empty()) {
-    type = wire::FrameType::end;
-    payload.resize(sizeof(std::uint32_t));
-    wire::ByteWriter out(payload);
-    out.put(static_cast<std::uint32_t>(job_.size()));
-    end_built_ = true;
-  }
-  const std::uint32_t number = built_ + 1;
-  Frame frame{number, encoder_.index(), encoder_.places(),
-              Connection::encode({type, session_, number}, payload)};
-  frames_.push_back(std::move(frame));
-  ++built_;
-  return true;
 }
 
 /// Reports progress: no point from `may_have_fired` on is sent before the next report.
@@ -541,8 +413,7 @@ void JobSender::check_end() {
   const MachineState state = status_.state;
   if (state == MachineState::alarm || state == MachineState::estop) return end(JobEnd::alarm);
   const bool moving = state == MachineState::run;
-  const bool all_taken = end_built_ && frames_.empty();
-  const bool all_done = all_taken && status_.first_unfired >= job_.size();
+  const bool all_done = window_.all_acknowledged() && status_.first_unfired >= job_.size();
   const bool unfinished = status_.first_unfired < job_.size();
   if (state == MachineState::idle && unfinished) {
     if (status_.hold_reason != wire::HoldReason::reset) throw_ended();

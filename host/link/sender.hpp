@@ -25,6 +25,7 @@
 
 #include "host/job/job.hpp"
 #include "host/link/connection.hpp"
+#include "host/link/frame_window.hpp"
 #include "host/link/job_result.hpp"
 #include "host/link/restart_mark.hpp"
 #include "host/link/transport.hpp"
@@ -114,13 +115,6 @@ class JobSender {
   enum class Wish : std::uint8_t { run, hold, stop };
   static_assert(std::atomic<Wish>::is_always_lock_free);
 
-  /// A frame sent or to be sent: DATA or END.
-  struct Frame {
-    std::uint32_t number;
-    std::size_t end_index;            ///< after its last point or line
-    std::uint64_t end_places;         ///< entries of the run table used up to its end
-    std::vector<std::uint8_t> bytes;  ///< encoded for the wire
-  };
   /// A QUERY without answer, and the number of the DATA frame after it.
   struct Barrier {
     std::uint32_t tag;
@@ -134,14 +128,14 @@ class JobSender {
   void handle(const wire::Status& status);
   void handle(const RefusedFrame& frame);
   void handle(const std::string& text);
-  void refuse_job(const RefusedFrame& frame) const;
+  /// Throws the refusal as an error for the user.
+  [[noreturn]] void refuse_job(const wire::Refused& refused) const;
   void throw_ended() const;
   void keep(const wire::Status& status);
   std::uint32_t flashes_fired() const;
   Continuation rest() const;
   std::string advice() const;
   bool take_barrier(const wire::Status& status);
-  void acknowledge(const wire::Status& status);
 
   // Sent frames.
   void keep_connected();
@@ -154,9 +148,7 @@ class JobSender {
   void command(wire::Command command, std::uint32_t value = 0);
   void send_command();
   void stream();
-  bool has_room(const Frame& frame) const;
   std::size_t end_of_room() const;
-  bool build_frame();
   void report_progress(std::size_t may_have_fired);
   void report_progress_in_time();
   void check_end();
@@ -171,13 +163,10 @@ class JobSender {
   [[noreturn]] void throw_not_stopped();
   Time pause_length() const;
 
-  std::uint32_t next_to_write() const;
-
   Transport& transport_;
   const job::Job& job_;
   SenderOptions options_;
   Connection connection_;
-  job::RecordEncoder encoder_;
   std::uint32_t session_;
   Phase phase_ = Phase::hello;
   JobEnd end_ = JobEnd::lost;
@@ -187,13 +176,7 @@ class JobSender {
   bool synced_ = false;  ///< a QUERY over this connection was answered
   std::string text_seen_;
 
-  std::deque<Frame> frames_;   ///< built and not acknowledged
-  std::uint64_t places_ = 0;   ///< entries of the run table used by acknowledged frames
-  std::size_t cursor_ = 0;     ///< next of frames_ to write
-  std::uint32_t built_ = 0;    ///< number of the last frame built
-  std::uint32_t written_ = 0;  ///< highest number ever written
-  bool end_built_ = false;
-  std::size_t frame_points_ = 1;
+  FrameWindow window_;
   std::size_t handed_over_;  ///< end of the points or lines ever written
   JobProgress progress_;     ///< reported last
   Time progress_at_{};
@@ -220,14 +203,13 @@ class JobSender {
   std::optional<Time> finish_by_;  ///< deadline for rest after the last shot
   int soft_refusals_ = 0;
 
-  JobEnd stop_end_ = JobEnd::stopped;         ///< end of the job once the machine is at rest
-  std::exception_ptr stop_error_;             ///< thrown at rest
-  bool was_reset_ = false;                    ///< by a byte that this program did not send
-  std::optional<RefusedFrame> stop_refusal_;  ///< thrown at rest as an error
-  Time stop_by_{};                            ///< deadline for rest
+  JobEnd stop_end_ = JobEnd::stopped;          ///< end of the job once the machine is at rest
+  std::exception_ptr stop_error_;              ///< thrown at rest
+  bool was_reset_ = false;                     ///< by a byte that this program did not send
+  std::optional<wire::Refused> stop_refusal_;  ///< thrown at rest as an error
+  Time stop_by_{};                             ///< deadline for rest
 
   Time elapsed_{};
-  std::uint64_t resent_ = 0;
   std::uint64_t reconnects_ = 0;
 };
 
