@@ -17,6 +17,7 @@
 #include "host/cli/program_document.hpp"
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
+#include "host/file.hpp"
 #include "host/glass/description_file.hpp"
 #include "host/number_text.hpp"
 #include "host/run/cut.hpp"
@@ -100,9 +101,11 @@ Exit cut_drawing(const CutOptions& options) {
   request.is_for_board = !options.board.board.empty();
   const bool makes = !request.output.empty() || !request.picture.empty() || !request.page.empty() ||
                      !request.save.empty() || request.is_for_board;
-  if (!makes && !options.list)
+  if (!makes && !options.list) {
+    check_is_file(request.description.drawing.file);
     throw Error(Exit::bad_input, "lamplock cut", "no output file is given",
                 "give -o FILE.ngc, --picture FILE.svg, --page FILE.html, --board NAME or --list");
+  }
   const run::CutResult result =
       makes ? run::make_cut(request, console) : run::list_shapes(request.description, console);
   if (options.list) show_list(result, console);

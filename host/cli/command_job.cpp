@@ -8,6 +8,7 @@
 #include "host/cli/console.hpp"
 #include "host/cli/documents.hpp"
 #include "host/cli/engraving_options.hpp"
+#include "host/file.hpp"
 #include "host/job/job.hpp"
 #include "host/job/setting_range.hpp"
 #include "host/run/bounds_text.hpp"
@@ -76,8 +77,10 @@ Exit make_or_show(const JobOptions& options) {
     describe(run::read_job(options.show), options.show, console);
     return Exit::done;
   }
-  if (options.output.empty())
+  if (options.output.empty()) {
+    check_is_file(options.engraving.input);
     throw Error(Exit::bad_input, "lamplock job", "no output file is given", "give -o FILE.llj");
+  }
   const job::Job job =
       run::make_job_file(options.engraving.request(), options.dry, options.output, console);
   if (options.json) describe(job, options.output, console);

@@ -12,6 +12,7 @@
 #include "host/cli/machine_options.hpp"
 #include "host/cli/validators.hpp"
 #include "host/error.hpp"
+#include "host/file.hpp"
 #include "host/model/input.hpp"
 #include "host/run/raster.hpp"
 
@@ -42,9 +43,11 @@ Json document(const RasterOptions& options, const run::RasterResult& result) {
 }
 
 void check_options(const RasterOptions& options) {
-  if (options.output.empty() && options.gcode.empty())
+  if (options.output.empty() && options.gcode.empty()) {
+    check_is_file(options.input);
     throw Error(Exit::bad_input, "lamplock raster", "no output file is given",
                 "give -o FILE.llj or --gcode FILE.ngc");
+  }
   if (options.power_lists && options.gcode.empty())
     throw Error(Exit::bad_input, "--power-lists", "needs --gcode",
                 "add --gcode FILE.ngc, or leave it out");

@@ -1,5 +1,7 @@
 #include "host/run/sent_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -12,6 +14,7 @@
 #include "host/job/job_file.hpp"
 #include "host/run/file_ways.hpp"
 #include "host/run/read_job.hpp"
+#include "host/shell_text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::run {
@@ -88,6 +91,24 @@ bool looks_like_program(std::string_view text) {
   return judged > 0;
 }
 
+/// A line that begins with a number, as those of a list of points do.
+bool has_numbers(std::string_view text) {
+  for (int line = 0; line < lines_to_judge && !text.empty(); ++line) {
+    const std::string_view first = trimmed(take_line(text));
+    if (!first.empty() && std::string_view("+-.0123456789").find(first.front()) != text.npos)
+      return true;
+  }
+  return false;
+}
+
+/// What to do with a file that is neither a job nor a program.
+std::string way_from_other_file(const std::string& file) {
+  if (lower_extension(file) == ".txt" && !has_numbers(first_lines(file)))
+    return fmt::format("correct its lines, which lamplock check {} lists", shell_text({file}));
+  const std::string way = way_to_job(file);
+  return way.empty() ? "give a job (lamplock job MODEL -o FILE.llj) or a program of G-code" : way;
+}
+
 }  // namespace
 
 SentKind kind_of_sent_file(const std::string& file) {
@@ -98,10 +119,8 @@ SentKind kind_of_sent_file(const std::string& file) {
   else
     read_file(file);
   if (is_program_file(file)) return SentKind::program;
-  const std::string way = way_to_job(file);
-  throw Error(
-      Exit::bad_input, file, "is neither a job nor a program of G-code",
-      way.empty() ? "give a job (lamplock job MODEL -o FILE.llj) or a program of G-code" : way);
+  throw Error(Exit::bad_input, file, "is neither a job nor a program of G-code",
+              way_from_other_file(file));
 }
 
 bool is_job_file(const std::string& file) {

@@ -73,6 +73,9 @@ TEST_F(SentFile, IsRefusedIfItIsNeither) {
     for (const std::string name : {"b.txt", "b.stl", "b"})
       expect_refused({"send", folder_.write(name, text)}, "is neither a job nor a program");
   expect_refused({"send", folder_.write("b.llj", "G1 X1\n")}, "is not a lamplock job file");
+  // A text without a number may be a program; one with numbers may be a list of points.
+  expect_refused({"send", folder_.write("c.txt", "hello\n")}, "which lamplock check");
+  expect_refused({"send", folder_.write("c.txt", "x y z\n1 2 3\n")}, "lamplock job");
 }
 
 TEST_F(SentFile, IsWrittenUnderANameOfItsKind) {
