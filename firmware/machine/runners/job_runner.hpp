@@ -188,7 +188,7 @@ class JobRunner {
   [[gnu::cold]] void go_back();
   PlanStands plan_stands() const;
   std::uint32_t part() const;
-  void begin_plan();
+  [[gnu::cold]] void begin_plan();
   bool may_plan();
   [[gnu::cold]] bool beam_ready();
   [[gnu::cold]] bool prepare_start();

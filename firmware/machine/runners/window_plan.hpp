@@ -44,12 +44,13 @@ struct Pace {
 class WindowPlan {
  public:
   /// A job begins, or its beat changes: limits at full job speed. The settings have been checked.
-  void begin_job(const settings::Values& values, std::uint32_t beat_ticks, std::uint32_t tick_q16);
+  [[gnu::cold]] void begin_job(const settings::Values& values, std::uint32_t beat_ticks,
+                               std::uint32_t tick_q16);
 
   motion::PlanRequest& request() { return request_; }
   const motion::PlanRequest& request() const { return request_; }
   /// Begins to plan the request. `max_tick_q16`: maximum length of a tick, as master.
-  void start(const Pace& wanted, std::uint32_t max_tick_q16);
+  [[gnu::cold]] void start(const Pace& wanted, std::uint32_t max_tick_q16);
 
   /// Plans a slice; false when there is nothing left to do.
   bool advance(const settings::Values& values, const settings::Values& own);
