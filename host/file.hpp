@@ -17,6 +17,12 @@ void check_is_file(const std::filesystem::path& path);
 /// All bytes of a file. Throws Error (bad_input) if it is missing, no file, unreadable or empty.
 std::string read_file(const std::filesystem::path& path);
 
+/// Throws Error (bad_input) for UTF-16, with its mark or ASCII in it.
+void refuse_utf16(const std::filesystem::path& path, std::string_view text);
+
+/// read_file() of a text; refuses UTF-16 too.
+std::string read_text_file(const std::filesystem::path& path);
+
 /// Replaces the file. Throws Error (bad_input) if it cannot be written.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 

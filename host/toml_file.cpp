@@ -97,7 +97,7 @@ toml::table parse_toml(std::string_view text, const std::filesystem::path& file)
 }
 
 toml::table read_toml(const std::filesystem::path& file) {
-  return parse_toml(read_file(file), file);
+  return parse_toml(read_text_file(file), file);
 }
 
 }  // namespace lamplock

@@ -29,7 +29,7 @@ using run::refuse;
 namespace chip = sim::chip;
 
 chip::script::Script read_script(const std::string& file) {
-  const std::string text = read_file(file);
+  const std::string text = read_text_file(file);
   try {
     return chip::script::parse(text, file);
   } catch (const std::runtime_error& error) {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "host/cutting/box_tree.hpp"
-#include "host/cutting/union_find.hpp"
+#include "host/geometry/union_find.hpp"
 
 namespace lamplock::cutting {
 namespace {
@@ -21,7 +21,7 @@ std::vector<Box> boxes_of(const std::vector<Contour>& contours) {
 std::vector<std::vector<std::size_t>> contour_groups(const std::vector<Contour>& contours,
                                                      double reach_mm) {
   const BoxTree tree(boxes_of(contours));
-  UnionFind group(contours.size());
+  geometry::UnionFind group(contours.size());
   std::vector<std::optional<BoxTree>> edges(contours.size());
   const auto half_of = [&](std::size_t i) {
     return tree.box(i).high.x - tree.box(i).low.x + tree.box(i).high.y - tree.box(i).low.y;

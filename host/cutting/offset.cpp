@@ -10,9 +10,9 @@
 #include "host/cutting/offset_pieces.hpp"
 #include "host/cutting/raw_offset.hpp"
 #include "host/cutting/simple_contours.hpp"
-#include "host/cutting/union_find.hpp"
 #include "host/error.hpp"
 #include "host/geometry/parallel.hpp"
+#include "host/geometry/union_find.hpp"
 
 namespace lamplock::cutting {
 namespace {
@@ -42,7 +42,7 @@ std::vector<std::vector<std::size_t>> crossing_sets(const std::vector<Contour>& 
                                                     const std::vector<Fault>& faults) {
   const auto is_closed = [&](std::optional<std::size_t> i) { return i && contours[*i].closed; };
   std::vector<bool> is_crossed(contours.size(), false);
-  UnionFind joined(contours.size());
+  geometry::UnionFind joined(contours.size());
   std::optional<std::size_t> first;
   for (const Fault& fault : faults) {
     if (!is_closed(fault.contour) || !is_closed(fault.other)) continue;

@@ -193,7 +193,7 @@ LineTable read_machine_lines(const std::filesystem::path& profile) {
 }
 
 LineTable read_line_table(const std::filesystem::path& file) {
-  return parse_line_table(read_file(file), file);
+  return parse_line_table(read_text_file(file), file);
 }
 
 }  // namespace lamplock::gpio

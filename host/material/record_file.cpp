@@ -150,7 +150,7 @@ Records parse_records(std::string_view text, const std::filesystem::path& file) 
 }
 
 Records read_records(const std::filesystem::path& file) {
-  return parse_records(read_file(file), file);
+  return parse_records(read_text_file(file), file);
 }
 
 std::string to_toml(const Records& records) {

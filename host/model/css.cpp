@@ -213,11 +213,36 @@ Reading read_selector(std::string_view text, CssSelector& selector) {
   return selector.compounds.empty() ? Reading::invalid : reading;
 }
 
+/// The end of a block that begins before `from`: the place of its closing brace.
+std::size_t end_of_block(std::string_view text, std::size_t from) {
+  int depth = 1;
+  for (std::size_t at = find_outside(text, "{}", from); at < text.size();
+       at = find_outside(text, "{}", at + 1)) {
+    depth += text[at] == '{' ? 1 : -1;
+    if (depth == 0) return at;
+  }
+  return text.size();
+}
+
+/// The declarations of a rule without the rules nested in it, which are counted as unread.
+std::string without_nested_rules(std::string_view content, StyleSheet& sheet) {
+  std::string own;
+  while (!content.empty()) {
+    const std::size_t end = find_outside(content, "{;");
+    if (end == content.size() || content[end] == ';') {
+      own.append(content.substr(0, end)).append(";");
+      content.remove_prefix(std::min(end + 1, content.size()));
+      continue;
+    }
+    ++sheet.unread;
+    const std::size_t close = end_of_block(content, end + 1);
+    content.remove_prefix(std::min(close + 1, content.size()));
+  }
+  return own;
+}
+
 void read_rule(std::string_view selectors, std::string_view content, StyleSheet& sheet) {
-  sheet.declarations.push_back(css_declarations(content));
-  // Variables are not resolved: what they show or hide is not known.
-  for (const CssDeclaration& one : sheet.declarations.back())
-    if (one.value.find("var(") != std::string::npos) ++sheet.unread;
+  sheet.declarations.push_back(css_declarations(without_nested_rules(content, sheet)));
   std::vector<CssSelector> read;
   std::size_t unknown = 0;
   while (true) {
@@ -238,15 +263,20 @@ void read_rule(std::string_view selectors, std::string_view content, StyleSheet&
   std::move(read.begin(), read.end(), std::back_inserter(sheet.selectors));
 }
 
-/// The end of a block that begins before `from`: the place of its closing brace.
-std::size_t end_of_block(std::string_view text, std::size_t from) {
-  int depth = 1;
-  for (std::size_t at = find_outside(text, "{}", from); at < text.size();
-       at = find_outside(text, "{}", at + 1)) {
-    depth += text[at] == '{' ? 1 : -1;
-    if (depth == 0) return at;
-  }
-  return text.size();
+/// Rules at the beginning of a sheet that show and hide nothing by themselves.
+bool is_harmless(std::string_view name) {
+  constexpr std::array<std::string_view, 12> names{
+      "@font-face", "@keyframes",     "@-webkit-keyframes",   "@-moz-keyframes",      "@page",
+      "@property",  "@counter-style", "@font-feature-values", "@font-palette-values", "@charset",
+      "@namespace", "@color-profile"};
+  return is_one_of(names, name);
+}
+
+/// The name of a rule that begins with @, in lower case.
+std::string at_name(std::string_view head) {
+  const auto* const end =
+      std::find_if_not(head.begin() + 1, head.end(), [](char c) { return is_name_character(c); });
+  return in_lower_case(head.substr(0, static_cast<std::size_t>(end - head.begin())));
 }
 
 void read_rules(std::string_view text, StyleSheet& sheet, int depth) {
@@ -255,7 +285,9 @@ void read_rules(std::string_view text, StyleSheet& sheet, int depth) {
     const std::size_t end = find_outside(text, "{;");
     const std::string_view head = trimmed(text.substr(0, end));
     if (end == text.size() || text[end] == ';') {
-      if (head.starts_with("@import")) ++sheet.unread;
+      // A layer without rules only orders others, which are counted.
+      if (head.starts_with('@') && !is_harmless(at_name(head)) && at_name(head) != "@layer")
+        ++sheet.unread;
       text.remove_prefix(std::min(end + 1, text.size()));
       continue;
     }
@@ -264,13 +296,13 @@ void read_rules(std::string_view text, StyleSheet& sheet, int depth) {
     text.remove_prefix(std::min(close + 1, text.size()));
     if (!head.starts_with('@')) {
       read_rule(head, content, sheet);
-    } else if (head.starts_with("@media")) {
-      const bool is_read = is_for_screens(head.substr(6)) && depth < max_depth;
-      if (is_read)
-        read_rules(content, sheet, depth + 1);
-      else
-        ++sheet.unread;
-    }  // fonts, animations and the like
+    } else if (constexpr std::string_view media = "@media";
+               at_name(head) == media && depth < max_depth &&
+               is_for_screens(head.substr(media.size()))) {
+      read_rules(content, sheet, depth + 1);
+    } else if (!is_harmless(at_name(head))) {
+      ++sheet.unread;
+    }
   }
 }
 
@@ -308,7 +340,8 @@ std::vector<CssDeclaration> css_declarations(std::string_view text) {
     rest.remove_prefix(std::min(end + 1, rest.size()));
     const std::size_t colon = declaration.find(':');
     if (colon == std::string_view::npos) continue;
-    CssDeclaration one{in_lower_case(trimmed(declaration.substr(0, colon))), {}};
+    const std::string_view name = trimmed(declaration.substr(0, colon));
+    CssDeclaration one{name.starts_with("--") ? std::string(name) : in_lower_case(name), {}};
     std::string_view value = trimmed(declaration.substr(colon + 1));
     const std::size_t mark = value.rfind('!');
     if (mark != std::string_view::npos &&

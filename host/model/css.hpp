@@ -7,8 +7,9 @@
 //
 // Selectors have elements, *, classes, ids, attributes ([a], [a=b]), :root, and the combinators
 // "descendant" and ">". Rules under @media are read if it is for all or for the screen. Rules for
-// states of an interaction (:hover) never apply. Others are counted. A selector that is not valid
-// voids its rule; one that is valid but not understood only itself.
+// states of an interaction (:hover) never apply. Others (@supports, @layer, nested ones) are
+// counted. A selector that is not valid voids its rule; one that is valid but not understood only
+// itself.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +21,7 @@
 namespace lamplock::model {
 
 struct CssDeclaration {
-  std::string name, value;  ///< the name in lower case
+  std::string name, value;  ///< the name in lower case, but those of variables (--name)
   bool important = false;
 };
 

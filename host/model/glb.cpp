@@ -91,7 +91,13 @@ class Checker {
   void check() {
     check_extensions();
     for (const json& buffer : list("buffers")) {
-      require(!buffer.contains("uri"), "its numbers are in another file");
+      if (const auto uri = buffer.find("uri"); uri != buffer.end()) {
+        const bool is_text = uri->is_string() && uri->get<std::string>().starts_with("data:");
+        refuse(
+            file_,
+            is_text ? "its numbers are a text in the document" : "its numbers are in another file",
+            "export it as one binary file (.glb)");
+      }
       require(number_of(buffer, "byteLength") <= buffer_bytes_, "fewer numbers than announced");
     }
     require(list("buffers").size() <= 1, "more than one buffer");

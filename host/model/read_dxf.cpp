@@ -407,6 +407,7 @@ namespace {
 LetteredDrawing read(const std::filesystem::path& path, bool keeps_texts) {
   std::string bytes = read_file(path);
   const bool is_binary = is_binary_dxf(bytes);
+  if (!is_binary) refuse_utf16(path, bytes);
   if (is_binary) bytes = text_of_binary_dxf(path, bytes);
   return DxfReader(path, bytes, is_binary, keeps_texts).read();
 }

@@ -23,6 +23,7 @@ Mesh decode_mesh(const path& file, const std::string& bytes) {
   if (extension == ".stl") {
     read_stl(file, bytes, mesh);
   } else if (extension == ".obj") {
+    refuse_utf16(file, bytes);
     read_obj(file, bytes, mesh);
   } else if (extension == ".ply") {
     read_ply(file, bytes, mesh);

@@ -221,7 +221,7 @@ geometry::PointCloud read_ply(const path& file, const std::string& bytes) {
 
 geometry::PointCloud read_point_list(const path& file) {
   if (lower_extension(file) == ".dxf") return points_of_drawing(file, read_dxf(file));
-  return decode_point_list(file, read_file(file));
+  return decode_point_list(file, read_text_file(file));
 }
 
 geometry::PointCloud decode_point_list(const path& file, const std::string& bytes) {

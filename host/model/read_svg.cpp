@@ -255,6 +255,8 @@ class SvgReader {
     const SvgBox at = svg_box_of(node, context.units, place);
     context.map = context.map * geometry::moved(at.x, at.y, 0);
     open_uses_.push_back(used);
+    if (svg_name(used) == "symbol" && (used.attribute("refX") || used.attribute("refY")))
+      leave_out("reference point of a symbol");
     if (svg_name(used) == "symbol" || svg_name(used) == "svg") {
       if (svg_name(used) == "svg" && !svg_conditions_hold(used))
         leave_out("hidden");

@@ -114,7 +114,7 @@ bool is_valid_svg_value(std::string_view property, std::string_view text) {
   constexpr std::array<std::string_view, 5> of_all{"inherit", "initial", "unset", "revert",
                                                    "revert-layer"};
   const std::string value = in_lower_case(trimmed(text));
-  if (is_keyword_of(of_all, value) || value.find("var(") != std::string::npos) return true;
+  if (is_keyword_of(of_all, value)) return true;
   if (property == "fill" || property == "stroke") return is_svg_paint(value);
   if (property == "stroke-width") return find_svg_length(value, 1, {}).value_or(-1) >= 0;
   if (property == "stroke-dashoffset") return find_svg_length(value, 1, {}).has_value();

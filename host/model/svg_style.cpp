@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "host/model/css.hpp"
+#include "host/model/css_variables.hpp"
 #include "host/model/svg_paint.hpp"
+#include "host/model/text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {
@@ -70,6 +73,27 @@ const Property* property_named(std::string_view name) {
   return found == properties.end() ? nullptr : found;
 }
 
+/// Paths and functions of transformations have letters whose case matters.
+bool is_case_sensitive(std::string_view property) {
+  return property == "d" || property == "transform";
+}
+
+/// Keywords, units and names of functions in lower case; addresses in url() as they are.
+std::string with_lower_keywords(std::string_view value) {
+  constexpr std::string_view address = "url(";
+  std::string lower = in_lower_case(value);
+  for (std::size_t at = lower.find(address); at != std::string::npos;) {
+    const std::size_t from = at + address.size();
+    const std::size_t end = std::min(value.find(')', from), value.size());
+    lower.replace(from, end - from, value.substr(from, end - from));
+    at = lower.find(address, end);
+  }
+  return lower;
+}
+
+/// Characters of variables that take as long as a comparison of a rule with an element.
+constexpr std::size_t characters_a_step = 32;
+
 bool has_class(const xml_node& node, std::string_view name) {
   std::string_view classes = node.attribute("class").value();
   constexpr std::string_view blanks = " \t\r\n\f";
@@ -112,7 +136,7 @@ class Cascade {
       else
         by_element_[last.element].push_back(i);
     }
-    apply_below(root);
+    apply_below(root, {});
     outcome_.unread_rules = sheet_.unread;
     return outcome_;
   }
@@ -135,10 +159,11 @@ class Cascade {
     for (const xml_node& child : node.children()) read_sheets(child);
   }
 
-  void apply_below(const xml_node& node) {
+  void apply_below(const xml_node& node, const CssVariables& above) {
     if (outcome_.too_complex) return;
-    if (node.type() == pugi::node_element) apply_to(node);
-    for (const xml_node& child : node.children()) apply_below(child);
+    std::optional<CssVariables> own;
+    if (node.type() == pugi::node_element) own = apply_to(node, above);
+    for (const xml_node& child : node.children()) apply_below(child, own ? *own : above);
   }
 
   /// Counts work, which may grow with the product of rules and elements.
@@ -194,43 +219,90 @@ class Cascade {
     return found;
   }
 
-  void apply_to(xml_node node) {
+  /// Those of rules and `own` ones, of the style attribute, from the weakest to the strongest.
+  std::vector<const CssDeclaration*> in_order(const xml_node& node,
+                                              const std::vector<CssDeclaration>& own) {
+    const std::vector<std::size_t> selectors = selectors_of(node);
+    std::vector<const CssDeclaration*> all;
+    const auto add = [&](const std::vector<CssDeclaration>& declarations, bool important) {
+      if (!spend(declarations.size())) return;
+      for (const CssDeclaration& one : declarations)
+        if (one.important == important) all.push_back(&one);
+    };
+    for (const bool important : {false, true}) {
+      for (const std::size_t selector : selectors)
+        add(sheet_.declarations[sheet_.selectors[selector].declarations], important);
+      add(own, important);
+    }
+    return all;
+  }
+
+  /// Those of the element, if it sets any; otherwise it has those of its parent.
+  std::optional<CssVariables> variables_of(const std::vector<const CssDeclaration*>& declarations,
+                                           const CssVariables& above) {
+    std::optional<CssVariables> own;
+    for (const CssDeclaration* one : declarations) {
+      if (!one->name.starts_with("--")) continue;
+      if (!own && spend(above.size())) own = above;
+      if (own) own->insert_or_assign(one->name, one->value);
+    }
+    return own;
+  }
+
+  /// Returns the variables of the element, if it sets any.
+  std::optional<CssVariables> apply_to(xml_node node, const CssVariables& above) {
+    const std::vector<CssDeclaration> of_attribute =
+        css_declarations(node.attribute("style").value());
+    const std::vector<const CssDeclaration*> declarations = in_order(node, of_attribute);
+    std::optional<CssVariables> own = variables_of(declarations, above);
+    const CssVariables& variables = own ? *own : above;
     // Attributes with these names belong to text and filters.
     for (const char* name : {"translate", "rotate", "scale"}) node.remove_attribute(name);
     for (const Property& property : properties) {
-      const pugi::xml_attribute attribute = node.attribute(property.name.data());
-      if (attribute && !is_valid_svg_value(property.name, attribute.value()))
+      pugi::xml_attribute attribute = node.attribute(property.name.data());
+      if (!attribute) continue;
+      const std::string value = value_of(property.name, attribute.value(), variables);
+      if (is_valid_svg_value(property.name, value))
+        attribute.set_value(value.c_str());
+      else
         node.remove_attribute(attribute);
     }
-    const std::vector<std::size_t> selectors = selectors_of(node);
-    const std::vector<CssDeclaration> own = css_declarations(node.attribute("style").value());
-    for (const bool important : {false, true}) {
-      for (const std::size_t selector : selectors)
-        set_all(node, sheet_.declarations[sheet_.selectors[selector].declarations], important);
-      set_all(node, own, important);
-    }
+    for (const CssDeclaration* one : declarations) set(node, *one, variables);
     for (const Property& property : properties) resolve(node, property);
+    return own;
   }
 
-  void set_all(xml_node& node, const std::vector<CssDeclaration>& declarations, bool important) {
-    if (!spend(declarations.size())) return;
-    for (const CssDeclaration& one : declarations) {
-      if (one.important != important || property_named(one.name) == nullptr) continue;
-      if (is_size_of_window(node, one) || !is_valid_svg_value(one.name, one.value)) continue;
-      pugi::xml_attribute attribute = node.attribute(one.name.c_str());
-      if (!attribute) attribute = node.append_attribute(one.name.c_str());
-      attribute.set_value(one.value.c_str());
-      if (one.name == "marker") set_markers(node, one.value);
+  /// The value without variables, its keywords in lower case. A variable that has no value makes
+  /// the property "unset" (CSS Custom Properties, section 3.1).
+  std::string value_of(std::string_view property, std::string_view text,
+                       const CssVariables& variables) {
+    std::string value(text);
+    if (uses_variables(value)) {
+      std::size_t characters = 0;
+      value = with_variables(value, variables, characters).value_or("unset");
+      spend(characters / characters_a_step);
     }
+    return is_case_sensitive(property) ? value : with_lower_keywords(value);
+  }
+
+  void set(xml_node& node, const CssDeclaration& one, const CssVariables& variables) {
+    if (property_named(one.name) == nullptr) return;
+    const std::string value = value_of(one.name, one.value, variables);
+    if (is_size_of_window(node, one.name, value) || !is_valid_svg_value(one.name, value)) return;
+    pugi::xml_attribute attribute = node.attribute(one.name.c_str());
+    if (!attribute) attribute = node.append_attribute(one.name.c_str());
+    attribute.set_value(value.c_str());
+    if (one.name == "marker") set_markers(node, value);
   }
 
   /// Pages of the web give the drawing the size of their window; its own size is the attribute.
-  static bool is_size_of_window(const xml_node& node, const CssDeclaration& one) {
-    const bool is_size = one.name == "width" || one.name == "height";
+  static bool is_size_of_window(const xml_node& node, std::string_view name,
+                                std::string_view value) {
+    const bool is_size = name == "width" || name == "height";
     const bool is_root = node.parent().type() == pugi::node_document;
     return is_size && is_root &&
-           (one.value == "auto" || one.value.ends_with('%') || one.value.ends_with("vw") ||
-            one.value.ends_with("vh"));
+           (value == "auto" || value.ends_with('%') || value.ends_with("vw") ||
+            value.ends_with("vh"));
   }
 
   static void set_markers(xml_node& node, const std::string& value) {

@@ -67,11 +67,16 @@ geometry::Affine centring_and_scaling(const Bounds& box, double max_side_mm) {
                 "give the longest side in mm, greater than 0");
   }
   const double side = box.max_side();
-  if (!(side > 0) || !std::isfinite(side)) {
+  if (!(side > 0))
     throw Error(Exit::bad_input, "model", "it has no extent and cannot be scaled",
                 "give a model of more than one point");
-  }
   const double scale = max_side_mm / side;
+  // A double has no such side or no such scale.
+  if (!std::isnormal(side) || !std::isnormal(scale))
+    throw Error(
+        Exit::bad_input, "model",
+        fmt::format("its longest side of {:.3g} cannot be scaled to {} mm", side, max_side_mm),
+        "export it with coordinates in mm");
   const Point centre = box.centre();
   return geometry::scaled(scale, scale, scale) * geometry::moved(-centre.x, -centre.y, -centre.z);
 }

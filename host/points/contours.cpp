@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "host/geometry/limits.hpp"
+#include "host/geometry/union_find.hpp"
 #include "host/points/mesh_edges.hpp"
 
 namespace lamplock::points {
@@ -26,6 +27,43 @@ geometry::Point on_edge(const model::Mesh& mesh, std::uint32_t a, std::uint32_t 
   const geometry::Point& q = mesh.vertices[std::max(a, b)];
   const double t = (z - p.z) / (q.z - p.z);
   return {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), z};
+}
+
+/// Calls `visit(a, b)` for each side of each triangle.
+template <class Visit>
+void for_each_side(const model::Mesh& mesh, const Visit& visit) {
+  for (const auto& t : mesh.triangles)
+    for (std::size_t side = 0; side < 3; ++side) visit(t[side], t[(side + 1) % 3]);
+}
+
+/// For each vertex the number of planes below it: it counts as above a plane through it, but as
+/// below one that touches the mesh there from below.
+std::vector<std::size_t> levels_of(const model::Mesh& mesh, const Planes& planes) {
+  const std::vector<geometry::Point>& at = mesh.vertices;
+  std::vector<std::size_t> level(at.size());
+  std::vector<bool> is_on_plane(at.size());
+  for (std::size_t v = 0; v < level.size(); ++v) {
+    level[v] = planes.not_above(at[v].z);
+    is_on_plane[v] = level[v] > 0 && planes.z(level[v] - 1) == at[v].z;
+  }
+  if (std::find(is_on_plane.begin(), is_on_plane.end(), true) == is_on_plane.end()) return level;
+  // Sides in a plane make flat places of their ends. The lowest ones have no side that descends.
+  geometry::UnionFind places(at.size());
+  for_each_side(mesh, [&](std::uint32_t a, std::uint32_t b) {
+    if (is_on_plane[a] && at[a].z == at[b].z) places.join(a, b);
+  });
+  std::vector<bool> descends(at.size()), ascends(at.size());
+  for_each_side(mesh, [&](std::uint32_t a, std::uint32_t b) {
+    if (at[a].z == at[b].z) return;
+    const bool falls = at[b].z < at[a].z;
+    (falls ? descends : ascends)[places.find(a)] = true;
+    (falls ? ascends : descends)[places.find(b)] = true;
+  });
+  for (std::uint32_t v = 0; v < at.size(); ++v) {
+    const std::uint32_t place = places.find(v);
+    if (is_on_plane[v] && ascends[place] && !descends[place]) --level[v];
+  }
+  return level;
 }
 
 /// Triangles that each plane cuts: those of plane k are list[start[k]] .. list[start[k+1]-1].
@@ -130,10 +168,7 @@ std::size_t Planes::not_above(double height) const {
 
 void for_each_plane(const model::Mesh& mesh, const Planes& planes,
                     const std::function<void(std::size_t, std::span<const Contour>)>& visit) {
-  std::vector<std::size_t> level(mesh.vertices.size());
-  for (std::size_t v = 0; v < level.size(); ++v) {
-    level[v] = planes.not_above(mesh.vertices[v].z);
-  }
+  const std::vector<std::size_t> level = levels_of(mesh, planes);
   const MeshEdges edges = number_edges(mesh);
   const Crossings crossings = find_crossings(mesh, level, planes.count);
   Chainer chainer(edges.count);

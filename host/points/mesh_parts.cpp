@@ -1,37 +1,19 @@
 #include "host/points/mesh_parts.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
 #include <utility>
+
+#include "host/geometry/union_find.hpp"
 
 namespace lamplock::points {
 namespace {
 
-/// Sets of triangles that are joined; each has a representative.
-class JoinedSets {
- public:
-  explicit JoinedSets(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-  std::uint32_t representative(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t i, std::uint32_t j) {
-    const std::uint32_t a = representative(i), b = representative(j);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 /// Joins the sets that use an edge an odd number of times; a single one is joined with another.
-void join_odd(std::span<const EdgeUse> uses, JoinedSets& sets) {
+void join_odd(std::span<const EdgeUse> uses, geometry::UnionFind& sets) {
   std::vector<std::uint32_t> users, odd;
   users.reserve(uses.size());
-  for (const EdgeUse& use : uses) users.push_back(sets.representative(use.triangle));
+  for (const EdgeUse& use : uses) users.push_back(sets.find(use.triangle));
   std::sort(users.begin(), users.end());
   for (std::size_t begin = 0, end = 0; begin < users.size(); begin = end) {
     while (end < users.size() && users[end] == users[begin]) ++end;
@@ -89,7 +71,7 @@ MeshParts parts_of(const std::vector<Triangle>& triangles) {
   const std::vector<std::uint32_t> firsts = first_equals(triangles);
   std::vector<EdgeUse> uses = sorted_edge_uses(triangles);
   std::erase_if(uses, [&](const EdgeUse& use) { return firsts[use.triangle] != use.triangle; });
-  JoinedSets sets(triangles.size());
+  geometry::UnionFind sets(triangles.size());
   for_each_edge(uses, [&](std::span<const EdgeUse> edge) {
     if (edge.size() == 2) sets.join(edge[0].triangle, edge[1].triangle);
   });
@@ -99,7 +81,7 @@ MeshParts parts_of(const std::vector<Triangle>& triangles) {
   MeshParts parts;
   parts.of_triangle.resize(triangles.size());
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    const std::uint32_t first = sets.representative(firsts[i]);
+    const std::uint32_t first = sets.find(firsts[i]);
     parts.of_triangle[i] =
         first == i ? static_cast<std::uint32_t>(parts.count++) : parts.of_triangle[first];
   }

@@ -297,7 +297,7 @@ class FlowRun {
     std::unique_ptr<FlowUnit>& unit = files_[label];
     if (!unit)
       unit = std::make_unique<FlowUnit>(
-          flow_unit_of(link::program_lines(read_file(path), path.string()), path.string()));
+          flow_unit_of(link::program_lines(read_text_file(path), path.string()), path.string()));
     if (!unit->subs.contains(label))
       throw Error(Exit::bad_input, path.string(), fmt::format("has no sub o{}", label),
                   fmt::format("add a line o{} sub and a line o{} endsub", label, label));

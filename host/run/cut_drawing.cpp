@@ -241,6 +241,37 @@ std::vector<std::string> fault_texts(const std::vector<Fault>& faults, double to
   return texts;
 }
 
+/// Whether all of a path has one height.
+bool is_level(const model::Path& path) {
+  const double height = model::start_of(path).z;
+  const auto is_there = [&](const geometry::Point& p) {
+    return std::abs(p.z - height) <= model::flat_mm;
+  };
+  const auto is_flat = [](const geometry::Point& direction) {
+    return std::abs(direction.z) <= model::flat_mm;
+  };
+  return std::all_of(path.pieces.begin(), path.pieces.end(), [&](const model::Piece& piece) {
+    if (const auto* line = std::get_if<model::Line>(&piece))
+      return is_there(line->from) && is_there(line->to);
+    if (const auto* arc = std::get_if<model::Arc>(&piece))
+      return is_there(arc->centre) && is_flat(arc->u) && is_flat(arc->v);
+    const auto& poles = std::get<model::Spline>(piece).poles;
+    return std::all_of(poles.begin(), poles.end(), is_there);
+  });
+}
+
+/// What of the drawing is not cut as it is drawn.
+void warn_of_rest(model::Curves& curves, std::vector<std::string>& warnings) {
+  if (!curves.points.empty()) curves.left_out["POINT"] += curves.points.size();
+  if (const std::string rest = model::left_out_text(curves); !rest.empty())
+    warnings.push_back(fmt::format("left out: {}", rest));
+  const auto tilted = std::count_if(curves.paths.begin(), curves.paths.end(),
+                                    [](const model::Path& path) { return !is_level(path); });
+  if (tilted > 0)
+    warnings.push_back(fmt::format("{} {} not parallel to the XY plane: cut as seen from above",
+                                   tilted, tilted == 1 ? "curve is" : "curves are"));
+}
+
 CutDrawing read_cut_drawing(const CutDescription& description) {
   const DrawingChoice& drawing = description.drawing;
   auto [curves, texts] = read_drawing(drawing);
@@ -248,8 +279,7 @@ CutDrawing read_cut_drawing(const CutDescription& description) {
   CutDrawing result;
   if (!curves.has_unit) curves.warnings.pop_back();
   result.warnings = curves.warnings;
-  if (const std::string rest = model::left_out_text(curves); !rest.empty())
-    result.warnings.push_back(fmt::format("left out: {}", rest));
+  warn_of_rest(curves, result.warnings);
   add_letters(texts, drawing, curves, result);
   if (curves.paths.empty())
     throw Error(Exit::bad_input, drawing.file, "has no curves and no letters to cut",

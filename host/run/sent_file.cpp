@@ -56,17 +56,6 @@ bool has_words(std::string_view line) {
   return true;
 }
 
-/// UTF-16 with its mark, or two characters of ASCII in it.
-bool is_utf16(std::string_view text) {
-  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) return true;
-  if (text.size() < 4) return false;
-  const auto is_character = [](char c) { return c >= '\t' && c <= '~'; };
-  const bool low_first = text[1] == 0 && text[3] == 0;
-  const bool high_first = text[0] == 0 && text[2] == 0;
-  return (low_first && is_character(text[0]) && is_character(text[2])) ||
-         (high_first && is_character(text[1]) && is_character(text[3]));
-}
-
 /// Enough of a file for so many lines, the last one whole.
 std::string first_lines(const std::string& file) {
   constexpr std::size_t bytes = 1 << 16;
@@ -148,11 +137,7 @@ void require_program(const std::string& file) {
     throw Error(Exit::bad_input, file, way.what + ", not a program of G-code", way.remedy);
 }
 
-std::string read_program_text(const std::string& file) {
-  std::string text = read_file(file);
-  if (is_utf16(text)) throw Error(Exit::bad_input, file, "the text is UTF-16", "save it as UTF-8");
-  return text;
-}
+std::string read_program_text(const std::string& file) { return read_text_file(file); }
 
 Error no_line_to_send(const std::string& file) {
   return {Exit::bad_input, file, "has no line to send", "is this the right file?"};

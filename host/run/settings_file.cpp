@@ -63,7 +63,7 @@ std::string_view without_remark(std::string_view line) {
 }
 
 std::vector<link::Change> from_lines(const std::filesystem::path& file) {
-  const std::string whole = read_file(file);
+  const std::string whole = read_text_file(file);
   std::string_view text = without_byte_order_mark(whole);
   std::vector<link::Change> changes;
   for (std::size_t number = 1; !text.empty(); ++number) {

@@ -365,6 +365,24 @@ TEST_F(Cut, texts_are_outlines_unless_they_are_left_out) {
   EXPECT_THAT(plain.err + plain.out, HasSubstr("left out: 1 TEXT"));
 }
 
+TEST_F(Cut, names_what_it_does_not_cut_as_drawn) {
+  const auto remarks = [&](const std::string& entities) {
+    const Finished done = run({"cut", drawing(entities), "--list"});
+    EXPECT_EQ(done.status, 0) << done.err;
+    return done.err + done.out;
+  };
+  EXPECT_THAT(remarks(square + "0\nPOINT\n8\n0\n10\n5\n20\n5\n"), HasSubstr("left out: 1 POINT"));
+  const std::string tilted = "not parallel to the XY plane";
+  for (const char* const entity :
+       {"0\nLINE\n8\n0\n10\n0\n20\n0\n30\n0\n11\n3\n21\n0\n31\n4\n",
+        "0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n5\n210\n1\n220\n0\n230\n0\n",
+        "0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n5\n210\n0.6\n220\n0\n230\n0.8\n"})
+    EXPECT_THAT(remarks(square + entity), HasSubstr("1 curve is " + tilted)) << entity;
+  // A drawing at another height has the same outlines from above.
+  EXPECT_THAT(remarks(square + "0\nCIRCLE\n8\n0\n10\n50\n20\n0\n30\n7\n40\n5\n"),
+              Not(HasSubstr(tilted)));
+}
+
 TEST_F(Cut, warns_of_what_the_machine_does_not_permit) {
   const std::string file = drawing(square);
   const auto warnings = [&](const Arguments& more, const std::string& machine) {

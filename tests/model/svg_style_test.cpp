@@ -145,10 +145,64 @@ TEST_F(SvgStyle, UnreadRulesAreCounted) {
       "<rect width='1' height='1'/>");
   EXPECT_EQ(curves.paths.size(), 1u);
   EXPECT_THAT(curves.left_out, ElementsAre(Pair("rule of a style sheet", 5u)));
-  EXPECT_THAT(shapes("<style>:root{--c:none} .k{fill:var(--c)}</style><rect class='k' width='1' "
-                     "height='1'/>")
+  const std::string rect = "<rect class='x' width='1' height='1'/>";
+  for (const char* const rule :
+       {"@supports (display:grid){.x{display:none}}", "@layer a{.x{display:none}}",
+        "@container (width>1px){.x{display:none}}", "@scope (.x){.x{display:none}}",
+        "g{.x{display:none}}", "g{fill:red;&:hover{fill:none}}", "@MEDIA print{.x{fill:none}}"}) {
+    const Curves one = shapes("<style>" + std::string(rule) + "</style><g>" + rect + "</g>");
+    EXPECT_EQ(one.paths.size(), 1u) << rule;
+    EXPECT_THAT(one.left_out, ElementsAre(Pair("rule of a style sheet", 1u))) << rule;
+  }
+  // The declarations round a nested rule are read, a rule that hides nothing by itself is not
+  // counted.
+  EXPECT_FALSE(is_drawn("class='a'", "<style>.a{fill:red;b{fill:blue} display:none}</style>"));
+  EXPECT_THAT(shapes("<style>@layer a,b; @keyframes k{to{fill:none}} @Media screen{.x{fill:red}}"
+                     "</style>" +
+                     rect)
                   .left_out,
-              ElementsAre(Pair("rule of a style sheet", 1u)));
+              IsEmpty());
+}
+
+TEST_F(SvgStyle, VariablesHaveTheirValues) {
+  EXPECT_FALSE(is_drawn("style='fill:var(--c)'", "<style>:root{--c:none}</style>"));
+  EXPECT_FALSE(is_drawn("fill='var(--c, none)' stroke='none'"));
+  EXPECT_FALSE(is_drawn("style='--a:var(--b);--b:none;fill:var(--a)'"));
+  EXPECT_FALSE(is_drawn("style='fill:var(--x, var( --y , NONE))'"));
+  EXPECT_TRUE(is_drawn("style='fill:VAR(--c)'", "<style>:root{--c:none} rect{--c:red}</style>"));
+  // Names have their case. A variable without a value leaves the property unset.
+  EXPECT_TRUE(is_drawn("style='fill:var(--C)'", "<style>:root{--c:none}</style>"));
+  EXPECT_TRUE(is_drawn("style='--a:var(--b);--b:var(--a);fill:var(--a)'"));
+  EXPECT_NEAR(length("<g style='--s:2'><circle style='--r:calc;r:var(--s)' r='9'/></g>"), 4 * pi,
+              1e-8);
+  // The strongest declaration of a variable wins.
+  EXPECT_FALSE(
+      is_drawn("class='a' style='--c:red;fill:var(--c)'", "<style>.a{--c:none!important}</style>"));
+}
+
+TEST_F(SvgStyle, VariablesThatDoubleEachOtherEnd) {
+  std::string doubling = "--v0:none none none none;";
+  for (int i = 1; i <= 60; ++i)
+    doubling += fmt::format("--v{0}:var(--v{1}) var(--v{1});", i, i - 1);
+  EXPECT_TRUE(is_drawn("style='" + doubling + "fill:var(--v60)'"));
+  // Values of 4096 words, for 20 000 elements.
+  std::string elements;
+  for (int i = 0; i < 20'000; ++i) elements += "<rect class='k'/>";
+  EXPECT_THAT(error("<style>:root{" + doubling + "} .k{fill:var(--v10);stroke:var(--v10)}</style>" +
+                    elements),
+              HasSubstr("too many rules"));
+}
+
+TEST_F(SvgStyle, KeywordsIgnoreCase) {
+  for (const char* const attributes :
+       {"style='display:NONE'", "display='None'", "style='VISIBILITY:Hidden'",
+        "style='fill:Transparent;stroke:NONE'", "fill='NONE' stroke='None'",
+        "style='fill:RGBA(0,0,0,0)'"})
+    EXPECT_FALSE(is_drawn(attributes)) << attributes;
+  EXPECT_TRUE(is_drawn("display='Inline' fill='RED'"));
+  // Names of elements keep their case.
+  EXPECT_FALSE(is_drawn("clip-path='URL(#Cut)'",
+                        "<clipPath id='Cut'><rect x='50' width='1' height='1'/></clipPath>"));
 }
 
 TEST_F(SvgStyle, DrawingsWithTooManyRulesAreRefused) {

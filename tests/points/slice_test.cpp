@@ -121,13 +121,31 @@ TEST(Slice, ChainsUseEveryCutOnce) {
   });
 }
 
-TEST(Slice, FlatFacesInPlanesGiveTheirRimOnlyAtTheTop) {
+TEST(Slice, FlatFacesInPlanesGiveTheirRim) {
   const auto layers =
       by_layer(slice(test::box(5, 5, 5), {.layer_mm = 5, .vertex_mm = 1, .first_mm = -5}));
-  ASSERT_EQ(layers.size(), 2u);
-  EXPECT_EQ(layers.begin()->first, 0);
-  EXPECT_EQ(layers.rbegin()->first, 5);
-  EXPECT_EQ(layers.rbegin()->second.size(), 40u);
+  ASSERT_EQ(layers.size(), 3u);
+  double height = -5;
+  for (const auto& [z, points] : layers) {
+    EXPECT_EQ(z, height);
+    EXPECT_EQ(points.size(), 40u);
+    height += 5;
+  }
+}
+
+// A low box and a high one whose bottom is in a plane through the middle of the low one.
+TEST(Slice, EachFlatBottomHasItsRim) {
+  model::Mesh both = test::box(5, 5, 5);
+  const model::Mesh high = test::box(2, 2, 2);
+  const auto first = static_cast<std::uint32_t>(both.vertices.size());
+  for (const geometry::Point& p : high.vertices) both.vertices.push_back({p.x + 20, p.y, p.z + 2});
+  for (const auto& t : high.triangles)
+    both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  const auto layers = by_layer(slice(both, {.layer_mm = 5, .vertex_mm = 1, .first_mm = -5}));
+  ASSERT_EQ(layers.size(), 3u);
+  EXPECT_EQ(layers.at(-5).size(), 40u);
+  EXPECT_EQ(layers.at(0).size(), 40u + 16u);
+  EXPECT_EQ(layers.at(5).size(), 40u);
 }
 
 TEST(Slice, TwistMovesTheFirstPointFromLayerToLayer) {

@@ -295,6 +295,9 @@ TEST(ReadMesh, DamagedGlbIsRefused) {
               HasSubstr("a view without a buffer"));
   EXPECT_THAT(refusal([](json& d) { d["buffers"][0]["byteLength"] = 1000; }),
               HasSubstr("fewer numbers"));
+  EXPECT_THAT(
+      refusal([](json& d) { d["buffers"][0]["uri"] = "data:application/octet-stream,AAAA"; }),
+      HasSubstr("a text in the document"));
   EXPECT_THAT(refusal([](json& d) { d["buffers"][0]["uri"] = "x.bin"; }),
               HasSubstr("another file"));
   EXPECT_THAT(refusal([](json& d) { d["accessors"][1]["count"] = 4; }),
