@@ -70,6 +70,7 @@ void JogStream::run(const Direction& direction, double feed_mm_min, Time until) 
   const double feed = max_feed(direction, feed_mm_min);
   if (!(feed > 0) || direction == Direction{}) return stop();
   wanted_ = Run{direction, feed / s_per_min, until};
+  ends_at_.reset();
 }
 
 int JogStream::step(int axis, double step_mm, int count, double feed_mm_min) {
@@ -131,12 +132,12 @@ void JogStream::take(const Answered& answer) {
   if (answer.error == 0) return;
   ++counts_.refused;
   for (std::size_t a = 0; a < way.size(); ++a) sent_mm_[a] -= way[a];
-  // At the end of the travel the increments accepted before are inside and are completed.
+  // At the end of the travel the increments accepted before are inside and are completed, but not
+  // after the deadline.
   constexpr auto end_of_travel = static_cast<int>(GcodeError::jog_out_of_travel);
-  if (answer.error == end_of_travel)
-    wanted_.reset();
-  else
-    stop();
+  if (answer.error != end_of_travel) return stop();
+  if (wanted_) ends_at_ = wanted_->until;
+  wanted_.reset();
 }
 
 void JogStream::poll() {
@@ -144,6 +145,7 @@ void JogStream::poll() {
   if (stopping_) keep_stopping();
   if (wanted_ && (now >= wanted_->until || !talk_.answers())) stop();
   if (moves_ && !stopping_ && !talk_.answers()) stop();
+  if (ends_at_ && now >= *ends_at_) stop();
   if (wanted_ && !stopping_) feed();
   check_at_rest();
 }
@@ -166,6 +168,7 @@ void JogStream::check_at_rest() {
   moves_ = machine.status.is("Jog");
   if (moves_) return;
   stopping_ = goes_ = false;
+  ends_at_.reset();
   busy_until_ = talk_.now();
   under_way_ = {};
 }

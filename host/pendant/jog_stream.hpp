@@ -89,6 +89,7 @@ class JogStream {
   BoardDialog& talk_;
   JogLimits limits_;
   std::optional<Run> wanted_;
+  std::optional<Time> ends_at_;      ///< deadline of increments that lead to the end of the travel
   Direction under_way_{};            ///< of the increments sent last
   Way rest_{};                       ///< of the distance, below the resolution of a line
   Way sent_mm_{};                    ///< since the machine was last at rest

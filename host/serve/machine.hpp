@@ -34,6 +34,7 @@
 #include "host/run/board_options.hpp"
 #include "host/run/machine_options.hpp"
 #include "host/run/supervisor.hpp"
+#include "host/serve/clock.hpp"
 #include "host/serve/machine_view.hpp"
 #include "host/serve/page_frontend.hpp"
 
@@ -61,7 +62,8 @@ using Done = std::function<void(std::exception_ptr)>;
 class Machine {
  public:
   /// `options` name the board in messages and have the lines of the computer.
-  Machine(BoardOpener open, run::BoardOptions options, run::MachineOptions machine);
+  Machine(BoardOpener open, run::BoardOptions options, run::MachineOptions machine,
+          Now now = Clock::now);
   /// Stops what runs and waits until the machine is at rest.
   ~Machine();
   Machine(const Machine&) = delete;
@@ -84,12 +86,13 @@ class Machine {
   void post(Work work, Done done);
   /// Sends a line of G-code or a `$` command, after the answer to the one before.
   void send_line(const std::string& line);
-  void run_jog(const pendant::Direction& direction, double feed_mm_min);
+  /// Moves for `lease`, at most lease_time.
+  void run_jog(const pendant::Direction& direction, double feed_mm_min,
+               std::chrono::milliseconds lease = lease_time);
   void step_jog(int axis, double mm, double feed_mm_min);
   void stop_jog();
 
  private:
-  using Clock = std::chrono::steady_clock;
   struct Lease {
     pendant::Direction direction{};
     double feed_mm_min = 0;
@@ -127,6 +130,7 @@ class Machine {
   BoardOpener open_;
   run::BoardOptions options_;
   run::MachineOptions machine_;
+  Now now_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -27,11 +27,10 @@ constexpr std::array pair_parameters{
     Parameter{"code", Type::text, true, 6, 6, nullptr, "printed by `serve --pair`"}};
 constexpr std::array feed_parameters{
     Parameter{"change", Type::text, true, 0, 0, "more|less|full", "by 10 %, or to 100 %"}};
-constexpr std::array file_parameters{
-    Parameter{"name", Type::text, true, 1, max_file_name, nullptr, "file"}};
+constexpr Parameter file_name{"name", Type::text, true, 1, max_file_name, nullptr, "file"};
+constexpr std::array file_parameters{file_name};
 constexpr std::array start_parameters{
-    Parameter{"name", Type::text, true, 1, max_file_name, nullptr, "file"},
-    Parameter{"dry", Type::flag, false, 0, 0, nullptr, "moves with the laser off"},
+    file_name, Parameter{"dry", Type::flag, false, 0, 0, nullptr, "moves with the laser off"},
     Parameter{"resume", Type::flag, false, 0, 0, nullptr,
               "continues the last run of a job; no point is fired twice"},
     Parameter{"from", Type::whole, false, 0, max_items, nullptr,
@@ -53,39 +52,29 @@ constexpr std::array step_parameters{
 constexpr std::array set_parameters{
     Parameter{"changes", Type::object, true, 0, 0, nullptr, "values by name of the setting"}};
 
+constexpr std::span<const Parameter> none;
 constexpr std::array table{
     Method{"login", Right::all, login_parameters, "Must be the first message of a WebSocket.",
            "`version`, `board`, `simulated`, `paired`"},
     Method{"pair", Right::all, pair_parameters,
            "Permits this client to start jobs that fire on a real board. Five wrong codes end it.",
            "nothing"},
-    Method{"status", Right::all, {}, "The whole status.", "`board`, `job`, `control`"},
-    Method{"subscribe",
-           Right::all,
-           {},
+    Method{"status", Right::all, none, "The whole status.", "`board`, `job`, `control`"},
+    Method{"subscribe", Right::all, none,
            "From now on notifications `status` bring what differs, and `console` the new lines.",
            "the whole status"},
-    Method{"control.take",
-           Right::all,
-           {},
-           "Takes control, also from another client, which is notified.",
-           "nothing"},
-    Method{"control.release", Right::control, {}, "Gives control up.", "nothing"},
-    Method{"machine.stop",
-           Right::all,
-           {},
-           "Stops whatever runs: laser off, then the machine brakes. Never asks.",
-           "nothing"},
-    Method{"machine.hold", Right::all, {}, "Holds the machine.", "nothing"},
-    Method{"machine.resume", Right::firing, {}, "Resumes after a hold.", "nothing"},
+    Method{"control.take", Right::all, none,
+           "Takes control, also from another client, which is notified.", "nothing"},
+    Method{"control.release", Right::control, none, "Gives control up.", "nothing"},
+    Method{"machine.stop", Right::all, none,
+           "Stops whatever runs: laser off, then the machine brakes. Never asks.", "nothing"},
+    Method{"machine.hold", Right::all, none, "Holds the machine.", "nothing"},
+    Method{"machine.resume", Right::firing, none, "Resumes after a hold.", "nothing"},
     Method{"machine.feed", Right::control, feed_parameters,
            "Changes the feed override of a program or the speed of a job.", "nothing"},
-    Method{"machine.home", Right::control, {}, "Homes the machine (`$H`).", "nothing"},
-    Method{"machine.unlock", Right::control, {}, "Ends an alarm (`$X`).", "nothing"},
-    Method{"job.list",
-           Right::all,
-           {},
-           "Files that were sent to the server.",
+    Method{"machine.home", Right::control, none, "Homes the machine (`$H`).", "nothing"},
+    Method{"machine.unlock", Right::control, none, "Ends an alarm (`$X`).", "nothing"},
+    Method{"job.list", Right::all, none, "Files that were sent to the server.",
            "list of `name`, `bytes`"},
     Method{"job.check", Right::all, file_parameters,
            "Runs a program, or reads a job, without the machine.",
@@ -100,11 +89,8 @@ constexpr std::array table{
     Method{"jog.run", Right::control, run_parameters,
            "Moves at a feed for 200 ms; a client repeats it while a key is held.", "nothing"},
     Method{"jog.step", Right::control, step_parameters, "Moves one step.", "nothing"},
-    Method{"jog.stop", Right::all, {}, "Ends a jog.", "nothing"},
-    Method{"settings.get",
-           Right::all,
-           {},
-           "The settings of the board, at rest.",
+    Method{"jog.stop", Right::all, none, "Ends a jog.", "nothing"},
+    Method{"settings.get", Right::all, none, "The settings of the board, at rest.",
            "list of `number`, `name`, `unit`, `min`, `max`, `whole`, `default`, `value`, `about`"},
     Method{"settings.set", Right::control, set_parameters,
            "Changes settings, all or none, and reads them back.", "the changed settings"}};

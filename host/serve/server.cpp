@@ -7,6 +7,7 @@
 
 #include "host/error.hpp"
 #include "host/serve/access.hpp"
+#include "host/serve/error_message.hpp"
 #include "host/serve/page_files.hpp"
 
 namespace lamplock::serve {
@@ -143,7 +144,7 @@ void Server::reply(WebRequest request, Answer answer) {
 
 // WebSockets.
 
-void Server::opened(ClientNumber client) { clients_[client].opened_at = Clock::now(); }
+void Server::opened(ClientNumber client) { clients_[client].opened_at = options_.now(); }
 
 void Server::received(ClientNumber client, const std::string& text) {
   Call call;
@@ -236,11 +237,6 @@ void Server::check_right(const Method& method, const Call& call) const {
                 "start lamplock serve with --pair at the machine, and enter its code; or run dry");
 }
 
-std::string Server::message_of(const std::exception& error) {
-  const auto* const known = dynamic_cast<const Error*>(&error);
-  return known == nullptr ? error.what() : std::string(known->message());
-}
-
 /// A dry run, or its resume.
 bool Server::keeps_dark(const Method& method, const Call& call) const {
   if (std::string_view(method.name) == "job.start") return call.parameters().value("dry", false);
@@ -278,7 +274,7 @@ Server::Person& Server::person(const std::string& secret) {
 // Notifications.
 
 std::int64_t Server::time_ms() const {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begun_at_).count();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(options_.now() - begun_at_).count();
 }
 
 Json Server::status() const {
@@ -295,7 +291,7 @@ void Server::tick() {
   finish_check();
   std::vector<ClientNumber> late;
   for (const auto& [number, client] : clients_)
-    if (client.secret.empty() && Clock::now() - client.opened_at > login_time)
+    if (client.secret.empty() && options_.now() - client.opened_at > login_time)
       late.push_back(number);
   for (const ClientNumber number : late) web_->drop(number);
   const Json now = status();
@@ -313,9 +309,9 @@ void Server::notify(ClientNumber number, Client& client, const Json& now) {
   own["control"]["paired"] = options_.is_simulated || person(client.secret).is_paired;
   const Json patch = difference(client.sent, own);
   const bool needs_time =
-      client.secret == holder_ && Clock::now() - client.told_at >= time_interval;
+      client.secret == holder_ && options_.now() - client.told_at >= time_interval;
   if (!patch.empty() || needs_time) {
-    client.told_at = Clock::now();
+    client.told_at = options_.now();
     client.sent = std::move(own);
     web_->send(number, text_of({{"jsonrpc", "2.0"},
                                 {"method", "status"},

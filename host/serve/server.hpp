@@ -19,6 +19,7 @@
 
 #include "host/run/background.hpp"
 #include "host/run/machine_options.hpp"
+#include "host/serve/clock.hpp"
 #include "host/serve/job_folder.hpp"
 #include "host/serve/machine.hpp"
 #include "host/serve/method.hpp"
@@ -32,6 +33,7 @@ struct SiteOptions {
   std::string token;
   std::string code;  ///< for pairing; empty: no client can be paired
   run::MachineOptions machine;
+  Now now = Clock::now;
 };
 
 class Server final : public WebSite {
@@ -57,7 +59,6 @@ class Server final : public WebSite {
 
  private:
   using Json = nlohmann::json;
-  using Clock = std::chrono::steady_clock;
   using Respond = std::function<void(const std::string&)>;
 
   /// A user of one or several connections, known by the secret of the client.
@@ -100,7 +101,6 @@ class Server final : public WebSite {
   std::int64_t time_ms() const;
   void notify(ClientNumber number, Client& client, const Json& now);
   void finish_check();
-  static std::string message_of(const std::exception& error);
   void finish_work(const Call& call, const Json& result, const std::exception_ptr& error);
 
   void login(const Call& call);
@@ -137,7 +137,7 @@ class Server final : public WebSite {
   int wrong_codes_ = 0;
   run::Background<Json> check_;
   std::optional<Call> checked_;  ///< the call that waits for it
-  Clock::time_point begun_at_ = Clock::now();
+  Clock::time_point begun_at_ = options_.now();
 };
 
 }  // namespace lamplock::serve

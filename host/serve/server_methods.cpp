@@ -1,6 +1,7 @@
 // The methods of the server (method.hpp), one function each. Parameters have been checked.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "host/link/program_lines.hpp"
 #include "host/serve/access.hpp"
 #include "host/serve/check_file.hpp"
+#include "host/serve/error_message.hpp"
 #include "host/serve/server.hpp"
 #include "host/units.hpp"
 #include "host/version.hpp"
@@ -19,8 +21,9 @@ namespace {
 
 /// Wrong codes until none is right.
 constexpr int max_wrong_codes = 5;
-/// A jog request that answers an older notification was delayed on its way.
-constexpr std::int64_t max_age_ms = 250;
+/// A jog ends this long after the notification that its last request has seen, however late the
+/// request comes: a page that has died, or its network, cannot extend it.
+constexpr std::chrono::milliseconds max_age{240};
 
 std::string word_of(const std::string& change) {
   return change == "more" ? "+" : change == "less" ? "-" : "=";
@@ -240,12 +243,14 @@ void Server::send_lines(const Call& call) {
 }
 
 void Server::run_jog(const Call& call) {
-  if (time_ms() - call.parameters()["seen"].get<std::int64_t>() > max_age_ms)
+  const std::int64_t age_ms = time_ms() - call.parameters()["seen"].get<std::int64_t>();
+  const auto lease = max_age - std::chrono::milliseconds(std::max<std::int64_t>(age_ms, 0));
+  if (lease.count() <= 0)
     throw Error(Exit::job_failed, "jog", "the request came too late", "check the connection");
   pendant::Direction direction{};
   std::size_t axis = 0;
   for (const Json& sign : call.parameters()["direction"]) direction[axis++] = sign;
-  machine_->run_jog(direction, call.parameters()["feed"]);
+  machine_->run_jog(direction, call.parameters()["feed"], lease);
   succeed(call, nullptr);
 }
 

@@ -1,0 +1,72 @@
+// The machine in a job: a use case of host/run borrows the connection.
+#include <exception>
+
+#include "host/run/report_job.hpp"
+#include "host/run/run_program.hpp"
+#include "host/run/send_job.hpp"
+#include "host/run/sent_file.hpp"
+#include "host/serve/error_message.hpp"
+#include "host/serve/lent_transport.hpp"
+#include "host/serve/machine.hpp"
+
+namespace lamplock::serve {
+
+run::BoardOptions Machine::options_for(const JobStart& job) const {
+  run::BoardOptions options = options_;
+  options.opener = [this] { return std::make_unique<LentTransport>(*transport_); };
+  options.yes = true;  // the server has the permission
+  options.dry = job.is_dry;
+  options.resume = job.resumes;
+  options.from = job.from;
+  return options;
+}
+
+void Machine::run_job(const JobStart& job) {
+  supervisor_.reset();
+  const std::shared_ptr<JobRequests> requests = requests_;
+  PageFrontend frontend(*requests,
+                        {[this](const std::string& text) { show(text); },
+                         [this](const std::function<void(BoardView&, JobView&)>& change) {
+                           const std::lock_guard lock(mutex_);
+                           change(view_.board, view_.job);
+                         }});
+  {
+    const std::lock_guard lock(mutex_);
+    view_.board.state = "Run";
+  }
+  std::string end;
+  try {
+    run::BoardOptions options = options_for(job);
+    if (run::kind_of_sent_file(job.path) == run::SentKind::program) {
+      const run::ProgramOutcome outcome =
+          run::run_program(job.path, options, {false, machine_}, frontend);
+      end = end_name(outcome);
+      run::judge_program(outcome, options.board, frontend);
+    } else {
+      const run::SentJob sent = run::send_job(job.path, options, frontend);
+      end = end_name(sent.outcome);
+      if (sent.prepared.job.is_rows())
+        run::judge_end(sent.outcome, options, sent.prepared.job.item(), frontend);
+      else
+        run::judge_points(sent.outcome, options, frontend);
+    }
+    end_job(end, "");
+  } catch (...) {
+    end_job(end.empty() || end == "done" ? "failed" : end, message_of(std::current_exception()));
+  }
+}
+
+void Machine::end_job(const std::string& end, const std::string& message) {
+  show(message.empty() ? "job: " + end : "job: " + end + ": " + message);
+  const std::lock_guard lock(mutex_);
+  requests_.reset();
+  stop_ = false;
+  view_.job.is_running = false;
+  view_.job.end = end;
+  view_.job.message = message;
+  if (end == "done") view_.job.done = view_.job.total;  // the last progress is not shown
+  view_.job.word.clear();
+  view_.job.left_s.reset();
+}
+
+}  // namespace lamplock::serve

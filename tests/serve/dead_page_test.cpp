@@ -1,0 +1,207 @@
+// Pages that die while they jog, in the time of a simulated board: the axis rests at most 250 ms
+// and the time to brake after the last renewal that the server has accepted.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <future>
+#include <random>
+
+#include "host/link/simulated_transport.hpp"
+#include "host/run/simulated_boards.hpp"
+#include "host/serve/machine.hpp"
+#include "host/serve/server.hpp"
+#include "host/serve/web_server.hpp"
+#include "sim/world/world.hpp"
+#include "tests/scale.hpp"
+#include "tests/serve/running_server.hpp"
+
+namespace lamplock::serve::test::dead_page {
+namespace {
+
+using namespace std::chrono_literals;
+using Ms = std::chrono::milliseconds;
+
+constexpr double lease_and_reaction_ms = 250, acceleration_mm_s2 = 1000;
+constexpr ClientNumber page = 1;
+
+/// What becomes of the page.
+enum class Death {
+  killed,        ///< its connection is closed
+  hidden,        ///< it ends the jog
+  cut_off,       ///< nothing more comes, and the connection stays open
+  late,          ///< renewals arrive a second time, later
+  server_frozen  ///< SIGSTOP to the server: the board gets nothing more
+};
+constexpr int deaths = 5;
+
+/// A board in simulated time. Calls `on_time` from the thread of the machine while it waits.
+class SimulatedTime final : public link::Transport {
+ public:
+  SimulatedTime(sim::Board& board, std::function<void(Ms)> on_time)
+      : inner_(board), on_time_(std::move(on_time)) {}
+  std::size_t write(std::span<const std::uint8_t> bytes) override { return inner_.write(bytes); }
+  std::size_t read(std::span<std::uint8_t> bytes) override { return inner_.read(bytes); }
+  void wait(std::chrono::microseconds time) override {
+    inner_.wait(time);
+    on_time_(std::chrono::duration_cast<Ms>(inner_.now()));
+  }
+  std::chrono::microseconds now() const override { return inner_.now(); }
+  bool reconnect() override { return true; }
+
+ private:
+  link::SimulatedTransport inner_;
+  std::function<void(Ms)> on_time_;
+};
+
+/// One page after the other: each takes control, holds a button for a random time, and dies.
+class Pages {
+ public:
+  Pages(const char* board, int kills)
+      : made_(run::make_board(board, "", settings_of_test(), sim::WorldConfig{})), kills_(kills) {}
+
+  /// Returns when all pages have died.
+  void run() {
+    const Now now = [this] {
+      return Clock::time_point(std::chrono::microseconds(made_.board->now() / sim::ps_per_us));
+    };
+    begun_ = now_ms();
+    next_ = begun_ + 500ms;  // the machine reads its settings before
+    SiteOptions site;
+    site.token = token;
+    site.now = now;
+    const auto folder = std::filesystem::temp_directory_path() / fmt::format("pages-{}", now_us());
+    Server server(site, JobFolder(folder));
+    WebServer web("127.0.0.1", 0, server);
+    {
+      Machine machine(
+          [this]() -> std::unique_ptr<link::Transport> {
+            return std::make_unique<SimulatedTime>(*made_.board, [this](Ms at) { act(at); });
+          },
+          run::BoardOptions{}, run::MachineOptions{}, now);
+      server.use(web, machine);
+      server_ = &server;
+      machine_ = &machine;
+      is_ready_ = true;
+      ended_.get_future().wait();
+    }
+    std::filesystem::remove_all(folder);
+  }
+
+  double worst_ms() const { return worst_ms_; }
+  int jogged() const { return jogged_; }
+
+ private:
+  static settings::Values settings_of_test() {
+    settings::Values values;
+    values.set_milli(settings::Id::acceleration_x,
+                     static_cast<std::int32_t>(acceleration_mm_s2 * 1000));
+    return values;
+  }
+
+  Ms now_ms() const { return Ms(made_.board->now() / sim::ps_per_ms); }
+  std::int32_t x_at(sim::Picoseconds at) const {
+    return made_.board->world().drives().position_at(at)[0];
+  }
+  double last_step_ms() const {
+    sim::Picoseconds at = made_.board->now();
+    const std::int32_t end = x_at(at);
+    while (x_at(at) == end) at -= sim::ps_per_ms;
+    return static_cast<double>(at / sim::ps_per_ms) + 1;
+  }
+  std::int64_t server_ms(Ms at) const { return (at - begun_).count(); }
+
+  void request(const char* method, const Json& parameters) {
+    const Json text{{"jsonrpc", "2.0"}, {"id", ++id_}, {"method", method}, {"params", parameters}};
+    server_->received(page, text.dump());
+  }
+
+  void renew(std::int64_t seen) {
+    request("jog.run", {{"direction", {begun_at_ > 0 ? -1 : 1}}, {"feed", feed_}, {"seen", seen}});
+  }
+
+  /// In the thread of the machine, between two rounds of it.
+  void act(Ms at) {
+    if (!is_ready_ || kill_ == kills_) return;
+    if (is_dead_) return judge_later(at);
+    if (at < next_) return;
+    if (!is_alive_) return begin();
+    if (renewals_left_ == 0) return die(at);
+    --renewals_left_;
+    next_ = at + 70ms;
+    renewed_ = at;
+    renew(server_ms(at));
+  }
+
+  void begin() {
+    if (machine_->view().board.state != "Idle") return;
+    is_alive_ = true;
+    feed_ = 60.0 * static_cast<double>(20 + random_() % 180);
+    renewals_left_ = 3 + static_cast<int>(random_() % 6);
+    begun_at_ = x_at(made_.board->now());
+    server_->opened(page);
+    request("login", {{"token", token}, {"client", "client-secret-page"}});
+    request("control.take", Json::object());
+  }
+
+  void die(Ms at) {
+    is_alive_ = false;
+    is_dead_ = true;
+    died_ = at;
+    const auto death = static_cast<Death>(kill_ % deaths);
+    if (death == Death::killed) server_->closed(page);
+    if (death == Death::hidden) request("jog.stop", Json::object());
+    // No loop of the host runs: simulated time passes inside this call.
+    if (death == Death::server_frozen)
+      made_.board->run_until(made_.board->now() + 600 * sim::ps_per_ms);
+  }
+
+  void judge_later(Ms at) {
+    const auto death = static_cast<Death>(kill_ % deaths);
+    if (death == Death::late && at < died_ + 600ms) return renew(server_ms(renewed_));
+    if (at < died_ + 600ms) return;
+    const double brake_ms = feed_ / 60 / acceleration_mm_s2 * 1000;
+    const double rest_ms = last_step_ms() - static_cast<double>(renewed_.count());
+    EXPECT_LE(rest_ms, lease_and_reaction_ms + brake_ms)
+        << "kill " << kill_ << ", death " << kill_ % deaths << ", " << feed_ << " mm/min";
+    worst_ms_ = std::max(worst_ms_, rest_ms - brake_ms);
+    if (std::abs(x_at(made_.board->now()) - begun_at_) > 200) ++jogged_;
+    if (death != Death::killed) server_->closed(page);
+    is_dead_ = false;
+    next_ = at + 60ms;
+    if (++kill_ == kills_) ended_.set_value();
+  }
+
+  run::SimulatedBoard made_;
+  int kills_;
+  Server* server_ = nullptr;
+  Machine* machine_ = nullptr;
+  std::atomic<bool> is_ready_{false};
+  std::promise<void> ended_;
+  // Of the thread of the machine.
+  std::mt19937_64 random_{37};
+  bool is_alive_ = false, is_dead_ = false;
+  int kill_ = 0, id_ = 0, renewals_left_ = 0, jogged_ = 0;
+  double feed_ = 0, worst_ms_ = -1e9;
+  Ms next_{}, renewed_{}, died_{}, begun_{};
+  std::int32_t begun_at_ = 0;
+};
+
+void kill_pages(const char* board, int kills) {
+  Pages pages(board, kills);
+  pages.run();
+  EXPECT_EQ(pages.jogged(), kills) << "each page has moved the axis before it died";
+  fmt::print("{} pages: at rest at most {:.0f} ms and the time to brake after the last renewal\n",
+             kills, pages.worst_ms());
+}
+
+TEST(DeadPages, end_their_jogs_on_the_virtual_board) {
+  kill_pages(run::virtual_board, lamplock::test::scaled(200, 100));
+}
+
+TEST(DeadPages, end_their_jogs_on_the_chip) {
+  kill_pages(run::chip_board, lamplock::test::scaled(50, 5));
+}
+
+}  // namespace
+}  // namespace lamplock::serve::test::dead_page
