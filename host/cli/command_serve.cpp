@@ -1,16 +1,38 @@
 // `lamplock serve`: a machine as a page in the browser, and as JSON-RPC for programs.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <iostream>
 #include <memory>
+#include <string>
 
 #include "host/cli/board_options.hpp"
 #include "host/cli/command_line.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/machine_options.hpp"
+#include "host/cli/quiet_terminal.hpp"
 #include "host/cli/validators.hpp"
 #include "host/serve/serve.hpp"
 
 namespace lamplock::cli {
 namespace {
+
+/// The first line of stdin, which a terminal does not show.
+std::string typed_password() {
+  const QuietTerminal quiet(QuietTerminal::Reads::lines);
+  if (QuietTerminal::in_foreground(STDIN_FILENO)) fmt::print(stderr, "Password: ");
+  std::string line;
+  std::getline(std::cin, line);
+  if (QuietTerminal::in_foreground(STDIN_FILENO)) fmt::print(stderr, "\n");
+  return line;
+}
+
+Exit set_password(const std::string& file) {
+  serve::write_password(file, typed_password());
+  fmt::print("{}: the hash of the password\n", file);
+  return Exit::done;
+}
 
 Exit serve_board(const serve::ServeOptions& options) {
   Console console(false);
@@ -25,14 +47,19 @@ void add_serve(Command& program) {
       "serve", "Operate a machine from a page in the browser, and from programs by JSON-RPC");
   app.footer(
       "Prints the address of the page with a token; programs of this computer that know the token\n"
-      "can use the machine (docs/page.md, docs/api.md). No other computer can. On a real board a\n"
+      "can use the machine (docs/page.md, docs/api.md). Other computers need --listen or --proxy "
+      "and\n"
+      "a password, which the network carries unencrypted unless a proxy adds TLS. On a real board "
+      "a\n"
       "page may fire only after the code of --pair was entered in it; dry runs need no code. Stop\n"
       "works in every page. Ctrl-C stops the machine and ends the server.\n"
       "Example:\n"
       "  lamplock serve --board virtual\n"
-      "  lamplock serve --board /dev/ttyACM0 --pair");
+      "  lamplock serve --board /dev/ttyACM0 --pair\n"
+      "  lamplock serve --set-password pw\n"
+      "  lamplock serve --board /dev/ttyACM0 --listen 192.168.1.5 --password pw");
   const auto options = std::make_shared<serve::ServeOptions>();
-  app.add_option("--port", &options->port, "TCP port at 127.0.0.1; 0: any free port")
+  app.add_option("--port", &options->port, "TCP port; 0: any free port")
       .check(number_in({0u, 65535u}))
       .value_name("PORT")
       .show_default()
@@ -42,12 +69,34 @@ void add_serve(Command& program) {
       .value_name("DIR")
       .file(FileUse::folder)
       .common();
+  app.add_option("--listen", &options->address,
+                 "Address of this computer to listen at; others than 127.0.0.1 need --password")
+      .value_name("ADDRESS")
+      .show_default()
+      .common();
+  app.add_option("--password", &options->password,
+                 "File with the hash of the password, made by --set-password")
+      .value_name("FILE")
+      .file(FileUse::read)
+      .common();
+  app.add_option("--proxy", &options->proxy,
+                 "Origin of a reverse proxy with TLS on this computer; needs --password")
+      .value_name("https://NAME");
+  const auto password_file = std::make_shared<std::string>();
+  app.add_option("--set-password", password_file.get(),
+                 "Read a password, write its hash to this file, and end")
+      .value_name("FILE")
+      .file(FileUse::write);
+  app.add_option("--log", &options->log, "Append to this file; at 1 MB it becomes FILE.1, of three")
+      .value_name("FILE")
+      .file(FileUse::write);
   app.add_option("--pair", &options->pairs,
                  "Print a code; a page in which it is entered may fire on a real board")
       .common();
   add_board_choice(app, options->board);
   add_machine(app, options->machine);
-  app.action([options] {
+  app.action([options, password_file] {
+    if (!password_file->empty()) return set_password(*password_file);
     options->board.profile = options->machine.machine;
     return serve_board(*options);
   });

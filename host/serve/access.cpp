@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <random>
 
 namespace lamplock::serve {
@@ -43,9 +44,34 @@ bool is_own_host(std::string_view host, std::uint16_t port) {
   return host.find(':') == std::string_view::npos && is_loopback(host);
 }
 
-bool is_own_origin(std::string_view origin, std::uint16_t port) {
+std::optional<PublicOrigin> parse_origin(std::string_view text) {
+  const std::size_t scheme = text.starts_with("https://") ? 8 : text.starts_with("http://") ? 7 : 0;
+  const std::string_view host = text.substr(scheme);
+  const bool is_host = !host.empty() && std::all_of(host.begin(), host.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+           std::string_view(".-:[]").find(c) != std::string_view::npos;
+  });
+  if (scheme == 0 || !is_host) return std::nullopt;
+  return PublicOrigin{std::string(text), std::string(host)};
+}
+
+std::string authority_of(std::string_view address, std::uint16_t port) {
+  if (address.find(':') != std::string_view::npos) return fmt::format("[{}]:{}", address, port);
+  return fmt::format("{}:{}", address, port);
+}
+
+bool ServerNames::is_direct(std::string_view host, std::string_view local) const {
+  return is_own_host(host, port) || (!local.empty() && host == authority_of(local, port));
+}
+
+bool ServerNames::is_host(std::string_view host, std::string_view local) const {
+  return (proxy && host == proxy->host) || is_direct(host, local);
+}
+
+bool ServerNames::is_origin(std::string_view origin, std::string_view local) const {
   constexpr std::string_view scheme = "http://";
-  return origin.starts_with(scheme) && is_own_host(origin.substr(scheme.size()), port);
+  return (proxy && origin == proxy->origin) ||
+         (origin.starts_with(scheme) && is_direct(origin.substr(scheme.size()), local));
 }
 
 std::string random_token() {

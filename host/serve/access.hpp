@@ -1,4 +1,5 @@
-// Who may talk to the server: only programs of this computer that have the token.
+// Who may talk to the server: programs that have the token, of this computer or, with --listen,
+// of others.
 //
 // In:  the headers of a request. Out: whether they may be answered. Who: the server, for every
 //      request before its body is read.
@@ -9,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,8 +23,29 @@ bool is_loopback(std::string_view address);
 /// "127.0.0.1:7125", "localhost:7125", "[::1]:7125" with this port.
 bool is_own_host(std::string_view host, std::uint16_t port);
 
-/// "http://" and such a host.
-bool is_own_origin(std::string_view origin, std::uint16_t port);
+/// An address and a port as in a URL: "[::1]:7125".
+std::string authority_of(std::string_view address, std::uint16_t port);
+
+/// The origin of a reverse proxy, "https://laser.example.org".
+struct PublicOrigin {
+  std::string origin, host;
+};
+/// Nothing if the text is not an origin with a name or an address, in small letters.
+std::optional<PublicOrigin> parse_origin(std::string_view text);
+
+/// How clients may name the server: by an address of the loopback interface, by the address `local`
+/// at which the connection has arrived, or by the origin of a proxy. No other name: its owner could
+/// change its address.
+struct ServerNames {
+  std::uint16_t port = 0;
+  std::optional<PublicOrigin> proxy{};
+
+  bool is_host(std::string_view host, std::string_view local) const;
+  bool is_origin(std::string_view origin, std::string_view local) const;
+
+ private:
+  bool is_direct(std::string_view host, std::string_view local) const;
+};
 
 /// 128 random bits as hexadecimal digits. Throws std::exception without a source of randomness.
 std::string random_token();

@@ -1,11 +1,19 @@
 #include "host/serve/serve.hpp"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <utility>
 
+#include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/file/staged_file.hpp"
 #include "host/run/board_port.hpp"
 #include "host/serve/access.hpp"
+#include "host/serve/hashes.hpp"
+#include "host/serve/log_file.hpp"
 #include "host/serve/machine.hpp"
 #include "host/serve/paced_transport.hpp"
 #include "host/serve/server.hpp"
@@ -40,7 +48,51 @@ BoardOpener opened_once(const BoardOpener& open) {
   return [open, first] { return *first ? std::exchange(*first, nullptr) : open(); };
 }
 
+/// A page of this computer can use it.
+std::string origin_of(const std::string& address, std::uint16_t port) {
+  if (address == "0.0.0.0" || address == "::") return origin_of(loopback_address, port);
+  return "http://" + authority_of(address, port);
+}
+
+std::string read_password_hash(const std::string& file) {
+  std::string text = read_file(file);
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  if (!is_password_hash(text))
+    throw Error(Exit::bad_input, file, "is not the hash of a password",
+                "make one: lamplock serve --set-password FILE");
+  return text;
+}
+
+/// Who can reach the server needs the token or the password.
+void set_access(const ServeOptions& options, SiteOptions& site) {
+  site.token = random_token();
+  if (options.pairs) site.code = random_code();
+  if (!options.password.empty()) site.password_hash = read_password_hash(options.password);
+  if (!options.proxy.empty()) {
+    site.proxy = parse_origin(options.proxy);
+    if (!site.proxy)
+      throw Error(Exit::bad_input, "--proxy", options.proxy + " is not an origin",
+                  "give one such as https://laser.example.org, without a path");
+  }
+  const bool is_reachable = !is_loopback(options.address) || site.proxy;
+  if (is_reachable && site.password_hash.empty())
+    throw Error(Exit::bad_input, site.proxy ? "--proxy" : "--listen",
+                "other computers could reach the machine without a password",
+                "make one: lamplock serve --set-password FILE; then add --password FILE");
+}
+
 }  // namespace
+
+void write_password(const std::string& file, const std::string& password) {
+  if (password.size() < min_password || password.size() > max_password)
+    throw Error(Exit::bad_input, "password", "its length is wrong",
+                fmt::format("use {} to {} bytes", min_password, max_password));
+  write_whole(file, [&](const std::filesystem::path& path) {
+    write_file(path, password_hash(password) + "\n");
+    std::filesystem::permissions(
+        path, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  });
+}
 
 void serve(const ServeOptions& options, run::Frontend& frontend) {
   options.board.check();
@@ -49,24 +101,37 @@ void serve(const ServeOptions& options, run::Frontend& frontend) {
   SiteOptions site;
   site.board = options.board.board;
   site.is_simulated = options.board.is_simulated();
-  site.token = random_token();
-  if (options.pairs) site.code = random_code();
+  set_access(options, site);
+  std::optional<LogFile> log;
+  if (!options.log.empty()) log.emplace(options.log);
+  const Note note = [&](const std::string& line) {
+    if (log && !log->add(line)) frontend.notice(options.log + ": a line could not be written");
+  };
+  site.note = note;
   site.machine = options.machine;
   const JobFolder folder(options.folder.empty() ? default_job_folder()
                                                 : std::filesystem::path(options.folder));
   const BoardOpener open = opened_once(opener_of(options));
   Server server(site, folder);
-  WebServer web(loopback_address, static_cast<std::uint16_t>(options.port), server);
+  WebServer web(options.address, static_cast<std::uint16_t>(options.port), server);
   Machine machine(open, options.board, options.machine);
   server.use(web, machine);
-  frontend.say("page: http://{}:{}/#token={}", loopback_address, web.port(), site.token);
+  frontend.say("page: {}/#token={}", origin_of(options.address, web.port()), site.token);
+  if (!site.password_hash.empty()) frontend.say("other pages log in with the password");
   if (options.pairs) frontend.say("code for pairing: {}", site.code);
+  note("the server begins");
   const auto interrupts = frontend.interrupts();
+  std::uint64_t logged = 0;
   web.run(tick_interval, [&] {
     server.tick();
+    for (const ConsoleLine& line : machine.lines_after(logged)) {
+      note(line.text);
+      logged = line.number;
+    }
     if (interrupts->count() > 0) web.stop();
   });
   server.end();
+  note("the server ends");
 }
 
 }  // namespace lamplock::serve

@@ -19,10 +19,17 @@ inline constexpr std::uint16_t default_port = 7125;
 struct ServeOptions {
   run::BoardOptions board;
   run::MachineOptions machine;
-  std::uint32_t port = default_port;  ///< 0: any free one
-  std::string folder;                 ///< of jobs; empty: default_job_folder()
-  bool pairs = false;                 ///< clients with the code may fire
+  std::uint32_t port = default_port;       ///< 0: any free one
+  std::string address = loopback_address;  ///< another one needs a password
+  std::string password;                    ///< file with its hash; empty: none
+  std::string proxy;                       ///< origin of a reverse proxy; empty: none
+  std::string log;                         ///< file; empty: none
+  std::string folder;                      ///< of jobs; empty: default_job_folder()
+  bool pairs = false;                      ///< clients with the code may fire
 };
+
+/// Writes the hash of a password, for this user alone. Throws Error(bad_input).
+void write_password(const std::string& file, const std::string& password);
 
 /// Throws Error: bad_input (options, folder), no_device (the board or the port is in use).
 void serve(const ServeOptions& options, run::Frontend& frontend);

@@ -8,6 +8,7 @@
 #include "host/error.hpp"
 #include "host/serve/access.hpp"
 #include "host/serve/error_message.hpp"
+#include "host/serve/page_document.hpp"
 #include "host/serve/page_files.hpp"
 
 namespace lamplock::serve {
@@ -18,8 +19,11 @@ using Json = nlohmann::json;
 
 constexpr const char* api_target = "/api";
 constexpr const char* socket_target = "/ws";
+constexpr const char* login_target = "/login";
+constexpr const char* page_target = "/";
 constexpr std::string_view files_target = "/files/";
-constexpr std::size_t max_call_bytes = 256 * 1024, max_file_bytes = 32 * 1024 * 1024;
+constexpr std::size_t max_login_bytes = 2048, max_call_bytes = 256 * 1024,
+                      max_file_bytes = 32 * 1024 * 1024;
 constexpr auto login_time = 5s;
 /// The holder of control gets the time of the server this often: a jog needs it.
 constexpr auto time_interval = 100ms;
@@ -37,8 +41,7 @@ struct Page {
   const char* type;
   std::string_view (*text)();
 };
-constexpr std::array pages{Page{"/", "text/html; charset=utf-8", page_html},
-                           Page{"/page.css", "text/css; charset=utf-8", page_css},
+constexpr std::array pages{Page{page_target, "text/html; charset=utf-8", page_html},
                            Page{"/link.js", "text/javascript; charset=utf-8", page_link_js},
                            Page{"/jog.js", "text/javascript; charset=utf-8", page_jog_js},
                            Page{"/job.js", "text/javascript; charset=utf-8", page_job_js},
@@ -97,48 +100,68 @@ Json job_json(const JobView& job) {
 
 // HTTP.
 
+bool Server::is_token(std::string_view token) {
+  return is_same_secret(token, options_.token) || logins_.is_session(token);
+}
+
+std::optional<WebReply> Server::refusal_of_names(const WebRequest& head) const {
+  const ServerNames names{web_->port(), options_.proxy};
+  if (!names.is_host(head.host, head.local)) return refusal(403, "Host is not this server");
+  if (head.origin && !names.is_origin(*head.origin, head.local))
+    return refusal(403, "Origin is not this server");
+  return std::nullopt;
+}
+
 Admission Server::admit(const WebRequest& head) {
-  const std::uint16_t port = web_->port();
-  if (!is_own_host(head.host, port)) return {refusal(403, "Host is not this server")};
-  if (head.origin && !is_own_origin(*head.origin, port))
-    return {refusal(403, "Origin is not this server")};
+  if (auto refused = refusal_of_names(head)) return {std::move(refused)};
   if (head.target == socket_target)
     return head.is_upgrade ? Admission{} : Admission{refusal(426, "needs a WebSocket")};
   if (head.is_upgrade) return {refusal(404, "no WebSocket here")};
   if (find_page(head.target) != nullptr)
     return head.method == "GET" ? Admission{} : Admission{refusal(405, "only GET")};
+  const bool is_login = head.target == login_target && logins_.has_password();
   const bool is_call = head.target == api_target;
-  if (!is_call && !head.target.starts_with(files_target)) return {refusal(404, "not found")};
+  if (!is_login && !is_call && !head.target.starts_with(files_target))
+    return {refusal(404, "not found")};
   if (head.method != "POST") return {refusal(405, "only POST")};
-  if (!is_same_secret(head.authorization, "Bearer " + options_.token))
+  constexpr std::string_view scheme = "Bearer ";
+  if (!is_login && !(head.authorization.starts_with(scheme) &&
+                     is_token(std::string_view(head.authorization).substr(scheme.size()))))
     return {refusal(401, "needs Authorization: Bearer and the token")};
   // Types that a form can send are refused: a browser asks before it sends others.
-  const std::string type = is_call ? "application/json" : "application/octet-stream";
+  const std::string type = is_call || is_login ? "application/json" : "application/octet-stream";
   if (head.content_type != type) return {refusal(415, "needs Content-Type: " + type)};
-  return {std::nullopt, is_call ? max_call_bytes : max_file_bytes};
+  return {std::nullopt, is_login ? max_login_bytes : is_call ? max_call_bytes : max_file_bytes};
 }
 
 void Server::reply(WebRequest request, Answer answer) {
+  if (request.target == page_target)
+    return answer(
+        {200, "text/html; charset=utf-8", page_document().html, page_document().style_hash});
   if (const Page* page = find_page(request.target))
     return answer({200, page->type, std::string(page->text())});
-  if (request.target == api_target) {
-    Call call;
-    call.respond = [answer = std::move(answer)](const std::string& text) {
-      answer({200, "application/json", text});
-    };
-    return take_request(request.body, std::move(call));
-  }
+  if (request.target == login_target)
+    return logins_.request(request.body, request.remote, std::move(answer));
+  if (request.target != api_target) return answer(take_file(request));
+  Call call;
+  call.respond = [answer = std::move(answer)](const std::string& text) {
+    answer({200, "application/json", text});
+  };
+  take_request(request.body, std::move(call));
+}
+
+WebReply Server::take_file(const WebRequest& request) {
   const std::string name = request.target.substr(files_target.size());
   try {
     const JobView job = machine_->view().job;
     if (job.is_running && job.name == name)
       throw Error(Exit::job_failed, name, "the job runs", "use another name");
     folder_.write(name, request.body);
-    answer({201, "text/plain; charset=utf-8", name + "\n"});
+    return {201, "text/plain; charset=utf-8", name + "\n"};
   } catch (const Error& error) {
-    answer(refusal(422, std::string(error.message())));
+    return refusal(422, std::string(error.message()));
   } catch (const std::exception& error) {
-    answer(refusal(500, error.what()));
+    return refusal(500, error.what());
   }
 }
 
@@ -289,6 +312,7 @@ Json Server::status() const {
 
 void Server::tick() {
   finish_check();
+  logins_.poll();
   std::vector<ClientNumber> late;
   for (const auto& [number, client] : clients_)
     if (client.secret.empty() && options_.now() - client.opened_at > login_time)

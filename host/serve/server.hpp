@@ -19,8 +19,10 @@
 
 #include "host/run/background.hpp"
 #include "host/run/machine_options.hpp"
+#include "host/serve/access.hpp"
 #include "host/serve/clock.hpp"
 #include "host/serve/job_folder.hpp"
+#include "host/serve/logins.hpp"
 #include "host/serve/machine.hpp"
 #include "host/serve/method.hpp"
 #include "host/serve/web_server.hpp"
@@ -31,15 +33,20 @@ struct SiteOptions {
   std::string board;
   bool is_simulated = true;
   std::string token;
-  std::string code;  ///< for pairing; empty: no client can be paired
+  std::string code;           ///< for pairing; empty: no client can be paired
+  std::string password_hash;  ///< empty: the token alone
+  std::optional<PublicOrigin> proxy{};
   run::MachineOptions machine;
   Now now = Clock::now;
+  Note note = [](const std::string&) {};  ///< for the log
 };
 
 class Server final : public WebSite {
  public:
   Server(SiteOptions options, JobFolder folder)
-      : options_(std::move(options)), folder_(std::move(folder)) {}
+      : options_(std::move(options)),
+        folder_(std::move(folder)),
+        logins_(options_.password_hash, options_.now, options_.note) {}
 
   /// To be called once, before the web server runs. The machine must end before the web server.
   void use(WebServer& web, Machine& machine) {
@@ -47,7 +54,10 @@ class Server final : public WebSite {
     machine_ = &machine;
   }
   /// To be called after the web server has run: drops calls that are not answered.
-  void end() { checked_.reset(); }
+  void end() {
+    checked_.reset();
+    logins_.end();
+  }
   /// To be called regularly: sends what differs.
   void tick();
 
@@ -97,6 +107,9 @@ class Server final : public WebSite {
   bool was_called(const Call& call);
   Person& person(const std::string& secret);
   bool has_client(const std::string& secret) const;
+  bool is_token(std::string_view token);
+  std::optional<WebReply> refusal_of_names(const WebRequest& head) const;
+  WebReply take_file(const WebRequest& request);
   Json status() const;
   std::int64_t time_ms() const;
   void notify(ClientNumber number, Client& client, const Json& now);
@@ -129,6 +142,7 @@ class Server final : public WebSite {
 
   SiteOptions options_;
   JobFolder folder_;
+  Logins logins_;
   Machine* machine_ = nullptr;
   WebServer* web_ = nullptr;
   std::map<ClientNumber, Client> clients_;

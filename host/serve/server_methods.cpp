@@ -19,6 +19,8 @@
 namespace lamplock::serve {
 namespace {
 
+/// Error of a wrong token where a password helps.
+constexpr int needs_password = -32001;
 /// Wrong codes until none is right.
 constexpr int max_wrong_codes = 5;
 /// A jog ends this long after the notification that its last request has seen, however late the
@@ -95,8 +97,11 @@ void Server::login(const Call& call) {
   const auto client = clients_.find(call.client);
   if (client == clients_.end())
     throw Error(Exit::bad_input, "login", "is for WebSockets", "send the token in a header");
-  if (!is_same_secret(call.parameters()["token"].get<std::string>(), options_.token)) {
-    fail(call, -32000, "the token is wrong; open the address that lamplock serve has printed");
+  if (!is_token(call.parameters()["token"].get<std::string>())) {
+    if (logins_.has_password())
+      fail(call, needs_password, "log in with the password");
+    else
+      fail(call, -32000, "the token is wrong; open the address that lamplock serve has printed");
     return web_->drop(call.client);
   }
   client->second.secret = call.parameters()["client"];

@@ -33,9 +33,20 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds idle_time{20};
 
 /// No script, style or picture but this server's own; no page may frame this one.
-constexpr const char* content_policy =
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
-    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+std::string content_policy(const std::string& style_hash) {
+  return fmt::format(
+      "default-src 'none'; script-src 'self'; style-src '{}'; img-src 'self' data: blob:; "
+      "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+      style_hash.empty() ? "self" : style_hash);
+}
+
+std::string address_of(const tcp::endpoint& end) {
+  const asio::ip::address address = end.address();
+  // A socket of both families shows an address of IPv4 inside one of IPv6.
+  if (address.is_v6() && address.to_v6().is_v4_mapped())
+    return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).to_string();
+  return address.to_string();
+}
 
 template <class Fields>
 std::optional<std::string> only_field(const Fields& fields, http::field name) {
@@ -191,7 +202,7 @@ class WebServer::Parts::Exchange : public std::enable_shared_from_this<Exchange>
 
  private:
   void take_header() {
-    const WebRequest head = request_of(parser_.get());
+    const WebRequest head = own_request();
     const Admission admission = parts_.site.admit(head);
     if (admission.refusal) return answer(*admission.refusal);
     if (head.is_upgrade) {
@@ -213,9 +224,17 @@ class WebServer::Parts::Exchange : public std::enable_shared_from_this<Exchange>
                      });
   }
 
+  WebRequest own_request() {
+    WebRequest request = request_of(parser_.get());
+    error_code ignored;
+    request.local = address_of(stream_.socket().local_endpoint(ignored));
+    request.remote = address_of(stream_.socket().remote_endpoint(ignored));
+    return request;
+  }
+
   void take_body() {
     stream_.expires_never();  // the machine may need its time
-    WebRequest request = request_of(parser_.get());
+    WebRequest request = own_request();
     request.body = std::move(parser_.get().body());
     parts_.site.reply(std::move(request), [self = shared_from_this()](WebReply reply) {
       self->answer(std::move(reply));
@@ -226,7 +245,7 @@ class WebServer::Parts::Exchange : public std::enable_shared_from_this<Exchange>
     reply_ = {};
     reply_.result(static_cast<unsigned>(reply.status));
     reply_.set(http::field::content_type, reply.type);
-    reply_.set("Content-Security-Policy", content_policy);
+    reply_.set("Content-Security-Policy", content_policy(reply.style_hash));
     reply_.set("X-Content-Type-Options", "nosniff");
     reply_.set("Cross-Origin-Resource-Policy", "same-origin");
     reply_.set("Referrer-Policy", "no-referrer");

@@ -21,6 +21,7 @@ namespace lamplock::serve {
 /// two readers could take different ones.
 struct WebRequest {
   std::string method, target, host, content_type, authorization;
+  std::string local, remote;  ///< addresses of the two ends: "127.0.0.1"
   std::optional<std::string> origin{};
   bool is_upgrade = false;  ///< to a WebSocket
   std::string body{};
@@ -29,6 +30,7 @@ struct WebRequest {
 struct WebReply {
   int status = 200;
   std::string type = "text/plain; charset=utf-8", body{};
+  std::string style_hash{};  ///< of the one style in the document (Content-Security-Policy)
 };
 
 /// Sends the reply of a request; to be called once, in the thread of the server.

@@ -29,12 +29,36 @@ TEST(Access, a_host_is_this_computer_and_the_port) {
 }
 
 TEST(Access, an_origin_is_a_page_of_this_server) {
-  EXPECT_TRUE(is_own_origin("http://127.0.0.1:7125", 7125));
-  EXPECT_TRUE(is_own_origin("http://localhost:7125", 7125));
+  const ServerNames names{7125};
+  EXPECT_TRUE(names.is_origin("http://127.0.0.1:7125", "127.0.0.1"));
+  EXPECT_TRUE(names.is_origin("http://localhost:7125", "127.0.0.1"));
   for (const char* other : {"", "null", "http://127.0.0.1", "https://127.0.0.1:7125",
                             "http://127.0.0.1:7125/", "http://127.0.0.1:8000", "file://",
                             "http://example.org:7125", "http://127.0.0.1:7125.example.org"})
-    EXPECT_FALSE(is_own_origin(other, 7125)) << other;
+    EXPECT_FALSE(names.is_origin(other, "127.0.0.1")) << other;
+}
+
+TEST(Access, another_computer_names_the_address_at_which_it_arrives) {
+  const ServerNames names{7125};
+  EXPECT_TRUE(names.is_host("192.168.1.5:7125", "192.168.1.5"));
+  EXPECT_TRUE(names.is_host("[fe80::1]:7125", "fe80::1"));
+  EXPECT_TRUE(names.is_origin("http://192.168.1.5:7125", "192.168.1.5"));
+  for (const char* other : {"192.168.1.6:7125", "192.168.1.5", "192.168.1.5:80", "laser:7125",
+                            "192.168.1.5.example.org:7125", ""})
+    EXPECT_FALSE(names.is_host(other, "192.168.1.5")) << other;
+  EXPECT_FALSE(names.is_host(":7125", ""));
+}
+
+TEST(Access, a_proxy_has_one_origin) {
+  const ServerNames names{7125, parse_origin("https://laser.example.org")};
+  EXPECT_TRUE(names.is_host("laser.example.org", "127.0.0.1"));
+  EXPECT_TRUE(names.is_origin("https://laser.example.org", "127.0.0.1"));
+  EXPECT_FALSE(names.is_origin("http://laser.example.org", "127.0.0.1"));
+  EXPECT_FALSE(names.is_host("example.org", "127.0.0.1"));
+  EXPECT_TRUE(parse_origin("http://10.0.0.1:8080"));
+  for (const char* other : {"", "laser.example.org", "https://", "ftp://a", "https://a/b",
+                            "https://user@a", "https://A", "https://a b"})
+    EXPECT_FALSE(parse_origin(other)) << other;
 }
 
 TEST(Access, secrets_are_random_and_compared_whole) {

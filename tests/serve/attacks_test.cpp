@@ -1,10 +1,13 @@
 // Attacks on the server: each of them is refused, and the server still serves others.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <list>
 #include <string>
 
+#include "host/error.hpp"
 #include "tests/serve/running_server.hpp"
 
 namespace lamplock::serve::test {
@@ -161,6 +164,33 @@ TEST_F(Attacks, broken_requests) {
   EXPECT_THAT(request(server_->port(), call(deep)).text, HasSubstr("not valid JSON"));
 }
 
+TEST_F(Attacks, upload_that_is_cut_off_or_for_which_the_disk_is_full) {
+  const auto upload = [&](const std::string& body) {
+    return post("/files/part.ngc", host() + permit() + bytes(), body);
+  };
+  const std::string file = "G21\n" + std::string(100'000, ' ');
+  {
+    RawSocket socket(server_->port());
+    socket.send(upload(file).substr(0, 50'000));
+  }
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto on_signal = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{8192, before.rlim_max};  // a longer file fails as on a full disk
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  EXPECT_EQ(status(upload(file)), 422);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, on_signal);
+  EXPECT_TRUE(std::filesystem::is_empty(server_->folder()));
+  EXPECT_EQ(status(upload(file)), 201);
+  std::filesystem::remove(server_->folder() / "part.ngc");
+}
+
+TEST_F(Attacks, second_server_at_the_same_port) {
+  Server site({}, JobFolder(server_->folder()));
+  EXPECT_THROW(WebServer("127.0.0.1", server_->port(), site), Error);
+}
+
 TEST_F(Attacks, messages_before_the_login) {
   RawSocket socket(server_->port());
   socket.send(upgrade(host()));
@@ -184,6 +214,7 @@ TEST_F(Attacks, replies_have_a_policy_without_inline_script) {
   const Reply page = request(server_->port(), get("/", host()));
   EXPECT_THAT(page.text,
               HasSubstr("Content-Security-Policy: default-src 'none'; script-src 'self'"));
+  EXPECT_THAT(page.text, HasSubstr("style-src 'sha256-"));
   EXPECT_THAT(page.text, testing::Not(HasSubstr("unsafe")));
   EXPECT_THAT(page.text, HasSubstr("frame-ancestors 'none'"));
   EXPECT_THAT(page.text, HasSubstr("X-Content-Type-Options: nosniff"));

@@ -9,6 +9,7 @@
 
 #include "host/error.hpp"
 #include "host/link/line_port.hpp"
+#include "host/serve/hashes.hpp"
 #include "host/serve/lent_transport.hpp"
 #include "host/serve/paced_transport.hpp"
 #include "sim/world/world.hpp"
@@ -67,6 +68,7 @@ RunningServer::RunningServer(const RunningOptions& options)
   site.is_simulated = options.is_simulated;
   site.token = token;
   site.code = pairing_code;
+  if (!options.password.empty()) site.password_hash = password_hash(options.password);
   server_ = std::make_unique<Server>(site, JobFolder(folder_));
   web_ = std::make_unique<WebServer>("127.0.0.1", 0, *server_, options.limits);
   const auto board = std::make_shared<PacedTransport>(

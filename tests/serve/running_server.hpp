@@ -28,6 +28,7 @@ struct Written {
 struct RunningOptions {
   bool is_simulated = true;  ///< as the server thinks: false, firing needs pairing
   WebLimits limits{};
+  std::string password{};
 };
 
 class RunningServer {

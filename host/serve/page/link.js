@@ -2,6 +2,7 @@
 // loss. Nothing that was asked for before a loss is asked for again.
 
 const answer_ms = 15_000, retry_ms = 1000;
+const needs_password = -32001;  // docs/api.md
 
 function random_text() {
   return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
@@ -17,6 +18,10 @@ export function take_token() {
   return sessionStorage.getItem('token') ?? '';
 }
 
+export function keep_token(token) {
+  sessionStorage.setItem('token', token);
+}
+
 // Of this page until it is closed: a reloaded or duplicated page is another client.
 const client = random_text();
 
@@ -29,10 +34,16 @@ export class Link {
   #session = random_text().slice(0, 8);
   #on;
 
-  // `on` has the functions status(patch), console(lines), up(result), down(text).
+  // `on` has the functions status(patch), console(lines), up(result), down(text), password().
   constructor(token, on) {
     this.#token = token;
     this.#on = on;
+    this.#connect();
+  }
+
+  // Another token, after a login.
+  use(token) {
+    this.#token = token;
     this.#connect();
   }
 
@@ -40,7 +51,7 @@ export class Link {
   get is_up() { return this.#socket?.readyState === WebSocket.OPEN; }
 
   #connect() {
-    const socket = new WebSocket(`ws://${location.host}/ws`);
+    const socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws`);
     let is_up = false, refusal = '';
     socket.onopen = async () => {
       this.#socket = socket;
@@ -52,6 +63,7 @@ export class Link {
         this.#on.up(login, status);
       } catch (error) {
         refusal = error.message;
+        if (error.code === needs_password) this.#on.password();
         socket.close();
       }
     };
@@ -75,7 +87,7 @@ export class Link {
     if (!waiting) return;
     this.#waiting.delete(message.id);
     clearTimeout(waiting.timer);
-    if (message.error) waiting.reject(new Error(message.error.message));
+    if (message.error) waiting.reject(Object.assign(new Error(message.error.message), { code: message.error.code }));
     else waiting.resolve(message.result);
   }
 

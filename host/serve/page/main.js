@@ -3,7 +3,7 @@
 
 import { Jobs } from '/job.js';
 import { Jogger } from '/jog.js';
-import { Link, merge, take_token } from '/link.js';
+import { Link, keep_token, merge, take_token } from '/link.js';
 
 const element = (id) => document.getElementById(id);
 const max_lines = 500;
@@ -39,6 +39,7 @@ const link = new Link(take_token(), {
   up(login, whole) {
     status = whole;
     show_problem('');
+    element('login').hidden = true;
     element('board').textContent = `${login.board}${login.simulated ? ' (simulated)' : ''}`;
     if (!whole.control.held) link.tell('control.take');
     jobs.list();
@@ -49,6 +50,10 @@ const link = new Link(take_token(), {
     status = {};
     show();
     show_problem(text);
+  },
+  password() {
+    element('login').hidden = false;
+    element('password').focus();
   },
   failed: show_problem,
   status(patch) {
@@ -79,6 +84,18 @@ element('control').addEventListener('click', () => {
 });
 for (const button of document.querySelectorAll('[data-feed]'))
   button.addEventListener('click', () => link.tell('machine.feed', { change: button.dataset.feed }));
+element('login').addEventListener('submit', async (event) => {
+  event.preventDefault();
+  const reply = await fetch('/login', {
+    method: 'POST', headers: { 'Content-Type': 'application/json' },
+    body: JSON.stringify({ password: element('password').value }),
+  }).catch((error) => ({ ok: false, text: () => error.message }));
+  element('password').value = '';
+  if (!reply.ok) return show_problem(await reply.text());
+  const { token } = await reply.json();
+  keep_token(token);
+  link.use(token);
+});
 element('pairing').addEventListener('submit', async (event) => {
   event.preventDefault();
   await link.call('pair', { code: element('code').value }).catch(() => {});
