@@ -35,6 +35,8 @@ constexpr std::array start_parameters{
               "continues the last run of a job; no point is fired twice"},
     Parameter{"from", Type::whole, false, 0, max_items, nullptr,
               "point, or line of a program, to begin at"}};
+constexpr std::array zero_parameters{Parameter{"axes", Type::text, true, 0, 0, "X|Y|Z|XY|XYZ",
+                                               "axes whose work position becomes 0"}};
 constexpr std::array send_parameters{
     Parameter{"line", Type::text, true, 1, max_line_text, nullptr, "G-code or a `$` command"}};
 constexpr std::array lines_parameters{
@@ -73,6 +75,8 @@ constexpr std::array table{
     Method{"machine.feed", Right::control, feed_parameters,
            "Changes the feed override of a program or the speed of a job.", "nothing"},
     Method{"machine.home", Right::control, none, "Homes the machine (`$H`).", "nothing"},
+    Method{"machine.zero", Right::control, zero_parameters,
+           "Makes this place the zero of the work coordinates (`G10 L20 P0`).", "nothing"},
     Method{"machine.unlock", Right::control, none, "Ends an alarm (`$X`).", "nothing"},
     Method{"job.list", Right::all, none, "Files that were sent to the server.",
            "list of `name`, `bytes`"},

@@ -128,6 +128,7 @@ class Server final : public WebSite {
   void change_feed(const Call& call);
   void home(const Call& call);
   void unlock(const Call& call);
+  void zero(const Call& call);
   void list_jobs(const Call& call);
   void check_job(const Call& call);
   void start_job(const Call& call);

@@ -79,6 +79,7 @@ const std::map<std::string_view, Server::Handler>& Server::handlers() {
       {"machine.feed", &Server::change_feed},
       {"machine.home", &Server::home},
       {"machine.unlock", &Server::unlock},
+      {"machine.zero", &Server::zero},
       {"job.list", &Server::list_jobs},
       {"job.check", &Server::check_job},
       {"job.start", &Server::start_job},
@@ -180,6 +181,14 @@ void Server::home(const Call& call) {
 
 void Server::unlock(const Call& call) {
   machine_->send_line("$X");
+  succeed(call, nullptr);
+}
+
+void Server::zero(const Call& call) {
+  std::string line = "G10L20P0";
+  for (const char axis : call.parameters()["axes"].get<std::string>())
+    line += fmt::format("{}0", axis);
+  machine_->send_line(line);
   succeed(call, nullptr);
 }
 

@@ -94,6 +94,20 @@ TEST(Requests, the_same_id_twice_acts_once) {
   EXPECT_NEAR(server.machine().view().board.machine_mm.at(0), 1, 0.02);
 }
 
+TEST(Zero, moves_the_work_coordinates) {
+  RunningServer server;
+  RawClient client = server.client("client");
+  client.call("control.take");
+  client.call("jog.step", {{"axis", 0}, {"mm", 2}, {"feed", 3000}});
+  std::this_thread::sleep_for(500ms);
+  EXPECT_NEAR(server.machine().view().board.work_mm.at(0), 2, 0.02);
+  EXPECT_EQ(error_of(client.call("machine.zero", {{"axes", "XY"}})), "");
+  EXPECT_NE(error_of(client.call("machine.zero", {{"axes", "A"}})), "");
+  std::this_thread::sleep_for(500ms);
+  EXPECT_NEAR(server.machine().view().board.machine_mm.at(0), 2, 0.02);
+  EXPECT_NEAR(server.machine().view().board.work_mm.at(0), 0, 0.001);
+}
+
 TEST(Pairing, a_real_board_fires_only_for_paired_clients) {
   RunningOptions options;
   options.is_simulated = false;

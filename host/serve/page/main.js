@@ -78,6 +78,8 @@ element('stop').addEventListener('click', () => {
 addEventListener('keydown', (event) => event.key === 'Escape' && element('stop').click());
 for (const name of ['hold', 'resume', 'home', 'unlock'])
   element(name).addEventListener('click', () => link.tell(`machine.${name}`));
+for (const button of document.querySelectorAll('[data-zero]'))
+  button.addEventListener('click', () => link.tell('machine.zero', { axes: button.dataset.zero }));
 element('control').addEventListener('click', () => {
   show_problem('');
   link.tell(status.control?.own ? 'control.release' : 'control.take');
