@@ -29,7 +29,7 @@ const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 // Limits of times hold on a computer with time for the test; the test prints what it measures.
 const busy_ms = 150;
 
-let failures = 0;
+let server, failures = 0;
 function check(what, holds, more = '') {
   console.log(`${holds ? 'ok    ' : 'FAILED'}  ${what}`);
   if (holds) return;
@@ -44,8 +44,8 @@ async function keep_picture(page, name) {
 }
 
 // The server; its address is in its first line.
-function start_server() {
-  const child = spawn(program, ['serve', '--board', 'virtual', '--port', '0', '--folder', join(folder, 'jobs')],
+function start_server(...options) {
+  const child = spawn(program, ['serve', '--board', 'virtual', '--port', '0', '--folder', join(folder, 'jobs'), ...options],
                       { stdio: ['ignore', 'pipe', 'inherit'] });
   return new Promise((resolve, reject) => {
     child.on('exit', (code) => reject(new Error(`serve has ended (${code})`)));
@@ -73,7 +73,7 @@ async function until(what, holds, ms = 8000) {
   check(what, Boolean(value));
 }
 
-const text_of = (page, id) => page.ask(`document.getElementById('${id}').textContent`);
+const text_of = (page, id) => page.ask(`document.getElementById('${id}')?.textContent ?? ''`);
 
 async function open(browser, server, options) {
   const page = await browser.open(server.address, options);
@@ -169,6 +169,29 @@ async function jogs(page, server) {
   await release();
 }
 
+// A page without the token logs in with the password.
+async function log_in(browser) {
+  const file = join(folder, 'password'), password = 'a good password';
+  check('a password is set', spawnSync(program, ['serve', '--set-password', file], { input: `${password}\n` }).status === 0);
+  const other = await start_server('--password', file);
+  const enter = (page, text) => page.ask(`(() => {
+    document.getElementById('password').value = ${JSON.stringify(text)};
+    document.getElementById('login').requestSubmit();
+  })()`);
+  try {
+    const page = await browser.open(`${other.origin}/`);
+    await until('the page asks for the password', () => page.ask(`!document.getElementById('login').hidden`));
+    await enter(page, 'wrong password');
+    await until('a wrong password is refused', async () => /is wrong/.test(await text_of(page, 'problem')));
+    await enter(page, password);
+    await until('the page shows the state after a login', async () => (await text_of(page, 'state')) === 'Idle');
+    check('the password is asked for no longer', await page.ask(`document.getElementById('login').hidden`));
+  } finally {
+    other.child.removeAllListeners('exit');
+    other.child.kill('SIGKILL');
+  }
+}
+
 // The browser of this page is killed, or stopped, while a button is held.
 async function deaths(server) {
   for (const [what, signal] of [['browser killed', 'SIGKILL'], ['browser stopped', 'SIGSTOP']]) {
@@ -195,25 +218,27 @@ async function first_picture(page, server) {
   const times = async () => page.ask(`(() => {
     const [entry] = performance.getEntriesByType('navigation');
     const paint = performance.getEntriesByName('first-contentful-paint')[0];
-    return { answered: entry.responseEnd, parsed: entry.domInteractive, picture: paint?.startTime ?? NaN };
+    return { answered: entry.responseEnd, parsed: entry.domInteractive, picture: paint?.startTime ?? 0 };
   })()`);
   const all = [];
   for (let i = 0; i < 4; ++i) {
     if (i > 0) {
+      await page.ask('window.is_old = true');
       await page.send('Page.reload');
-      await until('the page is loaded again', async () => (await text_of(page, 'state')) === 'Idle');
-      await page.frames(2);
+      await until('the page is loaded again', () => page.ask(
+          `window.is_old === undefined && document.getElementById('state')?.textContent === 'Idle'`));
     }
+    await until('there is a picture', async () => (await times()).picture > 0);
     all.push(await times());
   }
   for (const each of all)
     console.log(`        first picture ${each.picture.toFixed(0)} ms; document after ${each.answered.toFixed(0)}, parsed ${each.parsed.toFixed(0)} ms`);
   const best_ms = Math.min(...all.map(({ picture }) => picture));
-  check('first picture within 300 ms', best_ms <= 300 + busy_ms, all);
+  check('first picture within 300 ms', best_ms <= 300, all);
 }
 
 try {
-  const server = await start_server();
+  server = await start_server();
   await size(server);
   const browser = new Browser(chromium, { webgl: false });
   const page = await open(browser, server, {});
@@ -232,6 +257,7 @@ try {
   const unlabelled = await phone.ask(`[...document.querySelectorAll('input, select, button')].filter((each) =>
     !each.labels?.length && !each.textContent.trim() && !each.getAttribute('aria-label')).map((each) => each.id)`);
   check('every control has a label', unlabelled.length === 0, unlabelled);
+  await log_in(browser);
   await browser.close();
   await until('control ends with the page', async () => !(await call(server, 'status')).control.held);
   await deaths(server);
@@ -241,6 +267,7 @@ try {
 } catch (error) {
   check(error.stack, false);
 } finally {
+  server?.child.kill('SIGKILL');  // if it has not ended
   rmSync(folder, { recursive: true, force: true });
 }
 console.log(failures === 0 ? 'passed' : `${failures} failed`);

@@ -57,7 +57,7 @@ export class Link {
       this.#socket = socket;
       try {
         const name = /Mobi/.test(navigator.userAgent) ? 'page on a phone' : 'page';
-        const login = await this.#ask('login', { token: this.#token, client, name });
+        const login = await this.#ask('login', { token: this.#token || 'none', client, name });
         const status = await this.#ask('subscribe');
         is_up = true;
         this.#on.up(login, status);
