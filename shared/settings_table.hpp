@@ -2,15 +2,22 @@
 //
 // Firmware, host, documentation and tests use only this table. Numbers are those of grbl 1.1 where
 // grbl has the setting, others start at 900, in blocks: 900 beat, 920 laser protection, 940 work
-// space, 960 axes, 980 link, 990 board, 1050 pulses, 1070 drives, 1080 more of axes. Values are
-// stored in thousandths of the unit (`milli`) as 32-bit integers: exact, printable with three
-// decimals, no floating point.
+// space, 960 axes, 980 link, 990 board, 1050 pulses, 1070 drives, 1080 more of axes, 1090 drives
+// with a UART. Values are stored in thousandths of the unit (`milli`) as 32-bit integers: exact,
+// printable with three decimals, no floating point.
+//
+// The last block is missing in images of boards without such drives
+// (LAMPLOCK_DRIVE_SETTINGS = 0, toolchain/arm/CMakeLists.txt): it would use SRAM for nothing.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+
+#ifndef LAMPLOCK_DRIVE_SETTINGS
+#define LAMPLOCK_DRIVE_SETTINGS 1
+#endif
 
 namespace lamplock::settings {
 
@@ -125,6 +132,18 @@ enum class Id : std::uint8_t {
   jerk_y,
   jerk_z,
   jerk_a,
+#if LAMPLOCK_DRIVE_SETTINGS
+  drive_current_x,
+  drive_current_y,
+  drive_current_z,
+  drive_current_a,
+  microsteps_x,
+  microsteps_y,
+  microsteps_z,
+  microsteps_a,
+  drive_hold,
+  spread_cycle,
+#endif
   count
 };
 inline constexpr std::size_t setting_count = static_cast<std::size_t>(Id::count);
@@ -405,6 +424,28 @@ inline constexpr std::array<Row, setting_count> table{{
      "highest jerk of Z; 0 = no limit"},
     {1084, "jerk_a", "m/s3", 0, 100'000'000, 0, false, Scope::jobs, Rule::not_more_zero_unlimited,
      "highest jerk of A; 0 = no limit"},
+#if LAMPLOCK_DRIVE_SETTINGS
+    {1091, "drive_current_x", "mA", 50'000, 2'000'000, 500'000, true, Scope::machine, Rule::any,
+     "current of the motor of X in motion, effective value; at most what the board permits"},
+    {1092, "drive_current_y", "mA", 50'000, 2'000'000, 500'000, true, Scope::machine, Rule::any,
+     "current of the motor of Y in motion, effective value; at most what the board permits"},
+    {1093, "drive_current_z", "mA", 50'000, 2'000'000, 500'000, true, Scope::machine, Rule::any,
+     "current of the motor of Z in motion, effective value; at most what the board permits"},
+    {1094, "drive_current_a", "mA", 50'000, 2'000'000, 500'000, true, Scope::machine, Rule::any,
+     "current of the motor of A in motion, effective value; at most what the board permits"},
+    {1095, "microsteps_x", "1..256", 1'000, 256'000, 16'000, true, Scope::machine, Rule::any,
+     "steps of X in a full step of the motor: 1, 2, 4 and so on to 256"},
+    {1096, "microsteps_y", "1..256", 1'000, 256'000, 16'000, true, Scope::machine, Rule::any,
+     "steps of Y in a full step of the motor: 1, 2, 4 and so on to 256"},
+    {1097, "microsteps_z", "1..256", 1'000, 256'000, 16'000, true, Scope::machine, Rule::any,
+     "steps of Z in a full step of the motor: 1, 2, 4 and so on to 256"},
+    {1098, "microsteps_a", "1..256", 1'000, 256'000, 16'000, true, Scope::machine, Rule::any,
+     "steps of A in a full step of the motor: 1, 2, 4 and so on to 256"},
+    {1099, "drive_hold", "%", 0, 100'000, 50'000, true, Scope::machine, Rule::any,
+     "current of the motors at rest, of that in motion"},
+    {1100, "spread_cycle", "0..15", 0, 15'000, 0, true, Scope::machine, Rule::any,
+     "axes whose drives use spreadCycle instead of stealthChop, added up: 1 X, 2 Y, 4 Z, 8 A"},
+#endif
 }};
 
 /// Row of a setting, texts and all.

@@ -75,6 +75,7 @@ class MachineConsole : public MachineWork {
   GcodeError keep_build_text(std::string_view text);
   GcodeError change_setting(std::string_view line);
   GcodeError refuse_for_board(const settings::Values& values);
+  [[gnu::cold]] GcodeError refuse_for_drives(const settings::Values& values);
   [[gnu::cold]] GcodeError refuse_settings(const settings::Values& values, std::uint16_t setting);
   void take_over(const settings::Values& values);
   void restore_defaults();

@@ -150,11 +150,29 @@ GcodeError MachineConsole::change_setting(std::string_view line) {
 /// Reports which setting the board does not have, if there is one.
 GcodeError MachineConsole::refuse_for_board(const settings::Values& values) {
   const Id refused = unfit_setting(board_, values);
-  if (refused == Id::count) return GcodeError::none;
+  if (refused == Id::count) return refuse_for_drives(values);
   TextLine text;
   text.add("$").add(settings::number(refused)).add(" of another board than ").add(board_.name);
   report_message(text.view());
   return GcodeError::setting_out_of_range;
+}
+
+/// Reports what the drives of the board permit, if a value is not among it.
+GcodeError MachineConsole::refuse_for_drives([[maybe_unused]] const settings::Values& values) {
+#if LAMPLOCK_DRIVE_SETTINGS
+  if (const Id refused = unfit_drive_setting(board_, values); refused != Id::count) {
+    TextLine text;
+    text.add("$").add(settings::number(refused));
+    if (refused < Id::microsteps_x)
+      text.add(" at most ").add(std::int64_t{board_.max_drive_current_ma}).add(" mA on a board ");
+    else
+      text.add(" is 1, 2, 4, 8, 16, 32, 64, 128 or 256 on a board ");
+    text.add(board_.name);
+    report_message(text.view());
+    return GcodeError::setting_out_of_range;
+  }
+#endif
+  return GcodeError::none;
 }
 
 /// Reports the highest rate that the pulses of an axis permit, if the rate set is higher.

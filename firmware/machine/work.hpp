@@ -31,6 +31,7 @@ class MachineWork : public MachineEvents {
   Result on_data(std::span<const std::uint8_t> records);
   [[gnu::cold]] Result on_end(std::uint32_t total);
   [[gnu::cold]] Result on_command(const wire::CommandRequest& request);
+  bool fires_without_edges(const wire::JobHeader& header, const settings::Values& values) const;
   Result check_settings(const settings::Values& values, std::uint16_t& setting) const;
   lamp::ShotRules shot_rules(const settings::Values& values) const;
 

@@ -38,6 +38,8 @@ Result MachineWork::job_settings(const wire::JobHeader& header, settings::Values
     if (!inside_work_space(values, stored_, axis)) return Result::bad_value;
   }
   refused_value_ = misused_lamp(header, values, stored_);
+  if (refused_value_ == 0 && fires_without_edges(header, values))
+    refused_value_ = settings::number(Id::lamp_mode);
   if (refused_value_ != 0) return Result::bad_value;
   if (header.settings_hash != 0 && header.settings_hash != values.hash())
     return Result::settings_mismatch;
@@ -49,6 +51,14 @@ Result MachineWork::job_settings(const wire::JobHeader& header, settings::Values
   const Result r = check_settings(values, setting);
   refused_value_ = setting;
   return r;
+}
+
+/// Without a lamp shots follow the trigger output, which this board may not have.
+bool MachineWork::fires_without_edges(const wire::JobHeader& header,
+                                      const settings::Values& values) const {
+  const auto mode = static_cast<settings::LampMode>(values.whole(Id::lamp_mode));
+  return !board_.triggers_lamp && !header.dry && header.mode != wire::mode_rows &&
+         mode != settings::LampMode::slave;
 }
 
 Result MachineWork::check_settings(const settings::Values& values, std::uint16_t& setting) const {

@@ -11,10 +11,11 @@
 #include "shared/boards/rows/mrbeam.hpp"
 #include "shared/boards/rows/pico.hpp"
 #include "shared/boards/rows/picobob.hpp"
+#include "shared/boards/rows/skr_pico.hpp"
 
 namespace lamplock::boards {
 
-inline constexpr std::array all_boards{&pico, &picobob, &grblhal_pico, &mrbeam};
+inline constexpr std::array all_boards{&pico, &picobob, &grblhal_pico, &mrbeam, &skr_pico};
 
 /// The board of that name; null if there is none.
 constexpr const BoardRow* find_board(std::string_view name) {

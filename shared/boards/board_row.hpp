@@ -14,7 +14,8 @@
 // Checked at compile time: a pin has one role in a map; an output that can release energy has the
 // same pin in every map of a board, so that a wrong map never fires, is active high, and has
 // neither a pull-up nor a buffer on it that drives the pin; buffers of the board drive inputs only;
-// bits of the lattice and shutters are in a row, as PIO and one store require; GPIO 15 has no
+// bits of the lattice and shutters are in a row, as PIO and one store require; LAMP TRIGGER, the
+// first of the former, may be missing: such a board only follows a lamp; GPIO 15 has no
 // essential role, unless the row does without the work-around for USB erratum E5, which borrows
 // it.
 #pragma once
@@ -65,10 +66,13 @@ enum class Role : std::uint8_t {
   uart_tx,
   uart_rx,
   uart_direction,
-  air,       ///< out: air or mist (M7, M8)
-  aux_out,   ///< out: for programs (M62 to M65, M67, M68)
-  aux_in,    ///< in: for programs (M66); closed to ground = on
-  z_enable,  ///< out, as drives_enable: the drives of Z and A
+  air,              ///< out: air or mist (M7, M8)
+  aux_out,          ///< out: for programs (M62 to M65, M67, M68)
+  aux_in,           ///< in: for programs (M66); closed to ground = on
+  z_enable,         ///< out, as drives_enable: the drives of Z and A
+  drives_enable_2,  ///< out, with drives_enable and like it: drives with an enable each
+  drives_enable_3,
+  drives_enable_4,
   count
 };
 
@@ -103,6 +107,14 @@ constexpr std::uint32_t mask_of(Gpios... gpios) {
   return (0u | ... | (1u << gpios));
 }
 
+/// Drives on the board, TMC2209, that the image sets up over a UART before it enables them.
+struct UartDrives {
+  std::uint8_t tx;                        ///< RX is the next pin
+  std::array<std::uint8_t, 4> addresses;  ///< of X Y Z A, as the pins MS1 and MS2 are wired
+  std::uint16_t sense_mohm;               ///< sense resistors
+  std::uint16_t max_current_ma;           ///< effective value
+};
+
 /// A board that can be bought or wired. Levels and pulls are those at the pads of the RP2040.
 struct BoardRow {
   std::string_view name;         ///< in `flash --for` and `$I`
@@ -115,6 +127,7 @@ struct BoardRow {
   /// GPIO 15 is in use: chips before B2 go without the work-around for erratum E5, so that they may
   /// not be found after a hub.
   bool uses_e5_pin = false;
+  std::optional<UartDrives> drives{};  ///< none: drives outside, or set up by themselves
 
   constexpr bool has(PinMap map) const {
     return map >= first_map &&
@@ -167,6 +180,16 @@ constexpr int axes(Pins pins) { return find_gpio(pins, Role::step_a) ? 4 : 3; }
 /// always open.
 constexpr std::uint8_t channels(Pins pins) { return find_gpio(pins, Role::shutter_1) ? 0xf : 1; }
 
+constexpr bool is_enable(Role role) {
+  return role == Role::drives_enable ||
+         (role >= Role::drives_enable_2 && role <= Role::drives_enable_4);
+}
+/// All enables of drives that are switched together.
+constexpr std::uint32_t enable_pins(const BoardRow& row) {
+  return pins_of(row, Role::drives_enable, Role::drives_enable_2, Role::drives_enable_3,
+                 Role::drives_enable_4);
+}
+
 /// Outputs that programs may switch.
 constexpr std::uint8_t program_outputs(Pins pins) { return find_gpio(pins, Role::aux_out) ? 1 : 0; }
 
@@ -208,7 +231,6 @@ constexpr bool is_essential(Role role) {
   switch (role) {
     case Role::lamp_sync:
     case Role::q_switch:
-    case Role::lamp_trigger:
     case Role::laser_gate:
     case Role::shot_enable:
     case Role::laser_pwm:
@@ -219,12 +241,15 @@ constexpr bool is_essential(Role role) {
       return role <= Role::dir_z;
   }
 }
-/// Essential roles have a pin in every map, the same one; so have enable and LED where there is
-/// one.
+/// Roles that every map has if one map does.
+constexpr bool is_of_all_maps(Role role) {
+  return role == Role::lamp_trigger || role == Role::status_led || is_enable(role);
+}
+/// Essential roles have a pin in every map, the same one.
 constexpr bool fixed_alike(const BoardRow& row) {
   for (int i = 0; i < static_cast<int>(Role::count); ++i) {
     const auto role = static_cast<Role>(i);
-    if (!is_essential(role) && role != Role::drives_enable && role != Role::status_led) continue;
+    if (!is_essential(role) && !is_of_all_maps(role)) continue;
     const auto gpio = find_gpio(row, role);
     if (is_essential(role) && !gpio) return false;
     for (const MapRow& map : row.maps)
@@ -243,6 +268,12 @@ constexpr bool in_a_row(const BoardRow& row, Role first, int count) {
   }
   return true;
 }
+/// GATE and SHOT ENABLE follow LAMP TRIGGER, which may be missing.
+constexpr bool lattice_in_a_row(const BoardRow& row) {
+  const unsigned gate = *find_gpio(row, Role::laser_gate);
+  const auto trigger = find_gpio(row, Role::lamp_trigger);
+  return *find_gpio(row, Role::shot_enable) == gate + 1 && (!trigger || *trigger + 1u == gate);
+}
 /// Pins that a role other than STEP and DIR of Z may have in one map of the board only.
 constexpr bool optional_alike(const BoardRow& row) {
   for (const MapRow& map : row.maps)
@@ -257,11 +288,17 @@ constexpr bool axes_complete(const BoardRow& row) {
       return false;
   return true;
 }
-/// UART0 (RP2040 datasheet, 2.19.2).
+/// The link: UART0 (RP2040 datasheet, 2.19.2); the drives have UART1.
 constexpr bool uart_reaches(const BoardRow& row) {
   const auto tx = find_gpio(row, Role::uart_tx), rx = find_gpio(row, Role::uart_rx);
   if (!tx && !rx) return true;
   return tx && rx && (*tx == 0 || *tx == 12 || *tx == 16 || *tx == 28) && *rx == *tx + 1;
+}
+/// The UART of the drives is not in the maps, nor that of the link.
+constexpr bool drives_reachable(const BoardRow& row) {
+  if (!row.drives) return true;
+  const unsigned tx = row.drives->tx;
+  return tx % 4 == 0 && (tx + 4) / 8 % 2 == 1 && (row.reserved >> tx & 3) == 3;
 }
 constexpr unsigned slice_of(unsigned gpio) { return gpio / 2 % 8; }
 }  // namespace detail
@@ -276,8 +313,8 @@ constexpr bool is_sound(const BoardRow& row) {
   }
   if (!detail::fixed_alike(row) || !detail::optional_alike(row) || !detail::axes_complete(row))
     return false;
-  if (!detail::in_a_row(row, Role::lamp_trigger, 3)) return false;
-  if (!detail::in_a_row(row, Role::shutter_1, 4) || !detail::uart_reaches(row)) return false;
+  if (!detail::lattice_in_a_row(row) || !detail::in_a_row(row, Role::shutter_1, 4)) return false;
+  if (!detail::uart_reaches(row) || !detail::drives_reachable(row)) return false;
   const auto aux = find_gpio(row, Role::aux_out);
   return !aux || detail::slice_of(*aux) != detail::slice_of(*find_gpio(row, Role::laser_pwm));
 }

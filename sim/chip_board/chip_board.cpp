@@ -1,6 +1,7 @@
 #include "sim/chip_board/chip_board.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "firmware/settings/store.hpp"
 #include "shared/boards/pico_flash.hpp"
@@ -52,6 +53,9 @@ constexpr std::array output_wires{
     Wire{Role::laser_gate, Pin::laser_gate, false},
     Wire{Role::shot_enable, Pin::arm, false},
     Wire{Role::drives_enable, Pin::enable, true},
+    Wire{Role::drives_enable_2, Pin::enable, true},
+    Wire{Role::drives_enable_3, Pin::enable, true},
+    Wire{Role::drives_enable_4, Pin::enable, true},
     Wire{Role::z_enable, Pin::enable_z, true},
     Wire{Role::air, Pin::air, false},
     Wire{Role::aux_out, Pin::aux_out, false},
@@ -94,6 +98,9 @@ ChipBoard::ChipBoard(const chip::Image& image, const settings::Values& stored,
   settings::Store store(area);
   store.load();
   store.save(stored);
+  const boards::BoardRow& row = *boards::find_board(map_);
+  enables_ = boards::enable_pins(row);
+  if (row.drives) drive_wire_.emplace(chip_, *row.drives);
   connect_pads(stored, world.drives);
   if (options.wiring) connect_resistors(stored);
   plan();
@@ -136,7 +143,10 @@ void ChipBoard::connect_resistors(const settings::Values& stored) {
   const boards::Pins pins = boards::pins(map_);
   std::uint32_t pulled_up = boards::find_board(map_)->pulled_up;
   if (stored.whole(settings::Id::enable_invert) == 0)
-    pulled_up |= boards::pin_of(pins, Role::drives_enable) | boards::pin_of(pins, Role::z_enable);
+    pulled_up |= enables_ | boards::pin_of(pins, Role::z_enable);
+  // Switches are stronger.
+  for (const boards::PinUse& use : pins)
+    if (use.direction == boards::Direction::input) pulled_up &= ~(1u << use.gpio);
   for (unsigned gpio = 0; gpio < chip::gpio_count; ++gpio)
     if ((pulled_up >> gpio & 1) != 0)
       chip_.gpio().set_external(gpio, External::pulled_up, chip_.wheel().now());
@@ -163,11 +173,19 @@ void ChipBoard::pad_changed(unsigned gpio, bool level, chip::Cycle at) {
   if (gpio == boards::find_gpio(map_, Role::laser_pwm)) return measure_pwm(level, time);
   if (!outputs_[gpio]) return;
   if (outputs_[gpio]->pulled_up && (chip_.gpio().driven() >> gpio & 1) == 0) level = true;
+  if (outputs_[gpio]->pin == Pin::enable) return switch_drives(time);
   const Picoseconds before = world_->next_event();
   if (outputs_[gpio]->pin == Pin::q_switch) bus_.set_attenuator(attenuator(time));
   bus_.set(outputs_[gpio]->pin, level != outputs_[gpio]->inverted, time);
   // A triggered lamp has future edges.
   if (world_->next_event() != before) plan();
+}
+
+/// Drives that have an enable each count as enabled if all are.
+void ChipBoard::switch_drives(Picoseconds at) {
+  const bool active_low = outputs_[index(std::countr_zero(enables_))]->inverted;
+  const std::uint32_t high = chip_.gpio().pad_levels() & enables_;
+  bus_.set(Pin::enable, active_low ? high == 0 : high == enables_, at);
 }
 
 /// A rise begins a period: the high time before a fall consists of whole periods at full power and

@@ -21,6 +21,7 @@
 #include "sim/board.hpp"
 #include "sim/chip/chip.hpp"
 #include "sim/chip/usb_host/usb_host.hpp"
+#include "sim/chip_board/drive_wire.hpp"
 #include "sim/world/world.hpp"
 
 namespace lamplock::sim {
@@ -72,6 +73,8 @@ class ChipBoard final : public Board,
   boards::PinMap map() const { return map_; }
   chip::Chip& chip() { return chip_; }
   chip::UsbHost& usb_host() { return host_; }
+  /// Drives on the board that is wired; null if it has none.
+  DriveWire* drive_wire() { return drive_wire_ ? &*drive_wire_ : nullptr; }
   /// Short power failure; the world continues.
   void power_cut() { chip_.power_cut(); }
   /// Contents of the settings area of the flash, as the next start would read it.
@@ -86,6 +89,7 @@ class ChipBoard final : public Board,
   void connect_pads(const settings::Values& stored, const DriveConfig& drives);
   void connect_resistors(const settings::Values& stored);
   void drive(Pin pin, bool level);
+  void switch_drives(Picoseconds at);
   void measure_pwm(bool level, Picoseconds at);
   std::uint16_t attenuator(Picoseconds at);
   void settle_pwm(Picoseconds at);
@@ -112,6 +116,8 @@ class ChipBoard final : public Board,
     std::uint16_t power = 0;  ///< last reported
   };
   Pwm pwm_;
+  std::uint32_t enables_ = 0;  ///< pads that are one wire, Pin::enable
+  std::optional<DriveWire> drive_wire_;
   std::vector<LatticeShot> lattice_shots_;  ///< stays empty: pins do not show lattice ticks
 };
 

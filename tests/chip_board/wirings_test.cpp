@@ -5,6 +5,7 @@
 #include "shared/boards/all_boards.hpp"
 #include "tests/chip_board/chip_rig.hpp"
 #include "tests/chip_board/program_trace.hpp"
+#include "tests/error_of.hpp"
 
 namespace lamplock::test {
 namespace {
@@ -211,6 +212,80 @@ TEST_P(EachBoard, DrivesNothingOnTheWiringOfAnother) {
     EXPECT_THAT(rig.status(), HasSubstr("Alarm")) << other->name;
     EXPECT_THAT(rig.board.chip().not_modelled(), IsEmpty()) << other->name;
   }
+}
+
+/// Drives on a board: set up before they are enabled.
+struct DriveBench : Bench {
+  explicit DriveBench(bool powered = true)
+      : Bench(boards::skr_pico, boards::skr_pico, ChipRig::Power::off) {
+    for (sim::Tmc2209& drive : drives()) drive.set_powered(powered);
+    rig.boot();
+    rig.run(150 * ps_per_ms);
+  }
+  std::vector<sim::Tmc2209>& drives() { return rig.board.drive_wire()->drives().drives; }
+  std::uint32_t enables() const { return boards::enable_pins(boards::skr_pico); }
+  std::uint32_t enables_high() { return rig.board.chip().gpio().pad_levels() & enables(); }
+  void move() {
+    rig.user.give("G91\nG0 X0.1\n");
+    EXPECT_TRUE(rig.user.run_until_idle(rig.now() + ps_per_s));
+  }
+};
+
+TEST(DrivesOnTheBoard, AreSetUpAndThenEnabledTogether) {
+  DriveBench bench;
+  for (const sim::Tmc2209& drive : bench.drives()) {
+    EXPECT_EQ(drive.microsteps(), 16u);
+    EXPECT_NEAR(drive.current_ma(boards::skr_pico.drives->sense_mohm), 490, 1);
+  }
+  bench.move();
+  EXPECT_EQ(bench.enables_high(), 0u);
+  ASSERT_THAT(bench.rig.answer("$1093=800"), HasSubstr("ok"));
+  ASSERT_THAT(bench.rig.answer("$1096=64"), HasSubstr("ok"));
+  bench.rig.run(200 * ps_per_ms);
+  EXPECT_NEAR(bench.drives()[2].current_ma(boards::skr_pico.drives->sense_mohm), 796, 30);
+  EXPECT_EQ(bench.drives()[1].microsteps(), 64u);
+  bench.move();
+  EXPECT_EQ(bench.enables_high(), 0u);
+}
+
+TEST(DrivesOnTheBoard, StayOffWithoutTheirSupply) {
+  DriveBench bench(false);
+  bench.rig.run(300 * ps_per_ms);
+  EXPECT_EQ(bench.enables_high(), bench.enables());
+  EXPECT_THAT(bench.rig.status(), HasSubstr("Alarm"));
+  EXPECT_THAT(bench.rig.heard, HasSubstr("Drives off: X does not answer; switch the supply"));
+  for (sim::Tmc2209& drive : bench.drives()) drive.set_powered(true);
+  bench.rig.run(1000 * ps_per_ms);
+  EXPECT_THAT(bench.rig.answer("$X"), HasSubstr("ok"));
+  bench.move();
+  EXPECT_EQ(bench.enables_high(), 0u);
+}
+
+TEST(DrivesOnTheBoard, AreDisabledWhenOneHasLostItsSetUp) {
+  DriveBench bench;
+  bench.move();
+  bench.drives()[1].set_powered(false);
+  bench.rig.run(600 * ps_per_ms);
+  EXPECT_EQ(bench.enables_high(), bench.enables());
+  EXPECT_THAT(bench.rig.status(), HasSubstr("Alarm"));
+  EXPECT_THAT(bench.rig.heard, HasSubstr("Drives off: Y does not answer"));
+}
+
+TEST(DrivesOnTheBoard, RefuseSettingsOutOfTheirReach) {
+  DriveBench bench;
+  EXPECT_THAT(bench.rig.answer("$1091=1300"), HasSubstr("$1091 at most 1200 mA on a board"));
+  EXPECT_THAT(bench.rig.answer("$1098=48"), HasSubstr("$1098 is 1, 2, 4"));
+  EXPECT_THAT(bench.rig.answer("$900=2"), HasSubstr("$900 of another board"));
+}
+
+/// Shots follow edges of the lamp, or of the trigger output, which this board does not have.
+TEST(SkrPico, RefusesAJobOfPointsWithoutALamp) {
+  Bench bench(boards::skr_pico, boards::skr_pico, ChipRig::Power::on, true);
+  const auto run = [&] {
+    run_to_the_end(bench.rig, job::make_job(chip_points(5, 5), bench.profile, {}));
+  };
+  EXPECT_THAT(error_of(run), HasSubstr("lamp_mode"));
+  EXPECT_EQ(bench.rig.monitor.last_step(), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EachBoard, testing::ValuesIn(boards::all_boards),

@@ -128,7 +128,7 @@ TEST(Profile, TheExampleIsTheDefaultAndNamesEverySetting) {
     all += (line.rfind("# ", 0) == 0 && line.find(" = ") < 24 ? line.substr(2) : line) + "\n";
   const Profile everything = read(all);
   EXPECT_EQ(everything.settings, settings::Values{});
-  constexpr std::size_t settings_of_an_axis = 9;
+  constexpr std::size_t settings_of_an_axis = 11;
   EXPECT_EQ(everything.stated.count(), settings::setting_count - settings_of_an_axis);
 }
 

@@ -26,22 +26,27 @@ Board& board() { return *std::launder(reinterpret_cast<Board*>(board_memory)); }
 /// The UART's send pin in maps that have one.
 constexpr unsigned uart_send_gpio = boards::optional_gpio(boards::Role::uart_tx);
 
+constexpr bool has_drives = boards::this_board.drives.has_value();
+
 boards::Pins pins_of(const settings::Values& stored) {
   return boards::this_board.map(static_cast<boards::PinMap>(stored.whole(settings::Id::pin_map)))
       .pins;
 }
 machine::BoardFeatures features_of(boards::Pins map) {
-  return {.name = boards::this_board.name,
-          .first_map = static_cast<std::uint8_t>(boards::this_board.first_map),
-          .maps = static_cast<std::uint8_t>(boards::this_board.maps.size()),
-          .step_dir_only = !boards::has_paired_axes(boards::this_board),
-          .axes = boards::axes(map),
-          .channels = boards::channels(map),
-          .inputs = Inputs(map).all(),
-          .outputs = boards::program_outputs(map),
-          .second_wire = boards::axes_of_z_enable(map),
-          .parts = machine::HandoutMode::staged,
-          .loads_planners = true};
+  return {
+    .name = boards::this_board.name,
+    .first_map = static_cast<std::uint8_t>(boards::this_board.first_map),
+    .maps = static_cast<std::uint8_t>(boards::this_board.maps.size()),
+    .step_dir_only = !boards::has_paired_axes(boards::this_board),
+    .triggers_lamp = boards::has(boards::Role::lamp_trigger), .axes = boards::axes(map),
+    .channels = boards::channels(map), .inputs = Inputs(map).all(),
+    .outputs = boards::program_outputs(map), .second_wire = boards::axes_of_z_enable(map),
+    .parts = machine::HandoutMode::staged, .loads_planners = true,
+#if LAMPLOCK_DRIVE_SETTINGS
+    .max_drive_current_ma =
+        boards::this_board.drives ? boards::this_board.drives->max_current_ma : 0,
+#endif
+  };
 }
 /// The settings in flash; those of another board are replaced.
 settings::Values settings_of(Storage& storage, const machine::BoardFeatures& features) {
@@ -102,7 +107,10 @@ void Board::start() {
   start_ports();
   watchdog_.start();
   // Last: from here on ticks run out unless they are fed.
-  real_time_.start(core_);
+  if (real_time_.start(core_) && has_drives) {
+    drives_.start();
+    drives_.begin(features_of(map_), core_.stored(), timer().timerawl);
+  }
   nvic().iser =
       irqs_of(Level::estop) | irqs_of(Level::beat) | irqs_of(Level::link) | irqs_of(Level::fill);
   second_core_ = start_second_core(second_core);
@@ -130,7 +138,8 @@ void Board::plan_for_ever() {
 }
 
 bool Board::pass() {
-  receive();
+  if constexpr (has_drives) serve_drives();
+  if (drives_.settled()) receive();
   store_kept();
   store_settings();  // before a job that followed them in the same bytes begins to move
   const bool more = work();
@@ -240,6 +249,18 @@ void Board::store_settings() {
   real_time_.change_pulses(core_, mask_);
   watchdog_.allow(Watchdog::max_us);
   if (!storage_.save(values)) core_.report_message("Settings could not be stored");
+  if constexpr (has_drives) {
+    // A move that follows in the same bytes must find the drives enabled: a tenth of a second.
+    drives_.begin(features_of(map_), values, timer().timerawl);
+    while (!drives_.settled()) serve_drives();
+  }
+}
+
+void Board::serve_drives() {
+  drives_.service(timer().timerawl, core_.state() != wire::MachineState::run,
+                  [this](std::string_view line) { core_.report_message(line); });
+  const machine::Masked masked(mask_);
+  real_time_.permit_drives(drives_.ready(), drives_.failed());
 }
 
 void Board::store_kept() {

@@ -21,6 +21,7 @@
 
 #include "firmware/boards/rp2040/base/interrupts.hpp"
 #include "firmware/boards/rp2040/base/watchdog.hpp"
+#include "firmware/boards/rp2040/drives/drives.hpp"
 #include "firmware/boards/rp2040/ports.hpp"
 #include "firmware/boards/rp2040/real_time.hpp"
 #include "firmware/boards/rp2040/storage/planner_loader.hpp"
@@ -112,6 +113,8 @@ class Board {
   void sign();
   void transmit();
   void store_settings();
+  /// Sets up and watches drives that are on the board.
+  [[gnu::cold]] void serve_drives();
   void store_kept();
   /// Beat interrupt, or main loop with it masked.
   void note_job() {
@@ -131,6 +134,7 @@ class Board {
   bool noted_shot_out_ = false;
   bool second_core_ = false;  ///< core 1 plans
   RealTime real_time_;
+  [[no_unique_address]] Drives drives_;
 };
 
 }  // namespace lamplock::rp2040

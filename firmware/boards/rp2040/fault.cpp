@@ -23,7 +23,8 @@ void make_outputs_safe() {
   force_low(boards::gpio(Role::laser_gate));
   force_low(boards::gpio(Role::laser_pwm));
   force_low(boards::gpio(Role::shot_enable));
-  force_low(boards::gpio(Role::lamp_trigger));
+  if constexpr (boards::has(Role::lamp_trigger))
+    force_low(boards::optional_gpio(Role::lamp_trigger));
   BeamOutput::close();
   ProgramPins::end_pwm();
   pio1().ctrl = 0;  // TICK

@@ -50,11 +50,11 @@ void make_output(unsigned gpio, bool high) {
 
 void RealTime::set_drives(bool enabled) const {
   if constexpr (!boards::has(Role::drives_enable)) return;
-  const std::uint32_t pin = boards::any_of(Role::drives_enable);
+  constexpr std::uint32_t pins = boards::enable_pins(boards::this_board);
   if (enabled == drives_active_high_)
-    sio().gpio_out_set = pin;
+    sio().gpio_out_set = pins;
   else
-    sio().gpio_out_clr = pin;
+    sio().gpio_out_clr = pins;
 }
 
 /// Outputs keep the reset state of their pads: weak pull-down, 4 mA, Schmitt trigger.
@@ -70,8 +70,8 @@ void RealTime::start_inputs() const {
 }
 
 void RealTime::start_pads() const {
-  if (const auto enable = boards::find_gpio(map_, Role::drives_enable))
-    make_output(*enable, !drives_active_high_);  // off
+  for (const boards::PinUse& use : map_)
+    if (boards::is_enable(use.role)) make_output(use.gpio, !drives_active_high_);  // off
   if (const auto led = boards::find_gpio(map_, Role::status_led)) make_output(*led, false);
   beam_.start();
   programs_.start(drives_active_high_);
@@ -82,7 +82,7 @@ bool RealTime::check_board(machine::Controller& core, const stepper::PulseOutput
   const int wrong = BoardCheck::wrong_pin(map_, output);
   if (wrong == BoardCheck::none) return true;
   BoardCheck::disable_outputs();
-  inputs_.hold_estop();
+  inputs_.hold_estop(true);
   TextLine line;
   line.add("Outputs off: GPIO ").add(std::int64_t{wrong}).add(" is not as on a board ");
   line.add(boards::this_board.name).add("; check wiring, or flash the image of your board");
@@ -90,7 +90,7 @@ bool RealTime::check_board(machine::Controller& core, const stepper::PulseOutput
   return false;
 }
 
-void RealTime::start(machine::Controller& core) {
+bool RealTime::start(machine::Controller& core) {
   start_us_ = microseconds();
   now_us_ = static_cast<std::uint32_t>(start_us_);
   drives_active_high_ = core.values().whole(settings::Id::enable_invert) != 0;
@@ -107,6 +107,18 @@ void RealTime::start(machine::Controller& core) {
   // Pressed already: there will be no edge.
   const bool is_high = (sio().gpio_in >> boards::gpio(Role::estop) & 1) != 0;
   if (is_wrong || is_high != boards::is_inverted(Role::estop)) estop_interrupt();
+  return !is_wrong;
+}
+
+void RealTime::permit_drives([[maybe_unused]] bool permitted, [[maybe_unused]] bool failed) {
+  if constexpr (boards::this_board.drives.has_value()) {
+    drives_permitted_ = permitted;
+    if (!permitted) set_drives(false);
+    if (failed && !is_held_) estop_interrupt();
+    if (failed == is_held_ || (!failed && !permitted)) return;
+    is_held_ = failed;
+    inputs_.hold_estop(failed);
+  }
 }
 
 void RealTime::change_pulses(machine::Controller& core, const machine::InterruptMask& mask) {
@@ -342,7 +354,7 @@ void RealTime::input_changed(machine::Controller& core, machine::Input input, bo
 
 void RealTime::apply_outputs(const machine::Controller& core) {
   const machine::Outputs outputs = core.outputs();
-  set_drives(outputs.drives_enable);
+  set_drives(outputs.drives_enable && (!boards::this_board.drives || drives_permitted_));
   constexpr std::uint32_t led = boards::any_of(Role::status_led);
   if (core.clock().locked())
     sio().gpio_out_set = led;

@@ -62,8 +62,9 @@ class RealTime {
   RealTime& operator=(const RealTime&) = delete;
 
   /// Starts pins, state machines, DMA, in the order that keeps every energy output low; then the
-  /// lattice runs. The board sets the NVIC's enables and priorities, before or after.
-  [[gnu::cold]] void start(machine::Controller& core);
+  /// lattice runs. The board sets the NVIC's enables and priorities, before or after. False: this
+  /// image is not for this board, and no pin is driven.
+  [[gnu::cold]] bool start(machine::Controller& core);
 
   void estop_interrupt() { estop_.interrupt(); }
   void edge_interrupt(machine::Controller& core);
@@ -85,6 +86,9 @@ class RealTime {
   /// ticks.
   void top_up(machine::Controller& core);
   void poll(machine::Controller& core);
+  /// Main loop with beat and fill masked: whether drives on the board may be enabled. A failure
+  /// holds the e-stop until they are permitted again.
+  [[gnu::cold]] void permit_drives(bool permitted, bool failed);
   /// Main loop, unmasked, at rest: settings have changed. Waits until the last steps are put out,
   /// less than 3 ms.
   [[gnu::cold]] void change_pulses(machine::Controller& core, const machine::InterruptMask& mask);
@@ -156,7 +160,9 @@ class RealTime {
   volatile std::uint32_t played_ = 0;        ///< written by beat, read by fill
   bool pads_released_ = false;
   bool drives_active_high_ = false;
-  bool ask_ = false;           ///< request a token this time
+  bool drives_permitted_ = !boards::this_board.drives;  ///< set up, if they are on the board
+  bool is_held_ = false;                                ///< the e-stop, because drives failed
+  bool ask_ = false;                                    ///< request a token this time
   std::uint8_t answered_ = 0;  ///< photosensors not yet reported to the core
 };
 

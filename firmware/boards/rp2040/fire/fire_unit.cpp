@@ -47,7 +47,8 @@ void FireUnit::configure(const machine::FireTiming& timing) {
                     timing.own_edges == timing_.own_edges;
   if (same || keeper_.is_out()) return;
   if (timing.own_edges != timing_.own_edges) {
-    const unsigned gpio = timing.own_edges ? boards::gpio(Role::lamp_trigger) : sync_gpio;
+    const bool own = timing.own_edges && boards::has(Role::lamp_trigger);
+    const unsigned gpio = own ? boards::optional_gpio(Role::lamp_trigger) : sync_gpio;
     set_sync(gpio);
     lattice_.use_sync(gpio);
   }

@@ -12,7 +12,9 @@ using boards::Role;
 using io_ctrl::Function;
 using namespace pio;
 
-constexpr unsigned bits_base = boards::gpio(Role::lamp_trigger);
+/// The pin before LASER GATE: that of LAMP TRIGGER, or no pad where there is none; PIO counts pins
+/// modulo 32.
+constexpr unsigned bits_base = (boards::gpio(Role::laser_gate) + 31) % 32;
 constexpr std::uint32_t axis_shift = pio_shiftctrl::autopull | pio_shiftctrl::join_tx;
 constexpr std::uint32_t tick_shift = pio_shiftctrl::out_right;
 constexpr std::uint32_t stamp_shift = pio_shiftctrl::autopush | pio_shiftctrl::join_rx;
@@ -163,7 +165,8 @@ void LatticeOutput::start_pins() const {
     io_bank0().gpio[boards::gpio(Role::lamp_sync)].ctrl =
         io_ctrl::function(Function::none) | io_ctrl::input_inverted;
   use_sync(boards::gpio(Role::lamp_sync));
-  select(boards::gpio(Role::lamp_trigger), Function::pio1);
+  if constexpr (boards::has(Role::lamp_trigger))
+    select(boards::optional_gpio(Role::lamp_trigger), Function::pio1);
   select_low(boards::gpio(Role::laser_gate), Function::pio1);
   select_low(boards::gpio(Role::shot_enable), Function::pio1);
   select(tick_gpio, Function::pio1);

@@ -36,7 +36,7 @@ struct StateMachine {
   /// Makes `count` pins from `base` on outputs, low. Changes PINCTRL.
   void make_outputs_low(unsigned base, unsigned count) const {
     for (unsigned i = 0; i < count; ++i) {
-      machine().pinctrl = pio_pinctrl::set(base + i, 1);
+      machine().pinctrl = pio_pinctrl::set((base + i) % 32, 1);
       execute(encode::set(SetTo::pins, 0));
       execute(encode::set(SetTo::pindirs, 1));
     }

@@ -50,11 +50,12 @@ class BoardCheck {
   static constexpr std::uint32_t settling_us = 100;
 
   /// Outputs that are low while nothing drives them.
-  static std::uint32_t low_outputs(boards::Pins map, const stepper::PulseOutput& pulses) {
+  [[gnu::cold]] static std::uint32_t low_outputs(boards::Pins map,
+                                                 const stepper::PulseOutput& pulses) {
     using boards::Role;
     std::uint32_t pins = 0;
     for (const boards::PinUse& use : map) {
-      const bool has_pull_up = use.role == Role::drives_enable || use.role == Role::z_enable ||
+      const bool has_pull_up = boards::is_enable(use.role) || use.role == Role::z_enable ||
                                use.role == Role::uart_tx || use.role == Role::uart_direction;
       if (use.direction == boards::Direction::output && !has_pull_up) pins |= 1u << use.gpio;
     }

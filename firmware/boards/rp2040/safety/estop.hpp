@@ -47,7 +47,7 @@ class Estop {
   [[gnu::always_inline]] void cut(std::uint32_t kept = 0) {
     fire_.cut_off();
     LatticeOutput::freeze();
-    force_low(boards::gpio(boards::Role::lamp_trigger));
+    if constexpr (has_trigger) force_low(trigger_gpio);
     force_low(boards::gpio(boards::Role::laser_gate));
     force_low(boards::gpio(boards::Role::shot_enable));
     force_low(boards::gpio(boards::Role::laser_pwm));
@@ -62,7 +62,9 @@ class Estop {
     seen_ = true;
   }
   /// The lamp continues flashing when the lattice runs again, shots or not.
-  static void release_trigger() { release(boards::gpio(boards::Role::lamp_trigger)); }
+  static void release_trigger() {
+    if constexpr (has_trigger) release(trigger_gpio);
+  }
   /// The main loop has not yet handled a cut, or a later press was not yet reported to the core.
   bool is_cut() const { return cut_ || seen_; }
   /// Lower half of the microsecond of the cut.
@@ -82,6 +84,9 @@ class Estop {
   }
 
  private:
+  static constexpr bool has_trigger = boards::has(boards::Role::lamp_trigger);
+  static constexpr unsigned trigger_gpio = boards::optional_gpio(boards::Role::lamp_trigger);
+
   const FireUnit& fire_;
   volatile bool cut_ = false;
   volatile std::uint32_t cut_us_ = 0;

@@ -121,8 +121,8 @@ class Inputs {
     if (switches_[0].input.force()) changed(machine::Input::estop, true, most);
   }
   bool estop() const { return switches_[0].input.active(); }
-  /// From now on the e-stop is pressed, whatever its pin says.
-  void hold_estop() { held_pins_ = 1u << switches_[0].gpio; }
+  /// From now on the e-stop is pressed, whatever its pin says, or as the pin says.
+  void hold_estop(bool held) { held_pins_ = held ? 1u << switches_[0].gpio : 0; }
   /// Those that need a pull-up, so that an open one is high.
   std::uint32_t pulled_up() const { return pins_ & ~inverted_; }
   machine::InputSet all() const {
