@@ -3,16 +3,19 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "firmware/boards/rp2040/base/watchdog.hpp"
 #include "firmware/boards/rp2040/lattice/tick_feed.hpp"
+#include "host/job/read_profile.hpp"
 #include "host/text.hpp"
 #include "shared/boards/all_boards.hpp"
 #include "shared/units.hpp"
 #include "tests/docs/page.hpp"
+#include "tests/docs/wiring_picture.hpp"
 
 namespace lamplock::boards {
 namespace {
@@ -144,6 +147,35 @@ TEST(BoardPages, HaveEveryPinOfTheRow) {
     }
     const std::string map = std::to_string(static_cast<int>(row->first_map));
     EXPECT_NE(page.find("pin_map = " + map + "`"), std::string::npos) << row->name;
+  }
+}
+
+/// A picture that differs is written into the folder of the build, to be looked at and copied.
+TEST(BoardPages, ShowThePictureOfTheRow) {
+  for (const BoardRow* row : all_boards) {
+    const std::string name = "docs/boards/" + std::string(row->name);
+    const std::string picture = test::WiringPicture(*row).text();
+    EXPECT_NE(test::read_repository_file(name + ".md").find(std::string(row->name) + ".svg)"),
+              std::string::npos)
+        << row->name;
+    if (test::read_repository_file(name + ".svg") == picture) continue;
+    const std::string wanted = test::in_build(std::string(row->name) + ".svg");
+    std::ofstream(wanted) << picture;
+    ADD_FAILURE() << name << ".svg differs from " << wanted;
+  }
+}
+
+/// The settings to start with are those of the board, and can be read.
+TEST(BoardPages, HaveSettingsToStartWith) {
+  for (const BoardRow* row : all_boards) {
+    if (row == &pico) continue;
+    const std::string name = "docs/boards/" + std::string(row->name) + ".toml";
+    const job::Profile profile = job::read_profile(test::in_repository(name));
+    EXPECT_EQ(profile.settings.whole(settings::Id::pin_map), static_cast<int>(row->first_map));
+    if (!row->drives) continue;
+    for (int axis = 0; axis < 4; ++axis)
+      EXPECT_LE(profile.settings.whole(settings::Id::drive_current_x, axis),
+                row->drives->max_current_ma);
   }
 }
 
