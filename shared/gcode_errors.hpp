@@ -70,6 +70,11 @@ enum class GcodeError : std::uint8_t {
   o_word = 80,
   nested_too_deep = 82,
   no_room = 83,
+  compensation_on = 90,
+  no_diameter = 91,
+  bad_entry = 92,
+  cutter_too_large = 93,
+  too_many_between = 94,
 };
 
 struct GcodeErrorRow {
@@ -170,6 +175,17 @@ inline constexpr GcodeErrorRow gcode_errors[] = {
                   "the expression is nested too deep"},
     GcodeErrorRow{GcodeError::no_room, "no_room",
                   "no room for this parameter: 256 values, 640 characters of names, 40 of a name"},
+    GcodeErrorRow{GcodeError::compensation_on, "compensation_on",
+                  "not possible while cutter compensation (G41, G42) is on: G40 ends it"},
+    GcodeErrorRow{GcodeError::no_diameter, "no_diameter",
+                  "the diameter of the tool is not known: G41.1 D or G42.1 D name it"},
+    GcodeErrorRow{GcodeError::bad_entry, "bad_entry",
+                  "the move to and from a compensated path must be straight, the move to it longer "
+                  "than the radius of the cutter"},
+    GcodeErrorRow{GcodeError::cutter_too_large, "cutter_too_large",
+                  "the cutter is too large for this corner, arc or slot"},
+    GcodeErrorRow{GcodeError::too_many_between, "too_many_between",
+                  "more than three actions between two moves of a compensated path"},
 };
 
 /// The row of an error; null for none and for numbers that no row has.

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "firmware/program/angle.hpp"
+#include "firmware/program/plane_vector.hpp"
 #include "firmware/program/wide_number.hpp"
 
 namespace lamplock::program {
@@ -33,14 +34,9 @@ constexpr std::int64_t round_e7 = 2;
 /// Parts of a spiral that are sampled for its length.
 constexpr int length_parts = 16;
 
-struct Vector {
-  std::int64_t x, y;
-};
 Vector from_to(const Place& a, const Place& b, const CurvePlane& plane) {
   return {b[plane.first] - a[plane.first], b[plane.second] - a[plane.second]};
 }
-Int128 dot(Vector a, Vector b) { return Int128::product(a.x, b.x) + Int128::product(a.y, b.y); }
-Int128 cross(Vector a, Vector b) { return Int128::product(a.x, b.y) - Int128::product(a.y, b.x); }
 
 Vector turned(Vector v, std::int64_t angle_q48) {
   const SineCosine turn = sine_cosine(angle_q48);

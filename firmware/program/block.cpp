@@ -36,6 +36,10 @@ constexpr Code g_codes[] = {
     Code{384, Group::motion, AxisUse::motion},
     Code{385, Group::motion, AxisUse::motion},
     Code{400, Group::cutter},
+    Code{410, Group::cutter},
+    Code{411, Group::cutter},
+    Code{420, Group::cutter},
+    Code{421, Group::cutter},
     Code{431, Group::tool_length, AxisUse::tool_length},
     Code{490, Group::tool_length},
     Code{530, Group::once},
@@ -199,6 +203,7 @@ bool Block::ignore_word(const Word& word, std::string_view line, bool jog) {
       return true;
     case 'D':
       ignore(Ignored::d);
+      d_word_ = word;
       return true;
     case 'H':
       ignore(Ignored::h);

@@ -94,6 +94,10 @@ class Block {
 
   /// Words without effect, a bit for each (Ignored).
   std::uint8_t ignored() const { return ignored_; }
+  /// The D word, which only cutter compensation takes; null if there is none.
+  const Word* d_word() const { return ignores(Ignored::d) ? &d_word_ : nullptr; }
+  /// The D word has an effect.
+  void take_d() { ignored_ &= static_cast<std::uint8_t>(~(1u << static_cast<int>(Ignored::d))); }
 
   static constexpr std::uint16_t no_code = 0xffff;
 
@@ -138,6 +142,7 @@ class Block {
   std::uint16_t program_number_ = 0;  ///< column of an ignored O word
   std::uint32_t pieces_ = 0, last_power_milli_ = 0;
   std::string_view powers_;
+  Word d_word_;  ///< where ignored_ has its bit
   std::array<std::uint16_t, groups> codes_;
   std::array<std::uint16_t, groups> columns_;
   std::array<Word, value_letters.size()> values_;  ///< where words_ has a bit

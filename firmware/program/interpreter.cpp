@@ -9,15 +9,23 @@ namespace lamplock::program {
 [[gnu::hot]] Fault Interpreter::run(std::string_view line) {
   Statement statement(options_, parameters_, saved_, expressions_, *state_, *next_, plan_);
   const Fault fault = statement.check(line);
+  if (in_compensation_ || plan_.sets_cutter) [[unlikely]]
+    return run_compensated(statement, line, fault);
   if (!fault) take_over(statement);
   if (expressions_.has_assignments()) expressions_.end_line(!fault);
   return fault;
 }
 
 Fault Interpreter::jog(std::string_view line) {
+  if (state_->modal.cutter != Cutter::off) return {GcodeError::compensation_on, 1};
+  const bool was_beside = beside_.active;
+  if (was_beside) settle();
   Statement statement(options_, parameters_, saved_, expressions_, *state_, *next_, plan_);
   const Fault fault = statement.check_jog(line);
-  if (!fault) take_over(statement);
+  if (!fault)
+    take_over(statement);
+  else if (was_beside)
+    go_beside();
   return fault;
 }
 
@@ -37,7 +45,7 @@ Fault Interpreter::jog(std::string_view line) {
   if (statement.ignored() != 0) ignore(statement.ignored());
   change_parameters(statement.changes());
   if (plan_.has(Stage::curve)) begin_curve();
-  if (plan_.has(Stage::cycle)) cycle_.begin(statement.cycle());
+  if (plan_.has(Stage::cycle)) work_.cycle.begin(statement.cycle());
   if (plan_.pieces != 0) begin_pieces(statement.powers());
 }
 
@@ -48,9 +56,9 @@ void Interpreter::ignore(std::uint8_t words) {
 
 /// Copies the powers: the line no longer exists when its pieces are made.
 void Interpreter::begin_pieces(std::string_view powers) {
-  std::copy(powers.begin(), powers.end(), power_text_.begin());
-  powers_ = PowerList({power_text_.data(), powers.size()});
-  pieces_ = 0;
+  std::copy(powers.begin(), powers.end(), work_.pieces.text.begin());
+  work_.pieces.powers = PowerList({work_.pieces.text.data(), powers.size()});
+  work_.pieces.returned = 0;
 }
 
 CurvePlane Interpreter::curve_plane() const {
@@ -84,7 +92,8 @@ void Interpreter::begin_curve() {
 
 Extent Interpreter::extent() const {
   const Rotation& rotation = state_->modal.rotation;
-  if (plan_.has(Stage::cycle)) return extent_of(cycle_.request(), rotation);
+  if (plan_.has(Stage::held)) return compensated_extent();
+  if (plan_.has(Stage::cycle)) return extent_of(work_.cycle.request(), rotation);
   if (plan_.has(Stage::curve))
     return is_arc(plan_.motion) ? extent_of(arc_request(), rotation)
                                 : extent_of(spline_request(), rotation);
@@ -142,6 +151,10 @@ Extent Interpreter::extent() const {
 
 [[gnu::hot]] bool Interpreter::give(Stage stage, Action& action) {
   switch (stage) {
+    case Stage::held:
+      return give_held(action);
+    case Stage::corner:
+      return give_corner(action);
     case Stage::output:
     case Stage::wait_input:
       return give_io(stage, action);
@@ -198,11 +211,12 @@ bool Interpreter::give_dwell(Action& action) {
 /// The previous state is still there, and contains the start of the line.
 [[gnu::hot]] bool Interpreter::give_piece(Action& action) {
   PowerRun run;
-  powers_.next(run);  // checked before
-  pieces_ += run.pieces;
+  work_.pieces.powers.next(run);  // checked before
+  work_.pieces.returned += run.pieces;
+  const std::uint32_t returned = work_.pieces.returned;
   fill_move(action, false);
   action.speed_milli = run.speed_milli;
-  action.programmed_end = pieces_ >= plan_.pieces || run.pieces == 0;
+  action.programmed_end = returned >= plan_.pieces || run.pieces == 0;
   action.target_e7 = state_->machine_e7;
   const bool row = one_row() && run.pieces != plan_.pieces;
   if (row) action.pixels = static_cast<std::uint16_t>(run.pieces);
@@ -217,14 +231,14 @@ bool Interpreter::give_dwell(Action& action) {
   }
   for (std::size_t i = 0; i < action.target_e7.size(); ++i) {
     const std::int64_t from = next_->machine_e7[i], way = action.target_e7[i] - from;
-    action.target_e7[i] = from + way * std::int64_t{pieces_} / std::int64_t{plan_.pieces};
+    action.target_e7[i] = from + way * std::int64_t{returned} / std::int64_t{plan_.pieces};
   }
   return true;
 }
 
 /// The last decimal that the program writes. Trailing zeros are often left out, so the most
 /// decimals so far count, and at least 0.01 mm or 1/1000 inch.
-static std::uint8_t digit_um(const Modal& modal) {
+std::uint8_t Interpreter::digit_um(const Modal& modal) {
   const bool is_coarse = modal.decimals <= (modal.inches ? 3 : 2);
   if (modal.inches) return is_coarse ? 25 : modal.decimals == 4 ? 3 : 1;
   return is_coarse ? 10 : 1;
@@ -266,7 +280,7 @@ bool Interpreter::give_curve(Action& action) {
 
 bool Interpreter::give_cycle(Action& action) {
   CycleMove move;
-  if (!cycle_.next(move)) {
+  if (!work_.cycle.next(move)) {
     done(Stage::cycle);
     return false;
   }
@@ -297,87 +311,6 @@ bool Interpreter::give_stop(Action& action) {
   if (end) end_program();
   begin_action(action, end ? ActionKind::program_end : ActionKind::pause);
   return true;
-}
-
-// --- state ------------------------------------------------------------------------------------
-
-/// As in grbl: groups 1 to 5, 7 and 12 and spindle and coolant are reset; units, distance of
-/// centres, tool length, retract level, path mode and the words F S T are not.
-void Interpreter::end_program() {
-  Modal& modal = state_->modal;
-  modal.motion = Motion::line;
-  modal.plane = Plane::xy;
-  modal.relative = false;
-  if (modal.feed_mode != FeedMode::per_minute) modal.feed = 0;
-  modal.feed_mode = FeedMode::per_minute;
-  modal.system = 0;
-  modal.rotation = {};
-  modal.spindle = Spindle::off;
-  modal.flood = modal.mist = modal.overrides_off = false;
-  modal.beat_lock = BeatLock::off;
-  modal.pulses = {};
-  modal.decimals = 0;
-  ignored_ = 0;
-  expressions_.clear();
-  if (saved_.valid && saved_.restore_at_end) restore_saved();
-  state_->programmed_e7 = modal.rotation.turned_back(state_->machine_e7);
-  state_->cycle = {};
-  state_->spline = {};
-}
-
-void Interpreter::restore_saved() {
-  const Modal ended = state_->modal;
-  Modal& modal = state_->modal;
-  modal = saved_.modal;
-  modal.motion = ended.motion;
-  modal.tool = ended.tool;
-  modal.spindle = Spindle::off;
-  modal.flood = modal.mist = modal.overrides_off = false;
-  modal.beat_lock = BeatLock::off;
-  modal.pulses = {};
-  saved_ = {};
-}
-
-/// Without M126 pulses are on only if the settings have a rate; with it, at the current rate.
-std::uint32_t Interpreter::pulses_milli() const {
-  const Pulses& pulses = state_->modal.pulses;
-  if (!options_.laser || pulses.on == Pulses::Switch::off) return 0;
-  if (pulses.on == Pulses::Switch::as_set && options_.pulses_milli == 0) return 0;
-  return pulses.milli_per_mm == Pulses::as_set ? options_.pulses_milli : pulses.milli_per_mm;
-}
-
-std::uint32_t Interpreter::pulse_ns() const {
-  const Pulses& pulses = state_->modal.pulses;
-  return pulses.length_ns == Pulses::as_set ? options_.pulse_ns : pulses.length_ns;
-}
-
-void Interpreter::reset() {
-  state_->modal = {};
-  state_->modal.tool_length = parameters_.tool_length_e7 != 0;
-  saved_ = {};
-  ignored_ = new_ignored_ = 0;
-  expressions_.clear();
-  set_position(state_->machine_e7);
-}
-
-void Interpreter::set_position(const Place& machine_e7) {
-  stand_at(machine_e7);
-  plan_.stages = 0;
-}
-
-void Interpreter::stand_at(const Place& machine_e7) {
-  state_->machine_e7 = machine_e7;
-  state_->programmed_e7 = state_->modal.rotation.turned_back(machine_e7);
-  state_->cycle.series = false;
-  state_->spline.known = false;
-}
-
-Place Interpreter::work_offset_e7() const {
-  Place offset = parameters_.systems_e7[state_->modal.system];
-  for (std::size_t i = 0; i < offset.size(); ++i)
-    if (state_->modal.shifted) offset[i] += parameters_.shift_e7[i];
-  if (state_->modal.tool_length) offset[2] += parameters_.tool_length_e7;
-  return offset;
 }
 
 }  // namespace lamplock::program

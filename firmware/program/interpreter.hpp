@@ -24,6 +24,9 @@
 //   * S with a list of powers divides a G1 into as many pieces (power_list.hpp); the last stays.
 //   * Parameters (#1, #<name>) are unset at the end of a program and by a reset, so that a program
 //     does the same each time; those above #5000 can only be read.
+//   * Cutter compensation (compensation.hpp) is by diameter alone (G41.1, G42.1), and off after a
+//     reset and whenever the machine sets the position. After G40 moves along the other axes stay
+//     beside the contour.
 //   * Cycles: R, Z, Q and P stay until another cycle begins; in G91 R counts from where the series
 //     began. A moves together with X and Y.
 //
@@ -37,6 +40,7 @@
 #include <utility>
 
 #include "firmware/program/action.hpp"
+#include "firmware/program/compensation.hpp"
 #include "firmware/program/curve.hpp"
 #include "firmware/program/curve_timing.hpp"
 #include "firmware/program/cycles.hpp"
@@ -70,7 +74,10 @@ class Interpreter {
   /// After run(): the line is a curve, a cycle, or moves to an intermediate place first; what it
   /// reaches is extent().
   bool has_extent() const {
-    return plan_.has(Stage::curve) || plan_.has(Stage::cycle) || plan_.has(Stage::via);
+    constexpr std::uint32_t stages =
+        1u << static_cast<int>(Stage::curve) | 1u << static_cast<int>(Stage::cycle) |
+        1u << static_cast<int>(Stage::via) | 1u << static_cast<int>(Stage::held);
+    return (plan_.stages & stages) != 0;
   }
   /// What the line reaches, if has_extent() and no action has been taken.
   [[gnu::cold]] Extent extent() const;
@@ -80,6 +87,10 @@ class Interpreter {
   bool has_ignored() const { return new_ignored_ != 0; }
   /// next() has more actions.
   bool busy() const { return plan_.stages != 0; }
+  /// Cutter compensation holds a move until the next one, G40 or the end of the program.
+  bool holds_move() const {
+    return state_->modal.cutter != Cutter::off && work_.compensation.holds();
+  }
 
   /// The user switches flood or mist manually; the program continues with that.
   void toggle_flood() { state_->modal.flood = !state_->modal.flood; }
@@ -147,6 +158,27 @@ class Interpreter {
   void end_program();
   void restore_saved();
 
+  // Cutter compensation (interpreter_compensation.cpp).
+  [[gnu::cold]] Fault run_compensated(Statement& statement, std::string_view line, Fault fault);
+  [[gnu::cold]] Fault check_compensated(Statement& statement, std::string_view line);
+  [[gnu::cold]] bool stays_beside(const Statement& statement) const;
+  [[gnu::cold]] Fault compensate(const Statement& statement);
+  [[gnu::cold]] GcodeError compensate_line(const Statement& statement);
+  [[gnu::cold]] GcodeError compensate_move();
+  [[gnu::cold]] GcodeError end_compensation(const Statement& statement);
+  [[gnu::cold]] PlaneBlock plane_block(const State& from, const State& to) const;
+  bool moves_in_plane() const;
+  void collect_between();
+  [[gnu::cold]] bool give_held(Action& action);
+  [[gnu::cold]] bool give_corner(Action& action);
+  [[gnu::cold]] void hold_move();
+  [[gnu::cold]] Extent compensated_extent() const;
+  [[gnu::cold]] Place beside() const;
+  [[gnu::cold]] void settle();
+  [[gnu::cold]] void go_beside();
+  [[gnu::cold]] Fault leave_beside(Statement& statement, std::string_view line);
+  static std::uint8_t digit_um(const Modal& modal);
+
   std::array<State, 2> states_;
   State* state_ = &states_[0];
   State* next_ = &states_[1];  ///< for the state after the next line
@@ -154,10 +186,27 @@ class Interpreter {
   Plan plan_{};
   Curve curve_;
   CurveTiming share_;
-  DrillCycle cycle_;
-  std::array<char, PowerList::max_characters> power_text_;  ///< of the pieces of a line
-  PowerList powers_;
-  std::uint32_t pieces_ = 0;                    ///< already returned
+  /// The pieces of a line.
+  struct Pieces {
+    std::array<char, PowerList::max_characters> text;
+    PowerList powers;
+    std::uint32_t returned;
+  };
+  /// Only one is in use: cutter compensation excludes the others, which are used within a line.
+  union Work {
+    Work() : cycle{} {}
+    DrillCycle cycle;
+    Pieces pieces;
+    Compensation compensation;
+  } work_;
+  /// After G40 the machine is beside the programmed place, until the first move in the plane.
+  struct Beside {
+    PlanePoint distance_e7;
+    std::uint8_t first, second;
+    bool active;
+  } beside_{};
+  bool in_compensation_ = false;  ///< it is on, or the machine is beside the programmed place
+  std::uint8_t held_step_ = 0;    ///< of what is released: the move, then the actions
   std::uint8_t ignored_ = 0, new_ignored_ = 0;  ///< in this program; not reported yet
   Parameters& parameters_;
   const Options& options_;

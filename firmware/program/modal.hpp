@@ -51,6 +51,9 @@ constexpr bool is_probe(Motion motion) {
   return motion >= Motion::probe_toward && motion <= Motion::probe_away_quiet;
 }
 
+/// Side of the cutter, seen in the direction of the cut: G40, G41, G42.
+enum class Cutter : std::uint8_t { off, left, right };
+
 enum class Plane : std::uint8_t { xy = 170, zx = 180, yz = 190 };
 enum class FeedMode : std::uint16_t { inverse_time = 930, per_minute = 940, per_turn = 950 };
 enum class PathMode : std::uint16_t { exact = 610, stop = 611, blend = 640 };
@@ -74,6 +77,7 @@ struct Modal {
   FeedMode feed_mode = FeedMode::per_minute;
   PathMode path = PathMode::exact;
   Plane plane = Plane::xy;
+  Cutter cutter = Cutter::off;
   bool inches = false;            ///< G20
   bool relative = false;          ///< G91
   bool centres_absolute = false;  ///< G90.1

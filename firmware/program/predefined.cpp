@@ -76,7 +76,7 @@ constexpr NameRow name_rows[] = {{"x", Name::x},
                                  {"retract_r_plane", Name::retract_to_r},
                                  {"retract_old_z", Name::retract_to_start}};
 
-constexpr std::int64_t truth(bool is_true) { return is_true ? one_e9 : 0; }
+constexpr std::int64_t value_of_truth(bool is_true) { return is_true ? one_e9 : 0; }
 
 /// Length in 10^-9 of a unit; 25.4 mm are an inch.
 std::int64_t in_units(std::int64_t e7, bool inches) {
@@ -150,7 +150,7 @@ std::int64_t value_of(Name name, const Modal& modal) {
     case Name::tool:
       return modal.tool * one_e9;
     default:
-      return truth(is_on(name, modal));
+      return value_of_truth(is_on(name, modal));
   }
 }
 
@@ -172,8 +172,8 @@ std::int64_t Predefined::value_e9(std::uint32_t number) const {
     return true;
   };
   const Modal& modal = state_->modal;
-  if (number == probe_met) return truth(results.probe_met);
-  if (number == shifted) return truth(modal.shifted);
+  if (number == probe_met) return value_of_truth(results.probe_met);
+  if (number == shifted) return value_of_truth(modal.shifted);
   if (number == system_number) return (modal.system + 1) * one_e9;
   if (number == input_result) return results.input * one_e9;
   if (number == tool_number) return modal.tool * one_e9;

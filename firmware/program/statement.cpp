@@ -44,8 +44,9 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
   return saved_state() && codes() && line_number() && feed() && speed() && tool() &&
          (block_.has(Group::io) ? io() : no_io()) && spindle() && tool_change() && coolant() &&
          (!block_.has(Group::overrides) || overrides()) && beat_lock() &&
-         (!block_.has(Group::pulses) || pulses()) && dwell() && path() && tool_length() &&
-         system() && rotation();
+         (!block_.has(Group::pulses) || pulses()) && dwell() &&
+         (!block_.has(Group::cutter) || cutter()) && path() && tool_length() && system() &&
+         rotation();
 }
 
 // --- values -----------------------------------------------------------------------------------

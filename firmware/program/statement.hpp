@@ -63,6 +63,7 @@ struct Saved {
 
 /// Stages of a line, in their order.
 enum class Stage : std::uint8_t {
+  held,  ///< cutter compensation: the move that waited for this line
   output,
   wait_input,
   tool_change,
@@ -71,9 +72,10 @@ enum class Stage : std::uint8_t {
   overrides,
   beat_lock,
   dwell,
-  via,   ///< G28, G30: the intermediate place
-  home,  ///< and the end, in machine coordinates
-  move,  ///< one straight move, a probe too
+  corner,  ///< cutter compensation: the arc before the move of this line, which then waits
+  via,     ///< G28, G30: the intermediate place
+  home,    ///< and the end, in machine coordinates
+  move,    ///< one straight move, a probe too
   curve,
   cycle,
   stop
@@ -93,7 +95,8 @@ struct Plan {
   bool in_machine = false;  ///< the end of the move is in machine coordinates
   bool exact_stop = false;
   bool jog = false;
-  IoRequest io;  ///< set where a stage needs it
+  bool sets_cutter = false;  ///< G40 to G42.1
+  IoRequest io;              ///< set where a stage needs it
   // Places are only set where a stage needs them.
   Place start;  ///< of a curve, programmed
   /// Intermediate place of G28; the centre of an arc; both control points of a spline. Programmed.
@@ -105,7 +108,7 @@ struct Plan {
     stages = line = feed_um_min = time_us = dwell_us = turns = pieces = 0;
     motion = Motion::rapid;
     stop = 0;
-    in_machine = exact_stop = jog = false;
+    in_machine = exact_stop = jog = sets_cutter = false;
   }
   /// Whether anything follows the change of the spindle for which the machine moves, rests or
   /// stops.
@@ -162,6 +165,16 @@ class Statement {
   std::uint16_t saving() const { return block_.code(Group::saving); }
   /// Words without effect, a bit for each (Ignored).
   std::uint8_t ignored() const { return block_.ignored(); }
+  /// With G41 to G42.1: the radius of the cutter.
+  std::int64_t cutter_radius_e7() const { return cutter_radius_e7_; }
+  /// Commands of the line that cutter compensation excludes; `before`: the state before the line.
+  [[gnu::cold]] Fault check_compensated(const Modal& before);
+  /// The line has axis words of the active plane.
+  [[gnu::cold]] bool names_plane_axes() const;
+  /// The line has a command that acts once, other than a dwell, or changes cutter compensation.
+  [[gnu::cold]] bool needs_machine_place() const;
+  /// Column for an error of cutter compensation.
+  [[gnu::cold]] std::uint16_t compensation_column() const;
 
  private:
   void read(std::string_view line, bool jog);
@@ -198,6 +211,7 @@ class Statement {
   bool pulse_rate();
   bool pulse_length();
   bool dwell();
+  [[gnu::cold]] bool cutter();
   bool path();
   bool tool_length();
   bool system();
@@ -261,6 +275,7 @@ class Statement {
   Block block_;
   Changes changes_;
   CycleRequest cycle_;
+  std::int64_t cutter_radius_e7_;  ///< with G41 to G42.1
 };
 
 }  // namespace lamplock::program

@@ -75,7 +75,6 @@ struct Replacement {
   std::string_view remedy;
 };
 
-constexpr std::string_view no_compensation = "post the program with the offset in its path";
 constexpr std::string_view no_subprograms = "post the program without subprograms and loops";
 constexpr std::string_view no_motor_switch =
     "take the word out: $1 switches the motors off at rest";
@@ -83,10 +82,6 @@ constexpr std::string_view no_heater = "take the word out: the machine has no he
 constexpr std::array replacements{
     Replacement{'G', 43, "use G43.1 or take the word out"},
     Replacement{'G', 43.2, "use G43.1 or take the word out"},
-    Replacement{'G', 41, no_compensation},
-    Replacement{'G', 41.1, no_compensation},
-    Replacement{'G', 42, no_compensation},
-    Replacement{'G', 42.1, no_compensation},
     Replacement{'M', 97, no_subprograms},
     Replacement{'M', 98, no_subprograms},
     Replacement{'M', 99, no_subprograms},

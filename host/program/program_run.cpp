@@ -322,11 +322,13 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     return run_beside(interpreter, line, state->machine_e7, values);
   };
   ProgramRun& run = machine.result();
+  std::size_t last_line = 0;
   const bool only_board_lines = board == nullptr && has_only_board_lines(text);
   text = without_byte_order_mark(text);
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view line = take_line(text);
     machine.receive(line.size() + 1);
+    last_line = number;
     if (trimmed(line).empty()) continue;
     const std::string fault_of_text =
         board == nullptr ? text_fault(line, run, only_board_lines) : "";
@@ -343,6 +345,9 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
       const LineFault seen = describe_fault(line, fault, run.axes);
       run.problems.push_back(
           {number, fault.column, static_cast<int>(fault.error), seen.text, seen.remedy});
+      // Otherwise every line after a corner that is too narrow would have its error.
+      if (interpreter.modal().cutter != program::Cutter::off)
+        interpreter.set_position(interpreter.machine_e7());
     }
     if (interpreter.has_ignored()) note_ignored(run, interpreter.take_ignored());
     const bool outside =
@@ -352,6 +357,10 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     while (interpreter.next(action)) machine.take(action, number);
     if (run.problems.size() >= max_problems) break;
   }
+  if (interpreter.holds_move())
+    run.problems.push_back({last_line, 0, 0,
+                            "the program ends with cutter compensation on, and its last move waits",
+                            "end it with G40 or M2"});
   machine.finish();
   machine.note_move_ends();
   const bool as_after_power_up = state == nullptr || state->as_after_power_up;

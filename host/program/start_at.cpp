@@ -23,10 +23,10 @@ using program::Plane;
 using program::Spindle;
 
 /// Codes whose effect the preamble can reproduce, or that have no effect on later lines.
-constexpr std::array known_g{0.,   1.,   2.,   3.,  4.,   5.,  5.1, 9.,  17., 18.,
-                             19.,  20.,  21.,  40., 54.,  55., 56., 57., 58., 59.,
-                             59.1, 59.2, 59.3, 61., 61.1, 64., 73., 80., 81., 82.,
-                             83.,  90.,  90.1, 91., 91.1, 93., 94., 95., 98., 99.};
+constexpr std::array known_g{0.,   1.,   2.,   3.,   4.,   5.,  5.1, 9.,  17., 18., 19.,
+                             20.,  21.,  40.,  41.1, 42.1, 54., 55., 56., 57., 58., 59.,
+                             59.1, 59.2, 59.3, 61.,  61.1, 64., 73., 80., 81., 82., 83.,
+                             90.,  90.1, 91.,  91.1, 93.,  94., 95., 98., 99.};
 constexpr std::array known_m{0., 1., 3., 4., 5., 6., 7., 8., 9., 60.};
 
 /// The skipped lines: their modal state, and the axes whose position they define.
@@ -52,6 +52,9 @@ class Skipped {
 
   /// Refuses motions of the first line that need more than their code.
   void require_motion(const link::ProgramLine& first) const {
+    if (interpreter_.modal().cutter != program::Cutter::off)
+      refuse(first.number, "continues a path with cutter compensation",
+             "begin at or before its G41 or G42, or after its G40");
     const Motion motion = interpreter_.modal().motion;
     if (motion == Motion::rapid || motion == Motion::line || motion == Motion::none) return;
     for (const ProgramWord& word : words_of(first.text))

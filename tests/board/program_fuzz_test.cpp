@@ -68,7 +68,7 @@ double dwell_s(std::string line) {
 enum class Light { not_asked_for, asked_for };
 
 std::string random_line(Random& random, Light light) {
-  static const std::array<const char*, 30> seeds{"M3 S500",
+  static const std::array<const char*, 34> seeds{"M3 S500",
                                                  "M4 S900",
                                                  "M3 S1000 G1 X5 F3000",
                                                  "M4 S700 G1 X-5 Y3 F5000",
@@ -97,6 +97,10 @@ std::string random_line(Random& random, Light light) {
                                                  "$J=G91 X1 F600",
                                                  "G61.1 G1 X2 F500",
                                                  "G41 D1",
+                                                 "G41.1 D0.2",
+                                                 "G42.1 D1 G1 X5 F600",
+                                                 "G3 X2 Y2 J1",
+                                                 "G40",
                                                  "M5"};
   std::string line = seeds[random() % seeds.size()];
   const auto printable = [&random] { return static_cast<char>(0x20 + random() % 0x5F); };

@@ -83,7 +83,7 @@ TEST(Curve, ACopyContinuesIndependently) {
 /// Start, end and steps of walks: small, large, negative.
 TEST(IntegerDivider, IsExactForAnyNumberOfSteps) {
   std::mt19937_64 random(1);
-  for (int i = 0; i < test::scaled(300); ++i) {
+  for (int i = 0; i < lamplock::test::scaled(300); ++i) {
     const auto steps = static_cast<std::uint32_t>(random() % 5000 + 1);
     const auto from = static_cast<std::int64_t>(random()) >> (2 + random() % 60);
     const auto to = static_cast<std::int64_t>(random()) >> (2 + random() % 60);

@@ -46,6 +46,8 @@ std::uint32_t code_of_system(std::uint32_t system) {
 void add_further_modes(TextLine& line, const Modal& modal) {
   add_if(line, modal.centres_absolute, 901);
   add_if(line, modal.path != program::PathMode::exact, static_cast<std::uint32_t>(modal.path));
+  add_if(line, modal.cutter == program::Cutter::left, 411);
+  add_if(line, modal.cutter == program::Cutter::right, 421);
   add_if(line, modal.tool_length, 431);
   add_if(line, modal.retract_to_r, 990);
   add_if(line, modal.rotation.active(), 680);

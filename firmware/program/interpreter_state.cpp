@@ -1,0 +1,90 @@
+// The state of the interpreter between lines: the end of a program, resets, the position.
+#include "firmware/program/interpreter.hpp"
+
+namespace lamplock::program {
+
+/// As in grbl: groups 1 to 5, 7 and 12 and spindle and coolant are reset; units, distance of
+/// centres, tool length, retract level, path mode and the words F S T are not.
+void Interpreter::end_program() {
+  if (beside_.active) settle();
+  Modal& modal = state_->modal;
+  modal.cutter = Cutter::off;
+  in_compensation_ = false;
+  modal.motion = Motion::line;
+  modal.plane = Plane::xy;
+  modal.relative = false;
+  if (modal.feed_mode != FeedMode::per_minute) modal.feed = 0;
+  modal.feed_mode = FeedMode::per_minute;
+  modal.system = 0;
+  modal.rotation = {};
+  modal.spindle = Spindle::off;
+  modal.flood = modal.mist = modal.overrides_off = false;
+  modal.beat_lock = BeatLock::off;
+  modal.pulses = {};
+  modal.decimals = 0;
+  ignored_ = 0;
+  expressions_.clear();
+  if (saved_.valid && saved_.restore_at_end) restore_saved();
+  state_->programmed_e7 = modal.rotation.turned_back(state_->machine_e7);
+  state_->cycle = {};
+  state_->spline = {};
+}
+
+void Interpreter::restore_saved() {
+  const Modal ended = state_->modal;
+  Modal& modal = state_->modal;
+  modal = saved_.modal;
+  modal.motion = ended.motion;
+  modal.tool = ended.tool;
+  modal.spindle = Spindle::off;
+  modal.flood = modal.mist = modal.overrides_off = false;
+  modal.beat_lock = BeatLock::off;
+  modal.pulses = {};
+  saved_ = {};
+}
+
+/// Without M126 pulses are on only if the settings have a rate; with it, at the current rate.
+std::uint32_t Interpreter::pulses_milli() const {
+  const Pulses& pulses = state_->modal.pulses;
+  if (!options_.laser || pulses.on == Pulses::Switch::off) return 0;
+  if (pulses.on == Pulses::Switch::as_set && options_.pulses_milli == 0) return 0;
+  return pulses.milli_per_mm == Pulses::as_set ? options_.pulses_milli : pulses.milli_per_mm;
+}
+
+std::uint32_t Interpreter::pulse_ns() const {
+  const Pulses& pulses = state_->modal.pulses;
+  return pulses.length_ns == Pulses::as_set ? options_.pulse_ns : pulses.length_ns;
+}
+
+void Interpreter::reset() {
+  state_->modal = {};
+  state_->modal.tool_length = parameters_.tool_length_e7 != 0;
+  saved_ = {};
+  ignored_ = new_ignored_ = 0;
+  expressions_.clear();
+  set_position(state_->machine_e7);
+}
+
+void Interpreter::set_position(const Place& machine_e7) {
+  stand_at(machine_e7);
+  plan_.stages = 0;
+}
+
+void Interpreter::stand_at(const Place& machine_e7) {
+  state_->modal.cutter = Cutter::off;
+  in_compensation_ = beside_.active = false;
+  state_->machine_e7 = machine_e7;
+  state_->programmed_e7 = state_->modal.rotation.turned_back(machine_e7);
+  state_->cycle.series = false;
+  state_->spline.known = false;
+}
+
+Place Interpreter::work_offset_e7() const {
+  Place offset = parameters_.systems_e7[state_->modal.system];
+  for (std::size_t i = 0; i < offset.size(); ++i)
+    if (state_->modal.shifted) offset[i] += parameters_.shift_e7[i];
+  if (state_->modal.tool_length) offset[2] += parameters_.tool_length_e7;
+  return offset;
+}
+
+}  // namespace lamplock::program
