@@ -39,6 +39,7 @@ double distance_of(const Shape& shape, const Contour& contour, const Operation& 
     case Compensation::right:
       return half;
     case Compensation::automatic:
+    case Compensation::controller:
       if (!contour.closed) return 0;
       return is_part(shape.place) == is_ccw ? half : -half;
     case Compensation::inside:
@@ -66,7 +67,8 @@ struct Beams {
   std::vector<Contour> contours;
   std::vector<std::size_t> shapes;  ///< of each
   std::vector<WasteSide> waste;
-  bool are_moved = false;  ///< some run beside the drawn contour
+  std::vector<std::optional<Contour>> drawn;  ///< where the controller compensates
+  bool are_moved = false;                     ///< some run beside the drawn contour
 };
 
 class Planner {
@@ -144,9 +146,15 @@ class Planner {
     const CutOrder order =
         cut_order(beams.contours, contour_tree(beams.contours), position_, order_);
     const CutSheet sheet(beams.contours);
-    for (const CutStep& step : order.steps) {
+    for (CutStep step : order.steps) {
       PlannedCut cut{
           *shapes_[beams.shapes[step.contour]].operation, beams.shapes[step.contour], {}};
+      if (const auto& drawn = beams.drawn[step.contour]) {
+        step.edge = 0;
+        step.part = 0;
+        cut.controller = ControllerPath{{}, beams.waste[step.contour] == WasteSide::left};
+        for (const Edge& edge : drawn->edges) cut.controller->drawn.push_back({edge});
+      }
       cut.strokes.push_back(path_of(beams, step, operations_[cut.operation], sheet));
       append(std::move(cut));
     }
@@ -172,11 +180,42 @@ class Planner {
       fault.contour = number;
       plan_.faults.push_back(fault);
     }
+    std::optional<Contour> drawn;
+    if (operation.compensation == Compensation::controller && distance_mm != 0)
+      drawn = begin_alike(contour, distance_mm, operation, result);
     for (Contour& beam : result.contours) {
       beams.contours.push_back(std::move(beam));
       beams.shapes.push_back(number);
       beams.waste.push_back(waste);
+      beams.drawn.push_back(drawn);
     }
+  }
+
+  /// The drawn contour from the middle of an edge, and the beam from beside it: at a corner the
+  /// controller would neither close the contour nor keep its distance.
+  static Contour begin_alike(const Contour& contour, double distance_mm, const Operation& operation,
+                             OffsetContours& result) {
+    const bool is_narrow =
+        std::any_of(result.faults.begin(), result.faults.end(),
+                    [](const Fault& fault) { return fault.kind == FaultKind::narrow; });
+    constexpr double near_mm = 1e-6;
+    if (!is_narrow && result.contours.size() == 1) {
+      Contour& beam = result.contours.front();
+      for (std::size_t i = 0; i < contour.edges.size(); ++i) {
+        const Edge& edge = contour.edges[i];
+        const Vec at = point_at(edge, 0.5) + right_of(direction_at(edge, 0.5)) * distance_mm;
+        for (std::size_t k = 0; k < beam.edges.size(); ++k) {
+          if (distance_to(beam.edges[k], at) > near_mm) continue;
+          beam = as_cut(beam, {0, false, k, std::clamp(part_at(beam.edges[k], at), 0.0, 1.0)});
+          return as_cut(contour, {0, false, i, 0.5});
+        }
+      }
+    }
+    throw Error(Exit::bad_input, operation.name,
+                fmt::format("the beam of {:g} mm does not fit everywhere beside the {}, where the "
+                            "controller would stop",
+                            operation.kerf_mm, contour_text(contour)),
+                "use compensation auto");
   }
 
   /// Paths of the beam that cross although the drawing does not: parts that are too near.

@@ -29,11 +29,18 @@ struct Shape {
 /// before ends. Moves with a power of 0 are dark.
 using Stroke = std::vector<CutMove>;
 
+/// The drawn contour, beside which the controller leads the beam.
+struct ControllerPath {
+  Stroke drawn;  ///< begins in the middle of an edge
+  bool is_left = false;
+};
+
 /// What is cut without another contour between: a contour, or the lines of an engraving.
 struct PlannedCut {
   std::size_t operation = 0;
   std::size_t shape = 0;  ///< of an engraving the first one
   std::vector<Stroke> strokes;
+  std::optional<ControllerPath> controller{};  ///< with Compensation::controller
 };
 
 struct CutPlan {
@@ -51,8 +58,8 @@ void place_shapes(std::vector<Shape>& shapes, const std::vector<Operation>& oper
 Contour directed(const Shape& shape, Direction direction);
 
 /// Throws Error (bad_input), with the place in the drawing: an open contour that has no inside, a
-/// contour that is smaller than the beam, leads and tabs that do not fit, and as cut_path() and
-/// hatch().
+/// contour that is smaller than the beam, a place where the beam does not fit and the controller
+/// compensates, leads and tabs that do not fit, and as cut_path() and hatch().
 CutPlan plan_cuts(const std::vector<Shape>& shapes, const std::vector<Operation>& operations,
                   const Vec& position, const OrderOptions& order = {});
 

@@ -27,7 +27,8 @@ enum class Compensation : std::uint8_t {
   left,  ///< of the direction in which the contour is cut (G41)
   right,
   inside,
-  outside
+  outside,
+  controller  ///< as automatic, by G41 and G42 of the machine along the drawn contour
 };
 
 enum class Direction : std::uint8_t {

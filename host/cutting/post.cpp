@@ -132,12 +132,30 @@ class ProgramWriter {
     const std::size_t passes =
         operation.z_mm.empty() ? static_cast<std::size_t>(operation.passes) : operation.z_mm.size();
     for (std::size_t pass = 0; pass < passes; ++pass) {
+      if (cut.controller) {
+        write_compensated(cut, operation, pass);
+        continue;
+      }
       for (std::size_t i = 0; i < cut.strokes.size(); ++i) {
         go_to(cut.strokes[i].front().edge.from);
         if (i == 0 && !operation.z_mm.empty()) go_to_height(operation.z_mm[pass]);
         write_stroke(cut.strokes[i], operation);
       }
     }
+  }
+
+  /// Along the drawn contour. The entry is dark, along the begin of the contour and twice as long
+  /// as the radius of the beam, so that it ends square beside the begin.
+  void write_compensated(const PlannedCut& cut, const Operation& operation, std::size_t pass) {
+    const Stroke& drawn = cut.controller->drawn;
+    const Edge& first = drawn.front().edge;
+    go_to(first.from - direction_at(first, 0) * operation.kerf_mm);
+    if (!operation.z_mm.empty()) go_to_height(operation.z_mm[pass]);
+    templates_.set(PostValue::kerf, post_number(operation.kerf_mm, post_.decimals));
+    write(cut.controller->is_left ? PostEvent::left : PostEvent::right);
+    go_to(first.from);
+    write_stroke(drawn, operation);
+    write(PostEvent::uncompensated);
   }
 
   /// The passes of a tool. It leaves the sheet between strokes.

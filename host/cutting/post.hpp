@@ -31,13 +31,17 @@ enum class PostEvent : std::uint8_t {
   arc_cw,
   arc_ccw,
   shape_end,  ///< at the end of a stroke
+  left,       ///< the controller leads the beam to the left of the contour
+  right,
+  uncompensated,  ///< no longer
   air_on,
   air_off,
   end  ///< of the program
 };
-inline constexpr std::array<const char*, 16> post_event_names{
-    "begin", "comment", "operation", "rapid",   "height",    "sink",   "shape_begin", "pierce",
-    "power", "line",    "arc_cw",    "arc_ccw", "shape_end", "air_on", "air_off",     "end"};
+inline constexpr std::array<const char*, 19> post_event_names{
+    "begin",  "comment",       "operation", "rapid",   "height",  "sink",      "shape_begin",
+    "pierce", "power",         "line",      "arc_cw",  "arc_ccw", "shape_end", "left",
+    "right",  "uncompensated", "air_on",    "air_off", "end"};
 
 /// Names of the values of templates.
 enum class PostValue : std::uint8_t {
@@ -52,10 +56,12 @@ enum class PostValue : std::uint8_t {
   seconds,
   text,
   tool,
-  operation
+  operation,
+  kerf  ///< diameter of the beam or tool
 };
-inline constexpr std::array<const char*, 12> post_value_names{
-    "x", "y", "z", "i", "j", "diameter", "feed", "power", "seconds", "text", "tool", "operation"};
+inline constexpr std::array<const char*, 13> post_value_names{
+    "x",     "y",       "z",    "i",    "j",         "diameter", "feed",
+    "power", "seconds", "text", "tool", "operation", "kerf"};
 
 struct Post {
   std::string name, about;

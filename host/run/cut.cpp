@@ -300,6 +300,12 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
     warn_of_pulsed(profile.settings, frontend, result);
     warn_of_dark_pierce(operations, profile.settings, frontend, result);
   }
+  for (const Operation& operation : operations)
+    if (operation.compensation == cutting::Compensation::controller &&
+        post.of(cutting::PostEvent::left).empty())
+      throw Error(Exit::bad_input, description.machine.post,
+                  "this post-processor has no lines for compensation by the controller",
+                  "write left, right and uncompensated into it, or use compensation auto");
   CutPlan plan =
       cutting::plan_cuts(drawing.shapes, operations, {0, 0}, order_of(description.machine));
   for (const std::string& text : fault_texts(plan.faults, description.drawing.tolerance_mm)) {

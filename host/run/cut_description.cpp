@@ -93,6 +93,7 @@ void require_fit(const OperationChoice& choice, const std::string& name, Machine
   const bool is_laser = machine == MachineType::laser, is_mill = machine == MachineType::mill;
   refuse_unless(is_laser || choice.kind != "engrave", "engraving with lines");
   refuse_unless(is_laser || choice.pierce_s == 0, "pierce time");
+  refuse_unless(is_laser || choice.compensation != "controller", "compensation by the controller");
   refuse_unless(is_laser || !choice.material, "settings in the material library");
   refuse_unless(is_laser || !choice.passes, "passes without a depth");
   const bool has_leads = choice.lead_in != "none" || choice.lead_out != "none";
@@ -193,7 +194,8 @@ cutting::Operation bare_operation(const OperationChoice& choice, const std::stri
       named<OperationKind>(choice.kind, std::array{"cut", "score", "engrave", "ignore"});
   if (choice.is_off) operation.kind = OperationKind::ignore;
   operation.compensation = named<Compensation>(
-      choice.compensation, std::array{"auto", "none", "left", "right", "inside", "outside"});
+      choice.compensation,
+      std::array{"auto", "none", "left", "right", "inside", "outside", "controller"});
   operation.direction =
       named<Direction>(choice.direction, std::array{"auto", "drawn", "reversed", "cw", "ccw"});
   return operation;
@@ -228,6 +230,11 @@ cutting::Operation operation_of(const OperationChoice& choice, const std::string
     throw Error(Exit::bad_input, name,
                 fmt::format("compensation {} needs the width of the beam", choice.compensation),
                 "give the kerf in mm");
+  if (choice.compensation == "controller" &&
+      (choice.lead_in != "none" || choice.lead_out != "none" || choice.tabs != 0 ||
+       choice.overcut_mm != 0))
+    throw Error(Exit::bad_input, name, "compensation controller has no leads, tabs and overcut",
+                "leave them out, or use compensation auto");
   operation.pierce_s = choice.pierce_s;
   if (operation.kind == OperationKind::score) {
     if (!has_side) operation.compensation = Compensation::none;

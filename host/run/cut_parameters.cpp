@@ -97,10 +97,12 @@ std::vector<Parameter> side_parameters(OperationChoice& o) {
        "--compensation",
        &o.compensation,
        "Side of the beam. auto: outside of parts, inside of holes; inside, outside: of closed "
-       "contours; left, right: of the direction of the cut; none",
+       "contours; left, right: of the direction of the cut; none; controller: as auto, by G41 and "
+       "G42 "
+       "of the machine",
        "",
        {},
-       {"auto", "none", "left", "right", "inside", "outside"}},
+       {"auto", "none", "left", "right", "inside", "outside", "controller"}},
       {"direction",
        "--direction",
        &o.direction,

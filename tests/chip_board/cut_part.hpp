@@ -11,14 +11,18 @@
 
 namespace lamplock::test {
 
-/// Begins with a long rapid.
-inline std::string cut_part_program() {
+/// Begins with a long rapid. Compensated by the controller it has no lead and no tab.
+inline std::string cut_part_program(bool by_controller = false) {
   cutting::Operation operation;
   operation.power = 0.8;
   operation.feed_mm_min = 6000;
   operation.kerf_mm = 0.2;
-  operation.lead_in = {cutting::LeadShape::line, 0.3, 0.3, 90};
-  operation.tabs = {1, 0.4, 0, 0.3};
+  if (by_controller) {
+    operation.compensation = cutting::Compensation::controller;
+  } else {
+    operation.lead_in = {cutting::LeadShape::line, 0.3, 0.3, 90};
+    operation.tabs = {1, 0.4, 0, 0.3};
+  }
   std::vector<cutting::Shape> shapes{{rounded_rectangle({6, 3}, 5, 4, 1), {}, 0},
                                      {circle({8.5, 5}, 1), {}, 0}};
   cutting::place_shapes(shapes, {operation});

@@ -296,13 +296,17 @@ INSTANTIATE_TEST_SUITE_P(Motors, ProgramTicks,
                                          Case{"Ganged", [] { return mixed(Id::ganged_axis, 2); }}),
                          name_of);
 
-INSTANTIATE_TEST_SUITE_P(Cuts, ProgramTicks,
-                         testing::Values(Case{
-                             "Part",
-                             [] {
-                               return Work{laser_cutter(Id::kinematics, 0), cut_part_program()};
-                             }}),
-                         name_of);
+INSTANTIATE_TEST_SUITE_P(
+    Cuts, ProgramTicks, testing::ValuesIn([] {
+      std::vector<Case> cases;
+      for (const bool by_controller : {false, true})
+        cases.push_back(
+            {by_controller ? "PartByController" : "Part", [by_controller] {
+               return Work{laser_cutter(Id::kinematics, 0), cut_part_program(by_controller)};
+             }});
+      return cases;
+    }()),
+    name_of);
 
 INSTANTIATE_TEST_SUITE_P(Drives, ProgramTicks, testing::ValuesIn([] {
                            std::vector<Case> cases;

@@ -97,6 +97,18 @@ TEST_F(Cut, the_program_is_that_of_grbl_with_arcs) {
   EXPECT_EQ(run({"check", program_}).status, 0);
 }
 
+TEST_F(Cut, the_controller_compensates) {
+  const json host = made(drawing(square), {"--kerf", "0.5"});
+  const json controller = made(drawing(square), {"--kerf", "0.5", "--compensation", "controller"});
+  EXPECT_NEAR(controller["cut_mm"].get<double>(), host["cut_mm"].get<double>(), 1e-6);
+  const std::string text = read(program_);
+  EXPECT_THAT(text, HasSubstr("\nG42.1 D0.5\n"));
+  EXPECT_THAT(text, HasSubstr("\nG40\n"));
+  EXPECT_THAT(text, HasSubstr("\nG1 X10 F600 S800\nG1 Y10\nG1 X0\nG1 Y0\n"))
+      << "the corners of the drawing";
+  EXPECT_EQ(run({"check", program_}).status, 0);
+}
+
 TEST_F(Cut, list_shows_every_contour) {
   const std::string file =
       drawing(rounded + dxf_circle(0, 0, 4, "HOLES", 1) + dxf_polyline({{0, 30}, {9, 42}}, false));
@@ -256,6 +268,14 @@ TEST_F(Cut, bad_input_is_one_line_and_no_file) {
               HasSubstr("does not fit"));
   EXPECT_THAT(refused(drawing(square), {"--tabs", "2", "--tab-width", "12"}),
               HasSubstr("tabs of 12 mm do not fit"));
+  EXPECT_THAT(refused(drawing(square), {"--compensation", "controller"}),
+              HasSubstr("needs the width of the beam"));
+  EXPECT_THAT(refused(drawing(square),
+                      {"--kerf", "0.2", "--compensation", "controller", "--lead-in", "arc"}),
+              HasSubstr("has no leads"));
+  EXPECT_THAT(refused(drawing(square), {"--kerf", "0.2", "--compensation", "controller", "--post",
+                                        "mill", "--infeed", "1", "--final-depth", "2"}),
+              HasSubstr("compensation by the controller"));
   EXPECT_THAT(refused(drawing(square), {"--x", "45"}), HasSubstr("would leave the work space"));
   EXPECT_THAT(refused(drawing(dxf_rectangle(-45, -45, 120, 120)), {}), HasSubstr("too large"));
   EXPECT_THAT(refused(drawing(square), {"--layer", "SQUAR"}), HasSubstr("did you mean 'SQUARE'"));

@@ -132,6 +132,34 @@ lead_in_mm = 1
   }
 }
 
+/// The board compensates: the light is on the path of the host's own compensation.
+TEST_F(CutBeam, the_board_compensates_as_the_host_does) {
+  const std::string part =
+      dxf_rounded(-30, -20, 30, 14, 3) + dxf_circle(-20, -13, 4) +
+      dxf_polyline({{5, 0}, {25, 0}, {25, 8}, {13, 8}, {13, 20}, {5, 20}}, true);
+  const auto lit_by = [&](const std::string& compensation) {
+    std::vector<Vec> places;
+    for (const LitPlace& place :
+         beam_of(part, "[[operation]]\npower = 80\nfeed = 1200\nkerf = 0.4\ncompensation = \"" +
+                           compensation + "\"\n"))
+      if (place.light > 0) places.push_back(place.at);
+    return places;
+  };
+  const std::vector<Vec> host = lit_by("auto"), board = lit_by("controller");
+  EXPECT_GT(host.size(), 10'000u);
+  const auto apart = [](const std::vector<Vec>& from, const std::vector<Vec>& to) {
+    double most = 0;
+    for (std::size_t i = 0; i < from.size(); i += 7) {
+      double least = 1e9;
+      for (const Vec& place : to) least = std::min(least, distance(from[i], place));
+      most = std::max(most, least);
+    }
+    return most;
+  };
+  EXPECT_LE(apart(host, board), 2 * step_mm);
+  EXPECT_LE(apart(board, host), 2 * step_mm);
+}
+
 TEST_F(CutBeam, operations_have_their_power_and_engravings_stay_in_their_area) {
   const std::string cut = dxf_rectangle(-30, -20, 40, 30);
   const std::string score = dxf_polyline({{-25, -15}, {-10, -12}, {-5, -15}}, false, "SCORE");
