@@ -4,10 +4,10 @@
 // Called by the command line; weld() of each layer follows, because contours
 // of a plane may touch.
 //
-// A vertex on a plane counts as above it, but those of a place that is the lowest in its surroundings
-// as below. So each triangle is cut in exactly two edges or none, neighbours agree about their common
-// edge, and the contours of a closed mesh are closed. A flat top and a flat bottom in a plane give
-// their rims.
+// A vertex on a plane counts as above it, but those of a place that is the lowest in its
+// surroundings as below. So each triangle is cut in exactly two edges or none, neighbours agree
+// about their common edge, and the contours of a closed mesh are closed. A flat top and a flat
+// bottom in a plane give their rims.
 #pragma once
 
 #include <optional>
