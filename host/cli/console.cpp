@@ -36,6 +36,8 @@ void Console::line(const std::string& text) {
 
 void Console::text(const std::string& text) { print(out_, text); }
 
+void Console::require_output() { cli::require_output(); }
+
 void Console::phase(const std::string& name, const std::string& what) {
   const std::chrono::duration<double> taken = Clock::now() - phase_start_;
   say("{:<8} {} ({})", name, what, duration_text(taken.count()));

@@ -24,6 +24,7 @@ class Console : public run::Frontend {
 
   void line(const std::string& text) override;
   void text(const std::string& text) override;
+  void require_output() override;
   void notice(const std::string& text) override;
   void phase(const std::string& name, const std::string& what) override;
   void restart_clock() override { phase_start_ = Clock::now(); }

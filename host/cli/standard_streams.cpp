@@ -35,6 +35,11 @@ std::string reason_text() {
   return lost_output == 0 ? "" : " (" + std::generic_category().message(lost_output) + ")";
 }
 
+Error lost_output_error() {
+  return {Exit::job_failed, "standard output", "cannot be written" + reason_text(),
+          "check where it is sent to and its free space"};
+}
+
 }  // namespace
 
 void prepare_streams() {
@@ -60,10 +65,13 @@ int check_output(int status) {
   if (!is_flushed && lost_output == 0) lost_output = errno;
   if (is_flushed && lost_output == 0 && std::ferror(stdout) == 0) return status;
   if (status != static_cast<int>(Exit::done)) return status;
-  const Error error(Exit::job_failed, "standard output", "cannot be written" + reason_text(),
-                    "check where it is sent to and its free space");
+  const Error error = lost_output_error();
   write_text(stderr, std::string(error.what()) + '\n');
   return static_cast<int>(error.exit());
+}
+
+void require_output() {
+  if (lost_output != 0) throw lost_output_error();
 }
 
 }  // namespace lamplock::cli

@@ -15,11 +15,14 @@ namespace lamplock::cli {
 void prepare_streams();
 
 /// Writes and flushes text. A failure does not end the program, because a job must not stop for it;
-/// check_output() reports it.
+/// check_output() reports it, or require_output().
 void write_text(std::FILE* stream, std::string_view text);
 
 /// Flushes stdout. Returns `status`, or job_failed instead of done if text was lost, with an error
 /// on stderr. A reader that has seen enough (`| head`) needs no message.
 int check_output(int status);
+
+/// Throws Error (job_failed) if text for stdout was lost so far.
+void require_output();
 
 }  // namespace lamplock::cli

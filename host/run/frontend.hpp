@@ -81,6 +81,9 @@ class Frontend {
   virtual void line(const std::string& text) = 0;
   /// Shows several lines, as they are.
   virtual void text(const std::string& text) = 0;
+  /// Throws Error if a line of the result was lost: the address of a server must be seen before it
+  /// waits for others.
+  virtual void require_output() {}
   /// Shows a line that is not part of the result.
   virtual void notice(const std::string& text) = 0;
   /// Ends a phase that began at the end of the phase before: its name, its result, its time.

@@ -128,6 +128,7 @@ Simulated simulate(const SimOptions& options, Frontend& frontend) {
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, board);
   for (const auto& port : ports.all()) frontend.say("listening on {}", port->address());
+  frontend.require_output();
   if (!options.seconds) frontend.say("Ctrl-C ends the simulation");
   run_at_wall_pace(board, ports, options, frontend);
   Simulated result{board.world().laser().shots().size(), board.world().lamp().flashes()};

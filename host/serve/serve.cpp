@@ -119,6 +119,7 @@ void serve(const ServeOptions& options, run::Frontend& frontend) {
   frontend.say("page: {}/#token={}", origin_of(options.address, web.port()), site.token);
   if (!site.password_hash.empty()) frontend.say("other pages log in with the password");
   if (options.pairs) frontend.say("code for pairing: {}", site.code);
+  frontend.require_output();
   note("the server begins");
   const auto interrupts = frontend.interrupts();
   std::uint64_t logged = 0;

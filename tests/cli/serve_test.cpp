@@ -1,6 +1,7 @@
 // `lamplock serve`: one server for a board, one for a port; the address with its token.
 #include <gmock/gmock.h>
 
+#include <cstdlib>
 #include <regex>
 
 #include "tests/cli/program.hpp"
@@ -31,6 +32,21 @@ TEST(Serve, has_one_server_for_a_board_and_for_a_port) {
   EXPECT_THAT(same_port.err, HasSubstr("give another port with --port"));
   server.interrupt();
   EXPECT_EQ(server.finish().status, 130);
+}
+
+/// A server with an address that the user cannot know would wait for ever.
+TEST(Serve, AndSimulatorsEndIfTheirAddressIsLost) {
+  const Folder folder;
+  const std::string err = folder / "err";
+  for (const std::string command :
+       {"serve --port 0 --folder " + (folder / "jobs"), "sim --pty " + (folder / "port")})
+    for (const std::string output : {"/dev/full", "&-"}) {
+      const std::string line =
+          "timeout 20 " + program_path() + " " + command + " >" + output + " 2>" + err;
+      const int status = std::system(line.c_str());  // NOLINT(cert-env33-c)
+      EXPECT_EQ(WEXITSTATUS(status), 1) << line;
+      EXPECT_THAT(read(err), HasSubstr("error: standard output: cannot be written ("));
+    }
 }
 
 TEST(Serve, refuses_what_it_cannot_use) {
