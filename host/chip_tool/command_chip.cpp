@@ -31,6 +31,7 @@ namespace {
 using cli::Command;
 using cli::Console;
 using cli::Interrupt;
+using cli::is_ended_by_signal;
 using cli::one_of;
 using run::max_unsent;
 using run::open_pty;
@@ -184,7 +185,8 @@ using sim::chip::script::Failure;
 }
 
 /// A fault has priority over an expectation that failed later: it is the likely cause.
-Exit conclude(const ChipRun& run, const std::string& script, const RunResult& result) {
+Exit conclude(const ChipRun& run, const Options& options, const RunResult& result) {
+  const std::string& script = options.run.script;
   if (result.end == RunEnd::terminated) return Exit::terminated;
   const auto* const runner = run.script();
   const std::optional<Failure> failure =
@@ -192,8 +194,12 @@ Exit conclude(const ChipRun& run, const std::string& script, const RunResult& re
   const sim::chip::Fault* const fault = run.fatal_fault();
   if (fault != nullptr && (!failure || fault->at <= failure->at)) image_failed(run, *fault);
   if (failure) expectation_failed(script, *failure, "examine the trace (--vcd FILE)");
+  const bool has_end = runner != nullptr || !options.until.empty();
+  // Ctrl-C is the usual end of a run without another one.
+  if (result.end == RunEnd::interrupt && (has_end || is_ended_by_signal()))
+    return Exit::interrupted;
   if (runner == nullptr || runner->done()) return Exit::done;
-  if (result.end == RunEnd::interrupt || result.end == RunEnd::debugger) return Exit::interrupted;
+  if (result.end == RunEnd::debugger) return Exit::interrupted;
   Failure open = open_step(run, result);
   open.seen += " (" + end_text(result) + ')';
   expectation_failed(script, open, "examine the trace (--vcd FILE) or give a later --until");
@@ -208,6 +214,7 @@ Exit run_image(const Options& options) {
                 options.run.image, door);
   const Interrupt interrupt;
   Terminals terminals(options, console);
+  console.require_output();
   const auto start = WallClock::now();
   result.end = run_to_end(run, terminals, result, interrupt);
   result.wall_seconds = std::chrono::duration<double>(WallClock::now() - start).count();
@@ -217,7 +224,7 @@ Exit run_image(const Options& options) {
   for (std::size_t core = 0; core < 2; ++core)
     if (const auto* profile = run.profile(core)) console.text(profile->text(profile_lines));
   console.document(chip_json(run, result));
-  return conclude(run, options.run.script, result);
+  return conclude(run, options, result);
 }
 
 }  // namespace
@@ -232,7 +239,8 @@ void add_chip(Command& program) {
       "summary has cause, pc, lr, symbol and cycle of the first of each. A script permits them by\n"
       "'allow hardfault', 'allow lockup', 'allow bootblock' and 'allow watchdog'.\n"
       "Exit status: 0 done, 1 fault of the image or expectation not met, 2 bad input, 3 terminal\n"
-      "or port cannot be opened, 130 interrupted before the end of the script, 143 SIGTERM.");
+      "or port cannot be opened; ended by a signal before the end of the script or --until: 130\n"
+      "SIGINT (Ctrl-C), 129 SIGHUP, 143 SIGTERM. Without script and --until Ctrl-C gives 0.");
   const auto options = std::make_shared<Options>();
   app.add_option("IMAGE", &options->run.image, "ELF, UF2 or BIN file")
       .file(cli::FileUse::read)
@@ -247,12 +255,12 @@ void add_chip(Command& program) {
       .file(cli::FileUse::read);
   app.add_option("--vcd", &options->run.vcd, "Write a trace of all pins (VCD, for GTKWave)")
       .value_name("FILE")
-      .file(cli::FileUse::write);
+      .file(cli::FileUse::write, ".vcd");
   app.add_option("--profile", &options->run.profile,
                  "Write cycles by function and interrupt as folded stacks for flame graphs, and "
                  "print a table")
       .value_name("FILE")
-      .file(cli::FileUse::write);
+      .file(cli::FileUse::write, ".txt");
   app.add_option("--pty", &options->pty,
                  "Open a pseudo-terminal for the USB serial port of the image and run in real "
                  "time; --pty=LINK creates a link to the pseudo-terminal")

@@ -130,17 +130,19 @@ void add_job_speed(Command& app, run::BoardOptions& options) {
 }
 
 void add_part(Command& app, run::BoardOptions& options) {
-  app.add_option("--from", &options.from,
-                 "Continue at this point or line, the first one that was not fired; pauses count "
-                 "as points; programs: line of the file, reached with the laser off")
-      .check(number_from(0, true))
-      .value_name("N")
-      .group(board_group)
-      .common();
+  const Option& from =
+      app.add_option("--from", &options.from,
+                     "Continue at this point or line, the first one that was not fired; pauses "
+                     "count as points; programs: line of the file, reached with the laser off")
+          .check(number_from(0, true))
+          .value_name("N")
+          .group(board_group)
+          .common();
   app.add_option("--fired", &options.fired,
                  "Number of flashes already fired at the point of --from")
       .check(number_in({0u, max_shots}))
       .value_name("N")
+      .needs(from)
       .group(board_group);
 }
 
@@ -155,7 +157,7 @@ void add_resume(Command& app, run::BoardOptions& options) {
                  "Progress journal of the job on a real board; default: INPUT.progress")
       .check(file_name())
       .value_name("FILE")
-      .file(FileUse::write)
+      .file(FileUse::write, ".progress")
       .group(board_group);
 }
 
@@ -194,24 +196,24 @@ void add_job_run(Command& app, run::BoardOptions& options) {
                  "Append a line about the job to this CSV file")
       .check(file_name())
       .value_name("FILE")
-      .file(FileUse::write)
+      .file(FileUse::write, ".csv")
       .group(board_group);
   app.add_option("--vcd", &options.vcd,
                  "Write a trace of all pins of a simulated board (VCD, for GTKWave)")
       .check(file_name())
       .value_name("FILE")
-      .file(FileUse::write)
+      .file(FileUse::write, ".vcd")
       .group(board_group);
   app.add_option("--shots", &options.shots, "Write the laser shots of a simulated board (CSV)")
       .check(file_name())
       .value_name("FILE")
-      .file(FileUse::write)
+      .file(FileUse::write, ".csv")
       .group(board_group);
   app.add_option("--timing", &options.timing,
                  "Write how many cycles each function of the firmware takes; board chip only")
       .check(file_name())
       .value_name("FILE")
-      .file(FileUse::write)
+      .file(FileUse::write, ".txt")
       .group(board_group);
   add_plot(app, options.plot, board_group);
   add_lamp_faults(app, options.faults);

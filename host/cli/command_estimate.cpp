@@ -86,7 +86,7 @@ void add_estimate(Command& program) {
       .common()
       .check(file_name())
       .value_name("FILE")
-      .file(FileUse::write);
+      .file(FileUse::write, ".html");
   app.add_json(options->json);
   app.action([options, &program] {
     options->estimate.job.command = program.typed();

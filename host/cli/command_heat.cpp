@@ -230,7 +230,7 @@ void add_heat(Command& program) {
   app.add_option("--csv", &options->csv, "Write temperature and heating rate per node and time")
       .check(file_name())
       .value_name("FILE")
-      .file(FileUse::write)
+      .file(FileUse::write, ".csv")
       .common();
   app.add_option("--picture", &options->picture, "Write a picture (SVG)")
       .check(file_name())

@@ -155,17 +155,18 @@ void add_axis_limits(Command& app, JerkOptions& options) {
 }
 
 void add_outputs(Command& app, JerkOptions& options) {
-  const auto file = [&app](const char* name, std::string& value, const char* text) {
+  const auto file = [&app](const char* name, std::string& value, const char* text,
+                           const char* ending) {
     app.add_option(name, &value, text)
         .check(file_name())
         .value_name("FILE")
-        .file(FileUse::write)
+        .file(FileUse::write, ending)
         .common();
   };
-  file("-o,--output", options.output, "Write the program (G-code) with a feed for each piece");
-  file("--points", options.points, "Write the intermediate points (CSV)");
+  file("-o,--output", options.output, "Write the program (G-code) with a feed for each piece", "");
+  file("--points", options.points, "Write the intermediate points (CSV)", ".csv");
   file("--chart", options.chart,
-       "Write a chart (SVG) of position, speed, acceleration and jerk over time");
+       "Write a chart (SVG) of position, speed, acceleration and jerk over time", "");
   app.add_option("--piece-time", &options.piece_ms, "Maximum duration of a piece of --output")
       .check(number_from(0, false))
       .value_name("MS")

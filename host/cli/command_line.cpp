@@ -95,6 +95,11 @@ Option& Option::bare(std::string text) {
   return *this;
 }
 
+Option& Option::needs(const Option& other) {
+  needed_ = &other;
+  return *this;
+}
+
 Option& Option::for_version() {
   is_for_version_ = true;
   return *this;
@@ -110,8 +115,9 @@ Option& Option::completions(std::vector<std::string> words) {
   return *this;
 }
 
-Option& Option::file(FileUse use) {
+Option& Option::file(FileUse use, std::string ending) {
   file_use_ = use;
+  file_ending_ = std::move(ending);
   return *this;
 }
 

@@ -75,6 +75,8 @@ class Option {
   Option& environment(std::string variable);
   /// The two cannot be given together.
   Option& excludes(const Option& other);
+  /// It cannot be given without the other one.
+  Option& needs(const Option& other);
   /// The option may be given without a value, as `--name` alone, and is this text then; a value is
   /// written `--name=VALUE`. Texts only.
   Option& bare(std::string text);
@@ -85,8 +87,9 @@ class Option {
   /// Words that shells offer for the value.
   Option& completions(std::vector<std::string> words);
   Option& help(std::string text);
-  /// The value names a file; all outputs of a command are checked together (file_options.hpp).
-  Option& file(FileUse use);
+  /// The value names a file; all outputs of a command are checked together (file_options.hpp). An
+  /// output with an `ending`, ".csv", must not have that of another kind of file.
+  Option& file(FileUse use, std::string ending = "");
 
   const std::string& names() const { return names_; }  ///< "-o,--output" or "INPUT"
   const Target& target() const { return target_; }
@@ -105,6 +108,8 @@ class Option {
   bool is_common() const { return is_common_; }
   const std::vector<std::string>& completions() const { return completions_; }
   FileUse file_use() const { return file_use_; }
+  const Option* needed() const { return needed_; }  ///< null: none
+  const std::string& file_ending() const { return file_ending_; }
 
   bool is_positional() const { return !names_.starts_with('-'); }
   bool is_flag() const;
@@ -127,6 +132,8 @@ class Option {
   bool is_for_version_ = false, is_common_ = false;
   std::vector<std::string> completions_;
   FileUse file_use_ = FileUse::none;
+  std::string file_ending_;
+  const Option* needed_ = nullptr;
 };
 
 /// What a command does; returns the exit status or throws lamplock::Error.

@@ -275,7 +275,7 @@ void add_exchange(Command& app, const Options& options) {
   export_command.add_option("FILE", &options->file, "File to write")
       .required()
       .check(file_name())
-      .file(FileUse::write);
+      .file(FileUse::write, ".toml");
   export_command
       .add_option("--material", &options->words,
                   "Write this material and its lasers only; may be given several times")

@@ -126,7 +126,7 @@ void add_material_card(Command& app) {
                  "Sheet (TOML) to write; default: the name of the program with .toml")
       .check(file_name())
       .value_name("FILE")
-      .file(FileUse::write)
+      .file(FileUse::write, ".toml")
       .common();
   sub.add_option("--laser", &options->laser,
                  "Name of the laser; default: the one of the measurements, or the only one")

@@ -194,7 +194,7 @@ void add_settings(Command& program) {
       "Write all settings to a file: TOML (.toml), otherwise lines $NUMBER=VALUE",
       "backup board.toml --board /dev/ttyACM0", backup)
       .add_option("FILE", &options->file, "File to write")
-      .file(FileUse::write)
+      .file(FileUse::write, ".toml")
       .required();
   add(app, options, "restore",
       "Restore settings from a file: write the settings that differ and list them",

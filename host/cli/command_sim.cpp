@@ -63,11 +63,11 @@ void add_sim(Command& program) {
       .common();
   app.add_option("--vcd", &options->vcd, "Write a trace of all pins (VCD, for GTKWave)")
       .value_name("FILE")
-      .file(FileUse::write)
+      .file(FileUse::write, ".vcd")
       .common();
   app.add_option("--shots", &options->shots, "Write the laser shots (CSV)")
       .value_name("FILE")
-      .file(FileUse::write)
+      .file(FileUse::write, ".csv")
       .common();
   app.add_json(options->json);
   add_machine(app, options->machine);

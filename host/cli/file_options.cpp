@@ -8,6 +8,7 @@
 
 #include "host/cli/command_line.hpp"
 #include "host/file/output_files.hpp"
+#include "host/run/output_name.hpp"
 #include "host/run/report_folder.hpp"
 
 namespace lamplock::cli {
@@ -45,6 +46,9 @@ void check_files(const Command& command) {
         outputs.push_back({short_name(option), part.string()});
   }
   check_distinct(outputs, inputs);
+  for (const Option& option : command.options())
+    if (const std::string file = file_of(option); !file.empty() && !option.file_ending().empty())
+      run::check_output_name(file, option.file_ending());
 }
 
 }  // namespace lamplock::cli

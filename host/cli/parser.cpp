@@ -141,6 +141,8 @@ void bind(CLI::App& app, Command& command, const std::vector<std::string>& argum
     if (option.is_for_version()) bound.parsed(option)->needs(version);
   }
   for (const Option& option : command.options())
+    if (option.needed() != nullptr) bound.parsed(option)->needs(bound.parsed(*option.needed()));
+  for (const Option& option : command.options())
     for (const Option* other : option.excluded())
       bound.parsed(option)->excludes(bound.parsed(*other));
   if (command.needs_command())
@@ -252,6 +254,7 @@ Exit run(Command& program, const std::vector<std::string>& arguments) {
   try {
     app.parse(reversed);
   } catch (const CLI::CallForVersion& version) {
+    if (const auto found = usage_error(program, present)) throw Error(*found);
     bound.set_given();
     if (program.version_action()) return program.version_action()();
     app.exit(version);

@@ -14,6 +14,7 @@
 #include <type_traits>
 
 #include "host/cli/arguments.hpp"
+#include "host/cli/number_slip.hpp"
 #include "host/suggestion.hpp"
 #include "host/text.hpp"
 
@@ -72,24 +73,6 @@ bool exceeds_type(const std::string& text) {
   errno = 0;
   std::strtod(text.c_str(), &end);
   return errno == ERANGE && *end == '\0';
-}
-
-/// "0.1" for "0,1", which some languages write; empty for other texts.
-std::string with_decimal_point(const std::string& text) {
-  const auto comma = text.find(',');
-  if (comma == std::string::npos || text.find('.') != std::string::npos) return "";
-  std::string point = text;
-  point[comma] = '.';
-  return number_of<double>(point) ? point : "";
-}
-
-/// "0.3" for "0.3mm"; empty for other texts.
-std::string without_unit(const std::string& text) {
-  const std::size_t end = text.find_first_not_of("+-.0123456789");
-  if (end == std::string::npos || text.find_first_of("0123456789", end) != std::string::npos)
-    return "";
-  const std::string number = text.substr(0, end);
-  return number_of<double>(number) ? number : "";
 }
 
 /// The numbers that a type of whole numbers has, if the text is none of them.
@@ -152,6 +135,9 @@ std::string unit_of(const Option& option) {
   return "";
 }
 
+/// "-x"
+bool is_one_letter(std::string_view option) { return option.size() == 2; }
+
 class Usage {
  public:
   Usage(const Command& program, const std::vector<std::string>& typed)
@@ -161,6 +147,7 @@ class Usage {
     for (at_ = 0; at_ < arguments_.size(); ++at_)
       if (auto error = error_at(arguments_[at_])) return error;
     if (auto error = contradiction()) return error;
+    if (is_given(version_option())) return std::nullopt;  // which needs nothing else
     const Command& command = arguments_.empty() ? program_ : *arguments_.back().command;
     if (command.needs_command())
       return refusal(here(), "a command is missing", give_command(command));
@@ -236,6 +223,7 @@ class Usage {
         return fmt::format("write it after a command: {} {} {}; {}", here(), named->name(),
                            argument.text, see_help());
       }
+      if (is_one_letter(argument.text)) continue;  // it is no slip of another name
       for (const std::string& name : names_in(inner))
         if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     }
@@ -359,6 +347,10 @@ class Usage {
           return refusal(argument.text,
                          fmt::format("cannot be given together with {}", other->name()),
                          "leave out one of them");
+      if (const Option* needed = argument.option->needed(); needed != nullptr && !is_given(*needed))
+        return refusal(
+            argument.text, fmt::format("needs {}", needed->name()),
+            fmt::format("give {} {}; {}", needed->name(), needed->value_name(), see_help()));
       if (argument.option->is_for_version() && !is_given(version_option()))
         return refusal(
             argument.text, fmt::format("needs {}", version_option().name()),

@@ -153,12 +153,20 @@ void Library::change(const fs::path& file, const std::function<void(Library& lib
     change(library);
     transaction.commit();
   };
-  if (!is_there(file)) {
+  const bool is_new = !is_there(file);
+  if (is_new) {
     Library trial(in_memory);
     run(trial);
   }
-  Library library(file);
-  run(library);
+  try {
+    Library library(file);
+    run(library);
+  } catch (...) {
+    // A full disk: SQLite leaves an empty file.
+    std::error_code ignored;
+    if (is_new && fs::file_size(file, ignored) == 0) fs::remove(file, ignored);
+    throw;
+  }
 }
 
 void Library::insert_delivered() {

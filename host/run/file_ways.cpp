@@ -7,6 +7,7 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/file/staged_file.hpp"
 #include "host/glass/description_file.hpp"
 #include "host/model/input.hpp"
 #include "host/run/read_job.hpp"
@@ -49,6 +50,7 @@ FileWay way_of_file(const std::string& file) {
 }
 
 void refuse_empty(const std::string& file) {
+  if (is_special(file)) check_is_file(file);
   std::error_code failure;
   if (!std::filesystem::is_regular_file(file, failure) ||
       std::filesystem::file_size(file, failure) != 0 || failure)

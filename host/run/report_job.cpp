@@ -165,6 +165,9 @@ void report_job(JobOutcome& outcome, const BoardOptions& options, Frontend& fron
   if (!outcome.folder) return;
   frontend.restart_clock();
   outcome.folder->write_rest(outcome.report, outcome.run, outcome.lost);
+  for (const std::string& lost : outcome.lost.names())
+    for (const std::filesystem::path& file : files_of_report(options.report))
+      if (file == lost) return;  // the error names it
   frontend.line("");
   frontend.phase("report", options.report);
 }

@@ -13,6 +13,7 @@
 #include "host/file/staged_file.hpp"
 #include "host/job/job_file.hpp"
 #include "host/run/file_ways.hpp"
+#include "host/run/output_name.hpp"
 #include "host/run/read_job.hpp"
 #include "host/shell_text.hpp"
 #include "host/text.hpp"
@@ -153,6 +154,7 @@ void check_program_name(const std::string& output) {
   if (lower_extension(output) == job_extension)
     throw Error(Exit::bad_input, output, "is a name for a job, not for G-code",
                 "give a name that ends in .ngc");
+  if (!has_program_name(output)) check_output_name(output, ".ngc");
 }
 
 }  // namespace lamplock::run

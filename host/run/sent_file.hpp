@@ -34,8 +34,8 @@ std::string read_program_text(const std::string& file);
 /// The error for a program without a line to run.
 Error no_line_to_send(const std::string& file);
 
-/// Throws Error(bad_input) for an output whose name does not end in .llj, for a job, or does so,
-/// for G-code. Devices and pipes have no endings.
+/// Throws Error(bad_input) for an output whose name does not end in .llj, for a job, or has the
+/// ending of another kind of file, for G-code. Devices and pipes have no endings.
 void check_job_name(const std::string& output);
 void check_program_name(const std::string& output);
 

@@ -34,6 +34,23 @@ TEST(Errors, missing_and_unknown_files) {
   expect_input_refused(folder, folder.write("a.doc", "text"), "a.doc");
 }
 
+TEST(Errors, folders_and_devices_are_no_inputs) {
+  const Folder folder;
+  for (const std::string& input : {folder.path().string(), std::string("/dev/null")}) {
+    const std::string names = input + ": not a file; give a file, not a folder or device";
+    expect_input_refused(folder, input, names);
+    expect_refused(folder, {"estimate", input}, names);
+    expect_refused(folder, {"order", input, "-o", folder / "out.xyz"}, names);
+    expect_refused(folder, {"raster", input, "--feed", "600", "--gcode", folder / "out.ngc"},
+                   names);
+    expect_refused(folder, {"cut", input, "--list"}, names);
+    expect_refused(folder, {"check", input}, names);
+    expect_refused(folder, {"diagnose", input}, names);
+    expect_refused(folder, {"jerk", input}, names);
+    expect_refused(folder, {"send", input}, names);
+  }
+}
+
 TEST(Errors, input_without_points) {
   const Folder folder;
   std::string white = disc_bmp(8);
@@ -97,7 +114,8 @@ TEST(Errors, options_out_of_range) {
   expect_refused(folder, {"engrave", mesh, "--flashes", "256"}, "--flashes");
   expect_refused(folder, {"engrave", mesh, "--job-speed", "0"}, "--job-speed");
   expect_refused(folder, {"engrave", mesh, "--job-speed", "141"}, "--job-speed");
-  expect_refused(folder, {"engrave", mesh, "--flashes", "3", "--fired", "3"}, "--fired 3");
+  expect_refused(folder, {"engrave", mesh, "--flashes", "3", "--from", "0", "--fired", "3"},
+                 "--fired 3");
 }
 
 TEST(Errors, results_that_cannot_be_written_are_reported_first) {

@@ -160,6 +160,7 @@ TEST_F(Outputs, ThatAreTooLargeAreMissingAsAWhole) {
     EXPECT_THAT(fired.err, HasSubstr("report/cloud.png: the job was fired, but this file cannot be "
                                      "written (File too large)"));
     EXPECT_EQ(Json::parse(fired.out, nullptr, false)["not_written"].size(), 3u);
+    EXPECT_THAT(fired.err, Not(HasSubstr("\nreport "))) << "it is not whole";
   }
   const auto files = Folder::files(folder_ / "report");
   for (const char* const whole : {"report.json", "shots.ply"})
@@ -169,6 +170,17 @@ TEST_F(Outputs, ThatAreTooLargeAreMissingAsAWhole) {
   EXPECT_THAT(files, testing::Each(Not(HasSubstr(".part"))));
   EXPECT_EQ(Json::parse(read(folder_ / "report/report.json"))["points_fired"], 2000);
   EXPECT_GT(read(folder_ / "report/shots.ply").size(), 2000u * 17);
+}
+
+TEST_F(Outputs, OfANewLibraryOnAFullDiskAreNotLeftEmpty) {
+  const std::string library = folder_ / "library.db";
+  const Arguments add{"material", "add", "oak", "--library", library};
+  {
+    const SizeLimit full(trial_bytes);
+    EXPECT_NE(run(add).status, 0);
+    EXPECT_FALSE(fs::exists(library));
+  }
+  EXPECT_EQ(run(add).status, 0);
 }
 
 TEST_F(Outputs, OfProgramsAndSimulations) {
@@ -246,6 +258,45 @@ TEST_F(Outputs, OfEveryCommandToAFullDisk) {
     EXPECT_THAT(read(err), HasSubstr("error: standard output: cannot be written (No space"))
         << command;
   }
+}
+
+/// A point list, a job or a library of the user is not replaced by text of another kind.
+TEST_F(Outputs, WithTheEndingOfAnotherKindAreRefused) {
+  const std::string library = folder_ / "library.db";
+  ASSERT_EQ(run({"material", "add", "oak", "--library", library}).status, 0);
+  const std::string program = folder_.write("p.ngc", "G21 G91\nG1 X1 F6000\nM2\n");
+  const std::string drawing =
+      folder_.write("d.dxf", lamplock::test::dxf_drawing(lamplock::test::dxf_circle(0, 0, 5)));
+  const Arguments cut{"cut", drawing, "--power", "9", "--feed", "600", "-o"};
+  const std::vector<std::pair<Arguments, std::string>> outputs{
+      {{"settings", "backup"}, "k.llj"},
+      {{"settings", "backup"}, "out.json"},
+      {{"material", "export", "--library", library}, "out.db"},
+      {{"engrave", list_, "--shots"}, "c.xyz"},
+      {{"engrave", list_, "--vcd"}, "c.llj"},
+      {{"engrave", list_, "--progress"}, "c.stl"},
+      {{"send", program, "--statistics"}, "c.ply"},
+      {{"sim", "--seconds", "0.01", "--shots"}, "c.ngc"},
+      {{"estimate", list_, "--page"}, "z.png"},
+      {{"heat", program, "--csv"}, "z.toml"},
+      {{"jerk", list_, "-o"}, "c.xyz"},
+      {{"jerk", list_, "--points"}, "c.ngc"},
+      {{"raster", folder_.write("d.bmp", disc_bmp(12)), "--feed", "600", "--gcode"}, "c.toml"},
+      {cut, "c.xyz"},
+      {cut, "c.STL"}};
+  for (const auto& [command, name] : outputs) {
+    const std::string file = folder_.write(name, "mine\n");
+    Arguments all = command;
+    all.push_back(file);
+    const Finished refused = run(all);
+    EXPECT_EQ(refused.status, 2) << command[0] << ' ' << name;
+    EXPECT_THAT(refused.err, testing::MatchesRegex("error: " + file +
+                                                   ": '[^\n]+' is the ending of another kind of "
+                                                   "file; give a name that ends in [^\n]+\n"));
+    EXPECT_EQ(read(file), "mine\n");
+  }
+  EXPECT_EQ(run({"settings", "backup", folder_ / "board"}).status, 0);
+  EXPECT_EQ(run({"engrave", list_, "--shots", folder_ / "s.txt"}).status, 0);
 }
 
 /// The next file that the program opens must not become its standard output.

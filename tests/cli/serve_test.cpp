@@ -38,9 +38,9 @@ TEST(Serve, has_one_server_for_a_board_and_for_a_port) {
 TEST(Serve, AndSimulatorsEndIfTheirAddressIsLost) {
   const Folder folder;
   const std::string err = folder / "err";
-  for (const std::string command :
+  for (const std::string& command :
        {"serve --port 0 --folder " + (folder / "jobs"), "sim --pty " + (folder / "port")})
-    for (const std::string output : {"/dev/full", "&-"}) {
+    for (const char* const output : {"/dev/full", "&-"}) {
       const std::string line =
           "timeout 20 " + program_path() + " " + command + " >" + output + " 2>" + err;
       const int status = std::system(line.c_str());  // NOLINT(cert-env33-c)

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <thread>
 
+#include "tests/chip/tiny_image.hpp"
 #include "tests/cli/inputs.hpp"
 #include "tests/cli/program.hpp"
 
@@ -193,6 +194,23 @@ TEST(Signals, end_other_commands_with_the_same_statuses) {
     ASSERT_TRUE(jog.wait_for("| Idle |"));
     EXPECT_EQ(jog.end_by(signal), 128 + signal);
     EXPECT_EQ(console.end_by(signal), 128 + signal);
+  }
+}
+
+/// Ctrl-C is the usual end only of a run that has no other one.
+TEST(Signals, end_a_run_of_the_chip_before_its_until) {
+  const Folder folder;
+  const auto image = lamplock::test::pin_image();
+  std::vector<std::string> chip{"chip", folder.write("pins.bin", {image.begin(), image.end()}),
+                                "--pty"};
+  for (const bool has_until : {false, true}) {
+    if (has_until) chip.insert(chip.end(), {"--until", "3600s"});
+    for (const int signal : ending_signals) {
+      SCOPED_TRACE(signal);
+      WithInput run(chip, Input::null_device);
+      ASSERT_TRUE(run.wait_for("USB is "));
+      EXPECT_EQ(run.end_by(signal), signal == SIGINT && !has_until ? 0 : 128 + signal);
+    }
   }
 }
 

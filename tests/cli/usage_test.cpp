@@ -93,6 +93,9 @@ INSTANTIATE_TEST_SUITE_P(
     all, WrongUsage,
     testing::Values(
         Wrong{{}, "command"}, Wrong{{"--verbose"}, "--version"},
+        Wrong{{"--version", "bogus"}, "'bogus'"}, Wrong{{"--version", "--jsonn"}, "'--json'"},
+        Wrong{{"-x"}, "unknown option '-x'; see lamplock --help"},
+        Wrong{{"engrave", "a.stl", "--fired", "3"}, "--fired: needs --from"},
         Wrong{{"--json", "example", "a.stl"}, "--version"}, Wrong{{"carve"}, "carve"},
         Wrong{{"engrave"}, "INPUT"}, Wrong{{"engrave", "a.stl", "--colour", "red"}, "--colour"},
         Wrong{{"engrave", "a.stl", "--spacing", "wide"}, "wide"},
