@@ -16,6 +16,7 @@ constexpr std::size_t letters_per_slip = 3;
 constexpr std::size_t max_slips = 3;
 /// Fewer letters begin too many names.
 constexpr std::size_t min_beginning = 3;
+constexpr std::size_t min_near_beginning = 5;
 /// Longer words are no slips of a name, and the distance takes time with the square of their size.
 constexpr std::size_t max_word = 100;
 
@@ -35,6 +36,14 @@ std::string plain(std::string_view word) {
 
 std::size_t slips_allowed(std::size_t letters) {
   return std::clamp<std::size_t>(letters / letters_per_slip, 1, max_slips);
+}
+
+/// The word is one slip away from the first parts of the name, without its unit.
+bool is_near_beginning(const std::string& word, const std::string& name) {
+  if (word.size() < min_near_beginning) return false;
+  for (std::size_t end = name.find('-'); end != std::string::npos; end = name.find('-', end + 1))
+    if (edit_distance(word, name.substr(0, end)) == 1) return true;
+  return false;
 }
 
 void add_once(std::vector<std::string>& names, const std::string& name) {
@@ -67,12 +76,13 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::vector<std::string> similar_names(std::string_view word,
                                        const std::vector<std::string>& names) {
   const std::string wanted = plain(word);
-  std::vector<std::string> nearest, begun;
+  std::vector<std::string> nearest, begun, nearly_begun;
   if (wanted.empty() || wanted.size() > max_word) return nearest;
   std::size_t nearest_distance = slips_allowed(wanted.size());
   for (const std::string& name : names) {
     const std::string known = plain(name);
     if (wanted.size() >= min_beginning && known.starts_with(wanted)) add_once(begun, name);
+    if (is_near_beginning(wanted, known)) add_once(nearly_begun, name);
     const auto [shorter, longer] = std::minmax({wanted.size(), known.size()});
     if (longer - shorter > nearest_distance) continue;
     const std::size_t distance = edit_distance(wanted, known);
@@ -82,7 +92,8 @@ std::vector<std::string> similar_names(std::string_view word,
     nearest_distance = distance;
     add_once(nearest, name);
   }
-  return nearest.empty() ? begun : nearest;
+  if (!nearest.empty()) return nearest;
+  return begun.empty() ? nearly_begun : begun;
 }
 
 std::string question_of(const std::vector<std::string>& similar) {

@@ -18,7 +18,8 @@ namespace lamplock {
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The names nearest to the word, in the order of `names`: those at the minimum distance if it is a
-/// slip, else those that begin with the word. Capitals, leading dashes and the difference between
+/// slip, else those that begin with the word, else those whose first parts, `density` of
+/// `density_kg_m3`, are one slip away. Capitals, leading dashes and the difference between
 /// '_' and '-' do not count. At most four names, because a setting exists for up to four axes.
 std::vector<std::string> similar_names(std::string_view word,
                                        const std::vector<std::string>& names);

@@ -10,6 +10,7 @@
 #include "host/former_names.hpp"
 #include "host/job/rate_excess.hpp"
 #include "host/job/setting_range.hpp"
+#include "host/link/not_ready.hpp"
 #include "host/suggestion.hpp"
 #include "host/text.hpp"
 #include "host/units.hpp"
@@ -75,8 +76,14 @@ std::vector<std::pair<Change, int>> send_changes(LinePort& port, std::vector<Cha
 }
 
 /// Why the board may have refused these changes, and what to do.
-std::pair<std::string, std::string> refusal_words(const BoardSettings& before,
+std::pair<std::string, std::string> refusal_words(LinePort& port, const BoardSettings& before,
                                                   const std::vector<Change>& changes, int error) {
+  if (error == static_cast<int>(GcodeError::not_idle)) {
+    const BoardStatus status = greet(port).status;
+    const std::string& board = port.transport().board();
+    return {error_text(error),
+            status.rests() ? "try again" : why_not_ready(status, board, Homing::unknown).remedy};
+  }
   settings::Values values = before.values;
   for (const Change& change : changes) {
     const settings::SettingLine line = settings::read_setting(command(change.number, change.text));
@@ -194,7 +201,7 @@ BoardSettings change_settings(LinePort& port, const BoardSettings& before,
       back.push_back({change->number, before.texts.at(change->number)});
     const bool restored = send_changes(port, back, ignored).empty();
     const auto& [change, error] = refused.front();
-    const auto [reason, remedy] = refusal_words(before, changes, error);
+    const auto [reason, remedy] = refusal_words(port, before, changes, error);
     throw Error(Exit::job_failed, setting_name(change.number),
                 fmt::format("the board refuses {}: {}; {}", change.text, reason,
                             restored ? "nothing was changed" : "some settings were changed"),

@@ -37,7 +37,11 @@ void throw_refusal(const wire::Refused& refused, const RefusalPlace& at) {
             fmt::format("holds an unfinished job of another program (session {:08x}, {} {} is the "
                         "first not done)",
                         at.status.session, at.item, at.status.first_unfired),
-            "finish it there, continue it with --resume, or discard it with --discard" + then);
+            fmt::format(
+                "finish it there, continue it with --resume and its own job, or discard it: "
+                "lamplock send JOB --discard{}",
+                board_option(at.board)) +
+                then);
       if (at.status.state == wire::MachineState::hold)
         throw_not_ready(why_held(at.board), where, then);
       throw Error(Exit::job_failed, where, "another job is running",

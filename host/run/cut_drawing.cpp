@@ -30,6 +30,16 @@ namespace {
 using cutting::Fault;
 using cutting::FaultKind;
 
+/// "'0', 'cut' and 3 more"
+std::string first_few(const std::vector<std::string>& names) {
+  constexpr std::size_t max_named = 6;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), max_named); ++i)
+    text += fmt::format("{}'{}'", i == 0 ? "" : ", ", names[i]);
+  return names.size() <= max_named ? text
+                                   : fmt::format("{} and {} more", text, names.size() - max_named);
+}
+
 /// The curves and the texts of a drawing.
 model::LetteredDrawing read_drawing(const DrawingChoice& drawing) {
   const std::string& file = drawing.file;
@@ -123,17 +133,25 @@ class Choice {
   void require_layer(const std::string& layer, std::size_t number) const {
     const std::vector<std::string>& all = curves_.layers;
     if (std::find(all.begin(), all.end(), layer) != all.end()) return;
+    std::vector<std::string> named = all;
+    std::erase(named, "");  // of curves of an SVG outside its layers
     throw Error(Exit::bad_input, operation_name(description_.operations[number], number),
                 fmt::format("the drawing has no curves on a layer '{}'", layer),
-                did_you_mean(layer, all, "the option --list shows the layers"));
+                did_you_mean(layer, named,
+                             named.empty() ? "leave the layer out: it has none"
+                                           : "give one of its layers: " + first_few(named)));
   }
   void require_colour(model::Colour colour, std::size_t number) const {
     for (const model::Path& path : curves_.paths)
       if (path.colour == colour) return;
+    std::set<std::string> all;
+    for (const model::Path& path : curves_.paths)
+      if (path.colour != model::no_colour) all.insert(model::colour_text(path.colour));
     throw Error(
         Exit::bad_input, operation_name(description_.operations[number], number),
         fmt::format("the drawing has no curves of the colour {}", model::colour_text(colour)),
-        "the option --list shows the colours");
+        all.empty() ? "leave the colour out: its curves have none"
+                    : "give one of its colours: " + first_few({all.begin(), all.end()}));
   }
 
   const CutDescription& description_;

@@ -6,8 +6,10 @@
 #include <filesystem>
 #include <span>
 #include <system_error>
+#include <vector>
 
 #include "host/error.hpp"
+#include "host/suggestion.hpp"
 #include "shared/boards/all_boards.hpp"
 
 namespace lamplock::run {
@@ -67,10 +69,12 @@ std::string board_names() {
 std::string uf2_name_of(const std::string& board, const std::string& where) {
   if (const boards::BoardRow* row = boards::find_board(board))
     return fmt::format("{}.uf2", row->image);
+  std::vector<std::string> names;
+  for (const boards::BoardRow* row : boards::all_boards) names.emplace_back(row->name);
   throw Error(Exit::bad_input, where,
               board.empty() ? std::string("the board is not named")
                             : fmt::format("there is no board '{}'", board),
-              fmt::format("use one of: {}", board_names()));
+              did_you_mean(board, names, fmt::format("use one of: {}", board_names())));
 }
 
 std::string elf_name_of(int pin_map) {

@@ -14,6 +14,7 @@
 #include "host/program/program_run.hpp"
 #include "host/run/material_records.hpp"
 #include "host/run/sent_file.hpp"
+#include "host/suggestion.hpp"
 #include "host/text.hpp"
 #include "host/units.hpp"
 
@@ -110,7 +111,7 @@ material::CardKind kind_named(const std::string& name) {
   if (name == "grid") return material::CardKind::grid;
   if (name == "kerf") return material::CardKind::kerf;
   throw Error(Exit::bad_input, card_where, fmt::format("'{}' is no kind of card", name),
-              "give depth, grid or kerf");
+              did_you_mean(name, {"depth", "grid", "kerf"}, "give depth, grid or kerf"));
 }
 
 /// Throws for a machine without a continuous laser, whose power a program sets.

@@ -279,6 +279,13 @@ TEST_F(Cut, bad_input_is_one_line_and_no_file) {
   EXPECT_THAT(refused(drawing(square), {"--x", "45"}), HasSubstr("would leave the work space"));
   EXPECT_THAT(refused(drawing(dxf_rectangle(-45, -45, 120, 120)), {}), HasSubstr("too large"));
   EXPECT_THAT(refused(drawing(square), {"--layer", "SQUAR"}), HasSubstr("did you mean 'SQUARE'"));
+  EXPECT_THAT(refused(drawing(square), {"--layer", "nosuch", "--list"}),
+              HasSubstr("give one of its layers: 'SQUARE'"));
+  EXPECT_THAT(refused(drawing(square), {"--colour", "lime", "--list"}),
+              HasSubstr("leave the colour out: its curves have none"));
+  const std::string blue = dxf_rectangle(5, 5, 5, 5, "FILL", 5);
+  EXPECT_THAT(refused(drawing(square + blue), {"--colour", "lime", "--list"}),
+              HasSubstr("give one of its colours: '#0000ff'"));
   EXPECT_THAT(refused(drawing(square), {"--colour", "blue"}), HasSubstr("no curves of the colour"));
   EXPECT_THAT(refused(drawing(square), {"--colour", "blau"}), HasSubstr("colour"));
   EXPECT_THAT(refused(drawing(square), {"--compensation", "left"}), HasSubstr("kerf"));

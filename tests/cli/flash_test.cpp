@@ -95,7 +95,9 @@ TEST(FlashCommand, AsksForTheBoardAndNeverGuesses) {
   EXPECT_THAT(unnamed.err, HasSubstr("--for: the board is not named; use one of: pico, picobob"));
   const Finished unknown = run({"flash", "--board", "chip", "--for", "picobob2"});
   EXPECT_EQ(unknown.status, 2);
-  EXPECT_THAT(unknown.err, HasSubstr("there is no board 'picobob2'; use one of: pico"));
+  EXPECT_THAT(unknown.err, HasSubstr("there is no board 'picobob2'; did you mean 'picobob'?"));
+  EXPECT_THAT(run({"flash", "--for", "pica"}).err, HasSubstr("did you mean 'pico'?"));
+  EXPECT_THAT(run({"flash", "--for", "zz"}).err, HasSubstr("use one of: pico, picobob"));
   EXPECT_EQ(run({"flash", "new.uf2", "--for", "pico"}).status, 2);
 }
 

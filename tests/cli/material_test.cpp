@@ -128,6 +128,7 @@ TEST_F(MaterialCommand, exchanges_files) {
 TEST_F(MaterialCommand, wrong_input_is_refused_whole) {
   EXPECT_THAT(refusal({"fit", "plywod"}), HasSubstr("did you mean 'plywood'?"));
   EXPECT_THAT(refusal({"add", "oak", "density=1"}), HasSubstr("did you mean 'density_g_cm3'?"));
+  EXPECT_THAT(refusal({"add", "oak", "densty=1"}), HasSubstr("did you mean 'density_g_cm3'?"));
   EXPECT_THAT(refusal({"add", "oak", "density_g_cm3=0"}), HasSubstr("'density_g_cm3' is 0"));
   EXPECT_THAT(refusal({"add", "plywood"}), HasSubstr("the library has it already"));
   EXPECT_THAT(refusal({"add", "x", "--kind", "laser", "power_w=3"}), HasSubstr("'beam_width_mm'"));

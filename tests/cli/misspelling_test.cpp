@@ -196,6 +196,8 @@ TEST(SimilarNames, AreTheNearestOnes) {
   EXPECT_THAT(similar_names("sized", names), ElementsAre("--size"));
   EXPECT_THAT(similar_names("--sped", names), ElementsAre("--speed", "--seed"));
   EXPECT_THAT(similar_names("--stat", names), ElementsAre("--statistics")) << "its beginning";
+  EXPECT_THAT(similar_names("densty", {"density_g_cm3", "dose"}), ElementsAre("density_g_cm3"));
+  EXPECT_THAT(similar_names("dens", {"dent_mm"}), IsEmpty()) << "too short to be likely";
   EXPECT_THAT(similar_names("--colour", names), IsEmpty());
   EXPECT_THAT(similar_names("", names), IsEmpty());
   EXPECT_THAT(similar_names("-x", {"-o", "-h"}), IsEmpty());

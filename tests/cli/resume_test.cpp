@@ -77,6 +77,28 @@ TEST_F(Resumed, AfterItsProgramWasKilled) {
   EXPECT_EQ(shots("shots.csv"), points_in_all);
 }
 
+/// Remedies name what each command has: frame has neither --resume nor --discard.
+TEST_F(Resumed, OrDiscardedForAnotherCommand) {
+  start_board("shots.csv");
+  InTerminal killed(engrave());
+  ASSERT_TRUE(killed.wait_for("engraving"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(800));
+  killed.send_signal(SIGKILL);
+  killed.finish();
+  const std::string port = folder_ / "port";
+  const std::vector<std::string> frame{"frame", list_, "--board", port};
+  const Finished refused = run(frame);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("continue it with --resume and its own job, or discard it: "
+                                     "lamplock send JOB --discard --board " +
+                                     port));
+  const std::string other = folder_.write("other.xyz", xyz(walk(20, 4, 0.05)));
+  EXPECT_EQ(run({"engrave", other, "--lamp", "200", "--board", port, "--yes", "--discard"}).status,
+            0);
+  EXPECT_EQ(run(frame).status, 0);
+  stop_board();
+}
+
 TEST_F(Resumed, AfterItsBoardHasLostItsPower) {
   start_board("first.csv");
   // The board never has more points than it fires before it holds without a host.

@@ -157,6 +157,19 @@ TEST(Settings, persist_on_a_board_at_a_port) {
   EXPECT_EQ(run(settings({"get", "901", "--board", port, "--value"})).out, "50.000\n");
 }
 
+TEST(Settings, a_hold_is_named_with_the_way_to_end_it) {
+  const Folder folder;
+  const Running sim({"sim", "--pty", folder / "port"});
+  ASSERT_TRUE(sim.wait_for("Ctrl-C"));
+  const std::string port = folder / "port";
+  run({"console", "--board", port}, "!\n");
+  const Finished held = run(settings({"set", "lamp_frequency=50", "--board", port}));
+  EXPECT_EQ(held.status, 1);
+  EXPECT_THAT(held.err, HasSubstr("; nothing was changed; resume it with ~ in lamplock console"));
+  run({"console", "--board", port}, "~\n");
+  EXPECT_EQ(run(settings({"set", "lamp_frequency=50", "--board", port})).status, 0);
+}
+
 TEST(Settings, without_a_board) {
   const Finished none = run(settings({"list", "--board", "/dev/no-such-port"}));
   EXPECT_EQ(none.status, 3);
