@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host/cli/board_options.hpp"
 #include "host/cli/command_line.hpp"
@@ -102,10 +103,11 @@ Exit get(const SettingsOptions& options) {
   return Exit::done;
 }
 
-/// Changes the settings that differ, and lists them.
-Exit bring_to(const SettingsOptions& options, const std::vector<Change>& wanted) {
+/// Changes the settings that differ, and lists them. A file may be of a board with more settings.
+Exit bring_to(const SettingsOptions& options, std::vector<Change> wanted, bool is_file) {
   Console console(options.json);
   run::SettingsSession board = open(options);
+  if (is_file) wanted = link::without_missing_defaults(board.settings(), std::move(wanted));
   BoardSettings after;
   const std::vector<Change> changes = board.bring_to(wanted, after);
   Json document = Json::array();
@@ -125,7 +127,7 @@ Exit bring_to(const SettingsOptions& options, const std::vector<Change>& wanted)
 }
 
 Exit set(const SettingsOptions& options) {
-  return bring_to(options, run::parse_changes(options.changes));
+  return bring_to(options, run::parse_changes(options.changes), false);
 }
 
 Exit backup(const SettingsOptions& options) {
@@ -139,7 +141,7 @@ Exit backup(const SettingsOptions& options) {
 }
 
 Exit restore(const SettingsOptions& options) {
-  return bring_to(options, run::read_settings_file(options.file));
+  return bring_to(options, run::read_settings_file(options.file), true);
 }
 
 /// What begins a change, for shells.

@@ -191,6 +191,16 @@ std::vector<Change> differing(const BoardSettings& board, const std::vector<Chan
   return result;
 }
 
+std::vector<Change> without_missing_defaults(const BoardSettings& board,
+                                             std::vector<Change> wanted) {
+  std::erase_if(wanted, [&](const Change& change) {
+    const Id id = find_setting(change.number);
+    return id != Id::count && !board.texts.contains(change.number) &&
+           change.text == value_text(id, settings::row(id).default_milli);
+  });
+  return wanted;
+}
+
 BoardSettings change_settings(LinePort& port, const BoardSettings& before,
                               const std::vector<Change>& changes) {
   std::vector<Change> taken;

@@ -61,6 +61,11 @@ std::string value_text(settings::Id id, std::int32_t milli);
 /// table does not allow the value. Numbers that the table does not have are accepted unchecked.
 Change parse_change(std::string_view text, const std::string& where);
 
+/// The wanted values of a file without those that the board does not have, where they are defaults:
+/// the file may be of a board with more settings.
+std::vector<Change> without_missing_defaults(const BoardSettings& board,
+                                             std::vector<Change> wanted);
+
 /// The wanted changes that differ from the board's values. Throws Error(bad_input) for settings
 /// that the board does not have.
 std::vector<Change> differing(const BoardSettings& board, const std::vector<Change>& wanted);

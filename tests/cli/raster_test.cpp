@@ -183,7 +183,8 @@ TEST(Raster, its_job_is_sent) {
   ASSERT_EQ(rest.status, 0) << rest.err;
   EXPECT_EQ(nlohmann::json::parse(rest.out)["first_unfired"], 80);
   for (const char* option : {"--report", "--shots", "--plot"}) {
-    const Finished wrong = run({"send", job, option, folder / "x.svg"});
+    const Finished wrong =
+        run({"send", job, option, folder / (option == std::string("--shots") ? "x.csv" : "x.svg")});
     EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.err, HasSubstr(option));
   }

@@ -241,7 +241,7 @@ TEST(SendProgram, what_cannot_be_sent) {
   EXPECT_THAT(refused({folder.write("e.ngc", "(nothing)\n")}), HasSubstr("no line to send"));
   EXPECT_THAT(refused({folder.write("x.ngc", "G21\nG1 !\n")}), HasSubstr("x.ngc:2: "));
   EXPECT_THAT(refused({good, "--from", "3"}), HasSubstr("--from 3: "));
-  EXPECT_THAT(refused({good, "--fired", "3"}), HasSubstr("--fired: is for jobs"));
+  EXPECT_THAT(refused({good, "--from", "1", "--fired", "3"}), HasSubstr("--fired: is for jobs"));
   EXPECT_THAT(refused({folder.write("b.ngc", "G1 X1\nM130 P0\n"), "--dry"}),
               HasSubstr("b.ngc:2: --dry cannot leave 'M130' out"));
   EXPECT_THAT(refused({folder.write("a.llj", "x"), "--ignore-errors"}),

@@ -131,6 +131,22 @@ TEST(Settings, are_restored_from_files) {
       << "a backup must be a machine profile";
 }
 
+#ifdef LAMPLOCK_HAS_FIRMWARE
+// The simulated board has the settings of drives with a UART, a Pico does not.
+TEST(Settings, of_a_board_with_more_of_them_are_restored) {
+  const Folder folder;
+  const std::string file = folder / "b.toml";
+  EXPECT_EQ(run(settings({"backup", file})).status, 0);
+  const Finished restored = run({"settings", "restore", file, "--board", "chip"});
+  EXPECT_EQ(restored.status, 0) << restored.err;
+  const Finished other =
+      run({"settings", "restore", folder.write("c.toml", "drive_current_x = 700\n"), "--board",
+           "chip"});
+  EXPECT_EQ(other.status, 2) << other.out;
+  EXPECT_THAT(other.err, HasSubstr("the board has no such setting"));
+}
+#endif
+
 TEST(Settings, wrong_files_are_reported_by_line) {
   const Folder folder;
   const auto restore = [&](const char* name, const char* text) {
