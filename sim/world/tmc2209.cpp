@@ -85,7 +85,7 @@ void Tmc2209::write(std::uint8_t address, std::uint32_t value) {
 }
 
 double Tmc2209::current_ma(unsigned sense_mohm) const {
-  const double full_scale_v = field(registers_[chopconf], 17, 1) != 0 ? 0.18 : 0.32;
+  const double full_scale_v = field(registers_[chopconf], 17, 1) != 0 ? 0.18 : 0.325;
   const double scale = (field(registers_[ihold_irun], 8, 5) + 1) / 32.0;
   return scale * full_scale_v / (sense_mohm / 1000.0 + 0.02) / std::numbers::sqrt2 * 1000;
 }

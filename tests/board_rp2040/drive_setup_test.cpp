@@ -90,7 +90,7 @@ struct DriveRig {
       const double wanted = values.whole(Id::drive_current_x, axis);
       const double current = drive.current_ma(boards::skr_pico.drives->sense_mohm);
       const bool is_right =
-          drive.is_powered() && current <= wanted + 0.1 && current > wanted - 55 &&
+          drive.is_powered() && current <= wanted + 0.1 && current > wanted - 56 &&
           drive.microsteps() == static_cast<unsigned>(values.whole(Id::microsteps_x, axis)) &&
           (drive.read(0x00) >> 2 & 1) ==
               static_cast<unsigned>(values.whole(Id::spread_cycle) >> axis & 1) &&
@@ -129,7 +129,7 @@ TEST(DriveSetup, ChoosesTheHighestCurrentThatIsPermitted) {
   for (std::uint32_t ma = 50; ma <= 1700; ma += 7) {
     const auto scale = rp2040::tmc::scale_of(ma, 110);
     const auto current = [&](int cs) {
-      return (cs + 1) / 32.0 * (scale.fine ? 180 : 320) / 0.13 / std::numbers::sqrt2;
+      return (cs + 1) / 32.0 * (scale.fine ? 180 : 325) / 0.13 / std::numbers::sqrt2;
     };
     EXPECT_LE(current(scale.cs), ma + 0.1) << ma;
     if (scale.cs < 31) {

@@ -113,7 +113,8 @@ TEST(Tmc2209, HasTheResetValuesAndTellsOfAReset) {
   EXPECT_EQ(drive.read(0x6f), 0u);
 }
 
-/// Sense resistors of 0.11 Ohm: full scale 1.74 A and 0.98 A (the formula of 9).
+/// Full scale of both ranges (rev. 1.03: table of section 8, sense levels of 325 and 180 mV in the
+/// table of detector levels).
 TEST(Tmc2209, HasTheCurrentsAndMicrostepsOfTheDatasheet) {
   Tmc2209 drive(2);
   EXPECT_EQ(drive.microsteps(), 64u) << "by MS1 and MS2";
@@ -122,7 +123,10 @@ TEST(Tmc2209, HasTheCurrentsAndMicrostepsOfTheDatasheet) {
   drive.write(0x6c, 0x14000053);
   EXPECT_EQ(drive.microsteps(), 16u);
   drive.write(0x10, 31u << 8);
-  EXPECT_NEAR(drive.current_ma(110), 1741, 1);
+  EXPECT_NEAR(drive.current_ma(110), 1768, 1);
+  for (const auto& [sense_mohm, current_a] :
+       {std::pair{100, 1.92}, {150, 1.35}, {220, 0.96}, {500, 0.44}, {1000, 0.23}})
+    EXPECT_NEAR(drive.current_ma(static_cast<std::uint32_t>(sense_mohm)) / 1000, current_a, 0.0051);
   drive.write(0x6c, 0x14020053);
   EXPECT_NEAR(drive.current_ma(110), 979, 1);
   drive.write(0x10, 15u << 8);

@@ -83,7 +83,7 @@ struct Config {
 #endif
 
 /// Current scale (9): CS + 1 = 32 I sqrt(2) (R + 20 mOhm) / V with V = 180 mV, the finer range, if
-/// that suffices, else 320 mV. Never above the current asked for, but at least 1/32 of a range.
+/// that suffices, else 325 mV. Never above the current asked for, but at least 1/32 of a range.
 struct Scale {
   bool fine;
   std::uint8_t cs;
@@ -96,7 +96,7 @@ struct Scale {
                                       (std::uint64_t{millivolt} * 1000 << 15));
   };
   const bool fine = steps(180) <= 32;
-  const std::uint32_t n = steps(fine ? 180 : 320);
+  const std::uint32_t n = steps(fine ? 180 : 325);
   return {fine, static_cast<std::uint8_t>(n == 0 ? 0 : n > 32 ? 31 : n - 1)};
 }
 
@@ -118,7 +118,7 @@ struct Scale {
     case chopconf: {
       std::uint32_t mres = 8;
       for (unsigned n = config.microsteps; n > 1; n >>= 1) --mres;
-      // TOFF 3, HSTRT 5, TBL 2: as after a reset, with interpolation to 256.
+      // TOFF 3 and HSTRT 5 as after a reset, TBL 2 (32 clocks), interpolation to 256 microsteps.
       return 1u << 28 | mres << 24 | (scale.fine ? 1u << 17 : 0) | 2u << 15 | 5u << 4 | 3u;
     }
     case pwmconf:
@@ -134,6 +134,6 @@ constexpr bool is_readable(std::uint8_t reg) {
 
 static_assert(crc_of(std::array<std::uint8_t, 3>{0x05, 0x00, 0x02}) == 0x8f);
 static_assert(scale_of(500, 110).fine && scale_of(500, 110).cs == 15);
-static_assert(!scale_of(1200, 110).fine && scale_of(1200, 110).cs == 21);
+static_assert(!scale_of(1200, 110).fine && scale_of(1200, 110).cs == 20);
 
 }  // namespace lamplock::rp2040::tmc
