@@ -89,12 +89,11 @@ class HostPresence {
 
 /// Runs until the user or --seconds ends it.
 void run_at_wall_pace(sim::Board& board, Ports& ports, const SimOptions& options,
-                      Frontend& frontend) {
-  const std::unique_ptr<Interrupts> interrupts = frontend.interrupts();
+                      Frontend& frontend, const Interrupts& interrupts) {
   HostPresence hosts;
   auto start = SimulationClock::now();
   const double limit_s = options.seconds.value_or(std::numeric_limits<double>::infinity());
-  while (interrupts->count() == 0 && sim::seconds(board.now()) < limit_s) {
+  while (interrupts.count() == 0 && sim::seconds(board.now()) < limit_s) {
     ports.exchange(board);
     hosts.poll(board, ports);
     const auto wall =
@@ -127,10 +126,12 @@ Simulated simulate(const SimOptions& options, Frontend& frontend) {
   sim::Board& board = *made.board;
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, board);
+  // The reader of the address may end the simulation at once.
+  const std::unique_ptr<Interrupts> interrupts = frontend.interrupts();
   for (const auto& port : ports.all()) frontend.say("listening on {}", port->address());
   frontend.require_output();
   if (!options.seconds) frontend.say("Ctrl-C ends the simulation");
-  run_at_wall_pace(board, ports, options, frontend);
+  run_at_wall_pace(board, ports, options, frontend, *interrupts);
   Simulated result{board.world().laser().shots().size(), board.world().lamp().flashes()};
   frontend.say("{} shots, {} lamp flashes in {}", result.shots, result.flashes,
                duration_text(sim::seconds(board.now())));

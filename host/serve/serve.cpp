@@ -116,12 +116,13 @@ void serve(const ServeOptions& options, run::Frontend& frontend) {
   WebServer web(options.address, static_cast<std::uint16_t>(options.port), server);
   Machine machine(open, options.board, options.machine);
   server.use(web, machine);
+  // The reader of the address may end the server at once.
+  const auto interrupts = frontend.interrupts();
   frontend.say("page: {}/#token={}", origin_of(options.address, web.port()), site.token);
   if (!site.password_hash.empty()) frontend.say("other pages log in with the password");
   if (options.pairs) frontend.say("code for pairing: {}", site.code);
   frontend.require_output();
   note("the server begins");
-  const auto interrupts = frontend.interrupts();
   std::uint64_t logged = 0;
   web.run(tick_interval, [&] {
     server.tick();
