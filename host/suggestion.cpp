@@ -41,8 +41,11 @@ std::size_t slips_allowed(std::size_t letters) {
 /// The word is one slip away from the first parts of the name, without its unit.
 bool is_near_beginning(const std::string& word, const std::string& name) {
   if (word.size() < min_near_beginning) return false;
-  for (std::size_t end = name.find('-'); end != std::string::npos; end = name.find('-', end + 1))
-    if (edit_distance(word, name.substr(0, end)) == 1) return true;
+  for (std::size_t end = name.find('-'); end != std::string::npos; end = name.find('-', end + 1)) {
+    // The distance is at least the difference of the sizes.
+    if (end + 1 < word.size() || end > word.size() + 1) continue;
+    if (edit_distance(word, std::string_view(name).substr(0, end)) == 1) return true;
+  }
   return false;
 }
 

@@ -20,6 +20,13 @@ double signed_area(const Contour& contour) {
   return area;
 }
 
+bool is_counter_clockwise(const Contour& contour) {
+  // An area that is smaller, in parts of the square of the length, is 0.
+  constexpr double zero_area = 1e-12;
+  const double length = length_of(contour);
+  return signed_area(contour) >= -zero_area * length * length;
+}
+
 Box box_of(const Contour& contour) {
   Box box;
   for (const Edge& edge : contour.edges) box.add(box_of(edge));

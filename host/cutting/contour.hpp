@@ -33,6 +33,9 @@ struct Contour {
 double length_of(const Contour& contour);
 /// mm^2, positive for a closed contour that runs counter-clockwise; an open one has none, 0.
 double signed_area(const Contour& contour);
+/// True if a closed contour has its inside on the left. One that crosses itself, with loops of
+/// equal areas in both directions, has it there too.
+bool is_counter_clockwise(const Contour& contour);
 Box box_of(const Contour& contour);
 Contour reversed(const Contour& contour);
 /// True if the point is inside of a closed contour that does not cross itself.

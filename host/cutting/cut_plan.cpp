@@ -30,7 +30,7 @@ bool is_part(const ContourPlace& place) { return place.kind != ContourKind::hole
 /// mm to the right of the direction.
 double distance_of(const Shape& shape, const Contour& contour, const Operation& operation) {
   const double half = operation.kerf_mm / 2;
-  const bool is_ccw = signed_area(contour) > 0;
+  const bool is_ccw = is_counter_clockwise(contour);
   switch (operation.compensation) {
     case Compensation::none:
       return 0;
@@ -58,7 +58,7 @@ double distance_of(const Shape& shape, const Contour& contour, const Operation& 
 /// The side that is thrown away: that of the beam, without compensation by the tree.
 WasteSide waste_of(const Shape& shape, const Contour& contour, double distance_mm) {
   const bool is_right =
-      distance_mm != 0 ? distance_mm > 0 : is_part(shape.place) == (signed_area(contour) > 0);
+      distance_mm != 0 ? distance_mm > 0 : is_part(shape.place) == is_counter_clockwise(contour);
   return is_right ? WasteSide::right : WasteSide::left;
 }
 
@@ -307,7 +307,7 @@ void place_shapes(std::vector<Shape>& shapes, const std::vector<Operation>& oper
 
 Contour directed(const Shape& shape, Direction direction) {
   const Contour& contour = shape.contour;
-  const bool is_ccw = signed_area(contour) > 0;
+  const bool is_ccw = is_counter_clockwise(contour);
   bool turn = direction == Direction::reversed;
   if (contour.closed) {
     if (direction == Direction::automatic) turn = is_part(shape.place) != is_ccw;

@@ -108,14 +108,19 @@ class DuplicateFilter {
   std::vector<Fault>& faults_;
 };
 
-/// Joins open chains. Ends are numbered: 2 i is the start of chain i, 2 i + 1 its end.
+/// Joins open chains. Ends are numbered: 2 i is the start of chain i, 2 i + 1 its end. Where more
+/// than two ends meet, a way that comes to the same place again is divided there: two squares that
+/// touch at a corner, or a square with a line at a corner, are contours by themselves.
 class Joiner {
  public:
   Joiner(std::vector<Contour> chains, double tolerance_mm, std::vector<Fault>& faults)
       : chains_(std::move(chains)),
         tolerance_(tolerance_mm),
         faults_(faults),
-        partner_(2 * chains_.size(), none) {}
+        partner_(2 * chains_.size(), none),
+        meeting_(2 * chains_.size()),
+        ends_at_(2 * chains_.size(), 0),
+        visit_(2 * chains_.size(), none) {}
 
   /// Contours with the number of their first chain.
   std::vector<std::pair<std::size_t, Contour>> joined() {
@@ -124,13 +129,15 @@ class Joiner {
     std::vector<std::pair<std::size_t, Contour>> contours;
     for (std::size_t i = 0; i < chains_.size(); ++i) {
       if (used[i]) continue;
-      contours.emplace_back(i, contour_with(i, used));
+      divide(way_with(i, used), contours);
     }
     return contours;
   }
 
  private:
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  /// A chain shorter than so many tolerances would close upon itself.
+  static constexpr double min_loop = 4;
 
   struct Candidate {
     std::uint32_t a, b;
@@ -148,8 +155,6 @@ class Joiner {
   }
   bool may_join(std::size_t a, std::size_t b) const {
     if (chains_[a / 2].layer != chains_[b / 2].layer) return false;
-    // A chain shorter than a few tolerances would close upon itself.
-    constexpr double min_loop = 4;
     const Contour& chain = chains_[a / 2];
     return a / 2 != b / 2 || (chain.edges.size() > 1 && length_of(chain) > min_loop * tolerance_);
   }
@@ -161,13 +166,16 @@ class Joiner {
     for (std::size_t end = 0; end < partner_.size(); ++end) {
       const Vec at = place(end);
       std::size_t count = 0;
+      meeting_[end] = end;
       grid.any(at, [&](std::size_t other) {
         const double gap = distance(at, place(other));
         if (gap > tolerance_ || !may_join(other, end)) return false;
+        meeting_[end] = meeting_[other];
         candidates.push_back({static_cast<std::uint32_t>(other), static_cast<std::uint32_t>(end),
                               gap, 1 + dot(outwards(end), outwards(other))});
         return ++count >= max_candidates;
       });
+      ++ends_at_[meeting_[end]];
       grid.add(at, end);
     }
     // Of ends at about the same distance those that continue most straightly are joined.
@@ -185,28 +193,84 @@ class Joiner {
     }
   }
 
-  /// The contour that contains this chain, in its direction.
-  Contour contour_with(std::size_t first, std::vector<bool>& used) {
+  /// Joined chains, by the ends at which they begin.
+  struct Way {
+    std::vector<std::size_t> starts;
+    bool closed;
+  };
+
+  /// The way that contains this chain, in its direction.
+  Way way_with(std::size_t first, std::vector<bool>& used) {
     std::size_t begin = 2 * first;
     while (partner_[begin] != none) {
       begin = partner_[begin] ^ 1;
       if (begin == 2 * first) break;
     }
-    Contour contour;
-    contour.layer = chains_[first].layer;
-    contour.colour = chains_[first].colour;
-    contour.closed = partner_[begin] != none;
+    Way way{{}, partner_[begin] != none};
     for (std::size_t end = begin;;) {
-      append(contour, end);
+      way.starts.push_back(end);
       used[end / 2] = true;
       const std::size_t next = partner_[end ^ 1];
-      if (next == none) break;
-      report_bridge(end ^ 1, next);
-      if (next == begin) break;
+      if (next == none || next == begin) break;
       end = next;
     }
+    return way;
+  }
+
+  /// Where more than two ends meet, the place that they have in common; `none` elsewhere.
+  std::size_t crossing(std::size_t end) const {
+    return ends_at_[meeting_[end]] > 2 ? meeting_[end] : none;
+  }
+
+  /// Appends the contours of a way: its loops, and what is left.
+  void divide(const Way& way, std::vector<std::pair<std::size_t, Contour>>& contours) {
+    std::vector<std::size_t> open;
+    for (const std::size_t start : way.starts) {
+      if (const std::size_t at = crossing(start); at != none && visit_[at] == none)
+        visit_[at] = open.size();
+      open.push_back(start);
+      const std::size_t at = crossing(start ^ 1);
+      if (at == none || visit_[at] == none) continue;
+      const auto from = open.begin() + static_cast<std::ptrdiff_t>(visit_[at]);
+      const std::vector<std::size_t> loop(from, open.end());
+      if (!may_close(loop)) continue;
+      contours.push_back(contour_of(loop, true));
+      for (const std::size_t inner : loop)
+        if (crossing(inner) != none && crossing(inner) != at) visit_[crossing(inner)] = none;
+      open.erase(from, open.end());
+    }
+    if (!open.empty()) contours.push_back(contour_of(open, way.closed));
+    for (const std::size_t start : way.starts)
+      for (const std::size_t at : {crossing(start), crossing(start ^ 1)})
+        if (at != none) visit_[at] = none;
+  }
+
+  /// A loop of several edges that is more than a gap.
+  bool may_close(const std::vector<std::size_t>& loop) const {
+    double length = 0;
+    std::size_t edges = 0;
+    for (const std::size_t start : loop) {
+      length += length_of(chains_[start / 2]);
+      edges += chains_[start / 2].edges.size();
+    }
+    return edges > 1 && length > min_loop * tolerance_;
+  }
+
+  /// With the number of its first chain.
+  std::pair<std::size_t, Contour> contour_of(const std::vector<std::size_t>& starts, bool closed) {
+    Contour contour;
+    std::size_t first = starts.front() / 2;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      append(contour, starts[i]);
+      first = std::min(first, starts[i] / 2);
+      const bool is_last = i + 1 == starts.size();
+      if (!is_last || closed) report_bridge(starts[i] ^ 1, starts[is_last ? 0 : i + 1]);
+    }
+    contour.layer = chains_[first].layer;
+    contour.colour = chains_[first].colour;
+    contour.closed = closed;
     connect(contour);
-    return contour;
+    return {first, std::move(contour)};
   }
 
   void append(Contour& contour, std::size_t start) const {
@@ -225,6 +289,9 @@ class Joiner {
   double tolerance_;
   std::vector<Fault>& faults_;
   std::vector<std::size_t> partner_;
+  std::vector<std::size_t> meeting_;    ///< of each end: the first end at its place
+  std::vector<std::uint32_t> ends_at_;  ///< of each place, by its first end
+  std::vector<std::size_t> visit_;      ///< of each place: the position in the way that is divided
 };
 
 /// One fault for each end of an open contour, with the distance to the nearest other end of its

@@ -59,7 +59,7 @@ void require_fit(const Edge& lead, const Contour& contour, const LeadOptions& op
   const Vec &at = lead.from, &end = lead.to;
   if (!sheet.is_free(lead, at, touch_mm)) refuse(at, "it meets a contour");
   // It meets its own contour at its begin alone, so that all of it is on the side of its end.
-  const bool is_ccw = signed_area(contour) > 0;
+  const bool is_ccw = is_counter_clockwise(contour);
   const bool is_inside_waste = is_ccw == (options.waste == WasteSide::left);
   if (is_inside(contour, end) != is_inside_waste) refuse(at, "it is in the part");
   if (sheet.room(end, options.clearance_mm) < options.clearance_mm)

@@ -23,9 +23,6 @@ constexpr double min_side_mm = 8 * union_grid_mm;
 // The intersection of two arcs is this near to that of their chords, unless they nearly touch.
 constexpr double max_shift_mm = 100 * chords_mm;
 
-// An area that is smaller, in parts of the square of the length, is 0.
-constexpr double zero_area = 1e-12;
-
 constexpr std::size_t no_edge = std::numeric_limits<std::size_t>::max();
 
 /// A chord of an edge; of a line the line itself.
@@ -89,8 +86,7 @@ class Simplifier {
       std::vector<Polygon> filled = united({polygons_[i]}, FillRule::non_zero);
       double area = 0;
       for (const Polygon& polygon : filled) area += area_of(polygon);
-      const double length = length_of(contours_[i]);
-      const bool is_right = signed_area(contours_[i]) < -zero_area * length * length;
+      const bool is_right = !is_counter_clockwise(contours_[i]);
       if (area > std::abs(largest)) largest = is_right ? -area : area;
       for (Polygon& polygon : filled) {
         if (is_right) std::reverse(polygon.begin(), polygon.end());

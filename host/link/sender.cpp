@@ -9,7 +9,6 @@
 
 #include "host/error.hpp"
 #include "host/link/job_refusal.hpp"
-#include "host/link/not_stopped.hpp"
 #include "shared/settings_table.hpp"
 #include "shared/wire/job_header.hpp"
 #include "shared/wire/realtime_inbox.hpp"
@@ -23,8 +22,6 @@ using std::chrono::microseconds;
 /// Bytes queued in the transport: more would only delay a hold.
 constexpr std::size_t max_backlog = 2 * wire::max_frame;
 constexpr microseconds reconnect_interval{200'000};
-/// Time until the machine must be at rest after the last shot or a stop.
-constexpr microseconds rest_timeout{10'000'000};
 /// Refusals of points for a temporary reason before the job fails.
 constexpr int max_soft_refusals = 20;
 constexpr microseconds max_frame_wait{10'000};
@@ -300,74 +297,6 @@ void JobSender::begin() {
   begin_at_ = now;
 }
 
-/// Stops the unfinished job of another session; BEGIN is repeated until the machine accepts it.
-void JobSender::take_over() {
-  const Time now = transport_.now();
-  if (!taking_over_) finish_by_ = now + rest_timeout;
-  taking_over_ = true;
-  if (now > *finish_by_)
-    throw NotStopped(Exit::job_failed, "machine", "the other job does not stop",
-                     "reset the machine");
-  const std::array payload{static_cast<std::uint8_t>(wire::Command::stop)};
-  connection_.send({wire::FrameType::command, status_.session, status_.last_command + 1}, payload);
-}
-
-/// Sends the commands that the user's requests need.
-void JobSender::steer() {
-  if (wish_ == Wish::stop) return begin_stop(JobEnd::stopped);
-  if (cut_ || !synced_) return;
-  const Time now = transport_.now();
-  const bool taken = command_taken();
-  const bool other_speed = taken && job_speed_ != machine_job_speed_;
-  if (!other_speed &&
-      now - command_at_ < (taken ? options_.status_interval : options_.reply_timeout) &&
-      command_number_ > 0)
-    return;
-  if (!taken) return send_command();
-  const bool held = status_.state == wire::MachineState::hold;
-  // A hold for another reason may end without a command of the host; a hold by the host does not.
-  const bool firmly_held = held && status_.hold_reason == wire::HoldReason::host;
-  if (wish_ == Wish::hold && !firmly_held && (held || status_.state == wire::MachineState::run))
-    return command(wire::Command::hold);
-  if (job_speed_ != machine_job_speed_) {
-    machine_job_speed_ = job_speed_;
-    return command(wire::Command::job_speed, machine_job_speed_);
-  }
-  if (wish_ != Wish::run) return;
-  // A request to resume does not apply to a later hold.
-  if (status_.state == wire::MachineState::run) resume_asked_.store(false);
-  // A hold caused by the host's own silence is resumed. Every other hold is ended by the user: one
-  // for a missed shot, one by a typed byte, and that of a door, which leaves a firm hold when it
-  // closes.
-  const bool door = status_.state == wire::MachineState::door;
-  const bool by_byte = status_.hold_reason == wire::HoldReason::realtime ||
-                       status_.hold_reason == wire::HoldReason::reset;
-  const bool over =
-      status_.hold_reason == wire::HoldReason::dead_man || (by_byte && options_.auto_resume);
-  if (held && status_.hold_reason == wire::HoldReason::reset && !over) {
-    was_reset_ = true;
-    return begin_stop(JobEnd::stopped);
-  }
-  if ((held && over) || ((held || door) && resume_asked_.load())) {
-    resume_asked_.store(false);
-    command(wire::Command::resume);
-  }
-}
-
-void JobSender::command(wire::Command what, std::uint32_t value) {
-  command_ = {what, value};
-  ++command_number_;
-  send_command();
-}
-
-void JobSender::send_command() {
-  std::array<std::uint8_t, wire::max_command_size> payload{};
-  wire::ByteWriter out(payload);
-  wire::write_command(out, command_);
-  connection_.send({wire::FrameType::command, session_, command_number_}, out.written());
-  command_at_ = transport_.now();
-}
-
 /// Writes frames as far as the window and the machine's free space allow.
 void JobSender::stream() {
   if (phase_ != Phase::stream || cut_ || !synced_) return;
@@ -431,73 +360,6 @@ void JobSender::end(JobEnd how) {
   elapsed_ = transport_.now() - started_at_;
   end_ = how;
   phase_ = Phase::ended;
-}
-
-void JobSender::fail(std::exception_ptr error) {
-  if (phase_ == Phase::stream) return begin_stop(JobEnd::stopped, std::move(error));
-  if (phase_ != Phase::stopping) std::rethrow_exception(error);
-  if (!stop_error_) stop_error_ = std::move(error);
-}
-
-/// Stops the machine. At rest the job ends with `how`, or `error` is thrown.
-void JobSender::begin_stop(JobEnd how, std::exception_ptr error) {
-  phase_ = Phase::stopping;
-  stop_end_ = how;
-  stop_error_ = std::move(error);
-  stop_by_ = transport_.now() + rest_timeout;
-  command(wire::Command::stop);
-}
-
-/// Repeats a stop that was not acknowledged: the machine executes it once.
-void JobSender::insist_on_stop() {
-  const Time now = transport_.now();
-  if (is_at_rest(status_.state) || status_.session != session_) return finish_stop();
-  if (now >= stop_by_) throw_not_stopped();
-  if (!cut_ && !command_taken() && now - command_at_ >= options_.reply_timeout) send_command();
-}
-
-/// Why the machine no longer has a job of this session: without a restart, another job replaced it.
-JobEnd JobSender::end_of_forgotten() const {
-  return status_.session == 0 || mark_ ? JobEnd::restarted : JobEnd::replaced;
-}
-
-void JobSender::finish_stop() {
-  using wire::MachineState;
-  const bool ours = status_.session == session_;
-  const bool idle = status_.state == MachineState::idle;
-  if (ours && idle && status_.first_unfired >= job_.size())
-    end(JobEnd::done);
-  else
-    end(!ours ? end_of_forgotten() : idle ? stop_end_ : JobEnd::alarm);
-  throw_reason();
-}
-
-/// Throws the error that ended the job early, if any.
-void JobSender::throw_reason() const {
-  if (stop_refusal_) refuse_job(*stop_refusal_);
-  if (stop_error_) std::rethrow_exception(stop_error_);
-  if (was_reset_ && end_ == JobEnd::stopped)
-    throw Error(Exit::job_failed, "machine", "was stopped by a reset (0x18), not by this program",
-                advice());
-}
-
-/// Throws an error that contains the first one, if any.
-void JobSender::throw_not_stopped() {
-  end(stop_end_);
-  const std::string where = "machine", what = "could not be stopped, it may still move and fire",
-                    remedy = "press its emergency stop or switch it off";
-  try {
-    throw_reason();
-  } catch (const Error& error) {
-    throw NotStopped(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.message()),
-                     remedy);
-  } catch (const std::exception& error) {
-    throw NotStopped(Exit::job_failed, where, fmt::format("{} after '{}'", what, error.what()),
-                     remedy);
-  }
-  throw NotStopped(Exit::job_failed, where, what,
-                   fmt::format("{}; all {}s before {} are done, maybe more; then {}", remedy,
-                               job_.item(), job_status_.first_unfired, advice()));
 }
 
 JobSender::Time JobSender::pause_length() const {

@@ -114,6 +114,8 @@ class JobSender {
   enum class Phase : std::uint8_t { hello, begin, stream, stopping, ended };
   enum class Wish : std::uint8_t { run, hold, stop };
   static_assert(std::atomic<Wish>::is_always_lock_free);
+  /// Time until the machine must be at rest after the last shot or a stop.
+  static constexpr Time rest_timeout{10'000'000};
 
   /// A QUERY without answer, and the number of the DATA frame after it.
   struct Barrier {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "host/model/text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {
@@ -13,7 +12,12 @@ constexpr std::size_t max_characters = 20'000;
 constexpr int max_depth = 32;
 constexpr std::string_view call = "var(";
 
-std::size_t find_call(std::string_view value) { return in_lower_case(value).find(call); }
+/// The place of the next call in any case; the size of the value if there is none.
+std::size_t find_call(std::string_view value) {
+  const auto equal = [](char a, char b) { return a == b || (a >= 'A' && a <= 'Z' && a + 32 == b); };
+  const auto found = std::search(value.begin(), value.end(), call.begin(), call.end(), equal);
+  return static_cast<std::size_t>(found - value.begin());
+}
 
 /// The place of the bracket that closes what begins before `from`.
 std::size_t end_of_call(std::string_view value, std::size_t from) {
@@ -32,7 +36,7 @@ bool append(std::string_view value, const CssVariables& variables, int depth, st
   while (true) {
     if (value.size() + 1 > budget) return false;
     budget -= value.size() + 1;
-    const std::size_t begin = std::min(find_call(value), value.size());
+    const std::size_t begin = find_call(value);
     out.append(value.substr(0, begin));
     if (begin == value.size()) return true;
     const std::size_t from = begin + call.size();
@@ -55,7 +59,7 @@ bool append(std::string_view value, const CssVariables& variables, int depth, st
 
 }  // namespace
 
-bool uses_variables(std::string_view value) { return find_call(value) != std::string::npos; }
+bool uses_variables(std::string_view value) { return find_call(value) != value.size(); }
 
 std::optional<std::string> with_variables(std::string_view value, const CssVariables& variables,
                                           std::size_t& characters) {

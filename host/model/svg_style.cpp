@@ -92,7 +92,7 @@ std::string with_lower_keywords(std::string_view value) {
 }
 
 /// Characters of variables that take as long as a comparison of a rule with an element.
-constexpr std::size_t characters_a_step = 32;
+constexpr std::size_t characters_a_step = 4;
 
 bool has_class(const xml_node& node, std::string_view name) {
   std::string_view classes = node.attribute("class").value();

@@ -74,7 +74,8 @@ CutShape shape_row(const Shape& shape, const std::string& layer,
       direction = operations[*shape.operation].direction;
   }
   if (shape.contour.closed)
-    row.direction = cutting::signed_area(cutting::directed(shape, direction)) > 0 ? "ccw" : "cw";
+    row.direction =
+        cutting::is_counter_clockwise(cutting::directed(shape, direction)) ? "ccw" : "cw";
   return row;
 }
 

@@ -133,7 +133,9 @@ TEST(ChipPulseStream, PulledAndPluggedInAJobAtRandomMoments) {
   run_jobs_with_cuts(rig, profile, cuts);
 }
 
-TEST(ChipPulseStream, ASilentHostTriggersTheDeadMansTimeoutAndTheSerialPortWorksLater) {
+// That the serial port is heard after ten seconds of silence is tested with the Listener
+// (tests/board_rp2040/usb_listener_test.cpp): ten seconds take long on the simulated chip.
+TEST(ChipPulseStream, ASilentHostTriggersTheDeadMansTimeout) {
   job::Profile profile = chip_profile();
   profile.settings.set_milli(Id::dead_man, 200'000);  // ms
   FunctionRig rig(profile, UsbFunction::vendor);
@@ -142,7 +144,6 @@ TEST(ChipPulseStream, ASilentHostTriggersTheDeadMansTimeoutAndTheSerialPortWorks
   RunningJob running(rig, job, 1);
   ASSERT_TRUE(running.run_until_fired(10));
   // The host program hangs; it has the interface open and does not read.
-  const Picoseconds silent = rig.now();
   const Picoseconds limit = profile.settings.milli(Id::dead_man) * ps_per_us;
   // The machine brakes and is held.
   rig.run(limit + 100 * ps_per_ms);
@@ -150,10 +151,6 @@ TEST(ChipPulseStream, ASilentHostTriggersTheDeadMansTimeoutAndTheSerialPortWorks
   rig.send_beside("?", UsbFunction::serial);
   rig.run(100 * ps_per_ms);
   EXPECT_EQ(rig.heard_beside(UsbFunction::serial), "");
-  rig.run(10 * ps_per_s + silent - rig.now());
-  rig.send_beside("?", UsbFunction::serial);
-  rig.run(100 * ps_per_ms);
-  EXPECT_THAT(rig.heard_beside(UsbFunction::serial), HasSubstr("<Hold"));
   EXPECT_EQ(rig.shots().size(), fired);
   EXPECT_LT(fired, job.targets.size());
   // The host program continues its job.

@@ -19,9 +19,10 @@ bool is_text(const Option& option) {
          std::holds_alternative<std::vector<std::string>*>(option.target());
 }
 
-/// The message of the refusal; empty if the arguments are accepted.
+/// The message of the refusal; empty if the arguments are accepted. All use one program, as making
+/// it takes longer than a refusal.
 std::string refusal_of(const std::vector<std::string>& arguments) {
-  const auto program = make_own_commands();
+  static const std::unique_ptr<Command> program = make_own_commands();
   try {
     run(*program, arguments);
   } catch (const Error& error) {

@@ -164,6 +164,36 @@ TEST(contour, a_joint_of_many_curves_continues_straight) {
     EXPECT_NEAR(distance(contour.edges.front().from, contour.edges.back().to), 2, 1e-9);
 }
 
+// Where squares touch at corners four ends meet, where a line begins at a corner three.
+TEST(contour, squares_that_touch_and_lines_from_corners_leave_closed_contours) {
+  Random random(36);
+  for (int round = 0; round < scaled(200); ++round) {
+    std::vector<Contour> drawn;
+    Vec low{0, 0};
+    for (int i = 0; i < 4; ++i) {
+      const double width = 2 + 8 * random.uniform(), height = 2 + 8 * random.uniform();
+      drawn.push_back(
+          polygon({low, low + Vec{width, 0}, low + Vec{width, height}, low + Vec{0, height}}));
+      low = low + Vec{width, height};
+    }
+    const bool has_line = random.uniform() < 0.5;
+    if (has_line) {
+      // Away from the first square, in any direction.
+      const double turn = pi + pi / 2 * random.uniform();
+      drawn.push_back({{Edge{{0, 0}, {3 * std::cos(turn), 3 * std::sin(turn)}, {}, 0}}, false});
+    }
+    const JoinedContours joined = join_contours(scattered(drawn, random, 0), {});
+    ASSERT_EQ(joined.contours.size(), drawn.size()) << round;
+    double area = 0, wanted = 0;
+    for (const Contour& contour : joined.contours) area += std::abs(signed_area(contour));
+    for (const Contour& contour : drawn) wanted += std::abs(signed_area(contour));
+    EXPECT_NEAR(area, wanted, 1e-9);
+    EXPECT_EQ(std::count_if(joined.contours.begin(), joined.contours.end(),
+                            [](const Contour& contour) { return contour.closed; }),
+              4);
+  }
+}
+
 TEST(contour, duplicates_are_removed_however_they_are_drawn) {
   model::Curves curves;
   curves.layers = {"0"};

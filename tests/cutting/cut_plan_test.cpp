@@ -58,6 +58,23 @@ const Contour ell = polygon({{0, 0}, {20, 0}, {20, 10}, {10, 10}, {10, 20}, {0, 
 /// Printed digits of the document.
 constexpr double printed = 0.00005;
 
+// Its two triangles have the same area, one on the left and one on the right.
+TEST(cut_plan, a_symmetric_bow_tie_has_an_outside) {
+  const Contour bow = polygon({{0, 0}, {10, 10}, {10, 0}, {0, 10}});
+  for (const Contour& contour : {bow, reversed(bow)}) {
+    for (const Compensation compensation : {Compensation::outside, Compensation::automatic}) {
+      const CutPlan plan = plan_of({contour}, operation(1, compensation));
+      Box box;
+      for (const PlannedCut& cut : plan.cuts)
+        for (const Stroke& stroke : cut.strokes)
+          for (const CutMove& move : stroke) box.add(box_of(move.edge));
+      EXPECT_NEAR(box.low.x, -0.5, 1e-6);
+      EXPECT_NEAR(box.high.x, 10.5, 1e-6);
+    }
+    EXPECT_LT(length_with_light(plan_of({contour}, operation(1, Compensation::inside))), 40);
+  }
+}
+
 TEST(cut_plan, lengths_of_the_document) {
   const auto length = [](const Contour& contour, double kerf_mm, Compensation compensation) {
     return length_with_light(plan_of({contour}, operation(kerf_mm, compensation)));

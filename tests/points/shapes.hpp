@@ -1,12 +1,12 @@
 // Bodies with known geometry, for the tests of this folder.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <numbers>
 #include <random>
-#include <utility>
+#include <vector>
 
 #include "host/model/mesh.hpp"
 #include "tests/error_of.hpp"
@@ -77,15 +77,18 @@ inline model::Mesh box(double x, double y, double z) {
 
 /// Whether every edge is used once in each direction: closed and consistently oriented.
 inline bool is_closed(const model::Mesh& mesh) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
-  for (const auto& t : mesh.triangles) {
-    for (std::size_t i = 0; i < 3; ++i) ++uses[{t[i], t[(i + 1) % 3]}];
-  }
-  for (const auto& [edge, count] : uses) {
-    const auto opposite = uses.find({edge.second, edge.first});
-    if (count != 1 || opposite == uses.end() || opposite->second != 1) return false;
-  }
-  return !uses.empty();
+  // An edge as one number, its vertices in the upper and the lower half.
+  std::vector<std::uint64_t> edges, opposite;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint64_t from = t[i], to = t[(i + 1) % 3];
+      edges.push_back(from << 32 | to);
+      opposite.push_back(to << 32 | from);
+    }
+  std::sort(edges.begin(), edges.end());
+  std::sort(opposite.begin(), opposite.end());
+  return !edges.empty() && edges == opposite &&
+         std::adjacent_find(edges.begin(), edges.end()) == edges.end();
 }
 
 /// 0 .. count - 1.
