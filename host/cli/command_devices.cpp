@@ -13,13 +13,10 @@ namespace {
 
 Json as_json(const run::DeviceRow& row) {
   const auto text = [](const std::string& value) { return value.empty() ? Json() : Json(value); };
-  return {{"kind", row.kind},
-          {"name", row.name},
-          {"serial", text(row.serial)},
-          {"place", text(row.place)},
-          {"node", text(row.node)},
-          {"use", text(row.use)},
-          {"problem", text(row.problem)}};
+  return {{"kind", row.kind},         {"name", row.name},
+          {"board", text(row.board)}, {"serial", text(row.serial)},
+          {"place", text(row.place)}, {"node", text(row.node)},
+          {"use", text(row.use)},     {"problem", text(row.problem)}};
 }
 
 void say(Console& console, const run::DeviceRow& row) {

@@ -65,7 +65,7 @@ void add_flash(Command& program) {
       "loader through its pins RUN and BOOTSEL.\n"
       "Example:\n"
       "  lamplock flash --for pico\n"
-      "  lamplock flash --for picobob --serial E661640843322A2B\n"
+      "  lamplock flash --for pico --serial E661640843322A2B\n"
       "  lamplock flash --for pico --lines examples/lines.toml\n"
       "  lamplock flash new.uf2 --drive /media/$USER/RPI-RP2\n"
       "  lamplock flash --for pico --board chip");

@@ -49,8 +49,9 @@ void Update::step(const std::string& name, const std::string& what) const {
   if (events_.on_step) events_.on_step(name, what);
 }
 
-UpdateReport Update::run(const std::string& serial) {
+UpdateReport Update::run(const std::string& serial, const std::string& for_board) {
   const DeviceInfo target = find(serial);
+  refuse_other_board(target, for_board);
   boards_before_ = boards();
   boards_before_.erase(target.place);
   DeviceInfo loader = target;
@@ -94,6 +95,18 @@ DeviceInfo Update::find(const std::string& serial) {
     return there.empty() ? std::nullopt : std::make_optional(there.front());
   });
   return loader ? wait_for_loader(loader->place) : find_target(site_.bus, serial);
+}
+
+/// An image of another board may short outputs of this one. What was flashed by mistake can be
+/// replaced from the loader, which does not know its board.
+void Update::refuse_other_board(const DeviceInfo& target, const std::string& for_board) {
+  const boards::BoardRow* runs = usb::board_of(target);
+  if (runs == nullptr || for_board.empty() || runs->name == for_board) return;
+  throw Error(Exit::bad_input, name_of(target),
+              fmt::format("runs the image of a board {}, not of {}", runs->name, for_board),
+              fmt::format("flash --for {}; if it is a {}, hold BOOTSEL while plugging it in, then "
+                          "flash again",
+                          runs->name, for_board));
 }
 
 void Update::stop_board(const DeviceInfo& board) {

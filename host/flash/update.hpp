@@ -66,13 +66,15 @@ class Update {
  public:
   Update(UpdateSite site, const FlashImage& image, UpdateEvents events);
 
-  /// Updates the board with this serial number, or the only one. Throws Error.
-  UpdateReport run(const std::string& serial);
+  /// Updates the board with this serial number, or the only one. Throws Error; also if it runs the
+  /// image of another board than `for_board` (BoardRow::name; empty: the image is for any).
+  UpdateReport run(const std::string& serial, const std::string& for_board = {});
   /// Updates the board of a mounted drive. Throws Error.
   UpdateReport run_on_drive(const std::filesystem::path& drive);
 
  private:
   usb::DeviceInfo find(const std::string& serial);
+  static void refuse_other_board(const usb::DeviceInfo& target, const std::string& for_board);
   void stop_board(const usb::DeviceInfo& board);
   void pull_loader_lines(const std::string& why) const;
   void check_way(const usb::DeviceInfo& board);

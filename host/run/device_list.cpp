@@ -22,6 +22,7 @@ void add(std::string& list, const char* separator, const std::string& more) {
 /// Two ways lead to a board, each with a driver or permission of its own; one is enough.
 DeviceRow board_row(const DeviceInfo& device, const usb::Sysfs& sysfs) {
   DeviceRow row{"board", device.name, device.serial, device.place, "", "", ""};
+  if (const boards::BoardRow* board = usb::board_of(device)) row.board = board->name;
   if (link::stream_interface(device)) {
     if (device.problem.empty()) row.use = "--board usb:" + device.serial;
     row.problem = device.problem;

@@ -21,6 +21,7 @@ struct DeviceRow {
   std::string node;     ///< what to give to commands: /dev/ttyACM0; empty if there is none
   std::string use;      ///< what can be done with it as it is; empty: nothing yet
   std::string problem;  ///< what is missing, with the remedy; empty: nothing
+  std::string board{};  ///< whose image it runs, as for flash --for; empty: unknown, or no board
 };
 
 /// Where to look; other folders in tests.

@@ -87,8 +87,8 @@ flash::UpdateReport flash_site(const flash::UpdateSite& site, const FlashFile& f
   };
   events.on_progress = [&](const FlashProgress& progress) { view.update(progress); };
   flash::Update update(site, file.image, std::move(events));
-  flash::UpdateReport report =
-      options.drive.empty() ? update.run(options.serial) : update.run_on_drive(options.drive);
+  flash::UpdateReport report = options.drive.empty() ? update.run(options.serial, options.for_board)
+                                                     : update.run_on_drive(options.drive);
   if (!report.version_problem.empty())
     frontend.say("the image is on the board; its version was not read: {}", report.version_problem);
   return report;

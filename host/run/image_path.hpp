@@ -13,7 +13,7 @@ namespace lamplock::run {
 inline constexpr const char* elf_image_name = "lamplock-rp2040.elf";
 inline constexpr const char* uf2_image_name = "lamplock-rp2040.uf2";
 
-/// Names of all boards: "pico, picobob, ...".
+/// Names of all boards: "pico, ...".
 std::string board_names();
 /// The UF2 file of a board (shared/boards/all_boards.hpp). Throws Error(bad_input) if no board has
 /// that name, or if `board` is empty: the board is asked for, never guessed. `where`: the option.

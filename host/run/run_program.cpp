@@ -24,6 +24,7 @@
 #include "host/run/board_files.hpp"
 #include "host/run/board_link.hpp"
 #include "host/run/frontend.hpp"
+#include "host/run/other_board.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/program_control.hpp"
 #include "host/run/program_refusal.hpp"
@@ -355,6 +356,8 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
   board.unlock_simulated();
   const link::BoardStatus status = link::greet(board.port()).status;
   const auto of_board = settings_of(board.port());
+  if (of_board && !asked.machine.machine.empty())
+    refuse_profile_of_other_board(asked.machine.machine, values, *of_board);
   std::optional<program_run::BoardState> state;
   if (of_board)
     state = program_run::read_state(board.port(), status,

@@ -12,6 +12,7 @@
 #include "host/link/board_settings.hpp"
 #include "host/link/line_port.hpp"
 #include "host/units.hpp"
+#include "shared/boards/all_boards.hpp"
 #include "shared/job_limits.hpp"
 #include "shared/units.hpp"
 
@@ -27,10 +28,13 @@ constexpr link::Patience settings_time{std::chrono::milliseconds(300),
 /// Settings that a message names one by one.
 constexpr std::size_t max_named = 3;
 
-/// "200", "0.5", "1 (slave)".
+/// "200", "0.5", "1 (slave)", "0 (board pico)".
 std::string value_words(Id id, const settings::Values& values) {
   constexpr std::array lamp_modes{"none", "slave", "master"};
   const std::string number = fmt::format("{:.10g}", in_units(values, id));
+  if (id == Id::pin_map)
+    if (const auto* board = boards::find_board(static_cast<boards::PinMap>(values.whole(id))))
+      return fmt::format("{} (board {})", number, board->name);
   const auto mode = static_cast<std::size_t>(values.whole(id));
   if (id != Id::lamp_mode || mode >= lamp_modes.size()) return number;
   return fmt::format("{} ({})", number, lamp_modes[mode]);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "shared/boards/all_boards.hpp"
 #include "shared/boards/usb_ids.hpp"
 
 namespace lamplock::usb {
@@ -32,6 +33,13 @@ KnownDevice known_device(const DeviceInfo& device) {
     return row.vendor == device.vendor && row.product == device.product;
   });
   return found == rows.end() ? KnownDevice{} : found->device;
+}
+
+const boards::BoardRow* board_of(const DeviceInfo& device) {
+  const std::string_view name = device.name;
+  if (known_device(device).kind != Kind::board || !name.starts_with(boards::usb_product_prefix))
+    return nullptr;
+  return boards::find_board(name.substr(boards::usb_product_prefix.size()));
 }
 
 }  // namespace lamplock::usb

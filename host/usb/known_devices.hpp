@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "host/usb/usb.hpp"
+#include "shared/boards/board_row.hpp"
 
 namespace lamplock::usb {
 
@@ -28,5 +29,9 @@ inline constexpr std::string_view board_manufacturer = "lamplock";
 /// A board is identified by its manufacturer's text too, because its numbers are free for tests by
 /// any maker.
 KnownDevice known_device(const DeviceInfo& device);
+
+/// The board that a device of Kind::board has the image of, by its product's text; null if that
+/// names no known board, as with firmware before these texts.
+const boards::BoardRow* board_of(const DeviceInfo& device);
 
 }  // namespace lamplock::usb

@@ -42,7 +42,7 @@ TEST(UsbControl, EnumeratesLikeLinux) {
   host.reset();
   const auto first = host.control(to_host, 6, 0x0100, 0, 64);
   const Bytes device = {18,   1,    0x01, 0x02, 0xEF, 0x02, 0x01, 64, 0x09,
-                        0x12, 0x01, 0x00, 0x11, 0x00, 1,    2,    3,  1};
+                        0x12, 0x01, 0x00, 0x12, 0x00, 1,    2,    3,  1};
   EXPECT_EQ(first.data, device);
   host.reset();
   ASSERT_EQ(host.control(0, 5, 42, 0, 0).handshake, Handshake::ack);
@@ -68,7 +68,7 @@ TEST(UsbControl, EnumeratesLikeLinux) {
   EXPECT_EQ(host.control(to_host, 6, 0x0200, 0, 98).data, configuration);
   EXPECT_EQ(host.control(to_host, 6, 0x0300, 0, 255).data, (Bytes{4, 3, 9, 4}));
   EXPECT_EQ(text(host.control(to_host, 6, 0x0301, 0x0409, 255).data), "lamplock");
-  EXPECT_EQ(text(host.control(to_host, 6, 0x0302, 0x0409, 255).data), "lamplock laser controller");
+  EXPECT_EQ(text(host.control(to_host, 6, 0x0302, 0x0409, 255).data), "lamplock pico");
   EXPECT_EQ(text(host.control(to_host, 6, 0x0303, 0x0409, 255).data), "E6605838832A1B2C");
   EXPECT_EQ(text(host.control(to_host, 6, 0x0305, 0x0409, 255).data), "lamplock pulse stream");
   EXPECT_EQ(host.control(to_host, 8, 0, 0, 1).data, Bytes{0});
@@ -141,7 +141,7 @@ TEST(UsbControl, ChangedDescriptorsHaveANewVersion) {
   add(host.control(to_host, 6, 0x0200, 0, 255).data);
   add(host.control(to_host, 6, 0x0F00, 0, 255).data);
   add(host.control(0xC0, 0x4D, 0, 7, 4096).data);
-  EXPECT_EQ(version, 0x0011);
+  EXPECT_EQ(version, 0x0012);
   EXPECT_EQ(sum, 10'939'475'691'639'477'757u)
       << "raise device_version, then write both numbers here";
 }

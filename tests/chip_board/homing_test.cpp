@@ -6,7 +6,7 @@
 
 #include "tests/chip_board/chip_rig.hpp"
 
-namespace lamplock::test {
+namespace lamplock::test::homing_test {
 namespace {
 
 constexpr std::int32_t steps_per_mm = 200, end_steps = 50 * steps_per_mm;
@@ -167,4 +167,4 @@ TEST(ChipJog, ReleaseStopsAtOnce) {
 }
 
 }  // namespace
-}  // namespace lamplock::test
+}  // namespace lamplock::test::homing_test

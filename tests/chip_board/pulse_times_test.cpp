@@ -6,7 +6,7 @@
 #include "shared/pulse_times.hpp"
 #include "sim/chip_board/board_timing.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
-#include "tests/chip_board/chip_rig.hpp"
+#include "tests/chip_board/board_bench.hpp"
 
 namespace lamplock::test::pulse_times_test {
 namespace {
@@ -78,12 +78,19 @@ void expect_kept(const PulseWatch& watch, const Times& times) {
 
 constexpr int fast_mm_s = 200;
 
+/// A board and its map with four axes.
+struct FastCase {
+  Times times;
+  const BoardRow* board = &boards::pico;
+  boards::PinMap map = boards::PinMap::cut;
+};
+
 /// Four axes on a lamp, whose highest rate is the highest that the board takes.
-job::Profile fast_profile(const Times& times) {
+job::Profile fast_profile(const FastCase& fast) {
   job::Profile profile = chip_profile(1000);
   settings::Values& values = profile.settings;
-  set_times(values, times);
-  values.set_milli(Id::pin_map, 1000);
+  set_times(values, fast.times);
+  values.set_milli(Id::pin_map, static_cast<int>(fast.map) * 1000);
   values.set_milli(Id::axes, max_axes * 1000);
   for (int axis = 0; axis < max_axes; ++axis) {
     const auto put = [&values, axis](Id first, std::int64_t milli) {
@@ -110,14 +117,15 @@ job::Job fast_job(const job::Profile& profile) {
   return job;
 }
 
-class FastPulses : public testing::TestWithParam<Times> {};
+class FastPulses : public testing::TestWithParam<FastCase> {};
 
 TEST_P(FastPulses, AreAsLongAsSetOnFourAxesAtTheHighestRate) {
-  const Times& times = GetParam();
-  const job::Profile profile = fast_profile(times);
+  const Times& times = GetParam().times;
+  const sim::chip::Image& image = image_of(*GetParam().board);
+  const job::Profile profile = fast_profile(GetParam());
   const job::Job job = fast_job(profile);
-  ChipRig rig(profile, ChipRig::Power::off);
-  const sim::BoardTiming timing(rig.board, flash_image());
+  ChipRig rig(profile.settings, world_for(profile), ChipRig::Power::off, image);
+  const sim::BoardTiming timing(rig.board, image);
   const StepLog log(profile.settings, rig.board.bus());
   rig.boot();
   PulseWatch watch(rig.board.bus());
@@ -133,26 +141,34 @@ TEST_P(FastPulses, AreAsLongAsSetOnFourAxesAtTheHighestRate) {
     const auto& steps = log.steps()[index(axis)];
     ASSERT_GT(steps.size(), 1000u);
     EXPECT_EQ(steps.back().position, job.targets.back().steps[index(axis)]);
+    // The highest rate is 98 % of one step a period: some steps are a tick later.
+    const Picoseconds close = (pulses.period_ticks + 1 + pulses.period_ticks / 20) * ps_per_tick;
     for (std::size_t i = 1; i < steps.size(); ++i)
-      closest += steps[i].at - steps[i - 1].at < (pulses.period_ticks + 1) * ps_per_tick - ps_per_ns
-                     ? 1u
-                     : 0u;
+      closest += steps[i].at - steps[i - 1].at < close - ps_per_ns ? 1u : 0u;
   }
   EXPECT_GT(closest, watch.pulses / 2) << "most steps must be as close as they may";
 
-  const auto most = static_cast<double>(max_rate_milli(profile.settings, 0));
-  const std::string answer = rig.answer(fmt::format("$110={:.3f}", (most + 1) / 1e3));
-  EXPECT_EQ(answer,
-            fmt::format("[MSG:$110 at most {:.3f} mm/min with $0 and $1077]\r\nerror:12\r\n",
-                        most / 1e3));
+  // Refused above, never clipped.
+  for (int axis = 0; axis < max_axes; ++axis) {
+    const int number = settings::number(settings::for_axis(Id::max_rate_x, axis));
+    const auto most = static_cast<double>(max_rate_milli(profile.settings, axis)) / 1e3;
+    EXPECT_EQ(rig.answer(fmt::format("${}={:.3f}", number, most + 0.001)),
+              fmt::format("[MSG:${} at most {:.3f} mm/min with $0 and $1077]\r\nerror:12\r\n",
+                          number, most));
+  }
+  EXPECT_EQ(rig.board.stored_settings(), profile.settings);
 }
 
-INSTANTIATE_TEST_SUITE_P(Times, FastPulses,
-                         testing::Values(Times{2500, 2500, 5000, 5000}, Times{500, 500, 200, 200},
-                                         Times{600, 1700, 500, 500}),
-                         [](const auto& times) {
-                           return fmt::format("High{}Low{}", times.param.high, times.param.low);
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Times, FastPulses,
+    testing::Values(FastCase{{2500, 2500, 5000, 5000}}, FastCase{{500, 500, 200, 200}},
+                    FastCase{{600, 1700, 500, 500}}, FastCase{{10'000, 10'000, 10'000, 20'000}},
+                    FastCase{
+                        {2500, 2500, 5000, 5000}, &boards::skr_pico, boards::skr_pico.first_map}),
+    [](const auto& fast) {
+      return fmt::format("{}High{}Low{}", fast.param.board == &boards::pico ? "" : "Apart",
+                         fast.param.times.high, fast.param.times.low);
+    });
 
 // --- settings that change ----------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -147,6 +148,43 @@ TEST(BoardPages, HaveEveryPinOfTheRow) {
     }
     const std::string map = std::to_string(static_cast<int>(row->first_map));
     EXPECT_NE(page.find("pin_map = " + map + "`"), std::string::npos) << row->name;
+  }
+}
+
+/// Lines of a text that a search for one of the words would show.
+std::size_t lines_with(const std::string& text, const std::vector<std::string>& words) {
+  std::istringstream lines(text);
+  std::size_t found = 0;
+  for (std::string line; std::getline(lines, line);)
+    found += std::any_of(words.begin(), words.end(), [&line](const std::string& word) {
+      return line.find(word) != std::string::npos;
+    });
+  return found;
+}
+
+/// To add a board takes its row, two lines in the list of boards and its page: no code asks for a
+/// board by its name. (The Pico wired by hand is the default of the build and of the simulators.)
+TEST(BoardRows, AreTheOnlyCodeThatNamesABoard) {
+  namespace fs = std::filesystem;
+  for (const BoardRow* row : all_boards) {
+    if (row == &pico) continue;
+    const std::string name(row->name);
+    std::string identifier = name;
+    std::replace(identifier.begin(), identifier.end(), '-', '_');
+    const std::string own = "shared/boards/rows/" + identifier + ".hpp",
+                      list = "shared/boards/all_boards.hpp";
+    EXPECT_EQ(lines_with(test::read_repository_file(list), {name, identifier}), 2u) << name;
+    EXPECT_GT(lines_with(test::read_repository_file(own), {name, identifier}), 0u) << name;
+    for (const char* room : {"firmware", "shared", "host", "sim", "toolchain"})
+      for (const auto& entry : fs::recursive_directory_iterator(test::in_repository(room))) {
+        const std::string file =
+            fs::relative(entry.path(), test::in_repository("")).generic_string();
+        // A row may share pins with another one.
+        if (!entry.is_regular_file() || file == list || file.starts_with("shared/boards/rows/"))
+          continue;
+        EXPECT_EQ(lines_with(test::read_repository_file(file), {name, identifier}), 0u)
+            << file << " names " << name;
+      }
   }
 }
 

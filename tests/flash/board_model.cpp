@@ -187,6 +187,7 @@ std::vector<usb::DeviceInfo> BusModel::devices() {
       info.vendor = 0x1209;
       info.product = 0x0001;
       info.manufacturer = "lamplock";
+      info.name = board.name;
       info.serial = board.serial;
       info.place = board.place;
       info.problem = board.problem;

@@ -20,6 +20,7 @@ namespace lamplock::flash::test {
 
 struct BoardModel {
   std::string place = "1-4", serial = "A1";
+  std::string name{};  ///< the product's text
   FlashModel flash{};
   LoaderFaults faults{};                    ///< faults of its loader
   std::string status = "Idle";              ///< its answer to '?'; empty: no answer

@@ -86,6 +86,36 @@ TEST_F(UpdateTest, BoardInItsLoaderGetsIt) {
   EXPECT_EQ(update().version, version_of(image_));
 }
 
+/// An image of another board may short outputs. In the loader no board is known.
+TEST_F(UpdateTest, TheImageOfAnotherBoardIsRefused) {
+  const auto update_for = [&](const std::string& name) {
+    return Update({bus_, ports_, roots_, write_through, pull_}, image_, {}).run("", name);
+  };
+  board().name = "lamplock skr-pico";
+  try {
+    update_for("pico");
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit(), Exit::bad_input);
+    EXPECT_EQ(error.message(),
+              "lamplock board A1 (USB 1-4): runs the image of a board skr-pico, not of pico; "
+              "flash --for skr-pico; if it is a pico, hold BOOTSEL while plugging it in, then "
+              "flash again");
+  }
+  EXPECT_TRUE(board().heard.empty());
+  EXPECT_TRUE(test::holds(board().flash.bytes, old_));
+  EXPECT_EQ(update_for("skr-pico").version, version_of(image_));
+  for (const char* unknown : {"lamplock laser controller", "lamplock later-board", ""}) {
+    put(board(), old_);
+    board().name = unknown;
+    EXPECT_EQ(update_for("pico").version, version_of(image_)) << unknown;
+  }
+  put(board(), old_);
+  board().name = "lamplock skr-pico";
+  board().in_loader = true;
+  EXPECT_EQ(update_for("pico").version, version_of(image_));
+}
+
 TEST_F(UpdateTest, NothingIsDoneWhileTheBoardWorks) {
   for (const char* status : {"Run", "Hold:0", "Door:1", "Jog", "Home", "Check", "Sleep"}) {
     board().status = status;

@@ -39,7 +39,7 @@ usb::DeviceInfo board_info(const std::string& serial, const std::string& place) 
   info.product = 0x0001;
   info.place = place;
   info.manufacturer = "lamplock";
-  info.name = "lamplock laser controller";
+  info.name = "lamplock pico";
   info.serial = serial;
   using Kind = usb::Endpoint::Kind;
   info.interfaces = {{0, 2, 2, 0, {{0x81, Kind::interrupt, 16}}},

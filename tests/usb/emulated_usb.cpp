@@ -71,7 +71,7 @@ EmulatedDevice emulated_board() {
           6,
           hex_of(board::device_descriptor) + hex_of(board::configuration_descriptor),
           "lamplock",
-          "lamplock laser controller",
+          "lamplock picobob",
           "E661640843322A2B"};
 }
 

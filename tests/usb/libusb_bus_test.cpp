@@ -123,6 +123,9 @@ TEST_F(LibusbBusTest, ListHasPortsPendantsAndMissingDrivers) {
   usb_->add_below(pendant, 0, "hidraw", "0003:10CE:EB93.0001/hidraw/hidraw2", "hidraw2");
   rows = run::list_devices(bus);
   EXPECT_EQ(rows[0].kind, "board");
+  EXPECT_EQ(rows[0].name, "lamplock picobob");
+  EXPECT_EQ(rows[0].board, "picobob");
+  EXPECT_EQ(rows[1].board, "");
   EXPECT_EQ(rows[0].node, "/dev/ttyACM3");
   EXPECT_EQ(rows[0].use, "--board usb:E661640843322A2B, --board /dev/ttyACM3, lamplock flash");
   EXPECT_EQ(rows[0].problem, "");

@@ -1,6 +1,6 @@
 // SKR Pico V1.0 by BIGTREETECH (docs/boards/skr-pico.md): an RP2040 with four TMC2209 drives, made
 // for 3D printers. Pins: its schematic; grblHAL, RP2040; Klipper, generic-bigtreetech-skr-pico.
-//
+// Limit of the current: derived from the datasheet of the drives in docs/boards/skr-pico.md.
 // Buffers of the board drive the inputs of the limit switches and of the filament sensor, which is
 // the e-stop here. The enables have pull-ups, and so have the inputs of the thermistors. There is
 // no LAMP TRIGGER: the connector P5 has two pins only. GPIO 21 and 23 switch heaters.

@@ -183,6 +183,12 @@ void LatticeOutput::start(boards::Pins map, const stepper::PulseOutput& output) 
   load(pio1(), bits_program, bits_offset);
   load(pio1(), tick_program.program, tick_offset);
   load(pio1(), stamp_program.program, stamp_offset);
+  // Symbols for toolchain/gate_image, without a byte in the image.
+  asm(".global pio0_instructions, pio1_instructions\n"
+      ".set pio0_instructions, %c0\n"
+      ".set pio1_instructions, %c1"
+      :
+      : "i"(pio0_instructions), "i"(pio1_instructions));
   for (int a = 0; a < axes_; ++a) {
     modes_[index(a)] = output.axis[index(a)].mode;
     start_axis(a, output.axis[index(a)]);

@@ -286,7 +286,9 @@ inline constexpr unsigned fire_offset = axis_offset + axis_program.size;
 inline constexpr unsigned bits_offset = axis_offset + axis_program.size;
 inline constexpr unsigned tick_offset = bits_offset + bits_program.size;
 inline constexpr unsigned stamp_offset = tick_offset + tick_program.program.size;
-static_assert(fire_offset + fire_program.program.size <= block_size);
-static_assert(stamp_offset + stamp_program.program.size <= block_size);
+/// Instructions in each block.
+inline constexpr unsigned pio0_instructions = fire_offset + fire_program.program.size;
+inline constexpr unsigned pio1_instructions = stamp_offset + stamp_program.program.size;
+static_assert(pio0_instructions <= block_size && pio1_instructions <= block_size);
 
 }  // namespace lamplock::rp2040::pio

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "shared/boards/this_board.hpp"
 #include "shared/boards/usb_ids.hpp"
 
 namespace lamplock::rp2040::usb {
@@ -26,7 +27,7 @@ using boards::usb_vendor_id;
 
 /// Version of the device in binary-coded decimal; must increase with every change of these
 /// descriptors, because Windows caches the properties of a device under its numbers and this.
-inline constexpr std::uint16_t device_version = 0x0011;
+inline constexpr std::uint16_t device_version = 0x0012;
 
 inline constexpr std::uint16_t language_us_english = 0x0409;
 inline constexpr std::size_t serial_number_size = 16;  ///< characters
@@ -226,20 +227,28 @@ static_assert(configuration_size == 98);
 inline constexpr std::array<std::uint8_t, 4> language_descriptor = {
     4, descriptor_type::string, low_byte(language_us_english), high_byte(language_us_english)};
 
-/// A string descriptor: UTF-16, little-endian.
-template <std::size_t size_with_zero>
-constexpr std::array<std::uint8_t, 2 * size_with_zero> string_descriptor(
-    const char (&text)[size_with_zero]) {
-  std::array<std::uint8_t, 2 * size_with_zero> out{};
+/// A string descriptor of two texts, one after the other: UTF-16, little-endian.
+template <std::size_t size>
+constexpr std::array<std::uint8_t, 2 + 2 * size> string_descriptor_of(std::string_view first,
+                                                                      std::string_view second) {
+  std::array<std::uint8_t, 2 + 2 * size> out{};
   static_assert(out.size() <= 255, "the length is one byte");
   out[0] = static_cast<std::uint8_t>(out.size());
   out[1] = descriptor_type::string;
-  for (std::size_t i = 0; i + 1 < size_with_zero; ++i)
-    out[2 + 2 * i] = static_cast<std::uint8_t>(text[i]);
+  for (std::size_t i = 0; i < size; ++i)
+    out[2 + 2 * i] =
+        static_cast<std::uint8_t>(i < first.size() ? first[i] : second[i - first.size()]);
   return out;
 }
+template <std::size_t size_with_zero>
+constexpr auto string_descriptor(const char (&text)[size_with_zero]) {
+  return string_descriptor_of<size_with_zero - 1>({text, size_with_zero - 1}, {});
+}
 inline constexpr auto manufacturer_descriptor = string_descriptor("lamplock");
-inline constexpr auto product_descriptor = string_descriptor("lamplock laser controller");
+/// Names the board, so that a host knows it without opening the port.
+inline constexpr auto product_descriptor =
+    string_descriptor_of<boards::usb_product_prefix.size() + boards::this_board.name.size()>(
+        boards::usb_product_prefix, boards::this_board.name);
 inline constexpr auto function_descriptor = string_descriptor("lamplock serial port");
 inline constexpr auto stream_descriptor = string_descriptor("lamplock pulse stream");
 static_assert(manufacturer_descriptor.size() == 2 + 2 * 8);
