@@ -109,12 +109,11 @@ void Board::start() {
   start_ports();
   watchdog_.start();
   // Last: from here on ticks run out unless they are fed.
-  if (real_time_.start(core_)) {
-    Sensor::start();
-    if constexpr (has_drives) {
-      drives_.start();
-      drives_.begin(features_of(map_), core_.stored(), timer().timerawl);
-    }
+  const bool is_this_board = real_time_.start(core_);
+  Sensor::start();
+  if (is_this_board && has_drives) {
+    drives_.start();
+    drives_.begin(features_of(map_), core_.stored(), timer().timerawl);
   }
   nvic().iser =
       irqs_of(Level::estop) | irqs_of(Level::beat) | irqs_of(Level::link) | irqs_of(Level::fill);
