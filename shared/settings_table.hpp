@@ -2,9 +2,9 @@
 //
 // Firmware, host, documentation and tests use only this table. Numbers are those of grbl 1.1 where
 // grbl has the setting, others start at 900, in blocks: 900 beat, 920 laser protection, 940 work
-// space, 960 axes, 980 link, 990 board, 1050 pulses, 1070 drives, 1080 more of axes, 1090 drives
-// with a UART. Values are stored in thousandths of the unit (`milli`) as 32-bit integers: exact,
-// printable with three decimals, no floating point.
+// space, 960 axes, 980 link, 990 board, 1050 pulses, 1060 temperature, 1070 drives, 1080 more of
+// axes, 1090 drives with a UART. Values are stored in thousandths of the unit (`milli`) as 32-bit
+// integers: exact, printable with three decimals, no floating point.
 //
 // The last block is missing in images of boards without such drives
 // (LAMPLOCK_DRIVE_SETTINGS = 0, toolchain/arm/CMakeLists.txt): it would use SRAM for nothing.
@@ -121,6 +121,15 @@ enum class Id : std::uint8_t {
   pulse_mode_y,
   pulse_mode_z,
   pulse_mode_a,
+  loop,
+  loop_set_point,
+  loop_kp,
+  loop_ki,
+  loop_min,
+  loop_max,
+  sensor_scale,
+  sensor_min,
+  sensor_max,
   drive_lag_x,
   drive_lag_y,
   drive_lag_z,
@@ -183,6 +192,9 @@ struct Row {
 
 /// Lamp mode ($900).
 enum class LampMode : std::uint8_t { free_beat = 0, slave = 1, master = 2 };
+
+/// What the temperature scales ($1061).
+enum class LoopMode : std::uint8_t { off = 0, power = 1, feed = 2 };
 
 /// Signals of the two wires of an axis ($1051..1054).
 enum class PulseMode : std::uint8_t {
@@ -401,6 +413,25 @@ inline constexpr std::array<Row, setting_count> table{{
      "pulses of Z: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
     {1054, "pulse_mode_a", "0..2", 0, 2'000, 0, true, Scope::jobs, Rule::equal,
      "pulses of A: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
+    {1061, "loop", "0..2", 0, 2'000, 0, true, Scope::machine, Rule::any,
+     "what the temperature at SENSOR scales in programs and rows: 0 nothing, 1 the power of the "
+     "laser, 2 the feed rate (docs/thermal.md)"},
+    {1062, "loop_set_point", "mV", 0, 3'300'000, 0, false, Scope::machine, Rule::any,
+     "voltage of the sensor at the temperature to be held"},
+    {1063, "loop_kp", "%/K", 0, 100'000, 0, false, Scope::machine, Rule::any,
+     "proportional gain of the loop"},
+    {1064, "loop_ki", "%/(K s)", 0, 1'000'000'000, 0, false, Scope::machine, Rule::any,
+     "integral gain of the loop"},
+    {1065, "loop_min", "%", 10'000, 100'000, 50'000, false, Scope::machine, Rule::any,
+     "lowest scale, of the programmed power or feed rate"},
+    {1066, "loop_max", "%", 100'000, 200'000, 150'000, false, Scope::machine, Rule::any,
+     "highest scale; the power is at most that of $30"},
+    {1067, "sensor_scale", "K/V", -10'000'000, 10'000'000, 0, false, Scope::machine, Rule::any,
+     "rise of the temperature for a volt more at SENSOR; negative: the voltage falls"},
+    {1068, "sensor_min", "mV", 0, 3'300'000, 100'000, false, Scope::machine, Rule::any,
+     "lowest voltage of a sensor that works; below, the laser is off and the program is held"},
+    {1069, "sensor_max", "mV", 0, 3'300'000, 3'200'000, false, Scope::machine, Rule::any,
+     "highest voltage of a sensor that works; above, the laser is off and the program is held"},
     {1071, "drive_lag_x", "us", 0, 5'000'000, 0, false, Scope::jobs, Rule::any,
      "lag of the drive after its steps"},
     {1072, "drive_lag_y", "us", 0, 5'000'000, 0, false, Scope::jobs, Rule::any,

@@ -23,6 +23,7 @@ struct BoardFeatures {
   InputSet inputs = all_inputs & ~set_of(Input::limit_chain) & ~set_of(Input::aux);
   std::uint8_t outputs = 0;      ///< a bit for each that programs may switch
   std::uint8_t second_wire = 0;  ///< a bit for each axis whose drive has the second enable
+  bool has_sensor = false;       ///< an analogue input for a temperature ($1061)
   /// How it accepts motion; HandoutMode::staged with stage() before each commit().
   HandoutMode parts = HandoutMode::straight;
   /// It has memory for one planner at a time, and loads Controller::missing_planner().
@@ -33,8 +34,8 @@ struct BoardFeatures {
 #endif
 };
 
-/// First setting whose value the board does not have: its pin map, pulses of an axis or a lamp to
-/// trigger; Id::count if there is none.
+/// First setting whose value the board does not have: its pin map, pulses of an axis, a lamp to
+/// trigger, a sensor; Id::count if there is none.
 [[gnu::cold]] constexpr settings::Id unfit_setting(const BoardFeatures& board,
                                                    const settings::Values& values) {
   using settings::Id;
@@ -46,6 +47,7 @@ struct BoardFeatures {
   if (!board.triggers_lamp &&
       values.whole(Id::lamp_mode) == static_cast<int>(settings::LampMode::master))
     return Id::lamp_mode;
+  if (!board.has_sensor && values.milli(Id::loop) != 0) return Id::loop;
   return Id::count;
 }
 /// First setting that drives on the board cannot have: a current, microsteps; Id::count if there is

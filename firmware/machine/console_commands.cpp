@@ -9,6 +9,9 @@ namespace {
 
 using settings::Id;
 
+// Constants, because the compiler would count their characters at run time.
+constexpr std::string_view lacks_sensor = " needs SENSOR, which this pin map lacks on a board ",
+                           of_another_board = " of another board than ";
 constexpr std::string_view version_begin = "[VER:1.1h.20261122:", product = "lamplock";
 
 }  // namespace
@@ -152,7 +155,9 @@ GcodeError MachineConsole::refuse_for_board(const settings::Values& values) {
   const Id refused = unfit_setting(board_, values);
   if (refused == Id::count) return refuse_for_drives(values);
   TextLine text;
-  text.add("$").add(settings::number(refused)).add(" of another board than ").add(board_.name);
+  text.add("$").add(settings::number(refused));
+  text.add(refused == Id::loop ? lacks_sensor : of_another_board);
+  text.add(board_.name);
   report_message(text.view());
   return GcodeError::setting_out_of_range;
 }

@@ -14,7 +14,6 @@ constexpr std::uint8_t byte_spindle_full = 0x99;  // then as for the feed
 constexpr std::uint8_t byte_flood = 0xa0, byte_mist = 0xa1;
 
 constexpr std::uint8_t full_percent = 100;
-constexpr int min_override = 10, max_override = 200;
 constexpr std::array<std::uint8_t, 3> rapid_percents{100, 50, 25};
 constexpr std::array<int, 5> override_changes{0, 10, -10, 1, -1};
 

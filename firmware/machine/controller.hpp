@@ -13,6 +13,7 @@
 //   set_host_present            main loop             1 ms              the host is present, or not
 //   new_connection      main loop             on change         before the first bytes of another
 //                                                               host, or of one that was absent
+//   measure_sensor      main loop             before prepare    voltage of a temperature sensor
 //   look_ahead          main loop             before prepare    unmasked part of prepare
 //   prepare             main loop             1 ms              state; true: a plan is due
 //   plan                main loop, or         when due          a slice of planning, up to 10 ms,
@@ -100,6 +101,9 @@ class Controller : private MachineConsole {
     if (refusal_ == Refusal::until_reset && !job_unfinished()) refusal_ = Refusal::none;
   }
   std::size_t transmit(std::span<std::uint8_t> out) { return link_.transmit(out); }
+  /// Voltage of the temperature sensor, 65536 = 3.3 V, at least every 1 ms; for boards that have
+  /// one (BoardFeatures::has_sensor).
+  void measure_sensor(std::uint16_t level) { loop_.measure(level); }
   /// Not masked, directly before prepare(): shortens it.
   void look_ahead() {
     if (runner_.begun() && moving_) runner_.look_ahead();

@@ -204,8 +204,17 @@ void MachineEvents::use_overrides() {
   const Overrides used = reader_.overrides_off() ? Overrides{} : overrides_;
   const bool own_feed = machine_.jogs() || machine_.homes() || reader_.probing();
   constexpr std::uint8_t full_percent = 100;
-  program_.set_overrides(own_feed ? full_percent : used.feed, used.rapid, used.spindle);
+  const std::uint32_t feed = reader_.overrides_off() ? full_percent : loop_feed_percent(used.feed);
+  program_.set_overrides(own_feed ? full_percent : feed, used.rapid, used.spindle);
   runner_.set_overrides(used.feed, used.rapid);
+}
+
+/// The feed override of the user, scaled by the temperature.
+std::uint32_t MachineEvents::loop_feed_percent(std::uint32_t percent) const {
+  if (values_.whole(settings::Id::loop) != static_cast<int>(settings::LoopMode::feed))
+    return percent;
+  const std::uint32_t scaled = percent * loop_.percent() / 100;
+  return scaled < min_override ? min_override : scaled > max_override ? max_override : scaled;
 }
 
 /// Overrides end with the program, as in grbl.

@@ -29,6 +29,8 @@ class MachineEvents : public MachineParts {
   static constexpr std::uint8_t alarm_homing_wanted = 11;
   static constexpr std::uint8_t alarm_homing_not_squared = 15;  ///< as in grblHAL
 
+  static constexpr std::uint8_t min_override = 10, max_override = 200;  ///< percent
+
   using MachineParts::MachineParts;
 
   [[gnu::cold]] void handle(Event event, std::uint8_t detail = 0);
@@ -57,6 +59,7 @@ class MachineEvents : public MachineParts {
  private:
   Conditions conditions() const;
   bool is_settled();
+  std::uint32_t loop_feed_percent(std::uint32_t percent) const;
   [[gnu::cold]] void perform(Effect effect);
   [[gnu::cold]] void perform_end(Effect effect);
   [[gnu::cold]] void hold_motion();

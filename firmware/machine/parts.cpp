@@ -38,6 +38,8 @@ void MachineParts::use_settings(const settings::Values& values) {
   work_space_ = work_space(values);
   if (other_beat) clock_.configure(values);
   shots_.beam().configure(values);
+  loop_.restart();
+  motion_.generator().set_power_scale(stepper::full_scale_q15);
   set_trigger();
 }
 

@@ -29,6 +29,7 @@
 #include "firmware/machine/inputs/input_wait.hpp"
 #include "firmware/machine/inputs/inputs.hpp"
 #include "firmware/machine/inputs/move_guard.hpp"
+#include "firmware/machine/inputs/temperature_loop.hpp"
 #include "firmware/machine/interrupt_mask.hpp"
 #include "firmware/machine/machine.hpp"
 #include "firmware/machine/outputs/idle_release.hpp"
@@ -95,7 +96,7 @@ class MachineParts {
   bool laser_may_shine() const {
     return program_.begun() && machine_.in(states(State::running, State::holding)) &&
            !machine_.does(activities(Activity::jog, Activity::homing)) && !door_open() &&
-           rows_.may_shine();
+           !loop_.failed() && rows_.may_shine();
   }
   /// Moves of a program are points on the beat, run by the job runner.
   bool beat_locked() const { return reader_.lock() != program::BeatLock::off; }
@@ -151,6 +152,7 @@ class MachineParts {
   ProgramOutputs program_outputs_{motion_.changes()};
   ProgramReader reader_{program_, runner_, program_outputs_};
   InputWait input_wait_;
+  TemperatureLoop loop_;
   IdleRelease drives_;
   program::PulseDecoder decoder_;
   StepLimits work_space_;

@@ -60,6 +60,8 @@ class MachineWork : public MachineEvents {
   void hold_after_failed_shots();
   void check_dead_man();
   void check_lamp();
+  /// The loop that holds a temperature ($1061); each round while it is on.
+  [[gnu::cold]] void follow_temperature();
   [[gnu::cold]] void reject_unreachable();
   [[gnu::cold]] void lose_host();
 

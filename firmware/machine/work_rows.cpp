@@ -36,7 +36,6 @@ Result MachineWork::end_rows(std::uint32_t total) {
 
 /// A feed override, effective with the next batch.
 Result MachineWork::set_speed_of_rows(std::uint32_t percent) {
-  constexpr std::uint32_t min_override = 10;
   overrides_.feed = static_cast<std::uint8_t>(percent < min_override ? min_override : percent);
   use_overrides();
   return Result::ok;

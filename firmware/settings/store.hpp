@@ -88,7 +88,7 @@ class RecordStore {
 struct SettingsRecord {
   using Value = Values;
   static constexpr std::uint32_t item_size = 6;
-  static constexpr RecordFormat format{0x5354504c, item_size, 2 * setting_count + 32};  // "LPTS"
+  static constexpr RecordFormat format{0x5354504c, item_size, 2 * setting_count + 14};  // "LPTS"
 
   static std::uint32_t put(const Values& values, std::span<std::uint8_t> items) {
     wire::ByteWriter out(items);

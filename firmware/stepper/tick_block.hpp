@@ -63,6 +63,14 @@ constexpr std::uint16_t rounded_power(std::uint32_t power_q16) {
   return static_cast<std::uint16_t>((power_q16 + 0x8000u) >> 16);
 }
 
+/// The scale of 1 of the power of a continuous laser.
+inline constexpr std::uint32_t full_scale_q15 = 1u << 15;
+/// A power, 65535 = full, times a scale of at most 2, and at most full.
+constexpr std::uint16_t scaled_power(std::uint16_t power, std::uint32_t scale_q15) {
+  const std::uint32_t scaled = power * scale_q15 >> 15;
+  return static_cast<std::uint16_t>(scaled < 0xffff ? scaled : 0xffff);
+}
+
 /// A run of ticks.
 struct TickBlock {
   std::uint64_t first_tick = 0;
@@ -71,11 +79,12 @@ struct TickBlock {
   bool moving = false;                ///< some axis has a rate
   std::uint32_t power_q16 = 0;        ///< at the first tick, with gate_bit; 65535 = full
   std::uint32_t power_slope_q16 = 0;  ///< per tick, modulo 2^32
-  PerAxis<AxisRun> axis{};            ///< of motors
+  std::uint32_t power_scale_q15 = full_scale_q15;
+  PerAxis<AxisRun> axis{};  ///< of motors
 
   /// Power of tick n of the block, 65535 = full.
   constexpr std::uint16_t power(std::uint32_t n) const {
-    return rounded_power(power_q16 + power_slope_q16 * n);
+    return scaled_power(rounded_power(power_q16 + power_slope_q16 * n), power_scale_q15);
   }
 };
 

@@ -74,6 +74,13 @@ class TickGenerator {
   BeamAxis& beam() { return beam_; }
   const BeamAxis& beam() const { return beam_; }
 
+  /// Scales the power of all ticks that are filled from now on; at most 2. Main loop.
+  void set_power_scale(std::uint32_t scale_q15) { power_scale_q15_ = scale_q15; }
+  /// The next tick to be filled is in a segment with power. Fill interrupt masked.
+  bool in_light() const {
+    return laser_.left != 0 && power_axis_ >= 0 && lattice_.left != 0 && may_shine_;
+  }
+
   /// Start of the last lamp trigger pulse that was filled; 0 = none.
   std::uint64_t last_trigger() const { return last_trigger_; }
 
@@ -166,12 +173,10 @@ class TickGenerator {
   template <class Board>
   [[gnu::noinline]] void fill_power(std::uint32_t tick, std::uint32_t ticks, Board& board) const;
   template <class Board>
-  static void put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board);
+  void put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board) const;
   /// The laser is in a segment with power, and the lattice is in a segment that moves or is made
   /// for light at rest.
-  bool shines() const {
-    return laser_.left != 0 && power_axis_ >= 0 && lattice_.left != 0 && may_shine_ && beam_.lit();
-  }
+  bool shines() const { return in_light() && beam_.lit(); }
   /// Power at a tick of the lattice (lower half of its number) and how it changes from there.
   PowerStretch power_stretch(std::uint32_t tick) const;
   std::uint32_t run_ticks(Run& run, int axis, std::uint64_t tick, std::uint32_t ticks) const;
@@ -222,7 +227,8 @@ class TickGenerator {
   Reader lattice_;  ///< bits have no lead
   Reader laser_;
   std::uint32_t laser_lag_ticks_ = 0;  ///< 0 if it has a lead
-  BeamAxis beam_;                      ///< of the segment that the laser is in
+  volatile std::uint32_t power_scale_q15_ = full_scale_q15;
+  BeamAxis beam_;  ///< of the segment that the laser is in
   Window window_, old_window_;
   /// where the last brake began: no earlier window continues after it
   std::uint64_t cut_tick_ = 0;
@@ -326,11 +332,14 @@ void TickGenerator::fill_power(std::uint32_t tick, std::uint32_t ticks, Board& b
 }
 
 template <class Board>
-void TickGenerator::put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board) {
-  if (stretch.slope_q16 == 0) return board.put_power(rounded_power(stretch.power_q16), ticks);
+void TickGenerator::put_stretch(PowerStretch stretch, std::uint32_t ticks, Board& board) const {
+  const auto power = [scale_q15 = std::uint32_t{power_scale_q15_}](std::uint32_t power_q16) {
+    return scaled_power(rounded_power(power_q16), scale_q15);
+  };
+  if (stretch.slope_q16 == 0) return board.put_power(power(stretch.power_q16), ticks);
   while (ticks != 0) {
     const std::uint32_t n = ticks < power_cell_ticks ? ticks : power_cell_ticks;
-    board.put_power(rounded_power(stretch.power_q16 + stretch.slope_q16 * (n / 2)), n);
+    board.put_power(power(stretch.power_q16 + stretch.slope_q16 * (n / 2)), n);
     stretch.power_q16 += stretch.slope_q16 * n;
     ticks -= n;
   }

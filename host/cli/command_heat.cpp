@@ -76,7 +76,8 @@ Json tuned_json(const run::TunedHeat& tuned) {
           {"kp", tuned.loop.kp},
           {"ki_per_s", tuned.loop.ki_per_s},
           {"set_point_step", response_json(tuned.set_point)},
-          {"absorption_step", response_json(tuned.absorption)}};
+          {"absorption_step", response_json(tuned.absorption)},
+          {"board_lines", tuned.board_lines}};
 }
 
 Json program_json(const run::ProgramHeat& heat) {
@@ -207,6 +208,12 @@ void add_tasks(Command& app, HeatCommand& options) {
              "Rise by a doubled power, instead of that of the model", "K", tune);
   add_number(app, "--time-constant", &options.time_constant_s, "Time constant of the process", "S",
              tune);
+  app.add_option("--sensor-scale", &options.sensor_k_per_v,
+                 "Rise of the temperature per volt of the sensor, for the board ($1067)")
+      .value_name("K_V")
+      .group(tune);
+  add_number(app, "--sensor-volts", &options.sensor_volts,
+             "Voltage of the sensor at the temperature to be held ($1062)", "V", tune);
 }
 
 }  // namespace

@@ -40,6 +40,7 @@ struct HeatOptions {
   // Controller.
   thermal::LoopGoal goal{};
   std::optional<double> gain_k{}, time_constant_s{};
+  std::optional<double> sensor_k_per_v{}, sensor_volts{};  ///< volts: at the temperature to be held
 };
 
 /// What the options say of the material and the laser.
@@ -80,6 +81,7 @@ struct TunedHeat {
   thermal::Plant plant{};
   thermal::LoopSettings loop{};
   thermal::LoopResponse set_point{}, absorption{};
+  std::vector<std::string> board_lines{};  ///< "$1063=1.235", in the order to be sent
 };
 TunedHeat tuned_heat(const HeatOptions& options, Frontend& frontend);
 

@@ -1,12 +1,15 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/error.hpp"
 #include "host/run/heat.hpp"
 #include "host/run/heat_files.hpp"
 #include "host/text.hpp"
 #include "host/thermal/heat_chart.hpp"
+#include "shared/settings_table.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -63,6 +66,31 @@ std::string response_csv(const thermal::LoopResponse& a, const thermal::LoopResp
     fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", a.times_s[i],
                    a.deviations_k[i], a.outputs[i], b.deviations_k[i], b.outputs[i]);
   return text;
+}
+
+/// The loop as settings of the board ($1061 to $1069); throws Error(bad_input) if one of them
+/// cannot have its value.
+std::vector<std::string> board_lines(const thermal::LoopSettings& loop,
+                                     const HeatOptions& options) {
+  using settings::Id;
+  std::vector<std::string> lines;
+  const auto add = [&lines](Id id, double value) {
+    const settings::Row& row = settings::row(id);
+    const double milli = std::round(value * 1000);
+    if (milli < row.min_milli || milli > row.max_milli)
+      throw Error(Exit::bad_input, "--tune",
+                  fmt::format("the board's {} is {:g} to {:g} {}, not {:g}", row.name,
+                              row.min_milli / 1e3, row.max_milli / 1e3, row.unit, value),
+                  "give another settling time, or check gain and time constant");
+    lines.push_back(fmt::format("${}={}", row.number, milli / 1000));
+  };
+  constexpr double percent = 100, millivolts = 1000;
+  if (options.sensor_volts) add(Id::loop_set_point, *options.sensor_volts * millivolts);
+  add(Id::loop_kp, loop.kp * percent);
+  add(Id::loop_ki, loop.ki_per_s * percent);
+  if (options.sensor_k_per_v) add(Id::sensor_scale, *options.sensor_k_per_v);
+  if (options.sensor_volts && options.sensor_k_per_v) add(Id::loop, 1);
+  return lines;
 }
 
 }  // namespace
@@ -139,6 +167,8 @@ TunedHeat tuned_heat(const HeatOptions& options, Frontend& frontend) {
                out.set_point.settling_s, 100 * out.set_point.overshoot);
   frontend.say("absorption +10 %: settled after {:.4f} s, overshoot {:.2f} % of the deviation",
                out.absorption.settling_s, 100 * out.absorption.overshoot);
+  out.board_lines = board_lines(out.loop, options);
+  frontend.say("board     {}", fmt::join(out.board_lines, " "));
   const auto picture = [&] {
     const auto& s = out.set_point;
     const auto& a = out.absorption;

@@ -96,6 +96,7 @@ void PointJobControl::ask_about_hold() {
   if (!is_new || asking_) return;
   if (reason == wire::HoldReason::not_made) ask("shot not made, held, laser off");
   if (reason == wire::HoldReason::lamp) ask("lamp does not answer its trigger, held, laser off");
+  if (reason == wire::HoldReason::sensor) ask("temperature sensor out of range, held, laser off");
   if (reason == wire::HoldReason::realtime && !sender_.auto_resume())
     ask("held by a hold byte ('!' or 0x84) that another program or a person sent, laser off");
 }

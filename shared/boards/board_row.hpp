@@ -17,7 +17,7 @@
 // bits of the lattice and shutters are in a row, as PIO and one store require; LAMP TRIGGER, the
 // first of the former, may be missing: such a board only follows a lamp; GPIO 15 has no
 // essential role, unless the row does without the work-around for USB erratum E5, which borrows
-// it.
+// it; SENSOR is a pin of the ADC.
 #pragma once
 
 #include <array>
@@ -73,6 +73,7 @@ enum class Role : std::uint8_t {
   drives_enable_2,  ///< out, with drives_enable and like it: drives with an enable each
   drives_enable_3,
   drives_enable_4,
+  sensor,  ///< in, analogue, 0 to 3.3 V: a temperature ($1061); a pin of the ADC
   count
 };
 
@@ -173,6 +174,9 @@ constexpr std::uint32_t inverted_pins(Pins pins) {
   return inverted;
 }
 
+/// Input n of the ADC is this pin + n (RP2040 datasheet, 4.9).
+inline constexpr std::uint8_t first_analog_gpio = 26;
+
 /// Number of axes that a map has pins for.
 constexpr int axes(Pins pins) { return find_gpio(pins, Role::step_a) ? 4 : 3; }
 
@@ -217,6 +221,7 @@ constexpr bool of_use(const BoardRow& row, const PinUse& use) {
   const std::uint32_t pin = 1u << use.gpio;
   if (use.gpio >= 30 || (row.reserved & pin) != 0) return false;
   if (use.gpio == 15 && use.role != Role::status_led && !row.uses_e5_pin) return false;
+  if (use.role == Role::sensor && use.gpio < first_analog_gpio) return false;
   if (use.direction == Direction::input) return !use.energy;
   if (use.inverted || (row.driven & pin) != 0) return false;
   return !use.energy || (row.pulled_up & pin) == 0;

@@ -22,7 +22,8 @@ enum class HoldReason : std::uint8_t {
   dead_man,  ///< the host was silent for too long
   reset,     ///< 0x18 during a job, which its host stops
   not_made,  ///< the photosensor has not detected a shot, nor its repeats
-  lamp       ///< the lamp does not answer our triggers
+  lamp,      ///< the lamp does not answer our triggers
+  sensor     ///< the temperature sensor is out of its range
 };
 
 /// Errors on the wire, counted since power-up.

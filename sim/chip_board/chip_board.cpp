@@ -135,6 +135,7 @@ void ChipBoard::connect_pads(const settings::Values& stored, const DriveConfig& 
     for (const Pin pin : chained_limits) bus_.listen(pin, *this);
     drive(Pin::limit_x, false);
   }
+  bus_.listen_to_sensor(*this);
   chip_.gpio().listen(static_cast<chip::PadListener&>(*this));
 }
 
@@ -153,6 +154,11 @@ void ChipBoard::connect_resistors(const settings::Values& stored) {
 }
 
 void ChipBoard::pin_changed(Pin pin, bool level, Picoseconds /*at*/) { drive(pin, level); }
+
+void ChipBoard::voltage_changed(double volts, Picoseconds /*at*/) {
+  if (const auto gpio = boards::find_gpio(map_, Role::sensor))
+    chip_.system().adc.set_input(*gpio - boards::first_analog_gpio, volts);
+}
 
 void ChipBoard::drive(Pin pin, bool level) {
   const chip::Cycle now = chip_.wheel().now();

@@ -37,6 +37,7 @@ struct ChipBoardOptions {
 /// One board in its world.
 class ChipBoard final : public Board,
                         private PinListener,
+                        private VoltageListener,
                         private chip::PadListener,
                         private chip::Timed {
  public:
@@ -82,6 +83,7 @@ class ChipBoard final : public Board,
 
  private:
   void pin_changed(Pin pin, bool level, Picoseconds at) override;
+  void voltage_changed(double volts, Picoseconds at) override;
   void pad_changed(unsigned gpio, bool level, chip::Cycle at) override;
   void run(chip::Cycle to) override;
   void clock_changed() override { plan(); }

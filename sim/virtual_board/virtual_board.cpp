@@ -43,6 +43,7 @@ machine::BoardFeatures features_of(const settings::Values& stored) {
   machine::BoardFeatures features;
   features.outputs = boards::program_outputs(map);
   features.second_wire = boards::axes_of_z_enable(map);
+  features.has_sensor = boards::find_gpio(map, boards::Role::sensor).has_value();
   if (boards::find_gpio(map, boards::Role::aux_in))
     features.inputs |= machine::set_of(machine::Input::aux);
   return features;
@@ -245,6 +246,7 @@ void VirtualBoard::main_loop() {
   // Steps that are filled have the old times.
   if (controller_->take_settings(stored_)) new_times_tick_ = filled_;
   if (const machine::PersistentState* kept = controller_->take_kept()) kept_ = *kept;
+  controller_->measure_sensor(sensor_level());
   controller_->prepare(static_cast<std::uint64_t>(now_ / ps_per_clock));
   if (controller_->plan_waits()) {
     while (controller_->plan()) {
@@ -264,13 +266,22 @@ void VirtualBoard::main_loop() {
   own_edges_ = timing.own_edges;
 }
 
+/// As a converter of 12 bits sees it.
+std::uint16_t VirtualBoard::sensor_level() const {
+  constexpr double results = 4096;
+  const double result = bus_.sensor_volts() / HeatSensor::reference_volts * results;
+  return static_cast<std::uint16_t>(static_cast<unsigned>(std::min(result, results - 1)) << 4);
+}
+
 void VirtualBoard::feed_lattice() {
   while (ticks_.end_time() < now_ + timing_lead) next_span();
   while (filled_ < ticks_.end_tick() + motion_lead_ticks) {
     // At rest, fill no more ticks than needed, because the next motion waits for their end; the
     // same for motion that a real board would have been commanded to stop by then.
     const bool runs = controller_->runner().generator().running();
-    const bool ends_anytime = controller_->may_abort_move();
+    // The scale of the power acts on what is filled.
+    const bool is_scaled = controller_->values().milli(settings::Id::loop) != 0;
+    const bool ends_anytime = controller_->may_abort_move() || is_scaled;
     const auto missing =
         static_cast<std::uint32_t>(ticks_.end_tick() + motion_lead_ticks - filled_);
     stepper::TickBlock block;

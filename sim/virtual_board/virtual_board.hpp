@@ -80,6 +80,7 @@ class VirtualBoard final : public Board, private PinListener {
   Picoseconds token_expiry() const;
   void service();
   void main_loop();
+  std::uint16_t sensor_level() const;
   void feed_lattice();
   void next_span();
   void play(Picoseconds until);

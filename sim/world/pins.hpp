@@ -81,8 +81,15 @@ class PowerListener {
   virtual void power_changed(std::uint16_t power, Picoseconds at) = 0;
 };
 
-/// Levels and listeners of all wires. One wire is analogue: LASER PWM, the attenuator of a pulsed
-/// laser or the power of a continuous one.
+/// Receives changes of the voltage at SENSOR.
+class VoltageListener {
+ public:
+  virtual ~VoltageListener() = default;
+  virtual void voltage_changed(double volts, Picoseconds at) = 0;
+};
+
+/// Levels and listeners of all wires. Two wires are analogue: LASER PWM, the attenuator of a pulsed
+/// laser or the power of a continuous one, and SENSOR.
 class PinBus {
  public:
   bool level(Pin pin) const { return levels_[index(pin)]; }
@@ -118,6 +125,15 @@ class PinBus {
     for (PowerListener* listener : power_listeners_) listener->power_changed(power, at);
   }
 
+  /// SENSOR, an input: 0 without a sensor.
+  double sensor_volts() const { return sensor_volts_; }
+  void set_sensor(double volts, Picoseconds at) {
+    if (volts == sensor_volts_) return;
+    sensor_volts_ = volts;
+    if (sensor_listener_ != nullptr) sensor_listener_->voltage_changed(volts, at);
+  }
+  void listen_to_sensor(VoltageListener& listener) { sensor_listener_ = &listener; }
+
  private:
   static constexpr std::size_t index(Pin pin) { return static_cast<std::size_t>(pin); }
   std::array<bool, pin_count> levels_{};
@@ -126,6 +142,8 @@ class PinBus {
   std::uint16_t power_ = 0;
   std::uint16_t aux_ = 0;
   std::vector<PowerListener*> power_listeners_;
+  double sensor_volts_ = 0;
+  VoltageListener* sensor_listener_ = nullptr;
 };
 
 }  // namespace lamplock::sim

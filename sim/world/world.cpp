@@ -32,6 +32,7 @@ World::World(const WorldConfig& config, PinBus& bus)
     bus.set(Pin::probe, true, 0);
   bus.set(Pin::aux_in, true, 0);
   if (config.feeder) feeder_.emplace(*config.feeder, bus);
+  if (config.heat) heat_.emplace(*config.heat, bus, drives_);
 }
 
 void World::schedule(Pin pin, bool level, Picoseconds at) {
@@ -47,6 +48,8 @@ void World::make_changes(Picoseconds to) {
       switches_.advance(at);
     else if (feeder_ && feeder_->next_event() <= at)
       feeder_->advance(at);
+    else if (heat_ && heat_->next_event() <= at)
+      heat_->advance(at);
     else if (photosensors_.next_event() <= at)
       photosensors_.advance(at);
     else

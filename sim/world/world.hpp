@@ -20,6 +20,7 @@
 #include "sim/world/beam.hpp"
 #include "sim/world/drives.hpp"
 #include "sim/world/feeder.hpp"
+#include "sim/world/heat_sensor.hpp"
 #include "sim/world/lamp.hpp"
 #include "sim/world/laser.hpp"
 #include "sim/world/photosensors.hpp"
@@ -36,6 +37,7 @@ struct WorldConfig {
   ShutterConfig shutters{};
   PhotosensorConfig photosensors{};
   std::optional<FeederConfig> feeder{};          ///< without it AUX IN is open
+  std::optional<HeatConfig> heat{};              ///< without it SENSOR is at 0 V
   std::vector<WireConfig> switches{};            ///< limits, probe; none: inputs at rest
   PerAxis<std::optional<ServoConfig>> servos{};  ///< axes with an encoder on the load
 };
@@ -52,7 +54,8 @@ class World {
   Picoseconds next_event() const {
     const Picoseconds event = std::min(
         {lamp_.next_event(), next_scheduled_, photosensors_.next_event(), switches_.next_event()});
-    return feeder_ ? std::min(event, feeder_->next_event()) : event;
+    const Picoseconds fed = feeder_ ? std::min(event, feeder_->next_event()) : event;
+    return heat_ ? std::min(fed, heat_->next_event()) : fed;
   }
 
   /// Latest end of the board's next slice of steps, so that no step follows one that has worked a
@@ -81,6 +84,8 @@ class World {
   const Photosensors& photosensors() const { return photosensors_; }
   /// Null if there is none.
   const Feeder* feeder() const { return feeder_ ? &*feeder_ : nullptr; }
+  /// Null if there is none.
+  const HeatSensor* heat() const { return heat_ ? &*heat_ : nullptr; }
   const Switches& switches() const { return switches_; }
   /// Switches, to press one by hand or to break a wire.
   Switches& switches() { return switches_; }
@@ -115,6 +120,7 @@ class World {
   Beam beam_;
   Photosensors photosensors_;
   std::optional<Feeder> feeder_;
+  std::optional<HeatSensor> heat_;
   Picoseconds now_ = 0;
   Picoseconds next_scheduled_ = never;
   std::uint64_t calls_ = 0;

@@ -78,10 +78,13 @@ class WiringPicture {
     label(left + 8, y + 4, "start", "#000", fmt::format("{} {}", use.gpio, use.name));
     std::string note;
     const bool is_signal = use.role == Role::lamp_sync || use.role == Role::uart_rx ||
+                           use.role == Role::sensor ||
                            (use.role >= Role::photosensor_1 && use.role <= Role::photosensor_4);
     if (is_signal) {
       stroke(fmt::format("M{} {}h{}m-8 -4l8 4l-8 4", left - reach, y, reach));
-      note = use.role == Role::lamp_sync ? "flash of the lamp" : "signal, 3.3 V";
+      note = use.role == Role::lamp_sync ? "flash of the lamp"
+             : use.role == Role::sensor  ? "voltage, 0 to 3.3 V"
+                                         : "signal, 3.3 V";
     } else {
       const bool is_open = use.role == Role::probe || use.role == Role::aux_in;
       stroke(fmt::format("M{} {}h-28m-24 0h-28M{} {}l-24 {}", left, y, left - 28, y - 2,

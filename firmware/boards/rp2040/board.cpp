@@ -5,6 +5,7 @@
 #include "firmware/boards/rp2040/base/interrupts.hpp"
 #include "firmware/boards/rp2040/base/rom.hpp"
 #include "firmware/boards/rp2040/base/second_core.hpp"
+#include "firmware/boards/rp2040/base/sensor.hpp"
 #include "firmware/boards/rp2040/fault.hpp"
 
 extern "C" void second_core();
@@ -41,6 +42,7 @@ machine::BoardFeatures features_of(boards::Pins map) {
     .triggers_lamp = boards::has(boards::Role::lamp_trigger), .axes = boards::axes(map),
     .channels = boards::channels(map), .inputs = Inputs(map).all(),
     .outputs = boards::program_outputs(map), .second_wire = boards::axes_of_z_enable(map),
+    .has_sensor = boards::find_gpio(map, boards::Role::sensor).has_value(),
     .parts = machine::HandoutMode::staged, .loads_planners = true,
 #if LAMPLOCK_DRIVE_SETTINGS
     .max_drive_current_ma =
@@ -107,7 +109,9 @@ void Board::start() {
   start_ports();
   watchdog_.start();
   // Last: from here on ticks run out unless they are fed.
-  if (real_time_.start(core_) && has_drives) {
+  const bool is_this_board = real_time_.start(core_);
+  Sensor::start();
+  if (is_this_board && has_drives) {
     drives_.start();
     drives_.begin(features_of(map_), core_.stored(), timer().timerawl);
   }
@@ -207,6 +211,7 @@ bool Board::work() {
 bool Board::prepare() {
   bool plan = false;
   core_.look_ahead();
+  if constexpr (Sensor::exists) core_.measure_sensor(Sensor::level());
   {
     const machine::Masked masked(mask_);
     real_time_.top_up(core_);

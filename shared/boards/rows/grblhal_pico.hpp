@@ -31,6 +31,7 @@ inline constexpr std::array pins{
     PinUse{Role::q_switch, 22, output, true, "Q-SWITCH"},
     PinUse{Role::tick_line, 25, output, false, "TICK"},
     PinUse{Role::lamp_sync, 26, input, false, "LAMP SYNC"},
+    PinUse{Role::sensor, 27, input, false, "SENSOR"},
     PinUse{Role::probe, 28, input, false, "PROBE"},
 };
 inline constexpr std::array maps{MapRow{"grblhal-pico", pins}};

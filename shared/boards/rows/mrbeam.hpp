@@ -1,5 +1,5 @@
 // The shield for Mr Beam machines on which grblHAL runs (docs/boards/mrbeam.md): as the generic
-// board, but for E-STOP and PROBE. Pins: grblHAL, RP2040, its pin map for Mr Beam.
+// board, but for E-STOP, PROBE and SENSOR. Pins: grblHAL, RP2040, its pin map for Mr Beam.
 #pragma once
 
 #include "shared/boards/rows/grblhal_pico.hpp"
@@ -7,11 +7,15 @@
 namespace lamplock::boards {
 namespace mrbeam_pins {
 
+/// E-STOP has the pin of SENSOR.
 inline constexpr auto pins = [] {
-  auto moved = grblhal_pico_pins::pins;
-  for (PinUse& use : moved) {
+  std::array<PinUse, grblhal_pico_pins::pins.size() - 1> moved{};
+  std::size_t count = 0;
+  for (PinUse use : grblhal_pico_pins::pins) {
+    if (use.role == Role::sensor) continue;
     if (use.role == Role::estop) use.gpio = 27;
     if (use.role == Role::probe) use.gpio = 19;
+    moved[count++] = use;
   }
   return moved;
 }();

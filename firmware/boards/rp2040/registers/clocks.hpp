@@ -40,6 +40,7 @@ inline constexpr std::uint32_t sys_source_aux = 1;
 inline constexpr std::uint32_t sys_aux_pll_sys = 0u << 5;
 inline constexpr std::uint32_t peri_aux_sys = 0u << 5;
 inline constexpr std::uint32_t usb_aux_pll_usb = 0u << 5;
+inline constexpr std::uint32_t adc_aux_pll_usb = 0u << 5;
 inline constexpr std::uint32_t enable = 1u << 11;  ///< generators without glitchless multiplexer
 inline constexpr std::uint32_t divide_by_1 = 1u << 8;
 }  // namespace clock_field

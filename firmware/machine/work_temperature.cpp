@@ -1,0 +1,36 @@
+// The loop that holds a temperature, while programs and jobs of rows run.
+#include "firmware/machine/work.hpp"
+
+namespace lamplock::machine {
+namespace {
+
+using settings::Id;
+
+// A constant, because the compiler would count its characters at run time.
+constexpr std::string_view sensor_failed =
+    "SENSOR out of range, laser off: check it and $1068, $1069, then '~'";
+
+}  // namespace
+
+// Called with beat and fill interrupts masked, as all of prepare() is.
+void MachineWork::follow_temperature() {
+  const auto clock = static_cast<std::uint32_t>(now_);
+  const bool runs = program_.begun() && machine_.running() && !machine_.jogs() && !machine_.homes();
+  loop_.watch(values_, clock, runs);
+  if (runs && loop_.failed()) {
+    report_message(sensor_failed);
+    handle(Event::hold, wire::HoldReason::sensor);
+  }
+  if (!loop_.take_period(clock)) return;
+  const std::uint32_t before = loop_.percent();
+  if (program_.begun())
+    loop_.step(values_, motion_.generator().in_light());
+  else
+    loop_.rest(values_);
+  if (values_.whole(Id::loop) == static_cast<int>(settings::LoopMode::power))
+    motion_.generator().set_power_scale(loop_.scale_q15());
+  else if (loop_.percent() != before)
+    use_overrides();
+}
+
+}  // namespace lamplock::machine
