@@ -40,7 +40,9 @@ constexpr Code g_codes[] = {
     Code{411, Group::cutter},
     Code{420, Group::cutter},
     Code{421, Group::cutter},
+    Code{430, Group::tool_length},
     Code{431, Group::tool_length, AxisUse::tool_length},
+    Code{432, Group::tool_length, AxisUse::tool_length},
     Code{490, Group::tool_length},
     Code{530, Group::once},
     Code{540, Group::system},
@@ -207,6 +209,7 @@ bool Block::ignore_word(const Word& word, std::string_view line, bool jog) {
       return true;
     case 'H':
       ignore(Ignored::h);
+      h_word_ = word;
       return true;
     case 'M': {
       // The text of a message is not read; its first letters may look like digits of the code.

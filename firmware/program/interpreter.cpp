@@ -105,6 +105,7 @@ Extent Interpreter::extent() const {
 [[gnu::hot]] void Interpreter::change_parameters(const Changes& changes) {
   if (changes.rows == 0) return;
   if (changes.has(ParameterRow::tool_length)) parameters_.tool_length_e7 = changes.tool_length_e7;
+  if (changes.has(ParameterRow::tools)) parameters_.tools.set(changes.tool);
   if (changes.has(ParameterRow::home_g28)) parameters_.home_g28_e7 = changes.place;
   if (changes.has(ParameterRow::home_g30)) parameters_.home_g30_e7 = changes.place;
   if (changes.has(ParameterRow::shift)) parameters_.shift_e7 = changes.place;

@@ -24,8 +24,8 @@
 //   * S with a list of powers divides a G1 into as many pieces (power_list.hpp); the last stays.
 //   * Parameters (#1, #<name>) are unset at the end of a program and by a reset, so that a program
 //     does the same each time; those above #5000 can only be read.
-//   * Cutter compensation (compensation.hpp) is by diameter alone (G41.1, G42.1), and off after a
-//     reset and whenever the machine sets the position. After G40 moves along the other axes stay
+//   * Cutter compensation (compensation.hpp) is off after a reset and whenever the machine sets the
+//   position. After G40 moves along the other axes stay
 //     beside the contour.
 //   * Cycles: R, Z, Q and P stay until another cycle begins; in G91 R counts from where the series
 //     began. A moves together with X and Y.

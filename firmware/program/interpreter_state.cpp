@@ -36,6 +36,7 @@ void Interpreter::restore_saved() {
   modal = saved_.modal;
   modal.motion = ended.motion;
   modal.tool = ended.tool;
+  modal.loaded_tool = ended.loaded_tool;
   modal.spindle = Spindle::off;
   modal.flood = modal.mist = modal.overrides_off = false;
   modal.beat_lock = BeatLock::off;

@@ -83,7 +83,7 @@ struct Modal {
   bool centres_absolute = false;  ///< G90.1
   bool retract_to_r = false;      ///< G99
   bool shifted = false;           ///< the offset of G92 is active
-  bool tool_length = false;       ///< the offset of G43.1 is active
+  bool tool_length = false;       ///< the offset of G43 to G43.2 is active
   bool mist = false;              ///< M7
   bool flood = false;             ///< M8
   bool overrides_off = false;     ///< M49
@@ -91,10 +91,11 @@ struct Modal {
   Spindle spindle = Spindle::off;
   BeatLock beat_lock = BeatLock::off;
   std::uint8_t decimals = 0;      ///< most decimals of an axis word so far
+  std::uint8_t loaded_tool = 0;   ///< in the spindle: M6, M61
   std::uint32_t blend_um = 0;     ///< P of G64
   std::uint32_t feed = 0;         ///< um/min; in G95 nm per turn; not used in G93
   std::uint32_t speed_milli = 0;  ///< S, thousandths
-  std::uint32_t tool = 0;         ///< T
+  std::uint32_t tool = 0;         ///< T, which the next M6 loads
   Pulses pulses;                  ///< M126 to M128
   Rotation rotation;              ///< G68
   friend bool operator==(const Modal&, const Modal&) = default;

@@ -44,7 +44,7 @@ struct Options {
 
 /// Maximum values of words, as in grbl 1.1.
 inline constexpr std::uint32_t max_line_number = 10'000'000;
-inline constexpr std::uint32_t max_tool = 255;
+inline constexpr std::uint32_t max_tool = ToolTable::max_number;
 /// Pulses of a laser: up to a thousand per millimetre, from a microsecond to a second each.
 inline constexpr std::uint32_t max_pulses_milli = 1'000'000;
 inline constexpr std::uint32_t min_pulse_ns = 1'000, max_pulse_ns = 1'000'000'000;
@@ -121,6 +121,7 @@ struct Changes {
   std::uint16_t rows = 0;  ///< as Parameters::changed
   Place place;             ///< of the row that is no tool length
   std::int64_t tool_length_e7 = 0;
+  ToolTable::Entry tool;  ///< of the tool table
 
   bool has(ParameterRow row) const { return (rows >> static_cast<int>(row) & 1u) != 0; }
   void add(int row) { rows = static_cast<std::uint16_t>(rows | 1u << row); }
@@ -214,6 +215,14 @@ class Statement {
   [[gnu::cold]] bool cutter();
   bool path();
   bool tool_length();
+  [[gnu::cold]] bool tool_length_of_axis();
+  [[gnu::cold]] bool tool_length_of_table();
+  bool set_tool_length(std::int64_t e7, std::uint16_t column);
+  [[gnu::cold]] bool known_tool(std::uint32_t number, std::uint16_t column);
+  [[gnu::cold]] bool find_tool(std::uint32_t number, Tool& tool, std::uint16_t column);
+  [[gnu::cold]] bool tool_of(const Word* word, std::uint32_t& number);
+  [[gnu::cold]] bool enter_tool(std::uint32_t kind, std::uint32_t number);
+  [[gnu::cold]] bool cutter_diameter(std::int64_t& diameter_e7);
   bool system();
   bool rotation();
   bool data();
