@@ -66,6 +66,9 @@ class Block {
   std::uint16_t code(Group group) const {
     return has(group) ? codes_[static_cast<std::size_t>(group)] : no_code;
   }
+  /// Bits of the groups in the line, and the column of the first code of one.
+  std::uint32_t group_bits() const { return groups_; }
+  [[gnu::cold]] std::uint16_t first_code() const;
   std::uint16_t column(Group group) const { return columns_[static_cast<std::size_t>(group)]; }
 
   AxisUse axis_use() const { return axis_use_; }

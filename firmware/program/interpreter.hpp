@@ -41,8 +41,8 @@
 
 #include "firmware/program/action.hpp"
 #include "firmware/program/compensation.hpp"
-#include "firmware/program/curve.hpp"
-#include "firmware/program/curve_timing.hpp"
+#include "firmware/program/curves/curve.hpp"
+#include "firmware/program/curves/curve_timing.hpp"
 #include "firmware/program/cycles.hpp"
 #include "firmware/program/expression.hpp"
 #include "firmware/program/extent.hpp"
@@ -133,6 +133,8 @@ class Interpreter {
   CurvePlane curve_plane() const;
   ArcRequest arc_request() const;
   SplineRequest spline_request() const;
+  [[gnu::cold]] NurbsRequest nurbs_request() const;
+  [[gnu::cold]] void add_nurbs_points();
   [[gnu::cold]] void ignore(std::uint8_t words);
   void begin_pieces(std::string_view powers);
   void change_parameters(const Changes& changes);
@@ -192,13 +194,15 @@ class Interpreter {
     PowerList powers;
     std::uint32_t returned;
   };
-  /// Only one is in use: cutter compensation excludes the others, which are used within a line.
+  /// Only one is in use: cutter compensation and the block of a NURBS exclude the others.
   union Work {
     Work() : cycle{} {}
     DrillCycle cycle;
     Pieces pieces;
     Compensation compensation;
+    NurbsPoints nurbs;
   } work_;
+  static_assert(sizeof(NurbsPoints) <= sizeof(Compensation));
   /// After G40 the machine is beside the programmed place, until the first move in the plane.
   struct Beside {
     PlanePoint distance_e7;

@@ -78,6 +78,7 @@ void Interpreter::stand_at(const Place& machine_e7) {
   state_->programmed_e7 = state_->modal.rotation.turned_back(machine_e7);
   state_->cycle.series = false;
   state_->spline.known = false;
+  state_->nurbs = {};
 }
 
 Place Interpreter::work_offset_e7() const {

@@ -19,6 +19,7 @@ enum class Motion : std::uint16_t {
   arc_counterclockwise = 30,
   spline = 50,
   parabola = 51,
+  nurbs = 52,          ///< of a line alone: the mode is none from then on
   probe_toward = 382,  ///< an error without contact
   probe_toward_quiet = 383,
   probe_away = 384,
@@ -119,6 +120,14 @@ struct SplineEnd {
   friend bool operator==(const SplineEnd&, const SplineEnd&) = default;
 };
 
+/// The block of a NURBS, from G5.2 to G5.3.
+struct NurbsBlock {
+  std::int64_t first_e7 = 0, second_e7 = 0;  ///< its last control point, programmed
+  std::uint8_t count = 0;                    ///< of control points; 0: no block is open
+  std::uint8_t order = 0;
+  friend bool operator==(const NurbsBlock&, const NurbsBlock&) = default;
+};
+
 /// Everything that a line can change, except for the parameters.
 struct State {
   Modal modal;
@@ -126,6 +135,7 @@ struct State {
   Place machine_e7{};     ///< the same place, rotated: the target of the machine
   CycleWords cycle;
   SplineEnd spline;
+  NurbsBlock nurbs;
   friend bool operator==(const State&, const State&) = default;
 };
 

@@ -32,6 +32,8 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
 }
 
 [[gnu::hot]] bool Statement::everything() {
+  if (after_.nurbs.count != 0) [[unlikely]]
+    return nurbs_line();
   return before_motion() && data() && motion() && pixels() && stop() && rest();
 }
 
@@ -155,6 +157,7 @@ void Statement::turn(const Rotation& rotation) {
     modal.feed_mode = mode;
   }
   if (block_.has(Group::motion)) {
+    if (block_.code(Group::motion) == 53) return fail_motion(GcodeError::no_offset_in_plane);
     const auto motion = static_cast<Motion>(block_.code(Group::motion));
     if (is_probe(motion) && !options_.probe)
       return fail(GcodeError::unsupported, block_.column(Group::motion));

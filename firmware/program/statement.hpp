@@ -96,7 +96,10 @@ struct Plan {
   bool exact_stop = false;
   bool jog = false;
   bool sets_cutter = false;  ///< G40 to G42.1
-  IoRequest io;              ///< set where a stage needs it
+  /// Weights of the control points that the line adds to a NURBS, 0: none. The first one is where
+  /// the block begins, the other one is points[0].
+  std::array<std::uint32_t, 2> weights_e6{};
+  IoRequest io;  ///< set where a stage needs it
   // Places are only set where a stage needs them.
   Place start;  ///< of a curve, programmed
   /// Intermediate place of G28; the centre of an arc; both control points of a spline. Programmed.
@@ -109,6 +112,7 @@ struct Plan {
     motion = Motion::rapid;
     stop = 0;
     in_machine = exact_stop = jog = sets_cutter = false;
+    weights_e6 = {};
   }
   /// Whether anything follows the change of the spindle for which the machine moves, rests or
   /// stops.
@@ -247,6 +251,12 @@ class Statement {
   bool spline();
   bool spline_start(Place& control);
   bool parabola();
+  [[gnu::cold]] bool nurbs();
+  [[gnu::cold]] bool nurbs_line();
+  bool nurbs_point();
+  bool nurbs_weight(std::uint32_t& weight_e6);
+  bool nurbs_end();
+  bool curve_in_xy();
   bool drill();
   bool drill_levels();
   bool drill_values();
