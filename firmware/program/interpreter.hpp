@@ -20,7 +20,7 @@
 //     the program: except spindle, coolant and beat lock, which stay off.
 //   * M126 to M128 hold until the end of the program or a reset; then the settings apply.
 //   * M1 pauses like M0. M2 and M30 are the same.
-//   * G92 and G43.1 are inactive after a reset; G92.3 activates the stored shift again.
+//   * G92 is inactive after a reset; G92.3 activates the stored shift again. A tool length stays.
 //   * S with a list of powers divides a G1 into as many pieces (power_list.hpp); the last stays.
 //   * Parameters (#1, #<name>) are unset at the end of a program and by a reset, so that a program
 //     does the same each time; those above #5000 can only be read.

@@ -3,8 +3,8 @@
 //
 // In:  control points with weights in the plane, and the order (the degree plus 1).
 // Out: ends of the pieces in the plane; curve.hpp adds the other axes.
-// Who: curve.hpp when a NURBS begins and for each of its pieces: 2000 to 15 000 cycles a point by
-//      its order. The begin examines the pieces, four points each, up to three times.
+// Who: curve.hpp when a NURBS begins and for each of its pieces. A point takes some thousand cycles
+//      by its order (estimated); the begin makes four points for each piece, two or three times.
 //
 // Knots are those of LinuxCNC: 0 (order times), 1, 2, .. n - order + 1 (order times) for n control
 // points. A point is made by de Boor's algorithm in the form for rational curves (Farin, "Curves
