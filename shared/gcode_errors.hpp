@@ -75,6 +75,8 @@ enum class GcodeError : std::uint8_t {
   bad_entry = 92,
   cutter_too_large = 93,
   too_many_between = 94,
+  unknown_tool = 95,
+  tool_table_full = 96,
 };
 
 struct GcodeErrorRow {
@@ -125,7 +127,7 @@ inline constexpr GcodeErrorRow gcode_errors[] = {
     GcodeErrorRow{GcodeError::bad_line_number, "bad_line_number", "the line number is too large"},
     GcodeErrorRow{GcodeError::value_missing, "value_missing",
                   "a word is missing: P of G4, G82, M130; Q of G73, G83, M61; R or Z of a cycle; L "
-                  "or P of G10; I, J, P or Q of G5"},
+                  "or P of G10; H of G43.2; I, J, P or Q of G5"},
     GcodeErrorRow{GcodeError::no_such_system, "no_such_system",
                   "no coordinate system has this number"},
     GcodeErrorRow{GcodeError::machine_move_needs_line, "machine_move_needs_line",
@@ -143,7 +145,7 @@ inline constexpr GcodeErrorRow gcode_errors[] = {
     GcodeErrorRow{GcodeError::words_unused, "words_unused",
                   "no command of the line uses this word"},
     GcodeErrorRow{GcodeError::tool_length_axis, "tool_length_axis",
-                  "G43.1 requires an axis word of the tool axis and no other"},
+                  "G43.1 and G10 L1, L10, L11 have a Z word or a radius R, and no other axis"},
     GcodeErrorRow{GcodeError::tool_too_large, "tool_too_large", "the tool number is too large"},
     GcodeErrorRow{GcodeError::out_of_range, "out_of_range", "the value is outside its range"},
     GcodeErrorRow{GcodeError::tool_change_pending, "tool_change_pending",
@@ -177,8 +179,10 @@ inline constexpr GcodeErrorRow gcode_errors[] = {
                   "no room for this parameter: 256 values, 640 characters of names, 40 of a name"},
     GcodeErrorRow{GcodeError::compensation_on, "compensation_on",
                   "not possible while cutter compensation (G41, G42) is on: G40 ends it"},
-    GcodeErrorRow{GcodeError::no_diameter, "no_diameter",
-                  "the diameter of the tool is not known: G41.1 D or G42.1 D name it"},
+    GcodeErrorRow{
+        GcodeError::no_diameter, "no_diameter",
+        "the diameter of the tool is not known: G10 L1 P R enters its radius, G41.1 D and "
+        "G42.1 D name a diameter"},
     GcodeErrorRow{GcodeError::bad_entry, "bad_entry",
                   "the move to and from a compensated path must be straight, the move to it longer "
                   "than the radius of the cutter"},
@@ -186,6 +190,10 @@ inline constexpr GcodeErrorRow gcode_errors[] = {
                   "the cutter is too large for this corner, arc or slot"},
     GcodeErrorRow{GcodeError::too_many_between, "too_many_between",
                   "more than three actions between two moves of a compensated path"},
+    GcodeErrorRow{GcodeError::unknown_tool, "unknown_tool",
+                  "the tool table does not have this tool: G10 L1 P Z R enters it"},
+    GcodeErrorRow{GcodeError::tool_table_full, "tool_table_full",
+                  "the tool table has 24 tools already: $RST=# empties it"},
 };
 
 /// The row of an error; null for none and for numbers that no row has.

@@ -53,7 +53,7 @@ void MachineWork::report_offsets(int first, int end) {
   for (int i = first; i < end; ++i) {
     TextLine line;
     write_offset(line, i, offsets);
-    link_.send_text(line.view());
+    if (!line.view().empty()) link_.send_text(line.view());
   }
 }
 

@@ -20,6 +20,8 @@ constexpr Code g_codes[] = {
     Code{40, Group::once},
     Code{50, Group::motion, AxisUse::motion},
     Code{51, Group::motion, AxisUse::motion},
+    Code{52, Group::motion, AxisUse::motion},
+    Code{53, Group::motion},
     Code{90, Group::exact_stop},
     Code{100, Group::once, AxisUse::data},
     Code{170, Group::plane},
@@ -40,7 +42,9 @@ constexpr Code g_codes[] = {
     Code{411, Group::cutter},
     Code{420, Group::cutter},
     Code{421, Group::cutter},
+    Code{430, Group::tool_length},
     Code{431, Group::tool_length, AxisUse::tool_length},
+    Code{432, Group::tool_length, AxisUse::tool_length},
     Code{490, Group::tool_length},
     Code{530, Group::once},
     Code{540, Group::system},
@@ -207,6 +211,7 @@ bool Block::ignore_word(const Word& word, std::string_view line, bool jog) {
       return true;
     case 'H':
       ignore(Ignored::h);
+      h_word_ = word;
       return true;
     case 'M': {
       // The text of a message is not read; its first letters may look like digits of the code.
@@ -333,6 +338,13 @@ bool Block::replaces_no_motion(Group group, std::uint16_t code) const {
   value.letter = letter;
   value.decimals = word.decimals;
   return {};
+}
+
+std::uint16_t Block::first_code() const {
+  std::uint16_t first = no_code;
+  for (std::size_t i = 0; i < groups; ++i)
+    if ((groups_ >> i & 1u) != 0 && columns_[i] < first) first = columns_[i];
+  return first;
 }
 
 std::uint16_t Block::axis_column(std::uint32_t axes) const {

@@ -47,8 +47,8 @@ enum class Group : std::uint8_t {
   count
 };
 
-/// Words that programs of other controllers have and that have no effect here. Each is accepted and
-/// reported once.
+/// Words that programs of other controllers have and that have no effect here, D and H without a
+/// command that needs them among them. Each is accepted and reported once.
 enum class Ignored : std::uint8_t { program_number, d, h, g15, g50, g97, m117, count };
 inline constexpr std::string_view ignored_words[] = {"O", "D", "H", "G15", "G50", "G97", "M117"};
 
@@ -66,6 +66,9 @@ class Block {
   std::uint16_t code(Group group) const {
     return has(group) ? codes_[static_cast<std::size_t>(group)] : no_code;
   }
+  /// Bits of the groups in the line, and the column of the first code of one.
+  std::uint32_t group_bits() const { return groups_; }
+  [[gnu::cold]] std::uint16_t first_code() const;
   std::uint16_t column(Group group) const { return columns_[static_cast<std::size_t>(group)]; }
 
   AxisUse axis_use() const { return axis_use_; }
@@ -96,8 +99,10 @@ class Block {
   std::uint8_t ignored() const { return ignored_; }
   /// The D word, which only cutter compensation takes; null if there is none.
   const Word* d_word() const { return ignores(Ignored::d) ? &d_word_ : nullptr; }
-  /// The D word has an effect.
-  void take_d() { ignored_ &= static_cast<std::uint8_t>(~(1u << static_cast<int>(Ignored::d))); }
+  /// The H word, which only tool lengths take; null if there is none.
+  const Word* h_word() const { return ignores(Ignored::h) ? &h_word_ : nullptr; }
+  /// The D or H word has an effect.
+  void use(Ignored word) { ignored_ &= static_cast<std::uint8_t>(~(1u << static_cast<int>(word))); }
 
   static constexpr std::uint16_t no_code = 0xffff;
 
@@ -142,7 +147,7 @@ class Block {
   std::uint16_t program_number_ = 0;  ///< column of an ignored O word
   std::uint32_t pieces_ = 0, last_power_milli_ = 0;
   std::string_view powers_;
-  Word d_word_;  ///< where ignored_ has its bit
+  Word d_word_, h_word_;  ///< where ignored_ has their bits
   std::array<std::uint16_t, groups> codes_;
   std::array<std::uint16_t, groups> columns_;
   std::array<Word, value_letters.size()> values_;  ///< where words_ has a bit

@@ -22,8 +22,8 @@
 #include <cstdint>
 
 #include "firmware/program/action.hpp"
-#include "firmware/program/arc.hpp"
 #include "firmware/program/compensation_geometry.hpp"
+#include "firmware/program/curves/arc.hpp"
 
 namespace lamplock::program {
 

@@ -18,7 +18,7 @@
 
 #include <cstdint>
 
-#include "firmware/program/shape.hpp"
+#include "firmware/program/curves/shape.hpp"
 
 namespace lamplock::program {
 

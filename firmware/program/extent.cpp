@@ -73,6 +73,17 @@ Extent extent_of(const SplineRequest& spline, const Rotation& rotation) {
   return extent;
 }
 
+Extent extent_of(const NurbsRequest& nurbs, const Rotation& rotation) {
+  Extent extent(rotation.turned(nurbs.start));
+  for (std::uint32_t i = 1; i < nurbs.control->count; ++i) {
+    Place place = nurbs.start;
+    place[nurbs.plane.first] = nurbs.control->points[i].place.first_e7;
+    place[nurbs.plane.second] = nurbs.control->points[i].place.second_e7;
+    extent.add(rotation.turned(place));
+  }
+  return extent;
+}
+
 Extent extent_of(const CycleRequest& cycle, const Rotation& rotation) {
   const std::uint8_t normal = cycle.normal;
   Place last = cycle.first;

@@ -6,15 +6,16 @@
 // Who: the interpreter, for the check of soft limits; main loop, once for a line that is no single
 //      straight move.
 //
-// The box is exact, but for two rare cases in which it is larger than what is reached: a spiral
-// counts with its larger radius, and an arc that G68 turns out of its plane with the corners of the
-// box before the rotation.
+// The box is exact, but for three cases in which it is larger than what is reached: a NURBS counts
+// with all its control points, a spiral with its larger radius, and an arc that G68 turns out of
+// its plane with the corners of the box before the rotation.
 #pragma once
 
-#include "firmware/program/arc.hpp"
+#include "firmware/program/curves/arc.hpp"
+#include "firmware/program/curves/nurbs.hpp"
+#include "firmware/program/curves/spline.hpp"
 #include "firmware/program/cycles.hpp"
 #include "firmware/program/rotation.hpp"
-#include "firmware/program/spline.hpp"
 
 namespace lamplock::program {
 
@@ -34,6 +35,7 @@ class Extent {
 /// Extents of programmed curves and cycles, on a machine with this rotation.
 [[gnu::cold]] Extent extent_of(const ArcRequest& arc, const Rotation& rotation);
 [[gnu::cold]] Extent extent_of(const SplineRequest& spline, const Rotation& rotation);
+[[gnu::cold]] Extent extent_of(const NurbsRequest& nurbs, const Rotation& rotation);
 [[gnu::cold]] Extent extent_of(const CycleRequest& cycle, const Rotation& rotation);
 
 }  // namespace lamplock::program

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <new>
 #include <utility>
 
 namespace lamplock::program {
@@ -18,6 +19,7 @@ namespace lamplock::program {
 
 Fault Interpreter::jog(std::string_view line) {
   if (state_->modal.cutter != Cutter::off) return {GcodeError::compensation_on, 1};
+  if (state_->nurbs.count != 0) return {GcodeError::not_idle, 1};
   const bool was_beside = beside_.active;
   if (was_beside) settle();
   Statement statement(options_, parameters_, saved_, expressions_, *state_, *next_, plan_);
@@ -44,6 +46,8 @@ Fault Interpreter::jog(std::string_view line) {
   std::swap(state_, next_);
   if (statement.ignored() != 0) ignore(statement.ignored());
   change_parameters(statement.changes());
+  if ((plan_.weights_e6[0] | plan_.weights_e6[1]) != 0) [[unlikely]]
+    add_nurbs_points();
   if (plan_.has(Stage::curve)) begin_curve();
   if (plan_.has(Stage::cycle)) work_.cycle.begin(statement.cycle());
   if (plan_.pieces != 0) begin_pieces(statement.powers());
@@ -81,9 +85,29 @@ SplineRequest Interpreter::spline_request() const {
           state_->programmed_e7, curve_plane(),   options_.arc_tolerance_e7};
 }
 
+NurbsRequest Interpreter::nurbs_request() const {
+  return {plan_.start, state_->programmed_e7, &work_.nurbs, curve_plane(),
+          options_.arc_tolerance_e7};
+}
+
+/// Of the line; the first one begins a block.
+void Interpreter::add_nurbs_points() {
+  const auto [start_weight_e6, weight_e6] = plan_.weights_e6;
+  if (start_weight_e6 != 0) {
+    NurbsPoints* const begun = new (&work_.nurbs) NurbsPoints;
+    begun->order = state_->nurbs.order;
+    begun->points[0] = {{plan_.start[0], plan_.start[1]}, start_weight_e6};
+    begun->count = 1;
+  }
+  if (weight_e6 != 0)
+    work_.nurbs.points[work_.nurbs.count++] = {{plan_.points[0][0], plan_.points[0][1]}, weight_e6};
+}
+
 void Interpreter::begin_curve() {
   if (is_arc(plan_.motion))
     curve_.begin_arc(arc_request());
+  else if (plan_.motion == Motion::nurbs)
+    curve_.begin_nurbs(nurbs_request());
   else
     curve_.begin_spline(spline_request());
   if (plan_.time_us != 0)
@@ -94,6 +118,7 @@ Extent Interpreter::extent() const {
   const Rotation& rotation = state_->modal.rotation;
   if (plan_.has(Stage::held)) return compensated_extent();
   if (plan_.has(Stage::cycle)) return extent_of(work_.cycle.request(), rotation);
+  if (plan_.motion == Motion::nurbs) return extent_of(nurbs_request(), rotation);
   if (plan_.has(Stage::curve))
     return is_arc(plan_.motion) ? extent_of(arc_request(), rotation)
                                 : extent_of(spline_request(), rotation);
@@ -105,6 +130,7 @@ Extent Interpreter::extent() const {
 [[gnu::hot]] void Interpreter::change_parameters(const Changes& changes) {
   if (changes.rows == 0) return;
   if (changes.has(ParameterRow::tool_length)) parameters_.tool_length_e7 = changes.tool_length_e7;
+  if (changes.has(ParameterRow::tools)) parameters_.tools.set(changes.tool);
   if (changes.has(ParameterRow::home_g28)) parameters_.home_g28_e7 = changes.place;
   if (changes.has(ParameterRow::home_g30)) parameters_.home_g30_e7 = changes.place;
   if (changes.has(ParameterRow::shift)) parameters_.shift_e7 = changes.place;

@@ -20,12 +20,12 @@
 //     the program: except spindle, coolant and beat lock, which stay off.
 //   * M126 to M128 hold until the end of the program or a reset; then the settings apply.
 //   * M1 pauses like M0. M2 and M30 are the same.
-//   * G92 and G43.1 are inactive after a reset; G92.3 activates the stored shift again.
+//   * G92 is inactive after a reset; G92.3 activates the stored shift again. A tool length stays.
 //   * S with a list of powers divides a G1 into as many pieces (power_list.hpp); the last stays.
 //   * Parameters (#1, #<name>) are unset at the end of a program and by a reset, so that a program
 //     does the same each time; those above #5000 can only be read.
-//   * Cutter compensation (compensation.hpp) is by diameter alone (G41.1, G42.1), and off after a
-//     reset and whenever the machine sets the position. After G40 moves along the other axes stay
+//   * Cutter compensation (compensation.hpp) is off after a reset and whenever the machine sets the
+//   position. After G40 moves along the other axes stay
 //     beside the contour.
 //   * Cycles: R, Z, Q and P stay until another cycle begins; in G91 R counts from where the series
 //     began. A moves together with X and Y.
@@ -41,8 +41,8 @@
 
 #include "firmware/program/action.hpp"
 #include "firmware/program/compensation.hpp"
-#include "firmware/program/curve.hpp"
-#include "firmware/program/curve_timing.hpp"
+#include "firmware/program/curves/curve.hpp"
+#include "firmware/program/curves/curve_timing.hpp"
 #include "firmware/program/cycles.hpp"
 #include "firmware/program/expression.hpp"
 #include "firmware/program/extent.hpp"
@@ -133,6 +133,8 @@ class Interpreter {
   CurvePlane curve_plane() const;
   ArcRequest arc_request() const;
   SplineRequest spline_request() const;
+  [[gnu::cold]] NurbsRequest nurbs_request() const;
+  [[gnu::cold]] void add_nurbs_points();
   [[gnu::cold]] void ignore(std::uint8_t words);
   void begin_pieces(std::string_view powers);
   void change_parameters(const Changes& changes);
@@ -192,13 +194,15 @@ class Interpreter {
     PowerList powers;
     std::uint32_t returned;
   };
-  /// Only one is in use: cutter compensation excludes the others, which are used within a line.
+  /// Only one is in use: cutter compensation and the block of a NURBS exclude the others.
   union Work {
     Work() : cycle{} {}
     DrillCycle cycle;
     Pieces pieces;
     Compensation compensation;
+    NurbsPoints nurbs;
   } work_;
+  static_assert(sizeof(NurbsPoints) <= sizeof(Compensation));
   /// After G40 the machine is beside the programmed place, until the first move in the plane.
   struct Beside {
     PlanePoint distance_e7;

@@ -241,7 +241,7 @@ bool Interpreter::stays_beside(const Statement& statement) const {
   constexpr std::uint32_t first_move = static_cast<std::uint32_t>(Stage::via);
   const std::uint32_t moves = plan_.stages >> first_move << first_move;
   return (moves & ~simple) == 0 && !is_probe(plan_.motion) && plan_.pieces == 0 &&
-         !statement.needs_machine_place();
+         plan_.weights_e6[0] == 0 && !statement.needs_machine_place();
 }
 
 /// A line after G40. The first move in the plane leads from beside the contour to its programmed

@@ -36,6 +36,7 @@ void Interpreter::restore_saved() {
   modal = saved_.modal;
   modal.motion = ended.motion;
   modal.tool = ended.tool;
+  modal.loaded_tool = ended.loaded_tool;
   modal.spindle = Spindle::off;
   modal.flood = modal.mist = modal.overrides_off = false;
   modal.beat_lock = BeatLock::off;
@@ -77,6 +78,7 @@ void Interpreter::stand_at(const Place& machine_e7) {
   state_->programmed_e7 = state_->modal.rotation.turned_back(machine_e7);
   state_->cycle.series = false;
   state_->spline.known = false;
+  state_->nurbs = {};
 }
 
 Place Interpreter::work_offset_e7() const {

@@ -19,6 +19,7 @@ enum class Motion : std::uint16_t {
   arc_counterclockwise = 30,
   spline = 50,
   parabola = 51,
+  nurbs = 52,          ///< of a line alone: the mode is none from then on
   probe_toward = 382,  ///< an error without contact
   probe_toward_quiet = 383,
   probe_away = 384,
@@ -83,7 +84,7 @@ struct Modal {
   bool centres_absolute = false;  ///< G90.1
   bool retract_to_r = false;      ///< G99
   bool shifted = false;           ///< the offset of G92 is active
-  bool tool_length = false;       ///< the offset of G43.1 is active
+  bool tool_length = false;       ///< the offset of G43 to G43.2 is active
   bool mist = false;              ///< M7
   bool flood = false;             ///< M8
   bool overrides_off = false;     ///< M49
@@ -91,10 +92,11 @@ struct Modal {
   Spindle spindle = Spindle::off;
   BeatLock beat_lock = BeatLock::off;
   std::uint8_t decimals = 0;      ///< most decimals of an axis word so far
+  std::uint8_t loaded_tool = 0;   ///< in the spindle: M6, M61
   std::uint32_t blend_um = 0;     ///< P of G64
   std::uint32_t feed = 0;         ///< um/min; in G95 nm per turn; not used in G93
   std::uint32_t speed_milli = 0;  ///< S, thousandths
-  std::uint32_t tool = 0;         ///< T
+  std::uint32_t tool = 0;         ///< T, which the next M6 loads
   Pulses pulses;                  ///< M126 to M128
   Rotation rotation;              ///< G68
   friend bool operator==(const Modal&, const Modal&) = default;
@@ -118,6 +120,14 @@ struct SplineEnd {
   friend bool operator==(const SplineEnd&, const SplineEnd&) = default;
 };
 
+/// The block of a NURBS, from G5.2 to G5.3.
+struct NurbsBlock {
+  std::int64_t first_e7 = 0, second_e7 = 0;  ///< its last control point, programmed
+  std::uint8_t count = 0;                    ///< of control points; 0: no block is open
+  std::uint8_t order = 0;
+  friend bool operator==(const NurbsBlock&, const NurbsBlock&) = default;
+};
+
 /// Everything that a line can change, except for the parameters.
 struct State {
   Modal modal;
@@ -125,6 +135,7 @@ struct State {
   Place machine_e7{};     ///< the same place, rotated: the target of the machine
   CycleWords cycle;
   SplineEnd spline;
+  NurbsBlock nurbs;
   friend bool operator==(const State&, const State&) = default;
 };
 

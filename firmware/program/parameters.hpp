@@ -8,18 +8,20 @@
 #include <cstdint>
 
 #include "firmware/program/modal.hpp"
+#include "firmware/program/tool_table.hpp"
 #include "firmware/program/value.hpp"
 
 namespace lamplock::program {
 
 /// Bits of Parameters::changed: 0..8 are the coordinate systems.
-enum class ParameterRow : std::uint8_t { home_g28 = 9, home_g30, shift, tool_length };
+enum class ParameterRow : std::uint8_t { home_g28 = 9, home_g30, shift, tool_length, tools };
 
 struct Parameters {
   std::array<Place, coordinate_systems> systems_e7{};  ///< origins of G54 .. G59.3
   Place home_g28_e7{}, home_g30_e7{};
   Place shift_e7{};                 ///< G92; active if Modal::shifted
-  std::int64_t tool_length_e7 = 0;  ///< G43.1, along Z; 0 after G49
+  std::int64_t tool_length_e7 = 0;  ///< G43 to G43.2, along Z; 0 after G49
+  ToolTable tools;
   std::uint16_t changed = 0;  ///< a bit for each row that a line has changed; the owner clears
 };
 

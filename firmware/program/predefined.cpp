@@ -13,7 +13,8 @@ constexpr std::uint32_t probe_row = 5060, probe_met = 5070;
 constexpr std::uint32_t home_g28_row = 5160, home_g30_row = 5180;
 constexpr std::uint32_t shifted = 5210, shift_row = 5210, system_number = 5220;
 constexpr std::uint32_t system_row = 5220, system_row_size = 20;
-constexpr std::uint32_t input_result = 5399, tool_number = 5400, tool_row = 5400;
+constexpr std::uint32_t input_result = 5399, tool_number = 5400, tool_row = 5400,
+                        tool_diameter = 5410;
 constexpr std::uint32_t position_row = 5419;
 
 enum class Name : std::uint8_t {
@@ -26,6 +27,7 @@ enum class Name : std::uint8_t {
   system,
   plane,
   motion,
+  loaded_tool,
   tool,
   inches_off,
   inches,
@@ -58,7 +60,7 @@ constexpr NameRow name_rows[] = {{"x", Name::x},
                                  {"coord_system", Name::system},
                                  {"plane", Name::plane},
                                  {"motion_mode", Name::motion},
-                                 {"current_tool", Name::tool},
+                                 {"current_tool", Name::loaded_tool},
                                  {"selected_tool", Name::tool},
                                  {"metric", Name::inches_off},
                                  {"imperial", Name::inches},
@@ -147,6 +149,8 @@ std::int64_t value_of(Name name, const Modal& modal) {
       return static_cast<std::int64_t>(modal.plane) * one_e9;
     case Name::motion:
       return static_cast<std::int64_t>(modal.motion) * one_e9;
+    case Name::loaded_tool:
+      return modal.loaded_tool * one_e9;
     case Name::tool:
       return modal.tool * one_e9;
     default:
@@ -176,7 +180,12 @@ std::int64_t Predefined::value_e9(std::uint32_t number) const {
   if (number == shifted) return value_of_truth(modal.shifted);
   if (number == system_number) return (modal.system + 1) * one_e9;
   if (number == input_result) return results.input * one_e9;
-  if (number == tool_number) return modal.tool * one_e9;
+  if (number == tool_number) return modal.loaded_tool * one_e9;
+  if (number == tool_diameter) {
+    Tool loaded;
+    parameters_.tools.find(modal.loaded_tool, loaded);
+    return loaded.diameter_e7 * e9_of_e7;
+  }
   std::int64_t e9 = 0;
   const Place tool = {0, 0, modal.tool_length ? parameters_.tool_length_e7 : 0, 0};
   if (in_row(probe_row, e9, results.probe_e7) ||

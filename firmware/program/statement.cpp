@@ -32,6 +32,8 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
 }
 
 [[gnu::hot]] bool Statement::everything() {
+  if (after_.nurbs.count != 0) [[unlikely]]
+    return nurbs_line();
   return before_motion() && data() && motion() && pixels() && stop() && rest();
 }
 
@@ -129,6 +131,7 @@ void Statement::turn(const Rotation& rotation) {
   after_.modal = saved_.modal;
   after_.modal.motion = before.motion;
   after_.modal.tool = before.tool;
+  after_.modal.loaded_tool = before.loaded_tool;
   if (saved_.modal.spindle != before.spindle || saved_.modal.speed_milli != before.speed_milli)
     plan_.add(Stage::spindle);
   if (saved_.modal.flood != before.flood || saved_.modal.mist != before.mist)
@@ -154,6 +157,7 @@ void Statement::turn(const Rotation& rotation) {
     modal.feed_mode = mode;
   }
   if (block_.has(Group::motion)) {
+    if (block_.code(Group::motion) == 53) return fail_motion(GcodeError::no_offset_in_plane);
     const auto motion = static_cast<Motion>(block_.code(Group::motion));
     if (is_probe(motion) && !options_.probe)
       return fail(GcodeError::unsupported, block_.column(Group::motion));
@@ -213,7 +217,7 @@ bool Statement::inverse_time() {
   if (!integer('T', number)) return false;
   if (number > max_tool) return fail_at('T', GcodeError::tool_too_large);
   after_.modal.tool = number;
-  return true;
+  return parameters_.tools.empty() || known_tool(number, block_.word('T').column);
 }
 
 /// Without M62 to M68 the line must not have an E word.
@@ -227,16 +231,8 @@ bool Statement::inverse_time() {
   if (!block_.has(Group::tool_change)) return true;
   if (block_.code(Group::tool_change) == 61) return set_tool();
   plan_.add(Stage::tool_change);
+  after_.modal.loaded_tool = static_cast<std::uint8_t>(after_.modal.tool);
   if (!block_.has(Group::spindle)) after_.modal.spindle = Spindle::off;
-  return true;
-}
-
-/// M61 Q: the spindle has this tool.
-bool Statement::set_tool() {
-  std::uint32_t number = 0;
-  if (!needed('Q', block_.column(Group::tool_change)) || !integer('Q', number)) return false;
-  if (number > max_tool) return fail_at('Q', GcodeError::tool_too_large);
-  after_.modal.tool = number;
   return true;
 }
 
@@ -358,8 +354,6 @@ bool Statement::pulse_length() {
 
 [[gnu::hot]] bool Statement::tool_length() {
   if (!block_.has(Group::tool_length)) return true;
-  const std::uint16_t column = block_.column(Group::tool_length);
-  constexpr std::uint32_t z = 1u << 2;
   if (block_.code(Group::tool_length) == 490) {
     if (parameters_.tool_length_e7 != 0) {
       changes_.tool_length_e7 = 0;
@@ -368,14 +362,7 @@ bool Statement::pulse_length() {
     after_.modal.tool_length = false;
     return true;
   }
-  if (block_.axes() == 0) return fail(GcodeError::tool_length_axis, column);
-  if (block_.axes() != z) return fail_axes(GcodeError::tool_length_axis, block_.axes() & ~z);
-  block_.take_axes();
-  changes_.tool_length_e7 = axis_e7(2);
-  changes_.add(static_cast<int>(ParameterRow::tool_length));
-  after_.modal.tool_length = true;
-  return inside(changes_.tool_length_e7, max_position_e7, GcodeError::out_of_range,
-                block_.axis(2).column);
+  return block_.code(Group::tool_length) == 431 ? tool_length_of_axis() : tool_length_of_table();
 }
 
 [[gnu::hot]] bool Statement::system() {
@@ -445,10 +432,12 @@ bool Statement::pulse_length() {
 
 bool Statement::set_system() {
   const std::uint16_t column = block_.column(Group::once);
-  if (block_.axes() == 0) return fail(GcodeError::no_axis_words, column);
   std::uint32_t kind = 0, number = 0;
+  const bool has_words = block_.axes() != 0 || block_.has('R');
+  if (!has_words) return fail(GcodeError::no_axis_words, column);
   if (!needed('L', column) || !needed('P', column)) return false;
   if (!integer('L', kind) || !integer('P', number)) return false;
+  if (kind == 1 || kind == 10 || kind == 11) return enter_tool(kind, number);
   if (kind != 2 && kind != 20) return fail_at('L', GcodeError::unsupported);
   if (number > coordinate_systems) return fail_at('P', GcodeError::no_such_system);
   // Rotation of a coordinate system, which LinuxCNC supports.

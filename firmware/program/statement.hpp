@@ -44,7 +44,7 @@ struct Options {
 
 /// Maximum values of words, as in grbl 1.1.
 inline constexpr std::uint32_t max_line_number = 10'000'000;
-inline constexpr std::uint32_t max_tool = 255;
+inline constexpr std::uint32_t max_tool = ToolTable::max_number;
 /// Pulses of a laser: up to a thousand per millimetre, from a microsecond to a second each.
 inline constexpr std::uint32_t max_pulses_milli = 1'000'000;
 inline constexpr std::uint32_t min_pulse_ns = 1'000, max_pulse_ns = 1'000'000'000;
@@ -96,7 +96,10 @@ struct Plan {
   bool exact_stop = false;
   bool jog = false;
   bool sets_cutter = false;  ///< G40 to G42.1
-  IoRequest io;              ///< set where a stage needs it
+  /// Weights of the control points that the line adds to a NURBS, 0: none. The first one is where
+  /// the block begins, the other one is points[0].
+  std::array<std::uint32_t, 2> weights_e6{};
+  IoRequest io;  ///< set where a stage needs it
   // Places are only set where a stage needs them.
   Place start;  ///< of a curve, programmed
   /// Intermediate place of G28; the centre of an arc; both control points of a spline. Programmed.
@@ -109,6 +112,7 @@ struct Plan {
     motion = Motion::rapid;
     stop = 0;
     in_machine = exact_stop = jog = sets_cutter = false;
+    weights_e6 = {};
   }
   /// Whether anything follows the change of the spindle for which the machine moves, rests or
   /// stops.
@@ -121,6 +125,7 @@ struct Changes {
   std::uint16_t rows = 0;  ///< as Parameters::changed
   Place place;             ///< of the row that is no tool length
   std::int64_t tool_length_e7 = 0;
+  ToolTable::Entry tool;  ///< of the tool table
 
   bool has(ParameterRow row) const { return (rows >> static_cast<int>(row) & 1u) != 0; }
   void add(int row) { rows = static_cast<std::uint16_t>(rows | 1u << row); }
@@ -214,6 +219,14 @@ class Statement {
   [[gnu::cold]] bool cutter();
   bool path();
   bool tool_length();
+  [[gnu::cold]] bool tool_length_of_axis();
+  [[gnu::cold]] bool tool_length_of_table();
+  bool set_tool_length(std::int64_t e7, std::uint16_t column);
+  [[gnu::cold]] bool known_tool(std::uint32_t number, std::uint16_t column);
+  [[gnu::cold]] bool find_tool(std::uint32_t number, Tool& tool, std::uint16_t column);
+  [[gnu::cold]] bool tool_of(const Word* word, std::uint32_t& number);
+  [[gnu::cold]] bool enter_tool(std::uint32_t kind, std::uint32_t number);
+  [[gnu::cold]] bool cutter_diameter(std::int64_t& diameter_e7);
   bool system();
   bool rotation();
   bool data();
@@ -238,6 +251,12 @@ class Statement {
   bool spline();
   bool spline_start(Place& control);
   bool parabola();
+  [[gnu::cold]] bool nurbs();
+  [[gnu::cold]] bool nurbs_line();
+  bool nurbs_point();
+  bool nurbs_weight(std::uint32_t& weight_e6);
+  bool nurbs_end();
+  bool curve_in_xy();
   bool drill();
   bool drill_levels();
   bool drill_values();

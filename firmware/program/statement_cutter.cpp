@@ -4,9 +4,6 @@
 namespace lamplock::program {
 namespace {
 
-/// Largest diameter of a cutter: 1 m.
-constexpr std::int64_t max_diameter_e7 = 1000 * one_e7;
-
 constexpr std::uint16_t dwell_code = 40, end_code = 2, end_and_rewind_code = 30;
 
 /// Groups whose commands would move the contour or the machine under the path of the cutter.
@@ -26,14 +23,31 @@ bool Statement::cutter() {
   }
   if (after_.modal.cutter != Cutter::off) return fail(GcodeError::compensation_on, column);
   after_.modal.cutter = code < 420 ? Cutter::left : Cutter::right;
-  const bool has_diameter = code == 411 || code == 421;
-  const Word* const word = block_.d_word();
-  if (!has_diameter) return fail(GcodeError::no_diameter, column);
-  if (word == nullptr) return fail(GcodeError::value_missing, column);
-  block_.take_d();
-  const std::int64_t diameter_e7 = length_e7(*word, after_.modal.inches);
+  std::int64_t diameter_e7 = 0;
+  if (!cutter_diameter(diameter_e7)) return false;
   cutter_radius_e7_ = diameter_e7 / 2;
-  return inside(diameter_e7, max_diameter_e7, GcodeError::out_of_range, word->column);
+  return true;
+}
+
+/// G41.1 and G42.1 have the diameter; G41 and G42 the number of a tool, by default the one in the
+/// spindle.
+bool Statement::cutter_diameter(std::int64_t& diameter_e7) {
+  const std::uint16_t code = block_.code(Group::cutter);
+  const Word* const word = block_.d_word();
+  const std::uint16_t column = word == nullptr ? block_.column(Group::cutter) : word->column;
+  block_.use(Ignored::d);
+  if (code == 411 || code == 421) {
+    if (word == nullptr) return fail(GcodeError::value_missing, column);
+    diameter_e7 = length_e7(*word, after_.modal.inches);
+    return inside(diameter_e7, ToolTable::max_diameter_e7, GcodeError::out_of_range, column);
+  }
+  std::uint32_t number = 0;
+  Tool tool;
+  if (!tool_of(word, number)) return false;
+  if (number == 0) return fail(GcodeError::no_diameter, column);
+  if (!find_tool(number, tool, column)) return false;
+  diameter_e7 = tool.diameter_e7;
+  return diameter_e7 != 0 || fail(GcodeError::no_diameter, column);
 }
 
 Fault Statement::check_compensated(const Modal& before) {

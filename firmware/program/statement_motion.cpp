@@ -1,5 +1,5 @@
 // Motion of a statement: targets, arcs, splines, cycles, homes.
-#include "firmware/program/curve.hpp"
+#include "firmware/program/curves/curve.hpp"
 #include "firmware/program/statement.hpp"
 #include "shared/fixed_point.hpp"
 
@@ -122,6 +122,7 @@ bool Statement::at_home() {
 /// A move that needs a feed rate.
 [[gnu::hot]] bool Statement::cut_move() {
   const Motion motion = after_.modal.motion;
+  if (motion == Motion::nurbs) return nurbs();
   if (!feed_in_force()) return false;
   if (motion == Motion::line) return move();
   if (block_.axes() == 0 && !full_circle()) return fail_motion(GcodeError::no_axis_words);
@@ -238,10 +239,7 @@ bool Statement::arc_of_centre(const Place& end) {
 // --- splines ----------------------------------------------------------------------------------
 
 bool Statement::spline() {
-  plan_.start = after_.programmed_e7;
-  const std::uint32_t others = block_.axes() & ~3u;
-  if (others != 0) return fail_axes(GcodeError::axis_words_unused, others);
-  if (after_.modal.plane != Plane::xy) return fail_motion(GcodeError::unsupported);
+  if (!curve_in_xy()) return false;
   plan_.motion = Motion::spline;
   plan_.add(Stage::curve);
   Place end;
@@ -272,11 +270,17 @@ bool Statement::spline_start(Place& control) {
   return true;
 }
 
-bool Statement::parabola() {
+/// Curves of G5 to G5.3 begin where the program is, in the XY plane.
+bool Statement::curve_in_xy() {
   plan_.start = after_.programmed_e7;
-  const std::uint32_t others = block_.axes() & ~3u;
+  constexpr std::uint32_t xy = 1u << 0 | 1u << 1;
+  const std::uint32_t others = block_.axes() & ~xy;
   if (others != 0) return fail_axes(GcodeError::axis_words_unused, others);
-  if (after_.modal.plane != Plane::xy) return fail_motion(GcodeError::unsupported);
+  return after_.modal.plane == Plane::xy || fail_motion(GcodeError::unsupported);
+}
+
+bool Statement::parabola() {
+  if (!curve_in_xy()) return false;
   plan_.motion = Motion::parabola;
   plan_.add(Stage::curve);
   std::array<std::int64_t, 2> control{};

@@ -87,6 +87,26 @@ bool take_tool_length(const std::vector<std::string>& lines, bool inches, std::i
   return true;
 }
 
+/// Tools that the board reports as lamplock and grblHAL do; others have none.
+void take_tools(const std::vector<std::string>& lines, bool inches, program::ToolTable& tools) {
+  constexpr std::string_view begin = "[T:";
+  for (const std::string_view line : lines) {
+    if (!line.starts_with(begin) || !line.ends_with(']')) continue;
+    const auto parts = split(line.substr(begin.size(), line.size() - begin.size() - 1), '|');
+    if (parts.size() < 3) continue;
+    const auto offsets = split(parts[1], ',');
+    const auto number = number_of<std::uint32_t>(parts[0]);
+    const auto length =
+        offsets.size() > z_axis ? number_of<double>(offsets[z_axis]) : std::optional<double>{};
+    const auto radius = number_of<double>(parts[2]);
+    if (!number || !length || !radius || *number == 0 || *number > program::max_tool) continue;
+    const program::Tool tool{to_e7(*length, inches), 2 * to_e7(*radius, inches)};
+    if (std::abs(tool.length_e7) <= program::ToolTable::max_length_e7 && tool.diameter_e7 >= 0 &&
+        tool.diameter_e7 <= program::ToolTable::max_diameter_e7)
+      tools.set(program::ToolTable::Entry(*number, tool));
+  }
+}
+
 bool take_offsets(const std::vector<std::string>& lines, bool inches,
                   program::Parameters& parameters) {
   for (std::size_t i = 0; i < system_names.size(); ++i)
@@ -94,6 +114,7 @@ bool take_offsets(const std::vector<std::string>& lines, bool inches,
       return false;
   take_place(lines, "G28", inches, parameters.home_g28_e7);
   take_place(lines, "G30", inches, parameters.home_g30_e7);
+  take_tools(lines, inches, parameters.tools);
   return take_place(lines, "G92", inches, parameters.shift_e7) &&
          take_tool_length(lines, inches, parameters.tool_length_e7);
 }
@@ -121,6 +142,9 @@ std::vector<std::string> lines_of(const std::vector<std::string_view>& words, bo
       if (feed > 0 && !inverse_time)
         lines.insert(lines.begin() + (per_turn ? 6 : 5),
                      fmt::format("G21 F{:.6f}", feed * (inches ? mm_per_inch : 1)));
+    } else if (word.starts_with('T')) {
+      // The tool that was chosen last is in the spindle.
+      lines.push_back(fmt::format("M61 Q{}", word.substr(1)));
     } else if (!has(done, word) && !has(cycles, word) && !has(passed_over, word)) {
       lines.emplace_back(word);
     }
@@ -133,8 +157,9 @@ std::vector<std::string> lines_of(const std::vector<std::string_view>& words, bo
 bool is_zero(const Place& place) { return place == Place{}; }
 
 bool has_offsets(const program::Parameters& parameters) {
-  return parameters.tool_length_e7 != 0 || !is_zero(parameters.shift_e7) ||
-         !is_zero(parameters.home_g28_e7) || !is_zero(parameters.home_g30_e7) ||
+  return parameters.tool_length_e7 != 0 || !parameters.tools.empty() ||
+         !is_zero(parameters.shift_e7) || !is_zero(parameters.home_g28_e7) ||
+         !is_zero(parameters.home_g30_e7) ||
          !std::all_of(parameters.systems_e7.begin(), parameters.systems_e7.end(), is_zero);
 }
 

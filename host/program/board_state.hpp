@@ -22,7 +22,7 @@ namespace lamplock::program_run {
 
 struct BoardState {
   program::Place machine_e7{};
-  program::Parameters parameters;  ///< G54 to G59.3, G28, G30, G92, tool length
+  program::Parameters parameters;  ///< G54 to G59.3, G28, G30, G92, tools
   std::vector<std::string> modes;  ///< lines that set the modal state
   program::Place work_offset_e7{};
   bool as_after_power_up = false;  ///< at machine zero, without offsets, modal state by default

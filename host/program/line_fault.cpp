@@ -80,18 +80,11 @@ constexpr std::string_view no_motor_switch =
     "take the word out: $1 switches the motors off at rest";
 constexpr std::string_view no_heater = "take the word out: the machine has no heater";
 constexpr std::array replacements{
-    Replacement{'G', 43, "use G43.1 or take the word out"},
-    Replacement{'G', 43.2, "use G43.1 or take the word out"},
-    Replacement{'M', 97, no_subprograms},
-    Replacement{'M', 98, no_subprograms},
-    Replacement{'M', 99, no_subprograms},
-    Replacement{'M', 17, no_motor_switch},
-    Replacement{'M', 18, no_motor_switch},
-    Replacement{'M', 84, no_motor_switch},
-    Replacement{'M', 104, no_heater},
-    Replacement{'M', 109, no_heater},
-    Replacement{'M', 140, no_heater},
-    Replacement{'M', 190, no_heater},
+    Replacement{'M', 97, no_subprograms},  Replacement{'M', 98, no_subprograms},
+    Replacement{'M', 99, no_subprograms},  Replacement{'M', 17, no_motor_switch},
+    Replacement{'M', 18, no_motor_switch}, Replacement{'M', 84, no_motor_switch},
+    Replacement{'M', 104, no_heater},      Replacement{'M', 109, no_heater},
+    Replacement{'M', 140, no_heater},      Replacement{'M', 190, no_heater},
 };
 
 LineFault unsupported(std::string_view word, int axes) {

@@ -48,7 +48,7 @@ Transcript mixed_transcript(int count) {
         add("(a comment)", "ok");
         break;
       case 7:
-        add("G43 H1", "error:20");
+        add("G43 H1", "error:95");
         break;
       case 9:
         add("$G", "ok");
@@ -261,7 +261,7 @@ TEST_F(Protocol, HandlesRealTimeBytesWithAFullWindow) {
 
 TEST_F(Protocol, CheckModeAnswersAsARunWould) {
   EXPECT_THAT(host_.ask("$C\n"), ElementsAre("[MSG:Enabled]", "ok"));
-  host_.send("G1 X10 F600\nG43\nG4 P5\nM0\nG1 X9999\nG1 X5\n");
+  host_.send("G1 X10 F600\nG38\nG4 P5\nM0\nG1 X9999\nG1 X5\n");
   ASSERT_TRUE(host_.wait_for(7, 0.5));
   EXPECT_THAT(host_.answers(), ElementsAre("ok", "ok", "error:20", "ok", "ok", "error:33", "ok"));
   EXPECT_THAT(host_.status(), StartsWith("<Check|MPos:0.000,"));

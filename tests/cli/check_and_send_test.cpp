@@ -68,9 +68,9 @@ TEST(CheckAndSend, NameTheWordAndARemedy) {
   const std::string control = ": loops, branches and calls are not read";
   const std::string without = "; post the program without subprograms and loops";
   for (const Case& c : std::initializer_list<Case>{
-           {"G43 H1", "1", "error:20 'G43' is not supported", "; use G43.1 or take the word out"},
-           {"G1 X1 g 43", "7", "error:20 'g 43' is not supported", "; use G43.1"},
-           {"G41 D1", "1", "error:91 the diameter of the tool is not known", "G41.1 D"},
+           {"G43 H1", "5", "error:95 the tool table does not have this tool", "G10 L1"},
+           {"G1 X1 g 33", "7", "error:20 'g 33' is not supported", "; take the word out"},
+           {"G41", "1", "error:91 the diameter of the tool is not known", "G41.1 D"},
            {"M84", "1", "error:20 'M84' is not supported", "; take the word out: $1 switches"},
            {"M104 S200", "1", "error:20 'M104' is not supported", "has no heater"},
            {"G33 Z1 K1", "1", "error:20 'G33' is not supported", "; take the word out"},

@@ -91,7 +91,7 @@ TEST(Check, ArcsAreRoundAndAsLongAsTheyShouldBe) {
 
 TEST(Check, ErrorsAreReportedByLineColumnAndNumber) {
   const Folder folder;
-  const std::string file = folder.write("a.ngc", "G1 X1 F100\nG1 X1#\nG43\nG1 Y2\nG1 X1 X2\n");
+  const std::string file = folder.write("a.ngc", "G1 X1 F100\nG1 X1#\nG33\nG1 Y2\nG1 X1 X2\n");
   const Finished done = run({"check", file});
   EXPECT_EQ(done.status, 2);
   EXPECT_THAT(done.out, HasSubstr(file + ":2:6: error:75 "));

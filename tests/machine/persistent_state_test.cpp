@@ -102,6 +102,8 @@ TEST(PersistentState, TheLongestStateFits) {
   kept.parameters.systems_e7.fill({1, 1, 1, 1});
   kept.parameters.home_g28_e7 = kept.parameters.home_g30_e7 = {1, 1, 1, 1};
   kept.parameters.tool_length_e7 = 1;
+  for (std::uint32_t number = 1; number <= program::ToolTable::capacity; ++number)
+    ASSERT_TRUE(kept.parameters.tools.set(program::ToolTable::Entry(number, {})));
   for (KeptText* text : {&kept.start_up[0], &kept.start_up[1], &kept.build_text})
     ASSERT_TRUE(text->set(std::string(80, '~')));
   EXPECT_EQ(packed(kept).size(), PersistentStateRecord::max_bytes);
@@ -114,6 +116,10 @@ TEST(PersistentState, EachFieldChangesTheBytes) {
       [](PersistentState& k) { k.parameters.home_g28_e7[0] = 1; },
       [](PersistentState& k) { k.parameters.home_g30_e7[2] = 1; },
       [](PersistentState& k) { k.parameters.tool_length_e7 = -1; },
+      [](PersistentState& k) { k.parameters.tools.set(program::ToolTable::Entry(255, {})); },
+      [](PersistentState& k) {
+        k.parameters.tools.set(program::ToolTable::Entry(1, {-10, 1000}));
+      },
       [](PersistentState& k) { k.start_up[0].set("x"); },
       [](PersistentState& k) { k.start_up[1].set("x"); },
       [](PersistentState& k) { k.build_text.set("x"); }};

@@ -167,6 +167,13 @@ TEST(ProgramText, OffsetsAreInTheOrderOfGrbl) {
             "[G92:0.000,0.000,0.000]\r\n[TLO:0.000]\r\n[PRB:0.000,0.000,0.000:0]\r\n");
 }
 
+TEST(ProgramText, ToolsFollowTheProbeAsInGrblHal) {
+  Program p{"G10 L1 P12 Z-41.25 R3.175", "G10 L1 P1 R1"};
+  EXPECT_EQ(p.offset(probe_line + 1), "[T:12|0.000,0.000,-41.250|3.175]\r\n");
+  EXPECT_EQ(p.offset(probe_line + 2, 4, true), "[T:1|0.0000,0.0000,0.0000,0.0000|0.0394]\r\n");
+  EXPECT_EQ(p.offset(probe_line + 3), "");
+}
+
 TEST(ProgramText, OffsetsEqualTheirSettings) {
   Program p{"G10 L2 P1 X1 Y-2.5 Z0.0004",
             "G10 L2 P6 Y1",

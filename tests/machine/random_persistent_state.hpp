@@ -36,6 +36,12 @@ inline machine::PersistentState random_persistent_state(std::mt19937_64& random)
     if (some()) text.set(random_text(random, machine::KeptText::capacity));
   if (some()) kept.build_text.set(random_text(random, machine::KeptText::capacity));
   if (some()) kept.parameters.tool_length_e7 = random_place(random, most)[2];
+  for (std::uint32_t number = 1; number <= program::ToolTable::capacity; ++number) {
+    using Table = program::ToolTable;
+    const std::int64_t length = random_place(random, Table::max_length_e7)[2];
+    const std::int64_t diameter = std::abs(random_place(random, Table::max_diameter_e7)[2]);
+    if (some()) kept.parameters.tools.set(Table::Entry(number * 10, {length, diameter}));
+  }
   // This field is not stored.
   kept.parameters.shift_e7 = random_place(random, most);
   return kept;

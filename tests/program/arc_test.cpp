@@ -1,4 +1,4 @@
-#include "firmware/program/arc.hpp"
+#include "firmware/program/curves/arc.hpp"
 
 #include <gtest/gtest.h>
 

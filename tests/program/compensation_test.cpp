@@ -169,7 +169,7 @@ TEST(Compensation, RefusedLines) {
   EXPECT_EQ(after("G17 G21 G94"), "");
   test::expect_rows({
       test::Row{"G41", "91@1"},
-      test::Row{"G42 D3", "91@1"},
+      test::Row{"G42 D3", "95@5"},
       test::Row{"G41.1", "28@1"},
       test::Row{"G41.1 D2001", "39@7"},
       test::Row{"F600|G41.1 D2|G1 X1", "92@1"},

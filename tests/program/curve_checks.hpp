@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "firmware/program/curve.hpp"
+#include "firmware/program/curves/curve.hpp"
 
 namespace lamplock::program {
 

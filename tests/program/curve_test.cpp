@@ -1,4 +1,4 @@
-#include "firmware/program/curve.hpp"
+#include "firmware/program/curves/curve.hpp"
 
 #include <gtest/gtest.h>
 

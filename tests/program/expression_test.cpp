@@ -132,7 +132,7 @@ TEST(Expression, ReadsValuesOfTheMachine) {
       Row{"G0 X3|G28.1|G0 X#5161 Y#5161", "rapid to 3 3 0"},
       Row{"G0 X5|G92 X1|G53 G0 X#5211 Y#5210", "rapid to 4 1 0"},
       Row{"G43.1 Z2|G53 G0 X#5403 Y#<_tool_offset>", "rapid to 2 1 0"},
-      Row{"F123.5 S77 T4|G0 X#<_feed> Y#<_rpm> Z#5400", "rapid to 123.5 77 4"},
+      Row{"F123.5 S77 M61 Q4|G0 X#<_feed> Y#<_rpm> Z#5400", "rapid to 123.5 77 4"},
       Row{"G20 F10|G21|G0 X#<_feed>", "rapid to 254 0 0"},
       Row{"G18 G59.1|G53 G0 X#<_plane> Y#<_coord_system> Z#<_motion_mode>", "rapid to 180 591 0"},
       Row{"G91 G0 M8| X#<_incremental> Y#<_flood> Z#<_metric>", "rapid to 1 1 1"},

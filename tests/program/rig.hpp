@@ -110,6 +110,7 @@ struct Seen {
   std::array<Place, coordinate_systems> systems;
   Place g28, g30, shift;
   std::int64_t tool_length;
+  ToolTable tools;
   std::uint16_t changed;
   bool busy;
   friend bool operator==(const Seen&, const Seen&) = default;
@@ -154,7 +155,8 @@ struct Rig {
   Seen seen() const {
     return {interpreter.state(),       interpreter.saved(),    parameters.systems_e7,
             parameters.home_g28_e7,    parameters.home_g30_e7, parameters.shift_e7,
-            parameters.tool_length_e7, parameters.changed,     interpreter.busy()};
+            parameters.tool_length_e7, parameters.tools,       parameters.changed,
+            interpreter.busy()};
   }
 };
 

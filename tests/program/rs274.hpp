@@ -18,6 +18,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tests/paths.hpp"
@@ -45,11 +46,14 @@ class Rs274 {
  public:
   using Program = std::vector<std::string>;
 
+  /// `tools`: numbers of the tools in its table, without lengths and diameters.
+  explicit Rs274(std::vector<int> tools = {}) : tool_numbers_(std::move(tools)) {}
+
   static bool available() { return std::filesystem::exists(binary()); }
 
   /// Runs one program with O-words, which have no line numbers; all its moves, and the last error.
   CanonicalLine run_whole(const Program& program) {
-    std::ofstream tools(folder_.file("tools"));
+    write_tools();
     std::ofstream file(folder_.file("program"));
     for (const std::string& line : program) file << line << "\n";
     file << "M2\n";
@@ -84,8 +88,13 @@ class Rs274 {
   static std::filesystem::path root() { return lamplock::test::in_repository("build/rs274"); }
   static std::filesystem::path binary() { return root() / "usr/bin/rs274"; }
 
-  void write(const std::vector<Program>& programs, std::string_view reset) const {
+  void write_tools() const {
     std::ofstream tools(folder_.file("tools"));
+    for (const int number : tool_numbers_) tools << fmt::format("T{0} P{0} Z0 D0\n", number);
+  }
+
+  void write(const std::vector<Program>& programs, std::string_view reset) const {
+    write_tools();
     std::ofstream file(folder_.file("program"));
     int number = 0;
     for (const Program& program : programs) {
@@ -184,6 +193,7 @@ class Rs274 {
     return move;
   }
 
+  const std::vector<int> tool_numbers_;
   lamplock::test::TemporaryFolder folder_;
   std::map<int, CanonicalLine> lines_;
   std::array<double, 3> system_{}, shift_{}, tool_{};

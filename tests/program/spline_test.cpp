@@ -1,4 +1,4 @@
-#include "firmware/program/spline.hpp"
+#include "firmware/program/curves/spline.hpp"
 
 #include <gtest/gtest.h>
 

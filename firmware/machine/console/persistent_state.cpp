@@ -11,7 +11,7 @@ constexpr std::uint8_t kind_g28 = static_cast<std::uint8_t>(program::ParameterRo
                        kind_g30 = static_cast<std::uint8_t>(program::ParameterRow::home_g30),
                        kind_tool_length =
                            static_cast<std::uint8_t>(program::ParameterRow::tool_length),
-                       kind_start_up = 32, kind_build_text = 48;
+                       kind_start_up = 32, kind_build_text = 48, kind_tools = 64;
 static_assert(kind_g30 + 1 == PersistentStateRecord::pieces);
 
 /// The place of this kind, null if the kind has none; const if `kept` is.
@@ -70,6 +70,33 @@ bool take_tool_length(std::span<const std::uint8_t> bytes, std::int64_t& length_
   return true;
 }
 
+void put_tools(wire::ByteWriter& out, const program::ToolTable& tools) {
+  std::size_t count = 0;
+  while (count < program::ToolTable::capacity && tools.entry(count).number() != 0) ++count;
+  if (count == 0) return;
+  out.put(kind_tools);
+  out.put(static_cast<std::uint8_t>(count * sizeof(program::ToolTable::Entry)));
+  for (std::size_t i = 0; i < count; ++i) {
+    out.put(tools.entry(i).length_nm);
+    out.put(tools.entry(i).diameter_and_number);
+  }
+}
+
+bool take_tools(std::span<const std::uint8_t> bytes, program::ToolTable& tools) {
+  wire::ByteReader in(bytes);
+  if (bytes.size() > sizeof tools || bytes.size() % sizeof(program::ToolTable::Entry) != 0)
+    return false;
+  program::ToolTable read;
+  while (in.left() != 0) {
+    program::ToolTable::Entry entry;
+    entry.length_nm = in.take<std::int32_t>();
+    entry.diameter_and_number = in.take<std::uint32_t>();
+    if (!entry.is_valid() || !read.set(entry)) return false;
+  }
+  tools = read;
+  return true;
+}
+
 void put_text(wire::ByteWriter& out, std::uint8_t kind, const KeptText& text) {
   const std::string_view view = text.view();
   if (view.empty()) return;
@@ -91,6 +118,7 @@ bool take_piece(PersistentState& kept, std::uint8_t kind, std::span<const std::u
     wire::ByteReader in(bytes);
     return take_place(in, bytes.size(), kind, *place);
   }
+  if (kind == kind_tools) return take_tools(bytes, kept.parameters.tools);
   if (kind == kind_tool_length) return take_tool_length(bytes, kept.parameters.tool_length_e7);
   KeptText* text = text_of(kept, kind);
   return text != nullptr && take_text(bytes, *text);
@@ -117,6 +145,7 @@ bool KeptText::same(const KeptText& other) const {
 void PersistentState::clear_places() {
   parameters.systems_e7 = {};
   parameters.home_g28_e7 = parameters.home_g30_e7 = {};
+  parameters.tools = {};
 }
 
 bool PersistentState::same(const PersistentState& other) const {
@@ -125,7 +154,7 @@ bool PersistentState::same(const PersistentState& other) const {
   for (std::size_t i = 0; i < start_up_lines; ++i)
     if (!(start_up[i] == other.start_up[i])) return false;
   if (parameters.tool_length_e7 != other.parameters.tool_length_e7) return false;
-  return build_text == other.build_text;
+  return parameters.tools == other.parameters.tools && build_text == other.build_text;
 }
 
 std::uint32_t PersistentStateRecord::put(const PersistentState& kept,
@@ -137,6 +166,7 @@ std::uint32_t PersistentStateRecord::put(const PersistentState& kept,
   for (std::uint8_t i = 0; i < start_up_lines; ++i)
     put_text(out, static_cast<std::uint8_t>(kind_start_up + i), kept.start_up[i]);
   put_text(out, kind_build_text, kept.build_text);
+  put_tools(out, kept.parameters.tools);
   return static_cast<std::uint32_t>(out.size());
 }
 

@@ -1,14 +1,14 @@
-// What a program keeps over power cuts: origins, two places, three texts.
+// What a program keeps over power cuts: origins, two places, the tool table, three texts.
 //
 // In:  the parameters of the interpreter, lines that the user has stored ($N0=, $N1=, $I=).
 // Out: the same after the next start; bytes of a record in between (settings/store.hpp).
 // Who: the controller owns one, the interpreter works on its parameters; the board stores it, from
 //      the main loop and at rest, whenever the controller reports a change.
 //
-// Kept are, as in grbl, G54 to G59.3, G28, G30, start-up lines and the text of `$I`; unlike in grbl
-// also the tool length of G43.1: the tool is still there after a power cut, and Z would be off by
-// it. It is active then, until G49. The shift of G92 is not kept, as in grbl. (LinuxCNC keeps G92
-// by default.)
+// Kept are, as in grbl, G54 to G59.3, G28, G30, start-up lines and the text of `$I`, and as in
+// grblHAL the tool table; unlike in grbl also the tool length of G43 to G43.2: the tool is still
+// there after a power cut, and Z would be off by it. It is active then, until G49. The shift of G92
+// is not kept, as in grbl. (LinuxCNC keeps G92 by default.)
 //
 // A record contains only values that are not at their default, in pieces with their kind, so that a
 // later version may add some: pieces of an unknown kind or size are ignored, and so is a value that
@@ -22,6 +22,8 @@
 //                 kind 12      tool length            8 bytes, 10^-7 mm
 //                 kind 32, 33  start-up line 0, 1        text
 //                 kind 48      text of $I                text
+//                 kind 64      tool table                8 bytes each: length along Z, nm; number,
+//                                                        and diameter in 0.1 um times 256
 //   little-endian
 #pragma once
 
@@ -63,7 +65,8 @@ struct PersistentState {
   std::array<KeptText, start_up_lines> start_up;
   KeptText build_text;  ///< $I=
 
-  /// `$RST=#`: resets origins and the places of G28 and G30 to zero; keeps texts and the tool.
+  /// `$RST=#`: resets origins and the places of G28 and G30 to zero and empties the tool table;
+  /// keeps texts and the tool length.
   void clear_places();
   /// The kept parts are equal.
   friend bool operator==(const PersistentState& a, const PersistentState& b) { return a.same(b); }
@@ -79,7 +82,7 @@ struct PersistentStateRecord {
   static constexpr std::uint32_t place_size = max_axes * sizeof(std::int64_t);
   /// Maximum length that this version writes.
   static constexpr std::uint32_t max_bytes = 1 + pieces * (2 + place_size) + 2 +
-                                             sizeof(std::int64_t) +
+                                             sizeof(std::int64_t) + 2 + sizeof(program::ToolTable) +
                                              (start_up_lines + 1) * (2 + KeptText::capacity);
   /// "LPTK"; as many bytes as fit into four pages.
   static constexpr settings::RecordFormat format{

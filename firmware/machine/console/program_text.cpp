@@ -87,10 +87,24 @@ void add_probe(TextLine& line, const ReportedOffsets& offsets) {
   line.add(":"sv).add(std::int64_t{offsets.probe.met ? 1 : 0});
 }
 
+void write_tool(TextLine& line, const program::ToolTable::Entry& entry,
+                const ReportedOffsets& offsets) {
+  if (entry.number() == 0) return;
+  const program::Tool tool = entry.tool();
+  line.add("[T:"sv).add(std::int64_t{entry.number()}).add("|"sv);
+  add_in_force(line, true, {0, 0, tool.length_e7, 0}, offsets);
+  line.add("|"sv);
+  add_length(line, tool.diameter_e7 / 2, offsets.inches);
+  line.add("]\r\n"sv);
+}
+
 }  // namespace
 
 void write_offset(TextLine& line, int i, const ReportedOffsets& offsets) {
   const program::Parameters& parameters = offsets.parameters;
+  if (i > line_probe)
+    return write_tool(line, parameters.tools.entry(static_cast<std::size_t>(i - line_probe - 1)),
+                      offsets);
   line.add("["sv);
   switch (i) {
     case line_g28:

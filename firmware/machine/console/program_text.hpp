@@ -41,10 +41,11 @@ struct ReportedOffsets {
   bool inches = false;  ///< setting 13
 };
 
-/// Lines of `$#`: coordinate systems, G28, G30, G92, TLO, PRB.
-inline constexpr int offset_lines = program::coordinate_systems + 5;
-inline constexpr int probe_line = offset_lines - 1;
-/// Line `i` of them, from 0: "[G54:0.000,0.000,0.000]".
+/// Lines of `$#`: coordinate systems, G28, G30, G92, TLO, PRB, then the places of the tool table.
+inline constexpr int probe_line = program::coordinate_systems + 4;
+inline constexpr int offset_lines = probe_line + 1 + int{program::ToolTable::capacity};
+/// Line `i` of them, from 0: "[G54:0.000,0.000,0.000]". A tool is, as in grblHAL, its number, its
+/// offsets and its radius: "[T:1|0.000,0.000,5.000|3.000]"; an empty place has no line.
 void write_offset(TextLine& line, int i, const ReportedOffsets& offsets);
 
 /// `$G`: "[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]". The feed rate is in mm/min, or in inches/min

@@ -1,4 +1,4 @@
-#include "firmware/program/curve_timing.hpp"
+#include "firmware/program/curves/curve_timing.hpp"
 
 #include <bit>
 

@@ -1,4 +1,4 @@
-#include "firmware/program/curve.hpp"
+#include "firmware/program/curves/curve.hpp"
 
 #include "firmware/program/wide_number.hpp"
 
@@ -27,11 +27,14 @@ void Curve::begin(Kind kind, Shape& shape, const Request& request) {
 
 void Curve::begin_arc(const ArcRequest& request) { begin(Kind::arc, arc, request); }
 void Curve::begin_spline(const SplineRequest& request) { begin(Kind::spline, spline, request); }
+void Curve::begin_nurbs(const NurbsRequest& request) { begin(Kind::nurbs, nurbs, request); }
 
 PlanePoint Curve::next_in_plane() {
   switch (kind_) {
     case Kind::spline:
       return spline.next(pieces_);
+    case Kind::nurbs:
+      return nurbs.next(pieces_);
     case Kind::arc:
       break;
   }

@@ -17,7 +17,7 @@
 
 #include <cstdint>
 
-#include "firmware/program/shape.hpp"
+#include "firmware/program/curves/shape.hpp"
 
 namespace lamplock::program {
 

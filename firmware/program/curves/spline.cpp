@@ -1,9 +1,9 @@
-#include "firmware/program/spline.hpp"
+#include "firmware/program/curves/spline.hpp"
 
 #include <algorithm>
 #include <bit>
 
-#include "firmware/program/spline_length.hpp"
+#include "firmware/program/curves/spline_length.hpp"
 #include "firmware/program/wide_number.hpp"
 
 namespace lamplock::program {

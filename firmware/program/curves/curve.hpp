@@ -21,9 +21,10 @@
 
 #include <cstdint>
 
-#include "firmware/program/arc.hpp"
-#include "firmware/program/shape.hpp"
-#include "firmware/program/spline.hpp"
+#include "firmware/program/curves/arc.hpp"
+#include "firmware/program/curves/nurbs.hpp"
+#include "firmware/program/curves/shape.hpp"
+#include "firmware/program/curves/spline.hpp"
 
 namespace lamplock::program {
 
@@ -35,6 +36,7 @@ class Curve {
 
   void begin_arc(const ArcRequest& request);
   void begin_spline(const SplineRequest& request);
+  [[gnu::cold]] void begin_nurbs(const NurbsRequest& request);
   /// Drops the rest of the curve.
   void stop() { left_ = 0; }
 
@@ -47,7 +49,7 @@ class Curve {
   std::uint32_t pieces() const { return pieces_; }
 
  private:
-  enum class Kind : std::uint8_t { arc, spline };
+  enum class Kind : std::uint8_t { arc, spline, nurbs };
 
   template <class Shape, class Request>
   void begin(Kind kind, Shape& shape, const Request& request);
@@ -56,6 +58,7 @@ class Curve {
   union {
     Arc arc;
     Spline spline;
+    Nurbs nurbs;
   };
   IntegerDivider normal_{}, rotary_{};
   Place end_{};

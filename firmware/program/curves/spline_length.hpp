@@ -12,7 +12,7 @@
 
 #include <cstdint>
 
-#include "firmware/program/spline.hpp"
+#include "firmware/program/curves/spline.hpp"
 
 namespace lamplock::program {
 

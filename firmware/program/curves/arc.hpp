@@ -37,7 +37,7 @@
 
 #include <cstdint>
 
-#include "firmware/program/shape.hpp"
+#include "firmware/program/curves/shape.hpp"
 
 namespace lamplock::program {
 

@@ -1,4 +1,4 @@
-#include "firmware/program/spline_length.hpp"
+#include "firmware/program/curves/spline_length.hpp"
 
 #include <bit>
 

@@ -1,0 +1,40 @@
+(Exported by FreeCAD)
+(Post Processor: linuxcnc_post)
+(Output Time:2024-01-10 10:00:00.000000)
+(begin preamble)
+G17 G54 G40 G49 G80 G90
+G21
+(begin operation: Fixture)
+(machine units: mm/min)
+G54
+(finish operation: Fixture)
+(begin operation: compensated)
+(TC: 6mm Endmill)
+M5
+M6 T1
+G43 H1
+M3 S8000
+(Coolant On:flood)
+M8
+G0 Z25.000
+G0 X30.000 Y-20.000
+G1 Z-2.000 F120.000
+G1 G42 D1 X30.000 Y0.000 F500.000
+G1 X55.000 Y0.000 F500.000
+G3 X60.000 Y5.000 I0.000 J5.000 K0.000
+G1 X60.000 Y35.000
+G3 X55.000 Y40.000 I-5.000 J0.000 K0.000
+G1 X5.000 Y40.000
+G3 X0.000 Y35.000 I0.000 J-5.000 K0.000
+G1 X0.000 Y5.000
+G3 X5.000 Y0.000 I5.000 J0.000 K0.000
+G1 X30.000 Y0.000
+G40
+G1 X30.000 Y-20.000
+G0 Z15.000
+M9
+G0 Z25.000
+(begin postamble)
+M05
+G17 G54 G90 G80 G40
+M2

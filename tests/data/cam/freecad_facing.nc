@@ -1,0 +1,44 @@
+(Exported by FreeCAD)
+(Post Processor: linuxcnc_post)
+(Output Time:2024-01-02 10:00:00.000000)
+(begin preamble)
+G17 G54 G40 G49 G80 G90
+G21
+(begin operation: Fixture)
+(machine units: mm/min)
+G54
+(finish operation: Fixture)
+(begin operation: facing)
+(TC: 6mm Endmill)
+M5
+M6 T1
+G43 H1
+M3 S8000
+(Coolant On:flood)
+M8
+G0 Z25.000
+G0 X-5.000 Y0.000
+G1 Z-0.500 F200.000
+G1 X65.000 F900.000
+G1 Y5.000 F900.000
+G1 X-5.000 F900.000
+G1 Y10.000 F900.000
+G1 X65.000 F900.000
+G1 Y15.000 F900.000
+G1 X-5.000 F900.000
+G1 Y20.000 F900.000
+G1 X65.000 F900.000
+G1 Y25.000 F900.000
+G1 X-5.000 F900.000
+G1 Y30.000 F900.000
+G1 X65.000 F900.000
+G1 Y35.000 F900.000
+G1 X-5.000 F900.000
+G1 Y40.000 F900.000
+G0 Z15.000
+M9
+G0 Z25.000
+(begin postamble)
+M05
+G17 G54 G90 G80 G40
+M2

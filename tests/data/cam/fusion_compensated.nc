@@ -1,0 +1,38 @@
+(1009)
+(compensated)
+(T1  D=6. CR=0. - ZMIN=-5. - flat end mill)
+(T2  D=3. CR=0. TAPER=118deg - ZMIN=-12. - drill)
+G90 G94 G17 G49 G40 G80
+G21
+G28 G91 Z0.
+G90
+
+(TOOL1)
+T1 M6
+S8000 M3
+G54
+M8
+G0 X30. Y-20.
+G43 Z15. H1
+G1 Z-2. F120.
+G1 G42 D1 X30. Y0. F500.
+X55. Y0. F500.
+G3 X60. Y5. I0. J5.
+G1 X60. Y35.
+G3 X55. Y40. I-5. J0.
+G1 X5. Y40.
+G3 X0. Y35. I0. J-5.
+G1 X0. Y5.
+G3 X5. Y0. I5. J0.
+G1 X30. Y0.
+G40
+X30. Y-20.
+G0 Z15.
+M5
+M9
+G28 G91 Z0.
+G90
+G49
+G28 G91 X0. Y0.
+G90
+M30

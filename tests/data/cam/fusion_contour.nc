@@ -1,0 +1,45 @@
+(1000)
+(contour)
+(T1  D=6. CR=0. - ZMIN=-5. - flat end mill)
+(T2  D=3. CR=0. TAPER=118deg - ZMIN=-12. - drill)
+G90 G94 G17 G49 G40 G80
+G21
+G28 G91 Z0.
+G90
+
+(TOOL1)
+T1 M6
+S8000 M3
+G54
+M8
+G0 X30. Y-3.
+G43 Z15. H1
+G1 Z-1.5 F120.
+X57. Y-3. F600.
+G3 X63. Y3. I0. J6.
+G1 X63. Y37.
+G3 X57. Y43. I-6. J0.
+G1 X3. Y43.
+G3 X-3. Y37. I0. J-6.
+G1 X-3. Y3.
+G3 X3. Y-3. I6. J0.
+G1 X30. Y-3.
+Z-3. F120.
+X57. Y-3. F600.
+G3 X63. Y3. I0. J6.
+G1 X63. Y37.
+G3 X57. Y43. I-6. J0.
+G1 X3. Y43.
+G3 X-3. Y37. I0. J-6.
+G1 X-3. Y3.
+G3 X3. Y-3. I6. J0.
+G1 X30. Y-3.
+G0 Z15.
+M5
+M9
+G28 G91 Z0.
+G90
+G49
+G28 G91 X0. Y0.
+G90
+M30

@@ -1,0 +1,29 @@
+(1005)
+(spot)
+(T1  D=6. CR=0. - ZMIN=-5. - flat end mill)
+(T2  D=3. CR=0. TAPER=118deg - ZMIN=-12. - drill)
+G90 G94 G17 G49 G40 G80
+G21
+G28 G91 Z0.
+G90
+
+(TOOL2)
+T2 M6
+S3000 M3
+G54
+M8
+G0 X10. Y10.
+G43 Z15. H2
+G82 X10. Y10. Z-12. R2. P0.2 F80.
+X50. Y10.
+X50. Y30.
+X10. Y30.
+G80
+M5
+M9
+G28 G91 Z0.
+G90
+G49
+G28 G91 X0. Y0.
+G90
+M30
