@@ -16,6 +16,7 @@ constexpr double max_feed = 1'000'000, max_items = 4e9, max_time = 1e15;
 constexpr double max_file_name = 100, max_line_text = 250, max_secret_text = 64;
 /// A step is completed when its client has gone: it is short.
 constexpr double max_step_mm = 10;
+constexpr double max_place_mm = 100'000;
 
 constexpr std::array login_parameters{
     Parameter{"token", Type::text, true, 1, max_secret_text, nullptr,
@@ -54,6 +55,17 @@ constexpr std::array step_parameters{
 constexpr std::array set_parameters{
     Parameter{"changes", Type::object, true, 0, 0, nullptr, "values by name of the setting"}};
 
+constexpr Parameter cloud_number{"cloud", Type::whole, true, 0, max_time, nullptr,
+                                 "its number, from `cloud.open`"};
+constexpr std::array cloud_parameters{
+    cloud_number, Parameter{"from", Type::whole, true, 0, max_items, nullptr, "first point"}};
+constexpr std::array near_parameters{
+    cloud_number,
+    Parameter{"at", Type::place, true, -max_place_mm, max_place_mm, nullptr,
+              "a place on the line of sight, mm"},
+    Parameter{"along", Type::place, true, -1, 1, nullptr, "its direction"},
+    Parameter{"mm", Type::number, true, 0, max_place_mm, nullptr, "distance from the line"}};
+
 constexpr std::span<const Parameter> none;
 constexpr std::array table{
     Method{"login", Right::all, login_parameters, "Must be the first message of a WebSocket.",
@@ -86,6 +98,14 @@ constexpr std::array table{
     Method{"job.start", Right::firing, start_parameters,
            "Runs a job or a program. A dry run needs no pairing.", "nothing"},
     Method{"job.delete", Right::control, file_parameters, "Removes a file.", "nothing"},
+    Method{"cloud.open", Right::all, file_parameters, "Reads the points of a job, to draw them; rows have none.",
+           "`cloud` (its number), `points`, `shown`, `bounds`, `area` (of the machine)"},
+    Method{"cloud.points", Right::all, cloud_parameters,
+           "Sends a binary message with up to 65 536 of the shown points, before the result.",
+           "`count` of points in the message"},
+    Method{"cloud.near", Right::all, near_parameters,
+           "The exact points near a line of sight, at most 400, nearest first.",
+           "list of `number`, `place` (mm)"},
     Method{"console.send", Right::firing, send_parameters,
            "Sends a line; the answer comes with the lines of the console.", "nothing"},
     Method{"console.lines", Right::all, lines_parameters, "The last lines of the console.",
@@ -100,7 +120,8 @@ constexpr std::array table{
            "Changes settings, all or none, and reads them back.", "the changed settings"}};
 
 constexpr std::array type_names{"text",          "number",          "whole number",
-                                "true or false", "list of numbers", "object"};
+                                "true or false", "list of numbers", "list of three numbers",
+                                "object"};
 const char* type_name(Type type) { return type_names[static_cast<std::size_t>(type)]; }
 
 bool is_in(const Json& value, const Parameter& parameter) {
@@ -138,6 +159,11 @@ bool is_right(const Json& value, const Parameter& parameter) {
       return value.is_array() && !value.empty() && value.size() <= max_axes &&
              std::all_of(value.begin(), value.end(), [&](const Json& each) {
                return each.is_number_integer() && is_in(each, parameter);
+             });
+    case Type::place:
+      return value.is_array() && value.size() == 3 &&
+             std::all_of(value.begin(), value.end(), [&](const Json& each) {
+               return each.is_number() && is_in(each, parameter);
              });
     case Type::object:
       return value.is_object() && !value.empty() && value.size() <= max_members;

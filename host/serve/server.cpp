@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "host/error.hpp"
 #include "host/serve/access.hpp"
+#include "host/serve/clouds.hpp"
+#include "host/serve/computations.hpp"
 #include "host/serve/error_message.hpp"
+#include "host/serve/logins.hpp"
+#include "host/serve/machine.hpp"
+#include "host/serve/method.hpp"
 #include "host/serve/page_document.hpp"
 #include "host/serve/page_files.hpp"
 
@@ -45,6 +51,10 @@ constexpr std::array pages{Page{page_target, "text/html; charset=utf-8", page_ht
                            Page{"/link.js", "text/javascript; charset=utf-8", page_link_js},
                            Page{"/jog.js", "text/javascript; charset=utf-8", page_jog_js},
                            Page{"/job.js", "text/javascript; charset=utf-8", page_job_js},
+                           Page{"/views.js", "text/javascript; charset=utf-8", page_views_js},
+                           Page{"/cloud_painter.js", "text/javascript; charset=utf-8",
+                                page_cloud_painter_js},
+                           Page{"/cloud.js", "text/javascript; charset=utf-8", page_cloud_js},
                            Page{"/main.js", "text/javascript; charset=utf-8", page_main_js}};
 
 const Page* find_page(std::string_view target) {
@@ -98,10 +108,24 @@ Json job_json(const JobView& job) {
 
 }  // namespace
 
+Server::Server(SiteOptions options, JobFolder folder)
+    : options_(std::move(options)),
+      folder_(std::move(folder)),
+      logins_(std::make_unique<Logins>(options_.password_hash, options_.now, options_.note)),
+      computations_(std::make_unique<Computations>()),
+      clouds_(std::make_unique<Clouds>()) {}
+
+Server::~Server() = default;
+
+void Server::end() {
+  computations_->end();
+  logins_->end();
+}
+
 // HTTP.
 
 bool Server::is_token(std::string_view token) {
-  return is_same_secret(token, options_.token) || logins_.is_session(token);
+  return is_same_secret(token, options_.token) || logins_->is_session(token);
 }
 
 std::optional<WebReply> Server::refusal_of_names(const WebRequest& head) const {
@@ -119,7 +143,7 @@ Admission Server::admit(const WebRequest& head) {
   if (head.is_upgrade) return {refusal(404, "no WebSocket here")};
   if (find_page(head.target) != nullptr)
     return head.method == "GET" ? Admission{} : Admission{refusal(405, "only GET")};
-  const bool is_login = head.target == login_target && logins_.has_password();
+  const bool is_login = head.target == login_target && logins_->has_password();
   const bool is_call = head.target == api_target;
   if (!is_login && !is_call && !head.target.starts_with(files_target))
     return {refusal(404, "not found")};
@@ -141,7 +165,7 @@ void Server::reply(WebRequest request, Answer answer) {
   if (const Page* page = find_page(request.target))
     return answer({200, page->type, std::string(page->text())});
   if (request.target == login_target)
-    return logins_.request(request.body, request.remote, std::move(answer));
+    return logins_->request(request.body, request.remote, std::move(answer));
   if (request.target != api_target) return answer(take_file(request));
   Call call;
   call.respond = [answer = std::move(answer)](const std::string& text) {
@@ -311,8 +335,8 @@ Json Server::status() const {
 }
 
 void Server::tick() {
-  finish_check();
-  logins_.poll();
+  computations_->poll();
+  logins_->poll();
   std::vector<ClientNumber> late;
   for (const auto& [number, client] : clients_)
     if (client.secret.empty() && options_.now() - client.opened_at > login_time)
@@ -331,12 +355,12 @@ void Server::notify(ClientNumber number, Client& client, const Json& now) {
   Json own = now;
   own["control"]["own"] = !holder_.empty() && client.secret == holder_;
   own["control"]["paired"] = options_.is_simulated || person(client.secret).is_paired;
-  const Json patch = difference(client.sent, own);
+  const Json patch = difference(*client.sent, own);
   const bool needs_time =
       client.secret == holder_ && options_.now() - client.told_at >= time_interval;
   if (!patch.empty() || needs_time) {
     client.told_at = options_.now();
-    client.sent = std::move(own);
+    client.sent = std::make_shared<const Json>(std::move(own));
     web_->send(number, text_of({{"jsonrpc", "2.0"},
                                 {"method", "status"},
                                 {"params", {{"time", time_ms()}, {"patch", patch}}}}));

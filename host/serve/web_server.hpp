@@ -82,6 +82,8 @@ class WebServer {
 
   /// Queues a message; the client is dropped if its queue is full.
   void send(ClientNumber client, std::string text);
+  /// The same as a binary message.
+  void send_bytes(ClientNumber client, std::string bytes);
   /// Messages for this client wait.
   bool is_behind(ClientNumber client) const;
   void drop(ClientNumber client);

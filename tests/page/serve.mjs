@@ -4,90 +4,17 @@
 // usage: node serve.mjs LAMPLOCK [FOLDER_FOR_PICTURES]
 // exit status: 0 passed; 1 failed; 77 no Chromium (toolchain/setup test, or the variable CHROMIUM)
 
-import { spawn, spawnSync } from 'node:child_process';
-import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { spawnSync } from 'node:child_process';
 import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 
 import { Browser } from './browser.mjs';
-
-const not_there = 77;
-const [program, pictures] = process.argv.slice(2);
-if (program === undefined) {
-  console.log('usage: node serve.mjs LAMPLOCK [FOLDER_FOR_PICTURES]');
-  process.exit(2);
-}
-const chromium = process.env.CHROMIUM ?? 'chromium';
-if (spawnSync(chromium, ['--version']).status !== 0) {
-  console.log(`${chromium} is not installed; run toolchain/setup`);
-  process.exit(not_there);
-}
-const folder = mkdtempSync(join(tmpdir(), 'lamplock-serve-'));
-const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
+import { call, check, chromium, drop, end, folder, keep_picture, open, program, sleep, start_server, text_of, until } from './serve_tools.mjs';
 
 // Limits of times hold on a computer with time for the test; the test prints what it measures.
 const busy_ms = 150;
 
-let server, failures = 0;
-function check(what, holds, more = '') {
-  console.log(`${holds ? 'ok    ' : 'FAILED'}  ${what}`);
-  if (holds) return;
-  ++failures;
-  if (more !== '') console.log(`        ${JSON.stringify(more)}`);
-}
-
-async function keep_picture(page, name) {
-  if (pictures === undefined) return;
-  mkdirSync(pictures, { recursive: true });
-  writeFileSync(join(pictures, `${name}.png`), await page.picture(true));
-}
-
-// The server; its address is in its first line.
-function start_server(...options) {
-  const child = spawn(program, ['serve', '--board', 'virtual', '--port', '0', '--folder', join(folder, 'jobs'), ...options],
-                      { stdio: ['ignore', 'pipe', 'inherit'] });
-  return new Promise((resolve, reject) => {
-    child.on('exit', (code) => reject(new Error(`serve has ended (${code})`)));
-    child.stdout.setEncoding('utf8');
-    child.stdout.on('data', (text) => {
-      const address = /page: (\S+)/.exec(text)?.[1];
-      if (address) resolve({ child, address, origin: new URL(address).origin, token: address.split('token=')[1] });
-    });
-  });
-}
-
-let calls = 0;
-async function call(server, method, params = {}) {
-  const reply = await fetch(`${server.origin}/api`, {
-    method: 'POST', headers: { Authorization: `Bearer ${server.token}`, 'Content-Type': 'application/json' },
-    body: JSON.stringify({ jsonrpc: '2.0', id: ++calls, method, params }),
-  });
-  return (await reply.json()).result;
-}
-
-async function until(what, holds, ms = 8000) {
-  const end = Date.now() + ms;
-  let value = false;
-  while (Date.now() < end && !(value = await holds())) await sleep(20);
-  check(what, Boolean(value));
-}
-
-const text_of = (page, id) => page.ask(`document.getElementById('${id}')?.textContent ?? ''`);
-
-async function open(browser, server, options) {
-  const page = await browser.open(server.address, options);
-  await until('the page shows the state', async () => (await text_of(page, 'state')) === 'Idle');
-  return page;
-}
-
-async function drop(page, name, text) {
-  await page.ask(`(() => {
-    const files = new DataTransfer();
-    files.items.add(new File([${JSON.stringify(text)}], ${JSON.stringify(name)}));
-    document.getElementById('drop').dispatchEvent(new DragEvent('drop', { dataTransfer: files, bubbles: true }));
-  })()`);
-}
+let server;
 
 const key = (page, type, code) => page.send('Input.dispatchKeyEvent', { type, code, key: code });
 const place = async (server) => (await call(server, 'status')).board.machine;
@@ -186,89 +113,5 @@ async function log_in(browser) {
     await enter(page, password);
     await until('the page shows the state after a login', async () => (await text_of(page, 'state')) === 'Idle');
     check('the password is asked for no longer', await page.ask(`document.getElementById('login').hidden`));
-  } finally {
-    other.child.removeAllListeners('exit');
-    other.child.kill('SIGKILL');
   }
-}
-
-// The browser of this page is killed, or stopped, while a button is held.
-async function deaths(server) {
-  for (const [what, signal] of [['browser killed', 'SIGKILL'], ['browser stopped', 'SIGSTOP']]) {
-    const browser = new Browser(chromium, { webgl: false });
-    const page = await open(browser, server, {});
-    const { x, y } = await page.place('[data-jog="-1,0"]');
-    await jog(server, what, () => page.mouse('mousePressed', x, y, { button: 'left', buttons: 1, clickCount: 1 }),
-              () => browser.signal(signal));
-    await browser.kill();
-    await until('control has ended', async () => !(await call(server, 'status')).control.held, 30_000);
-  }
-}
-
-async function size(server) {
-  let bytes = 0;
-  for (const target of ['/', '/link.js', '/jog.js', '/job.js', '/main.js'])
-    bytes += gzipSync(Buffer.from(await (await fetch(server.origin + target)).arrayBuffer())).length;
-  console.log(`        ${bytes} bytes by gzip`);
-  check('the page has at most 150 kB', bytes <= 150_000, bytes);
-}
-
-// Time from the navigation to the first picture. The first page also starts a process of the browser.
-async function first_picture(page, server) {
-  const times = async () => page.ask(`(() => {
-    const [entry] = performance.getEntriesByType('navigation');
-    const paint = performance.getEntriesByName('first-contentful-paint')[0];
-    return { answered: entry.responseEnd, parsed: entry.domInteractive, picture: paint?.startTime ?? 0 };
-  })()`);
-  const all = [];
-  for (let i = 0; i < 4; ++i) {
-    if (i > 0) {
-      await page.ask('window.is_old = true');
-      await page.send('Page.reload');
-      await until('the page is loaded again', () => page.ask(
-          `window.is_old === undefined && document.getElementById('state')?.textContent === 'Idle'`));
-    }
-    await until('there is a picture', async () => (await times()).picture > 0);
-    all.push(await times());
-  }
-  for (const each of all)
-    console.log(`        first picture ${each.picture.toFixed(0)} ms; document after ${each.answered.toFixed(0)}, parsed ${each.parsed.toFixed(0)} ms`);
-  const best_ms = Math.min(...all.map(({ picture }) => picture));
-  check('first picture within 300 ms', best_ms <= 300, all);
-}
-
-try {
-  server = await start_server();
-  await size(server);
-  const browser = new Browser(chromium, { webgl: false });
-  const page = await open(browser, server, {});
-  await first_picture(page, server);
-  check('the token is not in the address', !(await page.ask('location.href')).includes('token'));
-  await run_job(page, server);
-  await change_settings(page);
-  await use_console(page);
-  await jogs(page, server);
-  check('no complaints', page.complaints.length === 0, page.complaints);
-  check('no request to another server', page.requests.every((url) => url.startsWith(server.origin) || url.startsWith('blob:') || url.startsWith('ws://127.0.0.1')), page.requests);
-  const phone = await open(browser, server, { width: 360, height: 740, dark: true, touch: true });
-  check('fits into 360 px', await phone.ask('document.documentElement.scrollWidth <= 360'), await phone.ask('document.documentElement.scrollWidth'));
-  check('a second page watches', /has control/.test(await text_of(phone, 'control-text')));
-  await keep_picture(phone, 'serve-phone');
-  const unlabelled = await phone.ask(`[...document.querySelectorAll('input, select, button')].filter((each) =>
-    !each.labels?.length && !each.textContent.trim() && !each.getAttribute('aria-label')).map((each) => each.id)`);
-  check('every control has a label', unlabelled.length === 0, unlabelled);
-  await log_in(browser);
-  await browser.close();
-  await until('control ends with the page', async () => !(await call(server, 'status')).control.held);
-  await deaths(server);
-  server.child.removeAllListeners('exit');
-  server.child.kill('SIGINT');
-  check('Ctrl-C ends the server', (await new Promise((done) => server.child.on('exit', done))) === 130);
-} catch (error) {
-  check(error.stack, false);
-} finally {
-  server?.child.kill('SIGKILL');  // if it has not ended
-  rmSync(folder, { recursive: true, force: true });
-}
-console.log(failures === 0 ? 'passed' : `${failures} failed`);
-process.exit(failures === 0 ? 0 : 1);
+end(server);

@@ -1,6 +1,7 @@
 // The page of a machine. It shows the status of the server and asks for actions; it keeps no state
 // of the machine.
 
+import { CloudView } from '/cloud.js';
 import { Jobs } from '/job.js';
 import { Jogger } from '/jog.js';
 import { Link, keep_token, merge, take_token } from '/link.js';
@@ -33,6 +34,7 @@ function show() {
   element('write').disabled = !control.own || changes().length === 0;
   element('start').disabled = !control.own || job.running;
   jobs.show(job);
+  cloud.follow(status, jobs.name);
 }
 
 const link = new Link(take_token(), {
@@ -68,8 +70,9 @@ const link = new Link(take_token(), {
     if (is_at_end) box.scrollTop = box.scrollHeight;
   },
 });
+const cloud = new CloudView(link, element);
 const jogger = new Jogger(link, element);
-const jobs = new Jobs(link, element, show_problem);
+const jobs = new Jobs(link, element, cloud, show_problem);
 
 element('stop').addEventListener('click', () => {
   jogger.end();
