@@ -18,7 +18,12 @@ std::string state_of(const std::filesystem::path& file) {
 
 const OpenCloud& Clouds::add(std::string file, std::shared_ptr<const Cloud> cloud) {
   open_.push_front({++last_number_, std::move(file), std::move(cloud)});
-  if (open_.size() > max_open) open_.pop_back();
+  const auto count = [this] {
+    std::size_t points = 0;
+    for (const OpenCloud& each : open_) points += each.cloud->size();
+    return points;
+  };
+  while (open_.size() > 1 && (open_.size() > max_open || count() > max_points)) open_.pop_back();
   return open_.front();
 }
 

@@ -26,8 +26,8 @@ std::string state_of(const std::filesystem::path& file);
 
 class Clouds {
  public:
-  /// Clouds kept; the one that was used least recently is dropped.
-  static constexpr std::size_t max_open = 4;
+  /// Clouds and points kept; the clouds that were used least recently are dropped.
+  static constexpr std::size_t max_open = 64, max_points = 4'000'000;
 
   const OpenCloud& add(std::string file, std::shared_ptr<const Cloud> cloud);
   /// Null if there is none.

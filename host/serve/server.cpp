@@ -47,15 +47,16 @@ struct Page {
   const char* type;
   std::string_view (*text)();
 };
-constexpr std::array pages{Page{page_target, "text/html; charset=utf-8", page_html},
-                           Page{"/link.js", "text/javascript; charset=utf-8", page_link_js},
-                           Page{"/jog.js", "text/javascript; charset=utf-8", page_jog_js},
-                           Page{"/job.js", "text/javascript; charset=utf-8", page_job_js},
-                           Page{"/views.js", "text/javascript; charset=utf-8", page_views_js},
-                           Page{"/cloud_painter.js", "text/javascript; charset=utf-8",
-                                page_cloud_painter_js},
-                           Page{"/cloud.js", "text/javascript; charset=utf-8", page_cloud_js},
-                           Page{"/main.js", "text/javascript; charset=utf-8", page_main_js}};
+constexpr std::array pages{
+    Page{page_target, "text/html; charset=utf-8", page_html},
+    Page{"/link.js", "text/javascript; charset=utf-8", page_link_js},
+    Page{"/jog.js", "text/javascript; charset=utf-8", page_jog_js},
+    Page{"/job.js", "text/javascript; charset=utf-8", page_job_js},
+    Page{"/views.js", "text/javascript; charset=utf-8", page_views_js},
+    Page{"/cloud_painter.js", "text/javascript; charset=utf-8", page_cloud_painter_js},
+    Page{"/cloud.js", "text/javascript; charset=utf-8", page_cloud_js},
+    Page{"/place.js", "text/javascript; charset=utf-8", page_place_js},
+    Page{"/main.js", "text/javascript; charset=utf-8", page_main_js}};
 
 const Page* find_page(std::string_view target) {
   const auto* found = std::find_if(pages.begin(), pages.end(),

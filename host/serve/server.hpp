@@ -84,7 +84,7 @@ class Server final : public WebSite {
     std::string secret;  ///< empty before the login
     bool is_subscribed = false;
     std::shared_ptr<const Json> sent{};  ///< status that it knows
-    std::uint64_t line = 0;  ///< of the console, that it knows
+    std::uint64_t line = 0;              ///< of the console, that it knows
     Clock::time_point told_at{};
   };
   struct Call {
@@ -143,6 +143,9 @@ class Server final : public WebSite {
   void open_cloud(const Call& call);
   void send_cloud_points(const Call& call);
   void find_near_points(const Call& call);
+  void open_scene(const Call& call);
+  void write_scene(const Call& call);
+  void make_job(const Call& call);
   void get_settings(const Call& call);
   void set_settings(const Call& call);
 

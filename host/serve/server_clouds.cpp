@@ -9,16 +9,13 @@
 #include "host/run/read_job.hpp"
 #include "host/run/sent_file.hpp"
 #include "host/serve/clouds.hpp"
+#include "host/serve/json_places.hpp"
 #include "host/serve/server.hpp"
 
 namespace lamplock::serve {
 namespace {
 
 using Json = nlohmann::json;
-
-Json place_json(const geometry::Point& place) { return {place.x, place.y, place.z}; }
-
-Json box_json(const geometry::Bounds& box) { return {place_json(box.low), place_json(box.high)}; }
 
 geometry::Point point_of(const Json& place) { return {place[0], place[1], place[2]}; }
 
@@ -77,8 +74,9 @@ void Server::find_near_points(const Call& call) {
   const auto found = std::make_shared<std::vector<NearPoint>>();
   compute(
       call,
-      [found, sight, mm = given["mm"].get<double>(),
-       cloud = clouds_->find(given["cloud"]).cloud] { *found = cloud->near(sight, mm); },
+      [found, sight, mm = given["mm"].get<double>(), cloud = clouds_->find(given["cloud"]).cloud] {
+        *found = cloud->near(sight, mm);
+      },
       [found] {
         Json points = Json::array();
         for (const NearPoint& each : *found)

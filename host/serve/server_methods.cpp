@@ -88,10 +88,13 @@ const std::map<std::string_view, Server::Handler>& Server::handlers() {
       {"job.list", &Server::list_jobs},
       {"job.check", &Server::check_job},
       {"job.start", &Server::start_job},
+      {"job.make", &Server::make_job},
       {"job.delete", &Server::delete_job},
       {"cloud.open", &Server::open_cloud},
       {"cloud.points", &Server::send_cloud_points},
       {"cloud.near", &Server::find_near_points},
+      {"scene.open", &Server::open_scene},
+      {"scene.write", &Server::write_scene},
       {"console.send", &Server::send_line},
       {"console.lines", &Server::send_lines},
       {"jog.run", &Server::run_jog},
@@ -203,21 +206,20 @@ void Server::zero(const Call& call) {
 void Server::list_jobs(const Call& call) {
   Json files = Json::array();
   for (const JobFile& file : folder_.list())
-    files.push_back({{"name", file.name}, {"bytes", file.bytes}});
+    files.push_back({{"name", file.name}, {"bytes", file.bytes}, {"kind", file.kind}});
   succeed(call, files);
 }
 
-void Server::compute(const Call& call, std::function<void()> work,
-                     std::function<Json()> result) {
-  computations_->add(std::move(work), [this, call, result = std::move(result)](
-                                          const std::exception_ptr& error) {
-    try {
-      if (error) std::rethrow_exception(error);
-      succeed(call, result());
-    } catch (const std::exception& failure) {
-      fail(call, -32000, message_of(failure));
-    }
-  });
+void Server::compute(const Call& call, std::function<void()> work, std::function<Json()> result) {
+  computations_->add(std::move(work),
+                     [this, call, result = std::move(result)](const std::exception_ptr& error) {
+                       try {
+                         if (error) std::rethrow_exception(error);
+                         succeed(call, result());
+                       } catch (const std::exception& failure) {
+                         fail(call, -32000, message_of(failure));
+                       }
+                     });
 }
 
 void Server::check_job(const Call& call) {

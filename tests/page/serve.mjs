@@ -113,5 +113,88 @@ async function log_in(browser) {
     await enter(page, password);
     await until('the page shows the state after a login', async () => (await text_of(page, 'state')) === 'Idle');
     check('the password is asked for no longer', await page.ask(`document.getElementById('login').hidden`));
+  } finally {
+    other.child.removeAllListeners('exit');
+    other.child.kill('SIGKILL');
   }
+}
+
+// The browser of this page is killed, or stopped, while a button is held.
+async function deaths(server) {
+  for (const [what, signal] of [['browser killed', 'SIGKILL'], ['browser stopped', 'SIGSTOP']]) {
+    const browser = new Browser(chromium, { webgl: false });
+    const page = await open(browser, server, {});
+    const { x, y } = await page.place('[data-jog="-1,0"]');
+    await jog(server, what, () => page.mouse('mousePressed', x, y, { button: 'left', buttons: 1, clickCount: 1 }),
+              () => browser.signal(signal));
+    await browser.kill();
+    await until('control has ended', async () => !(await call(server, 'status')).control.held, 30_000);
+  }
+}
+
+async function size(server) {
+  let bytes = 0;
+  const html = await (await fetch(server.origin)).text();
+  const scripts = [...html.matchAll(/(?:src|href)="(\/[^"]+)"/g)].map(([, target]) => target);
+  check('all scripts are counted', scripts.includes('/main.js') && scripts.length >= 7, scripts);
+  for (const target of ['/', ...scripts])
+    bytes += gzipSync(Buffer.from(await (await fetch(server.origin + target)).arrayBuffer())).length;
+  console.log(`        ${bytes} bytes by gzip`);
+  check('the page has at most 150 kB', bytes <= 150_000, bytes);
+}
+
+// Time from the navigation to the first picture. The first page also starts a process of the browser.
+async function first_picture(page, server) {
+  const times = async () => page.ask(`(() => {
+    const [entry] = performance.getEntriesByType('navigation');
+    const paint = performance.getEntriesByName('first-contentful-paint')[0];
+    return { answered: entry.responseEnd, parsed: entry.domInteractive, picture: paint?.startTime ?? 0 };
+  })()`);
+  const all = [];
+  for (let i = 0; i < 4; ++i) {
+    if (i > 0) {
+      await page.ask('window.is_old = true');
+      await page.send('Page.reload');
+      await until('the page is loaded again', () => page.ask(
+          `window.is_old === undefined && document.getElementById('state')?.textContent === 'Idle'`));
+    }
+    await until('there is a picture', async () => (await times()).picture > 0);
+    all.push(await times());
+  }
+  for (const each of all)
+    console.log(`        first picture ${each.picture.toFixed(0)} ms; document after ${each.answered.toFixed(0)}, parsed ${each.parsed.toFixed(0)} ms`);
+  const best_ms = Math.min(...all.map(({ picture }) => picture));
+  check('first picture within 300 ms', best_ms <= 300, all);
+}
+
+try {
+  server = await start_server();
+  await size(server);
+  const browser = new Browser(chromium, { webgl: false });
+  const page = await open(browser, server, {});
+  await first_picture(page, server);
+  check('the token is not in the address', !(await page.ask('location.href')).includes('token'));
+  await run_job(page, server);
+  await change_settings(page);
+  await use_console(page);
+  await jogs(page, server);
+  check('no complaints', page.complaints.length === 0, page.complaints);
+  check('no request to another server', page.requests.every((url) => url.startsWith(server.origin) || url.startsWith('blob:') || url.startsWith('ws://127.0.0.1')), page.requests);
+  const phone = await open(browser, server, { width: 360, height: 740, dark: true, touch: true });
+  check('fits into 360 px', await phone.ask('document.documentElement.scrollWidth <= 360'), await phone.ask('document.documentElement.scrollWidth'));
+  check('a second page watches', /has control/.test(await text_of(phone, 'control-text')));
+  await keep_picture(phone, 'serve-phone');
+  const unlabelled = await phone.ask(`[...document.querySelectorAll('input, select, button')].filter((each) =>
+    !each.labels?.length && !each.textContent.trim() && !each.getAttribute('aria-label')).map((each) => each.id)`);
+  check('every control has a label', unlabelled.length === 0, unlabelled);
+  await log_in(browser);
+  await browser.close();
+  await until('control ends with the page', async () => !(await call(server, 'status')).control.held);
+  await deaths(server);
+  server.child.removeAllListeners('exit');
+  server.child.kill('SIGINT');
+  check('Ctrl-C ends the server', (await new Promise((done) => server.child.on('exit', done))) === 130);
+} catch (error) {
+  check(error.stack, false);
+}
 end(server);

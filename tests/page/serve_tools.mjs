@@ -1,7 +1,7 @@
 // What the tests of the page of `lamplock serve` share: the server, its methods, checks, waits.
 //
 // In:  the arguments of the test: LAMPLOCK [FOLDER_FOR_PICTURES]. Out: functions; the test ends by end().
-// Who: serve.mjs, serve_cloud.mjs. Exit status: 0 passed; 1 failed; 2 usage; 77 no Chromium.
+// Who: serve.mjs, serve_cloud.mjs, serve_place.mjs. Exit status: 0 passed; 1 failed; 2 usage; 77 no Chromium.
 
 import { spawn, spawnSync } from 'node:child_process';
 import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';

@@ -1,6 +1,6 @@
 // The points of a job in four views: a sample from the server, and the exact points near the cursor.
 
-import { make_painter, uses_webgl } from '/cloud_painter.js';
+import { make_painter, no_map, uses_webgl } from '/cloud_painter.js';
 import { Views } from '/views.js';
 
 const near_px = 40, pick_px = 8;
@@ -9,6 +9,7 @@ export class CloudView {
   #link;
   #element;
   #cloud = null;  // result of cloud.open
+  #bounds = [[-50, -50, -50], [50, 50, 50]];
   #frames = [];   // boxes with a colour
   #near = [];     // exact points near the cursor
   #cursor = null;
@@ -31,7 +32,7 @@ export class CloudView {
     element('view-out').addEventListener('click', () => this.views.zoom(1 / 1.5));
   }
 
-  fit() { this.views.fit(this.#cloud?.bounds ?? [[-50, -50, -50], [50, 50, 50]]); }
+  fit() { this.views.fit(this.#bounds); }
 
   close() {
     ++this.#opened;
@@ -45,27 +46,53 @@ export class CloudView {
   async open(name) {
     this.close();
     const cloud = await this.#link.call('cloud.open', { name });
-    if (cloud.points > 0) await this.show_cloud(cloud);
+    if (cloud.points > 0) await this.#show_cloud(cloud);
   }
 
-  async show_cloud(cloud) {
-    const own = ++this.#opened;
+  async #show_cloud(cloud) {
     this.#cloud = cloud;
-    this.#begin_painter();
+    this.#bounds = cloud.bounds;
     this.#frames = [{ box: cloud.area, colour: '--line', dash: [] }, { box: cloud.bounds, colour: '--strong', dash: [4, 4] }];
-    this.painter.begin(cloud.shown, cloud.bounds);
-    this.#element('view').hidden = false;
     this.#element('cloud-text').textContent = cloud.shown < cloud.points
       ? `${cloud.points} points; ${cloud.shown} of them are drawn, and all near the cursor` : `${cloud.points} points`;
+    await this.#draw([{ ...cloud, map: no_map }]);
+  }
+
+  // Objects that are placed: each has a cloud and a map. place() changes the maps.
+  async show_scene({ objects, area, block }, map_of) {
+    this.close();
+    this.#bounds = block ?? area;
+    this.#frames = [{ box: area, colour: '--line', dash: [] }];
+    if (block) this.#frames.push({ box: block, colour: '--strong', dash: [] });
+    this.#element('cloud-text').textContent = 'points are a sketch; the job is made by the server';
+    await this.#draw(objects.map((object) => ({ ...object, map: map_of(object) })));
+  }
+
+  place(maps) {
+    this.painter.parts.forEach((part, i) => { part.map = maps[i] ?? part.map; });
+    this.views.draw_soon();
+  }
+
+  // Draws points of clouds as they come.
+  async #draw(clouds) {
+    const own = ++this.#opened;
+    let first = 0;
+    const parts = clouds.map(({ shown, bounds, map }) => ({ first: (first += shown) - shown, count: shown, bounds, map }));
+    this.#begin_painter();
+    const [low, high] = this.#bounds;
+    this.painter.begin(parts, Math.max(...low.map((value, i) => high[i] - value)));
+    this.#element('view').hidden = false;
     this.fit();
-    for (let from = 0; from < cloud.shown;) {
-      const { count } = await this.#link.call('cloud.points', { cloud: cloud.cloud, from });
-      const numbers = this.#link.take_frame(cloud.cloud, from);
-      if (own !== this.#opened || !numbers || count === 0) return;
-      this.painter.put(from, numbers);
-      from += count;
-      this.views.draw_soon();
-      requestAnimationFrame(() => { this.#element('views').dataset.shown = this.painter.count; });
+    for (const [i, { cloud, shown }] of clouds.entries()) {
+      for (let from = 0; from < shown;) {
+        const { count } = await this.#link.call('cloud.points', { cloud, from });
+        const numbers = this.#link.take_frame(cloud, from);
+        if (own !== this.#opened || !numbers || count === 0) return;
+        this.painter.put(parts[i].first + from, numbers);
+        from += count;
+        this.views.draw_soon();
+        requestAnimationFrame(() => { this.#element('views').dataset.shown = this.painter.count; });
+      }
     }
   }
 
@@ -111,7 +138,7 @@ export class CloudView {
 
   // One question at a time: the last cursor is asked for when the answer has come.
   async #ask() {
-    if (this.#asks || !this.#cursor || this.#cloud?.cloud === undefined || this.#cloud.is_scene) return;
+    if (this.#asks || !this.#cursor || !this.#cloud) return;
     this.#asks = true;
     try {
       for (let asked = null; this.#cursor && this.#cursor !== asked;) {

@@ -2,12 +2,13 @@
 // colour, of another one up to the progress of the job.
 //
 // Points are as cloud.points sends them: four 16-bit numbers, x, y and z in the bounds, and the
-// place in the order. `parts` are ranges of them, each with a map [x, y, z, offset] or none.
+// place in the order. `parts` are ranges of them: { first, count, bounds, map }; the map is
+// [x, y, z, offset], the images of the unit vectors and of the origin.
 
 import { add, dot } from '/views.js';
 
 const numbers_per_point = 4, full = 65535;
-const no_map = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]];
+export const no_map = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]];
 
 const vertex_text = `#version 300 es
 in vec4 point;  // place in the bounds, and in the order
@@ -37,34 +38,32 @@ function rgb_of(text) {
 
 // What both painters know.
 class Points {
-  low = [0, 0, 0];
-  size = [1, 1, 1];
   parts = [];
   done = 0;  // share of the order
   count = 0;
 
-  begin(count, [low, high]) {
-    this.low = low;
-    this.size = high.map((value, i) => value - low[i]);
-    this.numbers = new Uint16Array(count * numbers_per_point);
+  // Begins with no points; `side`: mm, of the whole.
+  begin(parts, side) {
+    this.parts = parts;
+    this.side = Math.max(side, 1e-3);
+    this.numbers = new Uint16Array(parts.reduce((sum, { count }) => sum + count, 0) * numbers_per_point);
     this.count = 0;
     this.done = 0;
-    this.parts = [{ first: 0, count, map: null }];
   }
   put(from, numbers) {
     this.numbers.set(numbers, from * numbers_per_point);
     this.count = from + numbers.length / numbers_per_point;
   }
-  // Parts as far as their points have come.
+  // Parts as far as their points have come, with what maps the numbers of a point to its place.
   present() {
     const shown = (count) => Math.ceil(count * this.share);  // any first part is an even sample
-    return this.parts.map(({ first, count, map }) => ({ first, count: Math.min(shown(count), this.count - first), map: map ?? no_map }))
-      .filter(({ count }) => count > 0);
+    return this.parts.map(({ first, count, bounds: [low, high], map }) => ({
+      first, count: Math.min(shown(count), this.count - first), low, map, size: high.map((value, i) => value - low[i]),
+    })).filter(({ count }) => count > 0);
   }
   // Side of a dot, so that dots touch where points are dense, within reason.
   dot_px(views, ratio) {
-    const side = Math.max(...this.size, 1e-3);
-    return Math.min(Math.max(1.6 * side * views.scale / Math.sqrt(Math.max(this.count, 1)), 1.3), 5) * ratio;
+    return Math.min(Math.max(1.6 * this.side * views.scale / Math.sqrt(Math.max(this.count, 1)), 1.3), 5) * ratio;
   }
 }
 
@@ -103,8 +102,8 @@ class GlPainter extends Points {
     this.gl.bufferData(this.gl.ARRAY_BUFFER, content, this.gl.STATIC_DRAW);
   }
 
-  begin(count, bounds) {
-    super.begin(count, bounds);
+  begin(parts, side) {
+    super.begin(parts, side);
     this.#fill(this.numbers);
   }
 
@@ -121,12 +120,10 @@ class GlPainter extends Points {
     if (canvas.width !== width) canvas.width = width;
     if (canvas.height !== height) canvas.height = height;
     gl.useProgram(this.program);
-    gl.uniform3fv(at.low, this.low);
-    gl.uniform3fv(at.size, this.size);
     gl.uniform3fv(at.centre, views.centre);
     gl.uniform1f(at.dot_px, this.dot_px(views, ratio));
     gl.uniform1f(at.done, this.done);
-    gl.uniform1f(at.radius, Math.hypot(...this.size) / 2 || 1);
+    gl.uniform1f(at.radius, 0.8 * this.side);
     gl.uniform3fv(at.far_colour, rgb_of(colour('--card')).map((value) => value / 255));
     gl.uniform3fv(at.colour, rgb_of(colour('--point')).map((value) => value / 255));
     gl.uniform3fv(at.done_colour, rgb_of(colour('--done')).map((value) => value / 255));
@@ -147,7 +144,9 @@ class GlPainter extends Points {
     gl.uniform2f(at.scale, 2 * views.scale / pane.width, 2 * views.scale / pane.height);
     gl.uniform1f(at.depth, 1e-4);  // 10 m in front of the centre and beyond it
     for (const name of ['right', 'up', 'back']) gl.uniform3fv(at[name], pane[name]);
-    for (const { first, count, map } of this.present()) {
+    for (const { first, count, map, low, size } of this.present()) {
+      gl.uniform3fv(at.low, low);
+      gl.uniform3fv(at.size, size);
       ['px', 'py', 'pz', 'offset'].forEach((name, i) => gl.uniform3fv(at[name], map[i]));
       gl.drawArrays(gl.POINTS, first, count);
     }
@@ -179,10 +178,10 @@ class CanvasPainter extends Points {
     const image = this.context.createImageData(width, height), pixels = new Uint32Array(image.data.buffer);
     const scale = views.scale * ratio, side = Math.max(1, Math.round(this.dot_px(views, ratio)));
     const done = this.done * full;
-    for (const { first, count, map } of this.present()) {
+    for (const { first, count, map, low, size } of this.present()) {
       // The position on the image is linear in the three numbers of a point.
-      const start = add([0, 1, 2].reduce((sum, i) => add(sum, map[i], this.low[i]), map[3]), views.centre, -1);
-      const way = (direction, sign) => [0, 1, 2].map((i) => sign * scale * dot(map[i], direction) * this.size[i] / full);
+      const start = add([0, 1, 2].reduce((sum, i) => add(sum, map[i], low[i]), map[3]), views.centre, -1);
+      const way = (direction, sign) => [0, 1, 2].map((i) => sign * scale * dot(map[i], direction) * size[i] / full);
       const [ax, ay, az] = way(pane.right, 1), [bx, by, bz] = way(pane.up, -1);
       const a0 = width / 2 + scale * dot(start, pane.right), b0 = height / 2 - scale * dot(start, pane.up);
       for (let i = first * numbers_per_point; i < (first + count) * numbers_per_point; i += numbers_per_point) {
@@ -197,9 +196,10 @@ class CanvasPainter extends Points {
   }
 }
 
-// A canvas can have one kind of context for ever: WebGL is tried first.
+// A canvas can have one kind of context for ever: WebGL is tried first, but not one that the
+// processor computes, which is slower than the other painter.
 export function make_painter(canvas) {
-  const gl = canvas.getContext('webgl2', { antialias: false, alpha: true });
+  const gl = canvas.getContext('webgl2', { antialias: false, alpha: true, failIfMajorPerformanceCaveat: true });
   return gl ? new GlPainter(canvas, gl) : new CanvasPainter(canvas);
 }
 export const uses_webgl = (painter) => painter instanceof GlPainter;

@@ -34,9 +34,14 @@ export class Jobs {
 
   get name() { return this.#element('jobs').value; }
 
+  // Files that a machine can run, and those of which the page makes jobs.
   async list(chosen = this.name) {
     const files = await this.#link.call('job.list');
-    this.#element('jobs').replaceChildren(...files.map(({ name }) => new Option(name, name, false, name === chosen)));
+    const fill = (id, runs, value) => this.#element(id).replaceChildren(...files
+      .filter(({ kind }) => runs === ['job', 'program'].includes(kind))
+      .map(({ name }) => new Option(name, name, false, name === value)));
+    fill('jobs', true, chosen);
+    fill('models', false, files.some(({ name }) => name === chosen) ? chosen : this.#element('models').value);
   }
 
   async #send(files) {
@@ -50,7 +55,7 @@ export class Jobs {
         continue;
       }
       await this.list(file.name);
-      await this.check();
+      if (this.name === file.name) await this.check();
     }
     this.#element('file').value = '';
   }

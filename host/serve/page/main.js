@@ -5,6 +5,7 @@ import { CloudView } from '/cloud.js';
 import { Jobs } from '/job.js';
 import { Jogger } from '/jog.js';
 import { Link, keep_token, merge, take_token } from '/link.js';
+import { Placer } from '/place.js';
 
 const element = (id) => document.getElementById(id);
 const max_lines = 500;
@@ -73,6 +74,12 @@ const link = new Link(take_token(), {
 const cloud = new CloudView(link, element);
 const jogger = new Jogger(link, element);
 const jobs = new Jobs(link, element, cloud, show_problem);
+
+// After a job was made, it is checked; after a description was written, it is listed.
+new Placer(link, element, cloud, show_problem, async (name) => {
+  await jobs.list(name);
+  if (name) await jobs.check();
+});
 
 element('stop').addEventListener('click', () => {
   jogger.end();

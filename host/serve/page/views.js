@@ -47,6 +47,8 @@ export class Views {
   #drag = null;
   #points_change = false;  // not the marks alone
   #moves = false;
+  #moved = false;  // in the frame before
+  #pace = 0;       // ms
   #rest = 0;
   #drawn_at = 0;
   // Share of the points that is drawn while the view moves: less where frames are late.
@@ -185,7 +187,7 @@ export class Views {
     this.#rest = setTimeout(() => {
       this.#moves = false;
       this.draw_soon();
-    }, rest_ms);
+    }, rest_ms + 3 * this.#pace);
     this.draw_soon();
   }
 
@@ -198,10 +200,13 @@ export class Views {
     });
   }
 
+  // Fewer points where frames are late, more where there is time.
   #keep_pace(time) {
-    const took = time - this.#drawn_at;
+    const took = time - this.#drawn_at, both = this.#moves && this.#moved;
     this.#drawn_at = time;
-    if (!this.#moves || took > max_pace_ms) return;
+    this.#moved = this.#moves;
+    if (!both) return;
+    this.#pace = Math.min(took, max_pace_ms);
     if (took > late_ms) this.#share = Math.max(this.#share / 2, 1 / 32);
     else if (took < early_ms) this.#share = Math.min(this.#share * 2, 1);
   }
