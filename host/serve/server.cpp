@@ -14,6 +14,7 @@
 #include "host/serve/logins.hpp"
 #include "host/serve/machine.hpp"
 #include "host/serve/method.hpp"
+#include "host/serve/octoprint.hpp"
 #include "host/serve/page_document.hpp"
 #include "host/serve/page_files.hpp"
 
@@ -114,7 +115,11 @@ Server::Server(SiteOptions options, JobFolder folder)
       folder_(std::move(folder)),
       logins_(std::make_unique<Logins>(options_.password_hash, options_.now, options_.note)),
       computations_(std::make_unique<Computations>()),
-      clouds_(std::make_unique<Clouds>()) {}
+      clouds_(std::make_unique<Clouds>()) {
+  if (!options_.octoprint_key.empty())
+    octoprint_ = std::make_unique<OctoPrint>(options_.octoprint_key, folder_,
+                                             [this] { require_program_right(); });
+}
 
 Server::~Server() = default;
 
@@ -142,6 +147,7 @@ Admission Server::admit(const WebRequest& head) {
   if (head.target == socket_target)
     return head.is_upgrade ? Admission{} : Admission{refusal(426, "needs a WebSocket")};
   if (head.is_upgrade) return {refusal(404, "no WebSocket here")};
+  if (octoprint_ && OctoPrint::has(head.target)) return octoprint_->admit(head, max_file_bytes);
   if (find_page(head.target) != nullptr)
     return head.method == "GET" ? Admission{} : Admission{refusal(405, "only GET")};
   const bool is_login = head.target == login_target && logins_->has_password();
@@ -160,6 +166,8 @@ Admission Server::admit(const WebRequest& head) {
 }
 
 void Server::reply(WebRequest request, Answer answer) {
+  if (octoprint_ && OctoPrint::has(request.target))
+    return answer(octoprint_->reply(request, *machine_));
   if (request.target == page_target)
     return answer(
         {200, "text/html; charset=utf-8", page_document().html, page_document().style_hash});
@@ -283,6 +291,15 @@ void Server::check_right(const Method& method, const Call& call) const {
   if (caller == persons_.end() || !caller->second.is_paired)
     throw Error(Exit::job_failed, method.name, "this client may not fire",
                 "start lamplock serve with --pair at the machine, and enter its code; or run dry");
+}
+
+/// A program with the key of OctoPrint was not paired at the machine, and takes control from none.
+void Server::require_program_right() const {
+  if (!holder_.empty())
+    throw Error(Exit::job_failed, "control", "a page holds control", "release it there");
+  if (!options_.is_simulated)
+    throw Error(Exit::job_failed, "octoprint", "a program may not fire on a real board",
+                "send the file, and start it in a page that is paired");
 }
 
 /// A dry run, or its resume.

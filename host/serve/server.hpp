@@ -31,6 +31,7 @@ class Clouds;
 class Computations;
 class Logins;
 class Machine;
+class OctoPrint;
 struct Method;
 
 struct SiteOptions {
@@ -40,6 +41,7 @@ struct SiteOptions {
   std::string code;           ///< for pairing; empty: no client can be paired
   std::string password_hash;  ///< empty: the token alone
   std::optional<PublicOrigin> proxy{};
+  std::string octoprint_key{};  ///< empty: no REST of OctoPrint
   run::MachineOptions machine;
   Now now = Clock::now;
   Note note = [](const std::string&) {};  ///< for the log
@@ -100,6 +102,7 @@ class Server final : public WebSite {
   static const std::map<std::string_view, Handler>& handlers();
   void take_request(const std::string& text, Call call);
   void call_method(const Method& method, const Call& call);
+  void require_program_right() const;
   void check_right(const Method& method, const Call& call) const;
   bool keeps_dark(const Method& method, const Call& call) const;
   void succeed(const Call& call, const Json& result);
@@ -154,6 +157,7 @@ class Server final : public WebSite {
   std::unique_ptr<Logins> logins_;
   std::unique_ptr<Computations> computations_;
   std::unique_ptr<Clouds> clouds_;
+  std::unique_ptr<OctoPrint> octoprint_;  ///< null: not served
   Machine* machine_ = nullptr;
   WebServer* web_ = nullptr;
   std::map<ClientNumber, Client> clients_;

@@ -48,8 +48,9 @@ std::string address_of(const tcp::endpoint& end) {
   return address.to_string();
 }
 
-template <class Fields>
-std::optional<std::string> only_field(const Fields& fields, http::field name) {
+/// `name`: of http::field, or a text.
+template <class Fields, class Name>
+std::optional<std::string> only_field(const Fields& fields, Name name) {
   const auto count = fields.count(name);
   if (count == 0) return std::nullopt;
   const auto value = fields[name];
@@ -72,6 +73,7 @@ WebRequest request_of(const http::request<Body>& message) {
   request.origin = only_field(message, http::field::origin);
   request.content_type = only_field(message, http::field::content_type).value_or("");
   request.authorization = only_field(message, http::field::authorization).value_or("");
+  request.api_key = only_field(message, beast::string_view("X-Api-Key")).value_or("");
   request.is_upgrade = websocket::is_upgrade(message);
   return request;
 }

@@ -20,7 +20,7 @@ namespace lamplock::serve {
 /// A request, whose body may not have been read yet. A header that was sent several times is empty:
 /// two readers could take different ones.
 struct WebRequest {
-  std::string method, target, host, content_type, authorization;
+  std::string method, target, host, content_type, authorization, api_key;
   std::string local, remote;  ///< addresses of the two ends: "127.0.0.1"
   std::optional<std::string> origin{};
   bool is_upgrade = false;  ///< to a WebSocket

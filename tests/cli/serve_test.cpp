@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <regex>
 
 #include "tests/cli/program.hpp"
@@ -32,6 +33,28 @@ TEST(Serve, has_one_server_for_a_board_and_for_a_port) {
   EXPECT_THAT(same_port.err, HasSubstr("give another port with --port"));
   server.interrupt();
   EXPECT_EQ(server.finish().status, 130);
+}
+
+TEST(Serve, MakesTheKeyOfProgramsForOctoPrint) {
+  const Folder folder;
+  const std::string key = folder / "key";
+  std::string first;
+  for (int i = 0; i < 2; ++i) {  // the second server has the same key
+    Running server({"serve", "--port", "0", "--folder", folder / "jobs", "--octoprint", key});
+    ASSERT_TRUE(server.wait_for("use the key in " + key));
+    server.interrupt();
+    EXPECT_EQ(server.finish().status, 130);
+    if (i == 0) first = read(key);
+    EXPECT_EQ(read(key), first);
+    EXPECT_TRUE(std::regex_match(first, std::regex("[0-9a-f]{32}\n")));
+  }
+  EXPECT_EQ(std::filesystem::status(key).permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  folder.write("short", "abc\n");
+  const Finished refused =
+      run({"serve", "--port", "0", "--folder", folder / "jobs", "--octoprint", folder / "short"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("is not a key of 16 to 64 letters and digits"));
 }
 
 /// A server with an address that the user cannot know would wait for ever.
