@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
 #include <chrono>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -15,6 +19,8 @@ namespace lamplock::serve {
 namespace {
 
 using Json = nlohmann::json;
+namespace asio = boost::asio;
+using boost::system::error_code;
 
 constexpr std::chrono::seconds max_wait{5};
 constexpr const char* remedy = "give the address that lamplock serve prints";
@@ -26,11 +32,20 @@ constexpr const char* remedy = "give the address that lamplock serve prints";
 
 /// The reply to a request, whole: the server closes the connection after it.
 std::string reply_to(const PageAddress& address, const std::string& request) {
-  boost::asio::ip::tcp::iostream stream;
-  stream.expires_after(max_wait);
-  stream.connect(address.host, address.port);
-  stream << request << std::flush;
-  std::string reply{std::istreambuf_iterator<char>(stream), {}};
+  asio::io_context io;
+  asio::ip::tcp::socket socket(io);
+  std::string reply;
+  const auto read = [&](const error_code& error, std::size_t) {
+    if (!error)
+      asio::async_read(socket, asio::dynamic_buffer(reply), [](const error_code&, std::size_t) {});
+  };
+  const auto write = [&](const error_code& error, const asio::ip::tcp::endpoint&) {
+    if (!error) asio::async_write(socket, asio::buffer(request), read);
+  };
+  error_code unknown;
+  const auto places = asio::ip::tcp::resolver(io).resolve(address.host, address.port, unknown);
+  if (!unknown) asio::async_connect(socket, places, write);
+  io.run_for(max_wait);
   if (reply.empty())
     throw Error(Exit::no_device, fmt::format("{}:{}", address.host, address.port),
                 "no server answers", "start lamplock serve, and give the address that it prints");
