@@ -87,6 +87,11 @@ void add_serve(Command& program) {
                  "Read a password, write its hash to this file, and end")
       .value_name("FILE")
       .file(FileUse::write);
+  app.add_option("--octoprint", &options->octoprint,
+                 "Answer slicers as OctoPrint does; their key is in this file, which is made if it "
+                 "does not exist")
+      .value_name("FILE")
+      .file(FileUse::write);
   app.add_option("--log", &options->log, "Append to this file; at 1 MB it becomes FILE.1, of three")
       .value_name("FILE")
       .file(FileUse::write);

@@ -37,6 +37,7 @@ std::unique_ptr<Command> make_own_commands() {
   add_material(*program);
   add_send(*program);
   add_serve(*program);
+  add_watch(*program);
   add_settings(*program);
   add_devices(*program);
   add_flash(*program);

@@ -8,6 +8,8 @@
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/file/staged_file.hpp"
+#include "host/glass/description_file.hpp"
+#include "host/model/input.hpp"
 #include "host/run/sent_file.hpp"
 
 namespace lamplock::serve {
@@ -22,6 +24,17 @@ bool is_word(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
 }
 
+/// Null for a file that the server has no use for. Models that name other files (.obj, .glb) could
+/// read them outside of the folder.
+const char* kind_of(const std::string& name) {
+  const std::string extension = lower_extension(name);
+  if (extension == job_ending) return "job";
+  if (run::is_program_name(name)) return "program";
+  if (glass::is_description(name)) return "description";
+  if (extension == ".obj" || extension == ".glb" || !model::kind_of(name)) return nullptr;
+  return "model";
+}
+
 std::optional<fs::path> folder_in(const char* variable) {
   const char* const value = std::getenv(variable);
   if (value == nullptr || *value != '/') return std::nullopt;
@@ -30,7 +43,8 @@ std::optional<fs::path> folder_in(const char* variable) {
 
 }  // namespace
 
-JobFolder::JobFolder(fs::path folder) : folder_(std::move(folder)) {
+JobFolder::JobFolder(const fs::path& folder) : folder_(fs::absolute(folder).lexically_normal()) {
+  if (!folder_.has_filename()) folder_ = folder_.parent_path();  // after a last slash
   std::error_code error;
   const bool is_new = fs::create_directories(folder_, error);
   if (!error && is_new) fs::permissions(folder_, fs::perms::owner_all, error);
@@ -53,22 +67,29 @@ std::vector<JobFile> JobFolder::list() const {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
     const std::string name = entry.path().filename().string();
-    const bool is_sent = lower_extension(name) == job_ending || run::is_program_name(name);
-    if (is_sent && is_name(name) && entry.is_regular_file(ignored) && !entry.is_symlink(ignored))
-      files.push_back({name, entry.file_size(ignored)});
+    const char* const kind = kind_of(name);
+    if (kind != nullptr && is_name(name) && entry.is_regular_file(ignored) &&
+        !entry.is_symlink(ignored))
+      files.push_back({name, entry.file_size(ignored), kind});
   }
   std::sort(files.begin(), files.end(),
             [](const JobFile& a, const JobFile& b) { return a.name < b.name; });
   return files;
 }
 
-void JobFolder::write(const std::string& name, std::string_view bytes) const {
+void JobFolder::check_name(const std::string& name) {
   if (!is_name(name))
     throw Error(Exit::bad_input, name, "is not a name for a file of the server",
                 "use letters, digits, spaces and . _ - ( ) +, at most 100, not beginning with .");
-  if (lower_extension(name) != job_ending && !run::is_program_name(name))
-    throw Error(Exit::bad_input, name, "is neither a job (.llj) nor a program of G-code",
-                "make a job of it: lamplock job, or a program: lamplock cut");
+  if (kind_of(name) == nullptr)
+    throw Error(Exit::bad_input, name,
+                "is neither a job (.llj), a program of G-code, a description (.toml) nor a model",
+                "make a job of it: lamplock job, or a program: lamplock cut; of models, use STL, "
+                "PLY or 3MF");
+}
+
+void JobFolder::write(const std::string& name, std::string_view bytes) const {
+  check_name(name);
   write_whole(folder_ / name, [&](const fs::path& path) { write_file(path, bytes); });
 }
 

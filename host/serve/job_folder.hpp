@@ -15,17 +15,22 @@ namespace lamplock::serve {
 struct JobFile {
   std::string name;
   std::uint64_t bytes = 0;
+  const char* kind = "";  ///< job, program, model, description
 };
 
 class JobFolder {
  public:
   /// Makes the folder, for this user alone. Throws Error(bad_input) if that fails.
-  explicit JobFolder(std::filesystem::path folder);
+  explicit JobFolder(const std::filesystem::path& folder);
 
   /// Letters, digits, and " ._-()+" inside; no folder, and no hidden file.
   static bool is_name(std::string_view name);
 
-  /// Files for a machine, by name.
+  const std::filesystem::path& path() const { return folder_; }
+  /// Throws Error(bad_input) unless a client may use this name for a file.
+  static void check_name(const std::string& name);
+
+  /// Files for a machine, models and descriptions, by name.
   std::vector<JobFile> list() const;
   /// Writes a file, whole or not at all. Throws Error(bad_input).
   void write(const std::string& name, std::string_view bytes) const;

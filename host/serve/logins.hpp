@@ -17,12 +17,10 @@
 
 #include "host/run/background.hpp"
 #include "host/serve/clock.hpp"
+#include "host/serve/note.hpp"
 #include "host/serve/web_server.hpp"
 
 namespace lamplock::serve {
-
-/// Takes a line for the log.
-using Note = std::function<void(const std::string&)>;
 
 /// Wrong passwords in a time, of one computer and of all.
 class LoginLimit {

@@ -16,6 +16,7 @@ constexpr double max_feed = 1'000'000, max_items = 4e9, max_time = 1e15;
 constexpr double max_file_name = 100, max_line_text = 250, max_secret_text = 64;
 /// A step is completed when its client has gone: it is short.
 constexpr double max_step_mm = 10;
+constexpr double max_place_mm = 100'000, max_objects = 32;
 
 constexpr std::array login_parameters{
     Parameter{"token", Type::text, true, 1, max_secret_text, nullptr,
@@ -54,6 +55,26 @@ constexpr std::array step_parameters{
 constexpr std::array set_parameters{
     Parameter{"changes", Type::object, true, 0, 0, nullptr, "values by name of the setting"}};
 
+constexpr Parameter cloud_number{
+    "cloud", Type::whole, true, 0, max_time, nullptr, "its number, from `cloud.open`"};
+constexpr std::array cloud_parameters{
+    cloud_number, Parameter{"from", Type::whole, true, 0, max_items, nullptr, "first point"}};
+constexpr std::array near_parameters{
+    cloud_number,
+    Parameter{"at", Type::place, true, -max_place_mm, max_place_mm, nullptr,
+              "a place on the line of sight, mm"},
+    Parameter{"along", Type::place, true, -1, 1, nullptr, "its direction"},
+    Parameter{"mm", Type::number, true, 0, max_place_mm, nullptr, "distance from the line"}};
+
+constexpr std::array scene_parameters{
+    Parameter{"name", Type::text, true, 1, max_file_name, nullptr, "description to write, .toml"},
+    Parameter{"from", Type::text, false, 1, max_file_name, nullptr,
+              "description or model whose other parameters are kept; default: the same"},
+    Parameter{"objects", Type::objects, true, 1, max_objects, nullptr,
+              "all objects: `object` (its number in `from`, from 0) or `file`; `mirror`, `scale`, "
+              "`turn`, `move`, `size`"},
+    Parameter{"block", Type::place, false, 0.001, max_place_mm, nullptr, "sides of the block, mm"}};
+
 constexpr std::span<const Parameter> none;
 constexpr std::array table{
     Method{"login", Right::all, login_parameters, "Must be the first message of a WebSocket.",
@@ -79,13 +100,33 @@ constexpr std::array table{
            "Makes this place the zero of the work coordinates (`G10 L20 P0`).", "nothing"},
     Method{"machine.unlock", Right::control, none, "Ends an alarm (`$X`).", "nothing"},
     Method{"job.list", Right::all, none, "Files that were sent to the server.",
-           "list of `name`, `bytes`"},
+           "list of `name`, `bytes`, `kind` (job, program, model, description)"},
     Method{"job.check", Right::all, file_parameters,
            "Runs a program, or reads a job, without the machine.",
            "`kind`, `seconds`, `problems`, `bounds`, `picture` (SVG), `points` or `lines`"},
     Method{"job.start", Right::firing, start_parameters,
            "Runs a job or a program. A dry run needs no pairing.", "nothing"},
+    Method{"job.make", Right::control, file_parameters,
+           "Makes a job of a description or a model: the same name with `.llj`.",
+           "`name` of the job, `points`, `notices`"},
     Method{"job.delete", Right::control, file_parameters, "Removes a file.", "nothing"},
+    Method{"cloud.open", Right::all, file_parameters,
+           "Reads the points of a job, to draw them; rows have none.",
+           "`cloud` (its number), `points`, `shown`, `bounds`, `area` (of the machine)"},
+    Method{"cloud.points", Right::all, cloud_parameters,
+           "Sends a binary message with up to 65 536 of the shown points, before the result.",
+           "`count` of points in the message"},
+    Method{"cloud.near", Right::all, near_parameters,
+           "The exact points near a line of sight, at most 400, nearest first.",
+           "list of `number`, `place` (mm)"},
+    Method{
+        "scene.open", Right::all, file_parameters,
+        "Reads a description or a model, to place its objects. Each has a cloud for "
+        "`cloud.points`: a sketch of it before its placement.",
+        "`objects` (`file`, `size`, `kept`, `mirror`, `scale`, `turn`, `move`, `cloud`, `shown`, "
+        "`bounds`), `block` or null, `area`, `middle`"},
+    Method{"scene.write", Right::control, scene_parameters,
+           "Writes a description with these objects, after it was read back.", "nothing"},
     Method{"console.send", Right::firing, send_parameters,
            "Sends a line; the answer comes with the lines of the console.", "nothing"},
     Method{"console.lines", Right::all, lines_parameters, "The last lines of the console.",
@@ -100,7 +141,8 @@ constexpr std::array table{
            "Changes settings, all or none, and reads them back.", "the changed settings"}};
 
 constexpr std::array type_names{"text",          "number",          "whole number",
-                                "true or false", "list of numbers", "object"};
+                                "true or false", "list of numbers", "list of three numbers",
+                                "object",        "list of objects"};
 const char* type_name(Type type) { return type_names[static_cast<std::size_t>(type)]; }
 
 bool is_in(const Json& value, const Parameter& parameter) {
@@ -139,8 +181,18 @@ bool is_right(const Json& value, const Parameter& parameter) {
              std::all_of(value.begin(), value.end(), [&](const Json& each) {
                return each.is_number_integer() && is_in(each, parameter);
              });
+    case Type::place:
+      return value.is_array() && value.size() == 3 &&
+             std::all_of(value.begin(), value.end(), [&](const Json& each) {
+               return each.is_number() && is_in(each, parameter);
+             });
     case Type::object:
       return value.is_object() && !value.empty() && value.size() <= max_members;
+    case Type::objects:
+      return value.is_array() && !value.empty() &&
+             static_cast<double>(value.size()) <= parameter.max &&
+             std::all_of(value.begin(), value.end(),
+                         [](const Json& each) { return each.is_object(); });
   }
   return false;
 }

@@ -13,7 +13,7 @@
 
 namespace lamplock::serve {
 
-enum class Type : std::uint8_t { text, number, whole, flag, numbers, object };
+enum class Type : std::uint8_t { text, number, whole, flag, numbers, place, object, objects };
 
 struct Parameter {
   const char* name;

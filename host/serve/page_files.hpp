@@ -10,6 +10,10 @@ std::string_view page_css();
 std::string_view page_link_js();
 std::string_view page_jog_js();
 std::string_view page_job_js();
+std::string_view page_views_js();
+std::string_view page_cloud_painter_js();
+std::string_view page_cloud_js();
+std::string_view page_place_js();
 std::string_view page_main_js();
 
 }  // namespace lamplock::serve

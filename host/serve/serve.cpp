@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -63,11 +65,32 @@ std::string read_password_hash(const std::string& file) {
   return text;
 }
 
+/// Makes the file if there is none: slicers keep the key.
+std::string read_or_make_key(const std::string& file) {
+  if (!std::filesystem::exists(file))
+    write_whole(file, [](const std::filesystem::path& path) {
+      write_file(path, random_token() + "\n");
+      std::filesystem::permissions(
+          path, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+    });
+  std::string text = read_file(file);
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  constexpr std::size_t min_key = 16, max_key = 64;
+  const bool is_plain = std::all_of(text.begin(), text.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0;
+  });
+  if (!is_plain || text.size() < min_key || text.size() > max_key)
+    throw Error(Exit::bad_input, file, "is not a key of 16 to 64 letters and digits",
+                "name a file that does not exist, to have one made");
+  return text;
+}
+
 /// Who can reach the server needs the token or the password.
 void set_access(const ServeOptions& options, SiteOptions& site) {
   site.token = random_token();
   if (options.pairs) site.code = random_code();
   if (!options.password.empty()) site.password_hash = read_password_hash(options.password);
+  if (!options.octoprint.empty()) site.octoprint_key = read_or_make_key(options.octoprint);
   if (!options.proxy.empty()) {
     site.proxy = parse_origin(options.proxy);
     if (!site.proxy)
@@ -121,6 +144,8 @@ void serve(const ServeOptions& options, run::Frontend& frontend) {
   frontend.say("page: {}/#token={}", origin_of(options.address, web.port()), site.token);
   if (!site.password_hash.empty()) frontend.say("other pages log in with the password");
   if (options.pairs) frontend.say("code for pairing: {}", site.code);
+  if (!options.octoprint.empty())
+    frontend.say("programs for OctoPrint use the key in {}", options.octoprint);
   frontend.require_output();
   note("the server begins");
   std::uint64_t logged = 0;

@@ -23,6 +23,7 @@ struct ServeOptions {
   std::string address = loopback_address;  ///< another one needs a password
   std::string password;                    ///< file with its hash; empty: none
   std::string proxy;                       ///< origin of a reverse proxy; empty: none
+  std::string octoprint;                   ///< file with the key of its programs; empty: none
   std::string log;                         ///< file; empty: none
   std::string folder;                      ///< of jobs; empty: default_job_folder()
   bool pairs = false;                      ///< clients with the code may fire

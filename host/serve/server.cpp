@@ -2,12 +2,19 @@
 
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "host/error.hpp"
 #include "host/serve/access.hpp"
+#include "host/serve/clouds.hpp"
+#include "host/serve/computations.hpp"
 #include "host/serve/error_message.hpp"
+#include "host/serve/logins.hpp"
+#include "host/serve/machine.hpp"
+#include "host/serve/method.hpp"
+#include "host/serve/octoprint.hpp"
 #include "host/serve/page_document.hpp"
 #include "host/serve/page_files.hpp"
 
@@ -41,11 +48,16 @@ struct Page {
   const char* type;
   std::string_view (*text)();
 };
-constexpr std::array pages{Page{page_target, "text/html; charset=utf-8", page_html},
-                           Page{"/link.js", "text/javascript; charset=utf-8", page_link_js},
-                           Page{"/jog.js", "text/javascript; charset=utf-8", page_jog_js},
-                           Page{"/job.js", "text/javascript; charset=utf-8", page_job_js},
-                           Page{"/main.js", "text/javascript; charset=utf-8", page_main_js}};
+constexpr std::array pages{
+    Page{page_target, "text/html; charset=utf-8", page_html},
+    Page{"/link.js", "text/javascript; charset=utf-8", page_link_js},
+    Page{"/jog.js", "text/javascript; charset=utf-8", page_jog_js},
+    Page{"/job.js", "text/javascript; charset=utf-8", page_job_js},
+    Page{"/views.js", "text/javascript; charset=utf-8", page_views_js},
+    Page{"/cloud_painter.js", "text/javascript; charset=utf-8", page_cloud_painter_js},
+    Page{"/cloud.js", "text/javascript; charset=utf-8", page_cloud_js},
+    Page{"/place.js", "text/javascript; charset=utf-8", page_place_js},
+    Page{"/main.js", "text/javascript; charset=utf-8", page_main_js}};
 
 const Page* find_page(std::string_view target) {
   const auto* found = std::find_if(pages.begin(), pages.end(),
@@ -98,10 +110,28 @@ Json job_json(const JobView& job) {
 
 }  // namespace
 
+Server::Server(SiteOptions options, JobFolder folder)
+    : options_(std::move(options)),
+      folder_(std::move(folder)),
+      logins_(std::make_unique<Logins>(options_.password_hash, options_.now, options_.note)),
+      computations_(std::make_unique<Computations>()),
+      clouds_(std::make_unique<Clouds>()) {
+  if (!options_.octoprint_key.empty())
+    octoprint_ = std::make_unique<OctoPrint>(options_.octoprint_key, folder_,
+                                             [this] { require_program_right(); });
+}
+
+Server::~Server() = default;
+
+void Server::end() {
+  computations_->end();
+  logins_->end();
+}
+
 // HTTP.
 
 bool Server::is_token(std::string_view token) {
-  return is_same_secret(token, options_.token) || logins_.is_session(token);
+  return is_same_secret(token, options_.token) || logins_->is_session(token);
 }
 
 std::optional<WebReply> Server::refusal_of_names(const WebRequest& head) const {
@@ -117,9 +147,10 @@ Admission Server::admit(const WebRequest& head) {
   if (head.target == socket_target)
     return head.is_upgrade ? Admission{} : Admission{refusal(426, "needs a WebSocket")};
   if (head.is_upgrade) return {refusal(404, "no WebSocket here")};
+  if (octoprint_ && OctoPrint::has(head.target)) return octoprint_->admit(head, max_file_bytes);
   if (find_page(head.target) != nullptr)
     return head.method == "GET" ? Admission{} : Admission{refusal(405, "only GET")};
-  const bool is_login = head.target == login_target && logins_.has_password();
+  const bool is_login = head.target == login_target && logins_->has_password();
   const bool is_call = head.target == api_target;
   if (!is_login && !is_call && !head.target.starts_with(files_target))
     return {refusal(404, "not found")};
@@ -135,13 +166,15 @@ Admission Server::admit(const WebRequest& head) {
 }
 
 void Server::reply(WebRequest request, Answer answer) {
+  if (octoprint_ && OctoPrint::has(request.target))
+    return answer(octoprint_->reply(request, *machine_));
   if (request.target == page_target)
     return answer(
         {200, "text/html; charset=utf-8", page_document().html, page_document().style_hash});
   if (const Page* page = find_page(request.target))
     return answer({200, page->type, std::string(page->text())});
   if (request.target == login_target)
-    return logins_.request(request.body, request.remote, std::move(answer));
+    return logins_->request(request.body, request.remote, std::move(answer));
   if (request.target != api_target) return answer(take_file(request));
   Call call;
   call.respond = [answer = std::move(answer)](const std::string& text) {
@@ -260,6 +293,15 @@ void Server::check_right(const Method& method, const Call& call) const {
                 "start lamplock serve with --pair at the machine, and enter its code; or run dry");
 }
 
+/// A program with the key of OctoPrint was not paired at the machine, and takes control from none.
+void Server::require_program_right() const {
+  if (!holder_.empty())
+    throw Error(Exit::job_failed, "control", "a page holds control", "release it there");
+  if (!options_.is_simulated)
+    throw Error(Exit::job_failed, "octoprint", "a program may not fire on a real board",
+                "send the file, and start it in a page that is paired");
+}
+
 /// A dry run, or its resume.
 bool Server::keeps_dark(const Method& method, const Call& call) const {
   if (std::string_view(method.name) == "job.start") return call.parameters().value("dry", false);
@@ -311,8 +353,8 @@ Json Server::status() const {
 }
 
 void Server::tick() {
-  finish_check();
-  logins_.poll();
+  computations_->poll();
+  logins_->poll();
   std::vector<ClientNumber> late;
   for (const auto& [number, client] : clients_)
     if (client.secret.empty() && options_.now() - client.opened_at > login_time)
@@ -331,12 +373,12 @@ void Server::notify(ClientNumber number, Client& client, const Json& now) {
   Json own = now;
   own["control"]["own"] = !holder_.empty() && client.secret == holder_;
   own["control"]["paired"] = options_.is_simulated || person(client.secret).is_paired;
-  const Json patch = difference(client.sent, own);
+  const Json patch = difference(*client.sent, own);
   const bool needs_time =
       client.secret == holder_ && options_.now() - client.told_at >= time_interval;
   if (!patch.empty() || needs_time) {
     client.told_at = options_.now();
-    client.sent = std::move(own);
+    client.sent = std::make_shared<const Json>(std::move(own));
     web_->send(number, text_of({{"jsonrpc", "2.0"},
                                 {"method", "status"},
                                 {"params", {{"time", time_ms()}, {"patch", patch}}}}));

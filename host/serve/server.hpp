@@ -8,26 +8,31 @@
 // then: notifications do not queue up. Answers do, and a full queue drops the client.
 #pragma once
 
-#include <chrono>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 
-#include "host/run/background.hpp"
 #include "host/run/machine_options.hpp"
 #include "host/serve/access.hpp"
 #include "host/serve/clock.hpp"
 #include "host/serve/job_folder.hpp"
-#include "host/serve/logins.hpp"
-#include "host/serve/machine.hpp"
-#include "host/serve/method.hpp"
+#include "host/serve/note.hpp"
 #include "host/serve/web_server.hpp"
 
 namespace lamplock::serve {
+
+class Clouds;
+class Computations;
+class Logins;
+class Machine;
+class OctoPrint;
+struct Method;
 
 struct SiteOptions {
   std::string board;
@@ -36,6 +41,7 @@ struct SiteOptions {
   std::string code;           ///< for pairing; empty: no client can be paired
   std::string password_hash;  ///< empty: the token alone
   std::optional<PublicOrigin> proxy{};
+  std::string octoprint_key{};  ///< empty: no REST of OctoPrint
   run::MachineOptions machine;
   Now now = Clock::now;
   Note note = [](const std::string&) {};  ///< for the log
@@ -43,10 +49,10 @@ struct SiteOptions {
 
 class Server final : public WebSite {
  public:
-  Server(SiteOptions options, JobFolder folder)
-      : options_(std::move(options)),
-        folder_(std::move(folder)),
-        logins_(options_.password_hash, options_.now, options_.note) {}
+  Server(SiteOptions options, JobFolder folder);
+  ~Server() override;
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
 
   /// To be called once, before the web server runs. The machine must end before the web server.
   void use(WebServer& web, Machine& machine) {
@@ -54,10 +60,7 @@ class Server final : public WebSite {
     machine_ = &machine;
   }
   /// To be called after the web server has run: drops calls that are not answered.
-  void end() {
-    checked_.reset();
-    logins_.end();
-  }
+  void end();
   /// To be called regularly: sends what differs.
   void tick();
 
@@ -82,8 +85,8 @@ class Server final : public WebSite {
     Clock::time_point opened_at{};
     std::string secret;  ///< empty before the login
     bool is_subscribed = false;
-    Json sent;               ///< status that it knows
-    std::uint64_t line = 0;  ///< of the console, that it knows
+    std::shared_ptr<const Json> sent{};  ///< status that it knows
+    std::uint64_t line = 0;              ///< of the console, that it knows
     Clock::time_point told_at{};
   };
   struct Call {
@@ -99,6 +102,7 @@ class Server final : public WebSite {
   static const std::map<std::string_view, Handler>& handlers();
   void take_request(const std::string& text, Call call);
   void call_method(const Method& method, const Call& call);
+  void require_program_right() const;
   void check_right(const Method& method, const Call& call) const;
   bool keeps_dark(const Method& method, const Call& call) const;
   void succeed(const Call& call, const Json& result);
@@ -113,7 +117,8 @@ class Server final : public WebSite {
   Json status() const;
   std::int64_t time_ms() const;
   void notify(ClientNumber number, Client& client, const Json& now);
-  void finish_check();
+  /// Calls a method outside of this thread; `result` makes its result, in this thread.
+  void compute(const Call& call, std::function<void()> work, std::function<Json()> result);
   void finish_work(const Call& call, const Json& result, const std::exception_ptr& error);
 
   void login(const Call& call);
@@ -138,20 +143,27 @@ class Server final : public WebSite {
   void run_jog(const Call& call);
   void step_jog(const Call& call);
   void stop_jog(const Call& call);
+  void open_cloud(const Call& call);
+  void send_cloud_points(const Call& call);
+  void find_near_points(const Call& call);
+  void open_scene(const Call& call);
+  void write_scene(const Call& call);
+  void make_job(const Call& call);
   void get_settings(const Call& call);
   void set_settings(const Call& call);
 
   SiteOptions options_;
   JobFolder folder_;
-  Logins logins_;
+  std::unique_ptr<Logins> logins_;
+  std::unique_ptr<Computations> computations_;
+  std::unique_ptr<Clouds> clouds_;
+  std::unique_ptr<OctoPrint> octoprint_;  ///< null: not served
   Machine* machine_ = nullptr;
   WebServer* web_ = nullptr;
   std::map<ClientNumber, Client> clients_;
   std::map<std::string, Person> persons_;
   std::string holder_;  ///< secret of the client that holds control; empty: none
   int wrong_codes_ = 0;
-  run::Background<Json> check_;
-  std::optional<Call> checked_;  ///< the call that waits for it
   Clock::time_point begun_at_ = options_.now();
 };
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
@@ -10,7 +11,11 @@
 #include "host/link/program_lines.hpp"
 #include "host/serve/access.hpp"
 #include "host/serve/check_file.hpp"
+#include "host/serve/computations.hpp"
 #include "host/serve/error_message.hpp"
+#include "host/serve/logins.hpp"
+#include "host/serve/machine.hpp"
+#include "host/serve/method.hpp"
 #include "host/serve/server.hpp"
 #include "host/units.hpp"
 #include "host/version.hpp"
@@ -83,7 +88,13 @@ const std::map<std::string_view, Server::Handler>& Server::handlers() {
       {"job.list", &Server::list_jobs},
       {"job.check", &Server::check_job},
       {"job.start", &Server::start_job},
+      {"job.make", &Server::make_job},
       {"job.delete", &Server::delete_job},
+      {"cloud.open", &Server::open_cloud},
+      {"cloud.points", &Server::send_cloud_points},
+      {"cloud.near", &Server::find_near_points},
+      {"scene.open", &Server::open_scene},
+      {"scene.write", &Server::write_scene},
       {"console.send", &Server::send_line},
       {"console.lines", &Server::send_lines},
       {"jog.run", &Server::run_jog},
@@ -99,7 +110,7 @@ void Server::login(const Call& call) {
   if (client == clients_.end())
     throw Error(Exit::bad_input, "login", "is for WebSockets", "send the token in a header");
   if (!is_token(call.parameters()["token"].get<std::string>())) {
-    if (logins_.has_password())
+    if (logins_->has_password())
       fail(call, needs_password, "log in with the password");
     else
       fail(call, -32000, "the token is wrong; open the address that lamplock serve has printed");
@@ -136,8 +147,8 @@ void Server::subscribe(const Call& call) {
   if (client == clients_.end())
     throw Error(Exit::bad_input, "subscribe", "is for WebSockets", "ask for the status instead");
   client->second.is_subscribed = true;
-  client->second.sent = status();
-  succeed(call, client->second.sent);
+  client->second.sent = std::make_shared<const Json>(status());
+  succeed(call, *client->second.sent);
 }
 
 void Server::take_control(const Call& call) {
@@ -195,29 +206,31 @@ void Server::zero(const Call& call) {
 void Server::list_jobs(const Call& call) {
   Json files = Json::array();
   for (const JobFile& file : folder_.list())
-    files.push_back({{"name", file.name}, {"bytes", file.bytes}});
+    files.push_back({{"name", file.name}, {"bytes", file.bytes}, {"kind", file.kind}});
   succeed(call, files);
 }
 
-void Server::check_job(const Call& call) {
-  if (checked_)
-    throw Error(Exit::job_failed, "job.check", "another file is checked now", "wait for its end");
-  const std::string name = call.parameters()["name"];
-  check_.start([path = folder_.path_of(name).string(), name, machine = options_.machine] {
-    return check_file(path, name, machine);
-  });
-  checked_ = call;
+void Server::compute(const Call& call, std::function<void()> work, std::function<Json()> result) {
+  computations_->add(std::move(work),
+                     [this, call, result = std::move(result)](const std::exception_ptr& error) {
+                       try {
+                         if (error) std::rethrow_exception(error);
+                         succeed(call, result());
+                       } catch (const std::exception& failure) {
+                         fail(call, -32000, message_of(failure));
+                       }
+                     });
 }
 
-void Server::finish_check() {
-  if (!checked_) return;
-  try {
-    const std::optional<Json> result = check_.take();
-    if (!result) return;
-    succeed(*std::exchange(checked_, std::nullopt), *result);
-  } catch (const std::exception& error) {
-    fail(*std::exchange(checked_, std::nullopt), -32000, message_of(error));
-  }
+void Server::check_job(const Call& call) {
+  const std::string name = call.parameters()["name"];
+  const auto result = std::make_shared<Json>();
+  compute(
+      call,
+      [result, path = folder_.path_of(name).string(), name, machine = options_.machine] {
+        *result = check_file(path, name, machine);
+      },
+      [result] { return *result; });
 }
 
 void Server::start_job(const Call& call) {

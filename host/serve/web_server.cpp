@@ -48,8 +48,9 @@ std::string address_of(const tcp::endpoint& end) {
   return address.to_string();
 }
 
-template <class Fields>
-std::optional<std::string> only_field(const Fields& fields, http::field name) {
+/// `name`: of http::field, or a text.
+template <class Fields, class Name>
+std::optional<std::string> only_field(const Fields& fields, Name name) {
   const auto count = fields.count(name);
   if (count == 0) return std::nullopt;
   const auto value = fields[name];
@@ -72,6 +73,7 @@ WebRequest request_of(const http::request<Body>& message) {
   request.origin = only_field(message, http::field::origin);
   request.content_type = only_field(message, http::field::content_type).value_or("");
   request.authorization = only_field(message, http::field::authorization).value_or("");
+  request.api_key = only_field(message, beast::string_view("X-Api-Key")).value_or("");
   request.is_upgrade = websocket::is_upgrade(message);
   return request;
 }
@@ -85,6 +87,7 @@ struct WebServer::Parts {
   Parts(WebSite& its_site, WebLimits its_limits) : site(its_site), limits(its_limits) {}
 
   void accept();
+  void send(ClientNumber client, std::string content, bool is_text);
 
   WebSite& site;
   WebLimits limits;
@@ -124,10 +127,10 @@ class WebServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
     });
   }
 
-  void send(std::string text) {
-    if (queued_bytes_ + text.size() > parts_.limits.queue_bytes) return drop();
-    queued_bytes_ += text.size();
-    queue_.push_back(std::move(text));
+  void send(std::string content, bool is_text) {
+    if (queued_bytes_ + content.size() > parts_.limits.queue_bytes) return drop();
+    queued_bytes_ += content.size();
+    queue_.push_back({std::move(content), is_text});
     if (queue_.size() == 1) write();
   }
 
@@ -144,6 +147,11 @@ class WebServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
   }
 
  private:
+  struct Message {
+    std::string content;
+    bool is_text;
+  };
+
   void read() {
     stream_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
       if (error) return self->drop();
@@ -156,11 +164,11 @@ class WebServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
 
   void write() {
     written_at_ = Clock::now();
-    stream_.text(true);
-    stream_.async_write(asio::buffer(queue_.front()),
+    stream_.text(queue_.front().is_text);
+    stream_.async_write(asio::buffer(queue_.front().content),
                         [self = shared_from_this()](error_code error, std::size_t) {
                           if (error) return self->drop();
-                          self->queued_bytes_ -= self->queue_.front().size();
+                          self->queued_bytes_ -= self->queue_.front().content.size();
                           self->queue_.pop_front();
                           if (!self->queue_.empty()) self->write();
                         });
@@ -170,7 +178,7 @@ class WebServer::Parts::Socket : public std::enable_shared_from_this<Socket> {
   ClientNumber number_;
   websocket::stream<beast::tcp_stream, false> stream_;  // without compression
   beast::flat_buffer buffer_;
-  std::deque<std::string> queue_;
+  std::deque<Message> queue_;
   std::size_t queued_bytes_ = 0;
   Clock::time_point written_at_{};
 };
@@ -326,11 +334,19 @@ void WebServer::post(std::function<void()> work) { asio::post(parts_->io, std::m
 
 void WebServer::stop() { parts_->io.stop(); }
 
+void WebServer::Parts::send(ClientNumber client, std::string content, bool is_text) {
+  const auto found = sockets.find(client);
+  if (found == sockets.end()) return;
+  const std::shared_ptr<Socket> socket = found->second;  // send() may drop it
+  socket->send(std::move(content), is_text);
+}
+
 void WebServer::send(ClientNumber client, std::string text) {
-  const auto found = parts_->sockets.find(client);
-  if (found == parts_->sockets.end()) return;
-  const std::shared_ptr<Parts::Socket> socket = found->second;  // send() may drop it
-  socket->send(std::move(text));
+  parts_->send(client, std::move(text), true);
+}
+
+void WebServer::send_bytes(ClientNumber client, std::string bytes) {
+  parts_->send(client, std::move(bytes), false);
 }
 
 bool WebServer::is_behind(ClientNumber client) const {

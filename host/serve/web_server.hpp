@@ -20,7 +20,7 @@ namespace lamplock::serve {
 /// A request, whose body may not have been read yet. A header that was sent several times is empty:
 /// two readers could take different ones.
 struct WebRequest {
-  std::string method, target, host, content_type, authorization;
+  std::string method, target, host, content_type, authorization, api_key;
   std::string local, remote;  ///< addresses of the two ends: "127.0.0.1"
   std::optional<std::string> origin{};
   bool is_upgrade = false;  ///< to a WebSocket
@@ -82,6 +82,8 @@ class WebServer {
 
   /// Queues a message; the client is dropped if its queue is full.
   void send(ClientNumber client, std::string text);
+  /// The same as a binary message.
+  void send_bytes(ClientNumber client, std::string bytes);
   /// Messages for this client wait.
   bool is_behind(ClientNumber client) const;
   void drop(ClientNumber client);

@@ -28,7 +28,7 @@ INSTANTIATE_TEST_SUITE_P(all, CommandHelp,
                          testing::Values("example", "points", "order", "job", "send", "engrave",
                                          "frame", "compare", "sim", "chip", "bench", "check",
                                          "settings", "console", "raster", "estimate", "material",
-                                         "serve"),
+                                         "serve", "watch"),
                          [](const auto& test) { return test.param; });
 
 TEST(Usage, help_lists_every_command) {

@@ -131,7 +131,7 @@ export class Page {
     return this.#browser.send(method, params, this.#session);
   }
 
-  async start(url, { width = 1280, height = 900, scale = 1, dark = false, touch = false, still = true }) {
+  async start(url, { width = 1280, height = 900, scale = 1, dark = false, touch = false, still = true, before = '' }) {
     for (const domain of ['Page', 'Runtime', 'Network', 'Log']) await this.send(`${domain}.enable`);
     await this.send('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: scale, mobile: touch });
     if (touch) await this.send('Emulation.setTouchEmulationEnabled', { enabled: true });
@@ -141,6 +141,7 @@ export class Page {
         { name: 'prefers-reduced-motion', value: still ? 'reduce' : 'no-preference' },
       ],
     });
+    if (before !== '') await this.send('Page.addScriptToEvaluateOnNewDocument', { source: before });
     const loaded = new Promise((resolve) => { this.loaded = resolve; });
     await this.send('Page.navigate', { url });
     await loaded;

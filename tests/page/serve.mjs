@@ -4,90 +4,17 @@
 // usage: node serve.mjs LAMPLOCK [FOLDER_FOR_PICTURES]
 // exit status: 0 passed; 1 failed; 77 no Chromium (toolchain/setup test, or the variable CHROMIUM)
 
-import { spawn, spawnSync } from 'node:child_process';
-import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { spawnSync } from 'node:child_process';
 import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 
 import { Browser } from './browser.mjs';
-
-const not_there = 77;
-const [program, pictures] = process.argv.slice(2);
-if (program === undefined) {
-  console.log('usage: node serve.mjs LAMPLOCK [FOLDER_FOR_PICTURES]');
-  process.exit(2);
-}
-const chromium = process.env.CHROMIUM ?? 'chromium';
-if (spawnSync(chromium, ['--version']).status !== 0) {
-  console.log(`${chromium} is not installed; run toolchain/setup`);
-  process.exit(not_there);
-}
-const folder = mkdtempSync(join(tmpdir(), 'lamplock-serve-'));
-const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
+import { call, check, chromium, drop, end, folder, keep_picture, open, program, sleep, start_server, text_of, until } from './serve_tools.mjs';
 
 // Limits of times hold on a computer with time for the test; the test prints what it measures.
 const busy_ms = 150;
 
-let server, failures = 0;
-function check(what, holds, more = '') {
-  console.log(`${holds ? 'ok    ' : 'FAILED'}  ${what}`);
-  if (holds) return;
-  ++failures;
-  if (more !== '') console.log(`        ${JSON.stringify(more)}`);
-}
-
-async function keep_picture(page, name) {
-  if (pictures === undefined) return;
-  mkdirSync(pictures, { recursive: true });
-  writeFileSync(join(pictures, `${name}.png`), await page.picture(true));
-}
-
-// The server; its address is in its first line.
-function start_server(...options) {
-  const child = spawn(program, ['serve', '--board', 'virtual', '--port', '0', '--folder', join(folder, 'jobs'), ...options],
-                      { stdio: ['ignore', 'pipe', 'inherit'] });
-  return new Promise((resolve, reject) => {
-    child.on('exit', (code) => reject(new Error(`serve has ended (${code})`)));
-    child.stdout.setEncoding('utf8');
-    child.stdout.on('data', (text) => {
-      const address = /page: (\S+)/.exec(text)?.[1];
-      if (address) resolve({ child, address, origin: new URL(address).origin, token: address.split('token=')[1] });
-    });
-  });
-}
-
-let calls = 0;
-async function call(server, method, params = {}) {
-  const reply = await fetch(`${server.origin}/api`, {
-    method: 'POST', headers: { Authorization: `Bearer ${server.token}`, 'Content-Type': 'application/json' },
-    body: JSON.stringify({ jsonrpc: '2.0', id: ++calls, method, params }),
-  });
-  return (await reply.json()).result;
-}
-
-async function until(what, holds, ms = 8000) {
-  const end = Date.now() + ms;
-  let value = false;
-  while (Date.now() < end && !(value = await holds())) await sleep(20);
-  check(what, Boolean(value));
-}
-
-const text_of = (page, id) => page.ask(`document.getElementById('${id}')?.textContent ?? ''`);
-
-async function open(browser, server, options) {
-  const page = await browser.open(server.address, options);
-  await until('the page shows the state', async () => (await text_of(page, 'state')) === 'Idle');
-  return page;
-}
-
-async function drop(page, name, text) {
-  await page.ask(`(() => {
-    const files = new DataTransfer();
-    files.items.add(new File([${JSON.stringify(text)}], ${JSON.stringify(name)}));
-    document.getElementById('drop').dispatchEvent(new DragEvent('drop', { dataTransfer: files, bubbles: true }));
-  })()`);
-}
+let server;
 
 const key = (page, type, code) => page.send('Input.dispatchKeyEvent', { type, code, key: code });
 const place = async (server) => (await call(server, 'status')).board.machine;
@@ -207,7 +134,10 @@ async function deaths(server) {
 
 async function size(server) {
   let bytes = 0;
-  for (const target of ['/', '/link.js', '/jog.js', '/job.js', '/main.js'])
+  const html = await (await fetch(server.origin)).text();
+  const scripts = [...html.matchAll(/(?:src|href)="(\/[^"]+)"/g)].map(([, target]) => target);
+  check('all scripts are counted', scripts.includes('/main.js') && scripts.length >= 7, scripts);
+  for (const target of ['/', ...scripts])
     bytes += gzipSync(Buffer.from(await (await fetch(server.origin + target)).arrayBuffer())).length;
   console.log(`        ${bytes} bytes by gzip`);
   check('the page has at most 150 kB', bytes <= 150_000, bytes);
@@ -266,9 +196,5 @@ try {
   check('Ctrl-C ends the server', (await new Promise((done) => server.child.on('exit', done))) === 130);
 } catch (error) {
   check(error.stack, false);
-} finally {
-  server?.child.kill('SIGKILL');  // if it has not ended
-  rmSync(folder, { recursive: true, force: true });
 }
-console.log(failures === 0 ? 'passed' : `${failures} failed`);
-process.exit(failures === 0 ? 0 : 1);
+end(server);

@@ -162,6 +162,7 @@ std::optional<std::string> RawClient::take_frame() {
   const std::string payload = received_.substr(head, length);
   received_.erase(0, head + length);
   if (opcode == 1) return payload;
+  if (opcode == 2) bytes_ = payload;
   if (opcode == 9) send_frame(10, payload);
   if (opcode == 8) socket_.close();
   return take_frame();

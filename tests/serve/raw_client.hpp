@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace lamplock::serve::test {
 
@@ -60,6 +61,8 @@ class RawClient {
   std::int64_t time() const { return time_; }
   /// Receives for this time.
   void watch(std::chrono::milliseconds time);
+  /// The last binary message.
+  std::string take_bytes() { return std::exchange(bytes_, {}); }
   RawSocket& socket() { return socket_; }
 
  private:
@@ -67,7 +70,7 @@ class RawClient {
   std::optional<std::string> take_frame();
 
   RawSocket socket_;
-  std::string received_;
+  std::string received_, bytes_;
   Json status_;
   std::int64_t time_ = 0;
   int last_id_ = 0;

@@ -68,6 +68,7 @@ RunningServer::RunningServer(const RunningOptions& options)
   site.is_simulated = options.is_simulated;
   site.token = token;
   site.code = pairing_code;
+  site.octoprint_key = options.octoprint_key;
   if (!options.password.empty()) site.password_hash = password_hash(options.password);
   server_ = std::make_unique<Server>(site, JobFolder(folder_));
   web_ = std::make_unique<WebServer>("127.0.0.1", 0, *server_, options.limits);

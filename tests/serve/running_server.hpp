@@ -29,6 +29,7 @@ struct RunningOptions {
   bool is_simulated = true;  ///< as the server thinks: false, firing needs pairing
   WebLimits limits{};
   std::string password{};
+  std::string octoprint_key{};
 };
 
 class RunningServer {

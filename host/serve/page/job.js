@@ -5,13 +5,17 @@ const clock = (seconds) => {
   return s < 60 ? `${s} s` : `${Math.floor(s / 60)} min ${String(s % 60).padStart(2, '0')} s`;
 };
 
+const is_job = (name) => /\.llj$/i.test(name);
+
 export class Jobs {
   #link;
   #element;
+  #cloud;
   #picture = '';
 
-  constructor(link, element, show_problem) {
+  constructor(link, element, cloud, show_problem) {
     this.#link = link;
+    this.#cloud = cloud;
     this.#element = element;
     this.show_problem = show_problem;
     const drop = element('drop');
@@ -30,9 +34,14 @@ export class Jobs {
 
   get name() { return this.#element('jobs').value; }
 
+  // Files that a machine can run, and those of which the page makes jobs.
   async list(chosen = this.name) {
     const files = await this.#link.call('job.list');
-    this.#element('jobs').replaceChildren(...files.map(({ name }) => new Option(name, name, false, name === chosen)));
+    const fill = (id, runs, value) => this.#element(id).replaceChildren(...files
+      .filter(({ kind }) => runs === ['job', 'program'].includes(kind))
+      .map(({ name }) => new Option(name, name, false, name === value)));
+    fill('jobs', true, chosen);
+    fill('models', false, files.some(({ name }) => name === chosen) ? chosen : this.#element('models').value);
   }
 
   async #send(files) {
@@ -46,7 +55,7 @@ export class Jobs {
         continue;
       }
       await this.list(file.name);
-      await this.check();
+      if (this.name === file.name) await this.check();
     }
     this.#element('file').value = '';
   }
@@ -55,12 +64,14 @@ export class Jobs {
     this.#element('checked').textContent = '';
     this.#element('problems').replaceChildren();
     this.#element('picture').hidden = true;
+    this.#cloud.close();
   }
 
   async check() {
     if (!this.name) return;
     this.#show_nothing();
     this.#element('checked').textContent = 'checking';
+    if (is_job(this.name)) this.#cloud.open(this.name).catch(() => {});
     const result = await this.#link.call('job.check', { name: this.name }).catch(() => null);
     if (!result) return this.#show_nothing();
     const facts = [result.points ? `${result.points} points` : `${result.lines} lines`];
@@ -75,7 +86,7 @@ export class Jobs {
       item.textContent = `line ${line}: ${text}`;
       return item;
     }));
-    if (!result.picture) return;
+    if (!result.picture || result.points) return;
     URL.revokeObjectURL(this.#picture);
     this.#picture = URL.createObjectURL(new Blob([result.picture], { type: 'image/svg+xml' }));
     this.#element('picture').src = this.#picture;

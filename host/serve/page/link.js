@@ -31,6 +31,7 @@ export class Link {
   #socket = null;
   #waiting = new Map();
   #next = 1;
+  #frame = null;
   #session = random_text().slice(0, 8);
   #on;
 
@@ -52,6 +53,7 @@ export class Link {
 
   #connect() {
     const socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws`);
+    socket.binaryType = 'arraybuffer';
     let is_up = false, refusal = '';
     socket.onopen = async () => {
       this.#socket = socket;
@@ -67,7 +69,7 @@ export class Link {
         socket.close();
       }
     };
-    socket.onmessage = ({ data }) => this.#take(JSON.parse(data));
+    socket.onmessage = ({ data }) => data instanceof ArrayBuffer ? this.#keep(data) : this.#take(JSON.parse(data));
     socket.onclose = () => {
       this.#socket = null;
       for (const { reject } of this.#waiting.values()) reject(new Error('no connection to the server'));
@@ -89,6 +91,19 @@ export class Link {
     clearTimeout(waiting.timer);
     if (message.error) waiting.reject(Object.assign(new Error(message.error.message), { code: message.error.code }));
     else waiting.resolve(message.result);
+  }
+
+  // A message of cloud.points comes before the result.
+  #keep(data) {
+    const [cloud, from] = new Uint32Array(data, 0, 2);
+    this.#frame = { cloud, from, numbers: new Uint16Array(data, 8) };
+  }
+
+  // The points of cloud.points, whose result has come.
+  take_frame(cloud, from) {
+    const frame = this.#frame;
+    this.#frame = null;
+    return frame?.cloud === cloud && frame.from === from ? frame.numbers : null;
   }
 
   #ask(method, params = {}) {

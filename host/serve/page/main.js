@@ -1,9 +1,11 @@
 // The page of a machine. It shows the status of the server and asks for actions; it keeps no state
 // of the machine.
 
+import { CloudView } from '/cloud.js';
 import { Jobs } from '/job.js';
 import { Jogger } from '/jog.js';
 import { Link, keep_token, merge, take_token } from '/link.js';
+import { Placer } from '/place.js';
 
 const element = (id) => document.getElementById(id);
 const max_lines = 500;
@@ -33,6 +35,7 @@ function show() {
   element('write').disabled = !control.own || changes().length === 0;
   element('start').disabled = !control.own || job.running;
   jobs.show(job);
+  cloud.follow(status, jobs.name);
 }
 
 const link = new Link(take_token(), {
@@ -68,8 +71,15 @@ const link = new Link(take_token(), {
     if (is_at_end) box.scrollTop = box.scrollHeight;
   },
 });
+const cloud = new CloudView(link, element);
 const jogger = new Jogger(link, element);
-const jobs = new Jobs(link, element, show_problem);
+const jobs = new Jobs(link, element, cloud, show_problem);
+
+// After a job was made, it is checked; after a description was written, it is listed.
+new Placer(link, element, cloud, show_problem, async (name) => {
+  await jobs.list(name);
+  if (name) await jobs.check();
+});
 
 element('stop').addEventListener('click', () => {
   jogger.end();

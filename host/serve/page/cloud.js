@@ -1,0 +1,188 @@
+// The points of a job in four views: a sample from the server, and the exact points near the cursor.
+
+import { make_painter, no_map, uses_webgl } from '/cloud_painter.js';
+import { Views } from '/views.js';
+
+const near_px = 40, pick_px = 8;
+
+export class CloudView {
+  #link;
+  #element;
+  #cloud = null;  // result of cloud.open
+  #bounds = [[-50, -50, -50], [50, 50, 50]];
+  #frames = [];   // boxes with a colour
+  #near = [];     // exact points near the cursor
+  #cursor = null;
+  #asks = false;
+  #machine = null;
+  #opened = 0;    // counts: an answer for a file that is no longer shown is dropped
+
+  constructor(link, element) {
+    this.#link = link;
+    this.#element = element;
+    this.views = new Views(element('views'), element('marks'));
+    this.views.layers.push(this);
+    this.views.hover = (cursor) => this.#hover(cursor);
+    element('which').addEventListener('change', ({ target }) => {
+      this.views.which = target.value;
+      this.fit();
+    });
+    element('view-fit').addEventListener('click', () => this.fit());
+    element('view-in').addEventListener('click', () => this.views.zoom(1.5));
+    element('view-out').addEventListener('click', () => this.views.zoom(1 / 1.5));
+  }
+
+  fit() { this.views.fit(this.#bounds); }
+
+  close() {
+    ++this.#opened;
+    this.#cloud = null;
+    this.#near = [];
+    this.#element('view').hidden = true;
+    delete this.#element('views').dataset.shown;
+  }
+
+  // Shows the points of a file as they come.
+  async open(name) {
+    this.close();
+    const cloud = await this.#link.call('cloud.open', { name });
+    if (cloud.points > 0) await this.#show_cloud(cloud);
+  }
+
+  async #show_cloud(cloud) {
+    this.#cloud = cloud;
+    this.#bounds = cloud.bounds;
+    this.#frames = [{ box: cloud.area, colour: '--line', dash: [] }, { box: cloud.bounds, colour: '--strong', dash: [4, 4] }];
+    this.#element('cloud-text').textContent = cloud.shown < cloud.points
+      ? `${cloud.points} points; ${cloud.shown} of them are drawn, and all near the cursor` : `${cloud.points} points`;
+    await this.#draw([{ ...cloud, map: no_map }]);
+  }
+
+  // Objects that are placed: each has a cloud and a map. place() changes the maps.
+  async show_scene({ objects, area, block }, map_of) {
+    this.close();
+    this.#bounds = block ?? area;
+    this.#frames = [{ box: area, colour: '--line', dash: [] }];
+    if (block) this.#frames.push({ box: block, colour: '--strong', dash: [] });
+    this.#element('cloud-text').textContent = 'points are a sketch; the job is made by the server';
+    await this.#draw(objects.map((object) => ({ ...object, map: map_of(object) })));
+  }
+
+  place(maps) {
+    this.painter.parts.forEach((part, i) => { part.map = maps[i] ?? part.map; });
+    this.views.draw_soon();
+  }
+
+  // Draws points of clouds as they come.
+  async #draw(clouds) {
+    const own = ++this.#opened;
+    let first = 0;
+    const parts = clouds.map(({ shown, bounds, map }) => ({ first: (first += shown) - shown, count: shown, bounds, map }));
+    this.#begin_painter();
+    const [low, high] = this.#bounds;
+    this.painter.begin(parts, Math.max(...low.map((value, i) => high[i] - value)));
+    this.#element('view').hidden = false;
+    this.fit();
+    for (const [i, { cloud, shown }] of clouds.entries()) {
+      for (let from = 0; from < shown;) {
+        const { count } = await this.#link.call('cloud.points', { cloud, from });
+        const numbers = this.#link.take_frame(cloud, from);
+        if (own !== this.#opened || !numbers || count === 0) return;
+        this.painter.put(parts[i].first + from, numbers);
+        from += count;
+        this.views.draw_soon();
+        requestAnimationFrame(() => { this.#element('views').dataset.shown = this.painter.count; });
+      }
+    }
+  }
+
+  // With the first cloud: the page is there sooner.
+  #begin_painter() {
+    if (this.painter) return;
+    this.painter = this.views.painter = make_painter(this.#element('points'));
+    this.#element('webgl-text').hidden = uses_webgl(this.painter);
+  }
+
+  // The machine, and how much of the job is done.
+  follow({ board = {}, job = {} }, name) {
+    const done = job.name === name && job.total ? job.done / job.total : 0;
+    const machine = board.machine?.length >= 2 ? [...board.machine, 0].slice(0, 3) : null;
+    if (done === this.painter?.done && String(machine) === String(this.#machine)) return;
+    this.#machine = machine;
+    if (this.painter) this.painter.done = done;
+    if (this.#cloud) this.views.draw_soon();
+  }
+
+  #hover(cursor) {
+    this.#cursor = cursor;
+    if (!cursor) this.#near = [];
+    this.#show_cursor();
+    this.#ask();
+  }
+
+  #show_cursor() {
+    const picked = this.#picked();
+    const parts = [];
+    if (this.#cursor && this.#cursor.pane.name !== 'camera') parts.push(this.views.text_of(this.#cursor));
+    if (picked) parts.push(`point ${picked.number}: ${picked.place.map((mm, i) => `${'XYZ'[i]} ${mm.toFixed(3)}`).join(' ')} mm`);
+    this.#element('cursor').textContent = parts.join('; ') || ' ';
+  }
+
+  // The nearest exact point, if the cursor is on it.
+  #picked() {
+    const point = this.#near[0];
+    if (!point || !this.#cursor) return null;
+    const { x, y } = this.views.to_canvas(this.#cursor.pane, point.place);
+    return Math.hypot(x - this.#cursor.at.x, y - this.#cursor.at.y) <= pick_px ? point : null;
+  }
+
+  // One question at a time: the last cursor is asked for when the answer has come.
+  async #ask() {
+    if (this.#asks || !this.#cursor || !this.#cloud) return;
+    this.#asks = true;
+    try {
+      for (let asked = null; this.#cursor && this.#cursor !== asked;) {
+        asked = this.#cursor;
+        this.#near = await this.#link.call('cloud.near', {
+          cloud: this.#cloud.cloud, at: this.views.to_place(asked.pane, asked.at), along: asked.pane.back,
+          mm: near_px / this.views.scale,
+        });
+        this.#show_cursor();
+        this.views.draw_marks_soon();
+      }
+    } catch {
+      this.#near = [];
+    } finally {
+      this.#asks = false;
+    }
+  }
+
+  // Marks over the points.
+  draw(context, pane, colour) {
+    for (const { box, colour: name, dash } of this.#frames) {
+      context.setLineDash(dash);
+      context.strokeStyle = colour(name);
+      this.views.frame(context, pane, box);
+    }
+    context.setLineDash([]);
+    context.fillStyle = colour('--near');
+    for (const { place } of this.#near) {
+      const { x, y } = this.views.to_canvas(pane, place);
+      context.fillRect(x - 1.5, y - 1.5, 3, 3);
+    }
+    this.#cross(context, pane, this.#picked()?.place, colour('--near'), 9);
+    this.#cross(context, pane, this.#machine, colour('--stop'), 7);
+  }
+
+  #cross(context, pane, place, colour, side) {
+    if (!place) return;
+    const { x, y } = this.views.to_canvas(pane, place);
+    context.strokeStyle = colour;
+    context.beginPath();
+    context.moveTo(x - side, y);
+    context.lineTo(x + side, y);
+    context.moveTo(x, y - side);
+    context.lineTo(x, y + side);
+    context.stroke();
+  }
+}

@@ -1,0 +1,88 @@
+// The methods cloud.* of the server.
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "host/error.hpp"
+#include "host/job/profile.hpp"
+#include "host/run/prepare.hpp"
+#include "host/run/read_job.hpp"
+#include "host/run/sent_file.hpp"
+#include "host/serve/clouds.hpp"
+#include "host/serve/json_places.hpp"
+#include "host/serve/server.hpp"
+
+namespace lamplock::serve {
+namespace {
+
+using Json = nlohmann::json;
+
+geometry::Point point_of(const Json& place) { return {place[0], place[1], place[2]}; }
+
+void put_number(std::string& bytes, std::uint64_t number) {
+  for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(number >> shift & 0xff);
+}
+
+std::shared_ptr<const Cloud> read_cloud(const std::string& path, const std::string& name) {
+  if (run::kind_of_sent_file(path) != run::SentKind::job)
+    throw Error(Exit::bad_input, name, "is a program, which has no points", "check it instead");
+  return std::make_shared<const Cloud>(run::read_prepared_job(path).points);
+}
+
+Json cloud_json(const OpenCloud& open, const run::MachineOptions& machine) {
+  const Cloud& cloud = *open.cloud;
+  return {{"cloud", open.number},
+          {"points", cloud.size()},
+          {"shown", cloud.shown()},
+          {"bounds", box_json(cloud.bounds())},
+          {"area", box_json(run::work_space_mm(machine.profile().settings))}};
+}
+
+}  // namespace
+
+void Server::open_cloud(const Call& call) {
+  const std::string name = call.parameters()["name"];
+  const std::string path = folder_.path_of(name).string();
+  const std::string file = state_of(path);
+  if (const OpenCloud* open = clouds_->find_file(file))
+    return succeed(call, cloud_json(*open, options_.machine));
+  const auto made = std::make_shared<std::shared_ptr<const Cloud>>();
+  compute(
+      call, [made, path, name] { *made = read_cloud(path, name); },
+      [this, made, file] { return cloud_json(clouds_->add(file, *made), options_.machine); });
+}
+
+/// The message begins with the number of the cloud and of the first point, 32 bits each.
+void Server::send_cloud_points(const Call& call) {
+  if (call.client == 0)
+    throw Error(Exit::bad_input, "cloud.points", "is for WebSockets", "open one");
+  const std::uint64_t number = call.parameters()["cloud"];
+  const std::size_t from = call.parameters()["from"];
+  const std::string points = clouds_->find(number).cloud->part(from);
+  std::string bytes;
+  put_number(bytes, number);
+  put_number(bytes, from);
+  web_->send_bytes(call.client, bytes + points);
+  succeed(call, {{"count", points.size() / Cloud::bytes_per_point}});
+}
+
+void Server::find_near_points(const Call& call) {
+  const Json& given = call.parameters();
+  const Sight sight{point_of(given["at"]), point_of(given["along"])};
+  if (sight.along == geometry::Point{})
+    throw Error(Exit::bad_input, "along", "has no direction", "give a vector other than 0, 0, 0");
+  const auto found = std::make_shared<std::vector<NearPoint>>();
+  compute(
+      call,
+      [found, sight, mm = given["mm"].get<double>(), cloud = clouds_->find(given["cloud"]).cloud] {
+        *found = cloud->near(sight, mm);
+      },
+      [found] {
+        Json points = Json::array();
+        for (const NearPoint& each : *found)
+          points.push_back({{"number", each.number}, {"place", place_json(each.place)}});
+        return points;
+      });
+}
+
+}  // namespace lamplock::serve
