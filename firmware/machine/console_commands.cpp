@@ -140,7 +140,7 @@ GcodeError MachineConsole::request_loader() {
 GcodeError MachineConsole::change_setting(std::string_view line) {
   const settings::SettingLine asked = settings::read_setting(line);
   if (asked.error != GcodeError::none) return asked.error;
-  if (!may_be_changed()) return GcodeError::not_idle;
+  if (!may_be_changed() && !mends_drives(asked.id)) return GcodeError::not_idle;
   settings::Values values = stored_;
   values.set_milli(asked.id, asked.milli);
   if (const GcodeError error = refuse_for_board(values); error != GcodeError::none) return error;
@@ -148,6 +148,16 @@ GcodeError MachineConsole::change_setting(std::string_view line) {
   if (check_settings(values, setting) != Result::ok) return refuse_settings(values, setting);
   if (!(values == stored_)) take_over(values);
   return GcodeError::none;
+}
+
+/// During the e-stop of a board whose drives stay off for a stored setting, the settings of drives.
+bool MachineConsole::mends_drives([[maybe_unused]] Id id) {
+#if LAMPLOCK_DRIVE_SETTINGS
+  return id >= Id::drive_current_x && machine_.state() == State::estop && nothing_is_under_way() &&
+         unfit_drive_setting(board_, stored_) != Id::count;
+#else
+  return false;
+#endif
 }
 
 /// Reports which setting the board does not have, if there is one.

@@ -159,6 +159,8 @@ class Controller : private MachineConsole {
   using MachineWork::change_beat;
   /// The user has requested the boot loader of the board; the machine is at rest and stays so.
   bool loader_requested() const { return loader_requested_; }
+  /// The board has disabled the drives for a while: steps wait until they hold again.
+  void drives_were_off() { drives_.were_off(); }
   using MachineParts::report_message;
 
   /// The planner that the board must load, none if there is no need

@@ -106,6 +106,11 @@ Exit cut_drawing(const CutOptions& options) {
     throw Error(Exit::bad_input, "lamplock cut", "no output file is given",
                 "give -o FILE.ngc, --picture FILE.svg, --page FILE.html, --board NAME or --list");
   }
+  // Before files are written.
+  if (request.is_for_board)
+    run::check_program_options(
+        options.board,
+        {options.input, request.output, request.picture, request.page, request.save}, console);
   const run::CutResult result =
       makes ? run::make_cut(request, console) : run::list_shapes(request.description, console);
   if (options.list) show_list(result, console);

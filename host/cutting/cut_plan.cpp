@@ -91,6 +91,7 @@ class Planner {
       position_ = stroke.back().edge.to;
     }
     plan_.cuts.push_back(std::move(cut));
+    plan_.cuts.back().number = plan_.cuts.size();
   }
 
   /// Lines back and forth, each with its run-up and the gaps between pieces dark.

@@ -48,7 +48,8 @@ Json operations_json(const std::vector<Operation>& operations) {
 Json cuts_json(const std::vector<PageCut>& cuts) {
   Json rows = Json::array();
   for (const PageCut& cut : cuts)
-    rows.push_back({{"name", cut.name},
+    rows.push_back({{"number", cut.number},
+                    {"name", cut.name},
                     {"operation", cut.operation},
                     {"begin_s", cut.begin_s},
                     {"end_s", cut.end_s}});

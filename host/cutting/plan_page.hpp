@@ -29,6 +29,7 @@ struct TimedPiece {
 };
 
 struct PageCut {
+  std::size_t number = 1;  ///< in the order of the whole plan
   std::string name, operation;
   double begin_s = 0, end_s = 0;
 };

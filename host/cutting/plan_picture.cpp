@@ -224,7 +224,7 @@ class PlanPicture {
       dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\"/>\n",
                           view_.px(at.x), view_.py(at.y), std::max(1.2, size / 5), lead_colour);
       out += svg::text_at(view_.px(at.x) + size / 3, view_.py(at.y) - size / 3, "start",
-                          fmt::format("{}", i + 1));
+                          fmt::format("{}", plan_.cuts[i].number));
     }
     return dots + out + "</g>\n";
   }

@@ -127,7 +127,7 @@ class ProgramWriter {
     const PlannedCut& cut = plan_.cuts[number];
     const Operation& operation = operations_[cut.operation];
     if (operation_ != cut.operation) begin_operation(cut.operation);
-    comment(fmt::format("{}: {}", number + 1, frame_.names[cut.shape]));
+    comment(fmt::format("{}: {}", cut.number, frame_.names[cut.shape]));
     if (post_.machine != MachineType::laser) return write_passes(cut, operation);
     const std::size_t passes =
         operation.z_mm.empty() ? static_cast<std::size_t>(operation.passes) : operation.z_mm.size();

@@ -335,20 +335,23 @@ const char* end_name(const ProgramOutcome& outcome) {
   return names[static_cast<std::size_t>(outcome.result.end)];
 }
 
+void check_program_options(const BoardOptions& options, const std::vector<std::string>& files,
+                           Frontend& frontend) {
+  check_options(options);
+  options.check(files);
+  require_askable(options, frontend);
+}
+
 ProgramOutcome run_program(const std::string& file, const BoardOptions& options,
                            const ProgramOptions& asked, Frontend& frontend) {
-  check_options(options);
-  options.check({file});
-  require_askable(options, frontend);
+  check_program_options(options, {file}, frontend);
   return run_program_text(file, read_program_text(file), options, asked, frontend);
 }
 
 ProgramOutcome run_program_text(const std::string& name, std::string text,
                                 const BoardOptions& options, const ProgramOptions& asked,
                                 Frontend& frontend) {
-  check_options(options);
-  options.check();
-  require_askable(options, frontend);
+  check_program_options(options, {}, frontend);
   Program program = program_of(name, std::move(text));
   const settings::Values values = asked.machine.profile().settings;
   BoardLink board(options, values);

@@ -46,10 +46,10 @@ TEST(DrivesOnTheBoard, AreSetUpAndThenEnabledTogether) {
   EXPECT_EQ(bench.enables_high(), 0u);
   ASSERT_THAT(bench.rig.answer("$1093=800"), HasSubstr("ok"));
   ASSERT_THAT(bench.rig.answer("$1096=64"), HasSubstr("ok"));
-  bench.rig.run(200 * ps_per_ms);
+  // The move waits until the drives hold: the model counts steps that come earlier.
+  bench.move();
   EXPECT_NEAR(bench.drives()[2].current_ma(boards::skr_pico.drives->sense_mohm), 796, 30);
   EXPECT_EQ(bench.drives()[1].microsteps(), 64u);
-  bench.move();
   EXPECT_EQ(bench.enables_high(), 0u);
 }
 
@@ -116,6 +116,12 @@ TEST(DrivesOnTheBoard, StayOffWithAStoredCurrentAboveTheLimit) {
   DriveBench bench(stored);
   bench.start();
   bench.expect_off("Drives off: $1093 is not permitted on this board; change it");
+  // The remedy of the message works; other settings remain closed in an e-stop.
+  EXPECT_THAT(bench.rig.answer("$110=500"), HasSubstr("error:"));
+  EXPECT_THAT(bench.rig.answer("$1093=800"), HasSubstr("ok"));
+  bench.rig.run(300 * ps_per_ms);
+  EXPECT_THAT(bench.rig.answer("$X"), HasSubstr("ok"));
+  EXPECT_EQ(bench.enables_high(), 0u);
 }
 
 TEST(DrivesOnTheBoard, RefuseSettingsOutOfTheirReach) {

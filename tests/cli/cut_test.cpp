@@ -164,11 +164,12 @@ TEST_F(Cut, continues_at_a_cut_and_runs_dark) {
   const std::string file = drawing(rounded + dxf_circle(0, 0, 4));
   made(file, {"--from", "2"});
   EXPECT_THAT(read(program_), Not(HasSubstr("cut hole")));
-  EXPECT_THAT(read(program_), HasSubstr("cut outside"));
+  EXPECT_THAT(read(program_), HasSubstr("(2: cut outside")) << "the number of the whole plan";
   made(file, {"--dry"});
   EXPECT_THAT(read(program_), Not(HasSubstr("S800")));
   std::filesystem::remove(program_);
   EXPECT_THAT(refused(file, {"--from", "3"}), HasSubstr("the plan has 2 cuts"));
+  EXPECT_THAT(refused(file, {"--board", "nosuch", "--yes"}), HasSubstr("no board 'nosuch'"));
 }
 
 TEST_F(Cut, command_line_and_description_write_the_same_bytes) {

@@ -258,6 +258,7 @@ void Board::store_settings() {
     // A move that follows in the same bytes must find the drives enabled: a tenth of a second.
     drives_.begin(features_of(map_), values, timer().timerawl);
     while (!drives_.settled()) serve_drives();
+    core_.drives_were_off();
   }
 }
 

@@ -34,6 +34,8 @@ class IdleRelease {
   /// `rests`: the machine is at rest with nothing to move it. `off`: no drive may be on (e-stop,
   /// sleep).
   void update(const settings::Values& values, std::uint64_t clock, bool rests, bool off) {
+    if (were_off_) ready_ = clock + wake_clocks;
+    were_off_ = false;
     if (off) {
       set({}, clock);
       return;
@@ -48,13 +50,18 @@ class IdleRelease {
     if (clock - since_ >= hold_clocks(values)) set(held(values), clock);
   }
 
+  /// The board had disabled the drives itself, to set them up: they wake from the next round on.
+  void were_off() { were_off_ = true; }
+
   bool on(std::size_t wire) const { return on_[wire]; }
   bool all_on() const { return on_[0] && on_[1]; }
   /// Steps may be sent.
-  bool ready(std::uint64_t clock) const { return all_on() && clock >= ready_; }
+  bool ready(std::uint64_t clock) const { return all_on() && !were_off_ && clock >= ready_; }
 
  private:
   using Wires = std::array<bool, wires>;
+  static constexpr std::uint64_t wake_clocks =
+      std::uint64_t{drive_wake_ms} * 1000 * clocks_per_us;
 
   static std::uint64_t hold_clocks(const settings::Values& values) {
     const auto ms = static_cast<std::uint32_t>(values.whole(settings::Id::idle_delay));
@@ -70,13 +77,13 @@ class IdleRelease {
   void set(const Wires& wanted, std::uint64_t clock) {
     for (std::size_t i = 0; i < wires; ++i)
       if (wanted[i] && !on_[i])
-        ready_ = clock + std::uint64_t{drive_wake_ms} * 1000 * clocks_per_us;
+        ready_ = clock + wake_clocks;
     on_ = wanted;
   }
 
   const std::uint8_t second_wire_;
   Wires on_{true, true};
-  bool rests_ = false;
+  bool rests_ = false, were_off_ = false;
   std::uint64_t since_ = 0, ready_ = 0;  ///< clocks
 };
 
