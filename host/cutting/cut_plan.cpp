@@ -238,7 +238,7 @@ class Planner {
       options.lead_out = operation.lead_out;
       options.overcut_mm = operation.overcut_mm;
       options.tabs = operation.tabs;
-      options.tabs.corner_radius_mm = options.clearance_mm;
+      options.tabs.kerf_mm = operation.kerf_mm;
     }
     try {
       return cut_path(as_cut(contour, step), options, sheet);

@@ -257,6 +257,19 @@ void warn_of_dark_pierce(const std::vector<Operation>& operations, const setting
   }
 }
 
+/// The beam removes half its width at both sides of a tab.
+void warn_of_thin_tabs(const std::vector<Operation>& operations, Frontend& frontend,
+                       CutResult& result) {
+  for (const Operation& one : operations) {
+    if (one.tabs.count == 0 || one.kerf_mm > 0) continue;
+    result.warnings.push_back(fmt::format(
+        "{}: without a kerf the tabs are narrower than {:g} mm by the width of the beam: give the "
+        "kerf",
+        one.name, one.tabs.width_mm));
+    frontend.say("warning  {}", result.warnings.back());
+  }
+}
+
 /// The time of the program, by the interpreter and the planner of the firmware.
 program_run::ProgramRun checked_run(const std::string& program, const settings::Values& values,
                                     const std::string& where) {
@@ -297,6 +310,7 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   std::vector<Operation> operations = operations_of(
       with_materials(description, request.library, frontend), post.machine, profile.settings);
   if (request.is_dry || request.is_frame) make_dry(operations, post.machine, setup.tooling);
+  warn_of_thin_tabs(operations, frontend, result);
   if (post.is_checked && post.machine == MachineType::laser) {
     warn_of_pulsed(profile.settings, frontend, result);
     warn_of_dark_pierce(operations, profile.settings, frontend, result);

@@ -99,6 +99,10 @@ void require_fit(const OperationChoice& choice, const std::string& name, Machine
   const bool has_leads = choice.lead_in != "none" || choice.lead_out != "none";
   refuse_unless(is_laser || is_mill || !has_leads, "leads");
   refuse_unless(is_laser || is_mill || choice.tabs == 0, "tabs");
+  if (is_mill && choice.tabs > 0 && choice.kerf_mm.value_or(0) == 0)
+    throw Error(Exit::bad_input, name,
+                "the mill lifts the tool over a tab and its own diameter, which is not known",
+                "give the diameter as kerf in mm");
   refuse_unless(machine != MachineType::lathe || choice.overcut_mm == 0, "overcut");
   refuse_unless(machine != MachineType::knife || choice.kerf_mm.value_or(0) == 0, "kerf");
   refuse_unless(machine != MachineType::knife || !choice.power_percent, "power");

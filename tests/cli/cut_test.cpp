@@ -419,6 +419,8 @@ TEST_F(Cut, warns_of_what_the_machine_does_not_permit) {
   };
   const std::string laser = "laser_mode = 1\n";
   EXPECT_EQ(warnings({}, laser), "[]");
+  EXPECT_EQ(warnings({"--tabs", "2", "--kerf", "0.2"}, laser), "[]");
+  EXPECT_THAT(warnings({"--tabs", "2"}, laser), HasSubstr("tabs are narrower than 0.5 mm"));
   EXPECT_THAT(warnings({}, "laser_mode = 0\n"), HasSubstr("pulsed laser"));
   EXPECT_THAT(warnings({"--pierce", "0.5"}, laser), HasSubstr("light at rest with 0 %"));
   EXPECT_EQ(warnings({"--pierce", "0.5"}, laser + "focus_power = 80\n"), "[]");
