@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/cutting/post_file.hpp"
+#include "host/cutting/post_needs.hpp"
 #include "host/duration_text.hpp"
 #include "host/error.hpp"
 #include "host/number_text.hpp"
@@ -315,12 +316,6 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
     warn_of_pulsed(profile.settings, frontend, result);
     warn_of_dark_pierce(operations, profile.settings, frontend, result);
   }
-  for (const Operation& operation : operations)
-    if (operation.compensation == cutting::Compensation::controller &&
-        post.of(cutting::PostEvent::left).empty())
-      throw Error(Exit::bad_input, description.machine.post,
-                  "this post-processor has no lines for compensation by the controller",
-                  "write left, right and uncompensated into it, or use compensation auto");
   CutPlan plan =
       cutting::plan_cuts(drawing.shapes, operations, {0, 0}, order_of(description.machine));
   for (const std::string& text : fault_texts(plan.faults, description.drawing.tolerance_mm)) {
@@ -329,6 +324,11 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   }
   begin_at(request.first, plan);
   if (request.is_frame) run_around(plan, operations);
+  for (const std::string& text :
+       cutting::require_lines(post, description.machine.post, plan, operations)) {
+    frontend.say("warning  {}", text);
+    result.warnings.push_back(text);
+  }
   measure_plan(plan, operations, setup, result);
   require_inside(description.drawing.file, result.box, profile.settings);
   frontend.phase("plan", fmt::format("{}, {} mm to cut, {} mm of rapids, {}",

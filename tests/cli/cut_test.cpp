@@ -369,6 +369,61 @@ end = "%"
               HasSubstr("the interpreter refuses line"));
 }
 
+/// Without its line a thing that was asked for would be missing, or the light would be on.
+TEST_F(Cut, a_post_processor_has_the_lines_that_a_job_needs) {
+  const std::string file = drawing(square + dxf_circle(20, 20, 3, "SQUARE"));
+  const auto post = [&](const std::string& lines) {
+    return folder_.write("own.toml",
+                         "checked = false\n[lines]\nrapid = \"G0 X{x} Y{y}\"\n"
+                         "line = \"G1 X{x} Y{y}[ F{feed}]\"\narc_cw = \"G2 X{x} Y{y} I{i} "
+                         "J{j}[ F{feed}]\"\narc_ccw = \"G3 X{x} Y{y} I{i} J{j}[ F{feed}]\"\n" +
+                             lines);
+  };
+  const std::string fixed = "shape_begin = \"M3 S1000\"\nshape_end = \"M5\"\n",
+                    power = "power = \"S{power}\"\n", operation = "operation = \"S{power}\"\n";
+  struct Case {
+    Arguments more;
+    std::string lines, missing, added;
+  };
+  const std::vector<Case> cases{
+      {{"--infeed", "1", "--final-depth", "3"},
+       operation,
+       "'height' with {z}",
+       "height = \"G0 Z{z}\"\n"},
+      {{"--air"}, operation + "air_on = \"M8\"\n", "'air_off'", "air_off = \"M9\"\n"},
+      {{"--air"}, operation, "'air_on'", "air_on = \"\"\nair_off = \"\"\n"},
+      {{"--pierce", "0.5"},
+       operation + "",
+       "'pierce' with {seconds}",
+       "pierce = \"G4 P{seconds}\"\n"},
+      {{"--tabs", "2"}, operation + "shape_begin = \"M3\"\n", "'power' with {power}", power},
+      {{"--dry"}, power + "shape_begin = \"M3\"\n", "a program without light", operation},
+      {{"--frame"}, power + "shape_begin = \"M3\"\n", "a program without light", operation}};
+  for (const Case& one : cases) {
+    Arguments more = one.more;
+    more.insert(more.end(), {"--post", post(one.lines)});
+    EXPECT_THAT(refused(file, more),
+                testing::AllOf(HasSubstr("own.toml: [lines] has no"), HasSubstr(one.missing)));
+    post(one.lines + one.added);
+    EXPECT_TRUE(made(file, more).contains("cuts")) << one.lines + one.added;
+    std::filesystem::remove(program_);
+  }
+  // A fixed power is on again at each shape.
+  for (const Arguments& more : {Arguments{"--dry"}, Arguments{"--tabs", "2"}}) {
+    Arguments all = more;
+    all.insert(all.end(), {"--post", post(fixed + operation + power)});
+    EXPECT_THAT(refused(file, all), HasSubstr("the light would"));
+  }
+  EXPECT_THAT(made(file, {"--post", post(fixed)})["warnings"].dump(),
+              HasSubstr("writes the power"));
+  for (const Arguments& more : {Arguments{"--air", "--tabs", "1"}, Arguments{"--dry"}})
+    for (const char* const name : {"grbl", "cut"}) {
+      Arguments all = more;
+      all.insert(all.end(), {"--post", name});
+      EXPECT_TRUE(made(file, all).contains("cuts")) << name;
+    }
+}
+
 TEST_F(Cut, texts_are_outlines_unless_they_are_left_out) {
   const std::string text = "0\nTEXT\n8\nTXT\n62\n3\n10\n1\n20\n2\n40\n6\n1\nBi\n";
   const std::string svg = folder_.write(
