@@ -109,6 +109,37 @@ void require_fit(const OperationChoice& choice, const std::string& name, Machine
   refuse_unless(machine != MachineType::knife || !choice.has_air, "air");
 }
 
+/// Refuses values that an operation of this kind does not use.
+void require_kind(const OperationChoice& choice, const std::string& name) {
+  const OperationChoice untouched;
+  const bool is_cut = choice.kind == "cut", is_engraving = choice.kind == "engrave";
+  const auto refuse_unless = [&](bool fits, const char* what) {
+    if (fits) return;
+    throw Error(Exit::bad_input, name,
+                fmt::format("{} has no {}",
+                            is_cut         ? "a cut"
+                            : is_engraving ? "an engraving"
+                                           : "a score",
+                            what),
+                "leave it out, or choose another kind of operation");
+  };
+  const bool has_side = choice.compensation != "auto" && choice.compensation != "none";
+  refuse_unless(is_cut || (choice.lead_in == "none" && choice.lead_out == "none"), "leads");
+  refuse_unless(is_cut || choice.overcut_mm == 0, "overcut");
+  refuse_unless(is_cut || choice.tabs == 0, "tabs");
+  refuse_unless(!is_engraving || !has_side, "compensation");
+  refuse_unless(!is_engraving || choice.direction == "auto", "direction");
+  refuse_unless(!is_engraving || choice.pierce_s == 0, "pierce time");
+  const bool has_kerf = choice.kerf_mm.value_or(0) > 0;
+  refuse_unless(!is_engraving || !has_kerf, "kerf");
+  refuse_unless(is_cut || has_side || !has_kerf,
+                "kerf without compensation left, right, inside or outside");
+  const bool has_hatch =
+      choice.hatch_mm != untouched.hatch_mm || choice.hatch_deg != untouched.hatch_deg;
+  refuse_unless(is_engraving || !has_hatch, "hatch");
+  refuse_unless(is_engraving || !choice.overscan_mm, "overscan");
+}
+
 void read_operations(const toml::node& node, CutDescription& description,
                      const std::filesystem::path& file) {
   const toml::array* list = node.as_array();
@@ -213,6 +244,7 @@ cutting::Operation operation_of(const OperationChoice& choice, const std::string
   Operation operation = bare_operation(choice, name);
   if (operation.kind == OperationKind::ignore) return operation;
   require_fit(choice, name, machine);
+  require_kind(choice, name);
   // A drag knife has nothing to switch on.
   operation.power = machine == MachineType::knife
                         ? 1

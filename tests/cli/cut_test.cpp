@@ -317,6 +317,43 @@ TEST_F(Cut, bad_input_is_one_line_and_no_file) {
   EXPECT_THAT(refused(folder_ / "none.dxf", {}), HasSubstr("none.dxf"));
 }
 
+TEST_F(Cut, values_that_a_kind_of_operation_does_not_use_are_refused) {
+  const std::string file = drawing(square);
+  const std::vector<std::pair<Arguments, std::string>> of_cuts{{{"--tabs", "2"}, "tabs"},
+                                                               {{"--lead-in", "line"}, "leads"},
+                                                               {{"--lead-out", "arc"}, "leads"},
+                                                               {{"--overcut", "1"}, "overcut"},
+                                                               {{"--kerf", "0.2"}, "kerf"}};
+  for (const auto& [kind, name] :
+       {std::pair{"score", "a score"}, std::pair{"engrave", "an engraving"}})
+    for (const auto& [values, what] : of_cuts) {
+      Arguments more = values;
+      more.insert(more.end(), {"--operation", kind});
+      EXPECT_THAT(refused(file, more),
+                  HasSubstr(fmt::format("operation 1: {} has no {}", name, what)));
+    }
+  for (const Arguments& values : {Arguments{"--compensation", "left"},
+                                  Arguments{"--direction", "cw"}, Arguments{"--pierce", "1"}}) {
+    Arguments more = values;
+    more.insert(more.end(), {"--operation", "engrave"});
+    EXPECT_THAT(refused(file, more), HasSubstr("an engraving has no"));
+  }
+  for (const Arguments& values : {Arguments{"--hatch", "0.3"}, Arguments{"--hatch-angle", "30"},
+                                  Arguments{"--overscan", "0"}})
+    EXPECT_THAT(refused(file, values), HasSubstr("a cut has no"));
+  EXPECT_THAT(
+      refused({"cut",
+               folder_.write("job.toml",
+                             "[drawing]\nfile = \"part.dxf\"\n[[operation]]\nname = "
+                             "\"marks\"\nkind = \"score\"\npower = 1\nfeed = 9\ntabs = 2\n"),
+               "-o", program_}),
+      HasSubstr("marks: a score has no tabs"));
+  EXPECT_NEAR(
+      made(file, {"--operation", "score", "--kerf", "1", "--compensation", "inside"})["cut_mm"]
+          .get<double>(),
+      36, 1e-6);
+}
+
 TEST_F(Cut, descriptions_are_refused_at_their_line) {
   drawing(square);
   const auto wrong = [&](const std::string& text) {
