@@ -214,6 +214,30 @@ TEST(cut_plan, refuses_what_cannot_be_cut) {
   one.kind = OperationKind::engrave;
   one.hatch_mm = 1;
   EXPECT_THAT(refusal({open}, one), HasSubstr("has no area"));
+  one.hatch_mm = 25;
+  EXPECT_THAT(refusal({ten}, one), HasSubstr("no line of a hatch of 25 mm crosses the contour of"));
+  EXPECT_EQ(refusal({open, ten}, operation(0.5)), "");
+}
+
+/// Lines are at 1, 3, 5 ... mm: the dot between two of them is a warning.
+TEST(cut_plan, names_areas_that_no_line_of_the_hatch_crosses) {
+  Operation one = operation(0);
+  one.kind = OperationKind::engrave;
+  one.hatch_mm = 2;
+  const CutPlan plan = plan_of(
+      {polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}}), circle({20, 4}, 0.4), circle({30, 3}, 0.4)},
+      one);
+  ASSERT_EQ(plan.faults.size(), 1u);
+  EXPECT_EQ(plan.faults[0].kind, FaultKind::unhatched);
+  EXPECT_EQ(plan.faults[0].contour, 1u);
+  EXPECT_NEAR(plan.faults[0].at.x, 20, 1e-9);
+  EXPECT_NEAR(plan.faults[0].size_mm, 0.8, 1e-9);
+}
+
+TEST(cut_plan, open_contours_are_cut_on_their_line) {
+  Contour open = ten;
+  open.edges.pop_back();
+  open.closed = false;
   EXPECT_EQ(refusal({open, ten}, operation(0.5)), "");
 }
 
