@@ -197,6 +197,32 @@ std::string refusal(const std::vector<Contour>& contours, const Operation& one) 
   }
 }
 
+/// The lead that the message asks for fits: longer than half the kerf, or shorter than the waste.
+TEST(cut_plan, the_remedy_of_a_lead_is_one_that_fits) {
+  const Contour frame = polygon({{-40, -40}, {50, -40}, {50, 50}, {-40, 50}});
+  int remedies = 0;
+  for (const LeadShape shape : {LeadShape::line, LeadShape::arc})
+    for (const double angle_deg : {30.0, 90.0, 120.0})
+      for (const double size_mm : {0.05, 0.2, 0.4, 70.0})
+        for (const bool is_hole : {false, true}) {
+          std::vector<Contour> contours{ten};
+          if (is_hole) contours = {frame, circle({5, 5}, 6)};
+          Operation one = operation(1.2);
+          one.lead_in = {shape, size_mm, size_mm, angle_deg};
+          const std::string text = refusal(contours, one), begin = "; use a lead of ";
+          const std::size_t at = text.find(begin);
+          if (at == std::string::npos) continue;
+          ++remedies;
+          const double other_mm = std::stod(text.substr(at + begin.size()));
+          one.lead_in = {shape, other_mm, other_mm, angle_deg};
+          EXPECT_EQ(refusal(contours, one), "") << size_mm << " " << angle_deg;
+        }
+  EXPECT_GT(remedies, 24);
+  Operation one = operation(1.2);
+  one.lead_in = {LeadShape::line, 0.3, 0.3, 90};
+  EXPECT_THAT(refusal({ten}, one), HasSubstr("; use a lead of 0.62 mm, or none"));
+}
+
 TEST(cut_plan, refuses_what_cannot_be_cut) {
   Contour open = ten;
   open.edges.pop_back();
