@@ -78,6 +78,15 @@ TEST_F(MaterialCommand, fits_and_best_feeds_as_printed) {
   EXPECT_THAT(done({"suitable", "rubber", "--groove", "0.5"}), HasSubstr("fit for engraving"));
   EXPECT_THAT(done({"suitable", "rubber", "--groove", "0.4"}), HasSubstr("unfit"));
   EXPECT_EQ(document({"suitable", "rubber", "--passes", "3"})["verdict"], "fit for cutting");
+  const json four = document({"suitable", "rubber", "--passes", "4"});
+  EXPECT_EQ(four["verdict"], "unfit");
+  EXPECT_EQ(four["reason"],
+            "needs 4 passes to cut through, more than 3; the groove after 3 passes is not given");
+  EXPECT_THAT(done({"suitable", "rubber", "--passes", "4", "--groove", "0.7"}),
+              testing::AllOf(HasSubstr("fit for engraving"),
+                             HasSubstr("needs 4 passes to cut through, more than 3, a groove")));
+  EXPECT_THAT(done({"suitable", "rubber", "--groove", "0.7"}),
+              HasSubstr("not cut through in 3 passes, a groove of 0.7 mm"));
   EXPECT_TRUE(folder_.files().empty()) << "reading makes no library";
 }
 
