@@ -47,6 +47,9 @@ double needed(const std::optional<double>& value, const std::string& name, const
 double feed_of(const OperationChoice& choice, const std::string& name,
                const settings::Values& values) {
   const double feed = needed(choice.feed_mm_min, name, "feed", "mm/min");
+  if (feed < cutting::min_feed_mm_min)  // of a material; the parameters have the same limit
+    throw Error(Exit::bad_input, name, fmt::format("a feed of {:g} mm/min is too slow", feed),
+                fmt::format("give at least {:g} mm/min", cutting::min_feed_mm_min));
   const double limit =
       std::min(in_units(values, Id::max_rate_x, 0), in_units(values, Id::max_rate_x, 1));
   if (feed <= limit) return feed;

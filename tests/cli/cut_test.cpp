@@ -302,6 +302,10 @@ TEST_F(Cut, bad_input_is_one_line_and_no_file) {
   EXPECT_THAT(refused({"cut", file, "--power", "60", "-o", program_}), HasSubstr("has no feed"));
   EXPECT_THAT(refused({"cut", file, "--power", "60", "--feed", "60001", "-o", program_}),
               HasSubstr("give at most 60000 mm/min"));
+  EXPECT_THAT(refused({"cut", file, "--power", "60", "--feed", "0.01", "-o", program_}),
+              HasSubstr("--feed"));
+  EXPECT_THAT(refused(file, {"--operation", "engrave", "--hatch", "0.00001"}),
+              HasSubstr("--hatch"));
   EXPECT_THAT(refused({"cut", file, "--power", "101", "--feed", "60", "-o", program_}),
               HasSubstr("--power"));
   EXPECT_THAT(refused({"cut", file, "--power", "60", "--feed", "60"}), HasSubstr("-o FILE.ngc"));

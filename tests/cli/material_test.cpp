@@ -260,6 +260,8 @@ TEST_F(MaterialCommand, cards_that_a_machine_cannot_make_are_not_written) {
   EXPECT_THAT(card({}), HasSubstr("the work area 100 x 100 mm"));
   EXPECT_THAT(card({"--feeds", "60", "--corner", "60,0"}), HasSubstr("test card"));
   EXPECT_THAT(card({"--feeds", "60,1e6"}), HasSubstr("more than the machine's"));
+  EXPECT_THAT(card({"--feeds", "60,0.01"}), HasSubstr("0.01 mm/min is less than 1; give"));
+  EXPECT_THAT(card({"--feeds", "60", "--label-feed", "0.5"}), HasSubstr("less than 1"));
   EXPECT_THAT(card({"--feeds", "60", "--powers", "3.1"}), HasSubstr("more than that of the laser"));
   for (const char* feeds : {"a", "1:2:3:4", "60:", "0", "-5", "30:600:1", "30:600:2.5", "nan",
                             "1:1e9", "1.5:3", "60,,90"})
