@@ -51,7 +51,8 @@ enum class FaultKind {
   crossing,           ///< of two contours; size: 0
   narrow,    ///< the beam does not fit; size: between the points where it touches both sides
   vanished,  ///< a contour that has no offset; size: its length
-  overlap    ///< edges on the same line or arc; size: length of the common part
+  overlap,   ///< edges on the same line or arc; size: length of the common part
+  unhatched  ///< an area between two lines of its hatch; size: its height
 };
 struct Fault {
   FaultKind kind = FaultKind::gap;

@@ -99,6 +99,7 @@ class Planner {
     const Operation& operation = operations_[number];
     PlannedCut cut{number, shapes_.size(), {}};
     std::vector<Contour> contours;
+    std::vector<std::size_t> numbers, missed;
     for (std::size_t i = 0; i < shapes_.size(); ++i) {
       if (shapes_[i].operation != number) continue;
       if (!shapes_[i].contour.closed)
@@ -107,16 +108,28 @@ class Planner {
                     "close it in the drawing, or score it");
       cut.shape = std::min(cut.shape, i);
       contours.push_back(shapes_[i].contour);
+      numbers.push_back(i);
     }
     bool is_back = false;
-    for (HatchRow row : hatch(contours, {operation.hatch_mm, operation.hatch_deg})) {
+    for (HatchRow row : hatch(contours, {operation.hatch_mm, operation.hatch_deg}, &missed)) {
       if (std::exchange(is_back, !is_back)) {
         std::reverse(row.begin(), row.end());
         for (HatchPiece& piece : row) std::swap(piece.from, piece.to);
       }
       cut.strokes.push_back(stroke_of(row, operation.overscan_mm));
     }
-    if (!cut.strokes.empty()) append(std::move(cut));
+    if (contours.empty()) return;
+    if (cut.strokes.empty())
+      throw Error(Exit::bad_input, operation.name,
+                  fmt::format("no line of a hatch of {:g} mm crosses the {}", operation.hatch_mm,
+                              contour_text(contours.front())),
+                  "give a smaller hatch");
+    for (const std::size_t i : missed) {
+      const Box box = box_of(contours[i]);
+      plan_.faults.push_back(
+          {FaultKind::unhatched, (box.low + box.high) * 0.5, box.high.y - box.low.y, numbers[i]});
+    }
+    append(std::move(cut));
   }
 
   static Stroke stroke_of(const HatchRow& row, double overscan_mm) {
@@ -239,7 +252,7 @@ class Planner {
       options.lead_out = operation.lead_out;
       options.overcut_mm = operation.overcut_mm;
       options.tabs = operation.tabs;
-      options.tabs.corner_radius_mm = options.clearance_mm;
+      options.tabs.kerf_mm = operation.kerf_mm;
     }
     try {
       return cut_path(as_cut(contour, step), options, sheet);

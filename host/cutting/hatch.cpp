@@ -45,6 +45,7 @@ class Crossings {
   }
 
   std::vector<std::vector<double>>& rows() { return rows_; }
+  std::size_t count() const { return count_; }
   double height(std::size_t row) const {
     return low_ + (static_cast<double>(row) + 0.5) * distance_;
   }
@@ -67,6 +68,7 @@ class Crossings {
       if (y < low) continue;
       if (y >= high) return;
       rows_[row].push_back(x_at(part, y));
+      ++count_;
     }
   }
 
@@ -80,6 +82,7 @@ class Crossings {
 
   double low_, distance_;
   std::vector<std::vector<double>> rows_;
+  std::size_t count_ = 0;
 };
 
 Edge turned_edge(const Edge& edge, double radians) {
@@ -89,12 +92,15 @@ Edge turned_edge(const Edge& edge, double radians) {
 
 }  // namespace
 
-std::vector<HatchRow> hatch(const std::vector<Contour>& contours, const HatchOptions& options) {
+std::vector<HatchRow> hatch(const std::vector<Contour>& contours, const HatchOptions& options,
+                            std::vector<std::size_t>* missed) {
   geometry::require_positive(options.distance_mm, hatch_place, "distance");
   const double angle = options.angle_deg * std::numbers::pi / 180;
   std::vector<Edge> edges;
   Box box;
+  std::vector<std::size_t> first_edges;  // of each contour, and the end of the last one
   for (const Contour& contour : contours) {
+    first_edges.push_back(edges.size());
     if (!contour.closed) continue;
     for (const Edge& edge : contour.edges) {
       edges.push_back(turned_edge(edge, -angle));
@@ -103,8 +109,14 @@ std::vector<HatchRow> hatch(const std::vector<Contour>& contours, const HatchOpt
   }
   std::vector<HatchRow> result;
   if (edges.empty()) return result;
+  first_edges.push_back(edges.size());
   Crossings crossings(box, options.distance_mm);
-  for (const Edge& edge : edges) crossings.add(edge);
+  for (std::size_t i = 0; i < contours.size(); ++i) {
+    const std::size_t before = crossings.count();
+    for (std::size_t k = first_edges[i]; k < first_edges[i + 1]; ++k) crossings.add(edges[k]);
+    if (missed != nullptr && contours[i].closed && crossings.count() == before)
+      missed->push_back(i);
+  }
   for (std::size_t i = 0; i < crossings.rows().size(); ++i) {
     std::vector<double>& row = crossings.rows()[i];
     std::sort(row.begin(), row.end());

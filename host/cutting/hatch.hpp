@@ -22,8 +22,10 @@ struct HatchOptions {
 };
 
 /// Rows in the order of their distance from the first one, all in the same direction. A place is
-/// inside if an odd number of contours is around it; open contours are skipped. Throws Error
-/// (bad_input) for a distance that is not positive and for more than model::max_pieces rows.
-std::vector<HatchRow> hatch(const std::vector<Contour>& contours, const HatchOptions& options);
+/// inside if an odd number of contours is around it; open contours are skipped. `missed` gets the
+/// numbers of the closed contours that no row crosses, if it is not null. Throws Error (bad_input)
+/// for a distance that is not positive and for more than model::max_pieces rows.
+std::vector<HatchRow> hatch(const std::vector<Contour>& contours, const HatchOptions& options,
+                            std::vector<std::size_t>* missed = nullptr);
 
 }  // namespace lamplock::cutting

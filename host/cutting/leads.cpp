@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -22,12 +23,6 @@ constexpr double same_point_mm = 1e-9;
 constexpr double touch_mm = 1e-4;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
-
-[[noreturn]] void refuse(const Vec& at, const std::string& why) {
-  throw Error(Exit::bad_input, lead_place,
-              fmt::format("the lead at ({:.3f}, {:.3f}) does not fit: {}", at.x, at.y, why),
-              "use a shorter lead, another start point, or no lead");
-}
 
 void require_shape(const Contour& contour, const Lead& lead) {
   if (!contour.closed)
@@ -54,18 +49,68 @@ Edge lead_from(const Vec& at, const Vec& direction, const Lead& lead, WasteSide 
   return arc_from(centre, at, angle);
 }
 
-void require_fit(const Edge& lead, const Contour& contour, const LeadOptions& options,
-                 const CutSheet& sheet) {
-  const Vec &at = lead.from, &end = lead.to;
-  if (!sheet.is_free(lead, at, touch_mm)) refuse(at, "it meets a contour");
-  // It meets its own contour at its begin alone, so that all of it is on the side of its end.
-  const bool is_ccw = is_counter_clockwise(contour);
-  const bool is_inside_waste = is_ccw == (options.waste == WasteSide::left);
-  if (is_inside(contour, end) != is_inside_waste) refuse(at, "it is in the part");
-  if (sheet.room(end, options.clearance_mm) < options.clearance_mm)
-    refuse(at,
-           fmt::format("its other end is nearer than {:g} mm to a contour", options.clearance_mm));
-}
+/// A lead from a point on a contour.
+class FittingLead {
+ public:
+  /// `side` is that of the waste, seen in `direction`.
+  FittingLead(const Vec& at, const Vec& direction, WasteSide side, const Contour& contour,
+              const LeadOptions& options, const CutSheet& sheet)
+      : at_(at),
+        direction_(direction),
+        side_(side),
+        contour_(contour),
+        options_(options),
+        sheet_(sheet) {}
+
+  Edge edge() const {
+    Edge lead = lead_from(at_, direction_, options_.shape, side_);
+    const std::string fault = fault_of(lead);
+    if (fault.empty()) return lead;
+    const double size_mm = fitting_mm();
+    throw Error(Exit::bad_input, lead_place,
+                fmt::format("the lead at ({:.3f}, {:.3f}) does not fit: {}", at_.x, at_.y, fault),
+                size_mm > 0 ? fmt::format("use a lead of {:g} mm, or none", size_mm)
+                            : "use no lead, or one of another shape or angle");
+  }
+
+ private:
+  /// Empty if the lead fits.
+  std::string fault_of(const Edge& lead) const {
+    if (!sheet_.is_free(lead, at_, touch_mm)) return "it meets a contour";
+    // It meets its own contour at its begin alone, so that all of it is on the side of its end.
+    const bool is_ccw = is_counter_clockwise(contour_);
+    const bool is_inside_waste = is_ccw == (options_.waste == WasteSide::left);
+    if (is_inside(contour_, lead.to) != is_inside_waste) return "it is in the part";
+    if (sheet_.room(lead.to, options_.clearance_mm) < options_.clearance_mm)
+      return fmt::format("its other end is nearer than {:g} mm, half the kerf, to a contour",
+                         options_.clearance_mm);
+    return "";
+  }
+
+  /// A size near the one that does not fit, to 0.01 mm; 0 if there is none.
+  double fitting_mm() const {
+    constexpr double factor = 1.2, steps_per_mm = 100;
+    constexpr int tries = 20;
+    Lead lead = options_.shape;
+    const double size_mm = lead.shape == LeadShape::line ? lead.length_mm : lead.radius_mm;
+    for (int i = 1; i <= tries; ++i) {
+      for (const int power : {-i, i}) {
+        const double other_mm =
+            std::round(size_mm * std::pow(factor, power) * steps_per_mm) / steps_per_mm;
+        if (other_mm <= 0) continue;
+        lead.length_mm = lead.radius_mm = other_mm;
+        if (fault_of(lead_from(at_, direction_, lead, side_)).empty()) return other_mm;
+      }
+    }
+    return 0;
+  }
+
+  const Vec at_, direction_;
+  const WasteSide side_;
+  const Contour& contour_;
+  const LeadOptions& options_;
+  const CutSheet& sheet_;
+};
 
 }  // namespace
 
@@ -98,9 +143,8 @@ std::vector<Edge> lead_in(const Contour& contour, const LeadOptions& options,
   require_shape(contour, options.shape);
   const Edge& first = contour.edges.front();
   const WasteSide other = options.waste == WasteSide::right ? WasteSide::left : WasteSide::right;
-  const Edge away = lead_from(first.from, direction_at(first, 0) * -1, options.shape, other);
-  require_fit(away, contour, options, sheet);
-  return {reversed(away)};
+  const Vec back = direction_at(first, 0) * -1;
+  return {reversed(FittingLead(first.from, back, other, contour, options, sheet).edge())};
 }
 
 std::vector<Edge> lead_out(const Contour& contour, double along_mm, const LeadOptions& options,
@@ -111,10 +155,9 @@ std::vector<Edge> lead_out(const Contour& contour, double along_mm, const LeadOp
   const ContourPoint end =
       along_mm > 0 ? point_along(contour, along_mm) : ContourPoint{contour.edges.size() - 1, 1};
   const Edge& edge = contour.edges[end.edge];
-  const Edge away = lead_from(point_at(edge, end.part), direction_at(edge, end.part), options.shape,
-                              options.waste);
-  require_fit(away, contour, options, sheet);
-  return {away};
+  const FittingLead lead(point_at(edge, end.part), direction_at(edge, end.part), options.waste,
+                         contour, options, sheet);
+  return {lead.edge()};
 }
 
 }  // namespace lamplock::cutting

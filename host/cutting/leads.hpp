@@ -56,8 +56,8 @@ struct LeadOptions {
 };
 
 /// The way to the begin of a closed contour; nothing for LeadShape::none. It is in the waste all
-/// the way and meets no other contour. Throws Error (bad_input) if it does not fit, for an open
-/// contour, and for sizes that are not positive.
+/// the way and meets no other contour. Throws Error (bad_input) if it does not fit, with a size
+/// that does, for an open contour, and for sizes that are not positive.
 std::vector<Edge> lead_in(const Contour& contour, const LeadOptions& options,
                           const CutSheet& sheet);
 

@@ -39,6 +39,12 @@ enum class Direction : std::uint8_t {
   counter_clockwise
 };
 
+/// A slower beam or tool is a slip of units: test cuts of lasers begin at 30 mm/min, and at 1
+/// mm/min a part of 100 mm already needs 100 min.
+inline constexpr double min_feed_mm_min = 1;
+/// Closer lines are a slip, too: 2540 lines per inch, a tenth of the beam of a focused laser.
+inline constexpr double min_hatch_mm = 0.01;
+
 struct Operation {
   std::string name;
   OperationKind kind = OperationKind::cut;

@@ -156,10 +156,11 @@ class PlanPicture {
       const char* colour = nullptr;
       const auto close = [&] {
         if (data.empty()) return;
-        out += path_element(data, stroke_style(colour, width,
-                                               "stroke-opacity=\"0.75\" "
-                                               "stroke-linecap=\"round\" "
-                                               "stroke-linejoin=\"round\""));
+        // The ends of the cut are round, also at a tab.
+        const std::string ends = colour == tab_colour ? "butt" : "round";
+        const std::string style =
+            "stroke-opacity=\"0.75\" stroke-linecap=\"" + ends + "\" stroke-linejoin=\"round\"";
+        out += path_element(data, stroke_style(colour, width, style.c_str()));
         data.clear();
       };
       for (const Stroke& stroke : cut.strokes) {

@@ -37,6 +37,9 @@ void require_options(const TabOptions& options) {
   if (!(options.power >= 0 && options.power <= 1))
     throw Error(Exit::bad_input, tab_place, fmt::format("the power in tabs is {:g}", options.power),
                 "give the part of the power of the cut, 0 to 1");
+  if (!(options.kerf_mm >= 0) || !std::isfinite(options.kerf_mm))
+    throw Error(Exit::bad_input, tab_place, "the kerf is negative or no number",
+                "use 0 or more mm");
   if (!(options.corner_distance_mm >= 0) || !std::isfinite(options.corner_distance_mm))
     throw Error(Exit::bad_input, tab_place, "the distance from corners is negative or no number",
                 "use 0 or more mm");
@@ -45,16 +48,15 @@ void require_options(const TabOptions& options) {
 /// An arc round a corner, for example that of a beam round the corner of a part.
 bool is_round_corner(const Edge& edge, const TabOptions& options) {
   return !edge.is_line() && std::abs(edge.sweep) > min_corner_deg * std::numbers::pi / 180 &&
-         radius_of(edge) <= options.corner_radius_mm + tab_slack_mm;
+         radius_of(edge) <= options.kerf_mm / 2 + tab_slack_mm;
 }
 
 /// Between corners, begin and end of the contour.
 std::vector<Stretch> stretches_of(const Contour& contour, const TabOptions& options,
                                   double skipped_mm) {
-  // Tabs at both sides of the begin are a width apart, too.
-  const double away = options.corner_distance_mm + options.width_mm / 2;
-  const double away_from_ends =
-      std::max(options.corner_distance_mm, options.width_mm / 2) + options.width_mm / 2;
+  // Tabs at both sides of the begin are a way apart, too.
+  const double half = way_mm(options) / 2, away = options.corner_distance_mm + half;
+  const double away_from_ends = std::max(options.corner_distance_mm, half) + half;
   const double last = length_of(contour) - away_from_ends;
   std::vector<Stretch> stretches;
   double along = 0, begin = skipped_mm + away_from_ends;
@@ -100,14 +102,17 @@ std::vector<Tab> tabs_of(const Contour& contour, const TabOptions& options, doub
   const std::vector<Stretch> stretches = stretches_of(contour, options, skipped_mm);
   const auto refuse = [&] {
     const Vec& at = contour.edges.front().from;
-    throw Error(Exit::bad_input, tab_place,
-                fmt::format("{} tabs of {:g} mm do not fit between the corners of the contour of "
-                            "{:.3f} mm at ({:.3f}, {:.3f})",
-                            options.count, options.width_mm, length, at.x, at.y),
-                "use fewer or narrower tabs, or less distance from corners");
+    throw Error(
+        Exit::bad_input, tab_place,
+        fmt::format(
+            "{} tabs of {:g} mm do not fit between the corners of the contour of "
+            "{:.3f} mm at ({:.3f}, {:.3f}){}",
+            options.count, options.width_mm, length, at.x, at.y,
+            options.kerf_mm > 0 ? fmt::format(", with a kerf of {:g} mm", options.kerf_mm) : ""),
+        "use fewer or narrower tabs, or less distance from corners");
   };
   // Middles of neighbours; the latest places from which all that follow still fit.
-  const double step = 2 * options.width_mm;
+  const double half = way_mm(options) / 2, step = 4 * half;
   const auto count = static_cast<std::size_t>(options.count);
   std::vector<double> latest(count);
   for (std::size_t i = count; i-- > 0;) {
@@ -126,7 +131,7 @@ std::vector<Tab> tabs_of(const Contour& contour, const TabOptions& options, doub
     if (before && *before >= earliest - tab_slack_mm && aim - *before < std::abs(middle - aim))
       middle = *before;
     if (middle < earliest - tab_slack_mm) refuse();
-    tabs.push_back({middle - options.width_mm / 2, middle + options.width_mm / 2});
+    tabs.push_back({middle - half, middle + half});
     earliest = middle + step;
   }
   return tabs;

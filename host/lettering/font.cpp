@@ -1,5 +1,6 @@
 #include "host/lettering/font.hpp"
 
+#include <fmt/format.h>
 #include <fontconfig/fontconfig.h>
 #include <hb-ot.h>
 #include <hb.h>
@@ -7,10 +8,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/model/text.hpp"
 
 namespace lamplock::lettering {
 
@@ -176,30 +180,99 @@ LetteredLine Font::line(const std::string& text) const {
   return line;
 }
 
+namespace {
+
+using Pattern = Owned<FcPattern, FcPatternDestroy>;
+
+FcChar8* text_for_fontconfig(const std::string& text) {
+  return const_cast<FcChar8*>(reinterpret_cast<const FcChar8*>(text.c_str()));
+}
+
+/// The families of a pattern, as fontconfig compares them: without blanks and cases.
+std::vector<std::string> families_of(const FcPattern* pattern) {
+  std::vector<std::string> families;
+  FcChar8* name = nullptr;
+  for (int i = 0; FcPatternGetString(pattern, FC_FAMILY, i, &name) == FcResultMatch; ++i) {
+    std::string plain = model::in_lower_case(reinterpret_cast<const char*>(name));
+    std::erase(plain, ' ');
+    families.push_back(std::move(plain));
+  }
+  return families;
+}
+
+bool has_common(const std::vector<std::string>& some, const std::vector<std::string>& others) {
+  return std::any_of(some.begin(), some.end(), [&](const std::string& one) {
+    return std::find(others.begin(), others.end(), one) != others.end();
+  });
+}
+
+/// The families that the configuration of the computer permits for a pattern, in their order.
+std::vector<std::string> substitutes_of(FcPattern* pattern) {
+  FcConfigSubstitute(nullptr, pattern, FcMatchPattern);
+  return families_of(pattern);
+}
+
+/// fontconfig has a font for every name. This one is meant if its family was asked for, if the name
+/// is one of the generic ones, or if the configuration has an alias: a family beyond those that it
+/// permits for any unknown name.
+bool is_meant(const std::vector<std::string>& asked, std::vector<std::string> substitutes,
+              const std::vector<std::string>& found) {
+  static const std::vector<std::string> generic{
+      "sans",    "sans-serif", "sansserif", "serif",         "mono",     "monospace",
+      "cursive", "fantasy",    "system-ui", "ui-sans-serif", "ui-serif", "ui-monospace"};
+  if (asked.empty() || has_common(asked, found) || has_common(asked, generic)) return true;
+  const std::string unknown = "lamplock has no such font";
+  const Pattern any(FcNameParse(text_for_fontconfig(unknown)));
+  if (!any) return true;
+  const std::vector<std::string> of_any = substitutes_of(any.get());
+  std::erase_if(substitutes, [&](const std::string& family) {
+    return std::find(of_any.begin(), of_any.end(), family) != of_any.end();
+  });
+  return has_common(substitutes, found);
+}
+
+/// The file of a font and its number in it.
+struct FontPlace {
+  fs::path file;
+  unsigned index = 0;
+};
+
+std::optional<FontPlace> place_of_font(const std::string& name) {
+  const Pattern wanted(FcNameParse(text_for_fontconfig(name)));
+  if (!wanted || FcInit() != FcTrue) return std::nullopt;
+  const std::vector<std::string> asked = families_of(wanted.get());
+  FcPatternAddBool(wanted.get(), FC_SCALABLE, FcTrue);
+  const std::vector<std::string> substitutes = substitutes_of(wanted.get());
+  FcDefaultSubstitute(wanted.get());
+  FcResult result = FcResultNoMatch;
+  const Pattern found(FcFontMatch(nullptr, wanted.get(), &result));
+  FcChar8 *file = nullptr, *family = nullptr;
+  if (!found || FcPatternGetString(found.get(), FC_FILE, 0, &file) != FcResultMatch)
+    return std::nullopt;
+  if (!is_meant(asked, substitutes, families_of(found.get()))) {
+    FcPatternGetString(found.get(), FC_FAMILY, 0, &family);
+    throw Error(Exit::bad_input, name, "this computer has no font of this name",
+                fmt::format("give a font file (ttf, otf), sans, serif, mono, or a name that "
+                            "fc-list shows, such as '{}'",
+                            family == nullptr ? "" : reinterpret_cast<const char*>(family)));
+  }
+  int index = 0;
+  FcPatternGetInteger(found.get(), FC_INDEX, 0, &index);
+  return FontPlace{reinterpret_cast<const char*>(file), static_cast<unsigned>(index) & 0xffffU};
+}
+
+}  // namespace
+
 std::unique_ptr<Font> font_named(const std::string& name_or_file) {
   std::error_code unknown;
   if (fs::is_regular_file(name_or_file, unknown)) return std::make_unique<Font>(name_or_file);
   const std::string ending = lower_extension(name_or_file);
   if (ending == ".ttf" || ending == ".otf") return std::make_unique<Font>(name_or_file);
-  Owned<FcPattern, FcPatternDestroy> wanted(
-      FcNameParse(reinterpret_cast<const FcChar8*>(name_or_file.c_str())));
-  std::optional<fs::path> file;
-  int index = 0;
-  if (wanted && FcInit() == FcTrue) {
-    FcPatternAddBool(wanted.get(), FC_SCALABLE, FcTrue);
-    FcConfigSubstitute(nullptr, wanted.get(), FcMatchPattern);
-    FcDefaultSubstitute(wanted.get());
-    FcResult result = FcResultNoMatch;
-    const Owned<FcPattern, FcPatternDestroy> found(FcFontMatch(nullptr, wanted.get(), &result));
-    FcChar8* name = nullptr;
-    if (found && FcPatternGetString(found.get(), FC_FILE, 0, &name) == FcResultMatch)
-      file = reinterpret_cast<const char*>(name);
-    if (found) FcPatternGetInteger(found.get(), FC_INDEX, 0, &index);
-  }
-  if (!file)
+  const std::optional<FontPlace> place = place_of_font(name_or_file);
+  if (!place)
     throw Error(Exit::bad_input, name_or_file, "this computer has no font for the name",
                 "give a font file (ttf, otf)");
-  return std::make_unique<Font>(*file, static_cast<unsigned>(index) & 0xffffU);
+  return std::make_unique<Font>(place->file, place->index);
 }
 
 }  // namespace lamplock::lettering

@@ -34,7 +34,7 @@ class Font final : public Letters {
 };
 
 /// The font of a file, or the one that the computer has for a name such as "sans" or "Arial:bold"
-/// (fontconfig). Throws Error(bad_input) if there is none.
+/// (fontconfig). Throws Error(bad_input) if there is none, or none of this name or an alias of it.
 std::unique_ptr<Font> font_named(const std::string& name_or_file);
 
 }  // namespace lamplock::lettering

@@ -168,8 +168,15 @@ Suitability judge(const Trial& trial) {
   if (trial.passes && *trial.passes <= max_passes_of_trial)
     return {Verdict::cutting, fmt::format("cut through in {} of at most {} passes", *trial.passes,
                                           max_passes_of_trial)};
-  const std::string cut = fmt::format("not cut through in {} passes", max_passes_of_trial);
-  if (!trial.groove_mm) return {Verdict::unfit, cut + ", and no groove"};
+  const std::string cut = trial.passes
+                              ? fmt::format("needs {} passes to cut through, more than {}",
+                                            *trial.passes, max_passes_of_trial)
+                              : fmt::format("not cut through in {} passes", max_passes_of_trial);
+  if (!trial.groove_mm)
+    return {Verdict::unfit, trial.passes
+                                ? fmt::format("{}; the groove after {} passes is not given", cut,
+                                              max_passes_of_trial)
+                                : cut + ", and no groove"};
   const bool is_deep = *trial.groove_mm >= min_groove_mm;
   return {is_deep ? Verdict::engraving : Verdict::unfit,
           fmt::format("{}, a groove of {:g} mm ({} {:g} mm)", cut, *trial.groove_mm,

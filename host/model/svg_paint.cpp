@@ -34,6 +34,8 @@ bool is_visible_paint(std::string_view text, const SvgDocument& document) {
   return text != "none" && (!colour || colour->alpha > 0);
 }
 
+bool is_current_colour(std::string_view text) { return in_lower_case(text) == "currentcolor"; }
+
 bool is_white(std::string_view text) {
   return find_svg_colour(text).value_or(SvgColour{}).is_white;
 }
@@ -77,6 +79,7 @@ void inherit_stroke(const xml_node& node, const SvgUnits& units, const SvgDocume
   if (const auto stroke = value("stroke"); !stroke.empty()) {
     paint.has_stroke = is_visible_paint(stroke, document);
     paint.stroke_colour = colour_named(stroke).value_or(no_colour);
+    paint.stroke_is_current = is_current_colour(stroke);
   }
   paint.stroke_opacity = part_of_one(value("stroke-opacity")).value_or(paint.stroke_opacity);
   paint.stroke_width =
@@ -86,6 +89,25 @@ void inherit_stroke(const xml_node& node, const SvgUnits& units, const SvgDocume
       find_svg_length(value("stroke-dashoffset"), diagonal, units).value_or(paint.dash_offset);
   if (const auto ends = value("stroke-linecap"); !ends.empty())
     paint.has_long_ends = ends == "round" || ends == "square";
+}
+
+/// The colour of an element, of which a child's currentColor is, also where fill and stroke are
+/// inherited (CSS Color Module Level 4, "The currentcolor keyword").
+void inherit_colour(std::string_view colour, SvgPaint& paint) {
+  if (!colour.empty() && !is_current_colour(colour)) {
+    paint.current_colour = colour_named(colour).value_or(no_colour);
+    paint.current_is_white = is_white(colour);
+    paint.current_is_visible = find_svg_colour(colour).value_or(SvgColour{}).alpha > 0;
+  }
+  if (paint.stroke_is_current) {
+    paint.has_stroke = paint.current_is_visible;
+    paint.stroke_colour = paint.current_colour;
+  }
+  if (paint.fill_is_current) {
+    paint.has_fill = paint.current_is_visible;
+    paint.fill_is_white = paint.current_is_white;
+    paint.fill_colour = paint.current_colour;
+  }
 }
 
 }  // namespace
@@ -104,10 +126,12 @@ void inherit_paint(const xml_node& node, const SvgUnits& units, const SvgDocumen
     paint.fill_is_white = is_white(fill);
     paint.fill_colour = colour_named(fill).value_or(no_colour);
     paint.fill_is_server = fill.starts_with("url(");
+    paint.fill_is_current = is_current_colour(fill);
     paint.fill_is_default = false;
   }
   paint.fill_opacity = part_of_one(value("fill-opacity")).value_or(paint.fill_opacity);
   inherit_stroke(node, units, document, paint);
+  inherit_colour(value("color"), paint);
 }
 
 bool is_valid_svg_value(std::string_view property, std::string_view text) {
@@ -116,6 +140,7 @@ bool is_valid_svg_value(std::string_view property, std::string_view text) {
   const std::string value = in_lower_case(trimmed(text));
   if (is_keyword_of(of_all, value)) return true;
   if (property == "fill" || property == "stroke") return is_svg_paint(value);
+  if (property == "color") return find_svg_colour(value).has_value();
   if (property == "stroke-width") return find_svg_length(value, 1, {}).value_or(-1) >= 0;
   if (property == "stroke-dashoffset") return find_svg_length(value, 1, {}).has_value();
   if (property == "stroke-dasharray") return dashes_of(value, {}).has_value();

@@ -25,6 +25,10 @@ struct SvgPaint {
   bool fill_is_server = false;  ///< a gradient or pattern
   bool has_stroke = false;
   Colour fill_colour = 0, stroke_colour = no_colour;
+  /// The property color, the value of the keyword currentColor where it is used.
+  Colour current_colour = 0;
+  bool current_is_white = false, current_is_visible = true;
+  bool fill_is_current = false, stroke_is_current = false;
   double fill_opacity = 1, stroke_opacity = 1;
   double stroke_width = 1;       ///< user's units
   std::vector<double> dashes{};  ///< dash, gap, ... in user's units; empty: none

@@ -24,9 +24,10 @@ struct Property {
   bool inherited;
   std::string_view initial;
 };
-constexpr std::array<Property, 42> properties{{{"display", false, "inline"},
+constexpr std::array<Property, 43> properties{{{"display", false, "inline"},
                                                {"visibility", true, "visible"},
                                                {"opacity", false, "1"},
+                                               {"color", true, "black"},
                                                {"fill", true, "black"},
                                                {"fill-opacity", true, "1"},
                                                {"stroke", true, "none"},

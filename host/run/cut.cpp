@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/cutting/post_file.hpp"
+#include "host/cutting/post_needs.hpp"
 #include "host/duration_text.hpp"
 #include "host/error.hpp"
 #include "host/number_text.hpp"
@@ -257,6 +258,19 @@ void warn_of_dark_pierce(const std::vector<Operation>& operations, const setting
   }
 }
 
+/// The beam removes half its width at both sides of a tab.
+void warn_of_thin_tabs(const std::vector<Operation>& operations, Frontend& frontend,
+                       CutResult& result) {
+  for (const Operation& one : operations) {
+    if (one.tabs.count == 0 || one.kerf_mm > 0) continue;
+    result.warnings.push_back(fmt::format(
+        "{}: without a kerf the tabs are narrower than {:g} mm by the width of the beam: give the "
+        "kerf",
+        one.name, one.tabs.width_mm));
+    frontend.say("warning  {}", result.warnings.back());
+  }
+}
+
 /// The time of the program, by the interpreter and the planner of the firmware.
 program_run::ProgramRun checked_run(const std::string& program, const settings::Values& values,
                                     const std::string& where) {
@@ -297,16 +311,11 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   std::vector<Operation> operations = operations_of(
       with_materials(description, request.library, frontend), post.machine, profile.settings);
   if (request.is_dry || request.is_frame) make_dry(operations, post.machine, setup.tooling);
+  warn_of_thin_tabs(operations, frontend, result);
   if (post.is_checked && post.machine == MachineType::laser) {
     warn_of_pulsed(profile.settings, frontend, result);
     warn_of_dark_pierce(operations, profile.settings, frontend, result);
   }
-  for (const Operation& operation : operations)
-    if (operation.compensation == cutting::Compensation::controller &&
-        post.of(cutting::PostEvent::left).empty())
-      throw Error(Exit::bad_input, description.machine.post,
-                  "this post-processor has no lines for compensation by the controller",
-                  "write left, right and uncompensated into it, or use compensation auto");
   CutPlan plan =
       cutting::plan_cuts(drawing.shapes, operations, {0, 0}, order_of(description.machine));
   for (const std::string& text : fault_texts(plan.faults, description.drawing.tolerance_mm)) {
@@ -315,6 +324,11 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   }
   begin_at(request.first, plan);
   if (request.is_frame) run_around(plan, operations);
+  for (const std::string& text :
+       cutting::require_lines(post, description.machine.post, plan, operations)) {
+    frontend.say("warning  {}", text);
+    result.warnings.push_back(text);
+  }
   measure_plan(plan, operations, setup, result);
   require_inside(description.drawing.file, result.box, profile.settings);
   frontend.phase("plan", fmt::format("{}, {} mm to cut, {} mm of rapids, {}",

@@ -47,6 +47,9 @@ double needed(const std::optional<double>& value, const std::string& name, const
 double feed_of(const OperationChoice& choice, const std::string& name,
                const settings::Values& values) {
   const double feed = needed(choice.feed_mm_min, name, "feed", "mm/min");
+  if (feed < cutting::min_feed_mm_min)  // of a material; the parameters have the same limit
+    throw Error(Exit::bad_input, name, fmt::format("a feed of {:g} mm/min is too slow", feed),
+                fmt::format("give at least {:g} mm/min", cutting::min_feed_mm_min));
   const double limit =
       std::min(in_units(values, Id::max_rate_x, 0), in_units(values, Id::max_rate_x, 1));
   if (feed <= limit) return feed;
@@ -99,10 +102,45 @@ void require_fit(const OperationChoice& choice, const std::string& name, Machine
   const bool has_leads = choice.lead_in != "none" || choice.lead_out != "none";
   refuse_unless(is_laser || is_mill || !has_leads, "leads");
   refuse_unless(is_laser || is_mill || choice.tabs == 0, "tabs");
+  if (is_mill && choice.tabs > 0 && choice.kerf_mm.value_or(0) == 0)
+    throw Error(Exit::bad_input, name,
+                "the mill lifts the tool over a tab and its own diameter, which is not known",
+                "give the diameter as kerf in mm");
   refuse_unless(machine != MachineType::lathe || choice.overcut_mm == 0, "overcut");
   refuse_unless(machine != MachineType::knife || choice.kerf_mm.value_or(0) == 0, "kerf");
   refuse_unless(machine != MachineType::knife || !choice.power_percent, "power");
   refuse_unless(machine != MachineType::knife || !choice.has_air, "air");
+}
+
+/// Refuses values that an operation of this kind does not use.
+void require_kind(const OperationChoice& choice, const std::string& name) {
+  const OperationChoice untouched;
+  const bool is_cut = choice.kind == "cut", is_engraving = choice.kind == "engrave";
+  const auto refuse_unless = [&](bool fits, const char* what) {
+    if (fits) return;
+    throw Error(Exit::bad_input, name,
+                fmt::format("{} has no {}",
+                            is_cut         ? "a cut"
+                            : is_engraving ? "an engraving"
+                                           : "a score",
+                            what),
+                "leave it out, or choose another kind of operation");
+  };
+  const bool has_side = choice.compensation != "auto" && choice.compensation != "none";
+  refuse_unless(is_cut || (choice.lead_in == "none" && choice.lead_out == "none"), "leads");
+  refuse_unless(is_cut || choice.overcut_mm == 0, "overcut");
+  refuse_unless(is_cut || choice.tabs == 0, "tabs");
+  refuse_unless(!is_engraving || !has_side, "compensation");
+  refuse_unless(!is_engraving || choice.direction == "auto", "direction");
+  refuse_unless(!is_engraving || choice.pierce_s == 0, "pierce time");
+  const bool has_kerf = choice.kerf_mm.value_or(0) > 0;
+  refuse_unless(!is_engraving || !has_kerf, "kerf");
+  refuse_unless(is_cut || has_side || !has_kerf,
+                "kerf without compensation left, right, inside or outside");
+  const bool has_hatch =
+      choice.hatch_mm != untouched.hatch_mm || choice.hatch_deg != untouched.hatch_deg;
+  refuse_unless(is_engraving || !has_hatch, "hatch");
+  refuse_unless(is_engraving || !choice.overscan_mm, "overscan");
 }
 
 void read_operations(const toml::node& node, CutDescription& description,
@@ -209,6 +247,7 @@ cutting::Operation operation_of(const OperationChoice& choice, const std::string
   Operation operation = bare_operation(choice, name);
   if (operation.kind == OperationKind::ignore) return operation;
   require_fit(choice, name, machine);
+  require_kind(choice, name);
   // A drag knife has nothing to switch on.
   operation.power = machine == MachineType::knife
                         ? 1

@@ -97,7 +97,7 @@ cutting::Operation bare_operation(const OperationChoice& choice, const std::stri
 
 /// The values for the plan, on a sheet whose surface has this height. Throws Error(bad_input) for
 /// an operation without power or feed, with more than the machine has, for depths that do not
-/// belong together, and for what a machine of this type cannot do.
+/// belong together, and for what a machine of this type or this kind of operation does not have.
 cutting::Operation operation_of(const OperationChoice& choice, const std::string& name,
                                 double surface_mm, cutting::MachineType machine,
                                 const settings::Values& values);

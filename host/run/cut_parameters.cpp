@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,8 @@ using glass::Parameter;
 using glass::Range;
 
 constexpr Range place_range{-100'000, 100'000, true};
+constexpr Range feed_range{cutting::min_feed_mm_min, std::numeric_limits<double>::infinity(), true};
+constexpr Range hatch_range{cutting::min_hatch_mm, std::numeric_limits<double>::infinity(), true};
 constexpr double max_cut_tabs = 1000, max_pierce_s = 60;
 
 std::string colour_fault(const std::string& text) {
@@ -65,7 +68,7 @@ std::vector<Parameter> material_parameters(OperationChoice& o) {
       {"thickness", "--thickness", &o.thickness_mm,
        "Thickness of the material; default: that in the library", "MM", glass::positive},
       {"power", "--power", &o.power_percent, "Laser power", "PERCENT", {0, 100, false}},
-      {"feed", "--feed", &o.feed_mm_min, "Feed rate along the contours", "MM_MIN", glass::positive},
+      {"feed", "--feed", &o.feed_mm_min, "Feed rate along the contours", "MM_MIN", feed_range},
       {"kerf", "--kerf", &o.kerf_mm,
        "Width of the beam, by half of which contours are compensated; default: no compensation",
        "MM", glass::not_negative},
@@ -145,7 +148,9 @@ std::vector<Parameter> end_parameters(OperationChoice& o) {
        "Tabs of each closed contour, which hold the part",
        "N",
        {0, max_cut_tabs, true}},
-      {"tab_width", "--tab-width", &o.tab_mm, "Width of a tab", "MM", glass::positive},
+      {"tab_width", "--tab-width", &o.tab_mm,
+       "Width of the material left in a tab; the beam is off over this and the kerf", "MM",
+       glass::positive},
       {"tab_power", "--tab-power", &o.tab_power,
        "Power in tabs, or depth of a mill, in parts of that of the cut", "SHARE", glass::share},
       {"tab_corner", "--tab-corner", &o.tab_corner_mm, "Distance of tabs from corners", "MM",
@@ -156,7 +161,7 @@ std::vector<Parameter> end_parameters(OperationChoice& o) {
 std::vector<Parameter> hatch_parameters(OperationChoice& o) {
   return {
       {"hatch", "--hatch", &o.hatch_mm, "Engravings: distance between the lines", "MM",
-       glass::positive},
+       hatch_range},
       {"hatch_angle",
        "--hatch-angle",
        &o.hatch_deg,

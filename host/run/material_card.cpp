@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "host/cutting/operation.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/file/output_files.hpp"
@@ -152,6 +153,13 @@ material::CardRequest request_of(const CardOptions& options, const Laser& laser,
   request.max_height_mm = in_units(values, Id::travel_x, 1);
   const double max_feed_mm_min =
       std::min(in_units(values, Id::max_rate_x, 0), in_units(values, Id::max_rate_x, 1));
+  const double slowest_mm_min =
+      std::min(request.label_feed_mm_min, *std::ranges::min_element(request.feeds_mm_min));
+  if (slowest_mm_min < cutting::min_feed_mm_min)
+    throw Error(
+        Exit::bad_input, "feeds",
+        fmt::format("{:g} mm/min is less than {:g}", slowest_mm_min, cutting::min_feed_mm_min),
+        "give a faster feed");
   for (const double feed : request.feeds_mm_min)
     if (feed > max_feed_mm_min)
       throw Error(Exit::bad_input, "feeds",

@@ -303,6 +303,10 @@ TEST_F(Cut, bad_input_is_one_line_and_no_file) {
   EXPECT_THAT(refused({"cut", file, "--power", "60", "-o", program_}), HasSubstr("has no feed"));
   EXPECT_THAT(refused({"cut", file, "--power", "60", "--feed", "60001", "-o", program_}),
               HasSubstr("give at most 60000 mm/min"));
+  EXPECT_THAT(refused({"cut", file, "--power", "60", "--feed", "0.01", "-o", program_}),
+              HasSubstr("--feed"));
+  EXPECT_THAT(refused(file, {"--operation", "engrave", "--hatch", "0.00001"}),
+              HasSubstr("--hatch"));
   EXPECT_THAT(refused({"cut", file, "--power", "101", "--feed", "60", "-o", program_}),
               HasSubstr("--power"));
   EXPECT_THAT(refused({"cut", file, "--power", "60", "--feed", "60"}), HasSubstr("-o FILE.ngc"));
@@ -316,6 +320,43 @@ TEST_F(Cut, bad_input_is_one_line_and_no_file) {
   EXPECT_THAT(refused(folder_.write("list.xyz", "0 0 0\n"), {}), HasSubstr("not a drawing"));
   EXPECT_THAT(refused(folder_.write("empty.dxf", ""), {}), HasSubstr("empty"));
   EXPECT_THAT(refused(folder_ / "none.dxf", {}), HasSubstr("none.dxf"));
+}
+
+TEST_F(Cut, values_that_a_kind_of_operation_does_not_use_are_refused) {
+  const std::string file = drawing(square);
+  const std::vector<std::pair<Arguments, std::string>> of_cuts{{{"--tabs", "2"}, "tabs"},
+                                                               {{"--lead-in", "line"}, "leads"},
+                                                               {{"--lead-out", "arc"}, "leads"},
+                                                               {{"--overcut", "1"}, "overcut"},
+                                                               {{"--kerf", "0.2"}, "kerf"}};
+  for (const auto& [kind, name] :
+       {std::pair{"score", "a score"}, std::pair{"engrave", "an engraving"}})
+    for (const auto& [values, what] : of_cuts) {
+      Arguments more = values;
+      more.insert(more.end(), {"--operation", kind});
+      EXPECT_THAT(refused(file, more),
+                  HasSubstr(fmt::format("operation 1: {} has no {}", name, what)));
+    }
+  for (const Arguments& values : {Arguments{"--compensation", "left"},
+                                  Arguments{"--direction", "cw"}, Arguments{"--pierce", "1"}}) {
+    Arguments more = values;
+    more.insert(more.end(), {"--operation", "engrave"});
+    EXPECT_THAT(refused(file, more), HasSubstr("an engraving has no"));
+  }
+  for (const Arguments& values : {Arguments{"--hatch", "0.3"}, Arguments{"--hatch-angle", "30"},
+                                  Arguments{"--overscan", "0"}})
+    EXPECT_THAT(refused(file, values), HasSubstr("a cut has no"));
+  EXPECT_THAT(
+      refused({"cut",
+               folder_.write("job.toml",
+                             "[drawing]\nfile = \"part.dxf\"\n[[operation]]\nname = "
+                             "\"marks\"\nkind = \"score\"\npower = 1\nfeed = 9\ntabs = 2\n"),
+               "-o", program_}),
+      HasSubstr("marks: a score has no tabs"));
+  EXPECT_NEAR(
+      made(file, {"--operation", "score", "--kerf", "1", "--compensation", "inside"})["cut_mm"]
+          .get<double>(),
+      36, 1e-6);
 }
 
 TEST_F(Cut, descriptions_are_refused_at_their_line) {
@@ -370,6 +411,61 @@ end = "%"
               HasSubstr("the interpreter refuses line"));
 }
 
+/// Without its line a thing that was asked for would be missing, or the light would be on.
+TEST_F(Cut, a_post_processor_has_the_lines_that_a_job_needs) {
+  const std::string file = drawing(square + dxf_circle(20, 20, 3, "SQUARE"));
+  const auto post = [&](const std::string& lines) {
+    return folder_.write("own.toml",
+                         "checked = false\n[lines]\nrapid = \"G0 X{x} Y{y}\"\n"
+                         "line = \"G1 X{x} Y{y}[ F{feed}]\"\narc_cw = \"G2 X{x} Y{y} I{i} "
+                         "J{j}[ F{feed}]\"\narc_ccw = \"G3 X{x} Y{y} I{i} J{j}[ F{feed}]\"\n" +
+                             lines);
+  };
+  const std::string fixed = "shape_begin = \"M3 S1000\"\nshape_end = \"M5\"\n",
+                    power = "power = \"S{power}\"\n", operation = "operation = \"S{power}\"\n";
+  struct Case {
+    Arguments more;
+    std::string lines, missing, added;
+  };
+  const std::vector<Case> cases{
+      {{"--infeed", "1", "--final-depth", "3"},
+       operation,
+       "'height' with {z}",
+       "height = \"G0 Z{z}\"\n"},
+      {{"--air"}, operation + "air_on = \"M8\"\n", "'air_off'", "air_off = \"M9\"\n"},
+      {{"--air"}, operation, "'air_on'", "air_on = \"\"\nair_off = \"\"\n"},
+      {{"--pierce", "0.5"},
+       operation + "",
+       "'pierce' with {seconds}",
+       "pierce = \"G4 P{seconds}\"\n"},
+      {{"--tabs", "2"}, operation + "shape_begin = \"M3\"\n", "'power' with {power}", power},
+      {{"--dry"}, power + "shape_begin = \"M3\"\n", "a program without light", operation},
+      {{"--frame"}, power + "shape_begin = \"M3\"\n", "a program without light", operation}};
+  for (const Case& one : cases) {
+    Arguments more = one.more;
+    more.insert(more.end(), {"--post", post(one.lines)});
+    EXPECT_THAT(refused(file, more),
+                testing::AllOf(HasSubstr("own.toml: [lines] has no"), HasSubstr(one.missing)));
+    post(one.lines + one.added);
+    EXPECT_TRUE(made(file, more).contains("cuts")) << one.lines + one.added;
+    std::filesystem::remove(program_);
+  }
+  // A fixed power is on again at each shape.
+  for (const Arguments& more : {Arguments{"--dry"}, Arguments{"--tabs", "2"}}) {
+    Arguments all = more;
+    all.insert(all.end(), {"--post", post(fixed + operation + power)});
+    EXPECT_THAT(refused(file, all), HasSubstr("the light would"));
+  }
+  EXPECT_THAT(made(file, {"--post", post(fixed)})["warnings"].dump(),
+              HasSubstr("writes the power"));
+  for (const Arguments& more : {Arguments{"--air", "--tabs", "1"}, Arguments{"--dry"}})
+    for (const char* const name : {"grbl", "cut"}) {
+      Arguments all = more;
+      all.insert(all.end(), {"--post", name});
+      EXPECT_TRUE(made(file, all).contains("cuts")) << name;
+    }
+}
+
 TEST_F(Cut, texts_are_outlines_unless_they_are_left_out) {
   const std::string text = "0\nTEXT\n8\nTXT\n62\n3\n10\n1\n20\n2\n40\n6\n1\nBi\n";
   const std::string svg = folder_.write(
@@ -420,6 +516,8 @@ TEST_F(Cut, warns_of_what_the_machine_does_not_permit) {
   };
   const std::string laser = "laser_mode = 1\n";
   EXPECT_EQ(warnings({}, laser), "[]");
+  EXPECT_EQ(warnings({"--tabs", "2", "--kerf", "0.2"}, laser), "[]");
+  EXPECT_THAT(warnings({"--tabs", "2"}, laser), HasSubstr("tabs are narrower than 0.5 mm"));
   EXPECT_THAT(warnings({}, "laser_mode = 0\n"), HasSubstr("pulsed laser"));
   EXPECT_THAT(warnings({"--pierce", "0.5"}, laser), HasSubstr("light at rest with 0 %"));
   EXPECT_EQ(warnings({"--pierce", "0.5"}, laser + "focus_power = 80\n"), "[]");

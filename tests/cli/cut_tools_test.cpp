@@ -65,6 +65,8 @@ TEST_F(CutTools, what_a_machine_does_not_have_is_refused) {
   };
   EXPECT_THAT(refused(with(knife, {"--kerf", "0.2"})), HasSubstr("a knife has no kerf"));
   EXPECT_THAT(refused(with(knife, {"--lead-in", "line"})), HasSubstr("a knife has no leads"));
+  EXPECT_THAT(refused({"--power", "50", "--post", "mill", "--final-depth", "1", "--tabs", "2"}),
+              HasSubstr("give the diameter as kerf"));
   EXPECT_THAT(refused({"--power", "50", "--ramp-angle", "5"}), HasSubstr("ramp angle"));
   EXPECT_THAT(refused({"--power", "50", "--post", "lathe", "--tabs", "2"}),
               HasSubstr("a lathe has no tabs"));

@@ -78,6 +78,15 @@ TEST_F(MaterialCommand, fits_and_best_feeds_as_printed) {
   EXPECT_THAT(done({"suitable", "rubber", "--groove", "0.5"}), HasSubstr("fit for engraving"));
   EXPECT_THAT(done({"suitable", "rubber", "--groove", "0.4"}), HasSubstr("unfit"));
   EXPECT_EQ(document({"suitable", "rubber", "--passes", "3"})["verdict"], "fit for cutting");
+  const json four = document({"suitable", "rubber", "--passes", "4"});
+  EXPECT_EQ(four["verdict"], "unfit");
+  EXPECT_EQ(four["reason"],
+            "needs 4 passes to cut through, more than 3; the groove after 3 passes is not given");
+  EXPECT_THAT(done({"suitable", "rubber", "--passes", "4", "--groove", "0.7"}),
+              testing::AllOf(HasSubstr("fit for engraving"),
+                             HasSubstr("needs 4 passes to cut through, more than 3, a groove")));
+  EXPECT_THAT(done({"suitable", "rubber", "--groove", "0.7"}),
+              HasSubstr("not cut through in 3 passes, a groove of 0.7 mm"));
   EXPECT_TRUE(folder_.files().empty()) << "reading makes no library";
 }
 
@@ -251,6 +260,8 @@ TEST_F(MaterialCommand, cards_that_a_machine_cannot_make_are_not_written) {
   EXPECT_THAT(card({}), HasSubstr("the work area 100 x 100 mm"));
   EXPECT_THAT(card({"--feeds", "60", "--corner", "60,0"}), HasSubstr("test card"));
   EXPECT_THAT(card({"--feeds", "60,1e6"}), HasSubstr("more than the machine's"));
+  EXPECT_THAT(card({"--feeds", "60,0.01"}), HasSubstr("0.01 mm/min is less than 1; give"));
+  EXPECT_THAT(card({"--feeds", "60", "--label-feed", "0.5"}), HasSubstr("less than 1"));
   EXPECT_THAT(card({"--feeds", "60", "--powers", "3.1"}), HasSubstr("more than that of the laser"));
   for (const char* feeds : {"a", "1:2:3:4", "60:", "0", "-5", "30:600:1", "30:600:2.5", "nan",
                             "1:1e9", "1.5:3", "60,,90"})

@@ -10,6 +10,7 @@
 
 #include "host/cutting/contour_walk.hpp"
 #include "host/cutting/cut_order.hpp"
+#include "host/cutting/cut_plan.hpp"
 #include "host/error.hpp"
 #include "tests/cutting/shapes.hpp"
 #include "tests/scale.hpp"
@@ -211,6 +212,7 @@ TEST(cut_path, tabs_are_even_and_away_from_corners) {
     options.count = 1 + static_cast<int>(random.next() % 5);
     options.width_mm = 0.2 + 2 * random.uniform();
     options.corner_distance_mm = random.uniform();
+    options.kerf_mm = i % 4 == 0 ? 0 : 0.8 * random.uniform();
     options.power = 0.2;
     const double skipped = i % 2 == 0 ? 0 : 2 * random.uniform();
     std::vector<Tab> tabs;
@@ -231,15 +233,16 @@ TEST(cut_path, tabs_are_even_and_away_from_corners) {
       if (turn < std::cos(min_corner_deg * pi / 180)) corners.push_back(along);
     }
     for (const Tab& tab : tabs) {
-      EXPECT_NEAR(tab.end_mm - tab.begin_mm, options.width_mm, 1e-9);
-      EXPECT_GE(tab.begin_mm - last, options.width_mm - 1e-6);
+      EXPECT_NEAR(tab.end_mm - tab.begin_mm, options.width_mm + options.kerf_mm, 1e-9);
+      EXPECT_GE(tab.begin_mm - last, options.width_mm + options.kerf_mm - 1e-6);
       EXPECT_GE(tab.begin_mm, skipped + options.corner_distance_mm - 1e-6);
       for (const double corner : corners)
         EXPECT_TRUE(tab.begin_mm >= corner + options.corner_distance_mm - 1e-6 ||
                     tab.end_mm <= corner - options.corner_distance_mm + 1e-6);
       last = tab.end_mm;
     }
-    EXPECT_GE(length - tabs.back().end_mm + tabs.front().begin_mm, options.width_mm - 1e-6);
+    EXPECT_GE(length - tabs.back().end_mm + tabs.front().begin_mm,
+              options.width_mm + options.kerf_mm - 1e-6);
     // Without corners, all at their even places.
     if (i % 3 == 0 && skipped == 0 && options.count == 1) {
       EXPECT_NEAR(tabs[0].begin_mm + tabs[0].end_mm, length, 1e-6);
@@ -291,6 +294,38 @@ TEST(cut_path, as_many_tabs_as_fit) {
   EXPECT_THROW(tabs_of(square, wrong), Error);
   wrong = {1, 1, 0.5, -1};
   EXPECT_THROW(tabs_of(square, wrong), Error);
+  wrong = {1, 1, 0.5, 0, -1};
+  EXPECT_THROW(tabs_of(square, wrong), Error);
+  wrong = {1, 6, 0.5, 0, 4.5};
+  EXPECT_THROW(tabs_of(square, wrong), Error) << "longer than the side with the kerf";
+}
+
+/// The beam is a disc: what it leaves between the two ends of the cut is as wide as the tab.
+TEST(cut_path, the_beam_leaves_the_width_of_the_tab) {
+  for (const double kerf_mm : {0.0, 0.2, 0.6, 3.175}) {
+    Operation one;
+    one.kerf_mm = kerf_mm;
+    one.tabs = {2, 0.5, 0, 1};
+    const CutPlan plan =
+        plan_cuts({{polygon({{0, 0}, {30, 0}, {30, 20}, {0, 20}}), {}, 0}}, {one}, {0, 0});
+    const Stroke& stroke = plan.cuts.at(0).strokes.at(0);
+    int tabs = 0;
+    for (const CutMove& tab : stroke) {
+      if (tab.kind != CutKind::tab) continue;
+      ++tabs;
+      const Vec way = tab.edge.to - tab.edge.from;
+      int left = 0;
+      constexpr int samples = 10'000;
+      for (int i = 0; i < samples; ++i) {
+        const Vec at = tab.edge.from + way * ((i + 0.5) / samples);
+        left += std::none_of(stroke.begin(), stroke.end(), [&](const CutMove& move) {
+          return move.power > 0 && distance_to(move.edge, at) <= kerf_mm / 2;
+        });
+      }
+      EXPECT_NEAR(norm(way) * left / samples, 0.5, 2e-3) << kerf_mm;
+    }
+    EXPECT_EQ(tabs, 2);
+  }
 }
 
 TEST(cut_path, the_cut_is_the_contour_with_tabs_and_overcut) {

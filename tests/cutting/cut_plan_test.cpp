@@ -197,6 +197,32 @@ std::string refusal(const std::vector<Contour>& contours, const Operation& one) 
   }
 }
 
+/// The lead that the message asks for fits: longer than half the kerf, or shorter than the waste.
+TEST(cut_plan, the_remedy_of_a_lead_is_one_that_fits) {
+  const Contour frame = polygon({{-40, -40}, {50, -40}, {50, 50}, {-40, 50}});
+  int remedies = 0;
+  for (const LeadShape shape : {LeadShape::line, LeadShape::arc})
+    for (const double angle_deg : {30.0, 90.0, 120.0})
+      for (const double size_mm : {0.05, 0.2, 0.4, 70.0})
+        for (const bool is_hole : {false, true}) {
+          std::vector<Contour> contours{ten};
+          if (is_hole) contours = {frame, circle({5, 5}, 6)};
+          Operation one = operation(1.2);
+          one.lead_in = {shape, size_mm, size_mm, angle_deg};
+          const std::string text = refusal(contours, one), begin = "; use a lead of ";
+          const std::size_t at = text.find(begin);
+          if (at == std::string::npos) continue;
+          ++remedies;
+          const double other_mm = std::stod(text.substr(at + begin.size()));
+          one.lead_in = {shape, other_mm, other_mm, angle_deg};
+          EXPECT_EQ(refusal(contours, one), "") << size_mm << " " << angle_deg;
+        }
+  EXPECT_GT(remedies, 24);
+  Operation one = operation(1.2);
+  one.lead_in = {LeadShape::line, 0.3, 0.3, 90};
+  EXPECT_THAT(refusal({ten}, one), HasSubstr("; use a lead of 0.62 mm, or none"));
+}
+
 TEST(cut_plan, refuses_what_cannot_be_cut) {
   Contour open = ten;
   open.edges.pop_back();
@@ -214,6 +240,30 @@ TEST(cut_plan, refuses_what_cannot_be_cut) {
   one.kind = OperationKind::engrave;
   one.hatch_mm = 1;
   EXPECT_THAT(refusal({open}, one), HasSubstr("has no area"));
+  one.hatch_mm = 25;
+  EXPECT_THAT(refusal({ten}, one), HasSubstr("no line of a hatch of 25 mm crosses the contour of"));
+  EXPECT_EQ(refusal({open, ten}, operation(0.5)), "");
+}
+
+/// Lines are at 1, 3, 5 ... mm: the dot between two of them is a warning.
+TEST(cut_plan, names_areas_that_no_line_of_the_hatch_crosses) {
+  Operation one = operation(0);
+  one.kind = OperationKind::engrave;
+  one.hatch_mm = 2;
+  const CutPlan plan = plan_of(
+      {polygon({{0, 0}, {10, 0}, {10, 10}, {0, 10}}), circle({20, 4}, 0.4), circle({30, 3}, 0.4)},
+      one);
+  ASSERT_EQ(plan.faults.size(), 1u);
+  EXPECT_EQ(plan.faults[0].kind, FaultKind::unhatched);
+  EXPECT_EQ(plan.faults[0].contour, 1u);
+  EXPECT_NEAR(plan.faults[0].at.x, 20, 1e-9);
+  EXPECT_NEAR(plan.faults[0].size_mm, 0.8, 1e-9);
+}
+
+TEST(cut_plan, open_contours_are_cut_on_their_line) {
+  Contour open = ten;
+  open.edges.pop_back();
+  open.closed = false;
   EXPECT_EQ(refusal({open, ten}, operation(0.5)), "");
 }
 

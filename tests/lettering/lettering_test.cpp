@@ -159,6 +159,12 @@ TEST(Lettering, RefusesWhatIsNoFont) {
   EXPECT_THROW(font_named(folder.write("b.ttf", "").string()), Error);
   EXPECT_THROW(font_named(folder.file("none.ttf").string()), Error);
   EXPECT_NO_THROW(font_named(font().name()));
+  // fontconfig itself has a font for every name.
+  for (const char* unknown : {"nofont", "nofont:bold", "No Such Font-12"})
+    EXPECT_THROW(font_named(unknown), Error) << unknown;
+  for (const char* generic :
+       {"sans", "Sans", "serif", "mono", "monospace", "sans-serif:bold", ":bold"})
+    EXPECT_NO_THROW(font_named(generic)) << generic;
 }
 
 }  // namespace

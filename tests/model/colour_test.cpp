@@ -86,5 +86,37 @@ TEST(Colours, of_an_svg_are_those_of_the_stroke_or_the_fill) {
             (std::vector<std::string>{"#0000ff", "#00ff00", "#010203", "#000000", "#ff0000"}));
 }
 
+/// currentColor is the property color where it is used: SVG 2, 13.2; CSS Color Module Level 4.
+TEST(Colours, of_an_svg_may_be_the_current_colour) {
+  const test::TemporaryFolder folder;
+  const auto colours = [&](const std::string& root, const std::string& elements) {
+    return colours_of(read_svg(
+        folder.write("a.svg", "<svg xmlns='http://www.w3.org/2000/svg' width='90' height='90' " +
+                                  root + ">" + elements + "</svg>")));
+  };
+  using Texts = std::vector<std::string>;
+  const std::string icon = "fill='none' stroke='currentColor'";
+  const std::string line = "<path d='M0 0L9 9'/>";
+  EXPECT_EQ(colours(icon, line), Texts{"#000000"}) << "black by default";
+  EXPECT_EQ(colours(icon + " color='red'", line), Texts{"#ff0000"});
+  EXPECT_EQ(colours("", "<g color='blue'><path d='M0 0L9 9' stroke='CURRENTCOLOR'/></g>"),
+            Texts{"#0000ff"});
+  EXPECT_EQ(
+      colours(icon, "<path color='lime' d='M0 0L9 9'/><path style='color:#123456' d='M0 9L9 9'/>"),
+      (Texts{"#00ff00", "#123456"}))
+      << "the keyword is inherited, not the colour";
+  EXPECT_EQ(colours("color='red'", "<rect width='5' height='5' fill='currentColor'/>"),
+            Texts{"#ff0000"});
+  EXPECT_EQ(
+      colours("color='red' " + icon, "<g color='nonsense'>" + line + "</g><g color='inherit'>" +
+                                         line + "</g><g color='currentColor'>" + line +
+                                         "</g><g style='color:initial'>" + line + "</g>"),
+      (Texts{"#ff0000", "#ff0000", "#ff0000", "#000000"}));
+  EXPECT_EQ(colours("",
+                    "<style>.a{color:blue}</style><g class='a'><path stroke='currentColor' "
+                    "d='M0 0L9 9'/></g>"),
+            Texts{"#0000ff"});
+}
+
 }  // namespace
 }  // namespace lamplock::model::colour_test
