@@ -211,6 +211,7 @@ void add_tasks(Command& app, HeatCommand& options) {
   app.add_option("--sensor-scale", &options.sensor_k_per_v,
                  "Rise of the temperature per volt of the sensor, for the board ($1067)")
       .value_name("K_V")
+      .check(number_in({-10'000, 10'000}))
       .group(tune);
   add_number(app, "--sensor-volts", &options.sensor_volts,
              "Voltage of the sensor at the temperature to be held ($1062)", "V", tune);
