@@ -41,7 +41,8 @@ struct PlannedCut {
   std::size_t shape = 0;  ///< of an engraving the first one
   std::vector<Stroke> strokes;
   std::optional<ControllerPath> controller{};  ///< with Compensation::controller
-  std::size_t number = 1;  ///< from 1 in the order of the whole plan, also where the first are left out
+  std::size_t number =
+      1;  ///< from 1 in the order of the whole plan, also where the first are left out
 };
 
 struct CutPlan {

@@ -35,8 +35,7 @@ class CutFiles {
 std::string page_of(const CutMade& made, const std::string& picture) {
   cutting::PlanPage page{made.title, picture};
   for (const cutting::PlannedCut& cut : made.plan.cuts)
-    page.cuts.push_back(
-        {cut.number, made.names[cut.shape], made.operations[cut.operation].name});
+    page.cuts.push_back({cut.number, made.names[cut.shape], made.operations[cut.operation].name});
   return cut_page(std::move(page), made.operations, made.program, made.result);
 }
 

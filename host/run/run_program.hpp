@@ -41,8 +41,8 @@ struct ProgramOutcome {
 /// The end of a program, for scripts; "failed": by an error of the host.
 const char* end_name(const ProgramOutcome& outcome);
 
-/// Throws Error for what can be refused before a board is opened: its name, options of jobs, outputs
-/// that are one of `files`, no terminal to ask for permission.
+/// Throws Error for what can be refused before a board is opened: its name, options of jobs,
+/// outputs that are one of `files`, no terminal to ask for permission.
 void check_program_options(const BoardOptions& options, const std::vector<std::string>& files,
                            Frontend& frontend);
 
