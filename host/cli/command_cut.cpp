@@ -109,8 +109,8 @@ Exit cut_drawing(const CutOptions& options) {
   // Before files are written.
   if (request.is_for_board)
     run::check_program_options(
-        options.board,
-        {options.input, request.output, request.picture, request.page, request.save}, console);
+        options.board, {options.input, request.output, request.picture, request.page, request.save},
+        console);
   const run::CutResult result =
       makes ? run::make_cut(request, console) : run::list_shapes(request.description, console);
   if (options.list) show_list(result, console);

@@ -60,8 +60,7 @@ class IdleRelease {
 
  private:
   using Wires = std::array<bool, wires>;
-  static constexpr std::uint64_t wake_clocks =
-      std::uint64_t{drive_wake_ms} * 1000 * clocks_per_us;
+  static constexpr std::uint64_t wake_clocks = std::uint64_t{drive_wake_ms} * 1000 * clocks_per_us;
 
   static std::uint64_t hold_clocks(const settings::Values& values) {
     const auto ms = static_cast<std::uint32_t>(values.whole(settings::Id::idle_delay));
@@ -76,8 +75,7 @@ class IdleRelease {
   }
   void set(const Wires& wanted, std::uint64_t clock) {
     for (std::size_t i = 0; i < wires; ++i)
-      if (wanted[i] && !on_[i])
-        ready_ = clock + wake_clocks;
+      if (wanted[i] && !on_[i]) ready_ = clock + wake_clocks;
     on_ = wanted;
   }
 
