@@ -9,9 +9,9 @@
 // words. Units, plane and distance mode apply to the whole line, as in grbl. Saving and restoring
 // the modal state (M70 to M73) come before everything else.
 //
-// Where LinuxCNC, grbl and NIST report different errors: as in grbl 1.1 (../shared has the list of
-// numbers), but two commands of one group are always error 21. Every error refers to a word of the
-// line; a missing word to the command that needs it.
+// Where LinuxCNC, grbl and NIST report different errors: as in grbl 1.1 (numbers:
+// shared/gcode_errors.hpp), but two commands of one group are always error 21. Every error refers
+// to a word of the line; a missing word to the command that needs it.
 #pragma once
 
 #include <array>
