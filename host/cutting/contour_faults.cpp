@@ -6,6 +6,7 @@
 #include "host/cutting/box_tree.hpp"
 #include "host/cutting/contour.hpp"
 #include "host/cutting/place_grid.hpp"
+#include "host/geometry/parallel.hpp"
 
 namespace lamplock::cutting {
 namespace {
@@ -17,16 +18,46 @@ constexpr double probe_mm = 1e-3;
 // More of them are found more slowly.
 constexpr std::size_t usual_crossings = 1024;
 
+// Edges that are compared with all others at once, by one thread.
+constexpr std::size_t portion = 1024;
+
 struct EdgeNumber {
   std::size_t contour, edge;
 };
 
+/// Faults in the order in which they are found, each of them once.
+class FaultList {
+ public:
+  explicit FaultList(std::size_t max_faults)
+      : max_faults_(max_faults), crossings_(probe_mm, std::min(max_faults, usual_crossings)) {}
+
+  bool is_full() const { return faults_.size() >= max_faults_; }
+
+  void add(const Fault& fault) {
+    if (fault.kind != FaultKind::overlap) {
+      // A crossing at a corner is found with each of the edges that meet there.
+      if (crossings_.any(fault.at, [&](std::size_t i) {
+            const Fault& known = faults_[i];
+            return known.contour == fault.contour && known.other == fault.other &&
+                   distance(known.at, fault.at) <= probe_mm;
+          }))
+        return;
+      crossings_.add(fault.at, faults_.size());
+    }
+    faults_.push_back(fault);
+  }
+
+  std::vector<Fault> take() { return std::move(faults_); }
+
+ private:
+  std::size_t max_faults_;
+  std::vector<Fault> faults_;
+  PlaceGrid crossings_;  ///< numbers of faults
+};
+
 class FaultFinder {
  public:
-  FaultFinder(const std::vector<Contour>& contours, std::size_t max_faults)
-      : contours_(contours),
-        max_faults_(max_faults),
-        crossings_(probe_mm, std::min(max_faults, usual_crossings)) {
+  explicit FaultFinder(const std::vector<Contour>& contours) : contours_(contours) {
     for (std::size_t i = 0; i < contours.size(); ++i) {
       double along = 0;
       std::vector<double>& starts = starts_.emplace_back();
@@ -41,14 +72,24 @@ class FaultFinder {
     }
   }
 
-  std::vector<Fault> find() {
+  std::vector<Fault> find(std::size_t max_faults) const {
     const BoxTree tree(boxes_);
-    for (std::size_t i = 0; i < numbers_.size(); ++i) {
-      tree.visit(boxes_[i], [&](std::size_t j) {
-        if (j > i && faults_.size() < max_faults_) compare(numbers_[i], numbers_[j]);
-      });
-    }
-    return std::move(faults_);
+    std::vector<std::vector<Fault>> found((numbers_.size() + portion - 1) / portion);
+    geometry::for_each_index(found.size(), 0, [&](std::size_t part) {
+      FaultList faults(max_faults);
+      const std::size_t end = std::min(numbers_.size(), (part + 1) * portion);
+      for (std::size_t i = part * portion; i < end; ++i) {
+        tree.visit(boxes_[i], [&](std::size_t j) {
+          if (j > i && !faults.is_full()) compare(numbers_[i], numbers_[j], faults);
+        });
+      }
+      found[part] = faults.take();
+    });
+    FaultList all(max_faults);
+    for (const std::vector<Fault>& part : found)
+      for (const Fault& fault : part)
+        if (!all.is_full()) all.add(fault);
+    return all.take();
   }
 
  private:
@@ -63,17 +104,16 @@ class FaultFinder {
     return contour.closed && a.edge + 1 == contour.edges.size() && b.edge == 0;
   }
 
-  void compare(const EdgeNumber& a, const EdgeNumber& b) {
+  void compare(const EdgeNumber& a, const EdgeNumber& b, FaultList& faults) const {
     const Overlap overlap = overlap_of(edge(a), edge(b), coincident_mm);
     if (overlap.length_mm > probe_mm) {
-      faults_.push_back(
-          {FaultKind::overlap, overlap.middle, overlap.length_mm, a.contour, b.contour});
+      faults.add({FaultKind::overlap, overlap.middle, overlap.length_mm, a.contour, b.contour});
       return;
     }
     for (const Vec& at : intersections(edge(a), edge(b), coincident_mm)) {
       const bool is_joint = (follows(a, b) && distance(at, edge(a).to) <= probe_mm / 10) ||
                             (follows(b, a) && distance(at, edge(b).to) <= probe_mm / 10);
-      if (!is_joint && cross_at(at, a, b)) report_crossing(at, a, b);
+      if (!is_joint && cross_at(at, a, b)) faults.add(crossing_at(at, a, b));
     }
   }
 
@@ -122,7 +162,7 @@ class FaultFinder {
     return side(first) * side(second) < 0;
   }
 
-  void report_crossing(const Vec& at, const EdgeNumber& a, const EdgeNumber& b) {
+  Fault crossing_at(const Vec& at, const EdgeNumber& a, const EdgeNumber& b) const {
     Fault fault{FaultKind::crossing, at, 0, a.contour, b.contour};
     if (a.contour == b.contour) {
       fault.kind = FaultKind::self_intersection;
@@ -130,31 +170,20 @@ class FaultFinder {
       if (contours_[a.contour].closed)
         fault.size_mm = std::min(fault.size_mm, starts_[a.contour].back() - fault.size_mm);
     }
-    // A crossing at a corner is found with each of the edges that meet there.
-    if (crossings_.any(at, [&](std::size_t i) {
-          const Fault& known = faults_[i];
-          return known.contour == fault.contour && known.other == fault.other &&
-                 distance(known.at, at) <= probe_mm;
-        }))
-      return;
-    crossings_.add(at, faults_.size());
-    faults_.push_back(fault);
+    return fault;
   }
 
   const std::vector<Contour>& contours_;
-  std::size_t max_faults_;
   std::vector<EdgeNumber> numbers_;
   std::vector<Box> boxes_;
   std::vector<std::vector<double>>
       starts_;  ///< of the edges, mm along each contour, and its length
-  std::vector<Fault> faults_;
-  PlaceGrid crossings_;  ///< numbers of faults
 };
 
 }  // namespace
 
 std::vector<Fault> contour_faults(const std::vector<Contour>& contours, std::size_t max_faults) {
-  return FaultFinder(contours, max_faults).find();
+  return FaultFinder(contours).find(max_faults);
 }
 
 }  // namespace lamplock::cutting

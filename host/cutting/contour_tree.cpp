@@ -7,6 +7,7 @@
 
 #include "host/cutting/box_tree.hpp"
 #include "host/cutting/contour.hpp"
+#include "host/geometry/parallel.hpp"
 
 namespace lamplock::cutting {
 namespace {
@@ -57,8 +58,10 @@ class Surroundings {
       numbers_.push_back(i);
       boxes.push_back(box_of(contours[i]).grown(box_slack_mm));
     }
-    edges_.reserve(numbers_.size());
-    for (const std::size_t i : numbers_) edges_.push_back(tree_of(contours[i].edges));
+    edges_.assign(numbers_.size(), BoxTree({}));
+    geometry::for_each_index(numbers_.size(), 0, [&](std::size_t i) {
+      edges_[i] = tree_of(contours[numbers_[i]].edges);
+    });
     tree_ = BoxTree(std::move(boxes));
   }
 
@@ -94,27 +97,27 @@ class TreeBuilder {
     for (const Contour& contour : contours) areas_.push_back(std::abs(signed_area(contour)));
   }
 
-  ContourPlace place(std::size_t number) {
+  ContourPlace place(std::size_t number) const {
     // A contour is around another if it is around most of these points.
     constexpr std::size_t samples = 3;
     constexpr double part = 0.382;  // of an edge: not a point that drawings are symmetric about
     const std::vector<Edge>& edges = contours_[number].edges;
     const Box box = box_of(contours_[number]);
-    around_.clear();
+    std::vector<std::size_t> around;  // once for each point
     for (std::size_t i = 0; i < samples; ++i) {
       const Vec at =
           point_at(edges[i * edges.size() / samples], part + 0.1 * static_cast<double>(i));
       surroundings_.visit(at, box, [&](std::size_t other, bool is_inside) {
-        if (is_inside && may_contain(other, number)) around_.push_back(other);
+        if (is_inside && may_contain(other, number)) around.push_back(other);
       });
     }
-    std::sort(around_.begin(), around_.end());
+    std::sort(around.begin(), around.end());
     ContourPlace place;
     double smallest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i + 1 < around_.size(); ++i) {
-      const std::size_t other = around_[i];
+    for (std::size_t i = 0; i + 1 < around.size(); ++i) {
+      const std::size_t other = around[i];
       // Two of three points; the third one is skipped.
-      if (around_[i + 1] != other || (i > 0 && around_[i - 1] == other)) continue;
+      if (around[i + 1] != other || (i > 0 && around[i - 1] == other)) continue;
       ++place.depth;
       if (areas_[other] >= smallest) continue;
       smallest = areas_[other];
@@ -135,7 +138,6 @@ class TreeBuilder {
   const std::vector<Contour>& contours_;
   Surroundings surroundings_;
   std::vector<double> areas_;
-  std::vector<std::size_t> around_;  ///< once for each point
 };
 
 }  // namespace
@@ -147,10 +149,10 @@ bool is_inside(const Contour& contour, const Vec& at) {
 }
 
 std::vector<ContourPlace> contour_tree(const std::vector<Contour>& contours) {
-  TreeBuilder builder(contours);
-  std::vector<ContourPlace> places;
-  places.reserve(contours.size());
-  for (std::size_t i = 0; i < contours.size(); ++i) places.push_back(builder.place(i));
+  const TreeBuilder builder(contours);
+  std::vector<ContourPlace> places(contours.size());
+  geometry::for_each_index(contours.size(), 0,
+                           [&](std::size_t i) { places[i] = builder.place(i); });
   return places;
 }
 

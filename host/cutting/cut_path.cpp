@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "host/cutting/contour_walk.hpp"
 #include "host/cutting/depth_model.hpp"
@@ -21,6 +22,48 @@ void require_overcut(double overcut_mm, double length_mm) {
   throw Error(Exit::bad_input, "overcut",
               fmt::format("{:g} mm on a contour of {:.3f} mm", overcut_mm, length_mm),
               "use 0 mm or more, and less than the length of the contour");
+}
+
+// A shorter piece is rounding.
+constexpr double min_piece_mm = 1e-6;
+
+/// Switches the light off over the first `dark_mm` of a path.
+void darken(std::vector<CutMove>& moves, double dark_mm) {
+  double along = 0;
+  for (std::size_t i = 0; i < moves.size() && along + min_piece_mm < dark_mm; ++i) {
+    const double length = length_of(moves[i].edge);
+    if (along + length > dark_mm + min_piece_mm) {
+      const double part = (dark_mm - along) / length;
+      const Edge edge = moves[i].edge;
+      const Vec middle = point_at(edge, part);
+      CutMove first = moves[i];
+      first.edge = cut_out(edge, 0, part, edge.from, middle);
+      moves[i].edge = cut_out(edge, part, 1, middle, edge.to);
+      moves.insert(moves.begin() + static_cast<std::ptrdiff_t>(i), first);
+    }
+    moves[i].power = 0;
+    along += length;
+  }
+}
+
+void turn_round(std::vector<CutMove>& moves) {
+  std::reverse(moves.begin(), moves.end());
+  for (CutMove& move : moves) move.edge = reversed(move.edge);
+}
+
+void darken_ends(std::vector<CutMove>& moves, double begin_mm, double end_mm) {
+  if (begin_mm == 0 && end_mm == 0) return;
+  double length = 0;
+  for (const CutMove& move : moves) length += length_of(move.edge);
+  if (begin_mm + end_mm + min_piece_mm >= length)
+    throw Error(Exit::bad_input, "laser on late, off early",
+                fmt::format("{:g} mm at the feed rate is the whole of a contour of {:.3f} mm",
+                            begin_mm + end_mm, length),
+                "give shorter times, or longer leads");
+  darken(moves, begin_mm);
+  turn_round(moves);
+  darken(moves, end_mm);
+  turn_round(moves);
 }
 
 }  // namespace
@@ -47,6 +90,7 @@ std::vector<CutMove> cut_path(const Contour& contour, const CutPathOptions& opti
   // Points that were computed from both sides are one.
   for (std::size_t i = 0; i + 1 < moves.size(); ++i)
     moves[i].edge = with_ends(moves[i].edge, moves[i].edge.from, moves[i + 1].edge.from);
+  darken_ends(moves, options.dark_begin_mm, options.dark_end_mm);
   return moves;
 }
 

@@ -28,10 +28,12 @@ struct CutPathOptions {
   /// end. Without effect on open ones.
   double overcut_mm = 0;
   TabOptions tabs;
+  double dark_begin_mm = 0, dark_end_mm = 0;  ///< without light: the laser on late, off early
 };
 
 /// Leads of open contours are an error, as lead_in(). Throws Error (bad_input) as lead_in() and
-/// tabs_of(), and for an overcut that is negative or longer than the contour.
+/// tabs_of(), for an overcut that is negative or longer than the contour, and for dark ends as long
+/// as the path.
 std::vector<CutMove> cut_path(const Contour& contour, const CutPathOptions& options,
                               const CutSheet& sheet);
 

@@ -10,12 +10,15 @@
 #include "host/cutting/hatch.hpp"
 #include "host/cutting/offset.hpp"
 #include "host/error.hpp"
+#include "host/geometry/parallel.hpp"
 
 namespace lamplock::cutting {
 namespace {
 
 // Longest edges on which another start point is tried if a lead or a tab does not fit.
 constexpr std::size_t max_tried_edges = 24;
+
+constexpr double s_per_min = 60;
 
 std::string place_text(const Vec& at) { return fmt::format("({:.3f}, {:.3f})", at.x, at.y); }
 
@@ -61,6 +64,14 @@ WasteSide waste_of(const Shape& shape, const Contour& contour, double distance_m
       distance_mm != 0 ? distance_mm > 0 : is_part(shape.place) == is_counter_clockwise(contour);
   return is_right ? WasteSide::right : WasteSide::left;
 }
+
+/// The beam along one shape.
+struct ShapeBeam {
+  OffsetContours offset;
+  WasteSide waste = WasteSide::right;
+  std::optional<Contour> drawn;  ///< where the controller compensates
+  bool is_moved = false;         ///< runs beside the drawn contour
+};
 
 /// Contours as the beam runs along them.
 struct Beams {
@@ -150,58 +161,80 @@ class Planner {
 
   /// All operations of one kind that follow contours, in one order.
   void follow(OperationKind kind) {
-    Beams beams;
-    for (std::size_t i = 0; i < shapes_.size(); ++i) {
-      const auto number = shapes_[i].operation;
-      if (number && operations_[*number].kind == kind) compensate(i, beams);
-    }
+    Beams beams = beams_of(kind);
     if (beams.contours.empty()) return;
     if (beams.are_moved) report_crossings(beams);
     const CutOrder order =
         cut_order(beams.contours, contour_tree(beams.contours), position_, order_);
     const CutSheet sheet(beams.contours);
-    for (CutStep step : order.steps) {
-      PlannedCut cut{
-          *shapes_[beams.shapes[step.contour]].operation, beams.shapes[step.contour], {}};
-      if (const auto& drawn = beams.drawn[step.contour]) {
-        step.edge = 0;
-        step.part = 0;
-        cut.controller = ControllerPath{{}, beams.waste[step.contour] == WasteSide::left};
-        for (const Edge& edge : drawn->edges) cut.controller->drawn.push_back({edge});
-      }
-      cut.strokes.push_back(path_of(beams, step, operations_[cut.operation], sheet));
-      append(std::move(cut));
-    }
+    std::vector<PlannedCut> cuts(order.steps.size());
+    geometry::for_each_index(cuts.size(), 0, [&](std::size_t i) {
+      cuts[i] = planned_cut(beams, order.steps[i], sheet);
+    });
+    for (PlannedCut& cut : cuts) append(std::move(cut));
   }
 
-  void compensate(std::size_t number, Beams& beams) {
-    const Shape& shape = shapes_[number];
+  PlannedCut planned_cut(const Beams& beams, CutStep step, const CutSheet& sheet) const {
+    const std::size_t shape = beams.shapes[step.contour];
+    PlannedCut cut{*shapes_[shape].operation, shape, {}};
+    if (const auto& drawn = beams.drawn[step.contour]) {
+      step.edge = 0;
+      step.part = 0;
+      cut.controller = ControllerPath{{}, beams.waste[step.contour] == WasteSide::left};
+      for (const Edge& edge : drawn->edges) cut.controller->drawn.push_back({edge});
+    }
+    cut.strokes.push_back(path_of(beams, step, operations_[cut.operation], sheet));
+    return cut;
+  }
+
+  /// The beams along all shapes of operations of one kind.
+  Beams beams_of(OperationKind kind) {
+    std::vector<std::size_t> numbers;
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+      const auto operation = shapes_[i].operation;
+      if (operation && operations_[*operation].kind == kind) numbers.push_back(i);
+    }
+    std::vector<ShapeBeam> beams(numbers.size());
+    geometry::for_each_index(beams.size(), 0,
+                             [&](std::size_t i) { beams[i] = compensated(shapes_[numbers[i]]); });
+    Beams all;
+    for (std::size_t i = 0; i < beams.size(); ++i) append_beam(beams[i], numbers[i], all);
+    return all;
+  }
+
+  ShapeBeam compensated(const Shape& shape) const {
     const Operation& operation = operations_[*shape.operation];
     const Contour contour = directed(shape, operation.direction);
     const double distance_mm = distance_of(shape, contour, operation);
-    const WasteSide waste = waste_of(shape, contour, distance_mm);
-    beams.are_moved = beams.are_moved || distance_mm != 0;
-    OffsetContours result = offset({contour}, {distance_mm});
-    const auto vanished = std::any_of(result.faults.begin(), result.faults.end(),
+    ShapeBeam beam{offset({contour}, {distance_mm}),
+                   waste_of(shape, contour, distance_mm),
+                   {},
+                   distance_mm != 0};
+    const std::vector<Fault>& faults = beam.offset.faults;
+    const auto vanished = std::any_of(faults.begin(), faults.end(),
                                       [](const auto& f) { return f.kind == FaultKind::vanished; });
-    if (vanished || result.contours.empty())
+    if (vanished || beam.offset.contours.empty())
       throw Error(Exit::bad_input, operation.name,
                   fmt::format("the {} is smaller than the beam of {:g} mm", contour_text(contour),
                               operation.kerf_mm),
                   "use a smaller kerf, or no compensation for it");
-    for (Fault& fault : result.faults) {
+    if (operation.compensation == Compensation::controller && beam.is_moved)
+      beam.drawn = begin_alike(contour, distance_mm, operation, beam.offset);
+    return beam;
+  }
+
+  void append_beam(ShapeBeam& beam, std::size_t shape, Beams& beams) {
+    beams.are_moved = beams.are_moved || beam.is_moved;
+    for (Fault& fault : beam.offset.faults) {
       if (fault.kind != FaultKind::narrow) continue;  // the others are those of the drawing
-      fault.contour = number;
+      fault.contour = shape;
       plan_.faults.push_back(fault);
     }
-    std::optional<Contour> drawn;
-    if (operation.compensation == Compensation::controller && distance_mm != 0)
-      drawn = begin_alike(contour, distance_mm, operation, result);
-    for (Contour& beam : result.contours) {
-      beams.contours.push_back(std::move(beam));
-      beams.shapes.push_back(number);
-      beams.waste.push_back(waste);
-      beams.drawn.push_back(drawn);
+    for (Contour& contour : beam.offset.contours) {
+      beams.contours.push_back(std::move(contour));
+      beams.shapes.push_back(shape);
+      beams.waste.push_back(beam.waste);
+      beams.drawn.push_back(beam.drawn);
     }
   }
 
@@ -247,6 +280,8 @@ class Planner {
     CutPathOptions options;
     options.waste = beams.waste[step.contour];
     options.clearance_mm = operation.kerf_mm / 2;
+    options.dark_begin_mm = operation.on_late_s * operation.feed_mm_min / s_per_min;
+    options.dark_end_mm = operation.off_early_s * operation.feed_mm_min / s_per_min;
     if (contour.closed) {
       options.lead_in = operation.lead_in;
       options.lead_out = operation.lead_out;

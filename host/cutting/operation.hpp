@@ -60,6 +60,8 @@ struct Operation {
   double overcut_mm = 0;
   TabOptions tabs;      ///< of closed contours
   double pierce_s = 0;  ///< with the laser on before the beam moves
+  /// Time of motion without light after the begin and before the end of each contour.
+  double on_late_s = 0, off_early_s = 0;
   bool has_air = false;
   double hatch_mm = 0, hatch_deg = 0;  ///< distance and angle of the lines of an engraving
   double overscan_mm = 0;              ///< before and after each line, dark

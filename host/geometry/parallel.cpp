@@ -16,16 +16,21 @@ void for_each_index(std::size_t count, unsigned threads,
   std::atomic<std::size_t> next{0};
   std::mutex failed;
   std::exception_ptr failure;
+  std::size_t failed_at = count;
   const auto run = [&] {
+    std::size_t i = 0;
     try {
       for (;;) {
         const std::size_t first = next.fetch_add(batch);
         if (first >= count) return;
-        for (std::size_t i = first; i < std::min(count, first + batch); ++i) work(i);
+        for (i = first; i < std::min(count, first + batch); ++i) work(i);
       }
     } catch (...) {
       const std::lock_guard lock(failed);
-      if (!failure) failure = std::current_exception();
+      if (i < failed_at) {
+        failed_at = i;
+        failure = std::current_exception();
+      }
       next = count;
     }
   };

@@ -96,6 +96,8 @@ void require_fit(const OperationChoice& choice, const std::string& name, Machine
   const bool is_laser = machine == MachineType::laser, is_mill = machine == MachineType::mill;
   refuse_unless(is_laser || choice.kind != "engrave", "engraving with lines");
   refuse_unless(is_laser || choice.pierce_s == 0, "pierce time");
+  refuse_unless(is_laser || (choice.on_late_s == 0 && choice.off_early_s == 0),
+                "times of laser on and off");
   refuse_unless(is_laser || choice.compensation != "controller", "compensation by the controller");
   refuse_unless(is_laser || !choice.material, "settings in the material library");
   refuse_unless(is_laser || !choice.passes, "passes without a depth");
@@ -133,6 +135,8 @@ void require_kind(const OperationChoice& choice, const std::string& name) {
   refuse_unless(!is_engraving || !has_side, "compensation");
   refuse_unless(!is_engraving || choice.direction == "auto", "direction");
   refuse_unless(!is_engraving || choice.pierce_s == 0, "pierce time");
+  refuse_unless(!is_engraving || (choice.on_late_s == 0 && choice.off_early_s == 0),
+                "times of laser on and off");
   const bool has_kerf = choice.kerf_mm.value_or(0) > 0;
   refuse_unless(!is_engraving || !has_kerf, "kerf");
   refuse_unless(is_cut || has_side || !has_kerf,
@@ -271,10 +275,16 @@ cutting::Operation operation_of(const OperationChoice& choice, const std::string
                 "give the kerf in mm");
   if (choice.compensation == "controller" &&
       (choice.lead_in != "none" || choice.lead_out != "none" || choice.tabs != 0 ||
-       choice.overcut_mm != 0))
-    throw Error(Exit::bad_input, name, "compensation controller has no leads, tabs and overcut",
+       choice.overcut_mm != 0 || choice.on_late_s != 0 || choice.off_early_s != 0))
+    throw Error(Exit::bad_input, name,
+                "compensation controller has no leads, tabs, overcut and times of laser on and off",
                 "leave them out, or use compensation auto");
+  if (choice.pierce_s > 0 && choice.on_late_s > 0)
+    throw Error(Exit::bad_input, name, "after a pierce time the laser is on from the begin",
+                "leave out the pierce time, or on late");
   operation.pierce_s = choice.pierce_s;
+  operation.on_late_s = choice.on_late_s;
+  operation.off_early_s = choice.off_early_s;
   if (operation.kind == OperationKind::score) {
     if (!has_side) operation.compensation = Compensation::none;
     return operation;

@@ -57,7 +57,7 @@ struct OperationChoice {
   std::optional<int> passes{};
   std::optional<double> infeed_mm{}, final_depth_mm{};
   bool has_air = false;
-  double pierce_s = 0;
+  double pierce_s = 0, on_late_s = 0, off_early_s = 0;
 
   std::string compensation = "auto", direction = "auto";
   std::string lead_in = "none", lead_out = "none";

@@ -22,7 +22,7 @@ using glass::Range;
 constexpr Range place_range{-100'000, 100'000, true};
 constexpr Range feed_range{cutting::min_feed_mm_min, std::numeric_limits<double>::infinity(), true};
 constexpr Range hatch_range{cutting::min_hatch_mm, std::numeric_limits<double>::infinity(), true};
-constexpr double max_cut_tabs = 1000, max_pierce_s = 60;
+constexpr double max_cut_tabs = 1000, max_pierce_s = 60, max_dark_s = 1;
 
 std::string colour_fault(const std::string& text) {
   return model::colour_named(text)
@@ -91,6 +91,18 @@ std::vector<Parameter> material_parameters(OperationChoice& o) {
        "Time with the laser on before each contour; lamplock boards need $936 for it",
        "S",
        {0, max_pierce_s, true}},
+      {"on_late",
+       "--on-late",
+       &o.on_late_s,
+       "Switch the laser on so long after the begin of each contour",
+       "S",
+       {0, max_dark_s, true}},
+      {"off_early",
+       "--off-early",
+       &o.off_early_s,
+       "Switch the laser off so long before the end of each contour",
+       "S",
+       {0, max_dark_s, true}},
   };
 }
 

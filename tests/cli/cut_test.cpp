@@ -97,6 +97,21 @@ TEST_F(Cut, the_program_is_that_of_grbl_with_arcs) {
   EXPECT_EQ(run({"check", program_}).status, 0);
 }
 
+TEST_F(Cut, the_laser_is_dark_for_a_time_at_both_ends) {
+  // 600 mm/min: 1 mm at the begin, 2 mm at the end.
+  made(drawing(square), {"--on-late", "0.1", "--off-early", "0.2"});
+  EXPECT_THAT(read(program_),
+              HasSubstr("\nG1 X1 F600\nG1 X10 S800\nG1 Y10\nG1 X0\nG1 Y2\nG1 Y0 S0\n"));
+}
+
+TEST_F(Cut, dark_times_without_a_lit_part_between_them_are_refused) {
+  EXPECT_THAT(refused(drawing(square), {"--on-late", "0.1", "--pierce", "1"}),
+              HasSubstr("pierce time"));
+  EXPECT_THAT(refused({"cut", drawing(square), "--power", "80", "--feed", "3000", "--off-early",
+                       "1", "-o", program_}),
+              HasSubstr("contour of 40.000 mm"));
+}
+
 TEST_F(Cut, the_controller_compensates) {
   const json host = made(drawing(square), {"--kerf", "0.5"});
   const json controller = made(drawing(square), {"--kerf", "0.5", "--compensation", "controller"});
@@ -337,8 +352,10 @@ TEST_F(Cut, values_that_a_kind_of_operation_does_not_use_are_refused) {
       EXPECT_THAT(refused(file, more),
                   HasSubstr(fmt::format("operation 1: {} has no {}", name, what)));
     }
-  for (const Arguments& values : {Arguments{"--compensation", "left"},
-                                  Arguments{"--direction", "cw"}, Arguments{"--pierce", "1"}}) {
+  for (const Arguments& values :
+       {Arguments{"--compensation", "left"}, Arguments{"--direction", "cw"},
+        Arguments{"--pierce", "1"}, Arguments{"--on-late", "0.01"},
+        Arguments{"--off-early", "0.01"}}) {
     Arguments more = values;
     more.insert(more.end(), {"--operation", "engrave"});
     EXPECT_THAT(refused(file, more), HasSubstr("an engraving has no"));

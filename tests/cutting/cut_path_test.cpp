@@ -361,6 +361,40 @@ TEST(cut_path, the_cut_is_the_contour_with_tabs_and_overcut) {
   EXPECT_EQ(cut_path(slit, options, CutSheet({slit})).size(), 1u);
 }
 
+TEST(cut_path, the_laser_is_dark_at_both_ends_where_it_is_on_late_and_off_early) {
+  Random random(76);
+  for (int i = 0; i < scaled(100, 15); ++i) {
+    const Contour star = as_cut(random_star(random, {0, 0}, 12, 16, 8),
+                                {0, false, random.next() % 8, random.uniform()});
+    CutPathOptions options;
+    options.tabs = {static_cast<int>(random.next() % 4), 0.3, 0.25, 0.1};
+    options.overcut_mm = 2 * random.uniform();
+    const std::vector<CutMove> lit = cut_path(star, options, CutSheet({star}));
+    const double length = length_of(star) + options.overcut_mm;
+    options.dark_begin_mm = i % 3 == 0 ? 0 : length / 2 * random.uniform();
+    options.dark_end_mm = i % 4 == 0 ? 0 : length / 2 * random.uniform();
+    const std::vector<CutMove> moves = cut_path(star, options, CutSheet({star}));
+    expect_connected(moves);
+    // The same path, with the power of the lit one or none.
+    double along = 0;
+    std::size_t before = 0;
+    double before_end = length_of(lit[0].edge);
+    for (const CutMove& move : moves) {
+      const double middle = along + length_of(move.edge) / 2;
+      while (before_end < middle) before_end += length_of(lit[++before].edge);
+      const bool is_dark = middle < options.dark_begin_mm || middle > length - options.dark_end_mm;
+      EXPECT_EQ(move.power, is_dark ? 0 : lit[before].power) << middle;
+      EXPECT_EQ(move.kind, lit[before].kind);
+      const double part = 1 - (before_end - middle) / length_of(lit[before].edge);
+      EXPECT_NEAR(distance(point_at(move.edge, 0.5), point_at(lit[before].edge, part)), 0, 1e-6);
+      along += length_of(move.edge);
+    }
+    EXPECT_NEAR(along, length, 1e-6);
+    options.dark_begin_mm = length - options.dark_end_mm;
+    EXPECT_THROW(cut_path(star, options, CutSheet({star})), Error);
+  }
+}
+
 TEST(cut_path, passes_of_tools_and_of_the_focus) {
   EXPECT_EQ(tool_passes(3, 1), (std::vector<double>{-1, -2, -3}));
   EXPECT_EQ(tool_passes(2.5, 1), (std::vector<double>{-1, -2, -2.5}));
