@@ -94,6 +94,9 @@ Json document(const JerkOptions& options, const run::OptimisedFeed& feed) {
   json["time_s"] = feed.time_s;
   json["segments"] = std::move(segments);
   json["comparison"] = comparison_json(feed.compared);
+  if (feed.on_machine)
+    json["machine"] = {{"time_s", feed.on_machine->optimised_s},
+                       {"unchanged_s", feed.on_machine->unchanged_s}};
   if (feed.learned) json["learned"] = learned_json(*feed.learned);
   return json;
 }

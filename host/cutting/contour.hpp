@@ -49,10 +49,11 @@ enum class FaultKind {
   dot,                ///< a curve that was removed because its length is 0
   self_intersection,  ///< size: length of the shorter loop that the crossing cuts off
   crossing,           ///< of two contours; size: 0
-  narrow,    ///< the beam does not fit; size: between the points where it touches both sides
-  vanished,  ///< a contour that has no offset; size: its length
-  overlap,   ///< edges on the same line or arc; size: length of the common part
-  unhatched  ///< an area between two lines of its hatch; size: its height
+  narrow,     ///< the beam does not fit; size: between the points where it touches both sides
+  vanished,   ///< a contour that has no offset; size: its length
+  overlap,    ///< edges on the same line or arc; size: length of the common part
+  unhatched,  ///< an area between two lines of its hatch; size: its height
+  beams       ///< of two contours, which cross; size: 0
 };
 struct Fault {
   FaultKind kind = FaultKind::gap;

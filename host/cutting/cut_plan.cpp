@@ -268,6 +268,7 @@ class Planner {
   /// Paths of the beam that cross although the drawing does not: parts that are too near.
   void report_crossings(const Beams& beams) {
     for (Fault& fault : contour_faults(beams.contours)) {
+      if (fault.kind == FaultKind::crossing) fault.kind = FaultKind::beams;
       if (fault.contour) fault.contour = beams.shapes[*fault.contour];
       if (fault.other) fault.other = beams.shapes[*fault.other];
       plan_.faults.push_back(fault);

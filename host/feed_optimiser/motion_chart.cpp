@@ -83,15 +83,17 @@ struct Panel {
 std::array<Panel, 4> panels_of(const std::vector<OptimisedBlock>& blocks, const Method& method,
                                double steps) {
   std::array<Panel, 4> panels;
-  panels[0].name = "position / mm";
+  panels[0].name = "from the begin / mm";
   panels[1] = {"speed / mm/s", {}, method.limits.speed_mm_s};
   panels[2] = {"acceleration / mm/s2", {}, method.limits.accel_mm_s2};
   panels[3] = {"jerk / mm/s3", {}, method.limits.jerk_mm_s3};
   MotionMeter meter(method.period_s);
   double step = 0;
+  Point begin;
   const auto add = [&](const Point& p) {
     meter.add(p);
-    const PerAxis place{p.x, p.y, p.z};
+    if (step == 0) begin = p;
+    const PerAxis place{p.x - begin.x, p.y - begin.y, p.z - begin.z};
     for (std::size_t a = 0; a < axes; ++a) {
       panels[0].curves[a].add(step / steps, place[a]);
       panels[1].curves[a].add(step / steps, meter.now().speed[a]);
@@ -104,6 +106,10 @@ std::array<Panel, 4> panels_of(const std::vector<OptimisedBlock>& blocks, const 
     const std::vector<Point> at = places(block);
     for (std::size_t i = meter.places() == 0 ? 0 : 1; i < at.size(); ++i) add(at[i]);
   }
+  // The stop at the end: of the printed recipe it is not smooth.
+  constexpr int derivatives = 3;
+  if (!blocks.empty())
+    for (int i = 0; i < derivatives; ++i) add(blocks.back().block.to);
   return panels;
 }
 

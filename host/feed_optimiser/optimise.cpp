@@ -19,6 +19,11 @@ constexpr double min_period_s = 1e-6, max_period_s = 1;
 /// Part of the jerk that the rounding of coordinates may take at a joint of two blocks in one
 /// direction.
 constexpr double joint_part = 1e-8;
+/// A place that is left out where two blocks are joined is no farther than this from the line: the
+/// resolution of the written program.
+constexpr double max_off_line_mm = 1e-5;
+/// Part of a limit that may be left for the rounding of coordinates.
+constexpr double max_rounding_part = 0.1;
 
 std::string where(const Block& block, const std::string& file) {
   return fmt::format("{}:{}", file, block.line);
@@ -26,16 +31,19 @@ std::string where(const Block& block, const std::string& file) {
 
 double smallest(const PerAxis& values) { return *std::min_element(values.begin(), values.end()); }
 
-/// Leaves room for the rounding of coordinates, which derivatives by differences multiply.
-void leave_room(PathLimits& limits, const Block& block, const Method& method) {
-  constexpr double max_part = 0.1;
+/// A third difference adds eight coordinates, each rounded a few times.
+double rounding_mm(const Block& block) {
   double coordinate_mm = block.length_mm;
   for (const Point& p : {block.from, block.to})
     coordinate_mm = std::max({coordinate_mm, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  // A third difference adds eight coordinates, each rounded a few times.
-  const double rounding_mm = 32 * std::numeric_limits<double>::epsilon() * coordinate_mm;
+  return 32 * std::numeric_limits<double>::epsilon() * coordinate_mm;
+}
+
+/// Leaves room for the rounding of coordinates, which derivatives by differences multiply.
+void leave_room(PathLimits& limits, const Block& block, const Method& method) {
+  const double rounding = rounding_mm(block);
   const auto part = [&](const PerAxis& values, double time) {
-    return 1 - std::min(max_part, rounding_mm / (time * smallest(values)));
+    return 1 - std::min(max_rounding_part, rounding / (time * smallest(values)));
   };
   const double t = method.period_s;
   limits.speed_mm_s *= part(method.limits.speed_mm_s, t);
@@ -65,6 +73,14 @@ void require_steps(const Block& block, const Task& task, const Method& method,
                 fmt::format("a block of {:g} mm takes more than {} control periods", task.length_mm,
                             geometry::max_points),
                 "lengthen the control period or raise the limits");
+  if (method.variant == Variant::printed) return;
+  const double t = method.period_s;
+  if (rounding_mm(block) > max_rounding_part * t * t * t * smallest(method.limits.jerk_mm_s3))
+    throw Error(Exit::bad_input, where(block, file),
+                fmt::format("in a control period of {:g} ms the rounding of coordinates is a jerk "
+                            "near the limit of {:g} mm/s3",
+                            t * 1e3, smallest(method.limits.jerk_mm_s3)),
+                "lengthen the control period, or raise the limit of the jerk");
 }
 
 Profile profile_of(const Task& task, const Method& method, const LawTable& table) {
@@ -92,6 +108,15 @@ void keep_limits(OptimisedBlock& optimised, const Method& method) {
     }
     optimised.profile = profile_of(optimised.task, method, *optimised.table);
   }
+}
+
+/// The distance of the end of a block from the line between two places.
+double off_line_mm(const Block& before, const Block& whole) {
+  const Point &a = whole.from, &p = before.to, &b = whole.to;
+  const Point way{b.x - a.x, b.y - a.y, b.z - a.z}, to{p.x - a.x, p.y - a.y, p.z - a.z};
+  return std::hypot(way.y * to.z - way.z * to.y, way.z * to.x - way.x * to.z,
+                    way.x * to.y - way.y * to.x) /
+         whole.length_mm;
 }
 
 bool joins(const Block& before, const Block& next, const Method& method) {
@@ -157,18 +182,26 @@ std::vector<OptimisedBlock> optimise(std::span<const Block> blocks, const Method
 
 std::vector<Block> join_straight(std::span<const Block> blocks, const Method& method) {
   std::vector<Block> joined;
+  // A bound of the distance of all places left out from the last block: each join turns the line
+  // about its begin, and moves it by less there than at the place that is left out.
+  double off_mm = 0;
   for (Block block : blocks) {
     if (block.length_mm < min_length_mm) continue;
     if (!joined.empty()) begin_at(block, joined.back().to);
     if (!joined.empty() && joins(joined.back(), block, method)) {
       Block whole = straight_block(joined.back().from, block.to);
-      whole.feed_mm_s = block.feed_mm_s;
-      whole.rapid = block.rapid;
-      whole.line = block.line;
-      joined.back() = whole;
-    } else {
-      joined.push_back(block);
+      const double more_mm = off_line_mm(joined.back(), whole);
+      if (off_mm + more_mm <= max_off_line_mm) {
+        off_mm += more_mm;
+        whole.feed_mm_s = block.feed_mm_s;
+        whole.rapid = block.rapid;
+        whole.line = block.line;
+        joined.back() = whole;
+        continue;
+      }
     }
+    joined.push_back(block);
+    off_mm = 0;
   }
   return joined;
 }

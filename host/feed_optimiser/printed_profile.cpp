@@ -67,9 +67,10 @@ Profile printed_profile(const Task& task, const LawTable& table) {
   const JerkRamp ramp(table, task.limits.jerk_mm_s3);
   Start start = start_of(task, ramp, table.period_s());
   Braking braking = braking_from(start.speed, ramp);
-  // The end is passed even without a hold: the last step of acceleration is repeated as braking.
+  // The braking takes more way than the acceleration: a short block is not accelerated to its half.
   while (start.steps > 1 &&
-         start.distance + (braking.distance.empty() ? 0 : braking.distance[0]) > task.length_mm) {
+         start.distance + (braking.distance.empty() ? 0 : braking.distance.back()) >
+             task.length_mm) {
     start.distance -= start.speed;
     --start.steps;
     start.speed = ramp.accel_sum(start.steps);

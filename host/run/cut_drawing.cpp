@@ -229,6 +229,8 @@ const char* fault_name(FaultKind kind) {
       return "contour smaller than the beam";
     case FaultKind::overlap:
       return "overlap of two contours";
+    case FaultKind::beams:
+      return "crossing of the beams of two contours, whose material the beam takes there";
     case FaultKind::unhatched:
       return "contour that no line of the hatch crosses";
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/error.hpp"
 #include "host/feed_optimiser/motion_meter.hpp"
 #include "host/feed_optimiser/time_optimum.hpp"
 #include "host/job/profile.hpp"
@@ -127,7 +128,9 @@ ComparedFeed planned_feed(const std::string& name, const std::vector<OptimisedBl
 
 std::vector<ComparedFeed> compare_feeds(const FeedProgram& program, const Method& method,
                                         const ServoMachine& drives, double piece_s,
-                                        const std::string& name) {
+                                        const std::string& name, Frontend& frontend) {
+  constexpr std::size_t compared = 3;
+  const auto progress = frontend.progress("feeds compared", compared, 0);
   const bool has_drives = moves_only_xy(program);
   const geometry::Point origin = board_origin(program);
   std::vector<ComparedFeed> rows;
@@ -138,6 +141,7 @@ std::vector<ComparedFeed> compare_feeds(const FeedProgram& program, const Method
   else
     rows.back().time_s = firmware_s(plain, method);
   for (const Variant variant : {Variant::printed, Variant::strict}) {
+    progress->update(rows.size());
     Method other = method;
     other.variant = variant;
     const auto blocks = feed_optimiser::optimise(program.all_blocks(), other, name);
@@ -151,6 +155,20 @@ std::vector<ComparedFeed> compare_feeds(const FeedProgram& program, const Method
   }
   rows.push_back(optimum_of(program.all_blocks(), method));
   return rows;
+}
+
+MachineTimes times_on_machine(const FeedProgram& program, const std::vector<OptimisedBlock>& blocks,
+                              const Method& method, const settings::Values& values, double piece_s,
+                              const std::string& name) {
+  const auto seconds = [&](const std::string& text) {
+    const program_run::ProgramRun run = program_run::run_program(text, values, 1);
+    if (run.problems.empty()) return run.seconds();
+    const program_run::Problem& problem = run.problems.front();
+    throw Error(Exit::bad_input, name, problem.text,
+                problem.remedy.empty() ? "give the file of another machine" : problem.remedy);
+  };
+  return {seconds(plain_program(program, {}, largest(method.limits.speed_mm_s))),
+          seconds(optimised_program(program, blocks, {}, piece_s))};
 }
 
 std::string feed_table(const std::vector<ComparedFeed>& rows) {

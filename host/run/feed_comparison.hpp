@@ -11,6 +11,7 @@
 #include "host/feed_optimiser/feed_program.hpp"
 #include "host/program/servo_errors.hpp"
 #include "host/program/servo_run.hpp"
+#include "host/run/frontend.hpp"
 
 namespace lamplock::run {
 
@@ -54,7 +55,17 @@ ComparedFeed planned_feed(const std::string& name,
 std::vector<ComparedFeed> compare_feeds(const feed_optimiser::FeedProgram& program,
                                         const feed_optimiser::Method& method,
                                         const program_run::ServoMachine& drives, double piece_s,
-                                        const std::string& name);
+                                        const std::string& name, Frontend& frontend);
+
+/// Times of a program on a machine with its own settings.
+struct MachineTimes {
+  double unchanged_s = 0, optimised_s = 0;
+};
+/// Throws Error(bad_input) about `name` if the machine refuses one of the programs.
+MachineTimes times_on_machine(const feed_optimiser::FeedProgram& program,
+                              const std::vector<feed_optimiser::OptimisedBlock>& blocks,
+                              const feed_optimiser::Method& method, const settings::Values& values,
+                              double piece_s, const std::string& name);
 
 /// The table as text, lines with their ends.
 std::string feed_table(const std::vector<ComparedFeed>& rows);

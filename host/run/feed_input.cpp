@@ -2,14 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "host/error.hpp"
 #include "host/model/input.hpp"
 #include "host/model/read_points.hpp"
+#include "host/program/board_lines.hpp"
 #include "host/program/program_path.hpp"
+#include "host/program/program_run.hpp"
 #include "host/run/sent_file.hpp"
+#include "host/text.hpp"
+#include "shared/gcode_words.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -82,9 +88,55 @@ std::vector<Block> blocks_of(const PathMove& move, const std::string& file,
   return blocks;
 }
 
-FeedProgram program_blocks(const std::string& file, const job::Profile& profile) {
+/// The word of a line whose effect depends on what the board has stored: offsets, places, shifts.
+/// Empty: none.
+std::string stored_word(std::string_view line) {
+  // Tenths of the numbers: G10, G28 and G30 with their .1, G53, G54.1, G55 to G59.3, G92 to G92.3.
+  constexpr std::array codes{100, 280, 281, 300, 301, 530, 541, 550, 560, 570,
+                             580, 590, 591, 592, 593, 920, 921, 922, 923};
+  program::WordReader reader(line);
+  program::Word word;
+  while (!reader.next(word) && word.letter != 0) {
+    const auto tenths = program::scaled(word, 1, 1);
+    if (word.letter == 'G' && std::find(codes.begin(), codes.end(), tenths) != codes.end())
+      return fmt::format("G{:g}", static_cast<double>(tenths) / 10);
+  }
+  return "";
+}
+
+/// The new program has the places of this one in the coordinates of G54, with no stored values.
+void require_own_places(std::string_view text, const std::string& file) {
+  text = without_byte_order_mark(text);
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::string_view line = take_line(text);
+    const bool is_command = program_run::is_board_line(trimmed(line));
+    const std::string word = is_command ? std::string(trimmed(line)) : stored_word(line);
+    if (word.empty()) continue;
+    throw Error(Exit::bad_input, fmt::format("{}:{}", file, number),
+                is_command
+                    ? fmt::format("{} is a command for the board, not a part of the program", word)
+                    : fmt::format("the effect of {} depends on what the board has stored", word),
+                is_command ? "send it before the program, and remove it here"
+                           : "remove it: use the coordinates of G54");
+  }
+}
+
+/// Without a machine its work space is not known.
+void require_runnable(const std::string& text, const std::string& file, job::Profile profile,
+                      bool has_machine) {
+  if (!has_machine) job::state_setting(profile, settings::Id::soft_limits, 0, file);
+  const program_run::ProgramRun run = program_run::run_program(text, profile.settings, 1);
+  if (run.problems.empty()) return;
+  const program_run::Problem& problem = run.problems.front();
+  throw Error(Exit::bad_input, fmt::format("{}:{}", file, problem.line), problem.text,
+              problem.remedy.empty() ? "correct the line" : problem.remedy);
+}
+
+FeedProgram program_blocks(const std::string& file, const job::Profile& profile, bool has_machine) {
   require_program(file);
   const std::string text = read_program_text(file);
+  require_own_places(text, file);
+  require_runnable(text, file, profile, has_machine);
   FeedProgram program;
   std::vector<std::string> lines;
   for (const PathStep& step : program_run::program_path(text, profile.settings, file)) {
@@ -108,9 +160,10 @@ FeedProgram program_blocks(const std::string& file, const job::Profile& profile)
 
 }  // namespace
 
-FeedProgram read_feed_program(const std::string& file, const job::Profile& profile) {
+FeedProgram read_feed_program(const std::string& file, const job::Profile& profile,
+                              bool has_machine) {
   const bool is_list = !is_program_name(file) && model::kind_of(file) == model::InputKind::points;
-  FeedProgram program = is_list ? polyline(file) : program_blocks(file, profile);
+  FeedProgram program = is_list ? polyline(file) : program_blocks(file, profile, has_machine);
   for (const Part& part : program.parts)
     for (const Block& block : part.blocks)
       if (block.length_mm > 0) return program;

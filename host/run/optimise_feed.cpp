@@ -62,11 +62,11 @@ Method method_of(const FeedOptions& options, const job::Profile& profile) {
   constexpr double min_per_s = 1.0 / 60, mm_per_m = 1000;
   Method method{options.variant, options.law, options.period_ms / 1e3, {}};
   const job::Profile* given = options.machine.machine.empty() ? nullptr : &profile;
-  method.limits = {limits_of(options.speed_mm_s, "speed limit", given, Id::max_rate_x, min_per_s,
+  method.limits = {limits_of(options.speed_mm_s, "--max-speed", given, Id::max_rate_x, min_per_s,
                              feed_optimiser::example_speed_mm_s),
-                   limits_of(options.accel_mm_s2, "acceleration limit", given, Id::acceleration_x,
-                             1, feed_optimiser::example_accel_mm_s2),
-                   limits_of(options.jerk_mm_s3, "jerk limit", given, Id::jerk_x, mm_per_m,
+                   limits_of(options.accel_mm_s2, "--max-accel", given, Id::acceleration_x, 1,
+                             feed_optimiser::example_accel_mm_s2),
+                   limits_of(options.jerk_mm_s3, "--max-jerk", given, Id::jerk_x, mm_per_m,
                              feed_optimiser::example_jerk_mm_s3)};
   return method;
 }
@@ -156,6 +156,41 @@ void say_learned(const FeedLearned& learned, Frontend& frontend) {
                verb(learned.mean_falls), verb(learned.deviation_falls));
 }
 
+/// A machine that limits the jerk does so once more at each piece of the program.
+void say_machine(const MachineTimes& times, const job::Profile& profile, Frontend& frontend) {
+  frontend.say("machine   {} with these feeds, {} unchanged", duration_text(times.optimised_s),
+               duration_text(times.unchanged_s));
+  bool limits_jerk = false;
+  for (int a = 0; a < static_cast<int>(feed_optimiser::axes); ++a)
+    limits_jerk = limits_jerk || in_units(profile.settings, Id::jerk_x, a) > 0;
+  if (limits_jerk)
+    frontend.notice(
+        "the machine limits the jerk by itself, at each piece of the new program once more: set "
+        "its jerk_x, jerk_y and jerk_z ($1081 to $1083) to 0 for this program");
+}
+
+/// The table is not needed for the program: without it the results are complete.
+void compare(const FeedOptions& options, const FeedProgram& program,
+             const program_run::ServoMachine& drives, OptimisedFeed& feed, Frontend& frontend) {
+  const double planned_s = seconds_of(feed.blocks);
+  if (planned_s > max_simulated_s) {
+    frontend.notice(fmt::format("no comparison: it simulates at most {} of motion",
+                                duration_text(max_simulated_s)));
+    return;
+  }
+  try {
+    feed.compared =
+        compare_feeds(program, feed.method, drives,
+                      std::max(options.piece_ms, options.period_ms) / 1e3, options.input, frontend);
+    frontend.text(feed_table(feed.compared));
+  } catch (const Error& error) {
+    frontend.notice(
+        fmt::format("no comparison: the simulated board cannot run with these limits "
+                    "({})",
+                    error.message()));
+  }
+}
+
 void say_results(const OptimisedFeed& feed, Frontend& frontend) {
   std::size_t steps = 0;
   for (const OptimisedBlock& block : feed.blocks) steps += block.profile.steps();
@@ -177,28 +212,27 @@ OptimisedFeed optimise_feed(const FeedOptions& options, Frontend& frontend) {
   OptimisedFeed feed;
   feed.method = method_of(options, profile);
   feed_optimiser::law_table(feed.method);
-  FeedProgram program = read_feed_program(options.input, profile);
+  const bool has_machine = !options.machine.machine.empty();
+  FeedProgram program = read_feed_program(options.input, profile, has_machine);
   for (const std::string& remark : program.remarks) frontend.notice(remark);
   join_straight(program, feed.method);
   feed.blocks = feed_optimiser::optimise(program.all_blocks(), feed.method, options.input);
   require_total(feed.blocks, options.input);
   const double piece_s = std::max(options.piece_ms, options.period_ms) / 1e3;
-  const double planned_s = seconds_of(feed.blocks);
   if (options.learn) {
-    require_short(planned_s, options.input);
+    require_short(seconds_of(feed.blocks), options.input);
     feed.learned = learn_feed(program, feed.method, drives, piece_s, options.input, frontend);
     if (feed.learned->mean_falls || feed.learned->deviation_falls)
       feed.blocks = feed.learned->blocks;
   }
   feed.time_s = seconds_of(feed.blocks);
   say_results(feed, frontend);
-  if (options.compare && planned_s > max_simulated_s)
-    frontend.notice(fmt::format("no comparison: it simulates at most {} of motion",
-                                duration_text(max_simulated_s)));
-  else if (options.compare) {
-    feed.compared = compare_feeds(program, feed.method, drives, piece_s, options.input);
-    frontend.text(feed_table(feed.compared));
+  if (has_machine) {
+    feed.on_machine = times_on_machine(program, feed.blocks, feed.method, profile.settings, piece_s,
+                                       options.input);
+    say_machine(*feed.on_machine, profile, frontend);
   }
+  if (options.compare) compare(options, program, drives, feed, frontend);
   if (feed.learned) say_learned(*feed.learned, frontend);
   write_outputs(options, program, feed, frontend);
   return feed;

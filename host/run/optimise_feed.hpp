@@ -44,6 +44,7 @@ struct OptimisedFeed {
   std::vector<feed_optimiser::OptimisedBlock> blocks{};
   std::vector<ComparedFeed> compared{};
   std::optional<FeedLearned> learned{};
+  std::optional<MachineTimes> on_machine{};  ///< with a file of a machine
   double time_s = 0;
 };
 

@@ -206,7 +206,9 @@ TEST(Jerk, RefusesWhatItCannotOptimise) {
   refused({line, "--n", "1e10", "--k", "100"}, "n^k is too large");
   refused({line, "--max-speed", "0"}, "--max-speed");
   refused({line, "--max-jerk", "10,-1,3"}, "--max-jerk");
-  refused({line, "--max-accel", "1,2"}, "acceleration limit");
+  refused({line, "--max-accel", "1,2"}, "--max-accel: has two numbers");
+  refused({line, "--time-constant", "1e6"}, "--time-constant");
+  refused({line, "--damping", "1e9"}, "--damping");
   refused({line, "--period", "500", "--max-jerk", "1e9", "--max-accel", "1e9"},
           "less than the control period");
   refused({folder.write("a.ngc", "G1 X2 F100\nG2 X3 Y1 Z2 A1 I1\n")}, "a.ngc:2");
@@ -216,6 +218,50 @@ TEST(Jerk, RefusesWhatItCannotOptimise) {
   const std::string out = folder / "out.ngc";
   refused({line, "-o", out, "--chart", folder / "a.png"}, "a.png");
   EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(Jerk, RefusesProgramsWhosePlacesDependOnTheBoard) {
+  const Folder folder;
+  for (const char* word : {"G55", "G59.3", "G53 G1 X5", "G10 L2 P1 X10", "G92 X5", "G92.3",
+                           "G28 X0", "G30.1", "g5 5 G1 X1", "$H"}) {
+    const Finished done =
+        run({"jerk", folder.write("a.ngc", fmt::format("G1 X1 F600\n{}\nG1 X3\n", word))});
+    EXPECT_EQ(done.status, 2) << word;
+    EXPECT_THAT(done.err, HasSubstr("a.ngc:2: ")) << word;
+  }
+  EXPECT_EQ(run({"jerk", folder.write("b.ngc", "G54 (G55)\nG1 X1 F600\n"), "--no-compare"}).status,
+            0);
+}
+
+TEST(Jerk, TakesTheMachineIntoAccount) {
+  const Folder folder;
+  const std::string machine =
+      folder.write("m.toml",
+                   "axes = 3\nmax_rate = [6000, 6000, 6000]\nacceleration = [1000, 1000, 1000]\n"
+                   "jerk = [10, 10, 10]\ntravel = [50, 50, 50]\nmin_corner = [0, 0, 0]\n");
+  const std::string part = folder.write("a.ngc", part_program), out = folder / "b.ngc";
+  const Finished done =
+      run({"jerk", part, "--machine", machine, "--no-compare", "--json", "-o", out});
+  ASSERT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.err, HasSubstr("$1081 to $1083"));
+  const nlohmann::json times = nlohmann::json::parse(done.out)["machine"];
+  const double checked = json_of({"check", out, "--machine", machine, "--json"})["time_s"];
+  EXPECT_NEAR(times["time_s"].get<double>(), checked, 0.02 * checked);
+  const Finished outside = run({"jerk", folder.write("c.ngc", "G1 X10 F600\nX60\n"), "--machine",
+                                machine, "--no-compare", "-o", folder / "d.ngc"});
+  EXPECT_EQ(outside.status, 2);
+  EXPECT_THAT(outside.err, HasSubstr("c.ngc:2: X 60.000 mm is outside"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "d.ngc"));
+}
+
+TEST(Jerk, AComparisonThatIsNotPossibleKeepsNoResultBack) {
+  const Folder folder;
+  const std::string out = folder / "b.ngc";
+  const Finished done =
+      run({"jerk", folder.write("a.ngc", part_program), "--max-jerk", "1", "-o", out});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.err, HasSubstr("no comparison: "));
+  EXPECT_TRUE(std::filesystem::exists(out));
 }
 
 }  // namespace

@@ -143,6 +143,18 @@ TEST_P(Printed, SimulatedBrakingMissesTheEndByLessThanTheTolerance) {
   EXPECT_EQ(places(block).back(), end);
 }
 
+TEST(PrintedRecipe, BrakesInShortBlocksToo) {
+  // At the end of the patent's own segment the last step is that of 5 mm/s, of 17.5.
+  for (const double length_mm : {0.001, 0.01, 0.1, 0.5, 1.0, 2.0, 3.0, 5.0, 50.0}) {
+    const Block block = straight_block({0, 0, 0}, {length_mm, 0, 0});
+    const Method method = example({2, 7, 0.05, 0.05});
+    const auto at = places(optimise({{block}}, method, "short").front());
+    double highest = 0;
+    for (std::size_t i = 1; i < at.size(); ++i) highest = std::max(highest, at[i].x - at[i - 1].x);
+    EXPECT_LT(at.back().x - at[at.size() - 2].x, 0.5 * highest) << length_mm;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Tables, Printed, testing::Values(&first, &second));
 
 }  // namespace

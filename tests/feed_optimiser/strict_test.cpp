@@ -192,6 +192,37 @@ TEST(JoinedBlocks, KeepTheirDirection) {
   EXPECT_EQ(joined[2].to, e);
 }
 
+TEST(JoinedBlocks, StayOnThePathWhateverTheLimits) {
+  Random random(21);
+  for (int seed = 0; seed < test::scaled(200, 40); ++seed) {
+    Method method{Variant::strict, {}, 2e-3, {}};
+    method.limits.speed_mm_s.fill(20);
+    method.limits.accel_mm_s2.fill(1000);
+    method.limits.jerk_mm_s3.fill(magnitude(random, 1e3, 1e18));
+    // A curve of many small turns, whose ends differ by much in direction.
+    std::vector<Block> given;
+    Point at{0, 0, 0};
+    double direction = 0;
+    const double turn = magnitude(random, 1e-12, 0.5);
+    for (int i = 0; i < 200; ++i, direction += turn) {
+      const Point to{at.x + std::cos(direction), at.y + std::sin(direction), 0};
+      given.push_back(straight_block(at, to));
+      at = to;
+    }
+    const std::vector<Block> joined = join_straight(given, method);
+    std::size_t block = 0;
+    for (const Block& piece : given) {
+      const Block& line = joined[block];
+      const double x = line.to.x - line.from.x, y = line.to.y - line.from.y;
+      const double off = std::abs(x * (piece.to.y - line.from.y) - y * (piece.to.x - line.from.x)) /
+                         line.length_mm;
+      ASSERT_LE(off, 1.001e-5) << seed << ", turn " << turn;
+      if (line.to == piece.to) ++block;
+    }
+    ASSERT_EQ(block, joined.size());
+  }
+}
+
 TEST(Optimum, IsThatOfTheDoubleS) {
   // All seven phases: 0.1 s of jerk, 0.1 s of acceleration, 0.2 s each; v = 0.4 m/s.
   const PathLimits limits{400, 2000, 20'000};
@@ -226,6 +257,8 @@ TEST(BadMethod, IsRefused) {
       HasSubstr("part.ngc:0: a block of 0.01 mm takes 31.7 ms, less than the control period"));
   EXPECT_THAT(refusal([](Method& m) { m.period_s = 1e-6; }, {1e7, 0, 0}),
               HasSubstr("more than 20000000 control periods"));
+  EXPECT_THAT(refusal([](Method& m) { m.period_s = 1e-6; }),
+              HasSubstr("part.ngc:0: in a control period of 0.001 ms the rounding"));
 }
 
 }  // namespace
