@@ -1,4 +1,5 @@
 // `lamplock heat`: temperatures of a material below a laser.
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -65,7 +66,8 @@ Json held_json(const run::HeldHeat& held) {
 }
 
 Json response_json(const thermal::LoopResponse& response) {
-  return {{"settling_s", response.settling_s}, {"overshoot", response.overshoot}};
+  return {{"settling_s", std::isfinite(response.settling_s) ? Json(response.settling_s) : Json()},
+          {"overshoot", response.overshoot}};
 }
 
 Json tuned_json(const run::TunedHeat& tuned) {
@@ -77,6 +79,7 @@ Json tuned_json(const run::TunedHeat& tuned) {
           {"ki_per_s", tuned.loop.ki_per_s},
           {"set_point_step", response_json(tuned.set_point)},
           {"absorption_step", response_json(tuned.absorption)},
+          {"absorption_step_on_board", response_json(tuned.on_board)},
           {"board_lines", tuned.board_lines}};
 }
 
@@ -103,6 +106,25 @@ Json program_json(const run::ProgramHeat& heat) {
           {"balance", balance_json(heat.result.balance)}};
 }
 
+/// Refuses options of other tasks.
+void require_used(const HeatCommand& options) {
+  const bool has_program = !options.program.empty(), holds = !options.hold.empty();
+  const bool is_in_depth = !has_program && !holds && !options.tunes;
+  const auto refuse_if = [](bool is_given, bool is_used, const char* option, const char* task) {
+    if (is_given && !is_used)
+      throw Error(Exit::bad_input, option, fmt::format("is only for {}", task), "leave it out");
+  };
+  refuse_if(options.flux_w_m2.has_value(), is_in_depth, "--flux", "temperatures in depth");
+  refuse_if(options.flux_w_m2 && options.feed_mm_min, false, "--feed", "a beam, not for a flux");
+  refuse_if(options.feed_mm_min && has_program, false, "--feed", "tasks without a program");
+  refuse_if(options.limit_k.has_value(), has_program, "--limit", "programs");
+  refuse_if(!options.feeds_mm_min.empty(), holds, "--feeds", "--hold");
+  refuse_if(options.gain_k.has_value(), options.tunes, "--gain", "--tune");
+  refuse_if(options.time_constant_s.has_value(), options.tunes, "--time-constant", "--tune");
+  refuse_if(options.sensor_k_per_v.has_value(), options.tunes, "--sensor-scale", "--tune");
+  refuse_if(options.sensor_volts.has_value(), options.tunes, "--sensor-volts", "--tune");
+}
+
 Exit heat(HeatCommand options) {
   Console console(options.json);
   options.has_check = !options.no_check;
@@ -112,6 +134,7 @@ Exit heat(HeatCommand options) {
   if (has_program + holds + options.tunes > 1)
     throw Error(Exit::bad_input, "heat", "several tasks are given",
                 "give a program, --hold or --tune");
+  require_used(options);
   Json document;
   if (has_program)
     document = program_json(run::heat_of_program(options, console));
@@ -125,10 +148,15 @@ Exit heat(HeatCommand options) {
   return Exit::done;
 }
 
+// No laser, machine or process is beyond these.
+constexpr glass::Range feed_range{0, 1e6, false}, gain_range{0, 1e6, false},
+    time_range{0, 1e6, false}, percent_range{0.01, 99, true}, volts_range{0, 3.3, true};
+
 void add_number(Command& app, const char* name, Target target, const char* text, const char* unit,
-                const char* group, bool shows_default = false) {
+                const char* group, bool shows_default = false,
+                const glass::Range& range = glass::positive) {
   Option& option =
-      app.add_option(name, target, text).check(number_from(0, false)).value_name(unit).group(group);
+      app.add_option(name, target, text).check(number_in(range)).value_name(unit).group(group);
   if (shows_default) option.show_default();
 }
 
@@ -146,7 +174,8 @@ void add_material(Command& app, HeatCommand& options) {
       .value_name("FILE.toml")
       .check(file_name())
       .file(FileUse::read);
-  add_number(app, "--thickness", &options.thickness_mm, "Thickness; default: thick", "MM",
+  add_number(app, "--thickness", &options.thickness_mm,
+             "Thickness of the workpiece; default: so thick that its rear side stays cold", "MM",
              "Options");
   app.add_option("--losses", &options.losses,
                  "Losses of the surface: known (those whose constants the material has), none, or "
@@ -168,14 +197,15 @@ void add_source(Command& app, HeatCommand& options) {
              group);
   add_number(app, "--beam", &options.beam_mm, "Diameter of a round beam at 1/e", "MM", group);
   add_number(app, "--feed", &options.feed_mm_min, "Feed; without a program and --hold: default 0",
-             "MM_MIN", group);
+             "MM_MIN", group, false, feed_range);
   add_number(app, "--flux", &options.flux_w_m2, "Flux into the surface in place of a beam", "W_M2",
              group);
 }
 
 void add_tasks(Command& app, HeatCommand& options) {
   constexpr const char* depth = "In depth, without a program";
-  add_number(app, "--time", &options.time_s, "Time to compute", "S", depth, true);
+  add_number(app, "--time", &options.time_s, "Simulated time from the start of heating", "S", depth,
+             true);
   add_number(app, "--step", &options.step_s, "Time step", "S", depth, true);
   app.add_option("--nodes", &options.nodes, "Nodes in depth")
       .check(number_in({3, 100'000, true}))
@@ -191,7 +221,7 @@ void add_tasks(Command& app, HeatCommand& options) {
       .group(hold)
       .common();
   app.add_option("--feeds", &options.feeds_mm_min, "Feeds; default: 60,120,300,600,1200")
-      .check(number_from(0, false))
+      .check(number_in(feed_range))
       .count({1, 100})
       .value_name("MM_MIN,...")
       .group(hold);
@@ -199,22 +229,24 @@ void add_tasks(Command& app, HeatCommand& options) {
   app.add_option("--tune", &options.tunes, "Print Kp and Ki of the loop that holds the temperature")
       .group(tune)
       .common();
-  add_number(app, "--settling", &options.goal.settling_s, "Wanted settling time", "S", tune, true);
+  add_number(app, "--settling", &options.goal.settling_s, "Wanted settling time", "S", tune, true,
+             time_range);
   add_number(app, "--overshoot", &options.overshoot_percent, "Wanted overshoot", "PERCENT", tune,
-             true);
+             true, percent_range);
   add_number(app, "--band", &options.band_percent, "Settled within this part of the step",
-             "PERCENT", tune, true);
+             "PERCENT", tune, true, percent_range);
   add_number(app, "--gain", &options.gain_k,
-             "Rise by a doubled power, instead of that of the model", "K", tune);
+             "Rise by a doubled power, instead of that of the model", "K", tune, false, gain_range);
   add_number(app, "--time-constant", &options.time_constant_s, "Time constant of the process", "S",
-             tune);
+             tune, false, time_range);
   app.add_option("--sensor-scale", &options.sensor_k_per_v,
                  "Rise of the temperature per volt of the sensor, for the board ($1067)")
       .value_name("K_V")
       .check(number_in({-10'000, 10'000}))
       .group(tune);
   add_number(app, "--sensor-volts", &options.sensor_volts,
-             "Voltage of the sensor at the temperature to be held ($1062)", "V", tune);
+             "Voltage of the sensor at the temperature to be held ($1062)", "V", tune, false,
+             volts_range);
 }
 
 }  // namespace

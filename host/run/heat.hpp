@@ -81,6 +81,7 @@ struct TunedHeat {
   thermal::Plant plant{};
   thermal::LoopSettings loop{};
   thermal::LoopResponse set_point{}, absorption{};
+  thermal::LoopResponse on_board{};        ///< to more absorption, with the delays of a board
   std::vector<std::string> board_lines{};  ///< "$1063=1.235", in the order to be sent
 };
 TunedHeat tuned_heat(const HeatOptions& options, Frontend& frontend);

@@ -45,21 +45,30 @@ material::Material material_of(const HeatOptions& options) {
   return library_for_reading(options.library).material(options.material);
 }
 
-double constant(const std::string& material, const std::optional<double>& value, const char* key) {
-  if (value) return *value;
-  throw heat_refusal(fmt::format("material {}", material), fmt::format("it has no {}", key),
-                     fmt::format("add it: lamplock material edit {} {}=VALUE", material, key));
-}
+/// The record of a material, and the file that it is from; empty: the library.
+struct MaterialRecord {
+  material::Material material;
+  std::string file;
 
-Body body_of(const material::Material& m, bool is_lit) {
+  double needed(const std::optional<double>& value, const char* key) const {
+    if (value) return *value;
+    throw heat_refusal(
+        fmt::format("material {}", material.name), fmt::format("it has no {}", key),
+        file.empty() ? fmt::format("add it: lamplock material edit {} {}=VALUE", material.name, key)
+                     : fmt::format("add {} = VALUE to its record in {}", key, file));
+  }
+};
+
+Body body_of(const MaterialRecord& record, bool is_lit) {
+  const material::Material& m = record.material;
   constexpr double g_mm3_per_g_cm3 = 1e-3, w_mmk_per_w_mk = 1e-3;
   Body body;
   body.conductivity_w_mmk =
-      constant(m.name, m.conductivity_w_mk, "conductivity_w_mk") * w_mmk_per_w_mk;
-  body.heat_j_mm3k = constant(m.name, m.density_g_cm3, "density_g_cm3") * g_mm3_per_g_cm3 *
-                     constant(m.name, m.specific_heat_j_gk, "specific_heat_j_gk");
+      record.needed(m.conductivity_w_mk, "conductivity_w_mk") * w_mmk_per_w_mk;
+  body.heat_j_mm3k = record.needed(m.density_g_cm3, "density_g_cm3") * g_mm3_per_g_cm3 *
+                     record.needed(m.specific_heat_j_gk, "specific_heat_j_gk");
   if (!is_lit) return body;
-  body.absorption = constant(m.name, m.absorption, "absorption");
+  body.absorption = record.needed(m.absorption, "absorption");
   body.absorption_per_mm = m.absorption_per_mm;
   return body;
 }
@@ -79,8 +88,9 @@ std::vector<std::string> chosen_losses(const std::string& text) {
   return names;
 }
 
-Surface surface_of(const HeatOptions& options, const material::Material& m,
+Surface surface_of(const HeatOptions& options, const MaterialRecord& record,
                    std::vector<std::string>& omitted) {
+  const material::Material& m = record.material;
   Surface surface;
   surface.ambient_k = options.ambient_k;
   if (options.losses == "none") return surface;
@@ -95,15 +105,15 @@ Surface surface_of(const HeatOptions& options, const material::Material& m,
     surface.convection_w_mm2k = options.convection_w_m2k / thermal::w_m2_per_w_mm2;
   if (has("radiation")) {
     if (!takes_known || m.emissivity)
-      surface.emissivity = constant(m.name, m.emissivity, "emissivity");
+      surface.emissivity = record.needed(m.emissivity, "emissivity");
     else
       omitted.emplace_back("radiation (no emissivity)");
   }
   if (has("evaporation")) {
     if (!takes_known || (m.latent_heat_j_g && m.molar_mass_g_mol && m.boiling_k))
-      surface.evaporation = {constant(m.name, m.latent_heat_j_g, "latent_heat_j_g"),
-                             constant(m.name, m.molar_mass_g_mol, "molar_mass_g_mol"),
-                             constant(m.name, m.boiling_k, "boiling_k")};
+      surface.evaporation = {record.needed(m.latent_heat_j_g, "latent_heat_j_g"),
+                             record.needed(m.molar_mass_g_mol, "molar_mass_g_mol"),
+                             record.needed(m.boiling_k, "boiling_k")};
     else
       omitted.emplace_back("evaporation (no latent_heat_j_g, molar_mass_g_mol or boiling_k)");
   }
@@ -127,12 +137,13 @@ void add_laser(const HeatOptions& options, HeatCase& heat) {
 }  // namespace
 
 HeatCase heat_case(const HeatOptions& options, bool needs_laser) {
-  const material::Material m = material_of(options);
+  const MaterialRecord record{material_of(options), options.materials};
+  const material::Material& m = record.material;
   HeatCase heat;
   heat.material = m.name;
   heat.thermal_source = m.thermal_source;
-  heat.body = body_of(m, needs_laser);
-  heat.surface = surface_of(options, m, heat.omitted_losses);
+  heat.body = body_of(record, needs_laser);
+  heat.surface = surface_of(options, record, heat.omitted_losses);
   if (needs_laser) add_laser(options, heat);
   return heat;
 }

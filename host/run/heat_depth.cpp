@@ -35,6 +35,7 @@ DepthSetup depth_setup(const HeatOptions& options, const HeatCase& heat) {
       options.thickness_mm.value_or(thermal::reached_depth_mm(heat.body, options.time_s));
   setup.time_s = options.time_s;
   setup.nodes = options.nodes;
+  setup.growth = thermal::depth_growth(options.nodes);
   setup.step_s = options.step_s;
   return setup;
 }
@@ -85,7 +86,7 @@ DepthHeat heat_in_depth(const HeatOptions& options, Frontend& frontend) {
   require_balance(out.result.balance);
   say_case(out.heat, frontend);
   frontend.say("depth     {:.4g} mm, {} nodes, steps of {:g} s", setup.depth_mm, setup.nodes,
-               setup.step_s);
+               out.result.times_s.front());
   frontend.say("surface   {:.2f} K after {:g} s, at most {:.2f} K",
                out.result.temperatures_k.back().front(), setup.time_s, out.result.max_surface_k());
   say_losses(out.result.balance.lost_j, out.result.balance.absorbed_j, frontend);

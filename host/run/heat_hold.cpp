@@ -37,6 +37,26 @@ thermal::StraightSetup straight_setup(const HeatOptions& options, const HeatCase
   return {heat.body, heat.surface, heat.beam, {}, options.thickness_mm};
 }
 
+std::vector<thermal::HeldPair> held_pairs(const thermal::StraightSetup& setup,
+                                          const std::vector<double>& feeds_mm_min, double hold_k,
+                                          Frontend& frontend) {
+  const auto progress = frontend.progress("feeds computed", feeds_mm_min.size(), 0);
+  std::vector<thermal::HeldPair> pairs;
+  for (const double feed : feeds_mm_min) {
+    try {
+      pairs.push_back(thermal::held_pair(setup, feed / hold_mm_min_per_mm_s, hold_k));
+      require_balance(pairs.back().at.balance);
+    } catch (const Error& error) {
+      if (error.exit() != Exit::job_failed) throw;
+      throw Error(Exit::job_failed, "--hold",
+                  fmt::format("no power for {:g} K at {:g} mm/min was found", hold_k, feed),
+                  "hold a lower temperature, or leave out losses by --losses");
+    }
+    progress->update(pairs.size());
+  }
+  return pairs;
+}
+
 std::string held_csv(const std::vector<thermal::HeldPair>& pairs) {
   std::string text = "feed_mm_min,power_w,temperature_k,convection_w,radiation_w,evaporation_w\n";
   for (const thermal::HeldPair& pair : pairs)
@@ -77,11 +97,18 @@ std::vector<std::string> board_lines(const thermal::LoopSettings& loop,
   const auto add = [&lines](Id id, double value) {
     const settings::Row& row = settings::row(id);
     const double milli = std::round(value * 1000);
+    if (milli == 0 && id != Id::loop_kp)
+      throw Error(
+          Exit::bad_input, "--tune",
+          fmt::format("the board's {} would be 0 {}, with which the loop does nothing: {:g} "
+                      "is below its resolution",
+                      row.name, row.unit, value),
+          "check gain, time constant and sensor");
     if (milli < row.min_milli || milli > row.max_milli)
       throw Error(Exit::bad_input, "--tune",
                   fmt::format("the board's {} is {:g} to {:g} {}, not {:g}", row.name,
                               row.min_milli / 1e3, row.max_milli / 1e3, row.unit, value),
-                  "give another settling time, or check gain and time constant");
+                  "give another settling time, or check gain, time constant and sensor");
     lines.push_back(fmt::format("${}={}", row.number, milli / 1000));
   };
   constexpr double percent = 100, millivolts = 1000;
@@ -91,6 +118,20 @@ std::vector<std::string> board_lines(const thermal::LoopSettings& loop,
   if (options.sensor_k_per_v) add(Id::sensor_scale, *options.sensor_k_per_v);
   if (options.sensor_volts && options.sensor_k_per_v) add(Id::loop, 1);
   return lines;
+}
+
+/// Throws Error(bad_input) if the loop would oscillate by the delays of a board.
+void require_calm(const TunedHeat& tuned, const HeatOptions& options, double part) {
+  if (thermal::is_calm(tuned.on_board)) return;
+  const thermal::BoardLoop board;
+  const auto calm_s = thermal::shortest_on_board(tuned.plant, options.goal, part, board);
+  throw Error(
+      Exit::bad_input, "--settling",
+      fmt::format("with {:g} s the loop would oscillate on the board, whose power acts {:g} "
+                  "ms later",
+                  options.goal.settling_s, board.delay_s * 1e3),
+      calm_s ? fmt::format("give at least {:.2g} s", *calm_s)
+             : "use a slower feed or a wider beam: this process is too fast for the board");
 }
 
 }  // namespace
@@ -105,12 +146,9 @@ HeldHeat held_heat(const HeatOptions& options, Frontend& frontend) {
   if (feeds.empty() && options.feed_mm_min) feeds = {*options.feed_mm_min};
   if (feeds.empty()) feeds = {60, 120, 300, 600, 1200};
   say_case(out.heat, frontend);
+  out.pairs = held_pairs(setup, feeds, out.hold_k, frontend);
   frontend.say("      feed           power     surface      lost");
-  for (const double feed : feeds) {
-    out.pairs.push_back(thermal::held_pair(setup, feed / hold_mm_min_per_mm_s, out.hold_k));
-    require_balance(out.pairs.back().at.balance);
-    say_pair(out.pairs.back(), out.heat, frontend);
-  }
+  for (const thermal::HeldPair& pair : out.pairs) say_pair(pair, out.heat, frontend);
   double worst = 0;
   for (const thermal::HeldPair& pair : out.pairs)
     worst = std::max(worst, pair.at.balance.relative_error());
@@ -158,6 +196,11 @@ TunedHeat tuned_heat(const HeatOptions& options, Frontend& frontend) {
   out.set_point =
       thermal::set_point_step(out.plant, out.loop, options.goal, set_point_part * out.plant.gain_k);
   out.absorption = thermal::absorption_step(out.plant, out.loop, options.goal, absorption_part);
+  out.on_board = thermal::board_absorption_step(out.plant, out.loop, options.goal, absorption_part,
+                                                thermal::BoardLoop{});
+  const bool is_for_board = options.sensor_volts || options.sensor_k_per_v;
+  if (is_for_board) require_calm(out, options, absorption_part);
+  if (thermal::is_calm(out.on_board)) out.board_lines = board_lines(out.loop, options);
   frontend.say("process   gain {:.5g} K for a doubled power, time constant {:.4g} s",
                out.plant.gain_k, out.plant.time_constant_s);
   frontend.say("damping   zeta {:.4f}, omega {:.1f} rad/s", out.loop.zeta, out.loop.omega_rad_s);
@@ -167,8 +210,13 @@ TunedHeat tuned_heat(const HeatOptions& options, Frontend& frontend) {
                out.set_point.settling_s, 100 * out.set_point.overshoot);
   frontend.say("absorption +10 %: settled after {:.4f} s, overshoot {:.2f} % of the deviation",
                out.absorption.settling_s, 100 * out.absorption.overshoot);
-  out.board_lines = board_lines(out.loop, options);
-  frontend.say("board     {}", fmt::join(out.board_lines, " "));
+  if (thermal::is_calm(out.on_board))
+    frontend.say("on a board: settled after {:.4f} s, overshoot {:.2f} % of the deviation",
+                 out.on_board.settling_s, 100 * out.on_board.overshoot);
+  else
+    frontend.say("on a board: oscillates, because its power acts {:g} ms later",
+                 thermal::BoardLoop{}.delay_s * 1e3);
+  if (!out.board_lines.empty()) frontend.say("board     {}", fmt::join(out.board_lines, " "));
   const auto picture = [&] {
     const auto& s = out.set_point;
     const auto& a = out.absorption;

@@ -162,7 +162,7 @@ void say_overheated(const ProgramHeat& out, Frontend& frontend) {
   for (std::size_t i = 0; i < std::min(max_lines, out.overheated.size()); ++i) {
     const thermal::Overheated& one = out.overheated[i];
     frontend.say(
-        "  line {:>6}{:>9.1f} K at X{:.3f} Y{:.3f}: power {:.4g} W (S {:.0f} %) or feed "
+        "  line {:>6}{:>9.1f} K at X{:.3f} Y{:.3f}: power {:.4g} W ({:.0f} % of its S) or feed "
         "{:.0f} mm/min",
         one.heat.line, one.heat.hottest.max_k, one.heat.hottest.x, one.heat.hottest.y,
         one.heat.power_w * one.power_factor, 100 * one.power_factor,
@@ -171,13 +171,21 @@ void say_overheated(const ProgramHeat& out, Frontend& frontend) {
   if (out.overheated.size() > max_lines)
     frontend.say("  and {} more", out.overheated.size() - max_lines);
   if (out.max_with_proposal_k)
-    frontend.say("with these powers the path reaches {:.1f} K", *out.max_with_proposal_k);
+    frontend.say("with these powers the path reaches {:.1f} K{}", *out.max_with_proposal_k,
+                 *out.max_with_proposal_k > out.limit_k
+                     ? ": write them into the program, and compute again"
+                     : "");
 }
 
 }  // namespace
 
 ProgramHeat heat_of_program(const HeatOptions& options, Frontend& frontend) {
   check_heat_files(options);
+  if (options.limit_k && *options.limit_k <= options.ambient_k)
+    throw Error(Exit::bad_input, "--limit",
+                fmt::format("{:g} K is not above the ambient temperature of {:g} K",
+                            *options.limit_k, options.ambient_k),
+                "give a higher temperature");
   ProgramHeat out;
   out.heat = heat_case(options, true);
   job::Profile profile = options.machine.profile();

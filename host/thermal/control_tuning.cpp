@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <functional>
+#include <limits>
 #include <numbers>
 
 #include "host/error.hpp"
@@ -118,6 +120,64 @@ LoopResponse absorption_step(const Plant& plant, const LoopSettings& loop, const
   response.settling_s = settling_of(response, 0, goal.band * first);
   response.overshoot = std::min(std::abs(*low), std::abs(*high)) / first;
   return response;
+}
+
+LoopResponse board_absorption_step(const Plant& plant, const LoopSettings& loop,
+                                   const LoopGoal& goal, double part, const BoardLoop& board) {
+  // $1065 and $1066 as they are delivered.
+  constexpr double min_output = 0.5, max_output = 1.5;
+  constexpr int steps_per_period = 10;
+  constexpr double min_periods = 100;
+  const double step = board.period_s / steps_per_period;
+  const double kept = std::exp(-step / plant.time_constant_s);
+  const double end_s =
+      std::max(simulated_settlings * goal.settling_s, min_periods * board.period_s);
+  std::deque<double> delayed(static_cast<std::size_t>(std::lround(board.delay_s / step)), 1.0);
+  LoopResponse response;
+  double y = 0, before = 0, output = 1;
+  for (int n = 0; n * step < end_s; ++n) {
+    if (n % steps_per_period == 0) {
+      output -= loop.ki_per_s * board.period_s * y + loop.kp * (y - before);
+      output = std::clamp(output, min_output, max_output);
+      before = y;
+    }
+    response.times_s.push_back(n * step);
+    response.deviations_k.push_back(y);
+    response.outputs.push_back(output);
+    delayed.push_back(output);
+    const double target = plant.gain_k * (delayed.front() * (1 + part) - 1);
+    delayed.pop_front();
+    y = target + (y - target) * kept;
+  }
+  const auto [low, high] =
+      std::minmax_element(response.deviations_k.begin(), response.deviations_k.end());
+  const double first = std::max(std::abs(*low), std::abs(*high));
+  response.settling_s = settling_of(response, 0, goal.band * first);
+  if (response.settling_s > 0.9 * end_s)
+    response.settling_s = std::numeric_limits<double>::infinity();
+  response.overshoot = std::min(std::abs(*low), std::abs(*high)) / first;
+  return response;
+}
+
+bool is_calm(const LoopResponse& response) {
+  constexpr double max_overshoot = 0.25;
+  return std::isfinite(response.settling_s) && response.overshoot <= max_overshoot;
+}
+
+std::optional<double> shortest_on_board(const Plant& plant, const LoopGoal& goal, double part,
+                                        const BoardLoop& board) {
+  constexpr double longer = 1.1;
+  constexpr int max_tries = 100;
+  LoopGoal tried = goal;
+  for (int i = 0; i < max_tries; ++i, tried.settling_s *= longer) {
+    try {
+      const LoopSettings loop = tuned_loop(plant, tried);
+      if (is_calm(board_absorption_step(plant, loop, tried, part, board))) return tried.settling_s;
+    } catch (const Error&) {
+      return std::nullopt;  // slower than the process
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace lamplock::thermal

@@ -11,6 +11,7 @@
 //   overshoot   exp(-pi zeta / sqrt(1 - zeta^2))
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "host/thermal/straight_run.hpp"
@@ -42,5 +43,19 @@ LoopResponse set_point_step(const Plant& plant, const LoopSettings& loop, const 
 /// band of the first extreme.
 LoopResponse absorption_step(const Plant& plant, const LoopSettings& loop, const LoopGoal& goal,
                              double part);
+
+/// The loop as a board runs it: once a period, with a power that acts after a delay. From a change
+/// of the power to the voltage at SENSOR, docs/thermal.md, 9.
+struct BoardLoop {
+  double period_s = 1e-3, delay_s = 4e-3;
+};
+/// As absorption_step(); a settling time of infinity: it oscillates.
+LoopResponse board_absorption_step(const Plant& plant, const LoopSettings& loop,
+                                   const LoopGoal& goal, double part, const BoardLoop& board);
+/// It settles, and overshoots by at most a quarter of the first deviation.
+bool is_calm(const LoopResponse& response);
+/// The shortest settling time, to a tenth, with which the loop on the board is calm; empty: none.
+std::optional<double> shortest_on_board(const Plant& plant, const LoopGoal& goal, double part,
+                                        const BoardLoop& board);
 
 }  // namespace lamplock::thermal

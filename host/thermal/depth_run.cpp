@@ -33,6 +33,11 @@ double DepthResult::max_surface_k() const {
   return max;
 }
 
+double depth_growth(std::size_t nodes) {
+  constexpr double usual_growth = 1.03, usual_gaps = 49;
+  return std::pow(usual_growth, (usual_gaps - 1) / static_cast<double>(nodes - 2));
+}
+
 double reached_depth_mm(const Body& body, double time_s) {
   constexpr double conduction_lengths = 3, absorption_lengths = 7;
   const double absorbed = body.absorption_per_mm ? absorption_lengths / *body.absorption_per_mm : 0;

@@ -31,7 +31,9 @@ struct DepthSetup {
   double depth_mm = 0, time_s = 1;
   std::size_t nodes = 50;
   double step_s = 0.05;
-  double growth = 1.03;  ///< of the distances between nodes
+  /// Of the distances between nodes; with `depth_growth()` the last one is as many times the first
+  /// for every number of nodes.
+  double growth = 1.03;
 };
 
 struct DepthResult {
@@ -43,6 +45,9 @@ struct DepthResult {
   double rate_k_s(std::size_t time, std::size_t node, double ambient_k) const;
   double max_surface_k() const;
 };
+
+/// 1.03 for 50 nodes. At least three nodes.
+double depth_growth(std::size_t nodes);
 
 /// A depth that the heat does not reach in this time: 3 sqrt(4 alpha t), and the beam's absorption.
 double reached_depth_mm(const Body& body, double time_s);

@@ -27,7 +27,8 @@ constexpr int max_loss_rounds = 100;
 constexpr double max_heating = 1.25, max_cooling = 0.5;
 
 Error no_convergence(const char* what) {
-  return {Exit::job_failed, "temperature field", what, "shorten the time step"};
+  return {Exit::job_failed, "temperature field", what,
+          "shorten the time step, lower the power, or leave out losses by --losses"};
 }
 
 }  // namespace

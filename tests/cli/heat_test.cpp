@@ -97,6 +97,54 @@ TEST(Heat, RefusesInOneLine) {
   EXPECT_THAT(refusal({"--materials", records, "--flux", "1", "--time", "1", "--step", "2"}),
               HasSubstr("longer than the time"));
   EXPECT_THAT(refusal({"--tune", "--hold", "450K"}), HasSubstr("several tasks"));
+  EXPECT_THAT(refusal({"--materials", records, "--flux", "1", "--feed", "60"}),
+              HasSubstr("--feed: is only for a beam"));
+  EXPECT_THAT(refusal({"--materials", records, "--flux", "1", "--limit", "400"}),
+              HasSubstr("--limit: is only for programs"));
+  EXPECT_THAT(
+      refusal({dark, "--materials", records, "--power", "1", "--beam", "0.4", "--limit", "290"}),
+      HasSubstr("--limit: 290 K is not above the ambient"));
+  EXPECT_THAT(refusal({"--materials", folder.write("bare.toml", "[[material]]\nname = \"bare\"\n"),
+                       "--flux", "1"}),
+              HasSubstr("conductivity_w_mk = VALUE to its record in "));
+}
+
+TEST(Heat, NodesRefineTheMesh) {
+  const Folder folder;
+  const std::string records = folder.write("acrylic.toml", acrylic_record);
+  for (const char* nodes : {"3", "20", "1000", "4000"}) {
+    const Finished done = run({"heat", "--materials", records, "--flux", "1e4", "--time", "1",
+                               "--nodes", nodes, "--losses", "none", "--json", "--no-check"});
+    ASSERT_EQ(done.status, 0) << nodes << done.err;
+    const auto heat = nlohmann::json::parse(done.out);
+    EXPECT_LE(heat["balance"]["relative_error"].get<double>(), 1e-9) << nodes;
+    const auto depths = heat["depths_mm"].get<std::vector<double>>();
+    const double first = depths[1] - depths[0], last = depths.back() - depths[depths.size() - 2];
+    EXPECT_LE(last / first, 4.2) << nodes;
+  }
+}
+
+TEST(Heat, TunesNoLoopThatOscillatesOnTheBoard) {
+  const std::vector<std::string> process{"heat", "--tune", "--gain", "300", "--sensor-volts", "2"};
+  const auto tuned = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), process.begin(), process.end());
+    return run(more);
+  };
+  const Finished calm = tuned({"--time-constant", "0.05", "--sensor-scale", "200"});
+  EXPECT_EQ(calm.status, 0) << calm.err;
+  EXPECT_THAT(calm.out, HasSubstr("$1062=2000 $1063=1.235 $1064=65.354 $1067=200 $1061=1"));
+  const auto refused = [&](std::vector<std::string> more, const char* what) {
+    const Finished done = tuned(more);
+    EXPECT_EQ(done.status, 2) << what;
+    EXPECT_THAT(done.err, HasSubstr(what));
+    EXPECT_EQ(done.out, "");
+  };
+  refused({"--time-constant", "0.05", "--sensor-scale", "200", "--settling", "0.02"},
+          "give at least 0.02");
+  refused({"--time-constant", "0.005", "--sensor-scale", "200", "--settling", "0.01"},
+          "too fast for the board");
+  refused({"--time-constant", "0.05", "--sensor-scale", "0"}, "sensor_scale would be 0");
+  refused({"--time-constant", "0.05", "--sensor-scale", "0.0001"}, "below its resolution");
 }
 
 }  // namespace

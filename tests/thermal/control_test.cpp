@@ -40,6 +40,29 @@ TEST(ControlTuning, ClosedLoopOnTheModel) {
   }
 }
 
+TEST(ControlTuning, OnABoardItIsAsMeasured) {
+  // docs/thermal.md, 9: 0.055 to 0.059 s and 1.2 to 1.4 % on the flash image and the virtual board.
+  const Plant plant{300, 0.05};
+  const LoopGoal goal;
+  const LoopResponse response =
+      board_absorption_step(plant, tuned_loop(plant, goal), goal, 0.1, {});
+  EXPECT_NEAR(response.settling_s, 0.055, 0.006);
+  EXPECT_NEAR(response.overshoot, 0.014, 0.006);
+  EXPECT_TRUE(is_calm(response));
+}
+
+TEST(ControlTuning, TheDelayOfTheBoardMakesFastLoopsOscillate) {
+  const Plant fast{300, 0.005};
+  const LoopGoal goal{0.01, 0.028, 0.05};
+  EXPECT_FALSE(is_calm(board_absorption_step(fast, tuned_loop(fast, goal), goal, 0.1, {})));
+  EXPECT_FALSE(shortest_on_board(fast, goal, 0.1, {}));
+  const Plant slow{300, 0.05};
+  const auto shortest = shortest_on_board(slow, goal, 0.1, {});
+  ASSERT_TRUE(shortest);
+  const LoopGoal longer{*shortest, 0.028, 0.05};
+  EXPECT_TRUE(is_calm(board_absorption_step(slow, tuned_loop(slow, longer), longer, 0.1, {})));
+}
+
 TEST(ControlTuning, RefusesASlowGoal) {
   EXPECT_THROW((void)tuned_loop({450, 0.001}, {}), Error);
   EXPECT_THROW((void)tuned_loop({450, 0}, {}), Error);
