@@ -76,6 +76,7 @@ class MachineConsole : public MachineWork {
   GcodeError change_setting(std::string_view line);
   [[gnu::cold]] bool mends_drives(settings::Id id);
   GcodeError refuse_for_board(const settings::Values& values);
+  [[gnu::cold]] GcodeError refuse_number(std::uint16_t number, std::string_view reason);
   [[gnu::cold]] GcodeError refuse_for_drives(const settings::Values& values);
   [[gnu::cold]] GcodeError refuse_settings(const settings::Values& values, std::uint16_t setting);
   void take_over(const settings::Values& values);

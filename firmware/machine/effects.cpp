@@ -211,8 +211,7 @@ void MachineEvents::use_overrides() {
 
 /// The feed override of the user, scaled by the temperature.
 std::uint32_t MachineEvents::loop_feed_percent(std::uint32_t percent) const {
-  if (values_.whole(settings::Id::loop) != static_cast<int>(settings::LoopMode::feed))
-    return percent;
+  if (loop_.mode(values_) != settings::LoopMode::feed) return percent;
   const std::uint32_t scaled = percent * loop_.percent() / 100;
   return scaled < min_override ? min_override : scaled > max_override ? max_override : scaled;
 }

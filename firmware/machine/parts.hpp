@@ -152,7 +152,7 @@ class MachineParts {
   ProgramOutputs program_outputs_{motion_.changes()};
   ProgramReader reader_{program_, runner_, program_outputs_};
   InputWait input_wait_;
-  TemperatureLoop loop_;
+  [[no_unique_address]] TemperatureLoop loop_;
   IdleRelease drives_;
   program::PulseDecoder decoder_;
   StepLimits work_space_;

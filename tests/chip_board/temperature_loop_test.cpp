@@ -77,5 +77,17 @@ TEST(TemperatureLoopOnTheChip, IsDarkWithin5MsOfACutWireAndContinuesWhenTheUserS
   EXPECT_EQ(chip.rig.board.world().drives().position(), StepPosition{});
 }
 
+/// The image of the Pico lacks the settings, which would use SRAM for nothing.
+TEST(TemperatureLoopOnTheChip, ImagesOfBoardsWithoutASensorSayThatTheyLackIt) {
+  ChipRig rig(job::Profile{}.settings);
+  rig.user.step(300 * ps_per_ms);
+  for (const std::string line : {"$1061=1", "$1064=5", "$1069=0"}) {
+    const std::vector<std::string> said = rig.user.ask(line + "\n");
+    EXPECT_THAT(said, testing::Contains(testing::HasSubstr(line.substr(0, 5) + " needs SENSOR")));
+    EXPECT_THAT(said, testing::Contains("error:52"));
+  }
+  EXPECT_THAT(rig.user.ask("$1060=1\n"), testing::Contains("error:3"));
+}
+
 }  // namespace
 }  // namespace lamplock::test::temperature_loop_test
