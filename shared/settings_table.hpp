@@ -6,9 +6,9 @@
 // axes, 1090 drives with a UART. Values are stored in thousandths of the unit (`milli`) as 32-bit
 // integers: exact, printable with three decimals, no floating point.
 //
-// Two blocks are missing in images of boards that have no use for them (toolchain/arm/CMakeLists.txt):
-// they would use SRAM for nothing. 1060 without SENSOR (LAMPLOCK_SENSOR_SETTINGS = 0), 1090 without
-// such drives (LAMPLOCK_DRIVE_SETTINGS = 0).
+// Two blocks are missing in images of boards that have no use for them
+// (toolchain/arm/CMakeLists.txt): they would use SRAM for nothing. 1060 without SENSOR
+// (LAMPLOCK_SENSOR_SETTINGS = 0), 1090 without such drives (LAMPLOCK_DRIVE_SETTINGS = 0).
 #pragma once
 
 #include <array>

@@ -53,6 +53,7 @@ class MachineConsole : public MachineWork {
 
  private:
   bool lines_are_held() const;
+  [[gnu::cold]] bool begin_users_lines();
   bool begins_at_once(std::string_view line) const;
   void begin_program();
   bool finish_line();
