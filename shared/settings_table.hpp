@@ -6,8 +6,9 @@
 // axes, 1090 drives with a UART. Values are stored in thousandths of the unit (`milli`) as 32-bit
 // integers: exact, printable with three decimals, no floating point.
 //
-// The last block is missing in images of boards without such drives
-// (LAMPLOCK_DRIVE_SETTINGS = 0, toolchain/arm/CMakeLists.txt): it would use SRAM for nothing.
+// Two blocks are missing in images of boards that have no use for them
+// (toolchain/arm/CMakeLists.txt): they would use SRAM for nothing. 1060 without SENSOR
+// (LAMPLOCK_SENSOR_SETTINGS = 0), 1090 without such drives (LAMPLOCK_DRIVE_SETTINGS = 0).
 #pragma once
 
 #include <array>
@@ -17,6 +18,9 @@
 
 #ifndef LAMPLOCK_DRIVE_SETTINGS
 #define LAMPLOCK_DRIVE_SETTINGS 1
+#endif
+#ifndef LAMPLOCK_SENSOR_SETTINGS
+#define LAMPLOCK_SENSOR_SETTINGS 1
 #endif
 
 namespace lamplock::settings {
@@ -121,6 +125,7 @@ enum class Id : std::uint8_t {
   pulse_mode_y,
   pulse_mode_z,
   pulse_mode_a,
+#if LAMPLOCK_SENSOR_SETTINGS
   loop,
   loop_set_point,
   loop_kp,
@@ -130,6 +135,7 @@ enum class Id : std::uint8_t {
   sensor_scale,
   sensor_min,
   sensor_max,
+#endif
   drive_lag_x,
   drive_lag_y,
   drive_lag_z,
@@ -413,6 +419,7 @@ inline constexpr std::array<Row, setting_count> table{{
      "pulses of Z: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
     {1054, "pulse_mode_a", "0..2", 0, 2'000, 0, true, Scope::jobs, Rule::equal,
      "pulses of A: 0 STEP and DIR, 1 CW and CCW, 2 A and B in quadrature; from the next start on"},
+#if LAMPLOCK_SENSOR_SETTINGS
     {1061, "loop", "0..2", 0, 2'000, 0, true, Scope::machine, Rule::any,
      "what the temperature at SENSOR scales in programs and rows: 0 nothing, 1 the power of the "
      "laser, 2 the feed rate (docs/thermal.md)"},
@@ -432,6 +439,7 @@ inline constexpr std::array<Row, setting_count> table{{
      "lowest voltage of a sensor that works; below, the laser is off and the program is held"},
     {1069, "sensor_max", "mV", 0, 3'300'000, 3'200'000, false, Scope::machine, Rule::any,
      "highest voltage of a sensor that works; above, the laser is off and the program is held"},
+#endif
     {1071, "drive_lag_x", "us", 0, 5'000'000, 0, false, Scope::jobs, Rule::any,
      "lag of the drive after its steps"},
     {1072, "drive_lag_y", "us", 0, 5'000'000, 0, false, Scope::jobs, Rule::any,
@@ -525,6 +533,9 @@ constexpr Id find_number(std::uint16_t number) {
     if (numbers[i] == number) return static_cast<Id>(i);
   return Id::count;
 }
+
+/// A setting of the temperature loop, whether or not this image has them.
+constexpr bool needs_sensor(std::uint16_t number) { return number >= 1061 && number <= 1069; }
 
 /// Index of a setting name; Id::count if there is none.
 constexpr Id find_name(std::string_view name) {

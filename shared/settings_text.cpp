@@ -58,7 +58,8 @@ SettingLine read_setting(std::string_view line) {
     return result;
   }
   line.remove_prefix(1);
-  result.id = find_number(static_cast<std::uint16_t>(number));
+  result.number = static_cast<std::uint16_t>(number);
+  result.id = find_number(result.number);
   std::int64_t milli = 0;
   if (result.id == Id::count) {
     result.error = GcodeError::unknown_command;

@@ -19,7 +19,8 @@ namespace lamplock::settings {
 struct SettingLine {
   GcodeError error = GcodeError::none;
   Id id = Id::count;
-  std::int32_t milli = 0;  ///< thousandths of the unit
+  std::uint16_t number = 0;  ///< 0 if the text has none
+  std::int32_t milli = 0;    ///< thousandths of the unit
 };
 
 /// Reads "$number=value": digits, a sign, up to three decimals.

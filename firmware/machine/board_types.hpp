@@ -47,7 +47,9 @@ struct BoardFeatures {
   if (!board.triggers_lamp &&
       values.whole(Id::lamp_mode) == static_cast<int>(settings::LampMode::master))
     return Id::lamp_mode;
+#if LAMPLOCK_SENSOR_SETTINGS
   if (!board.has_sensor && values.milli(Id::loop) != 0) return Id::loop;
+#endif
   return Id::count;
 }
 /// First setting that drives on the board cannot have: a current, microsteps; Id::count if there is

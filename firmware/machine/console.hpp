@@ -53,6 +53,7 @@ class MachineConsole : public MachineWork {
 
  private:
   bool lines_are_held() const;
+  [[gnu::cold]] bool begin_users_lines();
   bool begins_at_once(std::string_view line) const;
   void begin_program();
   bool finish_line();
@@ -76,6 +77,7 @@ class MachineConsole : public MachineWork {
   GcodeError change_setting(std::string_view line);
   [[gnu::cold]] bool mends_drives(settings::Id id);
   GcodeError refuse_for_board(const settings::Values& values);
+  [[gnu::cold]] GcodeError refuse_number(std::uint16_t number, std::string_view reason);
   [[gnu::cold]] GcodeError refuse_for_drives(const settings::Values& values);
   [[gnu::cold]] GcodeError refuse_settings(const settings::Values& values, std::uint16_t setting);
   void take_over(const settings::Values& values);

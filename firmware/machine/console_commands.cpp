@@ -139,6 +139,8 @@ GcodeError MachineConsole::request_loader() {
 
 GcodeError MachineConsole::change_setting(std::string_view line) {
   const settings::SettingLine asked = settings::read_setting(line);
+  if (asked.id == Id::count && settings::needs_sensor(asked.number))
+    return refuse_number(asked.number, lacks_sensor);
   if (asked.error != GcodeError::none) return asked.error;
   if (!may_be_changed() && !mends_drives(asked.id)) return GcodeError::not_idle;
   settings::Values values = stored_;
@@ -164,10 +166,14 @@ bool MachineConsole::mends_drives([[maybe_unused]] Id id) {
 GcodeError MachineConsole::refuse_for_board(const settings::Values& values) {
   const Id refused = unfit_setting(board_, values);
   if (refused == Id::count) return refuse_for_drives(values);
+  const std::uint16_t number = settings::number(refused);
+  return refuse_number(number, settings::needs_sensor(number) ? lacks_sensor : of_another_board);
+}
+
+/// Reports why this board cannot have a setting.
+GcodeError MachineConsole::refuse_number(std::uint16_t number, std::string_view reason) {
   TextLine text;
-  text.add("$").add(settings::number(refused));
-  text.add(refused == Id::loop ? lacks_sensor : of_another_board);
-  text.add(board_.name);
+  text.add("$").add(number).add(reason).add(board_.name);
   report_message(text.view());
   return GcodeError::setting_out_of_range;
 }

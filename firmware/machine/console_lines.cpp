@@ -28,10 +28,19 @@ constexpr std::string_view stopped_at_error = "Stopped at an error: '$X' or rese
     begin_line(line);
     return begin_program();
   }
+  if (reader_.tool_acknowledged() && !before_jog_cancel_ && !begin_users_lines())
+    return answer(GcodeError::tool_change_pending);
   if (!reader_.push(line)) return answer(GcodeError::line_too_long);
   if (line.starts_with('$') && is_jog(line)) last_jog_ = now_;
   if (before_jog_cancel_) lines_at_cancel_ = reader_.lines();
   work_lines();
+}
+
+/// After the acknowledgement of a tool change: lines are the user's from now on. False if the line
+/// of M6 has other commands after it, or is a start-up line.
+bool MachineConsole::begin_users_lines() {
+  lines_at_cancel_ = 0;
+  return !own_line_ && new_start_up_ == start_up_lines && reader_.begin_users_lines();
 }
 
 void MachineConsole::on_line_too_long() { on_line(lost_line); }
@@ -104,6 +113,9 @@ void MachineConsole::on_line_too_long() { on_line(lost_line); }
         return false;
       case Step::changes:
         if (!change_over(reader_.wanted_lock())) return false;
+        break;
+      case Step::returns:
+        return_from_tool_change();
         break;
       case Step::probes:
         if (!work_probe()) return false;
@@ -184,7 +196,9 @@ void MachineConsole::name_ignored_words() {
 void MachineConsole::stop_after(GcodeError error) {
   const bool of_line = error != GcodeError::none && error != GcodeError::locked &&
                        error != GcodeError::not_idle && error != GcodeError::door_open;
-  if (!of_line || machine_.checks() || values_.whole(settings::Id::stop_at_error) == 0) return;
+  if (!of_line || machine_.checks() || reader_.awaits_tool() ||
+      values_.whole(settings::Id::stop_at_error) == 0)
+    return;
   refuse_lines(Refusal::until_unlocked, stopped_at_error);
 }
 

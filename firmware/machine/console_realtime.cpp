@@ -17,6 +17,9 @@ constexpr std::uint8_t full_percent = 100;
 constexpr std::array<std::uint8_t, 3> rapid_percents{100, 50, 25};
 constexpr std::array<int, 5> override_changes{0, 10, -10, 1, -1};
 
+// A constant, because the compiler would count its characters at run time.
+constexpr std::string_view line_runs = "Tool change: a line is not finished; '~' after it";
+
 }  // namespace
 
 void MachineConsole::change_override(std::uint8_t& percent, int by) {
@@ -66,7 +69,13 @@ void MachineConsole::on_realtime(std::uint8_t byte) {
     case wire::byte_hold:
       handle(Event::hold_byte, HoldReason::realtime);
       break;
+    case wire::byte_tool:
+      reader_.acknowledge_tool();
+      break;
     case wire::byte_resume:
+      if (machine_.changes_tool() && machine_.running() &&
+          (reader_.users_line_runs() || !motion_.at_rest()))
+        report_message(line_runs);
       // A job continues under the control of its host, which ends its own holds by a frame.
       if (!machine_.framed() || (machine_.hold_reason() != HoldReason::host && host_lives()))
         handle(Event::resume);

@@ -49,6 +49,7 @@ void report_program(ReportedStatus& status, const program::Interpreter& interpre
 
 std::string_view MachineConsole::state_name() const {
   const bool rests = runner_.at_rest();
+  if (rests && machine_.changes_tool() && machine_.running()) return "Tool";
   switch (machine_.state()) {
     case State::idle:
       return "Idle";

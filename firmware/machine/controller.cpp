@@ -36,7 +36,8 @@ bool Controller::prepare(std::uint64_t clock) {
   drives_.update(values_, clock, drives_may_rest(), !drives_may_be_on());
   check_dead_man();
   check_lamp();
-  if (values_.milli(Id::loop) != 0) follow_temperature();
+  if constexpr (TemperatureLoop::exists)
+    if (loop_.mode(values_) != settings::LoopMode::off) follow_temperature();
   follow_new_beat();
   if (runner_.underrun()) raise_alarm(alarm_position_lost);
   hold_after_failed_shots();

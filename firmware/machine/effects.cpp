@@ -164,10 +164,13 @@ void MachineEvents::drop_homing(bool answers) {
   if (answers) answer(GcodeError::locked);
 }
 
-/// After an alarm: the open line is not completed.
+/// After an alarm: the open line is not completed. In a tool change the lines of the user are
+/// first.
 void MachineEvents::drop_open_line() {
   if (reader_.drop_line() && !own_line_) answer(GcodeError::locked);
   own_line_ = false;
+  for (std::uint32_t lines = reader_.drop_tool_change(); lines != 0; --lines)
+    answer(GcodeError::locked);
 }
 
 /// No further line of a program begins; accepted lines run to their end.
@@ -211,8 +214,7 @@ void MachineEvents::use_overrides() {
 
 /// The feed override of the user, scaled by the temperature.
 std::uint32_t MachineEvents::loop_feed_percent(std::uint32_t percent) const {
-  if (values_.whole(settings::Id::loop) != static_cast<int>(settings::LoopMode::feed))
-    return percent;
+  if (loop_.mode(values_) != settings::LoopMode::feed) return percent;
   const std::uint32_t scaled = percent * loop_.percent() / 100;
   return scaled < min_override ? min_override : scaled > max_override ? max_override : scaled;
 }

@@ -11,6 +11,8 @@ Conditions MachineEvents::conditions() const {
   if (!motion_.at_rest() && !program_.shines_at_rest()) now |= is_moving;
   if (parking_.stage() != Parking::Stage::off) now |= tool_is_away;
   if (program_.begun()) now |= lines_have_begun;
+  if (reader_.awaits_tool()) now |= tool_is_awaited;
+  if (reader_.users_line_runs()) now |= users_line_runs;
   return static_cast<Conditions>(now);
 }
 
@@ -47,6 +49,12 @@ void MachineEvents::perform(Effect effect) {
     case Effect::resume_motion:
       program_.resume();
       reader_.resume();
+      break;
+    case Effect::resume_lines:
+      program_.resume();
+      break;
+    case Effect::end_tool_change:
+      reader_.end_tool_change();
       break;
     case Effect::drop_jogs:
       lines_at_cancel_ = reader_.lines();
@@ -112,6 +120,9 @@ void MachineEvents::perform_end(Effect effect) {
       return end_overrides_of_program();
     case Effect::finish_program:
       return finish_program();
+    case Effect::finish_jog_at_door:
+      program_.hold();
+      [[fallthrough]];
     case Effect::finish_jog:
       return use_overrides();
     case Effect::reset_at_rest:
@@ -144,6 +155,9 @@ bool MachineEvents::is_settled() {
       break;
     case Activity::homing:
       return ends && program_.idle() && motion_.at_rest();
+    case Activity::tool_change:
+      if (!ends) return false;
+      break;
     case Activity::none:
       return ends;
   }

@@ -17,9 +17,11 @@ constexpr ActivitySet of_points = activities(Activity::points);
 constexpr ActivitySet of_rows = activities(Activity::rows);
 constexpr ActivitySet of_job = of_points | of_rows;
 constexpr ActivitySet of_program = activities(Activity::program);
+constexpr ActivitySet of_tool = activities(Activity::tool_change);
+constexpr ActivitySet of_lines = of_program | of_tool;
 constexpr ActivitySet of_jog = activities(Activity::jog);
 constexpr ActivitySet of_homing = activities(Activity::homing);
-constexpr ActivitySet of_work = of_job | of_program;
+constexpr ActivitySet of_work = of_job | of_lines;
 constexpr ActivitySet of_any = of_work | of_jog | of_homing | of_none;
 
 constexpr StateSet waiting = states(holding, door);
@@ -46,6 +48,9 @@ constexpr When host_is_lost{0, job_host_lives};
 constexpr When moves{is_moving, 0};
 constexpr When after_lines{lines_have_begun, 0};
 constexpr When tool_away{tool_is_away, 0};
+constexpr When tool_awaited{tool_is_awaited, 0};
+constexpr When tool_awaited_at_door{tool_is_awaited | door_is_open, 0};
+constexpr When users_lines_are_done{0, users_line_runs | is_moving};
 
 constexpr Transition row(EventSet on, StateSet from, ActivitySet of, When when, State next,
                          Activity next_activity, Effect effect,
@@ -89,6 +94,7 @@ constexpr auto table = std::to_array<Transition>({
         ReasonRule::keep),
     row(begin_jog, states(idle), of_none, always, running, Activity::jog, Effect::none),
     stay(begin_jog, states(running), of_jog, always, Effect::none),
+    row(begin_jog, states(running), of_tool, always, running, Activity::jog, Effect::none),
     row(begin_homing, states(idle), of_none, always, running, Activity::homing, Effect::none),
     row(begin_homing, states(alarm), of_none, always, running, Activity::homing, Effect::unlock),
     row(homed, states(running), of_homing, always, idle, Activity::none, Effect::none),
@@ -111,13 +117,22 @@ constexpr auto table = std::to_array<Transition>({
         Effect::none),
     row(pause, states(idle, running, holding), of_program | of_none, always, holding,
         Activity::program, Effect::none, ReasonRule::set),
+    row(await_tool, states(idle, running), of_program | of_none, door_open_now, door,
+        Activity::tool_change, Effect::none),
+    row(await_tool, states(idle, running), of_program | of_none, always, running,
+        Activity::tool_change, Effect::none),
+    row(await_tool, waiting, of_program | of_none, always, same_state, Activity::tool_change,
+        Effect::none, ReasonRule::keep),
 
     stay(resume, states(door), of_any, {tool_is_away, door_is_open}, Effect::return_tool),
     row(resume, waiting, of_none, door_shut_now, idle, Effect::resume_motion),
-    row(resume, waiting, of_work, door_shut_now, running, Effect::resume_motion),
+    row(resume, waiting, of_job | of_program, door_shut_now, running, Effect::resume_motion),
+    row(resume, waiting, of_tool, door_shut_now, running, Effect::resume_lines),
+    row(resume, states(running), of_tool, users_lines_are_done, running, Activity::program,
+        Effect::end_tool_change),
 
     row(stop, active, of_job, always, stopping, Effect::stop_job),
-    row(stop, active, of_program, always, stopping, Effect::stop_program),
+    row(stop, active, of_lines, always, stopping, Effect::stop_program),
     row(stop, waiting, of_none, always, stopping, Activity::program, Effect::stop_program),
     stay(stop, states(check), of_none, always, Effect::refuse_program),
 
@@ -132,7 +147,7 @@ constexpr auto table = std::to_array<Transition>({
     row(reset, states(stopping), of_job, always, resetting, Effect::begin_reset, ReasonRule::keep),
     row(reset, states(running, stopping), of_homing, always, aborting, Effect::abort_homing),
     row(reset, states(running, stopping), of_jog, moves, aborting, Effect::abort_jog),
-    row(reset, active | states(stopping), of_program | of_none, moves, aborting,
+    row(reset, active | states(stopping), of_lines | of_none, moves, aborting,
         Effect::abort_program),
     row(reset, active | states(stopping, idle, check), of_any, always, resetting,
         Effect::begin_reset),
@@ -144,8 +159,7 @@ constexpr auto table = std::to_array<Transition>({
     row(door_byte, states(running), of_job, always, holding, Effect::hold_motion, ReasonRule::set),
     stay(door_byte, states(holding), of_job, always, Effect::none, ReasonRule::outrank),
     row(door_opened, states(running, holding), of_job, always, door, Effect::hold_at_door),
-    row(any_door, states(running, holding), of_program | of_none, always, door,
-        Effect::hold_at_door),
+    row(any_door, states(running, holding), of_lines | of_none, always, door, Effect::hold_at_door),
     stay(any_door, states(door), of_any, always, Effect::keep_parked),
 
     // Then a job waits for a resume by its user; a program stays at the door.
@@ -177,14 +191,17 @@ constexpr auto table = std::to_array<Transition>({
     row(settled, states(running), of_points | of_program, always, idle, Activity::none,
         Effect::none),
     row(settled, states(running), of_rows, always, idle, Activity::none, Effect::finish_rows),
+    row(settled, states(running, stopping), of_jog, tool_awaited_at_door, door,
+        Activity::tool_change, Effect::finish_jog_at_door),
+    row(settled, states(running, stopping), of_jog, tool_awaited, running, Activity::tool_change,
+        Effect::finish_jog),
     row(settled, states(running, stopping), of_jog, always, idle, Activity::none,
         Effect::finish_jog),
     row(settled, states(stopping), of_points, always, idle, Activity::none, Effect::finish_job,
         ReasonRule::keep),
     row(settled, states(stopping), of_rows, always, idle, Activity::none, Effect::finish_rows,
         ReasonRule::keep),
-    row(settled, states(stopping), of_program, always, idle, Activity::none,
-        Effect::finish_program),
+    row(settled, states(stopping), of_lines, always, idle, Activity::none, Effect::finish_program),
     row(settled, states(stopping), of_homing, always, alarm, Activity::none, Effect::raise_alarm),
     row(settled, states(resetting), of_any, always, idle, Activity::none, Effect::finish_reset),
     row(settled, states(aborting), of_any, always, alarm, Activity::none, Effect::finish_abort),

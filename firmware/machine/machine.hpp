@@ -18,6 +18,10 @@
 //    +------------------+  v                v                    v
 //    +---------------- stopping, resetting (0x18): at rest ------'
 //
+// M6 makes a tool change of a program: it runs, at rest, and after an acknowledgement (0xA3) lines
+// and jogs of the user move the machine; a hold or a door during it leads back to it. A resume from
+// there continues the program.
+//
 // All of them end in `alarm` by a fault, in `estop` while the e-stop is pressed.
 #pragma once
 
@@ -52,9 +56,10 @@ enum class Activity : std::uint8_t {
   rows,     ///< a job of rows of pixels, in frames
   program,  ///< lines of G-code, also with points on the beat
   jog,
-  homing
+  homing,
+  tool_change  ///< a program waits for the tool of its M6; lines of the user run meanwhile
 };
-inline constexpr int activity_count = 6;
+inline constexpr int activity_count = 7;
 /// In the table: the event does not change the activity.
 inline constexpr auto same_activity = static_cast<Activity>(activity_count);
 
@@ -66,9 +71,10 @@ enum class Event : std::uint8_t {
   begin_jog,
   begin_homing,
   homed,
-  hold_byte,  ///< `!`, also at rest
-  hold,       ///< by the host, or because of a silent host, the lamp, or a shot that was not made
-  pause,      ///< M0, M1, M6, a late M66
+  hold_byte,   ///< `!`, also at rest
+  hold,        ///< by the host, or because of a silent host, the lamp, or a shot that was not made
+  pause,       ///< M0, M1, a late M66
+  await_tool,  ///< M6
   resume,
   stop,         ///< COMMAND stop, or a job that cannot continue
   cancel_jogs,  ///< 0x85
@@ -85,7 +91,7 @@ enum class Event : std::uint8_t {
   toggle_check,  ///< `$C`,
   settled        ///< Controller::is_settled()
 };
-inline constexpr int event_count = 25;
+inline constexpr int event_count = 26;
 
 /// What the controller does for an event.
 enum class Effect : std::uint8_t {
@@ -97,6 +103,8 @@ enum class Effect : std::uint8_t {
   hold_parking,
   return_tool,
   resume_motion,
+  resume_lines,     ///< of the user, in a tool change
+  end_tool_change,  ///< the program continues
   cancel_jog,
   drop_jogs,  ///< those that wait
   stop_job,
@@ -120,6 +128,7 @@ enum class Effect : std::uint8_t {
   finish_rows,
   finish_program,  ///< that was stopped
   finish_jog,
+  finish_jog_at_door,  ///< in a tool change
   finish_reset,
   finish_abort
 };
@@ -127,8 +136,10 @@ enum class Effect : std::uint8_t {
 /// Conditions beside the state, a bit for each.
 using Conditions = std::uint8_t;
 inline constexpr Conditions door_is_open = 1, job_host_lives = 2, is_moving = 4, tool_is_away = 8,
-                            lines_have_begun = 16;  ///< and no job since
-inline constexpr int condition_count = 5;
+                            lines_have_begun = 16,  ///< and no job since
+    tool_is_awaited = 32,                           ///< by a program
+    users_line_runs = 64;                           ///< or waits, in a tool change
+inline constexpr int condition_count = 7;
 
 /// Sets, a bit for each.
 using EventSet = std::uint32_t;
@@ -191,6 +202,8 @@ constexpr wire::MachineState wire_state(State state, Activity activity) {
     case State::door:
       return wire::MachineState::door;
     case State::running:
+      if (activity == Activity::tool_change) return wire::MachineState::hold;
+      break;
     case State::stopping:
     case State::resetting:
     case State::aborting:
@@ -228,6 +241,8 @@ class Machine {
   }
   bool jogs() const { return activity_ == Activity::jog; }
   bool homes() const { return activity_ == Activity::homing; }
+  /// A program waits for its tool; also in a hold or at a door, but not during a jog.
+  bool changes_tool() const { return activity_ == Activity::tool_change; }
   /// A job that came in frames.
   bool framed() const { return does(activities(Activity::points, Activity::rows)); }
   /// The activity ends when the machine is at rest.

@@ -95,8 +95,8 @@ class MachineParts {
   /// The laser of a program, in motion and while it stops; a door ends it at once.
   bool laser_may_shine() const {
     return program_.begun() && machine_.in(states(State::running, State::holding)) &&
-           !machine_.does(activities(Activity::jog, Activity::homing)) && !door_open() &&
-           !loop_.failed() && rows_.may_shine();
+           !machine_.does(activities(Activity::jog, Activity::homing, Activity::tool_change)) &&
+           !door_open() && !loop_.failed() && rows_.may_shine();
   }
   /// Moves of a program are points on the beat, run by the job runner.
   bool beat_locked() const { return reader_.lock() != program::BeatLock::off; }
@@ -128,6 +128,8 @@ class MachineParts {
             program_outputs_.air() && machine_.state() != State::door, program_outputs_.aux()};
   }
   bool nothing_is_under_way() const;
+  /// In a tool change, dark, until the user moves the machine.
+  bool waits_for_tool() const { return machine_.changes_tool() && motion_.at_rest(); }
   /// Settings and what programs keep may be changed.
   bool may_be_changed() const;
   bool start_up_waits() const;
@@ -152,7 +154,7 @@ class MachineParts {
   ProgramOutputs program_outputs_{motion_.changes()};
   ProgramReader reader_{program_, runner_, program_outputs_};
   InputWait input_wait_;
-  TemperatureLoop loop_;
+  [[no_unique_address]] TemperatureLoop loop_;
   IdleRelease drives_;
   program::PulseDecoder decoder_;
   StepLimits work_space_;

@@ -51,6 +51,7 @@ class MachineWork : public MachineEvents {
   bool work_probe();
   bool work_input_wait();
   [[gnu::cold]] void pause();
+  [[gnu::cold]] void return_from_tool_change();
   void work_parking();
   void report_offsets(int first, int end);
 

@@ -1,10 +1,9 @@
 // The loop that holds a temperature, while programs and jobs of rows run.
 #include "firmware/machine/work.hpp"
 
+#if LAMPLOCK_SENSOR_SETTINGS
 namespace lamplock::machine {
 namespace {
-
-using settings::Id;
 
 // A constant, because the compiler would count its characters at run time.
 constexpr std::string_view sensor_failed =
@@ -27,10 +26,11 @@ void MachineWork::follow_temperature() {
     loop_.step(values_, motion_.generator().in_light());
   else
     loop_.rest(values_);
-  if (values_.whole(Id::loop) == static_cast<int>(settings::LoopMode::power))
+  if (loop_.mode(values_) == settings::LoopMode::power)
     motion_.generator().set_power_scale(loop_.scale_q15());
   else if (loop_.percent() != before)
     use_overrides();
 }
 
 }  // namespace lamplock::machine
+#endif

@@ -75,16 +75,27 @@ bool MachineWork::work_input_wait() {
   text.add(late ? " not met: " : " ").add(on ? "on" : "off");
   report_message(text.view());
   input_wait_.end();
-  reader_.end_wait(on, late);
-  if (late) pause();
-  return !late;
+  const bool pauses = late && !reader_.awaits_tool();
+  reader_.end_wait(on, pauses);
+  if (pauses) pause();
+  return !pauses;
 }
 
 /// The program waits for a resume.
 void MachineWork::pause() {
-  if (reader_.changes_tool()) report_tool();
+  const bool changes_tool = reader_.changes_tool();
+  if (changes_tool) {
+    report_tool();
+    reader_.await_tool();
+  }
   const Masked masked(mask_);
-  handle(Event::pause, HoldReason::realtime);
+  handle(changes_tool ? Event::await_tool : Event::pause, HoldReason::realtime);
+}
+
+/// The program continues; a cancelled jog may have left the machine anywhere.
+void MachineWork::return_from_tool_change() {
+  find_position();
+  reader_.go_back();
 }
 
 /// Reports the tool to be inserted.

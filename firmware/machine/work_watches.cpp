@@ -73,7 +73,7 @@ void MachineWork::reject_unreachable() {
 }
 
 void MachineWork::check_dead_man() {
-  if (!machine_.running() || machine_.homes()) return;
+  if (!machine_.running() || machine_.homes() || waits_for_tool()) return;
   const bool framed = machine_.framed(), jogs = machine_.jogs();
   const std::int32_t limit_us = values_.milli(framed ? Id::dead_man
                                               : jogs ? Id::jog_lease
@@ -92,12 +92,12 @@ constexpr std::uint32_t beats_without_lamp = 32;
 
 void MachineWork::lose_host() {
   const Masked masked(mask_);
-  if (machine_.running() && !machine_.homes()) hold_without_host();
+  if (machine_.running() && !machine_.homes() && !waits_for_tool()) hold_without_host();
 }
 
 /// Motion or light that the host could not stop.
 void MachineWork::hold_without_host() {
-  if (machine_.activity() == Activity::program) {
+  if (machine_.does(activities(Activity::program, Activity::tool_change))) {
     if (values_.whole(Id::run_on) != 0 && reader_.ends_itself()) return;
     report_message(held_without_host);
   }

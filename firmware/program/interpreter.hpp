@@ -109,6 +109,15 @@ class Interpreter {
   void set_position(const Place& machine_e7);
   /// Sets the position of the machine; the rest of the line continues from there.
   void stand_at(const Place& machine_e7);
+  /// In a tool change: lines of the user follow, which must not have commands that stop or end a
+  /// program; no actions may be left.
+  [[gnu::cold]] void begin_users_lines();
+  /// The program continues with this modal state, at this place of the machine, and with the shift
+  /// and tool length of the user. The way there is the line's next actions: as rapids, at the
+  /// higher Z of both places.
+  [[gnu::cold]] void end_users_lines(const Modal& modal, const Place& machine_e7);
+  /// The program does not continue.
+  [[gnu::cold]] void drop_users_lines() { users_lines_ = false; }
 
   const Modal& modal() const { return state_->modal; }
   /// Active pulses, from the program or the settings; 0 per millimetre: none.
@@ -163,6 +172,7 @@ class Interpreter {
   // Cutter compensation (interpreter_compensation.cpp).
   [[gnu::cold]] Fault run_compensated(Statement& statement, std::string_view line, Fault fault);
   [[gnu::cold]] Fault check_compensated(Statement& statement, std::string_view line);
+  [[gnu::cold]] Fault run_users(Statement& statement, Fault fault);
   [[gnu::cold]] bool stays_beside(const Statement& statement) const;
   [[gnu::cold]] Fault compensate(const Statement& statement);
   [[gnu::cold]] GcodeError compensate_line(const Statement& statement);
@@ -209,8 +219,10 @@ class Interpreter {
     std::uint8_t first, second;
     bool active;
   } beside_{};
-  bool in_compensation_ = false;  ///< it is on, or the machine is beside the programmed place
-  std::uint8_t held_step_ = 0;    ///< of what is released: the move, then the actions
+  /// Compensation is on, or the machine is beside the programmed place, or lines are the user's.
+  bool in_compensation_ = false;
+  bool users_lines_ = false;                    ///< in a tool change
+  std::uint8_t held_step_ = 0;                  ///< of what is released: the move, then the actions
   std::uint8_t ignored_ = 0, new_ignored_ = 0;  ///< in this program; not reported yet
   Parameters& parameters_;
   const Options& options_;

@@ -10,7 +10,18 @@ namespace lamplock::program {
 // --- lines ------------------------------------------------------------------------------------
 
 /// The rest of run() for a statement that begins, has or ends compensation, or follows it.
+Fault Interpreter::run_users(Statement& statement, Fault fault) {
+  if (!fault) fault = statement.check_users();
+  if (fault)
+    plan_.stages = 0;
+  else
+    take_over(statement);
+  if (expressions_.has_assignments()) expressions_.end_line(!fault);
+  return fault;
+}
+
 Fault Interpreter::run_compensated(Statement& statement, std::string_view line, Fault fault) {
+  if (users_lines_) return run_users(statement, fault);
   if (!fault) fault = check_compensated(statement, line);
   if (!fault) {
     take_over(statement);

@@ -61,6 +61,7 @@ void Interpreter::reset() {
   state_->modal = {};
   state_->modal.tool_length = parameters_.tool_length_e7 != 0;
   saved_ = {};
+  users_lines_ = false;
   ignored_ = new_ignored_ = 0;
   expressions_.clear();
   set_position(state_->machine_e7);
@@ -73,12 +74,39 @@ void Interpreter::set_position(const Place& machine_e7) {
 
 void Interpreter::stand_at(const Place& machine_e7) {
   state_->modal.cutter = Cutter::off;
-  in_compensation_ = beside_.active = false;
+  beside_.active = false;
+  in_compensation_ = users_lines_;
   state_->machine_e7 = machine_e7;
   state_->programmed_e7 = state_->modal.rotation.turned_back(machine_e7);
   state_->cycle.series = false;
   state_->spline.known = false;
   state_->nurbs = {};
+}
+
+void Interpreter::begin_users_lines() {
+  if (beside_.active) settle();
+  users_lines_ = in_compensation_ = true;
+}
+
+void Interpreter::end_users_lines(const Modal& modal, const Place& machine_e7) {
+  const Place from = state_->machine_e7;
+  const Modal last = state_->modal;
+  users_lines_ = false;
+  state_->modal = modal;
+  state_->modal.shifted = last.shifted;
+  state_->modal.tool_length = last.tool_length;
+  state_->modal.loaded_tool = last.loaded_tool;
+  set_position(machine_e7);
+  if (from == machine_e7) return;
+  Place via = machine_e7;
+  constexpr std::size_t z = 2;
+  if (from[z] < machine_e7[z]) via = from;
+  via[z] = from[z] < machine_e7[z] ? machine_e7[z] : from[z];
+  plan_.clear();
+  plan_.jog = true;  // dark, and not on the beat
+  plan_.points[0] = state_->modal.rotation.turned_back(via);
+  plan_.add(Stage::via);
+  plan_.add(Stage::home);
 }
 
 Place Interpreter::work_offset_e7() const {

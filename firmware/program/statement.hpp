@@ -174,6 +174,8 @@ class Statement {
   std::int64_t cutter_radius_e7() const { return cutter_radius_e7_; }
   /// Commands of the line that cutter compensation excludes; `before`: the state before the line.
   [[gnu::cold]] Fault check_compensated(const Modal& before);
+  /// Commands that lines of the user must not have during a tool change.
+  [[gnu::cold]] Fault check_users() const;
   /// The line has axis words of the active plane.
   [[gnu::cold]] bool names_plane_axes() const;
   /// The line has a command that acts once, other than a dwell, or changes cutter compensation.

@@ -11,6 +11,15 @@ constexpr std::uint8_t fixture_system = coordinate_systems - 1;
 
 }  // namespace
 
+Fault Statement::check_users() const {
+  constexpr Group refused[] = {Group::stopping, Group::overrides, Group::beat_lock, Group::cutter};
+  for (const Group group : refused)
+    if (block_.has(group)) return {GcodeError::tool_change_pending, block_.column(group)};
+  if (plan_.has(Stage::tool_change))
+    return {GcodeError::tool_change_pending, block_.column(Group::tool_change)};
+  return {};
+}
+
 /// A number of a tool that the table has; 0 is no tool.
 bool Statement::known_tool(std::uint32_t number, std::uint16_t column) {
   Tool tool;

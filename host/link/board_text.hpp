@@ -31,8 +31,10 @@ struct BoardStatus {
   /// The machine is at rest and every line has been executed.
   bool rests() const { return is("Idle") || is("Check"); }
   /// The machine is at rest and waits for a resume: Hold:0 (a hold, a pause of the program), Door:0
-  /// and Door:1 (closed, open).
-  bool waits() const { return (is("Hold") && substate <= 0) || (is("Door") && substate <= 1); }
+  /// and Door:1 (closed, open), Tool (a tool change).
+  bool waits() const {
+    return (is("Hold") && substate <= 0) || (is("Door") && substate <= 1) || is("Tool");
+  }
 };
 
 /// Empty if the line is no status report.

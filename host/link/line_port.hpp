@@ -43,6 +43,7 @@ inline constexpr std::uint8_t power_plus_10 = 0x9A;
 inline constexpr std::uint8_t power_minus_10 = 0x9B;
 inline constexpr std::uint8_t power_plus_1 = 0x9C;
 inline constexpr std::uint8_t power_minus_1 = 0x9D;
+inline constexpr std::uint8_t tool_change = 0xA3;  ///< acknowledged: later lines are the user's
 }  // namespace realtime
 
 /// Text in both directions over one transport, which must outlive it.

@@ -119,6 +119,11 @@ void LineSender::take_status(BoardStatus status) {
 }
 
 void LineSender::take_answer(int error) {
+  if (std::exchange(users_line_open_, false)) {
+    asked_held_ = asked_;
+    if (error != 0 && options_.on_text) options_.on_text(error_text(error));
+    return;
+  }
   if (answered_ == sent_) return;  // an answer to another program
   bytes_under_way_ -= size_of(lines_[answered_].text);
   ++answered_;
@@ -218,6 +223,18 @@ void LineSender::break_off() {
   // As at rest: from here on the reset is repeated.
   held_ = reset_ = true;
   port_.send_realtime(realtime::reset);
+}
+
+bool LineSender::send_users_line(std::string_view text) {
+  if (phase_ != Phase::streaming || !status_.is("Tool") || users_line_open_) return false;
+  // Bytes that are sent before a real-time byte stay before it.
+  if (port_.inside_line() || port_.backlog() != 0) return false;
+  port_.send_realtime(realtime::tool_change);
+  port_.flush();
+  port_.send_line(text);
+  users_line_open_ = true;
+  asked_held_ = asked_;
+  return true;
 }
 
 void LineSender::fail(std::exception_ptr error) {

@@ -11,6 +11,9 @@
 // A program has ended when two status reports in a row, requested after the last answer, say Idle:
 // an ok alone means that the board has parsed a line, not that it has executed it.
 //
+// In a tool change (M6, state Tool) the user may send lines. Their answers come before those of the
+// lines of the program that the board has already received.
+//
 // When a program ends early - by the user, an error, a fault of the host - the sender holds the
 // board (`!`) and resets it (0x18) at rest, which drops the lines in its buffers without losing its
 // position. The sender ends only after the board has restarted, or is in alarm.
@@ -23,6 +26,7 @@
 #include <exception>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/link/board_text.hpp"
@@ -98,6 +102,9 @@ class LineSender {
   /// Resets the board at once, without a hold before: the laser is off before the axes brake, and
   /// axes in motion lose their position. Ends as a stop.
   void break_off();
+  /// Sends a line of the user during a tool change, to jog, probe or touch off. False, and nothing
+  /// is sent, in another state or while the previous one is not answered.
+  bool send_users_line(std::string_view text);
   /// Sends an override or another real-time byte unchanged.
   void realtime(std::uint8_t byte) { port_.send_realtime(byte); }
 
@@ -163,6 +170,7 @@ class LineSender {
   std::size_t bytes_under_way_ = 0;  ///< of lines_[answered_ .. sent_)
   std::size_t at_line_ = 0;          ///< last line that a status named; 0 = none
   std::vector<LineError> errors_;
+  bool users_line_open_ = false;  ///< not answered yet
 
   BoardStatus status_;
   bool status_open_ = false;        ///< the last `?` is not answered yet

@@ -24,6 +24,8 @@ std::string why_it_waits(const link::LineSender& sender) {
   const std::string where = next == 0 ? "after the last line" : fmt::format("before line {}", next);
   if (sender.status().is("Door"))
     return sender.status().substate > 0 ? "door open: close it" : "the door was open";
+  if (sender.status().is("Tool"))
+    return "tool change, " + where + ": jog ($J=...), probe and touch off by typing lines";
   return sender.at_pause() ? "the program pauses (M0), " + where : "held, " + where;
 }
 
@@ -58,6 +60,8 @@ ProgressState ProgramControl::state() const {
     shown.word = "stopping";
   else if (sender_.status().is("Door"))
     shown.word = "door open";
+  else if (sender_.status().is("Tool"))
+    shown.word = "tool change";
   else if (asking_ || sender_.status().is("Hold"))
     shown.word = sender_.at_pause() ? "pause" : "held";
   if (!sender_.status().of_work) shown.place = sender_.status().position;
@@ -105,6 +109,13 @@ void ProgramControl::take_end_of_input() {
 }
 
 void ProgramControl::take_word(const std::string& word) {
+  const std::string_view keys = "!+-=";
+  if (sender_.status().is("Tool") && keys.find(word.front()) == std::string_view::npos) {
+    if (!sender_.send_users_line(word)) return note("not sent: the board has not answered yet");
+    if (asking_) waited_ += sender_.elapsed() - waiting_since_;
+    asking_ = false;
+    return;
+  }
   switch (word.front()) {
     case '!':
       is_holding_ = true;

@@ -23,6 +23,8 @@ inline constexpr std::uint8_t byte_resume = '~';
 inline constexpr std::uint8_t byte_reset = 0x18;
 inline constexpr std::uint8_t byte_door = 0x84;
 inline constexpr std::uint8_t byte_jog_cancel = 0x85;
+/// grblHAL's acknowledgement of a tool change: lines after it are the user's, not the program's.
+inline constexpr std::uint8_t byte_tool = 0xa3;
 
 /// How much of the machine's work a command ends; 0 = it stops nothing.
 constexpr int stop_rank(std::uint8_t byte) {
@@ -40,9 +42,9 @@ constexpr int stop_rank(std::uint8_t byte) {
   }
 }
 
-/// Jogs that were sent before it are void.
+/// Jogs that were sent before it are void; so the place of this byte among the others is kept.
 [[gnu::always_inline]] constexpr bool ends_jogs(std::uint8_t byte) {
-  return byte == byte_jog_cancel || byte == byte_hold || byte == byte_door;
+  return byte == byte_jog_cancel || byte == byte_hold || byte == byte_door || byte == byte_tool;
 }
 
 /// Real-time bytes that wait for the main loop.

@@ -133,20 +133,5 @@ TEST_F(Jog, IgnoresTheFeedOverrideOfPrograms) {
   ASSERT_TRUE(host_.wait_for_rest());
 }
 
-/// As in grbl: no jog moves while a tool is changed; after the change the machine is not idle at
-/// once.
-TEST_F(Jog, NoneWhileAToolIsChanged) {
-  host_.send("G1 X1 F6000\nT3 M6\n$J=G91 X5 F600\nG1 X3\n");
-  host_.run_ms(500);
-  EXPECT_THAT(host_.said(), ElementsAre("ok", "[MSG:Tool 3]"));
-  EXPECT_THAT(host_.status(), StartsWith("<Hold:0|"));
-  EXPECT_EQ(x_mm(), 1);
-  host_.send("~");
-  host_.run_ms(1000);
-  EXPECT_THAT(host_.answers(), ElementsAre("ok", "ok", "error:8", "ok"));
-  EXPECT_EQ(x_mm(), 3);
-  EXPECT_THAT(host_.ask("$J=G91 X1 F600\n"), ElementsAre("ok"));
-}
-
 }  // namespace
 }  // namespace lamplock::test::jog_test

@@ -77,5 +77,17 @@ TEST(TemperatureLoopOnTheChip, IsDarkWithin5MsOfACutWireAndContinuesWhenTheUserS
   EXPECT_EQ(chip.rig.board.world().drives().position(), StepPosition{});
 }
 
+/// The image of the Pico lacks the settings, which would use SRAM for nothing.
+TEST(TemperatureLoopOnTheChip, ImagesOfBoardsWithoutASensorSayThatTheyLackIt) {
+  ChipRig rig(job::Profile{}.settings);
+  rig.user.step(300 * ps_per_ms);
+  for (const std::string line : {"$1061=1", "$1064=5", "$1069=0"}) {
+    const std::string said = rig.user.answer(line);
+    EXPECT_THAT(said, HasSubstr(line.substr(0, 5) + " needs SENSOR"));
+    EXPECT_THAT(said, HasSubstr("error:52"));
+  }
+  EXPECT_THAT(rig.user.answer("$1060=1"), HasSubstr("error:3"));
+}
+
 }  // namespace
 }  // namespace lamplock::test::temperature_loop_test

@@ -83,17 +83,18 @@ bool ends(const Cell& cell) {
 
 TEST(Machine, ReachesOnlyStatesThatMeanSomething) {
   using enum Activity;
-  const std::map<State, std::set<Activity>> meant{{idle, {none}},
-                                                  {check, {none}},
-                                                  {sleep, {none}},
-                                                  {alarm, {none}},
-                                                  {estop, {none}},
-                                                  {running, {points, rows, program, jog, homing}},
-                                                  {holding, {none, points, rows, program}},
-                                                  {door, {none, points, rows, program}},
-                                                  {stopping, {points, rows, program, jog, homing}},
-                                                  {resetting, {none, points, rows, program, jog}},
-                                                  {aborting, {none, program, jog, homing}}};
+  const std::map<State, std::set<Activity>> meant{
+      {idle, {none}},
+      {check, {none}},
+      {sleep, {none}},
+      {alarm, {none}},
+      {estop, {none}},
+      {running, {points, rows, program, jog, homing, tool_change}},
+      {holding, {none, points, rows, program, tool_change}},
+      {door, {none, points, rows, program, tool_change}},
+      {stopping, {points, rows, program, jog, homing, tool_change}},
+      {resetting, {none, points, rows, program, jog, tool_change}},
+      {aborting, {none, program, jog, homing, tool_change}}};
   std::map<State, std::set<Activity>> reached;
   for (const Cell& cell : cells()) reached[cell.state].insert(cell.activity);
   EXPECT_EQ(reached, meant);
@@ -150,8 +151,13 @@ TEST(Machine, LeavesAnAlarmOnlyByItsUser) {
 }
 
 TEST(Machine, WhatEndsDoesNotContinue) {
-  each([](const Cell& cell, Event, Conditions, const Cell& next) {
+  each([](const Cell& cell, Event, Conditions conditions, const Cell& next) {
     if (!ends(cell)) return;
+    // The jog has ended; the program that waits for a tool has not.
+    const bool of_tool_change = cell.activity == Activity::jog &&
+                                (conditions & machine::tool_is_awaited) != 0 &&
+                                next.activity == Activity::tool_change;
+    if (of_tool_change) return;
     EXPECT_TRUE(ends(next) || next.activity == Activity::none);
     EXPECT_NE(next.state, running);
     EXPECT_NE(next.state, holding);
@@ -187,6 +193,28 @@ TEST(Machine, HoldsOrEndsWhatRuns) {
   });
 }
 
+/// A program continues only by a resume, with the door shut, or ends; what interrupts the tool
+/// change leads back to it.
+TEST(Machine, AToolChangeEndsOnlyByItsUserOrAStop) {
+  each([](const Cell& cell, Event event, Conditions conditions, const Cell& next) {
+    if (cell.activity != Activity::tool_change || next == cell) return;
+    if (next.activity == Activity::program) {
+      EXPECT_EQ(event, Event::resume);
+      EXPECT_EQ(cell.state, running);
+      EXPECT_EQ(conditions & (machine::users_line_runs | machine::is_moving), 0);
+    } else if (next.activity == Activity::jog) {
+      EXPECT_EQ(event, Event::begin_jog);
+    } else if (next.activity == Activity::none) {
+      EXPECT_TRUE(ends(cell) || next.state == alarm || next.state == estop);
+    } else {
+      EXPECT_EQ(next.activity, Activity::tool_change);
+    }
+    if (event == Event::resume && next.state == running) {
+      EXPECT_TRUE(cell.state == running || (conditions & machine::door_is_open) == 0);
+    }
+  });
+}
+
 TEST(Machine, BeginsOnlyWhenNothingElseIsUnderWay) {
   each([](const Cell& cell, Event event, Conditions conditions, const Cell& next) {
     if (next.state != running || cell.state == running) return;
@@ -195,6 +223,12 @@ TEST(Machine, BeginsOnlyWhenNothingElseIsUnderWay) {
       EXPECT_EQ(next.activity, cell.activity);
       EXPECT_EQ(conditions & machine::door_is_open, 0);
     } else {
+      if (cell.state == stopping) {
+        EXPECT_EQ(cell.activity, Activity::jog);
+        EXPECT_EQ(next.activity, Activity::tool_change);
+        EXPECT_EQ(conditions & machine::door_is_open, 0);
+        return;
+      }
       EXPECT_EQ(cell.activity, Activity::none);
       EXPECT_TRUE(cell.state == idle || (event == Event::begin_homing && cell.state == alarm));
     }
@@ -239,11 +273,13 @@ TEST(Machine, AHoldByTheHostOutranksTheOthers) {
 TEST(Machine, ReportsStatesToTheWire) {
   for (const Cell& cell : cells()) {
     const bool home = cell.activity == Activity::homing;
+    const bool waits = cell.activity == Activity::tool_change && cell.state == running;
     const wire::MachineState expected = cell.state == alarm     ? wire::MachineState::alarm
                                         : cell.state == estop   ? wire::MachineState::estop
                                         : cell.state == holding ? wire::MachineState::hold
                                         : cell.state == door    ? wire::MachineState::door
                                         : home                  ? wire::MachineState::home
+                                        : waits                 ? wire::MachineState::hold
                                         : ends(cell) || cell.state == running
                                             ? wire::MachineState::run
                                             : wire::MachineState::idle;

@@ -54,6 +54,7 @@ void ProgramReader::end_lock() {
 /// valid and finish first.
 ProgramReader::Step ProgramReader::check_extent(const settings::Values& values,
                                                 const StepLimits& space, bool check) {
+  if (tool_ == ToolChange::over) return Step::returns;
   const program::Extent extent = interpreter_.extent();
   const bool inside = axis_outside(steps_of(extent.low(), values), space, options_.axes) < 0 &&
                       axis_outside(steps_of(extent.high(), values), space, options_.axes) < 0;
@@ -290,7 +291,47 @@ bool ProgramReader::drop_line() {
   return was_open;
 }
 
+/// A program that was beside its contour continues without that.
+bool ProgramReader::begin_users_lines() {
+  if (interpreter_.busy()) return false;
+  queue_.set_aside();
+  interpreter_.begin_users_lines();
+  before_.at_m6 = {interpreter_.modal(), interpreter_.machine_e7()};
+  open_ = paused_ = false;
+  tool_ = ToolChange::users_lines;
+  return true;
+}
+
+void ProgramReader::end_tool_change() {
+  paused_ = false;
+  if (tool_ != ToolChange::users_lines) {
+    tool_ = ToolChange::none;
+    return;
+  }
+  queue_.bring_back();
+  open_ = unchecked_ = true;
+  tool_ = ToolChange::over;
+}
+
+void ProgramReader::go_back() {
+  interpreter_.end_users_lines(before_.at_m6.modal, before_.at_m6.place_e7);
+  put_air();
+  jogs_ = unchecked_ = false;
+  tool_ = ToolChange::none;
+}
+
+std::uint32_t ProgramReader::drop_tool_change() {
+  const bool of_user = tool_ == ToolChange::users_lines;
+  tool_ = ToolChange::none;
+  if (!of_user) return 0;
+  const std::uint32_t lines = queue_.lines() + 1;
+  queue_.bring_back();
+  interpreter_.drop_users_lines();
+  return lines;
+}
+
 void ProgramReader::clear() {
+  drop_tool_change();
   queue_.clear();
   drop_line();
 }

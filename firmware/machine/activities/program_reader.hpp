@@ -43,7 +43,8 @@ class ProgramReader {
     waits,      ///< for room, rest, time, or a resume
     done,       ///< the line: to be answered
     outside,    ///< the line would have left the work space: the rest of it is dropped
-    pauses,     ///< M0, M1, M6: waits for resume() from now on
+    pauses,     ///< M0, M1, M6: waits for resume() or end_tool_change() from now on
+    returns,    ///< a tool change is over: find_position() and go_back() are due
     changes,    ///< at rest: a change to wanted_lock() is due before the next move
     lights,     ///< at rest: the laser shines with light_power() for light_ticks()
     overrides,  ///< M48, M49: overrides_off() has changed
@@ -101,6 +102,26 @@ class ProgramReader {
   void resume() { paused_ = false; }
   /// The pause is for a tool change.
   bool changes_tool() const { return action_.kind == program::ActionKind::tool_change; }
+
+  // Tool changes: from M6, at rest, until end_tool_change(). After an acknowledgement lines are
+  // taken as the user's, while those of the program and the line of M6 wait.
+  [[gnu::cold]] void await_tool() { tool_ = ToolChange::awaited; }
+  bool awaits_tool() const { return tool_ != ToolChange::none && tool_ != ToolChange::over; }
+  [[gnu::cold]] void acknowledge_tool() {
+    if (tool_ == ToolChange::awaited) tool_ = ToolChange::acknowledged;
+  }
+  bool tool_acknowledged() const { return tool_ == ToolChange::acknowledged; }
+  /// False if the line of M6 has other commands after it.
+  [[gnu::cold]] bool begin_users_lines();
+  bool users_line_runs() const {
+    return tool_ == ToolChange::users_lines && (open_ || !queue_.empty());
+  }
+  [[gnu::cold]] void end_tool_change();
+  /// Restores the modal state and moves to where the machine was at M6.
+  [[gnu::cold]] void go_back();
+  /// Drops lines of the user that wait, and the line of M6: returns their number.
+  [[gnu::cold]] std::uint32_t drop_tool_change();
+
   /// The input that M66 waits for, and the time limit.
   const program::IoRequest& wait() const { return action_.io; }
   std::uint32_t wait_us() const { return action_.time_us; }
@@ -160,6 +181,14 @@ class ProgramReader {
   }
 
  private:
+  enum class ToolChange : std::uint8_t {
+    none,
+    awaited,
+    acknowledged,
+    users_lines,  ///< run, one after the other
+    over          ///< the machine returns
+  };
+
   bool next_action();
   [[gnu::cold]] Step check_extent(const settings::Values& values, const StepLimits& space,
                                   bool check);
@@ -208,7 +237,16 @@ class ProgramReader {
   bool probing_ = false;  ///< the move of action_ is in progress
   bool off_target_ = true;
   bool dwells_ = false;
+  ToolChange tool_ = ToolChange::none;
   std::uint64_t dwell_end_ = 0;  ///< clock
+  /// Of the program, during lines of the user. Not initialised: that would be code in SRAM.
+  union Before {
+    Before() {}
+    struct {
+      program::Modal modal;
+      program::Place place_e7;
+    } at_m6;
+  } before_;
 };
 
 }  // namespace lamplock::machine

@@ -4,6 +4,9 @@
 // Who: the controller, main loop. The room reported to the host is exact: until it is taken out, a
 //      line occupies its characters and one for its end, as on the wire. There is room for one line
 //      of maximum length more than reported: for the line that is being received.
+//
+// During a tool change the lines of the program are set aside: they stay where they are, and lines
+// of the user use the room after them.
 #pragma once
 
 #include <array>
@@ -22,7 +25,7 @@ class LineQueue {
   static constexpr std::uint32_t capacity = window + 256;
 
   bool empty() const { return size_ == 0; }
-  std::uint32_t free() const { return capacity - size_; }
+  std::uint32_t free() const { return capacity - size_ - aside_; }
 
   std::uint32_t lines() const {
     std::uint32_t count = 0;
@@ -66,21 +69,45 @@ class LineQueue {
     const auto size = static_cast<std::size_t>(to - room.data());
     begin_ = static_cast<std::uint32_t>(from - bytes_.data());
     size_ -= static_cast<std::uint32_t>(size) + 1;
+    if (aside_ != 0) [[unlikely]]
+      keep_aside(static_cast<std::uint16_t>(size + 1));
     return {room.data(), size};
   }
 
-  void clear() { size_ = 0; }
+  void clear() { size_ = aside_ = kept_ = 0; }
+
+  /// Lines that wait are set aside, and later ones come first.
+  [[gnu::cold]] void set_aside() {
+    aside_ = kept_ = static_cast<std::uint16_t>(size_);
+    begin_ = wrapped(begin_ + size_);
+    size_ = 0;
+  }
+  /// The lines set aside wait again, and later ones are dropped.
+  [[gnu::cold]] void bring_back() {
+    begin_ = wrapped(begin_ + capacity - aside_);
+    size_ = kept_;
+    aside_ = kept_ = 0;
+  }
 
  private:
   static constexpr char end_of_line = '\n';
 
-  char at(std::uint32_t i) const {
-    const std::uint32_t place = begin_ + i;
-    return bytes_[place < capacity ? place : place - capacity];
+  char at(std::uint32_t i) const { return bytes_[wrapped(begin_ + i)]; }
+  static constexpr std::uint32_t wrapped(std::uint32_t place) {
+    return place < capacity ? place : place - capacity;
+  }
+  /// After a line was taken: its room is free again when there is no later one.
+  [[gnu::cold]] void keep_aside(std::uint16_t taken) {
+    aside_ = static_cast<std::uint16_t>(aside_ + taken);
+    if (size_ != 0) return;
+    begin_ = wrapped(begin_ + capacity - (aside_ - kept_));
+    aside_ = kept_;
   }
 
   std::array<char, capacity> bytes_{};
   std::uint32_t begin_ = 0, size_ = 0;
+  std::uint16_t kept_ = 0;   ///< bytes of the lines set aside
+  std::uint16_t aside_ = 0;  ///< the same, and of lines taken since, before begin_
 };
 
 }  // namespace lamplock::machine

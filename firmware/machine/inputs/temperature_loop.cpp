@@ -1,5 +1,6 @@
 #include "firmware/machine/inputs/temperature_loop.hpp"
 
+#if LAMPLOCK_SENSOR_SETTINGS
 namespace lamplock::machine {
 namespace {
 
@@ -45,7 +46,7 @@ bool TemperatureLoop::take_period(std::uint32_t clock) {
   // uV times mK/V: nK. By 10^-6 = 4295 / 2^32, at most 2^57 before the shift.
   const std::int64_t nanokelvin = std::int64_t{above_uv} * values.milli(Id::sensor_scale);
   const auto mk = static_cast<std::int32_t>(nanokelvin * 4295 >> 32);
-  const bool cools = values.whole(Id::loop) == static_cast<int>(settings::LoopMode::feed);
+  const bool cools = mode(values) == settings::LoopMode::feed;
   return cools ? -mk : mk;
 }
 
@@ -71,3 +72,4 @@ std::uint32_t TemperatureLoop::scale_q15() const {
 }
 
 }  // namespace lamplock::machine
+#endif

@@ -16,6 +16,8 @@
 //
 // Units: temperatures in mK (int32: 3.3 V of 10 000 K/V), scales in 10^-11 (int64). With gains in
 // thousandths of %/K and %/(K s) all products are exact integers: 10^-5 * 10^-3 K, times T.
+//
+// In images of boards without SENSOR it has no state and does nothing.
 #pragma once
 
 #include <cstdint>
@@ -26,14 +28,19 @@
 
 namespace lamplock::machine {
 
+#if LAMPLOCK_SENSOR_SETTINGS
 class TemperatureLoop {
  public:
+  static constexpr bool exists = true;
   static constexpr std::uint32_t period_clocks = 1000 * clocks_per_us;
   /// A sensor out of its range for this long has failed: a shorter disturbance is no reason to stop
   /// in the middle of a cut.
   static constexpr std::uint32_t tolerated_clocks = 1000 * clocks_per_us;
   static constexpr std::int64_t one_e11 = 100'000'000'000;
 
+  static settings::LoopMode mode(const settings::Values& values) {
+    return static_cast<settings::LoopMode>(values.whole(settings::Id::loop));
+  }
   /// 65536 = 3.3 V.
   void measure(std::uint16_t level) { level_ = level; }
 
@@ -72,5 +79,18 @@ class TemperatureLoop {
   std::uint16_t level_ = 0;
   bool failed_ = false;
 };
+#else
+class TemperatureLoop {
+ public:
+  static constexpr bool exists = false;
+  static constexpr settings::LoopMode mode(const settings::Values&) {
+    return settings::LoopMode::off;
+  }
+  static void measure(std::uint16_t) {}
+  static constexpr bool failed() { return false; }
+  static void restart() {}
+  static constexpr std::uint32_t percent() { return 100; }
+};
+#endif
 
 }  // namespace lamplock::machine

@@ -14,12 +14,14 @@
 #include "firmware/boards/rp2040/registers/pads_bank0.hpp"
 #include "firmware/boards/rp2040/registers/resets.hpp"
 #include "shared/boards/this_board.hpp"
+#include "shared/settings_table.hpp"
 
 namespace lamplock::rp2040 {
 
 class Sensor {
  public:
   static constexpr bool exists = boards::has(boards::Role::sensor);
+  static_assert(!exists || LAMPLOCK_SENSOR_SETTINGS, "this core has no settings of a sensor");
 
   /// Starts the conversions. Before it the pad is an input of the map, with pull-down.
   [[gnu::cold]] static void start() {
