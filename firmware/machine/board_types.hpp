@@ -17,6 +17,7 @@ struct BoardFeatures {
   std::uint8_t first_map = 0;         ///< the first of its pin maps ($990) ...
   std::uint8_t maps = 0xff;           ///< ... and their number
   bool step_dir_only = false;         ///< no CW and CCW, no quadrature ($1051 to $1054)
+  bool enables_low = false;           ///< drives are enabled by low levels only ($4)
   bool triggers_lamp = true;          ///< otherwise it only follows a lamp ($900)
   int axes = max_axes;                ///< with outputs; jobs with more are refused
   std::uint8_t channels = 0xf;        ///< a bit for each beam channel with a shutter
@@ -35,7 +36,7 @@ struct BoardFeatures {
 };
 
 /// First setting whose value the board does not have: its pin map, pulses of an axis, a lamp to
-/// trigger, a sensor; Id::count if there is none.
+/// trigger, a sensor, the other polarity of enables; Id::count if there is none.
 [[gnu::cold]] constexpr settings::Id unfit_setting(const BoardFeatures& board,
                                                    const settings::Values& values) {
   using settings::Id;
@@ -44,6 +45,8 @@ struct BoardFeatures {
   for (int axis = 0; board.step_dir_only && axis < max_axes; ++axis)
     if (values.whole(Id::pulse_mode_x, axis) != 0)
       return settings::for_axis(Id::pulse_mode_x, axis);
+  // With the opposite the drives would be on whenever the machine has them off.
+  if (board.enables_low && values.milli(Id::enable_invert) != 0) return Id::enable_invert;
   if (!board.triggers_lamp &&
       values.whole(Id::lamp_mode) == static_cast<int>(settings::LampMode::master))
     return Id::lamp_mode;

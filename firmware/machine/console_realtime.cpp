@@ -80,7 +80,7 @@ void MachineConsole::on_realtime(std::uint8_t byte) {
       if (!machine_.framed() || (machine_.hold_reason() != HoldReason::host && host_lives()))
         handle(Event::resume);
       else if (!host_lives() && !machine_.running())
-        report_message("No host: 0x18 ends the job");
+        report_message("The host of the job is silent, '~' is ignored: 0x18 ends the job");
       break;
     case wire::byte_reset:
       link_.drop_input();

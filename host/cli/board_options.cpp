@@ -75,6 +75,16 @@ void add_drives(Command& app, run::SimulatedDrives& drives) {
       .group(drives_group);
 }
 
+void add_spot(Command& app, run::SimulatedSpot& spot) {
+  app.add_option("--spot", &spot.numbers,
+                 "SENSOR sees a spot that full power heats by K in the end, with a time constant; "
+                 "the sensor has its rise per volt and its volts in the cold")
+      .check(number_in({-1e6, 1e6, true}))
+      .count({run::SimulatedSpot::count, run::SimulatedSpot::count})
+      .value_name("K,S,K_V,V")
+      .group(drives_group);
+}
+
 void add_board_choice(Command& app, run::BoardOptions& options) {
   app.add_option("--board", &options.board,
                  "virtual: fast simulation; chip: cycle-accurate simulation of the flash image; "
@@ -218,6 +228,7 @@ void add_job_run(Command& app, run::BoardOptions& options) {
   add_plot(app, options.plot, board_group);
   add_lamp_faults(app, options.faults);
   add_drives(app, options.drives);
+  add_spot(app, options.spot);
 }
 
 }  // namespace lamplock::cli

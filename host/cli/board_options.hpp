@@ -11,6 +11,7 @@ namespace lamplock::cli {
 
 void add_lamp_faults(Command& app, run::LampFaults& faults);
 void add_drives(Command& app, run::SimulatedDrives& drives);
+void add_spot(Command& app, run::SimulatedSpot& spot);
 
 void add_board_choice(Command& app,
                       run::BoardOptions& options);  ///< --board, --image, --usb, --lines

@@ -176,7 +176,7 @@ void add_cut(Command& program) {
       .file(FileUse::write)
       .common();
   app.add_option("--page", &options->request.page,
-                 "Write a page (HTML) with the plan, its order over time and the time of each cut")
+                 "Write a page (HTML) that plays the plan over time and lists the time of each cut")
       .value_name("FILE.html")
       .check(file_name())
       .file(FileUse::write)

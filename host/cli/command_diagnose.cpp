@@ -87,7 +87,9 @@ void add_diagnose(Command& program) {
       .value_name("MM_S2")
       .show_default()
       .group("Drives");
-  app.add_option("--picture", &options->picture, "Write a picture (SVG) of paths and errors")
+  app.add_option("--picture", &options->picture,
+                 "Write a picture (SVG) of the programmed and the measured path, and of the errors "
+                 "of each axis over time")
       .check(file_name())
       .value_name("FILE")
       .file(FileUse::write);

@@ -175,7 +175,7 @@ void add_outputs(Command& app, JerkOptions& options) {
       .value_name("MS")
       .show_default();
   app.add_option("--learn", &options.learn,
-                 "Choose the law of each block by the errors of simulated drives")
+                 "Use for each block the law of the jerk with the smallest error on simulated drives")
       .common();
   app.add_option("--no-compare", &options.no_compare,
                  "Omit the table that compares the feed with the firmware's own plan");

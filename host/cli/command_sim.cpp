@@ -74,6 +74,7 @@ void add_sim(Command& program) {
   add_machine_overrides(app, options->machine);
   add_lamp_faults(app, options->faults);
   add_drives(app, options->drives);
+  add_spot(app, options->spot);
   app.action([options] { return simulate(*options); });
 }
 

@@ -17,7 +17,8 @@ void run_separate_program(const Command& command, const std::vector<std::string>
   const std::string where = "lamplock " + command.name();
   std::string file = run::file_of_program(name);
   if (file.empty())
-    throw Error(Exit::bad_input, where, fmt::format("there is no {} beside lamplock", name),
+    throw Error(Exit::bad_input, where,
+                fmt::format("there is no {} beside lamplock or in its ../share/lamplock", name),
                 fmt::format("build it with cmake --build build --target {}", name));
   std::vector<std::string> words(arguments);
   std::vector<char*> list{file.data()};

@@ -216,8 +216,10 @@ std::vector<Parameter> picture_parameters(Object& o) {
                             "Bitmaps: grey values below this become points",
                             "GREY",
                             {0, lightest_grey, true}}),
-      of(toned(), {"invert", "--invert", &o.invert,
-                   "Bitmaps: light instead of dark becomes points; meshes: dark instead of light"}),
+      of(toned(),
+         {"invert", "--invert", &o.invert,
+          "Bitmaps: light parts become points, not dark ones; meshes with --tone: more points in "
+          "dark parts"}),
       of({way_of_drawings, way_of_bitmaps},
          {"layers",
           "--layers",
@@ -371,8 +373,9 @@ std::vector<Parameter> parameters(OrderChoice& o) {
           "MM_MM", not_negative}),
       of(orders({"cone"}),
          {"cone_down", "--cone-down", &o.cone_down,
-          "Cone order: 1 mm downward reduces the cost of a point by this many mm sideways", "MM_MM",
-          not_negative}),
+          "Cone order: 1 mm downward counts as this many mm less sideways when the next point is "
+          "chosen",
+          "MM_MM", not_negative}),
       of(orders({"layers", "serpentine", "nearest"}),
          {"layer", "--order-layer", &o.layer_mm,
           "Layer thickness used to sort the points; default: layer distance of the points, 0.1 mm "

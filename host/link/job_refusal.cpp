@@ -34,12 +34,12 @@ void throw_refusal(const wire::Refused& refused, const RefusalPlace& at) {
       if (at.status.session != 0 && at.status.session != at.session)
         throw Error(
             Exit::job_failed, where,
-            fmt::format("holds an unfinished job of another program (session {:08x}, {} {} is the "
-                        "first not done)",
+            fmt::format("holds an unfinished job of another run or program (session {:08x}, {} {} "
+                        "is the first not done)",
                         at.status.session, at.item, at.status.first_unfired),
             fmt::format(
-                "finish it there, continue it with --resume and its own job, or discard it: "
-                "lamplock send JOB --discard{}",
+                "finish it there, continue it with --resume and its own job, or replace it: "
+                "lamplock send FILE --discard{}",
                 board_option(at.board)) +
                 then);
       if (at.status.state == wire::MachineState::hold)

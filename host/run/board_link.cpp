@@ -16,6 +16,7 @@ BoardLink::BoardLink(const BoardOptions& options, const settings::Values& stored
     world.lamp = options.faults.lamp(stored);
     world.drives = options.drives.drives(stored);
     world.switches = sim::limits_of(stored);
+    world.heat = options.spot.heat(stored);
     simulated_ = make_board(options.board, options.image, stored, world, options.usb_function());
     transport_ = std::make_unique<link::SimulatedTransport>(*simulated_.board);
   }

@@ -15,6 +15,7 @@
 #include "host/run/board_names.hpp"
 #include "host/run/report_folder.hpp"
 #include "host/run/simulated_boards.hpp"
+#include "host/units.hpp"
 #include "sim/world/drive_settings.hpp"
 #include "sim/world/lamp_settings.hpp"
 
@@ -50,6 +51,22 @@ sim::DriveConfig SimulatedDrives::drives(const settings::Values& values) const {
   sim::DriveConfig config = sim::drives_of(values);
   std::copy(lag_us.begin(), lag_us.end(), config.lag_us.begin());
   return config;
+}
+
+std::optional<sim::HeatConfig> SimulatedSpot::heat(const settings::Values& values) const {
+  if (!any()) return std::nullopt;
+  const sim::HeatConfig config{.gain_k = numbers[0],
+                               .time_constant_s = numbers[1],
+                               .volts_at_rest = numbers[3],
+                               .kelvin_per_volt = numbers[2],
+                               .steps_per_mm = in_units(values, settings::Id::steps_per_mm_x)};
+  const bool is_volts =
+      config.volts_at_rest >= 0 && config.volts_at_rest <= sim::HeatSensor::reference_volts;
+  if (config.gain_k > 0 && config.time_constant_s > 0 && config.kelvin_per_volt != 0 && is_volts)
+    return config;
+  throw Error(Exit::bad_input, "--spot", "these numbers describe no spot and no sensor",
+              "give its rise at full power and its time constant, above 0, the rise per volt, not "
+              "0, and 0 to 3.3 V: --spot 500,0.05,200,0.5");
 }
 
 gpio::LineTable BoardOptions::line_table() const {
@@ -99,11 +116,12 @@ void BoardOptions::check_timing() const {
 }
 
 void BoardOptions::check_simulated_only() const {
-  const std::array<std::pair<const char*, bool>, 4> of_simulation{
+  const std::array<std::pair<const char*, bool>, 5> of_simulation{
       {{"--vcd", !vcd.empty()},
        {"--shots", !shots.empty()},
        {"--jitter, --wander, --dropouts, --runts", faults.any()},
-       {"--drive-lag", drives.any()}}};
+       {"--drive-lag", drives.any()},
+       {"--spot", spot.any()}}};
   for (const auto& [option, is_given] : of_simulation)
     if (is_given && !is_simulated())
       throw Error(Exit::bad_input, option, "works on simulated boards only",

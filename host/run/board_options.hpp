@@ -19,6 +19,7 @@
 #include "shared/settings_table.hpp"
 #include "sim/chip/usb_host/usb_function.hpp"
 #include "sim/world/drives.hpp"
+#include "sim/world/heat_sensor.hpp"
 #include "sim/world/lamp.hpp"
 
 namespace lamplock::run {
@@ -43,6 +44,18 @@ struct SimulatedDrives {
   sim::DriveConfig drives(const settings::Values& values) const;
 };
 
+/// A spot that the laser of a simulated board heats, and the sensor at SENSOR that sees it.
+struct SimulatedSpot {
+  static constexpr std::size_t count = 4;
+  /// Rise at full power [K], time constant [s], rise per volt [K/V], volts in the cold. Empty: no
+  /// sensor.
+  std::vector<double> numbers{};
+
+  bool any() const { return !numbers.empty(); }
+  /// Throws Error(bad_input) for numbers without a meaning.
+  std::optional<sim::HeatConfig> heat(const settings::Values& values) const;
+};
+
 /// Environment variable that names the file of --lines for every command.
 inline constexpr const char* lines_variable = "LAMPLOCK_LINES";
 
@@ -61,6 +74,7 @@ struct BoardOptions {
   PlotOptions plot{};
   LampFaults faults{};
   SimulatedDrives drives{};
+  SimulatedSpot spot{};
   /// Opens the board, in place of its name; for a program that has it open already. Such a board is
   /// a real one for the use cases, also if it is simulated: its time passes as the wall clock's.
   std::function<std::unique_ptr<link::Transport>()> opener{};

@@ -30,8 +30,7 @@ std::vector<Change> parse_changes(const std::vector<std::string>& texts) {
     wanted.push_back(link::parse_change(text, text));
     for (std::size_t i = 0; i + 1 < wanted.size(); ++i)
       if (wanted[i].number == wanted.back().number)
-        throw Error(Exit::bad_input, text, "the setting is given a second time",
-                    "keep one of the two");
+        throw Error(Exit::bad_input, text, "the setting is given twice", "keep one of the two");
   }
   return wanted;
 }

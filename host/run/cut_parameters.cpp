@@ -152,8 +152,9 @@ std::vector<Parameter> lead_parameters(const LeadChoice& lead) {
 
 std::vector<Parameter> end_parameters(OperationChoice& o) {
   return {
-      {"overcut", "--overcut", &o.overcut_mm, "Closed contours are cut beyond their begin by this",
-       "MM", glass::not_negative},
+      {"overcut", "--overcut", &o.overcut_mm,
+       "Closed contours are cut past their start point by this distance", "MM",
+       glass::not_negative},
       {"tabs",
        "--tabs",
        &o.tabs,
@@ -252,7 +253,8 @@ std::vector<Parameter> parameters(CutMachineChoice& m) {
        "N",
        {2, 10'000, true}},
       {"clearance", "--clearance", &m.clearance_mm,
-       "Tools: height of rapids above the surface; lathes: distance from the contours; default: 5",
+       "Mills, knives: height of rapids above the surface; lathes: distance from the contours; "
+       "default: 5",
        "MM", glass::positive},
       {"ramp_angle",
        "--ramp-angle",

@@ -103,9 +103,17 @@ void ProgramControl::end_machine(bool is_ended) {
   if (!is_ended) sender_.break_off();
 }
 
+/// Only the pauses of the program itself are continued: a machine that holds for a fault would hold
+/// again, or go on with the fault.
 void ProgramControl::take_end_of_input() {
-  note("no terminal input: continuing");
-  resume();
+  if (sender_.at_pause() || sender_.status().is("Tool")) {
+    note("no terminal input: continuing");
+    return resume();
+  }
+  note("no terminal input to resume the program");
+  stopping_ = true;
+  note("stopping");
+  sender_.stop();
 }
 
 void ProgramControl::take_word(const std::string& word) {

@@ -286,6 +286,7 @@ JobOutcome run_simulated(const PreparedJob& prepared, const BoardOptions& option
   sim::WorldConfig world;
   world.lamp = options.faults.lamp(machine);
   world.drives = options.drives.drives(machine);
+  world.heat = options.spot.heat(machine);
   const SimulatedBoard made =
       make_board(options.board, options.image, machine, world, options.usb_function());
   sim::Board& board = *made.board;

@@ -76,8 +76,7 @@ std::vector<link::Change> from_lines(const std::filesystem::path& file) {
     const link::Change change = link::parse_change(line, where);
     for (const link::Change& before : changes)
       if (before.number == change.number)
-        throw Error(Exit::bad_input, where, "the setting is given a second time",
-                    "keep one of the two");
+        throw Error(Exit::bad_input, where, "the setting is given twice", "keep one of the two");
     changes.push_back(change);
   }
   return changes;

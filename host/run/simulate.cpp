@@ -121,6 +121,7 @@ Simulated simulate(const SimOptions& options, Frontend& frontend) {
   world.lamp = options.faults.lamp(values);
   world.drives = options.drives.drives(values);
   world.switches = sim::limits_of(values);
+  world.heat = options.spot.heat(values);
   Ports ports(options);
   const SimulatedBoard made = make_board(options.board, options.image, values, world);
   sim::Board& board = *made.board;

@@ -22,6 +22,7 @@ struct SimOptions {
   std::optional<double> seconds;
   MachineOptions machine;
   LampFaults faults;
+  SimulatedSpot spot{};
   SimulatedDrives drives;
 };
 

@@ -1,11 +1,14 @@
 #include "host/run/simulated_boards.hpp"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/run/image_path.hpp"
 #include "host/run/simulator_error.hpp"
+#include "shared/boards/all_boards.hpp"
 #include "sim/chip_board/board_timing.hpp"
 #include "sim/virtual_board/virtual_board.hpp"
 
@@ -51,8 +54,11 @@ SimulatedBoard make_board(const std::string& name, const std::string& image,
     made.board = std::make_unique<sim::VirtualBoard>(stored, world);
     return made;
   }
-  made.image = std::make_unique<sim::chip::Image>(
-      read_image(image_file(image, stored.whole(settings::Id::pin_map))));
+  const int pin_map = stored.whole(settings::Id::pin_map);
+  if (boards::find_board(static_cast<boards::PinMap>(pin_map)) == nullptr)
+    throw Error(Exit::bad_input, "pin_map", fmt::format("no board has pin map {}", pin_map),
+                "give one of docs/boards, or the virtual board");
+  made.image = std::make_unique<sim::chip::Image>(read_image(image_file(image, pin_map)));
   std::unique_ptr<sim::ChipBoard> board;
   try {
     board = std::make_unique<sim::ChipBoard>(*made.image, stored, world);

@@ -193,6 +193,10 @@ constexpr std::uint32_t enable_pins(const BoardRow& row) {
   return pins_of(row, Role::drives_enable, Role::drives_enable_2, Role::drives_enable_3,
                  Role::drives_enable_4);
 }
+/// The board knows that low levels enable its drives: they are on it, or it pulls their enable up.
+constexpr bool enables_low(const BoardRow& row) {
+  return row.drives || (row.pulled_up & enable_pins(row)) != 0;
+}
 
 /// Outputs that programs may switch.
 constexpr std::uint8_t program_outputs(Pins pins) { return find_gpio(pins, Role::aux_out) ? 1 : 0; }

@@ -115,7 +115,9 @@ settings::Values ChipBoard::stored_settings() {
 }
 
 void ChipBoard::connect_pads(const settings::Values& stored, const DriveConfig& drives) {
-  const bool enabled_high = stored.whole(settings::Id::enable_invert) != 0;
+  // Drives on the board have a polarity of their own.
+  const bool enabled_high = !boards::find_board(map_)->drives &&
+                            stored.whole(settings::Id::enable_invert) != 0;
   for (const Wire& wire : output_wires)
     if (const auto gpio = boards::find_gpio(map_, wire.role))
       outputs_[*gpio] = Pad{wire.pin, wire.inverted && !enabled_high};
@@ -143,7 +145,7 @@ void ChipBoard::connect_pads(const settings::Values& stored, const DriveConfig& 
 void ChipBoard::connect_resistors(const settings::Values& stored) {
   const boards::Pins pins = boards::pins(map_);
   std::uint32_t pulled_up = boards::find_board(map_)->pulled_up;
-  if (stored.whole(settings::Id::enable_invert) == 0)
+  if (boards::find_board(map_)->drives || stored.whole(settings::Id::enable_invert) == 0)
     pulled_up |= enables_ | boards::pin_of(pins, Role::z_enable);
   // Switches are stronger.
   for (const boards::PinUse& use : pins)

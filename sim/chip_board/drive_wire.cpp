@@ -40,7 +40,7 @@ void DriveWire::take(std::optional<std::uint32_t> character, Picoseconds at) {
   if (reply_.empty()) return;
   replies_ = true;
   // From the end of the stop bit, whose middle is now.
-  frame_end_ = at + bit / 2 + TmcWire::reply_delay_bits * bit;
+  frame_end_ = at + bit / 2 + drives_.reply_delay_bits() * bit;
   next_edge_ = frame_end_;
 }
 

@@ -109,6 +109,17 @@ std::vector<std::uint8_t> TmcWire::receive(std::uint8_t byte, Picoseconds at, Pi
   return reply;
 }
 
+bool TmcWire::is_shared_rightly() const {
+  constexpr std::uint32_t min_delay = 2;
+  unsigned powered = 0, early = 0;
+  for (const Tmc2209& drive : drives) {
+    if (!drive.is_powered()) continue;
+    ++powered;
+    if (field(drive.written(Tmc2209::nodeconf), 8, 4) < min_delay) ++early;
+  }
+  return powered < 2 || early == 0;
+}
+
 /// Obeys a complete datagram.
 std::vector<std::uint8_t> TmcWire::take() {
   const std::span<const std::uint8_t> all(datagram_);
@@ -126,6 +137,10 @@ std::vector<std::uint8_t> TmcWire::take() {
     for (int shift = 24; shift >= 0; shift -= 8)
       reply.push_back(static_cast<std::uint8_t>(value >> shift));
     reply.push_back(tmc_crc(reply));
+    if (!is_shared_rightly()) reply[reply.size() / 2] ^= 0xff;
+    // 8 bits, or 24 for SENDDELAY 2 and 3, 40 for 4 and 5, and so on.
+    reply_delay_bits_ =
+        static_cast<int>(8 * (field(drive.written(Tmc2209::nodeconf), 8, 4) / 2 * 2 + 1));
     return reply;
   }
   return {};

@@ -8,7 +8,8 @@
 // A datagram is "05 address register|80 data crc" (write) or "05 address register crc" (read), the
 // reply to the latter "05 FF register data crc"; data are 32 bits, the upper byte first. A drive
 // ignores datagrams with a wrong CRC, and those for other addresses. The wire is one: what is sent
-// on it comes back to the sender.
+// on it comes back to the sender. While one of several drives has SENDDELAY 0 or 1, which is not
+// allowed then (5.1), replies are damaged.
 #pragma once
 
 #include <array>
@@ -28,7 +29,7 @@ class Tmc2209 {
  public:
   /// Registers that are more than memory here (5.1 to 5.5).
   static constexpr std::uint8_t gconf = 0x00, gstat = 0x01, ifcnt = 0x02, ioin = 0x06,
-                                ihold_irun = 0x10, vactual = 0x22, chopconf = 0x6c,
+                                nodeconf = 0x03, ihold_irun = 0x10, vactual = 0x22, chopconf = 0x6c,
                                 drv_status = 0x6f, pwmconf = 0x70;
   /// GSTAT: the registers have been reset; the drive is off because of heat or a short.
   static constexpr std::uint32_t gstat_reset = 1, gstat_drv_err = 2;
@@ -75,8 +76,8 @@ class TmcWire {
   /// A byte has been received by the drives without an error of its frame. Bytes of replies, if
   /// this one completes a request; they begin `reply_delay_bits` later.
   std::vector<std::uint8_t> receive(std::uint8_t byte, Picoseconds at, Picoseconds bit);
-  /// SENDDELAY as after a reset (5.1).
-  static constexpr int reply_delay_bits = 8;
+  /// Delay of the last reply, by SENDDELAY of its drive (5.1).
+  int reply_delay_bits() const { return reply_delay_bits_; }
 
   std::vector<Tmc2209> drives;
 
@@ -86,6 +87,9 @@ class TmcWire {
 
   std::vector<std::uint8_t> take();
 
+  bool is_shared_rightly() const;
+
+  int reply_delay_bits_ = 8;
   std::vector<std::uint8_t> datagram_;
   Picoseconds last_ = 0;
 };

@@ -242,7 +242,7 @@ TEST(Gantry, WithoutASecondMotorItReportsThat) {
   std::array<std::uint8_t, 512> bytes{};
   const std::size_t n = controller.transmit(bytes);
   EXPECT_THAT(std::string(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)),
-              HasSubstr("[MSG:No second motor: $966 needs a board with outputs for A]"));
+              HasSubstr("[MSG:No second motor: $966 is ignored, it needs a board with outputs for A]"));
   EXPECT_FALSE(controller.runner().generator().kinematics().coupled());
 }
 

@@ -39,6 +39,7 @@ struct DriveBench : Bench {
 TEST(DrivesOnTheBoard, AreSetUpAndThenEnabledTogether) {
   DriveBench bench;
   for (const sim::Tmc2209& drive : bench.drives()) {
+    EXPECT_EQ(drive.written(sim::Tmc2209::nodeconf), 2u << 8) << "replies on a wire of several";
     EXPECT_EQ(drive.microsteps(), 16u);
     EXPECT_NEAR(drive.current_ma(boards::skr_pico.drives->sense_mohm), 490, 1);
   }
@@ -51,6 +52,19 @@ TEST(DrivesOnTheBoard, AreSetUpAndThenEnabledTogether) {
   EXPECT_NEAR(bench.drives()[2].current_ma(boards::skr_pico.drives->sense_mohm), 796, 30);
   EXPECT_EQ(bench.drives()[1].microsteps(), 64u);
   EXPECT_EQ(bench.enables_high(), 0u);
+}
+
+/// Their enable is active low on the board, whatever the settings of another firmware say.
+TEST(DrivesOnTheBoard, AreNotEnabledByTheOtherPolarity) {
+  job::Profile inverted = profile_of(boards::skr_pico, false);
+  inverted.settings.set_milli(Id::enable_invert, 1000);
+  DriveBench bench(inverted);
+  bench.start();
+  EXPECT_THAT(bench.rig.answer("$4=1"), HasSubstr("error:"));
+  EXPECT_THAT(bench.rig.answer("$$"), HasSubstr("$4=0\r\n"));
+  bench.rig.press(sim::Pin::estop, bench.rig.now() + ps_per_ms, bench.rig.now() + 60 * ps_per_ms);
+  bench.rig.run(30 * ps_per_ms);
+  EXPECT_EQ(bench.enables_high(), bench.enables());
 }
 
 TEST(DrivesOnTheBoard, StayOffWithoutTheirSupply) {

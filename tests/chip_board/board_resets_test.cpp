@@ -1,6 +1,8 @@
 // Each image on each wiring through every way in which a chip starts or stops: no pad that can
 // release energy is ever high, and no two outputs drive one wire. Where the wiring contradicts the
 // image no pad is driven.
+#include <fmt/format.h>
+
 #include "tests/chip_board/board_bench.hpp"
 
 namespace lamplock::test::board_resets_test {
@@ -170,6 +172,26 @@ TEST_P(EachBoard, DrivesNothingOnTheWiringOfAnother) {
       EXPECT_THAT(rig.status(), HasSubstr("Alarm"));
     }
     EXPECT_THAT(contentions(rig), IsEmpty());
+  }
+}
+
+/// The pin of its e-stop is that of a sensor on the other board, with its pull-down, which is low
+/// as a closed contact is.
+TEST_P(EachBoard, DrivesNothingWhereItsEStopIsTheSensorOfAnother) {
+  for (const BoardRow* other : boards::all_boards) {
+    const auto sensor = boards::find_gpio(other->maps[0].pins, Role::sensor);
+    if (!sensor || sensor != boards::find_gpio(row().maps[0].pins, Role::estop)) continue;
+    for (const double volts : {0.36, 0.55, 1.5}) {
+      SCOPED_TRACE(testing::Message() << other->name << ", " << volts << " V");
+      Bench bench(row(), *other, ChipRig::Power::off);
+      sim::chip::Chip& chip = bench.rig.board.chip();
+      chip.gpio().set_external(*sensor, sim::chip::External::low, chip.wheel().now());
+      chip.system().adc.set_input(*sensor - boards::first_analog_gpio, volts);
+      bench.rig.boot();
+      EXPECT_THAT(bench.rig.heard, HasSubstr(fmt::format("Outputs off: GPIO {} ", *sensor)));
+      EXPECT_THAT(bench.rig.status(), HasSubstr("Alarm"));
+      EXPECT_TRUE(is_silent(bench.rig, *other));
+    }
   }
 }
 

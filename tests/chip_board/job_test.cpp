@@ -25,6 +25,23 @@ TEST(ChipJob, TheQSwitchIsNeverLaterThanItsSetDelay) {
   }
 }
 
+/// $903, at the pad.
+TEST(ChipJob, TheQSwitchPulseHasItsSetWidth) {
+  for (const double width_us : {1.0, 123.4, 1000.0}) {
+    job::Profile profile = chip_profile(200);
+    job::state_setting(profile, Id::q_switch_width, width_us, "test");
+    ChipRig rig(profile);
+    const job::Job job = job::make_job(chip_points(10, 6), profile, {});
+    RunningJob running(rig, job, 1);
+    ASSERT_EQ(running.finish(), JobEnd::done);
+    ASSERT_EQ(rig.monitor.fires().size(), job.targets.size());
+    rig.run(2 * ps_per_ms);  // the last pulse ends
+    constexpr double two_clocks_us = 0.016 + 1e-6;
+    for (const PinMonitor::Fire& fire : rig.monitor.fires())
+      EXPECT_NEAR(static_cast<double>(fire.fall - fire.rise) / ps_per_us, width_us, two_clocks_us);
+  }
+}
+
 struct Run {
   double lamp_hz, accel_m_s2, delay_us;
 };

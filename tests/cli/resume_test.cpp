@@ -89,8 +89,8 @@ TEST_F(Resumed, OrDiscardedForAnotherCommand) {
   const std::vector<std::string> frame{"frame", list_, "--board", port};
   const Finished refused = run(frame);
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("continue it with --resume and its own job, or discard it: "
-                                     "lamplock send JOB --discard --board " +
+  EXPECT_THAT(refused.err, HasSubstr("continue it with --resume and its own job, or replace it: "
+                                     "lamplock send FILE --discard --board " +
                                      port));
   const std::string other = folder_.write("other.xyz", xyz(walk(20, 4, 0.05)));
   EXPECT_EQ(run({"engrave", other, "--lamp", "200", "--board", port, "--yes", "--discard"}).status,

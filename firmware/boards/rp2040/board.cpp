@@ -39,6 +39,7 @@ machine::BoardFeatures features_of(boards::Pins map) {
     .first_map = static_cast<std::uint8_t>(boards::this_board.first_map),
     .maps = static_cast<std::uint8_t>(boards::this_board.maps.size()),
     .step_dir_only = !boards::has_paired_axes(boards::this_board),
+    .enables_low = boards::enables_low(boards::this_board),
     .triggers_lamp = boards::has(boards::Role::lamp_trigger), .axes = boards::axes(map),
     .channels = boards::channels(map), .inputs = Inputs(map).all(),
     .outputs = boards::program_outputs(map), .second_wire = boards::axes_of_z_enable(map),

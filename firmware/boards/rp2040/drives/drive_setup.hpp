@@ -5,6 +5,8 @@
 // Who: the board's main loop, service() once a round, which never waits. `Uart` is DriveUart
 //      (drive_uart.hpp) or a test's.
 //
+// First every drive on the wire gets its delay of replies, without a question: until all have it
+// none may answer (tmc2209.hpp, nodeconf).
 // Set-up, axis by axis: read IFCNT; write the registers; read back those that can be read; IFCNT
 // must have counted every write, for those that cannot; GSTAT must not have seen a reset. When all
 // axes are set up, GSTAT and IFCNT of every axis are read once more. Only then may the drives be
@@ -81,7 +83,15 @@ class DriveSetup {
 
  private:
   enum class Fault : std::uint8_t { none, silent, damaged, not_taken, reset, heat, shorted };
-  enum class Step : std::uint8_t { count_before, write, read_back, count_after, look, status };
+  enum class Step : std::uint8_t {
+    delay,
+    count_before,
+    write,
+    read_back,
+    count_after,
+    look,
+    status
+  };
 
   static constexpr int max_axes = 4;
   static constexpr unsigned max_repeats = 2;
@@ -95,7 +105,7 @@ class DriveSetup {
     is_set_up_ = is_checking_ = exchanging_ = false;
     axis_ = 0;
     failures_ = 0;
-    begin_axis();
+    step_ = Step::delay;
     wake_us_ = now_us;
   }
   void begin_axis() {
@@ -103,7 +113,8 @@ class DriveSetup {
     place_ = 0;
   }
   void repeat() {
-    if (state_ == State::watching) return;  // the same question again
+    // The same question again.
+    if (state_ == State::watching || step_ == Step::delay) return;
     if (is_checking_) {
       step_ = Step::look;
       return;
@@ -115,6 +126,8 @@ class DriveSetup {
   std::uint8_t address() const { return row_.addresses[static_cast<std::size_t>(axis_)]; }
   std::uint8_t asked_register() const {
     switch (step_) {
+      case Step::delay:
+        return tmc::nodeconf;
       case Step::count_before:
       case Step::count_after:
         return tmc::ifcnt;
@@ -128,7 +141,7 @@ class DriveSetup {
   }
   void ask(std::uint32_t now_us) {
     const std::uint8_t reg = asked_register();
-    const bool writes = step_ == Step::write;
+    const bool writes = is_writing();
     sent_ = static_cast<std::uint8_t>(writes ? tmc::full_bytes : tmc::request_bytes);
     out_ = writes ? tmc::write_datagram(address(), reg, value_of(reg))
                   : tmc::read_datagram(address(), reg);
@@ -143,9 +156,8 @@ class DriveSetup {
   std::uint32_t value_of(std::uint8_t reg) const {
     return tmc::value_of(reg, configs_[axis_], row_.sense_mohm);
   }
-  unsigned wanted_bytes() const {
-    return step_ == Step::write ? sent_ : sent_ + unsigned{tmc::full_bytes};
-  }
+  bool is_writing() const { return step_ == Step::write || step_ == Step::delay; }
+  unsigned wanted_bytes() const { return is_writing() ? sent_ : sent_ + unsigned{tmc::full_bytes}; }
   /// Takes bytes; true if all have come, or none will.
   bool complete(std::uint32_t now_us) {
     const unsigned wanted = wanted_bytes();
@@ -161,13 +173,19 @@ class DriveSetup {
   }
   bool is_undamaged() const {
     return count_ == wanted_bytes() && is_echo_ &&
-           (step_ == Step::write || tmc::is_reply(in_, asked_register()));
+           (is_writing() || tmc::is_reply(in_, asked_register()));
   }
 
   // What follows from its answer.
   void advance(std::uint32_t now_us) {
-    const std::uint32_t value = step_ == Step::write ? 0 : tmc::data_of(in_);
+    const std::uint32_t value = is_writing() ? 0 : tmc::data_of(in_);
     switch (step_) {
+      case Step::delay:
+        failures_ = 0;
+        if (++axis_ < max_axes) break;
+        axis_ = 0;
+        begin_axis();
+        break;
       case Step::count_before:
         counts_[axis_] = static_cast<std::uint8_t>(value);
         step_ = Step::write;

@@ -15,9 +15,10 @@
 
 namespace lamplock::rp2040::tmc {
 
-inline constexpr std::uint8_t gconf = 0x00, gstat = 0x01, ifcnt = 0x02, ihold_irun = 0x10,
-                              tpowerdown = 0x11, tpwmthrs = 0x13, tcoolthrs = 0x14, vactual = 0x22,
-                              coolconf = 0x42, chopconf = 0x6c, drv_status = 0x6f, pwmconf = 0x70;
+inline constexpr std::uint8_t gconf = 0x00, gstat = 0x01, ifcnt = 0x02, nodeconf = 0x03,
+                              ihold_irun = 0x10, tpowerdown = 0x11, tpwmthrs = 0x13,
+                              tcoolthrs = 0x14, vactual = 0x22, coolconf = 0x42, chopconf = 0x6c,
+                              drv_status = 0x6f, pwmconf = 0x70;
 inline constexpr std::uint32_t gstat_reset = 1, gstat_drv_err = 2, gstat_all = 7;
 /// DRV_STATUS: warning of heat; too hot; shorts to ground and to the supply.
 inline constexpr std::uint32_t warm = 1, too_hot = 2, shorts = 0x3c;
@@ -60,9 +61,9 @@ constexpr std::uint32_t data_of(const Datagram& d) {
 }
 
 /// Registers that the set-up writes, in this order.
-inline constexpr std::array<std::uint8_t, 10> written{gstat,    gconf,     ihold_irun, tpowerdown,
-                                                      tpwmthrs, tcoolthrs, vactual,    coolconf,
-                                                      chopconf, pwmconf};
+inline constexpr std::array<std::uint8_t, 11> written{gstat,      nodeconf, gconf,     ihold_irun,
+                                                      tpowerdown, tpwmthrs, tcoolthrs, vactual,
+                                                      coolconf,   chopconf, pwmconf};
 
 /// Values for an axis.
 struct Config {
@@ -107,6 +108,10 @@ struct Scale {
   switch (reg) {
     case gstat:
       return gstat_all;  // a one clears
+    case nodeconf:
+      // SENDDELAY 2: replies begin 3 x 8 bits after the request. The 8 bits that it is after a
+      // reset are not allowed where drives share the wire (5.1).
+      return 2u << 8;
     case gconf:
       // pdn_disable, mstep_reg_select, multistep_filt; the current is that of the register.
       return 1u << 6 | 1u << 7 | 1u << 8 | (config.spread_cycle ? 1u << 2 : 0);

@@ -21,6 +21,7 @@ inline AdcRegisters& adc() { return *reinterpret_cast<AdcRegisters*>(0x4004c000)
 
 namespace adc_cs {
 inline constexpr std::uint32_t enable = 1u << 0;
+inline constexpr std::uint32_t start_once = 1u << 2;
 inline constexpr std::uint32_t start_many = 1u << 3;
 inline constexpr std::uint32_t ready = 1u << 8;
 constexpr std::uint32_t input(std::uint32_t number) { return number << 12; }

@@ -10,7 +10,8 @@
 //   the
 //     UART, and active-low pins of drives, which have one too;
 //   - LAMP SYNC active for longer than a pulse of a lamp lasts;
-//   - an input behind a buffer of the board that follows the pull of its own pad.
+//   - an input behind a buffer of the board that follows the pull of its own pad;
+//   - an e-stop at a pin of the ADC that is neither closed nor open: a sensor, or its pull-down.
 // A wire that is low for another reason is not found. Where a contradiction is found, no pad is
 // driven until the next start.
 #pragma once
@@ -18,7 +19,10 @@
 #include <bit>
 #include <cstdint>
 
+#include "firmware/boards/rp2040/registers/adc.hpp"
+#include "firmware/boards/rp2040/registers/clocks.hpp"
 #include "firmware/boards/rp2040/registers/pads_bank0.hpp"
+#include "firmware/boards/rp2040/registers/resets.hpp"
 #include "firmware/boards/rp2040/registers/sio.hpp"
 #include "firmware/boards/rp2040/registers/timer.hpp"
 #include "firmware/stepper/pulse_output.hpp"
@@ -36,6 +40,7 @@ class BoardCheck {
       return std::countr_zero(high);
     if (sync_stays_active()) return boards::gpio(boards::Role::lamp_sync);
     if (const std::uint32_t loose = undriven(); loose != 0) return std::countr_zero(loose);
+    if (estop_is_a_sensor()) return boards::gpio(boards::Role::estop);
     return none;
   }
   /// Overrides all peripherals: no pad is driven (PADS_BANK0, OD).
@@ -73,6 +78,30 @@ class BoardCheck {
     while ((sio().gpio_in & pin) == active)
       if (timer().timerawl - begun_us > max_sync_us) return true;
     return false;
+  }
+  /// A contact pulled up by the pad, at 50 to 80 kOhm (datasheet, 5.5.3.4), is at 0 or 3.3 V. The
+  /// pull-down of a sensor, 10 kOhm, makes 0.36 to 0.55 V of it, and a sensor drives what it has.
+  [[gnu::cold]] static bool estop_is_a_sensor() {
+    constexpr unsigned gpio = boards::gpio(boards::Role::estop);
+    if constexpr (gpio >= boards::first_analog_gpio) {
+      constexpr std::uint32_t full_scale_mv = 3300, max_closed_mv = 150, min_open_mv = 2500;
+      clocks().adc.ctrl = clock_field::adc_aux_pll_usb | clock_field::enable;
+      release_reset(reset_bit::adc);
+      pull(1u << gpio, pad::pull_up);
+      adc().cs = adc_cs::enable | adc_cs::input(gpio - boards::first_analog_gpio);
+      wait_for_adc();
+      adc().cs = adc().cs | adc_cs::start_once;
+      wait_for_adc();
+      const std::uint32_t mv = adc().result * full_scale_mv >> 12;
+      adc().cs = 0;
+      pull(1u << gpio, pad::pull_down);
+      return mv > max_closed_mv && mv < min_open_mv;
+    }
+    return false;
+  }
+  static void wait_for_adc() {
+    while ((adc().cs & adc_cs::ready) == 0) {
+    }
   }
   static void pull(std::uint32_t pins, std::uint32_t how) {
     for (; pins != 0; pins &= pins - 1)
