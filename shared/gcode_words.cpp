@@ -101,6 +101,12 @@ GcodeError whole(const Word& word, std::uint32_t& number) {
 }
 
 void WordReader::skip_comment() {
+  std::size_t text = place_ + std::size_t{1};
+  while (text < line_.size() && (line_[text] == ' ' || line_[text] == '\t')) ++text;
+  if (text < line_.size()) {
+    const char first = static_cast<char>(line_[text] | 0x20);  // in lower case
+    has_message_ = has_message_ || first == 'm' || first == 'd' || first == 'p';
+  }
   while (place_ < line_.size() && line_[place_] != ')') ++place_;
 }
 

@@ -71,6 +71,8 @@ class WordReader {
   /// A number without a letter; false if there is none.
   bool number(Word& word) { return read_number(word); }
   std::uint16_t place() const { return place_; }
+  /// A comment was skipped that may be a message: its text begins with M, D or P.
+  bool has_message() const { return has_message_; }
   void go_to(std::uint16_t place) { place_ = place; }
 
  private:
@@ -80,6 +82,7 @@ class WordReader {
 
   std::string_view line_;
   std::uint16_t place_ = 0;
+  bool has_message_ = false;
 };
 
 }  // namespace lamplock::program

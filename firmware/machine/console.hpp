@@ -59,7 +59,7 @@ class MachineConsole : public MachineWork {
   bool finish_line();
   [[gnu::cold]] void leave_work_space();
   [[gnu::cold]] void report_end();
-  [[gnu::cold]] void name_ignored_words();
+  [[gnu::cold]] void report_about(std::string_view line);
   void begin_line(std::string_view line);
   void stop_after(GcodeError error);
   GcodeError keep_start_up_line(std::string_view line);

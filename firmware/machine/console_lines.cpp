@@ -172,7 +172,7 @@ void MachineConsole::report_end() {
   const GcodeError error = starts_up             ? keep_start_up_line(line)
                            : line.front() == '$' ? begin_jog(line.substr(3))
                                                  : begin_program_line(line);
-  if (reader_.has_ignored()) name_ignored_words();
+  if (reader_.has_ignored()) report_about(line);
   if (error == GcodeError::none && reader_.line_open()) {
     finish_line();
     return;
@@ -181,9 +181,12 @@ void MachineConsole::report_end() {
   if (line.front() != '$') stop_after(error);
 }
 
-/// Each word once in a program.
-void MachineConsole::name_ignored_words() {
+/// Messages of the line; words without effect, each once in a program.
+void MachineConsole::report_about(std::string_view line) {
   const unsigned words = reader_.take_ignored();
+  if ((words & program::message_bit) != 0)
+    for (TextLine text; reader_.take_message(line, text); text = {}) report_message(text.view());
+  if ((words & ~unsigned{program::message_bit}) == 0) return;
   TextLine text;
   text.add("No effect:");
   for (std::size_t i = 0; i < std::size(program::ignored_words); ++i)

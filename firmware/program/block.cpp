@@ -48,6 +48,7 @@ constexpr Code g_codes[] = {
     Code{490, Group::tool_length},
     Code{530, Group::once},
     Code{540, Group::system},
+    Code{541, Group::system},
     Code{550, Group::system},
     Code{560, Group::system},
     Code{570, Group::system},
@@ -152,6 +153,7 @@ constexpr bool may_jog(const Code& code) {
       if (const Fault other = read_other(line, fault, word, reader, expressions)) return other;
       if (word.letter == 0) continue;
     } else if (word.letter == 0) {
+      if (reader.has_message()) ignored_ |= message_bit;
       return ignored_ == 0 ? Fault{} : check_ignored();
     }
     if (const Fault fault = add(word, axes, jog)) {

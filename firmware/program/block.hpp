@@ -51,6 +51,9 @@ enum class Group : std::uint8_t {
 /// command that needs them among them. Each is accepted and reported once.
 enum class Ignored : std::uint8_t { program_number, d, h, g15, g50, g97, m117, count };
 inline constexpr std::string_view ignored_words[] = {"O", "D", "H", "G15", "G50", "G97", "M117"};
+/// Beside the bits of Ignored: the line has a comment that may be a message (message.hpp).
+inline constexpr std::uint8_t message_bit = 0x80;
+static_assert(1u << static_cast<int>(Ignored::count) <= message_bit);
 
 /// The command of the line that uses its axis words.
 enum class AxisUse : std::uint8_t { none, motion, data, tool_length, rotation };

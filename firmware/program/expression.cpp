@@ -119,6 +119,12 @@ Fault Expressions::read_word(std::string_view line, std::uint16_t& index, Word& 
   return {};
 }
 
+bool Expressions::read_parameter(std::string_view text, std::int64_t& e9) {
+  text_.begin(text, 0);
+  fault_ = {};
+  return value(e9);
+}
+
 Fault Expressions::read_assignment(std::string_view line, std::uint16_t& index) {
   text_.begin(line, index);
   fault_ = {};

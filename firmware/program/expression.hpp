@@ -41,6 +41,9 @@ class Expressions {
   /// Reads an assignment, which begins with `#` at the index. `index` is after it.
   [[gnu::cold]] Fault read_assignment(std::string_view line, std::uint16_t& index);
 
+  /// The value of a parameter, of which the text is the whole; false if it has none.
+  [[gnu::cold]] bool read_parameter(std::string_view text, std::int64_t& e9);
+
   const Variables& variables() const { return variables_; }
   /// Replaces all parameters; not within a line.
   void set_variables(const Variables& variables) { variables_ = variables; }

@@ -55,7 +55,7 @@ Fault Interpreter::jog(std::string_view line) {
 
 void Interpreter::ignore(std::uint8_t words) {
   new_ignored_ = static_cast<std::uint8_t>(new_ignored_ | (words & ~ignored_));
-  ignored_ |= words;
+  ignored_ = static_cast<std::uint8_t>(ignored_ | (words & ~message_bit));
 }
 
 /// Copies the powers: the line no longer exists when its pieces are made.

@@ -46,6 +46,7 @@
 #include "firmware/program/cycles.hpp"
 #include "firmware/program/expression.hpp"
 #include "firmware/program/extent.hpp"
+#include "firmware/program/message.hpp"
 #include "firmware/program/modal.hpp"
 #include "firmware/program/parameters.hpp"
 #include "firmware/program/power_list.hpp"
@@ -82,9 +83,13 @@ class Interpreter {
   /// What the line reaches, if has_extent() and no action has been taken.
   [[gnu::cold]] Extent extent() const;
   /// Words without effect that the program has used for the first time since the last call, a bit
-  /// for each (Ignored).
+  /// for each (Ignored); and message_bit if a line may have had a message.
   std::uint8_t take_ignored() { return std::exchange(new_ignored_, std::uint8_t{0}); }
   bool has_ignored() const { return new_ignored_ != 0; }
+  /// As program::take_message(), with the parameters of this program.
+  [[gnu::cold]] bool take_message(std::string_view& line, TextLine& text) {
+    return program::take_message(line, expressions_, text);
+  }
   /// next() has more actions.
   bool busy() const { return plan_.stages != 0; }
   /// Cutter compensation holds a move until the next one, G40 or the end of the program.

@@ -368,6 +368,7 @@ bool Statement::pulse_length() {
 [[gnu::hot]] bool Statement::system() {
   if (!block_.has(Group::system)) return true;
   const std::uint32_t code = block_.code(Group::system);
+  if (code == 541) return additional_system();
   const std::uint32_t number = code <= 590 ? (code - 540) / 10 : code - 590 + 5;
   after_.modal.system = static_cast<std::uint8_t>(number);
   return true;

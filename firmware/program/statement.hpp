@@ -230,6 +230,7 @@ class Statement {
   [[gnu::cold]] bool enter_tool(std::uint32_t kind, std::uint32_t number);
   [[gnu::cold]] bool cutter_diameter(std::int64_t& diameter_e7);
   bool system();
+  [[gnu::cold]] bool additional_system();
   bool rotation();
   bool data();
   bool set_system();

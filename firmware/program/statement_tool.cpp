@@ -20,6 +20,17 @@ Fault Statement::check_users() const {
   return {};
 }
 
+/// G54.1 P1 to P3, the systems after G59 as other controllers number them: G59.1 to G59.3.
+bool Statement::additional_system() {
+  constexpr std::uint8_t usual_systems = 6;
+  std::uint32_t number = 0;
+  if (!needed('P', block_.column(Group::system)) || !integer('P', number)) return false;
+  if (number == 0 || number > coordinate_systems - usual_systems)
+    return fail_at('P', GcodeError::no_such_system);
+  after_.modal.system = static_cast<std::uint8_t>(usual_systems - 1 + number);
+  return true;
+}
+
 /// A number of a tool that the table has; 0 is no tool.
 bool Statement::known_tool(std::uint32_t number, std::uint16_t column) {
   Tool tool;

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include "host/error.hpp"
 #include "host/text.hpp"
@@ -43,9 +44,40 @@ std::optional<double> number_at(std::string_view text) {
 template <class Use>
 void each_word(std::string_view line, char letter, Use use) {
   const char small = static_cast<char>(letter - 'A' + 'a');
+  line = line.substr(0, line.find('('));  // messages
   for (std::size_t i = 0; i < line.size(); ++i)
     if (line[i] == letter || line[i] == small)
       if (const auto number = number_at(line.substr(i + 1))) use(*number);
+}
+
+/// A message for the user, which a board reports.
+bool is_message(std::string_view comment) {
+  comment = trimmed(comment);
+  std::string kind(comment.substr(0, comment.find(',')));
+  std::ranges::transform(kind, kind.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  });
+  return kind.size() < comment.size() && (kind == "msg" || kind == "debug" || kind == "print");
+}
+
+/// The messages of a line, in brackets, without bytes that a board would execute as real-time
+/// commands.
+std::string messages_of(std::string_view line) {
+  std::string messages;
+  if (trimmed(line).starts_with('$')) return messages;
+  while (true) {
+    const auto start = line.find_first_of("(;");
+    if (start == std::string_view::npos || line[start] == ';') return messages;
+    const auto end = line.find(')', start);
+    if (end == std::string_view::npos) return messages;
+    const std::string_view comment = line.substr(start + 1, end - start - 1);
+    line.remove_prefix(end + 1);
+    if (!is_message(comment)) continue;
+    messages += '(';
+    for (const char c : comment)
+      if (realtime_fault({&c, 1}).empty()) messages += c;
+    messages += ')';
+  }
 }
 
 /// A line without its own N word at the beginning, unless nothing else is in it.
@@ -61,9 +93,12 @@ std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines) {
   constexpr std::string_view first_letters = "GMXYZABCFSTIJKPQRgmxyzabcfstijkpqr";
   for (ProgramLine& line : lines) {
     const std::string_view words = without_number(line.text);
-    if (words.empty() || first_letters.find(words.front()) == std::string_view::npos) continue;
-    std::string numbered = fmt::format("N{}{}", line.number, words);
-    if (numbered.size() < wire::max_line) line.text = std::move(numbered);
+    if (!words.empty() && first_letters.find(words.front()) != std::string_view::npos) {
+      std::string numbered = fmt::format("N{}{}", line.number, words);
+      if (numbered.size() < wire::max_line) line.text = std::move(numbered);
+    }
+    if (!line.text.starts_with('$') && line.text.size() + line.messages.size() < wire::max_line)
+      line.text += line.messages;
   }
   return lines;
 }
@@ -124,11 +159,15 @@ char open_comment(std::string_view line) {
 std::vector<ProgramLine> program_lines(std::string_view text, const std::string& file) {
   text = without_byte_order_mark(text);
   std::vector<ProgramLine> lines;
+  std::string messages;
   for (std::size_t number = 1; !text.empty(); ++number) {
-    std::string line = line_to_send(take_line(text), fmt::format("{}:{}", file, number));
+    const std::string_view source = take_line(text);
+    std::string line = line_to_send(source, fmt::format("{}:{}", file, number));
+    messages += messages_of(source);
     if (line.find_first_not_of("% \t") == std::string::npos) continue;
-    lines.push_back({number, std::move(line)});
+    lines.push_back({number, std::move(line), std::exchange(messages, {})});
   }
+  if (!lines.empty()) lines.back().messages += messages;
   return lines;
 }
 

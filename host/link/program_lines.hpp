@@ -18,11 +18,14 @@ namespace lamplock::link {
 struct ProgramLine {
   std::size_t number = 0;  ///< in the file, from 1
   std::string text;
+  /// Comments that a board reports, `(MSG, text)` and so on, of this line and blank ones before it.
+  std::string messages{};
 };
 
 /// The lines with their numbers in the file as N words, in place of their own, so that a board
 /// reports the line that it executes. Lines that begin otherwise than with a word of a block (`$`,
 /// `%`, `/`, `:`), or get longer than a board takes (shared/wire/framing.hpp), stay as they are.
+/// Messages follow their line if there is room.
 std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines);
 
 /// The line without comments (brackets, semicolon) and white space at both ends; in `$` lines text

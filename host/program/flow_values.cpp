@@ -77,6 +77,13 @@ program::Fault FlowValues::read_words(std::string_view line, std::string& text) 
   }
 }
 
+std::string FlowValues::messages(std::string_view comments) {
+  std::string all;
+  for (TextLine text; program::take_message(comments, expressions_, text); text = {})
+    all += "(MSG," + std::string(text.view()) + ")";
+  return all;
+}
+
 program::Fault FlowValues::value(std::string_view text, std::uint16_t& index, std::int64_t& e9) {
   // By an assignment, which is dropped: the value of a word would have fewer decimals.
   static constexpr std::string_view name = "o-word value";

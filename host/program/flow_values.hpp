@@ -29,6 +29,8 @@ class FlowValues {
   /// The program has ended by M2 or M30.
   bool has_ended() const { return has_ended_; }
 
+  /// The messages of these comments with their values, as comments.
+  std::string messages(std::string_view comments);
   /// The value that begins at this index of the text; the index is after it.
   program::Fault value(std::string_view text, std::uint16_t& index, std::int64_t& e9);
   /// Sets a name.

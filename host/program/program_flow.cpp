@@ -56,11 +56,14 @@ class FlowRun {
         refuse(
             fmt::format("the program does not end: {} statements without a line", max_flow_steps),
             "check the conditions of its loops");
-      if (statement().word)
+      if (statement().word) {
+        messages_ += values_.messages(statement().line.messages);
         execute(*statement().word);
-      else
+      } else {
         plain(statement().line.text);
+      }
     }
+    if (!lines_.empty()) lines_.back().messages += messages_;
     return std::move(lines_);
   }
 
@@ -98,6 +101,7 @@ class FlowRun {
     if (code == 99) return end_program();
     std::string with_numbers;
     refuse_fault(values_.run(text, with_numbers));
+    messages_ += values_.messages(statement().line.messages);
     if (!with_numbers.empty()) emit(with_numbers);
   }
 
@@ -105,7 +109,7 @@ class FlowRun {
     if (lines_.size() == max_flow_lines)
       refuse(fmt::format("the program has more than {} lines", max_flow_lines),
              "check the conditions of its loops");
-    lines_.push_back({line_number(), text});
+    lines_.push_back({line_number(), text, std::exchange(messages_, {})});
     steps_ = 0;
   }
 
@@ -352,6 +356,7 @@ class FlowRun {
   std::size_t at_ = 0, next_ = 0, steps_ = 0, called_at_ = 0;
   std::vector<Repeat> repeats_;
   std::vector<FlowCall> calls_;
+  std::string messages_;  ///< for the next line
   std::vector<link::ProgramLine> lines_;
 };
 

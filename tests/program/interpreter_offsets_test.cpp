@@ -22,6 +22,7 @@ TEST(Offsets, CoordinateSystems) {
       {"G10 L2 P1 X10 Y20|X0 Y0", "rapid to 10 20 0"},
       {"G10 L2 P2 X10|X1", "rapid to 1 0 0"},
       {"G10 L2 P2 X10|G55 X1", "rapid to 11 0 0"},
+      {"G10 L2 P8 X10|G54.1 P2 X1", "rapid to 11 0 0"},
       {"G10 L2 P2 X10|G55|G10 L2 P0 X20|X1", "rapid to 21 0 0"},
       {"G10 L2 P2 X10|G55|X1|G54 X1", "rapid to 1 0 0"},
       {"G10 L2 P9 Z1|G59.3 Z1", "rapid to 0 0 2"},

@@ -99,6 +99,10 @@ class ProgramReader {
   bool overrides_off() const { return overrides_off_; }
   bool has_ignored() const { return interpreter_.has_ignored(); }
   std::uint8_t take_ignored() { return interpreter_.take_ignored(); }
+  /// As program::take_message().
+  [[gnu::cold]] bool take_message(std::string_view& line, TextLine& text) {
+    return interpreter_.take_message(line, text);
+  }
   void resume() { paused_ = false; }
   /// The pause is for a tool change.
   bool changes_tool() const { return action_.kind == program::ActionKind::tool_change; }
