@@ -92,6 +92,10 @@ void add_serve(Command& program) {
                  "does not exist")
       .value_name("FILE")
       .file(FileUse::write);
+  app.add_option("--library", &options->library,
+                 "Material library with the history of jobs; default: that of lamplock material")
+      .value_name("FILE")
+      .file(FileUse::write);
   app.add_option("--log", &options->log, "Append to this file; at 1 MB it becomes FILE.1, of three")
       .value_name("FILE")
       .file(FileUse::write);

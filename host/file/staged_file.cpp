@@ -10,6 +10,7 @@
 
 #include "host/file/reserved_file.hpp"
 #include "host/output_error.hpp"
+#include "host/printable.hpp"
 
 namespace lamplock {
 namespace {
@@ -48,6 +49,18 @@ void try_device(const fs::path& target) {
   const int error = refuses && errno != EAGAIN ? errno : 0;
   ::close(descriptor);
   if (error != 0) throw OutputError(target, error);
+}
+
+/// An error of a writer with the name of the file that users know.
+Error renamed(const Error& error, const fs::path& from, const fs::path& to) {
+  std::string text(error.message());
+  const std::string staged = printable(from.string()), name = printable(to.string());
+  for (std::size_t at = 0; (at = text.find(staged, at)) != std::string::npos; at += name.size())
+    text.replace(at, staged.size(), name);
+  // Error joins its parts in the same way.
+  const std::size_t where = text.find(": "), remedy = text.rfind("; ");
+  return {error.exit(), text.substr(0, where), text.substr(where + 2, remedy - where - 2),
+          text.substr(remedy + 2)};
 }
 
 }  // namespace
@@ -101,8 +114,8 @@ void write_whole(const fs::path& target, const std::function<void(const fs::path
     write(file.path());
   } catch (const OutputError& error) {
     throw OutputError(target, error.problem());  // the writer's error names the other path
-  } catch (const Error&) {
-    throw OutputError(target, "cannot be written");
+  } catch (const Error& error) {
+    throw renamed(error, file.path(), target);
   }
   file.commit();
 }

@@ -48,6 +48,7 @@ bool LineSender::step() {
   }
   receive();
   if (phase_ != Phase::ended) check_connection();
+  if (phase_ == Phase::streaming) send_early_hold();
   if (phase_ == Phase::streaming) fill_window();
   if (phase_ == Phase::streaming) check_end();
   if (phase_ == Phase::streaming) check_answers();
@@ -202,10 +203,19 @@ LineSender::Time LineSender::answers_due() const {
 }
 
 void LineSender::hold() {
+  is_held_early_ = phase_ == Phase::greeting;
   if (phase_ == Phase::streaming) port_.send_realtime(realtime::hold);
 }
 
+/// A hold that came before the first line: the board receives it before any line. A locked machine
+/// ignores a hold, so it follows the line that ends the alarm.
+void LineSender::send_early_hold() {
+  if (!is_held_early_ || (unlocks_ && answered_ == 0)) return;
+  hold();
+}
+
 void LineSender::resume() {
+  is_held_early_ = false;
   if (phase_ != Phase::streaming) return;
   port_.send_realtime(realtime::resume);
   asked_held_ = asked_before_ = asked_;

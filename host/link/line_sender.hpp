@@ -95,7 +95,7 @@ class LineSender {
   /// rest, then step() throws `error`. Throws it at once if no program runs.
   void fail(std::exception_ptr error);
 
-  /// Requests of the user.
+  /// Requests of the user. A hold before the first line keeps the machine at rest until resume().
   void hold();
   void resume();
   void stop();
@@ -144,6 +144,7 @@ class LineSender {
   void take_banner();
 
   // Sent lines.
+  void send_early_hold();
   void poll();
   void fill_window();
   bool fits(const std::string& text) const;
@@ -181,7 +182,8 @@ class LineSender {
   std::uint64_t asked_held_ = 0;    ///< `?` before the last `~`: outdated after a resume
   Time idle_since_{};               ///< the board is idle with answers missing since then
   bool idle_short_ = false;
-  bool unlocks_ = false;  ///< the machine was locked, and the first line ends that
+  bool unlocks_ = false;        ///< the machine was locked, and the first line ends that
+  bool is_held_early_ = false;  ///< hold() was called before the first line, and is not sent yet
   int idle_reports_ = 0;
   Time heard_at_{};
   Time started_at_{}, elapsed_{};

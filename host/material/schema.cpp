@@ -79,7 +79,24 @@ ALTER TABLE material ADD COLUMN boiling_k REAL;
 ALTER TABLE material ADD COLUMN thermal_source TEXT NOT NULL DEFAULT '';
 )sql";
 
-constexpr std::array steps_of_library{first_tables, thermal_columns};
+/// The history of jobs.
+constexpr const char* job_table = R"sql(
+CREATE TABLE job (
+  number INTEGER PRIMARY KEY AUTOINCREMENT,
+  file TEXT NOT NULL,
+  board TEXT NOT NULL,
+  begin_utc TEXT NOT NULL,
+  end_utc TEXT NOT NULL,
+  result TEXT NOT NULL,
+  message TEXT NOT NULL,
+  item TEXT NOT NULL,
+  dry INTEGER NOT NULL,
+  done INTEGER NOT NULL,
+  total INTEGER NOT NULL,
+  wasted_beats INTEGER) STRICT;
+)sql";
+
+constexpr std::array steps_of_library{first_tables, thermal_columns, job_table};
 
 }  // namespace
 

@@ -41,6 +41,18 @@ double length(const PerAxis<double>& way) {
   return std::sqrt(sum);
 }
 
+PerAxis<double> unit(PerAxis<double> way) {
+  const double all = length(way);
+  for (double& mm : way) mm = all > 0 ? mm / all : 0;
+  return way;
+}
+
+PerAxis<double> unit(const Direction& direction) {
+  PerAxis<double> way{};
+  for (std::size_t a = 0; a < way.size(); ++a) way[a] = direction[a];
+  return unit(way);
+}
+
 }  // namespace
 
 JogLimits jog_limits(const settings::Values& values) {
@@ -55,28 +67,43 @@ JogLimits jog_limits(const settings::Values& values) {
 
 /// The feed along the path is limited so that no axis exceeds its rate: the board would slow down,
 /// and the time sent ahead would be wrong.
-double JogStream::max_feed(const Direction& direction, double feed_mm_min) const {
-  int axes = 0;
-  double feed = std::numeric_limits<double>::max();
-  for (int a = 0; a < max_axes; ++a) {
-    if (direction[index(a)] == 0) continue;
-    ++axes;
-    feed = std::min(feed, limits_.rate_mm_min[index(a)]);
-  }
-  return std::min(feed_mm_min, feed * std::sqrt(axes));
+double JogStream::max_feed(const Way& direction, double feed_mm_min) const {
+  for (int a = 0; a < max_axes; ++a)
+    if (const double share = std::abs(direction[index(a)]); share > 0)
+      feed_mm_min = std::min(feed_mm_min, limits_.rate_mm_min[index(a)] / share);
+  return feed_mm_min;
 }
 
 void JogStream::run(const Direction& direction, double feed_mm_min, Time until) {
-  const double feed = max_feed(direction, feed_mm_min);
+  const Way along = unit(direction);
+  const double feed = max_feed(along, feed_mm_min);
   if (!(feed > 0) || direction == Direction{}) return stop();
-  wanted_ = Run{direction, feed / s_per_min, until};
+  wanted_ = Run{along, feed / s_per_min, until};
   ends_at_.reset();
+  travels_ = false;
+}
+
+bool JogStream::travel(const Way& way_mm, double feed_mm_min, Time until) {
+  if (wanted_ || moves_ || stopping_ || !talk_.answers()) return false;
+  const Way along = unit(way_mm);
+  const double feed = max_feed(along, feed_mm_min);
+  if (!(feed > 0) || length(way_mm) < resolution_mm) return false;
+  wanted_ = Run{along, feed / s_per_min, until, length(way_mm)};
+  ends_at_.reset();
+  travels_ = true;
+  return true;
+}
+
+void JogStream::extend(Time until) {
+  if (!travels_) return;
+  if (wanted_) wanted_->until = until;
+  if (ends_at_) ends_at_ = until;
 }
 
 int JogStream::step(int axis, double step_mm, int count, double feed_mm_min) {
   if (wanted_ || goes_ || stopping_ || !talk_.answers()) return 0;
   if (count == 0 || !(step_mm > 0)) return 0;
-  Direction direction{};
+  Way direction{};
   direction[index(axis)] = count > 0 ? 1 : -1;
   const double feed = max_feed(direction, feed_mm_min);
   if (!(feed > 0)) return 0;
@@ -168,6 +195,7 @@ void JogStream::check_at_rest() {
   moves_ = machine.status.is("Jog");
   if (moves_) return;
   stopping_ = goes_ = false;
+  travels_ = travels_ && wanted_;
   ends_at_.reset();
   busy_until_ = talk_.now();
   under_way_ = {};
@@ -187,14 +215,18 @@ void JogStream::feed() {
   if (moves_ && too_far_ahead()) return;
   // The motion missed in a long pause of this program is not sent later.
   duration = std::min(duration, lead + increment);
-  int axes = 0;
-  for (const int sign : run.direction) axes += std::abs(sign);
-  Way way{};
-  for (std::size_t a = 0; a < way.size(); ++a)
-    way[a] = run.direction[a] * run.speed_mm_s * seconds(duration) / std::sqrt(axes);
-  if (length(way) < resolution_mm) return;  // accumulates to one step of the resolution
+  const double ahead_mm = run.speed_mm_s * seconds(duration);
+  if (ahead_mm < resolution_mm) return;  // accumulates to one step of the resolution
+  const double mm = std::min(ahead_mm, run.left_mm.value_or(ahead_mm));
+  Way way = run.direction;
+  for (double& part : way) part *= mm;
   under_way_ = run.direction;
   send(way, run.speed_mm_s * s_per_min, duration);
+  if (!wanted_->left_mm) return;
+  *wanted_->left_mm -= mm;
+  if (*wanted_->left_mm > 0) return;
+  ends_at_ = wanted_->until;
+  wanted_.reset();
 }
 
 /// The machine is slower than its settings say, or busy.

@@ -1,6 +1,6 @@
 // Sends a jog as short increments, no more than the machine needs, and stops it.
 //
-// In:  a direction with a feed until a deadline; single steps; a request to stop.
+// In:  a direction or a way with a feed until a deadline; single steps; a request to stop.
 // Out: lines `$J=` and jog cancels (0x85) to the board.
 // Who: the jogger. poll() is one round of a loop with a period of a few ms.
 //
@@ -49,6 +49,11 @@ class JogStream {
   /// Moves in this direction until the deadline, which a new call extends. Before a change of
   /// direction the machine stops.
   void run(const Direction& direction, double feed_mm_min, Time until);
+  /// Moves by a way [mm] along a straight line, from rest, unless the deadline comes before its
+  /// end. False while other motion is under way.
+  bool travel(const PerAxis<double>& way_mm, double feed_mm_min, Time until);
+  /// A later deadline of the way that is travelled now, if any.
+  void extend(Time until);
   /// Moves `count` steps along an axis, less those that do not fit into 250 ms. Returns the number
   /// of steps sent: 0 during a stop.
   int step(int axis, double step_mm, int count, double feed_mm_min);
@@ -71,14 +76,15 @@ class JogStream {
   const JogLimits& limits() const { return limits_; }
 
  private:
+  using Way = PerAxis<double>;
   struct Run {
-    Direction direction{};
+    Way direction{};  ///< of length 1
     double speed_mm_s = 0;
     Time until{};
+    std::optional<double> left_mm{};  ///< of a way
   };
-  using Way = PerAxis<double>;
 
-  double max_feed(const Direction& direction, double feed_mm_min) const;
+  double max_feed(const Way& direction, double feed_mm_min) const;
   void feed();
   bool too_far_ahead() const;
   void send(const Way& way, double feed_mm_min, Time duration);
@@ -89,10 +95,11 @@ class JogStream {
   BoardDialog& talk_;
   JogLimits limits_;
   std::optional<Run> wanted_;
-  std::optional<Time> ends_at_;      ///< deadline of increments that lead to the end of the travel
-  Direction under_way_{};            ///< of the increments sent last
-  Way rest_{};                       ///< of the distance, below the resolution of a line
-  Way sent_mm_{};                    ///< since the machine was last at rest
+  std::optional<Time> ends_at_;  ///< deadline of increments that lead to the end of way or travel
+  bool travels_ = false;         ///< a way, until the machine is at rest
+  Way under_way_{};              ///< direction of the increments sent last
+  Way rest_{};                   ///< of the distance, below the resolution of a line
+  Way sent_mm_{};                ///< since the machine was last at rest
   std::vector<double> stood_at_mm_;  ///< position then, machine or work
   std::deque<Way> unanswered_;       ///< distances of the increments
   Time busy_until_{};                ///< when the machine has completed the increments sent

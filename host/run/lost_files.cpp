@@ -13,6 +13,8 @@ void LostFiles::attempt(const std::string& file, const std::function<void()>& wr
     write();
   } catch (const OutputError& error) {
     all_.push_back({file, error.problem()});
+  } catch (const Error& error) {
+    all_.push_back({file, fmt::format("cannot be written ({})", error.message())});
   } catch (const std::exception& error) {
     all_.push_back({file, std::string("cannot be written (") + error.what() + ")"});
   }

@@ -27,7 +27,10 @@ Machine::Machine(BoardOpener open, run::BoardOptions options, run::MachineOption
   thread_ = std::thread([this] { run(); });
 }
 
-Machine::~Machine() {
+Machine::~Machine() { end(); }
+
+void Machine::end() {
+  if (!thread_.joinable()) return;
   const MachineView last = view();
   const bool is_quiet = last.board.state == "Idle" || last.board.state == "Alarm";
   if (last.job.is_running || !is_quiet) stop();
@@ -64,31 +67,24 @@ void Machine::stop() {
   const std::lock_guard lock(mutex_);
   lease_.reset();
   step_.reset();
-  next_job_.reset();
+  if (std::exchange(next_job_, std::nullopt)) words_.clear();
   lines_.clear();
   if (requests_) return requests_->stop();
   view_.job.is_running = false;  // a job that had not begun
   stop_ = true;
 }
 
-void Machine::hold() {
-  const std::lock_guard lock(mutex_);
-  if (requests_) return requests_->type("!");
-  bytes_.push_back(link::realtime::hold);
-}
+void Machine::hold() { type("!"); }
 
-void Machine::resume() {
-  const std::lock_guard lock(mutex_);
-  if (requests_) return requests_->type("~");
-  bytes_.push_back(link::realtime::resume);
-}
+void Machine::resume() { type("~"); }
 
-void Machine::change_feed(const std::string& word) {
+void Machine::change_feed(const std::string& word) { type(word); }
+
+/// To the running job, or to the idle machine.
+void Machine::type(const std::string& word) {
   const std::lock_guard lock(mutex_);
   if (requests_) return requests_->type(word);
-  bytes_.push_back(word == "+"   ? link::realtime::feed_plus_10
-                   : word == "-" ? link::realtime::feed_minus_10
-                                 : link::realtime::feed_full);
+  if (words_.size() < max_queued_lines) words_.push_back(word);
 }
 
 /// With the lock.
@@ -117,19 +113,40 @@ void Machine::post(Work work, Done done) {
   posted_.push_back({std::move(work), std::move(done)});
 }
 
-void Machine::send_line(const std::string& line) {
+void Machine::send_lines(const std::vector<std::string>& lines) {
   const std::lock_guard lock(mutex_);
   check_is_free();
-  if (lines_.size() >= max_queued_lines)
+  if (lines_.size() + lines.size() > max_queued_lines)
     throw Error(Exit::job_failed, "console", "too many lines wait for the board", "wait for them");
-  lines_.push_back(line);
+  lines_.insert(lines_.end(), lines.begin(), lines.end());
 }
 
 void Machine::run_jog(const pendant::Direction& direction, double feed_mm_min,
                       std::chrono::milliseconds lease) {
+  lend({direction, std::nullopt, feed_mm_min, {}}, lease);
+}
+
+void Machine::go_to(const Place& place, double feed_mm_min, std::chrono::milliseconds lease) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (view_.board.jogs)
+      throw Error(Exit::job_failed, "jog", "the machine moves", "wait until it is at rest");
+  }
+  lend({std::nullopt, place, feed_mm_min, {}}, lease);
+}
+
+void Machine::renew_jog(std::chrono::milliseconds lease) { lend({}, lease); }
+
+void Machine::lend(Lease lease, std::chrono::milliseconds time) {
   const std::lock_guard lock(mutex_);
   check_is_free();
-  lease_ = Lease{direction, feed_mm_min, now_() + std::min(lease, lease_time)};
+  lease.until = now_() + std::min(time, lease_time);
+  // A way that has not begun keeps its place.
+  if (!lease.direction && !lease.place && lease_ && lease_->place) {
+    lease_->until = lease.until;
+    return;
+  }
+  lease_ = lease;
 }
 
 void Machine::step_jog(int axis, double mm, double feed_mm_min) {
@@ -143,6 +160,11 @@ void Machine::stop_jog() {
   lease_.reset();
   step_.reset();
   jog_stop_ = true;
+}
+
+std::vector<EndedJob> Machine::take_ended() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(ended_, {});
 }
 
 // The thread of the machine.
@@ -190,7 +212,7 @@ void Machine::lose_board(const std::string& why) {
     lease_.reset();
     step_.reset();
     lines_.clear();
-    bytes_.clear();
+    words_.clear();
     stop_ = false;
     posted.swap(posted_);
   }

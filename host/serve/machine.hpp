@@ -54,6 +54,9 @@ struct JobStart {
   std::size_t from = 0;  ///< point or line
 };
 
+/// Machine coordinates [mm]; an axis without one stays where it is.
+using Place = PerAxis<std::optional<double>>;
+
 /// What the machine does at rest with the port of the board. May throw Error.
 using Work = std::function<void(link::LinePort&)>;
 /// Called once, in the thread of the machine: the error, or null.
@@ -64,10 +67,12 @@ class Machine {
   /// `options` name the board in messages and have the lines of the computer.
   Machine(BoardOpener open, run::BoardOptions options, run::MachineOptions machine,
           Now now = Clock::now);
-  /// Stops what runs and waits until the machine is at rest.
   ~Machine();
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
+
+  /// Stops what runs and waits until the machine is at rest. It does nothing more then.
+  void end();
 
   MachineView view() const;
   /// Lines of the console after this number, oldest first; at most max_console_lines.
@@ -85,16 +90,25 @@ class Machine {
   void start(const JobStart& job);
   void post(Work work, Done done);
   /// Sends a line of G-code or a `$` command, after the answer to the one before.
-  void send_line(const std::string& line);
+  void send_line(const std::string& line) { send_lines({line}); }
+  /// All of them or none.
+  void send_lines(const std::vector<std::string>& lines);
   /// Moves for `lease`, at most lease_time.
   void run_jog(const pendant::Direction& direction, double feed_mm_min,
                std::chrono::milliseconds lease = lease_time);
   void step_jog(int axis, double mm, double feed_mm_min);
+  /// Moves to a place along a straight line, from rest, for `lease`; renew_jog() extends it.
+  /// Nothing but this call begins a motion, so that a renewal after a stop has no effect.
+  void go_to(const Place& place, double feed_mm_min, std::chrono::milliseconds lease = lease_time);
+  void renew_jog(std::chrono::milliseconds lease = lease_time);
   void stop_jog();
+  /// Jobs that have ended since the last call.
+  std::vector<EndedJob> take_ended();
 
  private:
   struct Lease {
-    pendant::Direction direction{};
+    std::optional<pendant::Direction> direction{};
+    std::optional<Place> place{};  ///< neither: a renewal of the way to a place
     double feed_mm_min = 0;
     Clock::time_point until{};
   };
@@ -113,6 +127,8 @@ class Machine {
   void converse();
   bool round(Talk& talk);
   void take_jogs(Talk& talk);
+  void take_lease(Talk& talk, const Lease& lease);
+  void lend(Lease lease, std::chrono::milliseconds time);
   void take_stop(Talk& talk);
   void take_answers(Talk& talk);
   void send_next_line(Talk& talk);
@@ -122,10 +138,11 @@ class Machine {
   void do_work(const Posted& posted);
   void run_job(const JobStart& job);
   run::BoardOptions options_for(const JobStart& job) const;
-  void end_job(const std::string& end, const std::string& message);
+  void end_job(const std::string& end, const std::string& message, EndedJob ended);
   void lose_board(const std::string& why);
   void show(const std::string& text);
   void check_is_free() const;
+  void type(const std::string& word);
 
   BoardOpener open_;
   run::BoardOptions options_;
@@ -138,8 +155,9 @@ class Machine {
   std::deque<ConsoleLine> console_;
   std::uint64_t last_line_ = 0;
   std::deque<Posted> posted_;
+  std::vector<EndedJob> ended_;
   std::deque<std::string> lines_;
-  std::deque<std::uint8_t> bytes_;
+  std::deque<std::string> words_;  ///< as JobRequests::type() takes them
   std::optional<JobStart> next_job_;
   std::optional<Lease> lease_;
   std::optional<Step> step_;

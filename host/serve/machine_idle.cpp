@@ -18,6 +18,15 @@ using settings::Id;
 
 constexpr std::chrono::microseconds loop_interval = 2ms;
 
+/// The real-time byte of a word that a job would take.
+std::uint8_t byte_of(const std::string& word) {
+  return word == "!"   ? link::realtime::hold
+         : word == "~" ? link::realtime::resume
+         : word == "+" ? link::realtime::feed_plus_10
+         : word == "-" ? link::realtime::feed_minus_10
+                       : link::realtime::feed_full;
+}
+
 std::string state_text(const link::BoardStatus& status) {
   return status.substate < 0 ? status.state : fmt::format("{}:{}", status.state, status.substate);
 }
@@ -78,6 +87,7 @@ bool Machine::round(Talk& talk) {
   if (!next_job_ || !lines_.empty()) return true;
   const JobStart job = *std::exchange(next_job_, std::nullopt);
   requests_ = std::make_shared<JobRequests>();
+  for (const std::string& word : std::exchange(words_, {})) requests_->type(word);
   lock.unlock();
   run_job(job);
   return false;
@@ -102,14 +112,17 @@ void Machine::take_answers(Talk& talk) {
 /// door byte, which switches the laser off before the machine brakes, and a reset at rest.
 void Machine::take_stop(Talk& talk) {
   bool stops = false, stops_jog = false;
-  std::deque<std::uint8_t> bytes;
+  std::deque<std::string> words;
   {
     const std::lock_guard lock(mutex_);
     stops = std::exchange(stop_, false);
     stops_jog = std::exchange(jog_stop_, false);
-    bytes.swap(bytes_);
+    // What an idle machine is asked before a job begins is meant for the job.
+    const pendant::MachineNow& machine = talk.board.machine();
+    const bool is_idle = talk.is_quiet() && (machine.reports == 0 || machine.status.rests());
+    if (!next_job_ || !is_idle) words.swap(words_);
   }
-  for (const std::uint8_t byte : bytes) talk.board.send_byte(byte);
+  for (const std::string& word : words) talk.board.send_byte(byte_of(word));
   if (talk.jogs && (stops || stops_jog)) talk.jogs->stop();
   if (stops && !talk.moves()) {
     talk.board.drop_lines();
@@ -136,13 +149,24 @@ void Machine::take_jogs(Talk& talk) {
   }
   if (!lease && !step) return;
   if (!talk.jogs) return show("jog: the settings of the board are not known");
-  if (lease) {
-    const auto left = std::chrono::duration_cast<std::chrono::microseconds>(lease->until - now_());
-    if (left.count() > 0)
-      talk.jogs->run(lease->direction, lease->feed_mm_min, talk.board.now() + left);
-  }
+  if (lease && lease->until > now_()) take_lease(talk, *lease);
   if (step)
     talk.jogs->step(step->axis, std::abs(step->mm), step->mm > 0 ? 1 : -1, step->feed_mm_min);
+}
+
+void Machine::take_lease(Talk& talk, const Lease& lease) {
+  const pendant::Time until =
+      talk.board.now() +
+      std::chrono::duration_cast<std::chrono::microseconds>(lease.until - now_());
+  if (lease.direction) return talk.jogs->run(*lease.direction, lease.feed_mm_min, until);
+  if (!lease.place) return talk.jogs->extend(until);
+  const std::vector<double> at = talk.board.machine().place(false);
+  PerAxis<double> way{};
+  for (std::size_t a = 0; a < std::min(at.size(), way.size()); ++a)
+    if ((*lease.place)[a]) way[a] = *(*lease.place)[a] - at[a];
+  if (talk.rests()) talk.jogs->travel(way, lease.feed_mm_min, until);
+  const std::lock_guard lock(mutex_);
+  if (!talk.rests() && !lease_) lease_ = lease;  // the report of its place comes first
 }
 
 void Machine::send_next_line(Talk& talk) {

@@ -1,5 +1,7 @@
 // The machine in a job: a use case of host/run borrows the connection.
+#include <chrono>
 #include <exception>
+#include <utility>
 
 #include "host/run/report_job.hpp"
 #include "host/run/run_program.hpp"
@@ -8,8 +10,19 @@
 #include "host/serve/error_message.hpp"
 #include "host/serve/lent_transport.hpp"
 #include "host/serve/machine.hpp"
+#include "shared/beat_reason.hpp"
+#include "shared/wire/status.hpp"
 
 namespace lamplock::serve {
+namespace {
+
+std::int64_t wasted_beats(const wire::Status& status) {
+  std::int64_t all = 0;
+  for (const std::uint32_t beats : status.beats_by_reason) all += beats;
+  return all - status.beats_by_reason[static_cast<std::size_t>(BeatReason::fired)];
+}
+
+}  // namespace
 
 run::BoardOptions Machine::options_for(const JobStart& job) const {
   run::BoardOptions options = options_;
@@ -35,6 +48,8 @@ void Machine::run_job(const JobStart& job) {
     view_.board.state = "Run";
   }
   std::string end;
+  EndedJob ended;
+  ended.begin = std::chrono::system_clock::now();
   try {
     run::BoardOptions options = options_for(job);
     if (run::kind_of_sent_file(job.path) == run::SentKind::program) {
@@ -45,18 +60,22 @@ void Machine::run_job(const JobStart& job) {
     } else {
       const run::SentJob sent = run::send_job(job.path, options, frontend);
       end = end_name(sent.outcome);
+      ended.item = sent.prepared.job.item();
+      if (!sent.prepared.job.is_rows())
+        ended.wasted_beats = wasted_beats(sent.outcome.result.status);
       if (sent.prepared.job.is_rows())
         run::judge_end(sent.outcome, options, sent.prepared.job.item(), frontend);
       else
         run::judge_points(sent.outcome, options, frontend);
     }
-    end_job(end, "");
+    end_job(end, "", std::move(ended));
   } catch (...) {
-    end_job(end.empty() || end == "done" ? "failed" : end, message_of(std::current_exception()));
+    end_job(end.empty() || end == "done" ? "failed" : end, message_of(std::current_exception()),
+            std::move(ended));
   }
 }
 
-void Machine::end_job(const std::string& end, const std::string& message) {
+void Machine::end_job(const std::string& end, const std::string& message, EndedJob ended) {
   show(message.empty() ? "job: " + end : "job: " + end + ": " + message);
   const std::lock_guard lock(mutex_);
   requests_.reset();
@@ -67,6 +86,9 @@ void Machine::end_job(const std::string& end, const std::string& message) {
   if (end == "done") view_.job.done = view_.job.total;  // the last progress is not shown
   view_.job.word.clear();
   view_.job.left_s.reset();
+  ended.view = view_.job;
+  ended.end = std::chrono::system_clock::now();
+  ended_.push_back(std::move(ended));
 }
 
 }  // namespace lamplock::serve

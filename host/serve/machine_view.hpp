@@ -1,6 +1,7 @@
 // What the clients of the server see of the machine: plain values, copied under a lock.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -31,6 +32,14 @@ struct JobView {
   std::string end;    ///< of the last job: "done", "stopped", "failed"; empty before
   std::string message;
   friend bool operator==(const JobView&, const JobView&) = default;
+};
+
+/// A job that has ended, for the history.
+struct EndedJob {
+  JobView view;
+  std::string item = "line";  ///< what `view` counts
+  std::chrono::system_clock::time_point begin{}, end{};
+  std::optional<std::int64_t> wasted_beats{};  ///< of points: lamp flashes without a shot
 };
 
 struct MachineView {

@@ -16,7 +16,7 @@ constexpr double max_feed = 1'000'000, max_items = 4e9, max_time = 1e15;
 constexpr double max_file_name = 100, max_line_text = 250, max_secret_text = 64;
 /// A step is completed when its client has gone: it is short.
 constexpr double max_step_mm = 10;
-constexpr double max_place_mm = 100'000, max_objects = 32;
+constexpr double max_place_mm = 100'000, max_listed_objects = 32;
 
 constexpr std::array login_parameters{
     Parameter{"token", Type::text, true, 1, max_secret_text, nullptr,
@@ -42,16 +42,33 @@ constexpr std::array send_parameters{
     Parameter{"line", Type::text, true, 1, max_line_text, nullptr, "G-code or a `$` command"}};
 constexpr std::array lines_parameters{
     Parameter{"after", Type::whole, false, 0, max_time, nullptr, "number of the last line known"}};
+constexpr Parameter seen_time{
+    "seen",
+    Type::whole,
+    true,
+    0,
+    max_time,
+    nullptr,
+    "`time` of the last notification: an old request does not move the machine"};
 constexpr std::array run_parameters{
     Parameter{"direction", Type::numbers, true, -1, 1, nullptr,
               "-1, 0 or 1 for each axis, X first"},
-    Parameter{"feed", Type::number, true, 1, max_feed, nullptr, "mm/min"},
-    Parameter{"seen", Type::whole, true, 0, max_time, nullptr,
-              "`time` of the last notification: an old request does not move the machine"}};
+    Parameter{"feed", Type::number, true, 1, max_feed, nullptr, "mm/min"}, seen_time};
 constexpr std::array step_parameters{
     Parameter{"axis", Type::whole, true, 0, 3, nullptr, "0 is X"},
     Parameter{"mm", Type::number, true, -max_step_mm, max_step_mm, nullptr, "distance"},
     Parameter{"feed", Type::number, true, 1, max_feed, nullptr, "mm/min"}};
+constexpr std::array go_parameters{
+    Parameter{"x", Type::number, false, -max_place_mm, max_place_mm, nullptr, "machine, mm"},
+    Parameter{"y", Type::number, false, -max_place_mm, max_place_mm, nullptr, "machine, mm"},
+    Parameter{"z", Type::number, false, -max_place_mm, max_place_mm, nullptr, "machine, mm"},
+    Parameter{"feed", Type::number, true, 1, max_feed, nullptr, "mm/min"}, seen_time};
+constexpr std::array renew_parameters{seen_time};
+constexpr Parameter macro_name{"name", Type::text, true, 1, 40, nullptr, "macro"};
+constexpr std::array macro_parameters{macro_name};
+constexpr std::array set_macro_parameters{macro_name,
+                                          Parameter{"lines", Type::text, true, 1, 4000, nullptr,
+                                                    "1 to 50 lines, separated by line feeds"}};
 constexpr std::array set_parameters{
     Parameter{"changes", Type::object, true, 0, 0, nullptr, "values by name of the setting"}};
 
@@ -70,7 +87,7 @@ constexpr std::array scene_parameters{
     Parameter{"name", Type::text, true, 1, max_file_name, nullptr, "description to write, .toml"},
     Parameter{"from", Type::text, false, 1, max_file_name, nullptr,
               "description or model whose other parameters are kept; default: the same"},
-    Parameter{"objects", Type::objects, true, 1, max_objects, nullptr,
+    Parameter{"objects", Type::objects, true, 1, max_listed_objects, nullptr,
               "all objects: `object` (its number in `from`, from 0) or `file`; `mirror`, `scale`, "
               "`turn`, `move`, `size`"},
     Parameter{"block", Type::place, false, 0.001, max_place_mm, nullptr, "sides of the block, mm"}};
@@ -99,6 +116,8 @@ constexpr std::array table{
     Method{"machine.zero", Right::control, zero_parameters,
            "Makes this place the zero of the work coordinates (`G10 L20 P0`).", "nothing"},
     Method{"machine.unlock", Right::control, none, "Ends an alarm (`$X`).", "nothing"},
+    Method{"machine.area", Right::all, none, "The work area of the machine.",
+           "its two corners, mm"},
     Method{"job.list", Right::all, none, "Files that were sent to the server.",
            "list of `name`, `bytes`, `kind` (job, program, model, description)"},
     Method{"job.check", Right::all, file_parameters,
@@ -131,9 +150,30 @@ constexpr std::array table{
            "Sends a line; the answer comes with the lines of the console.", "nothing"},
     Method{"console.lines", Right::all, lines_parameters, "The last lines of the console.",
            "list of `number`, `text`"},
+    Method{"macro.list", Right::all, none, "Named lines that the server keeps for the console.",
+           "object: lines by name"},
+    Method{"macro.set", Right::firing, set_macro_parameters, "Adds or replaces a macro.",
+           "nothing"},
+    Method{"macro.remove", Right::control, macro_parameters, "Removes a macro.", "nothing"},
+    Method{"macro.run", Right::firing, macro_parameters,
+           "Sends all lines of a macro, one after the other.", "nothing"},
+    Method{"history.list", Right::all, none, "The last 100 jobs and programs, newest first.",
+           "list of `file`, `board`, `begin`, `end` (UTC), `result`, `message`, `dry`, `done` of "
+           "`total`, `item`, `wasted_beats` (of points, or null)"},
+    Method{"material.list", Right::all, none, "The settings of the material library.",
+           "list of `material`, `laser`, `operation`, `thickness` (mm or null), `feed` (mm/min), "
+           "`power` (W), `passes`, `kerf` (mm or null), `note`"},
     Method{"jog.run", Right::control, run_parameters,
            "Moves at a feed for 200 ms; a client repeats it while a key is held.", "nothing"},
     Method{"jog.step", Right::control, step_parameters, "Moves one step.", "nothing"},
+    Method{"jog.go", Right::control, go_parameters,
+           "Begins to move along a straight line to a place, from rest, for 200 ms; axes that are "
+           "not given stay.",
+           "nothing"},
+    Method{"jog.renew", Right::control, renew_parameters,
+           "Continues the motion of `jog.go` for 200 ms; a client repeats it until `board.jogs` is "
+           "false. After a stop it does nothing.",
+           "nothing"},
     Method{"jog.stop", Right::all, none, "Ends a jog.", "nothing"},
     Method{"settings.get", Right::all, none, "The settings of the board, at rest.",
            "list of `number`, `name`, `unit`, `min`, `max`, `whole`, `default`, `value`, `about`"},

@@ -132,6 +132,7 @@ void serve(const ServeOptions& options, run::Frontend& frontend) {
   };
   site.note = note;
   site.machine = options.machine;
+  site.library = options.library;
   const JobFolder folder(options.folder.empty() ? default_job_folder()
                                                 : std::filesystem::path(options.folder));
   const BoardOpener open = opened_once(opener_of(options));
@@ -157,6 +158,7 @@ void serve(const ServeOptions& options, run::Frontend& frontend) {
     }
     if (interrupts->count() > 0) web.stop();
   });
+  machine.end();
   server.end();
   note("the server ends");
 }

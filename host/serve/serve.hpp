@@ -25,6 +25,7 @@ struct ServeOptions {
   std::string proxy;                       ///< origin of a reverse proxy; empty: none
   std::string octoprint;                   ///< file with the key of its programs; empty: none
   std::string log;                         ///< file; empty: none
+  std::string library;                     ///< of materials and history; empty: the user's own
   std::string folder;                      ///< of jobs; empty: default_job_folder()
   bool pairs = false;                      ///< clients with the code may fire
 };

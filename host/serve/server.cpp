@@ -11,6 +11,7 @@
 #include "host/serve/clouds.hpp"
 #include "host/serve/computations.hpp"
 #include "host/serve/error_message.hpp"
+#include "host/serve/history.hpp"
 #include "host/serve/logins.hpp"
 #include "host/serve/machine.hpp"
 #include "host/serve/method.hpp"
@@ -57,6 +58,7 @@ constexpr std::array pages{
     Page{"/cloud_painter.js", "text/javascript; charset=utf-8", page_cloud_painter_js},
     Page{"/cloud.js", "text/javascript; charset=utf-8", page_cloud_js},
     Page{"/place.js", "text/javascript; charset=utf-8", page_place_js},
+    Page{"/records.js", "text/javascript; charset=utf-8", page_records_js},
     Page{"/main.js", "text/javascript; charset=utf-8", page_main_js}};
 
 const Page* find_page(std::string_view target) {
@@ -115,7 +117,8 @@ Server::Server(SiteOptions options, JobFolder folder)
       folder_(std::move(folder)),
       logins_(std::make_unique<Logins>(options_.password_hash, options_.now, options_.note)),
       computations_(std::make_unique<Computations>()),
-      clouds_(std::make_unique<Clouds>()) {
+      clouds_(std::make_unique<Clouds>()),
+      history_(std::make_unique<History>(options_.library, options_.board, options_.note)) {
   if (!options_.octoprint_key.empty())
     octoprint_ = std::make_unique<OctoPrint>(options_.octoprint_key, folder_,
                                              [this] { require_program_right(); });
@@ -125,6 +128,8 @@ Server::~Server() = default;
 
 void Server::end() {
   computations_->end();
+  history_->add(machine_->take_ended());
+  history_->end();
   logins_->end();
 }
 
@@ -355,6 +360,8 @@ Json Server::status() const {
 void Server::tick() {
   computations_->poll();
   logins_->poll();
+  history_->add(machine_->take_ended());
+  history_->poll();
   std::vector<ClientNumber> late;
   for (const auto& [number, client] : clients_)
     if (client.secret.empty() && options_.now() - client.opened_at > login_time)

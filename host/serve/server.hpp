@@ -29,6 +29,7 @@ namespace lamplock::serve {
 
 class Clouds;
 class Computations;
+class History;
 class Logins;
 class Machine;
 class OctoPrint;
@@ -42,6 +43,7 @@ struct SiteOptions {
   std::string password_hash;  ///< empty: the token alone
   std::optional<PublicOrigin> proxy{};
   std::string octoprint_key{};  ///< empty: no REST of OctoPrint
+  std::string library{};        ///< file with materials and history; empty: the user's own
   run::MachineOptions machine;
   Now now = Clock::now;
   Note note = [](const std::string&) {};  ///< for the log
@@ -59,7 +61,8 @@ class Server final : public WebSite {
     web_ = &web;
     machine_ = &machine;
   }
-  /// To be called after the web server has run: drops calls that are not answered.
+  /// To be called after the web server has run and the machine has ended: drops calls that are not
+  /// answered.
   void end();
   /// To be called regularly: sends what differs.
   void tick();
@@ -134,14 +137,24 @@ class Server final : public WebSite {
   void home(const Call& call);
   void unlock(const Call& call);
   void zero(const Call& call);
+  void send_area(const Call& call);
   void list_jobs(const Call& call);
   void check_job(const Call& call);
   void start_job(const Call& call);
   void delete_job(const Call& call);
   void send_line(const Call& call);
   void send_lines(const Call& call);
+  void list_macros(const Call& call);
+  void set_macro(const Call& call);
+  void remove_macro(const Call& call);
+  void run_macro(const Call& call);
+  void list_history(const Call& call);
+  void list_materials(const Call& call);
   void run_jog(const Call& call);
   void step_jog(const Call& call);
+  void go_jog(const Call& call);
+  void renew_jog(const Call& call);
+  std::chrono::milliseconds lease_of(const Call& call) const;
   void stop_jog(const Call& call);
   void open_cloud(const Call& call);
   void send_cloud_points(const Call& call);
@@ -157,6 +170,7 @@ class Server final : public WebSite {
   std::unique_ptr<Logins> logins_;
   std::unique_ptr<Computations> computations_;
   std::unique_ptr<Clouds> clouds_;
+  std::unique_ptr<History> history_;
   std::unique_ptr<OctoPrint> octoprint_;  ///< null: not served
   Machine* machine_ = nullptr;
   WebServer* web_ = nullptr;

@@ -40,6 +40,10 @@ Json cloud_json(const OpenCloud& open, const run::MachineOptions& machine) {
 
 }  // namespace
 
+void Server::send_area(const Call& call) {
+  succeed(call, box_json(run::work_space_mm(options_.machine.profile().settings)));
+}
+
 void Server::open_cloud(const Call& call) {
   const std::string name = call.parameters()["name"];
   const std::string path = folder_.path_of(name).string();

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -85,6 +86,7 @@ const std::map<std::string_view, Server::Handler>& Server::handlers() {
       {"machine.home", &Server::home},
       {"machine.unlock", &Server::unlock},
       {"machine.zero", &Server::zero},
+      {"machine.area", &Server::send_area},
       {"job.list", &Server::list_jobs},
       {"job.check", &Server::check_job},
       {"job.start", &Server::start_job},
@@ -97,8 +99,16 @@ const std::map<std::string_view, Server::Handler>& Server::handlers() {
       {"scene.write", &Server::write_scene},
       {"console.send", &Server::send_line},
       {"console.lines", &Server::send_lines},
+      {"macro.list", &Server::list_macros},
+      {"macro.set", &Server::set_macro},
+      {"macro.remove", &Server::remove_macro},
+      {"macro.run", &Server::run_macro},
+      {"history.list", &Server::list_history},
+      {"material.list", &Server::list_materials},
       {"jog.run", &Server::run_jog},
       {"jog.step", &Server::step_jog},
+      {"jog.go", &Server::go_jog},
+      {"jog.renew", &Server::renew_jog},
       {"jog.stop", &Server::stop_jog},
       {"settings.get", &Server::get_settings},
       {"settings.set", &Server::set_settings}};
@@ -269,15 +279,35 @@ void Server::send_lines(const Call& call) {
   succeed(call, lines);
 }
 
-void Server::run_jog(const Call& call) {
+std::chrono::milliseconds Server::lease_of(const Call& call) const {
   const std::int64_t age_ms = time_ms() - call.parameters()["seen"].get<std::int64_t>();
   const auto lease = max_age - std::chrono::milliseconds(std::max<std::int64_t>(age_ms, 0));
   if (lease.count() <= 0)
     throw Error(Exit::job_failed, "jog", "the request came too late", "check the connection");
+  return lease;
+}
+
+void Server::run_jog(const Call& call) {
+  const auto lease = lease_of(call);
   pendant::Direction direction{};
   std::size_t axis = 0;
   for (const Json& sign : call.parameters()["direction"]) direction[axis++] = sign;
   machine_->run_jog(direction, call.parameters()["feed"], lease);
+  succeed(call, nullptr);
+}
+
+void Server::go_jog(const Call& call) {
+  constexpr std::array names{"x", "y", "z"};
+  Place place{};
+  for (std::size_t axis = 0; axis < names.size(); ++axis)
+    if (const auto given = call.parameters().find(names[axis]); given != call.parameters().end())
+      place[axis] = given->get<double>();
+  machine_->go_to(place, call.parameters()["feed"], lease_of(call));
+  succeed(call, nullptr);
+}
+
+void Server::renew_jog(const Call& call) {
+  machine_->renew_jog(lease_of(call));
   succeed(call, nullptr);
 }
 

@@ -136,6 +136,10 @@ class GrblModel : public BadCable {
     if (line_ == "$I") return identify();
     if (line_ == "$$") return list_settings();
     lines.push_back(line_);
+    if (line_ == "$X" && state == "Alarm") {
+      state = "Idle";
+      return reply("ok");
+    }
     if (state == "Alarm") return reply("error:9");
     if (line_ == alarm_line) {
       state = "Alarm";

@@ -322,6 +322,42 @@ TEST(LineSender, holds_and_resumes_for_the_user) {
   EXPECT_THAT(board.bytes_seen, ElementsAre('!', 0x91, '~'));
 }
 
+TEST(LineSender, a_hold_before_the_first_line_keeps_the_machine_at_rest) {
+  GrblModel board;
+  const auto program = numbered(std::vector<std::string>(20, "G1 X1"));
+  Sending sending(board, program);
+  sending.sender.hold();
+  sending.run_for(2s);
+  EXPECT_TRUE(sending.sender.waits());
+  EXPECT_EQ(board.lines.size(), 0u);
+  EXPECT_EQ(sending.sender.answered(), 0u);
+  sending.sender.resume();
+  EXPECT_EQ(sending.run().end, LineEnd::done);
+  EXPECT_EQ(board.lines, texts_of(program));
+  EXPECT_THAT(board.bytes_seen, ElementsAre('!', '~'));
+}
+
+TEST(LineSender, a_hold_of_a_locked_machine_follows_its_unlocking) {
+  GrblModel board;
+  board.state = "Alarm";
+  Sending sending(board, numbered({"$X", "G1 X1"}));
+  sending.sender.hold();
+  sending.run_for(2s);
+  EXPECT_TRUE(sending.sender.waits());
+  EXPECT_THAT(board.lines, ElementsAre("$X"));
+  sending.sender.resume();
+  EXPECT_EQ(sending.run().end, LineEnd::done);
+}
+
+TEST(LineSender, a_resume_takes_back_a_hold_before_the_first_line) {
+  GrblModel board;
+  Sending sending(board, numbered({"G1 X1", "G1 X2"}));
+  sending.sender.hold();
+  sending.sender.resume();
+  EXPECT_EQ(sending.run().end, LineEnd::done);
+  EXPECT_TRUE(board.bytes_seen.empty());
+}
+
 TEST(LineSender, a_cut_cable_ends_it) {
   GrblModel board;
   Sending sending(board, numbered(std::vector<std::string>(500, "G1 X1")));

@@ -284,6 +284,19 @@ TEST(Sender, PauseHoldsUntilResume) {
   s.expect_done();
 }
 
+TEST(Sender, PauseBeforeTheBeginHolds) {
+  Sending<> s(3000, 6);
+  s.sender.pause();
+  s.steps(300);
+  const std::size_t held_at = s.board.machine.fired.size();
+  EXPECT_EQ(s.board.machine.reason, wire::HoldReason::host);
+  EXPECT_LT(held_at, 100u);
+  s.steps(300);
+  EXPECT_EQ(s.board.machine.fired.size(), held_at);
+  s.sender.resume();
+  s.expect_done();
+}
+
 TEST(Sender, PauseTakesOverAHoldOfAnotherReason) {
   Sending<> s(2000, 6);
   s.steps();

@@ -82,6 +82,64 @@ async function use_console(page) {
   await until('the console shows an answer', async () => /VER:/.test(await text_of(page, 'lines')));
 }
 
+// Macros, history and materials; the click into a view.
+async function use_records(page, server) {
+  const fill = (id, text) => page.ask(`(() => {
+    const input = document.getElementById('${id}');
+    input.value = ${JSON.stringify(text)};
+    input.dispatchEvent(new Event('input', { bubbles: true }));
+  })()`);
+  await page.ask(`(document.querySelector('details').open = true)`);
+  await fill('macro-name', 'corner');
+  await fill('macro-lines', 'G21G90\nG0X3Y2');
+  await page.click('#macro-save');
+  await until('a macro has a button', () => page.ask(`document.querySelector('#macros button')?.textContent === 'corner'`));
+  await page.click('#macros button');
+  await until('a macro moves the machine', async () => Math.abs((await place(server))[0] - 3) < 0.01);
+  await page.click('#history-read');
+  await until('the history has the job', async () => /zigzag.*virtual.*stopped/.test(await text_of(page, 'history')));
+  await page.click('#materials-read');
+  await until('the material library is shown', async () => /plywood/.test(await text_of(page, 'materials')));
+}
+
+async function go_by_click(page, server) {
+  await page.click('#view-area');
+  await until('the work area is shown', () => page.ask(`!document.getElementById('view').hidden`));
+  await page.ask(`document.getElementById('go').click()`);
+  await page.ask(`document.getElementById('view').scrollIntoView()`);
+  await page.frames(2);
+  const { x, y } = await page.ask(`(() => {
+    const box = document.getElementById('marks').getBoundingClientRect();
+    return { x: box.x + box.width * 0.3, y: box.y + box.height * 0.3 };
+  })()`);
+  await page.mouse('mouseMoved', x, y, {});
+  await page.frames(2);
+  const wanted = (await text_of(page, 'cursor')).match(/X (-?[0-9.]+) {2}Y (-?[0-9.]+)/)?.slice(1).map(Number);
+  check('the cursor has a position to three digits', wanted?.length === 2, await text_of(page, 'cursor'));
+  await page.mouse('mousePressed', x, y, { button: 'left', buttons: 1, clickCount: 1 });
+  await page.mouse('mouseReleased', x, y, { button: 'left', clickCount: 1 });
+  const is_there = async () => (await place(server)).slice(0, 2).every((mm, i) => Math.abs(mm - wanted[i]) < 0.0051);
+  await until('a click moves the machine to its place', is_there, 15_000);
+  await keep_picture(page, 'serve-go');
+  await page.ask(`document.getElementById('go').click()`);
+  await page.ask('scrollTo(0, 0)');
+}
+
+// The release of a key is lost: the system repeats it no longer.
+async function lost_key_up(page, server) {
+  await key(page, 'rawKeyDown', 'ArrowLeft');
+  for (let i = 0; i < 8; ++i) {
+    await sleep(60);
+    await page.send('Input.dispatchKeyEvent', { type: 'rawKeyDown', code: 'ArrowLeft', key: 'ArrowLeft', autoRepeat: true });
+  }
+  const begun = (await place(server))[0];
+  await sleep(900);
+  const end = (await place(server))[0];
+  await sleep(300);
+  check('a lost release of a key ends the jog', end === (await place(server))[0] && begun !== end, { begun, end });
+  await key(page, 'keyUp', 'ArrowLeft');
+}
+
 async function jogs(page, server) {
   const { x, y } = await page.place('[data-jog="1,0"]');
   const press = () => page.mouse('mousePressed', x, y, { button: 'left', buttons: 1, clickCount: 1 });
@@ -177,7 +235,10 @@ try {
   await run_job(page, server);
   await change_settings(page);
   await use_console(page);
+  await use_records(page, server);
   await jogs(page, server);
+  await lost_key_up(page, server);
+  await go_by_click(page, server);
   check('no complaints', page.complaints.length === 0, page.complaints);
   check('no request to another server', page.requests.every((url) => url.startsWith(server.origin) || url.startsWith('blob:') || url.startsWith('ws://127.0.0.1')), page.requests);
   const phone = await open(browser, server, { width: 360, height: 740, dark: true, touch: true });

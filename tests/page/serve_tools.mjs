@@ -39,7 +39,8 @@ export async function keep_picture(page, name, whole = true) {
 
 // The server; its address is in its first line.
 export function start_server(...options) {
-  const child = spawn(program, ['serve', '--board', 'virtual', '--port', '0', '--folder', jobs, ...options],
+  const child = spawn(program, ['serve', '--board', 'virtual', '--port', '0', '--folder', jobs,
+                               '--library', join(folder, 'library.db'), ...options],
                       { stdio: ['ignore', 'pipe', 'inherit'] });
   return new Promise((resolve, reject) => {
     child.on('exit', (code) => reject(new Error(`serve has ended (${code})`)));

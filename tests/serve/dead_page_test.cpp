@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <future>
 #include <random>
+#include <utility>
 
 #include "host/link/simulated_transport.hpp"
 #include "host/run/simulated_boards.hpp"
@@ -28,13 +31,19 @@ constexpr ClientNumber page = 1;
 
 /// What becomes of the page.
 enum class Death {
-  killed,        ///< its connection is closed
-  hidden,        ///< it ends the jog
-  cut_off,       ///< nothing more comes, and the connection stays open
-  late,          ///< renewals arrive a second time, later
-  server_frozen  ///< SIGSTOP to the server: the board gets nothing more
+  process_killed,  ///< the system closes its connection
+  tab_hidden,      ///< it ends the jog
+  network_cut,     ///< its connection is closed, which the server notices later
+  key_up_lost,     ///< nothing more comes, and the connection stays open
+  page_frozen,     ///< SIGSTOP to its computer: the same, and its renewals arrive later
+  server_frozen    ///< SIGSTOP to the server: the board gets nothing more
 };
-constexpr int deaths = 5;
+constexpr std::array death_names{"process killed", "tab hidden",  "network cut",
+                                 "key-up lost",    "page frozen", "server frozen"};
+constexpr int deaths = death_names.size();
+constexpr double steps_per_mm = 200;
+/// Time until a dead page is judged: longer than the lease and the time to brake.
+constexpr Ms watched{450};
 
 /// A board in simulated time. Calls `on_time` from the thread of the machine while it waits.
 class SimulatedTime final : public link::Transport {
@@ -55,7 +64,8 @@ class SimulatedTime final : public link::Transport {
   std::function<void(Ms)> on_time_;
 };
 
-/// One page after the other: each takes control, holds a button for a random time, and dies.
+/// One page after the other: each takes control, holds a button or moves to a place for a random
+/// time, and dies.
 class Pages {
  public:
   Pages(const char* board, int first, int kills)
@@ -91,7 +101,8 @@ class Pages {
     std::filesystem::remove_all(folder);
   }
 
-  double worst_ms() const { return worst_ms_; }
+  /// From the last renewal to rest, without the time to brake, by way to die.
+  const std::array<double, deaths>& worst_ms() const { return worst_ms_; }
   int jogged() const { return jogged_; }
 
  private:
@@ -120,8 +131,18 @@ class Pages {
   }
 
   void renew(std::int64_t seen) {
-    request("jog.run", {{"direction", {begun_at_ > 0 ? -1 : 1}}, {"feed", feed_}, {"seen", seen}});
+    const int direction = begun_at_ > 0 ? -1 : 1;
+    if (!goes_)
+      request("jog.run", {{"direction", {direction}}, {"feed", feed_}, {"seen", seen}});
+    else if (std::exchange(has_begun_, true))
+      request("jog.renew", {{"seen", seen}});
+    else
+      request("jog.go",
+              {{"x", begun_at_ / steps_per_mm + 300 * direction}, {"feed", feed_}, {"seen", seen}});
   }
+
+  std::size_t way_to_die() const { return static_cast<std::size_t>(kill_ % deaths); }
+  Death death() const { return static_cast<Death>(way_to_die()); }
 
   /// In the thread of the machine, between two rounds of it.
   void act(Ms at) {
@@ -139,9 +160,11 @@ class Pages {
   void begin() {
     if (machine_->view().board.state != "Idle") return;
     is_alive_ = true;
-    feed_ = 60.0 * static_cast<double>(20 + random_() % 180);
-    renewals_left_ = 3 + static_cast<int>(random_() % 6);
+    feed_ = 60.0 * static_cast<double>(20 + random_() % 100);
+    renewals_left_ = 3 + static_cast<int>(random_() % 4);
     begun_at_ = x_at(made_.board->now());
+    goes_ = random_() % 2 == 0;
+    has_begun_ = false;
     server_->opened(page);
     request("login", {{"token", token}, {"client", "client-secret-page"}});
     request("control.take", Json::object());
@@ -151,25 +174,31 @@ class Pages {
     is_alive_ = false;
     is_dead_ = true;
     died_ = at;
-    const auto death = static_cast<Death>(kill_ % deaths);
-    if (death == Death::killed) server_->closed(page);
-    if (death == Death::hidden) request("jog.stop", Json::object());
+    is_open_ = true;
+    closes_at_ = at + (death() == Death::process_killed ? 0ms
+                       : death() == Death::network_cut  ? Ms(random_() % 400)
+                                                        : watched);
+    if (death() == Death::tab_hidden) request("jog.stop", Json::object());
     // No loop of the host runs: simulated time passes inside this call.
-    if (death == Death::server_frozen)
-      made_.board->run_until(made_.board->now() + 600 * sim::ps_per_ms);
+    if (death() == Death::server_frozen)
+      made_.board->run_until(made_.board->now() + watched.count() * sim::ps_per_ms);
   }
 
   void judge_later(Ms at) {
-    const auto death = static_cast<Death>(kill_ % deaths);
-    if (death == Death::late && at < died_ + 600ms) return renew(server_ms(renewed_));
-    if (at < died_ + 600ms) return;
+    if (is_open_ && at >= closes_at_) {
+      is_open_ = false;
+      server_->closed(page);
+    }
+    if (death() == Death::page_frozen && is_open_) return renew(server_ms(renewed_));
+    if (at < died_ + watched) return;
     const double brake_ms = feed_ / 60 / acceleration_mm_s2 * 1000;
     const double rest_ms = last_step_ms() - static_cast<double>(renewed_.count());
     EXPECT_LE(rest_ms, lease_and_reaction_ms + brake_ms)
-        << "kill " << kill_ << ", death " << kill_ % deaths << ", " << feed_ << " mm/min";
-    worst_ms_ = std::max(worst_ms_, rest_ms - brake_ms);
+        << "kill " << kill_ << ", " << death_names.at(way_to_die()) << ", " << feed_ << " mm/min, "
+        << (goes_ ? "to a place" : "held");
+    double& worst_ms = worst_ms_.at(way_to_die());
+    worst_ms = std::max(worst_ms, rest_ms - brake_ms);
     if (std::abs(x_at(made_.board->now()) - begun_at_) > 200) ++jogged_;
-    if (death != Death::killed) server_->closed(page);
     is_dead_ = false;
     next_ = at + 60ms;
     if (++kill_ == kills_) ended_.set_value();
@@ -183,31 +212,36 @@ class Pages {
   std::promise<void> ended_;
   // Of the thread of the machine.
   std::mt19937_64 random_{37};
-  bool is_alive_ = false, is_dead_ = false;
+  bool is_alive_ = false, is_dead_ = false, is_open_ = false;
+  bool goes_ = false, has_begun_ = false;  ///< to a place; jog.go was sent
   int id_ = 0, renewals_left_ = 0, jogged_ = 0;
-  double feed_ = 0, worst_ms_ = -1e9;
-  Ms next_{}, renewed_{}, died_{}, begun_{};
+  double feed_ = 0;
+  std::array<double, deaths> worst_ms_{};
+  Ms next_{}, renewed_{}, died_{}, closes_at_{}, begun_{};
   std::int32_t begun_at_ = 0;
 };
 
-void kill_pages(const char* board, int kills, Death first = Death::killed) {
+void kill_pages(const char* board, int kills, Death first = Death::process_killed) {
   Pages pages(board, static_cast<int>(first), kills);
   pages.run();
   EXPECT_EQ(pages.jogged(), kills) << "each page has moved the axis before it died";
   fmt::print("{} pages: at rest at most {:.0f} ms and the time to brake after the last renewal\n",
-             kills, pages.worst_ms());
+             kills, *std::ranges::max_element(pages.worst_ms()));
+  for (std::size_t i = 0; i < death_names.size(); ++i)
+    fmt::print("  {}: {:.0f} ms\n", death_names.at(i), pages.worst_ms().at(i));
 }
 
 TEST(DeadPages, end_their_jogs_on_the_virtual_board) {
-  kill_pages(run::virtual_board, lamplock::test::scaled(200, 100));
+  kill_pages(run::virtual_board, lamplock::test::scaled(20 * deaths, 20 * deaths));
 }
 
 /// A page takes several seconds of the computer here.
 TEST(DeadPages, end_their_jogs_on_the_chip) {
   const std::string image = lamplock::test::in_build("lamplock-rp2040.elf");
   if (!std::filesystem::exists(image)) GTEST_SKIP() << "the firmware was not built";
-  kill_pages(run::chip_board, lamplock::test::is_complete_run() ? 100 : lamplock::test::scaled(2),
-             Death::late);
+  kill_pages(run::chip_board,
+             lamplock::test::is_complete_run() ? 20 * deaths : lamplock::test::scaled(deaths, 2),
+             Death::page_frozen);
 }
 
 }  // namespace

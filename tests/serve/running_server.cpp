@@ -68,6 +68,7 @@ RunningServer::RunningServer(const RunningOptions& options)
   site.is_simulated = options.is_simulated;
   site.token = token;
   site.code = pairing_code;
+  site.library = (folder_ / "library.db").string();
   site.octoprint_key = options.octoprint_key;
   if (!options.password.empty()) site.password_hash = password_hash(options.password);
   server_ = std::make_unique<Server>(site, JobFolder(folder_));
@@ -91,6 +92,7 @@ RunningServer::RunningServer(const RunningOptions& options)
 RunningServer::~RunningServer() {
   web_->stop();
   thread_.join();
+  machine_->end();
   server_->end();
   machine_.reset();
   web_.reset();

@@ -3,7 +3,7 @@
 import { make_painter, no_map, uses_webgl } from '/cloud_painter.js';
 import { Views } from '/views.js';
 
-const near_px = 40, pick_px = 8;
+const near_px = 40, pick_px = 8, click_px = 4;
 
 export class CloudView {
   #link;
@@ -16,10 +16,13 @@ export class CloudView {
   #asks = false;
   #machine = null;
   #opened = 0;    // counts: an answer for a file that is no longer shown is dropped
+  #go;
 
-  constructor(link, element) {
+  // `go` moves the machine to a place {x, y, z}.
+  constructor(link, element, go) {
     this.#link = link;
     this.#element = element;
+    this.#go = go;
     this.views = new Views(element('views'), element('marks'));
     this.views.layers.push(this);
     this.views.hover = (cursor) => this.#hover(cursor);
@@ -28,6 +31,13 @@ export class CloudView {
       this.fit();
     });
     element('view-fit').addEventListener('click', () => this.fit());
+    element('view-area').addEventListener('click', () => this.show_area().catch(() => {}));
+    let pressed = null;
+    element('marks').addEventListener('pointerdown', ({ clientX, clientY }) => { pressed = [clientX, clientY]; });
+    element('marks').addEventListener('click', ({ clientX, clientY }) => {
+      const moved = Math.hypot(clientX - pressed[0], clientY - pressed[1]);
+      if (element('go').checked && !element('go').disabled && moved <= click_px) this.#click();
+    });
     element('view-in').addEventListener('click', () => this.views.zoom(1.5));
     element('view-out').addEventListener('click', () => this.views.zoom(1 / 1.5));
   }
@@ -47,6 +57,24 @@ export class CloudView {
     this.close();
     const cloud = await this.#link.call('cloud.open', { name });
     if (cloud.points > 0) await this.#show_cloud(cloud);
+  }
+
+  // The work area alone.
+  async show_area() {
+    this.close();
+    this.#bounds = await this.#link.call('machine.area');
+    this.#frames = [{ box: this.#bounds, colour: '--line', dash: [] }];
+    this.#element('cloud-text').textContent = '';
+    this.#element('view').hidden = false;
+    this.fit();
+  }
+
+  // A click into a plane: its two axes go there, the third one stays.
+  #click() {
+    if (!this.#cursor || this.#cursor.pane.name === 'camera') return;
+    const { pane, at } = this.#cursor;
+    const place = this.views.to_place(pane, at).map((mm) => Number(mm.toFixed(3)));
+    this.#go(Object.fromEntries([...'xyz'].map((name, i) => [name, place[i]]).filter((_, i) => pane.back[i] === 0)));
   }
 
   async #show_cloud(cloud) {
@@ -110,7 +138,7 @@ export class CloudView {
     if (done === this.painter?.done && String(machine) === String(this.#machine)) return;
     this.#machine = machine;
     if (this.painter) this.painter.done = done;
-    if (this.#cloud) this.views.draw_soon();
+    if (!this.#element('view').hidden) this.views.draw_soon();
   }
 
   #hover(cursor) {

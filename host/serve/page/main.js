@@ -6,6 +6,7 @@ import { Jobs } from '/job.js';
 import { Jogger } from '/jog.js';
 import { Link, keep_token, merge, take_token } from '/link.js';
 import { Placer } from '/place.js';
+import { Records } from '/records.js';
 
 const element = (id) => document.getElementById(id);
 const max_lines = 500;
@@ -31,11 +32,13 @@ function show() {
   element('control-text').textContent = `${others}; ${control.clients ?? 0} connected`;
   element('control').textContent = control.own ? 'Release control' : 'Take control';
   element('pairing').hidden = control.paired !== false;
-  for (const button of document.querySelectorAll('.needs-control')) button.disabled = !control.own;
+  for (const each of document.querySelectorAll('.needs-control')) each.disabled = !control.own;
   element('write').disabled = !control.own || changes().length === 0;
   element('start').disabled = !control.own || job.running;
   jobs.show(job);
   cloud.follow(status, jobs.name);
+  jogger.follow(board);
+  records.follow(job);
 }
 
 const link = new Link(take_token(), {
@@ -46,6 +49,7 @@ const link = new Link(take_token(), {
     element('board').textContent = `${login.board}${login.simulated ? ' (simulated)' : ''}`;
     if (!whole.control.held) link.tell('control.take');
     jobs.list();
+    records.list_macros();
     show();
   },
   down(text) {
@@ -71,9 +75,10 @@ const link = new Link(take_token(), {
     if (is_at_end) box.scrollTop = box.scrollHeight;
   },
 });
-const cloud = new CloudView(link, element);
+const cloud = new CloudView(link, element, (place) => jogger.go(place));
 const jogger = new Jogger(link, element);
 const jobs = new Jobs(link, element, cloud, show_problem);
+const records = new Records(link, element);
 
 // After a job was made, it is checked; after a description was written, it is listed.
 new Placer(link, element, cloud, show_problem, async (name) => {

@@ -1,0 +1,108 @@
+#include "host/serve/history.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "host/material/job_history.hpp"
+#include "host/run/material_records.hpp"
+#include "host/serve/error_message.hpp"
+
+namespace lamplock::serve {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t max_shown = 100;
+
+std::string utc_text(std::chrono::system_clock::time_point time) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
+}
+
+Json or_null(const auto& value) { return value ? Json(*value) : Json(); }
+
+void keep_job(const std::string& library, const std::string& board, const EndedJob& job) {
+  material::JobRecord record;
+  record.file = job.view.name;
+  record.board = board;
+  record.begin = utc_text(job.begin);
+  record.end = utc_text(job.end);
+  record.result = job.view.end;
+  record.message = job.view.message;
+  record.item = job.item;
+  record.is_dry = job.view.is_dry;
+  record.done = static_cast<std::int64_t>(job.view.done);
+  record.total = static_cast<std::int64_t>(job.view.total);
+  record.wasted_beats = job.wasted_beats;
+  const std::string file = run::library_file(library);
+  std::error_code ignored;
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
+  material::add_job(file, record);
+}
+
+}  // namespace
+
+void History::add(std::vector<EndedJob> jobs) {
+  for (EndedJob& job : jobs) unkept_.push_back(std::move(job));
+}
+
+void History::poll() {
+  try {
+    writing_.take();
+  } catch (const std::exception& error) {
+    note_("history of jobs: " + message_of(error));
+  }
+  if (writing_.is_busy() || unkept_.empty()) return;
+  writing_.start([jobs = std::exchange(unkept_, {}), library = library_, board = board_] {
+    for (const EndedJob& job : jobs) keep_job(library, board, job);
+    return true;
+  });
+}
+
+void History::end() {
+  writing_ = {};  // waits
+  try {
+    for (const EndedJob& job : unkept_) keep_job(library_, board_, job);
+  } catch (const std::exception& error) {
+    note_("history of jobs: " + message_of(error));
+  }
+}
+
+Json history_json(const std::string& library) {
+  Json jobs = Json::array();
+  for (const material::JobRecord& job : material::last_jobs(run::library_file(library), max_shown))
+    jobs.push_back({{"file", job.file},
+                    {"board", job.board},
+                    {"begin", job.begin},
+                    {"end", job.end},
+                    {"result", job.result},
+                    {"message", job.message},
+                    {"item", job.item},
+                    {"dry", job.is_dry},
+                    {"done", job.done},
+                    {"total", job.total},
+                    {"wasted_beats", or_null(job.wasted_beats)}});
+  return jobs;
+}
+
+Json materials_json(const std::string& library) {
+  Json rows = Json::array();
+  for (const material::Setting& setting :
+       run::library_for_reading(library).all<material::Setting>())
+    rows.push_back({{"material", setting.material},
+                    {"laser", setting.laser},
+                    {"operation", setting.operation},
+                    {"thickness", or_null(setting.thickness_mm)},
+                    {"feed", setting.feed_mm_min},
+                    {"power", setting.power_w},
+                    {"passes", setting.passes},
+                    {"kerf", or_null(setting.kerf_mm)},
+                    {"note", setting.note}});
+  return rows;
+}
+
+}  // namespace lamplock::serve

@@ -1,0 +1,51 @@
+// The methods macro.*, history.list and material.list of the server.
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/serve/history.hpp"
+#include "host/serve/machine.hpp"
+#include "host/serve/macros.hpp"
+#include "host/serve/server.hpp"
+
+namespace lamplock::serve {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Hidden: no client can send a file of this name.
+Macros macros_in(const JobFolder& folder) { return Macros(folder.path() / ".macros.json"); }
+
+}  // namespace
+
+void Server::list_macros(const Call& call) { succeed(call, macros_in(folder_).all()); }
+
+void Server::set_macro(const Call& call) {
+  macros_in(folder_).set(call.parameters()["name"], call.parameters()["lines"]);
+  succeed(call, nullptr);
+}
+
+void Server::remove_macro(const Call& call) {
+  macros_in(folder_).remove(call.parameters()["name"]);
+  succeed(call, nullptr);
+}
+
+void Server::run_macro(const Call& call) {
+  machine_->send_lines(macros_in(folder_).lines_of(call.parameters()["name"]));
+  succeed(call, nullptr);
+}
+
+void Server::list_history(const Call& call) {
+  const auto jobs = std::make_shared<Json>();
+  compute(
+      call, [jobs, library = options_.library] { *jobs = history_json(library); },
+      [jobs] { return *jobs; });
+}
+
+void Server::list_materials(const Call& call) {
+  const auto rows = std::make_shared<Json>();
+  compute(
+      call, [rows, library = options_.library] { *rows = materials_json(library); },
+      [rows] { return *rows; });
+}
+
+}  // namespace lamplock::serve
