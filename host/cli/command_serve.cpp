@@ -88,8 +88,8 @@ void add_serve(Command& program) {
       .value_name("FILE")
       .file(FileUse::write);
   app.add_option("--octoprint", &options->octoprint,
-                 "Answer slicers as OctoPrint does; their key is in this file, which is made if it "
-                 "does not exist")
+                 "Answer slicers as OctoPrint does; FILE has their API key and is made if it does "
+                 "not exist")
       .value_name("FILE")
       .file(FileUse::write);
   app.add_option("--library", &options->library,

@@ -25,7 +25,8 @@ void put_number(std::string& bytes, std::uint64_t number) {
 
 std::shared_ptr<const Cloud> read_cloud(const std::string& path, const std::string& name) {
   if (run::kind_of_sent_file(path) != run::SentKind::job)
-    throw Error(Exit::bad_input, name, "is a program, which has no points", "check it instead");
+    throw Error(Exit::bad_input, name, "is a G-code program, which has no points",
+                "use job.check, which returns its picture");
   return std::make_shared<const Cloud>(run::read_prepared_job(path).points);
 }
 
