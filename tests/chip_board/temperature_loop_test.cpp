@@ -79,7 +79,7 @@ TEST(TemperatureLoopOnTheChip, IsDarkWithin5MsOfACutWireAndContinuesWhenTheUserS
 
 /// The image of the Pico lacks the settings, which would use SRAM for nothing.
 TEST(TemperatureLoopOnTheChip, ImagesOfBoardsWithoutASensorSayThatTheyLackIt) {
-  ChipRig rig(job::Profile{}.settings);
+  ChipRig rig(job::Profile{});
   rig.user.step(300 * ps_per_ms);
   for (const std::string line : {"$1061=1", "$1064=5", "$1069=0"}) {
     const std::string said = rig.user.answer(line);
