@@ -259,7 +259,7 @@ const std::set<std::string> not_of_lines{
     "error:14",  // $N, $I
     "error:17",  // settings
     "error:18",  // a reset meanwhile
-    "error:40",  // there is no tool change
+    "error:40",  // lines of the user in a tool change
     "error:45",  // homing
     "error:46",  // homing
     "error:50",  // $ commands while the emergency stop is active
