@@ -142,7 +142,9 @@ TEST(Jobs, are_held_by_a_hold_right_after_the_start) {
   for (int round = 0; round < 3; ++round) {
     client.call("job.start", {{"name", "cut.ngc"}});
     client.call("machine.hold");
-    client.watch(700ms);
+    client.watch(300ms);
+    for (int i = 0; i < 50 && client.status()["job"].value("word", "") != "held"; ++i)
+      client.watch(100ms);
     EXPECT_EQ(client.status()["job"]["running"], true);
     EXPECT_EQ(client.status()["job"]["word"], "held");
     EXPECT_EQ(server.machine().view().board.machine_mm.at(0), 0);
