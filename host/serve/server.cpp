@@ -35,7 +35,7 @@ constexpr std::size_t max_login_bytes = 2048, max_call_bytes = 256 * 1024,
 constexpr auto login_time = 5s;
 /// The holder of control gets the time of the server this often: a jog needs it.
 constexpr auto time_interval = 100ms;
-constexpr std::size_t max_persons = 600, max_answers = 64;
+constexpr std::size_t max_answers = 64;
 constexpr std::size_t min_secret = 16, max_secret = 64;
 
 /// Codes of JSON-RPC 2.0; refused: of this server.
@@ -331,14 +331,6 @@ void Server::finish(const Call& call, const Json& response) {
         open != caller->second.answers.end() && open->second.empty())
       open->second = text;
   call.respond(text);
-}
-
-Server::Person& Server::person(const std::string& secret) {
-  if (persons_.size() >= max_persons && !persons_.contains(secret))
-    std::erase_if(persons_, [this](const auto& each) {
-      return !each.second.is_paired && !has_client(each.first);
-    });
-  return persons_[secret];
 }
 
 // Notifications.

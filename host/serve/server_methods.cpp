@@ -29,6 +29,8 @@ namespace {
 constexpr int needs_password = -32001;
 /// Wrong codes until none is right.
 constexpr int max_wrong_codes = 5;
+/// Persons beyond these are forgotten, unless they are paired or connected.
+constexpr std::size_t max_persons = 600;
 /// A jog ends this long after the notification that its last request has seen, however late the
 /// request comes: a page that has died, or its network, cannot extend it.
 constexpr std::chrono::milliseconds max_age{240};
@@ -113,6 +115,14 @@ const std::map<std::string_view, Server::Handler>& Server::handlers() {
       {"settings.get", &Server::get_settings},
       {"settings.set", &Server::set_settings}};
   return all;
+}
+
+Server::Person& Server::person(const std::string& secret) {
+  if (persons_.size() >= max_persons && !persons_.contains(secret))
+    std::erase_if(persons_, [this](const auto& each) {
+      return !each.second.is_paired && !has_client(each.first);
+    });
+  return persons_[secret];
 }
 
 void Server::login(const Call& call) {
