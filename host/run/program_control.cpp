@@ -104,7 +104,7 @@ void ProgramControl::end_machine(bool is_ended) {
 }
 
 /// Only the pauses of the program itself are continued: a machine that holds for a fault would hold
-/// again, or go on with the fault.
+/// again, or continue with the fault.
 void ProgramControl::take_end_of_input() {
   if (sender_.at_pause() || sender_.status().is("Tool")) {
     note("no terminal input: continuing");

@@ -116,8 +116,8 @@ settings::Values ChipBoard::stored_settings() {
 
 void ChipBoard::connect_pads(const settings::Values& stored, const DriveConfig& drives) {
   // Drives on the board have a polarity of their own.
-  const bool enabled_high = !boards::find_board(map_)->drives &&
-                            stored.whole(settings::Id::enable_invert) != 0;
+  const bool enabled_high =
+      !boards::find_board(map_)->drives && stored.whole(settings::Id::enable_invert) != 0;
   for (const Wire& wire : output_wires)
     if (const auto gpio = boards::find_gpio(map_, wire.role))
       outputs_[*gpio] = Pad{wire.pin, wire.inverted && !enabled_high};

@@ -241,8 +241,9 @@ TEST(Gantry, WithoutASecondMotorItReportsThat) {
   machine::Controller controller(values, {}, board);
   std::array<std::uint8_t, 512> bytes{};
   const std::size_t n = controller.transmit(bytes);
-  EXPECT_THAT(std::string(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)),
-              HasSubstr("[MSG:No second motor: $966 is ignored, it needs a board with outputs for A]"));
+  EXPECT_THAT(
+      std::string(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)),
+      HasSubstr("[MSG:No second motor: $966 is ignored, it needs a board with outputs for A]"));
   EXPECT_FALSE(controller.runner().generator().kinematics().coupled());
 }
 
