@@ -69,6 +69,7 @@ void Machine::stop() {
   step_.reset();
   if (std::exchange(next_job_, std::nullopt)) words_.clear();
   lines_.clear();
+  barred_since_ = now_();
   if (requests_) return requests_->stop();
   view_.job.is_running = false;  // a job that had not begun
   stop_ = true;
@@ -123,6 +124,16 @@ void Machine::send_lines(const std::vector<std::string>& lines) {
 
 void Machine::run_jog(const pendant::Direction& direction, double feed_mm_min,
                       std::chrono::milliseconds lease) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto now = now_();
+    if (barred_since_ && now - *barred_since_ <= lease_time) {
+      barred_since_ = now;
+      throw Error(Exit::job_failed, "jog", "was stopped",
+                  "release the button, then press it again");
+    }
+    barred_since_.reset();
+  }
   lend({direction, std::nullopt, feed_mm_min, {}}, lease);
 }
 
@@ -160,6 +171,16 @@ void Machine::stop_jog() {
   lease_.reset();
   step_.reset();
   jog_stop_ = true;
+}
+
+void Machine::bar_jog() {
+  const std::lock_guard lock(mutex_);
+  barred_since_ = now_();
+}
+
+void Machine::release_jog() {
+  const std::lock_guard lock(mutex_);
+  barred_since_.reset();
 }
 
 std::vector<EndedJob> Machine::take_ended() {

@@ -93,7 +93,8 @@ class Machine {
   void send_line(const std::string& line) { send_lines({line}); }
   /// All of them or none.
   void send_lines(const std::vector<std::string>& lines);
-  /// Moves for `lease`, at most lease_time.
+  /// Moves for `lease`, at most lease_time. After stop() or bar_jog() a button that is still held
+  /// moves nothing: it is refused until release_jog(), or until no request has come for lease_time.
   void run_jog(const pendant::Direction& direction, double feed_mm_min,
                std::chrono::milliseconds lease = lease_time);
   void step_jog(int axis, double mm, double feed_mm_min);
@@ -102,6 +103,10 @@ class Machine {
   void go_to(const Place& place, double feed_mm_min, std::chrono::milliseconds lease = lease_time);
   void renew_jog(std::chrono::milliseconds lease = lease_time);
   void stop_jog();
+  /// The jog was stopped by another one than who holds its button.
+  void bar_jog();
+  /// The button was released.
+  void release_jog();
   /// Jobs that have ended since the last call.
   std::vector<EndedJob> take_ended();
 
@@ -161,7 +166,8 @@ class Machine {
   std::optional<JobStart> next_job_;
   std::optional<Lease> lease_;
   std::optional<Step> step_;
-  std::shared_ptr<JobRequests> requests_;  ///< of the running job
+  std::optional<Clock::time_point> barred_since_;  ///< the last request of a jog that is barred
+  std::shared_ptr<JobRequests> requests_;          ///< of the running job
   bool stop_ = false, jog_stop_ = false, ending_ = false;
 
   // Of the thread of the machine.

@@ -164,7 +164,9 @@ constexpr std::array table{
            "list of `material`, `laser`, `operation`, `thickness` (mm or null), `feed` (mm/min), "
            "`power` (W), `passes`, `kerf` (mm or null), `note`"},
     Method{"jog.run", Right::control, run_parameters,
-           "Moves at a feed for 200 ms; a client repeats it while a key is held.", "nothing"},
+           "Moves at a feed for 200 ms; a client repeats it while a key is held. After a stop of "
+           "another client it is refused until `jog.stop`, or until no request has come for 200 ms.",
+           "nothing"},
     Method{"jog.step", Right::control, step_parameters, "Moves one step.", "nothing"},
     Method{"jog.go", Right::control, go_parameters,
            "Begins to move along a straight line to a place, from rest, for 200 ms; axes that are "

@@ -328,6 +328,10 @@ void Server::step_jog(const Call& call) {
 
 void Server::stop_jog(const Call& call) {
   machine_->stop_jog();
+  if (call.secret == holder_)
+    machine_->release_jog();
+  else
+    machine_->bar_jog();
   succeed(call, nullptr);
 }
 

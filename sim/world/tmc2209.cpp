@@ -1,5 +1,6 @@
 #include "sim/world/tmc2209.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -109,15 +110,11 @@ std::vector<std::uint8_t> TmcWire::receive(std::uint8_t byte, Picoseconds at, Pi
   return reply;
 }
 
-bool TmcWire::is_shared_rightly() const {
+bool TmcWire::may_reply(const Tmc2209& drive) const {
   constexpr std::uint32_t min_delay = 2;
-  unsigned powered = 0, early = 0;
-  for (const Tmc2209& drive : drives) {
-    if (!drive.is_powered()) continue;
-    ++powered;
-    if (field(drive.written(Tmc2209::nodeconf), 8, 4) < min_delay) ++early;
-  }
-  return powered < 2 || early == 0;
+  const auto powered = std::count_if(drives.begin(), drives.end(),
+                                     [](const Tmc2209& one) { return one.is_powered(); });
+  return powered < 2 || field(drive.written(Tmc2209::nodeconf), 8, 4) >= min_delay;
 }
 
 /// Obeys a complete datagram.
@@ -137,7 +134,7 @@ std::vector<std::uint8_t> TmcWire::take() {
     for (int shift = 24; shift >= 0; shift -= 8)
       reply.push_back(static_cast<std::uint8_t>(value >> shift));
     reply.push_back(tmc_crc(reply));
-    if (!is_shared_rightly()) reply[reply.size() / 2] ^= 0xff;
+    if (!may_reply(drive)) reply[reply.size() / 2] ^= 0xff;
     // 8 bits, or 24 for SENDDELAY 2 and 3, 40 for 4 and 5, and so on.
     reply_delay_bits_ =
         static_cast<int>(8 * (field(drive.written(Tmc2209::nodeconf), 8, 4) / 2 * 2 + 1));

@@ -8,8 +8,8 @@
 // A datagram is "05 address register|80 data crc" (write) or "05 address register crc" (read), the
 // reply to the latter "05 FF register data crc"; data are 32 bits, the upper byte first. A drive
 // ignores datagrams with a wrong CRC, and those for other addresses. The wire is one: what is sent
-// on it comes back to the sender. While one of several drives has SENDDELAY 0 or 1, which is not
-// allowed then (5.1), replies are damaged.
+// on it comes back to the sender. The reply of a drive with SENDDELAY 0 or 1, which is not allowed
+// where several share the wire (5.1), is damaged.
 #pragma once
 
 #include <array>
@@ -87,7 +87,7 @@ class TmcWire {
 
   std::vector<std::uint8_t> take();
 
-  bool is_shared_rightly() const;
+  bool may_reply(const Tmc2209& drive) const;
 
   int reply_delay_bits_ = 8;
   std::vector<std::uint8_t> datagram_;

@@ -20,8 +20,11 @@ std::optional<settings::Values> listed(ChipRig& rig) {
       return std::nullopt;
     ++count;
   }
-  // The image of a Pico has no settings of drives.
-  if (count != static_cast<std::size_t>(Id::drive_current_x)) return std::nullopt;
+  // The image of a Pico has no settings of drives, and none of the loop of a sensor.
+  std::size_t all = 0;
+  for (int i = 0; i < static_cast<int>(Id::drive_current_x); ++i)
+    if (!settings::needs_sensor(settings::number(static_cast<Id>(i)))) ++all;
+  if (count != all) return std::nullopt;
   return values;
 }
 

@@ -174,7 +174,7 @@ TEST(CloudMethods, refuse_what_has_no_points) {
   const auto error_of = [&](const char* method, const Json& parameters) {
     return client.call(method, parameters).value("/error/message"_json_pointer, std::string());
   };
-  EXPECT_THAT(error_of("cloud.open", {{"name", "a.ngc"}}), HasSubstr("is a program"));
+  EXPECT_THAT(error_of("cloud.open", {{"name", "a.ngc"}}), HasSubstr("is a G-code program"));
   EXPECT_THAT(error_of("cloud.open", {{"name", "../a.llj"}}), HasSubstr("no such file"));
   EXPECT_THAT(error_of("cloud.points", {{"cloud", 9}, {"from", 0}}), HasSubstr("open it again"));
   const Json sight{{"cloud", 9}, {"at", {0, 0, 0}}, {"along", {0, 0, 0}}, {"mm", 1}};

@@ -63,5 +63,31 @@ TEST(JogTo, a_place_is_not_continued_after_a_stop) {
   EXPECT_EQ(server.machine().view().board.machine_mm.at(0), at);
 }
 
+/// A stop of any client ends the jog of a button that is held: its renewals move nothing until it
+/// is released.
+TEST(JogTo, a_held_button_moves_nothing_after_a_stop_of_a_watcher) {
+  for (const char* how : {"machine.stop", "jog.stop"}) {
+    SCOPED_TRACE(how);
+    RunningServer server;
+    RawClient page = server.client("page"), watcher = server.client("watcher");
+    page.call("subscribe");
+    page.call("control.take");
+    page.watch(150ms);
+    const auto hold_for = [&](int renewals) {
+      for (int i = 0; i < renewals; ++i) {
+        page.call("jog.run", {{"direction", {1, 0, 0}}, {"feed", 3000}, {"seen", page.time()}});
+        page.watch(70ms);
+      }
+      return server.machine().view().board.machine_mm.at(0);
+    };
+    EXPECT_GT(hold_for(3), 1);
+    watcher.call(how);
+    const double stopped = hold_for(5);
+    EXPECT_EQ(hold_for(5), stopped);
+    page.call("jog.stop");
+    EXPECT_GT(hold_for(4), stopped + 1);
+  }
+}
+
 }  // namespace
 }  // namespace lamplock::serve::test::jog_to_test
