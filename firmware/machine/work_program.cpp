@@ -5,7 +5,8 @@ namespace lamplock::machine {
 namespace {
 
 // A constant, because the compiler would count its characters at run time.
-constexpr std::string_view bytes_lost = "Bytes were lost, no further line runs: reset, then send the program again";
+constexpr std::string_view bytes_lost =
+    "Bytes were lost, no further line runs: reset, then send the program again";
 
 }  // namespace
 

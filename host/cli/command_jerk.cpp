@@ -174,8 +174,9 @@ void add_outputs(Command& app, JerkOptions& options) {
       .check(number_from(0, false))
       .value_name("MS")
       .show_default();
-  app.add_option("--learn", &options.learn,
-                 "Use for each block the law of the jerk with the smallest error on simulated drives")
+  app.add_option(
+         "--learn", &options.learn,
+         "Use for each block the law of the jerk with the smallest error on simulated drives")
       .common();
   app.add_option("--no-compare", &options.no_compare,
                  "Omit the table that compares the feed with the firmware's own plan");

@@ -163,10 +163,11 @@ constexpr std::array table{
     Method{"material.list", Right::all, none, "The settings of the material library.",
            "list of `material`, `laser`, `operation`, `thickness` (mm or null), `feed` (mm/min), "
            "`power` (W), `passes`, `kerf` (mm or null), `note`"},
-    Method{"jog.run", Right::control, run_parameters,
-           "Moves at a feed for 200 ms; a client repeats it while a key is held. After a stop of "
-           "another client it is refused until `jog.stop`, or until no request has come for 200 ms.",
-           "nothing"},
+    Method{
+        "jog.run", Right::control, run_parameters,
+        "Moves at a feed for 200 ms; a client repeats it while a key is held. After a stop of "
+        "another client it is refused until `jog.stop`, or until no request has come for 200 ms.",
+        "nothing"},
     Method{"jog.step", Right::control, step_parameters, "Moves one step.", "nothing"},
     Method{"jog.go", Right::control, go_parameters,
            "Begins to move along a straight line to a place, from rest, for 200 ms; axes that are "
