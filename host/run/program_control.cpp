@@ -111,7 +111,7 @@ void ProgramControl::take_end_of_input() {
     return resume();
   }
   note("no terminal input to resume the program");
-  stopping_ = true;
+  stopping_ = lacks_user_ = true;
   note("stopping");
   sender_.stop();
 }

@@ -25,6 +25,8 @@ class ProgramControl : public JobControl {
       : JobControl(frontend, progress, clocking), sender_(sender), time_(time) {}
 
   bool waits_for_user() const override { return blocked_; }
+  /// It has stopped the program, because a fault has held it and there is no terminal.
+  bool lacks_user() const { return lacks_user_; }
 
  private:
   static constexpr int full_percent = 100;
@@ -48,8 +50,9 @@ class ProgramControl : public JobControl {
   link::LineSender& sender_;
   ProgramTime& time_;
   int feed_percent_ = full_percent, rapid_percent_ = full_percent;  ///< overrides, as reported last
-  bool blocked_ = false;     ///< an obstacle held the machine, and the user has not resumed since
-  bool is_holding_ = false;  ///< by a key, until the user resumes
+  bool blocked_ = false;  ///< an obstacle held the machine, and the user has not resumed since
+  bool lacks_user_ = false;
+  bool is_holding_ = false;                                ///< by a key, until the user resumes
   std::chrono::microseconds door_sent_at_{};               ///< by the sender's clock
   std::chrono::microseconds waiting_since_{}, waited_{0};  ///< by the sender's clock
 };

@@ -208,6 +208,7 @@ ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions
   }
   outcome.result = sender.result();
   outcome.ended_by = supervisor.ended_by();
+  outcome.lacks_user = control.lacks_user();
   return outcome;
 }
 
@@ -305,6 +306,9 @@ Exit judge(const ProgramOutcome& outcome, const std::string& board, Frontend& fr
            link::error_text(result.errors.front().error),
            fmt::format("correct the line; the machine is at rest, {}", reach));
     case LineEnd::stopped:
+      if (outcome.lacks_user)
+        fail(outcome.file, "the machine held, and no terminal can resume it; " + reach,
+             "see its message above");
       frontend.notice("stopped: " + reach);
       return Exit::interrupted;
     case LineEnd::alarm:

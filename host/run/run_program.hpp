@@ -32,8 +32,9 @@ struct ProgramOutcome {
   std::size_t lines = 0;
   std::optional<double> planned_s{};
   link::LineResult result{};
-  link::Homing homing{};   ///< as the board has reported it
-  std::string ended_by{};  ///< the line of the computer that stopped it; empty if none did
+  link::Homing homing{};    ///< as the board has reported it
+  std::string ended_by{};   ///< the line of the computer that stopped it; empty if none did
+  bool lacks_user = false;  ///< a fault has held it, and there was no terminal to resume it
   LostFiles lost{};
   std::exception_ptr error{};  ///< why it ended, after lines were sent, if by an error
 };

@@ -39,7 +39,7 @@ TEST_F(Spot, IsSeenByTheLoop) {
 
 TEST_F(Spot, AProgramThatAFaultHasHeldEndsWithoutAUser) {
   const Finished done = sent({});
-  EXPECT_NE(done.status, 0);
+  EXPECT_EQ(done.status, 1);
   EXPECT_THAT(done.out + done.err, HasSubstr("SENSOR out of range"));
   EXPECT_THAT(done.out + done.err, HasSubstr("no terminal input to resume the program"));
   EXPECT_THAT(done.out + done.err, Not(HasSubstr("continuing")));
