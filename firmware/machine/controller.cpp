@@ -17,7 +17,8 @@ Controller::Controller(const settings::Values& stored, const InterruptMask& mask
   configure_reader();
   shots_.permit(false, BeatReason::no_point_due);
   send_banner();
-  if (!ganged) report_message("No second motor: $966 is ignored, it needs a board with outputs for A");
+  if (!ganged)
+    report_message("No second motor: $966 is ignored, it needs a board with outputs for A");
   if (stored.whole(Id::homing) == 0) return;
   // The position is unknown until the machine is homed.
   handle(Event::power_up_unhomed, alarm_homing_wanted);

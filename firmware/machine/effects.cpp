@@ -51,7 +51,8 @@ void MachineEvents::stop_lines() {
 }
 
 // A constant, because the compiler would count its characters at run time.
-constexpr std::string_view stopped_by_host = "Stopped by the host: '$X' or reset, then start the program again";
+constexpr std::string_view stopped_by_host =
+    "Stopped by the host: '$X' or reset, then start the program again";
 
 /// Lines that wait are answered with an error and not run.
 void MachineEvents::refuse_program() {
