@@ -245,7 +245,7 @@ class ProgramReader {
   std::uint64_t dwell_end_ = 0;  ///< clock
   /// Of the program, during lines of the user. Not initialised: that would be code in SRAM.
   union Before {
-    Before() {}
+    Before() {}  // NOLINT(modernize-use-equals-default): that is deleted where members have values
     struct {
       program::Modal modal;
       program::Place place_e7;
