@@ -150,7 +150,7 @@ Exit heat(HeatCommand options) {
 
 // No laser, machine or process is beyond these.
 constexpr glass::Range feed_range{0, 1e6, false}, gain_range{0, 1e6, false},
-    time_range{0, 1e6, false}, percent_range{0.01, 99, true}, volts_range{0, 3.3, true};
+    time_range{0, 1e6, false}, percent_range{0.01, 99, true}, volts_range{0, 3.3, false};
 
 void add_number(Command& app, const char* name, Target target, const char* text, const char* unit,
                 const char* group, bool shows_default = false,

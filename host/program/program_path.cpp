@@ -65,7 +65,7 @@ class PathReader {
         move(action, line);
         return;
       case ActionKind::dwell:
-        text(fmt::format("G4 P{:g}", action.time_us / 1e6));
+        dwell(action, line);
         return;
       case ActionKind::coolant:
         coolant(action);
@@ -90,7 +90,23 @@ class PathReader {
   std::vector<PathStep> steps() && { return std::move(steps_); }
 
  private:
-  void text(std::string line) { steps_.push_back({{}, std::move(line)}); }
+  void text(std::string line) { steps_.push_back({{}, std::move(line), 0}); }
+
+  /// The light of a dwell (setting 936) depends on the state before it: this is written, too.
+  void dwell(const Action& action, std::size_t line) {
+    PathMove light;
+    light.line = line;
+    if (laser_of(action) == PathLaser::constant) {
+      light.laser = PathLaser::constant;
+      light.s = action.speed_milli / 1e3;
+      // G1 needs a feed; each of the moves brings its own.
+      text(fmt::format("M3 S{:g} G1 F1", light.s));
+    } else if (has_laser_ && (steps_.empty() || steps_.back().text != "M5")) {
+      text("M5");
+    }
+    const double seconds = action.time_us / 1e6;
+    steps_.push_back({light, fmt::format("G4 P{:g}", seconds), seconds});
+  }
 
   void coolant(const Action& action) {
     text("M9");
@@ -128,7 +144,7 @@ class PathReader {
       begun.s = action.speed_milli / 1e3;
       begun.feed_mm_s = action.feed_um_min / 60e3;
       begun.vertices = {at_};
-      steps_.push_back({begun, ""});
+      steps_.push_back({begun, "", 0});
       timed_s_ = 0;
     }
     steps_.back().move.vertices.push_back(to);

@@ -29,11 +29,13 @@ struct PathMove {
   std::vector<PerAxis<double>> vertices;  ///< the start first; two for a straight move
 };
 
-/// A move, or a line of G-code if it has no vertices. A laser is switched on by its moves, a
-/// spindle by lines.
+/// A move, or a line of G-code if it has no vertices. A laser is switched on by its moves and for
+/// its dwells, a spindle by lines. `move` of a dwell has its line, and its light if the board
+/// permits that (setting 936).
 struct PathStep {
   PathMove move{};
   std::string text{};
+  double dwell_s = 0;  ///< 0: no dwell
 };
 
 /// Throws Error(bad_input) about FILE:LINE for a line with an error, and for one whose effect

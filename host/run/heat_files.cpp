@@ -1,5 +1,7 @@
 #include "host/run/heat_files.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "host/error.hpp"
@@ -36,6 +38,17 @@ void write_heat_files(const HeatOptions& options, const std::function<std::strin
     drawing->commit();
     frontend.say("picture   {}", options.picture);
   }
+}
+
+double refinement_shown(const thermal::StraightSetup& setup, double speed_mm_s, double power_w,
+                        Frontend& frontend) {
+  const thermal::StraightResult rough = thermal::straight_run(setup, speed_mm_s, power_w);
+  const auto progress = frontend.progress("check of the mesh", 2 * rough.steps, 0);
+  std::size_t done = 0;
+  const thermal::StraightResult fine =
+      thermal::straight_run(thermal::refined(setup), speed_mm_s, power_w,
+                            [&] { progress->update(std::min(++done, 2 * rough.steps)); });
+  return std::abs(fine.max_k - rough.max_k) / (rough.max_k - setup.surface.ambient_k);
 }
 
 void say_refinement(double change, double max_change, const std::string& remedy,

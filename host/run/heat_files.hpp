@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host/run/heat.hpp"
+#include "host/thermal/straight_run.hpp"
 
 namespace lamplock::run {
 
@@ -19,6 +20,10 @@ void write_heat_files(const HeatOptions& options, const std::function<std::strin
 /// `max_change`.
 void say_refinement(double change, double max_change, const std::string& remedy,
                     Frontend& frontend);
+
+/// Change of the rise of a straight track with half the mesh and half the step, over the rise.
+double refinement_shown(const thermal::StraightSetup& setup, double speed_mm_s, double power_w,
+                        Frontend& frontend);
 
 /// Of a column, and of a body, whose mesh is coarser.
 inline constexpr double max_depth_change = 0.01, max_body_change = 0.05;

@@ -120,6 +120,12 @@ std::vector<std::string> board_lines(const thermal::LoopSettings& loop,
   return lines;
 }
 
+/// To milliseconds, so that the printed time is calm too.
+double rounded_up(double seconds) {
+  constexpr double per_s = 1000;
+  return std::ceil(seconds * per_s) / per_s;
+}
+
 /// Throws Error(bad_input) if the loop would oscillate by the delays of a board.
 void require_calm(const TunedHeat& tuned, const HeatOptions& options, double part) {
   if (thermal::is_calm(tuned.on_board)) return;
@@ -130,7 +136,7 @@ void require_calm(const TunedHeat& tuned, const HeatOptions& options, double par
       fmt::format("with {:g} s the loop would oscillate on the board, whose power acts {:g} "
                   "ms later",
                   options.goal.settling_s, board.delay_s * 1e3),
-      calm_s ? fmt::format("give at least {:.2g} s", *calm_s)
+      calm_s ? fmt::format("give at least {:.3f} s", rounded_up(*calm_s))
              : "use a slower feed or a wider beam: this process is too fast for the board");
 }
 
@@ -158,7 +164,7 @@ HeldHeat held_heat(const HeatOptions& options, Frontend& frontend) {
     const thermal::HeldPair& slowest =
         *std::min_element(out.pairs.begin(), out.pairs.end(),
                           [](const auto& a, const auto& b) { return a.speed_mm_s < b.speed_mm_s; });
-    out.refinement = thermal::straight_refinement(setup, slowest.speed_mm_s, slowest.power_w);
+    out.refinement = refinement_shown(setup, slowest.speed_mm_s, slowest.power_w, frontend);
     say_refinement(*out.refinement, max_body_change, "the powers are rough", frontend);
   }
   const auto picture = [&] {

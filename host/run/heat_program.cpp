@@ -28,6 +28,31 @@ using thermal::BeamMove;
 /// The field is computed at each step; more would take hours.
 constexpr std::size_t max_path_steps = 50'000;
 
+/// A dwell: with light as far as the board permits light at rest, the rest of it dark.
+void add_dwell(std::vector<BeamMove>& moves, const PathStep& step, const settings::Values& values,
+               double full_power_w) {
+  constexpr double percent = 100;
+  const double permitted_s =
+      step.move.laser == PathLaser::constant ? in_units(values, Id::focus_time) : 0;
+  const double lit_s = std::min(step.dwell_s, permitted_s);
+  const double part = std::min(in_units(values, Id::focus_power) / percent,
+                               step.move.s / in_units(values, Id::max_spindle_speed));
+  // A rest is where the beam is.
+  BeamMove rest{.line = step.move.line};
+  if (!moves.empty()) {
+    rest.x0 = rest.x1 = moves.back().x1;
+    rest.y0 = rest.y1 = moves.back().y1;
+  }
+  const auto add = [&](double seconds, double power_w) {
+    if (seconds <= 0) return;
+    rest.rest_s = seconds;
+    rest.power_w = power_w;
+    moves.push_back(rest);
+  };
+  add(lit_s, full_power_w * part);
+  add(step.dwell_s - lit_s, 0);
+}
+
 /// Moves of a program in the plane; a move of Z alone is a rest.
 std::vector<BeamMove> moves_of(const std::vector<PathStep>& steps, const settings::Values& values,
                                double full_power_w) {
@@ -36,11 +61,8 @@ std::vector<BeamMove> moves_of(const std::vector<PathStep>& steps, const setting
   const double max_s = in_units(values, Id::max_spindle_speed);
   std::vector<BeamMove> moves;
   for (const PathStep& step : steps) {
-    if (step.move.vertices.empty()) {
-      if (step.text.starts_with("G4 P"))
-        moves.push_back({.rest_s = std::stod(step.text.substr(4))});
-      continue;
-    }
+    if (step.dwell_s > 0) add_dwell(moves, step, values, full_power_w);
+    if (step.move.vertices.empty()) continue;
     const auto& move = step.move;
     const bool is_lit = move.laser == PathLaser::constant || move.laser == PathLaser::proportional;
     for (std::size_t i = 1; i < move.vertices.size(); ++i) {
@@ -55,12 +77,6 @@ std::vector<BeamMove> moves_of(const std::vector<PathStep>& steps, const setting
       moves.push_back(one);
     }
   }
-  // A rest is where the beam is.
-  for (std::size_t i = 1; i < moves.size(); ++i)
-    if (moves[i].line == 0) {
-      moves[i].x0 = moves[i].x1 = moves[i - 1].x1;
-      moves[i].y0 = moves[i].y1 = moves[i - 1].y1;
-    }
   return moves;
 }
 
@@ -161,12 +177,13 @@ void say_overheated(const ProgramHeat& out, Frontend& frontend) {
                count_text(out.overheated.size(), "line"), out.limit_k);
   for (std::size_t i = 0; i < std::min(max_lines, out.overheated.size()); ++i) {
     const thermal::Overheated& one = out.overheated[i];
-    frontend.say(
-        "  line {:>6}{:>9.1f} K at X{:.3f} Y{:.3f}: power {:.4g} W ({:.0f} % of its S) or feed "
-        "{:.0f} mm/min",
-        one.heat.line, one.heat.hottest.max_k, one.heat.hottest.x, one.heat.hottest.y,
-        one.heat.power_w * one.power_factor, 100 * one.power_factor,
-        one.heat.speed_mm_s * one.feed_factor * 60);
+    const std::string feed =
+        one.heat.speed_mm_s > 0
+            ? fmt::format(" or feed {:.0f} mm/min", one.heat.speed_mm_s * one.feed_factor * 60)
+            : ", or a shorter dwell";
+    frontend.say("  line {:>6}{:>9.1f} K at X{:.3f} Y{:.3f}: power {:.4g} W ({:.0f} % of its S){}",
+                 one.heat.line, one.heat.hottest.max_k, one.heat.hottest.x, one.heat.hottest.y,
+                 one.heat.power_w * one.power_factor, 100 * one.power_factor, feed);
   }
   if (out.overheated.size() > max_lines)
     frontend.say("  and {} more", out.overheated.size() - max_lines);
@@ -175,6 +192,19 @@ void say_overheated(const ProgramHeat& out, Frontend& frontend) {
                  *out.max_with_proposal_k > out.limit_k
                      ? ": write them into the program, and compute again"
                      : "");
+}
+
+/// The hottest line that moves is computed with a finer mesh.
+void check_mesh(ProgramHeat& out, const thermal::PathSetup& setup, Frontend& frontend) {
+  const thermal::LineHeat* hottest = nullptr;
+  for (const thermal::LineHeat& line : out.lines)
+    if (line.speed_mm_s > 0 && (hottest == nullptr || line.hottest.max_k > hottest->hottest.max_k))
+      hottest = &line;
+  if (hottest == nullptr) return;
+  out.refinement =
+      refinement_shown({setup.body, setup.surface, setup.beam, setup.meshing, setup.thickness_mm},
+                       hottest->speed_mm_s, hottest->power_w, frontend);
+  say_refinement(*out.refinement, max_body_change, "temperatures are rough", frontend);
 }
 
 }  // namespace
@@ -222,15 +252,7 @@ ProgramHeat heat_of_program(const HeatOptions& options, Frontend& frontend) {
     out.max_with_proposal_k = max_changed;
   }
   say_overheated(out, frontend);
-  if (options.has_check) {
-    const auto hottest = std::max_element(
-        out.lines.begin(), out.lines.end(),
-        [](const auto& a, const auto& b) { return a.hottest.max_k < b.hottest.max_k; });
-    out.refinement = thermal::straight_refinement(
-        {setup.body, setup.surface, setup.beam, setup.meshing, setup.thickness_mm},
-        hottest->speed_mm_s, hottest->power_w);
-    say_refinement(*out.refinement, max_body_change, "temperatures are rough", frontend);
-  }
+  if (options.has_check) check_mesh(out, setup, frontend);
   write_heat_files(
       options, [&] { return table.text(); },
       [&] {

@@ -7,8 +7,8 @@
 namespace lamplock::thermal {
 namespace {
 
-/// Time steps of a piece: by the way of the beam, at rest by the time of heat in the beam's radius,
-/// without light a few that grow.
+/// Time steps of a piece: by the way of the beam and the time of heat in the beam's radius, at rest
+/// enough for the steep rise at the begin, without light two.
 std::size_t steps_of(const MotionPiece& piece, const BeamMove& move, const PathSetup& setup) {
   const double radius = setup.beam.radius_mm();
   constexpr double dark_steps = 2;
@@ -16,7 +16,10 @@ std::size_t steps_of(const MotionPiece& piece, const BeamMove& move, const PathS
   const double way = std::hypot(piece.x1 - piece.x0, piece.y1 - piece.y0);
   const double heat_s = radius * radius / setup.body.diffusivity_mm2_s();
   const double in_step = setup.meshing.radii_per_step;
-  const double steps = std::max(way / (radius * in_step), piece.seconds / (heat_s * in_step * 4));
+  constexpr double slow = 4, min_rest_steps = 10;
+  const double steps =
+      way > 0 ? std::max(way / (radius * in_step), piece.seconds / (heat_s * in_step * slow))
+              : std::max(min_rest_steps, piece.seconds / (heat_s * in_step));
   return static_cast<std::size_t>(std::max(1.0, std::ceil(steps)));
 }
 
@@ -26,7 +29,8 @@ MovingSetup moving_setup(const std::vector<BeamMove>& moves, const PathSetup& se
   MovingSetup moving{setup.body, setup.surface, setup.beam, setup.meshing};
   moving.low_x = moving.low_y = 1e300;
   moving.high_x = moving.high_y = -1e300;
-  double way = 0, time = 0;
+  const double radius = setup.beam.radius_mm();
+  double way = 0, time = 0, rest_mm_s = 0;
   for (const BeamMove& move : moves) {
     if (move.power_w <= 0) continue;
     moving.low_x = std::min({moving.low_x, move.x0, move.x1});
@@ -36,16 +40,17 @@ MovingSetup moving_setup(const std::vector<BeamMove>& moves, const PathSetup& se
     const double length = std::hypot(move.x1 - move.x0, move.y1 - move.y0);
     way += length;
     if (length > 0) time += length / move.speed_mm_s;
+    // In a rest heat reaches as deep as below a beam that passes in its time.
+    if (move.rest_s > 0) rest_mm_s = std::max(rest_mm_s, radius / move.rest_s);
   }
-  const double radius = std::max(setup.beam.half_x_mm, setup.beam.half_y_mm);
-  const double margin =
-      std::max(10 * radius, 2.5 * std::sqrt(4 * setup.body.diffusivity_mm2_s() * seconds));
+  const double margin = std::max(10 * std::max(setup.beam.half_x_mm, setup.beam.half_y_mm),
+                                 2.5 * std::sqrt(4 * setup.body.diffusivity_mm2_s() * seconds));
   moving.low_x -= margin;
   moving.low_y -= margin;
   moving.high_x += margin;
   moving.high_y += margin;
   moving.depth_mm = setup.thickness_mm.value_or(margin);
-  moving.speed_mm_s = time > 0 ? way / time : 0;
+  moving.speed_mm_s = std::max(time > 0 ? way / time : 0, rest_mm_s);
   return moving;
 }
 

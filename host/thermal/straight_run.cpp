@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/error.hpp"
 
@@ -19,8 +20,11 @@ constexpr int max_hold_rounds = 20;
 /// The beam on its way along x.
 class Track {
  public:
-  Track(const StraightSetup& setup, double speed_mm_s)
-      : setup_(setup), speed_(speed_mm_s), field_(moving_setup(setup, speed_mm_s)) {
+  Track(const StraightSetup& setup, double speed_mm_s, std::function<void()> each_step = {})
+      : setup_(setup),
+        speed_(speed_mm_s),
+        each_step_(std::move(each_step)),
+        field_(moving_setup(setup, speed_mm_s)) {
     const double radius = setup.beam.radius_mm();
     // A slow beam heats by conduction: its time is that of the heat.
     step_s_ = setup.meshing.radii_per_step *
@@ -31,10 +35,13 @@ class Track {
     const double next = x_ + speed_ * step_s_;
     field_.advance({x_, 0, next, 0}, power_w, step_s_);
     x_ = next;
+    ++steps_;
+    if (each_step_) each_step_();
   }
   bool has_ended() const { return x_ + speed_ * step_s_ > way_radii * setup_.beam.half_x_mm; }
   double rise() const { return field_.max_surface_k() - setup_.surface.ambient_k; }
   double step_s() const { return step_s_; }
+  std::size_t steps() const { return steps_; }
   const MovingField& field() const { return field_; }
 
   /// Until the rise changes by less than 0.2 % in the time of a radius.
@@ -69,15 +76,19 @@ class Track {
 
   StraightSetup setup_;
   double speed_, x_ = 0, step_s_ = 0;
+  std::size_t steps_ = 0;
+  std::function<void()> each_step_;
   MovingField field_;
 };
 
 }  // namespace
 
-StraightResult straight_run(const StraightSetup& setup, double speed_mm_s, double power_w) {
-  Track track(setup, speed_mm_s);
+StraightResult straight_run(const StraightSetup& setup, double speed_mm_s, double power_w,
+                            const std::function<void()>& each_step) {
+  Track track(setup, speed_mm_s, each_step);
   StraightResult result;
   result.is_steady = track.settle(power_w);
+  result.steps = track.steps();
   result.max_k = track.field().max_surface_k();
   const HeatSolver& solver = track.field().solver();
   // Both halves.
@@ -115,14 +126,12 @@ HeldPair held_pair(const StraightSetup& setup, double speed_mm_s, double hold_k)
               "give a lower temperature");
 }
 
-double straight_refinement(const StraightSetup& setup, double speed_mm_s, double power_w) {
+StraightSetup refined(const StraightSetup& setup) {
   StraightSetup fine = setup;
   fine.meshing.cells_per_radius *= 2;
   fine.meshing.growth = std::sqrt(setup.meshing.growth);
   fine.meshing.radii_per_step /= 2;
-  const double ambient = setup.surface.ambient_k;
-  const double rise = straight_run(setup, speed_mm_s, power_w).max_k - ambient;
-  return std::abs(straight_run(fine, speed_mm_s, power_w).max_k - ambient - rise) / rise;
+  return fine;
 }
 
 Plant measured_plant(const StraightSetup& setup, double speed_mm_s, double power_w) {

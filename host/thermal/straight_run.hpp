@@ -8,6 +8,8 @@
 // than a hundred radii of the beam in each direction, or as thick as the sheet.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -26,12 +28,15 @@ struct StraightSetup {
 struct StraightResult {
   double max_k = 0;        ///< of the surface
   bool is_steady = false;  ///< false: it still changes by more than 0.2 % per radius
+  std::size_t steps = 0;   ///< of time
   Losses losses_w{};       ///< of the whole surface at the end
   double absorbed_w = 0;
   EnergyBalance balance{};
 };
-/// Throws Error(job_failed) if the equations do not converge.
-StraightResult straight_run(const StraightSetup& setup, double speed_mm_s, double power_w);
+/// `each_step`, if any, is called at the end of each time step. Throws Error(job_failed) if the
+/// equations do not converge.
+StraightResult straight_run(const StraightSetup& setup, double speed_mm_s, double power_w,
+                            const std::function<void()>& each_step = {});
 
 struct HeldPair {
   double speed_mm_s = 0, power_w = 0;
@@ -41,8 +46,8 @@ struct HeldPair {
 /// Error(bad_input) for a temperature that is not above ambient, Error(job_failed).
 HeldPair held_pair(const StraightSetup& setup, double speed_mm_s, double hold_k);
 
-/// Change of the rise with half the mesh and half the step, over the rise.
-double straight_refinement(const StraightSetup& setup, double speed_mm_s, double power_w);
+/// The same with half the mesh and half the step.
+StraightSetup refined(const StraightSetup& setup);
 
 /// The plant of the controller: dT = gain * dP/P after a step of the power, with a first-order lag.
 struct Plant {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/cli/program.hpp"
 
@@ -69,6 +70,30 @@ TEST(Heat, HoldsAndTunes) {
   EXPECT_NEAR(tuned["set_point_step"]["settling_s"].get<double>(), 0.05, 5e-4);
   EXPECT_NEAR(tuned["set_point_step"]["overshoot"].get<double>(), 0.028, 5e-4);
   EXPECT_NEAR(tuned["zeta"].get<double>(), 0.7512, 1e-4);
+}
+
+/// Light at rest has the power and the time that the machine permits, and belongs to its line.
+TEST(Heat, ComputesLightInDwells) {
+  const Folder folder;
+  const std::string records = folder.write("acrylic.toml", acrylic_record),
+                    program = folder.write(
+                        "a.ngc", "G21 G90 F600\nM3 S500 G1\nG4 P3\nX1 S50\nM4\nG4 P1\nM2\n");
+  const auto heated = [&](const char* settings) {
+    return heat_json({"heat", program, "--materials", records, "--power", "1", "--beam", "0.4",
+                      "--no-check", "--json", "--machine", folder.write("m.toml", settings)});
+  };
+  const auto rise = [](const nlohmann::json& line) { return line["max_k"].get<double>() - 293.15; };
+  const std::string laser = "laser_mode = 1\nmax_spindle_speed = 1000\n";
+  const auto dark = heated(laser.c_str());
+  ASSERT_EQ(dark["lines"].size(), 1u);
+  EXPECT_EQ(dark["lines"][0]["line"], 4);
+  const auto lit = heated((laser + "focus_power = 100\nfocus_time = 5\n").c_str());
+  ASSERT_EQ(lit["lines"].size(), 2u);
+  EXPECT_EQ(lit["lines"][0]["line"], 3);
+  const auto weak = heated((laser + "focus_power = 25\nfocus_time = 5\n").c_str());
+  EXPECT_NEAR(rise(weak["lines"][0]), rise(lit["lines"][0]) / 2, 1e-6 * rise(lit["lines"][0]));
+  const auto brief = heated((laser + "focus_power = 100\nfocus_time = 0.1\n").c_str());
+  EXPECT_LT(rise(brief["lines"][0]), 0.9 * rise(lit["lines"][0]));
 }
 
 TEST(Heat, RefusesInOneLine) {
@@ -139,10 +164,25 @@ TEST(Heat, TunesNoLoopThatOscillatesOnTheBoard) {
     EXPECT_THAT(done.err, HasSubstr(what));
     EXPECT_EQ(done.out, "");
   };
-  refused({"--time-constant", "0.05", "--sensor-scale", "200", "--settling", "0.02"},
-          "give at least 0.02");
+  for (const char* constant : {"0.05", "0.12", "0.31", "0.9"}) {
+    const std::string error =
+        tuned({"--time-constant", constant, "--sensor-scale", "200", "--settling", "0.015"}).err;
+    const std::string remedy = "give at least ";
+    const std::size_t at = error.find(remedy);
+    ASSERT_NE(at, std::string::npos) << error;
+    std::istringstream number(error.substr(at + remedy.size()));
+    std::string seconds;
+    number >> seconds;
+    const Finished done =
+        tuned({"--time-constant", constant, "--sensor-scale", "200", "--settling", seconds});
+    EXPECT_EQ(done.status, 0) << done.err;
+  }
   refused({"--time-constant", "0.005", "--sensor-scale", "200", "--settling", "0.01"},
           "too fast for the board");
+  EXPECT_THAT(
+      run({"heat", "--tune", "--gain", "300", "--time-constant", "0.05", "--sensor-volts", "0"})
+          .err,
+      HasSubstr("more than 0"));
   refused({"--time-constant", "0.05", "--sensor-scale", "0"}, "sensor_scale would be 0");
   refused({"--time-constant", "0.05", "--sensor-scale", "0.0001"}, "below its resolution");
 }
