@@ -20,6 +20,7 @@
 #include <string>
 #include <string_view>
 
+#include "host/link/board_text.hpp"
 #include "host/link/line_port.hpp"
 
 namespace lamplock::link {
@@ -30,10 +31,11 @@ std::optional<std::uint8_t> realtime_word(std::string_view typed);
 /// All words, for a help text.
 std::string realtime_words();
 
-/// The error or alarm that ended a conversation.
+/// The error or alarm that ended a conversation, or the hold at its end.
 struct ConsoleFailure {
   std::size_t line = 0;  ///< number of the typed line, from 1
   std::string text;      ///< error or alarm of the board, with its meaning
+  const char* remedy = "";
 };
 
 /// One conversation; the port must outlive it.
@@ -70,7 +72,8 @@ class LineConsole {
   };
 
   void take(const std::string& line);
-  void fail(const std::string& text);
+  void fail(const std::string& text, const char* remedy = "later lines were not sent");
+  void fail_held(const BoardStatus& status);
   void send_next();
   void send_word_behind_pause();
   void send_byte(std::uint8_t byte, const std::string& discarded = "");
@@ -88,6 +91,8 @@ class LineConsole {
   Typed current_{0, ""};
   std::size_t typed_ = 0;
   Waiting waiting_ = Waiting::nothing;
+  /// In order: no program line was sent since a resume or a reset, or a hold or a pause was.
+  bool may_wait_ = true;
   bool held_ = false;      ///< interactive: the queue waits for a resume or a reset
   int reports_asked_ = 0;  ///< by the user; other reports are not shown
   Time sent_at_{}, heard_at_{}, asked_at_{};

@@ -112,7 +112,7 @@ void run_script(SupervisedBoard& board, LineInput& input, Frontend& frontend) {
   }
   if (!talk.failure()) return;
   throw Error(Exit::job_failed, fmt::format("line {}", talk.failure()->line), talk.failure()->text,
-              "later lines were not sent");
+              talk.failure()->remedy);
 }
 
 }  // namespace

@@ -91,6 +91,29 @@ TEST(LineConsole, in_order_a_word_ends_a_pause) {
   EXPECT_THAT(board.lines, ElementsAre("G1 X1", "M0", "G1 X2"));
 }
 
+/// A fault or a door holds the machine before the end of a script: the script has failed, but not
+/// if it asked for the hold, or has only read settings of a machine that was held before.
+TEST(LineConsole, in_order_a_hold_at_the_end_is_a_failure) {
+  const auto failed = [](const std::vector<const char*>& lines, bool holds) {
+    GrblModel board;
+    Talk talk(board, true);
+    for (const char* line : lines) talk.console.type(line);
+    talk.console.end_input();
+    const auto limit = board.now() + 20s;
+    while (!talk.console.done() && board.now() < limit) talk.console.step();
+    if (holds) board.state = "Hold:0";
+    while (!talk.console.at_rest() && board.now() < limit) talk.console.step();
+    EXPECT_TRUE(talk.console.at_rest());
+    return talk.console.failure().has_value();
+  };
+  EXPECT_FALSE(failed({"G1 X1"}, false));
+  EXPECT_TRUE(failed({"G1 X1"}, true));
+  EXPECT_TRUE(failed({"$$", "M0", "~", "G1 X1"}, true));
+  EXPECT_FALSE(failed({"$$"}, true));
+  EXPECT_FALSE(failed({"G1 X1", "!"}, true));
+  EXPECT_FALSE(failed({"G1 X1", "$$", "!", "?"}, true));
+}
+
 /// Without a pause every line waits for its turn.
 TEST(LineConsole, in_order_a_hold_waits_for_the_answer) {
   GrblModel board;
