@@ -142,7 +142,7 @@ GcodeError MachineConsole::change_setting(std::string_view line) {
   if (asked.id == Id::count && settings::needs_sensor(asked.number))
     return refuse_number(asked.number, lacks_sensor);
   if (asked.error != GcodeError::none) return asked.error;
-  if (!may_be_changed() && !mends_drives(asked.id)) return GcodeError::not_idle;
+  if (!may_be_changed() && !mends_start(asked.id)) return GcodeError::not_idle;
   settings::Values values = stored_;
   values.set_milli(asked.id, asked.milli);
   if (const GcodeError error = refuse_for_board(values); error != GcodeError::none) return error;
@@ -152,11 +152,15 @@ GcodeError MachineConsole::change_setting(std::string_view line) {
   return GcodeError::none;
 }
 
-/// During the e-stop of a board whose drives stay off for a stored setting, the settings of drives.
-bool MachineConsole::mends_drives([[maybe_unused]] Id id) {
+/// Settings that may have to be changed during the e-stop of a board that refuses to drive its
+/// pads: active low STEP and DIR, in force from the next start on; those of drives that a stored
+/// one keeps off.
+bool MachineConsole::mends_start(Id id) {
+  if (machine_.state() != State::estop || !nothing_is_under_way()) return false;
+  if (id == Id::step_invert || id == Id::direction_invert) return true;
 #if LAMPLOCK_DRIVE_SETTINGS
-  return id >= Id::drive_current_x && machine_.state() == State::estop && nothing_is_under_way() &&
-         unfit_drive_setting(board_, stored_) != Id::count;
+  return id >= Id::drive_current_x &&
+         boards::unfit_drive_setting(board_.limits, stored_) != Id::count;
 #else
   return false;
 #endif
@@ -164,7 +168,7 @@ bool MachineConsole::mends_drives([[maybe_unused]] Id id) {
 
 /// Reports which setting the board does not have, if there is one.
 GcodeError MachineConsole::refuse_for_board(const settings::Values& values) {
-  const Id refused = unfit_setting(board_, values);
+  const Id refused = boards::unfit_setting(board_.limits, values);
   if (refused == Id::count) return refuse_for_drives(values);
   const std::uint16_t number = settings::number(refused);
   return refuse_number(number, settings::needs_sensor(number) ? lacks_sensor : of_another_board);
@@ -181,11 +185,13 @@ GcodeError MachineConsole::refuse_number(std::uint16_t number, std::string_view 
 /// Reports what the drives of the board permit, if a value is not among it.
 GcodeError MachineConsole::refuse_for_drives([[maybe_unused]] const settings::Values& values) {
 #if LAMPLOCK_DRIVE_SETTINGS
-  if (const Id refused = unfit_drive_setting(board_, values); refused != Id::count) {
+  if (const Id refused = boards::unfit_drive_setting(board_.limits, values); refused != Id::count) {
     TextLine text;
     text.add("$").add(settings::number(refused));
     if (refused < Id::microsteps_x)
-      text.add(" at most ").add(std::int64_t{board_.max_drive_current_ma}).add(" mA on a board ");
+      text.add(" at most ")
+          .add(std::int64_t{board_.limits.max_drive_current_ma})
+          .add(" mA on a board ");
     else
       text.add(" is 1, 2, 4, 8, 16, 32, 64, 128 or 256 on a board ");
     text.add(board_.name);
@@ -196,20 +202,23 @@ GcodeError MachineConsole::refuse_for_drives([[maybe_unused]] const settings::Va
   return GcodeError::none;
 }
 
-/// Reports the highest rate that the pulses of an axis permit, if the rate set is higher.
+/// Reports the highest rate that the pulses of an axis permit, if the rate set is higher; else
+/// which setting contradicts others.
 GcodeError MachineConsole::refuse_settings(const settings::Values& values, std::uint16_t setting) {
   const settings::RateExcess excess = settings::rate_excess(values);
-  if (excess.axis < 0) return GcodeError::setting_out_of_range;
-  const std::int64_t number = settings::number(settings::for_axis(Id::max_rate_x, excess.axis));
-  if (setting != number) return GcodeError::setting_out_of_range;
+  const bool is_rate = excess.axis >= 0 &&
+                       setting == settings::number(settings::for_axis(Id::max_rate_x, excess.axis));
   TextLine text;
-  if (excess.is_shared)
+  if (is_rate && excess.is_shared)
     text.add("$110 and $111 together");
   else
-    text.add("$").add(number);
-  text.add(" at most ").add_milli(excess.max_milli).add(" mm/min with $0 and $1077");
+    text.add("$").add(std::int64_t{setting});
+  if (is_rate)
+    text.add(" at most ").add_milli(excess.max_milli).add(" mm/min with $0 and $1077");
+  else
+    text.add(" does not go with other settings");
   report_message(text.view());
-  return GcodeError::step_rate_too_high;
+  return is_rate ? GcodeError::step_rate_too_high : GcodeError::setting_out_of_range;
 }
 
 /// Applies settings that the user has changed, at rest.
@@ -227,7 +236,7 @@ void MachineConsole::take_over(const settings::Values& values) {
 void MachineConsole::restore_defaults() {
   report_message("Restoring defaults");
   settings::Values values;
-  fit_settings(board_, values);
+  boards::fit_settings(board_.limits, values);
   take_over(values);
 }
 

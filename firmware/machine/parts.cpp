@@ -24,7 +24,7 @@ bool same_beat(const settings::Values& a, const settings::Values& b) {
 bool MachineParts::use_kinematics() {
   settings::Values values = stored_;
   const Kinematics wanted(values);
-  if (const bool lacks_motor = board_.axes < max_axes; lacks_motor)
+  if (const bool lacks_motor = board_.limits.axes < max_axes; lacks_motor)
     values.set_milli(Id::ganged_axis, 0);
   motion_.generator().set_kinematics(Kinematics(values));
   return motion_.generator().kinematics() == wanted;

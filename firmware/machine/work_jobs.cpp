@@ -43,7 +43,7 @@ Result MachineWork::job_settings(const wire::JobHeader& header, settings::Values
   if (refused_value_ != 0) return Result::bad_value;
   if (header.settings_hash != 0 && header.settings_hash != values.hash())
     return Result::settings_mismatch;
-  if (header.axes != values.whole(Id::axes) || header.axes > board_.axes) {
+  if (header.axes != values.whole(Id::axes) || header.axes > board_.limits.axes) {
     refused_value_ = settings::number(Id::axes);
     return Result::bad_value;
   }
@@ -57,7 +57,7 @@ Result MachineWork::job_settings(const wire::JobHeader& header, settings::Values
 bool MachineWork::fires_without_edges(const wire::JobHeader& header,
                                       const settings::Values& values) const {
   const auto mode = static_cast<settings::LampMode>(values.whole(Id::lamp_mode));
-  return !board_.triggers_lamp && !header.dry && header.mode != wire::mode_rows &&
+  return !board_.limits.triggers_lamp && !header.dry && header.mode != wire::mode_rows &&
          mode != settings::LampMode::slave;
 }
 
@@ -138,7 +138,8 @@ Result MachineWork::may_begin_job() const {
     options.min_beats = static_cast<std::int32_t>(rules.min_beats);
     rows_.forget();
     runner_.begin(options, values, header.first_index);
-    decoder_.begin(header, static_cast<std::uint8_t>(values.whole(Id::channels)) & board_.channels);
+    decoder_.begin(header,
+                   static_cast<std::uint8_t>(values.whole(Id::channels)) & board_.limits.channels);
   }
   return Result::ok;
 }

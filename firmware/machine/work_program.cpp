@@ -99,7 +99,7 @@ bool MachineWork::change_over(program::BeatLock lock) {
 void MachineWork::configure_reader() {
   std::uint16_t setting = 0;
   const bool sound = check_settings(stored_, setting) == Result::ok;
-  const int permitted = stored_.whole(settings::Id::channels) & board_.channels;
+  const int permitted = stored_.whole(settings::Id::channels) & board_.limits.channels;
   reader_.configure(stored_, static_cast<std::uint8_t>(sound ? permitted : 0),
                     {board_.outputs, program_inputs(board_.inputs)});
 }

@@ -17,9 +17,11 @@ struct FlashOptions : run::FlashOptions {
   bool json = false;
 };
 
-Json as_json(const flash::UpdateReport& report, const std::string& image) {
+Json as_json(const run::Flashed& flashed) {
+  const flash::UpdateReport& report = flashed.report;
   const auto text = [](const std::string& value) { return value.empty() ? Json() : Json(value); };
-  Json document = {{"image", image},
+  Json document = {{"image", flashed.file},
+                   {"board", text(flashed.board)},
                    {"way", report.drive ? "drive" : "usb"},
                    {"sectors", nullptr},
                    {"written", nullptr},
@@ -48,7 +50,7 @@ Exit flash_board(const FlashOptions& options) {
   if (options.board == "chip") refuse_for_chip(options);
   Console console(options.json);
   const run::Flashed flashed = run::flash_board(options, console);
-  console.document(as_json(flashed.report, flashed.file));
+  console.document(as_json(flashed));
   return flashed.report.confirmed() ? Exit::done : Exit::job_failed;
 }
 

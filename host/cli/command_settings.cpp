@@ -13,6 +13,7 @@
 #include "host/file/staged_file.hpp"
 #include "host/job/setting_range.hpp"
 #include "host/run/board_settings.hpp"
+#include "host/run/other_board.hpp"
 #include "host/run/settings_file.hpp"
 
 namespace lamplock::cli {
@@ -107,7 +108,10 @@ Exit get(const SettingsOptions& options) {
 Exit bring_to(const SettingsOptions& options, std::vector<Change> wanted, bool is_file) {
   Console console(options.json);
   run::SettingsSession board = open(options);
-  if (is_file) wanted = link::without_missing_defaults(board.settings(), std::move(wanted));
+  if (is_file) {
+    run::refuse_backup_of_other_board(options.file, wanted, board.settings());
+    wanted = link::without_missing_defaults(board.settings(), std::move(wanted));
+  }
   BoardSettings after;
   const std::vector<Change> changes = board.bring_to(wanted, after);
   Json document = Json::array();

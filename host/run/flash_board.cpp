@@ -87,7 +87,7 @@ flash::UpdateReport flash_site(const flash::UpdateSite& site, const FlashFile& f
   };
   events.on_progress = [&](const FlashProgress& progress) { view.update(progress); };
   flash::Update update(site, file.image, std::move(events));
-  flash::UpdateReport report = options.drive.empty() ? update.run(options.serial, options.for_board)
+  flash::UpdateReport report = options.drive.empty() ? update.run(options.serial, file.board)
                                                      : update.run_on_drive(options.drive);
   if (!report.version_problem.empty())
     frontend.say("the image is on the board; its version was not read: {}", report.version_problem);
@@ -100,15 +100,18 @@ Flashed flash_board(const FlashOptions& options, Frontend& frontend) {
   const bool is_chip = options.board == "chip";
   const FlashFile file = read_flash_file(options.image, options.for_board);
   std::function<void()> pull = loader_lines(options.lines);
-  frontend.phase("image", fmt::format("{}, {} bytes", file.file, file.image.size));
+  frontend.phase("image",
+                 fmt::format("{}, {} bytes{}", file.file, file.image.size,
+                             file.board.empty() ? "" : fmt::format(", board {}", file.board)));
   if (is_chip) {
     EmptyChip chip;
-    Flashed flashed{file.file, flash_site(chip.site(), file, options, frontend)};
+    Flashed flashed{file.file, file.board, flash_site(chip.site(), file, options, frontend)};
     frontend.line("simulated board: changes are not kept");
     return flashed;
   }
   ThisComputer computer;
-  return {file.file, flash_site(computer.site(std::move(pull)), file, options, frontend)};
+  return {file.file, file.board,
+          flash_site(computer.site(std::move(pull)), file, options, frontend)};
 }
 
 }  // namespace lamplock::run

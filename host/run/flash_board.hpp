@@ -17,7 +17,8 @@ struct FlashOptions {
 };
 
 struct Flashed {
-  std::string file;  ///< the image
+  std::string file;   ///< the image
+  std::string board;  ///< that it is for; empty: it does not say so
   flash::UpdateReport report;
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/file.hpp"
+#include "host/flash/image_board.hpp"
 #include "host/flash/uf2.hpp"
 #include "host/run/image_path.hpp"
 #include "host/run/simulated_boards.hpp"
@@ -35,7 +36,9 @@ FlashFile read_flash_file(const std::string& name, const std::string& board) {
     for (sim::chip::ImagePart& part : image.parts)
       parts.push_back({part.address, std::move(part.bytes)});
   }
-  return {file, flash::make_flash_image(std::move(parts), file)};
+  flash::FlashImage image = flash::make_flash_image(std::move(parts), file);
+  std::string of_board = flash::board_of_image(image);
+  return {file, std::move(image), std::move(of_board)};
 }
 
 }  // namespace lamplock::run

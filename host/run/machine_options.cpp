@@ -4,6 +4,7 @@
 
 #include "host/error.hpp"
 #include "host/gpio/read_line_table.hpp"
+#include "host/job/board_of_profile.hpp"
 #include "host/job/read_profile.hpp"
 
 namespace lamplock::run {
@@ -37,6 +38,7 @@ job::Profile MachineOptions::profile() const {
   if (lamp_mode)
     job::state_setting(profile, Id::lamp_mode, static_cast<double>(lamp_mode_named(*lamp_mode)),
                        "--lamp-mode");
+  if (!machine.empty()) job::require_board_has(profile, machine);
   return profile;
 }
 

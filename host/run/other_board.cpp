@@ -7,21 +7,27 @@
 
 namespace lamplock::run {
 
-void refuse_profile_of_other_board(const std::string& file, const settings::Values& profile,
-                                   const link::BoardSettings& board) {
-  using settings::Id;
+using settings::Id;
+
+void refuse_file_of_other_board(const std::string& file, int pin_map,
+                                const link::BoardSettings& board) {
   if (!board.has(Id::pin_map)) return;
-  const auto row_of = [](const settings::Values& values) {
-    return boards::find_board(static_cast<boards::PinMap>(values.whole(Id::pin_map)));
-  };
-  const boards::BoardRow *wanted = row_of(profile), *own = row_of(board.values);
+  const int own_map = board.values.whole(Id::pin_map);
+  const boards::BoardRow *wanted = boards::find_board(static_cast<boards::PinMap>(pin_map)),
+                         *own = boards::find_board(static_cast<boards::PinMap>(own_map));
   if (wanted == own || wanted == nullptr || own == nullptr) return;
   throw Error(
       Exit::bad_input, file,
       fmt::format("is for the board {} (pin_map = {}), the connected one is {} (pin_map = {})",
-                  wanted->name, profile.whole(Id::pin_map), own->name,
-                  board.values.whole(Id::pin_map)),
-      fmt::format("use a profile of {}, or that board", own->name));
+                  wanted->name, pin_map, own->name, own_map),
+      fmt::format("use a file of {}, or that board", own->name));
+}
+
+void refuse_backup_of_other_board(const std::string& file, const std::vector<link::Change>& changes,
+                                  const link::BoardSettings& board) {
+  for (const link::Change& change : changes)
+    if (change.number == settings::number(Id::pin_map))
+      refuse_file_of_other_board(file, std::stoi(change.text), board);
 }
 
 }  // namespace lamplock::run

@@ -364,7 +364,8 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
   const link::BoardStatus status = link::greet(board.port()).status;
   const auto of_board = settings_of(board.port());
   if (of_board && !asked.machine.machine.empty())
-    refuse_profile_of_other_board(asked.machine.machine, values, *of_board);
+    refuse_file_of_other_board(asked.machine.machine, values.whole(settings::Id::pin_map),
+                               *of_board);
   std::optional<program_run::BoardState> state;
   if (of_board)
     state = program_run::read_state(board.port(), status,

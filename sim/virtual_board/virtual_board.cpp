@@ -43,7 +43,7 @@ machine::BoardFeatures features_of(const settings::Values& stored) {
   machine::BoardFeatures features;
   features.outputs = boards::program_outputs(map);
   features.second_wire = boards::axes_of_z_enable(map);
-  features.has_sensor = boards::find_gpio(map, boards::Role::sensor).has_value();
+  features.limits.has_sensor = boards::find_gpio(map, boards::Role::sensor).has_value();
   if (boards::find_gpio(map, boards::Role::aux_in))
     features.inputs |= machine::set_of(machine::Input::aux);
   return features;

@@ -237,7 +237,7 @@ TEST(Gantry, WithoutASecondSwitchItFollows) {
 TEST(Gantry, WithoutASecondMotorItReportsThat) {
   const settings::Values values = ganged(program_profile(), 1).settings;
   machine::BoardFeatures board;
-  board.axes = 3;
+  board.limits.axes = 3;
   machine::Controller controller(values, {}, board);
   std::array<std::uint8_t, 512> bytes{};
   const std::size_t n = controller.transmit(bytes);

@@ -165,7 +165,7 @@ TEST_P(EachBoard, DrivesNothingOnTheWiringOfAnother) {
       EXPECT_TRUE(silent || clashes(row(), *other) == 0);
       if (silent && is_new) {
         EXPECT_THAT(rig.heard, HasSubstr("Outputs off: GPIO "));
-        EXPECT_THAT(rig.heard, HasSubstr("; check wiring, or flash the image of your board"));
+        EXPECT_THAT(rig.heard, HasSubstr("; check wiring and $2, $3, or flash the image of your board"));
       }
       EXPECT_EQ(energy.rises, 0u);
       EXPECT_EQ(energy.levels(), 0u);
@@ -193,6 +193,26 @@ TEST_P(EachBoard, DrivesNothingWhereItsEStopIsTheSensorOfAnother) {
       EXPECT_TRUE(is_silent(bench.rig, *other));
     }
   }
+}
+
+/// Opto-coupled drives between STEP and the positive supply pull STEP up: the board drives nothing
+/// until $2 is set, in this state, and it has started again.
+TEST_P(EachBoard, TakesActiveLowStepsWhileItsOutputsAreOff) {
+  Bench bench(row(), row(), ChipRig::Power::off);
+  ChipRig& rig = bench.rig;
+  const unsigned step = *boards::find_gpio(row().maps[0].pins, Role::step_x);
+  sim::chip::Chip& chip = rig.board.chip();
+  chip.gpio().set_external(step, sim::chip::External::pulled_up, chip.wheel().now());
+  rig.boot();
+  EXPECT_THAT(rig.heard, HasSubstr(fmt::format("Outputs off: GPIO {} ", step)));
+  EXPECT_TRUE(is_silent(rig, row()));
+  EXPECT_THAT(rig.answer("$0=3"), HasSubstr("error")) << "other settings wait";
+  EXPECT_EQ(rig.answer("$2=1"), "ok\r\n");
+  rig.run(200 * ps_per_ms);  // stored
+  EXPECT_TRUE(is_silent(rig, row()));
+  rig.heard.clear();
+  restart(rig, Restart::power_cut);
+  EXPECT_THAT(rig.heard, testing::Not(HasSubstr("Outputs off")));
 }
 
 /// SYSINFO of a chip of another revision (RP2040 datasheet, 2.20.1).

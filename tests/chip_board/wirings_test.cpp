@@ -2,12 +2,19 @@
 // themselves.
 #include <map>
 
+#include "host/flash/image_board.hpp"
 #include "tests/chip_board/board_bench.hpp"
 #include "tests/chip_board/program_trace.hpp"
 #include "tests/error_of.hpp"
 
 namespace lamplock::test {
 namespace {
+
+flash::FlashImage flash_contents(const sim::chip::Image& image) {
+  std::vector<flash::Part> parts;
+  for (const sim::chip::ImagePart& part : image.parts) parts.push_back({part.address, part.bytes});
+  return flash::make_flash_image(std::move(parts), "test");
+}
 
 struct Deeds {
   std::vector<Step> steps;
@@ -62,6 +69,7 @@ TEST_P(EachBoard, NamesItselfAndRefusesWhatBelongsToAnother) {
   Bench bench(row(), row());
   ChipRig& rig = bench.rig;
   EXPECT_THAT(rig.answer("$I"), HasSubstr("[BOARD:" + std::string(row().name) + "]"));
+  EXPECT_EQ(flash::board_of_image(flash_contents(image_of(row()))), row().name);
   for (const BoardRow* other : boards::all_boards) {
     const std::string map = std::to_string(static_cast<int>(other->first_map));
     const std::string answer = rig.answer("$990=" + map);
@@ -70,6 +78,17 @@ TEST_P(EachBoard, NamesItselfAndRefusesWhatBelongsToAnother) {
   EXPECT_THAT(rig.answer("$RST=$"), HasSubstr("ok"));
   const std::string own = "$990=" + std::to_string(static_cast<int>(row().first_map));
   EXPECT_THAT(rig.answer("$$"), HasSubstr(own));
+}
+
+/// More axes than pins, and no beam channel.
+TEST_P(EachBoard, RefusesAxesAndChannelsThatItLacks) {
+  Bench bench(row(), row());
+  ChipRig& rig = bench.rig;
+  const boards::Pins map = row().maps[0].pins;
+  EXPECT_THAT(rig.answer("$960=4"), HasSubstr(boards::axes(map) == 4 ? "ok" : "another board"));
+  EXPECT_THAT(rig.answer("$924=8"),
+              HasSubstr((boards::channels(map) & 8) != 0 ? "ok" : "another board"));
+  EXPECT_THAT(rig.answer("$RST=$"), HasSubstr("ok"));
 }
 
 /// Pulses of several ticks, longer and shorter in turn without a restart.

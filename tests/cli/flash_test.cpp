@@ -119,6 +119,7 @@ TEST(FlashCommand, SimulatedChipGetsTheFirmwareOfThisBuild) {
     const Finished flashed = run(arguments);
     ASSERT_EQ(flashed.status, 0) << flashed.err;
     const auto report = nlohmann::json::parse(flashed.out);
+    EXPECT_EQ(report["board"], "pico");
     EXPECT_EQ(report["way"], "usb");
     EXPECT_GT(report["sectors"], 10);
     EXPECT_EQ(report["written"], report["sectors"]);

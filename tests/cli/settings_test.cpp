@@ -131,6 +131,19 @@ TEST(Settings, are_restored_from_files) {
       << "a backup must be a machine profile";
 }
 
+TEST(Settings, of_another_board_are_not_restored) {
+  const Folder folder;
+  for (const char* file : {"b.toml", "b.txt"}) {
+    const bool is_toml = std::string(file).ends_with("toml");
+    const Finished refused =
+        run(settings({"restore", folder.write(file, is_toml ? "pin_map = 3\ntravel_x = 200\n"
+                                                            : "$130=200\n$990=3\n")}));
+    EXPECT_EQ(refused.status, 2) << refused.out;
+    EXPECT_THAT(refused.err, HasSubstr("is for the board picobob (pin_map = 3), the connected one "
+                                       "is pico (pin_map = 0); use a file of pico"));
+  }
+}
+
 #ifdef LAMPLOCK_HAS_FIRMWARE
 // The simulated board has the settings of drives with a UART, a Pico does not.
 TEST(Settings, of_a_board_with_more_of_them_are_restored) {

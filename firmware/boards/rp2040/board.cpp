@@ -34,27 +34,18 @@ boards::Pins pins_of(const settings::Values& stored) {
       .pins;
 }
 machine::BoardFeatures features_of(boards::Pins map) {
-  return {
-    .name = boards::this_board.name,
-    .first_map = static_cast<std::uint8_t>(boards::this_board.first_map),
-    .maps = static_cast<std::uint8_t>(boards::this_board.maps.size()),
-    .step_dir_only = !boards::has_paired_axes(boards::this_board),
-    .enables_low = boards::enables_low(boards::this_board),
-    .triggers_lamp = boards::has(boards::Role::lamp_trigger), .axes = boards::axes(map),
-    .channels = boards::channels(map), .inputs = Inputs(map).all(),
-    .outputs = boards::program_outputs(map), .second_wire = boards::axes_of_z_enable(map),
-    .has_sensor = boards::find_gpio(map, boards::Role::sensor).has_value(),
-    .parts = machine::HandoutMode::staged, .loads_planners = true,
-#if LAMPLOCK_DRIVE_SETTINGS
-    .max_drive_current_ma =
-        boards::this_board.drives ? boards::this_board.drives->max_current_ma : 0,
-#endif
-  };
+  return {.name = boards::this_board.name,
+          .limits = boards::limits_of(boards::this_board, map),
+          .inputs = Inputs(map).all(),
+          .outputs = boards::program_outputs(map),
+          .second_wire = boards::axes_of_z_enable(map),
+          .parts = machine::HandoutMode::staged,
+          .loads_planners = true};
 }
 /// The settings in flash; those of another board are replaced.
 settings::Values settings_of(Storage& storage, const machine::BoardFeatures& features) {
   settings::Values values = storage.load_settings();
-  machine::fit_settings(features, values);
+  boards::fit_settings(features.limits, values);
   return values;
 }
 

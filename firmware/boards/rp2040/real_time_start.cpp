@@ -46,7 +46,8 @@ bool RealTime::check_board(machine::Controller& core, const stepper::PulseOutput
   inputs_.hold_estop(true);
   TextLine line;
   line.add("Outputs off: GPIO ").add(std::int64_t{wrong}).add(" is not as on a board ");
-  line.add(boards::this_board.name).add("; check wiring, or flash the image of your board");
+  line.add(boards::this_board.name)
+      .add("; check wiring and $2, $3, or flash the image of your board");
   core.report_message(line.view());
   return false;
 }

@@ -32,16 +32,22 @@ class NoDrives {
 class OwnDrives : private DriveUart, public DriveSetup<DriveUart> {
  public:
   OwnDrives() : DriveUart(row().tx), DriveSetup<DriveUart>(static_cast<DriveUart&>(*this), row()) {}
-  using DriveUart::start;
+  void start() {
+    DriveUart::start();
+    is_started_ = true;
+  }
+  /// Nothing happens before start(): the wiring is not that of the board.
   [[gnu::cold]] void begin(const machine::BoardFeatures& board, const settings::Values& values,
                            std::uint32_t now_us) {
-    const settings::Id unfit = machine::unfit_drive_setting(board, values);
+    if (!is_started_) return;
+    const settings::Id unfit = boards::unfit_drive_setting(board.limits, values);
     DriveSetup<DriveUart>::begin(
-        values, board.axes,
+        values, board.limits.axes,
         unfit == settings::Id::count ? std::uint16_t{0} : settings::number(unfit), now_us);
   }
 
  private:
+  bool is_started_ = false;
   static constexpr const boards::UartDrives& row() { return *boards::this_board.drives; }
 };
 using Drives = std::conditional_t<boards::this_board.drives.has_value(), OwnDrives, NoDrives>;

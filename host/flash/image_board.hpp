@@ -1,0 +1,16 @@
+// The board that an image is for.
+//
+// In:  an image. Out: the name of its board (BoardRow::name), from its binary info
+// (shared/wire/binary_info.hpp). Who: `flash`, so that an image does not run on another board.
+#pragma once
+
+#include <string>
+
+#include "host/flash/flash_image.hpp"
+
+namespace lamplock::flash {
+
+/// Empty for images that are not of lamplock or do not say it.
+std::string board_of_image(const FlashImage& image);
+
+}  // namespace lamplock::flash
