@@ -13,6 +13,7 @@
 #include "host/error.hpp"
 #include "host/link/line_sender.hpp"
 #include "host/link/not_ready.hpp"
+#include "host/program/process_values.hpp"
 #include "host/run/board_options.hpp"
 #include "host/run/frontend.hpp"
 #include "host/run/lost_files.hpp"
@@ -24,6 +25,7 @@ namespace lamplock::run {
 struct ProgramOptions {
   bool ignore_errors = false;  ///< continues after lines that the board refused
   MachineOptions machine{};
+  std::optional<program_run::ProcessValues> process{};  ///< of the chosen material
 };
 
 /// A program that was sent.
