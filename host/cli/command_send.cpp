@@ -12,6 +12,7 @@
 #include "host/cli/machine_options.hpp"
 #include "host/cli/process_options.hpp"
 #include "host/cli/program_document.hpp"
+#include "host/run/event_stream.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/report_job.hpp"
 #include "host/run/run_program.hpp"
@@ -52,8 +53,9 @@ Json rows_json(const run::SentJob& sent, const std::string& board) {
 /// lines of the computer are used.
 void check_job_options(const SendOptions& options) {
   const run::ProgramOptions& program = options.program;
-  const std::array<std::pair<const char*, bool>, 6> of_programs{
+  const std::array<std::pair<const char*, bool>, 7> of_programs{
       {{"--ignore-errors", program.ignore_errors},
+       {"--events", !program.events.empty()},
        {"--material", options.material.material.has_value()},
        {"--laser", options.material.laser.has_value()},
        {"--thickness", options.material.thickness_mm.has_value()},
@@ -71,7 +73,7 @@ Exit send_program(const SendOptions& options, Console& console) {
   if (program.process) console.say("material  {}", run::text_of(*program.process));
   const run::ProgramOutcome outcome =
       run::run_program(options.file, options.board, program, console);
-  console.document(program_json(outcome));
+  if (options.json) console.document(program_json(outcome));
   return run::judge_program(outcome, options.board.board, console);
 }
 
@@ -85,7 +87,11 @@ Exit send_job(const SendOptions& options, Console& console) {
 }
 
 Exit send_file(const SendOptions& options) {
-  Console console(options.json);
+  const bool has_events_on_stdout = options.program.events == run::EventStream::standard_output;
+  if (has_events_on_stdout && options.json)
+    throw Error(Exit::bad_input, "--events -", "--json writes to stdout, too",
+                "give --events a file, or leave --json out");
+  Console console(options.json || has_events_on_stdout);
   return run::kind_of_sent_file(options.file) == run::SentKind::program
              ? send_program(options, console)
              : send_job(options, console);
@@ -126,6 +132,13 @@ void add_send(Command& program) {
   add_resume(app, options->board);
   app.add_option("--ignore-errors", &options->program.ignore_errors,
                  "Programs: continue after lines that the board refused")
+      .group("Board");
+  app.add_option("--events", &options->program.events,
+                 "Programs: write each executed block as a line of JSON to a file, a pipe or "
+                 "stdout (-) as soon as the board reports it")
+      .value_name("PATH")
+      .check(file_name())
+      .file(FileUse::write)
       .group("Board");
   add_machine(app, options->program.machine);
   add_process(app, options->material);

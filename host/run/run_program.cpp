@@ -22,6 +22,7 @@
 #include "host/run/other_board.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/program_control.hpp"
+#include "host/run/program_events.hpp"
 #include "host/run/program_time.hpp"
 #include "host/run/sent_file.hpp"
 #include "host/run/sent_program.hpp"
@@ -101,11 +102,12 @@ class RefusedLines {
 /// Sends the program to its end. Throws Error if an error has ended it before its first line; later
 /// errors are part of the outcome.
 ProgramOutcome send(const SentProgram& program, BoardLink& board, const BoardOptions& options,
-                    bool ignore_errors, Frontend& frontend) {
+                    bool ignore_errors, ProgramEvents* events, Frontend& frontend) {
   const std::unique_ptr<Progress> progress =
       frontend.progress("sending", program.text.lines.size(), 0);
   link::LineOptions sending;
   sending.ignore_errors = ignore_errors;
+  if (events != nullptr) sending.status_interval = ProgramEvents::status_interval;
   sending.on_text = [&progress](const std::string& text) {
     progress->note("machine: " + link::message_text(text));
   };
@@ -120,6 +122,7 @@ ProgramOutcome send(const SentProgram& program, BoardLink& board, const BoardOpt
       control.poll();
       supervisor.poll(control, AtDoor::holds);
       if (ignore_errors) refused.show(sender.errors());
+      if (events != nullptr) events->poll(sender, *progress);
     } catch (...) {  // a terminal that has gone must not leave the machine running
       sender.fail(std::current_exception());
     }
@@ -136,6 +139,7 @@ ProgramOutcome send(const SentProgram& program, BoardLink& board, const BoardOpt
   outcome.result = sender.result();
   outcome.ended_by = supervisor.ended_by();
   outcome.lacks_user = control.lacks_user();
+  if (events != nullptr) events->end(sender, end_name(outcome), *progress);
   return outcome;
 }
 
@@ -259,6 +263,7 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
   const program_run::ProcessValues* process = asked.process ? &*asked.process : nullptr;
   SentProgram program = program_of(name, std::move(text), process);
   const settings::Values values = asked.machine.profile().settings;
+  if (!asked.events.empty()) EventStream::check(asked.events);
   BoardLink board(options, values);
   ask_permission(program, options, frontend);
   board.unlock_simulated();
@@ -274,7 +279,13 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
   if (of_board) predict(program, *of_board, state, asked.ignore_errors);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
-  ProgramOutcome outcome = send(program, board, options, asked.ignore_errors, frontend);
+  std::optional<ProgramEvents> events;
+  if (!asked.events.empty())
+    events.emplace(asked.events, program.text.lines, of_board ? of_board->values : values,
+                   state ? &*state : nullptr);
+  ProgramOutcome outcome =
+      send(program, board, options, asked.ignore_errors, events ? &*events : nullptr, frontend);
+  if (events && events->is_lost()) outcome.lost_events = asked.events;
   if (of_board) outcome.homing = link::homing_of(*of_board);
   write_files(outcome, trace ? &*trace : nullptr, options, board.simulated(), values);
   const LineResult& result = outcome.result;
