@@ -9,6 +9,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/console.hpp"
 #include "host/cli/machine_options.hpp"
+#include "host/cli/process_options.hpp"
 #include "host/cli/validators.hpp"
 #include "host/duration_text.hpp"
 #include "host/run/check_program.hpp"
@@ -22,6 +23,7 @@ using program_run::ProgramRun;
 
 struct CheckOptions : run::CheckOptions {
   bool json = false;
+  run::ProcessChoice material;
 };
 
 std::string problem_text(const std::string& file, const Problem& p) {
@@ -69,8 +71,10 @@ Json document(const CheckOptions& options, const ProgramRun& run) {
           {"problems", problems}};
 }
 
-Exit check(const CheckOptions& options) {
+Exit check(CheckOptions options) {
   Console console(options.json);
+  options.process = run::process_values(options.material);
+  if (options.process) console.say("material  {}", run::text_of(*options.process));
   const ProgramRun run = run::check_program(options);
   for (const Problem& p : run.problems) console.line(problem_text(options.input, p));
   say_result(console, run);
@@ -94,13 +98,15 @@ void add_check(Command& program) {
       "The interpreter and the planner of the firmware run the program, so the machine takes the\n"
       "time that is reported.\n"
       "Example:\n"
-      "  lamplock check part.ngc --machine machine.toml --picture part.svg");
+      "  lamplock check part.ngc --machine machine.toml --picture part.svg\n"
+      "  lamplock check part.ngc --material plywood --thickness 3");
   const auto options = std::make_shared<CheckOptions>();
   app.add_option("PROGRAM", &options->input, "G-code program")
       .required()
       .value_name("FILE")
       .file(FileUse::read);
   add_machine(app, options->machine);
+  add_process(app, options->material);
   app.add_option("--picture", &options->picture,
                  "Write a picture (SVG) of the path, coloured by laser power")
       .check(file_name())

@@ -1,6 +1,8 @@
 // `lamplock send`: a job file, or a program of G-code, to a machine.
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host/cli/board_options.hpp"
 #include "host/cli/command_line.hpp"
@@ -8,7 +10,9 @@
 #include "host/cli/console.hpp"
 #include "host/cli/finish_job.hpp"
 #include "host/cli/machine_options.hpp"
+#include "host/cli/process_options.hpp"
 #include "host/cli/program_document.hpp"
+#include "host/run/event_stream.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/report_job.hpp"
 #include "host/run/run_program.hpp"
@@ -23,6 +27,7 @@ struct SendOptions {
   std::string file;
   run::BoardOptions board;
   run::ProgramOptions program;
+  run::ProcessChoice material;
 };
 
 Json rows_json(const run::SentJob& sent, const std::string& board) {
@@ -46,22 +51,34 @@ Json rows_json(const run::SentJob& sent, const std::string& board) {
 
 /// A job contains its machine. A profile is that of the simulated board; for a real board only the
 /// lines of the computer are used.
-void check_job_options(const run::ProgramOptions& program) {
-  if (program.ignore_errors)
-    throw Error(Exit::bad_input, "--ignore-errors", "is for programs of G-code, not for jobs",
-                "leave it out");
+void check_job_options(const SendOptions& options) {
+  const run::ProgramOptions& program = options.program;
+  const std::array<std::pair<const char*, bool>, 7> of_programs{
+      {{"--ignore-errors", program.ignore_errors},
+       {"--events", !program.events.empty()},
+       {"--material", options.material.material.has_value()},
+       {"--laser", options.material.laser.has_value()},
+       {"--thickness", options.material.thickness_mm.has_value()},
+       {"--operation", options.material.operation.has_value()},
+       {"--library", !options.material.library.empty()}}};
+  for (const auto& [name, is_given] : of_programs)
+    if (is_given)
+      throw Error(Exit::bad_input, name, "is for programs of G-code, not for jobs", "leave it out");
   if (!program.machine.machine.empty()) program.machine.profile();  // a broken one is an error
 }
 
 Exit send_program(const SendOptions& options, Console& console) {
+  run::ProgramOptions program = options.program;
+  program.process = run::process_values(options.material);
+  if (program.process) console.say("material  {}", run::text_of(*program.process));
   const run::ProgramOutcome outcome =
-      run::run_program(options.file, options.board, options.program, console);
-  console.document(program_json(outcome));
+      run::run_program(options.file, options.board, program, console);
+  if (options.json) console.document(program_json(outcome));
   return run::judge_program(outcome, options.board.board, console);
 }
 
 Exit send_job(const SendOptions& options, Console& console) {
-  check_job_options(options.program);
+  check_job_options(options);
   run::BoardOptions board = options.board;
   run::SentJob sent = run::send_job(options.file, board, console);
   if (!sent.prepared.job.is_rows()) return finish_job(sent.outcome, board, console);
@@ -70,7 +87,11 @@ Exit send_job(const SendOptions& options, Console& console) {
 }
 
 Exit send_file(const SendOptions& options) {
-  Console console(options.json);
+  const bool has_events_on_stdout = options.program.events == run::EventStream::standard_output;
+  if (has_events_on_stdout && options.json)
+    throw Error(Exit::bad_input, "--events -", "--json writes to stdout, too",
+                "give --events a file, or leave --json out");
+  Console console(options.json || has_events_on_stdout);
   return run::kind_of_sent_file(options.file) == run::SentKind::program
              ? send_program(options, console)
              : send_job(options, console);
@@ -99,7 +120,8 @@ void add_send(Command& program) {
       "  lamplock send model.llj --board /dev/ttyACM0 --from 5120     # continue after a stop\n"
       "  lamplock send model.llj --board /dev/ttyACM0 --resume        # after any other end\n"
       "  lamplock send part.ngc --board /dev/ttyACM0\n"
-      "  lamplock send part.ngc --board /dev/ttyUSB0 --baud 115200 --from 310 --dry");
+      "  lamplock send part.ngc --board /dev/ttyUSB0 --baud 115200 --from 310 --dry\n"
+      "  lamplock send part.ngc --board /dev/ttyACM0 --material plywood --thickness 3");
   const auto options = std::make_shared<SendOptions>();
   app.add_option("FILE", &options->file, "Job file (.llj) of points or rows, or G-code program")
       .required()
@@ -111,7 +133,15 @@ void add_send(Command& program) {
   app.add_option("--ignore-errors", &options->program.ignore_errors,
                  "Programs: continue after lines that the board refused")
       .group("Board");
+  app.add_option("--events", &options->program.events,
+                 "Programs: write each executed block as a line of JSON to a file, a pipe or "
+                 "stdout (-) as soon as the board reports it")
+      .value_name("PATH")
+      .check(file_name())
+      .file(FileUse::write)
+      .group("Board");
   add_machine(app, options->program.machine);
+  add_process(app, options->material);
   app.action([options, &program] {
     options->board.command = program.typed();
     options->board.profile = options->program.machine.machine;

@@ -66,11 +66,12 @@ std::string line_of(const material::Setting& setting) {
                         setting.max_feed_mm_min.value_or(setting.feed_mm_min))
           : "";
   return fmt::format(
-      "{:>5}  {:<16}  {}  {}{}  {:g} mm/min{}  {:g} W  {}{}{}", setting.number, setting.material,
+      "{:>5}  {:<16}  {}  {}{}  {:g} mm/min{}  {:g} W  {}{}{}{}", setting.number, setting.material,
       setting.laser, setting.operation, part("", setting.thickness_mm, "mm"), setting.feed_mm_min,
       range, setting.power_w,
       lamplock::count_text(static_cast<std::size_t>(setting.passes), "pass", "passes"),
-      setting.air ? "  air" : "", part("kerf ", setting.kerf_mm, "mm"));
+      setting.air ? "  air" : "", part("kerf ", setting.kerf_mm, "mm"),
+      part("", setting.frequency_hz, "Hz"));
 }
 
 std::string line_of(const material::Measurement& measurement) {

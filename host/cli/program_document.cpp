@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 namespace lamplock::cli {
 
@@ -11,6 +13,8 @@ Json program_json(const run::ProgramOutcome& outcome) {
   for (const link::LineError& e : result.errors)
     errors.push_back({{"line", e.line}, {"error", e.error}, {"text", link::error_text(e.error)}});
   const auto or_null = [](bool there, auto value) { return there ? Json(value) : Json(nullptr); };
+  std::vector<std::string> not_written = outcome.lost.names();
+  if (!outcome.lost_events.empty()) not_written.push_back(outcome.lost_events);
   return {
       {"program", outcome.file},
       {"end", run::end_name(outcome)},
@@ -25,7 +29,7 @@ Json program_json(const run::ProgramOutcome& outcome) {
       {"position", result.status.position},
       {"of_work", result.status.of_work},
       {"work_offset", result.status.work_offset},
-      {"not_written", outcome.lost.names()}};
+      {"not_written", not_written}};
 }
 
 }  // namespace lamplock::cli

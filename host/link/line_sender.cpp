@@ -71,13 +71,29 @@ void LineSender::begin() {
     const NotReady reason = why_not_ready(status_, port_.transport().board(), ask_homing(port_));
     throw Error(Exit::job_failed, "machine", reason.what, reason.remedy);
   }
-  if (greeting_.identity.version.find("lamplock") != std::string::npos)
-    lines_ = with_numbers(std::move(lines_));
+  if (greeting_.identity.version.find("lamplock") != std::string::npos) number_lines();
   check_lengths();
   const Time now = port_.transport().now();
   started_at_ = heard_at_ = now;
   asked_at_ = now - options_.status_interval;
   phase_ = Phase::streaming;
+}
+
+/// Numbers of the file, unless lines are repeated: the board could not say which run it executes.
+void LineSender::number_lines() {
+  has_index_numbers_ = !std::ranges::is_sorted(lines_, {}, &ProgramLine::number);
+  if (!has_index_numbers_) {
+    lines_ = with_numbers(std::move(lines_));
+    return;
+  }
+  std::vector<std::size_t> numbers;
+  numbers.reserve(lines_.size());
+  for (ProgramLine& line : lines_) {
+    numbers.push_back(line.number);
+    line.number = numbers.size();
+  }
+  lines_ = with_numbers(std::move(lines_));
+  for (std::size_t i = 0; i < lines_.size(); ++i) lines_[i].number = numbers[i];
 }
 
 void LineSender::check_lengths() const {
@@ -112,8 +128,13 @@ void LineSender::take_status(BoardStatus status) {
   status_of_ = asked_;
   status_open_ = false;
   // With the numbers of this program: lines before the first answer are those of another one.
-  if (status_.line != 0 && answered_ != 0) at_line_ = status_.line;
+  if (status_.line != 0 && answered_ != 0) {
+    at_ = index_of(status_.line);
+    at_line_ = has_index_numbers_ && at_ < lines_.size() ? lines_[at_].number : status_.line;
+    done_ = std::max(done_, std::min(at_, answered_));
+  }
   idle_reports_ = fresh() && status_.rests() ? idle_reports_ + 1 : 0;
+  if (idle_reports_ >= idle_reports_at_end) done_ = answered_;
   // A program that begins with $H or $X ends the alarm by its first line.
   const bool ends_alarm = unlocks_ && answered_ == 0;
   if (status_.is("Alarm") && phase_ == Phase::streaming && !ends_alarm) end(LineEnd::alarm);
@@ -131,13 +152,21 @@ void LineSender::take_answer(int error) {
   asked_before_ = asked_;
   idle_reports_ = 0;
   idle_short_ = false;
-  if (error != 0) take_error(error);
+  if (error != 0) return take_error(error);
+  if (runs_at_rest(lines_[answered_ - 1].text)) done_ = answered_;
+}
+
+/// Of a line with an N word that the board reports.
+std::size_t LineSender::index_of(std::size_t number) const {
+  if (has_index_numbers_) return number - 1;
+  const auto at = std::ranges::lower_bound(lines_, number, {}, &ProgramLine::number);
+  return static_cast<std::size_t>(at - lines_.begin());
 }
 
 /// Errors between the first one and the stop are its consequences and not reported.
 void LineSender::take_error(int error) {
   if (phase_ == Phase::stopping) return;
-  errors_.push_back({lines_[answered_ - 1].number, error});
+  errors_.push_back({lines_[answered_ - 1].number, error, answered_ - 1});
   if (!options_.ignore_errors) begin_stop(LineEnd::error);
 }
 
@@ -326,8 +355,7 @@ Time LineSender::elapsed() const {
 
 std::size_t LineSender::executed() const {
   if (at_line_ == 0 || (answered_ == lines_.size() && status_.rests())) return answered_;
-  const auto at = std::ranges::lower_bound(lines_, at_line_, {}, &ProgramLine::number);
-  return std::min(answered_, static_cast<std::size_t>(at - lines_.begin()));
+  return std::min(answered_, at_);
 }
 
 LineResult LineSender::result() const {

@@ -65,6 +65,7 @@ enum class LineEnd : std::uint8_t {
 struct LineError {
   std::size_t line = 0;  ///< number in the file
   int error = 0;
+  std::size_t index = 0;  ///< of the lines that are sent
 };
 
 /// Result of a program that was begun.
@@ -119,6 +120,10 @@ class LineSender {
   std::size_t answered() const { return answered_; }
   /// Lines that the board has executed, if it reports them, else lines answered.
   std::size_t executed() const;
+  /// Lines that are known to be executed, refused ones included: those before a line that the board
+  /// reports, all before and with a line that it executes at rest, and all answered ones as soon as
+  /// it is at rest. Steps that were handed out, of 2 to 3 ms, may follow.
+  std::size_t done() const { return done_; }
   const std::vector<LineError>& errors() const { return errors_; }
   const BoardStatus& status() const { return status_; }
   /// Since the first line, by the transport's clock.
@@ -131,12 +136,14 @@ class LineSender {
   enum class Phase : std::uint8_t { greeting, streaming, stopping, ended };
 
   void begin();
+  void number_lines();
   void check_lengths() const;
 
   // Received lines.
   void receive();
   void take(const std::string& line);
   void take_status(BoardStatus status);
+  std::size_t index_of(std::size_t number) const;
   bool fresh() const { return status_of_ > asked_before_; }
   void take_answer(int error);
   void take_error(int error);
@@ -170,6 +177,9 @@ class LineSender {
   std::size_t answered_ = 0;         ///< the same
   std::size_t bytes_under_way_ = 0;  ///< of lines_[answered_ .. sent_)
   std::size_t at_line_ = 0;          ///< last line that a status named; 0 = none
+  std::size_t at_ = 0;               ///< its index
+  std::size_t done_ = 0;             ///< lines
+  bool has_index_numbers_ = false;   ///< N words are indices in lines_, from 1
   std::vector<LineError> errors_;
   bool users_line_open_ = false;  ///< not answered yet
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <optional>
 #include <system_error>
@@ -193,6 +194,19 @@ bool is_pause(std::string_view line) {
     pause = pause || number == 0 || number == optional_pause || number == pallet_pause;
   });
   return pause;
+}
+
+bool runs_at_rest(std::string_view line) {
+  constexpr double dwell = 4, first_probe = 38.2, last_probe = 38.5;
+  constexpr std::array waiting_codes{0.0, 1.0, 2.0, 6.0, 30.0, 60.0, 66.0};
+  bool at_rest = line.starts_with('$');
+  each_word(line, 'G', [&](double number) {
+    at_rest = at_rest || number == dwell || (number >= first_probe && number <= last_probe);
+  });
+  each_word(line, 'M', [&](double number) {
+    at_rest = at_rest || std::ranges::find(waiting_codes, number) != waiting_codes.end();
+  });
+  return at_rest;
 }
 
 double max_dwell_s(std::string_view line) {

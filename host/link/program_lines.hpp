@@ -57,6 +57,10 @@ std::vector<ProgramLine> program_lines(std::string_view text, const std::string&
 /// True if the line pauses the program: M0, M1 or M60; or may, by an expression.
 bool is_pause(std::string_view line);
 
+/// True if the board answers the line after it has executed it and all lines before: a dwell, a
+/// pause, a probe, the end of the program, a tool change, M66, `$` lines.
+bool runs_at_rest(std::string_view line);
+
 /// Sum of the P words of a line, at least 0: its longest possible dwell time in seconds; an hour
 /// more if P is an expression.
 double max_dwell_s(std::string_view line);

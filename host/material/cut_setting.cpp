@@ -88,9 +88,10 @@ CutSetting cut_setting(Library& library, const CutQuery& query) {
   const std::optional<double> thickness_mm =
       query.thickness_mm ? query.thickness_mm : material.thickness_mm;
   const Setting& found = of_thickness(settings, material, thickness_mm);
-  return {material.name,     laser.name,    thickness_mm,
-          found.feed_mm_min, found.power_w, laser.share_of(found.power_w),
-          found.passes,      found.air,     found.kerf_mm};
+  return {material.name,      laser.name,      thickness_mm,
+          found.feed_mm_min,  found.power_w,   laser.share_of(found.power_w),
+          found.passes,       found.air,       found.kerf_mm,
+          found.frequency_hz, found.operation, found.number};
 }
 
 }  // namespace lamplock::material

@@ -1,9 +1,10 @@
 // What a cut needs, found in the material library.
 //
 // In:  a library, a laser, a material, a thickness, an operation. Out: feed, power, passes, air,
-//      kerf. Who: commands that make programs for a material.
+//      kerf, frequency. Who: commands that make programs for a material.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -26,7 +27,10 @@ struct CutSetting {
   double power_share = 0;  ///< the same in parts of the power of the laser
   int passes = 1;
   bool air = false;
-  std::optional<double> kerf_mm{};  ///< width of the cut; none: not measured
+  std::optional<double> kerf_mm{};       ///< width of the cut; none: not measured
+  std::optional<double> frequency_hz{};  ///< pulses a second; none: the beam is continuous
+  std::string operation{};
+  std::int64_t number = 0;  ///< of the setting in the library
 };
 
 /// The setting for this thickness, else the one for any thickness. Throws Error(bad_input) that

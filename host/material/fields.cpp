@@ -16,6 +16,7 @@ namespace {
 
 /// More than any laser, table or sheet has: a larger number is a mistake.
 constexpr double max_power_w = 100'000, max_feed_mm_min = 1'000'000, max_length_mm = 10'000;
+constexpr double max_frequency_hz = 100e6;
 constexpr int max_passes_of_record = 1000;
 
 constexpr glass::Range power_range{0, max_power_w, false};
@@ -131,6 +132,10 @@ std::vector<Field> fields(Setting& s) {
       {"max_feed_mm_min", &s.max_feed_mm_min, "Fastest good feed, mm/min", feed_range},
       {"air", &s.air, "true: with air assist"},
       {"kerf_mm", &s.kerf_mm, "Width of the cut, mm", length_range},
+      {"frequency_hz",
+       &s.frequency_hz,
+       "Pulses of the beam a second, Hz; none: continuous",
+       {0, max_frequency_hz, false}},
       note_field(s.note),
       source_field(s.source)};
 }

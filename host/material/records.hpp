@@ -63,6 +63,7 @@ struct Setting {
   std::optional<double> min_feed_mm_min{}, max_feed_mm_min{};
   bool air = false;
   std::optional<double> kerf_mm{};
+  std::optional<double> frequency_hz{};  ///< pulses a second; none: the beam is continuous
   std::string note{}, source{};
 };
 

@@ -96,7 +96,10 @@ CREATE TABLE job (
   wasted_beats INTEGER) STRICT;
 )sql";
 
-constexpr std::array steps_of_library{first_tables, thermal_columns, job_table};
+/// Pulsed beams.
+constexpr const char* frequency_column = "ALTER TABLE setting ADD COLUMN frequency_hz REAL;";
+
+constexpr std::array steps_of_library{first_tables, thermal_columns, job_table, frequency_column};
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <cctype>
 
 #include "host/printable.hpp"
+#include "host/program/process_values.hpp"
 #include "host/program/program_words.hpp"
 #include "host/text.hpp"
 #include "shared/gcode_errors.hpp"
@@ -112,6 +113,9 @@ LineFault no_letter(std::string_view rest) {
 
 LineFault unknown_name(std::string_view rest, const std::string& text) {
   const std::string_view name = rest.substr(0, std::min(rest.find('>'), rest.size() - 1) + 1);
+  if (has_process_values(name))
+    return {fmt::format("{}: a process parameter, which the machine does not know", quoted(name)),
+            "lamplock check and lamplock send insert its value: --material NAME"};
   return {fmt::format("{}: {}", quoted(name), text),
           fmt::format("write '{} = 0' with its value before this line", printable(name))};
 }

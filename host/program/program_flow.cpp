@@ -14,6 +14,7 @@
 #include "host/program/flow_unit.hpp"
 #include "host/program/flow_values.hpp"
 #include "host/program/program_words.hpp"
+#include "host/units.hpp"
 
 namespace lamplock::program_run {
 namespace {
@@ -39,10 +40,13 @@ struct FlowCall {
 class FlowRun {
  public:
   FlowRun(std::vector<link::ProgramLine> lines, const std::string& file,
-          const settings::Values& values, const std::optional<BoardState>& state)
+          const settings::Values& values, const std::optional<BoardState>& state,
+          const ProcessValues* process)
       : main_(flow_unit_of(std::move(lines), file)),
         unit_(&main_),
-        values_(values, state ? &*state : nullptr) {}
+        values_(values, state ? &*state : nullptr),
+        process_(process),
+        max_speed_s_(in_units(values, settings::Id::max_spindle_speed)) {}
 
   std::vector<link::ProgramLine> run() {
     while (!values_.has_ended()) {
@@ -57,7 +61,7 @@ class FlowRun {
             fmt::format("the program does not end: {} statements without a line", max_flow_steps),
             "check the conditions of its loops");
       if (statement().word) {
-        messages_ += values_.messages(statement().line.messages);
+        take_messages();
         execute(*statement().word);
       } else {
         plain(statement().line.text);
@@ -93,15 +97,23 @@ class FlowRun {
                "use it in programs without O-words only");
   }
 
-  void plain(const std::string& text) {
-    if (text.starts_with('$')) return emit(text);
+  /// A line with the values of the material.
+  std::string with_process(const std::string& text) const {
+    return insert_process_values(text, process_, is_in_inches(text, values_.inches()), max_speed_s_,
+                                 {unit_->file, statement().line.number, false});
+  }
+  void take_messages() { messages_ += values_.messages(with_process(statement().line.messages)); }
+
+  void plain(const std::string& source) {
+    if (source.starts_with('$')) return emit(source);
+    const std::string text = with_process(source);
     refuse_results(text);
     const int code = subprogram_code(text);
     if (code == 98) return call_program(text);
     if (code == 99) return end_program();
     std::string with_numbers;
     refuse_fault(values_.run(text, with_numbers));
-    messages_ += values_.messages(statement().line.messages);
+    take_messages();
     if (!with_numbers.empty()) emit(with_numbers);
   }
 
@@ -115,7 +127,8 @@ class FlowRun {
 
   // --- values ---------------------------------------------------------------------------------
 
-  std::vector<std::int64_t> arguments(const std::string& text) {
+  std::vector<std::int64_t> arguments(const std::string& source) {
+    const std::string text = with_process(source);
     refuse_results(text);
     std::vector<std::int64_t> values;
     for (std::uint16_t index = 0; index < text.size();) {
@@ -353,6 +366,8 @@ class FlowRun {
   std::map<std::string, std::unique_ptr<FlowUnit>> files_;
   const FlowUnit* unit_;
   FlowValues values_;
+  const ProcessValues* process_;  ///< of the material; null: none is chosen
+  double max_speed_s_;            ///< S word of full power
   std::size_t at_ = 0, next_ = 0, steps_ = 0, called_at_ = 0;
   std::vector<Repeat> repeats_;
   std::vector<FlowCall> calls_;
@@ -364,8 +379,9 @@ class FlowRun {
 
 std::vector<link::ProgramLine> run_flow(std::vector<link::ProgramLine> lines,
                                         const std::string& file, const settings::Values& values,
-                                        const std::optional<BoardState>& state) {
-  return FlowRun(std::move(lines), file, values, state).run();
+                                        const std::optional<BoardState>& state,
+                                        const ProcessValues* process) {
+  return FlowRun(std::move(lines), file, values, state, process).run();
 }
 
 }  // namespace lamplock::program_run

@@ -6,15 +6,14 @@
 #include <cmath>
 
 #include "firmware/machine/activities/program_reader.hpp"
-#include "firmware/machine/inputs/input_wait.hpp"
 #include "firmware/machine/runners/program_motion.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "host/link/program_lines.hpp"
 #include "host/program/board_lines.hpp"
 #include "host/program/line_fault.hpp"
 #include "host/program/line_run.hpp"
+#include "host/program/program_ports.hpp"
 #include "host/text.hpp"
-#include "shared/boards/all_boards.hpp"
 #include "shared/line_comments.hpp"
 #include "shared/units.hpp"
 #include "shared/wire/framing.hpp"
@@ -244,15 +243,6 @@ class Machine {
   std::vector<std::uint64_t> dwelt_us_;  ///< before each move
   ProgramRun run_;
 };
-
-/// The ports of the board with these settings.
-machine::ProgramPorts ports_of(const settings::Values& values) {
-  const auto map = static_cast<boards::PinMap>(values.whole(Id::pin_map));
-  const bool has_input = boards::find_gpio(map, boards::Role::aux_in).has_value();
-  return {boards::program_outputs(map),
-          machine::program_inputs(machine::set_of(machine::Input::probe) |
-                                  (has_input ? machine::set_of(machine::Input::aux) : 0u))};
-}
 
 /// A board reports its position in steps; the program's position may differ by up to half a step.
 /// An arc as the first motion may be valid from there only.

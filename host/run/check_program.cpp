@@ -16,9 +16,10 @@ namespace {
 
 /// The lines that `send` would send; problems are those of the lines of the file.
 program_run::ProgramRun run_with_flow(const std::string& text, const CheckOptions& options,
-                                      const settings::Values& values) {
-  const auto lines =
-      program_run::run_flow(link::program_lines(text, options.input), options.input, values);
+                                      const settings::Values& values,
+                                      const program_run::ProcessValues* process) {
+  const auto lines = program_run::run_flow(link::program_lines(text, options.input), options.input,
+                                           values, {}, process);
   std::string sent;
   for (const link::ProgramLine& line : lines) sent += line.text + "\n";
   auto run = program_run::run_program(sent, values, options.max_problems);
@@ -40,11 +41,15 @@ program_run::ProgramRun check_program(const CheckOptions& options) {
     check_target(options.picture);
   }
   require_program(options.input);
-  const std::string text = read_program_text(options.input);
+  std::string text = read_program_text(options.input);
+  const program_run::ProcessValues* process = options.process ? &*options.process : nullptr;
+  program_run::check_process_values(text, options.input, process);
+  const bool has_flow = program_run::has_flow(text);
+  if (!has_flow && program_run::has_process_values(text))
+    text = program_run::with_process_values(text, options.input, process, profile.settings, {});
   program_run::ProgramRun run =
-      program_run::has_flow(text)
-          ? run_with_flow(text, options, profile.settings)
-          : program_run::run_program(text, profile.settings, options.max_problems);
+      has_flow ? run_with_flow(text, options, profile.settings, process)
+               : program_run::run_program(text, profile.settings, options.max_problems);
   if (run.is_blank) throw no_line_to_send(options.input);
   if (!options.picture.empty())
     write_whole(options.picture, [&](const std::filesystem::path& path) {

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
+#include "host/program/process_values.hpp"
 #include "host/program/program_run.hpp"
 #include "host/run/machine_options.hpp"
 
@@ -15,6 +17,7 @@ struct CheckOptions {
   std::string input{}, picture{};  ///< picture: SVG; empty: none
   MachineOptions machine{};
   std::size_t max_problems = 20;
+  std::optional<program_run::ProcessValues> process{};  ///< of the chosen material
 };
 
 /// Throws Error if a file cannot be read or written; wrong lines are in the result.

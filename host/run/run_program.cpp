@@ -15,11 +15,6 @@
 #include "host/link/line_sender.hpp"
 #include "host/link/not_ready.hpp"
 #include "host/program/board_state.hpp"
-#include "host/program/flow_unit.hpp"
-#include "host/program/program_flow.hpp"
-#include "host/program/program_run.hpp"
-#include "host/program/start_at.hpp"
-#include "host/program/without_laser.hpp"
 #include "host/run/before_firing.hpp"
 #include "host/run/board_files.hpp"
 #include "host/run/board_link.hpp"
@@ -27,9 +22,10 @@
 #include "host/run/other_board.hpp"
 #include "host/run/permission.hpp"
 #include "host/run/program_control.hpp"
-#include "host/run/program_refusal.hpp"
+#include "host/run/program_events.hpp"
 #include "host/run/program_time.hpp"
 #include "host/run/sent_file.hpp"
+#include "host/run/sent_program.hpp"
 #include "host/run/simulated_boards.hpp"
 #include "host/run/supervisor.hpp"
 #include "shared/units.hpp"
@@ -39,13 +35,6 @@ namespace {
 
 using link::LineEnd;
 using link::LineResult;
-
-/// A program and what is known of it before it is sent.
-struct Program {
-  ProgramText text;
-  std::optional<double> planned_s;
-  ProgramTime::Plan plan;  ///< the same with other overrides; empty if it is not known
-};
 
 /// Refuses options that are for jobs.
 void check_options(const BoardOptions& options) {
@@ -67,7 +56,7 @@ void check_options(const BoardOptions& options) {
 }
 
 /// A machine that moves, and a laser, need a permission.
-void ask_permission(const Program& program, const BoardOptions& options, Frontend& frontend) {
+void ask_permission(const SentProgram& program, const BoardOptions& options, Frontend& frontend) {
   const std::string question = fmt::format(
       "{}: {} lines on {}: the machine will move{}. Type yes to start: ", program.text.file,
       program.text.lines.size(), options.board, options.dry ? "" : ", its laser may fire");
@@ -83,67 +72,6 @@ std::optional<link::BoardSettings> settings_of(link::LinePort& port) {
     if (error.exit() == Exit::no_device) throw;
   }
   return std::nullopt;
-}
-
-/// The board has reported all settings that define its work space.
-bool knows_space(const link::BoardSettings& settings) {
-  using settings::Id;
-  if (!settings.has(Id::soft_limits)) return false;
-  for (int axis = 0; axis < settings.values.whole(Id::axes); ++axis)
-    for (const Id id : {Id::steps_per_mm_x, Id::travel_x, Id::min_corner_x})
-      if (!settings.has(settings::for_axis(id, axis))) return false;
-  return true;
-}
-
-/// Homing ends at a place that the host does not know.
-bool homes(const Program& program) {
-  return std::any_of(program.text.lines.begin(), program.text.lines.end(), [](const auto& line) {
-    return line.text.starts_with("$H") || line.text.starts_with("$h");
-  });
-}
-
-/// The program as the board receives it.
-std::string text_of(const Program& program) {
-  std::string sent;
-  for (const link::ProgramLine& line : program.text.lines) sent += line.text + "\n";
-  return sent;
-}
-
-/// The time of a run without problems [s]; nothing if it is not known.
-std::optional<double> time_of(const program_run::ProgramRun& run) {
-  const bool timed = run.outside == 0 && (run.locked == 0 || run.beats.seconds > 0);
-  return timed ? std::optional(run.seconds()) : std::nullopt;
-}
-
-/// Plans the program again, with other overrides; those of points on the beat are not planned.
-ProgramTime::Plan plan_of(const Program& program, const link::BoardSettings& settings,
-                          const program_run::OnBoard& board) {
-  return [text = text_of(program), values = settings.values,
-          board](const ProgramTime::Changes& changes) -> std::optional<double> {
-    program_run::OnBoard changed = board;
-    changed.changes = changes;
-    const auto run = program_run::run_on_board(text, values, changed);
-    return run.locked == 0 && run.problems.empty() ? time_of(run) : std::nullopt;
-  };
-}
-
-/// Runs the program as the board will and stores its time and its plan, unless a line of it is
-/// wrong. Throws Error(bad_input) at the first line that the board would refuse, unless
-/// `ignore_errors`.
-void predict(Program& program, const link::BoardSettings& settings,
-             const std::optional<program_run::BoardState>& state, bool ignore_errors) {
-  if (!ignore_errors) check_board_lines(program.text);
-  // Without its state and position, places outside of the work space are left to the board.
-  const bool space_known = !homes(program) && knows_space(settings);
-  const program_run::OnBoard board{state, space_known};
-  const auto run = program_run::run_on_board(text_of(program), settings.values, board);
-  if (run.problems.empty()) {
-    program.planned_s = time_of(run);
-    program.plan = plan_of(program, settings, board);
-    return;
-  }
-  if (ignore_errors) return;
-  throw refusal_of(program.text, run.problems.front());
 }
 
 std::string place_text(const link::BoardStatus& status) {
@@ -173,12 +101,13 @@ class RefusedLines {
 
 /// Sends the program to its end. Throws Error if an error has ended it before its first line; later
 /// errors are part of the outcome.
-ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions& options,
-                    bool ignore_errors, Frontend& frontend) {
+ProgramOutcome send(const SentProgram& program, BoardLink& board, const BoardOptions& options,
+                    bool ignore_errors, ProgramEvents* events, Frontend& frontend) {
   const std::unique_ptr<Progress> progress =
       frontend.progress("sending", program.text.lines.size(), 0);
   link::LineOptions sending;
   sending.ignore_errors = ignore_errors;
+  if (events != nullptr) sending.status_interval = ProgramEvents::status_interval;
   sending.on_text = [&progress](const std::string& text) {
     progress->note("machine: " + link::message_text(text));
   };
@@ -193,6 +122,7 @@ ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions
       control.poll();
       supervisor.poll(control, AtDoor::holds);
       if (ignore_errors) refused.show(sender.errors());
+      if (events != nullptr) events->poll(sender, *progress);
     } catch (...) {  // a terminal that has gone must not leave the machine running
       sender.fail(std::current_exception());
     }
@@ -209,6 +139,7 @@ ProgramOutcome send(const Program& program, BoardLink& board, const BoardOptions
   outcome.result = sender.result();
   outcome.ended_by = supervisor.ended_by();
   outcome.lacks_user = control.lacks_user();
+  if (events != nullptr) events->end(sender, end_name(outcome), *progress);
   return outcome;
 }
 
@@ -249,33 +180,6 @@ std::string then_unlock(const std::string& board, link::Homing homing) {
 
 /// A reset in motion is an alarm.
 bool was_stopped(LineEnd end) { return end == LineEnd::stopped || end == LineEnd::alarm; }
-
-Program program_of(const std::string& file, std::string text) {
-  Program program{{file, std::move(text), {}}, {}, {}};
-  program.text.lines = link::program_lines(program.text.source, file);
-  if (program.text.lines.empty()) throw no_line_to_send(file);
-  refuse_sleep(program.text);
-  return program;
-}
-
-/// The lines that O-words, --from and --dry leave.
-void choose_lines(Program& program, const BoardOptions& options, const settings::Values& values,
-                  const std::optional<program_run::BoardState>& state) {
-  if (program_run::has_flow(program.text.source)) {
-    if (options.from != 0)
-      throw Error(Exit::bad_input, program.text.file,
-                  "--from does not begin within a program with O-words or M98",
-                  "send the whole program");
-    program.text.lines =
-        program_run::run_flow(std::move(program.text.lines), program.text.file, values, state);
-    if (program.text.lines.empty()) throw no_line_to_send(program.text.file);
-  }
-  if (options.from != 0)
-    program.text.lines =
-        program_run::start_at(program.text.lines, options.from, values, program.text.file, state);
-  if (options.dry)
-    program.text.lines = program_run::without_laser(program.text.lines, program.text.file);
-}
 
 /// An error after the first line is a failed job, whatever it is an error of.
 Exit judge_failure(const std::exception_ptr& error, const std::string& reach, Frontend& frontend) {
@@ -356,8 +260,10 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
                                 const BoardOptions& options, const ProgramOptions& asked,
                                 Frontend& frontend) {
   check_program_options(options, {}, frontend);
-  Program program = program_of(name, std::move(text));
+  const program_run::ProcessValues* process = asked.process ? &*asked.process : nullptr;
+  SentProgram program = program_of(name, std::move(text), process);
   const settings::Values values = asked.machine.profile().settings;
+  if (!asked.events.empty()) EventStream::check(asked.events);
   BoardLink board(options, values);
   ask_permission(program, options, frontend);
   board.unlock_simulated();
@@ -370,11 +276,17 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
   if (of_board)
     state = program_run::read_state(board.port(), status,
                                     of_board->values.whole(settings::Id::report_inches) != 0);
-  choose_lines(program, options, of_board ? of_board->values : values, state);
+  choose_lines(program, options, of_board ? of_board->values : values, state, process);
   if (of_board) predict(program, *of_board, state, asked.ignore_errors);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
-  ProgramOutcome outcome = send(program, board, options, asked.ignore_errors, frontend);
+  std::optional<ProgramEvents> events;
+  if (!asked.events.empty())
+    events.emplace(asked.events, program.text.lines, of_board ? of_board->values : values,
+                   state ? &*state : nullptr);
+  ProgramOutcome outcome =
+      send(program, board, options, asked.ignore_errors, events ? &*events : nullptr, frontend);
+  if (events && events->is_lost()) outcome.lost_events = asked.events;
   if (of_board) outcome.homing = link::homing_of(*of_board);
   write_files(outcome, trace ? &*trace : nullptr, options, board.simulated(), values);
   const LineResult& result = outcome.result;

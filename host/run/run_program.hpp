@@ -13,6 +13,7 @@
 #include "host/error.hpp"
 #include "host/link/line_sender.hpp"
 #include "host/link/not_ready.hpp"
+#include "host/program/process_values.hpp"
 #include "host/run/board_options.hpp"
 #include "host/run/frontend.hpp"
 #include "host/run/lost_files.hpp"
@@ -24,6 +25,8 @@ namespace lamplock::run {
 struct ProgramOptions {
   bool ignore_errors = false;  ///< continues after lines that the board refused
   MachineOptions machine{};
+  std::optional<program_run::ProcessValues> process{};  ///< of the chosen material
+  std::string events{};  ///< file of the executed blocks, "-": stdout; empty: none
 };
 
 /// A program that was sent.
@@ -36,6 +39,7 @@ struct ProgramOutcome {
   std::string ended_by{};   ///< the line of the computer that stopped it; empty if none did
   bool lacks_user = false;  ///< a fault has held it, and there was no terminal to resume it
   LostFiles lost{};
+  std::string lost_events{};   ///< file of the executed blocks that is not complete; empty: none
   std::exception_ptr error{};  ///< why it ended, after lines were sent, if by an error
 };
 

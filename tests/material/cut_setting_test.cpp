@@ -38,6 +38,7 @@ class CutSettings : public testing::Test {
       score.operation = "score";
       score.air = true;
       score.kerf_mm = 0.15;
+      score.frequency_hz = 2e4;
       library.add(score);
       library.add(setting_with("diode-3w", 3, 240));
     });
@@ -67,6 +68,7 @@ TEST_F(CutSettings, are_those_of_the_thickness_or_of_any) {
   EXPECT_EQ(score.laser, "diode-10w") << "the only one with a setting to score";
   EXPECT_TRUE(score.air);
   EXPECT_EQ(score.kerf_mm, 0.15);
+  EXPECT_EQ(score.frequency_hz, 2e4);
 }
 
 TEST_F(CutSettings, use_the_thickness_of_the_material) {

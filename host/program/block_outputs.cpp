@@ -1,0 +1,26 @@
+#include "host/program/block_outputs.hpp"
+
+#include "host/program/program_ports.hpp"
+
+namespace lamplock::program_run {
+
+BlockOutputs::BlockOutputs(const settings::Values& values, const BoardState* state)
+    : options_(machine::program_options(values, true, ports_of(values))) {
+  if (state != nullptr) begin_with(*state, interpreter_, parameters_);
+}
+
+void BlockOutputs::run(std::string_view line) {
+  if (line.starts_with('$') || interpreter_.run(line)) return;
+  for (program::Action action; interpreter_.next(action);) {
+    if (action.kind == program::ActionKind::output)
+      aux_ = static_cast<double>(action.io.level) / program::IoRequest::on;
+    if (action.kind == program::ActionKind::program_end) aux_ = 0;
+  }
+}
+
+double BlockOutputs::speed_s() const {
+  constexpr double milli = 1e3;
+  return interpreter_.modal().speed_milli / milli;
+}
+
+}  // namespace lamplock::program_run

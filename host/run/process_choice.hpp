@@ -1,0 +1,27 @@
+// The process parameters of a program, found in the material library.
+//
+// In:  a material, laser, thickness and operation that a user has named. Out: the values of their
+//      setting. Who: `check` and `send`, for the names #<_material_feed> and the like in programs.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "host/program/process_values.hpp"
+
+namespace lamplock::run {
+
+struct ProcessChoice {
+  std::optional<std::string> material{}, laser{}, operation{};
+  std::optional<double> thickness_mm{};
+  std::string library{};  ///< file; empty: the user's own
+};
+
+/// Empty if no material is named. Throws Error(bad_input): what the library lacks, or a part of the
+/// choice without a material.
+std::optional<program_run::ProcessValues> process_values(const ProcessChoice& choice);
+
+/// What the setting has: "plywood, 3 mm, laser diode-3w: 180 mm/min, 3 W, 2 passes".
+std::string text_of(const program_run::ProcessValues& values);
+
+}  // namespace lamplock::run

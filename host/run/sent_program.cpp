@@ -1,0 +1,109 @@
+#include "host/run/sent_program.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "host/program/flow_unit.hpp"
+#include "host/program/program_flow.hpp"
+#include "host/program/program_run.hpp"
+#include "host/program/start_at.hpp"
+#include "host/program/without_laser.hpp"
+#include "host/run/sent_file.hpp"
+
+namespace lamplock::run {
+namespace {
+
+/// The board has reported all settings that define its work space.
+bool knows_space(const link::BoardSettings& settings) {
+  using settings::Id;
+  if (!settings.has(Id::soft_limits)) return false;
+  for (int axis = 0; axis < settings.values.whole(Id::axes); ++axis)
+    for (const Id id : {Id::steps_per_mm_x, Id::travel_x, Id::min_corner_x})
+      if (!settings.has(settings::for_axis(id, axis))) return false;
+  return true;
+}
+
+/// Homing ends at a place that the host does not know.
+bool homes(const SentProgram& program) {
+  return std::any_of(program.text.lines.begin(), program.text.lines.end(), [](const auto& line) {
+    return line.text.starts_with("$H") || line.text.starts_with("$h");
+  });
+}
+
+/// The program as the board receives it.
+std::string text_of(const SentProgram& program) {
+  std::string sent;
+  for (const link::ProgramLine& line : program.text.lines) sent += line.text + "\n";
+  return sent;
+}
+
+/// The time of a run without problems [s]; nothing if it is not known.
+std::optional<double> time_of(const program_run::ProgramRun& run) {
+  const bool timed = run.outside == 0 && (run.locked == 0 || run.beats.seconds > 0);
+  return timed ? std::optional(run.seconds()) : std::nullopt;
+}
+
+/// Plans the program again, with other overrides; those of points on the beat are not planned.
+ProgramTime::Plan plan_of(const SentProgram& program, const link::BoardSettings& settings,
+                          const program_run::OnBoard& board) {
+  return [text = text_of(program), values = settings.values,
+          board](const ProgramTime::Changes& changes) -> std::optional<double> {
+    program_run::OnBoard changed = board;
+    changed.changes = changes;
+    const auto run = program_run::run_on_board(text, values, changed);
+    return run.locked == 0 && run.problems.empty() ? time_of(run) : std::nullopt;
+  };
+}
+
+}  // namespace
+
+void predict(SentProgram& program, const link::BoardSettings& settings,
+             const std::optional<program_run::BoardState>& state, bool ignore_errors) {
+  if (!ignore_errors) check_board_lines(program.text);
+  // Without its state and position, places outside of the work space are left to the board.
+  const bool space_known = !homes(program) && knows_space(settings);
+  const program_run::OnBoard board{state, space_known};
+  const auto run = program_run::run_on_board(text_of(program), settings.values, board);
+  if (run.problems.empty()) {
+    program.planned_s = time_of(run);
+    program.plan = plan_of(program, settings, board);
+    return;
+  }
+  if (ignore_errors) return;
+  throw refusal_of(program.text, run.problems.front());
+}
+
+SentProgram program_of(const std::string& file, std::string text,
+                       const program_run::ProcessValues* process) {
+  SentProgram program{{file, std::move(text), {}}, {}, {}};
+  program.text.lines = link::program_lines(program.text.source, file);
+  if (program.text.lines.empty()) throw no_line_to_send(file);
+  refuse_sleep(program.text);
+  program_run::check_process_values(program.text.source, file, process);
+  return program;
+}
+
+void choose_lines(SentProgram& program, const BoardOptions& options, const settings::Values& values,
+                  const std::optional<program_run::BoardState>& state,
+                  const program_run::ProcessValues* process) {
+  if (program_run::has_flow(program.text.source)) {
+    if (options.from != 0)
+      throw Error(Exit::bad_input, program.text.file,
+                  "--from does not begin within a program with O-words or M98",
+                  "send the whole program");
+    program.text.lines = program_run::run_flow(std::move(program.text.lines), program.text.file,
+                                               values, state, process);
+    if (program.text.lines.empty()) throw no_line_to_send(program.text.file);
+  } else if (program_run::has_process_values(program.text.source)) {
+    program.text.source = program_run::with_process_values(program.text.source, program.text.file,
+                                                           process, values, state);
+    program.text.lines = link::program_lines(program.text.source, program.text.file);
+  }
+  if (options.from != 0)
+    program.text.lines =
+        program_run::start_at(program.text.lines, options.from, values, program.text.file, state);
+  if (options.dry)
+    program.text.lines = program_run::without_laser(program.text.lines, program.text.file);
+}
+
+}  // namespace lamplock::run

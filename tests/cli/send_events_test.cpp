@@ -1,0 +1,94 @@
+// The stream of executed blocks: each block once and in order, written at its time.
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/cli/program.hpp"
+#include "tests/cli/run_json.hpp"
+
+namespace lamplock::cli::test {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<Json> events_of(const std::string& text) {
+  std::vector<Json> events;
+  for (const std::string& line : lines(text)) events.push_back(Json::parse(line, nullptr, false));
+  return events;
+}
+
+/// At 10 mm/s, reports every 50 ms and a round of the sender of 20 ms: 0.7 mm late at most, and 3
+/// ms early.
+TEST(SendEvents, BlocksAreWrittenAtTheirTime) {
+  const Folder folder;
+  std::string program = "G21 G90\nM4 S100\n";
+  for (int x = 1; x <= 30; ++x)  // not in a straight line, which would be one line of the planner
+    program += "G1 X" + std::to_string(x) + (x % 2 == 0 ? " Y0.5 F600\n" : " Y0 F600\n");
+  const Finished sent = run({"send", folder.write("p.ngc", program + "G4 P0.2\nM8\nM5\n"),
+                             "--board", "virtual", "--events", "-"});
+  ASSERT_EQ(sent.status, 0) << sent.err;
+  const std::vector<Json> events = events_of(sent.out);
+  ASSERT_EQ(events.size(), 36u);
+  for (std::size_t i = 0; i < 35; ++i) EXPECT_EQ(events[i]["line"], i + 1);
+  for (int x = 1; x < 30; ++x) {
+    const Json& event = events[static_cast<std::size_t>(x) + 1];
+    const double late_mm = event["position"][0].get<double>() - x;
+    EXPECT_GE(late_mm, -0.03) << x;
+    EXPECT_LE(late_mm, 0.75) << x;
+    EXPECT_EQ(event["state"], "Run");
+    EXPECT_EQ(event["outputs"]["spindle"], "M4");
+    EXPECT_EQ(event["outputs"]["s"], 100);
+    EXPECT_GE(event["time_s"], events[static_cast<std::size_t>(x)]["time_s"]);
+  }
+  EXPECT_EQ(events[34]["outputs"]["spindle"], "off");
+  EXPECT_EQ(events[35]["event"], "end");
+  EXPECT_EQ(events[35]["end"], "done");
+  EXPECT_EQ(events[35]["state"], "Idle");
+}
+
+TEST(SendEvents, RepeatedAndRefusedLinesHaveTheirEvents) {
+  const Folder folder;
+  const std::string events = folder / "e.jsonl";
+  const std::string loop =
+      folder.write("l.ngc", "o1 repeat [3]\nG1 X2 F6000\nX1\no1 endrepeat\nM2\n");
+  EXPECT_EQ(run({"send", loop, "--board", "virtual", "--events", events}).status, 0);
+  std::vector<int> numbers;
+  for (const Json& event : events_of(read(events)))
+    if (event["event"] == "block") numbers.push_back(event["line"]);
+  EXPECT_THAT(numbers, testing::ElementsAre(2, 3, 2, 3, 2, 3, 5));
+  const std::string wrong = folder.write("w.ngc", "G1 X2 F6000\nG1 X1 X2\nX1\n");
+  const Finished ended =
+      run({"send", wrong, "--board", "virtual", "--events", events, "--ignore-errors"});
+  EXPECT_EQ(ended.status, 1);
+  const std::vector<Json> blocks = events_of(read(events));
+  ASSERT_EQ(blocks.size(), 4u);
+  EXPECT_FALSE(blocks[0].contains("error"));
+  EXPECT_EQ(blocks[1]["error"], 25);
+  EXPECT_FALSE(blocks[2].contains("error"));
+}
+
+TEST(SendEvents, ALostStreamDoesNotEndTheProgram) {
+  const Folder folder;
+  const std::string file = folder.write("p.ngc", "G1 X2 F6000\nX1\nM2\n");
+  const Finished none = run({"send", file, "--board", "virtual", "--events", folder / "no/e"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_THAT(none.err, HasSubstr("folder that does not exist"));
+  EXPECT_THAT(run({"send", file, "--board", "virtual", "--events", "-", "--json"}).err,
+              HasSubstr("--events -: --json writes to stdout, too"));
+  EXPECT_THAT(run({"send", file, "--board", "virtual", "--events", file}).err,
+              HasSubstr("is an input of this command"));
+  EXPECT_EQ(read(file), "G1 X2 F6000\nX1\nM2\n");
+  const std::string command = program_path() + " send " + file + " --board virtual --events - 2>" +
+                              (folder / "err") + " >/dev/full";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  EXPECT_THAT(read(folder / "err"),
+              HasSubstr("warning: --events -: cannot be written (No space left on device); the "
+                        "program continues without it"));
+  EXPECT_THAT(read(folder / "err"), HasSubstr("3 of 3 lines"));
+}
+
+}  // namespace
+}  // namespace lamplock::cli::test
