@@ -13,6 +13,7 @@
 #include "host/cli/machine_options.hpp"
 #include "host/cli/quiet_terminal.hpp"
 #include "host/cli/validators.hpp"
+#include "host/serve/page_texts.hpp"
 #include "host/serve/serve.hpp"
 
 namespace lamplock::cli {
@@ -31,6 +32,12 @@ std::string typed_password() {
 Exit set_password(const std::string& file) {
   serve::write_password(file, typed_password());
   fmt::print("{}: the hash of the password\n", file);
+  return Exit::done;
+}
+
+Exit write_texts(const std::string& file) {
+  serve::write_texts(file);
+  fmt::print("{}: the English texts of the page\n", file);
   return Exit::done;
 }
 
@@ -96,6 +103,15 @@ void add_serve(Command& program) {
                  "Material library with the history of jobs; default: that of lamplock material")
       .value_name("FILE")
       .file(FileUse::write);
+  app.add_option("--texts", &options->texts,
+                 "Translation of the texts of the page; those that it does not have are English")
+      .value_name("FILE")
+      .file(FileUse::read);
+  const auto texts_file = std::make_shared<std::string>();
+  app.add_option("--write-texts", texts_file.get(),
+                 "Write the English texts of the page to this file, to be translated, and end")
+      .value_name("FILE")
+      .file(FileUse::write);
   app.add_option("--log", &options->log, "Append to this file; at 1 MB it becomes FILE.1, of three")
       .value_name("FILE")
       .file(FileUse::write);
@@ -104,8 +120,9 @@ void add_serve(Command& program) {
       .common();
   add_board_choice(app, options->board);
   add_machine(app, options->machine);
-  app.action([options, password_file] {
+  app.action([options, password_file, texts_file] {
     if (!password_file->empty()) return set_password(*password_file);
+    if (!texts_file->empty()) return write_texts(*texts_file);
     options->board.profile = options->machine.machine;
     return serve_board(*options);
   });

@@ -1,7 +1,10 @@
-// The page as one document: its style is in it, so that the first picture needs one request.
+// The page as one document: its style and texts are in it, so that the first picture needs one
+// request.
 #pragma once
 
 #include <string>
+
+#include "host/serve/page_texts.hpp"
 
 namespace lamplock::serve {
 
@@ -10,7 +13,8 @@ struct PageDocument {
   std::string style_hash;  ///< for the policy, which permits no other style
 };
 
-/// Made once from the embedded files.
-const PageDocument& page_document();
+/// The embedded page with these texts: {{name}} in page.html becomes a text; the scripts find the
+/// table in the element `texts`. The texts need all names of english_texts().
+PageDocument page_document(const PageTexts& texts);
 
 }  // namespace lamplock::serve

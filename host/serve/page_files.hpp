@@ -7,6 +7,8 @@ namespace lamplock::serve {
 
 std::string_view page_html();
 std::string_view page_css();
+std::string_view page_texts_json();
+std::string_view page_texts_js();
 std::string_view page_link_js();
 std::string_view page_jog_js();
 std::string_view page_job_js();

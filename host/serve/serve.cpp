@@ -18,6 +18,7 @@
 #include "host/serve/log_file.hpp"
 #include "host/serve/machine.hpp"
 #include "host/serve/paced_transport.hpp"
+#include "host/serve/page_texts.hpp"
 #include "host/serve/server.hpp"
 #include "sim/world/limit_settings.hpp"
 #include "sim/world/world.hpp"
@@ -133,6 +134,7 @@ void serve(const ServeOptions& options, run::Frontend& frontend) {
   site.note = note;
   site.machine = options.machine;
   site.library = options.library;
+  if (!options.texts.empty()) site.texts = read_texts(options.texts);
   const JobFolder folder(options.folder.empty() ? default_job_folder()
                                                 : std::filesystem::path(options.folder));
   const BoardOpener open = opened_once(opener_of(options));

@@ -26,6 +26,7 @@ struct ServeOptions {
   std::string octoprint;                   ///< file with the key of its programs; empty: none
   std::string log;                         ///< file; empty: none
   std::string library;                     ///< of materials and history; empty: the user's own
+  std::string texts;                       ///< file with the page in another language; empty: none
   std::string folder;                      ///< of jobs; empty: default_job_folder()
   bool pairs = false;                      ///< clients with the code may fire
 };

@@ -51,6 +51,7 @@ struct Page {
 };
 constexpr std::array pages{
     Page{page_target, "text/html; charset=utf-8", page_html},
+    Page{"/texts.js", "text/javascript; charset=utf-8", page_texts_js},
     Page{"/link.js", "text/javascript; charset=utf-8", page_link_js},
     Page{"/jog.js", "text/javascript; charset=utf-8", page_jog_js},
     Page{"/job.js", "text/javascript; charset=utf-8", page_job_js},
@@ -115,6 +116,7 @@ Json job_json(const JobView& job) {
 Server::Server(SiteOptions options, JobFolder folder)
     : options_(std::move(options)),
       folder_(std::move(folder)),
+      document_(std::make_unique<PageDocument>(page_document(options_.texts))),
       logins_(std::make_unique<Logins>(options_.password_hash, options_.now, options_.note)),
       computations_(std::make_unique<Computations>()),
       clouds_(std::make_unique<Clouds>()),
@@ -174,8 +176,7 @@ void Server::reply(WebRequest request, Answer answer) {
   if (octoprint_ && OctoPrint::has(request.target))
     return answer(octoprint_->reply(request, *machine_));
   if (request.target == page_target)
-    return answer(
-        {200, "text/html; charset=utf-8", page_document().html, page_document().style_hash});
+    return answer({200, "text/html; charset=utf-8", document_->html, document_->style_hash});
   if (const Page* page = find_page(request.target))
     return answer({200, page->type, std::string(page->text())});
   if (request.target == login_target)

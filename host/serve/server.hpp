@@ -23,6 +23,7 @@
 #include "host/serve/clock.hpp"
 #include "host/serve/job_folder.hpp"
 #include "host/serve/note.hpp"
+#include "host/serve/page_texts.hpp"
 #include "host/serve/web_server.hpp"
 
 namespace lamplock::serve {
@@ -34,6 +35,7 @@ class Logins;
 class Machine;
 class OctoPrint;
 struct Method;
+struct PageDocument;
 
 struct SiteOptions {
   std::string board;
@@ -45,6 +47,7 @@ struct SiteOptions {
   std::string octoprint_key{};  ///< empty: no REST of OctoPrint
   std::string library{};        ///< file with materials and history; empty: the user's own
   run::MachineOptions machine;
+  PageTexts texts = english_texts();
   Now now = Clock::now;
   Note note = [](const std::string&) {};  ///< for the log
 };
@@ -167,6 +170,7 @@ class Server final : public WebSite {
 
   SiteOptions options_;
   JobFolder folder_;
+  std::unique_ptr<PageDocument> document_;
   std::unique_ptr<Logins> logins_;
   std::unique_ptr<Computations> computations_;
   std::unique_ptr<Clouds> clouds_;

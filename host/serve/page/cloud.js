@@ -1,6 +1,7 @@
 // The points of a job in four views: a sample from the server, and the exact points near the cursor.
 
 import { make_painter, no_map, uses_webgl } from '/cloud_painter.js';
+import { text } from '/texts.js';
 import { Views } from '/views.js';
 
 const near_px = 40, pick_px = 8, click_px = 4;
@@ -81,8 +82,7 @@ export class CloudView {
     this.#cloud = cloud;
     this.#bounds = cloud.bounds;
     this.#frames = [{ box: cloud.area, colour: '--line', dash: [] }, { box: cloud.bounds, colour: '--strong', dash: [4, 4] }];
-    this.#element('cloud-text').textContent = cloud.shown < cloud.points
-      ? `${cloud.points} points; ${cloud.shown} of them are drawn, and all near the cursor` : `${cloud.points} points`;
+    this.#element('cloud-text').textContent = text(cloud.shown < cloud.points ? 'view.sample' : 'job.points', cloud);
     await this.#draw([{ ...cloud, map: no_map }]);
   }
 
@@ -92,7 +92,7 @@ export class CloudView {
     this.#bounds = block ?? area;
     this.#frames = [{ box: area, colour: '--line', dash: [] }];
     if (block) this.#frames.push({ box: block, colour: '--strong', dash: [] });
-    this.#element('cloud-text').textContent = 'points are a sketch; the job is made by the server';
+    this.#element('cloud-text').textContent = text('view.sketch');
     await this.#draw(objects.map((object) => ({ ...object, map: map_of(object) })));
   }
 
@@ -152,7 +152,9 @@ export class CloudView {
     const picked = this.#picked();
     const parts = [];
     if (this.#cursor && this.#cursor.pane.name !== 'camera') parts.push(this.views.text_of(this.#cursor));
-    if (picked) parts.push(`point ${picked.number}: ${picked.place.map((mm, i) => `${'XYZ'[i]} ${mm.toFixed(3)}`).join(' ')} mm`);
+    if (picked) parts.push(text('view.point', {
+      number: picked.number, place: picked.place.map((mm, i) => `${'XYZ'[i]} ${mm.toFixed(3)}`).join(' '),
+    }));
     this.#element('cursor').textContent = parts.join('; ') || ' ';
   }
 

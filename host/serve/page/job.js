@@ -1,8 +1,10 @@
 // Files of the server: send, check, start, progress.
 
+import { text } from '/texts.js';
+
 const clock = (seconds) => {
   const s = Math.round(seconds);
-  return s < 60 ? `${s} s` : `${Math.floor(s / 60)} min ${String(s % 60).padStart(2, '0')} s`;
+  return s < 60 ? text('time.s', { s }) : text('time.min-s', { min: Math.floor(s / 60), s: String(s % 60).padStart(2, '0') });
 };
 
 const is_job = (name) => /\.llj$/i.test(name);
@@ -70,20 +72,21 @@ export class Jobs {
   async check() {
     if (!this.name) return;
     this.#show_nothing();
-    this.#element('checked').textContent = 'checking';
+    this.#element('checked').textContent = text('job.checking');
     if (is_job(this.name)) this.#cloud.open(this.name).catch(() => {});
     const result = await this.#link.call('job.check', { name: this.name }).catch(() => null);
     if (!result) return this.#show_nothing();
-    const facts = [result.points ? `${result.points} points` : `${result.lines} lines`];
+    const facts = [result.points ? text('job.points', result) : text('job.lines', result)];
     if (result.seconds !== undefined) facts.push(clock(result.seconds));
     if (result.bounds) {
       const [low, high] = result.bounds;
-      facts.push(low.map((mm, i) => `${'XYZA'[i]} ${mm.toFixed(1)} to ${high[i].toFixed(1)}`).join(', ') + ' mm');
+      const ranges = low.map((mm, i) => text('job.range', { axis: 'XYZA'[i], low: mm.toFixed(1), high: high[i].toFixed(1) }));
+      facts.push(text('job.ranges', { ranges: ranges.join(', ') }));
     }
     this.#element('checked').textContent = facts.join('; ');
-    this.#element('problems').replaceChildren(...result.problems.map(({ line, text }) => {
+    this.#element('problems').replaceChildren(...result.problems.map((problem) => {
       const item = document.createElement('li');
-      item.textContent = `line ${line}: ${text}`;
+      item.textContent = text('job.problem', problem);
       return item;
     }));
     if (!result.picture || result.points) return;
@@ -94,7 +97,7 @@ export class Jobs {
   }
 
   #start() {
-    if (!this.name) return this.show_problem('send a file first');
+    if (!this.name) return this.show_problem(text('job.no-file'));
     this.#link.tell('job.start', {
       name: this.name, dry: this.#element('dry').checked, resume: this.#element('continue').checked,
       from: Number(this.#element('from').value),
@@ -113,11 +116,11 @@ export class Jobs {
     bar.value = job.total ? job.done / job.total : 0;
     const parts = [job.name];
     if (job.running) {
-      parts.push(job.title || 'preparing', `${job.done} of ${job.total}`);
-      if (job.dry) parts.push('laser off');
+      parts.push(job.title || text('job.preparing'), text('job.done', job));
+      if (job.dry) parts.push(text('job.is-dry'));
       if (job.word) parts.push(job.word);
       if (job.speed) parts.push(job.speed);
-      if (job.left_s !== undefined) parts.push(`${clock(job.left_s)} left`);
+      if (job.left_s !== undefined) parts.push(text('job.left', { time: clock(job.left_s) }));
     } else if (job.end) {
       parts.push(job.end, job.message);
     }

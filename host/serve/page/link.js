@@ -1,6 +1,8 @@
 // The connection to the server: requests with answers, notifications, and a new connection after a
 // loss. Nothing that was asked for before a loss is asked for again.
 
+import { text } from '/texts.js';
+
 const answer_ms = 15_000, retry_ms = 1000;
 const needs_password = -32001;  // docs/api.md
 
@@ -58,7 +60,8 @@ export class Link {
     socket.onopen = async () => {
       this.#socket = socket;
       try {
-        const name = /Mobi/.test(navigator.userAgent) ? 'page on a phone' : 'page';
+        const is_phone = /Mobi/.test(navigator.userAgent);
+        const name = text(is_phone ? 'client.phone' : 'client.page');
         const login = await this.#ask('login', { token: this.#token || 'none', client, name });
         const status = await this.#ask('subscribe');
         is_up = true;
@@ -72,9 +75,9 @@ export class Link {
     socket.onmessage = ({ data }) => data instanceof ArrayBuffer ? this.#keep(data) : this.#take(JSON.parse(data));
     socket.onclose = () => {
       this.#socket = null;
-      for (const { reject } of this.#waiting.values()) reject(new Error('no connection to the server'));
+      for (const { reject } of this.#waiting.values()) reject(new Error(text('link.none')));
       this.#waiting.clear();
-      this.#on.down(refusal || 'no connection to lamplock serve; trying again');
+      this.#on.down(refusal || text('link.again'));
       if (is_up || !refusal) setTimeout(() => this.#connect(), retry_ms);
     };
   }
@@ -109,10 +112,10 @@ export class Link {
   #ask(method, params = {}) {
     const id = `${this.#session}-${this.#next++}`;
     return new Promise((resolve, reject) => {
-      if (!this.is_up) return reject(new Error('no connection to the server'));
+      if (!this.is_up) return reject(new Error(text('link.none')));
       const timer = setTimeout(() => {
         this.#waiting.delete(id);
-        reject(new Error(`${method}: the server does not answer`));
+        reject(new Error(text('link.no-answer', { method })));
       }, answer_ms);
       this.#waiting.set(id, { resolve, reject, timer });
       this.#socket.send(JSON.stringify({ jsonrpc: '2.0', id, method, params }));

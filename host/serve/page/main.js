@@ -7,30 +7,31 @@ import { Jogger } from '/jog.js';
 import { Link, keep_token, merge, take_token } from '/link.js';
 import { Placer } from '/place.js';
 import { Records } from '/records.js';
+import { text } from '/texts.js';
 
 const element = (id) => document.getElementById(id);
 const max_lines = 500;
 let status = {};
 
-function show_problem(text) {
-  element('problem').textContent = text;
-  element('problem').hidden = text === '';
+function show_problem(problem) {
+  element('problem').textContent = problem;
+  element('problem').hidden = problem === '';
 }
 
 function show() {
   const { board = {}, job = {}, control = {} } = status;
-  element('state').textContent = board.connected ? board.state || 'connected' : 'no board';
+  element('state').textContent = board.connected ? board.state || text('state.connected') : text('state.no-board');
   if (!board.connected && board.problem) show_problem(board.problem);
   element('position').tBodies[0].replaceChildren(...(board.machine ?? []).map((mm, axis) => {
     const row = document.createElement('tr');
     const work = board.work?.[axis] ?? mm;
-    for (const text of ['XYZA'[axis], mm.toFixed(3), work.toFixed(3)])
-      row.insertCell().textContent = text;
+    for (const content of ['XYZA'[axis], mm.toFixed(3), work.toFixed(3)])
+      row.insertCell().textContent = content;
     return row;
   }));
-  const others = control.own ? 'this page has control' : control.held ? `${control.holder} has control` : 'watching';
-  element('control-text').textContent = `${others}; ${control.clients ?? 0} connected`;
-  element('control').textContent = control.own ? 'Release control' : 'Take control';
+  const holder = control.own ? text('control.own') : control.held ? text('control.other', control) : text('control.watching');
+  element('control-text').textContent = text('control.clients', { holder, clients: control.clients ?? 0 });
+  element('control').textContent = text(control.own ? 'control.release' : 'control.take');
   element('pairing').hidden = control.paired !== false;
   for (const each of document.querySelectorAll('.needs-control')) each.disabled = !control.own;
   element('write').disabled = !control.own || changes().length === 0;
@@ -46,17 +47,17 @@ const link = new Link(take_token(), {
     status = whole;
     show_problem('');
     element('login').hidden = true;
-    element('board').textContent = `${login.board}${login.simulated ? ' (simulated)' : ''}`;
+    element('board').textContent = login.simulated ? text('board.simulated', login) : login.board;
     if (!whole.control.held) link.tell('control.take');
     jobs.list();
     records.list_macros();
     show();
   },
-  down(text) {
+  down(problem) {
     jogger.end();
     status = {};
     show();
-    show_problem(text);
+    show_problem(problem);
   },
   password() {
     element('login').hidden = false;
@@ -70,7 +71,7 @@ const link = new Link(take_token(), {
   console(lines) {
     const box = element('lines');
     const is_at_end = box.scrollTop + box.clientHeight >= box.scrollHeight - 4;
-    const shown = box.textContent.split('\n').filter(Boolean).concat(lines.map(({ text }) => text));
+    const shown = box.textContent.split('\n').filter(Boolean).concat(lines.map((line) => line.text));
     box.textContent = shown.slice(-max_lines).join('\n');
     if (is_at_end) box.scrollTop = box.scrollHeight;
   },
@@ -134,7 +135,7 @@ function show_changes() {
   for (const input of element('settings').querySelectorAll('input'))
     input.closest('tr').classList.toggle('changed', input.value !== input.defaultValue);
   element('changes').textContent =
-    changes().map((input) => `${input.name}: ${input.defaultValue} to ${input.value}`).join('; ');
+    changes().map(({ name, defaultValue, value }) => text('settings.change', { name, from: defaultValue, to: value })).join('; ');
   element('write').disabled = !status.control?.own || changes().length === 0;
 }
 
@@ -150,16 +151,16 @@ function setting_row(setting) {
   input.defaultValue = setting.value;
   label.htmlFor = setting.name;
   label.textContent = `$${setting.number} ${setting.name}`;
-  about.textContent = `${setting.about}; ${setting.min} to ${setting.max}, default ${setting.default}`;
+  about.textContent = text('settings.about', setting);
   name.append(label, about);
   value.append(input, ` ${setting.unit}`);
   return row;
 }
 
 function search() {
-  const text = element('search').value.toLowerCase();
+  const wanted = element('search').value.toLowerCase();
   for (const row of element('settings').querySelectorAll('tr'))
-    row.hidden = !row.textContent.toLowerCase().includes(text);
+    row.hidden = !row.textContent.toLowerCase().includes(wanted);
 }
 
 async function read_settings() {
@@ -176,7 +177,7 @@ element('settings').addEventListener('input', show_changes);
 element('write').addEventListener('click', async () => {
   const wanted = changes();
   const wrong = wanted.find((input) => !input.checkValidity() || input.value === '');
-  if (wrong) return show_problem(`${wrong.name}: ${wrong.validationMessage || 'has no value'}`);
+  if (wrong) return show_problem(`${wrong.name}: ${wrong.validationMessage || text('settings.no-value')}`);
   const values = Object.fromEntries(wanted.map((input) => [input.name, input.value]));
   await link.call('settings.set', { changes: values }).then(read_settings).catch(() => {});
 });

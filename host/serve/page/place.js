@@ -4,6 +4,7 @@
 // An object is mirrored, scaled, turned about x, y, z and moved, in this order; all but the move
 // are about the middle of the block, where a new object is.
 
+import { text } from '/texts.js';
 import { add, corners_of, dot } from '/views.js';
 
 const degree = Math.PI / 180, handle_px = 7, knob_px = 26;
@@ -70,8 +71,8 @@ export class Placer {
   }
 
   async open(name) {
-    if (!name) return this.#show_problem('send a model or a description first');
-    this.#element('placing-text').textContent = 'reading';
+    if (!name) return this.#show_problem(text('placement.no-file'));
+    this.#element('placing-text').textContent = text('placement.reading');
     const scene = await this.#link.call('scene.open', { name }).finally(() => { this.#element('placing-text').textContent = ''; });
     scene.objects.forEach((object, number) => { object.object = number; });
     this.#scene = { ...scene, from: name };
@@ -89,14 +90,14 @@ export class Placer {
 
   async #add(name) {
     if (!this.#scene || !name) return;
-    if (/\.toml$/i.test(name)) return this.#show_problem('choose a model to add');
+    if (/\.toml$/i.test(name)) return this.#show_problem(text('placement.no-model'));
     const { objects } = await this.#link.call('scene.open', { name });
     this.#scene.objects.push(...objects.map((object) => ({ ...object, object: undefined })));
     await this.#show_scene(this.#scene.objects.length - 1);
   }
 
   #remove() {
-    if (!this.#object || this.#scene.objects.length === 1) return this.#show_problem('a description needs an object');
+    if (!this.#object || this.#scene.objects.length === 1) return this.#show_problem(text('placement.last-object'));
     this.#scene.objects.splice(this.#chosen, 1);
     this.#show_scene(0);
   }
@@ -132,7 +133,7 @@ export class Placer {
       if (document.activeElement !== input) input.value = values[i] === '' ? '' : round(values[i], 4);
     });
     ['x', 'y', 'z'].forEach((axis, i) => { this.#element(`object-mirror-${axis}`).checked = object.mirror[i]; });
-    this.#element('object-kept').textContent = object.kept.length ? `after: ${object.kept.join(', ')}` : '';
+    this.#element('object-kept').textContent = object.kept.length ? text('placement.kept', { kept: object.kept.join(', ') }) : '';
     this.#cloud.place(this.#scene.objects.map((each) => this.#map(each)));
   }
 
@@ -160,7 +161,7 @@ export class Placer {
     })) };
     if (block.every((side) => side > 0)) given.block = block;
     await this.#link.call('scene.write', given);
-    this.#element('placing-text').textContent = `${name} is written`;
+    this.#element('placing-text').textContent = text('placement.written', { name });
     await this.made();
     const resized = this.#scene.objects.some(({ wanted_size }) => wanted_size);
     this.#scene.objects.forEach((object, number) => { object.object = number; });
@@ -172,7 +173,7 @@ export class Placer {
   async make() {
     const name = await this.save();
     if (!name) return;
-    this.#element('placing-text').textContent = 'making the job';
+    this.#element('placing-text').textContent = text('placement.making');
     const made = await this.#link.call('job.make', { name })
       .catch((error) => { this.#element('placing-text').textContent = ''; throw error; });
     this.close();

@@ -1,10 +1,12 @@
 // Lists of the server: macros of the console, history of jobs, settings of materials.
 
+import { text } from '/texts.js';
+
 const seconds_between = (begin, end) => Math.round((Date.parse(end) - Date.parse(begin)) / 1000);
 
 function row_of(texts) {
   const row = document.createElement('tr');
-  for (const text of texts) row.insertCell().textContent = text ?? '';
+  for (const content of texts) row.insertCell().textContent = content ?? '';
   return row;
 }
 
@@ -69,9 +71,9 @@ export class Records {
     if (!jobs) return;
     this.#history_shown = true;
     this.#fill('history', jobs.map((job) => [
-      new Date(job.begin).toLocaleString(), job.dry ? `${job.file} (laser off)` : job.file, job.board,
-      `${seconds_between(job.begin, job.end)} s`, [job.result, job.message].filter(Boolean).join(': '),
-      `${job.done} of ${job.total} ${job.item}s`, job.wasted_beats]), 'no job has run yet');
+      new Date(job.begin).toLocaleString(), job.dry ? text('history.dry', job) : job.file, job.board,
+      text('time.s', { s: seconds_between(job.begin, job.end) }), [job.result, job.message].filter(Boolean).join(': '),
+      text(job.item === 'point' ? 'history.points' : 'history.lines', job), job.wasted_beats]), text('history.none'));
   }
 
   async #show_materials() {
@@ -79,6 +81,6 @@ export class Records {
     if (!settings) return;
     this.#fill('materials', settings.map((each) => [
       each.material, each.laser, each.operation, each.thickness, each.feed, each.power, each.passes, each.kerf, each.note]),
-               'the library has no settings');
+               text('materials.none'));
   }
 }

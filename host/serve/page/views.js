@@ -3,10 +3,12 @@
 //
 // Coordinates of the canvas are CSS pixels; all others are millimetres of the machine.
 
+import { text } from '/texts.js';
+
 const planes = {
-  top: { title: 'top, X Y', right: [1, 0, 0], up: [0, 1, 0], back: [0, 0, 1] },
-  front: { title: 'front, X Z', right: [1, 0, 0], up: [0, 0, 1], back: [0, -1, 0] },
-  side: { title: 'side, Y Z', right: [0, 1, 0], up: [0, 0, 1], back: [1, 0, 0] },
+  top: { title: text('view.title', { name: text('view.top'), axes: 'X Y' }), right: [1, 0, 0], up: [0, 1, 0], back: [0, 0, 1] },
+  front: { title: text('view.title', { name: text('view.front'), axes: 'X Z' }), right: [1, 0, 0], up: [0, 0, 1], back: [0, -1, 0] },
+  side: { title: text('view.title', { name: text('view.side'), axes: 'Y Z' }), right: [0, 1, 0], up: [0, 0, 1], back: [1, 0, 0] },
 };
 const order = [['top', 'camera'], ['front', 'side']];
 const axis_names = 'XYZ';
@@ -78,7 +80,7 @@ export class Views {
   directions(name) {
     if (name !== 'camera') return planes[name];
     const [c, s, e, f] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.tilt), Math.sin(this.tilt)];
-    return { title: 'camera', right: [c, s, 0], up: [-s * f, c * f, e], back: [s * e, -c * e, f] };
+    return { title: text('view.camera'), right: [c, s, 0], up: [-s * f, c * f, e], back: [s * e, -c * e, f] };
   }
 
   // The parts of the canvas, each with its view.
@@ -259,14 +261,14 @@ export class Views {
         const { x, y } = this.to_canvas(pane, place);
         if (is_right) context.moveTo(x, pane.y), context.lineTo(x, pane.y + pane.height);
         else context.moveTo(pane.x, y), context.lineTo(pane.x + pane.width, y);
-        const text = (k * step).toFixed(digits);
-        if (is_right) context.fillText(text, x + 2, pane.y + pane.height - 5);
-        else if (y > pane.y + 30 && y < pane.y + pane.height - 18) context.fillText(text, pane.x + 3, y - 2);
+        const number = (k * step).toFixed(digits);
+        if (is_right) context.fillText(number, x + 2, pane.y + pane.height - 5);
+        else if (y > pane.y + 30 && y < pane.y + pane.height - 18) context.fillText(number, pane.x + 3, y - 2);
       }
       context.stroke();
     }
     const { x, y } = { x: pane.x + pane.width - 58, y: pane.y + 16 };
-    context.fillText(`${step.toFixed(digits)} mm`, x, y);
+    context.fillText(text('view.mm', { place: step.toFixed(digits) }), x, y);
   }
 
   // Frame of a box, its corners placed by `place`.
@@ -283,9 +285,9 @@ export class Views {
   // What a cursor in a plane knows: two coordinates.
   text_of({ pane, at }) {
     const place = this.to_place(pane, at);
-    return [pane.right, pane.up].map((way) => {
+    return text('view.mm', { place: [pane.right, pane.up].map((way) => {
       const axis = way.findIndex((value) => value !== 0);
       return `${axis_names[axis]} ${place[axis].toFixed(3)}`;
-    }).join('  ') + ' mm';
+    }).join('  ') });
   }
 }
