@@ -74,6 +74,7 @@ std::uint32_t Tmc2209::read(std::uint8_t address) const {
   if (!is_readable(address)) return 0;
   if (address == ifcnt) return writes_;
   if (address == drv_status) return flags_;
+  if (address == gstat) return registers_[gstat] | (low_supply_ ? gstat_uv_cp : 0);  // not latched
   return registers_[address];
 }
 

@@ -31,8 +31,9 @@ class Tmc2209 {
   static constexpr std::uint8_t gconf = 0x00, gstat = 0x01, ifcnt = 0x02, ioin = 0x06,
                                 nodeconf = 0x03, ihold_irun = 0x10, vactual = 0x22, chopconf = 0x6c,
                                 drv_status = 0x6f, pwmconf = 0x70;
-  /// GSTAT: the registers have been reset; the drive is off because of heat or a short.
-  static constexpr std::uint32_t gstat_reset = 1, gstat_drv_err = 2;
+  /// GSTAT: the registers have been reset; the drive was switched off because of heat or a short;
+  /// the charge pump has too low a voltage.
+  static constexpr std::uint32_t gstat_reset = 1, gstat_drv_err = 2, gstat_uv_cp = 4;
   /// DRV_STATUS: warning of heat, too hot, short to ground of A and B.
   static constexpr std::uint32_t warm = 1, too_hot = 2, short_a = 4, short_b = 8;
 
@@ -47,6 +48,8 @@ class Tmc2209 {
   bool is_powered() const { return powered_; }
   /// Flags of DRV_STATUS; heat and shorts switch the drive off.
   void set_status(std::uint32_t flags);
+  /// The supply is too low for the charge pump: the drive is off meanwhile.
+  void set_low_supply(bool low) { low_supply_ = low; }
 
   std::uint32_t read(std::uint8_t address) const;
   /// Counted by IFCNT.
@@ -61,7 +64,7 @@ class Tmc2209 {
 
  private:
   unsigned address_;
-  bool powered_ = true;
+  bool powered_ = true, low_supply_ = false;
   std::array<std::uint32_t, 128> registers_{};
   std::uint8_t writes_ = 0;
   std::uint32_t flags_ = 0;

@@ -187,6 +187,22 @@ TEST(DriveSetup, SeesAResetHeatAndAShortAtRestOnly) {
     EXPECT_FALSE(rig.setup.ready());
     EXPECT_THAT(rig.messages, ElementsAre(HasSubstr(c.message)));
   }
+  // The cause has ended before it was looked at.
+  DriveRig brief;
+  brief.run(120'000);
+  brief.uart.wire.drives[1].set_status(sim::Tmc2209::short_a);
+  brief.uart.wire.drives[1].set_status(0);
+  brief.run(1'000'000);
+  EXPECT_THAT(brief.messages, testing::Contains(HasSubstr("Drives off: Y was off for heat")));
+  DriveRig low;
+  low.run(120'000);
+  low.uart.wire.drives[0].set_low_supply(true);
+  low.run(1'000'000);
+  EXPECT_FALSE(low.setup.ready());
+  EXPECT_THAT(low.messages, ElementsAre(HasSubstr("Drives off: X has too low a supply")));
+  low.uart.wire.drives[0].set_low_supply(false);
+  low.run(2'000'000);
+  EXPECT_TRUE(low.setup.ready());
   DriveRig rig;
   rig.run(120'000);
   rig.uart.wire.drives[2].set_status(sim::Tmc2209::warm);

@@ -80,6 +80,16 @@ TEST_P(EachBoard, NamesItselfAndRefusesWhatBelongsToAnother) {
   EXPECT_THAT(rig.answer("$$"), HasSubstr(own));
 }
 
+/// The flash has the settings of another board: the image says that it replaces them.
+TEST_P(EachBoard, NamesTheFirstSettingOfAnotherBoardThatItReplaces) {
+  const BoardRow& other = &row() == boards::all_boards[0] ? *boards::all_boards[1] : boards::pico;
+  Bench bench(profile_of(other, false), row(), row(), ChipRig::Power::on);
+  EXPECT_THAT(bench.rig.heard,
+              HasSubstr("[MSG:Settings of another board replaced: $990; check $$]"));
+  Bench own(row(), row());
+  EXPECT_THAT(own.rig.heard, testing::Not(HasSubstr("replaced")));
+}
+
 /// More axes than pins, and no beam channel.
 TEST_P(EachBoard, RefusesAxesAndChannelsThatItLacks) {
   Bench bench(row(), row());

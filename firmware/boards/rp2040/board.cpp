@@ -12,6 +12,7 @@ extern "C" void second_core();
 
 namespace lamplock::rp2040 {
 namespace {
+using std::string_view_literals::operator""sv;
 
 /// At the end of memory, where alignment causes no gaps (toolchain/arm/rp2040.ld).
 [[gnu::section(".bss.rings.stamps")]] StampRing stamp_ring;
@@ -81,6 +82,17 @@ void Board::report_rejected(std::string_view what, std::uint32_t records) {
   core_.report_message(line.view());
 }
 
+/// The first of the stored settings that the image has replaced, if they are those of another
+/// board.
+void Board::report_replaced() {
+  const settings::Id id = boards::unfit_setting(features_of(map_).limits, storage_.load_settings());
+  if (id == settings::Id::count) return;
+  TextLine line;
+  line.add("Settings of another board replaced: $"sv).add(std::int64_t{settings::number(id)});
+  line.add("; check $$"sv);
+  core_.report_message(line.view());
+}
+
 void Board::start_kept() {
   machine::PersistentState kept;
   storage_.load_program(kept);
@@ -95,6 +107,7 @@ void Board::start() {
   core_.report_message(line.view());
   if (last.in_job) core_.start_in_alarm();
   report_rejected("Settings", storage_.rejected_settings());
+  report_replaced();
   start_kept();
   for (const InterruptEntry& entry : interrupt_entries)
     set_priority(entry.irq, static_cast<std::uint32_t>(entry.level));

@@ -96,6 +96,7 @@ class Board {
   [[gnu::cold]] void start();
   [[gnu::cold]] void start_ports();
   [[gnu::cold]] void report_rejected(std::string_view what, std::uint32_t records);
+  [[gnu::cold]] void report_replaced();
   /// Restores the data that was kept over the power cut.
   [[gnu::cold]] void start_kept();
   /// One round of the main loop; true if there is more to do at once.

@@ -82,7 +82,17 @@ class DriveSetup {
   bool settled() const { return state_ != State::setting_up || reported_ != Fault::none; }
 
  private:
-  enum class Fault : std::uint8_t { none, silent, damaged, not_taken, reset, heat, shorted };
+  enum class Fault : std::uint8_t {
+    none,
+    silent,
+    damaged,
+    not_taken,
+    reset,
+    low_supply,
+    heat,
+    was_off,
+    shorted
+  };
   enum class Step : std::uint8_t {
     delay,
     count_before,
@@ -247,6 +257,8 @@ class DriveSetup {
   void look(std::uint32_t value, std::uint32_t now_us) {
     if (place_ == 0) {
       if ((value & tmc::gstat_reset) != 0) return fail(Fault::reset, now_us);
+      if ((value & tmc::gstat_uv_cp) != 0) return fail(Fault::low_supply, now_us);
+      was_off_ = (value & tmc::gstat_drv_err) != 0;
       place_ = 1;
       return;
     }
@@ -256,6 +268,7 @@ class DriveSetup {
   void take_status(std::uint32_t value, std::uint32_t now_us) {
     if ((value & tmc::shorts) != 0) return fail(Fault::shorted, now_us);
     if ((value & tmc::too_hot) != 0) return fail(Fault::heat, now_us);
+    if (was_off_) return fail(Fault::was_off, now_us);
     const auto bit = static_cast<std::uint8_t>(1u << axis_);
     const bool is_warm = (value & tmc::warm) != 0;
     warns_ = is_warm && (warned_ & bit) == 0;
@@ -315,6 +328,10 @@ class DriveSetup {
         return " does not keep its set-up; check its supply"sv;
       case Fault::reset:
         return " was reset; check the supply of the motors, then home"sv;
+      case Fault::low_supply:
+        return " has too low a supply; check the supply of the motors, then home"sv;
+      case Fault::was_off:
+        return " was off for heat or a short; check its motor's wires and its current, then home"sv;
       case Fault::heat:
         return " is too hot; let it cool and lower its current"sv;
       default:
@@ -338,6 +355,7 @@ class DriveSetup {
   Step step_ = Step::count_before;
   Fault fault_ = Fault::none, reported_ = Fault::none;
   bool exchanging_ = false, is_echo_ = false, is_set_up_ = false, warns_ = false;
+  bool was_off_ = false;      ///< the drive, since its GSTAT was cleared
   bool is_checking_ = false;  ///< all axes are written: the round that only looks, then the watch
 };
 

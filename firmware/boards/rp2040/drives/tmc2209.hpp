@@ -19,7 +19,9 @@ inline constexpr std::uint8_t gconf = 0x00, gstat = 0x01, ifcnt = 0x02, nodeconf
                               ihold_irun = 0x10, tpowerdown = 0x11, tpwmthrs = 0x13,
                               tcoolthrs = 0x14, vactual = 0x22, coolconf = 0x42, chopconf = 0x6c,
                               drv_status = 0x6f, pwmconf = 0x70;
-inline constexpr std::uint32_t gstat_reset = 1, gstat_drv_err = 2, gstat_all = 7;
+/// GSTAT: the registers were reset; heat or a short has switched the drive off; its charge pump has
+/// too low a voltage, so that it is off now.
+inline constexpr std::uint32_t gstat_reset = 1, gstat_drv_err = 2, gstat_uv_cp = 4, gstat_all = 7;
 /// DRV_STATUS: warning of heat; too hot; shorts to ground and to the supply.
 inline constexpr std::uint32_t warm = 1, too_hot = 2, shorts = 0x3c;
 
