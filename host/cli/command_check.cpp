@@ -107,6 +107,7 @@ void add_check(Command& program) {
       .file(FileUse::read);
   add_machine(app, options->machine);
   add_process(app, options->material);
+  add_user_commands(app, options->user_commands);
   app.add_option("--picture", &options->picture,
                  "Write a picture (SVG) of the path, coloured by laser power")
       .check(file_name())

@@ -53,9 +53,10 @@ Json rows_json(const run::SentJob& sent, const std::string& board) {
 /// lines of the computer are used.
 void check_job_options(const SendOptions& options) {
   const run::ProgramOptions& program = options.program;
-  const std::array<std::pair<const char*, bool>, 7> of_programs{
+  const std::array<std::pair<const char*, bool>, 8> of_programs{
       {{"--ignore-errors", program.ignore_errors},
        {"--events", !program.events.empty()},
+       {"--user-commands", !program.user_commands.empty()},
        {"--material", options.material.material.has_value()},
        {"--laser", options.material.laser.has_value()},
        {"--thickness", options.material.thickness_mm.has_value()},
@@ -142,6 +143,7 @@ void add_send(Command& program) {
       .group("Board");
   add_machine(app, options->program.machine);
   add_process(app, options->material);
+  add_user_commands(app, options->program.user_commands);
   app.action([options, &program] {
     options->board.command = program.typed();
     options->board.profile = options->program.machine.machine;

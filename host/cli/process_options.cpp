@@ -33,4 +33,14 @@ void add_process(Command& app, run::ProcessChoice& choice) {
       .group(group);
 }
 
+void add_user_commands(Command& app, std::string& folder) {
+  app.add_option("--user-commands", &folder,
+                 "Permit M100 to M199: at rest, the host runs the program of this name in the "
+                 "folder with P and Q as arguments")
+      .value_name("FOLDER")
+      .check(file_name())
+      .file(FileUse::folder)
+      .group("Board");
+}
+
 }  // namespace lamplock::cli

@@ -7,7 +7,6 @@
 
 #include "host/error.hpp"
 #include "host/link/not_ready.hpp"
-#include "host/link/not_stopped.hpp"
 
 namespace lamplock::link {
 namespace {
@@ -50,6 +49,7 @@ bool LineSender::step() {
   if (phase_ != Phase::ended) check_connection();
   if (phase_ == Phase::streaming) send_early_hold();
   if (phase_ == Phase::streaming) fill_window();
+  if (phase_ == Phase::streaming) run_host_line();
   if (phase_ == Phase::streaming) check_end();
   if (phase_ == Phase::streaming) check_answers();
   if (phase_ == Phase::stopping) insist_on_stop();
@@ -197,12 +197,43 @@ bool LineSender::fits(const std::string& text) const {
 }
 
 void LineSender::fill_window() {
-  while (sent_ < lines_.size() && fits(lines_[sent_].text)) {
+  while (sent_ < lines_.size() && !is_host_line(sent_) && fits(lines_[sent_].text)) {
     const std::string& text = lines_[sent_].text;
     port_.send_line(text);
     bytes_under_way_ += size_of(text);
     ++sent_;
   }
+}
+
+bool LineSender::is_host_line(std::size_t index) const {
+  return options_.host_lines != nullptr && options_.host_lines->has(index);
+}
+
+/// Begins a line of the host after everything before it has been executed, as at the end of a
+/// program.
+void LineSender::run_host_line() {
+  if (sent_ == lines_.size() || !is_host_line(sent_)) return;
+  if (!host_line_runs_) {
+    if (answered_ != sent_ || idle_reports_ < idle_reports_at_end) return;
+    host_line_runs_ = true;
+    host_since_ = port_.transport().now();
+    return;  // the caller sees what is done before the line begins
+  }
+  try {
+    if (!options_.host_lines->run(sent_)) return;
+  } catch (...) {
+    return begin_stop(LineEnd::stopped, std::current_exception());
+  }
+  host_line_runs_ = false;
+  host_time_ += port_.transport().now() - host_since_;
+  ++sent_;
+  done_ = ++answered_;
+  asked_before_ = asked_;
+  idle_reports_ = 0;
+}
+
+void LineSender::stop_host_line() {
+  if (std::exchange(host_line_runs_, false)) options_.host_lines->stop();
 }
 
 void LineSender::check_connection() {
@@ -294,58 +325,6 @@ std::size_t LineSender::next_line() const {
 bool LineSender::at_pause() const {
   const bool next = answered_ < sent_ && is_pause(lines_[answered_].text);
   return next || (answered_ > 0 && is_pause(lines_[answered_ - 1].text));
-}
-
-/// Begins to stop the machine.
-void LineSender::begin_stop(LineEnd how, std::exception_ptr error) {
-  phase_ = Phase::stopping;
-  stop_end_ = how;
-  stop_error_ = std::move(error);
-  port_.drop_lines();
-  port_.send_realtime(realtime::hold);
-  const Time now = port_.transport().now();
-  urged_at_ = now;
-  asked_before_ = asked_;
-  stop_by_ = now + options_.stop_timeout;
-  if (!status_open_) asked_at_ = now - options_.status_interval;  // ask at once
-}
-
-/// Repeats the hold until the machine is at rest, then the reset until it reports a restart.
-void LineSender::insist_on_stop() {
-  const Time now = port_.transport().now();
-  if (status_.is("Alarm") && fresh()) return finish_stop();
-  if (now >= stop_by_) throw_not_stopped();
-  if (!held_ && status_.is_at_rest() && fresh()) {
-    held_ = true;
-    urged_at_ = now - options_.repeat;
-  }
-  if (now - urged_at_ < options_.repeat) return;
-  urged_at_ = now;
-  port_.send_realtime(held_ ? realtime::reset : realtime::hold);
-  reset_ = held_;
-}
-
-void LineSender::finish_stop() { end(status_.is("Alarm") ? LineEnd::alarm : stop_end_); }
-
-void LineSender::end(LineEnd how) {
-  if (phase_ == Phase::ended) return;
-  port_.drop_lines();
-  elapsed_ = elapsed();
-  end_ = how;
-  phase_ = Phase::ended;
-}
-
-void LineSender::throw_not_stopped() {
-  end(stop_end_);
-  const std::string why = errors_.empty() ? ""
-                                          : fmt::format(" after line {}, {}", errors_.back().line,
-                                                        error_text(errors_.back().error));
-  throw NotStopped(
-      Exit::job_failed, "machine",
-      fmt::format("could not be stopped{}; it may still move and fire; the last line it "
-                  "answered is {}",
-                  why, result().last_line),
-      "press its emergency stop or switch it off");
 }
 
 Time LineSender::elapsed() const {

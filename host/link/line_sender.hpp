@@ -36,6 +36,18 @@
 
 namespace lamplock::link {
 
+/// Lines of a program that the host executes itself, while the machine is at rest.
+class HostLines {
+ public:
+  virtual ~HostLines() = default;
+  virtual bool has(std::size_t index) const = 0;
+  /// The first call begins the line, further ones follow until it returns true. Throws Error if the
+  /// line has failed, which stops the program.
+  virtual bool run(std::size_t index) = 0;
+  /// Ends the line that runs, if one does: the program stops.
+  virtual void stop() = 0;
+};
+
 /// Time-outs of the sender. All times are times of the transport.
 struct LineOptions {
   Patience greeting;
@@ -48,6 +60,7 @@ struct LineOptions {
   std::chrono::microseconds answer_timeout{10'000'000};
   bool ignore_errors = false;                       ///< continue after errors
   std::function<void(const std::string&)> on_text;  ///< messages of the board
+  HostLines* host_lines = nullptr;                  ///< null: none
 };
 
 /// How a program ended.
@@ -113,6 +126,10 @@ class LineSender {
   bool waits() const;
   /// Number in the file of the line that is answered next; 0 after the last one.
   std::size_t next_line() const;
+  /// A line of the host runs.
+  bool runs_host_line() const { return host_line_runs_; }
+  /// Time of the lines of the host so far.
+  std::chrono::microseconds host_time() const { return host_time_; }
   /// The board waits, or will wait next, because of M0 or M1.
   bool at_pause() const;
 
@@ -154,6 +171,9 @@ class LineSender {
   void send_early_hold();
   void poll();
   void fill_window();
+  bool is_host_line(std::size_t index) const;
+  void run_host_line();
+  void stop_host_line();
   bool fits(const std::string& text) const;
 
   // The end.
@@ -195,6 +215,8 @@ class LineSender {
   bool unlocks_ = false;        ///< the machine was locked, and the first line ends that
   bool is_held_early_ = false;  ///< hold() was called before the first line, and is not sent yet
   int idle_reports_ = 0;
+  bool host_line_runs_ = false;
+  Time host_since_{}, host_time_{};
   Time heard_at_{};
   Time started_at_{}, elapsed_{};
 

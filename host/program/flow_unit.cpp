@@ -6,6 +6,7 @@
 
 #include "host/error.hpp"
 #include "host/program/program_words.hpp"
+#include "host/program/user_command.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::program_run {
@@ -200,6 +201,8 @@ bool has_flow(std::string_view text) {
     if (line.empty() || line.front() == '$') continue;
     std::string unknown;
     if (flow_word_of(line, unknown) || subprogram_code(line) != 0) return true;
+    // The values of P and Q.
+    if (line.find_first_of("#[") != std::string::npos && is_user_command(line)) return true;
   }
   return false;
 }

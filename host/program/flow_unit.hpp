@@ -35,7 +35,8 @@ struct FlowUnit {
 /// without its end, two subs with one label.
 FlowUnit flow_unit_of(std::vector<link::ProgramLine> lines, const std::string& file);
 
-/// Whether a line of the program is an O-word, or calls or ends a subprogram (M98, M99).
+/// Whether a line of the program is an O-word, calls or ends a subprogram (M98, M99), or gives a
+/// user command a value that the host has to compute.
 bool has_flow(std::string_view text);
 
 /// The number of a line with M98 or M99; 0 of others.

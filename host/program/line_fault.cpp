@@ -9,6 +9,7 @@
 #include "host/printable.hpp"
 #include "host/program/process_values.hpp"
 #include "host/program/program_words.hpp"
+#include "host/program/user_command.hpp"
 #include "host/text.hpp"
 #include "shared/gcode_errors.hpp"
 #include "shared/units.hpp"
@@ -100,7 +101,13 @@ LineFault unsupported(std::string_view word, int axes) {
                   "take the word out, or post the program for grbl"};
   for (const ProgramWord& one : words_of(word))
     for (const Replacement& other : replacements)
-      if (one.is(other.letter, other.number)) fault.remedy = other.remedy;
+      if (one.is(other.letter, other.number)) {
+        fault.remedy = other.remedy;
+        return fault;
+      }
+  if (is_user_command(word))
+    return {fmt::format("{} is a user command, and none are permitted", quoted(word)),
+            "lamplock check and lamplock send run it with --user-commands FOLDER"};
   return fault;
 }
 

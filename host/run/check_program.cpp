@@ -10,6 +10,7 @@
 #include "host/program/path_picture.hpp"
 #include "host/program/program_flow.hpp"
 #include "host/run/sent_file.hpp"
+#include "host/run/user_commands.hpp"
 
 namespace lamplock::run {
 namespace {
@@ -22,6 +23,8 @@ program_run::ProgramRun run_with_flow(const std::string& text, const CheckOption
                                            values, {}, process);
   std::string sent;
   for (const link::ProgramLine& line : lines) sent += line.text + "\n";
+  if (!user_commands_of(lines, options.input, options.user_commands, false).empty())
+    sent = program_run::without_user_commands(sent);
   auto run = program_run::run_program(sent, values, options.max_problems);
   for (program_run::Problem& problem : run.problems) {
     problem.line = lines[problem.line - 1].number;
@@ -47,6 +50,10 @@ program_run::ProgramRun check_program(const CheckOptions& options) {
   const bool has_flow = program_run::has_flow(text);
   if (!has_flow && program_run::has_process_values(text))
     text = program_run::with_process_values(text, options.input, process, profile.settings, {});
+  if (!has_flow && !user_commands_of(link::program_lines(text, options.input), options.input,
+                                     options.user_commands, false)
+                        .empty())
+    text = program_run::without_user_commands(text);
   program_run::ProgramRun run =
       has_flow ? run_with_flow(text, options, profile.settings, process)
                : program_run::run_program(text, profile.settings, options.max_problems);

@@ -33,7 +33,7 @@ std::string why_it_waits(const link::LineSender& sender) {
 
 /// Time of the machine without waits [s].
 double ProgramControl::run_s() const {
-  auto run = sender_.elapsed() - waited_;
+  auto run = sender_.elapsed() - waited_ - sender_.host_time();
   if (asking_) run -= sender_.elapsed() - waiting_since_;
   return std::chrono::duration<double>(run).count();
 }
@@ -62,6 +62,8 @@ ProgressState ProgramControl::state() const {
     shown.word = "door open";
   else if (sender_.status().is("Tool"))
     shown.word = "tool change";
+  else if (sender_.runs_host_line())
+    shown.word = "user command";
   else if (asking_ || sender_.status().is("Hold"))
     shown.word = sender_.at_pause() ? "pause" : "held";
   if (!sender_.status().of_work) shown.place = sender_.status().position;

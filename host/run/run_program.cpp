@@ -102,7 +102,8 @@ class RefusedLines {
 /// Sends the program to its end. Throws Error if an error has ended it before its first line; later
 /// errors are part of the outcome.
 ProgramOutcome send(const SentProgram& program, BoardLink& board, const BoardOptions& options,
-                    bool ignore_errors, ProgramEvents* events, Frontend& frontend) {
+                    const ProgramOptions& asked, ProgramEvents* events, Frontend& frontend) {
+  const bool ignore_errors = asked.ignore_errors;
   const std::unique_ptr<Progress> progress =
       frontend.progress("sending", program.text.lines.size(), 0);
   link::LineOptions sending;
@@ -111,6 +112,8 @@ ProgramOutcome send(const SentProgram& program, BoardLink& board, const BoardOpt
   sending.on_text = [&progress](const std::string& text) {
     progress->note("machine: " + link::message_text(text));
   };
+  UserCommands commands(program.commands, asked.user_commands, *progress);
+  sending.host_lines = &commands;
   link::LineSender sender(board.port(), program.text.lines, sending);
   ProgramTime time(program.planned_s, program.plan);
   ProgramControl control(sender, frontend, *progress, board.clocking(), time);
@@ -260,8 +263,8 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
                                 const BoardOptions& options, const ProgramOptions& asked,
                                 Frontend& frontend) {
   check_program_options(options, {}, frontend);
-  const program_run::ProcessValues* process = asked.process ? &*asked.process : nullptr;
-  SentProgram program = program_of(name, std::move(text), process);
+  const LineChoice choice{asked.process ? &*asked.process : nullptr, asked.user_commands};
+  SentProgram program = program_of(name, std::move(text), choice);
   const settings::Values values = asked.machine.profile().settings;
   if (!asked.events.empty()) EventStream::check(asked.events);
   BoardLink board(options, values);
@@ -276,7 +279,7 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
   if (of_board)
     state = program_run::read_state(board.port(), status,
                                     of_board->values.whole(settings::Id::report_inches) != 0);
-  choose_lines(program, options, of_board ? of_board->values : values, state, process);
+  choose_lines(program, options, of_board ? of_board->values : values, state, choice);
   if (of_board) predict(program, *of_board, state, asked.ignore_errors);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
@@ -285,7 +288,7 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
     events.emplace(asked.events, program.text.lines, of_board ? of_board->values : values,
                    state ? &*state : nullptr);
   ProgramOutcome outcome =
-      send(program, board, options, asked.ignore_errors, events ? &*events : nullptr, frontend);
+      send(program, board, options, asked, events ? &*events : nullptr, frontend);
   if (events && events->is_lost()) outcome.lost_events = asked.events;
   if (of_board) outcome.homing = link::homing_of(*of_board);
   write_files(outcome, trace ? &*trace : nullptr, options, board.simulated(), values);

@@ -26,7 +26,8 @@ struct ProgramOptions {
   bool ignore_errors = false;  ///< continues after lines that the board refused
   MachineOptions machine{};
   std::optional<program_run::ProcessValues> process{};  ///< of the chosen material
-  std::string events{};  ///< file of the executed blocks, "-": stdout; empty: none
+  std::string user_commands{};  ///< folder of M100 to M199; empty: none are permitted
+  std::string events{};         ///< file of the executed blocks, "-": stdout; empty: none
 };
 
 /// A program that was sent.

@@ -33,7 +33,10 @@ bool homes(const SentProgram& program) {
 /// The program as the board receives it.
 std::string text_of(const SentProgram& program) {
   std::string sent;
-  for (const link::ProgramLine& line : program.text.lines) sent += line.text + "\n";
+  for (std::size_t i = 0; i < program.text.lines.size(); ++i) {
+    sent += program.commands.contains(i) ? program_run::stand_in : program.text.lines[i].text;
+    sent += '\n';
+  }
   return sent;
 }
 
@@ -73,30 +76,30 @@ void predict(SentProgram& program, const link::BoardSettings& settings,
   throw refusal_of(program.text, run.problems.front());
 }
 
-SentProgram program_of(const std::string& file, std::string text,
-                       const program_run::ProcessValues* process) {
-  SentProgram program{{file, std::move(text), {}}, {}, {}};
+SentProgram program_of(const std::string& file, std::string text, const LineChoice& choice) {
+  SentProgram program{{file, std::move(text), {}}, {}, {}, {}};
   program.text.lines = link::program_lines(program.text.source, file);
   if (program.text.lines.empty()) throw no_line_to_send(file);
   refuse_sleep(program.text);
-  program_run::check_process_values(program.text.source, file, process);
+  program_run::check_process_values(program.text.source, file, choice.process);
+  (void)user_commands_of(program.text.lines, file, choice.user_commands, true);
   return program;
 }
 
 void choose_lines(SentProgram& program, const BoardOptions& options, const settings::Values& values,
-                  const std::optional<program_run::BoardState>& state,
-                  const program_run::ProcessValues* process) {
+                  const std::optional<program_run::BoardState>& state, const LineChoice& choice) {
   if (program_run::has_flow(program.text.source)) {
     if (options.from != 0)
       throw Error(Exit::bad_input, program.text.file,
-                  "--from does not begin within a program with O-words or M98",
+                  "--from does not begin within a program with O-words, M98 or values of user "
+                  "commands",
                   "send the whole program");
     program.text.lines = program_run::run_flow(std::move(program.text.lines), program.text.file,
-                                               values, state, process);
+                                               values, state, choice.process);
     if (program.text.lines.empty()) throw no_line_to_send(program.text.file);
   } else if (program_run::has_process_values(program.text.source)) {
     program.text.source = program_run::with_process_values(program.text.source, program.text.file,
-                                                           process, values, state);
+                                                           choice.process, values, state);
     program.text.lines = link::program_lines(program.text.source, program.text.file);
   }
   if (options.from != 0)
@@ -104,6 +107,8 @@ void choose_lines(SentProgram& program, const BoardOptions& options, const setti
         program_run::start_at(program.text.lines, options.from, values, program.text.file, state);
   if (options.dry)
     program.text.lines = program_run::without_laser(program.text.lines, program.text.file);
+  program.commands =
+      user_commands_of(program.text.lines, program.text.file, choice.user_commands, false);
 }
 
 }  // namespace lamplock::run

@@ -14,6 +14,7 @@
 #include "host/run/board_options.hpp"
 #include "host/run/program_refusal.hpp"
 #include "host/run/program_time.hpp"
+#include "host/run/user_commands.hpp"
 
 namespace lamplock::run {
 
@@ -21,18 +22,23 @@ namespace lamplock::run {
 struct SentProgram {
   ProgramText text;
   std::optional<double> planned_s;
-  ProgramTime::Plan plan;  ///< the same with other overrides; empty if it is not known
+  CommandLines commands{};  ///< lines that the host executes
+  ProgramTime::Plan plan;   ///< the same with other overrides; empty if it is not known
 };
 
-/// Its lines as they are in the file. `process`: of the chosen material, null without one. Throws
-/// Error(bad_input) for what can be refused before a board is opened.
-SentProgram program_of(const std::string& file, std::string text,
-                       const program_run::ProcessValues* process);
+/// What the user has chosen for the lines.
+struct LineChoice {
+  const program_run::ProcessValues* process = nullptr;  ///< of the material; null: none is chosen
+  std::string user_commands{};                          ///< folder; empty: none are permitted
+};
+
+/// Its lines as they are in the file. Throws Error(bad_input) for what can be refused before a
+/// board is opened.
+SentProgram program_of(const std::string& file, std::string text, const LineChoice& choice);
 
 /// Makes the lines that the board gets. Throws Error(bad_input).
 void choose_lines(SentProgram& program, const BoardOptions& options, const settings::Values& values,
-                  const std::optional<program_run::BoardState>& state,
-                  const program_run::ProcessValues* process);
+                  const std::optional<program_run::BoardState>& state, const LineChoice& choice);
 
 /// Runs the program as the board will and stores its time and its plan, unless a line of it is
 /// wrong. Throws Error(bad_input) at the first line that the board would refuse, unless

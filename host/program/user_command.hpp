@@ -1,0 +1,36 @@
+// User commands: M100 to M199, programs of the user that the host runs.
+//
+// In:  a line without comments. Out: its command with the numbers of P and Q, as LinuxCNC has them
+//      ("M Codes", M100 to M199). Who: `check` and `send` with --user-commands.
+//
+// The codes that the machine has itself stay its own: M117, M126 to M128, M130, M131.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace lamplock::program_run {
+
+struct UserCommand {
+  int number = 0;         ///< 100 to 199
+  double p = -1, q = -1;  ///< -1: not given
+  /// "M101"
+  std::string name() const;
+};
+
+/// Whether a line has a user command.
+bool is_user_command(std::string_view line);
+
+/// The command of a line; empty if it has none. Throws Error(bad_input) at `where` for other words
+/// in its line and for values that are no numbers.
+std::optional<UserCommand> user_command_of(std::string_view line, const std::string& where);
+
+/// A program in which a pause, at which the machine is at rest as well, takes the place of each
+/// user command.
+std::string without_user_commands(std::string_view program);
+
+/// That pause.
+inline constexpr std::string_view stand_in = "M60";
+
+}  // namespace lamplock::program_run
