@@ -24,6 +24,7 @@
 #include "host/serve/job_folder.hpp"
 #include "host/serve/note.hpp"
 #include "host/serve/page_texts.hpp"
+#include "host/serve/reports.hpp"
 #include "host/serve/web_server.hpp"
 
 namespace lamplock::serve {
@@ -152,6 +153,7 @@ class Server final : public WebSite {
   void remove_macro(const Call& call);
   void run_macro(const Call& call);
   void list_history(const Call& call);
+  WebReply report_of(const std::string& name) const;
   void list_materials(const Call& call);
   void run_jog(const Call& call);
   void step_jog(const Call& call);
@@ -170,6 +172,7 @@ class Server final : public WebSite {
 
   SiteOptions options_;
   JobFolder folder_;
+  Reports reports_;
   std::unique_ptr<PageDocument> document_;
   std::unique_ptr<Logins> logins_;
   std::unique_ptr<Computations> computations_;
