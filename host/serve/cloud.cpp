@@ -6,6 +6,8 @@
 #include <random>
 #include <utility>
 
+#include "host/serve/shares.hpp"
+
 namespace lamplock::serve {
 namespace {
 
@@ -20,17 +22,6 @@ std::vector<std::uint32_t> sample_of(std::size_t size, std::size_t count) {
   numbers.resize(count);
   numbers.shrink_to_fit();
   return numbers;
-}
-
-void put(std::string& bytes, double share) {
-  constexpr double full = 65535;
-  const auto value = static_cast<unsigned>(std::lround(std::clamp(share, 0.0, 1.0) * full));
-  bytes += static_cast<char>(value & 0xff);
-  bytes += static_cast<char>(value >> 8);
-}
-
-double share_of(double value, double low, double high) {
-  return high > low ? (value - low) / (high - low) : 0.5;
 }
 
 double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
@@ -49,10 +40,10 @@ std::string Cloud::part(std::size_t from) const {
   if (from < end) bytes.reserve((end - from) * bytes_per_point);
   for (std::size_t i = from; i < end; ++i) {
     const Point& point = points_[sample_[i]];
-    put(bytes, share_of(point.x, low.x, high.x));
-    put(bytes, share_of(point.y, low.y, high.y));
-    put(bytes, share_of(point.z, low.z, high.z));
-    put(bytes, static_cast<double>(sample_[i]) / static_cast<double>(points_.size()));
+    put_share(bytes, share_of(point.x, low.x, high.x));
+    put_share(bytes, share_of(point.y, low.y, high.y));
+    put_share(bytes, share_of(point.z, low.z, high.z));
+    put_share(bytes, static_cast<double>(sample_[i]) / static_cast<double>(points_.size()));
   }
   return bytes;
 }

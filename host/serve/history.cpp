@@ -7,7 +7,9 @@
 #include <optional>
 
 #include "host/material/job_history.hpp"
+#include "host/report/page.hpp"
 #include "host/run/material_records.hpp"
+#include "host/run/send_job.hpp"
 #include "host/serve/error_message.hpp"
 
 namespace lamplock::serve {
@@ -57,24 +59,36 @@ void History::poll() {
     note_("history of jobs: " + message_of(error));
   }
   if (writing_.is_busy() || unkept_.empty()) return;
-  writing_.start([jobs = std::exchange(unkept_, {}), library = library_, board = board_] {
-    for (const EndedJob& job : jobs) keep_job(library, board, job);
+  writing_.start([this, jobs = std::exchange(unkept_, {})] {
+    keep(jobs);
     return true;
   });
+}
+
+/// The records first: they do not depend on space for a report.
+void History::keep(const std::vector<EndedJob>& jobs) const {
+  for (const EndedJob& job : jobs) keep_job(library_, board_, job);
+  for (const EndedJob& job : jobs)
+    if (job.run)
+      reports_.keep(utc_text(job.begin),
+                    report::page(job.run->outcome.report, job.run->outcome.run));
 }
 
 void History::end() {
   writing_ = {};  // waits
   try {
-    for (const EndedJob& job : unkept_) keep_job(library_, board_, job);
+    keep(unkept_);
   } catch (const std::exception& error) {
     note_("history of jobs: " + message_of(error));
   }
 }
 
-Json history_json(const std::string& library) {
+Json history_json(const std::string& library, const Reports& reports) {
+  const std::map<std::string, std::string> names = reports.names();
   Json jobs = Json::array();
-  for (const material::JobRecord& job : material::last_jobs(run::library_file(library), max_shown))
+  for (const material::JobRecord& job :
+       material::last_jobs(run::library_file(library), max_shown)) {
+    const auto report = names.find(job.begin);
     jobs.push_back({{"file", job.file},
                     {"board", job.board},
                     {"begin", job.begin},
@@ -85,7 +99,9 @@ Json history_json(const std::string& library) {
                     {"dry", job.is_dry},
                     {"done", job.done},
                     {"total", job.total},
-                    {"wasted_beats", or_null(job.wasted_beats)}});
+                    {"wasted_beats", or_null(job.wasted_beats)},
+                    {"report", report == names.end() ? Json() : Json(report->second)}});
+  }
   return jobs;
 }
 

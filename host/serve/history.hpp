@@ -1,6 +1,6 @@
 // The jobs that the server has run, in the library of its user.
 //
-// In:  jobs that have ended. Out: records in the library, read back for clients.
+// In:  jobs that have ended. Out: records in the library, read back for clients; their reports.
 // Who: the server, which writes them outside of its thread and of that of the machine.
 #pragma once
 
@@ -12,6 +12,7 @@
 #include "host/run/background.hpp"
 #include "host/serve/machine_view.hpp"
 #include "host/serve/note.hpp"
+#include "host/serve/reports.hpp"
 
 namespace lamplock::serve {
 
@@ -19,8 +20,11 @@ namespace lamplock::serve {
 class History {
  public:
   /// `library` is a file; empty: the user's own.
-  History(std::string library, std::string board, Note note)
-      : library_(std::move(library)), board_(std::move(board)), note_(std::move(note)) {}
+  History(std::string library, std::string board, Reports reports, Note note)
+      : library_(std::move(library)),
+        board_(std::move(board)),
+        reports_(std::move(reports)),
+        note_(std::move(note)) {}
 
   void add(std::vector<EndedJob> jobs);
   /// To be called regularly.
@@ -29,14 +33,18 @@ class History {
   void end();
 
  private:
+  void keep(const std::vector<EndedJob>& jobs) const;
+
   std::string library_, board_;
+  Reports reports_;
   Note note_;
   std::vector<EndedJob> unkept_;
   run::Background<bool> writing_;
 };
 
-/// The last 100 jobs of a library, newest first, for clients. Throws Error(bad_input).
-nlohmann::json history_json(const std::string& library);
+/// The last 100 jobs of a library, newest first, for clients, with the names of their reports.
+/// Throws Error(bad_input).
+nlohmann::json history_json(const std::string& library, const Reports& reports);
 
 /// The settings of all materials in the library, for clients. Throws Error(bad_input).
 nlohmann::json materials_json(const std::string& library);

@@ -1,6 +1,7 @@
 // The machine in a job: a use case of host/run borrows the connection.
 #include <chrono>
 #include <exception>
+#include <memory>
 #include <utility>
 
 #include "host/run/report_job.hpp"
@@ -58,15 +59,17 @@ void Machine::run_job(const JobStart& job) {
       end = end_name(outcome);
       run::judge_program(outcome, options.board, frontend);
     } else {
-      const run::SentJob sent = run::send_job(job.path, options, frontend);
-      end = end_name(sent.outcome);
-      ended.item = sent.prepared.job.item();
-      if (!sent.prepared.job.is_rows())
-        ended.wasted_beats = wasted_beats(sent.outcome.result.status);
-      if (sent.prepared.job.is_rows())
-        run::judge_end(sent.outcome, options, sent.prepared.job.item(), frontend);
-      else
-        run::judge_points(sent.outcome, options, frontend);
+      const auto sent = std::make_shared<run::SentJob>(run::send_job(job.path, options, frontend));
+      sent->outcome.report.input = sent->outcome.run.input = job.name;  // no path of the server
+      end = end_name(sent->outcome);
+      ended.item = sent->prepared.job.item();
+      if (sent->prepared.job.is_rows()) {
+        run::judge_end(sent->outcome, options, sent->prepared.job.item(), frontend);
+      } else {
+        ended.wasted_beats = wasted_beats(sent->outcome.result.status);
+        ended.run = sent;
+        run::judge_points(sent->outcome, options, frontend);
+      }
     }
     end_job(end, "", std::move(ended));
   } catch (...) {

@@ -4,9 +4,14 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+namespace lamplock::run {
+struct SentJob;
+}
 
 namespace lamplock::serve {
 
@@ -40,6 +45,7 @@ struct EndedJob {
   std::string item = "line";  ///< what `view` counts
   std::chrono::system_clock::time_point begin{}, end{};
   std::optional<std::int64_t> wasted_beats{};  ///< of points: lamp flashes without a shot
+  std::shared_ptr<const run::SentJob> run{};   ///< of points, for the report; null: none
 };
 
 struct MachineView {

@@ -129,6 +129,12 @@ constexpr std::array table{
            "Makes a job of a description or a model: the same name with `.llj`.",
            "`name` of the job, `points`, `notices`"},
     Method{"job.delete", Right::control, file_parameters, "Removes a file.", "nothing"},
+    Method{
+        "path.open", Right::all, file_parameters,
+        "Sends the path of a program or of rows as a binary message, before the result.",
+        "`places`, `bounds`, `area` (of the machine); the message has two zeros of 32 bits, then "
+        "for each place x, y, z (16 bits, 0 to 65535 in the bounds) and twice its share of the "
+        "lines (0 to 32767), 1 more for a rapid"},
     Method{"cloud.open", Right::all, file_parameters,
            "Reads the points of a job, to draw them; rows have none.",
            "`cloud` (its number), `points`, `shown`, `bounds`, `area` (of the machine)"},
@@ -159,7 +165,8 @@ constexpr std::array table{
            "Sends all lines of a macro, one after the other.", "nothing"},
     Method{"history.list", Right::all, none, "The last 100 jobs and programs, newest first.",
            "list of `file`, `board`, `begin`, `end` (UTC), `result`, `message`, `dry`, `done` of "
-           "`total`, `item`, `wasted_beats` (of points, or null)"},
+           "`total`, `item`, `wasted_beats` (of points, or null), `report` (of points: the page at "
+           "/reports/NAME, or null)"},
     Method{"material.list", Right::all, none, "The settings of the material library.",
            "list of `material`, `laser`, `operation`, `thickness` (mm or null), `feed` (mm/min), "
            "`power` (W), `passes`, `kerf` (mm or null), `note`"},

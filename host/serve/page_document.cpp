@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "host/json_in_script.hpp"
+#include "host/serve/content_policy.hpp"
 #include "host/serve/hashes.hpp"
 #include "host/serve/page_files.hpp"
 
@@ -53,7 +54,7 @@ std::string with_texts(std::string_view page, const PageTexts& texts) {
 }  // namespace
 
 PageDocument page_document(const PageTexts& texts) {
-  PageDocument made{with_texts(page_html(), texts), policy_hash(page_css())};
+  PageDocument made{with_texts(page_html(), texts), page_policy(policy_hash(page_css()))};
   fill(made.html, "<style>", page_css());
   fill(made.html, R"(<script type="application/json" id="texts">)", json_in_script(texts));
   return made;

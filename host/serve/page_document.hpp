@@ -10,7 +10,7 @@ namespace lamplock::serve {
 
 struct PageDocument {
   std::string html;
-  std::string style_hash;  ///< for the policy, which permits no other style
+  std::string policy;  ///< permits its style and no other one
 };
 
 /// The embedded page with these texts: {{name}} in page.html becomes a text; the scripts find the

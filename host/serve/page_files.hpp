@@ -5,6 +5,18 @@
 
 namespace lamplock::serve {
 
+/// Of the document, whose texts and style are put in by page_document().
+inline constexpr const char* page_target = "/";
+
+/// A file as clients get it.
+struct PageFile {
+  std::string_view target;
+  const char* type;
+  std::string_view (*text)();
+};
+/// Null if there is no file with this target.
+const PageFile* find_page_file(std::string_view target);
+
 std::string_view page_html();
 std::string_view page_css();
 std::string_view page_texts_json();
@@ -14,6 +26,7 @@ std::string_view page_jog_js();
 std::string_view page_job_js();
 std::string_view page_views_js();
 std::string_view page_cloud_painter_js();
+std::string_view page_path_painter_js();
 std::string_view page_cloud_js();
 std::string_view page_place_js();
 std::string_view page_records_js();

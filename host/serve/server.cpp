@@ -1,7 +1,6 @@
 #include "host/serve/server.hpp"
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -28,8 +27,8 @@ using Json = nlohmann::json;
 constexpr const char* api_target = "/api";
 constexpr const char* socket_target = "/ws";
 constexpr const char* login_target = "/login";
-constexpr const char* page_target = "/";
 constexpr std::string_view files_target = "/files/";
+constexpr std::string_view reports_target = "/reports/";
 constexpr std::size_t max_login_bytes = 2048, max_call_bytes = 256 * 1024,
                       max_file_bytes = 32 * 1024 * 1024;
 constexpr auto login_time = 5s;
@@ -42,30 +41,6 @@ constexpr std::size_t min_secret = 16, max_secret = 64;
 namespace code {
 constexpr int parse = -32700, request = -32600, method = -32601, parameters = -32602,
               refused = -32000;
-}
-
-struct Page {
-  std::string_view target;
-  const char* type;
-  std::string_view (*text)();
-};
-constexpr std::array pages{
-    Page{page_target, "text/html; charset=utf-8", page_html},
-    Page{"/texts.js", "text/javascript; charset=utf-8", page_texts_js},
-    Page{"/link.js", "text/javascript; charset=utf-8", page_link_js},
-    Page{"/jog.js", "text/javascript; charset=utf-8", page_jog_js},
-    Page{"/job.js", "text/javascript; charset=utf-8", page_job_js},
-    Page{"/views.js", "text/javascript; charset=utf-8", page_views_js},
-    Page{"/cloud_painter.js", "text/javascript; charset=utf-8", page_cloud_painter_js},
-    Page{"/cloud.js", "text/javascript; charset=utf-8", page_cloud_js},
-    Page{"/place.js", "text/javascript; charset=utf-8", page_place_js},
-    Page{"/records.js", "text/javascript; charset=utf-8", page_records_js},
-    Page{"/main.js", "text/javascript; charset=utf-8", page_main_js}};
-
-const Page* find_page(std::string_view target) {
-  const auto* found = std::find_if(pages.begin(), pages.end(),
-                                   [target](const Page& page) { return page.target == target; });
-  return found == pages.end() ? nullptr : found;
 }
 
 WebReply refusal(int status, const std::string& text) {
@@ -116,11 +91,13 @@ Json job_json(const JobView& job) {
 Server::Server(SiteOptions options, JobFolder folder)
     : options_(std::move(options)),
       folder_(std::move(folder)),
+      reports_(folder_.path() / ".reports"),
       document_(std::make_unique<PageDocument>(page_document(options_.texts))),
       logins_(std::make_unique<Logins>(options_.password_hash, options_.now, options_.note)),
       computations_(std::make_unique<Computations>()),
       clouds_(std::make_unique<Clouds>()),
-      history_(std::make_unique<History>(options_.library, options_.board, options_.note)) {
+      history_(
+          std::make_unique<History>(options_.library, options_.board, reports_, options_.note)) {
   if (!options_.octoprint_key.empty())
     octoprint_ = std::make_unique<OctoPrint>(options_.octoprint_key, folder_,
                                              [this] { require_program_right(); });
@@ -155,7 +132,7 @@ Admission Server::admit(const WebRequest& head) {
     return head.is_upgrade ? Admission{} : Admission{refusal(426, "needs a WebSocket")};
   if (head.is_upgrade) return {refusal(404, "no WebSocket here")};
   if (octoprint_ && OctoPrint::has(head.target)) return octoprint_->admit(head, max_file_bytes);
-  if (find_page(head.target) != nullptr)
+  if (find_page_file(head.target) != nullptr || head.target.starts_with(reports_target))
     return head.method == "GET" ? Admission{} : Admission{refusal(405, "only GET")};
   const bool is_login = head.target == login_target && logins_->has_password();
   const bool is_call = head.target == api_target;
@@ -176,8 +153,10 @@ void Server::reply(WebRequest request, Answer answer) {
   if (octoprint_ && OctoPrint::has(request.target))
     return answer(octoprint_->reply(request, *machine_));
   if (request.target == page_target)
-    return answer({200, "text/html; charset=utf-8", document_->html, document_->style_hash});
-  if (const Page* page = find_page(request.target))
+    return answer({200, "text/html; charset=utf-8", document_->html, document_->policy});
+  if (request.target.starts_with(reports_target))
+    return answer(report_of(request.target.substr(reports_target.size())));
+  if (const PageFile* page = find_page_file(request.target))
     return answer({200, page->type, std::string(page->text())});
   if (request.target == login_target)
     return logins_->request(request.body, request.remote, std::move(answer));

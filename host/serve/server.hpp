@@ -24,6 +24,7 @@
 #include "host/serve/job_folder.hpp"
 #include "host/serve/note.hpp"
 #include "host/serve/page_texts.hpp"
+#include "host/serve/reports.hpp"
 #include "host/serve/web_server.hpp"
 
 namespace lamplock::serve {
@@ -152,6 +153,7 @@ class Server final : public WebSite {
   void remove_macro(const Call& call);
   void run_macro(const Call& call);
   void list_history(const Call& call);
+  WebReply report_of(const std::string& name) const;
   void list_materials(const Call& call);
   void run_jog(const Call& call);
   void step_jog(const Call& call);
@@ -159,6 +161,7 @@ class Server final : public WebSite {
   void renew_jog(const Call& call);
   std::chrono::milliseconds lease_of(const Call& call) const;
   void stop_jog(const Call& call);
+  void open_path(const Call& call);
   void open_cloud(const Call& call);
   void send_cloud_points(const Call& call);
   void find_near_points(const Call& call);
@@ -170,6 +173,7 @@ class Server final : public WebSite {
 
   SiteOptions options_;
   JobFolder folder_;
+  Reports reports_;
   std::unique_ptr<PageDocument> document_;
   std::unique_ptr<Logins> logins_;
   std::unique_ptr<Computations> computations_;

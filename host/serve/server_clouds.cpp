@@ -1,16 +1,19 @@
-// The methods cloud.* of the server.
+// The methods cloud.*, path.open and machine.area of the server.
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "host/error.hpp"
 #include "host/job/profile.hpp"
+#include "host/link/program_lines.hpp"
+#include "host/run/check_program.hpp"
 #include "host/run/prepare.hpp"
 #include "host/run/read_job.hpp"
 #include "host/run/sent_file.hpp"
 #include "host/serve/clouds.hpp"
 #include "host/serve/json_places.hpp"
 #include "host/serve/server.hpp"
+#include "host/serve/shown_path.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -30,6 +33,21 @@ std::shared_ptr<const Cloud> read_cloud(const std::string& path, const std::stri
   return std::make_shared<const Cloud>(run::read_prepared_job(path).points);
 }
 
+/// Empty for a job of points.
+ShownPath read_path(const std::string& path, const run::MachineOptions& machine) {
+  if (run::kind_of_sent_file(path) == run::SentKind::job) {
+    const run::PreparedJob prepared = run::read_prepared_job(path);
+    return ShownPath(prepared.job.is_rows() ? places_of(prepared.job) : std::vector<PathPlace>());
+  }
+  run::CheckOptions options;
+  options.input = path;
+  options.machine = machine;
+  std::vector<std::size_t> sent;
+  for (const link::ProgramLine& line : link::program_lines(run::read_program_text(path), path))
+    sent.push_back(line.number);
+  return ShownPath(places_of(run::check_program(options), sent));
+}
+
 Json cloud_json(const OpenCloud& open, const run::MachineOptions& machine) {
   const Cloud& cloud = *open.cloud;
   return {{"cloud", open.number},
@@ -43,6 +61,26 @@ Json cloud_json(const OpenCloud& open, const run::MachineOptions& machine) {
 
 void Server::send_area(const Call& call) {
   succeed(call, box_json(run::work_space_mm(options_.machine.profile().settings)));
+}
+
+/// The message begins with two zeros in place of the number of a cloud.
+void Server::open_path(const Call& call) {
+  if (call.client == 0) throw Error(Exit::bad_input, "path.open", "is for WebSockets", "open one");
+  const std::string path = folder_.path_of(call.parameters()["name"]).string();
+  const auto made = std::make_shared<std::unique_ptr<const ShownPath>>();
+  compute(
+      call,
+      [made, path, machine = options_.machine] {
+        *made = std::make_unique<const ShownPath>(read_path(path, machine));
+      },
+      [this, made, client = call.client] {
+        const ShownPath& shown = **made;
+        std::string bytes(2 * sizeof(std::uint32_t), 0);
+        if (shown.size() > 0) web_->send_bytes(client, bytes + shown.bytes());
+        return Json{{"places", shown.size()},
+                    {"bounds", box_json(shown.bounds())},
+                    {"area", box_json(run::work_space_mm(options_.machine.profile().settings))}};
+      });
 }
 
 void Server::open_cloud(const Call& call) {

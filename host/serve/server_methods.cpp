@@ -94,6 +94,7 @@ const std::map<std::string_view, Server::Handler>& Server::handlers() {
       {"job.start", &Server::start_job},
       {"job.make", &Server::make_job},
       {"job.delete", &Server::delete_job},
+      {"path.open", &Server::open_path},
       {"cloud.open", &Server::open_cloud},
       {"cloud.points", &Server::send_cloud_points},
       {"cloud.near", &Server::find_near_points},

@@ -2,6 +2,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "host/serve/content_policy.hpp"
 #include "host/serve/history.hpp"
 #include "host/serve/machine.hpp"
 #include "host/serve/macros.hpp"
@@ -37,8 +38,17 @@ void Server::run_macro(const Call& call) {
 void Server::list_history(const Call& call) {
   const auto jobs = std::make_shared<Json>();
   compute(
-      call, [jobs, library = options_.library] { *jobs = history_json(library); },
+      call,
+      [jobs, library = options_.library, reports = reports_] {
+        *jobs = history_json(library, reports);
+      },
       [jobs] { return *jobs; });
+}
+
+WebReply Server::report_of(const std::string& name) const {
+  const std::optional<std::string> html = reports_.read(name);
+  if (!html) return {404, "text/plain; charset=utf-8", "no such report\n"};
+  return {200, "text/html; charset=utf-8", *html, alone_policy(*html)};
 }
 
 void Server::list_materials(const Call& call) {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "host/error.hpp"
+#include "host/serve/content_policy.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -31,14 +32,6 @@ using Clock = std::chrono::steady_clock;
 
 /// A frozen computer is noticed after this time; half of it later the client is asked.
 constexpr std::chrono::seconds idle_time{20};
-
-/// No script, style or picture but this server's own; no page may frame this one.
-std::string content_policy(const std::string& style_hash) {
-  return fmt::format(
-      "default-src 'none'; script-src 'self'; style-src '{}'; img-src 'self' data: blob:; "
-      "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-      style_hash.empty() ? "self" : style_hash);
-}
 
 std::string address_of(const tcp::endpoint& end) {
   const asio::ip::address address = end.address();
@@ -253,7 +246,7 @@ class WebServer::Parts::Exchange : public std::enable_shared_from_this<Exchange>
     reply_ = {};
     reply_.result(static_cast<unsigned>(reply.status));
     reply_.set(http::field::content_type, reply.type);
-    reply_.set("Content-Security-Policy", content_policy(reply.style_hash));
+    reply_.set("Content-Security-Policy", reply.policy.empty() ? page_policy() : reply.policy);
     reply_.set("X-Content-Type-Options", "nosniff");
     reply_.set("Cross-Origin-Resource-Policy", "same-origin");
     reply_.set("Referrer-Policy", "no-referrer");

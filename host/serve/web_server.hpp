@@ -30,7 +30,7 @@ struct WebRequest {
 struct WebReply {
   int status = 200;
   std::string type = "text/plain; charset=utf-8", body{};
-  std::string style_hash{};  ///< of the one style in the document (Content-Security-Policy)
+  std::string policy{};  ///< Content-Security-Policy; empty: page_policy()
 };
 
 /// Sends the reply of a request; to be called once, in the thread of the server.

@@ -40,19 +40,52 @@ async function jog(server, what, begin, end) {
   check(`${what}: at rest within 250 ms`, moved - released <= 254 + busy_ms, moved - released);
 }
 
-const zigzag = ['G21G90', 'M3S500'];
+const zigzag = ['G21G90', 'G0X-20Y-30', 'M3S500'];
 for (let i = 0; i < 40; ++i) zigzag.push(`G1X${i % 2 ? -30 : 30}Y${i - 20}F3000`);
+
+// Shares of the pixels of the path in one view: cuts, rapids, what is done, by their colours.
+const shares_of = (page, view) => page.ask(`new Promise((done) => {
+  document.getElementById('view-fit').click();
+  requestAnimationFrame(() => requestAnimationFrame(() => {
+    const path = document.getElementById('path'), [w, h] = [path.width >> 1, path.height >> 1];
+    const [x, y] = { top: [0, 0], camera: [w, 0], front: [0, h], side: [w, h] }['${view}'];
+    const copy = new OffscreenCanvas(path.width, path.height).getContext('2d', { willReadFrequently: true });
+    copy.drawImage(path, 0, 0);
+    const pixels = copy.getImageData(x, y, w, h).data;
+    const style = getComputedStyle(path);
+    const rgb = (name) => style.getPropertyValue(name).trim().slice(1).match(/../g).map((digits) => parseInt(digits, 16));
+    const count = (name) => {
+      const [r, g, b] = rgb(name);
+      let found = 0;
+      for (let i = 0; i < pixels.length; i += 4)
+        found += pixels[i + 3] > 60 && Math.hypot(pixels[i] - r, pixels[i + 1] - g, pixels[i + 2] - b) < 40;
+      return found / (w * h);
+    };
+    done({ cut: count('--point'), rapid: count('--weak'), done: count('--done') });
+  }));
+})`);
+
+async function show_path(page) {
+  await until('the path is drawn', () => page.ask(`Number(document.getElementById('views').dataset.shown) > 40`));
+  const shares = {};
+  for (const view of ['top', 'camera', 'front', 'side']) shares[view] = await shares_of(page, view);
+  check('each view has the path', Object.values(shares).every(({ cut }) => cut > 0.0001), shares);
+  check('rapids have another colour', shares.top.rapid > 0.0001, shares.top);
+  check('nothing is done', Object.values(shares).every(({ done }) => done === 0), shares);
+}
 
 async function run_job(page, server) {
   await drop(page, 'zigzag.ngc', `${zigzag.join('\n')}\nM5\n`);
   await until('the file is checked', async () => /lines; .* mm/.test(await text_of(page, 'checked')));
   check('the picture is shown', await page.ask(`document.getElementById('picture').naturalWidth > 0`));
+  await show_path(page);
   await page.click('#start');
   await until('the job runs', async () => /zigzag.*of/.test(await text_of(page, 'job-text')));
   await sleep(800);
   await page.ask('scrollTo(0, 0)');
   await page.frames(2);
   await keep_picture(page, 'serve');
+  check('the part that is done has its colour', (await shares_of(page, 'top')).done > 0);
   await page.click('#hold');
   await until('hold', async () => /held/.test(await text_of(page, 'job-text')));
   await page.click('#resume');

@@ -105,6 +105,29 @@ async function run(page, server) {
   await until('idle after a stop', async () => (await call(server, 'status')).board.state === 'Idle');
 }
 
+// The report of the stopped job, from the history: a document without access to the page.
+async function open_report(browser, page, server) {
+  await until('the history links to the report', () => page.ask(
+      `(document.getElementById('history-read').click(), document.querySelector('#history a') !== null)`));
+  const link = await page.ask(`(({ href, target, rel }) => ({ href, target, rel }))(document.querySelector('#history a'))`);
+  check('it opens in another tab', link.target === '_blank' && link.rel === 'noopener', link);
+  await page.ask(`document.getElementById('history-title').scrollIntoView()`);
+  await page.frames(2);
+  await keep_picture(page, 'serve-history', false);
+  const report = await browser.open(link.href);
+  await until('the report shows the numbers of the job', async () => /placed/.test(await text_of(report, 'title')) &&
+      /fired/.test(await text_of(report, 'tiles')));
+  check('the report has the beats by reason', /a shot.*moving/.test(await text_of(report, 'reasons')), await text_of(report, 'reasons'));
+  check('the report has no access to the page', await report.ask(`(() => {
+    try { return sessionStorage.getItem('token') === undefined; } catch { return self.origin === 'null'; }
+  })()`));
+  check('no complaints of the report', report.complaints.length === 0, report.complaints);
+  await keep_picture(report, 'serve-report');
+  const phone = await browser.open(link.href, { width: 360, height: 740, dark: true, touch: true });
+  check('the report fits into 360 px', await phone.ask('document.documentElement.scrollWidth <= 360'));
+  await keep_picture(phone, 'serve-report-phone', false);
+}
+
 let server;
 try {
   server = await start_server();
@@ -115,6 +138,7 @@ try {
   await use_numbers(page);
   await make_and_check(page);
   await run(page, server);
+  await open_report(browser, page, server);
   check('no complaints', page.complaints.length === 0, page.complaints);
   const phone = await open(browser, server, { width: 360, height: 740, dark: true, touch: true });
   await until('models are listed', async () => (await value_of(phone, 'models')) !== '');

@@ -1,6 +1,8 @@
-// The points of a job in four views: a sample from the server, and the exact points near the cursor.
+// A job or a program in four views: a sample of its points from the server, and the exact ones near
+// the cursor; or its path.
 
 import { make_painter, no_map, uses_webgl } from '/cloud_painter.js';
+import { PathPainter } from '/path_painter.js';
 import { text } from '/texts.js';
 import { Views } from '/views.js';
 
@@ -18,6 +20,8 @@ export class CloudView {
   #machine = null;
   #opened = 0;    // counts: an answer for a file that is no longer shown is dropped
   #go;
+  #path;
+  #done = NaN;    // share of the job that is drawn as done
 
   // `go` moves the machine to a place {x, y, z}.
   constructor(link, element, go) {
@@ -26,6 +30,8 @@ export class CloudView {
     this.#go = go;
     this.views = new Views(element('views'), element('marks'));
     this.views.layers.push(this);
+    this.#path = new PathPainter(element('path'));
+    this.views.painters.push(this.#path);
     this.views.hover = (cursor) => this.#hover(cursor);
     element('which').addEventListener('change', ({ target }) => {
       this.views.which = target.value;
@@ -49,15 +55,34 @@ export class CloudView {
     ++this.#opened;
     this.#cloud = null;
     this.#near = [];
+    this.#done = NaN;
+    this.#path.show(null);
+    this.painter?.begin([], 1);
     this.#element('view').hidden = true;
     delete this.#element('views').dataset.shown;
   }
 
-  // Shows the points of a file as they come.
-  async open(name) {
+  // Shows the points of a job as they come; the path of rows and programs.
+  async open(name, is_job) {
     this.close();
-    const cloud = await this.#link.call('cloud.open', { name });
+    const own = this.#opened;
+    const cloud = is_job ? await this.#link.call('cloud.open', { name }) : { points: 0 };
+    if (own !== this.#opened) return;
     if (cloud.points > 0) await this.#show_cloud(cloud);
+    else await this.#show_path(name, own);
+  }
+
+  async #show_path(name, own) {
+    const path = await this.#link.call('path.open', { name });
+    const numbers = this.#link.take_frame(0, 0);
+    if (own !== this.#opened || !numbers) return;
+    this.#bounds = path.bounds;
+    this.#frames = [{ box: path.area, colour: '--line', dash: [] }, { box: path.bounds, colour: '--strong', dash: [4, 4] }];
+    this.#path.show(numbers, path.bounds);
+    this.#element('cloud-text').textContent = text('view.path', path);
+    this.#element('view').hidden = false;
+    this.fit();
+    requestAnimationFrame(() => { this.#element('views').dataset.shown = path.places; });
   }
 
   // The work area alone.
@@ -127,7 +152,8 @@ export class CloudView {
   // With the first cloud: the page is there sooner.
   #begin_painter() {
     if (this.painter) return;
-    this.painter = this.views.painter = make_painter(this.#element('points'));
+    this.painter = make_painter(this.#element('points'));
+    this.views.painters.unshift(this.painter);
     this.#element('webgl-text').hidden = uses_webgl(this.painter);
   }
 
@@ -135,8 +161,9 @@ export class CloudView {
   follow({ board = {}, job = {} }, name) {
     const done = job.name === name && job.total ? job.done / job.total : 0;
     const machine = board.machine?.length >= 2 ? [...board.machine, 0].slice(0, 3) : null;
-    if (done === this.painter?.done && String(machine) === String(this.#machine)) return;
+    if (done === this.#done && String(machine) === String(this.#machine)) return;
     this.#machine = machine;
+    this.#done = this.#path.done = done;
     if (this.painter) this.painter.done = done;
     if (!this.#element('view').hidden) this.views.draw_soon();
   }

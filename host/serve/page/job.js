@@ -73,7 +73,7 @@ export class Jobs {
     if (!this.name) return;
     this.#show_nothing();
     this.#element('checked').textContent = text('job.checking');
-    if (is_job(this.name)) this.#cloud.open(this.name).catch(() => {});
+    this.#cloud.open(this.name, is_job(this.name)).catch(() => {});
     const result = await this.#link.call('job.check', { name: this.name }).catch(() => null);
     if (!result) return this.#show_nothing();
     const facts = [result.points ? text('job.points', result) : text('job.lines', result)];

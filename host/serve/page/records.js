@@ -4,10 +4,20 @@ import { text } from '/texts.js';
 
 const seconds_between = (begin, end) => Math.round((Date.parse(end) - Date.parse(begin)) / 1000);
 
-function row_of(texts) {
+function row_of(contents) {
   const row = document.createElement('tr');
-  for (const content of texts) row.insertCell().textContent = content ?? '';
+  for (const content of contents) row.insertCell().append(content ?? '');
   return row;
+}
+
+// Of a job of points; the address has a secret name, so that no token is needed.
+function report_of(job) {
+  if (!job.report) return null;
+  const link = document.createElement('a');
+  [link.href, link.target, link.rel] = [`/reports/${job.report}`, '_blank', 'noopener'];
+  link.textContent = text('history.open');
+  link.setAttribute('aria-label', text('history.report-of', job));
+  return link;
 }
 
 export class Records {
@@ -73,7 +83,7 @@ export class Records {
     this.#fill('history', jobs.map((job) => [
       new Date(job.begin).toLocaleString(), job.dry ? text('history.dry', job) : job.file, job.board,
       text('time.s', { s: seconds_between(job.begin, job.end) }), [job.result, job.message].filter(Boolean).join(': '),
-      text(job.item === 'point' ? 'history.points' : 'history.lines', job), job.wasted_beats]), text('history.none'));
+      text(job.item === 'point' ? 'history.points' : 'history.lines', job), job.wasted_beats, report_of(job)]), text('history.none'));
   }
 
   async #show_materials() {

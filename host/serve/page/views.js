@@ -36,8 +36,9 @@ export class Views {
   yaw = -0.6;
   tilt = 0.5;
   which = 'four';
-  // Painters of points have draw(panes); marks have draw(context, pane); both in this order.
-  painter = null;
+  // Painters of points and paths have draw(views, panes, ...); marks have draw(context, pane); both
+  // in this order.
+  painters = [];
   layers = [];
   // May take a drag: returns a function for its moves, or null.
   press = () => null;
@@ -220,7 +221,7 @@ export class Views {
     if (this.#points_change) {
       this.#keep_pace(time);
       this.#points_change = false;
-      this.painter?.draw(this, panes, ratio, colour, this.#moves ? this.#share : 1);
+      for (const painter of this.painters) painter.draw(this, panes, ratio, colour, this.#moves ? this.#share : 1);
     }
     const [width, height] = [Math.round(this.width * ratio), Math.round(this.height * ratio)];
     if (this.#canvas.width !== width) this.#canvas.width = width;
