@@ -61,7 +61,7 @@ ProgressState ProgramControl::state() const {
   else if (sender_.status().is("Door"))
     shown.word = "door open";
   else if (sender_.status().is("Tool"))
-    shown.word = "tool change";
+    shown.word = tool_change_word;
   else if (asking_ || sender_.status().is("Hold"))
     shown.word = sender_.at_pause() ? "pause" : "held";
   if (!sender_.status().of_work) shown.place = sender_.status().position;
