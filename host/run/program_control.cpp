@@ -61,7 +61,7 @@ ProgressState ProgramControl::state() const {
   else if (sender_.status().is("Door"))
     shown.word = "door open";
   else if (sender_.status().is("Tool"))
-    shown.word = "tool change";
+    shown.word = tool_change_word;
   else if (sender_.runs_host_line())
     shown.word = "user command";
   else if (asking_ || sender_.status().is("Hold"))

@@ -17,6 +17,9 @@ class LineSender;
 
 namespace lamplock::run {
 
+/// ProgressState::word while a program waits for a tool; the board takes jogs and lines then.
+inline constexpr const char* tool_change_word = "tool change";
+
 /// Controls one program; sender, progress, time and frontend must outlive it.
 class ProgramControl : public JobControl {
  public:

@@ -1,11 +1,15 @@
 #include "host/serve/machine.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <exception>
 #include <utility>
 
 #include "host/error.hpp"
 #include "host/link/program_lines.hpp"
+#include "host/run/program_control.hpp"
 #include "host/serve/error_message.hpp"
 
 namespace lamplock::serve {
@@ -16,6 +20,12 @@ using namespace std::chrono_literals;
 constexpr auto reopen_interval = 1s;
 constexpr std::size_t max_console_lines = 500, max_console_text = 400;
 constexpr std::size_t max_queued_lines = 100;
+
+/// A jog by the line that a user would type.
+std::string step_line(int axis, double mm, double feed_mm_min) {
+  return fmt::format("$J=G91G21{}{:.3f}F{:.0f}", axis_letters[static_cast<std::size_t>(axis)], mm,
+                     feed_mm_min);
+}
 
 }  // namespace
 
@@ -45,6 +55,11 @@ void Machine::end() {
 MachineView Machine::view() const {
   const std::lock_guard lock(mutex_);
   return view_;
+}
+
+std::optional<geometry::Bounds> Machine::area() const {
+  const std::lock_guard lock(mutex_);
+  return area_;
 }
 
 std::vector<ConsoleLine> Machine::lines_after(std::uint64_t number) const {
@@ -143,13 +158,31 @@ void Machine::go_to(const Place& place, double feed_mm_min, std::chrono::millise
     if (view_.board.jogs)
       throw Error(Exit::job_failed, "jog", "the machine moves", "wait until it is at rest");
   }
+  check_in_area(place);
   lend({std::nullopt, place, feed_mm_min, {}}, lease);
+}
+
+void Machine::check_in_area(const Place& place) const {
+  const std::optional<geometry::Bounds> travel = area();
+  if (!travel || !has_soft_limits_) return;
+  const std::array low{travel->low.x, travel->low.y, travel->low.z};
+  const std::array high{travel->high.x, travel->high.y, travel->high.z};
+  for (std::size_t a = 0; a < low.size(); ++a)
+    if (place[a] && high[a] > low[a] && (*place[a] < low[a] || *place[a] > high[a]))
+      throw Error(Exit::bad_input, "jog",
+                  fmt::format("{} {:.3f} lies outside of the travel of the machine, {:.3f} to "
+                              "{:.3f} mm",
+                              axis_letters[a], *place[a], low[a], high[a]),
+                  "choose a place inside of its frame");
 }
 
 void Machine::renew_jog(std::chrono::milliseconds lease) { lend({}, lease); }
 
 void Machine::lend(Lease lease, std::chrono::milliseconds time) {
   const std::lock_guard lock(mutex_);
+  if (requests_ && view_.job.word == run::tool_change_word)
+    throw Error(Exit::job_failed, "jog", "only steps move the machine in a tool change",
+                "choose a step");
   check_is_free();
   lease.until = now_() + std::min(time, lease_time);
   // A way that has not begun keeps its place.
@@ -162,6 +195,8 @@ void Machine::lend(Lease lease, std::chrono::milliseconds time) {
 
 void Machine::step_jog(int axis, double mm, double feed_mm_min) {
   const std::lock_guard lock(mutex_);
+  if (requests_ && view_.job.word == run::tool_change_word)
+    return requests_->type(step_line(axis, mm, feed_mm_min));
   check_is_free();
   step_ = Step{axis, mm, feed_mm_min};
 }
@@ -223,6 +258,7 @@ void Machine::lose_board(const std::string& why) {
     const bool is_job = view_.job.is_running;
     view_.board = {};
     view_.board.problem = why;
+    area_.reset();
     if (is_job) {
       view_.job.is_running = false;
       view_.job.end = "failed";

@@ -27,6 +27,7 @@
 #include <thread>
 #include <vector>
 
+#include "host/geometry/bounds.hpp"
 #include "host/link/line_port.hpp"
 #include "host/link/transport.hpp"
 #include "host/pendant/board_dialog.hpp"
@@ -75,6 +76,9 @@ class Machine {
   void end();
 
   MachineView view() const;
+  /// Travel of the connected board by its own settings, mm of the machine; nothing before they were
+  /// read, and for a board that does not have them.
+  std::optional<geometry::Bounds> area() const;
   /// Lines of the console after this number, oldest first; at most max_console_lines.
   std::vector<ConsoleLine> lines_after(std::uint64_t number) const;
 
@@ -97,9 +101,11 @@ class Machine {
   /// moves nothing: it is refused until release_jog(), or until no request has come for lease_time.
   void run_jog(const pendant::Direction& direction, double feed_mm_min,
                std::chrono::milliseconds lease = lease_time);
+  /// In a tool change of a program too.
   void step_jog(int axis, double mm, double feed_mm_min);
   /// Moves to a place along a straight line, from rest, for `lease`; renew_jog() extends it.
-  /// Nothing but this call begins a motion, so that a renewal after a stop has no effect.
+  /// Nothing but this call begins a motion, so that a renewal after a stop has no effect. Throws
+  /// Error(bad_input) for a place outside of the travel of a board with soft limits.
   void go_to(const Place& place, double feed_mm_min, std::chrono::milliseconds lease = lease_time);
   void renew_jog(std::chrono::milliseconds lease = lease_time);
   void stop_jog();
@@ -147,6 +153,7 @@ class Machine {
   void lose_board(const std::string& why);
   void show(const std::string& text);
   void check_is_free() const;
+  void check_in_area(const Place& place) const;
   void type(const std::string& word);
 
   BoardOpener open_;
@@ -157,6 +164,8 @@ class Machine {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   MachineView view_;
+  std::optional<geometry::Bounds> area_;
+  std::atomic<bool> has_soft_limits_{false};
   std::deque<ConsoleLine> console_;
   std::uint64_t last_line_ = 0;
   std::deque<Posted> posted_;
@@ -172,7 +181,7 @@ class Machine {
 
   // Of the thread of the machine.
   std::unique_ptr<link::Transport> transport_;
-  std::optional<pendant::JogLimits> limits_;
+  std::optional<pendant::JogLimits> limits_;  ///< by the settings of the board; null: to be read
   std::optional<run::Supervisor> supervisor_;
   std::string complaint_;        ///< of the lines of the computer, shown last
   bool resets_at_rest_ = false;  ///< a stop of lines: the rest is dropped by a reset

@@ -8,6 +8,7 @@
 #include "host/error.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/board_text.hpp"
+#include "host/run/prepare.hpp"
 #include "host/serve/machine.hpp"
 
 namespace lamplock::serve {
@@ -180,6 +181,8 @@ void Machine::send_next_line(Talk& talk) {
   }
   show("> " + line);
   talk.board.send(line, pendant::LineKind::command);
+  const bool is_setting = line.size() > 1 && line[0] == '$' && line[1] >= '0' && line[1] <= '9';
+  if (is_setting) limits_.reset();  // read again at rest
   talk.reports_then = talk.board.machine().reports;
 }
 
@@ -224,6 +227,12 @@ void Machine::read_limits() {
   link::LinePort port(*transport_);
   const link::BoardSettings settings = link::read_settings(port);
   limits_ = pendant::jog_limits(settings.values);
+  {
+    const std::lock_guard lock(mutex_);
+    area_.reset();
+    if (settings.has(Id::travel_x)) area_ = run::work_space_mm(settings.values);
+    has_soft_limits_ = settings.has(Id::soft_limits) && settings.values.whole(Id::soft_limits) != 0;
+  }
   if (settings.values.whole(Id::report_inches) == 0) return;
   limits_ = pendant::JogLimits{};  // no axis moves
   show("no jogs: the machine reports its position in inches; set report_inches ($13) to 0");

@@ -116,7 +116,8 @@ constexpr std::array table{
     Method{"machine.zero", Right::control, zero_parameters,
            "Makes this place the zero of the work coordinates (`G10 L20 P0`).", "nothing"},
     Method{"machine.unlock", Right::control, none, "Ends an alarm (`$X`).", "nothing"},
-    Method{"machine.area", Right::all, none, "The work area of the machine.",
+    Method{"machine.area", Right::all, none,
+           "The work area of the machine: the travel of the board by its settings.",
            "its two corners, mm"},
     Method{"job.list", Right::all, none, "Files that were sent to the server.",
            "list of `name`, `bytes`, `kind` (job, program, model, description)"},
@@ -175,10 +176,11 @@ constexpr std::array table{
         "Moves at a feed for 200 ms; a client repeats it while a key is held. After a stop of "
         "another client it is refused until `jog.stop`, or until no request has come for 200 ms.",
         "nothing"},
-    Method{"jog.step", Right::control, step_parameters, "Moves one step.", "nothing"},
+    Method{"jog.step", Right::control, step_parameters,
+           "Moves one step; in a tool change of a program too.", "nothing"},
     Method{"jog.go", Right::control, go_parameters,
            "Begins to move along a straight line to a place, from rest, for 200 ms; axes that are "
-           "not given stay.",
+           "not given stay. A place outside of the travel of a board with soft limits is refused.",
            "nothing"},
     Method{"jog.renew", Right::control, renew_parameters,
            "Continues the motion of `jog.go` for 200 ms; a client repeats it until `board.jogs` is "

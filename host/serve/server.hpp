@@ -161,6 +161,7 @@ class Server final : public WebSite {
   void renew_jog(const Call& call);
   std::chrono::milliseconds lease_of(const Call& call) const;
   void stop_jog(const Call& call);
+  geometry::Bounds area() const;
   void open_path(const Call& call);
   void open_cloud(const Call& call);
   void send_cloud_points(const Call& call);

@@ -12,6 +12,7 @@
 #include "host/run/sent_file.hpp"
 #include "host/serve/clouds.hpp"
 #include "host/serve/json_places.hpp"
+#include "host/serve/machine.hpp"
 #include "host/serve/server.hpp"
 #include "host/serve/shown_path.hpp"
 
@@ -48,20 +49,23 @@ ShownPath read_path(const std::string& path, const run::MachineOptions& machine)
   return ShownPath(places_of(run::check_program(options), sent));
 }
 
-Json cloud_json(const OpenCloud& open, const run::MachineOptions& machine) {
+Json cloud_json(const OpenCloud& open, const geometry::Bounds& area) {
   const Cloud& cloud = *open.cloud;
   return {{"cloud", open.number},
           {"points", cloud.size()},
           {"shown", cloud.shown()},
           {"bounds", box_json(cloud.bounds())},
-          {"area", box_json(run::work_space_mm(machine.profile().settings))}};
+          {"area", box_json(area)}};
 }
 
 }  // namespace
 
-void Server::send_area(const Call& call) {
-  succeed(call, box_json(run::work_space_mm(options_.machine.profile().settings)));
+/// Of the machine of the server while the board does not say.
+geometry::Bounds Server::area() const {
+  return machine_->area().value_or(run::work_space_mm(options_.machine.profile().settings));
 }
+
+void Server::send_area(const Call& call) { succeed(call, box_json(area())); }
 
 /// The message begins with two zeros in place of the number of a cloud.
 void Server::open_path(const Call& call) {
@@ -79,7 +83,7 @@ void Server::open_path(const Call& call) {
         if (shown.size() > 0) web_->send_bytes(client, bytes + shown.bytes());
         return Json{{"places", shown.size()},
                     {"bounds", box_json(shown.bounds())},
-                    {"area", box_json(run::work_space_mm(options_.machine.profile().settings))}};
+                    {"area", box_json(area())}};
       });
 }
 
@@ -88,11 +92,11 @@ void Server::open_cloud(const Call& call) {
   const std::string path = folder_.path_of(name).string();
   const std::string file = state_of(path);
   if (const OpenCloud* open = clouds_->find_file(file))
-    return succeed(call, cloud_json(*open, options_.machine));
+    return succeed(call, cloud_json(*open, area()));
   const auto made = std::make_shared<std::shared_ptr<const Cloud>>();
   compute(
       call, [made, path, name] { *made = read_cloud(path, name); },
-      [this, made, file] { return cloud_json(clouds_->add(file, *made), options_.machine); });
+      [this, made, file] { return cloud_json(clouds_->add(file, *made), area()); });
 }
 
 /// The message begins with the number of the cloud and of the first point, 32 bits each.

@@ -1,0 +1,116 @@
+// The travel of the board by its own settings: the work area of pages, limits of a motion to
+// a place; jogs while a program waits for a tool.
+#include <gmock/gmock.h>
+
+#include "tests/serve/running_server.hpp"
+
+namespace lamplock::serve::test::travel_test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+std::string error_of(const Json& response) {
+  return response.contains("error") ? response["error"]["message"].get<std::string>() : "";
+}
+
+/// Whether the area gets this side in X, in 3 s.
+bool has_side(RawClient& client, double low, double high) {
+  for (int tries = 0; tries < 150; ++tries) {
+    const Json area = client.call("machine.area")["result"];
+    if (area[0][0] == low && area[1][0] == high) return true;
+    std::this_thread::sleep_for(20ms);
+  }
+  return false;
+}
+
+TEST(Travel, is_that_of_the_board) {
+  RunningServer server;
+  RawClient client = server.client("client");
+  client.call("control.take");
+  EXPECT_TRUE(has_side(client, -50, 50)) << "defaults";
+  const Json changes{{"travel_x", 70}, {"min_corner_x", -10}};
+  EXPECT_EQ(error_of(client.call("settings.set", {{"changes", changes}})), "");
+  EXPECT_TRUE(has_side(client, -10, 60)) << "after settings.set";
+  client.call("console.send", {{"line", "$130=80"}});
+  EXPECT_TRUE(has_side(client, -10, 70)) << "after a line of the console";
+  server.add_file("a.ngc", "G21G90\nG1X5F600\n");
+  EXPECT_EQ(client.call("path.open", {{"name", "a.ngc"}})["result"]["area"][1][0], 70);
+}
+
+TEST(Travel, limits_a_motion_to_a_place) {
+  RunningServer server;
+  RawClient client = server.client("client");
+  client.call("subscribe");
+  client.call("control.take");
+  ASSERT_TRUE(has_side(client, -50, 50));
+  client.watch(150ms);
+  const auto go = [&](const Json& place) {
+    Json given = place;
+    given["feed"] = 3000;
+    given["seen"] = client.time();
+    return error_of(client.call("jog.go", given));
+  };
+  EXPECT_THAT(
+      go({{"x", 50.5}}),
+      HasSubstr("X 50.500 lies outside of the travel of the machine, -50.000 to 50.000 mm"));
+  EXPECT_THAT(go({{"x", 1}, {"y", -50.001}}), HasSubstr("Y -50.001"));
+  client.watch(300ms);
+  EXPECT_EQ(server.machine().view().board.machine_mm.at(0), 0) << "nothing moves";
+  EXPECT_EQ(go({{"x", 1}}), "");
+}
+
+/// Whether the machine comes to a place of X in 5 s.
+bool comes_to(const RunningServer& server, double x) {
+  for (int tries = 0; tries < 250; ++tries) {
+    if (std::abs(server.machine().view().board.machine_mm.at(0) - x) < 0.01) return true;
+    std::this_thread::sleep_for(20ms);
+  }
+  return false;
+}
+
+bool waits_for_tool(const RunningServer& server) {
+  for (int tries = 0; tries < 250; ++tries) {
+    if (server.machine().view().job.word == "tool change") return true;
+    std::this_thread::sleep_for(20ms);
+  }
+  return false;
+}
+
+TEST(ToolChange, steps_move_the_machine_and_the_program_continues) {
+  RunningServer server;
+  server.add_file("tool.ngc", "G21G90\nG0X2\nT3M6\nG1X9F3000\n");
+  RawClient client = server.client("client"), watcher = server.client("watcher");
+  client.call("subscribe");
+  client.call("control.take");
+  client.call("job.start", {{"name", "tool.ngc"}});
+  ASSERT_TRUE(waits_for_tool(server));
+  const Json step{{"axis", 0}, {"mm", 3}, {"feed", 1000}};
+  EXPECT_NE(error_of(watcher.call("jog.step", step)), "") << "without control";
+  EXPECT_EQ(error_of(client.call("jog.step", step)), "");
+  EXPECT_TRUE(comes_to(server, 5));
+  client.watch(200ms);  // the time of the server
+  const Json held{{"direction", {1, 0, 0}}, {"feed", 1000}, {"seen", client.time()}};
+  EXPECT_THAT(error_of(client.call("jog.run", held)), HasSubstr("only steps"));
+  ASSERT_TRUE(waits_for_tool(server));
+  client.call("machine.resume");
+  EXPECT_EQ(server.wait_for_end(), "done");
+  EXPECT_TRUE(comes_to(server, 9));
+}
+
+TEST(ToolChange, stop_ends_a_step) {
+  RunningServer server;
+  server.add_file("tool.ngc", "G21G90\nT3M6\nG1X9F3000\n");
+  RawClient client = server.client("client"), watcher = server.client("watcher");
+  client.call("control.take");
+  client.call("job.start", {{"name", "tool.ngc"}});
+  ASSERT_TRUE(waits_for_tool(server));
+  client.call("jog.step", {{"axis", 0}, {"mm", 10}, {"feed", 200}});
+  std::this_thread::sleep_for(500ms);
+  watcher.call("machine.stop");
+  EXPECT_EQ(server.wait_for_end(), "stopped");
+  EXPECT_LT(server.machine().view().board.machine_mm.at(0), 8);
+}
+
+}  // namespace
+}  // namespace lamplock::serve::test::travel_test
