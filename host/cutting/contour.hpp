@@ -53,7 +53,8 @@ enum class FaultKind {
   vanished,   ///< a contour that has no offset; size: its length
   overlap,    ///< edges on the same line or arc; size: length of the common part
   unhatched,  ///< an area between two lines of its hatch; size: its height
-  beams       ///< of two contours, which cross; size: 0
+  beams,      ///< of two contours, which cross; size: 0
+  near        ///< the beam along one contour cuts into another; size: of the gap between them
 };
 struct Fault {
   FaultKind kind = FaultKind::gap;

@@ -55,14 +55,18 @@ void require_tree(const std::vector<CutStop>& stops) {
 }
 
 std::vector<CutStop> stops_of(const std::vector<Contour>& contours,
-                              const std::vector<ContourPlace>& places) {
+                              const std::vector<ContourPlace>& places,
+                              const std::vector<bool>& is_directed) {
   if (places.size() != contours.size()) refuse_tree("the tree has another number of contours");
   std::vector<CutStop> stops(contours.size());
   for (std::size_t i = 0; i < contours.size(); ++i) {
     const Contour& contour = contours[i];
     CutStop& stop = stops[i];
     stop.open = !contour.closed;
-    if (stop.open) {
+    if (stop.open && !is_directed.empty() && is_directed[i]) {
+      stop.starts = {contour.edges.front().from};
+      stop.end = contour.edges.back().to;
+    } else if (stop.open) {
       stop.starts = {contour.edges.front().from, contour.edges.back().to};
     } else {
       for (std::size_t start = 0; start < count_of_starts(contour); ++start) {
@@ -116,8 +120,9 @@ std::vector<CutVisit> visits_by(const std::vector<CutStop>& stops, const Vec& po
 }  // namespace
 
 CutOrder cut_order(const std::vector<Contour>& contours, const std::vector<ContourPlace>& places,
-                   const Vec& position, const OrderOptions& options) {
-  const std::vector<CutStop> stops = stops_of(contours, places);
+                   const Vec& position, const OrderOptions& options,
+                   const std::vector<bool>& is_directed) {
+  const std::vector<CutStop> stops = stops_of(contours, places, is_directed);
   return order_of(contours, stops, visits_by(stops, position, options), position);
 }
 

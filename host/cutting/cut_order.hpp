@@ -55,10 +55,12 @@ struct OrderOptions {
 };
 
 /// The order of a search; `nearest`: always the nearest contour that may be cut. The others are
-/// never longer than it. The same input has the same result. Throws Error (bad_input) unless there
-/// is one place for each contour and every contour is inside of its parents alone.
+/// never longer than it. The same input has the same result. Open contours for which `is_directed`
+/// is true are never cut backwards; empty: none. Throws Error (bad_input) unless there is one place
+/// for each contour and every contour is inside of its parents alone.
 CutOrder cut_order(const std::vector<Contour>& contours, const std::vector<ContourPlace>& places,
-                   const Vec& position, const OrderOptions& options = {});
+                   const Vec& position, const OrderOptions& options = {},
+                   const std::vector<bool>& is_directed = {});
 
 /// The contour as it is cut: it begins at the start point of the step.
 Contour as_cut(const Contour& contour, const CutStep& step);

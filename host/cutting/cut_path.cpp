@@ -73,7 +73,7 @@ std::vector<CutMove> cut_path(const Contour& contour, const CutPathOptions& opti
   const double length = length_of(contour);
   const double overcut = contour.closed ? options.overcut_mm : 0;
   require_overcut(overcut, length);
-  LeadOptions lead{options.lead_in, options.waste, options.clearance_mm};
+  LeadOptions lead{options.lead_in, options.waste, options.clearance_mm, options.neighbours};
   std::vector<CutMove> moves;
   append_moves(moves, lead_in(contour, lead, sheet), CutKind::lead_in);
   double along = 0;

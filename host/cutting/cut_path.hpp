@@ -24,6 +24,7 @@ struct CutPathOptions {
   Lead lead_in, lead_out;
   WasteSide waste = WasteSide::right;
   double clearance_mm = 0;  ///< of the pierce point and the end of the lead-out from contours
+  Neighbours neighbours{};  ///< as LeadOptions
   /// A closed contour is cut beyond its begin by this, so that nothing remains between begin and
   /// end. Without effect on open ones.
   double overcut_mm = 0;

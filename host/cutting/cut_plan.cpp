@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "host/cutting/cut_order.hpp"
+#include "host/cutting/drawn_contours.hpp"
 #include "host/cutting/hatch.hpp"
 #include "host/cutting/offset.hpp"
 #include "host/error.hpp"
@@ -65,6 +68,14 @@ WasteSide waste_of(const Shape& shape, const Contour& contour, double distance_m
   return is_right ? WasteSide::right : WasteSide::left;
 }
 
+/// True if the shape is cut in one direction alone: that which its operation names, or to whose
+/// side the beam is moved.
+bool has_direction(const Operation& operation) {
+  return operation.direction == Direction::drawn || operation.direction == Direction::reversed ||
+         operation.compensation == Compensation::left ||
+         operation.compensation == Compensation::right;
+}
+
 /// The beam along one shape.
 struct ShapeBeam {
   OffsetContours offset;
@@ -79,7 +90,12 @@ struct Beams {
   std::vector<std::size_t> shapes;  ///< of each
   std::vector<WasteSide> waste;
   std::vector<std::optional<Contour>> drawn;  ///< where the controller compensates
-  bool are_moved = false;                     ///< some run beside the drawn contour
+  std::vector<bool> is_moved;                 ///< runs beside the drawn contour
+  std::vector<bool> is_directed;              ///< has the direction of its operation
+
+  bool are_moved() const {
+    return std::find(is_moved.begin(), is_moved.end(), true) != is_moved.end();
+  }
 };
 
 class Planner {
@@ -163,18 +179,23 @@ class Planner {
   void follow(OperationKind kind) {
     Beams beams = beams_of(kind);
     if (beams.contours.empty()) return;
-    if (beams.are_moved) report_crossings(beams);
-    const CutOrder order =
-        cut_order(beams.contours, contour_tree(beams.contours), position_, order_);
+    const DrawnContours drawn = drawn_contours(kind);
+    if (beams.are_moved()) {
+      report_crossings(beams);
+      report_near(beams, drawn);
+    }
+    const CutOrder order = cut_order(beams.contours, contour_tree(beams.contours), position_,
+                                     order_, beams.is_directed);
     const CutSheet sheet(beams.contours);
     std::vector<PlannedCut> cuts(order.steps.size());
     geometry::for_each_index(cuts.size(), 0, [&](std::size_t i) {
-      cuts[i] = planned_cut(beams, order.steps[i], sheet);
+      cuts[i] = planned_cut(beams, order.steps[i], sheet, drawn);
     });
     for (PlannedCut& cut : cuts) append(std::move(cut));
   }
 
-  PlannedCut planned_cut(const Beams& beams, CutStep step, const CutSheet& sheet) const {
+  PlannedCut planned_cut(const Beams& beams, CutStep step, const CutSheet& sheet,
+                         const DrawnContours& drawn_contours) const {
     const std::size_t shape = beams.shapes[step.contour];
     PlannedCut cut{*shapes_[shape].operation, shape, {}};
     if (const auto& drawn = beams.drawn[step.contour]) {
@@ -183,8 +204,21 @@ class Planner {
       cut.controller = ControllerPath{{}, beams.waste[step.contour] == WasteSide::left};
       for (const Edge& edge : drawn->edges) cut.controller->drawn.push_back({edge});
     }
-    cut.strokes.push_back(path_of(beams, step, operations_[cut.operation], sheet));
+    Neighbours neighbours;
+    if (beams.is_moved[step.contour]) neighbours = {&drawn_contours, shape};
+    cut.strokes.push_back(path_of(beams, step, operations_[cut.operation], sheet, neighbours));
     return cut;
+  }
+
+  DrawnContours drawn_contours(OperationKind kind) const {
+    DrawnContours drawn;
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+      const auto operation = shapes_[i].operation;
+      if (operation && operations_[*operation].kind == kind && shapes_[i].contour.closed)
+        drawn.add(shapes_[i].contour, i);
+    }
+    drawn.index();
+    return drawn;
   }
 
   /// The beams along all shapes of operations of one kind.
@@ -224,7 +258,6 @@ class Planner {
   }
 
   void append_beam(ShapeBeam& beam, std::size_t shape, Beams& beams) {
-    beams.are_moved = beams.are_moved || beam.is_moved;
     for (Fault& fault : beam.offset.faults) {
       if (fault.kind != FaultKind::narrow) continue;  // the others are those of the drawing
       fault.contour = shape;
@@ -235,6 +268,8 @@ class Planner {
       beams.shapes.push_back(shape);
       beams.waste.push_back(beam.waste);
       beams.drawn.push_back(beam.drawn);
+      beams.is_moved.push_back(beam.is_moved);
+      beams.is_directed.push_back(has_direction(operations_[*shapes_[shape].operation]));
     }
   }
 
@@ -275,12 +310,38 @@ class Planner {
     }
   }
 
+  /// Beams that cut into another contour without crossing its beam: where a gap is narrower than
+  /// the beam, those of a hole and of the island in it change their places.
+  void report_near(const Beams& beams, const DrawnContours& drawn) {
+    std::set<std::pair<std::size_t, std::size_t>> known;
+    for (const Fault& fault : plan_.faults)
+      if (fault.contour && fault.other) known.insert(std::minmax(*fault.contour, *fault.other));
+    std::vector<std::vector<DrawnContours::Cut>> found(beams.contours.size());
+    geometry::for_each_index(found.size(), 0, [&](std::size_t i) {
+      if (!beams.is_moved[i]) return;
+      const std::size_t shape = beams.shapes[i];
+      found[i] = drawn.cut_by(beams.contours[i], shape,
+                              operations_[*shapes_[shape].operation].kerf_mm / 2);
+    });
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      for (const DrawnContours::Cut& cut : found[i]) {
+        const std::size_t shape = beams.shapes[i];
+        if (!known.insert(std::minmax(shape, cut.contour)).second) continue;
+        double gap_mm = std::numeric_limits<double>::infinity();
+        for (const Edge& edge : shapes_[shape].contour.edges)
+          gap_mm = std::min(gap_mm, distance_to(edge, cut.at));
+        plan_.faults.push_back({FaultKind::near, cut.at, gap_mm, shape, cut.contour});
+      }
+    }
+  }
+
   static Stroke path_of(const Beams& beams, const CutStep& step, const Operation& operation,
-                        const CutSheet& sheet) {
+                        const CutSheet& sheet, const Neighbours& neighbours) {
     const Contour& contour = beams.contours[step.contour];
     CutPathOptions options;
     options.waste = beams.waste[step.contour];
     options.clearance_mm = operation.kerf_mm / 2;
+    options.neighbours = neighbours;
     options.dark_begin_mm = operation.on_late_s * operation.feed_mm_min / s_per_min;
     options.dark_end_mm = operation.off_early_s * operation.feed_mm_min / s_per_min;
     if (contour.closed) {

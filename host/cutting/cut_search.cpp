@@ -220,7 +220,7 @@ class CutSearch {
     const double gain = gap(begin - 1) + gap(end) - distance(exit(begin - 1), exit(end)) -
                         way(entry(begin), end + 1);
     if (gain <= min_gain_mm || end - begin > static_cast<Place>(max_span)) return false;
-    if (has_parent_within(begin, end, begin, end)) return false;
+    if (!may_turn(begin, end)) return false;
     gained_mm_ += gain;
     apply({static_cast<std::size_t>(begin), static_cast<std::size_t>(end), begin - 1, true});
     return true;
@@ -314,9 +314,16 @@ class CutSearch {
     return false;
   }
 
+  /// Children remain before their parents, and contours with a direction keep it.
+  bool may_turn(Place begin, Place end) const {
+    for (Place i = begin; i <= end; ++i)
+      if (stops_[visit(i).stop].end) return false;
+    return !has_parent_within(begin, end, begin, end);
+  }
+
   bool may_shift(Place begin, Place end, Place target, bool is_turned) const {
     if (std::abs(target - begin) > static_cast<Place>(max_span)) return false;
-    if (is_turned && has_parent_within(begin, end, begin, end)) return false;
+    if (is_turned && !may_turn(begin, end)) return false;
     // Towards the end the block passes visits that may be its parents, otherwise children.
     if (target > end) return !has_parent_within(begin, end, end + 1, target);
     return !has_parent_within(target + 1, begin - 1, begin, end);

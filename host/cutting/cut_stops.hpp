@@ -15,15 +15,16 @@
 namespace lamplock::cutting {
 
 struct CutStop {
-  /// Start points; of an open contour its two ends.
+  /// Start points; of an open contour its two ends, or its begin alone if it has a direction.
   std::vector<Vec> starts;
   bool open = false;
+  std::optional<Vec> end{};   ///< of an open contour that has a direction
   std::size_t parent = none;  ///< has to be cut after this one
   std::size_t children = 0;   ///< contours that have to be cut before
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
   const Vec& entry(std::size_t start) const { return starts[start]; }
-  const Vec& exit(std::size_t start) const { return starts[open ? 1 - start : start]; }
+  const Vec& exit(std::size_t start) const { return end ? *end : starts[open ? 1 - start : start]; }
 };
 
 /// A contour of the order with the number of its start point.
@@ -41,7 +42,7 @@ std::vector<CutVisit> nearest_visits(const std::vector<CutStop>& stops, const Ve
 std::vector<CutVisit> exact_visits(const std::vector<CutStop>& stops, const Vec& position);
 
 /// The order after all improvements by other start points, 2-opt and Or-opt that keep children
-/// before their parents; open contours may be turned. At least one visit.
+/// before their parents; open contours without a direction may be turned. At least one visit.
 std::vector<CutVisit> improved_visits(const std::vector<CutStop>& stops,
                                       const std::vector<CutVisit>& visits, const Vec& position);
 

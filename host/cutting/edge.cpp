@@ -177,6 +177,28 @@ std::vector<Vec> intersections(const Edge& a, const Edge& b, double near_mm) {
   return points;
 }
 
+Approach approach_of(const Edge& a, const Edge& b) {
+  constexpr double same_point_mm = 1e-9;
+  if (const std::vector<Vec> points = intersections(a, b, same_point_mm); !points.empty())
+    return {0, points.front()};
+  Approach best{distance(a.from, nearest_on(b, a.from)), nearest_on(b, a.from)};
+  const auto consider = [&best](const Vec& on_a, const Vec& on_b) {
+    if (const double away = distance(on_a, on_b); away < best.distance_mm) best = {away, on_b};
+  };
+  consider(a.to, nearest_on(b, a.to));
+  for (const Vec& end : {b.from, b.to}) consider(nearest_on(a, end), end);
+  // Between their ends, arcs are nearest to another edge on a line through their centre.
+  if (!a.is_line()) {
+    const Vec on_b = nearest_on(b, a.centre);
+    consider(nearest_on(a, on_b), on_b);
+  }
+  if (!b.is_line()) {
+    const Vec on_a = nearest_on(a, b.centre);
+    consider(on_a, nearest_on(b, on_a));
+  }
+  return best;
+}
+
 Overlap overlap_of(const Edge& a, const Edge& b, double near_mm) {
   if (!share_a_carrier(a, b, near_mm)) return {};
   std::vector<double> parts{0, 1};

@@ -66,6 +66,12 @@ Edge with_ends(const Edge& edge, const Vec& from, const Vec& to);
 /// Points that two edges share, to `near_mm`: crossings, touches, and of edges that overlap the
 /// ends of the common part.
 std::vector<Vec> intersections(const Edge& a, const Edge& b, double near_mm);
+/// Where two edges are nearest to each other.
+struct Approach {
+  double distance_mm = 0;
+  Vec at;  ///< on the second edge
+};
+Approach approach_of(const Edge& a, const Edge& b);
 /// Length of the part of both edges that is the same line or arc to `near_mm`, and its middle.
 struct Overlap {
   double length_mm = 0;

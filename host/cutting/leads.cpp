@@ -82,24 +82,39 @@ class FittingLead {
     const bool is_inside_waste = is_ccw == (options_.waste == WasteSide::left);
     if (is_inside(contour_, lead.to) != is_inside_waste) return "it is in the part";
     if (sheet_.room(lead.to, options_.clearance_mm) < options_.clearance_mm)
-      return fmt::format("its other end is nearer than {:g} mm, half the kerf, to a contour",
-                         options_.clearance_mm);
+      return fmt::format(
+          "its other end is nearer than {:g} mm, half the kerf, to the middle of a cut",
+          options_.clearance_mm);
+    if (options_.neighbours.are_cut_by(lead, options_.clearance_mm))
+      return "it cuts into another contour, which is nearer than the kerf";
     return "";
   }
 
-  /// A size near the one that does not fit, to 0.01 mm; 0 if there is none.
-  double fitting_mm() const {
-    constexpr double factor = 1.2, steps_per_mm = 100;
-    constexpr int tries = 20;
+  bool fits(double size_mm) const {
     Lead lead = options_.shape;
-    const double size_mm = lead.shape == LeadShape::line ? lead.length_mm : lead.radius_mm;
+    lead.length_mm = lead.radius_mm = size_mm;
+    return size_mm > 0 && fault_of(lead_from(at_, direction_, lead, side_)).empty();
+  }
+
+  /// The nearest size that fits, to 0.01 mm; 0 if there is none.
+  double fitting_mm() const {
+    constexpr double factor = 1.2, step_mm = 0.01;
+    constexpr int tries = 20;
+    const double size_mm = options_.shape.shape == LeadShape::line ? options_.shape.length_mm
+                                                                   : options_.shape.radius_mm;
     for (int i = 1; i <= tries; ++i) {
-      for (const int power : {-i, i}) {
-        const double other_mm =
-            std::round(size_mm * std::pow(factor, power) * steps_per_mm) / steps_per_mm;
-        if (other_mm <= 0) continue;
-        lead.length_mm = lead.radius_mm = other_mm;
-        if (fault_of(lead_from(at_, direction_, lead, side_)).empty()) return other_mm;
+      for (const int sign : {-1, 1}) {
+        double good_mm = size_mm * std::pow(factor, sign * i);
+        if (!fits(good_mm)) continue;
+        double bad_mm = size_mm * std::pow(factor, sign * (i - 1));
+        while (std::abs(good_mm - bad_mm) > step_mm / 16) {
+          const double middle_mm = (good_mm + bad_mm) / 2;
+          (fits(middle_mm) ? good_mm : bad_mm) = middle_mm;
+        }
+        // The nearest step may be just beyond the limit.
+        for (const double steps : {std::round(good_mm / step_mm), std::floor(good_mm / step_mm),
+                                   std::ceil(good_mm / step_mm)})
+          if (fits(steps * step_mm)) return steps * step_mm;
       }
     }
     return 0;

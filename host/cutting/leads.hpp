@@ -12,6 +12,7 @@
 
 #include "host/cutting/box_tree.hpp"
 #include "host/cutting/contour.hpp"
+#include "host/cutting/drawn_contours.hpp"
 
 namespace lamplock::cutting {
 
@@ -53,11 +54,13 @@ struct LeadOptions {
   Lead shape;
   WasteSide waste = WasteSide::right;
   double clearance_mm = 0;  ///< of the pierce point, or the end of a lead-out, from all contours
+  Neighbours neighbours{};  ///< into which the lead may not cut
 };
 
 /// The way to the begin of a closed contour; nothing for LeadShape::none. It is in the waste all
-/// the way and meets no other contour. Throws Error (bad_input) if it does not fit, with a size
-/// that does, for an open contour, and for sizes that are not positive.
+/// the way, meets no other contour and cuts into none of its neighbours. Throws Error (bad_input)
+/// if it does not fit, with a size that does, for an open contour, and for sizes that are not
+/// positive.
 std::vector<Edge> lead_in(const Contour& contour, const LeadOptions& options,
                           const CutSheet& sheet);
 

@@ -231,6 +231,8 @@ const char* fault_name(FaultKind kind) {
       return "overlap of two contours";
     case FaultKind::beams:
       return "crossing of the beams of two contours, whose material the beam takes there";
+    case FaultKind::near:
+      return "gap narrower than the beam, which cuts into the contours at both sides of it";
     case FaultKind::unhatched:
       return "contour that no line of the hatch crosses";
   }

@@ -220,7 +220,7 @@ TEST(cut_plan, the_remedy_of_a_lead_is_one_that_fits) {
   EXPECT_GT(remedies, 24);
   Operation one = operation(1.2);
   one.lead_in = {LeadShape::line, 0.3, 0.3, 90};
-  EXPECT_THAT(refusal({ten}, one), HasSubstr("; use a lead of 0.62 mm, or none"));
+  EXPECT_THAT(refusal({ten}, one), HasSubstr("; use a lead of 0.6 mm, or none"));
 }
 
 TEST(cut_plan, refuses_what_cannot_be_cut) {
