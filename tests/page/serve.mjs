@@ -278,6 +278,13 @@ try {
   check('fits into 360 px', await phone.ask('document.documentElement.scrollWidth <= 360'), await phone.ask('document.documentElement.scrollWidth'));
   check('a second page watches', /has control/.test(await text_of(phone, 'control-text')));
   await keep_picture(phone, 'serve-phone');
+  await phone.ask(`document.getElementById('jobs').value = 'zigzag.ngc'`);
+  await phone.click('#check');
+  await until('the phone shows the path', () => phone.ask(`Number(document.getElementById('views').dataset.shown) > 40`));
+  check('the path fits into 360 px', await phone.ask('document.documentElement.scrollWidth <= 360'));
+  await phone.ask(`document.getElementById('view-title').scrollIntoView()`);
+  await phone.frames(3);
+  await keep_picture(phone, 'serve-path-phone', false);
   const unlabelled = await phone.ask(`[...document.querySelectorAll('input, select, button')].filter((each) =>
     !each.labels?.length && !each.textContent.trim() && !each.getAttribute('aria-label')).map((each) => each.id)`);
   check('every control has a label', unlabelled.length === 0, unlabelled);

@@ -110,6 +110,9 @@ class Pages {
     settings::Values values;
     values.set_milli(settings::Id::acceleration_x,
                      static_cast<std::int32_t>(acceleration_mm_s2 * 1000));
+    // Places that pages go to are inside of the travel.
+    values.set_milli(settings::Id::travel_x, 2'000'000);
+    values.set_milli(settings::Id::min_corner_x, -1'000'000);
     return values;
   }
 
