@@ -89,6 +89,14 @@ std::pair<std::string, std::string> refusal_words(LinePort& port, const BoardSet
     const settings::SettingLine line = settings::read_setting(command(change.number, change.text));
     if (line.error == GcodeError::none) values.set_milli(line.id, line.milli);
   }
+  // Its range has been checked: the board, or its pin map, lacks the input.
+  const auto asks_for_loop = [](const Change& change) {
+    return change.number == settings::row(settings::Id::loop).number && change.text != "0";
+  };
+  if (error == static_cast<int>(GcodeError::setting_out_of_range) &&
+      std::ranges::any_of(changes, asks_for_loop))
+    return {"the board has no SENSOR with this pin map",
+            "leave it out, or choose a board that has the input: docs/thermal.md"};
   const auto excess = job::rate_excess_words(values);
   if (excess && error == static_cast<int>(GcodeError::step_rate_too_high))
     return {excess->limit, excess->remedy};

@@ -108,6 +108,26 @@ TEST(CheckAndSend, RunLoopsAndSubroutines) {
   expect_both_refuse("G21\no100 sub\n", ":2", "'o100 sub' has no end", "; add o100 endsub");
 }
 
+/// By the board, and by the host in a program with O-words.
+TEST(CheckAndSend, ShowMessagesWithValues) {
+  const Folder folder;
+  const std::string program =
+      "G21\n#1=2.25 #<_wide>=-3\nG0 X1\n(MSG, turn #1)\n(DEBUG, wide %.1f#1 #<_none>)\n"
+      "G0 X2 (print,%d#<_Wide>|%lf#1)\n(PRINT, last #1)\n";
+  for (const std::string end : {"", "o1 if [1]\no1 endif\n"}) {
+    const std::string file = folder.write("p.ngc", program + end);
+    EXPECT_EQ(run({"check", file}).status, 0);
+    const Finished sent = run({"send", file, "--board", "virtual"});
+    EXPECT_EQ(sent.status, 0) << sent.err;
+    std::vector<std::string> messages;
+    for (const std::string& line : lines(sent.err))
+      if (line.starts_with("machine: ")) messages.push_back(line.substr(9));
+    EXPECT_THAT(messages, testing::ElementsAre("turn #1", "wide 2.2 #<_none>", "-3|2.250000",
+                                               "last 2.250000"))
+        << end;
+  }
+}
+
 TEST(CheckAndSend, RefuseUtf16) {
   const std::string program = "G21\nG1 X1 F100\n";
   for (const bool high_first : {false, true}) {

@@ -84,6 +84,13 @@ TEST(Settings, sets_several_or_none) {
   EXPECT_EQ(run(settings({"set", "120=1", "acceleration_x=2"})).status, 2);
 }
 
+TEST(Settings, a_loop_without_a_sensor_is_refused_with_the_reason) {
+  const Finished refused = run(settings({"set", "loop=1"}));
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("the board has no SENSOR with this pin map; nothing was "
+                                     "changed; leave it out, or choose a board"));
+}
+
 TEST(Settings, pulses_that_the_rates_leave_no_time_for_are_refused_with_the_highest_rate) {
   constexpr const char* reason = "max_rate_x may be at most 49000 mm/min with the present pulses";
   const Finished set = run(settings({"set", "step_pulse=2.5", "step_low=2.5"}));
