@@ -120,6 +120,7 @@ Exit cut_drawing(const CutOptions& options) {
     return Exit::done;
   }
   run::ProgramOptions asked;
+  asked.parts = {"cut", result.first_lines, result.cut_numbers};
   asked.machine.machine = request.description.machine.profile;
   const run::ProgramOutcome outcome = run::run_program_text(
       request.description.drawing.file, result.program, options.board, asked, console);

@@ -71,6 +71,9 @@ struct JoinOptions {
   double tolerance_mm = 0.01;
   /// Ellipses and splines deviate from the arcs that replace them by at most this. mm.
   double curve_tolerance_mm = model::flat_mm;
+  /// A number for each layer: of two equal contours on layers with the same number the second one
+  /// is a duplicate. Empty: on the same layer.
+  std::vector<std::size_t> duplicate_groups{};
 };
 
 /// The lines and arcs of a path. Throws Error (bad_input) if it needs more than model::max_pieces.

@@ -58,12 +58,14 @@ bool is_covered(const Contour& contour, const Contour& by, double tolerance_mm) 
   });
 }
 
-/// Removes contours that are the same as an earlier one of their layer, wherever they begin and
-/// in whatever direction they run.
+/// Removes contours that are the same as an earlier one of their group of layers, wherever they
+/// begin and in whatever direction they run.
 class DuplicateFilter {
  public:
-  DuplicateFilter(double tolerance_mm, std::vector<Fault>& faults)
-      : tolerance_(tolerance_mm), faults_(faults) {}
+  /// `groups`: as in JoinOptions.
+  DuplicateFilter(double tolerance_mm, const std::vector<std::size_t>& groups,
+                  std::vector<Fault>& faults)
+      : tolerance_(tolerance_mm), groups_(groups), faults_(faults) {}
 
   /// The numbers of the contours that remain, in order.
   std::vector<std::size_t> keep(const std::vector<Contour>& contours) {
@@ -98,13 +100,18 @@ class DuplicateFilter {
   static constexpr double part_of_corner = 0.618;
 
   bool is_same(const Contour& a, const Box& box_a, const Contour& b, const Box& box_b) const {
-    return a.layer == b.layer && a.closed == b.closed &&
+    return group(a) == group(b) && a.closed == b.closed &&
            distance(box_a.low, box_b.low) <= tolerance_ * 2 &&
            distance(box_a.high, box_b.high) <= tolerance_ * 2 && is_covered(a, b, tolerance_) &&
            is_covered(b, a, tolerance_);
   }
 
+  std::size_t group(const Contour& contour) const {
+    return groups_.empty() ? contour.layer : groups_[contour.layer];
+  }
+
   double tolerance_;
+  const std::vector<std::size_t>& groups_;
   std::vector<Fault>& faults_;
 };
 
@@ -391,8 +398,10 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
       open_paths.push_back(i);
     }
   }
-  DuplicateFilter filter(options.tolerance_mm, result.faults);
-  const std::vector<std::size_t> kept = filter.keep(open);
+  // Curves that are to be joined lack nothing for a curve on another layer.
+  const std::vector<std::size_t> by_layer;
+  DuplicateFilter curve_filter(options.tolerance_mm, by_layer, result.faults);
+  const std::vector<std::size_t> kept = curve_filter.keep(open);
   std::vector<Contour> chains;
   for (const std::size_t i : kept) chains.push_back(std::move(open[i]));
   Joiner joiner(std::move(chains), options.tolerance_mm, result.faults);
@@ -405,6 +414,7 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
       all.push_back({open_paths[kept[first]], std::move(contour)});
   }
   std::vector<Contour> contours = contours_of(std::move(all));
+  DuplicateFilter filter(options.tolerance_mm, options.duplicate_groups, result.faults);
   for (const std::size_t i : filter.keep(contours))
     result.contours.push_back(std::move(contours[i]));
   number_faults(result.faults, result.contours, 2 * options.tolerance_mm);

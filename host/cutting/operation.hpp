@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,8 @@ struct Operation {
   bool has_air = false;
   double hatch_mm = 0, hatch_deg = 0;  ///< distance and angle of the lines of an engraving
   double overscan_mm = 0;              ///< before and after each line, dark
+  /// Longer gaps in the lines of an engraving are crossed by rapids.
+  double max_gap_mm = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace lamplock::cutting

@@ -302,6 +302,20 @@ class ProgramWriter {
     return true;
   }
 
+  /// True if the arc with rounded ends and centre, which is now at `at_`, is still one. Controllers
+  /// refuse arcs whose radii at both ends differ by more than 0.005 mm and 0.1 % (grbl,
+  /// gcode.c; LinuxCNC, "Arc Move"), and one whose turn has another sign or size is another arc.
+  bool is_round(const Vec& from, const Vec& to_centre, const Edge& edge) const {
+    constexpr double max_apart_mm = 0.0045, max_apart = 0.0009, max_turn = 0.5;
+    const Vec centre = from + to_centre, begin = to_centre * -1, end = *at_ - centre;
+    const double radius = norm(begin), apart_mm = std::abs(norm(end) - radius);
+    double sweep = std::atan2(cross(begin, end), dot(begin, end));
+    if (sweep * edge.sweep < 0)
+      sweep += edge.sweep > 0 ? 2 * std::numbers::pi : -2 * std::numbers::pi;
+    return apart_mm <= std::max(max_apart_mm, radius * max_apart) &&
+           std::abs(sweep - edge.sweep) <= max_turn;
+  }
+
   /// An arc beyond half a circle becomes two, so that its end is never near its begin, where
   /// rounding would turn a small arc into a full circle and back.
   void write_edge(const Edge& edge) {
@@ -318,8 +332,15 @@ class ProgramWriter {
     const double flat = 0.5 * std::pow(10, -post_.decimals);
     const bool is_flat = edge.is_line() || radius_of(edge) * (1 - std::cos(edge.sweep / 2)) < flat;
     if (is_flat) return write(PostEvent::line);
-    templates_.set(PostValue::i, post_number(edge.centre.x - from.x, post_.decimals));
-    templates_.set(PostValue::j, post_number(edge.centre.y - from.y, post_.decimals));
+    const Vec to_centre = rounded(edge.centre - from);
+    if (!is_round(from, to_centre, edge)) {
+      set_place(from);
+      const Vec middle = point_at(edge, 0.5);
+      write_edge(cut_out(edge, 0, 0.5, edge.from, middle));
+      return write_edge(cut_out(edge, 0.5, 1, middle, edge.to));
+    }
+    templates_.set(PostValue::i, post_number(to_centre.x, post_.decimals));
+    templates_.set(PostValue::j, post_number(to_centre.y, post_.decimals));
     write(edge.sweep > 0 ? PostEvent::arc_ccw : PostEvent::arc_cw);
   }
 

@@ -130,7 +130,16 @@ void begin_at(std::size_t first, CutPlan& plan) {
     throw Error(Exit::bad_input, fmt::format("cut {}", first),
                 fmt::format("the plan has {}", count_text(plan.cuts.size(), "cut")),
                 "give the number of one of them, as in the picture");
+  if (first == 1) return;
   plan.cuts.erase(plan.cuts.begin(), plan.cuts.begin() + static_cast<std::ptrdiff_t>(first - 1));
+  plan.rapid_mm = 0;
+  cutting::Vec at;
+  for (const cutting::PlannedCut& cut : plan.cuts) {
+    for (const cutting::Stroke& stroke : cut.strokes) {
+      plan.rapid_mm += distance(at, stroke.front().edge.from);
+      at = stroke.back().edge.to;
+    }
+  }
 }
 
 /// Light and air are off; tools stay above the sheet, or away from the contours of a lathe.
@@ -146,8 +155,8 @@ void make_dry(std::vector<Operation>& operations, MachineType machine, cutting::
 }
 
 /// Replaces the cuts by a run around them, without light and slow enough to watch.
-void run_around(CutPlan& plan, std::vector<Operation>& operations) {
-  constexpr double max_feed_mm_min = default_frame_speed_m_s * 1000 * 60;
+void run_around(CutPlan& plan, std::vector<Operation>& operations, const settings::Values& values) {
+  constexpr double frame_mm_min = default_frame_speed_m_s * 1000 * 60;
   cutting::Box box;
   for (const cutting::PlannedCut& cut : plan.cuts)
     for (const cutting::Stroke& stroke : cut.strokes)
@@ -158,8 +167,10 @@ void run_around(CutPlan& plan, std::vector<Operation>& operations) {
   for (std::size_t i = 1; i < corners.size(); ++i)
     around.strokes.front().push_back(
         {{corners[i - 1], corners[i], {}, 0}, cutting::CutKind::cut, 1});
+  around.number = plan.cuts.front().number;
   Operation& operation = operations[around.operation];
-  operation.feed_mm_min = std::min(max_feed_mm_min, operation.feed_mm_min);
+  operation.feed_mm_min = std::min({frame_mm_min, in_units(values, settings::Id::max_rate_x, 0),
+                                    in_units(values, settings::Id::max_rate_x, 1)});
   operation.passes = 1;
   if (!operation.z_mm.empty()) operation.z_mm.resize(1);
   plan.rapid_mm = distance(cutting::Vec{}, low);
@@ -225,6 +236,14 @@ void require_inside(const std::string& file, const geometry::Bounds& box,
       is_inside(box.low.y, box.high.y, space.low.y, space.high.y) &&
       (!moves_z || is_inside(box.low.z, box.high.z, space.low.z, space.high.z)))
     return;
+  if (is_inside(box.low.x, box.high.x, space.low.x, space.high.x) &&
+      is_inside(box.low.y, box.high.y, space.low.y, space.high.y))
+    throw Error(Exit::bad_input, file,
+                fmt::format("Z would leave the work space: {:.6g} to {:.6g} mm; the machine has "
+                            "{:.6g} to {:.6g} mm",
+                            box.low.z, box.high.z, space.low.z, space.high.z),
+                "change the surface, the final depth or the clearance, or give the profile of "
+                "another machine");
   const bool fits = box.high.x - box.low.x <= space.high.x - space.low.x &&
                     box.high.y - box.low.y <= space.high.y - space.low.y;
   throw Error(Exit::bad_input, file,
@@ -323,7 +342,7 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
     result.warnings.push_back(text);
   }
   begin_at(request.first, plan);
-  if (request.is_frame) run_around(plan, operations);
+  if (request.is_frame) run_around(plan, operations, profile.settings);
   for (const std::string& text :
        cutting::require_lines(post, description.machine.post, plan, operations)) {
     frontend.say("warning  {}", text);
@@ -338,11 +357,14 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   frame.title = fmt::format("{}, by lamplock cut",
                             std::filesystem::path(description.drawing.file).filename().string());
   for (const CutShape& row : result.shapes) frame.names.push_back(row_name(row));
+  if (request.is_frame) frame.names[plan.cuts.front().shape] = "frame around the cuts";
   frame.max_s = in_units(profile.settings, settings::Id::max_spindle_speed);
   frame.tooling = setup.tooling;
   CutProgram program;
   program.is_lathe = post.machine == MachineType::lathe;
   result.program = cutting::cut_program(plan, operations, post, frame, &program.first_lines);
+  for (const cutting::PlannedCut& cut : plan.cuts) result.cut_numbers.push_back(cut.number);
+  result.first_lines = program.first_lines;
   if (post.is_checked) {
     frame.has_radii = program.is_lathe;
     program.run = checked_run(

@@ -47,6 +47,8 @@ struct CutResult {
   geometry::Bounds box{};           ///< of the program
   std::optional<double> seconds{};  ///< none if the program is not for a board of lamplock
   std::string program{};
+  std::vector<std::size_t> cut_numbers{};  ///< of the program, from 1 in the order of the plan
+  std::vector<std::size_t> first_lines{};  ///< of each of these cuts, from 1
 };
 
 /// The shapes of the drawing, with the operation of each. Throws Error(bad_input).

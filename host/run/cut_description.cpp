@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "host/cutting/cut_path.hpp"
@@ -82,6 +83,21 @@ std::vector<double> heights_of(const OperationChoice& choice, const std::string&
                 "give a greater infeed");
   for (double& z : z_mm) z += surface_mm;
   return z_mm;
+}
+
+/// The gap in a line of an engraving that takes as long at the feed as by a rapid. At the feed
+/// speed f it takes gap / f. By a rapid of speed r and acceleration a: the run-up and run-out of
+/// the engraving, f / a each, and (gap - both of them) / r + r / a.
+double max_gap_mm(const settings::Values& values, double feed_mm_min, double overscan_mm) {
+  constexpr double s_per_min = 60;
+  const auto of_slower = [&](Id id) {
+    return std::min(in_units(values, id, 0), in_units(values, id, 1));
+  };
+  const double feed = feed_mm_min / s_per_min, rapid = of_slower(Id::max_rate_x) / s_per_min;
+  const double acceleration = of_slower(Id::acceleration_x);
+  if (rapid <= feed) return std::numeric_limits<double>::infinity();
+  const double stops_s = 2 * feed / acceleration + rapid / acceleration - 2 * overscan_mm / rapid;
+  return std::max(2 * overscan_mm, stops_s / (1 / feed - 1 / rapid));
 }
 
 /// Refuses what a machine of this type cannot do.
@@ -266,6 +282,7 @@ cutting::Operation operation_of(const OperationChoice& choice, const std::string
     operation.hatch_deg = choice.hatch_deg;
     operation.overscan_mm =
         choice.overscan_mm ? *choice.overscan_mm : raster::run_up_mm(values, operation.feed_mm_min);
+    operation.max_gap_mm = max_gap_mm(values, operation.feed_mm_min, operation.overscan_mm);
     return operation;
   }
   const bool has_side = choice.compensation != "auto" && choice.compensation != "none";

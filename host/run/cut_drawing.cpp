@@ -328,8 +328,10 @@ CutDrawing read_cut_drawing(const CutDescription& description) {
                 "no curve of the drawing has an operation that is on",
                 "choose other layers or colours; the option --list shows them");
   curves = transformed(std::move(curves), place_of(drawing, worked));
-  cutting::JoinedContours joined =
-      cutting::join_contours(curves, {drawing.tolerance_mm, model::flat_mm});
+  cutting::JoinOptions joining{drawing.tolerance_mm, model::flat_mm};
+  for (const JoinGroup& group : groups)  // curves without an operation are duplicates of each other
+    joining.duplicate_groups.push_back(group.operation.value_or(description.operations.size()));
+  cutting::JoinedContours joined = cutting::join_contours(curves, joining);
   std::vector<Fault> faults = std::move(joined.faults);
   const std::vector<Fault> crossings = cutting::contour_faults(joined.contours);
   faults.insert(faults.end(), crossings.begin(), crossings.end());
@@ -339,6 +341,13 @@ CutDrawing read_cut_drawing(const CutDescription& description) {
     result.layers.push_back(curves.layers[group.layer]);
     result.shapes.push_back({std::move(contour), {}, group.operation});
   }
+  if (std::none_of(result.shapes.begin(), result.shapes.end(), [&](const cutting::Shape& shape) {
+        return is_worked(description, shape.operation);
+      }))
+    throw Error(Exit::bad_input, drawing.file,
+                fmt::format("has no curve longer than the tolerance of {} mm to cut",
+                            number_text(drawing.tolerance_mm)),
+                "draw lines, arcs or splines, or use a smaller tolerance");
   std::erase_if(faults,
                 [&](const Fault& fault) { return !matters(fault, description, result.shapes); });
   for (std::string& text : fault_texts(faults, drawing.tolerance_mm))

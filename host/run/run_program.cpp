@@ -154,10 +154,26 @@ void write_files(ProgramOutcome& outcome, PinTrace* trace, const BoardOptions& o
     outcome.lost.attempt(options.shots, [&] { write_shots(options.shots, *board, values); });
 }
 
+/// The number of the part with this line; lines before the first part belong to it.
+std::size_t part_with(const ProgramParts& parts, std::size_t line) {
+  const auto next = std::upper_bound(parts.first_lines.begin() + 1, parts.first_lines.end(), line);
+  return parts.numbers[static_cast<std::size_t>(next - parts.first_lines.begin()) - 1];
+}
+
 /// How far it came. What the machine has accepted is not all done: it plans ahead.
 std::string reach_text(const ProgramOutcome& outcome) {
   const LineResult& result = outcome.result;
   if (result.last_line == 0) return "no line was accepted";
+  const ProgramParts& parts = outcome.parts;
+  if (!parts.numbers.empty()) {
+    const std::size_t number = part_with(parts, result.at_line ? result.at_line : result.last_line);
+    if (result.at_line == 0)
+      return fmt::format("the last line that it accepted is one of {} {}, at {}", parts.name,
+                         number, place_text(result.status));
+    return fmt::format(
+        "{0} {1} was under way, at {2}; the same command with --from {1} begins with it",
+        parts.name, number, place_text(result.status));
+  }
   if (result.at_line != 0)
     return fmt::format(
         "line {0} of {1} was under way, at {2}; the same command with --from {0} begins with it",
@@ -289,6 +305,7 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
                    state ? &*state : nullptr);
   ProgramOutcome outcome =
       send(program, board, options, asked, events ? &*events : nullptr, frontend);
+  outcome.parts = asked.parts;
   if (events && events->is_lost()) outcome.lost_events = asked.events;
   if (of_board) outcome.homing = link::homing_of(*of_board);
   write_files(outcome, trace ? &*trace : nullptr, options, board.simulated(), values);

@@ -9,6 +9,7 @@
 #include <exception>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/error.hpp"
 #include "host/link/line_sender.hpp"
@@ -21,6 +22,13 @@
 
 namespace lamplock::run {
 
+/// Parts of a program that --from counts instead of its lines.
+struct ProgramParts {
+  std::string name{};                      ///< of one of them
+  std::vector<std::size_t> first_lines{};  ///< of each, ascending, from 1
+  std::vector<std::size_t> numbers{};      ///< of each
+};
+
 /// What is about programs alone.
 struct ProgramOptions {
   bool ignore_errors = false;  ///< continues after lines that the board refused
@@ -28,6 +36,7 @@ struct ProgramOptions {
   std::optional<program_run::ProcessValues> process{};  ///< of the chosen material
   std::string user_commands{};  ///< folder of M100 to M199; empty: none are permitted
   std::string events{};         ///< file of the executed blocks, "-": stdout; empty: none
+  ProgramParts parts{};         ///< by which the user continues; empty: by lines
 };
 
 /// A program that was sent.
@@ -37,6 +46,7 @@ struct ProgramOutcome {
   std::optional<double> planned_s{};
   link::LineResult result{};
   link::Homing homing{};    ///< as the board has reported it
+  ProgramParts parts{};     ///< as ProgramOptions
   std::string ended_by{};   ///< the line of the computer that stopped it; empty if none did
   bool lacks_user = false;  ///< a fault has held it, and there was no terminal to resume it
   LostFiles lost{};

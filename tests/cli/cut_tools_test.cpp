@@ -1,6 +1,9 @@
 // `lamplock cut` for mills, knives and lathes, texts of single strokes, and on a simulated board.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -38,6 +41,28 @@ class CutTools : public testing::Test {
       "part.dxf", dxf_drawing(dxf_rectangle(5, 5, 25, 20) + dxf_circle(15, 12, 3), 4));
   const std::string program_ = folder_ / "part.ngc";
 };
+
+TEST_F(CutTools, small_arcs_survive_few_decimals) {
+  std::string entities;
+  for (int i = 0; i < 40; ++i)
+    entities += dxf_circle(-45 + 8.137 * (i % 10), -45 + 9.003 * (i / 10), 0.013 + 0.0171 * i);
+  entities += dxf_rounded(-40, 30, 20.004, 9.996, 0.0337) + dxf_rounded(10, 30, 20, 10, 0.107);
+  folder_.write("part.dxf", dxf_drawing(entities, 4));
+  for (const int decimals : {2, 3, 4}) {
+    const std::string post = folder_.write(
+        "p.toml",
+        fmt::format("name = \"p\"\nmachine = \"laser\"\ndecimals = {}\nchecked = true\n"
+                    "[lines]\nbegin = [\"G21 G90\", \"M4 S0\"]\nrapid = \"G0 X{{x}} Y{{y}} S0\"\n"
+                    "line = \"G1 X{{x}} Y{{y}} F{{feed}} S{{power}}\"\n"
+                    "arc_cw = \"G2 X{{x}} Y{{y}} I{{i}} J{{j}} F{{feed}} S{{power}}\"\n"
+                    "arc_ccw = \"G3 X{{x}} Y{{y}} I{{i}} J{{j}} F{{feed}} S{{power}}\"\n"
+                    "end = \"M2\"\n",
+                    decimals));
+    const Finished finished = cut({"--power", "50", "--post", post, "-o", program_});
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    EXPECT_EQ(run({"check", program_}).status, 0);
+  }
+}
 
 /// The interpreter of the firmware has run each of them: it gives their time.
 TEST_F(CutTools, programs_of_all_machines_are_checked) {
@@ -103,6 +128,43 @@ TEST_F(CutTools, a_frame_runs_around_the_cuts_without_light) {
     EXPECT_THAT(program, HasSubstr(corner));
   EXPECT_THAT(program, Not(HasSubstr("G3")));
   EXPECT_THAT(program, Not(testing::ContainsRegex("S[1-9]")));
+  EXPECT_THAT(program, HasSubstr("frame around the cuts"));
+  EXPECT_THAT(program, HasSubstr(" F3000")) << "not the feed of a cut";
+}
+
+TEST_F(CutTools, rapids_are_those_of_the_cuts_that_are_made) {
+  const auto rapids = [&](const std::string& from) {
+    const Finished finished = cut({"--power", "50", "--from", from, "-o", program_, "--json"});
+    return json::parse(finished.out)["rapid_mm"].get<double>();
+  };
+  // The second cut is the rectangle, from its corner that is the nearest to the circle.
+  EXPECT_GT(rapids("1"), 0);
+  const std::string text = (rapids("2"), read(program_));
+  const auto first = text.substr(text.find("\nG0 X") + 1);
+  double x = 0, y = 0;
+  ASSERT_EQ(std::sscanf(first.c_str(), "G0 X%lf Y%lf", &x, &y), 2) << first;
+  EXPECT_NEAR(rapids("2"), std::hypot(x, y), 0.01);
+}
+
+TEST_F(CutTools, heights_outside_of_the_work_space_name_what_sets_them) {
+  const std::string error = refused({"--power", "50", "--post", "mill", "--final-depth", "900"});
+  EXPECT_THAT(error, HasSubstr("final depth"));
+  EXPECT_THAT(error, Not(HasSubstr("beam")));
+}
+
+TEST_F(CutTools, equal_contours_on_two_layers_of_one_operation_are_cut_once) {
+  folder_.write("part.dxf",
+                dxf_drawing(dxf_rectangle(5, 5, 25, 20, "A") + dxf_rectangle(5, 5, 25, 20, "B") +
+                                dxf_rectangle(-40, 5, 25, 20, "B"),
+                            4));
+  const Finished finished = cut({"--power", "50", "-o", program_, "--json"});
+  EXPECT_EQ(json::parse(finished.out)["cuts"], 2);
+  EXPECT_THAT(finished.err, HasSubstr("duplicate, left out"));
+}
+
+TEST_F(CutTools, a_drawing_of_dots_has_nothing_to_cut) {
+  folder_.write("part.dxf", dxf_drawing("0\nLINE\n8\nCUT\n10\n5\n20\n5\n11\n5\n21\n5\n", 4));
+  EXPECT_THAT(refused({"--power", "50"}), HasSubstr("has no curve longer than the tolerance"));
 }
 
 }  // namespace

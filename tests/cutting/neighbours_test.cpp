@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "host/cutting/cut_plan.hpp"
@@ -166,6 +168,42 @@ TEST(neighbours, open_contours_run_in_the_direction_that_is_asked_for) {
       for (const PlannedCut& cut : back.cuts) EXPECT_TRUE(is_along(cut, -1));
     }
   }
+}
+
+TEST(neighbours, engravings_do_not_cross_wide_gaps_at_the_feed) {
+  const Contour frame = square(-100, 800), window = square(-90, 780);
+  const std::vector<Contour> drawing{square(0, 10), square(500, 10), square(3, 4), frame, window};
+  Operation one = operation(0);
+  one.kind = OperationKind::engrave;
+  one.hatch_mm = 1;
+  one.overscan_mm = 2;
+  const auto measure = [&](double max_gap_mm) {
+    one.max_gap_mm = max_gap_mm;
+    double lit = 0, longest_dark = 0;
+    for (const PlannedCut& cut : plan_of(drawing, one).cuts)
+      for (const Stroke& stroke : cut.strokes)
+        for (const CutMove& move : stroke) {
+          if (move.power > 0)
+            lit += length_of(move.edge);
+          else
+            longest_dark = std::max(longest_dark, length_of(move.edge));
+        }
+    return std::pair(lit, longest_dark);
+  };
+  const auto whole = measure(std::numeric_limits<double>::infinity()), divided = measure(40);
+  EXPECT_NEAR(divided.first, whole.first, 1e-6);
+  EXPECT_GT(whole.second, 250);
+  EXPECT_LE(divided.second, 40);
+}
+
+TEST(neighbours, distant_engravings_are_filled_one_after_the_other) {
+  Operation one = operation(0);
+  one.kind = OperationKind::engrave;
+  one.hatch_mm = 0.1;
+  one.overscan_mm = 2;
+  one.max_gap_mm = 40;
+  const Contour right = polygon({{500, 0}, {510, 0}, {510, 10}, {500, 10}});
+  EXPECT_LT(plan_of({square(0, 10), right}, one).rapid_mm, 2000);
 }
 
 }  // namespace
