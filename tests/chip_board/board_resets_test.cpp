@@ -165,7 +165,8 @@ TEST_P(EachBoard, DrivesNothingOnTheWiringOfAnother) {
       EXPECT_TRUE(silent || clashes(row(), *other) == 0);
       if (silent && is_new) {
         EXPECT_THAT(rig.heard, HasSubstr("Outputs off: GPIO "));
-        EXPECT_THAT(rig.heard, HasSubstr("; check wiring and $2, $3, or flash the image of your board"));
+        EXPECT_THAT(rig.heard,
+                    HasSubstr("; check wiring and $2, $3, or flash the image of your board"));
       }
       EXPECT_EQ(energy.rises, 0u);
       EXPECT_EQ(energy.levels(), 0u);

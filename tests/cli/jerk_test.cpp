@@ -73,8 +73,9 @@ TEST(Jerk, KeepsTheLightOfDwells) {
                                         "X20\nM3 G0 X30\nG4 P0.1\nG1 X40 S100\nG4 P0.4\nM2\n");
   ASSERT_EQ(run({"jerk", file, "-o", out, "--no-compare"}).status, 0);
   const std::string text = read(out);
-  for (const char* part : {"M3 S200 G1 F1\nG4 P0.3\nM3 S800.000\nG1", "M5\nG4 P0.2\nM4 S800.000\nG1",
-                           "M5\nG4 P0.1\nM3 S100", "M3 S100 G1 F1\nG4 P0.4\n"})
+  for (const char* part :
+       {"M3 S200 G1 F1\nG4 P0.3\nM3 S800.000\nG1", "M5\nG4 P0.2\nM4 S800.000\nG1",
+        "M5\nG4 P0.1\nM3 S100", "M3 S100 G1 F1\nG4 P0.4\n"})
     EXPECT_THAT(text, HasSubstr(part));
   EXPECT_EQ(run({"check", out}).status, 0);
 }

@@ -61,8 +61,8 @@ TEST(BoardOfProfile, RefusesWhatTheBoardLacks) {
 TEST(BoardOfProfile, AcceptsTheRest) {
   for (const double map : {pico, picobob, grblhal_pico, skr_pico}) {
     EXPECT_EQ(refusal_of({{Id::pin_map, map}}), "");
-    EXPECT_EQ(refusal_of({{Id::pin_map, map}, {Id::axes, 3}, {Id::channels, 1}, {Id::lamp_mode, 1}}),
-              "");
+    EXPECT_EQ(
+        refusal_of({{Id::pin_map, map}, {Id::axes, 3}, {Id::channels, 1}, {Id::lamp_mode, 1}}), "");
   }
   EXPECT_EQ(refusal_of({{Id::pin_map, grblhal_pico}, {Id::loop, 1}}), "");
   EXPECT_EQ(refusal_of({{Id::pin_map, skr_pico}, {Id::drive_current_x, 1200}, {Id::axes, 4}}), "");

@@ -123,7 +123,8 @@ class Pages {
   double last_step_ms() const {
     sim::Picoseconds at = made_.board->now();
     const std::int32_t end = x_at(at);
-    while (x_at(at) == end) at -= sim::ps_per_ms;
+    while (at > 0 && x_at(at) == end) at -= sim::ps_per_ms;
+    EXPECT_GT(at, 0) << "the axis has not moved";
     return static_cast<double>(at / sim::ps_per_ms) + 1;
   }
   std::int64_t server_ms(Ms at) const { return (at - begun_).count(); }
