@@ -277,6 +277,18 @@ void warn_of_dark_pierce(const std::vector<Operation>& operations, const setting
   }
 }
 
+/// Refuses a power whose S word is 0.
+void require_light(const std::vector<Operation>& operations, const settings::Values& values) {
+  constexpr double min_s = 0.0005;  // programs have three decimals
+  const double max_s = in_units(values, settings::Id::max_spindle_speed);
+  for (const Operation& one : operations)
+    if (one.kind != OperationKind::ignore && one.power * max_s < min_s)
+      throw Error(
+          Exit::bad_input, one.name,
+          fmt::format("a power of {:g} % is S0 in the program, without light", one.power * 100),
+          fmt::format("give at least {:.6f} %, or --dry", min_s / max_s * 100));
+}
+
 /// The beam removes half its width at both sides of a tab.
 void warn_of_thin_tabs(const std::vector<Operation>& operations, Frontend& frontend,
                        CutResult& result) {
@@ -329,6 +341,7 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   ToolSetup setup{post.machine, tooling_of(description.machine, post.machine)};
   std::vector<Operation> operations = operations_of(
       with_materials(description, request.library, frontend), post.machine, profile.settings);
+  if (post.machine != MachineType::knife) require_light(operations, profile.settings);
   if (request.is_dry || request.is_frame) make_dry(operations, post.machine, setup.tooling);
   warn_of_thin_tabs(operations, frontend, result);
   if (post.is_checked && post.machine == MachineType::laser) {

@@ -163,6 +163,25 @@ void require_kind(const OperationChoice& choice, const std::string& name) {
   refuse_unless(is_engraving || !choice.overscan_mm, "overscan");
 }
 
+/// Refuses values of leads and tabs that the operation does not have: a user who forgets the lead
+/// would pierce on the part.
+void require_effect(const OperationChoice& choice, const std::string& name) {
+  const OperationChoice untouched;
+  const auto refuse_if = [&](bool is_idle, const char* what, const char* remedy) {
+    if (is_idle) throw Error(Exit::bad_input, name, fmt::format("{} has no effect", what), remedy);
+  };
+  refuse_if(choice.lead_in == "none" && (choice.lead_in_mm != untouched.lead_in_mm ||
+                                         choice.lead_in_deg != untouched.lead_in_deg),
+            "a size or angle of the lead-in without a lead-in", "give lead-in line or arc");
+  refuse_if(choice.lead_out == "none" && (choice.lead_out_mm != untouched.lead_out_mm ||
+                                          choice.lead_out_deg != untouched.lead_out_deg),
+            "a size or angle of the lead-out without a lead-out", "give lead-out line or arc");
+  refuse_if(choice.tabs == 0 &&
+                (choice.tab_mm != untouched.tab_mm || choice.tab_power != untouched.tab_power ||
+                 choice.tab_corner_mm != untouched.tab_corner_mm),
+            "a width, power or corner distance of tabs without tabs", "give their number");
+}
+
 void read_operations(const toml::node& node, CutDescription& description,
                      const std::filesystem::path& file) {
   const toml::array* list = node.as_array();
@@ -268,6 +287,7 @@ cutting::Operation operation_of(const OperationChoice& choice, const std::string
   if (operation.kind == OperationKind::ignore) return operation;
   require_fit(choice, name, machine);
   require_kind(choice, name);
+  require_effect(choice, name);
   // A drag knife has nothing to switch on.
   operation.power = machine == MachineType::knife
                         ? 1
@@ -325,6 +345,9 @@ cutting::Tooling tooling_of(const CutMachineChoice& choice, MachineType machine)
   require_machine(!choice.ramp_deg || machine == MachineType::mill, "ramp angle", "mills");
   require_machine(!choice.knife_offset_mm || machine == MachineType::knife, "knife offset",
                   "knives");
+  if (choice.population != CutMachineChoice{}.population && choice.order != "genetic")
+    throw Error(Exit::bad_input, "population", "is for the order genetic alone",
+                "leave it out, or give the order genetic");
   if (machine == MachineType::knife && !choice.knife_offset_mm)
     throw Error(Exit::bad_input, "knife", "the distance of the blade from its axis is not known",
                 "give the knife offset in mm; 0 for a knife that is turned by its machine");

@@ -162,6 +162,21 @@ TEST_F(CutTools, equal_contours_on_two_layers_of_one_operation_are_cut_once) {
   EXPECT_THAT(finished.err, HasSubstr("duplicate, left out"));
 }
 
+TEST_F(CutTools, values_without_effect_are_refused) {
+  const auto is_refused = [&](Arguments more) {
+    more.insert(more.end(), {"--power", "50"});
+    EXPECT_THAT(refused(more), testing::AnyOf(HasSubstr("has no effect"), HasSubstr("genetic")));
+  };
+  is_refused({"--lead-in-mm", "5"});
+  is_refused({"--lead-out-angle", "45"});
+  is_refused({"--lead-in", "line", "--lead-out-mm", "5"});
+  is_refused({"--tab-width", "3"});
+  is_refused({"--tab-power", "0.5"});
+  is_refused({"--tab-corner", "3"});
+  is_refused({"--population", "10"});
+  EXPECT_THAT(refused({"--power", "1e-9"}), HasSubstr("is S0 in the program"));
+}
+
 TEST_F(CutTools, a_drawing_of_dots_has_nothing_to_cut) {
   folder_.write("part.dxf", dxf_drawing("0\nLINE\n8\nCUT\n10\n5\n20\n5\n11\n5\n21\n5\n", 4));
   EXPECT_THAT(refused({"--power", "50"}), HasSubstr("has no curve longer than the tolerance"));
