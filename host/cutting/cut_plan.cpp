@@ -8,14 +8,12 @@
 #include <set>
 #include <utility>
 
-#include "host/cutting/box_tree.hpp"
 #include "host/cutting/cut_order.hpp"
 #include "host/cutting/drawn_contours.hpp"
-#include "host/cutting/hatch.hpp"
+#include "host/cutting/engraving.hpp"
 #include "host/cutting/offset.hpp"
 #include "host/error.hpp"
 #include "host/geometry/parallel.hpp"
-#include "host/geometry/union_find.hpp"
 
 namespace lamplock::cutting {
 namespace {
@@ -123,12 +121,12 @@ class Planner {
     plan_.cuts.back().number = plan_.cuts.size();
   }
 
-  /// Lines back and forth, each with its run-up and the gaps between pieces dark.
+  /// The areas of one operation.
   void engrave(std::size_t number) {
     const Operation& operation = operations_[number];
     PlannedCut cut{number, shapes_.size(), {}};
     std::vector<Contour> contours;
-    std::vector<std::size_t> numbers, missed;
+    std::vector<std::size_t> numbers;
     for (std::size_t i = 0; i < shapes_.size(); ++i) {
       if (shapes_[i].operation != number) continue;
       if (!shapes_[i].contour.closed)
@@ -139,89 +137,20 @@ class Planner {
       contours.push_back(shapes_[i].contour);
       numbers.push_back(i);
     }
-    for (const std::vector<std::size_t>& area : areas_of(contours, operation.max_gap_mm)) {
-      std::vector<Contour> filled;
-      for (const std::size_t i : area) filled.push_back(contours[i]);
-      std::vector<std::size_t> missed_here;
-      append_rows(hatch(filled, {operation.hatch_mm, operation.hatch_deg}, &missed_here), operation,
-                  cut.strokes);
-      for (const std::size_t i : missed_here) missed.push_back(area[i]);
-    }
+    Engraving engraving = engrave_areas(contours, operation, position_);
+    cut.strokes = std::move(engraving.strokes);
     if (contours.empty()) return;
     if (cut.strokes.empty())
       throw Error(Exit::bad_input, operation.name,
                   fmt::format("no line of a hatch of {:g} mm crosses the {}", operation.hatch_mm,
                               contour_text(contours.front())),
                   "give a smaller hatch");
-    for (const std::size_t i : missed) {
+    for (const std::size_t i : engraving.missed) {
       const Box box = box_of(contours[i]);
       plan_.faults.push_back(
           {FaultKind::unhatched, (box.low + box.high) * 0.5, box.high.y - box.low.y, numbers[i]});
     }
     append(std::move(cut));
-  }
-
-  /// Contours that are filled together: their boxes are not farther apart than a gap that is
-  /// crossed at the feed. The next area is the nearest one.
-  std::vector<std::vector<std::size_t>> areas_of(const std::vector<Contour>& contours,
-                                                 double max_gap_mm) const {
-    std::vector<Box> boxes;
-    for (const Contour& contour : contours) boxes.push_back(box_of(contour));
-    geometry::UnionFind joined(contours.size());
-    const BoxTree tree(boxes);
-    for (std::size_t i = 0; i < boxes.size(); ++i)
-      tree.visit(boxes[i].grown(max_gap_mm), [&](std::size_t j) { joined.join(i, j); });
-    std::vector<std::vector<std::size_t>> areas = joined.sets();
-    Vec at = position_;
-    const auto away = [&](const std::vector<std::size_t>& area) {
-      double nearest = std::numeric_limits<double>::infinity();
-      for (const std::size_t i : area) nearest = std::min(nearest, distance(boxes[i].low, at));
-      return nearest;
-    };
-    for (auto next = areas.begin(); next != areas.end(); ++next) {
-      std::iter_swap(next, std::min_element(next, areas.end(), [&](const auto& p, const auto& q) {
-                       return away(p) < away(q);
-                     }));
-      at = boxes[next->front()].high;
-    }
-    return areas;
-  }
-
-  /// Every second row runs back. Rows are divided at gaps that rapids cross.
-  static void append_rows(std::vector<HatchRow> rows, const Operation& operation,
-                          std::vector<Stroke>& strokes) {
-    bool is_back = false;
-    for (HatchRow& row : rows) {
-      if (std::exchange(is_back, !is_back)) {
-        std::reverse(row.begin(), row.end());
-        for (HatchPiece& piece : row) std::swap(piece.from, piece.to);
-      }
-      HatchRow part;
-      for (const HatchPiece& piece : row) {
-        if (!part.empty() && distance(part.back().to, piece.from) > operation.max_gap_mm) {
-          strokes.push_back(stroke_of(part, operation.overscan_mm));
-          part.clear();
-        }
-        part.push_back(piece);
-      }
-      strokes.push_back(stroke_of(part, operation.overscan_mm));
-    }
-  }
-
-  static Stroke stroke_of(const HatchRow& row, double overscan_mm) {
-    Stroke stroke;
-    const Vec first = row.front().from, last = row.back().to;
-    const Vec way = last - first, unit = way * (1 / norm(way));
-    const auto add = [&stroke](const Vec& from, const Vec& to, CutKind kind, double power) {
-      stroke.push_back({{from, to, {}, 0}, kind, power});
-    };
-    if (overscan_mm > 0) add(first - unit * overscan_mm, first, CutKind::lead_in, 0);
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      if (i > 0) add(row[i - 1].to, row[i].from, CutKind::cut, 0);
-      add(row[i].from, row[i].to, CutKind::cut, 1);
-    }
-    if (overscan_mm > 0) add(last, last + unit * overscan_mm, CutKind::lead_out, 0);
-    return stroke;
   }
 
   /// All operations of one kind that follow contours, in one order.

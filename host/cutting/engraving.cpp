@@ -1,0 +1,92 @@
+#include "host/cutting/engraving.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "host/cutting/box_tree.hpp"
+#include "host/cutting/hatch.hpp"
+#include "host/geometry/union_find.hpp"
+
+namespace lamplock::cutting {
+namespace {
+
+/// Contours that are filled together: their boxes are not farther apart than a gap that is
+/// crossed at the feed. The next area is the nearest one.
+std::vector<std::vector<std::size_t>> areas_of(const std::vector<Contour>& contours,
+                                               double max_gap_mm, Vec at) {
+  std::vector<Box> boxes;
+  for (const Contour& contour : contours) boxes.push_back(box_of(contour));
+  geometry::UnionFind joined(contours.size());
+  const BoxTree tree(boxes);
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    tree.visit(boxes[i].grown(max_gap_mm), [&](std::size_t j) { joined.join(i, j); });
+  std::vector<std::vector<std::size_t>> areas = joined.sets();
+  const auto away = [&](const std::vector<std::size_t>& area) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const std::size_t i : area) nearest = std::min(nearest, distance(boxes[i].low, at));
+    return nearest;
+  };
+  for (auto next = areas.begin(); next != areas.end(); ++next) {
+    std::iter_swap(next, std::min_element(next, areas.end(), [&](const auto& p, const auto& q) {
+                     return away(p) < away(q);
+                   }));
+    at = boxes[next->front()].high;
+  }
+  return areas;
+}
+
+Stroke stroke_of(const HatchRow& row, double overscan_mm) {
+  Stroke stroke;
+  const Vec first = row.front().from, last = row.back().to;
+  const Vec way = last - first, unit = way * (1 / norm(way));
+  const auto add = [&stroke](const Vec& from, const Vec& to, CutKind kind, double power) {
+    stroke.push_back({{from, to, {}, 0}, kind, power});
+  };
+  if (overscan_mm > 0) add(first - unit * overscan_mm, first, CutKind::lead_in, 0);
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    if (i > 0) add(row[i - 1].to, row[i].from, CutKind::cut, 0);
+    add(row[i].from, row[i].to, CutKind::cut, 1);
+  }
+  if (overscan_mm > 0) add(last, last + unit * overscan_mm, CutKind::lead_out, 0);
+  return stroke;
+}
+
+/// Every second row runs back. Rows are divided at gaps that rapids cross.
+void append_rows(std::vector<HatchRow> rows, const Operation& operation,
+                 std::vector<Stroke>& strokes) {
+  bool is_back = false;
+  for (HatchRow& row : rows) {
+    if (std::exchange(is_back, !is_back)) {
+      std::reverse(row.begin(), row.end());
+      for (HatchPiece& piece : row) std::swap(piece.from, piece.to);
+    }
+    HatchRow part;
+    for (const HatchPiece& piece : row) {
+      if (!part.empty() && distance(part.back().to, piece.from) > operation.max_gap_mm) {
+        strokes.push_back(stroke_of(part, operation.overscan_mm));
+        part.clear();
+      }
+      part.push_back(piece);
+    }
+    strokes.push_back(stroke_of(part, operation.overscan_mm));
+  }
+}
+
+}  // namespace
+
+Engraving engrave_areas(const std::vector<Contour>& contours, const Operation& operation,
+                        const Vec& position) {
+  Engraving engraving;
+  for (const std::vector<std::size_t>& area : areas_of(contours, operation.max_gap_mm, position)) {
+    std::vector<Contour> filled;
+    for (const std::size_t i : area) filled.push_back(contours[i]);
+    std::vector<std::size_t> missed;
+    append_rows(hatch(filled, {operation.hatch_mm, operation.hatch_deg}, &missed), operation,
+                engraving.strokes);
+    for (const std::size_t i : missed) engraving.missed.push_back(area[i]);
+  }
+  return engraving;
+}
+
+}  // namespace lamplock::cutting
