@@ -16,6 +16,10 @@ bool is_rate_excess(const settings::Values& values, std::uint16_t refused) {
          refused == settings::number(settings::for_axis(Id::max_rate_x, excess.axis));
 }
 
+std::string refusal(std::uint16_t setting) {
+  return fmt::format("[MSG:${} does not go with other settings]\r\nerror:52\r\n", setting);
+}
+
 std::string rate_refusal(const settings::Values& values) {
   const settings::RateExcess excess = settings::rate_excess(values);
   return fmt::format("[MSG:${} at most {:.3f} mm/min with $0 and $1077]\r\nerror:12\r\n",
@@ -55,13 +59,16 @@ TEST(SettingsText, RandomValuesAreKeptOverARestart) {
       ASSERT_TRUE(asked.set_milli(id, value));
       motion::Limits limits;
       std::uint16_t refused = 0;
-      const bool possible = motion::make_limits(asked, beat_ticks(asked), full_tick_q16, limits,
-                                                refused) == Result::ok &&
-                            lamp::broken_protection(asked) == 0;
+      bool possible = motion::make_limits(asked, beat_ticks(asked), full_tick_q16, limits,
+                                          refused) == Result::ok;
+      if (possible) {
+        refused = lamp::broken_protection(asked);
+        possible = refused == 0;
+      }
       EXPECT_EQ(user.answer(fmt::format("${}={}", row.number, milli_text(value))),
                 possible                         ? "ok\r\n"
                 : is_rate_excess(asked, refused) ? rate_refusal(asked)
-                                                 : "error:52\r\n");
+                                                 : refusal(refused));
       if (possible) wanted = asked;
       ASSERT_EQ(rig.board.stored_settings(), wanted);
     }
@@ -73,24 +80,24 @@ TEST(SettingsText, ValuesBeyondTheLasersLimitsAreRefused) {
   Rig rig(lamp_profile(50));
   ProgramHost user(rig);
   EXPECT_EQ(user.answer("$922=20"), "ok\r\n");  // 20 J at 50 Hz: 1000 W
-  EXPECT_EQ(user.answer("$901=50.001"), "error:52\r\n");
-  EXPECT_EQ(user.answer("$922=20.001"), "error:52\r\n");
+  EXPECT_EQ(user.answer("$901=50.001"), refusal(922));
+  EXPECT_EQ(user.answer("$922=20.001"), refusal(922));
   EXPECT_EQ(user.answer("$935=30"), "ok\r\n");
-  EXPECT_EQ(user.answer("$922=20.001"), "error:52\r\n");
-  EXPECT_EQ(user.answer("$923=999.999"), "error:52\r\n");
+  EXPECT_EQ(user.answer("$922=20.001"), refusal(922));
+  EXPECT_EQ(user.answer("$923=999.999"), refusal(922));
   EXPECT_EQ(user.answer("$910=1"), "ok\r\n");
-  EXPECT_EQ(user.answer("$900=2"), "error:52\r\n");  // triggered by the board, up to 1 % faster
+  EXPECT_EQ(user.answer("$900=2"), refusal(922));  // triggered by the board, up to 1 % faster
   EXPECT_EQ(user.answer("$922=19.8"), "ok\r\n");
   EXPECT_EQ(user.answer("$900=2"), "ok\r\n");
-  EXPECT_EQ(user.answer("$922=0"), "error:52\r\n");  // triggering needs a known energy
+  EXPECT_EQ(user.answer("$922=0"), refusal(922));  // triggering needs a known energy
   EXPECT_EQ(user.answer("$900=1"), "ok\r\n");
   EXPECT_EQ(user.answer("$922=0"), "ok\r\n");
   EXPECT_EQ(user.answer("$901=200"), "ok\r\n");
   EXPECT_EQ(user.answer("$929=4995"), "ok\r\n");  // the sensors are not used
-  EXPECT_EQ(user.answer("$927=1"), "error:52\r\n");
+  EXPECT_EQ(user.answer("$927=1"), refusal(929));
   EXPECT_EQ(user.answer("$929=200"), "ok\r\n");
   EXPECT_EQ(user.answer("$927=2"), "ok\r\n");
-  EXPECT_EQ(user.answer("$901=1000"), "error:52\r\n");  // the sensors answer after the next shot
+  EXPECT_EQ(user.answer("$901=1000"), refusal(929));  // the sensors answer after the next shot
   EXPECT_EQ(user.answer("$927=1"), "ok\r\n");
   EXPECT_EQ(user.answer("$901=1000"), "ok\r\n");
 }

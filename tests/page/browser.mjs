@@ -178,8 +178,14 @@ export class Page {
     return this.send('Input.dispatchMouseEvent', { type, x, y, ...more });
   }
 
+  // A page whose lists grow moves its buttons: the place must be the same after two frames.
   async click(selector) {
-    const { x, y } = await this.place(selector);
+    let { x, y } = await this.place(selector);
+    for (let before; before?.x !== x || before?.y !== y;) {
+      before = { x, y };
+      await this.ask('new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))');
+      ({ x, y } = await this.place(selector));
+    }
     await this.mouse('mousePressed', x, y, { button: 'left', clickCount: 1 });
     await this.mouse('mouseReleased', x, y, { button: 'left', clickCount: 1 });
   }
