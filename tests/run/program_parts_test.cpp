@@ -12,7 +12,7 @@ namespace {
 class Listener : public SilentFrontend {
  public:
   void notice(const std::string& text) override { text_ += text; }
-  const std::string& text() const { return text_; }
+  const std::string& shown() const { return text_; }
 
  private:
   std::string text_;
@@ -26,7 +26,7 @@ std::string notice_at(std::size_t line, const run::ProgramParts& parts) {
   outcome.parts = parts;
   Listener listener;
   EXPECT_EQ(run::judge_program(outcome, "virtual", listener), Exit::interrupted);
-  return listener.text();
+  return listener.shown();
 }
 
 TEST(ProgramParts, TheRemedyCountsThem) {
