@@ -12,6 +12,7 @@
 #include "host/cli/machine_options.hpp"
 #include "host/cli/process_options.hpp"
 #include "host/cli/program_document.hpp"
+#include "host/cli/validators.hpp"
 #include "host/run/event_stream.hpp"
 #include "host/run/mode_name.hpp"
 #include "host/run/report_job.hpp"
