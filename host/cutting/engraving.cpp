@@ -16,6 +16,7 @@ namespace {
 std::vector<std::vector<std::size_t>> areas_of(const std::vector<Contour>& contours,
                                                double max_gap_mm, Vec at) {
   std::vector<Box> boxes;
+  boxes.reserve(contours.size());
   for (const Contour& contour : contours) boxes.push_back(box_of(contour));
   geometry::UnionFind joined(contours.size());
   const BoxTree tree(boxes);
@@ -80,6 +81,7 @@ Engraving engrave_areas(const std::vector<Contour>& contours, const Operation& o
   Engraving engraving;
   for (const std::vector<std::size_t>& area : areas_of(contours, operation.max_gap_mm, position)) {
     std::vector<Contour> filled;
+    filled.reserve(area.size());
     for (const std::size_t i : area) filled.push_back(contours[i]);
     std::vector<std::size_t> missed;
     append_rows(hatch(filled, {operation.hatch_mm, operation.hatch_deg}, &missed), operation,

@@ -403,6 +403,7 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
   DuplicateFilter curve_filter(options.tolerance_mm, by_layer, result.faults);
   const std::vector<std::size_t> kept = curve_filter.keep(open);
   std::vector<Contour> chains;
+  chains.reserve(kept.size());
   for (const std::size_t i : kept) chains.push_back(std::move(open[i]));
   Joiner joiner(std::move(chains), options.tolerance_mm, result.faults);
   for (auto& [first, contour] : joiner.joined()) {

@@ -303,8 +303,8 @@ class ProgramWriter {
   }
 
   /// True if the arc with rounded ends and centre, which is now at `at_`, is still one. grbl
-  /// refuses arcs whose radii at both ends differ by more than 0.005 mm and 0.1 % (gcode.c; LinuxCNC
-  /// from 0.028 mm on), and one whose turn has another sign or size is another arc.
+  /// refuses arcs whose radii at both ends differ by more than 0.005 mm and 0.1 % (gcode.c;
+  /// LinuxCNC from 0.028 mm on), and one whose turn has another sign or size is another arc.
   bool is_round(const Vec& from, const Vec& to_centre, const Edge& edge) const {
     constexpr double max_apart_mm = 0.0045, max_apart = 0.0009, max_turn = 0.5;
     const Vec centre = from + to_centre, begin = to_centre * -1, end = *at_ - centre;

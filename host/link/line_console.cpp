@@ -67,6 +67,7 @@ std::string squeezed(std::string_view text) {
 
 std::vector<std::string> realtime_names() {
   std::vector<std::string> names;
+  names.reserve(words.size());
   for (const Word& known : words) names.emplace_back(known.name);
   return names;
 }
