@@ -152,6 +152,7 @@ const NameRow& row_of(std::string_view line, const Reference& reference, const L
     return *found;
   }
   std::vector<std::string> names;
+  names.reserve(name_rows.size());
   for (const NameRow& row : name_rows) names.push_back(fmt::format("#<{}>", row.name));
   refuse(line, reference, place, "there is no such process parameter",
          did_you_mean(fmt::format("#<{}>", reference.name), names,
