@@ -65,6 +65,7 @@ std::string end_text(int status) {
 ChildProcess::ChildProcess(const std::vector<std::string>& words) {
   std::vector<std::string> copies = words;
   std::vector<char*> arguments;
+  arguments.reserve(copies.size() + 1);
   for (std::string& word : copies) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   const SpawnActions actions;
