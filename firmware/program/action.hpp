@@ -48,8 +48,8 @@ struct IoRequest {
 
 struct Action {
   ActionKind kind = ActionKind::move;
-  /// A rapid: at the machine's highest speed, laser off. A dwell or a change of the spindle: laser
-  /// off in any case.
+  /// A rapid: at the machine's highest speed, laser off. For a dwell or a change of the spindle:
+  /// the motion mode is not a feed, so the machine permits no light at rest ($936) either.
   bool rapid = false;
   /// The feed rate is the time for this move, not a speed (G93).
   bool timed = false;

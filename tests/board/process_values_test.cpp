@@ -48,10 +48,13 @@ std::string without_blanks(std::string text) {
   return text;
 }
 
+/// A line with process values, and what it becomes.
+struct Row {
+  const char *text, *line;
+};
+
 TEST(ProcessValues, AreNumbersOfTheLine) {
-  const struct {
-    const char *text, *line;
-  } rows[] = {
+  const Row rows[] = {
       {"G1X1F#<_material_feed>", "G1X1F190.5"},
       {"S#<_material_power>", "S500"},
       {"X#<_material_watts>", "X1.5"},
@@ -84,9 +87,7 @@ TEST(ProcessValues, AreInTheUnitOfTheLine) {
 }
 
 TEST(ProcessValues, HaveTheFormatOfTheirMessage) {
-  const struct {
-    const char *text, *line;
-  } rows[] = {
+  const Row rows[] = {
       {"(PRINT, #<_material_feed>)", "(PRINT, 190.500000)\n"},
       {"( debug,%dp #<_material_passes>%.2f #<_material_kerf>)", "( debug,%dp 7%.2f 0.13)\n"},
       {"(PRINT,#5#<_material_passes>#<x>)", "(PRINT,#57.000000#<x>)\n"},

@@ -1,4 +1,5 @@
 // `lamplock check` and `lamplock send` judge the lines of a program alike, with the same text.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <array>
@@ -173,14 +174,14 @@ TEST(CheckAndSend, LinesAfterTheEndAreRun) {
       EXPECT_EQ(done.status, 0) << done.err;
       return nlohmann::json::parse(done.out);
     };
-    const nlohmann::json whole = seen(before + end + "\n" + after);
+    const nlohmann::json whole = seen(fmt::format("{}{}\n{}", before, end, after));
     EXPECT_NEAR(whole["feed_mm"].get<double>(), 40, 1e-9);
     EXPECT_NEAR(whole["low_mm"][0].get<double>(), -20, 1e-9);
     EXPECT_NEAR(whole["time_s"].get<double>(),
                 seen(before + "G4 P0\n" + after)["time_s"].get<double>(), 1e-3);
     EXPECT_EQ(whole["ended"], true);
-    expect_both_refuse(before + end + "\nG1 X1 X2 F100\n", ":4", "the word occurs twice");
-    expect_both_refuse(before + end + "\nG1 X60 F100\n", ":4", "X 60.000 mm is outside");
+    expect_both_refuse(fmt::format("{}{}\nG1 X1 X2 F100\n", before, end), ":4", "the word occurs twice");
+    expect_both_refuse(fmt::format("{}{}\nG1 X60 F100\n", before, end), ":4", "X 60.000 mm is outside");
   }
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "tests/cli/program.hpp"
 
@@ -159,7 +160,7 @@ TEST(Heat, TunesNoLoopThatOscillatesOnTheBoard) {
   EXPECT_EQ(calm.status, 0) << calm.err;
   EXPECT_THAT(calm.out, HasSubstr("$1062=2000 $1063=1.235 $1064=65.354 $1067=200 $1061=1"));
   const auto refused = [&](std::vector<std::string> more, const char* what) {
-    const Finished done = tuned(more);
+    const Finished done = tuned(std::move(more));
     EXPECT_EQ(done.status, 2) << what;
     EXPECT_THAT(done.err, HasSubstr(what));
     EXPECT_EQ(done.out, "");

@@ -12,6 +12,7 @@
 #include "host/cutting/cut_plan.hpp"
 #include "host/cutting/post_file.hpp"
 #include "host/error.hpp"
+#include "tests/cutting/plans.hpp"
 #include "tests/cutting/shapes.hpp"
 #include "tests/scale.hpp"
 
@@ -22,22 +23,6 @@ using geometry::Random;
 using namespace lamplock::test;
 
 constexpr double tolerance_mm = 0.002;
-
-Operation operation(double kerf_mm, Compensation compensation) {
-  Operation one;
-  one.name = "cut";
-  one.feed_mm_min = 600;
-  one.kerf_mm = kerf_mm;
-  one.compensation = compensation;
-  return one;
-}
-
-CutPlan plan_of(const std::vector<Contour>& contours, const Operation& one) {
-  std::vector<Shape> shapes;
-  for (const Contour& contour : contours) shapes.push_back({contour, {}, 0});
-  place_shapes(shapes, {one});
-  return plan_cuts(shapes, {one}, {0, 0});
-}
 
 /// Lines with light, as the board's interpreter makes them of a program.
 std::vector<Edge> traced(const std::string& text) {

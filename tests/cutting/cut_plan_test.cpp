@@ -15,6 +15,7 @@
 #include "host/cutting/plan_picture.hpp"
 #include "host/cutting/post_file.hpp"
 #include "host/error.hpp"
+#include "tests/cutting/plans.hpp"
 #include "tests/cutting/shapes.hpp"
 #include "tests/scale.hpp"
 
@@ -25,23 +26,6 @@ using geometry::Random;
 using std::numbers::pi;
 using testing::HasSubstr;
 using namespace lamplock::test;
-
-Operation operation(double kerf_mm, Compensation compensation = Compensation::automatic) {
-  Operation one;
-  one.name = "cut";
-  one.power = 0.8;
-  one.feed_mm_min = 600;
-  one.kerf_mm = kerf_mm;
-  one.compensation = compensation;
-  return one;
-}
-
-CutPlan plan_of(const std::vector<Contour>& contours, const Operation& one) {
-  std::vector<Shape> shapes;
-  for (const Contour& contour : contours) shapes.push_back({contour, {}, 0});
-  place_shapes(shapes, {one});
-  return plan_cuts(shapes, {one}, {0, 0});
-}
 
 double length_with_light(const CutPlan& plan) {
   double length = 0;

@@ -9,6 +9,7 @@
 
 #include "host/cutting/cut_plan.hpp"
 #include "host/error.hpp"
+#include "tests/cutting/plans.hpp"
 #include "tests/cutting/shapes.hpp"
 #include "tests/scale.hpp"
 
@@ -17,21 +18,6 @@ namespace {
 
 using geometry::Random;
 using namespace lamplock::test;
-
-Operation operation(double kerf_mm) {
-  Operation one;
-  one.name = "cut";
-  one.feed_mm_min = 600;
-  one.kerf_mm = kerf_mm;
-  return one;
-}
-
-CutPlan plan_of(const std::vector<Contour>& contours, const Operation& one) {
-  std::vector<Shape> shapes;
-  for (const Contour& contour : contours) shapes.push_back({contour, {}, 0});
-  place_shapes(shapes, {one});
-  return plan_cuts(shapes, {one}, {0, 0});
-}
 
 Contour square(double low, double side) {
   return polygon({{low, low}, {low + side, low}, {low + side, low + side}, {low, low + side}});
@@ -179,16 +165,16 @@ TEST(neighbours, engravings_do_not_cross_wide_gaps_at_the_feed) {
   one.overscan_mm = 2;
   const auto measure = [&](double max_gap_mm) {
     one.max_gap_mm = max_gap_mm;
-    double lit = 0, longest_dark = 0;
+    double lit = 0, max_gap_travel_mm = 0;
     for (const PlannedCut& cut : plan_of(drawing, one).cuts)
       for (const Stroke& stroke : cut.strokes)
         for (const CutMove& move : stroke) {
           if (move.power > 0)
             lit += length_of(move.edge);
           else
-            longest_dark = std::max(longest_dark, length_of(move.edge));
+            max_gap_travel_mm = std::max(max_gap_travel_mm, length_of(move.edge));
         }
-    return std::pair(lit, longest_dark);
+    return std::pair(lit, max_gap_travel_mm);
   };
   const auto whole = measure(std::numeric_limits<double>::infinity()), divided = measure(40);
   EXPECT_NEAR(divided.first, whole.first, 1e-6);
