@@ -61,8 +61,8 @@ bool is_message(std::string_view comment) {
   return kind.size() < comment.size() && (kind == "msg" || kind == "debug" || kind == "print");
 }
 
-/// The messages of a line, in brackets, without bytes that a board would execute as real-time
-/// commands.
+/// The messages of a line, in brackets, as far as a board's line has room for them; without bytes
+/// that it would execute as real-time commands.
 std::string messages_of(std::string_view line) {
   std::string messages;
   if (trimmed(line).starts_with('$')) return messages;
@@ -77,8 +77,22 @@ std::string messages_of(std::string_view line) {
     messages += '(';
     for (const char c : comment)
       if (realtime_fault({&c, 1}).empty()) messages += c;
+    if (messages.size() > wire::max_line - 2) messages.resize(wire::max_line - 2);
     messages += ')';
   }
+}
+
+/// Takes lines of messages alone: their messages, for the line after them; or, if these show
+/// values, which the line after them could change, lines of their own.
+std::string take_comments(std::vector<ProgramLine>& comments, std::vector<ProgramLine>& lines) {
+  std::string joined;
+  for (const ProgramLine& comment : comments) joined += comment.messages;
+  if (joined.find('#') != std::string::npos) {
+    lines.insert(lines.end(), comments.begin(), comments.end());
+    joined.clear();
+  }
+  comments.clear();
+  return joined;
 }
 
 /// A line without its own N word at the beginning, unless nothing else is in it.
@@ -159,16 +173,20 @@ char open_comment(std::string_view line) {
 
 std::vector<ProgramLine> program_lines(std::string_view text, const std::string& file) {
   text = without_byte_order_mark(text);
-  std::vector<ProgramLine> lines;
-  std::string messages;
+  std::vector<ProgramLine> lines, comments;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view source = take_line(text);
     std::string line = line_to_send(source, fmt::format("{}:{}", file, number));
-    messages += messages_of(source);
-    if (line.find_first_not_of("% \t") == std::string::npos) continue;
-    lines.push_back({number, std::move(line), std::exchange(messages, {})});
+    std::string messages = messages_of(source);
+    if (line.find_first_not_of("% \t") == std::string::npos) {
+      if (!messages.empty()) comments.push_back({number, {}, std::move(messages)});
+      continue;
+    }
+    if (!line.starts_with('$')) messages.insert(0, take_comments(comments, lines));
+    lines.push_back({number, std::move(line), std::move(messages)});
   }
-  if (!lines.empty()) lines.back().messages += messages;
+  const std::string rest = take_comments(comments, lines);
+  if (!lines.empty()) lines.back().messages += rest;
   return lines;
 }
 

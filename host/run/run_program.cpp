@@ -1,5 +1,7 @@
 #include "host/run/run_program.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <exception>
@@ -15,6 +17,7 @@
 #include "host/link/line_sender.hpp"
 #include "host/link/not_ready.hpp"
 #include "host/program/board_state.hpp"
+#include "host/program/flow_unit.hpp"
 #include "host/run/before_firing.hpp"
 #include "host/run/board_files.hpp"
 #include "host/run/board_link.hpp"
@@ -131,6 +134,7 @@ ProgramOutcome send(const SentProgram& program, BoardLink& board, const BoardOpt
     }
   };
   ProgramOutcome outcome{program.text.file, program.text.lines.size(), program.planned_s};
+  outcome.has_flow = program_run::has_flow(program.text.source);
   try {
     while (sender.step()) supervise();
     supervisor.end();
@@ -175,9 +179,11 @@ std::string reach_text(const ProgramOutcome& outcome) {
         parts.name, number, place_text(result.status));
   }
   if (result.at_line != 0)
-    return fmt::format(
-        "line {0} of {1} was under way, at {2}; the same command with --from {0} begins with it",
-        result.at_line, outcome.file, place_text(result.status));
+    return fmt::format("line {0} of {1} was under way, at {2}", result.at_line, outcome.file,
+                       place_text(result.status)) +
+           (outcome.has_flow
+                ? std::string()
+                : fmt::format("; the same command with --from {} begins with it", result.at_line));
   return fmt::format("line {} of {} was the last one that it accepted, at {}", result.last_line,
                      outcome.file, place_text(result.status));
 }

@@ -113,8 +113,8 @@ TEST(CheckAndSend, RunLoopsAndSubroutines) {
 TEST(CheckAndSend, ShowMessagesWithValues) {
   const Folder folder;
   const std::string program =
-      "G21\n#1=2.25 #<_wide>=-3\nG0 X1\n(MSG, turn #1)\n(DEBUG, wide %.1f#1 #<_none>)\n"
-      "G0 X2 (print,%d#<_Wide>|%lf#1)\n(PRINT, last #1)\n";
+      "(PRINT,%d#5220)\n$X\nG21 G55\n#1=2.25 #<_wide>=-3\nG0 X1\n(MSG, turn #1)\n(DEBUG, wide %.1f#1 #<_none>)\n"
+      "G0 X2 (print,%d#<_Wide>|%lf#1)\n(PRINT, last #1)\n#1=7\n(PRINT,#1)\n";
   for (const std::string end : {"", "o1 if [1]\no1 endif\n"}) {
     const std::string file = folder.write("p.ngc", program + end);
     EXPECT_EQ(run({"check", file}).status, 0);
@@ -123,8 +123,8 @@ TEST(CheckAndSend, ShowMessagesWithValues) {
     std::vector<std::string> messages;
     for (const std::string& line : lines(sent.err))
       if (line.starts_with("machine: ")) messages.push_back(line.substr(9));
-    EXPECT_THAT(messages, testing::ElementsAre("turn #1", "wide 2.2 #<_none>", "-3|2.250000",
-                                               "last 2.250000"))
+    EXPECT_THAT(messages, testing::ElementsAre("1", "turn #1", "wide 2.2 #<_none>",
+                                               "-3|2.250000", "last 2.250000", "7.000000"))
         << end;
   }
 }

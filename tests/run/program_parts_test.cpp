@@ -18,12 +18,13 @@ class Listener : public SilentFrontend {
   std::string text_;
 };
 
-std::string notice_at(std::size_t line, const run::ProgramParts& parts) {
+std::string notice_at(std::size_t line, const run::ProgramParts& parts, bool has_flow = false) {
   run::ProgramOutcome outcome{"twelve.dxf", 60};
   outcome.result.end = link::LineEnd::stopped;
   outcome.result.last_line = 40;
   outcome.result.at_line = line;
   outcome.parts = parts;
+  outcome.has_flow = has_flow;
   Listener listener;
   EXPECT_EQ(run::judge_program(outcome, "virtual", listener), Exit::interrupted);
   return listener.shown();
@@ -42,7 +43,14 @@ TEST(ProgramParts, TheRemedyCountsThem) {
   for (const std::size_t line : {12u, 19u}) names(line, 5);
   for (const std::size_t line : {20u, 60u}) names(line, 6);
   EXPECT_THAT(notice_at(0, cuts), testing::HasSubstr("one of cut 6"));
-  EXPECT_THAT(notice_at(8, {}), testing::HasSubstr("line 8 of twelve.dxf was under way"));
+}
+
+TEST(ProgramParts, ALineIsNamedWithItsRemedyWhereItCanBegin) {
+  for (const bool has_flow : {false, true}) {
+    const std::string text = notice_at(8, {}, has_flow);
+    EXPECT_THAT(text, testing::HasSubstr("line 8 of twelve.dxf was under way"));
+    EXPECT_EQ(text.find("--from 8 begins with it") == std::string::npos, has_flow) << text;
+  }
 }
 
 }  // namespace
