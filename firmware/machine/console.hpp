@@ -75,7 +75,7 @@ class MachineConsole : public MachineWork {
   void list_settings();
   GcodeError keep_build_text(std::string_view text);
   GcodeError change_setting(std::string_view line);
-  [[gnu::cold]] bool mends_start(settings::Id id);
+  [[gnu::cold]] bool may_change_in_estop(settings::Id id);
   GcodeError refuse_for_board(const settings::Values& values);
   [[gnu::cold]] GcodeError refuse_number(std::uint16_t number, std::string_view reason);
   [[gnu::cold]] GcodeError refuse_for_drives(const settings::Values& values);

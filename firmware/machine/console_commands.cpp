@@ -142,7 +142,7 @@ GcodeError MachineConsole::change_setting(std::string_view line) {
   if (asked.id == Id::count && settings::needs_sensor(asked.number))
     return refuse_number(asked.number, lacks_sensor);
   if (asked.error != GcodeError::none) return asked.error;
-  if (!may_be_changed() && !mends_start(asked.id)) return GcodeError::not_idle;
+  if (!may_be_changed() && !may_change_in_estop(asked.id)) return GcodeError::not_idle;
   settings::Values values = stored_;
   values.set_milli(asked.id, asked.milli);
   if (const GcodeError error = refuse_for_board(values); error != GcodeError::none) return error;
@@ -152,10 +152,10 @@ GcodeError MachineConsole::change_setting(std::string_view line) {
   return GcodeError::none;
 }
 
-/// Settings that may have to be changed during the e-stop of a board that refuses to drive its
-/// pads: active low STEP and DIR, in force from the next start on; those of drives that a stored
-/// one keeps off.
-bool MachineConsole::mends_start(Id id) {
+/// Settings that can be changed in the e-stop: `$2` and `$3`, because a board with active low STEP
+/// or DIR keeps its outputs off until they are set; those of drives, if a stored one keeps the
+/// drives off.
+bool MachineConsole::may_change_in_estop(Id id) {
   if (machine_.state() != State::estop || !nothing_is_under_way()) return false;
   if (id == Id::step_invert || id == Id::direction_invert) return true;
 #if LAMPLOCK_DRIVE_SETTINGS
@@ -216,7 +216,7 @@ GcodeError MachineConsole::refuse_settings(const settings::Values& values, std::
   if (is_rate)
     text.add(" at most ").add_milli(excess.max_milli).add(" mm/min with $0 and $1077");
   else
-    text.add(" does not go with other settings");
+    text.add(" contradicts other settings");
   report_message(text.view());
   return is_rate ? GcodeError::step_rate_too_high : GcodeError::setting_out_of_range;
 }

@@ -48,8 +48,8 @@ struct IoRequest {
 
 struct Action {
   ActionKind kind = ActionKind::move;
-  /// A rapid: at the machine's highest speed, laser off. For a dwell or a change of the spindle:
-  /// the motion mode is not a feed, so the machine permits no light at rest ($936) either.
+  /// A rapid: at the machine's maximum speed, laser off. For a dwell or a change of the spindle:
+  /// true if no light at rest ($936) is permitted.
   bool rapid = false;
   /// The feed rate is the time for this move, not a speed (G93).
   bool timed = false;

@@ -40,9 +40,8 @@ void add_console(Command& program) {
       "Lines from a file or a pipe are sent one at a time, each after the answer to the previous\n"
       "line. The first error or alarm ends the input, and the command fails; before it ends, the\n"
       "console waits until the machine is at rest. The command also fails if the\n"
-      "machine is held then and no line asked for that. A simulated board starts with the "
-      "settings\n"
-      "of --machine.\n"
+      "machine is held at the end and no line asked for that. A simulated board starts with the\n"
+      "settings of --machine.\n"
       "Example:\n"
       "  lamplock console --board /dev/ttyACM0\n"
       "  echo '$$' | lamplock console --board virtual");

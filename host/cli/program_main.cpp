@@ -32,6 +32,8 @@ int program_main(Command& program, int argc, char** argv) {
   end_at_signals();
   // A connection that breaks is an error of write(), not the end of the program.
   std::signal(SIGPIPE, SIG_IGN);
+  // Programs of the user are waited for, also if our parent ignores its own.
+  std::signal(SIGCHLD, SIG_DFL);
   // So is a file that reaches the size limit of the shell.
   std::signal(SIGXFSZ, SIG_IGN);
   try {

@@ -68,8 +68,8 @@ WasteSide waste_of(const Shape& shape, const Contour& contour, double distance_m
   return is_right ? WasteSide::right : WasteSide::left;
 }
 
-/// True if the shape is cut in one direction alone: that which its operation names, or to whose
-/// side the beam is moved.
+/// True if the operation fixes the direction of the cut: by its direction, or by a beam to the left
+/// or right of it.
 bool has_direction(const Operation& operation) {
   return operation.direction == Direction::drawn || operation.direction == Direction::reversed ||
          operation.compensation == Compensation::left ||

@@ -1,4 +1,4 @@
-// The drawn contours of a sheet, as edges of what remains of it: into which of them a beam cuts.
+// Finds the drawn contours that a beam cuts into; they are edges of what remains of a sheet.
 //
 // In:  closed contours as they are drawn, with their numbers; the path of a beam. Out: the contours
 //      that are nearer to it than half its width.
@@ -43,7 +43,7 @@ class DrawnContours {
 /// The other contours near one of a sheet; by default none.
 struct Neighbours {
   const DrawnContours* drawn = nullptr;
-  std::size_t own = 0;  ///< number of the one
+  std::size_t own = 0;  ///< number of the contour that is cut
 
   bool are_cut_by(const Edge& edge, double reach_mm) const {
     return drawn != nullptr && drawn->are_cut_by(edge, own, reach_mm);

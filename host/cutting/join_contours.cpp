@@ -398,7 +398,8 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
       open_paths.push_back(i);
     }
   }
-  // Curves that are to be joined lack nothing for a curve on another layer.
+  // Open curves are compared on their own layer only: an equal curve of another layer may be needed
+  // to close a contour there.
   const std::vector<std::size_t> by_layer;
   DuplicateFilter curve_filter(options.tolerance_mm, by_layer, result.faults);
   const std::vector<std::size_t> kept = curve_filter.keep(open);

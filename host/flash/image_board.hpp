@@ -10,7 +10,7 @@
 
 namespace lamplock::flash {
 
-/// Empty for images that are not of lamplock or do not say it.
+/// Empty for images of other programs and for images without the name of their board.
 std::string board_of_image(const FlashImage& image);
 
 }  // namespace lamplock::flash

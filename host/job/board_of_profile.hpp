@@ -1,7 +1,7 @@
 // The board that a profile is for: refuses settings that this board does not have.
 //
 // In:  a profile that states its pin map ($990).
-// Out: an error with the setting, the board and the remedy. Who: all that read profiles.
+// Out: an error with the setting, the board and the remedy. Who: MachineOptions::profile().
 #pragma once
 
 #include <string>

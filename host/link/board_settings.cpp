@@ -75,9 +75,10 @@ std::vector<std::pair<Change, int>> send_changes(LinePort& port, std::vector<Cha
   }
 }
 
-/// Why the board may have refused these changes, and what to do.
+/// Why the board may have refused one of these changes, and what to do.
 std::pair<std::string, std::string> refusal_words(LinePort& port, const BoardSettings& before,
-                                                  const std::vector<Change>& changes, int error) {
+                                                  const std::vector<Change>& changes,
+                                                  const Change& refused, int error) {
   if (error == static_cast<int>(GcodeError::not_idle)) {
     const BoardStatus status = greet(port).status;
     const std::string& board = port.transport().board();
@@ -90,11 +91,8 @@ std::pair<std::string, std::string> refusal_words(LinePort& port, const BoardSet
     if (line.error == GcodeError::none) values.set_milli(line.id, line.milli);
   }
   // Its range has been checked: the board, or its pin map, lacks the input.
-  const auto asks_for_loop = [](const Change& change) {
-    return change.number == settings::row(settings::Id::loop).number && change.text != "0";
-  };
   if (error == static_cast<int>(GcodeError::setting_out_of_range) &&
-      std::ranges::any_of(changes, asks_for_loop))
+      refused.number == settings::row(settings::Id::loop).number && refused.text != "0")
     return {"the board has no SENSOR with this pin map",
             "leave it out, or choose a board that has the input: docs/thermal.md"};
   const auto excess = job::rate_excess_words(values);
@@ -219,7 +217,7 @@ BoardSettings change_settings(LinePort& port, const BoardSettings& before,
       back.push_back({change->number, before.texts.at(change->number)});
     const bool restored = send_changes(port, back, ignored).empty();
     const auto& [change, error] = refused.front();
-    const auto [reason, remedy] = refusal_words(port, before, changes, error);
+    const auto [reason, remedy] = refusal_words(port, before, changes, change, error);
     throw Error(Exit::job_failed, setting_name(change.number),
                 fmt::format("the board refuses {}: {}; {}", change.text, reason,
                             restored ? "nothing was changed" : "some settings were changed"),

@@ -185,7 +185,7 @@ void LineConsole::take(const std::string& line) {
     }
     if (status->waits()) send_word_behind_pause();
     at_rest_ = rest_asked_at_ && done() && status->is_at_rest();
-    if (at_rest_ && status->waits() && !status->is("Tool") && !may_wait_) fail_held(*status);
+    if (at_rest_ && status->waits() && !status->is("Tool") && !hold_is_expected_) fail_held(*status);
     return;
   }
   if (const auto error = parse_answer(line)) {
@@ -206,7 +206,7 @@ void LineConsole::fail(const std::string& text, const char* remedy) {
 
 /// A fault, a door or a button: the script itself asked for no hold.
 void LineConsole::fail_held(const BoardStatus& status) {
-  fail(fmt::format("the machine waits in the state {}: not every line is executed", status.state),
+  fail(fmt::format("the machine is held ({}), so the last lines are not executed", status.state),
        "send ~ to resume, or :reset to discard the rest");
 }
 
@@ -216,7 +216,7 @@ void LineConsole::send_next() {
   queue_.pop_front();
   sent_at_ = heard_at_ = asked_at_ = port_.transport().now();
   if (const auto byte = realtime_word(current_.text)) return send_byte(*byte);
-  if (!current_.text.starts_with('$')) may_wait_ = is_pause(current_.text);
+  if (!current_.text.starts_with('$')) hold_is_expected_ = is_pause(current_.text);
   port_.send_line(current_.text);
   waiting_ = Waiting::answer;
 }
@@ -234,8 +234,8 @@ void LineConsole::send_word_behind_pause() {
 void LineConsole::send_byte(std::uint8_t byte, const std::string& discarded) {
   port_.send_realtime(byte);
   sent_at_ = heard_at_ = port_.transport().now();
-  if (byte == realtime::hold) may_wait_ = true;
-  if (byte == realtime::resume || byte == realtime::reset) may_wait_ = false;
+  if (byte == realtime::hold) hold_is_expected_ = true;
+  if (byte == realtime::resume || byte == realtime::reset) hold_is_expected_ = false;
   if (byte == realtime::status) {
     ++reports_asked_;
     if (in_order_ && waiting_ == Waiting::nothing) waiting_ = Waiting::status;

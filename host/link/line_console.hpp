@@ -91,8 +91,9 @@ class LineConsole {
   Typed current_{0, ""};
   std::size_t typed_ = 0;
   Waiting waiting_ = Waiting::nothing;
-  /// In order: no program line was sent since a resume or a reset, or a hold or a pause was.
-  bool may_wait_ = true;
+  /// In order: the machine may be held at the end. True at the start, after a hold and after a
+  /// pause; false after any other line of a program, a resume or a reset.
+  bool hold_is_expected_ = true;
   bool held_ = false;      ///< interactive: the queue waits for a resume or a reset
   int reports_asked_ = 0;  ///< by the user; other reports are not shown
   Time sent_at_{}, heard_at_{}, asked_at_{};

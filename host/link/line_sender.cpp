@@ -81,7 +81,9 @@ void LineSender::begin() {
 
 /// Numbers of the file, unless lines are repeated: the board could not say which run it executes.
 void LineSender::number_lines() {
-  has_index_numbers_ = !std::ranges::is_sorted(lines_, {}, &ProgramLine::number);
+  is_numbered_ = true;
+  has_index_numbers_ = std::ranges::adjacent_find(lines_, std::ranges::greater_equal{},
+                                                  &ProgramLine::number) != lines_.end();
   if (!has_index_numbers_) {
     lines_ = with_numbers(std::move(lines_));
     return;
@@ -128,9 +130,10 @@ void LineSender::take_status(BoardStatus status) {
   status_of_ = asked_;
   status_open_ = false;
   // With the numbers of this program: lines before the first answer are those of another one.
-  if (status_.line != 0 && answered_ != 0) {
-    at_ = index_of(status_.line);
-    at_line_ = has_index_numbers_ && at_ < lines_.size() ? lines_[at_].number : status_.line;
+  const std::size_t at = index_of(status_.line);
+  if (at < lines_.size() && answered_ != 0) {
+    at_ = at;
+    at_line_ = lines_[at].number;
     done_ = std::max(done_, std::min(at_, answered_));
   }
   idle_reports_ = fresh() && status_.rests() ? idle_reports_ + 1 : 0;
@@ -156,8 +159,10 @@ void LineSender::take_answer(int error) {
   if (runs_at_rest(lines_[answered_ - 1].text)) done_ = answered_;
 }
 
-/// Of a line with an N word that the board reports.
+/// Of the line with an N word that the board reports. The number of lines if it is none of this
+/// program, or if the N words are those of the file.
 std::size_t LineSender::index_of(std::size_t number) const {
+  if (!is_numbered_ || number == 0) return lines_.size();
   if (has_index_numbers_) return number - 1;
   const auto at = std::ranges::lower_bound(lines_, number, {}, &ProgramLine::number);
   return static_cast<std::size_t>(at - lines_.begin());
@@ -224,16 +229,23 @@ void LineSender::run_host_line() {
   } catch (...) {
     return begin_stop(LineEnd::stopped, std::current_exception());
   }
+  host_time_ = host_time();
   host_line_runs_ = false;
-  host_time_ += port_.transport().now() - host_since_;
   ++sent_;
   done_ = ++answered_;
   asked_before_ = asked_;
   idle_reports_ = 0;
 }
 
+LineSender::Time LineSender::host_time() const {
+  return host_time_ + (host_line_runs_ ? port_.transport().now() - host_since_ : Time{0});
+}
+
 void LineSender::stop_host_line() {
-  if (std::exchange(host_line_runs_, false)) options_.host_lines->stop();
+  if (!host_line_runs_) return;
+  host_time_ = host_time();
+  host_line_runs_ = false;
+  options_.host_lines->stop();
 }
 
 void LineSender::check_connection() {

@@ -129,7 +129,7 @@ class LineSender {
   /// A line of the host runs.
   bool runs_host_line() const { return host_line_runs_; }
   /// Time of the lines of the host so far.
-  std::chrono::microseconds host_time() const { return host_time_; }
+  std::chrono::microseconds host_time() const;
   /// The board waits, or will wait next, because of M0 or M1.
   bool at_pause() const;
 
@@ -199,7 +199,8 @@ class LineSender {
   std::size_t at_line_ = 0;          ///< last line that a status named; 0 = none
   std::size_t at_ = 0;               ///< its index
   std::size_t done_ = 0;             ///< lines
-  bool has_index_numbers_ = false;   ///< N words are indices in lines_, from 1
+  bool is_numbered_ = false;         ///< N words are those of number_lines()
+  bool has_index_numbers_ = false;   ///< they are indices in lines_, from 1
   std::vector<LineError> errors_;
   bool users_line_open_ = false;  ///< not answered yet
 

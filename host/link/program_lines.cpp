@@ -110,7 +110,7 @@ std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines) {
     const std::string_view words = without_number(line.text);
     if (!words.empty() && first_letters.find(words.front()) != std::string_view::npos) {
       std::string numbered = fmt::format("N{}{}", line.number, words);
-      if (numbered.size() < wire::max_line) line.text = std::move(numbered);
+      line.text = numbered.size() < wire::max_line ? std::move(numbered) : std::string(words);
     }
     if (!line.text.starts_with('$') && line.text.size() + line.messages.size() < wire::max_line)
       line.text += line.messages;
@@ -217,7 +217,7 @@ bool is_pause(std::string_view line) {
 bool runs_at_rest(std::string_view line) {
   constexpr double dwell = 4, first_probe = 38.2, last_probe = 38.5;
   constexpr std::array waiting_codes{0.0, 1.0, 2.0, 6.0, 30.0, 60.0, 66.0};
-  bool at_rest = line.starts_with('$');
+  bool at_rest = line.starts_with("$H") || line.starts_with("$h");
   each_word(line, 'G', [&](double number) {
     at_rest = at_rest || number == dwell || (number >= first_probe && number <= last_probe);
   });

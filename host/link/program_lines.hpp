@@ -24,7 +24,8 @@ struct ProgramLine {
 
 /// The lines with their numbers in the file as N words, in place of their own, so that a board
 /// reports the line that it executes. Lines that begin otherwise than with a word of a block (`$`,
-/// `%`, `/`, `:`), or get longer than a board takes (shared/wire/framing.hpp), stay as they are.
+/// `%`, `/`, `:`) stay as they are; lines that would be longer than a board accepts
+/// (shared/wire/framing.hpp) have no number.
 /// Messages follow their line if there is room.
 std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines);
 
@@ -59,7 +60,7 @@ std::vector<ProgramLine> program_lines(std::string_view text, const std::string&
 bool is_pause(std::string_view line);
 
 /// True if the board answers the line after it has executed it and all lines before: a dwell, a
-/// pause, a probe, the end of the program, a tool change, M66, `$` lines.
+/// pause, a probe, the end of the program, a tool change, M66, `$H`.
 bool runs_at_rest(std::string_view line);
 
 /// Sum of the P words of a line, at least 0: its longest possible dwell time in seconds; an hour

@@ -1,11 +1,11 @@
 #include "host/program/block_outputs.hpp"
 
-#include "host/program/program_ports.hpp"
+#include "host/program/interpreter_options.hpp"
 
 namespace lamplock::program_run {
 
 BlockOutputs::BlockOutputs(const settings::Values& values, const BoardState* state)
-    : options_(machine::program_options(values, true, ports_of(values))) {
+    : options_(program_options(values)) {
   if (state != nullptr) begin_with(*state, interpreter_, parameters_);
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 
+#include "host/program/interpreter_options.hpp"
 #include "shared/gcode_words.hpp"
 
 namespace lamplock::program_run {
@@ -31,7 +32,7 @@ program::Fault fault_at(GcodeError error, std::size_t index) {
 }  // namespace
 
 FlowValues::FlowValues(const settings::Values& values, const BoardState* state)
-    : options_(machine::program_options(values, true, {})) {
+    : options_(program_options(values)) {
   if (state != nullptr) begin_with(*state, interpreter_, parameters_);
   state_ = &interpreter_.state();
 }

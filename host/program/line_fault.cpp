@@ -121,7 +121,7 @@ LineFault no_letter(std::string_view rest) {
 LineFault unknown_name(std::string_view rest, const std::string& text) {
   const std::string_view name = rest.substr(0, std::min(rest.find('>'), rest.size() - 1) + 1);
   if (has_process_values(name))
-    return {fmt::format("{}: a process parameter, which the machine does not know", quoted(name)),
+    return {fmt::format("{} is a process parameter, which the machine does not know", quoted(name)),
             "lamplock check and lamplock send insert its value: --material NAME"};
   return {fmt::format("{}: {}", quoted(name), text),
           fmt::format("write '{} = 0' with its value before this line", printable(name))};

@@ -7,13 +7,13 @@
 #include <cctype>
 #include <vector>
 
-#include "firmware/machine/activities/program_reader.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "firmware/program/message.hpp"
 #include "host/error.hpp"
 #include "host/link/program_lines.hpp"
 #include "host/printable.hpp"
 #include "host/program/flow_unit.hpp"
+#include "host/program/interpreter_options.hpp"
 #include "host/program/program_words.hpp"
 #include "host/suggestion.hpp"
 #include "host/text.hpp"
@@ -42,6 +42,7 @@ struct Reference {
   std::size_t hash = 0;            ///< place of its #
   std::string name{};              ///< in lower case, without blanks
   bool exists = false, is_assigned = false, in_message = false;
+  std::size_t comment = 0;  ///< begin of its message
 };
 
 std::string lower_without_blanks(std::string_view text) {
@@ -100,7 +101,7 @@ bool shows_values(std::string_view comment) {
   return begin == "debug," || begin == "print,";
 }
 
-/// Of a message: between these indices of the line.
+/// Adds the references of the message between these indices.
 void add_of_message(std::string_view line, std::size_t begin, std::size_t end,
                     std::vector<Reference>& found) {
   if (!shows_values(line.substr(begin + 1, end - begin - 1))) return;
@@ -108,6 +109,7 @@ void add_of_message(std::string_view line, std::size_t begin, std::size_t end,
     auto one = reference_at(line, i);
     if (!one || one->end > end) continue;
     one->in_message = true;
+    one->comment = begin;
     one->is_assigned = false;
     found.push_back(*one);
   }
@@ -207,12 +209,11 @@ std::string message_text(std::string_view comment_before, const std::string& num
   return after.substr(std::min(before.size(), after.size()));
 }
 
-/// What takes the place of a reference. A number beside a digit would be one with it.
+/// The text that replaces a reference; brackets separate it from a digit beside it.
 std::string text_for(std::string_view line, const Reference& reference, const std::string& number) {
-  if (reference.in_message) {
-    const std::size_t begin = line.rfind('(', reference.begin);
-    return message_text(line.substr(begin, reference.begin - begin), number);
-  }
+  if (reference.in_message)
+    return message_text(line.substr(reference.comment, reference.begin - reference.comment),
+                        number);
   const auto joins = [](char c) { return (c >= '0' && c <= '9') || c == '.'; };
   const bool is_apart =
       !joins(char_before(line, reference.begin)) && !joins(char_from(line, reference.end));
@@ -288,7 +289,7 @@ std::string with_process_values(std::string_view program, const std::string& fil
                                 const ProcessValues* values, const settings::Values& settings,
                                 const std::optional<BoardState>& state) {
   program::Parameters parameters;
-  const program::Options options = machine::program_options(settings, true, {});
+  const program::Options options = program_options(settings);
   program::Interpreter interpreter(parameters, options);
   if (state) begin_with(*state, interpreter, parameters);
   const double max_speed_s = in_units(settings, settings::Id::max_spindle_speed);

@@ -22,7 +22,7 @@ namespace lamplock::program_run {
 
 /// A setting of the material library; `host/run/process_choice.hpp` finds it.
 struct ProcessValues {
-  std::string title{};  ///< "plywood, 3 mm, laser diode-3w", for messages
+  std::string title{};  ///< "plywood, 3 mm, cut, laser diode-3w", for messages
   std::string edit{};   ///< command that adds a field to the setting: "lamplock material edit ..."
   double feed_mm_min = 0;
   double power_w = 0;

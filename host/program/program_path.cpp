@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "firmware/machine/activities/program_reader.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "host/error.hpp"
 #include "host/program/board_lines.hpp"
+#include "host/program/interpreter_options.hpp"
 #include "host/program/line_fault.hpp"
 #include "host/text.hpp"
 
@@ -176,7 +176,7 @@ class PathReader {
 std::vector<PathStep> program_path(std::string_view text, const settings::Values& values,
                                    const std::string& file) {
   program::Parameters parameters;
-  const program::Options options = machine::program_options(values, true, {});
+  const program::Options options = program_options(values);
   program::Interpreter interpreter(parameters, options);
   PathReader reader(file, values.whole(settings::Id::laser_mode) != 0);
   text = without_byte_order_mark(text);

@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "firmware/machine/activities/program_reader.hpp"
 #include "firmware/machine/runners/program_motion.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "host/link/program_lines.hpp"
 #include "host/program/board_lines.hpp"
+#include "host/program/interpreter_options.hpp"
 #include "host/program/line_fault.hpp"
 #include "host/program/line_run.hpp"
-#include "host/program/program_ports.hpp"
 #include "host/text.hpp"
 #include "shared/line_comments.hpp"
 #include "shared/units.hpp"
@@ -294,7 +293,7 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
                      std::size_t max_problems, const OnBoard* board) {
   const std::string_view whole = text;
   program::Parameters parameters;
-  const program::Options options = machine::program_options(values, true, ports_of(values));
+  const program::Options options = program_options(values);
   program::Interpreter interpreter(parameters, options);
   Machine machine(values);
   const BoardState* state = board != nullptr && board->state ? &*board->state : nullptr;

@@ -6,10 +6,10 @@
 #include <array>
 #include <cstdlib>
 
-#include "firmware/machine/activities/program_reader.hpp"
 #include "firmware/program/interpreter.hpp"
 #include "host/error.hpp"
 #include "host/link/board_text.hpp"
+#include "host/program/interpreter_options.hpp"
 #include "host/program/program_words.hpp"
 #include "shared/units.hpp"
 
@@ -35,7 +35,7 @@ class Skipped {
   Skipped(const settings::Values& values, const std::string& file,
           const std::optional<BoardState>& state)
       : file_(file),
-        options_(machine::program_options(values, true, {})),
+        options_(program_options(values)),
         interpreter_(parameters_, options_) {
     if (state) begin_with(in_work_coordinates(*state), interpreter_, parameters_);
   }

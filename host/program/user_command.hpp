@@ -30,7 +30,7 @@ std::optional<UserCommand> user_command_of(std::string_view line, const std::str
 /// user command.
 std::string without_user_commands(std::string_view program);
 
-/// That pause.
+/// The line that replaces a user command.
 inline constexpr std::string_view stand_in = "M60";
 
 }  // namespace lamplock::program_run

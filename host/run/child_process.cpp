@@ -85,7 +85,8 @@ ChildProcess::~ChildProcess() {
   ::kill(-process, SIGTERM);
   if (wait(patience_at_end)) return;
   ::kill(-process, SIGKILL);
-  ::waitpid(process, nullptr, 0);
+  while (::waitpid(process, nullptr, 0) < 0 && errno == EINTR) {
+  }
 }
 
 std::optional<std::string> ChildProcess::wait(milliseconds patience) {
@@ -97,6 +98,10 @@ std::optional<std::string> ChildProcess::wait(milliseconds patience) {
     if (ended == process_) {
       process_ = -1;
       return end_text(status);
+    }
+    if (ended < 0 && errno != EINTR) {
+      process_ = -1;
+      return "has an unknown end";
     }
     if (std::chrono::steady_clock::now() >= until) return std::nullopt;
     std::this_thread::sleep_for(wait_step);

@@ -71,12 +71,18 @@ void EventStream::poll() {
 }
 
 void EventStream::finish(std::chrono::milliseconds patience) {
+  using Clock = std::chrono::steady_clock;
+  const auto until = Clock::now() + patience;
+  const auto left = [until] {
+    const auto time = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+    return std::max(time, std::chrono::milliseconds{0});
+  };
   poll();
-  while (!waiting_.empty() && is_writable(patience)) poll();
+  while (!waiting_.empty() && is_writable(left())) poll();
   if (!waiting_.empty()) lose("its reader does not read");
 }
 
-/// An error counts: the write that follows names it.
+/// Also true after an error, which the next write() reports.
 bool EventStream::is_writable(std::chrono::milliseconds patience) {
   pollfd watched{descriptor_, POLLOUT, 0};
   return ::poll(&watched, 1, static_cast<int>(patience.count())) > 0;

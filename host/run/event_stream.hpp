@@ -1,7 +1,8 @@
 // Lines for another program, written while a machine works: a file, a named pipe or stdout.
 //
-// In:  lines. Out: the same lines in the same order; a loss, once. Never waits for the reader, and
-//      never throws once it is open: a machine must not stop because a log cannot be written.
+// In:  lines. Out: the same lines in the same order; a loss, once. Never waits for the reader,
+//      except for a terminal that its user has stopped, and never throws once it is open: a machine
+//      must not stop because a log cannot be written.
 // Who: `send --events`.
 #pragma once
 

@@ -18,7 +18,7 @@ struct FlashOptions {
 
 struct Flashed {
   std::string file;   ///< the image
-  std::string board;  ///< that it is for; empty: it does not say so
+  std::string board;  ///< board of the image; empty: unknown
   flash::UpdateReport report;
 };
 

@@ -13,7 +13,7 @@ namespace lamplock::run {
 struct FlashFile {
   std::string file;
   flash::FlashImage image;
-  std::string board;  ///< that the image is for; empty: it does not say so
+  std::string board;  ///< board of the image; empty: unknown
 };
 
 /// Without a name: the image of that board that came with the program. Throws Error(bad_input).

@@ -40,7 +40,7 @@ void write_heat_files(const HeatOptions& options, const std::function<std::strin
   }
 }
 
-double refinement_shown(const thermal::StraightSetup& setup, double speed_mm_s, double power_w,
+double check_refinement(const thermal::StraightSetup& setup, double speed_mm_s, double power_w,
                         Frontend& frontend) {
   const thermal::StraightResult rough = thermal::straight_run(setup, speed_mm_s, power_w);
   const auto progress = frontend.progress("check of the mesh", 2 * rough.steps, 0);

@@ -22,7 +22,7 @@ void say_refinement(double change, double max_change, const std::string& remedy,
                     Frontend& frontend);
 
 /// Change of the rise of a straight track with half the mesh and half the step, over the rise.
-double refinement_shown(const thermal::StraightSetup& setup, double speed_mm_s, double power_w,
+double check_refinement(const thermal::StraightSetup& setup, double speed_mm_s, double power_w,
                         Frontend& frontend);
 
 /// Of a column, and of a body, whose mesh is coarser.

@@ -120,7 +120,7 @@ std::vector<std::string> board_lines(const thermal::LoopSettings& loop,
   return lines;
 }
 
-/// To milliseconds, so that the printed time is calm too.
+/// Rounds up to milliseconds, so that the loop does not oscillate with the printed time either.
 double rounded_up(double seconds) {
   constexpr double per_s = 1000;
   return std::ceil(seconds * per_s) / per_s;
@@ -164,7 +164,7 @@ HeldHeat held_heat(const HeatOptions& options, Frontend& frontend) {
     const thermal::HeldPair& slowest =
         *std::min_element(out.pairs.begin(), out.pairs.end(),
                           [](const auto& a, const auto& b) { return a.speed_mm_s < b.speed_mm_s; });
-    out.refinement = refinement_shown(setup, slowest.speed_mm_s, slowest.power_w, frontend);
+    out.refinement = check_refinement(setup, slowest.speed_mm_s, slowest.power_w, frontend);
     say_refinement(*out.refinement, max_body_change, "the powers are rough", frontend);
   }
   const auto picture = [&] {

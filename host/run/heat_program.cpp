@@ -200,9 +200,10 @@ void check_mesh(ProgramHeat& out, const thermal::PathSetup& setup, Frontend& fro
   for (const thermal::LineHeat& line : out.lines)
     if (line.speed_mm_s > 0 && (hottest == nullptr || line.hottest.max_k > hottest->hottest.max_k))
       hottest = &line;
-  if (hottest == nullptr) return;
+  if (hottest == nullptr)
+    return frontend.say("refined   no line moves with light: the mesh was not checked");
   out.refinement =
-      refinement_shown({setup.body, setup.surface, setup.beam, setup.meshing, setup.thickness_mm},
+      check_refinement({setup.body, setup.surface, setup.beam, setup.meshing, setup.thickness_mm},
                        hottest->speed_mm_s, hottest->power_w, frontend);
   say_refinement(*out.refinement, max_body_change, "temperatures are rough", frontend);
 }

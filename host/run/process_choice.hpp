@@ -21,7 +21,7 @@ struct ProcessChoice {
 /// choice without a material.
 std::optional<program_run::ProcessValues> process_values(const ProcessChoice& choice);
 
-/// What the setting has: "plywood, 3 mm, laser diode-3w: 180 mm/min, 3 W, 2 passes".
+/// What the setting has: "plywood, 3 mm, cut, laser diode-3w: 180 mm/min, 3 W, 2 passes".
 std::string text_of(const program_run::ProcessValues& values);
 
 }  // namespace lamplock::run

@@ -31,10 +31,15 @@ std::string why_it_waits(const link::LineSender& sender) {
 
 }  // namespace
 
+/// Time of the program without the lines of the host.
+std::chrono::microseconds ProgramControl::machine_time() const {
+  return sender_.elapsed() - sender_.host_time();
+}
+
 /// Time of the machine without waits [s].
 double ProgramControl::run_s() const {
-  auto run = sender_.elapsed() - waited_ - sender_.host_time();
-  if (asking_) run -= sender_.elapsed() - waiting_since_;
+  auto run = machine_time() - waited_;
+  if (asking_) run -= machine_time() - waiting_since_;
   return std::chrono::duration<double>(run).count();
 }
 
@@ -85,10 +90,10 @@ void ProgramControl::watch_machine() {
   if (waits == asking_) return;
   asking_ = waits;
   if (waits) {
-    waiting_since_ = sender_.elapsed();
+    waiting_since_ = machine_time();
     ask_user(why_it_waits(sender_), "Enter resumes, Ctrl-C stops");
   } else {  // a button at the machine has resumed
-    waited_ += sender_.elapsed() - waiting_since_;
+    waited_ += machine_time() - waiting_since_;
     blocked_ = holding_ = !obstacle_.empty();
   }
 }
@@ -122,7 +127,7 @@ void ProgramControl::take_word(const std::string& word) {
   const std::string_view keys = "!+-=";
   if (sender_.status().is("Tool") && keys.find(word.front()) == std::string_view::npos) {
     if (!sender_.send_users_line(word)) return note("not sent: the board has not answered yet");
-    if (asking_) waited_ += sender_.elapsed() - waiting_since_;
+    if (asking_) waited_ += machine_time() - waiting_since_;
     asking_ = false;
     return;
   }
@@ -150,7 +155,7 @@ void ProgramControl::feed(std::uint8_t byte, int percent) {
 }
 
 void ProgramControl::resume_machine() {
-  if (asking_) waited_ += sender_.elapsed() - waiting_since_;
+  if (asking_) waited_ += machine_time() - waiting_since_;
   blocked_ = asking_ = is_holding_ = false;
   sender_.resume();
 }

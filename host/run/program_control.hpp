@@ -48,6 +48,7 @@ class ProgramControl : public JobControl {
   void take_end_of_input() override;
 
   void feed(std::uint8_t byte, int percent);
+  std::chrono::microseconds machine_time() const;
   double run_s() const;
 
   link::LineSender& sender_;
@@ -56,8 +57,8 @@ class ProgramControl : public JobControl {
   bool blocked_ = false;  ///< an obstacle held the machine, and the user has not resumed since
   bool lacks_user_ = false;
   bool is_holding_ = false;                                ///< by a key, until the user resumes
-  std::chrono::microseconds door_sent_at_{};               ///< by the sender's clock
-  std::chrono::microseconds waiting_since_{}, waited_{0};  ///< by the sender's clock
+  std::chrono::microseconds door_sent_at_{};               ///< of machine_time()
+  std::chrono::microseconds waiting_since_{}, waited_{0};  ///< of machine_time()
 };
 
 }  // namespace lamplock::run

@@ -58,7 +58,7 @@ std::string setting_words(Id id, const settings::Values& job, const settings::Va
   const std::string asked = fmt::format("{} = {}{}", settings::row(id).name, value_words(id, job),
                                         job::unit_suffix(settings::row(id)));
   if (job.milli(id) == board.milli(id))
-    return fmt::format("{} of the job does not go with the other settings of the board", asked);
+    return fmt::format("{} of the job contradicts the other settings of the board", asked);
   const std::string own = value_words(id, board);
   const bool oversteps = settings::oversteps(id, job.milli(id), board.milli(id));
   switch (settings::row(id).rule) {

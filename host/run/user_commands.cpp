@@ -36,7 +36,7 @@ void check_executable(const program_run::UserCommand& command, const std::string
 }  // namespace
 
 CommandLines user_commands_of(const std::vector<link::ProgramLine>& lines, const std::string& file,
-                              const std::string& folder, bool has_values) {
+                              const std::string& folder, bool skips_expressions) {
   CommandLines commands;
   if (folder.empty()) return commands;
   std::error_code ignored;
@@ -45,7 +45,7 @@ CommandLines user_commands_of(const std::vector<link::ProgramLine>& lines, const
                 "give the folder that has M100 to M199");
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const std::string where = fmt::format("{}:{}", file, lines[i].number);
-    if (has_values && lines[i].text.find_first_of("#[") != std::string::npos) continue;
+    if (skips_expressions && lines[i].text.find_first_of("#[") != std::string::npos) continue;
     const auto command = program_run::user_command_of(lines[i].text, where);
     if (!command) continue;
     check_executable(*command, folder, where);

@@ -24,9 +24,9 @@ using CommandLines = std::map<std::size_t, program_run::UserCommand>;
 
 /// Without a folder there are none. Throws Error(bad_input) at FILE:LINE for a command that the
 /// folder does not have or that is not executable, and for a folder that does not exist.
-/// `has_values`: of lines whose values are not known yet only the command is checked.
+/// `skips_expressions`: lines with values that are not known yet are left out.
 CommandLines user_commands_of(const std::vector<link::ProgramLine>& lines, const std::string& file,
-                              const std::string& folder, bool has_values);
+                              const std::string& folder, bool skips_expressions);
 
 /// Runs the commands of a program.
 class UserCommands : public link::HostLines {

@@ -5,7 +5,7 @@
 
 namespace lamplock::serve {
 
-/// Of the document, whose texts and style are put in by page_document().
+/// Target of the document; page_document() inserts its texts and its style.
 inline constexpr const char* page_target = "/";
 
 /// A file as clients get it.

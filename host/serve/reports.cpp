@@ -12,7 +12,7 @@ namespace lamplock::serve {
 namespace {
 
 constexpr std::string_view ending = ".html";
-/// As long as a begin; its colons are no letters of file names everywhere.
+/// Length of a begin. Its colons become hyphens, because some file systems forbid colons in names.
 constexpr std::size_t begin_length = std::string_view("2026-11-29T10-00-00Z").size();
 constexpr std::size_t token_length = 32;
 

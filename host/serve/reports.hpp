@@ -1,7 +1,7 @@
 // The reports of the jobs of points that the server has run: files of its folder, the last 20.
 //
 // In:  the page of a report (host/report/page.hpp) and the begin of its job. Out: the page, by a
-//      name with 128 random bits: who has no access to the history cannot guess it, so that a
+//      name with 128 random bits: a client without access to the history cannot guess it, so that a
 //      browser can open a report by its address alone.
 // Who: the history, which writes them outside of the thread of the server; the server.
 #pragma once

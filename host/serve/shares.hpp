@@ -20,7 +20,7 @@ inline void put_share(std::string& bytes, double share) {
   put_16(bytes, static_cast<unsigned>(std::lround(std::clamp(share, 0.0, 1.0) * full)));
 }
 
-/// Where a value lies from `low` to `high`: 0 to 1; in the middle of nothing.
+/// Where a value lies from `low` to `high`: 0 to 1; 0.5 if the range is empty.
 inline double share_of(double value, double low, double high) {
   return high > low ? (value - low) / (high - low) : 0.5;
 }

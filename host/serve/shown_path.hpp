@@ -27,7 +27,7 @@ struct PathPlace {
 /// order: a sender counts these.
 std::vector<PathPlace> places_of(const program_run::ProgramRun& run,
                                  const std::vector<std::size_t>& sent);
-/// The same of rows, whose bytes have no line before the first one: it begins at their first place.
+/// The same for rows. The path begins at their first place, because rows store no place before it.
 std::vector<PathPlace> places_of(const job::Job& rows);
 
 class ShownPath {

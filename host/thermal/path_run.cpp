@@ -40,7 +40,8 @@ MovingSetup moving_setup(const std::vector<BeamMove>& moves, const PathSetup& se
     const double length = std::hypot(move.x1 - move.x0, move.y1 - move.y0);
     way += length;
     if (length > 0) time += length / move.speed_mm_s;
-    // In a rest heat reaches as deep as below a beam that passes in its time.
+    // A rest counts as a beam that passes its radius in the time of the rest: this gives the depth
+    // that heat reaches.
     if (move.rest_s > 0) rest_mm_s = std::max(rest_mm_s, radius / move.rest_s);
   }
   const double margin = std::max(10 * std::max(setup.beam.half_x_mm, setup.beam.half_y_mm),

@@ -402,7 +402,7 @@ TEST_F(BeatLock, IsRefusedWhereTheLaserMayNotFire) {
   // The lamp's power would exceed its maximum.
   EXPECT_THAT(host_->ask("M130 P0\n"), ElementsAre("ok"));
   EXPECT_THAT(host_->ask("$922=100\n"),
-              ElementsAre("[MSG:$922 does not go with other settings]", "error:52"));
+              ElementsAre("[MSG:$922 contradicts other settings]", "error:52"));
   job::Profile profile = lamp_profile(500, LampMode::free_beat);
   profile.settings.set_milli(Id::lamp_energy, 100'000);
   Rig rig(profile);

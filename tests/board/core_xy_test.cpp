@@ -306,7 +306,7 @@ TEST(CoreXy, SettingsThatDoNotGoTogetherAreRefused) {
   ProgramHost host(rig);
   for (const char* line : {"$101=150\n", "$966=1\n", "$966=2\n"})
     EXPECT_THAT(host.ask(line),
-                ElementsAre(HasSubstr("does not go with other settings"), "error:52"));
+                ElementsAre(HasSubstr("contradicts other settings"), "error:52"));
   EXPECT_THAT(
       host.ask("$111=240000\n"),
       ElementsAre("[MSG:$110 and $111 together at most 240000.000 mm/min with $0 and $1077]",
@@ -317,7 +317,7 @@ TEST(CoreXy, SettingsThatDoNotGoTogetherAreRefused) {
   host.run_ms(5);
   EXPECT_EQ(rig.board.world().drives().motors(), (StepPosition{200, 200, 0, 0}));
   EXPECT_THAT(host.ask("$111=240000\n"),
-              ElementsAre("[MSG:$111 does not go with other settings]", "error:52"));
+              ElementsAre("[MSG:$111 contradicts other settings]", "error:52"));
 }
 
 }  // namespace

@@ -251,10 +251,10 @@ TEST(Gantry, ItsMotorIsNoAxis) {
   Rig rig(ganged(program_profile(), 1));
   ProgramHost host(rig);
   EXPECT_THAT(host.ask("$960=4\n$966=4\nG0 A1\n"),
-              ElementsAre("[MSG:$966 does not go with other settings]", StartsWith("error:"),
+              ElementsAre("[MSG:$966 contradicts other settings]", StartsWith("error:"),
                           StartsWith("error:"), StartsWith("error:")));
   EXPECT_THAT(host.ask("$966=0\n$960=4\n$966=2\n"),
-              ElementsAre("ok", "ok", "[MSG:$966 does not go with other settings]", "error:52"));
+              ElementsAre("ok", "ok", "[MSG:$966 contradicts other settings]", "error:52"));
 }
 
 }  // namespace

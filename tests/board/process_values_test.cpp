@@ -90,9 +90,20 @@ TEST(ProcessValues, HaveTheFormatOfTheirMessage) {
   const Row rows[] = {
       {"(PRINT, #<_material_feed>)", "(PRINT, 190.500000)\n"},
       {"( debug,%dp #<_material_passes>%.2f #<_material_kerf>)", "( debug,%dp 7%.2f 0.13)\n"},
+      {"(PRINT, %.0f a(b #<_material_feed>)", "(PRINT, %.0f a(b 190)\n"},
       {"(PRINT,#5#<_material_passes>#<x>)", "(PRINT,#57.000000#<x>)\n"},
   };
   for (const auto& row : rows) EXPECT_EQ(lines_of(row.text), row.line);
+}
+
+/// The host knows the outputs of the board, so it keeps the units of this line.
+TEST(ProcessValues, AreInTheUnitOfALineWithAnOutput) {
+  const ProcessValues values = plywood();
+  settings::Values with_outputs = machine();
+  with_outputs.set_milli(settings::Id::pin_map, 2000);
+  EXPECT_THAT(
+      with_process_values("G20 M64 P0\nF#<_material_feed>", "p.ngc", &values, with_outputs, {}),
+      testing::StartsWith("G20 M64 P0\nF7.5 "));
 }
 
 /// Errors after the value keep their column.

@@ -243,7 +243,7 @@ TEST(Safety, AJobCannotChangeHowTheLampIsTriggered) {
 TEST(Safety, ALampIsNotTriggeredBeyondItsLimits) {
   Rig rig(lamp_profile(100));
   ProgramHost host(rig);
-  const auto refused = ElementsAre(HasSubstr("does not go with other settings"), "error:52");
+  const auto refused = ElementsAre(HasSubstr("contradicts other settings"), "error:52");
   const auto taken = ElementsAre("ok");
   EXPECT_THAT(host.ask("$900=2\n"), refused) << "the energy of a flash is unknown";
   EXPECT_THAT(host.ask("$922=20.001\n"), refused);

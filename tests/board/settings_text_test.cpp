@@ -17,7 +17,7 @@ bool is_rate_excess(const settings::Values& values, std::uint16_t refused) {
 }
 
 std::string refusal(std::uint16_t setting) {
-  return fmt::format("[MSG:${} does not go with other settings]\r\nerror:52\r\n", setting);
+  return fmt::format("[MSG:${} contradicts other settings]\r\nerror:52\r\n", setting);
 }
 
 std::string rate_refusal(const settings::Values& values) {

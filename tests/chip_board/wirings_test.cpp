@@ -1,8 +1,10 @@
 // The image of each board on its own wiring does what that of a Pico does. New rows are found by
 // themselves.
+#include <algorithm>
 #include <map>
 
 #include "host/flash/image_board.hpp"
+#include "shared/boards/pico_flash.hpp"
 #include "tests/chip_board/board_bench.hpp"
 #include "tests/chip_board/program_trace.hpp"
 #include "tests/error_of.hpp"
@@ -88,6 +90,13 @@ TEST_P(EachBoard, NamesTheFirstSettingOfAnotherBoardThatItReplaces) {
               HasSubstr("[MSG:Settings of another board replaced: $990; check $$]"));
   Bench own(row(), row());
   EXPECT_THAT(own.rig.heard, testing::Not(HasSubstr("replaced")));
+  // A new board replaces none.
+  Bench blank(row(), row(), ChipRig::Power::off);
+  const auto flash = blank.rig.board.chip().flash().storage();
+  std::ranges::fill(flash.subspan(boards::settings_offset, boards::settings_sectors * 4096), 0xFF);
+  blank.rig.boot();
+  EXPECT_THAT(blank.rig.heard, HasSubstr("Grbl"));
+  EXPECT_THAT(blank.rig.heard, testing::Not(HasSubstr("replaced")));
 }
 
 /// More axes than pins, and no beam channel.

@@ -70,6 +70,24 @@ TEST(SendEvents, RepeatedAndRefusedLinesHaveTheirEvents) {
   EXPECT_FALSE(blocks[2].contains("error"));
 }
 
+/// A loop of one line; a line that the board answers while it moves.
+TEST(SendEvents, NoBlockIsEarlierThanItsMotion) {
+  const Folder folder;
+  const std::string program = folder.write(
+      "p.ngc", "G21 G90\n#1=0\no1 repeat [5]\n#1=[#1+4]\nG1 X#1 Y[[#1/4] mod 2] F1200\n"
+               "o1 endrepeat\n$G\nM5\n");
+  const Finished sent = run({"send", program, "--board", "virtual", "--events", "-"});
+  ASSERT_EQ(sent.status, 0) << sent.err;
+  int at = 0;
+  for (const Json& event : events_of(sent.out)) {
+    if (event["event"] != "block" || event["line"] != 5) continue;
+    at += 4;
+    EXPECT_GE(event["position"][0].get<double>(), at - 0.06);
+    EXPECT_LE(event["position"][0].get<double>(), at + 1.5);
+  }
+  EXPECT_EQ(at, 20);
+}
+
 TEST(SendEvents, ALostStreamDoesNotEndTheProgram) {
   const Folder folder;
   const std::string file = folder.write("p.ngc", "G1 X2 F6000\nX1\nM2\n");

@@ -65,7 +65,7 @@ TEST(ImageBoard, IsThatOfTheBinaryInfo) {
   EXPECT_EQ(Bytes().board(), "");
 }
 
-TEST(ImageBoard, IsUnknownIfTheListIsBroken) {
+TEST(ImageBoard, ABrokenListIsReadWithinTheImage) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 2000; ++i) {
     Bytes image = image_of(flash_base + 0x110, "lamplock", "pico");

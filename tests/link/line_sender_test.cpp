@@ -423,6 +423,37 @@ TEST(LineSender, forwards_messages_of_the_board) {
   EXPECT_THAT(heard, ElementsAre("[MSG:Pgm End]"));
 }
 
+/// The N words are those of the file.
+TEST(LineSender, the_line_that_another_board_reports_is_none_of_the_file) {
+  GrblModel board;
+  Sending sending(board, numbered({"N10 G1 X1", "N20 G1 X2", "G1 X3"}));
+  ASSERT_TRUE(sending.run_until("Run"));
+  board.reply("<Run|MPos:0.000,0.000,0.000|FS:0,0|Ln:2>");
+  sending.run_for(50ms);
+  EXPECT_EQ(sending.sender.result().at_line, 0u);
+}
+
+TEST(LineSender, the_time_of_a_line_of_the_host_counts_while_it_runs) {
+  struct SlowLine final : HostLines {
+    bool has(std::size_t index) const override { return index == 1; }
+    bool run(std::size_t /*index*/) override { return ++steps > 20; }
+    void stop() override {}
+    int steps = 0;
+  } slow;
+  GrblModel board;
+  LineOptions options;
+  options.host_lines = &slow;
+  Sending sending(board, numbered({"G1 X1", "M101", "G1 X2"}), options);
+  std::chrono::microseconds last{};
+  while (sending.sender.step()) {
+    if (!sending.sender.runs_host_line()) continue;
+    EXPECT_GE(sending.sender.host_time(), last);
+    last = sending.sender.host_time();
+  }
+  EXPECT_GT(last.count(), 0);
+  EXPECT_GE(sending.sender.host_time(), last);
+}
+
 TEST(LineSender, a_banner_before_the_first_answer_is_no_restart) {
   GrblModel board;
   board.restart();

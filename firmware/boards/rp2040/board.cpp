@@ -82,9 +82,10 @@ void Board::report_rejected(std::string_view what, std::uint32_t records) {
   core_.report_message(line.view());
 }
 
-/// The first of the stored settings that the image has replaced, if they are those of another
+/// Names the first stored setting that the image has replaced, if the settings are those of another
 /// board.
 void Board::report_replaced() {
+  if (!storage_.has_settings()) return;
   const settings::Id id = boards::unfit_setting(features_of(map_).limits, storage_.load_settings());
   if (id == settings::Id::count) return;
   TextLine line;

@@ -355,7 +355,7 @@ class DriveSetup {
   Step step_ = Step::count_before;
   Fault fault_ = Fault::none, reported_ = Fault::none;
   bool exchanging_ = false, is_echo_ = false, is_set_up_ = false, warns_ = false;
-  bool was_off_ = false;      ///< the drive, since its GSTAT was cleared
+  bool was_off_ = false;      ///< the drive has switched itself off since GSTAT was cleared
   bool is_checking_ = false;  ///< all axes are written: the round that only looks, then the watch
 };
 

@@ -28,6 +28,7 @@ class Storage {
 
   /// Before anything is saved; returns the values kept last, or the defaults. Some milliseconds.
   settings::Values load_settings();
+  bool has_settings() const { return !settings_.empty(); }
   void load_program(machine::PersistentState& kept);
   /// False if writing failed: then the previous values are still kept.
   bool save(const settings::Values& values);
