@@ -34,6 +34,7 @@
 #include "host/pendant/jog_stream.hpp"
 #include "host/run/board_options.hpp"
 #include "host/run/machine_options.hpp"
+#include "host/run/process_choice.hpp"
 #include "host/run/supervisor.hpp"
 #include "host/serve/clock.hpp"
 #include "host/serve/machine_view.hpp"
@@ -51,8 +52,9 @@ struct JobStart {
   std::string name;  ///< for users
   std::string path;
   bool is_dry = false;
-  bool resumes = false;  ///< the last run of this job
-  std::size_t from = 0;  ///< point or line
+  bool resumes = false;           ///< the last run of this job
+  std::size_t from = 0;           ///< point or line
+  run::ProcessChoice material{};  ///< of a program
 };
 
 /// Machine coordinates [mm]; an axis without one stays where it is.

@@ -11,6 +11,7 @@
 #include "host/serve/error_message.hpp"
 #include "host/serve/lent_transport.hpp"
 #include "host/serve/machine.hpp"
+#include "host/serve/material_choice.hpp"
 #include "shared/beat_reason.hpp"
 #include "shared/wire/status.hpp"
 
@@ -54,11 +55,13 @@ void Machine::run_job(const JobStart& job) {
   try {
     run::BoardOptions options = options_for(job);
     if (run::kind_of_sent_file(job.path) == run::SentKind::program) {
-      const run::ProgramOutcome outcome =
-          run::run_program(job.path, options, {false, machine_}, frontend);
+      run::ProgramOptions asked{false, machine_, run::process_values(job.material)};
+      if (asked.process) show("material: " + run::text_of(*asked.process));
+      const run::ProgramOutcome outcome = run::run_program(job.path, options, asked, frontend);
       end = end_name(outcome);
       run::judge_program(outcome, options.board, frontend);
     } else {
+      refuse_for_jobs(job.material);
       const auto sent = std::make_shared<run::SentJob>(run::send_job(job.path, options, frontend));
       sent->outcome.report.input = sent->outcome.run.input = job.name;  // no path of the server
       end = end_name(sent->outcome);

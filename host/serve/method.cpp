@@ -13,6 +13,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double max_feed = 1'000'000, max_items = 4e9, max_time = 1e15;
+constexpr double max_record_name = 100, max_thickness_mm = 1000;
 constexpr double max_file_name = 100, max_line_text = 250, max_secret_text = 64;
 /// A step is completed when its client has gone: it is short.
 constexpr double max_step_mm = 10;
@@ -30,8 +31,37 @@ constexpr std::array feed_parameters{
     Parameter{"change", Type::text, true, 0, 0, "more|less|full", "by 10 %, or to 100 %"}};
 constexpr Parameter file_name{"name", Type::text, true, 1, max_file_name, nullptr, "file"};
 constexpr std::array file_parameters{file_name};
+constexpr Parameter material{"material",
+                             Type::text,
+                             false,
+                             1,
+                             max_record_name,
+                             nullptr,
+                             "of the material library, for a program with `#<_material_feed>` and "
+                             "the like"},
+    laser{"laser",
+          Type::text,
+          false,
+          1,
+          max_record_name,
+          nullptr,
+          "its laser; default: the only one with a setting"},
+    operation{"operation", Type::text, false, 0, 0, "cut|score|engrave", "default: cut"},
+    thickness{"thickness",
+              Type::number,
+              false,
+              0.001,
+              max_thickness_mm,
+              nullptr,
+              "mm; default: that of the material"};
+constexpr std::array program_parameters{file_name, material, laser, operation, thickness};
 constexpr std::array start_parameters{
-    file_name, Parameter{"dry", Type::flag, false, 0, 0, nullptr, "moves with the laser off"},
+    file_name,
+    material,
+    laser,
+    operation,
+    thickness,
+    Parameter{"dry", Type::flag, false, 0, 0, nullptr, "moves with the laser off"},
     Parameter{"resume", Type::flag, false, 0, 0, nullptr,
               "continues the last run of a job; no point is fired twice"},
     Parameter{"from", Type::whole, false, 0, max_items, nullptr,
@@ -121,9 +151,12 @@ constexpr std::array table{
            "its two corners, mm"},
     Method{"job.list", Right::all, none, "Files that were sent to the server.",
            "list of `name`, `bytes`, `kind` (job, program, model, description)"},
-    Method{"job.check", Right::all, file_parameters,
+    Method{"job.check", Right::all, program_parameters,
            "Runs a program, or reads a job, without the machine.",
-           "`kind`, `seconds`, `problems`, `bounds`, `picture` (SVG), `points` or `lines`"},
+           "`kind`, `seconds`, `problems`, `bounds`, `picture` (SVG), `points` or `lines`; of a "
+           "program with process parameters `material`: values of the chosen setting (`title`, "
+           "`feed`, "
+           "`power`, `passes`, `air`, `kerf`, `frequency`, `thickness`), or null"},
     Method{"job.start", Right::firing, start_parameters,
            "Runs a job or a program. A dry run needs no pairing.", "nothing"},
     Method{"job.make", Right::control, file_parameters,
@@ -131,7 +164,7 @@ constexpr std::array table{
            "`name` of the job, `points`, `notices`"},
     Method{"job.delete", Right::control, file_parameters, "Removes a file.", "nothing"},
     Method{
-        "path.open", Right::all, file_parameters,
+        "path.open", Right::all, program_parameters,
         "Sends the path of a program or of rows as a binary message, before the result.",
         "`places`, `bounds`, `area` (of the machine); the message has two zeros of 32 bits, then "
         "for each place x, y, z (16 bits, 0 to 65535 in the bounds) and twice its share of the "

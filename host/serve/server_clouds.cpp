@@ -6,13 +6,14 @@
 #include "host/error.hpp"
 #include "host/job/profile.hpp"
 #include "host/link/program_lines.hpp"
-#include "host/run/check_program.hpp"
 #include "host/run/prepare.hpp"
 #include "host/run/read_job.hpp"
 #include "host/run/sent_file.hpp"
+#include "host/serve/check_file.hpp"
 #include "host/serve/clouds.hpp"
 #include "host/serve/json_places.hpp"
 #include "host/serve/machine.hpp"
+#include "host/serve/material_choice.hpp"
 #include "host/serve/server.hpp"
 #include "host/serve/shown_path.hpp"
 
@@ -35,14 +36,14 @@ std::shared_ptr<const Cloud> read_cloud(const std::string& path, const std::stri
 }
 
 /// Empty for a job of points.
-ShownPath read_path(const std::string& path, const run::MachineOptions& machine) {
+ShownPath read_path(const std::string& path, const run::MachineOptions& machine,
+                    const run::ProcessChoice& material) {
   if (run::kind_of_sent_file(path) == run::SentKind::job) {
+    refuse_for_jobs(material);
     const run::PreparedJob prepared = run::read_prepared_job(path);
     return ShownPath(prepared.job.is_rows() ? places_of(prepared.job) : std::vector<PathPlace>());
   }
-  run::CheckOptions options;
-  options.input = path;
-  options.machine = machine;
+  const run::CheckOptions options = check_options(path, machine, material);
   std::vector<std::size_t> sent;
   for (const link::ProgramLine& line : link::program_lines(run::read_program_text(path), path))
     sent.push_back(line.number);
@@ -74,8 +75,9 @@ void Server::open_path(const Call& call) {
   const auto made = std::make_shared<std::unique_ptr<const ShownPath>>();
   compute(
       call,
-      [made, path, machine = options_.machine] {
-        *made = std::make_unique<const ShownPath>(read_path(path, machine));
+      [made, path, machine = options_.machine,
+       material = material_choice(call.parameters(), options_.library)] {
+        *made = std::make_unique<const ShownPath>(read_path(path, machine, material));
       },
       [this, made, client = call.client] {
         const ShownPath& shown = **made;

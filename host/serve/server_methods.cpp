@@ -10,12 +10,14 @@
 #include "host/error.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/program_lines.hpp"
+#include "host/program/process_values.hpp"
 #include "host/serve/access.hpp"
 #include "host/serve/check_file.hpp"
 #include "host/serve/computations.hpp"
 #include "host/serve/error_message.hpp"
 #include "host/serve/logins.hpp"
 #include "host/serve/machine.hpp"
+#include "host/serve/material_choice.hpp"
 #include "host/serve/method.hpp"
 #include "host/serve/server.hpp"
 #include "host/units.hpp"
@@ -27,6 +29,8 @@ namespace {
 
 /// Error of a wrong token where a password helps.
 constexpr int needs_password = -32001;
+/// Error of a program that reads values of a material, and none is chosen.
+constexpr int needs_material = -32002;
 /// Wrong codes until none is right.
 constexpr int max_wrong_codes = 5;
 /// Persons beyond these are forgotten, unless they are paired or connected.
@@ -237,6 +241,8 @@ void Server::compute(const Call& call, std::function<void()> work, std::function
                        try {
                          if (error) std::rethrow_exception(error);
                          succeed(call, result());
+                       } catch (const program_run::NoMaterial& failure) {
+                         fail(call, needs_material, message_of(failure));
                        } catch (const std::exception& failure) {
                          fail(call, -32000, message_of(failure));
                        }
@@ -248,8 +254,9 @@ void Server::check_job(const Call& call) {
   const auto result = std::make_shared<Json>();
   compute(
       call,
-      [result, path = folder_.path_of(name).string(), name, machine = options_.machine] {
-        *result = check_file(path, name, machine);
+      [result, path = folder_.path_of(name).string(), name, machine = options_.machine,
+       material = material_choice(call.parameters(), options_.library)] {
+        *result = check_file(path, name, machine, material);
       },
       [result] { return *result; });
 }
@@ -261,6 +268,7 @@ void Server::start_job(const Call& call) {
   job.is_dry = call.parameters().value("dry", false);
   job.resumes = call.parameters().value("resume", false);
   job.from = call.parameters().value("from", std::size_t{0});
+  job.material = material_choice(call.parameters(), options_.library);
   machine_->start(job);
   succeed(call, nullptr);
 }

@@ -1,5 +1,6 @@
 // Files of the server: send, check, start, progress.
 
+import { needs_material } from '/link.js';
 import { text } from '/texts.js';
 
 const clock = (seconds) => {
@@ -14,6 +15,7 @@ export class Jobs {
   #element;
   #cloud;
   #picture = '';
+  #settings = [];  // of the material library
 
   constructor(link, element, cloud, show_problem) {
     this.#link = link;
@@ -31,10 +33,23 @@ export class Jobs {
     element('check').addEventListener('click', () => this.check());
     element('start').addEventListener('click', () => this.#start());
     element('delete').addEventListener('click', () => this.#delete());
-    element('jobs').addEventListener('change', () => this.#show_nothing());
+    element('jobs').addEventListener('change', () => this.#change_file());
+    element('material').addEventListener('change', () => {
+      element('thickness').value = this.#setting?.thickness ?? '';
+      this.check();
+    });
+    element('thickness').addEventListener('change', () => this.check());
   }
 
   get name() { return this.#element('jobs').value; }
+  get #setting() { return this.#settings[this.#element('material').value]; }
+  // Parameters of a file that is checked or started: of a program with process parameters its material.
+  get #file() {
+    const { material, laser, operation } = this.#setting ?? {};
+    if (this.#element('material-choice').hidden || !material) return { name: this.name };
+    const thickness = Number(this.#element('thickness').value);
+    return { name: this.name, material, laser, operation, ...(thickness > 0 && { thickness }) };
+  }
 
   // Files that a machine can run, and those of which the page makes jobs.
   async list(chosen = this.name) {
@@ -57,6 +72,7 @@ export class Jobs {
         continue;
       }
       await this.list(file.name);
+      this.#change_file();
       if (this.name === file.name) await this.check();
     }
     this.#element('file').value = '';
@@ -69,13 +85,34 @@ export class Jobs {
     this.#cloud.close();
   }
 
+  #change_file() {
+    this.#show_nothing();
+    this.#element('material-choice').hidden = true;
+    this.#element('material').replaceChildren();
+  }
+
+  // The program has process parameters.
+  async #offer_materials() {
+    const box = this.#element('material');
+    if (box.options.length > 0) return;
+    this.#settings = await this.#link.call('material.list').catch(() => []);
+    const name = (each) => text(each.thickness === null ? 'job.setting' : 'job.setting-of', each);
+    box.replaceChildren(new Option(text('job.choose-material'), ''), ...this.#settings.map((each, i) => new Option(name(each), i)));
+    this.#element('thickness').value = '';
+    this.#element('material-choice').hidden = false;
+  }
+
   async check() {
     if (!this.name) return;
     this.#show_nothing();
+    this.show_problem('');
     this.#element('checked').textContent = text('job.checking');
-    this.#cloud.open(this.name, is_job(this.name)).catch(() => {});
-    const result = await this.#link.call('job.check', { name: this.name }).catch(() => null);
+    this.#cloud.open(this.#file, is_job(this.name)).catch(() => {});
+    const result = await this.#link.call('job.check', this.#file).catch(({ code }) => {
+      if (code === needs_material) this.#offer_materials();
+    });
     if (!result) return this.#show_nothing();
+    if (result.material !== undefined) await this.#offer_materials();
     const facts = [result.points ? text('job.points', result) : text('job.lines', result)];
     if (result.seconds !== undefined) facts.push(clock(result.seconds));
     if (result.bounds) {
@@ -83,6 +120,7 @@ export class Jobs {
       const ranges = low.map((mm, i) => text('job.range', { axis: 'XYZA'[i], low: mm.toFixed(1), high: high[i].toFixed(1) }));
       facts.push(text('job.ranges', { ranges: ranges.join(', ') }));
     }
+    if (result.material) facts.push(text('job.values', result.material));
     this.#element('checked').textContent = facts.join('; ');
     this.#element('problems').replaceChildren(...result.problems.map((problem) => {
       const item = document.createElement('li');
@@ -99,7 +137,7 @@ export class Jobs {
   #start() {
     if (!this.name) return this.show_problem(text('job.no-file'));
     this.#link.tell('job.start', {
-      name: this.name, dry: this.#element('dry').checked, resume: this.#element('continue').checked,
+      ...this.#file, dry: this.#element('dry').checked, resume: this.#element('continue').checked,
       from: Number(this.#element('from').value),
     });
   }
@@ -107,7 +145,7 @@ export class Jobs {
   async #delete() {
     if (!this.name) return;
     await this.#link.call('job.delete', { name: this.name });
-    this.#show_nothing();
+    this.#change_file();
     await this.list('');
   }
 

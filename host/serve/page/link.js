@@ -5,6 +5,7 @@ import { text } from '/texts.js';
 
 const answer_ms = 15_000, retry_ms = 1000;
 const needs_password = -32001;  // docs/api.md
+export const needs_material = -32002;
 
 function random_text() {
   return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
