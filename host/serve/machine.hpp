@@ -150,6 +150,8 @@ class Machine {
   void read_limits();
   void do_work(const Posted& posted);
   void run_job(const JobStart& job);
+  void run_program(const JobStart& job, PageFrontend& frontend, EndedJob& ended, std::string& end);
+  void run_file(const JobStart& job, PageFrontend& frontend, EndedJob& ended, std::string& end);
   run::BoardOptions options_for(const JobStart& job) const;
   void end_job(const std::string& end, const std::string& message, EndedJob ended);
   void lose_board(const std::string& why);

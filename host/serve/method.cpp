@@ -199,8 +199,9 @@ constexpr std::array table{
            "Sends all lines of a macro, one after the other.", "nothing"},
     Method{"history.list", Right::all, none, "The last 100 jobs and programs, newest first.",
            "list of `file`, `board`, `begin`, `end` (UTC), `result`, `message`, `dry`, `done` of "
-           "`total`, `item`, `wasted_beats` (of points, or null), `report` (of points: the page at "
-           "/reports/NAME, or null)"},
+           "`total`, `item`, `wasted_beats` (of points, or null), `report` (the page at "
+           "/reports/NAME, or "
+           "null)"},
     Method{"material.list", Right::all, none, "The settings of the material library.",
            "list of `material`, `laser`, `operation`, `thickness` (mm or null), `feed` (mm/min), "
            "`power` (W), `passes`, `kerf` (mm or null), `note`"},
