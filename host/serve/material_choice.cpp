@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/error.hpp"
+#include "host/serve/refusal.hpp"
 
 namespace lamplock::serve {
 
@@ -25,9 +26,7 @@ run::ProcessChoice material_choice(const nlohmann::json& parameters, const std::
 }
 
 void refuse_for_jobs(const run::ProcessChoice& choice) {
-  if (choice.material)
-    throw Error(Exit::bad_input, "material", "is for programs of G-code, not for jobs",
-                "leave it out");
+  if (choice.material) throw Refusal(Exit::bad_input, "material-of-job");
 }
 
 }  // namespace lamplock::serve

@@ -9,7 +9,6 @@
 #include "host/serve/access.hpp"
 #include "host/serve/clouds.hpp"
 #include "host/serve/computations.hpp"
-#include "host/serve/error_message.hpp"
 #include "host/serve/history.hpp"
 #include "host/serve/logins.hpp"
 #include "host/serve/machine.hpp"
@@ -17,6 +16,7 @@
 #include "host/serve/octoprint.hpp"
 #include "host/serve/page_document.hpp"
 #include "host/serve/page_files.hpp"
+#include "host/serve/refusal.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -173,11 +173,11 @@ WebReply Server::take_file(const WebRequest& request) {
   try {
     const JobView job = machine_->view().job;
     if (job.is_running && job.name == name)
-      throw Error(Exit::job_failed, name, "the job runs", "use another name");
+      throw Refusal(Exit::job_failed, "job-runs", {{"job", name}});
     folder_.write(name, request.body);
     return {201, "text/plain; charset=utf-8", name + "\n"};
   } catch (const Error& error) {
-    return refusal(422, std::string(error.message()));
+    return {422, "application/json", text_of(error_json(error))};
   } catch (const std::exception& error) {
     return refusal(500, error.what());
   }
@@ -262,20 +262,18 @@ void Server::call_method(const Method& method, const Call& call) {
     check_right(method, call);
     (this->*handlers().at(method.name))(call);
   } catch (const std::exception& error) {
-    fail(call, code::refused, message_of(error));
+    fail(call, error);
   }
 }
 
 void Server::check_right(const Method& method, const Call& call) const {
   if (method.right == Right::all) return;
   if (holder_.empty() || holder_ != call.secret)
-    throw Error(Exit::job_failed, method.name, "another client, or none, holds control",
-                "take control first");
+    throw Refusal(Exit::job_failed, "no-control", {{"method", method.name}});
   if (method.right != Right::firing || options_.is_simulated || keeps_dark(method, call)) return;
   const auto caller = persons_.find(call.secret);
   if (caller == persons_.end() || !caller->second.is_paired)
-    throw Error(Exit::job_failed, method.name, "this client may not fire",
-                "start lamplock serve with --pair at the machine, and enter its code; or run dry");
+    throw Refusal(Exit::job_failed, "not-paired", {{"method", method.name}});
 }
 
 /// A program with the key of OctoPrint was not paired at the machine, and takes control from none.
@@ -299,9 +297,13 @@ void Server::succeed(const Call& call, const Json& result) {
 }
 
 void Server::fail(const Call& call, int code, const std::string& message) {
-  finish(call, {{"jsonrpc", "2.0"},
-                {"id", Json::parse(call.id)},
-                {"error", {{"code", code}, {"message", message}}}});
+  fail(call, Json{{"code", code}, {"message", message}});
+}
+
+void Server::fail(const Call& call, const std::exception& error) { fail(call, error_json(error)); }
+
+void Server::fail(const Call& call, const Json& error) {
+  finish(call, {{"jsonrpc", "2.0"}, {"id", Json::parse(call.id)}, {"error", error}});
 }
 
 void Server::finish(const Call& call, const Json& response) {

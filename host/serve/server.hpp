@@ -114,6 +114,8 @@ class Server final : public WebSite {
   bool keeps_dark(const Method& method, const Call& call) const;
   void succeed(const Call& call, const Json& result);
   void fail(const Call& call, int code, const std::string& message);
+  void fail(const Call& call, const std::exception& error);
+  void fail(const Call& call, const Json& error);
   void finish(const Call& call, const Json& response);
   bool was_called(const Call& call);
   Person& person(const std::string& secret);

@@ -10,15 +10,14 @@
 #include "host/error.hpp"
 #include "host/link/board_settings.hpp"
 #include "host/link/program_lines.hpp"
-#include "host/program/process_values.hpp"
 #include "host/serve/access.hpp"
 #include "host/serve/check_file.hpp"
 #include "host/serve/computations.hpp"
-#include "host/serve/error_message.hpp"
 #include "host/serve/logins.hpp"
 #include "host/serve/machine.hpp"
 #include "host/serve/material_choice.hpp"
 #include "host/serve/method.hpp"
+#include "host/serve/refusal.hpp"
 #include "host/serve/server.hpp"
 #include "host/units.hpp"
 #include "host/version.hpp"
@@ -29,8 +28,6 @@ namespace {
 
 /// Error of a wrong token where a password helps.
 constexpr int needs_password = -32001;
-/// Error of a program that reads values of a material, and none is chosen.
-constexpr int needs_material = -32002;
 /// Wrong codes until none is right.
 constexpr int max_wrong_codes = 5;
 /// Persons beyond these are forgotten, unless they are paired or connected.
@@ -138,7 +135,7 @@ void Server::login(const Call& call) {
     if (logins_->has_password())
       fail(call, needs_password, "log in with the password");
     else
-      fail(call, -32000, "the token is wrong; open the address that lamplock serve has printed");
+      fail(call, Refusal(Exit::bad_input, "wrong-token"));
     return web_->drop(call.client);
   }
   client->second.secret = call.parameters()["client"];
@@ -152,14 +149,13 @@ void Server::login(const Call& call) {
 
 void Server::pair(const Call& call) {
   if (options_.code.empty() || wrong_codes_ >= max_wrong_codes)
-    throw Error(Exit::job_failed, "pair", "no client can be paired now",
-                "start lamplock serve with --pair at the machine");
+    throw Refusal(Exit::job_failed, "no-pairing");
   if (call.secret.empty())
     throw Error(Exit::bad_input, "pair", "the request has no client", "send one (docs/api.md)");
   if (!is_same_secret(call.parameters()["code"].get<std::string>(), options_.code)) {
     ++wrong_codes_;
-    throw Error(Exit::job_failed, "pair", "the code is wrong",
-                fmt::format("{} tries are left", max_wrong_codes - wrong_codes_));
+    throw Refusal(Exit::job_failed, "wrong-code",
+                  {{"tries", fmt::format("{}", max_wrong_codes - wrong_codes_)}});
   }
   person(call.secret).is_paired = true;
   succeed(call, nullptr);
@@ -241,10 +237,8 @@ void Server::compute(const Call& call, std::function<void()> work, std::function
                        try {
                          if (error) std::rethrow_exception(error);
                          succeed(call, result());
-                       } catch (const program_run::NoMaterial& failure) {
-                         fail(call, needs_material, message_of(failure));
                        } catch (const std::exception& failure) {
-                         fail(call, -32000, message_of(failure));
+                         fail(call, failure);
                        }
                      });
 }
@@ -277,7 +271,7 @@ void Server::delete_job(const Call& call) {
   const std::string name = call.parameters()["name"];
   const JobView job = machine_->view().job;
   if (job.is_running && job.name == name)
-    throw Error(Exit::job_failed, name, "the job runs", "wait for its end");
+    throw Refusal(Exit::job_failed, "job-runs", {{"job", name}});
   folder_.remove(name);
   succeed(call, nullptr);
 }
@@ -285,7 +279,7 @@ void Server::delete_job(const Call& call) {
 void Server::send_line(const Call& call) {
   const std::string line =
       link::line_to_send(call.parameters()["line"].get<std::string>(), "console", "remove it");
-  if (line.empty()) throw Error(Exit::bad_input, "console", "the line is empty", "type a command");
+  if (line.empty()) throw Refusal(Exit::bad_input, "empty-line");
   machine_->send_line(line);
   succeed(call, nullptr);
 }
@@ -301,8 +295,7 @@ void Server::send_lines(const Call& call) {
 std::chrono::milliseconds Server::lease_of(const Call& call) const {
   const std::int64_t age_ms = time_ms() - call.parameters()["seen"].get<std::int64_t>();
   const auto lease = max_age - std::chrono::milliseconds(std::max<std::int64_t>(age_ms, 0));
-  if (lease.count() <= 0)
-    throw Error(Exit::job_failed, "jog", "the request came too late", "check the connection");
+  if (lease.count() <= 0) throw Refusal(Exit::job_failed, "late-jog");
   return lease;
 }
 
@@ -372,7 +365,7 @@ void Server::finish_work(const Call& call, const Json& result, const std::except
     if (error) std::rethrow_exception(error);
     succeed(call, result);
   } catch (const std::exception& failure) {
-    fail(call, -32000, message_of(failure));
+    fail(call, failure);
   }
 }
 

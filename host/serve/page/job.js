@@ -1,11 +1,17 @@
 // Files of the server: send, check, start, progress.
 
 import { needs_material } from '/link.js';
-import { text } from '/texts.js';
+import { error_text, text, word } from '/texts.js';
 
 const clock = (seconds) => {
   const s = Math.round(seconds);
   return s < 60 ? text('time.s', { s }) : text('time.min-s', { min: Math.floor(s / 60), s: String(s % 60).padStart(2, '0') });
+};
+
+// "feed 110 %"
+const speed_text = (speed) => {
+  const [, what, percent] = /^(\w+) (\d+) %$/.exec(speed) ?? [];
+  return percent ? word('job-speed', what).replace('{percent}', percent) : speed;
 };
 
 const is_job = (name) => /\.llj$/i.test(name);
@@ -68,7 +74,7 @@ export class Jobs {
         headers: { 'Authorization': `Bearer ${this.#link.token}`, 'Content-Type': 'application/octet-stream' },
       }).catch((error) => ({ ok: false, text: () => error.message }));
       if (!reply.ok) {
-        this.show_problem(`${file.name}: ${await reply.text()}`);
+        this.show_problem(reply.status === 422 ? error_text(await reply.json()) : `${file.name}: ${await reply.text()}`);
         continue;
       }
       await this.list(file.name);
@@ -96,7 +102,8 @@ export class Jobs {
     const box = this.#element('material');
     if (box.options.length > 0) return;
     this.#settings = await this.#link.call('material.list').catch(() => []);
-    const name = (each) => text(each.thickness === null ? 'job.setting' : 'job.setting-of', each);
+    const name = (each) =>
+      text(each.thickness === null ? 'job.setting' : 'job.setting-of', { ...each, operation: word('operation', each.operation) });
     box.replaceChildren(new Option(text('job.choose-material'), ''), ...this.#settings.map((each, i) => new Option(name(each), i)));
     this.#element('thickness').value = '';
     this.#element('material-choice').hidden = false;
@@ -154,13 +161,13 @@ export class Jobs {
     bar.value = job.total ? job.done / job.total : 0;
     const parts = [job.name];
     if (job.running) {
-      parts.push(job.title || text('job.preparing'), text('job.done', job));
+      parts.push(word('job-title', job.title) || text('job.preparing'), text('job.done', job));
       if (job.dry) parts.push(text('job.is-dry'));
-      if (job.word) parts.push(job.word);
-      if (job.speed) parts.push(job.speed);
+      if (job.word) parts.push(word('job-word', job.word));
+      if (job.speed) parts.push(speed_text(job.speed));
       if (job.left_s !== undefined) parts.push(text('job.left', { time: clock(job.left_s) }));
     } else if (job.end) {
-      parts.push(job.end, job.message);
+      parts.push(word('job-end', job.end), job.message);
     }
     this.#element('job-text').textContent = parts.filter(Boolean).join(' · ');
   }
