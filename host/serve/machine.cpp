@@ -128,8 +128,17 @@ void Machine::post(Work work, Done done) {
   posted_.push_back({std::move(work), std::move(done)});
 }
 
+/// With the lock: a program waits for a tool, and its sender takes lines of the user.
+bool Machine::changes_tool() const { return requests_ && view_.job.word == run::tool_change_word; }
+
 void Machine::send_lines(const std::vector<std::string>& lines) {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
+  if (changes_tool()) {
+    if (lines.size() != 1) throw Refusal(Exit::job_failed, "one-line");
+    requests_->type(lines.front());
+    lock.unlock();
+    return show("> " + lines.front());
+  }
   check_is_free();
   if (lines_.size() + lines.size() > max_queued_lines)
     throw Refusal(Exit::job_failed, "many-lines");
@@ -177,8 +186,7 @@ void Machine::renew_jog(std::chrono::milliseconds lease) { lend({}, lease); }
 
 void Machine::lend(Lease lease, std::chrono::milliseconds time) {
   const std::lock_guard lock(mutex_);
-  if (requests_ && view_.job.word == run::tool_change_word)
-    throw Refusal(Exit::job_failed, "only-steps");
+  if (changes_tool()) throw Refusal(Exit::job_failed, "only-steps");
   check_is_free();
   lease.until = now_() + std::min(time, lease_time);
   // A way that has not begun keeps its place.
@@ -191,8 +199,7 @@ void Machine::lend(Lease lease, std::chrono::milliseconds time) {
 
 void Machine::step_jog(int axis, double mm, double feed_mm_min) {
   const std::lock_guard lock(mutex_);
-  if (requests_ && view_.job.word == run::tool_change_word)
-    return requests_->type(step_line(axis, mm, feed_mm_min));
+  if (changes_tool()) return requests_->type(step_line(axis, mm, feed_mm_min));
   check_is_free();
   step_ = Step{axis, mm, feed_mm_min};
 }

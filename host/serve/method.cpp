@@ -187,7 +187,9 @@ constexpr std::array table{
     Method{"scene.write", Right::control, scene_parameters,
            "Writes a description with these objects, after it was read back.", "nothing"},
     Method{"console.send", Right::firing, send_parameters,
-           "Sends a line; the answer comes with the lines of the console.", "nothing"},
+           "Sends a line, in a tool change of a program too; the answer comes with the lines of the "
+           "console.",
+           "nothing"},
     Method{"console.lines", Right::all, lines_parameters, "The last lines of the console.",
            "list of `number`, `text`"},
     Method{"macro.list", Right::all, none, "Named lines that the server keeps for the console.",
@@ -196,7 +198,9 @@ constexpr std::array table{
            "nothing"},
     Method{"macro.remove", Right::control, macro_parameters, "Removes a macro.", "nothing"},
     Method{"macro.run", Right::firing, macro_parameters,
-           "Sends all lines of a macro, one after the other.", "nothing"},
+           "Sends all lines of a macro, one after the other; in a tool change only a macro of one "
+           "line.",
+           "nothing"},
     Method{"history.list", Right::all, none, "The last 100 jobs and programs, newest first.",
            "list of `file`, `board`, `begin`, `end` (UTC), `result`, `message`, `dry`, `done` of "
            "`total`, `item`, `wasted_beats` (of points, or null), `report` (the page at "
