@@ -99,6 +99,10 @@ constexpr std::array macro_parameters{macro_name};
 constexpr std::array set_macro_parameters{macro_name,
                                           Parameter{"lines", Type::text, true, 1, 4000, nullptr,
                                                     "1 to 50 lines, separated by line feeds"}};
+constexpr std::array camera_parameters{
+    Parameter{"points", Type::objects, true, 4, 4, nullptr,
+              "four objects: `u`, `v` (place in the picture, 0 to 1 from the left and the top) and "
+              "`x`, `y` (of the machine, mm)"}};
 constexpr std::array set_parameters{
     Parameter{"changes", Type::object, true, 0, 0, nullptr, "values by name of the setting"}};
 
@@ -186,10 +190,11 @@ constexpr std::array table{
         "`bounds`), `block` or null, `area`, `middle`"},
     Method{"scene.write", Right::control, scene_parameters,
            "Writes a description with these objects, after it was read back.", "nothing"},
-    Method{"console.send", Right::firing, send_parameters,
-           "Sends a line, in a tool change of a program too; the answer comes with the lines of the "
-           "console.",
-           "nothing"},
+    Method{
+        "console.send", Right::firing, send_parameters,
+        "Sends a line, in a tool change of a program too; the answer comes with the lines of the "
+        "console.",
+        "nothing"},
     Method{"console.lines", Right::all, lines_parameters, "The last lines of the console.",
            "list of `number`, `text`"},
     Method{"macro.list", Right::all, none, "Named lines that the server keeps for the console.",
@@ -209,6 +214,11 @@ constexpr std::array table{
     Method{"material.list", Right::all, none, "The settings of the material library.",
            "list of `material`, `laser`, `operation`, `thickness` (mm or null), `feed` (mm/min), "
            "`power` (W), `passes`, `kerf` (mm or null), `note`"},
+    Method{"camera.get", Right::all, none,
+           "Whether the server has a camera; its newest picture is at `GET /camera`.",
+           "`camera` (true or false), `points` of its calibration, or null"},
+    Method{"camera.calibrate", Right::control, camera_parameters,
+           "Keeps four points, of which no three are on a line.", "nothing"},
     Method{
         "jog.run", Right::control, run_parameters,
         "Moves at a feed for 200 ms; a client repeats it while a key is held. After a stop of "

@@ -7,6 +7,7 @@
 
 #include "host/error.hpp"
 #include "host/serve/access.hpp"
+#include "host/serve/camera.hpp"
 #include "host/serve/clouds.hpp"
 #include "host/serve/computations.hpp"
 #include "host/serve/history.hpp"
@@ -27,8 +28,10 @@ using Json = nlohmann::json;
 constexpr const char* api_target = "/api";
 constexpr const char* socket_target = "/ws";
 constexpr const char* login_target = "/login";
+constexpr const char* camera_target = "/camera";
 constexpr std::string_view files_target = "/files/";
 constexpr std::string_view reports_target = "/reports/";
+constexpr const char* needs_token = "needs Authorization: Bearer and the token";
 constexpr std::size_t max_login_bytes = 2048, max_call_bytes = 256 * 1024,
                       max_file_bytes = 32 * 1024 * 1024;
 constexpr auto login_time = 5s;
@@ -98,6 +101,7 @@ Server::Server(SiteOptions options, JobFolder folder)
       clouds_(std::make_unique<Clouds>()),
       history_(
           std::make_unique<History>(options_.library, options_.board, reports_, options_.note)) {
+  if (!options_.camera.empty()) camera_ = std::make_unique<Camera>(options_.camera);
   if (!options_.octoprint_key.empty())
     octoprint_ = std::make_unique<OctoPrint>(options_.octoprint_key, folder_,
                                              [this] { require_program_right(); });
@@ -118,6 +122,12 @@ bool Server::is_token(std::string_view token) {
   return is_same_secret(token, options_.token) || logins_->is_session(token);
 }
 
+bool Server::is_permitted(const WebRequest& head) {
+  constexpr std::string_view scheme = "Bearer ";
+  return head.authorization.starts_with(scheme) &&
+         is_token(std::string_view(head.authorization).substr(scheme.size()));
+}
+
 std::optional<WebReply> Server::refusal_of_names(const WebRequest& head) const {
   const ServerNames names{web_->port(), options_.proxy};
   if (!names.is_host(head.host, head.local)) return refusal(403, "Host is not this server");
@@ -134,15 +144,16 @@ Admission Server::admit(const WebRequest& head) {
   if (octoprint_ && OctoPrint::has(head.target)) return octoprint_->admit(head, max_file_bytes);
   if (find_page_file(head.target) != nullptr || head.target.starts_with(reports_target))
     return head.method == "GET" ? Admission{} : Admission{refusal(405, "only GET")};
+  if (head.target == camera_target && camera_) {
+    if (head.method != "GET") return {refusal(405, "only GET")};
+    return is_permitted(head) ? Admission{} : Admission{refusal(401, needs_token)};
+  }
   const bool is_login = head.target == login_target && logins_->has_password();
   const bool is_call = head.target == api_target;
   if (!is_login && !is_call && !head.target.starts_with(files_target))
     return {refusal(404, "not found")};
   if (head.method != "POST") return {refusal(405, "only POST")};
-  constexpr std::string_view scheme = "Bearer ";
-  if (!is_login && !(head.authorization.starts_with(scheme) &&
-                     is_token(std::string_view(head.authorization).substr(scheme.size()))))
-    return {refusal(401, "needs Authorization: Bearer and the token")};
+  if (!is_login && !is_permitted(head)) return {refusal(401, needs_token)};
   // Types that a form can send are refused: a browser asks before it sends others.
   const std::string type = is_call || is_login ? "application/json" : "application/octet-stream";
   if (head.content_type != type) return {refusal(415, "needs Content-Type: " + type)};
@@ -158,6 +169,7 @@ void Server::reply(WebRequest request, Answer answer) {
     return answer(report_of(request.target.substr(reports_target.size())));
   if (const PageFile* page = find_page_file(request.target))
     return answer({200, page->type, std::string(page->text())});
+  if (request.target == camera_target) return answer(camera_picture());
   if (request.target == login_target)
     return logins_->request(request.body, request.remote, std::move(answer));
   if (request.target != api_target) return answer(take_file(request));

@@ -109,6 +109,8 @@ const std::map<std::string_view, Server::Handler>& Server::handlers() {
       {"macro.run", &Server::run_macro},
       {"history.list", &Server::list_history},
       {"material.list", &Server::list_materials},
+      {"camera.get", &Server::get_camera},
+      {"camera.calibrate", &Server::calibrate_camera},
       {"jog.run", &Server::run_jog},
       {"jog.step", &Server::step_jog},
       {"jog.go", &Server::go_jog},

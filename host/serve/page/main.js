@@ -1,6 +1,7 @@
 // The page of a machine. It shows the status of the server and asks for actions; it keeps no state
 // of the machine.
 
+import { Camera } from '/camera.js';
 import { CloudView } from '/cloud.js';
 import { Jobs } from '/job.js';
 import { Jogger } from '/jog.js';
@@ -57,6 +58,7 @@ const link = new Link(take_token(), {
     if (!whole.control.held) link.tell('control.take');
     jobs.list();
     records.list_macros();
+    camera.begin();
     show();
   },
   down(problem) {
@@ -83,6 +85,7 @@ const link = new Link(take_token(), {
   },
 });
 const cloud = new CloudView(link, element, (place) => jogger.go(place));
+const camera = new Camera(link, element, cloud, () => status.board?.machine);
 const jogger = new Jogger(link, element);
 const jobs = new Jobs(link, element, cloud, show_problem);
 const records = new Records(link, element);
