@@ -66,7 +66,9 @@ export class CloudView {
   async open(file, is_job) {
     this.close();
     const own = this.#opened;
-    const cloud = is_job ? await this.#link.call('cloud.open', { name: file.name }) : { points: 0 };
+    const asked = is_job ? this.#link.call('cloud.open', { name: file.name }) : { points: 0 };
+    if (is_job) this.#begin_painter();  // while the server reads the job
+    const cloud = await asked;
     if (own !== this.#opened) return;
     if (cloud.points > 0) await this.#show_cloud(cloud);
     else await this.#show_path(file, own);
@@ -149,7 +151,13 @@ export class CloudView {
     }
   }
 
-  // With the first cloud: the page is there sooner.
+  // There is a job, whose points may be shown: what a browser needs for WebGL takes up to a second, so
+  // it is begun as soon as the page has time.
+  prepare() {
+    (window.requestIdleCallback ?? setTimeout)(() => this.#begin_painter());
+  }
+
+  // Not with the page: the page is there sooner.
   #begin_painter() {
     if (this.painter) return;
     this.painter = make_painter(this.#element('points'));

@@ -64,6 +64,7 @@ export class Jobs {
       .filter(({ kind }) => runs === ['job', 'program'].includes(kind))
       .map(({ name }) => new Option(name, name, false, name === value)));
     fill('jobs', true, chosen);
+    if (files.some(({ kind }) => kind === 'job')) this.#cloud.prepare();
     fill('models', false, files.some(({ name }) => name === chosen) ? chosen : this.#element('models').value);
   }
 
