@@ -36,7 +36,7 @@ const bare = (page) => page.ask(`(() => {
     if (!node.parentElement.closest(data)) found.push(node.data);
   for (const each of document.querySelectorAll('[aria-label], [alt], [title]'))
     found.push(each.getAttribute('aria-label') ?? each.getAttribute('alt') ?? each.title);
-  return found.map(without).filter((text) => /[A-Za-z]{2}|[a-z]/.test(text)).map((text) => text.trim());
+  return found.map(without).map((text) => text.replace('line.ngc ·', '')).filter((text) => /[A-Za-z]{2}|[a-z]/.test(text)).map((text) => text.trim());
 })()`);
 
 async function expect_translated(page, what) {
@@ -85,6 +85,7 @@ try {
   await page.click('#start');
   await until('the history has the program', () => page.ask(
       `(document.getElementById('history-read').click(), document.querySelectorAll('#history tbody tr').length === 1)`));
+  await until('the end of a job is translated', async () => /^line\.ngc · ⟦done⟧$/.test(await text_of(page, 'job-text')));
   await expect_translated(page, 'a job has ended');
   check('a dry run has its mark', /⟦line\.ngc \(/.test(await text_of(page, 'history')), await text_of(page, 'history'));
   const complaints = page.complaints.filter((text) => !/status of 422/.test(text));  // of the refused file
