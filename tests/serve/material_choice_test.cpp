@@ -22,7 +22,7 @@ std::string error_of(const Json& response) {
 
 /// A server whose library has a board of two thicknesses, and a program that reads its values.
 class MaterialChoice : public testing::Test {
- protected:
+ public:
   MaterialChoice() {
     const std::string library = (server.folder() / "library.db").string();
     run::add_record({library, "material", "board"}, {"thickness_mm=3"});
