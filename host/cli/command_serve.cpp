@@ -99,6 +99,10 @@ void add_serve(Command& program) {
                  "not exist")
       .value_name("FILE")
       .file(FileUse::write);
+  app.add_option("--camera", &options->camera,
+                 "Show a camera below the view: http://HOST/PATH of a JPEG picture or an MJPEG "
+                 "stream, or a JPEG file that another program writes")
+      .value_name("SOURCE");
   app.add_option("--library", &options->library,
                  "Material library with the history of jobs; default: that of lamplock material")
       .value_name("FILE")

@@ -185,7 +185,8 @@ void LineConsole::take(const std::string& line) {
     }
     if (status->waits()) send_word_behind_pause();
     at_rest_ = rest_asked_at_ && done() && status->is_at_rest();
-    if (at_rest_ && status->waits() && !status->is("Tool") && !hold_is_expected_) fail_held(*status);
+    if (at_rest_ && status->waits() && !status->is("Tool") && !hold_is_expected_)
+      fail_held(*status);
     return;
   }
   if (const auto error = parse_answer(line)) {

@@ -14,7 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* columns =
-    "file, board, begin_utc, end_utc, result, message, item, dry, done, total, wasted_beats";
+    "file, board, begin_utc, end_utc, result, message, item, dry, done, total, wasted_beats, "
+    "report";
 
 /// Damaged files, and those that another program changed, have values of other kinds.
 template <class Value>
@@ -35,6 +36,7 @@ JobRecord record_of(const SqlRow& row) {
   job.total = value_of<std::int64_t>(row[column++]);
   if (!std::holds_alternative<std::monostate>(row[column]))
     job.wasted_beats = value_of<std::int64_t>(row[column]);
+  job.report = value_of<std::string>(row[column + 1]);
   return job;
 }
 
@@ -45,10 +47,10 @@ void add_job(const fs::path& library, const JobRecord& job) {
   Database database(library);
   Transaction transaction(database);
   database.query(
-      fmt::format("INSERT INTO job ({}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", columns),
+      fmt::format("INSERT INTO job ({}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", columns),
       {job.file, job.board, job.begin, job.end, job.result, job.message, job.item,
        std::int64_t{job.is_dry ? 1 : 0}, job.done, job.total,
-       job.wasted_beats ? SqlValue(*job.wasted_beats) : SqlValue()});
+       job.wasted_beats ? SqlValue(*job.wasted_beats) : SqlValue(), job.report});
   database.execute(fmt::format("DELETE FROM job WHERE number <= (SELECT max(number) FROM job) - {}",
                                max_job_records));
   transaction.commit();

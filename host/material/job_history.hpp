@@ -22,6 +22,7 @@ struct JobRecord {
   std::int64_t done = 0, total = 0;  ///< items
   /// Of a job of points: lamp flashes without a shot between the first shot and the last.
   std::optional<std::int64_t> wasted_beats{};
+  std::string report{};  ///< name of its report; empty: none
   friend bool operator==(const JobRecord&, const JobRecord&) = default;
 };
 

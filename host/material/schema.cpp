@@ -99,7 +99,11 @@ CREATE TABLE job (
 /// Pulsed beams.
 constexpr const char* frequency_column = "ALTER TABLE setting ADD COLUMN frequency_hz REAL;";
 
-constexpr std::array steps_of_library{first_tables, thermal_columns, job_table, frequency_column};
+/// Two jobs of one second have reports of their own.
+constexpr const char* report_column = "ALTER TABLE job ADD COLUMN report TEXT NOT NULL DEFAULT '';";
+
+constexpr std::array steps_of_library{first_tables, thermal_columns, job_table, frequency_column,
+                                      report_column};
 
 }  // namespace
 

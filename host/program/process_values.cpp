@@ -134,12 +134,13 @@ std::vector<Reference> references_in(std::string_view line) {
   return found;
 }
 
+template <class Refusal = Error>
 [[noreturn]] void refuse(std::string_view line, const Reference& reference, const LinePlace& place,
                          const std::string& what, const std::string& remedy) {
   std::string where = fmt::format("{}:{}", place.file, place.line);
   if (place.has_columns) where += fmt::format(":{}", reference.hash + 1);
   const std::size_t end = line.find('>', reference.hash) + 1;
-  throw Error(
+  throw Refusal(
       Exit::bad_input, where,
       fmt::format("'{}': {}", printable(line.substr(reference.hash, end - reference.hash)), what),
       remedy);
@@ -178,8 +179,8 @@ std::optional<double> value_of(const NameRow& row, const ProcessValues& values, 
 
 [[noreturn]] void refuse_without_material(std::string_view line, const Reference& reference,
                                           const LinePlace& place) {
-  refuse(line, reference, place, "no material is chosen",
-         "add --material NAME; lamplock material list has the names");
+  refuse<NoMaterial>(line, reference, place, "no material is chosen",
+                     "choose one (--material NAME); lamplock material list has the names");
 }
 
 /// A number of a word: seven decimals.

@@ -15,6 +15,7 @@
 #include <string>
 #include <string_view>
 
+#include "host/error.hpp"
 #include "host/program/board_state.hpp"
 #include "shared/settings_table.hpp"
 
@@ -32,6 +33,12 @@ struct ProcessValues {
   std::optional<double> kerf_mm{}, thickness_mm{}, frequency_hz{};
 };
 
+/// A program reads a process parameter and no material is chosen: a page asks for one.
+class NoMaterial : public Error {
+ public:
+  using Error::Error;
+};
+
 /// A line of a file, for errors.
 struct LinePlace {
   const std::string& file;
@@ -43,8 +50,8 @@ struct LinePlace {
 bool has_process_values(std::string_view text);
 
 /// Throws Error(bad_input) at the first process parameter that does not exist or that is assigned;
-/// and, if no values are chosen, at the first that is read. A program with O-words may ask
-/// by EXISTS whether they are, and then only what is executed counts.
+/// and, if no values are chosen, NoMaterial at the first that is read. A program with O-words may
+/// ask by EXISTS whether they are, and then only what is executed counts.
 void check_process_values(std::string_view program, const std::string& file,
                           const ProcessValues* values);
 

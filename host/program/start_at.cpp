@@ -34,9 +34,7 @@ class Skipped {
  public:
   Skipped(const settings::Values& values, const std::string& file,
           const std::optional<BoardState>& state)
-      : file_(file),
-        options_(program_options(values)),
-        interpreter_(parameters_, options_) {
+      : file_(file), options_(program_options(values)), interpreter_(parameters_, options_) {
     if (state) begin_with(in_work_coordinates(*state), interpreter_, parameters_);
   }
 

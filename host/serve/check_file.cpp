@@ -7,10 +7,11 @@
 
 #include "host/geometry/bounds.hpp"
 #include "host/program/path_picture.hpp"
+#include "host/program/process_values.hpp"
 #include "host/program/program_run.hpp"
-#include "host/run/check_program.hpp"
 #include "host/run/read_job.hpp"
 #include "host/run/sent_file.hpp"
+#include "host/serve/material_choice.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -38,6 +39,20 @@ Json program_json(const program_run::ProgramRun& run, const std::string& name) {
           {"problems", std::move(problems)},
           {"bounds", {corner(run.bounds.low), corner(run.bounds.high)}},
           {"picture", program_run::path_svg(run, name)}};
+}
+
+Json material_json(const program_run::ProcessValues& values) {
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json();
+  };
+  return {{"title", values.title},
+          {"feed", values.feed_mm_min},
+          {"power", values.power_w},
+          {"passes", values.passes},
+          {"air", values.air},
+          {"kerf", or_null(values.kerf_mm)},
+          {"frequency", or_null(values.frequency_hz)},
+          {"thickness", or_null(values.thickness_mm)}};
 }
 
 /// The points seen from above.
@@ -70,14 +85,26 @@ Json job_json(const run::PreparedJob& prepared) {
 
 }  // namespace
 
-Json check_file(const std::string& path, const std::string& name,
-                const run::MachineOptions& machine) {
-  if (run::kind_of_sent_file(path) == run::SentKind::job)
-    return job_json(run::read_prepared_job(path));
+run::CheckOptions check_options(const std::string& path, const run::MachineOptions& machine,
+                                const run::ProcessChoice& material) {
   run::CheckOptions options;
   options.input = path;
   options.machine = machine;
-  return program_json(run::check_program(options), name);
+  options.process = run::process_values(material);
+  return options;
+}
+
+Json check_file(const std::string& path, const std::string& name,
+                const run::MachineOptions& machine, const run::ProcessChoice& material) {
+  if (run::kind_of_sent_file(path) == run::SentKind::job) {
+    refuse_for_jobs(material);
+    return job_json(run::read_prepared_job(path));
+  }
+  const run::CheckOptions options = check_options(path, machine, material);
+  Json result = program_json(run::check_program(options), name);
+  if (program_run::has_process_values(run::read_program_text(path)))
+    result["material"] = options.process ? material_json(*options.process) : Json();
+  return result;
 }
 
 }  // namespace lamplock::serve

@@ -7,12 +7,19 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "host/run/check_program.hpp"
 #include "host/run/machine_options.hpp"
+#include "host/run/process_choice.hpp"
 
 namespace lamplock::serve {
 
-/// Throws Error for a file that cannot be read.
+/// What a page checks and draws. Throws Error(bad_input) for what the material library lacks.
+run::CheckOptions check_options(const std::string& path, const run::MachineOptions& machine,
+                                const run::ProcessChoice& material);
+
+/// Throws Error for a file that cannot be read, program_run::NoMaterial for a program that needs
+/// the values of a material.
 nlohmann::json check_file(const std::string& path, const std::string& name,
-                          const run::MachineOptions& machine);
+                          const run::MachineOptions& machine, const run::ProcessChoice& material);
 
 }  // namespace lamplock::serve

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/serve/refusal.hpp"
 
 namespace lamplock::serve {
 
@@ -38,8 +39,7 @@ const OpenCloud* Clouds::find_file(const std::string& file) {
 const OpenCloud& Clouds::find(std::uint64_t number) {
   const auto found = std::find_if(open_.begin(), open_.end(),
                                   [&](const OpenCloud& each) { return each.number == number; });
-  if (found == open_.end())
-    throw Error(Exit::bad_input, "cloud", "is no longer open", "open it again");
+  if (found == open_.end()) throw Refusal(Exit::bad_input, "cloud-closed");
   open_.splice(open_.begin(), open_, found);
   return open_.front();
 }

@@ -3,12 +3,12 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/serve/refusal.hpp"
 
 namespace lamplock::serve {
 
 void Computations::add(Work work, Done done) {
-  if (all_.size() >= max_waiting)
-    throw Error(Exit::job_failed, "server", "too many files are being read", "try again later");
+  if (all_.size() >= max_waiting) throw Refusal(Exit::job_failed, "many-files");
   all_.push_back({std::move(work), std::move(done)});
   if (all_.size() == 1) begin_next();
 }

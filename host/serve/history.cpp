@@ -7,9 +7,7 @@
 #include <optional>
 
 #include "host/material/job_history.hpp"
-#include "host/report/page.hpp"
 #include "host/run/material_records.hpp"
-#include "host/run/send_job.hpp"
 #include "host/serve/error_message.hpp"
 
 namespace lamplock::serve {
@@ -26,7 +24,7 @@ std::string utc_text(std::chrono::system_clock::time_point time) {
 
 Json or_null(const auto& value) { return value ? Json(*value) : Json(); }
 
-void keep_job(const std::string& library, const std::string& board, const EndedJob& job) {
+material::JobRecord record_of(const std::string& board, const EndedJob& job) {
   material::JobRecord record;
   record.file = job.view.name;
   record.board = board;
@@ -39,6 +37,11 @@ void keep_job(const std::string& library, const std::string& board, const EndedJ
   record.done = static_cast<std::int64_t>(job.view.done);
   record.total = static_cast<std::int64_t>(job.view.total);
   record.wasted_beats = job.wasted_beats;
+  if (job.report) record.report = Reports::new_name(record.begin);
+  return record;
+}
+
+void keep_record(const std::string& library, const material::JobRecord& record) {
   const std::string file = run::library_file(library);
   std::error_code ignored;
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
@@ -67,11 +70,12 @@ void History::poll() {
 
 /// The records first: they do not depend on space for a report.
 void History::keep(const std::vector<EndedJob>& jobs) const {
-  for (const EndedJob& job : jobs) keep_job(library_, board_, job);
-  for (const EndedJob& job : jobs)
-    if (job.run)
-      reports_.keep(utc_text(job.begin),
-                    report::page(job.run->outcome.report, job.run->outcome.run));
+  std::vector<material::JobRecord> records;
+  records.reserve(jobs.size());
+  for (const EndedJob& job : jobs) records.push_back(record_of(board_, job));
+  for (const material::JobRecord& record : records) keep_record(library_, record);
+  for (std::size_t i = 0; i < jobs.size(); ++i)
+    if (jobs[i].report) reports_.keep(records[i].report, jobs[i].report(records[i]));
 }
 
 void History::end() {
@@ -84,11 +88,10 @@ void History::end() {
 }
 
 Json history_json(const std::string& library, const Reports& reports) {
-  const std::map<std::string, std::string> names = reports.names();
+  const std::set<std::string> names = reports.names();
   Json jobs = Json::array();
   for (const material::JobRecord& job :
        material::last_jobs(run::library_file(library), max_shown)) {
-    const auto report = names.find(job.begin);
     jobs.push_back({{"file", job.file},
                     {"board", job.board},
                     {"begin", job.begin},
@@ -100,7 +103,7 @@ Json history_json(const std::string& library, const Reports& reports) {
                     {"done", job.done},
                     {"total", job.total},
                     {"wasted_beats", or_null(job.wasted_beats)},
-                    {"report", report == names.end() ? Json() : Json(report->second)}});
+                    {"report", names.contains(job.report) ? Json(job.report) : Json()}});
   }
   return jobs;
 }

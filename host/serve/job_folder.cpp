@@ -11,6 +11,7 @@
 #include "host/glass/description_file.hpp"
 #include "host/model/input.hpp"
 #include "host/run/sent_file.hpp"
+#include "host/serve/refusal.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -78,14 +79,8 @@ std::vector<JobFile> JobFolder::list() const {
 }
 
 void JobFolder::check_name(const std::string& name) {
-  if (!is_name(name))
-    throw Error(Exit::bad_input, name, "is not a name for a file of the server",
-                "use letters, digits, spaces and . _ - ( ) +, at most 100, not beginning with .");
-  if (kind_of(name) == nullptr)
-    throw Error(Exit::bad_input, name,
-                "is neither a job (.llj), a program of G-code, a description (.toml) nor a model",
-                "make a job of it: lamplock job, or a program: lamplock cut; of models, use STL, "
-                "PLY or 3MF");
+  if (!is_name(name)) throw Refusal(Exit::bad_input, "file-name", {{"name", name}});
+  if (kind_of(name) == nullptr) throw Refusal(Exit::bad_input, "file-kind", {{"name", name}});
 }
 
 void JobFolder::write(const std::string& name, std::string_view bytes) const {
@@ -97,7 +92,7 @@ fs::path JobFolder::path_of(const std::string& name) const {
   std::error_code ignored;
   fs::path path = folder_ / name;
   if (!is_name(name) || !fs::is_regular_file(path, ignored) || fs::is_symlink(path, ignored))
-    throw Error(Exit::bad_input, name, "the server has no such file", "send it first");
+    throw Refusal(Exit::bad_input, "no-file", {{"name", name}});
   return path;
 }
 

@@ -11,6 +11,7 @@
 #include "host/link/program_lines.hpp"
 #include "host/run/program_control.hpp"
 #include "host/serve/error_message.hpp"
+#include "host/serve/refusal.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -106,10 +107,8 @@ void Machine::type(const std::string& word) {
 /// With the lock.
 void Machine::check_is_free() const {
   if (!view_.board.is_connected)
-    throw Error(Exit::no_device, options_.board, "the board is not connected",
-                "connect it; the server opens it again by itself");
-  if (view_.job.is_running)
-    throw Error(Exit::job_failed, view_.job.name, "the job runs", "wait for its end, or stop it");
+    throw Refusal(Exit::no_device, "no-board", {{"board", options_.board}});
+  if (view_.job.is_running) throw Refusal(Exit::job_failed, "job-runs", {{"job", view_.job.name}});
 }
 
 void Machine::start(const JobStart& job) {
@@ -129,11 +128,20 @@ void Machine::post(Work work, Done done) {
   posted_.push_back({std::move(work), std::move(done)});
 }
 
+/// With the lock: a program waits for a tool, and its sender takes lines of the user.
+bool Machine::changes_tool() const { return requests_ && view_.job.word == run::tool_change_word; }
+
 void Machine::send_lines(const std::vector<std::string>& lines) {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
+  if (changes_tool()) {
+    if (lines.size() != 1) throw Refusal(Exit::job_failed, "one-line");
+    requests_->type(lines.front());
+    lock.unlock();
+    return show("> " + lines.front());
+  }
   check_is_free();
   if (lines_.size() + lines.size() > max_queued_lines)
-    throw Error(Exit::job_failed, "console", "too many lines wait for the board", "wait for them");
+    throw Refusal(Exit::job_failed, "many-lines");
   lines_.insert(lines_.end(), lines.begin(), lines.end());
 }
 
@@ -144,8 +152,7 @@ void Machine::run_jog(const pendant::Direction& direction, double feed_mm_min,
     const auto now = now_();
     if (barred_since_ && now - *barred_since_ <= lease_time) {
       barred_since_ = now;
-      throw Error(Exit::job_failed, "jog", "was stopped",
-                  "release the button, then press it again");
+      throw Refusal(Exit::job_failed, "jog-stopped");
     }
     barred_since_.reset();
   }
@@ -155,8 +162,7 @@ void Machine::run_jog(const pendant::Direction& direction, double feed_mm_min,
 void Machine::go_to(const Place& place, double feed_mm_min, std::chrono::milliseconds lease) {
   {
     const std::lock_guard lock(mutex_);
-    if (view_.board.jogs)
-      throw Error(Exit::job_failed, "jog", "the machine moves", "wait until it is at rest");
+    if (view_.board.jogs) throw Refusal(Exit::job_failed, "machine-moves");
   }
   check_in_area(place);
   lend({std::nullopt, place, feed_mm_min, {}}, lease);
@@ -169,20 +175,18 @@ void Machine::check_in_area(const Place& place) const {
   const std::array high{travel->high.x, travel->high.y, travel->high.z};
   for (std::size_t a = 0; a < low.size(); ++a)
     if (place[a] && high[a] > low[a] && (*place[a] < low[a] || *place[a] > high[a]))
-      throw Error(Exit::bad_input, "jog",
-                  fmt::format("{} {:.3f} lies outside of the travel of the machine, {:.3f} to "
-                              "{:.3f} mm",
-                              axis_letters[a], *place[a], low[a], high[a]),
-                  "choose a place inside of its frame");
+      throw Refusal(Exit::bad_input, "outside-travel",
+                    {{"axis", std::string(1, axis_letters[a])},
+                     {"place", fmt::format("{:.3f}", *place[a])},
+                     {"low", fmt::format("{:.3f}", low[a])},
+                     {"high", fmt::format("{:.3f}", high[a])}});
 }
 
 void Machine::renew_jog(std::chrono::milliseconds lease) { lend({}, lease); }
 
 void Machine::lend(Lease lease, std::chrono::milliseconds time) {
   const std::lock_guard lock(mutex_);
-  if (requests_ && view_.job.word == run::tool_change_word)
-    throw Error(Exit::job_failed, "jog", "only steps move the machine in a tool change",
-                "choose a step");
+  if (changes_tool()) throw Refusal(Exit::job_failed, "only-steps");
   check_is_free();
   lease.until = now_() + std::min(time, lease_time);
   // A way that has not begun keeps its place.
@@ -195,8 +199,7 @@ void Machine::lend(Lease lease, std::chrono::milliseconds time) {
 
 void Machine::step_jog(int axis, double mm, double feed_mm_min) {
   const std::lock_guard lock(mutex_);
-  if (requests_ && view_.job.word == run::tool_change_word)
-    return requests_->type(step_line(axis, mm, feed_mm_min));
+  if (changes_tool()) return requests_->type(step_line(axis, mm, feed_mm_min));
   check_is_free();
   step_ = Step{axis, mm, feed_mm_min};
 }

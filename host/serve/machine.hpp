@@ -34,6 +34,7 @@
 #include "host/pendant/jog_stream.hpp"
 #include "host/run/board_options.hpp"
 #include "host/run/machine_options.hpp"
+#include "host/run/process_choice.hpp"
 #include "host/run/supervisor.hpp"
 #include "host/serve/clock.hpp"
 #include "host/serve/machine_view.hpp"
@@ -51,8 +52,9 @@ struct JobStart {
   std::string name;  ///< for users
   std::string path;
   bool is_dry = false;
-  bool resumes = false;  ///< the last run of this job
-  std::size_t from = 0;  ///< point or line
+  bool resumes = false;           ///< the last run of this job
+  std::size_t from = 0;           ///< point or line
+  run::ProcessChoice material{};  ///< of a program
 };
 
 /// Machine coordinates [mm]; an axis without one stays where it is.
@@ -95,7 +97,7 @@ class Machine {
   void post(Work work, Done done);
   /// Sends a line of G-code or a `$` command, after the answer to the one before.
   void send_line(const std::string& line) { send_lines({line}); }
-  /// All of them or none.
+  /// All of them or none; in a tool change of a program one.
   void send_lines(const std::vector<std::string>& lines);
   /// Moves for `lease`, at most lease_time. After stop() or bar_jog() a button that is still held
   /// moves nothing: it is refused until release_jog(), or until no request has come for lease_time.
@@ -148,11 +150,14 @@ class Machine {
   void read_limits();
   void do_work(const Posted& posted);
   void run_job(const JobStart& job);
+  void run_program(const JobStart& job, PageFrontend& frontend, EndedJob& ended, std::string& end);
+  void run_file(const JobStart& job, PageFrontend& frontend, EndedJob& ended, std::string& end);
   run::BoardOptions options_for(const JobStart& job) const;
   void end_job(const std::string& end, const std::string& message, EndedJob ended);
   void lose_board(const std::string& why);
   void show(const std::string& text);
   void check_is_free() const;
+  bool changes_tool() const;
   void check_in_area(const Place& place) const;
   void type(const std::string& word);
 

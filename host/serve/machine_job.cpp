@@ -3,14 +3,21 @@
 #include <exception>
 #include <memory>
 #include <utility>
+#include <vector>
 
+#include "host/error.hpp"
+#include "host/report/page.hpp"
 #include "host/run/report_job.hpp"
 #include "host/run/run_program.hpp"
 #include "host/run/send_job.hpp"
 #include "host/run/sent_file.hpp"
+#include "host/serve/clouds.hpp"
 #include "host/serve/error_message.hpp"
 #include "host/serve/lent_transport.hpp"
 #include "host/serve/machine.hpp"
+#include "host/serve/material_choice.hpp"
+#include "host/serve/read_path.hpp"
+#include "host/serve/run_page.hpp"
 #include "shared/beat_reason.hpp"
 #include "shared/wire/status.hpp"
 
@@ -21,6 +28,20 @@ std::int64_t wasted_beats(const wire::Status& status) {
   std::int64_t all = 0;
   for (const std::uint32_t beats : status.beats_by_reason) all += beats;
   return all - status.beats_by_reason[static_cast<std::size_t>(BeatReason::fired)];
+}
+
+/// The path is read again, which takes as long as a check; a file that was replaced has none.
+auto report_page(const JobStart& job, const run::MachineOptions& machine, RunReport report) {
+  return [job, machine, report = std::move(report),
+          file = state_of(job.path)](const material::JobRecord& record) {
+    std::vector<PathPlace> path;
+    try {
+      if (state_of(job.path) == file) path = read_path(job.path, machine, job.material).places();
+    } catch (const Error&) {
+      path.clear();  // the rest of the report does not need it
+    }
+    return run_page(record, report, path);
+  };
 }
 
 }  // namespace
@@ -52,30 +73,50 @@ void Machine::run_job(const JobStart& job) {
   EndedJob ended;
   ended.begin = std::chrono::system_clock::now();
   try {
-    run::BoardOptions options = options_for(job);
-    if (run::kind_of_sent_file(job.path) == run::SentKind::program) {
-      const run::ProgramOutcome outcome =
-          run::run_program(job.path, options, {false, machine_}, frontend);
-      end = end_name(outcome);
-      run::judge_program(outcome, options.board, frontend);
-    } else {
-      const auto sent = std::make_shared<run::SentJob>(run::send_job(job.path, options, frontend));
-      sent->outcome.report.input = sent->outcome.run.input = job.name;  // no path of the server
-      end = end_name(sent->outcome);
-      ended.item = sent->prepared.job.item();
-      if (sent->prepared.job.is_rows()) {
-        run::judge_end(sent->outcome, options, sent->prepared.job.item(), frontend);
-      } else {
-        ended.wasted_beats = wasted_beats(sent->outcome.result.status);
-        ended.run = sent;
-        run::judge_points(sent->outcome, options, frontend);
-      }
-    }
+    if (run::kind_of_sent_file(job.path) == run::SentKind::program)
+      run_program(job, frontend, ended, end);
+    else
+      run_file(job, frontend, ended, end);
     end_job(end, "", std::move(ended));
   } catch (...) {
     end_job(end.empty() || end == "done" ? "failed" : end, message_of(std::current_exception()),
             std::move(ended));
   }
+}
+
+/// `end` is set as soon as the program has begun, errors may follow.
+void Machine::run_program(const JobStart& job, PageFrontend& frontend, EndedJob& ended,
+                          std::string& end) {
+  const run::BoardOptions options = options_for(job);
+  const run::ProgramOptions asked{false, machine_, run::process_values(job.material)};
+  if (asked.process) show("material: " + run::text_of(*asked.process));
+  const run::ProgramOutcome outcome = run::run_program(job.path, options, asked, frontend);
+  end = end_name(outcome);
+  RunReport report = report_of(outcome);
+  report.has_share = job.from == 0;
+  ended.report = report_page(job, machine_, std::move(report));
+  run::judge_program(outcome, options.board, frontend);
+}
+
+/// The same of points and rows.
+void Machine::run_file(const JobStart& job, PageFrontend& frontend, EndedJob& ended,
+                       std::string& end) {
+  refuse_for_jobs(job.material);
+  run::BoardOptions options = options_for(job);
+  const auto sent = std::make_shared<run::SentJob>(run::send_job(job.path, options, frontend));
+  sent->outcome.report.input = sent->outcome.run.input = job.name;  // no path of the server
+  end = end_name(sent->outcome);
+  ended.item = sent->prepared.job.item();
+  if (sent->prepared.job.is_rows()) {
+    ended.report = report_page(job, machine_, report_of(*sent));
+    run::judge_end(sent->outcome, options, sent->prepared.job.item(), frontend);
+    return;
+  }
+  ended.wasted_beats = wasted_beats(sent->outcome.result.status);
+  ended.report = [sent](const material::JobRecord&) {
+    return report::page(sent->outcome.report, sent->outcome.run);
+  };
+  run::judge_points(sent->outcome, options, frontend);
 }
 
 void Machine::end_job(const std::string& end, const std::string& message, EndedJob ended) {

@@ -4,13 +4,13 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-namespace lamplock::run {
-struct SentJob;
+namespace lamplock::material {
+struct JobRecord;
 }
 
 namespace lamplock::serve {
@@ -45,7 +45,8 @@ struct EndedJob {
   std::string item = "line";  ///< what `view` counts
   std::chrono::system_clock::time_point begin{}, end{};
   std::optional<std::int64_t> wasted_beats{};  ///< of points: lamp flashes without a shot
-  std::shared_ptr<const run::SentJob> run{};   ///< of points, for the report; null: none
+  /// Makes the page of its report; takes seconds, and may throw Error. Null: it has none.
+  std::function<std::string(const material::JobRecord&)> report{};
 };
 
 struct MachineView {

@@ -9,6 +9,7 @@
 #include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/link/program_lines.hpp"
+#include "host/serve/refusal.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -40,28 +41,28 @@ std::map<std::string, std::string> Macros::all() const {
 std::vector<std::string> Macros::lines_of(const std::string& name) const {
   const auto macros = all();
   const auto found = macros.find(name);
-  if (found == macros.end())
-    throw Error(Exit::bad_input, "macro " + name, "is not there", "list the macros");
+  if (found == macros.end()) throw Refusal(Exit::bad_input, "no-macro", {{"name", name}});
   return lines_to_send(name, found->second);
 }
 
 void Macros::set(const std::string& name, const std::string& lines) const {
   const std::size_t count = lines_to_send(name, lines).size();
   if (count == 0 || count > max_lines)
-    throw Error(Exit::bad_input, "macro " + name, fmt::format("has {} lines", count),
-                fmt::format("give 1 to {}", max_lines));
+    throw Refusal(Exit::bad_input, "macro-lines",
+                  {{"name", name},
+                   {"lines", fmt::format("{}", count)},
+                   {"max", fmt::format("{}", max_lines)}});
   auto macros = all();
   macros[name] = lines;
   if (macros.size() > max_macros)
-    throw Error(Exit::bad_input, "macro " + name, fmt::format("there are {} others", max_macros),
-                "remove one of them");
+    throw Refusal(Exit::bad_input, "many-macros",
+                  {{"name", name}, {"max", fmt::format("{}", max_macros)}});
   write(macros);
 }
 
 void Macros::remove(const std::string& name) const {
   auto macros = all();
-  if (macros.erase(name) == 0)
-    throw Error(Exit::bad_input, "macro " + name, "is not there", "list the macros");
+  if (macros.erase(name) == 0) throw Refusal(Exit::bad_input, "no-macro", {{"name", name}});
   write(macros);
 }
 

@@ -13,6 +13,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double max_feed = 1'000'000, max_items = 4e9, max_time = 1e15;
+constexpr double max_record_name = 100, max_thickness_mm = 1000;
 constexpr double max_file_name = 100, max_line_text = 250, max_secret_text = 64;
 /// A step is completed when its client has gone: it is short.
 constexpr double max_step_mm = 10;
@@ -30,8 +31,37 @@ constexpr std::array feed_parameters{
     Parameter{"change", Type::text, true, 0, 0, "more|less|full", "by 10 %, or to 100 %"}};
 constexpr Parameter file_name{"name", Type::text, true, 1, max_file_name, nullptr, "file"};
 constexpr std::array file_parameters{file_name};
+constexpr Parameter material{"material",
+                             Type::text,
+                             false,
+                             1,
+                             max_record_name,
+                             nullptr,
+                             "of the material library, for a program with `#<_material_feed>` and "
+                             "the like"},
+    laser{"laser",
+          Type::text,
+          false,
+          1,
+          max_record_name,
+          nullptr,
+          "its laser; default: the only one with a setting"},
+    operation{"operation", Type::text, false, 0, 0, "cut|score|engrave", "default: cut"},
+    thickness{"thickness",
+              Type::number,
+              false,
+              0.001,
+              max_thickness_mm,
+              nullptr,
+              "mm; default: that of the material"};
+constexpr std::array program_parameters{file_name, material, laser, operation, thickness};
 constexpr std::array start_parameters{
-    file_name, Parameter{"dry", Type::flag, false, 0, 0, nullptr, "moves with the laser off"},
+    file_name,
+    material,
+    laser,
+    operation,
+    thickness,
+    Parameter{"dry", Type::flag, false, 0, 0, nullptr, "moves with the laser off"},
     Parameter{"resume", Type::flag, false, 0, 0, nullptr,
               "continues the last run of a job; no point is fired twice"},
     Parameter{"from", Type::whole, false, 0, max_items, nullptr,
@@ -69,6 +99,10 @@ constexpr std::array macro_parameters{macro_name};
 constexpr std::array set_macro_parameters{macro_name,
                                           Parameter{"lines", Type::text, true, 1, 4000, nullptr,
                                                     "1 to 50 lines, separated by line feeds"}};
+constexpr std::array camera_parameters{
+    Parameter{"points", Type::objects, true, 4, 4, nullptr,
+              "four objects: `u`, `v` (place in the picture, 0 to 1 from the left and the top) and "
+              "`x`, `y` (of the machine, mm)"}};
 constexpr std::array set_parameters{
     Parameter{"changes", Type::object, true, 0, 0, nullptr, "values by name of the setting"}};
 
@@ -121,9 +155,12 @@ constexpr std::array table{
            "its two corners, mm"},
     Method{"job.list", Right::all, none, "Files that were sent to the server.",
            "list of `name`, `bytes`, `kind` (job, program, model, description)"},
-    Method{"job.check", Right::all, file_parameters,
+    Method{"job.check", Right::all, program_parameters,
            "Runs a program, or reads a job, without the machine.",
-           "`kind`, `seconds`, `problems`, `bounds`, `picture` (SVG), `points` or `lines`"},
+           "`kind`, `seconds`, `problems`, `bounds`, `picture` (SVG), `points` or `lines`; of a "
+           "program with process parameters `material`: values of the chosen setting (`title`, "
+           "`feed`, "
+           "`power`, `passes`, `air`, `kerf`, `frequency`, `thickness`), or null"},
     Method{"job.start", Right::firing, start_parameters,
            "Runs a job or a program. A dry run needs no pairing.", "nothing"},
     Method{"job.make", Right::control, file_parameters,
@@ -131,7 +168,7 @@ constexpr std::array table{
            "`name` of the job, `points`, `notices`"},
     Method{"job.delete", Right::control, file_parameters, "Removes a file.", "nothing"},
     Method{
-        "path.open", Right::all, file_parameters,
+        "path.open", Right::all, program_parameters,
         "Sends the path of a program or of rows as a binary message, before the result.",
         "`places`, `bounds`, `area` (of the machine); the message has two zeros of 32 bits, then "
         "for each place x, y, z (16 bits, 0 to 65535 in the bounds) and twice its share of the "
@@ -153,8 +190,11 @@ constexpr std::array table{
         "`bounds`), `block` or null, `area`, `middle`"},
     Method{"scene.write", Right::control, scene_parameters,
            "Writes a description with these objects, after it was read back.", "nothing"},
-    Method{"console.send", Right::firing, send_parameters,
-           "Sends a line; the answer comes with the lines of the console.", "nothing"},
+    Method{
+        "console.send", Right::firing, send_parameters,
+        "Sends a line, in a tool change of a program too; the answer comes with the lines of the "
+        "console.",
+        "nothing"},
     Method{"console.lines", Right::all, lines_parameters, "The last lines of the console.",
            "list of `number`, `text`"},
     Method{"macro.list", Right::all, none, "Named lines that the server keeps for the console.",
@@ -163,14 +203,22 @@ constexpr std::array table{
            "nothing"},
     Method{"macro.remove", Right::control, macro_parameters, "Removes a macro.", "nothing"},
     Method{"macro.run", Right::firing, macro_parameters,
-           "Sends all lines of a macro, one after the other.", "nothing"},
+           "Sends all lines of a macro, one after the other; in a tool change only a macro of one "
+           "line.",
+           "nothing"},
     Method{"history.list", Right::all, none, "The last 100 jobs and programs, newest first.",
            "list of `file`, `board`, `begin`, `end` (UTC), `result`, `message`, `dry`, `done` of "
-           "`total`, `item`, `wasted_beats` (of points, or null), `report` (of points: the page at "
-           "/reports/NAME, or null)"},
+           "`total`, `item`, `wasted_beats` (of points, or null), `report` (the page at "
+           "/reports/NAME, or "
+           "null)"},
     Method{"material.list", Right::all, none, "The settings of the material library.",
            "list of `material`, `laser`, `operation`, `thickness` (mm or null), `feed` (mm/min), "
            "`power` (W), `passes`, `kerf` (mm or null), `note`"},
+    Method{"camera.get", Right::all, none,
+           "Whether the server has a camera; its newest picture is at `GET /camera`.",
+           "`camera` (true or false), `points` of its calibration, or null"},
+    Method{"camera.calibrate", Right::control, camera_parameters,
+           "Keeps four points, of which no three are on a line.", "nothing"},
     Method{
         "jog.run", Right::control, run_parameters,
         "Moves at a feed for 200 ms; a client repeats it while a key is held. After a stop of "

@@ -56,7 +56,8 @@ std::string with_texts(std::string_view page, const PageTexts& texts) {
 PageDocument page_document(const PageTexts& texts) {
   PageDocument made{with_texts(page_html(), texts), page_policy(policy_hash(page_css()))};
   fill(made.html, "<style>", page_css());
-  fill(made.html, R"(<script type="application/json" id="texts">)", json_in_script(texts));
+  fill(made.html, R"(<script type="application/json" id="texts">)",
+       json_in_script(texts_of_document(texts)));
   return made;
 }
 

@@ -16,6 +16,7 @@ constexpr std::array page_table{
     PageFile{"/cloud_painter.js", "text/javascript; charset=utf-8", page_cloud_painter_js},
     PageFile{"/path_painter.js", "text/javascript; charset=utf-8", page_path_painter_js},
     PageFile{"/cloud.js", "text/javascript; charset=utf-8", page_cloud_js},
+    PageFile{"/camera.js", "text/javascript; charset=utf-8", page_camera_js},
     PageFile{"/place.js", "text/javascript; charset=utf-8", page_place_js},
     PageFile{"/records.js", "text/javascript; charset=utf-8", page_records_js},
     PageFile{"/main.js", "text/javascript; charset=utf-8", page_main_js}};

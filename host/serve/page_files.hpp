@@ -28,6 +28,7 @@ std::string_view page_views_js();
 std::string_view page_cloud_painter_js();
 std::string_view page_path_painter_js();
 std::string_view page_cloud_js();
+std::string_view page_camera_js();
 std::string_view page_place_js();
 std::string_view page_records_js();
 std::string_view page_main_js();

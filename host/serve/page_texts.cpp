@@ -4,14 +4,18 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string_view>
 
 #include "host/error.hpp"
 #include "host/file.hpp"
 #include "host/file/staged_file.hpp"
 #include "host/serve/page_files.hpp"
+#include "shared/settings_table.hpp"
 
 namespace lamplock::serve {
 namespace {
+
+constexpr std::string_view setting_prefix = "setting.";
 
 /// Names in braces.
 std::set<std::string> values_of(const std::string& text) {
@@ -40,11 +44,29 @@ void check_text(const std::string& file, const std::string& name, const nlohmann
                   "use the names in braces of the English text: " + english->second);
 }
 
+/// In the order of the table; the meaning of a setting by its name.
+nlohmann::ordered_json english_table() {
+  auto english = nlohmann::ordered_json::parse(page_texts_json());
+  for (std::size_t i = 0; i < settings::setting_count; ++i) {
+    const settings::Row& row = settings::row(static_cast<settings::Id>(i));
+    english[fmt::format("{}{}", setting_prefix, row.name)] = row.description;
+  }
+  return english;
+}
+
 }  // namespace
 
 const PageTexts& english_texts() {
-  static const PageTexts texts = nlohmann::json::parse(page_texts_json());
+  static const PageTexts texts = english_table().get<PageTexts>();
   return texts;
+}
+
+PageTexts texts_of_document(const PageTexts& texts) {
+  PageTexts needed = texts;
+  std::erase_if(needed, [](const auto& text) {
+    return text.first.starts_with(setting_prefix) && text.second == english_texts().at(text.first);
+  });
+  return needed;
 }
 
 PageTexts read_texts(const std::filesystem::path& file) {
@@ -68,7 +90,7 @@ PageTexts read_texts(const std::filesystem::path& file) {
 
 void write_texts(const std::filesystem::path& file) {
   write_whole(file.string(), [](const std::filesystem::path& path) {
-    write_file(path, std::string(page_texts_json()));
+    write_file(path, english_table().dump(2) + "\n");
   });
 }
 

@@ -1,7 +1,9 @@
-// The texts of the page in one table, so that a translation is one file (docs/page.md).
+// The texts of the page and of the server in one table, so that a translation is one file
+// (docs/page.md).
 //
-// In:  page/texts.json, and a file with the same names in another language. Out: a text for each
-//      name. Who: the document of the page; `serve --texts`, `serve --write-texts`.
+// In:  page/texts.json, the settings, and a file with the same names in another language. Out: a
+//      text for each name. Who: the document of the page, refusals of the server; `serve --texts`,
+//      `serve --write-texts`.
 #pragma once
 
 #include <filesystem>
@@ -14,6 +16,9 @@ namespace lamplock::serve {
 using PageTexts = std::map<std::string, std::string>;
 
 const PageTexts& english_texts();
+
+/// Without the English meaning of settings, which `settings.get` brings.
+PageTexts texts_of_document(const PageTexts& texts);
 
 /// The texts of a translation, and the English ones that it does not have. Throws
 /// Error(bad_input): the file is not JSON, a name is not in the English table, a text is not a

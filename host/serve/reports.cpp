@@ -1,7 +1,6 @@
 #include "host/serve/reports.hpp"
 
 #include <algorithm>
-#include <vector>
 
 #include "host/error.hpp"
 #include "host/file.hpp"
@@ -30,43 +29,33 @@ bool is_name(std::string_view name) {
          });
 }
 
-/// The oldest one first.
-std::vector<std::string> names_in(const std::filesystem::path& folder) {
-  std::vector<std::string> names;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
-    if (entry.path().extension() == ending && is_name(entry.path().stem().string()))
-      names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
 std::filesystem::path file_of(const std::filesystem::path& folder, std::string_view name) {
   return folder / (std::string(name) + std::string(ending));
 }
 
 }  // namespace
 
-void Reports::keep(const std::string& begin, std::string_view html) const {
+std::string Reports::new_name(const std::string& begin) {
+  return in_name(begin) + "-" + random_token();
+}
+
+void Reports::keep(const std::string& name, std::string_view html) const {
   std::error_code ignored;
   std::filesystem::create_directories(folder_, ignored);
-  const std::vector<std::string> kept = names_in(folder_);
-  for (std::size_t i = 0; i + max_kept <= kept.size(); ++i)
-    std::filesystem::remove(file_of(folder_, kept[i]), ignored);
-  write_whole(file_of(folder_, in_name(begin) + "-" + random_token()).string(),
+  std::set<std::string> kept = names();
+  for (; kept.size() >= max_kept; kept.erase(kept.begin()))
+    std::filesystem::remove(file_of(folder_, *kept.begin()), ignored);
+  write_whole(file_of(folder_, name).string(),
               [html](const std::filesystem::path& path) { write_file(path, std::string(html)); });
 }
 
-std::map<std::string, std::string> Reports::names() const {
-  std::map<std::string, std::string> by_begin;
-  for (const std::string& name : names_in(folder_)) {
-    std::string begin = name.substr(0, begin_length);
-    const std::size_t clock = begin.find('T');
-    std::replace(begin.begin() + static_cast<std::ptrdiff_t>(std::min(clock, begin.size())),
-                 begin.end(), '-', ':');
-    by_begin[begin] = name;
-  }
-  return by_begin;
+std::set<std::string> Reports::names() const {
+  std::set<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_, ignored))
+    if (entry.path().extension() == ending && is_name(entry.path().stem().string()))
+      names.insert(entry.path().stem().string());
+  return names;
 }
 
 std::optional<std::string> Reports::read(std::string_view name) const {

@@ -1,14 +1,14 @@
-// The reports of the jobs of points that the server has run: files of its folder, the last 20.
+// The reports of the jobs and programs that the server has run: files of its folder, the last 20.
 //
-// In:  the page of a report (host/report/page.hpp) and the begin of its job. Out: the page, by a
-//      name with 128 random bits: a client without access to the history cannot guess it, so that a
+// In:  the page of a report and the begin of its job. Out: the page, by a name with 128 random
+//      bits: a client without access to the history cannot guess it, so that a
 //      browser can open a report by its address alone.
 // Who: the history, which writes them outside of the thread of the server; the server.
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,11 +22,12 @@ class Reports {
 
   explicit Reports(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// `begin` of the job, UTC: "2026-11-29T10:00:00Z". Removes the oldest ones. Throws
-  /// Error(bad_input) if it cannot be written.
-  void keep(const std::string& begin, std::string_view html) const;
-  /// Names by the begin of the job.
-  std::map<std::string, std::string> names() const;
+  /// A name that no other report has. `begin` of the job, UTC: "2026-11-29T10:00:00Z".
+  static std::string new_name(const std::string& begin);
+  /// Removes the oldest ones. Throws Error(bad_input) if it cannot be written.
+  void keep(const std::string& name, std::string_view html) const;
+  /// Of all that are kept, the oldest first.
+  std::set<std::string> names() const;
   /// Nothing for a name without a report.
   std::optional<std::string> read(std::string_view name) const;
 

@@ -134,6 +134,7 @@ void serve(const ServeOptions& options, run::Frontend& frontend) {
   site.note = note;
   site.machine = options.machine;
   site.library = options.library;
+  site.camera = options.camera;
   if (!options.texts.empty()) site.texts = read_texts(options.texts);
   const JobFolder folder(options.folder.empty() ? default_job_folder()
                                                 : std::filesystem::path(options.folder));

@@ -24,6 +24,7 @@ struct ServeOptions {
   std::string password;                    ///< file with its hash; empty: none
   std::string proxy;                       ///< origin of a reverse proxy; empty: none
   std::string octoprint;                   ///< file with the key of its programs; empty: none
+  std::string camera;                      ///< source of its pictures; empty: none
   std::string log;                         ///< file; empty: none
   std::string library;                     ///< of materials and history; empty: the user's own
   std::string texts;                       ///< file with the page in another language; empty: none

@@ -7,9 +7,9 @@
 
 #include "host/error.hpp"
 #include "host/serve/access.hpp"
+#include "host/serve/camera.hpp"
 #include "host/serve/clouds.hpp"
 #include "host/serve/computations.hpp"
-#include "host/serve/error_message.hpp"
 #include "host/serve/history.hpp"
 #include "host/serve/logins.hpp"
 #include "host/serve/machine.hpp"
@@ -17,6 +17,7 @@
 #include "host/serve/octoprint.hpp"
 #include "host/serve/page_document.hpp"
 #include "host/serve/page_files.hpp"
+#include "host/serve/refusal.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -27,8 +28,10 @@ using Json = nlohmann::json;
 constexpr const char* api_target = "/api";
 constexpr const char* socket_target = "/ws";
 constexpr const char* login_target = "/login";
+constexpr const char* camera_target = "/camera";
 constexpr std::string_view files_target = "/files/";
 constexpr std::string_view reports_target = "/reports/";
+constexpr const char* needs_token = "needs Authorization: Bearer and the token";
 constexpr std::size_t max_login_bytes = 2048, max_call_bytes = 256 * 1024,
                       max_file_bytes = 32 * 1024 * 1024;
 constexpr auto login_time = 5s;
@@ -98,6 +101,7 @@ Server::Server(SiteOptions options, JobFolder folder)
       clouds_(std::make_unique<Clouds>()),
       history_(
           std::make_unique<History>(options_.library, options_.board, reports_, options_.note)) {
+  if (!options_.camera.empty()) camera_ = std::make_unique<Camera>(options_.camera);
   if (!options_.octoprint_key.empty())
     octoprint_ = std::make_unique<OctoPrint>(options_.octoprint_key, folder_,
                                              [this] { require_program_right(); });
@@ -118,6 +122,12 @@ bool Server::is_token(std::string_view token) {
   return is_same_secret(token, options_.token) || logins_->is_session(token);
 }
 
+bool Server::is_permitted(const WebRequest& head) {
+  constexpr std::string_view scheme = "Bearer ";
+  return head.authorization.starts_with(scheme) &&
+         is_token(std::string_view(head.authorization).substr(scheme.size()));
+}
+
 std::optional<WebReply> Server::refusal_of_names(const WebRequest& head) const {
   const ServerNames names{web_->port(), options_.proxy};
   if (!names.is_host(head.host, head.local)) return refusal(403, "Host is not this server");
@@ -134,15 +144,16 @@ Admission Server::admit(const WebRequest& head) {
   if (octoprint_ && OctoPrint::has(head.target)) return octoprint_->admit(head, max_file_bytes);
   if (find_page_file(head.target) != nullptr || head.target.starts_with(reports_target))
     return head.method == "GET" ? Admission{} : Admission{refusal(405, "only GET")};
+  if (head.target == camera_target && camera_) {
+    if (head.method != "GET") return {refusal(405, "only GET")};
+    return is_permitted(head) ? Admission{} : Admission{refusal(401, needs_token)};
+  }
   const bool is_login = head.target == login_target && logins_->has_password();
   const bool is_call = head.target == api_target;
   if (!is_login && !is_call && !head.target.starts_with(files_target))
     return {refusal(404, "not found")};
   if (head.method != "POST") return {refusal(405, "only POST")};
-  constexpr std::string_view scheme = "Bearer ";
-  if (!is_login && !(head.authorization.starts_with(scheme) &&
-                     is_token(std::string_view(head.authorization).substr(scheme.size()))))
-    return {refusal(401, "needs Authorization: Bearer and the token")};
+  if (!is_login && !is_permitted(head)) return {refusal(401, needs_token)};
   // Types that a form can send are refused: a browser asks before it sends others.
   const std::string type = is_call || is_login ? "application/json" : "application/octet-stream";
   if (head.content_type != type) return {refusal(415, "needs Content-Type: " + type)};
@@ -158,6 +169,7 @@ void Server::reply(WebRequest request, Answer answer) {
     return answer(report_of(request.target.substr(reports_target.size())));
   if (const PageFile* page = find_page_file(request.target))
     return answer({200, page->type, std::string(page->text())});
+  if (request.target == camera_target) return answer(camera_picture());
   if (request.target == login_target)
     return logins_->request(request.body, request.remote, std::move(answer));
   if (request.target != api_target) return answer(take_file(request));
@@ -173,11 +185,11 @@ WebReply Server::take_file(const WebRequest& request) {
   try {
     const JobView job = machine_->view().job;
     if (job.is_running && job.name == name)
-      throw Error(Exit::job_failed, name, "the job runs", "use another name");
+      throw Refusal(Exit::job_failed, "job-runs", {{"job", name}});
     folder_.write(name, request.body);
     return {201, "text/plain; charset=utf-8", name + "\n"};
   } catch (const Error& error) {
-    return refusal(422, std::string(error.message()));
+    return {422, "application/json", text_of(error_json(error))};
   } catch (const std::exception& error) {
     return refusal(500, error.what());
   }
@@ -262,20 +274,18 @@ void Server::call_method(const Method& method, const Call& call) {
     check_right(method, call);
     (this->*handlers().at(method.name))(call);
   } catch (const std::exception& error) {
-    fail(call, code::refused, message_of(error));
+    fail(call, error);
   }
 }
 
 void Server::check_right(const Method& method, const Call& call) const {
   if (method.right == Right::all) return;
   if (holder_.empty() || holder_ != call.secret)
-    throw Error(Exit::job_failed, method.name, "another client, or none, holds control",
-                "take control first");
+    throw Refusal(Exit::job_failed, "no-control", {{"method", method.name}});
   if (method.right != Right::firing || options_.is_simulated || keeps_dark(method, call)) return;
   const auto caller = persons_.find(call.secret);
   if (caller == persons_.end() || !caller->second.is_paired)
-    throw Error(Exit::job_failed, method.name, "this client may not fire",
-                "start lamplock serve with --pair at the machine, and enter its code; or run dry");
+    throw Refusal(Exit::job_failed, "not-paired", {{"method", method.name}});
 }
 
 /// A program with the key of OctoPrint was not paired at the machine, and takes control from none.
@@ -299,9 +309,13 @@ void Server::succeed(const Call& call, const Json& result) {
 }
 
 void Server::fail(const Call& call, int code, const std::string& message) {
-  finish(call, {{"jsonrpc", "2.0"},
-                {"id", Json::parse(call.id)},
-                {"error", {{"code", code}, {"message", message}}}});
+  fail(call, Json{{"code", code}, {"message", message}});
+}
+
+void Server::fail(const Call& call, const std::exception& error) { fail(call, error_json(error)); }
+
+void Server::fail(const Call& call, const Json& error) {
+  finish(call, {{"jsonrpc", "2.0"}, {"id", Json::parse(call.id)}, {"error", error}});
 }
 
 void Server::finish(const Call& call, const Json& response) {

@@ -29,6 +29,7 @@
 
 namespace lamplock::serve {
 
+class Camera;
 class Clouds;
 class Computations;
 class History;
@@ -46,6 +47,7 @@ struct SiteOptions {
   std::string password_hash;  ///< empty: the token alone
   std::optional<PublicOrigin> proxy{};
   std::string octoprint_key{};  ///< empty: no REST of OctoPrint
+  std::string camera{};         ///< source of its pictures (camera.hpp); empty: none
   std::string library{};        ///< file with materials and history; empty: the user's own
   run::MachineOptions machine;
   PageTexts texts = english_texts();
@@ -114,11 +116,14 @@ class Server final : public WebSite {
   bool keeps_dark(const Method& method, const Call& call) const;
   void succeed(const Call& call, const Json& result);
   void fail(const Call& call, int code, const std::string& message);
+  void fail(const Call& call, const std::exception& error);
+  void fail(const Call& call, const Json& error);
   void finish(const Call& call, const Json& response);
   bool was_called(const Call& call);
   Person& person(const std::string& secret);
   bool has_client(const std::string& secret) const;
   bool is_token(std::string_view token);
+  bool is_permitted(const WebRequest& head);
   std::optional<WebReply> refusal_of_names(const WebRequest& head) const;
   WebReply take_file(const WebRequest& request);
   Json status() const;
@@ -155,6 +160,9 @@ class Server final : public WebSite {
   void list_history(const Call& call);
   WebReply report_of(const std::string& name) const;
   void list_materials(const Call& call);
+  void get_camera(const Call& call);
+  void calibrate_camera(const Call& call);
+  WebReply camera_picture() const;
   void run_jog(const Call& call);
   void step_jog(const Call& call);
   void go_jog(const Call& call);
@@ -180,6 +188,7 @@ class Server final : public WebSite {
   std::unique_ptr<Computations> computations_;
   std::unique_ptr<Clouds> clouds_;
   std::unique_ptr<History> history_;
+  std::unique_ptr<Camera> camera_;        ///< null: none
   std::unique_ptr<OctoPrint> octoprint_;  ///< null: not served
   Machine* machine_ = nullptr;
   WebServer* web_ = nullptr;

@@ -5,14 +5,14 @@
 
 #include "host/error.hpp"
 #include "host/job/profile.hpp"
-#include "host/link/program_lines.hpp"
-#include "host/run/check_program.hpp"
 #include "host/run/prepare.hpp"
 #include "host/run/read_job.hpp"
 #include "host/run/sent_file.hpp"
 #include "host/serve/clouds.hpp"
 #include "host/serve/json_places.hpp"
 #include "host/serve/machine.hpp"
+#include "host/serve/material_choice.hpp"
+#include "host/serve/read_path.hpp"
 #include "host/serve/server.hpp"
 #include "host/serve/shown_path.hpp"
 
@@ -32,21 +32,6 @@ std::shared_ptr<const Cloud> read_cloud(const std::string& path, const std::stri
     throw Error(Exit::bad_input, name, "is a G-code program, which has no points",
                 "use job.check, which returns its picture");
   return std::make_shared<const Cloud>(run::read_prepared_job(path).points);
-}
-
-/// Empty for a job of points.
-ShownPath read_path(const std::string& path, const run::MachineOptions& machine) {
-  if (run::kind_of_sent_file(path) == run::SentKind::job) {
-    const run::PreparedJob prepared = run::read_prepared_job(path);
-    return ShownPath(prepared.job.is_rows() ? places_of(prepared.job) : std::vector<PathPlace>());
-  }
-  run::CheckOptions options;
-  options.input = path;
-  options.machine = machine;
-  std::vector<std::size_t> sent;
-  for (const link::ProgramLine& line : link::program_lines(run::read_program_text(path), path))
-    sent.push_back(line.number);
-  return ShownPath(places_of(run::check_program(options), sent));
 }
 
 Json cloud_json(const OpenCloud& open, const geometry::Bounds& area) {
@@ -74,8 +59,9 @@ void Server::open_path(const Call& call) {
   const auto made = std::make_shared<std::unique_ptr<const ShownPath>>();
   compute(
       call,
-      [made, path, machine = options_.machine] {
-        *made = std::make_unique<const ShownPath>(read_path(path, machine));
+      [made, path, machine = options_.machine,
+       material = material_choice(call.parameters(), options_.library)] {
+        *made = std::make_unique<const ShownPath>(read_path(path, machine, material));
       },
       [this, made, client = call.client] {
         const ShownPath& shown = **made;

@@ -13,10 +13,11 @@
 #include "host/serve/access.hpp"
 #include "host/serve/check_file.hpp"
 #include "host/serve/computations.hpp"
-#include "host/serve/error_message.hpp"
 #include "host/serve/logins.hpp"
 #include "host/serve/machine.hpp"
+#include "host/serve/material_choice.hpp"
 #include "host/serve/method.hpp"
+#include "host/serve/refusal.hpp"
 #include "host/serve/server.hpp"
 #include "host/units.hpp"
 #include "host/version.hpp"
@@ -108,6 +109,8 @@ const std::map<std::string_view, Server::Handler>& Server::handlers() {
       {"macro.run", &Server::run_macro},
       {"history.list", &Server::list_history},
       {"material.list", &Server::list_materials},
+      {"camera.get", &Server::get_camera},
+      {"camera.calibrate", &Server::calibrate_camera},
       {"jog.run", &Server::run_jog},
       {"jog.step", &Server::step_jog},
       {"jog.go", &Server::go_jog},
@@ -134,7 +137,7 @@ void Server::login(const Call& call) {
     if (logins_->has_password())
       fail(call, needs_password, "log in with the password");
     else
-      fail(call, -32000, "the token is wrong; open the address that lamplock serve has printed");
+      fail(call, Refusal(Exit::bad_input, "wrong-token"));
     return web_->drop(call.client);
   }
   client->second.secret = call.parameters()["client"];
@@ -148,14 +151,13 @@ void Server::login(const Call& call) {
 
 void Server::pair(const Call& call) {
   if (options_.code.empty() || wrong_codes_ >= max_wrong_codes)
-    throw Error(Exit::job_failed, "pair", "no client can be paired now",
-                "start lamplock serve with --pair at the machine");
+    throw Refusal(Exit::job_failed, "no-pairing");
   if (call.secret.empty())
     throw Error(Exit::bad_input, "pair", "the request has no client", "send one (docs/api.md)");
   if (!is_same_secret(call.parameters()["code"].get<std::string>(), options_.code)) {
     ++wrong_codes_;
-    throw Error(Exit::job_failed, "pair", "the code is wrong",
-                fmt::format("{} tries are left", max_wrong_codes - wrong_codes_));
+    throw Refusal(Exit::job_failed, "wrong-code",
+                  {{"tries", fmt::format("{}", max_wrong_codes - wrong_codes_)}});
   }
   person(call.secret).is_paired = true;
   succeed(call, nullptr);
@@ -238,7 +240,7 @@ void Server::compute(const Call& call, std::function<void()> work, std::function
                          if (error) std::rethrow_exception(error);
                          succeed(call, result());
                        } catch (const std::exception& failure) {
-                         fail(call, -32000, message_of(failure));
+                         fail(call, failure);
                        }
                      });
 }
@@ -248,8 +250,9 @@ void Server::check_job(const Call& call) {
   const auto result = std::make_shared<Json>();
   compute(
       call,
-      [result, path = folder_.path_of(name).string(), name, machine = options_.machine] {
-        *result = check_file(path, name, machine);
+      [result, path = folder_.path_of(name).string(), name, machine = options_.machine,
+       material = material_choice(call.parameters(), options_.library)] {
+        *result = check_file(path, name, machine, material);
       },
       [result] { return *result; });
 }
@@ -261,6 +264,7 @@ void Server::start_job(const Call& call) {
   job.is_dry = call.parameters().value("dry", false);
   job.resumes = call.parameters().value("resume", false);
   job.from = call.parameters().value("from", std::size_t{0});
+  job.material = material_choice(call.parameters(), options_.library);
   machine_->start(job);
   succeed(call, nullptr);
 }
@@ -269,7 +273,7 @@ void Server::delete_job(const Call& call) {
   const std::string name = call.parameters()["name"];
   const JobView job = machine_->view().job;
   if (job.is_running && job.name == name)
-    throw Error(Exit::job_failed, name, "the job runs", "wait for its end");
+    throw Refusal(Exit::job_failed, "job-runs", {{"job", name}});
   folder_.remove(name);
   succeed(call, nullptr);
 }
@@ -277,7 +281,7 @@ void Server::delete_job(const Call& call) {
 void Server::send_line(const Call& call) {
   const std::string line =
       link::line_to_send(call.parameters()["line"].get<std::string>(), "console", "remove it");
-  if (line.empty()) throw Error(Exit::bad_input, "console", "the line is empty", "type a command");
+  if (line.empty()) throw Refusal(Exit::bad_input, "empty-line");
   machine_->send_line(line);
   succeed(call, nullptr);
 }
@@ -293,8 +297,7 @@ void Server::send_lines(const Call& call) {
 std::chrono::milliseconds Server::lease_of(const Call& call) const {
   const std::int64_t age_ms = time_ms() - call.parameters()["seen"].get<std::int64_t>();
   const auto lease = max_age - std::chrono::milliseconds(std::max<std::int64_t>(age_ms, 0));
-  if (lease.count() <= 0)
-    throw Error(Exit::job_failed, "jog", "the request came too late", "check the connection");
+  if (lease.count() <= 0) throw Refusal(Exit::job_failed, "late-jog");
   return lease;
 }
 
@@ -364,7 +367,7 @@ void Server::finish_work(const Call& call, const Json& result, const std::except
     if (error) std::rethrow_exception(error);
     succeed(call, result);
   } catch (const std::exception& failure) {
-    fail(call, -32000, message_of(failure));
+    fail(call, failure);
   }
 }
 

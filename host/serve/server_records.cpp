@@ -1,11 +1,14 @@
-// The methods macro.*, history.list and material.list of the server.
+// The methods macro.*, camera.*, history.list and material.list of the server.
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "host/serve/camera.hpp"
+#include "host/serve/camera_points.hpp"
 #include "host/serve/content_policy.hpp"
 #include "host/serve/history.hpp"
 #include "host/serve/machine.hpp"
 #include "host/serve/macros.hpp"
+#include "host/serve/refusal.hpp"
 #include "host/serve/server.hpp"
 
 namespace lamplock::serve {
@@ -15,6 +18,10 @@ using Json = nlohmann::json;
 
 /// Hidden: no client can send a file of this name.
 Macros macros_in(const JobFolder& folder) { return Macros(folder.path() / ".macros.json"); }
+
+std::filesystem::path camera_file(const JobFolder& folder) {
+  return folder.path() / ".camera.json";
+}
 
 }  // namespace
 
@@ -49,6 +56,22 @@ WebReply Server::report_of(const std::string& name) const {
   const std::optional<std::string> html = reports_.read(name);
   if (!html) return {404, "text/plain; charset=utf-8", "no such report\n"};
   return {200, "text/html; charset=utf-8", *html, alone_policy(*html)};
+}
+
+void Server::get_camera(const Call& call) {
+  succeed(call,
+          {{"camera", camera_ != nullptr}, {"points", read_camera_points(camera_file(folder_))}});
+}
+
+void Server::calibrate_camera(const Call& call) {
+  if (!camera_) throw Refusal(Exit::bad_input, "no-camera");
+  write_camera_points(camera_file(folder_), call.parameters()["points"]);
+  succeed(call, nullptr);
+}
+
+WebReply Server::camera_picture() const {
+  if (const auto picture = camera_->picture()) return {200, "image/jpeg", *picture};
+  return {503, "text/plain; charset=utf-8", camera_->problem() + "\n"};
 }
 
 void Server::list_materials(const Call& call) {

@@ -39,6 +39,7 @@ class ShownPath {
   explicit ShownPath(std::vector<PathPlace> places);
 
   std::size_t size() const { return places_.size(); }
+  const std::vector<PathPlace>& places() const { return places_; }
   const geometry::Bounds& bounds() const { return bounds_; }
   /// For each place four 16-bit numbers, little endian: x, y and z from 0 to 65535 in the bounds;
   /// the share from 0 to 32767, doubled, and 1 more for a rapid.

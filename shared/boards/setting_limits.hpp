@@ -22,8 +22,9 @@ struct SettingLimits {
   bool enables_low = false;      ///< drives are enabled by low levels only ($4)
   bool triggers_lamp = true;     ///< otherwise it only follows a lamp ($900)
   std::uint8_t axes = max_axes;  ///< with outputs ($960); jobs with more are refused
-  std::uint8_t channels = 0xf;   ///< a bit for each beam channel: with a shutter, or the first ($924)
-  bool has_sensor = false;       ///< an analogue input for a temperature ($1061)
+  std::uint8_t channels =
+      0xf;                  ///< a bit for each beam channel: with a shutter, or the first ($924)
+  bool has_sensor = false;  ///< an analogue input for a temperature ($1061)
 #if LAMPLOCK_DRIVE_SETTINGS
   /// Of the drives on the board ($1091 to $1094); 0: it has none.
   std::uint16_t max_drive_current_ma = 0;

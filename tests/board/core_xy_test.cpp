@@ -305,8 +305,7 @@ TEST(CoreXy, SettingsThatDoNotGoTogetherAreRefused) {
   Rig rig(plain_core_xy());
   ProgramHost host(rig);
   for (const char* line : {"$101=150\n", "$966=1\n", "$966=2\n"})
-    EXPECT_THAT(host.ask(line),
-                ElementsAre(HasSubstr("contradicts other settings"), "error:52"));
+    EXPECT_THAT(host.ask(line), ElementsAre(HasSubstr("contradicts other settings"), "error:52"));
   EXPECT_THAT(
       host.ask("$111=240000\n"),
       ElementsAre("[MSG:$110 and $111 together at most 240000.000 mm/min with $0 and $1077]",

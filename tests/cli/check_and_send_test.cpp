@@ -113,7 +113,8 @@ TEST(CheckAndSend, RunLoopsAndSubroutines) {
 TEST(CheckAndSend, ShowMessagesWithValues) {
   const Folder folder;
   const std::string program =
-      "(PRINT,%d#5220)\n$X\nG21 G55\n#1=2.25 #<_wide>=-3\nG0 X1\n(MSG, turn #1)\n(DEBUG, wide %.1f#1 #<_none>)\n"
+      "(PRINT,%d#5220)\n$X\nG21 G55\n#1=2.25 #<_wide>=-3\nG0 X1\n(MSG, turn #1)\n(DEBUG, wide "
+      "%.1f#1 #<_none>)\n"
       "G0 X2 (print,%d#<_Wide>|%lf#1)\n(PRINT, last #1)\n#1=7\n(PRINT,#1)\n";
   for (const std::string end : {"", "o1 if [1]\no1 endif\n"}) {
     const std::string file = folder.write("p.ngc", program + end);
@@ -123,8 +124,8 @@ TEST(CheckAndSend, ShowMessagesWithValues) {
     std::vector<std::string> messages;
     for (const std::string& line : lines(sent.err))
       if (line.starts_with("machine: ")) messages.push_back(line.substr(9));
-    EXPECT_THAT(messages, testing::ElementsAre("1", "turn #1", "wide 2.2 #<_none>",
-                                               "-3|2.250000", "last 2.250000", "7.000000"))
+    EXPECT_THAT(messages, testing::ElementsAre("1", "turn #1", "wide 2.2 #<_none>", "-3|2.250000",
+                                               "last 2.250000", "7.000000"))
         << end;
   }
 }
@@ -180,8 +181,10 @@ TEST(CheckAndSend, LinesAfterTheEndAreRun) {
     EXPECT_NEAR(whole["time_s"].get<double>(),
                 seen(before + "G4 P0\n" + after)["time_s"].get<double>(), 1e-3);
     EXPECT_EQ(whole["ended"], true);
-    expect_both_refuse(fmt::format("{}{}\nG1 X1 X2 F100\n", before, end), ":4", "the word occurs twice");
-    expect_both_refuse(fmt::format("{}{}\nG1 X60 F100\n", before, end), ":4", "X 60.000 mm is outside");
+    expect_both_refuse(fmt::format("{}{}\nG1 X1 X2 F100\n", before, end), ":4",
+                       "the word occurs twice");
+    expect_both_refuse(fmt::format("{}{}\nG1 X60 F100\n", before, end), ":4",
+                       "X 60.000 mm is outside");
   }
 }
 

@@ -45,7 +45,8 @@ class CutTools : public testing::Test {
 TEST_F(CutTools, small_arcs_survive_few_decimals) {
   std::string entities;
   for (int i = 0; i < 40; ++i)
-    entities += dxf_circle(-45 + 8.137 * (i % 10), -45 + 9.003 * std::floor(i / 10.0), 0.013 + 0.0171 * i);
+    entities +=
+        dxf_circle(-45 + 8.137 * (i % 10), -45 + 9.003 * std::floor(i / 10.0), 0.013 + 0.0171 * i);
   entities += dxf_rounded(-40, 30, 20.004, 9.996, 0.0337) + dxf_rounded(10, 30, 20, 10, 0.107);
   folder_.write("part.dxf", dxf_drawing(entities, 4));
   for (const int decimals : {2, 3, 4}) {

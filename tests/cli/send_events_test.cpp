@@ -73,9 +73,10 @@ TEST(SendEvents, RepeatedAndRefusedLinesHaveTheirEvents) {
 /// A loop of one line; a line that the board answers while it moves.
 TEST(SendEvents, NoBlockIsEarlierThanItsMotion) {
   const Folder folder;
-  const std::string program = folder.write(
-      "p.ngc", "G21 G90\n#1=0\no1 repeat [5]\n#1=[#1+4]\nG1 X#1 Y[[#1/4] mod 2] F1200\n"
-               "o1 endrepeat\n$G\nM5\n");
+  const std::string program =
+      folder.write("p.ngc",
+                   "G21 G90\n#1=0\no1 repeat [5]\n#1=[#1+4]\nG1 X#1 Y[[#1/4] mod 2] F1200\n"
+                   "o1 endrepeat\n$G\nM5\n");
   const Finished sent = run({"send", program, "--board", "virtual", "--events", "-"});
   ASSERT_EQ(sent.status, 0) << sent.err;
   int at = 0;

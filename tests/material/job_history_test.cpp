@@ -31,6 +31,7 @@ TEST(job_history, comes_back_newest_first) {
   EXPECT_FALSE(std::filesystem::exists(library)) << "reading makes no file";
   JobRecord program = job_named("b.ngc");
   program.wasted_beats.reset();
+  program.report = "2026-11-28T09-30-00Z-0123";
   add_job(library, job_named("a.llj"));
   add_job(library, program);
   EXPECT_EQ(last_jobs(library, 10), (std::vector{program, job_named("a.llj")}));

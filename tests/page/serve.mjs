@@ -97,6 +97,24 @@ async function run_job(page, server) {
   await until('idle after a stop', async () => (await call(server, 'status')).board.state === 'Idle');
 }
 
+// A program that reads the feed of a material: the page asks for one.
+async function choose_material(page, server) {
+  await drop(page, 'any.ngc', 'G21G90\nG1X#<_material_thickness>F#<_material_feed>\n');
+  await until('a program without its material is refused', async () => /no material is chosen/.test(await text_of(page, 'problem')));
+  const wanted = 'plywood, 5 mm, cut, diode-3w';
+  await until('the materials are listed', async () => (await text_of(page, 'material')).includes(wanted));
+  await page.ask(`(() => {
+    const box = document.getElementById('material');
+    box.value = [...box.options].find((each) => each.text === ${JSON.stringify(wanted)}).value;
+    box.dispatchEvent(new Event('change', { bubbles: true }));
+  })()`);
+  await until('the check shows the values', async () => /mm\/min, .* W, passes/.test(await text_of(page, 'checked')));
+  await keep_picture(page, 'serve-material');
+  await page.click('#start');
+  await until('the program is done', async () => /any\.ngc.*done/.test(await text_of(page, 'job-text')));
+  check('its values were those of the material', Math.abs((await place(server))[0] - 5) < 0.01, await place(server));
+}
+
 async function change_settings(page) {
   await page.click('#read');
   await until('settings are read', () => page.ask(`document.querySelectorAll('#settings tr').length > 50`));
@@ -266,6 +284,7 @@ try {
   await first_picture(page, server);
   check('the token is not in the address', !(await page.ask('location.href')).includes('token'));
   await run_job(page, server);
+  await choose_material(page, server);
   await change_settings(page);
   await use_console(page);
   await use_records(page, server);

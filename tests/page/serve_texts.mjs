@@ -23,9 +23,9 @@ function make_translation() {
 }
 
 // Texts and labels with letters outside of brackets. Data: names of files, boards and settings,
-// the state of the board, lines of the console, axes.
+// lines of the console, axes.
 const bare = (page) => page.ask(`(() => {
-  const data = '#state, #board, #lines, #jobs, #models, #object, #macro-names, #settings label, #settings td:last-child, #history tbody td, #materials tbody, script, style, h1';
+  const data = '#board, #lines, #jobs, #models, #object, #macro-names, #settings label, #settings td:last-child, #history td:nth-child(-n+3), #materials td:nth-child(-n+2), #materials td:last-child, script, style, h1';
   const without = (text) => {
     for (let before = ''; before !== text;) [before, text] = [text, text.replace(/⟦[^⟦⟧]*⟧/g, '')];
     return text;
@@ -36,7 +36,7 @@ const bare = (page) => page.ask(`(() => {
     if (!node.parentElement.closest(data)) found.push(node.data);
   for (const each of document.querySelectorAll('[aria-label], [alt], [title]'))
     found.push(each.getAttribute('aria-label') ?? each.getAttribute('alt') ?? each.title);
-  return found.map(without).filter((text) => /[A-Za-z]{2}|[a-z]/.test(text)).map((text) => text.trim());
+  return found.map(without).map((text) => text.replace('line.ngc ·', '')).filter((text) => /[A-Za-z]{2}|[a-z]/.test(text)).map((text) => text.trim());
 })()`);
 
 async function expect_translated(page, what) {
@@ -53,6 +53,7 @@ try {
   const page = await open(browser, server, {});
   check('the document names its language', await page.ask('document.documentElement.lang') === 'de');
   await expect_translated(page, 'connected');
+  check('the state of the board is translated', await text_of(page, 'state') === '⟦Idle⟧', await text_of(page, 'state'));
   await drop(page, 'line.ngc', 'G21G90\nG1X5F600\n');
   await until('the program is checked', async () => /mm⟧/.test(await text_of(page, 'checked')));
   await page.click('#view-area');
@@ -66,6 +67,8 @@ try {
   await expect_translated(page, 'lists, settings, work area');
   await drop(page, 'corners.xyz', model);
   await until('the model is listed', () => page.ask(`document.getElementById('models').value === 'corners.xyz'`));
+  await drop(page, 'bad.exe', 'MZ');
+  await until('a refusal of the server is translated', async () => /^⟦bad\.exe: .*⟧$/.test(await text_of(page, 'problem')));
   await page.click('#place');
   await until('the object is shown', () => page.ask(`!document.getElementById('placing').hidden`));
   await page.click('#object-remove');
@@ -82,8 +85,11 @@ try {
   await page.click('#start');
   await until('the history has the program', () => page.ask(
       `(document.getElementById('history-read').click(), document.querySelectorAll('#history tbody tr').length === 1)`));
+  await until('the end of a job is translated', async () => /^line\.ngc · ⟦done⟧$/.test(await text_of(page, 'job-text')));
+  await expect_translated(page, 'a job has ended');
   check('a dry run has its mark', /⟦line\.ngc \(/.test(await text_of(page, 'history')), await text_of(page, 'history'));
-  check('no complaints', page.complaints.length === 0, page.complaints);
+  const complaints = page.complaints.filter((text) => !/status of 422/.test(text));  // of the refused file
+  check('no complaints', complaints.length === 0, complaints);
   await browser.close();
   server.child.removeAllListeners('exit');
 } catch (error) {

@@ -1,5 +1,5 @@
 // The texts of the page of `lamplock serve`: each is in the table of page/texts.json, and each entry
-// of the table is used.
+// of the table is used, by the page or by a refusal of the server, whose sources are beside the page.
 //
 // usage: node serve_texts_table.mjs FOLDER_OF_THE_PAGE
 // exit status: 0 passed; 1 failed; 2 usage
@@ -52,6 +52,17 @@ for (const [name, script] of scripts) {
   asked.forEach((key) => used.add(key));
   check(`${name}: the table has what it asks for`, asked.filter((key) => !(key in table)));
 }
+// Names that are not arguments of text(), and groups whose codes the server sends.
+for (const [, script] of scripts) {
+  keys_of(code_of(script)).filter((key) => key in table).forEach((key) => used.add(key));
+  for (const [, group] of code_of(script).matchAll(/\bword\('([a-z-]+)'/g))
+    Object.keys(table).filter((key) => key.startsWith(`${group}.`)).forEach((key) => used.add(key));
+}
+const server = join(folder, '..');
+const refusals = readdirSync(server).filter((name) => name.endsWith('.cpp')).flatMap((name) =>
+  [...readFileSync(join(server, name), 'utf8').matchAll(/Refusal\(Exit::\w+, "([a-z-]+)"/g)].map(([, refusal]) => `error.${refusal}`));
+check('the server refuses by names of the table', refusals.filter((key) => !(key in table)));
+refusals.forEach((key) => used.add(key));
 check('the table has what page.html asks for', in_html.filter((key) => !(key in table)));
 check('each entry of the table is used', Object.keys(table).filter((key) => !used.has(key)));
 console.log(failures === 0 ? 'passed' : `${failures} failed`);

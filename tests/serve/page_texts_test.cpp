@@ -8,6 +8,7 @@
 
 #include "host/error.hpp"
 #include "host/serve/page_document.hpp"
+#include "host/serve/refusal.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace lamplock::serve::test::page_texts_test {
@@ -43,7 +44,8 @@ TEST(PageTexts, TheDocumentHasThemAll) {
   EXPECT_EQ(html.find("{{"), std::string::npos);
   EXPECT_NE(html.find(R"(<html lang="en">)"), std::string::npos);
   EXPECT_NE(html.find(">Stop</button>"), std::string::npos);
-  EXPECT_EQ(table_in(html).get<PageTexts>(), english_texts());
+  EXPECT_EQ(table_in(html).get<PageTexts>(), texts_of_document(english_texts()));
+  EXPECT_FALSE(table_in(html).contains("setting.travel_x")) << "settings.get brings it";
 }
 
 TEST(PageTexts, ATranslationFallsBackToEnglish) {
@@ -56,6 +58,32 @@ TEST(PageTexts, ATranslationFallsBackToEnglish) {
   EXPECT_NE(html.find(R"(<html lang="de">)"), std::string::npos);
   EXPECT_NE(html.find(">Halt</button>"), std::string::npos);
   EXPECT_NE(html.find(">Home</button>"), std::string::npos);
+}
+
+TEST(PageTexts, TheMeaningOfASettingIsTranslated) {
+  EXPECT_TRUE(english_texts().contains("setting.travel_x"));
+  const PageTexts texts = read(R"({"setting.travel_x": "Verfahrweg"})");
+  EXPECT_EQ(table_in(page_document(texts).html).at("setting.travel_x"), "Verfahrweg");
+}
+
+TEST(Refusal, HasNameValuesAndTheEnglishText) {
+  const Refusal refusal(Exit::job_failed, "job-runs", {{"job", "a; b: c.ngc"}});
+  EXPECT_EQ(refusal.message(), "a; b: c.ngc: the job runs; wait for its end, or stop it");
+  const nlohmann::json error = error_json(refusal);
+  EXPECT_EQ(error["code"], -32000);
+  EXPECT_EQ(error["message"], refusal.message());
+  EXPECT_EQ(error["data"],
+            nlohmann::json::parse(R"({"name": "job-runs", "values": {"job": "a; b: c.ngc"}})"));
+  EXPECT_FALSE(error_json(Error(Exit::bad_input, "a", "b", "c")).contains("data"));
+}
+
+/// The table is what `Refusal` divides: a place, what is wrong, a remedy.
+TEST(Refusal, EachTextHasThreeParts) {
+  for (const auto& [name, text] : english_texts())
+    if (name.starts_with("error.")) {
+      EXPECT_NE(text.find(": "), std::string::npos) << name;
+      EXPECT_GT(text.rfind("; "), text.find(": ")) << name;
+    }
 }
 
 TEST(PageTexts, ATextIsNoMarkup) {

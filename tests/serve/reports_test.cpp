@@ -4,10 +4,15 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <set>
+
 #include "host/job/job.hpp"
 #include "host/job/job_file.hpp"
 #include "host/job/profile.hpp"
+#include "host/raster/rows.hpp"
 #include "host/serve/content_policy.hpp"
+#include "host/serve/run_page.hpp"
 #include "tests/serve/running_server.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -16,18 +21,21 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(Reports, are_read_by_their_name_alone) {
   const lamplock::test::TemporaryFolder folder;
   const Reports reports(folder.file("reports"));
   EXPECT_TRUE(reports.names().empty());
-  reports.keep("2026-11-29T10:00:00Z", "one");
-  reports.keep("2026-11-29T10:05:07Z", "two");
-  const auto names = reports.names();
-  ASSERT_EQ(names.size(), 2u);
-  EXPECT_EQ(reports.read(names.at("2026-11-29T10:00:00Z")), "one");
-  EXPECT_EQ(reports.read(names.at("2026-11-29T10:05:07Z")), "two");
-  std::string other = names.at("2026-11-29T10:00:00Z");
+  // Of the same second.
+  const std::string one = Reports::new_name("2026-11-29T10:00:00Z"),
+                    two = Reports::new_name("2026-11-29T10:00:00Z");
+  reports.keep(one, "one");
+  reports.keep(two, "two");
+  EXPECT_EQ(reports.names(), (std::set{one, two}));
+  EXPECT_EQ(reports.read(one), "one");
+  EXPECT_EQ(reports.read(two), "two");
+  std::string other = one;
   other.back() = other.back() == '0' ? '1' : '0';
   folder.write("2026-11-29T10-00-00Z-0123456789abcdef0123456789abcdef.html", "outside");
   const std::string beside = "../2026-11-29T10-00-00Z-0123456789abcdef0123456789abcdef";
@@ -39,10 +47,10 @@ TEST(Reports, the_oldest_go_first) {
   const lamplock::test::TemporaryFolder folder;
   const Reports reports(folder.file("reports"));
   for (std::size_t i = 0; i < Reports::max_kept + 5; ++i)
-    reports.keep(fmt::format("2026-11-29T10:00:{:02}Z", i), "report");
+    reports.keep(Reports::new_name(fmt::format("2026-11-29T10:00:{:02}Z", i)), "report");
   const auto names = reports.names();
   EXPECT_EQ(names.size(), Reports::max_kept);
-  EXPECT_EQ(names.begin()->first, "2026-11-29T10:00:05Z");
+  EXPECT_EQ(names.begin()->substr(0, 20), "2026-11-29T10-00-05Z");
 }
 
 TEST(AlonePolicy, permits_the_script_and_style_of_its_document) {
@@ -96,6 +104,96 @@ TEST(History, has_the_report_of_a_job_of_points) {
           .status,
       403);
   EXPECT_EQ(client.call("job.list")["result"].size(), 1u) << "reports are no files of clients";
+}
+
+/// The history when it has this many jobs that have reports; they are written after their end.
+Json reported(RawClient& client, std::size_t jobs) {
+  Json history;
+  for (int tries = 0; tries < 100; ++tries, std::this_thread::sleep_for(20ms)) {
+    history = client.call("history.list")["result"];
+    const auto has_report = [](const Json& job) { return job["report"].is_string(); };
+    if (history.size() == jobs && std::ranges::all_of(history, has_report)) break;
+  }
+  return history;
+}
+
+std::string page_of(const RunningServer& server, const Json& job) {
+  const Reply reply =
+      request(server.port(), fmt::format("GET /reports/{} HTTP/1.1\r\nHost: "
+                                         "127.0.0.1:{}\r\n\r\n",
+                                         job["report"].get<std::string>(), server.port()));
+  EXPECT_EQ(reply.status, 200);
+  return reply.text;
+}
+
+TEST(History, has_a_report_of_each_program_also_of_one_second) {
+  RunningServer server;
+  std::string text = "G21G90\nM3S500\n";
+  for (int i = 0; i < 50; ++i) text += fmt::format("G1X{}Y{}F3000\n", i % 2 == 0 ? 40 : -40, i);
+  server.add_file("long.ngc", text);
+  server.add_file("wrong.ngc", "G1X1\n");
+  RawClient client = server.client("client");
+  client.call("control.take");
+  for (const char* name : {"one.ngc", "two.ngc"}) {
+    server.add_file(name, "G21G90\nM3S500\nG1X1F3000\n");
+    client.call("job.start", {{"name", name}});
+    EXPECT_EQ(server.wait_for_end(), "done");
+    EXPECT_TRUE(server.wait_for_state("Idle"));
+  }
+  client.call("job.start", {{"name", "long.ngc"}});
+  client.watch(1s);
+  client.call("machine.stop");
+  EXPECT_EQ(server.wait_for_end(), "stopped");
+  const Json history = reported(client, 3);
+  ASSERT_EQ(history.size(), 3u);
+  EXPECT_NE(history[1]["report"], history[2]["report"]);
+  EXPECT_THAT(page_of(server, history[1]), HasSubstr("two.ngc"));
+  EXPECT_THAT(page_of(server, history[2]), HasSubstr("one.ngc"));
+  const std::string page = page_of(server, history[0]);
+  EXPECT_THAT(page, HasSubstr("<td>stopped"));
+  EXPECT_THAT(page, HasSubstr("class=\"done\""));
+  EXPECT_THAT(page, HasSubstr("class=\"cut\"")) << "the part that is not done";
+  // Nothing was sent of a program that is wrong.
+  EXPECT_TRUE(server.wait_for_state("Idle"));
+  client.call("job.start", {{"name", "wrong.ngc"}});
+  EXPECT_EQ(server.wait_for_end(), "failed");
+  for (int tries = 0; tries < 50 && client.call("history.list")["result"].size() < 4; ++tries)
+    std::this_thread::sleep_for(20ms);
+  EXPECT_EQ(client.call("history.list")["result"][0]["report"], Json());
+}
+
+TEST(History, has_a_report_of_rows) {
+  RunningServer server;
+  job::Profile profile = job::default_profile();
+  profile.settings.set_milli(settings::Id::laser_mode, 1000);
+  raster::RowOptions options;
+  options.pitch_mm = 1;
+  options.feed_mm_min = 6000;
+  options.overscan_mm = 3;
+  job::write_job_file(
+      server.folder() / "rows.llj",
+      raster::make_rows({4, 2, std::vector<std::uint16_t>(8, 65535)}, options, profile));
+  RawClient client = server.client("client");
+  client.call("control.take");
+  client.call("job.start", {{"name", "rows.llj"}});
+  EXPECT_EQ(server.wait_for_end(), "done") << server.machine().view().job.message;
+  const Json history = reported(client, 1);
+  ASSERT_EQ(history.size(), 1u);
+  const std::string page = page_of(server, history[0]);
+  EXPECT_THAT(page, HasSubstr("<h1>rows.llj</h1>"));
+  EXPECT_THAT(page, HasSubstr("Starvations</th><td>0<"));
+  EXPECT_THAT(page, HasSubstr("class=\"done\""));
+  EXPECT_THAT(page, Not(HasSubstr("class=\"cut\""))) << "all is done";
+}
+
+TEST(RunPage, shows_names_of_files_as_text) {
+  material::JobRecord record;
+  record.file = "<b>.ngc";
+  record.result = "done";
+  const std::string page = run_page(record, {}, {{{0, 0, 0}}, {{1, 1, 0}, 1, false}});
+  EXPECT_EQ(page.find("<b>"), std::string::npos);
+  EXPECT_THAT(page, HasSubstr("&lt;b&gt;.ngc"));
+  EXPECT_THAT(page, HasSubstr("M0.000 -0.000L1.000 -1.000"));
 }
 
 }  // namespace

@@ -70,6 +70,7 @@ RunningServer::RunningServer(const RunningOptions& options)
   site.code = pairing_code;
   site.library = (folder_ / "library.db").string();
   site.octoprint_key = options.octoprint_key;
+  site.camera = options.camera;
   if (!options.password.empty()) site.password_hash = password_hash(options.password);
   server_ = std::make_unique<Server>(site, JobFolder(folder_));
   web_ = std::make_unique<WebServer>("127.0.0.1", 0, *server_, options.limits);

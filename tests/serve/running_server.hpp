@@ -30,6 +30,7 @@ struct RunningOptions {
   WebLimits limits{};
   std::string password{};
   std::string octoprint_key{};
+  std::string camera{};
 };
 
 class RunningServer {

@@ -2,6 +2,8 @@
 // a place; jogs while a program waits for a tool.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "tests/serve/running_server.hpp"
 
 namespace lamplock::serve::test::travel_test {
@@ -96,6 +98,34 @@ TEST(ToolChange, steps_move_the_machine_and_the_program_continues) {
   client.call("machine.resume");
   EXPECT_EQ(server.wait_for_end(), "done");
   EXPECT_TRUE(comes_to(server, 9));
+}
+
+TEST(ToolChange, lines_of_the_console_touch_off_the_tool) {
+  RunningServer server;
+  server.add_file("tool.ngc", "G21G90\nG0X2\nT3M6\nG1X9F3000\n");
+  RawClient client = server.client("client"), watcher = server.client("watcher");
+  client.call("control.take");
+  client.call("job.start", {{"name", "tool.ngc"}});
+  ASSERT_TRUE(waits_for_tool(server));
+  const auto send = [&](RawClient& sender, const char* line) {
+    return error_of(sender.call("console.send", {{"line", line}}));
+  };
+  EXPECT_NE(send(watcher, "G0X5"), "") << "without control";
+  EXPECT_EQ(send(client, "G0X5"), "");
+  EXPECT_TRUE(comes_to(server, 5));
+  ASSERT_TRUE(waits_for_tool(server));
+  EXPECT_EQ(error_of(client.call("machine.zero", {{"axes", "X"}})), "");
+  client.call("macro.set", {{"name", "two"}, {"lines", "G0X6\nG0X7"}});
+  EXPECT_THAT(error_of(client.call("macro.run", {{"name", "two"}})), HasSubstr("one line"));
+  EXPECT_NE(send(client, "G0X1~"), "") << "a byte that resumes is no part of a line";
+  client.watch(300ms);
+  ASSERT_TRUE(waits_for_tool(server));
+  client.call("machine.resume");
+  EXPECT_EQ(server.wait_for_end(), "done");
+  EXPECT_TRUE(comes_to(server, 14)) << "X9 of the work, whose zero is at 5";
+  Json lines = client.call("console.lines")["result"];
+  const auto is_sent = [](const Json& line) { return line["text"] == "> G0X5"; };
+  EXPECT_TRUE(std::ranges::any_of(lines, is_sent));
 }
 
 TEST(ToolChange, stop_ends_a_step) {

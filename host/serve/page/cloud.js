@@ -62,18 +62,20 @@ export class CloudView {
     delete this.#element('views').dataset.shown;
   }
 
-  // Shows the points of a job as they come; the path of rows and programs.
-  async open(name, is_job) {
+  // Shows the points of a job as they come; the path of rows and programs. `file`: parameters of path.open.
+  async open(file, is_job) {
     this.close();
     const own = this.#opened;
-    const cloud = is_job ? await this.#link.call('cloud.open', { name }) : { points: 0 };
+    const asked = is_job ? this.#link.call('cloud.open', { name: file.name }) : { points: 0 };
+    if (is_job) this.#begin_painter();  // while the server reads the job
+    const cloud = await asked;
     if (own !== this.#opened) return;
     if (cloud.points > 0) await this.#show_cloud(cloud);
-    else await this.#show_path(name, own);
+    else await this.#show_path(file, own);
   }
 
-  async #show_path(name, own) {
-    const path = await this.#link.call('path.open', { name });
+  async #show_path(file, own) {
+    const path = await this.#link.call('path.open', file);
     const numbers = this.#link.take_frame(0, 0);
     if (own !== this.#opened || !numbers) return;
     this.#bounds = path.bounds;
@@ -149,7 +151,13 @@ export class CloudView {
     }
   }
 
-  // With the first cloud: the page is there sooner.
+  // There is a job, whose points may be shown: what a browser needs for WebGL takes up to a second, so
+  // it is begun as soon as the page has time.
+  prepare() {
+    (window.requestIdleCallback ?? setTimeout)(() => this.#begin_painter());
+  }
+
+  // Not with the page: the page is there sooner.
   #begin_painter() {
     if (this.painter) return;
     this.painter = make_painter(this.#element('points'));

@@ -95,8 +95,21 @@ class GlPainter extends Points {
     this.buffer = gl.createBuffer();
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.SCISSOR_TEST);
+    // Drivers finish the program at its first drawing: of one point, before there are others.
+    gl.useProgram(this.program);
+    this.#fill(new Uint16Array(numbers_per_point));
+    this.#use_buffer();
+    gl.drawArrays(gl.POINTS, 0, 1);
   }
 
+  #use_buffer() {
+    const { gl } = this, point = gl.getAttribLocation(this.program, 'point');
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
+    gl.enableVertexAttribArray(point);
+    gl.vertexAttribPointer(point, numbers_per_point, gl.UNSIGNED_SHORT, true, 0, 0);
+  }
+
+  // `content`: numbers, or the number of bytes without them.
   #fill(content) {
     this.gl.bindBuffer(this.gl.ARRAY_BUFFER, this.buffer);
     this.gl.bufferData(this.gl.ARRAY_BUFFER, content, this.gl.STATIC_DRAW);
@@ -104,7 +117,7 @@ class GlPainter extends Points {
 
   begin(parts, side) {
     super.begin(parts, side);
-    this.#fill(this.numbers);
+    this.#fill(this.numbers.byteLength);
   }
 
   put(from, numbers) {
@@ -127,10 +140,7 @@ class GlPainter extends Points {
     gl.uniform3fv(at.far_colour, rgb_of(colour('--card')).map((value) => value / 255));
     gl.uniform3fv(at.colour, rgb_of(colour('--point')).map((value) => value / 255));
     gl.uniform3fv(at.done_colour, rgb_of(colour('--done')).map((value) => value / 255));
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
-    const point = gl.getAttribLocation(this.program, 'point');
-    gl.enableVertexAttribArray(point);
-    gl.vertexAttribPointer(point, numbers_per_point, gl.UNSIGNED_SHORT, true, 0, 0);
+    this.#use_buffer();
     for (const pane of panes) this.#draw_pane(views, pane, ratio, height);
   }
 

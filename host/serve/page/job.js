@@ -1,10 +1,17 @@
 // Files of the server: send, check, start, progress.
 
-import { text } from '/texts.js';
+import { needs_material } from '/link.js';
+import { error_text, text, word } from '/texts.js';
 
 const clock = (seconds) => {
   const s = Math.round(seconds);
   return s < 60 ? text('time.s', { s }) : text('time.min-s', { min: Math.floor(s / 60), s: String(s % 60).padStart(2, '0') });
+};
+
+// "feed 110 %"
+const speed_text = (speed) => {
+  const [, what, percent] = /^(\w+) (\d+) %$/.exec(speed) ?? [];
+  return percent ? word('job-speed', what).replace('{percent}', percent) : speed;
 };
 
 const is_job = (name) => /\.llj$/i.test(name);
@@ -14,6 +21,7 @@ export class Jobs {
   #element;
   #cloud;
   #picture = '';
+  #settings = [];  // of the material library
 
   constructor(link, element, cloud, show_problem) {
     this.#link = link;
@@ -31,10 +39,23 @@ export class Jobs {
     element('check').addEventListener('click', () => this.check());
     element('start').addEventListener('click', () => this.#start());
     element('delete').addEventListener('click', () => this.#delete());
-    element('jobs').addEventListener('change', () => this.#show_nothing());
+    element('jobs').addEventListener('change', () => this.#change_file());
+    element('material').addEventListener('change', () => {
+      element('thickness').value = this.#setting?.thickness ?? '';
+      this.check();
+    });
+    element('thickness').addEventListener('change', () => this.check());
   }
 
   get name() { return this.#element('jobs').value; }
+  get #setting() { return this.#settings[this.#element('material').value]; }
+  // Parameters of a file that is checked or started: of a program with process parameters its material.
+  get #file() {
+    const { material, laser, operation } = this.#setting ?? {};
+    if (this.#element('material-choice').hidden || !material) return { name: this.name };
+    const thickness = Number(this.#element('thickness').value);
+    return { name: this.name, material, laser, operation, ...(thickness > 0 && { thickness }) };
+  }
 
   // Files that a machine can run, and those of which the page makes jobs.
   async list(chosen = this.name) {
@@ -43,6 +64,7 @@ export class Jobs {
       .filter(({ kind }) => runs === ['job', 'program'].includes(kind))
       .map(({ name }) => new Option(name, name, false, name === value)));
     fill('jobs', true, chosen);
+    if (files.some(({ kind }) => kind === 'job')) this.#cloud.prepare();
     fill('models', false, files.some(({ name }) => name === chosen) ? chosen : this.#element('models').value);
   }
 
@@ -53,10 +75,11 @@ export class Jobs {
         headers: { 'Authorization': `Bearer ${this.#link.token}`, 'Content-Type': 'application/octet-stream' },
       }).catch((error) => ({ ok: false, text: () => error.message }));
       if (!reply.ok) {
-        this.show_problem(`${file.name}: ${await reply.text()}`);
+        this.show_problem(reply.status === 422 ? error_text(await reply.json()) : `${file.name}: ${await reply.text()}`);
         continue;
       }
       await this.list(file.name);
+      this.#change_file();
       if (this.name === file.name) await this.check();
     }
     this.#element('file').value = '';
@@ -69,13 +92,35 @@ export class Jobs {
     this.#cloud.close();
   }
 
+  #change_file() {
+    this.#show_nothing();
+    this.#element('material-choice').hidden = true;
+    this.#element('material').replaceChildren();
+  }
+
+  // The program has process parameters.
+  async #offer_materials() {
+    const box = this.#element('material');
+    if (box.options.length > 0) return;
+    this.#settings = await this.#link.call('material.list').catch(() => []);
+    const name = (each) =>
+      text(each.thickness === null ? 'job.setting' : 'job.setting-of', { ...each, operation: word('operation', each.operation) });
+    box.replaceChildren(new Option(text('job.choose-material'), ''), ...this.#settings.map((each, i) => new Option(name(each), i)));
+    this.#element('thickness').value = '';
+    this.#element('material-choice').hidden = false;
+  }
+
   async check() {
     if (!this.name) return;
     this.#show_nothing();
+    this.show_problem('');
     this.#element('checked').textContent = text('job.checking');
-    this.#cloud.open(this.name, is_job(this.name)).catch(() => {});
-    const result = await this.#link.call('job.check', { name: this.name }).catch(() => null);
+    this.#cloud.open(this.#file, is_job(this.name)).catch(() => {});
+    const result = await this.#link.call('job.check', this.#file).catch(({ code }) => {
+      if (code === needs_material) this.#offer_materials();
+    });
     if (!result) return this.#show_nothing();
+    if (result.material !== undefined) await this.#offer_materials();
     const facts = [result.points ? text('job.points', result) : text('job.lines', result)];
     if (result.seconds !== undefined) facts.push(clock(result.seconds));
     if (result.bounds) {
@@ -83,6 +128,7 @@ export class Jobs {
       const ranges = low.map((mm, i) => text('job.range', { axis: 'XYZA'[i], low: mm.toFixed(1), high: high[i].toFixed(1) }));
       facts.push(text('job.ranges', { ranges: ranges.join(', ') }));
     }
+    if (result.material) facts.push(text('job.values', result.material));
     this.#element('checked').textContent = facts.join('; ');
     this.#element('problems').replaceChildren(...result.problems.map((problem) => {
       const item = document.createElement('li');
@@ -99,7 +145,7 @@ export class Jobs {
   #start() {
     if (!this.name) return this.show_problem(text('job.no-file'));
     this.#link.tell('job.start', {
-      name: this.name, dry: this.#element('dry').checked, resume: this.#element('continue').checked,
+      ...this.#file, dry: this.#element('dry').checked, resume: this.#element('continue').checked,
       from: Number(this.#element('from').value),
     });
   }
@@ -107,7 +153,7 @@ export class Jobs {
   async #delete() {
     if (!this.name) return;
     await this.#link.call('job.delete', { name: this.name });
-    this.#show_nothing();
+    this.#change_file();
     await this.list('');
   }
 
@@ -116,13 +162,13 @@ export class Jobs {
     bar.value = job.total ? job.done / job.total : 0;
     const parts = [job.name];
     if (job.running) {
-      parts.push(job.title || text('job.preparing'), text('job.done', job));
+      parts.push(word('job-title', job.title) || text('job.preparing'), text('job.done', job));
       if (job.dry) parts.push(text('job.is-dry'));
-      if (job.word) parts.push(job.word);
-      if (job.speed) parts.push(job.speed);
+      if (job.word) parts.push(word('job-word', job.word));
+      if (job.speed) parts.push(speed_text(job.speed));
       if (job.left_s !== undefined) parts.push(text('job.left', { time: clock(job.left_s) }));
     } else if (job.end) {
-      parts.push(job.end, job.message);
+      parts.push(word('job-end', job.end), job.message);
     }
     this.#element('job-text').textContent = parts.filter(Boolean).join(' · ');
   }

@@ -1,10 +1,11 @@
 // The connection to the server: requests with answers, notifications, and a new connection after a
 // loss. Nothing that was asked for before a loss is asked for again.
 
-import { text } from '/texts.js';
+import { error_text, text } from '/texts.js';
 
 const answer_ms = 15_000, retry_ms = 1000;
 const needs_password = -32001;  // docs/api.md
+export const needs_material = -32002;
 
 function random_text() {
   return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
@@ -92,7 +93,7 @@ export class Link {
     if (!waiting) return;
     this.#waiting.delete(message.id);
     clearTimeout(waiting.timer);
-    if (message.error) waiting.reject(Object.assign(new Error(message.error.message), { code: message.error.code }));
+    if (message.error) waiting.reject(Object.assign(new Error(error_text(message.error)), { code: message.error.code }));
     else waiting.resolve(message.result);
   }
 

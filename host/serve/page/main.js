@@ -1,13 +1,14 @@
 // The page of a machine. It shows the status of the server and asks for actions; it keeps no state
 // of the machine.
 
+import { Camera } from '/camera.js';
 import { CloudView } from '/cloud.js';
 import { Jobs } from '/job.js';
 import { Jogger } from '/jog.js';
 import { Link, keep_token, merge, take_token } from '/link.js';
 import { Placer } from '/place.js';
 import { Records } from '/records.js';
-import { text } from '/texts.js';
+import { text, word } from '/texts.js';
 
 const element = (id) => document.getElementById(id);
 const max_lines = 500;
@@ -18,9 +19,15 @@ function show_problem(problem) {
   element('problem').hidden = problem === '';
 }
 
+// "Hold:0": its name and its part.
+function state_text(state) {
+  const [name, ...part] = state.split(':');
+  return [word('board-state', name), ...part].join(':');
+}
+
 function show() {
   const { board = {}, job = {}, control = {} } = status;
-  element('state').textContent = board.connected ? board.state || text('state.connected') : text('state.no-board');
+  element('state').textContent = board.connected ? state_text(board.state) || text('state.connected') : text('state.no-board');
   if (!board.connected && board.problem) show_problem(board.problem);
   element('position').tBodies[0].replaceChildren(...(board.machine ?? []).map((mm, axis) => {
     const row = document.createElement('tr');
@@ -51,6 +58,7 @@ const link = new Link(take_token(), {
     if (!whole.control.held) link.tell('control.take');
     jobs.list();
     records.list_macros();
+    camera.begin();
     show();
   },
   down(problem) {
@@ -77,6 +85,7 @@ const link = new Link(take_token(), {
   },
 });
 const cloud = new CloudView(link, element, (place) => jogger.go(place));
+const camera = new Camera(link, element, cloud, () => status.board?.machine);
 const jogger = new Jogger(link, element);
 const jobs = new Jobs(link, element, cloud, show_problem);
 const records = new Records(link, element);
@@ -109,7 +118,8 @@ element('login').addEventListener('submit', async (event) => {
     body: JSON.stringify({ password: element('password').value }),
   }).catch((error) => ({ ok: false, text: () => error.message }));
   element('password').value = '';
-  if (!reply.ok) return show_problem(await reply.text());
+  const refused = { 401: 'login.wrong', 429: 'login.many', 503: 'login.busy' }[reply.status];
+  if (!reply.ok) return show_problem(refused ? text(refused) : await reply.text());
   const { token } = await reply.json();
   keep_token(token);
   link.use(token);
@@ -151,7 +161,7 @@ function setting_row(setting) {
   input.defaultValue = setting.value;
   label.htmlFor = setting.name;
   label.textContent = `$${setting.number} ${setting.name}`;
-  about.textContent = text('settings.about', setting);
+  about.textContent = text('settings.about', { ...setting, about: word('setting', setting.name, setting.about) });
   name.append(label, about);
   value.append(input, ` ${setting.unit}`);
   return row;

@@ -1,6 +1,6 @@
 // Lists of the server: macros of the console, history of jobs, settings of materials.
 
-import { text } from '/texts.js';
+import { text, word } from '/texts.js';
 
 const seconds_between = (begin, end) => Math.round((Date.parse(end) - Date.parse(begin)) / 1000);
 
@@ -82,7 +82,7 @@ export class Records {
     this.#history_shown = true;
     this.#fill('history', jobs.map((job) => [
       new Date(job.begin).toLocaleString(), job.dry ? text('history.dry', job) : job.file, job.board,
-      text('time.s', { s: seconds_between(job.begin, job.end) }), [job.result, job.message].filter(Boolean).join(': '),
+      text('time.s', { s: seconds_between(job.begin, job.end) }), [word('job-end', job.result), job.message].filter(Boolean).join(': '),
       text(job.item === 'point' ? 'history.points' : 'history.lines', job), job.wasted_beats, report_of(job)]), text('history.none'));
   }
 
@@ -90,7 +90,7 @@ export class Records {
     const settings = await this.#link.call('material.list').catch(() => null);
     if (!settings) return;
     this.#fill('materials', settings.map((each) => [
-      each.material, each.laser, each.operation, each.thickness, each.feed, each.power, each.passes, each.kerf, each.note]),
+      each.material, each.laser, word('operation', each.operation), each.thickness, each.feed, each.power, each.passes, each.kerf, each.note]),
                text('materials.none'));
   }
 }
