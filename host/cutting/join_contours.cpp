@@ -317,7 +317,7 @@ void report_gaps(const std::vector<Contour>& contours, double tolerance_mm,
   std::vector<Box> boxes;
   boxes.reserve(ends.size());
   for (const auto& [at, number] : ends) boxes.push_back({at, at});
-  const BoxTree tree(std::move(boxes));
+  const BoxTree tree(boxes);
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const Vec at = ends[i].first;
     const std::size_t number = ends[i].second;
@@ -352,7 +352,7 @@ void number_faults(std::vector<Fault>& faults, const std::vector<Contour>& conto
       edges.emplace_back(i, j);
     }
   }
-  const BoxTree tree(std::move(boxes));
+  const BoxTree tree(boxes);
   for (Fault& fault : faults) {
     fault.contour.reset();
     if (fault.kind == FaultKind::dot) continue;
