@@ -91,6 +91,13 @@ Contour begin_alike(const Contour& contour, double distance_mm, const Operation&
               "use compensation auto");
 }
 
+/// True if nothing of a part that is cut outside is larger than what the beam removes around it.
+bool fits_in_beam(const Contour& contour, const Operation& operation) {
+  if (!contour.closed || operation.compensation == Compensation::none) return false;
+  const Box box = box_of(contour);
+  return std::max(box.high.x - box.low.x, box.high.y - box.low.y) < operation.kerf_mm;
+}
+
 /// The beam along one shape.
 ShapeBeam beam_along(const Shape& shape, const Operation& operation) {
   const Contour contour = directed(shape, operation.direction);
@@ -102,7 +109,7 @@ ShapeBeam beam_along(const Shape& shape, const Operation& operation) {
   const std::vector<Fault>& faults = beam.offset.faults;
   const auto vanished = std::any_of(faults.begin(), faults.end(),
                                     [](const auto& f) { return f.kind == FaultKind::vanished; });
-  if (vanished || beam.offset.contours.empty())
+  if (vanished || beam.offset.contours.empty() || fits_in_beam(contour, operation))
     throw Error(Exit::bad_input, operation.name,
                 fmt::format("the {} is smaller than the beam of {:g} mm", contour_text(contour),
                             operation.kerf_mm),
