@@ -114,7 +114,7 @@ Exit cut_drawing(const CutOptions& options) {
   const run::CutResult result =
       makes ? run::make_cut(request, console) : run::list_shapes(request.description, console);
   if (options.list) show_list(result, console);
-  Json document = cut_document(options, result);
+  Json document = options.json ? cut_document(options, result) : Json::object();
   if (!request.is_for_board) {
     console.document(document);
     return Exit::done;

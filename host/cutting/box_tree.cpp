@@ -1,47 +1,83 @@
 #include "host/cutting/box_tree.hpp"
 
-#include <algorithm>
 #include <numeric>
 #include <utility>
 
 namespace lamplock::cutting {
+namespace {
 
-BoxTree::BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
-  std::iota(order_.begin(), order_.end(), std::uint32_t{0});
-  if (boxes_.empty()) return;
-  nodes_.reserve(2 * (2 * boxes_.size() / leaf_size + 1));
-  build(0, static_cast<std::uint32_t>(boxes_.size()));
+// Few boxes stay in their order: edges of a contour follow each other anyway.
+constexpr std::size_t max_unsorted = 64;
+constexpr int curve_bits = 16;  // of each coordinate on the curve
+
+/// Place on Hilbert's curve, which visits all cells of a square so that those that follow each
+/// other are neighbours (H. S. Warren, "Hacker's Delight", 2nd edition, 2012, chapter 16).
+std::uint32_t place_on_curve(std::uint32_t x, std::uint32_t y) {
+  std::uint32_t place = 0;
+  constexpr std::uint32_t all = (1u << curve_bits) - 1;
+  for (std::uint32_t side = 1u << (curve_bits - 1); side > 0; side /= 2) {
+    const bool is_right = (x & side) != 0, is_upper = (y & side) != 0;
+    place = place * 4 + (is_right ? (is_upper ? 2u : 3u) : (is_upper ? 1u : 0u));
+    if (is_upper) continue;
+    if (is_right) {
+      x = all - x;
+      y = all - y;
+    }
+    std::swap(x, y);
+  }
+  return place;
 }
 
-std::uint32_t BoxTree::build(std::uint32_t begin, std::uint32_t end) {
-  const auto number = static_cast<std::uint32_t>(nodes_.size());
-  Node node;
-  node.begin = begin;
-  node.end = end;
-  for (std::uint32_t i = begin; i < end; ++i) node.box.add(boxes_[order_[i]]);
-  nodes_.push_back(node);
-  if (end - begin <= leaf_size) return number;
-  const Vec side = node.box.high - node.box.low;
-  const auto key = [&](std::uint32_t i) {
-    const Box& box = boxes_[i];
-    return side.x > side.y ? box.low.x + box.high.x : box.low.y + box.high.y;
-  };
-  const std::uint32_t middle = begin + (end - begin) / 2;
-  const auto at = [&](std::uint32_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
-  std::nth_element(at(begin), at(middle), at(end),
-                   [&](std::uint32_t i, std::uint32_t j) { return key(i) < key(j); });
-  const std::uint32_t left = build(begin, middle);
-  const std::uint32_t right = build(middle, end);
-  nodes_[number].left = left;
-  nodes_[number].right = right;
-  return number;
+}  // namespace
+
+BoxTree::BoxTree(const std::vector<Box>& boxes) : order_(boxes.size()), places_(boxes.size()) {
+  std::iota(order_.begin(), order_.end(), std::uint32_t{0});
+  if (boxes.size() > max_unsorted) sort(boxes);
+  for (std::size_t i = 0; i < order_.size(); ++i)
+    places_[order_[i]] = static_cast<std::uint32_t>(i);
+  build(boxes);
+}
+
+void BoxTree::sort(const std::vector<Box>& boxes) {
+  Box all;
+  const auto middle = [](const Box& box) { return (box.low + box.high) * 0.5; };
+  for (const Box& box : boxes) all.add(middle(box));
+  const double side = std::max(all.high.x - all.low.x, all.high.y - all.low.y);
+  const double cells_per_mm = side > 0 ? ((1u << curve_bits) - 1) / side : 0;
+  std::vector<std::uint64_t> keys(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const Vec at = (middle(boxes[i]) - all.low) * cells_per_mm;
+    const std::uint32_t place =
+        place_on_curve(static_cast<std::uint32_t>(at.x), static_cast<std::uint32_t>(at.y));
+    keys[i] = std::uint64_t{place} << 32 | i;
+  }
+  std::sort(keys.begin(), keys.end());
+  for (std::size_t i = 0; i < keys.size(); ++i) order_[i] = static_cast<std::uint32_t>(keys[i]);
+}
+
+void BoxTree::build(const std::vector<Box>& boxes) {
+  std::size_t size = 0;
+  for (std::size_t count = boxes.size(); count > 1; count = (count + fan - 1) / fan) size += count;
+  nodes_.reserve(size + 1);
+  for (const std::uint32_t i : order_) nodes_.push_back(boxes[i]);
+  levels_.push_back({0, nodes_.size()});
+  while (levels_.back().count > 1) {
+    const Level below = levels_.back();
+    levels_.push_back({nodes_.size(), (below.count + fan - 1) / fan});
+    for (std::size_t i = 0; i < below.count; i += fan) {
+      Box box;
+      for (std::size_t k = i; k < std::min(i + fan, below.count); ++k)
+        box.add(nodes_[below.first + k]);
+      nodes_.push_back(box);
+    }
+  }
 }
 
 BoxTree tree_of(const std::vector<Edge>& edges) {
   std::vector<Box> boxes;
   boxes.reserve(edges.size());
   for (const Edge& edge : edges) boxes.push_back(box_of(edge));
-  return BoxTree(std::move(boxes));
+  return BoxTree(boxes);
 }
 
 }  // namespace lamplock::cutting

@@ -1,5 +1,7 @@
 #include "host/cutting/contour.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace lamplock::cutting {
@@ -38,6 +40,13 @@ Contour reversed(const Contour& contour) {
   std::reverse(back.edges.begin(), back.edges.end());
   for (Edge& edge : back.edges) edge = reversed(edge);
   return back;
+}
+
+std::string contour_text(const Contour& contour) {
+  const Box box = box_of(contour);
+  const Vec middle = (box.low + box.high) * 0.5;
+  return fmt::format("contour of {:.3f} mm at ({:.3f}, {:.3f})", length_of(contour), middle.x,
+                     middle.y);
 }
 
 }  // namespace lamplock::cutting

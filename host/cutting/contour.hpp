@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "host/cutting/edge.hpp"
@@ -38,6 +39,8 @@ double signed_area(const Contour& contour);
 bool is_counter_clockwise(const Contour& contour);
 Box box_of(const Contour& contour);
 Contour reversed(const Contour& contour);
+/// "contour of LENGTH mm at (x, y)", for errors.
+std::string contour_text(const Contour& contour);
 /// True if the point is inside of a closed contour that does not cross itself.
 bool is_inside(const Contour& contour, const Vec& at);
 
@@ -102,6 +105,7 @@ struct ContourPlace {
   std::optional<std::size_t> parent;  ///< the smallest closed contour around this one
   std::size_t depth = 0;              ///< number of closed contours around it
 };
+inline bool is_part(const ContourPlace& place) { return place.kind != ContourKind::hole; }
 /// The place of each contour. Of contours that cross the result is that of most of their points.
 std::vector<ContourPlace> contour_tree(const std::vector<Contour>& contours);
 

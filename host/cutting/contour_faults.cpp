@@ -57,32 +57,35 @@ class FaultList {
 
 class FaultFinder {
  public:
-  explicit FaultFinder(const std::vector<Contour>& contours) : contours_(contours) {
+  explicit FaultFinder(const std::vector<Contour>& contours)
+      : contours_(contours), starts_(contours.size()) {
+    trees_.reserve(contours.size());
     for (std::size_t i = 0; i < contours.size(); ++i) {
+      const std::size_t count = contours[i].edges.size();
       double along = 0;
-      std::vector<double>& starts = starts_.emplace_back();
-      for (std::size_t j = 0; j < contours[i].edges.size(); ++j) {
-        const Edge& edge = contours[i].edges[j];
-        numbers_.push_back({i, j});
-        boxes_.push_back(box_of(edge).grown(coincident_mm));
-        starts.push_back(along);
+      starts_[i].reserve(count + 1);
+      std::vector<Box> boxes;
+      boxes.reserve(count);
+      for (const Edge& edge : contours[i].edges) {
+        boxes.push_back(box_of(edge).grown(coincident_mm));
+        starts_[i].push_back(along);
         along += length_of(edge);
       }
-      starts.push_back(along);
+      starts_[i].push_back(along);
+      trees_.emplace_back(boxes);
+      for (std::size_t first = 0; first < count; first += portion) portions_.push_back({i, first});
     }
   }
 
   std::vector<Fault> find(std::size_t max_faults) const {
-    const BoxTree tree(boxes_);
-    std::vector<std::vector<Fault>> found((numbers_.size() + portion - 1) / portion);
+    const std::vector<std::vector<std::size_t>> others = others_about();
+    const auto has_many = [](const auto& about) { return about.size() > max_listed; };
+    const bool needs_all = std::any_of(others.begin(), others.end(), has_many);
+    const AllEdges all_edges = needs_all ? every_edge() : AllEdges{{}, BoxTree({})};
+    std::vector<std::vector<Fault>> found(portions_.size());
     geometry::for_each_index(found.size(), 0, [&](std::size_t part) {
       FaultList faults(max_faults);
-      const std::size_t end = std::min(numbers_.size(), (part + 1) * portion);
-      for (std::size_t i = part * portion; i < end; ++i) {
-        tree.visit(boxes_[i], [&](std::size_t j) {
-          if (j > i && !faults.is_full()) compare(numbers_[i], numbers_[j], faults);
-        });
-      }
+      compare_portion(portions_[part], others[part], all_edges, faults);
       found[part] = faults.take();
     });
     FaultList all(max_faults);
@@ -93,6 +96,74 @@ class FaultFinder {
   }
 
  private:
+  // Other contours about a portion that are searched one by one; of more the edges are searched.
+  static constexpr std::size_t max_listed = 16;
+
+  struct AllEdges {
+    std::vector<EdgeNumber> numbers;
+    BoxTree tree;
+  };
+  AllEdges every_edge() const {
+    std::vector<EdgeNumber> numbers;
+    std::vector<Box> boxes;
+    for (std::size_t i = 0; i < trees_.size(); ++i) {
+      for (std::size_t j = 0; j < trees_[i].size(); ++j) {
+        numbers.push_back({i, j});
+        boxes.push_back(trees_[i].box(j));
+      }
+    }
+    return {std::move(numbers), BoxTree(boxes)};
+  }
+
+  std::size_t end_of(const EdgeNumber& first) const {
+    return std::min(trees_[first.contour].size(), first.edge + portion);
+  }
+
+  /// For each portion the later contours whose boxes meet its own; more than can be listed if they
+  /// are many.
+  std::vector<std::vector<std::size_t>> others_about() const {
+    std::vector<Box> boxes;
+    boxes.reserve(trees_.size());
+    for (const BoxTree& one : trees_) boxes.push_back(one.extent());
+    const BoxTree tree(boxes);
+    std::vector<std::vector<std::size_t>> others(portions_.size());
+    geometry::for_each_index(others.size(), 0, [&](std::size_t part) {
+      const EdgeNumber& first = portions_[part];
+      Box about;
+      for (std::size_t i = first.edge; i < end_of(first); ++i)
+        about.add(trees_[first.contour].box(i));
+      tree.any(about, [&](std::size_t other) {
+        if (other > first.contour) others[part].push_back(other);
+        return others[part].size() > max_listed;
+      });
+      std::sort(others[part].begin(), others[part].end());
+    });
+    return others;
+  }
+
+  /// Compares the edges of a portion with later ones of their contour and of later contours.
+  void compare_portion(const EdgeNumber& first, const std::vector<std::size_t>& others,
+                       const AllEdges& all_edges, FaultList& faults) const {
+    const std::size_t own = first.contour;
+    for (std::size_t i = first.edge; i < end_of(first); ++i) {
+      const Box& box = trees_[own].box(i);
+      const auto compare_with = [&](const EdgeNumber& other) {
+        if (!faults.is_full()) compare({own, i}, other, faults);
+      };
+      trees_[own].visit(box, [&](std::size_t j) {
+        if (j > i) compare_with({own, j});
+      });
+      if (others.size() > max_listed) {
+        all_edges.tree.visit(box, [&](std::size_t j) {
+          if (all_edges.numbers[j].contour > own) compare_with(all_edges.numbers[j]);
+        });
+        continue;
+      }
+      for (const std::size_t other : others)
+        trees_[other].visit(box, [&](std::size_t j) { compare_with({other, j}); });
+    }
+  }
+
   const Edge& edge(const EdgeNumber& number) const {
     return contours_[number.contour].edges[number.edge];
   }
@@ -174,10 +245,10 @@ class FaultFinder {
   }
 
   const std::vector<Contour>& contours_;
-  std::vector<EdgeNumber> numbers_;
-  std::vector<Box> boxes_;
-  std::vector<std::vector<double>>
-      starts_;  ///< of the edges, mm along each contour, and its length
+  /// Of the edges, mm along each contour, and its length.
+  std::vector<std::vector<double>> starts_;
+  std::vector<BoxTree> trees_;        ///< of the edges of each contour
+  std::vector<EdgeNumber> portions_;  ///< the first edge of each
 };
 
 }  // namespace

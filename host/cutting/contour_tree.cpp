@@ -62,7 +62,7 @@ class Surroundings {
     geometry::for_each_index(numbers_.size(), 0, [&](std::size_t i) {
       edges_[i] = tree_of(contours[numbers_[i]].edges);
     });
-    tree_ = BoxTree(std::move(boxes));
+    tree_ = BoxTree(boxes);
   }
 
   /// Calls found(number, is_inside) for all contours whose boxes contain this box.

@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
+#include <future>
 #include <numeric>
-#include <set>
 #include <utility>
 
+#include "host/cutting/beams.hpp"
 #include "host/cutting/cut_order.hpp"
 #include "host/cutting/drawn_contours.hpp"
 #include "host/cutting/engraving.hpp"
-#include "host/cutting/offset.hpp"
 #include "host/error.hpp"
 #include "host/geometry/parallel.hpp"
 
@@ -22,81 +21,6 @@ namespace {
 constexpr std::size_t max_tried_edges = 24;
 
 constexpr double s_per_min = 60;
-
-std::string place_text(const Vec& at) { return fmt::format("({:.3f}, {:.3f})", at.x, at.y); }
-
-/// "the contour at (x, y)", for errors.
-std::string contour_text(const Contour& contour) {
-  const Vec middle = (box_of(contour).low + box_of(contour).high) * 0.5;
-  return fmt::format("contour of {:.3f} mm at {}", length_of(contour), place_text(middle));
-}
-
-bool is_part(const ContourPlace& place) { return place.kind != ContourKind::hole; }
-
-/// mm to the right of the direction.
-double distance_of(const Shape& shape, const Contour& contour, const Operation& operation) {
-  const double half = operation.kerf_mm / 2;
-  const bool is_ccw = is_counter_clockwise(contour);
-  switch (operation.compensation) {
-    case Compensation::none:
-      return 0;
-    case Compensation::left:
-      return -half;
-    case Compensation::right:
-      return half;
-    case Compensation::automatic:
-    case Compensation::controller:
-      if (!contour.closed) return 0;
-      return is_part(shape.place) == is_ccw ? half : -half;
-    case Compensation::inside:
-    case Compensation::outside:
-      break;
-  }
-  const bool is_outside = operation.compensation == Compensation::outside;
-  if (!contour.closed)
-    throw Error(Exit::bad_input, operation.name,
-                fmt::format("the open {} has no {}", contour_text(contour),
-                            is_outside ? "outside" : "inside"),
-                "close it in the drawing, or use compensation left, right, auto or none");
-  return is_outside == is_ccw ? half : -half;
-}
-
-/// The side that is thrown away: that of the beam, without compensation by the tree.
-WasteSide waste_of(const Shape& shape, const Contour& contour, double distance_mm) {
-  const bool is_right =
-      distance_mm != 0 ? distance_mm > 0 : is_part(shape.place) == is_counter_clockwise(contour);
-  return is_right ? WasteSide::right : WasteSide::left;
-}
-
-/// True if the operation fixes the direction of the cut: by its direction, or by a beam to the left
-/// or right of it.
-bool has_direction(const Operation& operation) {
-  return operation.direction == Direction::drawn || operation.direction == Direction::reversed ||
-         operation.compensation == Compensation::left ||
-         operation.compensation == Compensation::right;
-}
-
-/// The beam along one shape.
-struct ShapeBeam {
-  OffsetContours offset;
-  WasteSide waste = WasteSide::right;
-  std::optional<Contour> drawn;  ///< where the controller compensates
-  bool is_moved = false;         ///< runs beside the drawn contour
-};
-
-/// Contours as the beam runs along them.
-struct Beams {
-  std::vector<Contour> contours;
-  std::vector<std::size_t> shapes;  ///< of each
-  std::vector<WasteSide> waste;
-  std::vector<std::optional<Contour>> drawn;  ///< where the controller compensates
-  std::vector<bool> is_moved;                 ///< runs beside the drawn contour
-  std::vector<bool> is_directed;              ///< has the direction of its operation
-
-  bool are_moved() const {
-    return std::find(is_moved.begin(), is_moved.end(), true) != is_moved.end();
-  }
-};
 
 class Planner {
  public:
@@ -155,13 +79,14 @@ class Planner {
 
   /// All operations of one kind that follow contours, in one order.
   void follow(OperationKind kind) {
-    Beams beams = beams_of(kind);
+    const Beams beams = beams_along(shapes_, operations_, kind, plan_.faults);
     if (beams.contours.empty()) return;
     const DrawnContours drawn = drawn_contours(kind);
-    if (beams.are_moved()) {
-      report_crossings(beams);
-      report_near(beams, drawn);
-    }
+    // Beside the search for an order, which needs about the same time and runs on one core.
+    std::future<std::vector<Fault>> faults;
+    if (beams.are_moved())
+      faults = std::async(std::launch::async,
+                          [&] { return beam_faults(beams, drawn, shapes_, operations_); });
     const CutOrder order = cut_order(beams.contours, contour_tree(beams.contours), position_,
                                      order_, beams.is_directed);
     const CutSheet sheet(beams.contours);
@@ -170,6 +95,9 @@ class Planner {
       cuts[i] = planned_cut(beams, order.steps[i], sheet, drawn);
     });
     for (PlannedCut& cut : cuts) append(std::move(cut));
+    if (!faults.valid()) return;
+    const std::vector<Fault> found = faults.get();
+    plan_.faults.insert(plan_.faults.end(), found.begin(), found.end());
   }
 
   PlannedCut planned_cut(const Beams& beams, CutStep step, const CutSheet& sheet,
@@ -197,120 +125,6 @@ class Planner {
     }
     drawn.index();
     return drawn;
-  }
-
-  /// The beams along all shapes of operations of one kind.
-  Beams beams_of(OperationKind kind) {
-    std::vector<std::size_t> numbers;
-    for (std::size_t i = 0; i < shapes_.size(); ++i) {
-      const auto operation = shapes_[i].operation;
-      if (operation && operations_[*operation].kind == kind) numbers.push_back(i);
-    }
-    std::vector<ShapeBeam> beams(numbers.size());
-    geometry::for_each_index(beams.size(), 0,
-                             [&](std::size_t i) { beams[i] = compensated(shapes_[numbers[i]]); });
-    Beams all;
-    for (std::size_t i = 0; i < beams.size(); ++i) append_beam(beams[i], numbers[i], all);
-    return all;
-  }
-
-  ShapeBeam compensated(const Shape& shape) const {
-    const Operation& operation = operations_[*shape.operation];
-    const Contour contour = directed(shape, operation.direction);
-    const double distance_mm = distance_of(shape, contour, operation);
-    ShapeBeam beam{offset({contour}, {distance_mm}),
-                   waste_of(shape, contour, distance_mm),
-                   {},
-                   distance_mm != 0};
-    const std::vector<Fault>& faults = beam.offset.faults;
-    const auto vanished = std::any_of(faults.begin(), faults.end(),
-                                      [](const auto& f) { return f.kind == FaultKind::vanished; });
-    if (vanished || beam.offset.contours.empty())
-      throw Error(Exit::bad_input, operation.name,
-                  fmt::format("the {} is smaller than the beam of {:g} mm", contour_text(contour),
-                              operation.kerf_mm),
-                  "use a smaller kerf, or no compensation for it");
-    if (operation.compensation == Compensation::controller && beam.is_moved)
-      beam.drawn = begin_alike(contour, distance_mm, operation, beam.offset);
-    return beam;
-  }
-
-  void append_beam(ShapeBeam& beam, std::size_t shape, Beams& beams) {
-    for (Fault& fault : beam.offset.faults) {
-      if (fault.kind != FaultKind::narrow) continue;  // the others are those of the drawing
-      fault.contour = shape;
-      plan_.faults.push_back(fault);
-    }
-    for (Contour& contour : beam.offset.contours) {
-      beams.contours.push_back(std::move(contour));
-      beams.shapes.push_back(shape);
-      beams.waste.push_back(beam.waste);
-      beams.drawn.push_back(beam.drawn);
-      beams.is_moved.push_back(beam.is_moved);
-      beams.is_directed.push_back(has_direction(operations_[*shapes_[shape].operation]));
-    }
-  }
-
-  /// The drawn contour from the middle of an edge, and the beam from beside it: at a corner the
-  /// controller would neither close the contour nor keep its distance.
-  static Contour begin_alike(const Contour& contour, double distance_mm, const Operation& operation,
-                             OffsetContours& result) {
-    const bool is_narrow =
-        std::any_of(result.faults.begin(), result.faults.end(),
-                    [](const Fault& fault) { return fault.kind == FaultKind::narrow; });
-    constexpr double near_mm = 1e-6;
-    if (!is_narrow && result.contours.size() == 1) {
-      Contour& beam = result.contours.front();
-      for (std::size_t i = 0; i < contour.edges.size(); ++i) {
-        const Edge& edge = contour.edges[i];
-        const Vec at = point_at(edge, 0.5) + right_of(direction_at(edge, 0.5)) * distance_mm;
-        for (std::size_t k = 0; k < beam.edges.size(); ++k) {
-          if (distance_to(beam.edges[k], at) > near_mm) continue;
-          beam = as_cut(beam, {0, false, k, std::clamp(part_at(beam.edges[k], at), 0.0, 1.0)});
-          return as_cut(contour, {0, false, i, 0.5});
-        }
-      }
-    }
-    throw Error(Exit::bad_input, operation.name,
-                fmt::format("the beam of {:g} mm does not fit everywhere beside the {}, where the "
-                            "controller would stop",
-                            operation.kerf_mm, contour_text(contour)),
-                "use compensation auto");
-  }
-
-  /// Paths of the beam that cross although the drawing does not: parts that are too near.
-  void report_crossings(const Beams& beams) {
-    for (Fault& fault : contour_faults(beams.contours)) {
-      if (fault.kind == FaultKind::crossing) fault.kind = FaultKind::beams;
-      if (fault.contour) fault.contour = beams.shapes[*fault.contour];
-      if (fault.other) fault.other = beams.shapes[*fault.other];
-      plan_.faults.push_back(fault);
-    }
-  }
-
-  /// Beams that cut into another contour without crossing its beam: where a gap is narrower than
-  /// the beam, those of a hole and of the island in it change their places.
-  void report_near(const Beams& beams, const DrawnContours& drawn) {
-    std::set<std::pair<std::size_t, std::size_t>> known;
-    for (const Fault& fault : plan_.faults)
-      if (fault.contour && fault.other) known.insert(std::minmax(*fault.contour, *fault.other));
-    std::vector<std::vector<DrawnContours::Cut>> found(beams.contours.size());
-    geometry::for_each_index(found.size(), 0, [&](std::size_t i) {
-      if (!beams.is_moved[i]) return;
-      const std::size_t shape = beams.shapes[i];
-      found[i] = drawn.cut_by(beams.contours[i], shape,
-                              operations_[*shapes_[shape].operation].kerf_mm / 2);
-    });
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      for (const DrawnContours::Cut& cut : found[i]) {
-        const std::size_t shape = beams.shapes[i];
-        if (!known.insert(std::minmax(shape, cut.contour)).second) continue;
-        double gap_mm = std::numeric_limits<double>::infinity();
-        for (const Edge& edge : shapes_[shape].contour.edges)
-          gap_mm = std::min(gap_mm, distance_to(edge, cut.at));
-        plan_.faults.push_back({FaultKind::near, cut.at, gap_mm, shape, cut.contour});
-      }
-    }
   }
 
   static Stroke path_of(const Beams& beams, const CutStep& step, const Operation& operation,

@@ -23,6 +23,8 @@ constexpr std::size_t max_neighbours = 10;
 constexpr std::size_t max_block = 3;
 // Moves over more places take longer to carry out than they are worth.
 constexpr std::size_t max_span = 50'000;
+// Pieces that are exchanged are near to each other, and so is what then improves the order.
+constexpr std::size_t max_trial_span = 1'000;
 // Maximum number of visits in each of two pieces that are exchanged.
 constexpr std::size_t max_piece = 30;
 // A gain below this is rounding. mm.
@@ -199,6 +201,8 @@ class CutSearch {
   }
   double gap(Place i) const { return way(exit(i), i + 1); }
 
+  Place span() const { return static_cast<Place>(is_on_trial_ ? max_trial_span : max_span); }
+
   bool improve(std::size_t stop) {
     const auto i = static_cast<Place>(place_[stop]);
     for (std::size_t k = first_neighbour_[stop]; k < first_neighbour_[stop + 1]; ++k) {
@@ -219,7 +223,7 @@ class CutSearch {
     if (begin < 0 || begin > end) return false;
     const double gain = gap(begin - 1) + gap(end) - distance(exit(begin - 1), exit(end)) -
                         way(entry(begin), end + 1);
-    if (gain <= min_gain_mm || end - begin > static_cast<Place>(max_span)) return false;
+    if (gain <= min_gain_mm || end - begin > span()) return false;
     if (!may_turn(begin, end)) return false;
     gained_mm_ += gain;
     apply({static_cast<std::size_t>(begin), static_cast<std::size_t>(end), begin - 1, true});
@@ -322,7 +326,7 @@ class CutSearch {
   }
 
   bool may_shift(Place begin, Place end, Place target, bool is_turned) const {
-    if (std::abs(target - begin) > static_cast<Place>(max_span)) return false;
+    if (std::abs(target - begin) > span()) return false;
     if (is_turned && !may_turn(begin, end)) return false;
     // Towards the end the block passes visits that may be its parents, otherwise children.
     if (target > end) return !has_parent_within(begin, end, end + 1, target);

@@ -18,7 +18,7 @@ struct CutStop {
   /// Start points; of an open contour its two ends, or its begin alone if it has a direction.
   std::vector<Vec> starts;
   bool open = false;
-  std::optional<Vec> end{};   ///< of an open contour that has a direction
+  std::optional<Vec> end{};   ///< of an open contour that has a direction, and of an engraved area
   std::size_t parent = none;  ///< has to be cut after this one
   std::size_t children = 0;   ///< contours that have to be cut before
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();

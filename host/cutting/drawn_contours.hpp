@@ -33,7 +33,7 @@ class DrawnContours {
 
  private:
   template <class Found>
-  bool any_cut(const Edge& edge, std::size_t own, double reach_mm, const Found& found) const;
+  bool is_cut(const Edge& edge, std::size_t i, double reach_mm, const Found& found) const;
 
   std::vector<Edge> edges_;
   std::vector<std::size_t> numbers_;  ///< of the contour of each edge

@@ -1,10 +1,10 @@
 #include "host/cutting/engraving.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "host/cutting/box_tree.hpp"
+#include "host/cutting/cut_stops.hpp"
 #include "host/cutting/hatch.hpp"
 #include "host/geometry/union_find.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 /// Contours that are filled together: their boxes are not farther apart than a gap that is
 /// crossed at the feed. The next area is the nearest one.
 std::vector<std::vector<std::size_t>> areas_of(const std::vector<Contour>& contours,
-                                               double max_gap_mm, Vec at) {
+                                               double max_gap_mm, const Vec& position) {
   std::vector<Box> boxes;
   boxes.reserve(contours.size());
   for (const Contour& contour : contours) boxes.push_back(box_of(contour));
@@ -23,18 +23,19 @@ std::vector<std::vector<std::size_t>> areas_of(const std::vector<Contour>& conto
   for (std::size_t i = 0; i < boxes.size(); ++i)
     tree.visit(boxes[i].grown(max_gap_mm), [&](std::size_t j) { joined.join(i, j); });
   std::vector<std::vector<std::size_t>> areas = joined.sets();
-  const auto away = [&](const std::vector<std::size_t>& area) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const std::size_t i : area) nearest = std::min(nearest, distance(boxes[i].low, at));
-    return nearest;
-  };
-  for (auto next = areas.begin(); next != areas.end(); ++next) {
-    std::iter_swap(next, std::min_element(next, areas.end(), [&](const auto& p, const auto& q) {
-                     return away(p) < away(q);
-                   }));
-    at = boxes[next->front()].high;
+  std::vector<CutStop> stops;
+  stops.reserve(areas.size());
+  for (const std::vector<std::size_t>& area : areas) {
+    CutStop& stop = stops.emplace_back();
+    stop.starts.reserve(area.size());
+    for (const std::size_t i : area) stop.starts.push_back(boxes[i].low);
+    stop.end = boxes[area.front()].high;
   }
-  return areas;
+  std::vector<std::vector<std::size_t>> ordered;
+  ordered.reserve(areas.size());
+  for (const CutVisit& visit : nearest_visits(stops, position))
+    ordered.push_back(std::move(areas[visit.stop]));
+  return ordered;
 }
 
 Stroke stroke_of(const HatchRow& row, double overscan_mm) {

@@ -6,6 +6,7 @@
 
 #include "host/cutting/box_tree.hpp"
 #include "host/cutting/contour.hpp"
+#include "host/cutting/duplicate_filter.hpp"
 #include "host/cutting/place_grid.hpp"
 #include "host/geometry/limits.hpp"
 
@@ -43,77 +44,6 @@ void connect(Contour& contour) {
   if (edges.size() == 1 && edges.front().from != edges.front().to) contour.closed = false;
   std::erase_if(edges, [](const Edge& edge) { return edge.from == edge.to && is_nothing(edge); });
 }
-
-bool is_covered(const Contour& contour, const Contour& by, double tolerance_mm) {
-  const BoxTree tree = tree_of(by.edges);
-  return std::all_of(contour.edges.begin(), contour.edges.end(), [&](const Edge& edge) {
-    for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-      const Vec point = point_at(edge, part);
-      const bool is_near = tree.any_near(point, tolerance_mm, [&](std::size_t i) {
-        return distance_to(by.edges[i], point) <= tolerance_mm;
-      });
-      if (!is_near) return false;
-    }
-    return true;
-  });
-}
-
-/// Removes contours that are the same as an earlier one of their group of layers, wherever they
-/// begin and in whatever direction they run.
-class DuplicateFilter {
- public:
-  /// `groups`: as in JoinOptions.
-  DuplicateFilter(double tolerance_mm, const std::vector<std::size_t>& groups,
-                  std::vector<Fault>& faults)
-      : tolerance_(tolerance_mm), groups_(groups), faults_(faults) {}
-
-  /// The numbers of the contours that remain, in order.
-  std::vector<std::size_t> keep(const std::vector<Contour>& contours) {
-    // Both corners in one place: of many lines from one point, or rings about it, each has another.
-    const auto key = [](const Box& box) {
-      return box.low + Vec{box.high.y, box.high.x} * part_of_corner;
-    };
-    PlaceGrid grid(2 * (1 + part_of_corner) * tolerance_, contours.size());
-    std::vector<std::size_t> kept;
-    kept.reserve(contours.size());
-    std::vector<Box> boxes;
-    boxes.reserve(contours.size());
-    for (std::size_t i = 0; i < contours.size(); ++i) {
-      const Contour& contour = contours[i];
-      boxes.push_back(box_of(contour));
-      const Vec at = key(boxes[i]);
-      if (grid.any(at, [&](std::size_t other) {
-            return is_same(contour, boxes[i], contours[other], boxes[other]);
-          })) {
-        faults_.push_back(
-            {FaultKind::duplicate, contour.edges.front().from, length_of(contour), {}});
-        continue;
-      }
-      grid.add(at, i);
-      kept.push_back(i);
-    }
-    return kept;
-  }
-
- private:
-  // Without a meaning for drawings.
-  static constexpr double part_of_corner = 0.618;
-
-  bool is_same(const Contour& a, const Box& box_a, const Contour& b, const Box& box_b) const {
-    return group(a) == group(b) && a.closed == b.closed &&
-           distance(box_a.low, box_b.low) <= tolerance_ * 2 &&
-           distance(box_a.high, box_b.high) <= tolerance_ * 2 && is_covered(a, b, tolerance_) &&
-           is_covered(b, a, tolerance_);
-  }
-
-  std::size_t group(const Contour& contour) const {
-    return groups_.empty() ? contour.layer : groups_[contour.layer];
-  }
-
-  double tolerance_;
-  const std::vector<std::size_t>& groups_;
-  std::vector<Fault>& faults_;
-};
 
 /// Joins open chains. Ends are numbered: 2 i is the start of chain i, 2 i + 1 its end. Where more
 /// than two ends meet, a way that comes to the same place again is divided there: two squares that
@@ -317,7 +247,7 @@ void report_gaps(const std::vector<Contour>& contours, double tolerance_mm,
   std::vector<Box> boxes;
   boxes.reserve(ends.size());
   for (const auto& [at, number] : ends) boxes.push_back({at, at});
-  const BoxTree tree(std::move(boxes));
+  const BoxTree tree(boxes);
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const Vec at = ends[i].first;
     const std::size_t number = ends[i].second;
@@ -352,7 +282,7 @@ void number_faults(std::vector<Fault>& faults, const std::vector<Contour>& conto
       edges.emplace_back(i, j);
     }
   }
-  const BoxTree tree(std::move(boxes));
+  const BoxTree tree(boxes);
   for (Fault& fault : faults) {
     fault.contour.reset();
     if (fault.kind == FaultKind::dot) continue;

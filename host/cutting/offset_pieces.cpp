@@ -31,8 +31,8 @@ class Clearance {
       Box& box = mitre_boxes.emplace_back();
       for (const Vec& corner : mitre.corners) box.add(corner);
     }
-    edge_tree_ = BoxTree(std::move(boxes));
-    mitre_tree_ = BoxTree(std::move(mitre_boxes));
+    edge_tree_ = BoxTree(boxes);
+    mitre_tree_ = BoxTree(mitre_boxes);
   }
 
   /// True if all points of an edge are nearer for certain: the middles of its parts are so much

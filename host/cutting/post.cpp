@@ -1,33 +1,18 @@
 #include "host/cutting/post.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
+#include "host/cutting/post_template.hpp"
+
 namespace lamplock::cutting {
 namespace {
 
 constexpr int speed_decimals = 3, time_decimals = 3;
-
-/// A number without trailing zeros.
-std::string post_number(double value, int decimals) {
-  std::string text = fmt::format("{:.{}f}", value, decimals);
-  if (decimals > 0) {
-    const auto last = text.find_last_not_of('0');
-    text.resize(text[last] == '.' ? last : last + 1);
-  }
-  return text == "-0" ? "0" : text;
-}
-
-std::optional<PostValue> value_named(std::string_view name) {
-  const auto found = std::find(post_value_names.begin(), post_value_names.end(), name);
-  if (found == post_value_names.end()) return std::nullopt;
-  return static_cast<PostValue>(found - post_value_names.begin());
-}
 
 /// Comments of G-code end at a bracket, and lines have one line.
 std::string comment_text(const std::string& text) {
@@ -41,56 +26,11 @@ std::string comment_text(const std::string& text) {
   return plain;
 }
 
-/// Fills templates, and knows which values have changed.
-class Templates {
- public:
-  void set(PostValue value, std::string text) { values_[at(value)] = std::move(text); }
-  const std::string& value(PostValue value) const { return values_[at(value)]; }
-
-  std::string filled(const std::string& text) {
-    std::string line, part;
-    bool in_part = false, has_changed = false;
-    std::vector<std::size_t> written;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      const char c = text[i];
-      if (c == '{') {
-        const std::size_t close = text.find('}', i);
-        const std::size_t number = at(*value_named(text.substr(i + 1, close - i - 1)));
-        (in_part ? part : line) += values_[number];
-        has_changed = has_changed || values_[number] != written_[number];
-        if (!in_part) written.push_back(number);
-        if (in_part) part_values_.push_back(number);
-        i = close;
-      } else if (c == '[') {
-        in_part = true;
-        has_changed = false;
-        part.clear();
-        part_values_.clear();
-      } else if (c == ']') {
-        in_part = false;
-        if (!has_changed) continue;
-        line += part;
-        written.insert(written.end(), part_values_.begin(), part_values_.end());
-      } else {
-        (in_part ? part : line) += c;
-      }
-    }
-    for (const std::size_t number : written) written_[number] = values_[number];
-    return line;
-  }
-
- private:
-  static std::size_t at(PostValue value) { return static_cast<std::size_t>(value); }
-
-  std::array<std::string, post_value_names.size()> values_{}, written_{};
-  std::vector<std::size_t> part_values_;
-};
-
 class ProgramWriter {
  public:
   ProgramWriter(const CutPlan& plan, const std::vector<Operation>& operations, const Post& post,
                 const ProgramFrame& frame)
-      : plan_(plan), operations_(operations), post_(post), frame_(frame) {
+      : plan_(plan), operations_(operations), post_(post), frame_(frame), templates_(post) {
     if (post.machine == MachineType::lathe) safe_radius_ = safe_radius();
   }
 
@@ -110,14 +50,7 @@ class ProgramWriter {
   const std::vector<std::size_t>& first_lines() const { return first_lines_; }
 
  private:
-  void write(PostEvent event) {
-    for (const std::string& line : post_.of(event)) {
-      std::string filled = templates_.filled(line);
-      if (filled.empty()) continue;
-      text_ += filled + "\n";
-      ++lines_;
-    }
-  }
+  void write(PostEvent event) { lines_ += templates_.append(event, text_); }
   void comment(const std::string& text) {
     templates_.set(PostValue::text, comment_text(text));
     write(PostEvent::comment);
@@ -268,18 +201,16 @@ class ProgramWriter {
     write(PostEvent::shape_end);
   }
 
-  double rounded(double value) const {
-    const double scale = std::pow(10, post_.decimals);
-    return std::round(value * scale) / scale;
-  }
+  double rounded(double value) const { return std::round(value * scale_) / scale_; }
   Vec rounded(const Vec& at) const { return {rounded(at.x), rounded(at.y)}; }
 
   void set_place(const Vec& at) {
     at_ = rounded(at);
     templates_.set(PostValue::x, post_number(at_->x, post_.decimals));
     templates_.set(PostValue::y, post_number(at_->y, post_.decimals));
-    templates_.set(PostValue::diameter,
-                   post_number(at_->y * (frame_.has_radii ? 1 : 2), post_.decimals));
+    if (templates_.uses(PostValue::diameter))
+      templates_.set(PostValue::diameter,
+                     post_number(at_->y * (frame_.has_radii ? 1 : 2), post_.decimals));
   }
 
   void go_to(const Vec& at) {
@@ -329,7 +260,7 @@ class ProgramWriter {
     const Vec from = *at_;
     set_place(edge.to);
     // An arc that is as flat as the rounding is a line.
-    const double flat = 0.5 * std::pow(10, -post_.decimals);
+    const double flat = 0.5 / scale_;
     const bool is_flat = edge.is_line() || radius_of(edge) * (1 - std::cos(edge.sweep / 2)) < flat;
     if (is_flat) return write(PostEvent::line);
     const Vec to_centre = rounded(edge.centre - from);
@@ -348,7 +279,8 @@ class ProgramWriter {
   const std::vector<Operation>& operations_;
   const Post& post_;
   const ProgramFrame& frame_;
-  Templates templates_;
+  PostTemplates templates_;
+  const double scale_ = std::pow(10, post_.decimals);  ///< of positions
   std::string text_;
   std::size_t lines_ = 0;
   std::vector<std::size_t> first_lines_;
@@ -361,36 +293,6 @@ class ProgramWriter {
 };
 
 }  // namespace
-
-std::string template_fault(const std::string& text) {
-  bool in_part = false, has_value = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '{') {
-      const std::size_t close = text.find('}', i);
-      if (close == std::string::npos) return "a brace is not closed";
-      const std::string name = text.substr(i + 1, close - i - 1);
-      if (!value_named(name))
-        return fmt::format("there is no value '{}', but {}", name,
-                           fmt::join(post_value_names, ", "));
-      has_value = true;
-      i = close;
-    } else if (c == '}') {
-      return "a brace is closed that is not open";
-    } else if (c == '[') {
-      if (in_part) return "square brackets are inside each other";
-      in_part = true;
-      has_value = false;
-    } else if (c == ']') {
-      if (!in_part) return "a square bracket is closed that is not open";
-      if (!has_value) return "a part in square brackets has no value in braces";
-      in_part = false;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      return "a line has a line end or a control character in it";
-    }
-  }
-  return in_part ? "a square bracket is not closed" : "";
-}
 
 std::string cut_program(const CutPlan& plan, const std::vector<Operation>& operations,
                         const Post& post, const ProgramFrame& frame,

@@ -68,7 +68,7 @@ class Simplifier {
         }
       }
     }
-    tree_ = BoxTree(std::move(boxes));
+    tree_ = BoxTree(boxes);
   }
 
   SimpleContours simple() {

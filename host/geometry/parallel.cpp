@@ -35,7 +35,9 @@ void for_each_index(std::size_t count, unsigned threads,
     }
   };
   constexpr std::size_t max_threads = 256;
-  const std::size_t wanted = threads > 0 ? threads : std::thread::hardware_concurrency();
+  // The system reads this number from a file at each call.
+  static const unsigned cores = std::thread::hardware_concurrency();
+  const std::size_t wanted = threads > 0 ? threads : cores;
   const std::size_t useful = std::min(max_threads, count / batch + 1);
   {
     std::vector<std::jthread> others;

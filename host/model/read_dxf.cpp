@@ -139,7 +139,7 @@ class DxfReader {
     }
     Curves curves =
         texts_.empty() ? std::move(curves_).finished(file_) : std::move(curves_).collected();
-    return {std::move(curves), std::move(texts_)};
+    return {std::move(curves), std::move(texts_), hatches_, std::move(unknown_unit_)};
   }
 
   /// The next entity, false at the end of the section.
@@ -160,14 +160,19 @@ class DxfReader {
       if (group.code != 70) continue;
       if (variable == "$MEASUREMENT") is_imperial_ = dxf_.integer(group) == 0;
       if (variable != "$INSUNITS") continue;
-      const double mm = mm_in_unit(dxf_.integer(group));
-      if (mm == 0)
+      double mm = mm_in_unit(dxf_.integer(group));
+      const bool is_unknown = mm == 0;
+      if (is_unknown && keeps_texts_) {
+        unknown_unit_ = group.value;
+        mm = 1;
+      } else if (is_unknown) {
         dxf_.position_of(group.value)
             .refuse(fmt::format("$INSUNITS is {:.20}, not a usable unit of length", group.value),
                     "set the drawing's unit to mm");
+      }
       unit_ = geometry::scaled(mm, mm, mm);
       curves_.set_unit(mm);
-      has_unit_ = dxf_.integer(group) != 0;
+      has_unit_ = !is_unknown && dxf_.integer(group) != 0;
     }
   }
 
@@ -346,13 +351,16 @@ class DxfReader {
       curves_.spend(1, place);
       curves_.leave_out("HATCH");
     }
+    bool is_outlined = false;
     for (const DxfBoundary& boundary : boundaries) {
       curves_.spend(1, place);
       if (!boundary.sources.empty() &&
           std::all_of(boundary.sources.begin(), boundary.sources.end(), is_drawn))
         continue;
       for (const Path& path : boundary.paths) add(path, map, own, place);
+      is_outlined = true;
     }
+    if (is_outlined) ++hatches_;
   }
 
   void draw_copies(const DxfInsert& insert, const geometry::Affine& map, const Inherited& own,
@@ -388,6 +396,8 @@ class DxfReader {
   DxfGroups dxf_;
   DxfEntity entity_;
   geometry::Affine unit_;
+  std::size_t hatches_ = 0;  ///< whose outlines are drawn
+  std::string unknown_unit_;
   bool has_unit_ = false, is_imperial_ = false;
   std::set<std::string> frozen_layers_, off_layers_;
   std::map<std::string, Colour> layer_colours_;

@@ -45,6 +45,8 @@ struct TextBlock {
 struct LetteredDrawing {
   Curves curves;  ///< none of a drawing of texts alone
   std::vector<TextBlock> texts;
+  std::size_t hatches = 0;     ///< areas of a DXF whose outlines are among the curves
+  std::string unknown_unit{};  ///< number of a DXF ($INSUNITS) that is no unit; its numbers are mm
 };
 
 }  // namespace lamplock::model

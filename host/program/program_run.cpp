@@ -11,7 +11,7 @@
 #include "host/program/board_lines.hpp"
 #include "host/program/interpreter_options.hpp"
 #include "host/program/line_fault.hpp"
-#include "host/program/line_run.hpp"
+#include "host/program/line_thread.hpp"
 #include "host/text.hpp"
 #include "shared/line_comments.hpp"
 #include "shared/units.hpp"
@@ -60,12 +60,14 @@ class Machine {
     if (target.steps == StepPosition{}) return;
     lines_.take(target);
     lines_.finish();
-    ticks_before_ = lines_.ticks();
+    ticks_before_ = lines_.wait().ticks();
   }
   /// Motion outside of the work space is only counted, not reported as a problem.
   void pass_outside() { passes_outside_ = true; }
 
-  void change_speed(const std::vector<SpeedChange>& changes) { lines_.change_speed(changes); }
+  void change_speed(const std::vector<SpeedChange>& changes) {
+    lines_.wait().change_speed(changes);
+  }
 
   /// A line of the text arrives over the cable.
   void receive(std::size_t bytes) { lines_.receive(bytes); }
@@ -120,15 +122,16 @@ class Machine {
     }
   }
 
-  void finish() {
-    lines_.finish();
-    run_.ticks = lines_.ticks() - ticks_before_;
-  }
+  void finish() { lines_.finish(); }
 
-  /// At the end of the program.
-  void note_move_ends() {
-    for (std::size_t i = 0; i < dwelt_us_.size() && i < lines_.line_ends().size(); ++i) {
-      const auto ticks = static_cast<double>(lines_.line_ends()[i] - ticks_before_);
+  /// At the end of the program: its time, and that of each move.
+  void note_times() {
+    const LineRun& lines = lines_.wait();
+    run_.ticks = lines.ticks() - ticks_before_;
+    const std::size_t moves = std::min(dwelt_us_.size(), lines.line_ends().size());
+    run_.move_ends_s.reserve(moves);
+    for (std::size_t i = 0; i < moves; ++i) {
+      const auto ticks = static_cast<double>(lines.line_ends()[i] - ticks_before_);
       run_.move_ends_s.push_back(ticks / ticks_per_second +
                                  static_cast<double>(dwelt_us_[i]) / 1e6);
     }
@@ -233,7 +236,7 @@ class Machine {
 
   const settings::Values& values_;
   const StepLimits space_;
-  LineRun lines_;
+  LineThread lines_;
   PerAxis<double> at_{};
   std::int64_t tolerance_e7_ = 0;
   std::uint64_t ticks_before_ = 0;  ///< of the move to the program's begin
@@ -351,7 +354,7 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
                             "the program ends with cutter compensation on, and its last move waits",
                             "end it with G40 or M2"});
   machine.finish();
-  machine.note_move_ends();
+  machine.note_times();
   const bool as_after_power_up = state == nullptr || state->as_after_power_up;
   if (run.locked != 0 && run.problems.empty() && run.outside == 0 && as_after_power_up)
     run.beats = run_locked(whole, values);

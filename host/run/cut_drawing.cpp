@@ -91,10 +91,14 @@ double mm_of(const std::string& unit) {
 }
 
 /// The factor from the mm of the reader to those of the user.
-double unit_factor(const DrawingChoice& drawing, const model::Curves& curves) {
+double unit_factor(const DrawingChoice& drawing, const model::Curves& curves,
+                   const std::string& unknown_unit) {
   if (!drawing.units && curves.has_unit) return 1;
   if (!drawing.units)
-    throw Error(Exit::bad_input, drawing.file, "the drawing names no unit ($INSUNITS)",
+    throw Error(Exit::bad_input, drawing.file,
+                unknown_unit.empty()
+                    ? "the drawing names no unit ($INSUNITS)"
+                    : fmt::format("$INSUNITS is {:.20}, not a usable unit of length", unknown_unit),
                 "give its unit, mm, cm, m, inch or foot: --units mm, or units = \"mm\" in a "
                 "description");
   if (lower_extension(drawing.file) != ".dxf")
@@ -298,12 +302,16 @@ void warn_of_rest(model::Curves& curves, std::vector<std::string>& warnings) {
 
 CutDrawing read_cut_drawing(const CutDescription& description) {
   const DrawingChoice& drawing = description.drawing;
-  auto [curves, texts] = read_drawing(drawing);
-  const double factor = unit_factor(drawing, curves);
+  auto [curves, texts, hatches, unknown_unit] = read_drawing(drawing);
+  const double factor = unit_factor(drawing, curves, unknown_unit);
   CutDrawing result;
   if (!curves.has_unit) curves.warnings.pop_back();
   result.warnings = curves.warnings;
   warn_of_rest(curves, result.warnings);
+  if (hatches > 0)
+    result.warnings.push_back(
+        fmt::format("{} taken as the outline of its area: to fill it, engrave its layer",
+                    hatches == 1 ? "1 HATCH is" : fmt::format("{} HATCHes are each", hatches)));
   add_letters(texts, drawing, curves, result);
   if (curves.paths.empty())
     throw Error(Exit::bad_input, drawing.file, "has no curves and no letters to cut",

@@ -272,6 +272,24 @@ TEST_F(Cut, units_are_never_guessed) {
   EXPECT_EQ(document["shapes"][0]["layer"], "one");
 }
 
+TEST_F(Cut, units_replace_one_that_is_unknown) {
+  const std::string file = drawing(dxf_rectangle(0, 0, 1, 1), 99);
+  EXPECT_THAT(refused(file, {}), HasSubstr("$INSUNITS is 99, not a usable unit of length"));
+  EXPECT_THAT(refused(file, {}), HasSubstr("--units"));
+  EXPECT_NEAR(made(file, {"--units", "cm"})["cut_mm"].get<double>(), 40, 1e-9);
+}
+
+TEST_F(Cut, hatches_are_counted) {
+  const std::string area =
+      "0\nHATCH\n8\nFILL\n2\nSOLID\n70\n1\n71\n0\n91\n1\n92\n2\n72\n0\n73\n1\n93\n3\n10\n0\n20\n0\n"
+      "10\n30\n20\n0\n10\n0\n20\n40\n97\n0\n";
+  const json document = made(drawing(area), {});
+  EXPECT_NEAR(document["cut_mm"].get<double>(), 120, 1e-6);
+  EXPECT_THAT(document["warnings"].dump(),
+              HasSubstr("1 HATCH is taken as the outline of its area"));
+  EXPECT_THAT(made(drawing(square), {})["warnings"].dump(), Not(HasSubstr("HATCH")));
+}
+
 TEST_F(Cut, bad_input_is_one_line_and_no_file) {
   const std::string open = dxf_polyline({{0, 0}, {10, 0}, {10, 10}}, false);
   EXPECT_THAT(refused(drawing(open), {"--kerf", "0.2", "--compensation", "inside"}),

@@ -215,6 +215,9 @@ TEST(cut_plan, refuses_what_cannot_be_cut) {
               HasSubstr("the open contour of 30.000 mm at (5.000, 5.000) has no outside"));
   EXPECT_THAT(refusal({circle({3, 4}, 0.2)}, operation(0.5, Compensation::inside)),
               HasSubstr("is smaller than the beam of 0.5 mm"));
+  EXPECT_THAT(refusal({circle({3, 4}, 0.2)}, operation(0.5)),
+              HasSubstr("is smaller than the beam of 0.5 mm"));
+  EXPECT_EQ(refusal({circle({3, 4}, 0.26)}, operation(0.5)), "");
   Operation one = operation(0.5);
   one.lead_in = {LeadShape::line, 20, 20, 90};
   EXPECT_THAT(refusal({ten, circle({5, 5}, 3)}, one), HasSubstr("does not fit"));

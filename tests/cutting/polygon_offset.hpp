@@ -93,7 +93,7 @@ inline double furthest(const std::vector<Polygon>& of, const std::vector<Polygon
     }
   }
   for (const cutting::Edge& side : sides) boxes.push_back(cutting::box_of(side));
-  const cutting::BoxTree tree(std::move(boxes));
+  const cutting::BoxTree tree(boxes);
   double longest = 0;
   for (const Polygon& polygon : of) {
     for (std::size_t i = 0; i < polygon.size(); ++i) {
