@@ -13,6 +13,7 @@
 #include "host/cli/validators.hpp"
 #include "host/duration_text.hpp"
 #include "host/run/check_program.hpp"
+#include "host/text.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::cli {
@@ -71,11 +72,35 @@ Json document(const CheckOptions& options, const ProgramRun& run) {
           {"problems", problems}};
 }
 
+/// The place of an error about a line of the input; 0 for other errors.
+std::size_t line_of(const Error& error, const std::string& input) {
+  std::string_view rest = error.message();
+  if (!rest.starts_with(input)) return 0;
+  rest.remove_prefix(input.size());
+  if (!rest.starts_with(':')) return 0;
+  rest.remove_prefix(1);
+  return number_of<std::size_t>(rest.substr(0, rest.find(':'))).value_or(0);
+}
+
+/// An error in an O-word or a value ends the check; scripts get it as the only problem.
+ProgramRun run_of(const CheckOptions& options, Console& console) {
+  try {
+    return run::check_program(options);
+  } catch (const Error& error) {
+    const std::size_t line = line_of(error, options.input);
+    if (line == 0) throw;
+    ProgramRun run;
+    run.problems.push_back({line, 0, 0, std::string(error.message())});
+    console.document(document(options, run));
+    throw;
+  }
+}
+
 Exit check(CheckOptions options) {
   Console console(options.json);
   options.process = run::process_values(options.material);
   if (options.process) console.say("material  {}", run::text_of(*options.process));
-  const ProgramRun run = run::check_program(options);
+  const ProgramRun run = run_of(options, console);
   for (const Problem& p : run.problems) console.line(problem_text(options.input, p));
   say_result(console, run);
   if (!options.picture.empty()) console.say("picture   {}", options.picture);

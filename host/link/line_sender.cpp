@@ -221,6 +221,8 @@ void LineSender::run_host_line() {
   if (!host_line_runs_) {
     if (answered_ != sent_ || idle_reports_ < idle_reports_at_end) return;
     host_line_runs_ = true;
+    at_ = sent_;
+    at_line_ = lines_[at_].number;
     host_since_ = port_.transport().now();
     return;  // the caller sees what is done before the line begins
   }

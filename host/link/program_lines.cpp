@@ -95,11 +95,25 @@ std::string take_comments(std::vector<ProgramLine>& comments, std::vector<Progra
   return joined;
 }
 
-/// A line without its own N word at the beginning, unless nothing else is in it.
-std::string_view without_number(std::string_view line) {
-  if (line.empty() || (line.front() != 'N' && line.front() != 'n')) return line;
-  const auto end = line.find_first_not_of("0123456789", 1);
-  return end == std::string_view::npos || end == 1 ? line : trimmed(line.substr(end));
+bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
+
+/// A line without its own N word, outside of expressions and names, unless nothing else is in it.
+std::string without_number(std::string_view line) {
+  std::size_t depth = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '[' || line[i] == '<') ++depth;
+    if ((line[i] == ']' || line[i] == '>') && depth > 0) --depth;
+    if (depth > 0 || (line[i] != 'N' && line[i] != 'n')) continue;
+    if (i > 0 && is_letter(line[i - 1])) continue;  // of a function, SIN
+    const auto digits = line.find_first_not_of(" \t", i + 1);
+    const auto end = line.find_first_not_of("0123456789", digits);
+    if (digits == std::string_view::npos || end == digits) continue;
+    std::string rest(line.substr(0, i));
+    if (end != std::string_view::npos) rest += line.substr(end);
+    rest = trimmed(rest);
+    return rest.empty() ? std::string(line) : rest;
+  }
+  return std::string(line);
 }
 
 }  // namespace
@@ -107,10 +121,10 @@ std::string_view without_number(std::string_view line) {
 std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines) {
   constexpr std::string_view first_letters = "GMXYZABCFSTIJKPQRgmxyzabcfstijkpqr";
   for (ProgramLine& line : lines) {
-    const std::string_view words = without_number(line.text);
+    std::string words = without_number(line.text);
     if (!words.empty() && first_letters.find(words.front()) != std::string_view::npos) {
       std::string numbered = fmt::format("N{}{}", line.number, words);
-      line.text = numbered.size() < wire::max_line ? std::move(numbered) : std::string(words);
+      line.text = numbered.size() < wire::max_line ? std::move(numbered) : std::move(words);
     }
     if (!line.text.starts_with('$') && line.text.size() + line.messages.size() < wire::max_line)
       line.text += line.messages;

@@ -20,6 +20,7 @@ struct ProgramLine {
   std::string text;        ///< without comments; empty for a line of messages with values
   /// Comments that a board reports, `(MSG, text)` and so on, of this line and blank ones before it.
   std::string messages{};
+  std::string origin{};  ///< FILE:LINE, of a line from another file than the program's
 };
 
 /// The lines with their numbers in the file as N words, in place of their own, so that a board

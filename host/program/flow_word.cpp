@@ -58,7 +58,8 @@ std::size_t after_label(std::string_view text, std::size_t from) {
 
 std::optional<FlowWord> flow_word_of(std::string_view line, std::string& unknown) {
   unknown.clear();
-  const std::string text = in_lower_case_without_blanks(line);
+  std::string text = in_lower_case_without_blanks(line);
+  if (text.starts_with('/')) text.erase(0, 1);  // block delete is off
   std::size_t at = 0;
   if (text.starts_with('n')) at = after_digits(text, 1);
   if (at >= text.size() || text[at] != 'o') return std::nullopt;

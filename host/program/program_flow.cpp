@@ -10,10 +10,11 @@
 #include "firmware/program/decimal.hpp"
 #include "host/error.hpp"
 #include "host/file.hpp"
-#include "host/link/board_text.hpp"
 #include "host/program/flow_unit.hpp"
 #include "host/program/flow_values.hpp"
+#include "host/program/line_fault.hpp"
 #include "host/program/program_words.hpp"
+#include "host/program/saved_modes.hpp"
 #include "host/units.hpp"
 
 namespace lamplock::program_run {
@@ -35,6 +36,7 @@ struct FlowCall {
   std::optional<FlowValues::Locals> locals{};  ///< of a sub
   std::size_t program = 0;                     ///< of M98: its begin
   std::int64_t left = 0;                       ///< its further runs
+  std::optional<program::Modal> modes{};       ///< of M73, for its end
 };
 
 class FlowRun {
@@ -78,9 +80,12 @@ class FlowRun {
     throw Error(Exit::bad_input, fmt::format("{}:{}", unit_->file, statement().line.number), what,
                 remedy);
   }
-  void refuse_fault(const program::Fault& fault) const {
+  /// `text`: in which the fault has its column.
+  void refuse_fault(std::string_view text, const program::Fault& fault) const {
     if (!fault) return;
-    refuse(link::error_text(static_cast<int>(fault.error)), "correct the value");
+    const LineFault seen = describe_fault(text, fault, max_axes);
+    refuse(fmt::format("error:{} {}", static_cast<int>(fault.error), seen.text),
+           seen.remedy.empty() ? "correct the value" : seen.remedy);
   }
 
   /// The line of the program that was read, not of a file that it calls.
@@ -110,18 +115,40 @@ class FlowRun {
     refuse_results(text);
     const int code = subprogram_code(text);
     if (code == 98) return call_program(text);
-    if (code == 99) return end_program();
+    if (code == 99) return end_program(text);
+    run_block(text);
+  }
+
+  void run_block(std::string text) {
+    constexpr int save_and_restore = 73;
+    const std::string rest = without_code(text, 'M', save_and_restore);
+    if (rest.size() < trimmed(text).size() && !calls_.empty()) {
+      calls_.back().modes = values_.modal();
+      text = rest;
+    }
     std::string with_numbers;
-    refuse_fault(values_.run(text, with_numbers));
+    refuse_fault(text, values_.run(text, with_numbers));
     take_messages();
     if (!with_numbers.empty()) emit(with_numbers);
+  }
+
+  /// The modes of M73, at the end of its sub or program.
+  void restore_modes() {
+    if (calls_.empty() || !calls_.back().modes) return;
+    const program::Modal saved = *std::exchange(calls_.back().modes, {});
+    if (const std::string lost = lost_modes(saved, values_.modal()); !lost.empty())
+      refuse(fmt::format("M73 does not restore {} at the end of a sub", lost),
+             "restore it before the end");
+    for (const std::string& line : lines_to_restore(saved, values_.modal())) run_block(line);
   }
 
   void emit(const std::string& text) {
     if (lines_.size() == max_flow_lines)
       refuse(fmt::format("the program has more than {} lines", max_flow_lines),
              "check the conditions of its loops");
-    lines_.push_back({line_number(), text, std::exchange(messages_, {})});
+    lines_.push_back({line_number(), text, std::exchange(messages_, {}), {}});
+    if (unit_ != &main_)
+      lines_.back().origin = fmt::format("{}:{}", unit_->file, statement().line.number);
     steps_ = 0;
   }
 
@@ -134,7 +161,7 @@ class FlowRun {
     for (std::uint16_t index = 0; index < text.size();) {
       std::int64_t e9 = 0;
       if (text[index] != '[') refuse("a value is not in square brackets", "write [value]");
-      refuse_fault(values_.value(text, index, e9));
+      refuse_fault(text, values_.value(text, index, e9));
       values.push_back(e9);
     }
     return values;
@@ -268,7 +295,7 @@ class FlowRun {
     if (word.label.front() != '#' && word.label.front() != '[') return word.label;
     std::int64_t e9 = 0;
     std::uint16_t index = 0;
-    refuse_fault(values_.value(word.label, index, e9));
+    refuse_fault(word.label, values_.value(word.label, index, e9));
     return fmt::format("{}", rounded(e9));
   }
 
@@ -292,6 +319,7 @@ class FlowRun {
       refuse("the sub was not called", "write subs before or after the lines that are executed");
     const auto values = arguments(word.arguments);
     if (values.size() > 1) refuse("more than one value is returned", "return one value");
+    restore_modes();
     pop();
     if (values.empty()) return;
     values_.set("_value", values.front());
@@ -324,17 +352,22 @@ class FlowRun {
   // --- M98, M99 -------------------------------------------------------------------------------
 
   void call_program(const std::string& text) {
-    std::string with_numbers;
-    refuse_fault(values_.run(text, with_numbers));
+    std::string with_numbers, seen;
+    refuse_fault(text, values_.run(text, with_numbers));
+    take_messages();
     std::optional<double> program, count = 1;
     for (const ProgramWord& word : words_of(with_numbers)) {
       if (word.letter == 'P')
         program = word.number();
       else if (word.letter == 'L')
         count = word.number();
-      else if (word.letter != 'M' && word.letter != 'N')
-        refuse(fmt::format("M98 has a word {}", word.letter),
+      else if (word.letter != 'N' && !word.is('M', 98))
+        refuse(fmt::format("M98 has another word, {}", trimmed(word.text)),
                "write M98 P and L in their own line");
+      if (seen.find(word.letter) != std::string::npos)
+        refuse(fmt::format("the line has two words {}", word.letter),
+               "write one M98, P and L in a line");
+      seen += word.letter;
     }
     if (!program || !count) refuse("M98 has no number P", "write M98 P and the program's number");
     const auto found = unit_->programs.find(fmt::format("{:.0f}", *program));
@@ -343,13 +376,30 @@ class FlowRun {
              "write it after M30: a line with O and its number, then its lines and M99");
     const auto runs = static_cast<std::int64_t>(*count);
     if (runs <= 0) return;
-    push({.program = found->second + 1, .left = runs - 1});
-    next_ = found->second + 1;
+    const std::size_t first = first_statement(found->second);
+    push({.program = first, .left = runs - 1});
+    next_ = first;
   }
 
-  void end_program() {
+  /// The line of the number, O1000 G90, if it has words of its own; otherwise the one after it.
+  std::size_t first_statement(std::size_t of_number) const {
+    for (const ProgramWord& word : words_of(unit_->statements[of_number].line.text))
+      if (word.letter != 'O' && word.letter != 'N') return of_number;
+    return of_number + 1;
+  }
+
+  /// The other words of its line act before it.
+  void end_program(const std::string& text) {
     if (calls_.empty() || calls_.back().locals)
       refuse("M99 ends no program: none was called", "write M30 at the end of the main program");
+    const std::string rest = without_code(text, 'M', 99);
+    for (const ProgramWord& word : words_of(rest))
+      if (word.letter == 'P' || word.letter == 'L')
+        refuse(
+            fmt::format("M99 {} is not supported: it would continue elsewhere", trimmed(word.text)),
+            "write M99 alone; O-words have loops and branches");
+    run_block(rest);
+    restore_modes();
     repeats_.clear();
     if (calls_.back().left-- > 0)
       next_ = calls_.back().program;

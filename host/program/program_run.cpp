@@ -353,6 +353,10 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     run.problems.push_back({last_line, 0, 0,
                             "the program ends with cutter compensation on, and its last move waits",
                             "end it with G40 or M2"});
+  if (interpreter.state().nurbs.count != 0)
+    run.problems.push_back({last_line, 0, 0,
+                            "the program ends in a NURBS, which is not drawn before its G5.3",
+                            "write G5.3 after the last control point"});
   machine.finish();
   machine.note_times();
   const bool as_after_power_up = state == nullptr || state->as_after_power_up;

@@ -67,4 +67,14 @@ std::vector<ProgramWord> words_of(std::string_view line) {
   return words;
 }
 
+std::string without_code(std::string_view line, char letter, double number) {
+  const auto words = words_of(line);
+  if (words.empty()) return std::string(line);
+  std::string rest(
+      line.substr(0, static_cast<std::size_t>(words.front().text.data() - line.data())));
+  for (const ProgramWord& word : words)
+    if (!word.is(letter, number)) rest += word.text;
+  return std::string(trimmed(rest));
+}
+
 }  // namespace lamplock::program_run

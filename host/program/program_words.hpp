@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -24,5 +25,8 @@ struct ProgramWord {
 
 /// The words of a line: from a letter, or the # of an assignment, to the next one.
 std::vector<ProgramWord> words_of(std::string_view line);
+
+/// The line without the words that are this code, M99, and without blanks at both ends.
+std::string without_code(std::string_view line, char letter, double number);
 
 }  // namespace lamplock::program_run

@@ -10,6 +10,7 @@
 #include "host/error.hpp"
 #include "host/link/board_text.hpp"
 #include "host/program/interpreter_options.hpp"
+#include "host/program/mode_words.hpp"
 #include "host/program/program_words.hpp"
 #include "shared/units.hpp"
 
@@ -41,18 +42,23 @@ class Skipped {
   void pass(const link::ProgramLine& line) {
     const auto words = words_of(line.text);
     check(line, words);
+    const bool was_beside = interpreter_.modal().cutter != program::Cutter::off;
     if (const program::Fault fault = interpreter_.run(line.text))
       refuse(line.number, link::error_text(static_cast<int>(fault.error)), "correct the line");
     for (program::Action action; interpreter_.next(action);) {
     }
+    const bool moves = std::any_of(words.begin(), words.end(), [](const ProgramWord& word) {
+      return axis_letters.find(word.letter) != std::string_view::npos;
+    });
+    is_beside_ = (was_beside || is_beside_) && !moves;
     for (const ProgramWord& word : words) note_axis(line, word);
   }
 
   /// Refuses motions of the first line that need more than their code.
   void require_motion(const link::ProgramLine& first) const {
-    if (interpreter_.modal().cutter != program::Cutter::off)
+    if (interpreter_.modal().cutter != program::Cutter::off || is_beside_)
       refuse(first.number, "continues a path with cutter compensation",
-             "begin at or before its G41 or G42, or after its G40");
+             "begin at or before its G41 or G42, or after the first move that follows its G40");
     const Motion motion = interpreter_.modal().motion;
     if (motion == Motion::rapid || motion == Motion::line || motion == Motion::none) return;
     for (const ProgramWord& word : words_of(first.text))
@@ -128,14 +134,7 @@ class Skipped {
   /// Words that every grbl supports, and others if the program has used them.
   std::string codes() const {
     const program::Modal& modal = interpreter_.modal();
-    std::string text = fmt::format(" G{}", static_cast<int>(modal.plane) / 10);
-    constexpr int first_of_grbl = 54, systems_of_grbl = 6;
-    text += modal.system < systems_of_grbl
-                ? fmt::format(" G{}", first_of_grbl + modal.system)
-                : fmt::format(" G59.{}", modal.system - systems_of_grbl + 1);
-    if (modal.path == PathMode::stop) text += " G61.1";
-    if (modal.path == PathMode::blend) text += fmt::format(" G64 P{:.3f}", modal.blend_um / 1e3);
-    return text;
+    return plane_and_system(modal) + path_words(modal);
   }
 
   /// Parameters that the skipped lines have set.
@@ -155,12 +154,7 @@ class Skipped {
   /// Added after the approach, because they change the meaning of its words.
   void add_modes(std::vector<std::string>& lines) const {
     const program::Modal& modal = interpreter_.modal();
-    constexpr double um_per_mm = 1e3, nm_per_mm = 1e6;
-    if (modal.feed_mode == FeedMode::inverse_time) lines.emplace_back("G93");
-    if (modal.feed_mode == FeedMode::per_turn)
-      lines.push_back(fmt::format("G95 F{:.6f}", modal.feed / nm_per_mm));
-    if (modal.feed_mode == FeedMode::per_minute && modal.feed != 0)
-      lines.push_back(fmt::format("F{:.3f}", modal.feed / um_per_mm));
+    if (const std::string feed = feed_words(modal); !feed.empty()) lines.push_back(feed);
     std::string modes;
     if (modal.inches) modes += " G20";
     if (modal.relative) modes += " G91";
@@ -174,11 +168,10 @@ class Skipped {
   /// The last line, because a laser with constant power is on as soon as it is switched on.
   void add_spindle(std::vector<std::string>& lines) const {
     const program::Modal& modal = interpreter_.modal();
-    constexpr double milli = 1e3;
     std::string text;
     if (modal.motion == Motion::rapid) text += " G0";
     if (modal.motion == Motion::line) text += " G1";
-    if (modal.speed_milli != 0) text += fmt::format(" S{:.3f}", modal.speed_milli / milli);
+    if (modal.speed_milli != 0) text += fmt::format(" {}", speed_word(modal));
     if (modal.spindle != Spindle::off) text += modal.spindle == Spindle::constant ? " M3" : " M4";
     if (!text.empty()) lines.push_back(text.substr(1));
   }
@@ -188,6 +181,7 @@ class Skipped {
   const program::Options options_;
   program::Interpreter interpreter_;
   std::array<bool, max_axes> placed_{};
+  bool is_beside_ = false;  ///< after G40 there was no move: the tool is beside the contour
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "host/run/check_program.hpp"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "host/error.hpp"
@@ -27,7 +29,9 @@ program_run::ProgramRun run_with_flow(const std::string& text, const CheckOption
     sent = program_run::without_user_commands(sent);
   auto run = program_run::run_program(sent, values, options.max_problems);
   for (program_run::Problem& problem : run.problems) {
-    problem.line = lines[problem.line - 1].number;
+    const link::ProgramLine& line = lines[problem.line - 1];
+    if (!line.origin.empty()) problem.text = fmt::format("in {}: {}", line.origin, problem.text);
+    problem.line = line.number;
     problem.column = 0;  // of a line whose values are numbers
   }
   return run;

@@ -54,8 +54,10 @@ Error refusal_of(const ProgramText& program, const program_run::Problem& problem
       problem.remedy.empty()
           ? "correct it, see all with lamplock check, or send it anyhow with --ignore-errors"
           : problem.remedy + "; lamplock check lists all";
+  const std::string& origin = program.lines[at].origin;
+  const std::string in_file = origin.empty() ? "" : fmt::format("in {}: ", origin);
   return {Exit::bad_input, column_place(program, program.lines[at], problem.column),
-          number + problem.text + ", nothing was sent", remedy};
+          number + in_file + problem.text + ", nothing was sent", remedy};
 }
 
 }  // namespace lamplock::run

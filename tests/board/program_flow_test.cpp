@@ -14,6 +14,7 @@
 #include "host/file.hpp"
 #include "host/job/job.hpp"
 #include "host/program/flow_unit.hpp"
+#include "host/program/program_run.hpp"
 #include "tests/program/rs274.hpp"
 #include "tests/scale.hpp"
 #include "tests/temporary_folder.hpp"
@@ -44,6 +45,46 @@ std::string refusal_of(const std::string& text) {
     return std::string(error.message());
   }
   return "none";
+}
+
+/// The other words of M98, M99 and of the line of the number.
+TEST(ProgramFlow, DropsNoWordOfSubprograms) {
+  EXPECT_EQ(lines_of("M98 P1\nG1 X9\nM30\nO1\nM3 S9\nN7 G0 Z5 M5 M99"),
+            "5:M3 S9 6:N7 G0 Z5 M5 2:G1 X9 3:M30");
+  EXPECT_EQ(lines_of("M98 P1\nG0 X[1+1]\nM30\nO1\nG91\n#1=3\nG0 X#1 M99 G90"),
+            "5:G91 7:G0X3G90 2:G0X2 3:M30");
+  EXPECT_EQ(lines_of("M98 P1 L2\nM30\nO1 G1 Y3\nX5\nM99"), "3:O1 G1 Y3 4:X5 3:O1 G1 Y3 4:X5 2:M30");
+  EXPECT_EQ(lines_of("M98 P1\nM30\n(text)\nO1 (text)\nX5\nM99"), "5:X5 2:M30");
+  EXPECT_EQ(lines_of("/o1 if [1]\n/ G0 X1\n / o1 endif"), "2:/ G0 X1");
+  for (const char* text : {"M98 P1 M5", "M98 P1 M98", "M98 P1 P2", "M98 P1 L1 L2", "M98 P1 G90"})
+    EXPECT_THAT(refusal_of(std::string(text) + "\nM30\nO1\nM99"), HasSubstr("p.ngc:1: ")) << text;
+  EXPECT_THAT(refusal_of("M98 P1\nM30\nO1\nM99 P10"), HasSubstr("p.ngc:4: M99 P10"));
+}
+
+/// M73: the modes of the caller are in force again after each end, also of nested calls.
+TEST(ProgramFlow, RestoresTheModesOfM73) {
+  const settings::Values values = job::default_profile().settings;
+  const auto place_after = [&](const std::string& text) {
+    std::string sent;
+    for (const link::ProgramLine& line : flow_of(text)) sent += line.text + "\n";
+    const ProgramRun run = run_program(sent, values, 9);
+    EXPECT_TRUE(run.problems.empty()) << sent;
+    return run.bounds.high[0];
+  };
+  const std::string sub = "o1 sub\nM73\nG91 G20 G93\nG1 X0.1 F20\n";
+  EXPECT_NEAR(place_after("G21 G90 F600\n" + sub + "o1 endsub\no1 call\nG1 X9\nM2"), 9, 1e-6);
+  EXPECT_NEAR(place_after("G21 G90 F600\n" + sub + "o1 return\no1 endsub\no1 call\nG1 X9\nM2"), 9,
+              1e-6);
+  EXPECT_NEAR(place_after("G21 G90 F600\no2 sub\nM73\nG91\no1 call\nG1 X3\no2 endsub\n" + sub +
+                          "o1 endsub\no2 call\nG1 X12\nM2"),
+              12, 1e-6);
+  EXPECT_NEAR(place_after("G21 G90 F600\nM98 P1 L2\nG1 X9\nM2\nO1\nM73 G20 G91\nG1 X0.1\nM99"), 9,
+              1e-6);
+  EXPECT_THAT(lines_of("G21 F600\nM8\no1 sub\nM73\nM9 M3 S5\no1 endsub\no1 call\nM2"),
+              HasSubstr("6:M9 6:M8 6:S0.000 M5"));
+  EXPECT_THAT(refusal_of("o1 sub\nM73\nM130 P0\no1 endsub\no1 call\nM2"),
+              HasSubstr("M73 does not restore M130"));
+  EXPECT_THAT(lines_of("M73\nG91\nM2"), HasSubstr("M73"));
 }
 
 TEST(ProgramFlow, MakesLinesOfLoopsAndBranches) {
