@@ -82,17 +82,22 @@ std::string messages_of(std::string_view line) {
   }
 }
 
-/// Takes lines of messages alone: their messages, for the line after them; or, if these show
-/// values, which the line after them could change, lines of their own.
-std::string take_comments(std::vector<ProgramLine>& comments, std::vector<ProgramLine>& lines) {
+/// A board reports no message of a line of assignments alone.
+bool is_assignment(const std::string& line) { return line.starts_with('#'); }
+
+/// Puts lines of messages alone before the next line: into it, or as lines of their own if they
+/// show values, which that line could change, or if it has no room for them.
+void put_comments(std::vector<ProgramLine>& comments, ProgramLine& next,
+                  std::vector<ProgramLine>& lines) {
+  constexpr std::size_t number_room = 10;
   std::string joined;
   for (const ProgramLine& comment : comments) joined += comment.messages;
-  if (joined.find('#') != std::string::npos) {
+  const std::size_t size = next.text.size() + joined.size() + next.messages.size() + number_room;
+  if (joined.find('#') == std::string::npos && !is_assignment(next.text) && size < wire::max_line)
+    next.messages.insert(0, joined);
+  else
     lines.insert(lines.end(), comments.begin(), comments.end());
-    joined.clear();
-  }
   comments.clear();
-  return joined;
 }
 
 bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
@@ -135,7 +140,10 @@ std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines) {
 std::string realtime_fault(std::string_view text) {
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
-    if (wire::is_realtime(byte) || byte >= 0x80 || byte == del || (byte < ' ' && byte != '\t'))
+    if (byte == del || (byte < ' ' && byte != '\t' && !wire::is_realtime(byte)))
+      return fmt::format("the byte 0x{:02X} outside of a comment is no character of a program",
+                         byte);
+    if (wire::is_realtime(byte) || byte >= 0x80)
       return fmt::format("the byte 0x{:02X} outside of a comment is a real-time command", byte);
   }
   return {};
@@ -196,11 +204,13 @@ std::vector<ProgramLine> program_lines(std::string_view text, const std::string&
       if (!messages.empty()) comments.push_back({number, {}, std::move(messages)});
       continue;
     }
-    if (!line.starts_with('$')) messages.insert(0, take_comments(comments, lines));
-    lines.push_back({number, std::move(line), std::move(messages)});
+    ProgramLine next{number, std::move(line), std::move(messages)};
+    if (!next.text.starts_with('$')) put_comments(comments, next, lines);
+    if (is_assignment(next.text) && !next.messages.empty())
+      comments.push_back({number, {}, std::exchange(next.messages, {})});
+    lines.push_back(std::move(next));
   }
-  const std::string rest = take_comments(comments, lines);
-  if (!lines.empty()) lines.back().messages += rest;
+  if (!lines.empty()) lines.insert(lines.end(), comments.begin(), comments.end());
   return lines;
 }
 

@@ -17,7 +17,7 @@ namespace lamplock::link {
 /// A line of a program that is not blank.
 struct ProgramLine {
   std::size_t number = 0;  ///< in the file, from 1
-  std::string text;        ///< without comments; empty for a line of messages with values
+  std::string text;        ///< without comments; empty for a line of messages alone
   /// Comments that a board reports, `(MSG, text)` and so on, of this line and blank ones before it.
   std::string messages{};
   std::string origin{};  ///< FILE:LINE, of a line from another file than the program's
@@ -53,8 +53,8 @@ std::size_t column_in_line(std::string_view line, std::size_t column);
 char open_comment(std::string_view line);
 
 /// Splits a program; lines end in CR, LF or both. Blank lines and lines of `%` are left out, except
-/// those whose messages contain parameters: the line after them could change their values. Throws
-/// Error(bad_input) about FILE:LINE as line_to_send().
+/// those whose messages are not joined to the line after them: it could change the values that they
+/// show, or has no room. Throws Error(bad_input) about FILE:LINE as line_to_send().
 std::vector<ProgramLine> program_lines(std::string_view text, const std::string& file);
 
 /// True if the line pauses the program: M0, M1 or M60; or may, by an expression.

@@ -77,7 +77,8 @@ struct Replacement {
   std::string_view remedy;
 };
 
-constexpr std::string_view no_subprograms = "post the program without subprograms and loops";
+constexpr std::string_view no_subprograms =
+    "write O-words or M98 (docs/gcode.md), or post the program without loops";
 constexpr std::string_view no_motor_switch =
     "take the word out: $1 switches the motors off at rest";
 constexpr std::string_view no_heater = "take the word out: the machine has no heater";
@@ -133,7 +134,7 @@ LineFault no_word(std::string_view rest, GcodeError error) {
     return {fmt::format("{}: line checksums are not read", quoted(sum)),
             "switch them off in the sender"};
   if (const std::string_view letters = letters_at(rest); is_control_word(letters))
-    return {fmt::format("{}: loops, branches and calls are not read", quoted(letters)),
+    return {fmt::format("{}: loops, branches and calls in this form are not read", quoted(letters)),
             std::string(no_subprograms)};
   if (error == GcodeError::letter_expected) return no_letter(rest);
   return {fmt::format("the number after {} is missing, malformed or too large",

@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <filesystem>
-#include <memory>
 #include <utility>
 
 #include "firmware/program/decimal.hpp"
 #include "host/error.hpp"
-#include "host/file.hpp"
+#include "host/program/flow_files.hpp"
 #include "host/program/flow_unit.hpp"
 #include "host/program/flow_values.hpp"
 #include "host/program/line_fault.hpp"
@@ -19,8 +17,6 @@
 
 namespace lamplock::program_run {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// A repeat that is under way.
 struct Repeat {
@@ -76,9 +72,10 @@ class FlowRun {
  private:
   const FlowStatement& statement() const { return unit_->statements[at_]; }
 
+  std::string place() const { return fmt::format("{}:{}", unit_->file, statement().line.number); }
+
   [[noreturn]] void refuse(const std::string& what, const std::string& remedy) const {
-    throw Error(Exit::bad_input, fmt::format("{}:{}", unit_->file, statement().line.number), what,
-                remedy);
+    throw Error(Exit::bad_input, place(), what, remedy);
   }
   /// `text`: in which the fault has its column.
   void refuse_fault(std::string_view text, const program::Fault& fault) const {
@@ -147,8 +144,7 @@ class FlowRun {
       refuse(fmt::format("the program has more than {} lines", max_flow_lines),
              "check the conditions of its loops");
     lines_.push_back({line_number(), text, std::exchange(messages_, {}), {}});
-    if (unit_ != &main_)
-      lines_.back().origin = fmt::format("{}:{}", unit_->file, statement().line.number);
+    if (unit_ != &main_) lines_.back().origin = place();
     steps_ = 0;
   }
 
@@ -305,7 +301,7 @@ class FlowRun {
     if (values.size() > max_arguments)
       refuse(fmt::format("the call has {} values", values.size()),
              fmt::format("give at most {}", max_arguments));
-    const FlowUnit* unit = unit_with(label);
+    const FlowUnit* unit = files_.with_sub(label, *unit_, place());
     push({});
     calls_.back().locals = values_.enter(values);
     values_.set("_value", 0);
@@ -324,29 +320,6 @@ class FlowRun {
     if (values.empty()) return;
     values_.set("_value", values.front());
     values_.set("_value_returned", program::one_e9);
-  }
-
-  /// This file, or the program, or a file of its folder.
-  const FlowUnit* unit_with(const std::string& label) {
-    if (unit_->subs.contains(label)) return unit_;
-    if (main_.subs.contains(label)) return &main_;
-    std::string name = label;
-    if (name.front() == '<') name = name.substr(1, name.size() - 2);
-    const fs::path folder = fs::path(main_.file).parent_path();
-    const bool is_name = name.find_first_of("/\\") == std::string::npos && !name.starts_with('.');
-    const fs::path path = folder / (name + ".ngc");
-    std::error_code ignored;
-    if (!is_name || !fs::is_regular_file(path, ignored))
-      refuse(fmt::format("there is no sub o{}, and no file {}", label, path.string()),
-             "write the sub, or a file of this name that has it");
-    std::unique_ptr<FlowUnit>& unit = files_[label];
-    if (!unit)
-      unit = std::make_unique<FlowUnit>(
-          flow_unit_of(link::program_lines(read_text_file(path), path.string()), path.string()));
-    if (!unit->subs.contains(label))
-      throw Error(Exit::bad_input, path.string(), fmt::format("has no sub o{}", label),
-                  fmt::format("add a line o{} sub and a line o{} endsub", label, label));
-    return unit.get();
   }
 
   // --- M98, M99 -------------------------------------------------------------------------------
@@ -413,7 +386,7 @@ class FlowRun {
   }
 
   FlowUnit main_;
-  std::map<std::string, std::unique_ptr<FlowUnit>> files_;
+  FlowFiles files_{main_};
   const FlowUnit* unit_;
   FlowValues values_;
   const ProcessValues* process_;  ///< of the material; null: none is chosen

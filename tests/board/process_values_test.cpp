@@ -132,8 +132,10 @@ TEST(ProcessValues, AreRefusedWithTheirPlace) {
       with_process_values(text, "p.ngc", of, machine(), {});
     });
   };
-  EXPECT_THAT(refusal("G21\nX1 F#<_material_feed>", nullptr),
-              HasSubstr("p.ngc:2:5: '#<_material_feed>': no material is chosen; add --material"));
+  EXPECT_THAT(
+      refusal("G21\nX1 F#<_material_feed>", nullptr),
+      HasSubstr(
+          "p.ngc:2:5: '#<_material_feed>': no material is chosen; choose one (--material NAME)"));
   EXPECT_THAT(refusal("X#<_material_fed>", &values), HasSubstr("did you mean '#<_material_feed>'"));
   EXPECT_THAT(refusal("X#<_material>", &values), HasSubstr("there is no such process parameter"));
   EXPECT_THAT(refusal("(PRINT, #<_material_x>)", &values), HasSubstr("p.ngc:1:9"));

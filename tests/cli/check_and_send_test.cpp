@@ -66,8 +66,8 @@ TEST(CheckAndSend, NameTheWordAndARemedy) {
   struct Case {
     std::string line, column, what, remedy;
   };
-  const std::string control = ": loops, branches and calls are not read";
-  const std::string without = "; post the program without subprograms and loops";
+  const std::string control = ": loops, branches and calls in this form are not read";
+  const std::string without = "; write O-words or M98";
   for (const Case& c : std::initializer_list<Case>{
            {"G43 H1", "5", "error:95 the tool table does not have this tool", "G10 L1"},
            {"G1 X1 g 33", "7", "error:20 'g 33' is not supported", "; take the word out"},
@@ -115,7 +115,8 @@ TEST(CheckAndSend, ShowMessagesWithValues) {
   const std::string program =
       "(PRINT,%d#5220)\n$X\nG21 G55\n#1=2.25 #<_wide>=-3\nG0 X1\n(MSG, turn #1)\n(DEBUG, wide "
       "%.1f#1 #<_none>)\n"
-      "G0 X2 (print,%d#<_Wide>|%lf#1)\n(PRINT, last #1)\n#1=7\n(PRINT,#1)\n";
+      "G0 X2 (print,%d#<_Wide>|%lf#1)\n(PRINT, last #1)\n#1=7 (MSG, hi)\n(MSG, "
+      "stop)\n#2=4\n(PRINT,#1)\n";
   for (const std::string end : {"", "o1 if [1]\no1 endif\n"}) {
     const std::string file = folder.write("p.ngc", program + end);
     EXPECT_EQ(run({"check", file}).status, 0);
@@ -125,7 +126,7 @@ TEST(CheckAndSend, ShowMessagesWithValues) {
     for (const std::string& line : lines(sent.err))
       if (line.starts_with("machine: ")) messages.push_back(line.substr(9));
     EXPECT_THAT(messages, testing::ElementsAre("1", "turn #1", "wide 2.2 #<_none>", "-3|2.250000",
-                                               "last 2.250000", "7.000000"))
+                                               "last 2.250000", "hi", "stop", "7.000000"))
         << end;
   }
 }

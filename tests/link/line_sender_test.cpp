@@ -423,6 +423,17 @@ TEST(LineSender, forwards_messages_of_the_board) {
   EXPECT_THAT(heard, ElementsAre("[MSG:Pgm End]"));
 }
 
+TEST(LineSender, the_number_of_a_line_replaces_its_n_word_wherever_it_is) {
+  const std::vector<ProgramLine> lines = with_numbers({{3, "X5 N100"},
+                                                       {4, "G1X5N10Y2"},
+                                                       {5, "X[SIN[30]] n 7"},
+                                                       {6, "#<_n9>=2"},
+                                                       {7, "N8"},
+                                                       {8, "G1 " + std::string(250, '0') + " N4"}});
+  EXPECT_THAT(texts_of(lines), ElementsAre("N3X5", "N4G1X5Y2", "N5X[SIN[30]]", "#<_n9>=2", "N7N8",
+                                           "G1 " + std::string(250, '0')));
+}
+
 /// The N words are those of the file.
 TEST(LineSender, the_line_that_another_board_reports_is_none_of_the_file) {
   GrblModel board;
