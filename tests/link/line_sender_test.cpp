@@ -429,9 +429,9 @@ TEST(LineSender, the_number_of_a_line_replaces_its_n_word_wherever_it_is) {
                                                        {5, "X[SIN[30]] n 7"},
                                                        {6, "#<_n9>=2"},
                                                        {7, "N8"},
-                                                       {8, "G1 " + std::string(250, '0') + " N4"}});
-  EXPECT_THAT(texts_of(lines), ElementsAre("N3X5", "N4G1X5Y2", "N5X[SIN[30]]", "#<_n9>=2", "N7N8",
-                                           "G1 " + std::string(250, '0')));
+                                                       {8, "G1 " + std::string(252, '0') + " N4"}});
+  EXPECT_THAT(texts_of(lines), ElementsAre("N3X5", "N4G1X5Y2", "N5X[SIN[30]]", "#<_n9>=2", "N8",
+                                           "G1 " + std::string(252, '0')));
 }
 
 /// The N words are those of the file.
