@@ -80,7 +80,7 @@ class FlowRun {
   /// `text`: in which the fault has its column.
   void refuse_fault(std::string_view text, const program::Fault& fault) const {
     if (!fault) return;
-    const LineFault seen = describe_fault(text, fault, max_axes);
+    const LineFault seen = describe_fault(text, fault, max_axes, &values_.interpreter());
     refuse(fmt::format("error:{} {}", static_cast<int>(fault.error), seen.text),
            seen.remedy.empty() ? "correct the value" : seen.remedy);
   }

@@ -315,6 +315,7 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
   };
   ProgramRun& run = machine.result();
   std::size_t last_line = 0;
+  bool nurbs_is_reported = false;
   const bool only_board_lines = board == nullptr && has_only_board_lines(text);
   text = without_byte_order_mark(text);
   for (std::size_t number = 1; !text.empty(); ++number) {
@@ -334,9 +335,11 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     else
       fault = run_line(line);
     if (fault) {
-      const LineFault seen = describe_fault(line, fault, run.axes);
+      const LineFault seen = describe_fault(line, fault, run.axes, &interpreter);
       run.problems.push_back(
           {number, fault.column, static_cast<int>(fault.error), seen.text, seen.remedy});
+      nurbs_is_reported =
+          interpreter.state().nurbs.count != 0 && fault.error == GcodeError::unsupported;
       // Otherwise every line after a corner that is too narrow would have its error.
       if (interpreter.modal().cutter != program::Cutter::off)
         interpreter.set_position(interpreter.machine_e7());
@@ -353,7 +356,7 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     run.problems.push_back({last_line, 0, 0,
                             "the program ends with cutter compensation on, and its last move waits",
                             "end it with G40 or M2"});
-  if (interpreter.state().nurbs.count != 0)
+  if (interpreter.state().nurbs.count != 0 && !nurbs_is_reported)
     run.problems.push_back({last_line, 0, 0,
                             "the program ends in a NURBS, which is not drawn before its G5.3",
                             "write G5.3 after the last control point"});
