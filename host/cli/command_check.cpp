@@ -122,6 +122,8 @@ void add_check(Command& program) {
   app.footer(
       "The interpreter and the planner of the firmware run the program, so the machine takes the\n"
       "time that is reported.\n"
+      "The lengths (feed, rapid) are those that the machine travels: along the chords into which\n"
+      "it divides arcs and splines ($12, arc_tolerance), a little less than the curves.\n"
       "Example:\n"
       "  lamplock check part.ngc --machine machine.toml --picture part.svg\n"
       "  lamplock check part.ngc --material plywood --thickness 3");
