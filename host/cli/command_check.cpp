@@ -126,6 +126,7 @@ void add_check(Command& program) {
       "it divides arcs and splines ($12, arc_tolerance), a little less than the curves.\n"
       "Example:\n"
       "  lamplock check part.ngc --machine machine.toml --picture part.svg\n"
+      "  lamplock check part.ngc --tools tools.ngc\n"
       "  lamplock check part.ngc --material plywood --thickness 3");
   const auto options = std::make_shared<CheckOptions>();
   app.add_option("PROGRAM", &options->input, "G-code program")
@@ -133,6 +134,13 @@ void add_check(Command& program) {
       .value_name("FILE")
       .file(FileUse::read);
   add_machine(app, options->machine);
+  app.add_option("--tools", &options->tools,
+                 "Tool table of the machine for G43 H, G41 D and T: lines G10 L1 P Z R, or the "
+                 "answer of the board to $#; default: no tools")
+      .check(file_name())
+      .value_name("FILE")
+      .file(FileUse::read)
+      .group("Machine");
   add_process(app, options->material);
   add_user_commands(app, options->user_commands);
   app.add_option("--picture", &options->picture,

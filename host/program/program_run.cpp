@@ -293,9 +293,11 @@ std::string text_fault(std::string_view line, ProgramRun& run, bool only_board_l
 
 /// Runs a program through the interpreter: of a file, or as a board will run it.
 ProgramRun run_lines(std::string_view text, const settings::Values& values,
-                     std::size_t max_problems, const OnBoard* board) {
+                     std::size_t max_problems, const OnBoard* board,
+                     const program::ToolTable& tools) {
   const std::string_view whole = text;
   program::Parameters parameters;
+  parameters.tools = tools;
   const program::Options options = program_options(values);
   program::Interpreter interpreter(parameters, options);
   Machine machine(values);
@@ -362,7 +364,7 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
                             "write G5.3 after the last control point"});
   machine.finish();
   machine.note_times();
-  const bool as_after_power_up = state == nullptr || state->as_after_power_up;
+  const bool as_after_power_up = state == nullptr ? tools.empty() : state->as_after_power_up;
   if (run.locked != 0 && run.problems.empty() && run.outside == 0 && as_after_power_up)
     run.beats = run_locked(whole, values);
   return std::move(run);
@@ -376,13 +378,13 @@ double ProgramRun::seconds() const {
 }
 
 ProgramRun run_program(std::string_view text, const settings::Values& values,
-                       std::size_t max_problems) {
-  return run_lines(text, values, max_problems, nullptr);
+                       std::size_t max_problems, const program::ToolTable& tools) {
+  return run_lines(text, values, max_problems, nullptr, tools);
 }
 
 ProgramRun run_on_board(std::string_view text, const settings::Values& values,
                         const OnBoard& board) {
-  return run_lines(text, values, 1, &board);
+  return run_lines(text, values, 1, &board, {});
 }
 
 }  // namespace lamplock::program_run

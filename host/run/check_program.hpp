@@ -18,6 +18,7 @@ struct CheckOptions {
   MachineOptions machine{};
   std::size_t max_problems = 20;
   std::optional<program_run::ProcessValues> process{};  ///< of the chosen material
+  std::string tools{};          ///< tool table (tool_file.hpp); empty: no tools
   std::string user_commands{};  ///< folder of M100 to M199; empty: none are permitted
 };
 
