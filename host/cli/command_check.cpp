@@ -21,6 +21,7 @@ namespace {
 
 using program_run::Problem;
 using program_run::ProgramRun;
+using run::CheckedProgram;
 
 struct CheckOptions : run::CheckOptions {
   bool json = false;
@@ -83,13 +84,13 @@ std::size_t line_of(const Error& error, const std::string& input) {
 }
 
 /// An error in an O-word or a value ends the check; scripts get it as the only problem.
-ProgramRun run_of(const CheckOptions& options, Console& console) {
+CheckedProgram run_of(const CheckOptions& options, Console& console) {
   try {
     return run::check_program(options);
   } catch (const Error& error) {
     const std::size_t line = line_of(error, options.input);
     if (line == 0) throw;
-    ProgramRun run;
+    CheckedProgram run;
     run.problems.push_back({line, 0, 0, std::string(error.message())});
     console.document(document(options, run));
     throw;
@@ -100,7 +101,8 @@ Exit check(CheckOptions options) {
   Console console(options.json);
   options.process = run::process_values(options.material);
   if (options.process) console.say("material  {}", run::text_of(*options.process));
-  const ProgramRun run = run_of(options, console);
+  const CheckedProgram run = run_of(options, console);
+  for (const std::string& note : run.notes) console.notice(note);
   for (const Problem& p : run.problems) console.line(problem_text(options.input, p));
   say_result(console, run);
   if (!options.picture.empty()) console.say("picture   {}", options.picture);

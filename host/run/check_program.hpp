@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/program/process_values.hpp"
 #include "host/program/program_run.hpp"
@@ -22,7 +23,12 @@ struct CheckOptions {
   std::string user_commands{};  ///< folder of M100 to M199; empty: none are permitted
 };
 
+/// A program that was run, and what the user may want to know about it.
+struct CheckedProgram : program_run::ProgramRun {
+  std::vector<std::string> notes{};
+};
+
 /// Throws Error if a file cannot be read or written; wrong lines are in the result.
-program_run::ProgramRun check_program(const CheckOptions& options);
+CheckedProgram check_program(const CheckOptions& options);
 
 }  // namespace lamplock::run

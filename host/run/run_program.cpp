@@ -24,6 +24,7 @@
 #include "host/run/frontend.hpp"
 #include "host/run/other_board.hpp"
 #include "host/run/permission.hpp"
+#include "host/run/process_choice.hpp"
 #include "host/run/program_control.hpp"
 #include "host/run/program_events.hpp"
 #include "host/run/program_time.hpp"
@@ -115,7 +116,7 @@ ProgramOutcome send(const SentProgram& program, BoardLink& board, const BoardOpt
   sending.on_text = [&progress](const std::string& text) {
     progress->note("machine: " + link::message_text(text));
   };
-  UserCommands commands(program.commands, asked.user_commands, *progress);
+  UserCommands commands(program.commands, program.text, asked.user_commands, *progress);
   sending.host_lines = &commands;
   link::LineSender sender(board.port(), program.text.lines, sending);
   ProgramTime time(program.planned_s, program.plan);
@@ -286,6 +287,7 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
                                 Frontend& frontend) {
   check_program_options(options, {}, frontend);
   const LineChoice choice{asked.process ? &*asked.process : nullptr, asked.user_commands};
+  const std::string source = text;
   SentProgram program = program_of(name, std::move(text), choice);
   const settings::Values values = asked.machine.profile().settings;
   if (!asked.events.empty()) EventStream::check(asked.events);
@@ -302,6 +304,10 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
     state = program_run::read_state(board.port(), status,
                                     of_board->values.whole(settings::Id::report_inches) != 0);
   choose_lines(program, options, of_board ? of_board->values : values, state, choice);
+  if (asked.process)
+    if (const std::string note = unused_choice_note(name, source, program.text.lines);
+        !note.empty())
+      frontend.notice(note);
   if (of_board) predict(program, *of_board, state, asked.ignore_errors);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
