@@ -20,7 +20,6 @@ namespace lamplock::cli {
 namespace {
 
 using program_run::Problem;
-using program_run::ProgramRun;
 using run::CheckedProgram;
 
 struct CheckOptions : run::CheckOptions {
@@ -38,7 +37,7 @@ std::string problem_text(const std::string& file, const Problem& p) {
 /// As a text has it, with three decimals; a value that rounds to 0 has no sign.
 double shown_mm(double mm) { return std::round(mm * 1e3) / 1e3 + 0.0; }
 
-void say_result(Console& console, const ProgramRun& run) {
+void say_result(Console& console, const CheckedProgram& run) {
   console.say("time      {}", duration_text(run.seconds()));
   console.say("moves     {} from {} lines", run.moves, run.lines);
   console.say("feed      {:.3f} mm", run.feed_mm);
@@ -49,10 +48,13 @@ void say_result(Console& console, const ProgramRun& run) {
   if (run.locked != 0) console.say("shots     {} on the beat", run.beats.shots);
   if (!run.ignored.empty())
     console.say("ignored   {}: no effect on this machine", fmt::join(run.ignored, ", "));
+  if (!run.probe_logs.empty())
+    console.say("logs      {}: written by lamplock send --probe-logs FOLDER",
+                fmt::join(run.probe_logs, ", "));
   if (run.pauses != 0) console.say("pauses    {}, not included in the time", run.pauses);
 }
 
-Json document(const CheckOptions& options, const ProgramRun& run) {
+Json document(const CheckOptions& options, const CheckedProgram& run) {
   Json low = Json::array(), high = Json::array(), problems = Json::array();
   for (int a = 0; a < run.axes; ++a) {
     low.push_back(run.bounds.low[index(a)]);
@@ -64,12 +66,19 @@ Json document(const CheckOptions& options, const ProgramRun& run) {
                         {"error", p.error},
                         {"text", p.text},
                         {"remedy", p.remedy}});
-  return {{"input", options.input}, {"lines", run.lines},
-          {"moves", run.moves},     {"time_s", run.seconds()},
-          {"feed_mm", run.feed_mm}, {"rapid_mm", run.rapid_mm},
-          {"low_mm", low},          {"high_mm", high},
-          {"pauses", run.pauses},   {"shots", run.beats.shots},
-          {"ended", run.ended},     {"ignored", run.ignored},
+  return {{"input", options.input},
+          {"lines", run.lines},
+          {"moves", run.moves},
+          {"time_s", run.seconds()},
+          {"feed_mm", run.feed_mm},
+          {"rapid_mm", run.rapid_mm},
+          {"low_mm", low},
+          {"high_mm", high},
+          {"pauses", run.pauses},
+          {"shots", run.beats.shots},
+          {"ended", run.ended},
+          {"ignored", run.ignored},
+          {"probe_logs", run.probe_logs},
           {"problems", problems}};
 }
 

@@ -11,6 +11,7 @@
 #include "host/link/program_lines.hpp"
 #include "host/program/flow_unit.hpp"
 #include "host/program/path_picture.hpp"
+#include "host/program/probe_log.hpp"
 #include "host/program/program_flow.hpp"
 #include "host/run/process_choice.hpp"
 #include "host/run/sent_file.hpp"
@@ -43,6 +44,7 @@ program_run::ProgramRun run_with_flow(const Lines& lines, const CheckOptions& op
 /// `text`: of the file.
 void add_notes(CheckedProgram& checked, const std::string& text, const Lines& lines,
                const CheckOptions& options) {
+  checked.probe_logs = program_run::log_names(lines);
   if (options.process)
     if (std::string note = unused_choice_note(options.input, text, lines); !note.empty())
       checked.notes.push_back(std::move(note));

@@ -26,6 +26,7 @@ struct CheckOptions {
 /// A program that was run, and what the user may want to know about it.
 struct CheckedProgram : program_run::ProgramRun {
   std::vector<std::string> notes{};
+  std::vector<std::string> probe_logs{};  ///< names of the logs that it opens
 };
 
 /// Throws Error if a file cannot be read or written; wrong lines are in the result.
