@@ -74,8 +74,16 @@ void History::keep(const std::vector<EndedJob>& jobs) const {
   records.reserve(jobs.size());
   for (const EndedJob& job : jobs) records.push_back(record_of(board_, job));
   for (const material::JobRecord& record : records) keep_record(library_, record);
-  for (std::size_t i = 0; i < jobs.size(); ++i)
-    if (jobs[i].report) reports_.keep(records[i].report, jobs[i].report(records[i]));
+  std::exception_ptr failure;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (!jobs[i].report) continue;
+    try {
+      reports_.keep(records[i].report, jobs[i].report(records[i]));
+    } catch (...) {
+      failure = std::current_exception();  // the others may have less to write
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
 }
 
 void History::end() {

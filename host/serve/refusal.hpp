@@ -2,7 +2,7 @@
 //
 // In:  its name in the table of texts, without "error.", and the values in braces. Out: the error
 //      with the English text; name and values for clients (docs/api.md).
-// Who: the server and what it is made of. Errors of files and of the board have no names.
+// Who: the classes of this folder. Errors of files and of the board have no names.
 #pragma once
 
 #include <map>
@@ -17,6 +17,9 @@ class Refusal : public Error {
  public:
   using Values = std::map<std::string, std::string>;
 
+  /// `name`: in page/texts.json without "error."; `values`: one for each name in braces of its
+  /// text. Throws std::out_of_range for another name or a missing value, which is a fault of the
+  /// program.
   Refusal(Exit exit, std::string name, Values values = {});
   const std::string& name() const { return name_; }
   const Values& values() const { return values_; }

@@ -22,12 +22,14 @@ using testing::HasSubstr;
 
 std::vector<ProgramLine> numbered(const std::vector<std::string>& texts) {
   std::vector<ProgramLine> lines;
+  lines.reserve(texts.size());
   for (const std::string& text : texts) lines.push_back({lines.size() + 1, text});
   return lines;
 }
 
 std::vector<std::string> texts_of(const std::vector<ProgramLine>& lines) {
   std::vector<std::string> texts;
+  texts.reserve(lines.size());
   for (const ProgramLine& line : lines) texts.push_back(line.text);
   return texts;
 }

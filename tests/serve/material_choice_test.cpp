@@ -103,7 +103,8 @@ TEST_F(MaterialChoice, IsRefusedIfTheLibraryOrTheFileHasNone) {
   EXPECT_THAT(refusal({{"material", "board"}, {"thickness", -1}}), HasSubstr("thickness"));
   job::write_job_file(server.folder() / "dot.llj",
                       job::make_job({{0, 0, 0}}, job::default_profile(), job::JobOptions{}));
-  EXPECT_THAT(refusal({{"name", "dot.llj"}, {"material", "board"}}), HasSubstr("not for jobs"));
+  EXPECT_THAT(refusal({{"name", "dot.llj"}, {"material", "board"}}),
+              HasSubstr("only programs of G-code"));
   client.call("job.start", {{"name", "dot.llj"}, {"material", "board"}});
   EXPECT_EQ(server.wait_for_end(), "failed") << "no point may be fired";
   EXPECT_EQ(server.machine().view().job.done, 0u);
