@@ -13,9 +13,9 @@
 #include "host/program/path_picture.hpp"
 #include "host/program/probe_log.hpp"
 #include "host/program/program_flow.hpp"
+#include "host/program/tool_file.hpp"
 #include "host/run/process_choice.hpp"
 #include "host/run/sent_file.hpp"
-#include "host/run/tool_file.hpp"
 #include "host/run/user_commands.hpp"
 
 namespace lamplock::run {
@@ -64,7 +64,8 @@ CheckedProgram check_program(const CheckOptions& options) {
   const settings::Values values = options.machine.profile().settings;
   check_picture_name(options.picture);
   program_run::BoardState state;
-  if (!options.tools.empty()) state.parameters.tools = read_tools(options.tools);
+  if (!options.tools.empty())
+    state.parameters.tools = program_run::tools_of(read_program_text(options.tools), options.tools);
   require_program(options.input);
   std::string text = read_program_text(options.input);
   const program_run::ProcessValues* process = options.process ? &*options.process : nullptr;

@@ -1,4 +1,4 @@
-#include "host/run/tool_file.hpp"
+#include "host/program/tool_file.hpp"
 
 #include <fmt/format.h>
 
@@ -13,11 +13,10 @@
 #include "host/program/board_state.hpp"
 #include "host/program/line_fault.hpp"
 #include "host/program/program_words.hpp"
-#include "host/run/sent_file.hpp"
 #include "host/text.hpp"
 #include "shared/units.hpp"
 
-namespace lamplock::run {
+namespace lamplock::program_run {
 namespace {
 
 constexpr std::string_view tool_remedy =
@@ -46,7 +45,7 @@ class ToolReader {
   }
 
   void take_report(std::string_view line) {
-    const auto tool = program_run::parse_tool(line, false);
+    const auto tool = parse_tool(line, false);
     if (!tool) refuse(fmt::format("'{}' is not a tool as a board reports it", line));
     if (!parameters_.tools.set(*tool))
       refuse(fmt::format("a board has room for {} tools", program::ToolTable::capacity),
@@ -59,7 +58,7 @@ class ToolReader {
     if (!is_entry(line)) refuse(fmt::format("'{}' does not enter a tool", line));
     const program::Fault fault = interpreter_.run(line);
     if (!fault) return;
-    const auto seen = program_run::describe_fault(line, fault, max_axes, &interpreter_);
+    const auto seen = describe_fault(line, fault, max_axes, &interpreter_);
     refuse(fmt::format("error:{} {}", static_cast<int>(fault.error), seen.text),
            seen.remedy.empty() ? tool_remedy : std::string_view(seen.remedy));
   }
@@ -67,8 +66,8 @@ class ToolReader {
   static bool is_entry(std::string_view line) {
     constexpr std::string_view letters = "NGLPZR";
     constexpr int inches = 20, millimetres = 21, absolute = 90, enter = 10;
-    const auto words = program_run::words_of(line);
-    return std::ranges::all_of(words, [&](const program_run::ProgramWord& word) {
+    const auto words = words_of(line);
+    return std::ranges::all_of(words, [&](const ProgramWord& word) {
       if (word.letter == 'G')
         return word.is('G', inches) || word.is('G', millimetres) || word.is('G', absolute) ||
                word.is('G', enter);
@@ -86,12 +85,12 @@ class ToolReader {
 
 }  // namespace
 
-program::ToolTable read_tools(const std::string& file) {
+program::ToolTable tools_of(std::string_view text, const std::string& file) {
   ToolReader reader(file);
-  reader.read(read_program_text(file));
+  reader.read(text);
   if (reader.tools().empty())
     throw Error(Exit::bad_input, file, "it has no tool", std::string(tool_remedy));
   return reader.tools();
 }
 
-}  // namespace lamplock::run
+}  // namespace lamplock::program_run
