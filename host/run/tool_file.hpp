@@ -1,0 +1,18 @@
+// The tool table of a machine in a file, for a check without the machine.
+//
+// In:  a file of lines `G10 L1 P2 Z38.6 R1.5` as they are sent to a board, or the answer of a board
+//      to `$#`, from which the lines `[T:2|0.000,0.000,38.600|1.500]` are read (in millimetres).
+// Out: the table. Who: `check --tools`.
+#pragma once
+
+#include <string>
+
+#include "firmware/program/tool_table.hpp"
+
+namespace lamplock::run {
+
+/// Throws Error(bad_input) about FILE:LINE for what is neither, for values out of range and for
+/// more tools than a board has room for; about FILE if it has no tool.
+program::ToolTable read_tools(const std::string& file);
+
+}  // namespace lamplock::run
