@@ -120,6 +120,7 @@ GcodeError MachineConsole::command_at_rest(std::string_view line) {
     restore_defaults();
   } else if (line == "$RST=#" || line == "$RST=*") {
     reader_.kept().clear_places();
+    if (reader_.interpreter().state().system_rotation.active()) reader_.invalidate_position();
     kept_due_ = true;
     if (line != "$RST=#") restore_everything();
   } else {

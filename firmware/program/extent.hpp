@@ -32,10 +32,10 @@ class Extent {
   Place low_, high_;
 };
 
-/// Extents of programmed curves and cycles, on a machine with this rotation.
-[[gnu::cold]] Extent extent_of(const ArcRequest& arc, const Rotation& rotation);
-[[gnu::cold]] Extent extent_of(const SplineRequest& spline, const Rotation& rotation);
-[[gnu::cold]] Extent extent_of(const NurbsRequest& nurbs, const Rotation& rotation);
-[[gnu::cold]] Extent extent_of(const CycleRequest& cycle, const Rotation& rotation);
+/// Extents of programmed curves and cycles, with these rotations in force.
+[[gnu::cold]] Extent extent_of(const ArcRequest& arc, const Rotations& rotations);
+[[gnu::cold]] Extent extent_of(const SplineRequest& spline, const Rotations& rotations);
+[[gnu::cold]] Extent extent_of(const NurbsRequest& nurbs, const Rotations& rotations);
+[[gnu::cold]] Extent extent_of(const CycleRequest& cycle, const Rotations& rotations);
 
 }  // namespace lamplock::program

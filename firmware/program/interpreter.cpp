@@ -32,10 +32,25 @@ Fault Interpreter::jog(std::string_view line) {
 }
 
 [[gnu::hot]] void Interpreter::take_over(const Statement& statement) {
-  switch (statement.saving()) {
+  if (statement.saving() != Block::no_code) [[unlikely]]
+    save(statement.saving());
+  std::swap(state_, next_);
+  if (statement.ignored() != 0) ignore(statement.ignored());
+  if (statement.changes().rows != 0) [[unlikely]]
+    change_parameters(statement.changes());
+  if ((plan_.weights_e6[0] | plan_.weights_e6[1]) != 0) [[unlikely]]
+    add_nurbs_points();
+  if (plan_.has(Stage::curve)) begin_curve();
+  if (plan_.has(Stage::cycle)) work_.cycle.begin(statement.cycle());
+  if (plan_.pieces != 0) begin_pieces(statement.powers());
+}
+
+/// M70, M71 and M73.
+void Interpreter::save(std::uint16_t code) {
+  switch (code) {
     case 70:
     case 73:
-      saved_ = {state_->modal, true, statement.saving() == 73};
+      saved_ = {state_->modal, true, code == 73};
       break;
     case 71:
       saved_ = {};
@@ -43,14 +58,6 @@ Fault Interpreter::jog(std::string_view line) {
     default:
       break;
   }
-  std::swap(state_, next_);
-  if (statement.ignored() != 0) ignore(statement.ignored());
-  change_parameters(statement.changes());
-  if ((plan_.weights_e6[0] | plan_.weights_e6[1]) != 0) [[unlikely]]
-    add_nurbs_points();
-  if (plan_.has(Stage::curve)) begin_curve();
-  if (plan_.has(Stage::cycle)) work_.cycle.begin(statement.cycle());
-  if (plan_.pieces != 0) begin_pieces(statement.powers());
 }
 
 void Interpreter::ignore(std::uint8_t words) {
@@ -115,27 +122,29 @@ void Interpreter::begin_curve() {
 }
 
 Extent Interpreter::extent() const {
-  const Rotation& rotation = state_->modal.rotation;
+  const Rotations rotations = state_->rotations();
   if (plan_.has(Stage::held)) return compensated_extent();
-  if (plan_.has(Stage::cycle)) return extent_of(work_.cycle.request(), rotation);
-  if (plan_.motion == Motion::nurbs) return extent_of(nurbs_request(), rotation);
+  if (plan_.has(Stage::cycle)) return extent_of(work_.cycle.request(), rotations);
+  if (plan_.motion == Motion::nurbs) return extent_of(nurbs_request(), rotations);
   if (plan_.has(Stage::curve))
-    return is_arc(plan_.motion) ? extent_of(arc_request(), rotation)
-                                : extent_of(spline_request(), rotation);
+    return is_arc(plan_.motion) ? extent_of(arc_request(), rotations)
+                                : extent_of(spline_request(), rotations);
   Extent extent(state_->machine_e7);
-  extent.add(rotation.turned(plan_.points[0]));
+  extent.add(rotations.turned(plan_.points[0]));
   return extent;
 }
 
-[[gnu::hot]] void Interpreter::change_parameters(const Changes& changes) {
-  if (changes.rows == 0) return;
+void Interpreter::change_parameters(const Changes& changes) {
   if (changes.has(ParameterRow::tool_length)) parameters_.tool_length_e7 = changes.tool_length_e7;
   if (changes.has(ParameterRow::tools)) parameters_.tools.set(changes.tool);
   if (changes.has(ParameterRow::home_g28)) parameters_.home_g28_e7 = changes.place;
   if (changes.has(ParameterRow::home_g30)) parameters_.home_g30_e7 = changes.place;
   if (changes.has(ParameterRow::shift)) parameters_.shift_e7 = changes.place;
   for (std::size_t i = 0; i < parameters_.systems_e7.size(); ++i)
-    if ((changes.rows >> i & 1u) != 0) parameters_.systems_e7[i] = changes.place;
+    if ((changes.rows >> i & 1u) != 0) {
+      parameters_.systems_e7[i] = changes.place;
+      parameters_.rotations_e7[i] = changes.rotation_e7;
+    }
   parameters_.changed |= changes.rows;
 }
 
@@ -274,7 +283,7 @@ std::uint8_t Interpreter::digit_um(const Modal& modal) {
   if (stage == Stage::move && plan_.pieces != 0) return give_piece(action);
   fill_move(action, stage != Stage::move || plan_.motion == Motion::rapid);
   if (stage == Stage::via)
-    action.target_e7 = state_->modal.rotation.turned(plan_.points[0]);
+    action.target_e7 = state_->rotations().turned(plan_.points[0]);
   else
     action.target_e7 = state_->machine_e7;
   action.programmed_end = stage != Stage::via;
@@ -299,8 +308,7 @@ bool Interpreter::give_curve(Action& action) {
   if (action.timed) action.time_us = share_.next(end);
   if (!curve_.active()) done(Stage::curve);
   action.programmed_end = !plan_.has(Stage::curve);
-  action.target_e7 =
-      action.programmed_end ? state_->machine_e7 : state_->modal.rotation.turned(end);
+  action.target_e7 = action.programmed_end ? state_->machine_e7 : state_->rotations().turned(end);
   return true;
 }
 
@@ -326,7 +334,7 @@ bool Interpreter::give_cycle(Action& action) {
       break;
   }
   fill_move(action, move.kind == CycleMove::Kind::rapid);
-  action.target_e7 = state_->modal.rotation.turned(move.to);
+  action.target_e7 = state_->rotations().turned(move.to);
   action.programmed_end = move.bottom || action.rapid;
   return true;
 }

@@ -14,7 +14,8 @@
 // lengths: A follows G20 like X Y Z. Decisions that differ or are open there:
 //   * G68 rotates round a centre that is constant on the machine, by R degrees counted from no
 //     rotation, in the active plane; without X and Y round the present position. G53, G28 and G30
-//     ignore it. The end of a program ends it.
+//     ignore it. The end of a program ends it. The rotation of a coordinate system (G10 L2 R) acts
+//     before it: G68 turns what the rotated system results in.
 //   * M70 to M73 act before all other words of their line; there is one saved state. It does not
 //     include the motion mode and the tool. As there are no subroutines, M73 restores at the end of
 //     the program: except spindle, coolant and beat lock, which stay off.
@@ -149,9 +150,10 @@ class Interpreter {
   SplineRequest spline_request() const;
   [[gnu::cold]] NurbsRequest nurbs_request() const;
   [[gnu::cold]] void add_nurbs_points();
+  [[gnu::cold]] void save(std::uint16_t code);
   [[gnu::cold]] void ignore(std::uint8_t words);
   void begin_pieces(std::string_view powers);
-  void change_parameters(const Changes& changes);
+  [[gnu::cold]] void change_parameters(const Changes& changes);
   void begin_action(Action& action, ActionKind kind) const;
   bool give(Stage stage, Action& action);
   [[gnu::cold]] bool give_io(Stage stage, Action& action);
@@ -172,6 +174,7 @@ class Interpreter {
   void fill_move(Action& action, bool rapid) const;
   void done(Stage stage) { plan_.stages &= ~(1u << static_cast<int>(stage)); }
   void end_program();
+  [[gnu::cold]] void find_programmed();
   void restore_saved();
 
   // Cutter compensation (interpreter_compensation.cpp).

@@ -140,7 +140,7 @@ void Interpreter::collect_between() {
 /// The state before the line is still there, and has the rotation of the move.
 bool Interpreter::give_held(Action& action) {
   Compensation& work = work_.compensation;
-  const Rotation& rotation = next_->modal.rotation;
+  const Rotations rotations = next_->rotations();
   if (held_step_ == 0) {
     action = work.held().action;
     Place end = work.held_end();
@@ -148,12 +148,12 @@ bool Interpreter::give_held(Action& action) {
       if (!curve_.active()) curve_.begin_arc(work.held_arc(options_.arc_tolerance_e7));
       curve_.next(end);
     }
-    action.target_e7 = rotation.turned(end);
+    action.target_e7 = rotations.turned(end);
     action.programmed_end = !curve_.active();
     if (curve_.active()) return true;
   } else {
     action = work.between(held_step_ - 1u);
-    action.target_e7 = rotation.turned(work.put(action.target_e7, work.held().end));
+    action.target_e7 = rotations.turned(work.put(action.target_e7, work.held().end));
   }
   if (held_step_++ == work.between_count()) {
     held_step_ = 0;
@@ -181,7 +181,7 @@ bool Interpreter::give_corner(Action& action) {
   Place end;
   curve_.next(end);
   fill_move(action, plan_.motion == Motion::rapid);
-  action.target_e7 = state_->modal.rotation.turned(end);
+  action.target_e7 = state_->rotations().turned(end);
   action.programmed_end = !curve_.active();
   action.exact_stop = false;
   if (action.programmed_end) work.end_corner();
@@ -203,17 +203,17 @@ void Interpreter::hold_move() {
 
 Extent Interpreter::compensated_extent() const {
   const Compensation& work = work_.compensation;
-  const Rotation& rotation = next_->modal.rotation;
+  const Rotations rotations = next_->rotations();
   const auto add = [](Extent& all, const Extent& part) {
     all.add(part.low());
     all.add(part.high());
   };
-  Extent extent(rotation.turned(work.held_end()));
-  if (work.is_curve()) add(extent, extent_of(work.held_arc(1), rotation));
+  Extent extent(rotations.turned(work.held_end()));
+  if (work.is_curve()) add(extent, extent_of(work.held_arc(1), rotations));
   for (std::uint32_t i = 0; i < work.between_count(); ++i)
-    extent.add(rotation.turned(work.put(work.between(i).target_e7, work.held().end)));
+    extent.add(rotations.turned(work.put(work.between(i).target_e7, work.held().end)));
   if (plan_.has(Stage::corner) && work.has_corner())
-    add(extent, extent_of(work.corner_arc(next_->programmed_e7, 1), rotation));
+    add(extent, extent_of(work.corner_arc(next_->programmed_e7, 1), rotations));
   return extent;
 }
 
@@ -224,7 +224,7 @@ Place Interpreter::beside() const {
   Place place = state_->programmed_e7;
   place[beside_.first] += beside_.distance_e7.first_e7;
   place[beside_.second] += beside_.distance_e7.second_e7;
-  return state_->modal.rotation.turned(place);
+  return state_->rotations().turned(place);
 }
 
 /// The program continues from where the machine is.
@@ -232,7 +232,7 @@ void Interpreter::settle() {
   Place& place = state_->programmed_e7;
   place[beside_.first] += beside_.distance_e7.first_e7;
   place[beside_.second] += beside_.distance_e7.second_e7;
-  state_->machine_e7 = state_->modal.rotation.turned(place);
+  state_->machine_e7 = state_->rotations().turned(place);
   beside_.active = false;
 }
 
@@ -241,7 +241,7 @@ void Interpreter::go_beside() {
   Place& place = state_->programmed_e7;
   place[beside_.first] -= beside_.distance_e7.first_e7;
   place[beside_.second] -= beside_.distance_e7.second_e7;
-  state_->machine_e7 = state_->modal.rotation.turned(place);
+  state_->machine_e7 = state_->rotations().turned(place);
   beside_.active = true;
 }
 
@@ -251,8 +251,10 @@ bool Interpreter::stays_beside(const Statement& statement) const {
       1u << static_cast<int>(Stage::move) | 1u << static_cast<int>(Stage::stop);
   constexpr std::uint32_t first_move = static_cast<std::uint32_t>(Stage::via);
   const std::uint32_t moves = plan_.stages >> first_move << first_move;
+  const bool turns = !(next_->modal.rotation == state_->modal.rotation &&
+                       next_->system_rotation == state_->system_rotation);
   return (moves & ~simple) == 0 && !is_probe(plan_.motion) && plan_.pieces == 0 &&
-         plan_.weights_e6[0] == 0 && !statement.needs_machine_place();
+         plan_.weights_e6[0] == 0 && !statement.needs_machine_place() && !turns;
 }
 
 /// A line after G40. The first move in the plane leads from beside the contour to its programmed

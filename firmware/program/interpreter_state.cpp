@@ -25,7 +25,7 @@ void Interpreter::end_program() {
   ignored_ = 0;
   expressions_.clear();
   if (saved_.valid && saved_.restore_at_end) restore_saved();
-  state_->programmed_e7 = modal.rotation.turned_back(state_->machine_e7);
+  find_programmed();
   state_->cycle = {};
   state_->spline = {};
 }
@@ -77,10 +77,16 @@ void Interpreter::stand_at(const Place& machine_e7) {
   beside_.active = false;
   in_compensation_ = users_lines_;
   state_->machine_e7 = machine_e7;
-  state_->programmed_e7 = state_->modal.rotation.turned_back(machine_e7);
+  find_programmed();
   state_->cycle.series = false;
   state_->spline.known = false;
   state_->nurbs = {};
+}
+
+/// The coordinate system or its rotation may have changed.
+void Interpreter::find_programmed() {
+  state_->system_rotation = parameters_.rotation_of(state_->modal.system);
+  state_->programmed_e7 = state_->rotations().turned_back(state_->machine_e7);
 }
 
 void Interpreter::begin_users_lines() {
@@ -104,7 +110,7 @@ void Interpreter::end_users_lines(const Modal& modal, const Place& machine_e7) {
   via[z] = from[z] < machine_e7[z] ? machine_e7[z] : from[z];
   plan_.clear();
   plan_.jog = true;  // dark, and not on the beat
-  plan_.points[0] = state_->modal.rotation.turned_back(via);
+  plan_.points[0] = state_->rotations().turned_back(via);
   plan_.add(Stage::via);
   plan_.add(Stage::home);
 }

@@ -136,6 +136,9 @@ struct State {
   CycleWords cycle;
   SplineEnd spline;
   NurbsBlock nurbs;
+  Rotation system_rotation;  ///< of the active coordinate system (G10 L2 R)
+
+  Rotations rotations() const { return {system_rotation, modal.rotation}; }
   friend bool operator==(const State&, const State&) = default;
 };
 

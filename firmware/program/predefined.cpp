@@ -12,7 +12,7 @@ constexpr std::uint32_t first_axis_word = 1;  ///< of a row of numbers: 5221 is 
 constexpr std::uint32_t probe_row = 5060, probe_met = 5070;
 constexpr std::uint32_t home_g28_row = 5160, home_g30_row = 5180;
 constexpr std::uint32_t shifted = 5210, shift_row = 5210, system_number = 5220;
-constexpr std::uint32_t system_row = 5220, system_row_size = 20;
+constexpr std::uint32_t system_row = 5220, system_row_size = 20, rotation_row = 5230;
 constexpr std::uint32_t input_result = 5399, tool_number = 5400, tool_row = 5400,
                         tool_diameter = 5410;
 constexpr std::uint32_t position_row = 5419;
@@ -193,8 +193,11 @@ std::int64_t Predefined::value_e9(std::uint32_t number) const {
       in_row(home_g30_row, e9, parameters_.home_g30_e7) ||
       in_row(shift_row, e9, parameters_.shift_e7) || in_row(tool_row, e9, tool))
     return e9;
-  for (std::uint32_t i = 0; i < parameters_.systems_e7.size(); ++i)
-    if (in_row(system_row + i * system_row_size, e9, parameters_.systems_e7[i])) return e9;
+  for (std::uint32_t i = 0; i < parameters_.systems_e7.size(); ++i) {
+    const std::uint32_t first = i * system_row_size;
+    if (number == rotation_row + first) return parameters_.rotations_e7[i] * e9_of_e7;
+    if (in_row(system_row + first, e9, parameters_.systems_e7[i])) return e9;
+  }
   const std::uint32_t axis = number - position_row - first_axis_word;
   return axis < state_->programmed_e7.size() ? position_e9(axis) : 0;
 }

@@ -80,4 +80,10 @@ Place Rotation::turn(const Place& place, std::int64_t sine_q62) const {
   return out;
 }
 
+Place Rotations::turned(const Place& place) const { return program.turned(system.turned(place)); }
+
+Place Rotations::turned_back(const Place& place) const {
+  return system.turned_back(program.turned_back(place));
+}
+
 }  // namespace lamplock::program

@@ -1,10 +1,12 @@
-// Rotation of a program in a plane (G68): exact at right angles, far below a step elsewhere.
+// Rotation of a program in a plane (G68, G10 L2 R): exact at right angles, far below a step
+// elsewhere.
 //
 // Programs are interpreted without rotation; places are rotated on output. So programmed values
 // stay exact, and only an end is rounded, to 10^-7 mm. Sine and cosine have 62 fractional bits: 4 m
 // from the centre their error is below 10^-14 m.
 //
-// The centre is stored in machine coordinates: it does not move when offsets change later.
+// The centre is stored in machine coordinates. That of G68 does not move when offsets change later;
+// that of a coordinate system is its origin.
 #pragma once
 
 #include <cstdint>
@@ -43,6 +45,22 @@ class Rotation {
   std::int64_t sine_q62_ = 0, cosine_q62_ = 0;
   std::uint8_t first_ = 0, second_ = 1;
   bool active_ = false;
+};
+
+/// The rotations in force: that of the coordinate system acts first, then that of G68.
+struct Rotations {
+  const Rotation& system;
+  const Rotation& program;
+
+  bool active() const { return system.active() || program.active(); }
+  /// All that are active turn the plane of these two axes.
+  bool turn_only(int a, int b) const {
+    return (!system.active() || system.turns(a, b)) && (!program.active() || program.turns(a, b));
+  }
+  /// Position on the machine of a programmed place.
+  [[gnu::cold]] Place turned(const Place& place) const;
+  /// The programmed place of a position on the machine.
+  [[gnu::cold]] Place turned_back(const Place& place) const;
 };
 
 }  // namespace lamplock::program

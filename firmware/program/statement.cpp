@@ -47,8 +47,8 @@ bool Statement::fail(GcodeError error, std::uint16_t column) {
          (block_.has(Group::io) ? io() : no_io()) && spindle() && tool_change() && coolant() &&
          (!block_.has(Group::overrides) || overrides()) && beat_lock() &&
          (!block_.has(Group::pulses) || pulses()) && dwell() &&
-         (!block_.has(Group::cutter) || cutter()) && path() && tool_length() && system() &&
-         rotation();
+         (!block_.has(Group::cutter) || cutter()) && path() && tool_length() &&
+         (!block_.has(Group::system) || system()) && (!block_.has(Group::rotation) || rotation());
 }
 
 // --- values -----------------------------------------------------------------------------------
@@ -119,11 +119,6 @@ bool Statement::seconds(char letter, std::uint32_t& us) {
 
 // --- modal state ------------------------------------------------------------------------------
 
-void Statement::turn(const Rotation& rotation) {
-  after_.modal.rotation = rotation;
-  after_.programmed_e7 = rotation.turned_back(after_.machine_e7);
-}
-
 [[gnu::hot]] bool Statement::saved_state() {
   if (block_.code(Group::saving) != 72) return true;
   if (!saved_.valid) return fail(GcodeError::unsupported, block_.column(Group::saving));
@@ -139,6 +134,7 @@ void Statement::turn(const Rotation& rotation) {
   if (saved_.modal.overrides_off != before.overrides_off) plan_.add(Stage::overrides);
   if (saved_.modal.beat_lock != before.beat_lock) plan_.add(Stage::beat_lock);
   if (!(saved_.modal.rotation == before.rotation)) turn(saved_.modal.rotation);
+  if (saved_.modal.system != before.system) change_system();
   return true;
 }
 
@@ -365,39 +361,6 @@ bool Statement::pulse_length() {
   return block_.code(Group::tool_length) == 431 ? tool_length_of_axis() : tool_length_of_table();
 }
 
-[[gnu::hot]] bool Statement::system() {
-  if (!block_.has(Group::system)) return true;
-  const std::uint32_t code = block_.code(Group::system);
-  if (code == 541) return additional_system();
-  const std::uint32_t number = code <= 590 ? (code - 540) / 10 : code - 590 + 5;
-  after_.modal.system = static_cast<std::uint8_t>(number);
-  return true;
-}
-
-[[gnu::hot]] bool Statement::rotation() {
-  if (!block_.has(Group::rotation)) return true;
-  if (block_.code(Group::rotation) == 690) {
-    turn({});
-    return true;
-  }
-  if (!needed('R', block_.column(Group::rotation)) || !take('R')) return false;
-  const PlaneAxes plane = axes_of(after_.modal.plane);
-  const std::uint32_t others = block_.axes() & ~(1u << plane.first | 1u << plane.second);
-  if (others != 0) return fail_axes(GcodeError::axis_words_unused, others);
-  Place centre = after_.machine_e7;
-  for (const int axis : {int{plane.first}, int{plane.second}}) {
-    if ((block_.axes() >> axis & 1u) == 0) continue;
-    centre[index(axis)] =
-        axis_e7(axis) + (after_.modal.relative ? after_.machine_e7[index(axis)] : offset_e7(axis));
-    if (!inside(centre[index(axis)], max_position_e7, GcodeError::bad_target,
-                block_.axis(axis).column))
-      return false;
-  }
-  block_.take_axes();
-  turn(Rotation(plane.first, plane.second, centre, scaled(block_.word('R'), 1, 7)));
-  return true;
-}
-
 /// Commands that act once and are not modal: table 8, line 19.
 [[gnu::hot]] bool Statement::data() {
   switch (block_.code(Group::once)) {
@@ -441,22 +404,7 @@ bool Statement::set_system() {
   if (kind == 1 || kind == 10 || kind == 11) return enter_tool(kind, number);
   if (kind != 2 && kind != 20) return fail_at('L', GcodeError::unsupported);
   if (number > coordinate_systems) return fail_at('P', GcodeError::no_such_system);
-  // Rotation of a coordinate system, which LinuxCNC supports.
-  if (block_.has('R')) return fail_at('R', GcodeError::unsupported);
-  const std::uint32_t row = number == 0 ? after_.modal.system : number - 1;
-  changes_.place = parameters_.systems_e7[row];
-  for (int i = 0; i < options_.axes; ++i) {
-    if ((block_.axes() >> i & 1u) == 0) continue;
-    std::int64_t& value = changes_.place[index(i)];
-    const std::int64_t others =
-        offset_e7(i) - parameters_.systems_e7[after_.modal.system][index(i)];
-    value = kind == 2 ? axis_e7(i) : after_.programmed_e7[index(i)] - others - axis_e7(i);
-    if (!inside(value, 2 * max_position_e7, GcodeError::out_of_range, block_.axis(i).column))
-      return false;
-  }
-  changes_.add(static_cast<int>(row));
-  block_.take_axes();
-  return true;
+  return set_origin(kind, number == 0 ? after_.modal.system : number - 1);
 }
 
 bool Statement::shift() {

@@ -122,8 +122,9 @@ struct Plan {
 
 /// Changes of the parameters by a line.
 struct Changes {
-  std::uint16_t rows = 0;  ///< as Parameters::changed
-  Place place;             ///< of the row that is no tool length
+  std::uint16_t rows = 0;        ///< as Parameters::changed
+  Place place;                   ///< of the row that is no tool length
+  std::int64_t rotation_e7 = 0;  ///< of a coordinate system
   std::int64_t tool_length_e7 = 0;
   ToolTable::Entry tool;  ///< of the tool table
 
@@ -229,9 +230,9 @@ class Statement {
   [[gnu::cold]] bool tool_of(const Word* word, std::uint32_t& number);
   [[gnu::cold]] bool enter_tool(std::uint32_t kind, std::uint32_t number);
   [[gnu::cold]] bool cutter_diameter(std::int64_t& diameter_e7);
-  bool system();
+  [[gnu::cold]] bool system();
   [[gnu::cold]] bool additional_system();
-  bool rotation();
+  [[gnu::cold]] bool rotation();
   bool data();
   bool set_system();
   bool shift();
@@ -269,8 +270,13 @@ class Statement {
   bool inside(std::int64_t e7, std::int64_t most, GcodeError error, std::uint16_t column);
   bool all_inside(const Place& place, std::uint16_t column);
   bool end_at(const Place& programmed);
+  [[gnu::cold]] bool end_turned();
   bool end_at_machine(const Place& machine);
-  void turn(const Rotation& rotation);
+  [[gnu::cold]] void turn(const Rotation& rotation);
+  [[gnu::cold]] void turn_system(const Rotation& rotation);
+  [[gnu::cold]] void change_system();
+  [[gnu::cold]] bool set_origin(std::uint32_t kind, std::size_t row);
+  [[gnu::cold]] void origin_of_position();
 
   bool length(char letter, std::int64_t& e7);
   bool take(char letter);

@@ -62,11 +62,14 @@ bool Statement::needed(char letter) { return needed(letter, motion_column()); }
   after_.programmed_e7 = programmed;
   after_.cycle.series = false;
   after_.spline.known = false;
-  if (!after_.modal.rotation.active()) {
-    after_.machine_e7 = programmed;
-    return true;
-  }
-  after_.machine_e7 = after_.modal.rotation.turned(programmed);
+  if (after_.rotations().active()) [[unlikely]]
+    return end_turned();
+  after_.machine_e7 = programmed;
+  return true;
+}
+
+bool Statement::end_turned() {
+  after_.machine_e7 = after_.rotations().turned(after_.programmed_e7);
   return all_inside(after_.machine_e7, motion_column());
 }
 
@@ -78,7 +81,7 @@ bool Statement::all_inside(const Place& place, std::uint16_t column) {
 
 /// Ends the line at a place in machine coordinates, inside the range.
 bool Statement::end_at_machine(const Place& machine) {
-  end_at(after_.modal.rotation.turned_back(machine));
+  end_at(after_.rotations().turned_back(machine));
   fault_ = {};  // a home at the edge may be rounded out of the range
   after_.machine_e7 = machine;
   return true;
@@ -92,7 +95,7 @@ bool Statement::at_home() {
   if (axes != 0) {
     if (!target(plan_.points[0], false)) return false;
     plan_.add(Stage::via);
-    end = after_.modal.rotation.turned(plan_.points[0]);
+    end = after_.rotations().turned(plan_.points[0]);
     if (!all_inside(end, block_.axis_column(axes))) return false;
   }
   for (int i = 0; i < options_.axes; ++i)

@@ -93,6 +93,14 @@ void take_tools(const std::vector<std::string>& lines, bool inches, program::Too
     if (const auto tool = parse_tool(line, inches)) tools.set(*tool);
 }
 
+/// Rotations that the board reports as lamplock does; others have none.
+void take_rotations(const std::vector<std::string>& lines, program::Parameters& parameters) {
+  const auto numbers = split(value_of(lines, "ROT").value_or(""), ',');
+  auto& rotations_e7 = parameters.rotations_e7;
+  for (std::size_t i = 0; i < std::min(numbers.size(), rotations_e7.size()); ++i)
+    rotations_e7[i] = to_e7(number_of<double>(numbers[i]).value_or(0), false);
+}
+
 bool take_offsets(const std::vector<std::string>& lines, bool inches,
                   program::Parameters& parameters) {
   for (std::size_t i = 0; i < system_names.size(); ++i)
@@ -101,6 +109,7 @@ bool take_offsets(const std::vector<std::string>& lines, bool inches,
   take_place(lines, "G28", inches, parameters.home_g28_e7);
   take_place(lines, "G30", inches, parameters.home_g30_e7);
   take_tools(lines, inches, parameters.tools);
+  take_rotations(lines, parameters);
   return take_place(lines, "G92", inches, parameters.shift_e7) &&
          take_tool_length(lines, inches, parameters.tool_length_e7);
 }
@@ -146,6 +155,7 @@ bool has_offsets(const program::Parameters& parameters) {
   return parameters.tool_length_e7 != 0 || !parameters.tools.empty() ||
          !is_zero(parameters.shift_e7) || !is_zero(parameters.home_g28_e7) ||
          !is_zero(parameters.home_g30_e7) ||
+         parameters.rotations_e7 != program::Parameters{}.rotations_e7 ||
          !std::all_of(parameters.systems_e7.begin(), parameters.systems_e7.end(), is_zero);
 }
 

@@ -36,7 +36,7 @@ class Skipped {
   Skipped(const settings::Values& values, const std::string& file,
           const std::optional<BoardState>& state)
       : file_(file), options_(program_options(values)), interpreter_(parameters_, options_) {
-    if (state) begin_with(in_work_coordinates(*state), interpreter_, parameters_);
+    if (state) begin_with(*state, interpreter_, parameters_);
   }
 
   void pass(const link::ProgramLine& line) {
@@ -78,14 +78,6 @@ class Skipped {
   }
 
  private:
-  /// The preamble has positions as in the program, so that the board adds its offsets.
-  static BoardState in_work_coordinates(BoardState state) {
-    for (std::size_t a = 0; a < state.machine_e7.size(); ++a)
-      state.machine_e7[a] -= state.work_offset_e7[a];
-    state.parameters = {};
-    return state;
-  }
-
   [[noreturn]] void refuse(std::size_t line, const std::string& what,
                            const std::string& remedy) const {
     throw Error(Exit::bad_input, fmt::format("{}:{}", file_, line), what, remedy);
@@ -118,13 +110,14 @@ class Skipped {
     placed_[axis] = true;
   }
 
-  /// Positions in millimetres as in the program; the board adds its offsets.
+  /// Positions in millimetres as in the program; the board adds its offsets and rotation.
   std::string place_of(std::string_view axes) const {
     std::string text;
     for (const char letter : axes) {
       const auto axis = axis_letters.find(letter);
       if (axis == std::string_view::npos || !placed_[axis]) continue;
-      const double mm = static_cast<double>(interpreter_.programmed_e7()[axis]) /
+      const double mm = static_cast<double>(interpreter_.programmed_e7()[axis] -
+                                            interpreter_.work_offset_e7()[axis]) /
                         static_cast<double>(program::one_e7);
       text += fmt::format(" {}{:.7f}", letter, mm);
     }

@@ -54,7 +54,7 @@ struct JobStart {
   bool is_dry = false;
   bool resumes = false;           ///< the last run of this job
   std::size_t from = 0;           ///< point or line
-  run::ProcessChoice material{};  ///< of a program
+  run::ProcessChoice material{};  ///< of a program with process parameters; empty: none
 };
 
 /// Machine coordinates [mm]; an axis without one stays where it is.

@@ -4,7 +4,10 @@
 
 #include <random>
 
+#include "firmware/program/interpreter.hpp"
 #include "host/job/profile.hpp"
+#include "host/program/board_state.hpp"
+#include "host/program/interpreter_options.hpp"
 #include "host/program/program_run.hpp"
 #include "host/program/start_at.hpp"
 #include "host/program/without_laser.hpp"
@@ -115,6 +118,48 @@ TEST(ProgramParts, KeepParametersAndExpressions) {
                 program_run::without_laser(link::program_lines("M[3] S1\n", "p.ngc"), "p.ngc");
               }),
               HasSubstr("p.ngc:1: --dry cannot leave 'M[3]' out"));
+}
+
+/// Where a program ends on a board with these offsets.
+program::Place end_of(const std::vector<link::ProgramLine>& lines,
+                      const program_run::BoardState& state) {
+  program::Parameters parameters;
+  const program::Options options = program_run::program_options(laser_settings());
+  program::Interpreter interpreter(parameters, options);
+  program_run::begin_with(state, interpreter, parameters);
+  for (const link::ProgramLine& line : lines) {
+    EXPECT_FALSE(interpreter.run(line.text)) << line.text;
+    for (program::Action action; interpreter.next(action);) {
+    }
+  }
+  return interpreter.machine_e7();
+}
+
+TEST(ProgramParts, BeginInRotatedSystems) {
+  link::BoardStatus status;
+  status.state = "Idle";
+  status.position = {3, 4, 5};
+  std::vector<std::string> offsets{"[G54:10.000,20.000,1.000]", "[G55:-5.000,0.000,0.000]",
+                                   "[G92:1.000,2.000,0.000]", "[TLO:0.000]",
+                                   "[ROT:90,-30.0000001,0,0,0,0,0,0,0]"};
+  for (const char* const system : {"G56", "G57", "G58", "G59"})
+    offsets.push_back(fmt::format("[{}:0.000,0.000,0.000]", system));
+  const auto state = program_run::parse_state(
+      status, offsets, {"[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]"}, false);
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->parameters.rotations_e7[0], 90 * program::one_e7);
+  EXPECT_EQ(state->parameters.rotations_e7[1], -300'000'001);
+  EXPECT_FALSE(state->as_after_power_up);
+  const auto lines =
+      link::program_lines("G54 G0 X1 Y2\nZ3\nG55 G1 F600 X3\nY4\nG54 X5\nX6 Y6\nG55 X1\n", "p.ngc");
+  const program::Place whole = end_of(lines, *state);
+  EXPECT_NEAR(static_cast<double>(whole[2]), 4e7, 1);
+  for (std::size_t first = 2; first <= lines.size(); ++first) {
+    const auto part = program_run::start_at(lines, first, laser_settings(), "p.ngc", state);
+    const program::Place end = end_of(part, *state);
+    for (std::size_t a = 0; a < 3; ++a)
+      EXPECT_NEAR(static_cast<double>(end[a]), static_cast<double>(whole[a]), 4) << text_of(part);
+  }
 }
 
 TEST(ProgramParts, RefuseToOmitWhatCannotBeReplaced) {

@@ -294,6 +294,27 @@ TEST_F(Program, TheToolLengthOutlivesResetAndPowerCut) {
   EXPECT_EQ(tool_length_after(), 0);
 }
 
+/// As the origins do, and $RST=# clears it at once.
+TEST_F(Program, TheRotationOfASystemOutlivesResetAndPowerCut) {
+  host_.ask("G10 L2 P1 X10 R90\nG0 X1 Y0\n");
+  host_.run_ms(200);
+  EXPECT_EQ(host_.position(), at_mm(10, 1));
+  host_.send("\x18");
+  host_.run_ms(20);
+  EXPECT_THAT(host_.ask("$#\n"), Contains("[ROT:90,0,0,0,0,0,0,0,0]"));
+  host_.ask("G0 X2\n");
+  host_.run_ms(200);
+  EXPECT_EQ(host_.position(), at_mm(10, 2));
+  sim::VirtualBoard next(rig_.board.stored_settings(), world_for(profile_),
+                         rig_.board.kept_state());
+  next.run_until(5 * ps_per_ms);
+  EXPECT_TRUE(next.controller().reader().interpreter().state().system_rotation.active());
+  EXPECT_THAT(host_.ask("$RST=#\n$#\n"), Not(Contains(StartsWith("[ROT:"))));
+  host_.ask("G0 X3\n");
+  host_.run_ms(200);
+  EXPECT_EQ(host_.position(), at_mm(3, 2));
+}
+
 /// Programs and jobs alternate; each begins where the other has left the machine.
 TEST_F(Program, AndJobsTakeTurns) {
   const job::Job job = job::make_job({{1, 0, 0}, {1, 2, 0}, {3, 2, 0}}, profile_, {});

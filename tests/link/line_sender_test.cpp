@@ -437,7 +437,7 @@ TEST(LineSender, the_number_of_a_line_replaces_its_n_word_wherever_it_is) {
 }
 
 /// The N words are those of the file.
-TEST(LineSender, the_line_that_another_board_reports_is_none_of_the_file) {
+TEST(LineSender, a_board_that_counts_lines_itself_reports_no_line_of_the_file) {
   GrblModel board;
   Sending sending(board, numbered({"N10 G1 X1", "N20 G1 X2", "G1 X3"}));
   ASSERT_TRUE(sending.run_until("Run"));

@@ -100,6 +100,7 @@ TEST(PersistentState, IsDecodedUnchanged) {
 TEST(PersistentState, TheLongestStateFits) {
   PersistentState kept;
   kept.parameters.systems_e7.fill({1, 1, 1, 1});
+  kept.parameters.rotations_e7.fill(1);
   kept.parameters.home_g28_e7 = kept.parameters.home_g30_e7 = {1, 1, 1, 1};
   kept.parameters.tool_length_e7 = 1;
   for (std::uint32_t number = 1; number <= program::ToolTable::capacity; ++number)
@@ -113,6 +114,8 @@ TEST(PersistentState, TheLongestStateFits) {
 TEST(PersistentState, EachFieldChangesTheBytes) {
   const std::vector<std::function<void(PersistentState&)>> changes{
       [](PersistentState& k) { k.parameters.systems_e7[8][3] = 1; },
+      [](PersistentState& k) { k.parameters.rotations_e7[0] = 1; },
+      [](PersistentState& k) { k.parameters.rotations_e7[8] = -1; },
       [](PersistentState& k) { k.parameters.home_g28_e7[0] = 1; },
       [](PersistentState& k) { k.parameters.home_g30_e7[2] = 1; },
       [](PersistentState& k) { k.parameters.tool_length_e7 = -1; },

@@ -174,6 +174,14 @@ TEST(ProgramText, ToolsFollowTheProbeAsInGrblHal) {
   EXPECT_EQ(p.offset(probe_line + 3), "");
 }
 
+TEST(ProgramText, RotationsAreDegreesOfAllSystems) {
+  EXPECT_EQ(Program{}.offset(rotation_line), "");
+  Program p{"G10 L2 P1 R30", "G10 L2 P4 R-12.5", "G20 G10 L2 P9 R0.0000001"};
+  EXPECT_EQ(p.offset(rotation_line), "[ROT:30,0,0,-12.5,0,0,0,0,0.0000001]\r\n");
+  p.run("G10 L2 P1 R0");
+  EXPECT_EQ(p.offset(rotation_line), "[ROT:0,0,0,-12.5,0,0,0,0,0.0000001]\r\n");
+}
+
 TEST(ProgramText, OffsetsEqualTheirSettings) {
   Program p{"G10 L2 P1 X1 Y-2.5 Z0.0004",
             "G10 L2 P6 Y1",

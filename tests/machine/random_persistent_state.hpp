@@ -30,6 +30,8 @@ inline machine::PersistentState random_persistent_state(std::mt19937_64& random)
   const auto some = [&] { return random() % 3 < share; };
   for (program::Place& origin : kept.parameters.systems_e7)
     if (some()) origin = random_place(random, 2 * most);
+  for (std::int64_t& rotation : kept.parameters.rotations_e7)
+    if (some()) rotation = random_place(random, 1'000'000'000 * program::one_e7)[2];
   if (some()) kept.parameters.home_g28_e7 = random_place(random, most);
   if (some()) kept.parameters.home_g30_e7 = random_place(random, most);
   for (machine::KeptText& text : kept.start_up)

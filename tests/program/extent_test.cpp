@@ -82,7 +82,7 @@ void expect_box_of(const std::string& line, const std::string& rotation, bool ex
   const std::string start =
       fmt::format("F100 X{} Y{} Z{} A{}", number(20), number(20), number(20), number(20));
   ASSERT_EQ(rig.run(start).find('@'), std::string::npos);
-  rig.run(rotation);
+  rig.run_all(rotation);
   const Extent before(rig.machine());
   const Fault fault = rig.interpreter.run(line);
   if (fault) return;  // radii may differ by rounding
@@ -109,6 +109,23 @@ TEST(Extent, OfLinesWithoutRotation) {
     expect_box_of(spline(), "", true);
     expect_box_of(cycle(), "", true);
     expect_box_of(by_way_of(), "", true);
+    if (::testing::Test::HasFatalFailure()) return;
+  }
+}
+
+/// A rotated coordinate system, and G68 in it.
+TEST(Extent, OfLinesInRotatedSystems) {
+  for (int i = 0; i < scaled(400); ++i) {
+    const std::string plane = one_of({"G17", "G18", "G19"});
+    const std::string rotation = fmt::format("G10 L2 P1 X{} R{}|{}{}", number(9), number(360),
+                                             plane, one_of({"", " G68 R33"}));
+    const bool flat = plane == "G17" || rotation.find("G68") == std::string::npos;
+    std::string line = arc();
+    expect_box_of(line, rotation, flat && line.find("G17") != std::string::npos);
+    expect_box_of(spline(), rotation, true);
+    expect_box_of(by_way_of(), rotation, true);
+    line = cycle();
+    expect_box_of(line, rotation, flat && line.find("G17") != std::string::npos);
     if (::testing::Test::HasFatalFailure()) return;
   }
 }

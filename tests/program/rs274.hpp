@@ -9,11 +9,13 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -149,6 +151,7 @@ class Rs274 {
     }
     numbers(command.substr(open), v);
     if (name == "SET_G5X_OFFSET") keep(system_, &v[1]);
+    if (name == "SET_XY_ROTATION") rotation_ = v[0] / 180 * std::numbers::pi;
     if (name == "SET_G92_OFFSET") keep(shift_, &v[0]);
     if (name == "USE_TOOL_LENGTH_OFFSET") keep(tool_, &v[0]);
     std::vector<CanonicalMove>& moves = lines_[number].moves;
@@ -173,10 +176,18 @@ class Rs274 {
     for (std::size_t i = 0; i < 3; ++i) offset[i] = values[i] * unit_mm_;
   }
   double offset(std::size_t axis) const { return system_[axis] + shift_[axis] + tool_[axis]; }
+  /// X and Y, round the origin of the coordinate system.
+  template <class Pair>
+  void turn(Pair& place) const {
+    const double x = place[0] - system_[0], y = place[1] - system_[1];
+    place[0] = system_[0] + x * std::cos(rotation_) - y * std::sin(rotation_);
+    place[1] = system_[1] + x * std::sin(rotation_) + y * std::cos(rotation_);
+  }
 
   CanonicalMove straight(CanonicalMove::Kind kind, const std::array<double, 9>& v) const {
     CanonicalMove move{.kind = kind};
     for (std::size_t i = 0; i < 3; ++i) move.to_mm[i] = v[i] * unit_mm_ + offset(i);
+    turn(move.to_mm);
     return move;
   }
   /// ARC_FEED(first end, second end, first centre, second centre, turns, normal end, ...).
@@ -190,6 +201,8 @@ class Rs274 {
     move.centre_mm = {v[2] * unit_mm_ + offset(first), v[3] * unit_mm_ + offset(second)};
     move.turns = static_cast<int>(v[4]);
     move.plane = plane_;
+    turn(move.to_mm);
+    if (plane_ == 0) turn(move.centre_mm);
     return move;
   }
 
@@ -197,6 +210,7 @@ class Rs274 {
   lamplock::test::TemporaryFolder folder_;
   std::map<int, CanonicalLine> lines_;
   std::array<double, 3> system_{}, shift_{}, tool_{};
+  double rotation_ = 0;  ///< of the coordinate system, radians
   double unit_mm_ = 1;
   int plane_ = 0;
 };

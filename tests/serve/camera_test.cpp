@@ -291,8 +291,7 @@ TEST(Camera, KeepsItsCalibration) {
   const Json good{point(0.1, 0.9, -40, -40), point(0.9, 0.9, 40, -40), point(0.8, 0.1, 40, 40),
                   point(0.2, 0.1, -40, 40)};
   const auto refusal = [&](const Json& points) {
-    const Json response = client.call("camera.calibrate", {{"points", points}});
-    return response.contains("error") ? response["error"]["message"].get<std::string>() : "";
+    return error_of(client.call("camera.calibrate", {{"points", points}}));
   };
   EXPECT_THAT(refusal(good), HasSubstr("take control first"));
   client.call("control.take");

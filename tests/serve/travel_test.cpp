@@ -12,10 +12,6 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-std::string error_of(const Json& response) {
-  return response.contains("error") ? response["error"]["message"].get<std::string>() : "";
-}
-
 /// Whether the area gets this side in X, in 3 s.
 bool has_side(RawClient& client, double low, double high) {
   for (int tries = 0; tries < 150; ++tries) {

@@ -11,7 +11,8 @@ constexpr std::uint8_t kind_g28 = static_cast<std::uint8_t>(program::ParameterRo
                        kind_g30 = static_cast<std::uint8_t>(program::ParameterRow::home_g30),
                        kind_tool_length =
                            static_cast<std::uint8_t>(program::ParameterRow::tool_length),
-                       kind_start_up = 32, kind_build_text = 48, kind_tools = 64;
+                       kind_rotation = 16, kind_start_up = 32, kind_build_text = 48,
+                       kind_tools = 64;
 static_assert(kind_g30 + 1 == PersistentStateRecord::pieces);
 
 /// The place of this kind, null if the kind has none; const if `kept` is.
@@ -53,20 +54,30 @@ bool take_place(wire::ByteReader& in, std::size_t size, std::uint8_t kind, progr
   return true;
 }
 
-void put_tool_length(wire::ByteWriter& out, std::int64_t length_e7) {
-  if (length_e7 == 0) return;
-  out.put(kind_tool_length);
-  out.put(static_cast<std::uint8_t>(sizeof length_e7));
-  out.put(length_e7);
+/// A piece of one number: the tool length, a rotation; null if the kind has none.
+template <class Kept>
+auto* number_of(Kept& kept, std::uint8_t kind) {
+  if (kind == kind_tool_length) return &kept.parameters.tool_length_e7;
+  const bool rotation = kind >= kind_rotation && kind < kind_rotation + program::coordinate_systems;
+  return rotation ? &kept.parameters.rotations_e7[kind - kind_rotation] : nullptr;
 }
 
-bool take_tool_length(std::span<const std::uint8_t> bytes, std::int64_t& length_e7) {
+/// The numbers that words can have: 10^9 degrees.
+constexpr std::int64_t max_rotation_e7 = 1'000'000'000 * program::one_e7;
+
+void put_number(wire::ByteWriter& out, std::uint8_t kind, std::int64_t e7) {
+  if (e7 == 0) return;
+  out.put(kind);
+  out.put(static_cast<std::uint8_t>(sizeof e7));
+  out.put(e7);
+}
+
+bool take_number(std::span<const std::uint8_t> bytes, std::uint8_t kind, std::int64_t& e7) {
+  const std::int64_t most = kind == kind_tool_length ? program::max_position_e7 : max_rotation_e7;
   wire::ByteReader in(bytes);
   const auto read = in.take<std::int64_t>();
-  if (bytes.size() != sizeof read || read > program::max_position_e7 ||
-      read < -program::max_position_e7)
-    return false;
-  length_e7 = read;
+  if (bytes.size() != sizeof read || read > most || read < -most) return false;
+  e7 = read;
   return true;
 }
 
@@ -119,7 +130,7 @@ bool take_piece(PersistentState& kept, std::uint8_t kind, std::span<const std::u
     return take_place(in, bytes.size(), kind, *place);
   }
   if (kind == kind_tools) return take_tools(bytes, kept.parameters.tools);
-  if (kind == kind_tool_length) return take_tool_length(bytes, kept.parameters.tool_length_e7);
+  if (std::int64_t* number = number_of(kept, kind)) return take_number(bytes, kind, *number);
   KeptText* text = text_of(kept, kind);
   return text != nullptr && take_text(bytes, *text);
 }
@@ -144,6 +155,7 @@ bool KeptText::same(const KeptText& other) const {
 
 void PersistentState::clear_places() {
   parameters.systems_e7 = {};
+  parameters.rotations_e7 = {};
   parameters.home_g28_e7 = parameters.home_g30_e7 = {};
   parameters.tools = {};
 }
@@ -153,7 +165,9 @@ bool PersistentState::same(const PersistentState& other) const {
     if (!program::same_place(*kept_place(*this, kind), *kept_place(other, kind))) return false;
   for (std::size_t i = 0; i < start_up_lines; ++i)
     if (!(start_up[i] == other.start_up[i])) return false;
-  if (parameters.tool_length_e7 != other.parameters.tool_length_e7) return false;
+  if (parameters.tool_length_e7 != other.parameters.tool_length_e7 ||
+      parameters.rotations_e7 != other.parameters.rotations_e7)
+    return false;
   return parameters.tools == other.parameters.tools && build_text == other.build_text;
 }
 
@@ -162,7 +176,9 @@ std::uint32_t PersistentStateRecord::put(const PersistentState& kept,
   wire::ByteWriter out(items);
   out.put(version);
   for (std::uint8_t kind = 0; kind < pieces; ++kind) put_place(out, kind, *kept_place(kept, kind));
-  put_tool_length(out, kept.parameters.tool_length_e7);
+  put_number(out, kind_tool_length, kept.parameters.tool_length_e7);
+  for (std::uint8_t i = 0; i < program::coordinate_systems; ++i)
+    put_number(out, static_cast<std::uint8_t>(kind_rotation + i), kept.parameters.rotations_e7[i]);
   for (std::uint8_t i = 0; i < start_up_lines; ++i)
     put_text(out, static_cast<std::uint8_t>(kind_start_up + i), kept.start_up[i]);
   put_text(out, kind_build_text, kept.build_text);

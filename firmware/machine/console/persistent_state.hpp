@@ -1,14 +1,16 @@
-// What a program keeps over power cuts: origins, two places, the tool table, three texts.
+// What a program keeps over power cuts: origins with their rotations, two places, the tool table,
+// three texts.
 //
 // In:  the parameters of the interpreter, lines that the user has stored ($N0=, $N1=, $I=).
 // Out: the same after the next start; bytes of a record in between (settings/store.hpp).
 // Who: the controller owns one, the interpreter works on its parameters; the board stores it, from
 //      the main loop and at rest, whenever the controller reports a change.
 //
-// Kept are, as in grbl, G54 to G59.3, G28, G30, start-up lines and the text of `$I`, and as in
-// grblHAL the tool table; unlike in grbl also the tool length of G43 to G43.2: the tool is still
-// there after a power cut, and Z would be off by it. It is active then, until G49. The shift of G92
-// is not kept, as in grbl. (LinuxCNC keeps G92 by default.)
+// Kept are, as in grbl, G54 to G59.3 (and, as in LinuxCNC, their rotations), G28, G30, start-up
+// lines and the text of `$I`, and as in grblHAL the tool table; unlike in grbl also the tool length
+// of G43 to G43.2: the tool is still there after a power cut, and Z would be off by it. It is
+// active then, until G49. The shift of G92 is not kept, as in grbl. (LinuxCNC keeps G92 by
+// default.)
 //
 // A record contains only values that are not at their default, in pieces with their kind, so that a
 // later version may add some: pieces of an unknown kind or size are ignored, and so is a value that
@@ -20,6 +22,7 @@
 //                 kind 0..8    origin of G54 .. G59.3    X Y Z A, 8 bytes each, 10^-7 mm
 //                 kind 9, 10   place of G28, G30         the same
 //                 kind 12      tool length            8 bytes, 10^-7 mm
+//                 kind 16..24  rotation of G54 .. G59.3  8 bytes, 10^-7 degrees
 //                 kind 32, 33  start-up line 0, 1        text
 //                 kind 48      text of $I                text
 //                 kind 64      tool table                8 bytes each: length along Z, nm; number,
@@ -65,8 +68,8 @@ struct PersistentState {
   std::array<KeptText, start_up_lines> start_up;
   KeptText build_text;  ///< $I=
 
-  /// `$RST=#`: resets origins and the places of G28 and G30 to zero and empties the tool table;
-  /// keeps texts and the tool length.
+  /// `$RST=#`: resets origins, their rotations and the places of G28 and G30 to zero and empties
+  /// the tool table; keeps texts and the tool length.
   void clear_places();
   /// The kept parts are equal.
   friend bool operator==(const PersistentState& a, const PersistentState& b) { return a.same(b); }
@@ -81,9 +84,10 @@ struct PersistentStateRecord {
   static constexpr std::uint32_t pieces = program::coordinate_systems + 2;
   static constexpr std::uint32_t place_size = max_axes * sizeof(std::int64_t);
   /// Maximum length that this version writes.
-  static constexpr std::uint32_t max_bytes = 1 + pieces * (2 + place_size) + 2 +
-                                             sizeof(std::int64_t) + 2 + sizeof(program::ToolTable) +
-                                             (start_up_lines + 1) * (2 + KeptText::capacity);
+  static constexpr std::uint32_t max_bytes =
+      1 + pieces * (2 + place_size) + 2 + sizeof(std::int64_t) + 2 + sizeof(program::ToolTable) +
+      program::coordinate_systems * (2 + sizeof(std::int64_t)) +
+      (start_up_lines + 1) * (2 + KeptText::capacity);
   /// "LPTK"; as many bytes as fit into four pages.
   static constexpr settings::RecordFormat format{
       0x4b54504c, 1,

@@ -98,10 +98,37 @@ void write_tool(TextLine& line, const program::ToolTable::Entry& entry,
   line.add("]\r\n"sv);
 }
 
+/// Degrees without trailing zeros.
+void add_angle(TextLine& line, std::int64_t e7) {
+  if (e7 < 0) line.add("-"sv);
+  const std::int64_t size = e7 < 0 ? -e7 : e7;
+  line.add(size / program::one_e7);
+  std::int64_t rest = size % program::one_e7, unit = program::one_e7 / 10;
+  if (rest != 0) line.add("."sv);
+  for (; rest != 0; unit /= 10) {
+    line.add(rest / unit);
+    rest %= unit;
+  }
+}
+
+void write_rotations(TextLine& line, const program::Parameters& parameters) {
+  std::int64_t any = 0;
+  for (const std::int64_t e7 : parameters.rotations_e7) any |= e7;
+  if (any == 0) return;
+  std::string_view before = "[ROT:"sv;
+  for (const std::int64_t e7 : parameters.rotations_e7) {
+    line.add(before);
+    add_angle(line, e7);
+    before = ","sv;
+  }
+  line.add("]\r\n"sv);
+}
+
 }  // namespace
 
 void write_offset(TextLine& line, int i, const ReportedOffsets& offsets) {
   const program::Parameters& parameters = offsets.parameters;
+  if (i == rotation_line) return write_rotations(line, parameters);
   if (i > line_probe)
     return write_tool(line, parameters.tools.entry(static_cast<std::size_t>(i - line_probe - 1)),
                       offsets);
