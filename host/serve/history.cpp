@@ -9,6 +9,7 @@
 #include "host/material/job_history.hpp"
 #include "host/run/material_records.hpp"
 #include "host/serve/error_message.hpp"
+#include "host/serve/or_null.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -21,8 +22,6 @@ std::string utc_text(std::chrono::system_clock::time_point time) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
                      fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
 }
-
-Json or_null(const auto& value) { return value ? Json(*value) : Json(); }
 
 material::JobRecord record_of(const std::string& board, const EndedJob& job) {
   material::JobRecord record;

@@ -13,6 +13,13 @@
 
 namespace lamplock::serve {
 
+/// Codes of JSON-RPC 2.0, section 5.1. Those from -32099 to -32000 are of the server: docs/api.md.
+namespace code {
+inline constexpr int parse = -32700, request = -32600, method = -32601, parameters = -32602;
+inline constexpr int refused = -32000, needs_password = -32001, needs_material = -32002;
+}  // namespace code
+
+/// A request that the server cannot fulfil, with a text that pages can translate.
 class Refusal : public Error {
  public:
   using Values = std::map<std::string, std::string>;
