@@ -12,6 +12,7 @@
 #include "host/program/flow_unit.hpp"
 #include "host/program/path_picture.hpp"
 #include "host/program/probe_log.hpp"
+#include "host/program/process_values.hpp"
 #include "host/program/program_flow.hpp"
 #include "host/program/tool_file.hpp"
 #include "host/run/process_choice.hpp"

@@ -9,8 +9,10 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
+#include "host/link/program_lines.hpp"
 #include "host/material/cut_setting.hpp"
 #include "host/number_text.hpp"
+#include "host/program/process_values.hpp"
 #include "host/run/material_records.hpp"
 #include "host/shell_text.hpp"
 

@@ -8,8 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "host/link/program_lines.hpp"
-#include "host/program/process_values.hpp"
+namespace lamplock::link {
+struct ProgramLine;
+}
+namespace lamplock::program_run {
+struct ProcessValues;
+}
 
 namespace lamplock::run {
 

@@ -3,14 +3,13 @@
 // In:  an optional value. Out: the value, or null. Who: the results of methods.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 
 namespace lamplock::serve {
 
-template <class T>
-nlohmann::json or_null(const std::optional<T>& value) {
-  return value ? nlohmann::json(*value) : nlohmann::json();
-}
+nlohmann::json or_null(const std::optional<double>& value);
+nlohmann::json or_null(const std::optional<std::int64_t>& value);
 
 }  // namespace lamplock::serve
