@@ -271,7 +271,7 @@ TEST(CheckAndSend, LinesAfterTheEndAreRun) {
     EXPECT_NEAR(whole["feed_mm"].get<double>(), 40, 1e-9);
     EXPECT_NEAR(whole["low_mm"][0].get<double>(), -20, 1e-9);
     EXPECT_NEAR(whole["time_s"].get<double>(),
-                seen(before + "G4 P0\n" + after)["time_s"].get<double>(), 1e-3);
+                seen(fmt::format("{}G4 P0\n{}", before, after))["time_s"].get<double>(), 1e-3);
     EXPECT_EQ(whole["ended"], true);
     expect_both_refuse(fmt::format("{}{}\nG1 X1 X2 F100\n", before, end), ":4",
                        "the word occurs twice");

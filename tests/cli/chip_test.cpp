@@ -223,7 +223,7 @@ TEST(Chip, the_profile_has_every_cycle) {
 TEST(Chip, the_use_of_the_flash_has_the_lines_of_the_program) {
   const Folder folder;
   const Finished done = run({"chip", lamplock::test::in_build("lamplock-rp2040.uf2"), "--until",
-                             "5ms", "--json", "--flash-use", folder / "a.txt"});
+                             "20ms", "--json", "--flash-use", folder / "a.txt"});
   ASSERT_EQ(done.status, 0) << done.err;
   const std::vector<std::string> rows = lines(read(folder / "a.txt"));
   ASSERT_GT(rows.size(), 100u);
