@@ -100,7 +100,7 @@ void add_serve(Command& program) {
       .value_name("FILE")
       .file(FileUse::write);
   app.add_option("--camera", &options->camera,
-                 "Show a camera below the view: http://HOST/PATH of a JPEG picture or an MJPEG "
+                 "Show a camera in the top view: http://HOST/PATH of a JPEG picture or an MJPEG "
                  "stream, or a JPEG file that another program writes")
       .value_name("SOURCE");
   app.add_option("--library", &options->library,
