@@ -31,6 +31,7 @@ TEST(Engraving, TheNextAreaIsTheNearest) {
   for (int i = 0; i < 20; ++i)
     for (int j = 0; j < 15; ++j) lows.push_back({20.0 * i + moved(), 20.0 * j + moved()});
   std::shuffle(lows.begin(), lows.end(), random);
+  contours.reserve(lows.size());
   for (const Vec& low : lows) contours.push_back(square(low));
   cutting::Operation operation;
   operation.kind = cutting::OperationKind::engrave;
