@@ -125,9 +125,11 @@ inline constexpr GcodeErrorRow gcode_errors[] = {
     GcodeErrorRow{GcodeError::no_axis_words, "no_axis_words",
                   "the command needs axis words, an arc its end or its centre"},
     GcodeErrorRow{GcodeError::bad_line_number, "bad_line_number", "the line number is too large"},
-    GcodeErrorRow{GcodeError::value_missing, "value_missing",
-                  "a word is missing: P of G4, G82, M130; Q of G73, G83, M61; R or Z of a cycle; L "
-                  "or P of G10; H of G43.2; I, J, P or Q of G5"},
+    GcodeErrorRow{
+        GcodeError::value_missing, "value_missing",
+        "a word is missing: P of G4, G10, G54.1, G82, G86, G89, M62 to M66, M126 to M130; Q of "
+        "G73, G83, M61, M66 to M68; R of G68; R or Z of a cycle; L of G10; D of G41.1, "
+        "G42.1; H of G43.2; I, J, P or Q of G5; X or Y of G5.2; E of M67, M68"},
     GcodeErrorRow{GcodeError::no_such_system, "no_such_system",
                   "no coordinate system has this number"},
     GcodeErrorRow{GcodeError::machine_move_needs_line, "machine_move_needs_line",

@@ -20,7 +20,7 @@ namespace lamplock::cli {
 namespace {
 
 using program_run::Problem;
-using program_run::ProgramRun;
+using run::CheckedProgram;
 
 struct CheckOptions : run::CheckOptions {
   bool json = false;
@@ -37,7 +37,7 @@ std::string problem_text(const std::string& file, const Problem& p) {
 /// As a text has it, with three decimals; a value that rounds to 0 has no sign.
 double shown_mm(double mm) { return std::round(mm * 1e3) / 1e3 + 0.0; }
 
-void say_result(Console& console, const ProgramRun& run) {
+void say_result(Console& console, const CheckedProgram& run) {
   console.say("time      {}", duration_text(run.seconds()));
   console.say("moves     {} from {} lines", run.moves, run.lines);
   console.say("feed      {:.3f} mm", run.feed_mm);
@@ -48,10 +48,13 @@ void say_result(Console& console, const ProgramRun& run) {
   if (run.locked != 0) console.say("shots     {} on the beat", run.beats.shots);
   if (!run.ignored.empty())
     console.say("ignored   {}: no effect on this machine", fmt::join(run.ignored, ", "));
+  if (!run.probe_logs.empty())
+    console.say("logs      {}: written by lamplock send --probe-logs FOLDER",
+                fmt::join(run.probe_logs, ", "));
   if (run.pauses != 0) console.say("pauses    {}, not included in the time", run.pauses);
 }
 
-Json document(const CheckOptions& options, const ProgramRun& run) {
+Json document(const CheckOptions& options, const CheckedProgram& run) {
   Json low = Json::array(), high = Json::array(), problems = Json::array();
   for (int a = 0; a < run.axes; ++a) {
     low.push_back(run.bounds.low[index(a)]);
@@ -63,12 +66,19 @@ Json document(const CheckOptions& options, const ProgramRun& run) {
                         {"error", p.error},
                         {"text", p.text},
                         {"remedy", p.remedy}});
-  return {{"input", options.input}, {"lines", run.lines},
-          {"moves", run.moves},     {"time_s", run.seconds()},
-          {"feed_mm", run.feed_mm}, {"rapid_mm", run.rapid_mm},
-          {"low_mm", low},          {"high_mm", high},
-          {"pauses", run.pauses},   {"shots", run.beats.shots},
-          {"ended", run.ended},     {"ignored", run.ignored},
+  return {{"input", options.input},
+          {"lines", run.lines},
+          {"moves", run.moves},
+          {"time_s", run.seconds()},
+          {"feed_mm", run.feed_mm},
+          {"rapid_mm", run.rapid_mm},
+          {"low_mm", low},
+          {"high_mm", high},
+          {"pauses", run.pauses},
+          {"shots", run.beats.shots},
+          {"ended", run.ended},
+          {"ignored", run.ignored},
+          {"probe_logs", run.probe_logs},
           {"problems", problems}};
 }
 
@@ -83,13 +93,13 @@ std::size_t line_of(const Error& error, const std::string& input) {
 }
 
 /// An error in an O-word or a value ends the check; scripts get it as the only problem.
-ProgramRun run_of(const CheckOptions& options, Console& console) {
+CheckedProgram run_of(const CheckOptions& options, Console& console) {
   try {
     return run::check_program(options);
   } catch (const Error& error) {
     const std::size_t line = line_of(error, options.input);
     if (line == 0) throw;
-    ProgramRun run;
+    CheckedProgram run;
     run.problems.push_back({line, 0, 0, std::string(error.message())});
     console.document(document(options, run));
     throw;
@@ -100,7 +110,8 @@ Exit check(CheckOptions options) {
   Console console(options.json);
   options.process = run::process_values(options.material);
   if (options.process) console.say("material  {}", run::text_of(*options.process));
-  const ProgramRun run = run_of(options, console);
+  const CheckedProgram run = run_of(options, console);
+  for (const std::string& note : run.notes) console.notice(note);
   for (const Problem& p : run.problems) console.line(problem_text(options.input, p));
   say_result(console, run);
   if (!options.picture.empty()) console.say("picture   {}", options.picture);
@@ -122,8 +133,11 @@ void add_check(Command& program) {
   app.footer(
       "The interpreter and the planner of the firmware run the program, so the machine takes the\n"
       "time that is reported.\n"
+      "The lengths (feed, rapid) are those that the machine travels: along the chords into which\n"
+      "it divides arcs and splines ($12, arc_tolerance), a little less than the curves.\n"
       "Example:\n"
       "  lamplock check part.ngc --machine machine.toml --picture part.svg\n"
+      "  lamplock check part.ngc --tools tools.ngc\n"
       "  lamplock check part.ngc --material plywood --thickness 3");
   const auto options = std::make_shared<CheckOptions>();
   app.add_option("PROGRAM", &options->input, "G-code program")
@@ -131,6 +145,13 @@ void add_check(Command& program) {
       .value_name("FILE")
       .file(FileUse::read);
   add_machine(app, options->machine);
+  app.add_option("--tools", &options->tools,
+                 "Tool table of the machine for G43 H, G41 D and T: lines G10 L1 P Z R, or the "
+                 "answer of the board to $#; default: no tools")
+      .check(file_name())
+      .value_name("FILE")
+      .file(FileUse::read)
+      .group("Machine");
   add_process(app, options->material);
   add_user_commands(app, options->user_commands);
   app.add_option("--picture", &options->picture,

@@ -54,10 +54,11 @@ Json rows_json(const run::SentJob& sent, const std::string& board) {
 /// lines of the computer are used.
 void check_job_options(const SendOptions& options) {
   const run::ProgramOptions& program = options.program;
-  const std::array<std::pair<const char*, bool>, 8> of_programs{
+  const std::array<std::pair<const char*, bool>, 9> of_programs{
       {{"--ignore-errors", program.ignore_errors},
        {"--events", !program.events.empty()},
        {"--user-commands", !program.user_commands.empty()},
+       {"--probe-logs", !program.probe_logs.empty()},
        {"--material", options.material.material.has_value()},
        {"--laser", options.material.laser.has_value()},
        {"--thickness", options.material.thickness_mm.has_value()},
@@ -123,6 +124,7 @@ void add_send(Command& program) {
       "  lamplock send model.llj --board /dev/ttyACM0 --resume        # after any other end\n"
       "  lamplock send part.ngc --board /dev/ttyACM0\n"
       "  lamplock send part.ngc --board /dev/ttyUSB0 --baud 115200 --from 310 --dry\n"
+      "  lamplock send probe.ngc --board /dev/ttyACM0 --probe-logs .\n"
       "  lamplock send part.ngc --board /dev/ttyACM0 --material plywood --thickness 3");
   const auto options = std::make_shared<SendOptions>();
   app.add_option("FILE", &options->file, "Job file (.llj) of points or rows, or G-code program")
@@ -145,6 +147,14 @@ void add_send(Command& program) {
   add_machine(app, options->program.machine);
   add_process(app, options->material);
   add_user_commands(app, options->program.user_commands);
+  app.add_option(
+         "--probe-logs", &options->program.probe_logs,
+         "Programs: folder in which (probeopen NAME) writes the places of contacts; without "
+         "it no log is written")
+      .value_name("FOLDER")
+      .check(file_name())
+      .file(FileUse::folder)
+      .group("Board");
   app.action([options, &program] {
     options->board.command = program.typed();
     options->board.profile = options->program.machine.machine;

@@ -16,7 +16,7 @@
 namespace lamplock::link {
 namespace {
 
-constexpr unsigned char del = 0x7F;
+constexpr char del = 0x7F;
 
 /// As in the firmware, a bracket that is not closed makes the rest of the line a comment.
 std::string without_comments(std::string_view line) {
@@ -82,6 +82,50 @@ std::string messages_of(std::string_view line) {
   }
 }
 
+/// A comment that opens or closes a probe log, as LinuxCNC has them.
+bool is_log_comment(std::string_view comment) {
+  constexpr std::string_view blanks = " \t";
+  std::string word(comment.substr(0, comment.find_first_of(blanks)));
+  std::ranges::transform(word, word.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  });
+  return word == "probeopen" || (word == "probeclose" && word.size() == comment.size());
+}
+
+/// Throws Error for a name that could lead out of the folder of the logs.
+void check_log(std::string_view comment, const std::string& where) {
+  const std::string name = probe_log_name(comment);
+  constexpr std::string_view opens = "probeopen";
+  if (name.empty() && comment.size() > opens.size()) return;  // probeclose
+  const bool is_path = name.find_first_of("/\\") != std::string::npos;
+  const bool is_printed = std::ranges::all_of(
+      name, [](char c) { return static_cast<unsigned char>(c) >= ' ' && c != del; });
+  if (!name.empty() && name != "." && name.find("..") == std::string::npos && !is_path &&
+      is_printed)
+    return;
+  throw Error(Exit::bad_input, where,
+              fmt::format("'({})': a probe log needs the plain name of a file, without / \\ and ..",
+                          comment),
+              "write (probeopen NAME); the folder is that of lamplock send --probe-logs");
+}
+
+/// The comments of a line about probe logs.
+std::vector<std::string> logs_of(std::string_view line, const std::string& where) {
+  std::vector<std::string> logs;
+  if (trimmed(line).starts_with('$')) return logs;
+  while (true) {
+    const auto start = line.find_first_of("(;");
+    if (start == std::string_view::npos || line[start] == ';') return logs;
+    const auto end = line.find(')', start);
+    if (end == std::string_view::npos) return logs;
+    const std::string_view comment = trimmed(line.substr(start + 1, end - start - 1));
+    line.remove_prefix(end + 1);
+    if (!is_log_comment(comment)) continue;
+    check_log(comment, where);
+    logs.emplace_back(comment);
+  }
+}
+
 /// A board reports no message of a line of assignments alone.
 bool is_assignment(const std::string& line) { return line.starts_with('#'); }
 
@@ -137,10 +181,16 @@ std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines) {
   return lines;
 }
 
+std::string probe_log_name(std::string_view comment) {
+  constexpr std::string_view opens = "probeopen";
+  const bool is_open = comment.size() >= opens.size() && (comment[5] == 'o' || comment[5] == 'O');
+  return is_open ? std::string(trimmed(comment.substr(opens.size()))) : std::string{};
+}
+
 std::string realtime_fault(std::string_view text) {
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
-    if (byte == del || (byte < ' ' && byte != '\t' && !wire::is_realtime(byte)))
+    if (c == del || (byte < ' ' && byte != '\t' && !wire::is_realtime(byte)))
       return fmt::format("the byte 0x{:02X} outside of a comment is no character of a program",
                          byte);
     if (wire::is_realtime(byte) || byte >= 0x80)
@@ -196,15 +246,18 @@ char open_comment(std::string_view line) {
 std::vector<ProgramLine> program_lines(std::string_view text, const std::string& file) {
   text = without_byte_order_mark(text);
   std::vector<ProgramLine> lines, comments;
+  std::vector<std::string> logs;  // of lines so far, for the next one that is not blank
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view source = take_line(text);
-    std::string line = line_to_send(source, fmt::format("{}:{}", file, number));
+    const std::string where = fmt::format("{}:{}", file, number);
+    std::string line = line_to_send(source, where);
+    for (std::string& log : logs_of(source, where)) logs.push_back(std::move(log));
     std::string messages = messages_of(source);
     if (line.find_first_not_of("% \t") == std::string::npos) {
       if (!messages.empty()) comments.push_back({number, {}, std::move(messages)});
       continue;
     }
-    ProgramLine next{number, std::move(line), std::move(messages)};
+    ProgramLine next{number, std::move(line), std::move(messages), {}, std::exchange(logs, {})};
     if (!next.text.starts_with('$')) put_comments(comments, next, lines);
     if (is_assignment(next.text) && !next.messages.empty())
       comments.push_back({number, {}, std::exchange(next.messages, {})});

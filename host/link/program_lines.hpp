@@ -21,6 +21,8 @@ struct ProgramLine {
   /// Comments that a board reports, `(MSG, text)` and so on, of this line and blank ones before it.
   std::string messages{};
   std::string origin{};  ///< FILE:LINE, of a line from another file than the program's
+  /// Comments `(probeopen NAME)` and `(probeclose)` of this line and of blank ones before it.
+  std::vector<std::string> logs{};
 };
 
 /// The lines with their numbers in the file as N words, in place of their own, so that a board
@@ -36,6 +38,9 @@ std::vector<ProgramLine> with_numbers(std::vector<ProgramLine> lines);
 std::string line_to_send(
     std::string_view line, const std::string& where,
     const std::string& remedy = "remove it, and check that the file is a G-code program");
+
+/// NAME of a comment `probeopen NAME` of ProgramLine::logs; empty for `probeclose`.
+std::string probe_log_name(std::string_view comment);
 
 /// Why a line of a program, without its comments, must not be sent: a byte of it is a real-time
 /// command. Empty if there is none.
@@ -54,7 +59,8 @@ char open_comment(std::string_view line);
 
 /// Splits a program; lines end in CR, LF or both. Blank lines and lines of `%` are left out, except
 /// those whose messages are not joined to the line after them: it could change the values that they
-/// show, or has no room. Throws Error(bad_input) about FILE:LINE as line_to_send().
+/// show, or has no room. Throws Error(bad_input) about FILE:LINE as line_to_send(), and for a probe
+/// log whose name is not that of a file in a folder: empty, `..`, with a path.
 std::vector<ProgramLine> program_lines(std::string_view text, const std::string& file);
 
 /// True if the line pauses the program: M0, M1 or M60; or may, by an expression.

@@ -89,22 +89,8 @@ bool take_tool_length(const std::vector<std::string>& lines, bool inches, std::i
 
 /// Tools that the board reports as lamplock and grblHAL do; others have none.
 void take_tools(const std::vector<std::string>& lines, bool inches, program::ToolTable& tools) {
-  constexpr std::string_view begin = "[T:";
-  for (const std::string_view line : lines) {
-    if (!line.starts_with(begin) || !line.ends_with(']')) continue;
-    const auto parts = split(line.substr(begin.size(), line.size() - begin.size() - 1), '|');
-    if (parts.size() < 3) continue;
-    const auto offsets = split(parts[1], ',');
-    const auto number = number_of<std::uint32_t>(parts[0]);
-    const auto length =
-        offsets.size() > z_axis ? number_of<double>(offsets[z_axis]) : std::optional<double>{};
-    const auto radius = number_of<double>(parts[2]);
-    if (!number || !length || !radius || *number == 0 || *number > program::max_tool) continue;
-    const program::Tool tool{to_e7(*length, inches), 2 * to_e7(*radius, inches)};
-    if (std::abs(tool.length_e7) <= program::ToolTable::max_length_e7 && tool.diameter_e7 >= 0 &&
-        tool.diameter_e7 <= program::ToolTable::max_diameter_e7)
-      tools.set(program::ToolTable::Entry(*number, tool));
-  }
+  for (const std::string_view line : lines)
+    if (const auto tool = parse_tool(line, inches)) tools.set(*tool);
 }
 
 /// Rotations that the board reports as lamplock does; others have none.
@@ -180,6 +166,27 @@ std::size_t system_of(const std::vector<std::string_view>& words) {
 }
 
 }  // namespace
+
+std::optional<program::ToolTable::Entry> parse_tool(std::string_view line, bool inches) {
+  constexpr std::string_view begin = "[T:";
+  if (!line.starts_with(begin) || !line.ends_with(']')) return std::nullopt;
+  const auto parts = split(line.substr(begin.size(), line.size() - begin.size() - 1), '|');
+  if (parts.size() < 3) return std::nullopt;
+  const auto offsets = split(parts[1], ',');
+  const auto number = number_of<std::uint32_t>(parts[0]);
+  const auto length =
+      offsets.size() > z_axis ? number_of<double>(offsets[z_axis]) : std::optional<double>{};
+  const auto radius = number_of<double>(parts[2]);
+  if (!number || !length || !radius || *number == 0 || *number > program::max_tool)
+    return std::nullopt;
+  constexpr double max_mm = 1e6;  // far above the limits below, and inside of 64 bits
+  if (!(std::abs(*length) < max_mm && std::abs(*radius) < max_mm)) return std::nullopt;
+  const program::Tool tool{to_e7(*length, inches), 2 * to_e7(*radius, inches)};
+  if (std::abs(tool.length_e7) > program::ToolTable::max_length_e7 || tool.diameter_e7 < 0 ||
+      tool.diameter_e7 > program::ToolTable::max_diameter_e7)
+    return std::nullopt;
+  return program::ToolTable::Entry(*number, tool);
+}
 
 std::optional<BoardState> parse_state(const link::BoardStatus& status,
                                       const std::vector<std::string>& offsets,

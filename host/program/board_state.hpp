@@ -10,6 +10,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware/program/interpreter.hpp"
@@ -27,6 +28,10 @@ struct BoardState {
   program::Place work_offset_e7{};
   bool as_after_power_up = false;  ///< at machine zero, without offsets, modal state by default
 };
+
+/// A line `[T:1|0.000,0.000,41.250|3.000]` of `$#`: number, offsets, radius. Empty for another line
+/// and for values that a tool table cannot have.
+std::optional<program::ToolTable::Entry> parse_tool(std::string_view line, bool inches);
 
 /// Parses the answers to `$#` and `$G`; `inches`: setting 13. Empty if a part is missing, or a mode
 /// is active that the board reports incompletely (G68, M130).

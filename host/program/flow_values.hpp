@@ -28,6 +28,7 @@ class FlowValues {
   program::Fault run(std::string_view line, std::string& with_numbers);
   /// The program has ended by M2 or M30.
   bool has_ended() const { return has_ended_; }
+  const program::Interpreter& interpreter() const { return interpreter_; }
   const program::Modal& modal() const { return interpreter_.modal(); }
   /// G20 is in force.
   bool inches() const { return interpreter_.modal().inches; }

@@ -5,13 +5,18 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <optional>
+#include <utility>
 
 #include "host/printable.hpp"
+#include "host/program/missing_word.hpp"
 #include "host/program/process_values.hpp"
 #include "host/program/program_words.hpp"
+#include "host/program/state_fault.hpp"
 #include "host/program/user_command.hpp"
 #include "host/text.hpp"
 #include "shared/gcode_errors.hpp"
+#include "shared/gcode_words.hpp"
 #include "shared/units.hpp"
 
 namespace lamplock::program_run {
@@ -128,6 +133,44 @@ LineFault unknown_name(std::string_view rest, const std::string& text) {
           fmt::format("write '{} = 0' with its value before this line", printable(name))};
 }
 
+/// A number, with a letter or without.
+std::string_view number_at(std::string_view text) {
+  const std::string_view digits = "0123456789. \t";
+  if (digits.find(text.front()) == std::string_view::npos) return word_at(text);
+  return trimmed(text.substr(0, text.find_first_not_of(digits)));
+}
+
+/// A number with more digits before its point than the machine reads (shared/gcode_words.hpp).
+bool is_too_large(std::string_view number) {
+  std::size_t digits = 0;
+  for (const char c : number) {
+    if (c == '.') break;
+    if (std::isdigit(static_cast<unsigned char>(c)) != 0 && (digits != 0 || c != '0')) ++digits;
+  }
+  return digits > static_cast<std::size_t>(program::max_digits);
+}
+
+/// EXISTS[...], whose bracket is at the fault.
+std::optional<LineFault> bad_exists(std::string_view before, std::string_view rest) {
+  constexpr std::string_view function = "EXISTS";
+  before = trimmed(before);
+  if (before.size() < function.size() ||
+      upper(before.substr(before.size() - function.size())) != function)
+    return std::nullopt;
+  const std::string_view end = rest.substr(0, std::min(rest.find(']'), rest.size() - 1) + 1);
+  const std::string call = fmt::format("EXISTS{}", end);
+  return LineFault{
+      fmt::format("{}: EXISTS asks for a name, EXISTS[#<name>]", quoted(std::string_view(call))),
+      "write a name; numbered parameters need no question, they are 0 until they are set"};
+}
+
+/// An error of a value: the word that has it comes first.
+LineFault bad_value(std::string_view rest, const std::string& text) {
+  if (std::isalpha(static_cast<unsigned char>(rest.front())) == 0) return {text};
+  const auto words = words_of(rest);
+  return {fmt::format("{}: {}", quoted(trimmed(words.front().text)), text)};
+}
+
 /// What is not a word: neither a letter with a number, nor a letter with a value.
 LineFault no_word(std::string_view rest, GcodeError error) {
   if (const std::string_view sum = checksum_at(rest); !sum.empty())
@@ -137,6 +180,11 @@ LineFault no_word(std::string_view rest, GcodeError error) {
     return {fmt::format("{}: loops, branches and calls in this form are not read", quoted(letters)),
             std::string(no_subprograms)};
   if (error == GcodeError::letter_expected) return no_letter(rest);
+  if (const std::string_view number = number_at(rest); is_too_large(number))
+    return {fmt::format("{} is too large: the numbers of a program are between -1000000000 and "
+                        "1000000000",
+                        quoted(number)),
+            "correct the number"};
   return {fmt::format("the number after {} is missing, malformed or too large",
                       quoted(rest.substr(0, 1))),
           "correct the number, or put text into a comment"};
@@ -144,11 +192,15 @@ LineFault no_word(std::string_view rest, GcodeError error) {
 
 }  // namespace
 
-LineFault describe_fault(std::string_view line, const program::Fault& fault, int axes) {
+LineFault describe_fault(std::string_view line, const program::Fault& fault, int axes,
+                         const program::Interpreter* interpreter) {
   const GcodeErrorRow* row = find_gcode_error(static_cast<std::uint8_t>(fault.error));
   LineFault plain{row == nullptr ? "unknown" : std::string(row->text)};
   if (fault.column == 0 || fault.column > line.size()) return plain;
   const std::string_view rest = line.substr(fault.column - 1);
+  if (interpreter != nullptr)
+    if (auto of_state = describe_state_fault(line, word_at(rest), fault.error, *interpreter))
+      return *std::move(of_state);
   switch (fault.error) {
     case GcodeError::unsupported:
       return unsupported(word_at(rest), axes);
@@ -160,6 +212,21 @@ LineFault describe_fault(std::string_view line, const program::Fault& fault, int
     case GcodeError::letter_expected:
     case GcodeError::bad_number:
       return no_word(rest, fault.error);
+    case GcodeError::value_missing:
+      if (const auto text = missing_words(line, fault.column, interpreter))
+        return {*text, "add it to the line"};
+      return plain;
+    case GcodeError::bad_expression:
+      return bad_exists(line.substr(0, fault.column - 1), rest).value_or(plain);
+    case GcodeError::negative_value:
+    case GcodeError::not_integer:
+    case GcodeError::not_positive:
+    case GcodeError::out_of_range:
+    case GcodeError::no_such_system:
+    case GcodeError::tool_too_large:
+    case GcodeError::unknown_tool:
+    case GcodeError::words_unused:
+      return bad_value(rest, plain.text);
     default:
       return plain;
   }

@@ -17,8 +17,10 @@ struct LineFault {
   std::string remedy{};  ///< empty: none but to correct the line
 };
 
-/// Names the word for error 20 (unsupported), 1 (no letter) and 2 (no number); the others have the
-/// text of their number. `axes`: of the machine, named by axis_letters.
-LineFault describe_fault(std::string_view line, const program::Fault& fault, int axes);
+/// Names the word at fault, or the words that are missing; otherwise the text of the number of the
+/// error. `axes`: of the machine, named by axis_letters. `interpreter`: in its state before the
+/// line; null if it is not known.
+LineFault describe_fault(std::string_view line, const program::Fault& fault, int axes,
+                         const program::Interpreter* interpreter);
 
 }  // namespace lamplock::program_run

@@ -58,6 +58,8 @@ class FlowRun {
         refuse(
             fmt::format("the program does not end: {} statements without a line", max_flow_steps),
             "check the conditions of its loops");
+      const auto& logs = statement().line.logs;
+      logs_.insert(logs_.end(), logs.begin(), logs.end());
       if (statement().word) {
         take_messages();
         execute(*statement().word);
@@ -80,7 +82,7 @@ class FlowRun {
   /// `text`: in which the fault has its column.
   void refuse_fault(std::string_view text, const program::Fault& fault) const {
     if (!fault) return;
-    const LineFault seen = describe_fault(text, fault, max_axes);
+    const LineFault seen = describe_fault(text, fault, max_axes, &values_.interpreter());
     refuse(fmt::format("error:{} {}", static_cast<int>(fault.error), seen.text),
            seen.remedy.empty() ? "correct the value" : seen.remedy);
   }
@@ -143,7 +145,8 @@ class FlowRun {
     if (lines_.size() == max_flow_lines)
       refuse(fmt::format("the program has more than {} lines", max_flow_lines),
              "check the conditions of its loops");
-    lines_.push_back({line_number(), text, std::exchange(messages_, {}), {}});
+    lines_.push_back(
+        {line_number(), text, std::exchange(messages_, {}), {}, std::exchange(logs_, {})});
     if (unit_ != &main_) lines_.back().origin = place();
     steps_ = 0;
   }
@@ -394,7 +397,8 @@ class FlowRun {
   std::size_t at_ = 0, next_ = 0, steps_ = 0, called_at_ = 0;
   std::vector<Repeat> repeats_;
   std::vector<FlowCall> calls_;
-  std::string messages_;  ///< for the next line
+  std::vector<std::string> logs_;  ///< ProgramLine::logs of the next line
+  std::string messages_;           ///< for the next line
   std::vector<link::ProgramLine> lines_;
 };
 

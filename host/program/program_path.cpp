@@ -184,7 +184,8 @@ std::vector<PathStep> program_path(std::string_view text, const settings::Values
     const std::string_view line = take_line(text);
     if (trimmed(line).empty() || is_board_line(trimmed(line))) continue;
     if (const program::Fault fault = interpreter.run(line); fault) {
-      const LineFault seen = describe_fault(line, fault, values.whole(settings::Id::axes));
+      const LineFault seen =
+          describe_fault(line, fault, values.whole(settings::Id::axes), &interpreter);
       throw Error(Exit::bad_input, fmt::format("{}:{}", file, number),
                   fmt::format("error:{} {}", static_cast<int>(fault.error), seen.text),
                   seen.remedy.empty() ? "correct the line" : seen.remedy);

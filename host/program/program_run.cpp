@@ -293,9 +293,11 @@ std::string text_fault(std::string_view line, ProgramRun& run, bool only_board_l
 
 /// Runs a program through the interpreter: of a file, or as a board will run it.
 ProgramRun run_lines(std::string_view text, const settings::Values& values,
-                     std::size_t max_problems, const OnBoard* board) {
+                     std::size_t max_problems, const OnBoard* board,
+                     const program::ToolTable& tools) {
   const std::string_view whole = text;
   program::Parameters parameters;
+  parameters.tools = tools;
   const program::Options options = program_options(values);
   program::Interpreter interpreter(parameters, options);
   Machine machine(values);
@@ -315,6 +317,7 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
   };
   ProgramRun& run = machine.result();
   std::size_t last_line = 0;
+  bool nurbs_is_reported = false;
   const bool only_board_lines = board == nullptr && has_only_board_lines(text);
   text = without_byte_order_mark(text);
   for (std::size_t number = 1; !text.empty(); ++number) {
@@ -334,9 +337,11 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     else
       fault = run_line(line);
     if (fault) {
-      const LineFault seen = describe_fault(line, fault, run.axes);
+      const LineFault seen = describe_fault(line, fault, run.axes, &interpreter);
       run.problems.push_back(
           {number, fault.column, static_cast<int>(fault.error), seen.text, seen.remedy});
+      nurbs_is_reported =
+          interpreter.state().nurbs.count != 0 && fault.error == GcodeError::unsupported;
       // Otherwise every line after a corner that is too narrow would have its error.
       if (interpreter.modal().cutter != program::Cutter::off)
         interpreter.set_position(interpreter.machine_e7());
@@ -353,13 +358,13 @@ ProgramRun run_lines(std::string_view text, const settings::Values& values,
     run.problems.push_back({last_line, 0, 0,
                             "the program ends with cutter compensation on, and its last move waits",
                             "end it with G40 or M2"});
-  if (interpreter.state().nurbs.count != 0)
+  if (interpreter.state().nurbs.count != 0 && !nurbs_is_reported)
     run.problems.push_back({last_line, 0, 0,
                             "the program ends in a NURBS, which is not drawn before its G5.3",
                             "write G5.3 after the last control point"});
   machine.finish();
   machine.note_times();
-  const bool as_after_power_up = state == nullptr || state->as_after_power_up;
+  const bool as_after_power_up = state == nullptr ? tools.empty() : state->as_after_power_up;
   if (run.locked != 0 && run.problems.empty() && run.outside == 0 && as_after_power_up)
     run.beats = run_locked(whole, values);
   return std::move(run);
@@ -373,13 +378,13 @@ double ProgramRun::seconds() const {
 }
 
 ProgramRun run_program(std::string_view text, const settings::Values& values,
-                       std::size_t max_problems) {
-  return run_lines(text, values, max_problems, nullptr);
+                       std::size_t max_problems, const program::ToolTable& tools) {
+  return run_lines(text, values, max_problems, nullptr, tools);
 }
 
 ProgramRun run_on_board(std::string_view text, const settings::Values& values,
                         const OnBoard& board) {
-  return run_lines(text, values, 1, &board);
+  return run_lines(text, values, 1, &board, {});
 }
 
 }  // namespace lamplock::program_run

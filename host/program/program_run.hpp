@@ -76,9 +76,9 @@ struct ProgramRun {
   double seconds() const;
 };
 
-/// Runs a program; stops after `max_problems` lines with errors.
+/// Runs a program on a machine with these tools; stops after `max_problems` lines with errors.
 ProgramRun run_program(std::string_view text, const settings::Values& values,
-                       std::size_t max_problems);
+                       std::size_t max_problems, const program::ToolTable& tools = {});
 
 /// The board to which a program will be sent.
 struct OnBoard {

@@ -196,6 +196,12 @@ std::vector<link::ProgramLine> start_at(const std::vector<link::ProgramLine>& li
   std::vector<link::ProgramLine> rest;
   for (std::string& text : skipped.preamble()) rest.push_back({begin->number, std::move(text)});
   rest.insert(rest.end(), begin, lines.end());
+  // The probe log that was opened before is open. No probe can have been skipped.
+  std::vector<std::string> logs;
+  std::for_each(lines.begin(), begin, [&](const link::ProgramLine& line) {
+    logs.insert(logs.end(), line.logs.begin(), line.logs.end());
+  });
+  rest.front().logs.insert(rest.front().logs.begin(), logs.begin(), logs.end());
   return rest;
 }
 

@@ -43,10 +43,13 @@ std::vector<link::ProgramLine> without_laser(const std::vector<link::ProgramLine
                                              const std::string& file) {
   if (lines.empty()) return {};
   std::vector<link::ProgramLine> dark{{lines.front().number, "M5"}};
+  std::vector<std::string> logs;
   for (const link::ProgramLine& line : lines) {
     if (line.text.starts_with('$')) refuse(file, line.number, line.text);
     std::string text = dark_line(line, file);
-    if (!text.empty()) dark.push_back({line.number, std::move(text)});
+    logs.insert(logs.end(), line.logs.begin(), line.logs.end());
+    if (!text.empty())
+      dark.push_back({line.number, std::move(text), {}, {}, std::exchange(logs, {})});
   }
   return dark;
 }

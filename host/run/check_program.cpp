@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "host/error.hpp"
 #include "host/file.hpp"
@@ -10,24 +11,28 @@
 #include "host/link/program_lines.hpp"
 #include "host/program/flow_unit.hpp"
 #include "host/program/path_picture.hpp"
+#include "host/program/probe_log.hpp"
+#include "host/program/process_values.hpp"
 #include "host/program/program_flow.hpp"
+#include "host/program/tool_file.hpp"
+#include "host/run/process_choice.hpp"
 #include "host/run/sent_file.hpp"
 #include "host/run/user_commands.hpp"
 
 namespace lamplock::run {
 namespace {
 
+using Lines = std::vector<link::ProgramLine>;
+
 /// The lines that `send` would send; problems are those of the lines of the file.
-program_run::ProgramRun run_with_flow(const std::string& text, const CheckOptions& options,
+program_run::ProgramRun run_with_flow(const Lines& lines, const CheckOptions& options,
                                       const settings::Values& values,
-                                      const program_run::ProcessValues* process) {
-  const auto lines = program_run::run_flow(link::program_lines(text, options.input), options.input,
-                                           values, {}, process);
+                                      const program::ToolTable& tools) {
   std::string sent;
   for (const link::ProgramLine& line : lines) sent += line.text + "\n";
   if (!user_commands_of(lines, options.input, options.user_commands, false).empty())
     sent = program_run::without_user_commands(sent);
-  auto run = program_run::run_program(sent, values, options.max_problems);
+  auto run = program_run::run_program(sent, values, options.max_problems, tools);
   for (program_run::Problem& problem : run.problems) {
     const link::ProgramLine& line = lines[problem.line - 1];
     if (!line.origin.empty()) problem.text = fmt::format("in {}: {}", line.origin, problem.text);
@@ -37,37 +42,60 @@ program_run::ProgramRun run_with_flow(const std::string& text, const CheckOption
   return run;
 }
 
+/// `text`: of the file.
+void add_notes(CheckedProgram& checked, const std::string& text, const Lines& lines,
+               const CheckOptions& options) {
+  checked.probe_logs = program_run::log_names(lines);
+  if (options.process)
+    if (std::string note = unused_choice_note(options.input, text, lines); !note.empty())
+      checked.notes.push_back(std::move(note));
+}
+
+void check_picture_name(const std::string& picture) {
+  if (picture.empty()) return;
+  if (lower_extension(picture) != ".svg")
+    throw Error(Exit::bad_input, picture, "pictures of a path are written as SVG",
+                "name it something.svg");
+  check_target(picture);
+}
+
 }  // namespace
 
-program_run::ProgramRun check_program(const CheckOptions& options) {
-  const job::Profile profile = options.machine.profile();
-  if (!options.picture.empty()) {
-    if (lower_extension(options.picture) != ".svg")
-      throw Error(Exit::bad_input, options.picture, "pictures of a path are written as SVG",
-                  "name it something.svg");
-    check_target(options.picture);
-  }
+CheckedProgram check_program(const CheckOptions& options) {
+  const settings::Values values = options.machine.profile().settings;
+  check_picture_name(options.picture);
+  program_run::BoardState state;
+  if (!options.tools.empty())
+    state.parameters.tools = program_run::tools_of(read_program_text(options.tools), options.tools);
   require_program(options.input);
   std::string text = read_program_text(options.input);
   const program_run::ProcessValues* process = options.process ? &*options.process : nullptr;
   program_run::check_process_values(text, options.input, process);
-  const bool has_flow = program_run::has_flow(text);
-  if (!has_flow && program_run::has_process_values(text))
-    text = program_run::with_process_values(text, options.input, process, profile.settings, {});
-  if (!has_flow && !user_commands_of(link::program_lines(text, options.input), options.input,
-                                     options.user_commands, false)
-                        .empty())
-    text = program_run::without_user_commands(text);
-  program_run::ProgramRun run =
-      has_flow ? run_with_flow(text, options, profile.settings, process)
-               : program_run::run_program(text, profile.settings, options.max_problems);
-  if (run.is_blank) throw no_line_to_send(options.input);
+  CheckedProgram checked;
+  if (program_run::has_flow(text)) {
+    const Lines lines = program_run::run_flow(link::program_lines(text, options.input),
+                                              options.input, values, state, process);
+    static_cast<program_run::ProgramRun&>(checked) =
+        run_with_flow(lines, options, values, state.parameters.tools);
+    add_notes(checked, text, lines, options);
+  } else {
+    const std::string source = text;
+    if (program_run::has_process_values(text))
+      text = program_run::with_process_values(text, options.input, process, values, state);
+    const Lines lines = link::program_lines(text, options.input);
+    if (!user_commands_of(lines, options.input, options.user_commands, false).empty())
+      text = program_run::without_user_commands(text);
+    static_cast<program_run::ProgramRun&>(checked) =
+        program_run::run_program(text, values, options.max_problems, state.parameters.tools);
+    add_notes(checked, source, lines, options);
+  }
+  if (checked.is_blank) throw no_line_to_send(options.input);
   if (!options.picture.empty())
     write_whole(options.picture, [&](const std::filesystem::path& path) {
       write_file(path, program_run::path_svg(
-                           run, std::filesystem::path(options.input).filename().string()));
+                           checked, std::filesystem::path(options.input).filename().string()));
     });
-  return run;
+  return checked;
 }
 
 }  // namespace lamplock::run

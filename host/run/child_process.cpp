@@ -62,7 +62,7 @@ std::string end_text(int status) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(const std::vector<std::string>& words) {
+ChildProcess::ChildProcess(const std::vector<std::string>& words, const std::string& where) {
   std::vector<std::string> copies = words;
   std::vector<char*> arguments;
   arguments.reserve(copies.size() + 1);
@@ -73,10 +73,11 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words) {
                                   actions.attributes(), arguments.data(), environ);
   if (error == 0) return;
   process_ = -1;
-  throw Error(Exit::job_failed, words.front(),
-              fmt::format("cannot be run ({})", std::generic_category().message(error)),
-              error == ENOEXEC ? "begin the script with a line such as #!/bin/sh"
-                               : "check the file and its permissions");
+  throw Error(
+      Exit::job_failed, where,
+      fmt::format("{}: cannot be run ({})", words.front(), std::generic_category().message(error)),
+      error == ENOEXEC ? "begin the script with a line such as #!/bin/sh"
+                       : "check the file and its permissions");
 }
 
 ChildProcess::~ChildProcess() {

@@ -17,8 +17,8 @@ namespace lamplock::run {
 
 class ChildProcess {
  public:
-  /// Throws Error(job_failed) if the file cannot be run.
-  explicit ChildProcess(const std::vector<std::string>& words);
+  /// Throws Error(job_failed) about `where` if the file cannot be run.
+  ChildProcess(const std::vector<std::string>& words, const std::string& where);
   /// Ends it, if it runs.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;

@@ -14,9 +14,10 @@
 
 #include "host/geometry/bounds.hpp"
 #include "host/run/cut_description.hpp"
-#include "host/run/frontend.hpp"
 
 namespace lamplock::run {
+
+class Frontend;
 
 struct CutRequest {
   CutDescription description{};

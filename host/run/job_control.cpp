@@ -16,7 +16,7 @@ void JobControl::poll() {
   take_interrupts(interrupts_->count());
   if (stopping_) return;
   watch_machine();
-  if (asking_ && resumes_at_rest_) resume();
+  if (asking_ && resumes_at_rest_ && !has_lines_to_send()) resume();
   if (asking_ && clocking_ == Clocking::lock_step) return wait_for_user();
   if (Clock::now() - polled_at_ < input_interval) return;
   polled_at_ = Clock::now();
@@ -77,10 +77,10 @@ void JobControl::take_line(const std::string& line) {
   const auto first = line.find_first_not_of(" \t\r"), last = line.find_last_not_of(" \t\r");
   const std::string word = first == std::string::npos ? "" : line.substr(first, last + 1 - first);
   if (!word.empty() && word.front() != '~') return take_word(word);
-  if (asking_ || holding_)
+  if ((asking_ || holding_) && !has_lines_to_send())
     resume();
   else
-    resumes_at_rest_ = awaits_hold();
+    resumes_at_rest_ = awaits_hold() || has_lines_to_send();
 }
 
 void JobControl::resume() {

@@ -63,6 +63,8 @@ class JobControl {
   virtual void resume_machine() = 0;
   /// A hold was requested, and the machine is not at rest yet.
   virtual bool awaits_hold() const { return false; }
+  /// Lines of the user wait for the board: the machine is resumed after them.
+  virtual bool has_lines_to_send() const { return false; }
   virtual void hold_for_obstacle(bool is_new) = 0;
   virtual void end_machine(bool is_ended) = 0;
   /// A simulated machine waits for an answer, and the input has ended.

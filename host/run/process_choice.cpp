@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include "host/error.hpp"
+#include "host/file.hpp"
+#include "host/link/program_lines.hpp"
 #include "host/material/cut_setting.hpp"
 #include "host/number_text.hpp"
+#include "host/program/process_values.hpp"
 #include "host/run/material_records.hpp"
 #include "host/shell_text.hpp"
 
@@ -64,6 +68,21 @@ std::optional<program_run::ProcessValues> process_values(const ProcessChoice& ch
       .thickness_mm = setting.thickness_mm,
       .frequency_hz = setting.frequency_hz,
   };
+}
+
+std::string unused_choice_note(const std::string& file, const std::string& text,
+                               const std::vector<link::ProgramLine>& lines) {
+  if (program_run::has_process_values(text)) return {};
+  std::set<std::string> called;
+  for (const link::ProgramLine& line : lines)
+    if (const auto colon = line.origin.rfind(':'); colon != std::string::npos)
+      called.insert(line.origin.substr(0, colon));
+  for (const std::string& other : called)
+    if (program_run::has_process_values(read_file(other))) return {};
+  return fmt::format(
+      "note: {}: the program reads no value of the material, so --material has no effect; it reads "
+      "them by names such as #<_material_feed>",
+      file);
 }
 
 std::string text_of(const program_run::ProcessValues& values) {

@@ -86,6 +86,7 @@ void ProgramControl::take_interrupts(int count) {
 }
 
 void ProgramControl::watch_machine() {
+  send_users_lines();
   const bool waits = sender_.waits();
   if (waits == asking_) return;
   asking_ = waits;
@@ -123,13 +124,25 @@ void ProgramControl::take_end_of_input() {
   sender_.stop();
 }
 
+/// The next line of the user in a tool change, if the board has answered the one before.
+void ProgramControl::send_users_lines() {
+  if (users_lines_.empty()) return;
+  if (stopping_ || !sender_.status().is("Tool")) {
+    for (const std::string& line : users_lines_)
+      note(fmt::format("not sent: {} (the tool change has ended)", line));
+    return users_lines_.clear();
+  }
+  if (!sender_.send_users_line(users_lines_.front())) return;
+  users_lines_.pop_front();
+  if (asking_) waited_ += machine_time() - waiting_since_;
+  asking_ = false;
+}
+
 void ProgramControl::take_word(const std::string& word) {
   const std::string_view keys = "!+-=";
   if (sender_.status().is("Tool") && keys.find(word.front()) == std::string_view::npos) {
-    if (!sender_.send_users_line(word)) return note("not sent: the board has not answered yet");
-    if (asking_) waited_ += machine_time() - waiting_since_;
-    asking_ = false;
-    return;
+    users_lines_.push_back(word);
+    return send_users_lines();
   }
   switch (word.front()) {
     case '!':

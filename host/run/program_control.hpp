@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 
 #include "host/run/job_control.hpp"
 #include "host/run/program_time.hpp"
@@ -43,6 +44,8 @@ class ProgramControl : public JobControl {
   void take_word(const std::string& word) override;
   void resume_machine() override;
   bool awaits_hold() const override { return is_holding_; }
+  bool has_lines_to_send() const override { return !users_lines_.empty(); }
+  void send_users_lines();
   void hold_for_obstacle(bool is_new) override;
   void end_machine(bool is_ended) override;
   void take_end_of_input() override;
@@ -56,7 +59,9 @@ class ProgramControl : public JobControl {
   int feed_percent_ = full_percent, rapid_percent_ = full_percent;  ///< overrides, as reported last
   bool blocked_ = false;  ///< an obstacle held the machine, and the user has not resumed since
   bool lacks_user_ = false;
-  bool is_holding_ = false;                                ///< by a key, until the user resumes
+  std::deque<std::string>
+      users_lines_;          ///< in a tool change; each after the answer to the one before
+  bool is_holding_ = false;  ///< by a key, until the user resumes
   std::chrono::microseconds door_sent_at_{};               ///< of machine_time()
   std::chrono::microseconds waiting_since_{}, waited_{0};  ///< of machine_time()
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -24,6 +25,8 @@
 #include "host/run/frontend.hpp"
 #include "host/run/other_board.hpp"
 #include "host/run/permission.hpp"
+#include "host/run/probe_log_files.hpp"
+#include "host/run/process_choice.hpp"
 #include "host/run/program_control.hpp"
 #include "host/run/program_events.hpp"
 #include "host/run/program_time.hpp"
@@ -102,33 +105,68 @@ class RefusedLines {
   std::size_t shown_ = 0;
 };
 
+/// What follows a program while it runs; null: it is not wanted.
+struct Followers {
+  ProgramEvents* events = nullptr;
+  ProbeLogFiles* logs = nullptr;
+};
+
+/// The files of its probe logs; null without --probe-logs or a log. Throws Error(bad_input) if they
+/// cannot be written, or the board does not report what they need.
+std::unique_ptr<ProbeLogFiles> probe_logs_of(const SentProgram& program,
+                                             const ProgramOptions& asked, const std::string& board,
+                                             const std::optional<link::BoardSettings>& of_board,
+                                             const std::optional<program_run::BoardState>& state,
+                                             Frontend& frontend) {
+  const auto names = program_run::log_names(program.text.lines);
+  if (names.empty()) return {};
+  if (asked.probe_logs.empty()) {
+    frontend.notice(
+        fmt::format("note: {}: its probe log ({}) is not written; --probe-logs FOLDER writes it",
+                    program.text.file, fmt::join(names, ", ")));
+    return {};
+  }
+  ProbeLogFiles::check(asked.probe_logs, names, program.text.file);
+  if (!of_board || !state)
+    throw Error(Exit::bad_input, board,
+                "does not report the settings, offsets and modes that a probe log needs",
+                "leave --probe-logs out, or end G68 and M130 before the program");
+  return std::make_unique<ProbeLogFiles>(program.text.lines, program.probes, asked.probe_logs,
+                                         of_board->values, *state);
+}
+
 /// Sends the program to its end. Throws Error if an error has ended it before its first line; later
 /// errors are part of the outcome.
 ProgramOutcome send(const SentProgram& program, BoardLink& board, const BoardOptions& options,
-                    const ProgramOptions& asked, ProgramEvents* events, Frontend& frontend) {
+                    const ProgramOptions& asked, const Followers& followers, Frontend& frontend) {
+  const auto [events, logs] = followers;
   const bool ignore_errors = asked.ignore_errors;
   const std::unique_ptr<Progress> progress =
       frontend.progress("sending", program.text.lines.size(), 0);
   link::LineOptions sending;
   sending.ignore_errors = ignore_errors;
   if (events != nullptr) sending.status_interval = ProgramEvents::status_interval;
-  sending.on_text = [&progress](const std::string& text) {
+  const link::LineSender* running = nullptr;
+  sending.on_text = [&progress, &running, logs = logs](const std::string& text) {
+    if (logs != nullptr && running != nullptr && logs->take(text, *running)) return;
     progress->note("machine: " + link::message_text(text));
   };
-  UserCommands commands(program.commands, asked.user_commands, *progress);
+  UserCommands commands(program.commands, program.text, asked.user_commands, *progress);
   sending.host_lines = &commands;
   link::LineSender sender(board.port(), program.text.lines, sending);
+  running = &sender;
   ProgramTime time(program.planned_s, program.plan);
   ProgramControl control(sender, frontend, *progress, board.clocking(), time);
   RefusedLines refused(program.text.file, *progress);
   Supervisor supervisor(options, board.port().transport());
   before_firing([&] { supervisor.begin(gpio::LaserUse::laser); });
-  const auto supervise = [&] {
+  const auto supervise = [&, events = events, logs = logs] {
     try {
       control.poll();
       supervisor.poll(control, AtDoor::holds);
       if (ignore_errors) refused.show(sender.errors());
       if (events != nullptr) events->poll(sender, *progress);
+      if (logs != nullptr) logs->poll(sender);
     } catch (...) {  // a terminal that has gone must not leave the machine running
       sender.fail(std::current_exception());
     }
@@ -147,6 +185,7 @@ ProgramOutcome send(const SentProgram& program, BoardLink& board, const BoardOpt
   outcome.ended_by = supervisor.ended_by();
   outcome.lacks_user = control.lacks_user();
   if (events != nullptr) events->end(sender, end_name(outcome), *progress);
+  if (logs != nullptr) logs->finish(outcome.lost);
   return outcome;
 }
 
@@ -285,7 +324,9 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
                                 const BoardOptions& options, const ProgramOptions& asked,
                                 Frontend& frontend) {
   check_program_options(options, {}, frontend);
-  const LineChoice choice{asked.process ? &*asked.process : nullptr, asked.user_commands};
+  const LineChoice choice{asked.process ? &*asked.process : nullptr, asked.user_commands,
+                          !asked.probe_logs.empty()};
+  const std::string source = text;
   SentProgram program = program_of(name, std::move(text), choice);
   const settings::Values values = asked.machine.profile().settings;
   if (!asked.events.empty()) EventStream::check(asked.events);
@@ -302,6 +343,11 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
     state = program_run::read_state(board.port(), status,
                                     of_board->values.whole(settings::Id::report_inches) != 0);
   choose_lines(program, options, of_board ? of_board->values : values, state, choice);
+  if (asked.process)
+    if (const std::string note = unused_choice_note(name, source, program.text.lines);
+        !note.empty())
+      frontend.notice(note);
+  const auto logs = probe_logs_of(program, asked, options.board, of_board, state, frontend);
   if (of_board) predict(program, *of_board, state, asked.ignore_errors);
   std::optional<PinTrace> trace;
   if (!options.vcd.empty()) trace.emplace(options.vcd, *board.simulated());
@@ -310,7 +356,7 @@ ProgramOutcome run_program_text(const std::string& name, std::string text,
     events.emplace(asked.events, program.text.lines, of_board ? of_board->values : values,
                    state ? &*state : nullptr);
   ProgramOutcome outcome =
-      send(program, board, options, asked, events ? &*events : nullptr, frontend);
+      send(program, board, options, asked, {events ? &*events : nullptr, logs.get()}, frontend);
   outcome.parts = asked.parts;
   if (events && events->is_lost()) outcome.lost_events = asked.events;
   if (of_board) outcome.homing = link::homing_of(*of_board);

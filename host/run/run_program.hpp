@@ -36,6 +36,7 @@ struct ProgramOptions {
   std::optional<program_run::ProcessValues> process{};  ///< of the chosen material
   std::string user_commands{};  ///< folder of M100 to M199; empty: none are permitted
   std::string events{};         ///< file of the executed blocks, "-": stdout; empty: none
+  std::string probe_logs{};     ///< folder of (probeopen NAME); empty: no log is written
   ProgramParts parts{};         ///< by which the user continues; empty: by lines
 };
 

@@ -77,7 +77,7 @@ void predict(SentProgram& program, const link::BoardSettings& settings,
 }
 
 SentProgram program_of(const std::string& file, std::string text, const LineChoice& choice) {
-  SentProgram program{{file, std::move(text), {}}, {}, {}, {}};
+  SentProgram program{{file, std::move(text), {}}, {}, {}, {}, {}};
   program.text.lines = link::program_lines(program.text.source, file);
   if (program.text.lines.empty()) throw no_line_to_send(file);
   refuse_sleep(program.text);
@@ -107,6 +107,11 @@ void choose_lines(SentProgram& program, const BoardOptions& options, const setti
         program_run::start_at(program.text.lines, options.from, values, program.text.file, state);
   if (options.dry)
     program.text.lines = program_run::without_laser(program.text.lines, program.text.file);
+  if (choice.logs_probes && state) {
+    auto logged = program_run::with_probe_questions(std::move(program.text.lines), values, *state);
+    program.text.lines = std::move(logged.lines);
+    program.probes = std::move(logged.probes);
+  }
   program.commands =
       user_commands_of(program.text.lines, program.text.file, choice.user_commands, false);
 }

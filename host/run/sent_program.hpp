@@ -10,6 +10,7 @@
 
 #include "host/link/board_settings.hpp"
 #include "host/program/board_state.hpp"
+#include "host/program/probe_log.hpp"
 #include "host/program/process_values.hpp"
 #include "host/run/board_options.hpp"
 #include "host/run/program_refusal.hpp"
@@ -22,14 +23,16 @@ namespace lamplock::run {
 struct SentProgram {
   ProgramText text;
   std::optional<double> planned_s;
-  CommandLines commands{};  ///< lines that the host executes
-  ProgramTime::Plan plan;   ///< the same with other overrides; empty if it is not known
+  CommandLines commands{};                         ///< lines that the host executes
+  std::vector<program_run::LoggedProbe> probes{};  ///< whose results are logged
+  ProgramTime::Plan plan;  ///< the same with other overrides; empty if it is not known
 };
 
 /// What the user has chosen for the lines.
 struct LineChoice {
   const program_run::ProcessValues* process = nullptr;  ///< of the material; null: none is chosen
   std::string user_commands{};                          ///< folder; empty: none are permitted
+  bool logs_probes = false;  ///< adds questions after probes; needs the state of the board
 };
 
 /// Its lines as they are in the file. Throws Error(bad_input) for what can be refused before a

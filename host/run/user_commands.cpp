@@ -54,19 +54,29 @@ CommandLines user_commands_of(const std::vector<link::ProgramLine>& lines, const
   return commands;
 }
 
+/// FILE:LINE, and the place in another file if the line is from there.
+std::string UserCommands::place(std::size_t index) const {
+  const link::ProgramLine& line = program_.lines[index];
+  const std::string in_file = line.origin.empty() ? "" : fmt::format(" (in {})", line.origin);
+  return fmt::format("{}:{}{}", program_.file, line.number, in_file);
+}
+
 bool UserCommands::run(std::size_t index) {
   const program_run::UserCommand& command = lines_.at(index);
   const std::string path = path_of(command, folder_);
   if (!process_) {
     progress_.note("user command: " + command.name());
-    process_ = std::make_unique<ChildProcess>(std::vector<std::string>{
-        path, fmt::format("{:.6f}", command.p), fmt::format("{:.6f}", command.q)});
+    process_ = std::make_unique<ChildProcess>(
+        std::vector<std::string>{path, fmt::format("{:.6f}", command.p),
+                                 fmt::format("{:.6f}", command.q)},
+        place(index));
   }
   const std::optional<std::string> end = process_->wait(wait_of_step);
   if (!end) return false;
   process_.reset();
   if (!end->empty())
-    throw Error(Exit::job_failed, path, *end + ", so the program ends",
+    throw Error(Exit::job_failed, place(index),
+                fmt::format("{}: {}, so the program ends", path, *end),
                 "correct what the command reports, and send the program again");
   return true;
 }

@@ -16,6 +16,7 @@
 #include "host/program/user_command.hpp"
 #include "host/run/child_process.hpp"
 #include "host/run/frontend.hpp"
+#include "host/run/program_refusal.hpp"
 
 namespace lamplock::run {
 
@@ -28,19 +29,23 @@ using CommandLines = std::map<std::size_t, program_run::UserCommand>;
 CommandLines user_commands_of(const std::vector<link::ProgramLine>& lines, const std::string& file,
                               const std::string& folder, bool skips_expressions);
 
-/// Runs the commands of a program.
+/// Runs the commands of a program. Errors name their line: FILE:LINE.
 class UserCommands : public link::HostLines {
  public:
-  /// `lines` and `progress` must outlive it.
-  UserCommands(const CommandLines& lines, std::string folder, Progress& progress)
-      : lines_(lines), folder_(std::move(folder)), progress_(progress) {}
+  /// `lines`, `program` and `progress` must outlive it.
+  UserCommands(const CommandLines& lines, const ProgramText& program, std::string folder,
+               Progress& progress)
+      : lines_(lines), program_(program), folder_(std::move(folder)), progress_(progress) {}
 
   bool has(std::size_t index) const override { return lines_.contains(index); }
   bool run(std::size_t index) override;
   void stop() override { process_.reset(); }
 
  private:
+  std::string place(std::size_t index) const;
+
   const CommandLines& lines_;
+  const ProgramText& program_;
   std::string folder_;
   Progress& progress_;
   std::unique_ptr<ChildProcess> process_;

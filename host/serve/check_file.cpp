@@ -12,6 +12,7 @@
 #include "host/run/read_job.hpp"
 #include "host/run/sent_file.hpp"
 #include "host/serve/material_choice.hpp"
+#include "host/serve/or_null.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -42,9 +43,6 @@ Json program_json(const program_run::ProgramRun& run, const std::string& name) {
 }
 
 Json material_json(const program_run::ProcessValues& values) {
-  const auto or_null = [](const std::optional<double>& value) {
-    return value ? Json(*value) : Json();
-  };
   return {{"title", values.title},
           {"feed", values.feed_mm_min},
           {"power", values.power_w},

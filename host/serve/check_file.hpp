@@ -13,7 +13,8 @@
 
 namespace lamplock::serve {
 
-/// What a page checks and draws. Throws Error(bad_input) for what the material library lacks.
+/// Options of a check with the values of this material. Throws Error(bad_input) if the library
+/// lacks the material or its setting.
 run::CheckOptions check_options(const std::string& path, const run::MachineOptions& machine,
                                 const run::ProcessChoice& material);
 

@@ -9,6 +9,7 @@
 #include "host/material/job_history.hpp"
 #include "host/run/material_records.hpp"
 #include "host/serve/error_message.hpp"
+#include "host/serve/or_null.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -21,8 +22,6 @@ std::string utc_text(std::chrono::system_clock::time_point time) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
                      fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
 }
-
-Json or_null(const auto& value) { return value ? Json(*value) : Json(); }
 
 material::JobRecord record_of(const std::string& board, const EndedJob& job) {
   material::JobRecord record;
@@ -74,8 +73,16 @@ void History::keep(const std::vector<EndedJob>& jobs) const {
   records.reserve(jobs.size());
   for (const EndedJob& job : jobs) records.push_back(record_of(board_, job));
   for (const material::JobRecord& record : records) keep_record(library_, record);
-  for (std::size_t i = 0; i < jobs.size(); ++i)
-    if (jobs[i].report) reports_.keep(records[i].report, jobs[i].report(records[i]));
+  std::exception_ptr failure;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (!jobs[i].report) continue;
+    try {
+      reports_.keep(records[i].report, jobs[i].report(records[i]));
+    } catch (...) {
+      failure = std::current_exception();  // the others may have less to write
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
 }
 
 void History::end() {

@@ -1,10 +1,13 @@
 #include "host/serve/jpeg_stream.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
 
 #include "host/error.hpp"
+#include "host/text.hpp"
 
 namespace lamplock::serve {
 namespace {
@@ -14,6 +17,10 @@ constexpr std::string_view end_of_head = "\r\n\r\n", end_of_line = "\r\n";
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
   throw Error(Exit::bad_input, "camera", what, remedy);
+}
+
+[[noreturn]] void refuse_size() {
+  refuse("sends a picture that is too large", "choose a smaller picture at the camera");
 }
 
 std::string in_lower_case(std::string_view text) {
@@ -30,8 +37,7 @@ std::string_view value_of(std::string_view head, std::string_view name) {
     head.remove_prefix(std::min(line.size() + end_of_line.size(), head.size()));
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos || in_lower_case(line.substr(0, colon)) != name) continue;
-    const std::size_t begin = line.find_first_not_of(' ', colon + 1);
-    return begin == std::string_view::npos ? "" : line.substr(begin);
+    return trimmed(line.substr(colon + 1));
   }
   return {};
 }
@@ -41,8 +47,9 @@ std::optional<std::size_t> length_in(std::string_view head) {
   if (text.empty()) return std::nullopt;
   std::size_t length = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
-  if (error != std::errc() || end != text.data() + text.size() || length > max_picture_bytes)
-    refuse("sends a picture that is too large", "choose a smaller picture at the camera");
+  if (error == std::errc::result_out_of_range || length > max_picture_bytes) refuse_size();
+  if (error != std::errc() || end != text.data() + text.size())
+    refuse("sends a Content-Length that is not a number", "check its address");
   return length;
 }
 
@@ -57,6 +64,16 @@ std::string boundary_in(std::string_view type) {
   if (name.size() > 1 && name.front() == '"') name = name.substr(1, name.find('"', 1) - 1);
   // Some cameras give the name with the hyphens before it.
   return name.starts_with("--") ? std::string(name) : "--" + std::string(name);
+}
+
+std::string checked(std::string picture) {
+  if (picture.size() > max_picture_bytes) refuse_size();
+  // Some cameras fill the end of a picture with zeros.
+  while (!picture.empty() && picture.back() == '\0') picture.pop_back();
+  if (!is_jpeg(picture))
+    refuse("sends a picture that is not a JPEG",
+           "give the address of a JPEG picture or of an MJPEG stream");
+  return picture;
 }
 
 }  // namespace
@@ -97,18 +114,20 @@ std::optional<std::string> JpegStream::close() {
 bool JpegStream::take_head() {
   const std::size_t end = rest_.find(end_of_head);
   if (end == std::string::npos) {
-    if (rest_.size() > max_head_bytes) refuse("sends no HTTP", "check its address");
+    if (rest_.size() > max_head_bytes) refuse("does not answer in HTTP", "check its address");
     return false;
   }
   const std::string head = rest_.substr(0, end + end_of_line.size());
   rest_.erase(0, end + end_of_head.size());
   const std::size_t status = head.find(' ');
-  if (!head.starts_with("HTTP/1.") || status == std::string::npos ||
-      head.compare(status + 1, 3, "200") != 0)
-    refuse("answers: " + head.substr(0, head.find(end_of_line)), "check its address");
+  if (!head.starts_with("HTTP/1.") || status == std::string::npos)
+    refuse("does not answer in HTTP", "check its address");
+  if (head.compare(status + 1, 3, "200") != 0)
+    refuse(fmt::format("refuses the request: {}", head.substr(0, head.find(end_of_line))),
+           "check its address");
   if (!value_of(head, "transfer-encoding").empty())
     refuse("sends its answer in chunks, which is not supported",
-           "give the address of a stream without them, for example of ustreamer");
+           "give the address of a stream without chunks, for example of ustreamer");
   const std::string_view type = value_of(head, "content-type");
   const std::string lower = in_lower_case(type);
   if (lower.starts_with("multipart/")) {
@@ -144,8 +163,7 @@ bool JpegStream::take_picture(std::vector<std::string>& pictures) {
     searched_ = rest_.size() - std::min(rest_.size(), edge.size());
   }
   if (end == std::string::npos || rest_.size() < end) {
-    if (rest_.size() > max_picture_bytes + max_head_bytes)
-      refuse("sends a picture that is too large", "choose a smaller picture at the camera");
+    if (rest_.size() > max_picture_bytes + max_head_bytes) refuse_size();
     return false;
   }
   pictures.push_back(checked(rest_.substr(0, end)));
@@ -153,15 +171,6 @@ bool JpegStream::take_picture(std::vector<std::string>& pictures) {
   searched_ = 0;
   state_ = boundary_.empty() ? State::over : State::part_head;
   return true;
-}
-
-std::string JpegStream::checked(std::string picture) const {
-  if (picture.size() > max_picture_bytes)
-    refuse("sends a picture that is too large", "choose a smaller picture at the camera");
-  // Some cameras fill the end of a picture with zeros.
-  while (!picture.empty() && picture.back() == '\0') picture.pop_back();
-  if (!is_jpeg(picture)) refuse("sends a picture that is no JPEG", "give the address of one");
-  return picture;
 }
 
 }  // namespace lamplock::serve

@@ -18,19 +18,21 @@ inline constexpr std::size_t max_picture_bytes = 4 * 1024 * 1024;
 /// Begins and ends as a JPEG does.
 bool is_jpeg(std::string_view bytes);
 
+/// Divides the bytes of one response into pictures.
 class JpegStream {
  public:
   /// Pictures that these bytes complete. Throws Error(bad_input): the response has another status
-  /// or type, a picture is too large or no JPEG.
+  /// or type, a picture is too large or is not a JPEG.
   std::vector<std::string> take(std::string_view bytes);
   /// The connection is closed: the picture that ended with it, if any. Throws as take().
   std::optional<std::string> close();
+  /// The response has one picture, and it is complete.
+  bool is_over() const { return state_ == State::over; }
 
  private:
   bool take_head();
   bool take_part_head();
   bool take_picture(std::vector<std::string>& pictures);
-  std::string checked(std::string picture) const;
 
   enum class State { head, part_head, picture, over } state_ = State::head;
   std::string rest_;

@@ -100,7 +100,10 @@ void Machine::change_feed(const std::string& word) { type(word); }
 /// To the running job, or to the idle machine.
 void Machine::type(const std::string& word) {
   const std::lock_guard lock(mutex_);
-  if (requests_) return requests_->type(word);
+  if (requests_) {
+    requests_->type(word);
+    return;
+  }
   if (words_.size() < max_queued_lines) words_.push_back(word);
 }
 
@@ -128,14 +131,25 @@ void Machine::post(Work work, Done done) {
   posted_.push_back({std::move(work), std::move(done)});
 }
 
-/// With the lock: a program waits for a tool, and its sender takes lines of the user.
+/// Whether a program waits for a tool, so that its sender accepts lines of the user. Needs the
+/// lock.
 bool Machine::changes_tool() const { return requests_ && view_.job.word == run::tool_change_word; }
+
+/// Needs the lock.
+void Machine::send_in_tool_change(const std::string& line) {
+  if (!requests_->type(line)) throw Refusal(Exit::job_failed, "many-lines");
+}
 
 void Machine::send_lines(const std::vector<std::string>& lines) {
   std::unique_lock lock(mutex_);
   if (changes_tool()) {
     if (lines.size() != 1) throw Refusal(Exit::job_failed, "one-line");
-    requests_->type(lines.front());
+    // Words that begin so are keys of a program (run::ProgramControl).
+    constexpr std::string_view keys = "!+-=~";
+    const std::string first = lines.front().substr(0, 1);
+    if (!first.empty() && keys.find(first) != std::string_view::npos)
+      throw Refusal(Exit::bad_input, "no-user-line", {{"character", first}});
+    send_in_tool_change(lines.front());
     lock.unlock();
     return show("> " + lines.front());
   }
@@ -199,7 +213,7 @@ void Machine::lend(Lease lease, std::chrono::milliseconds time) {
 
 void Machine::step_jog(int axis, double mm, double feed_mm_min) {
   const std::lock_guard lock(mutex_);
-  if (changes_tool()) return requests_->type(step_line(axis, mm, feed_mm_min));
+  if (changes_tool()) return send_in_tool_change(step_line(axis, mm, feed_mm_min));
   check_is_free();
   step_ = Step{axis, mm, feed_mm_min};
 }

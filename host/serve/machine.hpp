@@ -54,7 +54,7 @@ struct JobStart {
   bool is_dry = false;
   bool resumes = false;           ///< the last run of this job
   std::size_t from = 0;           ///< point or line
-  run::ProcessChoice material{};  ///< of a program
+  run::ProcessChoice material{};  ///< of a program with process parameters; empty: none
 };
 
 /// Machine coordinates [mm]; an axis without one stays where it is.
@@ -97,7 +97,8 @@ class Machine {
   void post(Work work, Done done);
   /// Sends a line of G-code or a `$` command, after the answer to the one before.
   void send_line(const std::string& line) { send_lines({line}); }
-  /// All of them or none; in a tool change of a program one.
+  /// Queues all lines or none. While a program waits for a tool, exactly one line is accepted; its
+  /// sender sends it after the answer to the one before.
   void send_lines(const std::vector<std::string>& lines);
   /// Moves for `lease`, at most lease_time. After stop() or bar_jog() a button that is still held
   /// moves nothing: it is refused until release_jog(), or until no request has come for lease_time.
@@ -158,6 +159,7 @@ class Machine {
   void show(const std::string& text);
   void check_is_free() const;
   bool changes_tool() const;
+  void send_in_tool_change(const std::string& line);
   void check_in_area(const Place& place) const;
   void type(const std::string& word);
 

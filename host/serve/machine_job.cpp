@@ -30,14 +30,15 @@ std::int64_t wasted_beats(const wire::Status& status) {
   return all - status.beats_by_reason[static_cast<std::size_t>(BeatReason::fired)];
 }
 
-/// The path is read again, which takes as long as a check; a file that was replaced has none.
-auto report_page(const JobStart& job, const run::MachineOptions& machine, RunReport report) {
-  return [job, machine, report = std::move(report),
-          file = state_of(job.path)](const material::JobRecord& record) {
+/// Reads the path again, which takes as long as a check. The report has no path if the file is not
+/// the one that has run, `file`.
+auto report_page(const JobStart& job, const run::MachineOptions& machine, RunReport report,
+                 const std::string& file) {
+  return [job, machine, report = std::move(report), file](const material::JobRecord& record) {
     std::vector<PathPlace> path;
     try {
       if (state_of(job.path) == file) path = read_path(job.path, machine, job.material).places();
-    } catch (const Error&) {
+    } catch (const std::exception&) {
       path.clear();  // the rest of the report does not need it
     }
     return run_page(record, report, path);
@@ -84,31 +85,34 @@ void Machine::run_job(const JobStart& job) {
   }
 }
 
-/// `end` is set as soon as the program has begun, errors may follow.
+/// Sets `end` when the program has ended; judge_program() may throw after that.
 void Machine::run_program(const JobStart& job, PageFrontend& frontend, EndedJob& ended,
                           std::string& end) {
   const run::BoardOptions options = options_for(job);
-  const run::ProgramOptions asked{false, machine_, run::process_values(job.material)};
-  if (asked.process) show("material: " + run::text_of(*asked.process));
-  const run::ProgramOutcome outcome = run::run_program(job.path, options, asked, frontend);
+  const std::string file = state_of(job.path);
+  const run::ProgramOptions program_options{false, machine_, run::process_values(job.material)};
+  if (program_options.process) show("material: " + run::text_of(*program_options.process));
+  const run::ProgramOutcome outcome =
+      run::run_program(job.path, options, program_options, frontend);
   end = end_name(outcome);
   RunReport report = report_of(outcome);
-  report.has_share = job.from == 0;
-  ended.report = report_page(job, machine_, std::move(report));
+  report.has_share = job.from == 0 && !outcome.has_flow;
+  ended.report = report_page(job, machine_, std::move(report), file);
   run::judge_program(outcome, options.board, frontend);
 }
 
-/// The same of points and rows.
+/// Runs a job of points or rows; sets `end` as run_program() does.
 void Machine::run_file(const JobStart& job, PageFrontend& frontend, EndedJob& ended,
                        std::string& end) {
   refuse_for_jobs(job.material);
+  const std::string file = state_of(job.path);
   run::BoardOptions options = options_for(job);
   const auto sent = std::make_shared<run::SentJob>(run::send_job(job.path, options, frontend));
   sent->outcome.report.input = sent->outcome.run.input = job.name;  // no path of the server
   end = end_name(sent->outcome);
   ended.item = sent->prepared.job.item();
   if (sent->prepared.job.is_rows()) {
-    ended.report = report_page(job, machine_, report_of(*sent));
+    ended.report = report_page(job, machine_, report_of(*sent), file);
     run::judge_end(sent->outcome, options, sent->prepared.job.item(), frontend);
     return;
   }

@@ -37,15 +37,15 @@ constexpr Parameter material{"material",
                              1,
                              max_record_name,
                              nullptr,
-                             "of the material library, for a program with `#<_material_feed>` and "
-                             "the like"},
+                             "name in the material library; only for programs that read process "
+                             "parameters (`#<_material_feed>`)"},
     laser{"laser",
           Type::text,
           false,
           1,
           max_record_name,
           nullptr,
-          "its laser; default: the only one with a setting"},
+          "laser of the setting; default: the only laser that has a setting"},
     operation{"operation", Type::text, false, 0, 0, "cut|score|engrave", "default: cut"},
     thickness{"thickness",
               Type::number,
@@ -53,7 +53,7 @@ constexpr Parameter material{"material",
               0.001,
               max_thickness_mm,
               nullptr,
-              "mm; default: that of the material"};
+              "thickness in mm; default: the thickness of the material"};
 constexpr std::array program_parameters{file_name, material, laser, operation, thickness};
 constexpr std::array start_parameters{
     file_name,
@@ -190,11 +190,10 @@ constexpr std::array table{
         "`bounds`), `block` or null, `area`, `middle`"},
     Method{"scene.write", Right::control, scene_parameters,
            "Writes a description with these objects, after it was read back.", "nothing"},
-    Method{
-        "console.send", Right::firing, send_parameters,
-        "Sends a line, in a tool change of a program too; the answer comes with the lines of the "
-        "console.",
-        "nothing"},
+    Method{"console.send", Right::firing, send_parameters,
+           "Sends a line; while a program waits for a tool, after the answer to the line before. "
+           "The answer comes with the lines of the console.",
+           "nothing"},
     Method{"console.lines", Right::all, lines_parameters, "The last lines of the console.",
            "list of `number`, `text`"},
     Method{"macro.list", Right::all, none, "Named lines that the server keeps for the console.",
@@ -218,7 +217,7 @@ constexpr std::array table{
            "Whether the server has a camera; its newest picture is at `GET /camera`.",
            "`camera` (true or false), `points` of its calibration, or null"},
     Method{"camera.calibrate", Right::control, camera_parameters,
-           "Keeps four points, of which no three are on a line.", "nothing"},
+           "Stores the calibration: four points, no three of them on one line.", "nothing"},
     Method{
         "jog.run", Right::control, run_parameters,
         "Moves at a feed for 200 ms; a client repeats it while a key is held. After a stop of "

@@ -87,9 +87,11 @@ void JobRequests::stop() {
   is_stopping_ = true;
 }
 
-void JobRequests::type(std::string word) {
+bool JobRequests::type(std::string word) {
   const std::lock_guard lock(mutex_);
-  if (words_.size() < max_words) words_.push_back(std::move(word));
+  if (words_.size() == max_words) return false;
+  words_.push_back(std::move(word));
+  return true;
 }
 
 bool JobRequests::is_stopping() const {

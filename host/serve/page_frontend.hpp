@@ -20,8 +20,8 @@ namespace lamplock::serve {
 class JobRequests {
  public:
   void stop();
-  /// A word that a user of a terminal would type: "!", "", "+", "80".
-  void type(std::string word);
+  /// A word that a user of a terminal would type: "!", "", "+", "80". False if too many words wait.
+  bool type(std::string word);
 
   bool is_stopping() const;
   std::vector<std::string> take_words();

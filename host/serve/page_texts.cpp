@@ -44,7 +44,7 @@ void check_text(const std::string& file, const std::string& name, const nlohmann
                   "use the names in braces of the English text: " + english->second);
 }
 
-/// In the order of the table; the meaning of a setting by its name.
+/// texts.json, then `setting.NAME` with the description of each setting.
 nlohmann::ordered_json english_table() {
   auto english = nlohmann::ordered_json::parse(page_texts_json());
   for (std::size_t i = 0; i < settings::setting_count; ++i) {

@@ -17,7 +17,7 @@ using PageTexts = std::map<std::string, std::string>;
 
 const PageTexts& english_texts();
 
-/// Without the English meaning of settings, which `settings.get` brings.
+/// The texts without untranslated descriptions of settings, because `settings.get` sends those.
 PageTexts texts_of_document(const PageTexts& texts);
 
 /// The texts of a translation, and the English ones that it does not have. Throws

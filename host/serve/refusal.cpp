@@ -10,9 +10,6 @@
 namespace lamplock::serve {
 namespace {
 
-/// Codes of JSON-RPC that servers may choose.
-constexpr int refused = -32000, needs_material = -32002;
-
 std::string filled(const std::string& text, const Refusal::Values& values) {
   std::string result;
   for (std::size_t at = 0; at < text.size();) {
@@ -41,7 +38,7 @@ Refusal::Refusal(Exit exit, std::string name, Values values)
 
 nlohmann::json error_json(const std::exception& error) {
   const bool lacks_material = dynamic_cast<const program_run::NoMaterial*>(&error) != nullptr;
-  nlohmann::json json{{"code", lacks_material ? needs_material : refused},
+  nlohmann::json json{{"code", lacks_material ? code::needs_material : code::refused},
                       {"message", message_of(error)}};
   if (const auto* const refusal = dynamic_cast<const Refusal*>(&error))
     json["data"] = {{"name", refusal->name()}, {"values", refusal->values()}};

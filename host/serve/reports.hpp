@@ -24,11 +24,12 @@ class Reports {
 
   /// A name that no other report has. `begin` of the job, UTC: "2026-11-29T10:00:00Z".
   static std::string new_name(const std::string& begin);
-  /// Removes the oldest ones. Throws Error(bad_input) if it cannot be written.
+  /// Stores a page under a name of new_name(), and removes the oldest reports beyond max_kept.
+  /// Throws Error(bad_input) if it cannot be written.
   void keep(const std::string& name, std::string_view html) const;
-  /// Of all that are kept, the oldest first.
+  /// Names of the stored reports, the oldest first: a name begins with its time.
   std::set<std::string> names() const;
-  /// Nothing for a name without a report.
+  /// The page, or nullopt if no report has this name.
   std::optional<std::string> read(std::string_view name) const;
 
  private:

@@ -48,17 +48,24 @@ std::string picture(const std::vector<PathPlace>& path, double done) {
   const geometry::Bounds box = geometry::bounds(points);
   const double width = box.high.x - box.low.x, height = box.high.y - box.low.y;
   const double margin = std::max({width, height, 1.0}) / 20;
-  std::string rapid, cut, ready;
+  std::string rapid, cut, done_pieces;
   for (std::size_t i = 1; i < path.size(); ++i) {
-    std::string& own = path[i].is_rapid ? rapid : path[i].share <= done ? ready : cut;
-    own += fmt::format("M{:.3f} {:.3f}L{:.3f} {:.3f}", path[i - 1].place.x, -path[i - 1].place.y,
-                       path[i].place.x, -path[i].place.y);
+    std::string& target = path[i].is_rapid ? rapid : path[i].share <= done ? done_pieces : cut;
+    target += fmt::format("M{:.3f} {:.3f}L{:.3f} {:.3f}", path[i - 1].place.x, -path[i - 1].place.y,
+                          path[i].place.x, -path[i].place.y);
   }
   return fmt::format(
              "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"path from "
              "above\" viewBox=\"{:.3f} {:.3f} {:.3f} {:.3f}\">\n",
              box.low.x - margin, -box.high.y - margin, width + 2 * margin, height + 2 * margin) +
-         pieces("rapid", rapid) + pieces("cut", cut) + pieces("done", ready) + "</svg>\n";
+         pieces("rapid", rapid) + pieces("cut", cut) + pieces("done", done_pieces) + "</svg>\n";
+}
+
+/// Share of the lines of the file that is done; 0 if it is not known.
+double done_share(const material::JobRecord& record, const RunReport& report) {
+  if (record.result == "done") return 1;
+  if (!report.has_share || record.total == 0) return 0;
+  return static_cast<double>(record.done) / static_cast<double>(record.total);
 }
 
 }  // namespace
@@ -101,14 +108,9 @@ std::string run_page(const material::JobRecord& record, const RunReport& report,
   for (const auto& [name, value] : report.facts) html += row(name, value);
   html += "</table>\n";
   if (path.size() > 1) {
-    const bool is_done = record.result == "done";
-    const double done = is_done ? 1
-                        : !report.has_share || record.total == 0
-                            ? 0
-                            : static_cast<double>(record.done) / static_cast<double>(record.total);
     html += "<p>Path from above: green is done, blue is not";
-    if (!report.has_share && !is_done) html += " known to be done";
-    html += ", dashed is rapid or without power.</p>\n" + picture(path, done);
+    if (!report.has_share && record.result != "done") html += " known to be done";
+    html += ", dashed is rapid or without power.</p>\n" + picture(path, done_share(record, report));
   }
   return html + "</body>\n</html>\n";
 }

@@ -15,14 +15,17 @@
 
 namespace lamplock::serve {
 
-/// What the page shows beside the record.
+/// Facts that the page shows in addition to the record.
 struct RunReport {
   std::vector<std::pair<std::string, std::string>> facts;  ///< name and value
-  bool has_share = true;  ///< the lines done are a share of the lines of the path
+  /// The lines done of all lines are a share of the lines of the file: not with --from, nor with
+  /// O-words, whose lines are repeated.
+  bool has_share = true;
 };
 
+/// Facts of a program: times, place at its end.
 RunReport report_of(const run::ProgramOutcome& outcome);
-/// Of a job of rows.
+/// Facts of a job of rows: times, starvations, frames sent again.
 RunReport report_of(const run::SentJob& rows);
 
 /// `path` is seen from above; empty: no picture.

@@ -40,12 +40,6 @@ constexpr auto time_interval = 100ms;
 constexpr std::size_t max_answers = 64;
 constexpr std::size_t min_secret = 16, max_secret = 64;
 
-/// Codes of JSON-RPC 2.0; refused: of this server.
-namespace code {
-constexpr int parse = -32700, request = -32600, method = -32601, parameters = -32602,
-              refused = -32000;
-}
-
 WebReply refusal(int status, const std::string& text) {
   return {status, "text/plain; charset=utf-8", text + "\n"};
 }

@@ -26,8 +26,6 @@
 namespace lamplock::serve {
 namespace {
 
-/// Error of a wrong token where a password helps.
-constexpr int needs_password = -32001;
 /// Wrong codes until none is right.
 constexpr int max_wrong_codes = 5;
 /// Persons beyond these are forgotten, unless they are paired or connected.
@@ -135,7 +133,7 @@ void Server::login(const Call& call) {
     throw Error(Exit::bad_input, "login", "is for WebSockets", "send the token in a header");
   if (!is_token(call.parameters()["token"].get<std::string>())) {
     if (logins_->has_password())
-      fail(call, needs_password, "log in with the password");
+      fail(call, code::needs_password, "log in with the password");
     else
       fail(call, Refusal(Exit::bad_input, "wrong-token"));
     return web_->drop(call.client);

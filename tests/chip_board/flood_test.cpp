@@ -2,6 +2,7 @@
 // when it arrives, however many lines wait before it.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <random>
 #include <string>

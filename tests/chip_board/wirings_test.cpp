@@ -90,10 +90,12 @@ TEST_P(EachBoard, NamesTheFirstSettingOfAnotherBoardThatItReplaces) {
               HasSubstr("[MSG:Settings of another board replaced: $990; check $$]"));
   Bench own(row(), row());
   EXPECT_THAT(own.rig.heard, testing::Not(HasSubstr("replaced")));
-  // A new board replaces none.
+  // A board with erased flash reports no replaced settings.
   Bench blank(row(), row(), ChipRig::Power::off);
   const auto flash = blank.rig.board.chip().flash().storage();
-  std::ranges::fill(flash.subspan(boards::settings_offset, boards::settings_sectors * 4096), 0xFF);
+  std::ranges::fill(
+      flash.subspan(boards::settings_offset, boards::settings_sectors * boards::sector_bytes),
+      0xFF);
   blank.rig.boot();
   EXPECT_THAT(blank.rig.heard, HasSubstr("Grbl"));
   EXPECT_THAT(blank.rig.heard, testing::Not(HasSubstr("replaced")));

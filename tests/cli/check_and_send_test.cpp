@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -69,7 +70,7 @@ TEST(CheckAndSend, NameTheWordAndARemedy) {
   const std::string control = ": loops, branches and calls in this form are not read";
   const std::string without = "; write O-words or M98";
   for (const Case& c : std::initializer_list<Case>{
-           {"G43 H1", "5", "error:95 the tool table does not have this tool", "G10 L1"},
+           {"G43 H1", "5", "error:95 'H1': the tool table does not have this tool", "G10 L1"},
            {"G1 X1 g 33", "7", "error:20 'g 33' is not supported", "; take the word out"},
            {"G41", "1", "error:91 the diameter of the tool is not known", "G41.1 D"},
            {"M84", "1", "error:20 'M84' is not supported", "; take the word out: $1 switches"},
@@ -94,6 +95,96 @@ TEST(CheckAndSend, NameTheWordAndARemedy) {
             "; correct the number"}}) {
     expect_both_refuse("G21 (units)\n" + c.line + "\n", ":2:" + c.column, c.what, c.remedy);
   }
+}
+
+/// A command without a word that it needs: in plain programs and in those with O-words.
+TEST(CheckAndSend, NameTheMissingWord) {
+  struct Case {
+    std::string lines, missing;
+  };
+  for (const Case& c : std::initializer_list<Case>{
+           {"G41.1", "'G41.1' needs a D word (the diameter of the cutter)"},
+           {"X1 G42.1", "'G42.1' needs a D word (the diameter of the cutter)"},
+           {"G43.2", "'G43.2' needs an H word (the number of the tool)"},
+           {"G4 (dwell)", "'G4' needs a P word (the dwell in seconds)"},
+           {"G10 X1 P1", "'G10' needs an L word (what it sets: 1, 2, 10, 11 or 20)"},
+           {"M61", "'M61' needs a Q word (the number of the tool in the spindle)"},
+           {"G81 X1 Z-1 F100", "'G81' needs an R word (the level at which the feed begins)"},
+           {"G18 G81 X1 Z1 R1 F100", "'G81' needs a Y word (the bottom of the hole)"},
+           {"G83 X1 R1 F100",
+            "'G83' needs a Z word (the bottom of the hole) and a Q word (the depth of a peck)"},
+           // Cycles keep their words, others begin without them.
+           {"G81 X1 Z-1 R1 F100\nX2\nG82 X3 P1 Z-1",
+            "'G82' needs an R word (the level at which the feed begins)"},
+           {"G5 X1 I1 J1 P1 F100", "'G5' needs a Q word (the second control point in Y)"},
+           {"G5 X1 I1 J1 P1 Q1 F100\nX2 P1", "'G5' needs a Q word (the second control point in Y)"},
+           {"G5.2 X1 F100", "'G5.2' needs a Y word (the place of the control point)"},
+           {"G[41]", "error:91 "},
+           // The number of the command is an expression.
+           {"G[41.1]", "error:28 a word is missing: "},
+       }) {
+    const auto ends = std::count(c.lines.begin(), c.lines.end(), '\n');
+    const std::string place = fmt::format(":{}", ends + 2);
+    expect_both_refuse("G21\n" + c.lines + "\n", place, c.missing);
+  }
+  const Folder folder;
+  const std::string file = folder.write("p.ngc", "o1 sub\nG41.1\no1 endsub\no1 call\n");
+  EXPECT_THAT(run({"check", file}).out, HasSubstr(":2: error:28 'G41.1' needs a D word"));
+}
+
+/// Words that the machine has, at a place where they must not be.
+TEST(CheckAndSend, NameWhatExcludesAWord) {
+  struct Case {
+    std::string lines, what, remedy;
+  };
+  const std::string cycle_levels = "; R is the level at which the feed begins";
+  const std::string range =
+      " is too large: the numbers of a program are between -1000000000 and 1000000000";
+  for (const Case& c : std::initializer_list<Case>{
+           {"G41 D-2", ":5: error:20 'D-2': the number of a tool must not be negative", "; write"},
+           {"G43 H-1", ":5: error:20 'H-1': the number of a tool must not be negative", "; write"},
+           {"G42.1 D-2", ":7: error:20 'D-2': a diameter must not be negative",
+            "; write it without its sign: G41.1 is left"},
+           {"G41 D2.5", ":5: error:23 'D2.5': the value must be a whole number", "; "},
+           {"G41 D99", ":5: error:95 'D99': the tool table does not have this tool", "G10 L1"},
+           {"M72", ":1: error:20 'M72' restores a modal state, and no M70 has saved one",
+            "; write M70"},
+           {"M70\nM71\nM72", ":1: error:20 'M72' restores a modal state", "; write M70"},
+           {"G5.2 X1 Y1 F100\nX2 Y2\nX3 Y1\nM2",
+            ":1: error:20 'M2' must not be within a NURBS, which lasts from G5.2 to G5.3",
+            "; write G5.3"},
+           {"G1 X1000000000 F1", ":4: error:2 'X1000000000'" + range, "; correct the number"},
+           {"#1=1000000000.5", ":4: error:2 '1000000000.5'" + range, "; correct the number"},
+           {"#1=[2+01234567890]", ":7: error:2 '01234567890'" + range, "; correct the number"},
+           {"#1=EXISTS[#1]", ":10: error:75 'EXISTS[#1]': EXISTS asks for a name, EXISTS[#<name>]",
+            "; write a name"},
+           {"G81 X1 Z5 R1 F1",
+            ":8: error:33 the bottom of the hole, Z5, is above the retract level R1",
+            cycle_levels + ", and Z the bottom below it"},
+           {"G81 X1 Z-5 R1 F1\nX2 R-7",
+            ":4: error:33 the bottom of the hole, Z-5, is above the retract level R-7",
+            cycle_levels},
+           {"G18 G81 X1 Z1 Y5 R1 F1",
+            ":15: error:33 the bottom of the hole, Y5, is above the retract level R1",
+            cycle_levels + ", and Y the bottom below it"},
+           {"G91 G81 X1 Z5 R1 F1", ":12: error:33 Z5 is above the retract level R: in G91",
+            "; write a negative Z"},
+           {"G81 X20000 Z-1 R1 F1", ":5: error:33 the target cannot be reached", "; "},
+           {"G18 G5.1 X1 I1 F1",
+            ":5: error:20 'G5.1': curves of G5 to G5.3 are in the plane of G17", "; write G17"},
+           {"G93 G81 X1 Z-1 R1 F1", ":5: error:20 'G81': a cycle has no time of its own",
+            "; write G94"},
+           {"G10 L2 P1 R10", ":11: error:20 'R10': coordinate systems have no rotation",
+            "; rotate the program with G68 R"},
+           {"G10 L3 P1 X1", ":5: error:20 'L3': G10 has L1, L2, L10, L11 and L20", "; correct"},
+       })
+    expect_both_refuse(c.lines + "\n",
+                       fmt::format(":{}", std::count(c.lines.begin(), c.lines.end(), '\n') + 1),
+                       c.what, c.remedy);
+  const Folder folder;
+  // One fault, one message.
+  const std::string file = folder.write("p.ngc", "G5.2 X1 Y1 F100\nX2 Y2\nM2\n");
+  EXPECT_THAT(run({"check", file}).err, HasSubstr("1 line is wrong"));
 }
 
 TEST(CheckAndSend, RunLoopsAndSubroutines) {

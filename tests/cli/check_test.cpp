@@ -89,6 +89,22 @@ TEST(Check, ArcsAreRoundAndAsLongAsTheyShouldBe) {
   EXPECT_NEAR(seen["high_mm"][1].get<double>(), 10, 0.003);
 }
 
+/// Chords of an arc are shorter than it by their distance / (3 radius), as docs/gcode.md says.
+TEST(Check, LengthsAreThoseOfTheChords) {
+  const Folder folder;
+  const double radius_mm = 10, circle_mm = 2 * radius_mm * std::acos(-1.0);
+  const std::string file = folder.write("a.ngc", "G0 X10\nG3 I-10 F6000\n");
+  for (const double tolerance_mm : {0.001, 0.002, 0.05}) {
+    const std::string machine =
+        folder.write("m.toml", fmt::format("arc_tolerance = {}\n", tolerance_mm));
+    const double feed_mm = check(file, {"--machine", machine})["feed_mm"].get<double>();
+    const double most_mm = circle_mm * tolerance_mm / (3 * radius_mm);
+    EXPECT_LE(circle_mm - feed_mm, most_mm * 1.01) << tolerance_mm;
+    EXPECT_GE(circle_mm - feed_mm, most_mm / 2) << tolerance_mm;
+  }
+  EXPECT_THAT(run({"check", "--help"}).out, HasSubstr("along the chords"));
+}
+
 TEST(Check, ErrorsAreReportedByLineColumnAndNumber) {
   const Folder folder;
   const std::string file = folder.write("a.ngc", "G1 X1 F100\nG1 X1#\nG33\nG1 Y2\nG1 X1 X2\n");

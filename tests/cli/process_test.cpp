@@ -38,6 +38,31 @@ TEST(Process, OneProgramServesAllMaterials) {
   }
 }
 
+/// A choice that the program does not read.
+TEST(Process, AnUnusedChoiceIsANote) {
+  const Folder folder;
+  const std::string library = folder / "a.db";
+  folder.write("tip.ngc", "o<tip> sub\nG1 X1 F#<_material_feed>\no<tip> endsub\n");
+  const std::string note =
+      "the program reads no value of the material, so --material has no effect";
+  const auto expect = [&](const std::string& text, bool has_note) {
+    const std::string file = folder.write("p.ngc", text);
+    for (std::vector<std::string> command :
+         {std::vector<std::string>{"check", file},
+          std::vector<std::string>{"send", file, "--board", "virtual"}}) {
+      command.insert(command.end(), {"--material", "ox-leather", "--thickness", "3", "--library",
+                                     library, "--json"});
+      const Finished done = run(command);
+      EXPECT_EQ(done.status, 0) << done.err;
+      EXPECT_EQ(done.err.find(note) != std::string::npos, has_note) << text << done.err;
+    }
+  };
+  expect("G21\nG1 X1 F100 (_material_feed)\n", true);
+  expect("o1 repeat [2]\nG1 X1 F100\no1 endrepeat\n", true);
+  expect("G21\nG1 X1 F#<_material_feed>\n", false);
+  expect("G21\no<tip> call\n", false);
+}
+
 TEST(Process, ProgramsNeedAChoiceAndJobsNone) {
   const Folder folder;
   const std::string file = folder.write("p.ngc", square), library = folder / "a.db";

@@ -86,8 +86,19 @@ TEST_F(UserCommandRuns, AFailureEndsTheProgram) {
     const Finished sent = run(arguments);
     EXPECT_EQ(sent.status, 1) << name;
     EXPECT_THAT(sent.err, HasSubstr(what));
+    EXPECT_THAT(sent.err, HasSubstr("error: " + file + ":2: " + (folder_ / name) + ": "));
     EXPECT_NEAR(Json::parse(sent.out)["position"][0], 2, 0.01);
   }
+}
+
+/// Of the call, and of the line in the file that it calls.
+TEST_F(UserCommandRuns, AFailureNamesTheLine) {
+  command("M101", "exit 3\n");
+  folder_.write("tip.ngc", "o<tip> sub\nG0 X1\nM101\no<tip> endsub\n");
+  const std::string file = program("G21\no<tip> call\nM2\n");
+  const Finished sent = run(send(file));
+  EXPECT_EQ(sent.status, 1);
+  EXPECT_THAT(sent.err, HasSubstr("error: " + file + ":2 (in " + (folder_ / "tip.ngc") + ":3): "));
 }
 
 TEST_F(UserCommandRuns, CtrlCEndsTheCommandAndTheProgram) {

@@ -1,4 +1,4 @@
-// The tree of boxes finds the same ones as a comparison with each of them.
+// The tree of boxes finds the same boxes as a comparison with every box.
 #include "host/cutting/box_tree.hpp"
 
 #include <gtest/gtest.h>

@@ -4,30 +4,23 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <random>
 
 #include "host/cutting/contour.hpp"
 #include "host/cutting/operation.hpp"
+#include "tests/cutting/shapes.hpp"
 
 namespace lamplock::test::engraving_test {
 namespace {
 
 using cutting::Contour;
-using cutting::Edge;
 using cutting::Vec;
 
 constexpr double side_mm = 0.5;
 
 Contour square(const Vec& low) {
-  const std::array<Vec, 4> corners{low, low + Vec{side_mm, 0}, low + Vec{side_mm, side_mm},
-                                   low + Vec{0, side_mm}};
-  Contour contour;
-  contour.closed = true;
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    contour.edges.push_back(Edge{corners[i], corners[(i + 1) % corners.size()], {}, 0});
-  return contour;
+  return polygon({low, low + Vec{side_mm, 0}, low + Vec{side_mm, side_mm}, low + Vec{0, side_mm}});
 }
 
 TEST(Engraving, TheNextAreaIsTheNearest) {

@@ -22,12 +22,14 @@ using testing::HasSubstr;
 
 std::vector<ProgramLine> numbered(const std::vector<std::string>& texts) {
   std::vector<ProgramLine> lines;
+  lines.reserve(texts.size());
   for (const std::string& text : texts) lines.push_back({lines.size() + 1, text});
   return lines;
 }
 
 std::vector<std::string> texts_of(const std::vector<ProgramLine>& lines) {
   std::vector<std::string> texts;
+  texts.reserve(lines.size());
   for (const ProgramLine& line : lines) texts.push_back(line.text);
   return texts;
 }
@@ -435,7 +437,7 @@ TEST(LineSender, the_number_of_a_line_replaces_its_n_word_wherever_it_is) {
 }
 
 /// The N words are those of the file.
-TEST(LineSender, the_line_that_another_board_reports_is_none_of_the_file) {
+TEST(LineSender, a_board_that_counts_lines_itself_reports_no_line_of_the_file) {
   GrblModel board;
   Sending sending(board, numbered({"N10 G1 X1", "N20 G1 X2", "G1 X3"}));
   ASSERT_TRUE(sending.run_until("Run"));

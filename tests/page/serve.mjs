@@ -112,7 +112,7 @@ async function choose_material(page, server) {
   await keep_picture(page, 'serve-material');
   await page.click('#start');
   await until('the program is done', async () => /any\.ngc.*done/.test(await text_of(page, 'job-text')));
-  check('its values were those of the material', Math.abs((await place(server))[0] - 5) < 0.01, await place(server));
+  check('its thickness was that of the material', Math.abs((await place(server))[0] - 5) < 0.01, await place(server));
 }
 
 async function change_settings(page) {

@@ -1,10 +1,10 @@
-// The camera of the page of `lamplock serve`: a picture that a file has, calibrated by four points, below
-// the view from above.
+// The camera of the page of `lamplock serve`: a picture of a file, calibrated by four points, in the top
+// view.
 //
 // usage: node serve_camera.mjs LAMPLOCK [FOLDER_FOR_PICTURES]
 // exit status: 0 passed; 1 failed; 77 no Chromium (toolchain/setup test, or the variable CHROMIUM)
 
-import { writeFileSync } from 'node:fs';
+import { rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { Browser } from './browser.mjs';
@@ -101,6 +101,11 @@ try {
   await page.frames(3);
   const found = await cursor_at(page, middle);
   check('it follows the view', Math.abs(found[0]) < 0.4 && Math.abs(found[1]) < 0.4, found);
+  rmSync(file);
+  await until('an old picture is not shown', () => page.ask(`document.getElementById('camera-box').hidden`), 15_000);
+  check('it says why', /camera\.jpg/.test(await text_of(page, 'camera-text')), await text_of(page, 'camera-text'));
+  await make_picture(page);
+  await until('a new one is shown again', () => page.ask(`!document.getElementById('camera-box').hidden`));
   check('no complaints', page.complaints.filter((text) => !/503/.test(text)).length === 0, page.complaints);
   check('no request to another server', page.requests.every((url) => /^(blob:|ws:\/\/127\.0\.0\.1|data:)/.test(url) || url.startsWith(server.origin)), page.requests);
   await browser.close();

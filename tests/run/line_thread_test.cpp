@@ -58,6 +58,7 @@ TEST(LineThread, ContinuesAfterAWait) {
   }
 }
 
+/// The destructor ends the thread without planning the calls that are left; otherwise this hangs.
 TEST(LineThread, MayBeLeftWithoutAWait) {
   const settings::Values values;
   LineThread thread(values);

@@ -3,21 +3,25 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <atomic>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <random>
 #include <thread>
 
 #include "host/error.hpp"
 #include "host/serve/jpeg_stream.hpp"
 #include "tests/serve/running_server.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace lamplock::serve::test::camera_test {
 namespace {
@@ -64,7 +68,8 @@ TEST(JpegStream, HasThePicturesHoweverTheBytesCome) {
     const std::string head = "HTTP/1.1 200 OK\r\ncontent-type: image/jpeg\r\n";
     EXPECT_THAT(pictures_of(head + "\r\n" + two, seed), ElementsAre(two)) << "until it is closed";
     EXPECT_THAT(
-        pictures_of(fmt::format("{}Content-Length: {}\r\n\r\n{}more", head, two.size(), two), seed),
+        pictures_of(fmt::format("{}Content-Length: {} \r\n\r\n{}more", head, two.size(), two),
+                    seed),
         ElementsAre(two));
   }
 }
@@ -80,32 +85,43 @@ TEST(JpegStream, RefusesWhatIsNoPicture) {
   };
   const std::string head = "HTTP/1.0 200 OK\r\n";
   EXPECT_THAT(refusal("HTTP/1.0 404 Not Found\r\n\r\n"), HasSubstr("404 Not Found"));
-  EXPECT_THAT(refusal("220 mail\r\n\r\n"), HasSubstr("220 mail"));
+  EXPECT_THAT(refusal("220 mail\r\n\r\n"), HasSubstr("does not answer in HTTP"));
   EXPECT_THAT(refusal(head + "Content-Type: text/html\r\n\r\n<html>"), HasSubstr("neither"));
   EXPECT_THAT(refusal(head + "Content-Type: multipart/x-mixed-replace\r\n\r\n"),
               HasSubstr("without a boundary"));
   EXPECT_THAT(refusal(head + "Transfer-Encoding: chunked\r\n\r\n"), HasSubstr("in chunks"));
-  EXPECT_THAT(refusal(stream_head + part("<svg>", true)), HasSubstr("no JPEG"));
+  EXPECT_THAT(refusal(stream_head + part("<svg>", true)), HasSubstr("not a JPEG"));
   EXPECT_THAT(refusal(stream_head + std::string("--edge\r\nContent-Length: 4194305\r\n\r\n")),
               HasSubstr("too large"));
   EXPECT_THAT(refusal(stream_head + std::string("--edge\r\nContent-Length: -1\r\n\r\n")),
+              HasSubstr("not a number"));
+  EXPECT_THAT(refusal(stream_head + std::string("--edge\r\nContent-Length: 1e2\r\n\r\n")),
+              HasSubstr("not a number"));
+  EXPECT_THAT(refusal(stream_head + std::string("--edge\r\nContent-Length: 99999999999999999999"
+                                                "\r\n\r\n")),
               HasSubstr("too large"));
   EXPECT_THAT(refusal(stream_head + std::string("--edge\r\n\r\n") + std::string(5'000'000, 'x')),
               HasSubstr("too large"));
-  EXPECT_THAT(refusal(std::string(10'000, 'x')), HasSubstr("no HTTP"));
+  EXPECT_THAT(refusal(std::string(10'000, 'x')), HasSubstr("does not answer in HTTP"));
   EXPECT_THAT(refusal(stream_head + std::string(10'000, 'x')), HasSubstr("broken"));
 }
 
 TEST(Camera, RefusesAddressesThatItCannotRead) {
-  for (const char* source : {"https://a/b", "http://", "http:///path", "rtsp://a/b", "http://a/b c",
-                             "http://name:word@a/b", "http://a/b\r\nX: y"})
+  for (const char* source :
+       {"https://a/b", "http://", "http:///path", "rtsp://a/b", "http://a/b c",
+        "http://name:word@a/b", "http://a/b\r\nX: y", "http://:80/a", "http://a:/", "http://a:b/",
+        "http://a:0/", "http://a:65536/", "http://[::1/", "http://[]/", "http://[::1]a/"})
     EXPECT_THROW(Camera{source}, Error) << source;
 }
 
-/// A camera of the network, which sends a stream of two pictures to each client.
+/// A camera of the network, which sends an answer to each client.
 class FakeCamera {
  public:
-  FakeCamera() : thread_([this] { serve(); }) {}
+  /// `keeps_open`: until the client closes the connection.
+  explicit FakeCamera(std::string answer = stream_head + part(jpeg("first"), true) +
+                                           part(jpeg("second"), true),
+                      bool keeps_open = false)
+      : answer_(std::move(answer)), keeps_open_(keeps_open), thread_([this] { serve(); }) {}
   ~FakeCamera() {
     is_ending_ = true;
     boost::system::error_code ignored;
@@ -131,9 +147,9 @@ class FakeCamera {
       std::string request;
       boost::asio::read_until(socket, boost::asio::dynamic_buffer(request), "\r\n\r\n", ignored);
       EXPECT_TRUE(request.starts_with("GET /stream?a=b HTTP/1.0\r\n")) << request;
-      const std::string answer =
-          stream_head + part(jpeg("first"), true) + part(jpeg("second"), true);
-      boost::asio::write(socket, boost::asio::buffer(answer), ignored);
+      boost::asio::write(socket, boost::asio::buffer(answer_), ignored);
+      char byte = 0;
+      if (keeps_open_) boost::asio::read(socket, boost::asio::buffer(&byte, 1), ignored);
     }
   }
 
@@ -141,6 +157,8 @@ class FakeCamera {
   tcp::acceptor acceptor_{io_, tcp::endpoint(boost::asio::ip::address_v4::loopback(), 0)};
   std::atomic<bool> is_ending_{false};
   std::atomic<int> clients_{0};
+  const std::string answer_;
+  const bool keeps_open_;
   std::thread thread_;
 };
 
@@ -174,9 +192,69 @@ TEST(Camera, OfTheNetworkIsReadWhilePagesAskForIt) {
   EXPECT_EQ(server.client("client").call("camera.get")["result"]["camera"], true);
 }
 
+/// Asks for pictures until this is true, for at most 4 s.
+bool ask_until(Camera& camera, const std::function<bool()>& is_true) {
+  for (int tries = 0; tries < 400; ++tries) {
+    static_cast<void>(camera.picture());
+    if (is_true()) return true;
+    std::this_thread::sleep_for(10ms);
+  }
+  return false;
+}
+
+TEST(Camera, IsNotReadAnyMoreWhenNoPageAsks) {
+  FakeCamera source;
+  Camera camera(source.address(), 300ms);
+  EXPECT_TRUE(ask_until(camera, [&] { return source.clients() > 2; })) << "again and again";
+  std::this_thread::sleep_for(800ms);
+  const int clients = source.clients();
+  std::this_thread::sleep_for(800ms);
+  EXPECT_EQ(source.clients(), clients);
+}
+
+TEST(Camera, TakesOnePictureFromEachConnectionThatStaysOpen) {
+  const std::string picture = jpeg("one");
+  FakeCamera source(fmt::format("HTTP/1.1 200 OK\r\nContent-Type: image/jpeg\r\n"
+                                "Content-Length: {}\r\n\r\n{}",
+                                picture.size(), picture),
+                    true);
+  Camera camera(source.address());
+  EXPECT_TRUE(ask_until(camera, [&] { return source.clients() > 4; })) << "without a time limit";
+  EXPECT_EQ(camera.problem(), "");
+}
+
+TEST(Camera, SaysWhyItHasNoPicture) {
+  for (const char* answer : {"", "HTTP/1.0 200 OK\r\n",
+                             "HTTP/1.0 200 OK\r\nContent-Type: image/jpeg"
+                             "\r\nContent-Length: 9\r\n\r\nhalf"}) {
+    FakeCamera source(answer);
+    Camera camera(source.address());
+    EXPECT_TRUE(ask_until(camera, [&] { return !camera.problem().empty(); })) << answer;
+    EXPECT_THAT(camera.problem(), HasSubstr("before a picture is complete"));
+  }
+  FakeCamera silent("", true);
+  Camera camera(silent.address(), 100ms);
+  EXPECT_TRUE(ask_until(camera, [&] { return silent.clients() == 1; }));
+  std::this_thread::sleep_for(500ms);
+  EXPECT_EQ(camera.problem(), "") << "no page has waited for the answer";
+  EXPECT_TRUE(ask_until(camera, [&] { return !camera.problem().empty(); }));
+  EXPECT_THAT(camera.problem(), HasSubstr("does not answer"));
+}
+
+TEST(Camera, DoesNotWaitForAPipe) {
+  const lamplock::test::TemporaryFolder folder;
+  const std::filesystem::path pipe = folder.file("pipe");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& source : {pipe.string(), std::string("/dev/zero")}) {
+    Camera camera(source);
+    EXPECT_TRUE(ask_until(camera, [&] { return !camera.problem().empty(); }));
+    EXPECT_THAT(camera.problem(), HasSubstr("not a regular file"));
+  }
+}
+
 TEST(Camera, OfAFileHasItsNewestPicture) {
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / fmt::format("lamplock-camera-{}.jpg", now_us());
+  const lamplock::test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.file("camera.jpg");
   RunningServer server({.camera = file.string()});
   const auto write = [&](const std::string& bytes) {
     std::ofstream(file.string() + ".new", std::ios::binary) << bytes;
@@ -188,14 +266,13 @@ TEST(Camera, OfAFileHasItsNewestPicture) {
                 .status,
             401)
       << "without the token";
-  const Reply large = wait_for(server, "larger than a picture");
+  const Reply large = wait_for(server, "larger than 4 MiB");
   EXPECT_EQ(large.status, 503);
-  EXPECT_THAT(large.text, HasSubstr("larger than a picture"));
+  EXPECT_THAT(large.text, HasSubstr("larger than 4 MiB"));
   for (const char* text : {"one", "two"}) {
     write(jpeg(text));
     EXPECT_TRUE(wait_for(server, jpeg(text)).text.ends_with(jpeg(text)));
   }
-  std::filesystem::remove(file);
 }
 
 TEST(Camera, IsOffByDefault) {
@@ -214,8 +291,7 @@ TEST(Camera, KeepsItsCalibration) {
   const Json good{point(0.1, 0.9, -40, -40), point(0.9, 0.9, 40, -40), point(0.8, 0.1, 40, 40),
                   point(0.2, 0.1, -40, 40)};
   const auto refusal = [&](const Json& points) {
-    const Json response = client.call("camera.calibrate", {{"points", points}});
-    return response.contains("error") ? response["error"]["message"].get<std::string>() : "";
+    return error_of(client.call("camera.calibrate", {{"points", points}}));
   };
   EXPECT_THAT(refusal(good), HasSubstr("take control first"));
   client.call("control.take");
@@ -229,12 +305,19 @@ TEST(Camera, KeepsItsCalibration) {
   EXPECT_THAT(refusal(bad), HasSubstr("x of a point"));
   bad = good;
   bad[1] = point(0.15, 0.5, 40, -40);
-  EXPECT_THAT(refusal(bad), HasSubstr("on a line"));
+  EXPECT_THAT(refusal(bad), HasSubstr("on one line"));
+  bad = good;
+  std::swap(bad[0]["x"], bad[1]["x"]);
+  EXPECT_THAT(refusal(bad), HasSubstr("another order"));
+  bad = good;
+  for (Json& each : bad) each["x"] = -each["x"].get<double>();
+  EXPECT_EQ(refusal(bad), "") << "a mirrored picture";
+  EXPECT_EQ(refusal(good), "");
   bad = good;
   for (Json& each : bad) each["x"] = 0;
-  EXPECT_THAT(refusal(bad), HasSubstr("on a line"));
+  EXPECT_THAT(refusal(bad), HasSubstr("on one line"));
   bad.erase(0);
-  EXPECT_NE(refusal(bad), "");
+  EXPECT_THAT(refusal(bad), HasSubstr("four points"));
   EXPECT_EQ(client.call("camera.get")["result"]["points"], good) << "nothing was written";
 }
 

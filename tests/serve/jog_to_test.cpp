@@ -9,10 +9,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::string error_of(const Json& response) {
-  return response.contains("error") ? response["error"]["message"].get<std::string>() : "";
-}
-
 /// Renews until the machine rests; the place then.
 std::vector<double> travel(RunningServer& server, RawClient& page, const Json& place) {
   Json go = place;

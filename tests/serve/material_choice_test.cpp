@@ -16,20 +16,16 @@ using testing::HasSubstr;
 
 constexpr int needs_material = -32002;
 
-std::string error_of(const Json& response) {
-  return response.contains("error") ? response["error"]["message"].get<std::string>() : "";
-}
-
 /// A server whose library has a board of two thicknesses, and a program that reads its values.
 class MaterialChoice : public testing::Test {
  public:
   MaterialChoice() {
     const std::string library = (server.folder() / "library.db").string();
     run::add_record({library, "material", "board"}, {"thickness_mm=3"});
-    for (const char* fields : {"thickness_mm=3 feed_mm_min=1200", "thickness_mm=6 feed_mm_min=600"})
+    for (const auto& [thickness, feed] : {std::pair{"thickness_mm=3", "feed_mm_min=1200"},
+                                          std::pair{"thickness_mm=6", "feed_mm_min=600"}})
       run::add_record({library, "setting", "board"},
-                      {"laser=diode-3w", "power_w=3", "kerf_mm=0.25",
-                       std::string(fields).substr(0, 14), std::string(fields).substr(15)});
+                      {"laser=diode-3w", "power_w=3", "kerf_mm=0.25", thickness, feed});
     server.add_file("part.ngc", "G21G90\nG1X#<_material_thickness>F#<_material_feed>\n");
     server.add_file("asks.ngc",
                     "G21G90\no1 if [EXISTS[#<_material_feed>]]\nG1X7F#<_material_feed>\no1 "
@@ -103,7 +99,8 @@ TEST_F(MaterialChoice, IsRefusedIfTheLibraryOrTheFileHasNone) {
   EXPECT_THAT(refusal({{"material", "board"}, {"thickness", -1}}), HasSubstr("thickness"));
   job::write_job_file(server.folder() / "dot.llj",
                       job::make_job({{0, 0, 0}}, job::default_profile(), job::JobOptions{}));
-  EXPECT_THAT(refusal({{"name", "dot.llj"}, {"material", "board"}}), HasSubstr("not for jobs"));
+  EXPECT_THAT(refusal({{"name", "dot.llj"}, {"material", "board"}}),
+              HasSubstr("only programs of G-code"));
   client.call("job.start", {{"name", "dot.llj"}, {"material", "board"}});
   EXPECT_EQ(server.wait_for_end(), "failed") << "no point may be fired";
   EXPECT_EQ(server.machine().view().job.done, 0u);

@@ -17,10 +17,6 @@ using testing::HasSubstr;
 /// Limits of times hold on a computer with time for the test; the tests print what they measure.
 constexpr double busy_ms = 150;
 
-std::string error_of(const Json& response) {
-  return response.contains("error") ? response["error"]["message"].get<std::string>() : "";
-}
-
 /// A long cut with the laser on.
 std::string long_cut() {
   std::string text = "G21G90\nM3S500\n";

@@ -10,10 +10,6 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-std::string error_of(const Json& response) {
-  return response.contains("error") ? response["error"]["message"].get<std::string>() : "";
-}
-
 /// The history when it has this many jobs; they are written a moment after their end.
 Json history_of(RawClient& client, std::size_t jobs) {
   Json history;

@@ -162,6 +162,22 @@ TEST(History, has_a_report_of_each_program_also_of_one_second) {
   EXPECT_EQ(client.call("history.list")["result"][0]["report"], Json());
 }
 
+TEST(History, the_report_of_a_stopped_loop_shows_no_piece_as_done) {
+  RunningServer server;
+  server.add_file("loop.ngc", "G21G90\nM3S500\no1 repeat [50]\nG1X40F3000\nG1X-40\no1 endrepeat\n");
+  RawClient client = server.client("client");
+  client.call("control.take");
+  client.call("job.start", {{"name", "loop.ngc"}});
+  client.watch(1s);
+  client.call("machine.stop");
+  EXPECT_EQ(server.wait_for_end(), "stopped");
+  const Json history = reported(client, 1);
+  ASSERT_EQ(history.size(), 1u);
+  const std::string page = page_of(server, history[0]);
+  EXPECT_THAT(page, HasSubstr("not known to be done"));
+  EXPECT_THAT(page, testing::Not(HasSubstr("class=\"done\"")));
+}
+
 TEST(History, has_a_report_of_rows) {
   RunningServer server;
   job::Profile profile = job::default_profile();

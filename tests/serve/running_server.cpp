@@ -60,6 +60,10 @@ std::int64_t now_us() {
       .count();
 }
 
+std::string error_of(const nlohmann::json& response) {
+  return response.contains("error") ? response["error"]["message"].get<std::string>() : "";
+}
+
 RunningServer::RunningServer(const RunningOptions& options)
     : folder_(std::filesystem::temp_directory_path() /
               fmt::format("lamplock-serve-{}-{}", getpid(), now_us())) {

@@ -64,4 +64,7 @@ class RunningServer {
 /// Time of the wall clock that Written has.
 std::int64_t now_us();
 
+/// The message of a refused request; empty: it succeeded.
+std::string error_of(const nlohmann::json& response);
+
 }  // namespace lamplock::serve::test

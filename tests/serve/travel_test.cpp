@@ -12,10 +12,6 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-std::string error_of(const Json& response) {
-  return response.contains("error") ? response["error"]["message"].get<std::string>() : "";
-}
-
 /// Whether the area gets this side in X, in 3 s.
 bool has_side(RawClient& client, double low, double high) {
   for (int tries = 0; tries < 150; ++tries) {
@@ -88,7 +84,7 @@ TEST(ToolChange, steps_move_the_machine_and_the_program_continues) {
   client.call("job.start", {{"name", "tool.ngc"}});
   ASSERT_TRUE(waits_for_tool(server));
   const Json step{{"axis", 0}, {"mm", 3}, {"feed", 1000}};
-  EXPECT_NE(error_of(watcher.call("jog.step", step)), "") << "without control";
+  EXPECT_THAT(error_of(watcher.call("jog.step", step)), HasSubstr("take control first"));
   EXPECT_EQ(error_of(client.call("jog.step", step)), "");
   EXPECT_TRUE(comes_to(server, 5));
   client.watch(200ms);  // the time of the server
@@ -110,14 +106,16 @@ TEST(ToolChange, lines_of_the_console_touch_off_the_tool) {
   const auto send = [&](RawClient& sender, const char* line) {
     return error_of(sender.call("console.send", {{"line", line}}));
   };
-  EXPECT_NE(send(watcher, "G0X5"), "") << "without control";
+  EXPECT_THAT(send(watcher, "G0X5"), HasSubstr("take control first"));
   EXPECT_EQ(send(client, "G0X5"), "");
   EXPECT_TRUE(comes_to(server, 5));
   ASSERT_TRUE(waits_for_tool(server));
   EXPECT_EQ(error_of(client.call("machine.zero", {{"axes", "X"}})), "");
   client.call("macro.set", {{"name", "two"}, {"lines", "G0X6\nG0X7"}});
   EXPECT_THAT(error_of(client.call("macro.run", {{"name", "two"}})), HasSubstr("one line"));
-  EXPECT_NE(send(client, "G0X1~"), "") << "a byte that resumes is no part of a line";
+  EXPECT_THAT(send(client, "G0X1~"), HasSubstr("real-time"));
+  for (const char* key : {"!", "+", "-10", "=", "~"})
+    EXPECT_NE(send(client, key), "") << "a key of the program is not a line of the board: " << key;
   client.watch(300ms);
   ASSERT_TRUE(waits_for_tool(server));
   client.call("machine.resume");
@@ -126,6 +124,21 @@ TEST(ToolChange, lines_of_the_console_touch_off_the_tool) {
   Json lines = client.call("console.lines")["result"];
   const auto is_sent = [](const Json& line) { return line["text"] == "> G0X5"; };
   EXPECT_TRUE(std::ranges::any_of(lines, is_sent));
+}
+
+TEST(ToolChange, sends_lines_that_come_before_the_answer_to_others) {
+  RunningServer server;
+  server.add_file("tool.ngc", "G21G90\nG0X2\nT3M6\nG1X9F3000\n");
+  RawClient client = server.client("client");
+  client.call("control.take");
+  client.call("job.start", {{"name", "tool.ngc"}});
+  ASSERT_TRUE(waits_for_tool(server));
+  for (const char* line : {"G0X30", "G0X5", "G10L20P1X0"})
+    EXPECT_EQ(error_of(client.call("console.send", {{"line", line}})), "");
+  client.call("machine.resume");
+  EXPECT_EQ(server.wait_for_end(), "done");
+  EXPECT_TRUE(comes_to(server, 14))
+      << "X9 of the work, whose zero is at 5: resumed after all lines";
 }
 
 TEST(ToolChange, stop_ends_a_step) {

@@ -1,9 +1,13 @@
-// The camera over the machine: its picture below the view from above, and its calibration by four
-// points. The server has the picture; pages ask for it while they show it.
+// The camera over the machine: its picture in the top view, and its calibration by four points. The
+// server has the picture; the page asks for it while it shows it.
 
 import { text } from '/texts.js';
 
-const picture_ms = 250, problem_ms = 2000, side = 1000, percent = 100;
+const picture_ms = 250, problem_ms = 2000;  // pauses before the next picture
+const answer_ms = 10000;                    // the server answers at once, a link may be slow
+const keep_ms = 2000;                       // the image may still decode the picture before
+const side = 1000;                          // px: of the picture before its map, as in page.css
+const percent = 100;
 const fields = ['u', 'v', 'x', 'y'];
 
 // The perspective map of places (u, v) to (x, y), nine numbers in rows of three: two linear equations
@@ -31,7 +35,8 @@ export class Camera {
   #map = null;
   #url = '';
   #timer = 0;
-  #row = 0;  // that takes the next click
+  #row = 0;  // the one that the next click fills
+  #is_current = false;
 
   // `machine` returns the position of the machine.
   constructor(link, element, cloud, machine) {
@@ -51,12 +56,14 @@ export class Camera {
     for (const field of fields) {
       const input = add(document.createElement('input'));
       [input.type, input.id, input.step] = ['number', `camera-${field}${i}`, 'any'];
+      if ('uv'.includes(field)) [input.min, input.max] = [0, percent];
       input.setAttribute('aria-label', text('camera.value', { number: i + 1, what: text(`camera.${field}`) }));
       input.addEventListener('focus', () => { this.#row = i; });
     }
     const take = add(document.createElement('button'));
     take.type = 'button';
     take.textContent = text('camera.take');
+    take.setAttribute('aria-label', text('camera.value', { number: i + 1, what: text('camera.take') }));
     take.addEventListener('click', () => ['x', 'y'].forEach((field, axis) => {
       this.#input(field, i).value = this.#machine()?.[axis]?.toFixed(3) ?? '';
     }));
@@ -68,14 +75,17 @@ export class Camera {
 
   // After a connection.
   async begin() {
-    const { camera, points } = await this.#link.call('camera.get').catch(() => ({ camera: false }));
+    const { camera, points } = await this.#link.call('camera.get');
     this.#element('camera').hidden = !camera;
     if (!camera) return;
     this.#map = points && map_of(points);
-    this.#element('camera-text').textContent = points ? '' : text('camera.none');
-    points?.forEach((point, i) => fields.forEach((field) => {
-      this.#input(field, i).value = 'uv'.includes(field) ? point[field] * percent : point[field];
-    }));
+    this.#say(points ? '' : text('camera.none'));
+    // Numbers that the user has entered and not saved stay.
+    const is_empty = fields.every((field) => [0, 1, 2, 3].every((i) => this.#input(field, i).value === ''));
+    if (is_empty)
+      points?.forEach((point, i) => fields.forEach((field) => {
+        this.#input(field, i).value = 'uv'.includes(field) ? point[field] * percent : point[field];
+      }));
     this.#change();
   }
 
@@ -85,33 +95,61 @@ export class Camera {
     this.#cloud.views.draw_soon();
   }
 
-  // One picture after the other, while they are shown and the server is there.
+  // Loads one picture after the other, while the section shows them and the connection is open.
   async #load() {
     this.#timer = 1;
     let next_ms = picture_ms;
-    if (!document.hidden && this.#link.is_up) {
-      const reply = await fetch('/camera', { headers: { Authorization: `Bearer ${this.#link.token}` } }).catch(() => null);
-      if (reply?.ok) this.#show(await reply.blob());
-      else if (reply) {
-        this.#element('camera-text').textContent = (await reply.text()).trim();
-        if (this.#element('camera-text').textContent) next_ms = problem_ms;
-      }
+    try {
+      if (document.hidden || !this.#link.is_up) this.#hide();
+      else if (await this.#load_one()) next_ms = problem_ms;
+    } catch {
+      this.#hide();  // the connection is lost, which the page says elsewhere
     }
     this.#timer = this.#is_shown ? setTimeout(() => this.#load(), next_ms) : 0;
+  }
+
+  // The reason why the camera has no picture; empty if it has one or has not answered yet.
+  async #load_one() {
+    const reply = await fetch('/camera', {
+      headers: { Authorization: `Bearer ${this.#link.token}` }, signal: AbortSignal.timeout(answer_ms),
+    });
+    if (reply.ok) return this.#show(await reply.blob());
+    const reason = (await reply.text()).trim();
+    this.#hide();
+    this.#say(reason);
+    return reason;
+  }
+
+  // Screen readers repeat a text that is set again.
+  #say(message) {
+    const element = this.#element('camera-text');
+    if (element.textContent !== message) element.textContent = message;
+  }
+
+  // An old picture could be taken for what the machine does now.
+  #hide() {
+    this.#is_current = false;
+    this.#element('camera-plain').classList.add('old');
+    this.#cloud.views.draw_soon();
   }
 
   #show(blob) {
     const before = this.#url;
     this.#url = URL.createObjectURL(blob);
     for (const id of ['camera-picture', 'camera-plain']) this.#element(id).src = this.#url;
-    this.#element('camera-text').textContent = this.#map ? '' : text('camera.none');
-    setTimeout(() => URL.revokeObjectURL(before), problem_ms);
+    this.#say(this.#map ? '' : text('camera.none'));
+    setTimeout(() => URL.revokeObjectURL(before), keep_ms);
+    if (this.#is_current) return '';
+    this.#is_current = true;
+    this.#element('camera-plain').classList.remove('old');
+    this.#cloud.views.draw_soon();
+    return '';
   }
 
-  // As a painter of the views: the picture in the plane from above.
+  // As a painter of the views: draws the picture in the top view.
   draw(views, panes) {
     const pane = panes.find(({ name }) => name === 'top'), box = this.#element('camera-box');
-    box.hidden = !pane || !this.#map || !this.#element('camera-show').checked;
+    box.hidden = !pane || !this.#map || !this.#is_current || !this.#element('camera-show').checked;
     if (box.hidden) return;
     for (const [name, value] of [['left', pane.x], ['top', pane.y], ['width', pane.width], ['height', pane.height]])
       box.style[name] = `${value}px`;
@@ -131,10 +169,12 @@ export class Camera {
   }
 
   async #save() {
+    const inputs = [0, 1, 2, 3].flatMap((i) => fields.map((field) => this.#input(field, i)));
+    if (!inputs.every((input) => input.reportValidity())) return;
     const points = [0, 1, 2, 3].map((i) => Object.fromEntries(fields.map((field) => {
       const { value } = this.#input(field, i);
       return [field, value === '' ? null : Number(value) / ('uv'.includes(field) ? percent : 1)];
     })));
-    await this.#link.call('camera.calibrate', { points }).then(() => this.begin(), () => {});
+    await this.#link.call('camera.calibrate', { points }).then(() => this.begin()).catch(() => {});
   }
 }

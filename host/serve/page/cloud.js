@@ -151,13 +151,13 @@ export class CloudView {
     }
   }
 
-  // There is a job, whose points may be shown: what a browser needs for WebGL takes up to a second, so
-  // it is begun as soon as the page has time.
+  // Creating the WebGL context takes up to 1 s, so the page does it while it is idle, as soon as the
+  // server has a job of points.
   prepare() {
     (window.requestIdleCallback ?? setTimeout)(() => this.#begin_painter());
   }
 
-  // Not with the page: the page is there sooner.
+  // Created late, so that the page itself loads faster.
   #begin_painter() {
     if (this.painter) return;
     this.painter = make_painter(this.#element('points'));

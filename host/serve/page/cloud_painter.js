@@ -95,7 +95,7 @@ class GlPainter extends Points {
     this.buffer = gl.createBuffer();
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.SCISSOR_TEST);
-    // Drivers finish the program at its first drawing: of one point, before there are others.
+    // Drivers compile the shaders at the first draw call, so one point is drawn before the others arrive.
     gl.useProgram(this.program);
     this.#fill(new Uint16Array(numbers_per_point));
     this.#use_buffer();

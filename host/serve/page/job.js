@@ -8,10 +8,10 @@ const clock = (seconds) => {
   return s < 60 ? text('time.s', { s }) : text('time.min-s', { min: Math.floor(s / 60), s: String(s % 60).padStart(2, '0') });
 };
 
-// "feed 110 %"
+// "feed 110 %"; a kind of speed that the table does not have stays as the server sent it.
 const speed_text = (speed) => {
   const [, what, percent] = /^(\w+) (\d+) %$/.exec(speed) ?? [];
-  return percent ? word('job-speed', what).replace('{percent}', percent) : speed;
+  return percent ? word('job-speed', what, speed).replace('{percent}', percent) : speed;
 };
 
 const is_job = (name) => /\.llj$/i.test(name);
@@ -22,6 +22,7 @@ export class Jobs {
   #cloud;
   #picture = '';
   #settings = [];  // of the material library
+  #checks = 0;     // the latest check; answers to earlier ones are dropped
 
   constructor(link, element, cloud, show_problem) {
     this.#link = link;
@@ -49,21 +50,24 @@ export class Jobs {
 
   get name() { return this.#element('jobs').value; }
   get #setting() { return this.#settings[this.#element('material').value]; }
-  // Parameters of a file that is checked or started: of a program with process parameters its material.
+  // Parameters of job.check and job.start: the file and, for a program with process parameters, the
+  // chosen material.
   get #file() {
     const { material, laser, operation } = this.#setting ?? {};
     if (this.#element('material-choice').hidden || !material) return { name: this.name };
-    const thickness = Number(this.#element('thickness').value);
-    return { name: this.name, material, laser, operation, ...(thickness > 0 && { thickness }) };
+    const { value } = this.#element('thickness');
+    return { name: this.name, material, laser, operation, ...(value !== '' && { thickness: Number(value) }) };
   }
 
   // Files that a machine can run, and those of which the page makes jobs.
   async list(chosen = this.name) {
     const files = await this.#link.call('job.list');
+    const before = this.name;
     const fill = (id, runs, value) => this.#element(id).replaceChildren(...files
       .filter(({ kind }) => runs === ['job', 'program'].includes(kind))
       .map(({ name }) => new Option(name, name, false, name === value)));
     fill('jobs', true, chosen);
+    if (this.name !== before) this.#change_file();  // the browser sends no event
     if (files.some(({ kind }) => kind === 'job')) this.#cloud.prepare();
     fill('models', false, files.some(({ name }) => name === chosen) ? chosen : this.#element('models').value);
   }
@@ -79,7 +83,7 @@ export class Jobs {
         continue;
       }
       await this.list(file.name);
-      this.#change_file();
+      this.#change_file();  // also a new version of the same file
       if (this.name === file.name) await this.check();
     }
     this.#element('file').value = '';
@@ -93,16 +97,20 @@ export class Jobs {
   }
 
   #change_file() {
+    ++this.#checks;
     this.#show_nothing();
     this.#element('material-choice').hidden = true;
     this.#element('material').replaceChildren();
   }
 
-  // The program has process parameters.
-  async #offer_materials() {
+  // Fills the list of materials: the program reads process parameters.
+  async #offer_materials(check) {
     const box = this.#element('material');
-    if (box.options.length > 0) return;
-    this.#settings = await this.#link.call('material.list').catch(() => []);
+    if (!this.#element('material-choice').hidden && this.#settings.length > 0) return;
+    const settings = await this.#link.call('material.list').catch(() => []);
+    if (check !== this.#checks) return;
+    this.#settings = settings;
+    if (settings.length === 0) this.show_problem(text('job.no-materials'));
     const name = (each) =>
       text(each.thickness === null ? 'job.setting' : 'job.setting-of', { ...each, operation: word('operation', each.operation) });
     box.replaceChildren(new Option(text('job.choose-material'), ''), ...this.#settings.map((each, i) => new Option(name(each), i)));
@@ -111,16 +119,19 @@ export class Jobs {
   }
 
   async check() {
-    if (!this.name) return;
+    if (!this.name || !this.#element('thickness').reportValidity()) return;
+    const own = ++this.#checks;
     this.#show_nothing();
     this.show_problem('');
     this.#element('checked').textContent = text('job.checking');
     this.#cloud.open(this.#file, is_job(this.name)).catch(() => {});
-    const result = await this.#link.call('job.check', this.#file).catch(({ code }) => {
-      if (code === needs_material) this.#offer_materials();
+    const result = await this.#link.call('job.check', this.#file).catch(async ({ code }) => {
+      if (code === needs_material && own === this.#checks) await this.#offer_materials(own);
     });
+    if (own !== this.#checks) return;
     if (!result) return this.#show_nothing();
-    if (result.material !== undefined) await this.#offer_materials();
+    if (result.material !== undefined) await this.#offer_materials(own);
+    if (own !== this.#checks) return;
     const facts = [result.points ? text('job.points', result) : text('job.lines', result)];
     if (result.seconds !== undefined) facts.push(clock(result.seconds));
     if (result.bounds) {
@@ -153,7 +164,6 @@ export class Jobs {
   async #delete() {
     if (!this.name) return;
     await this.#link.call('job.delete', { name: this.name });
-    this.#change_file();
     await this.list('');
   }
 

@@ -58,7 +58,7 @@ const link = new Link(take_token(), {
     if (!whole.control.held) link.tell('control.take');
     jobs.list();
     records.list_macros();
-    camera.begin();
+    camera.begin().catch(() => {});
     show();
   },
   down(problem) {

@@ -10,4 +10,6 @@ export const text = (name, values = {}) => table[name].replace(/\{(\w+)\}/g, (_,
 export const word = (group, code, other = code) => table[`${group}.${code.toLowerCase().replaceAll(' ', '-')}`] ?? other;
 
 // The message of an error of the server, which is in the language of the page if the error has a name.
-export const error_text = ({ message, data }) => data ? text(`error.${data.name}`, data.values) : message;
+// A server that is newer than the page may have others.
+export const error_text = ({ message, data }) =>
+  table[`error.${data?.name}`] === undefined ? message : text(`error.${data.name}`, data.values);
