@@ -48,6 +48,15 @@ std::unique_ptr<sim::TcpEndpoint> open_door(const std::string& port) {
   return open_tcp("--gdb " + port, port_alone ? "127.0.0.1:" + port : port);
 }
 
+void write_text(const std::string& file, const std::string& text) {
+  write_whole(file, [&text](const std::filesystem::path& path) {
+    std::ofstream out(path, std::ios::binary);
+    out << text;
+    out.close();
+    if (!out) throw Error(Exit::bad_input, path.string(), "cannot be written", "check the disk");
+  });
+}
+
 }  // namespace
 
 /// A file that is written while the chip runs.
@@ -78,12 +87,16 @@ ChipRun::ChipRun(const ChipRunOptions& options)
       pads_(chip_) {
   if (!options.script.empty())
     runner_ = std::make_unique<chip::script::Runner>(chip_, ports_, read_script(options.script));
-  for (const std::string& file : {options.vcd, options.profile})
+  for (const std::string& file : {options.vcd, options.profile, options.flash_use})
     if (!file.empty()) check_target(file);
   if (!options.vcd.empty()) trace_ = std::make_unique<Trace>(options.vcd, chip_);
   if (!options.profile.empty())
     for (std::size_t core = 0; core < profiles_.size(); ++core)
       profiles_[core] = std::make_unique<CoreProfile>(chip_.core(static_cast<int>(core)), image_);
+  if (!options.flash_use.empty()) {
+    flash_use_ = std::make_unique<chip::FlashUse>(options.flash_size);
+    chip_.xip().count_use(flash_use_.get());
+  }
   try {
     chip_.load(image_, options.image);
   } catch (const std::runtime_error& error) {
@@ -149,13 +162,9 @@ void ChipRun::finish() {
                   "check permissions and free space");
     trace_->file.commit();
   }
-  if (options_.profile.empty()) return;
-  write_whole(options_.profile, [this](const std::filesystem::path& path) {
-    std::ofstream out(path, std::ios::binary);
-    for (const auto& profile : profiles_) out << profile->ways.folded();
-    out.close();
-    if (!out) throw Error(Exit::bad_input, path.string(), "cannot be written", "check the disk");
-  });
+  if (!options_.profile.empty())
+    write_text(options_.profile, profiles_[0]->ways.folded() + profiles_[1]->ways.folded());
+  if (flash_use_) write_text(options_.flash_use, flash_use_->text());
 }
 
 }  // namespace lamplock::chip_tool

@@ -15,6 +15,7 @@
 #include <string>
 
 #include "sim/chip/chip.hpp"
+#include "sim/chip/fabric/flash_use.hpp"
 #include "sim/chip/image/image.hpp"
 #include "sim/chip/profile/function_table.hpp"
 #include "sim/chip/script/serial_ports.hpp"
@@ -38,7 +39,7 @@ namespace lamplock::chip_tool {
 
 /// Options of a run; empty: not used.
 struct ChipRunOptions {
-  std::string image{}, script{}, vcd{}, profile{};
+  std::string image{}, script{}, vcd{}, profile{}, flash_use{};
   std::string gdb{};  ///< [HOST:]PORT, 0 any free one
   bool step_every_clock = false;
   std::size_t flash_size = sim::chip::FlashChip::default_size;
@@ -71,7 +72,8 @@ class ChipRun {
   bool run_until(sim::Picoseconds until, const std::function<bool()>& is_cancelled);
   /// The time up to which the chip has run; its last instructions may end later.
   sim::Picoseconds now() const { return reached_; }
-  /// Writes the trace and the profile to their files. Throws Error(bad_input).
+  /// Writes the trace, the profile and the use of the flash to their files. Throws
+  /// Error(bad_input).
   void finish();
 
   const sim::chip::FunctionTable& functions() const { return functions_; }
@@ -105,6 +107,7 @@ class ChipRun {
   sim::chip::PadCounter pads_;
   std::unique_ptr<sim::chip::script::Runner> runner_;
   std::unique_ptr<Trace> trace_;
+  std::unique_ptr<sim::chip::FlashUse> flash_use_;
   std::array<std::unique_ptr<CoreProfile>, 2> profiles_;
   std::unique_ptr<sim::TcpEndpoint> door_;
   std::unique_ptr<sim::chip::gdb::Server> debugger_;

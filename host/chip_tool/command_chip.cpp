@@ -261,6 +261,11 @@ void add_chip(Command& program) {
                  "print a table")
       .value_name("FILE")
       .file(cli::FileUse::write, ".txt");
+  app.add_option("--flash-use", &options->run.flash_use,
+                 "Write how often each line of 8 bytes of the flash was visited and missed the "
+                 "cache (docs/chip-simulator.md)")
+      .value_name("FILE")
+      .file(cli::FileUse::write, ".txt");
   app.add_option("--pty", &options->pty,
                  "Open a pseudo-terminal for the USB serial port of the image and run in real "
                  "time; --pty=LINK creates a link to the pseudo-terminal")

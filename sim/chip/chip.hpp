@@ -90,6 +90,7 @@ class Chip final : private ClockListener, private TickListener {
   Gpio& gpio() { return gpio_; }
   Core& core(int id) { return cores_[static_cast<std::size_t>(id)]; }
   FlashChip& flash() { return flash_; }
+  Xip& xip() { return xip_; }
   BootRom& rom() { return rom_; }
   System& system() { return system_; }
   UsbController& usb() { return usb_; }

@@ -22,6 +22,26 @@ TEST_F(XipTest, AMissTakesTheTransferOfALineAndAHitNothing) {
   }
 }
 
+TEST_F(XipTest, UseOfTheFlashCountsVisitsAndMissesOfLines) {
+  FlashUse use(flash_.storage().size());
+  wait(cached + 0x100);  // before the count
+  xip_.count_use(&use);
+  wait(cached + 0x100);
+  wait(cached + 0x104);  // the same visit
+  wait(cached + 0x108, Master::core1);
+  wait(cached + 0x100);  // the same visit of core 0
+  wait(cached + 0x208);
+  wait(cached + 0x100);
+  wait(no_cache + 0x100);  // the same line of the flash
+  xip_.count_use(nullptr);
+  wait(cached + 0x300);
+  EXPECT_EQ(use.text(),
+            "# address visits misses\n"
+            "0x10000100 2 1\n"
+            "0x10000108 1 1\n"
+            "0x10000208 1 1\n");
+}
+
 TEST_F(XipTest, NarrowReadsTakeTheirBytes) {
   wait(cached + 0x100);
   for (std::uint32_t i = 0; i < 8; ++i) {

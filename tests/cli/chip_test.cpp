@@ -220,6 +220,19 @@ TEST(Chip, the_profile_has_every_cycle) {
   EXPECT_THAT(done.err, HasSubstr("function (by itself)"));
 }
 
+TEST(Chip, the_use_of_the_flash_has_the_lines_of_the_program) {
+  const Folder folder;
+  const std::string image = folder.write("pins.bin", bytes(pin_image()));
+  const Finished done =
+      run({"chip", image, "--until", "20ms", "--json", "--flash-use", folder / "a.txt"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  const std::vector<std::string> rows = lines(read(folder / "a.txt"));
+  ASSERT_GT(rows.size(), 1u);
+  EXPECT_EQ(rows[0], "# address visits misses");
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    EXPECT_THAT(rows[i], MatchesRegex("0x10[0-9a-f]{6} [1-9][0-9]* [0-9]+"));
+}
+
 TEST(Chip, shows_what_the_uart_sends) {
   const Folder folder;
   const std::string image = folder.write("uart.bin", bytes(uart_image()));

@@ -70,6 +70,8 @@ Access XipMemory::read(std::uint32_t address, Width width, Master master, Cycle 
       std::memcpy(line, source, XipCache::line_size);
     }
   }
+  if (use_ != nullptr)
+    use_->read(address & static_cast<std::uint32_t>(flash_.size() - 1), master, hit);
   Access access;
   std::memcpy(&access.value, source + (address - first), static_cast<std::size_t>(width));
   access.wait = occupy(master, at, transfer);

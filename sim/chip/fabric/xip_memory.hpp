@@ -14,6 +14,7 @@
 #include <span>
 
 #include "sim/chip/fabric/bus.hpp"
+#include "sim/chip/fabric/flash_use.hpp"
 #include "sim/chip/fabric/peripheral.hpp"
 #include "sim/chip/fabric/xip_cache.hpp"
 #include "sim/chip/fabric/xip_stream.hpp"
@@ -53,6 +54,8 @@ class XipMemory {
   /// The flash itself at an address; empty while the SSI cannot read it.
   std::span<std::uint8_t> flash_at(std::uint32_t address) const;
   XipCache& cache() { return cache_; }
+  /// Counts the reads from now on; null: none.
+  void count_use(FlashUse* use) { use_ = use; }
 
   /// The tags are cleared one set a cycle: "just over 1024 clock cycles" (2.6.3.2).
   static constexpr Cycle flush_cycles = XipCache::set_count;
@@ -65,6 +68,7 @@ class XipMemory {
   XipStream& stream_;
   NotModelled not_modelled_;
   XipCache cache_;
+  FlashUse* use_ = nullptr;
   bool readable_ = false;
   bool enabled_ = true;
   bool bad_write_fault_ = true;

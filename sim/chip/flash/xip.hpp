@@ -28,6 +28,8 @@ class Xip {
   QspiPins& pins() { return pins_; }
   /// Connects the requests to the DMA.
   void connect(DreqLines& dreqs);
+  /// Counts the reads of the flash through the XIP window from now on; null: none.
+  void count_use(FlashUse* use) { memory_.count_use(use); }
 
   /// SSI and XIP_CTRL take their reset values; the pins have a reset of their own (RESETS).
   void reset();
