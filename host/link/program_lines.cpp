@@ -51,13 +51,32 @@ void each_word(std::string_view line, char letter, Use use) {
       if (const auto number = number_at(line.substr(i + 1))) use(*number);
 }
 
+/// The texts of the comments in brackets that are closed; a `$` line has none.
+std::vector<std::string_view> comments_of(std::string_view line) {
+  std::vector<std::string_view> comments;
+  if (trimmed(line).starts_with('$')) return comments;
+  while (true) {
+    const auto start = line.find_first_of("(;");
+    if (start == std::string_view::npos || line[start] == ';') return comments;
+    const auto end = line.find(')', start);
+    if (end == std::string_view::npos) return comments;
+    comments.push_back(line.substr(start + 1, end - start - 1));
+    line.remove_prefix(end + 1);
+  }
+}
+
+std::string in_lower_case(std::string_view text) {
+  std::string lower(text);
+  std::ranges::transform(lower, lower.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  });
+  return lower;
+}
+
 /// A message for the user, which a board reports.
 bool is_message(std::string_view comment) {
   comment = trimmed(comment);
-  std::string kind(comment.substr(0, comment.find(',')));
-  std::ranges::transform(kind, kind.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
-  });
+  const std::string kind = in_lower_case(comment.substr(0, comment.find(',')));
   return kind.size() < comment.size() && (kind == "msg" || kind == "debug" || kind == "print");
 }
 
@@ -65,14 +84,7 @@ bool is_message(std::string_view comment) {
 /// that it would execute as real-time commands.
 std::string messages_of(std::string_view line) {
   std::string messages;
-  if (trimmed(line).starts_with('$')) return messages;
-  while (true) {
-    const auto start = line.find_first_of("(;");
-    if (start == std::string_view::npos || line[start] == ';') return messages;
-    const auto end = line.find(')', start);
-    if (end == std::string_view::npos) return messages;
-    const std::string_view comment = line.substr(start + 1, end - start - 1);
-    line.remove_prefix(end + 1);
+  for (const std::string_view comment : comments_of(line)) {
     if (!is_message(comment)) continue;
     messages += '(';
     for (const char c : comment)
@@ -80,15 +92,13 @@ std::string messages_of(std::string_view line) {
     if (messages.size() > wire::max_line - 2) messages.resize(wire::max_line - 2);
     messages += ')';
   }
+  return messages;
 }
 
 /// A comment that opens or closes a probe log, as LinuxCNC has them.
 bool is_log_comment(std::string_view comment) {
   constexpr std::string_view blanks = " \t";
-  std::string word(comment.substr(0, comment.find_first_of(blanks)));
-  std::ranges::transform(word, word.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
-  });
+  const std::string word = in_lower_case(comment.substr(0, comment.find_first_of(blanks)));
   return word == "probeopen" || (word == "probeclose" && word.size() == comment.size());
 }
 
@@ -112,18 +122,13 @@ void check_log(std::string_view comment, const std::string& where) {
 /// The comments of a line about probe logs.
 std::vector<std::string> logs_of(std::string_view line, const std::string& where) {
   std::vector<std::string> logs;
-  if (trimmed(line).starts_with('$')) return logs;
-  while (true) {
-    const auto start = line.find_first_of("(;");
-    if (start == std::string_view::npos || line[start] == ';') return logs;
-    const auto end = line.find(')', start);
-    if (end == std::string_view::npos) return logs;
-    const std::string_view comment = trimmed(line.substr(start + 1, end - start - 1));
-    line.remove_prefix(end + 1);
+  for (const std::string_view each : comments_of(line)) {
+    const std::string_view comment = trimmed(each);
     if (!is_log_comment(comment)) continue;
     check_log(comment, where);
     logs.emplace_back(comment);
   }
+  return logs;
 }
 
 /// A board reports no message of a line of assignments alone.

@@ -153,13 +153,14 @@ LoggedPlace ProbeAnswers::place() {
   for (std::size_t a = 0; a < offset.size(); ++a) offset[a] += is_shifted ? shift[a] : 0;
   offset[tool_axis] += tool_e7;
 
-  const program::Rotation rotation = modal.rotation;
+  const program::Rotation system = parameters_.rotation_of(modal.system), own = modal.rotation;
+  const program::Rotations rotations{system, own};
   const bool inches = modal.inches;
   Place now = place_of(first_, work_values, inches);
   for (std::size_t a = 0; a < now.size(); ++a) now[a] += offset[a];
-  interpreter_.set_position(rotation.turned(now));
+  interpreter_.set_position(rotations.turned(now));
 
-  const Place contact = rotation.turned_back(place_of(first_, contact_values));
+  const Place contact = rotations.turned_back(place_of(first_, contact_values));
   const auto unit = static_cast<double>(inches ? program::inch_e7 : program::one_e7);
   LoggedPlace place{};
   for (std::size_t a = 0; a < contact.size(); ++a)

@@ -132,8 +132,8 @@ class LineInState {
 
   std::optional<LineFault> of_offsets(const ProgramWord& word) const {
     if (word.letter == 'R')
-      return LineFault{fmt::format("{}: coordinate systems have no rotation", quoted()),
-                       "rotate the program with G68 R"};
+      return LineFault{fmt::format("{}: only G10 L1, L10, L11 and L2 have an R word", quoted()),
+                       "rotate the coordinate system with G10 L2 P R"};
     if (word.letter == 'L')
       return LineFault{fmt::format("{}: G10 has L1, L2, L10, L11 and L20", quoted()),
                        "correct the number"};

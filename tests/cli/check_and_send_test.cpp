@@ -174,8 +174,8 @@ TEST(CheckAndSend, NameWhatExcludesAWord) {
             ":5: error:20 'G5.1': curves of G5 to G5.3 are in the plane of G17", "; write G17"},
            {"G93 G81 X1 Z-1 R1 F1", ":5: error:20 'G81': a cycle has no time of its own",
             "; write G94"},
-           {"G10 L2 P1 R10", ":11: error:20 'R10': coordinate systems have no rotation",
-            "; rotate the program with G68 R"},
+           {"G10 L20 P1 R10", ":12: error:20 'R10': only G10 L1, L10, L11 and L2 have an R word",
+            "; rotate the coordinate system with G10 L2 P R"},
            {"G10 L3 P1 X1", ":5: error:20 'L3': G10 has L1, L2, L10, L11 and L20", "; correct"},
        })
     expect_both_refuse(c.lines + "\n",
@@ -271,7 +271,7 @@ TEST(CheckAndSend, LinesAfterTheEndAreRun) {
     EXPECT_NEAR(whole["feed_mm"].get<double>(), 40, 1e-9);
     EXPECT_NEAR(whole["low_mm"][0].get<double>(), -20, 1e-9);
     EXPECT_NEAR(whole["time_s"].get<double>(),
-                seen(before + "G4 P0\n" + after)["time_s"].get<double>(), 1e-3);
+                seen(fmt::format("{}G4 P0\n{}", before, after))["time_s"].get<double>(), 1e-3);
     EXPECT_EQ(whole["ended"], true);
     expect_both_refuse(fmt::format("{}{}\nG1 X1 X2 F100\n", before, end), ":4",
                        "the word occurs twice");

@@ -180,6 +180,23 @@ TEST_F(ProbeLogs, RotationRoundAProbedPlace) {
   EXPECT_NEAR(place[1], 1, 1.01e-6);
 }
 
+/// A probe within a rotated system; its origin is entered at a contact, and G68 turns it further.
+TEST_F(ProbeLogs, RotatedSystems) {
+  EXPECT_THAT(run("G10 L2 P1 R90\nG0 X2 Y1\n(probeopen a)\nG38.2 Z-10 F600\nG0 Z0\n(probeclose)\n"
+                  "G10 L20 P1 X0 Y0\nG10 L2 P1 R30\nG0 X3 Y2\n(probeopen b)\nG38.2 Z-10\nG0 Z0\n"
+                  "(probeclose)\nG68 X0 Y0 R20\nG0 X-2 Y4\n(probeopen c)\nG38.2 Z-10\n"),
+              IsEmpty());
+  constexpr double half_step_mm = 0.51 / steps_per_mm;
+  const auto expect = [&](const char* name, double x, double y) {
+    const auto place = only_place(lines_of(name));
+    EXPECT_NEAR(place[0], x, 2 * half_step_mm) << name;
+    EXPECT_NEAR(place[1], y, 2 * half_step_mm) << name;
+  };
+  expect("a", 2, 1);
+  expect("b", 3, 2);
+  expect("c", -2, 4);
+}
+
 TEST_F(ProbeLogs, RefusedProbesHaveNoLine) {
   EXPECT_THAT(run("(probeopen a)\nG38.2 Z-10 F600\nG0 Z0\nG38.2 Z0\nG38.2 Z-10\n", true),
               IsEmpty());

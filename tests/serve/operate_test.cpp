@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <list>
 
 #include "tests/serve/running_server.hpp"
@@ -248,20 +249,25 @@ TEST(Stop, under_a_flood_of_another_client) {
   EXPECT_EQ(server.wait_for_end(), "stopped");
 }
 
-/// Runs a program with and without clients; the ratio of the times.
+/// Runs a program with and without clients; the ratio of the times. Each is the shortest of three:
+/// the sender sees the end of a program by status reports, up to 0.2 s after it.
 TEST(Clients, that_are_frozen_do_not_slow_the_sender) {
   RunningServer server;
   std::string text = "G21G90G0X-20\nG91\n";
-  for (int i = 0; i < 4000; ++i)
+  for (int i = 0; i < 2000; ++i)
     text += fmt::format("G1X0.01Y{}F60000\n", i % 50 < 25 ? 0.01 : -0.01);
   server.add_file("short.ngc", text);
   RawClient client = server.client("client");
   client.call("control.take");
   const auto seconds = [&] {
-    const std::int64_t at = now_us();
-    client.call("job.start", {{"name", "short.ngc"}});
-    EXPECT_EQ(server.wait_for_end(), "done");
-    return static_cast<double>(now_us() - at) / 1e6;
+    double shortest = std::numeric_limits<double>::infinity();
+    for (int runs = 0; runs < 3; ++runs) {
+      const std::int64_t at = now_us();
+      client.call("job.start", {{"name", "short.ngc"}});
+      EXPECT_EQ(server.wait_for_end(), "done");
+      shortest = std::min(shortest, static_cast<double>(now_us() - at) / 1e6);
+    }
+    return shortest;
   };
   const double alone = seconds();
   std::list<RawClient> watchers;

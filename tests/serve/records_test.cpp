@@ -39,7 +39,8 @@ TEST(Macros, are_kept_by_the_server_and_sent_as_lines) {
   EXPECT_NEAR(server.machine().view().board.machine_mm.at(0), 3, 0.01);
   EXPECT_NEAR(server.machine().view().board.machine_mm.at(1), 2, 0.01);
   EXPECT_EQ(error_of(client.call("macro.remove", {{"name", "zero"}})), "");
-  EXPECT_THAT(error_of(client.call("macro.run", {{"name", "zero"}})), HasSubstr("is not there"));
+  EXPECT_THAT(error_of(client.call("macro.run", {{"name", "zero"}})),
+              HasSubstr("there is no macro of this name"));
   EXPECT_EQ(client.call("job.list")["result"].size(), 0u) << "macros are no files of clients";
 }
 
