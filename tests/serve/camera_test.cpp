@@ -66,7 +66,8 @@ TEST(JpegStream, HasThePicturesHoweverTheBytesCome) {
                               seed),
                   ElementsAre(one, two, three));
     const std::string head = "HTTP/1.1 200 OK\r\ncontent-type: image/jpeg\r\n";
-    EXPECT_THAT(pictures_of(head + "\r\n" + two, seed), ElementsAre(two)) << "until it is closed";
+    EXPECT_THAT(pictures_of(fmt::format("{}\r\n{}", head, two), seed), ElementsAre(two))
+        << "until it is closed";
     EXPECT_THAT(
         pictures_of(fmt::format("{}Content-Length: {} \r\n\r\n{}more", head, two.size(), two),
                     seed),
