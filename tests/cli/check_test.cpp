@@ -98,9 +98,9 @@ TEST(Check, LengthsAreThoseOfTheChords) {
     const std::string machine =
         folder.write("m.toml", fmt::format("arc_tolerance = {}\n", tolerance_mm));
     const double feed_mm = check(file, {"--machine", machine})["feed_mm"].get<double>();
-    const double most_mm = circle_mm * tolerance_mm / (3 * radius_mm);
-    EXPECT_LE(circle_mm - feed_mm, most_mm * 1.01) << tolerance_mm;
-    EXPECT_GE(circle_mm - feed_mm, most_mm / 2) << tolerance_mm;
+    const double max_difference_mm = circle_mm * tolerance_mm / (3 * radius_mm);
+    EXPECT_LE(circle_mm - feed_mm, max_difference_mm * 1.01) << tolerance_mm;
+    EXPECT_GE(circle_mm - feed_mm, max_difference_mm / 2) << tolerance_mm;
   }
   EXPECT_THAT(run({"check", "--help"}).out, HasSubstr("along the chords"));
 }
