@@ -1,5 +1,7 @@
 #include "host/run/cut_files.hpp"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -39,9 +41,25 @@ std::string page_of(const CutMade& made, const std::string& picture) {
   return cut_page(std::move(page), made.operations, made.program, made.result);
 }
 
+/// A description is a job, which is run from its first cut, with light. A rerun of one that was
+/// saved beside these options would have light that its user does not expect.
+void check_saved_options(const CutRequest& request) {
+  if (request.save.empty()) return;
+  const auto refuse_if = [](bool is_given, const char* option) {
+    if (!is_given) return;
+    throw Error(
+        Exit::bad_input, option, "is not saved in a description",
+        fmt::format("leave it out beside --save, and give {} with the description", option));
+  };
+  refuse_if(request.is_dry, "--dry");
+  refuse_if(request.is_frame, "--frame");
+  refuse_if(request.first != 1, "--from");
+}
+
 }  // namespace
 
 void check_cut_outputs(const CutRequest& request) {
+  check_saved_options(request);
   const DrawingChoice& drawing = request.description.drawing;
   check_distinct(
       {{"-o", request.output},

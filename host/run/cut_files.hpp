@@ -14,7 +14,8 @@
 namespace lamplock::run {
 
 /// Proves before the work that the files can be written. Throws Error(bad_input), also for names
-/// of another kind and for two outputs of one name.
+/// of another kind, for two outputs of one name, and for a description beside options that it does
+/// not have: a dry run, a frame, a first cut.
 void check_cut_outputs(const CutRequest& request);
 
 struct CutMade {
