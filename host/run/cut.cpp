@@ -19,6 +19,7 @@
 #include "host/run/cut_files.hpp"
 #include "host/run/cut_machine_checks.hpp"
 #include "host/run/cut_material.hpp"
+#include "host/run/cut_places.hpp"
 #include "host/run/frame.hpp"
 #include "host/run/machine_options.hpp"
 #include "host/run/prepare.hpp"
@@ -90,7 +91,7 @@ Prepared prepare_cut(const CutDescription& description, Frontend& frontend) {
   Prepared prepared{read_cut_drawing(description), {}};
   CutDrawing& drawing = prepared.drawing;
   const std::vector<Operation> bare = bare_operations(description);
-  cutting::place_shapes(drawing.shapes, bare);
+  place_cut_shapes(drawing.shapes, description);
   CutResult& result = prepared.result;
   for (std::size_t i = 0; i < drawing.shapes.size(); ++i)
     result.shapes.push_back(shape_row(drawing.shapes[i], drawing.layers[i], bare, description));
@@ -272,6 +273,8 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   else if (post.machine != MachineType::knife)
     require_power(operations, post.machine, profile.settings);
   for (const std::string& text : operation_warnings(operations, post, profile.settings))
+    warn(text, frontend, result);
+  for (const std::string& text : place_warnings(drawing.shapes, operations, description))
     warn(text, frontend, result);
   CutPlan plan =
       cutting::plan_cuts(drawing.shapes, operations, {0, 0}, order_of(description.machine));

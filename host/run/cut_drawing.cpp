@@ -168,10 +168,16 @@ bool is_worked(const CutDescription& description, const std::optional<std::size_
          description.operations[*operation].kind != "ignore";
 }
 
-/// The map that puts the edges of what is worked where the description says.
-geometry::Affine place_of(const DrawingChoice& drawing, const model::Curves& worked) {
+/// Operations that are off count for the place of a drawing: the runs of its operations one after
+/// the other fit together.
+bool is_placed(const CutDescription& description, const std::optional<std::size_t>& operation) {
+  return operation && description.operations[*operation].kind != "ignore";
+}
+
+/// The map that puts the edges of what has an operation where the description says.
+geometry::Affine place_of(const DrawingChoice& drawing, const model::Curves& placed) {
   if (!drawing.x_mm && !drawing.y_mm) return {};
-  const geometry::Bounds box = model::bounds(worked);
+  const geometry::Bounds box = model::bounds(placed);
   return geometry::moved(drawing.x_mm ? *drawing.x_mm - box.low.x : 0,
                          drawing.y_mm ? *drawing.y_mm - box.low.y : 0, 0);
 }
@@ -321,21 +327,22 @@ CutDrawing read_cut_drawing(const CutDescription& description) {
   const Choice choice(description, curves);
   std::map<JoinGroup, std::uint32_t> numbers;
   std::vector<JoinGroup> groups;
-  model::Curves worked;
-  std::vector<model::Path> paths;
+  model::Curves placed;
+  bool has_work = false;
   for (model::Path& path : curves.paths) {
     const JoinGroup group{path.layer, choice.of(path)};
     const auto [entry, is_new] =
         numbers.try_emplace(group, static_cast<std::uint32_t>(groups.size()));
     if (is_new) groups.push_back(group);
     path.layer = entry->second;
-    if (is_worked(description, group.operation)) worked.paths.push_back(path);
+    if (is_placed(description, group.operation)) placed.paths.push_back(path);
+    has_work = has_work || is_worked(description, group.operation);
   }
-  if (worked.paths.empty())
+  if (!has_work)
     throw Error(Exit::bad_input, drawing.file,
                 "no curve of the drawing has an operation that is on",
                 "choose other layers or colours; the option --list shows them");
-  curves = transformed(std::move(curves), place_of(drawing, worked));
+  curves = transformed(std::move(curves), place_of(drawing, placed));
   cutting::JoinOptions joining{drawing.tolerance_mm, model::flat_mm};
   for (const JoinGroup& group : groups)  // curves without an operation are duplicates of each other
     joining.duplicate_groups.push_back(group.operation.value_or(description.operations.size()));

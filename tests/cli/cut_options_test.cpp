@@ -63,5 +63,69 @@ TEST_F(CutOptions, a_description_does_not_lose_a_dry_run) {
   EXPECT_THAT(read(program_), Not(HasSubstr("S800")));
 }
 
+/// Holes of radius 4 in squares on another layer.
+class CutOperations : public CutOptions {
+ protected:
+  /// The program of the holes. `others`: lines of the operation of the squares; empty: no
+  /// operation.
+  Finished cut_holes(const std::string& others, const std::string& drawing = "") const {
+    const std::string operations =
+        "[[operation]]\nlayers = [\"IN\"]\nname = \"holes\"\npower = 80\nfeed = 600\n"
+        "kerf = 0.2\n" +
+        (others.empty() ? others : "[[operation]]\nlayers = [\"OUT\"]\n" + others);
+    const std::string job =
+        folder_.write("job.toml", "[drawing]\nfile = \"part.dxf\"\n" + drawing + operations);
+    return run({"cut", job, "-o", program_, "--json"});
+  }
+  json document(const Finished& finished) const {
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    return json::parse(finished.out, nullptr, false);
+  }
+  void SetUp() override {
+    draw(dxf_rectangle(0, 0, 20, 20, "OUT") + dxf_circle(10, 10, 4, "IN") +
+         dxf_rectangle(25, 0, 20, 20, "OUT") + dxf_circle(35, 10, 4, "IN"));
+  }
+  static constexpr double two_holes_mm = 2 * 2 * 3.14159265358979 * 3.9;
+};
+
+TEST_F(CutOperations, one_that_is_off_does_not_turn_holes_into_parts) {
+  for (const char* kind : {"cut", "score", "engrave"}) {
+    const json on =
+        document(cut_holes(fmt::format("power = 10\nfeed = 600\nkind = \"{}\"\n", kind)));
+    const json off = document(cut_holes(fmt::format("off = true\nkind = \"{}\"\n", kind)));
+    EXPECT_EQ(on["shapes"][1]["kind"], off["shapes"][1]["kind"]) << kind;
+  }
+  const json off = document(cut_holes("off = true\n"));
+  EXPECT_EQ(off["shapes"][1]["kind"], "hole");
+  EXPECT_NEAR(off["cut_mm"].get<double>(), two_holes_mm, 1e-3);
+  EXPECT_THAT(off["warnings"].dump(), Not(HasSubstr("holes:")));
+}
+
+TEST_F(CutOperations, one_that_is_off_does_not_move_the_others) {
+  const std::string drawing = "x = -10\ny = -10\n";
+  const json on = document(cut_holes("power = 10\nfeed = 600\n", drawing));
+  const json off = document(cut_holes("off = true\n", drawing));
+  EXPECT_EQ(on["shapes"][1]["bounds"], off["shapes"][1]["bounds"]);
+}
+
+TEST_F(CutOperations, contours_that_do_not_count_are_named_where_they_decide_the_side) {
+  for (const char* others : {"", "kind = \"ignore\"\n"}) {
+    const json made = document(cut_holes(others));
+    EXPECT_THAT(made["warnings"].dump(),
+                HasSubstr("holes: 2 contours are cut as parts, the first is the contour of 25.133 "
+                          "mm at (10.000, 10.000)"));
+    EXPECT_THAT(made["warnings"].dump(), HasSubstr("give compensation inside"));
+  }
+  const auto warnings = [&](const Arguments& more) {
+    Arguments all = more;
+    all.emplace_back("--json");
+    return document(cut(all))["warnings"].dump();
+  };
+  EXPECT_THAT(warnings({"--layer", "IN"}), Not(HasSubstr("do not count")))
+      << "without a kerf and leads the side does not matter";
+  EXPECT_THAT(warnings({"--layer", "OUT", "--kerf", "0.2"}), Not(HasSubstr("do not count")))
+      << "a part is one, whatever is in it";
+}
+
 }  // namespace
 }  // namespace lamplock::cli::test::cut_options
