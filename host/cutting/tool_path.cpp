@@ -62,6 +62,43 @@ Edge swivelled(const Edge& edge, double offset_mm) {
   return {first, edge.to + direction_at(edge, 1) * offset_mm, {}, 0};
 }
 
+[[noreturn]] void refuse_profile(const Vec& at, const char* what, const char* remedy) {
+  throw Error(Exit::bad_input, "lathe",
+              fmt::format("the contour at ({:.3f}, {:.3f}) {}", at.x, at.y, what), remedy);
+}
+
+/// Refuses what a turning tool would follow through the workpiece. Everything outside of a profile
+/// is turned off, so it has one radius at each place along the axis.
+void require_profile(const Stroke& stroke) {
+  // A contour that begins on the axis is on it to the rounding of drawings.
+  constexpr double slack_mm = 1e-6;
+  // Ends that are joined differ by the tolerance of the drawing, 0.01 mm without another one.
+  constexpr double max_back_mm = 0.01;
+  const Vec begin = stroke.front().edge.from, end = stroke.back().edge.to;
+  constexpr const char* how = "draw the profile from one end of the workpiece to the other";
+  if (distance(begin, end) <= max_back_mm)
+    refuse_profile(begin, "is closed, and the tool would cut through the workpiece", how);
+  // Along the axis in the direction of the stroke.
+  const bool is_forward = end.x >= begin.x;
+  double farthest = is_forward ? begin.x : -begin.x;
+  const auto refuse_back = [&](const Vec& at) {
+    refuse_profile(at, "goes back along the axis, and the tool would cut into the workpiece", how);
+  };
+  for (const CutMove& move : stroke) {
+    const Edge& edge = move.edge;
+    const Box box = box_of(edge);
+    if (box.low.y < -slack_mm)
+      refuse_profile(box.low, "is beyond the axis of rotation",
+                     "draw the contour above the axis, which is y = 0");
+    if (edge.is_line() && box.high.y <= slack_mm && length_of(edge) > slack_mm)
+      refuse_profile(edge.from, "runs along the axis of rotation, where no workpiece would remain",
+                     how);
+    if ((is_forward ? box.low.x : -box.high.x) < farthest - max_back_mm) refuse_back(edge.from);
+    farthest = std::max(farthest, is_forward ? box.high.x : -box.low.x);
+  }
+  if ((is_forward ? end.x : -end.x) < farthest - max_back_mm) refuse_back(end);
+}
+
 }  // namespace
 
 std::vector<ToolMove> mill_path(const Stroke& stroke, const PassHeights& pass,
@@ -111,18 +148,11 @@ std::vector<ToolMove> knife_path(const Stroke& stroke, const PassHeights& pass,
 
 std::vector<ToolMove> lathe_path(const Stroke& stroke, const PassHeights& pass,
                                  const Tooling& tooling) {
-  // A contour that begins on the axis is on it to the rounding of drawings.
-  constexpr double slack_mm = 1e-6;
+  require_profile(stroke);
   const Vec away{0, pass.to_mm - pass.final_mm + tooling.away_mm};
   std::vector<ToolMove> moves;
   for (const CutMove& move : stroke) {
     Edge edge = move.edge;
-    const Box box = box_of(edge);
-    if (box.low.y < -slack_mm)
-      throw Error(Exit::bad_input, "lathe",
-                  fmt::format("the contour at ({:.3f}, {:.3f}) is beyond the axis of rotation",
-                              box.low.x, box.low.y),
-                  "draw the contour above the axis, which is y = 0");
     edge.from = edge.from + away;
     edge.to = edge.to + away;
     edge.centre = edge.centre + away;

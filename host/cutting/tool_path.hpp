@@ -52,7 +52,8 @@ std::vector<ToolMove> knife_path(const Stroke& stroke, const PassHeights& pass,
 
 /// The stroke is a contour whose x is along the axis of rotation and whose y is the radius. Passes
 /// before the last one are farther from the axis by what remains of the depth. Throws
-/// Error(bad_input) for a contour beyond the axis.
+/// Error(bad_input) for a contour beyond the axis or along it, a closed one, and one that goes back
+/// in x.
 std::vector<ToolMove> lathe_path(const Stroke& stroke, const PassHeights& pass,
                                  const Tooling& tooling);
 

@@ -182,8 +182,38 @@ TEST(tool_path, a_program_of_a_lathe_line_by_line) {
   // Two passes: the first one is 0.5 mm farther outside.
   EXPECT_THAT(program_of(shaft, tool_operation({-0.5, -1}), "lathe", {}),
               HasSubstr("G0 X41\nG0 Z0\nG1 X1 F300\nG1 X21\n"));
-  const Contour beyond{{{{0, -1}, {10, 5}, {}, 0}}, false};
-  EXPECT_THROW(program_of(beyond, tool_operation({}), "lathe", {}), Error);
+}
+
+/// The message about a contour that is turned; empty if there is none.
+std::string lathe_error(const std::vector<Edge>& edges, bool is_closed = false) {
+  try {
+    program_of({edges, is_closed}, tool_operation({-0.6, -1.2}), "lathe", {});
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+TEST(tool_path, a_lathe_turns_profiles_alone) {
+  const auto line = [](Vec from, Vec to) { return Edge{from, to, {}, 0}; };
+  EXPECT_THAT(lathe_error({line({0, -1}, {10, 5})}), HasSubstr("beyond the axis"));
+  const std::vector<Edge> square{line({0, 0}, {0, 10}), line({0, 10}, {-10, 10}),
+                                 line({-10, 10}, {-10, 0}), line({-10, 0}, {0, 0})};
+  EXPECT_THAT(lathe_error(square, true), HasSubstr("is closed, and the tool would cut through"));
+  EXPECT_THAT(lathe_error({square.begin() + 1, square.end()}), HasSubstr("runs along the axis"));
+  EXPECT_THAT(lathe_error({square[3], square[0], square[1]}), HasSubstr("along the axis"));
+  EXPECT_EQ(lathe_error({square[0], square[1], square[2]}), "") << "turned and cut off";
+  // A groove that is wider at its bottom, in both directions.
+  for (const double side : {-1.0, 1.0})
+    EXPECT_THAT(lathe_error({line({0, 10}, {side * 10, 10}), line({side * 10, 10}, {side * 9, 5}),
+                             line({side * 9, 5}, {side * 20, 5})}),
+                HasSubstr("goes back along the axis"));
+  // A ball at the end is a profile up to its widest place, and none beyond it or beside it.
+  EXPECT_EQ(lathe_error({arc_from({0, 0}, {10, 0}, pi / 2)}), "");
+  EXPECT_EQ(lathe_error({arc_from({0, 0}, {10, 0}, pi)}), "") << "the whole ball";
+  EXPECT_THAT(lathe_error({arc_from({0, 12}, {0, 2}, pi)}), HasSubstr("goes back"));
+  EXPECT_THAT(lathe_error({arc_from({0, 12}, {0, 22}, pi), line({0, 2}, {-5, 2})}),
+              HasSubstr("goes back"));
 }
 
 }  // namespace
