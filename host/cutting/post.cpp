@@ -38,16 +38,17 @@ class ProgramWriter {
     comment(frame_.title);
     write(PostEvent::begin);
     for (std::size_t i = 0; i < plan_.cuts.size(); ++i) {
-      first_lines_.push_back(lines_ + 1);
+      numbers_.first.push_back(lines_ + 1);
       write_cut(i);
     }
+    numbers_.end = lines_ + 1;
     if (post_.machine != MachineType::laser) leave();
     if (has_air_) write(PostEvent::air_off);
     write(PostEvent::end);
     return std::move(text_);
   }
-  /// Of each cut, after text().
-  const std::vector<std::size_t>& first_lines() const { return first_lines_; }
+  /// Of its lines, after text().
+  const ProgramLines& numbers() const { return numbers_; }
 
  private:
   void write(PostEvent event) { lines_ += templates_.append(event, text_); }
@@ -283,7 +284,7 @@ class ProgramWriter {
   const double scale_ = std::pow(10, post_.decimals);  ///< of positions
   std::string text_;
   std::size_t lines_ = 0;
-  std::vector<std::size_t> first_lines_;
+  ProgramLines numbers_;
   std::optional<Vec> at_;
   std::optional<std::size_t> operation_;
   double power_ = 0;  ///< of the last line for it
@@ -295,11 +296,10 @@ class ProgramWriter {
 }  // namespace
 
 std::string cut_program(const CutPlan& plan, const std::vector<Operation>& operations,
-                        const Post& post, const ProgramFrame& frame,
-                        std::vector<std::size_t>* first_lines) {
+                        const Post& post, const ProgramFrame& frame, ProgramLines* lines) {
   ProgramWriter writer(plan, operations, post, frame);
   std::string text = writer.text();
-  if (first_lines != nullptr) *first_lines = writer.first_lines();
+  if (lines != nullptr) *lines = writer.numbers();
   return text;
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -88,11 +89,15 @@ struct ProgramFrame {
   bool has_radii = false;
 };
 
-/// The program. Moves that the rounding of positions makes nothing are left out. `first_lines` gets
-/// the number of the first line of each cut, from 1, if it is not null. Throws Error (bad_input) as
-/// lathe_path().
+/// Numbers of lines of a program, from 1.
+struct ProgramLines {
+  std::vector<std::size_t> first{};  ///< of each cut
+  std::size_t end = 0;               ///< the first one after all cuts
+};
+
+/// The program. Moves that the rounding of positions makes nothing are left out. `lines` gets the
+/// numbers of its lines, if it is not null. Throws Error (bad_input) as lathe_path().
 std::string cut_program(const CutPlan& plan, const std::vector<Operation>& operations,
-                        const Post& post, const ProgramFrame& frame,
-                        std::vector<std::size_t>* first_lines = nullptr);
+                        const Post& post, const ProgramFrame& frame, ProgramLines* lines = nullptr);
 
 }  // namespace lamplock::cutting

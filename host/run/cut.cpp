@@ -8,18 +8,19 @@
 #include <filesystem>
 #include <utility>
 
+#include "host/cutting/dry_post.hpp"
 #include "host/cutting/post_file.hpp"
 #include "host/cutting/post_needs.hpp"
 #include "host/duration_text.hpp"
 #include "host/error.hpp"
 #include "host/number_text.hpp"
-#include "host/program/program_run.hpp"
 #include "host/run/bounds_text.hpp"
 #include "host/run/cut_drawing.hpp"
 #include "host/run/cut_files.hpp"
 #include "host/run/cut_machine_checks.hpp"
 #include "host/run/cut_material.hpp"
 #include "host/run/cut_places.hpp"
+#include "host/run/cut_program_check.hpp"
 #include "host/run/frame.hpp"
 #include "host/run/machine_options.hpp"
 #include "host/run/prepare.hpp"
@@ -229,18 +230,6 @@ void warn(const std::string& text, Frontend& frontend, CutResult& result) {
   result.warnings.push_back(text);
 }
 
-/// The time of the program, by the interpreter and the planner of the firmware.
-program_run::ProgramRun checked_run(const std::string& program, const settings::Values& values,
-                                    const std::string& where) {
-  program_run::ProgramRun run = program_run::run_program(program, values, 1);
-  if (run.problems.empty()) return run;
-  const program_run::Problem& problem = run.problems.front();
-  throw Error(
-      Exit::bad_input, where,
-      fmt::format("the interpreter refuses line {} of the program: {}", problem.line, problem.text),
-      "correct the templates of the post-processor, or give the profile of the machine");
-}
-
 std::string row_name(const CutShape& row) {
   std::string name = fmt::format("{} {}", row.operation_kind, row.kind);
   return row.layer.empty() ? name : name + fmt::format(", layer {}", row.layer);
@@ -255,7 +244,7 @@ CutResult list_shapes(const CutDescription& description, Frontend& frontend) {
 CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   const CutDescription& description = request.description;
   check_cut_outputs(request);
-  const cutting::Post post = cutting::post_of(description.machine.post);
+  cutting::Post post = cutting::post_of(description.machine.post);
   if (request.is_frame && post.machine == MachineType::lathe)
     throw Error(Exit::bad_input, description.machine.post,
                 "a lathe cannot run around its workpiece", "make a dry run");
@@ -268,7 +257,9 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   ToolSetup setup{post.machine, tooling_of(description.machine, post.machine)};
   std::vector<Operation> operations = operations_of(
       with_materials(description, request.library, frontend), post.machine, profile.settings);
-  if (request.is_dry || request.is_frame)
+  const bool is_dark = request.is_dry || request.is_frame;
+  if (is_dark) post = cutting::without_air(std::move(post));
+  if (is_dark)
     make_dry(operations, post.machine, setup.tooling);
   else if (post.machine != MachineType::knife)
     require_power(operations, post.machine, profile.settings);
@@ -299,13 +290,16 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   frame.tooling = setup.tooling;
   CutProgram program;
   program.is_lathe = post.machine == MachineType::lathe;
-  result.program = cutting::cut_program(plan, operations, post, frame, &program.first_lines);
+  cutting::ProgramLines lines;
+  result.program = cutting::cut_program(plan, operations, post, frame, &lines);
   for (const cutting::PlannedCut& cut : plan.cuts) result.cut_numbers.push_back(cut.number);
-  result.first_lines = program.first_lines;
+  result.first_lines = program.first_lines = lines.first;
   if (post.is_checked) {
     frame.has_radii = program.is_lathe;
+    const std::string text =
+        frame.has_radii ? cutting::cut_program(plan, operations, post, frame) : result.program;
     program.run = checked_run(
-        frame.has_radii ? cutting::cut_program(plan, operations, post, frame) : result.program,
+        {text, lines, plan, operations, post, result.box, setup.tooling.knife_offset_mm},
         profile.settings, description.machine.post);
     result.seconds = program.run->seconds();
   }

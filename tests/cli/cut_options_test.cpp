@@ -63,6 +63,88 @@ TEST_F(CutOptions, a_description_does_not_lose_a_dry_run) {
   EXPECT_THAT(read(program_), Not(HasSubstr("S800")));
 }
 
+/// A post-processor in a file, for a lamplock board.
+class CutPosts : public CutOptions {
+ protected:
+  Finished cut_by(const std::string& lines, Arguments more = {}) const {
+    const std::string post = folder_.write(
+        "own.toml", "decimals = 3\nchecked = true\n[lines]\n" + lines + "end = \"M2\"\n");
+    more.insert(more.end(), {"--post", post});
+    return cut(more);
+  }
+  /// `begin` and the moves, with another text in the place of one.
+  static std::string lines(const std::string& old = "", const std::string& replacement = "") {
+    std::string text =
+        "begin = [\"G21 G90\", \"M4 S0\"]\n"
+        "rapid = \"G0 X{x} Y{y} S0\"\n"
+        "line = \"G1 X{x} Y{y} F{feed} S{power}\"\n"
+        "arc_cw = \"G2 X{x} Y{y} I{i} J{j} F{feed} S{power}\"\n"
+        "arc_ccw = \"G3 X{x} Y{y} I{i} J{j} F{feed} S{power}\"\n";
+    if (!old.empty()) text.replace(text.find(old), old.size(), replacement);
+    return text;
+  }
+};
+
+TEST_F(CutPosts, a_path_that_is_not_that_of_the_plan_is_refused) {
+  const auto wrong = [&](const std::string& old, const std::string& replacement) {
+    return refused(cut_by(lines(old, replacement)));
+  };
+  const auto with_moves = [&](const std::string& moves) {
+    return wrong("line = \"G1 X{x} Y{y}", "line = \"" + moves);
+  };
+  EXPECT_THAT(with_moves("G1 Y{x} X{y}"), HasSubstr("the plan from"));
+  EXPECT_THAT(with_moves("G1 X{x}"), HasSubstr("not that of the plan"));
+  EXPECT_THAT(wrong("arc_cw = \"G2 X{x} Y{y} I{i} J{j}", "arc_cw = \"G1 X{x} Y{y}"),
+              HasSubstr("its moves with a feed have"));
+  draw(dxf_rectangle(0.5, 0.5, 1, 1));  // the machine has room for inches
+  const std::string inches = wrong("G21 G90", "G20 G90");
+  EXPECT_THAT(inches, HasSubstr("own.toml: the path of its program is not that of the plan: X runs "
+                                "from 12.700 to 38.100 mm, the plan from 0.500 to 1.500 mm;"));
+  EXPECT_THAT(wrong("G21 G90", "G21 G91"), HasSubstr("not that of the plan"));
+}
+
+TEST_F(CutPosts, paths_of_the_plan_are_accepted) {
+  EXPECT_EQ(cut_by(lines()).status, 0);
+  EXPECT_EQ(cut_by(lines("rapid = \"G0 X{x} Y{y} S0", "rapid = \"G1 X{x} Y{y} F3000 S0")).status, 0)
+      << "a controller without rapids";
+  EXPECT_EQ(cut_by(lines() + "operation = \"G0 X-40 Y-40\"\n").status, 0) << "a change of tools";
+  EXPECT_EQ(cut_by(lines() + "height = \"G0 Z{z}\"\n",
+                   {"--kerf", "0.2", "--infeed", "1", "--final-depth", "3", "--overcut", "1",
+                    "--lead-in", "arc", "--tabs", "2"})
+                .status,
+            0);
+  EXPECT_EQ(cut_by(lines(), {"--operation", "engrave", "--hatch", "0.5"}).status, 0);
+  EXPECT_EQ(cut_by(lines(), {"--frame"}).status, 0);
+  EXPECT_EQ(cut({"--kerf", "0.5", "--compensation", "controller", "--passes", "2"}).status, 0);
+  draw(dxf_polyline({{0, 0}, {10, 0}}, false));
+  EXPECT_EQ(cut_by(lines()).status, 0) << "a line along an axis";
+}
+
+TEST_F(CutPosts, dry_runs_have_no_air) {
+  const auto dry = [&](const std::string& post, const Arguments& more) {
+    Arguments all{"--post", post, "--dry"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Finished finished = cut(all);
+    EXPECT_EQ(finished.status, 0) << post << finished.err;
+    EXPECT_THAT(read(program_), Not(testing::ContainsRegex("[Mm] ?0*[78]([^0-9.]|$)"))) << post;
+  };
+  dry("grbl", {"--air"});
+  dry("cut", {});
+  dry("cut", {"--air"});
+  dry("mill", {"--air", "--final-depth", "1"});
+  const std::string own = folder_.write(
+      "own.toml", "decimals = 3\n[lines]\nshape_begin = \"M04m08 (air)\"\n" + lines());
+  dry(own, {});
+  EXPECT_THAT(read(program_), HasSubstr("\nM04 (air)\n"));
+  draw(dxf_polyline({{0, 5}, {20, 5}}, false));
+  dry("lathe", {"--air", "--final-depth", "1"});
+  Arguments knife{"cut", part_,           "--feed", "600",   "--post", "knife", "--knife-offset",
+                  "0.3", "--final-depth", "1",      "--dry", "-o",     program_};
+  ASSERT_EQ(run(knife).status, 0);
+  EXPECT_EQ(cut({"--post", "cut"}).status, 0);
+  EXPECT_THAT(read(program_), HasSubstr("M3 M8")) << "but a cut has";
+}
+
 /// Holes of radius 4 in squares on another layer.
 class CutOperations : public CutOptions {
  protected:
