@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "host/letter_case.hpp"
+#include "host/model/colour_function.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {
@@ -191,35 +192,17 @@ std::optional<Colour> hex_colour(std::string_view digits) {
   return colour_of_parts(part(0), part(1), part(2));
 }
 
-/// "rgb(255, 0, 0)", "rgb(100% 0% 0%)", "rgba(...)".
-std::optional<Colour> rgb_colour(std::string_view text) {
-  const std::size_t open = text.find('(');
-  if (!text.starts_with("rgb") || open == std::string_view::npos) return std::nullopt;
-  text.remove_prefix(open + 1);
-  std::array<int, 3> parts{};
-  for (int& part : parts) {
-    text.remove_prefix(std::min(text.find_first_not_of(" ,\t"), text.size()));
-    const std::size_t end = text.find_first_of(" ,\t)/");
-    std::string_view one = text.substr(0, end);
-    const bool is_percent = one.ends_with('%');
-    if (is_percent) one.remove_suffix(1);
-    const auto value = number_of<double>(one);
-    if (!value || !std::isfinite(*value)) return std::nullopt;
-    part =
-        static_cast<int>(std::lround(std::clamp(is_percent ? *value * 2.55 : *value, 0.0, 255.0)));
-    text.remove_prefix(std::min(end, text.size()));
-  }
-  return colour_of_parts(parts[0], parts[1], parts[2]);
-}
-
 }  // namespace
 
 std::optional<Colour> colour_named(std::string_view text) {
-  const std::string plain = in_lower_case(trimmed(text));
-  if (plain.starts_with('#')) return hex_colour(std::string_view(plain).substr(1));
-  if (auto colour = rgb_colour(plain)) return colour;
+  const std::string lower = in_lower_case(text);
+  std::string_view plain = lower;
+  // SVG 1.1 has a colour of a profile after that of the screen.
+  plain = trimmed(plain.substr(0, plain.find("icc-color(")));
+  if (plain.starts_with('#')) return hex_colour(plain.substr(1));
+  if (auto colour = colour_of_function(plain)) return colour;
   const auto found = std::lower_bound(
-      named_colours.begin(), named_colours.end(), std::string_view(plain),
+      named_colours.begin(), named_colours.end(), plain,
       [](const NamedColour& one, std::string_view name) { return one.name < name; });
   if (found == named_colours.end() || found->name != plain) return std::nullopt;
   return found->colour;

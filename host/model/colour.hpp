@@ -14,7 +14,8 @@ namespace lamplock::model {
 using Colour = std::uint32_t;  ///< 0xRRGGBB
 inline constexpr Colour no_colour = 0xFFFFFFFF;
 
-/// "#f00", "#ff0000", "rgb(255, 0, 0)", "red"; empty for any other text. An alpha does not matter.
+/// "#f00", "#ff0000", "red", and functions in sRGB (colour_function.hpp), also with an icc-color()
+/// after them; empty for any other text. An alpha does not matter.
 std::optional<Colour> colour_named(std::string_view text);
 
 /// "#ff0000"; empty for no_colour.

@@ -14,9 +14,28 @@ namespace lamplock::model::colour_test {
 namespace {
 
 TEST(Colours, texts_of_css) {
-  for (const char* red :
-       {"red", "RED", " red ", "#f00", "#ff0000", "#F00f", "#ff000080", "rgb(255,0,0)",
-        "rgb(255, 0, 0)", "rgb(100% 0% 0%)", "rgba(255,0,0,.5)", "rgb(300, -5, 0)"})
+  for (const char* red : {"red",
+                          "RED",
+                          " red ",
+                          "#f00",
+                          "#ff0000",
+                          "#F00f",
+                          "#ff000080",
+                          "rgb(255,0,0)",
+                          "rgb(255, 0, 0)",
+                          "rgb(100% 0% 0%)",
+                          "rgba(255,0,0,.5)",
+                          "rgb(300, -5, 0)",
+                          "rgb(255 none 0 / 50%)",
+                          "#f00 icc-color(p, 1, 0)",
+                          "hsl(0, 100%, 50%)",
+                          "HSL(0 100% 50%)",
+                          "hsla(-360deg, 100%, 50%, 0.5)",
+                          "hsl(720 100 50 / .3)",
+                          "hsl(400grad 120% 50%)",
+                          "hsl(none 100% 50%)",
+                          "hwb(1turn 0% 0%)",
+                          "hwb(0 0 0 / 1)"})
     EXPECT_EQ(colour_named(red), 0xff0000u) << red;
   EXPECT_EQ(colour_named("aliceblue"), 0xf0f8ffu);
   EXPECT_EQ(colour_named("yellowgreen"), 0x9acd32u);
@@ -24,11 +43,46 @@ TEST(Colours, texts_of_css) {
   EXPECT_EQ(colour_named("lime"), 0x00ff00u);
   EXPECT_EQ(colour_named("grey"), colour_named("gray"));
   EXPECT_EQ(colour_named("rebeccapurple"), 0x663399u);
-  for (const char* none : {"", "none", "url(#a)", "#ff", "#ggg", "#12345", "rgb(1,2)", "rgb(",
-                           "rgb(a,b,c)", "reddish", "aaaa", "zzzz", "currentColor"})
+  for (const char* none : {"",
+                           "none",
+                           "url(#a)",
+                           "#ff",
+                           "#ggg",
+                           "#12345",
+                           "rgb(1,2)",
+                           "rgb(",
+                           "rgb(a,b,c)",
+                           "rgb(1,2,3,4,5)",
+                           "rgb(1deg,2,3)",
+                           "hsl(1)",
+                           "hsl(1,2px,3)",
+                           "hsl(1foo 2% 3%)",
+                           "hwb()",
+                           "xrgb(1,2,3)",
+                           "icc-color(p, 1)",
+                           "reddish",
+                           "aaaa",
+                           "zzzz",
+                           "currentColor"})
     EXPECT_FALSE(colour_named(none)) << none;
   EXPECT_EQ(colour_text(0x00ff7fu), "#00ff7f");
   EXPECT_EQ(colour_text(no_colour), "");
+}
+
+/// Values of the named colours of CSS in other forms.
+TEST(Colours, functions_of_css) {
+  const std::vector<std::pair<const char*, const char*>> known{
+      {"hsl(120, 100%, 50%)", "lime"},   {"hsl(120deg 100% 25.1%)", "green"},
+      {"hsl(240,100%,50%)", "blue"},     {"hsl(3.14159265rad 100% 50%)", "cyan"},
+      {"hsl(38.82 100% 50%)", "orange"}, {"hsl(270 50% 40%)", "rebeccapurple"},
+      {"hsl(77 0% 100%)", "white"},      {"hsl(77 100% 0%)", "black"},
+      {"hsl(210 14% 53%)", "#768798"},   {"hwb(90 0% 50%)", "#408000"},
+      {"hwb(120 0% 0%)", "lime"},        {"hwb(195 0% 0%)", "deepskyblue"},
+      {"hwb(77 50.2% 49.8%)", "grey"},   {"hwb(77 100% 100%)", "grey"}};
+  for (const auto& [function, name] : known)
+    EXPECT_EQ(colour_text(colour_named(function).value_or(no_colour)),
+              colour_text(*colour_named(name)))
+        << function;
 }
 
 /// Values of AutoCAD's table.
