@@ -102,6 +102,16 @@ Setting read_kerf(const SheetTable& table, const CardSheet& sheet,
            fmt::format("'together_mm' is {:g}, without kerf it would be {:g}", together_mm,
                        slats * pitch_mm),
            "give the width of all slats pushed together, in mm");
+  // A beam that removes more than it leaves is one that was measured wrongly: one slat instead of
+  // all of them.
+  if (kerf_mm > pitch_mm / 2)
+    refuse(
+        table.place(),
+        fmt::format("'together_mm' is {:g}: the kerf would be {:g} mm, wider than the slats of "
+                    "{:g} mm between its cuts",
+                    together_mm, kerf_mm, pitch_mm - kerf_mm),
+        "give the width of all slats pushed together, in mm; of a beam so wide, make a card with "
+        "a greater pitch");
   setting.kerf_mm = kerf_mm;
   return setting;
 }

@@ -13,6 +13,7 @@
 #include "host/material/fields.hpp"
 #include "host/material/record_file.hpp"
 #include "host/material/schema.hpp"
+#include "host/number_text.hpp"
 #include "host/suggestion.hpp"
 
 namespace lamplock::material {
@@ -334,12 +335,15 @@ void Library::replace(const Record& record) {
 template <class Record>
 void Library::remove(const Record& record) {
   if constexpr (std::is_same_v<Record, Laser>) {
-    const std::size_t uses = select<Setting>("laser = ?", {record.name}).size() +
-                             select<Measurement>("laser = ?", {record.name}).size();
-    if (uses != 0)
+    const std::size_t settings = select<Setting>("laser = ?", {record.name}).size(),
+                      measurements = select<Measurement>("laser = ?", {record.name}).size();
+    std::vector<std::string> uses;
+    if (settings != 0) uses.push_back(count_text(settings, "setting"));
+    if (measurements != 0) uses.push_back(count_text(measurements, "measurement"));
+    if (!uses.empty())
       throw Error(Exit::bad_input, title_of(record),
-                  fmt::format("{} settings and measurements use it", uses),
-                  "remove the materials that they belong to first");
+                  fmt::format("it is used by {}", fmt::join(uses, " and ")),
+                  "remove them, or the materials that they belong to, first");
   }
   database_.query(fmt::format("DELETE FROM {} WHERE number = ?", kind_of<Record>()),
                   {record.number});

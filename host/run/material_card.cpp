@@ -61,11 +61,14 @@ double to_thousandths(double value) {
   return std::round(value * thousandths) / thousandths;
 }
 
-/// FROM:TO or FROM:TO:COUNT.
+/// FROM:TO:COUNT; of whole numbers also FROM:TO.
 void add_range(const std::vector<std::string>& ends, const std::string& part,
-               const std::string& where, std::vector<double>& numbers) {
+               const std::string& where, ListNumbers kind, std::vector<double>& numbers) {
   const double from = list_number(ends[0], where), to = list_number(ends[1], where);
   const bool has_count = ends.size() == 3;
+  if (!has_count && kind != ListNumbers::whole)
+    throw Error(Exit::bad_input, where, fmt::format("'{}' has no count", part),
+                fmt::format("give FROM:TO:COUNT, as {}:10", part));
   if (!has_count && (std::floor(from) != from || std::floor(to) != to)) refuse_list(where, part);
   const double count = has_count ? list_number(ends[2], where) : std::abs(to - from) + 1;
   if (std::floor(count) != count || count > static_cast<double>(material::max_card_cuts) ||
@@ -98,7 +101,7 @@ std::vector<double> power_list(const std::string& text, const Laser& laser) {
 std::vector<int> pass_list(const std::string& text) {
   constexpr double max_passes_of_card = 100;
   std::vector<int> passes;
-  for (const double value : number_list(text, "passes")) {
+  for (const double value : number_list(text, "passes", ListNumbers::whole)) {
     if (std::floor(value) != value || value > max_passes_of_card)
       throw Error(Exit::bad_input, "passes", fmt::format("{:g} is no number of passes", value),
                   fmt::format("give whole numbers, 1 to {:g}", max_passes_of_card));
@@ -168,6 +171,23 @@ material::CardRequest request_of(const CardOptions& options, const Laser& laser,
   return request;
 }
 
+/// The beam leaves something between the cuts: of a kerf card slats that are at least as wide as
+/// it, as its sheet needs them.
+void require_room(const material::CardRequest& request) {
+  const double beam_mm = request.laser.beam_width_mm;
+  const auto refuse_below = [&](double size_mm, double min_mm, const char* what) {
+    if (size_mm >= min_mm) return;
+    throw Error(
+        Exit::bad_input, card_where,
+        fmt::format("{} of {:g} mm is too small for the beam of {:g} mm", what, size_mm, beam_mm),
+        fmt::format("give at least {:g} mm", min_mm));
+  };
+  if (request.kind == material::CardKind::kerf)
+    refuse_below(request.pitch_mm, 2 * beam_mm, "a pitch");
+  if (request.kind == material::CardKind::grid)
+    refuse_below(request.cell_mm, 2 * beam_mm, "a cell");
+}
+
 /// The lower left corner of the card in machine coordinates.
 std::pair<double, double> corner_of(const CardOptions& options, const material::CardLayout& layout,
                                     const settings::Values& values) {
@@ -195,14 +215,15 @@ double checked_seconds(const std::string& program, const settings::Values& value
 
 }  // namespace
 
-std::vector<double> number_list(const std::string& text, const std::string& where) {
+std::vector<double> number_list(const std::string& text, const std::string& where,
+                                ListNumbers kind) {
   std::vector<double> numbers;
   for (const std::string& part : parts_of(text, ',')) {
     const std::vector<std::string> ends = parts_of(part, ':');
     if (ends.size() == 1)
       numbers.push_back(list_number(part, where));
     else if (ends.size() <= 3)
-      add_range(ends, part, where, numbers);
+      add_range(ends, part, where, kind, numbers);
     else
       refuse_list(where, part);
   }
@@ -216,6 +237,7 @@ CardResult make_card(const CardOptions& options) {
   const job::Profile profile = options.machine.profile();
   require_continuous_laser(options, profile);
   const material::CardRequest request = request_of(options, laser, profile);
+  require_room(request);
   const material::CardLayout layout = lay_out_card(request);
   const std::optional<double> thickness_mm =
       options.thickness_mm ? options.thickness_mm : material.thickness_mm;

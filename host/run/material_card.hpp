@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,8 +53,12 @@ struct CardFigures {
 /// be those of the sheet. Throws Error(bad_input).
 CardFigures measure_card(const CutChoice& choice, const std::string& sheet);
 
-/// Numbers of a text "30,60,90:300:4": numbers and ranges FROM:TO:COUNT, evenly spaced. Without a
-/// count a range has every whole number. Throws Error(bad_input), at `where`.
-std::vector<double> number_list(const std::string& text, const std::string& where);
+enum class ListNumbers : std::uint8_t { any, whole };
+
+/// Numbers of a text "30,60,90:300:4": numbers and ranges FROM:TO:COUNT, evenly spaced. Of whole
+/// numbers a range FROM:TO has each of them; the numbers themselves are not checked to be whole.
+/// Throws Error(bad_input), at `where`.
+std::vector<double> number_list(const std::string& text, const std::string& where,
+                                ListNumbers kind = ListNumbers::any);
 
 }  // namespace lamplock::run

@@ -108,7 +108,8 @@ TEST_F(MaterialCommand, records_are_added_changed_and_removed) {
   const json shown = document({"show", "oak"});
   EXPECT_EQ(shown["note"], "a b");
   EXPECT_EQ(shown["measurements"].size(), 2u);
-  EXPECT_THAT(refusal({"remove", "co2", "--kind", "laser"}), HasSubstr("2 settings and"));
+  EXPECT_THAT(refusal({"remove", "co2", "--kind", "laser"}),
+              HasSubstr("it is used by 2 measurements; remove them"));
   EXPECT_THAT(done({"remove", "oak"}), HasSubstr("removed material oak with 0 settings and 2"));
   done({"remove", "co2", "--kind", "laser"});
   EXPECT_THAT(done({"list"}), Not(HasSubstr("oak")));
@@ -245,9 +246,22 @@ TEST_F(MaterialCommand, grids_and_combs) {
   const json settings = document({"show", "plywood"})["settings"];
   ASSERT_EQ(settings.size(), 1u) << "the delivered setting for 5 mm has it";
   EXPECT_NEAR(settings[0]["kerf_mm"], 0.2, 1e-9);
-  sheet.replace(sheet.find("together_mm = 48"), 16, "together_mm = 51");
-  folder_.write("kerf.toml", sheet);
-  EXPECT_THAT(refusal({"measure", "--card", folder_ / "kerf.toml"}), HasSubstr("without kerf"));
+  const auto wrong = [&](const std::string& together) {
+    std::string text = sheet;
+    text.replace(text.find("together_mm = 48"), 16, "together_mm = " + together);
+    return refusal({"measure", "--card", folder_.write("kerf.toml", text)});
+  };
+  EXPECT_THAT(wrong("51"), HasSubstr("without kerf"));
+  EXPECT_THAT(wrong("4.8"), HasSubstr("the kerf would be 4.52 mm, wider than the slats of 0.48 mm"))
+      << "one slat";
+  EXPECT_THAT(wrong("24.9"), HasSubstr("wider than the slats"));
+  EXPECT_NEAR(document({"show", "plywood"})["settings"][0]["kerf_mm"], 0.2, 1e-9);
+}
+
+TEST_F(MaterialCommand, a_laser_in_use_is_not_removed) {
+  EXPECT_THAT(
+      refusal({"remove", "diode-3w", "--kind", "laser"}),
+      testing::ContainsRegex("used by [0-9]+ settings and [0-9]+ measurements; remove them"));
 }
 
 TEST_F(MaterialCommand, cards_that_a_machine_cannot_make_are_not_written) {
@@ -264,12 +278,18 @@ TEST_F(MaterialCommand, cards_that_a_machine_cannot_make_are_not_written) {
   EXPECT_THAT(card({"--feeds", "60", "--label-feed", "0.5"}), HasSubstr("less than 1"));
   EXPECT_THAT(card({"--feeds", "60", "--powers", "3.1"}), HasSubstr("more than that of the laser"));
   for (const char* feeds : {"a", "1:2:3:4", "60:", "0", "-5", "30:600:1", "30:600:2.5", "nan",
-                            "1:1e9", "1.5:3", "60,,90"})
+                            "1:1e9", "1.5:3", "60,,90", "60:600"})
     EXPECT_THAT(card({"--feeds", feeds}), HasSubstr("feeds")) << feeds;
+  EXPECT_THAT(card({"--feeds", "60:600"}), HasSubstr("'60:600' has no count; give FROM:TO:COUNT"));
+  EXPECT_THAT(card({"--feeds", "60", "--powers", "1:3"}), HasSubstr("'1:3' has no count"));
+  EXPECT_THAT(card({"--kind", "grid", "--feeds", "60", "--cell", "0.1"}),
+              HasSubstr("a cell of 0.1 mm is too small for the beam"));
+  EXPECT_THAT(card({"--kind", "kerf", "--feeds", "60", "--thickness", "5", "--pitch", "0.05"}),
+              HasSubstr("a pitch of 0.05 mm is too small for the beam"));
   EXPECT_THAT(card({"--feeds", "60", "--passes", "1.5"}), HasSubstr("passes"));
   EXPECT_THAT(card({"--kind", "kerf", "--feeds", "60,90"}), HasSubstr("one feed"));
   EXPECT_THAT(card({"--kind", "kerf", "--feeds", "60"}), HasSubstr("its thickness is not known"));
-  EXPECT_THAT(card({"--kind", "grid", "--feeds", "1:60", "--powers", "1:3:30"}),
+  EXPECT_THAT(card({"--kind", "grid", "--feeds", "1:60:60", "--powers", "1:3:30"}),
               HasSubstr("1800 cuts"));
   EXPECT_THAT(refusal({"card", "plywood", "--feeds", "60", "-o", out}),
               HasSubstr("laser_mode = 0"));

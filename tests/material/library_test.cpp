@@ -91,7 +91,7 @@ TEST(material_library, refuses_records_whole) {
               HasSubstr("material wool: the library has it already"));
   EXPECT_TRUE(depths_by_tests(file).empty()) << "the first of two records was kept";
   EXPECT_THAT(refusal([](Library& library) { library.remove(library.laser("diode-3w")); }),
-              HasSubstr("laser diode-3w: 48 settings and measurements use it"));
+              HasSubstr("laser diode-3w: it is used by 9 settings and 39 measurements; remove"));
   Library library(file);
   Setting setting = library.settings_of("wool").front();
   EXPECT_THAT(refusal([&](Library& changed) { changed.add(setting); }), HasSubstr("setting"));
