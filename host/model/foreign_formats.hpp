@@ -11,6 +11,7 @@ struct ForeignFormat {
   std::string_view extension;  ///< in lower case with its dot
   std::string_view what;       ///< "a DWG drawing"
   std::string_view remedy;
+  bool is_model = false;  ///< of solids or meshes
 };
 
 /// Null for extensions that are read or unknown.

@@ -1,11 +1,13 @@
 #include "host/model/input.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "host/file.hpp"
 #include "host/model/foreign_formats.hpp"
@@ -80,8 +82,24 @@ std::string missing_model_remedy(const path& file) {
                      shell_text({"lamplock", "example", file.string()}));
 }
 
-/// The first row of the extension of a file that exists.
-const Format& format_of(const path& file) {
+/// "give a mesh (stl, obj, ...), a drawing (...), ..."; of one kind: "give a drawing (...)".
+std::string other_file_remedy(std::optional<InputKind> wanted) {
+  constexpr std::pair<InputKind, const char*> kinds[] = {{InputKind::mesh, "a mesh"},
+                                                         {InputKind::curves, "a drawing"},
+                                                         {InputKind::bitmap, "a picture"},
+                                                         {InputKind::points, "points"}};
+  std::vector<std::string> texts;
+  for (const auto& [kind, name] : kinds)
+    if (!wanted || kind == *wanted) texts.push_back(fmt::format("{} ({})", name, extensions(kind)));
+  const std::string last = texts.back();
+  texts.pop_back();
+  return texts.empty() ? "give " + last
+                       : fmt::format("give {} or {}", fmt::join(texts, ", "), last);
+}
+
+/// The first row of the extension of a file that exists. `wanted`: the only kind that the remedies
+/// name.
+const Format& format_of(const path& file, std::optional<InputKind> wanted = std::nullopt) {
   std::error_code failure;
   if (!std::filesystem::exists(file, failure))
     refuse(file, "no such file", missing_model_remedy(file));
@@ -89,19 +107,22 @@ const Format& format_of(const path& file) {
   if (is_foreign_picture(extension)) return foreign_picture;
   if (const ForeignFormat* const other = find_foreign_format(extension))
     refuse(file, fmt::format("it is {}, which is not read", other->what),
-           std::string(other->remedy));
+           other->is_model && wanted == InputKind::curves ? other_file_remedy(wanted)
+                                                          : std::string(other->remedy));
   const auto* const found = std::ranges::find(formats, extension, &Format::extension);
   if (found == std::end(formats))
-    refuse(file, fmt::format("unknown kind of file '{}'", extension),
-           fmt::format("give a mesh ({}), a drawing ({}), a picture ({}) or points ({})",
-                       extensions(InputKind::mesh), extensions(InputKind::curves),
-                       extensions(InputKind::bitmap), extensions(InputKind::points)));
+    refuse(file, fmt::format("unknown kind of file '{}'", extension), other_file_remedy(wanted));
   return *found;
 }
 
 }  // namespace
 
 Input read_input(const path& file) { return format_of(file).read(file); }
+
+bool may_hold_only(const path& file, InputKind kind) {
+  (void)format_of(file, kind);
+  return may_hold(file, kind);
+}
 
 bool may_hold(const path& file, InputKind kind) {
   const std::string_view extension = format_of(file).extension;

@@ -33,6 +33,9 @@ Input read_input(const std::filesystem::path& path);
 /// extension or a missing file; does not read the file.
 bool may_hold(const std::filesystem::path& path, InputKind kind);
 
+/// The same for a command that reads no other kind: the remedies of its errors name only this one.
+bool may_hold_only(const std::filesystem::path& path, InputKind kind);
+
 /// The kind of file that its extension says; empty for unknown extensions. The file need not exist.
 std::optional<InputKind> kind_of(const std::filesystem::path& file);
 

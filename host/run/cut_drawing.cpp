@@ -44,10 +44,10 @@ std::string first_few(const std::vector<std::string>& names) {
 model::LetteredDrawing read_drawing(const DrawingChoice& drawing) {
   const std::string& file = drawing.file;
   refuse_finished(file);
-  if (!model::may_hold(file, model::InputKind::curves)) {
+  if (!model::may_hold_only(file, model::InputKind::curves)) {
     const FileWay way = way_of_file(file);
     throw Error(Exit::bad_input, file,
-                (way ? way.what : std::string("is no drawing")) + ", not a drawing to cut",
+                way ? way.what + ", not a drawing to cut" : std::string("is no drawing to cut"),
                 "give a drawing: " + model::extensions(model::InputKind::curves));
   }
   const std::string ending = lower_extension(file);
