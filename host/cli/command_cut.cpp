@@ -31,7 +31,8 @@ struct CutOptions {
   std::string input;
   bool list = false, json = false;
   run::BoardOptions board;
-  std::vector<const Option*> choices;  ///< that a description has keys for
+  std::vector<const Option*> choices;   ///< that a description has keys for
+  std::vector<const Option*> of_board;  ///< that need --board
 
   CutOptions() {
     request.description.operations.resize(1);
@@ -106,6 +107,10 @@ Exit cut_drawing(const CutOptions& options) {
     throw Error(Exit::bad_input, "lamplock cut", "no output file is given",
                 "give -o FILE.ngc, --picture FILE.svg, --page FILE.html, --board NAME or --list");
   }
+  for (const Option* option : options.of_board)
+    if (option->is_given() && !request.is_for_board)
+      throw Error(Exit::bad_input, option->name(), "has no effect without a board",
+                  "give --board NAME, or leave it out");
   // Before files are written.
   if (request.is_for_board)
     run::check_program_options(
@@ -211,6 +216,10 @@ void add_cut(Command& program) {
   add_choices(app, *options, run::parameters(description.operations.front()), "Operation");
   add_choices(app, *options, run::parameters(description.machine), "Machine");
   add_board(app, options->board, options->json);
+  constexpr std::array of_board{"--image", "--usb", "--baud", "--yes"};
+  for (const Option& option : app.options())
+    if (std::find(of_board.begin(), of_board.end(), option.name()) != of_board.end())
+      options->of_board.push_back(&option);
   app.action([options] { return cut_drawing(*options); });
 }
 

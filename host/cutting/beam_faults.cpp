@@ -10,14 +10,24 @@
 namespace lamplock::cutting {
 namespace {
 
+/// The drawn contours overlap, too, of which the faults of the drawing tell.
+bool is_drawn_overlap(const Fault& fault, const std::vector<Shape>& shapes) {
+  if (fault.kind != FaultKind::overlap || !fault.contour || !fault.other) return false;
+  const std::vector<Fault> drawn =
+      contour_faults({shapes[*fault.contour].contour, shapes[*fault.other].contour});
+  return std::any_of(drawn.begin(), drawn.end(),
+                     [](const Fault& one) { return one.kind == FaultKind::overlap; });
+}
+
 /// Paths of the beam that cross although the drawing does not: parts that are too near.
-std::vector<Fault> crossings_of(const Beams& beams) {
+std::vector<Fault> crossings_of(const Beams& beams, const std::vector<Shape>& shapes) {
   std::vector<Fault> faults = contour_faults(beams.contours);
   for (Fault& fault : faults) {
     if (fault.kind == FaultKind::crossing) fault.kind = FaultKind::beams;
     if (fault.contour) fault.contour = beams.shapes[*fault.contour];
     if (fault.other) fault.other = beams.shapes[*fault.other];
   }
+  std::erase_if(faults, [&](const Fault& fault) { return is_drawn_overlap(fault, shapes); });
   return faults;
 }
 
@@ -28,7 +38,7 @@ std::vector<Fault> crossings_of(const Beams& beams) {
 std::vector<Fault> beam_faults(const Beams& beams, const DrawnContours& drawn,
                                const std::vector<Shape>& shapes,
                                const std::vector<Operation>& operations) {
-  std::vector<Fault> faults = crossings_of(beams);
+  std::vector<Fault> faults = crossings_of(beams, shapes);
   std::set<std::pair<std::size_t, std::size_t>> known;
   for (const Fault& fault : faults)
     if (fault.contour && fault.other) known.insert(std::minmax(*fault.contour, *fault.other));

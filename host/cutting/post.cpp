@@ -43,6 +43,9 @@ class ProgramWriter {
     }
     numbers_.end = lines_ + 1;
     if (post_.machine != MachineType::laser) leave();
+    // The next program begins in focus on the surface.
+    if (post_.machine == MachineType::laser && !templates_.value(PostValue::z).empty())
+      go_to_height(frame_.tooling.surface_mm);
     if (has_air_) write(PostEvent::air_off);
     write(PostEvent::end);
     return std::move(text_);

@@ -121,6 +121,10 @@ std::vector<Operation> operations_of(const CutDescription& description, MachineT
   // After passes with depths the others return to the surface.
   const bool has_heights = std::any_of(operations.begin(), operations.end(),
                                        [](const Operation& one) { return !one.z_mm.empty(); });
+  const bool is_laser = machine == MachineType::laser;
+  if (is_laser && !has_heights && description.machine.surface_mm != 0)
+    throw Error(Exit::bad_input, "surface", "has no effect without passes with depths",
+                "give infeed and final depth, or leave it out");
   for (Operation& one : operations)
     if (has_heights && one.z_mm.empty())
       one.z_mm.assign(static_cast<std::size_t>(one.passes), description.machine.surface_mm);

@@ -345,6 +345,8 @@ cutting::Tooling tooling_of(const CutMachineChoice& choice, MachineType machine)
   require_machine(!choice.ramp_deg || machine == MachineType::mill, "ramp angle", "mills");
   require_machine(!choice.knife_offset_mm || machine == MachineType::knife, "knife offset",
                   "knives");
+  require_machine(choice.surface_mm == 0 || machine != MachineType::lathe, "surface",
+                  "lasers, mills and knives");
   if (choice.population != CutMachineChoice{}.population && choice.order != "genetic")
     throw Error(Exit::bad_input, "population", "is for the order genetic alone",
                 "leave it out, or give the order genetic");

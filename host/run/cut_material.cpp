@@ -56,6 +56,11 @@ CutDescription with_materials(CutDescription description, const std::string& lib
   std::vector<OperationChoice>& choices = description.operations;
   for (std::size_t i = 0; i < choices.size(); ++i)
     require_material(choices[i], operation_name(choices[i], i));
+  if (!library_file.empty() && std::ranges::none_of(choices, [](const OperationChoice& one) {
+        return one.material.has_value();
+      }))
+    throw Error(Exit::bad_input, "--library", "has no effect without a material",
+                "give --material, or leave it out");
   if (std::ranges::none_of(choices, needs_values)) return description;
   material::Library library = library_for_reading(library_file);
   for (OperationChoice& choice : choices) {

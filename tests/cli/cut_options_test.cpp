@@ -63,6 +63,38 @@ TEST_F(CutOptions, a_description_does_not_lose_a_dry_run) {
   EXPECT_THAT(read(program_), Not(HasSubstr("S800")));
 }
 
+TEST_F(CutOptions, options_without_effect_are_refused) {
+  EXPECT_THAT(refused(cut({"--surface", "3"})), HasSubstr("surface: has no effect without passes"));
+  EXPECT_THAT(refused(cut({"--library", folder_ / "none.db"})),
+              HasSubstr("--library: has no effect without a material"));
+  for (const Arguments& option : {Arguments{"--baud", "9600"}, Arguments{"--yes"},
+                                  Arguments{"--usb", "stream"}, Arguments{"--image", part_}})
+    EXPECT_THAT(refused(cut(option)),
+                HasSubstr(option.front() + ": has no effect without a board"));
+  EXPECT_EQ(cut({"--surface", "3", "--infeed", "1", "--final-depth", "2"}).status, 0);
+  EXPECT_THAT(read(program_), testing::ContainsRegex("G0 Z3 S0\nM5\n"))
+      << "the next program begins on the surface";
+}
+
+TEST_F(CutOptions, what_is_no_drawing_is_not_advised) {
+  for (const char* name : {"noext", "x.mtl", "x.step", "x.fbx"}) {
+    const Finished wrong = run({"cut", folder_.write(name, "x"), "--list"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.err, HasSubstr("; give a drawing (dxf, svg, svgz)\n")) << name;
+  }
+  EXPECT_THAT(run({"cut", folder_.write("x.ai", "x"), "--list"}).err, HasSubstr("save it as SVG"));
+  EXPECT_THAT(run({"points", folder_ / "x.mtl", "-o", folder_ / "x.xyz"}).err,
+              HasSubstr("or points ("));
+}
+
+TEST_F(CutOptions, an_overlap_is_named_once) {
+  draw(dxf_rectangle(0, 0, 10, 10) + dxf_rectangle(5, 0, 10, 5));
+  const std::string warnings = cut({"--kerf", "0.2"}).out;
+  const auto first = warnings.find("overlap of two contours");
+  EXPECT_NE(first, std::string::npos) << warnings;
+  EXPECT_EQ(warnings.find("overlap of two contours", first + 1), std::string::npos) << warnings;
+}
+
 /// A post-processor in a file, for a lamplock board.
 class CutPosts : public CutOptions {
  protected:
