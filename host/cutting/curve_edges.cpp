@@ -117,14 +117,16 @@ class CurveFitter {
   /// curve does not have.
   bool append_chord(const model::Range& range) {
     const Edge chord{at(range.from), at(range.to), {}, 0};
+    if (chord.from == chord.to) return false;
     const auto is_along_chord = [&](double parameter) {
       const auto ahead = direction(parameter);
       const Vec way = chord.to - chord.from;
       return ahead && dot(*ahead, way) > 0 &&
              std::abs(cross(*ahead, way)) <= max_straight_sweep / 2 * norm(way);
     };
-    if (!is_along_chord(range.from) || !is_along_chord(range.to) ||
-        !is_along(range, nearly_straight_mm, chord, chord))
+    const Vec middle = at(range.from + (range.to - range.from) / 2);
+    if (distance_to(chord, middle) > nearly_straight_mm || !is_along_chord(range.from) ||
+        !is_along_chord(range.to) || !is_along(range, nearly_straight_mm, chord, chord))
       return false;
     edges_.push_back(chord);
     return true;
@@ -138,11 +140,13 @@ class CurveFitter {
       if (p != q) edges_.push_back(chord);
       return;
     }
-    if (append_chord(range)) return;
     const auto p_dir = direction(range.from), q_dir = direction(range.to);
     if (p_dir && q_dir && p != q) {
       const auto arcs = two_arcs(p, *p_dir, q, *q_dir);
       if (arcs && is_along(range, tolerance_, arcs->first, arcs->second)) {
+        const bool are_straight =
+            is_nearly_straight(arcs->first) && is_nearly_straight(arcs->second);
+        if (are_straight && append_chord(range)) return;
         append_edge(arcs->first, edges_);
         append_edge(arcs->second, edges_);
         return;
