@@ -70,7 +70,8 @@ struct Fault {
 };
 
 struct JoinOptions {
-  /// Ends nearer than this are joined, contours that differ by less are duplicates. mm.
+  /// Ends nearer than this are joined, the nearest first; contours that differ by less are
+  /// duplicates, unless they are short against it. mm.
   double tolerance_mm = 0.01;
   /// Ellipses and splines deviate from the arcs that replace them by at most this. mm.
   double curve_tolerance_mm = model::flat_mm;
