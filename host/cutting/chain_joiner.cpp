@@ -247,6 +247,8 @@ class Joiner {
     }
     contour.layer = chains_[first].layer;
     contour.colour = chains_[first].colour;
+    contour.area = chains_[first].area;
+    contour.fill_rule = chains_[first].fill_rule;
     contour.closed = closed;
     connect(contour);
     return {first, std::move(contour)};

@@ -26,8 +26,10 @@ namespace lamplock::cutting {
 struct Contour {
   std::vector<Edge> edges;
   bool closed = false;  ///< the last edge ends exactly where the first begins
+  model::FillRule fill_rule = model::FillRule::even_odd;  ///< of its area
   std::uint32_t layer = 0;
   model::Colour colour = model::no_colour;  ///< of its first curve in the file
+  std::uint32_t area = 0;                   ///< as of model::Path, of its first curve
 };
 
 /// mm along lines and arcs.

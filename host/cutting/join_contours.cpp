@@ -100,7 +100,12 @@ JoinedContours join_contours(const model::Curves& curves, const JoinOptions& opt
   std::vector<std::size_t> open_paths;
   for (std::size_t i = 0; i < curves.paths.size(); ++i) {
     const model::Path& path = curves.paths[i];
-    Contour chain{edges_of(path, options.curve_tolerance_mm), path.closed, path.layer, path.colour};
+    Contour chain{edges_of(path, options.curve_tolerance_mm),
+                  path.closed,
+                  path.fill_rule,
+                  path.layer,
+                  path.colour,
+                  path.area};
     connect(chain);
     if (chain.edges.empty()) {
       const geometry::Point at = model::start_of(path);

@@ -104,6 +104,22 @@ inline Contour random_star(geometry::Random& random, Vec centre, double inner, d
   return contour;
 }
 
+/// How often the contours run around a point, counter-clockwise, by the angles that it sees.
+inline int turns_around(const std::vector<Contour>& contours, const Vec& at) {
+  double sum = 0;
+  for (const Contour& contour : contours) {
+    for (const Edge& edge : contour.edges) {
+      const int parts = edge.is_line() ? 1 : 60;
+      for (int i = 0; i < parts; ++i) {
+        const Vec p = cutting::point_at(edge, double(i) / parts) - at,
+                  q = cutting::point_at(edge, double(i + 1) / parts) - at;
+        sum += std::atan2(cutting::cross(p, q), cutting::dot(p, q));
+      }
+    }
+  }
+  return static_cast<int>(std::lround(sum / (2 * std::numbers::pi)));
+}
+
 /// Each edge of a contour as a path of its own, some of them backwards, shuffled.
 inline model::Curves scattered(const std::vector<Contour>& contours, geometry::Random& random,
                                double noise_mm) {
