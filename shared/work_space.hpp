@@ -33,6 +33,10 @@ inline constexpr std::int32_t max_position_steps = 1 << 29;
 
 /// A, the only axis that can be rotary ($967).
 inline constexpr int rotary_axis = 3;
+/// Places of the axis are degrees, and it has no limit of travel.
+constexpr bool is_rotary(const settings::Values& values, int axis) {
+  return axis == rotary_axis && values.whole(settings::Id::rotary_axis) != 0;
+}
 
 /// The work space from the settings, or the maximum without soft limits and of a rotary axis; axes
 /// that the machine lacks stay at 0.
@@ -43,8 +47,7 @@ constexpr StepLimits work_space(const settings::Values& values) {
     const std::int64_t corner = values.milli(Id::min_corner_x, axis);
     const std::int32_t steps_per_mm = values.milli(Id::steps_per_mm_x, axis);
     const auto i = static_cast<std::size_t>(axis);
-    const bool rotary = axis == rotary_axis && values.whole(Id::rotary_axis) != 0;
-    if (values.whole(Id::soft_limits) == 0 || rotary) {
+    if (values.whole(Id::soft_limits) == 0 || is_rotary(values, axis)) {
       limits.min[i] = -max_position_steps;
       limits.max[i] = max_position_steps;
       continue;

@@ -106,8 +106,7 @@ void MachineConsole::send_status_line() {
   if (link_.room() < status_room) return;
   TextLine line;
   reporter_.begin(line, reported_status(),
-                  static_cast<std::uint32_t>(values_.whole(Id::report_mask)),
-                  values_.whole(Id::report_inches) != 0);
+                  static_cast<std::uint32_t>(values_.whole(Id::report_mask)), inch_axes(values_));
   add_beats(line);
   line.add(">\r\n");
   if (link_.send_text(line.view())) status_line_due_ = false;

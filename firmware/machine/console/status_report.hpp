@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "firmware/program/value.hpp"
+#include "shared/inch_axes.hpp"
 #include "shared/text_line.hpp"
 
 namespace lamplock::machine {
@@ -55,7 +56,7 @@ struct ReportedStatus {
 /// A length, given in 10^-7 mm, as grbl prints it: mm with three decimals, inches with four.
 void add_length(TextLine& line, std::int64_t length_e7, bool inches);
 /// The same of all axes, commas between.
-void add_place(TextLine& line, const program::Place& place_e7, int axes, bool inches);
+void add_place(TextLine& line, const program::Place& place_e7, int axes, InchAxes inches);
 
 /// Writes reports; counts the reports since a field was last sent.
 class StatusReporter {
@@ -63,7 +64,7 @@ class StatusReporter {
   /// After a reset the first report contains all fields.
   void reset() { *this = StatusReporter(); }
   /// Begins a report; `mask` as setting 10. The caller adds further fields and ">\r\n".
-  void begin(TextLine& line, const ReportedStatus& status, std::uint32_t mask, bool inches);
+  void begin(TextLine& line, const ReportedStatus& status, std::uint32_t mask, InchAxes inches);
 
  private:
   bool offset_due(const ReportedStatus& status);
