@@ -76,5 +76,22 @@ TEST(RotaryAxis, TakesTheTimeOfItsFeed) {
   EXPECT_NEAR(time_of("G1 F5 X1 A720\n"), 12, 0.1);
 }
 
+/// As F means it: of X beside A, of A alone in degrees a minute, which are not divided by 25.4.
+TEST(RotaryAxis, ReportsTheFeedAsProgrammed) {
+  const auto feed_of = [](int rotary, const std::string& line) {
+    Rig rig(profile_with_a(rotary));
+    ProgramHost host(rig);
+    host.ask(line);
+    host.run_ms(1000);
+    return host.status();
+  };
+  EXPECT_THAT(feed_of(1, "G1 F3600 A720\n"), HasSubstr("|FS:3600,0|"));
+  EXPECT_THAT(feed_of(1, "$13=1\nG1 F3600 A720\n"), HasSubstr("|FS:3600,0|"));
+  EXPECT_THAT(feed_of(1, "$13=1\nG20 G1 F3600 A720\n"), HasSubstr("|FS:3600,0|"));
+  EXPECT_THAT(feed_of(1, "G1 F30 X4 A300\n"), HasSubstr("|FS:30,0|"));
+  EXPECT_THAT(feed_of(1, "$13=1\nG20 G1 F2 X0.2 A300\n"), HasSubstr("|FS:2.0,0|"));
+  EXPECT_THAT(feed_of(0, "$13=1\nG1 F254 A19\n"), HasSubstr("|FS:10.0,0|")) << "A is a length";
+}
+
 }  // namespace
 }  // namespace lamplock::test::board_rotary_test

@@ -88,6 +88,12 @@ TEST(StatusReport, ARotaryAxisIsInDegreesBesideInches) {
   const std::string text = report(rotary, status, report_machine_position, inch_axes(values));
   EXPECT_THAT(text, HasSubstr("|MPos:1.0000,0.0000,0.0000,90.000|"));
   EXPECT_THAT(text, HasSubstr("|WCO:0.0000,0.0000,0.0000,10.000"));
+  status.feed_um_min = 254'000;
+  EXPECT_THAT(report(rotary, status, report_machine_position, inch_axes(values)),
+              HasSubstr("|FS:10.0,0"));
+  status.feed_in_degrees = true;
+  EXPECT_THAT(report(rotary, status, report_machine_position, inch_axes(values)),
+              HasSubstr("|FS:254,0"));
   values.set_milli(settings::Id::report_inches, 0);
   EXPECT_FALSE(inch_axes(values).any());
 }

@@ -17,7 +17,7 @@ std::int64_t rounded(std::int64_t value, std::int64_t unit) {
   return (value < 0 ? value - unit / 2 : value + unit / 2) / unit;
 }
 
-/// Whole mm/min or inches/min; inches with a decimal.
+/// Whole mm/min or degrees/min, or inches/min with a decimal.
 void add_rate(TextLine& line, std::uint32_t um_min, bool inches) {
   if (!inches) {
     line.add(rounded(um_min, um_min_per_mm_min));
@@ -106,7 +106,7 @@ void StatusReporter::begin(TextLine& line, const ReportedStatus& status, std::ui
         .add(std::int64_t{status.free_bytes});
   if (status.line != 0) line.add("|Ln:").add(std::int64_t{status.line});
   line.add("|FS:");
-  add_rate(line, status.feed_um_min, inches.any());
+  add_rate(line, status.feed_um_min, inches.any() && !status.feed_in_degrees);
   line.add(",").add(rounded(status.speed_milli, 1000));
   add_pins(line, status.pins);
   if (offset_due(status)) {

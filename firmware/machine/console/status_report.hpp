@@ -46,6 +46,7 @@ struct ReportedStatus {
   std::uint32_t free_bytes = 0;   ///< for lines
   std::uint32_t line = 0;         ///< N word of the line being run, 0 = none
   std::uint32_t feed_um_min = 0;  ///< of the machine, now
+  bool feed_in_degrees = false;   ///< a rotary axis moves alone: the feed is 0.001 degrees/min
   std::uint32_t speed_milli = 0;  ///< of the spindle or laser, now
   std::uint16_t pins = 0;         ///< a bit for each of pin_letters
   Overrides overrides;
