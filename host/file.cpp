@@ -1,10 +1,10 @@
 #include "host/file.hpp"
 
-#include <algorithm>
 #include <cerrno>
 #include <fstream>
 
 #include "host/error.hpp"
+#include "host/letter_case.hpp"
 #include "host/output_error.hpp"
 #include "host/similar_files.hpp"
 
@@ -66,11 +66,7 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
 }
 
 std::string lower_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](char letter) {
-    return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
-  });
-  return extension;
+  return in_lower_case(path.extension().string());
 }
 
 }  // namespace lamplock

@@ -6,6 +6,8 @@
 #include <array>
 #include <numeric>
 
+#include "host/letter_case.hpp"
+
 namespace lamplock {
 namespace {
 
@@ -20,10 +22,7 @@ constexpr std::size_t min_near_beginning = 5;
 /// Longer words are no slips of a name, and the distance takes time with the square of their size.
 constexpr std::size_t max_word = 100;
 
-char plain(char letter) {
-  if (letter >= 'A' && letter <= 'Z') return static_cast<char>(letter - 'A' + 'a');
-  return letter == '_' ? '-' : letter;
-}
+char plain(char letter) { return letter == '_' ? '-' : lower_case(letter); }
 
 /// The word without what does not count.
 std::string plain(std::string_view word) {

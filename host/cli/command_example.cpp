@@ -23,9 +23,7 @@ void add_example(Command& program) {
       .value_name("FILE")
       .file(FileUse::write);
   app.action([options] {
-    if (lower_extension(options->output) != ".stl")
-      throw Error(Exit::bad_input, options->output, "the example model is written as STL",
-                  "name it something.stl");
+    require_extension(options->output, ".stl", "the example model is written as STL");
     check_target(options->output);
     const model::Mesh mesh = model::example_model();
     write_whole(options->output, [&mesh](const auto& path) { model::write_stl(path, mesh); });

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "host/file.hpp"
 #include "host/file/reserved_file.hpp"
 #include "host/output_error.hpp"
 #include "host/printable.hpp"
@@ -64,6 +65,13 @@ Error renamed(const Error& error, const fs::path& from, const fs::path& to) {
 }
 
 }  // namespace
+
+void require_extension(const fs::path& target, std::string_view extension,
+                       const std::string& reason) {
+  if (!target.empty() && lower_extension(target) != extension)
+    throw Error(Exit::bad_input, target.string(), reason,
+                fmt::format("name it something{}", extension));
+}
 
 bool is_special(const fs::path& path) {
   std::error_code ignored;

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "host/file/unfinished_paths.hpp"
 
@@ -38,6 +40,11 @@ bool is_special(const std::filesystem::path& path);
 
 /// The name under which this process writes a file before the file is put in its place.
 std::filesystem::path staged_path(const std::filesystem::path& target);
+
+/// Requires that `target` ends in `extension` (".svg"); an empty name passes. `reason`: "charts are
+/// written as SVG". Throws Error(bad_input).
+void require_extension(const std::filesystem::path& target, std::string_view extension,
+                       const std::string& reason);
 
 /// Proves that `target` can be written: makes a file of a block beside it and removes it. Throws
 /// Error(bad_input) if that fails: before hours of work, not after them.

@@ -14,7 +14,7 @@
 
 #include "host/error.hpp"
 #include "host/file.hpp"
-#include "host/model/text.hpp"
+#include "host/letter_case.hpp"
 
 namespace lamplock::lettering {
 
@@ -193,7 +193,7 @@ std::vector<std::string> families_of(const FcPattern* pattern) {
   std::vector<std::string> families;
   FcChar8* name = nullptr;
   for (int i = 0; FcPatternGetString(pattern, FC_FAMILY, i, &name) == FcResultMatch; ++i) {
-    std::string plain = model::in_lower_case(reinterpret_cast<const char*>(name));
+    std::string plain = in_lower_case(reinterpret_cast<const char*>(name));
     std::erase(plain, ' ');
     families.push_back(std::move(plain));
   }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/letter_case.hpp"
 #include "host/text.hpp"
 #include "shared/wire/framing.hpp"
 
@@ -44,7 +45,7 @@ std::optional<double> number_at(std::string_view text) {
 /// Calls `use` with the number of each word of this letter.
 template <class Use>
 void each_word(std::string_view line, char letter, Use use) {
-  const char small = static_cast<char>(letter - 'A' + 'a');
+  const char small = lower_case(letter);
   line = line.substr(0, line.find('('));  // messages
   for (std::size_t i = 0; i < line.size(); ++i)
     if (line[i] == letter || line[i] == small)
@@ -63,14 +64,6 @@ std::vector<std::string_view> comments_of(std::string_view line) {
     comments.push_back(line.substr(start + 1, end - start - 1));
     line.remove_prefix(end + 1);
   }
-}
-
-std::string in_lower_case(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
-  });
-  return lower;
 }
 
 /// A message for the user, which a board reports.
@@ -276,7 +269,7 @@ namespace {
 
 /// A word of this letter has an expression: the number is not known here.
 bool has_expression(std::string_view line, char letter) {
-  const char small = static_cast<char>(letter - 'A' + 'a');
+  const char small = lower_case(letter);
   for (std::size_t i = 0; i < line.size(); ++i) {
     if (line[i] != letter && line[i] != small) continue;
     const std::string_view value = trimmed(line.substr(i + 1));

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "host/cli/command_line.hpp"
+#include "host/letter_case.hpp"
 #include "host/manual/commands.hpp"
 
 namespace lamplock::manual {
@@ -33,17 +34,11 @@ std::string escaped(std::string_view text) {
 std::string bold(std::string_view text) { return "\\fB" + escaped(text) + "\\fR"; }
 std::string italic(std::string_view text) { return "\\fI" + escaped(text) + "\\fR"; }
 
-std::string upper(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return text;
-}
-
 /// Writer of one page.
 class Writer {
  public:
   void request(std::string_view line) { (text_ += line) += '\n'; }
-  void section(std::string_view name) { request(fmt::format(".SH {}", upper(std::string(name)))); }
+  void section(std::string_view name) { request(fmt::format(".SH {}", in_upper_case(name))); }
   /// Writes words, broken into lines of the source.
   void words(std::string_view text) {
     std::string line;
@@ -173,7 +168,7 @@ void write_options(Writer& page, const cli::Command& app, const std::string& tit
     if (std::find(groups.begin(), groups.end(), option->group()) == groups.end())
       groups.push_back(option->group());
   for (const std::string& group : groups) {
-    page.request(group == "Options" ? ".SH " + upper(title) : ".SS " + group);
+    page.request(group == "Options" ? ".SH " + in_upper_case(title) : ".SS " + group);
     for (const cli::Option* option : options)
       if (option->group() == group) write_option(page, *option);
   }
@@ -204,8 +199,8 @@ void write_synopsis(Writer& page, const cli::Command& app, const std::string& pa
 
 void write_head(Writer& page, const std::string& name, const Edition& edition,
                 const std::string& what) {
-  page.request(fmt::format(R"(.TH {} 1 "{}" "lamplock {}" "lamplock")", upper(escaped(name)),
-                           edition.date, edition.version));
+  page.request(fmt::format(R"(.TH {} 1 "{}" "lamplock {}" "lamplock")",
+                           in_upper_case(escaped(name)), edition.date, edition.version));
   page.section("name");
   page.request(escaped(name) + " \\- " + escaped(what));
 }

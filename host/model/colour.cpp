@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "host/letter_case.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {
@@ -214,10 +215,7 @@ std::optional<Colour> rgb_colour(std::string_view text) {
 }  // namespace
 
 std::optional<Colour> colour_named(std::string_view text) {
-  std::string plain(trimmed(text));
-  std::transform(plain.begin(), plain.end(), plain.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
+  const std::string plain = in_lower_case(trimmed(text));
   if (plain.starts_with('#')) return hex_colour(std::string_view(plain).substr(1));
   if (auto colour = rgb_colour(plain)) return colour;
   const auto found = std::lower_bound(

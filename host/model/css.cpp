@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "host/model/text.hpp"
+#include "host/letter_case.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host/file.hpp"
+#include "host/letter_case.hpp"
 #include "host/model/curve_collector.hpp"
 #include "host/model/dxf_binary.hpp"
 #include "host/model/dxf_entities.hpp"
@@ -55,13 +56,7 @@ struct Block {
 };
 
 /// Names of layers and blocks do not distinguish cases.
-std::string key(std::string_view name) {
-  std::string lower(name);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](char letter) {
-    return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
-  });
-  return lower;
-}
+std::string key(std::string_view name) { return in_lower_case(name); }
 
 /// mm in a unit of $INSUNITS by its number (DXF Reference, HEADER section); 0 for units that no
 /// drawing of a workpiece has, such as light years.

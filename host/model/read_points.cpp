@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/file.hpp"
+#include "host/letter_case.hpp"
 #include "host/model/ply.hpp"
 #include "host/model/read_dxf.hpp"
 #include "host/model/text.hpp"
@@ -74,7 +75,7 @@ std::string axis_name(std::string_view field) {
   std::string name;
   for (const char letter : field) {
     if (letter == '"') continue;
-    name += letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
+    name += lower_case(letter);
   }
   return name.ends_with("_mm") ? name.substr(0, name.size() - 3) : name;
 }

@@ -7,6 +7,7 @@
 
 #include "host/bytes.hpp"
 #include "host/file.hpp"
+#include "host/letter_case.hpp"
 #include "host/model/mesh_checks.hpp"
 #include "host/model/text.hpp"
 #include "host/number_text.hpp"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "host/letter_case.hpp"
 #include "host/model/colour.hpp"
-#include "host/model/text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "host/letter_case.hpp"
 #include "host/model/svg_paint.hpp"
-#include "host/model/text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {

@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "host/letter_case.hpp"
 #include "host/model/svg_colour.hpp"
 #include "host/model/svg_shapes.hpp"
-#include "host/model/text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {

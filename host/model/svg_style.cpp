@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "host/letter_case.hpp"
 #include "host/model/css.hpp"
 #include "host/model/css_variables.hpp"
 #include "host/model/svg_paint.hpp"
-#include "host/model/text.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::model {

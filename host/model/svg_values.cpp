@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "host/letter_case.hpp"
 #include "host/model/text.hpp"
 
 namespace lamplock::model {
@@ -161,10 +162,7 @@ std::optional<double> find_svg_length(std::string_view text, double whole_px,
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (failure != std::errc{} || !std::isfinite(value)) return std::nullopt;
   // "2em" is no number with an exponent: from_chars() leaves the letter.
-  std::string unit(end, text.data() + text.size());
-  std::transform(unit.begin(), unit.end(), unit.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
+  const std::string unit = in_lower_case({end, text.data() + text.size()});
   const auto* const found =
       std::find_if(known.begin(), known.end(), [&](const Unit& one) { return one.name == unit; });
   if (found == known.end()) return std::nullopt;

@@ -41,13 +41,6 @@ std::string_view next_field(std::string_view& text) {
   return field;
 }
 
-std::string in_lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return lower;
-}
-
 std::optional<double> to_double(std::string_view field) { return to_number<double>(field); }
 
 std::optional<long long> to_integer(std::string_view field) { return to_number<long long>(field); }

@@ -29,9 +29,6 @@ class Lines {
 /// end.
 std::string_view next_field(std::string_view& text);
 
-/// The text with the letters A to Z as a to z.
-std::string in_lower_case(std::string_view text);
-
 /// The whole field as a number (`nan` and `inf` are numbers); empty if it is not one or does not
 /// fit a double.
 std::optional<double> to_double(std::string_view field);

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "host/letter_case.hpp"
 #include "host/model/utf8.hpp"
 
 namespace lamplock::model {
@@ -51,10 +52,8 @@ std::string from_latin1(std::string_view bytes) {
 /// True for a declaration of ISO 8859-1 or Windows-1252.
 bool declares_latin1(std::string_view bytes) {
   if (!bytes.starts_with("<?xml")) return false;
-  std::string declaration(bytes.substr(0, std::min(bytes.find("?>"), std::size_t{200})));
-  std::transform(declaration.begin(), declaration.end(), declaration.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
+  const std::string declaration =
+      in_lower_case(bytes.substr(0, std::min(bytes.find("?>"), std::size_t{200})));
   const auto has = [&](std::string_view name) {
     return declaration.find(name) != std::string::npos;
   };

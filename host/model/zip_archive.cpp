@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "host/file.hpp"
+#include "host/letter_case.hpp"
 
 namespace lamplock::model {
 namespace {
@@ -28,10 +29,7 @@ bool is_plain(std::string_view name) {
 }
 
 bool equal_names(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  };
-  return std::ranges::equal(a, b, {}, lower, lower);
+  return std::ranges::equal(a, b, {}, lower_case, lower_case);
 }
 
 /// Names of compression methods that archives of other programs have (APPNOTE.TXT, 4.4.5).

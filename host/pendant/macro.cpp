@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include "host/error.hpp"
+#include "host/letter_case.hpp"
 #include "host/link/program_lines.hpp"
 #include "shared/gcode_words.hpp"
 
@@ -40,9 +40,7 @@ std::string laser_word(std::string_view line) {
 
 std::string macro_line(std::string_view line, bool laser, const std::string& where) {
   std::string text = link::line_to_send(line, where);
-  std::string upper = text;
-  std::transform(upper.begin(), upper.end(), upper.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  const std::string upper = in_upper_case(text);
   if (text.size() > max_line_size)
     throw Error(Exit::bad_input, where, "a line is too long for a board",
                 fmt::format("shorten it to {} characters", max_line_size));

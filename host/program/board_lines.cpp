@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
+
+#include "host/letter_case.hpp"
 
 namespace lamplock::program_run {
 namespace {
@@ -13,8 +14,7 @@ namespace {
 std::string command_of(std::string_view line) {
   std::string text;
   for (const char c : line)
-    if (c != ' ' && c != '\t')
-      text += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    if (c != ' ' && c != '\t') text += upper_case(c);
   return text;
 }
 

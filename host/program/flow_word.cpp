@@ -2,6 +2,8 @@
 
 #include <cctype>
 
+#include "host/letter_case.hpp"
+
 namespace lamplock::program_run {
 namespace {
 
@@ -24,8 +26,7 @@ constexpr FlowName flow_names[] = {
 std::string in_lower_case_without_blanks(std::string_view line) {
   std::string text;
   for (const char c : line)
-    if (static_cast<unsigned char>(c) > ' ')
-      text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (static_cast<unsigned char>(c) > ' ') text += lower_case(c);
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "host/letter_case.hpp"
 #include "host/printable.hpp"
 #include "host/program/missing_word.hpp"
 #include "host/program/process_values.hpp"
@@ -23,12 +24,6 @@ namespace lamplock::program_run {
 namespace {
 
 constexpr std::string_view number_characters = "+-.0123456789", blanks = " \t";
-
-std::string upper(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return result;
-}
 
 /// The text in quotes, short enough for a message.
 std::string quoted(std::string_view text) {
@@ -64,7 +59,7 @@ bool is_control_word(std::string_view letters) {
   constexpr std::array<std::string_view, 16> words{
       "WHILE", "IF",   "GOTO",   "DO",     "END",      "THEN",  "ELSE",  "ELSEIF",
       "ENDIF", "CALL", "REPEAT", "RETURN", "CONTINUE", "BREAK", "ABORT", "VAR"};
-  return std::ranges::find(words, upper(letters)) != words.end();
+  return std::ranges::find(words, in_upper_case(letters)) != words.end();
 }
 
 /// A checksum at the fault, `*22`; empty if there is none.
@@ -97,7 +92,7 @@ constexpr std::array replacements{
 
 LineFault unsupported(std::string_view word, int axes) {
   constexpr std::string_view axes_of_others = "ABCUVW";
-  const std::string letters = upper(word.substr(0, 1));
+  const std::string letters = in_upper_case(word.substr(0, 1));
   const std::string_view own(axis_letters.data(), static_cast<std::size_t>(axes));
   if (axes_of_others.find(letters) != std::string_view::npos &&
       own.find(letters) == std::string_view::npos)
@@ -155,7 +150,7 @@ std::optional<LineFault> bad_exists(std::string_view before, std::string_view re
   constexpr std::string_view function = "EXISTS";
   before = trimmed(before);
   if (before.size() < function.size() ||
-      upper(before.substr(before.size() - function.size())) != function)
+      in_upper_case(before.substr(before.size() - function.size())) != function)
     return std::nullopt;
   const std::string_view end = rest.substr(0, std::min(rest.find(']'), rest.size() - 1) + 1);
   const std::string call = fmt::format("EXISTS{}", end);

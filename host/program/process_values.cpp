@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <vector>
 
 #include "firmware/program/interpreter.hpp"
 #include "firmware/program/message.hpp"
 #include "host/error.hpp"
+#include "host/letter_case.hpp"
 #include "host/link/program_lines.hpp"
 #include "host/printable.hpp"
 #include "host/program/flow_unit.hpp"
@@ -48,8 +48,7 @@ struct Reference {
 std::string lower_without_blanks(std::string_view text) {
   std::string name;
   for (const char c : text)
-    if (separators.find(c) == std::string_view::npos)
-      name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (separators.find(c) == std::string_view::npos) name += lower_case(c);
   return name;
 }
 
@@ -73,8 +72,7 @@ void take_exists(std::string_view line, Reference& reference) {
   std::size_t at = reference.begin;
   for (const char c : word) {
     at = before(line, at);
-    if (at == std::string_view::npos || std::tolower(static_cast<unsigned char>(line[at])) != c)
-      return;
+    if (at == std::string_view::npos || lower_case(line[at]) != c) return;
   }
   reference.exists = true;
   reference.begin = at;

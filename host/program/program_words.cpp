@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "host/letter_case.hpp"
+
 namespace lamplock::program_run {
 namespace {
 
@@ -60,8 +62,7 @@ std::vector<ProgramWord> words_of(std::string_view line) {
       if (sign < line.size() && line[sign] == '=') end = after_value(line, sign + 1);
     }
     while (end < line.size() && !begins_word(line[end])) ++end;
-    words.push_back({static_cast<char>(std::toupper(static_cast<unsigned char>(line[i]))),
-                     line.substr(i, end - i)});
+    words.push_back({upper_case(line[i]), line.substr(i, end - i)});
     i = end;
   }
   return words;

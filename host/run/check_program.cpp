@@ -53,9 +53,7 @@ void add_notes(CheckedProgram& checked, const std::string& text, const Lines& li
 
 void check_picture_name(const std::string& picture) {
   if (picture.empty()) return;
-  if (lower_extension(picture) != ".svg")
-    throw Error(Exit::bad_input, picture, "pictures of a path are written as SVG",
-                "name it something.svg");
+  require_extension(picture, ".svg", "pictures of a path are written as SVG");
   check_target(picture);
 }
 

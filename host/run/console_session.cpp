@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "host/error.hpp"
+#include "host/letter_case.hpp"
 #include "host/link/line_console.hpp"
 #include "host/link/program_lines.hpp"
 #include "host/text.hpp"
@@ -69,9 +69,7 @@ void show_help(Frontend& frontend) {
 std::string plain_word(std::string_view line) {
   std::string word(trimmed(line));
   if (word.starts_with(':')) word.erase(0, 1);
-  std::transform(word.begin(), word.end(), word.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return word;
+  return in_lower_case(word);
 }
 
 void take_typed(link::LineConsole& talk, Frontend& frontend, const std::string& line) {

@@ -17,6 +17,7 @@
 #include "host/run/bounds_text.hpp"
 #include "host/run/cut_drawing.hpp"
 #include "host/run/cut_files.hpp"
+#include "host/run/cut_machine_checks.hpp"
 #include "host/run/cut_material.hpp"
 #include "host/run/frame.hpp"
 #include "host/run/machine_options.hpp"
@@ -222,84 +223,9 @@ cutting::OrderOptions order_of(const CutMachineChoice& machine) {
           static_cast<std::size_t>(machine.population)};
 }
 
-void require_inside(const std::string& file, const geometry::Bounds& box,
-                    const settings::Values& values) {
-  const geometry::Bounds space = work_space_mm(values);
-  // A place on the edge is inside, to the rounding of positions.
-  constexpr double slack_mm = 1e-6;
-  const auto is_inside = [](double low, double high, double from, double to) {
-    return low >= from - slack_mm && high <= to + slack_mm;
-  };
-  // A program without depths does not move Z.
-  const bool moves_z = box.low.z != 0 || box.high.z != 0;
-  if (is_inside(box.low.x, box.high.x, space.low.x, space.high.x) &&
-      is_inside(box.low.y, box.high.y, space.low.y, space.high.y) &&
-      (!moves_z || is_inside(box.low.z, box.high.z, space.low.z, space.high.z)))
-    return;
-  if (is_inside(box.low.x, box.high.x, space.low.x, space.high.x) &&
-      is_inside(box.low.y, box.high.y, space.low.y, space.high.y))
-    throw Error(Exit::bad_input, file,
-                fmt::format("Z would leave the work space: {:.6g} to {:.6g} mm; the machine has "
-                            "{:.6g} to {:.6g} mm",
-                            box.low.z, box.high.z, space.low.z, space.high.z),
-                "change the surface, the final depth or the clearance, or give the profile of "
-                "another machine");
-  const bool fits = box.high.x - box.low.x <= space.high.x - space.low.x &&
-                    box.high.y - box.low.y <= space.high.y - space.low.y;
-  throw Error(Exit::bad_input, file,
-              fmt::format("the beam would leave the work space: {}; the machine has {}",
-                          bounds_text(box), bounds_text(space)),
-              fits ? "give another place with x and y, or the profile of another machine"
-                   : "it is too large for this machine: give the profile of another one");
-}
-
-/// Without laser mode a board keeps the power of the beam where the machine brakes.
-void warn_of_pulsed(const settings::Values& values, Frontend& frontend, CutResult& result) {
-  if (values.whole(settings::Id::laser_mode) != 0) return;
-  result.warnings.emplace_back(
-      "the settings are those of a pulsed laser (laser_mode = 0): give the profile of the laser "
-      "cutter, and set laser_mode = 1 on its board, so that the beam is dimmed in corners");
-  frontend.say("warning  {}", result.warnings.back());
-}
-
-/// A board permits light at rest up to a power and a time of its own.
-void warn_of_dark_pierce(const std::vector<Operation>& operations, const settings::Values& values,
-                         Frontend& frontend, CutResult& result) {
-  const double max_power = in_units(values, settings::Id::focus_power) / 100;
-  const double max_s = in_units(values, settings::Id::focus_time);
-  for (const Operation& one : operations) {
-    if (one.pierce_s <= 0 || (one.power <= max_power && one.pierce_s <= max_s)) continue;
-    result.warnings.push_back(
-        fmt::format("{}: the settings permit light at rest with {:g} % for {:g} s (focus_power, "
-                    "focus_time): the pierce time has no more",
-                    one.name, max_power * 100, max_s));
-    frontend.say("warning  {}", result.warnings.back());
-  }
-}
-
-/// Refuses a power whose S word is 0.
-void require_light(const std::vector<Operation>& operations, const settings::Values& values) {
-  constexpr double min_s = 0.0005;  // programs have three decimals
-  const double max_s = in_units(values, settings::Id::max_spindle_speed);
-  for (const Operation& one : operations)
-    if (one.kind != OperationKind::ignore && one.power * max_s < min_s)
-      throw Error(
-          Exit::bad_input, one.name,
-          fmt::format("a power of {:g} % is S0 in the program, without light", one.power * 100),
-          fmt::format("give at least {:.6f} %, or --dry", min_s / max_s * 100));
-}
-
-/// The beam removes half its width at both sides of a tab.
-void warn_of_thin_tabs(const std::vector<Operation>& operations, Frontend& frontend,
-                       CutResult& result) {
-  for (const Operation& one : operations) {
-    if (one.tabs.count == 0 || one.kerf_mm > 0) continue;
-    result.warnings.push_back(fmt::format(
-        "{}: without a kerf the tabs are narrower than {:g} mm by the width of the beam: give the "
-        "kerf",
-        one.name, one.tabs.width_mm));
-    frontend.say("warning  {}", result.warnings.back());
-  }
+void warn(const std::string& text, Frontend& frontend, CutResult& result) {
+  frontend.say("warning  {}", text);
+  result.warnings.push_back(text);
 }
 
 /// The time of the program, by the interpreter and the planner of the firmware.
@@ -341,26 +267,21 @@ CutResult make_cut(const CutRequest& request, Frontend& frontend) {
   ToolSetup setup{post.machine, tooling_of(description.machine, post.machine)};
   std::vector<Operation> operations = operations_of(
       with_materials(description, request.library, frontend), post.machine, profile.settings);
-  if (post.machine != MachineType::knife) require_light(operations, profile.settings);
-  if (request.is_dry || request.is_frame) make_dry(operations, post.machine, setup.tooling);
-  warn_of_thin_tabs(operations, frontend, result);
-  if (post.is_checked && post.machine == MachineType::laser) {
-    warn_of_pulsed(profile.settings, frontend, result);
-    warn_of_dark_pierce(operations, profile.settings, frontend, result);
-  }
+  if (request.is_dry || request.is_frame)
+    make_dry(operations, post.machine, setup.tooling);
+  else if (post.machine != MachineType::knife)
+    require_power(operations, post.machine, profile.settings);
+  for (const std::string& text : operation_warnings(operations, post, profile.settings))
+    warn(text, frontend, result);
   CutPlan plan =
       cutting::plan_cuts(drawing.shapes, operations, {0, 0}, order_of(description.machine));
-  for (const std::string& text : fault_texts(plan.faults, description.drawing.tolerance_mm)) {
-    frontend.say("warning  {}", text);
-    result.warnings.push_back(text);
-  }
+  for (const std::string& text : fault_texts(plan.faults, description.drawing.tolerance_mm))
+    warn(text, frontend, result);
   begin_at(request.first, plan);
   if (request.is_frame) run_around(plan, operations, profile.settings);
   for (const std::string& text :
-       cutting::require_lines(post, description.machine.post, plan, operations)) {
-    frontend.say("warning  {}", text);
-    result.warnings.push_back(text);
-  }
+       cutting::require_lines(post, description.machine.post, plan, operations))
+    warn(text, frontend, result);
   measure_plan(plan, operations, setup, result);
   require_inside(description.drawing.file, result.box, profile.settings);
   frontend.phase("plan", fmt::format("{}, {} mm to cut, {} mm of rapids, {}",

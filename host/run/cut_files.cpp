@@ -50,12 +50,8 @@ void check_cut_outputs(const CutRequest& request) {
        {"--save", request.save}},
       {drawing.file, request.description.machine.profile, request.description.machine.post});
   if (!request.output.empty()) check_program_name(request.output);
-  if (!request.picture.empty() && lower_extension(request.picture) != ".svg")
-    throw Error(Exit::bad_input, request.picture, "pictures of a plan are written as SVG",
-                "name it something.svg");
-  if (!request.page.empty() && lower_extension(request.page) != ".html")
-    throw Error(Exit::bad_input, request.page, "pages are written as HTML",
-                "name it something.html");
+  require_extension(request.picture, ".svg", "pictures of a plan are written as SVG");
+  require_extension(request.page, ".html", "pages are written as HTML");
   if (!request.save.empty() && !glass::is_description(request.save))
     throw Error(Exit::bad_input, request.save, "is not the name of a description", "name it .toml");
   for (const std::string& file : {request.output, request.picture, request.page, request.save})

@@ -43,9 +43,7 @@ std::vector<Trajectory> trajectories(const DiagnoseOptions& options) {
 
 void check_picture(const std::string& picture) {
   if (picture.empty()) return;
-  if (lower_extension(picture) != ".svg")
-    throw Error(Exit::bad_input, picture, "pictures of errors are written as SVG",
-                "name it something.svg");
+  require_extension(picture, ".svg", "pictures of errors are written as SVG");
   check_target(picture);
 }
 

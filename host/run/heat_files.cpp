@@ -11,9 +11,7 @@
 namespace lamplock::run {
 
 void check_heat_files(const HeatOptions& options) {
-  if (!options.picture.empty() && lower_extension(options.picture) != ".svg")
-    throw Error(Exit::bad_input, options.picture, "pictures of temperatures are written as SVG",
-                "name it something.svg");
+  require_extension(options.picture, ".svg", "pictures of temperatures are written as SVG");
   for (const std::string& file : {options.csv, options.picture})
     if (!file.empty()) check_target(file);
 }

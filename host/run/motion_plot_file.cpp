@@ -27,9 +27,7 @@ void PlotOptions::check() const {
     if (beats.empty()) return;
     throw Error(Exit::bad_input, "--plot-beats", "needs --plot", "add --plot FILE.svg");
   }
-  if (lower_extension(file) != ".svg")
-    throw Error(Exit::bad_input, file, "pictures of motion are written as SVG",
-                "name it something.svg");
+  require_extension(file, ".svg", "pictures of motion are written as SVG");
   const auto fits = [this] {
     const std::int64_t from = beats[0], to = beats[1];
     return from >= min_beat && from < to && to <= max_beat_number && to - from <= max_beats;

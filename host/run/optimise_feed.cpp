@@ -33,9 +33,7 @@ using settings::Id;
 constexpr double max_simulated_s = 1200;
 
 void check_targets(const FeedOptions& options) {
-  if (!options.chart.empty() && lower_extension(options.chart) != ".svg")
-    throw Error(Exit::bad_input, options.chart, "charts are written as SVG",
-                "name it something.svg");
+  require_extension(options.chart, ".svg", "charts are written as SVG");
   if (!options.output.empty()) check_program_name(options.output);
   for (const std::string& file : {options.output, options.points, options.chart})
     if (!file.empty()) check_target(file);

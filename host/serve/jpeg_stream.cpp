@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 
 #include "host/error.hpp"
+#include "host/letter_case.hpp"
 #include "host/text.hpp"
 
 namespace lamplock::serve {
@@ -21,13 +21,6 @@ constexpr std::string_view end_of_head = "\r\n\r\n", end_of_line = "\r\n";
 
 [[noreturn]] void refuse_size() {
   refuse("sends a picture that is too large", "choose a smaller picture at the camera");
-}
-
-std::string in_lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
 }
 
 /// The value of a header; empty if it is not there.

@@ -175,7 +175,19 @@ TEST_F(CutTools, values_without_effect_are_refused) {
   is_refused({"--tab-power", "0.5"});
   is_refused({"--tab-corner", "3"});
   is_refused({"--population", "10"});
-  EXPECT_THAT(refused({"--power", "1e-9"}), HasSubstr("is S0 in the program"));
+}
+
+TEST_F(CutTools, a_power_without_an_effect_is_refused) {
+  const std::string laser = refused({"--power", "1e-9"});
+  EXPECT_THAT(laser, HasSubstr("a power of 1e-09 % is S0 in the program, without light; give at"));
+  EXPECT_THAT(refused({"--power", "1e-9", "--post", "mill", "--final-depth", "1", "--infeed", "1"}),
+              HasSubstr("a speed of 1e-09 % is S0 in the program, and the spindle would stop"));
+  // The power that the message names is enough, and a run without light needs none.
+  const auto at = laser.find("at least ") + 9;
+  const std::string least = laser.substr(at, laser.find(" %", at) - at);
+  EXPECT_EQ(cut({"--power", least, "-o", program_}).status, 0);
+  EXPECT_EQ(cut({"--power", "1e-9", "--dry", "-o", program_}).status, 0);
+  EXPECT_EQ(cut({"--power", "1e-9", "--frame", "-o", program_}).status, 0);
 }
 
 TEST_F(CutTools, a_drawing_of_dots_has_nothing_to_cut) {

@@ -159,8 +159,7 @@ TEST(OctoPrintRest, refuses_bad_files_and_commands) {
 TEST(OctoPrintRest, fires_only_where_a_page_may_not_object) {
   RunningServer server(with_key());
   const Slicer slicer{server.port()};
-  RawClient page = server.client("page");
-  page.call("control.take");
+  RawClient page = server.controller();
   const std::string start = field("print", "true");
   EXPECT_THAT(slicer.upload("a.gcode", long_program(), start).text,
               HasSubstr("a page holds control"));

@@ -71,8 +71,7 @@ TEST(Control, ends_with_the_connection) {
 
 TEST(Requests, the_same_id_twice_acts_once) {
   RunningServer server;
-  RawClient client = server.client("client");
-  client.call("control.take");
+  RawClient client = server.controller();
   const std::string text = Json{{"jsonrpc", "2.0"},
                                 {"id", "a"},
                                 {"method", "jog.step"},
@@ -93,8 +92,7 @@ TEST(Requests, the_same_id_twice_acts_once) {
 
 TEST(Zero, moves_the_work_coordinates) {
   RunningServer server;
-  RawClient client = server.client("client");
-  client.call("control.take");
+  RawClient client = server.controller();
   client.call("jog.step", {{"axis", 0}, {"mm", 2}, {"feed", 3000}});
   std::this_thread::sleep_for(500ms);
   EXPECT_NEAR(server.machine().view().board.work_mm.at(0), 2, 0.02);
@@ -110,8 +108,7 @@ TEST(Pairing, a_real_board_fires_only_for_paired_clients) {
   options.is_simulated = false;
   RunningServer server(options);
   server.add_file("cut.ngc", "G21\nG1X1F3000\n");
-  RawClient client = server.client("client");
-  client.call("control.take");
+  RawClient client = server.controller();
   const Json start{{"name", "cut.ngc"}};
   EXPECT_THAT(error_of(client.call("job.start", start)), HasSubstr("may not fire"));
   EXPECT_THAT(error_of(client.call("console.send", {{"line", "M3S1"}})), HasSubstr("may not fire"));
@@ -202,8 +199,7 @@ TEST(Jobs, errors_are_messages) {
 
 TEST(Settings, are_read_and_changed) {
   RunningServer server;
-  RawClient client = server.client("client");
-  client.call("control.take");
+  RawClient client = server.controller();
   const Json rows = client.call("settings.get")["result"];
   EXPECT_GT(rows.size(), 50u);
   const Json changed =
@@ -257,8 +253,7 @@ TEST(Clients, that_are_frozen_do_not_slow_the_sender) {
   for (int i = 0; i < 2000; ++i)
     text += fmt::format("G1X0.01Y{}F60000\n", i % 50 < 25 ? 0.01 : -0.01);
   server.add_file("short.ngc", text);
-  RawClient client = server.client("client");
-  client.call("control.take");
+  RawClient client = server.controller();
   const auto seconds = [&] {
     double shortest = std::numeric_limits<double>::infinity();
     for (int runs = 0; runs < 3; ++runs) {

@@ -46,8 +46,7 @@ TEST(Macros, are_kept_by_the_server_and_sent_as_lines) {
 
 TEST(Macros, refuse_what_a_board_would_execute_at_once) {
   RunningServer server;
-  RawClient client = server.client("client");
-  client.call("control.take");
+  RawClient client = server.controller();
   const auto refusal = [&](const std::string& lines) {
     return error_of(client.call("macro.set", {{"name", "m"}, {"lines", lines}}));
   };
@@ -65,8 +64,7 @@ TEST(History, has_each_job_with_its_end) {
   for (int i = 0; i < 200; ++i) text += fmt::format("G1X{}F3000\n", i % 2 == 0 ? 40 : -40);
   server.add_file("long.ngc", text);
   server.add_file("short.ngc", "G21G90\nG1X1F3000\n");
-  RawClient client = server.client("client");
-  client.call("control.take");
+  RawClient client = server.controller();
   EXPECT_EQ(client.call("history.list")["result"], Json::array());
   client.call("job.start", {{"name", "short.ngc"}});
   EXPECT_EQ(server.wait_for_end(), "done");

@@ -77,8 +77,7 @@ TEST(History, has_the_report_of_a_job_of_points) {
   for (int i = 0; i < 50; ++i) points.push_back({0.05 * i, 0, 0});
   job::write_job_file(server.folder() / "line.llj",
                       job::make_job(points, job::default_profile(), job::JobOptions{}));
-  RawClient client = server.client("client");
-  client.call("control.take");
+  RawClient client = server.controller();
   client.call("job.start", {{"name", "line.llj"}});
   EXPECT_EQ(server.wait_for_end(), "done");
   const std::string name = report_of_job(client);
@@ -132,8 +131,7 @@ TEST(History, has_a_report_of_each_program_also_of_one_second) {
   for (int i = 0; i < 50; ++i) text += fmt::format("G1X{}Y{}F3000\n", i % 2 == 0 ? 40 : -40, i);
   server.add_file("long.ngc", text);
   server.add_file("wrong.ngc", "G1X1\n");
-  RawClient client = server.client("client");
-  client.call("control.take");
+  RawClient client = server.controller();
   for (const char* name : {"one.ngc", "two.ngc"}) {
     server.add_file(name, "G21G90\nM3S500\nG1X1F3000\n");
     client.call("job.start", {{"name", name}});
@@ -164,10 +162,8 @@ TEST(History, has_a_report_of_each_program_also_of_one_second) {
 
 TEST(History, the_report_of_a_stopped_loop_shows_no_piece_as_done) {
   RunningServer server;
-  server.add_file("loop.ngc", "G21G90\nM3S500\no1 repeat [50]\nG1X40F3000\nG1X-40\no1 endrepeat\n");
-  RawClient client = server.client("client");
-  client.call("control.take");
-  client.call("job.start", {{"name", "loop.ngc"}});
+  RawClient client = server.start(
+      "loop.ngc", "G21G90\nM3S500\no1 repeat [50]\nG1X40F3000\nG1X-40\no1 endrepeat\n");
   client.watch(1s);
   client.call("machine.stop");
   EXPECT_EQ(server.wait_for_end(), "stopped");
@@ -189,8 +185,7 @@ TEST(History, has_a_report_of_rows) {
   job::write_job_file(
       server.folder() / "rows.llj",
       raster::make_rows({4, 2, std::vector<std::uint16_t>(8, 65535)}, options, profile));
-  RawClient client = server.client("client");
-  client.call("control.take");
+  RawClient client = server.controller();
   client.call("job.start", {{"name", "rows.llj"}});
   EXPECT_EQ(server.wait_for_end(), "done") << server.machine().view().job.message;
   const Json history = reported(client, 1);

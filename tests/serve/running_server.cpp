@@ -109,6 +109,19 @@ void RunningServer::add_file(const std::string& name, const std::string& text) c
   std::ofstream(folder_ / name) << text;
 }
 
+RawClient RunningServer::controller() const {
+  RawClient client = this->client("client");
+  client.call("control.take");
+  return client;
+}
+
+RawClient RunningServer::start(const std::string& name, const std::string& text) const {
+  add_file(name, text);
+  RawClient client = controller();
+  client.call("job.start", {{"name", name}});
+  return client;
+}
+
 bool RunningServer::wait_for_state(const std::string& state) const {
   for (const auto until = now_us() + 10'000'000; now_us() < until;) {
     if (machine_->view().board.state == state) return true;

@@ -42,6 +42,10 @@ class RunningServer {
   RawClient client(const std::string& name) const {
     return {port(), token, "client-secret-" + name};
   }
+  /// A client that has the control.
+  RawClient controller() const;
+  /// A client that has the control and has started this program.
+  RawClient start(const std::string& name, const std::string& text) const;
   Written& written() { return *written_; }
   const Machine& machine() const { return *machine_; }
   const std::filesystem::path& folder() const { return folder_; }

@@ -24,8 +24,7 @@ bool has_side(RawClient& client, double low, double high) {
 
 TEST(Travel, is_that_of_the_board) {
   RunningServer server;
-  RawClient client = server.client("client");
-  client.call("control.take");
+  RawClient client = server.controller();
   EXPECT_TRUE(has_side(client, -50, 50)) << "defaults";
   const Json changes{{"travel_x", 70}, {"min_corner_x", -10}};
   EXPECT_EQ(error_of(client.call("settings.set", {{"changes", changes}})), "");
@@ -128,10 +127,7 @@ TEST(ToolChange, lines_of_the_console_touch_off_the_tool) {
 
 TEST(ToolChange, sends_lines_that_come_before_the_answer_to_others) {
   RunningServer server;
-  server.add_file("tool.ngc", "G21G90\nG0X2\nT3M6\nG1X9F3000\n");
-  RawClient client = server.client("client");
-  client.call("control.take");
-  client.call("job.start", {{"name", "tool.ngc"}});
+  RawClient client = server.start("tool.ngc", "G21G90\nG0X2\nT3M6\nG1X9F3000\n");
   ASSERT_TRUE(waits_for_tool(server));
   for (const char* line : {"G0X30", "G0X5", "G10L20P1X0"})
     EXPECT_EQ(error_of(client.call("console.send", {{"line", line}})), "");
