@@ -47,6 +47,62 @@ Exit serve_board(const serve::ServeOptions& options) {
   return Exit::interrupted;  // Ctrl-C is the usual end of a server
 }
 
+/// How clients reach the server.
+void add_access(Command& app, serve::ServeOptions& options, std::string& password_file) {
+  app.add_option("--port", &options.port, "TCP port; 0: any free port")
+      .check(number_in({0u, 65535u}))
+      .value_name("PORT")
+      .show_default()
+      .common();
+  app.add_option("--folder", &options.folder,
+                 "Folder of the jobs that pages send; default: lamplock/jobs in XDG_DATA_HOME")
+      .value_name("DIR")
+      .file(FileUse::folder)
+      .common();
+  app.add_option("--listen", &options.address,
+                 "Address of this computer to listen at; others than 127.0.0.1 need --password")
+      .value_name("ADDRESS")
+      .show_default()
+      .common();
+  app.add_option("--password", &options.password,
+                 "File with the hash of the password, made by --set-password")
+      .value_name("FILE")
+      .file(FileUse::read)
+      .common();
+  app.add_option("--proxy", &options.proxy,
+                 "Origin of a reverse proxy with TLS on this computer; needs --password")
+      .value_name("https://NAME");
+  app.add_option("--set-password", &password_file,
+                 "Read a password, write its hash to this file, and end")
+      .value_name("FILE")
+      .file(FileUse::write);
+}
+
+/// What the server offers besides the machine.
+void add_contents(Command& app, serve::ServeOptions& options, std::string& texts_file) {
+  app.add_option("--octoprint", &options.octoprint,
+                 "Answer slicers as OctoPrint does; FILE has their API key and is made if it does "
+                 "not exist")
+      .value_name("FILE")
+      .file(FileUse::write);
+  app.add_option("--camera", &options.camera,
+                 "Show a camera in the top view: http://HOST/PATH of a JPEG picture or an MJPEG "
+                 "stream, or a JPEG file that another program writes")
+      .value_name("SOURCE");
+  app.add_option("--library", &options.library,
+                 "Material library with the history of jobs; default: that of lamplock material")
+      .value_name("FILE")
+      .file(FileUse::write);
+  app.add_option("--texts", &options.texts,
+                 "Translation of the texts of the page; those that it does not have are English")
+      .value_name("FILE")
+      .file(FileUse::read);
+  app.add_option("--write-texts", &texts_file,
+                 "Write the English texts of the page to this file, to be translated, and end")
+      .value_name("FILE")
+      .file(FileUse::write);
+}
+
 }  // namespace
 
 void add_serve(Command& program) {
@@ -66,56 +122,10 @@ void add_serve(Command& program) {
       "  lamplock serve --set-password pw\n"
       "  lamplock serve --board /dev/ttyACM0 --listen 192.168.1.5 --password pw");
   const auto options = std::make_shared<serve::ServeOptions>();
-  app.add_option("--port", &options->port, "TCP port; 0: any free port")
-      .check(number_in({0u, 65535u}))
-      .value_name("PORT")
-      .show_default()
-      .common();
-  app.add_option("--folder", &options->folder,
-                 "Folder of the jobs that pages send; default: lamplock/jobs in XDG_DATA_HOME")
-      .value_name("DIR")
-      .file(FileUse::folder)
-      .common();
-  app.add_option("--listen", &options->address,
-                 "Address of this computer to listen at; others than 127.0.0.1 need --password")
-      .value_name("ADDRESS")
-      .show_default()
-      .common();
-  app.add_option("--password", &options->password,
-                 "File with the hash of the password, made by --set-password")
-      .value_name("FILE")
-      .file(FileUse::read)
-      .common();
-  app.add_option("--proxy", &options->proxy,
-                 "Origin of a reverse proxy with TLS on this computer; needs --password")
-      .value_name("https://NAME");
   const auto password_file = std::make_shared<std::string>();
-  app.add_option("--set-password", password_file.get(),
-                 "Read a password, write its hash to this file, and end")
-      .value_name("FILE")
-      .file(FileUse::write);
-  app.add_option("--octoprint", &options->octoprint,
-                 "Answer slicers as OctoPrint does; FILE has their API key and is made if it does "
-                 "not exist")
-      .value_name("FILE")
-      .file(FileUse::write);
-  app.add_option("--camera", &options->camera,
-                 "Show a camera in the top view: http://HOST/PATH of a JPEG picture or an MJPEG "
-                 "stream, or a JPEG file that another program writes")
-      .value_name("SOURCE");
-  app.add_option("--library", &options->library,
-                 "Material library with the history of jobs; default: that of lamplock material")
-      .value_name("FILE")
-      .file(FileUse::write);
-  app.add_option("--texts", &options->texts,
-                 "Translation of the texts of the page; those that it does not have are English")
-      .value_name("FILE")
-      .file(FileUse::read);
   const auto texts_file = std::make_shared<std::string>();
-  app.add_option("--write-texts", texts_file.get(),
-                 "Write the English texts of the page to this file, to be translated, and end")
-      .value_name("FILE")
-      .file(FileUse::write);
+  add_access(app, *options, *password_file);
+  add_contents(app, *options, *texts_file);
   app.add_option("--log", &options->log, "Append to this file; at 1 MB it becomes FILE.1, of three")
       .value_name("FILE")
       .file(FileUse::write);
