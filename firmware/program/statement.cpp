@@ -98,7 +98,9 @@ bool Statement::seconds(char letter, std::uint32_t& us) {
 }
 
 [[gnu::hot]] std::int64_t Statement::axis_e7(int axis) const {
-  return length_e7(block_.axis(axis), after_.modal.inches);
+  if (after_.modal.inches) [[unlikely]]
+    return inch_axis_e7(axis);
+  return length_e7(block_.axis(axis), false);
 }
 
 [[gnu::hot]] std::int64_t Statement::offset_e7(int axis) const {
