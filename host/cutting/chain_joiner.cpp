@@ -57,8 +57,11 @@ class Joiner {
   /// Contours with the number of their first chain.
   std::vector<JoinedChain> joined() {
     // Within the whole tolerance, the nearest of very many ends would not be found.
-    for (double reach = JoinOptions{}.tolerance_mm; reach < tolerance_; reach *= reach_step)
-      choose_partners(reach);
+    double reach_mm = JoinOptions{}.tolerance_mm;
+    while (reach_mm < tolerance_) {
+      choose_partners(reach_mm);
+      reach_mm *= reach_step;
+    }
     choose_partners(tolerance_);
     for (std::size_t end = 0; end < partner_.size(); ++end) ++ends_at_[places_.find(end)];
     std::vector<bool> used(chains_.size(), false);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -70,9 +71,10 @@ void append_edge(const Edge& edge, std::vector<Edge>& edges) {
   }
   require_room(edges, chords);
   if (chords == 0) return edges.push_back(edge);
+  const auto count = static_cast<std::size_t>(chords);
   Vec from = edge.from;
-  for (double i = 1; i <= chords; ++i) {
-    const Vec to = point_at(edge, i / chords);
+  for (std::size_t i = 1; i <= count; ++i) {
+    const Vec to = point_at(edge, static_cast<double>(i) / chords);
     if (from != to) edges.push_back({from, to, {}, 0});
     from = to;
   }

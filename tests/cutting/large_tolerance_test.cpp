@@ -41,6 +41,7 @@ TEST(large_tolerance, outlines_of_short_pieces_are_joined_with_their_neighbours)
   for (int i = 0; i < scaled(150, 30); ++i) {
     const int corners = 20 + static_cast<int>(random.next() % 200);
     std::vector<Contour> parts;
+    parts.reserve(3);
     for (int k = 0; k < 3; ++k)
       parts.push_back(random_star(random, {45.0 * k, 0}, 17, 20, corners));
     double shortest = 1e9;
